@@ -1,0 +1,149 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <array>
+#include <bit>
+#include <concepts>
+#include <cstddef>
+
+#include <silt/core/lanes.hpp>
+
+namespace silt {
+
+/// What a contact law sees of one pair (`Real` = double) or of one pair a lane (`Real` = batch).
+///
+/// Velocities are of particle i relative to j at the contact point, at the half step between the
+/// last positions and the present ones, decomposed in the frame that the contact had at that same
+/// instant: their time integral is the exact relative displacement (Vyas et al., Comput. Phys.
+/// Commun. 310 (2025) 109524, show what goes wrong otherwise). A law is only asked where
+/// overlap > 0 matters: results and history of the other lanes are dropped by the engine.
+template <class Real>
+struct Contact {
+  Vec3<Real> normal;               // [-] unit, from j to i
+  Real overlap;                    // [m] > 0 touching; never negative here
+  Real normal_velocity;            // [m/s] > 0 separating
+  Vec3<Real> tangential_velocity;  // [m/s] in the tangent plane
+  Real R_eff;                      // [m] 1/(1/Ri + 1/Rj); Rj infinite at a wall
+  Real m_eff;                      // [kg] 1/(1/mi + 1/mj); mj infinite at a wall
+  Vec3<Real> turn;                 // [rad] rotation of the contact frame during the last step
+  Real time_step;                  // [s]
+
+  /// A vector of the last step's tangent plane, turned with the contact into the present tangent
+  /// plane, its length kept.
+  Vec3<Real> transported(const Vec3<Real>& v) const {
+    Vec3<Real> r = v + cross(turn, v);
+    r -= dot(r, normal) * normal;
+    // One Newton step of |v|/|r| from 1: error 3/8 (turn^2)^2, nothing for turn < 1e-3 rad.
+    const Real before = max(dot(v, v), Real(std::numeric_limits<double>::min()));
+    return r * (Real(1.5) - Real(0.5) * dot(r, r) / before);
+  }
+};
+
+/// What a frictional law returns: the force on i, split along and across the normal.
+template <class Real>
+struct Traction {
+  Real normal;            // [N] > 0 pushes i away from j
+  Vec3<Real> tangential;  // [N]
+};
+
+/// What a rolling model sees of one pair or of one pair a lane.
+template <class Real>
+struct RollingContact {
+  Vec3<Real> normal;            // [-] from j to i
+  Vec3<Real> angular_velocity;  // [rad/s] of i relative to j, without its part along the normal
+  Real normal_force;            // [N] >= 0
+  Real normal_stiffness;        // [N/m] dF_n/d(overlap)
+  Real R_eff;                   // [m]
+  Real inertia_eff;             // [kg m2] 1/(1/(Ii + mi Ri^2) + 1/(Ij + mj Rj^2))
+  Vec3<Real> turn;              // [rad]
+  Real time_step;               // [s]
+};
+
+namespace detail {
+
+template <class L>
+concept HasHistory = requires { typename L::template History<double>; };
+template <class L>
+concept HasPairValues = requires { typename L::Pair; };
+
+struct NoHistory {};
+template <class L, class Real>
+struct HistoryOf {
+  using type = NoHistory;
+};
+template <HasHistory L, class Real>
+struct HistoryOf<L, Real> {
+  using type = typename L::template History<Real>;
+};
+
+/// Number of Reals in a law's history; a history is a plain aggregate of Reals.
+template <class L>
+constexpr std::size_t history_size() {
+  if constexpr (HasHistory<L>)
+    return sizeof(typename L::template History<double>) / sizeof(double);
+  else
+    return 0;
+}
+
+/// Calls the law with or without history.
+template <class L, class Real, class C, class P, class H>
+inline auto law_force(const C& contact, const P& coefficients, [[maybe_unused]] H& history) {
+  if constexpr (HasHistory<L>)
+    return L::force(contact, coefficients, history);
+  else
+    return L::force(contact, coefficients);
+}
+
+template <class L>
+using ForceOf =
+    decltype(law_force<L, double>(std::declval<const Contact<double>&>(),
+                                  std::declval<const typename L::template Coefficients<double>&>(),
+                                  std::declval<typename HistoryOf<L, double>::type&>()));
+
+/// An aggregate of doubles, given lane by lane, as the same aggregate of Reals.
+template <template <class> class Aggregate, class Real>
+inline Aggregate<Real> broadcast(const Aggregate<double>& a) {
+  constexpr std::size_t n = sizeof(Aggregate<double>) / sizeof(double);
+  const auto values = std::bit_cast<std::array<double, n>>(a);
+  std::array<Real, n> reals;
+  for (std::size_t k = 0; k < n; ++k) reals[k] = Real(values[k]);
+  return std::bit_cast<Aggregate<Real>>(reals);
+}
+
+}  // namespace detail
+
+/// A contact law: pure functions of one pair. Needs
+///   struct Material                       what the user sets, equality comparable
+///   template <class Real> struct Coefficients    what the kernel needs of a pair: Reals only
+///   static Coefficients<double> mix(const Material&, const Material& [, const Pair&])
+///   static force(Contact<Real>, Coefficients<Real> [, History<Real>&])   in + - * / and the
+///     functions of core/lanes.hpp; returns Real (central force: particles need no rotation) or
+///     Traction<Real>.
+/// Optional, each found by its name:
+///   template <class Real> struct History  Reals kept while the contact lasts, zero at first touch
+///   struct Pair                           values that belong to two materials (restitution, ...)
+///     with `static Pair like(const Material&)` for a material against itself
+///   static void check(const Material&), check(const Pair&)      throw InputError
+///   static double contact_time(Coefficients<double>, R_eff, m_eff, speed)    [s], for the time step
+///   static Real stiffness(Contact<Real>, Coefficients<Real>)    [N/m], for rolling resistance
+template <class L>
+concept ContactLaw =
+    std::equality_comparable<typename L::Material> &&
+    requires { typename L::template Coefficients<double>; } &&
+    (std::same_as<detail::ForceOf<L>, double> || std::same_as<detail::ForceOf<L>, Traction<double>>);
+
+/// A rolling model adds a couple M on i and -M on j: needs `Pair`, `Coefficients`, `mix(Pair)` and
+/// `static Vec3<Real> torque(RollingContact<Real>, Coefficients<Real> [, History<Real>&])`.
+template <class M>
+concept RollingModel = requires { typename M::Pair; } &&
+    requires(const RollingContact<double>& c, const typename M::template Coefficients<double>& p,
+             typename detail::HistoryOf<M, double>::type& h) {
+  { M::mix(typename M::Pair{}) } -> std::same_as<typename M::template Coefficients<double>>;
+  M::is_rolling_model;
+};
+
+/// True if the law's force has a tangential part, so that particles need to rotate.
+template <class L>
+inline constexpr bool is_frictional = std::same_as<detail::ForceOf<L>, Traction<double>>;
+
+}  // namespace silt

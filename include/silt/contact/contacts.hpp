@@ -1,0 +1,166 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <initializer_list>
+#include <optional>
+#include <type_traits>
+#include <vector>
+
+#include <silt/contact/concept.hpp>
+#include <silt/core/error.hpp>
+
+namespace silt {
+
+/// Option of Contacts: particles may be of different materials, and each keeps its material's index.
+struct SeveralMaterials {};
+
+/// No resistance to rolling.
+struct NoRolling {
+  struct Pair {
+    bool operator==(const Pair&) const = default;
+  };
+  template <class Real>
+  struct Coefficients {};
+};
+
+namespace detail {
+
+template <class... Options>
+struct RollingOf {
+  using type = NoRolling;
+};
+template <class First, class... Rest>
+struct RollingOf<First, Rest...> {
+  using type = typename std::conditional_t<RollingModel<First>, std::type_identity<First>,
+                                           RollingOf<Rest...>>::type;
+};
+
+}  // namespace detail
+
+/// The contact axis of a Simulation: a law, its options, and the table of materials.
+///
+///   silt::Contacts<silt::HertzMindlin> contacts{glass};                       // one material
+///   silt::Contacts<silt::HertzMindlin, silt::RollingEpsd> rough{glass, {.rolling_friction = 0.1}};
+///   silt::Contacts<silt::HertzMindlin, silt::SeveralMaterials> mixed{{glass, steel}};
+///   mixed.set_pair(glass, steel, {.restitution = 0.6, .friction = 0.3});
+///
+/// Materials are told apart by their values. Without `SeveralMaterials` all particles are of the
+/// first material, and walls may be of others. Unlike materials need `set_pair` if the law has
+/// values that belong to a pair; what is missing is named when the simulation starts.
+template <class LawType, class... Options>
+class Contacts {
+ public:
+  using Law = LawType;
+  using Rolling = typename detail::RollingOf<Options...>::type;
+  static_assert(ContactLaw<Law>,
+                "Contacts<Law>: Law is no ContactLaw; its contract is in silt/contact/concept.hpp");
+  static_assert(((std::is_same_v<Options, SeveralMaterials> || RollingModel<Options>)&&...),
+                "Contacts<Law, Options...>: an option must be SeveralMaterials or a RollingModel; "
+                "the contract is in silt/contact/concept.hpp");
+
+  static constexpr bool several_materials = (std::is_same_v<Options, SeveralMaterials> || ...);
+  static constexpr bool has_rolling = !std::is_same_v<Rolling, NoRolling>;
+  static constexpr bool rotates = is_frictional<Law> || has_rolling;
+  static constexpr std::size_t law_history = detail::history_size<Law>();
+  static constexpr std::size_t rolling_history = detail::history_size<Rolling>();
+  static constexpr std::size_t history = law_history + rolling_history;
+
+  using Material = typename Law::Material;
+  using LawCoefficients = typename Law::template Coefficients<double>;
+  using RollingPair = typename Rolling::Pair;
+  using RollingCoefficients = typename Rolling::template Coefficients<double>;
+
+  explicit Contacts(const Material& material) { add(material); }
+  Contacts(const Material& material, const RollingPair& rolling)
+    requires has_rolling
+      : default_rolling_(rolling) {
+    Rolling::check(rolling);
+    add(material);
+  }
+  explicit Contacts(std::initializer_list<Material> materials, const RollingPair& rolling = {})
+    requires several_materials
+      : default_rolling_(rolling) {
+    require(materials.size() > 0, "Contacts: the list of materials is empty; give at least one");
+    for (const auto& m : materials) add(m);
+  }
+
+  /// Index of `material`; added to the table if it is new.
+  std::size_t add(const Material& material) {
+    if constexpr (requires { Law::check(material); }) Law::check(material);
+    for (std::size_t k = 0; k < materials_.size(); ++k)
+      if (materials_[k] == material) return k;
+    materials_.push_back(material);
+    const std::size_t n = materials_.size();
+    std::vector<Entry> grown(n * n);
+    for (std::size_t a = 0; a + 1 < n; ++a)
+      for (std::size_t b = 0; b + 1 < n; ++b) grown[a * n + b] = pairs_[a * (n - 1) + b];
+    pairs_ = std::move(grown);
+    return n - 1;
+  }
+
+  /// Sets what belongs to the contact of two materials, in either order.
+  template <class Pair = typename Law::Pair>
+  Contacts& set_pair(const Material& a, const Material& b, const std::type_identity_t<Pair>& pair) {
+    if constexpr (requires { Law::check(pair); }) Law::check(pair);
+    const std::size_t i = add(a), j = add(b);
+    entry(i, j).pair = entry(j, i).pair = pair;
+    return *this;
+  }
+
+  /// Sets the rolling resistance between two materials, in either order.
+  Contacts& set_rolling(const Material& a, const Material& b, const RollingPair& rolling)
+    requires has_rolling
+  {
+    Rolling::check(rolling);
+    const std::size_t i = add(a), j = add(b);
+    entry(i, j).rolling = entry(j, i).rolling = rolling;
+    return *this;
+  }
+
+  std::size_t materials() const { return materials_.size(); }
+  const Material& material(std::size_t k) const { return materials_.at(k); }
+
+  /// The law's coefficients for materials a and b; InputError if they have no pair value.
+  LawCoefficients coefficients(std::size_t a, std::size_t b) const {
+    if constexpr (detail::HasPairValues<Law>) {
+      const auto& given = pairs_[a * materials_.size() + b].pair;
+      require(given || a == b, "materials ", a, " and ", b,
+              " have no pair value; call set_pair(material, material, values) on the contacts");
+      return Law::mix(materials_[a], materials_[b], given ? *given : Law::like(materials_[a]));
+    } else {
+      return Law::mix(materials_[a], materials_[b]);
+    }
+  }
+  RollingCoefficients rolling_coefficients(std::size_t a, std::size_t b) const {
+    if constexpr (has_rolling)
+      return Rolling::mix(pairs_[a * materials_.size() + b].rolling.value_or(default_rolling_));
+    else
+      return {};
+  }
+
+ private:
+  template <class L, bool = detail::HasPairValues<L>>
+  struct PairValues {
+    using type = typename L::Pair;
+  };
+  template <class L>
+  struct PairValues<L, false> {
+    struct type {};
+  };
+  struct Entry {
+    std::optional<typename PairValues<Law>::type> pair;
+    std::optional<RollingPair> rolling;
+  };
+  Entry& entry(std::size_t i, std::size_t j) { return pairs_[i * materials_.size() + j]; }
+
+  std::vector<Material> materials_;
+  std::vector<Entry> pairs_;  // n x n
+  RollingPair default_rolling_{};
+};
+
+template <class T>
+inline constexpr bool is_contacts = false;
+template <class Law, class... Options>
+inline constexpr bool is_contacts<Contacts<Law, Options...>> = true;
+
+}  // namespace silt

@@ -1,0 +1,112 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <silt/contact/concept.hpp>
+#include <silt/contact/formulas.hpp>
+#include <silt/contact/spring_slider.hpp>
+#include <silt/core/error.hpp>
+
+namespace silt {
+
+/// Hertz normal force, Mindlin no-slip tangential spring with Coulomb's limit, damping that gives
+/// one restitution at every impact speed.
+///
+///   S_n = 2 E* sqrt(R* d)             S_t = 8 G* sqrt(R* d)                                  (1)
+///   F_n = 2/3 S_n d - c_n v_n         c_n = 2 sqrt(5/6) zeta sqrt(S_n m*)                    (2)
+///   dF_t = - S_t v_t dt, kept in the tangent plane; total F_t - c_t v_t, |total| <= mu F_n   (3)
+///
+/// `Memory::Force` (default) stores the tangential force: it grows by (3) while the overlap grows
+/// and shrinks with S_t while it shrinks, so that no energy is made (Thornton & Randall 1988).
+/// `Memory::Displacement` stores the slip s and takes F_t = -S_t(d) s, as LIGGGHTS, EDEM and
+/// LAMMPS' `mindlin` do: cheaper, and it gains energy where a contact is loaded after it slipped.
+/// `End::ZeroForce` (default) cuts the attraction that damping makes near separation and takes the
+/// zeta that gives the wanted restitution with that cut; `End::ZeroOverlap` keeps it, as Tsuji.
+///
+/// Source: H. Hertz 1882; R. D. Mindlin, J. Appl. Mech. 16 (1949) 259; Y. Tsuji et al., Powder
+///         Technol. 71 (1992) 239; C. Thornton, C. W. Randall, Micromechanics of Granular Materials
+///         (1988) 133; A. Antypov, J. A. Elliott, EPL 94 (2011) 50004 (constant restitution).
+///         Damping is lowered by the lag of the half-step velocity (spring_slider.hpp).
+/// Valid:  spheres, small overlap (d < 0.1 R*), elastic solids without adhesion.
+/// Units:  SI. Shapes: Real = double or batch, lane = pair. History: 3 Reals ([N] or [m]).
+/// Errors: InputError naming field, value, unit and allowed range.
+/// Tests:  tests/contact/hertz_mindlin.cpp, tests/physics/impact.cpp.
+template <DampingEnd End = DampingEnd::ZeroForce, TangentialMemory Memory = TangentialMemory::Force>
+struct BasicHertzMindlin {
+  struct Material {
+    double youngs_modulus;     // [Pa] > 0
+    double poisson_ratio;      // [-] in [0, 0.5]
+    double restitution = 1.0;  // [-] in (0, 1], against itself
+    double friction = 0.0;     // [-] >= 0, against itself
+    bool operator==(const Material&) const = default;
+  };
+  struct Pair {
+    double restitution;  // [-] in (0, 1]
+    double friction;     // [-] >= 0
+  };
+  template <class Real>
+  struct Coefficients {
+    Real twice_modulus;    // [Pa] 2 E*
+    Real stiffness_ratio;  // [-] S_t/S_n = 4 G*/E*
+    Real normal_damping;   // [-] c_n / sqrt(S_n m*)
+    Real shear_damping;    // [-] c_t / c_n
+    Real friction;         // [-]
+  };
+  template <class Real>
+  struct History {
+    Vec3<Real> tangential;  // [N] force on i, or [m] slip, by Memory
+  };
+
+  static Pair like(const Material& m) { return {m.restitution, m.friction}; }
+
+  static Coefficients<double> mix(const Material& a, const Material& b, const Pair& pair) {
+    const double E = effective_modulus(a.youngs_modulus, a.poisson_ratio, b.youngs_modulus,
+                                       b.poisson_ratio);
+    const double G = effective_shear_modulus(a.youngs_modulus, a.poisson_ratio, b.youngs_modulus,
+                                             b.poisson_ratio);
+    const double zeta = damping_ratio(pair.restitution, End);
+    return {2 * E, 4 * G / E, zeta * std::sqrt(10.0 / 3.0), std::sqrt(4 * G / E), pair.friction};
+  }
+
+  template <class Real>
+  static Traction<Real> force(const Contact<Real>& c, const Coefficients<Real>& p,
+                              History<Real>& h) {
+    const Real Sn = p.twice_modulus * sqrt(c.R_eff * c.overlap);                      // (1)
+    const Real cn = p.normal_damping * sqrt(Sn * c.m_eff);
+    const Real Fn = normal_force<End>(Real(2.0 / 3.0) * Sn * c.overlap, cn, c);       // (2)
+    const SpringSlider<Real> slider{p.stiffness_ratio * Sn, p.shear_damping * cn, p.friction};
+    if constexpr (Memory == TangentialMemory::Force) {
+      // S_t now over S_t at the last step, if the contact is unloading.
+      const Real last = c.overlap + c.time_step * c.normal_velocity;
+      const Real unloading = min(sqrt(c.overlap / max(last, c.overlap)), Real(1));
+      return {Fn, slider.from_force(c, Fn, unloading, h.tangential)};                 // (3)
+    } else {
+      return {Fn, slider.from_displacement(c, Fn, h.tangential)};
+    }
+  }
+
+  template <class Real>
+  static Real stiffness(const Contact<Real>& c, const Coefficients<Real>& p) {
+    return p.twice_modulus * sqrt(c.R_eff * c.overlap);
+  }
+
+  static double contact_time(const Coefficients<double>& p, double R_eff, double m_eff,
+                             double speed) {
+    return hertz_contact_time(0.5 * p.twice_modulus, R_eff, m_eff, speed);
+  }
+
+  static void check(const Material& m) {
+    require_positive("HertzMindlin::Material.youngs_modulus", m.youngs_modulus, "Pa");
+    require_in("HertzMindlin::Material.poisson_ratio", m.poisson_ratio, "-", 0, 0.5);
+    check(like(m));
+  }
+  static void check(const Pair& p) {
+    require(p.restitution > 0 && p.restitution <= 1, "HertzMindlin restitution = ", p.restitution,
+            " [-] must be in (0, 1]");
+    require_not_negative("HertzMindlin friction", p.friction, "-");
+  }
+};
+
+using HertzMindlin = BasicHertzMindlin<>;
+static_assert(ContactLaw<HertzMindlin>);
+
+}  // namespace silt

@@ -1,0 +1,77 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <silt/contact/concept.hpp>
+#include <silt/contact/formulas.hpp>
+
+namespace silt {
+
+/// What a tangential spring remembers: its force, or the slip since first touch.
+enum class TangentialMemory { Force, Displacement };
+
+/// A dashpot coefficient c [N s/m] for the leapfrog scheme, where the damping force sees the
+/// velocity of half a step ago: v(t - dt/2) = v - a dt/2 acts like a mass smaller by c dt/2.
+/// c (sqrt(1 + q^2) - q) with q = c dt/(4 m) keeps the damping ratio c^2/(k m), and with it the
+/// restitution, to second order in dt; 1/(1 + q + q^2/2) equals it to third order in q.
+template <class Real>
+inline Real leapfrog_damping(const Real& c, const Real& mass, const Real& time_step) {
+  const Real q = Real(0.25) * c * time_step / mass;
+  return c / (Real(1) + q * (Real(1) + Real(0.5) * q));
+}
+
+/// Elastic force less damping along the normal, cut at zero if the contact ends at zero force.
+template <DampingEnd End, class Real>
+inline Real normal_force(const Real& elastic, const Real& damping, const Contact<Real>& c) {
+  const Real force =
+      elastic - leapfrog_damping(damping, c.m_eff, c.time_step) * c.normal_velocity;
+  if constexpr (End == DampingEnd::ZeroForce)
+    return max(force, Real(0));
+  else
+    return force;
+}
+
+/// Tangential spring and dashpot in parallel, in series with a Coulomb slider: |F_t| <= mu F_n.
+/// While it slides the stored spring is set back so that spring + dashpot equals the limit.
+template <class Real>
+struct SpringSlider {
+  Real stiffness;  // [N/m] S_t
+  Real damping;    // [N s/m] c_t
+  Real friction;   // [-] mu
+
+  /// History = spring force on i [N]. `unloading` <= 1 scales it where the stiffness fell.
+  Vec3<Real> from_force(const Contact<Real>& c, const Real& Fn, const Real& unloading,
+                        Vec3<Real>& spring) const {
+    const Vec3<Real> v = c.tangential_velocity;
+    const Vec3<Real> trial =
+        c.transported(spring) * unloading - (stiffness * c.time_step) * v;
+    const Vec3<Real> dashpot = tangential_damping(c) * v;
+    const Vec3<Real> total = trial - dashpot;
+    const Real sticking = share_within_limit(total, Fn);
+    spring = sticking * trial + (Real(1) - sticking) * dashpot;
+    return sticking * total;
+  }
+
+  /// History = slip [m] of i relative to j.
+  Vec3<Real> from_displacement(const Contact<Real>& c, const Real& Fn, Vec3<Real>& slip) const {
+    const Vec3<Real> v = c.tangential_velocity;
+    const Vec3<Real> trial = c.transported(slip) + c.time_step * v;
+    const Vec3<Real> dashpot = tangential_damping(c) * v;
+    const Vec3<Real> total = -(stiffness * trial + dashpot);
+    const Real sticking = share_within_limit(total, Fn);
+    const Real tiny = std::numeric_limits<double>::min();
+    slip = sticking * trial - ((Real(1) - sticking) / max(stiffness, tiny)) * dashpot;
+    return sticking * total;
+  }
+
+ private:
+  /// The tangential motion of two solid spheres at their contact carries 2/7 of m*.
+  Real tangential_damping(const Contact<Real>& c) const {
+    return leapfrog_damping(damping, Real(2.0 / 7.0) * c.m_eff, c.time_step);
+  }
+  Real share_within_limit(const Vec3<Real>& total, const Real& Fn) const {
+    const Real size = sqrt(max(dot(total, total), Real(std::numeric_limits<double>::min())));
+    return min(friction * max(Fn, Real(0)) / size, Real(1));
+  }
+};
+
+}  // namespace silt

@@ -1,0 +1,158 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <type_traits>
+
+#include <xsimd/xsimd.hpp>
+
+#include <silt/core/vec3.hpp>
+
+namespace silt {
+
+/// The architecture of one lane: kernels run on plain `double`.
+struct OneLane {};
+
+/// The architecture that the compile flags allow; part of every type that depends on it, so that
+/// two translation units with different flags can live in one program.
+#if defined(SILT_NO_SIMD)
+using DefaultArch = OneLane;
+#else
+using DefaultArch =
+    std::conditional_t<xsimd::has_simd_register<double, xsimd::default_arch>::value,
+                       xsimd::default_arch, OneLane>;
+#endif
+
+/// Maps an architecture to the scalar-or-batch type of its kernels (`Real`) and its width.
+template <class Arch>
+struct Lanes {
+  using Real = xsimd::batch<double, Arch>;
+  static constexpr std::size_t width = Real::size;
+};
+template <>
+struct Lanes<OneLane> {
+  using Real = double;
+  static constexpr std::size_t width = 1;
+};
+
+template <class Real>
+inline constexpr bool is_batch = !std::is_floating_point_v<Real>;
+
+/// What comparing two Reals yields: `bool`, or one truth value a lane.
+template <class Real>
+using Mask = decltype(std::declval<Real>() < std::declval<Real>());
+
+/// @name Arithmetic that reads the same on `double` and on a batch
+/// Together with + - * / and comparisons this is all that a contact law needs.
+/// @{
+template <class Real>
+inline Real sqrt(const Real& x) {
+  if constexpr (is_batch<Real>)
+    return xsimd::sqrt(x);
+  else
+    return std::sqrt(x);
+}
+template <class Real>
+inline Real abs(const Real& x) {
+  if constexpr (is_batch<Real>)
+    return xsimd::abs(x);
+  else
+    return std::fabs(x);
+}
+template <class Real>
+inline Real min(const Real& a, const std::type_identity_t<Real>& b) {
+  if constexpr (is_batch<Real>)
+    return xsimd::min(a, b);
+  else
+    return b < a ? b : a;
+}
+template <class Real>
+inline Real max(const Real& a, const std::type_identity_t<Real>& b) {
+  if constexpr (is_batch<Real>)
+    return xsimd::max(a, b);
+  else
+    return a < b ? b : a;
+}
+/// `a` in the lanes where `mask` holds, `b` in the others. A NaN in a lane not taken does no harm.
+template <class Real>
+inline Real select(const Mask<Real>& mask, const Real& a, const std::type_identity_t<Real>& b) {
+  if constexpr (is_batch<Real>)
+    return xsimd::select(mask, a, b);
+  else
+    return mask ? a : b;
+}
+template <class Real>
+inline Vec3<Real> select(const Mask<Real>& mask, const Vec3<Real>& a, const Vec3<Real>& b) {
+  return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
+}
+/// @}
+
+/// True if `mask` holds in at least one lane.
+template <class M>
+inline bool any(const M& mask) {
+  if constexpr (std::is_same_v<M, bool>)
+    return mask;
+  else
+    return xsimd::any(mask);
+}
+
+template <class Real>
+inline Real load(const double* aligned) {
+  if constexpr (is_batch<Real>)
+    return Real::load_aligned(aligned);
+  else
+    return *aligned;
+}
+template <class Real>
+inline void store(double* aligned, const Real& x) {
+  if constexpr (is_batch<Real>)
+    x.store_aligned(aligned);
+  else
+    *aligned = x;
+}
+template <class Real>
+inline Vec3<Real> load3(const double* x, const double* y, const double* z) {
+  return {load<Real>(x), load<Real>(y), load<Real>(z)};
+}
+
+/// The largest lane.
+template <class Real>
+inline double largest_lane(const Real& x) {
+  if constexpr (is_batch<Real>) {
+    alignas(Real) double lane[Real::size];
+    x.store_aligned(lane);
+    double best = lane[0];
+    for (std::size_t k = 1; k < Real::size; ++k) best = lane[k] > best ? lane[k] : best;
+    return best;
+  } else {
+    return x;
+  }
+}
+
+/// Turns W vectors of W lanes: lane j of out[i] = lane i of in[j].
+template <class Real>
+inline void transpose(Real (&v)[Real::size]) {
+  constexpr std::size_t W = Real::size;
+#if defined(__AVX__)
+  if constexpr (W == 4) {
+    const __m256d lo01 = _mm256_unpacklo_pd(v[0], v[1]), hi01 = _mm256_unpackhi_pd(v[0], v[1]);
+    const __m256d lo23 = _mm256_unpacklo_pd(v[2], v[3]), hi23 = _mm256_unpackhi_pd(v[2], v[3]);
+    v[0] = Real(_mm256_permute2f128_pd(lo01, lo23, 0x20));
+    v[1] = Real(_mm256_permute2f128_pd(hi01, hi23, 0x20));
+    v[2] = Real(_mm256_permute2f128_pd(lo01, lo23, 0x31));
+    v[3] = Real(_mm256_permute2f128_pd(hi01, hi23, 0x31));
+    return;
+  }
+#endif
+  alignas(Real) double lane[W][W];
+  for (std::size_t i = 0; i < W; ++i) v[i].store_aligned(lane[i]);
+  for (std::size_t i = 0; i < W; ++i) {
+    alignas(Real) double column[W];
+    for (std::size_t j = 0; j < W; ++j) column[j] = lane[j][i];
+    v[i] = Real::load_aligned(column);
+  }
+}
+
+}  // namespace silt

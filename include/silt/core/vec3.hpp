@@ -1,0 +1,55 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cmath>
+
+namespace silt {
+
+/// Three Cartesian components. `Real` is `double` or a SIMD batch (one lane a pair or particle).
+/// A plain aggregate: `{x, y, z}` makes one, and it is stored and loaded as three Reals.
+template <class Real>
+struct Vec3 {
+  Real x, y, z;
+
+  constexpr Vec3& operator+=(const Vec3& b) {
+    x += b.x, y += b.y, z += b.z;
+    return *this;
+  }
+  constexpr Vec3& operator-=(const Vec3& b) {
+    x -= b.x, y -= b.y, z -= b.z;
+    return *this;
+  }
+  constexpr Vec3& operator*=(const Real& s) {
+    x *= s, y *= s, z *= s;
+    return *this;
+  }
+  friend constexpr Vec3 operator+(Vec3 a, const Vec3& b) { return a += b; }
+  friend constexpr Vec3 operator-(Vec3 a, const Vec3& b) { return a -= b; }
+  friend constexpr Vec3 operator-(const Vec3& a) { return {-a.x, -a.y, -a.z}; }
+  friend constexpr Vec3 operator*(Vec3 a, const Real& s) { return a *= s; }
+  friend constexpr Vec3 operator*(const Real& s, Vec3 a) { return a *= s; }
+  friend constexpr bool operator==(const Vec3&, const Vec3&) = default;
+};
+
+using Vec3d = Vec3<double>;
+
+template <class Real>
+constexpr Real dot(const Vec3<Real>& a, const Vec3<Real>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+template <class Real>
+constexpr Vec3<Real> cross(const Vec3<Real>& a, const Vec3<Real>& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+inline double norm(const Vec3d& a) { return std::sqrt(dot(a, a)); }
+
+/// The unit vector along `a`; `a` must not be zero.
+inline Vec3d normalised(const Vec3d& a) { return a * (1.0 / norm(a)); }
+
+inline bool is_finite(const Vec3d& a) {
+  return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
+}
+
+}  // namespace silt

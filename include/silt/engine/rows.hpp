@@ -1,0 +1,48 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cstdint>
+
+#include <silt/core/storage.hpp>
+#include <silt/core/vec3.hpp>
+
+namespace silt {
+
+/// Centre and radius of one sphere [m]: what a search and the gap of a pair need, half a cache line.
+struct alignas(32) PositionRow {
+  double x, y, z, r;
+  Vec3d centre() const { return {x, y, z}; }
+};
+
+/// What else the pair kernel needs of one sphere. Every entry enters a pair as a sum or difference,
+/// so that one signed multiply-add of two rows gives the pair's row: v_i - v_j, 1/m*, the spin
+/// velocity r_i w_i + r_j w_j, 1/R*.
+template <bool Rotates>
+struct MotionRow;
+
+template <>
+struct alignas(64) MotionRow<true> {
+  double vx, vy, vz;  // [m/s] at the last half step
+  double inv_m;       // [1/kg]; 0: fixed
+  double wx, wy, wz;  // [m/s] radius times angular velocity, at the last half step
+  double inv_r;       // [1/m]
+  Vec3d velocity() const { return {vx, vy, vz}; }
+  Vec3d spin_velocity() const { return {wx, wy, wz}; }
+};
+
+template <>
+struct alignas(32) MotionRow<false> {
+  double vx, vy, vz;  // [m/s] at the last half step
+  double inv_m;       // [1/kg]; 0: fixed
+  Vec3d velocity() const { return {vx, vy, vz}; }
+};
+
+static_assert(sizeof(PositionRow) == 32 && sizeof(MotionRow<true>) == 64 &&
+              sizeof(MotionRow<false>) == 32);
+
+/// Two particles by their place in the rows.
+struct IndexPair {
+  std::uint32_t a, b;
+};
+
+}  // namespace silt

@@ -1,0 +1,27 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <silt/search/concept.hpp>
+
+namespace silt {
+
+/// Looks at all pairs: O(N^2), the oracle that every other search is tested against.
+///
+/// Shapes: none. Units: SI. Errors: none.
+/// Tests: tests/search/cell_grid.cpp.
+struct BruteForce {
+  template <class Domain>
+  void find(const SphereSet& spheres, double reach, const Domain& domain, int,
+            std::vector<IndexPair>& pairs) const {
+    pairs.clear();
+    const auto n = static_cast<std::uint32_t>(spheres.rows.size());
+    for (std::uint32_t a = 0; a < n; ++a)
+      for (std::uint32_t b = a + 1; b < n; ++b)
+        if (detail::within_reach(spheres.rows[a], spheres.rows[b], reach, domain))
+          pairs.push_back({a, b});
+  }
+};
+
+static_assert(NeighbourSearch<BruteForce>);
+
+}  // namespace silt

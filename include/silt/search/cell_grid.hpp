@@ -1,0 +1,187 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <numeric>
+
+#include <silt/core/box.hpp>
+#include <silt/core/threads.hpp>
+#include <silt/search/concept.hpp>
+
+namespace silt {
+
+/// Spheres sorted into the cells of a regular grid over their bounding box; neighbours are looked
+/// for in a sphere's own cell and those that follow it among the 26 around (half stencil).
+///
+/// The cell edge is the largest cutoff, 2 r_max + reach, grown so that there are at most 8 cells a
+/// sphere: O(N) in time and memory for spheres of similar size; for wide size distributions and
+/// nearly empty domains it stays right but slows down.
+/// Source: M. P. Allen, D. J. Tildesley, Computer Simulation of Liquids, 2nd ed., section 5.3.
+/// Shapes: none. Units: SI. Errors: none (the simulation checks positions).
+/// Tests: tests/search/cell_grid.cpp (pair sets identical to BruteForce).
+class CellGrid {
+ public:
+  template <class Domain>
+  void order(const SphereSet& spheres, double reach, const Domain& domain,
+             std::vector<std::uint32_t>& order) {
+    sort_into_cells(spheres, reach, domain);
+    order = order_;
+  }
+
+  template <class Domain>
+  void find(const SphereSet& spheres, double reach, const Domain& domain, int threads,
+            std::vector<IndexPair>& pairs) {
+    pairs.clear();
+    sort_into_cells(spheres, reach, domain);
+    const std::size_t n = spheres.rows.size();
+    const std::size_t parts = threads > 1 ? static_cast<std::size_t>(threads) : 1;
+    found_.resize(parts);
+    detail::in_parallel(threads, static_cast<std::ptrdiff_t>(parts), [&](std::ptrdiff_t part) {
+      auto& found = found_[static_cast<std::size_t>(part)];
+      found.clear();
+      const auto share = static_cast<std::size_t>(part);
+      scan(n * share / parts, n * (share + 1) / parts, reach, domain, found);
+    });
+    std::vector<std::size_t> begin(parts + 1, 0);
+    for (std::size_t p = 0; p < parts; ++p) begin[p + 1] = begin[p] + found_[p].size();
+    pairs.resize(begin[parts]);
+    detail::in_parallel(threads, static_cast<std::ptrdiff_t>(parts), [&](std::ptrdiff_t part) {
+      const auto& found = found_[static_cast<std::size_t>(part)];
+      std::copy(found.begin(), found.end(),
+                pairs.begin() + static_cast<std::ptrdiff_t>(begin[static_cast<std::size_t>(part)]));
+    });
+  }
+
+ private:
+  template <class Domain>
+  void sort_into_cells(const SphereSet& spheres, double reach, const Domain& domain) {
+    const auto rows = spheres.rows;
+    Box bounds;
+    for (const auto& row : rows) bounds.include(row.centre());
+    if constexpr (Domain::periodic) {
+      double* const low[3] = {&bounds.min.x, &bounds.min.y, &bounds.min.z};
+      double* const high[3] = {&bounds.max.x, &bounds.max.y, &bounds.max.z};
+      const double from[3] = {domain.box().min.x, domain.box().min.y, domain.box().min.z};
+      for (int d = 0; d < 3; ++d)
+        if (domain.repeats(d)) *low[d] = from[d], *high[d] = from[d] + domain.length(d);
+    }
+    choose_cells(bounds, 2 * spheres.largest_radius + reach, rows.size());
+    cell_.resize(rows.size());
+    start_.assign(cells() + 1, 0);
+    for (std::size_t k = 0; k < rows.size(); ++k) ++start_[(cell_[k] = cell_of(rows[k])) + 1];
+    std::partial_sum(start_.begin(), start_.end(), start_.begin());
+    order_.resize(rows.size());
+    next_.assign(start_.begin(), start_.end() - 1);
+    for (std::size_t k = 0; k < rows.size(); ++k)
+      order_[next_[cell_[k]]++] = static_cast<std::uint32_t>(k);
+    sorted_.resize(rows.size());
+    for (std::size_t k = 0; k < rows.size(); ++k) sorted_[k] = rows[order_[k]];
+  }
+
+  void choose_cells(const Box& bounds, double cutoff, std::size_t spheres) {
+    low_ = bounds.min;
+    const Vec3d e = bounds.extent();
+    const double length[3] = {e.x, e.y, e.z};
+    const double most = 8.0 * static_cast<double>(spheres) + 64;
+    for (double edge = cutoff;; edge *= 1.26) {
+      double total = 1;
+      for (int d = 0; d < 3; ++d) total *= std::max(1.0, std::floor(length[d] / edge));
+      if (!(total <= most)) continue;
+      for (int d = 0; d < 3; ++d) {
+        count_[d] = static_cast<std::size_t>(std::max(1.0, std::floor(length[d] / edge)));
+        per_length_[d] = length[d] > 0 ? static_cast<double>(count_[d]) / length[d] : 0;
+      }
+      return;
+    }
+  }
+
+  std::size_t cells() const { return count_[0] * count_[1] * count_[2]; }
+  std::size_t along(double x, double low, int d) const {
+    const double c = (x - low) * per_length_[d];
+    return c <= 0 ? 0 : std::min(count_[d] - 1, static_cast<std::size_t>(c));
+  }
+  std::uint32_t cell_of(const PositionRow& p) const {
+    return static_cast<std::uint32_t>(
+        along(p.x, low_.x, 0) +
+        count_[0] * (along(p.y, low_.y, 1) + count_[1] * along(p.z, low_.z, 2)));
+  }
+
+  struct Range {
+    std::size_t begin, end;
+  };
+
+  /// The parts of `sorted_` after cell c that its spheres must look at; returns how many.
+  template <class Domain>
+  int ranges_after(std::size_t c, const Domain& domain, std::array<Range, 26>& out) const {
+    const std::size_t x = c % count_[0], y = c / count_[0] % count_[1],
+                      z = c / (count_[0] * count_[1]);
+    std::array<std::size_t, 3> xs, ys, zs;
+    const int nx = around(x, 0, domain, xs), ny = around(y, 1, domain, ys),
+              nz = around(z, 2, domain, zs);
+    int found = 0;
+    for (int k = 0; k < nz; ++k)
+      for (int j = 0; j < ny; ++j)
+        for (int i = 0; i < nx; ++i) {
+          const std::size_t other = xs[i] + count_[0] * (ys[j] + count_[1] * zs[k]);
+          if (other <= c || start_[other] == start_[other + 1]) continue;
+          if (found > 0 && out[found - 1].end == start_[other])
+            out[found - 1].end = start_[other + 1];
+          else
+            out[found++] = {start_[other], start_[other + 1]};
+        }
+    return found;
+  }
+  /// The cells before, at and after k in direction d, each once; returns how many.
+  template <class Domain>
+  int around(std::size_t k, int d, const Domain& domain, std::array<std::size_t, 3>& out) const {
+    const std::size_t n = count_[d];
+    bool wraps = false;
+    if constexpr (Domain::periodic) wraps = domain.repeats(d);
+    int found = 0;
+    for (std::size_t step = 0; step < 3; ++step) {
+      const bool outside = (k == 0 && step == 0) || (k + 1 == n && step == 2);
+      if (outside && (!wraps || n < 3)) continue;
+      out[found++] = (k + n + step - 1) % n;
+    }
+    return found;
+  }
+
+  template <class Domain>
+  void scan(std::size_t from, std::size_t to, double reach, const Domain& domain,
+            std::vector<IndexPair>& found) const {
+    std::array<Range, 26> ranges{};
+    int count = 0;
+    std::size_t own_end = 0, cell = cells();
+    for (std::size_t p = from; p < to; ++p) {
+      if (const std::size_t c = cell_[order_[p]]; c != cell) {
+        cell = c;
+        own_end = start_[c + 1];
+        count = ranges_after(c, domain, ranges);
+      }
+      scan_range(p, {p + 1, own_end}, reach, domain, found);
+      for (int k = 0; k < count; ++k) scan_range(p, ranges[k], reach, domain, found);
+    }
+  }
+  template <class Domain>
+  void scan_range(std::size_t p, Range range, double reach, const Domain& domain,
+                  std::vector<IndexPair>& found) const {
+    const PositionRow a = sorted_[p];
+    for (std::size_t q = range.begin; q < range.end; ++q)
+      if (detail::within_reach(a, sorted_[q], reach, domain))
+        found.push_back({order_[p], order_[q]});
+  }
+
+  Vec3d low_{};                                  // [m]
+  std::array<std::size_t, 3> count_{1, 1, 1};    // cells in each direction
+  std::array<double, 3> per_length_{};           // [1/m]
+  std::vector<std::uint32_t> cell_, order_, next_;
+  std::vector<std::uint32_t> start_;             // first sphere of each cell, in `order_`
+  AlignedVector<PositionRow> sorted_;
+  std::vector<std::vector<IndexPair>> found_;    // by thread
+};
+
+static_assert(NeighbourSearch<CellGrid>);
+
+}  // namespace silt

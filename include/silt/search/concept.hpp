@@ -1,0 +1,45 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <silt/boundary/domain.hpp>
+#include <silt/engine/rows.hpp>
+
+namespace silt {
+
+/// The spheres that a search looks at.
+struct SphereSet {
+  std::span<const PositionRow> rows;
+  double largest_radius = 0;  // [m]
+};
+
+/// A neighbour search finds every pair of spheres whose surfaces are nearer than `reach` [m],
+/// exactly once, in an order that depends on positions alone (not on threads):
+///   void find(SphereSet, double reach, const Domain&, int threads, std::vector<IndexPair>& pairs)
+/// It does not know forces. Optional, found by name:
+///   void order(SphereSet, double reach, const Domain&, std::vector<std::uint32_t>& order)
+///     the order in which neighbours lie close together in memory; rows are then kept sorted.
+template <class S>
+concept NeighbourSearch = requires(S s, const SphereSet& spheres, const OpenDomain& domain,
+                                   std::vector<IndexPair>& pairs) {
+  s.find(spheres, 1.0, domain, 1, pairs);
+};
+
+namespace detail {
+
+/// True if the surfaces of a and b are nearer than `reach`.
+template <class Domain>
+inline bool within_reach(const PositionRow& a, const PositionRow& b, double reach,
+                         const Domain& domain) {
+  Vec3d d{a.x - b.x, a.y - b.y, a.z - b.z};
+  if constexpr (Domain::periodic) d = domain.shortest(d);
+  const double cutoff = a.r + b.r + reach;
+  return dot(d, d) < cutoff * cutoff;
+}
+
+}  // namespace detail
+}  // namespace silt

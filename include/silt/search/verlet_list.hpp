@@ -1,0 +1,32 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <optional>
+
+#include <silt/core/error.hpp>
+#include <silt/search/cell_grid.hpp>
+
+namespace silt {
+
+/// Keeps the pairs that `Finder` found with some reach beyond touching (the skin), and finds anew
+/// only when particles or walls may have moved by as much. No contact is ever missed: the proof
+/// and the test that renews the list are in engine/list_upkeep.hpp.
+///
+///   silt::VerletList{}                      skin chosen from the measured motion
+///   silt::VerletList{.skin = 0.3e-3}        [m] a fixed skin
+///
+/// Source: L. Verlet, Phys. Rev. 159 (1967) 98.
+/// Errors: InputError for a skin that is not finite and positive.
+/// Tests:  tests/engine/list_upkeep.cpp.
+template <NeighbourSearch Finder = CellGrid>
+struct VerletList {
+  std::optional<double> skin = {};  // [m] > 0; left out: chosen from the motion
+  bool sort = true;                 // keep particles in the order of their cells in memory
+  Finder finder = {};
+
+  void check() const {
+    if (skin) require_positive("VerletList.skin", *skin, "m");
+  }
+};
+
+}  // namespace silt
