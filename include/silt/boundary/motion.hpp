@@ -1,0 +1,74 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <functional>
+#include <numbers>
+#include <utility>
+
+#include <silt/core/error.hpp>
+#include <silt/core/quaternion.hpp>
+
+namespace silt {
+
+/// Where a rigid body is: maps body coordinates, in which its surface is given, to space.
+struct Pose {
+  Quaternion rotation;         // [-] unit
+  Vec3d translation{0, 0, 0};  // [m] of the body's origin
+
+  Vec3d to_space(const Vec3d& point) const { return rotate(point) + translation; }
+  Vec3d to_body(const Vec3d& point) const { return rotate_back(point - translation); }
+  Vec3d rotate(const Vec3d& direction) const { return silt::rotate(rotation, direction); }
+  Vec3d rotate_back(const Vec3d& direction) const {
+    return silt::rotate(conjugate(rotation), direction);
+  }
+  friend bool operator==(const Pose&, const Pose&) = default;
+};
+
+/// A prescribed motion: the pose at a time [s]. Any function will do; it must be a pure function of
+/// time, so that a continued run moves the body as the first one would have.
+using Motion = std::function<Pose(double time)>;
+
+/// Moves with a constant velocity [m/s], from its place at time 0.
+inline Motion translation(const Vec3d& velocity) {
+  require(is_finite(velocity), "translation: velocity = ", velocity, " [m/s] must be finite");
+  return [=](double time) { return Pose{{}, velocity * time}; };
+}
+
+/// Turns about the line through `centre` [m] along `axis` (any length) with `rate` [rad/s], by the
+/// right-hand rule.
+inline Motion rotation(const Vec3d& centre, const Vec3d& axis, double rate) {
+  require(is_finite(centre), "rotation: centre = ", centre, " [m] must be finite");
+  const double length = norm(axis);
+  require(std::isfinite(length) && length > 0, "rotation: axis = ", axis,
+          " [-] must be finite and not zero");
+  require(std::isfinite(rate), "rotation: rate = ", rate, " [rad/s] must be finite");
+  return [=, unit = axis * (1 / length)](double time) {
+    const Quaternion turn = rotation_about(unit, rate * time);
+    return Pose{turn, centre - rotate(turn, centre)};
+  };
+}
+
+/// Swings by A sin(2 pi f t + phase) - A sin(phase), so that it starts from its place at time 0.
+/// `amplitude` A [m] gives direction and size, `frequency` f is in [Hz], `phase` in [rad].
+inline Motion vibration(const Vec3d& amplitude, double frequency, double phase = 0) {
+  require(is_finite(amplitude), "vibration: amplitude = ", amplitude, " [m] must be finite");
+  require_positive("vibration: frequency", frequency, "Hz");
+  require(std::isfinite(phase), "vibration: phase = ", phase, " [rad] must be finite");
+  return [=](double time) {
+    const double angle = 2 * std::numbers::pi * frequency * time + phase;
+    return Pose{{}, amplitude * (std::sin(angle) - std::sin(phase))};
+  };
+}
+
+/// `first` as seen in a frame that moves with `second`: a point goes through `first`, then
+/// `second`.
+inline Motion combined(Motion first, Motion second) {
+  require(static_cast<bool>(first), "combined: the first motion is empty");
+  require(static_cast<bool>(second), "combined: the second motion is empty");
+  return [first = std::move(first), second = std::move(second)](double time) {
+    const Pose inner = first(time), outer = second(time);
+    return Pose{outer.rotation * inner.rotation, outer.to_space(inner.translation)};
+  };
+}
+
+}  // namespace silt

@@ -1,0 +1,59 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include <silt/boundary/surface_point.hpp>
+#include <silt/core/box.hpp>
+#include <silt/core/error.hpp>
+
+namespace silt {
+
+/// An infinite plane with free space on the side of its normal.
+/// One-sided: a centre behind it has a negative distance and is pushed back through.
+/// Errors: check() names `Plane.point` or `Plane.normal`.
+/// Tests:  tests/boundary/plane.cpp
+struct Plane {
+  Vec3d point;   // [m] any point of the plane
+  Vec3d normal;  // [-] towards the free side, of any length but zero
+
+  static constexpr int max_contacts = 1;
+
+  void check() const {
+    require(is_finite(point), "Plane.point = ", point, " [m] must be finite");
+    const double length = norm(normal);
+    require(std::isfinite(length) && length > 0, "Plane.normal = ", normal,
+            " [-] must be finite and not zero");
+  }
+
+  /// Flat along an axis if the normal is parallel to it, else infinite.
+  Box bounds() const {
+    constexpr double far = std::numeric_limits<double>::infinity();
+    Box box{{-far, -far, -far}, {far, far, far}};
+    if (normal.y == 0 && normal.z == 0) box.min.x = box.max.x = point.x;
+    if (normal.z == 0 && normal.x == 0) box.min.y = box.max.y = point.y;
+    if (normal.x == 0 && normal.y == 0) box.min.z = box.max.z = point.z;
+    return box;
+  }
+
+  int contacts(const Vec3d& centre, double reach, SurfacePoint* out) const {
+    const Vec3d n = normalised(normal);
+    const double distance = dot(centre - point, n);
+    if (!(distance < reach)) return 0;
+    *out = {n, distance, 0};
+    return 1;
+  }
+};
+
+/// The six walls of the box from `min` to `max` [m], free side inwards: x low, x high, y low, ...
+inline std::vector<Plane> box_planes(const Vec3d& min, const Vec3d& max) {
+  require(is_finite(min) && is_finite(max), "box: min = ", min, " and max = ", max,
+          " [m] must be finite");
+  require(min.x < max.x && min.y < max.y && min.z < max.z, "box: min = ", min,
+          " [m] must be less than max = ", max, " [m] in x, y and z");
+  return {{min, {1, 0, 0}},  {max, {-1, 0, 0}}, {min, {0, 1, 0}},
+          {max, {0, -1, 0}}, {min, {0, 0, 1}},  {max, {0, 0, -1}}};
+}
+
+}  // namespace silt

@@ -1,0 +1,279 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cctype>
+#include <cerrno>
+#include <charconv>
+#include <cstdint>
+#include <cstdio>
+#include <limits>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include <silt/core/error.hpp>
+#include <silt/core/vec3.hpp>
+
+/// Surfaces from and to STL files, the triangle soup that CAD programs export.
+/// Format: 3D Systems, StereoLithography Interface Specification (1988), sections 6.5 (ASCII, here
+///         in any letter case, several solids a file) and 6.6 (binary, little-endian floats).
+/// Units:  STL has none; silt takes metres, `scale` converts (1e-3 for a file in millimetres).
+/// Errors: FileError with file, line or triangle, what was found and what is expected.
+/// Tests:  tests/boundary/stl.cpp
+
+namespace silt {
+
+enum class StlFormat { Binary, Ascii };
+
+namespace detail {
+
+inline constexpr std::size_t stl_header_bytes = 84, stl_triangle_bytes = 50;
+
+template <class... Parts>
+[[noreturn]] void stl_error(const Parts&... parts) {
+  throw FileError(text(parts...));
+}
+
+inline std::string system_reason() { return std::generic_category().message(errno); }
+
+using File = std::unique_ptr<std::FILE, decltype([](std::FILE* f) { std::fclose(f); })>;
+
+inline std::string read_whole_file(const std::string& path) {
+  const File file(std::fopen(path.c_str(), "rb"));
+  if (!file) stl_error("STL file ", path, " cannot be opened: ", system_reason());
+  std::string bytes;
+  std::array<char, 65536> block;
+  while (const auto n = std::fread(block.data(), 1, block.size(), file.get()))
+    bytes.append(block.data(), n);
+  if (std::ferror(file.get())) stl_error("STL file ", path, " cannot be read: ", system_reason());
+  return bytes;
+}
+
+/// Four bytes, lowest first, on any machine.
+inline std::uint32_t get_u32(const char* bytes) {
+  std::uint32_t value = 0;
+  for (int k = 3; k >= 0; --k) value = value << 8 | static_cast<unsigned char>(bytes[k]);
+  return value;
+}
+inline void put_u32(std::string& out, std::uint32_t value) {
+  for (int k = 0; k < 4; ++k) out += static_cast<char>(value >> 8 * k & 0xff);
+}
+
+inline std::vector<std::array<Vec3d, 3>> parse_binary_stl(std::string_view bytes) {
+  std::vector<std::array<Vec3d, 3>> triangles(get_u32(bytes.data() + 80));
+  const char* at = bytes.data() + stl_header_bytes;
+  const auto coordinate = [&at] {
+    const auto value = static_cast<double>(std::bit_cast<float>(get_u32(at)));
+    at += 4;
+    return value;
+  };
+  for (auto& triangle : triangles) {
+    at += 12;  // normal: follows from the corners
+    for (auto& corner : triangle)
+      corner.x = coordinate(), corner.y = coordinate(), corner.z = coordinate();
+    at += 2;  // "attribute byte count"
+  }
+  return triangles;
+}
+
+/// Words and lines of an ASCII STL file.
+class AsciiStl {
+ public:
+  AsciiStl(const std::string& path, std::string_view characters) : path_(path), rest_(characters) {}
+
+  std::vector<std::array<Vec3d, 3>> parse() {
+    std::vector<std::array<Vec3d, 3>> triangles;
+    expect(next(), "solid");
+    do {
+      skip_line();  // the solid's name
+      auto word = next();
+      for (; is(word, "facet"); word = next()) triangles.push_back(facet());
+      if (!is(word, "endsolid")) fail("expected 'facet' or 'endsolid', found ", shown(word));
+      skip_line();
+    } while (another_solid());
+    return triangles;
+  }
+
+ private:
+  std::array<Vec3d, 3> facet() {
+    expect(next(), "normal");
+    for (int k = 0; k < 3; ++k) next();  // its value follows from the corners; often 0 or nan
+    expect(next(), "outer");
+    expect(next(), "loop");
+    std::array<Vec3d, 3> corners;
+    for (auto& corner : corners) {
+      expect(next(), "vertex");
+      corner.x = number(), corner.y = number(), corner.z = number();
+    }
+    expect(next(), "endloop");
+    expect(next(), "endfacet");
+    return corners;
+  }
+
+  bool another_solid() {
+    const auto word = next();
+    if (!word.empty()) expect(word, "solid");
+    return !word.empty();
+  }
+
+  double number() {
+    const auto word = next();
+    const auto digits = word.starts_with('+') ? word.substr(1) : word;
+    double value = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (error == std::errc::result_out_of_range)
+      fail("the number ", shown(word), " is too large or too small");
+    if (error != std::errc{} || end != digits.data() + digits.size())
+      fail("expected a number, found ", shown(word));
+    return value;
+  }
+
+  std::string_view next() {
+    while (!rest_.empty() && is_space(rest_.front())) {
+      line_ += rest_.front() == '\n';
+      rest_.remove_prefix(1);
+    }
+    std::size_t n = 0;
+    while (n < rest_.size() && !is_space(rest_[n])) ++n;
+    const auto word = rest_.substr(0, n);
+    rest_.remove_prefix(n);
+    return word;
+  }
+  void skip_line() { rest_.remove_prefix(std::min(rest_.find('\n'), rest_.size())); }
+
+  void expect(std::string_view word, std::string_view wanted) const {
+    if (!is(word, wanted)) fail("expected '", wanted, "', found ", shown(word));
+  }
+  template <class... Parts>
+  [[noreturn]] void fail(const Parts&... parts) const {
+    stl_error("STL file ", path_, ", line ", line_, ": ", parts...);
+  }
+
+  static bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+  static bool is(std::string_view word, std::string_view lower_case) {
+    return std::equal(
+        word.begin(), word.end(), lower_case.begin(), lower_case.end(),
+        [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; });
+  }
+  static std::string shown(std::string_view word) {
+    return word.empty() ? "the end of the file" : text('\'', word.substr(0, 40), '\'');
+  }
+
+  const std::string& path_;
+  std::string_view rest_;
+  std::size_t line_ = 1;
+};
+
+/// Binary if the size is what the count in the header asks for, whatever the header's words; else
+/// text if there is no zero byte, of which every binary file has some.
+inline std::vector<std::array<Vec3d, 3>> parse_stl(const std::string& path,
+                                                   std::string_view bytes) {
+  if (bytes.empty()) stl_error("STL file ", path, " is empty");
+  const bool has_header = bytes.size() >= stl_header_bytes;
+  const std::size_t count = has_header ? get_u32(bytes.data() + 80) : 0;
+  const std::size_t expected = stl_header_bytes + stl_triangle_bytes * count;
+  if (has_header && bytes.size() == expected) return parse_binary_stl(bytes);
+  if (bytes.find('\0') == std::string_view::npos) return AsciiStl(path, bytes).parse();
+  if (!has_header)
+    stl_error("STL file ", path, " is not text and has ", bytes.size(),
+              " bytes; a binary STL file begins with a header of 84 bytes");
+  stl_error("STL file ", path, " is binary and announces ", count, " triangles, that is ", expected,
+            " bytes, but has ", bytes.size(), " bytes; it is ",
+            bytes.size() < expected ? "truncated or " : "", "not an STL file");
+}
+
+inline bool fits_float(double value) {
+  return std::abs(value) <= static_cast<double>(std::numeric_limits<float>::max());
+}
+
+inline Vec3d facet_normal(const std::array<Vec3d, 3>& triangle) {
+  const Vec3d normal = cross(triangle[1] - triangle[0], triangle[2] - triangle[0]);
+  const double length = norm(normal);
+  return length > 0 && std::isfinite(length) ? normal * (1 / length) : Vec3d{0, 0, 0};
+}
+
+inline void append_binary(std::string& out, const Vec3d& v) {
+  for (const double value : {v.x, v.y, v.z})
+    put_u32(out, std::bit_cast<std::uint32_t>(static_cast<float>(value)));
+}
+inline void append_ascii(std::string& out, const Vec3d& v) {
+  out += text(' ', v.x, ' ', v.y, ' ', v.z, '\n');
+}
+
+inline std::string binary_stl(const std::vector<std::array<Vec3d, 3>>& triangles) {
+  std::string out = "binary STL written by silt, in metres";  // must not begin with "solid"
+  out.resize(80, ' ');
+  put_u32(out, static_cast<std::uint32_t>(triangles.size()));
+  for (const auto& triangle : triangles) {
+    append_binary(out, facet_normal(triangle));
+    for (const auto& corner : triangle) append_binary(out, corner);
+    out.append(2, '\0');
+  }
+  return out;
+}
+
+inline std::string ascii_stl(const std::vector<std::array<Vec3d, 3>>& triangles) {
+  std::string out = "solid silt\n";
+  for (const auto& triangle : triangles) {
+    append_ascii(out += "facet normal", facet_normal(triangle));
+    out += "outer loop\n";
+    for (const auto& corner : triangle) append_ascii(out += "vertex", corner);
+    out += "endloop\nendfacet\n";
+  }
+  return out += "endsolid silt\n";
+}
+
+/// Writes beside `path` and renames: the file is there complete, or as it was before.
+inline void write_whole_file(const std::string& path, const std::string& bytes) {
+  const std::string beside = path + ".part";
+  File file(std::fopen(beside.c_str(), "wb"));
+  if (!file) stl_error("STL file ", beside, " cannot be written: ", system_reason());
+  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file.get()) == bytes.size();
+  const bool closed = std::fclose(file.release()) == 0;
+  if (written && closed && std::rename(beside.c_str(), path.c_str()) == 0) return;
+  const auto reason = system_reason();
+  std::remove(beside.c_str());
+  stl_error("STL file ", path, " cannot be written: ", reason);
+}
+
+}  // namespace detail
+
+/// The triangles of an ASCII or binary STL file, corners times `scale` [m per unit of the file].
+inline std::vector<std::array<Vec3d, 3>> read_stl(const std::string& path, double scale = 1) {
+  require_positive("read_stl: scale", scale, "m per file unit");
+  auto triangles = detail::parse_stl(path, detail::read_whole_file(path));
+  if (triangles.empty()) detail::stl_error("STL file ", path, " holds no triangles");
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (auto& corner : triangles[t]) {
+      const Vec3d in_file = corner;
+      corner *= scale;
+      if (!is_finite(corner))
+        detail::stl_error("STL file ", path, ": triangle ", t + 1, " of ", triangles.size(),
+                          " has the corner ", in_file, ", times scale = ", scale,
+                          "; coordinates must be finite");
+    }
+  return triangles;
+}
+
+/// Writes triangles [m]; replaces the file at once when all is written. Binary files round to
+/// float (7 digits), ASCII files keep every digit.
+inline void write_stl(const std::string& path, const std::vector<std::array<Vec3d, 3>>& triangles,
+                      StlFormat format = StlFormat::Binary) {
+  require(!triangles.empty() && triangles.size() <= std::numeric_limits<std::uint32_t>::max(),
+          "write_stl: ", triangles.size(), " triangles for ", path,
+          "; an STL file holds at least 1 and at most 2^32 - 1");
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (const auto& corner : triangles[t])
+      require(detail::fits_float(corner.x) && detail::fits_float(corner.y) &&
+                  detail::fits_float(corner.z),
+              "write_stl: triangle ", t + 1, " of ", triangles.size(), " for ", path,
+              " has the corner ", corner, " [m]; coordinates must be finite and below 3.4e38");
+  detail::write_whole_file(path, format == StlFormat::Binary ? detail::binary_stl(triangles)
+                                                             : detail::ascii_stl(triangles));
+}
+
+}  // namespace silt

@@ -1,0 +1,93 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <vector>
+
+#include <silt/core/box.hpp>
+
+namespace silt::detail {
+
+/// Boxes within boxes around triangles, for "which are near this point".
+///
+/// A tree and not a uniform grid, as CAD surfaces mix facets of very different sizes: its memory is
+/// one node for every two triangles or so whatever their sizes, and a query visits few of them.
+class TriangleTree {
+ public:
+  TriangleTree() = default;
+  explicit TriangleTree(const std::vector<Box>& boxes) : order_(boxes.size()) {
+    std::iota(order_.begin(), order_.end(), 0u);
+    build(boxes, 0, static_cast<std::uint32_t>(boxes.size()));
+  }
+
+  const Box& bounds() const { return nodes_.front().box; }
+
+  /// Calls `visit(triangle)` for the triangles of every leaf that comes within `reach` of `point`.
+  template <class Visit>
+  void for_each_near(const Vec3d& point, double reach, Visit&& visit) const {
+    for_each([&](const Box& box) { return squared_distance(box, point) <= reach * reach; }, visit);
+  }
+
+  /// Calls `visit(triangle)` for the triangles of every leaf whose box and all around it `meets`.
+  template <class Meets, class Visit>
+  void for_each(Meets&& meets, Visit&& visit) const {
+    for (std::size_t i = 0; i < nodes_.size();) {
+      const Node& node = nodes_[i];
+      if (!meets(node.box)) {
+        i = node.skip_to;
+        continue;
+      }
+      for (auto k = node.first; k < node.last; ++k) visit(order_[k]);
+      ++i;
+    }
+  }
+
+ private:
+  /// Depth-first: the subtree of node i is [i, skip_to). Leaves alone hold triangles.
+  struct Node {
+    Box box;
+    std::uint32_t first, last, skip_to;
+  };
+  static constexpr std::uint32_t leaf_size = 4;
+
+  void build(const std::vector<Box>& boxes, std::uint32_t first, std::uint32_t last) {
+    const auto at = nodes_.size();
+    Box around, centres;
+    for (auto k = first; k < last; ++k) {
+      const Box& box = boxes[order_[k]];
+      around.include(box.min), around.include(box.max);
+      centres.include(box.centre());
+    }
+    const bool leaf = last - first <= leaf_size;
+    nodes_.push_back({around, first, leaf ? last : first, 0});
+    if (!leaf) {
+      const auto middle = first + (last - first) / 2;
+      const auto along = longest_axis(centres.extent());
+      std::nth_element(order_.begin() + first, order_.begin() + middle, order_.begin() + last,
+                       [&](std::uint32_t a, std::uint32_t b) {
+                         return boxes[a].centre().*along < boxes[b].centre().*along;
+                       });
+      build(boxes, first, middle);
+      build(boxes, middle, last);
+    }
+    nodes_[at].skip_to = static_cast<std::uint32_t>(nodes_.size());
+  }
+
+  static double Vec3d::*longest_axis(const Vec3d& e) {
+    return e.x >= e.y && e.x >= e.z ? &Vec3d::x : e.y >= e.z ? &Vec3d::y : &Vec3d::z;
+  }
+
+  static double squared_distance(const Box& box, const Vec3d& p) {
+    const double x = std::max({box.min.x - p.x, 0.0, p.x - box.max.x});
+    const double y = std::max({box.min.y - p.y, 0.0, p.y - box.max.y});
+    const double z = std::max({box.min.z - p.z, 0.0, p.z - box.max.z});
+    return x * x + y * y + z * z;
+  }
+
+  std::vector<std::uint32_t> order_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace silt::detail

@@ -1,0 +1,22 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <concepts>
+
+namespace silt {
+
+/// The coupling of particles with a fluid. Needs `static constexpr bool active`; if it is false, the
+/// fluid stage of the time loop compiles to nothing.
+template <class F>
+concept FluidCoupling = requires {
+  { F::active } -> std::convertible_to<bool>;
+};
+
+/// No fluid around the particles (default).
+struct NoFluid {
+  static constexpr bool active = false;
+};
+
+static_assert(FluidCoupling<NoFluid>);
+
+}  // namespace silt

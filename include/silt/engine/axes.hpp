@@ -1,0 +1,107 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <type_traits>
+#include <utility>
+
+#include <silt/contact/contacts.hpp>
+#include <silt/coupling/no_fluid.hpp>
+#include <silt/fill/particles.hpp>
+#include <silt/search/concept.hpp>
+
+namespace silt {
+
+/// The instruction set that the kernels use: an xsimd architecture, or OneLane.
+template <class Arch>
+struct KernelsFor {
+  using type = Arch;
+};
+
+namespace detail {
+
+template <class P>
+struct IsParticles : std::false_type {};
+template <class S>
+struct IsParticles<Particles<S>> : std::true_type {};
+
+template <class P>
+struct IsContacts : std::bool_constant<is_contacts<P>> {};
+
+/// A search is a finder itself, or something that holds one (a Verlet list).
+template <class P>
+struct IsSearch
+    : std::bool_constant<NeighbourSearch<P> || requires(P p) { requires NeighbourSearch<decltype(p.finder)>; }> {
+};
+
+template <class P>
+struct IsDomain : std::bool_constant<requires { P::is_domain; }> {};
+
+template <class P>
+struct IsFluid : std::bool_constant<FluidCoupling<P>> {};
+
+template <class P>
+struct IsKernels : std::false_type {};
+template <class Arch>
+struct IsKernels<KernelsFor<Arch>> : std::true_type {};
+
+template <class P>
+inline constexpr bool belongs_to_an_axis =
+    IsParticles<P>::value || IsContacts<P>::value || IsSearch<P>::value || IsDomain<P>::value ||
+    IsFluid<P>::value || IsKernels<P>::value;
+
+template <template <class> class Is, class... Policies>
+inline constexpr int count = (0 + ... + int{Is<Policies>::value});
+
+template <template <class> class Is, class Default, class... Policies>
+struct Pick {
+  using type = Default;
+};
+template <template <class> class Is, class Default, class First, class... Rest>
+struct Pick<Is, Default, First, Rest...> {
+  using type = typename std::conditional_t<Is<First>::value, std::type_identity<First>,
+                                           Pick<Is, Default, Rest...>>::type;
+};
+/// The policy of one axis, or its default.
+template <template <class> class Is, class Default, class... Policies>
+using pick = typename Pick<Is, Default, Policies...>::type;
+
+/// The argument of type T among those given.
+template <class T, class First, class... Rest>
+T& take(First& first, Rest&... rest) {
+  if constexpr (std::is_same_v<T, std::remove_cv_t<First>>)
+    return const_cast<T&>(first);
+  else
+    return take<T>(rest...);
+}
+template <class T, class... Args>
+T take_or(Args&... args) {
+  if constexpr ((std::is_same_v<T, std::remove_cv_t<Args>> || ...))
+    return take<T>(args...);
+  else
+    return T{};
+}
+
+// Observers: anything callable with the simulation; the members below are optional.
+
+template <class O, class Sim>
+void begin(O& observer, Sim& sim, double end_time) {
+  if constexpr (requires { observer.begin(sim, end_time); }) observer.begin(sim, end_time);
+}
+template <class O, class Sim>
+bool is_due(O& observer, const Sim& sim) {
+  if constexpr (requires { observer.is_due(sim); })
+    return observer.is_due(sim);
+  else
+    return true;
+}
+template <class O, class Sim>
+void observe(O& observer, Sim& sim) {
+  if (is_due(observer, sim)) observer(sim);
+}
+template <class O, class Sim>
+void end(O& observer, Sim& sim) {
+  if constexpr (requires { observer.end(sim); }) observer.end(sim);
+}
+
+}  // namespace detail
+}  // namespace silt

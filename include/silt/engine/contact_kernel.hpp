@@ -1,0 +1,128 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cstddef>
+
+#include <silt/contact/contacts.hpp>
+#include <silt/core/lanes.hpp>
+
+namespace silt::detail {
+
+/// What is known of a contact before the law is asked; pairs and walls both end up here.
+template <class Real>
+struct Kinematics {
+  Vec3<Real> normal;       // [-] from partner to i
+  Vec3<Real> half_change;  // [-] normal now less normal half a step ago
+  Real overlap;            // [m]
+  Real arm;                // [-] lever arm over radius, same for both partners
+  Real R_eff;              // [m]
+  Real m_eff;              // [kg]
+  Vec3<Real> velocity;     // [m/s] of centre i relative to the partner
+  Vec3<Real> spin;         // [m/s] sum of radius times angular velocity
+  Real twist;              // [rad/s] mean angular velocity of the contact about its normal
+};
+
+/// What more a rolling model needs.
+template <class Real>
+struct RollingKinematics {
+  Vec3<Real> angular_velocity;  // [rad/s] w_i - w_j
+  Real inertia_eff;             // [kg m2]
+};
+
+/// Force on i, torque over radius (the same sign on both partners), couple on i (opposite on j).
+template <class Real>
+struct PairLoad {
+  Vec3<Real> force;   // [N]
+  Vec3<Real> twirl;   // [N]
+  Vec3<Real> couple;  // [N m]
+};
+
+/// Law and rolling model of one Contacts type on packs of lanes; knows no particles.
+template <class ContactsType, class Real>
+struct ContactKernel {
+  using Law = typename ContactsType::Law;
+  using Rolling = typename ContactsType::Rolling;
+  using LawCoefficients = typename Law::template Coefficients<Real>;
+  using RollingCoefficients = typename Rolling::template Coefficients<Real>;
+
+  static Contact<Real> contact(const Kinematics<Real>& k, const Real& time_step) {
+    Contact<Real> c;
+    c.normal = k.normal;
+    c.overlap = max(k.overlap, Real(0));
+    c.R_eff = k.R_eff, c.m_eff = k.m_eff, c.time_step = time_step;
+    const Vec3<Real> middle = k.normal - k.half_change;
+    c.normal_velocity = dot(k.velocity, middle);
+    if constexpr (ContactsType::rotates) {
+      Vec3<Real> slip = k.velocity - c.normal_velocity * middle - k.arm * cross(k.spin, middle);
+      c.tangential_velocity = slip - dot(slip, k.normal) * k.normal;
+      c.turn = cross(k.normal, Real(2) * k.half_change) + (time_step * k.twist) * k.normal;
+    }
+    return c;
+  }
+
+  /// `history`: one pointer a component, at this pack; lanes out of contact are set to zero.
+  static PairLoad<Real> load(const Kinematics<Real>& k, const RollingKinematics<Real>& r,
+                             const Real& time_step, const LawCoefficients& law,
+                             [[maybe_unused]] const RollingCoefficients& rolling,
+                             double* const* history) {
+    const Contact<Real> c = contact(k, time_step);
+    const auto touching = k.overlap > Real(0);
+    const Real zero(0);
+    PairLoad<Real> out{};
+
+    typename HistoryOf<Law, Real>::type h;
+    load_history<ContactsType::law_history>(h, history);
+    const auto answer = law_force<Law, Real>(c, law, h);
+    store_history<ContactsType::law_history>(h, touching, history);
+
+    Real normal_force;
+    if constexpr (is_frictional<Law>) {
+      normal_force = select(touching, answer.normal, zero);
+      const Vec3<Real> none{zero, zero, zero};
+      const Vec3<Real> tangential = select(touching, answer.tangential, none);
+      out.force = normal_force * k.normal + tangential;
+      out.twirl = -(k.arm * cross(k.normal, tangential));
+    } else {
+      normal_force = select(touching, answer, zero);
+      out.force = normal_force * k.normal;
+      if constexpr (ContactsType::rotates) out.twirl = {zero, zero, zero};
+    }
+    if constexpr (ContactsType::has_rolling) {
+      constexpr std::size_t offset = ContactsType::law_history;
+      const RollingContact<Real> rc{
+          k.normal, r.angular_velocity - dot(r.angular_velocity, k.normal) * k.normal,
+          max(normal_force, zero), Law::stiffness(c, law), k.R_eff, r.inertia_eff, c.turn,
+          time_step};
+      typename HistoryOf<Rolling, Real>::type m;
+      load_history<ContactsType::rolling_history>(m, history + offset);
+      Vec3<Real> couple;
+      if constexpr (ContactsType::rolling_history > 0)
+        couple = Rolling::torque(rc, rolling, m);
+      else
+        couple = Rolling::torque(rc, rolling);
+      store_history<ContactsType::rolling_history>(m, touching, history + offset);
+      out.couple = select(touching, couple, {zero, zero, zero});
+    }
+    return out;
+  }
+
+ private:
+  template <std::size_t N, class H>
+  static void load_history(H& h, double* const* history) {
+    if constexpr (N > 0) {
+      std::array<Real, N> values;
+      for (std::size_t n = 0; n < N; ++n) values[n] = silt::load<Real>(history[n]);
+      h = std::bit_cast<H>(values);
+    }
+  }
+  template <std::size_t N, class H, class M>
+  static void store_history(const H& h, const M& touching, double* const* history) {
+    if constexpr (N > 0) {
+      const auto values = std::bit_cast<std::array<Real, N>>(h);
+      for (std::size_t n = 0; n < N; ++n)
+        silt::store(history[n], select(touching, values[n], Real(0)));
+    }
+  }
+};
+
+}  // namespace silt::detail

@@ -1,0 +1,329 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <numeric>
+#include <vector>
+
+#include <silt/engine/list_upkeep.hpp>
+#include <silt/engine/pair_pipeline.hpp>
+#include <silt/engine/particle_state.hpp>
+#include <silt/engine/wall_pipeline.hpp>
+#include <silt/motion/leapfrog.hpp>
+
+namespace silt::detail {
+
+/// The state of a simulation and the stages of its step, each a plain function of state. Knows the
+/// policies, but neither observers nor files nor the order of the stages: that is Simulation's.
+template <class ShapeType, class ContactsType, class Search, class Domain, class Arch>
+class Engine {
+ public:
+  static constexpr bool rotates = ContactsType::rotates;
+  static constexpr std::size_t chunks = load_chunks<ContactsType>;
+  using State = ParticleState<rotates, ContactsType::several_materials>;
+  using Motion = typename State::Motion;
+  using Pairs = PairList<ContactsType::history>;
+  using WallPairs = WallContacts<ContactsType::history>;
+
+  /// State of one particle at a whole step [m/s].
+  struct Synchronous {
+    Vec3d velocity, spin_velocity;
+  };
+
+  State particles;
+  std::vector<Wall> walls;
+  Pairs pairs;
+  WallPairs wall_pairs;
+  ListUpkeep upkeep;
+  AlignedVector<Vec3d> reference;          // [m] positions at the last search
+  WallMarks searched_walls, pruned_walls;  // poses at the last search and pruning
+  std::vector<Synchronous> synchronous;    // of the last observed step
+  CoefficientTable<ContactsType> coefficients;
+  double largest_radius = 0;   // [m]
+  double mean_diameter = 0;    // [m]
+  double largest_speed = 0;    // [m/s]
+  double largest_overlap = 0;  // [-] over the smaller radius, in the last step
+  bool finite = true;          // all velocities, after the last kick
+  int threads = 1;
+
+  void set_coefficients(const ContactsType& contacts) {
+    const std::size_t n = contacts.materials();
+    const std::size_t of_particles = ContactsType::several_materials ? n : 1;
+    coefficients = {n, {}, {}};
+    for (std::size_t a = 0; a < of_particles; ++a)
+      for (std::size_t b = 0; b < n; ++b) {
+        coefficients.law.push_back(contacts.coefficients(a, b));
+        coefficients.rolling.push_back(contacts.rolling_coefficients(a, b));
+      }
+  }
+
+  // --- search -------------------------------------------------------------------------------
+
+  /// Renews what is stale of the lists; `closing` [m] bounds how far a sphere moves in a step.
+  void renew_lists(Search& search, const Domain& domain, std::int64_t step, double closing) {
+    if (inner_list_holds()) return;
+    if (!outer_list_holds(search, domain)) find_pairs(search, domain, step, closing);
+    prune(domain, step);
+  }
+
+  bool inner_list_holds() const {
+    return upkeep.pruned_at >= 0 && upkeep.inner_holds(pruned_walls.travel(walls));
+  }
+  /// Makes the next step search anew, whatever has moved.
+  void forget_lists() { upkeep.searched_at = upkeep.pruned_at = -1; }
+
+  // --- forces -------------------------------------------------------------------------------
+
+  void pair_forces(const Domain& domain, double time_step) {
+    using Pipeline = PairPipeline<ContactsType, Domain, Arch>;
+    largest_overlap = Pipeline::run(
+        {particles.position.data(), particles.motion.data(), kinds_.data(), time_step}, pairs,
+        coefficients, domain, row(1), threads);
+  }
+
+  void wall_forces(double time_step) {
+    if (walls.empty()) return;
+    const double overlap = wall_pipeline_.run(
+        {particles.position.data(), particles.motion.data(), particles.material.data(), time_step},
+        wall_pairs, coefficients, walls, row(1 + pairs.padded_size()), threads);
+    largest_overlap = std::max(largest_overlap, overlap);
+  }
+
+  void move_walls(double time) {
+    for (auto& wall : walls) {
+      if (!wall.moves()) continue;
+      wall.last_pose = wall.pose;
+      wall.pose = wall.motion(time);
+    }
+  }
+
+  // --- integration --------------------------------------------------------------------------
+
+  enum class Advance { KickAndDrift, KickAndRecord };
+
+  /// Sums the rows of each particle, kicks for `kick_time` [s] and drifts for `time_step` [s]; or
+  /// stops between kick and drift and records the state at the whole step (kick_time: since then).
+  void integrate(Advance how, const Vec3d& gravity, double kick_time, double time_step,
+                 bool first_kick) {
+    if (how == Advance::KickAndRecord) synchronous.resize(particles.size());
+    std::array<double, parts> fastest{}, check{};
+    in_parallel(threads, parts, [&](std::ptrdiff_t part) {
+      const auto p = static_cast<std::size_t>(part);
+      const std::size_t from = particles.size() * p / parts, to = particles.size() * (p + 1) / parts;
+      std::size_t extra = table_.extra_from(from);
+      double speed2 = 0, sum = 0;
+      for (std::size_t k = from; k < to; ++k) {
+        const auto load = sum_rows<chunks>(table_, rows_.data(), k, extra);
+        Motion& m = particles.motion[k];
+        const Motion before = m;
+        kick(m, load.value, gravity, kick_time);
+        const double v2 = m.vx * m.vx + m.vy * m.vy + m.vz * m.vz;
+        speed2 = std::max(speed2, v2), sum += v2;
+        if (how == Advance::KickAndRecord)
+          record(k, before, m, first_kick);
+        else
+          Leapfrog::drift(particles.position[k], m, time_step);
+      }
+      fastest[p] = speed2, check[p] = sum;
+    });
+    largest_speed = std::sqrt(*std::max_element(fastest.begin(), fastest.end()));
+    finite = std::isfinite(std::accumulate(check.begin(), check.end(), 0.0));
+    if (how == Advance::KickAndDrift) upkeep.travelled += largest_speed * time_step;
+  }
+
+  void drift(double time_step) {
+    in_parallel(threads, parts, [&](std::ptrdiff_t part) {
+      const auto p = static_cast<std::size_t>(part);
+      for (std::size_t k = particles.size() * p / parts; k < particles.size() * (p + 1) / parts; ++k)
+        Leapfrog::drift(particles.position[k], particles.motion[k], time_step);
+    });
+    upkeep.travelled += largest_speed * time_step;
+  }
+
+  // --- particles that leave -----------------------------------------------------------------
+
+  /// Takes particle k out of all contacts at once; the next search drops it.
+  void park(std::size_t k) {
+    constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
+    particles.position[k] = {nowhere, nowhere, nowhere, 0};
+    particles.motion[k] = Motion{};
+    particles.id[k] = no_particle;
+    ++parked_;
+  }
+  std::size_t parked() const { return parked_; }
+  static bool is_parked(std::uint32_t id) { return id == no_particle; }
+
+  /// Measures sizes anew after particles were added.
+  void measure() {
+    largest_radius = 0, mean_diameter = 0;
+    for (const auto& p : particles.rows()) {
+      largest_radius = std::max(largest_radius, p.r);
+      mean_diameter += 2 * p.r;
+    }
+    if (particles.size() > 0) mean_diameter /= static_cast<double>(particles.size());
+  }
+
+  /// Rebuilds what follows from the inner lists (after a restart).
+  void renew_tables() {
+    make_kinds();
+    make_table();
+  }
+
+  std::size_t bytes() const {
+    return particles.position.capacity() * sizeof(PositionRow) +
+           particles.motion.capacity() * sizeof(Motion) +
+           reference.capacity() * sizeof(Vec3d) + rows_.capacity() * sizeof(double) + pairs.bytes() +
+           table_.bytes() + found_.capacity() * sizeof(IndexPair);
+  }
+
+ private:
+  static constexpr std::ptrdiff_t parts = 64;  // pieces of the particle loop, whatever the threads
+
+  double* row(std::size_t k) { return rows_.data() + k * 4 * chunks; }
+
+  static constexpr bool keeps_list = requires(Search& s) { s.finder; };
+  static auto& finder(Search& search) {
+    if constexpr (keeps_list)
+      return search.finder;
+    else
+      return search;
+  }
+
+  bool outer_list_holds(const Search&, const Domain& domain) const {
+    if (upkeep.searched_at < 0) return false;
+    return upkeep.outer_holds(largest_displacement_since_search(domain),
+                              searched_walls.travel(walls));
+  }
+
+  double largest_displacement_since_search(const Domain&) const {
+    double most = 0;
+    for (std::size_t k = 0; k < particles.size(); ++k) {
+      if (is_parked(particles.id[k])) continue;
+      const Vec3d d = particles.position[k].centre() - reference[k];
+      most = std::max(most, dot(d, d));
+    }
+    return std::sqrt(most);
+  }
+
+  void find_pairs(Search& search, const Domain& domain, std::int64_t step, double closing) {
+    previous_.resize(particles.size());
+    std::iota(previous_.begin(), previous_.end(), 0u);
+    if (parked_ > 0) drop_parked();
+    if constexpr (Domain::periodic)
+      for (std::size_t k = 0; k < particles.size(); ++k) {
+        const Vec3d p = domain.wrapped(particles.position[k].centre());
+        particles.position[k] = {p.x, p.y, p.z, particles.position[k].r};
+      }
+    if constexpr (keeps_list) {
+      if (search.skin)
+        upkeep.set_skin(*search.skin);
+      else
+        upkeep.choose_skins(mean_diameter, 2 * closing);
+    }
+    auto& find = finder(search);
+    const auto spheres = [&] { return SphereSet{particles.rows(), largest_radius}; };
+    if constexpr (keeps_list) {
+      if constexpr (requires { find.order(spheres(), 1.0, domain, order_); })
+        if (search.sort) {
+          find.order(spheres(), upkeep.outer_skin, domain, order_);
+          apply_order();
+        }
+    }
+    find.find(spheres(), upkeep.outer_skin, domain, threads, found_);
+    pairs.set_outer(found_, particles.id, particles.motion.data(), previous_);
+    wall_pairs.search(walls, particles.rows(), upkeep.outer_skin, previous_);
+
+    reference.resize(particles.size());
+    Box region;
+    for (std::size_t k = 0; k < particles.size(); ++k) {
+      reference[k] = particles.position[k].centre();
+      region.include(reference[k]);
+    }
+    searched_walls.set(walls, region.grown(largest_radius + upkeep.outer_skin));
+    upkeep.searched_at = step;
+    first_pruning_ = true;
+  }
+
+  void prune(const Domain& domain, std::int64_t step) {
+    const std::span<const std::uint32_t> none;
+    pairs.prune(particles.position.data(), particles.size(), upkeep.inner_skin, domain,
+                first_pruning_ ? std::span<const std::uint32_t>(previous_) : none, threads);
+    wall_pairs.prune(walls, particles.position.data(), upkeep.inner_skin);
+    pruned_walls.set(walls, searched_walls.region());
+    upkeep.travelled = 0;
+    upkeep.pruned_at = step;
+    first_pruning_ = false;
+    renew_tables();
+  }
+
+  void make_kinds() {
+    if constexpr (ContactsType::several_materials) {
+      kinds_.assign(pairs.padded_size(), 0);
+      for (std::size_t k = 0; k < pairs.size(); ++k)
+        kinds_[k] = static_cast<std::uint16_t>(
+            particles.material[pairs.first()[k]] * coefficients.materials +
+            particles.material[pairs.second()[k]]);
+    }
+  }
+
+  void make_table() {
+    table_.clear(particles.size());
+    for (std::uint32_t k = 0; k < pairs.size(); ++k) {
+      table_.add_plus(pairs.first()[k], 1 + k);
+      table_.add_minus(pairs.second()[k], 1 + k);
+    }
+    const auto first = static_cast<std::uint32_t>(1 + pairs.padded_size());
+    for (const auto& c : wall_pairs.candidates()) {
+      const std::size_t count = WallPairs::slots_of(walls[c.wall].surfaces[c.surface]);
+      for (std::uint32_t s = 0; s < count; ++s) table_.add_plus(c.particle, first + c.slot + s);
+    }
+    table_.finish();
+    const std::size_t size = (first + wall_pairs.slots()) * 4 * chunks;
+    if (rows_.size() < size) rows_.resize(size + size / 8);
+    std::fill_n(rows_.begin(), 4 * chunks, 0.0);
+  }
+
+  void drop_parked() {
+    order_.clear();
+    for (std::uint32_t k = 0; k < particles.size(); ++k)
+      if (!is_parked(particles.id[k])) order_.push_back(k);
+    apply_order();
+    parked_ = 0;
+    measure();
+  }
+
+  void apply_order() {
+    particles.reorder(order_);
+    std::vector<std::uint32_t> before(order_.size());
+    for (std::size_t k = 0; k < order_.size(); ++k) before[k] = previous_[order_[k]];
+    previous_.swap(before);
+  }
+
+  static void kick(Motion& m, const double* load, const Vec3d& gravity, double time) {
+    Leapfrog::kick(m, load, gravity, time);
+    if constexpr (rotates)
+      Leapfrog::template spin<ContactsType::has_rolling>(m, load, ShapeType::inertia_factor(), time);
+  }
+
+  /// At the whole step the velocity is the mean of the two half steps around it.
+  void record(std::size_t k, const Motion& before, const Motion& after, bool first_kick) {
+    auto& s = synchronous[k];
+    s.velocity = first_kick ? before.velocity() : 0.5 * (before.velocity() + after.velocity());
+    if constexpr (rotates)
+      s.spin_velocity = first_kick ? before.spin_velocity()
+                                   : 0.5 * (before.spin_velocity() + after.spin_velocity());
+  }
+
+  WallPipeline<ContactsType, Arch> wall_pipeline_;
+  ReductionTable table_;
+  AlignedVector<double> rows_;  // row 0 is zero, then one a pair, then one a wall slot
+  std::vector<std::uint16_t> kinds_;
+  std::vector<IndexPair> found_;
+  std::vector<std::uint32_t> order_, previous_;
+  bool first_pruning_ = true;
+  std::size_t parked_ = 0;  // particles that left since the last search
+};
+
+}  // namespace silt::detail

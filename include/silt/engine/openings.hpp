@@ -1,0 +1,171 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <silt/core/box.hpp>
+#include <silt/core/error.hpp>
+#include <silt/core/random.hpp>
+#include <silt/fill/packing.hpp>
+#include <silt/fill/region.hpp>
+
+namespace silt {
+
+/// Where particles leave: their centre is inside `region`. Looked at whenever a particle may have
+/// moved by half the inner skin, so that the region must be thicker than that.
+struct Outlet {
+  Box region;               // [m]
+  std::uint64_t count = 0;  // [-] left so far
+  double mass = 0;          // [kg] left so far
+};
+
+/// What flows in at an inlet. New spheres are placed at random free places of its region, every
+/// `interval`; those that find none wait for the next time.
+struct InletFlow {
+  SizeDistribution radius;       // [m]
+  double density;                // [kg/m3]
+  double rate;                   // [1/s] particles a second
+  Vec3d velocity{0, 0, 0};       // [m/s]
+  std::uint64_t total = 0;       // [-] stops after so many; 0: never
+  std::size_t material = 0;      // [-] index in the contacts' table
+  std::uint64_t seed = 1;
+  std::size_t trials = 200;      // [-] occupied places tried for one sphere
+  double interval = 0;           // [s] between insertions; 0: a diameter's time of flight
+};
+
+struct Inlet {
+  InletFlow flow;
+  std::string region;            // in words
+  Box bounds;                    // [m]
+  double start = 0;              // [s]
+  double interval = 0;           // [s] in use
+  std::uint64_t placed = 0;      // [-] so far
+  std::uint64_t waiting = 0;     // [-] due but without a free place at the last insertion
+  std::uint64_t insertions = 0;  // [-] times that it placed particles
+  Random random{1};
+
+  /// A sentence on the last insertion; empty if all that were due found a place.
+  std::string why_waiting() const {
+    if (waiting == 0) return {};
+    return text("inlet into ", region, ": ", placed, " particles placed, ", waiting,
+                " wait, because ", flow.trials,
+                " random places in a row were occupied; lower the rate, enlarge the region, or "
+                "give a velocity that clears it");
+  }
+};
+
+namespace detail {
+
+/// Inlets and outlets of a simulation.
+template <class ShapeType>
+class Openings {
+ public:
+  std::size_t add_outlet(const Box& region) {
+    require(region.min.x < region.max.x && region.min.y < region.max.y &&
+                region.min.z < region.max.z,
+            "add_outlet: the region from ", region.min, " to ", region.max, " m is empty");
+    outlets_.push_back({region});
+    return outlets_.size() - 1;
+  }
+  template <Region R>
+  std::size_t add_inlet(const R& region, const InletFlow& flow, double time) {
+    require_positive("InletFlow.density", flow.density, "kg/m3");
+    require_positive("InletFlow.rate", flow.rate, "1/s");
+    require_not_negative("InletFlow.interval", flow.interval, "s");
+    require(is_finite(flow.velocity), "InletFlow.velocity = ", flow.velocity,
+            " [m/s] must be finite");
+    require(flow.trials > 0, "InletFlow.trials = 0 [-] must be at least 1");
+    const auto place = region_of(region);
+    const Box bounds = place.bounds();
+    const Vec3d e = bounds.extent();
+    require(std::min({e.x, e.y, e.z}) >= 2 * flow.radius.max(), "add_inlet: ", place.describe(),
+            " is thinner than the largest sphere of radius ", flow.radius.max(), " m");
+    inlets_.push_back({flow, place.describe(), bounds, time, 0, 0, 0, 0, Random(flow.seed)});
+    places_.push_back([place](const SphereGrid& occupied, const Placement& sphere, Random& random) {
+      return try_place(place, occupied, sphere, random);
+    });
+    return inlets_.size() - 1;
+  }
+  const Outlet& outlet(std::size_t k) const { return outlets_.at(k); }
+  const Inlet& inlet(std::size_t k) const { return inlets_.at(k); }
+  std::vector<Outlet>& outlets() { return outlets_; }
+  std::vector<Inlet>& inlets() { return inlets_; }
+  const std::vector<Outlet>& outlets() const { return outlets_; }
+  const std::vector<Inlet>& inlets() const { return inlets_; }
+
+  /// Before a step: lets particles out if they may have moved, and in if their time has come.
+  template <class Engine, class Sim>
+  void update(Engine& engine, Sim& sim) {
+    if (!outlets_.empty() && !engine.inner_list_holds()) let_out(engine);
+    for (std::size_t k = 0; k < inlets_.size(); ++k) let_in(inlets_[k], places_[k], engine, sim);
+  }
+
+ private:
+  using Place =
+      std::function<std::optional<Vec3d>(const SphereGrid&, const Placement&, Random&)>;
+
+  template <class Engine>
+  void let_out(Engine& engine) {
+    for (std::size_t k = 0; k < engine.particles.size(); ++k) {
+      if (Engine::is_parked(engine.particles.id[k])) continue;
+      const Vec3d p = engine.particles.position[k].centre();
+      for (auto& o : outlets_) {
+        if (!o.region.contains(p)) continue;
+        ++o.count;
+        if (const double inv_m = engine.particles.motion[k].inv_m; inv_m > 0) o.mass += 1 / inv_m;
+        engine.park(k);
+        break;
+      }
+    }
+  }
+
+  template <class Engine, class Sim>
+  void let_in(Inlet& inlet, const Place& place, Engine& engine, Sim& sim) {
+    if (inlet.interval == 0) inlet.interval = choose_interval(inlet.flow, sim.gravity);
+    const double since = sim.time() - inlet.start;
+    if (since < static_cast<double>(inlet.insertions) * inlet.interval) return;
+    ++inlet.insertions;
+    auto due = static_cast<std::uint64_t>(inlet.flow.rate * since) + 1;
+    if (inlet.flow.total > 0) due = std::min(due, inlet.flow.total);
+    if (due <= inlet.placed) return;
+    SphereGrid occupied;
+    const Box near = inlet.bounds.grown(2 * std::max(engine.largest_radius, inlet.flow.radius.max()));
+    for (std::size_t k = 0; k < engine.particles.size(); ++k)
+      if (const auto& p = engine.particles.position[k]; p.r > 0 && near.contains(p.centre()))
+        occupied.insert({p.centre(), p.r});
+    inlet.waiting = 0;
+    std::vector<PlacedSphere> placed;
+    while (inlet.placed < due) {
+      const double radius = inlet.flow.radius.sample(inlet.random);
+      const auto centre = place(occupied, {radius, 0, inlet.flow.trials}, inlet.random);
+      if (!centre) {
+        inlet.waiting = due - inlet.placed;
+        break;
+      }
+      occupied.insert({*centre, radius});
+      placed.push_back({*centre, radius});
+      ++inlet.placed;
+    }
+    sim.insert(placed, inlet.flow);
+  }
+
+  /// The time in which a sphere moves on by the largest diameter.
+  static double choose_interval(const InletFlow& flow, const Vec3d& gravity) {
+    if (flow.interval > 0) return flow.interval;
+    const double d = 2 * flow.radius.max();
+    const double speed = std::max(norm(flow.velocity), std::sqrt(norm(gravity) * d));
+    return std::max(d / std::max(speed, 1e-9), 1 / flow.rate);
+  }
+
+  std::vector<Outlet> outlets_;
+  std::vector<Inlet> inlets_;
+  std::vector<Place> places_;
+};
+
+}  // namespace detail
+}  // namespace silt

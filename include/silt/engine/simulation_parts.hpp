@@ -1,0 +1,170 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+// Parts of Simulation that are not the loop: taking in particles, choosing and checking the step.
+
+#include <silt/simulation.hpp>
+
+namespace silt {
+
+template <class... Policies>
+void Simulation<Policies...>::add(const ParticlesType& more) {
+  std::vector<std::pair<PositionRow, typename Engine::Motion>> rows;
+  for (std::size_t k = 0; k < more.size(); ++k) {
+    const auto& p = more[k];
+    if (guard.domain)
+      require(guard.domain->contains(p.position), "particle ", k, " at ", p.position,
+              " m is outside guard.domain from ", guard.domain->min, " to ", guard.domain->max, " m");
+    if constexpr (Domain::periodic)
+      for (int d = 0; d < 3; ++d)
+        require(!domain_.repeats(d) || domain_.length(d) >= 6 * p.radius, "PeriodicBox: its length ",
+                domain_.length(d), " [m] must be at least 3 diameters of particle ", k, " of radius ",
+                p.radius, " m");
+    require(p.material < contacts_.materials() || !ContactsType::several_materials, "particle ", k,
+            ": material ", p.material, " is not in the table of ", contacts_.materials(),
+            " materials; add it to the contacts first");
+    require(ContactsType::several_materials || p.material == 0, "particle ", k, ": material ",
+            p.material, " needs Contacts<Law, SeveralMaterials>; without it all particles are of the "
+            "first material");
+    typename Engine::Motion m{};
+    m.vx = p.velocity.x, m.vy = p.velocity.y, m.vz = p.velocity.z;
+    m.inv_m = p.fixed ? 0 : 1 / (p.density * ShapeType::volume(p.radius));
+    if constexpr (rotates) {
+      const Vec3d spin = p.angular_velocity * p.radius;
+      m.wx = spin.x, m.wy = spin.y, m.wz = spin.z, m.inv_r = 1 / p.radius;
+    }
+    rows.push_back({{p.position.x, p.position.y, p.position.z, p.radius}, m});
+  }
+  for (std::size_t k = 0; k < more.size(); ++k) {
+    auto& [position, motion] = rows[k];
+    if (kicked_) {
+      typename Engine::Synchronous now{motion.velocity(), {0, 0, 0}};
+      if constexpr (rotates) now.spin_velocity = motion.spin_velocity();
+      engine_.synchronous.push_back(now);
+    }
+    engine_.particles.add(position, motion, next_id_++,
+                          static_cast<std::uint16_t>(more[k].material));
+  }
+  engine_.measure();
+  engine_.forget_lists();
+}
+
+template <class... Policies>
+void Simulation<Policies...>::insert(const std::vector<PlacedSphere>& spheres,
+                                     const InletFlow& flow) {
+  if (spheres.empty()) return;
+  ParticlesType more;
+  // The velocity is that of this instant; rows hold that of half a step ago.
+  const Vec3d velocity = first_kick_ ? flow.velocity : flow.velocity - 0.5 * dt_ * gravity;
+  for (const auto& s : spheres)
+    more.add({s.position, s.radius, flow.density, velocity, {0, 0, 0}, flow.material});
+  add(more);
+}
+
+template <class... Policies>
+detail::LightestSphere Simulation<Policies...>::lightest_sphere() const {
+  detail::LightestSphere s{std::numeric_limits<double>::infinity(),
+                           std::numeric_limits<double>::infinity()};
+  for (std::size_t k = 0; k < rows(); ++k) {
+    if (!is_present(k) || !std::isfinite(mass(k))) continue;
+    s.radius = std::min(s.radius, radius(k));
+    s.mass = std::min(s.mass, mass(k));
+  }
+  for (const auto& inlet : openings_.inlets()) {
+    const double r = inlet.flow.radius.min();
+    s.radius = std::min(s.radius, r);
+    s.mass = std::min(s.mass, inlet.flow.density * ShapeType::volume(r));
+  }
+  return s;
+}
+
+template <class... Policies>
+std::optional<double> Simulation<Policies...>::time_step_limit(double speed) const {
+  if constexpr (detail::HasContactTime<typename ContactsType::Law>) {
+    const auto lightest = lightest_sphere();
+    if (!std::isfinite(lightest.mass) || !(speed > 0)) return std::nullopt;
+    return guard.max_time_step * detail::shortest_contact<typename ContactsType::Law>(
+                                     engine_.coefficients.law, lightest, speed);
+  } else {
+    return std::nullopt;
+  }
+}
+
+/// The largest speed now, or that of a fall through the whole scene, whichever is greater [m/s].
+template <class... Policies>
+double Simulation<Policies...>::expected_speed() const {
+  double speed = 0;
+  Box scene;
+  for (std::size_t k = 0; k < rows(); ++k)
+    if (is_present(k)) speed = std::max(speed, norm(velocity(k))), scene.include(position(k));
+  for (const auto& w : engine_.walls)
+    for (const auto& s : w.surfaces)
+      detail::visit_surface(s, [&](const auto& surface) {
+        const Box b = surface.bounds();
+        if (is_finite(b.min) && is_finite(b.max)) scene.include(b.min), scene.include(b.max);
+      });
+  for (const auto& inlet : openings_.inlets()) {
+    speed = std::max(speed, norm(inlet.flow.velocity));
+    scene.include(inlet.bounds.min), scene.include(inlet.bounds.max);
+  }
+  const Vec3d e = scene.extent();
+  if (!is_finite(e)) return speed;
+  const double fall = std::abs(gravity.x) * e.x + std::abs(gravity.y) * e.y + std::abs(gravity.z) * e.z;
+  return std::max(speed, std::sqrt(2 * fall));
+}
+
+template <class... Policies>
+double Simulation<Policies...>::chosen_time_step() const {
+  const double speed = expected_speed();
+  if (time_step) {
+    require_positive("Simulation::time_step", *time_step, "s");
+    if (const auto limit = time_step_limit(speed))
+      require(*time_step <= *limit, "Simulation::time_step = ", *time_step,
+              " [s] is above the limit ", *limit, " s, guard.max_time_step = ", guard.max_time_step,
+              " of the shortest contact at ", speed, " m/s; lower it, leave it out, or soften the "
+              "material");
+    return *time_step;
+  }
+  const auto limit = time_step_limit(speed);
+  require(limit.has_value(),
+          "the time step cannot be chosen: the contact law has no contact_time(), or nothing moves "
+          "and there is no gravity; set Simulation::time_step [s]");
+  return *limit / guard.max_time_step / 20;
+}
+
+template <class... Policies>
+void Simulation<Policies...>::prepare() {
+  require_positive("Guard.max_overlap", guard.max_overlap, "-");
+  require_positive("Guard.max_time_step", guard.max_time_step, "-");
+  require(threads >= 1, "Simulation::threads = ", threads, " must be at least 1");
+  require(is_finite(gravity), "Simulation::gravity = ", gravity, " [m/s2] must be finite");
+  engine_.threads = threads;
+  engine_.set_coefficients(contacts_);
+  if (dt_ == 0 || (time_step && *time_step != dt_)) {
+    const double dt = chosen_time_step();
+    time_origin_ = time_, step_origin_ = step_;
+    dt_ = dt;
+  }
+  if (guard.domain) detail::check_inside(engine_, *guard.domain, step_, time_);
+}
+
+template <class... Policies>
+void Simulation<Policies...>::keep_limits() {
+  peak_overlap_ = std::max(peak_overlap_, engine_.largest_overlap);
+  if (!engine_.finite) detail::throw_not_finite(engine_, step_, time_);
+  if (engine_.largest_overlap > guard.max_overlap)
+    detail::throw_overlap(engine_, domain_, step_, time_, guard.max_overlap);
+  if (engine_.largest_speed > 1.05 * checked_speed_) {
+    checked_speed_ = engine_.largest_speed;
+    if (const auto limit = time_step_limit(checked_speed_); limit && dt_ > *limit)
+      throw SimulationError(
+          text("step ", step_, ", t = ", time_, " s: the time step ", dt_, " s is above its limit ",
+               *limit, " s at the largest speed ", checked_speed_,
+               " m/s; set a smaller Simulation::time_step or a softer material"),
+          step_, {}, {});
+  }
+  if (guard.domain && engine_.upkeep.pruned_at == step_)
+    detail::check_inside(engine_, *guard.domain, step_, time_);
+}
+
+}  // namespace silt

@@ -1,0 +1,37 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <limits>
+
+#include <silt/contact/contacts.hpp>
+#include <silt/contact/formulas.hpp>
+#include <silt/core/error.hpp>
+
+namespace silt::detail {
+
+/// The sphere that makes the shortest contacts.
+struct LightestSphere {
+  double radius;  // [m]
+  double mass;    // [kg]
+};
+
+/// True if the law has a closed form of its contact time.
+template <class Law>
+concept HasContactTime = requires(const typename Law::template Coefficients<double>& p) {
+  { Law::contact_time(p, 1.0, 1.0, 1.0) } -> std::same_as<double>;
+};
+
+/// The shortest contact [s] that impacts at `speed` [m/s] make: of the lightest sphere with one of
+/// its kind and with a wall, over all pairs of materials.
+template <class Law>
+double shortest_contact(const std::vector<typename Law::template Coefficients<double>>& pairs,
+                        const LightestSphere& s, double speed) {
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const auto& p : pairs)
+    shortest = std::min({shortest, Law::contact_time(p, s.radius / 2, s.mass / 2, speed),
+                         Law::contact_time(p, s.radius, s.mass, speed)});
+  return shortest;
+}
+
+}  // namespace silt::detail

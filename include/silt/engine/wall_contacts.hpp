@@ -1,0 +1,227 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <tuple>
+#include <vector>
+
+#include <silt/boundary/wall.hpp>
+#include <silt/core/storage.hpp>
+#include <silt/engine/pair_list.hpp>
+#include <silt/engine/rows.hpp>
+
+namespace silt::detail {
+
+/// A sphere that is near a surface, and the slots that keep its contacts with it.
+struct WallCandidate {
+  std::uint32_t particle;
+  std::uint16_t wall, surface;         // surface of this wall
+  std::uint32_t slot;                  // its first slot
+  std::uint32_t facets, facet_count;   // where its triangles stand in the pool, if it is a mesh
+};
+
+/// Which spheres are near which surfaces, in two stages like PairList, and H Reals of history for
+/// each contact with a wall. A candidate has as many slots as the surface can have contacts with one
+/// sphere; slots come in blocks that one thread computes at a time.
+template <std::size_t H>
+class WallContacts {
+ public:
+  static constexpr std::size_t block = 64;  // slots
+  struct Slot {
+    Vec3d normal;  // [-] at the last step
+    bool touching;
+  };
+
+  std::size_t slots() const { return slots_.size(); }
+  std::size_t blocks() const { return block_begin_.empty() ? 0 : block_begin_.size() - 1; }
+  std::span<const WallCandidate> candidates() const { return inner_; }
+  std::span<const WallCandidate> block_candidates(std::size_t b) const {
+    return {inner_.data() + block_begin_[b], block_begin_[b + 1] - block_begin_[b]};
+  }
+  std::span<const std::uint32_t> facets(const WallCandidate& c) const {
+    return {inner_facets_.data() + c.facets, c.facet_count};
+  }
+  Slot& slot(std::size_t k) { return slots_[k]; }
+  double* history(std::size_t component) { return history_[component].data(); }
+
+  /// Finds all spheres nearer than `reach` [m] to a surface.
+  void search(std::span<const Wall> walls, std::span<const PositionRow> rows, double reach,
+              std::span<const std::uint32_t> previous) {
+    archive();
+    previous_.assign(previous.begin(), previous.end());
+    renewed_ = true;
+    outer_.clear(), outer_facets_.clear();
+    for (std::size_t w = 0; w < walls.size(); ++w)
+      for (std::size_t s = 0; s < walls[w].surfaces.size(); ++s)
+        visit_surface(walls[w].surfaces[s], [&](const auto& surface) {
+          search_surface(surface, walls[w], w, s, rows, reach);
+        });
+  }
+
+  /// Keeps of those found the ones nearer than `reach` [m] now; history stays with its contact.
+  void prune(std::span<const Wall> walls, const PositionRow* rows, double reach) {
+    if (!renewed_) archive();
+    std::vector<WallCandidate> kept;
+    inner_facets_.clear();
+    for (const auto& c : outer_) {
+      if (rows[c.particle].r == 0) continue;  // it has left
+      const Wall& wall = walls[c.wall];
+      const Vec3d centre = in_body(wall, rows[c.particle].centre());
+      const double within = rows[c.particle].r + reach;
+      visit_surface(wall.surfaces[c.surface], [&](const auto& surface) {
+        WallCandidate near = c;
+        near.facets = static_cast<std::uint32_t>(inner_facets_.size());
+        if (keep(surface, c, centre, within)) {
+          near.facet_count = static_cast<std::uint32_t>(inner_facets_.size()) - near.facets;
+          kept.push_back(near);
+        }
+      });
+    }
+    inner_ = std::move(kept);
+    lay_out_slots(walls);
+    recall();
+    renewed_ = false;
+  }
+
+  /// State for a checkpoint: candidates, facets and slots as they stand.
+  struct State {
+    std::vector<WallCandidate> outer, inner;
+    std::vector<std::uint32_t> outer_facets, inner_facets;
+    std::vector<Slot> slots;
+    std::array<std::vector<double>, H> history;
+  };
+  State state() const {
+    State s{outer_, inner_, outer_facets_, inner_facets_, slots_, {}};
+    for (std::size_t h = 0; h < H; ++h) s.history[h].assign(history_[h].begin(), history_[h].end());
+    return s;
+  }
+  void restore(State s, std::span<const Wall> walls) {
+    outer_ = std::move(s.outer), inner_ = std::move(s.inner);
+    outer_facets_ = std::move(s.outer_facets), inner_facets_ = std::move(s.inner_facets);
+    lay_out_slots(walls);
+    slots_ = std::move(s.slots);
+    for (std::size_t h = 0; h < H; ++h) history_[h].assign(s.history[h].begin(), s.history[h].end());
+    renewed_ = false;
+  }
+
+  static Vec3d in_body(const Wall& wall, const Vec3d& point) {
+    return wall.moves() ? wall.pose.to_body(point) : point;
+  }
+  static constexpr std::size_t slots_of(const Surface& surface) {
+    return visit_surface(surface, [](const auto& s) {
+      return static_cast<std::size_t>(std::remove_cvref_t<decltype(s)>::max_contacts);
+    });
+  }
+
+ private:
+  template <class S>
+  void search_surface(const S& surface, const Wall& wall, std::size_t w, std::size_t s,
+                      std::span<const PositionRow> rows, double reach) {
+    for (std::uint32_t p = 0; p < rows.size(); ++p) {
+      const Vec3d centre = in_body(wall, rows[p].centre());
+      const double within = rows[p].r + reach;
+      WallCandidate c{p, static_cast<std::uint16_t>(w), static_cast<std::uint16_t>(s), 0,
+                      static_cast<std::uint32_t>(outer_facets_.size()), 0};
+      if constexpr (requires { surface.triangles_near(centre, within, outer_facets_); }) {
+        if (!surface.bounds().grown(within).contains(centre)) continue;
+        found_facets_.clear();
+        surface.triangles_near(centre, within, found_facets_);
+        if (found_facets_.empty()) continue;
+        outer_facets_.insert(outer_facets_.end(), found_facets_.begin(), found_facets_.end());
+        c.facet_count = static_cast<std::uint32_t>(found_facets_.size());
+      } else {
+        SurfacePoint point[S::max_contacts];
+        if (surface.contacts(centre, within, point) == 0) continue;
+      }
+      outer_.push_back(c);
+    }
+  }
+
+  /// True if the candidate is within reach; the triangles that are go into the inner pool.
+  template <class S>
+  bool keep(const S& surface, const WallCandidate& c, const Vec3d& centre, double within) {
+    SurfacePoint point[S::max_contacts];
+    if constexpr (requires { surface.triangles_near(centre, within, found_facets_); }) {
+      const std::size_t before = inner_facets_.size();
+      for (std::uint32_t k = c.facets; k < c.facets + c.facet_count; ++k)
+        if (surface.distance_to(outer_facets_[k], centre) < within)
+          inner_facets_.push_back(outer_facets_[k]);
+      return inner_facets_.size() > before;
+    } else {
+      return surface.contacts(centre, within, point) > 0;
+    }
+  }
+
+  void lay_out_slots(std::span<const Wall> walls) {
+    block_begin_.assign(1, 0);
+    std::size_t next = 0;
+    for (std::size_t k = 0; k < inner_.size(); ++k) {
+      const std::size_t count = slots_of(walls[inner_[k].wall].surfaces[inner_[k].surface]);
+      if (next % block + count > block) {
+        next = pieces(next, block) * block;
+      }
+      if (next / block >= block_begin_.size()) block_begin_.push_back(k);
+      inner_[k].slot = static_cast<std::uint32_t>(next);
+      next += count;
+    }
+    if (inner_.empty())
+      block_begin_.clear();
+    else
+      block_begin_.push_back(inner_.size());
+    slots_.assign(pieces(next, block) * block, Slot{{0, 0, 1}, false});
+    for (auto& h : history_) h.assign(slots_.size(), 0.0);
+  }
+
+  struct Kept {
+    std::uint16_t wall, surface;
+    std::uint32_t particle;
+    Slot slot;
+    std::array<double, H> history;
+    auto key() const { return std::tie(wall, surface, particle); }
+  };
+
+  /// Sets aside all touching contacts, by wall, surface and particle.
+  void archive() {
+    archive_.clear();
+    for (std::size_t k = 0; k < inner_.size(); ++k) {
+      const auto& c = inner_[k];
+      const std::size_t end = k + 1 < inner_.size() && inner_[k + 1].slot / block == c.slot / block
+                                  ? inner_[k + 1].slot
+                                  : pieces(c.slot + 1, block) * block;
+      for (std::size_t s = c.slot; s < end; ++s) {
+        if (!slots_[s].touching) continue;
+        Kept kept{c.wall, c.surface, c.particle, slots_[s], {}};
+        for (std::size_t h = 0; h < H; ++h) kept.history[h] = history_[h][s];
+        archive_.push_back(kept);
+      }
+    }
+    std::stable_sort(archive_.begin(), archive_.end(),
+                     [](const Kept& a, const Kept& b) { return a.key() < b.key(); });
+  }
+  void recall() {
+    for (const auto& c : inner_) {
+      const std::uint32_t before = renewed_ && !previous_.empty() ? previous_[c.particle] : c.particle;
+      const auto key = std::tie(c.wall, c.surface, before);
+      auto found = std::lower_bound(archive_.begin(), archive_.end(), key,
+                                    [](const Kept& a, const auto& k) { return a.key() < k; });
+      for (std::size_t s = c.slot; found != archive_.end() && found->key() == key; ++found, ++s) {
+        slots_[s] = found->slot;
+        for (std::size_t h = 0; h < H; ++h) history_[h][s] = found->history[h];
+      }
+    }
+  }
+
+  std::vector<WallCandidate> outer_, inner_;
+  std::vector<std::uint32_t> outer_facets_, inner_facets_, found_facets_;
+  std::vector<std::size_t> block_begin_;  // first candidate of each block
+  std::vector<Slot> slots_;
+  std::array<AlignedVector<double>, H> history_;
+  std::vector<Kept> archive_;
+  std::vector<std::uint32_t> previous_;
+  bool renewed_ = false;
+};
+
+}  // namespace silt::detail

@@ -1,0 +1,264 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include <silt/core/error.hpp>
+#include <silt/core/vec3.hpp>
+#include <silt/io/atomic_file.hpp>
+
+namespace silt {
+
+/// Particles as read from or written to a text table. Position and radius have one entry a
+/// particle, the others too, or none where the file has no such columns.
+struct ParticleTable {
+  std::vector<Vec3d> position;          // [m]
+  std::vector<double> radius;           // [m]
+  std::vector<double> density;          // [kg/m3]
+  std::vector<Vec3d> velocity;          // [m/s]
+  std::vector<Vec3d> angular_velocity;  // [rad/s]
+  std::vector<std::uint32_t> material;  // [-] number of the material, from 0
+  std::size_t size() const { return position.size(); }
+};
+
+namespace detail {
+
+/// Reads one table; holds where it is, so that every refusal can name file, line and column.
+class ParticleReader {
+ public:
+  ParticleReader(const std::string& path, std::string_view content) : path_(path), rest_(content) {
+    if (rest_.substr(0, 3) == "\xEF\xBB\xBF") rest_.remove_prefix(3);  // byte order mark
+  }
+
+  ParticleTable read() {
+    std::string_view line;
+    if (!next_line(line))
+      throw FileError(text("file '", path_, "' is empty; it needs a line ", expected));
+    read_header(line);
+    ParticleTable table;
+    std::array<double, column_count> row{};
+    while (next_line(line)) {
+      read_row(line, row);
+      append(table, row);
+    }
+    if (table.size() == 0)
+      throw FileError(text("file '", path_, "' names its columns but holds no particle"));
+    return table;
+  }
+
+ private:
+  enum Column {
+    X,
+    Y,
+    Z,
+    Radius,
+    Diameter,
+    Density,
+    Vx,
+    Vy,
+    Vz,
+    Wx,
+    Wy,
+    Wz,
+    Material,
+    column_count
+  };
+  static constexpr std::array<std::string_view, column_count> column_names{
+      "x",  "y",  "z",  "radius", "diameter", "density", "vx",
+      "vy", "vz", "wx", "wy",     "wz",       "material"};
+  static constexpr std::string_view expected =
+      "that names its columns, among: x y z, radius or diameter, and optionally density, vx vy vz, "
+      "wx wy wz, material";
+
+  template <class... Parts>
+  [[noreturn]] void fail(const Parts&... parts) const {
+    throw FileError(text("file '", path_, "', line ", line_number_, ": ", parts...));
+  }
+
+  static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+
+  /// The next line that holds more than white space and comment.
+  bool next_line(std::string_view& line) {
+    while (!rest_.empty()) {
+      const auto end = std::min(rest_.find('\n'), rest_.size());
+      line = rest_.substr(0, end);
+      rest_.remove_prefix(std::min(end + 1, rest_.size()));
+      ++line_number_;
+      line = trimmed(line.substr(0, std::min(line.find('#'), line.size())));
+      if (!line.empty()) return true;
+    }
+    return false;
+  }
+
+  static std::string_view trimmed(std::string_view s) {
+    while (!s.empty() && is_blank(s.front())) s.remove_prefix(1);
+    while (!s.empty() && is_blank(s.back())) s.remove_suffix(1);
+    return s;
+  }
+
+  /// Takes the next value off `line`, which becomes null after the last one; then false.
+  bool next_value(std::string_view& line, std::string_view& value) const {
+    if (line.data() == nullptr) return false;
+    std::size_t end = 0;
+    while (end < line.size() && (separator_ ? line[end] != separator_ : !is_blank(line[end])))
+      ++end;
+    value = trimmed(line.substr(0, end));
+    if (end == line.size()) {
+      line = {};
+    } else {
+      line.remove_prefix(end + 1);
+      if (!separator_) line = trimmed(line);
+    }
+    return true;
+  }
+
+  void read_header(std::string_view line) {
+    if (line.find(',') != line.npos) separator_ = ',';
+    if (line.find(';') != line.npos) separator_ = ';';
+    std::string_view name;
+    while (next_value(line, name)) {
+      const auto known = std::find(column_names.begin(), column_names.end(), name);
+      if (known == column_names.end())
+        fail("'", name, "' is no column name; the first line that is no comment must be one ",
+             expected);
+      const auto column = static_cast<Column>(known - column_names.begin());
+      if (has_[column]) fail("column '", name, "' is named twice");
+      has_[column] = true;
+      columns_.push_back(column);
+    }
+    if (has_[Radius] && has_[Diameter]) fail("give either 'radius' or 'diameter', not both");
+    if (!has_[Radius] && !has_[Diameter]) fail("the column 'radius' or 'diameter' is missing");
+    need_all_of(X, true);
+    need_all_of(Vx, has_[Vx] || has_[Vy] || has_[Vz]);
+    need_all_of(Wx, has_[Wx] || has_[Wy] || has_[Wz]);
+  }
+
+  void need_all_of(int first, bool needed) const {
+    for (int c = first; needed && c < first + 3; ++c)
+      if (!has_[c]) fail("the column '", column_names[c], "' is missing");
+  }
+
+  void read_row(std::string_view line, std::array<double, column_count>& row) const {
+    std::string_view value;
+    std::size_t found = 0;
+    for (; next_value(line, value); ++found)
+      if (found < columns_.size()) row[columns_[found]] = number(columns_[found], value);
+    if (found != columns_.size())
+      fail("has ", found, " values, but the header names ", columns_.size(), " columns");
+  }
+
+  double number(Column column, std::string_view value) const {
+    double x = 0;
+    const char* const end = value.data() + value.size();
+    const bool plus = value.size() > 1 && value[0] == '+' && value[1] != '-';
+    const auto [stop, error] = std::from_chars(value.data() + (plus ? 1 : 0), end, x);
+    if (error == std::errc::result_out_of_range)
+      refuse(column, value, "is outside the range of double numbers");
+    if (error != std::errc() || stop != end) refuse(column, value, "is not a number");
+    if (!std::isfinite(x)) refuse(column, value, "is not finite");
+    if ((column == Radius || column == Diameter || column == Density) && !(x > 0))
+      refuse(column, value, "must be greater than 0");
+    if (column == Material && !(x >= 0 && x < 4294967296.0 && x == std::floor(x)))
+      refuse(column, value, "must be a whole number from 0");
+    return x;
+  }
+  [[noreturn]] void refuse(Column column, std::string_view value, std::string_view why) const {
+    fail("column '", column_names[column], "': '", value, "' ", why);
+  }
+
+  void append(ParticleTable& table, const std::array<double, column_count>& row) const {
+    table.position.push_back({row[X], row[Y], row[Z]});
+    table.radius.push_back(has_[Radius] ? row[Radius] : 0.5 * row[Diameter]);
+    if (has_[Density]) table.density.push_back(row[Density]);
+    if (has_[Vx]) table.velocity.push_back({row[Vx], row[Vy], row[Vz]});
+    if (has_[Wx]) table.angular_velocity.push_back({row[Wx], row[Wy], row[Wz]});
+    if (has_[Material]) table.material.push_back(static_cast<std::uint32_t>(row[Material]));
+  }
+
+  const std::string& path_;
+  std::string_view rest_;
+  std::size_t line_number_ = 0;
+  char separator_ = 0;           // 0: white space
+  std::vector<Column> columns_;  // as they stand in the file
+  std::array<bool, column_count> has_{};
+};
+
+/// Throws unless `column` has one good value a particle, or none where it may be left out.
+template <class Value, class Good>
+void require_column(std::string_view name, const std::vector<Value>& column, std::size_t particles,
+                    bool may_be_empty, Good good, std::string_view what_is_good) {
+  if (may_be_empty && column.empty()) return;
+  require(column.size() == particles, "ParticleTable.", name, " has ", column.size(),
+          " entries for ", particles, " positions; it needs one each",
+          may_be_empty ? " or none" : "");
+  for (std::size_t i = 0; i < column.size(); ++i)
+    require(good(column[i]), "ParticleTable.", name, "[", i, "] = ", column[i], " must be ",
+            what_is_good);
+}
+
+inline void require_writable(const ParticleTable& t) {
+  const auto finite = [](const Vec3d& v) { return is_finite(v); };
+  const auto positive = [](double x) { return std::isfinite(x) && x > 0; };
+  const std::size_t n = t.size();
+  require(n > 0, "ParticleTable holds no particle to write");
+  require_column("position", t.position, n, false, finite, "finite");
+  require_column("radius", t.radius, n, false, positive, "finite and greater than 0");
+  require_column("density", t.density, n, true, positive, "finite and greater than 0");
+  require_column("velocity", t.velocity, n, true, finite, "finite");
+  require_column("angular_velocity", t.angular_velocity, n, true, finite, "finite");
+  require_column(
+      "material", t.material, n, true, [](std::uint32_t) { return true; }, "");
+}
+
+}  // namespace detail
+
+/// Reads a text table of particles. The first line names the columns, in any order: x y z [m],
+/// radius or diameter [m], and optionally density [kg/m3], vx vy vz [m/s], wx wy wz [rad/s],
+/// material [-] (a number from 0). Values are separated by commas or semicolons, if the first line
+/// has any, else by white space; `#` starts a comment; the decimal sign is a point in every locale.
+/// Errors: FileError with file, line and column: missing or empty file, unknown, missing or
+/// repeated column, wrong number of values, no number, not finite, radius or density not greater
+/// than 0.
+inline ParticleTable read_particle_file(const std::string& path) {
+  const std::string content = detail::read_file(path);
+  return detail::ParticleReader(path, content).read();
+}
+
+/// Writes a table that read_particle_file reads back exactly, bit for bit. The file appears whole
+/// or not at all.
+/// Errors: InputError for an empty table, columns of different lengths or values that
+/// could not be read back, FileError with the system's reason.
+inline void write_particle_file(const std::string& path, const ParticleTable& table) {
+  detail::require_writable(table);
+  AtomicFile file(path);
+  std::string line = "x,y,z,radius";
+  if (!table.density.empty()) line += ",density";
+  if (!table.velocity.empty()) line += ",vx,vy,vz";
+  if (!table.angular_velocity.empty()) line += ",wx,wy,wz";
+  if (!table.material.empty()) line += ",material";
+  file.write(line += '\n');
+  const auto add = [&](const auto& value) { detail::append(line, value), line += ','; };
+  const auto add_vector = [&](const Vec3d& v) { add(v.x), add(v.y), add(v.z); };
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    line.clear();
+    add_vector(table.position[i]);
+    add(table.radius[i]);
+    if (!table.density.empty()) add(table.density[i]);
+    if (!table.velocity.empty()) add_vector(table.velocity[i]);
+    if (!table.angular_velocity.empty()) add_vector(table.angular_velocity[i]);
+    if (!table.material.empty()) add(table.material[i]);
+    line.back() = '\n';
+    file.write(line);
+  }
+  file.commit();
+}
+
+}  // namespace silt

@@ -1,0 +1,93 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <silt/core/error.hpp>
+#include <silt/fill/packing.hpp>
+#include <silt/fill/particle_file.hpp>
+#include <silt/fill/region.hpp>
+#include <silt/shape/sphere.hpp>
+
+namespace silt {
+
+/// What to fill a region with. Give `count` or `solid_volume`, or neither for as many as fit.
+struct Fill {
+  SizeDistribution radius;  // [m]
+  double density;           // [kg/m3]
+  std::size_t count = 0;    // [-] how many; 0: not used
+  double solid_volume = 0;  // [m3] of all spheres; 0: not used
+  Arrangement arrangement = Arrangement::Lattice;
+  double gap = 0;              // [m] least distance between surfaces
+  std::uint64_t seed = 1;      // same seed, same spheres
+  Vec3d velocity{0, 0, 0};     // [m/s] of each
+  std::size_t material = 0;    // [-] index in the contacts' table
+
+  FillRequest request() const { return {radius, count, solid_volume, arrangement, gap, seed}; }
+};
+
+/// The particles that a simulation starts with.
+///
+///   silt::Particles<silt::Sphere> beads;
+///   beads.fill({.min = {0, 0, 0}, .max = {0.1, 0.1, 0.2}},
+///              {.radius = silt::uniform(1e-3, 2e-3), .density = 2500, .count = 10000});
+///   beads.add({.position = {0, 0, 0.3}, .radius = 5e-3, .density = 7800});
+/// Errors: InputError naming the particle's number, the value, its unit and what is allowed.
+template <Shape S>
+class Particles {
+ public:
+  using ShapeType = S;
+  struct Particle {
+    Vec3d position;                    // [m]
+    double radius;                     // [m]
+    double density;                    // [kg/m3]
+    Vec3d velocity{0, 0, 0};           // [m/s]
+    Vec3d angular_velocity{0, 0, 0};   // [rad/s]
+    std::size_t material = 0;          // [-] index in the contacts' table
+    bool fixed = false;                // keeps its velocity whatever acts on it
+  };
+
+  Particles& add(const Particle& p) {
+    const auto what = [&](const char* field) { return text("particle ", all_.size(), ": ", field); };
+    require(is_finite(p.position), what("position"), " = ", p.position, " [m] must be finite");
+    require_positive(what("radius"), p.radius, "m");
+    require_positive(what("density"), p.density, "kg/m3");
+    require(is_finite(p.velocity), what("velocity"), " = ", p.velocity, " [m/s] must be finite");
+    require(is_finite(p.angular_velocity), what("angular_velocity"), " = ", p.angular_velocity,
+            " [rad/s] must be finite");
+    all_.push_back(p);
+    return *this;
+  }
+
+  /// Fills a region without overlap, also with the particles there already. Throws InputError and
+  /// adds none if what was asked for does not fit; says how many would have, and why no more.
+  template <Region R>
+  Particles& fill(const R& region, const Fill& fill) {
+    require_positive("Fill.density", fill.density, "kg/m3");
+    require(is_finite(fill.velocity), "Fill.velocity = ", fill.velocity, " [m/s] must be finite");
+    std::vector<PlacedSphere> already;
+    for (const auto& p : all_) already.push_back({p.position, p.radius});
+    const auto result = pack(region, fill.request(), already);
+    require(result.why_not_more.empty(), result.why_not_more);
+    for (const auto& s : result.spheres)
+      add({s.position, s.radius, fill.density, fill.velocity, {0, 0, 0}, fill.material});
+    return *this;
+  }
+  Particles& fill(const Box& region, const Fill& f) { return fill<Box>(region, f); }
+
+  /// Adds the particles of a text table (fill/particle_file.hpp). What the table leaves out is taken
+  /// from `rest`: density [kg/m3] and material.
+  Particles& read(const std::string& path, double density = 0, std::size_t material = 0);
+
+  std::size_t size() const { return all_.size(); }
+  const Particle& operator[](std::size_t k) const { return all_[k]; }
+  Particle& operator[](std::size_t k) { return all_[k]; }
+  auto begin() const { return all_.begin(); }
+  auto end() const { return all_.end(); }
+
+ private:
+  std::vector<Particle> all_;
+};
+
+}  // namespace silt

@@ -1,0 +1,230 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdint>
+#include <cstdio>
+#include <iterator>
+#include <span>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <type_traits>
+#include <utility>
+
+#include <silt/core/error.hpp>
+
+namespace silt {
+namespace detail {
+
+/// The system's words for an error number, e.g. "No space left on device".
+inline std::string system_reason(int code) { return std::generic_category().message(code); }
+
+/// An open file that closes itself. A failed call throws FileError with `name` (the path that the
+/// user knows) and the system's reason.
+class File {
+ public:
+  File(const std::string& path, int flags, std::string name)
+      : name_(std::move(name)), descriptor_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {
+    if (descriptor_ < 0)
+      fail((flags & O_ACCMODE) == O_RDONLY ? "cannot be opened for reading"
+                                           : "cannot be opened for writing");
+  }
+  File(File&& other) noexcept
+      : name_(std::move(other.name_)), descriptor_(std::exchange(other.descriptor_, -1)) {}
+  File& operator=(File&& other) noexcept {
+    std::swap(name_, other.name_), std::swap(descriptor_, other.descriptor_);
+    return *this;
+  }
+  ~File() {
+    if (is_open()) ::close(descriptor_);
+  }
+
+  bool is_open() const { return descriptor_ >= 0; }
+  const std::string& name() const { return name_; }
+
+  std::uint64_t size() const {
+    struct stat status {};
+    if (::fstat(descriptor_, &status) != 0) fail("cannot be read");
+    if (S_ISDIR(status.st_mode)) fail("cannot be read", EISDIR);
+    return static_cast<std::uint64_t>(status.st_size);
+  }
+
+  /// Writes all `bytes` at the end of what was written before.
+  void write(const void* data, std::size_t bytes) {
+    const char* from = static_cast<const char*>(data);
+    while (bytes > 0) {
+      const auto written = ::write(descriptor_, from, bytes);
+      if (written < 0 && errno == EINTR) continue;
+      if (written < 0) fail("cannot be written");
+      from += written, bytes -= static_cast<std::size_t>(written);
+    }
+  }
+
+  /// Reads exactly `bytes` from `offset` on.
+  void read_at(std::uint64_t offset, void* data, std::size_t bytes) const {
+    char* to = static_cast<char*>(data);
+    while (bytes > 0) {
+      const auto got = ::pread(descriptor_, to, bytes, static_cast<off_t>(offset));
+      if (got < 0 && errno == EINTR) continue;
+      if (got < 0) fail("cannot be read");
+      if (got == 0)
+        throw FileError(text("file '", name_, "' ended at byte ", offset, " while it was read, ",
+                             bytes, " bytes too early; another program shortened it"));
+      to += got, offset += static_cast<std::uint64_t>(got), bytes -= static_cast<std::size_t>(got);
+    }
+  }
+
+  void truncate(std::uint64_t bytes) {
+    if (::ftruncate(descriptor_, static_cast<off_t>(bytes)) != 0) fail("cannot be shortened");
+  }
+
+  /// Returns when everything written is on the disk.
+  void flush_to_disk() {
+    if (::fsync(descriptor_) != 0) fail("cannot be flushed to the disk");
+  }
+
+  void close() {
+    if (::close(std::exchange(descriptor_, -1)) != 0) fail("cannot be closed");
+  }
+
+ private:
+  [[noreturn]] void fail(std::string_view what, int code = errno) const {
+    throw FileError(text("file '", name_, "' ", what, ": ", system_reason(code)));
+  }
+
+  std::string name_;
+  int descriptor_;
+};
+
+inline std::string read_file(const std::string& path) {
+  const File file(path, O_RDONLY, path);
+  std::string content(file.size(), '\0');
+  file.read_at(0, content.data(), content.size());
+  return content;
+}
+
+inline bool file_exists(const std::string& path) { return ::access(path.c_str(), F_OK) == 0; }
+
+/// Makes a rename in the folder of `path` survive a power failure.
+inline void flush_folder_of(const std::string& path) {
+  const auto slash = path.rfind('/');
+  const std::string folder = slash == std::string::npos ? "." : path.substr(0, slash + 1);
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const int code = descriptor < 0 || ::fsync(descriptor) != 0 ? errno : 0;
+  if (descriptor >= 0) ::close(descriptor);
+  // EINVAL: this file system (some network ones) has no fsync for folders; nothing more can be
+  // done.
+  if (code != 0 && code != EINVAL)
+    throw FileError(text("file '", path,
+                         "' is written, but its folder cannot be flushed: ", system_reason(code)));
+}
+
+/// A view of a caller's array that is read later, when the file is written.
+template <class Values>
+auto lasting_view(Values&& values) {
+  static_assert(std::is_lvalue_reference_v<Values> ||
+                    std::ranges::enable_borrowed_range<std::remove_cvref_t<Values>>,
+                "the array is read when the file is written: pass a named array or a span of one, "
+                "not a temporary");
+  using Value = std::remove_cvref_t<decltype(*std::data(values))>;
+  return std::span<const Value>(std::data(values), std::size(values));
+}
+
+}  // namespace detail
+
+/// Makes the folder `path` and its parents where they are missing.
+/// Errors: FileError with the part of the path that is a file or that the system refuses to make.
+inline void make_folder(const std::string& path) {
+  require(!path.empty(), "make_folder: the path is empty; '.' is the present folder");
+  for (std::size_t end = 0; end != std::string::npos;) {
+    end = path.find('/', end + 1);
+    const std::string part = path.substr(0, end);
+    if (::mkdir(part.c_str(), 0777) == 0) continue;
+    const int code = errno;
+    struct stat status {};
+    const bool exists = ::stat(part.c_str(), &status) == 0;
+    if (exists && S_ISDIR(status.st_mode)) continue;
+    throw FileError(text("folder '", path, "' cannot be made: ",
+                         exists ? text("'", part, "' is a file")
+                                : text("'", part, "': ", detail::system_reason(code))));
+  }
+}
+
+/// A file that appears complete or not at all: written as `<path>.partial`, and renamed over `path`
+/// by `commit`, after it has reached the disk. A reader of `path`, at any moment and after a kill
+/// or power failure, finds the whole old file or the whole new one.
+/// Errors: every failed call throws FileError with the path and the system's reason, removes the
+/// partial file and leaves `path` as it was; so does the destructor without `commit`, silently.
+class AtomicFile {
+ public:
+  explicit AtomicFile(std::string path)
+      : path_(std::move(path)),
+        partial_(path_ + ".partial"),
+        file_(partial_, O_WRONLY | O_CREAT | O_TRUNC, path_) {}
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+  ~AtomicFile() {
+    if (open_) remove_partial();
+  }
+
+  void write(const void* data, std::size_t bytes) {
+    require_open("write");
+    if (buffer_.size() + bytes > buffer_size) flush();
+    if (bytes > buffer_size)
+      or_remove([&] { file_.write(data, bytes); });
+    else
+      buffer_.append(static_cast<const char*>(data), bytes);
+  }
+  void write(std::string_view characters) { write(characters.data(), characters.size()); }
+
+  void commit() {
+    require_open("commit");
+    flush();
+    or_remove([&] {
+      file_.flush_to_disk();
+      file_.close();
+      if (std::rename(partial_.c_str(), path_.c_str()) != 0)
+        throw FileError(text("file '", path_, "' cannot be put in place (renamed from '", partial_,
+                             "'): ", detail::system_reason(errno)));
+    });
+    open_ = false;
+    detail::flush_folder_of(path_);
+  }
+
+ private:
+  static constexpr std::size_t buffer_size = std::size_t{1} << 18;
+
+  void require_open(std::string_view call) const {
+    require(open_, "AtomicFile '", path_, "': ", call,
+            " after commit or after a failed write; make a new AtomicFile");
+  }
+  void flush() {
+    or_remove([&] { file_.write(buffer_.data(), buffer_.size()); });
+    buffer_.clear();
+  }
+  void remove_partial() noexcept {
+    open_ = false;
+    ::unlink(partial_.c_str());
+  }
+  template <class Action>
+  void or_remove(Action&& action) {
+    try {
+      action();
+    } catch (...) {
+      remove_partial();
+      throw;
+    }
+  }
+
+  std::string path_, partial_;
+  detail::File file_;
+  std::string buffer_;
+  bool open_ = true;  // neither committed nor failed
+};
+
+}  // namespace silt

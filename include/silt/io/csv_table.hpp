@@ -1,0 +1,134 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <charconv>
+#include <initializer_list>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <silt/core/error.hpp>
+#include <silt/io/atomic_file.hpp>
+
+namespace silt {
+
+/// A table of numbers as a CSV file that grows row by row. Each number is written in the shortest
+/// form that reads back exactly. A row reaches the system at once, so that a killed run keeps all
+/// of its rows, and a row that does not fit on the disk leaves no half of itself.
+///
+///   silt::CsvTable energy{"out/energy.csv", {"time [s]", "kinetic [J]"}};
+///   energy.add_row({t, e});
+///
+/// Errors: InputError for unusable column names or a row of another length; FileError if the file
+/// cannot be written or, in `resume`, is not such a table.
+class CsvTable {
+ public:
+  /// A new table; one that is there already is replaced.
+  CsvTable(const std::string& path, const std::vector<std::string>& columns)
+      : CsvTable(path, columns.size(), header(path, columns)) {}
+
+  /// Goes on with a table after a restart: keeps the rows whose first number is at most `limit`
+  /// (the time of the restart), and drops later ones and a last row that a kill left incomplete.
+  /// Where there is no file it begins a new one.
+  static CsvTable resume(const std::string& path, const std::vector<std::string>& columns,
+                         double limit) {
+    std::string content = header(path, columns);
+    if (detail::file_exists(path)) content += rows_up_to(path, content, columns.size(), limit);
+    return {path, columns.size(), content};
+  }
+
+  void add_row(std::span<const double> row) {
+    require(row.size() == columns_, "CsvTable '", file_.name(), "': a row of ", row.size(),
+            " numbers, but the table has ", columns_, " columns");
+    line_.clear();
+    for (const double number : row) {
+      if (!line_.empty()) line_ += ',';
+      detail::append(line_, number);
+    }
+    line_ += '\n';
+    try {
+      file_.write(line_.data(), line_.size());
+    } catch (const FileError&) {
+      file_.truncate(bytes_);
+      throw;
+    }
+    bytes_ += line_.size();
+  }
+  void add_row(std::initializer_list<double> row) {
+    add_row(std::span<const double>(row.begin(), row.size()));
+  }
+
+ private:
+  CsvTable(const std::string& path, std::size_t columns, const std::string& content)
+      : columns_(columns), bytes_(content.size()), file_(opened(path, content)) {}
+
+  static detail::File opened(const std::string& path, const std::string& content) {
+    AtomicFile start(path);
+    start.write(content);
+    start.commit();
+    return {path, O_WRONLY | O_APPEND, path};
+  }
+
+  static std::string header(const std::string& path, const std::vector<std::string>& columns) {
+    require(!columns.empty(), "CsvTable '", path, "': there are no columns");
+    std::string line;
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      const auto& name = columns[k];
+      require(!name.empty(), "CsvTable '", path, "': the name of column ", k, " is empty");
+      require(name.find_first_of(",\"\n\r") == std::string::npos, "CsvTable '", path,
+              "': the column name '", name, "' must not contain commas, quotes or line ends");
+      for (std::size_t other = 0; other < k; ++other)
+        require(columns[other] != name, "CsvTable '", path, "': there are two columns named '",
+                name, "'");
+      if (k > 0) line += ',';
+      line += name;
+    }
+    return line += '\n';
+  }
+
+  static std::string rows_up_to(const std::string& path, std::string_view header_line,
+                                std::size_t columns, double limit) {
+    const std::string content = detail::read_file(path);
+    std::string_view rest = content;
+    if (!rest.starts_with(header_line))
+      throw FileError(text("table '", path, "' cannot be continued: its first line is '",
+                           rest.substr(0, rest.find('\n')), "', but the columns are '",
+                           header_line.substr(0, header_line.size() - 1), "'"));
+    rest.remove_prefix(header_line.size());
+    std::string kept;
+    std::size_t line = 2;
+    for (std::size_t end; (end = rest.find('\n')) != std::string_view::npos; ++line) {
+      if (first_number(path, line, rest.substr(0, end), columns) <= limit)
+        kept += rest.substr(0, end + 1);
+      rest.remove_prefix(end + 1);
+    }
+    return kept;
+  }
+
+  /// The first number of a row; FileError unless the row is `columns` numbers with commas between.
+  static double first_number(const std::string& path, std::size_t line, std::string_view row,
+                             std::size_t columns) {
+    const char* at = row.data();
+    const char* const end = at + row.size();
+    double first = 0, number = 0;
+    for (std::size_t k = 0; k < columns; ++k) {
+      const auto [after, error] = std::from_chars(at, end, number);
+      const bool last = k + 1 == columns;
+      if (error != std::errc{} || (last ? after != end : after == end || *after != ','))
+        throw FileError(text("table '", path, "' line ", line, " is not ", columns,
+                             " numbers with commas between: '", row, "'"));
+      if (k == 0) first = number;
+      at = after + (last ? 0 : 1);
+    }
+    return first;
+  }
+
+  std::size_t columns_;
+  std::uint64_t bytes_;  // [bytes] the header and all complete rows
+  detail::File file_;
+  std::string line_;
+};
+
+}  // namespace silt

@@ -1,0 +1,20 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <numbers>
+
+#include <silt/shape/concept.hpp>
+
+namespace silt {
+
+/// A solid sphere.
+struct Sphere {
+  static constexpr double volume(double radius) {
+    return 4.0 / 3.0 * std::numbers::pi * radius * radius * radius;
+  }
+  static constexpr double inertia_factor() { return 0.4; }
+};
+
+static_assert(Shape<Sphere>);
+
+}  // namespace silt

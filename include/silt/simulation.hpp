@@ -1,0 +1,239 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <silt/boundary/domain.hpp>
+#include <silt/boundary/wall.hpp>
+#include <silt/contact/contacts.hpp>
+#include <silt/coupling/no_fluid.hpp>
+#include <silt/engine/axes.hpp>
+#include <silt/engine/engine.hpp>
+#include <silt/engine/guard.hpp>
+#include <silt/engine/openings.hpp>
+#include <silt/engine/time_step.hpp>
+#include <silt/fill/particles.hpp>
+#include <silt/search/verlet_list.hpp>
+
+namespace silt {
+
+/// A particle simulation, composed from one policy an axis. Policies come in any order:
+///
+///   silt::Simulation sim{std::move(beads), silt::Contacts<silt::HertzMindlin>{glass}};
+///
+///   axis       policy                                         left out
+///   particles  Particles<Shape>                               must be given
+///   contact    Contacts<Law, Options...>                      must be given
+///   search     VerletList<Finder>, or a finder itself         VerletList<CellGrid>, automatic skin
+///   domain     OpenDomain, PeriodicBox                        OpenDomain
+///   fluid      NoFluid                                        NoFluid
+///   kernels    KernelsFor<Arch>                               what the compile flags allow
+///
+/// Lengths in m, times in s, masses in kg. Errors: InputError for values and combinations that
+/// cannot be used, SimulationError for a run that breaks a limit of `guard`.
+template <class... Policies>
+class Simulation {
+  static_assert(detail::count<detail::IsParticles, Policies...> == 1,
+                "Simulation needs the particles: give one silt::Particles<Shape> "
+                "(silt/fill/particles.hpp; shapes: silt/shape/concept.hpp)");
+  static_assert(detail::count<detail::IsContacts, Policies...> == 1,
+                "Simulation needs one contact law: give silt::Contacts<Law>{material} "
+                "(silt/contact/contacts.hpp; laws: silt/contact/concept.hpp)");
+  static_assert(detail::count<detail::IsSearch, Policies...> <= 1,
+                "Simulation takes one neighbour search (silt/search/concept.hpp)");
+  static_assert(detail::count<detail::IsDomain, Policies...> <= 1,
+                "Simulation takes one domain (silt/boundary/domain.hpp)");
+  static_assert(detail::count<detail::IsFluid, Policies...> <= 1,
+                "Simulation takes one fluid coupling (silt/coupling/no_fluid.hpp)");
+  static_assert((detail::belongs_to_an_axis<Policies> && ...),
+                "a policy given to Simulation belongs to no axis: it must be Particles, Contacts, a "
+                "NeighbourSearch, a domain, a FluidCoupling or KernelsFor; the contracts are in "
+                "silt/contact/, search/, boundary/, coupling/ concept.hpp");
+
+ public:
+  using ParticlesType = detail::pick<detail::IsParticles, void, Policies...>;
+  using ContactsType = detail::pick<detail::IsContacts, void, Policies...>;
+  using Search = detail::pick<detail::IsSearch, VerletList<>, Policies...>;
+  using Domain = detail::pick<detail::IsDomain, OpenDomain, Policies...>;
+  using Fluid = detail::pick<detail::IsFluid, NoFluid, Policies...>;
+  using Arch = typename detail::pick<detail::IsKernels, KernelsFor<DefaultArch>, Policies...>::type;
+  using ShapeType = typename ParticlesType::ShapeType;
+  using Engine = detail::Engine<ShapeType, ContactsType, Search, Domain, Arch>;
+
+  static constexpr bool rotates = ContactsType::rotates;
+  /// State of one particle [bytes]: no more than the policies need.
+  static constexpr std::size_t bytes_per_particle = Engine::State::bytes_per_particle;
+  /// State of one contact [bytes]: two indices and the history of the law.
+  static constexpr std::size_t bytes_per_contact =
+      2 * sizeof(std::uint32_t) + ContactsType::history * sizeof(double);
+
+  Vec3d gravity{0, 0, 0};            // [m/s2]
+  std::optional<double> time_step;   // [s]; left out: a 20th of the shortest contact
+  int threads = default_threads();   // results do not depend on it
+  Guard guard;
+
+  template <class... Args>
+  explicit Simulation(Args&&... policies)
+      : contacts_(detail::take<ContactsType>(policies...)),
+        search_(detail::take_or<Search>(policies...)),
+        domain_(detail::take_or<Domain>(policies...)) {
+    if constexpr (requires { search_.check(); }) search_.check();
+    add(detail::take<ParticlesType>(policies...));
+  }
+
+  // --- the scene ----------------------------------------------------------------------------
+
+  /// Adds a wall of `material`, which may move; returns its number. Pose 0 is that at time 0.
+  std::size_t add_wall(Surfaces surfaces, const typename ContactsType::Material& material,
+                       Motion motion = {}) {
+    Wall wall{std::move(surfaces.parts), contacts_.add(material), std::move(motion)};
+    if (wall.moves()) wall.pose = wall.last_pose = wall.motion(time_);
+    engine_.walls.push_back(std::move(wall));
+    engine_.forget_lists();
+    return engine_.walls.size() - 1;
+  }
+  /// Takes away the surfaces of wall k: a lid that opens. Its number stays taken.
+  void remove_wall(std::size_t k) {
+    engine_.walls.at(k).surfaces.clear();
+    engine_.forget_lists();
+  }
+  const Wall& wall(std::size_t k) const { return engine_.walls.at(k); }
+  std::size_t walls() const { return engine_.walls.size(); }
+  void set_reference(std::size_t k, const Vec3d& point) { engine_.walls.at(k).reference = point; }
+
+  /// Particles whose centre enters `region` leave the simulation and are counted.
+  std::size_t add_outlet(const Box& region) { return openings_.add_outlet(region); }
+  const Outlet& outlet(std::size_t k) const { return openings_.outlet(k); }
+
+  /// Places new particles at a rate; see Inlet.
+  template <Region R>
+  std::size_t add_inlet(const R& region, const InletFlow& flow) {
+    return openings_.add_inlet(region, flow, time_);
+  }
+  std::size_t add_inlet(const Box& region, const InletFlow& flow) {
+    return add_inlet<Box>(region, flow);
+  }
+  const Inlet& inlet(std::size_t k) const { return openings_.inlet(k); }
+
+  /// Adds more particles now.
+  void add(const ParticlesType& more);
+  /// Adds what an inlet has placed.
+  void insert(const std::vector<PlacedSphere>& spheres, const InletFlow& flow);
+
+  // --- the run ------------------------------------------------------------------------------
+
+  /// Runs for `duration` [s]; each observer is called at its times with this simulation.
+  template <class... Observers>
+  void run(double duration, Observers&&... observers) {
+    require_not_negative("Simulation::run: duration", duration, "s");
+    prepare();
+    const std::int64_t last =
+        step_ + static_cast<std::int64_t>(std::ceil(duration / dt_ * (1 - 1e-12)));
+    (detail::begin(observers, *this, time_ + duration), ...);
+    for (;; ++step_, time_ = time_at(step_)) {
+      const bool stop = step_ >= last;
+      if (!kicked_) advance(stop || (detail::is_due(observers, *this) || ...));
+      if (kicked_) (detail::observe(observers, *this), ...);
+      if (stop) break;
+      if (kicked_) engine_.drift(dt_);
+      kicked_ = false;
+    }
+    (detail::end(observers, *this), ...);
+  }
+
+  // --- what observers and users read --------------------------------------------------------
+
+  double time() const { return time_; }            // [s]
+  std::int64_t step() const { return step_; }      // [-] steps done
+  double step_length() const { return dt_; }       // [s] in use
+  std::size_t size() const { return engine_.particles.size() - engine_.parked(); }
+  /// Places 0 ... rows()-1 in memory; those where id() is silt::no_particle have left.
+  std::size_t rows() const { return engine_.particles.size(); }
+  std::uint32_t id(std::size_t k) const { return engine_.particles.id[k]; }
+  bool is_present(std::size_t k) const { return !Engine::is_parked(id(k)); }
+  Vec3d position(std::size_t k) const { return engine_.particles.position[k].centre(); }
+  double radius(std::size_t k) const { return engine_.particles.position[k].r; }
+  double mass(std::size_t k) const {
+    return engine_.particles.motion[k].inv_m > 0 ? 1 / engine_.particles.motion[k].inv_m : INFINITY;
+  }
+  Vec3d velocity(std::size_t k) const {  // [m/s] at time()
+    return kicked_ ? engine_.synchronous[k].velocity : engine_.particles.motion[k].velocity();
+  }
+  Vec3d angular_velocity(std::size_t k) const  // [rad/s] at time()
+    requires rotates
+  {
+    const auto& m = engine_.particles.motion[k];
+    return (kicked_ ? engine_.synchronous[k].spin_velocity : m.spin_velocity()) * m.inv_r;
+  }
+  std::size_t material(std::size_t k) const {
+    if constexpr (ContactsType::several_materials)
+      return engine_.particles.material[k];
+    else
+      return 0;
+  }
+  /// The present place of the particle with this id; rows() if it has left. O(rows()).
+  std::size_t find(std::uint32_t wanted) const {
+    return static_cast<std::size_t>(
+        std::find(engine_.particles.id.begin(), engine_.particles.id.end(), wanted) -
+        engine_.particles.id.begin());
+  }
+  const ContactsType& contacts() const { return contacts_; }
+  const Domain& domain() const { return domain_; }
+  Engine& engine() { return engine_; }
+  const Engine& engine() const { return engine_; }
+  double largest_overlap() const { return engine_.largest_overlap; }  // [-] of the radius, last step
+  double peak_overlap() const { return peak_overlap_; }  // [-] of the radius, since the start
+  /// The largest time step that guard allows at `speed` [m/s]; none if the law has no closed form.
+  std::optional<double> time_step_limit(double speed) const;
+
+ private:
+  /// One step up to the kick; then either drifts at once or stops for the observers.
+  void advance(bool observed) {
+    engine_.move_walls(time_);
+    openings_.update(engine_, *this);
+    engine_.renew_lists(search_, domain_, step_, engine_.largest_speed * dt_);
+    engine_.pair_forces(domain_, dt_);
+    engine_.wall_forces(dt_);
+    using Advance = typename Engine::Advance;
+    const double kick = first_kick_ ? 0.5 * dt_ : dt_;
+    engine_.integrate(observed ? Advance::KickAndRecord : Advance::KickAndDrift, gravity, kick, dt_,
+                      first_kick_);
+    first_kick_ = false;
+    kicked_ = observed;
+    keep_limits();
+  }
+
+  void prepare();
+  double chosen_time_step() const;
+  double expected_speed() const;
+  detail::LightestSphere lightest_sphere() const;
+  void keep_limits();
+  double time_at(std::int64_t step) const {
+    return time_origin_ + static_cast<double>(step - step_origin_) * dt_;
+  }
+
+  template <class Sim>
+  friend class Checkpoint;
+
+  ContactsType contacts_;
+  Search search_;
+  Domain domain_;
+  Engine engine_;
+  detail::Openings<ShapeType> openings_;
+  double time_ = 0, dt_ = 0, time_origin_ = 0;
+  std::int64_t step_ = 0, step_origin_ = 0;
+  double checked_speed_ = 0, peak_overlap_ = 0;
+  std::uint32_t next_id_ = 0;
+  bool first_kick_ = true, kicked_ = false;
+};
+
+template <class... Args>
+Simulation(Args&&...) -> Simulation<std::remove_cvref_t<Args>...>;
+
+}  // namespace silt
+
+#include <silt/engine/simulation_parts.hpp>
