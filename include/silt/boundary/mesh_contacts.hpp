@@ -101,6 +101,17 @@ inline bool TriangleMesh::is_same_contact(const Nearest& deeper, const Nearest& 
   return norm(gap - dot(gap, along) * along) <= plane_tolerance_;
 }
 
+/// Deepest first, then by feature. A point in the plane of its face goes before a bump that sticks
+/// out no more than what counts as the same plane (a hanging node rounded to float), and a point
+/// over its face before one that is beside it by round-off: it has the plane's exact normal.
+inline bool TriangleMesh::comes_before(const Nearest& a, const Nearest& b) const {
+  const auto rank = [&](const Nearest& n) {
+    return n.point.distance - (n.flat ? plane_tolerance_ : 0) - (n.on_face ? tolerance_ : 0);
+  };
+  const double rank_a = rank(a), rank_b = rank(b);
+  return rank_a != rank_b ? rank_a < rank_b : a.point.feature < b.point.feature;
+}
+
 inline int TriangleMesh::contacts(const Vec3d& centre, double reach,
                                   std::span<const std::uint32_t> candidates,
                                   SurfacePoint* out) const {
@@ -115,11 +126,7 @@ inline int TriangleMesh::contacts(const Vec3d& centre, double reach,
       if (!found) continue;
       if (in_reach < touched.size()) touched[in_reach] = triangle;
       ++in_reach;
-      const SurfacePoint& p = found->point;
-      if (deepest &&
-          (p.distance > deepest->point.distance ||
-           (p.distance == deepest->point.distance && p.feature >= deepest->point.feature)))
-        continue;
+      if (deepest && !comes_before(*found, *deepest)) continue;
       const bool known = std::any_of(kept.begin(), kept.begin() + count,
                                      [&](const Nearest& k) { return is_same_contact(k, *found); });
       if (!known && is_minimum(*found, centre)) deepest = found;

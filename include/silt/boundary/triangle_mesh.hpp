@@ -86,6 +86,7 @@ class TriangleMesh {
                                       const std::array<double, 3>& beyond, double height) const;
   std::uint32_t feature_on(std::uint32_t edge, double along) const;
   bool is_minimum(const Nearest& contact, const Vec3d& centre) const;
+  bool comes_before(const Nearest& a, const Nearest& b) const;
   bool is_same_contact(const Nearest& deeper, const Nearest& other) const;
 
   bool is_edge(std::uint32_t feature) const {

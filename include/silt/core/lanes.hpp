@@ -10,6 +10,13 @@
 
 #include <silt/core/vec3.hpp>
 
+/// For the few functions of a kernel that must end up in one loop body whatever their size.
+#if defined(__GNUC__)
+#define SILT_INLINE inline __attribute__((always_inline))
+#else
+#define SILT_INLINE inline
+#endif
+
 namespace silt {
 
 /// The architecture of one lane: kernels run on plain `double`.
@@ -35,6 +42,16 @@ template <>
 struct Lanes<OneLane> {
   using Real = double;
   static constexpr std::size_t width = 1;
+};
+
+/// A pack of exactly `Width` doubles.
+template <std::size_t Width>
+struct PackOf {
+  using type = xsimd::make_sized_batch_t<double, Width>;
+};
+template <>
+struct PackOf<1> {
+  using type = double;
 };
 
 template <class Real>

@@ -22,7 +22,8 @@ inline int default_threads() {
 namespace detail {
 
 /// Calls body(part) for part = 0 ... parts-1, shared by `threads`. What each part does must not
-/// depend on who does it: results are then the same for every number of threads.
+/// depend on who does it: results are then the same for every number of threads. Parts are handed
+/// out one by one, so that a thread whose core is taken away holds up one part and not its share.
 template <class Body>
 void in_parallel(int threads, std::ptrdiff_t parts, const Body& body) {
   if (threads <= 1 || parts <= 1) {
@@ -30,7 +31,7 @@ void in_parallel(int threads, std::ptrdiff_t parts, const Body& body) {
     return;
   }
 #ifdef _OPENMP
-#pragma omp parallel for num_threads(threads) schedule(static)
+#pragma omp parallel for num_threads(threads) schedule(dynamic)
 #endif
   for (std::ptrdiff_t part = 0; part < parts; ++part) body(part);
 }

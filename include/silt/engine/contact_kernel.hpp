@@ -45,7 +45,7 @@ struct ContactKernel {
   using LawCoefficients = typename Law::template Coefficients<Real>;
   using RollingCoefficients = typename Rolling::template Coefficients<Real>;
 
-  static Contact<Real> contact(const Kinematics<Real>& k, const Real& time_step) {
+  static SILT_INLINE Contact<Real> contact(const Kinematics<Real>& k, const Real& time_step) {
     Contact<Real> c;
     c.normal = k.normal;
     c.overlap = max(k.overlap, Real(0));
@@ -61,14 +61,14 @@ struct ContactKernel {
   }
 
   /// `history`: one pointer a component, at this pack; lanes out of contact are set to zero.
-  static PairLoad<Real> load(const Kinematics<Real>& k, const RollingKinematics<Real>& r,
+  static SILT_INLINE PairLoad<Real> load(const Kinematics<Real>& k, const RollingKinematics<Real>& r,
                              const Real& time_step, const LawCoefficients& law,
                              [[maybe_unused]] const RollingCoefficients& rolling,
                              double* const* history) {
     const Contact<Real> c = contact(k, time_step);
     const auto touching = k.overlap > Real(0);
     const Real zero(0);
-    PairLoad<Real> out{};
+    PairLoad<Real> out;
 
     typename HistoryOf<Law, Real>::type h;
     load_history<ContactsType::law_history>(h, history);

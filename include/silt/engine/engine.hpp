@@ -115,7 +115,7 @@ class Engine {
       std::size_t extra = table_.extra_from(from);
       double speed2 = 0, sum = 0;
       for (std::size_t k = from; k < to; ++k) {
-        const auto load = sum_rows<chunks>(table_, rows_.data(), k, extra);
+        const auto load = sum_rows<Arch, chunks>(table_, rows_.data(), k, extra);
         Motion& m = particles.motion[k];
         const Motion before = m;
         kick(m, load.value, gravity, kick_time);

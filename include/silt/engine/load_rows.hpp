@@ -56,7 +56,7 @@ class ReductionTable {
   };
   struct Extra {
     std::uint32_t particle, row;
-    double sign;
+    bool plus;
   };
 
   void clear(std::size_t particles) {
@@ -70,7 +70,7 @@ class ReductionTable {
     if (used < slots)
       slots_[particle].plus[used++] = row;
     else
-      extra_.push_back({particle, row, 1.0});
+      extra_.push_back({particle, row, true});
   }
   /// Row `row` acts on `particle` as the partner: force and couple with opposite sign.
   void add_minus(std::uint32_t particle, std::uint32_t row) {
@@ -78,7 +78,7 @@ class ReductionTable {
     if (used < slots)
       slots_[particle].minus[used++] = row;
     else
-      extra_.push_back({particle, row, -1.0});
+      extra_.push_back({particle, row, false});
   }
   void finish() {
     std::stable_sort(extra_.begin(), extra_.end(),
@@ -114,22 +114,36 @@ struct alignas(32) LoadSum {
 };
 
 /// Adds up the rows of `particle`; `extra` is the cursor into the overflow list.
-template <std::size_t Chunks>
-inline LoadSum<Chunks> sum_rows(const ReductionTable& table, const double* rows,
-                                std::size_t particle, std::size_t& extra) {
-  constexpr std::size_t n = 4 * Chunks;
-  // The twirl (chunk 1) has the same sign on both partners.
-  const auto add = [rows](double* sum, std::uint32_t row, double sign) {
-    const double* r = rows + std::size_t{row} * n;
-    for (std::size_t d = 0; d < n; ++d) sum[d] += (d / 4 == 1 ? 1.0 : sign) * r[d];
+template <class Arch, std::size_t Chunks>
+SILT_INLINE LoadSum<Chunks> sum_rows(const ReductionTable& table, const double* rows,
+                                     std::size_t particle, std::size_t& extra) {
+  // A chunk is four doubles: packs of at most four lanes add it.
+  constexpr std::size_t W = Lanes<Arch>::width, G = W < 4 ? W : 4;
+  using Pack = typename PackOf<G>::type;
+  constexpr std::size_t packs = 4 * Chunks / G;
+  Pack sum[packs];
+  for (auto& s : sum) s = Pack(0);
+  const auto plus = [&](std::uint32_t row) {
+    for (std::size_t p = 0; p < packs; ++p)
+      sum[p] = sum[p] + silt::load<Pack>(rows + std::size_t{row} * 4 * Chunks + p * G);
   };
-  LoadSum<Chunks> sum{};
+  const auto minus = [&](std::uint32_t row) {
+    for (std::size_t p = 0; p < packs; ++p) {
+      const Pack value = silt::load<Pack>(rows + std::size_t{row} * 4 * Chunks + p * G);
+      // The twirl (chunk 1) has the same sign on both partners.
+      sum[p] = p * G / 4 == 1 ? sum[p] + value : sum[p] - value;
+    }
+  };
   const auto& s = table.of(particle);
-  for (std::size_t k = 0; k < ReductionTable::slots; ++k) add(sum.value, s.plus[k], 1.0);
-  for (std::size_t k = 0; k < ReductionTable::slots; ++k) add(sum.value, s.minus[k], -1.0);
-  for (; extra < table.extra().size() && table.extra()[extra].particle == particle; ++extra)
-    add(sum.value, table.extra()[extra].row, table.extra()[extra].sign);
-  return sum;
+  for (std::size_t k = 0; k < ReductionTable::slots; ++k) plus(s.plus[k]);
+  for (std::size_t k = 0; k < ReductionTable::slots; ++k) minus(s.minus[k]);
+  for (; extra < table.extra().size() && table.extra()[extra].particle == particle; ++extra) {
+    const auto& e = table.extra()[extra];
+    e.plus ? plus(e.row) : minus(e.row);
+  }
+  LoadSum<Chunks> out;
+  for (std::size_t p = 0; p < packs; ++p) silt::store(out.value + p * G, sum[p]);
+  return out;
 }
 
 }  // namespace silt::detail

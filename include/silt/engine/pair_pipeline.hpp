@@ -128,7 +128,7 @@ class PairPipeline {
       return typename Kernel::RollingCoefficients{};
   }
 
-  static Kinematics<Real> pair_kinematics(const Scratch& s, std::size_t k, const Domain& domain,
+  static SILT_INLINE Kinematics<Real> pair_kinematics(const Scratch& s, std::size_t k, const Domain& domain,
                                           const Real& time_step) {
     Vec3<Real> d = load3<Real>(s.position[0] + k, s.position[1] + k, s.position[2] + k);
     if constexpr (Domain::periodic) d = domain.shortest(d);
@@ -138,7 +138,7 @@ class PairPipeline {
     const Real inverse_mass = load<Real>(s.motion[3] + k);
     const Real inverse_distance = Real(1) / distance;
 
-    Kinematics<Real> out{};
+    Kinematics<Real> out;
     out.normal = d * inverse_distance;
     out.overlap = reach - distance;
     out.m_eff = Real(1) / inverse_mass;
@@ -201,7 +201,7 @@ class PairPipeline {
   template <std::size_t G>
   static void gather_pack(const Input& in, const std::uint32_t* a, const std::uint32_t* b,
                           std::size_t k, Scratch& s) {
-    using Pack = xsimd::make_sized_batch_t<double, G>;
+    using Pack = typename PackOf<G>::type;
     alignas(64) static constexpr double difference[4] = {-1, -1, -1, 1}, sum[4] = {1, 1, 1, 1};
     const auto turn = [&](auto row_of, const double* signs, double (*out)[block]) {
       for (std::size_t c = 0; c < 4; c += G) {

@@ -212,7 +212,7 @@ class WallPipeline {
   }
 
   static Kinematics<Real> kinematics(const Scratch& s, std::size_t k) {
-    Kinematics<Real> out{};
+    Kinematics<Real> out;
     out.normal = load3<Real>(s.normal[0] + k, s.normal[1] + k, s.normal[2] + k);
     out.half_change =
         load3<Real>(s.half_change[0] + k, s.half_change[1] + k, s.half_change[2] + k);

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <numbers>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -82,7 +84,8 @@ class SizeDistribution {
     require_positive("radius", radius, "m");
   }
   /// For the functions below, which check their arguments; mean_cube [m3] is the mean of radius^3.
-  SizeDistribution(Law law, double min, double max, double mean_cube)
+  template <std::convertible_to<Law> OneLaw>
+  SizeDistribution(OneLaw law, double min, double max, double mean_cube)
       : law_(std::move(law)), min_(min), max_(max), mean_cube_(mean_cube) {}
 
   /// A radius [m], never outside [min(), max()].

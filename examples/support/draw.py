@@ -1,0 +1,588 @@
+#!/usr/bin/python3
+# silt - BSD-3-Clause, see LICENSE
+"""Pictures of silt's results: grains from VTK files (.vtp) and curves from tables (.csv).
+
+  draw.py spheres early.vtp late.vtp --out flow.png --colour velocity --view front --cut y=0.05
+  draw.py curves energy.csv --x time --y kinetic,potential --out energy.png
+
+Needs numpy and matplotlib (Debian: apt-get install python3-numpy python3-matplotlib).
+A wrong argument or file ends in one sentence on stderr and exit status 2.
+"""
+
+import argparse
+import math
+import os
+import sys
+import xml.etree.ElementTree as ElementTree
+
+import matplotlib
+import numpy as np
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+from matplotlib.cm import ScalarMappable  # noqa: E402
+from matplotlib.colors import ListedColormap, Normalize, to_rgb  # noqa: E402
+from matplotlib.lines import Line2D  # noqa: E402
+
+# Okabe and Ito's colours, which the colour-blind can tell apart.
+COLOURS = ["#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#555555"]
+PLAIN = "#C9A66B"  # spheres without a field
+# Without viridis's darkest end, which would hide the shading.
+COLOUR_MAP = ListedColormap(plt.get_cmap("viridis")(np.linspace(0.14, 1, 256)), "viridis from 14 %")
+WALL_COLOUR = 0.30
+SUPERSAMPLING = 2
+DPI = 150
+VTK_TYPES = {"Float64": "<f8", "Float32": "<f4", "Int32": "<i4", "UInt32": "<u4"}
+
+
+class Refusal(Exception):
+    """One sentence for the user: what, where, what to change."""
+
+
+# ------------------------------------------------------------------------------------ files
+
+
+def read_vtp(path):
+    """Points, fields by name, and triangles of a PolyData file with appended raw arrays."""
+    try:
+        with open(path, "rb") as file:
+            content = file.read()
+    except OSError as error:
+        raise Refusal(f"file '{path}' cannot be read: {error.strerror}")
+    head, mark, rest = content.partition(b'<AppendedData encoding="raw">')
+    try:
+        root = ElementTree.fromstring(head + b"</VTKFile>")
+    except ElementTree.ParseError:
+        root = None
+    if root is None or root.get("type") != "PolyData" or root.get("header_type") != "UInt64":
+        raise Refusal(f"file '{path}' is not a .vtp file as silt writes them (appended raw data)")
+    data = rest[rest.index(b"_") + 1:]
+
+    def array(element):
+        start = int(element.get("offset")) + 8
+        size = int.from_bytes(data[start - 8:start], "little")
+        if start + size > len(data):
+            raise Refusal(f"file '{path}' is truncated in its array '{element.get('Name')}'")
+        values = np.frombuffer(data, VTK_TYPES[element.get("type")],
+                               size // np.dtype(VTK_TYPES[element.get("type")]).itemsize, start)
+        components = int(element.get("NumberOfComponents"))
+        return values.reshape(-1, components) if components > 1 else values
+
+    arrays = {section: {a.get("Name"): array(a) for a in root.iterfind(f".//{section}/DataArray")}
+              for section in ("Points", "PointData", "Polys")}
+    corners = arrays["Polys"].get("connectivity", np.empty(0, int))
+    return arrays["Points"]["Points"], arrays["PointData"], corners.reshape(-1, 3)
+
+
+def read_csv(path):
+    """Column names and rows of a table; a last row that a kill left incomplete is left out."""
+    try:
+        with open(path, encoding="utf-8") as file:
+            lines = file.read().split("\n")[:-1]
+        names = lines[0].split(",")
+        rows = np.array([[float(cell) for cell in line.split(",")] for line in lines[1:]])
+        return names, rows.reshape(len(lines) - 1, len(names))
+    except OSError as error:
+        raise Refusal(f"file '{path}' cannot be read: {error.strerror}")
+    except (ValueError, IndexError):
+        raise Refusal(f"file '{path}' is not a table of numbers with one line of column names")
+
+
+def split_unit(name):
+    """'time [s]' -> ('time', 's')."""
+    word, bracket, unit = name.partition(" [")
+    return (word, unit[:-1]) if bracket and unit.endswith("]") else (name, "")
+
+
+def find_name(wanted, names, what, path):
+    """The full name that `wanted` means, with or without its unit."""
+    for name in names:
+        if wanted == name or wanted == split_unit(name)[0]:
+            return name
+    raise Refusal(f"file '{path}' has no {what} '{wanted}'; it has: {', '.join(names) or 'none'}")
+
+
+def save(figure, path):
+    partial = path + ".partial"
+    try:
+        figure.savefig(partial, format="png", dpi=DPI, facecolor="white")
+        os.replace(partial, path)
+    except OSError as error:
+        if os.path.exists(partial):
+            os.remove(partial)
+        raise Refusal(f"file '{path}' cannot be written: {error.strerror}")
+
+
+# ------------------------------------------------------------------------------- projection
+
+
+def view_axes(view):
+    """Rows: right, up, towards the viewer."""
+    if view == "iso":
+        turn, tilt = math.radians(-35), math.radians(25)
+        right = np.array([math.cos(turn), math.sin(turn), 0])
+        flat = np.array([math.sin(turn), -math.cos(turn), 0])
+        viewer = math.cos(tilt) * flat + math.sin(tilt) * np.array([0, 0, 1])
+        return np.array([right, np.cross(viewer, right), viewer])
+    return np.array({
+        "front": [[1, 0, 0], [0, 0, 1], [0, -1, 0]],
+        "side": [[0, 1, 0], [0, 0, 1], [1, 0, 0]],
+        "top": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+    }[view], float)
+
+
+class Cut:
+    """Keeps the half space that is farther from the viewer; the greater one if seen edge-on."""
+
+    def __init__(self, words, axes):
+        axis, _, value = words.partition("=")
+        try:
+            self.value = float(value)
+            self.axis = "xyz".index(axis) if len(axis) == 1 else None
+        except ValueError:
+            self.axis = None
+        if self.axis is None:
+            raise Refusal(f"--cut '{words}' must be an axis and a place in metres, such as y=0.05")
+        self.sign = -1 if axes[2][self.axis] > 1e-9 else 1
+
+    def beyond(self, points):
+        return self.sign * (points[..., self.axis] - self.value)
+
+    def clip(self, segments):
+        """The parts of the segments (n, 2, 3) in the half that is kept."""
+        d = self.beyond(segments)
+        segments = segments[(d >= 0).any(axis=1)].copy()
+        d = self.beyond(segments)
+        for end in (0, 1):
+            out = d[:, end] < 0
+            part = (d[out, 1 - end] / (d[out, 1 - end] - d[out, end]))[:, None]
+            inner = segments[out, 1 - end]
+            segments[out, end] = inner + part * (segments[out, end] - inner)
+        return segments
+
+
+def wall_edges(points, triangles, viewer):
+    """Segments (n, 2, 3): borders, edges where facets differ by over 1 degree, and outlines."""
+    if len(triangles) == 0:
+        return np.empty((0, 2, 3))
+    # Facets from STL files share places but not points: weld them.
+    grain = 1e-7 * max(np.ptp(points, axis=0).max(), 1e-30)
+    _, first, welded = np.unique(np.round(points / grain).astype(np.int64), axis=0,
+                                 return_index=True, return_inverse=True)
+    corners, triangles = points[first], welded.reshape(-1)[triangles]
+    a, b, c = (corners[triangles[:, k]] for k in range(3))
+    normals = np.cross(b - a, c - a)
+    length = np.linalg.norm(normals, axis=1)
+    normals, triangles = normals[length > 0] / length[length > 0, None], triangles[length > 0]
+
+    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]],
+                                    triangles[:, [2, 0]]]), axis=1)
+    facet = np.tile(np.arange(len(triangles)), 3)
+    order = np.lexsort((edges[:, 1], edges[:, 0]))
+    edges, facet = edges[order], facet[order]
+    starts = np.flatnonzero(np.r_[True, (edges[1:] != edges[:-1]).any(axis=1)])
+    counts = np.diff(np.r_[starts, len(edges)])
+    shown = counts != 2
+    pair = starts[~shown]
+    n0, n1 = normals[facet[pair]], normals[facet[pair + 1]]
+    # Facets may be listed with either orientation: compare the planes, not the sides.
+    bent = np.abs((n0 * n1).sum(axis=1)) < math.cos(math.radians(1))
+    facing0, facing1 = n0 @ viewer, n1 @ viewer
+    outline = (facing0 * facing1 < 0) & (np.minimum(abs(facing0), abs(facing1)) > 1e-6) & \
+        ((n0 * n1).sum(axis=1) > 0)
+    shown[~shown] = bent | outline
+    return corners[edges[starts[shown]]]
+
+
+# -------------------------------------------------------------------------------- rendering
+
+
+class Canvas:
+    """A picture of spheres and lines in parallel projection; lengths in (supersampled) pixels."""
+
+    def __init__(self, bounds, width):
+        self.left, right, self.bottom, top = bounds
+        self.width = width * SUPERSAMPLING
+        self.scale = self.width / (right - self.left)
+        self.height = SUPERSAMPLING * max(1, round((top - self.bottom) * self.scale / SUPERSAMPLING))
+        self.depth = np.full((self.height, self.width), -np.inf)
+        self.image = np.ones((self.height, self.width, 3))
+
+    def to_pixels(self, projected):
+        return (projected[..., :3] - [self.left, self.bottom, 0]) * self.scale
+
+    def draw_spheres(self, projected, radii, colours):
+        place, r = self.to_pixels(projected), radii * self.scale
+        inside = ((place[:, 0] > -r) & (place[:, 0] < self.width + r) &
+                  (place[:, 1] > -r) & (place[:, 1] < self.height + r))
+        near_first = np.flatnonzero(inside)[np.argsort(-place[inside, 2], kind="stable")]
+        place, r, colours = place[near_first], r[near_first], colours[near_first]
+        owner = self.front_spheres(place, r)
+        rows, columns = np.nonzero(owner < len(r))
+        if len(rows) == 0:
+            return
+        who = owner[rows, columns]
+        nx = np.clip((columns + 0.5 - place[who, 0]) / r[who], -1, 1)
+        ny = np.clip((rows + 0.5 - place[who, 1]) / r[who], -1, 1)
+        nz = np.sqrt(np.clip(1 - nx * nx - ny * ny, 0, 1))
+        self.depth[rows, columns] = depth = place[who, 2] + nz * r[who]
+        light = np.array([-0.35, 0.50, 0.79])
+        shade = 0.42 + 0.58 * np.clip(nx * light[0] + ny * light[1] + nz * light[2], 0, 1)
+        shade *= 0.70 + 0.30 * np.minimum(1, nz / 0.45)  # a dark rim parts neighbours
+        near, far = np.percentile(depth, [99, 1])
+        shade *= 1 - 0.30 * np.clip((near - depth) / max(near - far, 12 * np.median(r)), 0, 1)
+        self.image[rows, columns] = np.clip(colours[who] * shade[:, None], 0, 1)
+
+    def front_spheres(self, place, r):
+        """Which sphere is seen at each pixel: its place in the near-to-far order, or len(r).
+
+        Along a ray, spheres that do not overlap follow each other as their centres do, so the
+        nearest centre wins. Near-to-far in portions: what a portion has covered is final, and
+        spheres all of whose pixels are covered are skipped.
+        """
+        owner = np.full((self.height, self.width), len(r), np.int64)
+        low = np.maximum(np.floor(place[:, :2] - r[:, None]).astype(int), 0)
+        high = np.minimum(np.ceil(place[:, :2] + r[:, None]).astype(int) + 1,
+                          [self.width, self.height])
+        size = np.ceil(r).astype(int)
+        portion = max(1000, len(r) // 40)
+        for start in range(0, len(r), portion):
+            some = np.arange(start, min(start + portion, len(r)))
+            some = some[self.open_blocks(owner == len(r), low[some], high[some]) > 0]
+            for k in np.unique(size[some]):
+                group = some[size[some] == k]
+                if len(group) < (2 * k + 1) ** 2:
+                    self.stamp_each(owner, group, place, r, low, high)
+                else:
+                    self.stamp_together(owner, group, place, r, k)
+        return owner
+
+    @staticmethod
+    def open_blocks(free, low, high, block=4):
+        """How many blocks of pixels with a free one touch each box from `low` to below `high`."""
+        for axis in (0, 1):
+            free = np.logical_or.reduceat(free, np.arange(0, free.shape[axis], block), axis=axis)
+        sums = np.zeros((free.shape[0] + 1, free.shape[1] + 1), np.int32)
+        np.cumsum(np.cumsum(free, axis=0, dtype=np.int32), axis=1, out=sums[1:, 1:])
+        (x0, y0), (x1, y1) = (low // block).T, (-(-high // block)).T
+        return sums[y1, x1] - sums[y0, x1] - sums[y1, x0] + sums[y0, x0]
+
+    @staticmethod
+    def stamp_each(owner, group, place, r, low, high):
+        for i in group:
+            (x0, y0), (x1, y1) = low[i], high[i]
+            dx = np.arange(x0, x1) + 0.5 - place[i, 0]
+            dy = np.arange(y0, y1) + 0.5 - place[i, 1]
+            disc = dx * dx + (dy * dy)[:, None] <= r[i] ** 2
+            part = owner[y0:y1, x0:x1]
+            part[disc] = np.minimum(part[disc], i)
+
+    def stamp_together(self, owner, group, place, r, k):
+        group = group[::-1]  # far to near: of several at one pixel the last assignment stays
+        cell = np.floor(place[group, :2]).astype(int)
+        flat = owner.reshape(-1)
+        for ox in range(-k, k + 1):
+            for oy in range(-k, k + 1):
+                x, y = cell[:, 0] + ox, cell[:, 1] + oy
+                d2 = (x + 0.5 - place[group, 0]) ** 2 + (y + 0.5 - place[group, 1]) ** 2
+                hit = (d2 <= r[group] ** 2) | (ox == 0 and oy == 0)  # a dot at least
+                hit &= (x >= 0) & (x < self.width) & (y >= 0) & (y < self.height)
+                at, who = y[hit] * self.width + x[hit], group[hit]
+                nearer = who < flat[at]
+                flat[at[nearer]] = who[nearer]
+
+    def draw_lines(self, segments):
+        """Lines where no sphere is in front of them."""
+        ends = self.to_pixels(segments)
+        length = np.abs(ends[:, 1, :2] - ends[:, 0, :2]).max(axis=1)
+        steps = np.ceil(2 * np.minimum(length, 4 * self.width)).astype(int) + 1
+        which = np.repeat(np.arange(len(ends)), steps)
+        count = np.arange(len(which)) - np.repeat(np.cumsum(steps) - steps, steps)
+        part = (count / np.maximum(steps[which] - 1, 1))[:, None]
+        points = ends[which, 0] + part * (ends[which, 1] - ends[which, 0])
+        # Lines lie on walls, which grains touch: half a pixel decides nothing.
+        column, row = np.floor(points[:, :2]).astype(int).T
+        for dx in (-1, 0, 1):
+            for dy in (-1, 0, 1):
+                x, y = column + dx, row + dy
+                ok = (x >= 0) & (x < self.width) & (y >= 0) & (y < self.height)
+                x, y = x[ok], y[ok]
+                seen = points[ok, 2] >= self.depth[y, x] - 1
+                self.image[y[seen], x[seen]] = WALL_COLOUR
+
+    def picture(self):
+        n = SUPERSAMPLING
+        small = self.image.reshape(self.height // n, n, self.width // n, n, 3).mean(axis=(1, 3))
+        return small[::-1]
+
+
+# ---------------------------------------------------------------------------------- spheres
+
+
+class Bed:
+    """The spheres of one file, in view coordinates."""
+
+    def __init__(self, path, colour, axes, cut):
+        points, fields, _ = read_vtp(path)
+        radii = fields[find_name("radius", fields, "field", path)]
+        self.values, self.label = np.zeros(len(points)), ""
+        if colour is not None and colour in ("x", "y", "z"):
+            self.values, self.label = points[:, "xyz".index(colour)], f"{colour} [m]"
+        elif colour is not None:
+            name = find_name(colour, fields, "field", path)
+            self.values, self.label = fields[name], name
+            if self.values.ndim == 2:
+                word, unit = split_unit(name)
+                self.values = np.linalg.norm(self.values, axis=1)
+                self.label = f"|{word}|" + (f" [{unit}]" if unit else "")
+        kept = np.isfinite(points).all(axis=1) & (radii > 0)
+        if cut:
+            kept &= cut.beyond(points) >= 0
+        self.places, self.radii = points[kept] @ axes.T, radii[kept].astype(float)
+        self.values = self.values[kept]
+
+    def corners(self):
+        """Picture coordinates that its bounds must hold."""
+        r = self.radii[:, None]
+        return np.concatenate([self.places[:, :2] - r, self.places[:, :2] + r])
+
+
+class ColourScale:
+    """Colours of values: one for each of a few whole numbers, else a continuous map."""
+
+    def __init__(self, beds, limits):
+        values = np.concatenate([bed.values for bed in beds])
+        self.label = beds[0].label
+        self.kinds = None
+        if self.label and np.issubdtype(values.dtype, np.integer) and limits is None:
+            kinds = np.unique(values)
+            self.kinds = kinds if len(kinds) <= len(COLOURS) else None
+        finite = values[np.isfinite(values)] if len(values) else np.zeros(1)
+        low, high = limits or ((finite.min(), finite.max()) if len(finite) else (0, 1))
+        self.norm = Normalize(low, high if high > low else low + max(abs(low), 1) * 1e-6)
+        below, above = bool((finite < low).any()), bool((finite > high).any())
+        self.extend = {(0, 0): "neither", (1, 0): "min", (0, 1): "max",
+                       (1, 1): "both"}[below, above]
+
+    def colours(self, values):
+        if not self.label:
+            return np.tile(to_rgb(PLAIN), (len(values), 1))
+        if self.kinds is not None:
+            table = np.array([to_rgb(c) for c in COLOURS])
+            return table[np.searchsorted(self.kinds, values)]
+        return COLOUR_MAP(self.norm(values))[:, :3]
+
+    def add_to(self, figure, box):
+        """Puts the legend or the colour bar into `box` (left, bottom, width, height)."""
+        axes = figure.add_axes(box)
+        if self.kinds is not None:
+            axes.set_axis_off()
+            word = split_unit(self.label)[0]
+            marks = [Line2D([], [], ls="", marker="o", ms=9, color=COLOURS[k], label=f"{kind:g}")
+                     for k, kind in enumerate(self.kinds)]
+            axes.legend(handles=marks, title=word, loc="center", ncol=len(marks), frameon=False,
+                        fontsize=11, title_fontsize=11, handletextpad=0.2, columnspacing=1.2)
+        else:
+            bar = figure.colorbar(ScalarMappable(self.norm, COLOUR_MAP), cax=axes,
+                                  orientation="horizontal", extend=self.extend)
+            bar.set_label(self.label, fontsize=11)
+            bar.ax.tick_params(labelsize=10)
+            bar.outline.set_linewidth(0.5)
+
+
+def parse_numbers(option, words, count):
+    try:
+        numbers = [float(word) for word in words.split(",")]
+    except ValueError:
+        numbers = []
+    rising = all(a < b for a, b in zip(numbers[::2], numbers[1::2]))
+    if len(numbers) != count or not rising or not all(map(math.isfinite, numbers)):
+        raise Refusal(f"{option} '{words}' must be {count} numbers with commas between, the lower "
+                      "one of each pair first")
+    return numbers
+
+
+def picture_bounds(beds, edges, axes):
+    corners = [bed.corners() for bed in beds] + [(edges.reshape(-1, 3) @ axes.T)[:, :2]]
+    corners = np.concatenate(corners)
+    if len(corners) == 0:
+        raise Refusal("there is nothing to draw: no spheres are left, and there are no walls")
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    margin = 0.02 * (high - low).max()
+    return [low[0] - margin, high[0] + margin, low[1] - margin, high[1] + margin]
+
+
+class Sheet:
+    """Where panels, captions, colour bar and scale bar stand, in inches."""
+
+    SIDE, CAPTION, BELOW, GAP = 0.25, 0.38, 0.80, 0.25
+
+    def __init__(self, panels, aspect):
+        best = None
+        for columns in range(1, panels + 1):  # the arrangement with the largest panels
+            rows = math.ceil(panels / columns)
+            width = min((13 - 2 * self.SIDE + self.GAP) / columns - self.GAP,
+                        ((8.5 - self.BELOW) / rows - self.CAPTION) * aspect, 7)
+            if best is None or width > best[0] * 1.001:
+                best = (width, columns, rows)
+        self.panel_width, self.columns, self.rows = best
+        self.panel_height = self.panel_width / aspect
+        used = self.columns * (self.panel_width + self.GAP) - self.GAP
+        self.width = max(used, 4.5) + 2 * self.SIDE
+        self.left = (self.width - used) / 2
+        self.height = self.rows * (self.panel_height + self.CAPTION) + self.BELOW
+
+    def panel(self, k):
+        row, column = divmod(k, self.columns)
+        x = self.left + column * (self.panel_width + self.GAP)
+        y = self.height - (row + 1) * (self.panel_height + self.CAPTION)
+        return self.box(x, y, self.panel_width, self.panel_height)
+
+    def box(self, x, y, width, height):
+        return [x / self.width, y / self.height, width / self.width, height / self.height]
+
+
+def draw_scale_bar(figure, sheet, span):
+    """A bar of 1, 2 or 5 times a power of ten in mm, about a quarter of a panel."""
+    most = 1e3 * span * min(1, 1.6 / sheet.panel_width)  # [mm]
+    power = 10 ** math.floor(math.log10(most))
+    length = max(n * power for n in (1, 2, 5) if n * power <= most)
+    inches = length * 1e-3 / span * sheet.panel_width
+    axes = figure.add_axes(sheet.box(sheet.SIDE + 0.1, 0.30, inches, 0.10))
+    axes.set_axis_off()
+    axes.set(xlim=(0, 1), ylim=(-1, 1))
+    axes.plot([0, 0, 0, 1, 1, 1], [-1, 1, 0, 0, -1, 1], color="black", lw=1.4, clip_on=False)
+    axes.annotate(f"{length:g} mm", (0.5, 1), (0, 3), textcoords="offset points", ha="center",
+                  fontsize=11)
+
+
+def draw_spheres(options):
+    axes = view_axes(options.view)
+    cut = Cut(options.cut, axes) if options.cut else None
+    titles = options.title or [os.path.splitext(os.path.basename(f))[0] for f in options.files]
+    if len(titles) != len(options.files):
+        raise Refusal(f"there are {len(titles)} titles for {len(options.files)} files; give one a file")
+    beds = [Bed(path, options.colour, axes, cut) for path in options.files]
+    edges = np.empty((0, 2, 3))
+    if options.walls:
+        points, _, triangles = read_vtp(options.walls)
+        edges = wall_edges(points, triangles, axes[2])
+        edges = cut.clip(edges) if cut else edges
+    bounds = (parse_numbers("--bounds", options.bounds, 4) if options.bounds
+              else picture_bounds(beds, edges, axes))
+    limits = parse_numbers("--range", options.range, 2) if options.range else None
+    scale = ColourScale(beds, limits)
+
+    sheet = Sheet(len(beds), (bounds[1] - bounds[0]) / (bounds[3] - bounds[2]))
+    figure = plt.figure(figsize=(sheet.width, sheet.height))
+    for k, (bed, title) in enumerate(zip(beds, titles)):
+        canvas = Canvas(bounds, max(1, round(sheet.panel_width * DPI)))
+        canvas.draw_spheres(bed.places, bed.radii, scale.colours(bed.values))
+        canvas.draw_lines(edges @ axes.T)
+        panel = figure.add_axes(sheet.panel(k))
+        panel.imshow(canvas.picture(), interpolation="none", aspect="auto")
+        panel.set_axis_off()
+        panel.set_title(title, fontsize=12, pad=6)
+    draw_scale_bar(figure, sheet, bounds[1] - bounds[0])
+    if scale.label:
+        width = min(4.0, sheet.width - 2.6)
+        left = max((sheet.width - width) / 2, 2.2)
+        tall = 0.70 if scale.kinds is not None else 0.14
+        figure_box = sheet.box(left, 0.05 if scale.kinds is not None else 0.50, width, tall)
+        scale.add_to(figure, figure_box)
+    save(figure, options.out)
+
+
+# ----------------------------------------------------------------------------------- curves
+
+
+def draw_curves(options):
+    names, rows = read_csv(options.file)
+    x_name = find_name(options.x, names, "column", options.file)
+    y_names = [find_name(y, names, "column", options.file) for y in options.y.split(",")]
+    x = rows[:, names.index(x_name)]
+    units = list(dict.fromkeys(split_unit(name)[1] for name in y_names))
+    figure, panels = plt.subplots(len(units), 1, sharex=True, squeeze=False,
+                                  figsize=(7.5, 1.4 + 3.2 * len(units)), constrained_layout=True)
+    colours = iter(COLOURS * len(y_names))
+    for panel, unit in zip(panels[:, 0], units):
+        mine = [name for name in y_names if split_unit(name)[1] == unit]
+        for name in mine:
+            panel.plot(x, rows[:, names.index(name)], lw=1.8, color=next(colours),
+                       label=split_unit(name)[0], marker="o" if len(x) <= 25 else None, ms=4)
+        if panel is panels[0, 0]:
+            for style, words in zip(("--", ":", "-."), options.reference or []):
+                label, _, numbers = words.rpartition(":")
+                try:
+                    slope, offset = (float(n) for n in numbers.split(","))
+                except ValueError:
+                    raise Refusal(f"--reference '{words}' must be label:slope,offset")
+                panel.plot(x, slope * x + offset, style, color="black", lw=1.3, label=label)
+        panel.set_ylabel(mine[0] if len(mine) == 1 else f"[{unit}]" if unit else "", fontsize=12)
+        panel.grid(True, color="0.88", lw=0.8)
+        panel.set_axisbelow(True)
+        panel.spines[["top", "right"]].set_visible(False)
+        panel.tick_params(labelsize=11)
+        panel.margins(x=0.01)
+        if len(panel.lines) > 1:
+            panel.legend(fontsize=11, frameon=True, framealpha=0.9, edgecolor="none")
+    panels[-1, 0].set_xlabel(x_name, fontsize=12)
+    if options.title:
+        figure.suptitle(options.title, fontsize=13)
+    save(figure, options.out)
+
+
+# --------------------------------------------------------------------------------- commands
+
+
+class Parser(argparse.ArgumentParser):
+    def error(self, message):
+        raise Refusal(message + "; see --help")
+
+
+def parse(arguments):
+    parser = Parser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    commands = parser.add_subparsers(required=True, metavar="spheres|curves")
+    spheres = commands.add_parser("spheres", help="shaded spheres, several files side by side")
+    spheres.add_argument("files", nargs="+", metavar="FILE.vtp", help="points with a field 'radius'")
+    spheres.add_argument("--out", required=True, metavar="PNG")
+    spheres.add_argument("--colour", metavar="FIELD", help="a field (of a vector its length), x, y or z")
+    spheres.add_argument("--range", metavar="LOW,HIGH", help="values at the ends of the colour bar")
+    spheres.add_argument("--view", choices=["front", "side", "top", "iso"], default="front")
+    spheres.add_argument("--walls", metavar="FILE.vtp", help="a surface, drawn as its edges")
+    spheres.add_argument("--cut", metavar="y=0.05", help="leave out the half in front of this place [m]")
+    spheres.add_argument("--title", nargs="+", metavar="T", help="a caption for each file")
+    spheres.add_argument("--bounds", metavar="XMIN,XMAX,ZMIN,ZMAX",
+                         help="what the picture shows, across and upwards [m]")
+    spheres.set_defaults(draw=draw_spheres)
+    curves = commands.add_parser("curves", help="columns of a table over another column")
+    curves.add_argument("file", metavar="FILE.csv")
+    curves.add_argument("--x", required=True, metavar="COLUMN", help="with or without its unit")
+    curves.add_argument("--y", required=True, metavar="COLUMN[,COLUMN]")
+    curves.add_argument("--reference", action="append", metavar="LABEL:SLOPE,OFFSET",
+                        help="a straight line to compare with; may be repeated")
+    curves.add_argument("--out", required=True, metavar="PNG")
+    curves.add_argument("--title")
+    curves.set_defaults(draw=draw_curves)
+    # Values such as -0.1,0.1,0,1 begin like an option: join them to theirs.
+    joined = []
+    for argument in arguments:
+        if joined and joined[-1] in ("--bounds", "--range") and argument.startswith("-"):
+            joined[-1] += "=" + argument
+        else:
+            joined.append(argument)
+    return parser.parse_args(joined)
+
+
+def main():
+    try:
+        options = parse(sys.argv[1:])
+        options.draw(options)
+    except Refusal as refusal:
+        sys.stderr.write(f"draw.py: {refusal}\n")
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
