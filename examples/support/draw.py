@@ -49,27 +49,33 @@ def read_vtp(path):
             content = file.read()
     except OSError as error:
         raise Refusal(f"file '{path}' cannot be read: {error.strerror}")
-    head, mark, rest = content.partition(b'<AppendedData encoding="raw">')
+    foreign = Refusal(f"file '{path}' is not a .vtp file as silt writes them (appended raw data)")
+    head, _, rest = content.partition(b'<AppendedData encoding="raw">')
+    data = rest.partition(b"_")[2]
     try:
         root = ElementTree.fromstring(head + b"</VTKFile>")
     except ElementTree.ParseError:
-        root = None
-    if root is None or root.get("type") != "PolyData" or root.get("header_type") != "UInt64":
-        raise Refusal(f"file '{path}' is not a .vtp file as silt writes them (appended raw data)")
-    data = rest[rest.index(b"_") + 1:]
+        raise foreign
+    if root.get("type") != "PolyData" or root.get("header_type") != "UInt64":
+        raise foreign
 
     def array(element):
-        start = int(element.get("offset")) + 8
+        try:
+            start = int(element.get("offset")) + 8
+            components = int(element.get("NumberOfComponents"))
+            number = np.dtype(VTK_TYPES[element.get("type")])
+        except (TypeError, ValueError, KeyError):
+            raise foreign
         size = int.from_bytes(data[start - 8:start], "little")
         if start + size > len(data):
             raise Refusal(f"file '{path}' is truncated in its array '{element.get('Name')}'")
-        values = np.frombuffer(data, VTK_TYPES[element.get("type")],
-                               size // np.dtype(VTK_TYPES[element.get("type")]).itemsize, start)
-        components = int(element.get("NumberOfComponents"))
+        values = np.frombuffer(data, number, size // number.itemsize, start)
         return values.reshape(-1, components) if components > 1 else values
 
     arrays = {section: {a.get("Name"): array(a) for a in root.iterfind(f".//{section}/DataArray")}
               for section in ("Points", "PointData", "Polys")}
+    if "Points" not in arrays["Points"]:
+        raise foreign
     corners = arrays["Polys"].get("connectivity", np.empty(0, int))
     return arrays["Points"]["Points"], arrays["PointData"], corners.reshape(-1, 3)
 
@@ -359,7 +365,7 @@ class ColourScale:
             self.kinds = kinds if len(kinds) <= len(COLOURS) else None
         finite = values[np.isfinite(values)] if len(values) else np.zeros(1)
         low, high = limits or ((finite.min(), finite.max()) if len(finite) else (0, 1))
-        self.norm = Normalize(low, high if high > low else low + max(abs(low), 1) * 1e-6)
+        self.norm = Normalize(low, high if high > low else low + (abs(low) or 1))
         below, above = bool((finite < low).any()), bool((finite > high).any())
         self.extend = {(0, 0): "neither", (1, 0): "min", (0, 1): "max",
                        (1, 1): "both"}[below, above]

@@ -261,6 +261,9 @@ TEST_CASE("packing: a sphere wider than the region is reported as such") {
   for (const auto arrangement : {Arrangement::Lattice, Arrangement::Random}) {
     const auto result =
         silt::pack(slit, {.radius = 0.006, .count = 3, .arrangement = arrangement, .trials = 10});
+    const auto as_many_as_fit =
+        silt::pack(slit, {.radius = 0.006, .arrangement = arrangement, .trials = 10});
+    CHECK(has(as_many_as_fit.why_not_more, "0 of 1 spheres fitted"));
     CHECK(result.spheres.empty());
     CHECK(has(result.why_not_more, "0 of 3 spheres fitted"));
     CHECK(has(result.why_not_more,

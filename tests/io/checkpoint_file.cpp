@@ -324,11 +324,12 @@ TEST_CASE("checkpoint: hostile numbers under a matching checksum are refused, or
   const Folder folder;
   const std::string path = folder / "x.silt", good = small_checkpoint(folder);
   // Each 8 bytes from the table's size on become large; a count or size of that kind must not be
-  // believed. What is still accepted (changed values or names) must be readable.
+  // believed; 2^61 + 4 doubles are as many bytes as 4 in 64 bits. What is still accepted (changed
+  // values or names) must be readable.
   std::size_t refused = 0;
   for (std::size_t at = 16; at + 16 <= good.size(); ++at) {
-    for (const std::uint64_t number :
-         {std::uint64_t{0}, std::uint64_t{1} << 40, ~std::uint64_t{0}, std::uint64_t{1} << 61}) {
+    for (const std::uint64_t number : {std::uint64_t{0}, std::uint64_t{1} << 40, ~std::uint64_t{0},
+                                       (std::uint64_t{1} << 61) + 4}) {
       auto content = good;
       put(content, at, number);
       write_bytes(path, with_checksum(content));

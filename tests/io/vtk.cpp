@@ -219,12 +219,12 @@ TEST_CASE("vtk: a series is complete after every frame") {
   silt::VtkSeries series(out, "grains");
   const std::string empty = silt::detail::read_file(out + "/grains.pvd");
   CHECK(empty ==
-        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" "
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" "
         "byte_order=\"LittleEndian\">\n<Collection>\n</Collection>\n</VTKFile>\n");
   series.add(0, "grains_0.vtp");
   series.add(0.1, "grains_1.vtp");
   const auto content = silt::detail::read_file(series.path());
-  CHECK(content.find("<DataSet timestep=\"0.1\" part=\"0\" file=\"grains_1.vtp\"/>\n"
+  CHECK(content.find("<DataSet timestep=\"0.1\" group=\"\" part=\"0\" file=\"grains_1.vtp\"/>\n"
                      "</Collection>\n</VTKFile>\n") != std::string::npos);
   CHECK(content.find("grains_0.vtp") < content.find("grains_1.vtp"));
   CHECK(series.frames() == 2);

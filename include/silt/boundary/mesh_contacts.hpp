@@ -71,7 +71,7 @@ inline auto TriangleMesh::nearest_side(std::uint32_t triangle, const Vec3d& cent
   const double distance = std::sqrt(square);
   const Vec3d beside = arm - height * normals_[triangle];
   return Nearest{
-      {arm * (1 / distance), distance, feature}, false, norm(beside) <= plane_tolerance_};
+      {arm * (1 / distance), distance, feature}, false, norm(beside) <= flatness(distance)};
 }
 
 /// True if no triangle that shares the edge or vertex of this nearest point comes nearer.
@@ -94,19 +94,19 @@ inline bool TriangleMesh::is_same_contact(const Nearest& deeper, const Nearest& 
   const SurfacePoint &a = deeper.point, &b = other.point;
   if (a.feature == b.feature || dot(a.normal, b.normal) > cos_smooth_) return true;
   if (other.on_face) return false;
-  if (deeper.flat) return in_tangent_plane(b, a, plane_tolerance_);
+  if (deeper.flat) return in_tangent_plane(b, a, flatness(b.distance));
   if (!is_edge(a.feature)) return false;
   const Vec3d gap = a.distance * a.normal - b.distance * b.normal;
   const Vec3d along = edge_of(a.feature).direction;
   return norm(gap - dot(gap, along) * along) <= plane_tolerance_;
 }
 
-/// Deepest first, then by feature. A point in the plane of its face goes before a bump that sticks
-/// out no more than what counts as the same plane (a hanging node rounded to float), and a point
-/// over its face before one that is beside it by round-off: it has the plane's exact normal.
+/// Deepest first, then by feature. Of those equally deep to what counts as the same plane, first a
+/// point over its face, which has the plane's exact normal, then one in the plane of its face but
+/// beside it, then a bump (a hanging node that rounding to float put above the plane).
 inline bool TriangleMesh::comes_before(const Nearest& a, const Nearest& b) const {
   const auto rank = [&](const Nearest& n) {
-    return n.point.distance - (n.flat ? plane_tolerance_ : 0) - (n.on_face ? tolerance_ : 0);
+    return n.point.distance - plane_tolerance_ * (n.on_face ? 2 : n.flat ? 1 : 0);
   };
   const double rank_a = rank(a), rank_b = rank(b);
   return rank_a != rank_b ? rank_a < rank_b : a.point.feature < b.point.feature;

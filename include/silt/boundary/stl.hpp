@@ -40,10 +40,10 @@ template <class... Parts>
 
 inline std::string system_reason() { return std::generic_category().message(errno); }
 
-using File = std::unique_ptr<std::FILE, decltype([](std::FILE* f) { std::fclose(f); })>;
+using StlFile = std::unique_ptr<std::FILE, decltype([](std::FILE* f) { std::fclose(f); })>;
 
 inline std::string read_whole_file(const std::string& path) {
-  const File file(std::fopen(path.c_str(), "rb"));
+  const StlFile file(std::fopen(path.c_str(), "rb"));
   if (!file) stl_error("STL file ", path, " cannot be opened: ", system_reason());
   std::string bytes;
   std::array<char, 65536> block;
@@ -230,7 +230,7 @@ inline std::string ascii_stl(const std::vector<std::array<Vec3d, 3>>& triangles)
 /// Writes beside `path` and renames: the file is there complete, or as it was before.
 inline void write_whole_file(const std::string& path, const std::string& bytes) {
   const std::string beside = path + ".part";
-  File file(std::fopen(beside.c_str(), "wb"));
+  StlFile file(std::fopen(beside.c_str(), "wb"));
   if (!file) stl_error("STL file ", beside, " cannot be written: ", system_reason());
   const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file.get()) == bytes.size();
   const bool closed = std::fclose(file.release()) == 0;

@@ -25,8 +25,8 @@ namespace silt {
 ///      sphere in a crease that shallow touches one side at a time.
 ///
 /// Valid:   vertices within 1e-9 of the mesh's diagonal are one; thinner triangles are dropped and
-///          counted. A plane is one plane to 2.5e-7 of the largest coordinate (two roundings to
-///          float, as in STL files).
+///          counted. A plane is one plane to 2.5e-7 of the largest coordinate (corners rounded to
+///          float, as in STL files) and to 1e-4 rad (what that makes of the smallest facets).
 /// Errors:  the constructor throws InputError: no triangles, all degenerate, a vertex not finite,
 ///          smooth_angle outside [0, pi/2].
 /// Threads: all const members may be called at the same time; contacts() allocates nothing.
@@ -89,6 +89,9 @@ class TriangleMesh {
   bool comes_before(const Nearest& a, const Nearest& b) const;
   bool is_same_contact(const Nearest& deeper, const Nearest& other) const;
 
+  /// [m] off a plane, `distance` away from the centre, that still counts as in it.
+  double flatness(double distance) const { return plane_tolerance_ + 1e-4 * distance; }
+
   bool is_edge(std::uint32_t feature) const {
     return feature >= triangles_.size() && feature < triangles_.size() + topology_.edges.size();
   }
@@ -98,7 +101,7 @@ class TriangleMesh {
 
   double cos_smooth_;
   double weld_tolerance_ = 0;   // [m]
-  double plane_tolerance_ = 0;  // [m] off a plane that still counts as in it
+  double plane_tolerance_ = 0;  // [m] of corners that may have been rounded to float
   double tolerance_ = 0;        // [m] round-off in positions and distances
   std::vector<Vec3d> vertices_;
   std::vector<detail::VertexTriple> triangles_;

@@ -170,7 +170,7 @@ inline double hertz_contact_time(double E_eff, double R_eff, double m_eff, doubl
 /// Time [s] that a Rayleigh wave takes along half a sphere's circumference:
 ///   pi R sqrt(rho/G) / (0.1631 nu + 0.8766)
 /// A limit, not a time step: 0.1 (fast flows) to 0.2 (dense, slow) of the smallest sphere's.
-/// Source: Y. Li, Y. Xu, C. Thornton, Powder Technol. 160 (2005) 219.
+/// Source: a fit of the Rayleigh speed, 0.4 % off at most; as LIGGGHTS' fix check/timestep/gran.
 inline double rayleigh_time_step(double radius, double density, double shear_modulus,
                                  double poisson_ratio) {
   return std::numbers::pi * radius * std::sqrt(density / shear_modulus) /

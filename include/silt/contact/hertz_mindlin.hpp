@@ -24,7 +24,7 @@ namespace silt {
 ///
 /// Source: H. Hertz 1882; R. D. Mindlin, J. Appl. Mech. 16 (1949) 259; Y. Tsuji et al., Powder
 ///         Technol. 71 (1992) 239; C. Thornton, C. W. Randall, Micromechanics of Granular Materials
-///         (1988) 133; A. Antypov, J. A. Elliott, EPL 94 (2011) 50004 (constant restitution).
+///         (1988) 133; D. Antypov, J. A. Elliott, EPL 94 (2011) 50004 (constant restitution).
 ///         Damping is lowered by the lag of the half-step velocity (spring_slider.hpp).
 /// Valid:  spheres, small overlap (d < 0.1 R*), elastic solids without adhesion.
 /// Units:  SI. Shapes: Real = double or batch, lane = pair. History: 3 Reals ([N] or [m]).

@@ -165,10 +165,14 @@ class Engine {
     if (particles.size() > 0) mean_diameter /= static_cast<double>(particles.size());
   }
 
-  /// Rebuilds what follows from the inner lists (after a restart).
-  void renew_tables() {
-    make_kinds();
-    make_table();
+  /// Completes a restored state: sizes as they were measured, and what follows from the lists.
+  void restored(double radius, double diameter, double speed, double overlap) {
+    largest_radius = radius, mean_diameter = diameter;
+    largest_speed = speed, largest_overlap = overlap;
+    parked_ = static_cast<std::size_t>(
+        std::count(particles.id.begin(), particles.id.end(), no_particle));
+    first_pruning_ = false;
+    renew_tables();
   }
 
   std::size_t bytes() const {
@@ -179,6 +183,11 @@ class Engine {
   }
 
  private:
+  void renew_tables() {
+    make_kinds();
+    make_table();
+  }
+
   static constexpr std::ptrdiff_t parts = 64;  // pieces of the particle loop, whatever the threads
 
   double* row(std::size_t k) { return rows_.data() + k * 4 * chunks; }

@@ -406,14 +406,15 @@ FillResult pack(const R& region, const FillRequest& request,
     result.spheres = detail::pack_random(place, request, radii, occupied, random);
   }
   const std::size_t placed = result.spheres.size();
-  if (all_that_fit) {
-    result.requested = placed;
-  } else {
-    const double by_volume = std::round(request.solid_volume / request.radius.mean_volume());
-    const bool drawn_all = request.solid_volume <= place.volume();
-    result.requested = request.count > 0 ? request.count
-                       : drawn_all       ? radii.size()
-                                         : static_cast<std::size_t>(by_volume);
+  if (request.count > 0) {
+    result.requested = request.count;
+  } else if (all_that_fit) {
+    result.requested = std::max<std::size_t>(placed, 1);  // none at all is worth a sentence
+  } else if (request.solid_volume <= place.volume()) {
+    result.requested = radii.size();
+  } else {  // not all were drawn
+    const double expected = request.solid_volume / request.radius.mean_volume();
+    result.requested = static_cast<std::size_t>(std::min(std::round(expected), 1e18));
   }
   if (placed < result.requested) {
     const double next = radii[std::min(placed, radii.size() - 1)];

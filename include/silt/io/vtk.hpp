@@ -247,10 +247,10 @@ class VtkSeries {
     std::string file;
   };
   static constexpr std::string_view head_ =
-      "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" "
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" "
       "byte_order=\"LittleEndian\">\n<Collection>\n";
   static constexpr std::string_view before_time_ = "<DataSet timestep=\"";
-  static constexpr std::string_view before_file_ = "\" part=\"0\" file=\"";
+  static constexpr std::string_view before_file_ = "\" group=\"\" part=\"0\" file=\"";
   static constexpr std::string_view after_file_ = "\"/>\n";
   static constexpr std::string_view tail_ = "</Collection>\n</VTKFile>\n";
 

@@ -1,0 +1,90 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <vector>
+
+#include <silt/boundary/cone.hpp>
+#include <silt/boundary/cylinder.hpp>
+#include <silt/boundary/plane.hpp>
+#include <silt/boundary/triangle_mesh.hpp>
+#include <silt/core/box.hpp>
+
+namespace silt::detail {
+
+/// Triangles that show a surface.
+struct Outline {
+  std::vector<Vec3d> points;  // [m]
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+
+/// Two unit vectors across `n` and each other.
+inline std::array<Vec3d, 2> across(const Vec3d& n) {
+  const Vec3d least = std::abs(n.x) < 0.6 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
+  const Vec3d u = normalised(cross(n, least));
+  return {u, cross(n, u)};
+}
+
+/// The part of a plane inside the box `seen`.
+inline Outline outline(const Plane& plane, const Box& seen) {
+  const Vec3d e = seen.extent();
+  const Box box = seen.grown(1e-6 * norm(e));
+  const Vec3d n = normalised(plane.normal);
+  Outline out;
+  const auto height = [&](const Vec3d& p) { return dot(p - plane.point, n); };
+  for (int edge = 0; edge < 12; ++edge) {
+    const int d = edge / 4, a = edge & 1, b = (edge >> 1) & 1;
+    const double low[3] = {box.min.x, box.min.y, box.min.z}, high[3] = {box.max.x, box.max.y, box.max.z};
+    double from[3], to[3];
+    from[d] = low[d], to[d] = high[d];
+    from[(d + 1) % 3] = to[(d + 1) % 3] = a ? high[(d + 1) % 3] : low[(d + 1) % 3];
+    from[(d + 2) % 3] = to[(d + 2) % 3] = b ? high[(d + 2) % 3] : low[(d + 2) % 3];
+    const Vec3d p{from[0], from[1], from[2]}, q{to[0], to[1], to[2]};
+    const double hp = height(p), hq = height(q);
+    if ((hp < 0) != (hq < 0)) out.points.push_back(p + (hp / (hp - hq)) * (q - p));
+  }
+  if (out.points.size() < 3) return {};
+  Vec3d middle{0, 0, 0};
+  for (const auto& p : out.points) middle += p * (1.0 / static_cast<double>(out.points.size()));
+  const auto [u, v] = across(n);
+  const auto angle = [&](const Vec3d& p) { return std::atan2(dot(p - middle, v), dot(p - middle, u)); };
+  std::sort(out.points.begin(), out.points.end(),
+            [&](const Vec3d& p, const Vec3d& q) { return angle(p) < angle(q); });
+  for (std::uint32_t k = 1; k + 1 < out.points.size(); ++k) out.triangles.push_back({0, k, k + 1});
+  return out;
+}
+
+/// The lateral surface between two circles.
+inline Outline lateral_outline(const Vec3d& from, const Vec3d& to, double r_from, double r_to) {
+  constexpr std::uint32_t segments = 64;
+  const auto [u, v] = across(normalised(to - from));
+  Outline out;
+  for (std::uint32_t k = 0; k < segments; ++k) {
+    const double angle = 2 * std::numbers::pi * k / segments;
+    const Vec3d radial = std::cos(angle) * u + std::sin(angle) * v;
+    out.points.push_back(from + r_from * radial);
+    out.points.push_back(to + r_to * radial);
+    const std::uint32_t a = 2 * k, b = 2 * ((k + 1) % segments);
+    out.triangles.push_back({a, b, a + 1});
+    out.triangles.push_back({b, b + 1, a + 1});
+  }
+  return out;
+}
+inline Outline outline(const Cylinder& c, const Box&) {
+  return lateral_outline(c.from, c.to, c.radius, c.radius);
+}
+inline Outline outline(const Cone& c, const Box&) {
+  return lateral_outline(c.from, c.to, c.radius_from, c.radius_to);
+}
+
+inline Outline outline(const TriangleMesh& mesh, const Box&) {
+  Outline out{mesh.vertices(), {}};
+  for (const auto& t : mesh.triangles()) out.triangles.push_back({t[0], t[1], t[2]});
+  return out;
+}
+
+}  // namespace silt::detail

@@ -1,0 +1,264 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <silt/io/checkpoint_file.hpp>
+#include <silt/simulation.hpp>
+
+namespace silt {
+
+/// Saves and restores the whole state of a simulation: particles, contact history, lists, walls,
+/// inlets and outlets, clock. A run continued from it gives the same bits as one that never stopped.
+///
+///   silt::save_checkpoint(sim, "run.silt");
+///   silt::load_checkpoint(sim, "run.silt");    // sim: the same scene, built by the same program
+///
+/// Walls, materials, limits and gravity come from the program; the state replaces all particles.
+/// Errors: FileError for a file that is damaged or cannot be read or written; InputError for one of
+/// other policies or of a scene with other walls, inlets or outlets. The simulation is then as it was.
+/// Tests: tests/io/checkpoint.cpp.
+template <class Sim>
+class Checkpoint {
+  using Engine = typename Sim::Engine;
+  using WallPairs = typename Engine::WallPairs;
+  static constexpr std::size_t H = Sim::ContactsType::history;
+
+ public:
+  static void save(const Sim& sim, const std::string& path) {
+    const Engine& e = sim.engine_;
+    CheckpointWriter out(signature());
+    const std::vector<double> clock{sim.time_, sim.dt_, sim.time_origin_, sim.checked_speed_,
+                                    sim.peak_overlap_, e.largest_radius, e.mean_diameter,
+                                    e.largest_speed, e.largest_overlap};
+    const std::vector<std::int64_t> counters{sim.step_, sim.step_origin_, sim.next_id_,
+                                             sim.first_kick_, sim.kicked_, e.upkeep.pruned_at,
+                                             e.upkeep.searched_at};
+    const std::vector<double> skins{e.upkeep.outer_skin, e.upkeep.inner_skin, e.upkeep.travelled};
+    out.add("clock", clock), out.add("counters", counters), out.add("skins", skins);
+
+    const std::size_t n = e.particles.size();
+    out.add("position", doubles(e.particles.position.data(), n));
+    out.add("motion", doubles(e.particles.motion.data(), n));
+    out.add("id", e.particles.id);
+    out.add("material", e.particles.material);
+    out.add("synchronous", doubles(e.synchronous.data(), sim.kicked_ ? n : 0));
+    out.add("reference", doubles(e.reference.data(), std::min(n, e.reference.size())));
+
+    std::vector<std::uint32_t> outer;
+    for (const auto [a, b] : e.pairs.outer()) outer.push_back(a), outer.push_back(b);
+    out.add("pairs.outer", outer);
+    const auto origin = e.pairs.origin();
+    out.add("pairs.inner", origin);
+    for (std::size_t h = 0; h < H; ++h)
+      out.add(text("pairs.history", h), std::span(e.pairs.history(h), e.pairs.size()));
+
+    const auto state = e.wall_pairs.state();
+    const auto candidates_outer = flat(state.outer), candidates_inner = flat(state.inner);
+    std::vector<double> normals;
+    std::vector<std::uint8_t> touching;
+    for (const auto& s : state.slots) {
+      normals.insert(normals.end(), {s.normal.x, s.normal.y, s.normal.z});
+      touching.push_back(s.touching);
+    }
+    out.add("walls.outer", candidates_outer), out.add("walls.inner", candidates_inner);
+    out.add("walls.outer_facets", state.outer_facets);
+    out.add("walls.inner_facets", state.inner_facets);
+    out.add("walls.normal", normals), out.add("walls.touching", touching);
+    for (std::size_t h = 0; h < H; ++h) out.add(text("walls.history", h), state.history[h]);
+
+    std::vector<double> walls, marks;
+    std::vector<std::uint64_t> surfaces;
+    for (const auto& w : e.walls) {
+      surfaces.push_back(w.surfaces.size());
+      put(walls, w.pose), put(walls, w.last_pose);
+      for (const Vec3d& v : {w.force, w.torque, w.impulse}) put(walls, v);
+    }
+    for (const auto* mark : {&e.searched_walls, &e.pruned_walls}) {
+      put(marks, mark->region().min), put(marks, mark->region().max);
+      for (const auto& pose : mark->poses()) put(marks, pose);
+    }
+    out.add("walls.state", walls), out.add("walls.marks", marks), out.add("walls.surfaces", surfaces);
+
+    std::vector<std::uint64_t> counts;
+    std::vector<double> flows;
+    for (const auto& o : sim.openings_.outlets()) counts.push_back(o.count), flows.push_back(o.mass);
+    for (const auto& i : sim.openings_.inlets()) {
+      const auto random = i.random.state();
+      counts.insert(counts.end(),
+                    {i.placed, i.waiting, i.insertions, random.seed, random.counter});
+      flows.push_back(i.start), flows.push_back(i.interval);
+    }
+    out.add("openings.counts", counts), out.add("openings.flows", flows);
+    out.commit(path);
+  }
+
+  static void load(Sim& sim, const std::string& path) {
+    const CheckpointReader in(path);
+    in.require_signature(signature());
+    Engine& e = sim.engine_;
+    const auto surfaces = in.get<std::uint64_t>("walls.surfaces");
+    require(surfaces.size() == e.walls.size(), "checkpoint '", path, "' has ", surfaces.size(),
+            " walls, but the simulation has ", e.walls.size(), "; build the scene that wrote it");
+    for (std::size_t w = 0; w < surfaces.size(); ++w)
+      require(surfaces[w] == 0 || surfaces[w] == e.walls[w].surfaces.size(), "checkpoint '", path,
+              "': wall ", w, " has ", surfaces[w], " surfaces, but the simulation's has ",
+              e.walls[w].surfaces.size(), "; build the scene that wrote it");
+    const std::size_t outlets = sim.openings_.outlets().size(), inlets = sim.openings_.inlets().size();
+    const auto counts = in.get<std::uint64_t>("openings.counts");
+    require(counts.size() == outlets + 5 * inlets, "checkpoint '", path,
+            "' has other inlets or outlets than the simulation; build the scene that wrote it");
+
+    // Everything is read and checked for its length before anything is changed.
+    const auto clock = in.get<double>("clock", 9), skins = in.get<double>("skins", 3);
+    const auto counters = in.get<std::int64_t>("counters", 7);
+    const auto id = in.get<std::uint32_t>("id");
+    const std::size_t n = id.size();
+    constexpr std::size_t motion_size = sizeof(typename Engine::Motion) / sizeof(double);
+    const auto position = in.get<double>("position", 4 * n);
+    const auto motion = in.get<double>("motion", motion_size * n);
+    const auto material =
+        in.get<std::uint16_t>("material", Sim::ContactsType::several_materials ? n : 0);
+    const auto synchronous = in.get<double>("synchronous", counters[4] ? 6 * n : 0);
+    const auto reference = in.get<double>("reference");
+    const auto outer = in.get<std::uint32_t>("pairs.outer");
+    const auto origin = in.get<std::uint32_t>("pairs.inner");
+    std::array<std::vector<double>, H> history;
+    for (std::size_t h = 0; h < H; ++h)
+      history[h] = in.get<double>(text("pairs.history", h), origin.size());
+    typename WallPairs::State state;
+    state.outer = candidates(in.get<std::uint32_t>("walls.outer"));
+    state.inner = candidates(in.get<std::uint32_t>("walls.inner"));
+    state.outer_facets = in.get<std::uint32_t>("walls.outer_facets");
+    state.inner_facets = in.get<std::uint32_t>("walls.inner_facets");
+    const auto touching = in.get<std::uint8_t>("walls.touching");
+    const auto normals = in.get<double>("walls.normal", 3 * touching.size());
+    for (std::size_t h = 0; h < H; ++h)
+      state.history[h] = in.get<double>(text("walls.history", h), touching.size());
+    for (std::size_t k = 0; k < touching.size(); ++k)
+      state.slots.push_back({{normals[3 * k], normals[3 * k + 1], normals[3 * k + 2]}, touching[k] != 0});
+    const auto walls = in.get<double>("walls.state", 23 * surfaces.size());
+    const auto marks = in.get<double>("walls.marks");
+    const auto flows = in.get<double>("openings.flows", outlets + 2 * inlets);
+
+    sim.time_ = clock[0], sim.dt_ = clock[1], sim.time_origin_ = clock[2];
+    sim.checked_speed_ = clock[3], sim.peak_overlap_ = clock[4];
+    sim.step_ = counters[0], sim.step_origin_ = counters[1];
+    sim.next_id_ = static_cast<std::uint32_t>(counters[2]);
+    sim.first_kick_ = counters[3] != 0, sim.kicked_ = counters[4] != 0;
+    e.upkeep.pruned_at = counters[5], e.upkeep.searched_at = counters[6];
+    e.upkeep.outer_skin = skins[0], e.upkeep.inner_skin = skins[1], e.upkeep.travelled = skins[2];
+
+    e.particles.id = id, e.particles.material = material;
+    e.particles.position.resize(n), e.particles.motion.resize(n);
+    copy(position, e.particles.position.data()), copy(motion, e.particles.motion.data());
+    e.particles.pad();
+    e.synchronous.resize(synchronous.size() / 6), copy(synchronous, e.synchronous.data());
+    e.reference.resize(reference.size() / 3), copy(reference, e.reference.data());
+    for (std::size_t w = 0; w < surfaces.size(); ++w)
+      if (surfaces[w] == 0) e.walls[w].surfaces.clear();
+
+    std::vector<IndexPair> pairs;
+    for (std::size_t k = 0; k + 1 < outer.size(); k += 2) pairs.push_back({outer[k], outer[k + 1]});
+    e.pairs.restore(std::move(pairs), origin, history, n);
+    e.wall_pairs.restore(std::move(state), e.walls);
+
+    const double* next = walls.data();
+    for (auto& w : e.walls) {
+      take(next, w.pose), take(next, w.last_pose);
+      take(next, w.force), take(next, w.torque), take(next, w.impulse);
+    }
+    next = marks.data();
+    const std::size_t poses = (marks.size() - 12) / 14;
+    for (auto* mark : {&e.searched_walls, &e.pruned_walls}) {
+      Box region;
+      take(next, region.min), take(next, region.max);
+      std::vector<Pose> was(poses);
+      for (auto& pose : was) take(next, pose);
+      mark->restore(std::move(was), region);
+    }
+    std::size_t c = 0, f = 0;
+    for (auto& o : sim.openings_.outlets()) o.count = counts[c++], o.mass = flows[f++];
+    for (auto& i : sim.openings_.inlets()) {
+      i.placed = counts[c], i.waiting = counts[c + 1], i.insertions = counts[c + 2];
+      i.random = Random(Random::State{counts[c + 3], counts[c + 4]});
+      c += 5;
+      i.start = flows[f++], i.interval = flows[f++];
+    }
+    e.set_coefficients(sim.contacts_);
+    e.restored(clock[5], clock[6], clock[7], clock[8]);
+  }
+
+  /// Which programs can continue from the file: the policies that shape the state.
+  static std::string signature() {
+    return text("silt state 1; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
+                name_of<typename Sim::ContactsType>(), "; search ", name_of<typename Sim::Search>(),
+                "; domain ", name_of<typename Sim::Domain>());
+  }
+
+ private:
+  template <class T>
+  static std::string name_of() {
+#if defined(__GNUC__)
+    const std::string_view all = __PRETTY_FUNCTION__;
+    const std::size_t from = all.find("T = ") + 4;
+    return std::string(all.substr(from, all.find_first_of(";]", from) - from));
+#else
+    return typeid(T).name();
+#endif
+  }
+
+  template <class Row>
+  static std::span<const double> doubles(const Row* rows, std::size_t count) {
+    static_assert(sizeof(Row) % sizeof(double) == 0);
+    return {reinterpret_cast<const double*>(rows), count * sizeof(Row) / sizeof(double)};
+  }
+  template <class Row>
+  static void copy(const std::vector<double>& from, Row* to) {
+    std::copy(from.begin(), from.end(), reinterpret_cast<double*>(to));
+  }
+  static void put(std::vector<double>& out, const Vec3d& v) {
+    out.insert(out.end(), {v.x, v.y, v.z});
+  }
+  static void put(std::vector<double>& out, const Pose& p) {
+    out.insert(out.end(), {p.rotation.w, p.rotation.x, p.rotation.y, p.rotation.z});
+    put(out, p.translation);
+  }
+  static void take(const double*& from, Vec3d& v) {
+    v = {from[0], from[1], from[2]};
+    from += 3;
+  }
+  static void take(const double*& from, Pose& p) {
+    p.rotation = {from[0], from[1], from[2], from[3]};
+    from += 4;
+    take(from, p.translation);
+  }
+  static std::vector<std::uint32_t> flat(const std::vector<detail::WallCandidate>& candidates) {
+    std::vector<std::uint32_t> out;
+    for (const auto& c : candidates)
+      out.insert(out.end(), {c.particle, c.wall, c.surface, c.slot, c.facets, c.facet_count});
+    return out;
+  }
+  static std::vector<detail::WallCandidate> candidates(const std::vector<std::uint32_t>& flat) {
+    std::vector<detail::WallCandidate> out;
+    for (std::size_t k = 0; k + 5 < flat.size(); k += 6)
+      out.push_back({flat[k], static_cast<std::uint16_t>(flat[k + 1]),
+                     static_cast<std::uint16_t>(flat[k + 2]), flat[k + 3], flat[k + 4], flat[k + 5]});
+    return out;
+  }
+};
+
+template <class Sim>
+void save_checkpoint(const Sim& sim, const std::string& path) {
+  Checkpoint<Sim>::save(sim, path);
+}
+template <class Sim>
+void load_checkpoint(Sim& sim, const std::string& path) {
+  Checkpoint<Sim>::load(sim, path);
+}
+
+}  // namespace silt

@@ -1,0 +1,291 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <silt/boundary/outline.hpp>
+#include <silt/io/checkpoint.hpp>
+#include <silt/io/csv_table.hpp>
+#include <silt/io/progress_line.hpp>
+#include <silt/io/vtk.hpp>
+
+namespace silt {
+
+/// Due at every multiple of `interval` [s] of simulated time, the nearest step to it.
+class Schedule {
+ public:
+  explicit Schedule(double interval) : interval_(interval) {
+    require_positive("every: interval", interval, "s");
+  }
+  template <class Sim>
+  bool is_due(const Sim& sim) const {
+    return number(sim) > last_;
+  }
+  template <class Sim>
+  void mark(const Sim& sim) {
+    last_ = number(sim);
+  }
+  /// A continued run has been observed at the time of its checkpoint.
+  template <class Sim>
+  void begin(const Sim& sim) {
+    last_ = sim.step() == 0 ? -1 : number(sim) - (on_time(sim) ? 1 : 0);
+  }
+
+ private:
+  template <class Sim>
+  std::int64_t number(const Sim& sim) const {
+    return static_cast<std::int64_t>(
+        std::floor((sim.time() + 0.5 * sim.step_length()) / interval_ * (1 + 1e-12)));
+  }
+  template <class Sim>
+  bool on_time(const Sim& sim) const {
+    const double since = sim.time() - static_cast<double>(number(sim)) * interval_;
+    return std::abs(since) <= 0.5 * sim.step_length();
+  }
+
+  double interval_;  // [s]
+  std::int64_t last_ = -1;
+};
+
+inline Schedule every(double interval) { return Schedule(interval); }
+
+/// Calls `action(simulation)` at the times of its schedule:
+///   sim.run(1.0, silt::at(every(0.1), [&](const auto& s) { ... }));
+template <class Action>
+class TimedAction {
+ public:
+  TimedAction(Schedule schedule, Action action)
+      : schedule_(schedule), action_(std::move(action)) {}
+  template <class Sim>
+  void begin(const Sim& sim, double) {
+    schedule_.begin(sim);
+  }
+  template <class Sim>
+  bool is_due(const Sim& sim) const {
+    return schedule_.is_due(sim);
+  }
+  template <class Sim>
+  void operator()(Sim& sim) {
+    action_(sim);
+    schedule_.mark(sim);
+  }
+
+ private:
+  Schedule schedule_;
+  Action action_;
+};
+
+template <class Action>
+TimedAction<Action> at(Schedule schedule, Action action) {
+  return {schedule, std::move(action)};
+}
+
+/// Saves a checkpoint to `path` at the times of the schedule; the last one is always whole.
+inline auto checkpoints(std::string path, Schedule schedule) {
+  return at(schedule, [path = std::move(path)](const auto& sim) { save_checkpoint(sim, path); });
+}
+
+/// Appends a row of numbers to a CSV table: `row(simulation)` returns them, the time first.
+template <class Row>
+auto table(const std::string& path, const std::vector<std::string>& columns, Schedule schedule,
+           Row row) {
+  return at(schedule, [path, columns, row = std::move(row),
+                       open = std::shared_ptr<CsvTable>()](const auto& sim) mutable {
+    if (!open)
+      open = std::make_shared<CsvTable>(
+          sim.step() == 0 ? CsvTable(path, columns)
+                          : CsvTable::resume(path, columns, sim.time() - 0.5 * sim.step_length()));
+    const auto values = row(sim);
+    open->add_row(std::span<const double>(values.data(), values.size()));
+  });
+}
+
+/// Writes the particles to `file`: radius, velocity, id, material, and angular velocity if they
+/// rotate. `more(sim, fields, places)` may add fields: one value for each of the places.
+template <class Sim, class More>
+void write_particles(const std::string& file, const Sim& sim, const More& more) {
+  std::vector<std::size_t> places;
+  for (std::size_t k = 0; k < sim.rows(); ++k)
+    if (sim.is_present(k)) places.push_back(k);
+  const auto collect = [&](auto value) {
+    std::vector<decltype(value(std::size_t{}))> all;
+    all.reserve(places.size());
+    for (const auto k : places) all.push_back(value(k));
+    return all;
+  };
+  const auto single = [](const Vec3d& v) {
+    return std::array<float, 3>{static_cast<float>(v.x), static_cast<float>(v.y),
+                                static_cast<float>(v.z)};
+  };
+  const auto position = collect([&](std::size_t k) { return sim.position(k); });
+  const auto radius = collect([&](std::size_t k) { return static_cast<float>(sim.radius(k)); });
+  const auto velocity = collect([&](std::size_t k) { return single(sim.velocity(k)); });
+  const auto id = collect([&](std::size_t k) { return sim.id(k); });
+  const auto material =
+      collect([&](std::size_t k) { return static_cast<std::uint32_t>(sim.material(k)); });
+  VtkFields fields;
+  fields.add("radius", radius).add("velocity", velocity).add("id", id).add("material", material);
+  std::vector<std::array<float, 3>> spin;
+  if constexpr (Sim::rotates) {
+    spin = collect([&](std::size_t k) { return single(sim.angular_velocity(k)); });
+    fields.add("angular_velocity", spin);
+  }
+  more(sim, fields, places);
+  write_vtp_points(file, position, fields);
+}
+template <class Sim>
+void write_particles(const std::string& file, const Sim& sim) {
+  write_particles(file, sim, [](const auto&, auto&, const auto&) {});
+}
+
+/// Triangles that show a wall where it is now; planes only within `around`.
+struct WallTriangles {
+  std::vector<Vec3d> points;                            // [m]
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<std::uint32_t> wall;                      // number of the wall, by point
+};
+template <class Sim>
+WallTriangles wall_triangles(const Sim& sim, const Box& around) {
+  WallTriangles out;
+  for (std::size_t w = 0; w < sim.walls(); ++w)
+    for (const auto& surface : sim.wall(w).surfaces)
+      detail::visit_surface(surface, [&](const auto& s) {
+        const auto first = static_cast<std::uint32_t>(out.points.size());
+        const Pose& pose = sim.wall(w).pose;
+        Box seen;  // `around` in the wall's coordinates
+        for (int c = 0; c < 8; ++c)
+          seen.include(pose.to_body({c & 1 ? around.max.x : around.min.x,
+                                     c & 2 ? around.max.y : around.min.y,
+                                     c & 4 ? around.max.z : around.min.z}));
+        const auto [points, triangles] = detail::outline(s, seen);
+        for (const auto& p : points) out.points.push_back(pose.to_space(p)), out.wall.push_back(static_cast<std::uint32_t>(w));
+        for (const auto& t : triangles)
+          out.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+      });
+  return out;
+}
+
+/// Writes `folder/particles.pvd` and `folder/walls.pvd`, each a time series that ParaView opens.
+/// `more` adds fields as in write_particles.
+template <class More>
+class VtkSeriesObserver {
+ public:
+  VtkSeriesObserver(std::string folder, Schedule schedule, More more)
+      : folder_(std::move(folder)), schedule_(schedule), more_(std::move(more)) {}
+
+  template <class Sim>
+  void begin(const Sim& sim, double) {
+    schedule_.begin(sim);
+    const double keep = sim.time() - 0.5 * sim.step_length();
+    const bool fresh = sim.step() == 0;
+    particles_ = fresh ? VtkSeries(folder_, "particles")
+                       : VtkSeries::resume(folder_, "particles", keep);
+    walls_ = fresh ? VtkSeries(folder_, "walls") : VtkSeries::resume(folder_, "walls", keep);
+  }
+  template <class Sim>
+  bool is_due(const Sim& sim) const {
+    return schedule_.is_due(sim);
+  }
+  template <class Sim>
+  void operator()(const Sim& sim) {
+    Box around;
+    for (std::size_t k = 0; k < sim.rows(); ++k)
+      if (sim.is_present(k)) around.include(sim.position(k));
+    if (sim.size() > 0) around = around.grown(sim.engine().largest_radius);
+    const auto number = std::to_string(sim.step());
+    const auto file = [&](const char* name) {
+      return text(name, '_', std::string(9 - std::min<std::size_t>(9, number.size()), '0'), number,
+                  ".vtp");
+    };
+    write_particles(text(folder_, '/', file("particles")), sim, more_);
+    particles_->add(sim.time(), file("particles"));
+    if (sim.size() > 0 && sim.walls() > 0) {
+      const auto w = wall_triangles(sim, around);
+      VtkFields fields;
+      fields.add("wall", w.wall);
+      write_vtp_triangles(text(folder_, '/', file("walls")), w.points, w.triangles, fields);
+      walls_->add(sim.time(), file("walls"));
+    }
+    schedule_.mark(sim);
+  }
+
+ private:
+  std::string folder_;
+  Schedule schedule_;
+  More more_;
+  std::optional<VtkSeries> particles_, walls_;
+};
+
+template <class More>
+VtkSeriesObserver<More> vtk_series(std::string folder, Schedule schedule, More more) {
+  return {std::move(folder), schedule, std::move(more)};
+}
+inline auto vtk_series(std::string folder, Schedule schedule) {
+  return vtk_series(std::move(folder), schedule, [](const auto&, auto&, const auto&) {});
+}
+
+/// Shows on stderr how far the run is, at most once a `seconds` of wall time; on a terminal the line
+/// is rewritten in place.
+class Progress {
+ public:
+  explicit Progress(double seconds, std::FILE* out) : pause_(seconds), out_(out) {}
+
+  template <class Sim>
+  void begin(const Sim& sim, double end_time) {
+    start_ = shown_ = Clock::now();
+    start_time_ = sim.time(), end_time_ = end_time, first_step_ = sim.step();
+    steps_ = 0;
+  }
+  template <class Sim>
+  bool is_due(const Sim& sim) const {
+    // The clock is only looked at now and then: at most every 16 steps.
+    return sim.step() % 16 == 0 && seconds_since(shown_) >= pause_;
+  }
+  template <class Sim>
+  void operator()(const Sim& sim) {
+    show(sim, false);
+  }
+  template <class Sim>
+  void end(const Sim& sim) {
+    show(sim, true);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static double seconds_since(Clock::time_point t) {
+    return std::chrono::duration<double>(Clock::now() - t).count();
+  }
+  template <class Sim>
+  void show(const Sim& sim, bool last) {
+    steps_ += static_cast<std::uint64_t>(sim.step() - first_step_) * sim.size();
+    first_step_ = sim.step();
+    const auto line = progress_line(sim.time(), end_time_, steps_, seconds_since(start_), sim.size(),
+                                    sim.peak_overlap(), start_time_);
+    std::fprintf(out_, "\r%-110s%s", line.c_str(), last ? "\n" : "");
+    std::fflush(out_);
+    shown_ = Clock::now();
+  }
+
+  double pause_;  // [s] of wall time
+  std::FILE* out_;
+  Clock::time_point start_, shown_;
+  double start_time_ = 0, end_time_ = 0;
+  std::int64_t first_step_ = 0;
+  std::uint64_t steps_ = 0;
+};
+
+inline Progress progress(double seconds = 1, std::FILE* out = stderr) {
+  return Progress(seconds, out);
+}
+
+}  // namespace silt
