@@ -181,6 +181,8 @@ class Simulation {
         std::find(engine_.particles.id.begin(), engine_.particles.id.end(), wanted) -
         engine_.particles.id.begin());
   }
+  /// Pairs of particles that touch [-]; O(pairs).
+  std::size_t touching_pairs() const { return engine_.touching_pairs(domain_); }
   const ContactsType& contacts() const { return contacts_; }
   const Domain& domain() const { return domain_; }
   Engine& engine() { return engine_; }

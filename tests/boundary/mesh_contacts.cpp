@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #include <silt/boundary/triangle_mesh.hpp>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdlib>
 #include <new>
@@ -193,7 +194,6 @@ TEST_CASE("mesh_contacts: so does a tilted floor, to round-off of its corners") 
 TEST_CASE("mesh_contacts: so does a tilted floor whose corners were rounded to float") {
   std::mt19937_64 random(4);
   const auto turn = silt::rotation_about(normalised({1, 2, 3}), 0.8);
-  const auto rounded = [](double x) { return static_cast<double>(static_cast<float>(x)); };
   for (auto floor : floors())
     for (const double smooth_angle : {pi / 6, 0.01}) {
       INFO("floor: ", floor.name, ", smooth_angle ", smooth_angle);
@@ -202,7 +202,8 @@ TEST_CASE("mesh_contacts: so does a tilted floor whose corners were rounded to f
       for (auto& t : soup)
         for (auto& corner : t) {
           corner = rotate(turn, corner);
-          corner = {rounded(corner.x), rounded(corner.y), rounded(corner.z)};
+          corner = {rounded_to_float(corner.x), rounded_to_float(corner.y),
+                    rounded_to_float(corner.z)};
         }
       const TriangleMesh mesh(soup, smooth_angle);
       int wrong = 0;
@@ -285,6 +286,56 @@ TEST_CASE("mesh_contacts: a ridge whose flanks share no vertices gives one conta
         CHECK(gap(found[0].normal, normalised({x, 0, 0.03})) < 1e-5);
       }
   }
+}
+
+TEST_CASE("mesh_contacts: a convex body touches a sphere outside of it in exactly one place") {
+  std::mt19937_64 random(8);
+  for (const auto& soup :
+       {ball_soup(0), ball_soup(2), box_soup({-0.5, -0.4, -0.3}, {0.5, 0.4, 0.3})}) {
+    const TriangleMesh body(soup, 0);
+    for (int n = 0; n < 1000; ++n) {
+      const Vec3d centre = random_point(random, -2, 2);
+      if (body.contains(centre)) continue;
+      double distance = infinity;
+      for (std::uint32_t t = 0; t < soup.size(); ++t)
+        distance = std::min(distance, body.distance_to(t, centre));
+      // No further: the inner side of the far faces, at least 0.6 behind, has minima of its own.
+      const auto found = contacts(body, centre, distance + 0.5);
+      REQUIRE(found.size() == 1);
+      CHECK(std::abs(found[0].distance - distance) < 1e-14);
+      // The touched point is on the body, and the plane across the normal keeps all of it behind.
+      const Vec3d touched = centre - found[0].distance * found[0].normal;
+      double nearest = infinity, furthest = -infinity;
+      for (std::uint32_t t = 0; t < soup.size(); ++t) {
+        nearest = std::min(nearest, body.distance_to(t, touched));
+        for (const auto& corner : soup[t])
+          furthest = std::max(furthest, dot(corner - touched, found[0].normal));
+      }
+      CHECK(nearest < 1e-13);
+      CHECK(furthest < 1e-12);
+    }
+  }
+}
+
+TEST_CASE("mesh_contacts: the order of the triangles changes no contact") {
+  std::mt19937_64 random(9);
+  auto soup = separate_patches();
+  add_quad(soup, {0, 0, 0}, {0, 1, 0}, {0.3, 0, 1});
+  const TriangleMesh mesh(soup);
+  std::shuffle(soup.begin(), soup.end(), random);
+  const TriangleMesh shuffled(soup);
+  int two = 0;
+  for (int n = 0; n < 500; ++n) {
+    const Vec3d centre{uniform(random, 0.03, 0.2), uniform(random, 0.2, 0.8), 0.095};
+    const auto a = contacts(mesh, centre, 0.1), b = contacts(shuffled, centre, 0.1);
+    REQUIRE(a.size() == b.size());
+    two += a.size() == 2;
+    for (std::size_t k = 0; k < a.size(); ++k) {
+      CHECK(std::abs(a[k].distance - b[k].distance) < 1e-15);
+      CHECK(gap(a[k].normal, b[k].normal) < 1e-14);
+    }
+  }
+  CHECK(two > 100);
 }
 
 TEST_CASE("mesh_contacts: a drum of 36 facets is one smooth wall from inside and outside") {

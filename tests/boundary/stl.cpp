@@ -74,11 +74,11 @@ TEST_CASE("stl: binary round trip equals rounding to float; sizes and bytes are 
   CHECK(bytes.substr(80, 4) == std::string("\x32\0\0\0", 4));
   const auto back = silt::read_stl(folder.file("b.stl"));
   REQUIRE(back.size() == soup.size());
-  const auto rounded = [](double x) { return static_cast<double>(static_cast<float>(x)); };
   for (std::size_t t = 0; t < soup.size(); ++t)
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3d& p = soup[t][k];
-      CHECK(back[t][k] == Vec3d{rounded(p.x), rounded(p.y), rounded(p.z)});
+      CHECK(back[t][k] ==
+            Vec3d{rounded_to_float(p.x), rounded_to_float(p.y), rounded_to_float(p.z)});
     }
   // Known bytes: 1.0f = 00 00 80 3f, after the normal (0, 0, 1) and the first corner.
   silt::write_stl(folder.file("one.stl"), {facet_corners});
@@ -152,8 +152,6 @@ TEST_CASE("stl: truncated and foreign binary files are refused with the bytes ex
       "announces 3 triangles, that is 234 bytes, but has 200 bytes; it is truncated");
   refuses<FileError>([&] { silt::read_stl(folder.with("l.stl", bytes + "more")); },
                      "that is 234 bytes, but has 238 bytes; it is not an STL file");
-  refuses<FileError>([&] { silt::read_stl(folder.with("h.stl", bytes.substr(0, 83) + '\0')); },
-                     "holds no triangles");
   refuses<FileError>([&] { silt::read_stl(folder.with("h.stl", std::string("a\0b", 3))); },
                      "is not text and has 3 bytes");
 }

@@ -25,6 +25,13 @@ inline constexpr double infinity = std::numeric_limits<double>::infinity();
 inline constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 inline constexpr double pi = std::numbers::pi;
 
+/// Rounded to float. Volatile, as GCC 12.2 at -O2 vectorises adjacent double -> float -> double
+/// conversions away (wrongly).
+inline double rounded_to_float(double x) {
+  volatile float rounded = static_cast<float>(x);
+  return static_cast<double>(rounded);
+}
+
 /// Calls `action`, which must throw an E whose sentence contains `words`.
 template <class E, class Action>
 void refuses(Action&& action, const std::string& words) {

@@ -134,6 +134,7 @@ inline int TriangleMesh::contacts(const Vec3d& centre, double reach,
     if (!deepest) break;
     kept[static_cast<std::size_t>(count)] = *deepest;
     out[count++] = deepest->point;
+    if (static_cast<std::size_t>(count) == in_reach) break;  // one a triangle at most
     if (in_reach <= touched.size()) candidates = {touched.data(), in_reach};
   }
   return count;

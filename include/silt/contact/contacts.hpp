@@ -99,8 +99,8 @@ class Contacts {
   }
 
   /// Sets what belongs to the contact of two materials, in either order.
-  template <class Pair = typename Law::Pair>
-  Contacts& set_pair(const Material& a, const Material& b, const std::type_identity_t<Pair>& pair) {
+  template <class L = Law>
+  Contacts& set_pair(const Material& a, const Material& b, const typename L::Pair& pair) {
     if constexpr (requires { Law::check(pair); }) Law::check(pair);
     const std::size_t i = add(a), j = add(b);
     entry(i, j).pair = entry(j, i).pair = pair;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <numeric>
 #include <vector>
 
@@ -46,7 +47,10 @@ class Engine {
   double largest_speed = 0;    // [m/s]
   double largest_overlap = 0;  // [-] over the smaller radius, in the last step
   bool finite = true;          // all velocities, after the last kick
-  int threads = 1;
+
+  void set_threads(int threads) {
+    if (!team_ || team_->threads() != threads) team_ = std::make_unique<Team>(threads);
+  }
 
   void set_coefficients(const ContactsType& contacts) {
     const std::size_t n = contacts.materials();
@@ -80,14 +84,14 @@ class Engine {
     using Pipeline = PairPipeline<ContactsType, Domain, Arch>;
     largest_overlap = Pipeline::run(
         {particles.position.data(), particles.motion.data(), kinds_.data(), time_step}, pairs,
-        coefficients, domain, row(1), threads);
+        coefficients, domain, row(1), *team_);
   }
 
   void wall_forces(double time_step) {
     if (walls.empty()) return;
     const double overlap = wall_pipeline_.run(
         {particles.position.data(), particles.motion.data(), particles.material.data(), time_step},
-        wall_pairs, coefficients, walls, row(1 + pairs.padded_size()), threads);
+        wall_pairs, coefficients, walls, row(1 + pairs.padded_size()), *team_);
     largest_overlap = std::max(largest_overlap, overlap);
   }
 
@@ -109,8 +113,7 @@ class Engine {
                  bool first_kick) {
     if (how == Advance::KickAndRecord) synchronous.resize(particles.size());
     std::array<double, parts> fastest{}, check{};
-    in_parallel(threads, parts, [&](std::ptrdiff_t part) {
-      const auto p = static_cast<std::size_t>(part);
+    team_->for_parts(parts, [&](std::size_t p) {
       const std::size_t from = particles.size() * p / parts, to = particles.size() * (p + 1) / parts;
       std::size_t extra = table_.extra_from(from);
       double speed2 = 0, sum = 0;
@@ -134,8 +137,7 @@ class Engine {
   }
 
   void drift(double time_step) {
-    in_parallel(threads, parts, [&](std::ptrdiff_t part) {
-      const auto p = static_cast<std::size_t>(part);
+    team_->for_parts(parts, [&](std::size_t p) {
       for (std::size_t k = particles.size() * p / parts; k < particles.size() * (p + 1) / parts; ++k)
         Leapfrog::drift(particles.position[k], particles.motion[k], time_step);
     });
@@ -175,6 +177,14 @@ class Engine {
     renew_tables();
   }
 
+  std::size_t touching_pairs(const Domain& domain) const {
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < pairs.size(); ++k)
+      count += within_reach(particles.position[pairs.first()[k]],
+                            particles.position[pairs.second()[k]], 0, domain);
+    return count;
+  }
+
   std::size_t bytes() const {
     return particles.position.capacity() * sizeof(PositionRow) +
            particles.motion.capacity() * sizeof(Motion) +
@@ -188,7 +198,7 @@ class Engine {
     make_table();
   }
 
-  static constexpr std::ptrdiff_t parts = 64;  // pieces of the particle loop, whatever the threads
+  static constexpr std::size_t parts = 64;  // pieces of the particle loop, whatever the threads
 
   double* row(std::size_t k) { return rows_.data() + k * 4 * chunks; }
 
@@ -240,7 +250,7 @@ class Engine {
           apply_order();
         }
     }
-    find.find(spheres(), upkeep.outer_skin, domain, threads, found_);
+    find.find(spheres(), upkeep.outer_skin, domain, *team_, found_);
     pairs.set_outer(found_, particles.id, particles.motion.data(), previous_);
     wall_pairs.search(walls, particles.rows(), upkeep.outer_skin, previous_);
 
@@ -258,7 +268,7 @@ class Engine {
   void prune(const Domain& domain, std::int64_t step) {
     const std::span<const std::uint32_t> none;
     pairs.prune(particles.position.data(), particles.size(), upkeep.inner_skin, domain,
-                first_pruning_ ? std::span<const std::uint32_t>(previous_) : none, threads);
+                first_pruning_ ? std::span<const std::uint32_t>(previous_) : none, *team_);
     wall_pairs.prune(walls, particles.position.data(), upkeep.inner_skin);
     pruned_walls.set(walls, searched_walls.region());
     upkeep.travelled = 0;
@@ -325,6 +335,7 @@ class Engine {
                                    : 0.5 * (before.spin_velocity() + after.spin_velocity());
   }
 
+  std::unique_ptr<Team> team_ = std::make_unique<Team>(1);
   WallPipeline<ContactsType, Arch> wall_pipeline_;
   ReductionTable table_;
   AlignedVector<double> rows_;  // row 0 is zero, then one a pair, then one a wall slot

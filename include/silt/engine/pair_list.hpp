@@ -55,13 +55,12 @@ class PairList {
   /// this is the first pruning after it, else empty.
   template <class Domain>
   void prune(const PositionRow* rows, std::size_t particles, double reach, const Domain& domain,
-             std::span<const std::uint32_t> previous, int threads) {
+             std::span<const std::uint32_t> previous, const Team& team) {
     const std::size_t chunks = pieces(outer_.size(), chunk);
     kept_.resize(outer_.size());
     begin_.assign(chunks + 1, 0);
-    in_parallel(threads, static_cast<std::ptrdiff_t>(chunks), [&](std::ptrdiff_t c) {
-      begin_[static_cast<std::size_t>(c) + 1] =
-          keep_near(static_cast<std::size_t>(c), rows, reach, domain);
+    team.for_parts(chunks, [&](std::size_t c) {
+      begin_[c + 1] = keep_near(c, rows, reach, domain);
     });
     for (std::size_t c = 0; c < chunks; ++c) begin_[c + 1] += begin_[c];
 
@@ -69,9 +68,7 @@ class PairList {
     old_history_.swap(history_);
     const std::size_t old_size = size_;
     resize(begin_[chunks], particles);
-    in_parallel(threads, static_cast<std::ptrdiff_t>(chunks), [&](std::ptrdiff_t c) {
-      fill(static_cast<std::size_t>(c), old_size, previous);
-    });
+    team.for_parts(chunks, [&](std::size_t c) { fill(c, old_size, previous); });
   }
 
   /// Calls visit(a, b, history values) for every pair in the inner list.

@@ -66,12 +66,11 @@ class PairPipeline {
   /// Writes one row a pair to `rows`; returns the largest overlap over the smaller radius.
   static double run(const Input& in, PairList<ContactsType::history>& list,
                     const CoefficientTable<ContactsType>& table, const Domain& domain, double* rows,
-                    int threads) {
+                    const Team& team) {
     const std::size_t blocks = pieces(list.padded_size(), block);
     const std::size_t parts = std::min<std::size_t>(blocks, 64);
     std::array<double, 64> largest{};
-    in_parallel(threads, static_cast<std::ptrdiff_t>(parts), [&](std::ptrdiff_t part) {
-      const auto p = static_cast<std::size_t>(part);
+    team.for_parts(parts, [&](std::size_t p) {
       double most = 0;
       for (std::size_t b = blocks * p / parts; b < blocks * (p + 1) / parts; ++b)
         most = std::max(most, run_block(in, list, table, domain, rows, b * block));

@@ -136,9 +136,8 @@ template <class... Policies>
 void Simulation<Policies...>::prepare() {
   require_positive("Guard.max_overlap", guard.max_overlap, "-");
   require_positive("Guard.max_time_step", guard.max_time_step, "-");
-  require(threads >= 1, "Simulation::threads = ", threads, " must be at least 1");
   require(is_finite(gravity), "Simulation::gravity = ", gravity, " [m/s2] must be finite");
-  engine_.threads = threads;
+  engine_.set_threads(threads);
   engine_.set_coefficients(contacts_);
   if (dt_ == 0 || (time_step && *time_step != dt_)) {
     const double dt = chosen_time_step();

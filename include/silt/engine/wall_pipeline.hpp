@@ -36,11 +36,11 @@ class WallPipeline {
   /// Writes one row a slot to `rows`; sets force and torque of the walls; returns the largest
   /// overlap over the sphere's radius.
   double run(const Input& in, Contacts& contacts, const CoefficientTable<ContactsType>& table,
-             std::span<Wall> walls, double* rows, int threads) {
+             std::span<Wall> walls, double* rows, const Team& team) {
     loads_.assign(contacts.blocks() * walls.size(), {});
     largest_.assign(contacts.blocks(), 0);
-    in_parallel(threads, static_cast<std::ptrdiff_t>(contacts.blocks()), [&](std::ptrdiff_t b) {
-      run_block(in, contacts, table, walls, rows, static_cast<std::size_t>(b));
+    team.for_parts(contacts.blocks(), [&](std::size_t b) {
+      run_block(in, contacts, table, walls, rows, b);
     });
     for (std::size_t w = 0; w < walls.size(); ++w) {
       walls[w].force = walls[w].torque = {0, 0, 0};

@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include <unistd.h>
+
 #include <silt/boundary/outline.hpp>
 #include <silt/io/checkpoint.hpp>
 #include <silt/io/csv_table.hpp>
@@ -234,11 +236,11 @@ inline auto vtk_series(std::string folder, Schedule schedule) {
   return vtk_series(std::move(folder), schedule, [](const auto&, auto&, const auto&) {});
 }
 
-/// Shows on stderr how far the run is, at most once a `seconds` of wall time; on a terminal the line
-/// is rewritten in place.
+/// Shows on stderr how far the run is: on a terminal once a second, rewriting one line; else (a log
+/// file) a line every ten seconds.
 class Progress {
  public:
-  explicit Progress(double seconds, std::FILE* out) : pause_(seconds), out_(out) {}
+  explicit Progress(std::FILE* out) : out_(out), terminal_(isatty(fileno(out)) != 0) {}
 
   template <class Sim>
   void begin(const Sim& sim, double end_time) {
@@ -249,7 +251,7 @@ class Progress {
   template <class Sim>
   bool is_due(const Sim& sim) const {
     // The clock is only looked at now and then: at most every 16 steps.
-    return sim.step() % 16 == 0 && seconds_since(shown_) >= pause_;
+    return sim.step() % 16 == 0 && seconds_since(shown_) >= (terminal_ ? 1 : 10);
   }
   template <class Sim>
   void operator()(const Sim& sim) {
@@ -271,21 +273,22 @@ class Progress {
     first_step_ = sim.step();
     const auto line = progress_line(sim.time(), end_time_, steps_, seconds_since(start_), sim.size(),
                                     sim.peak_overlap(), start_time_);
-    std::fprintf(out_, "\r%-110s%s", line.c_str(), last ? "\n" : "");
+    if (terminal_)
+      std::fprintf(out_, "\r%-120s%s", line.c_str(), last ? "\n" : "");
+    else
+      std::fprintf(out_, "%s\n", line.c_str());
     std::fflush(out_);
     shown_ = Clock::now();
   }
 
-  double pause_;  // [s] of wall time
   std::FILE* out_;
+  bool terminal_;
   Clock::time_point start_, shown_;
   double start_time_ = 0, end_time_ = 0;
   std::int64_t first_step_ = 0;
   std::uint64_t steps_ = 0;
 };
 
-inline Progress progress(double seconds = 1, std::FILE* out = stderr) {
-  return Progress(seconds, out);
-}
+inline Progress progress(std::FILE* out = stderr) { return Progress(out); }
 
 }  // namespace silt

@@ -11,7 +11,7 @@ namespace silt {
 /// Tests: tests/search/cell_grid.cpp.
 struct BruteForce {
   template <class Domain>
-  void find(const SphereSet& spheres, double reach, const Domain& domain, int,
+  void find(const SphereSet& spheres, double reach, const Domain& domain, const Team&,
             std::vector<IndexPair>& pairs) const {
     pairs.clear();
     const auto n = static_cast<std::uint32_t>(spheres.rows.size());

@@ -31,26 +31,22 @@ class CellGrid {
   }
 
   template <class Domain>
-  void find(const SphereSet& spheres, double reach, const Domain& domain, int threads,
+  void find(const SphereSet& spheres, double reach, const Domain& domain, const Team& team,
             std::vector<IndexPair>& pairs) {
     pairs.clear();
     sort_into_cells(spheres, reach, domain);
     const std::size_t n = spheres.rows.size();
-    const std::size_t parts = threads > 1 ? static_cast<std::size_t>(threads) : 1;
+    const std::size_t parts = team.threads() > 1 ? 8 * static_cast<std::size_t>(team.threads()) : 1;
     found_.resize(parts);
-    detail::in_parallel(threads, static_cast<std::ptrdiff_t>(parts), [&](std::ptrdiff_t part) {
-      auto& found = found_[static_cast<std::size_t>(part)];
-      found.clear();
-      const auto share = static_cast<std::size_t>(part);
-      scan(n * share / parts, n * (share + 1) / parts, reach, domain, found);
+    team.for_parts(parts, [&](std::size_t part) {
+      found_[part].clear();
+      scan(n * part / parts, n * (part + 1) / parts, reach, domain, found_[part]);
     });
     std::vector<std::size_t> begin(parts + 1, 0);
     for (std::size_t p = 0; p < parts; ++p) begin[p + 1] = begin[p] + found_[p].size();
     pairs.resize(begin[parts]);
-    detail::in_parallel(threads, static_cast<std::ptrdiff_t>(parts), [&](std::ptrdiff_t part) {
-      const auto& found = found_[static_cast<std::size_t>(part)];
-      std::copy(found.begin(), found.end(),
-                pairs.begin() + static_cast<std::ptrdiff_t>(begin[static_cast<std::size_t>(part)]));
+    team.for_parts(parts, [&](std::size_t part) {
+      std::copy(found_[part].begin(), found_[part].end(), pairs.data() + begin[part]);
     });
   }
 
@@ -179,7 +175,7 @@ class CellGrid {
   std::vector<std::uint32_t> cell_, order_, next_;
   std::vector<std::uint32_t> start_;             // first sphere of each cell, in `order_`
   AlignedVector<PositionRow> sorted_;
-  std::vector<std::vector<IndexPair>> found_;    // by thread
+  std::vector<std::vector<IndexPair>> found_;    // by part
 };
 
 static_assert(NeighbourSearch<CellGrid>);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <silt/boundary/domain.hpp>
+#include <silt/core/threads.hpp>
 #include <silt/engine/rows.hpp>
 
 namespace silt {
@@ -19,14 +20,14 @@ struct SphereSet {
 
 /// A neighbour search finds every pair of spheres whose surfaces are nearer than `reach` [m],
 /// exactly once, in an order that depends on positions alone (not on threads):
-///   void find(SphereSet, double reach, const Domain&, int threads, std::vector<IndexPair>& pairs)
+///   void find(SphereSet, double reach, const Domain&, const Team&, std::vector<IndexPair>& pairs)
 /// It does not know forces. Optional, found by name:
 ///   void order(SphereSet, double reach, const Domain&, std::vector<std::uint32_t>& order)
 ///     the order in which neighbours lie close together in memory; rows are then kept sorted.
 template <class S>
 concept NeighbourSearch = requires(S s, const SphereSet& spheres, const OpenDomain& domain,
-                                   std::vector<IndexPair>& pairs) {
-  s.find(spheres, 1.0, domain, 1, pairs);
+                                   const Team& team, std::vector<IndexPair>& pairs) {
+  s.find(spheres, 1.0, domain, team, pairs);
 };
 
 namespace detail {

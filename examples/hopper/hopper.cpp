@@ -1,0 +1,334 @@
+// silt - BSD-3-Clause, see LICENSE
+//
+// Hopper discharge at the scale of D. Markauskas, A. Kaceniauskas, A. Maknickas, Information
+// Technology and Control 40 (2011) 287: 100 000 or 300 000 spheres settle in a square hopper, the
+// orifice of 40 x 40 mm opens, and they flow into an identical box below. What the paper leaves open
+// (density, Poisson ratio, sizes of the boxes) is stated here.
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <silt/silt.hpp>
+
+#include "support/example.hpp"
+
+namespace {
+
+using Law = silt::HertzMindlin;
+
+struct Scene {
+  std::size_t particles = 100000;
+  double density = 2500;        // [kg/m3]
+  double width = 0.1;           // [m] of both boxes, square
+  double orifice = 0.04;        // [m] side of the square hole
+  double r_min = 0.975e-3;      // [m] diameters 1.95 to 2.35 mm
+  double r_max = 1.175e-3;      // [m]
+  double settling_time = 0.35;  // [s] before the orifice opens
+  double time_step = 2.5e-5;    // [s]
+  bool flat = false;            // floor: flat, or a 45 degree funnel
+  bool sort = true;
+
+  double bulk_height() const {  // [m] of all particles in one box, at a solid fraction of 0.6
+    const double mean_cube = (r_max + r_min) * (r_max * r_max + r_min * r_min) / 4;
+    return static_cast<double>(particles) * 4.0 / 3.0 * M_PI * mean_cube / (0.6 * width * width);
+  }
+  double orifice_height() const { return std::max(0.05, 1.25 * bulk_height()); }  // [m]
+  double funnel_top() const {
+    return orifice_height() + (flat ? 0 : (width - orifice) / 2);
+  }
+  Law::Material material() const {
+    return {.youngs_modulus = 1e6, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.4};
+  }
+};
+
+/// The floor of the upper box around the orifice: four trapezoids, flat or sloping by 45 degrees.
+std::vector<std::array<silt::Vec3d, 3>> floor_triangles(const Scene& s) {
+  const double a = (s.width - s.orifice) / 2, b = s.width - a, w = s.width;
+  const double low = s.orifice_height(), high = s.funnel_top();
+  const silt::Vec3d outer[4] = {{0, 0, high}, {w, 0, high}, {w, w, high}, {0, w, high}};
+  const silt::Vec3d inner[4] = {{a, a, low}, {b, a, low}, {b, b, low}, {a, b, low}};
+  std::vector<std::array<silt::Vec3d, 3>> triangles;
+  for (int k = 0; k < 4; ++k) {
+    const int n = (k + 1) % 4;
+    triangles.push_back({outer[k], outer[n], inner[n]});
+    triangles.push_back({outer[k], inner[n], inner[k]});
+  }
+  return triangles;
+}
+
+/// Both boxes, drawn: their side walls as triangles from the floor to above the filling.
+std::vector<std::array<silt::Vec3d, 3>> box_triangles(const Scene& s) {
+  const double w = s.width, top = s.funnel_top() + 1.6 * s.bulk_height();
+  const silt::Vec3d corner[4] = {{0, 0, 0}, {w, 0, 0}, {w, w, 0}, {0, w, 0}};
+  const silt::Vec3d up{0, 0, top};
+  std::vector<std::array<silt::Vec3d, 3>> triangles;
+  for (int k = 0; k < 4; ++k) {
+    const auto p = corner[k], q = corner[(k + 1) % 4];
+    triangles.push_back({p, q, q + up});
+    triangles.push_back({p, q + up, p + up});
+  }
+  triangles.push_back({corner[0], corner[1], corner[2]});
+  triangles.push_back({corner[0], corner[2], corner[3]});
+  return triangles;
+}
+
+constexpr std::size_t lid = 6;  // number of the wall that closes the orifice
+
+auto make_simulation(const Scene& s) {
+  silt::Particles<silt::Sphere> grains;
+  const double room = 2.2 * s.bulk_height() + 0.02;  // the lattice is looser than the bed
+  grains.fill({.min = {0, 0, s.funnel_top()}, .max = {s.width, s.width, s.funnel_top() + room}},
+              {.radius = silt::uniform(s.r_min, s.r_max),
+               .density = s.density,
+               .count = s.particles,
+               .velocity = {0, 0, -0.3}});
+  silt::Simulation sim{std::move(grains), silt::Contacts<Law>{s.material()},
+                       silt::VerletList{.sort = s.sort}};
+  sim.gravity = {0, 0, -9.81};
+  sim.time_step = s.time_step;
+  const double w = s.width;
+  const auto wall = s.material();
+  sim.add_wall(silt::Plane{{0, 0, 0}, {1, 0, 0}}, wall);
+  sim.add_wall(silt::Plane{{w, 0, 0}, {-1, 0, 0}}, wall);
+  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 1, 0}}, wall);
+  sim.add_wall(silt::Plane{{0, w, 0}, {0, -1, 0}}, wall);
+  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, wall);
+  sim.add_wall(silt::TriangleMesh(floor_triangles(s)), wall);
+  sim.add_wall(silt::Plane{{0, 0, s.orifice_height()}, {0, 0, 1}}, wall);
+  sim.guard.domain = silt::Box{{0, 0, 0}, {w, w, s.funnel_top() + room}};
+  return sim;
+}
+
+/// Mass flow through a square orifice of side L [kg/s] by the law of Beverloo, with C = 0.58 for the
+/// circle carried over by the hydraulic diameter, and k = 1.4:
+///   W = (4/pi) C rho_bulk (L - k d)^2 sqrt(g (L - k d))
+double beverloo(double L, double d, double bulk_density) {
+  const double free = L - 1.4 * d;
+  return 4 / M_PI * 0.58 * bulk_density * free * free * std::sqrt(9.81 * free);
+}
+
+/// What is looked at every few milliseconds.
+template <class Sim>
+struct Watch {
+  double below = 0;   // [kg]
+  double energy = 0;  // [J] kinetic
+  std::size_t count_below = 0;
+
+  Watch(const Sim& sim, double height) {
+    for (std::size_t k = 0; k < sim.rows(); ++k) {
+      const double m = sim.mass(k);
+      energy += 0.5 * m * silt::dot(sim.velocity(k), sim.velocity(k));
+      if (sim.position(k).z < height) below += m, ++count_below;
+    }
+  }
+};
+
+/// Solid fraction of the bed between two heights, away from the walls.
+template <class Sim>
+double solid_fraction(const Sim& sim, const silt::Box& inside) {
+  double solid = 0;
+  for (std::size_t k = 0; k < sim.rows(); ++k)
+    if (inside.contains(sim.position(k))) solid += silt::Sphere::volume(sim.radius(k));
+  return solid / inside.volume();
+}
+
+struct Discharge {
+  std::vector<double> time, mass;  // [s] since opening, [kg] below the orifice
+
+  /// Slope between 20 and 70 per cent of `total` [kg/s].
+  double rate(double total) const {
+    double n = 0, t = 0, m = 0, tt = 0, tm = 0;
+    for (std::size_t k = 0; k < time.size(); ++k) {
+      if (mass[k] < 0.2 * total || mass[k] > 0.7 * total) continue;
+      n += 1, t += time[k], m += mass[k], tt += time[k] * time[k], tm += time[k] * mass[k];
+    }
+    return n > 1 ? (n * tm - t * m) / (n * tt - t * t) : 0;
+  }
+  /// Time at which a share of `total` has passed [s].
+  double time_of(double share, double total) const {
+    for (std::size_t k = 0; k < time.size(); ++k)
+      if (mass[k] >= share * total) return time[k];
+    return std::nan("");
+  }
+};
+
+int simulate(Scene scene, const example::Options& options) {
+  const example::Stopwatch whole;
+  silt::make_folder(options.out);
+  auto sim = make_simulation(scene);
+  sim.threads = options.threads;
+  const double opening = scene.settling_time;
+  const std::string checkpoint = options.out + "/checkpoint.silt";
+  if (!options.restart.empty()) silt::load_checkpoint(sim, options.restart);
+
+  example::Summary summary;
+  summary.inputs = {{"particles", scene.particles}, {"density_kg_m3", scene.density},
+                    {"diameter_min_m", 2 * scene.r_min}, {"diameter_max_m", 2 * scene.r_max},
+                    {"youngs_modulus_pa", 1e6}, {"poisson_ratio", 0.3}, {"restitution", 0.5},
+                    {"friction", 0.4}, {"orifice_m", scene.orifice}, {"floor", scene.flat ? "flat" : "funnel 45 degrees"},
+                    {"time_step_s", scene.time_step}, {"settling_time_s", opening},
+                    {"sort", scene.sort}, {"threads", options.threads}, {"seed", 1},
+                    {"restart", options.restart}};
+  std::printf("%zu spheres of 1.95-2.35 mm, %zu + %zu bytes a particle and contact, dt = %g s\n",
+              sim.size(), sim.bytes_per_particle, sim.bytes_per_contact, scene.time_step);
+  silt::write_stl(options.out + "/boxes.stl", box_triangles(scene));
+  silt::write_stl(options.out + "/floor.stl", floor_triangles(scene));
+
+  // Layers, as in the paper's figure: six of equal thickness in the settled bed.
+  std::vector<std::uint32_t> layer(scene.particles, 0);
+  const auto name_layers = [&] {
+    std::vector<std::pair<double, std::uint32_t>> heights;
+    for (std::size_t k = 0; k < sim.rows(); ++k) heights.push_back({sim.position(k).z, sim.id(k)});
+    std::sort(heights.begin(), heights.end());
+    for (std::size_t k = 0; k < heights.size(); ++k)
+      layer[heights[k].second] = static_cast<std::uint32_t>(6 * k / heights.size());
+  };
+  const auto layers = [&layer](const auto& s, silt::VtkFields& fields, const auto& places) {
+    static thread_local std::vector<std::uint32_t> values;
+    values.clear();
+    for (const auto k : places) values.push_back(layer[s.id(k)]);
+    fields.add("layer", values);
+  };
+  auto save = silt::checkpoints(checkpoint, silt::every(0.1));
+
+  // At rest first ...
+  double fraction = 0, rest = 0;
+  const double total = [&] {
+    double m = 0;
+    for (std::size_t k = 0; k < sim.rows(); ++k) m += sim.mass(k);
+    return m;
+  }();
+  if (sim.time() < opening) {
+    std::printf("filling\n");
+    sim.run(opening - sim.time(), save, silt::progress());
+  }
+  name_layers();
+  const double bed_top = scene.funnel_top() + 0.55 * scene.bulk_height();
+  fraction = solid_fraction(sim, {{0.015, 0.015, scene.funnel_top() + 0.005},
+                                  {scene.width - 0.015, scene.width - 0.015, bed_top}});
+  rest = Watch(sim, 0).energy / (total * 9.81 * 2 * scene.r_max);
+  if (sim.time() < opening + 0.5 * scene.time_step) sim.remove_wall(lid);
+
+  // ... and then opened.
+  std::printf("discharging\n");
+  Discharge curve;
+  example::Stopwatch clock;
+  std::int64_t last_step = sim.step();
+  double last_seconds = 0, peak_contacts = 0;
+  const auto watch = [&](const auto& s) {
+    const Watch w(s, scene.orifice_height());
+    const auto contacts = static_cast<double>(s.touching_pairs());
+    peak_contacts = std::max(peak_contacts, contacts);
+    const double seconds = clock.seconds();
+    const double steps = static_cast<double>(s.step() - last_step);
+    const double per_step = steps > 0 ? (seconds - last_seconds) / steps : 0;
+    last_step = s.step(), last_seconds = seconds;
+    curve.time.push_back(s.time() - opening), curve.mass.push_back(w.below);
+    return std::array<double, 6>{s.time() - opening, w.below, static_cast<double>(w.count_below),
+                                 contacts, w.energy, 1e3 * per_step};
+  };
+  auto table = silt::table(options.out + "/discharge.csv",
+                           {"time [s]", "mass below [kg]", "particles below [-]", "contacts [-]",
+                            "kinetic energy [J]", "time per step [ms]"},
+                           silt::every(0.005), watch);
+  std::vector<std::string> pictures;
+  const double moments[4] = {0.2, 0.5, 0.7, 1.2};
+  double stretch = 1;  // the paper's moments, for 100 000 particles
+  auto series = silt::vtk_series(options.out + "/vtk", silt::every(0.02), layers);
+  const double end = scene.particles >= 200000 ? 6.0 : 3.0;
+  for (int k = 0; sim.time() < opening + end; ++k) {
+    const double next = k < 4 ? opening + stretch * moments[k] : sim.time() + 0.1;
+    if (next > sim.time()) sim.run(next - sim.time(), table, series, save, silt::progress());
+    if (k < 4) {
+      pictures.push_back(silt::text(options.out, "/snapshot_", moments[k], "s.vtp"));
+      silt::write_particles(pictures.back(), sim, layers);
+    }
+    if (k >= 3 && curve.mass.size() > 20 &&
+        curve.mass.back() - curve.mass[curve.mass.size() - 20] < 1e-4 * total)
+      break;
+  }
+
+  // What came out.
+  const double d = scene.r_min + scene.r_max;
+  const double theory = beverloo(scene.orifice, d, fraction * scene.density);
+  const double out = curve.mass.empty() ? 0 : curve.mass.back();
+  const double rate = curve.rate(out);
+  summary.results = {{"solid_fraction_settled", fraction},
+                     {"discharge_rate_kg_s", rate},
+                     {"beverloo_rate_kg_s", theory},
+                     {"discharge_rate_over_beverloo", rate / theory},
+                     {"time_of_half_s", curve.time_of(0.5, total)},
+                     {"time_of_99_percent_s", curve.time_of(0.99, total)},
+                     {"discharged_share", out / total},
+                     {"largest_overlap_over_radius", sim.peak_overlap()},
+                     {"kinetic_energy_at_rest_over_weight_times_diameter", rest},
+                     {"most_contacts", peak_contacts},
+                     {"steps", sim.step()},
+                     {"wall_time_s", whole.seconds()}};
+  summary.check("particles_lost", static_cast<double>(scene.particles - sim.size()), "<=", 0);
+  summary.check("largest_overlap_over_radius", sim.peak_overlap(), "<=", sim.guard.max_overlap);
+  if (const auto limit = sim.time_step_limit(3.0))
+    summary.check("time_step_over_limit", sim.step_length() / *limit, "<=", 1);
+  if (options.restart.empty()) {
+    summary.check("at_rest_before_opening", rest, "<=", 1e-3);
+    summary.check("rate_over_beverloo_low", rate / theory, ">=", 0.85);
+    summary.check("rate_over_beverloo_high", rate / theory, "<=", 1.15);
+  }
+  if (!scene.flat) summary.check("discharged_share", out / total, ">=", 0.99);
+  summary.write(options.out + "/summary.json");
+
+  std::vector<std::string> arguments{"spheres"};
+  arguments.insert(arguments.end(), pictures.begin(), pictures.end());
+  for (const char* a : {"--colour", "layer", "--view", "front", "--cut"}) arguments.push_back(a);
+  arguments.push_back(silt::text("y=", scene.width / 2));
+  arguments.push_back("--title");
+  for (std::size_t k = 0; k < pictures.size(); ++k)
+    arguments.push_back(silt::text(moments[k], " s after opening"));
+  arguments.insert(arguments.end(), {"--out", options.out + "/snapshots.png"});
+  const bool drawn =
+      example::draw(arguments) &&
+      example::draw({"curves", options.out + "/discharge.csv", "--x", "time", "--y", "mass below",
+                     "--reference", silt::text("Beverloo:", theory, ",", 0), "--title",
+                     "Discharge", "--out", options.out + "/discharge.png"}) &&
+      example::draw({"curves", options.out + "/discharge.csv", "--x", "time", "--y",
+                     "contacts,time per step", "--title", "Contacts and time per step", "--out",
+                     options.out + "/contacts.png"});
+
+  std::printf("\nDischarge %.3f kg/s, Beverloo %.3f kg/s (ratio %.3f); %.1f %% of %.3f kg left the "
+              "hopper in %.2f s.\nLargest overlap %.2f %% of the radius; %zu of %zu particles; %.0f s.\n",
+              rate, theory, rate / theory, 100 * out / total, total,
+              curve.time.empty() ? 0 : curve.time.back(), 100 * sim.peak_overlap(), sim.size(),
+              scene.particles, whole.seconds());
+  summary.print_checks();
+  std::printf("Look at: %s/%s\n         %s/vtk/particles.pvd (ParaView), %s/discharge.csv, "
+              "%s/summary.json\n",
+              options.out.c_str(), drawn ? "snapshots.png, discharge.png, contacts.png" : "",
+              options.out.c_str(), options.out.c_str(), options.out.c_str());
+  if (!drawn) std::printf("(no pictures: draw.py needs Python 3 with numpy and matplotlib)\n");
+  return summary.all_hold() ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Hopper discharge of 100 000 or 300 000 spheres into a box below"};
+  example::Options options;
+  Scene scene;
+  example::add_options(app, options);
+  auto* particles = app.add_option("--particles", scene.particles, "How many")
+                        ->check(CLI::Range(1000, 10000000))
+                        ->capture_default_str();
+  app.add_option("--density", scene.density, "Of the grains [kg/m3]")->capture_default_str();
+  app.add_flag("--flat", scene.flat, "A flat floor around the orifice instead of a funnel");
+  app.add_flag("!--no-sort", scene.sort, "Never bring the particles back into the order of cells");
+  return example::run(app, argc, argv, [&] {
+    if (options.quick) {
+      if (particles->count() == 0) scene.particles = 10000;
+      scene.width = 0.05;
+      scene.orifice = 0.025;
+    }
+    return simulate(scene, options);
+  });
+}
