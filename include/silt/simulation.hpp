@@ -90,6 +90,10 @@ class Simulation {
   /// Adds a wall of `material`, which may move; returns its number. Pose 0 is that at time 0.
   std::size_t add_wall(Surfaces surfaces, const typename ContactsType::Material& material,
                        Motion motion = {}) {
+    for (const auto& part : surfaces.parts)
+      detail::visit_surface(part, [](const auto& s) {
+        if constexpr (requires { s.check(); }) s.check();
+      });
     Wall wall{std::move(surfaces.parts), contacts_.add(material), std::move(motion)};
     if (wall.moves()) wall.pose = wall.last_pose = wall.motion(time_);
     engine_.walls.push_back(std::move(wall));

@@ -133,7 +133,7 @@ TEST_CASE("stl: numbers do not depend on the C locale") {
 TEST_CASE("stl: files that hold nothing are refused, by name") {
   const Folder folder;
   refuses<FileError>([&] { silt::read_stl(folder.file("none.stl")); },
-                     "none.stl cannot be opened: No such file");
+                     "none.stl' cannot be opened for reading: No such file");
   refuses<FileError>([&] { silt::read_stl(folder.path.string()); },
                      "cannot be read: Is a directory");
   refuses<FileError>([&] { silt::read_stl(folder.with("e.stl", "")); }, "e.stl is empty");
@@ -218,10 +218,10 @@ TEST_CASE("stl: writing refuses what cannot be read back and leaves the old file
   }
   CHECK(content(path) == "old");
   refuses<FileError>([&] { silt::write_stl(folder.file("no/such/a.stl"), {facet_corners}); },
-                     "cannot be written: No such file");
+                     "cannot be opened for writing: No such file");
   std::filesystem::create_directory(folder.path / "taken");
   refuses<FileError>([&] { silt::write_stl(folder.file("taken"), {facet_corners}); },
-                     "taken cannot be written: ");
+                     "taken' cannot be put in place");
   CHECK(!std::filesystem::exists(folder.file("taken.part")));
   silt::write_stl(path, {facet_corners});
   CHECK(silt::read_stl(path) == Soup{facet_corners});

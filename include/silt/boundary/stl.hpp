@@ -4,19 +4,16 @@
 #include <array>
 #include <bit>
 #include <cctype>
-#include <cerrno>
 #include <charconv>
 #include <cstdint>
-#include <cstdio>
 #include <limits>
-#include <memory>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <vector>
 
 #include <silt/core/error.hpp>
 #include <silt/core/vec3.hpp>
+#include <silt/io/atomic_file.hpp>
 
 /// Surfaces from and to STL files, the triangle soup that CAD programs export.
 /// Format: 3D Systems, StereoLithography Interface Specification (1988), sections 6.5 (ASCII, here
@@ -36,21 +33,6 @@ inline constexpr std::size_t stl_header_bytes = 84, stl_triangle_bytes = 50;
 template <class... Parts>
 [[noreturn]] void stl_error(const Parts&... parts) {
   throw FileError(text(parts...));
-}
-
-inline std::string system_reason() { return std::generic_category().message(errno); }
-
-using StlFile = std::unique_ptr<std::FILE, decltype([](std::FILE* f) { std::fclose(f); })>;
-
-inline std::string read_whole_file(const std::string& path) {
-  const StlFile file(std::fopen(path.c_str(), "rb"));
-  if (!file) stl_error("STL file ", path, " cannot be opened: ", system_reason());
-  std::string bytes;
-  std::array<char, 65536> block;
-  while (const auto n = std::fread(block.data(), 1, block.size(), file.get()))
-    bytes.append(block.data(), n);
-  if (std::ferror(file.get())) stl_error("STL file ", path, " cannot be read: ", system_reason());
-  return bytes;
 }
 
 /// Four bytes, lowest first, on any machine.
@@ -227,25 +209,12 @@ inline std::string ascii_stl(const std::vector<std::array<Vec3d, 3>>& triangles)
   return out += "endsolid silt\n";
 }
 
-/// Writes beside `path` and renames: the file is there complete, or as it was before.
-inline void write_whole_file(const std::string& path, const std::string& bytes) {
-  const std::string beside = path + ".part";
-  StlFile file(std::fopen(beside.c_str(), "wb"));
-  if (!file) stl_error("STL file ", beside, " cannot be written: ", system_reason());
-  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file.get()) == bytes.size();
-  const bool closed = std::fclose(file.release()) == 0;
-  if (written && closed && std::rename(beside.c_str(), path.c_str()) == 0) return;
-  const auto reason = system_reason();
-  std::remove(beside.c_str());
-  stl_error("STL file ", path, " cannot be written: ", reason);
-}
-
 }  // namespace detail
 
 /// The triangles of an ASCII or binary STL file, corners times `scale` [m per unit of the file].
 inline std::vector<std::array<Vec3d, 3>> read_stl(const std::string& path, double scale = 1) {
   require_positive("read_stl: scale", scale, "m per file unit");
-  auto triangles = detail::parse_stl(path, detail::read_whole_file(path));
+  auto triangles = detail::parse_stl(path, detail::read_file(path));
   if (triangles.empty()) detail::stl_error("STL file ", path, " holds no triangles");
   for (std::size_t t = 0; t < triangles.size(); ++t)
     for (auto& corner : triangles[t]) {
@@ -272,8 +241,10 @@ inline void write_stl(const std::string& path, const std::vector<std::array<Vec3
                   detail::fits_float(corner.z),
               "write_stl: triangle ", t + 1, " of ", triangles.size(), " for ", path,
               " has the corner ", corner, " [m]; coordinates must be finite and below 3.4e38");
-  detail::write_whole_file(path, format == StlFormat::Binary ? detail::binary_stl(triangles)
-                                                             : detail::ascii_stl(triangles));
+  AtomicFile file(path);
+  file.write(format == StlFormat::Binary ? detail::binary_stl(triangles)
+                                         : detail::ascii_stl(triangles));
+  file.commit();
 }
 
 }  // namespace silt

@@ -10,6 +10,7 @@
 #include <silt/boundary/cylinder.hpp>
 #include <silt/boundary/motion.hpp>
 #include <silt/boundary/plane.hpp>
+#include <silt/boundary/stl.hpp>
 #include <silt/boundary/triangle_mesh.hpp>
 
 namespace silt {
@@ -33,6 +34,11 @@ inline Surfaces box(const Vec3d& min, const Vec3d& max) {
   std::vector<Surface> parts;
   for (const auto& plane : box_planes(min, max)) parts.emplace_back(plane);
   return Surfaces(std::move(parts));
+}
+
+/// A wall from the triangles of an STL file; lengths are multiplied by `scale` (1e-3 for files in mm).
+inline Surfaces stl_wall(const std::string& path, double scale = 1) {
+  return TriangleMesh(read_stl(path, scale));
 }
 
 /// A wall of a simulation: surfaces, a material, a prescribed motion, and the load it bears.

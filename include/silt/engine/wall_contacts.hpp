@@ -21,11 +21,13 @@ struct WallCandidate {
   std::uint16_t wall, surface;         // surface of this wall
   std::uint32_t slot;                  // its first slot
   std::uint32_t facets, facet_count;   // where its triangles stand in the pool, if it is a mesh
+  auto key() const { return std::tie(particle, wall, surface); }
 };
 
 /// Which spheres are near which surfaces, in two stages like PairList, and H Reals of history for
 /// each contact with a wall. A candidate has as many slots as the surface can have contacts with one
-/// sphere; slots come in blocks that one thread computes at a time.
+/// sphere; slots come in blocks that one thread computes at a time, and all candidates of a sphere
+/// stand side by side in one block.
 template <std::size_t H>
 class WallContacts {
  public:
@@ -59,6 +61,8 @@ class WallContacts {
         visit_surface(walls[w].surfaces[s], [&](const auto& surface) {
           search_surface(surface, walls[w], w, s, rows, reach);
         });
+    std::sort(outer_.begin(), outer_.end(),
+              [](const WallCandidate& a, const WallCandidate& b) { return a.key() < b.key(); });
   }
 
   /// Keeps of those found the ones nearer than `reach` [m] now; history stays with its contact.
@@ -158,14 +162,18 @@ class WallContacts {
   void lay_out_slots(std::span<const Wall> walls) {
     block_begin_.assign(1, 0);
     std::size_t next = 0;
+    const auto count = [&](std::size_t k) {
+      return slots_of(walls[inner_[k].wall].surfaces[inner_[k].surface]);
+    };
     for (std::size_t k = 0; k < inner_.size(); ++k) {
-      const std::size_t count = slots_of(walls[inner_[k].wall].surfaces[inner_[k].surface]);
-      if (next % block + count > block) {
-        next = pieces(next, block) * block;
-      }
+      std::size_t together = count(k);  // slots that must not be parted from this candidate's
+      if (k == 0 || inner_[k - 1].particle != inner_[k].particle)
+        for (std::size_t m = k + 1; m < inner_.size() && inner_[m].particle == inner_[k].particle; ++m)
+          if (together + count(m) <= block) together += count(m);
+      if (next % block + together > block) next = pieces(next, block) * block;
       if (next / block >= block_begin_.size()) block_begin_.push_back(k);
       inner_[k].slot = static_cast<std::uint32_t>(next);
-      next += count;
+      next += count(k);
     }
     if (inner_.empty())
       block_begin_.clear();
@@ -176,14 +184,14 @@ class WallContacts {
   }
 
   struct Kept {
-    std::uint16_t wall, surface;
     std::uint32_t particle;
+    std::uint16_t wall, surface;
     Slot slot;
     std::array<double, H> history;
-    auto key() const { return std::tie(wall, surface, particle); }
+    auto key() const { return std::tie(particle, wall, surface); }
   };
 
-  /// Sets aside all touching contacts, by wall, surface and particle.
+  /// Sets aside all touching contacts, in the order of the candidates.
   void archive() {
     archive_.clear();
     for (std::size_t k = 0; k < inner_.size(); ++k) {
@@ -193,18 +201,16 @@ class WallContacts {
                                   : pieces(c.slot + 1, block) * block;
       for (std::size_t s = c.slot; s < end; ++s) {
         if (!slots_[s].touching) continue;
-        Kept kept{c.wall, c.surface, c.particle, slots_[s], {}};
+        Kept kept{c.particle, c.wall, c.surface, slots_[s], {}};
         for (std::size_t h = 0; h < H; ++h) kept.history[h] = history_[h][s];
         archive_.push_back(kept);
       }
     }
-    std::stable_sort(archive_.begin(), archive_.end(),
-                     [](const Kept& a, const Kept& b) { return a.key() < b.key(); });
   }
   void recall() {
     for (const auto& c : inner_) {
       const std::uint32_t before = renewed_ && !previous_.empty() ? previous_[c.particle] : c.particle;
-      const auto key = std::tie(c.wall, c.surface, before);
+      const auto key = std::tie(before, c.wall, c.surface);
       auto found = std::lower_bound(archive_.begin(), archive_.end(), key,
                                     [](const Kept& a, const auto& k) { return a.key() < k; });
       for (std::size_t s = c.slot; found != archive_.end() && found->key() == key; ++found, ++s) {

@@ -79,10 +79,11 @@ class WallPipeline {
     Scratch s;
     const std::size_t first = b * block;
     for (std::size_t k = 0; k < block; ++k) clear(s, k);
-    for (const auto& c : contacts.block_candidates(b))
-      visit_surface(walls[c.wall].surfaces[c.surface], [&](const auto& surface) {
-        touch(surface, walls[c.wall], c, contacts, in, table, s, first);
-      });
+    const auto candidates = contacts.block_candidates(b);
+    for (std::size_t k = 0, next = 0; k < candidates.size(); k = next) {
+      while (next < candidates.size() && candidates[next].particle == candidates[k].particle) ++next;
+      touch(candidates.subspan(k, next - k), walls, contacts, in, table, s, first);
+    }
 
     const Real time_step(in.time_step);
     for (std::size_t k = 0; k < block; k += W) {
@@ -116,55 +117,96 @@ class WallPipeline {
     s.overlap[k] = -1, s.arm[k] = s.radius[k] = s.mass[k] = 1, s.twist[k] = 0, s.kind[k] = 0;
   }
 
+  /// A place where a sphere touches a surface.
+  struct Touch {
+    SurfacePoint point;         // normal in space
+    std::size_t candidate = 0;  // among those of the sphere
+    bool seam = false;          // belongs to another contact of the sphere
+  };
+
+  /// All contacts of one sphere with the surfaces near it.
+  static void touch(std::span<const WallCandidate> candidates, std::span<const Wall> walls,
+                    Contacts& contacts, const Input& in,
+                    const CoefficientTable<ContactsType>& table, Scratch& s, std::size_t first) {
+    const PositionRow& row = in.positions[candidates[0].particle];
+    std::array<Touch, block> found;
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < candidates.size(); ++k) {
+      const auto& c = candidates[k];
+      visit_surface(walls[c.wall].surfaces[c.surface], [&](const auto& surface) {
+        using S = std::remove_cvref_t<decltype(surface)>;
+        SurfacePoint points[S::max_contacts];
+        const int n = touching_points(surface, walls[c.wall], c, row, contacts, points);
+        for (int p = 0; p < n; ++p) found[count++] = {points[p], k, false};
+      });
+    }
+    drop_seams({found.data(), count}, 1e-6 * row.r);
+    for (std::size_t k = 0, next = 0; k < candidates.size(); ++k) {
+      const auto& c = candidates[k];
+      const std::size_t slots = Contacts::slots_of(walls[c.wall].surfaces[c.surface]);
+      bool taken[8] = {};
+      for (; next < count && found[next].candidate == k; ++next) {
+        if (found[next].seam) continue;
+        const SurfacePoint& point = found[next].point;
+        const std::size_t own = slot_for(point.normal, c.slot, contacts, taken, slots);
+        const Vec3d last = contacts.slot(own).touching ? contacts.slot(own).normal : point.normal;
+        contacts.slot(own) = {point.normal, true};
+        describe(point, last, row, walls[c.wall], c, in, table, s, own - first);
+      }
+      for (std::size_t p = 0; p < slots; ++p)
+        if (!taken[p]) contacts.slot(c.slot + p).touching = false;
+    }
+  }
+
   template <class S>
-  static void touch(const S& surface, const Wall& wall, const WallCandidate& c, Contacts& contacts,
-                    const Input& in, const CoefficientTable<ContactsType>& table, Scratch& s,
-                    std::size_t first) {
-    const PositionRow& row = in.positions[c.particle];
-    SurfacePoint points[S::max_contacts];
+  static int touching_points(const S& surface, const Wall& wall, const WallCandidate& c,
+                             const PositionRow& row, const Contacts& contacts, SurfacePoint* points) {
     const Vec3d centre = Contacts::in_body(wall, row.centre());
     int count;
     if constexpr (requires { surface.contacts(centre, row.r, contacts.facets(c), points); })
       count = surface.contacts(centre, row.r, contacts.facets(c), points);
     else
       count = surface.contacts(centre, row.r, points);
+    if (wall.moves())
+      for (int p = 0; p < count; ++p) points[p].normal = wall.pose.rotate(points[p].normal);
+    return count;
+  }
 
-    bool taken[S::max_contacts] = {};
-    for (int k = 0; k < count; ++k) {
-      if (wall.moves()) points[k].normal = wall.pose.rotate(points[k].normal);
-      const std::size_t own = slot_for(points[k].normal, c.slot, contacts, taken, S::max_contacts);
-      const bool fresh = !contacts.slot(own).touching;
-      const Vec3d last = fresh ? points[k].normal : contacts.slot(own).normal;
-      contacts.slot(own) = {points[k].normal, true};
-      describe(points[k], last, row, wall, c, in, table, s, own - first);
-    }
-    for (int k = 0; k < S::max_contacts; ++k)
-      if (!taken[k]) contacts.slot(c.slot + static_cast<std::size_t>(k)).touching = false;
+  /// Where two surfaces join, the rim or edge of one lies in the tangent plane of the other: it is a
+  /// seam there and no second contact.
+  static void drop_seams(std::span<Touch> found, double tolerance) {
+    for (std::size_t a = 0; a < found.size(); ++a)
+      for (std::size_t b = 0; b < found.size() && !found[a].seam; ++b) {
+        if (found[a].candidate == found[b].candidate || found[b].seam) continue;
+        const double deeper = found[a].point.distance - found[b].point.distance;
+        const bool second = deeper > tolerance || (deeper > -tolerance && b < a);
+        if (second && in_tangent_plane(found[a].point, found[b].point, tolerance))
+          found[a].seam = true;
+      }
   }
 
   /// The slot whose contact had nearly this normal a step ago, else a free one: history goes on
   /// while a contact moves from facet to edge to facet.
   static std::size_t slot_for(const Vec3d& normal, std::size_t begin, Contacts& contacts,
-                              bool* taken, int slots) {
-    int best = -1;
+                              bool* taken, std::size_t slots) {
+    std::size_t best = slots;
     double nearest = 0.8;  // cosine of the largest turn in one step
-    for (int k = 0; k < slots; ++k) {
-      const auto& slot = contacts.slot(begin + static_cast<std::size_t>(k));
+    for (std::size_t k = 0; k < slots; ++k) {
+      const auto& slot = contacts.slot(begin + k);
       if (taken[k] || !slot.touching) continue;
       if (const double cosine = dot(slot.normal, normal); cosine > nearest)
         nearest = cosine, best = k;
     }
-    for (int k = 0; best < 0 && k < slots; ++k)
-      if (!taken[k] && !contacts.slot(begin + static_cast<std::size_t>(k)).touching) best = k;
-    for (int k = 0; best < 0 && k < slots; ++k)
+    for (std::size_t k = 0; best == slots && k < slots; ++k)
+      if (!taken[k] && !contacts.slot(begin + k).touching) best = k;
+    for (std::size_t k = 0; best == slots && k < slots; ++k)
       if (!taken[k]) {
         best = k;  // an old contact that ended in this very step
-        contacts.slot(begin + static_cast<std::size_t>(k)).touching = false;
-        for (std::size_t h = 0; h < ContactsType::history; ++h)
-          contacts.history(h)[begin + static_cast<std::size_t>(k)] = 0;
+        contacts.slot(begin + k).touching = false;
+        for (std::size_t h = 0; h < ContactsType::history; ++h) contacts.history(h)[begin + k] = 0;
       }
     taken[best] = true;
-    return begin + static_cast<std::size_t>(best);
+    return begin + best;
   }
 
   static void describe(const SurfacePoint& point, const Vec3d& last_normal, const PositionRow& row,
