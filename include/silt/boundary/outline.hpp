@@ -50,8 +50,10 @@ inline Outline outline(const Plane& plane, const Box& seen) {
   if (out.points.size() < 3) return {};
   Vec3d middle{0, 0, 0};
   for (const auto& p : out.points) middle += p * (1.0 / static_cast<double>(out.points.size()));
-  const auto [u, v] = across(n);
-  const auto angle = [&](const Vec3d& p) { return std::atan2(dot(p - middle, v), dot(p - middle, u)); };
+  const auto axes = across(n);
+  const auto angle = [&](const Vec3d& p) {
+    return std::atan2(dot(p - middle, axes[1]), dot(p - middle, axes[0]));
+  };
   std::sort(out.points.begin(), out.points.end(),
             [&](const Vec3d& p, const Vec3d& q) { return angle(p) < angle(q); });
   for (std::uint32_t k = 1; k + 1 < out.points.size(); ++k) out.triangles.push_back({0, k, k + 1});

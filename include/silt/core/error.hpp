@@ -2,8 +2,8 @@
 #pragma once
 
 #include <charconv>
-#include <concepts>
 #include <cstdint>
+#include <initializer_list>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -41,18 +41,58 @@ struct SimulationError : Error {
 
 namespace detail {
 
-inline void append(std::string& out, std::string_view text) { out += text; }
-inline void append(std::string& out, char c) { out += c; }
+/// Appends the shortest form that reads back exactly.
 inline void append(std::string& out, double value) {
   char buffer[32];
   const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
   out.append(buffer, end);
 }
-inline void append(std::string& out, std::integral auto value) { out += std::to_string(value); }
-inline void append(std::string& out, const Vec3d& v) {
-  out += '(';
-  append(out, v.x), out += ", ", append(out, v.y), out += ", ", append(out, v.z);
-  out += ')';
+
+/// One word or number of a sentence. Not a template, and neither are the functions that take it:
+/// sentences are many, and each would cost every program that includes silt compile time.
+class Part {
+ public:
+  Part() = default;
+  Part(const char* words) : words_(words) {}             // NOLINT: converts
+  Part(const std::string& words) : words_(words) {}      // NOLINT
+  Part(std::string_view words) : words_(words) {}        // NOLINT
+  Part(char letter) : kind_(Kind::Letter), letter_(letter) {}  // NOLINT
+  Part(double number) : kind_(Kind::Number), number_{number, 0, 0} {}  // NOLINT
+  Part(const Vec3d& v) : kind_(Kind::Vector), number_{v.x, v.y, v.z} {}  // NOLINT
+  Part(int n) : Part(static_cast<long long>(n)) {}                        // NOLINT
+  Part(long n) : Part(static_cast<long long>(n)) {}                       // NOLINT
+  Part(long long n) : kind_(Kind::Integer), integer_(n) {}                // NOLINT
+  Part(unsigned n) : Part(static_cast<unsigned long long>(n)) {}          // NOLINT
+  Part(unsigned long n) : Part(static_cast<unsigned long long>(n)) {}     // NOLINT
+  Part(unsigned long long n) : kind_(Kind::Count), count_(n) {}           // NOLINT
+
+  void append_to(std::string& out) const {
+    switch (kind_) {
+      case Kind::Words: out += words_; break;
+      case Kind::Letter: out += letter_; break;
+      case Kind::Number: append(out, number_[0]); break;
+      case Kind::Integer: out += std::to_string(integer_); break;
+      case Kind::Count: out += std::to_string(count_); break;
+      case Kind::Vector:
+        for (int d = 0; d < 3; ++d) out += d == 0 ? "(" : ", ", append(out, number_[d]);
+        out += ')';
+    }
+  }
+
+ private:
+  enum class Kind { Words, Letter, Number, Integer, Count, Vector };
+  Kind kind_ = Kind::Words;
+  char letter_ = 0;
+  std::string_view words_;
+  double number_[3] = {};
+  long long integer_ = 0;
+  unsigned long long count_ = 0;
+};
+
+inline std::string join(std::initializer_list<Part> parts) {
+  std::string out;
+  for (const auto& part : parts) part.append_to(out);
+  return out;
 }
 
 }  // namespace detail
@@ -60,15 +100,14 @@ inline void append(std::string& out, const Vec3d& v) {
 /// Joins words and numbers (shortest form that reads back exactly) into one string.
 template <class... Parts>
 std::string text(const Parts&... parts) {
-  std::string out;
-  (detail::append(out, parts), ...);
-  return out;
+  return detail::join({parts...});
 }
 
 /// Throws InputError with the joined parts unless `condition` holds.
 template <class... Parts>
 void require(bool condition, const Parts&... parts) {
-  if (!condition) throw InputError(text(parts...));
+  if (!condition) [[unlikely]]
+    throw InputError(detail::join({parts...}));
 }
 
 /// Throws InputError unless `value` is finite and in [low, high]: name, value, unit, range.

@@ -81,8 +81,10 @@ class ReductionTable {
       extra_.push_back({particle, row, false});
   }
   void finish() {
-    std::stable_sort(extra_.begin(), extra_.end(),
-                     [](const Extra& a, const Extra& b) { return a.particle < b.particle; });
+    std::sort(extra_.begin(), extra_.end(),
+                     [](const Extra& a, const Extra& b) {
+                return a.particle != b.particle ? a.particle < b.particle : a.row < b.row;
+              });
   }
 
   const Slots& of(std::size_t particle) const { return slots_[particle]; }
