@@ -12,18 +12,18 @@ enum class TangentialMemory { Force, Displacement };
 /// A dashpot coefficient c [N s/m] for the leapfrog scheme, where the damping force sees the
 /// velocity of half a step ago: v(t - dt/2) = v - a dt/2 acts like a mass smaller by c dt/2.
 /// c (sqrt(1 + q^2) - q) with q = c dt/(4 m) keeps the damping ratio c^2/(k m), and with it the
-/// restitution, to second order in dt; 1/(1 + q + q^2/2) equals it to third order in q.
+/// restitution, to second order in dt; 1 - q + q^2/2 equals it to third order in q.
 template <class Real>
-inline Real leapfrog_damping(const Real& c, const Real& mass, const Real& time_step) {
-  const Real q = Real(0.25) * c * time_step / mass;
-  return c / (Real(1) + q * (Real(1) + Real(0.5) * q));
+inline Real leapfrog_damping(const Real& c, const Real& inverse_mass, const Real& time_step) {
+  const Real q = min(Real(0.25) * c * time_step * inverse_mass, Real(1));
+  return c * (Real(1) - q * (Real(1) - Real(0.5) * q));
 }
 
 /// Elastic force less damping along the normal, cut at zero if the contact ends at zero force.
 template <DampingEnd End, class Real>
 inline Real normal_force(const Real& elastic, const Real& damping, const Contact<Real>& c) {
   const Real force =
-      elastic - leapfrog_damping(damping, c.m_eff, c.time_step) * c.normal_velocity;
+      elastic - leapfrog_damping(damping, c.inverse_m_eff, c.time_step) * c.normal_velocity;
   if constexpr (End == DampingEnd::ZeroForce)
     return max(force, Real(0));
   else
@@ -66,7 +66,7 @@ struct SpringSlider {
  private:
   /// The tangential motion of two solid spheres at their contact carries 2/7 of m*.
   Real tangential_damping(const Contact<Real>& c) const {
-    return leapfrog_damping(damping, Real(2.0 / 7.0) * c.m_eff, c.time_step);
+    return leapfrog_damping(damping, Real(3.5) * c.inverse_m_eff, c.time_step);
   }
   Real share_within_limit(const Vec3<Real>& total, const Real& Fn) const {
     const Real size = sqrt(max(dot(total, total), Real(std::numeric_limits<double>::min())));

@@ -17,6 +17,7 @@ struct Kinematics {
   Real arm;                // [-] lever arm over radius, same for both partners
   Real R_eff;              // [m]
   Real m_eff;              // [kg]
+  Real inverse_m_eff;      // [1/kg]
   Vec3<Real> velocity;     // [m/s] of centre i relative to the partner
   Vec3<Real> spin;         // [m/s] sum of radius times angular velocity
   Real twist;              // [rad/s] mean angular velocity of the contact about its normal
@@ -49,7 +50,8 @@ struct ContactKernel {
     Contact<Real> c;
     c.normal = k.normal;
     c.overlap = max(k.overlap, Real(0));
-    c.R_eff = k.R_eff, c.m_eff = k.m_eff, c.time_step = time_step;
+    c.R_eff = k.R_eff, c.m_eff = k.m_eff, c.inverse_m_eff = k.inverse_m_eff;
+    c.time_step = time_step;
     const Vec3<Real> middle = k.normal - k.half_change;
     c.normal_velocity = dot(k.velocity, middle);
     if constexpr (ContactsType::rotates) {

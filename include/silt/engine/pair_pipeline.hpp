@@ -95,6 +95,7 @@ class PairPipeline {
                           double* rows, std::size_t from) {
     Scratch s;
     const std::size_t count = std::min(block, list.padded_size() - from);
+    prefetch(in, list, from + block);
     gather(in, list.first() + from, list.second() + from, count, s);
 
     const Real time_step(in.time_step);
@@ -120,6 +121,16 @@ class PairPipeline {
     return largest_lane(largest);
   }
 
+  /// Asks for the rows of the block that comes next: partners lie too far apart for the hardware.
+  static void prefetch(const Input& in, const PairList<ContactsType::history>& list,
+                       std::size_t from) {
+    const std::size_t end = std::min(list.padded_size(), from + block);
+    for (std::size_t k = from; k < end; ++k) {
+      __builtin_prefetch(&in.positions[list.second()[k]]);
+      __builtin_prefetch(&in.motions[list.second()[k]]);
+    }
+  }
+
   static auto uniform_rolling(const CoefficientTable<ContactsType>& table) {
     if constexpr (ContactsType::has_rolling)
       return broadcast<Rolling::template Coefficients, Real>(table.rolling[0]);
@@ -135,25 +146,36 @@ class PairPipeline {
     const Real distance = sqrt(max(dot(d, d), Real(std::numeric_limits<double>::min())));
     const Vec3<Real> velocity = load3<Real>(s.motion[0] + k, s.motion[1] + k, s.motion[2] + k);
     const Real inverse_mass = load<Real>(s.motion[3] + k);
-    const Real inverse_distance = Real(1) / distance;
 
+    // One division serves all reciprocals: 1/a = b c (1/(a b c)).
     Kinematics<Real> out;
+    Real inverse_distance, inverse_reach;
+    if constexpr (rotates) {
+      const Real inverse_radius = load<Real>(s.spin[3] + k);
+      const Real lengths = distance * reach, masses = inverse_mass * inverse_radius;
+      const Real all = Real(1) / (lengths * masses);
+      const Real per_lengths = all * masses, per_masses = all * lengths;
+      inverse_distance = per_lengths * reach, inverse_reach = per_lengths * distance;
+      out.m_eff = per_masses * inverse_radius, out.R_eff = per_masses * inverse_mass;
+    } else {
+      const Real b = load<Real>(s.radius_b + k);
+      const Real lengths = distance * reach;
+      const Real all = Real(1) / (lengths * inverse_mass);
+      inverse_distance = all * inverse_mass * reach;
+      inverse_reach = all * inverse_mass * distance;
+      out.m_eff = all * lengths, out.R_eff = (reach - b) * b * inverse_reach;
+    }
     out.normal = d * inverse_distance;
     out.overlap = reach - distance;
-    out.m_eff = Real(1) / inverse_mass;
+    out.inverse_m_eff = inverse_mass;
     out.velocity = velocity;
     // The normal half a step ago, to second order: turned back by the crosswise motion.
     const Vec3<Real> across = velocity - dot(velocity, out.normal) * out.normal;
     out.half_change = (Real(0.5) * time_step * inverse_distance) * across;
     if constexpr (rotates) {
-      const Real inverse_reach = Real(1) / reach;
-      out.R_eff = Real(1) / load<Real>(s.spin[3] + k);
       out.spin = load3<Real>(s.spin[0] + k, s.spin[1] + k, s.spin[2] + k);
       out.arm = distance * inverse_reach;
       out.twist = dot(out.spin, out.normal) * inverse_reach;
-    } else {
-      const Real b = load<Real>(s.radius_b + k);
-      out.R_eff = (reach - b) * b / reach;
     }
     return out;
   }

@@ -119,9 +119,9 @@ class WallPipeline {
 
   /// A place where a sphere touches a surface.
   struct Touch {
-    SurfacePoint point;         // normal in space
-    std::size_t candidate = 0;  // among those of the sphere
-    bool seam = false;          // belongs to another contact of the sphere
+    SurfacePoint point;     // normal in space
+    std::size_t candidate;  // among those of the sphere
+    bool seam;              // belongs to another contact of the sphere
   };
 
   /// All contacts of one sphere with the surfaces near it.
@@ -129,7 +129,7 @@ class WallPipeline {
                     Contacts& contacts, const Input& in,
                     const CoefficientTable<ContactsType>& table, Scratch& s, std::size_t first) {
     const PositionRow& row = in.positions[candidates[0].particle];
-    std::array<Touch, block> found;
+    std::array<Touch, block> found;  // as many as fit into a block's slots
     std::size_t count = 0;
     for (std::size_t k = 0; k < candidates.size(); ++k) {
       const auto& c = candidates[k];
@@ -140,7 +140,7 @@ class WallPipeline {
         for (int p = 0; p < n; ++p) found[count++] = {points[p], k, false};
       });
     }
-    drop_seams({found.data(), count}, 1e-6 * row.r);
+    if (count > 1 && candidates.size() > 1) drop_seams({found.data(), count}, 1e-6 * row.r);
     for (std::size_t k = 0, next = 0; k < candidates.size(); ++k) {
       const auto& c = candidates[k];
       const std::size_t slots = Contacts::slots_of(walls[c.wall].surfaces[c.surface]);
@@ -262,6 +262,7 @@ class WallPipeline {
     out.arm = load<Real>(s.arm + k);
     out.R_eff = load<Real>(s.radius + k);
     out.m_eff = load<Real>(s.mass + k);
+    out.inverse_m_eff = Real(1) / out.m_eff;
     out.velocity = load3<Real>(s.velocity[0] + k, s.velocity[1] + k, s.velocity[2] + k);
     out.spin = load3<Real>(s.spin[0] + k, s.spin[1] + k, s.spin[2] + k);
     out.twist = load<Real>(s.twist + k);

@@ -81,7 +81,9 @@ class CellGrid {
     const Vec3d e = bounds.extent();
     const double length[3] = {e.x, e.y, e.z};
     const double most = 8.0 * static_cast<double>(spheres) + 64;
-    for (double edge = cutoff;; edge *= 1.26) {
+    // Wider by more than the rounding of a centre's place in the grid, so that no two spheres within
+    // the cutoff are two cells apart.
+    for (double edge = cutoff * (1 + 1e-9);; edge *= 1.26) {
       double total = 1;
       for (int d = 0; d < 3; ++d) total *= std::max(1.0, std::floor(length[d] / edge));
       if (!(total <= most)) continue;
