@@ -200,6 +200,7 @@ class Simulation {
   /// One step up to the kick; then either drifts at once or stops for the observers.
   void advance(bool observed) {
     engine_.move_walls(time_);
+    if (first_kick_) engine_.start_walls(time_, dt_);
     openings_.update(engine_, *this);
     engine_.renew_lists(search_, domain_, step_, engine_.largest_speed * dt_);
     engine_.pair_forces(domain_, dt_);

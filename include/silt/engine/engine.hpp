@@ -102,6 +102,18 @@ class Engine {
       wall.pose = wall.motion(time);
     }
   }
+  /// Before the very first step: the last pose is as if the first step had come before it too, so
+  /// that walls have their velocity from the start. (Motions need not be defined before time 0.)
+  void start_walls(double time, double time_step) {
+    for (auto& wall : walls) {
+      if (!wall.moves()) continue;
+      const Pose next = wall.motion(time + time_step);
+      const Quaternion back = wall.pose.rotation * conjugate(next.rotation);
+      wall.last_pose = {back * wall.pose.rotation,
+                        wall.pose.translation +
+                            silt::rotate(back, wall.pose.translation - next.translation)};
+    }
+  }
 
   // --- integration --------------------------------------------------------------------------
 

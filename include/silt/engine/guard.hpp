@@ -24,7 +24,7 @@ template <class EngineType>
   for (std::size_t k = 0; k < e.particles.size(); ++k) {
     const auto& m = e.particles.motion[k];
     const auto& p = e.particles.position[k];
-    if (is_finite(m.velocity()) && is_finite(p.centre())) continue;
+    if (e.is_parked(e.particles.id[k]) || (is_finite(m.velocity()) && is_finite(p.centre()))) continue;
     throw SimulationError(
         text("step ", step, ", t = ", time, " s: the velocity of particle ", e.particles.id[k],
              " is not finite near ", e.reference[k],
@@ -36,11 +36,12 @@ template <class EngineType>
                         step, {}, {});
 }
 
-/// Names the contact with the largest overlap over the smaller radius.
+/// Names the contact with the largest overlap over the smaller radius. The spheres may have moved on
+/// by a step since it was measured: the deepest contact now tells which one it is.
 template <class EngineType, class Domain>
 [[noreturn]] void throw_overlap(const EngineType& e, const Domain& domain, std::int64_t step,
                                 double time, double limit) {
-  double most = 0;
+  double most = -1;  // [-]
   std::uint32_t a = 0, b = 0;
   e.pairs.for_each([&](std::uint32_t i, std::uint32_t j, const auto&) {
     const auto &p = e.particles.position[i], &q = e.particles.position[j];
@@ -49,19 +50,8 @@ template <class EngineType, class Domain>
     const double ratio = (p.r + q.r - norm(d)) / std::min(p.r, q.r);
     if (ratio > most) most = ratio, a = i, b = j;
   });
-  const auto head = text("step ", step, ", t = ", time, " s: ");
-  const auto tail = text(" of the radius, above the limit guard.max_overlap = ", limit,
-                         "; use a stiffer material, a lower speed or a smaller time step, or start "
-                         "without overlaps");
-  if (most >= e.largest_overlap * 0.999) {
-    const Vec3d where = e.particles.position[a].centre();
-    throw SimulationError(text(head, "particles ", e.particles.id[a], " and ", e.particles.id[b],
-                               " near ", where, " m overlap by ", most, tail),
-                          step, {e.particles.id[a], e.particles.id[b]}, where);
-  }
-  std::uint32_t deepest = 0;
+  bool with_wall = false;
   std::size_t wall = 0;
-  double depth = 0;
   for (const auto& c : e.wall_pairs.candidates()) {
     const auto& row = e.particles.position[c.particle];
     visit_surface(e.walls[c.wall].surfaces[c.surface], [&](const auto& surface) {
@@ -73,14 +63,23 @@ template <class EngineType, class Domain>
       else
         count = surface.contacts(centre, row.r, points);
       for (int k = 0; k < count; ++k)
-        if (row.r - points[k].distance > depth * row.r)
-          depth = 1 - points[k].distance / row.r, deepest = c.particle, wall = c.wall;
+        if (const double ratio = 1 - points[k].distance / row.r; ratio > most)
+          most = ratio, with_wall = true, a = c.particle, wall = c.wall;
     });
   }
-  const Vec3d where = e.particles.position[deepest].centre();
-  throw SimulationError(text(head, "particle ", e.particles.id[deepest], " at ", where,
-                             " m overlaps wall ", wall, " by ", e.largest_overlap, tail),
-                        step, {e.particles.id[deepest]}, where);
+  const Vec3d where = e.particles.position[a].centre();
+  const auto head = text("step ", step, ", t = ", time, " s: ");
+  const auto tail = text(e.largest_overlap, " of the radius, above the limit guard.max_overlap = ",
+                         limit,
+                         "; use a stiffer material, a lower speed or a smaller time step, or start "
+                         "without overlaps");
+  if (with_wall)
+    throw SimulationError(text(head, "particle ", e.particles.id[a], " at ", where,
+                               " m overlaps wall ", wall, " by ", tail),
+                          step, {e.particles.id[a]}, where);
+  throw SimulationError(text(head, "particles ", e.particles.id[a], " and ", e.particles.id[b],
+                             " near ", where, " m overlap by ", tail),
+                        step, {e.particles.id[a], e.particles.id[b]}, where);
 }
 
 template <class EngineType>

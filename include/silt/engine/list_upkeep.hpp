@@ -83,7 +83,8 @@ class WallMarks {
     double most = 0;
     for (std::size_t w = 0; w < walls.size(); ++w)
       if (walls[w].moves())
-        most = std::max(most, largest_displacement(poses_[w], walls[w].pose, region_));
+        // Of the points that are in the region now: it is they that spheres there may touch.
+        most = std::max(most, largest_displacement(walls[w].pose, poses_[w], region_));
     return most;
   }
   std::span<const Pose> poses() const { return poses_; }

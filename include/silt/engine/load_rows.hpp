@@ -137,8 +137,12 @@ SILT_INLINE LoadSum<Chunks> sum_rows(const ReductionTable& table, const double* 
     }
   };
   const auto& s = table.of(particle);
-  for (std::size_t k = 0; k < ReductionTable::slots; ++k) plus(s.plus[k]);
-  for (std::size_t k = 0; k < ReductionTable::slots; ++k) minus(s.minus[k]);
+  // Slots are filled from the front; most particles use at most three a side.
+  constexpr std::size_t half = ReductionTable::slots / 2;
+  const bool touched = (s.plus[0] | s.minus[0]) != 0;
+  for (std::size_t k = 0; touched && k < half; ++k) plus(s.plus[k]), minus(s.minus[k]);
+  if ((s.plus[half] | s.minus[half]) != 0)
+    for (std::size_t k = half; k < ReductionTable::slots; ++k) plus(s.plus[k]), minus(s.minus[k]);
   for (; extra < table.extra().size() && table.extra()[extra].particle == particle; ++extra) {
     const auto& e = table.extra()[extra];
     e.plus ? plus(e.row) : minus(e.row);

@@ -215,18 +215,22 @@ class WallPipeline {
     const Motion& motion = in.motions[c.particle];
     if (motion.inv_m == 0) return;  // a fixed sphere feels no wall
     const Vec3d contact = row.centre() - point.distance * point.normal;
+    const Vec3d half_change = 0.5 * (point.normal - last_normal);
     Vec3d wall_velocity{0, 0, 0}, wall_spin{0, 0, 0};
     if (wall.moves()) {
       // Mean velocity of the material point over the last step, like the spheres' own.
       wall_velocity =
           (contact - wall.last_pose.to_space(wall.pose.to_body(contact))) * (1 / in.time_step);
       wall_spin = angular_velocity(wall.last_pose, wall.pose, in.time_step);
+      // ... of the one under the contact half a step ago, which this one was not if they slide.
+      wall_velocity += cross(wall_spin, 0.5 * in.time_step * (wall_velocity - motion.velocity()) +
+                                            point.distance * half_change);
     }
     const auto put = [k](double (*out)[block], const Vec3d& v) {
       out[0][k] = v.x, out[1][k] = v.y, out[2][k] = v.z;
     };
     put(s.normal, point.normal);
-    put(s.half_change, 0.5 * (point.normal - last_normal));
+    put(s.half_change, half_change);
     put(s.velocity, motion.velocity() - wall_velocity);
     s.overlap[k] = row.r - point.distance;
     s.arm[k] = point.distance / row.r;

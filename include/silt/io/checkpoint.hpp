@@ -144,6 +144,7 @@ class Checkpoint {
     const auto walls = in.get<double>("walls.state", 23 * surfaces.size());
     const auto marks = in.get<double>("walls.marks");
     const auto flows = in.get<double>("openings.flows", outlets + 2 * inlets);
+    e.set_coefficients(sim.contacts_);  // throws where a pair of materials lacks its values
 
     sim.time_ = clock[0], sim.dt_ = clock[1], sim.time_origin_ = clock[2];
     sim.checked_speed_ = clock[3], sim.peak_overlap_ = clock[4];
@@ -189,7 +190,6 @@ class Checkpoint {
       c += 5;
       i.start = flows[f++], i.interval = flows[f++];
     }
-    e.set_coefficients(sim.contacts_);
     e.restored(clock[5], clock[6], clock[7], clock[8]);
   }
 
