@@ -2,86 +2,80 @@
 #pragma once
 
 #include <chrono>
-#include <cstdio>
-#include <cstdlib>
-#include <fstream>
+#include <functional>
+#include <memory>
 #include <string>
+#include <variant>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
-
-#include <silt/core/error.hpp>
-#include <silt/core/threads.hpp>
-#include <silt/io/atomic_file.hpp>
-
 /// What every example program offers: options, summary.json, checks, pictures, exit status.
+/// The libraries behind it stay in example.cpp, so that a program pays for them once.
 namespace example {
 
 /// The options that all examples share.
 struct Options {
-  std::string out = "out";
-  std::string restart;  // checkpoint to go on from
-  bool quick = false;
-  int threads = silt::default_threads();
+  std::string out = "out";  // --out
+  std::string restart;      // --restart: checkpoint to go on from
+  bool quick = false;       // --quick
+  int threads = 1;          // --threads; default: all of the machine
 };
 
-inline void add_options(CLI::App& app, Options& o) {
-  app.add_option("--out", o.out, "Folder for results")->capture_default_str();
-  app.add_flag("--quick", o.quick, "A smaller run of the same physics, in seconds");
-  app.add_option("--threads", o.threads, "Threads; results do not depend on it")
-      ->check(CLI::Range(1, 4096))
-      ->capture_default_str();
-  app.add_option("--restart", o.restart, "Go on from this checkpoint");
-}
+/// The command line of an example.
+class Command {
+ public:
+  explicit Command(const std::string& description);
+  ~Command();
+  Options options;
+
+  /// An option with a number in [least, most]; its default is what `value` holds.
+  void add(const std::string& name, double& value, double least, double most,
+           const std::string& help);
+  void add(const std::string& name, std::size_t& value, std::size_t least, std::size_t most,
+           const std::string& help);
+  void add_flag(const std::string& name, bool& value, const std::string& help);
+  /// True if the option was given.
+  bool given(const std::string& name) const;
+
+  /// Reads the arguments and runs `body`. What is refused or goes wrong: one sentence on stderr and
+  /// status 2.
+  int run(int argc, char** argv, const std::function<int()>& body);
+
+ private:
+  struct Parser;
+  std::unique_ptr<Parser> parser_;
+};
 
 /// Inputs, results and checks of a run; ends as summary.json.
 class Summary {
  public:
-  nlohmann::ordered_json inputs, results;
+  using Value = std::variant<double, std::string, bool>;
 
-  void check(const std::string& name, double value, const std::string& relation, double limit) {
-    const bool holds = relation == "<=" ? value <= limit : value >= limit;
-    checks_.push_back({{"name", name}, {"value", value}, {"must_be", relation}, {"limit", limit},
-                       {"holds", holds}});
-    all_hold_ = all_hold_ && holds;
-  }
-  bool all_hold() const { return all_hold_; }
+  void input(const std::string& name, Value value) { inputs_.push_back({name, std::move(value)}); }
+  void result(const std::string& name, Value value) { results_.push_back({name, std::move(value)}); }
+  void check_at_most(const std::string& name, double value, double limit);
+  void check_at_least(const std::string& name, double value, double limit);
+  bool all_hold() const;
 
-  void write(const std::string& path) const {
-    nlohmann::ordered_json all;
-    all["inputs"] = inputs;
-    all["versions"] = {{"silt", "0.1.0"}, {"compiler", __VERSION__}};
-    all["results"] = results;
-    all["checks"] = checks_;
-    silt::AtomicFile file(path);
-    file.write(all.dump(2) + "\n");
-    file.commit();
-  }
-  /// The checks as lines of text.
-  void print_checks() const {
-    for (const auto& c : checks_)
-      std::printf("  %s %-34s %.4g (must be %s %.4g)\n", c["holds"].get<bool>() ? "ok  " : "FAIL",
-                  c["name"].get<std::string>().c_str(), c["value"].get<double>(),
-                  c["must_be"].get<std::string>().c_str(), c["limit"].get<double>());
-  }
+  void write(const std::string& path) const;
+  /// The checks as lines on stdout.
+  void print_checks() const;
 
  private:
-  nlohmann::ordered_json checks_ = nlohmann::ordered_json::array();
-  bool all_hold_ = true;
+  struct Entry {
+    std::string name;
+    Value value;
+  };
+  struct Check {
+    std::string name, relation;
+    double value, limit;
+    bool holds;
+  };
+  std::vector<Entry> inputs_, results_;
+  std::vector<Check> checks_;
 };
 
 /// Runs draw.py with these arguments; false if there is no Python with numpy and matplotlib.
-inline bool draw(const std::vector<std::string>& arguments) {
-  std::string command = "/usr/bin/python3 '" SILT_DRAW_SCRIPT "'";
-  for (const auto& a : arguments) {
-    std::string quoted;
-    for (const char c : a) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    command += " '" + quoted + "'";
-  }
-  std::fflush(stdout);
-  return std::system(command.c_str()) == 0;
-}
+bool draw(const std::vector<std::string>& arguments);
 
 /// Seconds since it was made.
 class Stopwatch {
@@ -93,24 +87,5 @@ class Stopwatch {
  private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
-
-/// Runs `body`; a sentence on stderr and status 2 for what was refused or went wrong.
-template <class Body>
-int run(CLI::App& app, int argc, char** argv, const Body& body) {
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::CallForHelp& e) {
-    return app.exit(e);
-  } catch (const CLI::ParseError& e) {
-    std::fprintf(stderr, "%s; --help lists the options\n", e.what());
-    return 2;
-  }
-  try {
-    return body();
-  } catch (const silt::Error& e) {
-    std::fprintf(stderr, "\n%s\n", e.what());
-    return 2;
-  }
-}
 
 }  // namespace example

@@ -32,8 +32,8 @@ class OnPlane {
   }
   /// [m] at rest
   static double depth(const typename Law::Material& m, const Vec3d& gravity) {
-    const double E = effective_modulus(m.youngs_modulus, m.poisson_ratio, m.youngs_modulus,
-                                       m.poisson_ratio);
+    const double E =
+        effective_modulus(m.youngs_modulus, m.poisson_ratio, m.youngs_modulus, m.poisson_ratio);
     const double weight = mass_of(radius, density) * std::max(-gravity.z, 0.0);
     return std::pow(weight / hertz_stiffness(E, radius), 2.0 / 3.0);
   }
@@ -99,7 +99,9 @@ double energy_ratio(double degrees, double restitution, double friction) {
 
 }  // namespace
 
-TEST_CASE("friction: an oblique impact that slides throughout loses mu (1 + e) v_n, gains 2.5 times that in spin") {
+TEST_CASE(
+    "friction: an oblique impact that slides throughout loses mu (1 + e) v_n, gains 2.5 times that "
+    "in spin") {
   const double mu = 0.2, vn = 1;  // [-], [m/s]
   for (const double e : {0.9, 0.5})
     for (const double over : {1.02, 1.5, 4.0}) {
@@ -111,7 +113,8 @@ TEST_CASE("friction: an oblique impact that slides throughout loses mu (1 + e) v
       CAPTURE(over);
       // Coulomb's limit holds in every step: to round-off of some hundred steps.
       CHECK(near_relative(lost, mu * normal, 1e-12));
-      // 100 steps a contact: restitution to 2 pi zeta/100 (tests/physics/impact.cpp), zeta(.5) = .26.
+      // 100 steps a contact: restitution to 2 pi zeta/100 (tests/physics/impact.cpp), zeta(.5) =
+      // .26.
       CHECK(near_relative(lost, mu * (1 + e) * vn, 0.008));
       // The lever arm is R less the overlap, which at its largest is peak_overlap R.
       const double spin = scene.surface_speed().y, rigid = 2.5 * mu * normal;
@@ -146,7 +149,8 @@ TEST_CASE("friction: on a slope of tangent up to 3.5 mu a sphere rolls with 5/7 
   }
 }
 
-TEST_CASE("friction: on a steeper slope it slides with g (sin - mu cos) and spins with 2.5 mu g cos") {
+TEST_CASE(
+    "friction: on a steeper slope it slides with g (sin - mu cos) and spins with 2.5 mu g cos") {
   const double mu = 0.1;  // [-]
   for (const double share : {1.02, 1.1, 3.0}) {
     const Vec3d gravity = down_slope(share * 3.5 * mu);

@@ -57,7 +57,9 @@ Outcome impact(const typename Law::template Coefficients<double>& p, double dt, 
   typename detail::HistoryOf<Law, double>::type history{};
   double overlap = phase * speed * dt, v = speed;
   for (; overlap > 0; overlap += v * dt) {
-    const Contact<double> c{{0, 0, 1}, overlap, -v, {0, 0, 0}, R_eff, m_eff, {0, 0, 0}, dt};
+    Contact<double> c{};
+    c.normal = {0, 0, 1}, c.overlap = overlap, c.normal_velocity = -v, c.time_step = dt;
+    c.R_eff = R_eff, c.m_eff = m_eff, c.inverse_m_eff = 1 / m_eff;
     double force;
     if constexpr (is_frictional<Law>)
       force = detail::law_force<Law, double>(c, p, history).normal;
@@ -217,7 +219,8 @@ TEST_CASE("impact: the worst error of the restitution falls at the order of the 
   }
 }
 
-TEST_CASE("impact: two spheres and a sphere on a wall rebound in a Simulation as the closed forms") {
+TEST_CASE(
+    "impact: two spheres and a sphere on a wall rebound in a Simulation as the closed forms") {
   SUBCASE("Hertz-Mindlin") { compare_simulation(HertzMindlin{}, ZeroForce); }
   SUBCASE("linear spring") { compare_simulation(LinearSpring{}, ZeroForce); }
   SUBCASE("linear spring, attraction kept") {

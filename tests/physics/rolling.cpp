@@ -13,8 +13,8 @@ namespace {
 using namespace silt;
 using namespace physics_test;
 
-constexpr double radius = 1e-3, density = 2500;    // [m], [kg/m3]
-constexpr double mu_r = 0.1;                       // [-]
+constexpr double radius = 1e-3, density = 2500;  // [m], [kg/m3]
+constexpr double mu_r = 0.1;                     // [-]
 constexpr HertzMindlin::Material material{
     .youngs_modulus = 1e8, .poisson_ratio = 0.25, .restitution = 0.5, .friction = 0.6};
 using Rough = Contacts<HertzMindlin, RollingEpsd>;

@@ -102,6 +102,15 @@ TEST_CASE("cell_grid: centres on the edges of cells lose no pair and double none
           for (int i = 0; i < 9; ++i) rows.push_back({i * spacing, j * spacing, k * spacing, r});
       compare(rows, reach);
     }
+  // Rows of spheres that touch to within rounding, one cell each.
+  Random random(8);
+  for (int trial = 0; trial < 2000; ++trial) {
+    const double spacing = random.uniform(0.01, 1), start = random.uniform(-3, 3);
+    Rows rows;
+    for (std::uint64_t k = 0, n = 3 + random.index(30); k < n; ++k)
+      rows.push_back({start + static_cast<double>(k) * spacing, 0, 0, 0.5 * spacing});
+    compare(rows, 0);
+  }
 }
 
 TEST_CASE("cell_grid: coincident centres, one cell, one sphere and none") {

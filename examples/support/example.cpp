@@ -1,0 +1,115 @@
+// silt - BSD-3-Clause, see LICENSE
+
+#include "support/example.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include <silt/core/error.hpp>
+#include <silt/core/threads.hpp>
+#include <silt/io/atomic_file.hpp>
+
+namespace example {
+
+struct Command::Parser {
+  explicit Parser(const std::string& description) : app(description) {}
+  CLI::App app;
+};
+
+Command::Command(const std::string& description)
+    : parser_(std::make_unique<Parser>(description)) {
+  options.threads = silt::default_threads();
+  auto& app = parser_->app;
+  app.add_option("--out", options.out, "Folder for results")->capture_default_str();
+  app.add_flag("--quick", options.quick, "A smaller run of the same physics, in seconds");
+  app.add_option("--threads", options.threads, "Threads; results do not depend on it")
+      ->check(CLI::Range(1, 4096))
+      ->capture_default_str();
+  app.add_option("--restart", options.restart, "Go on from this checkpoint");
+}
+Command::~Command() = default;
+
+void Command::add(const std::string& name, double& value, double least, double most,
+                  const std::string& help) {
+  parser_->app.add_option(name, value, help)->check(CLI::Range(least, most))->capture_default_str();
+}
+void Command::add(const std::string& name, std::size_t& value, std::size_t least, std::size_t most,
+                  const std::string& help) {
+  parser_->app.add_option(name, value, help)->check(CLI::Range(least, most))->capture_default_str();
+}
+void Command::add_flag(const std::string& name, bool& value, const std::string& help) {
+  parser_->app.add_flag(name, value, help);
+}
+bool Command::given(const std::string& name) const { return parser_->app.count(name) > 0; }
+
+int Command::run(int argc, char** argv, const std::function<int()>& body) {
+  try {
+    parser_->app.parse(argc, argv);
+  } catch (const CLI::CallForHelp& e) {
+    return parser_->app.exit(e);
+  } catch (const CLI::ParseError& e) {
+    std::fprintf(stderr, "%s; --help lists the options\n", e.what());
+    return 2;
+  }
+  try {
+    return body();
+  } catch (const silt::Error& e) {
+    std::fprintf(stderr, "\n%s\n", e.what());
+    return 2;
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "\nthis machine's memory does not suffice; use fewer particles\n");
+    return 2;
+  }
+}
+
+void Summary::check_at_most(const std::string& name, double value, double limit) {
+  checks_.push_back({name, "<=", value, limit, value <= limit});
+}
+void Summary::check_at_least(const std::string& name, double value, double limit) {
+  checks_.push_back({name, ">=", value, limit, value >= limit});
+}
+bool Summary::all_hold() const {
+  return std::all_of(checks_.begin(), checks_.end(), [](const Check& c) { return c.holds; });
+}
+
+void Summary::write(const std::string& path) const {
+  const auto object = [](const std::vector<Entry>& entries) {
+    nlohmann::ordered_json out = nlohmann::ordered_json::object();
+    for (const auto& e : entries) std::visit([&](const auto& v) { out[e.name] = v; }, e.value);
+    return out;
+  };
+  nlohmann::ordered_json all;
+  all["inputs"] = object(inputs_);
+  all["versions"] = {{"silt", SILT_VERSION}, {"compiler", __VERSION__}};
+  all["results"] = object(results_);
+  all["checks"] = nlohmann::ordered_json::array();
+  for (const auto& c : checks_)
+    all["checks"].push_back({{"name", c.name}, {"value", c.value}, {"must_be", c.relation},
+                             {"limit", c.limit}, {"holds", c.holds}});
+  silt::AtomicFile file(path);
+  file.write(all.dump(2) + "\n");
+  file.commit();
+}
+
+void Summary::print_checks() const {
+  for (const auto& c : checks_)
+    std::printf("  %s %-36s %.4g (must be %s %.4g)\n", c.holds ? "ok  " : "FAIL", c.name.c_str(),
+                c.value, c.relation.c_str(), c.limit);
+}
+
+bool draw(const std::vector<std::string>& arguments) {
+  std::string command = "/usr/bin/python3 '" SILT_DRAW_SCRIPT "'";
+  for (const auto& a : arguments) {
+    std::string quoted;
+    for (const char c : a) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    command += " '" + quoted + "'";
+  }
+  std::fflush(stdout);
+  return std::system(command.c_str()) == 0;
+}
+
+}  // namespace example

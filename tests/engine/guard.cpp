@@ -1,0 +1,236 @@
+// silt - BSD-3-Clause, see LICENSE
+// Runs that break a limit stop with a sentence: step, ids, position, and what to change. And the
+// time step, which those limits are about.
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+#include <engine/support.hpp>
+
+namespace {
+
+using namespace engine_test;
+using silt::InputError;
+using silt::SimulationError;
+
+struct Ball {
+  Vec3d position, velocity{0, 0, 0};
+  double radius = 1e-3;
+};
+
+auto scene(std::initializer_list<Ball> balls, const silt::VerletList<>& search = {}) {
+  silt::Particles<Sphere> p;
+  for (const auto& b : balls)
+    p.add({.position = b.position, .radius = b.radius, .density = 2500, .velocity = b.velocity});
+  silt::Simulation sim{std::move(p), silt::Contacts<HertzMindlin>{rubber}, search};
+  sim.threads = 1;
+  return sim;
+}
+
+/// The SimulationError that a run ends with.
+template <class Sim>
+SimulationError failure(Sim& sim, double duration) {
+  std::optional<SimulationError> caught;
+  try {
+    sim.run(duration);
+  } catch (const SimulationError& error) {
+    caught = error;
+  }
+  REQUIRE(caught.has_value());
+  return *caught;
+}
+
+/// PHYSICS.md B3: t_c = 2.943275 d_max/v of an elastic Hertz impact; seven digits are given.
+double hertz_time(double E_eff, double R_eff, double m_eff, double v) {
+  const double kH = 4.0 / 3.0 * E_eff * std::sqrt(R_eff);
+  return 2.943275 * std::pow(1.25 * m_eff / kH, 0.4) * std::pow(v, -0.2);
+}
+bool near_relative(double a, double b, double tolerance) {
+  return std::abs(a - b) <= tolerance * std::abs(b);
+}
+constexpr double seven_digits = 1e-6;
+
+}  // namespace
+
+TEST_CASE("guard: spheres that press into each other too far stop the run, named with the step") {
+  // The wall is far away: the sentence must not blame it.
+  auto sim = scene({{{-1.01e-3, 0, 0}, {8, 0, 0}}, {{1.01e-3, 0, 0}}, {{0, 0, 9e-3}}});
+  sim.add_wall(silt::Plane{{0, 0, -1}, {0, 0, 1}}, rubber);
+  const auto error = failure(sim, 1e-2);
+  CHECK(has_words(error.what(), {silt::text("step ", sim.step(), ", t = ", sim.time(), " s"),
+                                 "particles 0 and 1", "guard.max_overlap = 0.3",
+                                 "use a stiffer material, a lower speed or a smaller time step"}));
+  CHECK(error.step == sim.step());
+  CHECK(error.particles == std::vector<std::uint32_t>{0, 1});
+  CHECK(norm(error.position) < 2e-3);
+  CHECK(sim.peak_overlap() > 0.3);
+}
+
+TEST_CASE("guard: spheres that overlap at the start are named although they fly apart in a step") {
+  auto sim = scene({{{-0.6e-3, 0, 0}, {-1, 0, 0}}, {{0.6e-3, 0, 0}, {1, 0, 0}}});
+  const auto error = failure(sim, 1e-2);
+  CHECK(error.step == 0);
+  CHECK(error.particles == std::vector<std::uint32_t>{0, 1});
+  CHECK(has_words(error.what(), {"step 0, t = 0 s", "particles 0 and 1", "overlap by 0.8",
+                                 "start without overlaps"}));
+}
+
+TEST_CASE("guard: a sphere that presses into a wall too far is named, and so is the wall") {
+  auto sim = scene({{{5e-3, 0, 1.1e-3}, {0, 0, -8}}, {{-5e-3, 0, 4e-3}}});
+  sim.add_wall(silt::Plane{{0, 0, -1}, {0, 0, 1}}, rubber);
+  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, rubber);
+  const auto error = failure(sim, 1e-2);
+  CHECK(error.particles == std::vector<std::uint32_t>{0});
+  CHECK(error.position.x == doctest::Approx(5e-3));
+  CHECK(has_words(error.what(), {"particle 0 at (0.005", "overlaps wall 1 by 0.",
+                                 "guard.max_overlap = 0.3", "use a stiffer material"}));
+}
+
+TEST_CASE("guard: the limit of the overlap is the user's") {
+  auto sim = scene({{{-1.01e-3, 0, 0}, {2, 0, 0}}, {{1.01e-3, 0, 0}}});
+  sim.guard.max_overlap = 0.02;
+  CHECK(has_words(failure(sim, 1e-2).what(), {"guard.max_overlap = 0.02"}));
+  auto patient = scene({{{-1.01e-3, 0, 0}, {2, 0, 0}}, {{1.01e-3, 0, 0}}});
+  patient.run(1e-2);
+  CHECK(patient.peak_overlap() > 0.02);
+}
+
+TEST_CASE("guard: velocities that are no numbers stop the run, and the particle is named") {
+  // Particle 0 has just left: until the next search its place in memory is no particle.
+  auto sim = scene({{{0, 0, 0}, {1, 0, 0}}, {{0.1, 0, 0}, {1, 0, 0}}}, {.skin = 3e-3});
+  sim.add_outlet({{0.5e-3, -1, -1}, {0.05, 1, 1}});
+  sim.run(0.8e-3);
+  REQUIRE(sim.size() == 1);
+  REQUIRE(sim.rows() == 2);
+  sim.engine().particles.motion[sim.find(1)].vy = std::numeric_limits<double>::quiet_NaN();
+  const auto error = failure(sim, 1e-3);
+  CHECK(error.particles == std::vector<std::uint32_t>{1});
+  CHECK(error.position.x == doctest::Approx(0.1).epsilon(0.1));
+  CHECK(has_words(error.what(), {silt::text("step ", error.step), "particle 1 is not finite near",
+                                 "lower the time step"}));
+}
+
+TEST_CASE("guard: speeds whose square overflows stop the run") {
+  auto sim = scene({{{0, 0, 0}, {1, 0, 0}}});
+  sim.gravity = {0, 0, 1e300};
+  sim.time_step = 1e-6;
+  CHECK(has_words(failure(sim, 1).what(), {"step 0", "overflow", "lower the time step"}));
+}
+
+TEST_CASE("guard: a particle outside the domain is refused at the start and stops the run later") {
+  auto sim = scene({{{0, 0, 0}, {1, 0, 0}}});
+  sim.guard.domain = Box{{-1e-2, -1e-2, -1e-2}, {1e-2, 1e-2, 1e-2}};
+  silt::Particles<Sphere> outside;
+  outside.add({.position = {0, 0, 0.5}, .radius = 1e-3, .density = 2500});
+  CHECK(has_words(refusal<InputError>([&] { sim.add(outside); }),
+                  {"particle 0 at (0, 0, 0.5) m", "outside guard.domain"}));
+  CHECK(sim.size() == 1);
+
+  const auto error = failure(sim, 1);
+  CHECK(error.particles == std::vector<std::uint32_t>{0});
+  CHECK(error.position.x > 1e-2);
+  // Found at the next look at the lists: it has gone no further than the widest skin, a diameter.
+  CHECK(error.position.x < 1.2e-2);
+  CHECK(has_words(error.what(), {silt::text("step ", error.step), "particle 0 at (0.01",
+                                 "close the walls, add an outlet", "enlarge the domain"}));
+
+  auto late = scene({{{0, 0, 0.5}, {1, 0, 0}}});
+  late.guard.domain = sim.guard.domain;  // set after the particles came
+  CHECK(has_words(failure(late, 1).what(), {"step 0", "particle 0 at (0, 0, 0.5)"}));
+}
+
+TEST_CASE("guard: limits, gravity, duration and threads that make no sense are refused by name") {
+  const auto refused = [](auto change, double duration = 1e-4) {
+    auto sim = scene({{{0, 0, 0}, {1, 0, 0}}});
+    change(sim);
+    return refusal<InputError>([&] { sim.run(duration); });
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto same = [](auto&) {};
+  CHECK(has_words(refused(same, -1), {"duration = -1 [s]"}));
+  CHECK(has_words(refused(same, nan), {"duration = nan [s]"}));
+  CHECK(has_words(refused([](auto& s) { s.guard.max_overlap = 0; }), {"Guard.max_overlap = 0 [-]"}));
+  CHECK(has_words(refused([](auto& s) { s.guard.max_time_step = -1; }),
+                  {"Guard.max_time_step = -1 [-]"}));
+  CHECK(has_words(refused([&](auto& s) { s.gravity.y = nan; }), {"gravity = (0, nan, 0) [m/s2]"}));
+  CHECK(has_words(refused([](auto& s) { s.time_step = 0; }), {"time_step = 0 [s]"}));
+  CHECK(has_words(refused([&](auto& s) { s.time_step = nan; }), {"time_step = nan [s]"}));
+  CHECK(has_words(refused([](auto& s) { s.threads = 0; }), {"threads = 0 must be in [1, 4096]"}));
+}
+
+TEST_CASE("time_step: the automatic step is a 20th of the closed form's shortest contact") {
+  // Spheres of two sizes, of one density; G = E/(2 (1 + nu)).
+  const double E = 1e6 / (2 * (1 - 0.09));
+  const double m = 2500 * 4.0 / 3.0 * std::numbers::pi * 1e-9;  // [kg] of the smaller one
+  const std::initializer_list<Ball> balls = {{{0, 0, 0.1}, {0, 0, 3}, 1e-3},
+                                             {{0, 0, 0.2}, {0, 0, 1}, 2e-3}};
+  auto free = scene(balls);
+  free.run(0);
+  CHECK(near_relative(free.step_length(), hertz_time(E, 0.5e-3, m / 2, 3) / 20, seven_digits));
+  // The limit is an eighth of the same.
+  CHECK(near_relative(*free.time_step_limit(3), free.step_length() * 20 / 8, 1e-12));
+
+  // A stiffer wall: E* of the pair of materials, by the lighter of the two kinds of contact.
+  const HertzMindlin::Material steel{.youngs_modulus = 1e9, .poisson_ratio = 0.2};
+  const double E_wall = 1 / ((1 - 0.09) / 1e6 + (1 - 0.04) / 1e9);
+  auto contacts = silt::Contacts<HertzMindlin>{rubber};
+  contacts.set_pair(rubber, steel, {.restitution = 0.5, .friction = 0.1});
+  silt::Particles<Sphere> p;
+  p.add({.position = {0, 0, 0.1}, .radius = 1e-3, .density = 2500, .velocity = {0, 0, 3}});
+  silt::Simulation walled{std::move(p), contacts, silt::VerletList{}};
+  walled.add_wall(silt::Cylinder{{0, 0, 0}, {0, 0, 2}, 1, silt::Side::Inside}, steel);
+  walled.run(0);
+  CHECK(near_relative(walled.step_length(), hertz_time(E_wall, 0.5e-3, m / 2, 3) / 20, seven_digits));
+
+  // Gravity: the speed of a fall through the scene, which is 2 m high.
+  silt::Simulation heavy{silt::Particles<Sphere>{}.add(
+                             {.position = {0, 0, 0.1}, .radius = 1e-3, .density = 2500}),
+                         contacts, silt::VerletList{}};
+  heavy.gravity = {0, 0, -9.81};
+  heavy.add_wall(silt::Cylinder{{0, 0, 0}, {0, 0, 2}, 1, silt::Side::Inside}, steel);
+  heavy.run(0);
+  CHECK(near_relative(heavy.step_length(),
+                      hertz_time(E_wall, 0.5e-3, m / 2, std::sqrt(2 * 9.81 * 2)) / 20, seven_digits));
+}
+
+TEST_CASE("time_step: a step above the limit is refused at the start, with the limit") {
+  auto sim = scene({{{0, 0, 0}, {1, 0, 0}}});
+  sim.run(0);
+  const double limit = sim.step_length() * 20 / 8;
+  auto above = scene({{{0, 0, 0}, {1, 0, 0}}});
+  above.time_step = 1.001 * limit;
+  CHECK(has_words(refusal<InputError>([&] { above.run(1e-3); }),
+                  {"Simulation::time_step = ", "is above the limit ", "guard.max_time_step = 0.125",
+                   "at 1 m/s", "lower it, leave it out"}));
+  CHECK(above.step() == 0);
+  auto below = scene({{{0, 0, 0}, {1, 0, 0}}});
+  below.time_step = 0.999 * limit;
+  below.run(1e-3);
+  CHECK(below.step() > 0);
+}
+
+TEST_CASE("time_step: particles that speed up until the step is too long stop the run") {
+  auto sim = scene({{{0, 0, 0}, {1, 0, 0}}});
+  sim.gravity = {10, 0, 0};  // nothing says how far it may fall
+  sim.run(0);
+  auto fast = scene({{{0, 0, 0}, {1, 0, 0}}});
+  fast.gravity = sim.gravity;
+  fast.time_step = 0.9 * sim.step_length() * 20 / 8;
+  const auto error = failure(fast, 1);
+  // The limit falls as v^-1/5: at 0.9^-5 = 1.69 m/s; speeds are looked at when they grew by 5 %.
+  CHECK(error.step * fast.step_length() * 10 + 1 > 1.69);
+  CHECK(error.step * fast.step_length() * 10 + 1 < 1.69 * 1.06);
+  CHECK(has_words(error.what(), {silt::text("step ", error.step), "the time step ",
+                                 "is above its limit", "at the largest speed 1.",
+                                 "set a smaller Simulation::time_step or a softer material"}));
+}
+
+TEST_CASE("time_step: where nothing moves it cannot be chosen, and the sentence says what to set") {
+  auto sim = scene({{{0, 0, 0}}});
+  CHECK(has_words(refusal<InputError>([&] { sim.run(1e-3); }),
+                  {"the time step cannot be chosen", "nothing moves", "set Simulation::time_step"}));
+  sim.time_step = 1e-5;
+  sim.run(1e-3);
+  CHECK(sim.step() == 100);
+}

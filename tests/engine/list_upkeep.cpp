@@ -1,0 +1,227 @@
+// silt - BSD-3-Clause, see LICENSE
+// No contact is ever missed: at every step of flowing scenes, all pairs and walls that touch at that
+// instant (looked for without any list) must stand in the lists that the forces were computed from.
+#include <numeric>
+#include <set>
+
+#include <boundary/support.hpp>
+#include <engine/support.hpp>
+
+#include <silt/contact/linear_spring.hpp>
+#include <silt/search/brute_force.hpp>
+
+namespace {
+
+using namespace engine_test;
+
+/// Called at every step. Positions, poses and lists are those of the forces just computed.
+struct Watch {
+  std::size_t touching_pairs = 0, touching_walls = 0;  // [-] seen, summed over the steps
+  std::size_t missed_pairs = 0, missed_walls = 0, doubled_pairs = 0;
+  std::set<std::int64_t> searches, prunings;  // steps at which they happened
+
+  template <class Sim>
+  void operator()(const Sim& sim) {
+    look_at_pairs(sim), look_at_walls(sim);
+    searches.insert(sim.engine().upkeep.searched_at);
+    prunings.insert(sim.engine().upkeep.pruned_at);
+  }
+
+ private:
+  template <class Sim>
+  void look_at_pairs(const Sim& sim) {
+    const auto& e = sim.engine();
+    using Pair = std::array<std::uint32_t, 2>;
+    std::vector<Pair> listed;
+    e.pairs.for_each([&](std::uint32_t a, std::uint32_t b, const auto&) {
+      listed.push_back({std::min(a, b), std::max(a, b)});
+    });
+    std::sort(listed.begin(), listed.end());
+    doubled_pairs += std::adjacent_find(listed.begin(), listed.end()) != listed.end();
+    std::vector<silt::IndexPair> touching;
+    silt::BruteForce{}.find({e.particles.rows(), e.largest_radius}, 0, sim.domain(), silt::Team(),
+                            touching);
+    touching_pairs += touching.size();
+    for (const auto& [a, b] : touching)
+      missed_pairs += !std::binary_search(listed.begin(), listed.end(),
+                                          Pair{std::min(a, b), std::max(a, b)});
+  }
+
+  template <class Sim>
+  void look_at_walls(const Sim& sim) {
+    const auto& e = sim.engine();
+    // particle, wall, surface, triangle (0 for primitives)
+    std::vector<std::array<std::size_t, 4>> listed;
+    for (const auto& c : e.wall_pairs.candidates()) {
+      if (c.facet_count == 0) listed.push_back({c.particle, c.wall, c.surface, 0});
+      for (const auto t : e.wall_pairs.facets(c))
+        listed.push_back({c.particle, c.wall, c.surface, t});
+    }
+    std::sort(listed.begin(), listed.end());
+    for (std::size_t w = 0; w < e.walls.size(); ++w)
+      for (std::size_t s = 0; s < e.walls[w].surfaces.size(); ++s)
+        for (std::size_t p = 0; p < e.particles.size(); ++p)
+          silt::detail::visit_surface(e.walls[w].surfaces[s], [&](const auto& surface) {
+            const auto& row = e.particles.position[p];
+            for (const auto t : touched(surface, e.walls[w].pose.to_body(row.centre()), row.r)) {
+              ++touching_walls;
+              missed_walls +=
+                  !std::binary_search(listed.begin(), listed.end(), std::array{p, w, s, t});
+            }
+          });
+  }
+
+  /// The triangles of a mesh that a sphere touches; {0} or nothing for a primitive.
+  template <class Surface>
+  static std::vector<std::size_t> touched(const Surface& surface, const Vec3d& centre, double r) {
+    std::vector<std::size_t> found;
+    if constexpr (requires { surface.distance_to(0, centre); }) {
+      for (std::uint32_t t = 0; t < surface.triangles().size(); ++t)
+        if (surface.distance_to(t, centre) < r) found.push_back(t);
+    } else {
+      silt::SurfacePoint points[Surface::max_contacts];
+      if (surface.contacts(centre, r, points) > 0) found.push_back(0);
+    }
+    return found;
+  }
+};
+
+silt::VerletList<> fixed_skin(double skin) { return {.skin = skin}; }
+
+/// Spheres in the upper half of a box of 16 mm, which is 20 diameters of the smallest wide.
+silt::Particles<Sphere> falling(double speed, std::size_t count = 150) {
+  silt::Particles<Sphere> p;
+  p.fill({{1e-3, 1e-3, 7e-3}, {15e-3, 15e-3, 15e-3}},
+         {.radius = silt::uniform(0.4e-3, 0.9e-3),
+          .density = 2500,
+          .count = count,
+          .arrangement = silt::Arrangement::Random});
+  silt::Random random(11);
+  for (std::size_t k = 0; k < p.size(); ++k)
+    p[k].velocity = {random.uniform(-speed, speed), random.uniform(-speed, speed),
+                     random.uniform(-speed, speed)};
+  return p;
+}
+
+auto open_scene(double speed, const silt::VerletList<>& search,
+                const HertzMindlin::Material& material = rubber) {
+  silt::Simulation sim{falling(speed), silt::Contacts<HertzMindlin>{material}, search};
+  sim.gravity = {0, 0, -9.81};
+  sim.threads = 1;
+  return sim;
+}
+
+HertzMindlin::Material stiffer(double times) {
+  auto material = rubber;
+  material.youngs_modulus *= times;
+  return material;
+}
+
+/// A paddle from a closed mesh of 12 triangles, in the lower half of the box.
+silt::TriangleMesh paddle() {
+  return silt::TriangleMesh(boundary_test::box_soup({3e-3, 7.6e-3, 1e-3}, {13e-3, 8.4e-3, 6e-3}));
+}
+
+void check(const Watch& watch) {
+  CHECK(watch.missed_pairs == 0);
+  CHECK(watch.missed_walls == 0);
+  CHECK(watch.doubled_pairs == 0);
+  CHECK(watch.touching_pairs > 300);  // otherwise the scene would show nothing
+}
+
+}  // namespace
+
+TEST_CASE("list_upkeep: no contact is missed while spheres fall into a box, whatever the skin") {
+  for (const auto& search : {silt::VerletList<>{}, fixed_skin(0.3e-3), fixed_skin(3e-5),
+                             fixed_skin(3e-3)}) {
+    auto sim = open_scene(0.3, search);
+    sim.add_wall(silt::box({0, 0, 0}, {16e-3, 16e-3, 16e-3}), rubber);
+    Watch watch;
+    sim.run(0.02, watch);
+    CAPTURE(search.skin.value_or(0));
+    check(watch);
+    CHECK(watch.touching_walls > 100);
+    CHECK(watch.prunings.size() >= watch.searches.size());
+    if (search.skin != 3e-3) CHECK(watch.searches.size() > 3);
+  }
+}
+
+TEST_CASE("list_upkeep: no contact of fast spheres is missed, skins shorter than a step included") {
+  for (const auto& search : {silt::VerletList<>{}, fixed_skin(0.2e-3), fixed_skin(1e-6)}) {
+    const auto hard = stiffer(100);
+    auto sim = open_scene(5, search, hard);
+    sim.add_wall(silt::box({0, 0, 0}, {16e-3, 16e-3, 16e-3}), hard);
+    Watch watch;
+    sim.run(4e-3, watch);
+    CAPTURE(search.skin.value_or(0));
+    check(watch);
+    CHECK(watch.touching_walls > 100);
+    // 5 m/s times a step of 1e-6 s is longer than the shortest skin: a search a step.
+    if (search.skin == 1e-6) CHECK(watch.searches.size() + 1 >= static_cast<std::size_t>(sim.step()));
+  }
+}
+
+TEST_CASE("list_upkeep: no contact with moving walls is missed") {
+  const Vec3d centre{8e-3, 8e-3, 8e-3};
+  for (const auto& search : {silt::VerletList<>{}, fixed_skin(0.3e-3), fixed_skin(2e-6)}) {
+    auto sim = open_scene(0.2, search);
+    // Sides at rest, a floor that shakes, a lid that comes down, a paddle that stirs and a drum
+    // that wobbles about an axis of its own.
+    sim.add_wall(silt::box({0, 0, -4e-3}, {16e-3, 16e-3, 30e-3}), rubber);
+    sim.add_wall(silt::Plane{{0, 0, 0.5e-3}, {0, 0, 1}}, rubber,
+                 silt::vibration({0, 0, 0.5e-3}, 120));
+    sim.add_wall(silt::Plane{{0, 0, 17e-3}, {0, 0, -1}}, rubber, silt::translation({0, 0, -0.2}));
+    sim.add_wall(paddle(), rubber, silt::rotation(centre, {0, 0, 1}, 60));
+    sim.add_wall(silt::Cylinder{centre - Vec3d{0, 0, 0.02}, centre + Vec3d{0, 0, 0.02}, 10e-3,
+                                silt::Side::Inside},
+                 rubber, silt::rotation(centre + Vec3d{0.5e-3, 0, 0}, {0.1, 0.2, 1}, 40));
+    Watch watch;
+    sim.run(0.02, watch);
+    CAPTURE(search.skin.value_or(0));
+    check(watch);
+    CHECK(watch.touching_walls > 1000);
+  }
+}
+
+TEST_CASE("list_upkeep: no contact is missed while spheres enter, leave and a lid is taken away") {
+  for (const auto& search : {silt::VerletList<>{}, fixed_skin(0.2e-3)}) {
+    const auto firm = stiffer(10);
+    auto sim = open_scene(0.5, search, firm);
+    sim.add_wall(silt::box({0, 0, -20e-3}, {16e-3, 16e-3, 40e-3}), firm);
+    const auto lid = sim.add_wall(silt::Plane{{0, 0, 0.5e-3}, {0, 0, 1}}, firm);
+    const auto outlet = sim.add_outlet({{0, 0, -30e-3}, {16e-3, 16e-3, -1e-3}});
+    const auto inlet = sim.add_inlet(Box{{2e-3, 2e-3, 20e-3}, {14e-3, 14e-3, 24e-3}},
+                                     {.radius = silt::uniform(0.3e-3, 1e-3),
+                                      .density = 2500,
+                                      .rate = 8000,
+                                      .velocity = {0, 0, -1}});
+    Watch watch;
+    sim.run(5e-3, watch);
+    sim.remove_wall(lid);
+    silt::Particles<Sphere> late;
+    late.add({.position = {8e-3, 8e-3, 30e-3}, .radius = 2e-3, .density = 2500,
+              .velocity = {0, 0, -3}});
+    sim.add(late);
+    sim.run(0.01, watch);
+    check(watch);
+    CHECK(sim.outlet(outlet).count > 20);
+    CHECK(sim.inlet(inlet).placed > 80);
+    CHECK(sim.size() == 151 + sim.inlet(inlet).placed - sim.outlet(outlet).count);
+  }
+}
+
+TEST_CASE("list_upkeep: no contact is missed across the faces of a repeating box") {
+  for (const auto& search : {silt::VerletList<>{}, fixed_skin(0.2e-3), fixed_skin(1e-6)}) {
+    // The box fits the spheres tightly: nearly all contacts at its faces cross them.
+    silt::Simulation sim{falling(1), silt::Contacts<silt::LinearSpring>{{.stiffness = 2000}},
+                         search,
+                         silt::PeriodicBox{{{1e-3, 1e-3, 7e-3}, {15e-3, 15e-3, 15e-3}},
+                                           {true, true, true}}};
+    sim.time_step = 2e-6;
+    sim.threads = 1;
+    Watch watch;
+    sim.run(5e-3, watch);
+    check(watch);
+    CHECK(watch.searches.size() > 3);
+  }
+}

@@ -1,0 +1,188 @@
+// silt - BSD-3-Clause, see LICENSE
+// Outlets remove and count; inlets place at their rate, without overlap, or say why particles wait.
+#include <cmath>
+#include <limits>
+
+#include <engine/support.hpp>
+
+#include <silt/contact/linear_spring.hpp>
+
+namespace {
+
+using namespace engine_test;
+using silt::InletFlow;
+using silt::InputError;
+using silt::LinearSpring;
+
+constexpr double step = 1e-5;                                             // [s]
+const Box channel{{0, 0, -1}, {0.02, 0.02, 1}};                           // [m] repeats in x and y
+const Box mouth{{0, 0, 0.05}, {0.02, 0.02, 0.06}};                        // [m] of the inlets
+const double mass = 1000 * silt::sphere_volume(1e-3);                     // [kg] of one sphere
+
+auto scene(const silt::Particles<Sphere>& particles = {}) {
+  silt::Simulation sim{silt::Particles<Sphere>(particles),
+                       silt::Contacts<LinearSpring>{{.stiffness = 10}}, silt::VerletList{},
+                       silt::PeriodicBox{channel, {true, true, false}}};
+  sim.time_step = step;
+  sim.threads = 1;
+  return sim;
+}
+
+InletFlow flow(double rate, const Vec3d& velocity) {
+  return {.radius = 1e-3, .density = 1000, .rate = rate, .velocity = velocity};
+}
+
+}  // namespace
+
+TEST_CASE("outlet: takes away and counts those whose centre enters it, each once") {
+  silt::Particles<Sphere> p;
+  // Ten fall, ten rise; every second one sideways of the outlet.
+  for (int k = 0; k < 20; ++k)
+    p.add({.position = {k % 2 ? 0.004 : 0.014, 0.001 + 0.0009 * k, 0},
+           .radius = 1e-3 * (k + 1) / 20,
+           .density = 1000,
+           .velocity = {0, 0, k < 10 ? -1.0 : 1.0}});
+  auto sim = scene(p);
+  // Two that overlap: what is in both counts for the first.
+  const auto outlet = sim.add_outlet({{0, 0, -0.02}, {0.01, 0.02, -0.01}});
+  const auto second = sim.add_outlet({{0, 0, -0.03}, {0.01, 0.02, -0.01}});
+  sim.run(0.009);
+  CHECK(sim.outlet(outlet).count == 0);
+  CHECK(sim.size() == 20);
+  sim.run(0.009);
+  CHECK(sim.outlet(outlet).count == 5);
+  CHECK(sim.outlet(second).count == 0);
+  CHECK(sim.size() == 15);
+  double gone = 0;  // [kg]
+  for (std::uint32_t id = 0; id < 20; ++id) {
+    const bool leaves = id < 10 && id % 2 == 1;
+    CHECK((sim.find(id) == sim.rows()) == leaves);
+    if (leaves) gone += 1000 * silt::sphere_volume(1e-3 * (id + 1) / 20);
+  }
+  CHECK(sim.outlet(outlet).mass == doctest::Approx(gone).epsilon(1e-12));  // round-off of five sums
+}
+
+TEST_CASE("outlet: an empty region is refused") {
+  auto sim = scene();
+  CHECK(has_words(refusal<InputError>([&] { sim.add_outlet({{0, 0, 1}, {1, 1, 1}}); }),
+                  {"add_outlet", "from (0, 0, 1) to (1, 1, 1) m is empty"}));
+}
+
+TEST_CASE("inlet: places at its rate, without overlap, and outlets take out as many in the end") {
+  auto sim = scene();
+  sim.gravity = {0, 0, -9.81};
+  const auto inlet = sim.add_inlet(mouth, flow(5000, {0, 0, -2}));
+  const auto outlet = sim.add_outlet({{0, 0, -0.9}, {0.02, 0.02, 0}});
+  bool on_time = true;
+  sim.run(0.1, [&](const auto& s) {
+    // What is due is placed at the insertions, one after the time in which a sphere moves on by its
+    // diameter; so many may be outstanding, and one is placed at the very start.
+    const double due = 5000 * s.time(), placed = static_cast<double>(s.inlet(inlet).placed);
+    const double between = 5000 * s.inlet(inlet).interval;
+    on_time = on_time && placed <= due + 1 && placed >= due - between - 1;
+  });
+  CHECK(on_time);
+  CHECK(sim.inlet(inlet).interval == doctest::Approx(2e-3 / 2));
+  CHECK(sim.inlet(inlet).waiting == 0);
+  CHECK(sim.inlet(inlet).why_waiting().empty());
+  // Who came first is ahead and faster: had none been placed into another, none ever touched.
+  CHECK(sim.peak_overlap() == 0);
+  CHECK(sim.outlet(outlet).count > 300);
+  CHECK(sim.size() + sim.outlet(outlet).count == sim.inlet(inlet).placed);
+  CHECK(sim.outlet(outlet).mass ==
+        doctest::Approx(mass * static_cast<double>(sim.outlet(outlet).count)).epsilon(1e-9));
+}
+
+TEST_CASE("inlet: particles start in its region, with its velocity at that very instant") {
+  auto sim = scene();
+  sim.gravity = {0, 0, -9.81};
+  sim.add_inlet(mouth, flow(1000, {0.1, 0, -1}));
+  std::uint32_t seen = 0;
+  sim.run(0.05, [&](const auto& s) {
+    for (std::size_t k = 0; k < s.rows(); ++k) {
+      if (s.id(k) < seen) continue;
+      // Round-off: the row holds the velocity of half a step ago.
+      CHECK(norm(s.velocity(k) - Vec3d{0.1, 0, -1}) < 1e-14);
+      CHECK(mouth.grown(-1e-3 + 1e-15).contains(s.position(k)));
+    }
+    for (std::size_t k = 0; k < s.rows(); ++k) seen = std::max(seen, s.id(k) + 1);
+  });
+  CHECK(seen > 40);
+}
+
+TEST_CASE("inlet: stops after its total") {
+  auto sim = scene();
+  auto some = flow(5000, {0, 0, -1});
+  some.total = 37;
+  const auto inlet = sim.add_inlet(mouth, some);
+  sim.run(0.05);
+  CHECK(sim.inlet(inlet).placed == 37);
+  CHECK(sim.size() == 37);
+}
+
+TEST_CASE("inlet: where nothing clears it particles wait, and a sentence says so") {
+  auto sim = scene();
+  auto crowd = flow(1e6, {0, 0, 0});
+  crowd.interval = 1e-3;
+  const auto inlet = sim.add_inlet(Box{{5e-3, 5e-3, 0}, {0.01, 0.01, 5e-3}}, crowd);
+  sim.run(0.01);
+  const auto& i = sim.inlet(inlet);
+  // 2.5 diameters a side: at most 2 x 2 x 2, and some more where they are placed askew.
+  CHECK(i.placed >= 4);
+  CHECK(i.placed < 16);
+  CHECK(i.placed == sim.size());
+  CHECK(i.waiting > 5000);
+  CHECK(has_words(i.why_waiting(),
+                  {"inlet into the box from (0.005, 0.005, 0)", silt::text(i.placed, " particles placed"),
+                   silt::text(i.waiting, " wait"), "200 random places in a row were occupied",
+                   "lower the rate, enlarge the region, or give a velocity"}));
+  CHECK(sim.peak_overlap() == 0);
+}
+
+TEST_CASE("inlet: keeps clear of spheres that reach into its region through a repeating face") {
+  silt::Particles<Sphere> p;  // spheres on the faces and edges of the box, half of each outside
+  for (int k = 0; k < 7; ++k) {
+    p.add({.position = {0.02 - 1e-6, 1.5e-3 + 2.5e-3 * k, 0.055}, .radius = 1e-3, .density = 1000});
+    p.add({.position = {1.5e-3 + 2.5e-3 * k, 1e-6, 0.055}, .radius = 1e-3, .density = 1000});
+  }
+  auto sim = scene(p);
+  auto crowd = flow(1e6, {0, 0, 0});
+  crowd.interval = 1e-3;
+  const auto inlet = sim.add_inlet(Box{{0, 0, 0.053}, {0.02, 0.02, 0.057}}, crowd);
+  sim.run(5e-3);
+  CHECK(sim.inlet(inlet).placed > 30);
+  CHECK(sim.peak_overlap() == 0);
+}
+
+TEST_CASE("inlet: the seed decides the places") {
+  const auto places = [](std::uint64_t seed) {
+    auto sim = scene();
+    auto f = flow(5000, {0, 0, -1});
+    f.seed = seed;
+    sim.add_inlet(mouth, f);
+    sim.run(0.01);
+    return bits(sim);
+  };
+  CHECK(places(1) == places(1));
+  CHECK(places(1) != places(2));
+}
+
+TEST_CASE("inlet: values that make no sense are refused by name") {
+  auto sim = scene();
+  const auto refused = [&](auto change) {
+    auto f = flow(100, {0, 0, -1});
+    change(f);
+    return refusal<InputError>([&] { sim.add_inlet(mouth, f); });
+  };
+  CHECK(has_words(refused([](auto& f) { f.density = 0; }), {"InletFlow.density = 0 [kg/m3]"}));
+  CHECK(has_words(refused([](auto& f) { f.rate = std::numeric_limits<double>::infinity(); }),
+                  {"InletFlow.rate = inf [1/s]"}));
+  CHECK(has_words(refused([](auto& f) { f.interval = -1; }), {"InletFlow.interval = -1 [s]"}));
+  CHECK(has_words(refused([](auto& f) { f.velocity.x = std::nan(""); }),
+                  {"InletFlow.velocity = (nan, 0, -1) [m/s]"}));
+  CHECK(has_words(refused([](auto& f) { f.trials = 0; }), {"InletFlow.trials = 0 [-]"}));
+  CHECK(has_words(refused([](auto& f) { f.radius = 6e-3; }),
+                  {"add_inlet", "is thinner than the largest sphere of radius 0.006 m"}));
+  sim.run(1e-3);
+  CHECK(sim.size() == 0);  // none of them was added
+}
