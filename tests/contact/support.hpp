@@ -127,14 +127,22 @@ double largest_lane_difference(const typename Law::template Coefficients<double>
           values[0] = b;
         return values[w];
       };
+      // Round-off belongs to the parts of a sum: spring and dashpot may nearly cancel.
+      Contact<double> still = contacts[w];
+      still.normal_velocity = 0, still.tangential_velocity = {0, 0, 0};
+      History held{};
+      if constexpr (H > 0) held = std::bit_cast<History>(before[w]);
       double size = 0;
       for (const double f : alone) size = std::max(size, std::abs(f));
+      for (const double f : reals<double>(detail::law_force<Law, double>(still, p, held)))
+        size = std::max(size, std::abs(f));
       for (std::size_t k = 0; k < alone.size(); ++k)
         if (size > 0) worst = std::max(worst, std::abs(lane(forces[k]) - alone[k]) / size);
       if constexpr (H > 0) {
         const auto after = reals<double>(history);
         double most = 0;
         for (const double h : after) most = std::max(most, std::abs(h));
+        for (const double h : before[w]) most = std::max(most, std::abs(h));
         for (std::size_t k = 0; k < H; ++k)
           if (most > 0)
             worst = std::max(worst, std::abs(lane(reals<Batch>(histories)[k]) - after[k]) / most);

@@ -117,6 +117,7 @@ TEST_CASE("cell_grid: coincident centres, one cell, one sphere and none") {
   Random random(3);
   CHECK(compare({}, 0.1) == 0);
   CHECK(compare({}, 0) == 0);
+  CHECK(compare({}, 0, PeriodicBox{unit, {true, true, true}}) == 0);
   CHECK(compare({{1, 2, 3, 0.5}}, 0.1) == 0);
   CHECK(compare(Rows(40, PositionRow{1, -2, 3, 0.5}), 0) == 40 * 39 / 2);
   CHECK(compare(random_rows(50, unit, 2, 2, random), 0) == 50 * 49 / 2);

@@ -61,6 +61,20 @@ struct Inlet {
 
 namespace detail {
 
+/// Calls visit(p) with a point and its images one box further in the directions that repeat.
+template <class Domain, class Visit>
+void for_images(const Domain& domain, const Vec3d& p, const Visit& visit) {
+  if constexpr (Domain::periodic) {
+    const int nx = domain.repeats(0), ny = domain.repeats(1), nz = domain.repeats(2);
+    for (int z = -nz; z <= nz; ++z)
+      for (int y = -ny; y <= ny; ++y)
+        for (int x = -nx; x <= nx; ++x)
+          visit(p + Vec3d{x * domain.length(0), y * domain.length(1), z * domain.length(2)});
+  } else {
+    visit(p);
+  }
+}
+
 /// Inlets and outlets of a simulation.
 template <class ShapeType>
 class Openings {
@@ -135,9 +149,13 @@ class Openings {
     if (due <= inlet.placed) return;
     SphereGrid occupied;
     const Box near = inlet.bounds.grown(2 * std::max(engine.largest_radius, inlet.flow.radius.max()));
-    for (std::size_t k = 0; k < engine.particles.size(); ++k)
-      if (const auto& p = engine.particles.position[k]; p.r > 0 && near.contains(p.centre()))
-        occupied.insert({p.centre(), p.r});
+    const auto occupy = [&](const Vec3d& centre, double radius) {
+      for_images(sim.domain(), centre, [&](const Vec3d& image) {
+        if (near.contains(image)) occupied.insert({image, radius});
+      });
+    };
+    for (const auto& p : engine.particles.rows())
+      if (p.r > 0) occupy(p.centre(), p.r);
     inlet.waiting = 0;
     std::vector<PlacedSphere> placed;
     while (inlet.placed < due) {
@@ -147,7 +165,7 @@ class Openings {
         inlet.waiting = due - inlet.placed;
         break;
       }
-      occupied.insert({*centre, radius});
+      occupy(*centre, radius);
       placed.push_back({*centre, radius});
       ++inlet.placed;
     }

@@ -24,7 +24,11 @@ struct Fill {
   Vec3d velocity{0, 0, 0};     // [m/s] of each
   std::size_t material = 0;    // [-] index in the contacts' table
 
-  FillRequest request() const { return {radius, count, solid_volume, arrangement, gap, seed}; }
+  std::size_t trials = 10000;  // [-] Arrangement::Random: failed trials before it stops
+
+  FillRequest request() const {
+    return {radius, count, solid_volume, arrangement, gap, seed, trials};
+  }
 };
 
 /// The particles that a simulation starts with.
@@ -78,7 +82,24 @@ class Particles {
 
   /// Adds the particles of a text table (fill/particle_file.hpp). What the table leaves out is taken
   /// from `rest`: density [kg/m3] and material.
-  Particles& read(const std::string& path, double density = 0, std::size_t material = 0);
+  Particles& read(const std::string& path, double density = 0, std::size_t material = 0) {
+    const ParticleTable table = read_particle_file(path);
+    require(!table.density.empty() || density > 0, "particle file '", path,
+            "' has no column density; give Particles::read a density [kg/m3] greater than 0");
+    const std::size_t before = all_.size();
+    try {
+      for (std::size_t k = 0; k < table.size(); ++k)
+        add({table.position[k], table.radius[k],
+             table.density.empty() ? density : table.density[k],
+             table.velocity.empty() ? Vec3d{0, 0, 0} : table.velocity[k],
+             table.angular_velocity.empty() ? Vec3d{0, 0, 0} : table.angular_velocity[k],
+             table.material.empty() ? material : table.material[k]});
+    } catch (const InputError& e) {
+      all_.resize(before);
+      throw InputError(text("particle file '", path, "': ", e.what()));
+    }
+    return *this;
+  }
 
   std::size_t size() const { return all_.size(); }
   const Particle& operator[](std::size_t k) const { return all_[k]; }

@@ -78,6 +78,8 @@ class CellGrid {
 
   void choose_cells(const Box& bounds, double cutoff, std::size_t spheres) {
     low_ = bounds.min;
+    count_ = {1, 1, 1}, per_length_ = {0, 0, 0};
+    if (spheres == 0) return;  // there may be no cutoff either
     const Vec3d e = bounds.extent();
     const double length[3] = {e.x, e.y, e.z};
     const double most = 8.0 * static_cast<double>(spheres) + 64;

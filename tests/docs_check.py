@@ -1,0 +1,29 @@
+#!/usr/bin/env python3
+# silt - BSD-3-Clause, see LICENSE
+"""Every C++ block of README.md and docs/*.md must stand, line by line, in a program that is compiled,
+and every file that they link to must exist."""
+import glob
+import os
+import re
+import sys
+
+root = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
+programs = glob.glob(root + "/examples/*/*.cpp") + glob.glob(root + "/docs/code/*.cpp")
+sources = {p: "\n".join(line.rstrip() for line in open(p)) for p in programs}
+failed = 0
+blocks = 0
+for page in [root + "/README.md"] + sorted(glob.glob(root + "/docs/*.md")):
+    content = open(page).read()
+    name = os.path.relpath(page, root)
+    for block in re.findall(r"```cpp\n(.*?)```", content, re.S):
+        blocks += 1
+        wanted = "\n".join(line.rstrip() for line in block.rstrip("\n").split("\n"))
+        if not any(wanted in text for text in sources.values()):
+            failed += 1
+            print(f"{name}: this block stands in no compiled program:\n{block}")
+    for target in re.findall(r"\]\(([^)#:]+)\)", content):
+        if not os.path.exists(os.path.join(os.path.dirname(page), target)):
+            failed += 1
+            print(f"{name}: links to {target}, which is not there")
+print(f"{blocks} code blocks looked at, {failed} problems")
+sys.exit(1 if failed or blocks == 0 else 0)
