@@ -31,7 +31,7 @@ inline auto mixed_scene(int threads = 1, const silt::VerletList<>& search = {}) 
           .arrangement = silt::Arrangement::Random});
   for (std::size_t k = 0; k < p.size(); ++k) {
     p[k].material = k % 3 == 0;
-    p[k].velocity = {0, 0, k % 2 ? 0.4 : 0.0};
+    p[k].velocity = {0, 0, k % 2 ? 0.4 : -0.8};
   }
   silt::Simulation sim{std::move(p), mixed_contacts(), search,
                        silt::PeriodicBox{{{0, 0, 0}, {16e-3, 1, 1}}, {true, false, false}}};

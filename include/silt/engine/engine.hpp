@@ -84,14 +84,14 @@ class Engine {
     using Pipeline = PairPipeline<ContactsType, Domain, Arch>;
     largest_overlap = Pipeline::run(
         {particles.position.data(), particles.motion.data(), kinds_.data(), time_step}, pairs,
-        coefficients, domain, row(1), *team_);
+        coefficients, domain, shares_, {sums_.data(), rows_.data()}, *team_);
   }
 
   void wall_forces(double time_step) {
     if (walls.empty()) return;
     const double overlap = wall_pipeline_.run(
         {particles.position.data(), particles.motion.data(), particles.material.data(), time_step},
-        wall_pairs, coefficients, walls, row(1 + pairs.padded_size()), *team_);
+        wall_pairs, coefficients, walls, rows_.data() + wall_row_ * 4 * chunks, *team_);
     largest_overlap = std::max(largest_overlap, overlap);
   }
 
@@ -130,10 +130,12 @@ class Engine {
       std::size_t extra = table_.extra_from(from);
       double speed2 = 0, sum = 0;
       for (std::size_t k = from; k < to; ++k) {
-        const auto load = sum_rows<Arch, chunks>(table_, rows_.data(), k, extra);
+        double* const load = sums_.data() + k * 4 * chunks;
+        add_table_rows<RowPack<Arch>, chunks>(table_, rows_.data(), k, extra, load);
         Motion& m = particles.motion[k];
         const Motion before = m;
-        kick(m, load.value, gravity, kick_time);
+        kick(m, load, gravity, kick_time);
+        std::fill_n(load, 4 * chunks, 0.0);
         const double v2 = m.vx * m.vx + m.vy * m.vy + m.vz * m.vz;
         speed2 = std::max(speed2, v2), sum += v2;
         if (how == Advance::KickAndRecord)
@@ -186,7 +188,7 @@ class Engine {
     parked_ = static_cast<std::size_t>(
         std::count(particles.id.begin(), particles.id.end(), no_particle));
     first_pruning_ = false;
-    renew_tables();
+    if (upkeep.pruned_at >= 0) renew_tables();  // else the next step makes lists and tables
   }
 
   std::size_t touching_pairs(const Domain& domain) const {
@@ -200,7 +202,7 @@ class Engine {
   std::size_t bytes() const {
     return particles.position.capacity() * sizeof(PositionRow) +
            particles.motion.capacity() * sizeof(Motion) +
-           reference.capacity() * sizeof(Vec3d) + rows_.capacity() * sizeof(double) + pairs.bytes() +
+           reference.capacity() * sizeof(Vec3d) + (rows_.capacity() + sums_.capacity()) * sizeof(double) + pairs.bytes() +
            table_.bytes() + found_.capacity() * sizeof(IndexPair);
   }
 
@@ -211,8 +213,6 @@ class Engine {
   }
 
   static constexpr std::size_t parts = 64;  // pieces of the particle loop, whatever the threads
-
-  double* row(std::size_t k) { return rows_.data() + k * 4 * chunks; }
 
   static constexpr bool keeps_list = requires(Search& s) { s.finder; };
   static auto& finder(Search& search) {
@@ -299,21 +299,53 @@ class Engine {
     }
   }
 
+  /// Shares out the pairs, and finds the rows that act on each particle from elsewhere.
   void make_table() {
+    make_shares();
     table_.clear(particles.size());
-    for (std::uint32_t k = 0; k < pairs.size(); ++k) {
-      table_.add_plus(pairs.first()[k], 1 + k);
-      table_.add_minus(pairs.second()[k], 1 + k);
+    std::uint32_t next = 1;
+    for (auto& share : shares_) {
+      share.first_row = next;
+      for (std::size_t k = share.from; k < std::min(share.to, pairs.size()); ++k) {
+        const std::uint32_t a = pairs.first()[k], b = pairs.second()[k];
+        if (share.owns(a) && share.owns(b)) continue;
+        if (!share.owns(a)) table_.add_plus(a, next);
+        if (!share.owns(b)) table_.add_minus(b, next);
+        ++next;
+      }
     }
-    const auto first = static_cast<std::uint32_t>(1 + pairs.padded_size());
+    wall_row_ = next;
     for (const auto& c : wall_pairs.candidates()) {
       const std::size_t count = WallPairs::slots_of(walls[c.wall].surfaces[c.surface]);
-      for (std::uint32_t s = 0; s < count; ++s) table_.add_plus(c.particle, first + c.slot + s);
+      for (std::uint32_t s = 0; s < count; ++s) table_.add_plus(c.particle, next + c.slot + s);
     }
     table_.finish();
-    const std::size_t size = (first + wall_pairs.slots()) * 4 * chunks;
+    const std::size_t size = (wall_row_ + wall_pairs.slots()) * 4 * chunks;
     if (rows_.size() < size) rows_.resize(size + size / 8);
     std::fill_n(rows_.begin(), 4 * chunks, 0.0);
+    sums_.assign(particles.size() * 4 * chunks, 0.0);
+  }
+
+  /// Shares of as many pairs each; a particle belongs to the share where its own pairs begin, which
+  /// holds most of its neighbours if particles are sorted.
+  void make_shares() {
+    const std::size_t count = std::clamp<std::size_t>(particles.size() / 2048, 1, 16);
+    shares_.assign(count, {});
+    const auto owner = [&](std::size_t k) { return std::min(pairs.first()[k], pairs.second()[k]); };
+    for (std::size_t s = 0; s < count; ++s) {
+      const std::size_t from = pairs.padded_size() * s / count / Pairs::padding * Pairs::padding;
+      shares_[s].from = from;
+      if (s == 0) continue;
+      std::uint32_t low = shares_[s - 1].low;
+      if (from > 0 && from < pairs.size())
+        low = std::max(low, owner(from) == owner(from - 1) ? owner(from) + 1 : owner(from));
+      shares_[s].low = low;
+    }
+    for (std::size_t s = 0; s < count; ++s) {
+      const bool last = s + 1 == count;
+      shares_[s].to = last ? pairs.padded_size() : shares_[s + 1].from;
+      shares_[s].high = last ? static_cast<std::uint32_t>(particles.size()) : shares_[s + 1].low;
+    }
   }
 
   void drop_parked() {
@@ -350,7 +382,10 @@ class Engine {
   std::unique_ptr<Team> team_ = std::make_unique<Team>(1);
   WallPipeline<ContactsType, Arch> wall_pipeline_;
   ReductionTable table_;
-  AlignedVector<double> rows_;  // row 0 is zero, then one a pair, then one a wall slot
+  std::vector<PairShare> shares_;
+  AlignedVector<double> sums_;  // [N] load on each particle, zero between the steps
+  AlignedVector<double> rows_;  // row 0 is zero, then pairs of two shares, then wall slots
+  std::size_t wall_row_ = 1;    // where those of the walls begin
   std::vector<std::uint16_t> kinds_;
   std::vector<IndexPair> found_;
   std::vector<std::uint32_t> order_, previous_;

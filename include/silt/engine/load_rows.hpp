@@ -45,9 +45,22 @@ inline void write_rows(double* rows, const PairLoad<Real>& load) {
   }
 }
 
-/// Which rows act on each particle: the map from contacts to particles, in a fixed order, so that
-/// sums are bit-identical for every number of threads. Six slots a side, row 0 (zero) as padding;
-/// what does not fit stands in an overflow list sorted by particle.
+/// One thread's share of the pairs at a time. Loads on particles in [low, high) are added to their
+/// sums at once, in the order of the pairs; no two shares have a particle in common. The load of a
+/// pair with a particle outside goes into a row of its own, and is added to the sum when all shares
+/// are done. Shares and orders follow from the lists alone, so that sums are bit-identical for every
+/// number of threads.
+struct PairShare {
+  std::size_t from, to;     // pairs; multiples of the padding, but for the end
+  std::uint32_t low, high;  // particles
+  std::size_t first_row;    // of the pairs with a particle outside
+
+  bool owns(std::uint32_t particle) const { return particle - low < high - low; }
+};
+
+/// Which rows of their own act on each particle: loads from other shares and from walls, in a fixed
+/// order. Six slots a side, row 0 (zero) as padding; what does not fit stands in an overflow list
+/// sorted by particle.
 class ReductionTable {
  public:
   static constexpr std::size_t slots = 6;
@@ -109,47 +122,39 @@ class ReductionTable {
   std::vector<Extra> extra_;
 };
 
-/// The summed load on one particle: force, torque over radius, couple.
-template <std::size_t Chunks>
-struct alignas(32) LoadSum {
-  double value[4 * Chunks];
-};
+/// The pack that holds a row of four doubles, or a part of it.
+template <class Arch>
+using RowPack = typename PackOf<(Lanes<Arch>::width < 4 ? Lanes<Arch>::width : 4)>::type;
 
-/// Adds up the rows of `particle`; `extra` is the cursor into the overflow list.
-template <class Arch, std::size_t Chunks>
-SILT_INLINE LoadSum<Chunks> sum_rows(const ReductionTable& table, const double* rows,
-                                     std::size_t particle, std::size_t& extra) {
-  // A chunk is four doubles: packs of at most four lanes add it.
-  constexpr std::size_t W = Lanes<Arch>::width, G = W < 4 ? W : 4;
-  using Pack = typename PackOf<G>::type;
-  constexpr std::size_t packs = 4 * Chunks / G;
-  Pack sum[packs];
-  for (auto& s : sum) s = Pack(0);
+/// sum += row for the first partner of a contact, or what acts on the second: force and couple with
+/// the opposite sign, the twirl (chunk 1) with the same.
+template <class Pack, std::size_t Chunks, bool Second>
+SILT_INLINE void add_row(double* sum, const double* row) {
+  constexpr std::size_t G = sizeof(Pack) / sizeof(double);
+  for (std::size_t p = 0; p < 4 * Chunks; p += G) {
+    const Pack s = silt::load<Pack>(sum + p), r = silt::load<Pack>(row + p);
+    silt::store(sum + p, Second && p / 4 != 1 ? s - r : s + r);
+  }
+}
+
+/// Adds to `sum` the rows that act on `particle`; `extra` is the cursor into the overflow list.
+template <class Pack, std::size_t Chunks>
+SILT_INLINE void add_table_rows(const ReductionTable& table, const double* rows,
+                                std::size_t particle, std::size_t& extra, double* sum) {
   const auto plus = [&](std::uint32_t row) {
-    for (std::size_t p = 0; p < packs; ++p)
-      sum[p] = sum[p] + silt::load<Pack>(rows + std::size_t{row} * 4 * Chunks + p * G);
+    add_row<Pack, Chunks, false>(sum, rows + std::size_t{row} * 4 * Chunks);
   };
   const auto minus = [&](std::uint32_t row) {
-    for (std::size_t p = 0; p < packs; ++p) {
-      const Pack value = silt::load<Pack>(rows + std::size_t{row} * 4 * Chunks + p * G);
-      // The twirl (chunk 1) has the same sign on both partners.
-      sum[p] = p * G / 4 == 1 ? sum[p] + value : sum[p] - value;
-    }
+    add_row<Pack, Chunks, true>(sum, rows + std::size_t{row} * 4 * Chunks);
   };
   const auto& s = table.of(particle);
-  // Slots are filled from the front; most particles use at most three a side.
-  constexpr std::size_t half = ReductionTable::slots / 2;
-  const bool touched = (s.plus[0] | s.minus[0]) != 0;
-  for (std::size_t k = 0; touched && k < half; ++k) plus(s.plus[k]), minus(s.minus[k]);
-  if ((s.plus[half] | s.minus[half]) != 0)
-    for (std::size_t k = half; k < ReductionTable::slots; ++k) plus(s.plus[k]), minus(s.minus[k]);
+  if ((s.plus[0] | s.minus[0]) == 0) return;  // slots are filled from the front
+  for (std::size_t k = 0; k < ReductionTable::slots && s.plus[k] != 0; ++k) plus(s.plus[k]);
+  for (std::size_t k = 0; k < ReductionTable::slots && s.minus[k] != 0; ++k) minus(s.minus[k]);
   for (; extra < table.extra().size() && table.extra()[extra].particle == particle; ++extra) {
     const auto& e = table.extra()[extra];
     e.plus ? plus(e.row) : minus(e.row);
   }
-  LoadSum<Chunks> out;
-  for (std::size_t p = 0; p < packs; ++p) silt::store(out.value + p * G, sum[p]);
-  return out;
 }
 
 }  // namespace silt::detail

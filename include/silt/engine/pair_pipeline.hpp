@@ -1,8 +1,10 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <silt/boundary/domain.hpp>
@@ -41,8 +43,9 @@ inline Aggregate<Real> gather_coefficients(const std::vector<Aggregate<double>>&
   }
 }
 
-/// Computes the loads of all pairs of the inner list: gather rows of both particles, law over lanes,
-/// rows out. Blocks are small enough to stay in the first-level cache between the stages.
+/// Computes the loads of all pairs of the inner list and adds them up: gather rows of both particles,
+/// law over lanes, rows out, sums. Blocks are small enough to stay in the first-level cache between
+/// the stages.
 template <class ContactsType, class Domain, class Arch>
 class PairPipeline {
   using Real = typename Lanes<Arch>::Real;
@@ -63,17 +66,27 @@ class PairPipeline {
     double time_step;            // [s]
   };
 
-  /// Writes one row a pair to `rows`; returns the largest overlap over the smaller radius.
+  struct Output {
+    double* sums;  // row of each particle
+    double* rows;  // row 0 zero, then those of pairs that lie in two shares
+  };
+
+  /// Adds the load of every pair to `out`; returns the largest overlap over the smaller radius.
   static double run(const Input& in, PairList<ContactsType::history>& list,
-                    const CoefficientTable<ContactsType>& table, const Domain& domain, double* rows,
-                    const Team& team) {
-    const std::size_t blocks = pieces(list.padded_size(), block);
-    const std::size_t parts = std::min<std::size_t>(blocks, 64);
-    std::array<double, 64> largest{};
-    team.for_parts(parts, [&](std::size_t p) {
+                    const CoefficientTable<ContactsType>& table, const Domain& domain,
+                    std::span<const PairShare> shares, const Output& out, const Team& team) {
+    std::vector<double> largest(shares.size() + 1, 0.0);
+    team.for_parts(shares.size(), [&](std::size_t p) {
+      const PairShare& share = shares[p];
+      double* own_row = out.rows + share.first_row * 4 * chunks;
       double most = 0;
-      for (std::size_t b = blocks * p / parts; b < blocks * (p + 1) / parts; ++b)
-        most = std::max(most, run_block(in, list, table, domain, rows, b * block));
+      for (std::size_t from = share.from; from < share.to; from += block) {
+        alignas(64) double rows[block * 4 * chunks];
+        const std::size_t count = std::min(block, share.to - from);
+        most = std::max(most, run_block(in, list, table, domain, from, count, rows));
+        own_row = add_up(list, share, from, std::min(count, list.size() - from), rows, out.sums,
+                         own_row);
+      }
       largest[p] = most;
     });
     return *std::max_element(largest.begin(), largest.end());
@@ -92,9 +105,8 @@ class PairPipeline {
 
   static double run_block(const Input& in, PairList<ContactsType::history>& list,
                           const CoefficientTable<ContactsType>& table, const Domain& domain,
-                          double* rows, std::size_t from) {
+                          std::size_t from, std::size_t count, double* rows) {
     Scratch s;
-    const std::size_t count = std::min(block, list.padded_size() - from);
     prefetch(in, list, from + block);
     gather(in, list.first() + from, list.second() + from, count, s);
 
@@ -115,10 +127,30 @@ class PairPipeline {
       const auto kinematics = pair_kinematics(s, k, domain, time_step);
       const auto load = Kernel::load(kinematics, rolling_kinematics(s, k), time_step, law, rolling,
                                      history);
-      write_rows<chunks>(rows + (from + k) * 4 * chunks, load);
+      write_rows<chunks>(rows + k * 4 * chunks, load);
       largest = max(largest, kinematics.overlap * smaller_radius_inverse(s, k));
     }
     return largest_lane(largest);
+  }
+
+  /// Adds the rows of a block to the sums of its particles; rows of pairs with a particle outside the
+  /// share are kept from `own_row` on. Returns the place for the next of these.
+  static double* add_up(const PairList<ContactsType::history>& list, const PairShare& share,
+                        std::size_t from, std::size_t count, const double* rows, double* sums,
+                        double* own_row) {
+    using Pack = RowPack<Arch>;
+    constexpr std::size_t n = 4 * chunks;
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::size_t a = list.first()[from + k], b = list.second()[from + k];
+      const bool own_a = share.owns(list.first()[from + k]);
+      const bool own_b = share.owns(list.second()[from + k]);
+      if (own_a) add_row<Pack, chunks, false>(sums + a * n, rows + k * n);
+      if (own_b) add_row<Pack, chunks, true>(sums + b * n, rows + k * n);
+      if (own_a && own_b) continue;
+      std::copy_n(rows + k * n, n, own_row);
+      own_row += n;
+    }
+    return own_row;
   }
 
   /// Asks for the rows of the block that comes next: partners lie too far apart for the hardware.

@@ -102,10 +102,14 @@ class WallContacts {
     for (std::size_t h = 0; h < H; ++h) s.history[h].assign(history_[h].begin(), history_[h].end());
     return s;
   }
-  void restore(State s, std::span<const Wall> walls) {
+  void restore(State s) {
     outer_ = std::move(s.outer), inner_ = std::move(s.inner);
     outer_facets_ = std::move(s.outer_facets), inner_facets_ = std::move(s.inner_facets);
-    lay_out_slots(walls);
+    // Blocks by the slots as they were: a wall may have lost its surfaces since.
+    block_begin_.clear();
+    for (std::size_t k = 0; k < inner_.size(); ++k)
+      if (inner_[k].slot / block >= block_begin_.size()) block_begin_.push_back(k);
+    if (!inner_.empty()) block_begin_.push_back(inner_.size());
     slots_ = std::move(s.slots);
     for (std::size_t h = 0; h < H; ++h) history_[h].assign(s.history[h].begin(), s.history[h].end());
     renewed_ = false;

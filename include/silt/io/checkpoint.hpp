@@ -166,7 +166,7 @@ class Checkpoint {
     std::vector<IndexPair> pairs;
     for (std::size_t k = 0; k + 1 < outer.size(); k += 2) pairs.push_back({outer[k], outer[k + 1]});
     e.pairs.restore(std::move(pairs), origin, history, n);
-    e.wall_pairs.restore(std::move(state), e.walls);
+    e.wall_pairs.restore(std::move(state));
 
     const double* next = walls.data();
     for (auto& w : e.walls) {

@@ -1,0 +1,118 @@
+// silt - BSD-3-Clause, see LICENSE
+// What the state of a particle and of a contact takes, and how the loads of contacts are summed.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include <silt/contact/hertz_mindlin.hpp>
+#include <silt/contact/linear_spring.hpp>
+#include <silt/contact/rolling/epsd.hpp>
+#include <silt/core/random.hpp>
+#include <silt/simulation.hpp>
+
+namespace {
+
+using silt::Contacts;
+using silt::HertzMindlin;
+using silt::LinearSpring;
+using silt::LinearSpringFriction;
+using silt::RollingEpsd;
+using silt::SeveralMaterials;
+using silt::Sphere;
+using silt::Vec3d;
+
+template <class... Options>
+using Sim = silt::Simulation<silt::Particles<Sphere>, Contacts<Options...>>;
+
+/// Sums of `contacts` random rows that act on particle 1 of three, as signs say, by the table and one
+/// by one; checks that they are equal to round-off.
+template <class Arch, std::size_t Chunks>
+void check_sums(std::size_t contacts) {
+  silt::Random random(contacts + 1);
+  silt::AlignedVector<double> rows(4 * Chunks);  // row 0 is zero
+  std::array<double, 4 * Chunks> expected{};
+  silt::detail::ReductionTable table;
+  table.clear(3);
+  for (std::uint32_t row = 1; row <= contacts; ++row) {
+    const bool plus = random.uniform() < 0.5;
+    const auto other = static_cast<std::uint32_t>(2 * random.index(2));  // particle 0 or 2
+    plus ? table.add_plus(1, row) : table.add_minus(1, row);
+    plus ? table.add_minus(other, row) : table.add_plus(other, row);
+    for (std::size_t k = 0; k < 4 * Chunks; ++k) {
+      rows.push_back(k % 4 == 3 ? 0 : random.uniform(-1, 1));
+      // Force and couple act on the partner with the other sign, torque over radius does not.
+      expected[k] += plus || k / 4 == 1 ? rows.back() : -rows.back();
+    }
+  }
+  table.finish();
+  CAPTURE(contacts);
+  CHECK(table.extra().empty() == (contacts < 7));
+  std::size_t extra = table.extra_from(1);
+  const auto sum = silt::detail::sum_rows<Arch, Chunks>(table, rows.data(), 1, extra);
+  for (std::size_t k = 0; k < 4 * Chunks; ++k)
+    CHECK(std::abs(sum.value[k] - expected[k]) <= 1e-15 * static_cast<double>(contacts + 1));
+  CHECK(extra == table.extra_from(2));  // the cursor stands at the next particle's
+}
+
+}  // namespace
+
+TEST_CASE("state: bytes of a particle and of a contact are those that the policies need") {
+  // Centre and radius; velocity and 1/m, with rotation as much again; id.
+  CHECK(Sim<HertzMindlin>::bytes_per_particle == 32 + 64 + 4);
+  CHECK(Sim<LinearSpringFriction>::bytes_per_particle == 32 + 64 + 4);
+  CHECK(Sim<LinearSpring>::bytes_per_particle == 32 + 32 + 4);
+  CHECK(Sim<HertzMindlin, SeveralMaterials>::bytes_per_particle == 32 + 64 + 4 + 2);
+  CHECK(Sim<LinearSpring, SeveralMaterials>::bytes_per_particle == 32 + 32 + 4 + 2);
+  CHECK(Sim<LinearSpring, RollingEpsd>::bytes_per_particle == 32 + 64 + 4);
+  // Two indices; three Reals of tangential and three of rolling history.
+  CHECK(Sim<HertzMindlin>::bytes_per_contact == 8 + 24);
+  CHECK(Sim<LinearSpringFriction>::bytes_per_contact == 8 + 24);
+  CHECK(Sim<LinearSpring>::bytes_per_contact == 8);
+  CHECK(Sim<HertzMindlin, RollingEpsd>::bytes_per_contact == 8 + 24 + 24);
+  CHECK(Sim<LinearSpring, RollingEpsd>::bytes_per_contact == 8 + 24);
+  CHECK(Sim<HertzMindlin, SeveralMaterials>::bytes_per_contact == 8 + 24);
+  // The rows of memory that a load takes: force; torque; couple.
+  CHECK(silt::detail::load_chunks<Contacts<LinearSpring>> == 1);
+  CHECK(silt::detail::load_chunks<Contacts<HertzMindlin>> == 2);
+  CHECK(silt::detail::load_chunks<Contacts<HertzMindlin, RollingEpsd>> == 3);
+}
+
+TEST_CASE("reduction: sums are right with any number of contacts, in any width of lanes") {
+  for (const std::size_t contacts : {0, 1, 5, 6, 13, 40, 200}) {
+    check_sums<silt::OneLane, 1>(contacts), check_sums<silt::OneLane, 3>(contacts);
+    check_sums<silt::DefaultArch, 1>(contacts), check_sums<silt::DefaultArch, 2>(contacts);
+    check_sums<silt::DefaultArch, 3>(contacts);
+  }
+}
+
+TEST_CASE("reduction: a sphere in contact with 60 others feels the sum of their springs") {
+  // Sixty spheres of 1 mm pressed into one of 10 mm by up to 20 um, the large one first and last.
+  for (const bool first : {true, false}) {
+    silt::Random random(5);
+    const silt::Particles<Sphere>::Particle large{.position = {0, 0, 0}, .radius = 1e-2, .density = 1000};
+    silt::Particles<Sphere> p;
+    if (first) p.add(large);
+    Vec3d force{0, 0, 0};
+    constexpr double k = 100;  // [N/m]
+    for (int n = 0; n < 60; ++n) {
+      // A spiral of equal areas over the sphere: no two are nearer than 4 mm.
+      const double z = 1 - (n + 0.5) / 30, around = 2.399963 * n, across = std::sqrt(1 - z * z);
+      const Vec3d normal{across * std::cos(around), across * std::sin(around), z};
+      const double overlap = random.uniform(0, 2e-5);
+      p.add({.position = normal * (1.1e-2 - overlap), .radius = 1e-3, .density = 1000});
+      force -= normal * (k * overlap);
+    }
+    if (!first) p.add(large);
+    silt::Simulation sim{std::move(p), Contacts<LinearSpring>{{.stiffness = k}}};
+    sim.time_step = 1e-6;
+    sim.threads = 1;
+    sim.run(0);  // one half kick from rest
+    CHECK(sim.touching_pairs() == 60);
+    const auto& motion = sim.engine().particles.motion[sim.find(first ? 0 : 60)];
+    const Vec3d expected = force * (motion.inv_m * 0.5e-6);
+    // The overlap, 1e-5 of 1.1e-2 m, has a relative round-off of 1e-13; sixty of them are summed.
+    CHECK(norm(motion.velocity() - expected) < 1e-11 * norm(expected));
+  }
+}
