@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -158,12 +159,12 @@ struct Discharge {
 
 int simulate(Scene scene, const example::Options& options) {
   const example::Stopwatch whole;
-  silt::make_folder(options.out);
   auto sim = make_simulation(scene);
   sim.threads = options.threads;
   const double opening = scene.settling_time;
-  const std::string checkpoint = options.out + "/checkpoint.silt";
   if (!options.restart.empty()) silt::load_checkpoint(sim, options.restart);
+  silt::make_folder(options.out);
+  const std::string checkpoint = options.out + "/checkpoint.silt";
 
   example::Summary summary;
   summary.input("particles", static_cast<double>(scene.particles));
@@ -188,20 +189,13 @@ int simulate(Scene scene, const example::Options& options) {
   silt::write_stl(options.out + "/boxes.stl", box_triangles(scene));
   silt::write_stl(options.out + "/floor.stl", floor_triangles(scene));
 
-  // Layers, as in the paper's figure: six of equal thickness in the settled bed.
-  std::vector<std::uint32_t> layer(scene.particles, 0);
-  const auto name_layers = [&] {
-    std::vector<std::pair<double, std::uint32_t>> heights;
-    for (std::size_t k = 0; k < sim.rows(); ++k) heights.push_back({sim.position(k).z, sim.id(k)});
-    std::sort(heights.begin(), heights.end());
-    for (std::size_t k = 0; k < heights.size(); ++k)
-      layer[heights[k].second] = static_cast<std::uint32_t>(6 * k / heights.size());
-  };
-  const auto layers = [&layer](const auto& s, silt::VtkFields& fields, const auto& places) {
-    static thread_local std::vector<std::uint32_t> values;
-    values.clear();
-    for (const auto k : places) values.push_back(layer[s.id(k)]);
-    fields.add("layer", values);
+  // Six layers, as in the paper's figure: the lattice is filled from below, so ids rise with height.
+  const auto layers = [n = scene.particles, values = std::make_shared<std::vector<std::uint32_t>>()](
+                          const auto& at, silt::VtkFields& fields, const auto& places) {
+    values->clear();
+    for (const auto k : places)
+      values->push_back(static_cast<std::uint32_t>(6 * std::size_t{at.id(k)} / n));
+    fields.add("layer", *values);
   };
   auto save = silt::checkpoints(checkpoint, silt::every(0.1));
 
@@ -216,7 +210,6 @@ int simulate(Scene scene, const example::Options& options) {
     std::printf("filling\n");
     sim.run(opening - sim.time(), save, silt::progress());
   }
-  name_layers();
   const double bed_top = scene.funnel_top() + 0.55 * scene.bulk_height();
   fraction = solid_fraction(sim, {{0.015, 0.015, scene.funnel_top() + 0.005},
                                   {scene.width - 0.015, scene.width - 0.015, bed_top}});
@@ -245,34 +238,42 @@ int simulate(Scene scene, const example::Options& options) {
                            {"time [s]", "mass below [kg]", "particles below [-]", "contacts [-]",
                             "kinetic energy [J]", "time per step [ms]"},
                            silt::every(0.005), watch);
-  std::vector<std::string> pictures;
+  std::vector<std::string> pictures, titles;
   const double moments[4] = {0.2, 0.5, 0.7, 1.2};
-  double stretch = 1;  // the paper's moments, for 100 000 particles
   auto series = silt::vtk_series(options.out + "/vtk", silt::every(0.02), layers);
   const double end = scene.particles >= 200000 ? 6.0 : 3.0;
   for (int k = 0; sim.time() < opening + end; ++k) {
-    const double next = k < 4 ? opening + stretch * moments[k] : sim.time() + 0.1;
-    if (next > sim.time()) sim.run(next - sim.time(), table, series, save, silt::progress());
+    const double next = k < 4 ? opening + moments[k] : sim.time() + 0.1;
+    if (next <= sim.time()) continue;  // before the restart
+    sim.run(next - sim.time(), table, series, save, silt::progress());
     if (k < 4) {
       pictures.push_back(silt::text(options.out, "/snapshot_", moments[k], "s.vtp"));
+      titles.push_back(silt::text(moments[k], " s after opening"));
       silt::write_particles(pictures.back(), sim, layers);
     }
     if (k >= 3 && curve.mass.size() > 20 &&
         curve.mass.back() - curve.mass[curve.mass.size() - 20] < 1e-4 * total)
       break;
   }
+  if (pictures.empty()) {
+    pictures.push_back(options.out + "/snapshot_end.vtp");
+    titles.push_back(silt::text(sim.time() - opening, " s after opening"));
+    silt::write_particles(pictures.back(), sim, layers);
+  }
 
   // What came out.
   const double d = scene.r_min + scene.r_max;
   const double theory = beverloo(scene.orifice, d, fraction * scene.density);
-  const double out = curve.mass.empty() ? 0 : curve.mass.back();
+  const double out = Watch(sim, scene.orifice_height()).below;
   const double rate = curve.rate(out);
   summary.result("solid_fraction_settled", fraction);
-  summary.result("discharge_rate_kg_s", rate);
+  if (options.restart.empty()) {
+    summary.result("discharge_rate_kg_s", rate);
+    summary.result("discharge_rate_over_beverloo", rate / theory);
+    summary.result("time_of_half_s", curve.time_of(0.5, total));
+    summary.result("time_of_99_percent_s", curve.time_of(0.99, total));
+  }
   summary.result("beverloo_rate_kg_s", theory);
-  summary.result("discharge_rate_over_beverloo", rate / theory);
-  summary.result("time_of_half_s", curve.time_of(0.5, total));
-  summary.result("time_of_99_percent_s", curve.time_of(0.99, total));
   summary.result("discharged_share", out / total);
   summary.result("largest_overlap_over_radius", sim.peak_overlap());
   summary.result("kinetic_energy_at_rest_over_weight_times_diameter", rest);
@@ -296,8 +297,7 @@ int simulate(Scene scene, const example::Options& options) {
   for (const char* a : {"--colour", "layer", "--view", "front", "--cut"}) arguments.push_back(a);
   arguments.push_back(silt::text("y=", scene.width / 2));
   arguments.push_back("--title");
-  for (std::size_t k = 0; k < pictures.size(); ++k)
-    arguments.push_back(silt::text(moments[k], " s after opening"));
+  arguments.insert(arguments.end(), titles.begin(), titles.end());
   arguments.insert(arguments.end(), {"--out", options.out + "/snapshots.png"});
   const bool drawn =
       example::draw(arguments) &&

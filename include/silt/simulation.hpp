@@ -238,8 +238,14 @@ class Simulation {
   bool first_kick_ = true, kicked_ = false;
 };
 
+// The kernels' instruction set is always part of the type, so that translation units with different
+// flags do not share a name for different code.
 template <class... Args>
+  requires(detail::count<detail::IsKernels, std::remove_cvref_t<Args>...> > 0)
 Simulation(Args&&...) -> Simulation<std::remove_cvref_t<Args>...>;
+template <class... Args>
+  requires(detail::count<detail::IsKernels, std::remove_cvref_t<Args>...> == 0)
+Simulation(Args&&...) -> Simulation<std::remove_cvref_t<Args>..., KernelsFor<DefaultArch>>;
 
 }  // namespace silt
 

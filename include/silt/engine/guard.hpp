@@ -1,9 +1,11 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 
+#include <silt/boundary/wall.hpp>
 #include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
 

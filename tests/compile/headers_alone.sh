@@ -1,0 +1,24 @@
+#!/usr/bin/env bash
+# silt - BSD-3-Clause, see LICENSE
+# headers_alone.sh COMPILER INCLUDE_DIR [OPTION...]: compiles each header below INCLUDE_DIR/silt as a
+# program of its own, as many at a time as there are processors; names those that do not compile.
+set -u
+export compiler=$1 dir=$2
+shift 2
+export options="$*"
+
+alone() {
+  local out
+  # shellcheck disable=SC2086
+  if ! out=$(printf '#include <%s>\n#include <%s>\nint main() {}\n' "$1" "$1" |
+      $compiler -std=c++20 -fsyntax-only -Wall -Wextra -Wpedantic -Wshadow -Werror -I"$dir" $options \
+        -x c++ - 2>&1); then
+    printf '%s does not compile alone:\n%s\n' "$1" "$out"
+    return 1
+  fi
+}
+export -f alone
+
+headers=$(cd "$dir" && find silt -name '*.hpp' | sort)
+[ "$(printf '%s\n' "$headers" | wc -l)" -ge 50 ] || { echo "only few headers found in $dir"; exit 1; }
+printf '%s\n' "$headers" | xargs -P "$(nproc)" -I{} bash -c 'alone {}'

@@ -1,0 +1,33 @@
+// silt - BSD-3-Clause, see LICENSE
+// The programs of refused/, each with its one mistake mended: they must compile, so that it is the
+// mistake that the others are refused for.
+#define SILT_MENDED
+#include "refused/scene.hpp"
+
+namespace foreign_option {
+#include "refused/foreign_option.cpp"
+}
+namespace foreign_policy {
+#include "refused/foreign_policy.cpp"
+}
+namespace law_is_no_law {
+#include "refused/law_is_no_law.cpp"
+}
+namespace no_contacts {
+#include "refused/no_contacts.cpp"
+}
+namespace no_particles {
+#include "refused/no_particles.cpp"
+}
+namespace temporary_field {
+#include "refused/temporary_field.cpp"
+}
+namespace two_domains {
+#include "refused/two_domains.cpp"
+}
+namespace two_fluids {
+#include "refused/two_fluids.cpp"
+}
+namespace two_searches {
+#include "refused/two_searches.cpp"
+}

@@ -1,0 +1,17 @@
+#!/usr/bin/env bash
+# silt - BSD-3-Clause, see LICENSE
+# refused.sh COMPILER SOURCE [OPTION...]: SOURCE must be refused, and the compiler's output must hold
+# the sentence that stands in its line "// refused: ...". mended.cpp shows that it compiles mended.
+set -u
+compiler=$1 source=$2
+shift 2
+sentence=$(sed -n 's|^// refused: ||p' "$source")
+[ -n "$sentence" ] || { echo "$source has no line '// refused: ...'"; exit 1; }
+if out=$($compiler -std=c++20 -fsyntax-only "$@" "$source" 2>&1); then
+  echo "$source compiles, and should be refused with '$sentence'"
+  exit 1
+fi
+if ! grep -qF "$sentence" <<<"$out"; then
+  printf '%s\n' "'$sentence' is missing in what the compiler says:" "$out"
+  exit 1
+fi

@@ -1,0 +1,9 @@
+// silt - BSD-3-Clause, see LICENSE
+// refused: Simulation takes one fluid coupling (silt/coupling/no_fluid.hpp)
+#include "scene.hpp"
+
+#if defined(SILT_MENDED)
+silt::Simulation sim{beads, contacts, silt::NoFluid{}};
+#else
+silt::Simulation sim{beads, contacts, silt::NoFluid{}, silt::NoFluid{}};
+#endif

@@ -1,0 +1,30 @@
+// silt - BSD-3-Clause, see LICENSE
+// Compiled twice into one program, with other instruction sets: SILT_UNIT is the function's name.
+#include "unit.hpp"
+
+#include <typeinfo>
+
+#include <silt/contact/hertz_mindlin.hpp>
+#include <silt/simulation.hpp>
+
+UnitResult SILT_UNIT() {
+  const silt::HertzMindlin::Material glass{
+      .youngs_modulus = 1e7, .poisson_ratio = 0.25, .restitution = 0.8, .friction = 0.4};
+  silt::Particles<silt::Sphere> beads;
+  for (int k = 0; k < 27; ++k)
+    beads.add({.position = {2.1e-3 * (k % 3) + 1e-4 * (k / 9), 2.1e-3 * (k / 3 % 3), 2.1e-3 * (k / 9)},
+               .radius = 1e-3,
+               .density = 2500,
+               .velocity = {0, 0, -0.2}});
+  silt::Simulation sim{std::move(beads), silt::Contacts<silt::HertzMindlin>{glass}};
+  sim.gravity = {0, 0, -9.81};
+  sim.threads = 1;
+  sim.add_wall(silt::Plane{{0, 0, -1e-3}, {0, 0, 1}}, glass);
+  sim.run(5e-3);
+  UnitResult result{silt::Lanes<silt::DefaultArch>::width, typeid(sim).name(), {}};
+  for (std::uint32_t id = 0; id < 27; ++id) {
+    const auto p = sim.position(sim.find(id));
+    result.positions.insert(result.positions.end(), {p.x, p.y, p.z});
+  }
+  return result;
+}

@@ -1,0 +1,16 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+/// What one translation unit makes of the same scene.
+struct UnitResult {
+  std::size_t lanes;              // of its kernels
+  std::string simulation;         // name of the simulation's type
+  std::vector<double> positions;  // [m] three a particle
+};
+
+UnitResult plain_unit();
+UnitResult avx2_unit();

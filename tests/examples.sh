@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# silt - BSD-3-Clause, see LICENSE
+# The hopper as a user runs it: a quick run that keeps its own checks, a restart, and what it refuses.
+set -u
+hopper=$1
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+failed=0
+fail() { echo "FAIL: $*"; failed=1; }
+
+# refused WORDS ARGUMENT...: status 2, one sentence with these words on stderr.
+refused() {
+  local words=$1 status; shift
+  "$hopper" "$@" >"$work/out" 2>"$work/err"; status=$?
+  [ "$status" -eq 2 ] || fail "hopper $*: status $status instead of 2"
+  grep -q -- "$words" "$work/err" || fail "hopper $*: no '$words' in: $(cat "$work/err")"
+  [ "$(grep -c . "$work/err")" -eq 1 ] || fail "hopper $*: not one sentence: $(cat "$work/err")"
+}
+refused "nonsense" --nonsense
+refused "not in range" --particles 5
+refused "particles" --particles many
+refused "density" --density -1
+touch "$work/file"
+refused "$work/file" --quick --out "$work/file/out"
+refused "nowhere.silt" --quick --out "$work/r" --restart "$work/nowhere.silt"
+
+if "$hopper" --quick --out "$work/quick" >"$work/log" 2>&1; then
+  for file in summary.json discharge.csv checkpoint.silt vtk/particles.pvd snapshots.png discharge.png; do
+    [ -s "$work/quick/$file" ] || fail "hopper --quick left no $file"
+  done
+  grep -q '"holds": false' "$work/quick/summary.json" && fail "a check does not hold but the status is 0"
+else
+  fail "hopper --quick ended with status $?: $(tail -n 20 "$work/log")"
+fi
+cp "$work/quick/checkpoint.silt" "$work/later.silt"
+"$hopper" --quick --out "$work/again" --restart "$work/later.silt" >"$work/log" 2>&1 ||
+  fail "hopper --restart ended with status $?: $(tail -n 20 "$work/log")"
+exit $failed
