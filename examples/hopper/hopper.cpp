@@ -104,6 +104,14 @@ auto make_simulation(const Scene& s) {
   return sim;
 }
 
+/// Boxes and floor as lines for the pictures.
+void write_outlines(const Scene& s, const std::string& path) {
+  auto triangles = box_triangles(s);
+  for (const auto& t : floor_triangles(s)) triangles.push_back(t);
+  const silt::TriangleMesh mesh(triangles);
+  silt::write_vtp_triangles(path, mesh.vertices(), mesh.triangles());
+}
+
 /// Mass flow through a square orifice of side L [kg/s] by the law of Beverloo, with C = 0.58 for the
 /// circle carried over by the hydraulic diameter, and k = 1.4:
 ///   W = (4/pi) C rho_bulk (L - k d)^2 sqrt(g (L - k d))
@@ -186,8 +194,8 @@ int simulate(Scene scene, const example::Options& options) {
   summary.input("restart", options.restart);
   std::printf("%zu spheres of 1.95-2.35 mm, %zu + %zu bytes a particle and contact, dt = %g s\n",
               sim.size(), sim.bytes_per_particle, sim.bytes_per_contact, scene.time_step);
-  silt::write_stl(options.out + "/boxes.stl", box_triangles(scene));
   silt::write_stl(options.out + "/floor.stl", floor_triangles(scene));
+  write_outlines(scene, options.out + "/outlines.vtp");
 
   // Six layers, as in the paper's figure: the lattice is filled from below, so ids rise with height.
   const auto layers = [n = scene.particles, values = std::make_shared<std::vector<std::uint32_t>>()](
@@ -296,7 +304,7 @@ int simulate(Scene scene, const example::Options& options) {
   arguments.insert(arguments.end(), pictures.begin(), pictures.end());
   for (const char* a : {"--colour", "layer", "--view", "front", "--cut"}) arguments.push_back(a);
   arguments.push_back(silt::text("y=", scene.width / 2));
-  arguments.push_back("--title");
+  arguments.insert(arguments.end(), {"--walls", options.out + "/outlines.vtp", "--title"});
   arguments.insert(arguments.end(), titles.begin(), titles.end());
   arguments.insert(arguments.end(), {"--out", options.out + "/snapshots.png"});
   const bool drawn =

@@ -523,7 +523,9 @@ def draw_curves(options):
                     slope, offset = (float(n) for n in numbers.split(","))
                 except ValueError:
                     raise Refusal(f"--reference '{words}' must be label:slope,offset")
+                limits = panel.get_ylim()
                 panel.plot(x, slope * x + offset, style, color="black", lw=1.3, label=label)
+                panel.set_ylim(limits)  # the line may leave the picture, the data may not
         panel.set_ylabel(mine[0] if len(mine) == 1 else f"[{unit}]" if unit else "", fontsize=12)
         panel.grid(True, color="0.88", lw=0.8)
         panel.set_axisbelow(True)

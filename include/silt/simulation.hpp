@@ -147,6 +147,7 @@ class Simulation {
       kicked_ = false;
     }
     (detail::end(observers, *this), ...);
+    continued_ = false;
   }
 
   // --- what observers and users read --------------------------------------------------------
@@ -154,6 +155,8 @@ class Simulation {
   double time() const { return time_; }            // [s]
   std::int64_t step() const { return step_; }      // [-] steps done
   double step_length() const { return dt_; }       // [s] in use
+  /// True from a restart on until the end of the run that goes on from it.
+  bool continued() const { return continued_; }
   std::size_t size() const { return engine_.particles.size() - engine_.parked(); }
   /// Places 0 ... rows()-1 in memory; those where id() is silt::no_particle have left.
   std::size_t rows() const { return engine_.particles.size(); }
@@ -235,7 +238,7 @@ class Simulation {
   std::int64_t step_ = 0, step_origin_ = 0;
   double checked_speed_ = 0, peak_overlap_ = 0;
   std::uint32_t next_id_ = 0;
-  bool first_kick_ = true, kicked_ = false;
+  bool first_kick_ = true, kicked_ = false, continued_ = false;
 };
 
 // The kernels' instruction set is always part of the type, so that translation units with different

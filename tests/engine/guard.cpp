@@ -194,6 +194,16 @@ TEST_CASE("time_step: the automatic step is a 20th of the closed form's shortest
                       hertz_time(E_wall, 0.5e-3, m / 2, std::sqrt(2 * 9.81 * 2)) / 20, seven_digits));
 }
 
+TEST_CASE("time_step: a fall onto a plane is the height above it, whatever else is infinite") {
+  auto sim = scene({{{0, 0, 0.3}}});
+  sim.gravity = {0, 0, -9.81};
+  sim.add_wall(silt::Plane{{0, 0, 0.1}, {0, 0, 1}}, rubber);
+  sim.run(0);
+  auto moving = scene({{{0, 0, 0}, {std::sqrt(2 * 9.81 * 0.2), 0, 0}}});
+  moving.run(0);
+  CHECK(sim.step_length() == doctest::Approx(moving.step_length()).epsilon(1e-12));
+}
+
 TEST_CASE("time_step: a step above the limit is refused at the start, with the limit") {
   auto sim = scene({{{0, 0, 0}, {1, 0, 0}}});
   sim.run(0);

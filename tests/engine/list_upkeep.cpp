@@ -186,10 +186,10 @@ TEST_CASE("list_upkeep: no contact with moving walls is missed") {
 TEST_CASE("list_upkeep: no contact is missed while spheres enter, leave and a lid is taken away") {
   for (const auto& search : {silt::VerletList<>{}, fixed_skin(0.2e-3)}) {
     const auto firm = stiffer(10);
-    auto sim = open_scene(0.5, search, firm);
+    auto sim = open_scene(1, search, firm);
     sim.add_wall(silt::box({0, 0, -20e-3}, {16e-3, 16e-3, 40e-3}), firm);
-    const auto lid = sim.add_wall(silt::Plane{{0, 0, 0.5e-3}, {0, 0, 1}}, firm);
-    const auto outlet = sim.add_outlet({{0, 0, -30e-3}, {16e-3, 16e-3, -1e-3}});
+    const auto lid = sim.add_wall(silt::Plane{{0, 0, 5e-3}, {0, 0, 1}}, firm);
+    const auto outlet = sim.add_outlet({{0, 0, -30e-3}, {16e-3, 16e-3, 4e-3}});
     const auto inlet = sim.add_inlet(Box{{2e-3, 2e-3, 20e-3}, {14e-3, 14e-3, 24e-3}},
                                      {.radius = silt::uniform(0.3e-3, 1e-3),
                                       .density = 2500,

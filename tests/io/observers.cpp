@@ -267,11 +267,10 @@ TEST_CASE("observers: a disk that fills up stops the run with the reason and spo
                     auto sim = continued();
                     frames(sim);
                   }),
-                  {"vtk/particles_000000200.vtp", "cannot be written", "File too large"}));
-  // The frame at the start of the continued run was to be written anew: it is as it was.
+                  {"vtk/particles_000000300.vtp", "cannot be written", "File too large"}));
+  // The frames of the first run and their list are as they were.
   CHECK(fs::file_size(folder / "vtk/particles_000000200.vtp") > 2000);
-  CHECK(count_of("DataSet", series) == count_of("DataSet", silt::detail::read_file(
-                                                               folder / "vtk/particles.pvd")) + 1);
+  CHECK(silt::detail::read_file(folder / "vtk/particles.pvd") == series);
   CHECK(has_words(error_on_full_disk(1000, [&] {
                     auto sim = scene();
                     rows(sim);

@@ -95,21 +95,30 @@ template <class... Policies>
 double Simulation<Policies...>::expected_speed() const {
   double speed = 0;
   Box scene;
+  // What is infinite, as planes are, bounds the scene in the directions in which it is flat.
+  const auto include = [&scene](const Vec3d& p) {
+    const auto widen = [](double& low, double& high, double x) {
+      if (std::isfinite(x)) low = std::min(low, x), high = std::max(high, x);
+    };
+    widen(scene.min.x, scene.max.x, p.x), widen(scene.min.y, scene.max.y, p.y);
+    widen(scene.min.z, scene.max.z, p.z);
+  };
   for (std::size_t k = 0; k < rows(); ++k)
-    if (is_present(k)) speed = std::max(speed, norm(velocity(k))), scene.include(position(k));
+    if (is_present(k)) speed = std::max(speed, norm(velocity(k))), include(position(k));
   for (const auto& w : engine_.walls)
     for (const auto& s : w.surfaces)
       detail::visit_surface(s, [&](const auto& surface) {
         const Box b = surface.bounds();
-        if (is_finite(b.min) && is_finite(b.max)) scene.include(b.min), scene.include(b.max);
+        include(b.min), include(b.max);
       });
   for (const auto& inlet : openings_.inlets()) {
     speed = std::max(speed, norm(inlet.flow.velocity));
-    scene.include(inlet.bounds.min), scene.include(inlet.bounds.max);
+    include(inlet.bounds.min), include(inlet.bounds.max);
   }
-  const Vec3d e = scene.extent();
-  if (!is_finite(e)) return speed;
-  const double fall = std::abs(gravity.x) * e.x + std::abs(gravity.y) * e.y + std::abs(gravity.z) * e.z;
+  const auto height = [](double low, double high) { return high > low ? high - low : 0.0; };
+  const double fall = std::abs(gravity.x) * height(scene.min.x, scene.max.x) +
+                      std::abs(gravity.y) * height(scene.min.y, scene.max.y) +
+                      std::abs(gravity.z) * height(scene.min.z, scene.max.z);
   return std::max(speed, std::sqrt(2 * fall));
 }
 

@@ -150,6 +150,7 @@ class Checkpoint {
     sim.checked_speed_ = clock[3], sim.peak_overlap_ = clock[4];
     sim.step_ = counters[0], sim.step_origin_ = counters[1];
     sim.next_id_ = static_cast<std::uint32_t>(counters[2]);
+    sim.continued_ = true;
     sim.first_kick_ = counters[3] != 0, sim.kicked_ = counters[4] != 0;
     e.upkeep.pruned_at = counters[5], e.upkeep.searched_at = counters[6];
     e.upkeep.outer_skin = skins[0], e.upkeep.inner_skin = skins[1], e.upkeep.travelled = skins[2];

@@ -37,10 +37,12 @@ class Schedule {
   void mark(const Sim& sim) {
     last_ = number(sim);
   }
-  /// A continued run has been observed at the time of its checkpoint.
+  /// Due at once if it is time, but for a run that goes on from a checkpoint, which was observed
+  /// when it was saved. An observer that is given to several runs in turn goes on with its schedule.
   template <class Sim>
   void begin(const Sim& sim) {
-    last_ = sim.step() == 0 ? -1 : number(sim) - (on_time(sim) ? 1 : 0);
+    if (!begun_) last_ = number(sim) - (on_time(sim) && !sim.continued() ? 1 : 0);
+    begun_ = true;
   }
 
  private:
@@ -57,6 +59,7 @@ class Schedule {
 
   double interval_;  // [s]
   std::int64_t last_ = -1;
+  bool begun_ = false;
 };
 
 inline Schedule every(double interval) { return Schedule(interval); }
@@ -97,17 +100,19 @@ inline auto checkpoints(std::string path, Schedule schedule) {
   return at(schedule, [path = std::move(path)](const auto& sim) { save_checkpoint(sim, path); });
 }
 
-/// Appends a row of numbers to a CSV table: `row(simulation)` returns them, the time first.
+/// Appends a row of numbers to a CSV table: `row(simulation)` returns them, the time (or the time
+/// since some event) first. A new table, but for a run that goes on from a checkpoint: that keeps
+/// the rows of earlier times.
 template <class Row>
 auto table(const std::string& path, const std::vector<std::string>& columns, Schedule schedule,
            Row row) {
   return at(schedule, [path, columns, row = std::move(row),
                        open = std::shared_ptr<CsvTable>()](const auto& sim) mutable {
+    const auto values = row(sim);
     if (!open)
       open = std::make_shared<CsvTable>(
-          sim.step() == 0 ? CsvTable(path, columns)
-                          : CsvTable::resume(path, columns, sim.time() - 0.5 * sim.step_length()));
-    const auto values = row(sim);
+          sim.continued() ? CsvTable::resume(path, columns, values[0] - 0.5 * sim.step_length())
+                          : CsvTable(path, columns));
     open->add_row(std::span<const double>(values.data(), values.size()));
   });
 }
@@ -188,11 +193,12 @@ class VtkSeriesObserver {
   template <class Sim>
   void begin(const Sim& sim, double) {
     schedule_.begin(sim);
-    const double keep = sim.time() - 0.5 * sim.step_length();
-    const bool fresh = sim.step() == 0;
-    particles_ = fresh ? VtkSeries(folder_, "particles")
-                       : VtkSeries::resume(folder_, "particles", keep);
-    walls_ = fresh ? VtkSeries(folder_, "walls") : VtkSeries::resume(folder_, "walls", keep);
+    if (particles_) return;  // it goes on in another run
+    const double keep = sim.time() + 0.5 * sim.step_length();
+    const auto open = [&](const char* name) {
+      return sim.continued() ? VtkSeries::resume(folder_, name, keep) : VtkSeries(folder_, name);
+    };
+    particles_ = open("particles"), walls_ = open("walls");
   }
   template <class Sim>
   bool is_due(const Sim& sim) const {
