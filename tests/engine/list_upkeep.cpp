@@ -183,6 +183,47 @@ TEST_CASE("list_upkeep: no contact with moving walls is missed") {
   }
 }
 
+TEST_CASE("list_upkeep: no first touch is missed where the bounds are sharp: head on, and by walls") {
+  // Nothing but the two that meet moves, so that nothing else renews the lists; gaps from within the
+  // inner skin to beyond the outer one.
+  const Vec3d up{0, 0, 1}, centre{8e-3, 8e-3, 3.5e-3};
+  for (const auto& search : {silt::VerletList<>{}, fixed_skin(0.2e-3)})
+    for (int k = 1; k <= 40; ++k) {
+      const double gap = 1e-5 * k * (1 + 0.01 * k);  // [m]
+      const auto still = [&](std::initializer_list<silt::Particles<Sphere>::Particle> spheres) {
+        silt::Particles<Sphere> p;
+        for (const auto& s : spheres) p.add(s);
+        silt::Simulation sim{std::move(p), silt::Contacts<HertzMindlin>{rubber}, search};
+        sim.time_step = 4e-6;
+        sim.threads = 1;
+        return sim;
+      };
+      const auto meets = [&](auto sim) {
+        Watch watch;
+        sim.run(1.5e-3, watch);
+        CAPTURE(gap);
+        CHECK(watch.touching_pairs + watch.touching_walls > 0);
+        CHECK(watch.missed_pairs == 0);
+        CHECK(watch.missed_walls == 0);
+      };
+      const auto by_wall = [&](const silt::Surfaces& surfaces, const silt::Motion& motion,
+                               const Vec3d& place) {
+        auto sim = still({{.position = place, .radius = 1e-3, .density = 2500}});
+        sim.add_wall(surfaces, rubber, motion);
+        meets(std::move(sim));
+      };
+      meets(still({{.position = {-1e-3 - gap / 2, 0, 0}, .radius = 1e-3, .density = 2500,
+                    .velocity = {0.5, 0, 0}},
+                   {.position = {1e-3 + gap / 2, 0, 0}, .radius = 1e-3, .density = 2500,
+                    .velocity = {-0.5, 0, 0}}}));
+      by_wall(silt::Plane{{0, 0, 0}, up}, silt::translation(up), {0, 0, 1e-3 + gap});
+      by_wall(silt::Plane{{0, 0, 0}, up}, silt::vibration(up * 1e-3, 200), {0, 0, 1e-3 + gap});
+      by_wall(paddle(), silt::rotation(centre, up, 200), centre + Vec3d{4e-3, 1.4e-3 + gap, 0});
+      by_wall(silt::Cylinder{centre - up, centre + up, 9e-3, silt::Side::Inside},
+              silt::rotation(centre + Vec3d{0, 20e-3, 0}, up, 50), centre + Vec3d{-8e-3 + gap, 0, 0});
+    }
+}
+
 TEST_CASE("list_upkeep: no contact is missed while spheres enter, leave and a lid is taken away") {
   for (const auto& search : {silt::VerletList<>{}, fixed_skin(0.2e-3)}) {
     const auto firm = stiffer(10);

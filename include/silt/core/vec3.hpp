@@ -28,7 +28,7 @@ struct Vec3 {
   friend constexpr Vec3 operator-(const Vec3& a) { return {-a.x, -a.y, -a.z}; }
   friend constexpr Vec3 operator*(Vec3 a, const Real& s) { return a *= s; }
   friend constexpr Vec3 operator*(const Real& s, Vec3 a) { return a *= s; }
-  friend constexpr bool operator==(const Vec3&, const Vec3&) = default;
+  friend bool operator==(const Vec3&, const Vec3&) = default;
 };
 
 using Vec3d = Vec3<double>;
