@@ -47,7 +47,9 @@ void BM_step_hertz_mindlin_rolling(benchmark::State& s) {
 void BM_step_linear_friction(benchmark::State& s) {
   run(s, Contacts<silt::LinearSpringFriction>{rough_spring});
 }
-void BM_step_linear_frictionless(benchmark::State& s) { run(s, Contacts<silt::LinearSpring>{spring}); }
+void BM_step_linear_frictionless(benchmark::State& s) {
+  run(s, Contacts<silt::LinearSpring>{spring});
+}
 
 BENCHMARK(BM_step_hertz_mindlin)->Arg(5000)->Arg(50000)->Unit(benchmark::kMillisecond);
 BENCHMARK(BM_step_hertz_mindlin_rolling)->Arg(5000)->Unit(benchmark::kMillisecond);

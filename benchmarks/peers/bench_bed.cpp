@@ -1,10 +1,11 @@
 // silt - BSD-3-Clause, see LICENSE
 //
 // The dense bed that silt, LAMMPS and LIGGGHTS are timed on, see peers.py.
-//   bench_bed settle N STEPS FILE     a lattice of N spheres falls into a box and settles; writes FILE
-//   bench_bed time FILE STEPS THREADS runs the bed in FILE; prints one line of results
+//   bench_bed settle N STEPS FILE     a lattice of N spheres falls into a box and settles; writes
+//   FILE bench_bed time FILE STEPS THREADS runs the bed in FILE; prints one line of results
 // FILE is a data file of LAMMPS (atom style sphere). Law: Hertz, Tsuji damping, Mindlin spring with
-// the slip as history and Coulomb friction, as `hertz/material ... tangential mindlin ... damping tsuji`.
+// the slip as history and Coulomb friction, as `hertz/material ... tangential mindlin ... damping
+// tsuji`.
 
 #include <chrono>
 #include <cstdio>
@@ -17,11 +18,13 @@
 
 namespace {
 
-using Law = silt::BasicHertzMindlin<silt::DampingEnd::ZeroOverlap, silt::TangentialMemory::Displacement>;
+using Law =
+    silt::BasicHertzMindlin<silt::DampingEnd::ZeroOverlap, silt::TangentialMemory::Displacement>;
 constexpr double width = 0.15, time_step = 2e-5;  // [m], [s]
 
 auto bed(silt::Particles<silt::Sphere> spheres, int threads) {
-  const Law::Material m{.youngs_modulus = 1e6, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.4};
+  const Law::Material m{
+      .youngs_modulus = 1e6, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.4};
   silt::Simulation sim{std::move(spheres), silt::Contacts<Law>{m}};
   sim.gravity = {0, 0, -9.81};
   sim.time_step = time_step;
@@ -52,10 +55,11 @@ silt::Particles<silt::Sphere> lattice(std::size_t n) {
     const auto layer = static_cast<double>(k / static_cast<std::size_t>(side * side));
     const int place = static_cast<int>(k % static_cast<std::size_t>(side * side));
     const auto jitter = [&] { return random.uniform(-3e-5, 3e-5); };
-    spheres.add({.position = {(place % side + 0.5) * width / side + jitter(),
-                              (place / side + 0.5) * width / side + jitter(), (layer + 0.5) * spacing},
-                 .radius = random.uniform(1.95e-3, 2.35e-3),
-                 .density = 2500});
+    spheres.add(
+        {.position = {(place % side + 0.5) * width / side + jitter(),
+                      (place / side + 0.5) * width / side + jitter(), (layer + 0.5) * spacing},
+         .radius = random.uniform(1.95e-3, 2.35e-3),
+         .density = 2500});
   }
   return spheres;
 }
@@ -76,9 +80,9 @@ template <class Sim>
 void write(const Sim& sim, const std::string& path) {
   double top = 0;
   for (std::size_t k = 0; k < sim.rows(); ++k) top = std::max(top, sim.position(k).z);
-  std::string out = silt::text("spheres\n\n", sim.size(), " atoms\n1 atom types\n\n0 ", width,
-                               " xlo xhi\n0 ", width, " ylo yhi\n-0.01 ", top + 0.02,
-                               " zlo zhi\n\nAtoms\n\n");
+  std::string out =
+      silt::text("spheres\n\n", sim.size(), " atoms\n1 atom types\n\n0 ", width, " xlo xhi\n0 ",
+                 width, " ylo yhi\n-0.01 ", top + 0.02, " zlo zhi\n\nAtoms\n\n");
   for (std::size_t k = 0; k < sim.rows(); ++k) {
     const auto p = sim.position(k);
     out += silt::text(k + 1, " 1 ", 2 * sim.radius(k), " 2500 ", p.x, ' ', p.y, ' ', p.z, '\n');
@@ -104,8 +108,8 @@ int main_with(int argc, char** argv) {
     sim.run(steps * time_step);
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    std::printf("seconds %.6g kinetic_energy %.6g contacts %zu overlap %.4g megabytes %.4g\n", seconds,
-                kinetic_energy(sim), sim.touching_pairs(), sim.largest_overlap(),
+    std::printf("seconds %.6g kinetic_energy %.6g contacts %zu overlap %.4g megabytes %.4g\n",
+                seconds, kinetic_energy(sim), sim.touching_pairs(), sim.largest_overlap(),
                 static_cast<double>(sim.engine().bytes()) / 1e6);
     return 0;
   }

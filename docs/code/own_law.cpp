@@ -36,7 +36,8 @@ struct Hardening {
 static_assert(silt::ContactLaw<Hardening>);
 
 int main() {
-  const Hardening::Material rubber{.stiffness = 1000, .hardening = 200, .damping = 0.05, .friction = 0.5};
+  const Hardening::Material rubber{
+      .stiffness = 1000, .hardening = 200, .damping = 0.05, .friction = 0.5};
   silt::Particles<silt::Sphere> balls;
   balls.add({.position = {0, 0, 0.02}, .radius = 5e-3, .density = 1100, .velocity = {0.1, 0, 0}});
 

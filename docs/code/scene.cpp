@@ -15,8 +15,9 @@ int main() {
 
   // 2. Particles: a lattice that falls, and one large grain.
   silt::Particles<silt::Sphere> grains;
-  grains.fill(silt::CylinderRegion{{0, 0, 0.03}, {0, 0, 0.06}, 0.02},
-              {.radius = silt::normal(1.5e-3, 0.2e-3, 1.0e-3, 2.0e-3), .density = 2500, .count = 300});
+  grains.fill(
+      silt::CylinderRegion{{0, 0, 0.03}, {0, 0, 0.06}, 0.02},
+      {.radius = silt::normal(1.5e-3, 0.2e-3, 1.0e-3, 2.0e-3), .density = 2500, .count = 300});
   grains.add({.position = {0, 0, 0.07}, .radius = 5e-3, .density = 2500});
 
   // 3. The simulation: policies in any order, defaults for the rest.
@@ -38,16 +39,18 @@ int main() {
   sim.guard.domain = silt::Box{{-0.03, -0.03, -0.01}, {0.03, 0.03, 1}};
 
   // 7. The run, and what is written while it goes.
-  sim.run(0.1, silt::vtk_series("drum", silt::every(0.02)),
-          silt::table("drum/energy.csv", {"time [s]", "kinetic energy [J]", "force on the floor [N]"},
-                      silt::every(0.005),
-                      [floor](const auto& s) {
-                        double energy = 0;
-                        for (std::size_t k = 0; k < s.rows(); ++k)
-                          if (s.is_present(k)) energy += 0.5 * s.mass(k) * dot(s.velocity(k), s.velocity(k));
-                        return std::array<double, 3>{s.time(), energy, s.wall(floor).force.z};
-                      }),
-          silt::checkpoints("drum/checkpoint.silt", silt::every(0.05)));
+  sim.run(
+      0.1, silt::vtk_series("drum", silt::every(0.02)),
+      silt::table("drum/energy.csv", {"time [s]", "kinetic energy [J]", "force on the floor [N]"},
+                  silt::every(0.005),
+                  [floor](const auto& s) {
+                    double energy = 0;
+                    for (std::size_t k = 0; k < s.rows(); ++k)
+                      if (s.is_present(k))
+                        energy += 0.5 * s.mass(k) * dot(s.velocity(k), s.velocity(k));
+                    return std::array<double, 3>{s.time(), energy, s.wall(floor).force.z};
+                  }),
+      silt::checkpoints("drum/checkpoint.silt", silt::every(0.05)));
 
   // 8. Reading results.
   return sim.outlet(top).count == 0 && sim.size() == 321 ? 0 : 1;

@@ -2,8 +2,8 @@
 //
 // Hopper discharge at the scale of D. Markauskas, A. Kaceniauskas, A. Maknickas, Information
 // Technology and Control 40 (2011) 287: 100 000 or 300 000 spheres settle in a square hopper, the
-// orifice of 40 x 40 mm opens, and they flow into an identical box below. What the paper leaves open
-// (density, Poisson ratio, sizes of the boxes) is stated here.
+// orifice of 40 x 40 mm opens, and they flow into an identical box below. What the paper leaves
+// open (density, Poisson ratio, sizes of the boxes) is stated here.
 
 #include <algorithm>
 #include <cmath>
@@ -21,15 +21,16 @@ using Law = silt::HertzMindlin;
 
 struct Scene {
   std::size_t particles = 100000;
-  double density = 2500;        // [kg/m3]
-  double width = 0.1;           // [m] of both boxes, square
-  double orifice = 0.04;        // [m] side of the square hole
-  double r_min = 0.975e-3;      // [m] diameters 1.95 to 2.35 mm
-  double r_max = 1.175e-3;      // [m]
-  double settling_time = 0.4;   // [s] before the orifice opens
-  double gap = 0.3e-3;          // [m] between the spheres as they start to fall
-  double time_step = 2.5e-5;    // [s]
-  bool flat = false;            // floor: flat, or a 45 degree funnel
+  double density = 2500;                     // [kg/m3]
+  double width = 0.1;                        // [m] of both boxes, square
+  double orifice = 0.04;                     // [m] side of the square hole
+  double r_min = 0.975e-3;                   // [m] diameters 1.95 to 2.35 mm
+  double r_max = 1.175e-3;                   // [m]
+  double settling_time = 0.4;                // [s] before the orifice opens
+  double gap = 0.3e-3;                       // [m] between the spheres as they start to fall
+  double time_step = 2.5e-5;                 // [s]
+  double moments[4] = {0.2, 0.5, 0.7, 1.2};  // [s] of the paper's snapshots, after opening
+  bool flat = false;                         // floor: flat, or a 45 degree funnel
   bool sort = true;
 
   double bulk_height() const {  // [m] of all particles in one box, at a solid fraction of 0.6
@@ -37,9 +38,7 @@ struct Scene {
     return static_cast<double>(particles) * 4.0 / 3.0 * M_PI * mean_cube / (0.6 * width * width);
   }
   double orifice_height() const { return std::max(0.05, 1.25 * bulk_height()); }  // [m]
-  double funnel_top() const {
-    return orifice_height() + (flat ? 0 : (width - orifice) / 2);
-  }
+  double funnel_top() const { return orifice_height() + (flat ? 0 : (width - orifice) / 2); }
   Law::Material material() const {
     return {.youngs_modulus = 1e6, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.4};
   }
@@ -112,8 +111,8 @@ void write_outlines(const Scene& s, const std::string& path) {
   silt::write_vtp_triangles(path, mesh.vertices(), mesh.triangles());
 }
 
-/// Mass flow through a square orifice of side L [kg/s] by the law of Beverloo, with C = 0.58 for the
-/// circle carried over by the hydraulic diameter, and k = 1.4:
+/// Mass flow through a square orifice of side L [kg/s] by the law of Beverloo, with C = 0.58 for
+/// the circle carried over by the hydraulic diameter, and k = 1.4:
 ///   W = (4/pi) C rho_bulk (L - k d)^2 sqrt(g (L - k d))
 double beverloo(double L, double d, double bulk_density) {
   const double free = L - 1.4 * d;
@@ -197,8 +196,10 @@ int simulate(Scene scene, const example::Options& options) {
   silt::write_stl(options.out + "/floor.stl", floor_triangles(scene));
   write_outlines(scene, options.out + "/outlines.vtp");
 
-  // Six layers, as in the paper's figure: the lattice is filled from below, so ids rise with height.
-  const auto layers = [n = scene.particles, values = std::make_shared<std::vector<std::uint32_t>>()](
+  // Six layers, as in the paper's figure: the lattice is filled from below, so ids rise with
+  // height.
+  const auto layers = [n = scene.particles,
+                       values = std::make_shared<std::vector<std::uint32_t>>()](
                           const auto& at, silt::VtkFields& fields, const auto& places) {
     values->clear();
     for (const auto k : places)
@@ -239,15 +240,15 @@ int simulate(Scene scene, const example::Options& options) {
     const double per_step = steps > 0 ? (seconds - last_seconds) / steps : 0;
     last_step = s.step(), last_seconds = seconds;
     curve.time.push_back(s.time() - opening), curve.mass.push_back(w.below);
-    return std::array<double, 6>{s.time() - opening, w.below, static_cast<double>(w.count_below),
-                                 contacts, w.energy, 1e3 * per_step};
+    return std::array<double, 6>{s.time() - opening, w.below,  static_cast<double>(w.count_below),
+                                 contacts,           w.energy, 1e3 * per_step};
   };
   auto table = silt::table(options.out + "/discharge.csv",
                            {"time [s]", "mass below [kg]", "particles below [-]", "contacts [-]",
                             "kinetic energy [J]", "time per step [ms]"},
                            silt::every(0.005), watch);
   std::vector<std::string> pictures, titles;
-  const double moments[4] = {0.2, 0.5, 0.7, 1.2};
+  const auto& moments = scene.moments;
   auto series = silt::vtk_series(options.out + "/vtk", silt::every(0.02), layers);
   const double end = scene.particles >= 200000 ? 6.0 : 3.0;
   for (int k = 0; sim.time() < opening + end; ++k) {
@@ -310,22 +311,24 @@ int simulate(Scene scene, const example::Options& options) {
   const bool drawn =
       example::draw(arguments) &&
       example::draw({"curves", options.out + "/discharge.csv", "--x", "time", "--y", "mass below",
-                     "--reference", silt::text("Beverloo:", theory, ",", 0), "--title",
-                     "Discharge", "--out", options.out + "/discharge.png"}) &&
+                     "--reference", silt::text("Beverloo:", theory, ",", 0), "--title", "Discharge",
+                     "--out", options.out + "/discharge.png"}) &&
       example::draw({"curves", options.out + "/discharge.csv", "--x", "time", "--y",
                      "contacts,time per step", "--title", "Contacts and time per step", "--out",
                      options.out + "/contacts.png"});
 
-  std::printf("\nDischarge %.3f kg/s, Beverloo %.3f kg/s (ratio %.3f); %.1f %% of %.3f kg left the "
-              "hopper in %.2f s.\nLargest overlap %.2f %% of the radius; %zu of %zu particles; %.0f s.\n",
-              rate, theory, rate / theory, 100 * out / total, total,
-              curve.time.empty() ? 0 : curve.time.back(), 100 * sim.peak_overlap(), sim.size(),
-              scene.particles, whole.seconds());
+  std::printf(
+      "\nDischarge %.3f kg/s, Beverloo %.3f kg/s (ratio %.3f); %.1f %% of %.3f kg left the "
+      "hopper in %.2f s.\nLargest overlap %.2f %% of the radius; %zu of %zu particles; %.0f s.\n",
+      rate, theory, rate / theory, 100 * out / total, total,
+      curve.time.empty() ? 0 : curve.time.back(), 100 * sim.peak_overlap(), sim.size(),
+      scene.particles, whole.seconds());
   summary.print_checks();
-  std::printf("Look at: %s/%s\n         %s/vtk/particles.pvd (ParaView), %s/discharge.csv, "
-              "%s/summary.json\n",
-              options.out.c_str(), drawn ? "snapshots.png, discharge.png, contacts.png" : "",
-              options.out.c_str(), options.out.c_str(), options.out.c_str());
+  std::printf(
+      "Look at: %s/%s\n         %s/vtk/particles.pvd (ParaView), %s/discharge.csv, "
+      "%s/summary.json\n",
+      options.out.c_str(), drawn ? "snapshots.png, discharge.png, contacts.png" : "",
+      options.out.c_str(), options.out.c_str(), options.out.c_str());
   if (!drawn) std::printf("(no pictures: draw.py needs Python 3 with numpy and matplotlib)\n");
   return summary.all_hold() ? 0 : 1;
 }
@@ -346,6 +349,9 @@ int main(int argc, char** argv) {
       if (!command.given("--particles")) scene.particles = 10000;
       scene.width = 0.05;
       scene.orifice = 0.025;
+      scene.settling_time = 0.25;
+      const double moments[4] = {0.1, 0.25, 0.35, 0.65};
+      std::copy(moments, moments + 4, scene.moments);
     }
     return simulate(scene, command.options);
   });

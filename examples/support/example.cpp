@@ -20,8 +20,7 @@ struct Command::Parser {
   CLI::App app;
 };
 
-Command::Command(const std::string& description)
-    : parser_(std::make_unique<Parser>(description)) {
+Command::Command(const std::string& description) : parser_(std::make_unique<Parser>(description)) {
   options.threads = silt::default_threads();
   auto& app = parser_->app;
   app.add_option("--out", options.out, "Folder for results")->capture_default_str();
@@ -88,8 +87,11 @@ void Summary::write(const std::string& path) const {
   all["results"] = object(results_);
   all["checks"] = nlohmann::ordered_json::array();
   for (const auto& c : checks_)
-    all["checks"].push_back({{"name", c.name}, {"value", c.value}, {"must_be", c.relation},
-                             {"limit", c.limit}, {"holds", c.holds}});
+    all["checks"].push_back({{"name", c.name},
+                             {"value", c.value},
+                             {"must_be", c.relation},
+                             {"limit", c.limit},
+                             {"holds", c.holds}});
   silt::AtomicFile file(path);
   file.write(all.dump(2) + "\n");
   file.commit();

@@ -51,7 +51,9 @@ class Summary {
   using Value = std::variant<double, std::string, bool>;
 
   void input(const std::string& name, Value value) { inputs_.push_back({name, std::move(value)}); }
-  void result(const std::string& name, Value value) { results_.push_back({name, std::move(value)}); }
+  void result(const std::string& name, Value value) {
+    results_.push_back({name, std::move(value)});
+  }
   void check_at_most(const std::string& name, double value, double limit);
   void check_at_least(const std::string& name, double value, double limit);
   bool all_hold() const;

@@ -49,10 +49,11 @@ class Simulation {
                 "Simulation takes one domain (silt/boundary/domain.hpp)");
   static_assert(detail::count<detail::IsFluid, Policies...> <= 1,
                 "Simulation takes one fluid coupling (silt/coupling/no_fluid.hpp)");
-  static_assert((detail::belongs_to_an_axis<Policies> && ...),
-                "a policy given to Simulation belongs to no axis: it must be Particles, Contacts, a "
-                "NeighbourSearch, a domain, a FluidCoupling or KernelsFor; the contracts are in "
-                "silt/contact/, search/, boundary/, coupling/ concept.hpp");
+  static_assert(
+      (detail::belongs_to_an_axis<Policies> && ...),
+      "a policy given to Simulation belongs to no axis: it must be Particles, Contacts, a "
+      "NeighbourSearch, a domain, a FluidCoupling or KernelsFor; the contracts are in "
+      "silt/contact/, search/, boundary/, coupling/ concept.hpp");
 
  public:
   using ParticlesType = detail::pick<detail::IsParticles, void, Policies...>;
@@ -71,9 +72,9 @@ class Simulation {
   static constexpr std::size_t bytes_per_contact =
       2 * sizeof(std::uint32_t) + ContactsType::history * sizeof(double);
 
-  Vec3d gravity{0, 0, 0};            // [m/s2]
-  std::optional<double> time_step;   // [s]; left out: a 20th of the shortest contact
-  int threads = default_threads();   // results do not depend on it
+  Vec3d gravity{0, 0, 0};           // [m/s2]
+  std::optional<double> time_step;  // [s]; left out: a 20th of the shortest contact
+  int threads = default_threads();  // results do not depend on it
   Guard guard;
 
   template <class... Args>
@@ -152,9 +153,9 @@ class Simulation {
 
   // --- what observers and users read --------------------------------------------------------
 
-  double time() const { return time_; }            // [s]
-  std::int64_t step() const { return step_; }      // [-] steps done
-  double step_length() const { return dt_; }       // [s] in use
+  double time() const { return time_; }        // [s]
+  std::int64_t step() const { return step_; }  // [-] steps done
+  double step_length() const { return dt_; }   // [s] in use
   /// True from a restart on until the end of the run that goes on from it.
   bool continued() const { return continued_; }
   std::size_t size() const { return engine_.particles.size() - engine_.parked(); }
@@ -171,8 +172,7 @@ class Simulation {
     return kicked_ ? engine_.synchronous[k].velocity : engine_.particles.motion[k].velocity();
   }
   Vec3d angular_velocity(std::size_t k) const  // [rad/s] at time()
-    requires rotates
-  {
+      requires rotates {
     const auto& m = engine_.particles.motion[k];
     return (kicked_ ? engine_.synchronous[k].spin_velocity : m.spin_velocity()) * m.inv_r;
   }
@@ -194,7 +194,9 @@ class Simulation {
   const Domain& domain() const { return domain_; }
   Engine& engine() { return engine_; }
   const Engine& engine() const { return engine_; }
-  double largest_overlap() const { return engine_.largest_overlap; }  // [-] of the radius, last step
+  double largest_overlap() const {
+    return engine_.largest_overlap;
+  }                                                      // [-] of the radius, last step
   double peak_overlap() const { return peak_overlap_; }  // [-] of the radius, since the start
   /// The largest time step that guard allows at `speed` [m/s]; none if the law has no closed form.
   std::optional<double> time_step_limit(double speed) const;
@@ -244,11 +246,11 @@ class Simulation {
 // The kernels' instruction set is always part of the type, so that translation units with different
 // flags do not share a name for different code.
 template <class... Args>
-  requires(detail::count<detail::IsKernels, std::remove_cvref_t<Args>...> > 0)
-Simulation(Args&&...) -> Simulation<std::remove_cvref_t<Args>...>;
+requires(detail::count<detail::IsKernels, std::remove_cvref_t<Args>...> > 0) Simulation(Args&&...)
+->Simulation<std::remove_cvref_t<Args>...>;
 template <class... Args>
-  requires(detail::count<detail::IsKernels, std::remove_cvref_t<Args>...> == 0)
-Simulation(Args&&...) -> Simulation<std::remove_cvref_t<Args>..., KernelsFor<DefaultArch>>;
+requires(detail::count<detail::IsKernels, std::remove_cvref_t<Args>...> == 0) Simulation(Args&&...)
+->Simulation<std::remove_cvref_t<Args>..., KernelsFor<DefaultArch>>;
 
 }  // namespace silt
 

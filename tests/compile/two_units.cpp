@@ -7,7 +7,8 @@
 
 #include "unit.hpp"
 
-TEST_CASE("two_units: units with other instruction sets live in one program, each with its own types") {
+TEST_CASE(
+    "two_units: units with other instruction sets live in one program, each with its own types") {
 #if defined(__GNUC__) && defined(__x86_64__)
   if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) {
     MESSAGE("skipped: this processor has no AVX2");

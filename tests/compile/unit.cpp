@@ -12,10 +12,11 @@ UnitResult SILT_UNIT() {
       .youngs_modulus = 1e7, .poisson_ratio = 0.25, .restitution = 0.8, .friction = 0.4};
   silt::Particles<silt::Sphere> beads;
   for (int k = 0; k < 27; ++k)
-    beads.add({.position = {2.1e-3 * (k % 3) + 1e-4 * (k / 9), 2.1e-3 * (k / 3 % 3), 2.1e-3 * (k / 9)},
-               .radius = 1e-3,
-               .density = 2500,
-               .velocity = {0, 0, -0.2}});
+    beads.add(
+        {.position = {2.1e-3 * (k % 3) + 1e-4 * (k / 9), 2.1e-3 * (k / 3 % 3), 2.1e-3 * (k / 9)},
+         .radius = 1e-3,
+         .density = 2500,
+         .velocity = {0, 0, -0.2}});
   silt::Simulation sim{std::move(beads), silt::Contacts<silt::HertzMindlin>{glass}};
   sim.gravity = {0, 0, -9.81};
   sim.threads = 1;

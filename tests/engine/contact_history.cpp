@@ -30,17 +30,17 @@ auto pile(const silt::VerletList<>& search) {
                         1e-3 + 1.95e-3 * (k / 16)},
            .radius = 1e-3 * (1 - 2e-4 * k),
            .density = 2500});
-  silt::Simulation sim{std::move(p),
-                       silt::Contacts<HertzMindlin, silt::RollingEpsd>{
-                           rubber, {.rolling_friction = 0.05}},
-                       search};
+  silt::Simulation sim{
+      std::move(p),
+      silt::Contacts<HertzMindlin, silt::RollingEpsd>{rubber, {.rolling_friction = 0.05}}, search};
   sim.gravity = {0, 0, -9.81};
   sim.time_step = 5e-6;
   sim.threads = 1;
   sim.add_wall(silt::box({0, 0, -1}, {8.55e-3, 7.96e-3, 1}), rubber);
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, rubber, silt::vibration({3e-4, 2e-4, 0}, 50));
-  sim.add_wall(silt::TriangleMesh(boundary_test::box_soup({-1e-2, -1e-2, 5.88e-3}, {2e-2, 2e-2, 7e-3})),
-               rubber, silt::vibration({0, 3e-4, 0}, 70));
+  sim.add_wall(
+      silt::TriangleMesh(boundary_test::box_soup({-1e-2, -1e-2, 5.88e-3}, {2e-2, 2e-2, 7e-3})),
+      rubber, silt::vibration({0, 3e-4, 0}, 70));
   return sim;
 }
 
@@ -62,7 +62,8 @@ double difference(const std::vector<ParticleBits>& a, const std::vector<Particle
 }
 
 // Only the order of sums differs: 1e-16 of a force each step, 1e-18 m in the end as these contacts
-// stick and damp and do not let it grow. A history that is lost once shows at 1e-5 m (the last test).
+// stick and damp and do not let it grow. A history that is lost once shows at 1e-5 m (the last
+// test).
 constexpr double round_off = 1e-15;  // [m]
 
 }  // namespace
@@ -95,10 +96,8 @@ TEST_CASE("contact_history: particles that come, go and pass elsewhere change no
   for (const bool sort : {false, true}) {
     CAPTURE(sort);
     auto busy = pile({.skin = 2e-4, .sort = sort});
-    busy.add_inlet(Box{{1e-3, 1e-3, 0.1}, {7e-3, 7e-3, 0.11}}, {.radius = 0.5e-3,
-                                                                 .density = 2500,
-                                                                 .rate = 2000,
-                                                                 .velocity = {0, 0, 3}});
+    busy.add_inlet(Box{{1e-3, 1e-3, 0.1}, {7e-3, 7e-3, 0.11}},
+                   {.radius = 0.5e-3, .density = 2500, .rate = 2000, .velocity = {0, 0, 3}});
     busy.add_outlet({{0, 0, 0.115}, {1, 1, 0.2}});
     silt::Particles<Sphere> stranger;
     stranger.add({.position = {4e-3, 4e-3, 0.5}, .radius = 0.5e-3, .density = 2500});

@@ -30,7 +30,8 @@ Outcome outcome(int threads, Observers&&... observers) {
 
 }  // namespace
 
-TEST_CASE("determinism: runs with 1, 2 and 3 threads give the same bits, and so does a repeated run") {
+TEST_CASE(
+    "determinism: runs with 1, 2 and 3 threads give the same bits, and so does a repeated run") {
   const auto first = outcome(1);
   // The scene is worth it: contacts, spheres that came and went, loads on every wall.
   CHECK(first.placed > 30);
@@ -58,7 +59,8 @@ TEST_CASE("determinism: a run that is looked at, and one in several pieces, give
   CHECK(bits(pieces) == unseen.particles);
 }
 
-TEST_CASE("several_materials: a sphere leaves a wall with the restitution of the pair of materials") {
+TEST_CASE(
+    "several_materials: a sphere leaves a wall with the restitution of the pair of materials") {
   // Spheres of rubber and of resin, side by side, fall on walls of rubber and of resin. The law's
   // damping gives the restitution exactly; the step, 1/200 of the contact time, leaves 0.1 %: see
   // tests/physics/impact.cpp.
@@ -102,8 +104,9 @@ TEST_CASE("several_materials: a particle of a material that is not in the table 
   silt::Particles<Sphere> p;
   p.add({.position = {8e-3, 0, 0}, .radius = 1e-3, .density = 2500});
   p.add({.position = {8e-3, 0, 0.01}, .radius = 1e-3, .density = 2500, .material = 2});
-  CHECK(has_words(refusal<silt::InputError>([&] { sim.add(p); }),
-                  {"particle 1: material 2 is not in the table of 2 materials", "add it to the contacts"}));
+  CHECK(has_words(
+      refusal<silt::InputError>([&] { sim.add(p); }),
+      {"particle 1: material 2 is not in the table of 2 materials", "add it to the contacts"}));
   CHECK(sim.size() == before);
 }
 
@@ -111,6 +114,7 @@ TEST_CASE("periodic_box: a sphere of more than a third of its length is refused"
   auto sim = mixed_scene();
   silt::Particles<Sphere> p;
   p.add({.position = {8e-3, 0, 0}, .radius = 3e-3, .density = 2500});
-  CHECK(has_words(refusal<silt::InputError>([&] { sim.add(p); }),
-                  {"its length 0.016 [m] must be at least 3 diameters of particle 0 of radius 0.003 m"}));
+  CHECK(has_words(
+      refusal<silt::InputError>([&] { sim.add(p); }),
+      {"its length 0.016 [m] must be at least 3 diameters of particle 0 of radius 0.003 m"}));
 }

@@ -150,7 +150,8 @@ TEST_CASE("guard: limits, gravity, duration and threads that make no sense are r
   const auto same = [](auto&) {};
   CHECK(has_words(refused(same, -1), {"duration = -1 [s]"}));
   CHECK(has_words(refused(same, nan), {"duration = nan [s]"}));
-  CHECK(has_words(refused([](auto& s) { s.guard.max_overlap = 0; }), {"Guard.max_overlap = 0 [-]"}));
+  CHECK(
+      has_words(refused([](auto& s) { s.guard.max_overlap = 0; }), {"Guard.max_overlap = 0 [-]"}));
   CHECK(has_words(refused([](auto& s) { s.guard.max_time_step = -1; }),
                   {"Guard.max_time_step = -1 [-]"}));
   CHECK(has_words(refused([&](auto& s) { s.gravity.y = nan; }), {"gravity = (0, nan, 0) [m/s2]"}));
@@ -181,17 +182,19 @@ TEST_CASE("time_step: the automatic step is a 20th of the closed form's shortest
   silt::Simulation walled{std::move(p), contacts, silt::VerletList{}};
   walled.add_wall(silt::Cylinder{{0, 0, 0}, {0, 0, 2}, 1, silt::Side::Inside}, steel);
   walled.run(0);
-  CHECK(near_relative(walled.step_length(), hertz_time(E_wall, 0.5e-3, m / 2, 3) / 20, seven_digits));
+  CHECK(
+      near_relative(walled.step_length(), hertz_time(E_wall, 0.5e-3, m / 2, 3) / 20, seven_digits));
 
   // Gravity: the speed of a fall through the scene, which is 2 m high.
-  silt::Simulation heavy{silt::Particles<Sphere>{}.add(
-                             {.position = {0, 0, 0.1}, .radius = 1e-3, .density = 2500}),
-                         contacts, silt::VerletList{}};
+  silt::Simulation heavy{
+      silt::Particles<Sphere>{}.add({.position = {0, 0, 0.1}, .radius = 1e-3, .density = 2500}),
+      contacts, silt::VerletList{}};
   heavy.gravity = {0, 0, -9.81};
   heavy.add_wall(silt::Cylinder{{0, 0, 0}, {0, 0, 2}, 1, silt::Side::Inside}, steel);
   heavy.run(0);
   CHECK(near_relative(heavy.step_length(),
-                      hertz_time(E_wall, 0.5e-3, m / 2, std::sqrt(2 * 9.81 * 2)) / 20, seven_digits));
+                      hertz_time(E_wall, 0.5e-3, m / 2, std::sqrt(2 * 9.81 * 2)) / 20,
+                      seven_digits));
 }
 
 TEST_CASE("time_step: a fall onto a plane is the height above it, whatever else is infinite") {
@@ -238,8 +241,9 @@ TEST_CASE("time_step: particles that speed up until the step is too long stop th
 
 TEST_CASE("time_step: where nothing moves it cannot be chosen, and the sentence says what to set") {
   auto sim = scene({{{0, 0, 0}}});
-  CHECK(has_words(refusal<InputError>([&] { sim.run(1e-3); }),
-                  {"the time step cannot be chosen", "nothing moves", "set Simulation::time_step"}));
+  CHECK(
+      has_words(refusal<InputError>([&] { sim.run(1e-3); }),
+                {"the time step cannot be chosen", "nothing moves", "set Simulation::time_step"}));
   sim.time_step = 1e-5;
   sim.run(1e-3);
   CHECK(sim.step() == 100);

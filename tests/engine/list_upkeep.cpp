@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
-// No contact is ever missed: at every step of flowing scenes, all pairs and walls that touch at that
-// instant (looked for without any list) must stand in the lists that the forces were computed from.
+// No contact is ever missed: at every step of flowing scenes, all pairs and walls that touch at
+// that instant (looked for without any list) must stand in the lists that the forces were computed
+// from.
 #include <numeric>
 #include <set>
 
@@ -43,8 +44,8 @@ struct Watch {
                             touching);
     touching_pairs += touching.size();
     for (const auto& [a, b] : touching)
-      missed_pairs += !std::binary_search(listed.begin(), listed.end(),
-                                          Pair{std::min(a, b), std::max(a, b)});
+      missed_pairs +=
+          !std::binary_search(listed.begin(), listed.end(), Pair{std::min(a, b), std::max(a, b)});
   }
 
   template <class Sim>
@@ -91,11 +92,10 @@ silt::VerletList<> fixed_skin(double skin) { return {.skin = skin}; }
 /// Spheres in the upper half of a box of 16 mm, which is 20 diameters of the smallest wide.
 silt::Particles<Sphere> falling(double speed, std::size_t count = 150) {
   silt::Particles<Sphere> p;
-  p.fill({{1e-3, 1e-3, 7e-3}, {15e-3, 15e-3, 15e-3}},
-         {.radius = silt::uniform(0.4e-3, 0.9e-3),
-          .density = 2500,
-          .count = count,
-          .arrangement = silt::Arrangement::Random});
+  p.fill({{1e-3, 1e-3, 7e-3}, {15e-3, 15e-3, 15e-3}}, {.radius = silt::uniform(0.4e-3, 0.9e-3),
+                                                       .density = 2500,
+                                                       .count = count,
+                                                       .arrangement = silt::Arrangement::Random});
   silt::Random random(11);
   for (std::size_t k = 0; k < p.size(); ++k)
     p[k].velocity = {random.uniform(-speed, speed), random.uniform(-speed, speed),
@@ -132,8 +132,8 @@ void check(const Watch& watch) {
 }  // namespace
 
 TEST_CASE("list_upkeep: no contact is missed while spheres fall into a box, whatever the skin") {
-  for (const auto& search : {silt::VerletList<>{}, fixed_skin(0.3e-3), fixed_skin(3e-5),
-                             fixed_skin(3e-3)}) {
+  for (const auto& search :
+       {silt::VerletList<>{}, fixed_skin(0.3e-3), fixed_skin(3e-5), fixed_skin(3e-3)}) {
     auto sim = open_scene(0.3, search);
     sim.add_wall(silt::box({0, 0, 0}, {16e-3, 16e-3, 16e-3}), rubber);
     Watch watch;
@@ -157,7 +157,8 @@ TEST_CASE("list_upkeep: no contact of fast spheres is missed, skins shorter than
     check(watch);
     CHECK(watch.touching_walls > 100);
     // 5 m/s times a step of 1e-6 s is longer than the shortest skin: a search a step.
-    if (search.skin == 1e-6) CHECK(watch.searches.size() + 1 >= static_cast<std::size_t>(sim.step()));
+    if (search.skin == 1e-6)
+      CHECK(watch.searches.size() + 1 >= static_cast<std::size_t>(sim.step()));
   }
 }
 
@@ -183,9 +184,10 @@ TEST_CASE("list_upkeep: no contact with moving walls is missed") {
   }
 }
 
-TEST_CASE("list_upkeep: no first touch is missed where the bounds are sharp: head on, and by walls") {
-  // Nothing but the two that meet moves, so that nothing else renews the lists; gaps from within the
-  // inner skin to beyond the outer one.
+TEST_CASE(
+    "list_upkeep: no first touch is missed where the bounds are sharp: head on, and by walls") {
+  // Nothing but the two that meet moves, so that nothing else renews the lists; gaps from within
+  // the inner skin to beyond the outer one.
   const Vec3d up{0, 0, 1}, centre{8e-3, 8e-3, 3.5e-3};
   for (const auto& search : {silt::VerletList<>{}, fixed_skin(0.2e-3)})
     for (int k = 1; k <= 40; ++k) {
@@ -212,15 +214,20 @@ TEST_CASE("list_upkeep: no first touch is missed where the bounds are sharp: hea
         sim.add_wall(surfaces, rubber, motion);
         meets(std::move(sim));
       };
-      meets(still({{.position = {-1e-3 - gap / 2, 0, 0}, .radius = 1e-3, .density = 2500,
+      meets(still({{.position = {-1e-3 - gap / 2, 0, 0},
+                    .radius = 1e-3,
+                    .density = 2500,
                     .velocity = {0.5, 0, 0}},
-                   {.position = {1e-3 + gap / 2, 0, 0}, .radius = 1e-3, .density = 2500,
+                   {.position = {1e-3 + gap / 2, 0, 0},
+                    .radius = 1e-3,
+                    .density = 2500,
                     .velocity = {-0.5, 0, 0}}}));
       by_wall(silt::Plane{{0, 0, 0}, up}, silt::translation(up), {0, 0, 1e-3 + gap});
       by_wall(silt::Plane{{0, 0, 0}, up}, silt::vibration(up * 1e-3, 200), {0, 0, 1e-3 + gap});
       by_wall(paddle(), silt::rotation(centre, up, 200), centre + Vec3d{4e-3, 1.4e-3 + gap, 0});
       by_wall(silt::Cylinder{centre - up, centre + up, 9e-3, silt::Side::Inside},
-              silt::rotation(centre + Vec3d{0, 20e-3, 0}, up, 50), centre + Vec3d{-8e-3 + gap, 0, 0});
+              silt::rotation(centre + Vec3d{0, 20e-3, 0}, up, 50),
+              centre + Vec3d{-8e-3 + gap, 0, 0});
     }
 }
 
@@ -240,8 +247,8 @@ TEST_CASE("list_upkeep: no contact is missed while spheres enter, leave and a li
     sim.run(5e-3, watch);
     sim.remove_wall(lid);
     silt::Particles<Sphere> late;
-    late.add({.position = {8e-3, 8e-3, 30e-3}, .radius = 2e-3, .density = 2500,
-              .velocity = {0, 0, -3}});
+    late.add(
+        {.position = {8e-3, 8e-3, 30e-3}, .radius = 2e-3, .density = 2500, .velocity = {0, 0, -3}});
     sim.add(late);
     sim.run(0.01, watch);
     check(watch);
@@ -254,10 +261,9 @@ TEST_CASE("list_upkeep: no contact is missed while spheres enter, leave and a li
 TEST_CASE("list_upkeep: no contact is missed across the faces of a repeating box") {
   for (const auto& search : {silt::VerletList<>{}, fixed_skin(0.2e-3), fixed_skin(1e-6)}) {
     // The box fits the spheres tightly: nearly all contacts at its faces cross them.
-    silt::Simulation sim{falling(1), silt::Contacts<silt::LinearSpring>{{.stiffness = 2000}},
-                         search,
-                         silt::PeriodicBox{{{1e-3, 1e-3, 7e-3}, {15e-3, 15e-3, 15e-3}},
-                                           {true, true, true}}};
+    silt::Simulation sim{
+        falling(1), silt::Contacts<silt::LinearSpring>{{.stiffness = 2000}}, search,
+        silt::PeriodicBox{{{1e-3, 1e-3, 7e-3}, {15e-3, 15e-3, 15e-3}}, {true, true, true}}};
     sim.time_step = 2e-6;
     sim.threads = 1;
     Watch watch;

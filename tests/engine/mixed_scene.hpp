@@ -21,14 +21,14 @@ inline MixedContacts mixed_contacts() {
 }
 
 /// A scene with some of everything: two materials, rolling resistance, a direction that repeats,
-/// walls that shake, sink and turn (a mesh), spheres that come in and go out, all of them colliding.
+/// walls that shake, sink and turn (a mesh), spheres that come in and go out, all of them
+/// colliding.
 inline auto mixed_scene(int threads = 1, const silt::VerletList<>& search = {}) {
   silt::Particles<Sphere> p;
-  p.fill({{0, 1e-3, 7e-3}, {16e-3, 15e-3, 15e-3}},
-         {.radius = silt::uniform(0.4e-3, 0.9e-3),
-          .density = 2500,
-          .count = 150,
-          .arrangement = silt::Arrangement::Random});
+  p.fill({{0, 1e-3, 7e-3}, {16e-3, 15e-3, 15e-3}}, {.radius = silt::uniform(0.4e-3, 0.9e-3),
+                                                    .density = 2500,
+                                                    .count = 150,
+                                                    .arrangement = silt::Arrangement::Random});
   for (std::size_t k = 0; k < p.size(); ++k) {
     p[k].material = k % 3 == 0;
     p[k].velocity = {0, 0, k % 2 ? 0.4 : -0.8};
@@ -38,16 +38,19 @@ inline auto mixed_scene(int threads = 1, const silt::VerletList<>& search = {}) 
   sim.gravity = {0, 3, -9.81};
   sim.threads = threads;
   sim.time_step = 4e-6;
-  sim.add_wall(silt::Plane{{0, 0, 0.5e-3}, {0, 0, 1}}, rubber, silt::vibration({0, 0, 0.5e-3}, 120));
+  sim.add_wall(silt::Plane{{0, 0, 0.5e-3}, {0, 0, 1}}, rubber,
+               silt::vibration({0, 0, 0.5e-3}, 120));
   sim.add_wall(silt::Plane{{0, 0, 15.2e-3}, {0, 0, -1}}, resin, silt::translation({0, 0, -0.03}));
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 1, 0}}, resin);
-  sim.add_wall(silt::TriangleMesh(boundary_test::box_soup({4e-3, 7.6e-3, 1e-3}, {12e-3, 8.4e-3, 6e-3})),
-               rubber, silt::rotation({8e-3, 8e-3, 8e-3}, {0, 0, 1}, 150));
-  sim.add_inlet(Box{{0, 1e-3, 10e-3}, {16e-3, 15e-3, 14e-3}}, {.radius = silt::uniform(0.3e-3, 0.5e-3),
-                                                              .density = 2500,
-                                                              .rate = 5000,
-                                                              .velocity = {0, 0.3, -0.5},
-                                                              .material = 1});
+  sim.add_wall(
+      silt::TriangleMesh(boundary_test::box_soup({4e-3, 7.6e-3, 1e-3}, {12e-3, 8.4e-3, 6e-3})),
+      rubber, silt::rotation({8e-3, 8e-3, 8e-3}, {0, 0, 1}, 150));
+  sim.add_inlet(Box{{0, 1e-3, 10e-3}, {16e-3, 15e-3, 14e-3}},
+                {.radius = silt::uniform(0.3e-3, 0.5e-3),
+                 .density = 2500,
+                 .rate = 5000,
+                 .velocity = {0, 0.3, -0.5},
+                 .material = 1});
   sim.add_outlet({{-1, 16e-3, -1}, {1, 1, 1}});
   return sim;
 }

@@ -14,10 +14,10 @@ using silt::InletFlow;
 using silt::InputError;
 using silt::LinearSpring;
 
-constexpr double step = 1e-5;                                             // [s]
-const Box channel{{0, 0, -1}, {0.02, 0.02, 1}};                           // [m] repeats in x and y
-const Box mouth{{0, 0, 0.05}, {0.02, 0.02, 0.06}};                        // [m] of the inlets
-const double mass = 1000 * silt::sphere_volume(1e-3);                     // [kg] of one sphere
+constexpr double step = 1e-5;                          // [s]
+const Box channel{{0, 0, -1}, {0.02, 0.02, 1}};        // [m] repeats in x and y
+const Box mouth{{0, 0, 0.05}, {0.02, 0.02, 0.06}};     // [m] of the inlets
+const double mass = 1000 * silt::sphere_volume(1e-3);  // [kg] of one sphere
 
 auto scene(const silt::Particles<Sphere>& particles = {}) {
   silt::Simulation sim{silt::Particles<Sphere>(particles),
@@ -64,7 +64,9 @@ TEST_CASE("outlet: takes away and counts those whose centre enters it, each once
 
 TEST_CASE("outlet: an empty region is refused") {
   auto sim = scene();
-  CHECK(has_words(refusal<InputError>([&] { sim.add_outlet({{0, 0, 1}, {1, 1, 1}}); }),
+  CHECK(has_words(refusal<InputError>([&] {
+                    sim.add_outlet({{0, 0, 1}, {1, 1, 1}});
+                  }),
                   {"add_outlet", "from (0, 0, 1) to (1, 1, 1) m is empty"}));
 }
 
@@ -131,10 +133,11 @@ TEST_CASE("inlet: where nothing clears it particles wait, and a sentence says so
   CHECK(i.placed < 16);
   CHECK(i.placed == sim.size());
   CHECK(i.waiting > 5000);
-  CHECK(has_words(i.why_waiting(),
-                  {"inlet into the box from (0.005, 0.005, 0)", silt::text(i.placed, " particles placed"),
-                   silt::text(i.waiting, " wait"), "200 random places in a row were occupied",
-                   "lower the rate, enlarge the region, or give a velocity"}));
+  CHECK(has_words(
+      i.why_waiting(),
+      {"inlet into the box from (0.005, 0.005, 0)", silt::text(i.placed, " particles placed"),
+       silt::text(i.waiting, " wait"), "200 random places in a row were occupied",
+       "lower the rate, enlarge the region, or give a velocity"}));
   CHECK(sim.peak_overlap() == 0);
 }
 

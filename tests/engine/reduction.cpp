@@ -26,8 +26,8 @@ using silt::Vec3d;
 template <class... Options>
 using Sim = silt::Simulation<silt::Particles<Sphere>, Contacts<Options...>>;
 
-/// Sums of `contacts` random rows that act on particle 1 of three, as signs say, by the table and one
-/// by one; checks that they are equal to round-off.
+/// Sums of `contacts` random rows that act on particle 1 of three, as signs say, by the table and
+/// one by one; checks that they are equal to round-off.
 template <class Arch, std::size_t Chunks>
 void check_sums(std::size_t contacts) {
   silt::Random random(contacts + 1);
@@ -51,7 +51,8 @@ void check_sums(std::size_t contacts) {
   CHECK(table.extra().empty() == (contacts < 7));
   std::size_t extra = table.extra_from(1);
   alignas(32) double sum[4 * Chunks] = {};
-  silt::detail::add_table_rows<silt::detail::RowPack<Arch>, Chunks>(table, rows.data(), 1, extra, sum);
+  silt::detail::add_table_rows<silt::detail::RowPack<Arch>, Chunks>(table, rows.data(), 1, extra,
+                                                                    sum);
   for (std::size_t k = 0; k < 4 * Chunks; ++k)
     CHECK(std::abs(sum[k] - expected[k]) <= 1e-15 * static_cast<double>(contacts + 1));
   CHECK(extra == table.extra_from(2));  // the cursor stands at the next particle's
@@ -92,7 +93,8 @@ TEST_CASE("reduction: a sphere in contact with 60 others feels the sum of their 
   // Sixty spheres of 1 mm pressed into one of 10 mm by up to 20 um, the large one first and last.
   for (const bool first : {true, false}) {
     silt::Random random(5);
-    const silt::Particles<Sphere>::Particle large{.position = {0, 0, 0}, .radius = 1e-2, .density = 1000};
+    const silt::Particles<Sphere>::Particle large{
+        .position = {0, 0, 0}, .radius = 1e-2, .density = 1000};
     silt::Particles<Sphere> p;
     if (first) p.add(large);
     Vec3d force{0, 0, 0};

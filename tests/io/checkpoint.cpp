@@ -79,8 +79,9 @@ void write_bytes(const std::string& path, const std::string& content) {
 
 }  // namespace
 
-TEST_CASE("checkpoint: a run continued from any of its checkpoints gives the bits of one that never "
-          "stopped, with any number of threads") {
+TEST_CASE(
+    "checkpoint: a run continued from any of its checkpoints gives the bits of one that never "
+    "stopped, with any number of threads") {
   const Folder folder;
   const auto name = [&](std::int64_t at) { return folder / silt::text("at_", at); };
   auto writer = mixed_scene(2);
@@ -131,7 +132,8 @@ TEST_CASE("checkpoint: restarts of restarts give the same bits, and so does a se
   }
 }
 
-TEST_CASE("checkpoint: saved between a change of the scene and the next step it continues as well") {
+TEST_CASE(
+    "checkpoint: saved between a change of the scene and the next step it continues as well") {
   const Folder folder;
   const auto change = [](auto& sim) {
     sim.remove_wall(0);
@@ -153,7 +155,8 @@ TEST_CASE("checkpoint: saved between a change of the scene and the next step it 
   CHECK(seen(sim) == seen(whole));
 }
 
-TEST_CASE("checkpoint: files that do not fit are refused with a sentence, the simulation unchanged") {
+TEST_CASE(
+    "checkpoint: files that do not fit are refused with a sentence, the simulation unchanged") {
   const Folder folder;
   const std::string good = folder / "good", bad = folder / "bad";
   auto saved = mixed_scene();
@@ -196,7 +199,8 @@ TEST_CASE("checkpoint: files that do not fit are refused with a sentence, the si
   CHECK(seen(sim) == uninterrupted());
 }
 
-TEST_CASE("checkpoint: one of other policies or of another scene is refused, the simulation unchanged") {
+TEST_CASE(
+    "checkpoint: one of other policies or of another scene is refused, the simulation unchanged") {
   const Folder folder;
   const std::string path = folder / "c";
   auto sim = mixed_scene();
@@ -205,7 +209,8 @@ TEST_CASE("checkpoint: one of other policies or of another scene is refused, the
 
   silt::Particles<Sphere> p;
   p.add({.position = {8e-3, 0, 0}, .radius = 1e-3, .density = 2500});
-  const silt::Simulation springs{std::move(p), silt::Contacts<silt::LinearSpring>{{.stiffness = 10}}};
+  const silt::Simulation springs{std::move(p),
+                                 silt::Contacts<silt::LinearSpring>{{.stiffness = 10}}};
   save_checkpoint(springs, path);
   CHECK(has_words(refusal<FileError>([&] { load_checkpoint(sim, path); }),
                   {path, "belongs to another program", "BasicLinearSpring", "BasicHertzMindlin",
@@ -220,9 +225,14 @@ TEST_CASE("checkpoint: one of other policies or of another scene is refused, the
     CHECK(seen(sim) == before);
     return sentence;
   };
-  CHECK(has_words(refused([](auto& s) { s.add_wall(silt::Plane{{0, 0, -1}, {0, 0, 1}}, rubber); }),
-                  {path, "has 5 walls, but the simulation has 4", "build the scene that wrote it"}));
-  CHECK(has_words(refused([](auto& s) { s.add_outlet({{0, 0, -2}, {1, 1, -1}}); }),
+  CHECK(
+      has_words(refused([](auto& s) {
+                  s.add_wall(silt::Plane{{0, 0, -1}, {0, 0, 1}}, rubber);
+                }),
+                {path, "has 5 walls, but the simulation has 4", "build the scene that wrote it"}));
+  CHECK(has_words(refused([](auto& s) {
+                    s.add_outlet({{0, 0, -2}, {1, 1, -1}});
+                  }),
                   {path, "other inlets or outlets", "build the scene that wrote it"}));
   const auto with_fifth_wall = [](const silt::Surfaces& surfaces) {
     auto s = mixed_scene();

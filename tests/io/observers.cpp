@@ -34,7 +34,8 @@ struct Folder {
 auto scene() {
   silt::Particles<Sphere> p;
   for (int k = 0; k < 64; ++k)
-    p.add({.position = {2.1e-3 * (k % 4) + 1e-4 * (k / 16), 2.1e-3 * (k / 4 % 4), 1e-3 + 2.1e-3 * (k / 16)},
+    p.add({.position = {2.1e-3 * (k % 4) + 1e-4 * (k / 16), 2.1e-3 * (k / 4 % 4),
+                        1e-3 + 2.1e-3 * (k / 16)},
            .radius = 1e-3,
            .density = 2500,
            .velocity = {0.1, 0, -0.5}});
@@ -72,7 +73,7 @@ std::string error_on_full_disk(std::size_t bytes, Action&& action) {
     ::signal(SIGXFSZ, SIG_IGN);  // the write fails instead, as on a full disk
     std::string said = "no error";
     try {
-      const struct rlimit limit {bytes, bytes};
+      const struct rlimit limit { bytes, bytes };
       if (::setrlimit(RLIMIT_FSIZE, &limit) == 0) action();
     } catch (const silt::FileError& error) {
       said = error.what();
@@ -93,7 +94,8 @@ std::string error_on_full_disk(std::size_t bytes, Action&& action) {
 
 }  // namespace
 
-TEST_CASE("schedule: fires at time 0, at every multiple of its interval, at the nearest step, once") {
+TEST_CASE(
+    "schedule: fires at time 0, at every multiple of its interval, at the nearest step, once") {
   // Multiples of the step, fractions of it, and numbers that neither divides.
   for (const double interval : {5 * step, 1e-4, 3.3 * step, 7.49999 * step, 1.0 / 3 * 1e-3}) {
     CAPTURE(interval);
@@ -108,7 +110,8 @@ TEST_CASE("schedule: fires at time 0, at every multiple of its interval, at the 
   }
 }
 
-TEST_CASE("schedule: an interval shorter than the step fires at every step, one longer at time 0 only") {
+TEST_CASE(
+    "schedule: an interval shorter than the step fires at every step, one longer at time 0 only") {
   auto sim = scene();
   std::vector<double> often, once, always;
   sim.run(100 * step, silt::at(every(0.3 * step), Times{&often}), silt::at(every(1), Times{&once}),
@@ -145,11 +148,12 @@ TEST_CASE("observers: a run with all of them gives the bits of a run with none")
   std::vector<double> times;
   std::FILE* line = std::fopen((folder / "progress").c_str(), "w");
   REQUIRE(line != nullptr);
-  watched.run(0.02, silt::vtk_series(folder / "vtk", every(1e-3)), silt::progress(line),
-              silt::checkpoints(folder / "c", every(3.7e-3)),
-              silt::at(every(2.3e-4), Times{&times}),
-              silt::table(folder / "t.csv", {"time [s]", "height [m]"}, every(1e-3),
-                          [](const auto& s) { return std::array{s.time(), s.position(0).z}; }));
+  watched.run(
+      0.02, silt::vtk_series(folder / "vtk", every(1e-3)), silt::progress(line),
+      silt::checkpoints(folder / "c", every(3.7e-3)), silt::at(every(2.3e-4), Times{&times}),
+      silt::table(folder / "t.csv", {"time [s]", "height [m]"}, every(1e-3), [](const auto& s) {
+        return std::array{s.time(), s.position(0).z};
+      }));
   std::fclose(line);
   CHECK(bits(watched) == bits(alone));
   CHECK(watched.step() == alone.step());
@@ -165,26 +169,28 @@ TEST_CASE("observers: a run with all of them gives the bits of a run with none")
 TEST_CASE("vtk_series: frames say their time and hold every particle with its fields") {
   const Folder folder;
   auto sim = scene();
-  sim.run(2e-3, silt::vtk_series(folder.path, every(1e-3), [](const auto& s, auto& fields,
-                                                              const auto& places) {
-            static std::vector<double> speed;
-            speed.clear();
-            for (const auto k : places) speed.push_back(norm(s.velocity(k)));
-            fields.add("speed", speed);
-          }));
+  sim.run(2e-3, silt::vtk_series(folder.path, every(1e-3),
+                                 [](const auto& s, auto& fields, const auto& places) {
+                                   static std::vector<double> speed;
+                                   speed.clear();
+                                   for (const auto k : places) speed.push_back(norm(s.velocity(k)));
+                                   fields.add("speed", speed);
+                                 }));
   const auto series = silt::detail::read_file(folder / "particles.pvd");
-  CHECK(has_words(series, {"timestep=\"0\"", "timestep=\"0.001\"", "timestep=\"0.002\"",
-                           "file=\"particles_000000000.vtp\"", "file=\"particles_000000200.vtp\""}));
+  CHECK(
+      has_words(series, {"timestep=\"0\"", "timestep=\"0.001\"", "timestep=\"0.002\"",
+                         "file=\"particles_000000000.vtp\"", "file=\"particles_000000200.vtp\""}));
   const auto frame = silt::detail::read_file(folder / "particles_000000100.vtp");
-  CHECK(has_words(frame, {"NumberOfPoints=\"64\"", "Name=\"radius\"", "Name=\"velocity\"",
-                          "Name=\"id\"", "Name=\"material\"", "Name=\"angular_velocity\"",
-                          "Name=\"speed\""}));
+  CHECK(has_words(frame,
+                  {"NumberOfPoints=\"64\"", "Name=\"radius\"", "Name=\"velocity\"", "Name=\"id\"",
+                   "Name=\"material\"", "Name=\"angular_velocity\"", "Name=\"speed\""}));
   // The same points as numbers: they stand one after the other, behind their length in bytes.
   const auto names = frame.find("Name=\"Points\"");
   const auto offset = std::stoul(frame.substr(frame.find("offset=\"", names) + 8));
   const char* points = frame.data() + frame.find("\n_") + 2 + offset + 8;
   // Of the walls' planes the floor alone lies among the particles.
-  CHECK(has_words(silt::detail::read_file(folder / "walls_000000100.vtp"), {"NumberOfPolys=\"2\""}));
+  CHECK(
+      has_words(silt::detail::read_file(folder / "walls_000000100.vtp"), {"NumberOfPolys=\"2\""}));
   auto again = scene();
   again.run(1e-3);
   for (std::size_t k = 0; k < again.rows(); ++k) {
@@ -195,12 +201,15 @@ TEST_CASE("vtk_series: frames say their time and hold every particle with its fi
   // VTK's own reader: tests/io/vtk.cpp.
 }
 
-TEST_CASE("observers: a continued run repeats no frame and no row, and drops those after its start") {
+TEST_CASE(
+    "observers: a continued run repeats no frame and no row, and drops those after its start") {
   const Folder folder;
   const auto observe = [&](auto& sim, double duration) {
     sim.run(duration, silt::vtk_series(folder / "vtk", every(1e-3)),
             silt::table(folder / "t.csv", {"time [s]", "height [m]"}, every(1e-3),
-                        [](const auto& s) { return std::array{s.time(), s.position(0).z}; }),
+                        [](const auto& s) {
+                          return std::array{s.time(), s.position(0).z};
+                        }),
             silt::checkpoints(folder / "c", every(4e-3)));
   };
   auto whole = scene();
@@ -225,23 +234,26 @@ TEST_CASE("observers: a continued run repeats no frame and no row, and drops tho
 TEST_CASE("observers: files that cannot be written are named, with the reason") {
   const Folder folder;
   auto sim = scene();
-  CHECK(has_words(refusal<silt::FileError>([&] {
-                    sim.run(1e-4, silt::checkpoints(folder / "none/c", every(1e-4)));
-                  }),
+  CHECK(has_words(refusal<silt::FileError>(
+                      [&] { sim.run(1e-4, silt::checkpoints(folder / "none/c", every(1e-4))); }),
                   {"none/c", "No such file or directory"}));
   std::fclose(std::fopen((folder / "file").c_str(), "w"));
-  CHECK(has_words(refusal<silt::FileError>([&] {
-                    sim.run(1e-4, silt::vtk_series(folder / "file", every(1e-4)));
-                  }),
+  CHECK(has_words(refusal<silt::FileError>(
+                      [&] { sim.run(1e-4, silt::vtk_series(folder / "file", every(1e-4))); }),
                   {"file' cannot be made", "is a file"}));
 }
 
-TEST_CASE("observers: a disk that fills up stops the run with the reason and spoils no older file") {
+TEST_CASE(
+    "observers: a disk that fills up stops the run with the reason and spoils no older file") {
   const Folder folder;
-  const auto frames = [&](auto& sim) { sim.run(2e-3, silt::vtk_series(folder / "vtk", every(1e-3))); };
+  const auto frames = [&](auto& sim) {
+    sim.run(2e-3, silt::vtk_series(folder / "vtk", every(1e-3)));
+  };
   const auto rows = [&](auto& sim) {
     sim.run(0.02, silt::table(folder / "t.csv", {"time [s]", "height [m]"}, every(1e-4),
-                              [](const auto& s) { return std::array{s.time(), s.position(0).z}; }));
+                              [](const auto& s) {
+                                return std::array{s.time(), s.position(0).z};
+                              }));
   };
   {
     auto sim = scene();
@@ -257,24 +269,27 @@ TEST_CASE("observers: a disk that fills up stops the run with the reason and spo
   };
 
   // Lists of frames still fit, frames and checkpoints do not.
-  CHECK(has_words(error_on_full_disk(2000, [&] {
-                    auto sim = continued();
-                    sim.run(2e-3, silt::checkpoints(folder / "c", every(1e-3)));
-                  }),
+  CHECK(has_words(error_on_full_disk(2000,
+                                     [&] {
+                                       auto sim = continued();
+                                       sim.run(2e-3, silt::checkpoints(folder / "c", every(1e-3)));
+                                     }),
                   {folder / "c", "cannot be written", "File too large"}));
   CHECK(silt::detail::read_file(folder / "c") == checkpoint);
-  CHECK(has_words(error_on_full_disk(2000, [&] {
-                    auto sim = continued();
-                    frames(sim);
-                  }),
+  CHECK(has_words(error_on_full_disk(2000,
+                                     [&] {
+                                       auto sim = continued();
+                                       frames(sim);
+                                     }),
                   {"vtk/particles_000000300.vtp", "cannot be written", "File too large"}));
   // The frames of the first run and their list are as they were.
   CHECK(fs::file_size(folder / "vtk/particles_000000200.vtp") > 2000);
   CHECK(silt::detail::read_file(folder / "vtk/particles.pvd") == series);
-  CHECK(has_words(error_on_full_disk(1000, [&] {
-                    auto sim = scene();
-                    rows(sim);
-                  }),
+  CHECK(has_words(error_on_full_disk(1000,
+                                     [&] {
+                                       auto sim = scene();
+                                       rows(sim);
+                                     }),
                   {"t.csv", "cannot be written", "File too large"}));
   const auto table = silt::detail::read_file(folder / "t.csv");
   CHECK(table.size() > 900);

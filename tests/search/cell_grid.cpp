@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
-// CellGrid against BruteForce, the oracle: both decide with the same comparison, so that the sets of
-// pairs must be equal, without any tolerance.
+// CellGrid against BruteForce, the oracle: both decide with the same comparison, so that the sets
+// of pairs must be equal, without any tolerance.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -78,8 +78,7 @@ TEST_CASE("cell_grid: pairs equal brute force for clusters in a nearly empty dom
   Rows rows;
   for (int cluster = 0; cluster < 6; ++cluster) {
     const Vec3d c{random.uniform(-50, 50), random.uniform(-50, 50), random.uniform(-50, 50)};
-    const auto near =
-        random_rows(80, {c, c + Vec3d{0.05, 0.05, 0.05}}, 0.001, 0.01, random);
+    const auto near = random_rows(80, {c, c + Vec3d{0.05, 0.05, 0.05}}, 0.001, 0.01, random);
     rows.insert(rows.end(), near.begin(), near.end());
   }
   CHECK(compare(rows, 0.002) > 1000);
@@ -146,9 +145,9 @@ TEST_CASE("cell_grid: pairs equal brute force in boxes that repeat in any direct
     for (const double length : {0.39, 0.41, 0.61, 0.85, 1.81}) {
       CAPTURE(directions);
       CAPTURE(length);
-      const PeriodicBox domain{{{-0.3, 0.2, 1}, {-0.3 + length, 0.2 + length, 1 + length}},
-                               {(directions & 1) != 0, (directions & 2) != 0,
-                                (directions & 4) != 0}};
+      const PeriodicBox domain{
+          {{-0.3, 0.2, 1}, {-0.3 + length, 0.2 + length, 1 + length}},
+          {(directions & 1) != 0, (directions & 2) != 0, (directions & 4) != 0}};
       auto rows = random_rows(length < 1 ? 60 : 400, domain.box(), 0.02, 0.065, random);
       // Some exactly on the faces, and one in the middle of two opposite ones each.
       for (int d = 0; d < 3; ++d)
@@ -198,8 +197,8 @@ TEST_CASE("cell_grid: order() names every sphere once, those of a cell side by s
   std::sort(names.begin(), names.end());
   REQUIRE(names.size() == rows.size());
   for (std::uint32_t k = 0; k < names.size(); ++k) CHECK(names[k] == k);
-  // In random order neighbours are 0.66 m apart in the mean. Here most share a row of cells of 0.06 m,
-  // eight to a row, and only the step from row to row is long.
+  // In random order neighbours are 0.66 m apart in the mean. Here most share a row of cells of 0.06
+  // m, eight to a row, and only the step from row to row is long.
   double sum = 0;  // [m]
   for (std::size_t k = 1; k < order.size(); ++k)
     sum += norm(rows[order[k]].centre() - rows[order[k - 1]].centre());

@@ -38,7 +38,8 @@ inline Outline outline(const Plane& plane, const Box& seen) {
   const auto height = [&](const Vec3d& p) { return dot(p - plane.point, n); };
   for (int edge = 0; edge < 12; ++edge) {
     const int d = edge / 4, a = edge & 1, b = (edge >> 1) & 1;
-    const double low[3] = {box.min.x, box.min.y, box.min.z}, high[3] = {box.max.x, box.max.y, box.max.z};
+    const double low[3] = {box.min.x, box.min.y, box.min.z},
+                 high[3] = {box.max.x, box.max.y, box.max.z};
     double from[3], to[3];
     from[d] = low[d], to[d] = high[d];
     from[(d + 1) % 3] = to[(d + 1) % 3] = a ? high[(d + 1) % 3] : low[(d + 1) % 3];

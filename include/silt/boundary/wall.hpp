@@ -36,7 +36,8 @@ inline Surfaces box(const Vec3d& min, const Vec3d& max) {
   return Surfaces(std::move(parts));
 }
 
-/// A wall from the triangles of an STL file; lengths are multiplied by `scale` (1e-3 for files in mm).
+/// A wall from the triangles of an STL file; lengths are multiplied by `scale` (1e-3 for files in
+/// mm).
 inline Surfaces stl_wall(const std::string& path, double scale = 1) {
   return TriangleMesh(read_stl(path, scale));
 }

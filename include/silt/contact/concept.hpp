@@ -62,9 +62,13 @@ struct RollingContact {
 namespace detail {
 
 template <class L>
-concept HasHistory = requires { typename L::template History<double>; };
+concept HasHistory = requires {
+  typename L::template History<double>;
+};
 template <class L>
-concept HasPairValues = requires { typename L::Pair; };
+concept HasPairValues = requires {
+  typename L::Pair;
+};
 
 struct NoHistory {};
 template <class L, class Real>
@@ -124,20 +128,22 @@ inline Aggregate<Real> broadcast(const Aggregate<double>& a) {
 ///   struct Pair                           values that belong to two materials (restitution, ...)
 ///     with `static Pair like(const Material&)` for a material against itself
 ///   static void check(const Material&), check(const Pair&)      throw InputError
-///   static double contact_time(Coefficients<double>, R_eff, m_eff, speed)    [s], for the time step
-///   static Real stiffness(Contact<Real>, Coefficients<Real>)    [N/m], for rolling resistance
+///   static double contact_time(Coefficients<double>, R_eff, m_eff, speed)    [s], for the time
+///   step static Real stiffness(Contact<Real>, Coefficients<Real>)    [N/m], for rolling resistance
 template <class L>
-concept ContactLaw =
-    std::equality_comparable<typename L::Material> &&
-    requires { typename L::template Coefficients<double>; } &&
-    (std::same_as<detail::ForceOf<L>, double> || std::same_as<detail::ForceOf<L>, Traction<double>>);
+concept ContactLaw = std::equality_comparable<typename L::Material> && requires {
+  typename L::template Coefficients<double>;
+} &&(std::same_as<detail::ForceOf<L>, double> ||
+     std::same_as<detail::ForceOf<L>, Traction<double>>);
 
 /// A rolling model adds a couple M on i and -M on j: needs `Pair`, `Coefficients`, `mix(Pair)` and
 /// `static Vec3<Real> torque(RollingContact<Real>, Coefficients<Real> [, History<Real>&])`.
 template <class M>
-concept RollingModel = requires { typename M::Pair; } &&
-    requires(const RollingContact<double>& c, const typename M::template Coefficients<double>& p,
-             typename detail::HistoryOf<M, double>::type& h) {
+concept RollingModel = requires {
+  typename M::Pair;
+}
+&&requires(const RollingContact<double>& c, const typename M::template Coefficients<double>& p,
+           typename detail::HistoryOf<M, double>::type& h) {
   { M::mix(typename M::Pair{}) } -> std::same_as<typename M::template Coefficients<double>>;
   M::is_rolling_model;
 };

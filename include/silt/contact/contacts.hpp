@@ -11,7 +11,8 @@
 
 namespace silt {
 
-/// Option of Contacts: particles may be of different materials, and each keeps its material's index.
+/// Option of Contacts: particles may be of different materials, and each keeps its material's
+/// index.
 struct SeveralMaterials {};
 
 /// No resistance to rolling.
@@ -71,14 +72,13 @@ class Contacts {
   using RollingCoefficients = typename Rolling::template Coefficients<double>;
 
   explicit Contacts(const Material& material) { add(material); }
-  Contacts(const Material& material, const RollingPair& rolling)
-    requires has_rolling
+  Contacts(const Material& material, const RollingPair& rolling) requires has_rolling
       : default_rolling_(rolling) {
     Rolling::check(rolling);
     add(material);
   }
-  explicit Contacts(std::initializer_list<Material> materials, const RollingPair& rolling = {})
-    requires several_materials
+  explicit Contacts(std::initializer_list<Material> materials,
+                    const RollingPair& rolling = {}) requires several_materials
       : default_rolling_(rolling) {
     require(materials.size() > 0, "Contacts: the list of materials is empty; give at least one");
     for (const auto& m : materials) add(m);
@@ -108,9 +108,8 @@ class Contacts {
   }
 
   /// Sets the rolling resistance between two materials, in either order.
-  Contacts& set_rolling(const Material& a, const Material& b, const RollingPair& rolling)
-    requires has_rolling
-  {
+  Contacts& set_rolling(const Material& a, const Material& b,
+                        const RollingPair& rolling) requires has_rolling {
     Rolling::check(rolling);
     const std::size_t i = add(a), j = add(b);
     entry(i, j).rolling = entry(j, i).rolling = rolling;

@@ -59,8 +59,8 @@ struct BasicHertzMindlin {
   static Pair like(const Material& m) { return {m.restitution, m.friction}; }
 
   static Coefficients<double> mix(const Material& a, const Material& b, const Pair& pair) {
-    const double E = effective_modulus(a.youngs_modulus, a.poisson_ratio, b.youngs_modulus,
-                                       b.poisson_ratio);
+    const double E =
+        effective_modulus(a.youngs_modulus, a.poisson_ratio, b.youngs_modulus, b.poisson_ratio);
     const double G = effective_shear_modulus(a.youngs_modulus, a.poisson_ratio, b.youngs_modulus,
                                              b.poisson_ratio);
     const double zeta = damping_ratio(pair.restitution, End);
@@ -70,15 +70,15 @@ struct BasicHertzMindlin {
   template <class Real>
   static Traction<Real> force(const Contact<Real>& c, const Coefficients<Real>& p,
                               History<Real>& h) {
-    const Real Sn = p.twice_modulus * sqrt(c.R_eff * c.overlap);                      // (1)
+    const Real Sn = p.twice_modulus * sqrt(c.R_eff * c.overlap);  // (1)
     const Real cn = p.normal_damping * sqrt(Sn * c.m_eff);
-    const Real Fn = normal_force<End>(Real(2.0 / 3.0) * Sn * c.overlap, cn, c);       // (2)
+    const Real Fn = normal_force<End>(Real(2.0 / 3.0) * Sn * c.overlap, cn, c);  // (2)
     const SpringSlider<Real> slider{p.stiffness_ratio * Sn, p.shear_damping * cn, p.friction};
     if constexpr (Memory == TangentialMemory::Force) {
       // S_t now over S_t at the last step, if the contact is unloading.
       const Real last = c.overlap + c.time_step * c.normal_velocity;
       const Real unloading = min(sqrt(c.overlap / max(last, c.overlap)), Real(1));
-      return {Fn, slider.from_force(c, Fn, unloading, h.tangential)};                 // (3)
+      return {Fn, slider.from_force(c, Fn, unloading, h.tangential)};  // (3)
     } else {
       return {Fn, slider.from_displacement(c, Fn, h.tangential)};
     }

@@ -68,9 +68,9 @@ template <DampingEnd End = DampingEnd::ZeroForce>
 struct BasicLinearSpringFriction {
   using Normal = BasicLinearSpring<End>;
   struct Material {
-    double stiffness;               // [N/m] k_n against itself, > 0
-    double restitution = 1.0;       // [-] in (0, 1], against itself
-    double friction = 0.0;          // [-] >= 0, against itself
+    double stiffness;                // [N/m] k_n against itself, > 0
+    double restitution = 1.0;        // [-] in (0, 1], against itself
+    double friction = 0.0;           // [-] >= 0, against itself
     double shear_ratio = 2.0 / 7.0;  // [-] k_t/k_n in (0, 1]; 2/7 gives equal half periods
     bool operator==(const Material&) const = default;
   };
@@ -114,8 +114,9 @@ struct BasicLinearSpringFriction {
   }
   static void check(const Material& m) {
     require_positive("LinearSpringFriction::Material.stiffness", m.stiffness, "N/m");
-    require(m.shear_ratio > 0 && m.shear_ratio <= 1, "LinearSpringFriction::Material.shear_ratio = ",
-            m.shear_ratio, " [-] must be in (0, 1]");
+    require(m.shear_ratio > 0 && m.shear_ratio <= 1,
+            "LinearSpringFriction::Material.shear_ratio = ", m.shear_ratio,
+            " [-] must be in (0, 1]");
     check(like(m));
   }
   static void check(const Pair& p) {

@@ -42,8 +42,7 @@ struct SpringSlider {
   Vec3<Real> from_force(const Contact<Real>& c, const Real& Fn, const Real& unloading,
                         Vec3<Real>& spring) const {
     const Vec3<Real> v = c.tangential_velocity;
-    const Vec3<Real> trial =
-        c.transported(spring) * unloading - (stiffness * c.time_step) * v;
+    const Vec3<Real> trial = c.transported(spring) * unloading - (stiffness * c.time_step) * v;
     const Vec3<Real> dashpot = tangential_damping(c) * v;
     const Vec3<Real> total = trial - dashpot;
     const Real sticking = share_within_limit(total, Fn);

@@ -29,7 +29,8 @@ struct FileError : Error {
   using Error::Error;
 };
 
-/// The run itself went wrong: not a number, overlap or time step over its limit, a particle outside.
+/// The run itself went wrong: not a number, overlap or time step over its limit, a particle
+/// outside.
 struct SimulationError : Error {
   SimulationError(const std::string& sentence, std::int64_t at_step, std::vector<std::uint32_t> ids,
                   Vec3d where)
@@ -53,26 +54,36 @@ inline void append(std::string& out, double value) {
 class Part {
  public:
   Part() = default;
-  Part(const char* words) : words_(words) {}             // NOLINT: converts
-  Part(const std::string& words) : words_(words) {}      // NOLINT
-  Part(std::string_view words) : words_(words) {}        // NOLINT
-  Part(char letter) : kind_(Kind::Letter), letter_(letter) {}  // NOLINT
-  Part(double number) : kind_(Kind::Number), number_{number, 0, 0} {}  // NOLINT
+  Part(const char* words) : words_(words) {}                             // NOLINT: converts
+  Part(const std::string& words) : words_(words) {}                      // NOLINT
+  Part(std::string_view words) : words_(words) {}                        // NOLINT
+  Part(char letter) : kind_(Kind::Letter), letter_(letter) {}            // NOLINT
+  Part(double number) : kind_(Kind::Number), number_{number, 0, 0} {}    // NOLINT
   Part(const Vec3d& v) : kind_(Kind::Vector), number_{v.x, v.y, v.z} {}  // NOLINT
-  Part(int n) : Part(static_cast<long long>(n)) {}                        // NOLINT
-  Part(long n) : Part(static_cast<long long>(n)) {}                       // NOLINT
-  Part(long long n) : kind_(Kind::Integer), integer_(n) {}                // NOLINT
-  Part(unsigned n) : Part(static_cast<unsigned long long>(n)) {}          // NOLINT
-  Part(unsigned long n) : Part(static_cast<unsigned long long>(n)) {}     // NOLINT
-  Part(unsigned long long n) : kind_(Kind::Count), count_(n) {}           // NOLINT
+  Part(int n) : Part(static_cast<long long>(n)) {}                       // NOLINT
+  Part(long n) : Part(static_cast<long long>(n)) {}                      // NOLINT
+  Part(long long n) : kind_(Kind::Integer), integer_(n) {}               // NOLINT
+  Part(unsigned n) : Part(static_cast<unsigned long long>(n)) {}         // NOLINT
+  Part(unsigned long n) : Part(static_cast<unsigned long long>(n)) {}    // NOLINT
+  Part(unsigned long long n) : kind_(Kind::Count), count_(n) {}          // NOLINT
 
   void append_to(std::string& out) const {
     switch (kind_) {
-      case Kind::Words: out += words_; break;
-      case Kind::Letter: out += letter_; break;
-      case Kind::Number: append(out, number_[0]); break;
-      case Kind::Integer: out += std::to_string(integer_); break;
-      case Kind::Count: out += std::to_string(count_); break;
+      case Kind::Words:
+        out += words_;
+        break;
+      case Kind::Letter:
+        out += letter_;
+        break;
+      case Kind::Number:
+        append(out, number_[0]);
+        break;
+      case Kind::Integer:
+        out += std::to_string(integer_);
+        break;
+      case Kind::Count:
+        out += std::to_string(count_);
+        break;
       case Kind::Vector:
         for (int d = 0; d < 3; ++d) out += d == 0 ? "(" : ", ", append(out, number_[d]);
         out += ')';
@@ -113,8 +124,8 @@ void require(bool condition, const Parts&... parts) {
 /// Throws InputError unless `value` is finite and in [low, high]: name, value, unit, range.
 inline void require_in(std::string_view name, double value, std::string_view unit, double low,
                        double high) {
-  require(value >= low && value <= high, name, " = ", value, " [", unit, "] must be in [", low, ", ",
-          high, "]");
+  require(value >= low && value <= high, name, " = ", value, " [", unit, "] must be in [", low,
+          ", ", high, "]");
 }
 
 /// Throws InputError unless `value` is finite and > 0: name, value, unit.

@@ -27,9 +27,8 @@ struct OneLane {};
 #if defined(SILT_NO_SIMD)
 using DefaultArch = OneLane;
 #else
-using DefaultArch =
-    std::conditional_t<xsimd::has_simd_register<double, xsimd::default_arch>::value,
-                       xsimd::default_arch, OneLane>;
+using DefaultArch = std::conditional_t<xsimd::has_simd_register<double, xsimd::default_arch>::value,
+                                       xsimd::default_arch, OneLane>;
 #endif
 
 /// Maps an architecture to the scalar-or-batch type of its kernels (`Real`) and its width.

@@ -59,7 +59,8 @@ class Team {
   }
 
  private:
-  // A ticket says which loop it is, how many parts it has, and which is the next: 24 + 20 + 20 bits.
+  // A ticket says which loop it is, how many parts it has, and which is the next: 24 + 20 + 20
+  // bits.
   static constexpr std::uint64_t limit = 1u << 20, stop = ~std::uint64_t{0};
   static std::uint64_t parts_of(std::uint64_t ticket) { return ticket >> 20 & (limit - 1); }
   static std::uint64_t next_of(std::uint64_t ticket) { return ticket & (limit - 1); }

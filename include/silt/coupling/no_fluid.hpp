@@ -5,8 +5,8 @@
 
 namespace silt {
 
-/// The coupling of particles with a fluid. Needs `static constexpr bool active`; if it is false, the
-/// fluid stage of the time loop compiles to nothing.
+/// The coupling of particles with a fluid. Needs `static constexpr bool active`; if it is false,
+/// the fluid stage of the time loop compiles to nothing.
 template <class F>
 concept FluidCoupling = requires {
   { F::active } -> std::convertible_to<bool>;

@@ -29,12 +29,15 @@ struct IsContacts : std::bool_constant<is_contacts<P>> {};
 
 /// A search is a finder itself, or something that holds one (a Verlet list).
 template <class P>
-struct IsSearch
-    : std::bool_constant<NeighbourSearch<P> || requires(P p) { requires NeighbourSearch<decltype(p.finder)>; }> {
-};
+        struct IsSearch : std::bool_constant < NeighbourSearch<P> ||
+    requires(P p) {
+  requires NeighbourSearch<decltype(p.finder)>;
+} > {};
 
 template <class P>
-struct IsDomain : std::bool_constant<requires { P::is_domain; }> {};
+    struct IsDomain : std::bool_constant < requires {
+  P::is_domain;
+} > {};
 
 template <class P>
 struct IsFluid : std::bool_constant<FluidCoupling<P>> {};

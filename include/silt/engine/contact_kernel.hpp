@@ -63,10 +63,11 @@ struct ContactKernel {
   }
 
   /// `history`: one pointer a component, at this pack; lanes out of contact are set to zero.
-  static SILT_INLINE PairLoad<Real> load(const Kinematics<Real>& k, const RollingKinematics<Real>& r,
-                             const Real& time_step, const LawCoefficients& law,
-                             [[maybe_unused]] const RollingCoefficients& rolling,
-                             double* const* history) {
+  static SILT_INLINE PairLoad<Real> load(const Kinematics<Real>& k,
+                                         const RollingKinematics<Real>& r, const Real& time_step,
+                                         const LawCoefficients& law,
+                                         [[maybe_unused]] const RollingCoefficients& rolling,
+                                         double* const* history) {
     const Contact<Real> c = contact(k, time_step);
     const auto touching = k.overlap > Real(0);
     const Real zero(0);
@@ -92,8 +93,13 @@ struct ContactKernel {
     if constexpr (ContactsType::has_rolling) {
       constexpr std::size_t offset = ContactsType::law_history;
       const RollingContact<Real> rc{
-          k.normal, r.angular_velocity - dot(r.angular_velocity, k.normal) * k.normal,
-          max(normal_force, zero), Law::stiffness(c, law), k.R_eff, r.inertia_eff, c.turn,
+          k.normal,
+          r.angular_velocity - dot(r.angular_velocity, k.normal) * k.normal,
+          max(normal_force, zero),
+          Law::stiffness(c, law),
+          k.R_eff,
+          r.inertia_eff,
+          c.turn,
           time_step};
       typename HistoryOf<Rolling, Real>::type m;
       load_history<ContactsType::rolling_history>(m, history + offset);

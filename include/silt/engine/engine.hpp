@@ -109,9 +109,9 @@ class Engine {
       if (!wall.moves()) continue;
       const Pose next = wall.motion(time + time_step);
       const Quaternion back = wall.pose.rotation * conjugate(next.rotation);
-      wall.last_pose = {back * wall.pose.rotation,
-                        wall.pose.translation +
-                            silt::rotate(back, wall.pose.translation - next.translation)};
+      wall.last_pose = {
+          back * wall.pose.rotation,
+          wall.pose.translation + silt::rotate(back, wall.pose.translation - next.translation)};
     }
   }
 
@@ -126,7 +126,8 @@ class Engine {
     if (how == Advance::KickAndRecord) synchronous.resize(particles.size());
     std::array<double, parts> fastest{}, check{};
     team_->for_parts(parts, [&](std::size_t p) {
-      const std::size_t from = particles.size() * p / parts, to = particles.size() * (p + 1) / parts;
+      const std::size_t from = particles.size() * p / parts,
+                        to = particles.size() * (p + 1) / parts;
       std::size_t extra = table_.extra_from(from);
       double speed2 = 0, sum = 0;
       for (std::size_t k = from; k < to; ++k) {
@@ -152,7 +153,8 @@ class Engine {
 
   void drift(double time_step) {
     team_->for_parts(parts, [&](std::size_t p) {
-      for (std::size_t k = particles.size() * p / parts; k < particles.size() * (p + 1) / parts; ++k)
+      for (std::size_t k = particles.size() * p / parts; k < particles.size() * (p + 1) / parts;
+           ++k)
         Leapfrog::drift(particles.position[k], particles.motion[k], time_step);
     });
     upkeep.travelled += largest_speed * time_step;
@@ -185,8 +187,8 @@ class Engine {
   void restored(double radius, double diameter, double speed, double overlap) {
     largest_radius = radius, mean_diameter = diameter;
     largest_speed = speed, largest_overlap = overlap;
-    parked_ = static_cast<std::size_t>(
-        std::count(particles.id.begin(), particles.id.end(), no_particle));
+    parked_ =
+        static_cast<std::size_t>(std::count(particles.id.begin(), particles.id.end(), no_particle));
     first_pruning_ = false;
     if (upkeep.pruned_at >= 0) renew_tables();  // else the next step makes lists and tables
   }
@@ -201,9 +203,9 @@ class Engine {
 
   std::size_t bytes() const {
     return particles.position.capacity() * sizeof(PositionRow) +
-           particles.motion.capacity() * sizeof(Motion) +
-           reference.capacity() * sizeof(Vec3d) + (rows_.capacity() + sums_.capacity()) * sizeof(double) + pairs.bytes() +
-           table_.bytes() + found_.capacity() * sizeof(IndexPair);
+           particles.motion.capacity() * sizeof(Motion) + reference.capacity() * sizeof(Vec3d) +
+           (rows_.capacity() + sums_.capacity()) * sizeof(double) + pairs.bytes() + table_.bytes() +
+           found_.capacity() * sizeof(IndexPair);
   }
 
  private:
@@ -214,7 +216,7 @@ class Engine {
 
   static constexpr std::size_t parts = 64;  // pieces of the particle loop, whatever the threads
 
-  static constexpr bool keeps_list = requires(Search& s) { s.finder; };
+  static constexpr bool keeps_list = requires(Search & s) { s.finder; };
   static auto& finder(Search& search) {
     if constexpr (keeps_list)
       return search.finder;
@@ -293,9 +295,9 @@ class Engine {
     if constexpr (ContactsType::several_materials) {
       kinds_.assign(pairs.padded_size(), 0);
       for (std::size_t k = 0; k < pairs.size(); ++k)
-        kinds_[k] = static_cast<std::uint16_t>(
-            particles.material[pairs.first()[k]] * coefficients.materials +
-            particles.material[pairs.second()[k]]);
+        kinds_[k] = static_cast<std::uint16_t>(particles.material[pairs.first()[k]] *
+                                                   coefficients.materials +
+                                               particles.material[pairs.second()[k]]);
     }
   }
 
@@ -367,7 +369,8 @@ class Engine {
   static void kick(Motion& m, const double* load, const Vec3d& gravity, double time) {
     Leapfrog::kick(m, load, gravity, time);
     if constexpr (rotates)
-      Leapfrog::template spin<ContactsType::has_rolling>(m, load, ShapeType::inertia_factor(), time);
+      Leapfrog::template spin<ContactsType::has_rolling>(m, load, ShapeType::inertia_factor(),
+                                                         time);
   }
 
   /// At the whole step the velocity is the mean of the two half steps around it.

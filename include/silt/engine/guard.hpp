@@ -13,9 +13,9 @@ namespace silt {
 
 /// Limits that a run must keep; where one is broken it stops with a SimulationError.
 struct Guard {
-  double max_overlap = 0.3;             // [-] of the smaller radius
-  double max_time_step = 0.125;         // [-] of the shortest contact time at the largest speed
-  std::optional<Box> domain = {};       // [m] particles must stay inside; left out: not checked
+  double max_overlap = 0.3;        // [-] of the smaller radius
+  double max_time_step = 0.125;    // [-] of the shortest contact time at the largest speed
+  std::optional<Box> domain = {};  // [m] particles must stay inside; left out: not checked
 };
 
 namespace detail {
@@ -26,7 +26,8 @@ template <class EngineType>
   for (std::size_t k = 0; k < e.particles.size(); ++k) {
     const auto& m = e.particles.motion[k];
     const auto& p = e.particles.position[k];
-    if (e.is_parked(e.particles.id[k]) || (is_finite(m.velocity()) && is_finite(p.centre()))) continue;
+    if (e.is_parked(e.particles.id[k]) || (is_finite(m.velocity()) && is_finite(p.centre())))
+      continue;
     throw SimulationError(
         text("step ", step, ", t = ", time, " s: the velocity of particle ", e.particles.id[k],
              " is not finite near ", e.reference[k],
@@ -38,8 +39,8 @@ template <class EngineType>
                         step, {}, {});
 }
 
-/// Names the contact with the largest overlap over the smaller radius. The spheres may have moved on
-/// by a step since it was measured: the deepest contact now tells which one it is.
+/// Names the contact with the largest overlap over the smaller radius. The spheres may have moved
+/// on by a step since it was measured: the deepest contact now tells which one it is.
 template <class EngineType, class Domain>
 [[noreturn]] void throw_overlap(const EngineType& e, const Domain& domain, std::int64_t step,
                                 double time, double limit) {
@@ -71,10 +72,10 @@ template <class EngineType, class Domain>
   }
   const Vec3d where = e.particles.position[a].centre();
   const auto head = text("step ", step, ", t = ", time, " s: ");
-  const auto tail = text(e.largest_overlap, " of the radius, above the limit guard.max_overlap = ",
-                         limit,
-                         "; use a stiffer material, a lower speed or a smaller time step, or start "
-                         "without overlaps");
+  const auto tail =
+      text(e.largest_overlap, " of the radius, above the limit guard.max_overlap = ", limit,
+           "; use a stiffer material, a lower speed or a smaller time step, or start "
+           "without overlaps");
   if (with_wall)
     throw SimulationError(text(head, "particle ", e.particles.id[a], " at ", where,
                                " m overlaps wall ", wall, " by ", tail),

@@ -20,16 +20,16 @@ namespace silt::detail {
 /// search, U since the last pruning, D' and U' the same for the walls. A pair that is not in the
 /// outer list had a gap of at least s at the search, so it has at least s - 2 D now; a pair of the
 /// outer list that was pruned had at least q at the pruning, so it has at least q - 2 U now. Hence
-///   (1) as long as 2 U < q and s - 2 D(at the pruning) >= q, no pair outside the inner list touches;
-///   (2) for walls the same holds with D + D' and U + U' in place of 2 D and 2 U.
+///   (1) as long as 2 U < q and s - 2 D(at the pruning) >= q, no pair outside the inner list
+///   touches; (2) for walls the same holds with D + D' and U + U' in place of 2 D and 2 U.
 /// U is bounded by the sum of max|v| dt (no square root a particle, no pass); D is measured exactly
 /// at each pruning. (1) is checked before the forces of every step.
 /// Tests: tests/engine/list_upkeep.cpp (against brute force at every step).
 class ListUpkeep {
  public:
-  double outer_skin = 0;  // [m] s
-  double inner_skin = 0;  // [m] q
-  double travelled = 0;   // [m] bound of U
+  double outer_skin = 0;                          // [m] s
+  double inner_skin = 0;                          // [m] q
+  double travelled = 0;                           // [m] bound of U
   std::int64_t pruned_at = -1, searched_at = -1;  // [steps]
 
   bool inner_holds(double wall_travel) const {
@@ -49,7 +49,8 @@ class ListUpkeep {
     double best = std::numeric_limits<double>::infinity();
     for (double s = 2 * least; s <= most; s *= 1.1) {
       const double listed = (1 + s) * (1 + s) * (1 + s);
-      const double q = std::clamp(std::sqrt(closing / d * prune * listed / idle_pair), least, s / 2);
+      const double q =
+          std::clamp(std::sqrt(closing / d * prune * listed / idle_pair), least, s / 2);
       const double cost = search * closing / (d * (s - q)) + prune * listed * closing / (d * q) +
                           idle_pair * q + 0.5 * listed;
       if (cost < best) best = cost, outer_skin = s * d, inner_skin = q * d;
@@ -59,12 +60,13 @@ class ListUpkeep {
   void set_skin(double skin) { outer_skin = skin, inner_skin = 0.2 * skin; }
 };
 
-/// The largest displacement [m] of points of `region` that are carried from pose a to pose b. A rigid
-/// motion is affine, so its displacement is convex and largest at a corner.
+/// The largest displacement [m] of points of `region` that are carried from pose a to pose b. A
+/// rigid motion is affine, so its displacement is convex and largest at a corner.
 inline double largest_displacement(const Pose& a, const Pose& b, const Box& region) {
   double most = 0;
   for (int corner = 0; corner < 8; ++corner) {
-    const Vec3d p{corner & 1 ? region.max.x : region.min.x, corner & 2 ? region.max.y : region.min.y,
+    const Vec3d p{corner & 1 ? region.max.x : region.min.x,
+                  corner & 2 ? region.max.y : region.min.y,
                   corner & 4 ? region.max.z : region.min.z};
     most = std::max(most, norm(b.to_space(a.to_body(p)) - p));
   }

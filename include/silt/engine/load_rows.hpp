@@ -48,8 +48,8 @@ inline void write_rows(double* rows, const PairLoad<Real>& load) {
 /// One thread's share of the pairs at a time. Loads on particles in [low, high) are added to their
 /// sums at once, in the order of the pairs; no two shares have a particle in common. The load of a
 /// pair with a particle outside goes into a row of its own, and is added to the sum when all shares
-/// are done. Shares and orders follow from the lists alone, so that sums are bit-identical for every
-/// number of threads.
+/// are done. Shares and orders follow from the lists alone, so that sums are bit-identical for
+/// every number of threads.
 struct PairShare {
   std::size_t from, to;     // pairs; multiples of the padding, but for the end
   std::uint32_t low, high;  // particles
@@ -94,10 +94,9 @@ class ReductionTable {
       extra_.push_back({particle, row, false});
   }
   void finish() {
-    std::sort(extra_.begin(), extra_.end(),
-                     [](const Extra& a, const Extra& b) {
-                return a.particle != b.particle ? a.particle < b.particle : a.row < b.row;
-              });
+    std::sort(extra_.begin(), extra_.end(), [](const Extra& a, const Extra& b) {
+      return a.particle != b.particle ? a.particle < b.particle : a.row < b.row;
+    });
   }
 
   const Slots& of(std::size_t particle) const { return slots_[particle]; }

@@ -27,15 +27,15 @@ struct Outlet {
 /// What flows in at an inlet. New spheres are placed at random free places of its region, every
 /// `interval`; those that find none wait for the next time.
 struct InletFlow {
-  SizeDistribution radius;       // [m]
-  double density;                // [kg/m3]
-  double rate;                   // [1/s] particles a second
-  Vec3d velocity{0, 0, 0};       // [m/s]
-  std::uint64_t total = 0;       // [-] stops after so many; 0: never
-  std::size_t material = 0;      // [-] index in the contacts' table
+  SizeDistribution radius;   // [m]
+  double density;            // [kg/m3]
+  double rate;               // [1/s] particles a second
+  Vec3d velocity{0, 0, 0};   // [m/s]
+  std::uint64_t total = 0;   // [-] stops after so many; 0: never
+  std::size_t material = 0;  // [-] index in the contacts' table
   std::uint64_t seed = 1;
-  std::size_t trials = 200;      // [-] occupied places tried for one sphere
-  double interval = 0;           // [s] between insertions; 0: a diameter's time of flight
+  std::size_t trials = 200;  // [-] occupied places tried for one sphere
+  double interval = 0;       // [s] between insertions; 0: a diameter's time of flight
 };
 
 struct Inlet {
@@ -80,9 +80,9 @@ template <class ShapeType>
 class Openings {
  public:
   std::size_t add_outlet(const Box& region) {
-    require(region.min.x < region.max.x && region.min.y < region.max.y &&
-                region.min.z < region.max.z,
-            "add_outlet: the region from ", region.min, " to ", region.max, " m is empty");
+    require(
+        region.min.x < region.max.x && region.min.y < region.max.y && region.min.z < region.max.z,
+        "add_outlet: the region from ", region.min, " to ", region.max, " m is empty");
     outlets_.push_back({region});
     return outlets_.size() - 1;
   }
@@ -120,8 +120,7 @@ class Openings {
   }
 
  private:
-  using Place =
-      std::function<std::optional<Vec3d>(const SphereGrid&, const Placement&, Random&)>;
+  using Place = std::function<std::optional<Vec3d>(const SphereGrid&, const Placement&, Random&)>;
 
   template <class Engine>
   void let_out(Engine& engine) {
@@ -148,7 +147,8 @@ class Openings {
     if (inlet.flow.total > 0) due = std::min(due, inlet.flow.total);
     if (due <= inlet.placed) return;
     SphereGrid occupied;
-    const Box near = inlet.bounds.grown(2 * std::max(engine.largest_radius, inlet.flow.radius.max()));
+    const Box near =
+        inlet.bounds.grown(2 * std::max(engine.largest_radius, inlet.flow.radius.max()));
     const auto occupy = [&](const Vec3d& centre, double radius) {
       for_images(sim.domain(), centre, [&](const Vec3d& image) {
         if (near.contains(image)) occupied.insert({image, radius});

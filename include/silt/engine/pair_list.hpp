@@ -19,9 +19,10 @@ inline constexpr std::uint32_t no_particle = std::numeric_limits<std::uint32_t>:
 ///
 /// Outer list: all pairs nearer than the skin at the last search. Inner list: those of them nearer
 /// than the inner skin at the last pruning; only these are computed. Pruning keeps the order of the
-/// outer list, so that history is carried along by a merge of two ascending sequences, in one linear
-/// pass. In a pair, `a` is the particle with the lower id, so that history never changes its sign.
-/// The inner list is padded to whole packs with pairs of two spheres of no radius (indices n, n+1).
+/// outer list, so that history is carried along by a merge of two ascending sequences, in one
+/// linear pass. In a pair, `a` is the particle with the lower id, so that history never changes its
+/// sign. The inner list is padded to whole packs with pairs of two spheres of no radius (indices n,
+/// n+1).
 template <std::size_t H>
 class PairList {
  public:
@@ -59,9 +60,8 @@ class PairList {
     const std::size_t chunks = pieces(outer_.size(), chunk);
     kept_.resize(outer_.size());
     begin_.assign(chunks + 1, 0);
-    team.for_parts(chunks, [&](std::size_t c) {
-      begin_[c + 1] = keep_near(c, rows, reach, domain);
-    });
+    team.for_parts(chunks,
+                   [&](std::size_t c) { begin_[c + 1] = keep_near(c, rows, reach, domain); });
     for (std::size_t c = 0; c < chunks; ++c) begin_[c + 1] += begin_[c];
 
     old_first_.swap(first_), old_second_.swap(second_), old_origin_.swap(origin_);

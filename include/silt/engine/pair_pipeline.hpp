@@ -43,9 +43,9 @@ inline Aggregate<Real> gather_coefficients(const std::vector<Aggregate<double>>&
   }
 }
 
-/// Computes the loads of all pairs of the inner list and adds them up: gather rows of both particles,
-/// law over lanes, rows out, sums. Blocks are small enough to stay in the first-level cache between
-/// the stages.
+/// Computes the loads of all pairs of the inner list and adds them up: gather rows of both
+/// particles, law over lanes, rows out, sums. Blocks are small enough to stay in the first-level
+/// cache between the stages.
 template <class ContactsType, class Domain, class Arch>
 class PairPipeline {
   using Real = typename Lanes<Arch>::Real;
@@ -84,8 +84,8 @@ class PairPipeline {
         alignas(64) double rows[block * 4 * chunks];
         const std::size_t count = std::min(block, share.to - from);
         most = std::max(most, run_block(in, list, table, domain, from, count, rows));
-        own_row = add_up(list, share, from, std::min(count, list.size() - from), rows, out.sums,
-                         own_row);
+        own_row =
+            add_up(list, share, from, std::min(count, list.size() - from), rows, out.sums, own_row);
       }
       largest[p] = most;
     });
@@ -119,22 +119,22 @@ class PairPipeline {
         law = gather_coefficients<Law::template Coefficients, Real>(table.law, in.kinds + from + k);
         if constexpr (ContactsType::has_rolling)
           rolling = gather_coefficients<Rolling::template Coefficients, Real>(table.rolling,
-                                                                             in.kinds + from + k);
+                                                                              in.kinds + from + k);
       }
       double* history[ContactsType::history + 1];
       for (std::size_t h = 0; h < ContactsType::history; ++h)
         history[h] = list.history(h) + from + k;
       const auto kinematics = pair_kinematics(s, k, domain, time_step);
-      const auto load = Kernel::load(kinematics, rolling_kinematics(s, k), time_step, law, rolling,
-                                     history);
+      const auto load =
+          Kernel::load(kinematics, rolling_kinematics(s, k), time_step, law, rolling, history);
       write_rows<chunks>(rows + k * 4 * chunks, load);
       largest = max(largest, kinematics.overlap * smaller_radius_inverse(s, k));
     }
     return largest_lane(largest);
   }
 
-  /// Adds the rows of a block to the sums of its particles; rows of pairs with a particle outside the
-  /// share are kept from `own_row` on. Returns the place for the next of these.
+  /// Adds the rows of a block to the sums of its particles; rows of pairs with a particle outside
+  /// the share are kept from `own_row` on. Returns the place for the next of these.
   static double* add_up(const PairList<ContactsType::history>& list, const PairShare& share,
                         std::size_t from, std::size_t count, const double* rows, double* sums,
                         double* own_row) {
@@ -170,8 +170,8 @@ class PairPipeline {
       return typename Kernel::RollingCoefficients{};
   }
 
-  static SILT_INLINE Kinematics<Real> pair_kinematics(const Scratch& s, std::size_t k, const Domain& domain,
-                                          const Real& time_step) {
+  static SILT_INLINE Kinematics<Real> pair_kinematics(const Scratch& s, std::size_t k,
+                                                      const Domain& domain, const Real& time_step) {
     Vec3<Real> d = load3<Real>(s.position[0] + k, s.position[1] + k, s.position[2] + k);
     if constexpr (Domain::periodic) d = domain.shortest(d);
     const Real reach = load<Real>(s.position[3] + k);
@@ -256,7 +256,7 @@ class PairPipeline {
                           std::size_t k, Scratch& s) {
     using Pack = typename PackOf<G>::type;
     alignas(64) static constexpr double difference[4] = {-1, -1, -1, 1}, sum[4] = {1, 1, 1, 1};
-    const auto turn = [&](auto row_of, const double* signs, double (*out)[block]) {
+    const auto turn = [&](auto row_of, const double* signs, double(*out)[block]) {
       for (std::size_t c = 0; c < 4; c += G) {
         const Pack sign = Pack::load_aligned(signs + c);
         Pack v[G];

@@ -17,9 +17,9 @@ template <bool Rotates, bool SeveralMaterials>
 class ParticleState {
  public:
   using Motion = MotionRow<Rotates>;
-  static constexpr std::size_t bytes_per_particle =
-      sizeof(PositionRow) + sizeof(Motion) + sizeof(std::uint32_t) +
-      (SeveralMaterials ? sizeof(std::uint16_t) : 0);
+  static constexpr std::size_t bytes_per_particle = sizeof(PositionRow) + sizeof(Motion) +
+                                                    sizeof(std::uint32_t) +
+                                                    (SeveralMaterials ? sizeof(std::uint16_t) : 0);
 
   AlignedVector<PositionRow> position;
   AlignedVector<Motion> motion;

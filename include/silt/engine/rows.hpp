@@ -8,7 +8,8 @@
 
 namespace silt {
 
-/// Centre and radius of one sphere [m]: what a search and the gap of a pair need, half a cache line.
+/// Centre and radius of one sphere [m]: what a search and the gap of a pair need, half a cache
+/// line.
 struct alignas(32) PositionRow {
   double x, y, z, r;
   Vec3d centre() const { return {x, y, z}; }

@@ -14,17 +14,19 @@ void Simulation<Policies...>::add(const ParticlesType& more) {
     const auto& p = more[k];
     if (guard.domain)
       require(guard.domain->contains(p.position), "particle ", k, " at ", p.position,
-              " m is outside guard.domain from ", guard.domain->min, " to ", guard.domain->max, " m");
+              " m is outside guard.domain from ", guard.domain->min, " to ", guard.domain->max,
+              " m");
     if constexpr (Domain::periodic)
       for (int d = 0; d < 3; ++d)
-        require(!domain_.repeats(d) || domain_.length(d) >= 6 * p.radius, "PeriodicBox: its length ",
-                domain_.length(d), " [m] must be at least 3 diameters of particle ", k, " of radius ",
-                p.radius, " m");
+        require(!domain_.repeats(d) || domain_.length(d) >= 6 * p.radius,
+                "PeriodicBox: its length ", domain_.length(d),
+                " [m] must be at least 3 diameters of particle ", k, " of radius ", p.radius, " m");
     require(p.material < contacts_.materials() || !ContactsType::several_materials, "particle ", k,
             ": material ", p.material, " is not in the table of ", contacts_.materials(),
             " materials; add it to the contacts first");
     require(ContactsType::several_materials || p.material == 0, "particle ", k, ": material ",
-            p.material, " needs Contacts<Law, SeveralMaterials>; without it all particles are of the "
+            p.material,
+            " needs Contacts<Law, SeveralMaterials>; without it all particles are of the "
             "first material");
     typename Engine::Motion m{};
     m.vx = p.velocity.x, m.vy = p.velocity.y, m.vz = p.velocity.z;
@@ -130,7 +132,8 @@ double Simulation<Policies...>::chosen_time_step() const {
     if (const auto limit = time_step_limit(speed))
       require(*time_step <= *limit, "Simulation::time_step = ", *time_step,
               " [s] is above the limit ", *limit, " s, guard.max_time_step = ", guard.max_time_step,
-              " of the shortest contact at ", speed, " m/s; lower it, leave it out, or soften the "
+              " of the shortest contact at ", speed,
+              " m/s; lower it, leave it out, or soften the "
               "material");
     return *time_step;
   }

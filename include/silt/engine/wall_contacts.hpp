@@ -18,16 +18,16 @@ namespace silt::detail {
 /// A sphere that is near a surface, and the slots that keep its contacts with it.
 struct WallCandidate {
   std::uint32_t particle;
-  std::uint16_t wall, surface;         // surface of this wall
-  std::uint32_t slot;                  // its first slot
-  std::uint32_t facets, facet_count;   // where its triangles stand in the pool, if it is a mesh
+  std::uint16_t wall, surface;        // surface of this wall
+  std::uint32_t slot;                 // its first slot
+  std::uint32_t facets, facet_count;  // where its triangles stand in the pool, if it is a mesh
   auto key() const { return std::tie(particle, wall, surface); }
 };
 
 /// Which spheres are near which surfaces, in two stages like PairList, and H Reals of history for
-/// each contact with a wall. A candidate has as many slots as the surface can have contacts with one
-/// sphere; slots come in blocks that one thread computes at a time, and all candidates of a sphere
-/// stand side by side in one block.
+/// each contact with a wall. A candidate has as many slots as the surface can have contacts with
+/// one sphere; slots come in blocks that one thread computes at a time, and all candidates of a
+/// sphere stand side by side in one block.
 template <std::size_t H>
 class WallContacts {
  public:
@@ -111,7 +111,8 @@ class WallContacts {
       if (inner_[k].slot / block >= block_begin_.size()) block_begin_.push_back(k);
     if (!inner_.empty()) block_begin_.push_back(inner_.size());
     slots_ = std::move(s.slots);
-    for (std::size_t h = 0; h < H; ++h) history_[h].assign(s.history[h].begin(), s.history[h].end());
+    for (std::size_t h = 0; h < H; ++h)
+      history_[h].assign(s.history[h].begin(), s.history[h].end());
     renewed_ = false;
   }
 
@@ -131,8 +132,12 @@ class WallContacts {
     for (std::uint32_t p = 0; p < rows.size(); ++p) {
       const Vec3d centre = in_body(wall, rows[p].centre());
       const double within = rows[p].r + reach;
-      WallCandidate c{p, static_cast<std::uint16_t>(w), static_cast<std::uint16_t>(s), 0,
-                      static_cast<std::uint32_t>(outer_facets_.size()), 0};
+      WallCandidate c{p,
+                      static_cast<std::uint16_t>(w),
+                      static_cast<std::uint16_t>(s),
+                      0,
+                      static_cast<std::uint32_t>(outer_facets_.size()),
+                      0};
       if constexpr (requires { surface.triangles_near(centre, within, outer_facets_); }) {
         if (!surface.bounds().grown(within).contains(centre)) continue;
         found_facets_.clear();
@@ -172,7 +177,8 @@ class WallContacts {
     for (std::size_t k = 0; k < inner_.size(); ++k) {
       std::size_t together = count(k);  // slots that must not be parted from this candidate's
       if (k == 0 || inner_[k - 1].particle != inner_[k].particle)
-        for (std::size_t m = k + 1; m < inner_.size() && inner_[m].particle == inner_[k].particle; ++m)
+        for (std::size_t m = k + 1; m < inner_.size() && inner_[m].particle == inner_[k].particle;
+             ++m)
           if (together + count(m) <= block) together += count(m);
       if (next % block + together > block) next = pieces(next, block) * block;
       if (next / block >= block_begin_.size()) block_begin_.push_back(k);
@@ -213,7 +219,8 @@ class WallContacts {
   }
   void recall() {
     for (const auto& c : inner_) {
-      const std::uint32_t before = renewed_ && !previous_.empty() ? previous_[c.particle] : c.particle;
+      const std::uint32_t before =
+          renewed_ && !previous_.empty() ? previous_[c.particle] : c.particle;
       const auto key = std::tie(before, c.wall, c.surface);
       auto found = std::lower_bound(archive_.begin(), archive_.end(), key,
                                     [](const Kept& a, const auto& k) { return a.key() < k; });

@@ -10,8 +10,8 @@
 
 namespace silt::detail {
 
-/// Computes the loads of all contacts with walls: geometry of each candidate, then the same law over
-/// lanes as for pairs, rows out; sums what each wall bears.
+/// Computes the loads of all contacts with walls: geometry of each candidate, then the same law
+/// over lanes as for pairs, rows out; sums what each wall bears.
 template <class ContactsType, class Arch>
 class WallPipeline {
   using Real = typename Lanes<Arch>::Real;
@@ -39,9 +39,8 @@ class WallPipeline {
              std::span<Wall> walls, double* rows, const Team& team) {
     loads_.assign(contacts.blocks() * walls.size(), {});
     largest_.assign(contacts.blocks(), 0);
-    team.for_parts(contacts.blocks(), [&](std::size_t b) {
-      run_block(in, contacts, table, walls, rows, b);
-    });
+    team.for_parts(contacts.blocks(),
+                   [&](std::size_t b) { run_block(in, contacts, table, walls, rows, b); });
     for (std::size_t w = 0; w < walls.size(); ++w) {
       walls[w].force = walls[w].torque = {0, 0, 0};
       for (std::size_t b = 0; b < contacts.blocks(); ++b) {
@@ -81,14 +80,14 @@ class WallPipeline {
     for (std::size_t k = 0; k < block; ++k) clear(s, k);
     const auto candidates = contacts.block_candidates(b);
     for (std::size_t k = 0, next = 0; k < candidates.size(); k = next) {
-      while (next < candidates.size() && candidates[next].particle == candidates[k].particle) ++next;
+      while (next < candidates.size() && candidates[next].particle == candidates[k].particle)
+        ++next;
       touch(candidates.subspan(k, next - k), walls, contacts, in, table, s, first);
     }
 
     const Real time_step(in.time_step);
     for (std::size_t k = 0; k < block; k += W) {
-      const auto law =
-          gather_coefficients<Law::template Coefficients, Real>(table.law, s.kind + k);
+      const auto law = gather_coefficients<Law::template Coefficients, Real>(table.law, s.kind + k);
       double* history[ContactsType::history + 1];
       for (std::size_t h = 0; h < ContactsType::history; ++h)
         history[h] = contacts.history(h) + first + k;
@@ -112,8 +111,8 @@ class WallPipeline {
 
   static void clear(Scratch& s, std::size_t k) {
     for (int d = 0; d < 3; ++d)
-      s.normal[d][k] = d == 2, s.half_change[d][k] = s.velocity[d][k] = s.spin[d][k] =
-                                   s.angular[d][k] = 0;
+      s.normal[d][k] = d == 2,
+      s.half_change[d][k] = s.velocity[d][k] = s.spin[d][k] = s.angular[d][k] = 0;
     s.overlap[k] = -1, s.arm[k] = s.radius[k] = s.mass[k] = 1, s.twist[k] = 0, s.kind[k] = 0;
   }
 
@@ -160,7 +159,8 @@ class WallPipeline {
 
   template <class S>
   static int touching_points(const S& surface, const Wall& wall, const WallCandidate& c,
-                             const PositionRow& row, const Contacts& contacts, SurfacePoint* points) {
+                             const PositionRow& row, const Contacts& contacts,
+                             SurfacePoint* points) {
     const Vec3d centre = Contacts::in_body(wall, row.centre());
     int count;
     if constexpr (requires { surface.contacts(centre, row.r, contacts.facets(c), points); })
@@ -172,8 +172,8 @@ class WallPipeline {
     return count;
   }
 
-  /// Where two surfaces join, the rim or edge of one lies in the tangent plane of the other: it is a
-  /// seam there and no second contact.
+  /// Where two surfaces join, the rim or edge of one lies in the tangent plane of the other: it is
+  /// a seam there and no second contact.
   static void drop_seams(std::span<Touch> found, double tolerance) {
     for (std::size_t a = 0; a < found.size(); ++a)
       for (std::size_t b = 0; b < found.size() && !found[a].seam; ++b) {
@@ -226,7 +226,7 @@ class WallPipeline {
       wall_velocity += cross(wall_spin, 0.5 * in.time_step * (wall_velocity - motion.velocity()) +
                                             point.distance * half_change);
     }
-    const auto put = [k](double (*out)[block], const Vec3d& v) {
+    const auto put = [k](double(*out)[block], const Vec3d& v) {
       out[0][k] = v.x, out[1][k] = v.y, out[2][k] = v.z;
     };
     put(s.normal, point.normal);
@@ -260,8 +260,7 @@ class WallPipeline {
   static Kinematics<Real> kinematics(const Scratch& s, std::size_t k) {
     Kinematics<Real> out;
     out.normal = load3<Real>(s.normal[0] + k, s.normal[1] + k, s.normal[2] + k);
-    out.half_change =
-        load3<Real>(s.half_change[0] + k, s.half_change[1] + k, s.half_change[2] + k);
+    out.half_change = load3<Real>(s.half_change[0] + k, s.half_change[1] + k, s.half_change[2] + k);
     out.overlap = load<Real>(s.overlap + k);
     out.arm = load<Real>(s.arm + k);
     out.R_eff = load<Real>(s.radius + k);
@@ -287,8 +286,8 @@ class WallPipeline {
       return typename Kernel::RollingCoefficients{};
   }
 
-  std::vector<WallLoad> loads_;   // by block and wall
-  std::vector<double> largest_;   // by block
+  std::vector<WallLoad> loads_;  // by block and wall
+  std::vector<double> largest_;  // by block
 };
 
 }  // namespace silt::detail

@@ -19,10 +19,10 @@ struct Fill {
   std::size_t count = 0;    // [-] how many; 0: not used
   double solid_volume = 0;  // [m3] of all spheres; 0: not used
   Arrangement arrangement = Arrangement::Lattice;
-  double gap = 0;              // [m] least distance between surfaces
-  std::uint64_t seed = 1;      // same seed, same spheres
-  Vec3d velocity{0, 0, 0};     // [m/s] of each
-  std::size_t material = 0;    // [-] index in the contacts' table
+  double gap = 0;            // [m] least distance between surfaces
+  std::uint64_t seed = 1;    // same seed, same spheres
+  Vec3d velocity{0, 0, 0};   // [m/s] of each
+  std::size_t material = 0;  // [-] index in the contacts' table
 
   std::size_t trials = 10000;  // [-] Arrangement::Random: failed trials before it stops
 
@@ -43,17 +43,19 @@ class Particles {
  public:
   using ShapeType = S;
   struct Particle {
-    Vec3d position;                    // [m]
-    double radius;                     // [m]
-    double density;                    // [kg/m3]
-    Vec3d velocity{0, 0, 0};           // [m/s]
-    Vec3d angular_velocity{0, 0, 0};   // [rad/s]
-    std::size_t material = 0;          // [-] index in the contacts' table
-    bool fixed = false;                // keeps its velocity whatever acts on it
+    Vec3d position;                   // [m]
+    double radius;                    // [m]
+    double density;                   // [kg/m3]
+    Vec3d velocity{0, 0, 0};          // [m/s]
+    Vec3d angular_velocity{0, 0, 0};  // [rad/s]
+    std::size_t material = 0;         // [-] index in the contacts' table
+    bool fixed = false;               // keeps its velocity whatever acts on it
   };
 
   Particles& add(const Particle& p) {
-    const auto what = [&](const char* field) { return text("particle ", all_.size(), ": ", field); };
+    const auto what = [&](const char* field) {
+      return text("particle ", all_.size(), ": ", field);
+    };
     require(is_finite(p.position), what("position"), " = ", p.position, " [m] must be finite");
     require_positive(what("radius"), p.radius, "m");
     require_positive(what("density"), p.density, "kg/m3");
@@ -80,8 +82,8 @@ class Particles {
   }
   Particles& fill(const Box& region, const Fill& f) { return fill<Box>(region, f); }
 
-  /// Adds the particles of a text table (fill/particle_file.hpp). What the table leaves out is taken
-  /// from `rest`: density [kg/m3] and material.
+  /// Adds the particles of a text table (fill/particle_file.hpp). What the table leaves out is
+  /// taken from `rest`: density [kg/m3] and material.
   Particles& read(const std::string& path, double density = 0, std::size_t material = 0) {
     const ParticleTable table = read_particle_file(path);
     require(!table.density.empty() || density > 0, "particle file '", path,
@@ -89,8 +91,7 @@ class Particles {
     const std::size_t before = all_.size();
     try {
       for (std::size_t k = 0; k < table.size(); ++k)
-        add({table.position[k], table.radius[k],
-             table.density.empty() ? density : table.density[k],
+        add({table.position[k], table.radius[k], table.density.empty() ? density : table.density[k],
              table.velocity.empty() ? Vec3d{0, 0, 0} : table.velocity[k],
              table.angular_velocity.empty() ? Vec3d{0, 0, 0} : table.angular_velocity[k],
              table.material.empty() ? material : table.material[k]});

@@ -13,15 +13,16 @@
 namespace silt {
 
 /// Saves and restores the whole state of a simulation: particles, contact history, lists, walls,
-/// inlets and outlets, clock. A run continued from it gives the same bits as one that never stopped.
+/// inlets and outlets, clock. A run continued from it gives the same bits as one that never
+/// stopped.
 ///
 ///   silt::save_checkpoint(sim, "run.silt");
 ///   silt::load_checkpoint(sim, "run.silt");    // sim: the same scene, built by the same program
 ///
 /// Walls, materials, limits and gravity come from the program; the state replaces all particles.
 /// Errors: FileError for a file that is damaged or cannot be read or written; InputError for one of
-/// other policies or of a scene with other walls, inlets or outlets. The simulation is then as it was.
-/// Tests: tests/io/checkpoint.cpp.
+/// other policies or of a scene with other walls, inlets or outlets. The simulation is then as it
+/// was. Tests: tests/io/checkpoint.cpp.
 template <class Sim>
 class Checkpoint {
   using Engine = typename Sim::Engine;
@@ -32,12 +33,12 @@ class Checkpoint {
   static void save(const Sim& sim, const std::string& path) {
     const Engine& e = sim.engine_;
     CheckpointWriter out(signature());
-    const std::vector<double> clock{sim.time_, sim.dt_, sim.time_origin_, sim.checked_speed_,
-                                    sim.peak_overlap_, e.largest_radius, e.mean_diameter,
-                                    e.largest_speed, e.largest_overlap};
-    const std::vector<std::int64_t> counters{sim.step_, sim.step_origin_, sim.next_id_,
-                                             sim.first_kick_, sim.kicked_, e.upkeep.pruned_at,
-                                             e.upkeep.searched_at};
+    const std::vector<double> clock{sim.time_,          sim.dt_,           sim.time_origin_,
+                                    sim.checked_speed_, sim.peak_overlap_, e.largest_radius,
+                                    e.mean_diameter,    e.largest_speed,   e.largest_overlap};
+    const std::vector<std::int64_t> counters{
+        sim.step_,   sim.step_origin_,   sim.next_id_,        sim.first_kick_,
+        sim.kicked_, e.upkeep.pruned_at, e.upkeep.searched_at};
     const std::vector<double> skins{e.upkeep.outer_skin, e.upkeep.inner_skin, e.upkeep.travelled};
     out.add("clock", clock), out.add("counters", counters), out.add("skins", skins);
 
@@ -82,15 +83,16 @@ class Checkpoint {
       put(marks, mark->region().min), put(marks, mark->region().max);
       for (const auto& pose : mark->poses()) put(marks, pose);
     }
-    out.add("walls.state", walls), out.add("walls.marks", marks), out.add("walls.surfaces", surfaces);
+    out.add("walls.state", walls), out.add("walls.marks", marks),
+        out.add("walls.surfaces", surfaces);
 
     std::vector<std::uint64_t> counts;
     std::vector<double> flows;
-    for (const auto& o : sim.openings_.outlets()) counts.push_back(o.count), flows.push_back(o.mass);
+    for (const auto& o : sim.openings_.outlets())
+      counts.push_back(o.count), flows.push_back(o.mass);
     for (const auto& i : sim.openings_.inlets()) {
       const auto random = i.random.state();
-      counts.insert(counts.end(),
-                    {i.placed, i.waiting, i.insertions, random.seed, random.counter});
+      counts.insert(counts.end(), {i.placed, i.waiting, i.insertions, random.seed, random.counter});
       flows.push_back(i.start), flows.push_back(i.interval);
     }
     out.add("openings.counts", counts), out.add("openings.flows", flows);
@@ -108,7 +110,8 @@ class Checkpoint {
       require(surfaces[w] == 0 || surfaces[w] == e.walls[w].surfaces.size(), "checkpoint '", path,
               "': wall ", w, " has ", surfaces[w], " surfaces, but the simulation's has ",
               e.walls[w].surfaces.size(), "; build the scene that wrote it");
-    const std::size_t outlets = sim.openings_.outlets().size(), inlets = sim.openings_.inlets().size();
+    const std::size_t outlets = sim.openings_.outlets().size(),
+                      inlets = sim.openings_.inlets().size();
     const auto counts = in.get<std::uint64_t>("openings.counts");
     require(counts.size() == outlets + 5 * inlets, "checkpoint '", path,
             "' has other inlets or outlets than the simulation; build the scene that wrote it");
@@ -140,7 +143,8 @@ class Checkpoint {
     for (std::size_t h = 0; h < H; ++h)
       state.history[h] = in.get<double>(text("walls.history", h), touching.size());
     for (std::size_t k = 0; k < touching.size(); ++k)
-      state.slots.push_back({{normals[3 * k], normals[3 * k + 1], normals[3 * k + 2]}, touching[k] != 0});
+      state.slots.push_back(
+          {{normals[3 * k], normals[3 * k + 1], normals[3 * k + 2]}, touching[k] != 0});
     const auto walls = in.get<double>("walls.state", 23 * surfaces.size());
     const auto marks = in.get<double>("walls.marks");
     const auto flows = in.get<double>("openings.flows", outlets + 2 * inlets);
@@ -248,7 +252,8 @@ class Checkpoint {
     std::vector<detail::WallCandidate> out;
     for (std::size_t k = 0; k + 5 < flat.size(); k += 6)
       out.push_back({flat[k], static_cast<std::uint16_t>(flat[k + 1]),
-                     static_cast<std::uint16_t>(flat[k + 2]), flat[k + 3], flat[k + 4], flat[k + 5]});
+                     static_cast<std::uint16_t>(flat[k + 2]), flat[k + 3], flat[k + 4],
+                     flat[k + 5]});
     return out;
   }
 };

@@ -38,7 +38,8 @@ class Schedule {
     last_ = number(sim);
   }
   /// Due at once if it is time, but for a run that goes on from a checkpoint, which was observed
-  /// when it was saved. An observer that is given to several runs in turn goes on with its schedule.
+  /// when it was saved. An observer that is given to several runs in turn goes on with its
+  /// schedule.
   template <class Sim>
   void begin(const Sim& sim) {
     if (!begun_) last_ = number(sim) - (on_time(sim) && !sim.continued() ? 1 : 0);
@@ -69,8 +70,7 @@ inline Schedule every(double interval) { return Schedule(interval); }
 template <class Action>
 class TimedAction {
  public:
-  TimedAction(Schedule schedule, Action action)
-      : schedule_(schedule), action_(std::move(action)) {}
+  TimedAction(Schedule schedule, Action action) : schedule_(schedule), action_(std::move(action)) {}
   template <class Sim>
   void begin(const Sim& sim, double) {
     schedule_.begin(sim);
@@ -157,9 +157,9 @@ void write_particles(const std::string& file, const Sim& sim) {
 
 /// Triangles that show a wall where it is now; planes only within `around`.
 struct WallTriangles {
-  std::vector<Vec3d> points;                            // [m]
+  std::vector<Vec3d> points;  // [m]
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::vector<std::uint32_t> wall;                      // number of the wall, by point
+  std::vector<std::uint32_t> wall;  // number of the wall, by point
 };
 template <class Sim>
 WallTriangles wall_triangles(const Sim& sim, const Box& around) {
@@ -175,7 +175,8 @@ WallTriangles wall_triangles(const Sim& sim, const Box& around) {
                                      c & 2 ? around.max.y : around.min.y,
                                      c & 4 ? around.max.z : around.min.z}));
         const auto [points, triangles] = detail::outline(s, seen);
-        for (const auto& p : points) out.points.push_back(pose.to_space(p)), out.wall.push_back(static_cast<std::uint32_t>(w));
+        for (const auto& p : points)
+          out.points.push_back(pose.to_space(p)), out.wall.push_back(static_cast<std::uint32_t>(w));
         for (const auto& t : triangles)
           out.triangles.push_back({first + t[0], first + t[1], first + t[2]});
       });
@@ -277,8 +278,8 @@ class Progress {
   void show(const Sim& sim, bool last) {
     steps_ += static_cast<std::uint64_t>(sim.step() - first_step_) * sim.size();
     first_step_ = sim.step();
-    const auto line = progress_line(sim.time(), end_time_, steps_, seconds_since(start_), sim.size(),
-                                    sim.peak_overlap(), start_time_);
+    const auto line = progress_line(sim.time(), end_time_, steps_, seconds_since(start_),
+                                    sim.size(), sim.peak_overlap(), start_time_);
     if (terminal_)
       std::fprintf(out_, "\r%-120s%s", line.c_str(), last ? "\n" : "");
     else

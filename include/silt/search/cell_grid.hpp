@@ -83,8 +83,8 @@ class CellGrid {
     const Vec3d e = bounds.extent();
     const double length[3] = {e.x, e.y, e.z};
     const double most = 8.0 * static_cast<double>(spheres) + 64;
-    // Wider by more than the rounding of a centre's place in the grid, so that no two spheres within
-    // the cutoff are two cells apart.
+    // Wider by more than the rounding of a centre's place in the grid, so that no two spheres
+    // within the cutoff are two cells apart.
     for (double edge = cutoff * (1 + 1e-9);; edge *= 1.26) {
       double total = 1;
       for (int d = 0; d < 3; ++d) total *= std::max(1.0, std::floor(length[d] / edge));
@@ -173,13 +173,13 @@ class CellGrid {
         found.push_back({order_[p], order_[q]});
   }
 
-  Vec3d low_{};                                  // [m]
-  std::array<std::size_t, 3> count_{1, 1, 1};    // cells in each direction
-  std::array<double, 3> per_length_{};           // [1/m]
+  Vec3d low_{};                                // [m]
+  std::array<std::size_t, 3> count_{1, 1, 1};  // cells in each direction
+  std::array<double, 3> per_length_{};         // [1/m]
   std::vector<std::uint32_t> cell_, order_, next_;
-  std::vector<std::uint32_t> start_;             // first sphere of each cell, in `order_`
+  std::vector<std::uint32_t> start_;  // first sphere of each cell, in `order_`
   AlignedVector<PositionRow> sorted_;
-  std::vector<std::vector<IndexPair>> found_;    // by part
+  std::vector<std::vector<IndexPair>> found_;  // by part
 };
 
 static_assert(NeighbourSearch<CellGrid>);

@@ -44,9 +44,9 @@ struct RollingEpsd {
     const Vec3<Real> trial = carried - (kr * c.time_step) * c.angular_velocity;
     const Real size = sqrt(max(dot(trial, trial), Real(std::numeric_limits<double>::min())));
     const auto mobilised = size >= limit;
-    h.torque = trial * min(limit / size, Real(1));                                        // (1)
+    h.torque = trial * min(limit / size, Real(1));  // (1)
     const Real Cr = select(mobilised, Real(0), p.twice_damping * sqrt(c.inertia_eff * kr));
-    return h.torque - Cr * c.angular_velocity;                                            // (2)
+    return h.torque - Cr * c.angular_velocity;  // (2)
   }
 
   static void check(const Pair& p) {
