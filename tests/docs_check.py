@@ -21,7 +21,8 @@ for page in [root + "/README.md"] + sorted(glob.glob(root + "/docs/*.md")):
         if not any(wanted in text for text in sources.values()):
             failed += 1
             print(f"{name}: this block stands in no compiled program:\n{block}")
-    for target in re.findall(r"\]\(([^)#:]+)\)", content):
+    prose = re.sub(r"```.*?```", "", content, flags=re.S)
+    for target in re.findall(r"\]\(([^)#:]+)\)", prose):
         if not os.path.exists(os.path.join(os.path.dirname(page), target)):
             failed += 1
             print(f"{name}: links to {target}, which is not there")
