@@ -42,7 +42,9 @@ class ListUpkeep {
 
   /// Chooses both skins for spheres of mean diameter d [m] that approach by `closing` [m] a step at
   /// most. Minimises the cost a step of a particle: search / interval + prune / interval + pairs
-  /// that do not touch; its constants are nanoseconds of this engine on a bed of 50 000 spheres.
+  /// that do not touch; its constants are rough nanoseconds of an earlier prototype on a
+  /// dense bed; they set the speed alone, not the result's validity, and are not yet fitted to this
+  /// engine.
   void choose_skins(double d, double closing) {
     constexpr double search = 150, prune = 15, idle_pair = 36;  // [ns], the last per skin/diameter
     constexpr double least = 0.01, most = 0.5;                  // [-] of the diameter
