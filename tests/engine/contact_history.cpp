@@ -116,7 +116,7 @@ TEST_CASE("contact_history: it matters in this scene, so that the cases above ca
   with.run(duration / 2), without.run(duration / 2);
   for (int h = 0; h < 6; ++h) {
     auto& pairs = without.engine().pairs;
-    std::fill_n(pairs.history(h), pairs.size(), 0.0);
+    std::fill_n(pairs.history(h), pairs.padded_size(), 0.0);
   }
   with.run(duration / 2), without.run(duration / 2);
   CHECK(difference(bits(with), bits(without)) > 1e-6);

@@ -34,7 +34,8 @@ struct Watch {
     const auto& e = sim.engine();
     using Pair = std::array<std::uint32_t, 2>;
     std::vector<Pair> listed;
-    e.pairs.for_each([&](std::uint32_t a, std::uint32_t b, const auto&) {
+    e.pairs.for_each([&](std::size_t k) {
+      const std::uint32_t a = e.pairs.first()[k], b = e.pairs.second()[k];
       listed.push_back({std::min(a, b), std::max(a, b)});
     });
     std::sort(listed.begin(), listed.end());

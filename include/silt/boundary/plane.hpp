@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -37,8 +38,15 @@ struct Plane {
     return box;
   }
 
+  /// The same plane with a normal of length 1, which contacts() need not normalise again.
+  Plane unit() const {
+    const double length = norm(normal);
+    return std::isfinite(length) && length > 0 ? Plane{point, normalised(normal)} : *this;
+  }
+
   int contacts(const Vec3d& centre, double reach, SurfacePoint* out) const {
-    const Vec3d n = normalised(normal);
+    const double length2 = dot(normal, normal);
+    const Vec3d n = std::abs(length2 - 1) <= 4e-16 ? normal : normalised(normal);
     const double distance = dot(centre - point, n);
     if (!(distance < reach)) return 0;
     *out = {n, distance, 0};

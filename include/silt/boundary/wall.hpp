@@ -20,7 +20,7 @@ using Surface = std::variant<Plane, Cylinder, Cone, std::shared_ptr<const Triang
 
 /// The surfaces that make one wall: a single one, or several as in `silt::box`.
 struct Surfaces {
-  Surfaces(const Plane& plane) : parts{plane} {}           // NOLINT: a plane is a wall
+  Surfaces(const Plane& plane) : parts{plane.unit()} {}    // NOLINT: a plane is a wall
   Surfaces(const Cylinder& cylinder) : parts{cylinder} {}  // NOLINT
   Surfaces(const Cone& cone) : parts{cone} {}              // NOLINT
   Surfaces(TriangleMesh mesh)                              // NOLINT

@@ -56,9 +56,9 @@ struct SpringSlider {
     const Vec3<Real> trial = c.transported(slip) + c.time_step * v;
     const Vec3<Real> dashpot = tangential_damping(c) * v;
     const Vec3<Real> total = -(stiffness * trial + dashpot);
+    const Real compliance = Real(1) / max(stiffness, Real(std::numeric_limits<double>::min()));
     const Real sticking = share_within_limit(total, Fn);
-    const Real tiny = std::numeric_limits<double>::min();
-    slip = sticking * trial - ((Real(1) - sticking) / max(stiffness, tiny)) * dashpot;
+    slip = sticking * trial - ((Real(1) - sticking) * compliance) * dashpot;
     return sticking * total;
   }
 
@@ -68,8 +68,9 @@ struct SpringSlider {
     return leapfrog_damping(damping, Real(3.5) * c.inverse_m_eff, c.time_step);
   }
   Real share_within_limit(const Vec3<Real>& total, const Real& Fn) const {
-    const Real size = sqrt(max(dot(total, total), Real(std::numeric_limits<double>::min())));
-    return min(friction * max(Fn, Real(0)) / size, Real(1));
+    // 1/size as size (1/size^2): division and square root need not wait for each other.
+    const Real size2 = max(dot(total, total), Real(std::numeric_limits<double>::min()));
+    return min(friction * max(Fn, Real(0)) * (sqrt(size2) * (Real(1) / size2)), Real(1));
   }
 };
 

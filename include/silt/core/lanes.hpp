@@ -6,7 +6,16 @@
 #include <limits>
 #include <type_traits>
 
+#if defined(__GNUC__) && !defined(__clang__)
+// GCC bug 105593: its own AVX-512 headers read undefined registers on purpose, and warn.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wuninitialized"
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #include <xsimd/xsimd.hpp>
+#pragma GCC diagnostic pop
+#else
+#include <xsimd/xsimd.hpp>
+#endif
 
 #include <silt/core/vec3.hpp>
 
@@ -144,30 +153,6 @@ inline double largest_lane(const Real& x) {
     return best;
   } else {
     return x;
-  }
-}
-
-/// Turns W vectors of W lanes: lane j of out[i] = lane i of in[j].
-template <class Real>
-inline void transpose(Real (&v)[Real::size]) {
-  constexpr std::size_t W = Real::size;
-#if defined(__AVX__)
-  if constexpr (W == 4) {
-    const __m256d lo01 = _mm256_unpacklo_pd(v[0], v[1]), hi01 = _mm256_unpackhi_pd(v[0], v[1]);
-    const __m256d lo23 = _mm256_unpacklo_pd(v[2], v[3]), hi23 = _mm256_unpackhi_pd(v[2], v[3]);
-    v[0] = Real(_mm256_permute2f128_pd(lo01, lo23, 0x20));
-    v[1] = Real(_mm256_permute2f128_pd(hi01, hi23, 0x20));
-    v[2] = Real(_mm256_permute2f128_pd(lo01, lo23, 0x31));
-    v[3] = Real(_mm256_permute2f128_pd(hi01, hi23, 0x31));
-    return;
-  }
-#endif
-  alignas(Real) double lane[W][W];
-  for (std::size_t i = 0; i < W; ++i) v[i].store_aligned(lane[i]);
-  for (std::size_t i = 0; i < W; ++i) {
-    alignas(Real) double column[W];
-    for (std::size_t j = 0; j < W; ++j) column[j] = lane[j][i];
-    v[i] = Real::load_aligned(column);
   }
 }
 

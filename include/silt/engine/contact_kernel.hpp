@@ -30,6 +30,62 @@ struct RollingKinematics {
   Real inertia_eff;             // [kg m2]
 };
 
+/// The kinematics of N contacts, component by component: filled one by one or pack by pack, read in
+/// packs.
+template <bool Rotates, bool Rolls, std::size_t N>
+struct alignas(64) KinematicsBlock {
+  static constexpr std::size_t rotating = Rotates ? N : 8, rolling = Rolls ? N : 8;
+  double normal[3][N], half_change[3][N], overlap[N], R_eff[N], m_eff[N], inverse_m_eff[N],
+      velocity[3][N];
+  double arm[rotating], spin[3][rotating], twist[rotating];
+  double angular_velocity[3][rolling], inertia_eff[rolling];
+
+  template <class Real>
+  SILT_INLINE void put(std::size_t k, const Kinematics<Real>& in) {
+    put(k, in.normal, normal), put(k, in.half_change, half_change), put(k, in.velocity, velocity);
+    silt::store(overlap + k, in.overlap), silt::store(R_eff + k, in.R_eff),
+        silt::store(m_eff + k, in.m_eff);
+    silt::store(inverse_m_eff + k, in.inverse_m_eff);
+    if constexpr (Rotates)
+      put(k, in.spin, spin), silt::store(arm + k, in.arm), silt::store(twist + k, in.twist);
+  }
+  template <class Real>
+  SILT_INLINE void put(std::size_t k, const RollingKinematics<Real>& in) {
+    if constexpr (Rolls)
+      put(k, in.angular_velocity, angular_velocity), silt::store(inertia_eff + k, in.inertia_eff);
+  }
+  template <class Real>
+  SILT_INLINE Kinematics<Real> get(std::size_t k) const {
+    Kinematics<Real> out;
+    out.normal = get3<Real>(k, normal), out.half_change = get3<Real>(k, half_change);
+    out.velocity = get3<Real>(k, velocity);
+    out.overlap = load<Real>(overlap + k), out.R_eff = load<Real>(R_eff + k);
+    out.m_eff = load<Real>(m_eff + k), out.inverse_m_eff = load<Real>(inverse_m_eff + k);
+    if constexpr (Rotates) {
+      out.spin = get3<Real>(k, spin);
+      out.arm = load<Real>(arm + k), out.twist = load<Real>(twist + k);
+    }
+    return out;
+  }
+  template <class Real>
+  SILT_INLINE RollingKinematics<Real> get_rolling(std::size_t k) const {
+    if constexpr (Rolls)
+      return {get3<Real>(k, angular_velocity), load<Real>(inertia_eff + k)};
+    else
+      return {};
+  }
+
+ private:
+  template <class Real, std::size_t M>
+  static SILT_INLINE void put(std::size_t k, const Vec3<Real>& v, double (&out)[3][M]) {
+    silt::store(out[0] + k, v.x), silt::store(out[1] + k, v.y), silt::store(out[2] + k, v.z);
+  }
+  template <class Real, std::size_t M>
+  static SILT_INLINE Vec3<Real> get3(std::size_t k, const double (&in)[3][M]) {
+    return load3<Real>(in[0] + k, in[1] + k, in[2] + k);
+  }
+};
+
 /// Force on i, torque over radius (the same sign on both partners), couple on i (opposite on j).
 template <class Real>
 struct PairLoad {

@@ -43,6 +43,7 @@ class Engine {
   std::vector<Synchronous> synchronous;    // of the last observed step
   CoefficientTable<ContactsType> coefficients;
   double largest_radius = 0;   // [m]
+  double smallest_radius = 0;  // [m]
   double mean_diameter = 0;    // [m]
   double largest_speed = 0;    // [m/s]
   double largest_overlap = 0;  // [-] over the smaller radius, in the last step
@@ -82,16 +83,17 @@ class Engine {
 
   void pair_forces(const Domain& domain, double time_step) {
     using Pipeline = PairPipeline<ContactsType, Domain, Arch>;
-    largest_overlap = Pipeline::run(
-        {particles.position.data(), particles.motion.data(), kinds_.data(), time_step}, pairs,
-        coefficients, domain, shares_, {sums_.data(), rows_.data()}, *team_);
+    largest_overlap =
+        Pipeline::run({particles.position.data(), particles.motion.data(), kinds_.data(),
+                       largest_radius, smallest_radius, time_step},
+                      pairs, coefficients, domain, sums_.data(), rows_.data(), *team_);
   }
 
   void wall_forces(double time_step) {
     if (walls.empty()) return;
     const double overlap = wall_pipeline_.run(
         {particles.position.data(), particles.motion.data(), particles.material.data(), time_step},
-        wall_pairs, coefficients, walls, rows_.data() + wall_row_ * 4 * chunks, *team_);
+        wall_pairs, coefficients, walls, sums_.data(), *team_);
     largest_overlap = std::max(largest_overlap, overlap);
   }
 
@@ -124,27 +126,15 @@ class Engine {
   void integrate(Advance how, const Vec3d& gravity, double kick_time, double time_step,
                  bool first_kick) {
     if (how == Advance::KickAndRecord) synchronous.resize(particles.size());
+    const Kick kick{gravity, kick_time, time_step, first_kick};
     std::array<double, parts> fastest{}, check{};
     team_->for_parts(parts, [&](std::size_t p) {
       const std::size_t from = particles.size() * p / parts,
                         to = particles.size() * (p + 1) / parts;
-      std::size_t extra = table_.extra_from(from);
-      double speed2 = 0, sum = 0;
-      for (std::size_t k = from; k < to; ++k) {
-        double* const load = sums_.data() + k * 4 * chunks;
-        add_table_rows<RowPack<Arch>, chunks>(table_, rows_.data(), k, extra, load);
-        Motion& m = particles.motion[k];
-        const Motion before = m;
-        kick(m, load, gravity, kick_time);
-        std::fill_n(load, 4 * chunks, 0.0);
-        const double v2 = m.vx * m.vx + m.vy * m.vy + m.vz * m.vz;
-        speed2 = std::max(speed2, v2), sum += v2;
-        if (how == Advance::KickAndRecord)
-          record(k, before, m, first_kick);
-        else
-          Leapfrog::drift(particles.position[k], m, time_step);
-      }
-      fastest[p] = speed2, check[p] = sum;
+      const auto speeds = how == Advance::KickAndRecord
+                              ? kick_all<Advance::KickAndRecord>(from, to, kick)
+                              : kick_all<Advance::KickAndDrift>(from, to, kick);
+      fastest[p] = speeds.largest2, check[p] = speeds.sum2;
     });
     largest_speed = std::sqrt(*std::max_element(fastest.begin(), fastest.end()));
     finite = std::isfinite(std::accumulate(check.begin(), check.end(), 0.0));
@@ -152,10 +142,13 @@ class Engine {
   }
 
   void drift(double time_step) {
+    const Row time = Row::of(time_step, time_step, time_step, 0);
     team_->for_parts(parts, [&](std::size_t p) {
       for (std::size_t k = particles.size() * p / parts; k < particles.size() * (p + 1) / parts;
            ++k)
-        Leapfrog::drift(particles.position[k], particles.motion[k], time_step);
+        Leapfrog::drift(Row::load(&particles.position[k].x), Row::load(&particles.motion[k].vx),
+                        time)
+            .store(&particles.position[k].x);
     });
     upkeep.travelled += largest_speed * time_step;
   }
@@ -181,6 +174,7 @@ class Engine {
       mean_diameter += 2 * p.r;
     }
     if (particles.size() > 0) mean_diameter /= static_cast<double>(particles.size());
+    measure_smallest();
   }
 
   /// Completes a restored state: sizes as they were measured, and what follows from the lists.
@@ -190,14 +184,16 @@ class Engine {
     parked_ =
         static_cast<std::size_t>(std::count(particles.id.begin(), particles.id.end(), no_particle));
     first_pruning_ = false;
+    measure_smallest();
     if (upkeep.pruned_at >= 0) renew_tables();  // else the next step makes lists and tables
   }
 
   std::size_t touching_pairs(const Domain& domain) const {
     std::size_t count = 0;
-    for (std::size_t k = 0; k < pairs.size(); ++k)
+    pairs.for_each([&](std::size_t k) {
       count += within_reach(particles.position[pairs.first()[k]],
                             particles.position[pairs.second()[k]], 0, domain);
+    });
     return count;
   }
 
@@ -209,6 +205,14 @@ class Engine {
   }
 
  private:
+  using Row = Row4<Arch>;
+
+  void measure_smallest() {
+    smallest_radius = largest_radius;
+    for (const auto& p : particles.rows())
+      if (p.r > 0) smallest_radius = std::min(smallest_radius, p.r);
+  }
+
   void renew_tables() {
     make_kinds();
     make_table();
@@ -294,60 +298,22 @@ class Engine {
   void make_kinds() {
     if constexpr (ContactsType::several_materials) {
       kinds_.assign(pairs.padded_size(), 0);
-      for (std::size_t k = 0; k < pairs.size(); ++k)
+      pairs.for_each([&](std::size_t k) {
         kinds_[k] = static_cast<std::uint16_t>(particles.material[pairs.first()[k]] *
                                                    coefficients.materials +
                                                particles.material[pairs.second()[k]]);
+      });
     }
   }
 
-  /// Shares out the pairs, and finds the rows that act on each particle from elsewhere.
+  /// Places for the loads that are not added to the sums at once.
   void make_table() {
-    make_shares();
-    table_.clear(particles.size());
-    std::uint32_t next = 1;
-    for (auto& share : shares_) {
-      share.first_row = next;
-      for (std::size_t k = share.from; k < std::min(share.to, pairs.size()); ++k) {
-        const std::uint32_t a = pairs.first()[k], b = pairs.second()[k];
-        if (share.owns(a) && share.owns(b)) continue;
-        if (!share.owns(a)) table_.add_plus(a, next);
-        if (!share.owns(b)) table_.add_minus(b, next);
-        ++next;
-      }
-    }
-    wall_row_ = next;
-    for (const auto& c : wall_pairs.candidates()) {
-      const std::size_t count = WallPairs::slots_of(walls[c.wall].surfaces[c.surface]);
-      for (std::uint32_t s = 0; s < count; ++s) table_.add_plus(c.particle, next + c.slot + s);
-    }
-    table_.finish();
-    const std::size_t size = (wall_row_ + wall_pairs.slots()) * 4 * chunks;
+    const auto rest = pairs.group(pairs.groups().rest());
+    table_.make(pairs.first() + rest.from, pairs.second() + rest.from, rest.size(),
+                particles.size());
+    const std::size_t size = PairPipeline<ContactsType, Domain, Arch>::own_rows(pairs) * 4 * chunks;
     if (rows_.size() < size) rows_.resize(size + size / 8);
-    std::fill_n(rows_.begin(), 4 * chunks, 0.0);
     sums_.assign(particles.size() * 4 * chunks, 0.0);
-  }
-
-  /// Shares of as many pairs each; a particle belongs to the share where its own pairs begin, which
-  /// holds most of its neighbours if particles are sorted.
-  void make_shares() {
-    const std::size_t count = std::clamp<std::size_t>(particles.size() / 2048, 1, 16);
-    shares_.assign(count, {});
-    const auto owner = [&](std::size_t k) { return std::min(pairs.first()[k], pairs.second()[k]); };
-    for (std::size_t s = 0; s < count; ++s) {
-      const std::size_t from = pairs.padded_size() * s / count / Pairs::padding * Pairs::padding;
-      shares_[s].from = from;
-      if (s == 0) continue;
-      std::uint32_t low = shares_[s - 1].low;
-      if (from > 0 && from < pairs.size())
-        low = std::max(low, owner(from) == owner(from - 1) ? owner(from) + 1 : owner(from));
-      shares_[s].low = low;
-    }
-    for (std::size_t s = 0; s < count; ++s) {
-      const bool last = s + 1 == count;
-      shares_[s].to = last ? pairs.padded_size() : shares_[s + 1].from;
-      shares_[s].high = last ? static_cast<std::uint32_t>(particles.size()) : shares_[s + 1].low;
-    }
   }
 
   void drop_parked() {
@@ -366,11 +332,51 @@ class Engine {
     previous_.swap(before);
   }
 
-  static void kick(Motion& m, const double* load, const Vec3d& gravity, double time) {
-    Leapfrog::kick(m, load, gravity, time);
-    if constexpr (rotates)
-      Leapfrog::template spin<ContactsType::has_rolling>(m, load, ShapeType::inertia_factor(),
-                                                         time);
+  struct Kick {
+    Vec3d gravity;       // [m/s2]
+    double time, drift;  // [s]
+    bool first;
+  };
+  struct Speeds {
+    double largest2, sum2;  // [m2/s2]
+  };
+
+  /// Kicks particles from ... to-1, and lets them drift or records them; clears their loads.
+  template <Advance How>
+  Speeds kick_all(std::size_t from, std::size_t to, const Kick& kick) {
+    const Row gravity = Row::of(kick.gravity.x, kick.gravity.y, kick.gravity.z, 0);
+    const Row time = Row::of(kick.drift, kick.drift, kick.drift, 0);
+    const Row nothing = Row::all(0);
+    const double spin_time = kick.time / ShapeType::inertia_factor();
+    PositionRow* const position = particles.position.data();
+    Motion* const motion = particles.motion.data();
+    double* load = sums_.data() + from * 4 * chunks;
+    const bool has_rows = !table_.is_empty();
+    double largest2 = 0, sum2 = 0;
+    for (std::size_t k = from; k < to; ++k, load += 4 * chunks) {
+      if (has_rows) table_.template add_to<Arch, chunks>(load, k, rows_.data());
+      Motion& m = motion[k];
+      const double inv_m = m.inv_m;
+      [[maybe_unused]] Motion before;
+      if constexpr (How == Advance::KickAndRecord) before = m;
+      const Row velocity =
+          Leapfrog::kick(Row::load(&m.vx), Row::load(load), inv_m, gravity, kick.time);
+      velocity.store(&m.vx);
+      if constexpr (rotates) {
+        Row spin = Leapfrog::spin(Row::load(&m.wx), Row::load(load + 4), inv_m * spin_time);
+        if constexpr (ContactsType::has_rolling)
+          spin = Leapfrog::turn(spin, Row::load(load + 8), inv_m * spin_time, m.inv_r);
+        spin.store(&m.wx);
+      }
+      for (std::size_t c = 0; c < chunks; ++c) nothing.store(load + 4 * c);
+      if constexpr (How == Advance::KickAndRecord)
+        record(k, before, m, kick.first);
+      else
+        Leapfrog::drift(Row::load(&position[k].x), velocity, time).store(&position[k].x);
+      const double v2 = m.vx * m.vx + m.vy * m.vy + m.vz * m.vz;
+      largest2 = v2 > largest2 ? v2 : largest2, sum2 += v2;
+    }
+    return {largest2, sum2};
   }
 
   /// At the whole step the velocity is the mean of the two half steps around it.
@@ -384,11 +390,9 @@ class Engine {
 
   std::unique_ptr<Team> team_ = std::make_unique<Team>(1);
   WallPipeline<ContactsType, Arch> wall_pipeline_;
-  ReductionTable table_;
-  std::vector<PairShare> shares_;
+  RowTable table_;
   AlignedVector<double> sums_;  // [N] load on each particle, zero between the steps
-  AlignedVector<double> rows_;  // row 0 is zero, then pairs of two shares, then wall slots
-  std::size_t wall_row_ = 1;    // where those of the walls begin
+  AlignedVector<double> rows_;  // [N] loads of the pairs in the last group
   std::vector<std::uint16_t> kinds_;
   std::vector<IndexPair> found_;
   std::vector<std::uint32_t> order_, previous_;

@@ -46,7 +46,8 @@ template <class EngineType, class Domain>
                                 double time, double limit) {
   double most = -1;  // [-]
   std::uint32_t a = 0, b = 0;
-  e.pairs.for_each([&](std::uint32_t i, std::uint32_t j, const auto&) {
+  e.pairs.for_each([&](std::size_t k) {
+    const std::uint32_t i = e.pairs.first()[k], j = e.pairs.second()[k];
     const auto &p = e.particles.position[i], &q = e.particles.position[j];
     Vec3d d = p.centre() - q.centre();
     if constexpr (Domain::periodic) d = domain.shortest(d);

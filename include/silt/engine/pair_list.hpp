@@ -4,10 +4,12 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <span>
 #include <vector>
 
 #include <silt/core/threads.hpp>
+#include <silt/engine/pair_groups.hpp>
 #include <silt/search/concept.hpp>
 
 namespace silt::detail {
@@ -17,24 +19,30 @@ inline constexpr std::uint32_t no_particle = std::numeric_limits<std::uint32_t>:
 
 /// The pairs of a simulation in two stages, with H Reals of contact history for each pair.
 ///
-/// Outer list: all pairs nearer than the skin at the last search. Inner list: those of them nearer
-/// than the inner skin at the last pruning; only these are computed. Pruning keeps the order of the
-/// outer list, so that history is carried along by a merge of two ascending sequences, in one
-/// linear pass. In a pair, `a` is the particle with the lower id, so that history never changes its
-/// sign. The inner list is padded to whole packs with pairs of two spheres of no radius (indices n,
-/// n+1).
+/// Outer list: all pairs nearer than the skin at the last search, group by group (PairGroups).
+/// Inner list: those of them nearer than the inner skin at the last pruning; only these are
+/// computed. Pruning keeps the order of the outer list, so that history is carried along by a merge
+/// of two ascending sequences, in one linear pass. In a pair, `a` is the particle with the lower
+/// id, so that history never changes its sign. Groups of the inner list begin at whole packs; the
+/// gaps between them hold pairs of two spheres of no radius (indices n, n+1).
 template <std::size_t H>
 class PairList {
  public:
   static constexpr std::size_t padding = 8;  // the widest pack of lanes
 
+  struct Group {
+    std::size_t from = 0, to = 0;  // places in the inner list
+    std::size_t size() const { return to - from; }
+  };
+
   std::size_t outer_size() const { return outer_.size(); }
   std::size_t size() const { return size_; }
   std::size_t padded_size() const { return first_.size(); }
+  const PairGroups& groups() const { return groups_; }
+  const Group& group(std::size_t g) const { return inner_group_[g]; }
   const std::uint32_t* first() const { return first_.data(); }
   const std::uint32_t* second() const { return second_.data(); }
   double* history(std::size_t component) { return history_[component].data(); }
-  const double* history(std::size_t component) const { return history_[component].data(); }
 
   /// Takes over newly found pairs; those of two fixed particles are left out. `previous[k]` is the
   /// place that particle k had when the old list was current.
@@ -42,12 +50,27 @@ class PairList {
   void set_outer(std::vector<IndexPair>& found, std::span<const std::uint32_t> ids,
                  const Motion* motion, std::span<const std::uint32_t> previous) {
     archive(previous);
-    outer_.clear();
-    for (const auto [a, b] : found) {
-      if (motion[a].inv_m == 0 && motion[b].inv_m == 0) continue;
-      outer_.push_back(ids[a] < ids[b] ? IndexPair{a, b} : IndexPair{b, a});
+    groups_ = PairGroups(ids.size());
+    const auto is_fixed = [&](std::uint32_t k) { return motion[k].inv_m == 0; };
+    std::vector<std::uint8_t> group(found.size());
+    outer_begin_.assign(groups_.count() + 1, 0);
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      const auto [a, b] = found[k];
+      group[k] = static_cast<std::uint8_t>(is_fixed(a) && is_fixed(b) ? groups_.count()
+                                                                      : groups_.of(a, b));
+      if (group[k] < groups_.count()) ++outer_begin_[group[k] + 1];
     }
+    std::partial_sum(outer_begin_.begin(), outer_begin_.end(), outer_begin_.begin());
+    outer_.resize(outer_begin_.back());
+    std::vector<std::size_t> next(outer_begin_.begin(), outer_begin_.end() - 1);
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      if (group[k] == groups_.count()) continue;
+      const auto [a, b] = found[k];
+      outer_[next[group[k]]++] = ids[a] < ids[b] ? IndexPair{a, b} : IndexPair{b, a};
+    }
+    cut_into_chunks();
     first_.clear(), second_.clear(), origin_.clear();
+    inner_group_.clear();
     size_ = 0;
     for (auto& h : history_) h.clear();
   }
@@ -57,47 +80,70 @@ class PairList {
   template <class Domain>
   void prune(const PositionRow* rows, std::size_t particles, double reach, const Domain& domain,
              std::span<const std::uint32_t> previous, const Team& team) {
-    const std::size_t chunks = pieces(outer_.size(), chunk);
     kept_.resize(outer_.size());
-    begin_.assign(chunks + 1, 0);
-    team.for_parts(chunks,
-                   [&](std::size_t c) { begin_[c + 1] = keep_near(c, rows, reach, domain); });
-    for (std::size_t c = 0; c < chunks; ++c) begin_[c + 1] += begin_[c];
-
-    old_first_.swap(first_), old_second_.swap(second_), old_origin_.swap(origin_);
-    old_history_.swap(history_);
-    const std::size_t old_size = size_;
-    resize(begin_[chunks], particles);
-    team.for_parts(chunks, [&](std::size_t c) { fill(c, old_size, previous); });
+    team.for_parts(chunks_.size(), [&](std::size_t c) {
+      chunks_[c].kept = keep_near(chunks_[c], rows, reach, domain);
+    });
+    old_origin_.swap(origin_), old_history_.swap(history_);
+    lay_out();
+    team.for_parts(chunks_.size(), [&](std::size_t c) { fill(chunks_[c], previous); });
+    pad(particles);
   }
 
-  /// Calls visit(a, b, history values) for every pair in the inner list.
+  /// Calls visit(place) for every pair in the inner list.
   template <class Visit>
   void for_each(const Visit& visit) const {
-    for (std::size_t k = 0; k < size_; ++k) visit(first_[k], second_[k], values(k));
+    for (const Group& g : inner_group_)
+      for (std::size_t k = g.from; k < g.to; ++k) visit(k);
   }
 
-  /// Restores the lists from a checkpoint.
-  void restore(std::vector<IndexPair> outer, std::vector<std::uint32_t> origin,
-               const std::array<std::vector<double>, H>& history, std::size_t particles) {
-    outer_ = std::move(outer);
-    resize(origin.size(), particles);
-    for (std::size_t k = 0; k < origin.size(); ++k) {
-      origin_[k] = origin[k];
-      first_[k] = outer_[origin[k]].a, second_[k] = outer_[origin[k]].b;
-      for (std::size_t c = 0; c < H; ++c) history_[c][k] = history[c][k];
-    }
+  /// The lists as they stand, for a checkpoint.
+  struct State {
+    std::vector<IndexPair> outer;
+    std::vector<std::uint32_t> origin;  // of the inner list, in the outer one
+    std::array<std::vector<double>, H> history;
+  };
+  State state() const {
+    State s{outer_, {}, {}};
+    for_each([&](std::size_t k) {
+      s.origin.push_back(origin_[k]);
+      for (std::size_t h = 0; h < H; ++h) s.history[h].push_back(history_[h][k]);
+    });
+    return s;
   }
-  std::span<const IndexPair> outer() const { return outer_; }
-  std::span<const std::uint32_t> origin() const { return {origin_.data(), size_}; }
+  void restore(const State& s, std::size_t particles) {
+    outer_ = s.outer;
+    groups_ = PairGroups(particles);
+    outer_begin_.assign(groups_.count() + 1, 0);
+    for (const auto [a, b] : outer_) ++outer_begin_[groups_.of(a, b) + 1];
+    std::partial_sum(outer_begin_.begin(), outer_begin_.end(), outer_begin_.begin());
+    cut_into_chunks();
+    std::size_t k = 0;
+    for (auto& c : chunks_)
+      for (c.kept = 0; k < s.origin.size() && s.origin[k] < c.to; ++k) ++c.kept;
+    lay_out();
+    k = 0;
+    for_each([&](std::size_t place) {
+      origin_[place] = s.origin[k];
+      first_[place] = outer_[s.origin[k]].a, second_[place] = outer_[s.origin[k]].b;
+      for (std::size_t h = 0; h < H; ++h) history_[h][place] = s.history[h][k];
+      ++k;
+    });
+    pad(particles);
+  }
 
   std::size_t bytes() const {
     return outer_.capacity() * sizeof(IndexPair) + kept_.capacity() * 4 +
-           (first_.capacity() + old_first_.capacity()) * (3 * 4 + H * sizeof(double));
+           first_.capacity() * 2 * 4 +
+           (origin_.capacity() + old_origin_.capacity()) * (4 + H * sizeof(double));
   }
 
  private:
   static constexpr std::size_t chunk = 4096;  // outer pairs that one thread prunes at a time
+  struct Chunk {
+    std::size_t group, from, to;      // in the outer list
+    std::size_t kept = 0, begin = 0;  // in the inner list
+  };
 
   std::array<double, H> values(std::size_t k) const {
     std::array<double, H> v{};
@@ -105,39 +151,63 @@ class PairList {
     return v;
   }
 
-  void resize(std::size_t size, std::size_t particles) {
-    size_ = size;
-    const std::size_t padded = pieces(size, padding) * padding;
-    first_.resize(padded), second_.resize(padded), origin_.resize(padded);
-    for (auto& h : history_) h.resize(padded);
-    for (std::size_t k = size; k < padded; ++k) {
-      first_[k] = static_cast<std::uint32_t>(particles);
-      second_[k] = static_cast<std::uint32_t>(particles + 1);
-      for (auto& h : history_) h[k] = 0;
-    }
+  void cut_into_chunks() {
+    chunks_.clear();
+    for (std::size_t g = 0; g < groups_.count(); ++g)
+      for (std::size_t from = outer_begin_[g]; from < outer_begin_[g + 1]; from += chunk)
+        chunks_.push_back({g, from, std::min(from + chunk, outer_begin_[g + 1])});
   }
 
-  /// Writes the outer pairs of chunk c that are near into kept_; returns how many.
+  /// Gives each chunk and group its place in the inner list by what each chunk keeps.
+  void lay_out() {
+    inner_group_.assign(groups_.count(), {});
+    std::size_t next = 0, c = 0;
+    size_ = 0;
+    for (std::size_t g = 0; g < groups_.count(); ++g) {
+      next = pieces(next, padding) * padding;
+      inner_group_[g].from = next;
+      for (; c < chunks_.size() && chunks_[c].group == g; ++c) {
+        chunks_[c].begin = next;
+        next += chunks_[c].kept;
+      }
+      inner_group_[g].to = next;
+      size_ += inner_group_[g].size();
+    }
+    const std::size_t padded = pieces(next, padding) * padding;
+    first_.resize(padded), second_.resize(padded), origin_.resize(padded);
+    for (auto& h : history_) h.resize(padded);
+  }
+
+  /// Fills the gaps behind the groups. Their origin keeps the sequence ascending.
+  void pad(std::size_t particles) {
+    for (const Group& g : inner_group_)
+      for (std::size_t k = g.to; k < pieces(g.to, padding) * padding; ++k) {
+        first_[k] = static_cast<std::uint32_t>(particles);
+        second_[k] = static_cast<std::uint32_t>(particles + 1);
+        origin_[k] = origin_[g.to - 1];
+        for (auto& h : history_) h[k] = 0;
+      }
+  }
+
+  /// Writes the outer pairs of a chunk that are near into kept_; returns how many.
   template <class Domain>
-  std::size_t keep_near(std::size_t c, const PositionRow* rows, double reach,
+  std::size_t keep_near(const Chunk& c, const PositionRow* rows, double reach,
                         const Domain& domain) {
-    const std::size_t from = c * chunk, to = std::min(outer_.size(), from + chunk);
     std::size_t kept = 0;
-    for (std::size_t k = from; k < to; ++k) {
-      kept_[from + kept] = static_cast<std::uint32_t>(k);
+    for (std::size_t k = c.from; k < c.to; ++k) {
+      kept_[c.from + kept] = static_cast<std::uint32_t>(k);
       kept += within_reach(rows[outer_[k].a], rows[outer_[k].b], reach, domain);
     }
     return kept;
   }
 
-  /// Fills the part of the inner list that comes from outer chunk c, history included.
-  void fill(std::size_t c, std::size_t old_size, std::span<const std::uint32_t> previous) {
+  /// Fills the part of the inner list that comes from one chunk, history included.
+  void fill(const Chunk& c, std::span<const std::uint32_t> previous) {
     std::size_t old = static_cast<std::size_t>(
-        std::lower_bound(old_origin_.begin(),
-                         old_origin_.begin() + static_cast<std::ptrdiff_t>(old_size), c * chunk) -
-        old_origin_.begin());
-    for (std::size_t k = begin_[c], from = c * chunk; k < begin_[c + 1]; ++k, ++from) {
-      const std::uint32_t outer = kept_[from];
+        std::lower_bound(old_origin_.begin(), old_origin_.end(), c.from) - old_origin_.begin());
+    for (std::size_t n = 0; n < c.kept; ++n) {
+      const std::size_t k = c.begin + n;
+      const std::uint32_t outer = kept_[c.from + n];
       origin_[k] = outer;
       first_[k] = outer_[outer].a, second_[k] = outer_[outer].b;
       if constexpr (H > 0) {
@@ -145,8 +215,8 @@ class PairList {
           recall(k, previous[first_[k]], previous[second_[k]]);
           continue;
         }
-        while (old < old_size && old_origin_[old] < outer) ++old;
-        const bool carried = old < old_size && old_origin_[old] == outer;
+        while (old < old_origin_.size() && old_origin_[old] < outer) ++old;
+        const bool carried = old < old_origin_.size() && old_origin_[old] == outer;
         for (std::size_t h = 0; h < H; ++h) history_[h][k] = carried ? old_history_[h][old] : 0.0;
       }
     }
@@ -161,18 +231,17 @@ class PairList {
   void archive(std::span<const std::uint32_t> previous) {
     if constexpr (H > 0) {
       std::size_t rows = 0;
-      for (std::size_t k = 0; k < size_; ++k)
-        rows = std::max<std::size_t>(rows, std::size_t{first_[k]} + 1);
+      for_each([&](std::size_t k) { rows = std::max(rows, std::size_t{first_[k]} + 1); });
       for (const auto p : previous)
         if (p != no_particle) rows = std::max<std::size_t>(rows, std::size_t{p} + 1);
       archive_begin_.assign(rows + 1, 0);
-      for (std::size_t k = 0; k < size_; ++k)
-        if (remembers(k)) ++archive_begin_[first_[k] + 1];
+      for_each([&](std::size_t k) { archive_begin_[first_[k] + 1] += remembers(k); });
       for (std::size_t r = 0; r < rows; ++r) archive_begin_[r + 1] += archive_begin_[r];
       archive_.resize(archive_begin_[rows]);
       std::vector<std::uint32_t> next(archive_begin_.begin(), archive_begin_.end() - 1);
-      for (std::size_t k = 0; k < size_; ++k)
+      for_each([&](std::size_t k) {
         if (remembers(k)) archive_[next[first_[k]]++] = {second_[k], values(k)};
+      });
     }
   }
   bool remembers(std::size_t k) const {
@@ -188,11 +257,14 @@ class PairList {
         for (std::size_t h = 0; h < H; ++h) history_[h][k] = archive_[s].history[h];
   }
 
+  PairGroups groups_;
   std::vector<IndexPair> outer_;
+  std::vector<std::size_t> outer_begin_;  // first outer pair of each group
+  std::vector<Chunk> chunks_;
   std::vector<std::uint32_t> kept_;
-  std::vector<std::size_t> begin_;  // inner pairs before each chunk
-  std::size_t size_ = 0;
-  AlignedVector<std::uint32_t> first_, second_, old_first_, old_second_;
+  std::vector<Group> inner_group_;
+  std::size_t size_ = 0;  // pairs without the padding
+  AlignedVector<std::uint32_t> first_, second_;
   std::vector<std::uint32_t> origin_, old_origin_;  // place in the outer list
   std::array<AlignedVector<double>, H> history_, old_history_;
   std::vector<std::uint32_t> archive_begin_;

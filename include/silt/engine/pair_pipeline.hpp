@@ -9,6 +9,7 @@
 
 #include <silt/boundary/domain.hpp>
 #include <silt/core/threads.hpp>
+#include <silt/engine/coefficients.hpp>
 #include <silt/engine/contact_kernel.hpp>
 #include <silt/engine/load_rows.hpp>
 #include <silt/engine/pair_list.hpp>
@@ -16,46 +17,20 @@
 
 namespace silt::detail {
 
-/// The coefficients of every pair of materials, ready for the kernels.
-template <class ContactsType>
-struct CoefficientTable {
-  std::size_t materials = 1;
-  std::vector<typename ContactsType::LawCoefficients> law;          // materials x materials
-  std::vector<typename ContactsType::RollingCoefficients> rolling;  // materials x materials
-};
-
-/// Gathers, for one pack of contacts, the coefficients of each lane's pair of materials.
-template <template <class> class Aggregate, class Real>
-inline Aggregate<Real> gather_coefficients(const std::vector<Aggregate<double>>& table,
-                                           const std::uint16_t* kinds) {
-  if constexpr (!is_batch<Real>) {
-    return table[kinds[0]];
-  } else {
-    constexpr std::size_t n = sizeof(Aggregate<double>) / sizeof(double), W = Real::size;
-    alignas(Real) double lanes[n][W];
-    for (std::size_t lane = 0; lane < W; ++lane) {
-      const auto values = std::bit_cast<std::array<double, n>>(table[kinds[lane]]);
-      for (std::size_t k = 0; k < n; ++k) lanes[k][lane] = values[k];
-    }
-    std::array<Real, n> reals;
-    for (std::size_t k = 0; k < n; ++k) reals[k] = Real::load_aligned(lanes[k]);
-    return std::bit_cast<Aggregate<Real>>(reals);
-  }
-}
-
 /// Computes the loads of all pairs of the inner list and adds them up: gather rows of both
 /// particles, law over lanes, rows out, sums. Blocks are small enough to stay in the first-level
 /// cache between the stages.
 template <class ContactsType, class Domain, class Arch>
 class PairPipeline {
   using Real = typename Lanes<Arch>::Real;
-  using Law = typename ContactsType::Law;
-  using Rolling = typename ContactsType::Rolling;
+  using Row = Row4<Arch>;
   using Kernel = ContactKernel<ContactsType, Real>;
   using Motion = MotionRow<ContactsType::rotates>;
+  using List = PairList<ContactsType::history>;
   static constexpr std::size_t W = Lanes<Arch>::width;
   static constexpr std::size_t block = 128;
   static constexpr std::size_t chunks = load_chunks<ContactsType>;
+  static constexpr std::size_t row = 4 * chunks;  // doubles
   static constexpr bool rotates = ContactsType::rotates;
 
  public:
@@ -63,99 +38,98 @@ class PairPipeline {
     const PositionRow* positions;
     const Motion* motions;
     const std::uint16_t* kinds;  // place in the coefficient table, if there are several materials
-    double time_step;            // [s]
+    double largest_radius, smallest_radius;  // [m]
+    double time_step;                        // [s]
   };
 
-  struct Output {
-    double* sums;  // row of each particle
-    double* rows;  // row 0 zero, then those of pairs that lie in two shares
-  };
-
-  /// Adds the load of every pair to `out`; returns the largest overlap over the smaller radius.
-  static double run(const Input& in, PairList<ContactsType::history>& list,
-                    const CoefficientTable<ContactsType>& table, const Domain& domain,
-                    std::span<const PairShare> shares, const Output& out, const Team& team) {
-    std::vector<double> largest(shares.size() + 1, 0.0);
-    team.for_parts(shares.size(), [&](std::size_t p) {
-      const PairShare& share = shares[p];
-      double* own_row = out.rows + share.first_row * 4 * chunks;
-      double most = 0;
-      for (std::size_t from = share.from; from < share.to; from += block) {
-        alignas(64) double rows[block * 4 * chunks];
-        const std::size_t count = std::min(block, share.to - from);
-        most = std::max(most, run_block(in, list, table, domain, from, count, rows));
-        own_row =
-            add_up(list, share, from, std::min(count, list.size() - from), rows, out.sums, own_row);
-      }
-      largest[p] = most;
+  /// Adds the load of every pair to the sums of its particles, but for the last group's: these
+  /// loads go to `rows`. Returns the largest overlap over the smaller radius.
+  static double run(const Input& in, List& list, const CoefficientTable<ContactsType>& table,
+                    const Domain& domain, double* sums, double* rows, const Team& team) {
+    const PairGroups& groups = list.groups();
+    const auto rest = list.group(groups.rest());
+    const std::size_t rest_parts = pieces(rest.size(), rest_part);
+    std::vector<double> largest(groups.count() + rest_parts, 0.0);
+    for (int p = 0; p < PairGroups::phases; ++p) {
+      const auto [from, to] = groups.phase(p);
+      team.for_parts(to - from, [&, first = from](std::size_t k) {
+        const auto group = list.group(first + k);
+        largest[first + k] = run_group(in, list, table, domain, group.from, group.to, sums);
+      });
+    }
+    team.for_parts(rest_parts, [&](std::size_t k) {
+      const std::size_t from = rest.from + k * rest_part, to = std::min(from + rest_part, rest.to);
+      double& most = largest[groups.count() + k];
+      for (std::size_t at = from; at < to; at += block)
+        most = run_block(in, list, table, domain, at, std::min(block, to - at), most,
+                         rows + (at - rest.from) * row);
     });
     return *std::max_element(largest.begin(), largest.end());
   }
 
+  /// Rows that the last group needs: its pairs in whole packs.
+  static std::size_t own_rows(const List& list) {
+    return pieces(list.group(list.groups().rest()).size(), List::padding) * List::padding;
+  }
+
  private:
-  /// One block of pairs, component by component.
-  struct alignas(64) Scratch {
-    double position[4][block];  // [m] x, y, z differences; sum of radii
-    double motion[4][block];    // [m/s] velocity differences; [1/kg] 1/m*
-    double spin[4][block];      // [m/s] sums of spin velocities; [1/m] 1/R*
-    double inv_small[block];    // [1/m] one over the smaller radius
-    double radius_b[block];     // [m] only where motion rows have no radius
-    double rolling[4][block];   // [rad/s] w_a - w_b; [1/(kg m2)] 1/I_r
-  };
+  static constexpr std::size_t rest_part = 16 * block;
 
-  static double run_block(const Input& in, PairList<ContactsType::history>& list,
-                          const CoefficientTable<ContactsType>& table, const Domain& domain,
-                          std::size_t from, std::size_t count, double* rows) {
-    Scratch s;
-    prefetch(in, list, from + block);
-    gather(in, list.first() + from, list.second() + from, count, s);
+  using Block = KinematicsBlock<rotates, ContactsType::has_rolling, block>;
 
+  static double run_group(const Input& in, List& list, const CoefficientTable<ContactsType>& table,
+                          const Domain& domain, std::size_t from, std::size_t to, double* sums) {
+    alignas(64) double rows[block * row];
+    double most = 0;
+    for (; from < to; from += block) {
+      const std::size_t count = std::min(block, to - from);
+      prefetch(in, list, from + block);
+      most = run_block(in, list, table, domain, from, count, most, rows);
+      add_up(list.first() + from, list.second() + from, count, rows, sums);
+    }
+    return most;
+  }
+
+  /// Computes `count` pairs, and those that fill up the last pack, into `rows`. Returns the largest
+  /// overlap over the smaller radius if it is more than `largest`, else this.
+  __attribute__((flatten)) static double run_block(const Input& in, List& list,
+                                                   const CoefficientTable<ContactsType>& table,
+                                                   const Domain& domain, std::size_t from,
+                                                   std::size_t count, double largest,
+                                                   double* rows) {
+    Block kinematics;
+    largest = gather(in, list.first() + from, list.second() + from, domain, pieces(count, W) * W,
+                     largest, kinematics);
     const Real time_step(in.time_step);
-    auto law = broadcast<Law::template Coefficients, Real>(table.law[0]);
-    auto rolling = uniform_rolling(table);
-    Real largest(0);
+    ContactCoefficients<ContactsType, Real> coefficients(table);
     for (std::size_t k = 0; k < count; k += W) {
-      if constexpr (ContactsType::several_materials) {
-        law = gather_coefficients<Law::template Coefficients, Real>(table.law, in.kinds + from + k);
-        if constexpr (ContactsType::has_rolling)
-          rolling = gather_coefficients<Rolling::template Coefficients, Real>(table.rolling,
-                                                                              in.kinds + from + k);
-      }
+      if constexpr (ContactsType::several_materials) coefficients.choose(in.kinds + from + k);
       double* history[ContactsType::history + 1];
       for (std::size_t h = 0; h < ContactsType::history; ++h)
         history[h] = list.history(h) + from + k;
-      const auto kinematics = pair_kinematics(s, k, domain, time_step);
       const auto load =
-          Kernel::load(kinematics, rolling_kinematics(s, k), time_step, law, rolling, history);
-      write_rows<chunks>(rows + k * 4 * chunks, load);
-      largest = max(largest, kinematics.overlap * smaller_radius_inverse(s, k));
+          Kernel::load(kinematics.template get<Real>(k), kinematics.template get_rolling<Real>(k),
+                       time_step, coefficients.law(), coefficients.rolling(), history);
+      write_rows<chunks, Arch>(rows + k * row, load);
     }
-    return largest_lane(largest);
+    return largest;
   }
 
-  /// Adds the rows of a block to the sums of its particles; rows of pairs with a particle outside
-  /// the share are kept from `own_row` on. Returns the place for the next of these.
-  static double* add_up(const PairList<ContactsType::history>& list, const PairShare& share,
-                        std::size_t from, std::size_t count, const double* rows, double* sums,
-                        double* own_row) {
-    using Pack = RowPack<Arch>;
-    constexpr std::size_t n = 4 * chunks;
-    for (std::size_t k = 0; k < count; ++k) {
-      const std::size_t a = list.first()[from + k], b = list.second()[from + k];
-      const bool own_a = share.owns(list.first()[from + k]);
-      const bool own_b = share.owns(list.second()[from + k]);
-      if (own_a) add_row<Pack, chunks, false>(sums + a * n, rows + k * n);
-      if (own_b) add_row<Pack, chunks, true>(sums + b * n, rows + k * n);
-      if (own_a && own_b) continue;
-      std::copy_n(rows + k * n, n, own_row);
-      own_row += n;
-    }
-    return own_row;
+  /// Adds the rows of a block to the sums of its particles. Consecutive pairs often share a
+  /// particle, whose sum would have to travel through memory from one to the next: the order goes
+  /// through the block in strides.
+  static void add_up(const std::uint32_t* first, const std::uint32_t* second, std::size_t count,
+                     const double* rows, double* sums) {
+    constexpr std::size_t stride = 16;
+    for (std::size_t from = 0; from < stride; ++from)
+      for (std::size_t k = from; k < count; k += stride) {
+        add_row<Arch, chunks, false>(sums + first[k] * row, rows + k * row);
+        add_row<Arch, chunks, true>(sums + second[k] * row, rows + k * row);
+      }
   }
 
   /// Asks for the rows of the block that comes next: partners lie too far apart for the hardware.
-  static void prefetch(const Input& in, const PairList<ContactsType::history>& list,
-                       std::size_t from) {
+  static void prefetch(const Input& in, const List& list, std::size_t from) {
     const std::size_t end = std::min(list.padded_size(), from + block);
     for (std::size_t k = from; k < end; ++k) {
       __builtin_prefetch(&in.positions[list.second()[k]]);
@@ -163,131 +137,97 @@ class PairPipeline {
     }
   }
 
-  static auto uniform_rolling(const CoefficientTable<ContactsType>& table) {
-    if constexpr (ContactsType::has_rolling)
-      return broadcast<Rolling::template Coefficients, Real>(table.rolling[0]);
-    else
-      return typename Kernel::RollingCoefficients{};
-  }
+  /// Kinematics of `count` pairs (whole packs) from the rows of their particles.
+  static double gather(const Input& in, const std::uint32_t* first, const std::uint32_t* second,
+                       const Domain& domain, std::size_t count, double largest, Block& out) {
+    const Row difference = Row::of(-1, -1, -1, 1), sum = Row::all(1);
+    const Real half_step(0.5 * in.time_step);
+    for (std::size_t k = 0; k < count; k += W) {
+      const std::uint32_t *const a = first + k, *const b = second + k;
+      const auto turn = [&](const auto& row_of, const Row& sign, Real(&columns)[4]) {
+        Row rows[W];
+        for (std::size_t lane = 0; lane < W; ++lane)
+          rows[lane] = Row::load(row_of(a[lane])) + sign * Row::load(row_of(b[lane]));
+        rows_to_columns<Arch>(rows, columns);
+      };
+      Real position[4], velocity[4], spin[4];
+      turn([&](std::uint32_t p) { return &in.positions[p].x; }, difference, position);
+      turn([&](std::uint32_t p) { return &in.motions[p].vx; }, difference, velocity);
+      if constexpr (rotates) turn([&](std::uint32_t p) { return &in.motions[p].wx; }, sum, spin);
 
-  static SILT_INLINE Kinematics<Real> pair_kinematics(const Scratch& s, std::size_t k,
-                                                      const Domain& domain, const Real& time_step) {
-    Vec3<Real> d = load3<Real>(s.position[0] + k, s.position[1] + k, s.position[2] + k);
-    if constexpr (Domain::periodic) d = domain.shortest(d);
-    const Real reach = load<Real>(s.position[3] + k);
-    const Real distance = sqrt(max(dot(d, d), Real(std::numeric_limits<double>::min())));
-    const Vec3<Real> velocity = load3<Real>(s.motion[0] + k, s.motion[1] + k, s.motion[2] + k);
-    const Real inverse_mass = load<Real>(s.motion[3] + k);
-
-    // One division serves all reciprocals: 1/a = b c (1/(a b c)).
-    Kinematics<Real> out;
-    Real inverse_distance, inverse_reach;
-    if constexpr (rotates) {
-      const Real inverse_radius = load<Real>(s.spin[3] + k);
-      const Real lengths = distance * reach, masses = inverse_mass * inverse_radius;
-      const Real all = Real(1) / (lengths * masses);
-      const Real per_lengths = all * masses, per_masses = all * lengths;
-      inverse_distance = per_lengths * reach, inverse_reach = per_lengths * distance;
-      out.m_eff = per_masses * inverse_radius, out.R_eff = per_masses * inverse_mass;
-    } else {
-      const Real b = load<Real>(s.radius_b + k);
-      const Real lengths = distance * reach;
-      const Real all = Real(1) / (lengths * inverse_mass);
-      inverse_distance = all * inverse_mass * reach;
-      inverse_reach = all * inverse_mass * distance;
-      out.m_eff = all * lengths, out.R_eff = (reach - b) * b * inverse_reach;
-    }
-    out.normal = d * inverse_distance;
-    out.overlap = reach - distance;
-    out.inverse_m_eff = inverse_mass;
-    out.velocity = velocity;
-    // The normal half a step ago, to second order: turned back by the crosswise motion.
-    const Vec3<Real> across = velocity - dot(velocity, out.normal) * out.normal;
-    out.half_change = (Real(0.5) * time_step * inverse_distance) * across;
-    if constexpr (rotates) {
-      out.spin = load3<Real>(s.spin[0] + k, s.spin[1] + k, s.spin[2] + k);
-      out.arm = distance * inverse_reach;
-      out.twist = dot(out.spin, out.normal) * inverse_reach;
-    }
-    return out;
-  }
-
-  static RollingKinematics<Real> rolling_kinematics(const Scratch& s, std::size_t k) {
-    if constexpr (ContactsType::has_rolling)
-      return {load3<Real>(s.rolling[0] + k, s.rolling[1] + k, s.rolling[2] + k),
-              Real(1) / load<Real>(s.rolling[3] + k)};
-    else
-      return {};
-  }
-
-  static Real smaller_radius_inverse(const Scratch& s, std::size_t k) {
-    return load<Real>(s.inv_small + k);
-  }
-
-  static void gather(const Input& in, const std::uint32_t* first, const std::uint32_t* second,
-                     std::size_t count, Scratch& s) {
-    if constexpr (W == 1) {
-      for (std::size_t k = 0; k < count; ++k) gather_one(in, first[k], second[k], k, s);
-    } else {
-      // Rows are four or eight doubles: packs of at most four lanes turn them.
-      constexpr std::size_t G = W < 4 ? W : 4;
-      for (std::size_t k = 0; k < count; k += G) gather_pack<G>(in, first + k, second + k, k, s);
-    }
-    for (std::size_t k = 0; k < count; ++k) gather_rest(in, first[k], second[k], k, s);
-  }
-
-  static void gather_one(const Input& in, std::uint32_t a, std::uint32_t b, std::size_t k,
-                         Scratch& s) {
-    const PositionRow &pa = in.positions[a], &pb = in.positions[b];
-    s.position[0][k] = pa.x - pb.x, s.position[1][k] = pa.y - pb.y;
-    s.position[2][k] = pa.z - pb.z, s.position[3][k] = pa.r + pb.r;
-    const Motion &ma = in.motions[a], &mb = in.motions[b];
-    s.motion[0][k] = ma.vx - mb.vx, s.motion[1][k] = ma.vy - mb.vy;
-    s.motion[2][k] = ma.vz - mb.vz, s.motion[3][k] = ma.inv_m + mb.inv_m;
-    if constexpr (rotates) {
-      s.spin[0][k] = ma.wx + mb.wx, s.spin[1][k] = ma.wy + mb.wy;
-      s.spin[2][k] = ma.wz + mb.wz, s.spin[3][k] = ma.inv_r + mb.inv_r;
-    }
-  }
-
-  /// G pairs at once: signed row sums, then a transpose from rows to components.
-  template <std::size_t G>
-  static void gather_pack(const Input& in, const std::uint32_t* a, const std::uint32_t* b,
-                          std::size_t k, Scratch& s) {
-    using Pack = typename PackOf<G>::type;
-    alignas(64) static constexpr double difference[4] = {-1, -1, -1, 1}, sum[4] = {1, 1, 1, 1};
-    const auto turn = [&](auto row_of, const double* signs, double(*out)[block]) {
-      for (std::size_t c = 0; c < 4; c += G) {
-        const Pack sign = Pack::load_aligned(signs + c);
-        Pack v[G];
-        for (std::size_t lane = 0; lane < G; ++lane)
-          v[lane] = Pack::load_aligned(row_of(a[lane]) + c) +
-                    sign * Pack::load_aligned(row_of(b[lane]) + c);
-        transpose(v);
-        for (std::size_t lane = 0; lane < G; ++lane) v[lane].store_aligned(out[c + lane] + k);
+      Vec3<Real> d{position[0], position[1], position[2]};
+      if constexpr (Domain::periodic) d = domain.shortest(d);
+      const Real distance2 = max(dot(d, d), Real(std::numeric_limits<double>::min()));
+      const Real distance = sqrt(distance2);
+      const Real reach = position[3], inverse_mass = velocity[3];
+      Real inverse_radius, product;  // 1/R*; of the radii
+      if constexpr (rotates) {
+        inverse_radius = spin[3];
+      } else {
+        alignas(Real) double radius[W];
+        for (std::size_t lane = 0; lane < W; ++lane) radius[lane] = in.positions[b[lane]].r;
+        const Real r = load<Real>(radius);
+        product = r * (reach - r);
       }
-    };
-    turn([&](std::uint32_t p) { return &in.positions[p].x; }, difference, s.position);
-    turn([&](std::uint32_t p) { return &in.motions[p].vx; }, difference, s.motion);
-    if constexpr (rotates) turn([&](std::uint32_t p) { return &in.motions[p].wx; }, sum, s.spin);
+
+      // One division serves all reciprocals, 1/a = b c (1/(a b c)), and waits for no square root.
+      Kinematics<Real> kin;
+      const Real lengths = distance2 * reach;
+      Real inverse_reach, inverse_distance;
+      if constexpr (rotates) {
+        const Real masses = inverse_mass * inverse_radius, all = Real(1) / (lengths * masses);
+        const Real per_lengths = all * masses, per_masses = all * lengths;
+        inverse_reach = per_lengths * distance2, inverse_distance = per_lengths * reach * distance;
+        kin.m_eff = per_masses * inverse_radius, kin.R_eff = per_masses * inverse_mass;
+      } else {
+        const Real all = Real(1) / (lengths * inverse_mass), per_lengths = all * inverse_mass;
+        inverse_reach = per_lengths * distance2, inverse_distance = per_lengths * reach * distance;
+        kin.m_eff = all * lengths, kin.R_eff = product * inverse_reach;
+      }
+      kin.normal = inverse_distance * d;
+      kin.overlap = reach - distance;
+      kin.inverse_m_eff = inverse_mass;
+      kin.velocity = {velocity[0], velocity[1], velocity[2]};
+      // The normal half a step ago, to second order: turned back by the crosswise motion.
+      const Vec3<Real> across = kin.velocity - dot(kin.velocity, kin.normal) * kin.normal;
+      kin.half_change = (half_step * inverse_distance) * across;
+      if constexpr (rotates) {
+        kin.spin = {spin[0], spin[1], spin[2]};
+        kin.arm = distance * inverse_reach;
+        kin.twist = dot(kin.spin, kin.normal) * inverse_reach;
+      }
+      out.put(k, kin);
+      if constexpr (ContactsType::has_rolling) gather_rolling(in, a, b, k, out);
+
+      // Overlap over the smaller radius, min(a, b) = a b/max(a, b): here a b = R* (a + b), and the
+      // larger one is at most what the sum leaves. Exactly only where this bound exceeds.
+      const Real larger = min(Real(in.largest_radius), reach - Real(in.smallest_radius));
+      if (any(kin.overlap * larger > Real(largest * (1 - 1e-14)) * kin.R_eff * reach))
+        largest = std::max(largest, exact_overlap(in, a, b, kin.overlap));
+    }
+    return largest;
   }
 
-  /// What is neither a sum nor a difference of rows.
-  static void gather_rest(const Input& in, std::uint32_t a, std::uint32_t b, std::size_t k,
-                          Scratch& s) {
-    if constexpr (rotates) {
-      s.inv_small[k] = std::max(in.motions[a].inv_r, in.motions[b].inv_r);
-    } else {
-      s.radius_b[k] = in.positions[b].r;
-      s.inv_small[k] = 1 / std::min(in.positions[a].r, in.positions[b].r);
-    }
-    if constexpr (ContactsType::has_rolling) {
-      const Motion &ma = in.motions[a], &mb = in.motions[b];
-      s.rolling[0][k] = ma.wx * ma.inv_r - mb.wx * mb.inv_r;
-      s.rolling[1][k] = ma.wy * ma.inv_r - mb.wy * mb.inv_r;
-      s.rolling[2][k] = ma.wz * ma.inv_r - mb.wz * mb.inv_r;
+  static double exact_overlap(const Input& in, const std::uint32_t* a, const std::uint32_t* b,
+                              const Real& overlap) {
+    alignas(Real) double lanes[W];
+    silt::store(lanes, overlap);
+    double most = 0;
+    for (std::size_t lane = 0; lane < W; ++lane)
+      if (lanes[lane] > 0)
+        most = std::max(most,
+                        lanes[lane] / std::min(in.positions[a[lane]].r, in.positions[b[lane]].r));
+    return most;
+  }
+
+  static void gather_rolling(const Input& in, const std::uint32_t* first,
+                             const std::uint32_t* second, std::size_t k, Block& out) {
+    for (std::size_t lane = 0; lane < W; ++lane) {
+      const Motion &a = in.motions[first[lane]], &b = in.motions[second[lane]];
       // 1/(I + m r^2) of a solid sphere: 1/(1.4 m r^2).
-      s.rolling[3][k] = (ma.inv_m * ma.inv_r * ma.inv_r + mb.inv_m * mb.inv_r * mb.inv_r) / 1.4;
+      out.put(k + lane, RollingKinematics<double>{
+                            a.inv_r * a.spin_velocity() - b.inv_r * b.spin_velocity(),
+                            1.4 / (a.inv_m * a.inv_r * a.inv_r + b.inv_m * b.inv_r * b.inv_r)});
     }
   }
 };

@@ -51,12 +51,10 @@ class Checkpoint {
     out.add("reference", doubles(e.reference.data(), std::min(n, e.reference.size())));
 
     std::vector<std::uint32_t> outer;
-    for (const auto [a, b] : e.pairs.outer()) outer.push_back(a), outer.push_back(b);
-    out.add("pairs.outer", outer);
-    const auto origin = e.pairs.origin();
-    out.add("pairs.inner", origin);
-    for (std::size_t h = 0; h < H; ++h)
-      out.add(text("pairs.history", h), std::span(e.pairs.history(h), e.pairs.size()));
+    const auto pairs = e.pairs.state();
+    for (const auto [a, b] : pairs.outer) outer.push_back(a), outer.push_back(b);
+    out.add("pairs.outer", outer), out.add("pairs.inner", pairs.origin);
+    for (std::size_t h = 0; h < H; ++h) out.add(text("pairs.history", h), pairs.history[h]);
 
     const auto state = e.wall_pairs.state();
     const auto candidates_outer = flat(state.outer), candidates_inner = flat(state.inner);
@@ -129,10 +127,10 @@ class Checkpoint {
     const auto synchronous = in.get<double>("synchronous", counters[4] ? 6 * n : 0);
     const auto reference = in.get<double>("reference");
     const auto outer = in.get<std::uint32_t>("pairs.outer");
-    const auto origin = in.get<std::uint32_t>("pairs.inner");
-    std::array<std::vector<double>, H> history;
+    typename Engine::Pairs::State pairs;
+    pairs.origin = in.get<std::uint32_t>("pairs.inner");
     for (std::size_t h = 0; h < H; ++h)
-      history[h] = in.get<double>(text("pairs.history", h), origin.size());
+      pairs.history[h] = in.get<double>(text("pairs.history", h), pairs.origin.size());
     typename WallPairs::State state;
     state.outer = candidates(in.get<std::uint32_t>("walls.outer"));
     state.inner = candidates(in.get<std::uint32_t>("walls.inner"));
@@ -168,9 +166,9 @@ class Checkpoint {
     for (std::size_t w = 0; w < surfaces.size(); ++w)
       if (surfaces[w] == 0) e.walls[w].surfaces.clear();
 
-    std::vector<IndexPair> pairs;
-    for (std::size_t k = 0; k + 1 < outer.size(); k += 2) pairs.push_back({outer[k], outer[k + 1]});
-    e.pairs.restore(std::move(pairs), origin, history, n);
+    for (std::size_t k = 0; k + 1 < outer.size(); k += 2)
+      pairs.outer.push_back({outer[k], outer[k + 1]});
+    e.pairs.restore(pairs, n);
     e.wall_pairs.restore(std::move(state));
 
     const double* next = walls.data();
@@ -200,7 +198,7 @@ class Checkpoint {
 
   /// Which programs can continue from the file: the policies that shape the state.
   static std::string signature() {
-    return text("silt state 1; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
+    return text("silt state 2; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
                 name_of<typename Sim::ContactsType>(), "; search ", name_of<typename Sim::Search>(),
                 "; domain ", name_of<typename Sim::Domain>());
   }

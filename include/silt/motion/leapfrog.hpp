@@ -1,8 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-#include <silt/core/vec3.hpp>
-#include <silt/engine/rows.hpp>
+#include <silt/core/row4.hpp>
 
 namespace silt {
 
@@ -13,32 +12,30 @@ namespace silt {
 ///
 /// Second order, symplectic for forces of position; the first kick is half a step long.
 /// Source: W. C. Swope et al., J. Chem. Phys. 76 (1982) 637.
-/// Units:  SI. Shapes: one particle a call. Errors: none.
+/// Units:  SI. Shapes: one particle a call; rows of four whose last entry stays as it is.
+/// Errors: none.
 /// Tests:  tests/physics/conservation.cpp.
 struct Leapfrog {
-  /// Kick by force [N], twirl [N] (torque over radius) and couple [N m] during `time` [s].
-  template <class Motion>
-  static void kick(Motion& m, const double* load, const Vec3d& gravity, double time) {
-    const double push = m.inv_m * time, weight = m.inv_m > 0 ? time : 0;
-    m.vx += load[0] * push + gravity.x * weight;
-    m.vy += load[1] * push + gravity.y * weight;
-    m.vz += load[2] * push + gravity.z * weight;
+  /// Kicks {v, 1/m} by {F, 0} [N] and {g, 0} [m/s2] during `time` [s]; fixed if 1/m = 0.
+  template <class Row>
+  static SILT_INLINE Row kick(const Row& velocity, const Row& force, double inv_m,
+                              const Row& gravity, double time) {
+    return velocity + force * Row::all(inv_m * time) + gravity * Row::all(inv_m > 0 ? time : 0);
   }
-  /// As above for a sphere that rotates: I = inertia_factor m r^2, so r T/I = twirl/(factor m).
-  template <bool HasCouple>
-  static void spin(MotionRow<true>& m, const double* load, double inertia_factor, double time) {
-    const double push = m.inv_m * time / inertia_factor;
-    const double* twirl = load + 4;
-    m.wx += twirl[0] * push, m.wy += twirl[1] * push, m.wz += twirl[2] * push;
-    if constexpr (HasCouple) {
-      const double turn = push * m.inv_r;
-      const double* couple = load + 8;
-      m.wx += couple[0] * turn, m.wy += couple[1] * turn, m.wz += couple[2] * turn;
-    }
+  /// Kicks {r w, 1/r} by {T/r, 0} [N]; `push` = time/(factor m), where I = factor m r^2.
+  template <class Row>
+  static SILT_INLINE Row spin(const Row& spin, const Row& twirl, double push) {
+    return spin + twirl * Row::all(push);
   }
-  template <class Motion>
-  static void drift(PositionRow& p, const Motion& m, double time) {
-    p.x += m.vx * time, p.y += m.vy * time, p.z += m.vz * time;
+  /// The same by a couple {M, 0} [N m].
+  template <class Row>
+  static SILT_INLINE Row turn(const Row& spin, const Row& couple, double push, double inv_r) {
+    return spin + couple * Row::all(push * inv_r);
+  }
+  /// Moves {x, r} by {v, 1/m}; time = {dt, dt, dt, 0} [s].
+  template <class Row>
+  static SILT_INLINE Row drift(const Row& position, const Row& velocity, const Row& time) {
+    return position + velocity * time;
   }
 };
 

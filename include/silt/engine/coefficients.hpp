@@ -1,0 +1,88 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <type_traits>
+#include <vector>
+
+#include <silt/contact/contacts.hpp>
+#include <silt/core/lanes.hpp>
+
+namespace silt::detail {
+
+/// The coefficients of every pair of materials, ready for the kernels.
+template <class ContactsType>
+struct CoefficientTable {
+  std::size_t materials = 1;
+  std::vector<typename ContactsType::LawCoefficients> law;          // materials x materials
+  std::vector<typename ContactsType::RollingCoefficients> rolling;  // materials x materials
+};
+
+/// The coefficients of each lane's pair of materials. Remembers those of the last pack: mostly all
+/// lanes of all packs have the same.
+template <template <class> class Aggregate, class Real>
+class CoefficientLanes {
+ public:
+  explicit CoefficientLanes(const std::vector<Aggregate<double>>& table)
+      : table_(table), lanes_(broadcast<Aggregate, Real>(table[0])) {}
+
+  /// `kinds`: the place in the table for each lane.
+  SILT_INLINE void choose(const std::uint16_t* kinds) {
+    unsigned other = 0;
+    for (std::size_t lane = 0; lane < width; ++lane) other |= kinds[lane] ^ uniform_;
+    if (other != 0) gather(kinds);
+  }
+  const Aggregate<Real>& operator()() const { return lanes_; }
+
+ private:
+  static constexpr std::size_t width = sizeof(Real) / sizeof(double);
+  static constexpr unsigned none = 1u << 16;
+
+  void gather(const std::uint16_t* kinds) {
+    constexpr std::size_t n = sizeof(Aggregate<double>) / sizeof(double);
+    alignas(Real) double lanes[n][width];
+    uniform_ = kinds[0];
+    for (std::size_t lane = 0; lane < width; ++lane) {
+      const auto values = std::bit_cast<std::array<double, n>>(table_[kinds[lane]]);
+      for (std::size_t k = 0; k < n; ++k) lanes[k][lane] = values[k];
+      if (kinds[lane] != kinds[0]) uniform_ = none;
+    }
+    std::array<Real, n> reals;
+    for (std::size_t k = 0; k < n; ++k) reals[k] = load<Real>(lanes[k]);
+    lanes_ = std::bit_cast<Aggregate<Real>>(reals);
+  }
+
+  const std::vector<Aggregate<double>>& table_;
+  Aggregate<Real> lanes_;
+  unsigned uniform_ = 0;  // the kind of all lanes, if they have one
+};
+
+/// Law's and rolling model's coefficients for one pack of contacts after the other.
+template <class ContactsType, class Real>
+class ContactCoefficients {
+  struct NoRollingLanes {
+    explicit NoRollingLanes(const std::vector<typename ContactsType::RollingCoefficients>&) {}
+    typename ContactsType::Rolling::template Coefficients<Real> operator()() const { return {}; }
+    void choose(const std::uint16_t*) {}
+  };
+  template <class Rolling, bool Rolls>
+  struct RollingLanes {
+    using type = NoRollingLanes;
+  };
+  template <class Rolling>
+  struct RollingLanes<Rolling, true> {
+    using type = CoefficientLanes<Rolling::template Coefficients, Real>;
+  };
+
+ public:
+  CoefficientLanes<ContactsType::Law::template Coefficients, Real> law;
+  typename RollingLanes<typename ContactsType::Rolling, ContactsType::has_rolling>::type rolling;
+
+  explicit ContactCoefficients(const CoefficientTable<ContactsType>& table)
+      : law(table.law), rolling(table.rolling) {}
+  SILT_INLINE void choose(const std::uint16_t* kinds) { law.choose(kinds), rolling.choose(kinds); }
+};
+
+}  // namespace silt::detail
