@@ -3,20 +3,23 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <map>
 #include <set>
+#include <vector>
 
 #include <silt/core/random.hpp>
 
 using silt::detail::PairGroups;
 
 TEST_CASE("pair groups: no two groups of one phase have a particle in common") {
-  for (const std::size_t n : {2u, 2047u, 2048u, 5000u, 40000u}) {
+  for (const std::size_t n : {2u, 2047u, 2048u, 5000u, 40000u, 2000000u}) {
     CAPTURE(n);
     const PairGroups groups(n);
     silt::Random random(n);
-    std::map<int, std::map<std::uint32_t, std::set<std::size_t>>> owners;  // by phase and particle
-    std::size_t in_rest = 0;
+    // The phase and group of each particle's pairs.
+    std::vector<std::map<std::uint32_t, std::set<std::size_t>>> owners(groups.phases());
+    std::set<std::size_t> used;
     for (int k = 0; k < 200000; ++k) {
       const auto a = static_cast<std::uint32_t>(random.index(n));
       // Near, far, and across the ends.
@@ -26,15 +29,28 @@ TEST_CASE("pair groups: no two groups of one phase have a particle in common") {
       const std::size_t g = groups.of(a, b);
       REQUIRE(g < groups.count());
       CHECK(g == groups.of(b, a));
-      in_rest += g == groups.rest();
-      for (int p = 0; p < PairGroups::phases; ++p) {
+      used.insert(g);
+      for (std::size_t p = 0; p < groups.phases(); ++p) {
         const auto [from, to] = groups.phase(p);
-        if (g < from || g >= to) continue;
-        owners[p][a].insert(g), owners[p][b].insert(g);
+        if (g >= from && g < to) owners[p][a].insert(g), owners[p][b].insert(g);
       }
     }
-    for (const auto& [phase, particles] : owners)
-      for (const auto& [particle, of] : particles) CHECK(of.size() == 1);
-    CHECK((in_rest > 0) == (n >= 4096));  // with one or two shares all pairs find a place
+    std::size_t shared = 0;
+    for (const auto& phase : owners)
+      for (const auto& [particle, of] : phase) shared += of.size() != 1;
+    CHECK(shared == 0);
+    CHECK(used.size() == groups.count());  // every group has a use
+  }
+}
+
+TEST_CASE("pair groups: pairs of neighbouring shares all lie in two phases") {
+  const PairGroups groups(40000);
+  const std::size_t shares = groups.phases();
+  REQUIRE(shares == 8);
+  for (std::uint32_t s = 0; s + 1 < shares; ++s) {
+    const std::uint32_t seam = (s + 1) * 5000;
+    const std::size_t g = groups.of(seam - 1, seam);
+    const auto [from, to] = groups.phase(1 + s % 2);
+    CHECK((g >= from && g < to));
   }
 }

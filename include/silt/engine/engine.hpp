@@ -83,10 +83,9 @@ class Engine {
 
   void pair_forces(const Domain& domain, double time_step) {
     using Pipeline = PairPipeline<ContactsType, Domain, Arch>;
-    largest_overlap =
-        Pipeline::run({particles.position.data(), particles.motion.data(), kinds_.data(),
-                       largest_radius, smallest_radius, time_step},
-                      pairs, coefficients, domain, sums_.data(), rows_.data(), *team_);
+    largest_overlap = Pipeline::run({particles.position.data(), particles.motion.data(),
+                                     kinds_.data(), largest_radius, smallest_radius, time_step},
+                                    pairs, coefficients, domain, sums_.data(), *team_);
   }
 
   void wall_forces(double time_step) {
@@ -200,7 +199,7 @@ class Engine {
   std::size_t bytes() const {
     return particles.position.capacity() * sizeof(PositionRow) +
            particles.motion.capacity() * sizeof(Motion) + reference.capacity() * sizeof(Vec3d) +
-           (rows_.capacity() + sums_.capacity()) * sizeof(double) + pairs.bytes() + table_.bytes() +
+           sums_.capacity() * sizeof(double) + pairs.bytes() +
            found_.capacity() * sizeof(IndexPair);
   }
 
@@ -213,9 +212,10 @@ class Engine {
       if (p.r > 0) smallest_radius = std::min(smallest_radius, p.r);
   }
 
+  /// What follows from the lists.
   void renew_tables() {
     make_kinds();
-    make_table();
+    sums_.assign(particles.size() * 4 * chunks, 0.0);
   }
 
   static constexpr std::size_t parts = 64;  // pieces of the particle loop, whatever the threads
@@ -306,16 +306,6 @@ class Engine {
     }
   }
 
-  /// Places for the loads that are not added to the sums at once.
-  void make_table() {
-    const auto rest = pairs.group(pairs.groups().rest());
-    table_.make(pairs.first() + rest.from, pairs.second() + rest.from, rest.size(),
-                particles.size());
-    const std::size_t size = PairPipeline<ContactsType, Domain, Arch>::own_rows(pairs) * 4 * chunks;
-    if (rows_.size() < size) rows_.resize(size + size / 8);
-    sums_.assign(particles.size() * 4 * chunks, 0.0);
-  }
-
   void drop_parked() {
     order_.clear();
     for (std::uint32_t k = 0; k < particles.size(); ++k)
@@ -351,10 +341,8 @@ class Engine {
     PositionRow* const position = particles.position.data();
     Motion* const motion = particles.motion.data();
     double* load = sums_.data() + from * 4 * chunks;
-    const bool has_rows = !table_.is_empty();
     double largest2 = 0, sum2 = 0;
     for (std::size_t k = from; k < to; ++k, load += 4 * chunks) {
-      if (has_rows) table_.template add_to<Arch, chunks>(load, k, rows_.data());
       Motion& m = motion[k];
       const double inv_m = m.inv_m;
       [[maybe_unused]] Motion before;
@@ -390,9 +378,7 @@ class Engine {
 
   std::unique_ptr<Team> team_ = std::make_unique<Team>(1);
   WallPipeline<ContactsType, Arch> wall_pipeline_;
-  RowTable table_;
   AlignedVector<double> sums_;  // [N] load on each particle, zero between the steps
-  AlignedVector<double> rows_;  // [N] loads of the pairs in the last group
   std::vector<std::uint16_t> kinds_;
   std::vector<IndexPair> found_;
   std::vector<std::uint32_t> order_, previous_;

@@ -2,53 +2,73 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
 namespace silt::detail {
 
-/// Cuts pairs into groups, so that groups of one phase have no particle in common and threads can
-/// add loads to the particles' sums without meeting.
+/// Cuts pairs into groups, so that groups of one phase have no particle in common: threads can add
+/// loads to the particles' sums without meeting, in an order that no number of threads changes.
 ///
-/// Particles are cut into shares of consecutive places; neighbours lie close together if particles
-/// are sorted. Phases: pairs within one share (a group a share); pairs across the seams between
-/// shares 2k and 2k+1 (a group a seam); across the other seams, the last joining the ends; and the
-/// rest, whose loads get rows of their own. Groups follow from the number of particles alone, so
-/// that sums are bit-identical for every number of threads.
+/// Particles are cut into an even number c of shares of consecutive places. Phase 0: the pairs
+/// within each share. Phases 1 ... c-1: the pairs between two shares, every share against another
+/// as in the rounds of a tournament, where all meet all (circle method). Shares are numbered such
+/// that neighbours meet in the first two rounds: if particles are sorted, other rounds are empty or
+/// small.
 class PairGroups {
  public:
-  static constexpr std::size_t most_shares = 16;
-
   explicit PairGroups(std::size_t particles = 0)
-      : shares_(particles < 2048 ? 1 : std::min(most_shares, particles / 1024 / 2 * 2)),
+      : shares_(shares_for(particles)),
         shares_a_particle_(static_cast<double>(shares_) /
                            static_cast<double>(std::max<std::size_t>(particles, 1))) {}
 
   struct Phase {
     std::size_t from, to;  // groups
   };
-  std::size_t count() const { return 2 * shares_ + 1; }
-  Phase phase(int k) const {
-    const std::size_t bounds[4] = {0, shares_, shares_ + shares_ / 2, 2 * shares_};
-    return {bounds[k], bounds[k + 1]};
+  std::size_t count() const { return shares_ + (shares_ - 1) * (shares_ / 2); }
+  std::size_t phases() const { return shares_; }
+  Phase phase(std::size_t k) const {
+    if (k == 0) return {0, shares_};
+    const std::size_t first = shares_ + (k - 1) * (shares_ / 2);
+    return {first, first + shares_ / 2};
   }
-  static constexpr int phases = 3;
-  std::size_t rest() const { return 2 * shares_; }
 
   std::size_t of(std::uint32_t a, std::uint32_t b) const {
     const std::size_t s = share(a), t = share(b);
-    if (s == t) return s;
-    const std::size_t low = std::min(s, t), high = std::max(s, t);
-    if (high - low == 1) return seam(low);
-    return low == 0 && high == shares_ - 1 ? seam(high) : rest();
+    return s == t ? s : meeting(s, t);
   }
 
  private:
+  /// Few enough that the layers of particles on both sides of a share's ends, n^(2/3) each, are a
+  /// small part of it; more where all fits into the caches anyway.
+  static std::size_t shares_for(std::size_t particles) {
+    const auto n = static_cast<double>(particles);
+    const double wanted = std::max(std::cbrt(n) / 6, std::min(8.0, n / 1024));
+    return wanted < 2 ? 1 : std::min<std::size_t>(static_cast<std::size_t>(wanted) / 2 * 2, 64);
+  }
+
   std::size_t share(std::uint32_t particle) const {
     return std::min(static_cast<std::size_t>(particle * shares_a_particle_), shares_ - 1);
   }
-  /// The group between share s and the next.
-  std::size_t seam(std::size_t s) const { return shares_ + s / 2 + (s % 2 == 0 ? 0 : shares_ / 2); }
+
+  /// Share 0 sits in the middle; the others are numbered 0, 1, -1, 2, -2, ... modulo c-1. In round
+  /// r those meet whose numbers add up to r; the middle meets the one that is left.
+  std::size_t meeting(std::size_t s, std::size_t t) const {
+    const std::size_t ring = shares_ - 1;
+    const auto number = [ring](std::size_t share) {
+      return share % 2 == 0 ? share / 2 : (ring - share / 2) % ring;
+    };
+    std::size_t round, place = 0;
+    if (s == 0 || t == 0) {
+      round = 2 * number(std::max(s, t)) % ring;
+    } else {
+      const std::size_t m = number(s), n = number(t), apart = (m + ring - n) % ring;
+      round = (m + n) % ring;
+      place = std::min(apart, ring - apart);
+    }
+    return phase(round + 1).from + place;
+  }
 
   std::size_t shares_;
   double shares_a_particle_;

@@ -40,6 +40,12 @@ class PairList {
   std::size_t padded_size() const { return first_.size(); }
   const PairGroups& groups() const { return groups_; }
   const Group& group(std::size_t g) const { return inner_group_[g]; }
+  /// The part of a phase from its first to its last group that is not empty.
+  PairGroups::Phase busy(PairGroups::Phase phase) const {
+    while (phase.from < phase.to && inner_group_[phase.from].size() == 0) ++phase.from;
+    while (phase.from < phase.to && inner_group_[phase.to - 1].size() == 0) --phase.to;
+    return phase;
+  }
   const std::uint32_t* first() const { return first_.data(); }
   const std::uint32_t* second() const { return second_.data(); }
   double* history(std::size_t component) { return history_[component].data(); }
@@ -52,12 +58,12 @@ class PairList {
     archive(previous);
     groups_ = PairGroups(ids.size());
     const auto is_fixed = [&](std::uint32_t k) { return motion[k].inv_m == 0; };
-    std::vector<std::uint8_t> group(found.size());
+    std::vector<std::uint16_t> group(found.size());
     outer_begin_.assign(groups_.count() + 1, 0);
     for (std::size_t k = 0; k < found.size(); ++k) {
       const auto [a, b] = found[k];
-      group[k] = static_cast<std::uint8_t>(is_fixed(a) && is_fixed(b) ? groups_.count()
-                                                                      : groups_.of(a, b));
+      group[k] = static_cast<std::uint16_t>(is_fixed(a) && is_fixed(b) ? groups_.count()
+                                                                       : groups_.of(a, b));
       if (group[k] < groups_.count()) ++outer_begin_[group[k] + 1];
     }
     std::partial_sum(outer_begin_.begin(), outer_begin_.end(), outer_begin_.begin());

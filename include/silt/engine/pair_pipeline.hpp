@@ -29,6 +29,7 @@ class PairPipeline {
   using List = PairList<ContactsType::history>;
   static constexpr std::size_t W = Lanes<Arch>::width;
   static constexpr std::size_t block = 128;
+  static constexpr std::size_t ahead = block;  // pairs between prefetch and use
   static constexpr std::size_t chunks = load_chunks<ContactsType>;
   static constexpr std::size_t row = 4 * chunks;  // doubles
   static constexpr bool rotates = ContactsType::rotates;
@@ -42,39 +43,23 @@ class PairPipeline {
     double time_step;                        // [s]
   };
 
-  /// Adds the load of every pair to the sums of its particles, but for the last group's: these
-  /// loads go to `rows`. Returns the largest overlap over the smaller radius.
+  /// Adds the load of every pair to the sums of its particles. Returns the largest overlap over the
+  /// smaller radius.
   static double run(const Input& in, List& list, const CoefficientTable<ContactsType>& table,
-                    const Domain& domain, double* sums, double* rows, const Team& team) {
+                    const Domain& domain, double* sums, const Team& team) {
     const PairGroups& groups = list.groups();
-    const auto rest = list.group(groups.rest());
-    const std::size_t rest_parts = pieces(rest.size(), rest_part);
-    std::vector<double> largest(groups.count() + rest_parts, 0.0);
-    for (int p = 0; p < PairGroups::phases; ++p) {
-      const auto [from, to] = groups.phase(p);
+    std::vector<double> largest(groups.count(), 0.0);
+    for (std::size_t p = 0; p < groups.phases(); ++p) {
+      const auto [from, to] = list.busy(groups.phase(p));
       team.for_parts(to - from, [&, first = from](std::size_t k) {
         const auto group = list.group(first + k);
         largest[first + k] = run_group(in, list, table, domain, group.from, group.to, sums);
       });
     }
-    team.for_parts(rest_parts, [&](std::size_t k) {
-      const std::size_t from = rest.from + k * rest_part, to = std::min(from + rest_part, rest.to);
-      double& most = largest[groups.count() + k];
-      for (std::size_t at = from; at < to; at += block)
-        most = run_block(in, list, table, domain, at, std::min(block, to - at), most,
-                         rows + (at - rest.from) * row);
-    });
     return *std::max_element(largest.begin(), largest.end());
   }
 
-  /// Rows that the last group needs: its pairs in whole packs.
-  static std::size_t own_rows(const List& list) {
-    return pieces(list.group(list.groups().rest()).size(), List::padding) * List::padding;
-  }
-
  private:
-  static constexpr std::size_t rest_part = 16 * block;
-
   using Block = KinematicsBlock<rotates, ContactsType::has_rolling, block>;
 
   static double run_group(const Input& in, List& list, const CoefficientTable<ContactsType>& table,
@@ -83,7 +68,7 @@ class PairPipeline {
     double most = 0;
     for (; from < to; from += block) {
       const std::size_t count = std::min(block, to - from);
-      prefetch(in, list, from + block);
+      prefetch(in, list, sums, from + ahead);
       most = run_block(in, list, table, domain, from, count, most, rows);
       add_up(list.first() + from, list.second() + from, count, rows, sums);
     }
@@ -128,12 +113,15 @@ class PairPipeline {
       }
   }
 
-  /// Asks for the rows of the block that comes next: partners lie too far apart for the hardware.
-  static void prefetch(const Input& in, const List& list, std::size_t from) {
+  /// Asks for the rows of a block that comes soon: of each pair the later particle, which the
+  /// earlier ones have not touched yet and which lies too far ahead for the hardware to foresee.
+  static void prefetch(const Input& in, const List& list, const double* sums, std::size_t from) {
     const std::size_t end = std::min(list.padded_size(), from + block);
     for (std::size_t k = from; k < end; ++k) {
-      __builtin_prefetch(&in.positions[list.second()[k]]);
-      __builtin_prefetch(&in.motions[list.second()[k]]);
+      const std::uint32_t later = std::max(list.first()[k], list.second()[k]);
+      __builtin_prefetch(&in.positions[later]);
+      __builtin_prefetch(&in.motions[later]);
+      __builtin_prefetch(sums + later * row, 1);
     }
   }
 

@@ -66,7 +66,8 @@ class CellGrid {
     choose_cells(bounds, 2 * spheres.largest_radius + reach, rows.size());
     cell_.resize(rows.size());
     start_.assign(cells() + 1, 0);
-    for (std::size_t k = 0; k < rows.size(); ++k) ++start_[(cell_[k] = cell_of(rows[k])) + 1];
+    for (std::size_t k = 0; k < rows.size(); ++k)
+      ++start_[(cell_[k] = number(cell_of(rows[k]))) + 1];
     std::partial_sum(start_.begin(), start_.end(), start_.begin());
     order_.resize(rows.size());
     next_.assign(start_.begin(), start_.end() - 1);
@@ -102,10 +103,31 @@ class CellGrid {
     const double c = (x - low) * per_length_[d];
     return c <= 0 ? 0 : std::min(count_[d] - 1, static_cast<std::size_t>(c));
   }
-  std::uint32_t cell_of(const PositionRow& p) const {
-    return static_cast<std::uint32_t>(
-        along(p.x, low_.x, 0) +
-        count_[0] * (along(p.y, low_.y, 1) + count_[1] * along(p.z, low_.z, 2)));
+  struct Cell {
+    std::size_t x, y, z;
+  };
+  Cell cell_of(const PositionRow& p) const {
+    return {along(p.x, low_.x, 0), along(p.y, low_.y, 1), along(p.z, low_.z, 2)};
+  }
+  /// The number of a cell: columns of about tile x tile cells one after the other, in a column
+  /// layer by layer. Spheres of neighbouring layers are then so near in memory that they stay in
+  /// the second-level cache from one layer to the next.
+  std::uint32_t number(const Cell& c) const {
+    const Span x = column(c.x, count_[0]), y = column(c.y, count_[1]);
+    return static_cast<std::uint32_t>(count_[2] * (y.from * count_[0] + x.from * y.length) +
+                                      x.length * (c.z * y.length + (c.y - y.from)) +
+                                      (c.x - x.from));
+  }
+  struct Span {
+    std::size_t from, length;
+  };
+  /// The column that holds place k of n.
+  static Span column(std::size_t k, std::size_t n) {
+    const std::size_t columns = (n + tile / 2) / tile;
+    if (columns < 2) return {0, n};
+    const std::size_t c = k * columns / n;
+    const std::size_t from = (c * n + columns - 1) / columns;
+    return {from, ((c + 1) * n + columns - 1) / columns - from};
   }
 
   struct Range {
@@ -114,17 +136,16 @@ class CellGrid {
 
   /// The parts of `sorted_` after cell c that its spheres must look at; returns how many.
   template <class Domain>
-  int ranges_after(std::size_t c, const Domain& domain, std::array<Range, 26>& out) const {
-    const std::size_t x = c % count_[0], y = c / count_[0] % count_[1],
-                      z = c / (count_[0] * count_[1]);
+  int ranges_after(const Cell& cell, const Domain& domain, std::array<Range, 26>& out) const {
+    const std::size_t c = number(cell);
     std::array<std::size_t, 3> xs, ys, zs;
-    const int nx = around(x, 0, domain, xs), ny = around(y, 1, domain, ys),
-              nz = around(z, 2, domain, zs);
+    const int nx = around(cell.x, 0, domain, xs), ny = around(cell.y, 1, domain, ys),
+              nz = around(cell.z, 2, domain, zs);
     int found = 0;
     for (int k = 0; k < nz; ++k)
       for (int j = 0; j < ny; ++j)
         for (int i = 0; i < nx; ++i) {
-          const std::size_t other = xs[i] + count_[0] * (ys[j] + count_[1] * zs[k]);
+          const std::size_t other = number({xs[i], ys[j], zs[k]});
           if (other <= c || start_[other] == start_[other + 1]) continue;
           if (found > 0 && out[found - 1].end == start_[other])
             out[found - 1].end = start_[other + 1];
@@ -158,7 +179,7 @@ class CellGrid {
       if (const std::size_t c = cell_[order_[p]]; c != cell) {
         cell = c;
         own_end = start_[c + 1];
-        count = ranges_after(c, domain, ranges);
+        count = ranges_after(cell_of(sorted_[p]), domain, ranges);
       }
       scan_range(p, {p + 1, own_end}, reach, domain, found);
       for (int k = 0; k < count; ++k) scan_range(p, ranges[k], reach, domain, found);
@@ -172,6 +193,8 @@ class CellGrid {
       if (detail::within_reach(a, sorted_[q], reach, domain))
         found.push_back({order_[p], order_[q]});
   }
+
+  static constexpr std::size_t tile = 12;  // cells
 
   Vec3d low_{};                                // [m]
   std::array<std::size_t, 3> count_{1, 1, 1};  // cells in each direction
