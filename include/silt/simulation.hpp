@@ -207,7 +207,7 @@ class Simulation {
     engine_.move_walls(time_);
     if (first_kick_) engine_.start_walls(time_, dt_);
     openings_.update(engine_, *this);
-    engine_.renew_lists(search_, domain_, step_, engine_.largest_speed * dt_);
+    engine_.renew_lists(search_, domain_, step_, dt_);
     engine_.pair_forces(domain_, dt_);
     engine_.wall_forces(dt_);
     using Advance = typename Engine::Advance;

@@ -46,6 +46,7 @@ class Engine {
   double smallest_radius = 0;  // [m]
   double mean_diameter = 0;    // [m]
   double largest_speed = 0;    // [m/s]
+  double largest_share = 0;    // [1/s] largest speed over inner reach
   double largest_overlap = 0;  // [-] over the smaller radius, in the last step
   bool finite = true;          // all velocities, after the last kick
 
@@ -66,15 +67,19 @@ class Engine {
 
   // --- search -------------------------------------------------------------------------------
 
-  /// Renews what is stale of the lists; `closing` [m] bounds how far a sphere moves in a step.
-  void renew_lists(Search& search, const Domain& domain, std::int64_t step, double closing) {
+  /// Renews what is stale of the lists; see ListUpkeep.
+  void renew_lists(Search& search, const Domain& domain, std::int64_t step, double time_step) {
     if (inner_list_holds()) return;
-    if (!outer_list_holds(search, domain)) find_pairs(search, domain, step, closing);
+    const double wall_speed = fastest_wall(time_step);
+    if (upkeep.searched_at < 0 || !choose_inner(wall_speed)) {
+      find_pairs(search, domain, step, wall_speed, time_step);
+      choose_inner(wall_speed);
+    }
     prune(domain, step);
   }
 
   bool inner_list_holds() const {
-    return upkeep.pruned_at >= 0 && upkeep.inner_holds(pruned_walls.travel(walls));
+    return keeps_list && upkeep.pruned_at >= 0 && upkeep.inner_holds(pruned_walls.travel(walls));
   }
   /// Makes the next step search anew, whatever has moved.
   void forget_lists() { upkeep.searched_at = upkeep.pruned_at = -1; }
@@ -126,18 +131,19 @@ class Engine {
                  bool first_kick) {
     if (how == Advance::KickAndRecord) synchronous.resize(particles.size());
     const Kick kick{gravity, kick_time, time_step, first_kick};
-    std::array<double, parts> fastest{}, check{};
+    std::array<double, parts> fastest{}, check{}, share{};
     team_->for_parts(parts, [&](std::size_t p) {
       const std::size_t from = particles.size() * p / parts,
                         to = particles.size() * (p + 1) / parts;
       const auto speeds = how == Advance::KickAndRecord
                               ? kick_all<Advance::KickAndRecord>(from, to, kick)
                               : kick_all<Advance::KickAndDrift>(from, to, kick);
-      fastest[p] = speeds.largest2, check[p] = speeds.sum2;
+      fastest[p] = speeds.largest2, check[p] = speeds.sum2, share[p] = speeds.share2;
     });
+    largest_share = std::sqrt(*std::max_element(share.begin(), share.end()));
     largest_speed = std::sqrt(*std::max_element(fastest.begin(), fastest.end()));
     finite = std::isfinite(std::accumulate(check.begin(), check.end(), 0.0));
-    if (how == Advance::KickAndDrift) upkeep.travelled += largest_speed * time_step;
+    if (how == Advance::KickAndDrift) upkeep.used += largest_share * time_step;
   }
 
   void drift(double time_step) {
@@ -149,7 +155,7 @@ class Engine {
                         time)
             .store(&particles.position[k].x);
     });
-    upkeep.travelled += largest_speed * time_step;
+    upkeep.used += largest_share * time_step;
   }
 
   // --- particles that leave -----------------------------------------------------------------
@@ -177,9 +183,9 @@ class Engine {
   }
 
   /// Completes a restored state: sizes as they were measured, and what follows from the lists.
-  void restored(double radius, double diameter, double speed, double overlap) {
+  void restored(double radius, double diameter, double speed, double overlap, double share) {
     largest_radius = radius, mean_diameter = diameter;
-    largest_speed = speed, largest_overlap = overlap;
+    largest_speed = speed, largest_overlap = overlap, largest_share = share;
     parked_ =
         static_cast<std::size_t>(std::count(particles.id.begin(), particles.id.end(), no_particle));
     first_pruning_ = false;
@@ -200,7 +206,10 @@ class Engine {
     return particles.position.capacity() * sizeof(PositionRow) +
            particles.motion.capacity() * sizeof(Motion) + reference.capacity() * sizeof(Vec3d) +
            sums_.capacity() * sizeof(double) + pairs.bytes() +
-           found_.capacity() * sizeof(IndexPair);
+           (upkeep.outer.capacity() + upkeep.inner.capacity() + upkeep.per_inner2.capacity() +
+            speeds_.capacity() + anticipated_.capacity()) *
+               sizeof(double) +
+           grown_.capacity() * sizeof(PositionRow) + found_.capacity() * sizeof(IndexPair);
   }
 
  private:
@@ -228,25 +237,60 @@ class Engine {
       return search;
   }
 
-  bool outer_list_holds(const Search&, const Domain& domain) const {
-    if (upkeep.searched_at < 0) return false;
-    return upkeep.outer_holds(largest_displacement_since_search(domain),
-                              searched_walls.travel(walls));
-  }
-
-  double largest_displacement_since_search(const Domain&) const {
-    double most = 0;
-    for (std::size_t k = 0; k < particles.size(); ++k) {
-      if (is_parked(particles.id[k])) continue;
-      const Vec3d d = particles.position[k].centre() - reference[k];
-      most = std::max(most, dot(d, d));
+  /// The speeds [m/s] that particles may soon have: their own, and most of the fastest neighbour's,
+  /// which may hit them.
+  void anticipate_speeds() {
+    constexpr double passed_on = 0.75;
+    const std::size_t n = particles.size();
+    speeds_.resize(n), anticipated_.resize(n);
+    for (std::size_t k = 0; k < n; ++k) {
+      const Vec3d v = particles.motion[k].velocity();
+      anticipated_[k] = speeds_[k] = std::sqrt(dot(v, v));
     }
-    return std::sqrt(most);
+    pairs.for_each_outer(*team_, [&](std::uint32_t a, std::uint32_t b) {
+      anticipated_[a] = std::max(anticipated_[a], passed_on * speeds_[b]);
+      anticipated_[b] = std::max(anticipated_[b], passed_on * speeds_[a]);
+    });
   }
 
-  void find_pairs(Search& search, const Domain& domain, std::int64_t step, double closing) {
+  /// [m/s] over the last step; -1 if no wall moves.
+  double fastest_wall(double time_step) const {
+    if (std::none_of(walls.begin(), walls.end(), [](const Wall& w) { return w.moves(); }))
+      return -1;
+    const Box region = occupied_region();
+    double fastest = 0;
+    for (const auto& w : walls)
+      if (w.moves())
+        fastest = std::max(fastest, largest_displacement(w.pose, w.last_pose, region) / time_step);
+    return fastest;
+  }
+
+  /// Chooses the inner reaches; false if the outer list does not hold for them.
+  bool choose_inner(double wall_speed) {
+    const std::size_t n = particles.size();
+    upkeep.inner.resize(n), upkeep.per_inner2.resize(n);
+    if constexpr (!keeps_list) {
+      std::fill_n(upkeep.inner.begin(), n, 0.0), std::fill_n(upkeep.per_inner2.begin(), n, 0.0);
+      return false;
+    }
+    anticipate_speeds();
+    std::array<bool, parts> enough;
+    team_->for_parts(parts, [&](std::size_t p) {
+      enough[p] =
+          upkeep.set_inner(n * p / parts, n * (p + 1) / parts, anticipated_, [&](std::size_t k) {
+            return is_parked(particles.id[k]) ? 0.0
+                                              : norm(particles.position[k].centre() - reference[k]);
+          });
+    });
+    return upkeep.set_inner_wall(wall_speed, searched_walls.travel(walls)) &&
+           std::all_of(enough.begin(), enough.end(), [](bool e) { return e; });
+  }
+
+  void find_pairs(Search& search, const Domain& domain, std::int64_t step, double wall_speed,
+                  double time_step) {
     previous_.resize(particles.size());
     std::iota(previous_.begin(), previous_.end(), 0u);
+    anticipate_speeds();
     if (parked_ > 0) drop_parked();
     if constexpr (Domain::periodic)
       for (std::size_t k = 0; k < particles.size(); ++k) {
@@ -257,39 +301,57 @@ class Engine {
       if (search.skin)
         upkeep.set_skin(*search.skin);
       else
-        upkeep.choose_skins(mean_diameter, 2 * closing);
+        upkeep.choose_skins(mean_diameter, anticipated_, wall_speed, time_step);
     }
+    reach_out(wall_speed);
     auto& find = finder(search);
-    const auto spheres = [&] { return SphereSet{particles.rows(), largest_radius}; };
+    const auto grown = [&] { return SphereSet{{grown_.data(), grown_.size()}, largest_grown_}; };
     if constexpr (keeps_list) {
-      if constexpr (requires { find.order(spheres(), 1.0, domain, order_); })
+      if constexpr (requires { find.order(grown(), 0.0, domain, order_); })
         if (search.sort) {
-          find.order(spheres(), upkeep.outer_skin, domain, order_);
+          find.order(grown(), 0.0, domain, order_);
           apply_order();
+          reach_out(wall_speed);
         }
     }
-    find.find(spheres(), upkeep.outer_skin, domain, *team_, found_);
+    find.find(grown(), 0.0, domain, *team_, found_);
     pairs.set_outer(found_, particles.id, particles.motion.data(), previous_);
-    wall_pairs.search(walls, particles.rows(), upkeep.outer_skin, previous_);
+    wall_pairs.search(walls, grown().rows, upkeep.outer_wall, previous_);
 
     reference.resize(particles.size());
-    Box region;
-    for (std::size_t k = 0; k < particles.size(); ++k) {
+    for (std::size_t k = 0; k < particles.size(); ++k)
       reference[k] = particles.position[k].centre();
-      region.include(reference[k]);
-    }
-    searched_walls.set(walls, region.grown(largest_radius + upkeep.outer_skin));
+    searched_walls.set(walls, occupied_region().grown(largest_grown_ + upkeep.outer_wall));
     upkeep.searched_at = step;
     first_pruning_ = true;
   }
 
+  /// Spheres grown by their outer reaches: those that overlap are the pairs of the outer list.
+  void reach_out(double wall_speed) {
+    upkeep.set_outer(anticipated_, wall_speed);
+    grown_.resize(particles.size());
+    largest_grown_ = 0;
+    for (std::size_t k = 0; k < particles.size(); ++k) {
+      grown_[k] = particles.position[k];
+      grown_[k].r += upkeep.outer[k];
+      largest_grown_ = std::max(largest_grown_, grown_[k].r);
+    }
+  }
+
+  Box occupied_region() const {
+    Box region;
+    for (std::size_t k = 0; k < particles.size(); ++k)
+      if (!is_parked(particles.id[k])) region.include(particles.position[k].centre());
+    return region;
+  }
+
   void prune(const Domain& domain, std::int64_t step) {
     const std::span<const std::uint32_t> none;
-    pairs.prune(particles.position.data(), particles.size(), upkeep.inner_skin, domain,
+    pairs.prune(particles.position.data(), particles.size(), upkeep.inner.data(), domain,
                 first_pruning_ ? std::span<const std::uint32_t>(previous_) : none, *team_);
-    wall_pairs.prune(walls, particles.position.data(), upkeep.inner_skin);
+    wall_pairs.prune(walls, particles.position.data(), upkeep.inner.data(), upkeep.inner_wall);
     pruned_walls.set(walls, searched_walls.region());
-    upkeep.travelled = 0;
+    upkeep.used = 0;
     upkeep.pruned_at = step;
     first_pruning_ = false;
     renew_tables();
@@ -318,8 +380,10 @@ class Engine {
   void apply_order() {
     particles.reorder(order_);
     std::vector<std::uint32_t> before(order_.size());
-    for (std::size_t k = 0; k < order_.size(); ++k) before[k] = previous_[order_[k]];
-    previous_.swap(before);
+    std::vector<double> speeds(order_.size());
+    for (std::size_t k = 0; k < order_.size(); ++k)
+      before[k] = previous_[order_[k]], speeds[k] = anticipated_[order_[k]];
+    previous_.swap(before), anticipated_.swap(speeds);
   }
 
   struct Kick {
@@ -329,6 +393,7 @@ class Engine {
   };
   struct Speeds {
     double largest2, sum2;  // [m2/s2]
+    double share2;          // [1/s2] largest (v/q)^2, q: inner reach
   };
 
   /// Kicks particles from ... to-1, and lets them drift or records them; clears their loads.
@@ -341,7 +406,8 @@ class Engine {
     PositionRow* const position = particles.position.data();
     Motion* const motion = particles.motion.data();
     double* load = sums_.data() + from * 4 * chunks;
-    double largest2 = 0, sum2 = 0;
+    const double* const per_inner2 = upkeep.per_inner2.data();
+    double largest2 = 0, sum2 = 0, share2 = 0;
     for (std::size_t k = from; k < to; ++k, load += 4 * chunks) {
       Motion& m = motion[k];
       const double inv_m = m.inv_m;
@@ -362,9 +428,11 @@ class Engine {
       else
         Leapfrog::drift(Row::load(&position[k].x), velocity, time).store(&position[k].x);
       const double v2 = m.vx * m.vx + m.vy * m.vy + m.vz * m.vz;
+      const double v2_q2 = v2 * per_inner2[k];
       largest2 = v2 > largest2 ? v2 : largest2, sum2 += v2;
+      share2 = v2_q2 > share2 ? v2_q2 : share2;
     }
-    return {largest2, sum2};
+    return {largest2, sum2, share2};
   }
 
   /// At the whole step the velocity is the mean of the two half steps around it.
@@ -382,6 +450,9 @@ class Engine {
   std::vector<std::uint16_t> kinds_;
   std::vector<IndexPair> found_;
   std::vector<std::uint32_t> order_, previous_;
+  std::vector<double> speeds_, anticipated_;  // [m/s]
+  AlignedVector<PositionRow> grown_;          // radius and outer reach
+  double largest_grown_ = 0;                  // [m]
   bool first_pruning_ = true;
   std::size_t parked_ = 0;  // particles that left since the last search
 };

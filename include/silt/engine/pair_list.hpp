@@ -81,11 +81,26 @@ class PairList {
     for (auto& h : history_) h.clear();
   }
 
-  /// Makes the inner list of all outer pairs nearer than `reach` [m]. `previous` as in set_outer if
-  /// this is the first pruning after it, else empty.
+  /// Calls visit(a, b) for all outer pairs; at the same time only for pairs without a common
+  /// particle.
+  template <class Visit>
+  void for_each_outer(const Team& team, const Visit& visit) const {
+    if (outer_.empty()) return;
+    for (std::size_t p = 0; p < groups_.phases(); ++p) {
+      auto [from, to] = groups_.phase(p);
+      while (to > from && outer_begin_[to] == outer_begin_[to - 1]) --to;
+      team.for_parts(to - from, [&, first = from](std::size_t g) {
+        for (std::size_t k = outer_begin_[first + g]; k < outer_begin_[first + g + 1]; ++k)
+          visit(outer_[k].a, outer_[k].b);
+      });
+    }
+  }
+
+  /// Makes the inner list of all outer pairs nearer than their reaches [m] together. `previous` as
+  /// in set_outer if this is the first pruning after it, else empty.
   template <class Domain>
-  void prune(const PositionRow* rows, std::size_t particles, double reach, const Domain& domain,
-             std::span<const std::uint32_t> previous, const Team& team) {
+  void prune(const PositionRow* rows, std::size_t particles, const double* reach,
+             const Domain& domain, std::span<const std::uint32_t> previous, const Team& team) {
     kept_.resize(outer_.size());
     team.for_parts(chunks_.size(), [&](std::size_t c) {
       chunks_[c].kept = keep_near(chunks_[c], rows, reach, domain);
@@ -197,12 +212,13 @@ class PairList {
 
   /// Writes the outer pairs of a chunk that are near into kept_; returns how many.
   template <class Domain>
-  std::size_t keep_near(const Chunk& c, const PositionRow* rows, double reach,
+  std::size_t keep_near(const Chunk& c, const PositionRow* rows, const double* reach,
                         const Domain& domain) {
     std::size_t kept = 0;
     for (std::size_t k = c.from; k < c.to; ++k) {
       kept_[c.from + kept] = static_cast<std::uint32_t>(k);
-      kept += within_reach(rows[outer_[k].a], rows[outer_[k].b], reach, domain);
+      const auto [a, b] = outer_[k];
+      kept += within_reach(rows[a], rows[b], reach[a] + reach[b], domain);
     }
     return kept;
   }

@@ -65,8 +65,10 @@ class WallContacts {
               [](const WallCandidate& a, const WallCandidate& b) { return a.key() < b.key(); });
   }
 
-  /// Keeps of those found the ones nearer than `reach` [m] now; history stays with its contact.
-  void prune(std::span<const Wall> walls, const PositionRow* rows, double reach) {
+  /// Keeps of those found the ones nearer than the sphere's and the wall's reach [m] now; history
+  /// stays with its contact.
+  void prune(std::span<const Wall> walls, const PositionRow* rows, const double* reach,
+             double wall_reach) {
     if (!renewed_) archive();
     std::vector<WallCandidate> kept;
     inner_facets_.clear();
@@ -74,7 +76,7 @@ class WallContacts {
       if (rows[c.particle].r == 0) continue;  // it has left
       const Wall& wall = walls[c.wall];
       const Vec3d centre = in_body(wall, rows[c.particle].centre());
-      const double within = rows[c.particle].r + reach;
+      const double within = rows[c.particle].r + reach[c.particle] + wall_reach;
       visit_surface(wall.surfaces[c.surface], [&](const auto& surface) {
         WallCandidate near = c;
         near.facets = static_cast<std::uint32_t>(inner_facets_.size());

@@ -39,8 +39,14 @@ class Checkpoint {
     const std::vector<std::int64_t> counters{
         sim.step_,   sim.step_origin_,   sim.next_id_,        sim.first_kick_,
         sim.kicked_, e.upkeep.pruned_at, e.upkeep.searched_at};
-    const std::vector<double> skins{e.upkeep.outer_skin, e.upkeep.inner_skin, e.upkeep.travelled};
-    out.add("clock", clock), out.add("counters", counters), out.add("skins", skins);
+    const auto& plan = e.upkeep.plan;
+    const std::vector<double> upkeep{e.upkeep.used,       e.largest_share, e.upkeep.outer_wall,
+                                     e.upkeep.inner_wall, plan.outer_time, plan.inner_time,
+                                     plan.least_outer,    plan.most_outer, plan.least_inner,
+                                     plan.most_inner};
+    out.add("clock", clock), out.add("counters", counters), out.add("upkeep", upkeep);
+    out.add("reach.outer", std::span(e.upkeep.outer)),
+        out.add("reach.inner", std::span(e.upkeep.inner));
 
     const std::size_t n = e.particles.size();
     out.add("position", doubles(e.particles.position.data(), n));
@@ -115,7 +121,9 @@ class Checkpoint {
             "' has other inlets or outlets than the simulation; build the scene that wrote it");
 
     // Everything is read and checked for its length before anything is changed.
-    const auto clock = in.get<double>("clock", 9), skins = in.get<double>("skins", 3);
+    const auto clock = in.get<double>("clock", 9), upkeep = in.get<double>("upkeep", 10);
+    const auto outer_reach = in.get<double>("reach.outer"),
+               inner_reach = in.get<double>("reach.inner", outer_reach.size());
     const auto counters = in.get<std::int64_t>("counters", 7);
     const auto id = in.get<std::uint32_t>("id");
     const std::size_t n = id.size();
@@ -155,7 +163,9 @@ class Checkpoint {
     sim.continued_ = true;
     sim.first_kick_ = counters[3] != 0, sim.kicked_ = counters[4] != 0;
     e.upkeep.pruned_at = counters[5], e.upkeep.searched_at = counters[6];
-    e.upkeep.outer_skin = skins[0], e.upkeep.inner_skin = skins[1], e.upkeep.travelled = skins[2];
+    e.upkeep.used = upkeep[0], e.upkeep.outer_wall = upkeep[2], e.upkeep.inner_wall = upkeep[3];
+    e.upkeep.plan = {upkeep[4], upkeep[5], upkeep[6], upkeep[7], upkeep[8], upkeep[9]};
+    e.upkeep.restore(outer_reach, inner_reach);
 
     e.particles.id = id, e.particles.material = material;
     e.particles.position.resize(n), e.particles.motion.resize(n);
@@ -193,7 +203,7 @@ class Checkpoint {
       c += 5;
       i.start = flows[f++], i.interval = flows[f++];
     }
-    e.restored(clock[5], clock[6], clock[7], clock[8]);
+    e.restored(clock[5], clock[6], clock[7], clock[8], upkeep[1]);
   }
 
   /// Which programs can continue from the file: the policies that shape the state.
