@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <type_traits>
 
@@ -142,17 +143,40 @@ inline Vec3<Real> load3(const double* x, const double* y, const double* z) {
   return {load<Real>(x), load<Real>(y), load<Real>(z)};
 }
 
-/// The largest lane.
+/// Loads from any address.
 template <class Real>
-inline double largest_lane(const Real& x) {
-  if constexpr (is_batch<Real>) {
-    alignas(Real) double lane[Real::size];
-    x.store_aligned(lane);
-    double best = lane[0];
-    for (std::size_t k = 1; k < Real::size; ++k) best = lane[k] > best ? lane[k] : best;
-    return best;
+inline Real load_any(const double* p) {
+  if constexpr (is_batch<Real>)
+    return Real::load_unaligned(p);
+  else
+    return *p;
+}
+
+/// One bit a lane, the first in the lowest place.
+template <class M>
+inline std::uint64_t lane_bits(const M& mask) {
+  if constexpr (std::is_same_v<M, bool>) {
+    return mask;
   } else {
-    return x;
+#if defined(__AVX512F__)
+    if constexpr (std::is_same_v<M, xsimd::batch_bool<double, xsimd::avx512bw>> ||
+                  std::is_same_v<M, xsimd::batch_bool<double, xsimd::avx512dq>> ||
+                  std::is_same_v<M, xsimd::batch_bool<double, xsimd::avx512f>>)
+      return static_cast<__mmask8>(mask);
+#endif
+#if defined(__AVX__)
+    if constexpr (requires { _mm256_movemask_pd(mask); })
+      return static_cast<std::uint64_t>(_mm256_movemask_pd(mask));
+#endif
+#if defined(__SSE2__)
+    if constexpr (requires { _mm_movemask_pd(mask); })
+      return static_cast<std::uint64_t>(_mm_movemask_pd(mask));
+#endif
+    bool lane[M::size];
+    mask.store_unaligned(lane);
+    std::uint64_t all = 0;
+    for (std::size_t k = 0; k < M::size; ++k) all |= std::uint64_t{lane[k]} << k;
+    return all;
   }
 }
 

@@ -42,9 +42,7 @@ class ListUpkeep {
     double outer_time, inner_time, least_outer, most_outer, least_inner, most_inner;
   } plan{};
 
-  bool inner_holds(double wall_travel) const {
-    return used < 1 && wall_travel <= inner_wall;
-  }
+  bool inner_holds(double wall_travel) const { return used < 1 && wall_travel <= inner_wall; }
 
   /// For a skin S that the user set, the largest gap of a listed pair: half of it for each sphere;
   /// a fifth of that for the inner list.

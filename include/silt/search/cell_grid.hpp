@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <numeric>
 
 #include <silt/core/box.hpp>
+#include <silt/core/lanes.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/search/concept.hpp>
 
@@ -30,7 +32,7 @@ class CellGrid {
     order = order_;
   }
 
-  template <class Domain>
+  template <class Arch = DefaultArch, class Domain>
   void find(const SphereSet& spheres, double reach, const Domain& domain, const Team& team,
             std::vector<IndexPair>& pairs) {
     pairs.clear();
@@ -40,7 +42,7 @@ class CellGrid {
     found_.resize(parts);
     team.for_parts(parts, [&](std::size_t part) {
       found_[part].clear();
-      scan(n * part / parts, n * (part + 1) / parts, reach, domain, found_[part]);
+      scan<Arch>(n * part / parts, n * (part + 1) / parts, reach, domain, found_[part]);
     });
     std::vector<std::size_t> begin(parts + 1, 0);
     for (std::size_t p = 0; p < parts; ++p) begin[p + 1] = begin[p] + found_[p].size();
@@ -73,8 +75,11 @@ class CellGrid {
     next_.assign(start_.begin(), start_.end() - 1);
     for (std::size_t k = 0; k < rows.size(); ++k)
       order_[next_[cell_[k]]++] = static_cast<std::uint32_t>(k);
-    sorted_.resize(rows.size());
-    for (std::size_t k = 0; k < rows.size(); ++k) sorted_[k] = rows[order_[k]];
+    for (auto* component : {&x_, &y_, &z_, &r_}) component->resize(rows.size() + 8, 0.0);
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      const PositionRow& row = rows[order_[k]];
+      x_[k] = row.x, y_[k] = row.y, z_[k] = row.z, r_[k] = row.r;
+    }
   }
 
   void choose_cells(const Box& bounds, double cutoff, std::size_t spheres) {
@@ -134,7 +139,7 @@ class CellGrid {
     std::size_t begin, end;
   };
 
-  /// The parts of `sorted_` after cell c that its spheres must look at; returns how many.
+  /// The parts of `order_` after a cell that its spheres must look at; returns how many.
   template <class Domain>
   int ranges_after(const Cell& cell, const Domain& domain, std::array<Range, 26>& out) const {
     const std::size_t c = number(cell);
@@ -169,7 +174,7 @@ class CellGrid {
     return found;
   }
 
-  template <class Domain>
+  template <class Arch, class Domain>
   void scan(std::size_t from, std::size_t to, double reach, const Domain& domain,
             std::vector<IndexPair>& found) const {
     std::array<Range, 26> ranges{};
@@ -179,19 +184,29 @@ class CellGrid {
       if (const std::size_t c = cell_[order_[p]]; c != cell) {
         cell = c;
         own_end = start_[c + 1];
-        count = ranges_after(cell_of(sorted_[p]), domain, ranges);
+        count = ranges_after(cell_of({x_[p], y_[p], z_[p], r_[p]}), domain, ranges);
       }
-      scan_range(p, {p + 1, own_end}, reach, domain, found);
-      for (int k = 0; k < count; ++k) scan_range(p, ranges[k], reach, domain, found);
+      scan_range<Arch>(p, {p + 1, own_end}, reach, domain, found);
+      for (int k = 0; k < count; ++k) scan_range<Arch>(p, ranges[k], reach, domain, found);
     }
   }
-  template <class Domain>
+  /// Looks at as many spheres at a time as there are lanes; the arrays go on for one pack more.
+  template <class Arch, class Domain>
   void scan_range(std::size_t p, Range range, double reach, const Domain& domain,
                   std::vector<IndexPair>& found) const {
-    const PositionRow a = sorted_[p];
-    for (std::size_t q = range.begin; q < range.end; ++q)
-      if (detail::within_reach(a, sorted_[q], reach, domain))
-        found.push_back({order_[p], order_[q]});
+    using Real = typename Lanes<Arch>::Real;
+    constexpr std::size_t W = Lanes<Arch>::width;
+    const Real x(x_[p]), y(y_[p]), z(z_[p]), own(r_[p]), further(reach);
+    for (std::size_t q = range.begin; q < range.end; q += W) {
+      Vec3<Real> d{x - load_any<Real>(&x_[q]), y - load_any<Real>(&y_[q]),
+                   z - load_any<Real>(&z_[q])};
+      if constexpr (Domain::periodic) d = domain.shortest(d);
+      const Real cutoff = own + load_any<Real>(&r_[q]) + further;
+      std::uint64_t near = lane_bits(dot(d, d) < cutoff * cutoff);
+      if (range.end - q < W) near &= (std::uint64_t{1} << (range.end - q)) - 1;
+      for (; near != 0; near &= near - 1)
+        found.push_back({order_[p], order_[q + static_cast<std::size_t>(std::countr_zero(near))]});
+    }
   }
 
   static constexpr std::size_t tile = 12;  // cells
@@ -200,8 +215,8 @@ class CellGrid {
   std::array<std::size_t, 3> count_{1, 1, 1};  // cells in each direction
   std::array<double, 3> per_length_{};         // [1/m]
   std::vector<std::uint32_t> cell_, order_, next_;
-  std::vector<std::uint32_t> start_;  // first sphere of each cell, in `order_`
-  AlignedVector<PositionRow> sorted_;
+  std::vector<std::uint32_t> start_;           // first sphere of each cell, in `order_`
+  std::vector<double> x_, y_, z_, r_;          // [m] of the spheres in `order_`
   std::vector<std::vector<IndexPair>> found_;  // by part
 };
 
