@@ -260,9 +260,9 @@ int simulate(Scene scene, const example::Options& options) {
       titles.push_back(silt::text(moments[k], " s after opening"));
       silt::write_particles(pictures.back(), sim, layers);
     }
-    if (k >= 3 && curve.mass.size() > 20 &&
-        curve.mass.back() - curve.mass[curve.mass.size() - 20] < 1e-4 * total)
-      break;
+    if (k < 3 || curve.mass.size() <= 20) continue;
+    const double lately = curve.mass.back() - curve.mass[curve.mass.size() - 20];
+    if (curve.mass.back() > 0.99999 * total || lately < 1e-4 * total) break;
   }
   if (pictures.empty()) {
     pictures.push_back(options.out + "/snapshot_end.vtp");

@@ -50,8 +50,8 @@ class ListUpkeep {
 
   /// Chooses for how long both lists shall hold, for spheres of mean diameter d [m] that may move
   /// at `speeds` and walls at `wall_speed` [m/s]. Minimises the cost a step and particle of search,
-  /// pruning and pairs that do not touch. The constants are nanoseconds of this engine in a dense
-  /// bed (docs/validation.md tells how they were measured); they set the speed alone.
+  /// pruning and pairs that do not touch. The constants are nanoseconds, read off a
+  /// profile of the hopper's discharge; they set the speed alone.
   void choose_skins(double d, std::span<const double> speeds, double wall_speed, double time_step) {
     constexpr double search = 150, cell = 30, prune = 15, prune_pair = 8, idle_pair = 8;  // [ns]
     constexpr double pairs = 2.2, more_pairs = 10;  // a particle; more by gap over diameter

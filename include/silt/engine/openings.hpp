@@ -17,7 +17,8 @@
 namespace silt {
 
 /// Where particles leave: their centre is inside `region`. Looked at whenever a particle may have
-/// moved by half the inner skin, so that the region must be thicker than that.
+/// moved by its inner reach (ListUpkeep: at most a quarter of the mean diameter, or a tenth of a
+/// skin that the user set), so that the region must be thicker than that.
 struct Outlet {
   Box region;               // [m]
   std::uint64_t count = 0;  // [-] left so far
