@@ -94,10 +94,7 @@ double largest_lane_difference(const typename Law::template Coefficients<double>
       for (std::size_t k = 0; k < C; ++k) lanes[k][w] = reals<double>(contacts[w])[k];
     }
     const auto load = [](const std::array<double, W>& values) {
-      if constexpr (is_batch<Batch>)
-        return Batch::load_unaligned(values.data());
-      else
-        return values[0];
+      return load_any<Batch>(values.data());
     };
     std::array<Batch, C> packed;
     for (std::size_t k = 0; k < C; ++k) packed[k] = load(lanes[k]);
@@ -120,11 +117,8 @@ double largest_lane_difference(const typename Law::template Coefficients<double>
       if constexpr (H > 0) history = std::bit_cast<History>(before[w]);
       const auto alone = reals<double>(detail::law_force<Law, double>(contacts[w], p, history));
       const auto lane = [&](const Batch& b) {
-        std::array<double, W> values;
-        if constexpr (is_batch<Batch>)
-          b.store_unaligned(values.data());
-        else
-          values[0] = b;
+        alignas(64) double values[W];
+        silt::store(values, b);
         return values[w];
       };
       // Round-off belongs to the parts of a sum: spring and dashpot may nearly cancel.
