@@ -29,7 +29,6 @@ class PairPipeline {
   using List = PairList<ContactsType::history>;
   static constexpr std::size_t W = Lanes<Arch>::width;
   static constexpr std::size_t block = 128;
-  static constexpr std::size_t ahead = block;  // pairs between prefetch and use
   static constexpr std::size_t chunks = load_chunks<ContactsType>;
   static constexpr std::size_t row = 4 * chunks;  // doubles
   static constexpr bool rotates = ContactsType::rotates;
@@ -68,7 +67,6 @@ class PairPipeline {
     double most = 0;
     for (; from < to; from += block) {
       const std::size_t count = std::min(block, to - from);
-      prefetch(in, list, sums, from + ahead);
       most = run_block(in, list, table, domain, from, count, most, rows);
       add_up(list.first() + from, list.second() + from, count, rows, sums);
     }
@@ -111,18 +109,6 @@ class PairPipeline {
         add_row<Arch, chunks, false>(sums + first[k] * row, rows + k * row);
         add_row<Arch, chunks, true>(sums + second[k] * row, rows + k * row);
       }
-  }
-
-  /// Asks for the rows of a block that comes soon: of each pair the later particle, which the
-  /// earlier ones have not touched yet and which lies too far ahead for the hardware to foresee.
-  static void prefetch(const Input& in, const List& list, const double* sums, std::size_t from) {
-    const std::size_t end = std::min(list.padded_size(), from + block);
-    for (std::size_t k = from; k < end; ++k) {
-      const std::uint32_t later = std::max(list.first()[k], list.second()[k]);
-      __builtin_prefetch(&in.positions[later]);
-      __builtin_prefetch(&in.motions[later]);
-      __builtin_prefetch(sums + later * row, 1);
-    }
   }
 
   /// Kinematics of `count` pairs (whole packs) from the rows of their particles.
