@@ -88,9 +88,11 @@ class Engine {
 
   void pair_forces(const Domain& domain, double time_step) {
     using Pipeline = PairPipeline<ContactsType, Domain, Arch>;
-    largest_overlap = Pipeline::run({particles.position.data(), particles.motion.data(),
-                                     kinds_.data(), largest_radius, smallest_radius, time_step},
-                                    pairs, coefficients, domain, sums_.data(), *team_);
+    const bool large = Pipeline::working_set(particles.size(), pairs.size()) > beyond_caches;
+    largest_overlap =
+        Pipeline::run({particles.position.data(), particles.motion.data(), kinds_.data(),
+                       largest_radius, smallest_radius, time_step, large},
+                      pairs, coefficients, domain, sums_.data(), *team_);
   }
 
   void wall_forces(double time_step) {
@@ -227,6 +229,8 @@ class Engine {
     sums_.assign(particles.size() * 4 * chunks, 0.0);
   }
 
+  // Half of the last-level caches of common machines: from here on fetching ahead has paid.
+  static constexpr std::size_t beyond_caches = 16 << 20;
   static constexpr std::size_t parts = 64;  // pieces of the particle loop, whatever the threads
 
   static constexpr bool keeps_list = requires(Search & s) { s.finder; };

@@ -24,11 +24,13 @@ inline constexpr std::uint32_t no_particle = std::numeric_limits<std::uint32_t>:
 /// computed. Pruning keeps the order of the outer list, so that history is carried along by a merge
 /// of two ascending sequences, in one linear pass. In a pair, `a` is the particle with the lower
 /// id, so that history never changes its sign. Groups of the inner list begin at whole packs; the
-/// gaps between them hold pairs of two spheres of no radius (indices n, n+1).
+/// gaps between them hold pairs of two spheres of no radius (indices n, n+1), and so do `ahead`
+/// places behind the last group, for loops that look ahead.
 template <std::size_t H>
 class PairList {
  public:
   static constexpr std::size_t padding = 8;  // the widest pack of lanes
+  static constexpr std::size_t ahead = 128;  // places
 
   struct Group {
     std::size_t from = 0, to = 0;  // places in the inner list
@@ -37,7 +39,7 @@ class PairList {
 
   std::size_t outer_size() const { return outer_.size(); }
   std::size_t size() const { return size_; }
-  std::size_t padded_size() const { return first_.size(); }
+  std::size_t padded_size() const { return origin_.size(); }
   const PairGroups& groups() const { return groups_; }
   const Group& group(std::size_t g) const { return inner_group_[g]; }
   /// The part of a phase from its first to its last group that is not empty.
@@ -195,7 +197,7 @@ class PairList {
       size_ += inner_group_[g].size();
     }
     const std::size_t padded = pieces(next, padding) * padding;
-    first_.resize(padded), second_.resize(padded), origin_.resize(padded);
+    first_.resize(padded + ahead), second_.resize(padded + ahead), origin_.resize(padded);
     for (auto& h : history_) h.resize(padded);
   }
 
@@ -208,6 +210,8 @@ class PairList {
         origin_[k] = origin_[g.to - 1];
         for (auto& h : history_) h[k] = 0;
       }
+    std::fill(first_.end() - ahead, first_.end(), static_cast<std::uint32_t>(particles));
+    std::fill(second_.end() - ahead, second_.end(), static_cast<std::uint32_t>(particles + 1));
   }
 
   /// Writes the outer pairs of a chunk that are near into kept_; returns how many.

@@ -40,7 +40,14 @@ class PairPipeline {
     const std::uint16_t* kinds;  // place in the coefficient table, if there are several materials
     double largest_radius, smallest_radius;  // [m]
     double time_step;                        // [s]
+    bool fetch_ahead;                        // the working set is beyond the caches
   };
+
+  /// Bytes that a step of `pairs` between `particles` goes through.
+  static constexpr std::size_t working_set(std::size_t particles, std::size_t pairs) {
+    return particles * (sizeof(PositionRow) + sizeof(Motion) + row * sizeof(double)) +
+           pairs * (2 * sizeof(std::uint32_t) + 2 * ContactsType::history * sizeof(double));
+  }
 
   /// Adds the load of every pair to the sums of its particles. Returns the largest overlap over the
   /// smaller radius.
@@ -67,7 +74,7 @@ class PairPipeline {
     double most = 0;
     for (; from < to; from += block) {
       const std::size_t count = std::min(block, to - from);
-      most = run_block(in, list, table, domain, from, count, most, rows);
+      most = run_block(in, list, table, domain, from, count, most, sums, rows);
       add_up(list.first() + from, list.second() + from, count, rows, sums);
     }
     return most;
@@ -79,10 +86,10 @@ class PairPipeline {
                                                    const CoefficientTable<ContactsType>& table,
                                                    const Domain& domain, std::size_t from,
                                                    std::size_t count, double largest,
-                                                   double* rows) {
+                                                   const double* sums, double* rows) {
     Block kinematics;
     largest = gather(in, list.first() + from, list.second() + from, domain, pieces(count, W) * W,
-                     largest, kinematics);
+                     largest, sums, kinematics);
     const Real time_step(in.time_step);
     ContactCoefficients<ContactsType, Real> coefficients(table);
     for (std::size_t k = 0; k < count; k += W) {
@@ -113,11 +120,13 @@ class PairPipeline {
 
   /// Kinematics of `count` pairs (whole packs) from the rows of their particles.
   static double gather(const Input& in, const std::uint32_t* first, const std::uint32_t* second,
-                       const Domain& domain, std::size_t count, double largest, Block& out) {
+                       const Domain& domain, std::size_t count, double largest, const double* sums,
+                       Block& out) {
     const Row difference = Row::of(-1, -1, -1, 1), sum = Row::all(1);
     const Real half_step(0.5 * in.time_step);
     for (std::size_t k = 0; k < count; k += W) {
       const std::uint32_t *const a = first + k, *const b = second + k;
+      if (in.fetch_ahead) fetch(in, a + List::ahead, b + List::ahead, sums);
       const auto turn = [&](const auto& row_of, const Row& sign, Real(&columns)[4]) {
         Row rows[W];
         for (std::size_t lane = 0; lane < W; ++lane)
@@ -180,6 +189,19 @@ class PairPipeline {
         largest = std::max(largest, exact_overlap(in, a, b, kin.overlap));
     }
     return largest;
+  }
+
+  /// Asks for the rows of pairs that come later, so that they need not wait for memory then. Of
+  /// each pair only those of the particle with the higher place: the list follows the order of
+  /// particles, so the other one was mostly used a moment ago.
+  static SILT_INLINE void fetch(const Input& in, const std::uint32_t* a, const std::uint32_t* b,
+                                const double* sums) {
+    for (std::size_t lane = 0; lane < W; ++lane) {
+      const std::size_t later = std::max(a[lane], b[lane]);
+      __builtin_prefetch(in.positions + later);
+      __builtin_prefetch(in.motions + later);
+      __builtin_prefetch(sums + later * row, 1);
+    }
   }
 
   static double exact_overlap(const Input& in, const std::uint32_t* a, const std::uint32_t* b,
