@@ -98,13 +98,13 @@ class Simulation {
     Wall wall{std::move(surfaces.parts), contacts_.add(material), std::move(motion)};
     if (wall.moves()) wall.pose = wall.last_pose = wall.motion(time_);
     engine_.walls.push_back(std::move(wall));
-    engine_.forget_lists();
+    engine_.lists.forget();
     return engine_.walls.size() - 1;
   }
   /// Takes away the surfaces of wall k: a lid that opens. Its number stays taken.
   void remove_wall(std::size_t k) {
     engine_.walls.at(k).surfaces.clear();
-    engine_.forget_lists();
+    engine_.lists.forget();
   }
   const Wall& wall(std::size_t k) const { return engine_.walls.at(k); }
   std::size_t walls() const { return engine_.walls.size(); }
@@ -158,11 +158,11 @@ class Simulation {
   double step_length() const { return dt_; }   // [s] in use
   /// True from a restart on until the end of the run that goes on from it.
   bool continued() const { return continued_; }
-  std::size_t size() const { return engine_.particles.size() - engine_.parked(); }
+  std::size_t size() const { return engine_.particles.size() - engine_.particles.parked; }
   /// Places 0 ... rows()-1 in memory; those where id() is silt::no_particle have left.
   std::size_t rows() const { return engine_.particles.size(); }
   std::uint32_t id(std::size_t k) const { return engine_.particles.id[k]; }
-  bool is_present(std::size_t k) const { return !Engine::is_parked(id(k)); }
+  bool is_present(std::size_t k) const { return !engine_.particles.is_parked(k); }
   Vec3d position(std::size_t k) const { return engine_.particles.position[k].centre(); }
   double radius(std::size_t k) const { return engine_.particles.position[k].r; }
   double mass(std::size_t k) const {

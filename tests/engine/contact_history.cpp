@@ -17,7 +17,7 @@ struct Searches {
   std::set<std::int64_t>* steps;
   template <class Sim>
   void operator()(const Sim& sim) const {
-    steps->insert(sim.engine().upkeep.searched_at);
+    steps->insert(sim.engine().lists.upkeep.searched_at);
   }
 };
 
@@ -115,7 +115,7 @@ TEST_CASE("contact_history: it matters in this scene, so that the cases above ca
   auto with = pile({.skin = 0.05, .sort = false}), without = pile({.skin = 0.05, .sort = false});
   with.run(duration / 2), without.run(duration / 2);
   for (int h = 0; h < 6; ++h) {
-    auto& pairs = without.engine().pairs;
+    auto& pairs = without.engine().lists.pairs;
     std::fill_n(pairs.history(h), pairs.padded_size(), 0.0);
   }
   with.run(duration / 2), without.run(duration / 2);

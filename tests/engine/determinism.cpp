@@ -137,7 +137,7 @@ TEST_CASE("determinism: enough spheres for several shares, sorted or not, give t
     sim.threads = threads;
     sim.add_wall(silt::box({0, 0, 0}, {width, width, 1}), glass);
     sim.run(0.01);
-    CHECK(sim.engine().pairs.groups().phases() == 8);
+    CHECK(sim.engine().lists.pairs.groups().phases() == 8);
     CHECK(sim.touching_pairs() > 10000);
     return bits(sim);
   };

@@ -24,8 +24,8 @@ struct Watch {
   template <class Sim>
   void operator()(const Sim& sim) {
     look_at_pairs(sim), look_at_walls(sim);
-    searches.insert(sim.engine().upkeep.searched_at);
-    prunings.insert(sim.engine().upkeep.pruned_at);
+    searches.insert(sim.engine().lists.upkeep.searched_at);
+    prunings.insert(sim.engine().lists.upkeep.pruned_at);
   }
 
  private:
@@ -34,14 +34,14 @@ struct Watch {
     const auto& e = sim.engine();
     using Pair = std::array<std::uint32_t, 2>;
     std::vector<Pair> listed;
-    e.pairs.for_each([&](std::size_t k) {
-      const std::uint32_t a = e.pairs.first()[k], b = e.pairs.second()[k];
+    e.lists.pairs.for_each([&](std::size_t k) {
+      const std::uint32_t a = e.lists.pairs.first()[k], b = e.lists.pairs.second()[k];
       listed.push_back({std::min(a, b), std::max(a, b)});
     });
     std::sort(listed.begin(), listed.end());
     doubled_pairs += std::adjacent_find(listed.begin(), listed.end()) != listed.end();
     std::vector<silt::IndexPair> touching;
-    silt::BruteForce{}.find({e.particles.rows(), e.largest_radius}, 0, sim.domain(), silt::Team(),
+    silt::BruteForce{}.find({e.particles.rows(), e.particles.largest_radius}, 0, sim.domain(), silt::Team(),
                             touching);
     touching_pairs += touching.size();
     for (const auto& [a, b] : touching)
@@ -54,9 +54,9 @@ struct Watch {
     const auto& e = sim.engine();
     // particle, wall, surface, triangle (0 for primitives)
     std::vector<std::array<std::size_t, 4>> listed;
-    for (const auto& c : e.wall_pairs.candidates()) {
+    for (const auto& c : e.lists.walls.candidates()) {
       if (c.facet_count == 0) listed.push_back({c.particle, c.wall, c.surface, 0});
-      for (const auto t : e.wall_pairs.facets(c))
+      for (const auto t : e.lists.walls.facets(c))
         listed.push_back({c.particle, c.wall, c.surface, t});
     }
     std::sort(listed.begin(), listed.end());

@@ -41,6 +41,22 @@ Pairs sorted(const std::vector<silt::IndexPair>& found) {
   return pairs;
 }
 
+/// The pairs that the grid finds in rows that it has put in order, by their first places.
+template <class Domain>
+std::vector<silt::IndexPair> found_in_order(const Rows& rows, double reach, const Domain& domain,
+                                            int threads) {
+  double largest = 0;  // [m]
+  for (const auto& row : rows) largest = std::max(largest, row.r);
+  silt::CellGrid grid;
+  const silt::Team team(threads);
+  std::vector<std::uint32_t> order;
+  grid.order({rows, largest}, reach, domain, team, order);
+  std::vector<silt::IndexPair> found{{7, 7}};
+  grid.find_ordered(reach, domain, team, found);
+  for (auto& [a, b] : found) a = order[a], b = order[b];
+  return found;
+}
+
 /// Checks that the grid finds the oracle's pairs, each once; returns how many there are.
 template <class Domain = OpenDomain>
 std::size_t compare(const Rows& rows, double reach, const Domain& domain = {}) {
@@ -48,6 +64,7 @@ std::size_t compare(const Rows& rows, double reach, const Domain& domain = {}) {
   silt::CellGrid grid;
   const Pairs expected = sorted(found_by(oracle, rows, reach, domain));
   CHECK(sorted(found_by(grid, rows, reach, domain)) == expected);
+  CHECK(sorted(found_in_order(rows, reach, domain, 3)) == expected);
   return expected.size();
 }
 
@@ -192,7 +209,7 @@ TEST_CASE("cell_grid: order() names every sphere once, those of a cell side by s
   const auto rows = random_rows(2000, unit, 0.03, 0.03, random);
   silt::CellGrid grid;
   std::vector<std::uint32_t> order;
-  grid.order({rows, 0.03}, 0.0, OpenDomain{}, order);
+  grid.order({rows, 0.03}, 0.0, OpenDomain{}, silt::Team(2), order);
   auto names = order;
   std::sort(names.begin(), names.end());
   REQUIRE(names.size() == rows.size());

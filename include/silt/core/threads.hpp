@@ -39,6 +39,16 @@ class Team {
 
   int threads() const { return static_cast<int>(workers_.size()) + 1; }
 
+  static constexpr std::size_t most_ranges = 64;
+
+  /// Calls body(range, from, to) for consecutive ranges that cover 0 ... n-1. Ranges are numbered
+  /// from 0, at most most_ranges; which ones there are depends on n alone.
+  template <class Body>
+  void for_ranges(std::size_t n, const Body& body) const {
+    const std::size_t ranges = std::clamp<std::size_t>(n / 256, 1, most_ranges);
+    for_parts(ranges, [&](std::size_t r) { body(r, n * r / ranges, n * (r + 1) / ranges); });
+  }
+
   /// Calls body(part) for part = 0 ... parts-1. Not to be called from within a body.
   template <class Body>
   void for_parts(std::size_t parts, const Body& body) const {

@@ -26,13 +26,12 @@ template <class EngineType>
   for (std::size_t k = 0; k < e.particles.size(); ++k) {
     const auto& m = e.particles.motion[k];
     const auto& p = e.particles.position[k];
-    if (e.is_parked(e.particles.id[k]) || (is_finite(m.velocity()) && is_finite(p.centre())))
-      continue;
+    if (e.particles.is_parked(k) || (is_finite(m.velocity()) && is_finite(p.centre()))) continue;
     throw SimulationError(
         text("step ", step, ", t = ", time, " s: the velocity of particle ", e.particles.id[k],
-             " is not finite near ", e.reference[k],
+             " is not finite near ", e.lists.reference[k],
              " m; lower the time step, or look for overlapping particles at the start"),
-        step, {e.particles.id[k]}, e.reference[k]);
+        step, {e.particles.id[k]}, e.lists.reference[k]);
   }
   throw SimulationError(text("step ", step, ", t = ", time,
                              " s: the squared velocities overflow; lower the time step"),
@@ -46,8 +45,8 @@ template <class EngineType, class Domain>
                                 double time, double limit) {
   double most = -1;  // [-]
   std::uint32_t a = 0, b = 0;
-  e.pairs.for_each([&](std::size_t k) {
-    const std::uint32_t i = e.pairs.first()[k], j = e.pairs.second()[k];
+  e.lists.pairs.for_each([&](std::size_t k) {
+    const std::uint32_t i = e.lists.pairs.first()[k], j = e.lists.pairs.second()[k];
     const auto &p = e.particles.position[i], &q = e.particles.position[j];
     Vec3d d = p.centre() - q.centre();
     if constexpr (Domain::periodic) d = domain.shortest(d);
@@ -56,14 +55,14 @@ template <class EngineType, class Domain>
   });
   bool with_wall = false;
   std::size_t wall = 0;
-  for (const auto& c : e.wall_pairs.candidates()) {
+  for (const auto& c : e.lists.walls.candidates()) {
     const auto& row = e.particles.position[c.particle];
     visit_surface(e.walls[c.wall].surfaces[c.surface], [&](const auto& surface) {
       SurfacePoint points[std::remove_cvref_t<decltype(surface)>::max_contacts];
-      const Vec3d centre = e.wall_pairs.in_body(e.walls[c.wall], row.centre());
+      const Vec3d centre = e.lists.walls.in_body(e.walls[c.wall], row.centre());
       int count;
-      if constexpr (requires { surface.contacts(centre, row.r, e.wall_pairs.facets(c), points); })
-        count = surface.contacts(centre, row.r, e.wall_pairs.facets(c), points);
+      if constexpr (requires { surface.contacts(centre, row.r, e.lists.walls.facets(c), points); })
+        count = surface.contacts(centre, row.r, e.lists.walls.facets(c), points);
       else
         count = surface.contacts(centre, row.r, points);
       for (int k = 0; k < count; ++k)
@@ -90,7 +89,7 @@ template <class EngineType>
 void check_inside(const EngineType& e, const Box& domain, std::int64_t step, double time) {
   for (std::size_t k = 0; k < e.particles.size(); ++k) {
     const Vec3d p = e.particles.position[k].centre();
-    if (domain.contains(p) || e.is_parked(e.particles.id[k])) continue;
+    if (domain.contains(p) || e.particles.is_parked(k)) continue;
     throw SimulationError(
         text("step ", step, ", t = ", time, " s: particle ", e.particles.id[k], " at ", p,
              " m is outside guard.domain from ", domain.min, " to ", domain.max,

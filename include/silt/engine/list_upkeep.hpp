@@ -49,19 +49,15 @@ class ListUpkeep {
   void set_skin(double skin) { plan = {0, 0, skin / 2, skin / 2, skin / 10, skin / 10}; }
 
   /// Chooses for how long both lists shall hold, for spheres of mean diameter d [m] that may move
-  /// at `speeds` and walls at `wall_speed` [m/s]. Minimises the cost a step and particle of search,
-  /// pruning and pairs that do not touch. The constants are nanoseconds, read off a
-  /// profile of the hopper's discharge; they set the speed alone.
-  void choose_skins(double d, std::span<const double> speeds, double wall_speed, double time_step) {
+  /// at `mean_speed` and spheres and walls at up to `fastest` [m/s]. Minimises the cost a step and
+  /// particle of search, pruning and pairs that do not touch. The constants are nanoseconds, read
+  /// off a profile of the hopper's discharge; they set the speed alone.
+  void choose_skins(double d, double mean_speed, double fastest, double time_step) {
     constexpr double search = 150, cell = 30, prune = 15, prune_pair = 8, idle_pair = 8;  // [ns]
     constexpr double pairs = 2.2, more_pairs = 10;  // a particle; more by gap over diameter
     plan = {0, 0, 0.03 * d, 0.5 * d, 0.005 * d, 0.25 * d};
-    double sum = 0, fastest = wall_speed;
-    for (const double u : speeds) sum += u, fastest = std::max(fastest, u);
-    // Diameters a step.
     const double per = slack * time_step / d;
-    const double mean = per * sum / static_cast<double>(std::max<std::size_t>(speeds.size(), 1));
-    const double most = per * fastest;
+    const double mean = per * mean_speed, most = per * fastest;  // diameters a step
     double best = std::numeric_limits<double>::infinity();
     for (double outer_steps = 2; outer_steps < 1e5; outer_steps *= 1.15) {
       const double widest = std::max(0.03, most * outer_steps);
@@ -80,9 +76,11 @@ class ListUpkeep {
     }
   }
 
-  void set_outer(std::span<const double> speeds, double wall_speed) {
-    outer.resize(speeds.size());
-    for (std::size_t k = 0; k < speeds.size(); ++k) outer[k] = outer_reach(speeds[k]);
+  /// The outer reach [m] of a sphere that may move at `speed` [m/s].
+  double outer_reach(double speed) const {
+    return std::clamp(slack * plan.outer_time * speed, plan.least_outer, plan.most_outer);
+  }
+  void set_outer_wall(double wall_speed) {
     outer_wall = wall_speed < 0 ? 0 : outer_reach(wall_speed);
   }
 
@@ -119,9 +117,6 @@ class ListUpkeep {
  private:
   static constexpr double slack = 1.2;  // reach over what the present speed takes
 
-  double outer_reach(double speed) const {
-    return std::clamp(slack * plan.outer_time * speed, plan.least_outer, plan.most_outer);
-  }
   double inner_reach(double speed) const {
     return std::clamp(slack * plan.inner_time * speed, plan.least_inner, plan.most_inner);
   }

@@ -116,7 +116,7 @@ class Openings {
   /// Before a step: lets particles out if they may have moved, and in if their time has come.
   template <class Engine, class Sim>
   void update(Engine& engine, Sim& sim) {
-    if (!outlets_.empty() && !engine.inner_list_holds()) let_out(engine);
+    if (!outlets_.empty() && !engine.lists.hold(engine.walls)) let_out(engine);
     for (std::size_t k = 0; k < inlets_.size(); ++k) let_in(inlets_[k], places_[k], engine, sim);
   }
 
@@ -126,13 +126,13 @@ class Openings {
   template <class Engine>
   void let_out(Engine& engine) {
     for (std::size_t k = 0; k < engine.particles.size(); ++k) {
-      if (Engine::is_parked(engine.particles.id[k])) continue;
+      if (engine.particles.is_parked(k)) continue;
       const Vec3d p = engine.particles.position[k].centre();
       for (auto& o : outlets_) {
         if (!o.region.contains(p)) continue;
         ++o.count;
         if (const double inv_m = engine.particles.motion[k].inv_m; inv_m > 0) o.mass += 1 / inv_m;
-        engine.park(k);
+        engine.particles.park(k);
         break;
       }
     }
@@ -149,7 +149,7 @@ class Openings {
     if (due <= inlet.placed) return;
     SphereGrid occupied;
     const Box near =
-        inlet.bounds.grown(2 * std::max(engine.largest_radius, inlet.flow.radius.max()));
+        inlet.bounds.grown(2 * std::max(engine.particles.largest_radius, inlet.flow.radius.max()));
     const auto occupy = [&](const Vec3d& centre, double radius) {
       for_images(sim.domain(), centre, [&](const Vec3d& image) {
         if (near.contains(image)) occupied.insert({image, radius});

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <silt/core/threads.hpp>
@@ -13,9 +14,6 @@
 #include <silt/search/concept.hpp>
 
 namespace silt::detail {
-
-/// Particle index that means "was not there before".
-inline constexpr std::uint32_t no_particle = std::numeric_limits<std::uint32_t>::max();
 
 /// The pairs of a simulation in two stages, with H Reals of contact history for each pair.
 ///
@@ -52,30 +50,14 @@ class PairList {
   const std::uint32_t* second() const { return second_.data(); }
   double* history(std::size_t component) { return history_[component].data(); }
 
-  /// Takes over newly found pairs; those of two fixed particles are left out. `previous[k]` is the
-  /// place that particle k had when the old list was current.
-  template <class Motion>
-  void set_outer(std::vector<IndexPair>& found, std::span<const std::uint32_t> ids,
-                 const Motion* motion, std::span<const std::uint32_t> previous) {
-    archive(previous);
-    groups_ = PairGroups(ids.size());
-    const auto is_fixed = [&](std::uint32_t k) { return motion[k].inv_m == 0; };
-    std::vector<std::uint16_t> group(found.size());
-    outer_begin_.assign(groups_.count() + 1, 0);
-    for (std::size_t k = 0; k < found.size(); ++k) {
-      const auto [a, b] = found[k];
-      group[k] = static_cast<std::uint16_t>(is_fixed(a) && is_fixed(b) ? groups_.count()
-                                                                       : groups_.of(a, b));
-      if (group[k] < groups_.count()) ++outer_begin_[group[k] + 1];
-    }
-    std::partial_sum(outer_begin_.begin(), outer_begin_.end(), outer_begin_.begin());
-    outer_.resize(outer_begin_.back());
-    std::vector<std::size_t> next(outer_begin_.begin(), outer_begin_.end() - 1);
-    for (std::size_t k = 0; k < found.size(); ++k) {
-      if (group[k] == groups_.count()) continue;
-      const auto [a, b] = found[k];
-      outer_[next[group[k]]++] = ids[a] < ids[b] ? IndexPair{a, b} : IndexPair{b, a};
-    }
+  /// Takes over newly found pairs; those of two fixed particles are left out. `before`: how many
+  /// particles there were when the old list was current.
+  template <class State>
+  void set_outer(std::span<const IndexPair> found, const State& particles, std::size_t before,
+                 const Team& team) {
+    archive(before, team);
+    groups_ = PairGroups(particles.size());
+    sort_into_groups(found, particles, team);
     cut_into_chunks();
     first_.clear(), second_.clear(), origin_.clear();
     inner_group_.clear();
@@ -97,9 +79,20 @@ class PairList {
       });
     }
   }
+  /// The same for the places of all inner pairs.
+  template <class Visit>
+  void for_each_inner(const Team& team, const Visit& visit) const {
+    if (size_ == 0) return;
+    for (std::size_t p = 0; p < groups_.phases(); ++p) {
+      const auto [from, to] = busy(groups_.phase(p));
+      team.for_parts(to - from, [&, first = from](std::size_t g) {
+        for (std::size_t k = group(first + g).from; k < group(first + g).to; ++k) visit(k);
+      });
+    }
+  }
 
-  /// Makes the inner list of all outer pairs nearer than their reaches [m] together. `previous` as
-  /// in set_outer if this is the first pruning after it, else empty.
+  /// Makes the inner list of all outer pairs nearer than their reaches [m] together. `previous[k]`:
+  /// the place of particle k before set_outer, if this is the first pruning after it; else empty.
   template <class Domain>
   void prune(const PositionRow* rows, std::size_t particles, const double* reach,
              const Domain& domain, std::span<const std::uint32_t> previous, const Team& team) {
@@ -156,7 +149,7 @@ class PairList {
   }
 
   std::size_t bytes() const {
-    return outer_.capacity() * sizeof(IndexPair) + kept_.capacity() * 4 +
+    return outer_.capacity() * sizeof(IndexPair) + kept_.capacity() * 4 + group_.capacity() * 2 +
            first_.capacity() * 2 * 4 +
            (origin_.capacity() + old_origin_.capacity()) * (4 + H * sizeof(double));
   }
@@ -172,6 +165,41 @@ class PairList {
     std::array<double, H> v{};
     for (std::size_t c = 0; c < H; ++c) v[c] = history_[c][k];
     return v;
+  }
+
+  /// Sorts pairs by their group, stably, the particle with the lower id first.
+  template <class State>
+  void sort_into_groups(std::span<const IndexPair> found, const State& particles,
+                        const Team& team) {
+    const auto group_of = [&](const IndexPair& p) {
+      if (particles.some_fixed && particles.motion[p.a].inv_m == 0 &&
+          particles.motion[p.b].inv_m == 0)
+        return groups_.count();
+      return groups_.of(p.a, p.b);
+    };
+    const std::size_t count = groups_.count() + 1;  // one more for those left out
+    group_.resize(found.size());
+    std::vector<std::size_t> next(Team::most_ranges * count, 0);  // of each range and group
+    team.for_ranges(found.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
+      for (std::size_t k = from; k < to; ++k)
+        ++next[r * count + (group_[k] = static_cast<std::uint16_t>(group_of(found[k])))];
+    });
+    outer_begin_.resize(count);
+    std::size_t place = 0;
+    for (std::size_t g = 0; g < count; ++g) {
+      outer_begin_[g] = place;
+      for (std::size_t r = 0; r < Team::most_ranges; ++r)
+        place += std::exchange(next[r * count + g], place);
+    }
+    outer_.resize(outer_begin_.back());
+    team.for_ranges(found.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
+      for (std::size_t k = from; k < to; ++k) {
+        if (group_[k] == groups_.count()) continue;
+        const auto [a, b] = found[k];
+        outer_[next[r * count + group_[k]]++] =
+            particles.id[a] < particles.id[b] ? IndexPair{a, b} : IndexPair{b, a};
+      }
+    });
   }
 
   void cut_into_chunks() {
@@ -253,20 +281,16 @@ class PairList {
     std::array<double, H> history;
   };
 
-  /// Sets aside the history of all touching pairs, in rows by the old place of the first particle.
-  void archive(std::span<const std::uint32_t> previous) {
+  /// Sets aside the history of all touching pairs, in rows by the place of the first particle.
+  void archive(std::size_t particles, const Team& team) {
     if constexpr (H > 0) {
-      std::size_t rows = 0;
-      for_each([&](std::size_t k) { rows = std::max(rows, std::size_t{first_[k]} + 1); });
-      for (const auto p : previous)
-        if (p != no_particle) rows = std::max<std::size_t>(rows, std::size_t{p} + 1);
-      archive_begin_.assign(rows + 1, 0);
-      for_each([&](std::size_t k) { archive_begin_[first_[k] + 1] += remembers(k); });
-      for (std::size_t r = 0; r < rows; ++r) archive_begin_[r + 1] += archive_begin_[r];
-      archive_.resize(archive_begin_[rows]);
-      std::vector<std::uint32_t> next(archive_begin_.begin(), archive_begin_.end() - 1);
-      for_each([&](std::size_t k) {
-        if (remembers(k)) archive_[next[first_[k]]++] = {second_[k], values(k)};
+      archive_end_.assign(particles, 0);
+      for_each_inner(team, [&](std::size_t k) { archive_end_[first_[k]] += remembers(k); });
+      std::uint32_t place = 0;
+      for (auto& row : archive_end_) place += std::exchange(row, place);
+      archive_.resize(place);
+      for_each_inner(team, [&](std::size_t k) {
+        if (remembers(k)) archive_[archive_end_[first_[k]]++] = {second_[k], values(k)};
       });
     }
   }
@@ -277,8 +301,7 @@ class PairList {
   }
   void recall(std::size_t k, std::uint32_t a, std::uint32_t b) {
     for (auto& h : history_) h[k] = 0;
-    if (a == no_particle || b == no_particle) return;
-    for (std::uint32_t s = archive_begin_[a]; s < archive_begin_[a + 1]; ++s)
+    for (std::uint32_t s = a == 0 ? 0 : archive_end_[a - 1]; s < archive_end_[a]; ++s)
       if (archive_[s].partner == b)
         for (std::size_t h = 0; h < H; ++h) history_[h][k] = archive_[s].history[h];
   }
@@ -287,13 +310,14 @@ class PairList {
   std::vector<IndexPair> outer_;
   std::vector<std::size_t> outer_begin_;  // first outer pair of each group
   std::vector<Chunk> chunks_;
+  std::vector<std::uint16_t> group_;  // of the pairs found last
   std::vector<std::uint32_t> kept_;
   std::vector<Group> inner_group_;
   std::size_t size_ = 0;  // pairs without the padding
   AlignedVector<std::uint32_t> first_, second_;
   std::vector<std::uint32_t> origin_, old_origin_;  // place in the outer list
   std::array<AlignedVector<double>, H> history_, old_history_;
-  std::vector<std::uint32_t> archive_begin_;
+  std::vector<std::uint32_t> archive_end_;  // of each row
   std::vector<Archived> archive_;
 };
 

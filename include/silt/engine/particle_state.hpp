@@ -1,15 +1,28 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <type_traits>
 #include <vector>
 
 #include <silt/core/storage.hpp>
+#include <silt/core/threads.hpp>
 #include <silt/engine/rows.hpp>
 
 namespace silt::detail {
+
+/// values[k] = what was values[order[k]].
+template <class V>
+void gather(V& values, std::span<const std::uint32_t> order, const Team& team) {
+  V sorted(order.size());
+  team.for_ranges(order.size(), [&](std::size_t, std::size_t from, std::size_t to) {
+    for (std::size_t k = from; k < to; ++k) sorted[k] = values[order[k]];
+  });
+  values.swap(sorted);
+}
 
 /// All that is known of the particles: rows, ids, and materials if there are several.
 /// Two rows more than particles: spheres of no radius, the partners of padding pairs.
@@ -25,6 +38,11 @@ class ParticleState {
   AlignedVector<Motion> motion;
   std::vector<std::uint32_t> id;
   std::vector<std::uint16_t> material;
+  double largest_radius = 0;   // [m]
+  double smallest_radius = 0;  // [m]
+  double mean_diameter = 0;    // [m]
+  bool some_fixed = false;     // particles of infinite mass
+  std::size_t parked = 0;      // those that have left since the last search
 
   std::size_t size() const { return id.size(); }
   std::span<const PositionRow> rows() const { return {position.data(), size()}; }
@@ -39,10 +57,37 @@ class ParticleState {
     pad();
   }
 
+  /// Measures sizes anew after particles were added or dropped.
+  void measure() {
+    largest_radius = 0, mean_diameter = 0;
+    for (const auto& p : rows()) {
+      largest_radius = std::max(largest_radius, p.r);
+      mean_diameter += 2 * p.r;
+    }
+    if (size() > 0) mean_diameter /= static_cast<double>(size());
+    measure_others();
+  }
+  /// Completes a restored state, sizes as they were measured.
+  void restored(double radius, double diameter) {
+    largest_radius = radius, mean_diameter = diameter;
+    parked = static_cast<std::size_t>(std::count(id.begin(), id.end(), no_particle));
+    measure_others();
+  }
+
+  /// Takes particle k out of all contacts at once; the next search drops it.
+  void park(std::size_t k) {
+    constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
+    position[k] = {nowhere, nowhere, nowhere, 0};
+    motion[k] = Motion{};
+    id[k] = no_particle;
+    ++parked;
+  }
+  bool is_parked(std::size_t k) const { return id[k] == no_particle; }
+
   /// Keeps particle order[k] in place k; particles not named are dropped.
-  void reorder(std::span<const std::uint32_t> order) {
-    gather(position, order), gather(motion, order), gather(id, order);
-    if constexpr (SeveralMaterials) gather(material, order);
+  void reorder(std::span<const std::uint32_t> order, const Team& team) {
+    gather(position, order, team), gather(motion, order, team), gather(id, order, team);
+    if constexpr (SeveralMaterials) gather(material, order, team);
     pad();
   }
 
@@ -58,11 +103,12 @@ class ParticleState {
   }
 
  private:
-  template <class V>
-  static void gather(V& values, std::span<const std::uint32_t> order) {
-    V sorted(order.size());
-    for (std::size_t k = 0; k < order.size(); ++k) sorted[k] = values[order[k]];
-    values.swap(sorted);
+  void measure_others() {
+    smallest_radius = largest_radius;
+    for (const auto& p : rows())
+      if (p.r > 0) smallest_radius = std::min(smallest_radius, p.r);
+    some_fixed = std::any_of(motion.begin(), motion.begin() + static_cast<std::ptrdiff_t>(size()),
+                             [](const Motion& m) { return m.inv_m == 0; });
   }
 };
 

@@ -2,11 +2,15 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 #include <silt/core/storage.hpp>
 #include <silt/core/vec3.hpp>
 
 namespace silt {
+
+/// Id of a particle that has left; place of one that was not there.
+inline constexpr std::uint32_t no_particle = std::numeric_limits<std::uint32_t>::max();
 
 /// Centre and radius of one sphere [m]: what a search and the gap of a pair need, half a cache
 /// line.

@@ -47,8 +47,8 @@ void Simulation<Policies...>::add(const ParticlesType& more) {
     engine_.particles.add(position, motion, next_id_++,
                           static_cast<std::uint16_t>(more[k].material));
   }
-  engine_.measure();
-  engine_.forget_lists();
+  engine_.particles.measure();
+  engine_.lists.forget();
 }
 
 template <class... Policies>
@@ -174,7 +174,7 @@ void Simulation<Policies...>::keep_limits() {
                " m/s; set a smaller Simulation::time_step or a softer material"),
           step_, {}, {});
   }
-  if (guard.domain && engine_.upkeep.pruned_at == step_)
+  if (guard.domain && engine_.lists.upkeep.pruned_at == step_)
     detail::check_inside(engine_, *guard.domain, step_, time_);
 }
 

@@ -10,6 +10,7 @@
 
 #include <silt/boundary/wall.hpp>
 #include <silt/core/storage.hpp>
+#include <silt/core/threads.hpp>
 #include <silt/engine/pair_list.hpp>
 #include <silt/engine/rows.hpp>
 
@@ -51,42 +52,42 @@ class WallContacts {
 
   /// Finds all spheres nearer than `reach` [m] to a surface.
   void search(std::span<const Wall> walls, std::span<const PositionRow> rows, double reach,
-              std::span<const std::uint32_t> previous) {
+              std::span<const std::uint32_t> previous, const Team& team) {
     archive();
     previous_.assign(previous.begin(), previous.end());
     renewed_ = true;
-    outer_.clear(), outer_facets_.clear();
-    for (std::size_t w = 0; w < walls.size(); ++w)
-      for (std::size_t s = 0; s < walls[w].surfaces.size(); ++s)
-        visit_surface(walls[w].surfaces[s], [&](const auto& surface) {
-          search_surface(surface, walls[w], w, s, rows, reach);
-        });
-    std::sort(outer_.begin(), outer_.end(),
-              [](const WallCandidate& a, const WallCandidate& b) { return a.key() < b.key(); });
+    team.for_ranges(rows.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
+      Found& found = found_[r];
+      found.clear();
+      for (std::size_t w = 0; w < walls.size(); ++w)
+        for (std::size_t s = 0; s < walls[w].surfaces.size(); ++s)
+          visit_surface(walls[w].surfaces[s], [&](const auto& surface) {
+            search_surface(surface, walls[w], w, s, rows, from, to, reach, found);
+          });
+      std::sort(found.candidates.begin(), found.candidates.end(),
+                [](const WallCandidate& a, const WallCandidate& b) { return a.key() < b.key(); });
+    });
+    collect(outer_, outer_facets_);
   }
 
   /// Keeps of those found the ones nearer than the sphere's and the wall's reach [m] now; history
   /// stays with its contact.
   void prune(std::span<const Wall> walls, const PositionRow* rows, const double* reach,
-             double wall_reach) {
+             double wall_reach, const Team& team) {
     if (!renewed_) archive();
-    std::vector<WallCandidate> kept;
-    inner_facets_.clear();
-    for (const auto& c : outer_) {
-      if (rows[c.particle].r == 0) continue;  // it has left
-      const Wall& wall = walls[c.wall];
-      const Vec3d centre = in_body(wall, rows[c.particle].centre());
-      const double within = rows[c.particle].r + reach[c.particle] + wall_reach;
-      visit_surface(wall.surfaces[c.surface], [&](const auto& surface) {
-        WallCandidate near = c;
-        near.facets = static_cast<std::uint32_t>(inner_facets_.size());
-        if (keep(surface, c, centre, within)) {
-          near.facet_count = static_cast<std::uint32_t>(inner_facets_.size()) - near.facets;
-          kept.push_back(near);
-        }
-      });
-    }
-    inner_ = std::move(kept);
+    team.for_ranges(outer_.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
+      found_[r].clear();
+      for (std::size_t k = from; k < to; ++k) {
+        const WallCandidate& c = outer_[k];
+        if (rows[c.particle].r == 0) continue;  // it has left
+        const Wall& wall = walls[c.wall];
+        const Vec3d centre = in_body(wall, rows[c.particle].centre());
+        const double within = rows[c.particle].r + reach[c.particle] + wall_reach;
+        visit_surface(wall.surfaces[c.surface],
+                      [&](const auto& surface) { keep(surface, c, centre, within, found_[r]); });
+      }
+    });
+    collect(inner_, inner_facets_);
     lay_out_slots(walls);
     recall();
     renewed_ = false;
@@ -128,45 +129,66 @@ class WallContacts {
   }
 
  private:
+  /// What one range of spheres or candidates gave, with a pool of triangles of its own.
+  struct Found {
+    std::vector<WallCandidate> candidates;
+    std::vector<std::uint32_t> facets, near;
+    void clear() { candidates.clear(), facets.clear(); }
+    void add(WallCandidate c, std::span<const std::uint32_t> of) {
+      c.facets = static_cast<std::uint32_t>(facets.size());
+      c.facet_count = static_cast<std::uint32_t>(of.size());
+      facets.insert(facets.end(), of.begin(), of.end());
+      candidates.push_back(c);
+    }
+  };
+
   template <class S>
-  void search_surface(const S& surface, const Wall& wall, std::size_t w, std::size_t s,
-                      std::span<const PositionRow> rows, double reach) {
-    for (std::uint32_t p = 0; p < rows.size(); ++p) {
+  static void search_surface(const S& surface, const Wall& wall, std::size_t w, std::size_t s,
+                             std::span<const PositionRow> rows, std::size_t from, std::size_t to,
+                             double reach, Found& found) {
+    WallCandidate c{0, static_cast<std::uint16_t>(w), static_cast<std::uint16_t>(s), 0, 0, 0};
+    for (std::size_t p = from; p < to; ++p) {
       const Vec3d centre = in_body(wall, rows[p].centre());
       const double within = rows[p].r + reach;
-      WallCandidate c{p,
-                      static_cast<std::uint16_t>(w),
-                      static_cast<std::uint16_t>(s),
-                      0,
-                      static_cast<std::uint32_t>(outer_facets_.size()),
-                      0};
-      if constexpr (requires { surface.triangles_near(centre, within, outer_facets_); }) {
+      found.near.clear();
+      if constexpr (requires { surface.triangles_near(centre, within, found.near); }) {
         if (!surface.bounds().grown(within).contains(centre)) continue;
-        found_facets_.clear();
-        surface.triangles_near(centre, within, found_facets_);
-        if (found_facets_.empty()) continue;
-        outer_facets_.insert(outer_facets_.end(), found_facets_.begin(), found_facets_.end());
-        c.facet_count = static_cast<std::uint32_t>(found_facets_.size());
+        surface.triangles_near(centre, within, found.near);
+        if (found.near.empty()) continue;
       } else {
         SurfacePoint point[S::max_contacts];
         if (surface.contacts(centre, within, point) == 0) continue;
       }
-      outer_.push_back(c);
+      c.particle = static_cast<std::uint32_t>(p);
+      found.add(c, found.near);
     }
   }
 
-  /// True if the candidate is within reach; the triangles that are go into the inner pool.
+  /// Keeps the candidate if it is within reach, with those of its triangles that are.
   template <class S>
-  bool keep(const S& surface, const WallCandidate& c, const Vec3d& centre, double within) {
-    SurfacePoint point[S::max_contacts];
-    if constexpr (requires { surface.triangles_near(centre, within, found_facets_); }) {
-      const std::size_t before = inner_facets_.size();
+  void keep(const S& surface, const WallCandidate& c, const Vec3d& centre, double within,
+            Found& found) const {
+    found.near.clear();
+    if constexpr (requires { surface.triangles_near(centre, within, found.near); }) {
       for (std::uint32_t k = c.facets; k < c.facets + c.facet_count; ++k)
         if (surface.distance_to(outer_facets_[k], centre) < within)
-          inner_facets_.push_back(outer_facets_[k]);
-      return inner_facets_.size() > before;
+          found.near.push_back(outer_facets_[k]);
+      if (found.near.empty()) return;
     } else {
-      return surface.contacts(centre, within, point) > 0;
+      SurfacePoint point[S::max_contacts];
+      if (surface.contacts(centre, within, point) == 0) return;
+    }
+    found.add(c, found.near);
+  }
+
+  /// Joins what the ranges found, in their order.
+  void collect(std::vector<WallCandidate>& candidates, std::vector<std::uint32_t>& facets) {
+    candidates.clear(), facets.clear();
+    for (Found& found : found_) {
+      const auto offset = static_cast<std::uint32_t>(facets.size());
+      for (WallCandidate c : found.candidates) c.facets += offset, candidates.push_back(c);
+      facets.insert(facets.end(), found.facets.begin(), found.facets.end());
+      found.clear();
     }
   }
 
@@ -234,7 +256,8 @@ class WallContacts {
   }
 
   std::vector<WallCandidate> outer_, inner_;
-  std::vector<std::uint32_t> outer_facets_, inner_facets_, found_facets_;
+  std::vector<std::uint32_t> outer_facets_, inner_facets_;
+  std::array<Found, Team::most_ranges> found_;
   std::vector<std::size_t> block_begin_;  // first candidate of each block
   std::vector<Slot> slots_;
   std::array<AlignedVector<double>, H> history_;

@@ -26,27 +26,37 @@ namespace silt {
 template <class Sim>
 class Checkpoint {
   using Engine = typename Sim::Engine;
-  using WallPairs = typename Engine::WallPairs;
+  using WallPairs = decltype(Engine::Lists::walls);
   static constexpr std::size_t H = Sim::ContactsType::history;
 
  public:
   static void save(const Sim& sim, const std::string& path) {
     const Engine& e = sim.engine_;
     CheckpointWriter out(signature());
-    const std::vector<double> clock{sim.time_,          sim.dt_,           sim.time_origin_,
-                                    sim.checked_speed_, sim.peak_overlap_, e.largest_radius,
-                                    e.mean_diameter,    e.largest_speed,   e.largest_overlap};
-    const std::vector<std::int64_t> counters{
-        sim.step_,   sim.step_origin_,   sim.next_id_,        sim.first_kick_,
-        sim.kicked_, e.upkeep.pruned_at, e.upkeep.searched_at};
-    const auto& plan = e.upkeep.plan;
-    const std::vector<double> upkeep{e.upkeep.used,       e.largest_share, e.upkeep.outer_wall,
-                                     e.upkeep.inner_wall, plan.outer_time, plan.inner_time,
-                                     plan.least_outer,    plan.most_outer, plan.least_inner,
-                                     plan.most_inner};
+    const std::vector<double> clock{sim.time_,
+                                    sim.dt_,
+                                    sim.time_origin_,
+                                    sim.checked_speed_,
+                                    sim.peak_overlap_,
+                                    e.particles.largest_radius,
+                                    e.particles.mean_diameter,
+                                    e.largest_speed,
+                                    e.largest_overlap};
+    const std::vector<std::int64_t> counters{sim.step_,
+                                             sim.step_origin_,
+                                             sim.next_id_,
+                                             sim.first_kick_,
+                                             sim.kicked_,
+                                             e.lists.upkeep.pruned_at,
+                                             e.lists.upkeep.searched_at};
+    const auto& plan = e.lists.upkeep.plan;
+    const std::vector<double> upkeep{
+        e.lists.upkeep.used, e.largest_share, e.lists.upkeep.outer_wall, e.lists.upkeep.inner_wall,
+        plan.outer_time,     plan.inner_time, plan.least_outer,          plan.most_outer,
+        plan.least_inner,    plan.most_inner};
     out.add("clock", clock), out.add("counters", counters), out.add("upkeep", upkeep);
-    out.add("reach.outer", std::span(e.upkeep.outer)),
-        out.add("reach.inner", std::span(e.upkeep.inner));
+    out.add("reach.outer", std::span(e.lists.upkeep.outer)),
+        out.add("reach.inner", std::span(e.lists.upkeep.inner));
 
     const std::size_t n = e.particles.size();
     out.add("position", doubles(e.particles.position.data(), n));
@@ -54,15 +64,15 @@ class Checkpoint {
     out.add("id", e.particles.id);
     out.add("material", e.particles.material);
     out.add("synchronous", doubles(e.synchronous.data(), sim.kicked_ ? n : 0));
-    out.add("reference", doubles(e.reference.data(), std::min(n, e.reference.size())));
+    out.add("reference", doubles(e.lists.reference.data(), std::min(n, e.lists.reference.size())));
 
     std::vector<std::uint32_t> outer;
-    const auto pairs = e.pairs.state();
+    const auto pairs = e.lists.pairs.state();
     for (const auto [a, b] : pairs.outer) outer.push_back(a), outer.push_back(b);
     out.add("pairs.outer", outer), out.add("pairs.inner", pairs.origin);
     for (std::size_t h = 0; h < H; ++h) out.add(text("pairs.history", h), pairs.history[h]);
 
-    const auto state = e.wall_pairs.state();
+    const auto state = e.lists.walls.state();
     const auto candidates_outer = flat(state.outer), candidates_inner = flat(state.inner);
     std::vector<double> normals;
     std::vector<std::uint8_t> touching;
@@ -83,7 +93,7 @@ class Checkpoint {
       put(walls, w.pose), put(walls, w.last_pose);
       for (const Vec3d& v : {w.force, w.torque, w.impulse}) put(walls, v);
     }
-    for (const auto* mark : {&e.searched_walls, &e.pruned_walls}) {
+    for (const auto* mark : {&e.lists.searched_walls, &e.lists.pruned_walls}) {
       put(marks, mark->region().min), put(marks, mark->region().max);
       for (const auto& pose : mark->poses()) put(marks, pose);
     }
@@ -135,7 +145,7 @@ class Checkpoint {
     const auto synchronous = in.get<double>("synchronous", counters[4] ? 6 * n : 0);
     const auto reference = in.get<double>("reference");
     const auto outer = in.get<std::uint32_t>("pairs.outer");
-    typename Engine::Pairs::State pairs;
+    typename decltype(Engine::Lists::pairs)::State pairs;
     pairs.origin = in.get<std::uint32_t>("pairs.inner");
     for (std::size_t h = 0; h < H; ++h)
       pairs.history[h] = in.get<double>(text("pairs.history", h), pairs.origin.size());
@@ -162,24 +172,25 @@ class Checkpoint {
     sim.next_id_ = static_cast<std::uint32_t>(counters[2]);
     sim.continued_ = true;
     sim.first_kick_ = counters[3] != 0, sim.kicked_ = counters[4] != 0;
-    e.upkeep.pruned_at = counters[5], e.upkeep.searched_at = counters[6];
-    e.upkeep.used = upkeep[0], e.upkeep.outer_wall = upkeep[2], e.upkeep.inner_wall = upkeep[3];
-    e.upkeep.plan = {upkeep[4], upkeep[5], upkeep[6], upkeep[7], upkeep[8], upkeep[9]};
-    e.upkeep.restore(outer_reach, inner_reach);
+    e.lists.upkeep.pruned_at = counters[5], e.lists.upkeep.searched_at = counters[6];
+    e.lists.upkeep.used = upkeep[0], e.lists.upkeep.outer_wall = upkeep[2],
+    e.lists.upkeep.inner_wall = upkeep[3];
+    e.lists.upkeep.plan = {upkeep[4], upkeep[5], upkeep[6], upkeep[7], upkeep[8], upkeep[9]};
+    e.lists.upkeep.restore(outer_reach, inner_reach);
 
     e.particles.id = id, e.particles.material = material;
     e.particles.position.resize(n), e.particles.motion.resize(n);
     copy(position, e.particles.position.data()), copy(motion, e.particles.motion.data());
     e.particles.pad();
     e.synchronous.resize(synchronous.size() / 6), copy(synchronous, e.synchronous.data());
-    e.reference.resize(reference.size() / 3), copy(reference, e.reference.data());
+    e.lists.reference.resize(reference.size() / 3), copy(reference, e.lists.reference.data());
     for (std::size_t w = 0; w < surfaces.size(); ++w)
       if (surfaces[w] == 0) e.walls[w].surfaces.clear();
 
     for (std::size_t k = 0; k + 1 < outer.size(); k += 2)
       pairs.outer.push_back({outer[k], outer[k + 1]});
-    e.pairs.restore(pairs, n);
-    e.wall_pairs.restore(std::move(state));
+    e.lists.pairs.restore(pairs, n);
+    e.lists.walls.restore(std::move(state));
 
     const double* next = walls.data();
     for (auto& w : e.walls) {
@@ -188,7 +199,7 @@ class Checkpoint {
     }
     next = marks.data();
     const std::size_t poses = (marks.size() - 12) / 14;
-    for (auto* mark : {&e.searched_walls, &e.pruned_walls}) {
+    for (auto* mark : {&e.lists.searched_walls, &e.lists.pruned_walls}) {
       Box region;
       take(next, region.min), take(next, region.max);
       std::vector<Pose> was(poses);
@@ -203,7 +214,8 @@ class Checkpoint {
       c += 5;
       i.start = flows[f++], i.interval = flows[f++];
     }
-    e.restored(clock[5], clock[6], clock[7], clock[8], upkeep[1]);
+    e.particles.restored(clock[5], clock[6]);
+    e.restored(clock[7], clock[8], upkeep[1]);
   }
 
   /// Which programs can continue from the file: the policies that shape the state.

@@ -210,7 +210,7 @@ class VtkSeriesObserver {
     Box around;
     for (std::size_t k = 0; k < sim.rows(); ++k)
       if (sim.is_present(k)) around.include(sim.position(k));
-    if (sim.size() > 0) around = around.grown(sim.engine().largest_radius);
+    if (sim.size() > 0) around = around.grown(sim.engine().particles.largest_radius);
     const auto number = std::to_string(sim.step());
     const auto file = [&](const char* name) {
       return text(name, '_', std::string(9 - std::min<std::size_t>(9, number.size()), '0'), number,

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cstddef>
 #include <numeric>
+#include <utility>
 
 #include <silt/core/box.hpp>
 #include <silt/core/lanes.hpp>
@@ -26,18 +27,31 @@ namespace silt {
 class CellGrid {
  public:
   template <class Domain>
-  void order(const SphereSet& spheres, double reach, const Domain& domain,
+  void order(const SphereSet& spheres, double reach, const Domain& domain, const Team& team,
              std::vector<std::uint32_t>& order) {
-    sort_into_cells(spheres, reach, domain);
+    sort_into_cells(spheres, reach, domain, team);
     order = order_;
+  }
+
+  template <class Arch = DefaultArch, class Domain>
+  void find_ordered(double reach, const Domain& domain, const Team& team,
+                    std::vector<IndexPair>& pairs) {
+    std::iota(order_.begin(), order_.end(), 0u);
+    scan_all<Arch>(reach, domain, team, pairs);
   }
 
   template <class Arch = DefaultArch, class Domain>
   void find(const SphereSet& spheres, double reach, const Domain& domain, const Team& team,
             std::vector<IndexPair>& pairs) {
-    pairs.clear();
-    sort_into_cells(spheres, reach, domain);
-    const std::size_t n = spheres.rows.size();
+    sort_into_cells(spheres, reach, domain, team);
+    scan_all<Arch>(reach, domain, team, pairs);
+  }
+
+ private:
+  template <class Arch, class Domain>
+  void scan_all(double reach, const Domain& domain, const Team& team,
+                std::vector<IndexPair>& pairs) {
+    const std::size_t n = order_.size();
     const std::size_t parts = team.threads() > 1 ? 8 * static_cast<std::size_t>(team.threads()) : 1;
     found_.resize(parts);
     team.for_parts(parts, [&](std::size_t part) {
@@ -52,12 +66,19 @@ class CellGrid {
     });
   }
 
- private:
   template <class Domain>
-  void sort_into_cells(const SphereSet& spheres, double reach, const Domain& domain) {
+  void sort_into_cells(const SphereSet& spheres, double reach, const Domain& domain,
+                       const Team& team) {
     const auto rows = spheres.rows;
+    const std::size_t n = rows.size();
+    std::array<Box, Team::most_ranges> bounds_of;
+    team.for_ranges(n, [&](std::size_t r, std::size_t from, std::size_t to) {
+      Box b;
+      for (std::size_t k = from; k < to; ++k) b.include(rows[k].centre());
+      bounds_of[r] = b;
+    });
     Box bounds;
-    for (const auto& row : rows) bounds.include(row.centre());
+    for (const auto& b : bounds_of) bounds.include(b);
     if constexpr (Domain::periodic) {
       double* const low[3] = {&bounds.min.x, &bounds.min.y, &bounds.min.z};
       double* const high[3] = {&bounds.max.x, &bounds.max.y, &bounds.max.z};
@@ -65,21 +86,34 @@ class CellGrid {
       for (int d = 0; d < 3; ++d)
         if (domain.repeats(d)) *low[d] = from[d], *high[d] = from[d] + domain.length(d);
     }
-    choose_cells(bounds, 2 * spheres.largest_radius + reach, rows.size());
-    cell_.resize(rows.size());
-    start_.assign(cells() + 1, 0);
-    for (std::size_t k = 0; k < rows.size(); ++k)
-      ++start_[(cell_[k] = number(cell_of(rows[k]))) + 1];
-    std::partial_sum(start_.begin(), start_.end(), start_.begin());
-    order_.resize(rows.size());
-    next_.assign(start_.begin(), start_.end() - 1);
-    for (std::size_t k = 0; k < rows.size(); ++k)
-      order_[next_[cell_[k]]++] = static_cast<std::uint32_t>(k);
-    for (auto* component : {&x_, &y_, &z_, &r_}) component->resize(rows.size() + 8, 0.0);
-    for (std::size_t k = 0; k < rows.size(); ++k) {
-      const PositionRow& row = rows[order_[k]];
-      x_[k] = row.x, y_[k] = row.y, z_[k] = row.z, r_[k] = row.r;
+    choose_cells(bounds, 2 * spheres.largest_radius + reach, n);
+
+    // Counting sort: every part counts its spheres in every cell, then places them behind those of
+    // the parts before it. It is stable, so the order does not depend on the number of parts.
+    const std::size_t parts = static_cast<std::size_t>(std::min(team.threads(), 8)), c = cells();
+    cell_.resize(n), next_.assign(parts * c, 0), start_.resize(c + 1), order_.resize(n);
+    team.for_parts(parts, [&](std::size_t part) {
+      for (std::size_t k = n * part / parts; k < n * (part + 1) / parts; ++k)
+        ++next_[part * c + (cell_[k] = number(cell_of(rows[k])))];
+    });
+    std::uint32_t place = 0;
+    for (std::size_t k = 0; k < c; ++k) {
+      start_[k] = place;
+      for (std::size_t part = 0; part < parts; ++part)
+        place += std::exchange(next_[part * c + k], place);
     }
+    start_[c] = place;
+    team.for_parts(parts, [&](std::size_t part) {
+      for (std::size_t k = n * part / parts; k < n * (part + 1) / parts; ++k)
+        order_[next_[part * c + cell_[k]]++] = static_cast<std::uint32_t>(k);
+    });
+    for (auto* component : {&x_, &y_, &z_, &r_}) component->resize(n + 8, 0.0);
+    team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t k = from; k < to; ++k) {
+        const PositionRow& row = rows[order_[k]];
+        x_[k] = row.x, y_[k] = row.y, z_[k] = row.z, r_[k] = row.r;
+      }
+    });
   }
 
   void choose_cells(const Box& bounds, double cutoff, std::size_t spheres) {
@@ -179,12 +213,12 @@ class CellGrid {
             std::vector<IndexPair>& found) const {
     std::array<Range, 26> ranges{};
     int count = 0;
-    std::size_t own_end = 0, cell = cells();
+    std::size_t own_end = 0;
     for (std::size_t p = from; p < to; ++p) {
-      if (const std::size_t c = cell_[order_[p]]; c != cell) {
-        cell = c;
-        own_end = start_[c + 1];
-        count = ranges_after(cell_of({x_[p], y_[p], z_[p], r_[p]}), domain, ranges);
+      if (p >= own_end) {  // the first sphere of a cell, or the first at all
+        const Cell cell = cell_of({x_[p], y_[p], z_[p], r_[p]});
+        own_end = start_[number(cell) + 1];
+        count = ranges_after(cell, domain, ranges);
       }
       scan_range<Arch>(p, {p + 1, own_end}, reach, domain, found);
       for (int k = 0; k < count; ++k) scan_range<Arch>(p, ranges[k], reach, domain, found);

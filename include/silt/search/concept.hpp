@@ -21,9 +21,11 @@ struct SphereSet {
 /// A neighbour search finds every pair of spheres whose surfaces are nearer than `reach` [m],
 /// exactly once, in an order that depends on positions alone (not on threads):
 ///   void find(SphereSet, double reach, const Domain&, const Team&, std::vector<IndexPair>& pairs)
-/// It does not know forces. Optional, found by name:
-///   void order(SphereSet, double reach, const Domain&, std::vector<std::uint32_t>& order)
-///     the order in which neighbours lie close together in memory; rows are then kept sorted.
+/// It does not know forces. Optional, found by name, for rows that are kept sorted:
+///   void order(SphereSet, double reach, const Domain&, const Team&, std::vector<std::uint32_t>&)
+///     the order in which neighbours lie close together in memory;
+///   void find_ordered(double reach, const Domain&, const Team&, std::vector<IndexPair>& pairs)
+///     find() for the spheres of the last order(), which have been brought into that order since.
 template <class S>
 concept NeighbourSearch = requires(S s, const SphereSet& spheres, const OpenDomain& domain,
                                    const Team& team, std::vector<IndexPair>& pairs) {
