@@ -15,6 +15,47 @@
 
 namespace silt {
 
+namespace detail {
+
+/// Writes {a, b[lane]} for every lane whose bit is set; returns where the next one goes. There must
+/// be room for `Width` pairs, and as many b, whatever the bits.
+template <std::size_t Width>
+SILT_INLINE IndexPair* put_pairs(std::uint32_t a, const std::uint32_t* b, std::uint64_t bits,
+                                 IndexPair* out) {
+#if defined(__AVX512F__)
+  if constexpr (Width == 8) {  // without a branch on the bits, which nothing could predict
+    const __m512i second = _mm512_slli_epi64(
+        _mm512_cvtepu32_epi64(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(b))), 32);
+    const __m512i pairs = _mm512_or_si512(second, _mm512_set1_epi64(a));
+    _mm512_storeu_si512(out, _mm512_maskz_compress_epi64(static_cast<__mmask8>(bits), pairs));
+    return out + std::popcount(bits);
+  }
+#endif
+  for (; bits != 0; bits &= bits - 1)
+    *out++ = {a, b[static_cast<std::size_t>(std::countr_zero(bits))]};
+  return out;
+}
+
+/// Pairs found, in room that grows before it is written to.
+class PairBuffer {
+ public:
+  void clear() { size_ = 0; }
+  std::size_t size() const { return size_; }
+  const IndexPair* data() const { return room_.data(); }
+  /// Where `more` pairs can be written.
+  IndexPair* room_for(std::size_t more) {
+    if (size_ + more > room_.size()) room_.resize(2 * (size_ + more));
+    return room_.data() + size_;
+  }
+  void take_up_to(const IndexPair* end) { size_ = static_cast<std::size_t>(end - room_.data()); }
+
+ private:
+  std::vector<IndexPair> room_;
+  std::size_t size_ = 0;
+};
+
+}  // namespace detail
+
 /// Spheres sorted into the cells of a regular grid over their bounding box; neighbours are looked
 /// for in a sphere's own cell and those that follow it among the 26 around (half stencil).
 ///
@@ -30,7 +71,7 @@ class CellGrid {
   void order(const SphereSet& spheres, double reach, const Domain& domain, const Team& team,
              std::vector<std::uint32_t>& order) {
     sort_into_cells(spheres, reach, domain, team);
-    order = order_;
+    order.assign(order_.begin(), order_.end() - most_lanes);
   }
 
   template <class Arch = DefaultArch, class Domain>
@@ -51,7 +92,7 @@ class CellGrid {
   template <class Arch, class Domain>
   void scan_all(double reach, const Domain& domain, const Team& team,
                 std::vector<IndexPair>& pairs) {
-    const std::size_t n = order_.size();
+    const std::size_t n = order_.size() - most_lanes;
     const std::size_t parts = team.threads() > 1 ? 8 * static_cast<std::size_t>(team.threads()) : 1;
     found_.resize(parts);
     team.for_parts(parts, [&](std::size_t part) {
@@ -62,7 +103,7 @@ class CellGrid {
     for (std::size_t p = 0; p < parts; ++p) begin[p + 1] = begin[p] + found_[p].size();
     pairs.resize(begin[parts]);
     team.for_parts(parts, [&](std::size_t part) {
-      std::copy(found_[part].begin(), found_[part].end(), pairs.data() + begin[part]);
+      std::copy_n(found_[part].data(), found_[part].size(), pairs.data() + begin[part]);
     });
   }
 
@@ -87,11 +128,13 @@ class CellGrid {
         if (domain.repeats(d)) *low[d] = from[d], *high[d] = from[d] + domain.length(d);
     }
     choose_cells(bounds, 2 * spheres.largest_radius + reach, n);
+    for (int d = 0; d < 2; ++d) cut_into_columns(count_[d], columns_[d]);
 
     // Counting sort: every part counts its spheres in every cell, then places them behind those of
     // the parts before it. It is stable, so the order does not depend on the number of parts.
     const std::size_t parts = static_cast<std::size_t>(std::min(team.threads(), 8)), c = cells();
-    cell_.resize(n), next_.assign(parts * c, 0), start_.resize(c + 1), order_.resize(n);
+    cell_.resize(n), next_.assign(parts * c, 0), start_.resize(c + 1),
+        order_.resize(n + most_lanes);
     team.for_parts(parts, [&](std::size_t part) {
       for (std::size_t k = n * part / parts; k < n * (part + 1) / parts; ++k)
         ++next_[part * c + (cell_[k] = number(cell_of(rows[k])))];
@@ -107,7 +150,7 @@ class CellGrid {
       for (std::size_t k = n * part / parts; k < n * (part + 1) / parts; ++k)
         order_[next_[part * c + cell_[k]]++] = static_cast<std::uint32_t>(k);
     });
-    for (auto* component : {&x_, &y_, &z_, &r_}) component->resize(n + 8, 0.0);
+    for (auto* component : {&x_, &y_, &z_, &r_}) component->resize(n + most_lanes, 0.0);
     team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
       for (std::size_t k = from; k < to; ++k) {
         const PositionRow& row = rows[order_[k]];
@@ -152,7 +195,7 @@ class CellGrid {
   /// layer by layer. Spheres of neighbouring layers are then so near in memory that they stay in
   /// the second-level cache from one layer to the next.
   std::uint32_t number(const Cell& c) const {
-    const Span x = column(c.x, count_[0]), y = column(c.y, count_[1]);
+    const Span x = columns_[0][c.x], y = columns_[1][c.y];
     return static_cast<std::uint32_t>(count_[2] * (y.from * count_[0] + x.from * y.length) +
                                       x.length * (c.z * y.length + (c.y - y.from)) +
                                       (c.x - x.from));
@@ -160,13 +203,14 @@ class CellGrid {
   struct Span {
     std::size_t from, length;
   };
-  /// The column that holds place k of n.
-  static Span column(std::size_t k, std::size_t n) {
-    const std::size_t columns = (n + tile / 2) / tile;
-    if (columns < 2) return {0, n};
-    const std::size_t c = k * columns / n;
-    const std::size_t from = (c * n + columns - 1) / columns;
-    return {from, ((c + 1) * n + columns - 1) / columns - from};
+  /// The columns that hold the places 0 ... n-1.
+  static void cut_into_columns(std::size_t n, std::vector<Span>& of) {
+    const std::size_t columns = std::max<std::size_t>((n + tile / 2) / tile, 1);
+    of.clear();
+    for (std::size_t c = 0; c < columns; ++c) {
+      const std::size_t from = c * n / columns, to = (c + 1) * n / columns;
+      of.insert(of.end(), to - from, {from, to - from});
+    }
   }
 
   struct Range {
@@ -210,7 +254,7 @@ class CellGrid {
 
   template <class Arch, class Domain>
   void scan(std::size_t from, std::size_t to, double reach, const Domain& domain,
-            std::vector<IndexPair>& found) const {
+            detail::PairBuffer& found) const {
     std::array<Range, 26> ranges{};
     int count = 0;
     std::size_t own_end = 0;
@@ -224,34 +268,41 @@ class CellGrid {
       for (int k = 0; k < count; ++k) scan_range<Arch>(p, ranges[k], reach, domain, found);
     }
   }
-  /// Looks at as many spheres at a time as there are lanes; the arrays go on for one pack more.
+  /// Looks at as many spheres at a time as there are lanes.
   template <class Arch, class Domain>
   void scan_range(std::size_t p, Range range, double reach, const Domain& domain,
-                  std::vector<IndexPair>& found) const {
+                  detail::PairBuffer& found) const {
     using Real = typename Lanes<Arch>::Real;
     constexpr std::size_t W = Lanes<Arch>::width;
-    const Real x(x_[p]), y(y_[p]), z(z_[p]), own(r_[p]), further(reach);
+    const double *const xs = x_.data(), *const ys = y_.data(), *const zs = z_.data(),
+                        *const rs = r_.data();
+    const std::uint32_t* const names = order_.data();
+    const std::uint32_t name = names[p];
+    const Real x(xs[p]), y(ys[p]), z(zs[p]), own(rs[p]), further(reach);
+    IndexPair* next = found.room_for(range.end - range.begin + W);
     for (std::size_t q = range.begin; q < range.end; q += W) {
-      Vec3<Real> d{x - load_any<Real>(&x_[q]), y - load_any<Real>(&y_[q]),
-                   z - load_any<Real>(&z_[q])};
+      Vec3<Real> d{x - load_any<Real>(xs + q), y - load_any<Real>(ys + q),
+                   z - load_any<Real>(zs + q)};
       if constexpr (Domain::periodic) d = domain.shortest(d);
-      const Real cutoff = own + load_any<Real>(&r_[q]) + further;
-      std::uint64_t near = lane_bits(dot(d, d) < cutoff * cutoff);
-      if (range.end - q < W) near &= (std::uint64_t{1} << (range.end - q)) - 1;
-      for (; near != 0; near &= near - 1)
-        found.push_back({order_[p], order_[q + static_cast<std::size_t>(std::countr_zero(near))]});
+      const Real cutoff = own + load_any<Real>(rs + q) + further;
+      const std::uint64_t inside = ~std::uint64_t{0} >> (64 - std::min(W, range.end - q));
+      next = detail::put_pairs<W>(name, names + q, lane_bits(dot(d, d) < cutoff * cutoff) & inside,
+                                  next);
     }
+    found.take_up_to(next);
   }
 
-  static constexpr std::size_t tile = 12;  // cells
+  static constexpr std::size_t tile = 12;       // cells
+  static constexpr std::size_t most_lanes = 8;  // the arrays of spheres go on by as many
 
   Vec3d low_{};                                // [m]
   std::array<std::size_t, 3> count_{1, 1, 1};  // cells in each direction
   std::array<double, 3> per_length_{};         // [1/m]
+  std::array<std::vector<Span>, 2> columns_;   // of each x and y
   std::vector<std::uint32_t> cell_, order_, next_;
-  std::vector<std::uint32_t> start_;           // first sphere of each cell, in `order_`
-  std::vector<double> x_, y_, z_, r_;          // [m] of the spheres in `order_`
-  std::vector<std::vector<IndexPair>> found_;  // by part
+  std::vector<std::uint32_t> start_;       // first sphere of each cell, in `order_`
+  std::vector<double> x_, y_, z_, r_;      // [m] of the spheres in `order_`
+  std::vector<detail::PairBuffer> found_;  // by part
 };
 
 static_assert(NeighbourSearch<CellGrid>);
