@@ -54,10 +54,17 @@ class WallPipeline {
   }
 
  private:
+  /// The contacts of one block, side by side whatever slots they have.
   struct Scratch {
     KinematicsBlock<rotates, ContactsType::has_rolling, block> kinematics;
+    alignas(64) double history[ContactsType::history + 1][block];
     std::uint16_t kind[block];  // place in the coefficient table
-    Vec3d point[block];         // [m] where it touches
+    struct Place {
+      std::uint32_t slot, particle;
+      std::uint16_t wall;
+    } place[block];
+    Vec3d point[block];  // [m] where it touches
+    std::size_t count;
   };
   struct WallLoad {
     Vec3d force, torque;
@@ -65,43 +72,56 @@ class WallPipeline {
 
   void run_block(const Input& in, Contacts& contacts, const CoefficientTable<ContactsType>& table,
                  std::span<const Wall> walls, double* sums, std::size_t b) {
-    Scratch s{};
-    for (std::size_t k = 0; k < block; ++k)
-      s.kinematics.normal[2][k] = s.kinematics.R_eff[k] = s.kinematics.m_eff[k] = 1,
-      s.kinematics.overlap[k] = -1;
-    alignas(64) double rows[block * row];
-    const std::size_t first = b * block;
+    Scratch s;
+    s.count = 0;
     const auto candidates = contacts.block_candidates(b);
+    // Spheres at walls are far from each other in memory: better to wait for all of them at once.
+    for (const auto& c : candidates) {
+      __builtin_prefetch(in.positions + c.particle);
+      __builtin_prefetch(in.motions + c.particle);
+      __builtin_prefetch(sums + c.particle * row, 1);
+    }
     for (std::size_t k = 0, next = 0; k < candidates.size(); k = next) {
       while (next < candidates.size() && candidates[next].particle == candidates[k].particle)
         ++next;
-      touch(candidates.subspan(k, next - k), walls, contacts, in, table, s, first);
+      touch(candidates.subspan(k, next - k), walls, contacts, in, table, s);
     }
+    pad(s);
 
+    alignas(64) double rows[block * row];
     const Real time_step(in.time_step);
     ContactCoefficients<ContactsType, Real> coefficients(table);
-    for (std::size_t k = 0; k < block; k += W) {
+    for (std::size_t k = 0; k < s.count; k += W) {
       coefficients.choose(s.kind + k);
       double* history[ContactsType::history + 1];
-      for (std::size_t h = 0; h < ContactsType::history; ++h)
-        history[h] = contacts.history(h) + first + k;
+      for (std::size_t h = 0; h < ContactsType::history; ++h) history[h] = s.history[h] + k;
       const auto load = Kernel::load(s.kinematics.template get<Real>(k),
                                      s.kinematics.template get_rolling<Real>(k), time_step,
                                      coefficients.law(), coefficients.rolling(), history);
       write_rows<chunks, Arch>(rows + k * row, load);
     }
-    for (const auto& c : contacts.block_candidates(b)) {
-      auto& wall_load = loads_[b * walls.size() + c.wall];
-      const std::size_t count = Contacts::slots_of(walls[c.wall].surfaces[c.surface]);
-      for (std::size_t k = c.slot - first; k < c.slot - first + count; ++k) {
-        if (!(s.kinematics.overlap[k] > 0)) continue;
-        const double* r = rows + k * row;
-        add_row<Arch, chunks, false>(sums + c.particle * row, r);
-        const Vec3d force{-r[0], -r[1], -r[2]};
-        wall_load.force += force;
-        wall_load.torque += cross(s.point[k] - walls[c.wall].reference, force);
-        largest_[b] = std::max(largest_[b], s.kinematics.overlap[k] / s.kinematics.R_eff[k]);
-      }
+    for (std::size_t k = 0; k < s.count; ++k) {
+      const auto [slot, particle, wall] = s.place[k];
+      for (std::size_t h = 0; h < ContactsType::history; ++h)
+        contacts.history(h)[slot] = s.history[h][k];
+      const double* r = rows + k * row;
+      add_row<Arch, chunks, false>(sums + particle * row, r);
+      const Vec3d force{-r[0], -r[1], -r[2]};
+      auto& wall_load = loads_[b * walls.size() + wall];
+      wall_load.force += force;
+      wall_load.torque += cross(s.point[k] - walls[wall].reference, force);
+      largest_[b] = std::max(largest_[b], s.kinematics.overlap[k] / s.kinematics.R_eff[k]);
+    }
+  }
+
+  /// Fills the last pack with copies of its first contact, whose results nobody reads.
+  static void pad(Scratch& s) {
+    for (std::size_t k = s.count; k % W != 0; ++k) {
+      const std::size_t from = s.count / W * W;
+      s.kinematics.put(k, s.kinematics.template get<double>(from));
+      s.kinematics.put(k, s.kinematics.template get_rolling<double>(from));
+      for (auto& h : s.history) h[k] = h[from];
+      s.kind[k] = s.kind[from];
     }
   }
 
@@ -117,10 +137,10 @@ class WallPipeline {
   /// All contacts of one sphere with the surfaces near it. Mostly it is one that it can touch once.
   static void touch(std::span<const WallCandidate> candidates, std::span<const Wall> walls,
                     Contacts& contacts, const Input& in,
-                    const CoefficientTable<ContactsType>& table, Scratch& s, std::size_t first) {
+                    const CoefficientTable<ContactsType>& table, Scratch& s) {
     const WallCandidate& c = candidates[0];
     if (candidates.size() > 1 || Contacts::slots_of(walls[c.wall].surfaces[c.surface]) > 1)
-      return touch_several(candidates, walls, contacts, in, table, s, first);
+      return touch_several(candidates, walls, contacts, in, table, s);
     const PositionRow& sphere = in.positions[c.particle];
     SurfacePoint point;
     const int count = visit_surface(walls[c.wall].surfaces[c.surface], [&](const auto& surface) {
@@ -130,22 +150,16 @@ class WallPipeline {
         return 0;
     });
     auto& slot = contacts.slot(c.slot);
-    if (count == 0) {
-      slot.touching = false;
-      return;
-    }
-    if (!slot.touching) slot.normal = point.normal;
-    if (dot(slot.normal, point.normal) < same_contact)
-      forget(contacts, c.slot), slot.normal = point.normal;
-    const Vec3d last = slot.normal;
+    if (count == 0) return end(contacts, c.slot);
+    if (slot.touching && dot(slot.normal, point.normal) < same_contact) end(contacts, c.slot);
+    const Vec3d last = slot.touching ? slot.normal : point.normal;
     slot = {point.normal, true};
-    describe(point, last, sphere, walls[c.wall], c, in, table, s, c.slot - first);
+    describe(point, last, sphere, walls[c.wall], c, c.slot, contacts, in, table, s);
   }
 
   static void touch_several(std::span<const WallCandidate> candidates, std::span<const Wall> walls,
                             Contacts& contacts, const Input& in,
-                            const CoefficientTable<ContactsType>& table, Scratch& s,
-                            std::size_t first) {
+                            const CoefficientTable<ContactsType>& table, Scratch& s) {
     const PositionRow& sphere = in.positions[candidates[0].particle];
     std::array<Touch, block> found;  // as many as fit into a block's slots
     std::size_t count = 0;
@@ -169,10 +183,10 @@ class WallPipeline {
         const std::size_t own = slot_for(point.normal, c.slot, contacts, taken, slots);
         const Vec3d last = contacts.slot(own).touching ? contacts.slot(own).normal : point.normal;
         contacts.slot(own) = {point.normal, true};
-        describe(point, last, sphere, walls[c.wall], c, in, table, s, own - first);
+        describe(point, last, sphere, walls[c.wall], c, own, contacts, in, table, s);
       }
       for (std::size_t p = 0; p < slots; ++p)
-        if (!taken[p]) contacts.slot(c.slot + p).touching = false;
+        if (!taken[p]) end(contacts, c.slot + p);
     }
   }
 
@@ -221,23 +235,26 @@ class WallPipeline {
     for (std::size_t k = 0; best == slots && k < slots; ++k)
       if (!taken[k]) {
         best = k;  // an old contact that ended in this very step
-        contacts.slot(begin + k).touching = false;
-        forget(contacts, begin + k);
+        end(contacts, begin + k);
       }
     taken[best] = true;
     return begin + best;
   }
 
-  static void forget(Contacts& contacts, std::size_t slot) {
+  /// Ends the contact in a slot, if there is one.
+  static void end(Contacts& contacts, std::size_t slot) {
+    if (!contacts.slot(slot).touching) return;
+    contacts.slot(slot).touching = false;
     for (std::size_t h = 0; h < ContactsType::history; ++h) contacts.history(h)[slot] = 0;
   }
 
   static void describe(const SurfacePoint& point, const Vec3d& last_normal,
                        const PositionRow& sphere, const Wall& wall, const WallCandidate& c,
-                       const Input& in, const CoefficientTable<ContactsType>& table, Scratch& s,
-                       std::size_t k) {
+                       std::size_t slot, Contacts& contacts, const Input& in,
+                       const CoefficientTable<ContactsType>& table, Scratch& s) {
     const Motion& motion = in.motions[c.particle];
     if (motion.inv_m == 0) return;  // a fixed sphere feels no wall
+    const std::size_t k = s.count++;
     const Vec3d contact = sphere.centre() - point.distance * point.normal;
     const Vec3d half_change = 0.5 * (point.normal - last_normal);
     Vec3d wall_velocity{0, 0, 0}, wall_spin{0, 0, 0};
@@ -268,6 +285,9 @@ class WallPipeline {
     if constexpr (ContactsType::several_materials) material = in.materials[c.particle];
     s.kind[k] = static_cast<std::uint16_t>(material * table.materials + wall.material);
     s.point[k] = contact;
+    s.place[k] = {static_cast<std::uint32_t>(slot), c.particle, c.wall};
+    for (std::size_t h = 0; h < ContactsType::history; ++h)
+      s.history[h][k] = contacts.history(h)[slot];
   }
 
   /// Mean angular velocity [rad/s] from one pose to the next.
