@@ -120,22 +120,8 @@ TEST_CASE("periodic_box: a sphere of more than a third of its length is refused"
 }
 
 TEST_CASE("determinism: enough spheres for several shares, sorted or not, give the same bits") {
-  // 10 000 spheres are cut into eight shares; unsorted, every share meets every other.
-  constexpr double width = 0.04;
-  const auto run = [&](int threads, bool sort) {
-    silt::Particles<Sphere> spheres;
-    spheres.fill({.min = {0, 0, 0}, .max = {width, width, 0.12}},
-                 {.radius = silt::uniform(0.9e-3, 1.1e-3),
-                  .density = 2500,
-                  .count = 10000,
-                  .velocity = {0.3, -0.2, -1}});
-    const HertzMindlin::Material glass{1e7, 0.3, 0.5, 0.4};
-    silt::Simulation sim{std::move(spheres), silt::Contacts<HertzMindlin>{glass},
-                         silt::VerletList{.sort = sort}};
-    sim.gravity = {0, 0, -9.81};
-    sim.time_step = 1e-5;
-    sim.threads = threads;
-    sim.add_wall(silt::box({0, 0, 0}, {width, width, 1}), glass);
+  const auto run = [](int threads, bool sort) {
+    auto sim = many_spheres(threads, sort);
     sim.run(0.01);
     CHECK(sim.engine().lists.pairs.groups().phases() == 8);
     CHECK(sim.touching_pairs() > 10000);

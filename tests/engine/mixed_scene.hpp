@@ -55,4 +55,24 @@ inline auto mixed_scene(int threads = 1, const silt::VerletList<>& search = {}) 
   return sim;
 }
 
+/// 10 000 spheres that fall into a box: so many that pairs are cut into eight shares. Unsorted,
+/// every share meets every other.
+inline auto many_spheres(int threads, bool sort) {
+  constexpr double width = 0.04;  // [m]
+  silt::Particles<Sphere> spheres;
+  spheres.fill({.min = {0, 0, 0}, .max = {width, width, 0.12}},
+               {.radius = silt::uniform(0.9e-3, 1.1e-3),
+                .density = 2500,
+                .count = 10000,
+                .velocity = {0.3, -0.2, -1}});
+  const HertzMindlin::Material glass{1e7, 0.3, 0.5, 0.4};
+  silt::Simulation sim{std::move(spheres), silt::Contacts<HertzMindlin>{glass},
+                       silt::VerletList{.sort = sort}};
+  sim.gravity = {0, 0, -9.81};
+  sim.time_step = 1e-5;
+  sim.threads = threads;
+  sim.add_wall(silt::box({0, 0, 0}, {width, width, 1}), glass);
+  return sim;
+}
+
 }  // namespace engine_test
