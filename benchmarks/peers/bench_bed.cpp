@@ -1,8 +1,10 @@
 // silt - BSD-3-Clause, see LICENSE
 //
 // The dense bed that silt, LAMMPS and LIGGGHTS are timed on, see peers.py.
-//   bench_bed settle N STEPS FILE     a lattice of N spheres falls into a box and settles; writes
-//   FILE bench_bed time FILE STEPS THREADS runs the bed in FILE; prints one line of results
+//   bench_bed settle N STEPS FILE
+//     lets a lattice of N spheres fall into a box and settle; writes FILE
+//   bench_bed time FILE STEPS THREADS [mixed]
+//     runs the bed in FILE, in double or mixed precision; prints one line of results
 // FILE is a data file of LAMMPS (atom style sphere). Law: Hertz, Tsuji damping, Mindlin spring with
 // the slip as history and Coulomb friction, as `hertz/material ... tangential mindlin ... damping
 // tsuji`.
@@ -22,10 +24,11 @@ using Law =
     silt::BasicHertzMindlin<silt::DampingEnd::ZeroOverlap, silt::TangentialMemory::Displacement>;
 constexpr double width = 0.15, time_step = 2e-5;  // [m], [s]
 
-auto bed(silt::Particles<silt::Sphere> spheres, int threads) {
+template <class Precision>
+auto bed(silt::Particles<silt::Sphere> spheres, int threads, Precision precision) {
   const Law::Material m{
       .youngs_modulus = 1e6, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.4};
-  silt::Simulation sim{std::move(spheres), silt::Contacts<Law>{m}};
+  silt::Simulation sim{std::move(spheres), silt::Contacts<Law>{m}, precision};
   sim.gravity = {0, 0, -9.81};
   sim.time_step = time_step;
   sim.threads = threads;
@@ -92,28 +95,38 @@ void write(const Sim& sim, const std::string& path) {
   file.commit();
 }
 
+template <class Precision>
+void time(const std::string& file, double steps, int threads, Precision precision) {
+  auto sim = bed(read(file), threads, precision);
+  sim.run(200 * time_step);
+  const auto start = std::chrono::steady_clock::now();
+  sim.run(steps * time_step);
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  std::printf("seconds %.6g kinetic_energy %.6g contacts %zu overlap %.4g megabytes %.4g\n",
+              seconds, kinetic_energy(sim), sim.touching_pairs(), sim.largest_overlap(),
+              static_cast<double>(sim.engine().bytes()) / 1e6);
+}
+
 int main_with(int argc, char** argv) {
   const std::string mode = argc > 1 ? argv[1] : "";
   if (mode == "settle" && argc == 5) {
-    auto sim = bed(lattice(std::stoul(argv[2])), silt::default_threads());
+    auto sim = bed(lattice(std::stoul(argv[2])), silt::default_threads(), silt::Double{});
     sim.run(std::stod(argv[3]) * time_step);
     write(sim, argv[4]);
     return 0;
   }
-  if (mode == "time" && argc == 5) {
-    auto sim = bed(read(argv[2]), std::stoi(argv[4]));
+  if (mode == "time" && (argc == 5 || (argc == 6 && argv[5] == std::string("mixed")))) {
     const double steps = std::stod(argv[3]);
-    sim.run(200 * time_step);
-    const auto start = std::chrono::steady_clock::now();
-    sim.run(steps * time_step);
-    const double seconds =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    std::printf("seconds %.6g kinetic_energy %.6g contacts %zu overlap %.4g megabytes %.4g\n",
-                seconds, kinetic_energy(sim), sim.touching_pairs(), sim.largest_overlap(),
-                static_cast<double>(sim.engine().bytes()) / 1e6);
+    const int threads = std::stoi(argv[4]);
+    if (argc == 6)
+      time(argv[2], steps, threads, silt::Mixed{});
+    else
+      time(argv[2], steps, threads, silt::Double{});
     return 0;
   }
-  std::fprintf(stderr, "bench_bed settle N STEPS FILE | bench_bed time FILE STEPS THREADS\n");
+  std::fprintf(stderr,
+               "bench_bed settle N STEPS FILE | bench_bed time FILE STEPS THREADS [mixed]\n");
   return 2;
 }
 

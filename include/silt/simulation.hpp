@@ -31,6 +31,7 @@ namespace silt {
 ///   search     VerletList<Finder>, or a finder itself         VerletList<CellGrid>, automatic skin
 ///   domain     OpenDomain, PeriodicBox                        OpenDomain
 ///   fluid      NoFluid                                        NoFluid
+///   precision  Double, Mixed                                  Double
 ///   kernels    KernelsFor<Arch>                               what the compile flags allow
 ///
 /// Lengths in m, times in s, masses in kg. Errors: InputError for values and combinations that
@@ -49,10 +50,12 @@ class Simulation {
                 "Simulation takes one domain (silt/boundary/domain.hpp)");
   static_assert(detail::count<detail::IsFluid, Policies...> <= 1,
                 "Simulation takes one fluid coupling (silt/coupling/no_fluid.hpp)");
+  static_assert(detail::count<detail::IsPrecision, Policies...> <= 1,
+                "Simulation takes one precision: Double or Mixed (silt/engine/precision.hpp)");
   static_assert(
       (detail::belongs_to_an_axis<Policies> && ...),
       "a policy given to Simulation belongs to no axis: it must be Particles, Contacts, a "
-      "NeighbourSearch, a domain, a FluidCoupling or KernelsFor; the contracts are in "
+      "NeighbourSearch, a domain, a FluidCoupling, a precision or KernelsFor; the contracts are in "
       "silt/contact/, search/, boundary/, coupling/ concept.hpp");
 
  public:
@@ -62,15 +65,16 @@ class Simulation {
   using Domain = detail::pick<detail::IsDomain, OpenDomain, Policies...>;
   using Fluid = detail::pick<detail::IsFluid, NoFluid, Policies...>;
   using Arch = typename detail::pick<detail::IsKernels, KernelsFor<DefaultArch>, Policies...>::type;
+  using Precision = detail::pick<detail::IsPrecision, Double, Policies...>;
   using ShapeType = typename ParticlesType::ShapeType;
-  using Engine = detail::Engine<ShapeType, ContactsType, Search, Domain, Arch>;
+  using Engine = detail::Engine<ShapeType, ContactsType, Search, Domain, Arch, Precision>;
 
   static constexpr bool rotates = ContactsType::rotates;
   /// State of one particle [bytes]: no more than the policies need.
   static constexpr std::size_t bytes_per_particle = Engine::State::bytes_per_particle;
   /// State of one contact [bytes]: two indices and the history of the law.
   static constexpr std::size_t bytes_per_contact =
-      2 * sizeof(std::uint32_t) + ContactsType::history * sizeof(double);
+      2 * sizeof(std::uint32_t) + ContactsType::history * sizeof(typename Precision::PairScalar);
 
   Vec3d gravity{0, 0, 0};           // [m/s2]
   std::optional<double> time_step;  // [s]; left out: a 20th of the shortest contact

@@ -41,8 +41,8 @@ struct Watch {
     std::sort(listed.begin(), listed.end());
     doubled_pairs += std::adjacent_find(listed.begin(), listed.end()) != listed.end();
     std::vector<silt::IndexPair> touching;
-    silt::BruteForce{}.find({e.particles.rows(), e.particles.largest_radius}, 0, sim.domain(), silt::Team(),
-                            touching);
+    silt::BruteForce{}.find({e.particles.rows(), e.particles.largest_radius}, 0, sim.domain(),
+                            silt::Team(), touching);
     touching_pairs += touching.size();
     for (const auto& [a, b] : touching)
       missed_pairs +=

@@ -23,7 +23,8 @@ inline MixedContacts mixed_contacts() {
 /// A scene with some of everything: two materials, rolling resistance, a direction that repeats,
 /// walls that shake, sink and turn (a mesh), spheres that come in and go out, all of them
 /// colliding.
-inline auto mixed_scene(int threads = 1, const silt::VerletList<>& search = {}) {
+template <class Precision = silt::Double>
+auto mixed_scene(int threads = 1, const silt::VerletList<>& search = {}, Precision precision = {}) {
   silt::Particles<Sphere> p;
   p.fill({{0, 1e-3, 7e-3}, {16e-3, 15e-3, 15e-3}}, {.radius = silt::uniform(0.4e-3, 0.9e-3),
                                                     .density = 2500,
@@ -34,7 +35,8 @@ inline auto mixed_scene(int threads = 1, const silt::VerletList<>& search = {}) 
     p[k].velocity = {0, 0, k % 2 ? 0.4 : -0.8};
   }
   silt::Simulation sim{std::move(p), mixed_contacts(), search,
-                       silt::PeriodicBox{{{0, 0, 0}, {16e-3, 1, 1}}, {true, false, false}}};
+                       silt::PeriodicBox{{{0, 0, 0}, {16e-3, 1, 1}}, {true, false, false}},
+                       precision};
   sim.gravity = {0, 3, -9.81};
   sim.threads = threads;
   sim.time_step = 4e-6;
@@ -57,7 +59,8 @@ inline auto mixed_scene(int threads = 1, const silt::VerletList<>& search = {}) 
 
 /// 10 000 spheres that fall into a box: so many that pairs are cut into eight shares. Unsorted,
 /// every share meets every other.
-inline auto many_spheres(int threads, bool sort) {
+template <class Precision = silt::Double>
+auto many_spheres(int threads, bool sort, Precision precision = {}) {
   constexpr double width = 0.04;  // [m]
   silt::Particles<Sphere> spheres;
   spheres.fill({.min = {0, 0, 0}, .max = {width, width, 0.12}},
@@ -67,7 +70,7 @@ inline auto many_spheres(int threads, bool sort) {
                 .velocity = {0.3, -0.2, -1}});
   const HertzMindlin::Material glass{1e7, 0.3, 0.5, 0.4};
   silt::Simulation sim{std::move(spheres), silt::Contacts<HertzMindlin>{glass},
-                       silt::VerletList{.sort = sort}};
+                       silt::VerletList{.sort = sort}, precision};
   sim.gravity = {0, 0, -9.81};
   sim.time_step = 1e-5;
   sim.threads = threads;

@@ -110,7 +110,7 @@ inline Aggregate<Real> broadcast(const Aggregate<double>& a) {
   constexpr std::size_t n = sizeof(Aggregate<double>) / sizeof(double);
   const auto values = std::bit_cast<std::array<double, n>>(a);
   std::array<Real, n> reals;
-  for (std::size_t k = 0; k < n; ++k) reals[k] = Real(values[k]);
+  for (std::size_t k = 0; k < n; ++k) reals[k] = Real(static_cast<ScalarOf<Real>>(values[k]));
   return std::bit_cast<Aggregate<Real>>(reals);
 }
 

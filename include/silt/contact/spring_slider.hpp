@@ -56,7 +56,7 @@ struct SpringSlider {
     const Vec3<Real> trial = c.transported(slip) + c.time_step * v;
     const Vec3<Real> dashpot = tangential_damping(c) * v;
     const Vec3<Real> total = -(stiffness * trial + dashpot);
-    const Real compliance = Real(1) / max(stiffness, Real(std::numeric_limits<double>::min()));
+    const Real compliance = Real(1) / max(stiffness, smallest<Real>());
     const Real sticking = share_within_limit(total, Fn);
     slip = sticking * trial - ((Real(1) - sticking) * compliance) * dashpot;
     return sticking * total;
@@ -69,7 +69,7 @@ struct SpringSlider {
   }
   Real share_within_limit(const Vec3<Real>& total, const Real& Fn) const {
     // 1/size as size (1/size^2): division and square root need not wait for each other.
-    const Real size2 = max(dot(total, total), Real(std::numeric_limits<double>::min()));
+    const Real size2 = max(dot(total, total), smallest<Real>());
     return min(friction * max(Fn, Real(0)) * (sqrt(size2) * (Real(1) / size2)), Real(1));
   }
 };

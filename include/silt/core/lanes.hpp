@@ -42,29 +42,51 @@ using DefaultArch = std::conditional_t<xsimd::has_simd_register<double, xsimd::d
 #endif
 
 /// Maps an architecture to the scalar-or-batch type of its kernels (`Real`) and its width.
-template <class Arch>
+template <class Arch, class Scalar = double>
 struct Lanes {
-  using Real = xsimd::batch<double, Arch>;
+  using Real = xsimd::batch<Scalar, Arch>;
   static constexpr std::size_t width = Real::size;
 };
-template <>
-struct Lanes<OneLane> {
-  using Real = double;
+template <class Scalar>
+struct Lanes<OneLane, Scalar> {
+  using Real = Scalar;
   static constexpr std::size_t width = 1;
 };
 
-/// A pack of exactly `Width` doubles.
-template <std::size_t Width>
+/// A pack of exactly `Width` scalars.
+template <std::size_t Width, class Scalar = double>
 struct PackOf {
-  using type = xsimd::make_sized_batch_t<double, Width>;
+  using type = xsimd::make_sized_batch_t<Scalar, Width>;
 };
-template <>
-struct PackOf<1> {
-  using type = double;
+template <class Scalar>
+struct PackOf<1, Scalar> {
+  using type = Scalar;
 };
 
 template <class Real>
 inline constexpr bool is_batch = !std::is_floating_point_v<Real>;
+
+namespace detail {
+template <class Real>
+struct ScalarOfReal {
+  using type = Real;
+};
+template <class Real>
+requires is_batch<Real>
+struct ScalarOfReal<Real> {
+  using type = typename Real::value_type;
+};
+}  // namespace detail
+
+/// float or double: what one lane of `Real` holds.
+template <class Real>
+using ScalarOf = typename detail::ScalarOfReal<Real>::type;
+
+/// The smallest positive Real of full precision: keeps a divisor from zero.
+template <class Real>
+inline Real smallest() {
+  return Real(std::numeric_limits<ScalarOf<Real>>::min());
+}
 
 /// What comparing two Reals yields: `bool`, or one truth value a lane.
 template <class Real>
@@ -125,27 +147,27 @@ inline bool any(const M& mask) {
 }
 
 template <class Real>
-inline Real load(const double* aligned) {
+inline Real load(const ScalarOf<Real>* aligned) {
   if constexpr (is_batch<Real>)
     return Real::load_aligned(aligned);
   else
     return *aligned;
 }
 template <class Real>
-inline void store(double* aligned, const Real& x) {
+inline void store(ScalarOf<Real>* aligned, const Real& x) {
   if constexpr (is_batch<Real>)
     x.store_aligned(aligned);
   else
     *aligned = x;
 }
 template <class Real>
-inline Vec3<Real> load3(const double* x, const double* y, const double* z) {
+inline Vec3<Real> load3(const ScalarOf<Real>* x, const ScalarOf<Real>* y, const ScalarOf<Real>* z) {
   return {load<Real>(x), load<Real>(y), load<Real>(z)};
 }
 
 /// Loads from any address.
 template <class Real>
-inline Real load_any(const double* p) {
+inline Real load_any(const ScalarOf<Real>* p) {
   if constexpr (is_batch<Real>)
     return Real::load_unaligned(p);
   else

@@ -48,9 +48,14 @@ template <class Arch>
 struct IsKernels<KernelsFor<Arch>> : std::true_type {};
 
 template <class P>
+    struct IsPrecision : std::bool_constant < requires {
+  typename P::PairScalar;
+} > {};
+
+template <class P>
 inline constexpr bool belongs_to_an_axis =
     IsParticles<P>::value || IsContacts<P>::value || IsSearch<P>::value || IsDomain<P>::value ||
-    IsFluid<P>::value || IsKernels<P>::value;
+    IsFluid<P>::value || IsKernels<P>::value || IsPrecision<P>::value;
 
 template <template <class> class Is, class... Policies>
 inline constexpr int count = (0 + ... + int{Is<Policies>::value});

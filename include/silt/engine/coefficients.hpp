@@ -37,16 +37,17 @@ class CoefficientLanes {
   const Aggregate<Real>& operator()() const { return lanes_; }
 
  private:
-  static constexpr std::size_t width = sizeof(Real) / sizeof(double);
+  using Scalar = ScalarOf<Real>;
+  static constexpr std::size_t width = sizeof(Real) / sizeof(Scalar);
   static constexpr unsigned none = 1u << 16;
 
   void gather(const std::uint16_t* kinds) {
     constexpr std::size_t n = sizeof(Aggregate<double>) / sizeof(double);
-    alignas(Real) double lanes[n][width];
+    alignas(Real) Scalar lanes[n][width];
     uniform_ = kinds[0];
     for (std::size_t lane = 0; lane < width; ++lane) {
       const auto values = std::bit_cast<std::array<double, n>>(table_[kinds[lane]]);
-      for (std::size_t k = 0; k < n; ++k) lanes[k][lane] = values[k];
+      for (std::size_t k = 0; k < n; ++k) lanes[k][lane] = static_cast<Scalar>(values[k]);
       if (kinds[lane] != kinds[0]) uniform_ = none;
     }
     std::array<Real, n> reals;

@@ -32,13 +32,13 @@ struct RollingKinematics {
 
 /// The kinematics of N contacts, component by component: filled one by one or pack by pack, read in
 /// packs.
-template <bool Rotates, bool Rolls, std::size_t N>
+template <bool Rotates, bool Rolls, std::size_t N, class Scalar>
 struct alignas(64) KinematicsBlock {
-  static constexpr std::size_t rotating = Rotates ? N : 8, rolling = Rolls ? N : 8;
-  double normal[3][N], half_change[3][N], overlap[N], R_eff[N], m_eff[N], inverse_m_eff[N],
+  static constexpr std::size_t rotating = Rotates ? N : 16, rolling = Rolls ? N : 16;
+  Scalar normal[3][N], half_change[3][N], overlap[N], R_eff[N], m_eff[N], inverse_m_eff[N],
       velocity[3][N];
-  double arm[rotating], spin[3][rotating], twist[rotating];
-  double angular_velocity[3][rolling], inertia_eff[rolling];
+  Scalar arm[rotating], spin[3][rotating], twist[rotating];
+  Scalar angular_velocity[3][rolling], inertia_eff[rolling];
 
   template <class Real>
   SILT_INLINE void put(std::size_t k, const Kinematics<Real>& in) {
@@ -77,11 +77,11 @@ struct alignas(64) KinematicsBlock {
 
  private:
   template <class Real, std::size_t M>
-  static SILT_INLINE void put(std::size_t k, const Vec3<Real>& v, double (&out)[3][M]) {
+  static SILT_INLINE void put(std::size_t k, const Vec3<Real>& v, Scalar (&out)[3][M]) {
     silt::store(out[0] + k, v.x), silt::store(out[1] + k, v.y), silt::store(out[2] + k, v.z);
   }
   template <class Real, std::size_t M>
-  static SILT_INLINE Vec3<Real> get3(std::size_t k, const double (&in)[3][M]) {
+  static SILT_INLINE Vec3<Real> get3(std::size_t k, const Scalar (&in)[3][M]) {
     return load3<Real>(in[0] + k, in[1] + k, in[2] + k);
   }
 };
@@ -123,7 +123,7 @@ struct ContactKernel {
                                          const RollingKinematics<Real>& r, const Real& time_step,
                                          const LawCoefficients& law,
                                          [[maybe_unused]] const RollingCoefficients& rolling,
-                                         double* const* history) {
+                                         ScalarOf<Real>* const* history) {
     const Contact<Real> c = contact(k, time_step);
     const auto touching = k.overlap > Real(0);
     const Real zero(0);
@@ -172,7 +172,7 @@ struct ContactKernel {
 
  private:
   template <std::size_t N, class H>
-  static void load_history(H& h, double* const* history) {
+  static void load_history(H& h, ScalarOf<Real>* const* history) {
     if constexpr (N > 0) {
       std::array<Real, N> values;
       for (std::size_t n = 0; n < N; ++n) values[n] = silt::load<Real>(history[n]);
@@ -180,7 +180,7 @@ struct ContactKernel {
     }
   }
   template <std::size_t N, class H, class M>
-  static void store_history(const H& h, const M& touching, double* const* history) {
+  static void store_history(const H& h, const M& touching, ScalarOf<Real>* const* history) {
     if constexpr (N > 0) {
       const auto values = std::bit_cast<std::array<Real, N>>(h);
       for (std::size_t n = 0; n < N; ++n)

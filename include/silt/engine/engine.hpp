@@ -11,6 +11,7 @@
 #include <silt/engine/near_lists.hpp>
 #include <silt/engine/pair_pipeline.hpp>
 #include <silt/engine/particle_state.hpp>
+#include <silt/engine/precision.hpp>
 #include <silt/engine/wall_pipeline.hpp>
 #include <silt/motion/leapfrog.hpp>
 
@@ -18,14 +19,16 @@ namespace silt::detail {
 
 /// The state of a simulation and the stages of its step, each a plain function of state. Knows the
 /// policies, but neither observers nor files nor the order of the stages: that is Simulation's.
-template <class ShapeType, class ContactsType, class Search, class Domain, class Arch>
+template <class ShapeType, class ContactsType, class Search, class Domain, class Arch,
+          class Precision>
 class Engine {
  public:
   static constexpr bool rotates = ContactsType::rotates;
   static constexpr std::size_t chunks = load_chunks<ContactsType>;
-  using State = ParticleState<rotates, ContactsType::several_materials>;
+  using Scalar = typename Precision::PairScalar;  // of the work on pairs
+  using State = ParticleState<rotates, ContactsType::several_materials, Scalar>;
   using Motion = typename State::Motion;
-  using Lists = NearLists<ContactsType::history, State, Search, Domain>;
+  using Lists = NearLists<ContactsType::history, Scalar, State, Search, Domain>;
 
   /// State of one particle at a whole step [m/s].
   struct Synchronous {
@@ -62,16 +65,17 @@ class Engine {
     lists.renew({particles, walls, domain, *team_, time_step}, search, step);
     if (!lists.take_renewed()) return;
     make_kinds();
-    sums_.resize(particles.size() * 4 * chunks, 0.0);  // all zero between the steps
+    sums_.resize(particles.size() * 4 * chunks, 0);  // all zero between the steps
+    particles.renew_pair_motion(*team_);
   }
 
   // --- forces -------------------------------------------------------------------------------
 
   void pair_forces(const Domain& domain, double time_step) {
-    using Pipeline = PairPipeline<ContactsType, Domain, Arch>;
+    using Pipeline = PairPipeline<ContactsType, Domain, Arch, Scalar>;
     const bool large = Pipeline::working_set(particles.size(), lists.pairs.size()) > beyond_caches;
     largest_overlap =
-        Pipeline::run({particles.position.data(), particles.motion.data(), kinds_.data(),
+        Pipeline::run({particles.position.data(), particles.pair_motion(), kinds_.data(),
                        particles.largest_radius, particles.smallest_radius, time_step, large},
                       lists.pairs, coefficients, domain, sums_.data(), *team_);
   }
@@ -155,12 +159,13 @@ class Engine {
 
   std::size_t bytes() const {
     return particles.position.capacity() * sizeof(PositionRow) +
-           particles.motion.capacity() * sizeof(Motion) + sums_.capacity() * sizeof(double) +
+           particles.motion.capacity() * sizeof(Motion) + sums_.capacity() * sizeof(Scalar) +
            lists.bytes();
   }
 
  private:
   using Row = Row4<Arch>;
+  static constexpr bool single = std::is_same_v<Scalar, float>;
 
   // Half of the last-level caches of common machines: from here on fetching ahead has paid.
   static constexpr std::size_t beyond_caches = 16 << 20;
@@ -192,11 +197,11 @@ class Engine {
   Speeds kick_all(std::size_t from, std::size_t to, const Kick& kick) {
     const Row gravity = Row::of(kick.gravity.x, kick.gravity.y, kick.gravity.z, 0);
     const Row time = Row::of(kick.drift, kick.drift, kick.drift, 0);
-    const Row nothing = Row::all(0);
+    const auto nothing = Row4<Arch, Scalar>::all(0);
     const double spin_time = kick.time / ShapeType::inertia_factor();
     PositionRow* const position = particles.position.data();
     Motion* const motion = particles.motion.data();
-    double* load = sums_.data() + from * 4 * chunks;
+    Scalar* load = sums_.data() + from * 4 * chunks;
     const double* const per_inner2 = lists.upkeep.per_inner2.data();
     double largest2 = 0, sum2 = 0, share2 = 0;
     for (std::size_t k = from; k < to; ++k, load += 4 * chunks) {
@@ -204,14 +209,18 @@ class Engine {
       const double inv_m = m.inv_m;
       [[maybe_unused]] Motion before;
       if constexpr (How == Advance::KickAndRecord) before = m;
-      const Row velocity =
-          Leapfrog::kick(Row::load(&m.vx), Row::load(load), inv_m, gravity, kick.time);
+      const auto load_of = [&](std::size_t chunk) {
+        return convert<double>(Row4<Arch, Scalar>::load(load + 4 * chunk));
+      };
+      const Row velocity = Leapfrog::kick(Row::load(&m.vx), load_of(0), inv_m, gravity, kick.time);
       velocity.store(&m.vx);
+      if constexpr (single) convert<float>(velocity).store(&particles.pair_row(k).vx);
       if constexpr (rotates) {
-        Row spin = Leapfrog::spin(Row::load(&m.wx), Row::load(load + 4), inv_m * spin_time);
+        Row spin = Leapfrog::spin(Row::load(&m.wx), load_of(1), inv_m * spin_time);
         if constexpr (ContactsType::has_rolling)
-          spin = Leapfrog::turn(spin, Row::load(load + 8), inv_m * spin_time, m.inv_r);
+          spin = Leapfrog::turn(spin, load_of(2), inv_m * spin_time, m.inv_r);
         spin.store(&m.wx);
+        if constexpr (single) convert<float>(spin).store(&particles.pair_row(k).wx);
       }
       for (std::size_t c = 0; c < chunks; ++c) nothing.store(load + 4 * c);
       if constexpr (How == Advance::KickAndRecord)
@@ -236,8 +245,8 @@ class Engine {
   }
 
   std::unique_ptr<Team> team_ = std::make_unique<Team>(1);
-  WallPipeline<ContactsType, Arch> wall_pipeline_;
-  AlignedVector<double> sums_;  // [N] load on each particle, zero between the steps
+  WallPipeline<ContactsType, Arch, Scalar> wall_pipeline_;
+  AlignedVector<Scalar> sums_;  // [N] load on each particle, zero between the steps
   std::vector<std::uint16_t> kinds_;
 };
 

@@ -8,32 +8,31 @@
 
 namespace silt::detail {
 
-/// Chunks of four doubles in the row of one contact: force; with rotation torque over radius; with
+/// Chunks of four scalars in the row of one contact: force; with rotation torque over radius; with
 /// rolling resistance the couple.
 template <class ContactsType>
 inline constexpr std::size_t load_chunks = 1 + ContactsType::rotates + ContactsType::has_rolling;
 
-/// Writes the loads of a pack of contacts as consecutive rows of 4 * chunks doubles.
-template <std::size_t Chunks, class Arch>
-SILT_INLINE void write_rows(double* rows, const PairLoad<typename Lanes<Arch>::Real>& load) {
-  using Pack = typename Lanes<Arch>::Real;
+/// Writes the loads of a pack of contacts as consecutive rows of 4 * chunks scalars.
+template <std::size_t Chunks, class Arch, class Pack>
+SILT_INLINE void write_rows(ScalarOf<Pack>* rows, const PairLoad<Pack>& load) {
+  constexpr std::size_t W = Lanes<Arch, ScalarOf<Pack>>::width;
   const Vec3<Pack> parts[3] = {load.force, load.twirl, load.couple};
   for (std::size_t c = 0; c < Chunks; ++c) {
     const Pack columns[4] = {parts[c].x, parts[c].y, parts[c].z, Pack(0)};
-    Row4<Arch> row[Lanes<Arch>::width];
-    columns_to_rows<Arch>(columns, row);
-    for (std::size_t lane = 0; lane < Lanes<Arch>::width; ++lane)
-      row[lane].store(rows + (lane * Chunks + c) * 4);
+    Row4<Arch, ScalarOf<Pack>> row[W];
+    columns_to_rows<Arch, ScalarOf<Pack>>(columns, row);
+    for (std::size_t lane = 0; lane < W; ++lane) row[lane].store(rows + (lane * Chunks + c) * 4);
   }
 }
 
 /// sum += row for the first partner of a contact, or what acts on the second: force and couple with
-/// the opposite sign, the twirl (chunk 1) with the same.
-template <class Arch, std::size_t Chunks, bool Second>
-SILT_INLINE void add_row(double* sum, const double* row) {
-  using Row = Row4<Arch>;
+/// the opposite sign, the twirl (chunk 1) with the same. Row and sum may differ in precision.
+template <class Arch, std::size_t Chunks, bool Second, class Sum, class Scalar>
+SILT_INLINE void add_row(Sum* sum, const Scalar* row) {
   for (std::size_t c = 0; c < Chunks; ++c) {
-    const Row s = Row::load(sum + 4 * c), r = Row::load(row + 4 * c);
+    const auto s = Row4<Arch, Sum>::load(sum + 4 * c);
+    const auto r = convert<Sum>(Row4<Arch, Scalar>::load(row + 4 * c));
     (Second && c != 1 ? s - r : s + r).store(sum + 4 * c);
   }
 }

@@ -22,7 +22,7 @@ namespace silt::detail {
 /// The lists of what may touch soon, spheres and walls, and their renewal: which spheres reach how
 /// far (ListUpkeep), search, order of the particles in memory, pruning. Every loop over particles
 /// or pairs is shared between threads, none of which changes a result.
-template <std::size_t H, class State, class Search, class Domain>
+template <std::size_t H, class Scalar, class State, class Search, class Domain>
 class NearLists {
  public:
   /// What the lists are of.
@@ -34,7 +34,7 @@ class NearLists {
     double time_step;  // [s]
   };
 
-  PairList<H> pairs;
+  PairList<H, Scalar> pairs;
   WallContacts<H> walls;
   ListUpkeep upkeep;
   AlignedVector<Vec3d> reference;          // [m] positions at the last search

@@ -15,7 +15,7 @@
 
 namespace silt::detail {
 
-/// The pairs of a simulation in two stages, with H Reals of contact history for each pair.
+/// The pairs of a simulation in two stages, with H Scalars of contact history for each pair.
 ///
 /// Outer list: all pairs nearer than the skin at the last search, group by group (PairGroups).
 /// Inner list: those of them nearer than the inner skin at the last pruning; only these are
@@ -24,11 +24,11 @@ namespace silt::detail {
 /// id, so that history never changes its sign. Groups of the inner list begin at whole packs; the
 /// gaps between them hold pairs of two spheres of no radius (indices n, n+1), and so do `ahead`
 /// places behind the last group, for loops that look ahead.
-template <std::size_t H>
+template <std::size_t H, class Scalar>
 class PairList {
  public:
-  static constexpr std::size_t padding = 8;  // the widest pack of lanes
-  static constexpr std::size_t ahead = 128;  // places
+  static constexpr std::size_t padding = 16;  // the widest pack of lanes
+  static constexpr std::size_t ahead = 128;   // places
 
   struct Group {
     std::size_t from = 0, to = 0;  // places in the inner list
@@ -48,7 +48,7 @@ class PairList {
   }
   const std::uint32_t* first() const { return first_.data(); }
   const std::uint32_t* second() const { return second_.data(); }
-  double* history(std::size_t component) { return history_[component].data(); }
+  Scalar* history(std::size_t component) { return history_[component].data(); }
 
   /// Takes over newly found pairs; those of two fixed particles are left out. `before`: how many
   /// particles there were when the old list was current.
@@ -142,7 +142,7 @@ class PairList {
     for_each([&](std::size_t place) {
       origin_[place] = s.origin[k];
       first_[place] = outer_[s.origin[k]].a, second_[place] = outer_[s.origin[k]].b;
-      for (std::size_t h = 0; h < H; ++h) history_[h][place] = s.history[h][k];
+      for (std::size_t h = 0; h < H; ++h) history_[h][place] = static_cast<Scalar>(s.history[h][k]);
       ++k;
     });
     pad(particles);
@@ -151,7 +151,7 @@ class PairList {
   std::size_t bytes() const {
     return outer_.capacity() * sizeof(IndexPair) + kept_.capacity() * 4 + group_.capacity() * 2 +
            first_.capacity() * 2 * 4 +
-           (origin_.capacity() + old_origin_.capacity()) * (4 + H * sizeof(double));
+           (origin_.capacity() + old_origin_.capacity()) * (4 + H * sizeof(Scalar));
   }
 
  private:
@@ -161,8 +161,8 @@ class PairList {
     std::size_t kept = 0, begin = 0;  // in the inner list
   };
 
-  std::array<double, H> values(std::size_t k) const {
-    std::array<double, H> v{};
+  std::array<Scalar, H> values(std::size_t k) const {
+    std::array<Scalar, H> v{};
     for (std::size_t c = 0; c < H; ++c) v[c] = history_[c][k];
     return v;
   }
@@ -271,14 +271,14 @@ class PairList {
         }
         while (old < old_origin_.size() && old_origin_[old] < outer) ++old;
         const bool carried = old < old_origin_.size() && old_origin_[old] == outer;
-        for (std::size_t h = 0; h < H; ++h) history_[h][k] = carried ? old_history_[h][old] : 0.0;
+        for (std::size_t h = 0; h < H; ++h) history_[h][k] = carried ? old_history_[h][old] : 0;
       }
     }
   }
 
   struct Archived {
     std::uint32_t partner;
-    std::array<double, H> history;
+    std::array<Scalar, H> history;
   };
 
   /// Sets aside the history of all touching pairs, in rows by the place of the first particle.
@@ -316,7 +316,7 @@ class PairList {
   std::size_t size_ = 0;  // pairs without the padding
   AlignedVector<std::uint32_t> first_, second_;
   std::vector<std::uint32_t> origin_, old_origin_;  // place in the outer list
-  std::array<AlignedVector<double>, H> history_, old_history_;
+  std::array<AlignedVector<Scalar>, H> history_, old_history_;
   std::vector<std::uint32_t> archive_end_;  // of each row
   std::vector<Archived> archive_;
 };

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include <silt/boundary/domain.hpp>
@@ -19,19 +20,20 @@ namespace silt::detail {
 
 /// Computes the loads of all pairs of the inner list and adds them up: gather rows of both
 /// particles, law over lanes, rows out, sums. Blocks are small enough to stay in the first-level
-/// cache between the stages.
-template <class ContactsType, class Domain, class Arch>
+/// cache between the stages. Scalar: float or double (Precision).
+template <class ContactsType, class Domain, class Arch, class Scalar>
 class PairPipeline {
-  using Real = typename Lanes<Arch>::Real;
-  using Row = Row4<Arch>;
+  using Real = typename Lanes<Arch, Scalar>::Real;
+  using Row = Row4<Arch, Scalar>;
   using Kernel = ContactKernel<ContactsType, Real>;
-  using Motion = MotionRow<ContactsType::rotates>;
-  using List = PairList<ContactsType::history>;
-  static constexpr std::size_t W = Lanes<Arch>::width;
+  using Motion = MotionRow<ContactsType::rotates, Scalar>;
+  using List = PairList<ContactsType::history, Scalar>;
+  static constexpr std::size_t W = Lanes<Arch, Scalar>::width;
   static constexpr std::size_t block = 128;
   static constexpr std::size_t chunks = load_chunks<ContactsType>;
-  static constexpr std::size_t row = 4 * chunks;  // doubles
+  static constexpr std::size_t row = 4 * chunks;  // scalars
   static constexpr bool rotates = ContactsType::rotates;
+  static constexpr bool single = std::is_same_v<Scalar, float>;
 
  public:
   struct Input {
@@ -45,14 +47,14 @@ class PairPipeline {
 
   /// Bytes that a step of `pairs` between `particles` goes through.
   static constexpr std::size_t working_set(std::size_t particles, std::size_t pairs) {
-    return particles * (sizeof(PositionRow) + sizeof(Motion) + row * sizeof(double)) +
-           pairs * (2 * sizeof(std::uint32_t) + 2 * ContactsType::history * sizeof(double));
+    return particles * (sizeof(PositionRow) + sizeof(Motion) + row * sizeof(Scalar)) +
+           pairs * (2 * sizeof(std::uint32_t) + 2 * ContactsType::history * sizeof(Scalar));
   }
 
   /// Adds the load of every pair to the sums of its particles. Returns the largest overlap over the
   /// smaller radius.
   static double run(const Input& in, List& list, const CoefficientTable<ContactsType>& table,
-                    const Domain& domain, double* sums, const Team& team) {
+                    const Domain& domain, Scalar* sums, const Team& team) {
     const PairGroups& groups = list.groups();
     std::vector<double> largest(groups.count(), 0.0);
     for (std::size_t p = 0; p < groups.phases(); ++p) {
@@ -66,11 +68,11 @@ class PairPipeline {
   }
 
  private:
-  using Block = KinematicsBlock<rotates, ContactsType::has_rolling, block>;
+  using Block = KinematicsBlock<rotates, ContactsType::has_rolling, block, Scalar>;
 
   static double run_group(const Input& in, List& list, const CoefficientTable<ContactsType>& table,
-                          const Domain& domain, std::size_t from, std::size_t to, double* sums) {
-    alignas(64) double rows[block * row];
+                          const Domain& domain, std::size_t from, std::size_t to, Scalar* sums) {
+    alignas(64) Scalar rows[block * row];
     double most = 0;
     for (; from < to; from += block) {
       const std::size_t count = std::min(block, to - from);
@@ -86,21 +88,21 @@ class PairPipeline {
                                                    const CoefficientTable<ContactsType>& table,
                                                    const Domain& domain, std::size_t from,
                                                    std::size_t count, double largest,
-                                                   const double* sums, double* rows) {
+                                                   const Scalar* sums, Scalar* rows) {
     Block kinematics;
     largest = gather(in, list.first() + from, list.second() + from, domain, pieces(count, W) * W,
                      largest, sums, kinematics);
-    const Real time_step(in.time_step);
+    const Real time_step(static_cast<Scalar>(in.time_step));
     ContactCoefficients<ContactsType, Real> coefficients(table);
     for (std::size_t k = 0; k < count; k += W) {
       if constexpr (ContactsType::several_materials) coefficients.choose(in.kinds + from + k);
-      double* history[ContactsType::history + 1];
+      Scalar* history[ContactsType::history + 1];
       for (std::size_t h = 0; h < ContactsType::history; ++h)
         history[h] = list.history(h) + from + k;
       const auto load =
           Kernel::load(kinematics.template get<Real>(k), kinematics.template get_rolling<Real>(k),
                        time_step, coefficients.law(), coefficients.rolling(), history);
-      write_rows<chunks, Arch>(rows + k * row, load);
+      write_rows<chunks, Arch, Real>(rows + k * row, load);
     }
     return largest;
   }
@@ -109,7 +111,7 @@ class PairPipeline {
   /// particle, whose sum would have to travel through memory from one to the next: the order goes
   /// through the block in strides.
   static void add_up(const std::uint32_t* first, const std::uint32_t* second, std::size_t count,
-                     const double* rows, double* sums) {
+                     const Scalar* rows, Scalar* sums) {
     constexpr std::size_t stride = 16;
     for (std::size_t from = 0; from < stride; ++from)
       for (std::size_t k = from; k < count; k += stride) {
@@ -118,12 +120,52 @@ class PairPipeline {
       }
   }
 
+  /// Where the spheres of a pack of pairs are to each other.
+  struct Apart {
+    Vec3<Real> d;                              // [m] from the second to the first centre
+    Real distance2, distance, reach, overlap;  // [m2], [m]; reach: sum of the radii
+  };
+  static SILT_INLINE Apart distances(const Input& in, const std::uint32_t* a,
+                                     const std::uint32_t* b, const Domain& domain) {
+    using Wide = typename Lanes<Arch>::Real;
+    constexpr std::size_t V = Lanes<Arch>::width, packs = W / V;
+    const auto difference = Row4<Arch>::of(-1, -1, -1, 1);
+    Wide x[packs], y[packs], z[packs], squared[packs], reach[packs], excess[packs];
+    for (std::size_t p = 0; p < packs; ++p) {
+      Row4<Arch> rows[V];
+      for (std::size_t lane = 0; lane < V; ++lane)
+        rows[lane] = Row4<Arch>::load(&in.positions[a[p * V + lane]].x) +
+                     difference * Row4<Arch>::load(&in.positions[b[p * V + lane]].x);
+      Wide columns[4];
+      rows_to_columns<Arch>(rows, columns);
+      Vec3<Wide> d{columns[0], columns[1], columns[2]};
+      if constexpr (Domain::periodic) d = domain.shortest(d);
+      x[p] = d.x, y[p] = d.y, z[p] = d.z, reach[p] = columns[3];
+      squared[p] = max(dot(d, d), smallest<Wide>());
+      if constexpr (single) excess[p] = reach[p] * reach[p] - squared[p];
+    }
+    Apart out;
+    if constexpr (single) {
+      out.d = {narrow<Arch>(x), narrow<Arch>(y), narrow<Arch>(z)};
+      out.distance2 = max(narrow<Arch>(squared), smallest<Real>());
+      out.reach = narrow<Arch>(reach);
+      out.distance = sqrt(out.distance2);
+      // Not as a difference of floats: that of the squares was taken in double.
+      out.overlap = narrow<Arch>(excess) / (out.reach + out.distance);
+    } else {
+      out.d = {x[0], y[0], z[0]};
+      out.distance2 = squared[0], out.reach = reach[0];
+      out.distance = sqrt(out.distance2), out.overlap = out.reach - out.distance;
+    }
+    return out;
+  }
+
   /// Kinematics of `count` pairs (whole packs) from the rows of their particles.
   static double gather(const Input& in, const std::uint32_t* first, const std::uint32_t* second,
-                       const Domain& domain, std::size_t count, double largest, const double* sums,
+                       const Domain& domain, std::size_t count, double largest, const Scalar* sums,
                        Block& out) {
     const Row difference = Row::of(-1, -1, -1, 1), sum = Row::all(1);
-    const Real half_step(0.5 * in.time_step);
+    const Real half_step(static_cast<Scalar>(0.5 * in.time_step));
     for (std::size_t k = 0; k < count; k += W) {
       const std::uint32_t *const a = first + k, *const b = second + k;
       if (in.fetch_ahead) fetch(in, a + List::ahead, b + List::ahead, sums);
@@ -133,22 +175,21 @@ class PairPipeline {
           rows[lane] = Row::load(row_of(a[lane])) + sign * Row::load(row_of(b[lane]));
         rows_to_columns<Arch>(rows, columns);
       };
-      Real position[4], velocity[4], spin[4];
-      turn([&](std::uint32_t p) { return &in.positions[p].x; }, difference, position);
+      Real velocity[4], spin[4];
       turn([&](std::uint32_t p) { return &in.motions[p].vx; }, difference, velocity);
       if constexpr (rotates) turn([&](std::uint32_t p) { return &in.motions[p].wx; }, sum, spin);
 
-      Vec3<Real> d{position[0], position[1], position[2]};
-      if constexpr (Domain::periodic) d = domain.shortest(d);
-      const Real distance2 = max(dot(d, d), Real(std::numeric_limits<double>::min()));
-      const Real distance = sqrt(distance2);
-      const Real reach = position[3], inverse_mass = velocity[3];
+      const Apart apart = distances(in, a, b, domain);
+      const Vec3<Real>& d = apart.d;
+      const Real &distance2 = apart.distance2, &distance = apart.distance, &reach = apart.reach;
+      const Real& inverse_mass = velocity[3];
       Real inverse_radius, product;  // 1/R*; of the radii
       if constexpr (rotates) {
         inverse_radius = spin[3];
       } else {
-        alignas(Real) double radius[W];
-        for (std::size_t lane = 0; lane < W; ++lane) radius[lane] = in.positions[b[lane]].r;
+        alignas(Real) Scalar radius[W];
+        for (std::size_t lane = 0; lane < W; ++lane)
+          radius[lane] = static_cast<Scalar>(in.positions[b[lane]].r);
         const Real r = load<Real>(radius);
         product = r * (reach - r);
       }
@@ -168,7 +209,7 @@ class PairPipeline {
         kin.m_eff = all * lengths, kin.R_eff = product * inverse_reach;
       }
       kin.normal = inverse_distance * d;
-      kin.overlap = reach - distance;
+      kin.overlap = apart.overlap;
       kin.inverse_m_eff = inverse_mass;
       kin.velocity = {velocity[0], velocity[1], velocity[2]};
       // The normal half a step ago, to second order: turned back by the crosswise motion.
@@ -184,8 +225,11 @@ class PairPipeline {
 
       // Overlap over the smaller radius, min(a, b) = a b/max(a, b): here a b = R* (a + b), and the
       // larger one is at most what the sum leaves. Exactly only where this bound exceeds.
-      const Real larger = min(Real(in.largest_radius), reach - Real(in.smallest_radius));
-      if (any(kin.overlap * larger > Real(largest * (1 - 1e-14)) * kin.R_eff * reach))
+      constexpr double rounding = 64 * std::numeric_limits<Scalar>::epsilon();
+      const Real larger = min(Real(static_cast<Scalar>(in.largest_radius)),
+                              reach - Real(static_cast<Scalar>(in.smallest_radius)));
+      const Real known(static_cast<Scalar>(largest * (1 - rounding)));
+      if (any(kin.overlap * larger > known * kin.R_eff * reach))
         largest = std::max(largest, exact_overlap(in, a, b, kin.overlap));
     }
     return largest;
@@ -195,7 +239,7 @@ class PairPipeline {
   /// each pair only those of the particle with the higher place: the list follows the order of
   /// particles, so the other one was mostly used a moment ago.
   static SILT_INLINE void fetch(const Input& in, const std::uint32_t* a, const std::uint32_t* b,
-                                const double* sums) {
+                                const Scalar* sums) {
     for (std::size_t lane = 0; lane < W; ++lane) {
       const std::size_t later = std::max(a[lane], b[lane]);
       __builtin_prefetch(in.positions + later);
@@ -206,7 +250,7 @@ class PairPipeline {
 
   static double exact_overlap(const Input& in, const std::uint32_t* a, const std::uint32_t* b,
                               const Real& overlap) {
-    alignas(Real) double lanes[W];
+    alignas(Real) Scalar lanes[W];
     silt::store(lanes, overlap);
     double most = 0;
     for (std::size_t lane = 0; lane < W; ++lane)
@@ -221,9 +265,10 @@ class PairPipeline {
     for (std::size_t lane = 0; lane < W; ++lane) {
       const Motion &a = in.motions[first[lane]], &b = in.motions[second[lane]];
       // 1/(I + m r^2) of a solid sphere: 1/(1.4 m r^2).
-      out.put(k + lane, RollingKinematics<double>{
-                            a.inv_r * a.spin_velocity() - b.inv_r * b.spin_velocity(),
-                            1.4 / (a.inv_m * a.inv_r * a.inv_r + b.inv_m * b.inv_r * b.inv_r)});
+      out.put(k + lane,
+              RollingKinematics<Scalar>{
+                  a.inv_r * a.spin_velocity() - b.inv_r * b.spin_velocity(),
+                  Scalar(1.4) / (a.inv_m * a.inv_r * a.inv_r + b.inv_m * b.inv_r * b.inv_r)});
     }
   }
 };

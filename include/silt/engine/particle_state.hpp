@@ -24,15 +24,18 @@ void gather(V& values, std::span<const std::uint32_t> order, const Team& team) {
   values.swap(sorted);
 }
 
-/// All that is known of the particles: rows, ids, and materials if there are several.
+/// All that is known of the particles: rows, ids, and materials if there are several; the motion
+/// once more in PairScalar, if that is not double.
 /// Two rows more than particles: spheres of no radius, the partners of padding pairs.
-template <bool Rotates, bool SeveralMaterials>
+template <bool Rotates, bool SeveralMaterials, class PairScalar>
 class ParticleState {
  public:
   using Motion = MotionRow<Rotates>;
-  static constexpr std::size_t bytes_per_particle = sizeof(PositionRow) + sizeof(Motion) +
-                                                    sizeof(std::uint32_t) +
-                                                    (SeveralMaterials ? sizeof(std::uint16_t) : 0);
+  using PairMotion = MotionRow<Rotates, PairScalar>;
+  static constexpr bool single = std::is_same_v<PairScalar, float>;
+  static constexpr std::size_t bytes_per_particle =
+      sizeof(PositionRow) + sizeof(Motion) + (single ? sizeof(PairMotion) : 0) +
+      sizeof(std::uint32_t) + (SeveralMaterials ? sizeof(std::uint16_t) : 0);
 
   AlignedVector<PositionRow> position;
   AlignedVector<Motion> motion;
@@ -43,6 +46,30 @@ class ParticleState {
   double mean_diameter = 0;    // [m]
   bool some_fixed = false;     // particles of infinite mass
   std::size_t parked = 0;      // those that have left since the last search
+
+  /// The motion as the pair kernel reads it.
+  const PairMotion* pair_motion() const {
+    if constexpr (single)
+      return pair_motion_.data();
+    else
+      return motion.data();
+  }
+  PairMotion& pair_row(std::size_t k) { return pair_motion_[k]; }
+  /// Copies all of the motion to where the pair kernel reads it; kicks then keep it up to date.
+  void renew_pair_motion(const Team& team) {
+    if constexpr (single) {
+      pair_motion_.resize(motion.size());
+      team.for_ranges(motion.size(), [&](std::size_t, std::size_t from, std::size_t to) {
+        for (std::size_t k = from; k < to; ++k) {
+          const Motion& m = motion[k];
+          PairMotion& p = pair_motion_[k];
+          p.vx = float(m.vx), p.vy = float(m.vy), p.vz = float(m.vz), p.inv_m = float(m.inv_m);
+          if constexpr (Rotates)
+            p.wx = float(m.wx), p.wy = float(m.wy), p.wz = float(m.wz), p.inv_r = float(m.inv_r);
+        }
+      });
+    }
+  }
 
   std::size_t size() const { return id.size(); }
   std::span<const PositionRow> rows() const { return {position.data(), size()}; }
@@ -103,6 +130,8 @@ class ParticleState {
   }
 
  private:
+  AlignedVector<PairMotion> pair_motion_;  // if it differs from motion
+
   void measure_others() {
     smallest_radius = largest_radius;
     for (const auto& p : rows())

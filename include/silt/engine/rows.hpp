@@ -22,24 +22,24 @@ struct alignas(32) PositionRow {
 /// What else the pair kernel needs of one sphere. Every entry enters a pair as a sum or difference,
 /// so that one signed multiply-add of two rows gives the pair's row: v_i - v_j, 1/m*, the spin
 /// velocity r_i w_i + r_j w_j, 1/R*.
-template <bool Rotates>
+template <bool Rotates, class Scalar = double>
 struct MotionRow;
 
-template <>
-struct alignas(64) MotionRow<true> {
-  double vx, vy, vz;  // [m/s] at the last half step
-  double inv_m;       // [1/kg]; 0: fixed
-  double wx, wy, wz;  // [m/s] radius times angular velocity, at the last half step
-  double inv_r;       // [1/m]
-  Vec3d velocity() const { return {vx, vy, vz}; }
-  Vec3d spin_velocity() const { return {wx, wy, wz}; }
+template <class Scalar>
+struct alignas(8 * sizeof(Scalar)) MotionRow<true, Scalar> {
+  Scalar vx, vy, vz;  // [m/s] at the last half step
+  Scalar inv_m;       // [1/kg]; 0: fixed
+  Scalar wx, wy, wz;  // [m/s] radius times angular velocity, at the last half step
+  Scalar inv_r;       // [1/m]
+  Vec3<Scalar> velocity() const { return {vx, vy, vz}; }
+  Vec3<Scalar> spin_velocity() const { return {wx, wy, wz}; }
 };
 
-template <>
-struct alignas(32) MotionRow<false> {
-  double vx, vy, vz;  // [m/s] at the last half step
-  double inv_m;       // [1/kg]; 0: fixed
-  Vec3d velocity() const { return {vx, vy, vz}; }
+template <class Scalar>
+struct alignas(4 * sizeof(Scalar)) MotionRow<false, Scalar> {
+  Scalar vx, vy, vz;  // [m/s] at the last half step
+  Scalar inv_m;       // [1/kg]; 0: fixed
+  Vec3<Scalar> velocity() const { return {vx, vy, vz}; }
 };
 
 static_assert(sizeof(PositionRow) == 32 && sizeof(MotionRow<true>) == 64 &&

@@ -11,8 +11,8 @@
 namespace silt::detail {
 
 /// Computes the loads of all contacts with walls: geometry of each candidate, then the same law
-/// over lanes as for pairs, rows out; sums what each wall bears.
-template <class ContactsType, class Arch>
+/// over lanes as for pairs, in double, rows out; sums what each wall bears. Scalar: of the sums.
+template <class ContactsType, class Arch, class Scalar>
 class WallPipeline {
   using Real = typename Lanes<Arch>::Real;
   using Kernel = ContactKernel<ContactsType, Real>;
@@ -35,7 +35,7 @@ class WallPipeline {
   /// Adds the loads to the sums of the particles; sets force and torque of the walls; returns the
   /// largest overlap over the sphere's radius.
   double run(const Input& in, Contacts& contacts, const CoefficientTable<ContactsType>& table,
-             std::span<Wall> walls, double* sums, const Team& team) {
+             std::span<Wall> walls, Scalar* sums, const Team& team) {
     loads_.assign(contacts.blocks() * walls.size(), {});
     largest_.assign(contacts.blocks(), 0);
     team.for_parts(contacts.blocks(),
@@ -56,7 +56,7 @@ class WallPipeline {
  private:
   /// The contacts of one block, side by side whatever slots they have.
   struct Scratch {
-    KinematicsBlock<rotates, ContactsType::has_rolling, block> kinematics;
+    KinematicsBlock<rotates, ContactsType::has_rolling, block, double> kinematics;
     alignas(64) double history[ContactsType::history + 1][block];
     std::uint16_t kind[block];  // place in the coefficient table
     struct Place {
@@ -71,7 +71,7 @@ class WallPipeline {
   };
 
   void run_block(const Input& in, Contacts& contacts, const CoefficientTable<ContactsType>& table,
-                 std::span<const Wall> walls, double* sums, std::size_t b) {
+                 std::span<const Wall> walls, Scalar* sums, std::size_t b) {
     Scratch s;
     s.count = 0;
     const auto candidates = contacts.block_candidates(b);
@@ -98,7 +98,7 @@ class WallPipeline {
       const auto load = Kernel::load(s.kinematics.template get<Real>(k),
                                      s.kinematics.template get_rolling<Real>(k), time_step,
                                      coefficients.law(), coefficients.rolling(), history);
-      write_rows<chunks, Arch>(rows + k * row, load);
+      write_rows<chunks, Arch, Real>(rows + k * row, load);
     }
     for (std::size_t k = 0; k < s.count; ++k) {
       const auto [slot, particle, wall] = s.place[k];

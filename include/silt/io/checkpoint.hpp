@@ -220,9 +220,10 @@ class Checkpoint {
 
   /// Which programs can continue from the file: the policies that shape the state.
   static std::string signature() {
-    return text("silt state 2; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
+    return text("silt state 3; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
                 name_of<typename Sim::ContactsType>(), "; search ", name_of<typename Sim::Search>(),
-                "; domain ", name_of<typename Sim::Domain>());
+                "; domain ", name_of<typename Sim::Domain>(), "; precision ",
+                name_of<typename Sim::Precision>());
   }
 
  private:

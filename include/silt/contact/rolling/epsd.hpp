@@ -42,7 +42,7 @@ struct RollingEpsd {
     const Real limit = arm * c.normal_force;
     const Vec3<Real> carried = h.torque + cross(c.turn, h.torque);
     const Vec3<Real> trial = carried - (kr * c.time_step) * c.angular_velocity;
-    const Real size = sqrt(max(dot(trial, trial), Real(std::numeric_limits<double>::min())));
+    const Real size = sqrt(max(dot(trial, trial), smallest<Real>()));
     const auto mobilised = size >= limit;
     h.torque = trial * min(limit / size, Real(1));  // (1)
     const Real Cr = select(mobilised, Real(0), p.twice_damping * sqrt(c.inertia_eff * kr));

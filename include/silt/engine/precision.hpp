@@ -1,0 +1,21 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+namespace silt {
+
+/// The precision axis of a Simulation: everything in double.
+struct Double {
+  using PairScalar = double;
+};
+
+/// Positions, integration, walls and lists in double; the work on pairs of particles in float:
+/// twice the lanes, half the bytes. Overlaps are formed from squares in double, without
+/// cancellation; what follows from them has an error of some 1e-7. Forces on a particle are sums of
+/// floats. Limits: a tangential spring that grows by less than 6e-8 of itself a step stays as it
+/// is; forces below 1e-19 N count as zero where their direction matters. Tests:
+/// tests/engine/precision.cpp.
+struct Mixed {
+  using PairScalar = float;
+};
+
+}  // namespace silt
