@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include <silt/core/row4.hpp>
+#include <silt/core/row8.hpp>
 #include <silt/engine/contact_kernel.hpp>
 
 namespace silt::detail {
@@ -17,6 +17,14 @@ inline constexpr std::size_t load_chunks = 1 + ContactsType::rotates + ContactsT
 template <std::size_t Chunks, class Arch, class Pack>
 SILT_INLINE void write_rows(ScalarOf<Pack>* rows, const PairLoad<Pack>& load) {
   constexpr std::size_t W = Lanes<Arch, ScalarOf<Pack>>::width;
+  if constexpr (Chunks == 2 && std::is_same_v<ScalarOf<Pack>, float>) {
+    const Pack force[4] = {load.force.x, load.force.y, load.force.z, Pack(0)};
+    const Pack twirl[4] = {load.twirl.x, load.twirl.y, load.twirl.z, Pack(0)};
+    Row8<Arch> row[W];
+    columns_to_rows<Arch>(force, twirl, row);
+    for (std::size_t lane = 0; lane < W; ++lane) row[lane].store(rows + lane * 8);
+    return;
+  }
   const Vec3<Pack> parts[3] = {load.force, load.twirl, load.couple};
   for (std::size_t c = 0; c < Chunks; ++c) {
     const Pack columns[4] = {parts[c].x, parts[c].y, parts[c].z, Pack(0)};
@@ -30,6 +38,11 @@ SILT_INLINE void write_rows(ScalarOf<Pack>* rows, const PairLoad<Pack>& load) {
 /// the opposite sign, the twirl (chunk 1) with the same. Row and sum may differ in precision.
 template <class Arch, std::size_t Chunks, bool Second, class Sum, class Scalar>
 SILT_INLINE void add_row(Sum* sum, const Scalar* row) {
+  if constexpr (Chunks == 2 && std::is_same_v<Sum, float> && std::is_same_v<Scalar, float>) {
+    const auto s = Row8<Arch>::load(sum), r = Row8<Arch>::load(row);
+    (Second ? s + Row8<Arch>::of(-1, -1, 1, 1) * r : s + r).store(sum);
+    return;
+  }
   for (std::size_t c = 0; c < Chunks; ++c) {
     const auto s = Row4<Arch, Sum>::load(sum + 4 * c);
     const auto r = convert<Sum>(Row4<Arch, Scalar>::load(row + 4 * c));

@@ -120,6 +120,31 @@ class PairPipeline {
       }
   }
 
+  /// Rows of motion of a pack of pairs: {v_a - v_b, 1/m_a + 1/m_b}, and sums of all else.
+  static SILT_INLINE void motion_between(const Motion* motions, const std::uint32_t* a,
+                                         const std::uint32_t* b, Real (&velocity)[4],
+                                         Real (&spin)[4]) {
+    if constexpr (single && rotates) {
+      const auto sign = Row8<Arch>::of(-1, 1, 1, 1);
+      Row8<Arch> rows[W];
+      for (std::size_t lane = 0; lane < W; ++lane)
+        rows[lane] =
+            Row8<Arch>::load(&motions[a[lane]].vx) + sign * Row8<Arch>::load(&motions[b[lane]].vx);
+      rows_to_columns<Arch>(rows, velocity, spin);
+    } else {
+      const auto difference = Row::of(-1, -1, -1, 1), sum = Row::all(1);
+      Row rows[W];
+      for (std::size_t lane = 0; lane < W; ++lane)
+        rows[lane] = Row::load(&motions[a[lane]].vx) + difference * Row::load(&motions[b[lane]].vx);
+      rows_to_columns<Arch>(rows, velocity);
+      if constexpr (rotates) {
+        for (std::size_t lane = 0; lane < W; ++lane)
+          rows[lane] = Row::load(&motions[a[lane]].wx) + sum * Row::load(&motions[b[lane]].wx);
+        rows_to_columns<Arch>(rows, spin);
+      }
+    }
+  }
+
   /// Where the spheres of a pack of pairs are to each other.
   struct Apart {
     Vec3<Real> d;                              // [m] from the second to the first centre
@@ -164,21 +189,12 @@ class PairPipeline {
   static double gather(const Input& in, const std::uint32_t* first, const std::uint32_t* second,
                        const Domain& domain, std::size_t count, double largest, const Scalar* sums,
                        Block& out) {
-    const Row difference = Row::of(-1, -1, -1, 1), sum = Row::all(1);
     const Real half_step(static_cast<Scalar>(0.5 * in.time_step));
     for (std::size_t k = 0; k < count; k += W) {
       const std::uint32_t *const a = first + k, *const b = second + k;
       if (in.fetch_ahead) fetch(in, a + List::ahead, b + List::ahead, sums);
-      const auto turn = [&](const auto& row_of, const Row& sign, Real(&columns)[4]) {
-        Row rows[W];
-        for (std::size_t lane = 0; lane < W; ++lane)
-          rows[lane] = Row::load(row_of(a[lane])) + sign * Row::load(row_of(b[lane]));
-        rows_to_columns<Arch>(rows, columns);
-      };
       Real velocity[4], spin[4];
-      turn([&](std::uint32_t p) { return &in.motions[p].vx; }, difference, velocity);
-      if constexpr (rotates) turn([&](std::uint32_t p) { return &in.motions[p].wx; }, sum, spin);
-
+      motion_between(in.motions, a, b, velocity, spin);
       const Apart apart = distances(in, a, b, domain);
       const Vec3<Real>& d = apart.d;
       const Real &distance2 = apart.distance2, &distance = apart.distance, &reach = apart.reach;
