@@ -25,10 +25,16 @@ struct WallCandidate {
   auto key() const { return std::tie(particle, wall, surface); }
 };
 
+/// A plane as a row: unit normal, and the distance of the origin against it [m].
+struct alignas(32) PlaneRow {
+  double x = 0, y = 0, z = 0, offset = 0;
+};
+
 /// Which spheres are near which surfaces, in two stages like PairList, and H Reals of history for
 /// each contact with a wall. A candidate has as many slots as the surface can have contacts with
 /// one sphere; slots come in blocks that one thread computes at a time, and all candidates of a
-/// sphere stand side by side in one block.
+/// sphere stand side by side in one block. Lone candidates, of a sphere that is near nothing but
+/// one plane at rest, which most are, stand behind all others, one slot each without gaps.
 template <std::size_t H>
 class WallContacts {
  public:
@@ -48,6 +54,11 @@ class WallContacts {
     return {inner_facets_.data() + c.facets, c.facet_count};
   }
   Slot& slot(std::size_t k) { return slots_[k]; }
+  /// Whether a block holds lone candidates; the plane of each as {normal, distance of the origin}.
+  bool is_lone(std::size_t b) const { return block_begin_[b] >= lone_from_; }
+  const PlaneRow* planes(std::size_t b) const {
+    return planes_.data() + (block_begin_[b] - lone_from_);
+  }
   double* history(std::size_t component) { return history_[component].data(); }
 
   /// Finds all spheres nearer than `reach` [m] to a surface.
@@ -88,6 +99,7 @@ class WallContacts {
       }
     });
     collect(inner_, inner_facets_);
+    part_lone(walls);
     lay_out_slots(walls);
     recall();
     renewed_ = false;
@@ -99,13 +111,14 @@ class WallContacts {
     std::vector<std::uint32_t> outer_facets, inner_facets;
     std::vector<Slot> slots;
     std::array<std::vector<double>, H> history;
+    std::size_t lone_from = 0;
   };
   State state() const {
-    State s{outer_, inner_, outer_facets_, inner_facets_, slots_, {}};
+    State s{outer_, inner_, outer_facets_, inner_facets_, slots_, {}, lone_from_};
     for (std::size_t h = 0; h < H; ++h) s.history[h].assign(history_[h].begin(), history_[h].end());
     return s;
   }
-  void restore(State s) {
+  void restore(State s, std::span<const Wall> walls) {
     outer_ = std::move(s.outer), inner_ = std::move(s.inner);
     outer_facets_ = std::move(s.outer_facets), inner_facets_ = std::move(s.inner_facets);
     // Blocks by the slots as they were: a wall may have lost its surfaces since.
@@ -113,6 +126,8 @@ class WallContacts {
     for (std::size_t k = 0; k < inner_.size(); ++k)
       if (inner_[k].slot / block >= block_begin_.size()) block_begin_.push_back(k);
     if (!inner_.empty()) block_begin_.push_back(inner_.size());
+    lone_from_ = s.lone_from;
+    note_planes(walls);
     slots_ = std::move(s.slots);
     for (std::size_t h = 0; h < H; ++h)
       history_[h].assign(s.history[h].begin(), s.history[h].end());
@@ -192,6 +207,34 @@ class WallContacts {
     }
   }
 
+  /// Brings the lone candidates to the end, both parts still in order.
+  void part_lone(std::span<const Wall> walls) {
+    const auto is_lone = [&](std::size_t k) {
+      const WallCandidate& c = inner_[k];
+      return !walls[c.wall].moves() &&
+             std::holds_alternative<Plane>(walls[c.wall].surfaces[c.surface]) &&
+             (k == 0 || inner_[k - 1].particle != c.particle) &&
+             (k + 1 == inner_.size() || inner_[k + 1].particle != c.particle);
+    };
+    std::vector<WallCandidate> sorted, lone;
+    for (std::size_t k = 0; k < inner_.size(); ++k)
+      (is_lone(k) ? lone : sorted).push_back(inner_[k]);
+    lone_from_ = sorted.size();
+    sorted.insert(sorted.end(), lone.begin(), lone.end());
+    inner_ = std::move(sorted);
+    note_planes(walls);
+  }
+  void note_planes(std::span<const Wall> walls) {
+    planes_.assign(inner_.size() - lone_from_, {});
+    for (std::size_t k = lone_from_; k < inner_.size(); ++k) {
+      const auto& surfaces = walls[inner_[k].wall].surfaces;
+      if (surfaces.empty()) continue;  // taken away; the lists will be renewed before they are used
+      const Plane plane = std::get<Plane>(surfaces[inner_[k].surface]).unit();
+      const Vec3d& n = plane.normal;
+      planes_[k - lone_from_] = {n.x, n.y, n.z, dot(plane.point, n)};
+    }
+  }
+
   void lay_out_slots(std::span<const Wall> walls) {
     block_begin_.assign(1, 0);
     std::size_t next = 0;
@@ -204,7 +247,7 @@ class WallContacts {
         for (std::size_t m = k + 1; m < inner_.size() && inner_[m].particle == inner_[k].particle;
              ++m)
           if (together + count(m) <= block) together += count(m);
-      if (next % block + together > block) next = pieces(next, block) * block;
+      if (next % block + together > block || k == lone_from_) next = pieces(next, block) * block;
       if (next / block >= block_begin_.size()) block_begin_.push_back(k);
       inner_[k].slot = static_cast<std::uint32_t>(next);
       next += count(k);
@@ -228,18 +271,30 @@ class WallContacts {
   /// Sets aside all touching contacts, in the order of the candidates.
   void archive() {
     archive_.clear();
-    for (std::size_t k = 0; k < inner_.size(); ++k) {
+    const auto keep = [&](const WallCandidate& c, std::size_t s, const Slot& slot) {
+      Kept kept{c.particle, c.wall, c.surface, slot, {}};
+      for (std::size_t h = 0; h < H; ++h) kept.history[h] = history_[h][s];
+      archive_.push_back(kept);
+    };
+    for (std::size_t k = 0; k < lone_from_; ++k) {
       const auto& c = inner_[k];
-      const std::size_t end = k + 1 < inner_.size() && inner_[k + 1].slot / block == c.slot / block
+      const std::size_t end = k + 1 < lone_from_ && inner_[k + 1].slot / block == c.slot / block
                                   ? inner_[k + 1].slot
                                   : pieces(c.slot + 1, block) * block;
-      for (std::size_t s = c.slot; s < end; ++s) {
-        if (!slots_[s].touching) continue;
-        Kept kept{c.particle, c.wall, c.surface, slots_[s], {}};
-        for (std::size_t h = 0; h < H; ++h) kept.history[h] = history_[h][s];
-        archive_.push_back(kept);
-      }
+      for (std::size_t s = c.slot; s < end; ++s)
+        if (slots_[s].touching) keep(c, s, slots_[s]);
     }
+    for (std::size_t k = lone_from_; k < inner_.size(); ++k) {
+      const PlaneRow& n = planes_[k - lone_from_];
+      if (remembers(inner_[k].slot)) keep(inner_[k], inner_[k].slot, {{n.x, n.y, n.z}, true});
+    }
+    std::stable_sort(archive_.begin(), archive_.end(),
+                     [](const Kept& a, const Kept& b) { return a.key() < b.key(); });
+  }
+  bool remembers(std::size_t slot) const {
+    for (const auto& h : history_)
+      if (h[slot] != 0) return true;
+    return false;
   }
   void recall() {
     for (const auto& c : inner_) {
@@ -249,7 +304,7 @@ class WallContacts {
       auto found = std::lower_bound(archive_.begin(), archive_.end(), key,
                                     [](const Kept& a, const auto& k) { return a.key() < k; });
       for (std::size_t s = c.slot; found != archive_.end() && found->key() == key; ++found, ++s) {
-        slots_[s] = found->slot;
+        if (&c < inner_.data() + lone_from_) slots_[s] = found->slot;
         for (std::size_t h = 0; h < H; ++h) history_[h][s] = found->history[h];
       }
     }
@@ -259,6 +314,8 @@ class WallContacts {
   std::vector<std::uint32_t> outer_facets_, inner_facets_;
   std::array<Found, Team::most_ranges> found_;
   std::vector<std::size_t> block_begin_;  // first candidate of each block
+  std::size_t lone_from_ = 0;             // first lone candidate
+  AlignedVector<PlaneRow> planes_;        // of the lone candidates
   std::vector<Slot> slots_;
   std::array<AlignedVector<double>, H> history_;
   std::vector<Kept> archive_;

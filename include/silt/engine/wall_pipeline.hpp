@@ -70,10 +70,83 @@ class WallPipeline {
     Vec3d force, torque;
   };
 
+  /// Contacts of spheres that are near nothing but one plane at rest: all in lanes.
+  void run_lone_block(const Input& in, Contacts& contacts,
+                      const CoefficientTable<ContactsType>& table, std::span<const Wall> walls,
+                      Scalar* sums, std::size_t b) {
+    const auto candidates = contacts.block_candidates(b);
+    const PlaneRow* const planes = contacts.planes(b);
+    const std::size_t count = candidates.size(), first = candidates[0].slot;
+    alignas(64) double rows[block * row], overlaps[block], points[3][block];
+    std::uint16_t kinds[block];
+    for (std::size_t k = 0; k < pieces(count, W) * W; ++k) {
+      const WallCandidate& c = candidates[std::min(k, count - 1)];
+      std::size_t material = 0;
+      if constexpr (ContactsType::several_materials) material = in.materials[c.particle];
+      kinds[k] = static_cast<std::uint16_t>(material * table.materials + walls[c.wall].material);
+    }
+    const Real time_step(in.time_step);
+    ContactCoefficients<ContactsType, Real> coefficients(table);
+    for (std::size_t k = 0; k < count; k += W) {
+      coefficients.choose(kinds + k);
+      double* history[ContactsType::history + 1];
+      for (std::size_t h = 0; h < ContactsType::history; ++h)
+        history[h] = contacts.history(h) + first + k;
+      const auto columns_of = [&](const auto& row_of, Real(&columns)[4]) {
+        Row4<Arch> lanes[W];
+        for (std::size_t lane = 0; lane < W; ++lane)
+          lanes[lane] = Row4<Arch>::load(row_of(std::min(k + lane, count - 1)));
+        rows_to_columns<Arch>(lanes, columns);
+      };
+      Real centre[4], plane[4], velocity[4], spin[4];
+      columns_of([&](std::size_t m) { return &in.positions[candidates[m].particle].x; }, centre);
+      columns_of([&](std::size_t m) { return &planes[m].x; }, plane);
+      columns_of([&](std::size_t m) { return &in.motions[candidates[m].particle].vx; }, velocity);
+      const Real &r = centre[3], &inv_m = velocity[3], zero(0);
+      Kinematics<Real> kin;
+      kin.normal = {plane[0], plane[1], plane[2]};
+      const Vec3<Real> x{centre[0], centre[1], centre[2]};
+      const Real distance = dot(x, kin.normal) - plane[3];
+      kin.half_change = {zero, zero, zero};
+      kin.velocity = {velocity[0], velocity[1], velocity[2]};
+      kin.overlap = select(inv_m > zero, r - distance, Real(-1));  // fixed spheres feel no wall
+      kin.R_eff = r, kin.inverse_m_eff = inv_m, kin.m_eff = Real(1) / max(inv_m, smallest<Real>());
+      RollingKinematics<Real> rolling;
+      if constexpr (rotates) {
+        columns_of([&](std::size_t m) { return &in.motions[candidates[m].particle].wx; }, spin);
+        kin.spin = {spin[0], spin[1], spin[2]};
+        kin.arm = distance * spin[3], kin.twist = zero;
+        if constexpr (ContactsType::has_rolling)
+          rolling = {spin[3] * kin.spin, Real(1.4) * r * r * kin.m_eff};
+      }
+      const auto load = Kernel::load(kin, rolling, time_step, coefficients.law(),
+                                     coefficients.rolling(), history);
+      write_rows<chunks, Arch, Real>(rows + k * row, load);
+      silt::store(overlaps + k, kin.overlap / r);
+      const Vec3<Real> point = x - distance * kin.normal;
+      silt::store(points[0] + k, point.x), silt::store(points[1] + k, point.y);
+      silt::store(points[2] + k, point.z);
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+      if (!(overlaps[k] > 0)) continue;
+      add_load(candidates[k].particle, candidates[k].wall, rows + k * row,
+               {points[0][k], points[1][k], points[2][k]}, overlaps[k], walls, sums, b);
+    }
+  }
+
+  /// Adds what a contact at `point` does to its sphere and its wall.
+  void add_load(std::uint32_t particle, std::size_t wall, const double* r, const Vec3d& point,
+                double overlap, std::span<const Wall> walls, Scalar* sums, std::size_t b) {
+    add_row<Arch, chunks, false>(sums + particle * row, r);
+    const Vec3d force{-r[0], -r[1], -r[2]};
+    auto& wall_load = loads_[b * walls.size() + wall];
+    wall_load.force += force;
+    wall_load.torque += cross(point - walls[wall].reference, force);
+    largest_[b] = std::max(largest_[b], overlap);
+  }
+
   void run_block(const Input& in, Contacts& contacts, const CoefficientTable<ContactsType>& table,
                  std::span<const Wall> walls, Scalar* sums, std::size_t b) {
-    Scratch s;
-    s.count = 0;
     const auto candidates = contacts.block_candidates(b);
     // Spheres at walls are far from each other in memory: better to wait for all of them at once.
     for (const auto& c : candidates) {
@@ -81,6 +154,9 @@ class WallPipeline {
       __builtin_prefetch(in.motions + c.particle);
       __builtin_prefetch(sums + c.particle * row, 1);
     }
+    if (contacts.is_lone(b)) return run_lone_block(in, contacts, table, walls, sums, b);
+    Scratch s;
+    s.count = 0;
     for (std::size_t k = 0, next = 0; k < candidates.size(); k = next) {
       while (next < candidates.size() && candidates[next].particle == candidates[k].particle)
         ++next;
@@ -104,13 +180,8 @@ class WallPipeline {
       const auto [slot, particle, wall] = s.place[k];
       for (std::size_t h = 0; h < ContactsType::history; ++h)
         contacts.history(h)[slot] = s.history[h][k];
-      const double* r = rows + k * row;
-      add_row<Arch, chunks, false>(sums + particle * row, r);
-      const Vec3d force{-r[0], -r[1], -r[2]};
-      auto& wall_load = loads_[b * walls.size() + wall];
-      wall_load.force += force;
-      wall_load.torque += cross(s.point[k] - walls[wall].reference, force);
-      largest_[b] = std::max(largest_[b], s.kinematics.overlap[k] / s.kinematics.R_eff[k]);
+      add_load(particle, wall, rows + k * row, s.point[k],
+               s.kinematics.overlap[k] / s.kinematics.R_eff[k], walls, sums, b);
     }
   }
 

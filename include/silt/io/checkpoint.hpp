@@ -83,6 +83,8 @@ class Checkpoint {
     out.add("walls.outer", candidates_outer), out.add("walls.inner", candidates_inner);
     out.add("walls.outer_facets", state.outer_facets);
     out.add("walls.inner_facets", state.inner_facets);
+    const std::vector<std::uint64_t> lone{state.lone_from};
+    out.add("walls.lone", lone);
     out.add("walls.normal", normals), out.add("walls.touching", touching);
     for (std::size_t h = 0; h < H; ++h) out.add(text("walls.history", h), state.history[h]);
 
@@ -154,6 +156,7 @@ class Checkpoint {
     state.inner = candidates(in.get<std::uint32_t>("walls.inner"));
     state.outer_facets = in.get<std::uint32_t>("walls.outer_facets");
     state.inner_facets = in.get<std::uint32_t>("walls.inner_facets");
+    state.lone_from = in.get<std::uint64_t>("walls.lone", 1)[0];
     const auto touching = in.get<std::uint8_t>("walls.touching");
     const auto normals = in.get<double>("walls.normal", 3 * touching.size());
     for (std::size_t h = 0; h < H; ++h)
@@ -190,7 +193,7 @@ class Checkpoint {
     for (std::size_t k = 0; k + 1 < outer.size(); k += 2)
       pairs.outer.push_back({outer[k], outer[k + 1]});
     e.lists.pairs.restore(pairs, n);
-    e.lists.walls.restore(std::move(state));
+    e.lists.walls.restore(std::move(state), e.walls);
 
     const double* next = walls.data();
     for (auto& w : e.walls) {
