@@ -2,9 +2,11 @@
 //
 // The dense bed that silt, LAMMPS and LIGGGHTS are timed on, see peers.py.
 //   bench_bed settle N STEPS FILE
-//     lets a lattice of N spheres fall into a box and settle; writes FILE
-//   bench_bed time FILE STEPS THREADS [mixed]
-//     runs the bed in FILE, in double or mixed precision; prints one line of results
+//     lets a lattice of N spheres collapse in a box for STEPS, from 0 on; writes FILE
+//   bench_bed time FILE WARMUP STEPS THREADS double|mixed END
+//     runs the bed in FILE; prints one line of results; writes where it ends to END
+//   bench_bed measure FILE
+//     contacts and mean overlap of the spheres in FILE
 // FILE is a data file of LAMMPS (atom style sphere). Law: Hertz, Tsuji damping, Mindlin spring with
 // the slip as history and Coulomb friction, as `hertz/material ... tangential mindlin ... damping
 // tsuji`.
@@ -22,10 +24,16 @@ namespace {
 
 using Law =
     silt::BasicHertzMindlin<silt::DampingEnd::ZeroOverlap, silt::TangentialMemory::Displacement>;
-constexpr double width = 0.15, time_step = 2e-5;  // [m], [s]
+constexpr double time_step = 2e-5;  // [s]
+
+/// Side of the square box [m]: up to 50 000 spheres the same, then beds of the same depth.
+double width_for(std::size_t n) {
+  return 0.15 * std::sqrt(std::max(1.0, static_cast<double>(n) / 50000));
+}
 
 template <class Precision>
 auto bed(silt::Particles<silt::Sphere> spheres, int threads, Precision precision) {
+  const double width = width_for(spheres.size());
   const Law::Material m{
       .youngs_modulus = 1e6, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.4};
   silt::Simulation sim{std::move(spheres), silt::Contacts<Law>{m}, precision};
@@ -51,7 +59,7 @@ double kinetic_energy(const Sim& sim) {
 
 silt::Particles<silt::Sphere> lattice(std::size_t n) {
   silt::Random random(1);
-  constexpr double r_max = 2.35e-3, spacing = 2 * r_max * 1.02;
+  const double r_max = 2.35e-3, spacing = 2 * r_max * 1.02, width = width_for(n);
   const int side = static_cast<int>(width / spacing);
   silt::Particles<silt::Sphere> spheres;
   for (std::size_t k = 0; k < n; ++k) {
@@ -76,11 +84,38 @@ silt::Particles<silt::Sphere> read(const std::string& path) {
   double id, type, diameter, density, x, y, z;
   while (in >> id >> type >> diameter >> density >> x >> y >> z)
     spheres.add({.position = {x, y, z}, .radius = diameter / 2, .density = density});
+  in.clear();
+  for (std::string line; std::getline(in, line) && line != "Velocities";) {
+  }
+  silt::Vec3d v, w;
+  while (in >> id >> v.x >> v.y >> v.z >> w.x >> w.y >> w.z) {
+    auto& sphere = spheres[static_cast<std::size_t>(id) - 1];
+    sphere.velocity = v, sphere.angular_velocity = w;
+  }
   return spheres;
+}
+
+void measure(const std::string& file) {
+  const auto spheres = read(file);
+  std::vector<silt::PositionRow> rows;
+  double largest = 0, overlap = 0;  // [m]
+  for (std::size_t k = 0; k < spheres.size(); ++k) {
+    const auto& p = spheres[k].position;
+    rows.push_back({p.x, p.y, p.z, spheres[k].radius});
+    largest = std::max(largest, spheres[k].radius);
+  }
+  std::vector<silt::IndexPair> touching;
+  silt::CellGrid{}.find({rows, largest}, 0.0, silt::OpenDomain{}, silt::Team(1), touching);
+  for (const auto& [a, b] : touching)
+    overlap += rows[a].r + rows[b].r - norm(rows[a].centre() - rows[b].centre());
+  const auto n = static_cast<double>(rows.size()), pairs = static_cast<double>(touching.size());
+  std::printf("coordination %.6g mean_overlap_over_d %.4g\n", 2 * pairs / n,
+              touching.empty() ? 0.0 : overlap / pairs / 4.3e-3);
 }
 
 template <class Sim>
 void write(const Sim& sim, const std::string& path) {
+  const double width = width_for(sim.size());
   double top = 0;
   for (std::size_t k = 0; k < sim.rows(); ++k) top = std::max(top, sim.position(k).z);
   std::string out =
@@ -90,15 +125,21 @@ void write(const Sim& sim, const std::string& path) {
     const auto p = sim.position(k);
     out += silt::text(k + 1, " 1 ", 2 * sim.radius(k), " 2500 ", p.x, ' ', p.y, ' ', p.z, '\n');
   }
+  out += "\nVelocities\n\n";
+  for (std::size_t k = 0; k < sim.rows(); ++k) {
+    const auto v = sim.velocity(k), w = sim.angular_velocity(k);
+    out += silt::text(k + 1, ' ', v.x, ' ', v.y, ' ', v.z, ' ', w.x, ' ', w.y, ' ', w.z, '\n');
+  }
   silt::AtomicFile file(path);
   file.write(out);
   file.commit();
 }
 
 template <class Precision>
-void time(const std::string& file, double steps, int threads, Precision precision) {
+void time(const std::string& file, double warmup, double steps, int threads, Precision precision,
+          const std::string& end) {
   auto sim = bed(read(file), threads, precision);
-  sim.run(200 * time_step);
+  sim.run(warmup * time_step);
   const auto start = std::chrono::steady_clock::now();
   sim.run(steps * time_step);
   const double seconds =
@@ -106,6 +147,7 @@ void time(const std::string& file, double steps, int threads, Precision precisio
   std::printf("seconds %.6g kinetic_energy %.6g contacts %zu overlap %.4g megabytes %.4g\n",
               seconds, kinetic_energy(sim), sim.touching_pairs(), sim.largest_overlap(),
               static_cast<double>(sim.engine().bytes()) / 1e6);
+  write(sim, end);
 }
 
 int main_with(int argc, char** argv) {
@@ -116,17 +158,22 @@ int main_with(int argc, char** argv) {
     write(sim, argv[4]);
     return 0;
   }
-  if (mode == "time" && (argc == 5 || (argc == 6 && argv[5] == std::string("mixed")))) {
-    const double steps = std::stod(argv[3]);
-    const int threads = std::stoi(argv[4]);
-    if (argc == 6)
-      time(argv[2], steps, threads, silt::Mixed{});
+  if (mode == "time" && argc == 8) {
+    const double warmup = std::stod(argv[3]), steps = std::stod(argv[4]);
+    const int threads = std::stoi(argv[5]);
+    if (argv[6] == std::string("mixed"))
+      time(argv[2], warmup, steps, threads, silt::Mixed{}, argv[7]);
     else
-      time(argv[2], steps, threads, silt::Double{});
+      time(argv[2], warmup, steps, threads, silt::Double{}, argv[7]);
+    return 0;
+  }
+  if (mode == "measure" && argc == 3) {
+    measure(argv[2]);
     return 0;
   }
   std::fprintf(stderr,
-               "bench_bed settle N STEPS FILE | bench_bed time FILE STEPS THREADS [mixed]\n");
+               "bench_bed settle N STEPS FILE | measure FILE | "
+               "time FILE WARMUP STEPS THREADS double|mixed END\n");
   return 2;
 }
 

@@ -1,10 +1,13 @@
 #!/usr/bin/env python3
 # silt - BSD-3-Clause, see LICENSE
-"""Times the same settled bed with the same contact law in LAMMPS, LIGGGHTS and silt.
+"""Times the same bed with the same contact law in LAMMPS, LIGGGHTS and silt.
 
-silt settles the bed once; every code then starts from the same positions, runs 200 steps to warm up
-and is timed by its own loop clock over the next ones. Runs are interleaved and repeated; printed are
-medians in million particle-steps per second, the ratio to the faster peer, and the state each ends in.
+Two states: a settled bed, and the collapse of a loose lattice with all its list rebuilds ("filling").
+silt makes the positions and velocities once; every code starts from the same file and is timed by its
+own loop clock: settled beds after 200 steps to warm up, filling from the first step on. Runs are
+interleaved and repeated. Printed are medians in million particle-steps a second with their spread, the
+ratio to the faster peer on as many cores, and the state each code ends in. A table, a plot and
+summary.json are written to --out.
 """
 import argparse
 import json
@@ -14,7 +17,6 @@ import shutil
 import statistics
 import subprocess
 import sys
-import tempfile
 
 LAW = "hertz/material 1e6 0.5 0.3 tangential mindlin 1e6 1.0 0.4 damping tsuji"
 LAMMPS = f"""
@@ -28,17 +30,18 @@ neighbor 0.0006 bin
 neigh_modify delay 0 every 1 check yes
 pair_style granular
 pair_coeff * * {LAW}
-fix x1 all wall/gran granular {LAW} xplane 0.0 0.15
-fix y1 all wall/gran granular {LAW} yplane 0.0 0.15
+fix x1 all wall/gran granular {LAW} xplane 0.0 {{width}}
+fix y1 all wall/gran granular {LAW} yplane 0.0 {{width}}
 fix z1 all wall/gran granular {LAW} zplane 0.0 NULL
 fix g all gravity 9.81 vector 0 0 -1
 fix i all nve/sphere
 timestep 0.00002
-thermo 100000
+thermo 100000000
 thermo_style custom step atoms ke
 thermo_modify lost ignore norm no
-run 200
+run {{warmup}}
 run {{steps}}
+write_dump all custom {{end}} id x y z radius
 """
 LIGGGHTS = """
 atom_style granular
@@ -58,88 +61,181 @@ fix m4 all property/global coefficientFriction peratomtypepair 1 0.4
 pair_style gran model hertz tangential history
 pair_coeff * *
 fix x1 all wall/gran model hertz tangential history primitive type 1 xplane 0.0
-fix x2 all wall/gran model hertz tangential history primitive type 1 xplane 0.15
+fix x2 all wall/gran model hertz tangential history primitive type 1 xplane {width}
 fix y1 all wall/gran model hertz tangential history primitive type 1 yplane 0.0
-fix y2 all wall/gran model hertz tangential history primitive type 1 yplane 0.15
+fix y2 all wall/gran model hertz tangential history primitive type 1 yplane {width}
 fix z1 all wall/gran model hertz tangential history primitive type 1 zplane 0.0
 fix g all gravity 9.81 vector 0 0 -1
 fix i all nve/sphere
 timestep 0.00002
-thermo 100000
+thermo 100000000
 thermo_style custom step atoms ke
 thermo_modify lost ignore norm no
-run 200
+run {warmup}
+dump d all custom {steps} {end}.* id x y z radius
+dump_modify d first no
 run {steps}
 """
+PEERS = ("LAMMPS granular", "LIGGGHTS")
 
 
-def run_deck(program, deck, data, steps, folder):
-    path = os.path.join(folder, program + ".in")
+def run_deck(program, deck, cores, folder, **values):
+    path, end = os.path.join(folder, program + ".in"), os.path.join(folder, program + ".end")
     with open(path, "w") as f:
-        f.write(deck.format(data=data, steps=steps))
-    out = subprocess.run([program, "-in", path, "-log", "none"], capture_output=True, text=True,
-                         cwd=folder, env=dict(os.environ, OMP_NUM_THREADS="1",
-                                              OMPI_ALLOW_RUN_AS_ROOT="1",
-                                              OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1"))
+        f.write(deck.format(end=end, **values))
+    for old in os.listdir(folder):
+        if old.startswith(program + ".end"):
+            os.remove(os.path.join(folder, old))
+    command = [program, "-in", path, "-log", "none"]
+    if cores > 1:
+        command = ["mpirun", "-np", str(cores), "--bind-to", "core"] + command
+    out = subprocess.run(command, capture_output=True, text=True, cwd=folder,
+                         env=dict(os.environ, OMP_NUM_THREADS="1", OMPI_ALLOW_RUN_AS_ROOT="1",
+                                  OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1"))
     loops = re.findall(r"Loop time of ([0-9.eE+-]+)", out.stdout)
     energy = re.findall(r"^\s*\d+\s+\d+\s+([0-9.eE+-]+)", out.stdout, re.M)
-    if len(loops) != 2:
+    ends = sorted(name for name in os.listdir(folder) if name.startswith(program + ".end"))
+    if len(loops) != 2 or not ends:
         sys.exit(f"{program} did not finish:\n{out.stdout[-2000:]}{out.stderr[-2000:]}")
-    return float(loops[1]), float(energy[-1])
+    return float(loops[1]), float(energy[-1]), os.path.join(folder, ends[-1])
 
 
-def run_silt(program, data, steps, threads):
-    out = subprocess.run([program, "time", data, str(steps), str(threads)], capture_output=True,
-                         text=True)
+def values_of(line):
+    words = line.split()
+    return dict(zip(words[::2], map(float, words[1::2])))
+
+
+def run_silt(program, cores, precision, folder, data, warmup, steps):
+    end = os.path.join(folder, "silt.end")
+    out = subprocess.run([program, "time", data, str(warmup), str(steps), str(cores), precision, end],
+                         capture_output=True, text=True)
     if out.returncode != 0:
         sys.exit(f"silt did not finish: {out.stderr}")
-    words = out.stdout.split()
-    values = dict(zip(words[::2], map(float, words[1::2])))
-    return values["seconds"], values["kinetic_energy"]
+    values = values_of(out.stdout)
+    return values["seconds"], values["kinetic_energy"], end
+
+
+def measure(program, end):
+    """Coordination number and mean overlap of the state in a dump or data file."""
+    if not end.endswith("silt.end"):
+        with open(end) as f, open(end + ".data", "w") as to:
+            to.write("Atoms\n\n")
+            atoms = False
+            for line in f:
+                if atoms:
+                    k, x, y, z, r = line.split()
+                    to.write(f"{k} 1 {2 * float(r)} 2500 {x} {y} {z}\n")
+                atoms = atoms or line.startswith("ITEM: ATOMS")
+        end += ".data"
+    return values_of(subprocess.run([program, "measure", end], capture_output=True, text=True,
+                                    check=True).stdout)
+
+
+def plot(results, path):
+    try:
+        import matplotlib
+        matplotlib.use("Agg")
+        import matplotlib.pyplot as plt
+    except ImportError:
+        return False
+    states = [s for s in ("settled", "filling") if any(r["state"] == s for r in results)]
+    cores = sorted({r["cores"] for r in results})
+    colour = {"LAMMPS granular": "#8a8a8a", "LIGGGHTS": "#b9a26c", "silt double": "#1f6fb2",
+              "silt mixed": "#c1440e"}
+    fig, axes = plt.subplots(1, len(states), figsize=(5.2 * len(states), 4), squeeze=False)
+    for ax, state in zip(axes[0], states):
+        for name in colour:
+            for c in cores:
+                points = [(r["particles"], r["speed"][name]["median"]) for r in results
+                          if r["state"] == state and r["cores"] == c and name in r["speed"]]
+                if points:
+                    ax.plot(*zip(*points), marker="o", color=colour[name],
+                            linestyle="-" if c == cores[0] else "--",
+                            label=f"{name}, {c} core" + ("s" if c > 1 else ""))
+        ax.set_xscale("log"), ax.set_yscale("log")
+        ax.set_xlabel("spheres"), ax.set_title(f"{state} bed")
+        ax.grid(True, which="both", alpha=0.25)
+    axes[0][0].set_ylabel("million particle-steps / s")
+    axes[0][-1].legend(fontsize=7, loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
+    fig.tight_layout()
+    fig.savefig(path, dpi=150)
+    return True
 
 
 def main():
-    p = argparse.ArgumentParser(description=__doc__)
+    p = argparse.ArgumentParser(description=__doc__,
+                                formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("--silt", required=True, help="the program bench_bed")
     p.add_argument("--repeat", type=int, default=5)
+    p.add_argument("--cores", type=int, nargs="+", default=[1])
+    p.add_argument("--states", nargs="+", choices=["settled", "filling"],
+                   default=["settled", "filling"])
+    p.add_argument("--work", type=float, default=1,
+                   help="multiplies the number of steps that are timed")
     p.add_argument("--out", default="out/peers")
     p.add_argument("sizes", type=int, nargs="*", default=[5000, 50000])
     a = p.parse_args()
-    for program in ("lmp", "liggghts"):
+    for program in ("lmp", "liggghts", "mpirun"):
         if not shutil.which(program):
             sys.exit(f"{program} is not installed; ./run peers installs it on Debian")
-    os.makedirs(a.out, exist_ok=True)
+    folder = os.path.abspath(a.out)
+    os.makedirs(folder, exist_ok=True)
     silt = os.path.abspath(a.silt)
-    results = []
-    with tempfile.TemporaryDirectory() as folder:
-        for n in a.sizes:
-            data = os.path.join(folder, f"bed.{n}")
-            settle, steps = 20000, max(50, 2000000 // n)
-            print(f"settling {n} spheres", flush=True)
-            subprocess.run([silt, "settle", str(n), str(settle), data], check=True)
-            times = {"LAMMPS granular": [], "LIGGGHTS": [], "silt": []}
-            energy = {}
-            for _ in range(a.repeat):
-                for name, result in (
-                    ("LAMMPS granular", lambda: run_deck("lmp", LAMMPS, data, steps, folder)),
-                    ("LIGGGHTS", lambda: run_deck("liggghts", LIGGGHTS, data, steps, folder)),
-                    ("silt", lambda: run_silt(silt, data, steps, 1)),
-                ):
-                    seconds, energy[name] = result()
-                    times[name].append(seconds)
-            speed = {k: n * steps / statistics.median(v) / 1e6 for k, v in times.items()}
-            peer = max(speed["LAMMPS granular"], speed["LIGGGHTS"])
-            print(f"\n{n} spheres, one core, {steps} steps, median of {a.repeat} interleaved runs")
-            for name in times:
-                spread = [n * steps / t / 1e6 for t in (max(times[name]), min(times[name]))]
-                print(f"  {name:16s} {speed[name]:7.2f} M/s  ({spread[0]:.2f} to {spread[1]:.2f})"
-                      f"  kinetic energy {energy[name]:.3g} J")
-            print(f"  silt over the faster peer: {speed['silt'] / peer:.2f}\n", flush=True)
-            results.append({"particles": n, "steps": steps, "million_particle_steps_per_s": speed,
-                            "ratio_to_faster_peer": speed["silt"] / peer, "kinetic_energy_j": energy})
+    results, table = [], []
+    for n in a.sizes:
+        width = 0.15 * max(1.0, n / 50000) ** 0.5
+        for state in a.states:
+            data = os.path.join(folder, f"{state}.{n}")
+            warmup, settle = (200, 20000) if state == "settled" else (0, 0)
+            # Filling: all of it for 5 000, the first impacts and the collapse of larger ones.
+            work = 1e7 if state == "settled" else 1.25e8
+            steps = max(50, int(a.work * work / n))
+            if not os.path.exists(data):
+                print(f"making {data}", flush=True)
+                subprocess.run([silt, "settle", str(n), str(settle), data], check=True)
+            common = dict(data=data, warmup=warmup, steps=steps)
+            for cores in a.cores:
+                codes = {
+                    "LAMMPS granular":
+                        lambda: run_deck("lmp", LAMMPS, cores, folder, width=width, **common),
+                    "LIGGGHTS":
+                        lambda: run_deck("liggghts", LIGGGHTS, cores, folder, width=width, **common),
+                    "silt double": lambda: run_silt(silt, cores, "double", folder, **common),
+                    "silt mixed": lambda: run_silt(silt, cores, "mixed", folder, **common),
+                }
+                times, ends = {name: [] for name in codes}, {}
+                for _ in range(a.repeat):
+                    for name, run in codes.items():
+                        seconds, energy, end = run()
+                        times[name].append(seconds)
+                        if name not in ends:
+                            ends[name] = dict(kinetic_energy_j=energy, **measure(silt, end))
+                speed = {name: {"median": n * steps / statistics.median(t) / 1e6,
+                                "least": n * steps / max(t) / 1e6, "most": n * steps / min(t) / 1e6}
+                         for name, t in times.items()}
+                peer = max(speed[name]["median"] for name in PEERS)
+                lines = [f"{n} spheres, {state}, {cores} core{'s' * (cores > 1)}, {steps} steps, "
+                         f"median of {a.repeat} interleaved runs",
+                         "                    M/s  (spread)          over peer  kinetic energy  "
+                         "contacts a sphere  mean overlap/d"]
+                for name, s in speed.items():
+                    e = ends[name]
+                    lines.append(f"  {name:16s}{s['median']:7.2f}  ({s['least']:.2f} to {s['most']:.2f})"
+                                 .ljust(42) + f"{s['median'] / peer:9.2f}  "
+                                 f"{e['kinetic_energy_j']:12.4g} J  {e['coordination']:17.4f}  "
+                                 f"{e['mean_overlap_over_d']:14.5f}")
+                print("\n".join(lines) + "\n", flush=True)
+                table += lines + [""]
+                results.append({"particles": n, "state": state, "cores": cores, "steps": steps,
+                                "speed": speed, "ends": ends,
+                                "double_over_faster_peer": speed["silt double"]["median"] / peer,
+                                "mixed_over_faster_peer": speed["silt mixed"]["median"] / peer})
     with open(os.path.join(a.out, "summary.json"), "w") as f:
-        json.dump({"results": results}, f, indent=2)
-    print(f"written: {a.out}/summary.json")
+        json.dump({"unit": "million particle-steps per second", "results": results}, f, indent=2)
+    with open(os.path.join(a.out, "table.txt"), "w") as f:
+        f.write("\n".join(table))
+    drawn = plot(results, os.path.join(a.out, "peers.png"))
+    print(f"Look at: {a.out}/table.txt, summary.json" + (", peers.png" if drawn else ""))
 
 
 if __name__ == "__main__":

@@ -167,8 +167,9 @@ class Engine {
   using Row = Row4<Arch>;
   static constexpr bool single = std::is_same_v<Scalar, float>;
 
-  // Half of the last-level caches of common machines: from here on fetching ahead has paid.
-  static constexpr std::size_t beyond_caches = 16 << 20;
+  // From here on fetching ahead has paid: more than second-level caches hold, and than one may count
+  // on of a last-level cache that others use too.
+  static constexpr std::size_t beyond_caches = 4 << 20;
 
   void make_kinds() {
     if constexpr (ContactsType::several_materials) {
