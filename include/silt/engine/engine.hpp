@@ -167,8 +167,8 @@ class Engine {
   using Row = Row4<Arch>;
   static constexpr bool single = std::is_same_v<Scalar, float>;
 
-  // From here on fetching ahead has paid: more than second-level caches hold, and than one may count
-  // on of a last-level cache that others use too.
+  // From here on fetching ahead has paid: more than second-level caches hold, and than one may
+  // count on of a last-level cache that others use too.
   static constexpr std::size_t beyond_caches = 4 << 20;
 
   void make_kinds() {
@@ -196,44 +196,87 @@ class Engine {
   /// Kicks particles from ... to-1, and lets them drift or records them; clears their loads.
   template <Advance How>
   Speeds kick_all(std::size_t from, std::size_t to, const Kick& kick) {
-    const Row gravity = Row::of(kick.gravity.x, kick.gravity.y, kick.gravity.z, 0);
-    const Row time = Row::of(kick.drift, kick.drift, kick.drift, 0);
-    const auto nothing = Row4<Arch, Scalar>::all(0);
-    const double spin_time = kick.time / ShapeType::inertia_factor();
-    PositionRow* const position = particles.position.data();
-    Motion* const motion = particles.motion.data();
-    Scalar* load = sums_.data() + from * 4 * chunks;
+    using Real = typename Lanes<Arch>::Real;
+    constexpr std::size_t W = Lanes<Arch>::width;
+    const Constants with{Row::of(kick.gravity.x, kick.gravity.y, kick.gravity.z, 0),
+                         Row::of(kick.drift, kick.drift, kick.drift, 0),
+                         kick.time,
+                         kick.time / ShapeType::inertia_factor(),
+                         kick.first,
+                         particles.position.data(),
+                         particles.motion.data(),
+                         particles.pair_rows(),
+                         sums_.data()};
     const double* const per_inner2 = lists.upkeep.per_inner2.data();
-    double largest2 = 0, sum2 = 0, share2 = 0;
-    for (std::size_t k = from; k < to; ++k, load += 4 * chunks) {
-      Motion& m = motion[k];
-      const double inv_m = m.inv_m;
-      [[maybe_unused]] Motion before;
-      if constexpr (How == Advance::KickAndRecord) before = m;
-      const auto load_of = [&](std::size_t chunk) {
-        return convert<double>(Row4<Arch, Scalar>::load(load + 4 * chunk));
-      };
-      const Row velocity = Leapfrog::kick(Row::load(&m.vx), load_of(0), inv_m, gravity, kick.time);
-      velocity.store(&m.vx);
-      if constexpr (single) convert<float>(velocity).store(&particles.pair_row(k).vx);
-      if constexpr (rotates) {
-        Row spin = Leapfrog::spin(Row::load(&m.wx), load_of(1), inv_m * spin_time);
-        if constexpr (ContactsType::has_rolling)
-          spin = Leapfrog::turn(spin, load_of(2), inv_m * spin_time, m.inv_r);
-        spin.store(&m.wx);
-        if constexpr (single) convert<float>(spin).store(&particles.pair_row(k).wx);
-      }
-      for (std::size_t c = 0; c < chunks; ++c) nothing.store(load + 4 * c);
-      if constexpr (How == Advance::KickAndRecord)
-        record(k, before, m, kick.first);
-      else
-        Leapfrog::drift(Row::load(&position[k].x), velocity, time).store(&position[k].x);
-      const double v2 = m.vx * m.vx + m.vy * m.vy + m.vz * m.vz;
-      const double v2_q2 = v2 * per_inner2[k];
-      largest2 = v2 > largest2 ? v2 : largest2, sum2 += v2;
-      share2 = v2_q2 > share2 ? v2_q2 : share2;
+    Real largest2(0), sum2(0), share2(0);
+    std::size_t k = from;
+    for (; k + W <= to; k += W) {
+      Row velocity[W];
+      for (std::size_t lane = 0; lane < W; ++lane) velocity[lane] = kick_one<How>(k + lane, with);
+      Real v[4];
+      rows_to_columns<Arch>(velocity, v);
+      const Real v2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+      largest2 = max(largest2, v2), sum2 = sum2 + v2;
+      share2 = max(share2, v2 * load_any<Real>(per_inner2 + k));
     }
-    return {largest2, sum2, share2};
+    alignas(64) double lanes[3][W];
+    silt::store(lanes[0], largest2), silt::store(lanes[1], sum2), silt::store(lanes[2], share2);
+    Speeds speeds{0, 0, 0};
+    const auto include = [&](double v2, double sum, double share) {
+      speeds.largest2 = std::max(speeds.largest2, v2), speeds.sum2 += sum;
+      speeds.share2 = std::max(speeds.share2, share);
+    };
+    for (std::size_t lane = 0; lane < W; ++lane)
+      include(lanes[0][lane], lanes[1][lane], lanes[2][lane]);
+    for (; k < to; ++k) {
+      kick_one<How>(k, with);
+      const Vec3d v = particles.motion[k].velocity();
+      include(dot(v, v), dot(v, v), dot(v, v) * per_inner2[k]);
+    }
+    return speeds;
+  }
+
+  struct Constants {
+    Row gravity, drift;      // {m/s2}, {s}
+    double time, spin_time;  // [s]
+    bool first_kick;
+    // Here because a store through a register of lanes may change any member, for all that is
+    // known.
+    PositionRow* position;
+    Motion* motion;
+    typename State::PairMotion* pair_motion;
+    Scalar* sums;
+  };
+  /// Returns the velocity as a row.
+  template <Advance How>
+  SILT_INLINE Row kick_one(std::size_t k, const Constants& with) {
+    Motion& m = with.motion[k];
+    Scalar* const load = with.sums + k * 4 * chunks;
+    const double inv_m = m.inv_m;
+    [[maybe_unused]] Motion before;
+    if constexpr (How == Advance::KickAndRecord) before = m;
+    const auto load_of = [&](std::size_t chunk) {
+      return convert<double>(Row4<Arch, Scalar>::load(load + 4 * chunk));
+    };
+    const Row velocity =
+        Leapfrog::kick(Row::load(&m.vx), load_of(0), inv_m, with.gravity, with.time);
+    velocity.store(&m.vx);
+    if constexpr (single) convert<float>(velocity).store(&with.pair_motion[k].vx);
+    if constexpr (rotates) {
+      Row spin = Leapfrog::spin(Row::load(&m.wx), load_of(1), inv_m * with.spin_time);
+      if constexpr (ContactsType::has_rolling)
+        spin = Leapfrog::turn(spin, load_of(2), inv_m * with.spin_time, m.inv_r);
+      spin.store(&m.wx);
+      if constexpr (single) convert<float>(spin).store(&with.pair_motion[k].wx);
+    }
+    const auto nothing = Row4<Arch, Scalar>::all(0);
+    for (std::size_t c = 0; c < chunks; ++c) nothing.store(load + 4 * c);
+    PositionRow& position = with.position[k];
+    if constexpr (How == Advance::KickAndRecord)
+      record(k, before, m, with.first_kick);
+    else
+      Leapfrog::drift(Row::load(&position.x), velocity, with.drift).store(&position.x);
+    return velocity;
   }
 
   /// At the whole step the velocity is the mean of the two half steps around it.

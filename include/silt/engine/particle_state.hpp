@@ -54,7 +54,7 @@ class ParticleState {
     else
       return motion.data();
   }
-  PairMotion& pair_row(std::size_t k) { return pair_motion_[k]; }
+  PairMotion* pair_rows() { return pair_motion_.data(); }  // of its own, if single
   /// Copies all of the motion to where the pair kernel reads it; kicks then keep it up to date.
   void renew_pair_motion(const Team& team) {
     if constexpr (single) {
