@@ -91,11 +91,15 @@ constexpr std::size_t history_size() {
 
 /// Calls the law with or without history.
 template <class L, class Real, class C, class P, class H>
-inline auto law_force(const C& contact, const P& coefficients, [[maybe_unused]] H& history) {
-  if constexpr (HasHistory<L>)
-    return L::force(contact, coefficients, history);
-  else
-    return L::force(contact, coefficients);
+requires HasHistory<L>
+inline auto law_force(const C& contact, const P& coefficients, H& history)
+    -> decltype(L::force(contact, coefficients, history)) {
+  return L::force(contact, coefficients, history);
+}
+template <class L, class Real, class C, class P, class H>
+requires(!HasHistory<L>) inline auto law_force(const C& contact, const P& coefficients, H&)
+    -> decltype(L::force(contact, coefficients)) {
+  return L::force(contact, coefficients);
 }
 
 template <class L>
@@ -147,6 +151,19 @@ concept RollingModel = requires {
   { M::mix(typename M::Pair{}) } -> std::same_as<typename M::template Coefficients<double>>;
   M::is_rolling_model;
 };
+
+namespace detail {
+
+/// True if the law can be asked for a pack of lanes of type Real, as for one double. (What its body
+/// does with them, the compiler says.)
+template <class L, class Real>
+concept WorksOnLanes = requires(const Contact<Real>& c,
+                                const typename L::template Coefficients<Real>& p,
+                                typename HistoryOf<L, Real>::type& h) {
+  law_force<L, Real>(c, p, h);
+};
+
+}  // namespace detail
 
 /// True if the law's force has a tangential part, so that particles need to rotate.
 template <class L>

@@ -99,6 +99,9 @@ template <class ContactsType, class Real>
 struct ContactKernel {
   using Law = typename ContactsType::Law;
   using Rolling = typename ContactsType::Rolling;
+  static_assert(WorksOnLanes<Law, Real>,
+                "the contact law works on one double, but not on a pack of lanes: make force() a "
+                "template of Real, as silt/contact/concept.hpp says, or give KernelsFor<OneLane>");
   using LawCoefficients = typename Law::template Coefficients<Real>;
   using RollingCoefficients = typename Rolling::template Coefficients<Real>;
 
