@@ -174,6 +174,15 @@ inline Real load_any(const ScalarOf<Real>* p) {
     return *p;
 }
 
+/// Makes the compiler read anew what p points to. Compilers keep the indices of a pack in vector
+/// registers from one use to the next, which takes longer than to read them again.
+template <class T>
+SILT_INLINE void read_anew([[maybe_unused]] const T*& p) {
+#if defined(__GNUC__)
+  asm volatile("" : "+r"(p));
+#endif
+}
+
 /// One bit a lane, the first in the lowest place.
 template <class M>
 inline std::uint64_t lane_bits(const M& mask) {

@@ -124,6 +124,7 @@ class PairPipeline {
   static SILT_INLINE void motion_between(const Motion* motions, const std::uint32_t* a,
                                          const std::uint32_t* b, Real (&velocity)[4],
                                          Real (&spin)[4]) {
+    read_anew(a), read_anew(b);
     if constexpr (single && rotates) {
       const auto sign = Row8<Arch>::of(-1, 1, 1, 1);
       Row8<Arch> rows[W];
@@ -138,6 +139,7 @@ class PairPipeline {
         rows[lane] = Row::load(&motions[a[lane]].vx) + difference * Row::load(&motions[b[lane]].vx);
       rows_to_columns<Arch>(rows, velocity);
       if constexpr (rotates) {
+        read_anew(a), read_anew(b);
         for (std::size_t lane = 0; lane < W; ++lane)
           rows[lane] = Row::load(&motions[a[lane]].wx) + sum * Row::load(&motions[b[lane]].wx);
         rows_to_columns<Arch>(rows, spin);
@@ -155,6 +157,7 @@ class PairPipeline {
     using Wide = typename Lanes<Arch>::Real;
     constexpr std::size_t V = Lanes<Arch>::width, packs = W / V;
     const auto difference = Row4<Arch>::of(-1, -1, -1, 1);
+    read_anew(a), read_anew(b);
     Wide x[packs], y[packs], z[packs], squared[packs], reach[packs], excess[packs];
     for (std::size_t p = 0; p < packs; ++p) {
       Row4<Arch> rows[V];

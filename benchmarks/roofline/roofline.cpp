@@ -1,0 +1,194 @@
+// silt - BSD-3-Clause, see LICENSE
+//
+// What this machine can do, the bound that follows for a settled bed, and how far silt is from it,
+// stage by stage, on one thread.
+//   roofline [N...]    spheres; default 5000 50000
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "../bed.hpp"
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Seconds that `work` takes, the least of `repeats`.
+template <class Work>
+double least_time(int repeats, const Work& work) {
+  double least = 1e30;
+  for (int k = 0; k < repeats; ++k) {
+    const auto start = Clock::now();
+    work();
+    least = std::min(least, std::chrono::duration<double>(Clock::now() - start).count());
+  }
+  return least;
+}
+
+template <class T>
+void keep(const T& value) {
+  asm volatile("" : : "g"(&value) : "memory");
+}
+
+/// Bytes a second of a = a + s b over arrays of `bytes` together: two reads and a write, and no
+/// line is written that was not read, as in the stages of a step.
+double update(std::size_t bytes) {
+  const std::size_t n = bytes / (2 * sizeof(double));
+  silt::AlignedVector<double> a(n, 1.0), b(n, 2.0);
+  const std::size_t rounds = std::max<std::size_t>(1, (std::size_t{1} << 28) / bytes);
+  const double seconds = least_time(5, [&] {
+    for (std::size_t r = 0; r < rounds; ++r) {
+      for (std::size_t k = 0; k < n; ++k) a[k] += 1e-9 * b[k];
+      keep(a);
+    }
+  });
+  return static_cast<double>(3 * sizeof(double) * n * rounds) / seconds;
+}
+
+/// Operations a second on packs of lanes, `chains` of them independent of each other.
+template <class Scalar, std::size_t chains, class Operation>
+double rate(const Operation& operation) {
+  using Real = typename silt::Lanes<silt::DefaultArch, Scalar>::Real;
+  constexpr int rounds = 2000000;
+  Real x[chains];
+  for (std::size_t c = 0; c < chains; ++c) x[c] = Real(Scalar(1) + Scalar(c) / 64);
+  const double seconds = least_time(5, [&] {
+    for (int r = 0; r < rounds; ++r) {
+      for (std::size_t c = 0; c < chains; ++c) x[c] = operation(x[c]);
+      keep(x);
+    }
+  });
+  return static_cast<double>(chains * rounds) * silt::Lanes<silt::DefaultArch, Scalar>::width /
+         seconds;
+}
+
+struct Machine {
+  std::vector<std::pair<std::size_t, double>> bandwidth;  // bytes of the arrays, bytes/s
+  double flops, roots, divisions;                         // [1/s] in one scalar type
+
+  /// Of a working set of so many bytes, between the measured sizes.
+  double bandwidth_for(double bytes) const {
+    for (std::size_t k = 0; k + 1 < bandwidth.size(); ++k)
+      if (bytes <= static_cast<double>(bandwidth[k].first)) return bandwidth[k].second;
+    return bandwidth.back().second;
+  }
+};
+
+template <class Scalar>
+Machine measure_machine(const std::vector<std::pair<std::size_t, double>>& bandwidth) {
+  Machine m{bandwidth, 0, 0, 0};
+  // Registers alone would be faster: `keep` makes each round go through the first-level cache.
+  m.flops = 2 * rate<Scalar, 12>([](auto x) {
+              using Real = decltype(x);
+              for (int k = 0; k < 16; ++k) x = x * Real(Scalar(0.999)) + Real(Scalar(0.001));
+              return x;
+            }) *
+            16;
+  m.roots = rate<Scalar, 8>([](auto x) { return silt::sqrt(x); });
+  m.divisions = rate<Scalar, 8>([](auto x) {
+    using Real = decltype(x);
+    return Real(Scalar(1.5)) / x;
+  });
+  return m;
+}
+
+// Counted by hand in pair_pipeline.hpp, contact_kernel.hpp and the law, for one pair.
+constexpr double pair_flops = 250, pair_roots = 4, pair_divisions = 3;
+constexpr double particle_flops = 40;
+
+void row(const char* stage, double measured, double bytes, double working_set, double flops,
+         double roots, double divisions, const Machine& machine) {
+  const double by_bytes = 1e9 * bytes / machine.bandwidth_for(working_set);
+  const double by_flops = 1e9 * flops / machine.flops;
+  const double by_divider = 1e9 * (roots / machine.roots + divisions / machine.divisions);
+  const double bound = std::max({by_bytes, by_flops, by_divider});
+  std::printf("  %-12s %8.2f   %8.2f %8.2f %8.2f   %6.1f\n", stage, measured, by_bytes, by_flops,
+              by_divider, measured / bound);
+}
+
+template <class Precision>
+void show(std::size_t n, Precision precision, const Machine& machine, const char* name) {
+  using Scalar = typename Precision::PairScalar;
+  auto sim = bench::bed(bench::lattice(n), silt::default_threads(), precision);
+  sim.run(20000 * bench::time_step);
+  sim.threads = 1;
+  sim.run(200 * bench::time_step);
+  auto& e = sim.engine();
+  using Engine = std::remove_reference_t<decltype(e)>;
+  using Search = typename decltype(sim)::Search;
+  Search search;
+  const auto count = static_cast<double>(sim.rows());
+  const double pairs = static_cast<double>(e.lists.pairs.size()) / count;
+  const double walls = static_cast<double>(e.lists.walls.candidates().size()) / count;
+  double seconds[3] = {1e30, 1e30, 1e30};
+  for (int k = 0; k < 30; ++k) {
+    const auto least = [](double& now, const auto& work) {
+      now = std::min(now, least_time(1, work));
+    };
+    least(seconds[0], [&] { e.pair_forces(sim.domain(), bench::time_step); });
+    least(seconds[1], [&] { e.wall_forces(bench::time_step); });
+    // No time passes: sums are read and cleared, rows are read and written as in a step.
+    least(seconds[2], [&] { e.integrate(Engine::Advance::KickAndDrift, {0, 0, 0}, 0, 0, false); });
+  }
+  const double prune = least_time(10, [&] {
+    e.lists.upkeep.pruned_at = -1;
+    e.renew_lists(search, sim.domain(), sim.step(), bench::time_step);
+  });
+  const double renew = least_time(10, [&] {
+    e.lists.forget();
+    e.renew_lists(search, sim.domain(), sim.step(), bench::time_step);
+  });
+  const double whole = least_time(3, [&] { sim.run(500 * bench::time_step); }) / 500;
+
+  const double ns = 1e9 / count;
+  constexpr double sum = 8 * sizeof(Scalar), motion = 8 * sizeof(Scalar),
+                   history = 3 * sizeof(Scalar);
+  constexpr double kept_twice = sizeof(Scalar) < 8 ? motion : 0;
+  const double pair_bytes = 32 + motion + 2 * sum + pairs * (8 + 2 * history);
+  const double step_bytes = 2 * (32 + 64 + sum) + kept_twice + 8;
+  const double set = count * (32 + motion + sum + pairs * (8 + 2 * history));
+  const double integrated = count * (32 + 64 + sum + kept_twice);
+  std::printf("\n%zu spheres, %s: %.2f pairs and %.2f wall candidates a sphere, %.1f MB a step\n",
+              n, name, pairs, walls, set / 1e6);
+  std::printf(
+      "               measured   bounds by bytes, arithmetic, divider   measured\n"
+      "               [ns a sphere]                                    / bound\n");
+  row("pairs", seconds[0] * ns, pair_bytes, set, pairs * pair_flops, pairs * pair_roots,
+      pairs * pair_divisions, machine);
+  row("walls", seconds[1] * ns, walls * (32 + 64 + 2 * sum + 12 + 48), set, walls * pair_flops,
+      walls * pair_roots, walls * pair_divisions, machine);
+  row("integration", seconds[2] * ns, step_bytes, integrated, particle_flops, 0, 0, machine);
+  std::printf(
+      "  a whole step %6.2f ns = %.1f M particle-steps/s; pruning %.1f ns, a search %.0f ns\n",
+      whole * ns, 1e-6 * count / whole, prune * ns, renew * ns);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::vector<std::size_t> sizes;
+  for (int k = 1; k < argc; ++k) sizes.push_back(std::strtoul(argv[k], nullptr, 10));
+  if (sizes.empty()) sizes = {5000, 50000};
+
+  std::vector<std::pair<std::size_t, double>> bandwidth;
+  std::printf("memory, one thread (a = a + s b):");
+  for (const std::size_t kib : {24, 900, 4096, 16384, 262144}) {
+    bandwidth.emplace_back(kib << 10, update(kib << 10));
+    std::printf("  %zu kiB %.0f GB/s", kib, 1e-9 * bandwidth.back().second);
+  }
+  const auto full = measure_machine<double>(bandwidth);
+  const auto single = measure_machine<float>(bandwidth);
+  std::printf(
+      "\narithmetic, one thread [1e9/s]: double %.1f flop, %.2f roots, %.2f divisions;"
+      " float %.1f flop, %.2f roots, %.2f divisions\n",
+      1e-9 * full.flops, 1e-9 * full.roots, 1e-9 * full.divisions, 1e-9 * single.flops,
+      1e-9 * single.roots, 1e-9 * single.divisions);
+  for (const std::size_t n : sizes) {
+    show(n, silt::Double{}, full, "double");
+    show(n, silt::Mixed{}, single, "mixed");
+  }
+  return 0;
+}
