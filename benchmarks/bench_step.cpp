@@ -3,6 +3,9 @@
 // Cost of a time step on a settled bed: what a scene leaves out, it does not pay for.
 // Items are particle-steps.
 
+#include <cmath>
+#include <type_traits>
+
 #include <benchmark/benchmark.h>
 
 #include <silt/silt.hpp>
@@ -11,50 +14,91 @@ namespace {
 
 using silt::Contacts;
 
-template <class ContactsType>
-auto settled(const ContactsType& contacts, std::size_t n) {
+/// A bed in a box, at rest; `walls` false: on a floor that repeats in x and y.
+template <class ContactsType, class... Policies>
+auto settled(const ContactsType& contacts, std::size_t n, double spread, Policies... policies) {
   const double width = std::cbrt(static_cast<double>(n)) * 2.2e-3;
   silt::Particles<silt::Sphere> spheres;
   spheres.fill({.min = {0, 0, 0}, .max = {width, width, 4 * width}},
-               {.radius = silt::uniform(0.9e-3, 1.1e-3), .density = 2500, .count = n});
-  silt::Simulation sim{std::move(spheres), contacts};
+               {.radius = silt::uniform((1 - spread) * 1e-3, (1 + spread) * 1e-3),
+                .density = 2500,
+                .count = n});
+  for (std::size_t k = 0; k < spheres.size(); ++k)  // a perfect lattice would stand
+    spheres[k].velocity = {0.05 * std::sin(double(k)), 0.05 * std::cos(double(k)), 0};
+  silt::Simulation sim{std::move(spheres), contacts, policies...};
   sim.gravity = {0, 0, -9.81};
   sim.threads = 1;
   sim.time_step = 1e-5;
   sim.guard.max_overlap = 1;
-  sim.add_wall(silt::box({0, 0, 0}, {width, width, 5 * width}), contacts.material(0));
+  if constexpr (sizeof...(Policies) > 0 && (std::is_same_v<Policies, silt::PeriodicBox> || ...))
+    sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, contacts.material(0));
+  else
+    sim.add_wall(silt::box({0, 0, 0}, {width, width, 5 * width}), contacts.material(0));
   sim.run(0.1);
   return sim;
 }
 
-template <class ContactsType>
-void run(benchmark::State& state, const ContactsType& contacts) {
-  auto sim = settled(contacts, static_cast<std::size_t>(state.range(0)));
+template <class ContactsType, class... Policies>
+void run(benchmark::State& state, const ContactsType& contacts, double spread,
+         Policies... policies) {
+  const auto n = static_cast<std::size_t>(state.range(0));
+  auto sim = settled(contacts, n, spread, policies...);
   for (auto _ : state) sim.run(20 * sim.step_length());
   state.SetItemsProcessed(state.iterations() * 20 * state.range(0));
   state.counters["bytes/particle"] = static_cast<double>(sim.bytes_per_particle);
   state.counters["bytes/contact"] = static_cast<double>(sim.bytes_per_contact);
+  state.counters["contacts/particle"] =
+      static_cast<double>(sim.touching_pairs()) / static_cast<double>(n);
+  state.counters["ns"] = benchmark::Counter(
+      static_cast<double>(state.iterations() * 20) * static_cast<double>(n) * 1e-9,
+      benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
+constexpr double spread = 0.1;  // of the radii
 const silt::HertzMindlin::Material glass{1e7, 0.3, 0.5, 0.4};
 const silt::LinearSpring::Material spring{2000, 0.5};
 const silt::LinearSpringFriction::Material rough_spring{2000, 0.5, 0.4};
 
-void BM_step_hertz_mindlin(benchmark::State& s) { run(s, Contacts<silt::HertzMindlin>{glass}); }
-void BM_step_hertz_mindlin_rolling(benchmark::State& s) {
-  run(s, Contacts<silt::HertzMindlin, silt::RollingEpsd>{glass, {.rolling_friction = 0.1}});
+void BM_hertz_mindlin(benchmark::State& s) { run(s, Contacts<silt::HertzMindlin>{glass}, spread); }
+void BM_hertz_mindlin_mixed(benchmark::State& s) {
+  run(s, Contacts<silt::HertzMindlin>{glass}, spread, silt::Mixed{});
 }
-void BM_step_linear_friction(benchmark::State& s) {
-  run(s, Contacts<silt::LinearSpringFriction>{rough_spring});
+void BM_hertz_mindlin_one_size(benchmark::State& s) {
+  run(s, Contacts<silt::HertzMindlin>{glass}, 0);
 }
-void BM_step_linear_frictionless(benchmark::State& s) {
-  run(s, Contacts<silt::LinearSpring>{spring});
+void BM_hertz_mindlin_no_side_walls(benchmark::State& s) {
+  const double width = std::cbrt(static_cast<double>(s.range(0))) * 2.2e-3;
+  run(s, Contacts<silt::HertzMindlin>{glass}, spread,
+      silt::PeriodicBox{{{0, 0, 0}, {width, width, 1}}, {true, true, false}});
+}
+void BM_hertz_mindlin_rolling(benchmark::State& s) {
+  run(s, Contacts<silt::HertzMindlin, silt::RollingEpsd>{glass, {.rolling_friction = 0.1}}, spread);
+}
+void BM_hertz_mindlin_several_materials(benchmark::State& s) {
+  run(s, Contacts<silt::HertzMindlin, silt::SeveralMaterials>{{glass}}, spread);
+}
+void BM_linear_friction(benchmark::State& s) {
+  run(s, Contacts<silt::LinearSpringFriction>{rough_spring}, spread);
+}
+void BM_linear_frictionless(benchmark::State& s) {
+  run(s, Contacts<silt::LinearSpring>{spring}, spread);
+}
+void BM_linear_frictionless_mixed(benchmark::State& s) {
+  run(s, Contacts<silt::LinearSpring>{spring}, spread, silt::Mixed{});
 }
 
-BENCHMARK(BM_step_hertz_mindlin)->Arg(5000)->Arg(50000)->Unit(benchmark::kMillisecond);
-BENCHMARK(BM_step_hertz_mindlin_rolling)->Arg(5000)->Unit(benchmark::kMillisecond);
-BENCHMARK(BM_step_linear_friction)->Arg(5000)->Unit(benchmark::kMillisecond);
-BENCHMARK(BM_step_linear_frictionless)->Arg(5000)->Arg(50000)->Unit(benchmark::kMillisecond);
+void sizes(benchmark::internal::Benchmark* b) {
+  b->Arg(5000)->Arg(50000)->Unit(benchmark::kMillisecond);
+}
+BENCHMARK(BM_hertz_mindlin_several_materials)->Apply(sizes);
+BENCHMARK(BM_hertz_mindlin_rolling)->Apply(sizes);
+BENCHMARK(BM_hertz_mindlin)->Apply(sizes);
+BENCHMARK(BM_hertz_mindlin_one_size)->Apply(sizes);
+BENCHMARK(BM_hertz_mindlin_no_side_walls)->Apply(sizes);
+BENCHMARK(BM_hertz_mindlin_mixed)->Apply(sizes);
+BENCHMARK(BM_linear_friction)->Apply(sizes);
+BENCHMARK(BM_linear_frictionless)->Apply(sizes);
+BENCHMARK(BM_linear_frictionless_mixed)->Apply(sizes);
 
 }  // namespace
 

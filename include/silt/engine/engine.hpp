@@ -28,7 +28,7 @@ class Engine {
   using Scalar = typename Precision::PairScalar;  // of the work on pairs
   using State = ParticleState<rotates, ContactsType::several_materials, Scalar>;
   using Motion = typename State::Motion;
-  using Lists = NearLists<ContactsType::history, Scalar, State, Search, Domain>;
+  using Lists = NearLists<ContactsType::history, Scalar, State, Search, Domain, Arch>;
 
   /// State of one particle at a whole step [m/s].
   struct Synchronous {

@@ -22,7 +22,7 @@ namespace silt::detail {
 /// The lists of what may touch soon, spheres and walls, and their renewal: which spheres reach how
 /// far (ListUpkeep), search, order of the particles in memory, pruning. Every loop over particles
 /// or pairs is shared between threads, none of which changes a result.
-template <std::size_t H, class Scalar, class State, class Search, class Domain>
+template <std::size_t H, class Scalar, class State, class Search, class Domain, class Arch>
 class NearLists {
  public:
   /// What the lists are of.
@@ -252,10 +252,15 @@ class NearLists {
   // --- pruning ------------------------------------------------------------------------------
 
   void prune(const Scene& scene) {
+    const std::size_t n = scene.particles.size();
     const auto* const rows = scene.particles.position.data();
+    grown_.resize(n);
+    scene.team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t k = from; k < to; ++k) grown_[k] = rows[k], grown_[k].r += upkeep.inner[k];
+    });
     const std::span<const std::uint32_t> none, before(previous_);
-    pairs.prune(rows, scene.particles.size(), upkeep.inner.data(), scene.domain,
-                first_pruning_ ? before : none, scene.team);
+    pairs.template prune<Arch>({grown_.data(), n}, scene.domain, first_pruning_ ? before : none,
+                               scene.team);
     walls.prune(scene.walls, rows, upkeep.inner.data(), upkeep.inner_wall, scene.team);
     pruned_walls.set(scene.walls, searched_walls.region());
     upkeep.used = 0;
@@ -265,7 +270,7 @@ class NearLists {
   std::vector<IndexPair> found_;
   std::vector<std::uint32_t> order_, previous_;
   std::vector<double> speeds_, anticipated_;  // [m/s]
-  AlignedVector<PositionRow> grown_;          // radius and outer reach
+  AlignedVector<PositionRow> grown_;          // radius and outer or inner reach
   double largest_grown_ = 0;                  // [m]
   bool first_pruning_ = true, renewed_ = false;
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <limits>
 #include <numeric>
@@ -9,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include <silt/core/row4.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/engine/pair_groups.hpp>
 #include <silt/search/concept.hpp>
@@ -91,19 +93,20 @@ class PairList {
     }
   }
 
-  /// Makes the inner list of all outer pairs nearer than their reaches [m] together. `previous[k]`:
-  /// the place of particle k before set_outer, if this is the first pruning after it; else empty.
-  template <class Domain>
-  void prune(const PositionRow* rows, std::size_t particles, const double* reach,
-             const Domain& domain, std::span<const std::uint32_t> previous, const Team& team) {
+  /// Makes the inner list of all outer pairs that overlap if the particles are grown by their
+  /// reaches: `grown`. `previous[k]`: the place of particle k before set_outer, if this is the
+  /// first pruning after it; else empty.
+  template <class Arch, class Domain>
+  void prune(std::span<const PositionRow> grown, const Domain& domain,
+             std::span<const std::uint32_t> previous, const Team& team) {
     kept_.resize(outer_.size());
     team.for_parts(chunks_.size(), [&](std::size_t c) {
-      chunks_[c].kept = keep_near(chunks_[c], rows, reach, domain);
+      chunks_[c].kept = keep_near<Arch>(chunks_[c], grown.data(), domain);
     });
     old_origin_.swap(origin_), old_history_.swap(history_);
     lay_out();
     team.for_parts(chunks_.size(), [&](std::size_t c) { fill(chunks_[c], previous); });
-    pad(particles);
+    pad(grown.size());
   }
 
   /// Calls visit(place) for every pair in the inner list.
@@ -243,16 +246,52 @@ class PairList {
   }
 
   /// Writes the outer pairs of a chunk that are near into kept_; returns how many.
-  template <class Domain>
-  std::size_t keep_near(const Chunk& c, const PositionRow* rows, const double* reach,
-                        const Domain& domain) {
-    std::size_t kept = 0;
-    for (std::size_t k = c.from; k < c.to; ++k) {
-      kept_[c.from + kept] = static_cast<std::uint32_t>(k);
-      const auto [a, b] = outer_[k];
-      kept += within_reach(rows[a], rows[b], reach[a] + reach[b], domain);
+  template <class Arch, class Domain>
+  std::size_t keep_near(const Chunk& c, const PositionRow* grown, const Domain& domain) {
+    using Real = typename Lanes<Arch>::Real;
+    constexpr std::size_t W = Lanes<Arch>::width;
+    const auto difference = Row4<Arch>::of(-1, -1, -1, 1);
+    std::uint32_t *const begin = kept_.data() + c.from, *next = begin;
+    std::size_t k = c.from;
+    for (; k + W <= c.to; k += W) {  // so that the `W` places that are written to are all its own
+      Row4<Arch> rows[W];
+      for (std::size_t lane = 0; lane < W; ++lane)
+        rows[lane] = Row4<Arch>::load(&grown[outer_[k + lane].a].x) +
+                     difference * Row4<Arch>::load(&grown[outer_[k + lane].b].x);
+      Real columns[4];
+      rows_to_columns<Arch>(rows, columns);
+      Vec3<Real> d{columns[0], columns[1], columns[2]};
+      if constexpr (Domain::periodic) d = domain.shortest(d);
+      next = put_places<W>(k, lane_bits(dot(d, d) < columns[3] * columns[3]), next);
     }
-    return kept;
+    for (; k < c.to; ++k) {
+      *next = static_cast<std::uint32_t>(k);
+      next += within_reach(grown[outer_[k].a], grown[outer_[k].b], 0, domain);
+    }
+    return static_cast<std::size_t>(next - begin);
+  }
+
+  /// Writes k + lane for every lane whose bit is set; returns where the next one goes.
+  template <std::size_t Width>
+  static SILT_INLINE std::uint32_t* put_places(std::size_t k, std::uint64_t bits,
+                                               std::uint32_t* out) {
+    const auto first = static_cast<std::uint32_t>(k);
+#if defined(__AVX512F__)
+    if constexpr (Width == 8) {
+      const __m512i places =
+          _mm512_add_epi32(_mm512_set1_epi32(static_cast<int>(first)),
+                           _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 0, 0, 0, 0, 0, 0, 0, 0));
+      _mm256_storeu_si256(reinterpret_cast<__m256i*>(out),
+                          _mm512_castsi512_si256(
+                              _mm512_maskz_compress_epi32(static_cast<__mmask16>(bits), places)));
+      return out + std::popcount(bits);
+    }
+#endif
+    for (std::uint32_t lane = 0; lane < Width; ++lane) {
+      *out = first + lane;
+      out += bits >> lane & 1;
+    }
+    return out;
   }
 
   /// Fills the part of the inner list that comes from one chunk, history included.

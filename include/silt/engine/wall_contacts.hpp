@@ -268,7 +268,7 @@ class WallContacts {
     auto key() const { return std::tie(particle, wall, surface); }
   };
 
-  /// Sets aside all touching contacts, in the order of the candidates.
+  /// Sets aside all touching contacts, by particle, wall and surface.
   void archive() {
     archive_.clear();
     const auto keep = [&](const WallCandidate& c, std::size_t s, const Slot& slot) {
@@ -284,28 +284,36 @@ class WallContacts {
       for (std::size_t s = c.slot; s < end; ++s)
         if (slots_[s].touching) keep(c, s, slots_[s]);
     }
+    const auto first_lone = static_cast<std::ptrdiff_t>(archive_.size());
     for (std::size_t k = lone_from_; k < inner_.size(); ++k) {
       const PlaneRow& n = planes_[k - lone_from_];
       if (remembers(inner_[k].slot)) keep(inner_[k], inner_[k].slot, {{n.x, n.y, n.z}, true});
     }
-    std::stable_sort(archive_.begin(), archive_.end(),
-                     [](const Kept& a, const Kept& b) { return a.key() < b.key(); });
+    std::inplace_merge(archive_.begin(), archive_.begin() + first_lone, archive_.end(),
+                       [](const Kept& a, const Kept& b) { return a.key() < b.key(); });
   }
   bool remembers(std::size_t slot) const {
     for (const auto& h : history_)
       if (h[slot] != 0) return true;
     return false;
   }
+  /// Gives kept contacts back to their candidates. Without a search since, candidates and archive
+  /// are in the same order: each is near the one before.
   void recall() {
-    for (const auto& c : inner_) {
-      const std::uint32_t before =
-          renewed_ && !previous_.empty() ? previous_[c.particle] : c.particle;
+    const bool moved = renewed_ && !previous_.empty();
+    auto found = archive_.begin();
+    for (std::size_t k = 0; k < inner_.size(); ++k) {
+      const auto& c = inner_[k];
+      const std::uint32_t before = moved ? previous_[c.particle] : c.particle;
       const auto key = std::tie(before, c.wall, c.surface);
-      auto found = std::lower_bound(archive_.begin(), archive_.end(), key,
-                                    [](const Kept& a, const auto& k) { return a.key() < k; });
-      for (std::size_t s = c.slot; found != archive_.end() && found->key() == key; ++found, ++s) {
-        if (&c < inner_.data() + lone_from_) slots_[s] = found->slot;
-        for (std::size_t h = 0; h < H; ++h) history_[h][s] = found->history[h];
+      if (moved || k == lone_from_)
+        found = std::lower_bound(archive_.begin(), archive_.end(), key,
+                                 [](const Kept& a, const auto& b) { return a.key() < b; });
+      while (found != archive_.end() && found->key() < key) ++found;
+      auto same = found;
+      for (std::size_t s = c.slot; same != archive_.end() && same->key() == key; ++same, ++s) {
+        if (k < lone_from_) slots_[s] = same->slot;
+        for (std::size_t h = 0; h < H; ++h) history_[h][s] = same->history[h];
       }
     }
   }
