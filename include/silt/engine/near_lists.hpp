@@ -52,9 +52,11 @@ class NearLists {
   void renew(const Scene& scene, Search& search, std::int64_t step) {
     if (hold(scene.walls)) return;
     const double wall_speed = fastest_wall(scene);
+    anticipate_speeds(scene);
     if (upkeep.searched_at < 0 || !choose_inner(scene, wall_speed)) {
       find_pairs(scene, search, wall_speed);
       upkeep.searched_at = step;
+      anticipate_speeds(scene);  // with the new neighbours
       choose_inner(scene, wall_speed);
     }
     prune(scene);
@@ -157,7 +159,6 @@ class NearLists {
       std::fill_n(upkeep.inner.begin(), n, 0.0), std::fill_n(upkeep.per_inner2.begin(), n, 0.0);
       return false;
     }
-    anticipate_speeds(scene);
     std::array<bool, Team::most_ranges> too_little{};
     scene.team.for_ranges(n, [&](std::size_t r, std::size_t from, std::size_t to) {
       too_little[r] = !upkeep.set_inner(from, to, anticipated_, [&](std::size_t k) {
@@ -176,7 +177,6 @@ class NearLists {
     const std::size_t before = particles.size();
     previous_.resize(before);
     std::iota(previous_.begin(), previous_.end(), 0u);
-    anticipate_speeds(scene);
     if (particles.parked > 0) drop_parked(scene);
     if constexpr (Domain::periodic) wrap(scene);
     choose_skins(scene, search, wall_speed);
