@@ -30,6 +30,14 @@ struct RollingKinematics {
   Real inertia_eff;             // [kg m2]
 };
 
+/// Force on i, torque over radius (the same sign on both partners), couple on i (opposite on j).
+template <class Real>
+struct PairLoad {
+  Vec3<Real> force;   // [N]
+  Vec3<Real> twirl;   // [N]
+  Vec3<Real> couple;  // [N m]
+};
+
 /// The kinematics of N contacts, component by component: filled one by one or pack by pack, read in
 /// packs.
 template <bool Rotates, bool Rolls, std::size_t N, class Scalar>
@@ -67,6 +75,48 @@ struct alignas(64) KinematicsBlock {
     }
     return out;
   }
+  /// What the pair pipeline knows before square roots and divisions.
+  template <class Real>
+  SILT_INLINE void put_gathered(std::size_t k, const Kinematics<Real>& in) {
+    put(k, in.normal, normal), put(k, in.velocity, velocity);
+    silt::store(half_change[0] + k, in.half_change.x), silt::store(overlap + k, in.overlap);
+    silt::store(R_eff + k, in.R_eff), silt::store(m_eff + k, in.m_eff);
+    silt::store(inverse_m_eff + k, in.inverse_m_eff);
+    if constexpr (Rotates) put(k, in.spin, spin);
+  }
+  template <class Real>
+  SILT_INLINE Kinematics<Real> get_gathered(std::size_t k) const {
+    Kinematics<Real> out;
+    out.normal = get3<Real>(k, normal), out.velocity = get3<Real>(k, velocity);
+    out.half_change.x = load<Real>(half_change[0] + k), out.overlap = load<Real>(overlap + k);
+    out.R_eff = load<Real>(R_eff + k), out.m_eff = load<Real>(m_eff + k);
+    out.inverse_m_eff = load<Real>(inverse_m_eff + k);
+    if constexpr (Rotates) out.spin = get3<Real>(k, spin);
+    return out;
+  }
+  /// What is new or different then.
+  template <class Real>
+  SILT_INLINE void put_completed(std::size_t k, const Kinematics<Real>& in) {
+    put(k, in.normal, normal), put(k, in.half_change, half_change);
+    silt::store(overlap + k, in.overlap), silt::store(R_eff + k, in.R_eff);
+    silt::store(m_eff + k, in.m_eff);
+    if constexpr (Rotates) silt::store(arm + k, in.arm), silt::store(twist + k, in.twist);
+  }
+  /// Loads take the places of what made them.
+  template <class Real>
+  SILT_INLINE void put_load(std::size_t k, const PairLoad<Real>& in) {
+    put(k, in.force, velocity);
+    if constexpr (Rotates) put(k, in.twirl, spin);
+    if constexpr (Rolls) put(k, in.couple, angular_velocity);
+  }
+  template <class Real>
+  SILT_INLINE PairLoad<Real> get_load(std::size_t k) const {
+    PairLoad<Real> out;
+    out.force = get3<Real>(k, velocity);
+    if constexpr (Rotates) out.twirl = get3<Real>(k, spin);
+    if constexpr (Rolls) out.couple = get3<Real>(k, angular_velocity);
+    return out;
+  }
   template <class Real>
   SILT_INLINE RollingKinematics<Real> get_rolling(std::size_t k) const {
     if constexpr (Rolls)
@@ -84,14 +134,6 @@ struct alignas(64) KinematicsBlock {
   static SILT_INLINE Vec3<Real> get3(std::size_t k, const Scalar (&in)[3][M]) {
     return load3<Real>(in[0] + k, in[1] + k, in[2] + k);
   }
-};
-
-/// Force on i, torque over radius (the same sign on both partners), couple on i (opposite on j).
-template <class Real>
-struct PairLoad {
-  Vec3<Real> force;   // [N]
-  Vec3<Real> twirl;   // [N]
-  Vec3<Real> couple;  // [N m]
 };
 
 /// Law and rolling model of one Contacts type on packs of lanes; knows no particles.

@@ -90,20 +90,23 @@ class PairPipeline {
                                                    std::size_t count, double largest,
                                                    const Scalar* sums, Scalar* rows) {
     Block kinematics;
-    largest = gather(in, list.first() + from, list.second() + from, domain, pieces(count, W) * W,
-                     largest, sums, kinematics);
+    const std::uint32_t *const first = list.first() + from, *const second = list.second() + from;
+    const std::size_t padded = pieces(count, W) * W;
+    gather(in, first, second, domain, padded, sums, kinematics);
+    largest = complete(in, first, second, padded, largest, kinematics);
     const Real time_step(static_cast<Scalar>(in.time_step));
     ContactCoefficients<ContactsType, Real> coefficients(table);
-    for (std::size_t k = 0; k < count; k += W) {
+    for (std::size_t k = 0; k < padded; k += W) {
       if constexpr (ContactsType::several_materials) coefficients.choose(in.kinds + from + k);
       Scalar* history[ContactsType::history + 1];
       for (std::size_t h = 0; h < ContactsType::history; ++h)
         history[h] = list.history(h) + from + k;
-      const auto load =
-          Kernel::load(kinematics.template get<Real>(k), kinematics.template get_rolling<Real>(k),
-                       time_step, coefficients.law(), coefficients.rolling(), history);
-      write_rows<chunks, Arch, Real>(rows + k * row, load);
+      kinematics.put_load(k, Kernel::load(kinematics.template get<Real>(k),
+                                          kinematics.template get_rolling<Real>(k), time_step,
+                                          coefficients.law(), coefficients.rolling(), history));
     }
+    for (std::size_t k = 0; k < padded; k += W)
+      write_rows<chunks, Arch, Real>(rows + k * row, kinematics.template get_load<Real>(k));
     return largest;
   }
 
@@ -149,8 +152,8 @@ class PairPipeline {
 
   /// Where the spheres of a pack of pairs are to each other.
   struct Apart {
-    Vec3<Real> d;                              // [m] from the second to the first centre
-    Real distance2, distance, reach, overlap;  // [m2], [m]; reach: sum of the radii
+    Vec3<Real> d;                   // [m] from the second to the first centre
+    Real distance2, reach, excess;  // [m2], [m] sum of the radii, [m2] its square over distance2
   };
   static SILT_INLINE Apart distances(const Input& in, const std::uint32_t* a,
                                      const std::uint32_t* b, const Domain& domain) {
@@ -172,49 +175,59 @@ class PairPipeline {
       squared[p] = max(dot(d, d), smallest<Wide>());
       if constexpr (single) excess[p] = reach[p] * reach[p] - squared[p];
     }
-    Apart out;
-    if constexpr (single) {
-      out.d = {narrow<Arch>(x), narrow<Arch>(y), narrow<Arch>(z)};
-      out.distance2 = max(narrow<Arch>(squared), smallest<Real>());
-      out.reach = narrow<Arch>(reach);
-      out.distance = sqrt(out.distance2);
-      // Not as a difference of floats: that of the squares was taken in double.
-      out.overlap = narrow<Arch>(excess) / (out.reach + out.distance);
-    } else {
-      out.d = {x[0], y[0], z[0]};
-      out.distance2 = squared[0], out.reach = reach[0];
-      out.distance = sqrt(out.distance2), out.overlap = out.reach - out.distance;
-    }
-    return out;
+    if constexpr (single)
+      return {{narrow<Arch>(x), narrow<Arch>(y), narrow<Arch>(z)},
+              max(narrow<Arch>(squared), smallest<Real>()),
+              narrow<Arch>(reach),
+              narrow<Arch>(excess)};
+    else
+      return {{x[0], y[0], z[0]}, squared[0], reach[0], Real(0)};
   }
 
-  /// Kinematics of `count` pairs (whole packs) from the rows of their particles.
-  static double gather(const Input& in, const std::uint32_t* first, const std::uint32_t* second,
-                       const Domain& domain, std::size_t count, double largest, const Scalar* sums,
-                       Block& out) {
-    const Real half_step(static_cast<Scalar>(0.5 * in.time_step));
+  // Between the stages of a block its kinematics hold, until they are complete:
+  //   normal: d; overlap: excess; m_eff: distance2; half_change.x: reach;
+  //   R_eff: 1/R*, or where spheres do not rotate the radius of the second.
+  // Short loops, one after the other: the processor then works on several packs at a time, while
+  // one pack waits for its square roots and divisions.
+
+  /// Rows of the particles of `count` pairs (whole packs), turned into lanes.
+  static void gather(const Input& in, const std::uint32_t* first, const std::uint32_t* second,
+                     const Domain& domain, std::size_t count, const Scalar* sums, Block& out) {
     for (std::size_t k = 0; k < count; k += W) {
       const std::uint32_t *const a = first + k, *const b = second + k;
       if (in.fetch_ahead) fetch(in, a + List::ahead, b + List::ahead, sums);
+      Kinematics<Real> kin;
       Real velocity[4], spin[4];
       motion_between(in.motions, a, b, velocity, spin);
-      const Apart apart = distances(in, a, b, domain);
-      const Vec3<Real>& d = apart.d;
-      const Real &distance2 = apart.distance2, &distance = apart.distance, &reach = apart.reach;
-      const Real& inverse_mass = velocity[3];
-      Real inverse_radius, product;  // 1/R*; of the radii
+      kin.velocity = {velocity[0], velocity[1], velocity[2]}, kin.inverse_m_eff = velocity[3];
       if constexpr (rotates) {
-        inverse_radius = spin[3];
+        kin.spin = {spin[0], spin[1], spin[2]}, kin.R_eff = spin[3];
       } else {
         alignas(Real) Scalar radius[W];
         for (std::size_t lane = 0; lane < W; ++lane)
           radius[lane] = static_cast<Scalar>(in.positions[b[lane]].r);
-        const Real r = load<Real>(radius);
-        product = r * (reach - r);
+        kin.R_eff = load<Real>(radius);
       }
+      const Apart apart = distances(in, a, b, domain);
+      kin.normal = apart.d, kin.overlap = apart.excess, kin.m_eff = apart.distance2;
+      kin.half_change.x = apart.reach;
+      out.put_gathered(k, kin);
+      if constexpr (ContactsType::has_rolling) gather_rolling(in, a, b, k, out);
+    }
+  }
+
+  /// Completes the kinematics of `count` gathered pairs.
+  static double complete(const Input& in, const std::uint32_t* first, const std::uint32_t* second,
+                         std::size_t count, double largest, Block& out) {
+    const Real half_step(static_cast<Scalar>(0.5 * in.time_step));
+    for (std::size_t k = 0; k < count; k += W) {
+      Kinematics<Real> kin = out.template get_gathered<Real>(k);
+      const Vec3<Real> d = kin.normal;
+      const Real distance2 = kin.m_eff, reach = kin.half_change.x, excess = kin.overlap;
+      const Real inverse_mass = kin.inverse_m_eff, inverse_radius = kin.R_eff;
+      const Real distance = sqrt(distance2);
 
       // One division serves all reciprocals, 1/a = b c (1/(a b c)), and waits for no square root.
-      Kinematics<Real> kin;
       const Real lengths = distance2 * reach;
       Real inverse_reach, inverse_distance;
       if constexpr (rotates) {
@@ -225,22 +238,22 @@ class PairPipeline {
       } else {
         const Real all = Real(1) / (lengths * inverse_mass), per_lengths = all * inverse_mass;
         inverse_reach = per_lengths * distance2, inverse_distance = per_lengths * reach * distance;
-        kin.m_eff = all * lengths, kin.R_eff = product * inverse_reach;
+        kin.m_eff = all * lengths,
+        kin.R_eff = inverse_radius * (reach - inverse_radius) * inverse_reach;
       }
       kin.normal = inverse_distance * d;
-      kin.overlap = apart.overlap;
-      kin.inverse_m_eff = inverse_mass;
-      kin.velocity = {velocity[0], velocity[1], velocity[2]};
+      if constexpr (single)
+        kin.overlap = excess / (reach + distance);  // their difference would cancel
+      else
+        kin.overlap = reach - distance;
       // The normal half a step ago, to second order: turned back by the crosswise motion.
       const Vec3<Real> across = kin.velocity - dot(kin.velocity, kin.normal) * kin.normal;
       kin.half_change = (half_step * inverse_distance) * across;
       if constexpr (rotates) {
-        kin.spin = {spin[0], spin[1], spin[2]};
         kin.arm = distance * inverse_reach;
         kin.twist = dot(kin.spin, kin.normal) * inverse_reach;
       }
-      out.put(k, kin);
-      if constexpr (ContactsType::has_rolling) gather_rolling(in, a, b, k, out);
+      out.put_completed(k, kin);
 
       // Overlap over the smaller radius, min(a, b) = a b/max(a, b): here a b = R* (a + b), and the
       // larger one is at most what the sum leaves. Exactly only where this bound exceeds.
@@ -249,7 +262,7 @@ class PairPipeline {
                               reach - Real(static_cast<Scalar>(in.smallest_radius)));
       const Real known(static_cast<Scalar>(largest * (1 - rounding)));
       if (any(kin.overlap * larger > known * kin.R_eff * reach))
-        largest = std::max(largest, exact_overlap(in, a, b, kin.overlap));
+        largest = std::max(largest, exact_overlap(in, first + k, second + k, kin.overlap));
     }
     return largest;
   }
