@@ -13,6 +13,9 @@ namespace foreign_policy {
 namespace law_is_no_law {
 #include "refused/law_is_no_law.cpp"
 }
+namespace law_of_doubles {
+#include "refused/law_of_doubles.cpp"
+}
 namespace no_contacts {
 #include "refused/no_contacts.cpp"
 }
