@@ -120,15 +120,17 @@ TEST_CASE("precision: mixed results are the same bits for any number of threads,
 }
 
 TEST_CASE("precision: a crowd in mixed precision has the energy of one in double") {
-  // The first impacts; later ones are chaotic, and then only statistics agree.
   auto mixed = many_spheres(2, true, Mixed{});
   auto full = many_spheres(2, true, Double{});
-  mixed.run(0.005), full.run(0.005);
+  mixed.run(0.005), full.run(0.005);  // the first impacts
   CHECK(std::abs(kinetic_energy(mixed) / kinetic_energy(full) - 1) < 1e-6);
-  mixed.run(0.045), full.run(0.045);
-  CHECK(std::abs(kinetic_energy(mixed) / kinetic_energy(full) - 1) < 0.02);
+  // 98 % of the energy is gone, and every rounding has grown: 0.1 % here. Later there is no
+  // telling: at 0.05 s two runs in double, gravity of one larger by 1e-9, differ by 1 to 2 %, and
+  // mixed precision starts 100 times further off.
+  mixed.run(0.02), full.run(0.02);
+  CHECK(std::abs(kinetic_energy(mixed) / kinetic_energy(full) - 1) < 0.005);
   const auto touching = static_cast<double>(full.touching_pairs());
-  CHECK(std::abs(static_cast<double>(mixed.touching_pairs()) / touching - 1) < 0.02);
+  CHECK(std::abs(static_cast<double>(mixed.touching_pairs()) / touching - 1) < 0.01);
 }
 
 TEST_CASE(
