@@ -26,7 +26,6 @@ struct Scene {
   double orifice = 0.04;                     // [m] side of the square hole
   double r_min = 0.975e-3;                   // [m] diameters 1.95 to 2.35 mm
   double r_max = 1.175e-3;                   // [m]
-  double settling_time = 0.4;                // [s] before the orifice opens
   double gap = 0.3e-3;                       // [m] between the spheres as they start to fall
   double time_step = 2.5e-5;                 // [s]
   double moments[4] = {0.2, 0.5, 0.7, 1.2};  // [s] of the paper's snapshots, after opening
@@ -39,6 +38,12 @@ struct Scene {
   }
   double orifice_height() const { return std::max(0.05, 1.25 * bulk_height()); }  // [m]
   double funnel_top() const { return orifice_height() + (flat ? 0 : (width - orifice) / 2); }
+  double room() const { return 3 * bulk_height() + 0.02; }  // [m] the spheres start loose
+  /// [s] before the orifice opens: the fall from the top of the room, and two thirds of it for the
+  /// grains to come to rest.
+  double settling_time() const {
+    return std::ceil(100 * 5.0 / 3.0 * std::sqrt(2 * room() / 9.81)) / 100;
+  }
   Law::Material material() const {
     return {.youngs_modulus = 1e6, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.4};
   }
@@ -79,8 +84,7 @@ constexpr std::size_t lid = 6;  // number of the wall that closes the orifice
 
 auto make_simulation(const Scene& s) {
   silt::Particles<silt::Sphere> grains;
-  const double room = 3 * s.bulk_height() + 0.02;  // the spheres start loose
-  grains.fill({.min = {0, 0, s.funnel_top()}, .max = {s.width, s.width, s.funnel_top() + room}},
+  grains.fill({.min = {0, 0, s.funnel_top()}, .max = {s.width, s.width, s.funnel_top() + s.room()}},
               {.radius = silt::uniform(s.r_min, s.r_max),
                .density = s.density,
                .count = s.particles,
@@ -99,7 +103,7 @@ auto make_simulation(const Scene& s) {
   sim.add_wall(silt::TriangleMesh(floor_triangles(s)), wall);
   sim.add_wall(silt::Plane{{0, 0, s.orifice_height()}, {0, 0, 1}}, wall);
   sim.guard.max_overlap = 0.5;  // at 1e6 Pa an impact at 1 m/s alone makes 14 % of the radius
-  sim.guard.domain = silt::Box{{0, 0, 0}, {w, w, s.funnel_top() + room}};
+  sim.guard.domain = silt::Box{{0, 0, 0}, {w, w, s.funnel_top() + s.room()}};
   return sim;
 }
 
@@ -168,7 +172,7 @@ int simulate(Scene scene, const example::Options& options) {
   const example::Stopwatch whole;
   auto sim = make_simulation(scene);
   sim.threads = options.threads;
-  const double opening = scene.settling_time;
+  const double opening = scene.settling_time();
   if (!options.restart.empty()) silt::load_checkpoint(sim, options.restart);
   silt::make_folder(options.out);
   const std::string checkpoint = options.out + "/checkpoint.silt";
@@ -349,7 +353,6 @@ int main(int argc, char** argv) {
       if (!command.given("--particles")) scene.particles = 10000;
       scene.width = 0.05;
       scene.orifice = 0.025;
-      scene.settling_time = 0.25;
       const double moments[4] = {0.1, 0.25, 0.35, 0.65};
       std::copy(moments, moments + 4, scene.moments);
     }

@@ -13,6 +13,7 @@ import argparse
 import math
 import os
 import sys
+import textwrap
 import xml.etree.ElementTree as ElementTree
 
 import matplotlib
@@ -421,7 +422,7 @@ def picture_bounds(beds, edges, axes):
 class Sheet:
     """Where panels, captions, colour bar and scale bar stand, in inches."""
 
-    SIDE, CAPTION, BELOW, GAP = 0.25, 0.38, 0.80, 0.25
+    SIDE, CAPTION, BELOW, GAP = 0.25, 0.56, 0.80, 0.25  # a caption has up to two lines
 
     def __init__(self, panels, aspect):
         best = None
@@ -488,7 +489,8 @@ def draw_spheres(options):
         panel = figure.add_axes(sheet.panel(k))
         panel.imshow(canvas.picture(), interpolation="none", aspect="auto")
         panel.set_axis_off()
-        panel.set_title(title, fontsize=12, pad=6)
+        letters = max(6, int(sheet.panel_width * 72 / (0.55 * 12)))  # that fit over a panel
+        panel.set_title(textwrap.fill(title, letters), fontsize=12, pad=6)
     draw_scale_bar(figure, sheet, bounds[1] - bounds[0])
     if scale.label:
         width = min(4.0, sheet.width - 2.6)
