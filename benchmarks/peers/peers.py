@@ -153,6 +153,14 @@ def plot(results, path):
                             linestyle="-" if c == cores[0] else "--",
                             label=f"{name}, {c} core" + ("s" if c > 1 else ""))
         ax.set_xscale("log"), ax.set_yscale("log")
+        sizes = sorted({r["particles"] for r in results if r["state"] == state})
+        ax.set_xticks(sizes, [f"{n:,}".replace(",", " ") for n in sizes], minor=False)
+        ax.set_xticks([], minor=True)
+        speeds = [s["median"] for r in results if r["state"] == state for s in r["speed"].values()]
+        ticks = [t for t in (1, 2, 5, 10, 20, 50, 100, 200, 500)
+                 if min(speeds) / 2.5 < t < max(speeds) * 2.5]
+        ax.set_ylim(min(speeds) / 1.3, max(speeds) * 1.3)
+        ax.set_yticks(ticks, [str(t) for t in ticks]), ax.set_yticks([], minor=True)
         ax.set_xlabel("spheres"), ax.set_title(f"{state} bed")
         ax.grid(True, which="both", alpha=0.25)
     axes[0][0].set_ylabel("million particle-steps / s")
