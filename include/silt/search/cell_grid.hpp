@@ -42,6 +42,10 @@ class PairBuffer {
   void clear() { size_ = 0; }
   std::size_t size() const { return size_; }
   const IndexPair* data() const { return room_.data(); }
+  /// Gives the room back if it is large: a search is rare, its memory would lie idle.
+  void give_back() {
+    if (room_.size() > 100000) room_ = {}, size_ = 0;
+  }
   /// Where `more` pairs can be written.
   IndexPair* room_for(std::size_t more) {
     if (size_ + more > room_.size()) room_.resize(2 * (size_ + more));
@@ -104,6 +108,7 @@ class CellGrid {
     pairs.resize(begin[parts]);
     team.for_parts(parts, [&](std::size_t part) {
       std::copy_n(found_[part].data(), found_[part].size(), pairs.data() + begin[part]);
+      found_[part].give_back();
     });
   }
 
