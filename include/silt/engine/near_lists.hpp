@@ -196,6 +196,7 @@ class NearLists {
     }
     if (!sorted) find.find(spheres, 0.0, scene.domain, team, found_);
     pairs.set_outer(found_, particles, before, team);
+    if (found_.size() > 1000000) found_ = {};  // its memory would lie idle until the next search
     walls.search(scene.walls, {grown_.data(), grown_.size()}, upkeep.outer_wall, previous_, team);
 
     reference.resize(particles.size());
