@@ -25,7 +25,6 @@ template <class ContactsType, class Domain, class Arch, class Scalar>
 class PairPipeline {
   using Real = typename Lanes<Arch, Scalar>::Real;
   using Row = Row4<Arch, Scalar>;
-  using Kernel = ContactKernel<ContactsType, Real>;
   using Motion = MotionRow<ContactsType::rotates, Scalar>;
   using List = PairList<ContactsType::history, Scalar>;
   static constexpr std::size_t W = Lanes<Arch, Scalar>::width;
@@ -94,19 +93,11 @@ class PairPipeline {
     const std::size_t padded = pieces(count, W) * W;
     gather(in, first, second, domain, padded, sums, kinematics);
     largest = complete(in, first, second, padded, largest, kinematics);
-    const Real time_step(static_cast<Scalar>(in.time_step));
-    ContactCoefficients<ContactsType, Real> coefficients(table);
-    for (std::size_t k = 0; k < padded; k += W) {
-      if constexpr (ContactsType::several_materials) coefficients.choose(in.kinds + from + k);
-      Scalar* history[ContactsType::history + 1];
-      for (std::size_t h = 0; h < ContactsType::history; ++h)
-        history[h] = list.history(h) + from + k;
-      kinematics.put_load(k, Kernel::load(kinematics.template get<Real>(k),
-                                          kinematics.template get_rolling<Real>(k), time_step,
-                                          coefficients.law(), coefficients.rolling(), history));
-    }
-    for (std::size_t k = 0; k < padded; k += W)
-      write_rows<chunks, Arch, Real>(rows + k * row, kinematics.template get_load<Real>(k));
+    std::array<Scalar*, ContactsType::history + 1> history{};
+    for (std::size_t h = 0; h < ContactsType::history; ++h) history[h] = list.history(h) + from;
+    const std::uint16_t* const kinds = ContactsType::several_materials ? in.kinds + from : nullptr;
+    loads_of<ContactsType, Arch>(kinematics, padded, in.time_step, table, kinds, history);
+    write_rows<ContactsType, Arch>(kinematics, padded, rows);
     return largest;
   }
 
@@ -128,12 +119,12 @@ class PairPipeline {
                                          const std::uint32_t* b, Real (&velocity)[4],
                                          Real (&spin)[4]) {
     read_anew(a), read_anew(b);
-    if constexpr (single && rotates) {
-      const auto sign = Row8<Arch>::of(-1, 1, 1, 1);
-      Row8<Arch> rows[W];
+    if constexpr (rotates && has_row8<Arch, Scalar>) {
+      using Whole = Row8<Arch, Scalar>;
+      const auto sign = Whole::of(-1, 1, 1, 1);
+      Whole rows[W];
       for (std::size_t lane = 0; lane < W; ++lane)
-        rows[lane] =
-            Row8<Arch>::load(&motions[a[lane]].vx) + sign * Row8<Arch>::load(&motions[b[lane]].vx);
+        rows[lane] = Whole::load(&motions[a[lane]].vx) + sign * Whole::load(&motions[b[lane]].vx);
       rows_to_columns<Arch>(rows, velocity, spin);
     } else {
       const auto difference = Row::of(-1, -1, -1, 1), sum = Row::all(1);
