@@ -176,7 +176,7 @@ class PairPipeline {
   }
 
   // Between the stages of a block its kinematics hold, until they are complete:
-  //   normal: d; overlap: excess; m_eff: distance2; half_change.x: reach;
+  //   normal: d; overlap: excess; m_eff: distance2; change.x: reach;
   //   R_eff: 1/R*, or where spheres do not rotate the radius of the second.
   // Short loops, one after the other: the processor then works on several packs at a time, while
   // one pack waits for its square roots and divisions.
@@ -201,7 +201,7 @@ class PairPipeline {
       }
       const Apart apart = distances(in, a, b, domain);
       kin.normal = apart.d, kin.overlap = apart.excess, kin.m_eff = apart.distance2;
-      kin.half_change.x = apart.reach;
+      kin.change.x = apart.reach;
       out.put_gathered(k, kin);
       if constexpr (ContactsType::has_rolling) gather_rolling(in, a, b, k, out);
     }
@@ -210,11 +210,11 @@ class PairPipeline {
   /// Completes the kinematics of `count` gathered pairs.
   static double complete(const Input& in, const std::uint32_t* first, const std::uint32_t* second,
                          std::size_t count, double largest, Block& out) {
-    const Real half_step(static_cast<Scalar>(0.5 * in.time_step));
+    const Real time_step(static_cast<Scalar>(in.time_step));
     for (std::size_t k = 0; k < count; k += W) {
       Kinematics<Real> kin = out.template get_gathered<Real>(k);
       const Vec3<Real> d = kin.normal;
-      const Real distance2 = kin.m_eff, reach = kin.half_change.x, excess = kin.overlap;
+      const Real distance2 = kin.m_eff, reach = kin.change.x, excess = kin.overlap;
       const Real inverse_mass = kin.inverse_m_eff, inverse_radius = kin.R_eff;
       const Real distance = sqrt(distance2);
 
@@ -237,9 +237,9 @@ class PairPipeline {
         kin.overlap = excess / (reach + distance);  // their difference would cancel
       else
         kin.overlap = reach - distance;
-      // The normal half a step ago, to second order: turned back by the crosswise motion.
+      // What the crosswise motion changes of the normal in a step, to second order.
       const Vec3<Real> across = kin.velocity - dot(kin.velocity, kin.normal) * kin.normal;
-      kin.half_change = (half_step * inverse_distance) * across;
+      kin.change = (time_step * inverse_distance) * across;
       if constexpr (rotates) {
         kin.arm = distance * inverse_reach;
         kin.twist = dot(kin.spin, kin.normal) * inverse_reach;

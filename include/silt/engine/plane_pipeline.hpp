@@ -117,7 +117,7 @@ class PlanePipeline {
       // Fixed spheres feel no wall; parked ones and those that fill the pack up are not there.
       const auto there = r * inv_m > zero;
       Kinematics<Real> kin;
-      kin.normal = normal, kin.half_change = {zero, zero, zero};
+      kin.normal = normal, kin.change = {zero, zero, zero};
       kin.velocity = {velocity[0], velocity[1], velocity[2]};
       kin.overlap = select(there, overlap, Real(-1));
       kin.R_eff = r, kin.inverse_m_eff = inv_m, kin.m_eff = Real(1) / max(inv_m, smallest<Real>());

@@ -247,7 +247,7 @@ class WallPipeline {
     if (motion.inv_m == 0) return;  // a fixed sphere feels no wall
     const std::size_t k = s.count++;
     const Vec3d contact = sphere.centre() - point.distance * point.normal;
-    const Vec3d half_change = 0.5 * (point.normal - last_normal);
+    const Vec3d change = point.normal - last_normal;
     Vec3d wall_velocity{0, 0, 0}, wall_spin{0, 0, 0};
     if (wall.moves()) {
       // Mean velocity of the material point over the last step, like the spheres' own.
@@ -256,7 +256,7 @@ class WallPipeline {
       wall_spin = angular_velocity(wall.last_pose, wall.pose, in.time_step);
       // ... of the one under the contact half a step ago, which this one was not if they slide.
       wall_velocity += cross(wall_spin, 0.5 * in.time_step * (wall_velocity - motion.velocity()) +
-                                            point.distance * half_change);
+                                            0.5 * point.distance * change);
     }
     const auto scalar = [](double x) { return static_cast<Scalar>(x); };
     const auto vector = [](const Vec3d& v) {
@@ -264,7 +264,7 @@ class WallPipeline {
                           static_cast<Scalar>(v.z)};
     };
     Kinematics<Scalar> kin;
-    kin.normal = vector(point.normal), kin.half_change = vector(half_change);
+    kin.normal = vector(point.normal), kin.change = vector(change);
     kin.velocity = vector(motion.velocity() - wall_velocity);
     kin.overlap = scalar(sphere.r - point.distance);
     kin.R_eff = scalar(sphere.r);
