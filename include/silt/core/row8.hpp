@@ -11,12 +11,12 @@ namespace silt {
 template <class Arch, class Scalar>
 inline constexpr bool has_row8 =
 #if defined(__AVX512F__)
-    Lanes<Arch>::width == 8;
-#elif defined(__AVX__)
-    Lanes<Arch>::width == 4 && std::is_same_v<Scalar, float>;
-#else
-    false;
+    Lanes<Arch>::width == 8 ||
 #endif
+#if defined(__AVX__)
+    (Lanes<Arch>::width == 4 && std::is_same_v<Scalar, float>) ||
+#endif
+    false;
 
 /// Eight scalars side by side in one register: a row of motion or of loads.
 template <class Arch, class Scalar>
