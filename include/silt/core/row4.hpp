@@ -7,7 +7,7 @@
 
 #include <silt/core/lanes.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// Four scalars side by side, as rows of particles and loads keep them: one register of four, two
 /// of two, or four plain scalars, by the architecture.

@@ -5,7 +5,7 @@
 
 #include <silt/core/row4.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// Eight floats side by side: a row of motion or of loads in single precision. One register where
 /// there is one of 256 bits, else two rows of four.

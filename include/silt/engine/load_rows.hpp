@@ -6,7 +6,7 @@
 #include <silt/core/row8.hpp>
 #include <silt/engine/contact_kernel.hpp>
 
-namespace silt::detail {
+namespace silt::inline SILT_TARGET::detail {
 
 /// Chunks of four scalars in the row of one contact: force; with rotation torque over radius; with
 /// rolling resistance the couple.

@@ -8,7 +8,7 @@
 #include <silt/engine/pair_pipeline.hpp>
 #include <silt/engine/wall_contacts.hpp>
 
-namespace silt::detail {
+namespace silt::inline SILT_TARGET::detail {
 
 /// Computes the loads of all contacts with walls: geometry of each candidate, then the same law
 /// over lanes as for pairs, in double, rows out; sums what each wall bears. Scalar: of the sums.
