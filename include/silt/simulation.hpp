@@ -19,7 +19,7 @@
 #include <silt/fill/particles.hpp>
 #include <silt/search/verlet_list.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// A particle simulation, composed from one policy an axis. Policies come in any order:
 ///

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # silt - BSD-3-Clause, see LICENSE
 # headers_alone.sh COMPILER INCLUDE_DIR [OPTION...]: compiles each header below INCLUDE_DIR/silt as a
-# program of its own, as many at a time as there are processors; names those that do not compile.
+# program of its own, as many at a time as there are processors; names those that do not compile, and
+# those with something of silt outside of the namespace of its instruction set (core/target.hpp).
 set -u
 export compiler=$1 dir=$2
 shift 2
@@ -10,7 +11,7 @@ export options="$*"
 alone() {
   local out
   # shellcheck disable=SC2086
-  if ! out=$(printf '#include <%s>\n#include <%s>\nint main() {}\n' "$1" "$1" |
+  if ! out=$(printf '#include <%s>\n%s\n#include <%s>\nint main() {}\n' "$1" "$target" "$1" |
       $compiler -std=c++20 -fsyntax-only -Wall -Wextra -Wpedantic -Wshadow -Werror -I"$dir" $options \
         -x c++ - 2>&1); then
     printf '%s does not compile alone:\n%s\n' "$1" "$out"
@@ -18,6 +19,14 @@ alone() {
   fi
 }
 export -f alone
+
+export target='#ifndef SILT_TARGET
+#error "its namespace needs silt/core/target.hpp"
+#endif'
+if grep -rn '^ *namespace silt' "$dir/silt" | grep -v 'namespace silt::inline SILT_TARGET\b'; then
+  echo "these must stand in 'namespace silt::inline SILT_TARGET'"
+  exit 1
+fi
 
 headers=$(cd "$dir" && find silt -name '*.hpp' | sort)
 [ "$(printf '%s\n' "$headers" | wc -l)" -ge 50 ] || { echo "only few headers found in $dir"; exit 1; }

@@ -7,7 +7,10 @@
 #include <silt/contact/hertz_mindlin.hpp>
 #include <silt/simulation.hpp>
 
-UnitResult SILT_UNIT() {
+namespace {
+
+template <class Precision>
+auto fallen() {
   const silt::HertzMindlin::Material glass{
       .youngs_modulus = 1e7, .poisson_ratio = 0.25, .restitution = 0.8, .friction = 0.4};
   silt::Particles<silt::Sphere> beads;
@@ -17,15 +20,28 @@ UnitResult SILT_UNIT() {
          .radius = 1e-3,
          .density = 2500,
          .velocity = {0, 0, -0.2}});
-  silt::Simulation sim{std::move(beads), silt::Contacts<silt::HertzMindlin>{glass}};
+  silt::Simulation sim{std::move(beads), silt::Contacts<silt::HertzMindlin>{glass}, Precision{}};
   sim.gravity = {0, 0, -9.81};
   sim.threads = 1;
   sim.add_wall(silt::Plane{{0, 0, -1e-3}, {0, 0, 1}}, glass);
   sim.run(5e-3);
-  UnitResult result{silt::Lanes<silt::DefaultArch>::width, typeid(sim).name(), {}};
+  return sim;
+}
+
+template <class Sim>
+std::vector<double> positions(const Sim& sim) {
+  std::vector<double> all;
   for (std::uint32_t id = 0; id < 27; ++id) {
     const auto p = sim.position(sim.find(id));
-    result.positions.insert(result.positions.end(), {p.x, p.y, p.z});
+    all.insert(all.end(), {p.x, p.y, p.z});
   }
-  return result;
+  return all;
+}
+
+}  // namespace
+
+UnitResult SILT_UNIT() {
+  const auto sim = fallen<silt::Double>();
+  return {silt::Lanes<silt::DefaultArch>::width, typeid(sim).name(), positions(sim),
+          positions(fallen<silt::Mixed>())};
 }

@@ -7,9 +7,10 @@
 
 /// What one translation unit makes of the same scene.
 struct UnitResult {
-  std::size_t lanes;              // of its kernels
+  std::size_t lanes;              // of its kernels in double
   std::string simulation;         // name of the simulation's type
   std::vector<double> positions;  // [m] three a particle
+  std::vector<double> mixed;      // [m] the same in mixed precision
 };
 
 UnitResult plain_unit();

@@ -217,6 +217,15 @@ TEST_CASE(
   CHECK(seen(sim) == uninterrupted());
 }
 
+TEST_CASE("checkpoint: the policies' names do not depend on the compile flags") {
+  using Sim = decltype(mixed_scene());
+  const std::string names = silt::Checkpoint<Sim>::signature();
+  CAPTURE(names);
+  CHECK(names.find("particles silt::Sphere;") != names.npos);
+  CHECK(names.find("contacts silt::Contacts<silt::Basic") != names.npos);
+  CHECK(names.find(SILT_TEXT(SILT_TARGET)) == names.npos);
+}
+
 TEST_CASE(
     "checkpoint: one of other policies or of another scene is refused, the simulation unchanged") {
   const Folder folder;

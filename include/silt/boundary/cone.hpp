@@ -3,7 +3,7 @@
 
 #include <silt/boundary/frustum.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// The lateral surface of a circular cone or frustum with its rims (a radius of 0 is the tip); the
 /// ends are open. Sides, signs and rims as for Cylinder, which it equals where the radii are equal.

@@ -3,7 +3,7 @@
 
 #include <silt/boundary/frustum.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// The lateral surface of a circular cylinder with its two rims; the ends are open.
 ///

@@ -8,7 +8,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/lanes.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// Space without periodic directions (default): costs nothing.
 struct OpenDomain {

@@ -8,7 +8,7 @@
 #include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// Which side of a round wall is free for the particles.
 enum class Side { Inside, Outside };

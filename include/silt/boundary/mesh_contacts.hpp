@@ -5,7 +5,7 @@
 
 /// The second half of TriangleMesh: from a sphere's centre to its contacts.
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// Face, edge or vertex, to round-off: `along` [m] from the beginning of an edge.
 inline std::uint32_t TriangleMesh::feature_on(std::uint32_t edge, double along) const {

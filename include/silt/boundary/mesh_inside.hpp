@@ -5,7 +5,7 @@
 
 /// The third part of TriangleMesh: what a closed mesh encloses.
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 inline double TriangleMesh::volume() const {
   const Vec3d origin = bounds().centre();

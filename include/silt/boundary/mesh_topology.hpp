@@ -13,7 +13,7 @@
 
 #include <silt/core/vec3.hpp>
 
-namespace silt::detail {
+namespace silt::inline SILT_TARGET::detail {
 
 using VertexTriple = std::array<std::uint32_t, 3>;
 

@@ -8,7 +8,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/quaternion.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// Where a rigid body is: maps body coordinates, in which its surface is given, to space.
 struct Pose {

@@ -14,7 +14,7 @@
 #include <silt/boundary/triangle_mesh.hpp>
 #include <silt/core/box.hpp>
 
-namespace silt::detail {
+namespace silt::inline SILT_TARGET::detail {
 
 /// Triangles that show a surface.
 struct Outline {

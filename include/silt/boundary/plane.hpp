@@ -9,7 +9,7 @@
 #include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// An infinite plane with free space on the side of its normal.
 /// One-sided: a centre behind it has a negative distance and is pushed back through.

@@ -22,7 +22,7 @@
 /// Errors: FileError with file, line or triangle, what was found and what is expected.
 /// Tests:  tests/boundary/stl.cpp
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 enum class StlFormat { Binary, Ascii };
 

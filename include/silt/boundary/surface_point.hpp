@@ -6,7 +6,7 @@
 
 #include <silt/core/vec3.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// One place where a surface comes nearest to a sphere's centre (a local minimum of the distance).
 ///

@@ -9,7 +9,7 @@
 #include <silt/boundary/triangle_tree.hpp>
 #include <silt/core/error.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// A surface of triangles, solid from both sides, whose contacts do not depend on how it was cut
 /// into triangles.

@@ -8,7 +8,7 @@
 
 #include <silt/core/box.hpp>
 
-namespace silt::detail {
+namespace silt::inline SILT_TARGET::detail {
 
 /// Boxes within boxes around triangles, for "which are near this point".
 ///

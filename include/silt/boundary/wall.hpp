@@ -13,7 +13,7 @@
 #include <silt/boundary/stl.hpp>
 #include <silt/boundary/triangle_mesh.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// One surface of a wall, in the wall's own coordinates.
 using Surface = std::variant<Plane, Cylinder, Cone, std::shared_ptr<const TriangleMesh>>;

@@ -8,7 +8,7 @@
 
 #include <silt/core/lanes.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// What a contact law sees of one pair (`Real` = double) or of one pair a lane (`Real` = batch).
 ///

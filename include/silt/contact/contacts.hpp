@@ -9,7 +9,7 @@
 #include <silt/contact/concept.hpp>
 #include <silt/core/error.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// Option of Contacts: particles may be of different materials, and each keeps its material's
 /// index.

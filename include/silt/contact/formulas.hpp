@@ -19,7 +19,7 @@
 /// Errors:  InputError for a restitution or a damping ratio out of range. Other arguments are taken
 ///          as they come: those who let users set them check them.
 /// Tests:   tests/contact/formulas.cpp.
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 // ---- elastic moduli and the quantities of a pair ------------------------------------------------
 

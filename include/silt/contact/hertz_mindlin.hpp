@@ -6,7 +6,7 @@
 #include <silt/contact/spring_slider.hpp>
 #include <silt/core/error.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// Hertz normal force, Mindlin no-slip tangential spring with Coulomb's limit, damping that gives
 /// one restitution at every impact speed.

@@ -8,7 +8,7 @@
 #include <silt/contact/formulas.hpp>
 #include <silt/core/error.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// A head-on impact on a Hertz spring with the damping that gives one restitution at every speed.
 ///

@@ -6,7 +6,7 @@
 #include <silt/contact/spring_slider.hpp>
 #include <silt/core/error.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// Linear spring and dashpot along the normal; with friction a linear tangential spring too.
 ///

@@ -4,7 +4,7 @@
 #include <silt/contact/concept.hpp>
 #include <silt/contact/formulas.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// What a tangential spring remembers: its force, or the slip since first touch.
 enum class TangentialMemory { Force, Displacement };

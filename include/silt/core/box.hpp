@@ -6,7 +6,7 @@
 
 #include <silt/core/vec3.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// An axis-aligned box from `min` to `max` [m]. Default: empty, grows by `include`.
 struct Box {

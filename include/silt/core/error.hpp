@@ -12,7 +12,7 @@
 
 #include <silt/core/vec3.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// Everything silt throws derives from this; `what()` is one sentence: what, where, what to change.
 struct Error : std::runtime_error {

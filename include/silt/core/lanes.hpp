@@ -27,7 +27,7 @@
 #define SILT_INLINE inline
 #endif
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// The architecture of one lane: kernels run on plain `double`.
 struct OneLane {};

@@ -3,7 +3,7 @@
 
 #include <silt/core/vec3.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// Unit quaternion w + x i + y j + z k: a rotation that maps body axes to space axes.
 struct Quaternion {

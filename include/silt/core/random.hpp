@@ -6,7 +6,7 @@
 
 #include <silt/core/error.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 namespace detail {
 

@@ -7,7 +7,7 @@
 
 #include <silt/core/lanes.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// Four scalars side by side, as rows of particles and loads keep them: one register of four, two
 /// of two, or four plain scalars, by the architecture.
@@ -55,25 +55,22 @@ SILT_INLINE Row4<Arch, To> convert(const Row4<Arch, From>& row) {
   if constexpr (std::is_same_v<To, From>) {
     return row;
   } else {
-    Row4<Arch, To> out;
 #if defined(__AVX__)
     if constexpr (Row4<Arch>::packs == 1) {
       if constexpr (std::is_same_v<To, float>)
-        out.pack[0] = _mm256_cvtpd_ps(row.pack[0]);
+        return {{_mm256_cvtpd_ps(row.pack[0])}};
       else
-        out.pack[0] = _mm256_cvtps_pd(row.pack[0]);
-      return out;
+        return {{_mm256_cvtps_pd(row.pack[0])}};
     }
 #endif
 #if defined(__SSE2__)
     if constexpr (Row4<Arch>::packs == 2) {
       if constexpr (std::is_same_v<To, float>) {
-        out.pack[0] = _mm_movelh_ps(_mm_cvtpd_ps(row.pack[0]), _mm_cvtpd_ps(row.pack[1]));
+        return {{_mm_movelh_ps(_mm_cvtpd_ps(row.pack[0]), _mm_cvtpd_ps(row.pack[1]))}};
       } else {
         const __m128 low = row.pack[0];
-        out.pack[0] = _mm_cvtps_pd(low), out.pack[1] = _mm_cvtps_pd(_mm_movehl_ps(low, low));
+        return {{_mm_cvtps_pd(low), _mm_cvtps_pd(_mm_movehl_ps(low, low))}};
       }
-      return out;
     }
 #endif
     alignas(64) From from[4];

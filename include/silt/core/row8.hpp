@@ -5,7 +5,7 @@
 
 #include <silt/core/row4.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// Whether an architecture has registers of eight such scalars whose rows it can turn.
 template <class Arch, class Scalar>

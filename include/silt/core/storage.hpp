@@ -5,7 +5,9 @@
 #include <new>
 #include <vector>
 
-namespace silt {
+#include <silt/core/target.hpp>
+
+namespace silt::inline SILT_TARGET {
 
 /// Memory on cache-line boundaries, so that rows and packs of lanes never straddle two lines.
 template <class T>

@@ -10,7 +10,7 @@
 
 #include <silt/core/error.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// How many threads this machine runs at once.
 inline int default_threads() {

@@ -3,7 +3,9 @@
 
 #include <cmath>
 
-namespace silt {
+#include <silt/core/target.hpp>
+
+namespace silt::inline SILT_TARGET {
 
 /// Three Cartesian components. `Real` is `double` or a SIMD batch (one lane a pair or particle).
 /// A plain aggregate: `{x, y, z}` makes one, and it is stored and loaded as three Reals.

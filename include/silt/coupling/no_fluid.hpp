@@ -3,7 +3,9 @@
 
 #include <concepts>
 
-namespace silt {
+#include <silt/core/target.hpp>
+
+namespace silt::inline SILT_TARGET {
 
 /// The coupling of particles with a fluid. Needs `static constexpr bool active`; if it is false,
 /// the fluid stage of the time loop compiles to nothing.

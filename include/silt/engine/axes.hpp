@@ -9,7 +9,7 @@
 #include <silt/fill/particles.hpp>
 #include <silt/search/concept.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// The instruction set that the kernels use: an xsimd architecture, or OneLane.
 template <class Arch>

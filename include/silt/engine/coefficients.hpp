@@ -10,7 +10,7 @@
 #include <silt/contact/contacts.hpp>
 #include <silt/core/lanes.hpp>
 
-namespace silt::detail {
+namespace silt::inline SILT_TARGET::detail {
 
 /// The coefficients of every pair of materials, ready for the kernels.
 template <class ContactsType>

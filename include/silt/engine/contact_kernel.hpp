@@ -6,7 +6,7 @@
 #include <silt/contact/contacts.hpp>
 #include <silt/core/lanes.hpp>
 
-namespace silt::detail {
+namespace silt::inline SILT_TARGET::detail {
 
 /// What is known of a contact before the law is asked; pairs and walls both end up here.
 template <class Real>

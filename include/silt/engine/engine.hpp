@@ -15,7 +15,7 @@
 #include <silt/engine/wall_pipeline.hpp>
 #include <silt/motion/leapfrog.hpp>
 
-namespace silt::detail {
+namespace silt::inline SILT_TARGET::detail {
 
 /// The state of a simulation and the stages of its step, each a plain function of state. Knows the
 /// policies, but neither observers nor files nor the order of the stages: that is Simulation's.

@@ -9,7 +9,7 @@
 #include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// Limits that a run must keep; where one is broken it stops with a SimulationError.
 struct Guard {

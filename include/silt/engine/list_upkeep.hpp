@@ -14,7 +14,7 @@
 #include <silt/core/storage.hpp>
 #include <silt/engine/rows.hpp>
 
-namespace silt::detail {
+namespace silt::inline SILT_TARGET::detail {
 
 /// When the lists must be renewed so that no contact is missed, with a reach of its own for every
 /// sphere: those that hardly move need hardly any, however fast others are.

@@ -10,7 +10,7 @@
 #include <silt/engine/coefficients.hpp>
 #include <silt/engine/contact_kernel.hpp>
 
-namespace silt::detail {
+namespace silt::inline SILT_TARGET::detail {
 
 /// Chunks of four scalars in the row of one contact: force; with rotation torque over radius; with
 /// rolling resistance the couple.

@@ -17,7 +17,7 @@
 #include <silt/engine/wall_contacts.hpp>
 #include <silt/search/concept.hpp>
 
-namespace silt::detail {
+namespace silt::inline SILT_TARGET::detail {
 
 /// The lists of what may touch soon, spheres and walls, and their renewal: which spheres reach how
 /// far (ListUpkeep), search, order of the particles in memory, pruning. Every loop over particles

@@ -14,7 +14,7 @@
 #include <silt/fill/packing.hpp>
 #include <silt/fill/region.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// Where particles leave: their centre is inside `region`. Looked at whenever a particle may have
 /// moved by its inner reach (ListUpkeep: at most a quarter of the mean diameter, or a tenth of a

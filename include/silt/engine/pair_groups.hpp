@@ -6,7 +6,9 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace silt::detail {
+#include <silt/core/target.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
 
 /// Cuts pairs into groups, so that groups of one phase have no particle in common: threads can add
 /// loads to the particles' sums without meeting, in an order that no number of threads changes.

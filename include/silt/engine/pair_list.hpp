@@ -15,7 +15,7 @@
 #include <silt/engine/pair_groups.hpp>
 #include <silt/search/concept.hpp>
 
-namespace silt::detail {
+namespace silt::inline SILT_TARGET::detail {
 
 /// The pairs of a simulation in two stages, with H Scalars of contact history for each pair.
 ///

@@ -16,7 +16,7 @@
 #include <silt/engine/pair_list.hpp>
 #include <silt/engine/rows.hpp>
 
-namespace silt::detail {
+namespace silt::inline SILT_TARGET::detail {
 
 /// Computes the loads of all pairs of the inner list and adds them up: gather rows of both
 /// particles, law over lanes, rows out, sums. Blocks are small enough to stay in the first-level

@@ -12,7 +12,7 @@
 #include <silt/core/threads.hpp>
 #include <silt/engine/rows.hpp>
 
-namespace silt::detail {
+namespace silt::inline SILT_TARGET::detail {
 
 /// values[k] = what was values[order[k]].
 template <class V>

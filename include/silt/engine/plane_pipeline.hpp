@@ -13,7 +13,7 @@
 #include <silt/engine/rows.hpp>
 #include <silt/engine/wall_contacts.hpp>
 
-namespace silt::detail {
+namespace silt::inline SILT_TARGET::detail {
 
 /// What contacts with walls are computed from.
 template <bool Rotates, class Scalar>

@@ -1,7 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-namespace silt {
+#include <silt/core/target.hpp>
+
+namespace silt::inline SILT_TARGET {
 
 /// The precision axis of a Simulation: everything in double.
 struct Double {

@@ -7,7 +7,7 @@
 #include <silt/core/storage.hpp>
 #include <silt/core/vec3.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// Id of a particle that has left; place of one that was not there.
 inline constexpr std::uint32_t no_particle = std::numeric_limits<std::uint32_t>::max();

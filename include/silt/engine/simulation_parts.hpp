@@ -5,7 +5,7 @@
 
 #include <silt/simulation.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 template <class... Policies>
 void Simulation<Policies...>::add(const ParticlesType& more) {

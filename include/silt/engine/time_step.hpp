@@ -8,7 +8,7 @@
 #include <silt/contact/formulas.hpp>
 #include <silt/core/error.hpp>
 
-namespace silt::detail {
+namespace silt::inline SILT_TARGET::detail {
 
 /// The sphere that makes the shortest contacts.
 struct LightestSphere {

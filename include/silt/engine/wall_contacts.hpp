@@ -14,7 +14,7 @@
 #include <silt/engine/pair_list.hpp>
 #include <silt/engine/rows.hpp>
 
-namespace silt::detail {
+namespace silt::inline SILT_TARGET::detail {
 
 /// A sphere that is near a surface, and the slots that keep its contacts with it.
 struct WallCandidate {

@@ -8,7 +8,7 @@
 #include <silt/engine/plane_pipeline.hpp>
 #include <silt/engine/wall_contacts.hpp>
 
-namespace silt::detail {
+namespace silt::inline SILT_TARGET::detail {
 
 /// Computes the loads of all contacts with walls: geometry of each candidate, in double, then the
 /// same law over lanes as for pairs, rows out; sums what each wall bears. Spheres that are near

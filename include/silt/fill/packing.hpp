@@ -16,7 +16,7 @@
 #include <silt/fill/region.hpp>
 #include <silt/fill/size_distribution.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 struct PlacedSphere {
   Vec3d position;  // [m]

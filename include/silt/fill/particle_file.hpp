@@ -15,7 +15,7 @@
 #include <silt/core/vec3.hpp>
 #include <silt/io/atomic_file.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// Particles as read from or written to a text table. Position and radius have one entry a
 /// particle, the others too, or none where the file has no such columns.

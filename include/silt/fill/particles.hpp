@@ -10,7 +10,7 @@
 #include <silt/fill/region.hpp>
 #include <silt/shape/sphere.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// What to fill a region with. Give `count` or `solid_volume`, or neither for as many as fit.
 struct Fill {

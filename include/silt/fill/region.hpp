@@ -13,7 +13,7 @@
 #include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 namespace detail {
 

@@ -13,7 +13,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/random.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// The volume of a sphere of `radius` [m], in [m3].
 inline double sphere_volume(double radius) {

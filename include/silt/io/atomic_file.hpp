@@ -18,7 +18,7 @@
 
 #include <silt/core/error.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 namespace detail {
 
 /// The system's words for an error number, e.g. "No space left on device".

@@ -10,7 +10,7 @@
 #include <silt/io/checkpoint_file.hpp>
 #include <silt/simulation.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// Saves and restores the whole state of a simulation: particles, contact history, lists, walls,
 /// inlets and outlets, clock. A run continued from it gives the same bits as one that never
@@ -234,7 +234,12 @@ class Checkpoint {
 #if defined(__GNUC__)
     const std::string_view all = __PRETTY_FUNCTION__;
     const std::size_t from = all.find("T = ") + 4;
-    return std::string(all.substr(from, all.find_first_of(";]", from) - from));
+    std::string name(all.substr(from, all.find_first_of(";]", from) - from));
+    // Written with other compile flags it is still the same scene.
+    static constexpr std::string_view target = SILT_TEXT(SILT_TARGET) "::";
+    for (auto at = name.find(target); at != name.npos; at = name.find(target, at))
+      name.erase(at, target.size());
+    return name;
 #else
     return typeid(T).name();
 #endif

@@ -15,7 +15,7 @@
 #include <silt/core/error.hpp>
 #include <silt/io/atomic_file.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 namespace detail {
 
 static_assert(std::endian::native == std::endian::little,

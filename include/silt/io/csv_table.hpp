@@ -12,7 +12,7 @@
 #include <silt/core/error.hpp>
 #include <silt/io/atomic_file.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// A table of numbers as a CSV file that grows row by row. Each number is written in the shortest
 /// form that reads back exactly. A row reaches the system at once, so that a killed run keeps all

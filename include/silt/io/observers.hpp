@@ -21,7 +21,7 @@
 #include <silt/io/progress_line.hpp>
 #include <silt/io/vtk.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// Due at every multiple of `interval` [s] of simulated time, the nearest step to it.
 class Schedule {

@@ -9,7 +9,7 @@
 
 #include <silt/core/error.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 namespace detail {
 
 /// `value` with a fixed number of digits behind the point.

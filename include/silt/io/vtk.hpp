@@ -18,7 +18,7 @@
 #include <silt/core/vec3.hpp>
 #include <silt/io/atomic_file.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 namespace detail {
 
 static_assert(

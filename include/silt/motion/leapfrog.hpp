@@ -3,7 +3,7 @@
 
 #include <silt/core/row4.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// Leapfrog, which gives the positions of velocity Verlet: velocities live at half steps.
 ///

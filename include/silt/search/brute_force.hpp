@@ -3,7 +3,7 @@
 
 #include <silt/search/concept.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// Looks at all pairs: O(N^2), the oracle that every other search is tested against.
 ///

@@ -13,7 +13,7 @@
 #include <silt/core/threads.hpp>
 #include <silt/search/concept.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 namespace detail {
 

@@ -10,7 +10,7 @@
 #include <silt/core/threads.hpp>
 #include <silt/engine/rows.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// The spheres that a search looks at.
 struct SphereSet {

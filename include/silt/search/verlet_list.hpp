@@ -6,7 +6,7 @@
 #include <silt/core/error.hpp>
 #include <silt/search/cell_grid.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// Keeps the pairs that `Finder` found with some reach beyond touching (the skin), and finds anew
 /// only when particles or walls may have moved by as much. No contact is ever missed: the proof

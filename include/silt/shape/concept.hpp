@@ -3,7 +3,9 @@
 
 #include <concepts>
 
-namespace silt {
+#include <silt/core/target.hpp>
+
+namespace silt::inline SILT_TARGET {
 
 /// A shape gives mass properties and a bounding radius for a particle of it; contact geometry of
 /// pairs of shapes stands in shape/narrow/. Needs

@@ -5,7 +5,7 @@
 
 #include <silt/shape/concept.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// A solid sphere.
 struct Sphere {

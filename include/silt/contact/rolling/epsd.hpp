@@ -4,7 +4,7 @@
 #include <silt/contact/concept.hpp>
 #include <silt/core/error.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// Elastic-plastic spring-dashpot rolling resistance (model C): holds a grain at rest on a slope.
 ///

@@ -1,0 +1,48 @@
+#!/usr/bin/env python3
+# silt - BSD-3-Clause, see LICENSE
+"""units_apart.py PROGRAM PLAIN_OBJECT AVX_OBJECT: PROGRAM is linked from both objects, the plain one
+first. The objects must share no function of silt, and what PLAIN_OBJECT defines must hold no
+instruction beyond SSE2 in PROGRAM: there the linker has chosen among functions of the same name."""
+import re
+import subprocess
+import sys
+
+
+def output(*command):
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+
+
+def readable(names):
+    text = subprocess.run(["c++filt"], input="\n".join(names), capture_output=True, text=True).stdout
+    return "\n".join("  " + line[:200] for line in text.split("\n"))
+
+
+def functions(file):
+    """Names of all functions and inline variables that the linker can see."""
+    lines = (line.split() for line in output("nm", "--defined-only", file).splitlines())
+    return {words[2] for words in lines if len(words) == 3 and words[1] in "TWVu"}
+
+
+def with_avx(file):
+    """Names of all functions with an instruction that SSE2 lacks: AVX, FMA and AVX-512 begin with v."""
+    found, name = set(), None
+    for line in output("objdump", "-d", "--no-show-raw-insn", file).splitlines():
+        if head := re.match(r"[0-9a-f]+ <(.+)>:$", line):
+            name = head[1]
+        elif re.match(r"\s+[0-9a-f]+:\s+(v(?!er[rw])|k[a-z]+[bwdq]\s)", line):
+            found.add(name)
+    return found
+
+
+program, plain, avx = sys.argv[1:]
+plain_functions, avx_functions = functions(plain), functions(avx)
+shared = sorted(n for n in plain_functions & avx_functions if re.search(r"\d+silt", n))
+foreign = sorted(plain_functions & with_avx(program))
+own = {n for n in plain_functions if re.search(r"\d+silt", n)}
+assert len(own) > 50 and len(with_avx(avx)) > 50, "this test looks at nothing"
+if shared:
+    print(f"{len(shared)} functions of silt have one name in both units:\n" + readable(shared))
+if foreign:
+    print(f"{len(foreign)} functions of {plain} are for AVX in {program}:\n" + readable(foreign))
+print(f"{len(plain_functions)} and {len(avx_functions)} functions looked at")
+sys.exit(1 if shared or foreign else 0)
