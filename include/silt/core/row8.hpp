@@ -74,7 +74,7 @@ SILT_INLINE void rows_to_columns(const Row8<Arch> (&rows)[Lanes<Arch, float>::wi
         v[g][k] = _mm512_castpd_ps(
             _mm512_insertf64x4(_mm512_castps_pd(_mm512_castps256_ps512(rows[8 * g + k].pack[0])),
                                _mm256_castps_pd(rows[8 * g + k + 4].pack[0]), 1));
-      detail::turn_quarters(v[g]);
+      detail::turn(v[g]);
     }
     for (int c = 0; c < 4; ++c) {
       low[c] = _mm512_shuffle_f32x4(v[0][c], v[1][c], 0x88);
@@ -90,7 +90,7 @@ SILT_INLINE void rows_to_columns(const Row8<Arch> (&rows)[Lanes<Arch, float>::wi
       l[k] = _mm256_permute2f128_ps(rows[k].pack[0], rows[k + 4].pack[0], 0x20);
       h[k] = _mm256_permute2f128_ps(rows[k].pack[0], rows[k + 4].pack[0], 0x31);
     }
-    detail::turn_quarters(l), detail::turn_quarters(h);
+    detail::turn(l), detail::turn(h);
     for (int c = 0; c < 4; ++c) low[c] = l[c], high[c] = h[c];
   }
 #endif
@@ -119,7 +119,7 @@ SILT_INLINE void columns_to_rows(const typename Lanes<Arch, float>::Real (&low)[
       __m512 v[4];
       for (int c = 0; c < 4; ++c)
         v[c] = _mm512_permutex2var_ps(low[c], g == 0 ? first : last, high[c]);
-      detail::turn_quarters(v);
+      detail::turn(v);
       for (int k = 0; k < 4; ++k) {
         rows[8 * g + k].pack[0] = _mm512_castps512_ps256(v[k]);
         rows[8 * g + k + 4].pack[0] =
@@ -132,7 +132,7 @@ SILT_INLINE void columns_to_rows(const typename Lanes<Arch, float>::Real (&low)[
 #if defined(__AVX__)
   if constexpr (Row8<Arch>::whole && W == 8) {
     __m256 l[4] = {low[0], low[1], low[2], low[3]}, h[4] = {high[0], high[1], high[2], high[3]};
-    detail::turn_quarters(l), detail::turn_quarters(h);
+    detail::turn(l), detail::turn(h);
     for (int k = 0; k < 4; ++k) {
       rows[k].pack[0] = _mm256_permute2f128_ps(l[k], h[k], 0x20);
       rows[k + 4].pack[0] = _mm256_permute2f128_ps(l[k], h[k], 0x31);
