@@ -33,8 +33,7 @@ struct Contact {
   /// plane, its length kept.
   Vec3<Real> transported(const Vec3<Real>& v) const {
     // A rotation to second order: the length errs by turn^4/8 a step.
-    const Vec3<Real> swept = cross(turn, v);
-    const Vec3<Real> r = v + swept + Real(0.5) * cross(turn, swept);
+    const Vec3<Real> r = v + cross(turn, v + Real(0.5) * cross(turn, v));
     return r - dot(r, normal) * normal;
   }
 };

@@ -15,7 +15,7 @@ enum class TangentialMemory { Force, Displacement };
 /// restitution, to second order in dt; 1 - q + q^2/2 equals it to third order in q.
 template <class Real>
 inline Real leapfrog_damping(const Real& c, const Real& inverse_mass, const Real& time_step) {
-  const Real q = min(Real(0.25) * c * time_step * inverse_mass, Real(1));
+  const Real q = min(c * (Real(0.25) * time_step * inverse_mass), Real(1));
   return c * (Real(1) - q * (Real(1) - Real(0.5) * q));
 }
 
@@ -55,17 +55,17 @@ struct SpringSlider {
     const Vec3<Real> v = c.tangential_velocity;
     const Vec3<Real> trial = c.transported(slip) + c.time_step * v;
     const Vec3<Real> dashpot = tangential_damping(c) * v;
-    const Vec3<Real> total = -(stiffness * trial + dashpot);
+    const Vec3<Real> total = stiffness * trial + dashpot;
     const Real compliance = Real(1) / max(stiffness, smallest<Real>());
     const Real sticking = share_within_limit(total, Fn);
     slip = sticking * trial - ((Real(1) - sticking) * compliance) * dashpot;
-    return sticking * total;
+    return -sticking * total;
   }
 
  private:
   /// The tangential motion of two solid spheres at their contact carries 2/7 of m*.
   Real tangential_damping(const Contact<Real>& c) const {
-    return leapfrog_damping(damping, Real(3.5) * c.inverse_m_eff, c.time_step);
+    return leapfrog_damping(damping, c.inverse_m_eff, Real(3.5) * c.time_step);
   }
   Real share_within_limit(const Vec3<Real>& total, const Real& Fn) const {
     // 1/size as size (1/size^2): division and square root need not wait for each other.

@@ -20,24 +20,26 @@ inline int default_threads() {
 /// Threads that share loops of independent parts with the one that owns them.
 ///
 /// What a part does must not depend on who does it: results are then the same for every number of
-/// threads. Parts are handed out one by one, the owner takes part, and it waits for parts, not for
+/// threads. Every thread begins with the same share of consecutive parts in each loop, so that what
+/// belongs to the same particles stays in its caches from loop to loop; whoever is done takes parts
+/// from the ends of the others' shares. The owner takes part, and it waits for parts, not for
 /// threads: where a core is taken away only the part on that core is held up. Whoever waits spins
 /// for some microseconds and then sleeps, so that a busy machine loses nothing to waiting (the
 /// barriers of OpenMP runtimes spin for milliseconds, and a header cannot tell them otherwise).
 class Team {
  public:
-  Team(int threads = 1) {  // NOLINT: a number of threads is a team
-    require(threads >= 1 && threads <= 4096, "threads = ", threads, " must be in [1, 4096]");
-    for (int k = 1; k < threads; ++k) workers_.emplace_back([this] { work(); });
+  Team(int threads = 1)  // NOLINT: a number of threads is a team
+      : shares_(static_cast<std::size_t>(checked(threads))) {
+    for (std::size_t k = 1; k < shares_.size(); ++k) workers_.emplace_back([this, k] { work(k); });
   }
   Team(const Team&) = delete;
   ~Team() {
-    ticket_.store(stop);
-    ticket_.notify_all();
+    loop_.store(stop);
+    loop_.notify_all();
     for (auto& w : workers_) w.join();
   }
 
-  int threads() const { return static_cast<int>(workers_.size()) + 1; }
+  int threads() const { return static_cast<int>(shares_.size()); }
 
   static constexpr std::size_t most_ranges = 64;
 
@@ -61,39 +63,64 @@ class Team {
                 std::memory_order_relaxed);
     body_.store(&body, std::memory_order_relaxed);
     done_.store(0, std::memory_order_relaxed);
-    epoch_ = (epoch_ + 1) & (limit - 1);
-    ticket_.store(epoch_ << 40 | parts << 20);
-    ticket_.notify_all();
-    take_parts();
+    const std::uint64_t loop = (loop_.load(std::memory_order_relaxed) + 1) % loops;
+    const std::size_t n = shares_.size();
+    for (std::size_t t = 0; t < n; ++t)
+      shares_[t].left.store(Left{loop, parts * t / n, parts * (t + 1) / n}.packed());
+    loop_.store(loop);
+    loop_.notify_all();
+    take_parts(0);
     wait(done_, [parts](std::size_t done) { return done == parts; });
   }
 
  private:
-  // A ticket says which loop it is, how many parts it has, and which is the next: 24 + 20 + 20
-  // bits.
-  static constexpr std::uint64_t limit = 1u << 20, stop = ~std::uint64_t{0};
-  static std::uint64_t parts_of(std::uint64_t ticket) { return ticket >> 20 & (limit - 1); }
-  static std::uint64_t next_of(std::uint64_t ticket) { return ticket & (limit - 1); }
+  static constexpr std::uint64_t limit = 1u << 20, loops = 1u << 24, stop = ~std::uint64_t{0};
 
-  /// Does parts of the present loop until none is left. That an exchange of the ticket succeeds
-  /// proves that the loop is still under way, so that call_ and body_ belong to it.
-  void take_parts() const {
-    std::uint64_t ticket = ticket_.load();
-    while (ticket != stop && next_of(ticket) < parts_of(ticket)) {
-      if (!ticket_.compare_exchange_weak(ticket, ticket + 1)) continue;
-      const std::size_t parts = parts_of(ticket);
-      call_.load(std::memory_order_relaxed)(body_.load(std::memory_order_relaxed), next_of(ticket));
-      if (done_.fetch_add(1) + 1 == parts) done_.notify_one();
-      ticket = ticket_.load();
+  /// What is left of a thread's share: loop and parts from ... to-1, in 24 + 20 + 20 bits.
+  struct Left {
+    std::uint64_t loop, from, to;
+    explicit Left(std::uint64_t packed)
+        : loop(packed >> 40), from(packed >> 20 & (limit - 1)), to(packed & (limit - 1)) {}
+    Left(std::uint64_t of, std::uint64_t first, std::uint64_t end)
+        : loop(of), from(first), to(end) {}
+    std::uint64_t packed() const { return loop << 40 | from << 20 | to; }
+  };
+  struct alignas(64) Share {
+    std::atomic<std::uint64_t> left{0};
+  };
+
+  static int checked(int threads) {
+    require(threads >= 1 && threads <= 4096, "threads = ", threads, " must be in [1, 4096]");
+    return threads;
+  }
+
+  /// Does parts of the present loop until none is left. That an exchange of a share succeeds proves
+  /// that its loop is still under way, so that call_ and body_ belong to it.
+  void take_parts(std::size_t own) const {
+    std::size_t taken = 0;
+    for (std::size_t k = 0; k < shares_.size(); ++k) {
+      std::atomic<std::uint64_t>& share = shares_[(own + k) % shares_.size()].left;
+      std::uint64_t now = share.load();
+      for (Left left(now); left.from < left.to; left = Left(now)) {
+        const std::uint64_t part = k == 0 ? left.from++ : --left.to;
+        if (!share.compare_exchange_weak(now, left.packed())) continue;
+        call_.load(std::memory_order_relaxed)(body_.load(std::memory_order_relaxed), part);
+        ++taken;
+        now = share.load();
+      }
+    }
+    if (taken > 0) {
+      done_.fetch_add(taken);
+      done_.notify_one();
     }
   }
 
-  void work() const {
+  void work(std::size_t own) const {
     for (std::uint64_t seen = 0;;) {
-      wait(ticket_, [&](std::uint64_t t) { return t == stop || t >> 40 != seen >> 40; });
-      seen = ticket_.load();
+      wait(loop_, [&](std::uint64_t loop) { return loop != seen; });
+      seen = loop_.load();
       if (seen == stop) return;
-      take_parts();
+      take_parts(own);
     }
   }
 
@@ -110,11 +137,11 @@ class Team {
   }
 
   using Call = void (*)(const void*, std::size_t);
-  mutable std::atomic<std::uint64_t> ticket_{0};
+  mutable std::atomic<std::uint64_t> loop_{0};
   mutable std::atomic<std::size_t> done_{0};
   mutable std::atomic<Call> call_{nullptr};
   mutable std::atomic<const void*> body_{nullptr};
-  mutable std::uint64_t epoch_ = 0;
+  mutable std::vector<Share> shares_;  // one a thread
   std::vector<std::thread> workers_;
 };
 

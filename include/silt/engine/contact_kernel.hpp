@@ -11,16 +11,16 @@ namespace silt::inline SILT_TARGET::detail {
 /// What is known of a contact before the law is asked; pairs and walls both end up here.
 template <class Real>
 struct Kinematics {
-  Vec3<Real> normal;       // [-] from partner to i
-  Vec3<Real> half_change;  // [-] normal now less normal half a step ago
-  Real overlap;            // [m]
-  Real arm;                // [-] lever arm over radius, same for both partners
-  Real R_eff;              // [m]
-  Real m_eff;              // [kg]
-  Real inverse_m_eff;      // [1/kg]
-  Vec3<Real> velocity;     // [m/s] of centre i relative to the partner
-  Vec3<Real> spin;         // [m/s] sum of radius times angular velocity
-  Real twist;              // [rad/s] mean angular velocity of the contact about its normal
+  Vec3<Real> normal;    // [-] from partner to i
+  Vec3<Real> change;    // [-] of the normal in the last step
+  Real overlap;         // [m]
+  Real arm;             // [-] lever arm over radius, same for both partners
+  Real R_eff;           // [m]
+  Real m_eff;           // [kg]
+  Real inverse_m_eff;   // [1/kg]
+  Vec3<Real> velocity;  // [m/s] of centre i relative to the partner
+  Vec3<Real> spin;      // [m/s] sum of radius times angular velocity
+  Real twist;           // [rad/s] mean angular velocity of the contact about its normal
 };
 
 /// What more a rolling model needs.
@@ -43,14 +43,14 @@ struct PairLoad {
 template <bool Rotates, bool Rolls, std::size_t N, class Scalar>
 struct alignas(64) KinematicsBlock {
   static constexpr std::size_t rotating = Rotates ? N : 16, rolling = Rolls ? N : 16;
-  Scalar normal[3][N], half_change[3][N], overlap[N], R_eff[N], m_eff[N], inverse_m_eff[N],
+  Scalar normal[3][N], change[3][N], overlap[N], R_eff[N], m_eff[N], inverse_m_eff[N],
       velocity[3][N];
   Scalar arm[rotating], spin[3][rotating], twist[rotating];
   Scalar angular_velocity[3][rolling], inertia_eff[rolling];
 
   template <class Real>
   SILT_INLINE void put(std::size_t k, const Kinematics<Real>& in) {
-    put(k, in.normal, normal), put(k, in.half_change, half_change), put(k, in.velocity, velocity);
+    put(k, in.normal, normal), put(k, in.change, change), put(k, in.velocity, velocity);
     silt::store(overlap + k, in.overlap), silt::store(R_eff + k, in.R_eff),
         silt::store(m_eff + k, in.m_eff);
     silt::store(inverse_m_eff + k, in.inverse_m_eff);
@@ -65,7 +65,7 @@ struct alignas(64) KinematicsBlock {
   template <class Real>
   SILT_INLINE Kinematics<Real> get(std::size_t k) const {
     Kinematics<Real> out;
-    out.normal = get3<Real>(k, normal), out.half_change = get3<Real>(k, half_change);
+    out.normal = get3<Real>(k, normal), out.change = get3<Real>(k, change);
     out.velocity = get3<Real>(k, velocity);
     out.overlap = load<Real>(overlap + k), out.R_eff = load<Real>(R_eff + k);
     out.m_eff = load<Real>(m_eff + k), out.inverse_m_eff = load<Real>(inverse_m_eff + k);
@@ -79,7 +79,7 @@ struct alignas(64) KinematicsBlock {
   template <class Real>
   SILT_INLINE void put_gathered(std::size_t k, const Kinematics<Real>& in) {
     put(k, in.normal, normal), put(k, in.velocity, velocity);
-    silt::store(half_change[0] + k, in.half_change.x), silt::store(overlap + k, in.overlap);
+    silt::store(change[0] + k, in.change.x), silt::store(overlap + k, in.overlap);
     silt::store(R_eff + k, in.R_eff), silt::store(m_eff + k, in.m_eff);
     silt::store(inverse_m_eff + k, in.inverse_m_eff);
     if constexpr (Rotates) put(k, in.spin, spin);
@@ -88,7 +88,7 @@ struct alignas(64) KinematicsBlock {
   SILT_INLINE Kinematics<Real> get_gathered(std::size_t k) const {
     Kinematics<Real> out;
     out.normal = get3<Real>(k, normal), out.velocity = get3<Real>(k, velocity);
-    out.half_change.x = load<Real>(half_change[0] + k), out.overlap = load<Real>(overlap + k);
+    out.change.x = load<Real>(change[0] + k), out.overlap = load<Real>(overlap + k);
     out.R_eff = load<Real>(R_eff + k), out.m_eff = load<Real>(m_eff + k);
     out.inverse_m_eff = load<Real>(inverse_m_eff + k);
     if constexpr (Rotates) out.spin = get3<Real>(k, spin);
@@ -97,7 +97,7 @@ struct alignas(64) KinematicsBlock {
   /// What is new or different then.
   template <class Real>
   SILT_INLINE void put_completed(std::size_t k, const Kinematics<Real>& in) {
-    put(k, in.normal, normal), put(k, in.half_change, half_change);
+    put(k, in.normal, normal), put(k, in.change, change);
     silt::store(overlap + k, in.overlap), silt::store(R_eff + k, in.R_eff);
     silt::store(m_eff + k, in.m_eff);
     if constexpr (Rotates) silt::store(arm + k, in.arm), silt::store(twist + k, in.twist);
@@ -153,12 +153,12 @@ struct ContactKernel {
     c.overlap = max(k.overlap, Real(0));
     c.R_eff = k.R_eff, c.m_eff = k.m_eff, c.inverse_m_eff = k.inverse_m_eff;
     c.time_step = time_step;
-    const Vec3<Real> middle = k.normal - k.half_change;
+    const Vec3<Real> middle = k.normal - Real(0.5) * k.change;  // half a step ago
     c.normal_velocity = dot(k.velocity, middle);
     if constexpr (ContactsType::rotates) {
       Vec3<Real> slip = k.velocity - c.normal_velocity * middle - k.arm * cross(k.spin, middle);
       c.tangential_velocity = slip - dot(slip, k.normal) * k.normal;
-      c.turn = cross(k.normal, Real(2) * k.half_change) + (time_step * k.twist) * k.normal;
+      c.turn = cross(k.normal, k.change) + (time_step * k.twist) * k.normal;
     }
     return c;
   }
@@ -185,7 +185,7 @@ struct ContactKernel {
       const Vec3<Real> none{zero, zero, zero};
       const Vec3<Real> tangential = select(touching, answer.tangential, none);
       out.force = normal_force * k.normal + tangential;
-      out.twirl = -(k.arm * cross(k.normal, tangential));
+      out.twirl = k.arm * cross(tangential, k.normal);
     } else {
       normal_force = select(touching, answer, zero);
       out.force = normal_force * k.normal;

@@ -82,9 +82,10 @@ class Engine {
 
   void wall_forces(double time_step) {
     if (walls.empty()) return;
-    const double overlap = wall_pipeline_.run(
-        {particles.position.data(), particles.motion.data(), particles.material.data(), time_step},
-        lists.walls, coefficients, walls, sums_.data(), *team_);
+    const double overlap =
+        wall_pipeline_.run({particles.position.data(), particles.motion.data(),
+                            particles.pair_motion(), particles.material.data(), time_step},
+                           lists.walls, coefficients, walls, sums_.data(), *team_);
     largest_overlap = std::max(largest_overlap, overlap);
   }
 

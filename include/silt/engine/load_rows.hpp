@@ -3,7 +3,11 @@
 
 #include <cstddef>
 
+#include <array>
+#include <cstdint>
+
 #include <silt/core/row8.hpp>
+#include <silt/engine/coefficients.hpp>
 #include <silt/engine/contact_kernel.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -17,11 +21,11 @@ inline constexpr std::size_t load_chunks = 1 + ContactsType::rotates + ContactsT
 template <std::size_t Chunks, class Arch, class Pack>
 SILT_INLINE void write_rows(ScalarOf<Pack>* rows, const PairLoad<Pack>& load) {
   constexpr std::size_t W = Lanes<Arch, ScalarOf<Pack>>::width;
-  if constexpr (Chunks == 2 && std::is_same_v<ScalarOf<Pack>, float>) {
+  if constexpr (Chunks == 2 && has_row8<Arch, ScalarOf<Pack>> && sizeof(ScalarOf<Pack>) == 4) {
     const Pack force[4] = {load.force.x, load.force.y, load.force.z, Pack(0)};
     const Pack twirl[4] = {load.twirl.x, load.twirl.y, load.twirl.z, Pack(0)};
-    Row8<Arch> row[W];
-    columns_to_rows<Arch>(force, twirl, row);
+    Row8<Arch, ScalarOf<Pack>> row[W];
+    columns_to_rows<Arch, ScalarOf<Pack>>(force, twirl, row);
     for (std::size_t lane = 0; lane < W; ++lane) row[lane].store(rows + lane * 8);
     return;
   }
@@ -34,19 +38,50 @@ SILT_INLINE void write_rows(ScalarOf<Pack>* rows, const PairLoad<Pack>& load) {
   }
 }
 
-/// sum += row for the first partner of a contact, or what acts on the second: force and couple with
-/// the opposite sign, the twirl (chunk 1) with the same. Row and sum may differ in precision.
-template <class Arch, std::size_t Chunks, bool Second, class Sum, class Scalar>
-SILT_INLINE void add_row(Sum* sum, const Scalar* row) {
-  if constexpr (Chunks == 2 && std::is_same_v<Sum, float> && std::is_same_v<Scalar, float>) {
-    const auto s = Row8<Arch>::load(sum), r = Row8<Arch>::load(row);
-    (Second ? s + Row8<Arch>::of(-1, -1, 1, 1) * r : s + r).store(sum);
-    return;
+/// Law and rolling model on the first `count` contacts (whole packs) of a block, whose kinematics
+/// are complete; their loads take the places of the kinematics. `kinds`: the place of each contact
+/// in the table, or null if it is the first for all. `history`: one pointer a component.
+template <class ContactsType, class Arch, class Block, class Scalar, std::size_t H>
+SILT_INLINE void loads_of(Block& block, std::size_t count, double time_step,
+                          const CoefficientTable<ContactsType>& table, const std::uint16_t* kinds,
+                          const std::array<Scalar*, H>& history) {
+  using Real = typename Lanes<Arch, Scalar>::Real;
+  using Kernel = ContactKernel<ContactsType, Real>;
+  constexpr std::size_t W = Lanes<Arch, Scalar>::width;
+  const Real step(static_cast<Scalar>(time_step));
+  ContactCoefficients<ContactsType, Real> coefficients(table);
+  for (std::size_t k = 0; k < count; k += W) {
+    if (kinds != nullptr) coefficients.choose(kinds + k);
+    std::array<Scalar*, H> at;
+    for (std::size_t h = 0; h < H; ++h) at[h] = history[h] + k;
+    block.put_load(k, Kernel::load(block.template get<Real>(k), block.template get_rolling<Real>(k),
+                                   step, coefficients.law(), coefficients.rolling(), at.data()));
   }
-  for (std::size_t c = 0; c < Chunks; ++c) {
-    const auto s = Row4<Arch, Sum>::load(sum + 4 * c);
-    const auto r = convert<Sum>(Row4<Arch, Scalar>::load(row + 4 * c));
-    (Second && c != 1 ? s - r : s + r).store(sum + 4 * c);
+}
+
+/// The loads of a block as consecutive rows.
+template <class ContactsType, class Arch, class Block, class Scalar>
+SILT_INLINE void write_rows(const Block& block, std::size_t count, Scalar* rows) {
+  using Real = typename Lanes<Arch, Scalar>::Real;
+  constexpr std::size_t W = Lanes<Arch, Scalar>::width, chunks = load_chunks<ContactsType>;
+  for (std::size_t k = 0; k < count; k += W)
+    write_rows<chunks, Arch, Real>(rows + k * 4 * chunks, block.template get_load<Real>(k));
+}
+
+/// sum += row for the first partner of a contact, or what acts on the second: force and couple with
+/// the opposite sign, the twirl (chunk 1) with the same.
+template <class Arch, std::size_t Chunks, bool Second, class Scalar>
+SILT_INLINE void add_row(Scalar* sum, const Scalar* row) {
+  if constexpr (Chunks == 2 && has_row8<Arch, Scalar> && sizeof(Scalar) == 4) {
+    using Row = Row8<Arch, Scalar>;
+    const auto s = Row::load(sum), r = Row::load(row);
+    (Second ? s + Row::of(-1, -1, 1, 1) * r : s + r).store(sum);
+  } else {
+    using Row = Row4<Arch, Scalar>;
+    for (std::size_t c = 0; c < Chunks; ++c) {
+      const auto s = Row::load(sum + 4 * c), r = Row::load(row + 4 * c);
+      (Second && c != 1 ? s - r : s + r).store(sum + 4 * c);
+    }
   }
 }
 

@@ -35,7 +35,7 @@ class NearLists {
   };
 
   PairList<H, Scalar> pairs;
-  WallContacts<H> walls;
+  WallContacts<H, Scalar> walls;
   ListUpkeep upkeep;
   AlignedVector<Vec3d> reference;          // [m] positions at the last search
   WallMarks searched_walls, pruned_walls;  // poses at the last search and pruning

@@ -25,7 +25,6 @@ template <class ContactsType, class Domain, class Arch, class Scalar>
 class PairPipeline {
   using Real = typename Lanes<Arch, Scalar>::Real;
   using Row = Row4<Arch, Scalar>;
-  using Kernel = ContactKernel<ContactsType, Real>;
   using Motion = MotionRow<ContactsType::rotates, Scalar>;
   using List = PairList<ContactsType::history, Scalar>;
   static constexpr std::size_t W = Lanes<Arch, Scalar>::width;
@@ -94,19 +93,11 @@ class PairPipeline {
     const std::size_t padded = pieces(count, W) * W;
     gather(in, first, second, domain, padded, sums, kinematics);
     largest = complete(in, first, second, padded, largest, kinematics);
-    const Real time_step(static_cast<Scalar>(in.time_step));
-    ContactCoefficients<ContactsType, Real> coefficients(table);
-    for (std::size_t k = 0; k < padded; k += W) {
-      if constexpr (ContactsType::several_materials) coefficients.choose(in.kinds + from + k);
-      Scalar* history[ContactsType::history + 1];
-      for (std::size_t h = 0; h < ContactsType::history; ++h)
-        history[h] = list.history(h) + from + k;
-      kinematics.put_load(k, Kernel::load(kinematics.template get<Real>(k),
-                                          kinematics.template get_rolling<Real>(k), time_step,
-                                          coefficients.law(), coefficients.rolling(), history));
-    }
-    for (std::size_t k = 0; k < padded; k += W)
-      write_rows<chunks, Arch, Real>(rows + k * row, kinematics.template get_load<Real>(k));
+    std::array<Scalar*, ContactsType::history + 1> history{};
+    for (std::size_t h = 0; h < ContactsType::history; ++h) history[h] = list.history(h) + from;
+    const std::uint16_t* const kinds = ContactsType::several_materials ? in.kinds + from : nullptr;
+    loads_of<ContactsType, Arch>(kinematics, padded, in.time_step, table, kinds, history);
+    write_rows<ContactsType, Arch>(kinematics, padded, rows);
     return largest;
   }
 
@@ -128,12 +119,12 @@ class PairPipeline {
                                          const std::uint32_t* b, Real (&velocity)[4],
                                          Real (&spin)[4]) {
     read_anew(a), read_anew(b);
-    if constexpr (single && rotates) {
-      const auto sign = Row8<Arch>::of(-1, 1, 1, 1);
-      Row8<Arch> rows[W];
+    if constexpr (rotates && has_row8<Arch, Scalar>) {
+      using Whole = Row8<Arch, Scalar>;
+      const auto sign = Whole::of(-1, 1, 1, 1);
+      Whole rows[W];
       for (std::size_t lane = 0; lane < W; ++lane)
-        rows[lane] =
-            Row8<Arch>::load(&motions[a[lane]].vx) + sign * Row8<Arch>::load(&motions[b[lane]].vx);
+        rows[lane] = Whole::load(&motions[a[lane]].vx) + sign * Whole::load(&motions[b[lane]].vx);
       rows_to_columns<Arch>(rows, velocity, spin);
     } else {
       const auto difference = Row::of(-1, -1, -1, 1), sum = Row::all(1);
@@ -185,7 +176,7 @@ class PairPipeline {
   }
 
   // Between the stages of a block its kinematics hold, until they are complete:
-  //   normal: d; overlap: excess; m_eff: distance2; half_change.x: reach;
+  //   normal: d; overlap: excess; m_eff: distance2; change.x: reach;
   //   R_eff: 1/R*, or where spheres do not rotate the radius of the second.
   // Short loops, one after the other: the processor then works on several packs at a time, while
   // one pack waits for its square roots and divisions.
@@ -210,7 +201,7 @@ class PairPipeline {
       }
       const Apart apart = distances(in, a, b, domain);
       kin.normal = apart.d, kin.overlap = apart.excess, kin.m_eff = apart.distance2;
-      kin.half_change.x = apart.reach;
+      kin.change.x = apart.reach;
       out.put_gathered(k, kin);
       if constexpr (ContactsType::has_rolling) gather_rolling(in, a, b, k, out);
     }
@@ -219,11 +210,11 @@ class PairPipeline {
   /// Completes the kinematics of `count` gathered pairs.
   static double complete(const Input& in, const std::uint32_t* first, const std::uint32_t* second,
                          std::size_t count, double largest, Block& out) {
-    const Real half_step(static_cast<Scalar>(0.5 * in.time_step));
+    const Real time_step(static_cast<Scalar>(in.time_step));
     for (std::size_t k = 0; k < count; k += W) {
       Kinematics<Real> kin = out.template get_gathered<Real>(k);
       const Vec3<Real> d = kin.normal;
-      const Real distance2 = kin.m_eff, reach = kin.half_change.x, excess = kin.overlap;
+      const Real distance2 = kin.m_eff, reach = kin.change.x, excess = kin.overlap;
       const Real inverse_mass = kin.inverse_m_eff, inverse_radius = kin.R_eff;
       const Real distance = sqrt(distance2);
 
@@ -246,9 +237,9 @@ class PairPipeline {
         kin.overlap = excess / (reach + distance);  // their difference would cancel
       else
         kin.overlap = reach - distance;
-      // The normal half a step ago, to second order: turned back by the crosswise motion.
+      // What the crosswise motion changes of the normal in a step, to second order.
       const Vec3<Real> across = kin.velocity - dot(kin.velocity, kin.normal) * kin.normal;
-      kin.half_change = (half_step * inverse_distance) * across;
+      kin.change = (time_step * inverse_distance) * across;
       if constexpr (rotates) {
         kin.arm = distance * inverse_reach;
         kin.twist = dot(kin.spin, kin.normal) * inverse_reach;

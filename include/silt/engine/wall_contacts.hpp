@@ -22,20 +22,25 @@ struct WallCandidate {
   std::uint16_t wall, surface;        // surface of this wall
   std::uint32_t slot;                 // its first slot
   std::uint32_t facets, facet_count;  // where its triangles stand in the pool, if it is a mesh
+  std::uint32_t origin;               // of one kept by the pruning: its place in the outer list
   auto key() const { return std::tie(particle, wall, surface); }
 };
 
-/// A plane as a row: unit normal, and the distance of the origin against it [m].
-struct alignas(32) PlaneRow {
-  double x = 0, y = 0, z = 0, offset = 0;
+/// Slots of spheres that are near one and the same plane at rest.
+struct PlaneRun {
+  std::uint16_t wall;
+  Vec3d normal;          // [-] unit
+  double offset;         // [m] of the plane from the origin along the normal
+  std::size_t from, to;  // slots; `from` is the first of a whole pack
 };
 
-/// Which spheres are near which surfaces, in two stages like PairList, and H Reals of history for
+/// Which spheres are near which surfaces, in two stages like PairList, and H Scalars of history for
 /// each contact with a wall. A candidate has as many slots as the surface can have contacts with
 /// one sphere; slots come in blocks that one thread computes at a time, and all candidates of a
-/// sphere stand side by side in one block. Lone candidates, of a sphere that is near nothing but
-/// one plane at rest, which most are, stand behind all others, one slot each without gaps.
-template <std::size_t H>
+/// sphere stand side by side in one block. Spheres that are near planes at rest and nothing else,
+/// which most are, stand behind all others, one slot a candidate: cut into pieces that share no
+/// sphere, and in a piece plane by plane, so that lanes have the plane in common.
+template <std::size_t H, class Scalar>
 class WallContacts {
  public:
   static constexpr std::size_t block = 64;  // slots
@@ -54,17 +59,23 @@ class WallContacts {
     return {inner_facets_.data() + c.facets, c.facet_count};
   }
   Slot& slot(std::size_t k) { return slots_[k]; }
-  /// Whether a block holds lone candidates; the plane of each as {normal, distance of the origin}.
-  bool is_lone(std::size_t b) const { return block_begin_[b] >= lone_from_; }
-  const PlaneRow* planes(std::size_t b) const {
-    return planes_.data() + (block_begin_[b] - lone_from_);
+  Scalar* history(std::size_t component) { return history_[component].data(); }
+  /// Pieces of the candidates at planes, and the runs of each.
+  std::size_t plane_pieces() const { return piece_begin_.size() - 1; }
+  std::span<const PlaneRun> runs(std::size_t piece) const {
+    return {runs_.data() + run_begin_[piece], run_begin_[piece + 1] - run_begin_[piece]};
   }
-  double* history(std::size_t component) { return history_[component].data(); }
+  /// The sphere of a slot in a run; behind the run's end, up to a whole pack, one that is not
+  /// there.
+  const std::uint32_t* at_planes(std::size_t slot) const {
+    return at_planes_.data() + (slot - first_plane_slot_);
+  }
 
   /// Finds all spheres nearer than `reach` [m] to a surface.
   void search(std::span<const Wall> walls, std::span<const PositionRow> rows, double reach,
               std::span<const std::uint32_t> previous, const Team& team) {
     archive();
+    particles_ = static_cast<std::uint32_t>(rows.size());
     previous_.assign(previous.begin(), previous.end());
     renewed_ = true;
     team.for_ranges(rows.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
@@ -89,7 +100,8 @@ class WallContacts {
     team.for_ranges(outer_.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
       found_[r].clear();
       for (std::size_t k = from; k < to; ++k) {
-        const WallCandidate& c = outer_[k];
+        WallCandidate c = outer_[k];
+        c.origin = static_cast<std::uint32_t>(k);
         if (rows[c.particle].r == 0) continue;  // it has left
         const Wall& wall = walls[c.wall];
         const Vec3d centre = in_body(wall, rows[c.particle].centre());
@@ -99,8 +111,9 @@ class WallContacts {
       }
     });
     collect(inner_, inner_facets_);
-    part_lone(walls);
+    part_planes(walls);
     lay_out_slots(walls);
+    lay_out_planes(walls);
     recall();
     renewed_ = false;
   }
@@ -111,26 +124,31 @@ class WallContacts {
     std::vector<std::uint32_t> outer_facets, inner_facets;
     std::vector<Slot> slots;
     std::array<std::vector<double>, H> history;
-    std::size_t lone_from = 0;
+    std::vector<std::uint64_t> pieces;  // first candidate at planes of each piece, and the end
   };
   State state() const {
-    State s{outer_, inner_, outer_facets_, inner_facets_, slots_, {}, lone_from_};
+    State s{outer_, inner_, outer_facets_, inner_facets_, slots_, {}, {}};
+    s.pieces.assign(piece_begin_.begin(), piece_begin_.end());
     for (std::size_t h = 0; h < H; ++h) s.history[h].assign(history_[h].begin(), history_[h].end());
     return s;
   }
-  void restore(State s, std::span<const Wall> walls) {
+  void restore(State s, std::span<const Wall> walls, std::size_t particles) {
+    particles_ = static_cast<std::uint32_t>(particles);
     outer_ = std::move(s.outer), inner_ = std::move(s.inner);
     outer_facets_ = std::move(s.outer_facets), inner_facets_ = std::move(s.inner_facets);
     // Blocks by the slots as they were: a wall may have lost its surfaces since.
+    piece_begin_.assign(s.pieces.begin(), s.pieces.end());
     block_begin_.clear();
-    for (std::size_t k = 0; k < inner_.size(); ++k)
+    for (std::size_t k = 0; k < planes_from(); ++k)
       if (inner_[k].slot / block >= block_begin_.size()) block_begin_.push_back(k);
-    if (!inner_.empty()) block_begin_.push_back(inner_.size());
-    lone_from_ = s.lone_from;
-    note_planes(walls);
+    if (planes_from() > 0) block_begin_.push_back(planes_from());
     slots_ = std::move(s.slots);
-    for (std::size_t h = 0; h < H; ++h)
-      history_[h].assign(s.history[h].begin(), s.history[h].end());
+    for (std::size_t h = 0; h < H; ++h) {
+      history_[h].resize(s.history[h].size());
+      for (std::size_t k = 0; k < s.history[h].size(); ++k)
+        history_[h][k] = static_cast<Scalar>(s.history[h][k]);
+    }
+    lay_out_planes(walls);
     renewed_ = false;
   }
 
@@ -161,7 +179,7 @@ class WallContacts {
   static void search_surface(const S& surface, const Wall& wall, std::size_t w, std::size_t s,
                              std::span<const PositionRow> rows, std::size_t from, std::size_t to,
                              double reach, Found& found) {
-    WallCandidate c{0, static_cast<std::uint16_t>(w), static_cast<std::uint16_t>(s), 0, 0, 0};
+    WallCandidate c{0, static_cast<std::uint16_t>(w), static_cast<std::uint16_t>(s), 0, 0, 0, 0};
     for (std::size_t p = from; p < to; ++p) {
       const Vec3d centre = in_body(wall, rows[p].centre());
       const double within = rows[p].r + reach;
@@ -207,32 +225,54 @@ class WallContacts {
     }
   }
 
-  /// Brings the lone candidates to the end, both parts still in order.
-  void part_lone(std::span<const Wall> walls) {
-    const auto is_lone = [&](std::size_t k) {
-      const WallCandidate& c = inner_[k];
-      return !walls[c.wall].moves() &&
-             std::holds_alternative<Plane>(walls[c.wall].surfaces[c.surface]) &&
-             (k == 0 || inner_[k - 1].particle != c.particle) &&
-             (k + 1 == inner_.size() || inner_[k + 1].particle != c.particle);
-    };
-    std::vector<WallCandidate> sorted, lone;
-    for (std::size_t k = 0; k < inner_.size(); ++k)
-      (is_lone(k) ? lone : sorted).push_back(inner_[k]);
-    lone_from_ = sorted.size();
-    sorted.insert(sorted.end(), lone.begin(), lone.end());
-    inner_ = std::move(sorted);
-    note_planes(walls);
+  static constexpr std::size_t piece_size = 256;  // candidates at planes, about
+  static constexpr std::size_t padding = 16;      // the widest pack of lanes
+  /// Cosine between the normals of two planes from which on one sphere's contacts with both are
+  /// looked at together: they may be one contact.
+  static constexpr double nearly_one_plane = 0.9;
+
+  std::size_t planes_from() const { return piece_begin_.front(); }
+  static const Plane* plane_at_rest(std::span<const Wall> walls, const WallCandidate& c) {
+    return walls[c.wall].moves() ? nullptr : std::get_if<Plane>(&walls[c.wall].surfaces[c.surface]);
   }
-  void note_planes(std::span<const Wall> walls) {
-    planes_.assign(inner_.size() - lone_from_, {});
-    for (std::size_t k = lone_from_; k < inner_.size(); ++k) {
-      const auto& surfaces = walls[inner_[k].wall].surfaces;
-      if (surfaces.empty()) continue;  // taken away; the lists will be renewed before they are used
-      const Plane plane = std::get<Plane>(surfaces[inner_[k].surface]).unit();
-      const Vec3d& n = plane.normal;
-      planes_[k - lone_from_] = {n.x, n.y, n.z, dot(plane.point, n)};
+  /// Whether one sphere's candidates are planes at rest that touch it in places of their own.
+  static bool are_planes(std::span<const Wall> walls, std::span<const WallCandidate> of_one) {
+    for (std::size_t a = 0; a < of_one.size(); ++a) {
+      const Plane* const plane = plane_at_rest(walls, of_one[a]);
+      if (plane == nullptr) return false;
+      for (std::size_t b = 0; b < a; ++b)
+        if (dot(plane->unit().normal, plane_at_rest(walls, of_one[b])->unit().normal) >
+            nearly_one_plane)
+          return false;
     }
+    return true;
+  }
+
+  /// Brings the candidates at planes to the end, in pieces, each plane by plane.
+  void part_planes(std::span<const Wall> walls) {
+    std::vector<WallCandidate> others, at_planes;
+    std::vector<std::size_t> begin{0};
+    for (std::size_t k = 0, next = 0; k < inner_.size(); k = next) {
+      while (next < inner_.size() && inner_[next].particle == inner_[k].particle) ++next;
+      const std::span<const WallCandidate> of_one{inner_.data() + k, next - k};
+      auto& to = are_planes(walls, of_one) ? at_planes : others;
+      to.insert(to.end(), of_one.begin(), of_one.end());
+      if (at_planes.size() >= begin.back() + piece_size) begin.push_back(at_planes.size());
+    }
+    if (begin.back() < at_planes.size()) begin.push_back(at_planes.size());
+    for (std::size_t p = 0; p + 1 < begin.size(); ++p)
+      std::stable_sort(at_planes.begin() + static_cast<std::ptrdiff_t>(begin[p]),
+                       at_planes.begin() + static_cast<std::ptrdiff_t>(begin[p + 1]),
+                       [](const WallCandidate& a, const WallCandidate& b) {
+                         return std::tie(a.wall, a.surface) < std::tie(b.wall, b.surface);
+                       });
+    piece_begin_.clear();
+    for (const std::size_t b : begin) piece_begin_.push_back(others.size() + b);
+    others.insert(others.end(), at_planes.begin(), at_planes.end());
+    inner_ = std::move(others);
+  }
+  static bool same_plane(const WallCandidate& a, const WallCandidate& b) {
+    return a.wall == b.wall && a.surface == b.surface;
   }
 
   void lay_out_slots(std::span<const Wall> walls) {
@@ -241,92 +281,125 @@ class WallContacts {
     const auto count = [&](std::size_t k) {
       return slots_of(walls[inner_[k].wall].surfaces[inner_[k].surface]);
     };
-    for (std::size_t k = 0; k < inner_.size(); ++k) {
+    for (std::size_t k = 0; k < planes_from(); ++k) {
       std::size_t together = count(k);  // slots that must not be parted from this candidate's
       if (k == 0 || inner_[k - 1].particle != inner_[k].particle)
-        for (std::size_t m = k + 1; m < inner_.size() && inner_[m].particle == inner_[k].particle;
+        for (std::size_t m = k + 1; m < planes_from() && inner_[m].particle == inner_[k].particle;
              ++m)
           if (together + count(m) <= block) together += count(m);
-      if (next % block + together > block || k == lone_from_) next = pieces(next, block) * block;
+      if (next % block + together > block) next = pieces(next, block) * block;
       if (next / block >= block_begin_.size()) block_begin_.push_back(k);
       inner_[k].slot = static_cast<std::uint32_t>(next);
       next += count(k);
     }
-    if (inner_.empty())
-      block_begin_.clear();
+    if (planes_from() > 0)
+      block_begin_.push_back(planes_from());
     else
-      block_begin_.push_back(inner_.size());
-    slots_.assign(pieces(next, block) * block, Slot{{0, 0, 1}, false});
-    for (auto& h : history_) h.assign(slots_.size(), 0.0);
+      block_begin_.clear();
+    next = pieces(next, block) * block;
+    for (std::size_t p = 0; p < plane_pieces(); ++p)
+      for (std::size_t k = piece_begin_[p]; k < piece_begin_[p + 1]; ++k) {
+        if (k == piece_begin_[p] || !same_plane(inner_[k - 1], inner_[k]))
+          next = pieces(next, padding) * padding;
+        inner_[k].slot = static_cast<std::uint32_t>(next++);
+      }
+    slots_.assign(pieces(next, padding) * padding, Slot{{0, 0, 1}, false});
+    for (auto& h : history_) h.assign(slots_.size(), 0);
+  }
+
+  /// Notes the runs, and the sphere of each slot in them.
+  void lay_out_planes(std::span<const Wall> walls) {
+    runs_.clear(), run_begin_.assign(1, 0);
+    first_plane_slot_ = planes_from() < inner_.size() ? inner_[planes_from()].slot : slots_.size();
+    at_planes_.assign(slots_.size() - first_plane_slot_, particles_);
+    for (std::size_t p = 0; p < plane_pieces(); ++p) {
+      for (std::size_t k = piece_begin_[p]; k < piece_begin_[p + 1]; ++k) {
+        const WallCandidate& c = inner_[k];
+        at_planes_[c.slot - first_plane_slot_] = c.particle;
+        if (k == piece_begin_[p] || !same_plane(inner_[k - 1], c)) {
+          if (walls[c.wall].surfaces.empty())
+            continue;  // taken away; the lists will be renewed before they are used
+          const Plane plane = plane_at_rest(walls, c)->unit();
+          runs_.push_back({c.wall, plane.normal, dot(plane.point, plane.normal), c.slot, c.slot});
+        }
+        if (!walls[c.wall].surfaces.empty()) ++runs_.back().to;
+      }
+      run_begin_.push_back(runs_.size());
+    }
   }
 
   struct Kept {
     std::uint32_t particle;
     std::uint16_t wall, surface;
     Slot slot;
-    std::array<double, H> history;
+    std::array<Scalar, H> history;
     auto key() const { return std::tie(particle, wall, surface); }
   };
 
-  /// Sets aside all touching contacts, by particle, wall and surface.
+  /// Sets aside all touching contacts, in the order of the outer list: by particle, wall, surface.
   void archive() {
-    archive_.clear();
-    const auto keep = [&](const WallCandidate& c, std::size_t s, const Slot& slot) {
-      Kept kept{c.particle, c.wall, c.surface, slot, {}};
-      for (std::size_t h = 0; h < H; ++h) kept.history[h] = history_[h][s];
-      archive_.push_back(kept);
-    };
-    for (std::size_t k = 0; k < lone_from_; ++k) {
-      const auto& c = inner_[k];
-      const std::size_t end = k + 1 < lone_from_ && inner_[k + 1].slot / block == c.slot / block
-                                  ? inner_[k + 1].slot
-                                  : pieces(c.slot + 1, block) * block;
-      for (std::size_t s = c.slot; s < end; ++s)
-        if (slots_[s].touching) keep(c, s, slots_[s]);
+    for (const PlaneRun& run : runs_)
+      for (std::size_t s = run.from; s < run.to; ++s)
+        if (remembers(s)) slots_[s] = {run.normal, true};
+    std::vector<std::uint32_t> inner(outer_.size(), no_particle);  // place in the inner list
+    for (std::uint32_t k = 0; k < inner_.size(); ++k) inner[inner_[k].origin] = k;
+    archive_.clear(), archived_.assign(outer_.size() + 1, 0);
+    for (std::size_t o = 0; o < outer_.size(); ++o) {
+      if (inner[o] != no_particle) archive(inner[o]);
+      archived_[o + 1] = static_cast<std::uint32_t>(archive_.size());
     }
-    const auto first_lone = static_cast<std::ptrdiff_t>(archive_.size());
-    for (std::size_t k = lone_from_; k < inner_.size(); ++k) {
-      const PlaneRow& n = planes_[k - lone_from_];
-      if (remembers(inner_[k].slot)) keep(inner_[k], inner_[k].slot, {{n.x, n.y, n.z}, true});
-    }
-    std::inplace_merge(archive_.begin(), archive_.begin() + first_lone, archive_.end(),
-                       [](const Kept& a, const Kept& b) { return a.key() < b.key(); });
+  }
+  void archive(std::size_t k) {
+    const WallCandidate& c = inner_[k];
+    std::size_t end = c.slot + 1;
+    if (k < planes_from())
+      end = k + 1 < planes_from() && inner_[k + 1].slot / block == c.slot / block
+                ? inner_[k + 1].slot
+                : pieces(end, block) * block;
+    for (std::size_t s = c.slot; s < end; ++s)
+      if (slots_[s].touching) {
+        archive_.push_back({c.particle, c.wall, c.surface, slots_[s], {}});
+        for (std::size_t h = 0; h < H; ++h) archive_.back().history[h] = history_[h][s];
+      }
   }
   bool remembers(std::size_t slot) const {
     for (const auto& h : history_)
       if (h[slot] != 0) return true;
     return false;
   }
-  /// Gives kept contacts back to their candidates. Without a search since, candidates and archive
-  /// are in the same order: each is near the one before.
+  /// Gives kept contacts back to their candidates.
   void recall() {
-    const bool moved = renewed_ && !previous_.empty();
-    auto found = archive_.begin();
-    for (std::size_t k = 0; k < inner_.size(); ++k) {
-      const auto& c = inner_[k];
-      const std::uint32_t before = moved ? previous_[c.particle] : c.particle;
-      const auto key = std::tie(before, c.wall, c.surface);
-      if (moved || k == lone_from_)
-        found = std::lower_bound(archive_.begin(), archive_.end(), key,
-                                 [](const Kept& a, const auto& b) { return a.key() < b; });
-      while (found != archive_.end() && found->key() < key) ++found;
-      auto same = found;
-      for (std::size_t s = c.slot; same != archive_.end() && same->key() == key; ++same, ++s) {
-        if (k < lone_from_) slots_[s] = same->slot;
-        for (std::size_t h = 0; h < H; ++h) history_[h][s] = same->history[h];
+    for (const WallCandidate& c : inner_) {
+      auto from = archive_.begin(), to = from;
+      if (renewed_) {
+        const std::uint32_t before = previous_.empty() ? c.particle : previous_[c.particle];
+        std::tie(from, to) = std::equal_range(archive_.begin(), archive_.end(),
+                                              Kept{before, c.wall, c.surface, {}, {}}, by_key);
+      } else {
+        from += archived_[c.origin], to += archived_[c.origin + 1];
+      }
+      for (std::size_t s = c.slot; from != to; ++from, ++s) {
+        slots_[s] = from->slot;
+        for (std::size_t h = 0; h < H; ++h) history_[h][s] = from->history[h];
       }
     }
   }
+  static bool by_key(const Kept& a, const Kept& b) { return a.key() < b.key(); }
 
   std::vector<WallCandidate> outer_, inner_;
   std::vector<std::uint32_t> outer_facets_, inner_facets_;
   std::array<Found, Team::most_ranges> found_;
-  std::vector<std::size_t> block_begin_;  // first candidate of each block
-  std::size_t lone_from_ = 0;             // first lone candidate
-  AlignedVector<PlaneRow> planes_;        // of the lone candidates
+  std::vector<std::size_t> block_begin_;     // first candidate of each block
+  std::vector<std::size_t> piece_begin_{0};  // first candidate of each piece at planes
+  std::vector<PlaneRun> runs_;
+  std::vector<std::size_t> run_begin_{0};  // first run of each piece
+  std::vector<std::uint32_t> at_planes_;   // sphere of each slot at planes
+  std::size_t first_plane_slot_ = 0;
+  std::uint32_t particles_ = 0;
   std::vector<Slot> slots_;
-  std::array<AlignedVector<double>, H> history_;
+  std::array<AlignedVector<Scalar>, H> history_;
   std::vector<Kept> archive_;
+  std::vector<std::uint32_t> archived_;  // first kept contact of each outer candidate
   std::vector<std::uint32_t> previous_;
   bool renewed_ = false;
 };

@@ -5,44 +5,44 @@
 #include <span>
 #include <vector>
 
-#include <silt/engine/pair_pipeline.hpp>
+#include <silt/engine/plane_pipeline.hpp>
 #include <silt/engine/wall_contacts.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Computes the loads of all contacts with walls: geometry of each candidate, then the same law
-/// over lanes as for pairs, in double, rows out; sums what each wall bears. Scalar: of the sums.
+/// Computes the loads of all contacts with walls: geometry of each candidate, in double, then the
+/// same law over lanes as for pairs, rows out; sums what each wall bears. Spheres that are near
+/// planes at rest alone are the PlanePipeline's.
 template <class ContactsType, class Arch, class Scalar>
 class WallPipeline {
-  using Real = typename Lanes<Arch>::Real;
-  using Kernel = ContactKernel<ContactsType, Real>;
+  using Planes = PlanePipeline<ContactsType, Arch, Scalar>;
   using Motion = MotionRow<ContactsType::rotates>;
-  using Contacts = WallContacts<ContactsType::history>;
-  static constexpr std::size_t W = Lanes<Arch>::width;
-  static constexpr std::size_t block = Contacts::block;
+  static constexpr std::size_t W = Lanes<Arch, Scalar>::width;
+  static constexpr std::size_t block = Planes::Contacts::block;
   static constexpr std::size_t chunks = load_chunks<ContactsType>;
-  static constexpr std::size_t row = 4 * chunks;  // doubles
+  static constexpr std::size_t row = 4 * chunks;  // scalars
   static constexpr bool rotates = ContactsType::rotates;
 
  public:
-  struct Input {
-    const PositionRow* positions;
-    const Motion* motions;
-    const std::uint16_t* materials;  // of each particle, if there are several
-    double time_step;                // [s]
-  };
+  using Input = typename Planes::Input;
+  using Contacts = typename Planes::Contacts;
 
   /// Adds the loads to the sums of the particles; sets force and torque of the walls; returns the
   /// largest overlap over the sphere's radius.
   double run(const Input& in, Contacts& contacts, const CoefficientTable<ContactsType>& table,
              std::span<Wall> walls, Scalar* sums, const Team& team) {
-    loads_.assign(contacts.blocks() * walls.size(), {});
-    largest_.assign(contacts.blocks(), 0);
-    team.for_parts(contacts.blocks(),
-                   [&](std::size_t b) { run_block(in, contacts, table, walls, sums, b); });
+    const std::size_t blocks = contacts.blocks(), parts = blocks + contacts.plane_pieces();
+    loads_.assign(parts * walls.size(), {});
+    largest_.assign(parts, 0);
+    team.for_parts(parts, [&](std::size_t b) {
+      if (b < blocks) return run_block(in, contacts, table, walls, sums, b);
+      for (const PlaneRun& run : contacts.runs(b - blocks))
+        largest_[b] = std::max(largest_[b], Planes::run(in, run, walls[run.wall], contacts, table,
+                                                        sums, loads_[b * walls.size() + run.wall]));
+    });
     for (std::size_t w = 0; w < walls.size(); ++w) {
       walls[w].force = walls[w].torque = {0, 0, 0};
-      for (std::size_t b = 0; b < contacts.blocks(); ++b) {
+      for (std::size_t b = 0; b < parts; ++b) {
         walls[w].force += loads_[b * walls.size() + w].force;
         walls[w].torque += loads_[b * walls.size() + w].torque;
       }
@@ -56,95 +56,17 @@ class WallPipeline {
  private:
   /// The contacts of one block, side by side whatever slots they have.
   struct Scratch {
-    KinematicsBlock<rotates, ContactsType::has_rolling, block, double> kinematics;
-    alignas(64) double history[ContactsType::history + 1][block];
+    KinematicsBlock<rotates, ContactsType::has_rolling, block, Scalar> kinematics;
+    alignas(64) Scalar history[ContactsType::history + 1][block];
     std::uint16_t kind[block];  // place in the coefficient table
     struct Place {
       std::uint32_t slot, particle;
       std::uint16_t wall;
     } place[block];
-    Vec3d point[block];  // [m] where it touches
+    Vec3d point[block];   // [m] where it touches
+    double share[block];  // [-] overlap over the radius
     std::size_t count;
   };
-  struct WallLoad {
-    Vec3d force, torque;
-  };
-
-  /// Contacts of spheres that are near nothing but one plane at rest: all in lanes.
-  void run_lone_block(const Input& in, Contacts& contacts,
-                      const CoefficientTable<ContactsType>& table, std::span<const Wall> walls,
-                      Scalar* sums, std::size_t b) {
-    const auto candidates = contacts.block_candidates(b);
-    const PlaneRow* const planes = contacts.planes(b);
-    const std::size_t count = candidates.size(), first = candidates[0].slot;
-    alignas(64) double rows[block * row], overlaps[block], points[3][block];
-    std::uint16_t kinds[block];
-    for (std::size_t k = 0; k < pieces(count, W) * W; ++k) {
-      const WallCandidate& c = candidates[std::min(k, count - 1)];
-      std::size_t material = 0;
-      if constexpr (ContactsType::several_materials) material = in.materials[c.particle];
-      kinds[k] = static_cast<std::uint16_t>(material * table.materials + walls[c.wall].material);
-    }
-    const Real time_step(in.time_step);
-    ContactCoefficients<ContactsType, Real> coefficients(table);
-    for (std::size_t k = 0; k < count; k += W) {
-      coefficients.choose(kinds + k);
-      double* history[ContactsType::history + 1];
-      for (std::size_t h = 0; h < ContactsType::history; ++h)
-        history[h] = contacts.history(h) + first + k;
-      const auto columns_of = [&](const auto& row_of, Real(&columns)[4]) {
-        Row4<Arch> lanes[W];
-        for (std::size_t lane = 0; lane < W; ++lane)
-          lanes[lane] = Row4<Arch>::load(row_of(std::min(k + lane, count - 1)));
-        rows_to_columns<Arch>(lanes, columns);
-      };
-      Real centre[4], plane[4], velocity[4], spin[4];
-      columns_of([&](std::size_t m) { return &in.positions[candidates[m].particle].x; }, centre);
-      columns_of([&](std::size_t m) { return &planes[m].x; }, plane);
-      columns_of([&](std::size_t m) { return &in.motions[candidates[m].particle].vx; }, velocity);
-      const Real &r = centre[3], &inv_m = velocity[3], zero(0);
-      Kinematics<Real> kin;
-      kin.normal = {plane[0], plane[1], plane[2]};
-      const Vec3<Real> x{centre[0], centre[1], centre[2]};
-      const Real distance = dot(x, kin.normal) - plane[3];
-      kin.half_change = {zero, zero, zero};
-      kin.velocity = {velocity[0], velocity[1], velocity[2]};
-      kin.overlap = select(inv_m > zero, r - distance, Real(-1));  // fixed spheres feel no wall
-      kin.R_eff = r, kin.inverse_m_eff = inv_m, kin.m_eff = Real(1) / max(inv_m, smallest<Real>());
-      RollingKinematics<Real> rolling;
-      if constexpr (rotates) {
-        columns_of([&](std::size_t m) { return &in.motions[candidates[m].particle].wx; }, spin);
-        kin.spin = {spin[0], spin[1], spin[2]};
-        kin.arm = distance * spin[3], kin.twist = zero;
-        if constexpr (ContactsType::has_rolling)
-          rolling = {spin[3] * kin.spin, Real(1.4) * r * r * kin.m_eff};
-      }
-      const auto load = Kernel::load(kin, rolling, time_step, coefficients.law(),
-                                     coefficients.rolling(), history);
-      write_rows<chunks, Arch, Real>(rows + k * row, load);
-      silt::store(overlaps + k, kin.overlap / r);
-      const Vec3<Real> point = x - distance * kin.normal;
-      silt::store(points[0] + k, point.x), silt::store(points[1] + k, point.y);
-      silt::store(points[2] + k, point.z);
-    }
-    for (std::size_t k = 0; k < count; ++k) {
-      if (!(overlaps[k] > 0)) continue;
-      add_load(candidates[k].particle, candidates[k].wall, rows + k * row,
-               {points[0][k], points[1][k], points[2][k]}, overlaps[k], walls, sums, b);
-    }
-  }
-
-  /// Adds what a contact at `point` does to its sphere and its wall.
-  void add_load(std::uint32_t particle, std::size_t wall, const double* r, const Vec3d& point,
-                double overlap, std::span<const Wall> walls, Scalar* sums, std::size_t b) {
-    add_row<Arch, chunks, false>(sums + particle * row, r);
-    const Vec3d force{-r[0], -r[1], -r[2]};
-    auto& wall_load = loads_[b * walls.size() + wall];
-    wall_load.force += force;
-    wall_load.torque += cross(point - walls[wall].reference, force);
-    largest_[b] = std::max(largest_[b], overlap);
-  }
-
   void run_block(const Input& in, Contacts& contacts, const CoefficientTable<ContactsType>& table,
                  std::span<const Wall> walls, Scalar* sums, std::size_t b) {
     const auto candidates = contacts.block_candidates(b);
@@ -154,7 +76,6 @@ class WallPipeline {
       __builtin_prefetch(in.motions + c.particle);
       __builtin_prefetch(sums + c.particle * row, 1);
     }
-    if (contacts.is_lone(b)) return run_lone_block(in, contacts, table, walls, sums, b);
     Scratch s;
     s.count = 0;
     for (std::size_t k = 0, next = 0; k < candidates.size(); k = next) {
@@ -164,24 +85,23 @@ class WallPipeline {
     }
     pad(s);
 
-    alignas(64) double rows[block * row];
-    const Real time_step(in.time_step);
-    ContactCoefficients<ContactsType, Real> coefficients(table);
-    for (std::size_t k = 0; k < s.count; k += W) {
-      coefficients.choose(s.kind + k);
-      double* history[ContactsType::history + 1];
-      for (std::size_t h = 0; h < ContactsType::history; ++h) history[h] = s.history[h] + k;
-      const auto load = Kernel::load(s.kinematics.template get<Real>(k),
-                                     s.kinematics.template get_rolling<Real>(k), time_step,
-                                     coefficients.law(), coefficients.rolling(), history);
-      write_rows<chunks, Arch, Real>(rows + k * row, load);
-    }
+    alignas(64) Scalar rows[block * row];
+    std::array<Scalar*, ContactsType::history + 1> history{};
+    for (std::size_t h = 0; h < ContactsType::history; ++h) history[h] = s.history[h];
+    const std::size_t padded = pieces(s.count, W) * W;
+    loads_of<ContactsType, Arch>(s.kinematics, padded, in.time_step, table, s.kind, history);
+    write_rows<ContactsType, Arch>(s.kinematics, padded, rows);
     for (std::size_t k = 0; k < s.count; ++k) {
       const auto [slot, particle, wall] = s.place[k];
       for (std::size_t h = 0; h < ContactsType::history; ++h)
         contacts.history(h)[slot] = s.history[h][k];
-      add_load(particle, wall, rows + k * row, s.point[k],
-               s.kinematics.overlap[k] / s.kinematics.R_eff[k], walls, sums, b);
+      const Scalar* const r = rows + k * row;
+      add_row<Arch, chunks, false>(sums + particle * row, r);
+      const Vec3d force{-r[0], -r[1], -r[2]};
+      WallLoad& load = loads_[b * walls.size() + wall];
+      load.force += force;
+      load.torque += cross(s.point[k] - walls[wall].reference, force);
+      largest_[b] = std::max(largest_[b], s.share[k]);
     }
   }
 
@@ -189,8 +109,8 @@ class WallPipeline {
   static void pad(Scratch& s) {
     for (std::size_t k = s.count; k % W != 0; ++k) {
       const std::size_t from = s.count / W * W;
-      s.kinematics.put(k, s.kinematics.template get<double>(from));
-      s.kinematics.put(k, s.kinematics.template get_rolling<double>(from));
+      s.kinematics.put(k, s.kinematics.template get<Scalar>(from));
+      s.kinematics.put(k, s.kinematics.template get_rolling<Scalar>(from));
       for (auto& h : s.history) h[k] = h[from];
       s.kind[k] = s.kind[from];
     }
@@ -327,7 +247,7 @@ class WallPipeline {
     if (motion.inv_m == 0) return;  // a fixed sphere feels no wall
     const std::size_t k = s.count++;
     const Vec3d contact = sphere.centre() - point.distance * point.normal;
-    const Vec3d half_change = 0.5 * (point.normal - last_normal);
+    const Vec3d change = point.normal - last_normal;
     Vec3d wall_velocity{0, 0, 0}, wall_spin{0, 0, 0};
     if (wall.moves()) {
       // Mean velocity of the material point over the last step, like the spheres' own.
@@ -336,22 +256,29 @@ class WallPipeline {
       wall_spin = angular_velocity(wall.last_pose, wall.pose, in.time_step);
       // ... of the one under the contact half a step ago, which this one was not if they slide.
       wall_velocity += cross(wall_spin, 0.5 * in.time_step * (wall_velocity - motion.velocity()) +
-                                            point.distance * half_change);
+                                            0.5 * point.distance * change);
     }
-    Kinematics<double> kin;
-    kin.normal = point.normal, kin.half_change = half_change;
-    kin.velocity = motion.velocity() - wall_velocity;
-    kin.overlap = sphere.r - point.distance;
-    kin.R_eff = sphere.r, kin.m_eff = 1 / motion.inv_m, kin.inverse_m_eff = motion.inv_m;
+    const auto scalar = [](double x) { return static_cast<Scalar>(x); };
+    const auto vector = [](const Vec3d& v) {
+      return Vec3<Scalar>{static_cast<Scalar>(v.x), static_cast<Scalar>(v.y),
+                          static_cast<Scalar>(v.z)};
+    };
+    Kinematics<Scalar> kin;
+    kin.normal = vector(point.normal), kin.change = vector(change);
+    kin.velocity = vector(motion.velocity() - wall_velocity);
+    kin.overlap = scalar(sphere.r - point.distance);
+    kin.R_eff = scalar(sphere.r);
+    kin.m_eff = scalar(1 / motion.inv_m), kin.inverse_m_eff = scalar(motion.inv_m);
     if constexpr (rotates) {
-      kin.spin = motion.spin_velocity();
-      kin.arm = point.distance * motion.inv_r;
-      kin.twist = dot(wall_spin, point.normal);
-      s.kinematics.put(k,
-                       RollingKinematics<double>{motion.spin_velocity() * motion.inv_r - wall_spin,
-                                                 1.4 * sphere.r * sphere.r * kin.m_eff});
+      kin.spin = vector(motion.spin_velocity());
+      kin.arm = scalar(point.distance * motion.inv_r);
+      kin.twist = scalar(dot(wall_spin, point.normal));
+      s.kinematics.put(
+          k, RollingKinematics<Scalar>{vector(motion.spin_velocity() * motion.inv_r - wall_spin),
+                                       scalar(1.4 * sphere.r * sphere.r / motion.inv_m)});
     }
     s.kinematics.put(k, kin);
+    s.share[k] = (sphere.r - point.distance) / sphere.r;
     std::size_t material = 0;
     if constexpr (ContactsType::several_materials) material = in.materials[c.particle];
     s.kind[k] = static_cast<std::uint16_t>(material * table.materials + wall.material);

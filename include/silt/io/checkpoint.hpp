@@ -83,8 +83,7 @@ class Checkpoint {
     out.add("walls.outer", candidates_outer), out.add("walls.inner", candidates_inner);
     out.add("walls.outer_facets", state.outer_facets);
     out.add("walls.inner_facets", state.inner_facets);
-    const std::vector<std::uint64_t> lone{state.lone_from};
-    out.add("walls.lone", lone);
+    out.add("walls.pieces", state.pieces);
     out.add("walls.normal", normals), out.add("walls.touching", touching);
     for (std::size_t h = 0; h < H; ++h) out.add(text("walls.history", h), state.history[h]);
 
@@ -156,7 +155,7 @@ class Checkpoint {
     state.inner = candidates(in.get<std::uint32_t>("walls.inner"));
     state.outer_facets = in.get<std::uint32_t>("walls.outer_facets");
     state.inner_facets = in.get<std::uint32_t>("walls.inner_facets");
-    state.lone_from = in.get<std::uint64_t>("walls.lone", 1)[0];
+    state.pieces = in.get<std::uint64_t>("walls.pieces");
     const auto touching = in.get<std::uint8_t>("walls.touching");
     const auto normals = in.get<double>("walls.normal", 3 * touching.size());
     for (std::size_t h = 0; h < H; ++h)
@@ -193,7 +192,7 @@ class Checkpoint {
     for (std::size_t k = 0; k + 1 < outer.size(); k += 2)
       pairs.outer.push_back({outer[k], outer[k + 1]});
     e.lists.pairs.restore(pairs, n);
-    e.lists.walls.restore(std::move(state), e.walls);
+    e.lists.walls.restore(std::move(state), e.walls, n);
 
     const double* next = walls.data();
     for (auto& w : e.walls) {
@@ -223,7 +222,7 @@ class Checkpoint {
 
   /// Which programs can continue from the file: the policies that shape the state.
   static std::string signature() {
-    return text("silt state 3; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
+    return text("silt state 4; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
                 name_of<typename Sim::ContactsType>(), "; search ", name_of<typename Sim::Search>(),
                 "; domain ", name_of<typename Sim::Domain>(), "; precision ",
                 name_of<typename Sim::Precision>());
@@ -274,15 +273,16 @@ class Checkpoint {
   static std::vector<std::uint32_t> flat(const std::vector<detail::WallCandidate>& candidates) {
     std::vector<std::uint32_t> out;
     for (const auto& c : candidates)
-      out.insert(out.end(), {c.particle, c.wall, c.surface, c.slot, c.facets, c.facet_count});
+      out.insert(out.end(),
+                 {c.particle, c.wall, c.surface, c.slot, c.facets, c.facet_count, c.origin});
     return out;
   }
   static std::vector<detail::WallCandidate> candidates(const std::vector<std::uint32_t>& flat) {
     std::vector<detail::WallCandidate> out;
-    for (std::size_t k = 0; k + 5 < flat.size(); k += 6)
+    for (std::size_t k = 0; k + 6 < flat.size(); k += 7)
       out.push_back({flat[k], static_cast<std::uint16_t>(flat[k + 1]),
-                     static_cast<std::uint16_t>(flat[k + 2]), flat[k + 3], flat[k + 4],
-                     flat[k + 5]});
+                     static_cast<std::uint16_t>(flat[k + 2]), flat[k + 3], flat[k + 4], flat[k + 5],
+                     flat[k + 6]});
     return out;
   }
 };
