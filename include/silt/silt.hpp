@@ -24,3 +24,4 @@
 #include <silt/search/verlet_list.hpp>
 #include <silt/shape/sphere.hpp>
 #include <silt/simulation.hpp>
+#include <silt/study/unequal_damping.hpp>
