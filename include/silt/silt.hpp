@@ -10,6 +10,8 @@
 #include <silt/boundary/triangle_mesh.hpp>
 #include <silt/boundary/wall.hpp>
 #include <silt/contact/contacts.hpp>
+#include <silt/contact/damped_impact.hpp>
+#include <silt/contact/hertz_damped.hpp>
 #include <silt/contact/hertz_mindlin.hpp>
 #include <silt/contact/impact.hpp>
 #include <silt/contact/linear_spring.hpp>
