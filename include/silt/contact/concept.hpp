@@ -15,12 +15,13 @@ namespace silt::inline SILT_TARGET {
 /// Velocities are of particle i relative to j at the contact point, at the half step between the
 /// last positions and the present ones, decomposed in the frame that the contact had at that same
 /// instant: their time integral is the exact relative displacement (Vyas et al., Comput. Phys.
-/// Commun. 310 (2025) 109524, show what goes wrong otherwise). A law is only asked where
-/// overlap > 0 matters: results and history of the other lanes are dropped by the engine.
+/// Commun. 310 (2025) 109524, show what goes wrong otherwise). Only where overlap > 0 does a law's
+/// answer matter: results and history of the other lanes are dropped by the engine. A law with a
+/// range is asked for signed overlaps, down to minus that.
 template <class Real>
 struct Contact {
   Vec3<Real> normal;               // [-] unit, from j to i
-  Real overlap;                    // [m] > 0 touching; never negative here
+  Real overlap;                    // [m] > 0 touching; < 0, a gap: of laws with a range alone
   Real normal_velocity;            // [m/s] > 0 separating
   Vec3<Real> tangential_velocity;  // [m/s] in the tangent plane
   Real R_eff;                      // [m] 1/(1/Ri + 1/Rj); Rj infinite at a wall
@@ -133,6 +134,10 @@ inline Aggregate<Real> broadcast(const Aggregate<double>& a) {
 ///   static void check(const Material&), check(const Pair&)      throw InputError
 ///   static double contact_time(Coefficients<double>, R_eff, m_eff, speed)    [s], for the time
 ///   step static Real stiffness(Contact<Real>, Coefficients<Real>)    [N/m], for rolling resistance
+///   static Real range(Coefficients<Real>, Real R_eff)    [m], of laws that act at a distance:
+///     force and history live while the gap is smaller; must not fall as R_eff grows
+///   static Real pressing(Contact<Real>, Coefficients<Real>, Real normal)    [N] >= 0, what presses
+///     the bodies together, adhesion included, for rolling resistance; left out: max(normal, 0)
 template <class L>
 concept ContactLaw = std::equality_comparable<typename L::Material> && requires {
   typename L::template Coefficients<double>;
@@ -163,6 +168,12 @@ concept WorksOnLanes = requires(const Contact<Real>& c,
 };
 
 }  // namespace detail
+
+/// A law that acts before bodies touch and after they part, up to a gap `range`.
+template <class L>
+concept ActsAtDistance = requires(const typename L::template Coefficients<double>& p) {
+  { L::range(p, 1.0) } -> std::same_as<double>;
+};
 
 /// True if the law's force has a tangential part, so that particles need to rotate.
 template <class L>

@@ -150,7 +150,7 @@ struct ContactKernel {
   static SILT_INLINE Contact<Real> contact(const Kinematics<Real>& k, const Real& time_step) {
     Contact<Real> c;
     c.normal = k.normal;
-    c.overlap = max(k.overlap, Real(0));
+    c.overlap = ActsAtDistance<Law> ? k.overlap : max(k.overlap, Real(0));
     c.R_eff = k.R_eff, c.m_eff = k.m_eff, c.inverse_m_eff = k.inverse_m_eff;
     c.time_step = time_step;
     const Vec3<Real> middle = k.normal - Real(0.5) * k.change;  // half a step ago
@@ -163,6 +163,23 @@ struct ContactKernel {
     return c;
   }
 
+  /// The lanes in which the law acts.
+  static SILT_INLINE auto acting(const Kinematics<Real>& k,
+                                 [[maybe_unused]] const LawCoefficients& law) {
+    if constexpr (ActsAtDistance<Law>)
+      return k.overlap > -Law::range(law, k.R_eff);
+    else
+      return k.overlap > Real(0);
+  }
+  /// What presses the bodies together, for rolling resistance [N].
+  static SILT_INLINE Real pressing(const Contact<Real>& c, const LawCoefficients& law,
+                                   const Real& normal) {
+    if constexpr (requires { Law::pressing(c, law, normal); })
+      return Law::pressing(c, law, normal);
+    else
+      return max(normal, Real(0));
+  }
+
   /// `history`: one pointer a component, at this pack; lanes out of contact are set to zero.
   static SILT_INLINE PairLoad<Real> load(const Kinematics<Real>& k,
                                          const RollingKinematics<Real>& r, const Real& time_step,
@@ -170,7 +187,7 @@ struct ContactKernel {
                                          [[maybe_unused]] const RollingCoefficients& rolling,
                                          ScalarOf<Real>* const* history) {
     const Contact<Real> c = contact(k, time_step);
-    const auto touching = k.overlap > Real(0);
+    const auto touching = acting(k, law);
     const Real zero(0);
     PairLoad<Real> out;
 
@@ -196,7 +213,7 @@ struct ContactKernel {
       const RollingContact<Real> rc{
           k.normal,
           r.angular_velocity - dot(r.angular_velocity, k.normal) * k.normal,
-          max(normal_force, zero),
+          select(touching, pressing(c, law, normal_force), zero),
           Law::stiffness(c, law),
           k.R_eff,
           r.inertia_eff,

@@ -119,7 +119,7 @@ class PlanePipeline {
       Kinematics<Real> kin;
       kin.normal = normal, kin.change = {zero, zero, zero};
       kin.velocity = {velocity[0], velocity[1], velocity[2]};
-      kin.overlap = select(there, overlap, Real(-1));
+      kin.overlap = select(there, overlap, Real(Scalar(-1e30)));
       kin.R_eff = r, kin.inverse_m_eff = inv_m, kin.m_eff = Real(1) / max(inv_m, smallest<Real>());
       if constexpr (rotates) {
         kin.spin = {spin[0], spin[1], spin[2]};

@@ -186,11 +186,13 @@ class WallPipeline {
                              const PositionRow& sphere, const Contacts& contacts,
                              SurfacePoint* points) {
     const Vec3d centre = Contacts::in_body(wall, sphere.centre());
+    double within = sphere.r;
+    if constexpr (ActsAtDistance<typename ContactsType::Law>) within += contacts.range;
     int count;
-    if constexpr (requires { surface.contacts(centre, sphere.r, contacts.facets(c), points); })
-      count = surface.contacts(centre, sphere.r, contacts.facets(c), points);
+    if constexpr (requires { surface.contacts(centre, within, contacts.facets(c), points); })
+      count = surface.contacts(centre, within, contacts.facets(c), points);
     else
-      count = surface.contacts(centre, sphere.r, points);
+      count = surface.contacts(centre, within, points);
     if (wall.moves())
       for (int p = 0; p < count; ++p) points[p].normal = wall.pose.rotate(points[p].normal);
     return count;
