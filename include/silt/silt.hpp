@@ -14,6 +14,7 @@
 #include <silt/contact/cohesion/van_der_waals.hpp>
 #include <silt/contact/contacts.hpp>
 #include <silt/contact/damped_impact.hpp>
+#include <silt/contact/dcdem.hpp>
 #include <silt/contact/hertz_damped.hpp>
 #include <silt/contact/hertz_mindlin.hpp>
 #include <silt/contact/impact.hpp>
