@@ -20,7 +20,11 @@
 #include <silt/contact/impact.hpp>
 #include <silt/contact/jkr.hpp>
 #include <silt/contact/linear_spring.hpp>
+#include <silt/contact/rolling/directional.hpp>
 #include <silt/contact/rolling/epsd.hpp>
+#include <silt/contact/rolling/own.hpp>
+#include <silt/contact/rolling/twisting.hpp>
+#include <silt/contact/rolling/viscous.hpp>
 #include <silt/coupling/no_fluid.hpp>
 #include <silt/fill/particle_file.hpp>
 #include <silt/fill/particles.hpp>

@@ -51,12 +51,34 @@ template <class Real>
 struct RollingContact {
   Vec3<Real> normal;            // [-] from j to i
   Vec3<Real> angular_velocity;  // [rad/s] of i relative to j, without its part along the normal
+  Real twist;                   // [rad/s] that part, > 0 about the normal
+  Vec3<Real> spin_velocity;     // [m/s] Ri wi + Rj wj; at a wall Ri wi
+  Real overlap;                 // [m]
   Real normal_force;            // [N] >= 0
   Real normal_stiffness;        // [N/m] dF_n/d(overlap)
   Real R_eff;                   // [m]
   Real inertia_eff;             // [kg m2] 1/(1/(Ii + mi Ri^2) + 1/(Ij + mj Rj^2))
   Vec3<Real> turn;              // [rad]
   Real time_step;               // [s]
+
+  /// A couple against `rotation` [rad/s], of the size `limit` [N m] but for rotations so slow that
+  /// some steps would turn them round: those it damps, over 8 steps.
+  Vec3<Real> against(const Vec3<Real>& rotation, const Real& limit) const {
+    const Real size = sqrt(max(dot(rotation, rotation), smallest<Real>()));
+    return -min(limit / size, inertia_eff / (Real(8) * time_step)) * rotation;
+  }
+};
+
+/// What a rolling model that looks at each partner's own rotation sees besides.
+template <class Real>
+struct OwnRotations {
+  Vec3<Real> of_i, of_j;    // [rad/s]
+  Real radius_i, radius_j;  // [m]; 0 of a wall
+};
+/// What it returns: couples [N m] that need not be opposite.
+template <class Real>
+struct OwnCouples {
+  Vec3<Real> on_i, on_j;
 };
 
 namespace detail {
@@ -146,6 +168,8 @@ concept ContactLaw = std::equality_comparable<typename L::Material> && requires 
 
 /// A rolling model adds a couple M on i and -M on j: needs `Pair`, `Coefficients`, `mix(Pair)` and
 /// `static Vec3<Real> torque(RollingContact<Real>, Coefficients<Real> [, History<Real>&])`.
+/// With `static constexpr bool of_own_rotation = true` it is asked `torque(RollingContact<Real>,
+/// OwnRotations<Real>, Coefficients<Real>)` and returns OwnCouples<Real>.
 template <class M>
 concept RollingModel = requires {
   typename M::Pair;
@@ -157,6 +181,11 @@ concept RollingModel = requires {
 };
 
 namespace detail {
+
+template <class M>
+inline constexpr bool of_own_rotation = requires {
+  requires M::of_own_rotation;
+};
 
 /// True if the law can be asked for a pack of lanes of type Real, as for one double. (What its body
 /// does with them, the compiler says.)

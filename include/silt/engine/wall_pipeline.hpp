@@ -56,7 +56,7 @@ class WallPipeline {
  private:
   /// The contacts of one block, side by side whatever slots they have.
   struct Scratch {
-    KinematicsBlock<rotates, ContactsType::has_rolling, block, Scalar> kinematics;
+    KinematicsBlock<rotates, rolling_needs<ContactsType>, block, Scalar> kinematics;
     alignas(64) Scalar history[ContactsType::history + 1][block];
     std::uint16_t kind[block];  // place in the coefficient table
     struct Place {
@@ -277,7 +277,8 @@ class WallPipeline {
       kin.twist = scalar(dot(wall_spin, point.normal));
       s.kinematics.put(
           k, RollingKinematics<Scalar>{vector(motion.spin_velocity() * motion.inv_r - wall_spin),
-                                       scalar(1.4 * sphere.r * sphere.r / motion.inv_m)});
+                                       scalar(1.4 * sphere.r * sphere.r / motion.inv_m),
+                                       scalar(sphere.r), scalar(0)});
     }
     s.kinematics.put(k, kin);
     s.share[k] = (sphere.r - point.distance) / sphere.r;
