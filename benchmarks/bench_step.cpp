@@ -1,9 +1,10 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Cost of a time step on a settled bed: what a scene leaves out, it does not pay for.
-// Items are particle-steps.
+// Cost of a time step on a settled bed: what a scene leaves out, it does not pay for; and what each
+// law gains from lanes. Items are particle-steps.
 
 #include <cmath>
+#include <string>
 #include <type_traits>
 
 #include <benchmark/benchmark.h>
@@ -85,6 +86,25 @@ void BM_linear_frictionless_mixed(benchmark::State& s) {
 }
 
 constexpr auto ms = benchmark::kMillisecond;
+
+/// Times a law on the lanes of this machine and on one lane: of a law of your own it shows whether
+/// the compiler makes of it what it makes of the others.
+template <class Law>
+bool compare_lanes(const std::string& name, const typename Law::Material& material) {
+  const auto time = [&](const char* kind, auto... kernels) {
+    benchmark::RegisterBenchmark(
+        (name + kind).c_str(),
+        [=](benchmark::State& s) { run(s, Contacts<Law>{material}, spread, kernels...); })
+        ->Arg(5000)
+        ->Unit(ms);
+  };
+  time("/lanes");
+  time("/one_lane", silt::KernelsFor<silt::OneLane>{});
+  return true;
+}
+const bool laws = compare_lanes<silt::HertzMindlin>("law_hertz_mindlin", glass) &&
+                  compare_lanes<silt::LinearSpring>("law_linear", spring);
+
 BENCHMARK(BM_hertz_mindlin_several_materials)->Arg(5000)->Unit(ms);
 BENCHMARK(BM_hertz_mindlin_rolling)->Arg(5000)->Unit(ms);
 BENCHMARK(BM_hertz_mindlin)->Arg(5000)->Arg(50000)->Unit(ms);

@@ -35,4 +35,10 @@ fi
 cp "$work/quick/checkpoint.silt" "$work/later.silt"
 "$hopper" --quick --out "$work/again" --restart "$work/later.silt" >"$work/log" 2>&1 ||
   fail "hopper --restart ended with status $?: $(tail -n 20 "$work/log")"
+
+refused "precision silt::Mixed" --quick --mixed --out "$work/mixed" --restart "$work/later.silt"
+"$hopper" --quick --mixed --out "$work/mixed" >"$work/log" 2>&1 ||
+  fail "hopper --mixed ended with status $?: $(tail -n 20 "$work/log")"
+grep -q '"precision": "mixed"' "$work/mixed/summary.json" || fail "hopper --mixed: not in summary.json"
+grep -q '"precision": "double"' "$work/quick/summary.json" || fail "hopper: not in double by default"
 exit $failed

@@ -80,11 +80,12 @@ PEERS = ("LAMMPS granular", "LIGGGHTS")
 
 
 def run_deck(program, deck, cores, folder, **values):
-    path, end = os.path.join(folder, program + ".in"), os.path.join(folder, program + ".end")
+    name = os.path.basename(program)
+    path, end = os.path.join(folder, name + ".in"), os.path.join(folder, name + ".end")
     with open(path, "w") as f:
         f.write(deck.format(end=end, **values))
     for old in os.listdir(folder):
-        if old.startswith(program + ".end"):
+        if old.startswith(name + ".end"):
             os.remove(os.path.join(folder, old))
     command = [program, "-in", path, "-log", "none"]
     if cores > 1:
@@ -94,7 +95,7 @@ def run_deck(program, deck, cores, folder, **values):
                                   OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1"))
     loops = re.findall(r"Loop time of ([0-9.eE+-]+)", out.stdout)
     energy = re.findall(r"^\s*\d+\s+\d+\s+([0-9.eE+-]+)", out.stdout, re.M)
-    ends = sorted(name for name in os.listdir(folder) if name.startswith(program + ".end"))
+    ends = sorted(file for file in os.listdir(folder) if file.startswith(name + ".end"))
     if len(loops) != 2 or not ends:
         sys.exit(f"{program} did not finish:\n{out.stdout[-2000:]}{out.stderr[-2000:]}")
     return float(loops[1]), float(energy[-1]), os.path.join(folder, ends[-1])
@@ -140,8 +141,8 @@ def plot(results, path):
         return False
     states = [s for s in ("settled", "filling") if any(r["state"] == s for r in results)]
     cores = sorted({r["cores"] for r in results})
-    colour = {"LAMMPS granular": "#8a8a8a", "LIGGGHTS": "#b9a26c", "silt double": "#1f6fb2",
-              "silt mixed": "#c1440e"}
+    colour = {"LAMMPS granular": "#8a8a8a", "LIGGGHTS": "#b9a26c", "LAMMPS native": "#4d4d4d",
+              "silt double": "#1f6fb2", "silt mixed": "#c1440e"}
     fig, axes = plt.subplots(1, len(states), figsize=(5.2 * len(states), 4), squeeze=False)
     for ax, state in zip(axes[0], states):
         for name in colour:
@@ -180,12 +181,16 @@ def main():
                    default=["settled", "filling"])
     p.add_argument("--work", type=float, default=1,
                    help="multiplies the number of steps that are timed")
+    p.add_argument("--native-lammps", metavar="PROGRAM",
+                   help="a LAMMPS compiled for this machine, timed as a further row")
     p.add_argument("--out", default="out/peers")
     p.add_argument("sizes", type=int, nargs="*", default=[5000, 50000])
     a = p.parse_args()
     for program in ("lmp", "liggghts", "mpirun"):
         if not shutil.which(program):
             sys.exit(f"{program} is not installed; ./run peers installs it on Debian")
+    if a.native_lammps and not shutil.which(a.native_lammps):
+        sys.exit(f"--native-lammps {a.native_lammps}: there is no such program")
     folder = os.path.abspath(a.out)
     os.makedirs(folder, exist_ok=True)
     silt = os.path.abspath(a.silt)
@@ -211,6 +216,10 @@ def main():
                     "silt double": lambda: run_silt(silt, cores, "double", folder, **common),
                     "silt mixed": lambda: run_silt(silt, cores, "mixed", folder, **common),
                 }
+                if a.native_lammps:
+                    native = os.path.abspath(shutil.which(a.native_lammps))
+                    codes["LAMMPS native"] = (
+                        lambda: run_deck(native, LAMMPS, cores, folder, width=width, **common))
                 times, ends = {name: [] for name in codes}, {}
                 for _ in range(a.repeat):
                     for name, run in codes.items():

@@ -1,13 +1,17 @@
 // silt - BSD-3-Clause, see LICENSE
 //
 // What this machine can do, the bound that follows for a settled bed, and how far silt is from it,
-// stage by stage, on one thread.
+// stage by stage, on one thread; and what more threads gain, next to what as many runs of one
+// thread each gain that know nothing of each other: no more can be had from the machine at that
+// moment.
 //   roofline [N...]    spheres; default 5000 50000
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "../bed.hpp"
@@ -96,7 +100,7 @@ Machine measure_machine(const std::vector<std::pair<std::size_t, double>>& bandw
 }
 
 // Counted by hand in pair_pipeline.hpp, contact_kernel.hpp and the law, for one pair.
-constexpr double pair_flops = 250, pair_roots = 4, pair_divisions = 3;
+constexpr double pair_flops = 230, pair_roots = 4, pair_divisions = 3;
 constexpr double particle_flops = 40;
 
 void row(const char* stage, double measured, double bytes, double working_set, double flops,
@@ -107,6 +111,50 @@ void row(const char* stage, double measured, double bytes, double working_set, d
   const double bound = std::max({by_bytes, by_flops, by_divider});
   std::printf("  %-12s %8.2f   %8.2f %8.2f %8.2f   %6.1f\n", stage, measured, by_bytes, by_flops,
               by_divider, measured / bound);
+}
+
+/// The spheres of a simulation as they are now.
+template <class Sim>
+silt::Particles<silt::Sphere> copy_of(const Sim& sim) {
+  silt::Particles<silt::Sphere> spheres;
+  for (std::size_t k = 0; k < sim.rows(); ++k)
+    spheres.add({.position = sim.position(k),
+                 .radius = sim.radius(k),
+                 .density = 2500,
+                 .velocity = sim.velocity(k),
+                 .angular_velocity = sim.angular_velocity(k)});
+  return spheres;
+}
+
+/// How many times more steps a second a team of all threads makes than one thread; and as many
+/// threads that run one copy each. Medians of interleaved rounds.
+template <class Sim, class Precision>
+void show_threads(Sim& sim, Precision precision, int steps) {
+  const int threads = silt::default_threads();
+  if (threads < 2) return;
+  std::vector<Sim> copies;
+  for (int t = 0; t < threads; ++t) {
+    copies.push_back(bench::bed(copy_of(sim), 1, precision));
+    copies.back().run(200 * bench::time_step);
+  }
+  const double time = steps * bench::time_step;
+  std::vector<double> team, apart;
+  for (int round = 0; round < 7; ++round) {
+    sim.threads = 1;
+    const double one = least_time(1, [&] { sim.run(time); });
+    sim.threads = threads;
+    team.push_back(one / least_time(1, [&] { sim.run(time); }));
+    apart.push_back(threads * one / least_time(1, [&] {
+                      std::vector<std::thread> workers;
+                      for (auto& copy : copies) workers.emplace_back([&] { copy.run(time); });
+                      for (auto& w : workers) w.join();
+                    }));
+  }
+  for (auto* of : {&team, &apart}) std::sort(of->begin(), of->end());
+  std::printf(
+      "  %d threads: %.2f times one (%.2f to %.2f); %d runs at once, one thread each: "
+      "%.2f times one (%.2f to %.2f)\n",
+      threads, team[3], team[0], team[6], threads, apart[3], apart[0], apart[6]);
 }
 
 template <class Precision>
@@ -164,6 +212,7 @@ void show(std::size_t n, Precision precision, const Machine& machine, const char
   std::printf(
       "  a whole step %6.2f ns = %.1f M particle-steps/s; pruning %.1f ns, a search %.0f ns\n",
       whole * ns, 1e-6 * count / whole, prune * ns, renew * ns);
+  show_threads(sim, precision, static_cast<int>(2e7 / count) + 1);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include <silt/silt.hpp>
@@ -82,6 +83,7 @@ std::vector<std::array<silt::Vec3d, 3>> box_triangles(const Scene& s) {
 
 constexpr std::size_t lid = 6;  // number of the wall that closes the orifice
 
+template <class Precision>
 auto make_simulation(const Scene& s) {
   silt::Particles<silt::Sphere> grains;
   grains.fill({.min = {0, 0, s.funnel_top()}, .max = {s.width, s.width, s.funnel_top() + s.room()}},
@@ -90,7 +92,7 @@ auto make_simulation(const Scene& s) {
                .count = s.particles,
                .gap = s.gap});
   silt::Simulation sim{std::move(grains), silt::Contacts<Law>{s.material()},
-                       silt::VerletList{.sort = s.sort}};
+                       silt::VerletList{.sort = s.sort}, Precision{}};
   sim.gravity = {0, 0, -9.81};
   sim.time_step = s.time_step;
   const double w = s.width;
@@ -168,9 +170,11 @@ struct Discharge {
   }
 };
 
+template <class Precision>
 int simulate(Scene scene, const example::Options& options) {
+  const std::string precision = std::is_same_v<Precision, silt::Mixed> ? "mixed" : "double";
   const example::Stopwatch whole;
-  auto sim = make_simulation(scene);
+  auto sim = make_simulation<Precision>(scene);
   sim.threads = options.threads;
   const double opening = scene.settling_time();
   if (!options.restart.empty()) silt::load_checkpoint(sim, options.restart);
@@ -192,11 +196,15 @@ int simulate(Scene scene, const example::Options& options) {
   summary.input("time_step_s", scene.time_step);
   summary.input("settling_time_s", opening);
   summary.input("sort", scene.sort);
+  summary.input("precision", precision);
   summary.input("threads", static_cast<double>(options.threads));
   summary.input("seed", 1.0);
   summary.input("restart", options.restart);
-  std::printf("%zu spheres of 1.95-2.35 mm, %zu + %zu bytes a particle and contact, dt = %g s\n",
-              sim.size(), sim.bytes_per_particle, sim.bytes_per_contact, scene.time_step);
+  std::printf(
+      "%zu spheres of 1.95-2.35 mm, %zu + %zu bytes a particle and contact, dt = %g s, %s "
+      "precision\n",
+      sim.size(), sim.bytes_per_particle, sim.bytes_per_contact, scene.time_step,
+      precision.c_str());
   silt::write_stl(options.out + "/floor.stl", floor_triangles(scene));
   write_outlines(scene, options.out + "/outlines.vtp");
 
@@ -342,10 +350,11 @@ int simulate(Scene scene, const example::Options& options) {
 int main(int argc, char** argv) {
   example::Command command("Hopper discharge of 100 000 or 300 000 spheres into a box below");
   Scene scene;
-  bool unsorted = false;
+  bool unsorted = false, mixed = false;
   command.add("--particles", scene.particles, 1000, 10000000, "How many");
   command.add("--density", scene.density, 1, 20000, "Of the grains [kg/m3]");
   command.add_flag("--flat", scene.flat, "A flat floor around the orifice instead of a funnel");
+  command.add_flag("--mixed", mixed, "The work on pairs of particles in float (silt::Mixed)");
   command.add_flag("--no-sort", unsorted, "Never bring the particles back into the order of cells");
   return command.run(argc, argv, [&] {
     scene.sort = !unsorted;
@@ -356,6 +365,7 @@ int main(int argc, char** argv) {
       const double moments[4] = {0.1, 0.25, 0.35, 0.65};
       std::copy(moments, moments + 4, scene.moments);
     }
-    return simulate(scene, command.options);
+    return mixed ? simulate<silt::Mixed>(scene, command.options)
+                 : simulate<silt::Double>(scene, command.options);
   });
 }

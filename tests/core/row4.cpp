@@ -6,31 +6,36 @@
 namespace {
 
 /// Numbers every element of W rows, turns them into columns and back.
-template <class Arch>
+template <class Arch, class Scalar>
 void check_turns() {
-  constexpr std::size_t W = silt::Lanes<Arch>::width;
-  using Real = typename silt::Lanes<Arch>::Real;
+  constexpr std::size_t W = silt::Lanes<Arch, Scalar>::width;
+  using Real = typename silt::Lanes<Arch, Scalar>::Real;
+  using Row = silt::Row4<Arch, Scalar>;
   CAPTURE(W);
-  silt::Row4<Arch> rows[W];
+  Row rows[W];
   for (std::size_t lane = 0; lane < W; ++lane) {
-    const double first = 10.0 * static_cast<double>(lane);
-    rows[lane] = silt::Row4<Arch>::of(first, first + 1, first + 2, first + 3);
+    const Scalar first = 10 * static_cast<Scalar>(lane);
+    rows[lane] = Row::of(first, first + 1, first + 2, first + 3);
   }
   Real columns[4];
   silt::rows_to_columns<Arch>(rows, columns);
   for (std::size_t c = 0; c < 4; ++c) {
-    alignas(64) double lanes[W];
+    alignas(64) Scalar lanes[W];
     silt::store(lanes, columns[c]);
     for (std::size_t lane = 0; lane < W; ++lane)
-      CHECK(lanes[lane] == static_cast<double>(10 * lane + c));
+      CHECK(lanes[lane] == static_cast<Scalar>(10 * lane + c));
   }
-  silt::Row4<Arch> back[W];
+  Row back[W];
   silt::columns_to_rows<Arch>(columns, back);
   for (std::size_t lane = 0; lane < W; ++lane) {
-    alignas(64) double element[4];
+    alignas(64) Scalar element[4];
     back[lane].store(element);
-    for (std::size_t c = 0; c < 4; ++c) CHECK(element[c] == static_cast<double>(10 * lane + c));
+    for (std::size_t c = 0; c < 4; ++c) CHECK(element[c] == static_cast<Scalar>(10 * lane + c));
   }
+}
+template <class Arch>
+void check_turns() {
+  check_turns<Arch, double>(), check_turns<Arch, float>();
 }
 
 template <class Arch>

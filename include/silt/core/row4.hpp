@@ -83,9 +83,36 @@ SILT_INLINE Row4<Arch, To> convert(const Row4<Arch, From>& row) {
 
 namespace detail {
 
+// A register holds one, two or four rows of four side by side: side_by_side() lays them there and
+// take_apart() takes them back; turn() makes columns of the 4x4 block that four registers hold at
+// each place.
+#if defined(__SSE2__)
+SILT_INLINE void turn(__m128 (&v)[4]) { _MM_TRANSPOSE4_PS(v[0], v[1], v[2], v[3]); }
+#endif
+#if defined(__AVX__)
+SILT_INLINE void turn(__m256d (&v)[4]) {
+  const __m256d even01 = _mm256_unpacklo_pd(v[0], v[1]), odd01 = _mm256_unpackhi_pd(v[0], v[1]);
+  const __m256d even23 = _mm256_unpacklo_pd(v[2], v[3]), odd23 = _mm256_unpackhi_pd(v[2], v[3]);
+  v[0] = _mm256_permute2f128_pd(even01, even23, 0x20);
+  v[1] = _mm256_permute2f128_pd(odd01, odd23, 0x20);
+  v[2] = _mm256_permute2f128_pd(even01, even23, 0x31);
+  v[3] = _mm256_permute2f128_pd(odd01, odd23, 0x31);
+}
+SILT_INLINE void turn(__m256 (&v)[4]) {
+  const __m256 a = _mm256_unpacklo_ps(v[0], v[1]), b = _mm256_unpackhi_ps(v[0], v[1]);
+  const __m256 c = _mm256_unpacklo_ps(v[2], v[3]), d = _mm256_unpackhi_ps(v[2], v[3]);
+  v[0] = _mm256_shuffle_ps(a, c, 0x44), v[1] = _mm256_shuffle_ps(a, c, 0xee);
+  v[2] = _mm256_shuffle_ps(b, d, 0x44), v[3] = _mm256_shuffle_ps(b, d, 0xee);
+}
+SILT_INLINE __m256 side_by_side(__m128 a, __m128 b) {
+  return _mm256_insertf128_ps(_mm256_castps128_ps256(a), b, 1);
+}
+SILT_INLINE void take_apart(__m256 v, auto& a, auto& b) {
+  a = _mm256_castps256_ps128(v), b = _mm256_extractf128_ps(v, 1);
+}
+#endif
 #if defined(__AVX512F__)
-/// Two rows of four registers each of two halves: within each half, columns of the 2x(4x4) block.
-SILT_INLINE void turn_halves(__m512d (&v)[4]) {
+SILT_INLINE void turn(__m512d (&v)[4]) {
   const __m512i low = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
   const __m512i high = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
   const __m512d even01 = _mm512_unpacklo_pd(v[0], v[1]), odd01 = _mm512_unpackhi_pd(v[0], v[1]);
@@ -95,37 +122,56 @@ SILT_INLINE void turn_halves(__m512d (&v)[4]) {
   v[2] = _mm512_permutex2var_pd(even01, high, even23);
   v[3] = _mm512_permutex2var_pd(odd01, high, odd23);
 }
-#endif
-#if defined(__SSE2__)
-/// Columns of a 4x4 block of floats, within each part of 128 bits.
-SILT_INLINE void turn_quarters(__m128 (&v)[4]) { _MM_TRANSPOSE4_PS(v[0], v[1], v[2], v[3]); }
-#endif
-#if defined(__AVX__)
-SILT_INLINE void turn_quarters(__m256 (&v)[4]) {
-  const __m256 a = _mm256_unpacklo_ps(v[0], v[1]), b = _mm256_unpackhi_ps(v[0], v[1]);
-  const __m256 c = _mm256_unpacklo_ps(v[2], v[3]), d = _mm256_unpackhi_ps(v[2], v[3]);
-  v[0] = _mm256_shuffle_ps(a, c, 0x44), v[1] = _mm256_shuffle_ps(a, c, 0xee);
-  v[2] = _mm256_shuffle_ps(b, d, 0x44), v[3] = _mm256_shuffle_ps(b, d, 0xee);
-}
-#endif
-#if defined(__AVX512F__)
-SILT_INLINE void turn_quarters(__m512 (&v)[4]) {
+SILT_INLINE void turn(__m512 (&v)[4]) {
   const __m512 a = _mm512_unpacklo_ps(v[0], v[1]), b = _mm512_unpackhi_ps(v[0], v[1]);
   const __m512 c = _mm512_unpacklo_ps(v[2], v[3]), d = _mm512_unpackhi_ps(v[2], v[3]);
   v[0] = _mm512_shuffle_ps(a, c, 0x44), v[1] = _mm512_shuffle_ps(a, c, 0xee);
   v[2] = _mm512_shuffle_ps(b, d, 0x44), v[3] = _mm512_shuffle_ps(b, d, 0xee);
 }
-#endif
-#if defined(__AVX__)
-SILT_INLINE void turn_square(__m256d (&v)[4]) {
-  const __m256d even01 = _mm256_unpacklo_pd(v[0], v[1]), odd01 = _mm256_unpackhi_pd(v[0], v[1]);
-  const __m256d even23 = _mm256_unpacklo_pd(v[2], v[3]), odd23 = _mm256_unpackhi_pd(v[2], v[3]);
-  v[0] = _mm256_permute2f128_pd(even01, even23, 0x20);
-  v[1] = _mm256_permute2f128_pd(odd01, odd23, 0x20);
-  v[2] = _mm256_permute2f128_pd(even01, even23, 0x31);
-  v[3] = _mm256_permute2f128_pd(odd01, odd23, 0x31);
+SILT_INLINE __m512d side_by_side(__m256d a, __m256d b) {
+  return _mm512_insertf64x4(_mm512_castpd256_pd512(a), b, 1);
+}
+SILT_INLINE __m512 side_by_side(__m128 a, __m128 b, __m128 c, __m128 d) {
+  const __m512 ab = _mm512_insertf32x4(_mm512_castps128_ps512(a), b, 1);
+  return _mm512_insertf32x4(_mm512_insertf32x4(ab, c, 2), d, 3);
+}
+SILT_INLINE void take_apart(__m512d v, auto& a, auto& b) {
+  a = _mm512_castpd512_pd256(v), b = _mm512_extractf64x4_pd(v, 1);
+}
+SILT_INLINE void take_apart(__m512 v, auto& a, auto& b, auto& c, auto& d) {
+  a = _mm512_castps512_ps128(v), b = _mm512_extractf32x4_ps(v, 1);
+  c = _mm512_extractf32x4_ps(v, 2), d = _mm512_extractf32x4_ps(v, 3);
 }
 #endif
+
+template <std::size_t Width, class Row, class Register>
+SILT_INLINE void turn_rows(const Row* rows, Register (&v)[4]) {
+  for (int k = 0; k < 4; ++k) {
+    if constexpr (Width == 4) v[k] = rows[k].pack[0];
+    if constexpr (Width == 8) v[k] = side_by_side(rows[k].pack[0], rows[k + 4].pack[0]);
+    if constexpr (Width == 16)
+      v[k] = side_by_side(rows[k].pack[0], rows[k + 4].pack[0], rows[k + 8].pack[0],
+                          rows[k + 12].pack[0]);
+  }
+  turn(v);
+}
+template <std::size_t Width, class Row, class Register>
+SILT_INLINE void turn_back(Register (&v)[4], Row* rows) {
+  turn(v);
+  for (int k = 0; k < 4; ++k) {
+    if constexpr (Width == 4) rows[k].pack[0] = v[k];
+    if constexpr (Width == 8) take_apart(v[k], rows[k].pack[0], rows[k + 4].pack[0]);
+    if constexpr (Width == 16)
+      take_apart(v[k], rows[k].pack[0], rows[k + 4].pack[0], rows[k + 8].pack[0],
+                 rows[k + 12].pack[0]);
+  }
+}
+
+/// Packs that turn in registers; others go through memory.
+template <class Real>
+concept Turns = requires(typename Real::register_type (&v)[4]) {
+  turn(v);
+};
 
 }  // namespace detail
 
@@ -134,59 +180,14 @@ template <class Arch, class Scalar>
 SILT_INLINE void rows_to_columns(const Row4<Arch, Scalar> (&rows)[Lanes<Arch, Scalar>::width],
                                  typename Lanes<Arch, Scalar>::Real (&columns)[4]) {
   constexpr std::size_t W = Lanes<Arch, Scalar>::width;
-  [[maybe_unused]] constexpr bool single = std::is_same_v<Scalar, float>;
+  using Real = typename Lanes<Arch, Scalar>::Real;
   if constexpr (W == 1) {
     for (std::size_t c = 0; c < 4; ++c) columns[c] = rows[0].pack[c];
-    return;
-  }
-#if defined(__AVX512F__)
-  if constexpr (!single && W == 8) {
-    __m512d v[4];
-    for (int k = 0; k < 4; ++k)
-      v[k] = _mm512_insertf64x4(_mm512_castpd256_pd512(rows[k].pack[0]), rows[k + 4].pack[0], 1);
-    detail::turn_halves(v);
-    for (int c = 0; c < 4; ++c) columns[c] = v[c];
-    return;
-  }
-  if constexpr (single && W == 16) {
-    __m512 v[4];
-    for (int k = 0; k < 4; ++k) {
-      v[k] = _mm512_castps128_ps512(rows[k].pack[0]);
-      v[k] = _mm512_insertf32x4(v[k], rows[k + 4].pack[0], 1);
-      v[k] = _mm512_insertf32x4(v[k], rows[k + 8].pack[0], 2);
-      v[k] = _mm512_insertf32x4(v[k], rows[k + 12].pack[0], 3);
-    }
-    detail::turn_quarters(v);
-    for (int c = 0; c < 4; ++c) columns[c] = v[c];
-    return;
-  }
-#endif
-#if defined(__AVX__)
-  if constexpr (!single && W == 4) {
-    __m256d v[4] = {rows[0].pack[0], rows[1].pack[0], rows[2].pack[0], rows[3].pack[0]};
-    detail::turn_square(v);
-    for (int c = 0; c < 4; ++c) columns[c] = v[c];
-    return;
-  }
-  if constexpr (single && W == 8) {
-    __m256 v[4];
-    for (int k = 0; k < 4; ++k)
-      v[k] = _mm256_insertf128_ps(_mm256_castps128_ps256(rows[k].pack[0]), rows[k + 4].pack[0], 1);
-    detail::turn_quarters(v);
-    for (int c = 0; c < 4; ++c) columns[c] = v[c];
-    return;
-  }
-#endif
-#if defined(__SSE2__)
-  if constexpr (single && W == 4) {
-    __m128 v[4] = {rows[0].pack[0], rows[1].pack[0], rows[2].pack[0], rows[3].pack[0]};
-    detail::turn_quarters(v);
-    for (int c = 0; c < 4; ++c) columns[c] = v[c];
-    return;
-  }
-#endif
-  if constexpr (W > 1) {
-    using Real = typename Lanes<Arch, Scalar>::Real;
+  } else if constexpr (detail::Turns<Real>) {
+    typename Real::register_type v[4];
+    detail::turn_rows<W>(rows, v);
+    for (std::size_t c = 0; c < 4; ++c) columns[c] = v[c];
+  } else {
     alignas(Real) Scalar element[4][W];
     alignas(Real) Scalar row[4];
     for (std::size_t l = 0; l < W; ++l) {
@@ -202,60 +203,13 @@ template <class Arch, class Scalar>
 SILT_INLINE void columns_to_rows(const typename Lanes<Arch, Scalar>::Real (&columns)[4],
                                  Row4<Arch, Scalar> (&rows)[Lanes<Arch, Scalar>::width]) {
   constexpr std::size_t W = Lanes<Arch, Scalar>::width;
-  [[maybe_unused]] constexpr bool single = std::is_same_v<Scalar, float>;
+  using Real = typename Lanes<Arch, Scalar>::Real;
   if constexpr (W == 1) {
     for (std::size_t c = 0; c < 4; ++c) rows[0].pack[c] = columns[c];
-    return;
-  }
-#if defined(__AVX512F__)
-  if constexpr (!single && W == 8) {
-    __m512d v[4] = {columns[0], columns[1], columns[2], columns[3]};
-    detail::turn_halves(v);
-    for (int k = 0; k < 4; ++k) {
-      rows[k].pack[0] = _mm512_castpd512_pd256(v[k]);
-      rows[k + 4].pack[0] = _mm512_extractf64x4_pd(v[k], 1);
-    }
-    return;
-  }
-  if constexpr (single && W == 16) {
-    __m512 v[4] = {columns[0], columns[1], columns[2], columns[3]};
-    detail::turn_quarters(v);
-    for (int k = 0; k < 4; ++k) {
-      rows[k].pack[0] = _mm512_castps512_ps128(v[k]);
-      rows[k + 4].pack[0] = _mm512_extractf32x4_ps(v[k], 1);
-      rows[k + 8].pack[0] = _mm512_extractf32x4_ps(v[k], 2);
-      rows[k + 12].pack[0] = _mm512_extractf32x4_ps(v[k], 3);
-    }
-    return;
-  }
-#endif
-#if defined(__AVX__)
-  if constexpr (!single && W == 4) {
-    __m256d v[4] = {columns[0], columns[1], columns[2], columns[3]};
-    detail::turn_square(v);
-    for (int k = 0; k < 4; ++k) rows[k].pack[0] = v[k];
-    return;
-  }
-  if constexpr (single && W == 8) {
-    __m256 v[4] = {columns[0], columns[1], columns[2], columns[3]};
-    detail::turn_quarters(v);
-    for (int k = 0; k < 4; ++k) {
-      rows[k].pack[0] = _mm256_castps256_ps128(v[k]);
-      rows[k + 4].pack[0] = _mm256_extractf128_ps(v[k], 1);
-    }
-    return;
-  }
-#endif
-#if defined(__SSE2__)
-  if constexpr (single && W == 4) {
-    __m128 v[4] = {columns[0], columns[1], columns[2], columns[3]};
-    detail::turn_quarters(v);
-    for (int k = 0; k < 4; ++k) rows[k].pack[0] = v[k];
-    return;
-  }
-#endif
-  if constexpr (W > 1) {
-    using Real = typename Lanes<Arch, Scalar>::Real;
+  } else if constexpr (detail::Turns<Real>) {
+    typename Real::register_type v[4] = {columns[0], columns[1], columns[2], columns[3]};
+    detail::turn_back<W>(v, rows);
+  } else {
     alignas(Real) Scalar element[4][W];
     alignas(Real) Scalar row[4];
     for (std::size_t c = 0; c < 4; ++c) silt::store(element[c], columns[c]);

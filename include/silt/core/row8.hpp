@@ -46,7 +46,7 @@ SILT_INLINE void rows_to_columns(const Row8<Arch, Scalar> (&rows)[Lanes<Arch, Sc
     __m512d v[2][4];
     for (int g = 0; g < 2; ++g) {
       for (int k = 0; k < 4; ++k) v[g][k] = rows[4 * g + k].pack;
-      detail::turn_halves(v[g]);
+      detail::turn(v[g]);
     }
     for (int c = 0; c < 4; ++c) {
       low[c] = _mm512_shuffle_f64x2(v[0][c], v[1][c], 0x44);
@@ -59,7 +59,7 @@ SILT_INLINE void rows_to_columns(const Row8<Arch, Scalar> (&rows)[Lanes<Arch, Sc
         v[g][k] = _mm512_castpd_ps(
             _mm512_insertf64x4(_mm512_castps_pd(_mm512_castps256_ps512(rows[8 * g + k].pack)),
                                _mm256_castps_pd(rows[8 * g + k + 4].pack), 1));
-      detail::turn_quarters(v[g]);
+      detail::turn(v[g]);
     }
     for (int c = 0; c < 4; ++c) {
       low[c] = _mm512_shuffle_f32x4(v[0][c], v[1][c], 0x88);
@@ -74,7 +74,7 @@ SILT_INLINE void rows_to_columns(const Row8<Arch, Scalar> (&rows)[Lanes<Arch, Sc
       l[k] = _mm256_permute2f128_ps(rows[k].pack, rows[k + 4].pack, 0x20);
       h[k] = _mm256_permute2f128_ps(rows[k].pack, rows[k + 4].pack, 0x31);
     }
-    detail::turn_quarters(l), detail::turn_quarters(h);
+    detail::turn(l), detail::turn(h);
     for (int c = 0; c < 4; ++c) low[c] = l[c], high[c] = h[c];
   }
 #endif
@@ -92,7 +92,7 @@ SILT_INLINE void columns_to_rows(const typename Lanes<Arch, Scalar>::Real (&low)
       for (int c = 0; c < 4; ++c)
         v[c] = g == 0 ? _mm512_shuffle_f64x2(low[c], high[c], 0x44)
                       : _mm512_shuffle_f64x2(low[c], high[c], 0xee);
-      detail::turn_halves(v);
+      detail::turn(v);
       for (int k = 0; k < 4; ++k) rows[4 * g + k].pack = v[k];
     }
   } else if constexpr (Lanes<Arch>::width == 8) {
@@ -103,7 +103,7 @@ SILT_INLINE void columns_to_rows(const typename Lanes<Arch, Scalar>::Real (&low)
       __m512 v[4];
       for (int c = 0; c < 4; ++c)
         v[c] = _mm512_permutex2var_ps(low[c], g == 0 ? first : last, high[c]);
-      detail::turn_quarters(v);
+      detail::turn(v);
       for (int k = 0; k < 4; ++k) {
         rows[8 * g + k].pack = _mm512_castps512_ps256(v[k]);
         rows[8 * g + k + 4].pack =
@@ -115,7 +115,7 @@ SILT_INLINE void columns_to_rows(const typename Lanes<Arch, Scalar>::Real (&low)
 #if defined(__AVX__)
   if constexpr (Lanes<Arch>::width == 4) {
     __m256 l[4] = {low[0], low[1], low[2], low[3]}, h[4] = {high[0], high[1], high[2], high[3]};
-    detail::turn_quarters(l), detail::turn_quarters(h);
+    detail::turn(l), detail::turn(h);
     for (int k = 0; k < 4; ++k) {
       rows[k].pack = _mm256_permute2f128_ps(l[k], h[k], 0x20);
       rows[k + 4].pack = _mm256_permute2f128_ps(l[k], h[k], 0x31);
