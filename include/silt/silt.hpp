@@ -9,11 +9,22 @@
 #include <silt/boundary/stl.hpp>
 #include <silt/boundary/triangle_mesh.hpp>
 #include <silt/boundary/wall.hpp>
+#include <silt/contact/cohesion/capillary_bridge.hpp>
+#include <silt/contact/cohesion/dmt.hpp>
+#include <silt/contact/cohesion/van_der_waals.hpp>
 #include <silt/contact/contacts.hpp>
+#include <silt/contact/damped_impact.hpp>
+#include <silt/contact/dcdem.hpp>
+#include <silt/contact/hertz_damped.hpp>
 #include <silt/contact/hertz_mindlin.hpp>
 #include <silt/contact/impact.hpp>
+#include <silt/contact/jkr.hpp>
 #include <silt/contact/linear_spring.hpp>
+#include <silt/contact/rolling/directional.hpp>
 #include <silt/contact/rolling/epsd.hpp>
+#include <silt/contact/rolling/own.hpp>
+#include <silt/contact/rolling/twisting.hpp>
+#include <silt/contact/rolling/viscous.hpp>
 #include <silt/coupling/no_fluid.hpp>
 #include <silt/fill/particle_file.hpp>
 #include <silt/fill/particles.hpp>
@@ -24,3 +35,4 @@
 #include <silt/search/verlet_list.hpp>
 #include <silt/shape/sphere.hpp>
 #include <silt/simulation.hpp>
+#include <silt/study/unequal_damping.hpp>

@@ -470,6 +470,59 @@ TEST_CASE("softest_modulus: every value out of range is refused by name") {
   CHECK(names(refusal([] { softest_modulus_on_wall(1, 1, 0, -1); }), "overlap_per_diameter = -1"));
 }
 
+TEST_CASE("softest_linear_stiffness: an impact at the bound, integrated, just meets the limit") {
+  for (const double zeta : {0.0, 0.25, 1.0, 1.9}) {
+    const OverlapLimit limit{1e-3, 3e-5, 12, 2e-4, zeta};
+    const double k = softest_linear_stiffness(limit), c = 2 * zeta * std::sqrt(limit.m_eff * k);
+    const auto force = [=](double d, double rate) { return k * d + c * rate; };
+    const double scale = std::numbers::pi * std::sqrt(limit.m_eff / k);
+    const Outcome run = Collision(force, limit.m_eff, limit.speed, scale).run(ZeroForce);
+    CAPTURE(zeta);
+    CHECK(near_relative(run.max_overlap, limit.max_overlap, 1e-9));  // of the integration
+  }
+  CHECK(names(refusal([] {
+                softest_linear_stiffness({1, 1, 1, -1});
+              }),
+              "OverlapLimit.max_overlap = -1 [m]"));
+}
+
+TEST_CASE("softening_factor: table of B5, equal time steps and the growth of the overlap") {
+  using enum Softening;
+  const struct {
+    double s, rayleigh, contact_time, linear;
+  } table[] = {
+      {2, .25, .177, .125}, {3, .111, .0642, .037}, {5, .04, .0179, .008}, {10, .01, .00316, .001}};
+  for (const auto& row : table) {
+    const double small = 1e-4, wanted = row.s * small;
+    CAPTURE(row.s);
+    CHECK(rounds_to(softening_factor(small, wanted, Rayleigh), row.rayleigh, 1e-3));
+    CHECK(rounds_to(softening_factor(small, wanted, ContactTime), row.contact_time,
+                    row.s > 5 ? 1e-5 : 1e-4 * (row.s < 3 ? 10 : 1)));
+    CHECK(rounds_to(softening_factor(small, wanted, LinearSpring), row.linear, 1e-3));
+    // The time step that counts is the wanted one's.
+    const double G = 1e7;
+    CHECK(near_relative(
+        rayleigh_time_step(small, 2500, G * softening_factor(small, wanted, Rayleigh), 0.3),
+        rayleigh_time_step(wanted, 2500, G, 0.3), 1e-14));
+    const auto impact = [&](double radius, double E) {
+      return HertzImpact{E, radius, 2500 * radius * radius * radius, 3};
+    };
+    const auto soft = impact(small, 1e7 * softening_factor(small, wanted, ContactTime));
+    const auto large = impact(wanted, 1e7), hard = impact(small, 1e7);
+    CHECK(near_relative(hertz_contact_time(soft, ZeroForce), hertz_contact_time(large, ZeroForce),
+                        1e-14));
+    CHECK(near_relative(hertz_max_overlap(soft) / hertz_max_overlap(hard), row.s, 1e-14));
+    const auto rayleigh = impact(small, 1e7 * softening_factor(small, wanted, Rayleigh));
+    CHECK(near_relative(hertz_max_overlap(rayleigh) / hertz_max_overlap(hard), std::pow(row.s, 0.8),
+                        1e-14));
+  }
+  for (const auto rule : {Rayleigh, ContactTime, LinearSpring})
+    CHECK(softening_factor(2, 1, rule) == 1);  // nothing larger is made stiffer
+  CHECK(names(refusal([] { softening_factor(0, 1, Rayleigh); }), "softening: radius = 0 [m]"));
+  CHECK(names(refusal([] { softening_factor(1, -1, Rayleigh); }),
+              "softening: wanted radius = -1 [m]"));
+}
+
 TEST_CASE("document 001: overlap over diameter of A1.3, e = 0.4") {
   const struct {
     double shear, at_1, at_4, at_7, digit_1, digit_4, digit_7;

@@ -73,10 +73,11 @@ auto reals(const Aggregate& a) {
 }
 
 /// The largest difference of force and history between the law on doubles and on a batch, over the
-/// size of what it belongs to; 500 packs of random contacts. `history_size` scales the history.
+/// size of what it belongs to; 500 packs of random contacts. `history_size` scales the history;
+/// half of the contacts of a law with a range [m] are gaps.
 template <class Law>
 double largest_lane_difference(const typename Law::template Coefficients<double>& p,
-                               double history_size) {
+                               double history_size, double range = 0) {
   using Batch = typename Lanes<DefaultArch>::Real;
   constexpr std::size_t W = Lanes<DefaultArch>::width;
   constexpr std::size_t H = detail::history_size<Law>(), C = sizeof(Contact<double>) / 8;
@@ -90,6 +91,7 @@ double largest_lane_difference(const typename Law::template Coefficients<double>
     std::array<std::array<double, W>, C> lanes;
     for (std::size_t w = 0; w < W; ++w) {
       contacts[w] = random_contact(random);
+      if (range > 0 && w % 2 == 0) contacts[w].overlap = random.uniform(-range, 0);
       for (double& h : before[w]) h = random.uniform(-history_size, history_size);
       for (std::size_t k = 0; k < C; ++k) lanes[k][w] = reals<double>(contacts[w])[k];
     }

@@ -15,12 +15,13 @@ namespace silt::inline SILT_TARGET {
 /// Velocities are of particle i relative to j at the contact point, at the half step between the
 /// last positions and the present ones, decomposed in the frame that the contact had at that same
 /// instant: their time integral is the exact relative displacement (Vyas et al., Comput. Phys.
-/// Commun. 310 (2025) 109524, show what goes wrong otherwise). A law is only asked where
-/// overlap > 0 matters: results and history of the other lanes are dropped by the engine.
+/// Commun. 310 (2025) 109524, show what goes wrong otherwise). Only where overlap > 0 does a law's
+/// answer matter: results and history of the other lanes are dropped by the engine. A law with a
+/// range is asked for signed overlaps, down to minus that.
 template <class Real>
 struct Contact {
   Vec3<Real> normal;               // [-] unit, from j to i
-  Real overlap;                    // [m] > 0 touching; never negative here
+  Real overlap;                    // [m] > 0 touching; < 0, a gap: of laws with a range alone
   Real normal_velocity;            // [m/s] > 0 separating
   Vec3<Real> tangential_velocity;  // [m/s] in the tangent plane
   Real R_eff;                      // [m] 1/(1/Ri + 1/Rj); Rj infinite at a wall
@@ -50,12 +51,34 @@ template <class Real>
 struct RollingContact {
   Vec3<Real> normal;            // [-] from j to i
   Vec3<Real> angular_velocity;  // [rad/s] of i relative to j, without its part along the normal
+  Real twist;                   // [rad/s] that part, > 0 about the normal
+  Vec3<Real> spin_velocity;     // [m/s] Ri wi + Rj wj; at a wall Ri wi
+  Real overlap;                 // [m]
   Real normal_force;            // [N] >= 0
   Real normal_stiffness;        // [N/m] dF_n/d(overlap)
   Real R_eff;                   // [m]
   Real inertia_eff;             // [kg m2] 1/(1/(Ii + mi Ri^2) + 1/(Ij + mj Rj^2))
   Vec3<Real> turn;              // [rad]
   Real time_step;               // [s]
+
+  /// A couple against `rotation` [rad/s], of the size `limit` [N m] but for rotations so slow that
+  /// some steps would turn them round: those it damps, over 8 steps.
+  Vec3<Real> against(const Vec3<Real>& rotation, const Real& limit) const {
+    const Real size = sqrt(max(dot(rotation, rotation), smallest<Real>()));
+    return -min(limit / size, inertia_eff / (Real(8) * time_step)) * rotation;
+  }
+};
+
+/// What a rolling model that looks at each partner's own rotation sees besides.
+template <class Real>
+struct OwnRotations {
+  Vec3<Real> of_i, of_j;    // [rad/s]
+  Real radius_i, radius_j;  // [m]; 0 of a wall
+};
+/// What it returns: couples [N m] that need not be opposite.
+template <class Real>
+struct OwnCouples {
+  Vec3<Real> on_i, on_j;
 };
 
 namespace detail {
@@ -133,6 +156,10 @@ inline Aggregate<Real> broadcast(const Aggregate<double>& a) {
 ///   static void check(const Material&), check(const Pair&)      throw InputError
 ///   static double contact_time(Coefficients<double>, R_eff, m_eff, speed)    [s], for the time
 ///   step static Real stiffness(Contact<Real>, Coefficients<Real>)    [N/m], for rolling resistance
+///   static Real range(Coefficients<Real>, Real R_eff)    [m], of laws that act at a distance:
+///     force and history live while the gap is smaller; must not fall as R_eff grows
+///   static Real pressing(Contact<Real>, Coefficients<Real>, Real normal)    [N] >= 0, what presses
+///     the bodies together, adhesion included, for rolling resistance; left out: max(normal, 0)
 template <class L>
 concept ContactLaw = std::equality_comparable<typename L::Material> && requires {
   typename L::template Coefficients<double>;
@@ -141,6 +168,8 @@ concept ContactLaw = std::equality_comparable<typename L::Material> && requires 
 
 /// A rolling model adds a couple M on i and -M on j: needs `Pair`, `Coefficients`, `mix(Pair)` and
 /// `static Vec3<Real> torque(RollingContact<Real>, Coefficients<Real> [, History<Real>&])`.
+/// With `static constexpr bool of_own_rotation = true` it is asked `torque(RollingContact<Real>,
+/// OwnRotations<Real>, Coefficients<Real>)` and returns OwnCouples<Real>.
 template <class M>
 concept RollingModel = requires {
   typename M::Pair;
@@ -153,6 +182,11 @@ concept RollingModel = requires {
 
 namespace detail {
 
+template <class M>
+inline constexpr bool of_own_rotation = requires {
+  requires M::of_own_rotation;
+};
+
 /// True if the law can be asked for a pack of lanes of type Real, as for one double. (What its body
 /// does with them, the compiler says.)
 template <class L, class Real>
@@ -163,6 +197,12 @@ concept WorksOnLanes = requires(const Contact<Real>& c,
 };
 
 }  // namespace detail
+
+/// A law that acts before bodies touch and after they part, up to a gap `range`.
+template <class L>
+concept ActsAtDistance = requires(const typename L::template Coefficients<double>& p) {
+  { L::range(p, 1.0) } -> std::same_as<double>;
+};
 
 /// True if the law's force has a tangential part, so that particles need to rotate.
 template <class L>

@@ -74,14 +74,7 @@ struct BasicHertzMindlin {
     const Real cn = p.normal_damping * sqrt(Sn * c.m_eff);
     const Real Fn = normal_force<End>(Real(2.0 / 3.0) * Sn * c.overlap, cn, c);  // (2)
     const SpringSlider<Real> slider{p.stiffness_ratio * Sn, p.shear_damping * cn, p.friction};
-    if constexpr (Memory == TangentialMemory::Force) {
-      // S_t now over S_t at the last step, if the contact is unloading.
-      const Real last = c.overlap + c.time_step * c.normal_velocity;
-      const Real unloading = min(sqrt(c.overlap / max(last, c.overlap)), Real(1));
-      return {Fn, slider.from_force(c, Fn, unloading, h.tangential)};  // (3)
-    } else {
-      return {Fn, slider.from_displacement(c, Fn, h.tangential)};
-    }
+    return {Fn, mindlin_force<Memory>(slider, c, Fn, h.tangential)};  // (3)
   }
 
   template <class Real>

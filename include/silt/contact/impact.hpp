@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -162,16 +163,29 @@ struct OverlapLimit {
   double zeta = 0;     // [-] damping ratio, >= 0
 };
 
-/// Least E* [Pa] that keeps the overlap below the limit: 15 m* v^2/(16 sqrt(R*)) (r/d_max)^(5/2)
-/// with r = hertz_overlap_ratio(zeta).
-inline double softest_modulus(const OverlapLimit& limit) {
+inline void check(const OverlapLimit& limit) {
   require_positive("OverlapLimit.R_eff", limit.R_eff, "m");
   require_positive("OverlapLimit.m_eff", limit.m_eff, "kg");
   require_positive("OverlapLimit.speed", limit.speed, "m/s");
   require_positive("OverlapLimit.max_overlap", limit.max_overlap, "m");
   require_not_negative("OverlapLimit.zeta", limit.zeta, "-");
+}
+
+/// Least E* [Pa] that keeps the overlap below the limit: 15 m* v^2/(16 sqrt(R*)) (r/d_max)^(5/2)
+/// with r = hertz_overlap_ratio(zeta).
+inline double softest_modulus(const OverlapLimit& limit) {
+  check(limit);
   return 15.0 / 16.0 * limit.m_eff * limit.speed * limit.speed / std::sqrt(limit.R_eff) *
          std::pow(hertz_overlap_ratio(limit.zeta) / limit.max_overlap, 2.5);
+}
+
+/// Least k [N/m] of a linear spring that does: m* v^2 (exp(-zeta A(zeta))/d_max)^2. R_eff has no
+/// part in it.
+inline double softest_linear_stiffness(const OverlapLimit& limit) {
+  check(limit);
+  const double ratio =
+      linear_max_overlap(1, 1, 1, limit.zeta) * limit.speed / limit.max_overlap;  // [1/s]
+  return limit.m_eff * ratio * ratio;
 }
 
 /// The same for a solid sphere on a wall, whatever its size; the overlap as a share of the
@@ -187,6 +201,26 @@ inline double softest_modulus_on_wall(double density, double speed, double zeta,
                           .speed = speed,
                           .max_overlap = 2 * overlap_per_diameter,
                           .zeta = zeta});
+}
+
+/// What a softened small sphere shares with a larger one of the radius `wanted`: it is then that
+/// one's time step that counts.
+enum class Softening {
+  Rayleigh,     // the Rayleigh time step: E ~ s^-2, s = wanted radius over radius
+  ContactTime,  // the contact time of a Hertz spring: E ~ s^-5/2
+  LinearSpring  // the contact time of a linear spring: k ~ s^-3
+};
+
+/// Factor [-] on the modulus (LinearSpring: stiffness) of a sphere of `radius` [m] that has the
+/// limit of a sphere of radius `wanted` [m]; 1 if it is no smaller. The overlap over the diameter
+/// grows by s (ContactTime, LinearSpring) or s^(4/5) (Rayleigh): see softest_modulus.
+inline double softening_factor(double radius, double wanted, Softening rule) {
+  require_positive("softening: radius", radius, "m");
+  require_positive("softening: wanted radius", wanted, "m");
+  const double s = std::max(wanted / radius, 1.0);
+  if (rule == Softening::Rayleigh) return 1 / (s * s);
+  if (rule == Softening::LinearSpring) return 1 / (s * s * s);
+  return 1 / (s * s * std::sqrt(s));
 }
 
 }  // namespace silt

@@ -74,4 +74,19 @@ struct SpringSlider {
   }
 };
 
+/// The tangential force [N] on i of a spring whose stiffness goes as the square root of the overlap
+/// (Mindlin). `memory`: its force [N] or the slip [m].
+template <TangentialMemory Memory, class Real>
+inline Vec3<Real> mindlin_force(const SpringSlider<Real>& slider, const Contact<Real>& c,
+                                const Real& Fn, Vec3<Real>& memory) {
+  if constexpr (Memory == TangentialMemory::Force) {
+    // S_t now over S_t at the last step, if the contact is unloading.
+    const Real last = c.overlap + c.time_step * c.normal_velocity;
+    const Real unloading = min(sqrt(c.overlap / max(last, c.overlap)), Real(1));
+    return slider.from_force(c, Fn, unloading, memory);
+  } else {
+    return slider.from_displacement(c, Fn, memory);
+  }
+}
+
 }  // namespace silt

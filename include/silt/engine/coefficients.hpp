@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -19,6 +20,18 @@ struct CoefficientTable {
   std::vector<typename ContactsType::LawCoefficients> law;          // materials x materials
   std::vector<typename ContactsType::RollingCoefficients> rolling;  // materials x materials
 };
+
+/// The largest gap [m] at which the law acts, between spheres of up to `largest_radius` [m] and
+/// with walls.
+template <class ContactsType>
+double largest_range([[maybe_unused]] const CoefficientTable<ContactsType>& table,
+                     [[maybe_unused]] double largest_radius) {
+  double most = 0;
+  if constexpr (ActsAtDistance<typename ContactsType::Law>)
+    for (const auto& p : table.law)
+      most = std::max(most, ContactsType::Law::range(p, largest_radius));
+  return most;
+}
 
 /// The coefficients of each lane's pair of materials. Remembers those of the last pack: mostly all
 /// lanes of all packs have the same.

@@ -28,7 +28,13 @@ template <class Real>
 struct RollingKinematics {
   Vec3<Real> angular_velocity;  // [rad/s] w_i - w_j
   Real inertia_eff;             // [kg m2]
+  Real radius_i, radius_j;      // [m] if the model asks for each partner's own rotation; wall: 0
 };
+
+/// How much of this a Contacts type needs: 0 nothing, 1 all but the radii, 2 all.
+template <class ContactsType>
+inline constexpr int rolling_needs =
+    ContactsType::has_rolling ? 1 + of_own_rotation<typename ContactsType::Rolling> : 0;
 
 /// Force on i, torque over radius (the same sign on both partners), couple on i (opposite on j).
 template <class Real>
@@ -40,13 +46,14 @@ struct PairLoad {
 
 /// The kinematics of N contacts, component by component: filled one by one or pack by pack, read in
 /// packs.
-template <bool Rotates, bool Rolls, std::size_t N, class Scalar>
+template <bool Rotates, int Rolls, std::size_t N, class Scalar>
 struct alignas(64) KinematicsBlock {
-  static constexpr std::size_t rotating = Rotates ? N : 16, rolling = Rolls ? N : 16;
+  static constexpr std::size_t rotating = Rotates ? N : 16, rolling = Rolls ? N : 16,
+                               own = Rolls == 2 ? N : 16;
   Scalar normal[3][N], change[3][N], overlap[N], R_eff[N], m_eff[N], inverse_m_eff[N],
       velocity[3][N];
   Scalar arm[rotating], spin[3][rotating], twist[rotating];
-  Scalar angular_velocity[3][rolling], inertia_eff[rolling];
+  Scalar angular_velocity[3][rolling], inertia_eff[rolling], radius_i[own], radius_j[own];
 
   template <class Real>
   SILT_INLINE void put(std::size_t k, const Kinematics<Real>& in) {
@@ -61,6 +68,8 @@ struct alignas(64) KinematicsBlock {
   SILT_INLINE void put(std::size_t k, const RollingKinematics<Real>& in) {
     if constexpr (Rolls)
       put(k, in.angular_velocity, angular_velocity), silt::store(inertia_eff + k, in.inertia_eff);
+    if constexpr (Rolls == 2)
+      silt::store(radius_i + k, in.radius_i), silt::store(radius_j + k, in.radius_j);
   }
   template <class Real>
   SILT_INLINE Kinematics<Real> get(std::size_t k) const {
@@ -119,10 +128,13 @@ struct alignas(64) KinematicsBlock {
   }
   template <class Real>
   SILT_INLINE RollingKinematics<Real> get_rolling(std::size_t k) const {
+    RollingKinematics<Real> out;
     if constexpr (Rolls)
-      return {get3<Real>(k, angular_velocity), load<Real>(inertia_eff + k)};
-    else
-      return {};
+      out.angular_velocity = get3<Real>(k, angular_velocity),
+      out.inertia_eff = load<Real>(inertia_eff + k);
+    if constexpr (Rolls == 2)
+      out.radius_i = load<Real>(radius_i + k), out.radius_j = load<Real>(radius_j + k);
+    return out;
   }
 
  private:
@@ -150,7 +162,7 @@ struct ContactKernel {
   static SILT_INLINE Contact<Real> contact(const Kinematics<Real>& k, const Real& time_step) {
     Contact<Real> c;
     c.normal = k.normal;
-    c.overlap = max(k.overlap, Real(0));
+    c.overlap = ActsAtDistance<Law> ? k.overlap : max(k.overlap, Real(0));
     c.R_eff = k.R_eff, c.m_eff = k.m_eff, c.inverse_m_eff = k.inverse_m_eff;
     c.time_step = time_step;
     const Vec3<Real> middle = k.normal - Real(0.5) * k.change;  // half a step ago
@@ -163,6 +175,23 @@ struct ContactKernel {
     return c;
   }
 
+  /// The lanes in which the law acts.
+  static SILT_INLINE auto acting(const Kinematics<Real>& k,
+                                 [[maybe_unused]] const LawCoefficients& law) {
+    if constexpr (ActsAtDistance<Law>)
+      return k.overlap > -Law::range(law, k.R_eff);
+    else
+      return k.overlap > Real(0);
+  }
+  /// What presses the bodies together, for rolling resistance [N].
+  static SILT_INLINE Real pressing(const Contact<Real>& c, const LawCoefficients& law,
+                                   const Real& normal) {
+    if constexpr (requires { Law::pressing(c, law, normal); })
+      return Law::pressing(c, law, normal);
+    else
+      return max(normal, Real(0));
+  }
+
   /// `history`: one pointer a component, at this pack; lanes out of contact are set to zero.
   static SILT_INLINE PairLoad<Real> load(const Kinematics<Real>& k,
                                          const RollingKinematics<Real>& r, const Real& time_step,
@@ -170,7 +199,7 @@ struct ContactKernel {
                                          [[maybe_unused]] const RollingCoefficients& rolling,
                                          ScalarOf<Real>* const* history) {
     const Contact<Real> c = contact(k, time_step);
-    const auto touching = k.overlap > Real(0);
+    const auto touching = acting(k, law);
     const Real zero(0);
     PairLoad<Real> out;
 
@@ -192,25 +221,40 @@ struct ContactKernel {
       if constexpr (ContactsType::rotates) out.twirl = {zero, zero, zero};
     }
     if constexpr (ContactsType::has_rolling) {
-      constexpr std::size_t offset = ContactsType::law_history;
-      const RollingContact<Real> rc{
-          k.normal,
-          r.angular_velocity - dot(r.angular_velocity, k.normal) * k.normal,
-          max(normal_force, zero),
-          Law::stiffness(c, law),
-          k.R_eff,
-          r.inertia_eff,
-          c.turn,
-          time_step};
-      typename HistoryOf<Rolling, Real>::type m;
-      load_history<ContactsType::rolling_history>(m, history + offset);
-      Vec3<Real> couple;
-      if constexpr (ContactsType::rolling_history > 0)
-        couple = Rolling::torque(rc, rolling, m);
-      else
-        couple = Rolling::torque(rc, rolling);
-      store_history<ContactsType::rolling_history>(m, touching, history + offset);
-      out.couple = select(touching, couple, {zero, zero, zero});
+      [[maybe_unused]] constexpr std::size_t offset = ContactsType::law_history;
+      const Real twist = dot(r.angular_velocity, k.normal);
+      const RollingContact<Real> rc{k.normal,
+                                    r.angular_velocity - twist * k.normal,
+                                    twist,
+                                    k.spin,
+                                    c.overlap,
+                                    select(touching, pressing(c, law, normal_force), zero),
+                                    Law::stiffness(c, law),
+                                    k.R_eff,
+                                    r.inertia_eff,
+                                    c.turn,
+                                    time_step};
+      const Vec3<Real> none{zero, zero, zero};
+      if constexpr (of_own_rotation<Rolling>) {
+        // Couples that are not opposite, as what is (couple) and what turns both alike (twirl).
+        const Real share = Real(1) / (r.radius_i + r.radius_j);
+        const OwnRotations<Real> own{share * (k.spin + r.radius_j * r.angular_velocity),
+                                     share * (k.spin - r.radius_i * r.angular_velocity), r.radius_i,
+                                     r.radius_j};
+        const OwnCouples<Real> t = Rolling::torque(rc, own, rolling);
+        out.twirl += select(touching, share * (t.on_i + t.on_j), none);
+        out.couple = select(touching, share * (r.radius_j * t.on_i - r.radius_i * t.on_j), none);
+      } else {
+        typename HistoryOf<Rolling, Real>::type m;
+        load_history<ContactsType::rolling_history>(m, history + offset);
+        Vec3<Real> couple;
+        if constexpr (HasHistory<Rolling>)
+          couple = Rolling::torque(rc, rolling, m);
+        else
+          couple = Rolling::torque(rc, rolling);
+        store_history<ContactsType::rolling_history>(m, touching, history + offset);
+        out.couple = select(touching, couple, none);
+      }
     }
     return out;
   }

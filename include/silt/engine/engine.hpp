@@ -62,7 +62,9 @@ class Engine {
 
   /// Renews what is stale of the lists, and what follows from them.
   void renew_lists(Search& search, const Domain& domain, std::int64_t step, double time_step) {
-    lists.renew({particles, walls, domain, *team_, time_step}, search, step);
+    lists.renew({particles, walls, domain, *team_, time_step,
+                 largest_range(coefficients, particles.largest_radius)},
+                search, step);
     if (!lists.take_renewed()) return;
     make_kinds();
     sums_.resize(particles.size() * 4 * chunks, 0);  // all zero between the steps

@@ -20,12 +20,13 @@ namespace silt::inline SILT_TARGET::detail {
 /// sphere: those that hardly move need hardly any, however fast others are.
 ///
 /// Let s_i be the outer and q_i the inner reach of sphere i, D_i its displacement since the search
-/// and U_i since the last pruning; S, Q, D', U' the same for the walls. A pair that is not in the
-/// outer list had a gap of at least s_i + s_j at the search; one of the outer list that was pruned
-/// had at least q_i + q_j at the pruning. Hence
+/// and U_i since the last pruning; S, Q, D', U' the same for the walls. Gaps are counted from where
+/// the law begins to act: from its range on, which is 0 for laws of touch. A pair that is not in
+/// the outer list had a gap of at least s_i + s_j at the search; one of the outer list that was
+/// pruned had at least q_i + q_j at the pruning. Hence
 ///   (1) if every q_i <= s_i - D_i at the pruning, and Q <= S - D', then at that moment every pair
 ///       outside the inner list had a gap of at least q_i + q_j (a sphere and a wall: q_i + Q);
-///   (2) as long as U_i < q_i for all i, and U' <= Q, none of them touches.
+///   (2) as long as U_i < q_i for all i, and U' <= Q, none of them touches, or comes within range.
 /// U_i/q_i is bounded by the sum over steps of max_i (|v_i| dt/q_i): one multiplication a particle.
 /// D_i is measured exactly, at each pruning. (2) is checked before the forces of every step.
 /// Tests: tests/engine/list_upkeep.cpp (against brute force at every step).

@@ -32,6 +32,7 @@ class NearLists {
     const Domain& domain;
     const Team& team;
     double time_step;  // [s]
+    double range;      // [m] gap at which the law still acts, 0 for laws of touch
   };
 
   PairList<H, Scalar> pairs;
@@ -50,6 +51,7 @@ class NearLists {
 
   /// Renews what is stale.
   void renew(const Scene& scene, Search& search, std::int64_t step) {
+    walls.range = scene.range;
     if (hold(scene.walls)) return;
     const double wall_speed = fastest_wall(scene);
     anticipate_speeds(scene);
@@ -133,7 +135,8 @@ class NearLists {
     }
   }
 
-  /// Grows spheres by their outer reaches: those that overlap then are the pairs of the outer list.
+  /// Grows spheres by their outer reaches, and half the law's range: those that overlap then are
+  /// the pairs of the outer list.
   void reach_out(const Scene& scene, double wall_speed) {
     const std::size_t n = scene.particles.size();
     upkeep.outer.resize(n), grown_.resize(n);
@@ -142,7 +145,7 @@ class NearLists {
       for (std::size_t k = from; k < to; ++k) {
         upkeep.outer[k] = upkeep.outer_reach(anticipated_[k]);
         grown_[k] = scene.particles.position[k];
-        grown_[k].r += upkeep.outer[k];
+        grown_[k].r += upkeep.outer[k] + scene.range / 2;
         largest[r] = std::max(largest[r], grown_[k].r);
       }
     });
@@ -178,7 +181,7 @@ class NearLists {
     previous_.resize(before);
     std::iota(previous_.begin(), previous_.end(), 0u);
     if (particles.parked > 0) drop_parked(scene);
-    if constexpr (Domain::periodic) wrap(scene);
+    if constexpr (Domain::periodic) wrap(scene), check_range(scene);
     choose_skins(scene, search, wall_speed);
     reach_out(scene, wall_speed);
 
@@ -197,15 +200,24 @@ class NearLists {
     if (!sorted) find.find(spheres, 0.0, scene.domain, team, found_);
     pairs.set_outer(found_, particles, before, team);
     if (found_.size() > 1000000) found_ = {};  // its memory would lie idle until the next search
-    walls.search(scene.walls, {grown_.data(), grown_.size()}, upkeep.outer_wall, previous_, team);
+    const double of_walls = upkeep.outer_wall + scene.range / 2;
+    walls.search(scene.walls, {grown_.data(), grown_.size()}, of_walls, previous_, team);
 
     reference.resize(particles.size());
     team.for_ranges(particles.size(), [&](std::size_t, std::size_t from, std::size_t to) {
       for (std::size_t k = from; k < to; ++k) reference[k] = particles.position[k].centre();
     });
-    searched_walls.set(scene.walls,
-                       occupied_region(scene).grown(largest_grown_ + upkeep.outer_wall));
+    searched_walls.set(scene.walls, occupied_region(scene).grown(largest_grown_ + of_walls));
     first_pruning_ = true;
+  }
+
+  /// A pair must not act through two faces of a repeating box at once.
+  static void check_range(const Scene& scene) {
+    const double least = 4 * scene.particles.largest_radius + 2 * scene.range;
+    for (int d = 0; d < 3; ++d)
+      require(!scene.domain.repeats(d) || scene.domain.length(d) >= least,
+              "PeriodicBox: its length ", scene.domain.length(d), " [m] must be at least ", least,
+              " m, two diameters and twice the range ", scene.range, " m of the contact law");
   }
 
   void wrap(const Scene& scene) {
@@ -257,12 +269,14 @@ class NearLists {
     const auto* const rows = scene.particles.position.data();
     grown_.resize(n);
     scene.team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
-      for (std::size_t k = from; k < to; ++k) grown_[k] = rows[k], grown_[k].r += upkeep.inner[k];
+      for (std::size_t k = from; k < to; ++k)
+        grown_[k] = rows[k], grown_[k].r += upkeep.inner[k] + scene.range / 2;
     });
     const std::span<const std::uint32_t> none, before(previous_);
     pairs.template prune<Arch>({grown_.data(), n}, scene.domain, first_pruning_ ? before : none,
                                scene.team);
-    walls.prune(scene.walls, rows, upkeep.inner.data(), upkeep.inner_wall, scene.team);
+    walls.prune(scene.walls, rows, upkeep.inner.data(), upkeep.inner_wall + scene.range,
+                scene.team);
     pruned_walls.set(scene.walls, searched_walls.region());
     upkeep.used = 0;
     first_pruning_ = false, renewed_ = true;

@@ -67,7 +67,7 @@ class PairPipeline {
   }
 
  private:
-  using Block = KinematicsBlock<rotates, ContactsType::has_rolling, block, Scalar>;
+  using Block = KinematicsBlock<rotates, rolling_needs<ContactsType>, block, Scalar>;
 
   static double run_group(const Input& in, List& list, const CoefficientTable<ContactsType>& table,
                           const Domain& domain, std::size_t from, std::size_t to, Scalar* sums) {
@@ -291,7 +291,8 @@ class PairPipeline {
       out.put(k + lane,
               RollingKinematics<Scalar>{
                   a.inv_r * a.spin_velocity() - b.inv_r * b.spin_velocity(),
-                  Scalar(1.4) / (a.inv_m * a.inv_r * a.inv_r + b.inv_m * b.inv_r * b.inv_r)});
+                  Scalar(1.4) / (a.inv_m * a.inv_r * a.inv_r + b.inv_m * b.inv_r * b.inv_r),
+                  Scalar(1) / a.inv_r, Scalar(1) / b.inv_r});
     }
   }
 };

@@ -66,7 +66,7 @@ class PlanePipeline {
  private:
   /// One block in its stages.
   struct Block {
-    KinematicsBlock<rotates, ContactsType::has_rolling, block, Scalar> kinematics;
+    KinematicsBlock<rotates, rolling_needs<ContactsType>, block, Scalar> kinematics;
     alignas(64) Scalar point[3][block];  // [m] where the sphere touches, from the wall's reference
     alignas(64) Scalar rows[block * row];
     std::uint16_t kinds[block];
@@ -119,14 +119,15 @@ class PlanePipeline {
       Kinematics<Real> kin;
       kin.normal = normal, kin.change = {zero, zero, zero};
       kin.velocity = {velocity[0], velocity[1], velocity[2]};
-      kin.overlap = select(there, overlap, Real(-1));
+      kin.overlap = select(there, overlap, Real(Scalar(-1e30)));
       kin.R_eff = r, kin.inverse_m_eff = inv_m, kin.m_eff = Real(1) / max(inv_m, smallest<Real>());
       if constexpr (rotates) {
         kin.spin = {spin[0], spin[1], spin[2]};
         kin.arm = select(there, distance * spin[3], zero), kin.twist = zero;
         if constexpr (ContactsType::has_rolling)
-          out.kinematics.put(k, RollingKinematics<Real>{spin[3] * kin.spin,
-                                                        Real(Scalar(1.4)) * r * r * kin.m_eff});
+          out.kinematics.put(
+              k, RollingKinematics<Real>{spin[3] * kin.spin, Real(Scalar(1.4)) * r * r * kin.m_eff,
+                                         r, zero});
       }
       out.kinematics.put(k, kin);
       const Vec3<Real> none{zero, zero, zero},

@@ -45,9 +45,10 @@ class WallContacts {
  public:
   static constexpr std::size_t block = 64;  // slots
   struct Slot {
-    Vec3d normal;  // [-] at the last step
-    bool touching;
+    Vec3d normal;   // [-] at the last step
+    bool touching;  // or within the law's range
   };
+  double range = 0;  // [m] gap at which the law still acts
 
   std::size_t slots() const { return slots_.size(); }
   std::size_t blocks() const { return block_begin_.empty() ? 0 : block_begin_.size() - 1; }

@@ -56,7 +56,7 @@ class WallPipeline {
  private:
   /// The contacts of one block, side by side whatever slots they have.
   struct Scratch {
-    KinematicsBlock<rotates, ContactsType::has_rolling, block, Scalar> kinematics;
+    KinematicsBlock<rotates, rolling_needs<ContactsType>, block, Scalar> kinematics;
     alignas(64) Scalar history[ContactsType::history + 1][block];
     std::uint16_t kind[block];  // place in the coefficient table
     struct Place {
@@ -186,11 +186,13 @@ class WallPipeline {
                              const PositionRow& sphere, const Contacts& contacts,
                              SurfacePoint* points) {
     const Vec3d centre = Contacts::in_body(wall, sphere.centre());
+    double within = sphere.r;
+    if constexpr (ActsAtDistance<typename ContactsType::Law>) within += contacts.range;
     int count;
-    if constexpr (requires { surface.contacts(centre, sphere.r, contacts.facets(c), points); })
-      count = surface.contacts(centre, sphere.r, contacts.facets(c), points);
+    if constexpr (requires { surface.contacts(centre, within, contacts.facets(c), points); })
+      count = surface.contacts(centre, within, contacts.facets(c), points);
     else
-      count = surface.contacts(centre, sphere.r, points);
+      count = surface.contacts(centre, within, points);
     if (wall.moves())
       for (int p = 0; p < count; ++p) points[p].normal = wall.pose.rotate(points[p].normal);
     return count;
@@ -275,7 +277,8 @@ class WallPipeline {
       kin.twist = scalar(dot(wall_spin, point.normal));
       s.kinematics.put(
           k, RollingKinematics<Scalar>{vector(motion.spin_velocity() * motion.inv_r - wall_spin),
-                                       scalar(1.4 * sphere.r * sphere.r / motion.inv_m)});
+                                       scalar(1.4 * sphere.r * sphere.r / motion.inv_m),
+                                       scalar(sphere.r), scalar(0)});
     }
     s.kinematics.put(k, kin);
     s.share[k] = (sphere.r - point.distance) / sphere.r;

@@ -1,0 +1,214 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <type_traits>
+
+#include <silt/contact/concept.hpp>
+#include <silt/core/error.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// A cohesion model adds an attraction to the force of a contact law. Needs
+///   struct Pair                            what the user sets of two materials, like or unlike
+///   template <class Real> struct Coefficients     what the kernel needs: Reals only
+///   static Coefficients<double> mix(const Pair&)
+///   static Real attraction(Contact<Real>, Coefficients<Real>)    [N] >= 0, a pure function
+///   static void check(const Pair&)         throws InputError
+/// Optional:
+///   static Real range(Coefficients<Real>, Real R_eff)    [m] if it acts beyond touch, see
+///   ContactLaw static constexpr bool forms_at_touch = true          it begins at touch, and ends
+///   at its range static double passing_time(Coefficients<double>, double speed)    [s] for the
+///   time step: in
+///     which the attraction changes from naught to all
+template <class M>
+concept CohesionModel = std::equality_comparable<typename M::Pair> &&
+    requires(const Contact<double>& c, const typename M::template Coefficients<double>& p) {
+  { M::mix(typename M::Pair{}) } -> std::same_as<typename M::template Coefficients<double>>;
+  { M::attraction(c, p) } -> std::same_as<double>;
+};
+
+namespace detail {
+
+template <class Body>
+struct PairOf {
+  struct type {};  // the body has no values that belong to a pair
+};
+template <HasPairValues Body>
+struct PairOf<Body> {
+  using type = typename Body::Pair;
+};
+
+}  // namespace detail
+
+/// A contact law with an attraction added to its normal force.
+///
+///   silt::Contacts<silt::Cohesive<silt::HertzMindlin, silt::VanDerWaals>> contacts{
+///       {.body = glass, .cohesion = {.hamaker = 6.5e-20, .closest = 1e-9, .cutoff = 1e-6}}};
+///
+///   F_n = body's F_n - attraction. The body's friction sees its own F_n alone: what presses the
+///   bodies together, which is what carries the load and the attraction.
+///
+/// Body may be cohesive itself. Unlike materials need set_pair.
+/// Source: B. V. Derjaguin et al., J. Colloid Interface Sci. 53 (1975) 314 (attraction and contact
+///         force simply add up).
+/// Units:  SI. Shapes: Real = double or batch, lane = pair. History: the body's; 1 Real more [-]
+/// for
+///         what forms at touch.
+/// Tests:  tests/contact/cohesion.cpp, tests/physics/cohesion.cpp.
+template <class Body, class Cohesion>
+struct Cohesive {
+  static_assert(ContactLaw<Body>,
+                "Cohesive<Body, Cohesion>: Body is no ContactLaw; its contract is "
+                "in silt/contact/concept.hpp");
+  static_assert(CohesionModel<Cohesion>,
+                "Cohesive<Body, Cohesion>: Cohesion is no CohesionModel; its contract is in "
+                "silt/contact/cohesion/cohesive.hpp");
+
+  struct Material {
+    typename Body::Material body;
+    typename Cohesion::Pair cohesion;  // against itself
+    bool operator==(const Material&) const = default;
+  };
+  struct Pair {
+    typename detail::PairOf<Body>::type body;
+    typename Cohesion::Pair cohesion;
+  };
+  template <class Real>
+  struct Coefficients {
+    typename Body::template Coefficients<Real> body;
+    typename Cohesion::template Coefficients<Real> cohesion;
+  };
+
+ private:
+  static constexpr bool forms_at_touch = requires { requires Cohesion::forms_at_touch; };
+  static constexpr bool far_body = ActsAtDistance<Body>;
+  static constexpr bool far_cohesion =
+      requires(const typename Cohesion::template Coefficients<double>& p) {
+    Cohesion::range(p, 1.0);
+  };
+  template <class Real>
+  struct Attached {
+    Real attached;  // [-] 1: it has formed
+  };
+  template <class Real>
+  struct Always {};
+
+ public:
+  template <class Real>
+  struct History : detail::HistoryOf<Body, Real>::type,
+                   std::conditional_t<forms_at_touch, Attached<Real>, Always<Real>> {};
+
+  static Pair like(const Material& m) {
+    if constexpr (detail::HasPairValues<Body>)
+      return {Body::like(m.body), m.cohesion};
+    else
+      return {{}, m.cohesion};
+  }
+  static Coefficients<double> mix(const Material& a, const Material& b, const Pair& pair) {
+    if constexpr (detail::HasPairValues<Body>)
+      return {Body::mix(a.body, b.body, pair.body), Cohesion::mix(pair.cohesion)};
+    else
+      return {Body::mix(a.body, b.body), Cohesion::mix(pair.cohesion)};
+  }
+
+  template <class Real>
+  static auto force(const Contact<Real>& c, const Coefficients<Real>& p, History<Real>& h) {
+    Real attraction = select(near(c, p), Cohesion::attraction(c, p.cohesion), Real(0));
+    if constexpr (forms_at_touch) {
+      h.attached = select(c.overlap > Real(0), Real(1), select(near(c, p), h.attached, Real(0)));
+      attraction = attraction * h.attached;
+    }
+    if constexpr (is_frictional<Body>) {
+      const Traction<Real> f = of_body(c, p, h);
+      return Traction<Real>{f.normal - attraction, f.tangential};
+    } else {
+      return Real(of_body(c, p, h) - attraction);
+    }
+  }
+
+  template <class Real>
+  static Real range(const Coefficients<Real>& p,
+                    const Real& R_eff) requires(far_body || far_cohesion) {
+    if constexpr (!far_cohesion)
+      return Body::range(p.body, R_eff);
+    else if constexpr (!far_body)
+      return Cohesion::range(p.cohesion, R_eff);
+    else
+      return max(Body::range(p.body, R_eff), Cohesion::range(p.cohesion, R_eff));
+  }
+  template <class Real>
+  static Real stiffness(const Contact<Real>& c, const Coefficients<Real>& p) {
+    return Body::stiffness(seen_by_body(c), p.body);
+  }
+  template <class Real>
+  static Real pressing(const Contact<Real>& c, const Coefficients<Real>& p, const Real& normal) {
+    const Real of_body = normal + Cohesion::attraction(c, p.cohesion);
+    if constexpr (requires { Body::pressing(c, p.body, of_body); })
+      return Body::pressing(c, p.body, of_body);
+    else
+      return select(c.overlap > Real(0), max(of_body, Real(0)), Real(0));
+  }
+  static double contact_time(const Coefficients<double>& p, double R_eff, double m_eff,
+                             double speed) requires requires {
+    Body::contact_time(p.body, R_eff, m_eff, speed);
+  }
+  {
+    const double body = Body::contact_time(p.body, R_eff, m_eff, speed);
+    if constexpr (requires { Cohesion::passing_time(p.cohesion, speed); })
+      return std::min(body, Cohesion::passing_time(p.cohesion, speed));
+    else
+      return body;
+  }
+
+  static void check(const Material& m) {
+    if constexpr (requires { Body::check(m.body); }) Body::check(m.body);
+    Cohesion::check(m.cohesion);
+  }
+  static void check(const Pair& p) {
+    if constexpr (requires { Body::check(p.body); }) Body::check(p.body);
+    Cohesion::check(p.cohesion);
+  }
+
+ private:
+  /// Where the attraction acts.
+  template <class Real>
+  static Mask<Real> near(const Contact<Real>& c, const Coefficients<Real>& p) {
+    if constexpr (far_cohesion)
+      return c.overlap > -Cohesion::range(p.cohesion, c.R_eff);
+    else
+      return c.overlap > Real(0);
+  }
+  template <class Real>
+  static Contact<Real> seen_by_body(const Contact<Real>& c) {
+    Contact<Real> touch = c;
+    if constexpr (!far_body) touch.overlap = max(c.overlap, Real(0));
+    return touch;
+  }
+  /// The body's answer and its history, nothing where it does not act.
+  template <class Real>
+  static auto of_body(const Contact<Real>& c, const Coefficients<Real>& p, History<Real>& h) {
+    using Kept = typename detail::HistoryOf<Body, Real>::type;
+    constexpr std::size_t H = detail::history_size<Body>();
+    auto f = detail::law_force<Body, Real>(seen_by_body(c), p.body, static_cast<Kept&>(h));
+    if constexpr (far_cohesion) {  // else the engine masks
+      Mask<Real> acts = c.overlap > Real(0);
+      if constexpr (far_body) acts = c.overlap > -Body::range(p.body, c.R_eff);
+      const Real zero(0);
+      if constexpr (H > 0) {
+        auto kept = std::bit_cast<std::array<Real, H>>(static_cast<Kept&>(h));
+        for (Real& k : kept) k = select(acts, k, zero);
+        static_cast<Kept&>(h) = std::bit_cast<Kept>(kept);
+      }
+      if constexpr (is_frictional<Body>)
+        f = {select(acts, f.normal, zero), select(acts, f.tangential, {zero, zero, zero})};
+      else
+        f = select(acts, f, zero);
+    }
+    return f;
+  }
+};
+
+}  // namespace silt
