@@ -21,6 +21,8 @@
 #include <silt/io/observers.hpp>
 #include <silt/search/brute_force.hpp>
 #include <silt/search/cell_grid.hpp>
+#include <silt/search/hashed_grid.hpp>
+#include <silt/search/nbs.hpp>
 #include <silt/search/verlet_list.hpp>
 #include <silt/shape/sphere.hpp>
 #include <silt/simulation.hpp>

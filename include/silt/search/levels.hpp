@@ -1,0 +1,160 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include <silt/core/error.hpp>
+#include <silt/core/threads.hpp>
+#include <silt/search/concept.hpp>
+
+namespace silt {
+
+/// Into which grids a search sorts spheres of different sizes, the coarsest first.
+///
+///   Levels{}                 as many as pay, with cells that fit the sizes there are
+///   one_level                one grid for all
+///   sub_grid(0.2)            one more grid for fines, of cells 0.2 as wide as those of the coarse
+///   Levels{.ratio = 0.5, .most = 8}    each of half the width of the one before
+///
+/// A sphere belongs to the finest grid whose cells are as wide as its own cutoff, 2 r + reach.
+/// Errors: InputError for a ratio outside (0, 1] or no level at all.
+/// Source: sub-grid: D. Brosh, H. Kalman, A. Levy, Granular Matter 16 (2014), whose best ratio is
+/// 1/5; levels for all sizes: V. Ogarko, S. Luding, Comput. Phys. Commun. 183 (2012) 931.
+struct Levels {
+  std::optional<double> ratio = {};  // [-] of widths of cells; left out: chosen from the sizes
+  std::size_t most = 16;             // [-] levels
+
+  void check() const {
+    if (ratio)
+      require(*ratio > 0 && *ratio <= 1, "Levels.ratio = ", *ratio, " [-] must be in (0, 1]");
+    require(most >= 1 && most <= 64, "Levels.most = ", most, " must be in [1, 64]");
+  }
+};
+inline constexpr Levels one_level{.ratio = {}, .most = 1};
+constexpr Levels sub_grid(double ratio) { return {.ratio = ratio, .most = 2}; }
+
+namespace detail {
+
+/// Counts of spheres by cutoff, eight classes an octave, the smallest first.
+class CutoffHistogram {
+ public:
+  struct Class {
+    std::size_t count = 0;
+    double largest = 0;  // [m] cutoff
+  };
+
+  CutoffHistogram(const SphereSet& spheres, double reach, double smallest, const Team& team)
+      : base_(octaves(smallest)) {
+    const std::size_t size =
+        std::min(octaves(2 * spheres.largest_radius + reach) - base_ + 1, most);
+    const std::size_t parts = static_cast<std::size_t>(std::min(team.threads(), 8)),
+                      n = spheres.rows.size();
+    std::vector<std::vector<Class>> of(parts, std::vector<Class>(size));
+    team.for_parts(parts, [&](std::size_t part) {
+      for (std::size_t k = n * part / parts; k < n * (part + 1) / parts; ++k) {
+        const double cutoff = 2 * spheres.rows[k].r + reach;
+        Class& c = of[part][std::min(octaves(cutoff) - base_, size - 1)];
+        ++c.count, c.largest = std::max(c.largest, cutoff);
+      }
+    });
+    for (std::size_t k = 0; k < size; ++k) {
+      Class sum;
+      for (const auto& classes_of : of)
+        sum.count += classes_of[k].count,
+            sum.largest = std::max(sum.largest, classes_of[k].largest);
+      if (sum.count > 0) classes_.push_back(sum);
+    }
+  }
+  const std::vector<Class>& classes() const { return classes_; }
+
+ private:
+  static constexpr std::size_t most = 512;
+  /// Eighths of an octave: exponent and the first three binary digits.
+  static std::size_t octaves(double cutoff) { return std::bit_cast<std::uint64_t>(cutoff) >> 49; }
+
+  std::size_t base_;
+  std::vector<Class> classes_;
+};
+
+/// Cuts classes of sizes into at most `most` levels such that a search takes least; returns the
+/// largest cutoff of each, the coarsest first.
+///
+/// A level of n spheres and cells of volume v, in a bed of volume V, makes each of them look at
+/// 13.5 n v/V others, and every finer sphere visit it. The costs are nanoseconds, read off
+/// benchmarks/search; they set the speed alone.
+inline std::vector<double> cheapest_levels(const std::vector<CutoffHistogram::Class>& classes,
+                                           double reach, std::size_t most) {
+  constexpr double look = 0.4, visit = 12, visit_look = 0.1, level = 2000;  // [ns]
+  constexpr double volume_a_cube = 0.9;  // of a bed: of the cube around a sphere
+  const std::size_t n = classes.size();
+  double volume = 0;                    // [m3]
+  std::vector<double> finer(n + 1, 0);  // spheres of smaller classes
+  for (std::size_t k = 0; k < n; ++k) {
+    const double d = classes[k].largest - reach, count = static_cast<double>(classes[k].count);
+    volume += volume_a_cube * count * d * d * d;
+    finer[k + 1] = finer[k] + count;
+  }
+  volume = std::max(volume, std::numeric_limits<double>::min());
+  const auto cost_of = [&](std::size_t from, std::size_t to) {  // a level of classes from ... to-1
+    const double spheres = finer[to] - finer[from], e = classes[to - 1].largest;
+    const double neighbours = std::min(spheres * e * e * e / volume, spheres / 13.5);
+    return level + spheres * 13.5 * neighbours * look +
+           finer[from] * (visit + visit_look * neighbours);
+  };
+  // cost[l][k]: of the classes 0 ... k-1 in at most l + 1 levels; the last of them begins at cut.
+  most = std::min(most, n);
+  std::vector<std::vector<double>> cost(most, std::vector<double>(n + 1, 0));
+  std::vector<std::vector<std::size_t>> cut(most, std::vector<std::size_t>(n + 1, 0));
+  for (std::size_t l = 0; l < most; ++l)
+    for (std::size_t k = 1; k <= n; ++k) {
+      cost[l][k] = cost_of(0, k);
+      for (std::size_t c = 1; l > 0 && c < k; ++c)
+        if (const double sum = cost[l - 1][c] + cost_of(c, k); sum < cost[l][k])
+          cost[l][k] = sum, cut[l][k] = c;
+    }
+  std::vector<double> cutoffs;
+  for (std::size_t k = n, l = most - 1;; --l) {
+    cutoffs.push_back(classes[k - 1].largest);
+    k = cut[l][k];
+    if (k == 0) return cutoffs;
+  }
+}
+
+/// The cutoffs [m] of the levels, the coarsest first.
+inline std::vector<double> choose_levels(const SphereSet& spheres, double reach,
+                                         const Levels& levels, const Team& team) {
+  const double largest = 2 * spheres.largest_radius + reach;  // [m]
+  std::vector<double> cutoffs{largest};
+  if (levels.most == 1 || spheres.rows.empty()) return cutoffs;
+  std::array<double, Team::most_ranges> smallest_of;
+  smallest_of.fill(largest);
+  team.for_ranges(spheres.rows.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
+    for (std::size_t k = from; k < to; ++k)
+      smallest_of[r] = std::min(smallest_of[r], 2 * spheres.rows[k].r + reach);
+  });
+  const double smallest =
+      std::max(*std::min_element(smallest_of.begin(), smallest_of.end()), 1e-9 * largest);
+  if (levels.ratio) {
+    for (double next = largest * *levels.ratio;
+         cutoffs.size() < levels.most && next >= smallest && *levels.ratio < 1;
+         next *= *levels.ratio)
+      cutoffs.push_back(next);
+    return cutoffs;
+  }
+  if (smallest > 0.7 * largest) return cutoffs;
+  const CutoffHistogram sizes(spheres, reach, smallest, team);
+  cutoffs = cheapest_levels(sizes.classes(), reach, levels.most);
+  cutoffs[0] = largest;
+  return cutoffs;
+}
+
+}  // namespace detail
+}  // namespace silt
