@@ -84,16 +84,30 @@ class CutoffHistogram {
   std::vector<Class> classes_;
 };
 
-/// Cuts classes of sizes into at most `most` levels such that a search takes least; returns the
-/// largest cutoff of each, the coarsest first.
+// What a search takes [ns], read off benchmarks/search; sets the speed alone.
+inline constexpr double own_level_cost = 30;  // a sphere that has few around it
+
+struct AcrossLevels {
+  double coarse_look, fines_look;  // [ns]
+};
+/// What it takes to find the pairs between two levels if the coarse spheres look at all rows of
+/// fines that they meet, and if the fines look at the coarse cells around them.
+inline AcrossLevels across_levels(double coarse, double coarse_cutoff, double fines,
+                                  double fine_cutoff) {
+  constexpr double a_row = 22, a_fine = 100;
+  const double layers = (coarse_cutoff + fine_cutoff) / fine_cutoff + 1;
+  return {coarse * layers * layers * a_row, fines * a_fine};
+}
+
+/// Cuts classes of sizes into at most `most` levels such that a search takes about the least;
+/// returns the largest cutoff of each, the coarsest first.
 ///
-/// A level of n spheres and cells of volume v, in a bed of volume V, makes each of them look at
-/// 13.5 n v/V others, and every finer sphere visit it. The costs are nanoseconds, read off
-/// benchmarks/search; they set the speed alone.
+/// A sphere looks at some 10 n v/V others of a level of n spheres and cells of volume v, in a bed
+/// of volume V. Best partitions of the smaller classes are extended by one level after the other.
 inline std::vector<double> cheapest_levels(const std::vector<CutoffHistogram::Class>& classes,
                                            double reach, std::size_t most) {
-  constexpr double look = 0.4, visit = 12, visit_look = 0.1, level = 2000;  // [ns]
-  constexpr double volume_a_cube = 0.9;  // of a bed: of the cube around a sphere
+  constexpr double least = 20, base = 10, look = 5;  // [ns] a sphere; 10 others take one `look`
+  constexpr double volume_a_cube = 1.1;              // of a bed: of the cube around a sphere
   const std::size_t n = classes.size();
   double volume = 0;                    // [m3]
   std::vector<double> finer(n + 1, 0);  // spheres of smaller classes
@@ -103,29 +117,41 @@ inline std::vector<double> cheapest_levels(const std::vector<CutoffHistogram::Cl
     finer[k + 1] = finer[k] + count;
   }
   volume = std::max(volume, std::numeric_limits<double>::min());
-  const auto cost_of = [&](std::size_t from, std::size_t to) {  // a level of classes from ... to-1
-    const double spheres = finer[to] - finer[from], e = classes[to - 1].largest;
-    const double neighbours = std::min(spheres * e * e * e / volume, spheres / 13.5);
-    return level + spheres * 13.5 * neighbours * look +
-           finer[from] * (visit + visit_look * neighbours);
+  // best[l][k]: of the classes 0 ... k-1 in at most l + 1 levels; the last of them begins at `cut`.
+  struct Best {
+    double cost = std::numeric_limits<double>::infinity();
+    std::size_t cut = 0;
   };
-  // cost[l][k]: of the classes 0 ... k-1 in at most l + 1 levels; the last of them begins at cut.
   most = std::min(most, n);
-  std::vector<std::vector<double>> cost(most, std::vector<double>(n + 1, 0));
-  std::vector<std::vector<std::size_t>> cut(most, std::vector<std::size_t>(n + 1, 0));
+  std::vector<std::vector<Best>> best(most, std::vector<Best>(n + 1));
+  const double level_cost = 2000 + finer[n];  // [ns] one more must gain something
+  const auto own_cost = [&](std::size_t from, std::size_t to) {
+    const double spheres = finer[to] - finer[from], e = classes[to - 1].largest;
+    const double around = std::min(spheres * e * e * e / volume, spheres / 10);
+    return level_cost + spheres * std::max(least, base + look * around);
+  };
+  const auto across = [&](std::size_t from, std::size_t to, std::size_t l) {
+    double sum = 0;
+    for (std::size_t end = from; end > 0; end = best[l][end].cut, l -= l > 0) {
+      const auto cost =
+          across_levels(finer[to] - finer[from], classes[to - 1].largest,
+                        finer[end] - finer[best[l][end].cut], classes[end - 1].largest);
+      sum += std::min(cost.coarse_look, cost.fines_look);
+    }
+    return sum;
+  };
   for (std::size_t l = 0; l < most; ++l)
     for (std::size_t k = 1; k <= n; ++k) {
-      cost[l][k] = cost_of(0, k);
+      best[l][k] = {own_cost(0, k), 0};
       for (std::size_t c = 1; l > 0 && c < k; ++c)
-        if (const double sum = cost[l - 1][c] + cost_of(c, k); sum < cost[l][k])
-          cost[l][k] = sum, cut[l][k] = c;
+        if (const double sum = best[l - 1][c].cost + own_cost(c, k) + across(c, k, l - 1);
+            sum < best[l][k].cost)
+          best[l][k] = {sum, c};
     }
   std::vector<double> cutoffs;
-  for (std::size_t k = n, l = most - 1;; --l) {
+  for (std::size_t k = n, l = most - 1; k > 0; k = best[l][k].cut, l -= l > 0)
     cutoffs.push_back(classes[k - 1].largest);
-    k = cut[l][k];
-    if (k == 0) return cutoffs;
-  }
+  return cutoffs;
 }
 
 /// The cutoffs [m] of the levels, the coarsest first.

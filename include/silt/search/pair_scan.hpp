@@ -35,29 +35,40 @@ SILT_INLINE IndexPair* put_pairs(std::uint32_t a, const std::uint32_t* b, std::u
 /// Pairs found, in room that grows before it is written to.
 class PairBuffer {
  public:
-  void clear() { size_ = 0; }
-  std::size_t size() const { return size_; }
+  void clear() { next_ = room_.data(); }
+  std::size_t size() const { return static_cast<std::size_t>(next_ - room_.data()); }
   const IndexPair* data() const { return room_.data(); }
   /// Gives the room back if it is large: a search is rare, its memory would lie idle.
   void give_back() {
-    if (room_.size() > 100000) room_ = {}, size_ = 0;
+    if (room_.size() > 100000) take({});
   }
   /// Where `more` pairs can be written.
-  IndexPair* room_for(std::size_t more) {
-    if (size_ + more > room_.size()) room_.resize(2 * (size_ + more));
-    return room_.data() + size_;
+  SILT_INLINE IndexPair* room_for(std::size_t more) {
+    if (static_cast<std::size_t>(end_ - next_) < more) grow(more);
+    return next_;
   }
-  void take_up_to(const IndexPair* end) { size_ = static_cast<std::size_t>(end - room_.data()); }
-  void put(const IndexPair& pair) { *room_for(1) = pair, ++size_; }
+  SILT_INLINE void take_up_to(IndexPair* end) { next_ = end; }
+  void put(const IndexPair& pair) { *room_for(1) = pair, ++next_; }
   /// Hands the pairs over and takes what room `pairs` has in exchange.
   void hand_over(std::vector<IndexPair>& pairs) {
-    room_.resize(size_), room_.swap(pairs);
-    room_.resize(room_.capacity()), size_ = 0;
+    room_.resize(size()), room_.swap(pairs);
+    room_.resize(room_.capacity());
+    next_ = room_.data(), end_ = next_ + room_.size();
   }
 
  private:
+  void grow(std::size_t more) {
+    const std::size_t has = size();
+    room_.resize(2 * (has + more));
+    next_ = room_.data() + has, end_ = room_.data() + room_.size();
+  }
+  void take(std::vector<IndexPair> room) {
+    room_ = std::move(room);
+    next_ = room_.data(), end_ = next_ + room_.size();
+  }
+
   std::vector<IndexPair> room_;
-  std::size_t size_ = 0;
+  IndexPair *next_ = nullptr, *end_ = nullptr;
 };
 
 /// Spheres in the order in which a grid keeps them, component by component.
@@ -88,6 +99,9 @@ struct SphereRange {
   std::size_t begin, end;
 };
 
+/// Which images of a sphere along x count as its place, in a box that repeats.
+enum class Images { Any, Direct, AcrossFaces };
+
 /// Looks for the partners of one sphere of columns, as many at a time as there are lanes.
 template <class Arch, class Domain>
 class PartnerScan {
@@ -112,19 +126,51 @@ class PartnerScan {
   /// Writes the pairs with spheres of `range` that are nearer than the reach; returns where the
   /// next one goes. There must be room for as many as the range holds, and `width` more.
   SILT_INLINE IndexPair* operator()(SphereRange range, IndexPair* out) const {
-    for (std::size_t q = range.begin; q < range.end; q += width) {
-      Vec3<Real> d{centre_.x - load_any<Real>(x_ + q), centre_.y - load_any<Real>(y_ + q),
-                   centre_.z - load_any<Real>(z_ + q)};
-      if constexpr (Domain::periodic) d = domain_.shortest(d);
-      const Real cutoff = radius_ + load_any<Real>(r_ + q) + reach_;
-      const std::uint64_t inside = ~std::uint64_t{0} >> (64 - std::min(width, range.end - q));
-      out =
-          put_pairs<width>(name_, names_ + q, lane_bits(dot(d, d) < cutoff * cutoff) & inside, out);
-    }
+    for (std::size_t q = range.begin; q < range.end; q += width)
+      out = look(q, range.end, load_any<Real>(x_ + q), out);
     return out;
   }
 
+  /// The same for the spheres from `low` on, whose x ascend, if only nearly: no x may be less than
+  /// an earlier one by more than x_begin and x_end [m] allow for. Looks at all that are not before
+  /// x_begin or beyond x_end, and moves `low` past those before.
+  template <Images Which = Images::Any>
+  SILT_INLINE void sweep(std::size_t& low, std::size_t end, double x_begin, double x_end,
+                         PairBuffer& found) const {
+    const Real begin(x_begin);
+    bool all_before = true;  // so far
+    for (std::size_t q = low; q < end; q += width) {
+      const Real x = load_any<Real>(x_ + q);
+      found.take_up_to(look<Which>(q, end, x, found.room_for(width)));
+      if (all_before) {
+        const int before = std::countr_one(lane_bits(x < begin) & inside(q, end));
+        low += static_cast<std::size_t>(before);
+        all_before = before == static_cast<int>(width);
+      }
+      if (q + width >= end || x_[q + width - 1] > x_end) return;
+    }
+  }
+
  private:
+  static SILT_INLINE std::uint64_t inside(std::size_t q, std::size_t end) {
+    return ~std::uint64_t{0} >> (64 - std::min(width, end - q));
+  }
+  template <Images Which = Images::Any>
+  SILT_INLINE IndexPair* look(std::size_t q, std::size_t end, const Real& x, IndexPair* out) const {
+    Vec3<Real> d{centre_.x - x, centre_.y - load_any<Real>(y_ + q),
+                 centre_.z - load_any<Real>(z_ + q)};
+    std::uint64_t wanted = inside(q, end);
+    if constexpr (Domain::periodic) {
+      const Real direct = d.x;
+      d = domain_.shortest(d);
+      if constexpr (Which == Images::Direct) wanted &= lane_bits(d.x == direct);
+      if constexpr (Which == Images::AcrossFaces) wanted &= ~lane_bits(d.x == direct);
+    }
+    const Real cutoff = radius_ + load_any<Real>(r_ + q) + reach_;
+    const std::uint64_t near = lane_bits(dot(d, d) < cutoff * cutoff) & wanted;
+    return put_pairs<width>(name_, names_ + q, near, out);
+  }
+
   const double *x_, *y_, *z_, *r_;
   const std::uint32_t* names_;
   const Domain& domain_;
