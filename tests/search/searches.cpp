@@ -5,7 +5,8 @@
 
 using namespace search_test;
 
-#define SILT_SEARCHES silt::CellGrid, silt::Nbs, silt::HashedGrid, OneLevel, SubGrid, Halves
+#define SILT_SEARCHES \
+  silt::CellGrid, silt::Nbs, silt::HashedGrid, OneLevel, SubGrid, Halves, silt::AutoSearch
 
 TEST_CASE_TEMPLATE("searches: pairs equal brute force for random spheres, any reach, sizes to 1:20",
                    Search, SILT_SEARCHES) {
@@ -220,7 +221,7 @@ TEST_CASE_TEMPLATE("searches: a sphere that is not finite is refused with a sent
 }
 
 TEST_CASE_TEMPLATE("searches: order() names every sphere once, neighbours side by side", Search,
-                   silt::CellGrid, silt::Nbs, silt::HashedGrid) {
+                   silt::CellGrid, silt::Nbs, silt::HashedGrid, silt::AutoSearch) {
   Random random(7);
   const auto rows = random_rows(2000, unit, 0.03, 0.03, random);
   Search search;

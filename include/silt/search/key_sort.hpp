@@ -17,10 +17,11 @@ inline int bits_for(std::size_t n) { return std::bit_width(n - std::min<std::siz
 
 /// Sorts keys by some of their bits, stably, digit by digit from the lowest (radix sort): O(n) for
 /// each digit of at most 11 bits. The order does not depend on the number of threads.
+template <class Key>
 class KeySort {
  public:
   /// By the bits from ... to-1.
-  void operator()(std::vector<std::uint64_t>& keys, int from, int to, const Team& team) {
+  void operator()(std::vector<Key>& keys, int from, int to, const Team& team) {
     if (to <= from) return;
     const int most = keys.size() < 4096 ? 8 : 11, passes = (to - from + most - 1) / most;
     const int digit = (to - from + passes - 1) / passes;
@@ -30,10 +31,10 @@ class KeySort {
   }
 
  private:
-  void sort_digit(std::vector<std::uint64_t>& keys, int shift, int bits, const Team& team) {
+  void sort_digit(std::vector<Key>& keys, int shift, int bits, const Team& team) {
     const std::size_t n = keys.size(), values = std::size_t{1} << bits;
     const std::size_t parts = n < 4096 ? 1 : static_cast<std::size_t>(std::min(team.threads(), 8));
-    const auto digit = [=](std::uint64_t key) { return key >> shift & (values - 1); };
+    const auto digit = [=](Key key) { return key >> shift & (values - 1); };
     next_.assign(parts * values, 0);
     team.for_parts(parts, [&](std::size_t part) {
       std::uint32_t* const count = next_.data() + part * values;
@@ -52,7 +53,7 @@ class KeySort {
     keys.swap(other_);
   }
 
-  std::vector<std::uint64_t> other_;
+  std::vector<Key> other_;
   std::vector<std::uint32_t> next_;
 };
 

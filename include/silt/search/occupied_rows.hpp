@@ -182,7 +182,7 @@ class OccupiedRows {
   double places_ = 1, disorder_ = 0;  // along x that keys tell apart; width of each [m]
   KeyBits bits_{};
   std::vector<std::uint64_t> keys_;
-  KeySort sort_;
+  KeySort<std::uint64_t> sort_;
   SphereColumns spheres_;
   std::vector<std::uint64_t> row_key_;    // level, z, y
   std::vector<std::uint32_t> row_start_;  // first sphere

@@ -51,7 +51,7 @@ void space_order(const SphereSet& spheres, double reach, const Domain& domain, c
       keys[k] = cell << sphere | k;
     }
   });
-  KeySort sort;
+  KeySort<std::uint64_t> sort;
   const int columns = column_bits + std::max(0, bits_for(frame.count[1]) - in_tile);
   sort(keys, sphere, std::min(64, sphere + 2 * in_tile + z_bits + columns), team);
   for (std::size_t k = 0; k < n; ++k)
