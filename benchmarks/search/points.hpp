@@ -177,7 +177,7 @@ inline Rows fragments(std::size_t n, double ratio, silt::Random& random) {
     radii.push_back(
         0.5 * std::pow(1 - (1 - last) * (static_cast<double>(k) + 0.5) / static_cast<double>(n),
                        -1 / 2.5));
-  return Packing(std::move(radii), 0.4, random).rows();
+  return Packing(std::move(radii), 0.33, random).rows();
 }
 
 }  // namespace bench

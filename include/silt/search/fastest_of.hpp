@@ -53,9 +53,17 @@ inline void sort_pairs(std::vector<IndexPair>& pairs, std::size_t spheres, const
   std::vector<IndexPair> sorted(pairs.size());
   for (const IndexPair& p : pairs) sorted[next[p.a]++] = p;
   team.for_ranges(spheres, [&](std::size_t, std::size_t from, std::size_t to) {
-    for (std::size_t a = from; a < to; ++a)
-      std::sort(sorted.begin() + (a == 0 ? 0 : next[a - 1]), sorted.begin() + next[a],
-                [](const IndexPair& p, const IndexPair& q) { return p.b < q.b; });
+    for (std::size_t a = from; a < to; ++a) {
+      const std::size_t first = a == 0 ? 0 : next[a - 1];
+      if (next[a] - first > 32) {
+        std::sort(sorted.begin() + static_cast<std::ptrdiff_t>(first), sorted.begin() + next[a],
+                  [](const IndexPair& p, const IndexPair& q) { return p.b < q.b; });
+        continue;
+      }
+      for (std::size_t k = first + 1; k < next[a]; ++k)  // mostly three or four
+        for (std::size_t j = k; j > first && sorted[j].b < sorted[j - 1].b; --j)
+          std::swap(sorted[j], sorted[j - 1]);
+    }
   });
   pairs.swap(sorted);
 }
@@ -105,7 +113,8 @@ class FastestOf {
     const std::size_t n = spheres.rows.size();
     if (choice_.spheres == 0 || n >= 2 * choice_.spheres || 2 * n <= choice_.spheres)
       choose(spheres, reach, domain, team);
-    with(choice_.finder, [&](auto& finder) { finder.find(spheres, reach, domain, team, pairs); });
+    with(finders_, choice_.finder,
+         [&](auto& finder) { finder.find(spheres, reach, domain, team, pairs); });
     detail::sort_pairs(pairs, n, team);
   }
 
@@ -136,16 +145,17 @@ class FastestOf {
     return {detail::type_name<Finders>()...};
   }
 
+  using All = std::tuple<Finders...>;
   template <class Action>
-  void with(std::size_t wanted, const Action& action) {
+  static void with(All& finders, std::size_t wanted, const Action& action) {
     std::size_t k = 0;
-    std::apply([&](auto&... finder) { ((k++ == wanted ? action(finder) : void()), ...); },
-               finders_);
+    std::apply([&](auto&... finder) { ((k++ == wanted ? action(finder) : void()), ...); }, finders);
   }
 
   template <class Domain>
   void choose(const SphereSet& spheres, double reach, const Domain& domain, const Team& team) {
     const std::size_t n = spheres.rows.size();
+    auto candidates = finders_;  // so that those not chosen leave no memory behind
     trials_.clear();
     for (const auto name : names()) trials_.push_back({.name = name});
     std::vector<std::uint32_t> order;
@@ -159,7 +169,7 @@ class FastestOf {
         Trial& t = trials_[k];
         if (t.given_up) continue;
         t.spheres = size;
-        t.time = time_of(k, {sample, spheres.largest_radius}, reach, domain, team);
+        t.time = time_of(candidates, k, {sample, spheres.largest_radius}, reach, domain, team);
         if (t.time < best) best = t.time, choice_.finder = k;
       }
       if (size == n) break;
@@ -171,14 +181,14 @@ class FastestOf {
 
   /// The least of a few searches [s], the first of which fills caches and buffers.
   template <class Domain>
-  double time_of(std::size_t k, const SphereSet& spheres, double reach, const Domain& domain,
-                 const Team& team) {
+  static double time_of(All& all, std::size_t k, const SphereSet& spheres, double reach,
+                        const Domain& domain, const Team& team) {
     using Clock = std::chrono::steady_clock;
     double least = std::numeric_limits<double>::infinity();
     std::vector<IndexPair> pairs;
     for (int run = 0; run < 4; ++run) {
       const auto start = Clock::now();
-      with(k, [&](auto& finder) { finder.find(spheres, reach, domain, team, pairs); });
+      with(all, k, [&](auto& finder) { finder.find(spheres, reach, domain, team, pairs); });
       least = std::min(least, std::chrono::duration<double>(Clock::now() - start).count());
     }
     return least;
@@ -186,7 +196,7 @@ class FastestOf {
 
   static constexpr std::size_t first_sample = 1000;  // spheres
 
-  std::tuple<Finders...> finders_;
+  All finders_;
   Choice choice_;
   std::vector<Trial> trials_;
 };

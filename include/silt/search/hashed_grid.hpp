@@ -82,8 +82,8 @@ class HashedGrid {
 
    private:
     std::size_t count_ = 0;
-    std::vector<bool> coarse_look_;
-    std::vector<double> work_;  // of the levels before each, and of all [ns]
+    std::vector<std::uint8_t> coarse_look_;  // by coarse and fine level
+    std::vector<double> work_;               // of the levels before each, and of all [ns]
   };
 
   template <class Arch, class Domain>

@@ -57,19 +57,20 @@ class CutoffHistogram {
         std::min(octaves(2 * spheres.largest_radius + reach) - base_ + 1, most);
     const std::size_t parts = static_cast<std::size_t>(std::min(team.threads(), 8)),
                       n = spheres.rows.size();
-    std::vector<std::vector<Class>> of(parts, std::vector<Class>(size));
+    std::vector<Class> of(parts * size);
     team.for_parts(parts, [&](std::size_t part) {
       for (std::size_t k = n * part / parts; k < n * (part + 1) / parts; ++k) {
         const double cutoff = 2 * spheres.rows[k].r + reach;
-        Class& c = of[part][std::min(octaves(cutoff) - base_, size - 1)];
+        Class& c = of[part * size + std::min(octaves(cutoff) - base_, size - 1)];
         ++c.count, c.largest = std::max(c.largest, cutoff);
       }
     });
     for (std::size_t k = 0; k < size; ++k) {
       Class sum;
-      for (const auto& classes_of : of)
-        sum.count += classes_of[k].count,
-            sum.largest = std::max(sum.largest, classes_of[k].largest);
+      for (std::size_t part = 0; part < parts; ++part) {
+        const Class& c = of[part * size + k];
+        sum.count += c.count, sum.largest = std::max(sum.largest, c.largest);
+      }
       if (sum.count > 0) classes_.push_back(sum);
     }
   }
@@ -117,13 +118,14 @@ inline std::vector<double> cheapest_levels(const std::vector<CutoffHistogram::Cl
     finer[k + 1] = finer[k] + count;
   }
   volume = std::max(volume, std::numeric_limits<double>::min());
-  // best[l][k]: of the classes 0 ... k-1 in at most l + 1 levels; the last of them begins at `cut`.
+  // best(l, k): of the classes 0 ... k-1 in at most l + 1 levels; the last of them begins at `cut`.
   struct Best {
     double cost = std::numeric_limits<double>::infinity();
     std::size_t cut = 0;
   };
   most = std::min(most, n);
-  std::vector<std::vector<Best>> best(most, std::vector<Best>(n + 1));
+  std::vector<Best> all(most * (n + 1));
+  const auto best = [&](std::size_t l, std::size_t k) -> Best& { return all[l * (n + 1) + k]; };
   const double level_cost = 2000 + finer[n];  // [ns] one more must gain something
   const auto own_cost = [&](std::size_t from, std::size_t to) {
     const double spheres = finer[to] - finer[from], e = classes[to - 1].largest;
@@ -132,24 +134,24 @@ inline std::vector<double> cheapest_levels(const std::vector<CutoffHistogram::Cl
   };
   const auto across = [&](std::size_t from, std::size_t to, std::size_t l) {
     double sum = 0;
-    for (std::size_t end = from; end > 0; end = best[l][end].cut, l -= l > 0) {
+    for (std::size_t end = from; end > 0; end = best(l, end).cut, l -= l > 0) {
       const auto cost =
           across_levels(finer[to] - finer[from], classes[to - 1].largest,
-                        finer[end] - finer[best[l][end].cut], classes[end - 1].largest);
+                        finer[end] - finer[best(l, end).cut], classes[end - 1].largest);
       sum += std::min(cost.coarse_look, cost.fines_look);
     }
     return sum;
   };
   for (std::size_t l = 0; l < most; ++l)
     for (std::size_t k = 1; k <= n; ++k) {
-      best[l][k] = {own_cost(0, k), 0};
+      best(l, k) = {own_cost(0, k), 0};
       for (std::size_t c = 1; l > 0 && c < k; ++c)
-        if (const double sum = best[l - 1][c].cost + own_cost(c, k) + across(c, k, l - 1);
-            sum < best[l][k].cost)
-          best[l][k] = {sum, c};
+        if (const double sum = best(l - 1, c).cost + own_cost(c, k) + across(c, k, l - 1);
+            sum < best(l, k).cost)
+          best(l, k) = {sum, c};
     }
   std::vector<double> cutoffs;
-  for (std::size_t k = n, l = most - 1; k > 0; k = best[l][k].cut, l -= l > 0)
+  for (std::size_t k = n, l = most - 1; k > 0; k = best(l, k).cut, l -= l > 0)
     cutoffs.push_back(classes[k - 1].largest);
   return cutoffs;
 }
