@@ -26,12 +26,16 @@
 #include <silt/contact/rolling/twisting.hpp>
 #include <silt/contact/rolling/viscous.hpp>
 #include <silt/coupling/no_fluid.hpp>
+#include <silt/engine/contact_check.hpp>
 #include <silt/fill/particle_file.hpp>
 #include <silt/fill/particles.hpp>
 #include <silt/io/checkpoint.hpp>
 #include <silt/io/observers.hpp>
 #include <silt/search/brute_force.hpp>
 #include <silt/search/cell_grid.hpp>
+#include <silt/search/fastest_of.hpp>
+#include <silt/search/hashed_grid.hpp>
+#include <silt/search/nbs.hpp>
 #include <silt/search/verlet_list.hpp>
 #include <silt/shape/sphere.hpp>
 #include <silt/simulation.hpp>

@@ -196,6 +196,7 @@ class Simulation {
   std::size_t touching_pairs() const { return engine_.touching_pairs(domain_); }
   const ContactsType& contacts() const { return contacts_; }
   const Domain& domain() const { return domain_; }
+  const Search& search() const { return search_; }
   Engine& engine() { return engine_; }
   const Engine& engine() const { return engine_; }
   double largest_overlap() const {

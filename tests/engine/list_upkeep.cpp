@@ -40,10 +40,15 @@ struct Watch {
     });
     std::sort(listed.begin(), listed.end());
     doubled_pairs += std::adjacent_find(listed.begin(), listed.end()) != listed.end();
+    std::vector<silt::PositionRow> rows;
+    std::vector<std::uint32_t> places;
+    for (std::uint32_t k = 0; k < sim.rows(); ++k)
+      if (sim.is_present(k)) rows.push_back(e.particles.position[k]), places.push_back(k);
     std::vector<silt::IndexPair> touching;
-    silt::BruteForce{}.find({e.particles.rows(), e.particles.largest_radius}, 0, sim.domain(),
-                            silt::Team(), touching);
+    silt::BruteForce{}.find({rows, e.particles.largest_radius}, 0, sim.domain(), silt::Team(),
+                            touching);
     touching_pairs += touching.size();
+    for (auto& [a, b] : touching) a = places[a], b = places[b];
     for (const auto& [a, b] : touching)
       missed_pairs +=
           !std::binary_search(listed.begin(), listed.end(), Pair{std::min(a, b), std::max(a, b)});

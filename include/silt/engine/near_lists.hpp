@@ -15,7 +15,7 @@
 #include <silt/engine/pair_list.hpp>
 #include <silt/engine/particle_state.hpp>
 #include <silt/engine/wall_contacts.hpp>
-#include <silt/search/concept.hpp>
+#include <silt/search/verlet_list.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -56,7 +56,7 @@ class NearLists {
     const double wall_speed = fastest_wall(scene);
     anticipate_speeds(scene);
     if (upkeep.searched_at < 0 || !choose_inner(scene, wall_speed)) {
-      find_pairs(scene, search, wall_speed);
+      find_pairs(scene, search, wall_speed, step);
       upkeep.searched_at = step;
       anticipate_speeds(scene);  // with the new neighbours
       choose_inner(scene, wall_speed);
@@ -78,12 +78,6 @@ class NearLists {
 
  private:
   static constexpr bool keeps_list = requires(Search & s) { s.finder; };
-  static auto& finder(Search& search) {
-    if constexpr (keeps_list)
-      return search.finder;
-    else
-      return search;
-  }
 
   // --- how far the lists reach --------------------------------------------------------------
 
@@ -174,7 +168,16 @@ class NearLists {
 
   // --- search -------------------------------------------------------------------------------
 
-  void find_pairs(const Scene& scene, Search& search, double wall_speed) {
+  /// Whether this search is to bring the particles into the order of their cells: one that is
+  /// renewed at every step would spend more time on sorting than it gains.
+  static bool is_to_sort([[maybe_unused]] const Search& search, std::int64_t step) {
+    if constexpr (keeps_list)
+      return search.sort;
+    else
+      return step % 1000 == 0;
+  }
+
+  void find_pairs(const Scene& scene, Search& search, double wall_speed, std::int64_t step) {
     State& particles = scene.particles;
     const Team& team = scene.team;
     const std::size_t before = particles.size();
@@ -185,19 +188,17 @@ class NearLists {
     choose_skins(scene, search, wall_speed);
     reach_out(scene, wall_speed);
 
-    auto& find = finder(search);
-    const SphereSet spheres{{grown_.data(), grown_.size()}, largest_grown_};
-    bool sorted = false;
-    if constexpr (keeps_list) {
-      if constexpr (requires { find.order(spheres, 0.0, scene.domain, team, order_); })
-        if (search.sort) {
-          find.order(spheres, 0.0, scene.domain, team, order_);
-          apply_order(scene);
-          find.find_ordered(0.0, scene.domain, team, found_);
-          sorted = true;
-        }
-    }
-    if (!sorted) find.find(spheres, 0.0, scene.domain, team, found_);
+    auto& find = finder_of(search);
+    const auto spheres = [&] { return SphereSet{{grown_.data(), grown_.size()}, largest_grown_}; };
+    bool is_found = false;
+    if constexpr (requires { find.order(spheres(), 0.0, scene.domain, team, order_); })
+      if (is_to_sort(search, step)) {
+        find.order(spheres(), 0.0, scene.domain, team, order_);
+        apply_order(scene);
+        if constexpr (requires { find.find_ordered(0.0, scene.domain, team, found_); })
+          find.find_ordered(0.0, scene.domain, team, found_), is_found = true;
+      }
+    if (!is_found) find.find(spheres(), 0.0, scene.domain, team, found_);
     pairs.set_outer(found_, particles, before, team);
     if (found_.size() > 1000000) found_ = {};  // its memory would lie idle until the next search
     const double of_walls = upkeep.outer_wall + scene.range / 2;

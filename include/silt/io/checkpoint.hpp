@@ -28,6 +28,9 @@ class Checkpoint {
   using Engine = typename Sim::Engine;
   using WallPairs = decltype(Engine::Lists::walls);
   static constexpr std::size_t H = Sim::ContactsType::history;
+  static constexpr bool chooses_search = requires(typename Sim::Search s) {
+    detail::finder_of(s).choice();
+  };
 
  public:
   static void save(const Sim& sim, const std::string& path) {
@@ -111,6 +114,12 @@ class Checkpoint {
       flows.push_back(i.start), flows.push_back(i.interval);
     }
     out.add("openings.counts", counts), out.add("openings.flows", flows);
+    std::vector<std::uint64_t> search;
+    if constexpr (chooses_search) {
+      const auto& choice = detail::finder_of(sim.search_).choice();
+      search = {choice.finder, choice.spheres};
+      out.add("search.choice", search);
+    }
     out.commit(path);
   }
 
@@ -167,6 +176,10 @@ class Checkpoint {
     const auto marks = in.get<double>("walls.marks");
     const auto flows = in.get<double>("openings.flows", outlets + 2 * inlets);
     e.set_coefficients(sim.contacts_);  // throws where a pair of materials lacks its values
+    if constexpr (chooses_search) {
+      const auto choice = in.get<std::uint64_t>("search.choice", 2);
+      detail::finder_of(sim.search_).keep({choice[0], choice[1]});  // throws where there is none
+    }
 
     sim.time_ = clock[0], sim.dt_ = clock[1], sim.time_origin_ = clock[2];
     sim.checked_speed_ = clock[3], sim.peak_overlap_ = clock[4];

@@ -2,17 +2,19 @@
 #pragma once
 
 #include <silt/search/concept.hpp>
+#include <silt/search/grid_frame.hpp>
 
 namespace silt::inline SILT_TARGET {
 
 /// Looks at all pairs: O(N^2), the oracle that every other search is tested against.
 ///
-/// Shapes: none. Units: SI. Errors: none.
-/// Tests: tests/search/cell_grid.cpp.
+/// Shapes: none. Units: SI. Errors: InputError for a sphere without a finite place or size.
+/// Tests: tests/search/searches.cpp.
 struct BruteForce {
   template <class Domain>
-  void find(const SphereSet& spheres, double reach, const Domain& domain, const Team&,
+  void find(const SphereSet& spheres, double reach, const Domain& domain, const Team& team,
             std::vector<IndexPair>& pairs) const {
+    detail::bounds_of(spheres, domain, team);
     pairs.clear();
     const auto n = static_cast<std::uint32_t>(spheres.rows.size());
     for (std::uint32_t a = 0; a < n; ++a)

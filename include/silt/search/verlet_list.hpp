@@ -29,4 +29,16 @@ struct VerletList {
   }
 };
 
+namespace detail {
+
+/// The search that a policy finds pairs with: the finder of a list, or the policy itself.
+template <class Search>
+auto& finder_of(Search& search) {
+  if constexpr (requires { search.finder; })
+    return search.finder;
+  else
+    return search;
+}
+
+}  // namespace detail
 }  // namespace silt

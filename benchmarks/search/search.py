@@ -1,0 +1,244 @@
+#!/usr/bin/env python3
+# silt - BSD-3-Clause, see LICENSE
+"""Runs bench_search, prints its tables, fits growth exponents and draws log-log plots.
+
+Times are processor time of one thread, build and query together, in ns a sphere: the least of
+--repeat rounds, which are interleaved. "In order": the spheres have been sorted by the search's own
+order() before, as a Verlet list does. The lists of LAMMPS and LIGGGHTS are built on the same spheres
+and timed by their own clocks ("Neigh"), if they are installed. Results: OUT/search.json, *.png.
+"""
+import argparse
+import collections
+import json
+import math
+import os
+import re
+import shutil
+import subprocess
+import sys
+
+COLOURS = ["#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#555555"]
+SUBS = ["sub-grid 1/%d" % k for k in (1, 2, 3, 4, 5, 6, 8, 10)]
+PEER = """
+units si
+atom_style {style}
+{map}boundary f f f
+newton off
+comm_modify vel yes
+{soft}read_data {data}
+neighbor 0.1 bin
+neigh_modify every 1 delay 0 check no
+{law}
+fix i all nve/sphere
+timestep 1e-12
+thermo 1000000
+thermo_modify lost ignore norm no
+run 20
+"""
+LIGGGHTS_LAW = """fix m1 all property/global youngsModulus peratomtype 1e6
+fix m2 all property/global poissonsRatio peratomtype 0.3
+fix m3 all property/global coefficientRestitution peratomtypepair 1 0.5
+fix m4 all property/global coefficientFriction peratomtypepair 1 0.4
+pair_style gran model hertz tangential history
+pair_coeff * *"""
+
+
+def run_bench(program, pattern, seconds):
+    out = subprocess.run([program, "--benchmark_filter=" + pattern, "--benchmark_format=json",
+                          f"--benchmark_min_time={seconds}"], capture_output=True, text=True)
+    if out.returncode != 0:
+        sys.exit(f"bench_search did not finish: {out.stderr}")
+    return json.loads(out.stdout)["benchmarks"]
+
+
+def collect(rounds):
+    """results[group][search][n] = {ns, bytes, pairs}, the least time of all rounds."""
+    results = collections.defaultdict(lambda: collections.defaultdict(dict))
+    for row in (row for one in rounds for row in one):
+        kind, group, rest = row["name"].split("/", 2)
+        if kind == "drive":
+            key, name, n = "drive " + group, rest, 20000
+        else:
+            key, (name, n) = group, rest.rsplit("/", 1)
+        one = results[key][name].setdefault(int(n), {"ns": math.inf})
+        one["ns"] = min(one["ns"], 1e9 / row["items_per_second"])
+        for field in ("bytes", "pairs", "label"):
+            if field in row:
+                one[field] = row[field]
+    return results
+
+
+def exponent(points):
+    """Slope of log(total time) over log(n), least squares; needs two sizes."""
+    xs = [math.log(n) for n in points]
+    ys = [math.log(n * p["ns"]) for n, p in points.items()]
+    if len(xs) < 2:
+        return None
+    mx, my = sum(xs) / len(xs), sum(ys) / len(ys)
+    return sum((x - mx) * (y - my) for x, y in zip(xs, ys)) / sum((x - mx) ** 2 for x in xs)
+
+
+def print_growth(results):
+    for scene in ("dense bed", "cloud", "jets"):
+        if scene not in results:
+            continue
+        sizes = sorted({n for of in results[scene].values() for n in of})
+        print(f"\n{scene}: ns a sphere at N = {', '.join(f'{n:g}' for n in sizes)}; "
+              "bytes a sphere; exponent from 1e4 on")
+        for name, of in results[scene].items():
+            slope = exponent({n: p for n, p in of.items() if n >= 10000})
+            cells = " ".join(f"{of[n]['ns']:9.1f}" if n in of else " " * 9 for n in sizes)
+            print(f"  {name:24s} {cells}  {of[max(of)].get('bytes', 0):8.1f} B"
+                  + (f"  {slope:5.2f}" if slope else ""))
+
+
+def print_sizes(results):
+    groups = [g for g in results if ":" in g]
+    for kind in ("two sizes", "fragments"):
+        mine = [g for g in groups if g.startswith(kind)]
+        if not mine:
+            continue
+        print(f"\n{kind}: ns a sphere by size ratio {', '.join(g.split(' 1:')[1] for g in mine)}")
+        names = list(dict.fromkeys(n for g in mine for n in results[g]))
+        for name in names:
+            values = [min(p["ns"] for p in results[g][name].values()) if name in results[g] else None
+                      for g in mine]
+            print(f"  {name:24s} " + " ".join(f"{v:9.1f}" if v else " " * 9 for v in values))
+        one, levels = ([min(p["ns"] for p in results[g][n].values()) for g in mine]
+                       for n in ("HashedGrid, one level", "HashedGrid"))
+        print(f"  {'levels over one level':24s} " + " ".join(f"{a / b:8.1f}x" for a, b in zip(one, levels)))
+
+
+def print_drive(results):
+    groups = [g for g in results if g.startswith("drive ")]
+    if not groups:
+        return
+    print(f"\n20 000 spheres that collide: ns a step and sphere, by travel a step over diameter "
+          f"{', '.join(g.split()[1] for g in groups)}")
+    for name in results[groups[0]]:
+        print(f"  {name:24s} " + " ".join(f"{results[g][name][20000]['ns']:9.1f}" for g in groups))
+
+
+def time_peers(program, folder, scene, n):
+    """ns a sphere of one build of the neighbour list, by each peer's own clock."""
+    data = os.path.join(folder, "points.data")
+    subprocess.run([program, "points", scene, str(n), data], check=True)
+    found = {}
+    for peer, settings in (
+            ("lmp", dict(style="sphere", map="", soft="", law="pair_style gran/hertz/history "
+                         "1e6 NULL 0 NULL 0.4 1\npair_coeff * *")),
+            ("liggghts", dict(style="granular", map="atom_modify map array\n",
+                              soft="soft_particles yes\n", law=LIGGGHTS_LAW))):
+        if not shutil.which(peer):
+            continue
+        text = PEER.format(data=data, **settings)
+        if peer == "liggghts":
+            text = text.replace("comm_modify vel yes", "communicate single vel yes")
+        deck = os.path.join(folder, peer + ".in")
+        with open(deck, "w") as f:
+            f.write(text)
+        out = subprocess.run([peer, "-in", deck, "-log", "none"], capture_output=True, text=True,
+                             cwd=folder, env=dict(os.environ, OMP_NUM_THREADS="1"))
+        seconds = re.search(r"^Neigh\s*(?:\||time \(%\) =)\s*([0-9.e+-]+)", out.stdout, re.M)
+        if seconds:
+            found[peer] = 1e9 * float(seconds.group(1)) / 20 / n
+        else:
+            print(f"{peer} did not finish: {(out.stdout + out.stderr)[-300:]}")
+    return found
+
+
+def print_peers(results, peers):
+    for (scene, n), found in peers.items():
+        ours = {name: of[n]["ns"] for name, of in results[scene].items() if n in of}
+        best = min(ours.get("HashedGrid, in order", math.inf), ours.get("HashedGrid", math.inf))
+        print(f"\n{scene}, {n} spheres, against HashedGrid ({best:.1f} ns a sphere)")
+        rows = {"k-d tree (nanoflann)": ours.get("k-d tree (nanoflann)"),
+                "LAMMPS, list build": found.get("lmp"), "LIGGGHTS, list build": found.get("liggghts")}
+        for name, value in rows.items():
+            if value:
+                print(f"  {name:24s} {value:9.1f} ns  {value / best:6.1f}x")
+
+
+def draw(results, folder):
+    import matplotlib
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    def finish(figure, axes, name):
+        for ax in axes:
+            ax.grid(True, which="major", color="0.88", lw=0.8)
+            ax.set_axisbelow(True)
+            ax.spines[["top", "right"]].set_visible(False)
+        axes[-1].legend(fontsize=8, loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
+        figure.tight_layout()
+        figure.savefig(os.path.join(folder, name), dpi=150)
+        plt.close(figure)
+
+    scenes = [s for s in ("dense bed", "cloud", "jets") if s in results]
+    if scenes:
+        figure, axes = plt.subplots(1, len(scenes), figsize=(4.2 * len(scenes) + 1.5, 4), sharey=True,
+                                    squeeze=False)
+        names = list(results[scenes[0]])
+        for ax, scene in zip(axes[0], scenes):
+            for k, name in enumerate(names):
+                of = results[scene].get(name, {})
+                ax.loglog(sorted(of), [1e-9 * n * of[n]["ns"] for n in sorted(of)], marker="o", ms=4,
+                          color=COLOURS[k % 8], ls="-" if k < 8 else "--", label=name)
+            ax.set_xlabel("spheres"), ax.set_title(scene)
+        axes[0][0].set_ylabel("time of a search [s]")
+        finish(figure, axes[0], "growth.png")
+    for kind in ("two sizes", "fragments"):
+        mine = [g for g in results if g.startswith(kind)]
+        if not mine:
+            continue
+        figure, (left, right) = plt.subplots(1, 2, figsize=(10.5, 4))
+        ratios = [int(g.split(":")[1]) for g in mine]
+        names = [n for n in results[mine[0]] if n not in SUBS]
+        for k, name in enumerate(names):
+            ys = [min((p["ns"] for p in results[g][name].values()), default=math.nan) for g in mine]
+            left.loglog(ratios, ys, marker="o", ms=4, color=COLOURS[k % 8],
+                        ls="-" if k < 8 else "--", label=name)
+        left.set_xlabel("largest over smallest diameter"), left.set_ylabel("ns a sphere")
+        left.legend(fontsize=7, frameon=False)
+        for k, g in enumerate(mine):
+            points = [(1 / int(s.split("/")[1]), min(p["ns"] for p in results[g][s].values()))
+                      for s in SUBS if s in results[g]]
+            if points:
+                right.loglog(*zip(*points), marker="o", ms=4, color=COLOURS[k % 8], label=g)
+        right.set_xlabel("width of the sub-grid's cells over those of the coarse")
+        right.set_ylabel("ns a sphere")
+        finish(figure, [left, right], kind.replace(" ", "_") + ".png")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--bench", required=True, help="the program bench_search")
+    parser.add_argument("--out", default="out/search")
+    parser.add_argument("--quick", action="store_true", help="up to 1e5 spheres, one short round")
+    parser.add_argument("--repeat", type=int, default=3)
+    options = parser.parse_args()
+    os.makedirs(options.out, exist_ok=True)
+    rounds = 1 if options.quick else options.repeat
+    patterns = (["search/(dense bed|cloud|jets)/.*/(1000|10000|100000)$", "search/.*:(1|5|10|100)/",
+                 "drive/"] if options.quick else ["."])
+    results = collect([run_bench(options.bench, p, 0.02 if options.quick else 0.1)
+                       for _ in range(rounds) for p in patterns])
+    peers = {(s, 100000): time_peers(options.bench, os.path.abspath(options.out), s, 100000)
+             for s in ("dense bed",)}
+    print_growth(results), print_sizes(results), print_drive(results), print_peers(results, peers)
+    for name, of in (("dense bed", results["dense bed"]), ("cloud", results["cloud"])):
+        if "AutoSearch" in of:
+            print(f"\nAutoSearch, {name}: {of['AutoSearch'][max(of['AutoSearch'])].get('label')}")
+    with open(os.path.join(options.out, "search.json"), "w") as file:
+        json.dump({"results": results,
+                   "peers": [{"scene": s, "n": n, **v} for (s, n), v in peers.items()]}, file, indent=1)
+    try:
+        draw(results, options.out)
+    except ImportError:
+        print("no plots: matplotlib is missing (Debian: apt-get install python3-matplotlib)")
+    print(f"\nresults and plots are in {options.out}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,46 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+// The searches of the benchmark. One of your own enters it by one line in for_each_search: any type
+// with the member find() of silt/search/concept.hpp.
+
+#include <silt/search/brute_force.hpp>
+#include <silt/search/cell_grid.hpp>
+#include <silt/search/fastest_of.hpp>
+#include <silt/search/hashed_grid.hpp>
+#include <silt/search/nbs.hpp>
+
+#include "baselines.hpp"
+
+namespace bench {
+
+/// HashedGrid with one grid for all sizes.
+struct OneLevel : silt::HashedGrid {
+  OneLevel() : HashedGrid(silt::one_level) {}
+};
+
+/// A search in the form in which a simulation uses it: on spheres that it has put in order before.
+template <class Search>
+struct Ordered : Search {};
+
+/// Calls visit.operator()<Search>(name, most): `most` spheres keep the benchmark short.
+template <class Visit>
+void for_each_search(const Visit& visit) {
+  visit.template operator()<silt::HashedGrid>("HashedGrid", 1e6);
+  visit.template operator()<Ordered<silt::HashedGrid>>("HashedGrid, in order", 1e6);
+  visit.template operator()<OneLevel>("HashedGrid, one level", 1e6);
+  visit.template operator()<silt::CellGrid>("CellGrid", 1e6);
+  visit.template operator()<Ordered<silt::CellGrid>>("CellGrid, in order", 1e6);
+  visit.template operator()<silt::Nbs>("Nbs", 1e6);
+  visit.template operator()<Ordered<silt::Nbs>>("Nbs, in order", 1e6);
+  visit.template operator()<silt::AutoSearch>("AutoSearch", 1e6);
+  visit.template operator()<DenseGrid>("dense grid", 1e5);
+  visit.template operator()<SweepAndPrune>("sweep and prune", 1e5);
+  visit.template operator()<Octree>("octree", 1e5);
+#if defined(BENCH_NANOFLANN)
+  visit.template operator()<KdTree>("k-d tree (nanoflann)", 1e6);
+#endif
+  visit.template operator()<silt::BruteForce>("all pairs", 1e4);
+}
+
+}  // namespace bench

@@ -1,0 +1,68 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <silt/core/error.hpp>
+#include <silt/search/nbs.hpp>
+
+namespace silt {
+
+/// An observer that looks at every step for contacts that the lists have missed: all particles that
+/// touch are found anew by another search, and must stand in the list that the forces were computed
+/// from. A search of one's own, or doubt about silt's, is reason to switch it on:
+///
+///   sim.run(1.0, silt::ContactCheck{});                                   every step
+///   sim.run(1.0, silt::at(silt::every(1e-3), silt::ContactCheck{}));      now and then
+///
+/// It takes about as long as a search without a list, and changes no result.
+/// Errors: SimulationError that names two particles that touch and were not listed.
+/// Tests:  tests/engine/contact_check.cpp.
+template <NeighbourSearch Oracle = Nbs>
+class ContactCheck {
+ public:
+  template <class Sim>
+  void operator()(const Sim& sim) {
+    const auto& e = sim.engine();
+    rows_.clear(), places_.clear();
+    for (std::size_t k = 0; k < sim.rows(); ++k)
+      if (sim.is_present(k))
+        rows_.push_back(e.particles.position[k]), places_.push_back(static_cast<std::uint32_t>(k));
+    oracle_.find({rows_, e.particles.largest_radius}, 0, sim.domain(), Team(), touching_);
+    listed_.clear();
+    e.lists.pairs.for_each([&](std::size_t k) {
+      listed_.push_back(key(e.lists.pairs.first()[k], e.lists.pairs.second()[k]));
+    });
+    std::sort(listed_.begin(), listed_.end());
+    for (const auto& [p, q] : touching_) {
+      const std::uint32_t a = places_[p], b = places_[q];
+      const bool both_fixed = e.particles.motion[a].inv_m == 0 && e.particles.motion[b].inv_m == 0;
+      if (both_fixed || std::binary_search(listed_.begin(), listed_.end(), key(a, b))) continue;
+      throw SimulationError(text("step ", sim.step(), ", t = ", sim.time(), " s: particles ",
+                                 sim.id(a), " and ", sim.id(b), " touch near ", sim.position(a),
+                                 " m, but the neighbour search has not listed them; use another "
+                                 "search: this one loses contacts"),
+                            sim.step(), {sim.id(a), sim.id(b)}, sim.position(a));
+    }
+    contacts_ += touching_.size();
+  }
+  /// Contacts that were looked at, over all steps.
+  std::size_t contacts() const { return contacts_; }
+
+ private:
+  static std::uint64_t key(std::uint32_t a, std::uint32_t b) {
+    return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
+  }
+
+  Oracle oracle_;
+  std::vector<PositionRow> rows_;
+  std::vector<std::uint32_t> places_;  // of rows_, among all particles
+  std::vector<IndexPair> touching_;
+  std::vector<std::uint64_t> listed_;
+  std::size_t contacts_ = 0;
+};
+
+}  // namespace silt

@@ -1,0 +1,209 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <silt/core/lanes.hpp>
+#include <silt/core/threads.hpp>
+#include <silt/search/concept.hpp>
+
+namespace silt::detail {
+
+/// Writes {a, b[lane]} for every lane whose bit is set; returns where the next one goes. There must
+/// be room for `Width` pairs, and as many b, whatever the bits.
+template <std::size_t Width>
+SILT_INLINE IndexPair* put_pairs(std::uint32_t a, const std::uint32_t* b, std::uint64_t bits,
+                                 IndexPair* out) {
+#if defined(__AVX512F__)
+  if constexpr (Width == 8) {  // without a branch on the bits, which nothing could predict
+    const __m512i second = _mm512_slli_epi64(
+        _mm512_cvtepu32_epi64(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(b))), 32);
+    const __m512i pairs = _mm512_or_si512(second, _mm512_set1_epi64(a));
+    _mm512_storeu_si512(out, _mm512_maskz_compress_epi64(static_cast<__mmask8>(bits), pairs));
+    return out + std::popcount(bits);
+  }
+#endif
+  for (; bits != 0; bits &= bits - 1)
+    *out++ = {a, b[static_cast<std::size_t>(std::countr_zero(bits))]};
+  return out;
+}
+
+/// Pairs found, in room that grows before it is written to.
+class PairBuffer {
+ public:
+  void clear() { next_ = room_.data(); }
+  std::size_t size() const { return static_cast<std::size_t>(next_ - room_.data()); }
+  const IndexPair* data() const { return room_.data(); }
+  /// Gives the room back if it is large: a search is rare, its memory would lie idle.
+  void give_back() {
+    if (room_.size() > 100000) take({});
+  }
+  /// Where `more` pairs can be written.
+  SILT_INLINE IndexPair* room_for(std::size_t more) {
+    if (static_cast<std::size_t>(end_ - next_) < more) grow(more);
+    return next_;
+  }
+  SILT_INLINE void take_up_to(IndexPair* end) { next_ = end; }
+  void put(const IndexPair& pair) { *room_for(1) = pair, ++next_; }
+  /// Hands the pairs over and takes what room `pairs` has in exchange.
+  void hand_over(std::vector<IndexPair>& pairs) {
+    room_.resize(size()), room_.swap(pairs);
+    room_.resize(room_.capacity());
+    next_ = room_.data(), end_ = next_ + room_.size();
+  }
+
+ private:
+  void grow(std::size_t more) {
+    const std::size_t has = size();
+    room_.resize(2 * (has + more));
+    next_ = room_.data() + has, end_ = room_.data() + room_.size();
+  }
+  void take(std::vector<IndexPair> room) {
+    room_ = std::move(room);
+    next_ = room_.data(), end_ = next_ + room_.size();
+  }
+
+  std::vector<IndexPair> room_;
+  IndexPair *next_ = nullptr, *end_ = nullptr;
+};
+
+/// Spheres in the order in which a grid keeps them, component by component.
+struct SphereColumns {
+  static constexpr std::size_t padding = 8;  // the widest pack of lanes: columns go on by as many
+
+  std::vector<double> x, y, z, r;   // [m]
+  std::vector<std::uint32_t> name;  // place in the rows that were given
+
+  std::size_t size() const { return name.size() - padding; }
+  void resize(std::size_t n) {
+    for (auto* component : {&x, &y, &z, &r}) component->resize(n + padding, 0.0);
+    name.resize(n + padding);
+  }
+  /// Fills the components of all spheres from the rows of their names.
+  void take(std::span<const PositionRow> rows, const Team& team) {
+    team.for_ranges(size(), [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t k = from; k < to; ++k) {
+        const PositionRow& row = rows[name[k]];
+        x[k] = row.x, y[k] = row.y, z[k] = row.z, r[k] = row.r;
+      }
+    });
+  }
+};
+
+/// Consecutive spheres of columns.
+struct SphereRange {
+  std::size_t begin, end;
+};
+
+/// Which images of a sphere along x count as its place, in a box that repeats.
+enum class Images { Any, Direct, AcrossFaces };
+
+/// Looks for the partners of one sphere of columns, as many at a time as there are lanes.
+template <class Arch, class Domain>
+class PartnerScan {
+  using Real = typename Lanes<Arch>::Real;
+
+ public:
+  static constexpr std::size_t width = Lanes<Arch>::width;
+
+  SILT_INLINE PartnerScan(const SphereColumns& of, std::size_t p, double reach,
+                          const Domain& domain)
+      : x_(of.x.data()),
+        y_(of.y.data()),
+        z_(of.z.data()),
+        r_(of.r.data()),
+        names_(of.name.data()),
+        domain_(domain),
+        centre_{Real(x_[p]), Real(y_[p]), Real(z_[p])},
+        radius_(r_[p]),
+        reach_(reach),
+        name_(names_[p]) {}
+
+  /// Writes the pairs with spheres of `range` that are nearer than the reach; returns where the
+  /// next one goes. There must be room for as many as the range holds, and `width` more.
+  SILT_INLINE IndexPair* operator()(SphereRange range, IndexPair* out) const {
+    for (std::size_t q = range.begin; q < range.end; q += width)
+      out = look(q, range.end, load_any<Real>(x_ + q), out);
+    return out;
+  }
+
+  /// The same for the spheres from `low` on, whose x ascend, if only nearly: no x may be less than
+  /// an earlier one by more than x_begin and x_end [m] allow for. Looks at all that are not before
+  /// x_begin or beyond x_end, and moves `low` past those before.
+  template <Images Which = Images::Any>
+  SILT_INLINE void sweep(std::size_t& low, std::size_t end, double x_begin, double x_end,
+                         PairBuffer& found) const {
+    const Real begin(x_begin);
+    bool all_before = true;  // so far
+    for (std::size_t q = low; q < end; q += width) {
+      const Real x = load_any<Real>(x_ + q);
+      found.take_up_to(look<Which>(q, end, x, found.room_for(width)));
+      if (all_before) {
+        const int before = std::countr_one(lane_bits(x < begin) & inside(q, end));
+        low += static_cast<std::size_t>(before);
+        all_before = before == static_cast<int>(width);
+      }
+      if (q + width >= end || x_[q + width - 1] > x_end) return;
+    }
+  }
+
+ private:
+  static SILT_INLINE std::uint64_t inside(std::size_t q, std::size_t end) {
+    return ~std::uint64_t{0} >> (64 - std::min(width, end - q));
+  }
+  template <Images Which = Images::Any>
+  SILT_INLINE IndexPair* look(std::size_t q, std::size_t end, const Real& x, IndexPair* out) const {
+    Vec3<Real> d{centre_.x - x, centre_.y - load_any<Real>(y_ + q),
+                 centre_.z - load_any<Real>(z_ + q)};
+    std::uint64_t wanted = inside(q, end);
+    if constexpr (Domain::periodic) {
+      const Real direct = d.x;
+      d = domain_.shortest(d);
+      if constexpr (Which == Images::Direct) wanted &= lane_bits(d.x == direct);
+      if constexpr (Which == Images::AcrossFaces) wanted &= ~lane_bits(d.x == direct);
+    }
+    const Real cutoff = radius_ + load_any<Real>(r_ + q) + reach_;
+    const std::uint64_t near = lane_bits(dot(d, d) < cutoff * cutoff) & wanted;
+    return put_pairs<width>(name_, names_ + q, near, out);
+  }
+
+  const double *x_, *y_, *z_, *r_;
+  const std::uint32_t* names_;
+  const Domain& domain_;
+  Vec3<Real> centre_;
+  Real radius_, reach_;
+  std::uint32_t name_;
+};
+
+/// Pairs that are found in parts, each in its own buffer, and put one after the other.
+class FoundInParts {
+ public:
+  /// Calls find(part, parts, buffer) for each part and fills `pairs` with what they found. With
+  /// threads there are more parts: part after part, the pairs must come out the same.
+  template <class Find>
+  void operator()(const Team& team, std::vector<IndexPair>& pairs, const Find& find) {
+    const std::size_t parts = team.threads() > 1 ? 8 * static_cast<std::size_t>(team.threads()) : 1;
+    found_.resize(parts);
+    team.for_parts(parts, [&](std::size_t part) {
+      found_[part].clear();
+      find(part, parts, found_[part]);
+    });
+    if (parts == 1) return found_[0].hand_over(pairs);
+    std::vector<std::size_t> begin(parts + 1, 0);
+    for (std::size_t p = 0; p < parts; ++p) begin[p + 1] = begin[p] + found_[p].size();
+    pairs.resize(begin[parts]);
+    team.for_parts(parts, [&](std::size_t part) {
+      std::copy_n(found_[part].data(), found_[part].size(), pairs.data() + begin[part]);
+      found_[part].give_back();
+    });
+  }
+
+ private:
+  std::vector<PairBuffer> found_;
+};
+
+}  // namespace silt::detail
