@@ -9,7 +9,7 @@
 #include <silt/core/error.hpp>
 #include <silt/search/nbs.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// An observer that looks at every step for contacts that the lists have missed: all particles that
 /// touch are found anew by another search, and must stand in the list that the forces were computed

@@ -22,7 +22,7 @@
 #include <silt/search/nbs.hpp>
 #include <silt/search/space_order.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 namespace detail {
 

@@ -12,7 +12,7 @@
 #include <silt/core/threads.hpp>
 #include <silt/search/concept.hpp>
 
-namespace silt::detail {
+namespace silt::inline SILT_TARGET::detail {
 
 /// Names the first sphere that a search cannot place.
 [[noreturn]] inline void throw_not_finite(const SphereSet& spheres) {

@@ -15,7 +15,7 @@
 #include <silt/search/pair_scan.hpp>
 #include <silt/search/space_order.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// Grids of occupied cells alone: time and memory follow the number of spheres, however large and
 /// empty the domain is. Spheres of different sizes lie in several grids, each with cells that fit

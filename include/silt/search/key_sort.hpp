@@ -10,7 +10,7 @@
 
 #include <silt/core/threads.hpp>
 
-namespace silt::detail {
+namespace silt::inline SILT_TARGET::detail {
 
 /// How many bits hold the numbers 0 ... n-1.
 inline int bits_for(std::size_t n) { return std::bit_width(n - std::min<std::size_t>(n, 1)); }

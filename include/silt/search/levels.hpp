@@ -15,7 +15,7 @@
 #include <silt/core/threads.hpp>
 #include <silt/search/concept.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// Into which grids a search sorts spheres of different sizes, the coarsest first.
 ///
@@ -26,7 +26,7 @@ namespace silt {
 ///
 /// A sphere belongs to the finest grid whose cells are as wide as its own cutoff, 2 r + reach.
 /// Errors: InputError for a ratio outside (0, 1] or no level at all.
-/// Source: sub-grid: D. Brosh, H. Kalman, A. Levy, Granular Matter 16 (2014), whose best ratio is
+/// Source: sub-grid: T. Brosh, H. Kalman, A. Levy, Particuology 12 (2014) 113, whose best ratio is
 /// 1/5; levels for all sizes: V. Ogarko, S. Luding, Comput. Phys. Commun. 183 (2012) 931.
 struct Levels {
   std::optional<double> ratio = {};  // [-] of widths of cells; left out: chosen from the sizes

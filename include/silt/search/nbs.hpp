@@ -12,7 +12,7 @@
 #include <silt/search/pair_scan.hpp>
 #include <silt/search/space_order.hpp>
 
-namespace silt {
+namespace silt::inline SILT_TARGET {
 
 /// No binary search: spheres in linked lists of layers, rows of a layer and cells of a row, of
 /// which only those in work exist, so that memory grows with the spheres and the number of cells in
@@ -24,10 +24,10 @@ namespace silt {
 /// Cells are as wide as the largest cutoff, 2 r_max + reach (wider beyond 8 N + 64 cells in a
 /// direction): for spheres of similar size.
 /// Source: A. Munjiza, K. R. F. Andrews, Int. J. Numer. Meth. Engng 43 (1998) 131; proximity of
-/// edges: D. Brosh, H. Kalman, A. Levy, Granular Matter 16 (2014). Theirs moves each sphere as soon
-/// as its contacts are known; here all are found at one instant.
-/// Shapes: none. Units: SI. Errors: InputError for a sphere without a finite place or size.
-/// Tests:  tests/search/searches.cpp (pair sets identical to BruteForce).
+/// edges: T. Brosh, H. Kalman, A. Levy, Particuology 12 (2014) 113. Theirs moves each sphere as
+/// soon as its contacts are known; here all are found at one instant. Shapes: none. Units: SI.
+/// Errors: InputError for a sphere without a finite place or size. Tests: tests/search/searches.cpp
+/// (pair sets identical to BruteForce).
 class Nbs {
  public:
   template <class Domain>

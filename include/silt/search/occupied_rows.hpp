@@ -15,7 +15,7 @@
 #include <silt/search/levels.hpp>
 #include <silt/search/pair_scan.hpp>
 
-namespace silt::detail {
+namespace silt::inline SILT_TARGET::detail {
 
 /// Spheres sorted by level, by row of cells, and in a row by x, and a list of the rows that hold
 /// any: time and memory follow the number of spheres, not of cells.

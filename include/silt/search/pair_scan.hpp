@@ -11,7 +11,7 @@
 #include <silt/core/threads.hpp>
 #include <silt/search/concept.hpp>
 
-namespace silt::detail {
+namespace silt::inline SILT_TARGET::detail {
 
 /// Writes {a, b[lane]} for every lane whose bit is set; returns where the next one goes. There must
 /// be room for `Width` pairs, and as many b, whatever the bits.

@@ -12,7 +12,7 @@
 #include <silt/search/grid_frame.hpp>
 #include <silt/search/key_sort.hpp>
 
-namespace silt::detail {
+namespace silt::inline SILT_TARGET::detail {
 
 /// The order in which neighbours lie close together in memory: by cells as wide as the mean cutoff,
 /// in columns of 16 x 16 cells one after the other, in a column layer by layer. It depends on the
