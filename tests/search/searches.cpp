@@ -238,3 +238,16 @@ TEST_CASE_TEMPLATE("searches: order() names every sphere once, neighbours side b
     sum += norm(rows[order[k]].centre() - rows[order[k - 1]].centre());
   CHECK(sum / static_cast<double>(order.size()) < 0.40);
 }
+
+TEST_CASE("searches: a copy of a search works apart from it") {
+  Random random(9);
+  const auto rows = random_rows(300, unit, 0.05, 0.05, random);
+  silt::CellGrid grid;
+  const auto expected = sorted(found_by(grid, rows, 0, OpenDomain{}));
+  REQUIRE(expected.size() > 20);
+  silt::CellGrid copy = grid;
+  CHECK(sorted(found_by(copy, rows, 0, OpenDomain{})) == expected);
+  CHECK(sorted(found_by(grid, rows, 0, OpenDomain{})) == expected);
+  copy = grid;
+  CHECK(sorted(found_by(copy, rows, 0, OpenDomain{})) == expected);
+}

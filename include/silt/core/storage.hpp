@@ -26,4 +26,19 @@ struct CacheAligned {
 template <class T>
 using AlignedVector = std::vector<T, CacheAligned<T>>;
 
+namespace detail {
+
+/// Gives a vector n values whose contents do not matter. Where it must grow, it lets go of what it
+/// has first and takes an eighth more than it needs: not both the old and twice the room.
+template <class V>
+void make_room(V& values, std::size_t n) {
+  if (n > values.capacity()) {
+    values = V();
+    values.reserve(n + n / 8);
+  }
+  values.resize(n);
+}
+
+}  // namespace detail
+
 }  // namespace silt

@@ -99,7 +99,7 @@ class PairList {
   template <class Arch, class Domain>
   void prune(std::span<const PositionRow> grown, const Domain& domain,
              std::span<const std::uint32_t> previous, const Team& team) {
-    kept_.resize(outer_.size());
+    make_room(kept_, outer_.size());
     team.for_parts(chunks_.size(), [&](std::size_t c) {
       chunks_[c].kept = keep_near<Arch>(chunks_[c], grown.data(), domain);
     });
@@ -181,7 +181,7 @@ class PairList {
       return groups_.of(p.a, p.b);
     };
     const std::size_t count = groups_.count() + 1;  // one more for those left out
-    group_.resize(found.size());
+    make_room(group_, found.size());
     std::vector<std::size_t> next(Team::most_ranges * count, 0);  // of each range and group
     team.for_ranges(found.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
       for (std::size_t k = from; k < to; ++k)
@@ -194,7 +194,7 @@ class PairList {
       for (std::size_t r = 0; r < Team::most_ranges; ++r)
         place += std::exchange(next[r * count + g], place);
     }
-    outer_.resize(outer_begin_.back());
+    make_room(outer_, outer_begin_.back());
     team.for_ranges(found.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
       for (std::size_t k = from; k < to; ++k) {
         if (group_[k] == groups_.count()) continue;
@@ -228,8 +228,9 @@ class PairList {
       size_ += inner_group_[g].size();
     }
     const std::size_t padded = pieces(next, padding) * padding;
-    first_.resize(padded + ahead), second_.resize(padded + ahead), origin_.resize(padded);
-    for (auto& h : history_) h.resize(padded);
+    make_room(first_, padded + ahead), make_room(second_, padded + ahead);
+    make_room(origin_, padded);
+    for (auto& h : history_) make_room(h, padded);
   }
 
   /// Fills the gaps behind the groups. Their origin keeps the sequence ascending.
@@ -327,7 +328,7 @@ class PairList {
       for_each_inner(team, [&](std::size_t k) { archive_end_[first_[k]] += remembers(k); });
       std::uint32_t place = 0;
       for (auto& row : archive_end_) place += std::exchange(row, place);
-      archive_.resize(place);
+      make_room(archive_, place);
       for_each_inner(team, [&](std::size_t k) {
         if (remembers(k)) archive_[archive_end_[first_[k]]++] = {second_[k], values(k)};
       });

@@ -35,6 +35,13 @@ SILT_INLINE IndexPair* put_pairs(std::uint32_t a, const std::uint32_t* b, std::u
 /// Pairs found, in room that grows before it is written to.
 class PairBuffer {
  public:
+  PairBuffer() = default;
+  PairBuffer(const PairBuffer&) : PairBuffer() {}  // a copy begins empty, in room of its own
+  PairBuffer& operator=(const PairBuffer& other) {
+    if (this != &other) take({});
+    return *this;
+  }
+
   void clear() { next_ = room_.data(); }
   std::size_t size() const { return static_cast<std::size_t>(next_ - room_.data()); }
   const IndexPair* data() const { return room_.data(); }
