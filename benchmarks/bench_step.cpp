@@ -85,6 +85,36 @@ void BM_linear_frictionless_mixed(benchmark::State& s) {
   run(s, Contacts<silt::LinearSpring>{spring}, spread, silt::Mixed{});
 }
 
+void BM_hertz_kuwabara_kono(benchmark::State& s) {
+  using Law = silt::HertzDamped<silt::KuwabaraKono>;
+  run(s, Contacts<Law>{Law::Material{1e7, 0.3, 1e-5, 0.4}}, spread);
+}
+void BM_dcdem(benchmark::State& s) {
+  run(s, Contacts<silt::Dcdem>{silt::Dcdem::Material{1e7, 0.3, 0.5, 0.4}}, spread);
+}
+void BM_hertz_dmt(benchmark::State& s) {
+  using Law = silt::Cohesive<silt::HertzMindlin, silt::Dmt>;
+  run(s, Contacts<Law>{Law::Material{glass, {0.01}}}, spread);
+}
+void BM_hertz_van_der_waals(benchmark::State& s) {
+  using Law = silt::Cohesive<silt::HertzMindlin, silt::VanDerWaals>;
+  run(s, Contacts<Law>{Law::Material{glass, {1e-12, 1e-4, 2e-4}}}, spread);
+}
+void BM_hertz_capillary(benchmark::State& s) {
+  using Law = silt::Cohesive<silt::HertzMindlin, silt::CapillaryBridge>;
+  run(s, Contacts<Law>{Law::Material{glass, {0.01, 0.3, 1e-12}}}, spread);
+}
+void BM_jkr(benchmark::State& s) {
+  run(s, Contacts<silt::Jkr>{silt::Jkr::Material{1e7, 0.3, 0.01, 0.5, 0.4}}, spread);
+}
+void BM_hertz_mindlin_directional(benchmark::State& s) {
+  run(s, Contacts<silt::HertzMindlin, silt::RollingDirectional>{glass, {0.1}}, spread);
+}
+void BM_hertz_mindlin_rolling_twisting(benchmark::State& s) {
+  using Full = silt::Both<silt::RollingEpsd, silt::Twisting>;
+  run(s, Contacts<silt::HertzMindlin, Full>{glass, {{0.1}, {0.4}}}, spread);
+}
+
 constexpr auto ms = benchmark::kMillisecond;
 
 /// Times a law on the lanes of this machine and on one lane: of a law of your own it shows whether
@@ -114,6 +144,14 @@ BENCHMARK(BM_hertz_mindlin_mixed)->Arg(5000)->Arg(50000)->Unit(ms);
 BENCHMARK(BM_linear_friction)->Arg(5000)->Unit(ms);
 BENCHMARK(BM_linear_frictionless)->Arg(5000)->Arg(50000)->Unit(ms);
 BENCHMARK(BM_linear_frictionless_mixed)->Arg(5000)->Unit(ms);
+BENCHMARK(BM_hertz_kuwabara_kono)->Arg(5000)->Unit(ms);
+BENCHMARK(BM_dcdem)->Arg(5000)->Unit(ms);
+BENCHMARK(BM_hertz_dmt)->Arg(5000)->Unit(ms);
+BENCHMARK(BM_hertz_van_der_waals)->Arg(5000)->Unit(ms);
+BENCHMARK(BM_hertz_capillary)->Arg(5000)->Unit(ms);
+BENCHMARK(BM_jkr)->Arg(5000)->Unit(ms);
+BENCHMARK(BM_hertz_mindlin_directional)->Arg(5000)->Unit(ms);
+BENCHMARK(BM_hertz_mindlin_rolling_twisting)->Arg(5000)->Unit(ms);
 
 }  // namespace
 
