@@ -126,8 +126,9 @@ def draw_panel(figure, axes, study, error, scale):
         axes.set_yticks([floor] + ticks, ["0"] + [f"{t:g}" for t in ticks])
         axes.yaxis.set_minor_locator(NullLocator())
         axes.set_ylim(limits)
-    for (x, y), a, b in zip(shown.values(), low, high):
-        axes.plot([a, b], [y, y], color="0.75", lw=2, zorder=1, solid_capstyle="butt")
+    bars = [[(a, y), (b, y)] for (_, y), a, b in zip(shown.values(), low, high)]
+    for bar in bars:
+        axes.plot(*zip(*bar), color="0.75", lw=2, zorder=1, solid_capstyle="butt")
     line = [shown[name] for name in front]
     axes.plot(*zip(*line), color=FRONT, lw=1.5, zorder=2, label="Pareto front")
     for name, (x, y) in shown.items():
@@ -143,7 +144,8 @@ def draw_panel(figure, axes, study, error, scale):
     axes.set_axisbelow(True)
     axes.spines[["top", "right"]].set_visible(False)
     axes.tick_params(labelsize=10)
-    place_labels(figure, axes, list(shown.values()), list(shown), best, [line])
+    place_labels(figure, axes, list(shown.values()), list(shown), best,
+                 [line] + bars)
 
 
 def draw(folder):

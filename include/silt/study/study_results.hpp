@@ -115,9 +115,11 @@ struct StudyResults {
 
   std::string bounds_in_words() const {
     std::string out;
-    for (const auto& b : bounds)
-      out += text(out.empty() ? "" : " and ", b.error, " is at most ", b.limit, " ",
-                  first()->error(b.error)->unit);
+    for (const auto& b : bounds) {
+      const std::string& unit = first()->error(b.error)->unit;
+      out += text(out.empty() ? "" : " and ", b.error, " is at most ", b.limit,
+                  unit == "-" ? "" : " " + unit);
+    }
     return out;
   }
   bool keeps_bounds(const StudyRow& row) const {
