@@ -45,7 +45,7 @@ void run(const studies::Setting& setting, example::Summary& summary) {
       silt::text("Precision: ", count, " spheres poured into a box, at rest after 0.15 s"));
   bed.reference("double", poured(count, Double{}, 1));
   bed.variant("double", poured(count, Double{}, 1));
-  bed.variant("double, gravity + 1e-9", poured(count, Double{}, nudge));
+  bed.control("double, gravity + 1e-9", poured(count, Double{}, nudge));
   bed.variant("mixed", poured(count, Mixed{}, 1));
   bed.accept("error of height", 0.005);
   bed.accept("error of contacts a sphere", 0.02);
@@ -55,7 +55,7 @@ void run(const studies::Setting& setting, example::Summary& summary) {
       silt::text("Precision: ", count, " spheres of a granular gas, two collisions each"));
   gas.reference("double", colliding(count, Double{}, 1));
   gas.variant("double", colliding(count, Double{}, 1));
-  gas.variant("double, speeds + 1e-9", colliding(count, Double{}, nudge));
+  gas.control("double, speeds + 1e-9", colliding(count, Double{}, nudge));
   gas.variant("mixed", colliding(count, Mixed{}, 1));
   gas.accept("error of velocities", 1e-4);
   gas.run(setting.options), gas.report(setting.out + "/gas");

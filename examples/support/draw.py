@@ -25,6 +25,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 from matplotlib.cm import ScalarMappable  # noqa: E402
 from matplotlib.colors import ListedColormap, Normalize, to_rgb  # noqa: E402
 from matplotlib.lines import Line2D  # noqa: E402
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator  # noqa: E402
 
 # Okabe and Ito's colours, which the colour-blind can tell apart.
 COLOURS = ["#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#555555"]
@@ -505,6 +506,14 @@ def draw_spheres(options):
 # ----------------------------------------------------------------------------------- curves
 
 
+def label_few_decades(axis, limits):
+    """Over few decades: ticks at 1, 2, 5, written as plain numbers."""
+    if limits[1] < 300 * limits[0]:
+        axis.set_major_locator(LogLocator(10, subs=(1, 2, 5), numticks=9))
+        axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+        axis.set_minor_locator(NullLocator())
+
+
 def draw_curves(options):
     names, rows = read_csv(options.file)
     x_name = find_name(options.x, names, "column", options.file)
@@ -542,7 +551,11 @@ def draw_curves(options):
                     raise Refusal(f"--reference '{words}' must be label:slope,offset")
                 limits = panel.get_ylim()
                 panel.plot(x, slope * x + offset, style, color="black", lw=1.3, label=label)
-                panel.set_ylim(limits)  # the line may leave the picture, the data may not
+                if slope != 0:  # such a line may leave the picture, the data and levels may not
+                    panel.set_ylim(limits)
+        for axis, low_high in ((panel.xaxis, panel.get_xlim()), (panel.yaxis, panel.get_ylim())):
+            if axis.get_scale() == "log":
+                label_few_decades(axis, low_high)
         in_brackets = f"[{unit}]" if unit else ""
         panel.set_ylabel(options.y_label or (mine[0] if len(mine) == 1 else in_brackets),
                          fontsize=12)

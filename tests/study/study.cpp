@@ -179,6 +179,25 @@ TEST_CASE("study: recommended is the cheapest that keeps all bounds") {
   has(study.results().why, "Nothing is recommended");
 }
 
+TEST_CASE("study: a control stands in the table and is neither recommended nor on the front") {
+  FakeClock clock;
+  Study study("control");
+  study.variant("a", costs(clock, 2, 0.1));
+  study.control("c", costs(clock, 1, 0.01));
+  study.accept("miss", 0.5);
+  CHECK(study.run(clock.options()).recommended == 0);
+  CHECK(study.results().front("miss") == std::vector<std::size_t>{0});
+  has(study.table(), "\nc  c          ");
+  has(study.table(), ", c a control\n");
+  const Folder folder;
+  study.write(folder.path.string());
+  has(content(folder.path / "table.csv"), ",control,\n");
+  has(content(folder.path / "summary.json"), "\"name\": \"c\", \"control\": true");
+  Study alone("alone");
+  alone.control("c", costs(clock, 1, 1));
+  has(refusal(alone, clock.options()), "there are no variants");
+}
+
 TEST_CASE("study: what costs the same within the spread is named") {
   FakeClock clock;
   int run_of_b = 0;
@@ -248,7 +267,7 @@ TEST_CASE("study: when every variant fails there is a table, a summary and no re
   has(study.results().why, "every variant failed");
   const Folder folder;
   has(study.write(folder.path.string()), "no picture");
-  has(content(folder.path / "table.csv"), "a,,,,0,0,0,0,0,too soft\n");
+  has(content(folder.path / "table.csv"), "a,,,,0,0,0,0,variant,too soft\n");
   CHECK_FALSE(std::filesystem::exists(folder.path / "pareto.png"));
 }
 
@@ -331,10 +350,10 @@ TEST_CASE("study: the table and the CSV hold the numbers, names with commas in q
   const Folder folder;
   study.write(folder.path.string());
   const auto csv = content(folder.path / "table.csv");
-  has(csv, "miss [mm],steps [-],on the front [-],recommended [-],reference [-],failure\n");
+  has(csv, "miss [mm],steps [-],on the front [-],recommended [-],kind,failure\n");
   has(csv, "\n\"a, \"\"soft\"\"\",");
-  has(csv, ",1,1,0.125,,1,0,0,\n");
-  has(csv, ",1,1,0.0625,40,1,1,0,\n");
+  has(csv, ",1,1,0.125,,1,0,variant,\n");
+  has(csv, ",1,1,0.0625,40,1,1,variant,\n");
   const auto json = content(folder.path / "summary.json");
   has(json, "\"name\": \"a, \\\"soft\\\"\"");
   has(json, "\"recommended\": \"b\"");

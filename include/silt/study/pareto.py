@@ -130,9 +130,14 @@ def draw_panel(figure, axes, study, error, scale):
     for bar in bars:
         axes.plot(*zip(*bar), color="0.75", lw=2, zorder=1, solid_capstyle="butt")
     line = [shown[name] for name in front]
-    axes.plot(*zip(*line), color=FRONT, lw=1.5, zorder=2, label="Pareto front")
+    if line:
+        axes.plot(*zip(*line), color=FRONT, lw=1.5, zorder=2, label="Pareto front")
+    controls = {v["name"] for v in ran if v.get("control")}
     for name, (x, y) in shown.items():
-        axes.plot(x, y, "o", ms=6, color=FRONT if name in front else OTHER, zorder=3)
+        if name in controls:
+            axes.plot(x, y, "s", ms=6, mfc="white", mec=OTHER, zorder=3, label="control")
+        else:
+            axes.plot(x, y, "o", ms=6, color=FRONT if name in front else OTHER, zorder=3)
     if best:
         axes.plot(*shown[best], "o", ms=14, mfc="none", mec=BEST, mew=2, zorder=4,
                   label="recommended")
@@ -145,7 +150,7 @@ def draw_panel(figure, axes, study, error, scale):
     axes.spines[["top", "right"]].set_visible(False)
     axes.tick_params(labelsize=10)
     place_labels(figure, axes, list(shown.values()), list(shown), best,
-                 [line] + bars)
+                 ([line] if line else []) + bars)
 
 
 def draw(folder):

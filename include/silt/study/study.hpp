@@ -58,20 +58,16 @@ class Study {
 
   explicit Study(std::string name) { results_.name = std::move(name); }
 
-  void variant(const std::string& name, Variant function) {
-    require(!name.empty(), which(), "a variant has no name");
-    require(std::none_of(variants_.begin(), variants_.end(),
-                         [&](const Named& v) { return v.name == name; }),
-            which(), "there are two variants named '", name, "'");
-    require(function != nullptr, which(), "variant '", name, "' has no function");
-    variants_.push_back({name, std::move(function)});
-  }
+  void variant(const std::string& name, Variant function) { add(name, std::move(function), false); }
+  /// A variant that is there to compare others with and is never recommended: the same scene a
+  /// little disturbed, say, which tells by how much a crowd differs from itself.
+  void control(const std::string& name, Variant function) { add(name, std::move(function), true); }
   /// What values are compared with; it is run once and may be dear.
   void reference(const std::string& name, Variant function) {
     require(!reference_, which(), "it has a reference already, '",
             reference_ ? reference_->name : "", "'");
     require(function != nullptr, which(), "reference '", name, "' has no function");
-    reference_ = Named{name, std::move(function)};
+    reference_ = Named{name, std::move(function), true};
   }
   /// The largest error of this name (as the table shows it) with which a variant may be
   /// recommended.
@@ -81,14 +77,16 @@ class Study {
   }
 
   const StudyResults& run(const StudyOptions& options = {}) {
-    require(!variants_.empty(), which(), "there are no variants");
+    require(
+        std::any_of(variants_.begin(), variants_.end(), [](const Named& v) { return !v.control; }),
+        which(), "there are no variants");
     require(options.repeats > 0, which(), "StudyOptions.repeats = 0 [-] must be at least 1");
     require(options.most_runs > 0, which(), "StudyOptions.most_runs = 0 [-] must be at least 1");
     require_not_negative("StudyOptions.least_time", options.least_time, "s");
     results_.clock = options.clock.name, results_.rounds = options.repeats;
     results_.rows.clear(), results_.reference.reset();
     run_reference(options);
-    for (const auto& v : variants_) results_.rows.push_back({v.name});
+    for (const auto& v : variants_) results_.rows.push_back({.name = v.name, .control = v.control});
     for (std::size_t round = 0; round < options.repeats; ++round)
       for (std::size_t n = 0; n < variants_.size(); ++n) {
         const std::size_t k = round % 2 == 0 ? n : variants_.size() - 1 - n;
@@ -127,13 +125,23 @@ class Study {
   struct Named {
     std::string name;
     Variant function;
+    bool control = false;
   };
+
+  void add(const std::string& name, Variant function, bool control) {
+    require(!name.empty(), which(), "a variant has no name");
+    require(std::none_of(variants_.begin(), variants_.end(),
+                         [&](const Named& v) { return v.name == name; }),
+            which(), "there are two variants named '", name, "'");
+    require(function != nullptr, which(), "variant '", name, "' has no function");
+    variants_.push_back({name, std::move(function), control});
+  }
 
   std::string which() const { return text("study '", results_.name, "': "); }
 
   void run_reference(const StudyOptions& options) {
     if (!reference_) return;
-    StudyRow row{reference_->name};
+    StudyRow row{.name = reference_->name, .control = true};
     values_.clear();
     StudyRun run(options.clock.now, true);
     try {

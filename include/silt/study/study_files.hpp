@@ -43,6 +43,7 @@ inline std::string json_numbers(const std::vector<StudyNumber>& numbers) {
 
 inline std::string json_row(const StudyRow& row) {
   std::string out = "{\"name\": " + json_quoted(row.name);
+  out += row.control ? ", \"control\": true" : "";
   if (row.failed()) return out + ", \"failure\": " + json_quoted(row.failure) + "}";
   out += text(", \"cost_s\": ", row.cost(), ", \"cheapest_round_s\": ", row.least_cost(),
               ", \"dearest_round_s\": ", row.greatest_cost(), ", \"runs\": ", row.runs);

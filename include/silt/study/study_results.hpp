@@ -25,6 +25,7 @@ struct StudyNumber {
 /// What a study found out about one variant.
 struct StudyRow {
   std::string name;
+  bool control = false;                  // only there to compare others with
   std::vector<double> costs = {};        // [s] of one run: one entry a round
   std::size_t runs = 0;                  // [-] in all rounds; several a round if one run is short
   std::vector<StudyNumber> errors = {};  // >= 0
@@ -32,6 +33,7 @@ struct StudyRow {
   std::string failure = {};              // the sentence that stopped it; empty: it ran
 
   bool failed() const { return !failure.empty(); }
+  bool judged() const { return !failed() && !control; }
   double least_cost() const { return *std::min_element(costs.begin(), costs.end()); }     // [s]
   double greatest_cost() const { return *std::max_element(costs.begin(), costs.end()); }  // [s]
   /// The median of the rounds [s].
@@ -96,7 +98,7 @@ struct StudyResults {
   /// bounds the knee of the front.
   void judge() {
     recommended.reset();
-    if (!first())
+    if (std::none_of(rows.begin(), rows.end(), [](const StudyRow& r) { return r.judged(); }))
       why = "Nothing is recommended: every variant failed.";
     else if (bounds.empty())
       judge_by_knee();
@@ -108,7 +110,7 @@ struct StudyResults {
   std::vector<CostAndError> points_of(std::string_view error, std::vector<std::size_t>& ran) const {
     std::vector<CostAndError> points;
     for (std::size_t k = 0; k < rows.size(); ++k)
-      if (!rows[k].failed())
+      if (rows[k].judged())
         points.push_back({rows[k].cost(), rows[k].error(error)->value}), ran.push_back(k);
     return points;
   }
@@ -123,9 +125,9 @@ struct StudyResults {
     return out;
   }
   bool keeps_bounds(const StudyRow& row) const {
-    return !row.failed() && std::all_of(bounds.begin(), bounds.end(), [&](const StudyBound& b) {
-      return row.error(b.error)->value <= b.limit;
-    });
+    return row.judged() && std::all_of(bounds.begin(), bounds.end(), [&](const StudyBound& b) {
+             return row.error(b.error)->value <= b.limit;
+           });
   }
 
   void judge_by_bounds() {

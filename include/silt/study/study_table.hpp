@@ -98,15 +98,21 @@ inline std::string study_table(const StudyResults& results) {
   };
   const auto front = front_of(results);
   for (std::size_t k = 0; k < results.rows.size(); ++k)
-    add(results.rows[k], results.recommended == k ? "*" : contains(front, k) ? "+" : "");
+    add(results.rows[k], results.recommended == k  ? "*"
+                         : contains(front, k)      ? "+"
+                         : results.rows[k].control ? "c"
+                                                   : "");
   if (results.reference) add(*results.reference, "r");
   std::string out = text(results.name, "\n") + aligned(rows, 2);
   out += text("cost: ", results.clock, " of one run, median of ", results.rounds,
               results.rounds == 1 ? " round" : " rounds",
               "; spread: of the rounds, dearest less cheapest, over the median\n");
-  if (results.first())
+  if (results.first()) {
+    const bool control = std::any_of(results.rows.begin(), results.rows.end(),
+                                     [](const StudyRow& row) { return row.control; });
     out += text("* recommended, + on the front of cost and ", results.judged_by(),
-                results.reference ? ", r the reference\n" : "\n");
+                control ? ", c a control" : "", results.reference ? ", r the reference\n" : "\n");
+  }
   return out + failures + results.why + '\n';
 }
 
@@ -124,8 +130,8 @@ inline std::string study_csv(const StudyResults& results) {
   std::string out = "variant,cost [s],cheapest round [s],dearest round [s],rounds [-],runs [-]";
   for (const auto& e : errors) out += ',' + csv_cell(text(e.name, " [", e.unit, "]"));
   for (const auto& n : notes) out += ',' + csv_cell(text(n.name, " [", n.unit, "]"));
-  out += ",on the front [-],recommended [-],reference [-],failure\n";
-  const auto add = [&](const StudyRow& row, bool on_front, bool recommended, bool reference) {
+  out += ",on the front [-],recommended [-],kind,failure\n";
+  const auto add = [&](const StudyRow& row, bool on_front, bool recommended, const char* kind) {
     const auto number = [&](const StudyNumber* n) { out += n ? text(',', n->value) : ","; };
     out += csv_cell(row.name);
     out += row.failed() ? ",,,"
@@ -133,13 +139,14 @@ inline std::string study_csv(const StudyResults& results) {
     out += text(',', row.costs.size(), ',', row.runs);
     for (const auto& e : errors) number(row.error(e.name));
     for (const auto& n : notes) number(row.note(n.name));
-    out += text(',', on_front ? 1 : 0, ',', recommended ? 1 : 0, ',', reference ? 1 : 0, ',');
+    out += text(',', on_front ? 1 : 0, ',', recommended ? 1 : 0, ',', kind, ',');
     out += csv_cell(row.failure) + '\n';
   };
   const auto front = front_of(results);
   for (std::size_t k = 0; k < results.rows.size(); ++k)
-    add(results.rows[k], contains(front, k), results.recommended == k, false);
-  if (results.reference) add(*results.reference, false, false, true);
+    add(results.rows[k], contains(front, k), results.recommended == k,
+        results.rows[k].control ? "control" : "variant");
+  if (results.reference) add(*results.reference, false, false, "reference");
   return out;
 }
 
