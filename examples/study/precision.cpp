@@ -38,7 +38,7 @@ silt::Study::Variant colliding(std::size_t count, Precision precision, double fa
 
 void run(const studies::Setting& setting, example::Summary& summary) {
   using silt::Double, silt::Mixed;
-  const std::size_t count = setting.quick ? 1000 : 4000;
+  const std::size_t count = setting.quick ? 500 : 4000;
   summary.input("particles", static_cast<double>(count));
 
   silt::Study bed(

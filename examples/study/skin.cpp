@@ -84,7 +84,7 @@ void summarise(const std::string& name, const silt::Study& study, example::Summa
 }
 
 void run(const studies::Setting& setting, example::Summary& summary) {
-  const std::size_t count = setting.quick ? 1000 : 5000;
+  const std::size_t count = setting.quick ? 500 : 5000;
   const std::vector<double> skins =
       setting.quick ? std::vector<double>{0.05, 0.2, 0.8}
                     : std::vector<double>{0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8};
