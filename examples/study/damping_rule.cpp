@@ -164,7 +164,7 @@ void run(const studies::Setting& setting, example::Summary& summary) {
       setting.quick ? std::vector<double>{1, 2, 5, 10, 100}
                     : std::vector<double>{1, 1.5, 2, 3, 4, 5, 7, 10, 15, 20, 30, 50, 70, 100};
   silt::Study cost = study(sizes);
-  cost.run(setting.options), cost.report(setting.out + "/cost");
+  studies::run_and_report(cost, setting, "cost");
   studies::add_recommendation(summary, "rule", cost);
   const double off = compare(setting.out, sizes);
   summary.result("largest_difference_to_closed_forms", off);

@@ -49,7 +49,7 @@ void run(const studies::Setting& setting, example::Summary& summary) {
   bed.variant("mixed", poured(count, Mixed{}, 1));
   bed.accept("error of height", 0.005);
   bed.accept("error of contacts a sphere", 0.02);
-  bed.run(setting.options), bed.report(setting.out + "/bed");
+  studies::run_and_report(bed, setting, "bed");
 
   silt::Study gas(
       silt::text("Precision: ", count, " spheres of a granular gas, two collisions each"));
@@ -58,7 +58,7 @@ void run(const studies::Setting& setting, example::Summary& summary) {
   gas.control("double, speeds + 1e-9", colliding(count, Double{}, nudge));
   gas.variant("mixed", colliding(count, Mixed{}, 1));
   gas.accept("error of velocities", 1e-4);
-  gas.run(setting.options), gas.report(setting.out + "/gas");
+  studies::run_and_report(gas, setting, "gas");
 
   studies::add_recommendation(summary, "bed", bed);
   studies::add_recommendation(summary, "gas", gas);

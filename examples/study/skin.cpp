@@ -101,10 +101,10 @@ void run(const studies::Setting& setting, example::Summary& summary) {
   silt::Study gas = study(name("a gas"), skins, 0.01, [=](const auto& list, double nudge) {
     return studies::gas(count, silt::Double{}, nudge, list);
   });
-  for (const auto& [study, folder, title] :
-       {std::tuple{&bed, setting.out + "/bed", "Spheres that pour into a box"},
-        std::tuple{&gas, setting.out + "/gas", "A granular gas"}}) {
-    study->run(setting.options), study->report(folder);
+  for (const auto& [study, scene, title] : {std::tuple{&bed, "bed", "Spheres that pour into a box"},
+                                            std::tuple{&gas, "gas", "A granular gas"}}) {
+    studies::run_and_report(*study, setting, scene);
+    const std::string folder = setting.out + "/" + scene;
     if (draw(folder, title, skins, *study)) std::printf("Look at %s/cost.png.\n", folder.c_str());
   }
   summarise("bed", bed, summary);

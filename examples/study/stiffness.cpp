@@ -129,7 +129,7 @@ std::string guard_sentence() {
 
 void run(const studies::Setting& setting, example::Summary& summary) {
   silt::Study cost = study();
-  cost.run(setting.options), cost.report(setting.out + "/cost");
+  studies::run_and_report(cost, setting, "cost");
   studies::add_recommendation(summary, "2_percent_at_1_m_s", cost);
 
   const std::string path = setting.out + "/overlap.csv";

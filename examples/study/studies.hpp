@@ -1,6 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <unistd.h>
+
+#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -13,10 +16,25 @@ namespace studies {
 
 /// How a study is to be run.
 struct Setting {
-  std::string out;             // folder of its results
-  bool quick;                  // a smaller one of the same physics
-  silt::StudyOptions options;  // rounds
+  std::string out;      // folder of its results
+  bool quick;           // a smaller one of the same physics
+  std::size_t repeats;  // rounds
 };
+
+/// Runs a study, shows on a terminal how far it is, and writes what it found into a folder of
+/// `setting.out`.
+inline void run_and_report(silt::Study& study, const Setting& setting, const std::string& folder) {
+  const bool terminal = ::isatty(STDERR_FILENO);
+  silt::StudyOptions options{.repeats = setting.repeats};
+  if (terminal)
+    options.watch = [&](std::size_t round, const std::string& variant) {
+      std::fprintf(stderr, "\r\033[Kround %zu of %zu: %s", round + 1, setting.repeats,
+                   variant.c_str());
+    };
+  study.run(options);
+  if (terminal) std::fprintf(stderr, "\r\033[K");
+  study.report(setting.out + "/" + folder);
+}
 
 /// Fills the summary: inputs, results, checks.
 using Function = void (*)(const Setting&, example::Summary&);

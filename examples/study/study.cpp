@@ -22,7 +22,7 @@ std::string usage() {
 
 int run(const studies::Entry& study, const example::Options& options, std::size_t repeats) {
   const example::Stopwatch clock;
-  const studies::Setting setting{options.out, options.quick, {.repeats = repeats}};
+  const studies::Setting setting{options.out, options.quick, repeats};
   silt::make_folder(setting.out);
   example::Summary summary;
   summary.input("study", study.name);

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <string>
 #include <vector>
 
 #include <silt/io/csv_table.hpp>
@@ -72,9 +73,9 @@ double automatic(double shear_modulus) {
          20 / time_step(shear_modulus, 1);
 }
 
-silt::Study study_of(double shear_modulus, const Effort& effort) {
+silt::Study study_of(double shear_modulus, const std::string& modulus, const Effort& effort) {
   silt::Study study(silt::text("Two-flat test, ", collisions, " elastic collisions at 7 m/s, G = ",
-                               shear_modulus, " Pa, dt = C sqrt(m/k)"));
+                               modulus, " Pa, dt = C sqrt(m/k)"));
   const auto variant = [&](const std::string& name, double C) {
     study.variant(name, [=](silt::StudyRun& run) {
       auto sim = flats::make(shear_modulus, 1, speed);
@@ -149,9 +150,9 @@ bool draw(const std::string& folder, const std::vector<double>& Cs, const silt::
 void run(const studies::Setting& setting, example::Summary& summary) {
   const Effort effort = setting.quick ? Effort{2, 3, {0.5, 0.9, 1, 2, 3}}
                                       : Effort{16, 9, {0.25, 0.5, 0.7, 0.9, 1, 1.25, 1.5, 2, 3}};
-  silt::Study soft = study_of(1e7, effort), stiff = study_of(1e9, effort);
-  soft.run(setting.options), soft.report(setting.out + "/G_1e7");
-  stiff.run(setting.options), stiff.report(setting.out + "/G_1e9");
+  silt::Study soft = study_of(1e7, "1e7", effort), stiff = study_of(1e9, "1e9", effort);
+  studies::run_and_report(soft, setting, "G_1e7");
+  studies::run_and_report(stiff, setting, "G_1e9");
   if (draw(setting.out, effort.C, soft, stiff))
     std::printf("Look at %s/error_over_C.png.\n", setting.out.c_str());
   studies::add_recommendation(summary, "G_1e7", soft);

@@ -75,8 +75,15 @@ TEST_CASE("study: rounds go through all variants, forth and back by turns") {
       run.time([&] { clock.work(1); });
       run.error("miss", 1);
     });
-  study.run(clock.options(3));
+  auto options = clock.options(3);
+  std::string watched;
+  options.watch = [&](std::size_t round, const std::string& variant) {
+    watched += text(round, variant);
+    CHECK(watched.size() == 2 * order.size() + 2);  // before it runs
+  };
+  study.run(options);
   CHECK(order == "abccbaabc");
+  CHECK(watched == "0a0b0c1c1b1a2a2b2c");
 }
 
 TEST_CASE("study: a cost is the median of the rounds, the spread their range over it") {

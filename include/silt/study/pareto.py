@@ -177,7 +177,7 @@ def draw(folder):
         draw_panel(figure, axes, study, error, scale)
         for handle, label in zip(*axes.get_legend_handles_labels()):
             handles.setdefault(label.partition(":")[0], (handle, label.partition(":")[0]))
-    figure.legend(*zip(*handles.values()), loc="lower center", ncol=3, frameon=False,
+    figure.legend(*zip(*handles.values()), loc="lower center", ncol=len(handles), frameon=False,
                   fontsize=10)
     path = os.path.join(folder, "pareto.png")
     figure.savefig(path + ".partial", format="png", facecolor="white")

@@ -26,6 +26,8 @@ struct StudyOptions {
   double least_time = 0.02;      // [s] what is timed in a round: a short run is repeated until then
   std::size_t most_runs = 1000;  // [-] of a variant in a round
   StudyClock clock = processor_time();
+  /// Called before each variant of each round (0, 1, ...), to show how far a long study is.
+  std::function<void(std::size_t round, const std::string& variant)> watch = {};
 };
 
 /// One scene under a list of variants: what each costs and how wrong it is.
@@ -90,7 +92,9 @@ class Study {
     for (std::size_t round = 0; round < options.repeats; ++round)
       for (std::size_t n = 0; n < variants_.size(); ++n) {
         const std::size_t k = round % 2 == 0 ? n : variants_.size() - 1 - n;
-        if (!results_.rows[k].failed()) time_round(variants_[k], results_.rows[k], options);
+        if (results_.rows[k].failed()) continue;
+        if (options.watch) options.watch(round, variants_[k].name);
+        time_round(variants_[k], results_.rows[k], options);
       }
     check_bounds();
     results_.judge();
