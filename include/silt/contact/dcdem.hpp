@@ -7,6 +7,7 @@
 #include <silt/contact/formulas.hpp>
 #include <silt/contact/spring_slider.hpp>
 #include <silt/core/error.hpp>
+#include <silt/core/functions.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -89,7 +90,7 @@ struct BasicDcdem {
     } else {
       const Vec3<Real> v = c.tangential_velocity;
       const Real speed = sqrt(max(dot(v, v), smallest<Real>()));
-      const Real along = min(p.friction * Fn * tanh(Real(8) * speed),
+      const Real along = min(p.friction * Fn * hyperbolic_tangent(Real(8) * speed),
                              (kn * c.time_step - gn) * speed * Real(1 / 3.5));  // (3)
       return {Fn, (along / speed) * v};
     }

@@ -8,6 +8,7 @@
 #include <silt/contact/formulas.hpp>
 #include <silt/contact/spring_slider.hpp>
 #include <silt/core/error.hpp>
+#include <silt/core/functions.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -122,7 +123,7 @@ struct Jkr {
   /// Until there they may stay attached.
   template <class Real>
   static Real range(const Coefficients<Real>& p, const Real& R_eff) {
-    return Real(3) * p.stickiness * cbrt(p.stickiness * R_eff);
+    return Real(3) * p.stickiness * cube_root(p.stickiness * R_eff);
   }
   template <class Real>
   static Real stiffness(const Contact<Real>& c, const Coefficients<Real>& p) {
@@ -154,7 +155,7 @@ struct Jkr {
  private:
   template <class Real>
   static Real root_of_radius(const Contact<Real>& c, const Coefficients<Real>& p) {
-    const Real At = cbrt(p.stickiness * c.R_eff);
+    const Real At = cube_root(p.stickiness * c.R_eff);
     const Real above = max(c.overlap + Real(3) * p.stickiness * At, Real(0));  // [m] d - d_t
     return detail::root_of_contact_radius(At, sqrt(c.R_eff * above));
   }
