@@ -25,7 +25,7 @@ touch "$work/file"
 refused "$work/file" stiffness --quick --out "$work/file/out"
 
 names=$("$study" --help | sed -n 's/^  \([a-z-]*\)  *.*/\1/p')
-[ "$(echo "$names" | wc -w)" -ge 6 ] || fail "study --help lists only: $names"
+[ "$(echo "$names" | wc -w)" -ge 7 ] || fail "study --help lists only: $names"
 for name in $names; do
   out=$work/$name
   if "$study" "$name" --quick --out "$out" >"$work/log" 2>&1; then

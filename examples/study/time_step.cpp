@@ -27,26 +27,11 @@ constexpr double speed = 7;        // [m/s]
 constexpr int collisions = 500;    // [-]
 constexpr double accepted = 0.05;  // [%]
 
-double time_step(double shear_modulus, double C) {
-  const double k = silt::hertz_stiffness(flats::modulus(shear_modulus), flats::radius);
-  return C * std::sqrt(flats::mass() / k);
-}
-/// [s] until the sphere is in the middle again after the last collision.
-double duration(double shear_modulus, int count) {
-  return count * (flats::free_path / speed + flats::contact_time(shear_modulus, speed));
-}
+using flats::time_step;
 
 /// Largest change of the free sphere's speed [%].
 double speed_error(double shear_modulus, double C, int count, double shift = 0) {
-  auto sim = flats::make(shear_modulus, 1, speed, shift);
-  sim.time_step = time_step(shear_modulus, C);
-  double worst = 0;
-  sim.run(duration(shear_modulus, count), [&](const auto& s) {
-    const double from_middle = std::abs(s.position(0).z - flats::gap / 2);
-    if (from_middle >= flats::free_path / 2) return;  // touches
-    worst = std::max(worst, std::abs(std::abs(s.velocity(0).z) / speed - 1));
-  });
-  return 100 * worst;
+  return 100 * flats::speed_error(shear_modulus, time_step(shear_modulus, C), speed, count, shift);
 }
 
 struct Effort {
@@ -80,7 +65,7 @@ silt::Study study_of(double shear_modulus, const std::string& modulus, const Eff
     study.variant(name, [=](silt::StudyRun& run) {
       auto sim = flats::make(shear_modulus, 1, speed);
       sim.time_step = time_step(shear_modulus, C);
-      run.time([&] { sim.run(duration(shear_modulus, collisions)); });
+      run.time([&] { sim.run(flats::duration(shear_modulus, speed, collisions)); });
       run.error(
           "worst phase", [=] { return worst_speed_error(shear_modulus, C, effort); }, "%");
       run.error(
