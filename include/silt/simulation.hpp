@@ -228,6 +228,7 @@ class Simulation {
   double chosen_time_step() const;
   double expected_speed() const;
   detail::LightestSphere lightest_sphere() const;
+  std::vector<bool> materials_of_spheres() const;
   void keep_limits();
   double time_at(std::int64_t step) const {
     return time_origin_ + static_cast<double>(step - step_origin_) * dt_;

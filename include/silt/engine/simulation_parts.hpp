@@ -80,13 +80,24 @@ detail::LightestSphere Simulation<Policies...>::lightest_sphere() const {
   return s;
 }
 
+/// Which materials of the table have spheres, or will have from inlets.
+template <class... Policies>
+std::vector<bool> Simulation<Policies...>::materials_of_spheres() const {
+  std::vector<bool> used(engine_.coefficients.materials, false);
+  for (std::size_t k = 0; k < rows(); ++k)
+    if (is_present(k)) used[material(k)] = true;
+  for (const auto& inlet : openings_.inlets()) used[inlet.flow.material] = true;
+  return used;
+}
+
 template <class... Policies>
 std::optional<double> Simulation<Policies...>::time_step_limit(double speed) const {
   if constexpr (detail::HasContactTime<typename ContactsType::Law>) {
     const auto lightest = lightest_sphere();
     if (!std::isfinite(lightest.mass) || !(speed > 0)) return std::nullopt;
-    return guard.max_time_step * detail::shortest_contact<typename ContactsType::Law>(
-                                     engine_.coefficients.law, lightest, speed);
+    return guard.max_time_step *
+           detail::shortest_contact<typename ContactsType::Law>(
+               engine_.coefficients.law, materials_of_spheres(), lightest, speed);
   } else {
     return std::nullopt;
   }

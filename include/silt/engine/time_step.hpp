@@ -2,7 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <limits>
+#include <vector>
 
 #include <silt/contact/contacts.hpp>
 #include <silt/contact/formulas.hpp>
@@ -23,14 +25,18 @@ concept HasContactTime = requires(const typename Law::template Coefficients<doub
 };
 
 /// The shortest contact [s] that impacts at `speed` [m/s] make: of the lightest sphere with one of
-/// its kind and with a wall, over all pairs of materials.
+/// its kind and with a wall, over all pairs of materials of which spheres have at least one: walls
+/// do not meet each other. `pairs` by rows of as many as there are materials.
 template <class Law>
 double shortest_contact(const std::vector<typename Law::template Coefficients<double>>& pairs,
-                        const LightestSphere& s, double speed) {
+                        const std::vector<bool>& of_spheres, const LightestSphere& s,
+                        double speed) {
   double shortest = std::numeric_limits<double>::infinity();
-  for (const auto& p : pairs)
-    shortest = std::min({shortest, Law::contact_time(p, s.radius / 2, s.mass / 2, speed),
-                         Law::contact_time(p, s.radius, s.mass, speed)});
+  const std::size_t n = of_spheres.size();
+  for (std::size_t k = 0; k < pairs.size(); ++k)
+    if (of_spheres[k / n] || of_spheres[k % n])
+      shortest = std::min({shortest, Law::contact_time(pairs[k], s.radius / 2, s.mass / 2, speed),
+                           Law::contact_time(pairs[k], s.radius, s.mass, speed)});
   return shortest;
 }
 
