@@ -2,8 +2,8 @@
 # silt - BSD-3-Clause, see LICENSE
 """Runs bench_search, prints its tables, fits growth exponents and draws log-log plots.
 
-Times are processor time of one thread, build and query together, in ns a sphere: the least of
---repeat rounds, which are interleaved. "In order": the spheres have been sorted by the search's own
+Times are processor time of one thread, build and query together, in ns a sphere (of which build, of
+searches that have it apart): the least of --repeat rounds, which are interleaved. "In order": the spheres have been sorted by the search's own
 order() before, as a Verlet list does. The lists of LAMMPS and LIGGGHTS are built on the same spheres
 and timed by their own clocks ("Neigh"), if they are installed. Results: OUT/search.json, *.png.
 """
@@ -19,6 +19,7 @@ import sys
 
 COLOURS = ["#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#555555"]
 SUBS = ["sub-grid 1/%d" % k for k in (1, 2, 3, 4, 5, 6, 8, 10)]
+NEARLY_THE_SAME = ["HashedGrid, pieces", "HashedGrid, in order", "HashedGrid, one level", "CellGrid, in order"]  # in a plot
 PEER = """
 units si
 atom_style {style}
@@ -65,6 +66,8 @@ def collect(rounds):
         for field in ("bytes", "pairs", "label"):
             if field in row:
                 one[field] = row[field]
+        if "build" in row:
+            one["build"] = min(one.get("build", math.inf), row["build"])
     return results
 
 
@@ -83,12 +86,15 @@ def print_growth(results):
         if scene not in results:
             continue
         sizes = sorted({n for of in results[scene].values() for n in of})
-        print(f"\n{scene}: ns a sphere at N = {', '.join(f'{n:g}' for n in sizes)}; "
+        print(f"\n{scene}: ns a sphere at N = {', '.join(f'{n:g}' for n in sizes)}, of which build; "
               "bytes a sphere; exponent from 1e4 on")
         for name, of in results[scene].items():
             slope = exponent({n: p for n, p in of.items() if n >= 10000})
-            cells = " ".join(f"{of[n]['ns']:9.1f}" if n in of else " " * 9 for n in sizes)
-            print(f"  {name:24s} {cells}  {of[max(of)].get('bytes', 0):8.1f} B"
+            cells = " ".join((f"{of[n]['ns']:7.1f}" + (f" ({of[n]['build']:5.1f})" if "build" in of[n]
+                                                       else " " * 8)) if n in of else " " * 15
+                             for n in sizes)
+            held = of[max(of)].get("bytes", 0)
+            print(f"  {name:24s} {cells}  " + (f"{held:8.1f} B" if held else " " * 10)
                   + (f"  {slope:5.2f}" if slope else ""))
 
 
@@ -178,7 +184,7 @@ def draw(results, folder):
     if scenes:
         figure, axes = plt.subplots(1, len(scenes), figsize=(4.2 * len(scenes) + 1.5, 4), sharey=True,
                                     squeeze=False)
-        names = list(results[scenes[0]])
+        names = [n for n in results[scenes[0]] if n not in NEARLY_THE_SAME]
         for ax, scene in zip(axes[0], scenes):
             for k, name in enumerate(names):
                 of = results[scene].get(name, {})
@@ -193,7 +199,7 @@ def draw(results, folder):
             continue
         figure, (left, right) = plt.subplots(1, 2, figsize=(10.5, 4))
         ratios = [int(g.split(":")[1]) for g in mine]
-        names = [n for n in results[mine[0]] if n not in SUBS]
+        names = [n for n in results[mine[0]] if n not in SUBS and n not in NEARLY_THE_SAME]
         for k, name in enumerate(names):
             ys = [min((p["ns"] for p in results[g][name].values()), default=math.nan) for g in mine]
             left.loglog(ratios, ys, marker="o", ms=4, color=COLOURS[k % 8],

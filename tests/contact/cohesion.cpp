@@ -73,7 +73,8 @@ TEST_CASE("van_der_waals: the force is the slope of its energy, and Hamaker's su
   }
   const VanDerWaals::Pair far{6.5e-20, 1e-9, 1};
   const double R = 1e-3;
-  for (const auto& [share, ratio] : {std::pair{1e-3, 1.002}, {0.01, 1.02}, {0.1, 1.22}}) {
+  for (const auto& row : {std::pair{1e-3, 1.002}, {0.01, 1.02}, {0.1, 1.22}}) {
+    const double share = row.first, ratio = row.second;
     const double h = share * R, near = h * h + 4 * R * h;
     const double full = 6.5e-20 / 6 * 64 * std::pow(R, 6) * (h + 2 * R) /
                         (near * near * std::pow(near + 4 * R * R, 2));
@@ -206,7 +207,7 @@ TEST_CASE("cohesive: several attractions add up, each within its own range") {
 }
 
 TEST_CASE("cohesive: a batch equals doubles") {
-  // Spring and attraction may cancel, and cosines differ in the last digit: 1e-11.
+  // Spring and attraction may cancel: 1e-11.
   CHECK(largest_lane_difference<Dusty>(mixed<Dusty>({glass, quartz}), 0.1, 2e-6) < 1e-11);
   CHECK(largest_lane_difference<Wet>(mixed<Wet>({glass, water}), 0.1, 2e-4) < 1e-11);
   using WetR = Cohesive<LinearSpring, Rabinovich>;

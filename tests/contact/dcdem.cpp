@@ -70,7 +70,8 @@ TEST_CASE("dcdem: literal, it rebounds with 0.234 for 0.39, 0.339 for 0.5, 0.702
 
 TEST_CASE("dcdem: literal, friction is a dashpot of 28 ... 120 N s/m that mu does not touch") {
   // E8: k dt = 25.7, g = 125 ... 445 of balls of 15 ... 35 mm, k of points of spacing 5 mm.
-  for (const auto& [diameter, dashpot] : {std::array{0.015, 28.4}, {0.035, 119.8}}) {
+  for (const auto& row : {std::array{0.015, 28.4}, {0.035, 119.8}}) {
+    const double diameter = row[0], dashpot = row[1];
     auto c = balls(diameter);
     c.R_eff = 0.00125;
     for (const double speed : {1e-3, 0.1, 2.0}) {

@@ -155,7 +155,7 @@ TEST_CASE("jkr: without adhesion it is Hertz and Mindlin") {
 }
 
 TEST_CASE("jkr: a batch equals doubles") {
-  // The cube roots differ in the last digit, and spring and adhesion cancel.
+  // Spring and adhesion cancel.
   for (const double w : {0.0, 0.1, 10.0})
     CHECK(largest_lane_difference<Jkr>(coefficients(sticky(w, 0.6)), 0.1, 1e-6) < 1e-11);
 }

@@ -7,6 +7,7 @@
 #include <silt/contact/formulas.hpp>
 #include <silt/contact/spring_slider.hpp>
 #include <silt/core/error.hpp>
+#include <silt/core/functions.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -89,7 +90,7 @@ struct BasicDcdem {
     } else {
       const Vec3<Real> v = c.tangential_velocity;
       const Real speed = sqrt(max(dot(v, v), smallest<Real>()));
-      const Real along = min(p.friction * Fn * tanh(Real(8) * speed),
+      const Real along = min(p.friction * Fn * hyperbolic_tangent(Real(8) * speed),
                              (kn * c.time_step - gn) * speed * Real(1 / 3.5));  // (3)
       return {Fn, (along / speed) * v};
     }
@@ -97,6 +98,17 @@ struct BasicDcdem {
   template <class Real>
   static Real stiffness(const Contact<Real>& c, const Coefficients<Real>& p) {
     return Real(1.5) * p.stiffness * sqrt(c.R_eff * c.overlap);
+  }
+  template <class Real>
+  static Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p,
+                             [[maybe_unused]] const History<Real>& h) {
+    const Real S = p.stiffness * sqrt(c.R_eff * c.overlap), elastic = S * c.overlap,
+               energy = Real(0.4) * elastic * c.overlap, zero(0);
+    if constexpr (Form == DcdemForm::Mended)
+      return mindlin_stored<TangentialMemory::Displacement>(elastic, energy, Real(2.0 / 7.0) * S,
+                                                            h.slip);
+    else
+      return {elastic, energy, {zero, zero, zero}, zero};
   }
   static double contact_time(const Coefficients<double>& p, double R_eff, double m_eff,
                              double speed) {

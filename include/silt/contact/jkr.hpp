@@ -8,6 +8,7 @@
 #include <silt/contact/formulas.hpp>
 #include <silt/contact/spring_slider.hpp>
 #include <silt/core/error.hpp>
+#include <silt/core/functions.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -122,7 +123,7 @@ struct Jkr {
   /// Until there they may stay attached.
   template <class Real>
   static Real range(const Coefficients<Real>& p, const Real& R_eff) {
-    return Real(3) * p.stickiness * cbrt(p.stickiness * R_eff);
+    return Real(3) * p.stickiness * cube_root(p.stickiness * R_eff);
   }
   template <class Real>
   static Real stiffness(const Contact<Real>& c, const Coefficients<Real>& p) {
@@ -133,6 +134,17 @@ struct Jkr {
   static Real pressing(const Contact<Real>& c, const Coefficients<Real>& p, const Real& normal) {
     const Real sum = max(normal + twice_pull_off(c, p), Real(0));
     return select(abs(normal) > Real(0), sum, Real(0));  // normal is 0 where they are not attached
+  }
+  /// Hertz' spring: what adhesion adds and takes is not stored in it, as tearing it apart costs
+  /// more than it gave.
+  template <class Real>
+  static Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p,
+                             const History<Real>& h) {
+    const Real d = max(c.overlap, Real(0)), Sn = p.twice_modulus * sqrt(c.R_eff * d),
+               elastic = Real(2.0 / 3.0) * Sn * d;
+    return mindlin_stored<TangentialMemory::Force>(
+        elastic, Real(0.4) * elastic * d, p.stiffness_ratio * p.twice_modulus * h.contact_radius,
+        h.tangential);
   }
   static double contact_time(const Coefficients<double>& p, double R_eff, double m_eff,
                              double speed) {
@@ -154,7 +166,7 @@ struct Jkr {
  private:
   template <class Real>
   static Real root_of_radius(const Contact<Real>& c, const Coefficients<Real>& p) {
-    const Real At = cbrt(p.stickiness * c.R_eff);
+    const Real At = cube_root(p.stickiness * c.R_eff);
     const Real above = max(c.overlap + Real(3) * p.stickiness * At, Real(0));  // [m] d - d_t
     return detail::root_of_contact_radius(At, sqrt(c.R_eff * above));
   }

@@ -93,8 +93,7 @@ template <class Real>
 using Mask = decltype(std::declval<Real>() < std::declval<Real>());
 
 /// @name Arithmetic that reads the same on `double` and on a batch
-/// Together with + - * / and comparisons this is all that a contact law needs. (cbrt, cos and tanh
-/// take some 5 times as long as sqrt, and differ from pack to double in the last digits.)
+/// Together with + - * / and comparisons this is all that a contact law needs.
 /// @{
 template <class Real>
 inline Real sqrt(const Real& x) {
@@ -109,27 +108,6 @@ inline Real abs(const Real& x) {
     return xsimd::abs(x);
   else
     return std::fabs(x);
-}
-template <class Real>
-inline Real cbrt(const Real& x) {
-  if constexpr (is_batch<Real>)
-    return xsimd::cbrt(x);
-  else
-    return std::cbrt(x);
-}
-template <class Real>
-inline Real cos(const Real& x) {
-  if constexpr (is_batch<Real>)
-    return xsimd::cos(x);
-  else
-    return std::cos(x);
-}
-template <class Real>
-inline Real tanh(const Real& x) {
-  if constexpr (is_batch<Real>)
-    return xsimd::tanh(x);
-  else
-    return std::tanh(x);
 }
 template <class Real>
 inline Real min(const Real& a, const std::type_identity_t<Real>& b) {

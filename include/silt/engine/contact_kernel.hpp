@@ -5,6 +5,7 @@
 
 #include <silt/contact/contacts.hpp>
 #include <silt/core/lanes.hpp>
+#include <silt/engine/contact_energy.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -42,6 +43,15 @@ struct PairLoad {
   Vec3<Real> force;   // [N]
   Vec3<Real> twirl;   // [N]
   Vec3<Real> couple;  // [N m]
+};
+
+/// What the ledger wants to know of a contact's last step.
+template <class Real>
+struct LedgerTerms {
+  Real normal_velocity;            // [m/s]
+  Real dashpot;                    // [N] normal force that is no spring's
+  Vec3<Real> tangential;           // [N]
+  Vec3<Real> tangential_velocity;  // [m/s]
 };
 
 /// The kinematics of N contacts, component by component: filled one by one or pack by pack, read in
@@ -126,6 +136,17 @@ struct alignas(64) KinematicsBlock {
     if constexpr (Rolls) out.couple = get3<Real>(k, angular_velocity);
     return out;
   }
+  /// So do terms.
+  template <class Real>
+  SILT_INLINE void put_terms(std::size_t k, const LedgerTerms<Real>& in) {
+    silt::store(R_eff + k, in.normal_velocity), silt::store(overlap + k, in.dashpot);
+    put(k, in.tangential, change), put(k, in.tangential_velocity, normal);
+  }
+  template <class Real>
+  SILT_INLINE LedgerTerms<Real> get_terms(std::size_t k) const {
+    return {load<Real>(R_eff + k), load<Real>(overlap + k), get3<Real>(k, change),
+            get3<Real>(k, normal)};
+  }
   template <class Real>
   SILT_INLINE RollingKinematics<Real> get_rolling(std::size_t k) const {
     RollingKinematics<Real> out;
@@ -156,6 +177,10 @@ struct ContactKernel {
   static_assert(WorksOnLanes<Law, Real>,
                 "the contact law works on one double, but not on a pack of lanes: make force() a "
                 "template of Real, as silt/contact/concept.hpp says, or give KernelsFor<OneLane>");
+  static_assert(!keeps_ledger<ContactsType> || SaysWhatItStores<Law>,
+                "EnergyLedger needs to know what the contact law stores: give it a function "
+                "stored(), as silt/contact/concept.hpp says");
+  using Energy = EnergyOf<ContactsType, Real>;
   using LawCoefficients = typename Law::template Coefficients<Real>;
   using RollingCoefficients = typename Rolling::template Coefficients<Real>;
 
@@ -193,11 +218,12 @@ struct ContactKernel {
   }
 
   /// `history`: one pointer a component, at this pack; lanes out of contact are set to zero.
-  static SILT_INLINE PairLoad<Real> load(const Kinematics<Real>& k,
-                                         const RollingKinematics<Real>& r, const Real& time_step,
-                                         const LawCoefficients& law,
-                                         [[maybe_unused]] const RollingCoefficients& rolling,
-                                         ScalarOf<Real>* const* history) {
+  /// `with_stored`: the ledger wants to know what is stored now.
+  static SILT_INLINE PairLoad<Real> load(
+      const Kinematics<Real>& k, const RollingKinematics<Real>& r, const Real& time_step,
+      [[maybe_unused]] bool with_stored, const LawCoefficients& law,
+      [[maybe_unused]] const RollingCoefficients& rolling, ScalarOf<Real>* const* history,
+      [[maybe_unused]] Energy& energy, [[maybe_unused]] LedgerTerms<Real>& terms) {
     const Contact<Real> c = contact(k, time_step);
     const auto touching = acting(k, law);
     const Real zero(0);
@@ -219,6 +245,12 @@ struct ContactKernel {
       normal_force = select(touching, answer, zero);
       out.force = normal_force * k.normal;
       if constexpr (ContactsType::rotates) out.twirl = {zero, zero, zero};
+    }
+    if constexpr (keeps_ledger<ContactsType>) {
+      Vec3<Real> tangential{zero, zero, zero};
+      if constexpr (is_frictional<Law>)
+        tangential = select(touching, answer.tangential, tangential);
+      terms = terms_of(c, law, h, touching, normal_force, tangential, with_stored, energy);
     }
     if constexpr (ContactsType::has_rolling) {
       [[maybe_unused]] constexpr std::size_t offset = ContactsType::law_history;
@@ -242,8 +274,12 @@ struct ContactKernel {
                                      share * (k.spin - r.radius_i * r.angular_velocity), r.radius_i,
                                      r.radius_j};
         const OwnCouples<Real> t = Rolling::torque(rc, own, rolling);
-        out.twirl += select(touching, share * (t.on_i + t.on_j), none);
+        const Vec3<Real> twirl = select(touching, share * (t.on_i + t.on_j), none);
+        out.twirl += twirl;
         out.couple = select(touching, share * (r.radius_j * t.on_i - r.radius_i * t.on_j), none);
+        if constexpr (keeps_ledger<ContactsType>)  // to first order in the step
+          energy.couple +=
+              known(Real(2) * (dot(out.couple, r.angular_velocity) + dot(twirl, k.spin)));
       } else {
         typename HistoryOf<Rolling, Real>::type m;
         load_history<ContactsType::rolling_history>(m, history + offset);
@@ -254,12 +290,81 @@ struct ContactKernel {
           couple = Rolling::torque(rc, rolling);
         store_history<ContactsType::rolling_history>(m, touching, history + offset);
         out.couple = select(touching, couple, none);
+        if constexpr (keeps_ledger<ContactsType>) {
+          ScalarOf<Real>* const* const kept =
+              history + offset + ContactsType::rolling_history + ContactsType::kept_couple;
+          energy.couple += known(dot(with_kept(out.couple, kept), r.angular_velocity));
+          if constexpr (requires { Rolling::stored(rc, rolling, m); })
+            if (with_stored)
+              energy.rolling += select(touching, Rolling::stored(rc, rolling, m), zero);
+        }
       }
     }
     return out;
   }
 
+  /// Books what the forces did since the last step. The work of a force is its mean over the step
+  /// times the displacement, velocity of the half step times step: the sum of all works is then
+  /// what the leapfrog's kinetic energy gains. Summed up here is twice the mean times the velocity;
+  /// of the tangential dashpot, once the present force. A loop of its own: the law's leaves no
+  /// registers. `kept`: one pointer a component, at this pack.
+  static SILT_INLINE void book(const LedgerTerms<Real>& t, ScalarOf<Real>* const* kept,
+                               Energy& energy) {
+    energy.dashpot += known((silt::load<Real>(kept[0]) + t.dashpot) * t.normal_velocity);
+    silt::store(kept[0], t.dashpot);
+    if constexpr (is_frictional<Law>) {
+      energy.shear += known(dot(with_kept(t.tangential, kept + ContactsType::kept_tangential),
+                                t.tangential_velocity));
+    }
+  }
+
  private:
+  /// The law's coefficient of friction; infinite if it does not tell.
+  template <class Coefficients>
+  static SILT_INLINE Real friction_of(const Coefficients& law) {
+    if constexpr (requires { law.friction; })
+      return law.friction;
+    else if constexpr (requires { law.body; })
+      return friction_of(law.body);
+    else
+      return Real(1e18f);
+  }
+
+  template <class H, class M>
+  static SILT_INLINE LedgerTerms<Real> terms_of(const Contact<Real>& c, const LawCoefficients& law,
+                                                const H& now, const M& touching, const Real& normal,
+                                                const Vec3<Real>& tangential, bool with_stored,
+                                                Energy& energy) {
+    const Real zero(0);
+    const Stored<Real> stored = stored_by<Law, Real>(c, law, now);
+    if (with_stored) {
+      energy.normal += select(touching, stored.normal, zero);
+      if constexpr (is_frictional<Law>)
+        energy.tangential += select(touching, stored.tangential, zero);
+    }
+    LedgerTerms<Real> terms;
+    terms.normal_velocity = c.normal_velocity;
+    terms.dashpot = select(touching, normal - stored.force, zero);
+    energy.turned_over += known(abs(normal * c.normal_velocity));
+    if constexpr (is_frictional<Law>) {
+      const Vec3<Real> dashpot = tangential - select(touching, stored.spring, {zero, zero, zero});
+      const Real friction = friction_of(law), limit = friction * pressing(c, law, normal);
+      const auto sticks = dot(tangential, tangential) < Real(0.999999) * limit * limit;
+      energy.shear_dashpot +=
+          select(sticks, known(dot(dashpot, c.tangential_velocity)), zero);  // else it slides
+      terms.tangential = tangential, terms.tangential_velocity = c.tangential_velocity;
+    }
+    return terms;
+  }
+  /// The sum of a force and that of the last step; keeps it for the next.
+  static SILT_INLINE Vec3<Real> with_kept(const Vec3<Real>& force, ScalarOf<Real>* const* kept) {
+    const Vec3<Real> last = silt::load3<Real>(kept[0], kept[1], kept[2]);
+    silt::store(kept[0], force.x), silt::store(kept[1], force.y), silt::store(kept[2], force.z);
+    return last + force;
+  }
+  /// Nothing instead of what is not a number: the partner has left.
+  static SILT_INLINE Real known(const Real& work) { return select(work == work, work, Real(0)); }
+
   template <std::size_t N, class H>
   static void load_history(H& h, ScalarOf<Real>* const* history) {
     if constexpr (N > 0) {

@@ -25,7 +25,8 @@ class Engine {
  public:
   static constexpr bool rotates = ContactsType::rotates;
   static constexpr std::size_t chunks = load_chunks<ContactsType>;
-  using Scalar = typename Precision::PairScalar;  // of the work on pairs
+  static constexpr std::size_t history = ContactsType::history;  // Reals of a contact
+  using Scalar = typename Precision::PairScalar;                 // of the work on pairs
   using State = ParticleState<rotates, ContactsType::several_materials, Scalar>;
   using Motion = typename State::Motion;
   using Lists = NearLists<ContactsType::history, Scalar, State, Search, Domain, Arch>;
@@ -44,12 +45,14 @@ class Engine {
   double largest_share = 0;    // [1/s] largest speed over inner reach
   double largest_overlap = 0;  // [-] over the smaller radius, in the last step
   bool finite = true;          // all velocities, after the last kick
+  EnergyOf<ContactsType, double> contact_energy = start_energy<ContactsType, double>();
 
   void set_threads(int threads) {
     if (!team_ || team_->threads() != threads) team_ = std::make_unique<Team>(threads);
   }
 
-  void set_coefficients(const ContactsType& contacts) {
+  template <class Contacts>
+  void set_coefficients(const Contacts& contacts) {
     const std::size_t n = contacts.materials();
     const std::size_t of_particles = ContactsType::several_materials ? n : 1;
     coefficients = {n, {}, {}};
@@ -73,22 +76,41 @@ class Engine {
 
   // --- forces -------------------------------------------------------------------------------
 
-  void pair_forces(const Domain& domain, double time_step) {
+  void pair_forces(const Domain& domain, const StepTimes& times) {
     using Pipeline = PairPipeline<ContactsType, Domain, Arch, Scalar>;
     const bool large = Pipeline::working_set(particles.size(), lists.pairs.size()) > beyond_caches;
-    largest_overlap =
+    const auto tally =
         Pipeline::run({particles.position.data(), particles.pair_motion(), kinds_.data(),
-                       particles.largest_radius, particles.smallest_radius, time_step, large},
+                       particles.largest_radius, particles.smallest_radius, times, large},
                       lists.pairs, coefficients, domain, sums_.data(), *team_);
+    largest_overlap = tally.largest, contact_energy = tally.energy;
   }
 
-  void wall_forces(double time_step) {
+  void wall_forces(const StepTimes& times) {
     if (walls.empty()) return;
-    const double overlap =
+    const auto tally =
         wall_pipeline_.run({particles.position.data(), particles.motion.data(),
-                            particles.pair_motion(), particles.material.data(), time_step},
+                            particles.pair_motion(), particles.material.data(), times},
                            lists.walls, coefficients, walls, sums_.data(), *team_);
-    largest_overlap = std::max(largest_overlap, overlap);
+    largest_overlap = std::max(largest_overlap, tally.largest);
+    contact_energy.add(tally.energy);
+  }
+
+  /// Power [W] of the contacts on fixed particles that move, before the loads are integrated.
+  double power_on_fixed() const {
+    double power = 0;
+    for (std::size_t k = 0; particles.some_fixed && k < particles.size(); ++k) {
+      const Motion& m = particles.motion[k];
+      if (m.inv_m != 0 || particles.is_parked(k)) continue;
+      const Scalar* const load = sums_.data() + k * 4 * chunks;
+      const auto part = [&](std::size_t c) {
+        return Vec3d{double(load[4 * c]), double(load[4 * c + 1]), double(load[4 * c + 2])};
+      };
+      power += dot(part(0), m.velocity());
+      if constexpr (rotates) power += dot(part(1), m.spin_velocity());
+      if constexpr (ContactsType::has_rolling) power += m.inv_r * dot(part(2), m.spin_velocity());
+    }
+    return power;
   }
 
   void move_walls(double time) {

@@ -27,7 +27,7 @@ template <class Sim>
 class Checkpoint {
   using Engine = typename Sim::Engine;
   using WallPairs = decltype(Engine::Lists::walls);
-  static constexpr std::size_t H = Sim::ContactsType::history;
+  static constexpr std::size_t H = Engine::history;
   static constexpr bool chooses_search = requires(typename Sim::Search s) {
     detail::finder_of(s).choice();
   };
@@ -114,6 +114,13 @@ class Checkpoint {
       flows.push_back(i.start), flows.push_back(i.interval);
     }
     out.add("openings.counts", counts), out.add("openings.flows", flows);
+    std::vector<double> books;
+    if constexpr (Sim::has_ledger) {
+      books = sim.book_.state();
+      books.insert(books.end(),
+                   {sim.gravity_booked_.x, sim.gravity_booked_.y, sim.gravity_booked_.z});
+      out.add("ledger", books);
+    }
     std::vector<std::uint64_t> search;
     if constexpr (chooses_search) {
       const auto& choice = detail::finder_of(sim.search_).choice();
@@ -175,6 +182,12 @@ class Checkpoint {
     const auto walls = in.get<double>("walls.state", 23 * surfaces.size());
     const auto marks = in.get<double>("walls.marks");
     const auto flows = in.get<double>("openings.flows", outlets + 2 * inlets);
+    std::vector<double> books;
+    if constexpr (Sim::has_ledger) {
+      books = in.get<double>("ledger");
+      require(books.size() >= decltype(sim.book_)::least_size + 3, "checkpoint '", path,
+              "': its ledger is incomplete");
+    }
     e.set_coefficients(sim.contacts_);  // throws where a pair of materials lacks its values
     if constexpr (chooses_search) {
       const auto choice = in.get<std::uint64_t>("search.choice", 2);
@@ -229,6 +242,12 @@ class Checkpoint {
       c += 5;
       i.start = flows[f++], i.interval = flows[f++];
     }
+    if constexpr (Sim::has_ledger) {
+      const std::size_t last = books.size() - 3;
+      sim.gravity_booked_ = {books[last], books[last + 1], books[last + 2]};
+      books.resize(last);
+      sim.book_.restore(books);
+    }
     e.particles.restored(clock[5], clock[6]);
     e.restored(clock[7], clock[8], upkeep[1]);
   }
@@ -238,7 +257,7 @@ class Checkpoint {
     return text("silt state 4; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
                 name_of<typename Sim::ContactsType>(), "; search ", name_of<typename Sim::Search>(),
                 "; domain ", name_of<typename Sim::Domain>(), "; precision ",
-                name_of<typename Sim::Precision>());
+                name_of<typename Sim::Precision>(), Sim::has_ledger ? "; ledger" : "");
   }
 
  private:

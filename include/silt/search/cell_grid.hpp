@@ -30,7 +30,7 @@ class CellGrid {
   template <class Domain>
   void order(const SphereSet& spheres, double reach, const Domain& domain, const Team& team,
              std::vector<std::uint32_t>& order) {
-    sort_into_cells(spheres, reach, domain, team);
+    build(spheres, reach, domain, team);
     order.assign(spheres_.name.begin(), spheres_.name.end() - detail::SphereColumns::padding);
   }
 
@@ -44,25 +44,13 @@ class CellGrid {
   template <class Arch = DefaultArch, class Domain>
   void find(const SphereSet& spheres, double reach, const Domain& domain, const Team& team,
             std::vector<IndexPair>& pairs) {
-    sort_into_cells(spheres, reach, domain, team);
+    build(spheres, reach, domain, team);
     scan_all<Arch>(reach, domain, team, pairs);
   }
 
- private:
-  using Range = detail::SphereRange;
-
-  template <class Arch, class Domain>
-  void scan_all(double reach, const Domain& domain, const Team& team,
-                std::vector<IndexPair>& pairs) {
-    const std::size_t n = spheres_.size();
-    found_(team, pairs, [&](std::size_t part, std::size_t parts, detail::PairBuffer& found) {
-      scan<Arch>(n * part / parts, n * (part + 1) / parts, reach, domain, found);
-    });
-  }
-
+  /// The first half of find(): sorts spheres into cells.
   template <class Domain>
-  void sort_into_cells(const SphereSet& spheres, double reach, const Domain& domain,
-                       const Team& team) {
+  void build(const SphereSet& spheres, double reach, const Domain& domain, const Team& team) {
     const auto rows = spheres.rows;
     const std::size_t n = rows.size();
     const Box bounds = detail::bounds_of(spheres, domain, team);
@@ -91,6 +79,18 @@ class CellGrid {
         spheres_.name[next_[part * c + cell_[k]]++] = static_cast<std::uint32_t>(k);
     });
     spheres_.take(rows, team);
+  }
+
+ private:
+  using Range = detail::SphereRange;
+
+  template <class Arch, class Domain>
+  void scan_all(double reach, const Domain& domain, const Team& team,
+                std::vector<IndexPair>& pairs) {
+    const std::size_t n = spheres_.size();
+    found_(team, pairs, [&](std::size_t part, std::size_t parts, detail::PairBuffer& found) {
+      scan<Arch>(n * part / parts, n * (part + 1) / parts, reach, domain, found);
+    });
   }
 
   std::size_t cells() const { return frame_.count[0] * frame_.count[1] * frame_.count[2]; }

@@ -49,13 +49,19 @@ class HashedGrid {
   template <class Arch = DefaultArch, class Domain>
   void find(const SphereSet& spheres, double reach, const Domain& domain, const Team& team,
             std::vector<IndexPair>& pairs) {
-    grid_.sort(spheres, reach, domain, team, levels_);
-    plan_.make(grid_);
+    build(spheres, reach, domain, team);
     found_(team, pairs, [&](std::size_t part, std::size_t parts, detail::PairBuffer& found) {
       RowScan<Arch, Domain> scan(grid_, plan_, reach, domain, found);
       const std::size_t end = plan_.first_row(part + 1, parts, grid_);
       for (std::size_t row = plan_.first_row(part, parts, grid_); row < end; ++row) scan(row);
     });
+  }
+
+  /// The first half of find(): sorts spheres into rows.
+  template <class Domain>
+  void build(const SphereSet& spheres, double reach, const Domain& domain, const Team& team) {
+    grid_.sort(spheres, reach, domain, team, levels_);
+    plan_.make(grid_);
   }
 
   /// The cutoffs [m] up to which spheres lay in each level at the last search, the coarsest first.

@@ -39,6 +39,17 @@ class Nbs {
   template <class Domain>
   void find(const SphereSet& spheres, double reach, const Domain& domain, const Team& team,
             std::vector<IndexPair>& pairs) {
+    build(spheres, reach, domain, team);
+    found_(team, pairs, [&](std::size_t part, std::size_t parts, detail::PairBuffer& found) {
+      Sweep<Domain> sweep(*this, spheres.rows, reach, domain, found);
+      for (std::size_t l = first_layer(part, parts); l < first_layer(part + 1, parts); ++l)
+        sweep(layers_[l].z);
+    });
+  }
+
+  /// The first half of find(): lists the spheres of each layer.
+  template <class Domain>
+  void build(const SphereSet& spheres, double reach, const Domain& domain, const Team& team) {
     const std::size_t n = spheres.rows.size();
     const Box bounds = detail::bounds_of(spheres, domain, team);
     const Vec3d e = bounds.extent();
@@ -51,11 +62,6 @@ class Nbs {
           return *std::max_element(f.count.begin(), f.count.end()) <= most;
         });
     list_layers(spheres.rows, team);
-    found_(team, pairs, [&](std::size_t part, std::size_t parts, detail::PairBuffer& found) {
-      Sweep<Domain> sweep(*this, spheres.rows, reach, domain, found);
-      for (std::size_t l = first_layer(part, parts); l < first_layer(part + 1, parts); ++l)
-        sweep(layers_[l].z);
-    });
   }
 
  private:

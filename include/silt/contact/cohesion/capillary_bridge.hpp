@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include <silt/contact/cohesion/cohesive.hpp>
+#include <silt/core/functions.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -67,7 +68,7 @@ struct BasicCapillaryBridge {
       const Real S = sqrt(max(H * H + Real(2 / std::numbers::pi) * p.volume / R, smallest<Real>()));
       const Real a = sqrt(max(S - H, Real(0)) / R);
       // sin a sin(th + a) = (cos th - cos(th + 2 a))/2
-      const Real edge = Real(0.5) * (p.cosine - cos(p.angle + Real(2) * a));
+      const Real edge = Real(0.5) * (p.cosine - cosine(p.angle + Real(2) * a));
       return p.tension * c.R_eff * (p.cosine * (Real(1) - H / S) + edge);  // (3)
     }
   }

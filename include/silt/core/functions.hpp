@@ -1,0 +1,48 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <silt/core/lanes.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// Functions that few laws need, in + - * / and sqrt alone: one text for doubles and packs, on
+/// every instruction set. (Those of xsimd 8 do not compile for AVX-512 without
+/// optimisation; other names, as theirs would be found first.)
+/// Errors of double below; of float some 1e-7. Tests: tests/core/functions.cpp.
+
+/// Cube root of x in [1e-24, 1e24], relative error 1e-15; 0 of 0 and below.
+/// x^(1/4) x^(1/16) x^(1/64) is x^(-1/192) off; Halley's method cubes the error three times.
+template <class Real>
+inline Real cube_root(const Real& x) {
+  const Real a = max(x, smallest<Real>());
+  Real part = sqrt(sqrt(a)), root = part;
+  for (int k = 0; k < 2; ++k) part = sqrt(sqrt(part)), root = root * part;
+  for (int k = 0; k < 3; ++k) {
+    const Real cube = root * root * root;
+    root = root * (cube + Real(2) * a) / (Real(2) * cube + a);
+  }
+  return select(x > Real(0), root, Real(0));
+}
+
+/// Cosine of x in [-pi, pi], absolute error 1e-15: Taylor's series of x/4, doubled twice.
+template <class Real>
+inline Real cosine(const Real& x) {
+  const Real x2 = Real(1.0 / 16) * x * x;
+  Real sum(1);
+  for (int n = 16; n > 0; n -= 2) sum = Real(1) - sum * x2 * Real(1.0 / (n * (n - 1)));
+  for (int k = 0; k < 2; ++k) sum = Real(2) * sum * sum - Real(1);
+  return sum;
+}
+
+/// tanh of x, relative error 1e-15: Lambert's continued fraction of x/32, doubled five times.
+template <class Real>
+inline Real hyperbolic_tangent(const Real& x) {
+  const Real y = Real(1.0 / 32) * max(min(x, Real(20)), Real(-20)), y2 = y * y;
+  Real below(15);
+  for (int n = 13; n > 0; n -= 2) below = Real(n) + y2 / below;
+  Real t = y / below;
+  for (int k = 0; k < 5; ++k) t = Real(2) * t / (Real(1) + t * t);
+  return t;
+}
+
+}  // namespace silt

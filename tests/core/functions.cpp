@@ -1,0 +1,60 @@
+// silt - BSD-3-Clause, see LICENSE
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <silt/core/functions.hpp>
+
+namespace {
+
+using Batch = typename silt::Lanes<silt::DefaultArch>::Real;
+
+/// Largest difference of f on a pack and on doubles.
+template <class F>
+double lane_difference(double from, double to, const F& f) {
+  constexpr std::size_t W = silt::Lanes<silt::DefaultArch>::width;
+  double worst = 0;
+  for (int k = 0; k < 1000; ++k) {
+    alignas(64) double x[W], y[W];
+    for (std::size_t w = 0; w < W; ++w)
+      x[w] = from + (to - from) * (k + static_cast<double>(w) / W) / 1000;
+    silt::store(y, f(silt::load<Batch>(x)));
+    for (std::size_t w = 0; w < W; ++w)
+      worst = std::max(worst, std::abs(y[w] - f(x[w])) / (std::abs(f(x[w])) + 1e-3));
+  }
+  return worst;
+}
+
+}  // namespace
+
+TEST_CASE("functions: cube root to 1e-15 from 1e-24 to 1e24") {
+  for (double digits = -24; digits <= 24; digits += 0.01) {
+    const double x = std::pow(10.0, digits);
+    CAPTURE(x);
+    CHECK(std::abs(silt::cube_root(x) / std::cbrt(x) - 1) < 2e-15);
+    CHECK(std::abs(silt::cube_root(static_cast<float>(x)) / std::cbrt(static_cast<float>(x)) - 1) <
+          1e-6f);
+  }
+  CHECK(silt::cube_root(0.0) == 0);
+  CHECK(silt::cube_root(-1.0) == 0);
+}
+
+TEST_CASE("functions: cosine to 2e-15 from -pi to pi, tanh to 2e-15 everywhere") {
+  for (double x = -std::numbers::pi; x <= std::numbers::pi; x += 1e-3)
+    CHECK(std::abs(silt::cosine(x) - std::cos(x)) < 2e-15);
+  for (double x = -30; x <= 30; x += 1e-2) {
+    CAPTURE(x);
+    CHECK(std::abs(silt::hyperbolic_tangent(x) - std::tanh(x)) <= 2e-15 * std::abs(std::tanh(x)));
+  }
+  CHECK(silt::hyperbolic_tangent(1e300) == 1);
+  CHECK(silt::hyperbolic_tangent(-1e300) == -1);
+  CHECK(silt::hyperbolic_tangent(1e-300) == 1e-300);
+}
+
+TEST_CASE("functions: a pack equals doubles to a few ulp") {
+  CHECK(lane_difference(1e-6, 2, [](const auto& x) { return silt::cube_root(x); }) < 2e-15);
+  CHECK(lane_difference(-3, 3, [](const auto& x) { return silt::cosine(x); }) < 1e-12);  // near 0
+  CHECK(lane_difference(-9, 9, [](const auto& x) { return silt::hyperbolic_tangent(x); }) < 2e-15);
+}
