@@ -62,53 +62,75 @@ std::vector<Point> approach_and_retreat(double deepest, double gap, int steps) {
   return out;
 }
 
+struct Course {
+  std::vector<Point> points;
+  double stride;    // [m] of the plane in a step
+  double pull_off;  // [N] by the closed form
+};
+
+/// The whole course against the closed form.
+void compare_law(Gallery& gallery, const Course& course) {
+  const auto pair = pair_of();
+  const double at_rest = silt::jkr_overlap_at_rest(pair);
+  const double parting = silt::jkr_overlap_at_parting(pair);
+  auto table =
+      gallery.table("jkr", {"overlap over that at rest [-]", "force over pull-off [-]", "JKR [-]"});
+  Worst law;
+  bool attached = false;
+  for (std::size_t k = 0; k < course.points.size(); ++k) {
+    const auto& p = course.points[k];
+    attached = p.overlap > 0 || (attached && p.overlap > parting);
+    const double exact = attached ? silt::jkr_force(pair, contact_radius(p.overlap)) : 0;
+    const double found = p.force / course.pull_off;
+    // The end of a step may fall on either side of touching and parting.
+    const double to_edge = std::min(std::abs(p.overlap), std::abs(p.overlap - parting));
+    if (to_edge > 1e-6 * course.stride) law.compare(found, exact / course.pull_off, 1e-8);
+    if (k % 200 == 0) table.add_row({p.overlap / at_rest, found, exact / course.pull_off});
+  }
+  gallery.check("jkr_force_over_overlap", law,
+                "of the pull-off force; the overlap is the difference of positions 1e4 times as "
+                "large");
+}
+
+/// The largest pull, that at parting and that at touch.
+void compare_ratios(Gallery& gallery, const Course& course) {
+  const auto pair = pair_of();
+  const double parting = silt::jkr_overlap_at_parting(pair);
+  double least = 0, last = 0, at_touch = 0;  // [-] of the pull-off force
+  for (const auto& p : course.points) {
+    if (p.force == 0) continue;
+    if (at_touch == 0) at_touch = p.force / course.pull_off;
+    last = p.force / course.pull_off;
+    least = std::min(least, last);
+  }
+  const auto change = [&](double from, double to) {
+    return std::abs(silt::jkr_force(pair, contact_radius(from)) -
+                    silt::jkr_force(pair, contact_radius(to))) /
+           course.pull_off;
+  };
+  Worst ratios;
+  ratios.compare(least, -1, change(parting / 3, parting / 3 + course.stride));
+  ratios.compare(last, -5.0 / 9, change(parting + course.stride, parting));
+  ratios.compare(at_touch, -8.0 / 9, change(0, course.stride));
+  gallery.check("jkr_ratios_1_5_9_8_9", ratios,
+                "what the force changes by in one step of the plane: its slope at touch, and near "
+                "parting a square root");
+  gallery.summary.result("jkr_pull_off_over_closed_form", -least);
+  gallery.summary.result("jkr_force_at_parting_over_pull_off", last);
+  gallery.summary.result("jkr_force_at_touch_over_pull_off", at_touch);
+}
+
 }  // namespace
 
 void jkr_contact(Gallery& gallery) {
   const auto pair = pair_of();
-  const double pull_off = silt::jkr_pull_off(pair), parting = silt::jkr_overlap_at_parting(pair);
   const double deepest = 3 * silt::jkr_overlap_at_rest(pair);
+  const double gap = -1.5 * silt::jkr_overlap_at_parting(pair);
   const int steps = 20000;
-  const auto course = approach_and_retreat(deepest, -1.5 * parting, steps);
-  const double stride = (deepest - 1.5 * parting) / steps;  // [m] of the plane in a step
-
-  auto table =
-      gallery.table("jkr", {"overlap over that at rest [-]", "force over pull-off [-]", "JKR [-]"});
-  Worst law, ratios;
-  double least = 0, last = 0, at_touch = 0;
-  bool attached = false;
-  for (std::size_t k = 0; k < course.size(); ++k) {
-    const auto& p = course[k];
-    attached = p.overlap > 0 || (attached && p.overlap > parting);
-    const double exact = attached ? silt::jkr_force(pair, contact_radius(p.overlap)) : 0;
-    // The edge of a step may fall on either side of touching and parting.
-    const bool at_edge =
-        std::min(std::abs(p.overlap), std::abs(p.overlap - parting)) < 1e-6 * stride;
-    if (!at_edge) law.compare(p.force / pull_off, exact / pull_off, 1e-8);
-    if (p.force != 0 && at_touch == 0) at_touch = p.force;
-    if (p.force != 0) last = p.force;
-    least = std::min(least, p.force);
-    if (k % 200 == 0)
-      table.add_row(
-          {p.overlap / silt::jkr_overlap_at_rest(pair), p.force / pull_off, exact / pull_off});
-  }
-  gallery.check("jkr_force_over_overlap", law,
-                "of the pull-off force; the closed form's radius by bisection, the overlap as the "
-                "difference of positions 1e4 times as large");
-  // The force over one step of the plane: its slope at touch, and near parting a square root.
-  const auto change = [&](double from, double to) {
-    return std::abs(silt::jkr_force(pair, contact_radius(from)) -
-                    silt::jkr_force(pair, contact_radius(to))) /
-           pull_off;
-  };
-  ratios.compare(least / pull_off, -1, change(parting / 3, parting / 3 + stride));
-  ratios.compare(last / pull_off, -5.0 / 9, change(parting + stride, parting));
-  ratios.compare(at_touch / pull_off, -8.0 / 9, change(0, stride));
-  gallery.check("jkr_ratios_1_5_9_8_9", ratios,
-                "what the force changes by in one step of the plane");
-  gallery.summary.result("jkr_pull_off_over_closed_form", -least / pull_off);
-  gallery.summary.result("jkr_force_at_parting_over_pull_off", last / pull_off);
-  gallery.summary.result("jkr_force_at_touch_over_pull_off", at_touch / pull_off);
+  const Course course{approach_and_retreat(deepest, gap, steps), (deepest + gap) / steps,
+                      silt::jkr_pull_off(pair)};
+  compare_law(gallery, course);
+  compare_ratios(gallery, course);
 }
 
 }  // namespace verification
