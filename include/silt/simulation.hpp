@@ -211,6 +211,10 @@ class Simulation {
     return engine_.largest_overlap;
   }                                                      // [-] of the radius, last step
   double peak_overlap() const { return peak_overlap_; }  // [-] of the radius, since the start
+  /// How many contacts the law's safeguard has ended since the start [-] (Softened).
+  std::uint64_t safeguarded() const requires detail::has_safeguard<typename ContactsType::Law> {
+    return engine_.safeguards;
+  }
   /// The largest time step that guard allows at `speed` [m/s]; none if the law has no closed form.
   std::optional<double> time_step_limit(double speed) const;
 

@@ -27,6 +27,7 @@ struct Contact {
   Real R_eff;                      // [m] 1/(1/Ri + 1/Rj); Rj infinite at a wall
   Real m_eff;                      // [kg] 1/(1/mi + 1/mj); mj infinite at a wall
   Real inverse_m_eff;              // [1/kg]
+  Real radius_i, radius_j;         // [m], of a wall 0; of laws that say `needs_radii` alone
   Vec3<Real> turn;                 // [rad] rotation of the contact frame during the last step
   Real time_step;                  // [s]
 
@@ -187,6 +188,13 @@ inline Aggregate<Real> broadcast(const Aggregate<double>& a) {
 ///   step static Real stiffness(Contact<Real>, Coefficients<Real>)    [N/m], for rolling resistance
 ///   static Real range(Coefficients<Real>, Real R_eff)    [m], of laws that act at a distance:
 ///     force and history live while the gap is smaller; must not fall as R_eff grows
+///   static constexpr bool needs_radii = true    Contact::radius_i and radius_j are set;
+///   contact_time
+///     is then asked with R_i, R_j (0: wall), m_eff, speed
+///   static Coefficients<Real> scaled(Coefficients<Real>, Real factor)    of a body `factor` as
+///   stiff,
+///     `static double compliance(const Material&)` [1/Pa] or [m/N] of one partner, and
+///     `static double impact_force(Coefficients<double>, R_eff, m_eff, speed)` [N], for Softened
 ///   static Stored<Real> stored(Contact<Real>, Coefficients<Real> [, History<Real>])    for the
 ///     EnergyLedger: springs and the energy in them, after force() has had its turn
 ///   static Real pressing(Contact<Real>, Coefficients<Real>, Real normal)    [N] >= 0, what presses
@@ -215,6 +223,15 @@ concept RollingModel = requires {
 
 namespace detail {
 
+template <class L>
+inline constexpr bool law_needs_radii = requires {
+  requires L::needs_radii;
+};
+/// A law that intervenes in a contact, and says so of a history before and after a step.
+template <class L>
+concept has_safeguard = requires(const typename HistoryOf<L, double>::type& h) {
+  { L::safeguarded(h, h) } -> std::same_as<bool>;
+};
 template <class M>
 inline constexpr bool of_own_rotation = requires {
   requires M::of_own_rotation;

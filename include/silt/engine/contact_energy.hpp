@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <type_traits>
 
 #include <silt/contact/concept.hpp>
@@ -94,11 +95,13 @@ SILT_INLINE EnergyOf<ContactsType, Real> start_energy() {
 /// What a stage that computes contacts returns besides the loads.
 template <class ContactsType>
 struct Tally {
-  double largest = 0;  // [-] overlap over the smaller radius
+  double largest = 0;            // [-] overlap over the smaller radius
+  std::uint64_t safeguards = 0;  // [-] contacts in which the law's safeguard began to act
   EnergyOf<ContactsType, double> energy = start_energy<ContactsType, double>();
 
   void add(const Tally& other) {
     largest = other.largest > largest ? other.largest : largest;
+    safeguards += other.safeguards;
     energy.add(other.energy);
   }
 };

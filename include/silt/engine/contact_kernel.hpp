@@ -1,7 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <bit>
 #include <cstddef>
+#include <cstdint>
 
 #include <silt/contact/contacts.hpp>
 #include <silt/core/lanes.hpp>
@@ -29,13 +31,16 @@ template <class Real>
 struct RollingKinematics {
   Vec3<Real> angular_velocity;  // [rad/s] w_i - w_j
   Real inertia_eff;             // [kg m2]
-  Real radius_i, radius_j;      // [m] if the model asks for each partner's own rotation; wall: 0
 };
 
-/// How much of this a Contacts type needs: 0 nothing, 1 all but the radii, 2 all.
+/// Radii [m] of the partners; of a wall 0.
+template <class Real>
+struct Radii {
+  Real i, j;
+};
 template <class ContactsType>
-inline constexpr int rolling_needs =
-    ContactsType::has_rolling ? 1 + of_own_rotation<typename ContactsType::Rolling> : 0;
+inline constexpr bool needs_radii =
+    law_needs_radii<typename ContactsType::Law> || of_own_rotation<typename ContactsType::Rolling>;
 
 /// Force on i, torque over radius (the same sign on both partners), couple on i (opposite on j).
 template <class Real>
@@ -56,14 +61,16 @@ struct LedgerTerms {
 
 /// The kinematics of N contacts, component by component: filled one by one or pack by pack, read in
 /// packs.
-template <bool Rotates, int Rolls, std::size_t N, class Scalar>
+template <class ContactsType, std::size_t N, class Scalar>
 struct alignas(64) KinematicsBlock {
+  static constexpr bool Rotates = ContactsType::rotates, Rolls = ContactsType::has_rolling,
+                        HasRadii = needs_radii<ContactsType>;
   static constexpr std::size_t rotating = Rotates ? N : 16, rolling = Rolls ? N : 16,
-                               own = Rolls == 2 ? N : 16;
+                               sized = HasRadii ? N : 16;
   Scalar normal[3][N], change[3][N], overlap[N], R_eff[N], m_eff[N], inverse_m_eff[N],
       velocity[3][N];
   Scalar arm[rotating], spin[3][rotating], twist[rotating];
-  Scalar angular_velocity[3][rolling], inertia_eff[rolling], radius_i[own], radius_j[own];
+  Scalar angular_velocity[3][rolling], inertia_eff[rolling], radius_i[sized], radius_j[sized];
 
   template <class Real>
   SILT_INLINE void put(std::size_t k, const Kinematics<Real>& in) {
@@ -78,8 +85,17 @@ struct alignas(64) KinematicsBlock {
   SILT_INLINE void put(std::size_t k, const RollingKinematics<Real>& in) {
     if constexpr (Rolls)
       put(k, in.angular_velocity, angular_velocity), silt::store(inertia_eff + k, in.inertia_eff);
-    if constexpr (Rolls == 2)
-      silt::store(radius_i + k, in.radius_i), silt::store(radius_j + k, in.radius_j);
+  }
+  template <class Real>
+  SILT_INLINE void put(std::size_t k, const Radii<Real>& in) {
+    if constexpr (HasRadii) silt::store(radius_i + k, in.i), silt::store(radius_j + k, in.j);
+  }
+  template <class Real>
+  SILT_INLINE Radii<Real> get_radii(std::size_t k) const {
+    if constexpr (HasRadii)
+      return {load<Real>(radius_i + k), load<Real>(radius_j + k)};
+    else
+      return {Real(0), Real(0)};
   }
   template <class Real>
   SILT_INLINE Kinematics<Real> get(std::size_t k) const {
@@ -149,12 +165,10 @@ struct alignas(64) KinematicsBlock {
   }
   template <class Real>
   SILT_INLINE RollingKinematics<Real> get_rolling(std::size_t k) const {
-    RollingKinematics<Real> out;
+    RollingKinematics<Real> out{};
     if constexpr (Rolls)
       out.angular_velocity = get3<Real>(k, angular_velocity),
       out.inertia_eff = load<Real>(inertia_eff + k);
-    if constexpr (Rolls == 2)
-      out.radius_i = load<Real>(radius_i + k), out.radius_j = load<Real>(radius_j + k);
     return out;
   }
 
@@ -184,8 +198,10 @@ struct ContactKernel {
   using LawCoefficients = typename Law::template Coefficients<Real>;
   using RollingCoefficients = typename Rolling::template Coefficients<Real>;
 
-  static SILT_INLINE Contact<Real> contact(const Kinematics<Real>& k, const Real& time_step) {
+  static SILT_INLINE Contact<Real> contact(const Kinematics<Real>& k, const Radii<Real>& radii,
+                                           const Real& time_step) {
     Contact<Real> c;
+    c.radius_i = radii.i, c.radius_j = radii.j;
     c.normal = k.normal;
     c.overlap = ActsAtDistance<Law> ? k.overlap : max(k.overlap, Real(0));
     c.R_eff = k.R_eff, c.m_eff = k.m_eff, c.inverse_m_eff = k.inverse_m_eff;
@@ -219,19 +235,26 @@ struct ContactKernel {
 
   /// `history`: one pointer a component, at this pack; lanes out of contact are set to zero.
   /// `with_stored`: the ledger wants to know what is stored now.
-  static SILT_INLINE PairLoad<Real> load(
-      const Kinematics<Real>& k, const RollingKinematics<Real>& r, const Real& time_step,
-      [[maybe_unused]] bool with_stored, const LawCoefficients& law,
-      [[maybe_unused]] const RollingCoefficients& rolling, ScalarOf<Real>* const* history,
-      [[maybe_unused]] Energy& energy, [[maybe_unused]] LedgerTerms<Real>& terms) {
-    const Contact<Real> c = contact(k, time_step);
+  static SILT_INLINE PairLoad<Real> load(const Kinematics<Real>& k,
+                                         const RollingKinematics<Real>& r, const Radii<Real>& radii,
+                                         const Real& time_step, [[maybe_unused]] bool with_stored,
+                                         const LawCoefficients& law,
+                                         [[maybe_unused]] const RollingCoefficients& rolling,
+                                         ScalarOf<Real>* const* history,
+                                         [[maybe_unused]] RunningTally<ContactsType, Real>& tally,
+                                         [[maybe_unused]] LedgerTerms<Real>& terms) {
+    const Contact<Real> c = contact(k, radii, time_step);
     const auto touching = acting(k, law);
     const Real zero(0);
     PairLoad<Real> out;
 
     typename HistoryOf<Law, Real>::type h;
     load_history<ContactsType::law_history>(h, history);
+    [[maybe_unused]] const auto before = h;
     const auto answer = law_force<Law, Real>(c, law, h);
+    if constexpr (has_safeguard<Law>)
+      tally.sum.safeguards += static_cast<std::uint64_t>(
+          std::popcount(lane_bits(touching) & lane_bits(Law::safeguarded(before, h))));
     store_history<ContactsType::law_history>(h, touching, history);
 
     Real normal_force;
@@ -250,7 +273,7 @@ struct ContactKernel {
       Vec3<Real> tangential{zero, zero, zero};
       if constexpr (is_frictional<Law>)
         tangential = select(touching, answer.tangential, tangential);
-      terms = terms_of(c, law, h, touching, normal_force, tangential, with_stored, energy);
+      terms = terms_of(c, law, h, touching, normal_force, tangential, with_stored, tally.lanes);
     }
     if constexpr (ContactsType::has_rolling) {
       [[maybe_unused]] constexpr std::size_t offset = ContactsType::law_history;
@@ -269,16 +292,16 @@ struct ContactKernel {
       const Vec3<Real> none{zero, zero, zero};
       if constexpr (of_own_rotation<Rolling>) {
         // Couples that are not opposite, as what is (couple) and what turns both alike (twirl).
-        const Real share = Real(1) / (r.radius_i + r.radius_j);
-        const OwnRotations<Real> own{share * (k.spin + r.radius_j * r.angular_velocity),
-                                     share * (k.spin - r.radius_i * r.angular_velocity), r.radius_i,
-                                     r.radius_j};
+        const Real share = Real(1) / (radii.i + radii.j);
+        const OwnRotations<Real> own{share * (k.spin + radii.j * r.angular_velocity),
+                                     share * (k.spin - radii.i * r.angular_velocity), radii.i,
+                                     radii.j};
         const OwnCouples<Real> t = Rolling::torque(rc, own, rolling);
         const Vec3<Real> twirl = select(touching, share * (t.on_i + t.on_j), none);
         out.twirl += twirl;
-        out.couple = select(touching, share * (r.radius_j * t.on_i - r.radius_i * t.on_j), none);
+        out.couple = select(touching, share * (radii.j * t.on_i - radii.i * t.on_j), none);
         if constexpr (keeps_ledger<ContactsType>)  // to first order in the step
-          energy.couple +=
+          tally.lanes.couple +=
               known(Real(2) * (dot(out.couple, r.angular_velocity) + dot(twirl, k.spin)));
       } else {
         typename HistoryOf<Rolling, Real>::type m;
@@ -293,10 +316,10 @@ struct ContactKernel {
         if constexpr (keeps_ledger<ContactsType>) {
           ScalarOf<Real>* const* const kept =
               history + offset + ContactsType::rolling_history + ContactsType::kept_couple;
-          energy.couple += known(dot(with_kept(out.couple, kept), r.angular_velocity));
+          tally.lanes.couple += known(dot(with_kept(out.couple, kept), r.angular_velocity));
           if constexpr (requires { Rolling::stored(rc, rolling, m); })
             if (with_stored)
-              energy.rolling += select(touching, Rolling::stored(rc, rolling, m), zero);
+              tally.lanes.rolling += select(touching, Rolling::stored(rc, rolling, m), zero);
         }
       }
     }

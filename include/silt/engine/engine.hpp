@@ -41,10 +41,11 @@ class Engine {
   Lists lists;
   std::vector<Synchronous> synchronous;  // of the last observed step
   CoefficientTable<ContactsType> coefficients;
-  double largest_speed = 0;    // [m/s]
-  double largest_share = 0;    // [1/s] largest speed over inner reach
-  double largest_overlap = 0;  // [-] over the smaller radius, in the last step
-  bool finite = true;          // all velocities, after the last kick
+  double largest_speed = 0;      // [m/s]
+  double largest_share = 0;      // [1/s] largest speed over inner reach
+  double largest_overlap = 0;    // [-] over the smaller radius, in the last step
+  bool finite = true;            // all velocities, after the last kick
+  std::uint64_t safeguards = 0;  // [-] in which a law's safeguard has acted, since the start
   EnergyOf<ContactsType, double> contact_energy = start_energy<ContactsType, double>();
 
   void set_threads(int threads) {
@@ -84,6 +85,7 @@ class Engine {
                        particles.largest_radius, particles.smallest_radius, times, large},
                       lists.pairs, coefficients, domain, sums_.data(), *team_);
     largest_overlap = tally.largest, contact_energy = tally.energy;
+    safeguards += tally.safeguards;
   }
 
   void wall_forces(const StepTimes& times) {
@@ -94,6 +96,7 @@ class Engine {
                            lists.walls, coefficients, walls, sums_.data(), *team_);
     largest_overlap = std::max(largest_overlap, tally.largest);
     contact_energy.add(tally.energy);
+    safeguards += tally.safeguards;
   }
 
   /// Power [W] of the contacts on fixed particles that move, before the loads are integrated.
@@ -154,6 +157,21 @@ class Engine {
     largest_speed = std::sqrt(*std::max_element(fastest.begin(), fastest.end()));
     finite = std::isfinite(std::accumulate(check.begin(), check.end(), 0.0));
     if (how == Advance::KickAndDrift) lists.upkeep.used += largest_share * time_step;
+  }
+
+  /// The velocities, of half a step after the last observed state, of `ratio` times that later.
+  void change_half_step(double ratio) {
+    for (std::size_t k = 0; k < particles.size(); ++k) {
+      Motion& m = particles.motion[k];
+      const Synchronous& now = synchronous[k];
+      const Vec3d v = now.velocity + ratio * (m.velocity() - now.velocity);
+      m.vx = v.x, m.vy = v.y, m.vz = v.z;
+      if constexpr (rotates) {
+        const Vec3d w = now.spin_velocity + ratio * (m.spin_velocity() - now.spin_velocity);
+        m.wx = w.x, m.wy = w.y, m.wz = w.z;
+      }
+    }
+    particles.renew_pair_motion(*team_);
   }
 
   void drift(double time_step) {

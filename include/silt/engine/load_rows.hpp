@@ -48,12 +48,12 @@ SILT_INLINE void write_rows(ScalarOf<Pack>* rows, const PairLoad<Pack>& load) {
 /// Law and rolling model on the first `count` contacts (whole packs) of a block, whose kinematics
 /// are complete; their loads take the places of the kinematics. `kinds`: the place of each contact
 /// in the table, or null if it is the first for all. `history`: one pointer a component. Their
-/// energy is added to `energy`.
+/// energy is added to the tally.
 template <class ContactsType, class Arch, class Block, class Scalar, std::size_t H>
 SILT_INLINE void loads_of(Block& block, std::size_t count, const StepTimes& times,
                           const CoefficientTable<ContactsType>& table, const std::uint16_t* kinds,
                           const std::array<Scalar*, H>& history,
-                          EnergyOf<ContactsType, typename Lanes<Arch, Scalar>::Real>& energy) {
+                          RunningTally<ContactsType, typename Lanes<Arch, Scalar>::Real>& tally) {
   using Real = typename Lanes<Arch, Scalar>::Real;
   using Kernel = ContactKernel<ContactsType, Real>;
   constexpr std::size_t W = Lanes<Arch, Scalar>::width;
@@ -64,16 +64,18 @@ SILT_INLINE void loads_of(Block& block, std::size_t count, const StepTimes& time
     std::array<Scalar*, H> at;
     for (std::size_t h = 0; h < H; ++h) at[h] = history[h] + k;
     LedgerTerms<Real> terms;
-    block.put_load(k, Kernel::load(block.template get<Real>(k), block.template get_rolling<Real>(k),
-                                   step, times.with_stored, coefficients.law(),
-                                   coefficients.rolling(), at.data(), energy, terms));
+    block.put_load(
+        k, Kernel::load(block.template get<Real>(k), block.template get_rolling<Real>(k),
+                        block.template get_radii<Real>(k), step, times.with_stored,
+                        coefficients.law(), coefficients.rolling(), at.data(), tally, terms));
     if constexpr (keeps_ledger<ContactsType>) block.put_terms(k, terms);
   }
   if constexpr (keeps_ledger<ContactsType>)
     for (std::size_t k = 0; k < count; k += W) {
       std::array<Scalar*, H> at;
       for (std::size_t h = 0; h < H; ++h) at[h] = history[h] + k;
-      Kernel::book(block.template get_terms<Real>(k), at.data() + ContactsType::kept_from, energy);
+      Kernel::book(block.template get_terms<Real>(k), at.data() + ContactsType::kept_from,
+                   tally.lanes);
     }
 }
 

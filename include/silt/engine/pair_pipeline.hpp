@@ -69,7 +69,7 @@ class PairPipeline {
   }
 
  private:
-  using Block = KinematicsBlock<rotates, rolling_needs<ContactsType>, block, Scalar>;
+  using Block = KinematicsBlock<ContactsType, block, Scalar>;
 
   static Tally<ContactsType> run_group(const Input& in, List& list,
                                        const CoefficientTable<ContactsType>& table,
@@ -100,7 +100,7 @@ class PairPipeline {
     std::array<Scalar*, ContactsType::history + 1> history{};
     for (std::size_t h = 0; h < ContactsType::history; ++h) history[h] = list.history(h) + from;
     const std::uint16_t* const kinds = ContactsType::several_materials ? in.kinds + from : nullptr;
-    loads_of<ContactsType, Arch>(kinematics, padded, in.times, table, kinds, history, tally.lanes);
+    loads_of<ContactsType, Arch>(kinematics, padded, in.times, table, kinds, history, tally);
     tally.end_block();
     write_rows<ContactsType, Arch>(kinematics, padded, rows);
   }
@@ -208,6 +208,10 @@ class PairPipeline {
       kin.change.x = apart.reach;
       out.put_gathered(k, kin);
       if constexpr (ContactsType::has_rolling) gather_rolling(in, a, b, k, out);
+      if constexpr (needs_radii<ContactsType>)
+        for (std::size_t lane = 0; lane < W; ++lane)
+          out.put(k + lane, Radii<Scalar>{static_cast<Scalar>(in.positions[a[lane]].r),
+                                          static_cast<Scalar>(in.positions[b[lane]].r)});
     }
   }
 
@@ -295,8 +299,7 @@ class PairPipeline {
       out.put(k + lane,
               RollingKinematics<Scalar>{
                   a.inv_r * a.spin_velocity() - b.inv_r * b.spin_velocity(),
-                  Scalar(1.4) / (a.inv_m * a.inv_r * a.inv_r + b.inv_m * b.inv_r * b.inv_r),
-                  Scalar(1) / a.inv_r, Scalar(1) / b.inv_r});
+                  Scalar(1.4) / (a.inv_m * a.inv_r * a.inv_r + b.inv_m * b.inv_r * b.inv_r)});
     }
   }
 };

@@ -66,7 +66,7 @@ class PlanePipeline {
  private:
   /// One block in its stages.
   struct Block {
-    KinematicsBlock<rotates, rolling_needs<ContactsType>, block, Scalar> kinematics;
+    KinematicsBlock<ContactsType, block, Scalar> kinematics;
     alignas(64) Scalar point[3][block];  // [m] where the sphere touches, from the wall's reference
     alignas(64) Scalar rows[block * row];
     std::uint16_t kinds[block];
@@ -95,7 +95,7 @@ class PlanePipeline {
       b.kinds[k] = static_cast<std::uint16_t>(material * table.materials + wall.material);
     }
     loads_of<ContactsType, Arch>(b.kinematics, padded, in.times, table, several ? b.kinds : nullptr,
-                                 history, tally.lanes);
+                                 history, tally);
     tally.end_block();
     write_rows<ContactsType, Arch>(b.kinematics, padded, b.rows);
     for (std::size_t k = 0; k < count; ++k)
@@ -127,11 +127,11 @@ class PlanePipeline {
         kin.spin = {spin[0], spin[1], spin[2]};
         kin.arm = select(there, distance * spin[3], zero), kin.twist = zero;
         if constexpr (ContactsType::has_rolling)
-          out.kinematics.put(
-              k, RollingKinematics<Real>{spin[3] * kin.spin, Real(Scalar(1.4)) * r * r * kin.m_eff,
-                                         r, zero});
+          out.kinematics.put(k, RollingKinematics<Real>{spin[3] * kin.spin,
+                                                        Real(Scalar(1.4)) * r * r * kin.m_eff});
       }
       out.kinematics.put(k, kin);
+      out.kinematics.put(k, Radii<Real>{r, zero});
       const Vec3<Real> none{zero, zero, zero},
           point = select(there, from_reference - distance * normal, none);
       silt::store(out.point[0] + k, point.x), silt::store(out.point[1] + k, point.y);

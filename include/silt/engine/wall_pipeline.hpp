@@ -56,7 +56,7 @@ class WallPipeline {
  private:
   /// The contacts of one block, side by side whatever slots they have.
   struct Scratch {
-    KinematicsBlock<rotates, rolling_needs<ContactsType>, block, Scalar> kinematics;
+    KinematicsBlock<ContactsType, block, Scalar> kinematics;
     alignas(64) Scalar history[ContactsType::history + 1][block];
     std::uint16_t kind[block];  // place in the coefficient table
     struct Place {
@@ -90,8 +90,7 @@ class WallPipeline {
     for (std::size_t h = 0; h < ContactsType::history; ++h) history[h] = s.history[h];
     const std::size_t padded = pieces(s.count, W) * W;
     RunningTally<ContactsType, typename Lanes<Arch, Scalar>::Real> running;
-    loads_of<ContactsType, Arch>(s.kinematics, padded, in.times, table, s.kind, history,
-                                 running.lanes);
+    loads_of<ContactsType, Arch>(s.kinematics, padded, in.times, table, s.kind, history, running);
     tallies_[b] = running.end();
     write_rows<ContactsType, Arch>(s.kinematics, padded, rows);
     for (std::size_t k = 0; k < s.count; ++k) {
@@ -117,6 +116,7 @@ class WallPipeline {
       kinematics.overlap = Scalar(-1e30);
       s.kinematics.put(k, kinematics);
       s.kinematics.put(k, s.kinematics.template get_rolling<Scalar>(from));
+      s.kinematics.put(k, s.kinematics.template get_radii<Scalar>(from));
       for (auto& h : s.history) h[k] = 0;
       s.kind[k] = s.kind[from];
     }
@@ -283,10 +283,10 @@ class WallPipeline {
       kin.twist = scalar(dot(wall_spin, point.normal));
       s.kinematics.put(
           k, RollingKinematics<Scalar>{vector(motion.spin_velocity() * motion.inv_r - wall_spin),
-                                       scalar(1.4 * sphere.r * sphere.r / motion.inv_m),
-                                       scalar(sphere.r), scalar(0)});
+                                       scalar(1.4 * sphere.r * sphere.r / motion.inv_m)});
     }
     s.kinematics.put(k, kin);
+    s.kinematics.put(k, Radii<Scalar>{scalar(sphere.r), scalar(0)});
     s.share[k] = (sphere.r - point.distance) / sphere.r;
     std::size_t material = 0;
     if constexpr (ContactsType::several_materials) material = in.materials[c.particle];
