@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include <silt/contact/softened.hpp>
+
 #include "verification/gallery.hpp"
 #include "verification/strike.hpp"
 
@@ -190,39 +192,54 @@ void size_ratios(Gallery& gallery) {
                 "leaves less than half of 2 pi zeta/n = 0.16 %");
 }
 
+namespace {
+
+using Soft = silt::Softened<HertzMindlin>;
+constexpr double wanted = 2e-3, given_restitution = 0.5;  // [m] radius of full stiffness, [-]
+
+/// Two equal spheres of a radius [m] that meet at 1 m/s, softened for the time step of `wanted`.
+Impact softened_pair(double radius) {
+  Impact impact{.ball = {.solid = {1e8, 0.25, 2500}, .radius = radius, .velocity = {0, 0, -1}}};
+  impact.other = Ball{.solid = impact.ball.solid, .radius = radius};
+  impact.restitution = given_restitution, impact.full_radius = wanted;
+  impact.softness = silt::softening_factor(radius, wanted, silt::Softening::ContactTime);
+  return impact;
+}
+
+}  // namespace
+
 void softened_moduli(Gallery& gallery) {
   auto table = gallery.table(
       "softening", {"radius over wanted [-]", "factor on the modulus [-]",
                     "overlap over diameter by the closed form [-]", "overlap over diameter [-]",
-                    "contact time over that wanted [-]"});
-  Worst overlaps, times;
-  const double wanted = 2e-3, speed = 1, e = 0.5;  // [m], [m/s], [-]
-  const Solid hard{1e8, 0.25, 2500};
-  for (const double s : {1.0, 1.5, 2.0, 3.0, 5.0, 10.0}) {
-    const double radius = wanted / s;
-    Solid soft = hard;
-    const double f = silt::softening_factor(radius, wanted, silt::Softening::ContactTime);
-    soft.youngs_modulus *= f;
-    const auto pair_of = [&](const Solid& solid, double r) {
-      Impact impact{.ball = {.solid = solid, .radius = r, .velocity = {0, 0, -speed}}};
-      impact.other = Ball{.solid = solid, .radius = r};
-      impact.restitution = e;
-      return impact;
-    };
-    const auto small = pair_of(soft, radius), large = pair_of(hard, wanted);
-    const auto found = strike<HertzMindlin>(small), target = strike<HertzMindlin>(large);
-    const auto closed = small.hertz(DampingEnd::ZeroForce);
-    const double bound = step_error(closed.zeta, small.steps);
-    const double expected =
-        s * silt::hertz_max_overlap(large.hertz(DampingEnd::ZeroForce)) / wanted;
-    overlaps.compare_relative(found.largest_overlap / radius, expected, bound);
-    times.compare_relative(found.duration, target.duration, 9.0 / small.steps);
-    table.add_row({1 / s, f, expected / 2, found.largest_overlap / radius / 2,
-                   found.duration / target.duration});
+                    "contact time over that wanted [-]", "safeguarded [-]"});
+  Worst overlaps, times, rebounds, counts;
+  const auto large = softened_pair(wanted);
+  const double target = strike<Soft>(large).duration;
+  const double share = silt::hertz_max_overlap(large.hertz(DampingEnd::ZeroForce)) / wanted / 2;
+  for (const double s : {1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0}) {
+    const auto impact = softened_pair(wanted / s);
+    const auto found = strike<Soft>(impact);
+    const double overlap = found.largest_overlap / impact.ball.radius / 2, deepest = 0.15;
+    const double bound = step_error(impact.hertz(DampingEnd::ZeroForce).zeta, impact.steps);
+    const double way = impact.contact_time() / impact.steps / impact.ball.radius / 2;  // of a step
+    const bool too_deep = s * share > deepest;
+    rebounds.compare_relative(found.velocity.z - found.other_velocity.z, given_restitution, bound);
+    counts.compare(found.safeguarded, too_deep ? 1 : 0, 0.5);
+    if (too_deep)
+      overlaps.compare(overlap, deepest + way / 2, way / 2);
+    else
+      overlaps.compare_relative(overlap, s * share, bound);
+    if (!too_deep) times.compare_relative(found.duration, target, 9.0 / impact.steps);
+    table.add_row(
+        {1 / s, impact.softness, s * share, overlap, found.duration / target, found.safeguarded});
   }
-  gallery.check("softening_overlap_grows_by_size", overlaps, step_reason);
+  gallery.check("softening_overlap", overlaps,
+                "2 pi zeta/n and 1.9/n^2; where the safeguard acts, the way of one step");
   gallery.check("softening_contact_time_is_that_wanted", times,
                 "both counted in whole steps: 4.5 of them each");
+  gallery.check("softening_restitution", rebounds, step_reason);
+  gallery.check("softening_safeguard_counts", counts, "none to 15 % of the diameter, one beyond");
 }
 
 }  // namespace verification

@@ -90,20 +90,25 @@ def draw_sizes(folder):
     axes[0].set_xscale("log")
     name_axes(axes[0], "ratio of the radii [-]", "error of the restitution [%]")
     legend(axes[0], loc="upper right", bbox_to_anchor=(1, 0.9))
-    size, closed, found, times = folder.columns(
+    size, closed, found, times, guarded = folder.columns(
         "softening", "radius over wanted", "overlap over diameter by the closed form",
-        "overlap over diameter", "contact time over that wanted")
-    line(axes[1], 1 / size, 100 * closed, "closed form")
+        "overlap over diameter", "contact time over that wanted", "safeguarded")
+    free = guarded == 0
+    line(axes[1], 1 / size, 100 * np.minimum(closed, 0.15), "closed form, limit of the safeguard")
     silt(axes[1], 1 / size, 100 * found, COLOURS[0], "silt, largest overlap")
     name_axes(axes[1], "wanted radius over radius s [-]", "overlap over diameter [%]")
+    axes[1].set(xscale="log", yscale="log")
+    axes[1].set_xticks([1, 2, 5, 10, 20], ["1", "2", "5", "10", "20"])
+    axes[1].set_yticks([1, 2, 5, 10, 15], ["1", "2", "5", "10", "15"])
+    axes[1].minorticks_off()
     other = axes[1].twinx()
-    other.plot(1 / size, times, "s", color=COLOURS[5], ms=4.5, label="silt, contact time")
+    other.plot(1 / size[free], times[free], "s", color=COLOURS[5], ms=4.5)
     other.set_ylim(0.8, 1.2)
     other.set_ylabel("contact time over that of s = 1 [-]", fontsize=10, color=COLOURS[5])
     other.tick_params(labelsize=9, colors=COLOURS[5])
     other.spines["top"].set_visible(False)
     axes[1].plot([], [], "s", color=COLOURS[5], ms=4.5, label="silt, contact time")
-    legend(axes[1])
+    legend(axes[1], loc="lower right")
     folder.save(figure, "sizes")
 
 

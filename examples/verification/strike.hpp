@@ -46,6 +46,8 @@ struct Impact {
   double friction = 0;             // [-]
   double steps = 500;              // [-] an undamped contact
   double first_gap = 7.3;          // [-] steps until touch
+  double full_radius = 0;          // [m] of Softened laws
+  double softness = 1;             // [-] what they make of E*
   const Solid& partner() const { return other ? other->solid : plane; }
   double R_eff() const {
     return other ? silt::effective_radius(ball.radius, other->radius) : ball.radius;
@@ -53,7 +55,8 @@ struct Impact {
   double m_eff() const {
     return other ? silt::effective_mass(ball.mass(), other->mass()) : ball.mass();
   }
-  double E_eff() const {
+  double E_eff() const { return softness * modulus_of_solids(); }
+  double modulus_of_solids() const {
     return silt::effective_modulus(ball.solid.youngs_modulus, ball.solid.poisson_ratio,
                                    partner().youngs_modulus, partner().poisson_ratio);
   }
@@ -62,7 +65,7 @@ struct Impact {
     return 4 *
            silt::effective_shear_modulus(ball.solid.youngs_modulus, ball.solid.poisson_ratio,
                                          partner().youngs_modulus, partner().poisson_ratio) /
-           E_eff();
+           modulus_of_solids();
   }
   /// Of approach [m/s].
   double normal_speed() const { return (other ? other->velocity.z : 0) - ball.velocity.z; }
@@ -84,17 +87,20 @@ struct Rebound {
   Vec3d other_velocity, other_spin;       // of the other one, if there is one
   double largest_overlap, largest_force;  // [m], [N]
   double duration;                        // [s] in which the force acts
+  double safeguarded;                     // [-] how often the safeguard of Softened acted
   std::vector<Moment> history;
-
-  /// x component of the velocity of the ball's surface at the contact [m/s]
-  double surface_speed(double radius) const { return velocity.x - spin.y * radius; }
 };
 
 template <class Law>
 auto scene_of(const Impact& impact) {
-  const auto material = [](const Solid& s) {
-    return typename Law::Material{.youngs_modulus = s.youngs_modulus,
-                                  .poisson_ratio = s.poisson_ratio};
+  const auto material = [&](const Solid& s) {
+    if constexpr (requires(typename Law::Material m) { m.full_radius; })
+      return typename Law::Material{
+          .solid = {.youngs_modulus = s.youngs_modulus, .poisson_ratio = s.poisson_ratio},
+          .full_radius = impact.full_radius};
+    else
+      return typename Law::Material{.youngs_modulus = s.youngs_modulus,
+                                    .poisson_ratio = s.poisson_ratio};
   };
   const auto upper = material(impact.ball.solid), lower = material(impact.partner());
   silt::Contacts<Law, silt::SeveralMaterials> contacts{{upper}};
@@ -117,6 +123,7 @@ auto scene_of(const Impact& impact) {
   if (!impact.other) sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, lower);
   sim.threads = 1;
   sim.time_step = dt;
+  sim.guard.max_overlap = 0.5;  // that of the safeguard of Softened, 0.3, is passed before it acts
   return sim;
 }
 
@@ -144,6 +151,8 @@ Rebound strike(const Impact& impact) {
   });
   out.velocity = sim.velocity(sim.find(0));
   out.spin = sim.angular_velocity(sim.find(0));
+  if constexpr (requires { sim.safeguarded(); })
+    out.safeguarded = static_cast<double>(sim.safeguarded());
   if (impact.other) {
     out.other_velocity = sim.velocity(sim.find(1));
     out.other_spin = sim.angular_velocity(sim.find(1));
