@@ -23,7 +23,8 @@ struct Options {
 /// The command line of an example.
 class Command {
  public:
-  explicit Command(const std::string& description);
+  /// A program that cannot go on from a checkpoint has no --restart.
+  explicit Command(const std::string& description, bool restarts = true);
   ~Command();
   Options options;
 
@@ -56,6 +57,9 @@ class Summary {
   }
   void check_at_most(const std::string& name, double value, double limit);
   void check_at_least(const std::string& name, double value, double limit);
+  /// |value - reference| <= tolerance, and why the tolerance is what it is.
+  void check_within(const std::string& name, double value, double reference, double tolerance,
+                    const std::string& reason);
   bool all_hold() const;
 
   void write(const std::string& path) const;
@@ -71,6 +75,8 @@ class Summary {
     std::string name, relation;
     double value, limit;
     bool holds;
+    double reference = 0;
+    std::string reason = {};  // empty: the check has no reference
   };
   std::vector<Entry> inputs_, results_;
   std::vector<Check> checks_;
@@ -78,6 +84,8 @@ class Summary {
 
 /// Runs draw.py with these arguments; false if there is no Python with numpy and matplotlib.
 bool draw(const std::vector<std::string>& arguments);
+/// Runs a Python script of the example's own in the same way.
+bool run_script(const std::string& script, const std::vector<std::string>& arguments);
 
 /// Seconds since it was made.
 class Stopwatch {
