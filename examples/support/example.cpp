@@ -21,16 +21,17 @@ struct Command::Parser {
   CLI::App app;
 };
 
-Command::Command(const std::string& description, bool restarts)
+Command::Command(const std::string& description, Kind kind)
     : parser_(std::make_unique<Parser>(description)) {
   options.threads = silt::default_threads();
   auto& app = parser_->app;
   app.add_option("--out", options.out, "Folder for results")->capture_default_str();
   app.add_flag("--quick", options.quick, "A smaller run of the same physics, in seconds");
+  if (kind == Kind::Study) return;
   app.add_option("--threads", options.threads, "Threads; results do not depend on it")
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
-  if (restarts) app.add_option("--restart", options.restart, "Go on from this checkpoint");
+  if (kind == Kind::Run) app.add_option("--restart", options.restart, "Go on from this checkpoint");
 }
 Command::~Command() = default;
 

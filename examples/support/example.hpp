@@ -12,7 +12,7 @@
 /// The libraries behind it stay in example.cpp, so that a program pays for them once.
 namespace example {
 
-/// The options that all examples share.
+/// The options that examples share.
 struct Options {
   std::string out = "out";  // --out
   std::string restart;      // --restart: checkpoint to go on from
@@ -20,11 +20,14 @@ struct Options {
   int threads = 1;          // --threads; default: all of the machine
 };
 
+/// What kind of program it is: one run; several short ones, without --restart; timed ones, without
+/// --threads too.
+enum class Kind { Run, Cases, Study };
+
 /// The command line of an example.
 class Command {
  public:
-  /// A program that cannot go on from a checkpoint has no --restart.
-  explicit Command(const std::string& description, bool restarts = true);
+  explicit Command(const std::string& description, Kind kind = Kind::Run);
   ~Command();
   Options options;
 

@@ -52,7 +52,8 @@ int show(const example::Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  example::Command command("silt against closed forms and published benchmarks of DEM", false);
+  example::Command command("silt against closed forms and published benchmarks of DEM",
+                           example::Kind::Cases);
   command.options.out = "out/verification";
   return command.run(argc, argv, [&] { return show(command.options); });
 }
