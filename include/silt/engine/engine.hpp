@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <vector>
 
 #include <silt/engine/near_lists.hpp>
@@ -23,6 +24,7 @@ template <class ShapeType, class ContactsType, class Search, class Domain, class
           class Precision>
 class Engine {
  public:
+  using Contacts = ContactsType;
   static constexpr bool rotates = ContactsType::rotates;
   static constexpr std::size_t chunks = load_chunks<ContactsType>;
   using Scalar = typename Precision::PairScalar;  // of the work on pairs
@@ -89,6 +91,10 @@ class Engine {
                             particles.pair_motion(), particles.material.data(), time_step},
                            lists.walls, coefficients, walls, sums_.data(), *team_);
     largest_overlap = std::max(largest_overlap, overlap);
+  }
+
+  std::optional<CrowdedContact> crowded() const {
+    return walls.empty() ? std::nullopt : wall_pipeline_.crowded();
   }
 
   void move_walls(double time) {
