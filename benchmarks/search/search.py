@@ -19,7 +19,7 @@ import sys
 
 COLOURS = ["#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#555555"]
 SUBS = ["sub-grid 1/%d" % k for k in (1, 2, 3, 4, 5, 6, 8, 10)]
-NEARLY_THE_SAME = ["HashedGrid, in order", "HashedGrid, one level", "CellGrid, in order"]  # in a plot
+NEARLY_THE_SAME = ["HashedGrid, pieces", "HashedGrid, in order", "HashedGrid, one level", "CellGrid, in order"]  # in a plot
 PEER = """
 units si
 atom_style {style}
@@ -199,7 +199,7 @@ def draw(results, folder):
             continue
         figure, (left, right) = plt.subplots(1, 2, figsize=(10.5, 4))
         ratios = [int(g.split(":")[1]) for g in mine]
-        names = [n for n in results[mine[0]] if n not in SUBS and not n.endswith("in order")]
+        names = [n for n in results[mine[0]] if n not in SUBS and n not in NEARLY_THE_SAME]
         for k, name in enumerate(names):
             ys = [min((p["ns"] for p in results[g][name].values()), default=math.nan) for g in mine]
             left.loglog(ratios, ys, marker="o", ms=4, color=COLOURS[k % 8],

@@ -20,6 +20,7 @@
 #include <silt/contact/impact.hpp>
 #include <silt/contact/jkr.hpp>
 #include <silt/contact/linear_spring.hpp>
+#include <silt/contact/softened.hpp>
 #include <silt/contact/rolling/directional.hpp>
 #include <silt/contact/rolling/epsd.hpp>
 #include <silt/contact/rolling/own.hpp>

@@ -19,6 +19,7 @@
 #include <silt/engine/time_step.hpp>
 #include <silt/fill/particles.hpp>
 #include <silt/search/verlet_list.hpp>
+#include <silt/study/energy_ledger.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -34,6 +35,7 @@ namespace silt::inline SILT_TARGET {
 ///   fluid      NoFluid                                        NoFluid
 ///   precision  Double, Mixed                                  Double
 ///   kernels    KernelsFor<Arch>                               what the compile flags allow
+///   ledger     EnergyLedger                                   no books of the energy
 ///
 /// Lengths in m, times in s, masses in kg. Errors: InputError for values and combinations that
 /// cannot be used, SimulationError for a run that breaks a limit of `guard`.
@@ -56,7 +58,8 @@ class Simulation {
   static_assert(
       (detail::belongs_to_an_axis<Policies> && ...),
       "a policy given to Simulation belongs to no axis: it must be Particles, Contacts, a "
-      "NeighbourSearch, a domain, a FluidCoupling, a precision or KernelsFor; the contracts are in "
+      "NeighbourSearch, a domain, a FluidCoupling, a precision, KernelsFor or EnergyLedger; the "
+      "contracts are in "
       "silt/contact/, search/, boundary/, coupling/ concept.hpp");
 
  public:
@@ -68,14 +71,17 @@ class Simulation {
   using Arch = typename detail::pick<detail::IsKernels, KernelsFor<DefaultArch>, Policies...>::type;
   using Precision = detail::pick<detail::IsPrecision, Double, Policies...>;
   using ShapeType = typename ParticlesType::ShapeType;
-  using Engine = detail::Engine<ShapeType, ContactsType, Search, Domain, Arch, Precision>;
+  static constexpr bool has_ledger = detail::count<detail::IsLedger, Policies...> > 0;
+  using EngineContacts =
+      std::conditional_t<has_ledger, detail::WithLedger<ContactsType>, ContactsType>;
+  using Engine = detail::Engine<ShapeType, EngineContacts, Search, Domain, Arch, Precision>;
 
   static constexpr bool rotates = ContactsType::rotates;
   /// State of one particle [bytes]: no more than the policies need.
   static constexpr std::size_t bytes_per_particle = Engine::State::bytes_per_particle;
   /// State of one contact [bytes]: two indices and the history of the law.
   static constexpr std::size_t bytes_per_contact =
-      2 * sizeof(std::uint32_t) + ContactsType::history * sizeof(typename Precision::PairScalar);
+      2 * sizeof(std::uint32_t) + EngineContacts::history * sizeof(typename Precision::PairScalar);
 
   Vec3d gravity{0, 0, 0};           // [m/s2]
   std::optional<double> time_step;  // [s]; left out: a 20th of the shortest contact
@@ -195,6 +201,8 @@ class Simulation {
   }
   /// Pairs of particles that touch [-]; O(pairs).
   std::size_t touching_pairs() const { return engine_.touching_pairs(domain_); }
+  /// Where the energy is and where it went; when the simulation is not running, or in an observer.
+  EnergyBalance energy() const requires has_ledger;
   const ContactsType& contacts() const { return contacts_; }
   const Domain& domain() const { return domain_; }
   const Search& search() const { return search_; }
@@ -204,6 +212,10 @@ class Simulation {
     return engine_.largest_overlap;
   }                                                      // [-] of the radius, last step
   double peak_overlap() const { return peak_overlap_; }  // [-] of the radius, since the start
+  /// How many contacts the law's safeguard has ended since the start [-] (Softened).
+  std::uint64_t safeguarded() const requires detail::has_safeguard<typename ContactsType::Law> {
+    return engine_.safeguards;
+  }
   /// The largest time step that guard allows at `speed` [m/s]; none if the law has no closed form.
   std::optional<double> time_step_limit(double speed) const;
 
@@ -215,8 +227,10 @@ class Simulation {
     if (first_kick_) engine_.start_walls(time_, dt_);
     openings_.update(engine_, *this);
     engine_.renew_lists(search_, domain_, step_, dt_);
-    engine_.pair_forces(domain_, dt_);
-    engine_.wall_forces(dt_);
+    const detail::StepTimes times{dt_, first_kick_ ? 0 : dt_, observed || first_kick_};
+    engine_.pair_forces(domain_, times);
+    engine_.wall_forces(times);
+    book_step(times);
     using Advance = typename Engine::Advance;
     const double kick = first_kick_ ? 0.5 * dt_ : dt_;
     engine_.integrate(observed ? Advance::KickAndRecord : Advance::KickAndDrift, gravity, kick, dt_,
@@ -226,10 +240,28 @@ class Simulation {
     keep_limits();
   }
 
+  struct Kinetic {
+    double translation, rotation;  // [J]
+    double sum() const { return translation + rotation; }
+  };
+  Kinetic kinetic(std::size_t k) const {
+    const double m = mass(k), r = radius(k);
+    const Vec3d v = velocity(k);
+    Kinetic part{0.5 * m * dot(v, v), 0};
+    if constexpr (rotates) {
+      const Vec3d w = angular_velocity(k);
+      part.rotation = 0.5 * ShapeType::inertia_factor() * m * r * r * dot(w, w);
+    }
+    return part;
+  }
+  void book_step(const detail::StepTimes& times);
+  void book_leaving(std::size_t k);
+  double potential(std::size_t k) const { return -mass(k) * dot(gravity_booked_, position(k)); }
   void prepare();
   double chosen_time_step() const;
   double expected_speed() const;
   detail::LightestSpheres lightest_spheres() const;
+  std::vector<bool> materials_of_spheres() const;
   void check_walls() const;
   void keep_limits();
   void keep_rates(double back);
@@ -239,12 +271,16 @@ class Simulation {
 
   template <class Sim>
   friend class Checkpoint;
+  friend class detail::Openings<ShapeType>;
+  struct NoBook {};
 
   ContactsType contacts_;
   Search search_;
   Domain domain_;
   Engine engine_;
   detail::Openings<ShapeType> openings_;
+  [[no_unique_address]] std::conditional_t<has_ledger, detail::EnergyBook, NoBook> book_;
+  Vec3d gravity_booked_{0, 0, 0};  // [m/s2] that the ledger reckons with
   double time_ = 0, dt_ = 0, time_origin_ = 0;
   std::int64_t step_ = 0, step_origin_ = 0;
   double checked_speed_ = 0, checked_overlap_ = 0, peak_overlap_ = 0;

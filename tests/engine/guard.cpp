@@ -455,3 +455,22 @@ TEST_CASE("time_step: where nothing moves it cannot be chosen, and the sentence 
   sim.run(1e-3);
   CHECK(sim.step() == 100);
 }
+
+TEST_CASE("time_step: with several materials what walls alone are made of does not shorten it") {
+  const HertzMindlin::Material steel{.youngs_modulus = 1e9, .poisson_ratio = 0.2};
+  const auto time_step = [&](auto contacts, bool steel_sphere) {
+    contacts.set_pair(rubber, steel, {.restitution = 0.5, .friction = 0.1});
+    silt::Particles<Sphere> p;
+    p.add({.position = {0, 0, 0.1}, .radius = 1e-3, .density = 2500, .velocity = {0, 0, 3}});
+    if (steel_sphere)
+      p.add({.position = {0, 0, 0.5}, .radius = 1e-3, .density = 2500, .material = 1});
+    silt::Simulation sim{std::move(p), contacts};
+    sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, steel);
+    sim.run(0);
+    return sim.step_length();
+  };
+  using Several = silt::Contacts<HertzMindlin, silt::SeveralMaterials>;
+  const double one = time_step(silt::Contacts<HertzMindlin>{rubber}, false);
+  CHECK(time_step(Several{{rubber}}, false) == one);
+  CHECK(time_step(Several{{rubber}}, true) < 0.1 * one);
+}

@@ -27,6 +27,7 @@ struct Contact {
   Real R_eff;                      // [m] 1/(1/Ri + 1/Rj); Rj infinite at a wall
   Real m_eff;                      // [kg] 1/(1/mi + 1/mj); mj infinite at a wall
   Real inverse_m_eff;              // [1/kg]
+  Real radius_i, radius_j;         // [m], of a wall 0; of laws that say `needs_radii` alone
   Vec3<Real> turn;                 // [rad] rotation of the contact frame during the last step
   Real time_step;                  // [s]
 
@@ -44,6 +45,15 @@ template <class Real>
 struct Traction {
   Real normal;            // [N] > 0 pushes i away from j
   Vec3<Real> tangential;  // [N]
+};
+
+/// What a contact stores, for the energy ledger: the part of its force that gives energy back.
+template <class Real>
+struct Stored {
+  Real force;         // [N] of the normal spring
+  Real normal;        // [J] in it
+  Vec3<Real> spring;  // [N] of the tangential spring
+  Real tangential;    // [J] in it
 };
 
 /// What a rolling model sees of one pair or of one pair a lane.
@@ -124,6 +134,26 @@ requires(!HasHistory<L>) inline auto law_force(const C& contact, const P& coeffi
   return L::force(contact, coefficients);
 }
 
+/// What the law stores, with or without history.
+template <class L, class Real, class H>
+inline Stored<Real> stored_by(const Contact<Real>& contact,
+                              const typename L::template Coefficients<Real>& coefficients,
+                              const H& history) {
+  if constexpr (HasHistory<L>)
+    return L::stored(contact, coefficients, history);
+  else
+    return L::stored(contact, coefficients);
+}
+template <class L>
+concept SaysWhatItStores = requires(const Contact<double>& c,
+                                    const typename L::template Coefficients<double>& p,
+                                    const typename HistoryOf<L, double>::type& h) {
+  {stored_by<L, double>(c, p, h)};
+  requires requires { L::stored(c, p, h); } || requires {
+    L::stored(c, p);
+  };
+};
+
 template <class L>
 using ForceOf =
     decltype(law_force<L, double>(std::declval<const Contact<double>&>(),
@@ -158,6 +188,15 @@ inline Aggregate<Real> broadcast(const Aggregate<double>& a) {
 ///   step static Real stiffness(Contact<Real>, Coefficients<Real>)    [N/m], for rolling resistance
 ///   static Real range(Coefficients<Real>, Real R_eff)    [m], of laws that act at a distance:
 ///     force and history live while the gap is smaller; must not fall as R_eff grows
+///   static constexpr bool needs_radii = true    Contact::radius_i and radius_j are set;
+///   contact_time
+///     is then asked with R_i, R_j (0: wall), m_eff, speed
+///   static Coefficients<Real> scaled(Coefficients<Real>, Real factor)    of a body `factor` as
+///   stiff,
+///     `static double compliance(const Material&)` [1/Pa] or [m/N] of one partner, and
+///     `static double impact_force(Coefficients<double>, R_eff, m_eff, speed)` [N], for Softened
+///   static Stored<Real> stored(Contact<Real>, Coefficients<Real> [, History<Real>])    for the
+///     EnergyLedger: springs and the energy in them, after force() has had its turn
 ///   static Real pressing(Contact<Real>, Coefficients<Real>, Real normal)    [N] >= 0, what presses
 ///     the bodies together, adhesion included, for rolling resistance; left out: max(normal, 0)
 template <class L>
@@ -169,7 +208,9 @@ concept ContactLaw = std::equality_comparable<typename L::Material> && requires 
 /// A rolling model adds a couple M on i and -M on j: needs `Pair`, `Coefficients`, `mix(Pair)` and
 /// `static Vec3<Real> torque(RollingContact<Real>, Coefficients<Real> [, History<Real>&])`.
 /// With `static constexpr bool of_own_rotation = true` it is asked `torque(RollingContact<Real>,
-/// OwnRotations<Real>, Coefficients<Real>)` and returns OwnCouples<Real>.
+/// OwnRotations<Real>, Coefficients<Real>)` and returns OwnCouples<Real>. `static Real
+/// stored(RollingContact<Real>, Coefficients<Real>, History<Real>)` [J], for the EnergyLedger, if
+/// it has a spring.
 template <class M>
 concept RollingModel = requires {
   typename M::Pair;
@@ -182,6 +223,15 @@ concept RollingModel = requires {
 
 namespace detail {
 
+template <class L>
+inline constexpr bool law_needs_radii = requires {
+  requires L::needs_radii;
+};
+/// A law that intervenes in a contact, and says so of a history before and after a step.
+template <class L>
+concept has_safeguard = requires(const typename HistoryOf<L, double>::type& h) {
+  { L::safeguarded(h, h) } -> std::same_as<bool>;
+};
 template <class M>
 inline constexpr bool of_own_rotation = requires {
   requires M::of_own_rotation;

@@ -99,6 +99,17 @@ struct BasicDcdem {
   static Real stiffness(const Contact<Real>& c, const Coefficients<Real>& p) {
     return Real(1.5) * p.stiffness * sqrt(c.R_eff * c.overlap);
   }
+  template <class Real>
+  static Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p,
+                             [[maybe_unused]] const History<Real>& h) {
+    const Real S = p.stiffness * sqrt(c.R_eff * c.overlap), elastic = S * c.overlap,
+               energy = Real(0.4) * elastic * c.overlap, zero(0);
+    if constexpr (Form == DcdemForm::Mended)
+      return mindlin_stored<TangentialMemory::Displacement>(elastic, energy, Real(2.0 / 7.0) * S,
+                                                            h.slip);
+    else
+      return {elastic, energy, {zero, zero, zero}, zero};
+  }
   static double contact_time(const Coefficients<double>& p, double R_eff, double m_eff,
                              double speed) {
     return hertz_contact_time(0.75 * p.stiffness, R_eff, m_eff, speed);

@@ -108,6 +108,13 @@ struct HertzDamped {
   static Real stiffness(const Contact<Real>& c, const Coefficients<Real>& p) {
     return p.twice_modulus * sqrt(c.R_eff * c.overlap);
   }
+  template <class Real>
+  static Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p,
+                             const History<Real>& h) {
+    const Real Sn = stiffness(c, p), elastic = Real(2.0 / 3.0) * Sn * c.overlap;
+    return mindlin_stored<Memory>(elastic, Real(0.4) * elastic * c.overlap, p.stiffness_ratio * Sn,
+                                  h.tangential);
+  }
   static double contact_time(const Coefficients<double>& p, double R_eff, double m_eff,
                              double speed) {
     return hertz_contact_time(0.5 * p.twice_modulus, R_eff, m_eff, speed);

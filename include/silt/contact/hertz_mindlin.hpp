@@ -3,6 +3,7 @@
 
 #include <silt/contact/concept.hpp>
 #include <silt/contact/formulas.hpp>
+#include <silt/contact/impact.hpp>
 #include <silt/contact/spring_slider.hpp>
 #include <silt/core/error.hpp>
 
@@ -80,6 +81,28 @@ struct BasicHertzMindlin {
   template <class Real>
   static Real stiffness(const Contact<Real>& c, const Coefficients<Real>& p) {
     return p.twice_modulus * sqrt(c.R_eff * c.overlap);
+  }
+
+  template <class Real>
+  static Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p,
+                             const History<Real>& h) {
+    const Real Sn = stiffness(c, p), elastic = Real(2.0 / 3.0) * Sn * c.overlap;
+    return mindlin_stored<Memory>(elastic, Real(0.4) * elastic * c.overlap, p.stiffness_ratio * Sn,
+                                  h.tangential);
+  }
+
+  template <class Real>
+  static Coefficients<Real> scaled(Coefficients<Real> p, const Real& factor) {
+    p.twice_modulus = p.twice_modulus * factor;
+    return p;
+  }
+  static double compliance(const Material& m) {
+    return (1 - m.poisson_ratio * m.poisson_ratio) / m.youngs_modulus;
+  }
+  static double impact_force(const Coefficients<double>& p, double R_eff, double m_eff,
+                             double speed) {
+    const double zeta = p.normal_damping / std::sqrt(10.0 / 3.0);
+    return hertz_max_elastic_force({0.5 * p.twice_modulus, R_eff, m_eff, speed, zeta});
   }
 
   static double contact_time(const Coefficients<double>& p, double R_eff, double m_eff,

@@ -135,6 +135,17 @@ struct Jkr {
     const Real sum = max(normal + twice_pull_off(c, p), Real(0));
     return select(abs(normal) > Real(0), sum, Real(0));  // normal is 0 where they are not attached
   }
+  /// Hertz' spring: what adhesion adds and takes is not stored in it, as tearing it apart costs
+  /// more than it gave.
+  template <class Real>
+  static Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p,
+                             const History<Real>& h) {
+    const Real d = max(c.overlap, Real(0)), Sn = p.twice_modulus * sqrt(c.R_eff * d),
+               elastic = Real(2.0 / 3.0) * Sn * d;
+    return mindlin_stored<TangentialMemory::Force>(
+        elastic, Real(0.4) * elastic * d, p.stiffness_ratio * p.twice_modulus * h.contact_radius,
+        h.tangential);
+  }
   static double contact_time(const Coefficients<double>& p, double R_eff, double m_eff,
                              double speed) {
     return hertz_contact_time(0.5 * p.twice_modulus, R_eff, m_eff, speed);

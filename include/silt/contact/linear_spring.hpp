@@ -50,6 +50,11 @@ struct BasicLinearSpring {
   static Real stiffness(const Contact<Real>&, const Coefficients<Real>& p) {
     return p.stiffness;
   }
+  template <class Real>
+  static Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p) {
+    const Real elastic = p.stiffness * c.overlap, zero(0);
+    return {elastic, Real(0.5) * elastic * c.overlap, {zero, zero, zero}, zero};
+  }
   static double contact_time(const Coefficients<double>& p, double, double m_eff, double) {
     return linear_contact_time(p.stiffness, m_eff, 0);
   }
@@ -108,6 +113,22 @@ struct BasicLinearSpringFriction {
   template <class Real>
   static Real stiffness(const Contact<Real>&, const Coefficients<Real>& p) {
     return p.stiffness;
+  }
+  template <class Real>
+  static Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p,
+                             const History<Real>& h) {
+    const Real elastic = p.stiffness * c.overlap;
+    return mindlin_stored<TangentialMemory::Displacement>(elastic, Real(0.5) * elastic * c.overlap,
+                                                          p.shear_ratio * p.stiffness, h.slip);
+  }
+  template <class Real>
+  static Coefficients<Real> scaled(Coefficients<Real> p, const Real& factor) {
+    p.stiffness = p.stiffness * factor;
+    return p;
+  }
+  static double compliance(const Material& m) { return 1 / m.stiffness; }
+  static double impact_force(const Coefficients<double>& p, double, double m_eff, double speed) {
+    return p.stiffness * linear_max_overlap(p.stiffness, m_eff, speed, 0.5 * p.damping);
   }
   static double contact_time(const Coefficients<double>& p, double, double m_eff, double) {
     return linear_contact_time(p.stiffness, m_eff, 0);

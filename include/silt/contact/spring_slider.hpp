@@ -89,4 +89,15 @@ inline Vec3<Real> mindlin_force(const SpringSlider<Real>& slider, const Contact<
   }
 }
 
+/// What the springs of a Mindlin contact store; `elastic` [N] and `energy` [J] of the normal one.
+template <TangentialMemory Memory, class Real>
+inline Stored<Real> mindlin_stored(const Real& elastic, const Real& energy, const Real& stiffness,
+                                   const Vec3<Real>& memory) {
+  if constexpr (Memory == TangentialMemory::Force)
+    return {elastic, energy, memory,
+            dot(memory, memory) / max(Real(2) * stiffness, smallest<Real>())};
+  else
+    return {elastic, energy, -stiffness * memory, Real(0.5) * stiffness * dot(memory, memory)};
+}
+
 }  // namespace silt

@@ -53,9 +53,14 @@ template <class P>
 } > {};
 
 template <class P>
+    struct IsLedger : std::bool_constant < requires {
+  requires P::is_ledger;
+} > {};
+
+template <class P>
 inline constexpr bool belongs_to_an_axis =
     IsParticles<P>::value || IsContacts<P>::value || IsSearch<P>::value || IsDomain<P>::value ||
-    IsFluid<P>::value || IsKernels<P>::value || IsPrecision<P>::value;
+    IsFluid<P>::value || IsKernels<P>::value || IsPrecision<P>::value || IsLedger<P>::value;
 
 template <template <class> class Is, class... Policies>
 inline constexpr int count = (0 + ... + int{Is<Policies>::value});

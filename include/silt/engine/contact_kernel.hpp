@@ -1,10 +1,13 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <bit>
 #include <cstddef>
+#include <cstdint>
 
 #include <silt/contact/contacts.hpp>
 #include <silt/core/lanes.hpp>
+#include <silt/engine/contact_energy.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -28,13 +31,16 @@ template <class Real>
 struct RollingKinematics {
   Vec3<Real> angular_velocity;  // [rad/s] w_i - w_j
   Real inertia_eff;             // [kg m2]
-  Real radius_i, radius_j;      // [m] if the model asks for each partner's own rotation; wall: 0
 };
 
-/// How much of this a Contacts type needs: 0 nothing, 1 all but the radii, 2 all.
+/// Radii [m] of the partners; of a wall 0.
+template <class Real>
+struct Radii {
+  Real i, j;
+};
 template <class ContactsType>
-inline constexpr int rolling_needs =
-    ContactsType::has_rolling ? 1 + of_own_rotation<typename ContactsType::Rolling> : 0;
+inline constexpr bool needs_radii =
+    law_needs_radii<typename ContactsType::Law> || of_own_rotation<typename ContactsType::Rolling>;
 
 /// Force on i, torque over radius (the same sign on both partners), couple on i (opposite on j).
 template <class Real>
@@ -44,16 +50,27 @@ struct PairLoad {
   Vec3<Real> couple;  // [N m]
 };
 
+/// What the ledger wants to know of a contact's last step.
+template <class Real>
+struct LedgerTerms {
+  Real normal_velocity;            // [m/s]
+  Real dashpot;                    // [N] normal force that is no spring's
+  Vec3<Real> tangential;           // [N]
+  Vec3<Real> tangential_velocity;  // [m/s]
+};
+
 /// The kinematics of N contacts, component by component: filled one by one or pack by pack, read in
 /// packs.
-template <bool Rotates, int Rolls, std::size_t N, class Scalar>
+template <class ContactsType, std::size_t N, class Scalar>
 struct alignas(64) KinematicsBlock {
+  static constexpr bool Rotates = ContactsType::rotates, Rolls = ContactsType::has_rolling,
+                        HasRadii = needs_radii<ContactsType>;
   static constexpr std::size_t rotating = Rotates ? N : 16, rolling = Rolls ? N : 16,
-                               own = Rolls == 2 ? N : 16;
+                               sized = HasRadii ? N : 16;
   Scalar normal[3][N], change[3][N], overlap[N], R_eff[N], m_eff[N], inverse_m_eff[N],
       velocity[3][N];
   Scalar arm[rotating], spin[3][rotating], twist[rotating];
-  Scalar angular_velocity[3][rolling], inertia_eff[rolling], radius_i[own], radius_j[own];
+  Scalar angular_velocity[3][rolling], inertia_eff[rolling], radius_i[sized], radius_j[sized];
 
   template <class Real>
   SILT_INLINE void put(std::size_t k, const Kinematics<Real>& in) {
@@ -68,8 +85,17 @@ struct alignas(64) KinematicsBlock {
   SILT_INLINE void put(std::size_t k, const RollingKinematics<Real>& in) {
     if constexpr (Rolls)
       put(k, in.angular_velocity, angular_velocity), silt::store(inertia_eff + k, in.inertia_eff);
-    if constexpr (Rolls == 2)
-      silt::store(radius_i + k, in.radius_i), silt::store(radius_j + k, in.radius_j);
+  }
+  template <class Real>
+  SILT_INLINE void put(std::size_t k, const Radii<Real>& in) {
+    if constexpr (HasRadii) silt::store(radius_i + k, in.i), silt::store(radius_j + k, in.j);
+  }
+  template <class Real>
+  SILT_INLINE Radii<Real> get_radii(std::size_t k) const {
+    if constexpr (HasRadii)
+      return {load<Real>(radius_i + k), load<Real>(radius_j + k)};
+    else
+      return {Real(0), Real(0)};
   }
   template <class Real>
   SILT_INLINE Kinematics<Real> get(std::size_t k) const {
@@ -126,14 +152,23 @@ struct alignas(64) KinematicsBlock {
     if constexpr (Rolls) out.couple = get3<Real>(k, angular_velocity);
     return out;
   }
+  /// So do terms.
+  template <class Real>
+  SILT_INLINE void put_terms(std::size_t k, const LedgerTerms<Real>& in) {
+    silt::store(R_eff + k, in.normal_velocity), silt::store(overlap + k, in.dashpot);
+    put(k, in.tangential, change), put(k, in.tangential_velocity, normal);
+  }
+  template <class Real>
+  SILT_INLINE LedgerTerms<Real> get_terms(std::size_t k) const {
+    return {load<Real>(R_eff + k), load<Real>(overlap + k), get3<Real>(k, change),
+            get3<Real>(k, normal)};
+  }
   template <class Real>
   SILT_INLINE RollingKinematics<Real> get_rolling(std::size_t k) const {
-    RollingKinematics<Real> out;
+    RollingKinematics<Real> out{};
     if constexpr (Rolls)
       out.angular_velocity = get3<Real>(k, angular_velocity),
       out.inertia_eff = load<Real>(inertia_eff + k);
-    if constexpr (Rolls == 2)
-      out.radius_i = load<Real>(radius_i + k), out.radius_j = load<Real>(radius_j + k);
     return out;
   }
 
@@ -156,11 +191,17 @@ struct ContactKernel {
   static_assert(WorksOnLanes<Law, Real>,
                 "the contact law works on one double, but not on a pack of lanes: make force() a "
                 "template of Real, as silt/contact/concept.hpp says, or give KernelsFor<OneLane>");
+  static_assert(!keeps_ledger<ContactsType> || SaysWhatItStores<Law>,
+                "EnergyLedger needs to know what the contact law stores: give it a function "
+                "stored(), as silt/contact/concept.hpp says");
+  using Energy = EnergyOf<ContactsType, Real>;
   using LawCoefficients = typename Law::template Coefficients<Real>;
   using RollingCoefficients = typename Rolling::template Coefficients<Real>;
 
-  static SILT_INLINE Contact<Real> contact(const Kinematics<Real>& k, const Real& time_step) {
+  static SILT_INLINE Contact<Real> contact(const Kinematics<Real>& k, const Radii<Real>& radii,
+                                           const Real& time_step) {
     Contact<Real> c;
+    c.radius_i = radii.i, c.radius_j = radii.j;
     c.normal = k.normal;
     c.overlap = ActsAtDistance<Law> ? k.overlap : max(k.overlap, Real(0));
     c.R_eff = k.R_eff, c.m_eff = k.m_eff, c.inverse_m_eff = k.inverse_m_eff;
@@ -193,19 +234,27 @@ struct ContactKernel {
   }
 
   /// `history`: one pointer a component, at this pack; lanes out of contact are set to zero.
+  /// `with_stored`: the ledger wants to know what is stored now.
   static SILT_INLINE PairLoad<Real> load(const Kinematics<Real>& k,
-                                         const RollingKinematics<Real>& r, const Real& time_step,
+                                         const RollingKinematics<Real>& r, const Radii<Real>& radii,
+                                         const Real& time_step, [[maybe_unused]] bool with_stored,
                                          const LawCoefficients& law,
                                          [[maybe_unused]] const RollingCoefficients& rolling,
-                                         ScalarOf<Real>* const* history) {
-    const Contact<Real> c = contact(k, time_step);
+                                         ScalarOf<Real>* const* history,
+                                         [[maybe_unused]] RunningTally<ContactsType, Real>& tally,
+                                         [[maybe_unused]] LedgerTerms<Real>& terms) {
+    const Contact<Real> c = contact(k, radii, time_step);
     const auto touching = acting(k, law);
     const Real zero(0);
     PairLoad<Real> out;
 
     typename HistoryOf<Law, Real>::type h;
     load_history<ContactsType::law_history>(h, history);
+    [[maybe_unused]] const auto before = h;
     const auto answer = law_force<Law, Real>(c, law, h);
+    if constexpr (has_safeguard<Law>)
+      tally.sum.safeguards += static_cast<std::uint64_t>(
+          std::popcount(lane_bits(touching) & lane_bits(Law::safeguarded(before, h))));
     store_history<ContactsType::law_history>(h, touching, history);
 
     Real normal_force;
@@ -219,6 +268,12 @@ struct ContactKernel {
       normal_force = select(touching, answer, zero);
       out.force = normal_force * k.normal;
       if constexpr (ContactsType::rotates) out.twirl = {zero, zero, zero};
+    }
+    if constexpr (keeps_ledger<ContactsType>) {
+      Vec3<Real> tangential{zero, zero, zero};
+      if constexpr (is_frictional<Law>)
+        tangential = select(touching, answer.tangential, tangential);
+      terms = terms_of(c, law, h, touching, normal_force, tangential, with_stored, tally.lanes);
     }
     if constexpr (ContactsType::has_rolling) {
       [[maybe_unused]] constexpr std::size_t offset = ContactsType::law_history;
@@ -237,13 +292,17 @@ struct ContactKernel {
       const Vec3<Real> none{zero, zero, zero};
       if constexpr (of_own_rotation<Rolling>) {
         // Couples that are not opposite, as what is (couple) and what turns both alike (twirl).
-        const Real share = Real(1) / (r.radius_i + r.radius_j);
-        const OwnRotations<Real> own{share * (k.spin + r.radius_j * r.angular_velocity),
-                                     share * (k.spin - r.radius_i * r.angular_velocity), r.radius_i,
-                                     r.radius_j};
+        const Real share = Real(1) / (radii.i + radii.j);
+        const OwnRotations<Real> own{share * (k.spin + radii.j * r.angular_velocity),
+                                     share * (k.spin - radii.i * r.angular_velocity), radii.i,
+                                     radii.j};
         const OwnCouples<Real> t = Rolling::torque(rc, own, rolling);
-        out.twirl += select(touching, share * (t.on_i + t.on_j), none);
-        out.couple = select(touching, share * (r.radius_j * t.on_i - r.radius_i * t.on_j), none);
+        const Vec3<Real> twirl = select(touching, share * (t.on_i + t.on_j), none);
+        out.twirl += twirl;
+        out.couple = select(touching, share * (radii.j * t.on_i - radii.i * t.on_j), none);
+        if constexpr (keeps_ledger<ContactsType>)  // to first order in the step
+          tally.lanes.couple +=
+              known(Real(2) * (dot(out.couple, r.angular_velocity) + dot(twirl, k.spin)));
       } else {
         typename HistoryOf<Rolling, Real>::type m;
         load_history<ContactsType::rolling_history>(m, history + offset);
@@ -254,12 +313,81 @@ struct ContactKernel {
           couple = Rolling::torque(rc, rolling);
         store_history<ContactsType::rolling_history>(m, touching, history + offset);
         out.couple = select(touching, couple, none);
+        if constexpr (keeps_ledger<ContactsType>) {
+          ScalarOf<Real>* const* const kept =
+              history + offset + ContactsType::rolling_history + ContactsType::kept_couple;
+          tally.lanes.couple += known(dot(with_kept(out.couple, kept), r.angular_velocity));
+          if constexpr (requires { Rolling::stored(rc, rolling, m); })
+            if (with_stored)
+              tally.lanes.rolling += select(touching, Rolling::stored(rc, rolling, m), zero);
+        }
       }
     }
     return out;
   }
 
+  /// Books what the forces did since the last step. The work of a force is its mean over the step
+  /// times the displacement, velocity of the half step times step: the sum of all works is then
+  /// what the leapfrog's kinetic energy gains. Summed up here is twice the mean times the velocity;
+  /// of the tangential dashpot, once the present force. A loop of its own: the law's leaves no
+  /// registers. `kept`: one pointer a component, at this pack.
+  static SILT_INLINE void book(const LedgerTerms<Real>& t, ScalarOf<Real>* const* kept,
+                               Energy& energy) {
+    energy.dashpot += known((silt::load<Real>(kept[0]) + t.dashpot) * t.normal_velocity);
+    silt::store(kept[0], t.dashpot);
+    if constexpr (is_frictional<Law>) {
+      energy.shear += known(dot(with_kept(t.tangential, kept + ContactsType::kept_tangential),
+                                t.tangential_velocity));
+    }
+  }
+
  private:
+  /// The law's coefficient of friction; infinite if it does not tell.
+  template <class Coefficients>
+  static SILT_INLINE Real friction_of(const Coefficients& law) {
+    if constexpr (requires { law.friction; })
+      return law.friction;
+    else if constexpr (requires { law.body; })
+      return friction_of(law.body);
+    else
+      return Real(1e18f);
+  }
+
+  template <class H, class M>
+  static SILT_INLINE LedgerTerms<Real> terms_of(const Contact<Real>& c, const LawCoefficients& law,
+                                                const H& now, const M& touching, const Real& normal,
+                                                const Vec3<Real>& tangential, bool with_stored,
+                                                Energy& energy) {
+    const Real zero(0);
+    const Stored<Real> stored = stored_by<Law, Real>(c, law, now);
+    if (with_stored) {
+      energy.normal += select(touching, stored.normal, zero);
+      if constexpr (is_frictional<Law>)
+        energy.tangential += select(touching, stored.tangential, zero);
+    }
+    LedgerTerms<Real> terms;
+    terms.normal_velocity = c.normal_velocity;
+    terms.dashpot = select(touching, normal - stored.force, zero);
+    energy.turned_over += known(abs(normal * c.normal_velocity));
+    if constexpr (is_frictional<Law>) {
+      const Vec3<Real> dashpot = tangential - select(touching, stored.spring, {zero, zero, zero});
+      const Real friction = friction_of(law), limit = friction * pressing(c, law, normal);
+      const auto sticks = dot(tangential, tangential) < Real(0.999999) * limit * limit;
+      energy.shear_dashpot +=
+          select(sticks, known(dot(dashpot, c.tangential_velocity)), zero);  // else it slides
+      terms.tangential = tangential, terms.tangential_velocity = c.tangential_velocity;
+    }
+    return terms;
+  }
+  /// The sum of a force and that of the last step; keeps it for the next.
+  static SILT_INLINE Vec3<Real> with_kept(const Vec3<Real>& force, ScalarOf<Real>* const* kept) {
+    const Vec3<Real> last = silt::load3<Real>(kept[0], kept[1], kept[2]);
+    silt::store(kept[0], force.x), silt::store(kept[1], force.y), silt::store(kept[2], force.z);
+    return last + force;
+  }
+  /// Nothing instead of what is not a number: the partner has left.
+  static SILT_INLINE Real known(const Real& work) { return select(work == work, work, Real(0)); }
+
   template <std::size_t N, class H>
   static void load_history(H& h, ScalarOf<Real>* const* history) {
     if constexpr (N > 0) {

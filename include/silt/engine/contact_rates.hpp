@@ -45,10 +45,10 @@ LinearContact linearised(Contact<double> at, const typename Law::template Coeffi
       return law_force<Law, double>(at, p, none);
   };
   const double d = at.overlap, h = 1e-3 * d;
-  const double approach = 1e-3 * d / at.time_step;  // [m/s]
-  at.time_step *= 1e-3;                             // c of the law, before leapfrog_damping
+  const double parting = 1e-4 * d / at.time_step;  // [m/s] so slow that no law cuts its force
+  at.time_step *= 1e-3;                            // c of the law, before leapfrog_damping
   const double k = (force(d + h, 0) - force(d - h, 0)) / (2 * h);
-  const double c = (force(d, -approach) - force(d, 0)) / approach;
+  const double c = (force(d, 0) - force(d, parting)) / parting;
   return {std::isfinite(k) ? std::max(k, 0.0) : 0.0, std::isfinite(c) ? std::max(c, 0.0) : 0.0};
 }
 
@@ -122,7 +122,7 @@ class ContactRates {
       const double inv_m = e_.particles.motion[c.particle].inv_m;
       if (inv_m > 0 && depth > 0)
         add(c.particle, inv_m, 0, point.normal,
-            linear(c.particle, e_.walls[c.wall].material, point.normal, depth, r, inv_m,
+            linear(c.particle, e_.walls[c.wall].material, point.normal, depth, {r, 0}, inv_m,
                    inv_m / (1.4 * r * r)));
     });
   }
@@ -172,18 +172,22 @@ class ContactRates {
     std::size_t other = 0;
     if constexpr (EngineType::Contacts::several_materials) other = e_.particles.material[j];
     const auto contact =
-        linear(i, other, n, depth, r * q / (r + q), a + b, (a / (r * r) + b / (q * q)) / 1.4);
+        linear(i, other, n, depth, {r, q}, a + b, (a / (r * r) + b / (q * q)) / 1.4);
     const double both = std::sqrt(a * b);
     add(i, a, both, n, contact), add(j, b, both, n, contact);
   }
-  Pair linear(std::size_t i, std::size_t other, const Vec3d& n, double depth, double R,
-              double inv_m, [[maybe_unused]] double inv_inertia) const {
+  /// `radii` [m], the second 0 of a wall.
+  Pair linear(std::size_t i, std::size_t other, const Vec3d& n, double depth,
+              std::array<double, 2> radii, double inv_m,
+              [[maybe_unused]] double inv_inertia) const {
     std::size_t own = 0;
     if constexpr (EngineType::Contacts::several_materials) own = e_.particles.material[i];
     const auto& table = e_.coefficients;
     const std::size_t kind = own * table.materials + other;
     Contact<double> c{};
-    c.normal = n, c.overlap = depth, c.R_eff = R, c.m_eff = 1 / inv_m, c.inverse_m_eff = inv_m;
+    const auto [r, q] = radii;
+    c.normal = n, c.overlap = depth, c.R_eff = q > 0 ? r * q / (r + q) : r;
+    c.m_eff = 1 / inv_m, c.inverse_m_eff = inv_m, c.radius_i = r, c.radius_j = q;
     c.time_step = time_step_;
     Pair out{linearised<Law>(c, table.law[kind]), {0, 0}};
     if constexpr (rolls)

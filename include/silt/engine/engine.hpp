@@ -27,7 +27,8 @@ class Engine {
   using Contacts = ContactsType;
   static constexpr bool rotates = ContactsType::rotates;
   static constexpr std::size_t chunks = load_chunks<ContactsType>;
-  using Scalar = typename Precision::PairScalar;  // of the work on pairs
+  static constexpr std::size_t history = ContactsType::history;  // Reals of a contact
+  using Scalar = typename Precision::PairScalar;                 // of the work on pairs
   using State = ParticleState<rotates, ContactsType::several_materials, Scalar>;
   using Motion = typename State::Motion;
   using Lists = NearLists<ContactsType::history, Scalar, State, Search, Domain, Arch>;
@@ -42,16 +43,19 @@ class Engine {
   Lists lists;
   std::vector<Synchronous> synchronous;  // of the last observed step
   CoefficientTable<ContactsType> coefficients;
-  double largest_speed = 0;    // [m/s]
-  double largest_share = 0;    // [1/s] largest speed over inner reach
-  double largest_overlap = 0;  // [-] over the smaller radius, in the last step
-  bool finite = true;          // all velocities, after the last kick
+  double largest_speed = 0;      // [m/s]
+  double largest_share = 0;      // [1/s] largest speed over inner reach
+  double largest_overlap = 0;    // [-] over the smaller radius, in the last step
+  bool finite = true;            // all velocities, after the last kick
+  std::uint64_t safeguards = 0;  // [-] in which a law's safeguard has acted, since the start
+  EnergyOf<ContactsType, double> contact_energy = start_energy<ContactsType, double>();
 
   void set_threads(int threads) {
     if (!team_ || team_->threads() != threads) team_ = std::make_unique<Team>(threads);
   }
 
-  void set_coefficients(const ContactsType& contacts) {
+  template <class Contacts>
+  void set_coefficients(const Contacts& contacts) {
     const std::size_t n = contacts.materials();
     const std::size_t of_particles = ContactsType::several_materials ? n : 1;
     coefficients = {n, {}, {}};
@@ -75,22 +79,43 @@ class Engine {
 
   // --- forces -------------------------------------------------------------------------------
 
-  void pair_forces(const Domain& domain, double time_step) {
+  void pair_forces(const Domain& domain, const StepTimes& times) {
     using Pipeline = PairPipeline<ContactsType, Domain, Arch, Scalar>;
     const bool large = Pipeline::working_set(particles.size(), lists.pairs.size()) > beyond_caches;
-    largest_overlap =
+    const auto tally =
         Pipeline::run({particles.position.data(), particles.pair_motion(), kinds_.data(),
-                       particles.largest_radius, particles.smallest_radius, time_step, large},
+                       particles.largest_radius, particles.smallest_radius, times, large},
                       lists.pairs, coefficients, domain, sums_.data(), *team_);
+    largest_overlap = tally.largest, contact_energy = tally.energy;
+    safeguards += tally.safeguards;
   }
 
-  void wall_forces(double time_step) {
+  void wall_forces(const StepTimes& times) {
     if (walls.empty()) return;
-    const double overlap =
+    const auto tally =
         wall_pipeline_.run({particles.position.data(), particles.motion.data(),
-                            particles.pair_motion(), particles.material.data(), time_step},
+                            particles.pair_motion(), particles.material.data(), times},
                            lists.walls, coefficients, walls, sums_.data(), *team_);
-    largest_overlap = std::max(largest_overlap, overlap);
+    largest_overlap = std::max(largest_overlap, tally.largest);
+    contact_energy.add(tally.energy);
+    safeguards += tally.safeguards;
+  }
+
+  /// Power [W] of the contacts on fixed particles that move, before the loads are integrated.
+  double power_on_fixed() const {
+    double power = 0;
+    for (std::size_t k = 0; particles.some_fixed && k < particles.size(); ++k) {
+      const Motion& m = particles.motion[k];
+      if (m.inv_m != 0 || particles.is_parked(k)) continue;
+      const Scalar* const load = sums_.data() + k * 4 * chunks;
+      const auto part = [&](std::size_t c) {
+        return Vec3d{double(load[4 * c]), double(load[4 * c + 1]), double(load[4 * c + 2])};
+      };
+      power += dot(part(0), m.velocity());
+      if constexpr (rotates) power += dot(part(1), m.spin_velocity());
+      if constexpr (ContactsType::has_rolling) power += m.inv_r * dot(part(2), m.spin_velocity());
+    }
+    return power;
   }
 
   std::optional<CrowdedContact> crowded() const {
@@ -138,6 +163,21 @@ class Engine {
     largest_speed = std::sqrt(*std::max_element(fastest.begin(), fastest.end()));
     finite = std::isfinite(std::accumulate(check.begin(), check.end(), 0.0));
     if (how == Advance::KickAndDrift) lists.upkeep.used += largest_share * time_step;
+  }
+
+  /// The velocities, of half a step after the last observed state, of `ratio` times that later.
+  void change_half_step(double ratio) {
+    for (std::size_t k = 0; k < particles.size(); ++k) {
+      Motion& m = particles.motion[k];
+      const Synchronous& now = synchronous[k];
+      const Vec3d v = now.velocity + ratio * (m.velocity() - now.velocity);
+      m.vx = v.x, m.vy = v.y, m.vz = v.z;
+      if constexpr (rotates) {
+        const Vec3d w = now.spin_velocity + ratio * (m.spin_velocity() - now.spin_velocity);
+        m.wx = w.x, m.wy = w.y, m.wz = w.z;
+      }
+    }
+    particles.renew_pair_motion(*team_);
   }
 
   void drift(double time_step) {

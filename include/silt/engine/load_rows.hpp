@@ -12,6 +12,13 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
+/// What a step must know of time.
+struct StepTimes {
+  double step;       // [s]
+  double worked;     // of it, that forces have been at work since the last step: 0 at the first
+  bool with_stored;  // the ledger wants to know what contacts store now
+};
+
 /// Chunks of four scalars in the row of one contact: force; with rotation torque over radius; with
 /// rolling resistance the couple.
 template <class ContactsType>
@@ -40,23 +47,36 @@ SILT_INLINE void write_rows(ScalarOf<Pack>* rows, const PairLoad<Pack>& load) {
 
 /// Law and rolling model on the first `count` contacts (whole packs) of a block, whose kinematics
 /// are complete; their loads take the places of the kinematics. `kinds`: the place of each contact
-/// in the table, or null if it is the first for all. `history`: one pointer a component.
+/// in the table, or null if it is the first for all. `history`: one pointer a component. Their
+/// energy is added to the tally.
 template <class ContactsType, class Arch, class Block, class Scalar, std::size_t H>
-SILT_INLINE void loads_of(Block& block, std::size_t count, double time_step,
+SILT_INLINE void loads_of(Block& block, std::size_t count, const StepTimes& times,
                           const CoefficientTable<ContactsType>& table, const std::uint16_t* kinds,
-                          const std::array<Scalar*, H>& history) {
+                          const std::array<Scalar*, H>& history,
+                          RunningTally<ContactsType, typename Lanes<Arch, Scalar>::Real>& tally) {
   using Real = typename Lanes<Arch, Scalar>::Real;
   using Kernel = ContactKernel<ContactsType, Real>;
   constexpr std::size_t W = Lanes<Arch, Scalar>::width;
-  const Real step(static_cast<Scalar>(time_step));
+  const Real step(static_cast<Scalar>(times.step));
   ContactCoefficients<ContactsType, Real> coefficients(table);
   for (std::size_t k = 0; k < count; k += W) {
     if (kinds != nullptr) coefficients.choose(kinds + k);
     std::array<Scalar*, H> at;
     for (std::size_t h = 0; h < H; ++h) at[h] = history[h] + k;
-    block.put_load(k, Kernel::load(block.template get<Real>(k), block.template get_rolling<Real>(k),
-                                   step, coefficients.law(), coefficients.rolling(), at.data()));
+    LedgerTerms<Real> terms;
+    block.put_load(
+        k, Kernel::load(block.template get<Real>(k), block.template get_rolling<Real>(k),
+                        block.template get_radii<Real>(k), step, times.with_stored,
+                        coefficients.law(), coefficients.rolling(), at.data(), tally, terms));
+    if constexpr (keeps_ledger<ContactsType>) block.put_terms(k, terms);
   }
+  if constexpr (keeps_ledger<ContactsType>)
+    for (std::size_t k = 0; k < count; k += W) {
+      std::array<Scalar*, H> at;
+      for (std::size_t h = 0; h < H; ++h) at[h] = history[h] + k;
+      Kernel::book(block.template get_terms<Real>(k), at.data() + ContactsType::kept_from,
+                   tally.lanes);
+    }
 }
 
 /// The loads of a block as consecutive rows.

@@ -116,15 +116,15 @@ class Openings {
   /// Before a step: lets particles out if they may have moved, and in if their time has come.
   template <class Engine, class Sim>
   void update(Engine& engine, Sim& sim) {
-    if (!outlets_.empty() && !engine.lists.hold(engine.walls)) let_out(engine);
+    if (!outlets_.empty() && !engine.lists.hold(engine.walls)) let_out(engine, sim);
     for (std::size_t k = 0; k < inlets_.size(); ++k) let_in(inlets_[k], places_[k], engine, sim);
   }
 
  private:
   using Place = std::function<std::optional<Vec3d>(const SphereGrid&, const Placement&, Random&)>;
 
-  template <class Engine>
-  void let_out(Engine& engine) {
+  template <class Engine, class Sim>
+  void let_out(Engine& engine, Sim& sim) {
     for (std::size_t k = 0; k < engine.particles.size(); ++k) {
       if (engine.particles.is_parked(k)) continue;
       const Vec3d p = engine.particles.position[k].centre();
@@ -132,6 +132,7 @@ class Openings {
         if (!o.region.contains(p)) continue;
         ++o.count;
         if (const double inv_m = engine.particles.motion[k].inv_m; inv_m > 0) o.mass += 1 / inv_m;
+        sim.book_leaving(k);
         engine.particles.park(k);
         break;
       }

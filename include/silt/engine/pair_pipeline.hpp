@@ -40,8 +40,8 @@ class PairPipeline {
     const Motion* motions;
     const std::uint16_t* kinds;  // place in the coefficient table, if there are several materials
     double largest_radius, smallest_radius;  // [m]
-    double time_step;                        // [s]
-    bool fetch_ahead;                        // the working set is beyond the caches
+    StepTimes times;
+    bool fetch_ahead;  // the working set is beyond the caches
   };
 
   /// Bytes that a step of `pairs` between `particles` goes through.
@@ -50,55 +50,59 @@ class PairPipeline {
            pairs * (2 * sizeof(std::uint32_t) + 2 * ContactsType::history * sizeof(Scalar));
   }
 
-  /// Adds the load of every pair to the sums of its particles. Returns the largest overlap over the
-  /// smaller radius.
-  static double run(const Input& in, List& list, const CoefficientTable<ContactsType>& table,
-                    const Domain& domain, Scalar* sums, const Team& team) {
+  /// Adds the load of every pair to the sums of its particles.
+  static Tally<ContactsType> run(const Input& in, List& list,
+                                 const CoefficientTable<ContactsType>& table, const Domain& domain,
+                                 Scalar* sums, const Team& team) {
     const PairGroups& groups = list.groups();
-    std::vector<double> largest(groups.count(), 0.0);
+    std::vector<Tally<ContactsType>> tallies(groups.count());
     for (std::size_t p = 0; p < groups.phases(); ++p) {
       const auto [from, to] = list.busy(groups.phase(p));
       team.for_parts(to - from, [&, first = from](std::size_t k) {
         const auto group = list.group(first + k);
-        largest[first + k] = run_group(in, list, table, domain, group.from, group.to, sums);
+        tallies[first + k] = run_group(in, list, table, domain, group.from, group.to, sums);
       });
     }
-    return *std::max_element(largest.begin(), largest.end());
+    Tally<ContactsType> all;
+    for (const auto& tally : tallies) all.add(tally);
+    return all;
   }
 
  private:
-  using Block = KinematicsBlock<rotates, rolling_needs<ContactsType>, block, Scalar>;
+  using Block = KinematicsBlock<ContactsType, block, Scalar>;
 
-  static double run_group(const Input& in, List& list, const CoefficientTable<ContactsType>& table,
-                          const Domain& domain, std::size_t from, std::size_t to, Scalar* sums) {
+  static Tally<ContactsType> run_group(const Input& in, List& list,
+                                       const CoefficientTable<ContactsType>& table,
+                                       const Domain& domain, std::size_t from, std::size_t to,
+                                       Scalar* sums) {
     alignas(64) Scalar rows[block * row];
-    double most = 0;
+    RunningTally<ContactsType, Real> tally;
     for (; from < to; from += block) {
       const std::size_t count = std::min(block, to - from);
-      most = run_block(in, list, table, domain, from, count, most, sums, rows);
+      run_block(in, list, table, domain, from, count, tally, sums, rows);
       add_up(list.first() + from, list.second() + from, count, rows, sums);
     }
-    return most;
+    return tally.end();
   }
 
-  /// Computes `count` pairs, and those that fill up the last pack, into `rows`. Returns the largest
-  /// overlap over the smaller radius if it is more than `largest`, else this.
-  __attribute__((flatten)) static double run_block(const Input& in, List& list,
-                                                   const CoefficientTable<ContactsType>& table,
-                                                   const Domain& domain, std::size_t from,
-                                                   std::size_t count, double largest,
-                                                   const Scalar* sums, Scalar* rows) {
+  /// Computes `count` pairs, and those that fill up the last pack, into `rows`.
+  __attribute__((flatten)) static void run_block(const Input& in, List& list,
+                                                 const CoefficientTable<ContactsType>& table,
+                                                 const Domain& domain, std::size_t from,
+                                                 std::size_t count,
+                                                 RunningTally<ContactsType, Real>& tally,
+                                                 const Scalar* sums, Scalar* rows) {
     Block kinematics;
     const std::uint32_t *const first = list.first() + from, *const second = list.second() + from;
     const std::size_t padded = pieces(count, W) * W;
     gather(in, first, second, domain, padded, sums, kinematics);
-    largest = complete(in, first, second, padded, largest, kinematics);
+    tally.sum.largest = complete(in, first, second, padded, tally.sum.largest, kinematics);
     std::array<Scalar*, ContactsType::history + 1> history{};
     for (std::size_t h = 0; h < ContactsType::history; ++h) history[h] = list.history(h) + from;
     const std::uint16_t* const kinds = ContactsType::several_materials ? in.kinds + from : nullptr;
-    loads_of<ContactsType, Arch>(kinematics, padded, in.time_step, table, kinds, history);
+    loads_of<ContactsType, Arch>(kinematics, padded, in.times, table, kinds, history, tally);
+    tally.end_block();
     write_rows<ContactsType, Arch>(kinematics, padded, rows);
-    return largest;
   }
 
   /// Adds the rows of a block to the sums of its particles. Consecutive pairs often share a
@@ -204,13 +208,17 @@ class PairPipeline {
       kin.change.x = apart.reach;
       out.put_gathered(k, kin);
       if constexpr (ContactsType::has_rolling) gather_rolling(in, a, b, k, out);
+      if constexpr (needs_radii<ContactsType>)
+        for (std::size_t lane = 0; lane < W; ++lane)
+          out.put(k + lane, Radii<Scalar>{static_cast<Scalar>(in.positions[a[lane]].r),
+                                          static_cast<Scalar>(in.positions[b[lane]].r)});
     }
   }
 
   /// Completes the kinematics of `count` gathered pairs.
   static double complete(const Input& in, const std::uint32_t* first, const std::uint32_t* second,
                          std::size_t count, double largest, Block& out) {
-    const Real time_step(static_cast<Scalar>(in.time_step));
+    const Real time_step(static_cast<Scalar>(in.times.step));
     for (std::size_t k = 0; k < count; k += W) {
       Kinematics<Real> kin = out.template get_gathered<Real>(k);
       const Vec3<Real> d = kin.normal;
@@ -291,8 +299,7 @@ class PairPipeline {
       out.put(k + lane,
               RollingKinematics<Scalar>{
                   a.inv_r * a.spin_velocity() - b.inv_r * b.spin_velocity(),
-                  Scalar(1.4) / (a.inv_m * a.inv_r * a.inv_r + b.inv_m * b.inv_r * b.inv_r),
-                  Scalar(1) / a.inv_r, Scalar(1) / b.inv_r});
+                  Scalar(1.4) / (a.inv_m * a.inv_r * a.inv_r + b.inv_m * b.inv_r * b.inv_r)});
     }
   }
 };

@@ -22,7 +22,7 @@ struct WallInput {
   const MotionRow<Rotates>* motions;
   const MotionRow<Rotates, Scalar>* pair_motions;  // the same as the pairs see them
   const std::uint16_t* materials;                  // of each particle, if there are several
-  double time_step;                                // [s]
+  StepTimes times;
 };
 
 /// What spheres do to a wall.
@@ -47,35 +47,36 @@ class PlanePipeline {
   using Input = WallInput<rotates, Scalar>;
   using Contacts = WallContacts<ContactsType::history, Scalar>;
 
-  /// Adds the loads of one run to the sums of its particles and to the wall's. Returns the largest
-  /// overlap over the sphere's radius.
-  static double run(const Input& in, const PlaneRun& plane, const Wall& wall, Contacts& contacts,
-                    const CoefficientTable<ContactsType>& table, Scalar* sums, WallLoad& load) {
-    double largest = 0;
+  /// Adds the loads of one run to the sums of its particles and to the wall's.
+  static Tally<ContactsType> run(const Input& in, const PlaneRun& plane, const Wall& wall,
+                                 Contacts& contacts, const CoefficientTable<ContactsType>& table,
+                                 Scalar* sums, WallLoad& load) {
+    RunningTally<ContactsType, Real> tally;
     for (std::size_t from = plane.from; from < plane.to; from += block) {
       const std::size_t count = std::min(block, plane.to - from);
       std::array<Scalar*, ContactsType::history + 1> history{};
       for (std::size_t h = 0; h < ContactsType::history; ++h)
         history[h] = contacts.history(h) + from;
-      largest = std::max(largest, run_block(in, plane, wall, contacts.at_planes(from), count,
-                                            history, table, sums, load));
+      run_block(in, plane, wall, contacts.at_planes(from), count, history, table, sums, load,
+                tally);
     }
-    return largest;
+    return tally.end();
   }
 
  private:
   /// One block in its stages.
   struct Block {
-    KinematicsBlock<rotates, rolling_needs<ContactsType>, block, Scalar> kinematics;
+    KinematicsBlock<ContactsType, block, Scalar> kinematics;
     alignas(64) Scalar point[3][block];  // [m] where the sphere touches, from the wall's reference
     alignas(64) Scalar rows[block * row];
     std::uint16_t kinds[block];
   };
 
-  __attribute__((flatten)) static double run_block(
+  __attribute__((flatten)) static void run_block(
       const Input& in, const PlaneRun& plane, const Wall& wall, const std::uint32_t* particle,
       std::size_t count, const std::array<Scalar*, ContactsType::history + 1>& history,
-      const CoefficientTable<ContactsType>& table, Scalar* sums, WallLoad& load) {
+      const CoefficientTable<ContactsType>& table, Scalar* sums, WallLoad& load,
+      RunningTally<ContactsType, Real>& tally) {
     Block b;
     const std::size_t padded = pieces(count, W) * W;
     // Spheres at walls are far from each other in memory: better to wait for all of them at once.
@@ -84,7 +85,8 @@ class PlanePipeline {
       __builtin_prefetch(in.pair_motions + particle[k]);
       __builtin_prefetch(sums + particle[k] * row, 1);
     }
-    const double largest = gather(in, plane, wall.reference, particle, padded, b);
+    tally.sum.largest =
+        std::max(tally.sum.largest, gather(in, plane, wall.reference, particle, padded, b));
     const bool several = table.law.size() > 1;
     for (std::size_t k = 0; k < padded && several; ++k) {
       std::size_t material = 0;
@@ -92,13 +94,13 @@ class PlanePipeline {
         material = in.materials[particle[std::min(k, count - 1)]];
       b.kinds[k] = static_cast<std::uint16_t>(material * table.materials + wall.material);
     }
-    loads_of<ContactsType, Arch>(b.kinematics, padded, in.time_step, table,
-                                 several ? b.kinds : nullptr, history);
+    loads_of<ContactsType, Arch>(b.kinematics, padded, in.times, table, several ? b.kinds : nullptr,
+                                 history, tally);
+    tally.end_block();
     write_rows<ContactsType, Arch>(b.kinematics, padded, b.rows);
     for (std::size_t k = 0; k < count; ++k)
       add_row<Arch, chunks, false>(sums + particle[k] * row, b.rows + k * row);
     add_up(b, padded, load);
-    return largest;
   }
 
   static double gather(const Input& in, const PlaneRun& plane, const Vec3d& reference,
@@ -125,11 +127,11 @@ class PlanePipeline {
         kin.spin = {spin[0], spin[1], spin[2]};
         kin.arm = select(there, distance * spin[3], zero), kin.twist = zero;
         if constexpr (ContactsType::has_rolling)
-          out.kinematics.put(
-              k, RollingKinematics<Real>{spin[3] * kin.spin, Real(Scalar(1.4)) * r * r * kin.m_eff,
-                                         r, zero});
+          out.kinematics.put(k, RollingKinematics<Real>{spin[3] * kin.spin,
+                                                        Real(Scalar(1.4)) * r * r * kin.m_eff});
       }
       out.kinematics.put(k, kin);
+      out.kinematics.put(k, Radii<Real>{r, zero});
       const Vec3<Real> none{zero, zero, zero},
           point = select(there, from_reference - distance * normal, none);
       silt::store(out.point[0] + k, point.x), silt::store(out.point[1] + k, point.y);
@@ -197,8 +199,10 @@ class PlanePipeline {
   static void add_up(const Block& b, std::size_t count, WallLoad& load) {
     Vec3<Real> force{Real(0), Real(0), Real(0)}, torque = force;
     for (std::size_t k = 0; k < count; k += W) {
-      const Vec3<Real> f = b.kinematics.template get_load<Real>(k).force;
+      const PairLoad<Real> loads = b.kinematics.template get_load<Real>(k);
+      const Vec3<Real> f = loads.force;
       force -= f;
+      if constexpr (ContactsType::has_rolling) torque -= loads.couple;
       torque -= cross(load3<Real>(b.point[0] + k, b.point[1] + k, b.point[2] + k), f);
     }
     const Real all[6] = {force.x, force.y, force.z, torque.x, torque.y, torque.z};

@@ -46,6 +46,10 @@ void Simulation<Policies...>::add(const ParticlesType& more) {
     }
     engine_.particles.add(position, motion, next_id_++,
                           static_cast<std::uint16_t>(more[k].material));
+    if constexpr (has_ledger)
+      if (const std::size_t last = engine_.particles.size() - 1;
+          !first_kick_ && std::isfinite(mass(last)))
+        book_.bring_in(kinetic(last).sum() + potential(last));
   }
   engine_.particles.measure();
   engine_.lists.forget();
@@ -61,6 +65,49 @@ void Simulation<Policies...>::insert(const std::vector<PlacedSphere>& spheres,
   for (const auto& s : spheres)
     more.add({s.position, s.radius, flow.density, velocity, {0, 0, 0}, flow.material});
   add(more);
+  if constexpr (has_ledger && !std::is_void_v<ParticlesType>) {
+    // ... and the ledger wants that of this instant.
+    for (std::size_t k = 0; k < more.size() && !first_kick_; ++k)
+      book_.bring_in(0.5 * more[k].density * ShapeType::volume(more[k].radius) *
+                     (dot(flow.velocity, flow.velocity) - dot(velocity, velocity)));
+  }
+}
+
+template <class... Policies>
+void Simulation<Policies...>::book_step([[maybe_unused]] const detail::StepTimes& times) {
+  if constexpr (has_ledger) {
+    double start = 0;
+    if (first_kick_)
+      for (std::size_t k = 0; k < rows(); ++k)
+        if (is_present(k) && std::isfinite(mass(k))) start += kinetic(k).sum() + potential(k);
+    engine_.contact_energy.worked(0.5 * times.worked);
+    book_.book(engine_.contact_energy, engine_.walls, dt_, engine_.power_on_fixed(),
+               first_kick_ ? &start : nullptr);
+  }
+}
+
+template <class... Policies>
+void Simulation<Policies...>::book_leaving([[maybe_unused]] std::size_t k) {
+  if constexpr (has_ledger) {
+    if (!std::isfinite(mass(k))) return;
+    // Rows hold the velocity of half a step ago; it falls freely.
+    const Vec3d v = engine_.particles.motion[k].velocity(), now = v + 0.5 * dt_ * gravity;
+    book_.bring_in(0.5 * mass(k) * (dot(v, v) - dot(now, now)) - kinetic(k).sum() - potential(k));
+  }
+}
+
+template <class... Policies>
+EnergyBalance Simulation<Policies...>::energy() const requires has_ledger {
+  require(step_ > 0 || kicked_,
+          "Simulation::energy: run() first, if only for 0 s: the forces at the "
+          "start are not known yet");
+  double translation = 0, rotation = 0, potentials = 0;
+  for (std::size_t k = 0; k < rows(); ++k) {
+    if (!is_present(k) || !std::isfinite(mass(k))) continue;
+    const auto part = kinetic(k);
+    translation += part.translation, rotation += part.rotation, potentials += potential(k);
+  }
+  return book_.balance(translation, rotation, potentials);
 }
 
 template <class... Policies>
@@ -75,13 +122,24 @@ detail::LightestSpheres Simulation<Policies...>::lightest_spheres() const {
   return lightest;
 }
 
+/// Which materials of the table have spheres, or will have from inlets.
+template <class... Policies>
+std::vector<bool> Simulation<Policies...>::materials_of_spheres() const {
+  std::vector<bool> used(engine_.coefficients.materials, false);
+  for (std::size_t k = 0; k < rows(); ++k)
+    if (is_present(k)) used[material(k)] = true;
+  for (const auto& inlet : openings_.inlets()) used[inlet.flow.material] = true;
+  return used;
+}
+
 template <class... Policies>
 std::optional<double> Simulation<Policies...>::time_step_limit(double speed) const {
   if constexpr (detail::HasContactTime<typename ContactsType::Law>) {
     const auto lightest = lightest_spheres();
     if (!lightest.any() || !(speed > 0)) return std::nullopt;
-    return guard.max_time_step * detail::shortest_contact<typename ContactsType::Law>(
-                                     engine_.coefficients.law, lightest, speed);
+    return guard.max_time_step *
+           detail::shortest_contact<typename ContactsType::Law>(
+               engine_.coefficients.law, materials_of_spheres(), lightest, speed);
   } else {
     return std::nullopt;
   }
@@ -162,10 +220,19 @@ void Simulation<Policies...>::prepare() {
               " [-] must be less than 1 together where there are meshes: a "
               "particle could come out behind one unseen");
   require(is_finite(gravity), "Simulation::gravity = ", gravity, " [m/s2] must be finite");
+  if constexpr (has_ledger) {
+    double change = 0;
+    for (std::size_t k = 0; k < rows() && !first_kick_; ++k)
+      if (is_present(k) && std::isfinite(mass(k)))
+        change -= mass(k) * dot(gravity - gravity_booked_, position(k));
+    book_.change_gravity(change);
+    gravity_booked_ = gravity;
+  }
   engine_.set_threads(threads);
   engine_.set_coefficients(contacts_);
   if (dt_ == 0 || (time_step && *time_step != dt_)) {
     const double dt = chosen_time_step();
+    if (kicked_ && dt_ > 0) engine_.change_half_step(dt / dt_);
     time_origin_ = time_, step_origin_ = step_;
     dt_ = dt;
   }

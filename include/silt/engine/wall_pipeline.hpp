@@ -34,19 +34,19 @@ class WallPipeline {
   using Input = typename Planes::Input;
   using Contacts = typename Planes::Contacts;
 
-  /// Adds the loads to the sums of the particles; sets force and torque of the walls; returns the
-  /// largest overlap over the sphere's radius.
-  double run(const Input& in, Contacts& contacts, const CoefficientTable<ContactsType>& table,
-             std::span<Wall> walls, Scalar* sums, const Team& team) {
+  /// Adds the loads to the sums of the particles; sets force and torque of the walls.
+  Tally<ContactsType> run(const Input& in, Contacts& contacts,
+                          const CoefficientTable<ContactsType>& table, std::span<Wall> walls,
+                          Scalar* sums, const Team& team) {
     const std::size_t blocks = contacts.blocks(), parts = blocks + contacts.plane_pieces();
     loads_.assign(parts * walls.size(), {});
-    largest_.assign(parts, 0);
+    tallies_.assign(parts, {});
     crowded_.assign(parts, {});
     team.for_parts(parts, [&](std::size_t b) {
       if (b < blocks) return run_block(in, contacts, table, walls, sums, b);
       for (const PlaneRun& run : contacts.runs(b - blocks))
-        largest_[b] = std::max(largest_[b], Planes::run(in, run, walls[run.wall], contacts, table,
-                                                        sums, loads_[b * walls.size() + run.wall]));
+        tallies_[b].add(Planes::run(in, run, walls[run.wall], contacts, table, sums,
+                                    loads_[b * walls.size() + run.wall]));
     });
     for (std::size_t w = 0; w < walls.size(); ++w) {
       walls[w].force = walls[w].torque = {0, 0, 0};
@@ -54,11 +54,11 @@ class WallPipeline {
         walls[w].force += loads_[b * walls.size() + w].force;
         walls[w].torque += loads_[b * walls.size() + w].torque;
       }
-      walls[w].impulse += walls[w].force * in.time_step;
+      walls[w].impulse += walls[w].force * in.times.step;
     }
-    double most = 0;
-    for (const double l : largest_) most = std::max(most, l);
-    return most;
+    Tally<ContactsType> all;
+    for (const auto& tally : tallies_) all.add(tally);
+    return all;
   }
 
   /// A sphere that touches a wall in more places than a surface gives contacts, in the last step.
@@ -71,7 +71,7 @@ class WallPipeline {
  private:
   /// The contacts of one block, side by side whatever slots they have.
   struct Scratch {
-    KinematicsBlock<rotates, rolling_needs<ContactsType>, block, Scalar> kinematics;
+    KinematicsBlock<ContactsType, block, Scalar> kinematics;
     alignas(64) Scalar history[ContactsType::history + 1][block];
     std::uint16_t kind[block];  // place in the coefficient table
     struct Place {
@@ -106,7 +106,9 @@ class WallPipeline {
     std::array<Scalar*, ContactsType::history + 1> history{};
     for (std::size_t h = 0; h < ContactsType::history; ++h) history[h] = s.history[h];
     const std::size_t padded = pieces(s.count, W) * W;
-    loads_of<ContactsType, Arch>(s.kinematics, padded, in.time_step, table, s.kind, history);
+    RunningTally<ContactsType, typename Lanes<Arch, Scalar>::Real> running;
+    loads_of<ContactsType, Arch>(s.kinematics, padded, in.times, table, s.kind, history, running);
+    tallies_[b] = running.end();
     write_rows<ContactsType, Arch>(s.kinematics, padded, rows);
     for (std::size_t k = 0; k < s.count; ++k) {
       const auto [slot, particle, wall] = s.place[k];
@@ -118,17 +120,21 @@ class WallPipeline {
       WallLoad& load = loads_[b * walls.size() + wall];
       load.force += force;
       load.torque += cross(s.point[k] - walls[wall].reference, force);
-      largest_[b] = std::max(largest_[b], s.share[k]);
+      if constexpr (ContactsType::has_rolling) load.torque += {-r[8], -r[9], -r[10]};
+      tallies_[b].largest = std::max(tallies_[b].largest, s.share[k]);
     }
   }
 
-  /// Fills the last pack with copies of its first contact, whose results nobody reads.
+  /// Fills the last pack with its first contact, moved out of reach.
   static void pad(Scratch& s) {
     for (std::size_t k = s.count; k % W != 0; ++k) {
       const std::size_t from = s.count / W * W;
-      s.kinematics.put(k, s.kinematics.template get<Scalar>(from));
+      auto kinematics = s.kinematics.template get<Scalar>(from);
+      kinematics.overlap = Scalar(-1e30);
+      s.kinematics.put(k, kinematics);
       s.kinematics.put(k, s.kinematics.template get_rolling<Scalar>(from));
-      for (auto& h : s.history) h[k] = h[from];
+      s.kinematics.put(k, s.kinematics.template get_radii<Scalar>(from));
+      for (auto& h : s.history) h[k] = 0;
       s.kind[k] = s.kind[from];
     }
   }
@@ -276,10 +282,10 @@ class WallPipeline {
     if (wall.moves()) {
       // Mean velocity of the material point over the last step, like the spheres' own.
       wall_velocity =
-          (contact - wall.last_pose.to_space(wall.pose.to_body(contact))) * (1 / in.time_step);
-      wall_spin = angular_velocity(wall.last_pose, wall.pose, in.time_step);
+          (contact - wall.last_pose.to_space(wall.pose.to_body(contact))) * (1 / in.times.step);
+      wall_spin = angular_velocity(wall.last_pose, wall.pose, in.times.step);
       // ... of the one under the contact half a step ago, which this one was not if they slide.
-      wall_velocity += cross(wall_spin, 0.5 * in.time_step * (wall_velocity - motion.velocity()) +
+      wall_velocity += cross(wall_spin, 0.5 * in.times.step * (wall_velocity - motion.velocity()) +
                                             0.5 * point.distance * change);
     }
     const auto scalar = [](double x) { return static_cast<Scalar>(x); };
@@ -299,10 +305,10 @@ class WallPipeline {
       kin.twist = scalar(dot(wall_spin, point.normal));
       s.kinematics.put(
           k, RollingKinematics<Scalar>{vector(motion.spin_velocity() * motion.inv_r - wall_spin),
-                                       scalar(1.4 * sphere.r * sphere.r / motion.inv_m),
-                                       scalar(sphere.r), scalar(0)});
+                                       scalar(1.4 * sphere.r * sphere.r / motion.inv_m)});
     }
     s.kinematics.put(k, kin);
+    s.kinematics.put(k, Radii<Scalar>{scalar(sphere.r), scalar(0)});
     s.share[k] = (sphere.r - point.distance) / sphere.r;
     std::size_t material = 0;
     if constexpr (ContactsType::several_materials) material = in.materials[c.particle];
@@ -324,7 +330,7 @@ class WallPipeline {
   }
 
   std::vector<WallLoad> loads_;                         // by block and wall
-  std::vector<double> largest_;                         // by block
+  std::vector<Tally<ContactsType>> tallies_;            // by block
   std::vector<std::optional<CrowdedContact>> crowded_;  // by block
 };
 

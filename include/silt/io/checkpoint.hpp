@@ -27,7 +27,7 @@ template <class Sim>
 class Checkpoint {
   using Engine = typename Sim::Engine;
   using WallPairs = decltype(Engine::Lists::walls);
-  static constexpr std::size_t H = Sim::ContactsType::history;
+  static constexpr std::size_t H = Engine::history;
   static constexpr bool chooses_search = requires(typename Sim::Search s) {
     detail::finder_of(s).choice();
   };
@@ -51,7 +51,8 @@ class Checkpoint {
                                              sim.first_kick_,
                                              sim.kicked_,
                                              e.lists.upkeep.pruned_at,
-                                             e.lists.upkeep.searched_at};
+                                             e.lists.upkeep.searched_at,
+                                             static_cast<std::int64_t>(e.safeguards)};
     const auto& plan = e.lists.upkeep.plan;
     const std::vector<double> upkeep{
         e.lists.upkeep.used, e.largest_share, e.lists.upkeep.outer_wall, e.lists.upkeep.inner_wall,
@@ -114,6 +115,13 @@ class Checkpoint {
       flows.push_back(i.start), flows.push_back(i.interval);
     }
     out.add("openings.counts", counts), out.add("openings.flows", flows);
+    std::vector<double> books;
+    if constexpr (Sim::has_ledger) {
+      books = sim.book_.state();
+      books.insert(books.end(),
+                   {sim.gravity_booked_.x, sim.gravity_booked_.y, sim.gravity_booked_.z});
+      out.add("ledger", books);
+    }
     std::vector<std::uint64_t> search;
     if constexpr (chooses_search) {
       const auto& choice = detail::finder_of(sim.search_).choice();
@@ -144,7 +152,7 @@ class Checkpoint {
     const auto clock = in.get<double>("clock", 9), upkeep = in.get<double>("upkeep", 10);
     const auto outer_reach = in.get<double>("reach.outer"),
                inner_reach = in.get<double>("reach.inner", outer_reach.size());
-    const auto counters = in.get<std::int64_t>("counters", 7);
+    const auto counters = in.get<std::int64_t>("counters", 8);
     const auto id = in.get<std::uint32_t>("id");
     const std::size_t n = id.size();
     constexpr std::size_t motion_size = sizeof(typename Engine::Motion) / sizeof(double);
@@ -175,6 +183,12 @@ class Checkpoint {
     const auto walls = in.get<double>("walls.state", 23 * surfaces.size());
     const auto marks = in.get<double>("walls.marks");
     const auto flows = in.get<double>("openings.flows", outlets + 2 * inlets);
+    std::vector<double> books;
+    if constexpr (Sim::has_ledger) {
+      books = in.get<double>("ledger");
+      require(books.size() >= decltype(sim.book_)::least_size + 3, "checkpoint '", path,
+              "': its ledger is incomplete");
+    }
     e.set_coefficients(sim.contacts_);  // throws where a pair of materials lacks its values
     if constexpr (chooses_search) {
       const auto choice = in.get<std::uint64_t>("search.choice", 2);
@@ -187,6 +201,7 @@ class Checkpoint {
     sim.next_id_ = static_cast<std::uint32_t>(counters[2]);
     sim.continued_ = true;
     sim.first_kick_ = counters[3] != 0, sim.kicked_ = counters[4] != 0;
+    e.safeguards = static_cast<std::uint64_t>(counters[7]);
     e.lists.upkeep.pruned_at = counters[5], e.lists.upkeep.searched_at = counters[6];
     e.lists.upkeep.used = upkeep[0], e.lists.upkeep.outer_wall = upkeep[2],
     e.lists.upkeep.inner_wall = upkeep[3];
@@ -229,16 +244,22 @@ class Checkpoint {
       c += 5;
       i.start = flows[f++], i.interval = flows[f++];
     }
+    if constexpr (Sim::has_ledger) {
+      const std::size_t last = books.size() - 3;
+      sim.gravity_booked_ = {books[last], books[last + 1], books[last + 2]};
+      books.resize(last);
+      sim.book_.restore(books);
+    }
     e.particles.restored(clock[5], clock[6]);
     e.restored(clock[7], clock[8], upkeep[1]);
   }
 
   /// Which programs can continue from the file: the policies that shape the state.
   static std::string signature() {
-    return text("silt state 4; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
+    return text("silt state 5; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
                 name_of<typename Sim::ContactsType>(), "; search ", name_of<typename Sim::Search>(),
                 "; domain ", name_of<typename Sim::Domain>(), "; precision ",
-                name_of<typename Sim::Precision>());
+                name_of<typename Sim::Precision>(), Sim::has_ledger ? "; ledger" : "");
   }
 
  private:

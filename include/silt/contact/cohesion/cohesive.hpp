@@ -151,6 +151,13 @@ struct Cohesive {
     else
       return select(c.overlap > Real(0), max(of_body, Real(0)), Real(0));
   }
+  /// The body's springs; attractions are not among them.
+  template <class Real>
+  static Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p,
+                             const History<Real>& h) requires detail::SaysWhatItStores<Body> {
+    using Kept = typename detail::HistoryOf<Body, Real>::type;
+    return detail::stored_by<Body, Real>(seen_by_body(c), p.body, static_cast<const Kept&>(h));
+  }
   static double contact_time(const Coefficients<double>& p, double R_eff, double m_eff,
                              double speed) requires requires {
     Body::contact_time(p.body, R_eff, m_eff, speed);

@@ -38,7 +38,7 @@ struct RollingEpsd {
   static Vec3<Real> torque(const RollingContact<Real>& c, const Coefficients<Real>& p,
                            History<Real>& h) {
     const Real arm = p.rolling_friction * c.R_eff;  // [m]
-    const Real kr = Real(2.25) * c.normal_stiffness * arm * arm;
+    const Real kr = stiffness(c, arm);
     const Real limit = arm * c.normal_force;
     const Vec3<Real> carried = h.torque + cross(c.turn, h.torque);
     const Vec3<Real> trial = carried - (kr * c.time_step) * c.angular_velocity;
@@ -49,9 +49,22 @@ struct RollingEpsd {
     return h.torque - Cr * c.angular_velocity;  // (2)
   }
 
+  template <class Real>
+  static Real stored(const RollingContact<Real>& c, const Coefficients<Real>& p,
+                     const History<Real>& h) {
+    const Real kr = stiffness(c, p.rolling_friction * c.R_eff);
+    return dot(h.torque, h.torque) / max(Real(2) * kr, smallest<Real>());
+  }
+
   static void check(const Pair& p) {
     require_not_negative("RollingEpsd.rolling_friction", p.rolling_friction, "-");
     require_not_negative("RollingEpsd.damping", p.damping, "-");
+  }
+
+ private:
+  template <class Real>
+  static Real stiffness(const RollingContact<Real>& c, const Real& arm) {  // [N m]
+    return Real(2.25) * c.normal_stiffness * arm * arm;
   }
 };
 

@@ -53,6 +53,12 @@ struct Twisting {
     const Real damping = p.twice_damping * sqrt(Real(2.0 / 7.0) * c.inertia_eff * kw);
     return max(min(h.torque - damping * c.twist, limit), -limit) * c.normal;  // (2)
   }
+  template <class Real>
+  static Real stored(const RollingContact<Real>& c, const Coefficients<Real>&,
+                     const History<Real>& h) {
+    const Real kw = c.normal_stiffness * c.R_eff * max(c.overlap, Real(0));
+    return h.torque * h.torque / max(Real(2) * kw, smallest<Real>());
+  }
   static void check(const Pair& p) {
     require_not_negative("Twisting.twisting_friction", p.twisting_friction, "-");
     require_not_negative("Twisting.damping", p.damping, "-");
@@ -102,6 +108,12 @@ struct Both {
     return of<First>(c, p.first, static_cast<Part<Real, 1, Kept<First, Real, 1>>&>(h)) +
            of<Second>(c, p.second, static_cast<Part<Real, 2, Kept<Second, Real, 2>>&>(h));
   }
+  template <class Real>
+  static Real stored(const RollingContact<Real>& c, const Coefficients<Real>& p,
+                     const History<Real>& h) {
+    return in<First>(c, p.first, static_cast<const Part<Real, 1, Kept<First, Real, 1>>&>(h)) +
+           in<Second>(c, p.second, static_cast<const Part<Real, 2, Kept<Second, Real, 2>>&>(h));
+  }
   static void check(const Pair& p) { First::check(p.first), Second::check(p.second); }
 
  private:
@@ -111,6 +123,13 @@ struct Both {
       return Model::torque(c, p, h);
     else
       return Model::torque(c, p);
+  }
+  template <class Model, class Real, class Coefficients, class History>
+  static Real in(const RollingContact<Real>& c, const Coefficients& p, const History& h) {
+    if constexpr (requires { Model::stored(c, p, h); })
+      return Model::stored(c, p, h);
+    else
+      return Real(0);
   }
 };
 

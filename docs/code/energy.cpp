@@ -1,0 +1,26 @@
+// silt - BSD-3-Clause, see LICENSE
+// The program of docs/energy.md.
+
+#include <cstdio>
+
+#include <silt/silt.hpp>
+
+int main() {
+  const silt::HertzMindlin::Material glass{
+      .youngs_modulus = 5e7, .poisson_ratio = 0.25, .restitution = 0.8, .friction = 0.4};
+  silt::Particles<silt::Sphere> beads;
+  beads.fill({{0, 0, 0}, {0.02, 0.02, 0.04}},
+             {.radius = silt::uniform(0.9e-3, 1.1e-3), .density = 2500, .count = 500});
+
+  silt::Simulation sim{std::move(beads), silt::Contacts<silt::HertzMindlin>{glass},
+                       silt::EnergyLedger{}};
+  sim.gravity = {0, 0, -9.81};
+  sim.add_wall(silt::box({0, 0, 0}, {0.02, 0.02, 0.05}), glass);
+  sim.run(0.1);
+
+  const silt::EnergyBalance e = sim.energy();
+  std::printf("kinetic %.3g, in contacts %.3g, dissipated %.3g J: dashpots %.3g, friction %.3g\n",
+              e.kinetic(), e.elastic(), e.dissipated(), e.normal_damping + e.tangential_damping,
+              e.friction);
+  std::printf("unexplained: %.1e of what contacts turned over\n", e.residual() / e.turned_over);
+}

@@ -1,0 +1,129 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+#include <silt/contact/concept.hpp>
+#include <silt/core/lanes.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// The energy of contacts: of one, or a sum over many.
+template <class Real>
+struct ContactEnergy {
+  Real normal, tangential, rolling;  // [J] stored now in springs, where that was asked for
+  // Work on the bodies since the last step [J]: of what is no spring along the normal; of the
+  // tangential force, and of its dashpot; of the couple; half of what the normal force moved.
+  Real dashpot, shear, shear_dashpot, couple, turned_over;
+
+  template <class Other>
+  void add(const ContactEnergy<Other>& more) {
+    auto all = values(*this);
+    const auto others = ContactEnergy<Other>::values(more);
+    for (std::size_t k = 0; k < all.size(); ++k) all[k] += sum(others[k]);
+    *this = std::bit_cast<ContactEnergy>(all);
+  }
+  /// From sums of forces times velocities [W], as the kernel has them, to work.
+  void worked(const Real& half_time) {
+    dashpot *= half_time, shear *= half_time, couple *= half_time, turned_over *= half_time;
+    shear_dashpot *= Real(2) * half_time;
+  }
+  static std::array<Real, 8> values(const ContactEnergy& e) {
+    return std::bit_cast<std::array<Real, 8>>(e);
+  }
+
+ private:
+  template <class Other>
+  static Real sum(const Other& lanes) {
+    if constexpr (std::is_same_v<Other, Real>) {
+      return lanes;
+    } else {
+      using Scalar = ScalarOf<Other>;
+      alignas(Other) Scalar each[sizeof(Other) / sizeof(Scalar)];
+      silt::store(each, lanes);
+      Real all(0);
+      for (const Scalar one : each) all += static_cast<Real>(one);
+      return all;
+    }
+  }
+};
+
+/// The energy of no contact.
+template <class Real>
+inline ContactEnergy<Real> no_energy() {
+  const Real zero(0);
+  return {zero, zero, zero, zero, zero, zero, zero, zero};
+}
+
+/// A Contacts type whose contacts keep, behind the histories of law and rolling model, what the
+/// ledger must know of the last step: the normal force that is no spring's, the tangential force,
+/// the couple.
+template <class ContactsType>
+struct WithLedger : ContactsType {
+  static constexpr std::size_t kept_from = ContactsType::history;
+  static constexpr std::size_t kept_tangential = 1;
+  static constexpr std::size_t kept_couple = 1 + 3 * is_frictional<typename ContactsType::Law>;
+  static constexpr std::size_t history =
+      ContactsType::history + kept_couple + 3 * ContactsType::has_rolling;
+  static constexpr bool keeps_ledger = true;
+};
+template <class ContactsType>
+inline constexpr bool keeps_ledger = requires {
+  requires ContactsType::keeps_ledger;
+};
+
+/// Stands for the energy where there is no ledger.
+struct NoEnergy {
+  template <class Other>
+  void add(const Other&) {}
+};
+template <class ContactsType, class Real>
+using EnergyOf = std::conditional_t<keeps_ledger<ContactsType>, ContactEnergy<Real>, NoEnergy>;
+template <class ContactsType, class Real>
+SILT_INLINE EnergyOf<ContactsType, Real> start_energy() {
+  if constexpr (keeps_ledger<ContactsType>)
+    return no_energy<Real>();
+  else
+    return {};
+}
+
+/// What a stage that computes contacts returns besides the loads.
+template <class ContactsType>
+struct Tally {
+  double largest = 0;            // [-] overlap over the smaller radius
+  std::uint64_t safeguards = 0;  // [-] contacts in which the law's safeguard began to act
+  EnergyOf<ContactsType, double> energy = start_energy<ContactsType, double>();
+
+  void add(const Tally& other) {
+    largest = other.largest > largest ? other.largest : largest;
+    safeguards += other.safeguards;
+    energy.add(other.energy);
+  }
+};
+/// The same while it is summed up: energies lane by lane. Floats are soon added up in double.
+template <class ContactsType, class Real>
+struct RunningTally {
+  Tally<ContactsType> sum;
+  EnergyOf<ContactsType, Real> lanes = start_energy<ContactsType, Real>();
+
+  void end_block() {
+    if constexpr (sizeof(ScalarOf<Real>) == sizeof(float)) add_lanes();
+  }
+  Tally<ContactsType> end() {
+    add_lanes();
+    return sum;
+  }
+
+ private:
+  void add_lanes() {
+    sum.energy.add(lanes);
+    lanes = start_energy<ContactsType, Real>();
+  }
+};
+
+}  // namespace silt::detail

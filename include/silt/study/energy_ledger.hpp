@@ -1,0 +1,160 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <array>
+#include <bit>
+#include <span>
+#include <vector>
+
+#include <silt/boundary/wall.hpp>
+#include <silt/engine/contact_energy.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// Policy of a Simulation that keeps books of its energy, read by `energy()`; without it they cost
+/// nothing.
+///
+///   silt::Simulation sim{beads, silt::Contacts<silt::HertzMindlin>{glass}, silt::EnergyLedger{}};
+///   sim.run(1.0);
+///   const silt::EnergyBalance e = sim.energy();
+///
+/// Every law of silt can be asked what it stores (silt/contact/concept.hpp: stored()); one of your
+/// own must say so too.
+/// Tests: tests/study/energy_ledger.cpp.
+struct EnergyLedger {
+  static constexpr bool is_ledger = true;
+};
+
+/// Where the energy is, and where it went since the first step [J].
+struct EnergyBalance {
+  // Now.
+  double translation, rotation;        // kinetic, of particles that are not fixed
+  double gravity;                      // - m g x, against the origin
+  double normal, tangential, rolling;  // in the springs of contacts
+  // Lost since the start. Friction and rolling resistance are what tangential forces (less their
+  // dashpots) and couples took and neither hold nor gave back; partial slip (Mindlin's law on
+  // loading) is friction. Damping and friction are told apart to first order in the step.
+  double normal_damping;  // of dashpots; with cohesion also what attractions took less gave back
+  double tangential_damping;  // of dashpots
+  double friction;
+  double rolling_resistance;  // with twisting
+  // Brought in since the start.
+  double walls;            // work of moving walls, and of fixed particles that move
+  double openings;         // with particles that came, less with those that left
+  double changed_gravity;  // by setting `gravity` anew
+
+  double initial;      // all that was there at the first step
+  double turned_over;  // by normal forces since then, once in and out
+
+  double kinetic() const { return translation + rotation; }
+  double elastic() const { return normal + tangential + rolling; }
+  double held() const { return kinetic() + gravity + elastic(); }
+  double dissipated() const {
+    return normal_damping + tangential_damping + friction + rolling_resistance;
+  }
+  double supplied() const { return walls + openings + changed_gravity; }
+  /// What the books cannot explain: the error of time integration, second order in the step. First
+  /// order are: with friction, the change of the lever arm in half a step (some 1e-7 of the energy
+  /// turned over at 1000 steps a contact), RollingOwn, and ends of contact with
+  /// DampingEnd::ZeroOverlap at walls that are not planes at rest, or without a Verlet list.
+  /// Springs of contacts that a removed wall or a particle had as it left through an outlet are in
+  /// it too.
+  double residual() const { return held() + dissipated() - supplied() - initial; }
+};
+
+namespace detail {
+
+/// The books of one simulation.
+class EnergyBook {
+ public:
+  /// Books one step after its forces are known. `start`: what the particles have at the first one,
+  /// kinetic and against gravity; `fixed_power` [W]: of contacts on fixed particles that move.
+  void book(const ContactEnergy<double>& contacts, std::span<const Wall> walls, double time_step,
+            double fixed_power, const double* start) {
+    stored_ = contacts;
+    if (start != nullptr) {
+      at_start_ = contacts;
+      initial_ = *start + contacts.normal + contacts.tangential + contacts.rolling;
+    } else {
+      work_.add(contacts);
+      for (std::size_t w = 0; w < walls.size() && w < last_.size(); ++w)
+        if (walls[w].moves()) of_walls_ += work_of(walls[w], last_[w]);
+      of_walls_ -= 0.5 * time_step * (last_fixed_power_ + fixed_power);
+    }
+    last_.clear();
+    for (const auto& wall : walls) last_.push_back({wall.force, wall.torque, wall.reference});
+    last_fixed_power_ = fixed_power;
+  }
+  void bring_in(double energy) { openings_ += energy; }
+  void change_gravity(double energy) { changed_gravity_ += energy; }
+
+  EnergyBalance balance(double translation, double rotation, double gravity) const {
+    EnergyBalance e{};
+    e.translation = translation, e.rotation = rotation, e.gravity = gravity;
+    e.normal = stored_.normal, e.tangential = stored_.tangential, e.rolling = stored_.rolling;
+    e.normal_damping = -work_.dashpot, e.tangential_damping = -work_.shear_dashpot;
+    e.friction = work_.shear_dashpot - work_.shear - (stored_.tangential - at_start_.tangential);
+    e.rolling_resistance = -work_.couple - (stored_.rolling - at_start_.rolling);
+    e.walls = of_walls_, e.openings = openings_, e.changed_gravity = changed_gravity_;
+    e.initial = initial_, e.turned_over = work_.turned_over;
+    return e;
+  }
+
+  // The books as numbers, for a checkpoint.
+  std::vector<double> state() const {
+    std::vector<double> all{of_walls_, openings_, changed_gravity_, initial_, last_fixed_power_};
+    for (const auto* e : {&stored_, &at_start_, &work_}) {
+      const auto values = ContactEnergy<double>::values(*e);
+      all.insert(all.end(), values.begin(), values.end());
+    }
+    for (const auto& [force, torque, reference] : last_)
+      for (const Vec3d& v : {force, torque, reference}) all.insert(all.end(), {v.x, v.y, v.z});
+    return all;
+  }
+  void restore(const std::vector<double>& all) {
+    of_walls_ = all[0], openings_ = all[1], changed_gravity_ = all[2], initial_ = all[3];
+    last_fixed_power_ = all[4];
+    std::size_t at = 5;
+    for (auto* e : {&stored_, &at_start_, &work_}) {
+      std::array<double, 8> values;
+      for (double& v : values) v = all[at++];
+      *e = std::bit_cast<ContactEnergy<double>>(values);
+    }
+    last_.clear();
+    for (; at + 9 <= all.size(); at += 9)
+      last_.push_back({{all[at], all[at + 1], all[at + 2]},
+                       {all[at + 3], all[at + 4], all[at + 5]},
+                       {all[at + 6], all[at + 7], all[at + 8]}});
+  }
+  static constexpr std::size_t least_size = 5 + 3 * 8;
+
+ private:
+  struct Load {
+    Vec3d force, torque, reference;  // [N], [N m], [m]
+  };
+
+  /// Work of a wall on the particles in the last step [J]: mean load times displacement.
+  static double work_of(const Wall& wall, const Load& last) {
+    // Displacement of the wall where the torque is taken about, the same forwards and backwards.
+    const auto moved = [&](const Vec3d& p) {
+      return 0.5 * (wall.pose.to_space(wall.last_pose.to_body(p)) -
+                    wall.last_pose.to_space(wall.pose.to_body(p)));
+    };
+    const Vec3d here = wall.reference;
+    const Quaternion turn = wall.pose.rotation * conjugate(wall.last_pose.rotation);
+    const Vec3d axis{turn.x, turn.y, turn.z};
+    const double sine = norm(axis);
+    const double angle = 2 * std::atan2(turn.w < 0 ? -sine : sine, std::abs(turn.w));
+    const Vec3d rotation = sine == 0 ? Vec3d{0, 0, 0} : axis * (angle / sine);
+    // The last torque about the present reference.
+    const Vec3d torque = last.torque + cross(last.reference - here, last.force);
+    return -0.5 * (dot(last.force + wall.force, moved(here)) + dot(torque + wall.torque, rotation));
+  }
+
+  ContactEnergy<double> stored_ = no_energy<double>(), at_start_ = stored_, work_ = stored_;
+  std::vector<Load> last_;  // of each wall
+  double of_walls_ = 0, openings_ = 0, changed_gravity_ = 0, initial_ = 0, last_fixed_power_ = 0;
+};
+
+}  // namespace detail
+}  // namespace silt

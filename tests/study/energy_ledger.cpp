@@ -1,0 +1,269 @@
+// silt - BSD-3-Clause, see LICENSE
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <silt/silt.hpp>
+
+using silt::Vec3d;
+
+namespace {
+
+using Material = silt::HertzMindlin::Material;
+const Material glass{
+    .youngs_modulus = 1e8, .poisson_ratio = 0.25, .restitution = 0.8, .friction = 0.4};
+const Material elastic{.youngs_modulus = 1e8, .poisson_ratio = 0.25};
+
+/// Two spheres that spin and hit each other off centre.
+silt::Particles<silt::Sphere> two_spheres() {
+  silt::Particles<silt::Sphere> beads;
+  beads.add({{-0.0011, 0, 0}, 1e-3, 2500, {1, 0, 0}, {0, 0, 300}});
+  beads.add({{0.0013, 5e-4, 0}, 1.2e-3, 2500, {-1, 0, 0.2}, {100, 0, 0}});
+  return beads;
+}
+
+/// The largest residual of all steps over the energy turned over in the end [-].
+template <class Sim>
+double worst_residual(Sim& sim, double duration) {
+  double worst = 0;
+  sim.run(duration,
+          [&](const auto& s) { worst = std::max(worst, std::abs(s.energy().residual())); });
+  REQUIRE(sim.energy().turned_over > 0);
+  return worst / sim.energy().turned_over;
+}
+
+/// The order with which the residual falls from `dt` to a quarter of it.
+template <class Make>
+double order(const Make& make, double dt, double duration) {
+  double residual[2];
+  for (int k = 0; k < 2; ++k) {
+    auto sim = make();
+    sim.time_step = k == 0 ? dt : dt / 4;
+    residual[k] = worst_residual(sim, duration);
+  }
+  return std::log2(residual[0] / residual[1]) / 2;
+}
+
+template <class Contacts>
+double order_of_impact(const Contacts& contacts) {
+  return order(
+      [&] {
+        return silt::Simulation{two_spheres(), contacts, silt::EnergyLedger{}};
+      },
+      2e-7, 2e-4);
+}
+
+silt::Particles<silt::Sphere> cloud(std::size_t n, double side, double speed) {
+  silt::Particles<silt::Sphere> beads;
+  silt::Random random(7);
+  beads.fill({{0, 0, 0}, {side, side, side}},
+             {.radius = silt::uniform(0.8e-3, 1.2e-3), .density = 2500, .count = n});
+  for (std::size_t k = 0; k < beads.size(); ++k)
+    beads[k].velocity = {speed * random.normal(), speed * random.normal(), speed * random.normal()};
+  return beads;
+}
+
+}  // namespace
+
+TEST_CASE("ledger: an impact closes to second order in the step, whatever the law") {
+  CHECK(order_of_impact(silt::Contacts<silt::HertzMindlin>{elastic}) > 1.8);
+  CHECK(order_of_impact(silt::Contacts<silt::HertzMindlin>{glass}) > 1.8);
+  CHECK(order_of_impact(silt::Contacts<silt::LinearSpring>{{1e4, 0.8}}) > 1.8);
+  CHECK(order_of_impact(silt::Contacts<silt::LinearSpringFriction>{{1e4, 0.8, 0.4}}) > 1.8);
+  CHECK(order_of_impact(
+            silt::Contacts<silt::HertzDamped<silt::KuwabaraKono>>{{1e8, 0.25, 1e-6, 0.4}}) > 1.8);
+  CHECK(order_of_impact(silt::Contacts<silt::Dcdem>{{1e8, 0.25, 0.8, 0.4}}) > 1.8);
+  CHECK(order_of_impact(silt::Contacts<silt::HertzMindlin, silt::RollingEpsd>{
+            glass, {.rolling_friction = 0.2}}) > 1.8);
+  CHECK(order_of_impact(
+            silt::Contacts<silt::HertzMindlin, silt::Both<silt::RollingEpsd, silt::Twisting>>{
+                glass, {{.rolling_friction = 0.2}, {.twisting_friction = 0.4}}}) > 1.8);
+  CHECK(order_of_impact(silt::Contacts<silt::Cohesive<silt::HertzMindlin, silt::Dmt>>{
+            {glass, {.work_of_adhesion = 0.1}}}) > 1.8);
+}
+
+TEST_CASE("ledger: what is lost is in its channel") {
+  const auto run = [](const Material& m, auto... rolling) {
+    silt::Simulation sim{two_spheres(), silt::Contacts<silt::HertzMindlin>{m}, silt::EnergyLedger{},
+                         rolling...};
+    sim.time_step = 1e-7;
+    sim.run(4e-4);
+    return sim.energy();
+  };
+  const auto e = run(elastic);
+  const double all = e.initial;
+  // Nothing touches any more; the rest is of the order of (dt/contact)^2 = 1e-6.
+  CHECK(std::abs(e.elastic()) == 0);
+  CHECK(std::abs(e.dissipated()) < 1e-9 * all);
+  CHECK(std::abs(e.kinetic() - all) < 2e-6 * all);
+  const auto damped = run({1e8, 0.25, 0.8, 0});
+  CHECK(damped.friction == 0);
+  CHECK(damped.tangential_damping == 0);
+  CHECK(damped.normal_damping == doctest::Approx(all - damped.kinetic()).epsilon(1e-5));
+  // Gross sliding: dv_t = mu (1 + e) v_n, so that friction takes what is lost across the normal.
+  const auto rough = run({1e8, 0.25, 1, 0.02});
+  CHECK(std::abs(rough.normal_damping) < 1e-6 * all);
+  CHECK(rough.friction == doctest::Approx(all - rough.kinetic()).epsilon(1e-4));
+}
+
+TEST_CASE("ledger: a closed form of each loss") {
+  // A head-on impact loses (1 - e^2) of the energy of the approach.
+  silt::Particles<silt::Sphere> beads;
+  beads.add({{-0.00101, 0, 0}, 1e-3, 2500, {1, 0, 0}});
+  beads.add({{0.00101, 0, 0}, 1e-3, 2500, {-1, 0, 0}});
+  silt::Simulation sim{beads, silt::Contacts<silt::HertzMindlin>{glass}, silt::EnergyLedger{}};
+  sim.time_step = 5e-8;
+  sim.run(2e-4);
+  const auto e = sim.energy();
+  CHECK(e.normal_damping == doctest::Approx((1 - 0.64) * e.initial).epsilon(1e-3));
+  // Turned over: in on the approach, out with what is left of it; forces differ by the dashpot's.
+  CHECK(e.turned_over == doctest::Approx(0.5 * (1 + 0.64) * e.initial).epsilon(1e-3));
+
+  // A sphere that slides on a plane until it rolls loses 2/7 of its energy to friction.
+  silt::Particles<silt::Sphere> ball;
+  ball.add({{0, 0, 0.999e-3}, 1e-3, 2500, {0.2, 0, 0}});
+  silt::Simulation slide{ball, silt::Contacts<silt::HertzMindlin>{glass}, silt::EnergyLedger{}};
+  slide.gravity = {0, 0, -9.81};
+  slide.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, glass);
+  slide.run(0.05);
+  const auto s = slide.energy();
+  const double start = 0.5 * slide.mass(0) * 0.04;
+  CHECK(s.friction + s.tangential_damping == doctest::Approx(2.0 / 7 * start).epsilon(2e-3));
+  CHECK(s.rotation == doctest::Approx(2.0 / 7 * s.kinetic()).epsilon(2e-3));
+}
+
+TEST_CASE("ledger: many elastic spheres between walls close below 1e-6 of the energy turned over") {
+  silt::Simulation sim{cloud(300, 0.02, 0.3), silt::Contacts<silt::HertzMindlin>{elastic},
+                       silt::EnergyLedger{}};
+  sim.add_wall(silt::box({0, 0, 0}, {0.02, 0.02, 0.02}), elastic);
+  sim.gravity = {0, 0, -9.81};
+  sim.time_step = 2e-7;
+  sim.run(0.04, [&](const auto& s) {
+    if (s.step() % 500 != 0) return;
+    const auto e = s.energy();
+    // A contact in progress is off by some (dt w)^2/8 of its energy, of which some are under way.
+    CHECK(std::abs(e.residual()) < 1e-6 * std::max(e.turned_over, e.initial));
+  });
+  const auto e = sim.energy();
+  CHECK(e.turned_over > 5 * e.initial);
+  CHECK(std::abs(e.residual()) < 1e-6 * e.turned_over);
+}
+
+TEST_CASE("ledger: mixed precision closes as double does") {
+  const auto run = [](auto precision) {
+    silt::Simulation sim{cloud(200, 0.02, 0.3), silt::Contacts<silt::HertzMindlin>{glass},
+                         silt::EnergyLedger{}, precision};
+    sim.add_wall(silt::box({0, 0, 0}, {0.02, 0.02, 0.02}), glass);
+    sim.time_step = 1e-6;
+    sim.run(0.01);
+    return sim.energy();
+  };
+  const auto doubles = run(silt::Double{}), floats = run(silt::Mixed{});
+  CHECK(floats.dissipated() > 0.5 * floats.initial);
+  CHECK(std::abs(floats.residual() - doubles.residual()) < 1e-7 * floats.initial);
+}
+
+TEST_CASE("ledger: work of walls that move, and of fixed particles that do") {
+  const auto make = [] {
+    silt::Simulation sim{cloud(50, 0.01, 0.1), silt::Contacts<silt::HertzMindlin>{glass},
+                         silt::EnergyLedger{}};
+    sim.add_wall(silt::box({0, 0, 0}, {0.01, 0.01, 0.01}), glass,
+                 silt::rotation({0.005, 0.005, 0.005}, {0, 1, 1}, 40.0));
+    return sim;
+  };
+  auto sim = make();
+  sim.time_step = 1e-6;
+  sim.run(0.05);
+  CHECK(sim.energy().walls > sim.energy().initial);  // they are driven
+  CHECK(std::abs(sim.energy().residual()) < 1e-4 * sim.energy().walls);
+  CHECK(order(make, 1e-6, 0.01) > 1.6);
+
+  const auto pushed = [](double friction) {
+    silt::Particles<silt::Sphere> beads;
+    beads.add({.position = {0, 0, 0},
+               .radius = 1e-3,
+               .density = 2500,
+               .velocity = {1, 0, 0},
+               .angular_velocity = {0, 0, 500},
+               .fixed = true});
+    beads.add({{0.0021, 3e-4, 0}, 1e-3, 2500});
+    return silt::Simulation{beads, silt::Contacts<silt::HertzMindlin>{{1e8, 0.25, 0.8, friction}},
+                            silt::EnergyLedger{}};
+  };
+  auto one = pushed(0.4);
+  one.time_step = 1e-7;
+  one.run(5e-4);
+  CHECK(one.energy().initial == 0);
+  CHECK(one.energy().kinetic() > 0);
+  CHECK(one.energy().walls ==
+        doctest::Approx(one.energy().kinetic() + one.energy().dissipated()).epsilon(1e-5));
+  CHECK(order([&] { return pushed(0); }, 4e-7, 5e-4) > 1.8);
+}
+
+TEST_CASE("ledger: particles that come and go, gravity that is changed") {
+  double residual[2];
+  for (int k = 0; k < 2; ++k) {
+    silt::Simulation sim{cloud(20, 0.01, 0.1), silt::Contacts<silt::HertzMindlin>{glass},
+                         silt::EnergyLedger{}};
+    sim.gravity = {0, 0, -9.81};
+    sim.add_inlet(silt::Box{{0, 0, 0.02}, {0.01, 0.01, 0.03}},
+                  {.radius = silt::uniform(0.5e-3, 1e-3),
+                   .density = 2500,
+                   .rate = 5000,
+                   .velocity = {0, 0, -1}});
+    sim.add_outlet({{-0.1, -0.1, -0.06}, {0.11, 0.11, -0.04}});
+    sim.time_step = k == 0 ? 1e-6 : 0.25e-6;
+    sim.run(0.05);
+    sim.gravity = {3, 0, -9.81};
+    sim.run(0.03);
+    const auto e = sim.energy();
+    CHECK(sim.outlet(0).count > 50);
+    CHECK(std::abs(e.changed_gravity) > 1e-3 * std::abs(e.openings));
+    residual[k] = std::abs(e.residual());
+    CHECK(residual[k] < 2e-4 * e.turned_over);  // 20 to 80 steps a contact
+  }
+  CHECK(std::log2(residual[0] / residual[1]) / 2 > 1.7);
+}
+
+TEST_CASE("ledger: a checkpoint keeps the books") {
+  std::string folder = (std::filesystem::temp_directory_path() / "silt_ledger_XXXXXX").string();
+  REQUIRE(::mkdtemp(folder.data()) != nullptr);
+  const auto make = [] {
+    silt::Simulation sim{cloud(50, 0.01, 0.5), silt::Contacts<silt::HertzMindlin>{glass},
+                         silt::EnergyLedger{}};
+    sim.add_wall(silt::box({0, 0, 0}, {0.01, 0.01, 0.01}), glass,
+                 silt::vibration({1e-3, 0, 0}, 50.0));
+    sim.time_step = 1e-6;
+    return sim;
+  };
+  auto whole = make();
+  whole.run(0.002), whole.run(0.002);
+  auto first = make();
+  first.run(0.002);
+  silt::save_checkpoint(first, folder + "/books.silt");
+  auto second = make();
+  silt::load_checkpoint(second, folder + "/books.silt");
+  second.run(0.002);
+  CHECK(second.energy().residual() == whole.energy().residual());
+  CHECK(second.energy().friction == whole.energy().friction);
+  CHECK(second.energy().walls == whole.energy().walls);
+  std::filesystem::remove_all(folder);
+}
+
+TEST_CASE("ledger: same books for any number of threads; none before the first run") {
+  double friction[2];
+  for (int k = 0; k < 2; ++k) {
+    silt::Simulation sim{cloud(3000, 0.04, 0.5), silt::Contacts<silt::HertzMindlin>{glass},
+                         silt::EnergyLedger{}};
+    CHECK_THROWS_WITH_AS(sim.energy(), doctest::Contains("run() first"), silt::InputError);
+    sim.threads = 1 + 2 * k, sim.time_step = 1e-6;
+    sim.run(0.002);
+    friction[k] = sim.energy().friction;
+  }
+  CHECK(friction[0] == friction[1]);
+}
