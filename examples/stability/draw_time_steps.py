@@ -21,27 +21,29 @@ def main(table, picture):
             laws.setdefault(row["law"], []).append(row)
     figure, axes = plt.subplots(figsize=(7.5, 4.6), constrained_layout=True)
     axes.axvspan(1, 12, color="0.93", lw=0)
+    share = lambda rows: [float(r["step over limit [-]"]) for r in rows]
+    error = lambda rows: [max(float(r["error [-]"]), 1e-6) for r in rows]
     for colour, (law, rows) in zip(COLOURS, laws.items()):
         run = [r for r in rows if r["stopped"] == "0"]
-        axes.loglog([float(r["step over limit [-]"]) for r in run],
-                    [max(float(r["error [-]"]), 1e-6) for r in run], "-o", ms=3, lw=1.4,
-                    color=colour, label=law)
-        last = run[-1]
+        axes.loglog(share(run), error(run), "-o", ms=3, lw=1.5, color=colour, label=law)
         if len(run) < len(rows):  # from the next one on it is stopped
-            axes.plot(float(last["step over limit [-]"]), max(float(last["error [-]"]), 1e-6), "X",
-                      ms=10, color=colour, mec="white", mew=0.8)
+            axes.plot(share(run[-1:]), error(run[-1:]), "X", ms=9, color=colour, mec="white", mew=0.8)
+            beyond = rows[len(run) - 1:]
+            axes.plot(share(beyond), error(beyond), ":", lw=1.2, color=colour)
     axes.axvline(1, color="black", lw=1.2)
     axes.axvline(8 / 20, color="black", lw=1, ls=":")
-    top = axes.get_ylim()[1]
-    axes.text(1.05, top * 0.8, "over the limit:\nrefused, unless lifted", va="top", fontsize=9)
-    axes.text(8 / 20 * 0.95, top * 0.8, "chosen by silt", va="top", ha="right", fontsize=9)
-    axes.set(xlim=(0.009, 12), xlabel="time step over the guard's limit, an eighth of a contact [-]",
+    axes.set(xlim=(0.009, 12), ylim=(2e-6, 300),
+             xlabel="time step over the guard's limit, an eighth of a contact [-]",
              ylabel="error of the speed after the impact\nover that before, worst phase [-]")
-    axes.plot([], [], "X", ms=9, color="0.3", mec="white", label="stopped by max_rate beyond")
+    axes.text(1.06, 200, "refused, unless lifted", va="top", fontsize=9)
+    axes.text(0.38, 200, "chosen by silt", va="top", ha="right", fontsize=9)
+    axes.axhline(1, color="0.6", lw=0.8)
+    axes.plot([], [], "X", ms=9, color="0.3", mec="white", label="last before max_rate stops it")
+    axes.plot([], [], ":", color="0.3", label="without the guard")
     axes.grid(True, which="major", color="0.88", lw=0.8)
     axes.set_axisbelow(True)
     axes.spines[["top", "right"]].set_visible(False)
-    axes.legend(fontsize=8.5, frameon=True, framealpha=0.9, edgecolor="none", loc="lower right")
+    axes.legend(fontsize=8.5, frameon=True, framealpha=0.9, edgecolor="none", loc="upper left", bbox_to_anchor=(0.0, 0.93))
     figure.savefig(picture, dpi=110)
 
 

@@ -22,6 +22,7 @@ struct Hit {
   double speed = 1;        // [m/s]
   double gap = 0.01;       // [-] of the radius, at the start
   double time_step = 0;    // [s] 0: what silt chooses
+  bool unguarded = false;  // all limits lifted
   double lifted_to = 0;    // [-] guard.max_time_step, if not the default
   double duration = 1e-3;  // [s] from first touch on: the contact must be over
 
@@ -54,6 +55,9 @@ Rebound rebound(const ContactsType& contacts, const Hit& hit) {
   sim.threads = 1;
   if (hit.time_step > 0) sim.time_step = hit.time_step;
   if (hit.lifted_to > 0) sim.guard.max_time_step = hit.lifted_to;
+  if (hit.unguarded)
+    sim.guard.max_time_step = sim.guard.max_rate = sim.guard.max_travel = sim.guard.max_overlap =
+        1e9;
   const double start = sim.mass(0) * sim.velocity(0).z;
   sim.run(hit.gap * hit.radius / hit.speed + hit.duration);
   double parting = sim.velocity(sim.find(0)).z, momentum = 0;

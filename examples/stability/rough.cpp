@@ -186,7 +186,8 @@ void rough(Table& table) {
     for (const double friction : {0.1, 2.0})
       for (const double rolling : {0.1, 0.5, 1.0, 2.0, 10.0})
         for (const bool at_limit : {false, true})
-          if (!table.quick || rolling != 0.5) row({friction, rolling, friction}, at_limit);
+          if (!table.quick || (rolling != 0.5 && rolling != 1))
+            row({friction, rolling, friction}, at_limit);
     for (const double damping : {1.0, 10.0}) row({0.5, 0.5, 0.5, damping}, false);
   };
   table.scene("Friction with resistance to rolling and twisting",

@@ -14,7 +14,7 @@ namespace stability {
 
 namespace {
 
-constexpr int name_width = 52, sentence_width = 92;
+constexpr int name_width = 60, sentence_width = 88;
 
 const char* word(Verdict v) {
   switch (v) {

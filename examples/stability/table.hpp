@@ -65,7 +65,8 @@ struct StepPoint {
   double share;  // [-] of the limit
   double error;  // [-] worst of the phases, of the speed after an impact over that before
   double most;   // [-] the limit of that error
-  bool stopped;  // by the guard, with the time step's own limit lifted
+  bool stopped;  // by the guard, with the time step's own limit lifted (error: with all limits
+                 // lifted)
 };
 
 // The scenes, each file a few.

@@ -101,7 +101,7 @@ TEST_CASE("contact_rates: a light sphere under a heavy one swings alone") {
         doctest::Approx(1e-9 * std::sqrt(1e4 / mass * 1.001)).epsilon(1e-6));
 }
 
-TEST_CASE("contact_rates: resistance to rolling counts with the inertia of rolling") {
+TEST_CASE("contact_rates: resistance to rolling counts with the inertia of the spheres") {
   const double k = 1e4, mu = 5, eta = 0.4;
   Particles<Sphere> p;
   p.add({.position = {0, 0, 0.9e-3}, .radius = radius, .density = density});
@@ -110,9 +110,10 @@ TEST_CASE("contact_rates: resistance to rolling counts with the inertia of rolli
   sim.threads = 1, sim.time_step = 1e-9;
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, {k, 1.0});
   sim.run(0);
-  // k_r = 2.25 k mu^2 r^2, I = 1.4 m r^2, C = 2 eta sqrt(I k_r)
-  const double omega = std::sqrt(2.25 * k * mu * mu / (1.4 * mass));
-  CHECK(rates(sim).rate(0) == doctest::Approx(1e-9 * omega * (1 + eta)).epsilon(1e-6));
+  // k_r = 2.25 k mu^2 r^2, C = 2 eta sqrt(1.4 m r^2 k_r), over the inertia 0.4 m r^2
+  const double omega = std::sqrt(2.25 * k * mu * mu / (0.4 * mass));
+  CHECK(rates(sim).rate(0) ==
+        doctest::Approx(1e-9 * omega * (1 + eta * std::sqrt(3.5))).epsilon(1e-6));
 }
 
 TEST_CASE("contact_rates: a grain that slow plates squeeze stops the run before it trembles") {

@@ -22,8 +22,8 @@ namespace silt::inline SILT_TARGET::detail {
 /// k (a - b)^2 <= k (1 + s) a^2 + k (1 + 1/s) b^2 with s = sqrt(m_i/m_j); it is that of a lattice
 /// whose neighbours swing against each other. Leapfrog breaks where dt times it is 2; an impact
 /// errs by some 10 % at a rate of 1.25, and makes energy above (docs/stability.md).
-/// The same of rolling and twisting, with the couple over the relative rotation and the inertia of
-/// rolling 1.4 m r^2, without n n^T.
+/// The same of rolling and twisting, with the couple over the relative rotation and the inertia
+/// 0.4 m r^2 of a sphere whose contact slides, without n n^T.
 /// The limit of the time step looks at speeds alone: this one sees grains that are squeezed or
 /// stick, contacts that few steps resolve, and resistance to rolling that is too stiff or too
 /// strongly damped. Spheres where they were `back` [s] ago.
@@ -83,7 +83,7 @@ LinearContact linearised_rolling(const Contact<double>& at, double normal_force,
       couple = Rolling::torque(c, p);
     }
     const double r = -dot(couple, twists ? n : across) / slow;
-    return std::isfinite(r) ? r * (twists ? 3.5 : 1) : 0.0;  // twisting: 0.4 m r^2
+    return std::isfinite(r) ? r : 0.0;
   };
   LinearContact most{0, 0};
   for (const bool twists : {false, true}) {
@@ -199,8 +199,8 @@ class ContactRates {
     const double r = e_.particles.position[i].r, w = inv_m + both;
     sums_[i].k.add(pair.normal.k * w, n), sums_[i].c.add(pair.normal.c * w, n);
     // Both spheres of a pair bear the couple: as in (1), with the inertia for the mass.
-    sums_[i].rolling.k += pair.rolling.k * w / (1.4 * r * r);
-    sums_[i].rolling.c += pair.rolling.c * w / (1.4 * r * r);
+    sums_[i].rolling.k += pair.rolling.k * w / (0.4 * r * r);
+    sums_[i].rolling.c += pair.rolling.c * w / (0.4 * r * r);
   }
 
   const EngineType& e_;
