@@ -35,6 +35,7 @@ namespace silt::inline SILT_TARGET {
 ///   fluid      NoFluid                                        NoFluid
 ///   precision  Double, Mixed                                  Double
 ///   kernels    KernelsFor<Arch>                               what the compile flags allow
+///   integrator Leapfrog, SymplecticEuler, Gear                Leapfrog
 ///   ledger     EnergyLedger                                   no books of the energy
 ///
 /// Lengths in m, times in s, masses in kg. Errors: InputError for values and combinations that
@@ -53,14 +54,17 @@ class Simulation {
                 "Simulation takes one domain (silt/boundary/domain.hpp)");
   static_assert(detail::count<detail::IsFluid, Policies...> <= 1,
                 "Simulation takes one fluid coupling (silt/coupling/no_fluid.hpp)");
+  static_assert(detail::count<detail::IsIntegrator, Policies...> <= 1,
+                "Simulation takes one integrator (silt/motion/concept.hpp)");
   static_assert(detail::count<detail::IsPrecision, Policies...> <= 1,
                 "Simulation takes one precision: Double or Mixed (silt/engine/precision.hpp)");
   static_assert(
       (detail::belongs_to_an_axis<Policies> && ...),
       "a policy given to Simulation belongs to no axis: it must be Particles, Contacts, a "
-      "NeighbourSearch, a domain, a FluidCoupling, a precision, KernelsFor or EnergyLedger; the "
+      "NeighbourSearch, a domain, a FluidCoupling, a precision, an Integrator, KernelsFor or "
+      "EnergyLedger; the "
       "contracts are in "
-      "silt/contact/, search/, boundary/, coupling/ concept.hpp");
+      "silt/contact/, search/, boundary/, coupling/, motion/ concept.hpp");
 
  public:
   using ParticlesType = detail::pick<detail::IsParticles, void, Policies...>;
@@ -70,11 +74,13 @@ class Simulation {
   using Fluid = detail::pick<detail::IsFluid, NoFluid, Policies...>;
   using Arch = typename detail::pick<detail::IsKernels, KernelsFor<DefaultArch>, Policies...>::type;
   using Precision = detail::pick<detail::IsPrecision, Double, Policies...>;
+  using Integrator = detail::pick<detail::IsIntegrator, Leapfrog, Policies...>;
   using ShapeType = typename ParticlesType::ShapeType;
   static constexpr bool has_ledger = detail::count<detail::IsLedger, Policies...> > 0;
   using EngineContacts =
       std::conditional_t<has_ledger, detail::WithLedger<ContactsType>, ContactsType>;
-  using Engine = detail::Engine<ShapeType, EngineContacts, Search, Domain, Arch, Precision>;
+  using Engine =
+      detail::Engine<ShapeType, EngineContacts, Search, Domain, Arch, Precision, Integrator>;
 
   static constexpr bool rotates = ContactsType::rotates;
   /// State of one particle [bytes]: no more than the policies need.
@@ -227,12 +233,13 @@ class Simulation {
     if (first_kick_) engine_.start_walls(time_, dt_);
     openings_.update(engine_, *this);
     engine_.renew_lists(search_, domain_, step_, dt_);
-    const detail::StepTimes times{dt_, first_kick_ ? 0 : dt_, observed || first_kick_};
+    const detail::StepTimes times{dt_, first_kick_ ? 0 : dt_, observed || first_kick_,
+                                  Integrator::lag};
     engine_.pair_forces(domain_, times);
     engine_.wall_forces(times);
     book_step(times);
     using Advance = typename Engine::Advance;
-    const double kick = first_kick_ ? 0.5 * dt_ : dt_;
+    const double kick = first_kick_ ? Integrator::first_kick * dt_ : dt_;
     engine_.integrate(observed ? Advance::KickAndRecord : Advance::KickAndDrift, gravity, kick, dt_,
                       first_kick_);
     first_kick_ = false;

@@ -30,6 +30,7 @@ struct Contact {
   Real radius_i, radius_j;         // [m], of a wall 0; of laws that say `needs_radii` alone
   Vec3<Real> turn;                 // [rad] rotation of the contact frame during the last step
   Real time_step;                  // [s]
+  Real lag;                        // [s] twice the age of the velocities: time_step, or 0 (Gear)
 
   /// A vector of the last step's tangent plane, turned with the contact into the present tangent
   /// plane, its length kept.

@@ -23,7 +23,7 @@ inline Real leapfrog_damping(const Real& c, const Real& inverse_mass, const Real
 template <DampingEnd End, class Real>
 inline Real normal_force(const Real& elastic, const Real& damping, const Contact<Real>& c) {
   const Real force =
-      elastic - leapfrog_damping(damping, c.inverse_m_eff, c.time_step) * c.normal_velocity;
+      elastic - leapfrog_damping(damping, c.inverse_m_eff, c.lag) * c.normal_velocity;
   if constexpr (End == DampingEnd::ZeroForce)
     return max(force, Real(0));
   else
@@ -65,7 +65,7 @@ struct SpringSlider {
  private:
   /// The tangential motion of two solid spheres at their contact carries 2/7 of m*.
   Real tangential_damping(const Contact<Real>& c) const {
-    return leapfrog_damping(damping, c.inverse_m_eff, Real(3.5) * c.time_step);
+    return leapfrog_damping(damping, c.inverse_m_eff, Real(3.5) * c.lag);
   }
   Real share_within_limit(const Vec3<Real>& total, const Real& Fn) const {
     // 1/size as size (1/size^2): division and square root need not wait for each other.

@@ -7,6 +7,7 @@
 #include <silt/contact/contacts.hpp>
 #include <silt/coupling/no_fluid.hpp>
 #include <silt/fill/particles.hpp>
+#include <silt/motion/concept.hpp>
 #include <silt/search/concept.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -58,9 +59,13 @@ template <class P>
 } > {};
 
 template <class P>
+struct IsIntegrator : std::bool_constant<Integrator<P>> {};
+
+template <class P>
 inline constexpr bool belongs_to_an_axis =
     IsParticles<P>::value || IsContacts<P>::value || IsSearch<P>::value || IsDomain<P>::value ||
-    IsFluid<P>::value || IsKernels<P>::value || IsPrecision<P>::value || IsLedger<P>::value;
+    IsFluid<P>::value || IsKernels<P>::value || IsPrecision<P>::value || IsLedger<P>::value ||
+    IsIntegrator<P>::value;
 
 template <template <class> class Is, class... Policies>
 inline constexpr int count = (0 + ... + int{Is<Policies>::value});

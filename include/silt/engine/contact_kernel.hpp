@@ -199,14 +199,14 @@ struct ContactKernel {
   using RollingCoefficients = typename Rolling::template Coefficients<Real>;
 
   static SILT_INLINE Contact<Real> contact(const Kinematics<Real>& k, const Radii<Real>& radii,
-                                           const Real& time_step) {
+                                           const Real& time_step, const Real& lag) {
     Contact<Real> c;
     c.radius_i = radii.i, c.radius_j = radii.j;
     c.normal = k.normal;
     c.overlap = ActsAtDistance<Law> ? k.overlap : max(k.overlap, Real(0));
     c.R_eff = k.R_eff, c.m_eff = k.m_eff, c.inverse_m_eff = k.inverse_m_eff;
-    c.time_step = time_step;
-    const Vec3<Real> middle = k.normal - Real(0.5) * k.change;  // half a step ago
+    c.time_step = time_step, c.lag = Real(2) * lag * time_step;
+    const Vec3<Real> middle = k.normal - lag * k.change;  // when velocities were these
     c.normal_velocity = dot(k.velocity, middle);
     if constexpr (ContactsType::rotates) {
       Vec3<Real> slip = k.velocity - c.normal_velocity * middle - k.arm * cross(k.spin, middle);
@@ -235,15 +235,13 @@ struct ContactKernel {
 
   /// `history`: one pointer a component, at this pack; lanes out of contact are set to zero.
   /// `with_stored`: the ledger wants to know what is stored now.
-  static SILT_INLINE PairLoad<Real> load(const Kinematics<Real>& k,
-                                         const RollingKinematics<Real>& r, const Radii<Real>& radii,
-                                         const Real& time_step, [[maybe_unused]] bool with_stored,
-                                         const LawCoefficients& law,
-                                         [[maybe_unused]] const RollingCoefficients& rolling,
-                                         ScalarOf<Real>* const* history,
-                                         [[maybe_unused]] RunningTally<ContactsType, Real>& tally,
-                                         [[maybe_unused]] LedgerTerms<Real>& terms) {
-    const Contact<Real> c = contact(k, radii, time_step);
+  static SILT_INLINE PairLoad<Real> load(
+      const Kinematics<Real>& k, const RollingKinematics<Real>& r, const Radii<Real>& radii,
+      const Real& time_step, const Real& lag, [[maybe_unused]] bool with_stored,
+      const LawCoefficients& law, [[maybe_unused]] const RollingCoefficients& rolling,
+      ScalarOf<Real>* const* history, [[maybe_unused]] RunningTally<ContactsType, Real>& tally,
+      [[maybe_unused]] LedgerTerms<Real>& terms) {
+    const Contact<Real> c = contact(k, radii, time_step, lag);
     const auto touching = acting(k, law);
     const Real zero(0);
     PairLoad<Real> out;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <numeric>
@@ -14,6 +15,7 @@
 #include <silt/engine/particle_state.hpp>
 #include <silt/engine/precision.hpp>
 #include <silt/engine/wall_pipeline.hpp>
+#include <silt/motion/gear.hpp>
 #include <silt/motion/leapfrog.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -21,7 +23,7 @@ namespace silt::inline SILT_TARGET::detail {
 /// The state of a simulation and the stages of its step, each a plain function of state. Knows the
 /// policies, but neither observers nor files nor the order of the stages: that is Simulation's.
 template <class ShapeType, class ContactsType, class Search, class Domain, class Arch,
-          class Precision>
+          class Precision, class Integrator = Leapfrog>
 class Engine {
  public:
   using Contacts = ContactsType;
@@ -29,7 +31,9 @@ class Engine {
   static constexpr std::size_t chunks = load_chunks<ContactsType>;
   static constexpr std::size_t history = ContactsType::history;  // Reals of a contact
   using Scalar = typename Precision::PairScalar;                 // of the work on pairs
-  using State = ParticleState<rotates, ContactsType::several_materials, Scalar>;
+  static constexpr bool predicts = Integrator::derivatives > 0;
+  using State =
+      ParticleState<rotates, ContactsType::several_materials, Scalar, Integrator::derivatives>;
   using Motion = typename State::Motion;
   using Lists = NearLists<ContactsType::history, Scalar, State, Search, Domain, Arch>;
 
@@ -165,24 +169,34 @@ class Engine {
     if (how == Advance::KickAndDrift) lists.upkeep.used += largest_share * time_step;
   }
 
-  /// The velocities, of half a step after the last observed state, of `ratio` times that later.
-  void change_half_step(double ratio) {
-    for (std::size_t k = 0; k < particles.size(); ++k) {
-      Motion& m = particles.motion[k];
-      const Synchronous& now = synchronous[k];
-      const Vec3d v = now.velocity + ratio * (m.velocity() - now.velocity);
-      m.vx = v.x, m.vy = v.y, m.vz = v.z;
-      if constexpr (rotates) {
-        const Vec3d w = now.spin_velocity + ratio * (m.spin_velocity() - now.spin_velocity);
-        m.wx = w.x, m.wy = w.y, m.wz = w.z;
+  /// After an observed state: the step will be `ratio` times as long.
+  void change_step(double ratio) {
+    for (std::size_t k = 0; predicts && k < particles.size(); ++k) {
+      auto& rows = particles.derivatives[k].row;
+      for (std::size_t d = 0; d < State::derivative_rows; ++d) {
+        const double order = static_cast<double>(d < Integrator::derivatives ? d + 2 : d - 3);
+        for (double& q : rows[d]) q *= std::pow(ratio, order);
       }
     }
+    // Velocities of half a step later.
+    if constexpr (!predicts && Integrator::first_kick == 0.5)
+      for (std::size_t k = 0; k < particles.size(); ++k) {
+        Motion& m = particles.motion[k];
+        const Synchronous& now = synchronous[k];
+        const Vec3d v = now.velocity + ratio * (m.velocity() - now.velocity);
+        m.vx = v.x, m.vy = v.y, m.vz = v.z;
+        if constexpr (rotates) {
+          const Vec3d w = now.spin_velocity + ratio * (m.spin_velocity() - now.spin_velocity);
+          m.wx = w.x, m.wy = w.y, m.wz = w.z;
+        }
+      }
     particles.renew_pair_motion(*team_);
   }
 
   void drift(double time_step) {
     const Row time = Row::of(time_step, time_step, time_step, 0);
     team_->for_ranges(particles.size(), [&](std::size_t, std::size_t from, std::size_t to) {
+      if constexpr (predicts) return predict_all(from, to, time_step);
       for (std::size_t k = from; k < to; ++k)
         Leapfrog::drift(Row::load(&particles.position[k].x), Row::load(&particles.motion[k].vx),
                         time)
@@ -251,6 +265,7 @@ class Engine {
                          Row::of(kick.drift, kick.drift, kick.drift, 0),
                          kick.time,
                          kick.time / ShapeType::inertia_factor(),
+                         kick.drift,
                          kick.first,
                          particles.position.data(),
                          particles.motion.data(),
@@ -261,7 +276,8 @@ class Engine {
     std::size_t k = from;
     for (; k + W <= to; k += W) {
       Row velocity[W];
-      for (std::size_t lane = 0; lane < W; ++lane) velocity[lane] = kick_one<How>(k + lane, with);
+      for (std::size_t lane = 0; lane < W; ++lane)
+        velocity[lane] = advance_one<How>(k + lane, with);
       Real v[4];
       rows_to_columns<Arch>(velocity, v);
       const Real v2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
@@ -278,8 +294,9 @@ class Engine {
     for (std::size_t lane = 0; lane < W; ++lane)
       include(lanes[0][lane], lanes[1][lane], lanes[2][lane]);
     for (; k < to; ++k) {
-      kick_one<How>(k, with);
-      const Vec3d v = particles.motion[k].velocity();
+      alignas(32) double row[4];
+      advance_one<How>(k, with).store(row);
+      const Vec3d v{row[0], row[1], row[2]};
       include(dot(v, v), dot(v, v), dot(v, v) * per_inner2[k]);
     }
     return speeds;
@@ -288,6 +305,7 @@ class Engine {
   struct Constants {
     Row gravity, drift;      // {m/s2}, {s}
     double time, spin_time;  // [s]
+    double step;             // [s]
     bool first_kick;
     // Here because a store through a register of lanes may change any member, for all that is
     // known.
@@ -296,7 +314,85 @@ class Engine {
     typename State::PairMotion* pair_motion;
     Scalar* sums;
   };
-  /// Returns the velocity as a row.
+  /// Returns the velocity of the next drift as a row.
+  template <Advance How>
+  SILT_INLINE Row advance_one(std::size_t k, const Constants& with) {
+    if constexpr (predicts)
+      return correct_one<How>(k, with);
+    else
+      return kick_one<How>(k, with);
+  }
+  template <Advance How>
+  Row correct_one(std::size_t k, const Constants& with) {
+    Motion& m = with.motion[k];
+    Scalar* const load = with.sums + k * 4 * chunks;
+    const auto load_of = [&](std::size_t chunk) {
+      return convert<double>(Row4<Arch, Scalar>::load(load + 4 * chunk));
+    };
+    auto& rows = particles.derivatives[k].row;
+    const bool is_new = std::isnan(rows[0][0]);
+    const double inv_m = m.inv_m, dt = with.step;
+    const auto load_rows = [&](Row(&q)[4], std::size_t first) {
+      for (std::size_t d = 0; d < 4; ++d) q[d] = Row::load(rows[first + d]);
+    };
+    const auto store_rows = [&](const Row(&q)[4], std::size_t first) {
+      for (std::size_t d = 0; d < 4; ++d) q[d].store(rows[first + d]);
+    };
+    Row x = Row::load(&with.position[k].x), v = Row::load(&m.vx), q[4];
+    const Row before = x;
+    const Row acceleration =
+        load_of(0) * Row::all(inv_m) + with.gravity * Row::all(inv_m > 0 ? 1 : 0);
+    if (is_new) {
+      q[0] = acceleration * Row::all(0.5 * dt * dt), q[1] = q[2] = q[3] = Row::all(0);
+    } else {
+      load_rows(q, 0);
+      Integrator::correct(x, v, q, acceleration, dt);
+    }
+    store_rows(q, 0), x.store(&with.position[k].x), v.store(&m.vx);
+    const Row moved = x - before + Integrator::displacement(v, q, with.drift);
+    if constexpr (rotates) {
+      Row spin = Row::load(&m.wx), p[4];
+      const double push = inv_m / ShapeType::inertia_factor();
+      Row rate = load_of(1) * Row::all(push);
+      if constexpr (ContactsType::has_rolling) rate = rate + load_of(2) * Row::all(push * m.inv_r);
+      if (is_new) {
+        p[0] = rate * Row::all(dt), p[1] = p[2] = p[3] = Row::all(0);
+      } else {
+        load_rows(p, 4);
+        Integrator::correct_spin(spin, p, rate, dt);
+      }
+      store_rows(p, 4), spin.store(&m.wx);
+    }
+    const auto nothing = Row4<Arch, Scalar>::all(0);
+    for (std::size_t c = 0; c < chunks; ++c) nothing.store(load + 4 * c);
+    if constexpr (How == Advance::KickAndRecord)
+      record(k, m, m, true);
+    else
+      predict_all(k, k + 1, dt);
+    return moved * Row::all(1 / dt);
+  }
+  /// Predicts the next state of particles from ... to-1.
+  void predict_all(std::size_t from, std::size_t to, double dt) {
+    const Row time = Row::of(dt, dt, dt, 0);
+    for (std::size_t k = from; k < to; ++k) {
+      Motion& m = particles.motion[k];
+      auto& rows = particles.derivatives[k].row;
+      Row x = Row::load(&particles.position[k].x), v = Row::load(&m.vx), q[4];
+      for (std::size_t d = 0; d < 4; ++d) q[d] = Row::load(rows[d]);
+      Integrator::predict(x, v, q, time, dt);
+      x.store(&particles.position[k].x), v.store(&m.vx);
+      for (std::size_t d = 0; d < 4; ++d) q[d].store(rows[d]);
+      if constexpr (single) convert<float>(v).store(&particles.pair_rows()[k].vx);
+      if constexpr (rotates) {
+        Row spin = Row::load(&m.wx);
+        for (std::size_t d = 0; d < 4; ++d) q[d] = Row::load(rows[4 + d]);
+        Integrator::predict_spin(spin, q);
+        spin.store(&m.wx);
+        for (std::size_t d = 0; d < 4; ++d) q[d].store(rows[4 + d]);
+        if constexpr (single) convert<float>(spin).store(&particles.pair_rows()[k].wx);
+      }
+    }
+  }
   template <Advance How>
   SILT_INLINE Row kick_one(std::size_t k, const Constants& with) {
     Motion& m = with.motion[k];
@@ -331,6 +427,7 @@ class Engine {
   /// At the whole step the velocity is the mean of the two half steps around it.
   void record(std::size_t k, const Motion& before, const Motion& after, bool first_kick) {
     auto& s = synchronous[k];
+    first_kick |= Integrator::first_kick != 0.5;  // velocities of whole steps
     s.velocity = first_kick ? before.velocity() : 0.5 * (before.velocity() + after.velocity());
     if constexpr (rotates)
       s.spin_velocity = first_kick ? before.spin_velocity()

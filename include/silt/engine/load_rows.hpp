@@ -17,6 +17,7 @@ struct StepTimes {
   double step;       // [s]
   double worked;     // of it, that forces have been at work since the last step: 0 at the first
   bool with_stored;  // the ledger wants to know what contacts store now
+  double lag = 0.5;  // [steps] by which velocities are older than positions
 };
 
 /// Chunks of four scalars in the row of one contact: force; with rotation torque over radius; with
@@ -57,7 +58,7 @@ SILT_INLINE void loads_of(Block& block, std::size_t count, const StepTimes& time
   using Real = typename Lanes<Arch, Scalar>::Real;
   using Kernel = ContactKernel<ContactsType, Real>;
   constexpr std::size_t W = Lanes<Arch, Scalar>::width;
-  const Real step(static_cast<Scalar>(times.step));
+  const Real step(static_cast<Scalar>(times.step)), lag(static_cast<Scalar>(times.lag));
   ContactCoefficients<ContactsType, Real> coefficients(table);
   for (std::size_t k = 0; k < count; k += W) {
     if (kinds != nullptr) coefficients.choose(kinds + k);
@@ -66,7 +67,7 @@ SILT_INLINE void loads_of(Block& block, std::size_t count, const StepTimes& time
     LedgerTerms<Real> terms;
     block.put_load(
         k, Kernel::load(block.template get<Real>(k), block.template get_rolling<Real>(k),
-                        block.template get_radii<Real>(k), step, times.with_stored,
+                        block.template get_radii<Real>(k), step, lag, times.with_stored,
                         coefficients.law(), coefficients.rolling(), at.data(), tally, terms));
     if constexpr (keeps_ledger<ContactsType>) block.put_terms(k, terms);
   }

@@ -27,18 +27,26 @@ void gather(V& values, std::span<const std::uint32_t> order, const Team& team) {
 /// All that is known of the particles: rows, ids, and materials if there are several; the motion
 /// once more in PairScalar, if that is not double.
 /// Two rows more than particles: spheres of no radius, the partners of padding pairs.
-template <bool Rotates, bool SeveralMaterials, class PairScalar>
+/// `Derivatives`: of position and of spin velocity each, that the integrator keeps.
+template <bool Rotates, bool SeveralMaterials, class PairScalar, std::size_t Derivatives>
 class ParticleState {
  public:
+  static constexpr std::size_t derivative_rows = Derivatives * (1 + Rotates);
+  /// Rows of four; the very first entry is not a number as long as they are not known.
+  struct alignas(32) HigherDerivatives {
+    double row[derivative_rows == 0 ? 1 : derivative_rows][4];
+  };
   using Motion = MotionRow<Rotates>;
   using PairMotion = MotionRow<Rotates, PairScalar>;
   static constexpr bool single = std::is_same_v<PairScalar, float>;
   static constexpr std::size_t bytes_per_particle =
       sizeof(PositionRow) + sizeof(Motion) + (single ? sizeof(PairMotion) : 0) +
-      sizeof(std::uint32_t) + (SeveralMaterials ? sizeof(std::uint16_t) : 0);
+      sizeof(std::uint32_t) + (SeveralMaterials ? sizeof(std::uint16_t) : 0) +
+      derivative_rows * 4 * sizeof(double);
 
   AlignedVector<PositionRow> position;
   AlignedVector<Motion> motion;
+  AlignedVector<HigherDerivatives> derivatives;  // if the integrator has any
   std::vector<std::uint32_t> id;
   std::vector<std::uint16_t> material;
   double largest_radius = 0;   // [m]
@@ -80,6 +88,10 @@ class ParticleState {
     position.resize(size()), motion.resize(size());
     position.push_back(p), motion.push_back(m);
     id.push_back(new_id);
+    if constexpr (Derivatives > 0) {
+      derivatives.push_back({});
+      derivatives.back().row[0][0] = std::numeric_limits<double>::quiet_NaN();
+    }
     if constexpr (SeveralMaterials) material.push_back(of);
     pad();
   }
@@ -106,6 +118,7 @@ class ParticleState {
     constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
     position[k] = {nowhere, nowhere, nowhere, 0};
     motion[k] = Motion{};
+    if constexpr (Derivatives > 0) derivatives[k] = {};
     id[k] = no_particle;
     ++parked;
   }
@@ -115,6 +128,7 @@ class ParticleState {
   void reorder(std::span<const std::uint32_t> order, const Team& team) {
     gather(position, order, team), gather(motion, order, team), gather(id, order, team);
     if constexpr (SeveralMaterials) gather(material, order, team);
+    if constexpr (Derivatives > 0) gather(derivatives, order, team);
     pad();
   }
 

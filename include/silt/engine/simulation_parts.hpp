@@ -61,7 +61,8 @@ void Simulation<Policies...>::insert(const std::vector<PlacedSphere>& spheres,
   if (spheres.empty()) return;
   ParticlesType more;
   // The velocity is that of this instant; rows hold that of half a step ago.
-  const Vec3d velocity = first_kick_ ? flow.velocity : flow.velocity - 0.5 * dt_ * gravity;
+  const double ago = first_kick_ || Integrator::first_kick != 0.5 ? 0 : 0.5 * dt_;  // [s]
+  const Vec3d velocity = flow.velocity - ago * gravity;
   for (const auto& s : spheres)
     more.add({s.position, s.radius, flow.density, velocity, {0, 0, 0}, flow.material});
   add(more);
@@ -91,7 +92,8 @@ void Simulation<Policies...>::book_leaving([[maybe_unused]] std::size_t k) {
   if constexpr (has_ledger) {
     if (!std::isfinite(mass(k))) return;
     // Rows hold the velocity of half a step ago; it falls freely.
-    const Vec3d v = engine_.particles.motion[k].velocity(), now = v + 0.5 * dt_ * gravity;
+    const double ago = Integrator::first_kick == 0.5 ? 0.5 * dt_ : 0;  // [s]
+    const Vec3d v = engine_.particles.motion[k].velocity(), now = v + ago * gravity;
     book_.bring_in(0.5 * mass(k) * (dot(v, v) - dot(now, now)) - kinetic(k).sum() - potential(k));
   }
 }
@@ -232,7 +234,7 @@ void Simulation<Policies...>::prepare() {
   engine_.set_coefficients(contacts_);
   if (dt_ == 0 || (time_step && *time_step != dt_)) {
     const double dt = chosen_time_step();
-    if (kicked_ && dt_ > 0) engine_.change_half_step(dt / dt_);
+    if (kicked_ && dt_ > 0) engine_.change_step(dt / dt_);
     time_origin_ = time_, step_origin_ = step_;
     dt_ = dt;
   }

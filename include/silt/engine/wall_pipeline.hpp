@@ -285,8 +285,9 @@ class WallPipeline {
           (contact - wall.last_pose.to_space(wall.pose.to_body(contact))) * (1 / in.times.step);
       wall_spin = angular_velocity(wall.last_pose, wall.pose, in.times.step);
       // ... of the one under the contact half a step ago, which this one was not if they slide.
-      wall_velocity += cross(wall_spin, 0.5 * in.times.step * (wall_velocity - motion.velocity()) +
-                                            0.5 * point.distance * change);
+      wall_velocity +=
+          cross(wall_spin, in.times.lag * in.times.step * (wall_velocity - motion.velocity()) +
+                               in.times.lag * point.distance * change);
     }
     const auto scalar = [](double x) { return static_cast<Scalar>(x); };
     const auto vector = [](const Vec3d& v) {

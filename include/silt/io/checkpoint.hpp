@@ -65,6 +65,8 @@ class Checkpoint {
     const std::size_t n = e.particles.size();
     out.add("position", doubles(e.particles.position.data(), n));
     out.add("motion", doubles(e.particles.motion.data(), n));
+    if constexpr (Engine::predicts)
+      out.add("derivatives", doubles(e.particles.derivatives.data(), n));
     out.add("id", e.particles.id);
     out.add("material", e.particles.material);
     out.add("synchronous", doubles(e.synchronous.data(), sim.kicked_ ? n : 0));
@@ -158,6 +160,9 @@ class Checkpoint {
     constexpr std::size_t motion_size = sizeof(typename Engine::Motion) / sizeof(double);
     const auto position = in.get<double>("position", 4 * n);
     const auto motion = in.get<double>("motion", motion_size * n);
+    std::vector<double> derivatives;
+    if constexpr (Engine::predicts)
+      derivatives = in.get<double>("derivatives", 4 * Engine::State::derivative_rows * n);
     const auto material =
         in.get<std::uint16_t>("material", Sim::ContactsType::several_materials ? n : 0);
     const auto synchronous = in.get<double>("synchronous", counters[4] ? 6 * n : 0);
@@ -211,6 +216,10 @@ class Checkpoint {
     e.particles.id = id, e.particles.material = material;
     e.particles.position.resize(n), e.particles.motion.resize(n);
     copy(position, e.particles.position.data()), copy(motion, e.particles.motion.data());
+    if constexpr (Engine::predicts) {
+      e.particles.derivatives.resize(n);
+      copy(derivatives, e.particles.derivatives.data());
+    }
     e.particles.pad();
     e.synchronous.resize(synchronous.size() / 6), copy(synchronous, e.synchronous.data());
     e.lists.reference.resize(reference.size() / 3), copy(reference, e.lists.reference.data());
@@ -259,7 +268,8 @@ class Checkpoint {
     return text("silt state 5; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
                 name_of<typename Sim::ContactsType>(), "; search ", name_of<typename Sim::Search>(),
                 "; domain ", name_of<typename Sim::Domain>(), "; precision ",
-                name_of<typename Sim::Precision>(), Sim::has_ledger ? "; ledger" : "");
+                name_of<typename Sim::Precision>(), Sim::has_ledger ? "; ledger" : "",
+                "; integrator ", name_of<typename Sim::Integrator>());
   }
 
  private:

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <silt/core/row4.hpp>
+#include <silt/motion/concept.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -10,12 +11,17 @@ namespace silt::inline SILT_TARGET {
 ///   v(t + dt/2) = v(t - dt/2) + (F/m + g) dt,   x(t + dt) = x(t) + v(t + dt/2) dt            (1)
 ///   u(t + dt/2) = u(t - dt/2) + (r T/I) dt for the spin velocity u = r w                     (2)
 ///
-/// Second order, symplectic for forces of position; the first kick is half a step long.
+/// Second order, symplectic for forces of position; the first kick is half a step long. The
+/// default. What observers see are velocities at whole steps, the means of two halves.
 /// Source: W. C. Swope et al., J. Chem. Phys. 76 (1982) 637.
 /// Units:  SI. Shapes: one particle a call; rows of four whose last entry stays as it is.
 /// Errors: none.
 /// Tests:  tests/physics/conservation.cpp.
 struct Leapfrog {
+  static constexpr bool is_integrator = true;
+  static constexpr std::size_t derivatives = 0;
+  static constexpr double first_kick = 0.5, lag = 0.5;
+
   /// Kicks {v, 1/m} by {F, 0} [N] and {g, 0} [m/s2] during `time` [s]; fixed if 1/m = 0.
   template <class Row>
   static SILT_INLINE Row kick(const Row& velocity, const Row& force, double inv_m,
@@ -38,5 +44,17 @@ struct Leapfrog {
     return position + velocity * time;
   }
 };
+
+using VelocityVerlet = Leapfrog;
+
+/// As Leapfrog, but velocities count as those of whole steps from the first one on, which is kicked
+/// by a whole step: semi-implicit Euler, first order. Positions are those of a leapfrog that began
+/// with another velocity, by half a step; energies stay as near.
+/// Tests: tests/physics/integrators.cpp.
+struct SymplecticEuler : Leapfrog {
+  static constexpr double first_kick = 1, lag = 0.5;
+};
+
+static_assert(Integrator<Leapfrog> && Integrator<SymplecticEuler>);
 
 }  // namespace silt
