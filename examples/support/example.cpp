@@ -46,6 +46,9 @@ void Command::add(const std::string& name, std::size_t& value, std::size_t least
 void Command::add_flag(const std::string& name, bool& value, const std::string& help) {
   parser_->app.add_flag(name, value, help);
 }
+void Command::leave_out(const std::string& name) {
+  parser_->app.remove_option(parser_->app.get_option(name));
+}
 bool Command::given(const std::string& name) const { return parser_->app.count(name) > 0; }
 
 int Command::run(int argc, char** argv, const std::function<int()>& body) {
