@@ -156,7 +156,8 @@ void drive(benchmark::State& state, double travel) {
       silt::Contacts<silt::LinearSpring>{{mass * std::pow(std::numbers::pi / contact, 2), 1.0}},
       Search{}, silt::PeriodicBox{{{0, 0, 0}, {side, side, side}}, {true, true, true}}};
   sim.time_step = dt, sim.threads = 1;
-  sim.guard.max_overlap = 1e9, sim.guard.max_time_step = 1e9;
+  sim.guard.max_overlap = sim.guard.max_time_step = 1e9;
+  sim.guard.max_travel = sim.guard.max_rate = 1e9;
   sim.run(20 * dt);
   for (auto _ : state) sim.run(10 * dt);
   state.SetItemsProcessed(state.iterations() * 10 * static_cast<std::int64_t>(n));

@@ -20,8 +20,9 @@ struct Options {
   int threads = 1;          // --threads; default: all of the machine
 };
 
-/// What kind of program it is: one run, or several short ones without --threads and --restart.
-enum class Kind { Run, Study };
+/// What kind of program it is: one run; several short ones, without --restart; timed ones, without
+/// --threads too.
+enum class Kind { Run, Cases, Study };
 
 /// The command line of an example.
 class Command {
@@ -36,6 +37,8 @@ class Command {
   void add(const std::string& name, std::size_t& value, std::size_t least, std::size_t most,
            const std::string& help);
   void add_flag(const std::string& name, bool& value, const std::string& help);
+  /// Takes away one of the shared options, which this program has no use for.
+  void leave_out(const std::string& name);
   /// True if the option was given.
   bool given(const std::string& name) const;
 
@@ -59,6 +62,9 @@ class Summary {
   }
   void check_at_most(const std::string& name, double value, double limit);
   void check_at_least(const std::string& name, double value, double limit);
+  /// |value - reference| <= tolerance, and why the tolerance is what it is.
+  void check_within(const std::string& name, double value, double reference, double tolerance,
+                    const std::string& reason);
   bool all_hold() const;
 
   void write(const std::string& path) const;
@@ -74,6 +80,8 @@ class Summary {
     std::string name, relation;
     double value, limit;
     bool holds;
+    double reference = 0;
+    std::string reason = {};  // empty: the check has no reference
   };
   std::vector<Entry> inputs_, results_;
   std::vector<Check> checks_;
@@ -81,6 +89,8 @@ class Summary {
 
 /// Runs draw.py with these arguments; false if there is no Python with numpy and matplotlib.
 bool draw(const std::vector<std::string>& arguments);
+/// Runs a Python script of the example's own in the same way.
+bool run_script(const std::string& script, const std::vector<std::string>& arguments);
 
 /// Seconds since it was made.
 class Stopwatch {

@@ -12,6 +12,7 @@
 #include <silt/contact/contacts.hpp>
 #include <silt/coupling/no_fluid.hpp>
 #include <silt/engine/axes.hpp>
+#include <silt/engine/contact_rates.hpp>
 #include <silt/engine/engine.hpp>
 #include <silt/engine/guard.hpp>
 #include <silt/engine/openings.hpp>
@@ -228,6 +229,7 @@ class Simulation {
   /// One step up to the kick; then either drifts at once or stops for the observers.
   void advance(bool observed) {
     engine_.move_walls(time_);
+    check_walls();
     if (first_kick_) engine_.start_walls(time_, dt_);
     openings_.update(engine_, *this);
     engine_.renew_lists(search_, domain_, step_, dt_);
@@ -265,9 +267,11 @@ class Simulation {
   void prepare();
   double chosen_time_step() const;
   double expected_speed() const;
-  detail::LightestSphere lightest_sphere() const;
+  detail::LightestSpheres lightest_spheres() const;
   std::vector<bool> materials_of_spheres() const;
+  void check_walls() const;
   void keep_limits();
+  void keep_rates(double back);
   double time_at(std::int64_t step) const {
     return time_origin_ + static_cast<double>(step - step_origin_) * dt_;
   }
@@ -286,7 +290,7 @@ class Simulation {
   Vec3d gravity_booked_{0, 0, 0};  // [m/s2] that the ledger reckons with
   double time_ = 0, dt_ = 0, time_origin_ = 0;
   std::int64_t step_ = 0, step_origin_ = 0;
-  double checked_speed_ = 0, peak_overlap_ = 0;
+  double checked_speed_ = 0, checked_overlap_ = 0, peak_overlap_ = 0;
   std::uint32_t next_id_ = 0;
   bool first_kick_ = true, kicked_ = false, continued_ = false;
 };

@@ -1,12 +1,16 @@
 // silt - BSD-3-Clause, see LICENSE
 // Runs that break a limit stop with a sentence: step, ids, position, and what to change. And the
 // time step, which those limits are about.
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <vector>
 
 #include <engine/support.hpp>
+#include <silt/contact/linear_spring.hpp>
 
 namespace {
 
@@ -158,6 +162,209 @@ TEST_CASE("guard: limits, gravity, duration and threads that make no sense are r
   CHECK(has_words(refused([](auto& s) { s.time_step = 0; }), {"time_step = 0 [s]"}));
   CHECK(has_words(refused([&](auto& s) { s.time_step = nan; }), {"time_step = nan [s]"}));
   CHECK(has_words(refused([](auto& s) { s.threads = 0; }), {"threads = 0 must be in [1, 4096]"}));
+}
+
+namespace {
+
+/// A rolling model whose couple is no number.
+struct NoCouple {
+  static constexpr bool is_rolling_model = true;
+  struct Pair {};
+  template <class Real>
+  struct Coefficients {
+    Real unused;
+  };
+  static Coefficients<double> mix(const Pair&) { return {0}; }
+  static void check(const Pair&) {}
+  template <class Real>
+  static silt::Vec3<Real> torque(const silt::RollingContact<Real>& c, const Coefficients<Real>&) {
+    const Real none = sqrt(-c.overlap - Real(1));
+    return {none, none, none};
+  }
+};
+
+silt::TriangleMesh square(double side) {
+  const Vec3d a{-side, -side, 0}, b{side, -side, 0}, c{side, side, 0}, d{-side, side, 0};
+  return silt::TriangleMesh({{a, b, c}, {a, c, d}});
+}
+
+/// A pit of n sides, each of slope 60 degrees, whose lowest point is the origin.
+silt::TriangleMesh pit(int n, double width) {
+  std::vector<std::array<Vec3d, 3>> soup;
+  const auto corner = [&](int k) {
+    const double phi = 2 * std::numbers::pi * k / n, r = width / std::cos(std::numbers::pi / n);
+    return Vec3d{r * std::cos(phi), r * std::sin(phi), width * std::sqrt(3.0)};
+  };
+  for (int k = 0; k < n; ++k) soup.push_back({Vec3d{0, 0, 0}, corner(k), corner(k + 1)});
+  return silt::TriangleMesh(soup);
+}
+
+}  // namespace
+
+TEST_CASE(
+    "guard: a particle that goes too far in a step stops the run before it touches anything") {
+  // Its spring is so soft that the contact time sets no limit.
+  silt::Particles<Sphere> p;
+  p.add({.position = {0, 0, 5.5e-3}, .radius = 1e-3, .density = 2500, .velocity = {0, 0, -300}});
+  silt::Simulation sim{std::move(p), silt::Contacts<silt::LinearSpring>{{.stiffness = 1e-3}}};
+  sim.add_wall(square(0.1), {.stiffness = 1e-3});
+  sim.time_step = 2.5e-6;  // 0.75 mm a step
+  const auto error = failure(sim, 1e-3);
+  CHECK(error.step == 0);
+  CHECK(error.particles == std::vector<std::uint32_t>{0});
+  CHECK(has_words(error.what(), {"step 0", "particle 0 at (0, 0, 0.00", "moves by 0.00075",
+                                 "guard.max_travel = 0.3 of the smallest radius 0.001 m",
+                                 "Simulation::time_step to less than 9.99e-07 s"}));
+  // At the limit it may go on.
+  auto slower = scene({{{0, 0, 0}, {1, 0, 0}}});
+  slower.guard.max_travel = 0.01;
+  slower.time_step = 0.99e-5;
+  slower.run(1e-4);
+  CHECK(slower.step() > 0);
+}
+
+TEST_CASE(
+    "guard: a wall that goes too far in a step stops the run, whether the particles move or not") {
+  auto sim = scene({{{0, 0, 0}}});
+  sim.add_wall(square(0.1), rubber, [](double t) {
+    return silt::Pose{{}, {0, 0, t < 5e-5 ? -0.01 : 0.01}};
+  });
+  sim.time_step = 1e-5;
+  sim.guard.max_time_step = 1e3;
+  const auto error = failure(sim, 1e-3);
+  CHECK(error.step == 5);
+  CHECK(error.particles.empty());
+  CHECK(has_words(error.what(),
+                  {"a wall moves by 0.02", "guard.max_travel = 0.3", "to less than 1.5e-07 s"}));
+}
+
+TEST_CASE("guard: a wall whose motion gives no pose stops the run, and the wall is named") {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto sentence = [](const silt::Pose& late) {
+    auto sim = scene({{{0, 0, 2e-3}, {0, 0, -0.1}}});
+    sim.add_wall(silt::Plane{{0, 0, -1}, {0, 0, 1}}, rubber);
+    sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, rubber,
+                 [=](double t) { return t < 3e-5 ? silt::Pose{} : late; });
+    sim.time_step = 1e-5;
+    const auto error = failure(sim, 1e-3);
+    CHECK(error.step == 3);
+    return std::string(error.what());
+  };
+  CHECK(has_words(sentence({{}, {0, 0, nan}}),
+                  {"step 3", "the motion of wall 1", "not finite", "add_wall"}));
+  CHECK(has_words(sentence({{nan, 0, 0, 0}, {0, 0, 0}}), {"the motion of wall 1", "not finite"}));
+  CHECK(has_words(sentence({{2, 0, 0, 0}, {0, 0, 0}}),
+                  {"the motion of wall 1", "rotation", "not of length 1"}));
+}
+
+TEST_CASE("guard: angular velocities that are no numbers are found before observers see them") {
+  silt::Particles<Sphere> p;
+  p.add({.position = {0, 0, 1.01e-3}, .radius = 1e-3, .density = 2500, .velocity = {0, 0, -1}});
+  silt::Simulation sim{std::move(p), silt::Contacts<silt::LinearSpring, NoCouple>{{1e4, 0.5}, {}}};
+  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, {1e4, 0.5});
+  const auto error = failure(sim, 2e-4);
+  CHECK(error.particles == std::vector<std::uint32_t>{0});
+  CHECK(has_words(error.what(), {"the angular velocity of particle 0 is not finite near",
+                                 "look at the law and the rolling model"}));
+}
+
+TEST_CASE("guard: limits with which a particle could come out behind a mesh are refused") {
+  auto sim = scene({{{0, 0, 2e-3}, {0, 0, -1}}});
+  sim.guard.max_overlap = 0.7;
+  sim.run(0);
+  sim.add_wall(square(0.1), rubber);
+  CHECK(has_words(refusal<InputError>([&] { sim.run(0); }),
+                  {"Guard.max_overlap = 0.7", "Guard.max_travel = 0.3", "less than 1 together",
+                   "behind one unseen"}));
+  sim.guard.max_overlap = 0.69;
+  sim.run(0);
+}
+
+TEST_CASE("guard: a sphere that touches a mesh in more places than are computed stops the run") {
+  const auto fall = [](int sides) {
+    auto sim = scene({{{0, 0, 2.05e-3}}});  // it touches at 2 mm
+    sim.gravity = {0, 0, -9.81};
+    sim.add_wall(pit(sides, 0.01), rubber);
+    sim.run(0.01);
+    return sim.position(0).z;
+  };
+  CHECK(fall(4) < 2e-3);
+  std::optional<SimulationError> error;
+  try {
+    fall(5);
+  } catch (const SimulationError& e) {
+    error = e;
+  }
+  REQUIRE(error);
+  CHECK(error->particles == std::vector<std::uint32_t>{0});
+  CHECK(norm(error->position - Vec3d{0, 0, 2e-3}) < 1e-4);
+  CHECK(has_words(error->what(), {"particle 0 at (", "the mesh of wall 0", "more than 4 places",
+                                  "larger smooth_angle"}));
+}
+
+TEST_CASE(
+    "guard: an overlap is named where it was, though the sphere has flown on in the same step") {
+  auto sim = scene({{{0, 0, 0.65e-3}}, {{0.01, 0, 5e-3}}});
+  sim.add_wall(square(0.1), rubber);
+  sim.time_step = 1e-3;
+  sim.guard.max_time_step = 1e3;
+  const auto error = failure(sim, 1e-2);
+  CHECK(error.particles == std::vector<std::uint32_t>{0});
+  CHECK(error.position.z == doctest::Approx(0.65e-3).epsilon(1e-6));
+  CHECK(has_words(error.what(), {"particle 0 at (0, 0, 0.0006", "overlaps wall 0 by 0.35"}));
+}
+
+TEST_CASE("time_step: the speed of a moving wall counts as that of particles") {
+  auto flies = scene({{{0, 0, 0}, {0, 0, 5}}});
+  flies.run(0);
+  auto hit = scene({{{0, 0, 0}}});
+  hit.add_wall(silt::Plane{{0, 0, -0.01}, {0, 0, 1}}, rubber, silt::translation({0, 0, 5}));
+  hit.run(0);
+  CHECK(near_relative(hit.step_length(), flies.step_length(), 1e-9));
+  // One that gets fast later stops the run.
+  auto late = scene({{{0, 0, 0}, {0, 0, 1}}});
+  late.add_wall(silt::Plane{{0, 0, -0.01}, {0, 0, 1}}, rubber, [](double t) {
+    return silt::Pose{{}, {0, 0, -100 * std::max(t - 1e-4, 0.0)}};
+  });
+  late.run(0);
+  late.time_step = 0.9 * *late.time_step_limit(1);
+  CHECK(has_words(failure(late, 1e-3).what(), {"is above its limit", "at the largest speed 100"}));
+}
+
+TEST_CASE("time_step: a moving wall bounds the scene where it is, not where it was drawn") {
+  auto moved = scene({{{0, 0, 0.3}}});
+  moved.gravity = {0, 0, -9.81};
+  moved.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, rubber, [](double) {
+    return silt::Pose{{}, {0, 0, 0.1}};
+  });
+  moved.run(0);
+  auto drawn = scene({{{0, 0, 0.3}}});
+  drawn.gravity = {0, 0, -9.81};
+  drawn.add_wall(silt::Plane{{0, 0, 0.1}, {0, 0, 1}}, rubber);
+  drawn.run(0);
+  CHECK(moved.step_length() == doctest::Approx(drawn.step_length()).epsilon(1e-12));
+}
+
+TEST_CASE("time_step: with gravity and walls aslant alone it is that of a fall by a diameter") {
+  auto sim = scene({{{0, 0, 2e-3}}});
+  sim.gravity = {0, 0, -9.81};
+  sim.add_wall(silt::Plane{{0, 0, 0}, {1, 0, 1}}, rubber);
+  sim.run(0);
+  auto flies = scene({{{0, 0, 0}, {0, 0, std::sqrt(2 * 9.81 * 2e-3)}}});
+  flies.run(0);
+  CHECK(near_relative(sim.step_length(), flies.step_length(), 1e-9));
+}
+
+TEST_CASE("time_step: a large light sphere may make shorter contacts than a small heavy one") {
+  const auto chosen = [](bool with_heavy) {
+    silt::Particles<Sphere> p;
+    p.add({.position = {0, 0, 0}, .radius = 5e-3, .density = 5, .velocity = {0, 0, 1}});
+    if (with_heavy) p.add({.position = {0.1, 0, 0}, .radius = 5e-4, .density = 7800});
+    silt::Simulation sim{std::move(p), silt::Contacts<HertzMindlin>{rubber}};
+    sim.run(0);
+    return sim.step_length();
+  };
+  CHECK(near_relative(chosen(true), chosen(false), 1e-12));
 }
 
 TEST_CASE("time_step: the automatic step is a 20th of the closed form's shortest contact") {

@@ -112,13 +112,14 @@ inline bool TriangleMesh::comes_before(const Nearest& a, const Nearest& b) const
   return rank_a != rank_b ? rank_a < rank_b : a.point.feature < b.point.feature;
 }
 
-inline int TriangleMesh::contacts(const Vec3d& centre, double reach,
-                                  std::span<const std::uint32_t> candidates,
-                                  SurfacePoint* out) const {
-  std::array<Nearest, max_contacts> kept;
+template <int Most>
+int TriangleMesh::deepest_contacts(const Vec3d& centre, double reach,
+                                   std::span<const std::uint32_t> candidates,
+                                   SurfacePoint* out) const {
+  std::array<Nearest, Most> kept;
   std::array<std::uint32_t, 64> touched;  // those in reach, so that only the first round sees all
   int count = 0;
-  while (count < max_contacts) {
+  while (count < Most) {
     std::optional<Nearest> deepest;
     std::size_t in_reach = 0;
     for (const auto triangle : candidates) {
@@ -138,6 +139,18 @@ inline int TriangleMesh::contacts(const Vec3d& centre, double reach,
     if (in_reach <= touched.size()) candidates = {touched.data(), in_reach};
   }
   return count;
+}
+
+inline int TriangleMesh::contacts(const Vec3d& centre, double reach,
+                                  std::span<const std::uint32_t> candidates,
+                                  SurfacePoint* out) const {
+  return deepest_contacts<max_contacts>(centre, reach, candidates, out);
+}
+
+inline bool TriangleMesh::has_more_contacts(const Vec3d& centre, double reach,
+                                            std::span<const std::uint32_t> candidates) const {
+  SurfacePoint points[max_contacts + 1];
+  return deepest_contacts<max_contacts + 1>(centre, reach, candidates, points) > max_contacts;
 }
 
 }  // namespace silt

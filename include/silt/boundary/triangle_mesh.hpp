@@ -68,6 +68,9 @@ class TriangleMesh {
   /// those of triangles and edges + a vertex's.
   int contacts(const Vec3d& centre, double reach, std::span<const std::uint32_t> candidates,
                SurfacePoint* out) const;
+  /// True if there are more than max_contacts, of which contacts() leaves out the least deep.
+  bool has_more_contacts(const Vec3d& centre, double reach,
+                         std::span<const std::uint32_t> candidates) const;
 
  private:
   /// Where one triangle comes nearest.
@@ -88,6 +91,9 @@ class TriangleMesh {
   bool is_minimum(const Nearest& contact, const Vec3d& centre) const;
   bool comes_before(const Nearest& a, const Nearest& b) const;
   bool is_same_contact(const Nearest& deeper, const Nearest& other) const;
+  template <int Most>
+  int deepest_contacts(const Vec3d& centre, double reach, std::span<const std::uint32_t> candidates,
+                       SurfacePoint* out) const;
 
   /// [m] off a plane, `distance` away from the centre, that still counts as in it.
   double flatness(double distance) const { return plane_tolerance_ + 1e-4 * distance; }

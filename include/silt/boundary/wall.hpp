@@ -72,5 +72,9 @@ decltype(auto) visit_surface(const Surface& surface, F&& f) {
       surface);
 }
 
+inline bool is_mesh(const Surface& surface) {
+  return std::holds_alternative<std::shared_ptr<const TriangleMesh>>(surface);
+}
+
 }  // namespace detail
 }  // namespace silt

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <vector>
 
 #include <silt/engine/near_lists.hpp>
@@ -25,6 +26,7 @@ template <class ShapeType, class ContactsType, class Search, class Domain, class
           class Precision, class Integrator = Leapfrog>
 class Engine {
  public:
+  using Contacts = ContactsType;
   static constexpr bool rotates = ContactsType::rotates;
   static constexpr std::size_t chunks = load_chunks<ContactsType>;
   static constexpr std::size_t history = ContactsType::history;  // Reals of a contact
@@ -118,6 +120,10 @@ class Engine {
       if constexpr (ContactsType::has_rolling) power += m.inv_r * dot(part(2), m.spin_velocity());
     }
     return power;
+  }
+
+  std::optional<CrowdedContact> crowded() const {
+    return walls.empty() ? std::nullopt : wall_pipeline_.crowded();
   }
 
   void move_walls(double time) {

@@ -2,19 +2,29 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <optional>
+#include <string>
+#include <type_traits>
+#include <vector>
 
 #include <silt/boundary/wall.hpp>
 #include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
+#include <silt/engine/list_upkeep.hpp>
+#include <silt/engine/wall_contacts.hpp>
 
 namespace silt::inline SILT_TARGET {
 
-/// Limits that a run must keep; where one is broken it stops with a SimulationError.
+/// Limits that a run must keep; where one is broken it stops with a SimulationError. What each of
+/// them prevents, and why it has its default: docs/stability.md.
 struct Guard {
   double max_overlap = 0.3;        // [-] of the smaller radius
   double max_time_step = 0.125;    // [-] of the shortest contact time at the largest speed
+  double max_travel = 0.3;         // [-] of the smallest radius, of particles and walls in a step
+  double max_rate = 1.25;          // [-] of a particle in its contacts: contact_rates.hpp
   std::optional<Box> domain = {};  // [m] particles must stay inside; left out: not checked
 };
 
@@ -38,39 +48,64 @@ template <class EngineType>
                         step, {}, {});
 }
 
-/// Names the contact with the largest overlap over the smaller radius. The spheres may have moved
-/// on by a step since it was measured: the deepest contact now tells which one it is.
+/// A time step [s] to advise, to three digits and safely below.
+inline std::string below(double time_step) {
+  char digits[32];
+  std::snprintf(digits, sizeof digits, "%.3g", 0.999 * time_step);
+  return digits;
+}
+
+/// Where particle k was `back` [s] ago.
+template <class EngineType>
+Vec3d place_before(const EngineType& e, std::size_t k, double back) {
+  return e.particles.position[k].centre() - back * e.particles.motion[k].velocity();
+}
+
+/// Calls visit(candidate, point) for every contact of a sphere with a wall, the spheres where they
+/// were `back` [s] ago.
+template <class EngineType, class Visit>
+void for_each_wall_contact(const EngineType& e, double back, const Visit& visit) {
+  for (const auto& c : e.lists.walls.candidates()) {
+    const Wall& wall = e.walls[c.wall];
+    const double r = e.particles.position[c.particle].r;
+    const Vec3d centre = e.lists.walls.in_body(wall, place_before(e, c.particle, back));
+    visit_surface(wall.surfaces[c.surface], [&](const auto& surface) {
+      SurfacePoint points[std::remove_cvref_t<decltype(surface)>::max_contacts];
+      int count;
+      if constexpr (requires { surface.contacts(centre, r, e.lists.walls.facets(c), points); })
+        count = surface.contacts(centre, r, e.lists.walls.facets(c), points);
+      else
+        count = surface.contacts(centre, r, points);
+      for (int k = 0; k < count; ++k) {
+        if (wall.moves()) points[k].normal = wall.pose.rotate(points[k].normal);
+        visit(c, points[k]);
+      }
+    });
+  }
+}
+
+/// Names the contact with the largest overlap over the smaller radius, which was measured `back`
+/// [s] ago.
 template <class EngineType, class Domain>
 [[noreturn]] void throw_overlap(const EngineType& e, const Domain& domain, std::int64_t step,
-                                double time, double limit) {
+                                double time, double back, double limit) {
   double most = -1;  // [-]
   std::uint32_t a = 0, b = 0;
   e.lists.pairs.for_each([&](std::size_t k) {
     const std::uint32_t i = e.lists.pairs.first()[k], j = e.lists.pairs.second()[k];
-    const auto &p = e.particles.position[i], &q = e.particles.position[j];
-    Vec3d d = p.centre() - q.centre();
+    const double r = e.particles.position[i].r, q = e.particles.position[j].r;
+    Vec3d d = place_before(e, i, back) - place_before(e, j, back);
     if constexpr (Domain::periodic) d = domain.shortest(d);
-    const double ratio = (p.r + q.r - norm(d)) / std::min(p.r, q.r);
+    const double ratio = (r + q - norm(d)) / std::min(r, q);
     if (ratio > most) most = ratio, a = i, b = j;
   });
   bool with_wall = false;
   std::size_t wall = 0;
-  for (const auto& c : e.lists.walls.candidates()) {
-    const auto& row = e.particles.position[c.particle];
-    visit_surface(e.walls[c.wall].surfaces[c.surface], [&](const auto& surface) {
-      SurfacePoint points[std::remove_cvref_t<decltype(surface)>::max_contacts];
-      const Vec3d centre = e.lists.walls.in_body(e.walls[c.wall], row.centre());
-      int count;
-      if constexpr (requires { surface.contacts(centre, row.r, e.lists.walls.facets(c), points); })
-        count = surface.contacts(centre, row.r, e.lists.walls.facets(c), points);
-      else
-        count = surface.contacts(centre, row.r, points);
-      for (int k = 0; k < count; ++k)
-        if (const double ratio = 1 - points[k].distance / row.r; ratio > most)
-          most = ratio, with_wall = true, a = c.particle, wall = c.wall;
-    });
-  }
-  const Vec3d where = e.particles.position[a].centre();
+  for_each_wall_contact(e, back, [&](const WallCandidate& c, const SurfacePoint& point) {
+    const double ratio = 1 - point.distance / e.particles.position[c.particle].r;
+    if (ratio > most) most = ratio, with_wall = true, a = c.particle, wall = c.wall;
+  });
+  const Vec3d where = place_before(e, a, back);
   const auto head = text("step ", step, ", t = ", time, " s: ");
   const auto tail =
       text(e.largest_overlap, " of the radius, above the limit guard.max_overlap = ", limit,
@@ -83,6 +118,87 @@ template <class EngineType, class Domain>
   throw SimulationError(text(head, "particles ", e.particles.id[a], " and ", e.particles.id[b],
                              " near ", where, " m overlap by ", tail),
                         step, {e.particles.id[a], e.particles.id[b]}, where);
+}
+
+/// A wall whose motion has given a pose that is none would act on nothing, or on other places.
+inline void check_pose(const Wall& wall, std::size_t number, std::int64_t step, double time) {
+  const Quaternion& q = wall.pose.rotation;
+  const double length2 = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
+  const auto stop = [&](const char* what) {
+    throw SimulationError(text("step ", step, ", t = ", time, " s: the motion of wall ", number,
+                               " gives ", what, "; mend the function that was given to add_wall"),
+                          step, {}, wall.pose.translation);
+  };
+  if (!is_finite(wall.pose.translation) || !std::isfinite(length2))
+    stop("a pose that is not finite");
+  if (std::abs(length2 - 1) > 1e-6) stop("a rotation whose quaternion is not of length 1");
+}
+
+/// The longest way [m] that points of moving walls go in a step, where particles may be near them.
+template <class EngineType>
+double wall_travel(const EngineType& e) {
+  double most = 0;
+  if (e.particles.size() == 0) return most;
+  for (const Wall& w : e.walls)
+    if (w.moves())
+      most = std::max(most,
+                      largest_displacement(w.pose, w.last_pose, e.lists.searched_walls.region()));
+  return most;
+}
+
+/// Particles and walls that go too far in a step may pass through each other unseen.
+template <class EngineType>
+void check_travel(const EngineType& e, double wall_way, std::int64_t step, double time, double dt,
+                  double limit) {
+  const double way = e.largest_speed * dt, most = limit * e.particles.smallest_radius;
+  if (way <= most && wall_way <= most) return;
+  std::uint32_t fastest = 0;
+  double speed = -1;  // [m/s]
+  for (std::uint32_t k = 0; k < e.particles.size(); ++k)
+    if (const double v = norm(e.particles.motion[k].velocity()); v > speed) speed = v, fastest = k;
+  const bool is_wall = wall_way > way;
+  const Vec3d where = is_wall ? Vec3d{} : e.particles.position[fastest].centre();
+  std::vector<std::uint32_t> ids;
+  if (!is_wall) ids.push_back(e.particles.id[fastest]);
+  const auto who =
+      is_wall ? std::string("a wall moves") : text("particle ", ids[0], " at ", where, " m moves");
+  throw SimulationError(text("step ", step, ", t = ", time, " s: ", who, " by ",
+                             std::max(way, wall_way), " m in a step, more than guard.max_travel = ",
+                             limit, " of the smallest radius ", e.particles.smallest_radius,
+                             " m, and may pass through others unseen; set "
+                             "Simulation::time_step to less than ",
+                             below(dt * most / std::max(way, wall_way)), " s"),
+                        step, ids, where);
+}
+
+/// Where a mesh is so fine and bent that a sphere touches more places than it has contacts for.
+template <class EngineType>
+void check_crowded(const EngineType& e, std::int64_t step, double time, double back) {
+  const auto crowded = e.crowded();
+  if (!crowded) return;
+  const auto id = e.particles.id[crowded->particle];
+  const Vec3d where = place_before(e, crowded->particle, back);
+  throw SimulationError(
+      text(
+          "step ", step, ", t = ", time, " s: particle ", id, " at ", where,
+          " m touches the mesh of wall ", crowded->wall, " in more than ",
+          TriangleMesh::max_contacts,
+          " places at once, and silt computes no more; give TriangleMesh a larger smooth_angle, or "
+          "a coarser or flatter mesh there"),
+      step, {id}, where);
+}
+
+/// Spins that are not finite act on velocities only where there is friction.
+template <class EngineType>
+void check_spins(const EngineType& e, std::int64_t step, double time) {
+  if constexpr (EngineType::rotates)
+    for (std::size_t k = 0; k < e.particles.size(); ++k)
+      if (!e.particles.is_parked(k) && !is_finite(e.particles.motion[k].spin_velocity()))
+        throw SimulationError(
+            text("step ", step, ", t = ", time, " s: the angular velocity of particle ",
+                 e.particles.id[k], " is not finite near ", e.lists.reference[k],
+                 " m; lower the time step, or look at the law and the rolling model"),
+            step, {e.particles.id[k]}, e.lists.reference[k]);
 }
 
 template <class EngineType>

@@ -113,20 +113,15 @@ EnergyBalance Simulation<Policies...>::energy() const requires has_ledger {
 }
 
 template <class... Policies>
-detail::LightestSphere Simulation<Policies...>::lightest_sphere() const {
-  detail::LightestSphere s{std::numeric_limits<double>::infinity(),
-                           std::numeric_limits<double>::infinity()};
-  for (std::size_t k = 0; k < rows(); ++k) {
-    if (!is_present(k) || !std::isfinite(mass(k))) continue;
-    s.radius = std::min(s.radius, radius(k));
-    s.mass = std::min(s.mass, mass(k));
-  }
+detail::LightestSpheres Simulation<Policies...>::lightest_spheres() const {
+  detail::LightestSpheres lightest;
+  for (std::size_t k = 0; k < rows(); ++k)
+    if (is_present(k)) lightest.include({radius(k), mass(k)});
   for (const auto& inlet : openings_.inlets()) {
     const double r = inlet.flow.radius.min();
-    s.radius = std::min(s.radius, r);
-    s.mass = std::min(s.mass, inlet.flow.density * ShapeType::volume(r));
+    lightest.include({r, inlet.flow.density * ShapeType::volume(r)});
   }
-  return s;
+  return lightest;
 }
 
 /// Which materials of the table have spheres, or will have from inlets.
@@ -142,8 +137,8 @@ std::vector<bool> Simulation<Policies...>::materials_of_spheres() const {
 template <class... Policies>
 std::optional<double> Simulation<Policies...>::time_step_limit(double speed) const {
   if constexpr (detail::HasContactTime<typename ContactsType::Law>) {
-    const auto lightest = lightest_sphere();
-    if (!std::isfinite(lightest.mass) || !(speed > 0)) return std::nullopt;
+    const auto lightest = lightest_spheres();
+    if (!lightest.any() || !(speed > 0)) return std::nullopt;
     return guard.max_time_step *
            detail::shortest_contact<typename ContactsType::Law>(
                engine_.coefficients.law, materials_of_spheres(), lightest, speed);
@@ -152,10 +147,11 @@ std::optional<double> Simulation<Policies...>::time_step_limit(double speed) con
   }
 }
 
-/// The largest speed now, or that of a fall through the whole scene, whichever is greater [m/s].
+/// The largest speed now, of particles and walls, or that of a fall through the whole scene,
+/// whichever is greater [m/s].
 template <class... Policies>
 double Simulation<Policies...>::expected_speed() const {
-  double speed = 0;
+  double speed = 0, radius = 0;
   Box scene;
   // What is infinite, as planes are, bounds the scene in the directions in which it is flat.
   const auto include = [&scene](const Vec3d& p) {
@@ -166,22 +162,29 @@ double Simulation<Policies...>::expected_speed() const {
     widen(scene.min.z, scene.max.z, p.z);
   };
   for (std::size_t k = 0; k < rows(); ++k)
-    if (is_present(k)) speed = std::max(speed, norm(velocity(k))), include(position(k));
-  for (const auto& w : engine_.walls)
-    for (const auto& s : w.surfaces)
-      detail::visit_surface(s, [&](const auto& surface) {
-        const Box b = surface.bounds();
-        include(b.min), include(b.max);
-      });
+    if (is_present(k)) {
+      speed = std::max(speed, norm(velocity(k))), include(position(k));
+      radius = std::max(radius, this->radius(k));
+    }
   for (const auto& inlet : openings_.inlets()) {
     speed = std::max(speed, norm(inlet.flow.velocity));
     include(inlet.bounds.min), include(inlet.bounds.max);
   }
-  const auto height = [](double low, double high) { return high > low ? high - low : 0.0; };
-  const double fall = std::abs(gravity.x) * height(scene.min.x, scene.max.x) +
-                      std::abs(gravity.y) * height(scene.min.y, scene.max.y) +
-                      std::abs(gravity.z) * height(scene.min.z, scene.max.z);
-  return std::max(speed, std::sqrt(2 * fall));
+  for (const auto& w : engine_.walls) speed = std::max(speed, detail::speed_near(w, scene, time_));
+  for (const auto& w : engine_.walls)
+    for (const auto& s : w.surfaces) {
+      const Box b = detail::bounds_in_space(w, s);
+      include(b.min), include(b.max);
+    }
+  const auto fall = [this](const Box& box) {
+    const auto height = [](double low, double high) { return high > low ? high - low : 0.0; };
+    return std::sqrt(2 * (std::abs(gravity.x) * height(box.min.x, box.max.x) +
+                          std::abs(gravity.y) * height(box.min.y, box.max.y) +
+                          std::abs(gravity.z) * height(box.min.z, box.max.z)));
+  };
+  speed = std::max(speed, fall(scene));
+  // Of a scene that is flat, or bounded by walls aslant alone, a particle's own size is known.
+  return speed > 0 ? speed : fall(scene.grown(radius));
 }
 
 template <class... Policies>
@@ -208,6 +211,16 @@ template <class... Policies>
 void Simulation<Policies...>::prepare() {
   require_positive("Guard.max_overlap", guard.max_overlap, "-");
   require_positive("Guard.max_time_step", guard.max_time_step, "-");
+  require_positive("Guard.max_travel", guard.max_travel, "-");
+  require_positive("Guard.max_rate", guard.max_rate, "-");
+  // A mesh is hard from both sides: how deep a particle is in it is known up to its radius.
+  for (const Wall& wall : engine_.walls)
+    for (const auto& surface : wall.surfaces)
+      require(guard.max_overlap + guard.max_travel < 1 || !detail::is_mesh(surface),
+              "Guard.max_overlap = ", guard.max_overlap,
+              " and Guard.max_travel = ", guard.max_travel,
+              " [-] must be less than 1 together where there are meshes: a "
+              "particle could come out behind one unseen");
   require(is_finite(gravity), "Simulation::gravity = ", gravity, " [m/s2] must be finite");
   if constexpr (has_ledger) {
     double change = 0;
@@ -229,13 +242,25 @@ void Simulation<Policies...>::prepare() {
 }
 
 template <class... Policies>
+void Simulation<Policies...>::check_walls() const {
+  for (std::size_t w = 0; w < engine_.walls.size(); ++w)
+    if (engine_.walls[w].moves()) detail::check_pose(engine_.walls[w], w, step_, time_);
+}
+
+template <class... Policies>
 void Simulation<Policies...>::keep_limits() {
   peak_overlap_ = std::max(peak_overlap_, engine_.largest_overlap);
   if (!engine_.finite) detail::throw_not_finite(engine_, step_, time_);
+  if (kicked_) detail::check_spins(engine_, step_, time_);
+  // Unless observers look at this step, the particles have moved on from where forces acted.
+  const double back = kicked_ ? 0 : dt_;
   if (engine_.largest_overlap > guard.max_overlap)
-    detail::throw_overlap(engine_, domain_, step_, time_, guard.max_overlap);
-  if (engine_.largest_speed > 1.05 * checked_speed_) {
-    checked_speed_ = engine_.largest_speed;
+    detail::throw_overlap(engine_, domain_, step_, time_, back, guard.max_overlap);
+  detail::check_crowded(engine_, step_, time_, back);
+  const double wall_way = detail::wall_travel(engine_);
+  const double speed = std::max(engine_.largest_speed, wall_way / dt_);
+  if (speed > 1.05 * checked_speed_) {
+    checked_speed_ = speed;
     if (const auto limit = time_step_limit(checked_speed_); limit && dt_ > *limit)
       throw SimulationError(
           text("step ", step_, ", t = ", time_, " s: the time step ", dt_, " s is above its limit ",
@@ -243,8 +268,24 @@ void Simulation<Policies...>::keep_limits() {
                " m/s; set a smaller Simulation::time_step or a softer material"),
           step_, {}, {});
   }
+  detail::check_travel(engine_, wall_way, step_, time_, dt_, guard.max_travel);
+  keep_rates(back);
   if (guard.domain && engine_.lists.upkeep.pruned_at == step_)
     detail::check_inside(engine_, *guard.domain, step_, time_);
+}
+
+/// Looks at all contacts, which takes about as long as a step: now and then, and where the largest
+/// overlap has grown.
+template <class... Policies>
+void Simulation<Policies...>::keep_rates(double back) {
+  constexpr std::int64_t now_and_then = 1000;  // [steps]
+  if (engine_.largest_overlap > 1.05 * checked_overlap_)
+    checked_overlap_ = engine_.largest_overlap;
+  else if (step_ % now_and_then != 0)
+    return;
+  if (engine_.largest_overlap > 0)
+    detail::ContactRates<Engine, Domain>(engine_, domain_, back, dt_)
+        .check(step_, time_, guard.max_rate);
 }
 
 }  // namespace silt

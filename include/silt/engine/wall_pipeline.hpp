@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -9,6 +11,11 @@
 #include <silt/engine/wall_contacts.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
+
+/// A sphere, by its place, and a wall.
+struct CrowdedContact {
+  std::uint32_t particle, wall;
+};
 
 /// Computes the loads of all contacts with walls: geometry of each candidate, in double, then the
 /// same law over lanes as for pairs, rows out; sums what each wall bears. Spheres that are near
@@ -34,6 +41,7 @@ class WallPipeline {
     const std::size_t blocks = contacts.blocks(), parts = blocks + contacts.plane_pieces();
     loads_.assign(parts * walls.size(), {});
     tallies_.assign(parts, {});
+    crowded_.assign(parts, {});
     team.for_parts(parts, [&](std::size_t b) {
       if (b < blocks) return run_block(in, contacts, table, walls, sums, b);
       for (const PlaneRun& run : contacts.runs(b - blocks))
@@ -53,6 +61,13 @@ class WallPipeline {
     return all;
   }
 
+  /// A sphere that touches a wall in more places than a surface gives contacts, in the last step.
+  std::optional<CrowdedContact> crowded() const {
+    for (const auto& c : crowded_)
+      if (c) return c;
+    return {};
+  }
+
  private:
   /// The contacts of one block, side by side whatever slots they have.
   struct Scratch {
@@ -66,6 +81,7 @@ class WallPipeline {
     Vec3d point[block];   // [m] where it touches
     double share[block];  // [-] overlap over the radius
     std::size_t count;
+    std::optional<CrowdedContact> crowded;
   };
   void run_block(const Input& in, Contacts& contacts, const CoefficientTable<ContactsType>& table,
                  std::span<const Wall> walls, Scalar* sums, std::size_t b) {
@@ -83,6 +99,7 @@ class WallPipeline {
         ++next;
       touch(candidates.subspan(k, next - k), walls, contacts, in, table, s);
     }
+    crowded_[b] = s.crowded;
     pad(s);
 
     alignas(64) Scalar rows[block * row];
@@ -166,6 +183,11 @@ class WallPipeline {
         using S = std::remove_cvref_t<decltype(surface)>;
         SurfacePoint points[S::max_contacts];
         const int n = touching_points(surface, walls[c.wall], c, sphere, contacts, points);
+        if constexpr (S::max_contacts > 1)
+          if (n == S::max_contacts &&
+              surface.has_more_contacts(Contacts::in_body(walls[c.wall], sphere.centre()), sphere.r,
+                                        contacts.facets(c)))
+            s.crowded = CrowdedContact{c.particle, c.wall};
         for (int p = 0; p < n; ++p) found[count++] = {points[p], k, false};
       });
     }
@@ -308,8 +330,9 @@ class WallPipeline {
     return axis * (angle / (sine * time_step));
   }
 
-  std::vector<WallLoad> loads_;               // by block and wall
-  std::vector<Tally<ContactsType>> tallies_;  // by block
+  std::vector<WallLoad> loads_;                         // by block and wall
+  std::vector<Tally<ContactsType>> tallies_;            // by block
+  std::vector<std::optional<CrowdedContact>> crowded_;  // by block
 };
 
 }  // namespace silt::detail

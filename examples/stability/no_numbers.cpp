@@ -1,0 +1,198 @@
+// silt - BSD-3-Clause, see LICENSE
+// Numbers that are none, and combinations that make no sense: all must be refused or stopped.
+
+#include <cmath>
+#include <limits>
+
+#include <silt/contact/hertz_mindlin.hpp>
+#include <silt/contact/linear_spring.hpp>
+#include <silt/contact/rolling/epsd.hpp>
+
+#include "stability/impact.hpp"
+#include "stability/table.hpp"
+
+namespace stability {
+
+namespace {
+
+using namespace silt;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double radius = 1e-3, density = 2500;  // [m], [kg/m3]
+const HertzMindlin::Material rubber{1e7, 0.3, 0.5, 0.3};
+
+/// A law of the user's whose force is no number from some overlap on.
+struct Broken {
+  struct Material {
+    double k;  // [N/m]
+    bool operator==(const Material&) const = default;
+  };
+  template <class Real>
+  struct Coefficients {
+    Real k;
+  };
+  static Coefficients<double> mix(const Material& a, const Material&) { return {a.k}; }
+  template <class Real>
+  static Real force(const Contact<Real>& c, const Coefficients<Real>& p) {
+    return p.k * c.overlap + sqrt(Real(1e-5) - c.overlap);
+  }
+};
+
+/// A rolling model of the user's whose couple is no number.
+struct BrokenRolling {
+  static constexpr bool is_rolling_model = true;
+  struct Pair {};
+  template <class Real>
+  struct Coefficients {
+    Real unused;
+  };
+  static Coefficients<double> mix(const Pair&) { return {0}; }
+  static void check(const Pair&) {}
+  template <class Real>
+  static Vec3<Real> torque(const RollingContact<Real>& c, const Coefficients<Real>&) {
+    const Real none = sqrt(-c.overlap - Real(1));
+    return {none, none, none};
+  }
+};
+
+template <class ContactsType>
+auto falling(const ContactsType& contacts, const Vec3d& velocity = {0, 0, -1}) {
+  Particles<Sphere> spheres;
+  spheres.add({.position = {0, 0, 1.05 * radius},
+               .radius = radius,
+               .density = density,
+               .velocity = velocity});
+  Simulation sim{std::move(spheres), contacts};
+  sim.threads = 1;
+  return sim;
+}
+
+/// It came to its end, which it must not.
+Measures passed(const Vec3d& velocity) {
+  return {{is_finite(velocity) ? "passed as if nothing were" : "no number at the end", NAN, 0}};
+}
+
+/// A scene that `change` spoils.
+template <class Change>
+Measures spoilt(const Change& change, const Surfaces& floor = Plane{{0, 0, 0}, {0, 0, 1}},
+                const Motion& motion = {}) {
+  const Contacts<HertzMindlin> contacts{rubber};
+  auto sim = falling(contacts);
+  sim.add_wall(floor, rubber, motion);
+  change(sim);
+  sim.run(2e-3);
+  return passed(sim.velocity(0));
+}
+
+Motion motion_of(double start, const std::function<Pose(double)>& later) {
+  return [=](double t) { return t < start ? Pose{} : later(t); };
+}
+
+}  // namespace
+
+void no_numbers(Table& table) {
+  table.scene("What is no number", "stopped or refused, never gone on with");
+  const auto same = [](auto&) {};
+  const Surfaces floor = Plane{{0, 0, 0}, {0, 0, 1}};
+  const auto row = [&](const std::string& name, const std::function<Measures()>& run) {
+    table.row(name, Setting::Extreme, run);
+  };
+  row("gravity", [&] { return spoilt([](auto& s) { s.gravity.z = nan; }); });
+  row("time step", [&] { return spoilt([](auto& s) { s.time_step = nan; }); });
+  row("guard.max_overlap", [&] { return spoilt([](auto& s) { s.guard.max_overlap = nan; }); });
+  row("duration", [&] {
+    auto sim = falling(Contacts<HertzMindlin>{rubber});
+    sim.run(nan);
+    return passed(sim.velocity(0));
+  });
+  row("velocity of a particle", [&] {
+    return passed(falling(Contacts<HertzMindlin>{rubber}, {0, nan, 0}).velocity(0));
+  });
+  row("modulus", [&] {
+    return passed(falling(Contacts<HertzMindlin>{{nan, 0.3, 0.5, 0.3}}).velocity(0));
+  });
+  row("point of a plane", [&] { return spoilt(same, Plane{{0, 0, nan}, {0, 0, 1}}); });
+  row("corner of a mesh", [&] {
+    return spoilt(same, TriangleMesh({{Vec3d{0, 0, nan}, Vec3d{1, 0, 0}, Vec3d{0, 1, 0}}}));
+  });
+  row("gravity, changed by an observer", [&] {
+    auto sim = falling(Contacts<HertzMindlin>{rubber});
+    sim.run(1e-3, [&](const auto& s) {
+      if (s.step() == 5) sim.gravity.z = nan;
+    });
+    return passed(sim.velocity(0));
+  });
+  row("place of a moving wall, from the start", [&] {
+    return spoilt(same, floor, [](double) { return Pose{{}, {0, 0, nan}}; });
+  });
+  row("place of a moving wall, later", [&] {
+    return spoilt(same, floor, motion_of(2e-5, [](double) { return Pose{{}, {0, 0, nan}}; }));
+  });
+  row("place of a moving mesh, later", [&] {
+    const double s = 20 * radius;
+    return spoilt(same, TriangleMesh({{Vec3d{-s, -s, 0}, Vec3d{s, -s, 0}, Vec3d{0, s, 0}}}),
+                  motion_of(2e-5, [](double) {
+                    return Pose{{}, {0, 0, nan}};
+                  }));
+  });
+  row("rotation of a moving wall is no rotation", [&] {
+    return spoilt(same, floor, [](double) { return Pose{{2, 0, 0, 0}, {0, 0, 0}}; });
+  });
+  row("force of a law of the user's", [&] {
+    const Contacts<Broken> contacts{{1e3}};
+    auto sim = falling(contacts);
+    sim.add_wall(floor, {1e3});
+    sim.time_step = 1e-6;
+    sim.run(1e-3);
+    return passed(sim.velocity(0));
+  });
+  row("couple of a rolling model of the user's", [&] {
+    const Contacts<LinearSpring, BrokenRolling> contacts{{1e4, 0.5}, {}};
+    auto sim = falling(contacts);
+    sim.add_wall(floor, {1e4, 0.5});
+    sim.run(1e-3);
+    return passed(sim.angular_velocity(0));
+  });
+
+  table.scene("What makes no sense", "stopped or refused, never gone on with");
+  row("a wall jumps over a grain", [&] {
+    return spoilt(same, floor, motion_of(2e-5, [](double) { return Pose{{}, {0, 0, 0.01}}; }));
+  });
+  row("a mesh jumps over a grain", [&] {
+    const double s = 20 * radius;
+    return spoilt(same, TriangleMesh({{Vec3d{-s, -s, 0}, Vec3d{s, -s, 0}, Vec3d{0, s, 0}}}),
+                  motion_of(2e-5, [](double) {
+                    return Pose{{}, {0, 0, 0.01}};
+                  }));
+  });
+  row("guard.max_overlap = 2 with a mesh wall, soft", [&] {
+    const Contacts<LinearSpring> contacts{{.stiffness = 1, .restitution = 0.5}};
+    auto sim = falling(contacts);
+    const double s = 20 * radius;
+    sim.add_wall(TriangleMesh({{Vec3d{-s, -s, 0}, Vec3d{s, -s, 0}, Vec3d{0, s, 0}}}),
+                 {.stiffness = 1, .restitution = 0.5});
+    sim.guard.max_overlap = 2;
+    sim.run(5 * radius);
+    return Measures{{"through the mesh", sim.position(0).z < 0 ? 1.0 : 0.0, 0}};
+  });
+  row("two spheres in the same place", [&] {
+    Particles<Sphere> spheres;
+    for (int k = 0; k < 2; ++k)
+      spheres.add({.position = {0, 0, 0}, .radius = radius, .density = density});
+    Simulation sim{std::move(spheres), Contacts<HertzMindlin>{rubber}};
+    sim.threads = 1, sim.time_step = 1e-6;
+    sim.run(1e-3);
+    return passed(sim.velocity(0));
+  });
+  row("two spheres in the same place, guard.max_overlap = 3", [&] {
+    Particles<Sphere> spheres;
+    for (int k = 0; k < 2; ++k)
+      spheres.add({.position = {0, 0, 0}, .radius = radius, .density = density});
+    Simulation sim{std::move(spheres), Contacts<HertzMindlin>{rubber}};
+    sim.threads = 1, sim.time_step = 1e-6, sim.guard.max_overlap = 3;
+    sim.run(1e-3);
+    return passed(sim.velocity(0));
+  });
+}
+
+}  // namespace stability

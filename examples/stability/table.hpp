@@ -1,0 +1,83 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "support/example.hpp"
+
+/// The table of the stability suite: scenes, each with what stable means there, and their rows,
+/// each one run to its end, or several of the same kind.
+namespace stability {
+
+/// What is measured against what it may be at most.
+struct Measure {
+  std::string name;
+  double error;  // [-]; not a number: never within the bound
+  double bound;  // [-]
+};
+using Measures = std::vector<Measure>;
+
+/// How a row may end. Tame ones must be stable; beyond the edge the guard may stop them.
+enum class Setting { Tame, Extreme };
+
+enum class Verdict {
+  Stable,   // every measure within its bound
+  Stopped,  // by a sentence of silt
+  Alarm,    // a tame one that was stopped
+  Wrong     // it went on to its end, and a measure is out of its bound
+};
+
+struct Row {
+  std::string scene, name;
+  Verdict verdict;
+  Measure worst;         // the one that comes nearest to its bound, or exceeds it most
+  std::string sentence;  // why it was stopped
+  double seconds;
+};
+
+class Table {
+ public:
+  explicit Table(bool is_quick) : quick(is_quick) {}
+  const bool quick;
+
+  /// Begins a scene. `stable`: what its rows are judged by, said before they run.
+  void scene(const std::string& name, const std::string& stable);
+  /// Runs a row: `run` returns the measures or throws what silt throws.
+  void row(const std::string& name, Setting setting, const std::function<Measures()>& run);
+
+  const std::vector<Row>& rows() const { return rows_; }
+  int count(Verdict verdict) const;
+  bool holds() const { return count(Verdict::Alarm) + count(Verdict::Wrong) == 0; }
+  void print_end() const;
+  void write_csv(const std::string& path) const;
+  void add_to(example::Summary& summary) const;
+
+ private:
+  std::string scene_;
+  std::vector<Row> rows_;
+};
+
+/// A point of the picture: what an impact does with a time step over the limit.
+struct StepPoint {
+  std::string law;
+  double share;  // [-] of the limit
+  double error;  // [-] worst of the phases, of the speed after an impact over that before
+  double most;   // [-] the limit of that error
+  bool stopped;  // by the guard, with the time step's own limit lifted (error: with all limits
+                 // lifted)
+};
+
+// The scenes, each file a few.
+std::vector<StepPoint> time_steps(Table& table);
+void impacts(Table& table);
+void several(Table& table);
+void packed(Table& table);
+void walls(Table& table);
+void moving_walls(Table& table);
+void rough(Table& table);
+void sticky(Table& table);
+void no_numbers(Table& table);
+
+}  // namespace stability
