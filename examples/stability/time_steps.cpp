@@ -61,7 +61,7 @@ std::vector<Candidate> candidates() {
   return all;
 }
 
-enum class Limits { Kept, StepLifted, AllLifted };
+enum class Limits { Default, StepLifted, AllLifted };
 
 /// The worst error of the speed after the impact over that before, from `phases` starts.
 double worst_error(const Candidate& c, double share, int phases, Limits limits) {
@@ -93,7 +93,7 @@ std::vector<StepPoint> time_steps(Table& table) {
     const auto row = [&](double share, Setting setting, bool lifted) {
       table.row(text(c.name, ", ", share, lifted ? " with the limit lifted" : ""), setting, [&] {
         return Measures{{"speed after impact",
-                         worst_error(c, share, 16, lifted ? Limits::StepLifted : Limits::Kept),
+                         worst_error(c, share, 16, lifted ? Limits::StepLifted : Limits::Default),
                          most(c, share)}};
       });
     };

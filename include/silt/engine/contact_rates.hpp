@@ -45,9 +45,10 @@ LinearContact linearised(Contact<double> at, const typename Law::template Coeffi
       return law_force<Law, double>(at, p, none);
   };
   const double d = at.overlap, h = 1e-3 * d;
-  const double parting = 1e-4 * d / at.time_step;  // [m/s] so slow that no law cuts its force
-  at.time_step *= 1e-3;                            // c of the law, before leapfrog_damping
+  at.time_step *= 1e-3;  // c of the law, before leapfrog_damping
   const double k = (force(d + h, 0) - force(d - h, 0)) / (2 * h);
+  // So slow that the dashpot stays far below the spring, and no law cuts its force.
+  const double parting = 1e-4 * d * std::sqrt(std::abs(k) * at.inverse_m_eff);  // [m/s]
   const double c = (force(d, 0) - force(d, parting)) / parting;
   return {std::isfinite(k) ? std::max(k, 0.0) : 0.0, std::isfinite(c) ? std::max(c, 0.0) : 0.0};
 }
