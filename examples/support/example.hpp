@@ -24,7 +24,8 @@ struct Options {
 class Command {
  public:
   /// A program that cannot go on from a checkpoint has no --restart.
-  explicit Command(const std::string& description, bool restarts = true);
+  explicit Command(const std::string& description, bool restarts = true,
+                   const std::string& default_out = "out");
   ~Command();
   Options options;
 

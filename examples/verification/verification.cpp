@@ -52,7 +52,7 @@ int show(const example::Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  example::Command command("silt against closed forms and published benchmarks of DEM", false);
-  command.options.out = "out/verification";
+  example::Command command("silt against closed forms and published benchmarks of DEM", false,
+                           "out/verification");
   return command.run(argc, argv, [&] { return show(command.options); });
 }
