@@ -21,8 +21,9 @@ struct Command::Parser {
   CLI::App app;
 };
 
-Command::Command(const std::string& description, Kind kind)
+Command::Command(const std::string& description, Kind kind, const std::string& default_out)
     : parser_(std::make_unique<Parser>(description)) {
+  options.out = default_out;
   options.threads = silt::default_threads();
   auto& app = parser_->app;
   app.add_option("--out", options.out, "Folder for results")->capture_default_str();

@@ -27,7 +27,8 @@ enum class Kind { Run, Cases, Study };
 /// The command line of an example.
 class Command {
  public:
-  explicit Command(const std::string& description, Kind kind = Kind::Run);
+  explicit Command(const std::string& description, Kind kind = Kind::Run,
+                   const std::string& default_out = "out");
   ~Command();
   Options options;
 

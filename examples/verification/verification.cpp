@@ -53,7 +53,6 @@ int show(const example::Options& options) {
 
 int main(int argc, char** argv) {
   example::Command command("silt against closed forms and published benchmarks of DEM",
-                           example::Kind::Cases);
-  command.options.out = "out/verification";
+                           example::Kind::Cases, "out/verification");
   return command.run(argc, argv, [&] { return show(command.options); });
 }
