@@ -10,6 +10,7 @@ A wrong argument or file ends in one sentence on stderr and exit status 2.
 """
 
 import argparse
+import itertools
 import math
 import os
 import sys
@@ -24,6 +25,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 from matplotlib.cm import ScalarMappable  # noqa: E402
 from matplotlib.colors import ListedColormap, Normalize, to_rgb  # noqa: E402
 from matplotlib.lines import Line2D  # noqa: E402
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator  # noqa: E402
 
 # Okabe and Ito's colours, which the colour-blind can tell apart.
 COLOURS = ["#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#555555"]
@@ -504,10 +506,20 @@ def draw_spheres(options):
 # ----------------------------------------------------------------------------------- curves
 
 
+def label_few_decades(axis, limits):
+    """Over few decades: ticks at 1, 2, 5, written as plain numbers."""
+    if limits[1] < 300 * limits[0]:
+        axis.set_major_locator(LogLocator(10, subs=(1, 2, 5), numticks=9))
+        axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+        axis.set_minor_locator(NullLocator())
+
+
 def draw_curves(options):
     names, rows = read_csv(options.file)
     x_name = find_name(options.x, names, "column", options.file)
     y_names = [find_name(y, names, "column", options.file) for y in options.y.split(",")]
+    marks = [find_name(y, names, "column", options.file)
+             for y in (options.marks.split(",") if options.marks else [])]
     x = rows[:, names.index(x_name)]
     units = list(dict.fromkeys(split_unit(name)[1] for name in y_names))
     figure, panels = plt.subplots(len(units), 1, sharex=True, squeeze=False,
@@ -515,9 +527,21 @@ def draw_curves(options):
     colours = iter(COLOURS * len(y_names))
     for panel, unit in zip(panels[:, 0], units):
         mine = [name for name in y_names if split_unit(name)[1] == unit]
+        if "x" in options.log:
+            panel.set_xscale("log")
+        if "y" in options.log:
+            panel.set_yscale("log")
+        used = []
         for name in mine:
-            panel.plot(x, rows[:, names.index(name)], lw=1.8, color=next(colours),
-                       label=split_unit(name)[0], marker="o" if len(x) <= 25 else None, ms=4)
+            used.append(next(colours))
+            panel.plot(x, rows[:, names.index(name)], lw=1.8, color=used[-1],
+                       label=split_unit(name)[0], ms=4,
+                       marker="o" if len(x) <= 25 and not options.marks else None)
+        same_unit = [name for name in marks if split_unit(name)[1] == unit]
+        for name, colour in zip(same_unit, itertools.cycle(used)):
+            panel.plot(x, rows[:, names.index(name)], "o", color=colour, mfc="white", ms=6)
+        if same_unit:
+            panel.plot([], [], "o", color="black", mfc="white", ms=6, label=options.marks_label)
         if panel is panels[0, 0]:
             for style, words in zip(("--", ":", "-."), options.reference or []):
                 label, _, numbers = words.rpartition(":")
@@ -527,8 +551,14 @@ def draw_curves(options):
                     raise Refusal(f"--reference '{words}' must be label:slope,offset")
                 limits = panel.get_ylim()
                 panel.plot(x, slope * x + offset, style, color="black", lw=1.3, label=label)
-                panel.set_ylim(limits)  # the line may leave the picture, the data may not
-        panel.set_ylabel(mine[0] if len(mine) == 1 else f"[{unit}]" if unit else "", fontsize=12)
+                if slope != 0:  # such a line may leave the picture, the data and levels may not
+                    panel.set_ylim(limits)
+        for axis, low_high in ((panel.xaxis, panel.get_xlim()), (panel.yaxis, panel.get_ylim())):
+            if axis.get_scale() == "log":
+                label_few_decades(axis, low_high)
+        in_brackets = f"[{unit}]" if unit else ""
+        panel.set_ylabel(options.y_label or (mine[0] if len(mine) == 1 else in_brackets),
+                         fontsize=12)
         panel.grid(True, color="0.88", lw=0.8)
         panel.set_axisbelow(True)
         panel.spines[["top", "right"]].set_visible(False)
@@ -569,6 +599,12 @@ def parse(arguments):
     curves.add_argument("file", metavar="FILE.csv")
     curves.add_argument("--x", required=True, metavar="COLUMN", help="with or without its unit")
     curves.add_argument("--y", required=True, metavar="COLUMN[,COLUMN]")
+    curves.add_argument("--marks", metavar="COLUMN[,COLUMN]",
+                        help="points without a line, in the colours of the columns of --y in turn")
+    curves.add_argument("--marks-label", metavar="T", default="measured",
+                        help="what the points are called")
+    curves.add_argument("--y-label", metavar="T", help="what all columns are")
+    curves.add_argument("--log", choices=["x", "y", "xy"], default="", help="logarithmic axes")
     curves.add_argument("--reference", action="append", metavar="LABEL:SLOPE,OFFSET",
                         help="a straight line to compare with; may be repeated")
     curves.add_argument("--out", required=True, metavar="PNG")

@@ -3,6 +3,7 @@
 #include "support/example.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
@@ -20,15 +21,17 @@ struct Command::Parser {
   CLI::App app;
 };
 
-Command::Command(const std::string& description) : parser_(std::make_unique<Parser>(description)) {
+Command::Command(const std::string& description, Kind kind)
+    : parser_(std::make_unique<Parser>(description)) {
   options.threads = silt::default_threads();
   auto& app = parser_->app;
   app.add_option("--out", options.out, "Folder for results")->capture_default_str();
   app.add_flag("--quick", options.quick, "A smaller run of the same physics, in seconds");
+  if (kind == Kind::Study) return;
   app.add_option("--threads", options.threads, "Threads; results do not depend on it")
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
-  app.add_option("--restart", options.restart, "Go on from this checkpoint");
+  if (kind == Kind::Run) app.add_option("--restart", options.restart, "Go on from this checkpoint");
 }
 Command::~Command() = default;
 
@@ -74,6 +77,11 @@ void Summary::check_at_most(const std::string& name, double value, double limit)
 void Summary::check_at_least(const std::string& name, double value, double limit) {
   checks_.push_back({name, ">=", value, limit, value >= limit});
 }
+void Summary::check_within(const std::string& name, double value, double reference,
+                           double tolerance, const std::string& reason) {
+  checks_.push_back({name, "within", value, tolerance, std::abs(value - reference) <= tolerance,
+                     reference, reason});
+}
 bool Summary::all_hold() const {
   return std::all_of(checks_.begin(), checks_.end(), [](const Check& c) { return c.holds; });
 }
@@ -89,25 +97,38 @@ void Summary::write(const std::string& path) const {
   all["versions"] = {{"silt", SILT_VERSION}, {"compiler", __VERSION__}};
   all["results"] = object(results_);
   all["checks"] = nlohmann::ordered_json::array();
-  for (const auto& c : checks_)
-    all["checks"].push_back({{"name", c.name},
-                             {"value", c.value},
-                             {"must_be", c.relation},
-                             {"limit", c.limit},
-                             {"holds", c.holds}});
+  for (const auto& c : checks_) {
+    nlohmann::ordered_json check{
+        {"name", c.name}, {"value", c.value}, {"must_be", c.relation}, {"limit", c.limit}};
+    if (!c.reason.empty()) {
+      check["reference"] = c.reference;
+      check["deviation"] = c.value - c.reference;
+      check["reason"] = c.reason;
+    }
+    check["holds"] = c.holds;
+    all["checks"].push_back(check);
+  }
   silt::AtomicFile file(path);
   file.write(all.dump(2) + "\n");
   file.commit();
 }
 
 void Summary::print_checks() const {
-  for (const auto& c : checks_)
-    std::printf("  %s %-36s %.4g (must be %s %.4g)\n", c.holds ? "ok  " : "FAIL", c.name.c_str(),
-                c.value, c.relation.c_str(), c.limit);
+  for (const auto& c : checks_) {
+    std::printf("  %s %-36s %.4g ", c.holds ? "ok  " : "FAIL", c.name.c_str(), c.value);
+    if (c.reason.empty())
+      std::printf("(must be %s %.4g)\n", c.relation.c_str(), c.limit);
+    else
+      std::printf("(%.4g off %.4g, at most %.4g)\n", c.value - c.reference, c.reference, c.limit);
+  }
 }
 
 bool draw(const std::vector<std::string>& arguments) {
-  std::string command = "/usr/bin/python3 '" SILT_DRAW_SCRIPT "'";
+  return run_script(SILT_DRAW_SCRIPT, arguments);
+}
+
+bool run_script(const std::string& script, const std::vector<std::string>& arguments) {
+  std::string command = "/usr/bin/python3 '" + script + "'";
   for (const auto& a : arguments) {
     std::string quoted;
     for (const char c : a) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);

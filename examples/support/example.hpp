@@ -12,7 +12,7 @@
 /// The libraries behind it stay in example.cpp, so that a program pays for them once.
 namespace example {
 
-/// The options that all examples share.
+/// The options that examples share.
 struct Options {
   std::string out = "out";  // --out
   std::string restart;      // --restart: checkpoint to go on from
@@ -20,10 +20,14 @@ struct Options {
   int threads = 1;          // --threads; default: all of the machine
 };
 
+/// What kind of program it is: one run; several short ones, without --restart; timed ones, without
+/// --threads too.
+enum class Kind { Run, Cases, Study };
+
 /// The command line of an example.
 class Command {
  public:
-  explicit Command(const std::string& description);
+  explicit Command(const std::string& description, Kind kind = Kind::Run);
   ~Command();
   Options options;
 
@@ -58,6 +62,9 @@ class Summary {
   }
   void check_at_most(const std::string& name, double value, double limit);
   void check_at_least(const std::string& name, double value, double limit);
+  /// |value - reference| <= tolerance, and why the tolerance is what it is.
+  void check_within(const std::string& name, double value, double reference, double tolerance,
+                    const std::string& reason);
   bool all_hold() const;
 
   void write(const std::string& path) const;
@@ -73,6 +80,8 @@ class Summary {
     std::string name, relation;
     double value, limit;
     bool holds;
+    double reference = 0;
+    std::string reason = {};  // empty: the check has no reference
   };
   std::vector<Entry> inputs_, results_;
   std::vector<Check> checks_;
@@ -80,6 +89,8 @@ class Summary {
 
 /// Runs draw.py with these arguments; false if there is no Python with numpy and matplotlib.
 bool draw(const std::vector<std::string>& arguments);
+/// Runs a Python script of the example's own in the same way.
+bool run_script(const std::string& script, const std::vector<std::string>& arguments);
 
 /// Seconds since it was made.
 class Stopwatch {

@@ -1,0 +1,66 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <unistd.h>
+
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include <silt/study/study.hpp>
+
+#include "support/example.hpp"
+
+/// The studies of `./run study NAME`: one file each, which registers itself.
+namespace studies {
+
+/// How a study is to be run.
+struct Setting {
+  std::string out;      // folder of its results
+  bool quick;           // a smaller one of the same physics
+  std::size_t repeats;  // rounds
+};
+
+/// Runs a study, shows on a terminal how far it is, and writes what it found into a folder of
+/// `setting.out`.
+inline void run_and_report(silt::Study& study, const Setting& setting, const std::string& folder) {
+  const bool terminal = ::isatty(STDERR_FILENO);
+  silt::StudyOptions options{.repeats = setting.repeats};
+  if (terminal)
+    options.watch = [&](std::size_t round, const std::string& variant) {
+      std::fprintf(stderr, "\r\033[Kround %zu of %zu: %s", round + 1, setting.repeats,
+                   variant.c_str());
+    };
+  study.run(options);
+  if (terminal) std::fprintf(stderr, "\r\033[K");
+  study.report(setting.out + "/" + folder);
+}
+
+/// Fills the summary: inputs, results, checks.
+using Function = void (*)(const Setting&, example::Summary&);
+
+struct Entry {
+  std::string name, about;
+  Function function;
+};
+inline std::vector<Entry>& all() {
+  static std::vector<Entry> entries;
+  return entries;
+}
+
+/// What a study recommends, as results of the program's summary.
+inline void add_recommendation(example::Summary& summary, const std::string& name,
+                               const silt::Study& study) {
+  const auto& results = study.results();
+  summary.result("recommended_" + name,
+                 results.recommended ? results.rows[*results.recommended].name : "none");
+}
+
+/// const studies::Registered here{"skin", "what it asks, in a line", skin};
+struct Registered {
+  Registered(const std::string& name, const std::string& about, Function function) {
+    all().push_back({name, about, function});
+  }
+};
+
+}  // namespace studies

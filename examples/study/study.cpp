@@ -1,0 +1,63 @@
+// silt - BSD-3-Clause, see LICENSE
+//
+// Error against run time: `study NAME` runs one of the studies beside this file, which end in
+// tables, a Pareto plot with the recommended setting, and checks against closed forms or published
+// numbers.
+
+#include <algorithm>
+#include <cstdio>
+#include <string>
+
+#include "study/studies.hpp"
+
+namespace {
+
+std::string usage() {
+  std::string out = "study NAME [options]: error against run time. NAME is one of\n";
+  for (const auto& s : studies::all())
+    out += "  " + s.name + std::string(s.name.size() < 14 ? 14 - s.name.size() : 1, ' ') + s.about +
+           "\n";
+  return out + "study NAME --help lists the options.\n";
+}
+
+int run(const studies::Entry& study, const example::Options& options, std::size_t repeats) {
+  const example::Stopwatch clock;
+  const studies::Setting setting{options.out, options.quick, repeats};
+  silt::make_folder(setting.out);
+  example::Summary summary;
+  summary.input("study", study.name);
+  summary.input("quick", setting.quick);
+  summary.input("repeats", static_cast<double>(repeats));
+  study.function(setting, summary);
+  summary.result("wall_time_s", clock.seconds());
+  summary.write(setting.out + "/summary.json");
+  summary.print_checks();
+  std::printf("%s/summary.json; %.0f s.\n", setting.out.c_str(), clock.seconds());
+  return summary.all_hold() ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  auto& all = studies::all();
+  std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
+  const std::string name = argc > 1 ? argv[1] : "--help";
+  if (name == "--help" || name == "-h") {
+    std::printf("%s", usage().c_str());
+    return argc > 1 ? 0 : 2;
+  }
+  const auto study =
+      std::find_if(all.begin(), all.end(), [&](const studies::Entry& s) { return s.name == name; });
+  if (study == all.end()) {
+    std::fprintf(stderr, "there is no study '%s'; study --help lists them\n", name.c_str());
+    return 2;
+  }
+  example::Command command(study->about, example::Kind::Study);
+  command.options.out = "out/study/" + name;
+  std::size_t repeats = 5;
+  command.add("--repeats", repeats, 1, 1000, "Rounds; a cost is the median of theirs");
+  return command.run(argc - 1, argv + 1, [&] {
+    if (command.options.quick && !command.given("--repeats")) repeats = 2;
+    return run(*study, command.options, repeats);
+  });
+}

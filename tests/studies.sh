@@ -1,0 +1,47 @@
+#!/usr/bin/env bash
+# silt - BSD-3-Clause, see LICENSE
+# The studies as a user runs them, in their quick forms: they keep their own checks, leave their files,
+# and refuse what makes no sense.
+set -u
+study=$1
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+failed=0
+fail() { echo "FAIL: $*"; failed=1; }
+
+# refused WORDS ARGUMENT...: status 2, one sentence with these words on stderr.
+refused() {
+  local words=$1 status; shift
+  "$study" "$@" >"$work/out" 2>"$work/err"; status=$?
+  [ "$status" -eq 2 ] || fail "study $*: status $status instead of 2"
+  grep -q -- "$words" "$work/err" || fail "study $*: no '$words' in: $(cat "$work/err")"
+  [ "$(grep -c . "$work/err")" -eq 1 ] || fail "study $*: not one sentence: $(cat "$work/err")"
+}
+refused "no study 'nonsense'" nonsense
+refused "nonsense" skin --nonsense
+refused "threads" skin --threads 2
+refused "not in range" skin --repeats 0
+touch "$work/file"
+refused "$work/file" stiffness --quick --out "$work/file/out"
+
+names=$("$study" --help | sed -n 's/^  \([a-z-]*\)  *.*/\1/p')
+[ "$(echo "$names" | wc -w)" -ge 7 ] || fail "study --help lists only: $names"
+for name in $names; do
+  out=$work/$name
+  if "$study" "$name" --quick --out "$out" >"$work/log" 2>&1; then
+    [ -s "$out/summary.json" ] || fail "study $name left no summary.json"
+    grep -q '"holds": true' "$out/summary.json" || fail "study $name checks nothing"
+    grep -q '"holds": false' "$out/summary.json" && fail "study $name: a check fails, status 0"
+    for table in "$out"/*/table.csv; do
+      folder=$(dirname "$table")
+      for file in table.csv table.txt summary.json pareto.png; do
+        [ -s "$folder/$file" ] || fail "study $name left no $folder/$file"
+      done
+      /usr/bin/python3 -m json.tool "$folder/summary.json" >"$work/json" ||
+        fail "study $name: $folder/summary.json is no JSON"
+    done
+  else
+    fail "study $name ended with status $?: $(tail -n 30 "$work/log")"
+  fi
+done
+exit $failed
