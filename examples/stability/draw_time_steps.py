@@ -44,7 +44,7 @@ def main(table, picture):
     axes.set_axisbelow(True)
     axes.spines[["top", "right"]].set_visible(False)
     axes.legend(fontsize=8.5, frameon=True, framealpha=0.9, edgecolor="none", loc="upper left", bbox_to_anchor=(0.0, 0.93))
-    figure.savefig(picture, dpi=110)
+    figure.savefig(picture, dpi=100)
 
 
 if __name__ == "__main__":

@@ -36,7 +36,7 @@ silt::Particles<silt::Sphere> wide_sizes(std::size_t count, const silt::Box& reg
 template <class Sim>
 Sim prepared(Sim sim) {
   sim.threads = 1;
-  sim.guard.max_overlap = 2;  // what is too deep the study wants to see
+  sim.guard.max_overlap = sim.guard.max_travel = 2;  // what is too deep the study wants to see
   return sim;
 }
 

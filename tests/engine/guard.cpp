@@ -275,7 +275,10 @@ TEST_CASE("guard: limits with which a particle could come out behind a mesh are 
   sim.add_wall(square(0.1), rubber);
   CHECK(has_words(refusal<InputError>([&] { sim.run(0); }),
                   {"Guard.max_overlap = 0.7", "Guard.max_travel = 0.3", "less than 1 together",
-                   "behind one unseen"}));
+                   "behind one unseen", "guard.through_meshes = true"}));
+  sim.guard.through_meshes = true;
+  sim.run(0);
+  sim.guard.through_meshes = false;
   sim.guard.max_overlap = 0.69;
   sim.run(0);
 }

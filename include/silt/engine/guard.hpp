@@ -25,6 +25,7 @@ struct Guard {
   double max_time_step = 0.125;    // [-] of the shortest contact time at the largest speed
   double max_travel = 0.3;         // [-] of the smallest radius, of particles and walls in a step
   double max_rate = 1.25;          // [-] of a particle in its contacts: contact_rates.hpp
+  bool through_meshes = false;     // true: particles may come out behind a mesh, if limits let them
   std::optional<Box> domain = {};  // [m] particles must stay inside; left out: not checked
 };
 

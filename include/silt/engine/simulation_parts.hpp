@@ -216,11 +216,12 @@ void Simulation<Policies...>::prepare() {
   // A mesh is hard from both sides: how deep a particle is in it is known up to its radius.
   for (const Wall& wall : engine_.walls)
     for (const auto& surface : wall.surfaces)
-      require(guard.max_overlap + guard.max_travel < 1 || !detail::is_mesh(surface),
+      require(guard.through_meshes || guard.max_overlap + guard.max_travel < 1 ||
+                  !detail::is_mesh(surface),
               "Guard.max_overlap = ", guard.max_overlap,
               " and Guard.max_travel = ", guard.max_travel,
               " [-] must be less than 1 together where there are meshes: a "
-              "particle could come out behind one unseen");
+              "particle could come out behind one unseen (guard.through_meshes = true lets them)");
   require(is_finite(gravity), "Simulation::gravity = ", gravity, " [m/s2] must be finite");
   if constexpr (has_ledger) {
     double change = 0;
