@@ -30,7 +30,7 @@ Impact impact(const typename Law::Material& material, double R1, double R2, doub
   spheres.add({{0, 0, 0}, R1, density, {speed, 0, 0}});
   spheres.add({{1.1 * (R1 + R2), 0, 0}, R2, density});
   silt::Simulation sim{spheres, silt::Contacts<Law>{material}};
-  sim.guard.max_overlap = 3;
+  sim.guard.max_overlap = 3, sim.guard.max_travel = 1;
   const auto gap = [&](const auto& s) { return s.position(1).x - s.position(0).x - R1 - R2; };
   Impact result{};
   double begin = 0, end = 0;
@@ -112,7 +112,7 @@ TEST_CASE("softened: on a wall, and pressed together again after the safeguard")
   silt::Simulation sim{spheres, silt::Contacts<Soft>{{.solid = solid(0.5), .full_radius = 2e-3}},
                        silt::EnergyLedger{}};
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, {.solid = solid(0.5), .full_radius = 2e-3});
-  sim.guard.max_overlap = 1;
+  sim.guard.max_overlap = sim.guard.max_travel = 1;
   const double before = 0.5 * sim.mass(0) * 100;
   sim.run(5e-5);
   CHECK(sim.safeguarded() == 1);
@@ -128,7 +128,7 @@ TEST_CASE("softened: on a wall, and pressed together again after the safeguard")
     pile.add({{0, 0, 0.21e-3}, 0.1e-3, density, {0, 0, -8}});
     pile.add({{0, 0, 0.42e-3}, 0.1e-3, density_above, {0, 0, -8}});
     silt::Simulation s{pile, silt::Contacts<Soft>{{.solid = solid(0.5), .full_radius = 2e-3}}};
-    s.guard.max_overlap = 1;
+    s.guard.max_overlap = s.guard.max_travel = 1;
     s.run(2e-4);
     CHECK(s.safeguarded() >= 2);
     CHECK(s.position(1).z > 0.1e-3);

@@ -49,7 +49,7 @@ inline Contact<double> contact_at_rest() {
   c.overlap = 1e-5;
   c.R_eff = 1e-3;
   c.m_eff = 1e-6, c.inverse_m_eff = 1e6;
-  c.time_step = 1e-6;
+  c.time_step = c.lag = 1e-6;
   return c;
 }
 
@@ -188,7 +188,7 @@ CycleWork cycle(const typename Law::template Coefficients<double>& p, const Path
     Contact<double> c = contact_at_rest();
     c.overlap = std::max(now.z, 0.0);
     c.normal_velocity = -move.z, c.tangential_velocity = {move.x, move.y, 0};
-    c.time_step = 1;
+    c.time_step = c.lag = 1;
     const auto f = Law::force(c, p, history);
     // Along z the displacement that the force works on is the separation, minus the overlap.
     const Vec3d force{f.tangential.x, f.tangential.y, -f.normal};

@@ -58,7 +58,8 @@ Outcome impact(const typename Law::template Coefficients<double>& p, double dt, 
   double overlap = phase * speed * dt, v = speed;
   for (; overlap > 0; overlap += v * dt) {
     Contact<double> c{};
-    c.normal = {0, 0, 1}, c.overlap = overlap, c.normal_velocity = -v, c.time_step = dt;
+    c.normal = {0, 0, 1}, c.overlap = overlap, c.normal_velocity = -v;
+    c.time_step = c.lag = dt;
     c.R_eff = R_eff, c.m_eff = m_eff, c.inverse_m_eff = 1 / m_eff;
     double force;
     if constexpr (is_frictional<Law>)
