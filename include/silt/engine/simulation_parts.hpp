@@ -40,9 +40,9 @@ void Simulation<Policies...>::add(const ParticlesType& more) {
   for (std::size_t k = 0; k < more.size(); ++k) {
     auto& [position, motion] = rows[k];
     if (kicked_) {
-      typename Engine::Synchronous now{motion.velocity(), {0, 0, 0}};
+      typename Engine::Mover::Synchronous now{motion.velocity(), {0, 0, 0}};
       if constexpr (rotates) now.spin_velocity = motion.spin_velocity();
-      engine_.synchronous.push_back(now);
+      engine_.mover.synchronous.push_back(now);
     }
     engine_.particles.add(position, motion, next_id_++,
                           static_cast<std::uint16_t>(more[k].material));
