@@ -82,6 +82,11 @@ class Simulation {
   using Engine =
       detail::Engine<ShapeType, EngineContacts, Search, Domain, Arch, Precision, Integrator>;
 
+  static_assert(
+      !(Integrator::derivatives > 0 && detail::has_safeguard<typename ContactsType::Law>),
+      "a law with a safeguard (Softened) turns a velocity within one step, which Gear spreads over "
+      "several, beyond what is wanted: take Leapfrog");
+
   static constexpr bool rotates = ContactsType::rotates;
   /// State of one particle [bytes]: no more than the policies need.
   static constexpr std::size_t bytes_per_particle = Engine::State::bytes_per_particle;
