@@ -137,6 +137,32 @@ TEST_CASE("ledger: a closed form of each loss") {
   CHECK(s.rotation == doctest::Approx(2.0 / 7 * s.kinetic()).epsilon(2e-3));
 }
 
+TEST_CASE("ledger: what a safeguard takes from a spring is damping") {
+  using Soft = silt::Softened<silt::HertzMindlin>;
+  const Soft::Material soft{
+      .solid = {.youngs_modulus = 1e8, .poisson_ratio = 0.25, .restitution = 0.9},
+      .full_radius = 1e-3};
+  for (const bool on_wall : {false, true}) {
+    CAPTURE(on_wall);
+    silt::Particles<silt::Sphere> spheres;
+    spheres.add({{1.4e-4, 0, 0}, 1e-4, 2500, {-5, 0, 0}});
+    if (!on_wall) spheres.add({{-1.4e-4, 0, 0}, 1e-4, 2500});
+    silt::Simulation sim{spheres, silt::Contacts<Soft>{soft}, silt::EnergyLedger{}};
+    if (on_wall) sim.add_wall(silt::Plane{{0, 0, 0}, {1, 0, 0}}, soft);
+    sim.guard.max_overlap = sim.guard.max_travel = 1;
+    sim.run(1e-9);
+    sim.time_step = sim.step_length() / 20;  // 400 steps a contact
+    sim.run(1e-4);
+    const auto e = sim.energy();
+    CHECK(sim.safeguarded() == 1);
+    CHECK(e.elastic() == 0);
+    // The error of a spring's energy is (w dt)^2/8 of it, w = pi/400 dt.
+    const double approach = on_wall ? e.initial : 0.5 * e.initial;
+    CHECK(std::abs(e.residual()) < 1e-5 * approach);
+    CHECK(e.normal_damping == doctest::Approx((1 - 0.81) * approach).epsilon(1e-4).scale(0));
+  }
+}
+
 TEST_CASE("ledger: many elastic spheres between walls close below 1e-6 of the energy turned over") {
   silt::Simulation sim{cloud(300, 0.02, 0.3), silt::Contacts<silt::HertzMindlin>{elastic},
                        silt::EnergyLedger{}};

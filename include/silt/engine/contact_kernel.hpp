@@ -272,6 +272,8 @@ struct ContactKernel {
       if constexpr (is_frictional<Law>)
         tangential = select(touching, answer.tangential, tangential);
       terms = terms_of(c, law, h, touching, normal_force, tangential, with_stored, tally.lanes);
+      if constexpr (has_safeguard<Law>)
+        tally.lanes.dashpot -= ended_by_safeguard(c, law, before, h, touching);
     }
     if constexpr (ContactsType::has_rolling) {
       [[maybe_unused]] constexpr std::size_t offset = ContactsType::law_history;
@@ -376,6 +378,16 @@ struct ContactKernel {
       terms.tangential = tangential, terms.tangential_velocity = c.tangential_velocity;
     }
     return terms;
+  }
+  /// The energy of the spring that a safeguard has put an end to in this step, as book() sums [W]:
+  /// that of the last step, less the half of its work that the mean force leaves out.
+  template <class H, class M>
+  static SILT_INLINE Real ended_by_safeguard(const Contact<Real>& c, const LawCoefficients& law,
+                                             const H& before, const H& now, const M& touching) {
+    const Real zero(0);
+    const Stored<Real> spring = stored_by<Law, Real>(c, law, before);
+    const Real ended = Real(2) * spring.normal / c.time_step + spring.force * c.normal_velocity;
+    return select(touching, select(Law::safeguarded(before, now), ended, zero), zero);
   }
   /// The sum of a force and that of the last step; keeps it for the next.
   static SILT_INLINE Vec3<Real> with_kept(const Vec3<Real>& force, ScalarOf<Real>* const* kept) {
