@@ -360,11 +360,7 @@ struct ContactKernel {
                                                 Energy& energy) {
     const Real zero(0);
     const Stored<Real> stored = stored_by<Law, Real>(c, law, now);
-    if (with_stored) {
-      energy.normal += select(touching, stored.normal, zero);
-      if constexpr (is_frictional<Law>)
-        energy.tangential += select(touching, stored.tangential, zero);
-    }
+    if (with_stored) energy.normal += select(touching, stored.normal, zero);
     LedgerTerms<Real> terms;
     terms.normal_velocity = c.normal_velocity;
     terms.dashpot = select(touching, normal - stored.force, zero);
@@ -372,7 +368,15 @@ struct ContactKernel {
     if constexpr (is_frictional<Law>) {
       const Vec3<Real> dashpot = tangential - select(touching, stored.spring, {zero, zero, zero});
       const Real friction = friction_of(law), limit = friction * pressing(c, law, normal);
-      const auto sticks = dot(tangential, tangential) < Real(0.999999) * limit * limit;
+      const Real force2 = dot(tangential, tangential);
+      const auto sticks = force2 < Real(0.999999) * limit * limit;
+      if (with_stored) {
+        // While it slides, laws set the spring so that spring and dashpot make the limit: no more
+        // of it is held than bears the force.
+        const Real spring2 = max(dot(stored.spring, stored.spring), smallest<Real>());
+        const Real held = stored.tangential * min(force2 / spring2, Real(1));
+        energy.tangential += select(touching, select(sticks, stored.tangential, held), zero);
+      }
       energy.shear_dashpot +=
           select(sticks, known(dot(dashpot, c.tangential_velocity)), zero);  // else it slides
       terms.tangential = tangential, terms.tangential_velocity = c.tangential_velocity;
