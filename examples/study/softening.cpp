@@ -40,12 +40,14 @@ Sim prepared(Sim sim) {
   return sim;
 }
 
-/// A bed that falls at 1 m/s into a box and rests after 0.3 s.
+/// A bed of 1e8 Pa that falls at 1 m/s into a box and rests after 0.3 s.
 auto bed(std::size_t count, double full_radius, double gravity) {
   const double side = 2 * largest * std::ceil(std::cbrt(static_cast<double>(count)) * 0.7);
   auto spheres = wide_sizes(count, {{0, 0, 0}, {side, side, 8 * side}}, silt::Arrangement::Lattice);
   for (std::size_t k = 0; k < spheres.size(); ++k) spheres[k].velocity = {0.3, -0.2, -1};
-  const Law::Material material{.solid = studies::glass, .full_radius = full_radius};
+  auto solid = studies::glass;
+  solid.youngs_modulus = 1e8;
+  const Law::Material material{.solid = solid, .full_radius = full_radius};
   auto sim = prepared(silt::Simulation{std::move(spheres), silt::Contacts<Law>{material}});
   sim.gravity = {0, 0, -9.81 * gravity};
   sim.add_wall(silt::box({0, 0, 0}, {side, side, 20 * side}), material);

@@ -191,12 +191,12 @@ class Simulation {
     return engine_.particles.motion[k].inv_m > 0 ? 1 / engine_.particles.motion[k].inv_m : INFINITY;
   }
   Vec3d velocity(std::size_t k) const {  // [m/s] at time()
-    return kicked_ ? engine_.synchronous[k].velocity : engine_.particles.motion[k].velocity();
+    return kicked_ ? engine_.mover.synchronous[k].velocity : engine_.particles.motion[k].velocity();
   }
   Vec3d angular_velocity(std::size_t k) const  // [rad/s] at time()
       requires rotates {
     const auto& m = engine_.particles.motion[k];
-    return (kicked_ ? engine_.synchronous[k].spin_velocity : m.spin_velocity()) * m.inv_r;
+    return (kicked_ ? engine_.mover.synchronous[k].spin_velocity : m.spin_velocity()) * m.inv_r;
   }
   std::size_t material(std::size_t k) const {
     if constexpr (ContactsType::several_materials)

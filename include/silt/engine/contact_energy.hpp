@@ -66,7 +66,6 @@ inline ContactEnergy<Real> no_energy() {
 template <class ContactsType>
 struct WithLedger : ContactsType {
   static constexpr std::size_t kept_from = ContactsType::history;
-  static constexpr std::size_t kept_tangential = 1;
   static constexpr std::size_t kept_couple = 1 + 3 * is_frictional<typename ContactsType::Law>;
   static constexpr std::size_t history =
       ContactsType::history + kept_couple + 3 * ContactsType::has_rolling;

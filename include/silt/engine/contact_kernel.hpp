@@ -50,15 +50,6 @@ struct PairLoad {
   Vec3<Real> couple;  // [N m]
 };
 
-/// What the ledger wants to know of a contact's last step.
-template <class Real>
-struct LedgerTerms {
-  Real normal_velocity;            // [m/s]
-  Real dashpot;                    // [N] normal force that is no spring's
-  Vec3<Real> tangential;           // [N]
-  Vec3<Real> tangential_velocity;  // [m/s]
-};
-
 /// The kinematics of N contacts, component by component: filled one by one or pack by pack, read in
 /// packs.
 template <class ContactsType, std::size_t N, class Scalar>
@@ -152,17 +143,6 @@ struct alignas(64) KinematicsBlock {
     if constexpr (Rolls) out.couple = get3<Real>(k, angular_velocity);
     return out;
   }
-  /// So do terms.
-  template <class Real>
-  SILT_INLINE void put_terms(std::size_t k, const LedgerTerms<Real>& in) {
-    silt::store(R_eff + k, in.normal_velocity), silt::store(overlap + k, in.dashpot);
-    put(k, in.tangential, change), put(k, in.tangential_velocity, normal);
-  }
-  template <class Real>
-  SILT_INLINE LedgerTerms<Real> get_terms(std::size_t k) const {
-    return {load<Real>(R_eff + k), load<Real>(overlap + k), get3<Real>(k, change),
-            get3<Real>(k, normal)};
-  }
   template <class Real>
   SILT_INLINE RollingKinematics<Real> get_rolling(std::size_t k) const {
     RollingKinematics<Real> out{};
@@ -239,12 +219,15 @@ struct ContactKernel {
       const Kinematics<Real>& k, const RollingKinematics<Real>& r, const Radii<Real>& radii,
       const Real& time_step, const Real& lag, [[maybe_unused]] bool with_stored,
       const LawCoefficients& law, [[maybe_unused]] const RollingCoefficients& rolling,
-      ScalarOf<Real>* const* history, [[maybe_unused]] RunningTally<ContactsType, Real>& tally,
-      [[maybe_unused]] LedgerTerms<Real>& terms) {
+      ScalarOf<Real>* const* history, [[maybe_unused]] RunningTally<ContactsType, Real>& tally) {
     const Contact<Real> c = contact(k, radii, time_step, lag);
     const auto touching = acting(k, law);
     const Real zero(0);
     PairLoad<Real> out;
+
+    [[maybe_unused]] Books books;
+    if constexpr (keeps_ledger<ContactsType>)
+      books = Books(c, history + ContactsType::kept_from, tally.lanes);
 
     typename HistoryOf<Law, Real>::type h;
     load_history<ContactsType::law_history>(h, history);
@@ -271,7 +254,7 @@ struct ContactKernel {
       Vec3<Real> tangential{zero, zero, zero};
       if constexpr (is_frictional<Law>)
         tangential = select(touching, answer.tangential, tangential);
-      terms = terms_of(c, law, h, touching, normal_force, tangential, with_stored, tally.lanes);
+      books.add(c, law, h, touching, normal_force, tangential, with_stored, tally.lanes);
       if constexpr (has_safeguard<Law>)
         tally.lanes.dashpot -= ended_by_safeguard(c, law, before, h, touching);
     }
@@ -326,21 +309,6 @@ struct ContactKernel {
     return out;
   }
 
-  /// Books what the forces did since the last step. The work of a force is its mean over the step
-  /// times the displacement, velocity of the half step times step: the sum of all works is then
-  /// what the leapfrog's kinetic energy gains. Summed up here is twice the mean times the velocity;
-  /// of the tangential dashpot, once the present force. A loop of its own: the law's leaves no
-  /// registers. `kept`: one pointer a component, at this pack.
-  static SILT_INLINE void book(const LedgerTerms<Real>& t, ScalarOf<Real>* const* kept,
-                               Energy& energy) {
-    energy.dashpot += known((silt::load<Real>(kept[0]) + t.dashpot) * t.normal_velocity);
-    silt::store(kept[0], t.dashpot);
-    if constexpr (is_frictional<Law>) {
-      energy.shear += known(dot(with_kept(t.tangential, kept + ContactsType::kept_tangential),
-                                t.tangential_velocity));
-    }
-  }
-
  private:
   /// The law's coefficient of friction; infinite if it does not tell.
   template <class Coefficients>
@@ -353,38 +321,61 @@ struct ContactKernel {
       return Real(1e18f);
   }
 
-  template <class H, class M>
-  static SILT_INLINE LedgerTerms<Real> terms_of(const Contact<Real>& c, const LawCoefficients& law,
-                                                const H& now, const M& touching, const Real& normal,
-                                                const Vec3<Real>& tangential, bool with_stored,
-                                                Energy& energy) {
-    const Real zero(0);
-    const Stored<Real> stored = stored_by<Law, Real>(c, law, now);
-    if (with_stored) energy.normal += select(touching, stored.normal, zero);
-    LedgerTerms<Real> terms;
-    terms.normal_velocity = c.normal_velocity;
-    terms.dashpot = select(touching, normal - stored.force, zero);
-    energy.turned_over += known(abs(normal * c.normal_velocity));
-    if constexpr (is_frictional<Law>) {
-      const Vec3<Real> dashpot = tangential - select(touching, stored.spring, {zero, zero, zero});
-      const Real friction = friction_of(law), limit = friction * pressing(c, law, normal);
-      const Real force2 = dot(tangential, tangential);
-      const auto sticks = force2 < Real(0.999999) * limit * limit;
-      if (with_stored) {
-        // While it slides, laws set the spring so that spring and dashpot make the limit: no more
-        // of it is held than bears the force.
-        const Real spring2 = max(dot(stored.spring, stored.spring), smallest<Real>());
-        const Real held = stored.tangential * min(force2 / spring2, Real(1));
-        energy.tangential += select(touching, select(sticks, stored.tangential, held), zero);
+  /// Books what the forces of a pack of contacts did since the last step. The work of a force is
+  /// its mean over the step times the displacement, velocity of the half step times step: the sum
+  /// of all works is then what the leapfrog's kinetic energy gains. Summed up here is twice the
+  /// mean times the velocity; of the tangential dashpot, once the present force. The last forces
+  /// come in before the law is asked, the present ones after it: fewer registers at a time.
+  struct Books {
+    ScalarOf<Real>* const* kept;  // of the last step: one pointer a component, at this pack
+    Real velocity;                // [m/s] along the normal; none if the partner has left
+    Vec3<Real> slip;              // [m/s]
+
+    Books() = default;
+    SILT_INLINE Books(const Contact<Real>& c, ScalarOf<Real>* const* kept_forces, Energy& energy)
+        : kept(kept_forces) {
+      const Real zero(0);
+      const auto is_there = c.normal_velocity == c.normal_velocity;
+      velocity = select(is_there, c.normal_velocity, zero);
+      energy.dashpot += silt::load<Real>(kept[0]) * velocity;
+      if constexpr (is_frictional<Law>) {
+        slip = select(is_there, c.tangential_velocity, {zero, zero, zero});
+        energy.shear += dot(silt::load3<Real>(kept[1], kept[2], kept[3]), slip);
       }
-      energy.shear_dashpot +=
-          select(sticks, known(dot(dashpot, c.tangential_velocity)), zero);  // else it slides
-      terms.tangential = tangential, terms.tangential_velocity = c.tangential_velocity;
     }
-    return terms;
-  }
-  /// The energy of the spring that a safeguard has put an end to in this step, as book() sums [W]:
-  /// that of the last step, less the half of its work that the mean force leaves out.
+
+    template <class H, class M>
+    SILT_INLINE void add(const Contact<Real>& c, const LawCoefficients& law, const H& now,
+                         const M& touching, const Real& normal, const Vec3<Real>& tangential,
+                         bool with_stored, Energy& energy) const {
+      const Real zero(0);
+      const Stored<Real> stored = stored_by<Law, Real>(c, law, now);
+      if (with_stored) energy.normal += select(touching, stored.normal, zero);
+      const Real dashpot = select(touching, normal - stored.force, zero);
+      energy.dashpot += dashpot * velocity;
+      energy.turned_over += abs(normal * velocity);
+      silt::store(kept[0], dashpot);
+      if constexpr (is_frictional<Law>) {
+        const Vec3<Real> damping = tangential - select(touching, stored.spring, {zero, zero, zero});
+        const Real friction = friction_of(law), limit = friction * pressing(c, law, normal);
+        const Real force2 = dot(tangential, tangential);
+        const auto sticks = force2 < Real(0.999999) * limit * limit;
+        if (with_stored) {
+          // While it slides, laws set the spring so that spring and dashpot make the limit: no more
+          // of it is held than bears the force.
+          const Real spring2 = max(dot(stored.spring, stored.spring), smallest<Real>());
+          const Real held = stored.tangential * min(force2 / spring2, Real(1));
+          energy.tangential += select(touching, select(sticks, stored.tangential, held), zero);
+        }
+        energy.shear += dot(tangential, slip);
+        energy.shear_dashpot += select(sticks, dot(damping, slip), zero);  // else it slides
+        silt::store(kept[1], tangential.x), silt::store(kept[2], tangential.y),
+            silt::store(kept[3], tangential.z);
+      }
+    }
+  };
+  /// The energy of the spring that a safeguard has put an end to in this step, as the books sum
+  /// [W]: that of the last step, less the half of its work that the mean force leaves out.
   template <class H, class M>
   static SILT_INLINE Real ended_by_safeguard(const Contact<Real>& c, const LawCoefficients& law,
                                              const H& before, const H& now, const M& touching) {

@@ -64,20 +64,10 @@ SILT_INLINE void loads_of(Block& block, std::size_t count, const StepTimes& time
     if (kinds != nullptr) coefficients.choose(kinds + k);
     std::array<Scalar*, H> at;
     for (std::size_t h = 0; h < H; ++h) at[h] = history[h] + k;
-    LedgerTerms<Real> terms;
-    block.put_load(
-        k, Kernel::load(block.template get<Real>(k), block.template get_rolling<Real>(k),
-                        block.template get_radii<Real>(k), step, lag, times.with_stored,
-                        coefficients.law(), coefficients.rolling(), at.data(), tally, terms));
-    if constexpr (keeps_ledger<ContactsType>) block.put_terms(k, terms);
+    block.put_load(k, Kernel::load(block.template get<Real>(k), block.template get_rolling<Real>(k),
+                                   block.template get_radii<Real>(k), step, lag, times.with_stored,
+                                   coefficients.law(), coefficients.rolling(), at.data(), tally));
   }
-  if constexpr (keeps_ledger<ContactsType>)
-    for (std::size_t k = 0; k < count; k += W) {
-      std::array<Scalar*, H> at;
-      for (std::size_t h = 0; h < H; ++h) at[h] = history[h] + k;
-      Kernel::book(block.template get_terms<Real>(k), at.data() + ContactsType::kept_from,
-                   tally.lanes);
-    }
 }
 
 /// The loads of a block as consecutive rows.

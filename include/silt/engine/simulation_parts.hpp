@@ -40,9 +40,9 @@ void Simulation<Policies...>::add(const ParticlesType& more) {
   for (std::size_t k = 0; k < more.size(); ++k) {
     auto& [position, motion] = rows[k];
     if (kicked_) {
-      typename Engine::Synchronous now{motion.velocity(), {0, 0, 0}};
+      typename Engine::Mover::Synchronous now{motion.velocity(), {0, 0, 0}};
       if constexpr (rotates) now.spin_velocity = motion.spin_velocity();
-      engine_.synchronous.push_back(now);
+      engine_.mover.synchronous.push_back(now);
     }
     engine_.particles.add(position, motion, next_id_++,
                           static_cast<std::uint16_t>(more[k].material));
@@ -275,12 +275,12 @@ void Simulation<Policies...>::keep_limits() {
     detail::check_inside(engine_, *guard.domain, step_, time_);
 }
 
-/// Looks at all contacts, which takes about as long as a step: now and then, and where the largest
-/// overlap has grown.
+/// Looks at all contacts, which takes as long as a few steps: now and then, and where the largest
+/// overlap has grown by a quarter.
 template <class... Policies>
 void Simulation<Policies...>::keep_rates(double back) {
   constexpr std::int64_t now_and_then = 1000;  // [steps]
-  if (engine_.largest_overlap > 1.05 * checked_overlap_)
+  if (engine_.largest_overlap > 1.25 * checked_overlap_)
     checked_overlap_ = engine_.largest_overlap;
   else if (step_ % now_and_then != 0)
     return;

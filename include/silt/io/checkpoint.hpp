@@ -69,7 +69,7 @@ class Checkpoint {
       out.add("derivatives", doubles(e.particles.derivatives.data(), n));
     out.add("id", e.particles.id);
     out.add("material", e.particles.material);
-    out.add("synchronous", doubles(e.synchronous.data(), sim.kicked_ ? n : 0));
+    out.add("synchronous", doubles(e.mover.synchronous.data(), sim.kicked_ ? n : 0));
     out.add("reference", doubles(e.lists.reference.data(), std::min(n, e.lists.reference.size())));
 
     std::vector<std::uint32_t> outer;
@@ -221,7 +221,8 @@ class Checkpoint {
       copy(derivatives, e.particles.derivatives.data());
     }
     e.particles.pad();
-    e.synchronous.resize(synchronous.size() / 6), copy(synchronous, e.synchronous.data());
+    e.mover.synchronous.resize(synchronous.size() / 6),
+        copy(synchronous, e.mover.synchronous.data());
     e.lists.reference.resize(reference.size() / 3), copy(reference, e.lists.reference.data());
     for (std::size_t w = 0; w < surfaces.size(); ++w)
       if (surfaces[w] == 0) e.walls[w].surfaces.clear();
