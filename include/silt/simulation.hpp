@@ -91,6 +91,11 @@ class Simulation {
   using Engine = detail::Engine<ShapeType, EngineContacts, Search, Domain, Arch, Precision,
                                 Integrator, Rotation>;
 
+  static_assert(
+      !(Integrator::derivatives > 0 && detail::has_safeguard<typename ContactsType::Law>),
+      "a law with a safeguard (Softened) turns a velocity within one step, which Gear spreads over "
+      "several, beyond what is wanted: take Leapfrog");
+
   static constexpr bool rotates = ContactsType::rotates || has_bodies;
   /// State of one particle [bytes]: no more than the policies need. Of bodies: of each part;
   /// bytes_per_body come once a body.
