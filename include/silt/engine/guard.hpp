@@ -33,7 +33,7 @@ namespace detail {
 
 /// Looks for the particle that has become not a number; says where, and what to change.
 template <class EngineType>
-[[noreturn]] void throw_not_finite(const EngineType& e, std::int64_t step, double time) {
+[[noreturn, gnu::cold]] void throw_not_finite(const EngineType& e, std::int64_t step, double time) {
   for (std::size_t k = 0; k < e.particles.size(); ++k) {
     const auto& m = e.particles.motion[k];
     const auto& p = e.particles.position[k];
@@ -88,8 +88,9 @@ void for_each_wall_contact(const EngineType& e, double back, const Visit& visit)
 /// Names the contact with the largest overlap over the smaller radius, which was measured `back`
 /// [s] ago.
 template <class EngineType, class Domain>
-[[noreturn]] void throw_overlap(const EngineType& e, const Domain& domain, std::int64_t step,
-                                double time, double back, double limit) {
+[[noreturn, gnu::cold]] void throw_overlap(const EngineType& e, const Domain& domain,
+                                           std::int64_t step, double time, double back,
+                                           double limit) {
   double most = -1;  // [-]
   std::uint32_t a = 0, b = 0;
   e.lists.pairs.for_each([&](std::size_t k) {
@@ -147,12 +148,10 @@ double wall_travel(const EngineType& e) {
   return most;
 }
 
-/// Particles and walls that go too far in a step may pass through each other unseen.
 template <class EngineType>
-void check_travel(const EngineType& e, double wall_way, std::int64_t step, double time, double dt,
-                  double limit) {
+[[noreturn, gnu::cold]] void throw_travel(const EngineType& e, double wall_way, std::int64_t step,
+                                          double time, double dt, double limit) {
   const double way = e.largest_speed * dt, most = limit * e.particles.smallest_radius;
-  if (way <= most && wall_way <= most) return;
   std::uint32_t fastest = 0;
   double speed = -1;  // [m/s]
   for (std::uint32_t k = 0; k < e.particles.size(); ++k)
@@ -170,6 +169,14 @@ void check_travel(const EngineType& e, double wall_way, std::int64_t step, doubl
                              "Simulation::time_step to less than ",
                              below(dt * most / std::max(way, wall_way)), " s"),
                         step, ids, where);
+}
+
+/// Particles and walls that go too far in a step may pass through each other unseen.
+template <class EngineType>
+void check_travel(const EngineType& e, double wall_way, std::int64_t step, double time, double dt,
+                  double limit) {
+  const double way = e.largest_speed * dt, most = limit * e.particles.smallest_radius;
+  if (!(way <= most && wall_way <= most)) throw_travel(e, wall_way, step, time, dt, limit);
 }
 
 /// Where a mesh is so fine and bent that a sphere touches more places than it has contacts for.
