@@ -21,6 +21,8 @@ using silt::Particles;
 
 constexpr double radius = 1e-3, density = 2500;  // [m], [kg/m3]
 const double mass = density * Sphere::volume(radius);
+/// Linear springs are in a box of one type throughout, here without directions that repeat.
+const silt::PeriodicBox room{{{-1, -1, -1}, {2, 2, 2}}, {false, false, false}};
 
 template <class Sim>
 auto rates(const Sim& sim) {
@@ -51,13 +53,13 @@ TEST_CASE(
     const double omega = std::sqrt(k * inv_m);
     return 1e-9 * (omega + zeta * omega);
   };
-  auto pair = at_rest<LinearSpring>({k, e}, {{0, 0, 0}, {0, 0, 1.9e-3}, {0, 0, 1}});
+  auto pair = at_rest<LinearSpring>({k, e}, {{0, 0, 0}, {0, 0, 1.9e-3}, {0, 0, 1}}, room);
   pair.run(0);
   CHECK(rates(pair).rate(pair.find(0)) == near(expected(2 / mass)).epsilon(1e-6));
   CHECK(rates(pair).rate(pair.find(1)) == near(expected(2 / mass)).epsilon(1e-6));
   CHECK(rates(pair).rate(pair.find(2)) == 0);
 
-  auto on_wall = at_rest<LinearSpring>({k, e}, {{0, 0, 0.9e-3}});
+  auto on_wall = at_rest<LinearSpring>({k, e}, {{0, 0, 0.9e-3}}, room);
   on_wall.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, {k, e});
   on_wall.run(0);
   CHECK(rates(on_wall).rate(0) == near(expected(1 / mass)).epsilon(1e-6));
@@ -95,7 +97,7 @@ TEST_CASE("contact_rates: a light sphere under a heavy one swings alone") {
   Particles<Sphere> p;
   p.add({.position = {0, 0, 0}, .radius = radius, .density = density});
   p.add({.position = {0, 0, 0.1 + 0.99e-3}, .radius = 0.1, .density = density});
-  silt::Simulation sim{std::move(p), Contacts<LinearSpring>{{1e4, 1.0}}};
+  silt::Simulation sim{std::move(p), Contacts<LinearSpring>{{1e4, 1.0}}, room};
   sim.threads = 1, sim.time_step = 1e-9;
   sim.run(0);
   // 1/m + 1/sqrt(m M), M = 1e6 m; in truth 1/m + 1/M.

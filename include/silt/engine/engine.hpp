@@ -10,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include <silt/engine/body_motion.hpp>
 #include <silt/engine/near_lists.hpp>
 #include <silt/engine/pair_pipeline.hpp>
 #include <silt/engine/particle_state.hpp>
@@ -19,10 +20,23 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
+template <bool HasBodies>
+struct MoverOf {
+  template <class ShapeType, class Contacts, class State, class Scalar, class Arch,
+            class Integrator, class>
+  using type = SphereMotion<ShapeType, Contacts, State, Scalar, Arch, Integrator>;
+};
+template <>
+struct MoverOf<true> {
+  template <class ShapeType, class Contacts, class State, class Scalar, class, class Integrator,
+            class Rotation>
+  using type = BodyMotion<ShapeType, Contacts, State, Scalar, Integrator, Rotation>;
+};
+
 /// The state of a simulation and the stages of its step, each a plain function of state. Knows the
 /// policies, but neither observers nor files nor the order of the stages: that is Simulation's.
 template <class ShapeType, class ContactsType, class Search, class Domain, class Arch,
-          class Precision, class Integrator = Leapfrog>
+          class Precision, class Integrator = Leapfrog, class Rotation = NoSquish>
 class Engine {
  public:
   using Contacts = ContactsType;
@@ -31,12 +45,14 @@ class Engine {
   static constexpr std::size_t history = ContactsType::history;  // Reals of a contact
   using Scalar = typename Precision::PairScalar;                 // of the work on pairs
   static constexpr bool predicts = Integrator::derivatives > 0;
-  using State =
-      ParticleState<rotates, ContactsType::several_materials, Scalar, Integrator::derivatives>;
+  static constexpr bool has_bodies = BodyShape<ShapeType>;  // rows are parts of them
+  using State = ParticleState<rotates, ContactsType::several_materials, Scalar,
+                              Integrator::derivatives, has_bodies>;
   using Motion = typename State::Motion;
   using Lists = NearLists<ContactsType::history, Scalar, State, Search, Domain, Arch>;
 
-  using Mover = SphereMotion<ShapeType, ContactsType, State, Scalar, Arch, Integrator>;
+  using Mover = typename MoverOf<has_bodies>::template type<ShapeType, ContactsType, State, Scalar,
+                                                            Arch, Integrator, Rotation>;
 
   State particles;
   std::vector<Wall> walls;
@@ -72,6 +88,8 @@ class Engine {
                  largest_range(coefficients, particles.largest_radius)},
                 search, step);
     if (!lists.take_renewed()) return;
+    if constexpr (has_bodies)
+      if (lists.upkeep.searched_at == step) follow_bodies(domain);
     make_kinds();
     sums_.resize(particles.size() * 4 * chunks, 0);  // all zero between the steps
     particles.renew_pair_motion(*team_);
@@ -164,8 +182,47 @@ class Engine {
   }
   /// Completes a step that was observed.
   void drift(double time_step) {
-    mover.drift({particles, sums_.data(), lists.upkeep.per_inner2.data(), *team_}, time_step);
+    largest_share = mover.drift({particles, sums_.data(), lists.upkeep.per_inner2.data(), *team_},
+                                time_step, largest_share);
     lists.upkeep.used += largest_share * time_step;
+  }
+
+  /// The number of the particle that a row is, or belongs to.
+  std::uint32_t id_of(std::size_t row) const {
+    if constexpr (has_bodies)
+      return mover.bodies[particles.part[row].body].id;
+    else
+      return particles.id[row];
+  }
+  /// Particles: bodies, or rows.
+  std::size_t rows_of_particles() const {
+    if constexpr (has_bodies)
+      return mover.bodies.size();
+    else
+      return particles.size();
+  }
+  /// The place of the particle that a row is, or belongs to.
+  std::size_t owner(std::size_t row) const {
+    if constexpr (has_bodies)
+      return particles.part[row].body;
+    else
+      return row;
+  }
+  /// What rotation adds to the inverse mass [1/kg] against a push along n at the surface of a row.
+  double turning([[maybe_unused]] std::size_t row, [[maybe_unused]] const Vec3d& n) const {
+    if constexpr (has_bodies)
+      return mover.turning(particles.part[row], n);
+    else
+      return 0;
+  }
+  /// Takes the particle at place k (a body, or a row) out of all contacts at once.
+  void park(std::size_t k) {
+    if constexpr (has_bodies) {
+      for (const std::uint32_t row : mover.rows_of(mover.bodies[k])) particles.park(row);
+      mover.bodies[k].id = no_particle;
+    } else {
+      particles.park(k);
+    }
   }
 
   /// Completes a restored state.
@@ -190,6 +247,19 @@ class Engine {
   }
 
  private:
+  /// After a search has sorted the parts and wrapped them into a periodic box.
+  void follow_bodies([[maybe_unused]] const Domain& domain) {
+    if constexpr (has_bodies) {
+      mover.follow(particles);
+      if constexpr (Domain::periodic)
+        for (Body& b : mover.bodies) {
+          const Vec3d shift = domain.wrapped(b.centre) - b.centre;
+          b.centre += shift;
+          for (const std::uint32_t row : mover.rows_of(b)) particles.part[row].image -= shift;
+        }
+    }
+  }
+
   // From here on fetching ahead has paid: more than second-level caches hold, and than one may
   // count on of a last-level cache that others use too.
   static constexpr std::size_t beyond_caches = 4 << 20;

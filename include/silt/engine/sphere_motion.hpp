@@ -102,7 +102,8 @@ class SphereMotion {
       }
   }
 
-  void drift(const Scene& scene, double time_step) const {
+  /// Completes a step that was observed; `share` is that of integrate.
+  double drift(const Scene& scene, double time_step, double share) const {
     const Row time = Row::of(time_step, time_step, time_step, 0);
     State& particles = scene.particles;
     scene.team.for_ranges(particles.size(), [&](std::size_t, std::size_t from, std::size_t to) {
@@ -115,6 +116,7 @@ class SphereMotion {
                           time)
               .store(&particles.position[k].x);
     });
+    return share;
   }
 
  private:
