@@ -45,30 +45,42 @@ Impact flat_impact(int n, bool share) {
 
 }  // namespace
 
-TEST_CASE(
-    "n contacts side by side count n, those across each other do not, a new one counts nothing") {
-  const Vec3d up{0, 0, 1}, right{1, 0, 0};
-  const std::vector<Shares::Touch> same{{1e-6, up}, {1e-6, up}, {1e-6, up}};
-  CHECK(Shares::count(same[0], same) == doctest::Approx(3).epsilon(1e-12));
-  const std::vector<Shares::Touch> corner{{1e-6, up}, {1e-6, right}, {1e-6, -up}};
-  CHECK(Shares::count(corner[0], corner) == 1);
-  const std::vector<Shares::Touch> begun{{1e-6, up}, {1e-12, up}};
-  CHECK(Shares::count(begun[0], begun) == doctest::Approx(1).epsilon(1e-5));
+TEST_CASE("n contacts of one depth make n^(1/4) of one, one that has just begun changes nothing") {
+  const std::vector<double> same{1e-6, 1e-6, 1e-6}, begun{1e-6, 1e-8};
+  CHECK(3 * Shares::share(1e-6, same, 2.5) == doctest::Approx(std::pow(3, 0.25)).epsilon(1e-12));
+  CHECK(3 * Shares::share(1e-6, same, 2) == doctest::Approx(std::pow(3, 0.2)).epsilon(1e-12));
+  CHECK(Shares::share(1e-6, begun, 2.5) == doctest::Approx(1).epsilon(1e-12));
+  CHECK(Shares::share(1e-8, begun, 2.5) < 1e-14);
 }
 
-TEST_CASE("A plate is as stiff and as damped with 4 as with 100 balls that touch") {
+TEST_CASE("The shared force is the gradient of an energy") {
+  // U = D^(5/2), the law's force (5/2) d^(3/2).
+  const std::vector<double> depth{1.0, 0.9, 0.97, 0.3};
+  const auto energy = [](const std::vector<double>& depths) {
+    double sum = 0;
+    for (const double d : depths) sum += std::pow(d, 10);
+    return std::pow(sum, 0.25);
+  };
+  for (std::size_t k = 0; k < depth.size(); ++k) {
+    auto more = depth, less = depth;
+    more[k] += 1e-6, less[k] -= 1e-6;
+    const double gradient = (energy(more) - energy(less)) / 2e-6;
+    const double force = 2.5 * std::pow(depth[k], 1.5) * Shares::share(depth[k], depth, 2.5);
+    CHECK(std::abs(gradient - force) < 1e-9);
+  }
+}
+
+TEST_CASE("A plate is nearly as stiff and as damped with 4 as with 100 balls that touch") {
+  // Stiffness and dashpot grow by n^(1/4), so that the largest overlap goes by n^(-1/10), as for a
+  // spring of Hertz' law, and the damping ratio by n^(1/8). Without sharing: n, n^(-2/5), n^(1/2).
   const Impact few = flat_impact(2, true), many = flat_impact(10, true);
-  // One contact of the whole mass: e as set, up to the corrections of its form (leapfrog: 1e-3).
-  CHECK(std::abs(few.restitution - 0.6) < 2e-3);
-  CHECK(std::abs(many.restitution - few.restitution) < 1e-9);
-  CHECK(std::abs(many.overlap - few.overlap) < 1e-9 * few.overlap);
-  // Left out, 25 times as many springs are 25 times as stiff: overlaps go by n^(-2/5), and the
-  // dashpots, each made for the whole mass, take too much.
+  CHECK(many.overlap / few.overlap == doctest::Approx(std::pow(25, -0.1)).epsilon(0.05));
+  CHECK(few.restitution > 0.53);  // 0.6 is set for one contact
+  CHECK(many.restitution > 0.40);
   const Impact alone_few = flat_impact(2, false), alone_many = flat_impact(10, false);
-  CHECK(alone_few.overlap / few.overlap < std::pow(4, -0.4) * 1.02);
+  CHECK(alone_few.restitution < 0.4);
+  CHECK(alone_many.restitution < 0.1);
   CHECK(alone_many.overlap / alone_few.overlap < std::pow(25, -0.4) * 1.1);
-  CHECK(alone_few.restitution < 0.5);
-  CHECK(alone_many.restitution < 0.2);
 }
 
 TEST_CASE("Two plates share the contacts between them") {
@@ -85,18 +97,15 @@ TEST_CASE("Two plates share the contacts between them") {
                   sim.peak_overlap()};
   };
   const Impact few = run(2, true), many = run(8, true);
-  CHECK(std::abs(few.restitution - 0.6) < 2e-3);
-  CHECK(std::abs(many.restitution - few.restitution) < 1e-8);
+  CHECK(few.restitution > 0.53);
+  CHECK(many.restitution > 0.42);
   CHECK(run(8, false).restitution < 0.2);
 }
 
-// The shared forces have no potential. How much energy an elastic plate gains or loses that falls
-// onto an edge, rocks and flies off: against the same plate whose balls do not share, which keeps
-// it.
-TEST_CASE("What sharing costs or gives in energy, when a plate rocks") {
+TEST_CASE("An elastic plate that falls onto an edge, rocks and flies off keeps its energy") {
   const auto error = [](double tilt, bool share) {
     auto elastic = smooth;
-    elastic.restitution = 1;
+    elastic.restitution = 1, elastic.youngs_modulus = 1e8;
     silt::Particles<MultiSphere> one;
     one.add_form(plate(5));
     one.add({.position = {0, 0, 2.5e-3},
@@ -106,7 +115,7 @@ TEST_CASE("What sharing costs or gives in energy, when a plate rocks") {
     silt::Simulation sim{std::move(one), silt::Contacts<HertzMindlin>{elastic}};
     sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, elastic);
     sim.share_contacts(share);
-    sim.time_step = 1e-7;
+    sim.time_step = 5e-8;
     const auto energy = [&] {
       const Vec3d v = sim.velocity(0),
                   w = rotate(conjugate(sim.orientation(0)), sim.angular_velocity(0));
@@ -120,7 +129,6 @@ TEST_CASE("What sharing costs or gives in energy, when a plate rocks") {
   };
   for (const double tilt : {0.02, 0.1, 0.3}) {
     CHECK(std::abs(error(tilt, false)) < 1e-4);
-    MESSAGE("tilt ", tilt, ": ", error(tilt, true));
-    CHECK(std::abs(error(tilt, true)) < 0.05);
+    CHECK(std::abs(error(tilt, true)) < 1e-3);  // stiffer against tilting: larger errors of a step
   }
 }

@@ -266,10 +266,17 @@ class Engine {
   // count on of a last-level cache that others use too.
   static constexpr std::size_t beyond_caches = 4 << 20;
 
+  /// The energy of a contact goes with this power of the overlap: 5/2 unless the law says so.
+  static constexpr double energy_exponent = [] {
+    if constexpr (requires { ContactsType::Law::energy_exponent; })
+      return ContactsType::Law::energy_exponent;
+    else
+      return 2.5;
+  }();
   const Scalar* share_pairs([[maybe_unused]] const Domain& domain) {
     if constexpr (has_bodies)
       if (share_contacts) {
-        shared_.share_pairs(lists.pairs, particles, domain, *team_);
+        shared_.share_pairs(lists.pairs, particles, domain, energy_exponent, *team_);
         return shared_.shares();
       }
     return nullptr;
@@ -277,7 +284,7 @@ class Engine {
   const SharedContacts<Scalar>* share_walls() {
     if constexpr (has_bodies)
       if (share_contacts) {
-        shared_.share_walls(*this);
+        shared_.share_walls(*this, energy_exponent);
         return &shared_;
       }
     return nullptr;

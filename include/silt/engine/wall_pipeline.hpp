@@ -317,8 +317,8 @@ class WallPipeline {
     s.share[k] = (sphere.r - point.distance) / sphere.r;
     if constexpr (shares_contacts<ContactsType>)
       if (in.sharing != nullptr)
-        s.of_force[k] = static_cast<Scalar>(in.sharing->of_wall(
-            in.parts[c.particle].body, {sphere.r - point.distance, point.normal}));
+        s.of_force[k] = static_cast<Scalar>(
+            in.sharing->of_wall(in.parts[c.particle].body, c, sphere.r, sphere.r - point.distance));
     std::size_t material = 0;
     if constexpr (ContactsType::several_materials) material = in.materials[c.particle];
     s.kind[k] = static_cast<std::uint16_t>(material * table.materials + wall.material);
