@@ -1,0 +1,99 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <silt/shape/narrow/super_ellipsoid_cap.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// Two convex bodies where they are: j's centre is at `between` [m] from i's.
+template <class FormI, class FormJ>
+struct PosedPair {
+  using Real = typename FormI::Real;
+  FormI i;
+  FormJ j;
+  Rotation<Real> turn_i, turn_j;
+  Vec3<Real> between;
+};
+
+/// Depth over the direction m (unit, from i to j), and how it changes with m in its tangent plane:
+///
+///   F(m) = h_i(m) + h_j(-m) - m . d                                                            (1)
+///   grad F = p_i - p_j (their tangential part),  Hess F = T_i + T_j - F 1                      (2)
+///
+/// F < 0 for any m proves that the bodies are apart. If they touch, the overlap is the least F, and
+/// there p_i - p_j is along m: force, lever arms and angular momentum agree exactly, and -m is the
+/// gradient of the overlap in the place of i.
+template <class Real>
+struct Depth {
+  Real F;                 // [m]
+  Real slope_s, slope_t;  // [m]
+  Symmetric2<Real> hess;  // [m]
+  Vec3<Real> s, t;        // tangents, in space
+  Cap<Real> i, j;
+};
+
+/// Two unit vectors that make a right-handed frame with unit m.
+/// Source: T. Duff et al., J. Comput. Graph. Tech. 6 (2017) 1.
+template <class Real>
+SILT_INLINE void tangents(const Vec3<Real>& m, Vec3<Real>& s, Vec3<Real>& t) {
+  const Real sign = select(m.z < Real(0), Real(-1), Real(1));
+  const Real a = Real(-1) / (sign + m.z), b = m.x * m.y * a;
+  s = {Real(1) + sign * m.x * m.x * a, sign * b, -(sign * m.x)};
+  t = {b, sign + m.y * m.y * a, -m.y};
+}
+
+template <class Real>
+SILT_INLINE Vec3<Real> unit(const Vec3<Real>& v) {
+  return v * (Real(1) / sqrt(dot(v, v)));
+}
+
+template <class FormI, class FormJ, class Real = typename FormI::Real>
+SILT_INLINE Depth<Real> depth_along(const PosedPair<FormI, FormJ>& pair, const Vec3<Real>& m) {
+  Depth<Real> D;
+  tangents(m, D.s, D.t);
+  const auto &Ri = pair.turn_i, &Rj = pair.turn_j;
+  D.i = cap_at(pair.i, Ri.to_body(m), Ri.to_body(D.s), Ri.to_body(D.t));
+  D.j = cap_at(pair.j, -Rj.to_body(m), Rj.to_body(D.s), Rj.to_body(D.t));
+  D.F = D.i.height + D.j.height - dot(m, pair.between);
+  D.slope_s = D.i.along_s - D.j.along_s - dot(D.s, pair.between);
+  D.slope_t = D.i.along_t - D.j.along_t - dot(D.t, pair.between);
+  D.hess = {D.i.radii.xx + D.j.radii.xx - D.F, D.i.radii.xy + D.j.radii.xy,
+            D.i.radii.yy + D.j.radii.yy - D.F};
+  return D;
+}
+
+/// Newton's step for the least depth, and what will be left of the slope after it.
+template <class Real>
+struct NormalStep {
+  Real s, t;            // [-] change of m along the tangents
+  Mask<Real> downhill;  // the Hessian is positive: the step leads to a minimum
+  Real pace;            // [-] largest relative change of what the Hessian is made of
+  Real residual;        // [m] estimate of |grad F| after the step
+};
+
+template <class Real>
+SILT_INLINE NormalStep<Real> newton_step(const Depth<Real>& D) {
+  const auto& H = D.hess;
+  const Real det = H.xx * H.yy - H.xy * H.xy, trace = H.xx + H.yy;
+  const Mask<Real> downhill = (det > Real(1e-12) * trace * trace) && (trace > Real(0));
+  const Real over = Real(-1) / select(downhill, det, Real(1));
+  const Real s = over * (H.yy * D.slope_s - H.xy * D.slope_t);
+  const Real t = over * (H.xx * D.slope_t - H.xy * D.slope_s);
+  const Symmetric2<Real> both{D.i.pace.xx + D.j.pace.xx, D.i.pace.xy + D.j.pace.xy,
+                              D.i.pace.yy + D.j.pace.yy};
+  const Real pace = sqrt(both.form(s, t) + s * s + t * t);
+  const Real slope = sqrt(D.slope_s * D.slope_s + D.slope_t * D.slope_t);
+  return {s, t, downhill, pace, Real(2) * pace * slope};
+}
+
+/// Radius [m] for Hertz' law: that of mean curvature, at most the bounding radius (faces), at least
+/// 0.05 radii of the sphere of equal volume (edges and corners).
+template <class Form, class Real = typename Form::Real>
+SILT_INLINE Real contact_radius(const Form& form, const Cap<Real>& cap) {
+  const auto& T = cap.radii;
+  const Real det = T.xx * T.yy - T.xy * T.xy;
+  const Real R = Real(2) * det / max(T.xx + T.yy, smallest<Real>());
+  return min(max(R, Real(0.05) * form.size), form.bound);
+}
+
+}  // namespace silt
