@@ -65,16 +65,18 @@ SILT_INLINE Real polynomial(const double (&c)[N], const Real& x) {
 
 }  // namespace detail
 
-/// log2(x): twice the series of artanh of (m - 1)/(m + 1).
+/// log2(x): twice the series of artanh of (m - 1)/(m + 1). Summed in pairs, as one chain of ten
+/// products would wait for each of them.
 template <class Real>
 SILT_INLINE Real exact_log2(const Real& x) {
   constexpr double c = 2.8853900817779268;  // 2 / ln 2
-  static constexpr double series[]{c,      c / 3,  c / 5,  c / 7,  c / 9,
-                                   c / 11, c / 13, c / 15, c / 17, c / 19};
+  const auto term = [](int n) { return Real(c / n); };
   Real k, m;
   detail::split(x, k, m);
-  const Real s = (m - Real(1)) / (m + Real(1));
-  return k + s * detail::polynomial(series, s * s);
+  const Real s = (m - Real(1)) / (m + Real(1)), z = s * s, z2 = z * z, z4 = z2 * z2;
+  const Real low = (term(1) + term(3) * z) + (term(5) + term(7) * z) * z2;
+  const Real high = (term(9) + term(11) * z) + (term(13) + term(15) * z) * z2;
+  return k + s * (low + z4 * (high + z4 * (term(17) + term(19) * z)));
 }
 
 /// 2^y for |y| < 1022: the series of exp(f ln 2).

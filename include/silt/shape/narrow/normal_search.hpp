@@ -32,21 +32,6 @@ struct Depth {
   Cap<Real> i, j;
 };
 
-/// Two unit vectors that make a right-handed frame with unit m.
-/// Source: T. Duff et al., J. Comput. Graph. Tech. 6 (2017) 1.
-template <class Real>
-SILT_INLINE void tangents(const Vec3<Real>& m, Vec3<Real>& s, Vec3<Real>& t) {
-  const Real sign = select(m.z < Real(0), Real(-1), Real(1));
-  const Real a = Real(-1) / (sign + m.z), b = m.x * m.y * a;
-  s = {Real(1) + sign * m.x * m.x * a, sign * b, -(sign * m.x)};
-  t = {b, sign + m.y * m.y * a, -m.y};
-}
-
-template <class Real>
-SILT_INLINE Vec3<Real> unit(const Vec3<Real>& v) {
-  return v * (Real(1) / sqrt(dot(v, v)));
-}
-
 template <class FormI, class FormJ, class Real = typename FormI::Real>
 SILT_INLINE Depth<Real> depth_along(const PosedPair<FormI, FormJ>& pair, const Vec3<Real>& m) {
   Depth<Real> D;

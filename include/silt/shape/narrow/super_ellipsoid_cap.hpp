@@ -183,6 +183,21 @@ struct Symmetric2 {
   }
 };
 
+/// Two unit vectors that make a right-handed frame with unit m.
+/// Source: T. Duff et al., J. Comput. Graph. Tech. 6 (2017) 1.
+template <class Real>
+SILT_INLINE void tangents(const Vec3<Real>& m, Vec3<Real>& s, Vec3<Real>& t) {
+  const Real sign = select(m.z < Real(0), Real(-1), Real(1));
+  const Real a = Real(-1) / (sign + m.z), b = m.x * m.y * a;
+  s = {Real(1) + sign * m.x * m.x * a, sign * b, -(sign * m.x)};
+  t = {b, sign + m.y * m.y * a, -m.y};
+}
+
+template <class Real>
+SILT_INLINE Vec3<Real> unit(const Vec3<Real>& v) {
+  return v * (Real(1) / sqrt(dot(v, v)));
+}
+
 /// The surface about the point with normal n; s, t span the tangent plane.
 template <class Real>
 struct Cap {
@@ -301,6 +316,15 @@ SILT_INLINE Cap<Real> cap_at(const SphereForm<Real>& form, const Vec3<Real>&, co
                              const Vec3<Real>&) {
   const Real zero(0), one(1);
   return {form.size, zero, zero, {form.size, zero, form.size}, {one, zero, one}};
+}
+
+/// The point of the body, as contact sees it, whose outward unit normal is n; in its own axes.
+template <class Form>
+inline Vec3d support_of(const Form& form, const Vec3d& n) {
+  Vec3d s, t;
+  tangents(n, s, t);
+  const auto cap = cap_at(form, n, s, t);
+  return n * cap.height + s * cap.along_s + t * cap.along_t;
 }
 
 /// h(n) alone, to 1e-6 of the body, by rough powers: for tests of separation.

@@ -108,9 +108,13 @@ SILT_INLINE void contact_after(const PosedPair<FormI, FormJ>& pair, const Depth<
   const Real along_s = half * (D.i.along_s + D.j.along_s + dot(D.s, pair.between) + ds);
   const Real along_t = half * (D.i.along_t + D.j.along_t + dot(D.t, pair.between) + dt);
   out.point = m * along + D.s * along_s + D.t * along_t;
-  const Real Ri = contact_radius(pair.i, D.i), Rj = contact_radius(pair.j, D.j);
-  out.R_eff = Ri * Rj / (Ri + Rj);
   out.residual = step.residual;
+}
+
+template <class FormI, class FormJ, class Real>
+SILT_INLINE Real effective_radius_at(const PosedPair<FormI, FormJ>& pair, const Depth<Real>& D) {
+  const Real Ri = contact_radius(pair.i, D.i), Rj = contact_radius(pair.j, D.j);
+  return Ri * Rj / (Ri + Rj);
 }
 
 template <class Real>
@@ -120,7 +124,6 @@ SILT_INLINE void take_lanes(const Mask<Real>& where, const BodyContact<Real>& fr
   to.normal = select(where, from.normal, to.normal);
   to.point = select(where, from.point, to.point);
   to.overlap = select(where, from.overlap, to.overlap);
-  to.R_eff = select(where, from.R_eff, to.R_eff);
   to.residual = select(where, from.residual, to.residual);
   to.solved = to.solved || where;
 }
@@ -134,6 +137,7 @@ inline BodyContact<double> solve_hard(const PosedPair<FormI, FormJ>& pair,
   const auto D = depth_along(pair, found.direction);
   BodyContact<double> out{};
   contact_after(pair, D, found.direction, {0, 0, true, 0, found.residual}, out);
+  out.R_eff = effective_radius_at(pair, D);
   out.normal = -found.direction;
   out.touches = found.depth > 0, out.solved = found.solved;
   if (!out.touches) out.residual = 0;
@@ -209,7 +213,8 @@ inline BodyContact<Real> touch(const PosedPair<FormI, FormJ>& pair, NormalMemory
     const Mask<Real> apart = D.F < zero;
     const Mask<Real> settled = step.downhill && (step.residual <= tolerance);
     const Mask<Real> done = open && (apart || settled);
-    const Real damp = Real(1) / max(step.pace, Real(1));  // w_k not more than doubled
+    Real damp(1);
+    if (any(step.pace > Real(1))) damp = Real(1) / max(step.pace, Real(1));  // of w_k: doubled
     const Vec3<Real> next = unit(m + D.s * (damp * step.s) + D.t * (damp * step.t));
     if (any(done)) {
       BodyContact<Real> now;
@@ -218,6 +223,8 @@ inline BodyContact<Real> touch(const PosedPair<FormI, FormJ>& pair, NormalMemory
       now.overlap = select(apart, D.F, now.overlap);
       now.residual = select(apart, zero, now.residual);
       detail::take_lanes(done, now, done && !apart, out);
+      if (Radius == ContactRadius::Local || any(done && !apart && memory.R_eff == zero))
+        out.R_eff = select(done, detail::effective_radius_at(pair, D), out.R_eff);
       const auto &Ti = D.i.radii, &Tj = D.j.radii;
       detail::keep_direction(pair, select(apart, m, next), Ti.xx + Ti.yy, Tj.xx + Tj.yy, done,
                              memory);
