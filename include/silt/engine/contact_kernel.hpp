@@ -255,6 +255,8 @@ struct ContactKernel {
       if constexpr (is_frictional<Law>)
         tangential = select(touching, answer.tangential, tangential);
       books.add(c, law, h, touching, normal_force, tangential, with_stored, tally.lanes);
+      if constexpr (has_safeguard<Law>)
+        tally.lanes.dashpot -= ended_by_safeguard(c, law, before, h, touching);
     }
     if constexpr (ContactsType::has_rolling) {
       [[maybe_unused]] constexpr std::size_t offset = ContactsType::law_history;
@@ -348,11 +350,7 @@ struct ContactKernel {
                          bool with_stored, Energy& energy) const {
       const Real zero(0);
       const Stored<Real> stored = stored_by<Law, Real>(c, law, now);
-      if (with_stored) {
-        energy.normal += select(touching, stored.normal, zero);
-        if constexpr (is_frictional<Law>)
-          energy.tangential += select(touching, stored.tangential, zero);
-      }
+      if (with_stored) energy.normal += select(touching, stored.normal, zero);
       const Real dashpot = select(touching, normal - stored.force, zero);
       energy.dashpot += dashpot * velocity;
       energy.turned_over += abs(normal * velocity);
@@ -360,7 +358,15 @@ struct ContactKernel {
       if constexpr (is_frictional<Law>) {
         const Vec3<Real> damping = tangential - select(touching, stored.spring, {zero, zero, zero});
         const Real friction = friction_of(law), limit = friction * pressing(c, law, normal);
-        const auto sticks = dot(tangential, tangential) < Real(0.999999) * limit * limit;
+        const Real force2 = dot(tangential, tangential);
+        const auto sticks = force2 < Real(0.999999) * limit * limit;
+        if (with_stored) {
+          // While it slides, laws set the spring so that spring and dashpot make the limit: no more
+          // of it is held than bears the force.
+          const Real spring2 = max(dot(stored.spring, stored.spring), smallest<Real>());
+          const Real held = stored.tangential * min(force2 / spring2, Real(1));
+          energy.tangential += select(touching, select(sticks, stored.tangential, held), zero);
+        }
         energy.shear += dot(tangential, slip);
         energy.shear_dashpot += select(sticks, dot(damping, slip), zero);  // else it slides
         silt::store(kept[1], tangential.x), silt::store(kept[2], tangential.y),
@@ -368,6 +374,16 @@ struct ContactKernel {
       }
     }
   };
+  /// The energy of the spring that a safeguard has put an end to in this step, as the books sum
+  /// [W]: that of the last step, less the half of its work that the mean force leaves out.
+  template <class H, class M>
+  static SILT_INLINE Real ended_by_safeguard(const Contact<Real>& c, const LawCoefficients& law,
+                                             const H& before, const H& now, const M& touching) {
+    const Real zero(0);
+    const Stored<Real> spring = stored_by<Law, Real>(c, law, before);
+    const Real ended = Real(2) * spring.normal / c.time_step + spring.force * c.normal_velocity;
+    return select(touching, select(Law::safeguarded(before, now), ended, zero), zero);
+  }
   /// The sum of a force and that of the last step; keeps it for the next.
   static SILT_INLINE Vec3<Real> with_kept(const Vec3<Real>& force, ScalarOf<Real>* const* kept) {
     const Vec3<Real> last = silt::load3<Real>(kept[0], kept[1], kept[2]);

@@ -227,6 +227,8 @@ class NearLists {
                           [&](std::size_t, std::size_t from, std::size_t to) {
                             for (std::size_t k = from; k < to; ++k) {
                               const Vec3d p = scene.domain.wrapped(position[k].centre());
+                              if constexpr (State::of_bodies)
+                                scene.particles.part[k].image += p - position[k].centre();
                               position[k] = {p.x, p.y, p.z, position[k].r};
                             }
                           });

@@ -21,7 +21,8 @@ namespace silt::inline SILT_TARGET {
 /// Source: C. W. Gear 1971; M. P. Allen, D. J. Tildesley, Computer Simulation of Liquids, appendix
 /// E
 ///         ((1): 3/16 for forces of velocity too); R. Markauskas et al. 2011 (in DEM).
-/// Valid:  particles that are new have no derivatives: they begin with the acceleration alone.
+/// Valid:  particles that are new have no derivatives: they begin with the acceleration alone. Not
+///         for laws with a safeguard, which act in one step.
 /// Units:  SI. Shapes: rows of four whose last entry stays as it is. Errors: none.
 /// Tests:  tests/physics/integrators.cpp (order 5 in a linear spring).
 struct Gear {
