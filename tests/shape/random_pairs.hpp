@@ -60,7 +60,7 @@ struct Posed {
 /// A pair in general position.
 inline Posed general(Source& from, double s, double aspect, double depth) {
   Posed p{from.shape(s, aspect), from.shape(s, aspect), from.turn(), from.turn(), {}};
-  p.pair = {form_of(p.i), form_of(p.j), rotation_of(p.turn_i), rotation_of(p.turn_j), {}};
+  p.pair = {form_of(p.i), form_of(p.j), body_axes(p.turn_i), body_axes(p.turn_j), {}};
   set_depth(p.pair, from.direction(), depth);
   return p;
 }
@@ -74,7 +74,7 @@ inline Posed aligned(Source& from, double s, double aspect, double tilt, double 
   };
   p.turn_j =
       p.turn_i * quarter({1, 0, 0}) * quarter({0, 1, 0}) * quarter({0, 0, 1}) * from.turn(tilt);
-  p.pair = {form_of(p.i), form_of(p.j), rotation_of(p.turn_i), rotation_of(p.turn_j), {}};
+  p.pair = {form_of(p.i), form_of(p.j), body_axes(p.turn_i), body_axes(p.turn_j), {}};
   // Along an axis of i, or where a face of j stands out over one of i.
   const double off = from.uniform(0, 1) < 0.5 ? 0 : 0.8;
   const silt::Vec3d ray{from.uniform(-off, off) * p.i.a, from.uniform(-off, off) * p.i.b, p.i.c};
@@ -85,7 +85,7 @@ inline Posed aligned(Source& from, double s, double aspect, double tilt, double 
 /// The pair a moment later: j has moved by `step` smaller sizes and turned by `step` rad.
 inline void move(Source& from, Posed& p, double step) {
   p.turn_j = from.turn(step) * p.turn_j;
-  p.pair.turn_j = rotation_of(p.turn_j);
+  p.pair.turn_j = body_axes(p.turn_j);
   p.pair.between += from.direction() * (step * std::min(p.pair.i.size, p.pair.j.size));
 }
 

@@ -76,7 +76,7 @@ inline End collide(double s, Overlap how, int steps, unsigned seed) {
   Body j = body({from.uniform(1, 1.5), from.uniform(1, 1.5), from.uniform(1, 1.5), s, s});
   i.q = from.turn(), j.q = from.turn();
   const Vec3d ray = from.direction();
-  pairs::Pair pair{i.form, j.form, rotation_of(i.q), rotation_of(j.q), {}};
+  pairs::Pair pair{i.form, j.form, body_axes(i.q), body_axes(j.q), {}};
   pairs::set_depth(pair, ray, -2e-3);
   i.x = {0, 0, 0}, j.x = pair.between;
   const double speed = 1, E = 2e4 * i.mass;  // overlaps of some 1 % of the size
@@ -90,7 +90,7 @@ inline End collide(double s, Overlap how, int steps, unsigned seed) {
   int apart = 0;
   for (int k = 0; k < 40 * steps && !end.parted; ++k) {
     drift(i, h / 2), drift(j, h / 2);
-    pair.turn_i = rotation_of(i.q), pair.turn_j = rotation_of(j.q), pair.between = j.x - i.x;
+    pair.turn_i = body_axes(i.q), pair.turn_j = body_axes(j.q), pair.between = j.x - i.x;
     const auto c = how == Overlap::Common  ? silt::touch(pair, memory)
                    : how == Overlap::Local ? silt::touch<silt::ContactRadius::Local>(pair, memory)
                                            : midway(pair, memory);

@@ -57,7 +57,7 @@ SILT_INLINE Real split_power(const Real& y, Real& f) {
 
 /// c[0] + c[1] x + ... by Horner's rule.
 template <class Real, std::size_t N>
-SILT_INLINE Real polynomial(const double (&c)[N], const Real& x) {
+SILT_INLINE Real horner(const double (&c)[N], const Real& x) {
   Real sum(c[N - 1]);
   for (std::size_t k = N - 1; k-- > 0;) sum = sum * x + Real(c[k]);
   return sum;
@@ -94,7 +94,7 @@ SILT_INLINE Real exact_exp2(const Real& y) {
                                 1.0178086009239699e-07, 4.4455382718708117e-10};
   Real f;
   const Real power = detail::split_power(y, f), f2 = f * f;
-  return power * (detail::polynomial(even, f2) + f * detail::polynomial(odd, f2));
+  return power * (detail::horner(even, f2) + f * detail::horner(odd, f2));
 }
 
 /// log2(x) to 2e-7.
@@ -105,7 +105,7 @@ SILT_INLINE Real rough_log2(const Real& x) {
   Real k, m;
   detail::split(x, k, m);
   const Real s = (m - Real(1)) / (m + Real(1));
-  return k + s * detail::polynomial(series, s * s);
+  return k + s * detail::horner(series, s * s);
 }
 
 /// 2^y to 2e-7, for |y| < 1022.
@@ -120,7 +120,7 @@ SILT_INLINE Real rough_exp2(const Real& y) {
                                    0.00015403530393381608};
   Real f;
   const Real power = detail::split_power(y, f);
-  return power * detail::polynomial(series, f);
+  return power * detail::horner(series, f);
 }
 
 }  // namespace silt

@@ -1,9 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-#include <array>
-
-#include <silt/core/quaternion.hpp>
 #include <silt/shape/super_ellipsoid.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -16,7 +13,7 @@ namespace silt::inline SILT_TARGET {
 ///       B((k+1)/s1, 1 + (i+j+2)/s1)                                                            (1)
 ///
 /// Points and normals are in the shape's frame, whose origin is where the octants meet. The centre
-/// of mass lies elsewhere and the principal axes are turned: centroid(), principal_frame().
+/// of mass lies elsewhere and the principal axes are turned: mass_properties().
 ///
 /// Source: S. Zhao, J. Zhao, Int. J. Numer. Anal. Methods Geomech. 43 (2019) 2147; (1) by
 ///         substitution, checked by sampling.
@@ -57,25 +54,16 @@ struct PolySuperEllipsoid {
   Vec3d support(const Vec3d& n) const { return octant(n).support(n); }
 
   double volume() const { return moment(0, 0, 0); }  // [m3]
-  Vec3d centroid() const {                           // [m] from the shape's origin
-    return Vec3d{moment(1, 0, 0), moment(0, 1, 0), moment(0, 0, 1)} * (1 / volume());
+  /// About the shape's origin, by (1).
+  Moments moments() const {
+    return {volume(),
+            {moment(1, 0, 0), moment(0, 1, 0), moment(0, 0, 1)},
+            {moment(2, 0, 0), moment(0, 2, 0), moment(0, 0, 2), moment(1, 1, 0), moment(0, 1, 1),
+             moment(1, 0, 1)}};
   }
+  MassProperties mass_properties() const { return silt::mass_properties(moments()); }
   double equal_volume_radius() const {
     return std::cbrt(0.75 * volume() / std::numbers::pi_v<double>);
-  }
-
-  /// Inertia about the centroid at density 1 [m5], along the shape's axes.
-  Symmetric3 inertia() const {
-    const double V = volume();
-    const Vec3d x = centroid();
-    const double xx = moment(2, 0, 0) - V * x.x * x.x, yy = moment(0, 2, 0) - V * x.y * x.y;
-    const double zz = moment(0, 0, 2) - V * x.z * x.z;
-    return {yy + zz,
-            xx + zz,
-            xx + yy,
-            V * x.x * x.y - moment(1, 1, 0),
-            V * x.x * x.z - moment(1, 0, 1),
-            V * x.y * x.z - moment(0, 1, 1)};
   }
 
   /// About the shape's origin [m]: every octant lies in the ball of its own super-ellipsoid.
@@ -111,44 +99,5 @@ struct PolySuperEllipsoid {
            (s1 * s2 * s2) * gamma * SuperEllipsoid::beta((k + 1) / s1, 1 + in_plane / s1);
   }
 };
-
-/// Principal moments and the rotation that maps principal axes to the frame of the tensor.
-struct PrincipalFrame {
-  Vec3d moments;
-  Quaternion rotation;
-};
-
-/// Principal axes of a symmetric tensor by Jacobi's rotations; the moments in no special order, the
-/// axes turned as little as the sweeps do.
-inline PrincipalFrame principal_frame(const Symmetric3& tensor) {
-  double m[3][3]{{tensor.xx, tensor.xy, tensor.xz},
-                 {tensor.xy, tensor.yy, tensor.yz},
-                 {tensor.xz, tensor.yz, tensor.zz}};
-  const double scale = std::abs(m[0][0]) + std::abs(m[1][1]) + std::abs(m[2][2]);
-  Quaternion rotation;
-  for (int sweep = 0; sweep < 30; ++sweep) {
-    double rest = 0;
-    for (int p = 0; p < 3; ++p) {
-      const int q = (p + 1) % 3, axis = (p + 2) % 3;
-      rest = std::max(rest, std::abs(m[p][q]));
-      const double angle = 0.5 * std::atan2(2 * m[p][q], m[p][p] - m[q][q]);
-      // The smaller of the two turns that make m[p][q] zero.
-      const double turn = std::remainder(angle, 0.5 * std::numbers::pi_v<double>);
-      const double cs = std::cos(turn), sn = std::sin(turn);
-      for (int k = 0; k < 3; ++k) {
-        const double kp = m[k][p], kq = m[k][q];
-        m[k][p] = cs * kp + sn * kq, m[k][q] = cs * kq - sn * kp;
-      }
-      for (int k = 0; k < 3; ++k) {
-        const double pk = m[p][k], qk = m[q][k];
-        m[p][k] = cs * pk + sn * qk, m[q][k] = cs * qk - sn * pk;
-      }
-      const Vec3d along{axis == 0 ? 1.0 : 0.0, axis == 1 ? 1.0 : 0.0, axis == 2 ? 1.0 : 0.0};
-      rotation = rotation * rotation_about(along, turn);
-    }
-    if (rest <= 1e-15 * scale) break;
-  }
-  return {{m[0][0], m[1][1], m[2][2]}, rotation};
-}
 
 }  // namespace silt

@@ -5,20 +5,9 @@
 #include <cmath>
 #include <numbers>
 
-#include <silt/core/error.hpp>
-#include <silt/core/vec3.hpp>
+#include <silt/shape/mass_properties.hpp>
 
 namespace silt::inline SILT_TARGET {
-
-/// A symmetric 3 x 3 matrix, or tensor.
-struct Symmetric3 {
-  double xx, yy, zz, xy, xz, yz;
-};
-
-inline Vec3d operator*(const Symmetric3& m, const Vec3d& v) {
-  return {m.xx * v.x + m.xy * v.y + m.xz * v.z, m.xy * v.x + m.yy * v.y + m.yz * v.z,
-          m.xz * v.x + m.yz * v.y + m.zz * v.z};
-}
 
 /// The body (|x/a|^s2 + |y/b|^s2)^(s1/s2) + |z/c|^s1 <= 1: sphere, ellipsoid (s1 = s2 = 2),
 /// cylinder (s1 large, s2 = 2), box (both large). Convex, symmetric to three planes.
@@ -80,7 +69,8 @@ struct SuperEllipsoid {
   /// direction, the ones along x and y.
   Symmetric3 hessian(const Vec3d& x) const {
     const double A = in_plane(x), r = s1 / s2;
-    Symmetric3 H{0, 0, s1 * (s1 - 1) / (c * c) * std::pow(std::abs(x.z / c), s1 - 2), 0, 0, 0};
+    Symmetric3 H;
+    H.zz = s1 * (s1 - 1) / (c * c) * std::pow(std::abs(x.z / c), s1 - 2);
     if (A <= 0) {
       if (s1 == 2) H.xx = 2 / (a * a), H.yy = 2 / (b * b);
       return H;
@@ -95,14 +85,20 @@ struct SuperEllipsoid {
   }
 
   /// The point of the surface on the ray from the centre through x.
-  Vec3d surface_point(const Vec3d& x) const { return x * std::pow(value(x) + 1, -1 / s1); }
+  Vec3d surface_point(const Vec3d& x) const {
+    // Near the surface first: far from it the powers overflow, or drown in the 1 of f.
+    const Vec3d y = x * (1 / std::max({std::abs(x.x / a), std::abs(x.y / b), std::abs(x.z / c)}));
+    return y * std::pow(value(y) + 1, -1 / s1);
+  }
 
   /// Mean curvature (5) [1/m] at a point of the surface; that of a sphere is 1/R.
   double mean_curvature(const Vec3d& x) const {
     const Vec3d g = gradient(x);
     const Symmetric3 H = hessian(x);
     const double g2 = dot(g, g);
-    return (g2 * (H.xx + H.yy + H.zz) - dot(g, H * g)) / (2 * g2 * std::sqrt(g2));
+    const double gHg = H.xx * g.x * g.x + H.yy * g.y * g.y + H.zz * g.z * g.z +
+                       2 * (H.xy * g.x * g.y + H.yz * g.y * g.z + H.zx * g.z * g.x);
+    return (g2 * H.trace() - gHg) / (2 * g2 * std::sqrt(g2));
   }
 
   /// The radius [m] that Hertz' law takes at a point of the surface: that of mean curvature, at
@@ -146,6 +142,8 @@ struct SuperEllipsoid {
     return {common * (b * b * plane + axial), common * (a * a * plane + axial),
             common * (a * a + b * b) * plane};
   }
+
+  MassProperties mass_properties() const { return {volume(), {0, 0, 0}, inertia(), {}}; }
 
   double bounding_radius() const {  // [m], (3)
     return std::sqrt(dual_norm(dual_norm(a * a, b * b, s2), c * c, s1));

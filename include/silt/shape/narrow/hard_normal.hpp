@@ -33,25 +33,28 @@ inline constexpr double normal_tolerance = 1e-8;
 
 namespace detail {
 
-/// The same body with faces rounded `factor` times as far.
+/// e over the smallest semi-axis.
 template <Exponents E, template <class, Exponents> class Form>
-Form<double, E> rounded(Form<double, E> form, double factor) {
+double rounding_of(const Form<double, E>& form) {
+  const auto &p = form.axes2, m = form.axes2_towards({-1, -1, -1});
+  return std::sqrt(form.e2 / std::min({p.x, p.y, p.z, m.x, m.y, m.z}));
+}
+inline double rounding_of(const SphereForm<double>&) { return 0; }
+
+/// The same body with faces rounded with e of at least `rounding` smallest semi-axes.
+template <Exponents E, template <class, Exponents> class Form>
+Form<double, E> rounded(Form<double, E> form, double rounding) {
+  const double own = rounding_of(form), factor = own > 0 ? std::max(rounding / own, 1.0) : 1;
   form.e2 *= factor * factor;
   form.e_p1 *= std::pow(factor, form.p1), form.e_p2 *= std::pow(factor, form.p2);
   return form;
 }
 inline SphereForm<double> rounded(SphereForm<double> form, double) { return form; }
 
-template <Exponents E, template <class, Exponents> class Form>
-double rounding_of(const Form<double, E>& form) {
-  return std::sqrt(form.e2);
-}
-inline double rounding_of(const SphereForm<double>&) { return 0; }
-
 template <class FormI, class FormJ>
-PosedPair<FormI, FormJ> rounded(const PosedPair<FormI, FormJ>& pair, double factor) {
+PosedPair<FormI, FormJ> rounded(const PosedPair<FormI, FormJ>& pair, double rounding) {
   auto out = pair;
-  out.i = rounded(pair.i, factor), out.j = rounded(pair.j, factor);
+  out.i = rounded(pair.i, rounding), out.j = rounded(pair.j, rounding);
   return out;
 }
 
@@ -151,11 +154,12 @@ CommonNormal ray_normal(const PosedPair<FormI, FormJ>& pair, const Vec3d& ray, c
 template <class FormI, class FormJ, class Search>
 CommonNormal with_continuation(const PosedPair<FormI, FormJ>& pair, Vec3d start,
                                const Search& search) {
-  const double least = std::max(rounding_of(pair.i), rounding_of(pair.j));
+  const double a = rounding_of(pair.i), b = rounding_of(pair.j);
+  const double least = a > 0 && b > 0 ? std::min(a, b) : std::max(a, b);  // 0: nothing to round
   int evaluations = 0;
   if (least > 0)
-    for (double e = 0.3 * smaller_size(pair); e > 2 * least; e *= 0.25) {
-      const auto near = search(rounded(pair, e / least), start, false);
+    for (double rounding = 0.3; rounding > 2 * least; rounding *= 0.25) {
+      const auto near = search(rounded(pair, rounding), start, false);
       start = near.direction, evaluations += near.evaluations;
     }
   auto found = search(pair, start, true);

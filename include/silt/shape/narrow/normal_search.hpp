@@ -11,7 +11,7 @@ struct PosedPair {
   using Real = typename FormI::Real;
   FormI i;
   FormJ j;
-  Rotation<Real> turn_i, turn_j;
+  BodyAxes<Real> turn_i, turn_j;
   Vec3<Real> between;
 };
 

@@ -152,7 +152,7 @@ inline To in_all_lanes(const From& from) {
 
 /// Orientation: the body's axes in space.
 template <class Real>
-struct Rotation {
+struct BodyAxes {
   Vec3<Real> x, y, z;
 
   SILT_INLINE Vec3<Real> to_body(const Vec3<Real>& v) const {
@@ -163,14 +163,14 @@ struct Rotation {
 
 /// From a unit quaternion w + (x, y, z).
 template <class Real>
-SILT_INLINE Rotation<Real> rotation_of(const Real& w, const Real& x, const Real& y, const Real& z) {
+SILT_INLINE BodyAxes<Real> body_axes(const Real& w, const Real& x, const Real& y, const Real& z) {
   const Real two(2), one(1);
   return {{one - two * (y * y + z * z), two * (x * y + w * z), two * (x * z - w * y)},
           {two * (x * y - w * z), one - two * (x * x + z * z), two * (y * z + w * x)},
           {two * (x * z + w * y), two * (y * z - w * x), one - two * (x * x + y * y)}};
 }
-inline Rotation<double> rotation_of(const Quaternion& q) {
-  return rotation_of<double>(q.w, q.x, q.y, q.z);
+inline BodyAxes<double> body_axes(const Quaternion& q) {
+  return body_axes<double>(q.w, q.x, q.y, q.z);
 }
 
 /// A symmetric 2 x 2 matrix in the tangent plane.

@@ -76,7 +76,7 @@ SILT_INLINE Vec3<Real> last_direction(const PosedPair<FormI, FormJ>& pair,
                                       const NormalMemory<Real>& memory) {
   const Mask<Real> with_i = memory.follows > Real(0);
   const auto &I = pair.turn_i, &J = pair.turn_j;
-  const Rotation<Real> turn{select(with_i, I.x, J.x), select(with_i, I.y, J.y),
+  const BodyAxes<Real> turn{select(with_i, I.x, J.x), select(with_i, I.y, J.y),
                             select(with_i, I.z, J.z)};
   return turn.to_space(memory.direction);
 }
@@ -87,7 +87,7 @@ SILT_INLINE void keep_direction(const PosedPair<FormI, FormJ>& pair, const Vec3<
                                 const Mask<Real>& where, NormalMemory<Real>& memory) {
   const Mask<Real> with_i = flatness_j < flatness_i;
   const auto &I = pair.turn_i, &J = pair.turn_j;
-  const Rotation<Real> turn{select(with_i, I.x, J.x), select(with_i, I.y, J.y),
+  const BodyAxes<Real> turn{select(with_i, I.x, J.x), select(with_i, I.y, J.y),
                             select(with_i, I.z, J.z)};
   memory.direction = select(where, turn.to_body(m), memory.direction);
   memory.follows = select(where, select(with_i, Real(1), Real(-1)), memory.follows);
