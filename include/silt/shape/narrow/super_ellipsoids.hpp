@@ -12,8 +12,9 @@ namespace silt::inline SILT_TARGET {
 ///   normal = -m (from j to i), point = (p_i + p_j) / 2, p_i = x_i + grad h_i(m)                (2)
 ///   1/R_eff = 1/R_i + 1/R_j, R = 1/kappa_m clamped (contact_radius)                            (3)
 ///
-/// The overlap's gradient in the place of i is the normal and its derivative in the turning of i is
-/// the couple of that unit force at p_i, which lies with p_j on the line of the force. So any law
+/// The overlap's gradient in the place of i is minus the normal, and minus its derivative in the
+/// turning of i is the couple of the unit force along the normal at p_i, which lies with p_j on the
+/// line of the force. So any law
 /// F(overlap) along the normal conserves energy to the order of the integrator, as long as R_eff
 /// does not change with the place: ContactRadius::AtFirstTouch keeps that of the first touch as
 /// long as the contact lasts; ContactRadius::Local takes that of the place, and its change as the
