@@ -78,6 +78,24 @@ TEST_CASE("super_ellipsoids: a sphere touches where its centre is nearest") {
   }
 }
 
+TEST_CASE("super_ellipsoids: normals along axes and in planes of the body make finite caps") {
+  for (const double s1 : {2.0, 2.5, 8.0, 40.0})
+    for (const double s2 : {2.0, 3.0, 40.0}) {
+      const auto form = form_of(SuperEllipsoid{1, 30, 2, s1, s2});
+      for (const Vec3d& n : {Vec3d{1, 0, 0}, Vec3d{0, -1, 0}, Vec3d{0, 0, 1}, Vec3d{0.6, 0.8, 0},
+                             Vec3d{0, 0.6, -0.8}, Vec3d{1e-17, 0, -1}}) {
+        Vec3d s, t;
+        silt::tangents(n, s, t);
+        const auto cap = cap_at(form, n, s, t);
+        for (const double x : {cap.height, cap.along_s, cap.along_t, cap.radii.xx, cap.radii.xy,
+                               cap.radii.yy, cap.pace.xx})
+          CHECK(std::isfinite(x));
+        CHECK(cap.radii.xx > 0);
+        CHECK(cap.height > 0);
+      }
+    }
+}
+
 TEST_CASE("super_ellipsoids: rounded faces change the height by less than 3 face_rounding") {
   pairs::Source from(3);
   double most = 0;

@@ -81,8 +81,8 @@ namespace detail {
 inline SuperForm<double> super_form(const Vec3d& axes, double smallest, double s1, double s2,
                                     double face_rounding) {
   const double p1 = s1 / (s1 - 1), p2 = s2 / (s2 - 1);
-  const bool flat = s1 > 2 || s2 > 2;
-  const double e = flat ? smallest * std::pow(face_rounding, 1 / std::min(p1, p2)) : 0;
+  // Also at s = 2, where e cancels: w must not be 0 for a normal in one of the body's planes.
+  const double e = smallest * std::pow(face_rounding, 1 / std::min(p1, p2));
   return {{axes.x * axes.x, axes.y * axes.y, axes.z * axes.z},
           e * e,
           p1,
