@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "../../tests/shape/random_pairs.hpp"
+#include "shape/random_pairs.hpp"
 
 namespace {
 
