@@ -221,8 +221,8 @@ TEST_CASE("super_ellipsoids: a pack of moving pairs gives what each pair alone g
         CHECK(lane_of(found.solved, l));
         CHECK(!(lane_of(apart, l) && one.touches));
         if (!one.touches) continue;
-        // Overlap is known to the square of the residual, the point to the residual.
-        CHECK(std::abs(v[0] - one.overlap) < 1e-12 * pair.i.bound);
+        // The overlap misses slope times turn_tolerance, with slopes of up to 1e-4 sizes here.
+        CHECK(std::abs(v[0] - one.overlap) < 1e-11 * pair.i.bound);
         CHECK(norm(Vec3d{v[1], v[2], v[3]} - one.normal) < 1e-6);
         CHECK(norm(Vec3d{v[4], v[5], v[6]} - one.point) < 1e-7 * size_of(pair));
         CHECK(std::abs(v[7] / one.R_eff - 1) < 0.05);

@@ -47,13 +47,20 @@ SILT_INLINE Depth<Real> depth_along(const PosedPair<FormI, FormJ>& pair, const V
   return D;
 }
 
-/// Newton's step for the least depth, and what will be left of the slope after it.
+/// Newton's step for the least depth, and what it leaves open.
+///
+/// The normal it leaves wrong by the relative change of the radii over the step (pace) times the
+/// step. A body's point is wrong by its radii times that, and by its own change over the step times
+/// its own pace. In the flatter body both are large; the point of the other is as good for the
+/// contact, so its error is what counts.
 template <class Real>
 struct NormalStep {
   Real s, t;            // [-] change of m along the tangents
   Mask<Real> downhill;  // the Hessian is positive: the step leads to a minimum
-  Real pace;            // [-] largest relative change of what the Hessian is made of
-  Real residual;        // [m] estimate of |grad F| after the step
+  Real pace;            // [-] largest relative change of the radii
+  Real turn_error;      // [-] estimate of the error of m after the step
+  Real residual;        // [m] estimate of the error of the contact point after the step
+  Mask<Real> by_i;      // it is i whose point is the more certain
 };
 
 template <class Real>
@@ -64,11 +71,14 @@ SILT_INLINE NormalStep<Real> newton_step(const Depth<Real>& D) {
   const Real over = Real(-1) / select(downhill, det, Real(1));
   const Real s = over * (H.yy * D.slope_s - H.xy * D.slope_t);
   const Real t = over * (H.xx * D.slope_t - H.xy * D.slope_s);
-  const Symmetric2<Real> both{D.i.pace.xx + D.j.pace.xx, D.i.pace.xy + D.j.pace.xy,
-                              D.i.pace.yy + D.j.pace.yy};
-  const Real pace = sqrt(both.form(s, t) + s * s + t * t);
-  const Real slope = sqrt(D.slope_s * D.slope_s + D.slope_t * D.slope_t);
-  return {s, t, downhill, pace, Real(2) * pace * slope};
+  const Real pace2_i = D.i.pace.form(s, t), pace2_j = D.j.pace.form(s, t), step2 = s * s + t * t;
+  const Real pace = sqrt(pace2_i + pace2_j + step2), turn_error = pace * sqrt(step2);
+  const auto missed = [&](const Symmetric2<Real>& T, const Real& pace2) {
+    const Real us = T.xx * s + T.xy * t, ut = T.xy * s + T.yy * t;
+    return sqrt(pace2 * (us * us + ut * ut)) + (T.xx + T.yy) * turn_error;
+  };
+  const Real i = missed(D.i.radii, pace2_i), j = missed(D.j.radii, pace2_j);
+  return {s, t, downhill, pace, Real(2) * turn_error, Real(2) * min(i, j), i < j};
 }
 
 /// Radius [m] for Hertz' law: that of mean curvature, at most the bounding radius (faces), at least

@@ -26,11 +26,11 @@ namespace silt::inline SILT_TARGET {
 ///
 /// Memory: a pair that touched or nearly touched starts from its last direction, which is kept in
 /// the axes of the body with the flatter surface there. A lane leaves Newton's method when F < 0
-/// for any m (apart, proved) or when the slope left after the step is estimated below
-/// normal_tolerance * size. Lanes that do neither in `most_steps`, and those that are new, go to
-/// find_common_normal(), which always ends; `residual` is what was reached.
-/// Faces: rounded, see super_ellipsoid_cap.hpp; so the point of two faces moves continuously when
-/// they tilt through zero, over an angle of about face_rounding^(1/p).
+/// for any m (apart, proved) or when the step leaves the point within point_tolerance * size and
+/// the normal within turn_tolerance, by an estimate on the safe side. Lanes that do neither in
+/// `most_steps`, and those that are new, go to find_common_normal(), which always ends; `residual`
+/// is what was reached. Faces: rounded, see super_ellipsoid_cap.hpp; so the point of two faces
+/// moves continuously when they tilt through zero, over an angle of about face_rounding^(1/p).
 /// Local: a touching pair follows the minimum it came in by. With an overlap beyond the radius of
 /// curvature (edges, corners) that minimum may end; then the direction jumps to the next one.
 ///
@@ -57,9 +57,13 @@ struct BodyContact {
   Vec3<Real> point;   // [m] from i's centre
   Real overlap;       // [m]; minus a lower bound of the gap where the bodies do not touch
   Real R_eff;         // [m]
-  Real residual;      // [m] estimate of |grad F|, 0 where apart
-  Mask<Real> solved;  // apart is proved, or the residual is below normal_tolerance * size
+  Real residual;      // [m] estimate of the error of the point, 0 where apart
+  Mask<Real> solved;  // apart is proved, or the residual is below point_tolerance * size
 };
+
+/// Errors of the point, over the smaller size, and of the normal [rad] with which Newton's method
+/// in lanes is content.
+inline constexpr double point_tolerance = 1e-7, turn_tolerance = 1e-7;
 
 /// Newton steps in lanes before a lane is taken out.
 inline constexpr int most_steps = 6;
@@ -104,10 +108,13 @@ SILT_INLINE void contact_after(const PosedPair<FormI, FormJ>& pair, const Depth<
   const auto &Ti = D.i.radii, &Tj = D.j.radii;
   out.overlap = D.F + half * (D.slope_s * s + D.slope_t * t);
   const Real along = half * (D.i.height - D.j.height + dot(m, pair.between));
-  const Real ds = (Ti.xx - Tj.xx) * s + (Ti.xy - Tj.xy) * t;
-  const Real dt = (Ti.xy - Tj.xy) * s + (Ti.yy - Tj.yy) * t;
-  const Real along_s = half * (D.i.along_s + D.j.along_s + dot(D.s, pair.between) + ds);
-  const Real along_t = half * (D.i.along_t + D.j.along_t + dot(D.t, pair.between) + dt);
+  const Real back = half * out.overlap;  // from either point to the middle, along the new normal
+  const Real by_i_s = D.i.along_s + (Ti.xx - back) * s + Ti.xy * t;
+  const Real by_i_t = D.i.along_t + Ti.xy * s + (Ti.yy - back) * t;
+  const Real by_j_s = D.j.along_s + dot(D.s, pair.between) - (Tj.xx - back) * s - Tj.xy * t;
+  const Real by_j_t = D.j.along_t + dot(D.t, pair.between) - Tj.xy * s - (Tj.yy - back) * t;
+  const Real along_s = select(step.by_i, by_i_s, by_j_s);
+  const Real along_t = select(step.by_i, by_i_t, by_j_t);
   out.point = m * along + D.s * along_s + D.t * along_t;
   out.residual = step.residual;
 }
@@ -137,7 +144,8 @@ inline BodyContact<double> solve_hard(const PosedPair<FormI, FormJ>& pair,
   const auto found = find_common_normal(pair, last);
   const auto D = depth_along(pair, found.direction);
   BodyContact<double> out{};
-  contact_after(pair, D, found.direction, {0, 0, true, 0, found.residual}, out);
+  const bool flatter_j = D.i.radii.xx + D.i.radii.yy < D.j.radii.xx + D.j.radii.yy;
+  contact_after(pair, D, found.direction, {0, 0, true, 0, 0, found.residual, flatter_j}, out);
   out.R_eff = effective_radius_at(pair, D);
   out.normal = -found.direction;
   out.touches = found.depth > 0, out.solved = found.solved;
@@ -195,7 +203,7 @@ template <ContactRadius Radius = ContactRadius::AtFirstTouch, class FormI, class
           class Real = typename FormI::Real>
 inline BodyContact<Real> touch(const PosedPair<FormI, FormJ>& pair, NormalMemory<Real>& memory) {
   const Real zero(0), reach = pair.i.bound + pair.j.bound;
-  const Real tolerance = Real(normal_tolerance) * min(pair.i.size, pair.j.size);
+  const Real tolerance = Real(point_tolerance) * min(pair.i.size, pair.j.size);
   const Real distance2 = dot(pair.between, pair.between);
   const Mask<Real> far = distance2 > reach * reach;
   const Mask<Real> start = !far && (memory.follows != zero);
@@ -212,7 +220,9 @@ inline BodyContact<Real> touch(const PosedPair<FormI, FormJ>& pair, NormalMemory
     const auto D = depth_along(pair, m);
     auto step = newton_step(D);
     const Mask<Real> apart = D.F < zero;
-    const Mask<Real> settled = step.downhill && (step.residual <= tolerance);
+    const Mask<Real> settled = step.downhill && (step.residual <= tolerance) &&
+                               (step.turn_error <= Real(turn_tolerance)) &&
+                               (step.pace <= Real(0.25));
     const Mask<Real> done = open && (apart || settled);
     Real damp(1);
     if (any(step.pace > Real(1))) damp = Real(1) / max(step.pace, Real(1));  // of w_k: doubled
