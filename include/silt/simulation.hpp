@@ -86,8 +86,8 @@ class Simulation {
   static_assert(has_bodies || detail::count<detail::IsRotation, Policies...> == 0,
                 "spheres have no orientation: leave the rotation out");
   static constexpr bool has_ledger = detail::count<detail::IsLedger, Policies...> > 0;
-  using EngineContacts =
-      std::conditional_t<has_ledger, detail::WithLedger<ContactsType>, ContactsType>;
+  using BooksOrNot = std::conditional_t<has_ledger, detail::WithLedger<ContactsType>, ContactsType>;
+  using EngineContacts = std::conditional_t<has_bodies, detail::WithShares<BooksOrNot>, BooksOrNot>;
   using Engine = detail::Engine<ShapeType, EngineContacts, Search, Domain, Arch, Precision,
                                 Integrator, Rotation>;
 
@@ -161,6 +161,11 @@ class Simulation {
   void add(const ParticlesType& more);
   /// Adds what an inlet has placed.
   void insert(const std::vector<PlacedSphere>& spheres, const InletFlow& flow, Random& random);
+
+  /// Whether several parts of a body that press on one partner share the stiffness of a contact
+  /// (engine/shared_contacts.hpp); true unless set. Without, a body is the stiffer the more parts
+  /// it touches with.
+  void share_contacts(bool yes) requires has_bodies { engine_.share_contacts = yes; }
 
   // --- the run ------------------------------------------------------------------------------
 

@@ -21,8 +21,8 @@ using silt::Particles;
 
 constexpr double radius = 1e-3, density = 2500;  // [m], [kg/m3]
 const double mass = density * Sphere::volume(radius);
-/// Linear springs are in a box of one type throughout, here without directions that repeat.
-const silt::PeriodicBox room{{{-1, -1, -1}, {2, 2, 2}}, {false, false, false}};
+/// Linear springs are in a box of one type throughout; here it repeats far away.
+const silt::PeriodicBox room{{{-1, -1, -1}, {2, 2, 2}}, {false, true, false}};
 
 template <class Sim>
 auto rates(const Sim& sim) {

@@ -31,8 +31,8 @@ using Wet = Cohesive<HertzMindlin, CapillaryBridge>;
 /// Of a scale that a step of some 0.1 us sees well.
 const Dusty::Material dust{elastic, {.hamaker = 1e-13, .closest = 2e-6, .cutoff = 1e-4}};
 const Wet::Material wet{elastic, {.surface_tension = 0.072, .contact_angle = 0.3, .volume = 1e-12}};
-/// The dusty ones are in a box of one type throughout, here without directions that repeat.
-const PeriodicBox room{{{-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}}, {false, false, false}};
+/// The dusty ones are in a box of one type throughout; here it repeats far away.
+const PeriodicBox room{{{-2, -2, -2}, {2, 2, 2}}, {false, true, false}};
 const Jkr::Material sticky{1e7, 0.25, 1, 1, 0.4};  // w = 1 J/m2, softened
 
 Particles<Sphere>::Particle sphere(const Vec3d& position, const Vec3d& velocity = {0, 0, 0},

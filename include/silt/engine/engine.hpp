@@ -63,6 +63,7 @@ class Engine {
   double largest_share = 0;      // [1/s] largest speed over inner reach
   double largest_overlap = 0;    // [-] over the smaller radius, in the last step
   bool finite = true;            // all velocities, after the last kick
+  bool share_contacts = true;    // of bodies: SharedContacts
   std::uint64_t safeguards = 0;  // [-] in which a law's safeguard has acted, since the start
   EnergyOf<ContactsType, double> contact_energy = start_energy<ContactsType, double>();
 
@@ -90,6 +91,7 @@ class Engine {
     if (!lists.take_renewed()) return;
     if constexpr (has_bodies)
       if (lists.upkeep.searched_at == step) follow_bodies(domain);
+    if constexpr (has_bodies) shared_.renew(lists.pairs, particles, mover.bodies.size());
     make_kinds();
     sums_.resize(particles.size() * 4 * chunks, 0);  // all zero between the steps
     particles.renew_pair_motion(*team_);
@@ -100,20 +102,20 @@ class Engine {
   void pair_forces(const Domain& domain, const StepTimes& times) {
     using Pipeline = PairPipeline<ContactsType, Domain, Arch, Scalar>;
     const bool large = Pipeline::working_set(particles.size(), lists.pairs.size()) > beyond_caches;
-    const auto tally =
-        Pipeline::run({particles.position.data(), particles.pair_motion(), kinds_.data(),
-                       particles.largest_radius, particles.smallest_radius, times, large},
-                      lists.pairs, coefficients, domain, sums_.data(), *team_);
+    const auto tally = Pipeline::run(
+        {particles.position.data(), particles.pair_motion(), kinds_.data(),
+         particles.largest_radius, particles.smallest_radius, times, large, share_pairs(domain)},
+        lists.pairs, coefficients, domain, sums_.data(), *team_);
     largest_overlap = tally.largest, contact_energy = tally.energy;
     safeguards += tally.safeguards;
   }
 
   void wall_forces(const StepTimes& times) {
     if (walls.empty()) return;
-    const auto tally =
-        wall_pipeline_.run({particles.position.data(), particles.motion.data(),
-                            particles.pair_motion(), particles.material.data(), times},
-                           lists.walls, coefficients, walls, sums_.data(), *team_);
+    const auto tally = wall_pipeline_.run(
+        {particles.position.data(), particles.motion.data(), particles.pair_motion(),
+         particles.material.data(), times, parts(), share_walls()},
+        lists.walls, coefficients, walls, sums_.data(), *team_);
     largest_overlap = std::max(largest_overlap, tally.largest);
     contact_energy.add(tally.energy);
     safeguards += tally.safeguards;
@@ -264,6 +266,36 @@ class Engine {
   // count on of a last-level cache that others use too.
   static constexpr std::size_t beyond_caches = 4 << 20;
 
+  /// The energy of a contact goes with this power of the overlap: 5/2 unless the law says so.
+  static constexpr double energy_exponent = [] {
+    if constexpr (requires { ContactsType::Law::energy_exponent; })
+      return ContactsType::Law::energy_exponent;
+    else
+      return 2.5;
+  }();
+  const Scalar* share_pairs([[maybe_unused]] const Domain& domain) {
+    if constexpr (has_bodies)
+      if (share_contacts) {
+        shared_.share_pairs(lists.pairs, particles, domain, energy_exponent, *team_);
+        return shared_.shares();
+      }
+    return nullptr;
+  }
+  const SharedContacts<Scalar>* share_walls() {
+    if constexpr (has_bodies)
+      if (share_contacts) {
+        shared_.share_walls(*this, energy_exponent);
+        return &shared_;
+      }
+    return nullptr;
+  }
+  const PartRow* parts() const {
+    if constexpr (has_bodies)
+      return particles.part.data();
+    else
+      return nullptr;
+  }
+
   void make_kinds() {
     if constexpr (ContactsType::several_materials) {
       const auto& pairs = lists.pairs;
@@ -278,6 +310,8 @@ class Engine {
 
   std::unique_ptr<Team> team_ = std::make_unique<Team>(1);
   WallPipeline<ContactsType, Arch, Scalar> wall_pipeline_;
+  struct NoShares {};
+  [[no_unique_address]] std::conditional_t<has_bodies, SharedContacts<Scalar>, NoShares> shared_;
   AlignedVector<Scalar> sums_;  // [N] load on each particle, zero between the steps
   std::vector<std::uint16_t> kinds_;
 };

@@ -51,7 +51,7 @@ class NearLists {
 
   /// Renews what is stale.
   void renew(const Scene& scene, Search& search, std::int64_t step) {
-    walls.range = scene.range;
+    walls.range = scene.range, walls.planes_apart = !State::of_bodies;
     if (hold(scene.walls)) return;
     const double wall_speed = fastest_wall(scene);
     anticipate_speeds(scene);
