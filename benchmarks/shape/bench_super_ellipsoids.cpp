@@ -20,8 +20,8 @@ namespace {
 using silt::Exponents;
 using silt::Vec3d;
 
-constexpr std::size_t count = 512;  // pairs
-constexpr int moves = 8;            // states that are stepped through, there and back
+constexpr std::size_t count = 256;  // pairs, all of one form
+constexpr int moves = 4;            // places that are stepped through, there and back
 
 template <Exponents E>
 using Form = silt::SuperForm<double, E>;
@@ -62,11 +62,16 @@ struct Blocks {
   static constexpr std::size_t W = silt::Lanes<Arch>::width;
   using Real = typename silt::Lanes<Arch>::Real;
   using Lane = silt::SuperForm<Real, E>;
+  struct Place {
+    silt::BodyAxes<Real> turn_i, turn_j;
+    silt::Vec3<Real> between;
+  };
   struct alignas(64) Block {
-    silt::PosedPair<Lane, Lane> at[moves];
+    Place at[moves];
     silt::NormalMemory<Real> memory;
   };
   std::vector<Block> blocks{count / W};
+  silt::PosedPair<Lane, Lane> pair;
 
   Blocks(double s, double aspect, double depth, double motion) {
     Source from;
@@ -76,8 +81,17 @@ struct Blocks {
       silt::NormalMemory<double> memory;
       (void)touch(states[0], memory);
       silt::set_lane(block.memory, memory, k % W);
-      for (int n = 0; n < moves; ++n) silt::set_lane(block.at[n], states[n], k % W);
+      for (int n = 0; n < moves; ++n) {
+        silt::set_lane(block.at[n].turn_i, states[n].turn_i, k % W);
+        silt::set_lane(block.at[n].turn_j, states[n].turn_j, k % W);
+        silt::set_lane(block.at[n].between, states[n].between, k % W);
+      }
+      pair.i = pair.j = silt::in_all_lanes<Lane>(states[0].i);
     }
+  }
+  const auto& pair_at(const Place& place) {
+    pair.turn_i = place.turn_i, pair.turn_j = place.turn_j, pair.between = place.between;
+    return pair;
   }
 };
 
@@ -87,7 +101,7 @@ void touching(benchmark::State& state, double s, double aspect, double motion) {
   int n = 0, way = 1;
   for (auto _ : state) {
     for (auto& block : b.blocks) {
-      const auto contact = touch(block.at[n], block.memory);
+      const auto contact = touch(b.pair_at(block.at[n]), block.memory);
       benchmark::DoNotOptimize(contact);
     }
     if (n + way < 0 || n + way >= moves) way = -way;
@@ -101,7 +115,7 @@ void near_miss(benchmark::State& state, double s, double aspect) {
   Blocks<Arch, E> b(s, aspect, -0.01, 0);
   for (auto _ : state)
     for (const auto& block : b.blocks) {
-      const auto yes = silt::apart(block.at[0], block.memory);
+      const auto yes = silt::apart(b.pair_at(block.at[0]), block.memory);
       benchmark::DoNotOptimize(yes);
     }
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(count));

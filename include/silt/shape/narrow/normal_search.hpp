@@ -15,6 +15,10 @@ struct PosedPair {
   Vec3<Real> between;
 };
 
+template <class FormI, class FormJ, class Real>
+PosedPair(const FormI&, const FormJ&, const BodyAxes<Real>&, const BodyAxes<Real>&,
+          const Vec3<Real>&) -> PosedPair<FormI, FormJ>;
+
 /// Depth over the direction m (unit, from i to j), and how it changes with m in its tangent plane:
 ///
 ///   F(m) = h_i(m) + h_j(-m) - m . d                                                            (1)
