@@ -348,11 +348,4 @@ SILT_INLINE Real rough_height(const SphereForm<Real>& form, const Vec3<Real>&) {
   return form.size;
 }
 
-/// Height of the box around the body: not less than h(n).
-template <class Real, Exponents E, template <class, Exponents> class Form>
-SILT_INLINE Real box_height(const Form<Real, E>& form, const Vec3<Real>& n) {
-  const Vec3<Real> a2 = form.axes2_towards(n);
-  return sqrt(a2.x) * abs(n.x) + sqrt(a2.y) * abs(n.y) + sqrt(a2.z) * abs(n.z);
-}
-
 }  // namespace silt

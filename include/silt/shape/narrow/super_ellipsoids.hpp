@@ -180,9 +180,10 @@ template <class FormI, class FormJ, class Real>
 
 }  // namespace detail
 
-/// Proved apart, cheaply: bounding spheres; then, for the last direction, boxes around the bodies;
-/// then the bodies themselves by rough powers, with a margin of 1e-5 of their size. Lanes that are
-/// not proved apart need touch().
+/// Proved apart, cheaply: bounding spheres; then, along the last direction, the bodies themselves
+/// by rough powers, with a margin of 1e-5 of their size. (Boxes around the bodies along that
+/// direction prove less, and a pack is done only when all of its lanes are.) Lanes that are not
+/// proved apart need touch().
 template <class FormI, class FormJ, class Real = typename FormI::Real>
 SILT_INLINE Mask<Real> apart(const PosedPair<FormI, FormJ>& pair,
                              const NormalMemory<Real>& memory) {
