@@ -109,8 +109,9 @@ class ExpandingPolytope {
       const auto p = support(face.normal);
       const double reach = dot(face.normal, p.difference);
       out_.lower_bound = std::max(out_.lower_bound, face.distance);
-      if (reach < out_.depth) keep(face, reach);
-      if (reach - face.distance <= 1e-10 * face.distance + 1e-14 * scale_) return;
+      const bool ended = reach - face.distance <= 1e-10 * face.distance + 1e-14 * scale_;
+      if (ended || reach < out_.depth) keep(face, reach);
+      if (ended) return;
       if (!add(p)) return;
     }
   }

@@ -42,6 +42,10 @@
 /// point: a dashpot on d delta/dt through (2) never adds energy. The mass of the coordinate delta
 /// is m*/|grad delta|^2 (rotation left out).
 ///
+/// **What volume cannot see.** The pressure W' is the same all over the contact. A block that rests on
+/// a full face therefore tilts freely up to about 2 d/L (d its depth there), where an edge lifts and
+/// the force moves to the other side; rocking within that range meets no dashpot either.
+///
 /// Source: Y. T. Feng, K. Han, D. R. J. Owen, Comput. Methods Appl. Mech. Eng. 373 (2021) 113454
 /// (the
 ///         energy-conserving volume model; S and x_c); (3), (4) and the couple are silt's.
