@@ -1,8 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-#include <silt/shape/narrow/clip.hpp>
-#include <silt/shape/narrow/placed_polyhedron.hpp>
+#include <silt/shape/narrow/cut_pair.hpp>
 
 /// Contact of polyhedra by the volume V of their intersection, from which any contact law that has
 /// a potential becomes one that conserves energy.
@@ -42,9 +41,9 @@
 /// point: a dashpot on d delta/dt through (2) never adds energy. The mass of the coordinate delta
 /// is m*/|grad delta|^2 (rotation left out).
 ///
-/// **What volume cannot see.** The pressure W' is the same all over the contact. A block that rests on
-/// a full face therefore tilts freely up to about 2 d/L (d its depth there), where an edge lifts and
-/// the force moves to the other side; rocking within that range meets no dashpot either.
+/// **What volume cannot see.** The pressure W' is the same all over the contact. A block that rests
+/// on a full face therefore tilts freely up to about 2 d/L (d its depth there), where an edge lifts
+/// and the force moves to the other side; rocking within that range meets no dashpot either.
 ///
 /// Source: Y. T. Feng, K. Han, D. R. J. Owen, Comput. Methods Appl. Mech. Eng. 373 (2021) 113454
 /// (the
@@ -109,15 +108,6 @@ struct OverlapMemory {
 };
 
 namespace detail {
-
-/// Half-spaces of a cutter in the frame of the body that is cut. Columns for lanes.
-struct Cutter {
-  static constexpr std::size_t most = (Polyhedron::most_faces + 7) / 8 * 8;
-  alignas(64) double x[most], y[most], z[most], offset[most];
-  std::size_t size = 0;
-
-  HalfSpace half(std::size_t k) const { return {{x[k], y[k], z[k]}, offset[k]}; }
-};
 
 /// Volume, S, G (about `middle`) of what is left, S and G of the cutter's faces.
 struct CutIntegrals {
@@ -184,89 +174,30 @@ inline VolumeOverlap finish(const CutIntegrals& cut, const RigidPose& body, doub
   return out;
 }
 
-/// The planes of `by` in the frame of `body`: n . (D + Q x) <= offset, D and Q the place and turn
-/// of `body` seen from `by`.
-inline void place_planes(const PlacedPolyhedron& by, const PlacedPolyhedron& body, Cutter& out) {
-  using Real = Lanes<DefaultArch>::Real;
-  const Vec3d d = by.pose.to_body(body.pose.position);
-  const auto &a = by.pose.turn, &b = body.pose.turn;
-  const Vec3d qx = a.back(b.x), qy = a.back(b.y), qz = a.back(b.z);
-  const auto& c = by.shape->plane_columns();
-  out.size = by.shape->faces().size();
-  for (std::size_t k = 0; k < c.padded; k += Lanes<DefaultArch>::width) {
-    const Real nx = load_any<Real>(&c.x[k]), ny = load_any<Real>(&c.y[k]),
-               nz = load_any<Real>(&c.z[k]);
-    store(out.x + k, nx * Real(qx.x) + ny * Real(qx.y) + nz * Real(qx.z));
-    store(out.y + k, nx * Real(qy.x) + ny * Real(qy.y) + nz * Real(qy.z));
-    store(out.z + k, nx * Real(qz.x) + ny * Real(qz.y) + nz * Real(qz.z));
-    store(out.offset + k,
-          load_any<Real>(&c.w[k]) - nx * Real(d.x) - ny * Real(d.y) - nz * Real(d.z));
-  }
-}
-
-/// One bit for each plane that may cut the box around the graph, in lanes; 4 words for 250 planes.
-inline void planes_that_may_cut(const ClippedBody::Graph& g, const Cutter& c,
-                                std::array<std::uint64_t, 4>& words) {
-  using Real = Lanes<DefaultArch>::Real;
-  Box box;
-  for (std::size_t v = 0; v < g.size; ++v) box.include(g.at(v));
-  const Vec3d m = box.centre(), e = 0.5 * box.extent();
-  for (std::size_t k = 0; k < c.size; k += Lanes<DefaultArch>::width) {
-    const Real nx = load<Real>(c.x + k), ny = load<Real>(c.y + k), nz = load<Real>(c.z + k);
-    const Real highest = nx * Real(m.x) + ny * Real(m.y) + nz * Real(m.z) +
-                         silt::abs(nx) * Real(e.x) + silt::abs(ny) * Real(e.y) +
-                         silt::abs(nz) * Real(e.z);
-    words[k / 64] |= lane_bits(highest > load<Real>(c.offset + k)) << k % 64;
-  }
-}
-
-/// Cuts `body` by all planes, `first` first: it should leave little to cut for the others. False if
-/// nothing is left.
-inline bool cut_by_all(ClippedBody& body, const Cutter& cutter, std::size_t first) {
-  if (!body.cut(cutter.half(first), first_cut_face + first)) return false;
-  std::array<std::uint64_t, 4> words{};
-  planes_that_may_cut(body.graph(), cutter, words);
-  for (std::size_t word = 0; word < words.size(); ++word)
-    for (auto bits = words[word]; bits != 0; bits &= bits - 1) {
-      const std::size_t k = word * 64 + static_cast<std::size_t>(std::countr_zero(bits));
-      if (k < cutter.size && k != first && !body.cut(cutter.half(k), first_cut_face + k))
-        return false;
-    }
-  return true;
-}
-
 }  // namespace detail
 
 /// Cores of i and j. `axis`: about from j to i, not zero; it chooses the order of the cuts, for
-/// speed. The planes of the body with a face across the axis cut the other one: a corner pressed
-/// into a face takes one cut then.
+/// speed.
 inline VolumeOverlap volume_overlap(const PlacedPolyhedron& i, const PlacedPolyhedron& j,
                                     const Vec3d& axis) {
-  const auto of_i = i.shape->face_towards(-i.pose.turn.back(axis));
-  const auto of_j = j.shape->face_towards(j.pose.turn.back(axis));
-  const bool i_cuts = of_i.cosine >= of_j.cosine;
-  const PlacedPolyhedron &cutting = i_cuts ? i : j, &body = i_cuts ? j : i;
-  detail::Cutter cutter;
-  detail::place_planes(cutting, body, cutter);
-  detail::ClippedBody left(*body.shape);
-  if (!detail::cut_by_all(left, cutter, i_cuts ? of_i.face : of_j.face)) return {};
-  return detail::finish(detail::Integrator(left.graph(), *body.shape, cutter).result(), body.pose,
-                        i_cuts ? 1 : -1);
+  VolumeOverlap out;
+  detail::cut_pair(i, j, axis,
+                   [&](const auto& graph, const auto& body, const auto& cutter, double sign) {
+                     out = detail::finish(detail::Integrator(graph, *body.shape, cutter).result(),
+                                          body.pose, sign);
+                   });
+  return out;
 }
 
 /// The core of i with the half-space of all points p with normal . (p - at) < 0; normal a unit
 /// vector.
 inline VolumeOverlap volume_overlap(const PlacedPolyhedron& i, const Vec3d& at,
                                     const Vec3d& normal) {
-  const Vec3d n = i.pose.turn.back(normal);
-  const double offset = dot(normal, at - i.pose.position);
-  if (-i.shape->reach(-n) >= offset) return {};
-  detail::Cutter cutter;
-  cutter.x[0] = n.x, cutter.y[0] = n.y, cutter.z[0] = n.z, cutter.offset[0] = offset;
-  cutter.size = 1;
-  detail::ClippedBody left(*i.shape);
-  if (!left.cut(cutter.half(0), detail::first_cut_face)) return {};
-  return detail::finish(detail::Integrator(left.graph(), *i.shape, cutter).result(), i.pose, -1);
+  VolumeOverlap out;
+  detail::cut_half_space(i, at, normal, [&](const auto& graph, const auto& cutter) {
+    out = detail::finish(detail::Integrator(graph, *i.shape, cutter).result(), i.pose, -1);
+  });
+  return out;
 }
 
 /// The core of i with the prism behind a triangle of a mesh wall (counter-clockwise seen from the
@@ -311,11 +242,12 @@ inline VolumeContact contact_of(const VolumeOverlap& o, const VolumeScale& scale
   return out;
 }
 
-/// The contact of two bodies: a remembered axis shows most near misses apart, a search for a new
-/// one (GJK) is rare; then the cut. Bodies whose bounding spheres are apart are the caller's to
-/// leave out.
-inline VolumeContact volume_contact(const PlacedPolyhedron& i, const PlacedPolyhedron& j,
-                                    const VolumeScale& scale, OverlapMemory& memory) {
+namespace detail {
+/// overlap_along(axis) is asked unless the remembered axis shows the bodies apart; a search for a
+/// new axis (GJK) is rare.
+template <class Overlap>
+VolumeContact remembered_contact(const PlacedPolyhedron& i, const PlacedPolyhedron& j,
+                                 OverlapMemory& memory, Overlap&& overlap_along) {
   const Vec3d between = i.pose.position - j.pose.position;
   Vec3d axis = memory.axis();
   const bool known = dot(axis, axis) > 0;
@@ -324,7 +256,7 @@ inline VolumeContact volume_contact(const PlacedPolyhedron& i, const PlacedPolyh
     if (!known) memory.set(normalised(axis), false);
     return {};
   }
-  auto contact = contact_of(volume_overlap(i, j, axis), scale, between);
+  const VolumeContact contact = overlap_along(axis);
   if (contact.overlap > 0) {
     memory.set(contact.normal, true);
   } else {
@@ -332,6 +264,15 @@ inline VolumeContact volume_contact(const PlacedPolyhedron& i, const PlacedPolyh
     memory.set(apart.overlapping ? normalised(axis) : apart.normal, false);
   }
   return contact;
+}
+}  // namespace detail
+
+/// The contact of two bodies. Those whose bounding spheres are apart are the caller's to leave out.
+inline VolumeContact volume_contact(const PlacedPolyhedron& i, const PlacedPolyhedron& j,
+                                    const VolumeScale& scale, OverlapMemory& memory) {
+  return detail::remembered_contact(i, j, memory, [&](const Vec3d& axis) {
+    return contact_of(volume_overlap(i, j, axis), scale, i.pose.position - j.pose.position);
+  });
 }
 
 }  // namespace silt
