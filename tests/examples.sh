@@ -3,19 +3,9 @@
 # The hopper as a user runs it: a quick run that keeps its own checks, a restart, and what it refuses.
 set -u
 hopper=$1
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-failed=0
-fail() { echo "FAIL: $*"; failed=1; }
+# shellcheck source=tests/program.sh
+source "$(dirname "$0")/program.sh" "$hopper"
 
-# refused WORDS ARGUMENT...: status 2, one sentence with these words on stderr.
-refused() {
-  local words=$1 status; shift
-  "$hopper" "$@" >"$work/out" 2>"$work/err"; status=$?
-  [ "$status" -eq 2 ] || fail "hopper $*: status $status instead of 2"
-  grep -q -- "$words" "$work/err" || fail "hopper $*: no '$words' in: $(cat "$work/err")"
-  [ "$(grep -c . "$work/err")" -eq 1 ] || fail "hopper $*: not one sentence: $(cat "$work/err")"
-}
 refused "nonsense" --nonsense
 refused "not in range" --particles 5
 refused "particles" --particles many

@@ -4,19 +4,9 @@
 # and refuse what makes no sense.
 set -u
 study=$1
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-failed=0
-fail() { echo "FAIL: $*"; failed=1; }
+# shellcheck source=tests/program.sh
+source "$(dirname "$0")/program.sh" "$study"
 
-# refused WORDS ARGUMENT...: status 2, one sentence with these words on stderr.
-refused() {
-  local words=$1 status; shift
-  "$study" "$@" >"$work/out" 2>"$work/err"; status=$?
-  [ "$status" -eq 2 ] || fail "study $*: status $status instead of 2"
-  grep -q -- "$words" "$work/err" || fail "study $*: no '$words' in: $(cat "$work/err")"
-  [ "$(grep -c . "$work/err")" -eq 1 ] || fail "study $*: not one sentence: $(cat "$work/err")"
-}
 refused "no study 'nonsense'" nonsense
 refused "nonsense" skin --nonsense
 refused "threads" skin --threads 2

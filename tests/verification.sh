@@ -3,18 +3,13 @@
 # The verification gallery as a user runs it, in its quick form: its own checks, the pictures that the
 # page of the docs shows, and what it refuses.
 set -u
-program=$1 page=$2
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-failed=0
-fail() { echo "FAIL: $*"; failed=1; }
+page=$2
+# shellcheck source=tests/program.sh
+source "$(dirname "$0")/program.sh" "$1"
 
-for words in "--nonsense" "--restart $work/state.silt" "--threads 0"; do
-  # shellcheck disable=SC2086
-  "$program" $words --out "$work/refused" >"$work/out" 2>"$work/err"; status=$?
-  [ "$status" -eq 2 ] || fail "verification $words: status $status instead of 2"
-  [ "$(grep -c . "$work/err")" -eq 1 ] || fail "verification $words: not one sentence: $(cat "$work/err")"
-done
+refused "nonsense" --nonsense --out "$work/refused"
+refused "restart" --restart "$work/state.silt" --out "$work/refused"
+refused "threads" --threads 0 --out "$work/refused"
 
 if "$program" --quick --out "$work/quick" >"$work/log" 2>&1; then
   grep -q '"holds": false' "$work/quick/summary.json" && fail "a check does not hold but the status is 0"

@@ -112,13 +112,16 @@ void contact(benchmark::State& state, const Case& c) {
                          benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
-BENCHMARK_CAPTURE(contact, touching / cubes, Case{true, false, -0.01, true});
-BENCHMARK_CAPTURE(contact, touching / cubes_face_to_face, Case{true, true, -0.01, true});
-BENCHMARK_CAPTURE(contact, touching / hulls, Case{false, false, -0.01, true});
-BENCHMARK_CAPTURE(contact, near_miss / cubes, Case{true, false, 0.02, true});
-BENCHMARK_CAPTURE(contact, near_miss / hulls, Case{false, false, 0.02, true});
-BENCHMARK_CAPTURE(contact, cold / cubes, Case{true, false, 0.02, false});
-BENCHMARK_CAPTURE(contact, cold / hulls, Case{false, false, 0.02, false});
+BENCHMARK_CAPTURE(contact, volume_cubes, Case{true, false, -0.01, true});
+BENCHMARK_CAPTURE(contact, volume_cubes_face_to_face, Case{true, true, -0.01, true});
+BENCHMARK_CAPTURE(contact, volume_hulls, Case{false, false, -0.01, true});
+BENCHMARK_CAPTURE(contact, thickness_cubes, Case{true, false, -0.01, true, true});
+BENCHMARK_CAPTURE(contact, thickness_cubes_face_to_face, Case{true, true, -0.01, true, true});
+BENCHMARK_CAPTURE(contact, thickness_hulls, Case{false, false, -0.01, true, true});
+BENCHMARK_CAPTURE(contact, near_miss_cubes, Case{true, false, 0.02, true});
+BENCHMARK_CAPTURE(contact, near_miss_hulls, Case{false, false, 0.02, true});
+BENCHMARK_CAPTURE(contact, cold_cubes, Case{true, false, 0.02, false});
+BENCHMARK_CAPTURE(contact, cold_hulls, Case{false, false, 0.02, false});
 
 /// Rounded bodies: cores 0.02 apart, margins of 0.015 each; a distance whose axis is remembered.
 void margins(benchmark::State& state, bool cubes) {

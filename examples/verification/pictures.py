@@ -42,25 +42,30 @@ def draw_elastic(folder, number, materials, title, reference):
     folder.save(figure, f"chung_ooi_{number}")
 
 
-def draw_restitutions(folder):
-    figure, axes = sheet(2, "Test 3: head-on on a plane, 3.9 m/s")
+def both_ends(axes):
+    """An axis for each end of contact, with the law's name in the tables."""
     for axis, law, words in zip(axes, ["cut_at_zero_force", "to_zero_overlap"],
                                 ["contact ends at zero force", "contact ends at zero overlap"]):
+        yield axis, law
+        axis.set_title(words, fontsize=10)
+        legend(axis)
+
+
+def draw_restitutions(folder):
+    figure, axes = sheet(2, "Test 3: head-on on a plane, 3.9 m/s")
+    for axis, law in both_ends(axes):
         e, oxide, iron = folder.columns("chung_ooi_3_" + law, "restitution given", "aluminium oxide",
                                         "cast iron")
         line(axis, [0, 1], [0, 1], "as given")
         silt(axis, e, oxide, COLOURS[0], "silt, aluminium oxide")
         axis.plot(e, iron, "s", mfc="none", mec=COLOURS[5], ms=8, label="silt, cast iron", zorder=4)
         name_axes(axis, "restitution given [-]", "restitution found [-]")
-        axis.set_title(words, fontsize=10)
-        legend(axis)
     folder.save(figure, "chung_ooi_3")
 
 
 def draw_steps(folder):
     figure, axes = sheet(2, "Restitution over the time step, touch at the worst place within a step")
-    for axis, law, words in zip(axes, ["cut_at_zero_force", "to_zero_overlap"],
-                                ["contact ends at zero force", "contact ends at zero overlap"]):
+    for axis, law in both_ends(axes):
         n, e, error, bound = folder.columns("restitution_" + law, "steps a contact", "restitution",
                                             "error of restitution", "bound")
         for value, colour, marker in zip([1, 0.9, 0.5, 0.1], COLOURS, "os^D"):
@@ -73,8 +78,6 @@ def draw_steps(folder):
         axis.set_xticks([10, 20, 50, 100, 200], ["10", "20", "50", "100", "200"])
         axis.minorticks_off()
         name_axes(axis, "steps a contact [-]", "relative error of the restitution [-]")
-        axis.set_title(words, fontsize=10)
-        legend(axis)
     folder.save(figure, "restitution")
 
 

@@ -20,12 +20,12 @@
 #include <silt/contact/impact.hpp>
 #include <silt/contact/jkr.hpp>
 #include <silt/contact/linear_spring.hpp>
-#include <silt/contact/softened.hpp>
 #include <silt/contact/rolling/directional.hpp>
 #include <silt/contact/rolling/epsd.hpp>
 #include <silt/contact/rolling/own.hpp>
 #include <silt/contact/rolling/twisting.hpp>
 #include <silt/contact/rolling/viscous.hpp>
+#include <silt/contact/softened.hpp>
 #include <silt/coupling/no_fluid.hpp>
 #include <silt/engine/contact_check.hpp>
 #include <silt/fill/particle_file.hpp>
@@ -39,6 +39,7 @@
 #include <silt/search/nbs.hpp>
 #include <silt/search/verlet_list.hpp>
 #include <silt/shape/dilated_moments.hpp>
+#include <silt/shape/multi_sphere.hpp>
 #include <silt/shape/narrow/margin_contact.hpp>
 #include <silt/shape/narrow/sphere_polyhedron.hpp>
 #include <silt/shape/narrow/thickness_overlap.hpp>

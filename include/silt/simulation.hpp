@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -36,6 +37,7 @@ namespace silt::inline SILT_TARGET {
 ///   precision  Double, Mixed                                  Double
 ///   kernels    KernelsFor<Arch>                               what the compile flags allow
 ///   integrator Leapfrog, SymplecticEuler, Gear                Leapfrog
+///   rotation   NoSquish, Spiral: of bodies                    NoSquish
 ///   ledger     EnergyLedger                                   no books of the energy
 ///
 /// Lengths in m, times in s, masses in kg. Errors: InputError for values and combinations that
@@ -56,13 +58,15 @@ class Simulation {
                 "Simulation takes one fluid coupling (silt/coupling/no_fluid.hpp)");
   static_assert(detail::count<detail::IsIntegrator, Policies...> <= 1,
                 "Simulation takes one integrator (silt/motion/concept.hpp)");
+  static_assert(detail::count<detail::IsRotation, Policies...> <= 1,
+                "Simulation takes one rotation (silt/motion/rotation.hpp)");
   static_assert(detail::count<detail::IsPrecision, Policies...> <= 1,
                 "Simulation takes one precision: Double or Mixed (silt/engine/precision.hpp)");
   static_assert(
       (detail::belongs_to_an_axis<Policies> && ...),
       "a policy given to Simulation belongs to no axis: it must be Particles, Contacts, a "
-      "NeighbourSearch, a domain, a FluidCoupling, a precision, an Integrator, KernelsFor or "
-      "EnergyLedger; the "
+      "NeighbourSearch, a domain, a FluidCoupling, a precision, an Integrator, a rotation, "
+      "KernelsFor or EnergyLedger; the "
       "contracts are in "
       "silt/contact/, search/, boundary/, coupling/, motion/ concept.hpp");
 
@@ -75,16 +79,28 @@ class Simulation {
   using Arch = typename detail::pick<detail::IsKernels, KernelsFor<DefaultArch>, Policies...>::type;
   using Precision = detail::pick<detail::IsPrecision, Double, Policies...>;
   using Integrator = detail::pick<detail::IsIntegrator, Leapfrog, Policies...>;
+  using Rotation = detail::pick<detail::IsRotation, NoSquish, Policies...>;
   using ShapeType = typename ParticlesType::ShapeType;
+  /// Particles are rigid bodies with an orientation, of one part or several.
+  static constexpr bool has_bodies = BodyShape<ShapeType>;
+  static_assert(has_bodies || detail::count<detail::IsRotation, Policies...> == 0,
+                "spheres have no orientation: leave the rotation out");
   static constexpr bool has_ledger = detail::count<detail::IsLedger, Policies...> > 0;
-  using EngineContacts =
-      std::conditional_t<has_ledger, detail::WithLedger<ContactsType>, ContactsType>;
-  using Engine =
-      detail::Engine<ShapeType, EngineContacts, Search, Domain, Arch, Precision, Integrator>;
+  using BooksOrNot = std::conditional_t<has_ledger, detail::WithLedger<ContactsType>, ContactsType>;
+  using EngineContacts = std::conditional_t<has_bodies, detail::WithShares<BooksOrNot>, BooksOrNot>;
+  using Engine = detail::Engine<ShapeType, EngineContacts, Search, Domain, Arch, Precision,
+                                Integrator, Rotation>;
 
-  static constexpr bool rotates = ContactsType::rotates;
-  /// State of one particle [bytes]: no more than the policies need.
+  static_assert(
+      !(Integrator::derivatives > 0 && detail::has_safeguard<typename ContactsType::Law>),
+      "a law with a safeguard (Softened) turns a velocity within one step, which Gear spreads over "
+      "several, beyond what is wanted: take Leapfrog");
+
+  static constexpr bool rotates = ContactsType::rotates || has_bodies;
+  /// State of one particle [bytes]: no more than the policies need. Of bodies: of each part;
+  /// bytes_per_body come once a body.
   static constexpr std::size_t bytes_per_particle = Engine::State::bytes_per_particle;
+  static constexpr std::size_t bytes_per_body = has_bodies ? sizeof(detail::Body) : 0;
   /// State of one contact [bytes]: two indices and the history of the law.
   static constexpr std::size_t bytes_per_contact =
       2 * sizeof(std::uint32_t) + EngineContacts::history * sizeof(typename Precision::PairScalar);
@@ -144,7 +160,12 @@ class Simulation {
   /// Adds more particles now.
   void add(const ParticlesType& more);
   /// Adds what an inlet has placed.
-  void insert(const std::vector<PlacedSphere>& spheres, const InletFlow& flow);
+  void insert(const std::vector<PlacedSphere>& spheres, const InletFlow& flow, Random& random);
+
+  /// Whether several parts of a body that press on one partner share the stiffness of a contact
+  /// (engine/shared_contacts.hpp); true unless set. Without, a body is the stiffer the more parts
+  /// it touches with.
+  void share_contacts(bool yes) requires has_bodies { engine_.share_contacts = yes; }
 
   // --- the run ------------------------------------------------------------------------------
 
@@ -175,37 +196,85 @@ class Simulation {
   double step_length() const { return dt_; }   // [s] in use
   /// True from a restart on until the end of the run that goes on from it.
   bool continued() const { return continued_; }
-  std::size_t size() const { return engine_.particles.size() - engine_.particles.parked; }
+  std::size_t size() const {
+    if constexpr (has_bodies)
+      return static_cast<std::size_t>(std::count_if(
+          bodies().begin(), bodies().end(), [](const auto& b) { return b.id != no_particle; }));
+    else
+      return engine_.particles.size() - engine_.particles.parked;
+  }
   /// Places 0 ... rows()-1 in memory; those where id() is silt::no_particle have left.
-  std::size_t rows() const { return engine_.particles.size(); }
-  std::uint32_t id(std::size_t k) const { return engine_.particles.id[k]; }
-  bool is_present(std::size_t k) const { return !engine_.particles.is_parked(k); }
-  Vec3d position(std::size_t k) const { return engine_.particles.position[k].centre(); }
-  double radius(std::size_t k) const { return engine_.particles.position[k].r; }
-  double mass(std::size_t k) const {
-    return engine_.particles.motion[k].inv_m > 0 ? 1 / engine_.particles.motion[k].inv_m : INFINITY;
+  std::size_t rows() const { return engine_.rows_of_particles(); }
+  std::uint32_t id(std::size_t k) const {
+    if constexpr (has_bodies)
+      return bodies()[k].id;
+    else
+      return engine_.particles.id[k];
+  }
+  bool is_present(std::size_t k) const { return id(k) != no_particle; }
+  Vec3d position(std::size_t k) const {  // [m] of the centre of mass
+    if constexpr (has_bodies)
+      return bodies()[k].centre;
+    else
+      return engine_.particles.position[k].centre();
+  }
+  double radius(std::size_t k) const {  // [m] of bodies that of the bounding sphere
+    if constexpr (has_bodies)
+      return bodies()[k].radius;
+    else
+      return engine_.particles.position[k].r;
+  }
+  double mass(std::size_t k) const {  // [kg] infinite: fixed
+    double inv_m;
+    if constexpr (has_bodies)
+      inv_m = bodies()[k].inv_m;
+    else
+      inv_m = engine_.particles.motion[k].inv_m;
+    return inv_m > 0 ? 1 / inv_m : INFINITY;
   }
   Vec3d velocity(std::size_t k) const {  // [m/s] at time()
-    return kicked_ ? engine_.synchronous[k].velocity : engine_.particles.motion[k].velocity();
+    if (kicked_) return engine_.mover.synchronous[k].velocity;
+    if constexpr (has_bodies)
+      return bodies()[k].velocity;
+    else
+      return engine_.particles.motion[k].velocity();
   }
   Vec3d angular_velocity(std::size_t k) const  // [rad/s] at time()
       requires rotates {
-    const auto& m = engine_.particles.motion[k];
-    return (kicked_ ? engine_.synchronous[k].spin_velocity : m.spin_velocity()) * m.inv_r;
+    if constexpr (has_bodies) {
+      return kicked_ ? engine_.mover.synchronous[k].angular_velocity
+                     : bodies()[k].angular_velocity(bodies()[k].momentum);
+    } else {
+      const auto& m = engine_.particles.motion[k];
+      return (kicked_ ? engine_.mover.synchronous[k].spin_velocity : m.spin_velocity()) * m.inv_r;
+    }
+  }
+  /// Turns the frame in which the form was given to space.
+  Quaternion orientation(std::size_t k) const requires has_bodies {
+    const auto& b = bodies()[k];
+    return b.orientation * conjugate(engine_.mover.forms[b.form].mass.axes);
+  }
+  std::size_t form(std::size_t k) const requires has_bodies { return bodies()[k].form; }
+  /// Size of the particle over that of its form as it was made [-].
+  double scale(std::size_t k) const requires has_bodies { return bodies()[k].scale; }
+  const std::vector<BodyForm<ShapeType>>& forms() const requires has_bodies {
+    return engine_.mover.forms;
   }
   std::size_t material(std::size_t k) const {
-    if constexpr (ContactsType::several_materials)
+    if constexpr (has_bodies)
+      return bodies()[k].material;
+    else if constexpr (ContactsType::several_materials)
       return engine_.particles.material[k];
     else
       return 0;
   }
   /// The present place of the particle with this id; rows() if it has left. O(rows()).
   std::size_t find(std::uint32_t wanted) const {
-    return static_cast<std::size_t>(
-        std::find(engine_.particles.id.begin(), engine_.particles.id.end(), wanted) -
-        engine_.particles.id.begin());
+    std::size_t k = 0;
+    while (k < rows() && id(k) != wanted) ++k;
+    return k;
   }
-  /// Pairs of particles that touch [-]; O(pairs).
+  /// Pairs of particles that touch [-]; of bodies, of their parts. O(pairs).
   std::size_t touching_pairs() const { return engine_.touching_pairs(domain_); }
   /// Where the energy is and where it went; when the simulation is not running, or in an observer.
   EnergyBalance energy() const requires has_ledger;
@@ -252,15 +321,24 @@ class Simulation {
     double sum() const { return translation + rotation; }
   };
   Kinetic kinetic(std::size_t k) const {
-    const double m = mass(k), r = radius(k);
+    const double m = mass(k);
     const Vec3d v = velocity(k);
     Kinetic part{0.5 * m * dot(v, v), 0};
-    if constexpr (rotates) {
+    if constexpr (has_bodies) {
+      const auto& b = bodies()[k];
+      const Vec3d w = rotate(conjugate(b.orientation), angular_velocity(k));
+      part.rotation =
+          0.5 * (b.inertia.x * w.x * w.x + b.inertia.y * w.y * w.y + b.inertia.z * w.z * w.z);
+    } else if constexpr (rotates) {
       const Vec3d w = angular_velocity(k);
-      part.rotation = 0.5 * ShapeType::inertia_factor() * m * r * r * dot(w, w);
+      part.rotation = 0.5 * ShapeType::inertia_factor() * m * radius(k) * radius(k) * dot(w, w);
     }
     return part;
   }
+  const std::vector<detail::Body>& bodies() const requires has_bodies {
+    return engine_.mover.bodies;
+  }
+  void add_bodies(const ParticlesType& more, std::size_t first_form) requires has_bodies;
   void book_step(const detail::StepTimes& times);
   void book_leaving(std::size_t k);
   double potential(std::size_t k) const { return -mass(k) * dot(gravity_booked_, position(k)); }
@@ -291,7 +369,7 @@ class Simulation {
   double time_ = 0, dt_ = 0, time_origin_ = 0;
   std::int64_t step_ = 0, step_origin_ = 0;
   double checked_speed_ = 0, checked_overlap_ = 0, peak_overlap_ = 0;
-  std::uint32_t next_id_ = 0;
+  std::uint32_t next_id_ = 0, next_part_ = 0;
   bool first_kick_ = true, kicked_ = false, continued_ = false;
 };
 
@@ -306,4 +384,5 @@ requires(detail::count<detail::IsKernels, std::remove_cvref_t<Args>...> == 0) Si
 
 }  // namespace silt
 
+#include <silt/engine/simulation_bodies.hpp>
 #include <silt/engine/simulation_parts.hpp>

@@ -22,6 +22,9 @@ namespace no_contacts {
 namespace no_particles {
 #include "refused/no_particles.cpp"
 }
+namespace softened_by_gear {
+#include "refused/softened_by_gear.cpp"
+}
 namespace temporary_field {
 #include "refused/temporary_field.cpp"
 }

@@ -15,7 +15,7 @@ constexpr HertzMindlin::Material glass{5e7, 0.25, 0.8, 0.4}, steel{2e8, 0.3, 0.6
 
 /// A user's own law: Kuwabara and Kono's Hertz contact with damping in proportion to the spring,
 /// and friction that resists the sliding velocity.
-struct KuwabaraKono {
+struct OwnKuwabaraKono {
   struct Material {
     double modulus, damping_time, friction, drag;  // [Pa], [s], [-], [N s/m]
     bool operator==(const Material&) const = default;
@@ -42,7 +42,7 @@ struct Motion {
 /// Ten spheres fall on each other in a box: some hundred steps with many contacts.
 template <class Kernels>
 Motion user_law_run(Kernels kernels) {
-  const KuwabaraKono::Material material{1e7, 2e-5, 0.5, 0.01};
+  const OwnKuwabaraKono::Material material{1e7, 2e-5, 0.5, 0.01};
   Particles<Sphere> spheres;
   Random random(2);
   for (int k = 0; k < 10; ++k)
@@ -50,7 +50,7 @@ Motion user_law_run(Kernels kernels) {
                  .radius = 1e-3 * (1 + 0.02 * k),
                  .density = 2500,
                  .velocity = random_vector(random, 0.2)});
-  Simulation sim{std::move(spheres), Contacts<KuwabaraKono>{material}, kernels};
+  Simulation sim{std::move(spheres), Contacts<OwnKuwabaraKono>{material}, kernels};
   sim.add_wall(box({0, 0, 0}, {6e-3, 6e-3, 0.03}), material);
   sim.gravity = {0, 0, -9.81};
   sim.threads = 1;
@@ -93,13 +93,13 @@ TEST_CASE("contacts: a user's own law runs, and gives the same scalar and in lan
     CHECK(norm(scalar.positions[k] - lanes.positions[k]) < 1e-13 * norm(scalar.positions[k]));
     CHECK(norm(scalar.spins[k] - lanes.spins[k]) < 1e-11 * spin);
   }
-  const KuwabaraKono::Material m{1e7, 2e-5, 0.5, 0.01};
-  CHECK(largest_lane_difference<KuwabaraKono>(KuwabaraKono::mix(m, m), 0) < 1e-13);
+  const OwnKuwabaraKono::Material m{1e7, 2e-5, 0.5, 0.01};
+  CHECK(largest_lane_difference<OwnKuwabaraKono>(OwnKuwabaraKono::mix(m, m), 0) < 1e-13);
 }
 
 TEST_CASE("contacts: an axis costs nothing that its law does not use") {
   static_assert(!Contacts<LinearSpring>::rotates && Contacts<LinearSpring>::history == 0);
-  static_assert(Contacts<KuwabaraKono>::rotates && Contacts<KuwabaraKono>::history == 0);
+  static_assert(Contacts<OwnKuwabaraKono>::rotates && Contacts<OwnKuwabaraKono>::history == 0);
   static_assert(Contacts<HertzMindlin>::rotates && Contacts<HertzMindlin>::history == 3);
   static_assert(Contacts<HertzMindlin, RollingEpsd>::history == 6);
   static_assert(!Contacts<HertzMindlin>::several_materials);

@@ -10,6 +10,8 @@
 #include <silt/contact/formulas.hpp>
 #include <silt/contact/impact.hpp>
 
+#include "near.hpp"
+
 // "B1" ... "A1.3" are sections of the physics reference from which the numbers come. "mpmath" are
 // values computed at 40 digits from the defining equations (restitution by bisection, duration of
 // the end ZeroForce by quadrature, of ZeroOverlap by its Gamma functions of complex argument).
@@ -21,11 +23,6 @@ using enum DampingEnd;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double restitutions[] = {1, 0.9, 0.5, 0.1, 0.05};
 constexpr DampingEnd ends[] = {ZeroOverlap, ZeroForce};
-
-/// |a/b - 1| <= tolerance; doctest's Approx would compare with max(1, b) instead.
-bool near_relative(double a, double b, double tolerance) {
-  return std::abs(a - b) <= tolerance * std::abs(b);
-}
 
 /// `value` printed with so many digits reads as `table`: half a unit of the last digit.
 bool rounds_to(double value, double table, double last_digit) {

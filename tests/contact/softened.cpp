@@ -8,6 +8,8 @@
 
 #include <silt/silt.hpp>
 
+#include "near.hpp"
+
 namespace {
 
 using Solid = silt::HertzMindlin::Material;
@@ -57,10 +59,10 @@ TEST_CASE("softened: a small sphere's contact lasts as long as that of one of th
     CAPTURE(radius);
     const Impact soft = impact<Soft>({.solid = solid(1), .full_radius = 1e-3}, radius, radius, 0.1);
     // Ends of contacts are known to a step of 400.
-    CHECK(soft.duration == doctest::Approx(full.duration).epsilon(0.006));
+    CHECK(soft.duration == near(full.duration).epsilon(0.006));
     // The overlap over the diameter grows by full radius over radius: the same overlap.
-    CHECK(soft.overlap == doctest::Approx(full.overlap).epsilon(1e-4));
-    CHECK(soft.restitution == doctest::Approx(1).epsilon(1e-5));
+    CHECK(soft.overlap == near(full.overlap).epsilon(1e-4));
+    CHECK(soft.restitution == near(1).epsilon(1e-5));
     CHECK(soft.safeguards == 0);
   }
 }
@@ -70,22 +72,20 @@ TEST_CASE("softened: partners of their own factor each; large ones stay as they 
   // Coarse pairs: the same bits but for one multiplication by 1.
   const Impact plain = impact<silt::HertzMindlin>(solid(1), 1.5e-3, 2e-3, 0.1),
                coarse = impact<Soft>(m, 1.5e-3, 2e-3, 0.1);
-  CHECK(coarse.overlap == doctest::Approx(plain.overlap).epsilon(1e-12));
+  CHECK(coarse.overlap == near(plain.overlap).epsilon(1e-12));
   // Small on large: 1/E* = (1/f + 1)/2 of the solid.
   const double R1 = 0.25e-3, R2 = 2e-3, f = std::pow(R1 / 1e-3, 2.5);
   const double E = 1e8 / (1 - 0.0625) / 2 * 2 / (1 / f + 1), R = R1 * R2 / (R1 + R2);
   const auto mass = [](double r) { return density * 4 / 3 * std::numbers::pi * r * r * r; };
   const double m_eff = mass(R1) * mass(R2) / (mass(R1) + mass(R2));
   const Impact mixed = impact<Soft>(m, R1, R2, 0.1);
-  CHECK(mixed.overlap ==
-        doctest::Approx(silt::hertz_max_overlap({E, R, m_eff, 0.1})).epsilon(1e-4));
+  CHECK(mixed.overlap == near(silt::hertz_max_overlap({E, R, m_eff, 0.1})).epsilon(1e-4));
   // The bound of the factor.
   const Impact bounded =
       impact<Soft>({.solid = solid(1), .full_radius = 1e-3, .least = 0.1}, 0.1e-3, 0.1e-3, 0.1);
-  CHECK(bounded.overlap ==
-        doctest::Approx(
-            silt::hertz_max_overlap({0.1 * 1e8 / (1 - 0.0625) / 2, 0.05e-3, mass(0.1e-3) / 2, 0.1}))
-            .epsilon(1e-4));
+  CHECK(bounded.overlap == near(silt::hertz_max_overlap(
+                                    {0.1 * 1e8 / (1 - 0.0625) / 2, 0.05e-3, mass(0.1e-3) / 2, 0.1}))
+                               .epsilon(1e-4));
 }
 
 TEST_CASE("softened: the safeguard turns a deep impact with the restitution of the material") {
@@ -93,7 +93,7 @@ TEST_CASE("softened: the safeguard turns a deep impact with the restitution of t
     CAPTURE(e);
     const Impact deep = impact<Soft>({.solid = solid(e), .full_radius = 1e-3}, 0.1e-3, 0.1e-3, 5);
     CHECK(deep.safeguards == 1);
-    CHECK(deep.restitution == doctest::Approx(e).epsilon(1e-9));
+    CHECK(deep.restitution == near(e).epsilon(1e-9));
     // It acts on the first step beyond 0.15 of the diameter.
     CHECK(deep.overlap > 0.15 * 0.2e-3);
     CHECK(deep.overlap < 0.155 * 0.2e-3);
@@ -116,9 +116,9 @@ TEST_CASE("softened: on a wall, and pressed together again after the safeguard")
   const double before = 0.5 * sim.mass(0) * 100;
   sim.run(5e-5);
   CHECK(sim.safeguarded() == 1);
-  CHECK(sim.velocity(0).z == doctest::Approx(5).epsilon(1e-6));
+  CHECK(sim.velocity(0).z == near(5).epsilon(1e-6));
   // The ledger books it as normal damping; some spring energy ends at the turn.
-  CHECK(sim.energy().normal_damping == doctest::Approx(0.75 * before).epsilon(0.02));
+  CHECK(sim.energy().normal_damping == near(0.75 * before).epsilon(0.02));
 
   // Pressed together again while the safeguard holds: it resists. What it cannot hold, the guard
   // stops.
@@ -144,8 +144,7 @@ TEST_CASE("softened: the force that the solid would have borne") {
                            {.restitution = 0.5, .friction = 0});
   const double zeta = silt::damping_ratio(0.5, silt::DampingEnd::ZeroForce);
   CHECK(Soft::physical_force(p, 1e-3, 1e-6, 2.0) ==
-        doctest::Approx(
-            silt::hertz_max_elastic_force({1e8 / (1 - 0.0625) / 2, 1e-3, 1e-6, 2.0, zeta}))
+        near(silt::hertz_max_elastic_force({1e8 / (1 - 0.0625) / 2, 1e-3, 1e-6, 2.0, zeta}))
             .epsilon(1e-12));
 }
 
@@ -159,14 +158,14 @@ TEST_CASE(
     return sim.step_length();
   };
   // With a very large partner a contact is stiffer by up to 2, and so shorter by 2^(-2/5).
-  CHECK(step_for(1e-3) / step_for(0) == doctest::Approx(10).epsilon(0.35));
+  CHECK(step_for(1e-3) / step_for(0) == near(10).epsilon(0.35));
 
-  const auto run = [](auto policy) {
+  const auto run = [](auto... policy) {
     silt::Particles<silt::Sphere> spheres;
     spheres.fill({{0, 0, 0}, {0.004, 0.004, 0.004}},
                  {.radius = silt::uniform(0.1e-3, 0.3e-3), .density = density, .count = 200});
     const Soft::Material m{.solid = {1e8, 0.25, 0.5, 0.4}, .full_radius = 0.3e-3};
-    silt::Simulation sim{spheres, silt::Contacts<Soft>{m}, policy};
+    silt::Simulation sim{spheres, silt::Contacts<Soft>{m}, policy...};
     sim.add_wall(silt::box({0, 0, 0}, {0.004, 0.004, 0.004}), m);
     sim.gravity = {0, 0, -9.81};
     sim.time_step = 1e-6;
@@ -175,9 +174,9 @@ TEST_CASE(
     for (std::size_t k = 0; k < sim.rows(); ++k) height += sim.position(k).z;
     return height;
   };
-  const double lanes = run(silt::Double{});
-  CHECK(run(silt::KernelsFor<silt::OneLane>{}) == doctest::Approx(lanes).epsilon(1e-9));
-  CHECK(run(silt::Mixed{}) == doctest::Approx(lanes).epsilon(1e-5));
+  const double lanes = run();
+  CHECK(run(silt::KernelsFor<silt::OneLane>{}) == near(lanes).epsilon(1e-9));
+  CHECK(run(silt::Mixed{}) == near(lanes).epsilon(1e-5));
 }
 
 TEST_CASE("softened: what is refused") {

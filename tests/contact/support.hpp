@@ -15,13 +15,11 @@
 #include <silt/core/error.hpp>
 #include <silt/core/random.hpp>
 
+#include "near.hpp"
+
 namespace contact_test {
 
 using namespace silt;
-
-inline bool near_relative(double a, double b, double tolerance) {
-  return std::abs(a - b) <= tolerance * std::abs(b);
-}
 
 /// Calls `action`, which must throw an InputError whose sentence contains all of `words`.
 template <class Action>

@@ -2,6 +2,8 @@
 // The same bits in every run and for every number of threads.
 #include <engine/mixed_scene.hpp>
 
+#include "near.hpp"
+
 namespace {
 
 using namespace engine_test;
@@ -62,8 +64,9 @@ TEST_CASE("determinism: a run that is looked at, and one in several pieces, give
 TEST_CASE(
     "several_materials: a sphere leaves a wall with the restitution of the pair of materials") {
   // Spheres of rubber and of resin, side by side, fall on walls of rubber and of resin. The law's
-  // damping gives the restitution exactly; the step, 1/200 of the contact time, leaves 0.1 %: see
-  // tests/physics/impact.cpp.
+  // damping gives the restitution exactly; the step, 1/200 of the contact time, leaves 2 pi
+  // zeta/200 at the most, as the dashpot sets in within a step: 0.8 % where zeta = 0.255, that of
+  // 0.5.
   for (const bool on_resin : {false, true}) {
     silt::Particles<Sphere> p;
     for (const std::size_t material : {0, 1})
@@ -78,8 +81,8 @@ TEST_CASE(
     sim.time_step = 2e-6;
     sim.run(5e-3);
     const double e[2] = {sim.velocity(sim.find(0)).z / 0.5, sim.velocity(sim.find(1)).z / 0.5};
-    CHECK(e[0] == doctest::Approx(on_resin ? 0.6 : 0.7).epsilon(1e-3));
-    CHECK(e[1] == doctest::Approx(on_resin ? 0.5 : 0.6).epsilon(1e-3));
+    CHECK(e[0] == near(on_resin ? 0.6 : 0.7).epsilon(8e-3));
+    CHECK(e[1] == near(on_resin ? 0.5 : 0.6).epsilon(8e-3));
     // Each pair of materials has its own stiffness.
     const auto contacts = sim.contacts();
     CHECK(contacts.coefficients(0, 1).twice_modulus == contacts.coefficients(1, 0).twice_modulus);

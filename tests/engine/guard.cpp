@@ -12,6 +12,8 @@
 #include <engine/support.hpp>
 #include <silt/contact/linear_spring.hpp>
 
+#include "near.hpp"
+
 namespace {
 
 using namespace engine_test;
@@ -50,9 +52,6 @@ double hertz_time(double E_eff, double R_eff, double m_eff, double v) {
   const double kH = 4.0 / 3.0 * E_eff * std::sqrt(R_eff);
   return 2.943275 * std::pow(1.25 * m_eff / kH, 0.4) * std::pow(v, -0.2);
 }
-bool near_relative(double a, double b, double tolerance) {
-  return std::abs(a - b) <= tolerance * std::abs(b);
-}
 constexpr double seven_digits = 1e-6;
 
 }  // namespace
@@ -86,7 +85,7 @@ TEST_CASE("guard: a sphere that presses into a wall too far is named, and so is 
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, rubber);
   const auto error = failure(sim, 1e-2);
   CHECK(error.particles == std::vector<std::uint32_t>{0});
-  CHECK(error.position.x == doctest::Approx(5e-3));
+  CHECK(error.position.x == near(5e-3));
   CHECK(has_words(error.what(), {"particle 0 at (0.005", "overlaps wall 1 by 0.",
                                  "guard.max_overlap = 0.3", "use a stiffer material"}));
 }
@@ -110,7 +109,7 @@ TEST_CASE("guard: velocities that are no numbers stop the run, and the particle 
   sim.engine().particles.motion[sim.find(1)].vy = std::numeric_limits<double>::quiet_NaN();
   const auto error = failure(sim, 1e-3);
   CHECK(error.particles == std::vector<std::uint32_t>{1});
-  CHECK(error.position.x == doctest::Approx(0.1).epsilon(0.1));
+  CHECK(error.position.x == near(0.1).epsilon(0.1));
   CHECK(has_words(error.what(), {silt::text("step ", error.step), "particle 1 is not finite near",
                                  "lower the time step"}));
 }
@@ -313,7 +312,7 @@ TEST_CASE(
   sim.guard.max_time_step = 1e3;
   const auto error = failure(sim, 1e-2);
   CHECK(error.particles == std::vector<std::uint32_t>{0});
-  CHECK(error.position.z == doctest::Approx(0.65e-3).epsilon(1e-6));
+  CHECK(error.position.z == near(0.65e-3).epsilon(1e-6));
   CHECK(has_words(error.what(), {"particle 0 at (0, 0, 0.0006", "overlaps wall 0 by 0.35"}));
 }
 
@@ -345,7 +344,7 @@ TEST_CASE("time_step: a moving wall bounds the scene where it is, not where it w
   drawn.gravity = {0, 0, -9.81};
   drawn.add_wall(silt::Plane{{0, 0, 0.1}, {0, 0, 1}}, rubber);
   drawn.run(0);
-  CHECK(moved.step_length() == doctest::Approx(drawn.step_length()).epsilon(1e-12));
+  CHECK(moved.step_length() == near(drawn.step_length()).epsilon(1e-12));
 }
 
 TEST_CASE("time_step: with gravity and walls aslant alone it is that of a fall by a diameter") {
@@ -414,7 +413,7 @@ TEST_CASE("time_step: a fall onto a plane is the height above it, whatever else 
   sim.run(0);
   auto moving = scene({{{0, 0, 0}, {std::sqrt(2 * 9.81 * 0.2), 0, 0}}});
   moving.run(0);
-  CHECK(sim.step_length() == doctest::Approx(moving.step_length()).epsilon(1e-12));
+  CHECK(sim.step_length() == near(moving.step_length()).epsilon(1e-12));
 }
 
 TEST_CASE("time_step: a step above the limit is refused at the start, with the limit") {

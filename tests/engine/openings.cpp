@@ -7,6 +7,8 @@
 
 #include <silt/contact/linear_spring.hpp>
 
+#include "near.hpp"
+
 namespace {
 
 using namespace engine_test;
@@ -59,7 +61,7 @@ TEST_CASE("outlet: takes away and counts those whose centre enters it, each once
     CHECK((sim.find(id) == sim.rows()) == leaves);
     if (leaves) gone += 1000 * silt::sphere_volume(0.5e-3 * (id + 21) / 40);
   }
-  CHECK(sim.outlet(outlet).mass == doctest::Approx(gone).epsilon(1e-12));  // round-off of five sums
+  CHECK(sim.outlet(outlet).mass == near(gone).epsilon(1e-12));  // round-off of five sums
 }
 
 TEST_CASE("outlet: an empty region is refused") {
@@ -83,7 +85,7 @@ TEST_CASE("inlet: places at its rate, without overlap, and outlets take out as m
     on_time = on_time && placed <= due + 1 && placed >= due - between - 1;
   });
   CHECK(on_time);
-  CHECK(sim.inlet(inlet).interval == doctest::Approx(2e-3 / 2));
+  CHECK(sim.inlet(inlet).interval == near(2e-3 / 2));
   CHECK(sim.inlet(inlet).waiting == 0);
   CHECK(sim.inlet(inlet).why_waiting().empty());
   // All have one velocity: had none been placed into another, none ever touched.
@@ -91,7 +93,7 @@ TEST_CASE("inlet: places at its rate, without overlap, and outlets take out as m
   CHECK(sim.outlet(outlet).count > 300);
   CHECK(sim.size() + sim.outlet(outlet).count == sim.inlet(inlet).placed);
   CHECK(sim.outlet(outlet).mass ==
-        doctest::Approx(mass * static_cast<double>(sim.outlet(outlet).count)).epsilon(1e-9));
+        near(mass * static_cast<double>(sim.outlet(outlet).count)).epsilon(1e-9));
 }
 
 TEST_CASE("inlet: particles start in its region, with its velocity at that very instant") {

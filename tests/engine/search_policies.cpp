@@ -29,7 +29,9 @@ auto held_by_friction(const Search& search) {
   p.add({.position = {0, 0, -1.98e-3}, .radius = 1e-3, .density = 2500, .fixed = true});
   p.add({.position = {0, 0, 1.98e-3}, .radius = 1e-3, .density = 2500, .fixed = true});
   p.add({.position = {0, 0, 0}, .radius = 1e-3, .density = 2500});
-  silt::Simulation sim{std::move(p), silt::Contacts<HertzMindlin>{rubber}, search};
+  silt::Simulation sim{
+      std::move(p), silt::Contacts<HertzMindlin>{rubber}, search,
+      silt::PeriodicBox{{{-8e-3, -8e-3, -1}, {8e-3, 8e-3, 1}}, {true, true, false}}};
   sim.gravity = {0, 9.81, 0};
   sim.time_step = 4e-6;
   sim.threads = 1;

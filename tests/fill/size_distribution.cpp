@@ -11,6 +11,8 @@
 
 #include <silt/fill/size_distribution.hpp>
 
+#include "near.hpp"
+
 using silt::By;
 using silt::Random;
 using silt::SizeDistribution;
@@ -46,7 +48,7 @@ void check_against_density(const SizeDistribution& sizes, double a, double b,
   CHECK(sizes.max() == b);
   const double cube = mean_of([](double r) { return r * r * r; });
   // closed form against quadrature: both to rounding, which the moments amplify by up to 1e3
-  CHECK(sizes.mean_volume() == doctest::Approx(4.0 / 3 * std::acos(-1.0) * cube).epsilon(1e-10));
+  CHECK(sizes.mean_volume() == near(4.0 / 3 * std::acos(-1.0) * cube).epsilon(1e-10));
 
   const int n = 100000;
   const auto radii = draw(sizes, n);
@@ -83,15 +85,14 @@ std::string refusal(const std::function<void()>& action) {
 TEST_CASE("size_distribution: a single number is one size") {
   const SizeDistribution sizes = 1.5e-3;
   for (const double r : draw(sizes, 100)) CHECK(r == 1.5e-3);
-  CHECK(sizes.mean_volume() == doctest::Approx(silt::sphere_volume(1.5e-3)).epsilon(1e-15));
+  CHECK(sizes.mean_volume() == near(silt::sphere_volume(1.5e-3)).epsilon(1e-15));
   CHECK(sizes.min() == 1.5e-3);
   CHECK(sizes.max() == 1.5e-3);
 }
 
 TEST_CASE("size_distribution: uniform has the moments and quantiles of the uniform law") {
   check_against_density(silt::uniform(1e-3, 3e-3), 1e-3, 3e-3, [](double) { return 1.0; });
-  CHECK(silt::uniform(2e-3, 2e-3).mean_volume() ==
-        doctest::Approx(silt::sphere_volume(2e-3)).epsilon(1e-15));
+  CHECK(silt::uniform(2e-3, 2e-3).mean_volume() == near(silt::sphere_volume(2e-3)).epsilon(1e-15));
 }
 
 TEST_CASE("size_distribution: normal has the moments and quantiles of the truncated law") {
@@ -124,7 +125,7 @@ TEST_CASE("size_distribution: a table by number gives the stated numbers") {
   CHECK(sizes.min() == 1e-3);
   CHECK(sizes.max() == 3e-3);
   const double cube = 0.2 * 27e-9 + 0.5 * 1e-9 + 0.3 * 8e-9;
-  CHECK(sizes.mean_volume() == doctest::Approx(4.0 / 3 * std::acos(-1.0) * cube).epsilon(1e-14));
+  CHECK(sizes.mean_volume() == near(4.0 / 3 * std::acos(-1.0) * cube).epsilon(1e-14));
   const int n = 100000;
   std::map<double, double> found;
   for (const double r : draw(sizes, n)) found[r] += 1.0 / n;
@@ -137,7 +138,7 @@ TEST_CASE("size_distribution: a table by mass gives the stated masses") {
   const auto sizes = silt::table({{1e-3, 0.25}, {2e-3, 0.25}, {4e-3, 0.5}}, By::Mass);
   // numbers are as 0.25 / 1 : 0.25 / 8 : 0.5 / 64
   const double all = 0.25 + 0.25 / 8 + 0.5 / 64;
-  CHECK(sizes.mean_volume() == doctest::Approx(silt::sphere_volume(1e-3) / all).epsilon(1e-14));
+  CHECK(sizes.mean_volume() == near(silt::sphere_volume(1e-3) / all).epsilon(1e-14));
   const int n = 400000;
   std::map<double, double> mass;
   double total = 0;

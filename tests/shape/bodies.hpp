@@ -53,6 +53,19 @@ inline Polyhedron box(const Vec3d& extent) {
   return Polyhedron::from_points(box_corners(-0.5 * extent, 0.5 * extent));
 }
 
+/// Whether two numbers agree to a part of the second.
+inline bool agree(double value, double exact, double part) {
+  return std::abs(value - exact) <= part * std::abs(exact);
+}
+
+/// The inertia in the frame the body was given in.
+inline silt::Symmetric3 inertia_of(const silt::MassProperties& m) {
+  const auto axes = rotation_matrix(m.axes);
+  silt::Symmetric3 out = m.inertia.x * outer(axes.x);
+  out += m.inertia.y * outer(axes.y), out += m.inertia.z * outer(axes.z);
+  return out;
+}
+
 /// Calls `action`, which must throw silt::InputError with a sentence that contains `words`.
 template <class Action>
 void refuses(Action&& action, const std::string& words) {

@@ -140,7 +140,7 @@ TEST_CASE("gjk: ellipsoid and sphere, capsules, triangle: closed forms and optim
     AxisMemory memory;
     const double radius = 3;
     const auto contact = margin_contact(e, 0, PointSet{p}, radius, memory);
-    CHECK(contact.overlap == doctest::Approx(std::max(radius - found.distance, 0.0)).epsilon(1e-9));
+    CHECK(agree(contact.overlap, std::max(radius - found.distance, 0.0), 1e-9));
   }
   for (int k = 0; k < 2000; ++k) {
     const SegmentSet s{random.in_cube(1), random.in_cube(1)},
@@ -159,7 +159,7 @@ TEST_CASE("gjk: ellipsoid and sphere, capsules, triangle: closed forms and optim
         }
       u0 = u1, v0 = v1;
     }
-    CHECK(found.distance == doctest::Approx(best).epsilon(1e-6));
+    CHECK(agree(found.distance, best, 1e-6));
     CHECK(found.distance <= best + 1e-12);
   }
   const silt::TriangleSet floor{{Vec3d{-5, -5, 0}, {5, -5, 0}, {0, 5, 0}}};
@@ -167,7 +167,7 @@ TEST_CASE("gjk: ellipsoid and sphere, capsules, triangle: closed forms and optim
   for (int k = 0; k < 200; ++k) {  // a mesh wall: the lowest corner
     auto body = place(cube, {0, 0, 2}, random.turn());
     const auto found = gjk_distance(body, floor, Vec3d{0, 0, 0});
-    CHECK(found.distance == doctest::Approx(body.support({0, 0, -1}).z).epsilon(1e-12));
+    CHECK(agree(found.distance, body.support({0, 0, -1}).z, 1e-12));
     CHECK(norm(found.normal - Vec3d{0, 0, 1}) <= 1e-9);
   }
 }
@@ -195,7 +195,7 @@ TEST_CASE("gjk: a warm start and a reach that is passed take one support each") 
   const auto cube = box({1, 1, 1});
   const auto i = place(cube, {0, 0, 1.5}, {}), j = place(cube, {0, 0, 0}, {});
   const auto cold = gjk_distance(i, j, Vec3d{1, 0.2, 0.1});
-  CHECK(cold.distance == doctest::Approx(0.5).epsilon(1e-14));
+  CHECK(agree(cold.distance, 0.5, 1e-14));
   CHECK(gjk_distance(i, j, cold.normal).iterations <= cold.iterations);
   const auto passed = gjk_distance(i, j, cold.normal, 0.4);
   CHECK(passed.beyond_reach);
@@ -203,9 +203,9 @@ TEST_CASE("gjk: a warm start and a reach that is passed take one support each") 
   AxisMemory memory;
   CHECK(margin_contact(i, 0.2, j, 0.2, memory).overlap == 0);
   const auto touch = margin_contact(i, 0.3, j, 0.25, memory);
-  CHECK(touch.overlap == doctest::Approx(0.05).epsilon(1e-12));
-  CHECK(touch.normal.z == doctest::Approx(1));
-  CHECK(touch.point.z == doctest::Approx(0.5 + 0.5 * (0.5 + 0.25 - 0.3)).epsilon(1e-12));
+  CHECK(agree(touch.overlap, 0.05, 1e-12));
+  CHECK(agree(touch.normal.z, 1, 1e-12));
+  CHECK(agree(touch.point.z, 0.5 + 0.5 * (0.5 + 0.25 - 0.3), 1e-12));
 }
 
 TEST_CASE("margin_contact: overlap passes the margin into the core without a jump") {
@@ -243,15 +243,14 @@ TEST_CASE("sphere_contact: what GJK finds from outside, the nearest face from in
     const auto gjk = gjk_distance(PointSet{centre}, placed, Vec3d{0, 0, 0});
     if (gjk.overlapping) {
       CHECK(found.buried);
-      CHECK(found.overlap - radius ==
-            doctest::Approx(penetration(PointSet{centre}, placed, gjk).depth).epsilon(1e-9));
+      CHECK(agree(found.overlap - radius, penetration(PointSet{centre}, placed, gjk).depth, 1e-9));
     } else {
-      CHECK(found.overlap == doctest::Approx(std::max(radius - gjk.distance, 0.0)).epsilon(1e-9));
+      CHECK(agree(found.overlap, std::max(radius - gjk.distance, 0.0), 1e-9));
       if (found.overlap > 0) CHECK(norm(found.normal - gjk.normal) <= 1e-4);
     }
     if (found.overlap > 0) {  // the point lies midway
       const double to_centre = dot(centre - found.point, found.normal);
-      CHECK(to_centre == doctest::Approx(radius - 0.5 * found.overlap).epsilon(1e-12));
+      CHECK(agree(to_centre, radius - 0.5 * found.overlap, 1e-12));
     }
   }
 }

@@ -30,7 +30,7 @@ inline std::array<Vec3d, 2> across(const Vec3d& n) {
 }
 
 /// The part of a plane inside the box `seen`.
-inline Outline outline(const Plane& plane, const Box& seen) {
+[[gnu::cold]] inline Outline outline(const Plane& plane, const Box& seen) {
   const Vec3d e = seen.extent();
   const Box box = seen.grown(1e-6 * norm(e));
   const Vec3d n = normalised(plane.normal);
@@ -62,7 +62,8 @@ inline Outline outline(const Plane& plane, const Box& seen) {
 }
 
 /// The lateral surface between two circles.
-inline Outline lateral_outline(const Vec3d& from, const Vec3d& to, double r_from, double r_to) {
+[[gnu::cold]] inline Outline lateral_outline(const Vec3d& from, const Vec3d& to, double r_from,
+                                             double r_to) {
   constexpr std::uint32_t segments = 64;
   const auto [u, v] = across(normalised(to - from));
   Outline out;
@@ -77,14 +78,14 @@ inline Outline lateral_outline(const Vec3d& from, const Vec3d& to, double r_from
   }
   return out;
 }
-inline Outline outline(const Cylinder& c, const Box&) {
+[[gnu::cold]] inline Outline outline(const Cylinder& c, const Box&) {
   return lateral_outline(c.from, c.to, c.radius, c.radius);
 }
-inline Outline outline(const Cone& c, const Box&) {
+[[gnu::cold]] inline Outline outline(const Cone& c, const Box&) {
   return lateral_outline(c.from, c.to, c.radius_from, c.radius_to);
 }
 
-inline Outline outline(const TriangleMesh& mesh, const Box&) {
+[[gnu::cold]] inline Outline outline(const TriangleMesh& mesh, const Box&) {
   Outline out{mesh.vertices(), {}};
   for (const auto& t : mesh.triangles()) out.triangles.push_back({t[0], t[1], t[2]});
   return out;

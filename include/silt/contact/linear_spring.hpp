@@ -24,6 +24,7 @@ namespace silt::inline SILT_TARGET {
 /// Tests:  tests/contact/linear_spring.cpp, tests/physics/impact.cpp.
 template <DampingEnd End = DampingEnd::ZeroForce>
 struct BasicLinearSpring {
+  static constexpr double energy_exponent = 2;  // of the overlap
   struct Material {
     double stiffness;          // [N/m] k_n against itself, > 0
     double restitution = 1.0;  // [-] in (0, 1], against itself
@@ -71,6 +72,7 @@ struct BasicLinearSpring {
 /// As BasicLinearSpring, with a tangential spring and Coulomb friction.
 template <DampingEnd End = DampingEnd::ZeroForce>
 struct BasicLinearSpringFriction {
+  static constexpr double energy_exponent = 2;  // of the overlap
   using Normal = BasicLinearSpring<End>;
   struct Material {
     double stiffness;                // [N/m] k_n against itself, > 0

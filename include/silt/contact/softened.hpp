@@ -38,7 +38,8 @@ namespace silt::inline SILT_TARGET {
 ///         present one gives 0.87 for 0.9, as the spring has taken its part by then.
 /// Valid:  scenes driven by drag, gravity or walls rather than by elastic waves.
 /// Units:  SI. Shapes: Real = double or batch, lane = pair. History: the body's and 1 Real [m/s].
-/// Errors: InputError naming field, value, unit and allowed range.
+/// Errors: InputError naming field, value, unit and allowed range. Does not compile with Gear: (3)
+///         acts in one step, and Gear makes more of it.
 /// Tests:  tests/contact/softened.cpp.
 template <class Body, Softening Rule = Softening::ContactTime>
 struct Softened {

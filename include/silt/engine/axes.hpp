@@ -8,6 +8,7 @@
 #include <silt/coupling/no_fluid.hpp>
 #include <silt/fill/particles.hpp>
 #include <silt/motion/concept.hpp>
+#include <silt/motion/rotation.hpp>
 #include <silt/search/concept.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -62,10 +63,13 @@ template <class P>
 struct IsIntegrator : std::bool_constant<Integrator<P>> {};
 
 template <class P>
+struct IsRotation : std::bool_constant<RotationIntegrator<P>> {};
+
+template <class P>
 inline constexpr bool belongs_to_an_axis =
     IsParticles<P>::value || IsContacts<P>::value || IsSearch<P>::value || IsDomain<P>::value ||
     IsFluid<P>::value || IsKernels<P>::value || IsPrecision<P>::value || IsLedger<P>::value ||
-    IsIntegrator<P>::value;
+    IsIntegrator<P>::value || IsRotation<P>::value;
 
 template <template <class> class Is, class... Policies>
 inline constexpr int count = (0 + ... + int{Is<Policies>::value});

@@ -76,6 +76,16 @@ inline constexpr bool keeps_ledger = requires {
   requires ContactsType::keeps_ledger;
 };
 
+/// A Contacts type whose contacts give a share of their force.
+template <class ContactsType>
+struct WithShares : ContactsType {
+  static constexpr bool shares_contacts = true;
+};
+template <class ContactsType>
+inline constexpr bool shares_contacts = requires {
+  requires ContactsType::shares_contacts;
+};
+
 /// Stands for the energy where there is no ledger.
 struct NoEnergy {
   template <class Other>

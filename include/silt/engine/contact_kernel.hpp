@@ -214,12 +214,14 @@ struct ContactKernel {
   }
 
   /// `history`: one pointer a component, at this pack; lanes out of contact are set to zero.
-  /// `with_stored`: the ledger wants to know what is stored now.
+  /// `with_stored`: the ledger wants to know what is stored now. `share` [-] of its force that the
+  /// contact gives (SharedContacts).
   static SILT_INLINE PairLoad<Real> load(
       const Kinematics<Real>& k, const RollingKinematics<Real>& r, const Radii<Real>& radii,
       const Real& time_step, const Real& lag, [[maybe_unused]] bool with_stored,
       const LawCoefficients& law, [[maybe_unused]] const RollingCoefficients& rolling,
-      ScalarOf<Real>* const* history, [[maybe_unused]] RunningTally<ContactsType, Real>& tally) {
+      ScalarOf<Real>* const* history, [[maybe_unused]] RunningTally<ContactsType, Real>& tally,
+      [[maybe_unused]] const Real& share) {
     const Contact<Real> c = contact(k, radii, time_step, lag);
     const auto touching = acting(k, law);
     const Real zero(0);
@@ -232,7 +234,8 @@ struct ContactKernel {
     typename HistoryOf<Law, Real>::type h;
     load_history<ContactsType::law_history>(h, history);
     [[maybe_unused]] const auto before = h;
-    const auto answer = law_force<Law, Real>(c, law, h);
+    auto answer = law_force<Law, Real>(c, law, h);
+    if constexpr (shares_contacts<ContactsType>) answer = shared(answer, share);
     if constexpr (has_safeguard<Law>)
       tally.sum.safeguards += static_cast<std::uint64_t>(
           std::popcount(lane_bits(touching) & lane_bits(Law::safeguarded(before, h))));
@@ -254,7 +257,9 @@ struct ContactKernel {
       Vec3<Real> tangential{zero, zero, zero};
       if constexpr (is_frictional<Law>)
         tangential = select(touching, answer.tangential, tangential);
-      books.add(c, law, h, touching, normal_force, tangential, with_stored, tally.lanes);
+      books.add(c, law, h, touching, normal_force, tangential, with_stored, share, tally.lanes);
+      if constexpr (has_safeguard<Law>)
+        tally.lanes.dashpot -= ended_by_safeguard(c, law, before, h, touching);
     }
     if constexpr (ContactsType::has_rolling) {
       [[maybe_unused]] constexpr std::size_t offset = ContactsType::law_history;
@@ -273,14 +278,14 @@ struct ContactKernel {
       const Vec3<Real> none{zero, zero, zero};
       if constexpr (of_own_rotation<Rolling>) {
         // Couples that are not opposite, as what is (couple) and what turns both alike (twirl).
-        const Real share = Real(1) / (radii.i + radii.j);
-        const OwnRotations<Real> own{share * (k.spin + radii.j * r.angular_velocity),
-                                     share * (k.spin - radii.i * r.angular_velocity), radii.i,
+        const Real per_arm = Real(1) / (radii.i + radii.j);
+        const OwnRotations<Real> own{per_arm * (k.spin + radii.j * r.angular_velocity),
+                                     per_arm * (k.spin - radii.i * r.angular_velocity), radii.i,
                                      radii.j};
         const OwnCouples<Real> t = Rolling::torque(rc, own, rolling);
-        const Vec3<Real> twirl = select(touching, share * (t.on_i + t.on_j), none);
+        const Vec3<Real> twirl = select(touching, per_arm * (t.on_i + t.on_j), none);
         out.twirl += twirl;
-        out.couple = select(touching, share * (radii.j * t.on_i - radii.i * t.on_j), none);
+        out.couple = select(touching, per_arm * (radii.j * t.on_i - radii.i * t.on_j), none);
         if constexpr (keeps_ledger<ContactsType>)  // to first order in the step
           tally.lanes.couple +=
               known(Real(2) * (dot(out.couple, r.angular_velocity) + dot(twirl, k.spin)));
@@ -345,14 +350,14 @@ struct ContactKernel {
     template <class H, class M>
     SILT_INLINE void add(const Contact<Real>& c, const LawCoefficients& law, const H& now,
                          const M& touching, const Real& normal, const Vec3<Real>& tangential,
-                         bool with_stored, Energy& energy) const {
+                         bool with_stored, [[maybe_unused]] const Real& share,
+                         Energy& energy) const {
       const Real zero(0);
-      const Stored<Real> stored = stored_by<Law, Real>(c, law, now);
-      if (with_stored) {
-        energy.normal += select(touching, stored.normal, zero);
-        if constexpr (is_frictional<Law>)
-          energy.tangential += select(touching, stored.tangential, zero);
-      }
+      Stored<Real> stored = stored_by<Law, Real>(c, law, now);
+      if constexpr (shares_contacts<ContactsType>)
+        stored = {share * stored.force, share * stored.normal, share * stored.spring,
+                  share * stored.tangential};
+      if (with_stored) energy.normal += select(touching, stored.normal, zero);
       const Real dashpot = select(touching, normal - stored.force, zero);
       energy.dashpot += dashpot * velocity;
       energy.turned_over += abs(normal * velocity);
@@ -360,7 +365,15 @@ struct ContactKernel {
       if constexpr (is_frictional<Law>) {
         const Vec3<Real> damping = tangential - select(touching, stored.spring, {zero, zero, zero});
         const Real friction = friction_of(law), limit = friction * pressing(c, law, normal);
-        const auto sticks = dot(tangential, tangential) < Real(0.999999) * limit * limit;
+        const Real force2 = dot(tangential, tangential);
+        const auto sticks = force2 < Real(0.999999) * limit * limit;
+        if (with_stored) {
+          // While it slides, laws set the spring so that spring and dashpot make the limit: no more
+          // of it is held than bears the force.
+          const Real spring2 = max(dot(stored.spring, stored.spring), smallest<Real>());
+          const Real held = stored.tangential * min(force2 / spring2, Real(1));
+          energy.tangential += select(touching, select(sticks, stored.tangential, held), zero);
+        }
         energy.shear += dot(tangential, slip);
         energy.shear_dashpot += select(sticks, dot(damping, slip), zero);  // else it slides
         silt::store(kept[1], tangential.x), silt::store(kept[2], tangential.y),
@@ -368,6 +381,23 @@ struct ContactKernel {
       }
     }
   };
+  /// The energy of the spring that a safeguard has put an end to in this step, as the books sum
+  /// [W]: that of the last step, less the half of its work that the mean force leaves out.
+  template <class H, class M>
+  static SILT_INLINE Real ended_by_safeguard(const Contact<Real>& c, const LawCoefficients& law,
+                                             const H& before, const H& now, const M& touching) {
+    const Real zero(0);
+    const Stored<Real> spring = stored_by<Law, Real>(c, law, before);
+    const Real ended = Real(2) * spring.normal / c.time_step + spring.force * c.normal_velocity;
+    return select(touching, select(Law::safeguarded(before, now), ended, zero), zero);
+  }
+  template <class Answer>
+  static SILT_INLINE Answer shared(const Answer& answer, const Real& share) {
+    if constexpr (is_frictional<Law>)
+      return {share * answer.normal, share * answer.tangential};
+    else
+      return share * answer;
+  }
   /// The sum of a force and that of the last step; keeps it for the next.
   static SILT_INLINE Vec3<Real> with_kept(const Vec3<Real>& force, ScalarOf<Real>* const* kept) {
     const Vec3<Real> last = silt::load3<Real>(kept[0], kept[1], kept[2]);

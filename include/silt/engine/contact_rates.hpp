@@ -109,12 +109,13 @@ struct NormalSum {
   }
 };
 
-/// The sums (1) of all spheres.
+/// The sums (1) of all particles. Of bodies, K bounds translation and rotation together: a contact
+/// whose normal passes the centre of mass at a lever r x n adds k (r x n) I^-1 (r x n).
 template <class EngineType, class Domain>
 class ContactRates {
  public:
   ContactRates(const EngineType& e, const Domain& domain, double back, double time_step)
-      : e_(e), back_(back), time_step_(time_step), sums_(e.particles.size()) {
+      : e_(e), back_(back), time_step_(time_step), sums_(e.rows_of_particles()) {
     e.lists.pairs.for_each([&](std::size_t k) {
       add_pair(e.lists.pairs.first()[k], e.lists.pairs.second()[k], domain);
     });
@@ -122,7 +123,7 @@ class ContactRates {
       const double r = e_.particles.position[c.particle].r, depth = r - point.distance;
       const double inv_m = e_.particles.motion[c.particle].inv_m;
       if (inv_m > 0 && depth > 0)
-        add(c.particle, inv_m, 0, point.normal,
+        add(c.particle, inv_m, 0, point.normal, e_.turning(c.particle, point.normal), 0,
             linear(c.particle, e_.walls[c.wall].material, point.normal, depth, {r, 0}, inv_m,
                    inv_m / (1.4 * r * r)));
     });
@@ -135,19 +136,21 @@ class ContactRates {
     for (std::size_t k = 0; k < sums_.size(); ++k)
       if (const double r = rate(k); r > most) most = r, worst = k;
     if (most <= limit) return;
-    const Vec3d where = place_before(e_, worst, back_);
+    const std::size_t row = sums_[worst].row;
+    const Vec3d where = place_before(e_, row, back_);
     throw SimulationError(
-        text("step ", step, ", t = ", time, " s: the contacts of particle ", e_.particles.id[worst],
+        text("step ", step, ", t = ", time, " s: the contacts of particle ", e_.id_of(row),
              " near ", where, " m are too stiff or too strongly damped for the time step ",
              time_step_, " s: rate ", most, ", above guard.max_rate = ", limit,
              "; set Simulation::time_step to less than ", below(time_step_ * limit / most),
              " s, or soften the material"),
-        step, {e_.particles.id[worst]}, where);
+        step, {e_.id_of(row)}, where);
   }
   double rate(std::size_t k) const {
     const Sums& s = sums_[k];
-    return time_step_ * std::max(std::sqrt(s.k.bound()) + s.c.bound() / 2,
-                                 std::sqrt(s.rolling.k) + s.rolling.c / 2);
+    return time_step_ *
+           std::max(std::sqrt(s.k.bound() + s.turning.k) + (s.c.bound() + s.turning.c) / 2,
+                    std::sqrt(s.rolling.k) + s.rolling.c / 2);
   }
 
  private:
@@ -156,7 +159,9 @@ class ContactRates {
   static constexpr bool rolls = EngineType::Contacts::has_rolling && !of_own_rotation<Rolling>;
   struct Sums {
     NormalSum k, c;
+    LinearContact turning{0, 0};  // of bodies, over the inertia
     LinearContact rolling{0, 0};  // over the inertia
+    std::uint32_t row = 0;        // one of the particle's
   };
   struct Pair {
     LinearContact normal, rolling;
@@ -175,7 +180,9 @@ class ContactRates {
     const auto contact =
         linear(i, other, n, depth, {r, q}, a + b, (a / (r * r) + b / (q * q)) / 1.4);
     const double both = std::sqrt(a * b);
-    add(i, a, both, n, contact), add(j, b, both, n, contact);
+    const double turn_i = e_.turning(i, n), turn_j = e_.turning(j, n);
+    const double turn_both = std::sqrt((a + turn_i) * (b + turn_j)) - both;
+    add(i, a, both, n, turn_i, turn_both, contact), add(j, b, both, n, turn_j, turn_both, contact);
   }
   /// `radii` [m], the second 0 of a wall.
   Pair linear(std::size_t i, std::size_t other, const Vec3d& n, double depth,
@@ -196,12 +203,17 @@ class ContactRates {
                                                      table.law[kind], table.rolling[kind]);
     return out;
   }
-  void add(std::size_t i, double inv_m, double both, const Vec3d& n, const Pair& pair) {
+  void add(std::size_t i, double inv_m, double both, const Vec3d& n, double turn, double turn_both,
+           const Pair& pair) {
     const double r = e_.particles.position[i].r, w = inv_m + both;
-    sums_[i].k.add(pair.normal.k * w, n), sums_[i].c.add(pair.normal.c * w, n);
+    Sums& s = sums_[e_.owner(i)];
+    s.row = static_cast<std::uint32_t>(i);
+    s.k.add(pair.normal.k * w, n), s.c.add(pair.normal.c * w, n);
+    s.turning.k += pair.normal.k * (turn + turn_both);
+    s.turning.c += pair.normal.c * (turn + turn_both);
     // Both spheres of a pair bear the couple: as in (1), with the inertia for the mass.
-    sums_[i].rolling.k += pair.rolling.k * w / (0.4 * r * r);
-    sums_[i].rolling.c += pair.rolling.c * w / (0.4 * r * r);
+    s.rolling.k += pair.rolling.k * w / (0.4 * r * r);
+    s.rolling.c += pair.rolling.c * w / (0.4 * r * r);
   }
 
   const EngineType& e_;

@@ -10,20 +10,33 @@
 #include <optional>
 #include <vector>
 
+#include <silt/engine/body_motion.hpp>
 #include <silt/engine/near_lists.hpp>
 #include <silt/engine/pair_pipeline.hpp>
 #include <silt/engine/particle_state.hpp>
 #include <silt/engine/precision.hpp>
+#include <silt/engine/sphere_motion.hpp>
 #include <silt/engine/wall_pipeline.hpp>
-#include <silt/motion/gear.hpp>
-#include <silt/motion/leapfrog.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
+
+template <bool HasBodies>
+struct MoverOf {
+  template <class ShapeType, class Contacts, class State, class Scalar, class Arch,
+            class Integrator, class>
+  using type = SphereMotion<ShapeType, Contacts, State, Scalar, Arch, Integrator>;
+};
+template <>
+struct MoverOf<true> {
+  template <class ShapeType, class Contacts, class State, class Scalar, class, class Integrator,
+            class Rotation>
+  using type = BodyMotion<ShapeType, Contacts, State, Scalar, Integrator, Rotation>;
+};
 
 /// The state of a simulation and the stages of its step, each a plain function of state. Knows the
 /// policies, but neither observers nor files nor the order of the stages: that is Simulation's.
 template <class ShapeType, class ContactsType, class Search, class Domain, class Arch,
-          class Precision, class Integrator = Leapfrog>
+          class Precision, class Integrator = Leapfrog, class Rotation = NoSquish>
 class Engine {
  public:
   using Contacts = ContactsType;
@@ -32,25 +45,25 @@ class Engine {
   static constexpr std::size_t history = ContactsType::history;  // Reals of a contact
   using Scalar = typename Precision::PairScalar;                 // of the work on pairs
   static constexpr bool predicts = Integrator::derivatives > 0;
-  using State =
-      ParticleState<rotates, ContactsType::several_materials, Scalar, Integrator::derivatives>;
+  static constexpr bool has_bodies = BodyShape<ShapeType>;  // rows are parts of them
+  using State = ParticleState<rotates, ContactsType::several_materials, Scalar,
+                              Integrator::derivatives, has_bodies>;
   using Motion = typename State::Motion;
   using Lists = NearLists<ContactsType::history, Scalar, State, Search, Domain, Arch>;
 
-  /// State of one particle at a whole step [m/s].
-  struct Synchronous {
-    Vec3d velocity, spin_velocity;
-  };
+  using Mover = typename MoverOf<has_bodies>::template type<ShapeType, ContactsType, State, Scalar,
+                                                            Arch, Integrator, Rotation>;
 
   State particles;
   std::vector<Wall> walls;
   Lists lists;
-  std::vector<Synchronous> synchronous;  // of the last observed step
+  Mover mover;
   CoefficientTable<ContactsType> coefficients;
   double largest_speed = 0;      // [m/s]
   double largest_share = 0;      // [1/s] largest speed over inner reach
   double largest_overlap = 0;    // [-] over the smaller radius, in the last step
   bool finite = true;            // all velocities, after the last kick
+  bool share_contacts = true;    // of bodies: SharedContacts
   std::uint64_t safeguards = 0;  // [-] in which a law's safeguard has acted, since the start
   EnergyOf<ContactsType, double> contact_energy = start_energy<ContactsType, double>();
 
@@ -76,6 +89,9 @@ class Engine {
                  largest_range(coefficients, particles.largest_radius)},
                 search, step);
     if (!lists.take_renewed()) return;
+    if constexpr (has_bodies)
+      if (lists.upkeep.searched_at == step) follow_bodies(domain);
+    if constexpr (has_bodies) shared_.renew(lists.pairs, particles, mover.bodies.size());
     make_kinds();
     sums_.resize(particles.size() * 4 * chunks, 0);  // all zero between the steps
     particles.renew_pair_motion(*team_);
@@ -86,20 +102,20 @@ class Engine {
   void pair_forces(const Domain& domain, const StepTimes& times) {
     using Pipeline = PairPipeline<ContactsType, Domain, Arch, Scalar>;
     const bool large = Pipeline::working_set(particles.size(), lists.pairs.size()) > beyond_caches;
-    const auto tally =
-        Pipeline::run({particles.position.data(), particles.pair_motion(), kinds_.data(),
-                       particles.largest_radius, particles.smallest_radius, times, large},
-                      lists.pairs, coefficients, domain, sums_.data(), *team_);
+    const auto tally = Pipeline::run(
+        {particles.position.data(), particles.pair_motion(), kinds_.data(),
+         particles.largest_radius, particles.smallest_radius, times, large, share_pairs(domain)},
+        lists.pairs, coefficients, domain, sums_.data(), *team_);
     largest_overlap = tally.largest, contact_energy = tally.energy;
     safeguards += tally.safeguards;
   }
 
   void wall_forces(const StepTimes& times) {
     if (walls.empty()) return;
-    const auto tally =
-        wall_pipeline_.run({particles.position.data(), particles.motion.data(),
-                            particles.pair_motion(), particles.material.data(), times},
-                           lists.walls, coefficients, walls, sums_.data(), *team_);
+    const auto tally = wall_pipeline_.run(
+        {particles.position.data(), particles.motion.data(), particles.pair_motion(),
+         particles.material.data(), times, parts(), share_walls()},
+        lists.walls, coefficients, walls, sums_.data(), *team_);
     largest_overlap = std::max(largest_overlap, tally.largest);
     contact_energy.add(tally.energy);
     safeguards += tally.safeguards;
@@ -148,61 +164,67 @@ class Engine {
 
   // --- integration --------------------------------------------------------------------------
 
-  enum class Advance { KickAndDrift, KickAndRecord };
+  using Advance = detail::Advance;
 
-  /// Sums the rows of each particle, kicks for `kick_time` [s] and drifts for `time_step` [s]; or
-  /// stops between kick and drift and records the state at the whole step (kick_time: since then).
+  /// Kicks the particles for `kick_time` [s] by their loads, and lets them drift for `time_step`
+  /// [s]; or stops between kick and drift and records the state at the whole step (kick_time: since
+  /// then).
   void integrate(Advance how, const Vec3d& gravity, double kick_time, double time_step,
                  bool first_kick) {
-    if (how == Advance::KickAndRecord) synchronous.resize(particles.size());
-    const Kick kick{gravity, kick_time, time_step, first_kick};
-    std::array<double, Team::most_ranges> fastest{}, check{}, share{};
-    team_->for_ranges(particles.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
-      const auto speeds = how == Advance::KickAndRecord
-                              ? kick_all<Advance::KickAndRecord>(from, to, kick)
-                              : kick_all<Advance::KickAndDrift>(from, to, kick);
-      fastest[r] = speeds.largest2, check[r] = speeds.sum2, share[r] = speeds.share2;
-    });
-    largest_share = std::sqrt(*std::max_element(share.begin(), share.end()));
-    largest_speed = std::sqrt(*std::max_element(fastest.begin(), fastest.end()));
-    finite = std::isfinite(std::accumulate(check.begin(), check.end(), 0.0));
+    const auto pace =
+        mover.integrate({particles, sums_.data(), lists.upkeep.per_inner2.data(), *team_}, how,
+                        {gravity, kick_time, time_step, first_kick});
+    largest_speed = pace.largest_speed, largest_share = pace.largest_share, finite = pace.finite;
     if (how == Advance::KickAndDrift) lists.upkeep.used += largest_share * time_step;
   }
-
   /// After an observed state: the step will be `ratio` times as long.
   void change_step(double ratio) {
-    for (std::size_t k = 0; predicts && k < particles.size(); ++k) {
-      auto& rows = particles.derivatives[k].row;
-      for (std::size_t d = 0; d < State::derivative_rows; ++d) {
-        const double order = static_cast<double>(d < Integrator::derivatives ? d + 2 : d - 3);
-        for (double& q : rows[d]) q *= std::pow(ratio, order);
-      }
-    }
-    // Velocities of half a step later.
-    if constexpr (!predicts && Integrator::first_kick == 0.5)
-      for (std::size_t k = 0; k < particles.size(); ++k) {
-        Motion& m = particles.motion[k];
-        const Synchronous& now = synchronous[k];
-        const Vec3d v = now.velocity + ratio * (m.velocity() - now.velocity);
-        m.vx = v.x, m.vy = v.y, m.vz = v.z;
-        if constexpr (rotates) {
-          const Vec3d w = now.spin_velocity + ratio * (m.spin_velocity() - now.spin_velocity);
-          m.wx = w.x, m.wy = w.y, m.wz = w.z;
-        }
-      }
+    mover.change_step(particles, ratio);
     particles.renew_pair_motion(*team_);
   }
-
+  /// Completes a step that was observed.
   void drift(double time_step) {
-    const Row time = Row::of(time_step, time_step, time_step, 0);
-    team_->for_ranges(particles.size(), [&](std::size_t, std::size_t from, std::size_t to) {
-      if constexpr (predicts) return predict_all(from, to, time_step);
-      for (std::size_t k = from; k < to; ++k)
-        Leapfrog::drift(Row::load(&particles.position[k].x), Row::load(&particles.motion[k].vx),
-                        time)
-            .store(&particles.position[k].x);
-    });
+    largest_share = mover.drift({particles, sums_.data(), lists.upkeep.per_inner2.data(), *team_},
+                                time_step, largest_share);
     lists.upkeep.used += largest_share * time_step;
+  }
+
+  /// The number of the particle that a row is, or belongs to.
+  std::uint32_t id_of(std::size_t row) const {
+    if constexpr (has_bodies)
+      return mover.bodies[particles.part[row].body].id;
+    else
+      return particles.id[row];
+  }
+  /// Particles: bodies, or rows.
+  std::size_t rows_of_particles() const {
+    if constexpr (has_bodies)
+      return mover.bodies.size();
+    else
+      return particles.size();
+  }
+  /// The place of the particle that a row is, or belongs to.
+  std::size_t owner(std::size_t row) const {
+    if constexpr (has_bodies)
+      return particles.part[row].body;
+    else
+      return row;
+  }
+  /// What rotation adds to the inverse mass [1/kg] against a push along n at the surface of a row.
+  double turning([[maybe_unused]] std::size_t row, [[maybe_unused]] const Vec3d& n) const {
+    if constexpr (has_bodies)
+      return mover.turning(particles.part[row], n);
+    else
+      return 0;
+  }
+  /// Takes the particle at place k (a body, or a row) out of all contacts at once.
+  void park(std::size_t k) {
+    if constexpr (has_bodies) {
+      for (const std::uint32_t row : mover.rows_of(mover.bodies[k])) particles.park(row);
+      mover.bodies[k].id = no_particle;
+    } else {
+      particles.park(k);
+    }
   }
 
   /// Completes a restored state.
@@ -227,12 +249,52 @@ class Engine {
   }
 
  private:
-  using Row = Row4<Arch>;
-  static constexpr bool single = std::is_same_v<Scalar, float>;
+  /// After a search has sorted the parts and wrapped them into a periodic box.
+  void follow_bodies([[maybe_unused]] const Domain& domain) {
+    if constexpr (has_bodies) {
+      mover.follow(particles);
+      if constexpr (Domain::periodic)
+        for (Body& b : mover.bodies) {
+          const Vec3d shift = domain.wrapped(b.centre) - b.centre;
+          b.centre += shift;
+          for (const std::uint32_t row : mover.rows_of(b)) particles.part[row].image -= shift;
+        }
+    }
+  }
 
   // From here on fetching ahead has paid: more than second-level caches hold, and than one may
   // count on of a last-level cache that others use too.
   static constexpr std::size_t beyond_caches = 4 << 20;
+
+  /// The energy of a contact goes with this power of the overlap: 5/2 unless the law says so.
+  static constexpr double energy_exponent = [] {
+    if constexpr (requires { ContactsType::Law::energy_exponent; })
+      return ContactsType::Law::energy_exponent;
+    else
+      return 2.5;
+  }();
+  const Scalar* share_pairs([[maybe_unused]] const Domain& domain) {
+    if constexpr (has_bodies)
+      if (share_contacts) {
+        shared_.share_pairs(lists.pairs, particles, domain, energy_exponent, *team_);
+        return shared_.shares();
+      }
+    return nullptr;
+  }
+  const SharedContacts<Scalar>* share_walls() {
+    if constexpr (has_bodies)
+      if (share_contacts) {
+        shared_.share_walls(*this, energy_exponent);
+        return &shared_;
+      }
+    return nullptr;
+  }
+  const PartRow* parts() const {
+    if constexpr (has_bodies)
+      return particles.part.data();
+    else
+      return nullptr;
+  }
 
   void make_kinds() {
     if constexpr (ContactsType::several_materials) {
@@ -246,196 +308,10 @@ class Engine {
     }
   }
 
-  struct Kick {
-    Vec3d gravity;       // [m/s2]
-    double time, drift;  // [s]
-    bool first;
-  };
-  struct Speeds {
-    double largest2, sum2;  // [m2/s2]
-    double share2;          // [1/s2] largest (v/q)^2, q: inner reach
-  };
-
-  /// Kicks particles from ... to-1, and lets them drift or records them; clears their loads.
-  template <Advance How>
-  Speeds kick_all(std::size_t from, std::size_t to, const Kick& kick) {
-    using Real = typename Lanes<Arch>::Real;
-    constexpr std::size_t W = Lanes<Arch>::width;
-    const Constants with{Row::of(kick.gravity.x, kick.gravity.y, kick.gravity.z, 0),
-                         Row::of(kick.drift, kick.drift, kick.drift, 0),
-                         kick.time,
-                         kick.time / ShapeType::inertia_factor(),
-                         kick.drift,
-                         kick.first,
-                         particles.position.data(),
-                         particles.motion.data(),
-                         particles.pair_rows(),
-                         sums_.data()};
-    const double* const per_inner2 = lists.upkeep.per_inner2.data();
-    Real largest2(0), sum2(0), share2(0);
-    std::size_t k = from;
-    for (; k + W <= to; k += W) {
-      Row velocity[W];
-      for (std::size_t lane = 0; lane < W; ++lane)
-        velocity[lane] = advance_one<How>(k + lane, with);
-      Real v[4];
-      rows_to_columns<Arch>(velocity, v);
-      const Real v2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-      largest2 = max(largest2, v2), sum2 = sum2 + v2;
-      share2 = max(share2, v2 * load_any<Real>(per_inner2 + k));
-    }
-    alignas(64) double lanes[3][W];
-    silt::store(lanes[0], largest2), silt::store(lanes[1], sum2), silt::store(lanes[2], share2);
-    Speeds speeds{0, 0, 0};
-    const auto include = [&](double v2, double sum, double share) {
-      speeds.largest2 = std::max(speeds.largest2, v2), speeds.sum2 += sum;
-      speeds.share2 = std::max(speeds.share2, share);
-    };
-    for (std::size_t lane = 0; lane < W; ++lane)
-      include(lanes[0][lane], lanes[1][lane], lanes[2][lane]);
-    for (; k < to; ++k) {
-      alignas(32) double row[4];
-      advance_one<How>(k, with).store(row);
-      const Vec3d v{row[0], row[1], row[2]};
-      include(dot(v, v), dot(v, v), dot(v, v) * per_inner2[k]);
-    }
-    return speeds;
-  }
-
-  struct Constants {
-    Row gravity, drift;      // {m/s2}, {s}
-    double time, spin_time;  // [s]
-    double step;             // [s]
-    bool first_kick;
-    // Here because a store through a register of lanes may change any member, for all that is
-    // known.
-    PositionRow* position;
-    Motion* motion;
-    typename State::PairMotion* pair_motion;
-    Scalar* sums;
-  };
-  /// Returns the velocity of the next drift as a row.
-  template <Advance How>
-  SILT_INLINE Row advance_one(std::size_t k, const Constants& with) {
-    if constexpr (predicts)
-      return correct_one<How>(k, with);
-    else
-      return kick_one<How>(k, with);
-  }
-  template <Advance How>
-  Row correct_one(std::size_t k, const Constants& with) {
-    Motion& m = with.motion[k];
-    Scalar* const load = with.sums + k * 4 * chunks;
-    const auto load_of = [&](std::size_t chunk) {
-      return convert<double>(Row4<Arch, Scalar>::load(load + 4 * chunk));
-    };
-    auto& rows = particles.derivatives[k].row;
-    const bool is_new = std::isnan(rows[0][0]);
-    const double inv_m = m.inv_m, dt = with.step;
-    const auto load_rows = [&](Row(&q)[4], std::size_t first) {
-      for (std::size_t d = 0; d < 4; ++d) q[d] = Row::load(rows[first + d]);
-    };
-    const auto store_rows = [&](const Row(&q)[4], std::size_t first) {
-      for (std::size_t d = 0; d < 4; ++d) q[d].store(rows[first + d]);
-    };
-    Row x = Row::load(&with.position[k].x), v = Row::load(&m.vx), q[4];
-    const Row before = x;
-    const Row acceleration =
-        load_of(0) * Row::all(inv_m) + with.gravity * Row::all(inv_m > 0 ? 1 : 0);
-    if (is_new) {
-      q[0] = acceleration * Row::all(0.5 * dt * dt), q[1] = q[2] = q[3] = Row::all(0);
-    } else {
-      load_rows(q, 0);
-      Integrator::correct(x, v, q, acceleration, dt);
-    }
-    store_rows(q, 0), x.store(&with.position[k].x), v.store(&m.vx);
-    const Row moved = x - before + Integrator::displacement(v, q, with.drift);
-    if constexpr (rotates) {
-      Row spin = Row::load(&m.wx), p[4];
-      const double push = inv_m / ShapeType::inertia_factor();
-      Row rate = load_of(1) * Row::all(push);
-      if constexpr (ContactsType::has_rolling) rate = rate + load_of(2) * Row::all(push * m.inv_r);
-      if (is_new) {
-        p[0] = rate * Row::all(dt), p[1] = p[2] = p[3] = Row::all(0);
-      } else {
-        load_rows(p, 4);
-        Integrator::correct_spin(spin, p, rate, dt);
-      }
-      store_rows(p, 4), spin.store(&m.wx);
-    }
-    const auto nothing = Row4<Arch, Scalar>::all(0);
-    for (std::size_t c = 0; c < chunks; ++c) nothing.store(load + 4 * c);
-    if constexpr (How == Advance::KickAndRecord)
-      record(k, m, m, true);
-    else
-      predict_all(k, k + 1, dt);
-    return moved * Row::all(1 / dt);
-  }
-  /// Predicts the next state of particles from ... to-1.
-  void predict_all(std::size_t from, std::size_t to, double dt) {
-    const Row time = Row::of(dt, dt, dt, 0);
-    for (std::size_t k = from; k < to; ++k) {
-      Motion& m = particles.motion[k];
-      auto& rows = particles.derivatives[k].row;
-      Row x = Row::load(&particles.position[k].x), v = Row::load(&m.vx), q[4];
-      for (std::size_t d = 0; d < 4; ++d) q[d] = Row::load(rows[d]);
-      Integrator::predict(x, v, q, time, dt);
-      x.store(&particles.position[k].x), v.store(&m.vx);
-      for (std::size_t d = 0; d < 4; ++d) q[d].store(rows[d]);
-      if constexpr (single) convert<float>(v).store(&particles.pair_rows()[k].vx);
-      if constexpr (rotates) {
-        Row spin = Row::load(&m.wx);
-        for (std::size_t d = 0; d < 4; ++d) q[d] = Row::load(rows[4 + d]);
-        Integrator::predict_spin(spin, q);
-        spin.store(&m.wx);
-        for (std::size_t d = 0; d < 4; ++d) q[d].store(rows[4 + d]);
-        if constexpr (single) convert<float>(spin).store(&particles.pair_rows()[k].wx);
-      }
-    }
-  }
-  template <Advance How>
-  SILT_INLINE Row kick_one(std::size_t k, const Constants& with) {
-    Motion& m = with.motion[k];
-    Scalar* const load = with.sums + k * 4 * chunks;
-    const double inv_m = m.inv_m;
-    [[maybe_unused]] Motion before;
-    if constexpr (How == Advance::KickAndRecord) before = m;
-    const auto load_of = [&](std::size_t chunk) {
-      return convert<double>(Row4<Arch, Scalar>::load(load + 4 * chunk));
-    };
-    const Row velocity =
-        Leapfrog::kick(Row::load(&m.vx), load_of(0), inv_m, with.gravity, with.time);
-    velocity.store(&m.vx);
-    if constexpr (single) convert<float>(velocity).store(&with.pair_motion[k].vx);
-    if constexpr (rotates) {
-      Row spin = Leapfrog::spin(Row::load(&m.wx), load_of(1), inv_m * with.spin_time);
-      if constexpr (ContactsType::has_rolling)
-        spin = Leapfrog::turn(spin, load_of(2), inv_m * with.spin_time, m.inv_r);
-      spin.store(&m.wx);
-      if constexpr (single) convert<float>(spin).store(&with.pair_motion[k].wx);
-    }
-    const auto nothing = Row4<Arch, Scalar>::all(0);
-    for (std::size_t c = 0; c < chunks; ++c) nothing.store(load + 4 * c);
-    PositionRow& position = with.position[k];
-    if constexpr (How == Advance::KickAndRecord)
-      record(k, before, m, with.first_kick);
-    else
-      Leapfrog::drift(Row::load(&position.x), velocity, with.drift).store(&position.x);
-    return velocity;
-  }
-
-  /// At the whole step the velocity is the mean of the two half steps around it.
-  void record(std::size_t k, const Motion& before, const Motion& after, bool first_kick) {
-    auto& s = synchronous[k];
-    first_kick |= Integrator::first_kick != 0.5;  // velocities of whole steps
-    s.velocity = first_kick ? before.velocity() : 0.5 * (before.velocity() + after.velocity());
-    if constexpr (rotates)
-      s.spin_velocity = first_kick ? before.spin_velocity()
-                                   : 0.5 * (before.spin_velocity() + after.spin_velocity());
-  }
-
   std::unique_ptr<Team> team_ = std::make_unique<Team>(1);
   WallPipeline<ContactsType, Arch, Scalar> wall_pipeline_;
+  struct NoShares {};
+  [[no_unique_address]] std::conditional_t<has_bodies, SharedContacts<Scalar>, NoShares> shared_;
   AlignedVector<Scalar> sums_;  // [N] load on each particle, zero between the steps
   std::vector<std::uint16_t> kinds_;
 };

@@ -33,16 +33,16 @@ namespace detail {
 
 /// Looks for the particle that has become not a number; says where, and what to change.
 template <class EngineType>
-[[noreturn]] void throw_not_finite(const EngineType& e, std::int64_t step, double time) {
+[[noreturn, gnu::cold]] void throw_not_finite(const EngineType& e, std::int64_t step, double time) {
   for (std::size_t k = 0; k < e.particles.size(); ++k) {
     const auto& m = e.particles.motion[k];
     const auto& p = e.particles.position[k];
     if (e.particles.is_parked(k) || (is_finite(m.velocity()) && is_finite(p.centre()))) continue;
     throw SimulationError(
-        text("step ", step, ", t = ", time, " s: the velocity of particle ", e.particles.id[k],
+        text("step ", step, ", t = ", time, " s: the velocity of particle ", e.id_of(k),
              " is not finite near ", e.lists.reference[k],
              " m; lower the time step, or look for overlapping particles at the start"),
-        step, {e.particles.id[k]}, e.lists.reference[k]);
+        step, {e.id_of(k)}, e.lists.reference[k]);
   }
   throw SimulationError(text("step ", step, ", t = ", time,
                              " s: the squared velocities overflow; lower the time step"),
@@ -88,8 +88,9 @@ void for_each_wall_contact(const EngineType& e, double back, const Visit& visit)
 /// Names the contact with the largest overlap over the smaller radius, which was measured `back`
 /// [s] ago.
 template <class EngineType, class Domain>
-[[noreturn]] void throw_overlap(const EngineType& e, const Domain& domain, std::int64_t step,
-                                double time, double back, double limit) {
+[[noreturn, gnu::cold]] void throw_overlap(const EngineType& e, const Domain& domain,
+                                           std::int64_t step, double time, double back,
+                                           double limit) {
   double most = -1;  // [-]
   std::uint32_t a = 0, b = 0;
   e.lists.pairs.for_each([&](std::size_t k) {
@@ -113,12 +114,12 @@ template <class EngineType, class Domain>
            "; use a stiffer material, a lower speed or a smaller time step, or start "
            "without overlaps");
   if (with_wall)
-    throw SimulationError(text(head, "particle ", e.particles.id[a], " at ", where,
-                               " m overlaps wall ", wall, " by ", tail),
-                          step, {e.particles.id[a]}, where);
-  throw SimulationError(text(head, "particles ", e.particles.id[a], " and ", e.particles.id[b],
-                             " near ", where, " m overlap by ", tail),
-                        step, {e.particles.id[a], e.particles.id[b]}, where);
+    throw SimulationError(
+        text(head, "particle ", e.id_of(a), " at ", where, " m overlaps wall ", wall, " by ", tail),
+        step, {e.id_of(a)}, where);
+  throw SimulationError(text(head, "particles ", e.id_of(a), " and ", e.id_of(b), " near ", where,
+                             " m overlap by ", tail),
+                        step, {e.id_of(a), e.id_of(b)}, where);
 }
 
 /// A wall whose motion has given a pose that is none would act on nothing, or on other places.
@@ -147,12 +148,10 @@ double wall_travel(const EngineType& e) {
   return most;
 }
 
-/// Particles and walls that go too far in a step may pass through each other unseen.
 template <class EngineType>
-void check_travel(const EngineType& e, double wall_way, std::int64_t step, double time, double dt,
-                  double limit) {
+[[noreturn, gnu::cold]] void throw_travel(const EngineType& e, double wall_way, std::int64_t step,
+                                          double time, double dt, double limit) {
   const double way = e.largest_speed * dt, most = limit * e.particles.smallest_radius;
-  if (way <= most && wall_way <= most) return;
   std::uint32_t fastest = 0;
   double speed = -1;  // [m/s]
   for (std::uint32_t k = 0; k < e.particles.size(); ++k)
@@ -160,7 +159,7 @@ void check_travel(const EngineType& e, double wall_way, std::int64_t step, doubl
   const bool is_wall = wall_way > way;
   const Vec3d where = is_wall ? Vec3d{} : e.particles.position[fastest].centre();
   std::vector<std::uint32_t> ids;
-  if (!is_wall) ids.push_back(e.particles.id[fastest]);
+  if (!is_wall) ids.push_back(e.id_of(fastest));
   const auto who =
       is_wall ? std::string("a wall moves") : text("particle ", ids[0], " at ", where, " m moves");
   throw SimulationError(text("step ", step, ", t = ", time, " s: ", who, " by ",
@@ -172,12 +171,20 @@ void check_travel(const EngineType& e, double wall_way, std::int64_t step, doubl
                         step, ids, where);
 }
 
+/// Particles and walls that go too far in a step may pass through each other unseen.
+template <class EngineType>
+void check_travel(const EngineType& e, double wall_way, std::int64_t step, double time, double dt,
+                  double limit) {
+  const double way = e.largest_speed * dt, most = limit * e.particles.smallest_radius;
+  if (!(way <= most && wall_way <= most)) throw_travel(e, wall_way, step, time, dt, limit);
+}
+
 /// Where a mesh is so fine and bent that a sphere touches more places than it has contacts for.
 template <class EngineType>
 void check_crowded(const EngineType& e, std::int64_t step, double time, double back) {
   const auto crowded = e.crowded();
   if (!crowded) return;
-  const auto id = e.particles.id[crowded->particle];
+  const auto id = e.id_of(crowded->particle);
   const Vec3d where = place_before(e, crowded->particle, back);
   throw SimulationError(
       text(
@@ -196,10 +203,10 @@ void check_spins(const EngineType& e, std::int64_t step, double time) {
     for (std::size_t k = 0; k < e.particles.size(); ++k)
       if (!e.particles.is_parked(k) && !is_finite(e.particles.motion[k].spin_velocity()))
         throw SimulationError(
-            text("step ", step, ", t = ", time, " s: the angular velocity of particle ",
-                 e.particles.id[k], " is not finite near ", e.lists.reference[k],
+            text("step ", step, ", t = ", time, " s: the angular velocity of particle ", e.id_of(k),
+                 " is not finite near ", e.lists.reference[k],
                  " m; lower the time step, or look at the law and the rolling model"),
-            step, {e.particles.id[k]}, e.lists.reference[k]);
+            step, {e.id_of(k)}, e.lists.reference[k]);
 }
 
 template <class EngineType>
@@ -208,10 +215,10 @@ void check_inside(const EngineType& e, const Box& domain, std::int64_t step, dou
     const Vec3d p = e.particles.position[k].centre();
     if (domain.contains(p) || e.particles.is_parked(k)) continue;
     throw SimulationError(
-        text("step ", step, ", t = ", time, " s: particle ", e.particles.id[k], " at ", p,
+        text("step ", step, ", t = ", time, " s: particle ", e.id_of(k), " at ", p,
              " m is outside guard.domain from ", domain.min, " to ", domain.max,
              " m; close the walls, add an outlet where particles may leave, or enlarge the domain"),
-        step, {e.particles.id[k]}, p);
+        step, {e.id_of(k)}, p);
   }
 }
 

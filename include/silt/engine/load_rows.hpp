@@ -49,12 +49,13 @@ SILT_INLINE void write_rows(ScalarOf<Pack>* rows, const PairLoad<Pack>& load) {
 /// Law and rolling model on the first `count` contacts (whole packs) of a block, whose kinematics
 /// are complete; their loads take the places of the kinematics. `kinds`: the place of each contact
 /// in the table, or null if it is the first for all. `history`: one pointer a component. Their
-/// energy is added to the tally.
+/// energy is added to the tally. `shares`: of each contact's force, or null for all of it.
 template <class ContactsType, class Arch, class Block, class Scalar, std::size_t H>
 SILT_INLINE void loads_of(Block& block, std::size_t count, const StepTimes& times,
                           const CoefficientTable<ContactsType>& table, const std::uint16_t* kinds,
                           const std::array<Scalar*, H>& history,
-                          RunningTally<ContactsType, typename Lanes<Arch, Scalar>::Real>& tally) {
+                          RunningTally<ContactsType, typename Lanes<Arch, Scalar>::Real>& tally,
+                          const Scalar* shares = nullptr) {
   using Real = typename Lanes<Arch, Scalar>::Real;
   using Kernel = ContactKernel<ContactsType, Real>;
   constexpr std::size_t W = Lanes<Arch, Scalar>::width;
@@ -64,9 +65,12 @@ SILT_INLINE void loads_of(Block& block, std::size_t count, const StepTimes& time
     if (kinds != nullptr) coefficients.choose(kinds + k);
     std::array<Scalar*, H> at;
     for (std::size_t h = 0; h < H; ++h) at[h] = history[h] + k;
-    block.put_load(k, Kernel::load(block.template get<Real>(k), block.template get_rolling<Real>(k),
-                                   block.template get_radii<Real>(k), step, lag, times.with_stored,
-                                   coefficients.law(), coefficients.rolling(), at.data(), tally));
+    block.put_load(
+        k, Kernel::load(block.template get<Real>(k), block.template get_rolling<Real>(k),
+                        block.template get_radii<Real>(k), step, lag, times.with_stored,
+                        coefficients.law(), coefficients.rolling(), at.data(), tally,
+                        shares_contacts<ContactsType> && shares != nullptr ? load<Real>(shares + k)
+                                                                           : Real(1)));
   }
 }
 

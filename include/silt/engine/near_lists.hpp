@@ -51,7 +51,7 @@ class NearLists {
 
   /// Renews what is stale.
   void renew(const Scene& scene, Search& search, std::int64_t step) {
-    walls.range = scene.range;
+    walls.range = scene.range, walls.planes_apart = !State::of_bodies;
     if (hold(scene.walls)) return;
     const double wall_speed = fastest_wall(scene);
     anticipate_speeds(scene);
@@ -227,6 +227,8 @@ class NearLists {
                           [&](std::size_t, std::size_t from, std::size_t to) {
                             for (std::size_t k = from; k < to; ++k) {
                               const Vec3d p = scene.domain.wrapped(position[k].centre());
+                              if constexpr (State::of_bodies)
+                                scene.particles.part[k].image += p - position[k].centre();
                               position[k] = {p.x, p.y, p.z, position[k].r};
                             }
                           });

@@ -28,7 +28,7 @@ struct Outlet {
 /// What flows in at an inlet. New spheres are placed at random free places of its region, every
 /// `interval`; those that find none wait for the next time.
 struct InletFlow {
-  SizeDistribution radius;   // [m]
+  SizeDistribution radius;   // [m] of bodies that of their bounding sphere
   double density;            // [kg/m3]
   double rate;               // [1/s] particles a second
   Vec3d velocity{0, 0, 0};   // [m/s]
@@ -37,6 +37,7 @@ struct InletFlow {
   std::uint64_t seed = 1;
   std::size_t trials = 200;  // [-] occupied places tried for one sphere
   double interval = 0;       // [s] between insertions; 0: a diameter's time of flight
+  std::size_t form = 0;      // [-] of bodies, which have random orientations
 };
 
 struct Inlet {
@@ -125,15 +126,15 @@ class Openings {
 
   template <class Engine, class Sim>
   void let_out(Engine& engine, Sim& sim) {
-    for (std::size_t k = 0; k < engine.particles.size(); ++k) {
-      if (engine.particles.is_parked(k)) continue;
-      const Vec3d p = engine.particles.position[k].centre();
+    for (std::size_t k = 0; k < sim.rows(); ++k) {
+      if (!sim.is_present(k)) continue;
+      const Vec3d p = sim.position(k);
       for (auto& o : outlets_) {
         if (!o.region.contains(p)) continue;
         ++o.count;
-        if (const double inv_m = engine.particles.motion[k].inv_m; inv_m > 0) o.mass += 1 / inv_m;
+        if (const double m = sim.mass(k); std::isfinite(m)) o.mass += m;
         sim.book_leaving(k);
-        engine.particles.park(k);
+        engine.park(k);
         break;
       }
     }
@@ -171,7 +172,7 @@ class Openings {
       placed.push_back({*centre, radius});
       ++inlet.placed;
     }
-    sim.insert(placed, inlet.flow);
+    sim.insert(placed, inlet.flow, inlet.random);
   }
 
   /// The time in which a sphere moves on by the largest diameter.

@@ -52,7 +52,8 @@ class PairList {
   const std::uint32_t* second() const { return second_.data(); }
   Scalar* history(std::size_t component) { return history_[component].data(); }
 
-  /// Takes over newly found pairs; those of two fixed particles are left out. `before`: how many
+  /// Takes over newly found pairs; those of two fixed particles, or of one
+  /// body, are left out. `before`: how many
   /// particles there were when the old list was current.
   template <class State>
   void set_outer(std::span<const IndexPair> found, const State& particles, std::size_t before,
@@ -175,6 +176,8 @@ class PairList {
   void sort_into_groups(std::span<const IndexPair> found, const State& particles,
                         const Team& team) {
     const auto group_of = [&](const IndexPair& p) {
+      if constexpr (State::of_bodies)
+        if (particles.part[p.a].body == particles.part[p.b].body) return groups_.count();
       if (particles.some_fixed && particles.motion[p.a].inv_m == 0 &&
           particles.motion[p.b].inv_m == 0)
         return groups_.count();

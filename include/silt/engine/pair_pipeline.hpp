@@ -41,7 +41,8 @@ class PairPipeline {
     const std::uint16_t* kinds;  // place in the coefficient table, if there are several materials
     double largest_radius, smallest_radius;  // [m]
     StepTimes times;
-    bool fetch_ahead;  // the working set is beyond the caches
+    bool fetch_ahead;                // the working set is beyond the caches
+    const Scalar* shares = nullptr;  // of each pair's force (SharedContacts), or null
   };
 
   /// Bytes that a step of `pairs` between `particles` goes through.
@@ -100,7 +101,8 @@ class PairPipeline {
     std::array<Scalar*, ContactsType::history + 1> history{};
     for (std::size_t h = 0; h < ContactsType::history; ++h) history[h] = list.history(h) + from;
     const std::uint16_t* const kinds = ContactsType::several_materials ? in.kinds + from : nullptr;
-    loads_of<ContactsType, Arch>(kinematics, padded, in.times, table, kinds, history, tally);
+    loads_of<ContactsType, Arch>(kinematics, padded, in.times, table, kinds, history, tally,
+                                 in.shares != nullptr ? in.shares + from : nullptr);
     tally.end_block();
     write_rows<ContactsType, Arch>(kinematics, padded, rows);
   }

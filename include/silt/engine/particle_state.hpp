@@ -27,8 +27,10 @@ void gather(V& values, std::span<const std::uint32_t> order, const Team& team) {
 /// All that is known of the particles: rows, ids, and materials if there are several; the motion
 /// once more in PairScalar, if that is not double.
 /// Two rows more than particles: spheres of no radius, the partners of padding pairs.
-/// `Derivatives`: of position and of spin velocity each, that the integrator keeps.
-template <bool Rotates, bool SeveralMaterials, class PairScalar, std::size_t Derivatives>
+/// `Derivatives`: of position and of spin velocity each, that the integrator keeps. `OfBodies`:
+/// rows are parts of rigid bodies.
+template <bool Rotates, bool SeveralMaterials, class PairScalar, std::size_t Derivatives,
+          bool OfBodies = false>
 class ParticleState {
  public:
   static constexpr std::size_t derivative_rows = Derivatives * (1 + Rotates);
@@ -42,13 +44,15 @@ class ParticleState {
   static constexpr std::size_t bytes_per_particle =
       sizeof(PositionRow) + sizeof(Motion) + (single ? sizeof(PairMotion) : 0) +
       sizeof(std::uint32_t) + (SeveralMaterials ? sizeof(std::uint16_t) : 0) +
-      derivative_rows * 4 * sizeof(double);
+      derivative_rows * 4 * sizeof(double) + (OfBodies ? sizeof(PartRow) : 0);
+  static constexpr bool of_bodies = OfBodies;
 
   AlignedVector<PositionRow> position;
   AlignedVector<Motion> motion;
   AlignedVector<HigherDerivatives> derivatives;  // if the integrator has any
   std::vector<std::uint32_t> id;
   std::vector<std::uint16_t> material;
+  std::vector<PartRow> part;   // of bodies
   double largest_radius = 0;   // [m]
   double smallest_radius = 0;  // [m]
   double mean_diameter = 0;    // [m]
@@ -68,15 +72,15 @@ class ParticleState {
     if constexpr (single) {
       pair_motion_.resize(motion.size());
       team.for_ranges(motion.size(), [&](std::size_t, std::size_t from, std::size_t to) {
-        for (std::size_t k = from; k < to; ++k) {
-          const Motion& m = motion[k];
-          PairMotion& p = pair_motion_[k];
-          p.vx = float(m.vx), p.vy = float(m.vy), p.vz = float(m.vz), p.inv_m = float(m.inv_m);
-          if constexpr (Rotates)
-            p.wx = float(m.wx), p.wy = float(m.wy), p.wz = float(m.wz), p.inv_r = float(m.inv_r);
-        }
+        for (std::size_t k = from; k < to; ++k) set_pair_motion(k);
       });
     }
+  }
+
+  /// The same of one row.
+  void renew_pair_motion([[maybe_unused]] std::size_t k) {
+    if constexpr (single)
+      if (k < pair_motion_.size()) set_pair_motion(k);
   }
 
   std::size_t size() const { return id.size(); }
@@ -129,6 +133,7 @@ class ParticleState {
     gather(position, order, team), gather(motion, order, team), gather(id, order, team);
     if constexpr (SeveralMaterials) gather(material, order, team);
     if constexpr (Derivatives > 0) gather(derivatives, order, team);
+    if constexpr (OfBodies) gather(part, order, team);
     pad();
   }
 
@@ -145,6 +150,14 @@ class ParticleState {
 
  private:
   AlignedVector<PairMotion> pair_motion_;  // if it differs from motion
+
+  void set_pair_motion(std::size_t k) {
+    const Motion& m = motion[k];
+    PairMotion& p = pair_motion_[k];
+    p.vx = float(m.vx), p.vy = float(m.vy), p.vz = float(m.vz), p.inv_m = float(m.inv_m);
+    if constexpr (Rotates)
+      p.wx = float(m.wx), p.wy = float(m.wy), p.wz = float(m.wz), p.inv_r = float(m.inv_r);
+  }
 
   void measure_others() {
     smallest_radius = largest_radius;

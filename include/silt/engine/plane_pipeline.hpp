@@ -15,6 +15,9 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
+template <class Scalar>
+class SharedContacts;
+
 /// What contacts with walls are computed from.
 template <bool Rotates, class Scalar>
 struct WallInput {
@@ -23,6 +26,9 @@ struct WallInput {
   const MotionRow<Rotates, Scalar>* pair_motions;  // the same as the pairs see them
   const std::uint16_t* materials;                  // of each particle, if there are several
   StepTimes times;
+  // Of bodies whose parts share their contacts; else null.
+  const PartRow* parts = nullptr;
+  const SharedContacts<Scalar>* sharing = nullptr;
 };
 
 /// What spheres do to a wall.

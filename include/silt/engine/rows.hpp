@@ -45,6 +45,12 @@ struct alignas(4 * sizeof(Scalar)) MotionRow<false, Scalar> {
 static_assert(sizeof(PositionRow) == 32 && sizeof(MotionRow<true>) == 64 &&
               sizeof(MotionRow<false>) == 32);
 
+/// Which body a row is a part of.
+struct PartRow {
+  std::uint32_t body, local;  // place of the body; number of the part in its form
+  Vec3d image{0, 0, 0};       // [m] from where the body has it to where it is: periodic boxes
+};
+
 /// Two particles by their place in the rows.
 struct IndexPair {
   std::uint32_t a, b;

@@ -9,68 +9,87 @@ namespace silt::inline SILT_TARGET {
 
 template <class... Policies>
 void Simulation<Policies...>::add(const ParticlesType& more) {
-  std::vector<std::pair<PositionRow, typename Engine::Motion>> rows;
-  for (std::size_t k = 0; k < more.size(); ++k) {
-    const auto& p = more[k];
-    if (guard.domain)
-      require(guard.domain->contains(p.position), "particle ", k, " at ", p.position,
-              " m is outside guard.domain from ", guard.domain->min, " to ", guard.domain->max,
-              " m");
-    if constexpr (Domain::periodic)
-      for (int d = 0; d < 3; ++d)
-        require(!domain_.repeats(d) || domain_.length(d) >= 6 * p.radius,
-                "PeriodicBox: its length ", domain_.length(d),
-                " [m] must be at least 3 diameters of particle ", k, " of radius ", p.radius, " m");
-    require(p.material < contacts_.materials() || !ContactsType::several_materials, "particle ", k,
-            ": material ", p.material, " is not in the table of ", contacts_.materials(),
-            " materials; add it to the contacts first");
-    require(ContactsType::several_materials || p.material == 0, "particle ", k, ": material ",
-            p.material,
-            " needs Contacts<Law, SeveralMaterials>; without it all particles are of the "
-            "first material");
-    typename Engine::Motion m{};
-    m.vx = p.velocity.x, m.vy = p.velocity.y, m.vz = p.velocity.z;
-    m.inv_m = p.fixed ? 0 : 1 / (p.density * ShapeType::volume(p.radius));
-    if constexpr (rotates) {
-      const Vec3d spin = p.angular_velocity * p.radius;
-      m.wx = spin.x, m.wy = spin.y, m.wz = spin.z, m.inv_r = 1 / p.radius;
+  if constexpr (has_bodies) {
+    const std::size_t first = engine_.mover.forms.size();
+    engine_.mover.forms.insert(engine_.mover.forms.end(), more.forms().begin(), more.forms().end());
+    return add_bodies(more, first);
+  } else {
+    std::vector<std::pair<PositionRow, typename Engine::Motion>> rows;
+    for (std::size_t k = 0; k < more.size(); ++k) {
+      const auto& p = more[k];
+      if (guard.domain)
+        require(guard.domain->contains(p.position), "particle ", k, " at ", p.position,
+                " m is outside guard.domain from ", guard.domain->min, " to ", guard.domain->max,
+                " m");
+      if constexpr (Domain::periodic)
+        for (int d = 0; d < 3; ++d)
+          require(!domain_.repeats(d) || domain_.length(d) >= 6 * p.radius,
+                  "PeriodicBox: its length ", domain_.length(d),
+                  " [m] must be at least 3 diameters of particle ", k, " of radius ", p.radius,
+                  " m");
+      require(p.material < contacts_.materials() || !ContactsType::several_materials, "particle ",
+              k, ": material ", p.material, " is not in the table of ", contacts_.materials(),
+              " materials; add it to the contacts first");
+      require(ContactsType::several_materials || p.material == 0, "particle ", k, ": material ",
+              p.material,
+              " needs Contacts<Law, SeveralMaterials>; without it all particles are of the "
+              "first material");
+      typename Engine::Motion m{};
+      m.vx = p.velocity.x, m.vy = p.velocity.y, m.vz = p.velocity.z;
+      m.inv_m = p.fixed ? 0 : 1 / (p.density * ShapeType::volume(p.radius));
+      if constexpr (rotates) {
+        const Vec3d spin = p.angular_velocity * p.radius;
+        m.wx = spin.x, m.wy = spin.y, m.wz = spin.z, m.inv_r = 1 / p.radius;
+      }
+      rows.push_back({{p.position.x, p.position.y, p.position.z, p.radius}, m});
     }
-    rows.push_back({{p.position.x, p.position.y, p.position.z, p.radius}, m});
-  }
-  for (std::size_t k = 0; k < more.size(); ++k) {
-    auto& [position, motion] = rows[k];
-    if (kicked_) {
-      typename Engine::Synchronous now{motion.velocity(), {0, 0, 0}};
-      if constexpr (rotates) now.spin_velocity = motion.spin_velocity();
-      engine_.synchronous.push_back(now);
+    for (std::size_t k = 0; k < more.size(); ++k) {
+      auto& [position, motion] = rows[k];
+      if (kicked_) {
+        typename Engine::Mover::Synchronous now{motion.velocity(), {0, 0, 0}};
+        if constexpr (rotates) now.spin_velocity = motion.spin_velocity();
+        engine_.mover.synchronous.push_back(now);
+      }
+      engine_.particles.add(position, motion, next_id_++,
+                            static_cast<std::uint16_t>(more[k].material));
+      if constexpr (has_ledger)
+        if (const std::size_t last = engine_.particles.size() - 1;
+            !first_kick_ && std::isfinite(mass(last)))
+          book_.bring_in(kinetic(last).sum() + potential(last));
     }
-    engine_.particles.add(position, motion, next_id_++,
-                          static_cast<std::uint16_t>(more[k].material));
-    if constexpr (has_ledger)
-      if (const std::size_t last = engine_.particles.size() - 1;
-          !first_kick_ && std::isfinite(mass(last)))
-        book_.bring_in(kinetic(last).sum() + potential(last));
+    engine_.particles.measure();
+    engine_.lists.forget();
   }
-  engine_.particles.measure();
-  engine_.lists.forget();
 }
 
 template <class... Policies>
 void Simulation<Policies...>::insert(const std::vector<PlacedSphere>& spheres,
-                                     const InletFlow& flow) {
+                                     const InletFlow& flow, [[maybe_unused]] Random& random) {
   if (spheres.empty()) return;
   ParticlesType more;
   // The velocity is that of this instant; rows hold that of half a step ago.
   const double ago = first_kick_ || Integrator::first_kick != 0.5 ? 0 : 0.5 * dt_;  // [s]
   const Vec3d velocity = flow.velocity - ago * gravity;
-  for (const auto& s : spheres)
-    more.add({s.position, s.radius, flow.density, velocity, {0, 0, 0}, flow.material});
-  add(more);
+  const std::size_t before = rows();
+  if constexpr (has_bodies) {
+    for (const auto& s : spheres)
+      more.add_like(engine_.mover.forms, {.form = flow.form,
+                                          .position = s.position,
+                                          .orientation = random_orientation(random),
+                                          .radius = s.radius,
+                                          .density = flow.density,
+                                          .velocity = velocity,
+                                          .material = flow.material});
+    add_bodies(more, 0);
+  } else {
+    for (const auto& s : spheres)
+      more.add({s.position, s.radius, flow.density, velocity, {0, 0, 0}, flow.material});
+    add(more);
+  }
   if constexpr (has_ledger && !std::is_void_v<ParticlesType>) {
     // ... and the ledger wants that of this instant.
-    for (std::size_t k = 0; k < more.size() && !first_kick_; ++k)
-      book_.bring_in(0.5 * more[k].density * ShapeType::volume(more[k].radius) *
-                     (dot(flow.velocity, flow.velocity) - dot(velocity, velocity)));
+    for (std::size_t k = before; k < rows() && !first_kick_; ++k)
+      book_.bring_in(0.5 * mass(k) * (dot(flow.velocity, flow.velocity) - dot(velocity, velocity)));
   }
 }
 
@@ -93,7 +112,7 @@ void Simulation<Policies...>::book_leaving([[maybe_unused]] std::size_t k) {
     if (!std::isfinite(mass(k))) return;
     // Rows hold the velocity of half a step ago; it falls freely.
     const double ago = Integrator::first_kick == 0.5 ? 0.5 * dt_ : 0;  // [s]
-    const Vec3d v = engine_.particles.motion[k].velocity(), now = v + ago * gravity;
+    const Vec3d v = velocity(k), now = v + ago * gravity;
     book_.bring_in(0.5 * mass(k) * (dot(v, v) - dot(now, now)) - kinetic(k).sum() - potential(k));
   }
 }
@@ -115,11 +134,23 @@ EnergyBalance Simulation<Policies...>::energy() const requires has_ledger {
 template <class... Policies>
 detail::LightestSpheres Simulation<Policies...>::lightest_spheres() const {
   detail::LightestSpheres lightest;
-  for (std::size_t k = 0; k < rows(); ++k)
-    if (is_present(k)) lightest.include({radius(k), mass(k)});
-  for (const auto& inlet : openings_.inlets()) {
-    const double r = inlet.flow.radius.min();
-    lightest.include({r, inlet.flow.density * ShapeType::volume(r)});
+  if constexpr (has_bodies) {
+    for (const auto& b : bodies())
+      if (b.id != no_particle && b.inv_m > 0)
+        engine_.mover.forms[b.form].include_lightest(lightest, b.scale, 1 / b.inv_m);
+    for (const auto& inlet : openings_.inlets()) {
+      const auto& form = engine_.mover.forms.at(inlet.flow.form);
+      const double scale = inlet.flow.radius.min() / form.radius;
+      form.include_lightest(lightest, scale,
+                            inlet.flow.density * form.mass.volume * scale * scale * scale);
+    }
+  } else {
+    for (std::size_t k = 0; k < rows(); ++k)
+      if (is_present(k)) lightest.include({radius(k), mass(k)});
+    for (const auto& inlet : openings_.inlets()) {
+      const double r = inlet.flow.radius.min();
+      lightest.include({r, inlet.flow.density * ShapeType::volume(r)});
+    }
   }
   return lightest;
 }

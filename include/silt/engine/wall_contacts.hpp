@@ -48,7 +48,8 @@ class WallContacts {
     Vec3d normal;   // [-] at the last step
     bool touching;  // or within the law's range
   };
-  double range = 0;  // [m] gap at which the law still acts
+  double range = 0;          // [m] gap at which the law still acts
+  bool planes_apart = true;  // spheres at planes alone are the PlanePipeline's
 
   std::size_t slots() const { return slots_.size(); }
   std::size_t blocks() const { return block_begin_.empty() ? 0 : block_begin_.size() - 1; }
@@ -256,7 +257,7 @@ class WallContacts {
     for (std::size_t k = 0, next = 0; k < inner_.size(); k = next) {
       while (next < inner_.size() && inner_[next].particle == inner_[k].particle) ++next;
       const std::span<const WallCandidate> of_one{inner_.data() + k, next - k};
-      auto& to = are_planes(walls, of_one) ? at_planes : others;
+      auto& to = planes_apart && are_planes(walls, of_one) ? at_planes : others;
       to.insert(to.end(), of_one.begin(), of_one.end());
       if (at_planes.size() >= begin.back() + piece_size) begin.push_back(at_planes.size());
     }

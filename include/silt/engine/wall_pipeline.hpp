@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <silt/engine/plane_pipeline.hpp>
+#include <silt/engine/shared_contacts.hpp>
 #include <silt/engine/wall_contacts.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -78,8 +79,9 @@ class WallPipeline {
       std::uint32_t slot, particle;
       std::uint16_t wall;
     } place[block];
-    Vec3d point[block];   // [m] where it touches
-    double share[block];  // [-] overlap over the radius
+    Vec3d point[block];                  // [m] where it touches
+    double share[block];                 // [-] overlap over the radius
+    alignas(64) Scalar of_force[block];  // [-] share of its force (SharedContacts)
     std::size_t count;
     std::optional<CrowdedContact> crowded;
   };
@@ -107,7 +109,8 @@ class WallPipeline {
     for (std::size_t h = 0; h < ContactsType::history; ++h) history[h] = s.history[h];
     const std::size_t padded = pieces(s.count, W) * W;
     RunningTally<ContactsType, typename Lanes<Arch, Scalar>::Real> running;
-    loads_of<ContactsType, Arch>(s.kinematics, padded, in.times, table, s.kind, history, running);
+    loads_of<ContactsType, Arch>(s.kinematics, padded, in.times, table, s.kind, history, running,
+                                 in.sharing != nullptr ? s.of_force : nullptr);
     tallies_[b] = running.end();
     write_rows<ContactsType, Arch>(s.kinematics, padded, rows);
     for (std::size_t k = 0; k < s.count; ++k) {
@@ -136,6 +139,7 @@ class WallPipeline {
       s.kinematics.put(k, s.kinematics.template get_radii<Scalar>(from));
       for (auto& h : s.history) h[k] = 0;
       s.kind[k] = s.kind[from];
+      s.of_force[k] = 1;
     }
   }
 
@@ -311,6 +315,10 @@ class WallPipeline {
     s.kinematics.put(k, kin);
     s.kinematics.put(k, Radii<Scalar>{scalar(sphere.r), scalar(0)});
     s.share[k] = (sphere.r - point.distance) / sphere.r;
+    if constexpr (shares_contacts<ContactsType>)
+      if (in.sharing != nullptr)
+        s.of_force[k] = static_cast<Scalar>(
+            in.sharing->of_wall(in.parts[c.particle].body, c, sphere.r, sphere.r - point.distance));
     std::size_t material = 0;
     if constexpr (ContactsType::several_materials) material = in.materials[c.particle];
     s.kind[k] = static_cast<std::uint16_t>(material * table.materials + wall.material);

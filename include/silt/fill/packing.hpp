@@ -356,8 +356,8 @@ inline double rounded(double x) {
 
 /// The sentence for a request of which only a part was placed; `next` is the radius that was not.
 template <class R>
-std::string why_not_more(const R& place, const FillRequest& request, const FillResult& result,
-                         double next, double spacing) {
+[[gnu::cold]] std::string why_not_more(const R& place, const FillRequest& request,
+                                       const FillResult& result, double next, double spacing) {
   double solid = 0;
   for (const auto& s : result.spheres) solid += sphere_volume(s.radius);
   const double fraction = std::round(1e3 * solid / place.volume()) / 1e3;

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <silt/core/error.hpp>
+#include <silt/core/quaternion.hpp>
 #include <silt/fill/packing.hpp>
 #include <silt/fill/particle_file.hpp>
 #include <silt/fill/region.hpp>
@@ -14,7 +16,7 @@ namespace silt::inline SILT_TARGET {
 
 /// What to fill a region with. Give `count` or `solid_volume`, or neither for as many as fit.
 struct Fill {
-  SizeDistribution radius;  // [m]
+  SizeDistribution radius;  // [m] of spheres; of bodies that of their bounding sphere
   double density;           // [kg/m3]
   std::size_t count = 0;    // [-] how many; 0: not used
   double solid_volume = 0;  // [m3] of all spheres; 0: not used
@@ -25,6 +27,10 @@ struct Fill {
   std::size_t material = 0;  // [-] index in the contacts' table
 
   std::size_t trials = 10000;  // [-] Arrangement::Random: failed trials before it stops
+
+  // Of bodies alone.
+  std::size_t form = 0;                        // [-] which of the particles' forms
+  std::optional<Quaternion> orientation = {};  // of each; left out: random
 
   FillRequest request() const {
     return {radius, count, solid_volume, arrangement, gap, seed, trials};
@@ -38,8 +44,10 @@ struct Fill {
 ///              {.radius = silt::uniform(1e-3, 2e-3), .density = 2500, .count = 10000});
 ///   beads.add({.position = {0, 0, 0.3}, .radius = 5e-3, .density = 7800});
 /// Errors: InputError naming the particle's number, the value, its unit and what is allowed.
-template <Shape S>
+template <class S>
 class Particles {
+  static_assert(Shape<S>, "Particles<S>: S must be a shape (silt/shape/concept.hpp)");
+
  public:
   using ShapeType = S;
   struct Particle {
@@ -71,6 +79,8 @@ class Particles {
   template <Region R>
   Particles& fill(const R& region, const Fill& fill) {
     require_positive("Fill.density", fill.density, "kg/m3");
+    require(fill.form == 0 && !fill.orientation,
+            "Fill: spheres have no form and no orientation; leave both out");
     require(is_finite(fill.velocity), "Fill.velocity = ", fill.velocity, " [m/s] must be finite");
     std::vector<PlacedSphere> already;
     for (const auto& p : all_) already.push_back({p.position, p.radius});

@@ -22,7 +22,9 @@ namespace silt::inline SILT_TARGET {
 namespace detail {
 
 /// The system's words for an error number, e.g. "No space left on device".
-inline std::string system_reason(int code) { return std::generic_category().message(code); }
+[[gnu::cold]] inline std::string system_reason(int code) {
+  return std::generic_category().message(code);
+}
 
 /// An open file that closes itself. A failed call throws FileError with `name` (the path that the
 /// user knows) and the system's reason.
@@ -139,7 +141,7 @@ auto lasting_view(Values&& values) {
 
 /// Makes the folder `path` and its parents where they are missing.
 /// Errors: FileError with the part of the path that is a file or that the system refuses to make.
-inline void make_folder(const std::string& path) {
+[[gnu::cold]] inline void make_folder(const std::string& path) {
   require(!path.empty(), "make_folder: the path is empty; '.' is the present folder");
   for (std::size_t end = 0; end != std::string::npos;) {
     end = path.find('/', end + 1);

@@ -28,6 +28,7 @@ class Checkpoint {
   using Engine = typename Sim::Engine;
   using WallPairs = decltype(Engine::Lists::walls);
   static constexpr std::size_t H = Engine::history;
+  static constexpr std::size_t part_size = sizeof(PartRow) / sizeof(double);
   static constexpr bool chooses_search = requires(typename Sim::Search s) {
     detail::finder_of(s).choice();
   };
@@ -69,7 +70,16 @@ class Checkpoint {
       out.add("derivatives", doubles(e.particles.derivatives.data(), n));
     out.add("id", e.particles.id);
     out.add("material", e.particles.material);
-    out.add("synchronous", doubles(e.synchronous.data(), sim.kicked_ ? n : 0));
+    std::vector<std::uint64_t> forms;
+    if constexpr (Sim::has_bodies) {
+      out.add("bodies", doubles(e.mover.bodies.data(), e.mover.bodies.size()));
+      out.add("parts", doubles(e.particles.part.data(), n));
+      for (const auto& form : e.mover.forms) forms.push_back(form.parts.size());
+      forms.push_back(sim.next_part_);
+      out.add("forms", forms);
+    }
+    out.add("synchronous",
+            doubles(e.mover.synchronous.data(), sim.kicked_ ? e.rows_of_particles() : 0));
     out.add("reference", doubles(e.lists.reference.data(), std::min(n, e.lists.reference.size())));
 
     std::vector<std::uint32_t> outer;
@@ -165,7 +175,21 @@ class Checkpoint {
       derivatives = in.get<double>("derivatives", 4 * Engine::State::derivative_rows * n);
     const auto material =
         in.get<std::uint16_t>("material", Sim::ContactsType::several_materials ? n : 0);
-    const auto synchronous = in.get<double>("synchronous", counters[4] ? 6 * n : 0);
+    std::vector<double> bodies, parts;
+    std::vector<std::uint64_t> forms;
+    std::size_t particles = n;
+    if constexpr (Sim::has_bodies) {
+      constexpr std::size_t body_size = sizeof(detail::Body) / sizeof(double);
+      bodies = in.get<double>("bodies"), parts = in.get<double>("parts", part_size * n);
+      particles = bodies.size() / body_size;
+      forms = in.get<std::uint64_t>("forms");
+      bool same = forms.size() == e.mover.forms.size() + 1;
+      for (std::size_t f = 0; same && f + 1 < forms.size(); ++f)
+        same = forms[f] == e.mover.forms[f].parts.size();
+      require(same && bodies.size() % body_size == 0, "checkpoint '", path,
+              "' has particles of other forms than the simulation; build the scene that wrote it");
+    }
+    const auto synchronous = in.get<double>("synchronous", counters[4] ? 6 * particles : 0);
     const auto reference = in.get<double>("reference");
     const auto outer = in.get<std::uint32_t>("pairs.outer");
     typename decltype(Engine::Lists::pairs)::State pairs;
@@ -220,8 +244,15 @@ class Checkpoint {
       e.particles.derivatives.resize(n);
       copy(derivatives, e.particles.derivatives.data());
     }
+    if constexpr (Sim::has_bodies) {
+      e.mover.bodies.resize(particles), copy(bodies, e.mover.bodies.data());
+      e.particles.part.resize(n), copy(parts, e.particles.part.data());
+      sim.next_part_ = static_cast<std::uint32_t>(forms.back());
+      e.mover.number_rows(e.particles);
+    }
     e.particles.pad();
-    e.synchronous.resize(synchronous.size() / 6), copy(synchronous, e.synchronous.data());
+    e.mover.synchronous.resize(synchronous.size() / 6),
+        copy(synchronous, e.mover.synchronous.data());
     e.lists.reference.resize(reference.size() / 3), copy(reference, e.lists.reference.data());
     for (std::size_t w = 0; w < surfaces.size(); ++w)
       if (surfaces[w] == 0) e.walls[w].surfaces.clear();
@@ -265,11 +296,12 @@ class Checkpoint {
 
   /// Which programs can continue from the file: the policies that shape the state.
   static std::string signature() {
-    return text("silt state 5; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
+    return text("silt state 6; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
                 name_of<typename Sim::ContactsType>(), "; search ", name_of<typename Sim::Search>(),
                 "; domain ", name_of<typename Sim::Domain>(), "; precision ",
                 name_of<typename Sim::Precision>(), Sim::has_ledger ? "; ledger" : "",
-                "; integrator ", name_of<typename Sim::Integrator>());
+                "; integrator ", name_of<typename Sim::Integrator>(),
+                Sim::has_bodies ? text("; rotation ", name_of<typename Sim::Rotation>()) : "");
   }
 
  private:

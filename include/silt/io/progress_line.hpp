@@ -13,14 +13,14 @@ namespace silt::inline SILT_TARGET {
 namespace detail {
 
 /// `value` with a fixed number of digits behind the point.
-inline std::string fixed(double value, int decimals) {
+[[gnu::cold]] inline std::string fixed(double value, int decimals) {
   char buffer[352];  // the largest double has 309 digits
   std::snprintf(buffer, sizeof buffer, "%.*f", decimals, value);
   return buffer;
 }
 
 /// Three significant digits with k, M or G: "950 ", "23.4 M ".
-inline std::string with_prefix(double value) {
+[[gnu::cold]] inline std::string with_prefix(double value) {
   const char* prefixes[] = {"", "k ", "M ", "G ", "T "};
   int k = 0;
   for (; k < 4 && value >= 999.5; ++k) value /= 1000;
@@ -29,7 +29,7 @@ inline std::string with_prefix(double value) {
 }
 
 /// A time to wait for, in its two largest units: "45 s", "2 min 05 s", "3 h 07 min", "4 d 02 h".
-inline std::string duration(double seconds) {
+[[gnu::cold]] inline std::string duration(double seconds) {
   const struct {
     double seconds;
     const char *unit, *part_unit;
@@ -55,9 +55,10 @@ inline std::string duration(double seconds) {
 ///
 /// `particle_steps` and `wall_seconds` [s] count from `start_time` [s], which is that of the
 /// restart in a continued run; `largest_overlap_ratio` [-] is overlap over radius.
-inline std::string progress_line(double time, double end_time, std::uint64_t particle_steps,
-                                 double wall_seconds, std::size_t particles,
-                                 double largest_overlap_ratio, double start_time = 0) {
+[[gnu::cold]] inline std::string progress_line(double time, double end_time,
+                                               std::uint64_t particle_steps, double wall_seconds,
+                                               std::size_t particles, double largest_overlap_ratio,
+                                               double start_time = 0) {
   const bool done = time >= end_time;
   const double done_part = done ? 1 : std::max(0.0, time / end_time);
   // As many decimals as show a thousandth of the whole run.

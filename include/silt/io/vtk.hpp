@@ -269,7 +269,7 @@ class VtkSeries {
     file.commit();
   }
 
-  void read(double until) {
+  [[gnu::cold]] void read(double until) {
     const std::string content = detail::read_file(path_);
     std::string_view rest = content;
     const auto skip = [&](std::string_view word) {

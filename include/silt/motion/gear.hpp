@@ -15,13 +15,16 @@ namespace silt::inline SILT_TARGET {
 ///   w: q_k = w^(k) dt^k/k!, D = w' dt - q_1, c = (251/720, 1, 11/12, 1/3, 1/24)               (2)
 ///
 /// Its order holds while forces are smooth. Contacts begin and end in between: there it falls to
-/// that of the others, at twice the cost, and energy drifts. Tangential springs grow by the present
-/// velocity times the step, to first order. Choose it to compare with other codes.
+/// that of the others, at twice the cost, and energy drifts: with the automatic time step a bed of
+/// 300 spheres did not come to rest and shook itself 9 % denser; half of that step sufficed.
+/// Tangential springs grow by the present velocity times the step, to first order. Choose it to
+/// compare with other codes.
 ///
 /// Source: C. W. Gear 1971; M. P. Allen, D. J. Tildesley, Computer Simulation of Liquids, appendix
 /// E
 ///         ((1): 3/16 for forces of velocity too); R. Markauskas et al. 2011 (in DEM).
-/// Valid:  particles that are new have no derivatives: they begin with the acceleration alone.
+/// Valid:  particles that are new have no derivatives: they begin with the acceleration alone. Not
+///         for laws with a safeguard, which act in one step.
 /// Units:  SI. Shapes: rows of four whose last entry stays as it is. Errors: none.
 /// Tests:  tests/physics/integrators.cpp (order 5 in a linear spring).
 struct Gear {

@@ -15,7 +15,7 @@
 namespace silt::inline SILT_TARGET::detail {
 
 /// Names the first sphere that a search cannot place.
-[[noreturn]] inline void throw_not_finite(const SphereSet& spheres) {
+[[noreturn, gnu::cold]] inline void throw_not_finite(const SphereSet& spheres) {
   std::size_t k = 0;
   const auto& rows = spheres.rows;
   while (k + 1 < rows.size() && is_finite(rows[k].centre()) && std::isfinite(rows[k].r)) ++k;

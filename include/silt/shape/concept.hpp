@@ -2,19 +2,39 @@
 #pragma once
 
 #include <concepts>
+#include <vector>
 
 #include <silt/core/target.hpp>
+#include <silt/shape/mass_properties.hpp>
 
 namespace silt::inline SILT_TARGET {
 
-/// A shape gives mass properties and a bounding radius for a particle of it; contact geometry of
-/// pairs of shapes stands in shape/narrow/. Needs
+/// A sphere, by its radius alone: of particles that have no orientation. Needs
 ///   static double volume(double radius)          [m3]
 ///   static double inertia_factor()               [-] I / (m r^2), isotropic
 template <class S>
 concept Shape = requires(double radius) {
   { S::volume(radius) } -> std::same_as<double>;
   { S::inertia_factor() } -> std::same_as<double>;
+};
+
+/// A sphere that belongs to a body.
+struct Ball {
+  Vec3d centre;   // [m] in the body's frame
+  double radius;  // [m]
+};
+
+/// A shape with an orientation. A value of it is one form, which many particles may have, each in
+/// its own size. Needs
+///   void check() const                           throws InputError, one sentence
+///   MassProperties mass_properties() const       of unit density
+///   std::vector<Ball> parts() const              the spheres that it consists of, any frame
+template <class S>
+concept BodyShape = requires(const S& form) {
+  requires S::is_body;
+  form.check();
+  { form.mass_properties() } -> std::same_as<MassProperties>;
+  { form.parts() } -> std::same_as<std::vector<Ball>>;
 };
 
 }  // namespace silt

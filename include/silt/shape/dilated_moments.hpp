@@ -17,6 +17,10 @@ namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
+inline void add_point(Moments& m, const Vec3d& point, double weight) {
+  m.volume += weight, m.first += weight * point, m.second += weight * outer(point);
+}
+
 /// Nodes and weights of Gauss' rule on [0, 1] by Newton's iteration on the Legendre polynomial.
 template <int N>
 struct GaussRule {
@@ -63,7 +67,7 @@ void sum_directions(const Vec3d& a, const Vec3d& b, const Vec3d& c, Add&& add) {
 }
 
 /// `body` with its origin at `origin`.
-inline void add_slabs(const Polyhedron& body, const Vec3d& origin, VolumeMoments& m) {
+inline void add_slabs(const Polyhedron& body, const Vec3d& origin, Moments& m) {
   const GaussRule<2> height;
   for (const auto& face : body.faces()) {
     const auto corner = body.loop(face);
@@ -74,13 +78,13 @@ inline void add_slabs(const Polyhedron& body, const Vec3d& origin, VolumeMoments
       const double area = 0.5 * norm(cross(b - a, c - a));
       for (std::size_t h = 0; h < 2; ++h)  // middles of the sides: exact to second order
         for (const Vec3d& p : {a + b, b + c, c + a})
-          m.add(0.5 * p + (height.at[h] * body.radius()) * face.normal,
-                height.weight[h] * body.radius() * area / 3);
+          add_point(m, 0.5 * p + (height.at[h] * body.radius()) * face.normal,
+                    height.weight[h] * body.radius() * area / 3);
     }
   }
 }
 
-inline void add_wedges(const Polyhedron& body, const Vec3d& origin, VolumeMoments& m) {
+inline void add_wedges(const Polyhedron& body, const Vec3d& origin, Moments& m) {
   static const GaussRule<16> angle;
   const GaussRule<2> along, out;
   const double r = body.radius();
@@ -94,22 +98,22 @@ inline void add_wedges(const Polyhedron& body, const Vec3d& origin, VolumeMoment
       const Vec3d u = std::cos(phi) * n + std::sin(phi) * aside;
       for (std::size_t j = 0; j < 2; ++j)
         for (std::size_t k = 0; k < 2; ++k)  // rho d rho, to the third order in rho
-          m.add(a + along.at[j] * (b - a) + (r * out.at[k]) * u,
-                angle.weight[i] * theta * along.weight[j] * norm(b - a) * out.weight[k] * r * r *
-                    out.at[k]);
+          add_point(m, a + along.at[j] * (b - a) + (r * out.at[k]) * u,
+                    angle.weight[i] * theta * along.weight[j] * norm(b - a) * out.weight[k] * r *
+                        r * out.at[k]);
     }
   }
 }
 
-inline void add_sectors(const Polyhedron& body, const Vec3d& origin, VolumeMoments& m) {
+inline void add_sectors(const Polyhedron& body, const Vec3d& origin, Moments& m) {
   const GaussRule<3> out;
   const double r = body.radius();
   for (const auto& v : body.graph())  // chained vertices share a corner's directions among them
     sum_directions(body.faces()[v.face[0]].normal, body.faces()[v.face[1]].normal,
                    body.faces()[v.face[2]].normal, [&](const Vec3d& u, double omega) {
                      for (std::size_t k = 0; k < 3; ++k)
-                       m.add(v.at - origin + (r * out.at[k]) * u,
-                             omega * out.weight[k] * r * r * r * out.at[k] * out.at[k]);
+                       add_point(m, v.at - origin + (r * out.at[k]) * u,
+                                 omega * out.weight[k] * r * r * r * out.at[k] * out.at[k]);
                    });
 }
 
@@ -119,11 +123,11 @@ inline void add_sectors(const Polyhedron& body, const Vec3d& origin, VolumeMomen
 inline MassProperties mass_properties(const Polyhedron& body) {
   const auto core = mass_properties(body.triangles());
   if (body.radius() == 0) return core;
-  VolumeMoments m = volume_moments(body.triangles(), core.centroid);
+  Moments m = moments_of(body.triangles(), core.centroid);
   detail::add_slabs(body, core.centroid, m);
   detail::add_wedges(body, core.centroid, m);
   detail::add_sectors(body, core.centroid, m);
-  return m.mass_properties(core.centroid);
+  return mass_properties_about(core.centroid, m);
 }
 
 /// A shape in the frame of its centroid and principal axes.
@@ -138,8 +142,7 @@ struct PrincipalShape {
 namespace detail {
 inline PrincipalShape principal_shape(const MassProperties& mass,
                                       const std::vector<Polyhedron>& parts) {
-  const auto principal = principal_frame(mass.inertia);
-  PrincipalShape out{{}, mass.volume, principal.moments, 0, {mass.centroid, principal.axes}};
+  PrincipalShape out{{}, mass.volume, mass.inertia, 0, {mass.centroid, mass.axes}};
   for (const auto& part : parts) {
     auto points = part.vertices();
     for (auto& p : points) p = out.frame.to_body(p);

@@ -7,8 +7,9 @@
 
 #include <silt/core/lanes.hpp>
 #include <silt/shape/clip_graph.hpp>
-#include <silt/shape/mass_properties.hpp>
+#include <silt/shape/rigid_pose.hpp>
 #include <silt/shape/solid_mesh.hpp>
+#include <silt/shape/triangle_moments.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -228,7 +229,7 @@ inline void Polyhedron::add_columns() {
 }
 
 inline void Polyhedron::measure() {
-  core_volume_ = volume_moments(triangles(), vertices_[0]).volume;
+  core_volume_ = moments_of(triangles(), vertices_[0]).volume;
   for (const auto& v : vertices_) bounding_radius_ = std::max(bounding_radius_, norm(v) + radius_);
 }
 

@@ -28,23 +28,6 @@ inline RotationMatrix rotation_matrix(const Quaternion& q) {
           {2 * (xz + wy), 2 * (yz - wx), 1 - 2 * (xx + yy)}};
 }
 
-/// The unit quaternion of a rotation (Shepperd 1978: the largest component first), w >= 0.
-inline Quaternion quaternion_of(const RotationMatrix& r) {
-  const double xx = r.x.x, yy = r.y.y, zz = r.z.z, trace = xx + yy + zz;
-  Quaternion q;
-  if (trace >= xx && trace >= yy && trace >= zz)
-    q = {1 + trace, r.y.z - r.z.y, r.z.x - r.x.z, r.x.y - r.y.x};
-  else if (xx >= yy && xx >= zz)
-    q = {r.y.z - r.z.y, 1 + xx - yy - zz, r.x.y + r.y.x, r.z.x + r.x.z};
-  else if (yy >= zz)
-    q = {r.z.x - r.x.z, r.x.y + r.y.x, 1 - xx + yy - zz, r.y.z + r.z.y};
-  else
-    q = {r.x.y - r.y.x, r.z.x + r.x.z, r.y.z + r.z.y, 1 - xx - yy + zz};
-  const double length = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
-  const double scale = (q.w < 0 ? -1 : 1) / length;
-  return {scale * q.w, scale * q.x, scale * q.y, scale * q.z};
-}
-
 struct RigidPose {
   Vec3d position{0, 0, 0};  // [m] of the body's origin
   RotationMatrix turn;      // body to space

@@ -53,12 +53,14 @@ struct EnergyBalance {
     return normal_damping + tangential_damping + friction + rolling_resistance;
   }
   double supplied() const { return walls + openings + changed_gravity; }
-  /// What the books cannot explain: the error of time integration, second order in the step. First
-  /// order are: with friction, the change of the lever arm in half a step (some 1e-7 of the energy
-  /// turned over at 1000 steps a contact), RollingOwn, and ends of contact with
-  /// DampingEnd::ZeroOverlap at walls that are not planes at rest, or without a Verlet list.
-  /// Springs of contacts that a removed wall or a particle had as it left through an outlet are in
-  /// it too.
+  /// What the books cannot explain: the error of time integration, second order in the step with
+  /// Leapfrog; first with SymplecticEuler, while forces act, and Gear, with damping or friction
+  /// (docs/energy.md has numbers). First order are also: gravity that is set anew between runs,
+  /// half a step of which is that from before; with friction, the change of the lever arm in half a
+  /// step (some 1e-7 of the energy turned over at 1000 steps a contact), RollingOwn, and ends of
+  /// contact with DampingEnd::ZeroOverlap at walls that are not planes at rest, or without a Verlet
+  /// list. Springs of contacts that a removed wall or a particle had as it left through an outlet
+  /// are in it too.
   double residual() const { return held() + dissipated() - supplied() - initial; }
 };
 

@@ -44,19 +44,15 @@ inline RotationMatrix frame_along(const Vec3d& n) {
 }
 
 inline Vec3d times(const Symmetric3& s, const Vec3d& v) {
-  return {s.xx * v.x + s.xy * v.y + s.xz * v.z, s.xy * v.x + s.yy * v.y + s.yz * v.z,
-          s.xz * v.x + s.yz * v.y + s.zz * v.z};
+  return {s.xx * v.x + s.xy * v.y + s.zx * v.z, s.xy * v.x + s.yy * v.y + s.yz * v.z,
+          s.zx * v.x + s.yz * v.y + s.zz * v.z};
 }
 inline Symmetric3 inverse(const Symmetric3& s) {
-  const double xx = s.yy * s.zz - s.yz * s.yz, xy = s.xz * s.yz - s.xy * s.zz,
-               xz = s.xy * s.yz - s.xz * s.yy;
-  const double scale = 1 / (s.xx * xx + s.xy * xy + s.xz * xz);
-  return {scale * xx,
-          scale * (s.xx * s.zz - s.xz * s.xz),
-          scale * (s.xx * s.yy - s.xy * s.xy),
-          scale * xy,
-          scale * xz,
-          scale * (s.xy * s.xz - s.xx * s.yz)};
+  const double xx = s.yy * s.zz - s.yz * s.yz, xy = s.zx * s.yz - s.xy * s.zz,
+               zx = s.xy * s.yz - s.zx * s.yy;
+  const double scale = 1 / (s.xx * xx + s.xy * xy + s.zx * zx);
+  return scale * Symmetric3{xx, s.xx * s.zz - s.zx * s.zx, s.xx * s.yy - s.xy * s.xy,
+                            xy, s.xy * s.zx - s.xx * s.yz, zx};
 }
 
 /// (1) and (2) of what is left of a body, about its middle and along its normal.
@@ -72,12 +68,10 @@ class ThicknessIntegrals {
     add_moments(g);
     const double scale = 1 / moments_.volume;
     mean_ = scale * moments_.first;
-    Symmetric3 c = moments_.second;
-    c.add_square(mean_, -moments_.volume);
-    const Symmetric3 k = inverse(
-        {scale * c.xx, scale * c.yy, scale * c.zz, scale * c.xy, scale * c.xz, scale * c.yz});
-    inverse_ = k;
-    trace_ = k.trace();
+    Symmetric3 c = scale * moments_.second;
+    c += -1.0 * outer(mean_);
+    inverse_ = inverse(c);
+    trace_ = inverse_.trace();
     thickness = std::sqrt(12 / trace_);
     add_pressure(g);
     const double weight = thickness / (2 * trace_ * moments_.volume);
@@ -110,10 +104,7 @@ class ThicknessIntegrals {
         const Vec3d foot = height * n, sum = foot + p + q;
         moments_.volume += part;
         moments_.first += (part / 4) * sum;
-        moments_.second.add_square(sum, part / 20);
-        moments_.second.add_square(foot, part / 20);
-        moments_.second.add_square(p, part / 20);
-        moments_.second.add_square(q, part / 20);
+        for (const Vec3d& x : {sum, foot, p, q}) moments_.second += (part / 20) * outer(x);
       }
     }
   }
@@ -142,7 +133,7 @@ class ThicknessIntegrals {
   const Cutter& cutter_;
   Vec3d middle_;
   RotationMatrix frame_;  // of the integrals, in the frame of the body
-  VolumeMoments moments_;
+  Moments moments_;
   Vec3d mean_{0, 0, 0};
   Symmetric3 inverse_;  // C^-1
   double trace_ = 0;    // T
@@ -152,7 +143,7 @@ class ThicknessIntegrals {
 inline VolumeContact thickness_of(const ClippedBody::Graph& g, const PlacedPolyhedron& body,
                                   const Cutter& cutter, double sign, const Vec3d& towards_i) {
   VolumeContact out;
-  const auto cut = Integrator(g, *body.shape, cutter).result();
+  const auto cut = CutIntegrator(g, *body.shape, cutter).result();
   if (!(cut.volume > 0)) return out;
   out.volume = cut.volume, out.area = norm(cut.area);
   if (!(out.area * out.area * out.area > 1e-30 * cut.volume * cut.volume)) {

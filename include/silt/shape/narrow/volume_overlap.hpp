@@ -118,9 +118,9 @@ struct CutIntegrals {
 /// From directed edges alone: each edge p -> q of a face with normal n spans, with the foot of the
 /// origin on its plane, the part w = n . (p x q)/2 of its area, so that
 ///   V = sum h w/3 (h: height of the plane),  S = sum w n,  G = sum w (p + q)/3 x n.
-class Integrator {
+class CutIntegrator {
  public:
-  Integrator(const ClippedBody::Graph& g, const Polyhedron& body, const Cutter& cutter)
+  CutIntegrator(const ClippedBody::Graph& g, const Polyhedron& body, const Cutter& cutter)
       : body_(body.plane_columns()), cutter_(cutter) {
     Vec3d middle{0, 0, 0};
     for (std::size_t v = 0; v < g.size; ++v) middle += g.at(v);
@@ -183,7 +183,7 @@ inline VolumeOverlap volume_overlap(const PlacedPolyhedron& i, const PlacedPolyh
   VolumeOverlap out;
   detail::cut_pair(i, j, axis,
                    [&](const auto& graph, const auto& body, const auto& cutter, double sign) {
-                     out = detail::finish(detail::Integrator(graph, *body.shape, cutter).result(),
+                     out = detail::finish(detail::CutIntegrator(graph, *body.shape, cutter).result(),
                                           body.pose, sign);
                    });
   return out;
@@ -195,7 +195,7 @@ inline VolumeOverlap volume_overlap(const PlacedPolyhedron& i, const Vec3d& at,
                                     const Vec3d& normal) {
   VolumeOverlap out;
   detail::cut_half_space(i, at, normal, [&](const auto& graph, const auto& cutter) {
-    out = detail::finish(detail::Integrator(graph, *i.shape, cutter).result(), i.pose, -1);
+    out = detail::finish(detail::CutIntegrator(graph, *i.shape, cutter).result(), i.pose, -1);
   });
   return out;
 }
@@ -221,7 +221,7 @@ inline VolumeOverlap volume_overlap(const PlacedPolyhedron& i,
     add(triangle[k], normalised(cross(triangle[(k + 1) % 3] - triangle[k], up)));
   detail::ClippedBody left(*i.shape);
   if (!detail::cut_by_all(left, cutter, 0)) return {};
-  return detail::finish(detail::Integrator(left.graph(), *i.shape, cutter).result(), i.pose, -1);
+  return detail::finish(detail::CutIntegrator(left.graph(), *i.shape, cutter).result(), i.pose, -1);
 }
 
 /// (2) and (3). `towards_i`: any direction from j to i, for a buried body, which has none.

@@ -1,0 +1,238 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include <silt/engine/sphere_motion.hpp>
+#include <silt/fill/bodies.hpp>
+#include <silt/motion/rotation.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// A rigid body.
+struct Body {
+  Vec3d centre;            // [m]
+  double inv_m;            // [1/kg]; 0: fixed
+  Vec3d velocity;          // [m/s] at the last half step
+  double radius;           // [m] of the bounding sphere
+  Quaternion orientation;  // principal axes to space
+  Vec3d momentum;          // [kg m2/s] angular, in principal axes, at the last half step
+  double scale;            // [-] of its form
+  Vec3d inertia;           // [kg m2] principal moments; of fixed ones 1
+  std::uint32_t id;        // no_particle: has left
+  std::uint32_t form;
+  std::uint32_t material;
+  std::uint32_t first = 0;  // place of the row of its first part in `rows`
+
+  Vec3d angular_velocity(const Vec3d& of) const {  // [rad/s] in space
+    return rotate(orientation, {of.x / inertia.x, of.y / inertia.y, of.z / inertia.z});
+  }
+};
+static_assert(sizeof(Body) % sizeof(double) == 0);
+
+/// Columns of a rotation.
+struct Axes {
+  Vec3d x, y, z;
+  explicit Axes(const Quaternion& q)
+      : x(rotate(q, {1, 0, 0})), y(rotate(q, {0, 1, 0})), z(rotate(q, {0, 0, 1})) {}
+  Vec3d to_space(const Vec3d& v) const { return v.x * x + v.y * y + v.z * z; }
+  Vec3d to_body(const Vec3d& v) const { return {dot(x, v), dot(y, v), dot(z, v)}; }
+};
+
+/// Translation and rotation of rigid bodies, each of one or more parts, which are the rows that
+/// lists and contacts know: bodies take up what loads their parts, move, and put them in their
+/// places with the velocities that they have there.
+template <class ShapeType, class ContactsType, class State, class Scalar, class Integrator,
+          class Rotation>
+class BodyMotion {
+  static_assert(Integrator::derivatives == 0,
+                "particles that are no spheres move by Leapfrog or SymplecticEuler; Gear is for "
+                "spheres");
+  static constexpr bool rotates = ContactsType::rotates;
+  static constexpr std::size_t chunks = load_chunks<ContactsType>;
+
+ public:
+  using Scene = MovedScene<State, Scalar>;
+
+  /// State of one body at a whole step.
+  struct Synchronous {
+    Vec3d velocity, angular_velocity;  // [m/s], [rad/s]
+  };
+  std::vector<Synchronous> synchronous;  // of the last observed step
+  std::vector<BodyForm<ShapeType>> forms;
+  std::vector<Body> bodies;
+  std::vector<std::uint32_t> rows;  // of the parts of each body, as its form counts them
+
+  std::span<const std::uint32_t> rows_of(const Body& b) const {
+    return {rows.data() + b.first, forms[b.form].parts.size()};
+  }
+
+  /// What rotation adds to the inverse mass [1/kg] against a push along n through a part's centre.
+  double turning(const PartRow& part, const Vec3d& n) const {
+    const Body& b = bodies[part.body];
+    if (b.inv_m == 0) return 0;
+    const Vec3d arm = b.scale * forms[b.form].parts[part.local].centre;
+    const Vec3d lever = cross(arm, rotate(conjugate(b.orientation), n));
+    return lever.x * lever.x / b.inertia.x + lever.y * lever.y / b.inertia.y +
+           lever.z * lever.z / b.inertia.z;
+  }
+
+  Pace integrate(const Scene& scene, Advance how, const Kick& kick) {
+    if (how == Advance::KickAndRecord) synchronous.resize(bodies.size());
+    return over_bodies(scene, [&](std::size_t k, Measured& most) {
+      Body& b = bodies[k];
+      const Vec3d velocity = b.velocity, momentum = b.momentum;
+      push(scene, b, kick);
+      if (how == Advance::KickAndDrift) return move(scene, b, kick.drift, most);
+      // At the whole step both are the means of the two half steps around it.
+      const bool of_now = kick.first || Integrator::first_kick != 0.5;
+      synchronous[k] = {of_now ? velocity : 0.5 * (velocity + b.velocity),
+                        b.angular_velocity(of_now ? momentum : 0.5 * (momentum + b.momentum))};
+      place(scene.particles, scene.per_inner2, b, Placing::Still, 0, most);
+    });
+  }
+  /// Completes a step that was observed; returns the largest share of an inner reach [1/s].
+  double drift(const Scene& scene, double time_step, double) {
+    return over_bodies(scene, [&](std::size_t k,
+                                  Measured& most) { move(scene, bodies[k], time_step, most); })
+        .largest_share;
+  }
+  /// After an observed state: the step will be `ratio` times as long.
+  void change_step(State& particles, double ratio) {
+    if (Integrator::first_kick != 0.5) return;
+    for (std::size_t k = 0; k < bodies.size(); ++k) {
+      Body& b = bodies[k];
+      const Vec3d w = synchronous[k].angular_velocity;
+      const Vec3d turned = rotate(conjugate(b.orientation), w);
+      const Vec3d now{turned.x * b.inertia.x, turned.y * b.inertia.y, turned.z * b.inertia.z};
+      b.velocity = synchronous[k].velocity + ratio * (b.velocity - synchronous[k].velocity);
+      b.momentum = now + ratio * (b.momentum - now);
+      put_in_place(particles, b);
+    }
+  }
+
+  /// Puts the parts of a body where it is, with the velocities they have there.
+  void put_in_place(State& particles, const Body& b) {
+    Measured most;
+    place(particles, nullptr, b, Placing::Still, 0, most);
+  }
+
+  /// After parts were sorted or dropped: brings the bodies into the order of their first parts.
+  void follow(State& particles) {
+    std::vector<std::uint32_t> place(bodies.size(), no_particle);
+    std::vector<Body> sorted;
+    std::vector<Synchronous> recorded;
+    std::uint32_t next = 0;
+    sorted.reserve(bodies.size());
+    for (std::size_t r = 0; r < particles.size(); ++r) {
+      auto& part = particles.part[r];
+      if (place[part.body] == no_particle) {
+        place[part.body] = static_cast<std::uint32_t>(sorted.size());
+        sorted.push_back(bodies[part.body]);
+        if (!synchronous.empty() && part.body < synchronous.size())
+          recorded.push_back(synchronous[part.body]);
+        sorted.back().first = next;
+        next += static_cast<std::uint32_t>(forms[sorted.back().form].parts.size());
+      }
+      part.body = place[part.body];
+    }
+    bodies.swap(sorted), synchronous.swap(recorded);
+    number_rows(particles);
+  }
+  /// Notes the rows of each body's parts.
+  void number_rows(const State& particles) {
+    std::size_t count = 0;
+    for (const Body& b : bodies) count += forms[b.form].parts.size();
+    rows.assign(count, no_particle);
+    for (std::size_t r = 0; r < particles.size(); ++r)
+      rows[bodies[particles.part[r].body].first + particles.part[r].local] =
+          static_cast<std::uint32_t>(r);
+  }
+
+ private:
+  struct Measured {
+    double speed2 = 0, share2 = 0, sum2 = 0;
+  };
+  enum class Placing { Still, Moved };
+
+  template <class Visit>
+  Pace over_bodies(const Scene& scene, const Visit& visit) {
+    std::array<Measured, Team::most_ranges> of{};
+    scene.team.for_ranges(bodies.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
+      for (std::size_t k = from; k < to; ++k)
+        if (bodies[k].id != no_particle) visit(k, of[r]);
+    });
+    Measured all;
+    for (const Measured& m : of) {
+      all.speed2 = std::max(all.speed2, m.speed2), all.share2 = std::max(all.share2, m.share2);
+      all.sum2 += m.sum2;
+    }
+    return {std::sqrt(all.speed2), std::sqrt(all.share2), std::isfinite(all.sum2)};
+  }
+
+  /// Kicks a body by the loads of its parts, and clears them.
+  void push(const Scene& scene, Body& b, const Kick& kick) const {
+    const Axes axes(b.orientation);
+    const auto& parts = forms[b.form].parts;
+    Vec3d force{0, 0, 0}, torque{0, 0, 0};
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      Scalar* const load = scene.sums + std::size_t{rows[b.first + p]} * 4 * chunks;
+      const auto take = [&](std::size_t chunk) {
+        Scalar* const at = load + 4 * chunk;
+        const Vec3d v{double(at[0]), double(at[1]), double(at[2])};
+        at[0] = at[1] = at[2] = at[3] = 0;
+        return v;
+      };
+      const Vec3d f = take(0);
+      force += f, torque += cross(axes.to_space(b.scale * parts[p].centre), f);
+      if constexpr (rotates) torque += b.scale * parts[p].radius * take(1);
+      if constexpr (ContactsType::has_rolling) torque += take(2);
+    }
+    if (b.inv_m == 0) return;
+    b.velocity += kick.time * (b.inv_m * force + kick.gravity);
+    Rotation::kick(b.momentum, axes.to_body(torque), b.inertia, kick.time);
+  }
+
+  void move(const Scene& scene, Body& b, double time, Measured& most) const {
+    b.centre += time * b.velocity;
+    Rotation::drift(b.orientation, b.momentum, b.inertia, time);
+    place(scene.particles, scene.per_inner2, b, Placing::Moved, time, most);
+  }
+
+  /// Puts the parts in their places. How far each has gone in `time` is measured exactly.
+  void place(State& particles, const double* per_inner2, const Body& b, Placing how, double time,
+             Measured& most) const {
+    const Axes axes(b.orientation);
+    const auto& parts = forms[b.form].parts;
+    const Vec3d w = b.angular_velocity(b.momentum);
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      const std::size_t r = rows[b.first + p];
+      const Vec3d arm = axes.to_space(b.scale * parts[p].centre);
+      const Vec3d velocity = b.velocity + cross(w, arm);
+      auto& motion = particles.motion[r];
+      motion.vx = velocity.x, motion.vy = velocity.y, motion.vz = velocity.z;
+      PositionRow& row = particles.position[r];
+      if constexpr (rotates) {
+        const Vec3d spin = row.r * w;
+        motion.wx = spin.x, motion.wy = spin.y, motion.wz = spin.z;
+      }
+      particles.renew_pair_motion(r);
+      Vec3d v = velocity;
+      if (how == Placing::Moved) {
+        const Vec3d now = b.centre + arm + particles.part[r].image;
+        v = (1 / time) * (now - row.centre());
+        row.x = now.x, row.y = now.y, row.z = now.z;
+      }
+      const double v2 = dot(v, v);
+      most.sum2 += v2, most.speed2 = std::max(most.speed2, v2);
+      if (per_inner2 != nullptr) most.share2 = std::max(most.share2, v2 * per_inner2[r]);
+    }
+  }
+};
+
+}  // namespace silt::detail

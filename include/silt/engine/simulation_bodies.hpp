@@ -1,0 +1,74 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+// Parts of Simulation that only rigid bodies need.
+
+#include <silt/simulation.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// Adds bodies whose forms are those of the engine from `first_form` on.
+template <class... Policies>
+void Simulation<Policies...>::add_bodies(const ParticlesType& more,
+                                         std::size_t first_form) requires has_bodies {
+  auto& mover = engine_.mover;
+  for (std::size_t k = 0; k < more.size(); ++k) {  // all is checked before anything is added
+    const auto& p = more[k];
+    if (guard.domain)
+      require(guard.domain->contains(p.position), "particle ", k, " at ", p.position,
+              " m is outside guard.domain from ", guard.domain->min, " to ", guard.domain->max,
+              " m");
+    if constexpr (Domain::periodic)
+      for (int d = 0; d < 3; ++d)
+        require(!domain_.repeats(d) || domain_.length(d) >= 6 * p.radius,
+                "PeriodicBox: its length ", domain_.length(d),
+                " [m] must be at least 3 diameters of the sphere of radius ", p.radius,
+                " m around particle ", k);
+    require(p.material < contacts_.materials() || !ContactsType::several_materials, "particle ", k,
+            ": material ", p.material, " is not in the table of ", contacts_.materials(),
+            " materials; add it to the contacts first");
+    require(ContactsType::several_materials || p.material == 0, "particle ", k, ": material ",
+            p.material,
+            " needs Contacts<Law, SeveralMaterials>; without it all particles are of the "
+            "first material");
+  }
+  std::uint32_t first = static_cast<std::uint32_t>(mover.rows.size());
+  const std::size_t before = mover.bodies.size();
+  for (const auto& p : more) {
+    const auto number = static_cast<std::uint32_t>(first_form + p.form);
+    const auto& form = mover.forms[number];
+    const double scale = p.radius / form.radius, volume = form.mass.volume * scale * scale * scale;
+    detail::Body b{};
+    b.centre = p.position, b.velocity = p.velocity, b.radius = p.radius, b.scale = scale;
+    b.inv_m = p.fixed ? 0 : 1 / (p.density * volume);
+    b.inertia = p.fixed ? Vec3d{1, 1, 1}
+                        : p.density * scale * scale * scale * scale * scale * form.mass.inertia;
+    b.orientation = p.orientation * form.mass.axes;
+    const Vec3d w = rotate(conjugate(b.orientation), p.angular_velocity);
+    b.momentum = {w.x * b.inertia.x, w.y * b.inertia.y, w.z * b.inertia.z};
+    b.id = next_id_++, b.form = number, b.material = static_cast<std::uint32_t>(p.material);
+    b.first = first;
+    for (std::uint32_t local = 0; local < form.parts.size(); ++local) {
+      const Vec3d c = b.centre + rotate(b.orientation, scale * form.parts[local].centre);
+      const double r = scale * form.parts[local].radius;
+      typename Engine::Motion m{};
+      m.inv_m = b.inv_m;
+      if constexpr (Engine::rotates) m.inv_r = 1 / r;
+      mover.rows.push_back(static_cast<std::uint32_t>(engine_.particles.size()));
+      engine_.particles.add({c.x, c.y, c.z, r}, m, next_part_++,
+                            static_cast<std::uint16_t>(p.material));
+      engine_.particles.part.push_back({static_cast<std::uint32_t>(mover.bodies.size()), local});
+    }
+    first += static_cast<std::uint32_t>(form.parts.size());
+    mover.bodies.push_back(b);
+    mover.put_in_place(engine_.particles, b);
+    if (kicked_) mover.synchronous.push_back({p.velocity, p.angular_velocity});
+  }
+  if constexpr (has_ledger)
+    for (std::size_t k = before; k < mover.bodies.size() && !first_kick_; ++k)
+      if (std::isfinite(mass(k))) book_.bring_in(kinetic(k).sum() + potential(k));
+  engine_.particles.measure();
+  engine_.lists.forget();
+}
+
+}  // namespace silt

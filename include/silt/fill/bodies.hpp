@@ -1,0 +1,151 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include <silt/fill/particles.hpp>
+#include <silt/shape/concept.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// A form as the engine has it: in its principal frame, about its centroid.
+template <class S>
+struct BodyForm {
+  S shape;  // as the user gave it
+  MassProperties mass;
+  std::vector<Ball> parts;
+  double radius;  // [m] of the sphere around the centroid that holds all
+
+  explicit BodyForm(S given) : shape(std::move(given)) {
+    shape.check();
+    mass = shape.mass_properties();
+    radius = 0;
+    for (const Ball& b : shape.parts()) {
+      parts.push_back({rotate(conjugate(mass.axes), b.centre - mass.centroid), b.radius});
+      radius = std::max(radius, norm(parts.back().centre) + b.radius);
+    }
+  }
+
+  /// Tells `lightest` the parts of a particle of this form: the mass is what a push at the tip of
+  /// the longest lever meets.
+  template <class Lightest>
+  void include_lightest(Lightest& lightest, double scale, double of_body) const {
+    double lever2 = 0;
+    for (const Ball& b : parts) lever2 = std::max(lever2, dot(b.centre, b.centre));
+    const double least = std::min({mass.inertia.x, mass.inertia.y, mass.inertia.z}) / mass.volume;
+    for (const Ball& b : parts)
+      lightest.include({scale * b.radius, of_body / (1 + lever2 / least)});
+  }
+};
+
+/// An orientation drawn from all with equal probability.
+/// Source: K. Shoemake, in Graphics Gems III (1992) 124.
+inline Quaternion random_orientation(Random& random) {
+  const double u = random.uniform(0, 1), a = random.uniform(0, 2 * std::numbers::pi),
+               b = random.uniform(0, 2 * std::numbers::pi);
+  const double p = std::sqrt(1 - u), q = std::sqrt(u);
+  return {q * std::cos(b), p * std::sin(a), p * std::cos(a), q * std::sin(b)};
+}
+
+/// Bodies that a simulation starts with: each has one of the forms, in its own size.
+///
+///   silt::Particles<silt::MultiSphere> stones;
+///   const auto pebble = stones.add_form(silt::read_multi_sphere("pebble.txt"));
+///   stones.fill({.min = {0, 0, 0}, .max = {0.1, 0.1, 0.2}},
+///               {.radius = silt::uniform(4e-3, 6e-3), .density = 2500, .form = pebble});
+/// Errors: InputError naming the particle's number, the value, its unit and what is allowed.
+template <BodyShape S>
+class Particles<S> {
+ public:
+  using ShapeType = S;
+  struct Particle {
+    std::size_t form = 0;             // [-] as add_form counted
+    Vec3d position;                   // [m] of the centre of mass
+    Quaternion orientation = {};      // turns the frame that the form was given in to space
+    double radius = 0;                // [m] of its bounding sphere; 0: as the form was made
+    double density = 0;               // [kg/m3]
+    Vec3d velocity{0, 0, 0};          // [m/s]
+    Vec3d angular_velocity{0, 0, 0};  // [rad/s] in space
+    std::size_t material = 0;         // [-] index in the contacts' table
+    bool fixed = false;               // keeps its velocity whatever acts on it
+  };
+
+  std::size_t add_form(S shape) {
+    forms_.emplace_back(std::move(shape));
+    return forms_.size() - 1;
+  }
+
+  Particles& add(Particle p) {
+    const auto what = [&](const char* field) {
+      return text("particle ", all_.size(), ": ", field);
+    };
+    require(p.form < forms_.size(), what("form"), " = ", p.form, " is none of the ", forms_.size(),
+            " forms; make it with add_form first");
+    require(is_finite(p.position), what("position"), " = ", p.position, " [m] must be finite");
+    const Quaternion& q = p.orientation;
+    const double length = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+    require(std::abs(length - 1) < 1e-6, what("orientation"), " has length ", length,
+            " [-], but must be a unit quaternion");
+    require_not_negative(what("radius"), p.radius, "m");
+    require_positive(what("density"), p.density, "kg/m3");
+    require(is_finite(p.velocity), what("velocity"), " = ", p.velocity, " [m/s] must be finite");
+    require(is_finite(p.angular_velocity), what("angular_velocity"), " = ", p.angular_velocity,
+            " [rad/s] must be finite");
+    if (p.radius == 0) p.radius = forms_[p.form].radius;
+    all_.push_back(p);
+    return *this;
+  }
+
+  /// Adds one of another's forms.
+  Particles& add_like(const std::vector<BodyForm<S>>& forms, const Particle& p) {
+    if (forms_.empty()) forms_ = forms;
+    return add(p);
+  }
+
+  /// Fills a region without overlap of bounding spheres, also with those of the particles there
+  /// already. Throws InputError and adds none if what was asked for does not fit; says how many
+  /// would have, and why no more.
+  template <Region R>
+  Particles& fill(const R& region, const Fill& fill) {
+    require_positive("Fill.density", fill.density, "kg/m3");
+    require(is_finite(fill.velocity), "Fill.velocity = ", fill.velocity, " [m/s] must be finite");
+    require(fill.form < forms_.size(), "Fill.form = ", fill.form, " is none of the ", forms_.size(),
+            " forms; make it with add_form first");
+    const BodyForm<S>& form = forms_[fill.form];
+    std::vector<PlacedSphere> already;
+    for (const auto& p : all_) already.push_back({p.position, p.radius});
+    FillRequest request = fill.request();
+    request.solid_volume *=
+        4.0 / 3 * std::numbers::pi * form.radius * form.radius * form.radius / form.mass.volume;
+    const auto result = pack(region, request, already);
+    require(result.why_not_more.empty(), "of bounding spheres: ", result.why_not_more);
+    Random random(fill.seed + 0x9e3779b97f4a7c15ull);
+    for (const auto& s : result.spheres)
+      add({.form = fill.form,
+           .position = s.position,
+           .orientation = fill.orientation ? *fill.orientation : random_orientation(random),
+           .radius = s.radius,
+           .density = fill.density,
+           .velocity = fill.velocity,
+           .material = fill.material});
+    return *this;
+  }
+  Particles& fill(const Box& region, const Fill& f) { return fill<Box>(region, f); }
+
+  const std::vector<BodyForm<S>>& forms() const { return forms_; }
+  std::size_t size() const { return all_.size(); }
+  const Particle& operator[](std::size_t k) const { return all_[k]; }
+  Particle& operator[](std::size_t k) { return all_[k]; }
+  auto begin() const { return all_.begin(); }
+  auto end() const { return all_.end(); }
+
+ private:
+  std::vector<BodyForm<S>> forms_;
+  std::vector<Particle> all_;
+};
+
+}  // namespace silt

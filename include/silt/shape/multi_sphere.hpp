@@ -1,0 +1,89 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <charconv>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <silt/io/atomic_file.hpp>
+#include <silt/shape/union_of_balls.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// A rigid body of spheres that may overlap. Overlaps count once in its mass and inertia.
+///
+///   silt::Particles<silt::MultiSphere> stones;
+///   const auto rod = stones.add_form({.balls = {{{-1e-3, 0, 0}, 1e-3}, {{1e-3, 0, 0}, 1e-3}}});
+///   stones.add({.form = rod, .position = {0, 0, 0.1}, .density = 2500});
+///
+/// Contacts are those of its spheres, each with its own history. Where several spheres of one body
+/// touch the same other body at once, each gets its share of stiffness and damping, so that the
+/// body is not the stiffer the more spheres describe it (engine/shared_contacts.hpp).
+/// Units: m, in any frame; the engine moves it to the principal frame.
+/// Errors: InputError for no balls, radii that are not positive, places that are not finite.
+/// Tests: tests/shape/multi_sphere.cpp, tests/engine/bodies.cpp.
+struct MultiSphere {
+  static constexpr bool is_body = true;
+
+  std::vector<Ball> balls;
+  /// Mass and inertia from elsewhere, as from the mesh that the spheres stand for, in the frame of
+  /// the balls; left out: those of the union.
+  std::optional<MassProperties> mass = {};
+
+  void check() const {
+    require(!balls.empty(), "MultiSphere has no balls; give at least one");
+    for (std::size_t k = 0; k < balls.size(); ++k) {
+      require(is_finite(balls[k].centre), "MultiSphere: the centre of ball ", k, ", ",
+              balls[k].centre, " [m], must be finite");
+      require_positive(text("MultiSphere: the radius of ball ", k), balls[k].radius, "m");
+    }
+    require(!mass || (mass->volume > 0 && mass->inertia.x > 0 && mass->inertia.y > 0 &&
+                      mass->inertia.z > 0),
+            "MultiSphere: the volume and the principal moments of its mass must be greater than 0");
+  }
+  MassProperties mass_properties() const {
+    return mass ? *mass : silt::mass_properties(moments_of_union(balls));
+  }
+  std::vector<Ball> parts() const { return balls; }
+};
+
+static_assert(BodyShape<MultiSphere>);
+
+/// Reads a multi-sphere from a text file: a line `x y z r` a ball, in units of `scale` [m]; empty
+/// lines and what follows a # are skipped.
+/// Errors: FileError if the file cannot be read or a line is not four numbers, with its number;
+/// InputError as MultiSphere::check.
+inline MultiSphere read_multi_sphere(const std::string& path, double scale = 1) {
+  require_positive("read_multi_sphere: scale", scale, "m");
+  std::istringstream lines(detail::read_file(path));
+  MultiSphere form;
+  std::string line;
+  for (std::size_t number = 1; std::getline(lines, line); ++number) {
+    std::istringstream words(line.substr(0, line.find('#')));
+    std::vector<std::string> found;
+    for (std::string word; words >> word;) found.push_back(word);
+    if (found.empty()) continue;
+    double values[4] = {};
+    bool good = found.size() == 4;
+    for (std::size_t k = 0; k < 4 && good; ++k) {
+      const char *const begin = found[k].data(), *const end = begin + found[k].size();
+      const auto [stop, error] = std::from_chars(begin, end, values[k]);
+      good = error == std::errc{} && stop == end;
+    }
+    if (!good)
+      throw FileError(text("multi-sphere file '", path, "', line ", number, ": '", line,
+                           "' is not four numbers x y z r"));
+    form.balls.push_back(
+        {{values[0] * scale, values[1] * scale, values[2] * scale}, values[3] * scale});
+  }
+  try {
+    form.check();
+  } catch (const InputError& e) {
+    throw InputError(text("multi-sphere file '", path, "': ", e.what()));
+  }
+  return form;
+}
+
+}  // namespace silt
