@@ -268,7 +268,7 @@ inline Polyhedron::Facing Polyhedron::face_towards(const Vec3d& n) const {
     if (const auto bits = lane_bits(detail::heights_along(plane_columns_, n, k) >= Real(most)))
       return {std::min(k + static_cast<std::size_t>(std::countr_zero(bits)), faces_.size() - 1),
               most};
-  return {0, most};  // only if n is not a number
+  return {0, most};  // n is not a number, or two roundings differ: any face will do
 }
 
 }  // namespace silt
