@@ -55,26 +55,48 @@ inline Symmetric3 inverse(const Symmetric3& s) {
                             xy, s.xy * s.zx - s.xx * s.yz, zx};
 }
 
+/// A way p -> q around a face with normal n at height h, a lane each: it spans a triangle with the
+/// foot h n of the middle on the face's plane, and a tetrahedron with the middle.
+template <class Real>
+struct WayAround {
+  Vec3<Real> p, q, n;
+  Real h;
+};
+
+template <class Real>
+double sum_of_lanes(const Real& x) {
+  alignas(64) double lanes[Lanes<DefaultArch>::width];
+  store(lanes, x);
+  double sum = 0;
+  for (const double lane : lanes) sum += lane;
+  return sum;
+}
+template <class Real>
+Vec3d sum_of_lanes(const Vec3<Real>& v) {
+  return {sum_of_lanes(v.x), sum_of_lanes(v.y), sum_of_lanes(v.z)};
+}
+
 /// (1) and (2) of what is left of a body, about its middle and along its normal.
 class ThicknessIntegrals {
  public:
   /// `cut`: volume, vector area and middle of the same graph.
   ThicknessIntegrals(const ClippedBody::Graph& g, const Polyhedron& body, const Cutter& cutter,
                      const CutIntegrals& cut)
-      : body_(body),
+      : g_(g),
+        body_(body),
         cutter_(cutter),
         middle_(cut.middle),
         frame_(frame_along(normalised(cut.area))) {
-    add_moments(g);
-    const double scale = 1 / moments_.volume;
-    mean_ = scale * moments_.first;
-    Symmetric3 c = scale * moments_.second;
+    const Moments m = moments();
+    const double scale = 1 / m.volume;
+    mean_ = scale * m.first;
+    Symmetric3 c = scale * m.second;
     c += -1.0 * outer(mean_);
     inverse_ = inverse(c);
     trace_ = inverse_.trace();
     thickness = std::sqrt(12 / trace_);
-    add_pressure(g);
-    const double weight = thickness / (2 * trace_ * moments_.volume);
+    add_pressure();
+    const double weight = thickness / (2 * trace_ * m.volume);
     area = frame_ * (weight * area), moment = frame_ * (weight * moment);
   }
 
@@ -82,58 +104,100 @@ class ThicknessIntegrals {
   Vec3d area{0, 0, 0}, moment{0, 0, 0};  // S, G of (2), G about the middle; frame of the body
 
  private:
-  Vec3d local(const ClippedBody::Graph& g, std::size_t v) const {
-    return frame_.back(g.at(v) - middle_);
-  }
-  HalfSpace plane(std::size_t f) const {
-    if (f >= first_cut_face) return cutter_.half(f - first_cut_face);
-    return {body_.faces()[f].normal, body_.faces()[f].offset};
-  }
+  using Real = Lanes<DefaultArch>::Real;
+  static constexpr std::size_t width = Lanes<DefaultArch>::width;
 
-  /// Each way p -> q around a face spans a triangle with the foot of the middle on the face's
-  /// plane, and a tetrahedron with the middle.
-  void add_moments(const ClippedBody::Graph& g) {
-    for (std::size_t v = 0; v < g.size; ++v) {
-      const Vec3d p = local(g, v);
+  /// Calls use(WayAround) for all ways around faces of the cutter, or of both bodies, as many at a
+  /// time as there are lanes. Lanes left over are zero, and add zero.
+  template <bool OfCutterOnly, class Use>
+  SILT_INLINE void for_each_way(Use&& use) const {
+    alignas(64) double lane[10][width];
+    std::size_t filled = 0;
+    const auto put = [&](const Vec3d& v, std::size_t row) {
+      lane[row][filled] = v.x, lane[row + 1][filled] = v.y, lane[row + 2][filled] = v.z;
+    };
+    for (std::size_t v = 0; v < g_.size; ++v)
       for (std::size_t k = 0; k < 3; ++k) {
-        const Vec3d q = local(g, g.neighbour[v][k]);
-        const auto half = plane(g.face[v][k]);
-        const Vec3d n = frame_.back(half.normal);
-        const double height = half.offset - dot(half.normal, middle_);
-        const double part = dot(n, cross(p, q)) * height / 6;
-        const Vec3d foot = height * n, sum = foot + p + q;
-        moments_.volume += part;
-        moments_.first += (part / 4) * sum;
-        for (const Vec3d& x : {sum, foot, p, q}) moments_.second += (part / 20) * outer(x);
+        const std::size_t f = g_.face[v][k];
+        if (OfCutterOnly && f < first_cut_face) continue;
+        const Vec3d n =
+            f < first_cut_face ? body_.faces()[f].normal : cutter_.half(f - first_cut_face).normal;
+        put(g_.at(v), 0), put(g_.at(g_.neighbour[v][k]), 3), put(n, 6);
+        lane[9][filled] =
+            f < first_cut_face ? body_.faces()[f].offset : cutter_.offset[f - first_cut_face];
+        if (++filled == width) use(in_frame(lane)), filled = 0;
       }
-    }
+    if (filled == 0) return;
+    for (auto& row : lane)
+      for (std::size_t k = filled; k < width; ++k) row[k] = 0;
+    use(in_frame(lane));
   }
 
-  /// The same triangles on the cutter's faces, by four points: exact for third powers (P. C.
+  SILT_INLINE WayAround<Real> in_frame(const double (&lane)[10][width]) const {
+    const auto vector = [&](std::size_t row) {
+      return load3<Real>(lane[row], lane[row + 1], lane[row + 2]);
+    };
+    const auto all = [](const Vec3d& v) { return Vec3<Real>{Real(v.x), Real(v.y), Real(v.z)}; };
+    const Vec3<Real> x = all(frame_.x), y = all(frame_.y), z = all(frame_.z), o = all(middle_);
+    const auto turned = [&](const Vec3<Real>& v) {
+      return Vec3<Real>{dot(x, v), dot(y, v), dot(z, v)};
+    };
+    const Vec3<Real> n = vector(6);
+    return {turned(vector(0) - o), turned(vector(3) - o), turned(n),
+            load<Real>(lane[9]) - dot(n, o)};
+  }
+
+  Moments moments() const {
+    const Real zero(0);
+    Real volume = zero, xx = zero, yy = zero, zz = zero, xy = zero, yz = zero, zx = zero;
+    Vec3<Real> first{zero, zero, zero};
+    for_each_way<false>([&](const WayAround<Real>& e) {
+      const Real part = dot(e.n, cross(e.p, e.q)) * e.h;
+      const Vec3<Real> foot = e.h * e.n, sum = foot + e.p + e.q;
+      volume += part, first += part * sum;
+      for (const Vec3<Real>& v : {sum, foot, e.p, e.q}) {
+        const Vec3<Real> w = part * v;
+        xx += w.x * v.x, yy += w.y * v.y, zz += w.z * v.z;
+        xy += w.x * v.y, yz += w.y * v.z, zx += w.z * v.x;
+      }
+    });
+    Moments m{sum_of_lanes(volume) / 6, (1.0 / 24) * sum_of_lanes(first), {}};
+    m.second = (1.0 / 120) * Symmetric3{sum_of_lanes(xx), sum_of_lanes(yy), sum_of_lanes(zz),
+                                        sum_of_lanes(xy), sum_of_lanes(yz), sum_of_lanes(zx)};
+    return m;
+  }
+
+  /// Over the triangles on the cutter's faces, by four points: exact for third powers (P. C.
   /// Hammer, A. H. Stroud, Math. Tables Aids Comput. 10 (1956) 137).
-  void add_pressure(const ClippedBody::Graph& g) {
-    for (std::size_t v = 0; v < g.size; ++v)
-      for (std::size_t k = 0; k < 3; ++k) {
-        if (g.face[v][k] < first_cut_face) continue;
-        const auto half = plane(g.face[v][k]);
-        const Vec3d p = local(g, v), q = local(g, g.neighbour[v][k]), n = frame_.back(half.normal);
-        const Vec3d foot = (half.offset - dot(half.normal, middle_)) * n, sum = foot + p + q;
-        const double w = 0.5 * dot(n, cross(p, q));
-        const auto add = [&](const Vec3d& at, double weight) {
-          const Vec3d slope = times(inverse_, at - mean_);
-          const Vec3d push = weight * w * (dot(slope, slope) - trace_) * n;
-          area += push, moment += cross(at, push);
-        };
-        add((1.0 / 3) * sum, -27.0 / 48);
-        for (const Vec3d& corner : {foot, p, q}) add(0.2 * sum + 0.4 * corner, 25.0 / 48);
-      }
+  void add_pressure() {
+    const Real zero(0), kxx(inverse_.xx), kyy(inverse_.yy), kzz(inverse_.zz), kxy(inverse_.xy),
+        kyz(inverse_.yz), kzx(inverse_.zx), mx(mean_.x), my(mean_.y), mz(mean_.z), trace(trace_);
+    Vec3<Real> push{zero, zero, zero}, turn{zero, zero, zero};
+    for_each_way<true>([&](const WayAround<Real>& e) {
+      const Vec3<Real> foot = e.h * e.n, sum = foot + e.p + e.q;
+      const Real twice = dot(e.n, cross(e.p, e.q));
+      Real pressure = zero;
+      Vec3<Real> at{zero, zero, zero};  // pressure times place
+      const auto add = [&](const Vec3<Real>& x, double weight) {
+        const Vec3<Real> r{x.x - mx, x.y - my, x.z - mz};
+        const Vec3<Real> slope{kxx * r.x + kxy * r.y + kzx * r.z, kxy * r.x + kyy * r.y + kyz * r.z,
+                               kzx * r.x + kyz * r.y + kzz * r.z};
+        const Real here = Real(weight) * twice * (dot(slope, slope) - trace);
+        pressure += here, at += here * x;
+      };
+      add(Real(1.0 / 3) * sum, -27.0 / 96);
+      for (const Vec3<Real>& corner : {foot, e.p, e.q})
+        add(Real(0.2) * sum + Real(0.4) * corner, 25.0 / 96);
+      push += pressure * e.n, turn += cross(at, e.n);
+    });
+    area = sum_of_lanes(push), moment = sum_of_lanes(turn);
   }
 
+  const ClippedBody::Graph& g_;
   const Polyhedron& body_;
   const Cutter& cutter_;
   Vec3d middle_;
   RotationMatrix frame_;  // of the integrals, in the frame of the body
-  Moments moments_;
   Vec3d mean_{0, 0, 0};
   Symmetric3 inverse_;  // C^-1
   double trace_ = 0;    // T
