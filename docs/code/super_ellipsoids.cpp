@@ -3,6 +3,8 @@
 
 #include <cstdio>
 
+#include <silt/shape/narrow/super_ellipsoids.hpp>
+#include <silt/shape/super_ellipsoid.hpp>
 #include <silt/silt.hpp>
 
 int main() {

@@ -40,10 +40,6 @@
 #include <silt/search/verlet_list.hpp>
 #include <silt/shape/fit_spheres.hpp>
 #include <silt/shape/multi_sphere.hpp>
-#include <silt/shape/narrow/super_ellipsoid_plane.hpp>
-#include <silt/shape/narrow/super_ellipsoids.hpp>
-#include <silt/shape/poly_super_ellipsoid.hpp>
 #include <silt/shape/sphere.hpp>
-#include <silt/shape/super_ellipsoid.hpp>
 #include <silt/simulation.hpp>
 #include <silt/study/unequal_damping.hpp>

@@ -1,0 +1,260 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <silt/shape/narrow/volume_overlap.hpp>
+
+/// Contact of polyhedra by the thickness of their intersection: an overlap that is the depth itself
+/// for faces, grows in proportion to it for edges and corners, and conserves energy under any law.
+///
+/// **The overlap.** Let C be the covariance of the points of the intersection, C = int (p - m)(p -
+/// m)^T dV/V, m its middle. A slab of thickness d has d^2/12 across; the overlap takes this
+/// direction from all by the harmonic mean, which nothing makes jump:
+///   delta = sqrt(12/T),  T = tr C^-1. (1) two faces     d (1 - d^2/L^2 ...) for a slab of
+///   thickness d and width L: the depth; edge, corner  proportional to the depth, as the
+///   intersection grows without change of shape
+///                 (a cube's corner on a plane 0.548 d, its edge 0.707 d).
+/// So a contact law has at a face the stiffness that its user gave it, whatever the area, and
+/// corners are softer by no more than the squares of these factors.
+///
+/// **Force.** C depends on the shape of the intersection alone, not on where it is, so that only
+/// the motion of i's surface in j counts, as for the volume. With q(p) = (p - m)^T C^-2 (p - m),
+///   d delta = delta/(2 T V) int (q - T) (du + dw x p) . n_i dA  over (surface of i) in j, (2)
+/// which gives the two vectors S and G of a wrench (volume_overlap.hpp (1), with the weight of (2)
+/// under the integrals): force on i = -U' S, torque -U' G, for any U(delta). j has the negatives.
+/// The pressure is (q - T), largest where the intersection is thickest: a block that tilts is
+/// turned back, as on an elastic bed, unlike under the volume law, whose pressure is uniform.
+///
+/// Source: silt's own. (2) is the transport theorem for C; the wrench as for Feng et al. 2021.
+/// Valid:  while the intersection is thinner than wide. A needle that stands deep in a body is held
+///         by its width: delta tends to a constant, the force to 0 (a guard on the overlap stops
+///         that). `buried` as for the volume. |grad delta| is 1 for faces, less for edges and
+///         corners.
+/// Accuracy: C is taken in a frame along the normal, so that thin slabs do not drown in rounding.
+/// Cost:   benchmarks/shape/bench_polyhedra.cpp. No allocation. Memory of a pair: OverlapMemory.
+/// Tests:  tests/shape/volume_overlap.cpp, overlap_laws.cpp
+
+namespace silt::inline SILT_TARGET {
+
+namespace detail {
+
+/// Axes with z along `n`, any unit vector (T. Duff et al., J. Comput. Graph. Tech. 6 (2017) 1).
+inline RotationMatrix frame_along(const Vec3d& n) {
+  const double sign = std::copysign(1.0, n.z), a = -1 / (sign + n.z), b = n.x * n.y * a;
+  return {{1 + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
+}
+
+inline Vec3d times(const Symmetric3& s, const Vec3d& v) {
+  return {s.xx * v.x + s.xy * v.y + s.zx * v.z, s.xy * v.x + s.yy * v.y + s.yz * v.z,
+          s.zx * v.x + s.yz * v.y + s.zz * v.z};
+}
+inline Symmetric3 inverse(const Symmetric3& s) {
+  const double xx = s.yy * s.zz - s.yz * s.yz, xy = s.zx * s.yz - s.xy * s.zz,
+               zx = s.xy * s.yz - s.zx * s.yy;
+  const double scale = 1 / (s.xx * xx + s.xy * xy + s.zx * zx);
+  return scale * Symmetric3{xx, s.xx * s.zz - s.zx * s.zx, s.xx * s.yy - s.xy * s.xy,
+                            xy, s.xy * s.zx - s.xx * s.yz, zx};
+}
+
+/// A way p -> q around a face with normal n at height h, a lane each: it spans a triangle with the
+/// foot h n of the middle on the face's plane, and a tetrahedron with the middle.
+template <class Real>
+struct WayAround {
+  Vec3<Real> p, q, n;
+  Real h;
+};
+
+template <class Real>
+double sum_of_lanes(const Real& x) {
+  alignas(64) double lanes[Lanes<DefaultArch>::width];
+  store(lanes, x);
+  double sum = 0;
+  for (const double lane : lanes) sum += lane;
+  return sum;
+}
+template <class Real>
+Vec3d sum_of_lanes(const Vec3<Real>& v) {
+  return {sum_of_lanes(v.x), sum_of_lanes(v.y), sum_of_lanes(v.z)};
+}
+
+/// (1) and (2) of what is left of a body, about its middle and along its normal.
+class ThicknessIntegrals {
+ public:
+  /// `cut`: volume, vector area and middle of the same graph.
+  ThicknessIntegrals(const ClippedBody::Graph& g, const Polyhedron& body, const Cutter& cutter,
+                     const CutIntegrals& cut)
+      : g_(g),
+        body_(body),
+        cutter_(cutter),
+        middle_(cut.middle),
+        frame_(frame_along(normalised(cut.area))) {
+    const Moments m = moments();
+    const double scale = 1 / m.volume;
+    mean_ = scale * m.first;
+    Symmetric3 c = scale * m.second;
+    c += -1.0 * outer(mean_);
+    inverse_ = inverse(c);
+    trace_ = inverse_.trace();
+    thickness = std::sqrt(12 / trace_);
+    add_pressure();
+    const double weight = thickness / (2 * trace_ * m.volume);
+    area = frame_ * (weight * area), moment = frame_ * (weight * moment);
+  }
+
+  double thickness = 0;                  // [m] delta
+  Vec3d area{0, 0, 0}, moment{0, 0, 0};  // S, G of (2), G about the middle; frame of the body
+
+ private:
+  using Real = Lanes<DefaultArch>::Real;
+  static constexpr std::size_t width = Lanes<DefaultArch>::width;
+
+  /// Calls use(WayAround) for all ways around faces of the cutter, or of both bodies, as many at a
+  /// time as there are lanes. Lanes left over are zero, and add zero.
+  template <bool OfCutterOnly, class Use>
+  SILT_INLINE void for_each_way(Use&& use) const {
+    alignas(64) double lane[10][width];
+    std::size_t filled = 0;
+    const auto put = [&](const Vec3d& v, std::size_t row) {
+      lane[row][filled] = v.x, lane[row + 1][filled] = v.y, lane[row + 2][filled] = v.z;
+    };
+    for (std::size_t v = 0; v < g_.size; ++v)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t f = g_.face[v][k];
+        if (OfCutterOnly && f < first_cut_face) continue;
+        const Vec3d n =
+            f < first_cut_face ? body_.faces()[f].normal : cutter_.half(f - first_cut_face).normal;
+        put(g_.at(v), 0), put(g_.at(g_.neighbour[v][k]), 3), put(n, 6);
+        lane[9][filled] =
+            f < first_cut_face ? body_.faces()[f].offset : cutter_.offset[f - first_cut_face];
+        if (++filled == width) use(in_frame(lane)), filled = 0;
+      }
+    if (filled == 0) return;
+    for (auto& row : lane)
+      for (std::size_t k = filled; k < width; ++k) row[k] = 0;
+    use(in_frame(lane));
+  }
+
+  SILT_INLINE WayAround<Real> in_frame(const double (&lane)[10][width]) const {
+    const auto vector = [&](std::size_t row) {
+      return load3<Real>(lane[row], lane[row + 1], lane[row + 2]);
+    };
+    const auto all = [](const Vec3d& v) { return Vec3<Real>{Real(v.x), Real(v.y), Real(v.z)}; };
+    const Vec3<Real> x = all(frame_.x), y = all(frame_.y), z = all(frame_.z), o = all(middle_);
+    const auto turned = [&](const Vec3<Real>& v) {
+      return Vec3<Real>{dot(x, v), dot(y, v), dot(z, v)};
+    };
+    const Vec3<Real> n = vector(6);
+    return {turned(vector(0) - o), turned(vector(3) - o), turned(n),
+            load<Real>(lane[9]) - dot(n, o)};
+  }
+
+  Moments moments() const {
+    const Real zero(0);
+    Real volume = zero, xx = zero, yy = zero, zz = zero, xy = zero, yz = zero, zx = zero;
+    Vec3<Real> first{zero, zero, zero};
+    for_each_way<false>([&](const WayAround<Real>& e) {
+      const Real part = dot(e.n, cross(e.p, e.q)) * e.h;
+      const Vec3<Real> foot = e.h * e.n, sum = foot + e.p + e.q;
+      volume += part, first += part * sum;
+      for (const Vec3<Real>& v : {sum, foot, e.p, e.q}) {
+        const Vec3<Real> w = part * v;
+        xx += w.x * v.x, yy += w.y * v.y, zz += w.z * v.z;
+        xy += w.x * v.y, yz += w.y * v.z, zx += w.z * v.x;
+      }
+    });
+    Moments m{sum_of_lanes(volume) / 6, (1.0 / 24) * sum_of_lanes(first), {}};
+    m.second = (1.0 / 120) * Symmetric3{sum_of_lanes(xx), sum_of_lanes(yy), sum_of_lanes(zz),
+                                        sum_of_lanes(xy), sum_of_lanes(yz), sum_of_lanes(zx)};
+    return m;
+  }
+
+  /// Over the triangles on the cutter's faces, by four points: exact for third powers (P. C.
+  /// Hammer, A. H. Stroud, Math. Tables Aids Comput. 10 (1956) 137).
+  void add_pressure() {
+    const Real zero(0), kxx(inverse_.xx), kyy(inverse_.yy), kzz(inverse_.zz), kxy(inverse_.xy),
+        kyz(inverse_.yz), kzx(inverse_.zx), mx(mean_.x), my(mean_.y), mz(mean_.z), trace(trace_);
+    Vec3<Real> push{zero, zero, zero}, turn{zero, zero, zero};
+    for_each_way<true>([&](const WayAround<Real>& e) {
+      const Vec3<Real> foot = e.h * e.n, sum = foot + e.p + e.q;
+      const Real twice = dot(e.n, cross(e.p, e.q));
+      Real pressure = zero;
+      Vec3<Real> at{zero, zero, zero};  // pressure times place
+      const auto add = [&](const Vec3<Real>& x, double weight) {
+        const Vec3<Real> r{x.x - mx, x.y - my, x.z - mz};
+        const Vec3<Real> slope{kxx * r.x + kxy * r.y + kzx * r.z, kxy * r.x + kyy * r.y + kyz * r.z,
+                               kzx * r.x + kyz * r.y + kzz * r.z};
+        const Real here = Real(weight) * twice * (dot(slope, slope) - trace);
+        pressure += here, at += here * x;
+      };
+      add(Real(1.0 / 3) * sum, -27.0 / 96);
+      for (const Vec3<Real>& corner : {foot, e.p, e.q})
+        add(Real(0.2) * sum + Real(0.4) * corner, 25.0 / 96);
+      push += pressure * e.n, turn += cross(at, e.n);
+    });
+    area = sum_of_lanes(push), moment = sum_of_lanes(turn);
+  }
+
+  const ClippedBody::Graph& g_;
+  const Polyhedron& body_;
+  const Cutter& cutter_;
+  Vec3d middle_;
+  RotationMatrix frame_;  // of the integrals, in the frame of the body
+  Vec3d mean_{0, 0, 0};
+  Symmetric3 inverse_;  // C^-1
+  double trace_ = 0;    // T
+};
+
+/// `sign` +1 if i's planes cut the body, -1 if i was cut.
+inline VolumeContact thickness_of(const ClippedBody::Graph& g, const PlacedPolyhedron& body,
+                                  const Cutter& cutter, double sign, const Vec3d& towards_i) {
+  VolumeContact out;
+  const auto cut = CutIntegrator(g, *body.shape, cutter).result();
+  if (!(cut.volume > 0)) return out;
+  out.volume = cut.volume, out.area = norm(cut.area);
+  if (!(out.area * out.area * out.area > 1e-30 * cut.volume * cut.volume)) {
+    out.buried = true, out.overlap = std::cbrt(cut.volume);
+    out.point = body.pose.to_space(cut.middle);
+    out.normal = dot(towards_i, towards_i) > 0 ? normalised(towards_i) : Vec3d{0, 0, 1};
+    return out;
+  }
+  const ThicknessIntegrals t(g, *body.shape, cutter, cut);
+  const double square = dot(t.area, t.area);
+  if (!(t.thickness > 0 && square > 0)) return {};  // too thin for numbers
+  out.overlap = t.thickness, out.gradient = std::sqrt(square);
+  out.normal = body.pose.turn * ((-sign / out.gradient) * t.area);
+  out.point = body.pose.to_space(cut.middle + (1 / square) * cross(t.area, t.moment));
+  out.couple = dot(t.area, t.moment) / square;
+  return out;
+}
+
+}  // namespace detail
+
+/// Cores of i and j, as volume_overlap.
+inline VolumeContact thickness_overlap(const PlacedPolyhedron& i, const PlacedPolyhedron& j,
+                                       const Vec3d& axis) {
+  VolumeContact out;
+  detail::cut_pair(
+      i, j, axis, [&](const auto& graph, const auto& body, const auto& cutter, double sign) {
+        out = detail::thickness_of(graph, body, cutter, sign, i.pose.position - j.pose.position);
+      });
+  return out;
+}
+
+/// The core of i with the half-space of all points p with normal . (p - at) < 0; normal a unit
+/// vector.
+inline VolumeContact thickness_overlap(const PlacedPolyhedron& i, const Vec3d& at,
+                                       const Vec3d& normal) {
+  VolumeContact out;
+  detail::cut_half_space(i, at, normal, [&](const auto& graph, const auto& cutter) {
+    out = detail::thickness_of(graph, i, cutter, -1, normal);
+  });
+  return out;
+}
+
+/// As volume_contact, by the thickness.
+inline VolumeContact thickness_contact(const PlacedPolyhedron& i, const PlacedPolyhedron& j,
+                                       OverlapMemory& memory) {
+  return detail::remembered_contact(
+      i, j, memory, [&](const Vec3d& axis) { return thickness_overlap(i, j, axis); });
+}
+
+}  // namespace silt

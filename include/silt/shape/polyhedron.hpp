@@ -1,0 +1,274 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <bit>
+#include <numbers>
+#include <span>
+
+#include <silt/core/lanes.hpp>
+#include <silt/shape/clip_graph.hpp>
+#include <silt/shape/rigid_pose.hpp>
+#include <silt/shape/solid_mesh.hpp>
+#include <silt/shape/triangle_moments.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// A convex polyhedron, sharp or dilated (all points within `radius` of its core).
+///
+/// Corners, faces and edges are those of the core, in the frame of the points it was made from;
+/// principal_shape() of shape/dilated_moments.hpp moves it to its centroid and principal axes, as
+/// bodies want it. Valid:  up to 250 faces and 1000 corners, so that a contact needs no memory of
+/// its own. Units:  [m]. A face's normal points outwards, its corners turn counter-clockwise seen
+/// from there. Errors: InputError with one sentence: too few points, all in one plane
+/// (convex_hull.hpp); an open,
+///         inside-out, self-touching or concave mesh (solid_mesh.hpp); a radius below 0.
+/// Tests:  tests/shape/polyhedron.cpp
+class Polyhedron {
+ public:
+  static constexpr std::size_t most_faces = 250, most_vertices = 1000;
+  static constexpr std::size_t block = 8;  // arrays for lanes are padded to multiples of it
+
+  struct Face {
+    Vec3d normal;                  // [-] unit
+    double offset;                 // [m] normal . x on the plane
+    std::uint32_t first, corners;  // of its loop
+  };
+  struct Edge {
+    std::uint32_t from, to;     // vertices
+    std::uint32_t left, right;  // faces, seen from outside along the edge
+  };
+  /// x, y, z and a fourth number of vertices or planes, each on its own.
+  struct Columns {
+    std::vector<double> x, y, z, w;
+    std::size_t padded = 0;
+  };
+  /// The graph with coordinates on their own, padded by copies of the first vertex.
+  struct GraphColumns {
+    std::vector<double> x, y, z;
+    std::vector<std::array<std::uint16_t, 4>> neighbour, face;  // the fourth: unused
+    std::size_t size = 0;
+  };
+
+  /// The convex hull of points, dilated by `radius` [m].
+  static Polyhedron from_points(const std::vector<Vec3d>& points, double radius = 0) {
+    return Polyhedron(convex_hull(points), radius);
+  }
+  /// A closed mesh that must be convex to 1e-6 of its diagonal (corners rounded to float).
+  static Polyhedron from_mesh(const std::vector<std::array<Vec3d, 3>>& triangles,
+                              double radius = 0) {
+    const TriangleMesh mesh = solid_mesh(triangles);
+    const double dent = largest_dent(mesh), diagonal = norm(mesh.bounds().extent());
+    require(dent <= 1e-6 * diagonal, "Polyhedron: the mesh is not convex: a vertex stands ", dent,
+            " [m] out of the plane of a triangle; give convex parts, or take its convex hull");
+    return Polyhedron(convex_hull(mesh.vertices()), radius);
+  }
+
+  const std::vector<Vec3d>& vertices() const { return vertices_; }
+  const std::vector<Face>& faces() const { return faces_; }
+  const std::vector<Edge>& edges() const { return edges_; }
+  std::span<const std::uint32_t> loop(const Face& face) const {
+    return {loops_.data() + face.first, face.corners};
+  }
+  std::span<const std::uint32_t> neighbours(std::uint32_t v) const { return neighbours_[v]; }
+  const std::vector<ClipVertex>& graph() const { return graph_; }
+  const GraphColumns& graph_columns() const { return graph_columns_; }
+  /// Planes (w: offset), the last ones repeated; corners (w: 0), the last ones repeated.
+  const Columns& plane_columns() const { return plane_columns_; }
+  const Columns& vertex_columns() const { return vertex_columns_; }
+
+  double radius() const { return radius_; }                    // [m] of dilation
+  double bounding_radius() const { return bounding_radius_; }  // [m] about the origin, dilated
+  double core_volume() const { return core_volume_; }          // [m3]
+  double core_area() const { return core_area_; }              // [m2]
+  double edge_turning() const { return edge_turning_; }  // [m] sum of length times exterior angle
+
+  /// Steiner: V + S r + (1/2) sum L theta r^2 + (4/3) pi r^3.
+  double volume() const {
+    const double r = radius_, pi = std::numbers::pi;
+    return core_volume_ + r * (core_area_ + r * (0.5 * edge_turning_ + r * 4 / 3 * pi));
+  }
+  /// Its derivative by r: S + sum L theta r + 4 pi r^2.
+  double area() const {
+    return core_area_ + radius_ * (edge_turning_ + 4 * std::numbers::pi * radius_);
+  }
+
+  std::vector<std::array<Vec3d, 3>> triangles() const {
+    std::vector<std::array<Vec3d, 3>> out;
+    for (const auto& face : faces_) {
+      const auto corner = loop(face);
+      for (std::size_t k = 2; k < corner.size(); ++k)
+        out.push_back({vertices_[corner[0]], vertices_[corner[k - 1]], vertices_[corner[k]]});
+    }
+    return out;
+  }
+
+  /// The number of the core's corner farthest along `n`. Scans few corners, climbs along edges
+  /// where there are many, from `hint`, a corner near the last answer.
+  std::uint32_t support_vertex(const Vec3d& n, std::uint32_t hint = 0) const {
+    return vertices_.size() <= 64 ? scan(n) : climb(n, hint);
+  }
+  /// The core's corner farthest along `n`.
+  Vec3d support(const Vec3d& n) const { return vertices_[support_vertex(n)]; }
+  /// max n . x over the core: all corners, in lanes.
+  double reach(const Vec3d& n) const;
+  /// The face that looks most along `n`: its number, and its normal times n.
+  struct Facing {
+    std::size_t face;
+    double cosine;
+  };
+  Facing face_towards(const Vec3d& n) const;
+
+ private:
+  Polyhedron(const ConvexFaces& body, double radius);
+  void add_faces(const ConvexFaces& body);
+  void add_edges();
+  void add_columns();
+  void measure();
+
+  std::uint32_t scan(const Vec3d& n) const {
+    std::uint32_t best = 0;
+    double most = dot(n, vertices_[0]);
+    for (std::uint32_t v = 1; v < vertices_.size(); ++v)
+      if (const double h = dot(n, vertices_[v]); h > most) best = v, most = h;
+    return best;
+  }
+  std::uint32_t climb(const Vec3d& n, std::uint32_t at) const {
+    double most = dot(n, vertices_[at]);
+    for (bool higher = true; higher;) {
+      higher = false;
+      for (const auto v : neighbours_[at])
+        if (const double h = dot(n, vertices_[v]); h > most) at = v, most = h, higher = true;
+    }
+    return at;
+  }
+
+  std::vector<Vec3d> vertices_;
+  std::vector<Face> faces_;
+  std::vector<Edge> edges_;
+  std::vector<std::uint32_t> loops_;
+  std::vector<std::vector<std::uint32_t>> neighbours_;
+  std::vector<ClipVertex> graph_;
+  GraphColumns graph_columns_;
+  Columns plane_columns_, vertex_columns_;
+  double radius_ = 0, bounding_radius_ = 0, core_volume_ = 0, core_area_ = 0, edge_turning_ = 0;
+};
+
+inline Polyhedron::Polyhedron(const ConvexFaces& body, double radius)
+    : vertices_(body.vertices), radius_(radius) {
+  require_not_negative("Polyhedron: radius", radius, "m");
+  require(body.faces.size() <= most_faces && vertices_.size() <= most_vertices,
+          "Polyhedron: ", body.faces.size(), " faces and ", vertices_.size(), " corners; at most ",
+          most_faces, " and ", most_vertices, " are possible: simplify it");
+  add_faces(body);
+  add_edges();
+  graph_ = detail::clip_graph(body);
+  add_columns();
+  measure();
+}
+
+inline void Polyhedron::add_faces(const ConvexFaces& body) {
+  for (const auto& loop : body.faces) {
+    const Vec3d& origin = vertices_[loop[0]];
+    Vec3d twice_area{0, 0, 0}, middle{0, 0, 0};
+    for (std::size_t k = 0; k < loop.size(); ++k) {
+      const Vec3d a = vertices_[loop[k]] - origin;
+      twice_area += cross(a, vertices_[loop[(k + 1) % loop.size()]] - origin);
+      middle += a;
+    }
+    const Vec3d normal = normalised(twice_area);
+    middle = origin + middle * (1 / static_cast<double>(loop.size()));
+    faces_.push_back({normal, dot(normal, middle), static_cast<std::uint32_t>(loops_.size()),
+                      static_cast<std::uint32_t>(loop.size())});
+    loops_.insert(loops_.end(), loop.begin(), loop.end());
+    core_area_ += 0.5 * norm(twice_area);
+  }
+}
+
+inline void Polyhedron::add_edges() {
+  constexpr auto none = std::numeric_limits<std::uint32_t>::max();
+  neighbours_.resize(vertices_.size());
+  for (std::uint32_t f = 0; f < faces_.size(); ++f) {
+    const auto corner = loop(faces_[f]);
+    for (std::size_t k = 0; k < corner.size(); ++k) {
+      const auto a = corner[k], b = corner[(k + 1) % corner.size()];
+      neighbours_[a].push_back(b);
+      const auto twin = std::find_if(edges_.begin(), edges_.end(),
+                                     [&](const Edge& e) { return e.from == b && e.to == a; });
+      if (twin == edges_.end())
+        edges_.push_back({a, b, f, none});
+      else
+        twin->right = f;
+    }
+  }
+  for (const auto& edge : edges_) {
+    require(edge.right != none, "Polyhedron: the faces of the convex hull do not close");
+    const Vec3d &l = faces_[edge.left].normal, &r = faces_[edge.right].normal;
+    edge_turning_ +=
+        norm(vertices_[edge.to] - vertices_[edge.from]) * std::atan2(norm(cross(l, r)), dot(l, r));
+  }
+}
+
+inline void Polyhedron::add_columns() {
+  const auto put = [](Columns& c, const Vec3d& v, double w) {
+    c.x.push_back(v.x), c.y.push_back(v.y), c.z.push_back(v.z), c.w.push_back(w);
+    c.padded = c.x.size();
+  };
+  for (const auto& face : faces_) put(plane_columns_, face.normal, face.offset);
+  while (plane_columns_.padded % block != 0)
+    put(plane_columns_, faces_.back().normal, faces_.back().offset);
+  for (const auto& v : vertices_) put(vertex_columns_, v, 0);
+  while (vertex_columns_.padded % block != 0) put(vertex_columns_, vertices_.back(), 0);
+  auto& g = graph_columns_;
+  g.size = graph_.size();
+  for (std::size_t k = 0; k < g.size || k % block != 0; ++k) {
+    const auto& v = graph_[k < g.size ? k : 0];
+    g.x.push_back(v.at.x), g.y.push_back(v.at.y), g.z.push_back(v.at.z);
+    g.neighbour.push_back({v.neighbour[0], v.neighbour[1], v.neighbour[2], 0});
+    g.face.push_back({v.face[0], v.face[1], v.face[2], 0});
+  }
+}
+
+inline void Polyhedron::measure() {
+  core_volume_ = moments_of(triangles(), vertices_[0]).volume;
+  for (const auto& v : vertices_) bounding_radius_ = std::max(bounding_radius_, norm(v) + radius_);
+}
+
+namespace detail {
+/// x times n at entry k of the columns, in lanes.
+SILT_INLINE Lanes<DefaultArch>::Real heights_along(const Polyhedron::Columns& c, const Vec3d& n,
+                                                   std::size_t k) {
+  using Real = Lanes<DefaultArch>::Real;
+  return Real(n.x) * load_any<Real>(&c.x[k]) + Real(n.y) * load_any<Real>(&c.y[k]) +
+         Real(n.z) * load_any<Real>(&c.z[k]);
+}
+
+/// The largest of them.
+inline double highest_along(const Polyhedron::Columns& c, const Vec3d& n) {
+  constexpr std::size_t width = Lanes<DefaultArch>::width;
+  static_assert(Polyhedron::block % width == 0);
+  auto most = heights_along(c, n, 0);
+  for (std::size_t k = width; k < c.padded; k += width)
+    most = silt::max(most, heights_along(c, n, k));
+  alignas(64) double lanes[width];
+  store(lanes, most);
+  double highest = lanes[0];
+  for (const double h : lanes) highest = h > highest ? h : highest;
+  return highest;
+}
+}  // namespace detail
+
+inline double Polyhedron::reach(const Vec3d& n) const {
+  return detail::highest_along(vertex_columns_, n);
+}
+
+inline Polyhedron::Facing Polyhedron::face_towards(const Vec3d& n) const {
+  using Real = Lanes<DefaultArch>::Real;
+  const double most = detail::highest_along(plane_columns_, n);
+  for (std::size_t k = 0; k < plane_columns_.padded; k += Lanes<DefaultArch>::width)
+    if (const auto bits = lane_bits(detail::heights_along(plane_columns_, n, k) >= Real(most)))
+      return {std::min(k + static_cast<std::size_t>(std::countr_zero(bits)), faces_.size() - 1),
+              most};
+  return {0, most};  // n is not a number, or two roundings differ: any face will do
+}
+
+}  // namespace silt
