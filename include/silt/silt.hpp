@@ -38,6 +38,7 @@
 #include <silt/search/hashed_grid.hpp>
 #include <silt/search/nbs.hpp>
 #include <silt/search/verlet_list.hpp>
+#include <silt/shape/fit_spheres.hpp>
 #include <silt/shape/multi_sphere.hpp>
 #include <silt/shape/narrow/super_ellipsoid_plane.hpp>
 #include <silt/shape/narrow/super_ellipsoids.hpp>
