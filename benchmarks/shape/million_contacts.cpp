@@ -21,9 +21,9 @@ using LanePair = silt::PosedPair<LaneForm, LaneForm>;
 
 struct Count {
   long pairs = 0, touching = 0, unsolved = 0, wrong = 0, other_minimum = 0, evaluations = 0;
-  double residual = 0, difference = 0;
+  double residual = 0;
 
-  void add(const pairs::Pair& pair, bool touches, bool solved, double depth, double left) {
+  void add(const pairs::Pair& pair, bool touches, bool solved, double left) {
     const double size = std::min(pair.i.size, pair.j.size);
     ++pairs, touching += touches, unsolved += !solved;
     residual = std::max(residual, left / size);
@@ -33,11 +33,13 @@ struct Count {
     // Within rounding of the touching distance both answers are right.
     if (std::abs(along) > 1e-9 * size) wrong += touches != (along > 0);
     if (!ray.solved) ++unsolved;
-    (void)depth;
   }
   void print(const char* what) const {
-    std::printf("%-34s %9ld %9ld %9ld %7ld %12ld %10.1e %8.1f\n", what, pairs, touching, unsolved,
-                wrong, other_minimum, residual, double(evaluations) / double(std::max(pairs, 1L)));
+    std::printf("%-34s %9ld %9ld %9ld %7ld %12ld %10.1e", what, pairs, touching, unsolved, wrong,
+                other_minimum, residual);
+    if (evaluations > 0)
+      std::printf(" %8.1f", double(evaluations) / double(pairs));  // not in lanes
+    std::printf("\n");
   }
 };
 
@@ -59,8 +61,7 @@ void run(const Kind& kind, long n, pairs::Source& from, Count& cold_sum, Count& 
                  ? pairs::aligned(from, kind.s, kind.aspect, from.log_uniform(1e-6, 1e-2), depth)
                  : pairs::general(from, kind.s, kind.aspect, depth);
     const auto first = silt::find_common_normal(p.pair, {0, 0, 0});
-    cold.add(p.pair, first.depth > 0, first.solved, first.depth,
-             first.depth > 0 ? first.residual : 0);
+    cold.add(p.pair, first.depth > 0, first.solved, first.depth > 0 ? first.residual : 0);
     cold.evaluations += first.evaluations;
     silt::NormalMemory<double> kept;
     (void)silt::touch(p.pair, kept);
@@ -75,7 +76,7 @@ void run(const Kind& kind, long n, pairs::Source& from, Count& cold_sum, Count& 
     for (std::size_t l = 0; l < W; ++l) {
       const bool hit = silt::one_lane<double>(touches, l) > 0;
       const double overlap = silt::one_lane<double>(found.overlap, l);
-      warm.add(block[l].pair, hit, silt::one_lane<double>(solved, l) > 0, overlap,
+      warm.add(block[l].pair, hit, silt::one_lane<double>(solved, l) > 0,
                silt::one_lane<double>(found.residual, l));
       if (!hit) continue;
       const auto anew = silt::find_common_normal(block[l].pair, {0, 0, 0});
