@@ -277,7 +277,18 @@ class Simulation {
   /// Pairs of particles that touch [-]; of bodies, of their parts. O(pairs).
   std::size_t touching_pairs() const { return engine_.touching_pairs(domain_); }
   /// Where the energy is and where it went; when the simulation is not running, or in an observer.
-  EnergyBalance energy() const requires has_ledger;
+  EnergyBalance energy() const requires has_ledger {
+    require(step_ > 0 || kicked_,
+            "Simulation::energy: run() first, if only for 0 s: the forces at the "
+            "start are not known yet");
+    double translation = 0, rotation = 0, potentials = 0;
+    for (std::size_t k = 0; k < rows(); ++k) {
+      if (!is_present(k) || !std::isfinite(mass(k))) continue;
+      const auto part = kinetic(k);
+      translation += part.translation, rotation += part.rotation, potentials += potential(k);
+    }
+    return book_.balance(translation, rotation, potentials);
+  }
   const ContactsType& contacts() const { return contacts_; }
   const Domain& domain() const { return domain_; }
   const Search& search() const { return search_; }
@@ -338,7 +349,7 @@ class Simulation {
   const std::vector<detail::Body>& bodies() const requires has_bodies {
     return engine_.mover.bodies;
   }
-  void add_bodies(const ParticlesType& more, std::size_t first_form) requires has_bodies;
+  void add_bodies(const ParticlesType& more, std::size_t first_form);
   void book_step(const detail::StepTimes& times);
   void book_leaving(std::size_t k);
   double potential(std::size_t k) const { return -mass(k) * dot(gravity_booked_, position(k)); }

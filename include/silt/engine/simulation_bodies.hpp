@@ -9,8 +9,7 @@ namespace silt::inline SILT_TARGET {
 
 /// Adds bodies whose forms are those of the engine from `first_form` on.
 template <class... Policies>
-void Simulation<Policies...>::add_bodies(const ParticlesType& more,
-                                         std::size_t first_form) requires has_bodies {
+void Simulation<Policies...>::add_bodies(const ParticlesType& more, std::size_t first_form) {
   auto& mover = engine_.mover;
   for (std::size_t k = 0; k < more.size(); ++k) {  // all is checked before anything is added
     const auto& p = more[k];

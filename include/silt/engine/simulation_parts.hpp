@@ -118,20 +118,6 @@ void Simulation<Policies...>::book_leaving([[maybe_unused]] std::size_t k) {
 }
 
 template <class... Policies>
-EnergyBalance Simulation<Policies...>::energy() const requires has_ledger {
-  require(step_ > 0 || kicked_,
-          "Simulation::energy: run() first, if only for 0 s: the forces at the "
-          "start are not known yet");
-  double translation = 0, rotation = 0, potentials = 0;
-  for (std::size_t k = 0; k < rows(); ++k) {
-    if (!is_present(k) || !std::isfinite(mass(k))) continue;
-    const auto part = kinetic(k);
-    translation += part.translation, rotation += part.rotation, potentials += potential(k);
-  }
-  return book_.balance(translation, rotation, potentials);
-}
-
-template <class... Policies>
 detail::LightestSpheres Simulation<Policies...>::lightest_spheres() const {
   detail::LightestSpheres lightest;
   if constexpr (has_bodies) {
