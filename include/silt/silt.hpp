@@ -38,13 +38,8 @@
 #include <silt/search/hashed_grid.hpp>
 #include <silt/search/nbs.hpp>
 #include <silt/search/verlet_list.hpp>
-#include <silt/shape/dilated_moments.hpp>
+#include <silt/shape/fit_spheres.hpp>
 #include <silt/shape/multi_sphere.hpp>
-#include <silt/shape/narrow/margin_contact.hpp>
-#include <silt/shape/narrow/sphere_polyhedron.hpp>
-#include <silt/shape/narrow/thickness_overlap.hpp>
-#include <silt/shape/narrow/volume_overlap.hpp>
-#include <silt/shape/polyhedron.hpp>
 #include <silt/shape/sphere.hpp>
 #include <silt/simulation.hpp>
 #include <silt/study/unequal_damping.hpp>

@@ -46,26 +46,39 @@ Impact flat_impact(int n, bool share) {
 }  // namespace
 
 TEST_CASE("n contacts of one depth make n^(1/4) of one, one that has just begun changes nothing") {
+  const auto share = [](std::size_t k, std::vector<double> depths, double exponent) {
+    for (double& d : depths) d = Shares::strength(d, 1e-3, exponent);
+    return Shares::share(depths[k], depths, exponent);
+  };
   const std::vector<double> same{1e-6, 1e-6, 1e-6}, begun{1e-6, 1e-8};
-  CHECK(3 * Shares::share(1e-6, same, 2.5) == doctest::Approx(std::pow(3, 0.25)).epsilon(1e-12));
-  CHECK(3 * Shares::share(1e-6, same, 2) == doctest::Approx(std::pow(3, 0.2)).epsilon(1e-12));
-  CHECK(Shares::share(1e-6, begun, 2.5) == doctest::Approx(1).epsilon(1e-12));
-  CHECK(Shares::share(1e-8, begun, 2.5) < 1e-14);
+  CHECK(3 * share(0, same, 2.5) == doctest::Approx(std::pow(3, 0.25)).epsilon(1e-12));
+  CHECK(3 * share(0, same, 2) == doctest::Approx(std::pow(3, 0.2)).epsilon(1e-12));
+  CHECK(share(0, begun, 2.5) == doctest::Approx(1).epsilon(1e-12));
+  CHECK(share(1, begun, 2.5) < 1e-14);
 }
 
 TEST_CASE("The shared force is the gradient of an energy") {
-  // U = D^(5/2), the law's force (5/2) d^(3/2).
-  const std::vector<double> depth{1.0, 0.9, 0.97, 0.3};
-  const auto energy = [](const std::vector<double>& depths) {
+  // U = D^(5/2), e = R^(1/5) d; the law's force (5/2) sqrt(R) d^(3/2).
+  const std::vector<double> depth{1.0, 0.9, 0.97, 0.3}, radius{1, 2, 1.5, 0.7};
+  const auto strengths = [&](const std::vector<double>& depths) {
+    std::vector<double> all;
+    for (std::size_t k = 0; k < depths.size(); ++k)
+      all.push_back(Shares::strength(depths[k], radius[k], 2.5));
+    return all;
+  };
+  const auto energy = [&](const std::vector<double>& depths) {
     double sum = 0;
-    for (const double d : depths) sum += std::pow(d, 10);
+    for (std::size_t k = 0; k < depths.size(); ++k)
+      sum += std::pow(radius[k], 2) * std::pow(depths[k], 10);
     return std::pow(sum, 0.25);
   };
   for (std::size_t k = 0; k < depth.size(); ++k) {
     auto more = depth, less = depth;
     more[k] += 1e-6, less[k] -= 1e-6;
     const double gradient = (energy(more) - energy(less)) / 2e-6;
-    const double force = 2.5 * std::pow(depth[k], 1.5) * Shares::share(depth[k], depth, 2.5);
+    const auto all = strengths(depth);
+    const double force =
+        2.5 * std::sqrt(radius[k]) * std::pow(depth[k], 1.5) * Shares::share(all[k], all, 2.5);
     CHECK(std::abs(gradient - force) < 1e-9);
   }
 }

@@ -5,7 +5,7 @@
 #include <silt/shape/narrow/margin_contact.hpp>
 #include <silt/shape/narrow/sphere_polyhedron.hpp>
 
-#if defined(SILT_TEST_WITH_CCD)
+#if defined(SILT_TEST_CCD)
 #include <ccd/ccd.h>
 #endif
 
@@ -255,7 +255,7 @@ TEST_CASE("sphere_contact: what GJK finds from outside, the nearest face from in
   }
 }
 
-#if defined(SILT_TEST_WITH_CCD)
+#if defined(SILT_TEST_CCD)
 namespace {
 void ccd_support(const void* object, const ccd_vec3_t* dir, ccd_vec3_t* out) {
   const auto& body = *static_cast<const PlacedPolyhedron*>(object);

@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
 
-#include "two_bodies.hpp"
+#include "two_polyhedra.hpp"
 
 #include <silt/shape/narrow/thickness_overlap.hpp>
 

@@ -67,10 +67,10 @@ class SharedContacts {
     shares_.assign(list.padded_size(), 1);
     constexpr std::size_t piece = 64;
     team.for_parts((groups_.size() + piece - 1) / piece, [&](std::size_t p) {
-      std::vector<double> depths;  // [m]
+      std::vector<double> strengths;
       std::vector<std::uint32_t> places;
       for (std::size_t g = p * piece; g < std::min(groups_.size(), (p + 1) * piece); ++g) {
-        depths.clear(), places.clear();
+        strengths.clear(), places.clear();
         for (std::uint32_t e = groups_[g].from; e < groups_[g].to; ++e) {
           const std::uint32_t k = entries_[e].place;
           const PositionRow &a = particles.position[list.first()[k]],
@@ -79,12 +79,12 @@ class SharedContacts {
           if constexpr (Domain::periodic) d = domain.shortest(d);
           const double reach = a.r + b.r, distance2 = dot(d, d);
           if (!(distance2 < reach * reach)) continue;
-          depths.push_back(strength(reach - std::sqrt(distance2), a.r * b.r / reach, exponent));
+          strengths.push_back(strength(reach - std::sqrt(distance2), a.r * b.r / reach, exponent));
           places.push_back(k);
         }
-        if (depths.size() > 1)
+        if (strengths.size() > 1)
           for (std::size_t k = 0; k < places.size(); ++k)
-            shares_[places[k]] = static_cast<Scalar>(share(depths[k], depths, exponent));
+            shares_[places[k]] = static_cast<Scalar>(share(strengths[k], strengths, exponent));
       }
     });
   }
@@ -103,8 +103,8 @@ class SharedContacts {
     });
     std::stable_sort(found_.begin(), found_.end(),
                      [](const Found& a, const Found& b) { return a.key() < b.key(); });
-    depths_.clear();
-    for (const Found& f : found_) depths_.push_back(f.depth);
+    strengths_.clear();
+    for (const Found& f : found_) strengths_.push_back(f.strength);
   }
   /// The share of a contact of a part of `body`, of this radius and depth [m], with a surface.
   double of_wall(std::uint32_t body, const WallCandidate& c, double radius, double depth) const {
@@ -112,25 +112,26 @@ class SharedContacts {
     const auto [from, to] =
         std::equal_range(found_.begin(), found_.end(), wanted,
                          [](const Found& a, const Found& b) { return a.key() < b.key(); });
-    const std::span<const double> all(depths_.data() + (from - found_.begin()),
+    const std::span<const double> all(strengths_.data() + (from - found_.begin()),
                                       static_cast<std::size_t>(to - from));
     return all.size() < 2 ? 1 : share(strength(depth, radius, wall_exponent_), all, wall_exponent_);
   }
 
-  /// e of (1), but for what all contacts have in common.
+  /// e^5 of (1), but for what all contacts have in common: R* d^5 for Hertz' law.
   static double strength(double depth, double R_eff, double exponent) {
-    return exponent == 2 ? depth : depth * std::pow(R_eff, (exponent - 2) / exponent);
+    const double depth2 = depth * depth, depth5 = depth2 * depth2 * depth;
+    if (exponent == 2.5) return R_eff * depth5;
+    return exponent == 2 ? depth5 : depth5 * std::pow(R_eff, 5 * (exponent - 2) / exponent);
   }
-  /// The share (2) of a contact of this depth among all that touch, itself included; `exponent` a.
-  static double share(double depth, std::span<const double> all, double exponent) {
-    const double deepest = *std::max_element(all.begin(), all.end());
-    if (!(deepest > 0)) return 1;
-    double sum = 0;
-    for (const double d : all) {
-      const double ratio = d / deepest, ratio2 = ratio * ratio, ratio4 = ratio2 * ratio2;
-      sum += ratio4 * ratio4 * ratio2;
-    }
-    return std::pow(depth / deepest, power - exponent) * std::pow(sum, exponent / power - 1);
+  /// The share (2) of a contact of this strength among all that touch, itself included; `exponent`
+  /// a.
+  static double share(double strength, std::span<const double> all, double exponent) {
+    double squares = 0;
+    for (const double e : all) squares += e * e;
+    if (!(squares > 0)) return 1;                    // none touches, or all too little for numbers
+    const double x = strength * strength / squares;  // (e_k/D)^p
+    if (exponent == 2.5) return std::sqrt(x) * std::sqrt(std::sqrt(x));
+    return std::pow(x, 1 - exponent / power);
   }
 
  private:
@@ -145,7 +146,7 @@ class SharedContacts {
   struct Found {
     std::uint32_t body;
     std::uint16_t wall, surface;
-    double depth;  // its e
+    double strength;
     std::uint64_t key() const {
       return std::uint64_t{body} << 32 | std::uint32_t{wall} << 16 | surface;
     }
@@ -156,7 +157,7 @@ class SharedContacts {
   std::vector<Group> groups_;
   AlignedVector<Scalar> shares_;
   std::vector<Found> found_;
-  std::vector<double> depths_;  // of found_
+  std::vector<double> strengths_;  // of found_
   double wall_exponent_ = 2.5;
 };
 

@@ -118,7 +118,8 @@ auto table(const std::string& path, const std::vector<std::string>& columns, Sch
 }
 
 /// Writes the particles to `file`: radius, velocity, id, material, and angular velocity if they
-/// rotate. `more(sim, fields, places)` may add fields: one value for each of the places.
+/// rotate; of bodies orientation (w, x, y, z) and form, and the radius is that of the bounding
+/// sphere. `more(sim, fields, places)` may add fields: one value for each of the places.
 template <class Sim, class More>
 void write_particles(const std::string& file, const Sim& sim, const More& more) {
   std::vector<std::size_t> places;
@@ -147,7 +148,35 @@ void write_particles(const std::string& file, const Sim& sim, const More& more) 
     spin = collect([&](std::size_t k) { return single(sim.angular_velocity(k)); });
     fields.add("angular_velocity", spin);
   }
+  std::vector<std::array<float, 4>> orientation;
+  std::vector<std::uint32_t> form;
+  if constexpr (Sim::has_bodies) {
+    orientation = collect([&](std::size_t k) {
+      const Quaternion q = sim.orientation(k);
+      return std::array<float, 4>{static_cast<float>(q.w), static_cast<float>(q.x),
+                                  static_cast<float>(q.y), static_cast<float>(q.z)};
+    });
+    form = collect([&](std::size_t k) { return static_cast<std::uint32_t>(sim.form(k)); });
+    fields.add("orientation", orientation).add("form", form);
+  }
   more(sim, fields, places);
+  write_vtp_points(file, position, fields);
+}
+/// Writes the spheres that bodies consist of: radius, and the id of the body.
+template <class Sim>
+void write_parts(const std::string& file, const Sim& sim) requires(Sim::has_bodies) {
+  std::vector<Vec3d> position;
+  std::vector<float> radius;
+  std::vector<std::uint32_t> id;
+  const auto& e = sim.engine();
+  for (std::size_t row = 0; row < e.particles.size(); ++row) {
+    if (e.particles.is_parked(row)) continue;
+    position.push_back(e.particles.position[row].centre());
+    radius.push_back(static_cast<float>(e.particles.position[row].r));
+    id.push_back(e.id_of(row));
+  }
+  VtkFields fields;
+  fields.add("radius", radius).add("id", id);
   write_vtp_points(file, position, fields);
 }
 template <class Sim>
@@ -183,7 +212,8 @@ WallTriangles wall_triangles(const Sim& sim, const Box& around) {
   return out;
 }
 
-/// Writes `folder/particles.pvd` and `folder/walls.pvd`, each a time series that ParaView opens.
+/// Writes `folder/particles.pvd` and `folder/walls.pvd`, each a time series that ParaView opens; of
+/// bodies also `folder/parts.pvd`, the spheres that they consist of.
 /// `more` adds fields as in write_particles.
 template <class More>
 class VtkSeriesObserver {
@@ -200,6 +230,7 @@ class VtkSeriesObserver {
       return sim.continued() ? VtkSeries::resume(folder_, name, keep) : VtkSeries(folder_, name);
     };
     particles_ = open("particles"), walls_ = open("walls");
+    if constexpr (Sim::has_bodies) parts_ = open("parts");
   }
   template <class Sim>
   bool is_due(const Sim& sim) const {
@@ -208,9 +239,13 @@ class VtkSeriesObserver {
   template <class Sim>
   void operator()(const Sim& sim) {
     Box around;
+    double largest = 0;  // [m]
     for (std::size_t k = 0; k < sim.rows(); ++k)
-      if (sim.is_present(k)) around.include(sim.position(k));
-    if (sim.size() > 0) around = around.grown(sim.engine().particles.largest_radius);
+      if (sim.is_present(k)) {
+        around.include(sim.position(k));
+        largest = std::max(largest, sim.radius(k));
+      }
+    if (sim.size() > 0) around = around.grown(largest);
     const auto number = std::to_string(sim.step());
     const auto file = [&](const char* name) {
       return text(name, '_', std::string(9 - std::min<std::size_t>(9, number.size()), '0'), number,
@@ -218,6 +253,10 @@ class VtkSeriesObserver {
     };
     write_particles(text(folder_, '/', file("particles")), sim, more_);
     particles_->add(sim.time(), file("particles"));
+    if constexpr (Sim::has_bodies) {
+      write_parts(text(folder_, '/', file("parts")), sim);
+      parts_->add(sim.time(), file("parts"));
+    }
     if (sim.size() > 0 && sim.walls() > 0) {
       const auto w = wall_triangles(sim, around);
       VtkFields fields;
@@ -232,7 +271,7 @@ class VtkSeriesObserver {
   std::string folder_;
   Schedule schedule_;
   More more_;
-  std::optional<VtkSeries> particles_, walls_;
+  std::optional<VtkSeries> particles_, walls_, parts_;
 };
 
 template <class More>

@@ -45,10 +45,10 @@ struct VtkElement<Vec3<Real>> {
   using Number = Real;
   static constexpr std::size_t components = 3;
 };
-template <class T>
-struct VtkElement<std::array<T, 3>> {
+template <class T, std::size_t N>
+struct VtkElement<std::array<T, N>> {
   using Number = T;
-  static constexpr std::size_t components = 3;
+  static constexpr std::size_t components = N;
 };
 
 template <class T>
@@ -141,7 +141,7 @@ inline std::vector<std::int32_t> vtk_cell_ends(const std::string& path, std::siz
 ///   fields.add("radius [m]", radii).add("velocity [m/s]", velocities);
 class VtkFields {
  public:
-  /// An array of double, float, int32_t or uint32_t, or of Vec3 or std::array<.., 3> of these.
+  /// An array of double, float, int32_t or uint32_t, or of Vec3 or std::array of these.
   template <class Values>
   VtkFields& add(std::string_view name, Values&& values) {
     detail::require_plain("VtkFields: a field's name", name);

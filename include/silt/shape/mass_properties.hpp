@@ -11,6 +11,19 @@ struct Moments {
   double volume = 0;
   Vec3d first{0, 0, 0};
   Symmetric3 second;
+
+  /// The same about a point from which the present origin is seen at `place` [m].
+  void shift(const Vec3d& place) {
+    const Vec3d s = first;
+    first += volume * place;
+    second += volume * outer(place);
+    second += {2 * s.x * place.x,
+               2 * s.y * place.y,
+               2 * s.z * place.z,
+               s.x * place.y + s.y * place.x,
+               s.y * place.z + s.z * place.y,
+               s.z * place.x + s.x * place.z};
+  }
 };
 
 /// What a rigid body of unit density needs to move.

@@ -56,16 +56,7 @@ inline Moments moments_of_union(std::span<const Ball> balls, int lines = 400) {
       }
     }
   }
-  // Back to the balls' own origin.
-  const Vec3d s = m.first;
-  m.first = s + m.volume * origin;
-  m.second += m.volume * outer(origin);
-  m.second += {2 * s.x * origin.x,
-               2 * s.y * origin.y,
-               2 * s.z * origin.z,
-               s.x * origin.y + s.y * origin.x,
-               s.y * origin.z + s.z * origin.y,
-               s.z * origin.x + s.x * origin.z};
+  m.shift(origin);
   return m;
 }
 

@@ -1,0 +1,103 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <silt/shape/super_ellipsoid.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// Eight octants of super-ellipsoids with common exponents: on either side of each plane the
+/// semi-axis across it is its own. Smooth, convex, without symmetry.
+///
+///   octant moments  M_ijk = integral of x^i y^j z^k over one octant with axes a, b, c
+///     = a^(i+1) b^(j+1) c^(k+1) / (s1 s2^2) G((i+1)/s2) G((j+1)/s2) / G(1 + (i+j+2)/s2)
+///       B((k+1)/s1, 1 + (i+j+2)/s1)                                                            (1)
+///
+/// Points and normals are in the shape's frame, whose origin is where the octants meet. The centre
+/// of mass lies elsewhere and the principal axes are turned: mass_properties().
+///
+/// Source: S. Zhao, J. Zhao, Int. J. Numer. Anal. Methods Geomech. 43 (2019) 2147; (1) by
+///         substitution, checked by sampling.
+/// Valid:  as SuperEllipsoid. Units: SI. Errors: check() throws InputError.
+/// Tests:  tests/shape/super_ellipsoid.cpp.
+struct PolySuperEllipsoid {
+  Vec3d plus;     // [m] semi-axes towards +x, +y, +z
+  Vec3d minus;    // [m] towards -x, -y, -z
+  double s1 = 2;  // [-]
+  double s2 = 2;  // [-]
+  double face_rounding = 1e-4;
+
+  bool operator==(const PolySuperEllipsoid&) const = default;
+
+  void check() const {
+    const auto largest = largest_octant(), smallest = smallest_octant();
+    smallest.check(), largest.check();
+    const double aspect = std::max({largest.a, largest.b, largest.c}) / smallest.smallest_axis();
+    require(aspect <= 30 * (1 + 1e-12),
+            "PolySuperEllipsoid: largest over smallest semi-axis = ", aspect,
+            " [-] must not be greater than 30");
+  }
+
+  /// The super-ellipsoid of which the octant at x is a part.
+  SuperEllipsoid octant(const Vec3d& x) const {
+    return {x.x < 0 ? minus.x : plus.x,
+            x.y < 0 ? minus.y : plus.y,
+            x.z < 0 ? minus.z : plus.z,
+            s1,
+            s2,
+            face_rounding};
+  }
+
+  double value(const Vec3d& x) const { return octant(x).value(x); }
+  Vec3d gradient(const Vec3d& x) const { return octant(x).gradient(x); }
+  /// A normal's octant is that of its point: each component of the gradient has the sign of x.
+  double height(const Vec3d& n) const { return octant(n).height(n); }
+  Vec3d support(const Vec3d& n) const { return octant(n).support(n); }
+
+  double volume() const { return moment(0, 0, 0); }  // [m3]
+  /// About the shape's origin, by (1).
+  Moments moments() const {
+    return {volume(),
+            {moment(1, 0, 0), moment(0, 1, 0), moment(0, 0, 1)},
+            {moment(2, 0, 0), moment(0, 2, 0), moment(0, 0, 2), moment(1, 1, 0), moment(0, 1, 1),
+             moment(1, 0, 1)}};
+  }
+  MassProperties mass_properties() const { return silt::mass_properties(moments()); }
+  double equal_volume_radius() const {
+    return std::cbrt(0.75 * volume() / std::numbers::pi_v<double>);
+  }
+
+  /// About the shape's origin [m]: every octant lies in the ball of its own super-ellipsoid.
+  double bounding_radius() const { return largest_octant().bounding_radius(); }
+
+  SuperEllipsoid largest_octant() const {
+    return {std::max(plus.x, minus.x),
+            std::max(plus.y, minus.y),
+            std::max(plus.z, minus.z),
+            s1,
+            s2,
+            face_rounding};
+  }
+  SuperEllipsoid smallest_octant() const {
+    return {std::min(plus.x, minus.x),
+            std::min(plus.y, minus.y),
+            std::min(plus.z, minus.z),
+            s1,
+            s2,
+            face_rounding};
+  }
+
+ private:
+  /// The integral of x^i y^j z^k over the body, by (1).
+  double moment(int i, int j, int k) const {
+    const auto both = [](double p, double m, int power) {  // the octants on either side, with sign
+      return std::pow(p, power + 1) + (power % 2 == 0 ? 1 : -1) * std::pow(m, power + 1);
+    };
+    const double in_plane = (i + j + 2.0),
+                 gamma = std::exp(std::lgamma((i + 1) / s2) + std::lgamma((j + 1) / s2) -
+                                  std::lgamma(1 + in_plane / s2));
+    return both(plus.x, minus.x, i) * both(plus.y, minus.y, j) * both(plus.z, minus.z, k) /
+           (s1 * s2 * s2) * gamma * SuperEllipsoid::beta((k + 1) / s1, 1 + in_plane / s1);
+  }
+};
+
+}  // namespace silt
