@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -10,26 +11,16 @@
 
 #include <silt/boundary/triangle_mesh.hpp>
 #include <silt/shape/multi_sphere.hpp>
+#include <silt/shape/triangle_moments.hpp>
 
 namespace silt::inline SILT_TARGET {
 
-/// Moments of what a closed mesh encloses, exactly: sums over tetrahedra from a point inside.
-/// Source: S. Lien and J. Kajiya, IEEE Comput. Graph.
-/// Appl. 4 (1984) 35.
-inline Moments moments_of(const TriangleMesh& mesh) {
-  const Vec3d origin = mesh.bounds().centre();
-  Moments m;
-  for (const auto& [i, j, k] : mesh.triangles()) {
-    const Vec3d a = mesh.vertices()[i] - origin, b = mesh.vertices()[j] - origin,
-                c = mesh.vertices()[k] - origin, sum = a + b + c;
-    const double six = dot(a, cross(b, c));
-    m.volume += six / 6, m.first += (six / 24) * sum;
-    Symmetric3 second = outer(sum);
-    second += outer(a), second += outer(b), second += outer(c);
-    m.second += (six / 120) * second;
-  }
-  m.shift(origin);
-  return m;
+/// Of what a closed mesh encloses, exactly.
+inline MassProperties mass_properties(const TriangleMesh& mesh) {
+  std::vector<std::array<Vec3d, 3>> triangles;
+  for (const auto& [a, b, c] : mesh.triangles())
+    triangles.push_back({mesh.vertices()[a], mesh.vertices()[b], mesh.vertices()[c]});
+  return mass_properties(triangles);
 }
 
 /// How spheres are to be fitted to a mesh.
@@ -207,7 +198,7 @@ inline SphereFit fit_spheres(const TriangleMesh& mesh, const SphereFitOptions& o
     (moments_of_union(grown(middle), 120).volume < volume ? low : high) = middle;
   }
   fit.form.balls = grown(0.5 * (low + high));
-  fit.form.mass = mass_properties(moments_of(mesh));
+  fit.form.mass = mass_properties(mesh);
   fit.volume_error = moments_of_union(fit.form.balls).volume / volume - 1;
   detail::measure_surface(mesh, fit);
   return fit;
