@@ -154,7 +154,9 @@ TEST_CASE("A heap of bodies comes to rest, the same for any number of threads") 
   CHECK(bits(sim) == bits(other));
   sim.run(0.4);
   const Totals end = totals(sim);
-  CHECK(end.energy < 1e-12);  // they started with some 1e-5 J
+  // They began with some 3e-4 J. Not all is lost: a dumbbell that rolls on the floor meets no
+  // resistance, and goes on at some um/s (one at 8 mrad/s was seen for seconds).
+  CHECK(end.energy < 1e-8);
   CHECK(sim.peak_overlap() < 0.3);
   for (std::size_t k = 0; k < sim.rows(); ++k) {
     const Quaternion q = sim.orientation(k);
