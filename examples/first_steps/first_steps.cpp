@@ -16,7 +16,7 @@ int main() {
              {.radius = silt::uniform(0.9e-3, 1.1e-3), .density = 2500});
 
   silt::Simulation sim{std::move(beads), silt::Contacts<silt::HertzMindlin>{glass},
-                       silt::VerletList{.skin = 0.3e-3}, silt::NoFluid{}};
+                       silt::VerletList<>{.skin = 0.3e-3}, silt::NoFluid{}};
   sim.gravity = {0, 0, -9.81};  // [m/s2]
   sim.add_wall(silt::box({0, 0, 0}, {0.02, 0.02, 0.11}), glass);
 

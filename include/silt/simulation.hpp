@@ -150,6 +150,13 @@ class Simulation {
   /// Places new particles at a rate; see Inlet.
   template <Region R>
   std::size_t add_inlet(const R& region, const InletFlow& flow) {
+    if constexpr (has_bodies)
+      require(flow.form < engine_.mover.forms.size(), "InletFlow.form = ", flow.form,
+              " is none of the ", engine_.mover.forms.size(),
+              " forms of the simulation; make it with add_form before");
+    else
+      require(flow.form == 0, "InletFlow.form = ", flow.form,
+              ", but spheres have no form; leave it out");
     return openings_.add_inlet(region, flow, time_);
   }
   std::size_t add_inlet(const Box& region, const InletFlow& flow) {
@@ -349,6 +356,7 @@ class Simulation {
   const std::vector<detail::Body>& bodies() const requires has_bodies {
     return engine_.mover.bodies;
   }
+  void check_new(const ParticlesType& more) const;
   void add_bodies(const ParticlesType& more, std::size_t first_form);
   void book_step(const detail::StepTimes& times);
   void book_leaving(std::size_t k);

@@ -283,4 +283,20 @@ TEST_CASE("Particles of bodies refuse what makes no sense") {
                      {.radius = silt::uniform(0.1, 0.2), .density = 1, .form = 1});
       },
       {"form"});
+  // By a simulation, which stays as it was.
+  silt::Particles<MultiSphere> one, odd;
+  one.add_form(dumbbell), odd.add_form(tripod);
+  one.add({.position = {0, 0, 0}, .density = 2500});
+  odd.add({.position = {1, 0, 0}, .density = 2500, .material = 3});
+  silt::Simulation sim{one, silt::Contacts<HertzMindlin>{stone}};
+  refused([&] { sim.add(odd); }, {"particle 0", "material 3", "SeveralMaterials"});
+  CHECK(sim.forms().size() == 1);
+  const Box region{{0, 0, 0.05}, {0.02, 0.02, 0.06}};
+  const silt::InletFlow flow{
+      .radius = silt::uniform(1.9e-3, 2.1e-3), .density = 2500, .rate = 10, .form = 2};
+  refused([&] { sim.add_inlet(region, flow); }, {"InletFlow.form = 2", "1 forms"});
+  silt::Particles<Sphere> spheres;
+  spheres.add({.position = {0, 0, 0}, .radius = 1e-3, .density = 2500});
+  silt::Simulation of_spheres{spheres, silt::Contacts<HertzMindlin>{stone}};
+  refused([&] { of_spheres.add_inlet(region, flow); }, {"spheres have no form"});
 }

@@ -7,30 +7,11 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Adds bodies whose forms are those of the engine from `first_form` on.
+/// Adds bodies, which check_new has seen, and whose forms are those of the engine from `first_form`
+/// on.
 template <class... Policies>
 void Simulation<Policies...>::add_bodies(const ParticlesType& more, std::size_t first_form) {
   auto& mover = engine_.mover;
-  for (std::size_t k = 0; k < more.size(); ++k) {  // all is checked before anything is added
-    const auto& p = more[k];
-    if (guard.domain)
-      require(guard.domain->contains(p.position), "particle ", k, " at ", p.position,
-              " m is outside guard.domain from ", guard.domain->min, " to ", guard.domain->max,
-              " m");
-    if constexpr (Domain::periodic)
-      for (int d = 0; d < 3; ++d)
-        require(!domain_.repeats(d) || domain_.length(d) >= 6 * p.radius,
-                "PeriodicBox: its length ", domain_.length(d),
-                " [m] must be at least 3 diameters of the sphere of radius ", p.radius,
-                " m around particle ", k);
-    require(p.material < contacts_.materials() || !ContactsType::several_materials, "particle ", k,
-            ": material ", p.material, " is not in the table of ", contacts_.materials(),
-            " materials; add it to the contacts first");
-    require(ContactsType::several_materials || p.material == 0, "particle ", k, ": material ",
-            p.material,
-            " needs Contacts<Law, SeveralMaterials>; without it all particles are of the "
-            "first material");
-  }
   std::uint32_t first = static_cast<std::uint32_t>(mover.rows.size());
   const std::size_t before = mover.bodies.size();
   for (const auto& p : more) {

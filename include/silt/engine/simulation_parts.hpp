@@ -7,33 +7,42 @@
 
 namespace silt::inline SILT_TARGET {
 
+/// Refuses particles that do not fit into the scene.
+template <class... Policies>
+void Simulation<Policies...>::check_new(const ParticlesType& more) const {
+  for (std::size_t k = 0; k < more.size(); ++k) {
+    const auto& p = more[k];
+    if (guard.domain)
+      require(guard.domain->contains(p.position), "particle ", k, " at ", p.position,
+              " m is outside guard.domain from ", guard.domain->min, " to ", guard.domain->max,
+              " m");
+    if constexpr (Domain::periodic)
+      for (int d = 0; d < 3; ++d)
+        require(!domain_.repeats(d) || domain_.length(d) >= 6 * p.radius,
+                "PeriodicBox: its length ", domain_.length(d),
+                " [m] must be at least 3 diameters of particle ", k, " of radius ", p.radius, " m");
+    require(p.material < contacts_.materials() || !ContactsType::several_materials, "particle ", k,
+            ": material ", p.material, " is not in the table of ", contacts_.materials(),
+            " materials; add it to the contacts first");
+    require(ContactsType::several_materials || p.material == 0, "particle ", k, ": material ",
+            p.material,
+            " needs Contacts<Law, SeveralMaterials>; without it all particles are of the "
+            "first material");
+  }
+}
+
 template <class... Policies>
 void Simulation<Policies...>::add(const ParticlesType& more) {
   if constexpr (has_bodies) {
+    check_new(more);  // before anything changes
     const std::size_t first = engine_.mover.forms.size();
     engine_.mover.forms.insert(engine_.mover.forms.end(), more.forms().begin(), more.forms().end());
     return add_bodies(more, first);
   } else {
+    check_new(more);
     std::vector<std::pair<PositionRow, typename Engine::Motion>> rows;
     for (std::size_t k = 0; k < more.size(); ++k) {
       const auto& p = more[k];
-      if (guard.domain)
-        require(guard.domain->contains(p.position), "particle ", k, " at ", p.position,
-                " m is outside guard.domain from ", guard.domain->min, " to ", guard.domain->max,
-                " m");
-      if constexpr (Domain::periodic)
-        for (int d = 0; d < 3; ++d)
-          require(!domain_.repeats(d) || domain_.length(d) >= 6 * p.radius,
-                  "PeriodicBox: its length ", domain_.length(d),
-                  " [m] must be at least 3 diameters of particle ", k, " of radius ", p.radius,
-                  " m");
-      require(p.material < contacts_.materials() || !ContactsType::several_materials, "particle ",
-              k, ": material ", p.material, " is not in the table of ", contacts_.materials(),
-              " materials; add it to the contacts first");
-      require(ContactsType::several_materials || p.material == 0, "particle ", k, ": material ",
-              p.material,
-              " needs Contacts<Law, SeveralMaterials>; without it all particles are of the "
-              "first material");
       typename Engine::Motion m{};
       m.vx = p.velocity.x, m.vy = p.velocity.y, m.vz = p.velocity.z;
       m.inv_m = p.fixed ? 0 : 1 / (p.density * ShapeType::volume(p.radius));
@@ -80,6 +89,7 @@ void Simulation<Policies...>::insert(const std::vector<PlacedSphere>& spheres,
                                           .density = flow.density,
                                           .velocity = velocity,
                                           .material = flow.material});
+    check_new(more);
     add_bodies(more, 0);
   } else {
     for (const auto& s : spheres)
