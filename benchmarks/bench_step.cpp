@@ -58,6 +58,9 @@ const silt::LinearSpring::Material spring{2000, 0.5};
 const silt::LinearSpringFriction::Material rough_spring{2000, 0.5, 0.4};
 
 void BM_hertz_mindlin(benchmark::State& s) { run(s, Contacts<silt::HertzMindlin>{glass}, spread); }
+void BM_hertz_mindlin_ledger(benchmark::State& s) {
+  run(s, Contacts<silt::HertzMindlin>{glass}, spread, silt::EnergyLedger{});
+}
 void BM_hertz_mindlin_mixed(benchmark::State& s) {
   run(s, Contacts<silt::HertzMindlin>{glass}, spread, silt::Mixed{});
 }
@@ -108,7 +111,7 @@ void BM_jkr(benchmark::State& s) {
   run(s, Contacts<silt::Jkr>{silt::Jkr::Material{1e7, 0.3, 0.01, 0.5, 0.4}}, spread);
 }
 void BM_hertz_mindlin_directional(benchmark::State& s) {
-  run(s, Contacts<silt::HertzMindlin, silt::RollingDirectional>{glass, {0.1}}, spread);
+  run(s, Contacts<silt::HertzMindlin, silt::RollingDirectional>{glass, {0.05}}, spread);
 }
 void BM_hertz_mindlin_rolling_twisting(benchmark::State& s) {
   using Full = silt::Both<silt::RollingEpsd, silt::Twisting>;
@@ -138,6 +141,7 @@ const bool laws = compare_lanes<silt::HertzMindlin>("law_hertz_mindlin", glass) 
 BENCHMARK(BM_hertz_mindlin_several_materials)->Arg(5000)->Unit(ms);
 BENCHMARK(BM_hertz_mindlin_rolling)->Arg(5000)->Unit(ms);
 BENCHMARK(BM_hertz_mindlin)->Arg(5000)->Arg(50000)->Unit(ms);
+BENCHMARK(BM_hertz_mindlin_ledger)->Arg(5000)->Arg(50000)->Unit(ms);
 BENCHMARK(BM_hertz_mindlin_one_size)->Arg(5000)->Unit(ms);
 BENCHMARK(BM_hertz_mindlin_no_side_walls)->Arg(5000)->Unit(ms);
 BENCHMARK(BM_hertz_mindlin_mixed)->Arg(5000)->Arg(50000)->Unit(ms);

@@ -124,22 +124,22 @@ constexpr std::size_t history_size() {
 
 /// Calls the law with or without history.
 template <class L, class Real, class C, class P, class H>
-requires HasHistory<L>
-inline auto law_force(const C& contact, const P& coefficients, H& history)
+requires HasHistory<L> SILT_INLINE auto law_force(const C& contact, const P& coefficients,
+                                                  H& history)
     -> decltype(L::force(contact, coefficients, history)) {
   return L::force(contact, coefficients, history);
 }
 template <class L, class Real, class C, class P, class H>
-requires(!HasHistory<L>) inline auto law_force(const C& contact, const P& coefficients, H&)
+requires(!HasHistory<L>) SILT_INLINE auto law_force(const C& contact, const P& coefficients, H&)
     -> decltype(L::force(contact, coefficients)) {
   return L::force(contact, coefficients);
 }
 
 /// What the law stores, with or without history.
 template <class L, class Real, class H>
-inline Stored<Real> stored_by(const Contact<Real>& contact,
-                              const typename L::template Coefficients<Real>& coefficients,
-                              const H& history) {
+SILT_INLINE Stored<Real> stored_by(const Contact<Real>& contact,
+                                   const typename L::template Coefficients<Real>& coefficients,
+                                   const H& history) {
   if constexpr (HasHistory<L>)
     return L::stored(contact, coefficients, history);
   else
@@ -163,7 +163,7 @@ using ForceOf =
 
 /// An aggregate of doubles, given lane by lane, as the same aggregate of Reals.
 template <template <class> class Aggregate, class Real>
-inline Aggregate<Real> broadcast(const Aggregate<double>& a) {
+SILT_INLINE Aggregate<Real> broadcast(const Aggregate<double>& a) {
   constexpr std::size_t n = sizeof(Aggregate<double>) / sizeof(double);
   const auto values = std::bit_cast<std::array<double, n>>(a);
   std::array<Real, n> reals;
@@ -179,23 +179,22 @@ inline Aggregate<Real> broadcast(const Aggregate<double>& a) {
 ///   static Coefficients<double> mix(const Material&, const Material& [, const Pair&])
 ///   static force(Contact<Real>, Coefficients<Real> [, History<Real>&])   in + - * / and the
 ///     functions of core/lanes.hpp; returns Real (central force: particles need no rotation) or
-///     Traction<Real>.
+///     Traction<Real>. SILT_INLINE: in a large unit compilers stop inlining (a step: 1.45 times).
 /// Optional, each found by its name:
 ///   template <class Real> struct History  Reals kept while the contact lasts, zero at first touch
 ///   struct Pair                           values that belong to two materials (restitution, ...)
 ///     with `static Pair like(const Material&)` for a material against itself
 ///   static void check(const Material&), check(const Pair&)      throw InputError
-///   static double contact_time(Coefficients<double>, R_eff, m_eff, speed)    [s], for the time
-///   step static Real stiffness(Contact<Real>, Coefficients<Real>)    [N/m], for rolling resistance
+///   static double contact_time(Coefficients<double>, R_eff, m_eff, speed)    [s], for the step
+///   static Real stiffness(Contact<Real>, Coefficients<Real>)    [N/m], for rolling resistance
 ///   static Real range(Coefficients<Real>, Real R_eff)    [m], of laws that act at a distance:
 ///     force and history live while the gap is smaller; must not fall as R_eff grows
-///   static constexpr bool needs_radii = true    Contact::radius_i and radius_j are set;
-///   contact_time
-///     is then asked with R_i, R_j (0: wall), m_eff, speed
-///   static Coefficients<Real> scaled(Coefficients<Real>, Real factor)    of a body `factor` as
-///   stiff,
-///     `static double compliance(const Material&)` [1/Pa] or [m/N] of one partner, and
-///     `static double impact_force(Coefficients<double>, R_eff, m_eff, speed)` [N], for Softened
+///   static constexpr bool needs_radii = true    Contact::radius_i and radius_j are set, and
+///     contact_time is asked with R_i, R_j (0: wall), m_eff, speed
+///   static Coefficients<Real> scaled(Coefficients<Real>, Real factor)    of a body that is
+///     `factor` times as stiff, `static double compliance(const Material&)` [1/Pa] or [m/N] of one
+///     partner, and `static double impact_force(Coefficients<double>, R_eff, m_eff, speed)` [N],
+///     for Softened
 ///   static Stored<Real> stored(Contact<Real>, Coefficients<Real> [, History<Real>])    for the
 ///     EnergyLedger: springs and the energy in them, after force() has had its turn
 ///   static Real pressing(Contact<Real>, Coefficients<Real>, Real normal)    [N] >= 0, what presses

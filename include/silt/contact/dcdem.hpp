@@ -77,8 +77,8 @@ struct BasicDcdem {
   }
 
   template <class Real>
-  static Traction<Real> force(const Contact<Real>& c, const Coefficients<Real>& p,
-                              History<Real>& h) {
+  static SILT_INLINE Traction<Real> force(const Contact<Real>& c, const Coefficients<Real>& p,
+                                          History<Real>& h) {
     const Real kn = p.stiffness * sqrt(c.R_eff), root = sqrt(c.overlap);
     const Real gn = p.damping * sqrt(c.m_eff * kn);
     const Real Fn =
@@ -96,12 +96,12 @@ struct BasicDcdem {
     }
   }
   template <class Real>
-  static Real stiffness(const Contact<Real>& c, const Coefficients<Real>& p) {
+  static SILT_INLINE Real stiffness(const Contact<Real>& c, const Coefficients<Real>& p) {
     return Real(1.5) * p.stiffness * sqrt(c.R_eff * c.overlap);
   }
   template <class Real>
-  static Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p,
-                             [[maybe_unused]] const History<Real>& h) {
+  static SILT_INLINE Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p,
+                                         [[maybe_unused]] const History<Real>& h) {
     const Real S = p.stiffness * sqrt(c.R_eff * c.overlap), elastic = S * c.overlap,
                energy = Real(0.4) * elastic * c.overlap, zero(0);
     if constexpr (Form == DcdemForm::Mended)

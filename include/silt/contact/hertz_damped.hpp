@@ -95,8 +95,8 @@ struct HertzDamped {
     return {2 * E, 4 * G / E, pair.dissipation, std::sqrt(4 * G / E), pair.friction};
   }
   template <class Real>
-  static Traction<Real> force(const Contact<Real>& c, const Coefficients<Real>& p,
-                              History<Real>& h) {
+  static SILT_INLINE Traction<Real> force(const Contact<Real>& c, const Coefficients<Real>& p,
+                                          History<Real>& h) {
     const Real Sn = stiffness(c, p);  // (1)
     const Real elastic = Real(2.0 / 3.0) * Sn * c.overlap;
     const Real cn = Damping::coefficient(p.dissipation, Sn, elastic);
@@ -105,12 +105,12 @@ struct HertzDamped {
     return {Fn, mindlin_force<Memory>(slider, c, Fn, h.tangential)};  // (3)
   }
   template <class Real>
-  static Real stiffness(const Contact<Real>& c, const Coefficients<Real>& p) {
+  static SILT_INLINE Real stiffness(const Contact<Real>& c, const Coefficients<Real>& p) {
     return p.twice_modulus * sqrt(c.R_eff * c.overlap);
   }
   template <class Real>
-  static Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p,
-                             const History<Real>& h) {
+  static SILT_INLINE Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p,
+                                         const History<Real>& h) {
     const Real Sn = stiffness(c, p), elastic = Real(2.0 / 3.0) * Sn * c.overlap;
     return mindlin_stored<Memory>(elastic, Real(0.4) * elastic * c.overlap, p.stiffness_ratio * Sn,
                                   h.tangential);

@@ -69,8 +69,8 @@ struct BasicHertzMindlin {
   }
 
   template <class Real>
-  static Traction<Real> force(const Contact<Real>& c, const Coefficients<Real>& p,
-                              History<Real>& h) {
+  static SILT_INLINE Traction<Real> force(const Contact<Real>& c, const Coefficients<Real>& p,
+                                          History<Real>& h) {
     const Real Sn = p.twice_modulus * sqrt(c.R_eff * c.overlap);  // (1)
     const Real cn = p.normal_damping * sqrt(Sn * c.m_eff);
     const Real Fn = normal_force<End>(Real(2.0 / 3.0) * Sn * c.overlap, cn, c);  // (2)
@@ -79,13 +79,13 @@ struct BasicHertzMindlin {
   }
 
   template <class Real>
-  static Real stiffness(const Contact<Real>& c, const Coefficients<Real>& p) {
+  static SILT_INLINE Real stiffness(const Contact<Real>& c, const Coefficients<Real>& p) {
     return p.twice_modulus * sqrt(c.R_eff * c.overlap);
   }
 
   template <class Real>
-  static Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p,
-                             const History<Real>& h) {
+  static SILT_INLINE Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p,
+                                         const History<Real>& h) {
     const Real Sn = stiffness(c, p), elastic = Real(2.0 / 3.0) * Sn * c.overlap;
     return mindlin_stored<Memory>(elastic, Real(0.4) * elastic * c.overlap, p.stiffness_ratio * Sn,
                                   h.tangential);

@@ -100,8 +100,8 @@ struct Jkr {
   }
 
   template <class Real>
-  static Traction<Real> force(const Contact<Real>& c, const Coefficients<Real>& p,
-                              History<Real>& h) {
+  static SILT_INLINE Traction<Real> force(const Contact<Real>& c, const Coefficients<Real>& p,
+                                          History<Real>& h) {
     const Real zero(0);
     const Real A = root_of_radius(c, p);
     const Real a = select(c.overlap > zero, A * A, select(h.contact_radius > zero, A * A, zero));
@@ -122,24 +122,25 @@ struct Jkr {
 
   /// Until there they may stay attached.
   template <class Real>
-  static Real range(const Coefficients<Real>& p, const Real& R_eff) {
+  static SILT_INLINE Real range(const Coefficients<Real>& p, const Real& R_eff) {
     return Real(3) * p.stickiness * cube_root(p.stickiness * R_eff);
   }
   template <class Real>
-  static Real stiffness(const Contact<Real>& c, const Coefficients<Real>& p) {
+  static SILT_INLINE Real stiffness(const Contact<Real>& c, const Coefficients<Real>& p) {
     const Real A = root_of_radius(c, p);
     return p.twice_modulus * A * A;
   }
   template <class Real>
-  static Real pressing(const Contact<Real>& c, const Coefficients<Real>& p, const Real& normal) {
+  static SILT_INLINE Real pressing(const Contact<Real>& c, const Coefficients<Real>& p,
+                                   const Real& normal) {
     const Real sum = max(normal + twice_pull_off(c, p), Real(0));
     return select(abs(normal) > Real(0), sum, Real(0));  // normal is 0 where they are not attached
   }
   /// Hertz' spring: what adhesion adds and takes is not stored in it, as tearing it apart costs
   /// more than it gave.
   template <class Real>
-  static Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p,
-                             const History<Real>& h) {
+  static SILT_INLINE Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p,
+                                         const History<Real>& h) {
     const Real d = max(c.overlap, Real(0)), Sn = p.twice_modulus * sqrt(c.R_eff * d),
                elastic = Real(2.0 / 3.0) * Sn * d;
     return mindlin_stored<TangentialMemory::Force>(
@@ -165,13 +166,13 @@ struct Jkr {
 
  private:
   template <class Real>
-  static Real root_of_radius(const Contact<Real>& c, const Coefficients<Real>& p) {
+  static SILT_INLINE Real root_of_radius(const Contact<Real>& c, const Coefficients<Real>& p) {
     const Real At = cube_root(p.stickiness * c.R_eff);
     const Real above = max(c.overlap + Real(3) * p.stickiness * At, Real(0));  // [m] d - d_t
     return detail::root_of_contact_radius(At, sqrt(c.R_eff * above));
   }
   template <class Real>
-  static Real twice_pull_off(const Contact<Real>& c, const Coefficients<Real>& p) {
+  static SILT_INLINE Real twice_pull_off(const Contact<Real>& c, const Coefficients<Real>& p) {
     return Real(12) * p.twice_modulus * p.stickiness * p.stickiness * c.R_eff;
   }
 };

@@ -44,15 +44,15 @@ struct BasicLinearSpring {
     return {2 / (1 / a.stiffness + 1 / b.stiffness), 2 * damping_ratio(pair.restitution, End)};
   }
   template <class Real>
-  static Real force(const Contact<Real>& c, const Coefficients<Real>& p) {
+  static SILT_INLINE Real force(const Contact<Real>& c, const Coefficients<Real>& p) {
     return normal_force<End>(p.stiffness * c.overlap, p.damping * sqrt(p.stiffness * c.m_eff), c);
   }
   template <class Real>
-  static Real stiffness(const Contact<Real>&, const Coefficients<Real>& p) {
+  static SILT_INLINE Real stiffness(const Contact<Real>&, const Coefficients<Real>& p) {
     return p.stiffness;
   }
   template <class Real>
-  static Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p) {
+  static SILT_INLINE Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p) {
     const Real elastic = p.stiffness * c.overlap, zero(0);
     return {elastic, Real(0.5) * elastic * c.overlap, {zero, zero, zero}, zero};
   }
@@ -104,8 +104,8 @@ struct BasicLinearSpringFriction {
     return {normal.stiffness, normal.damping, kt / normal.stiffness, pair.friction};
   }
   template <class Real>
-  static Traction<Real> force(const Contact<Real>& c, const Coefficients<Real>& p,
-                              History<Real>& h) {
+  static SILT_INLINE Traction<Real> force(const Contact<Real>& c, const Coefficients<Real>& p,
+                                          History<Real>& h) {
     const Real cn = p.damping * sqrt(p.stiffness * c.m_eff);
     const Real Fn = normal_force<End>(p.stiffness * c.overlap, cn, c);  // (1)
     const SpringSlider<Real> slider{p.shear_ratio * p.stiffness, sqrt(p.shear_ratio) * cn,
@@ -113,12 +113,12 @@ struct BasicLinearSpringFriction {
     return {Fn, slider.from_displacement(c, Fn, h.slip)};  // (2)
   }
   template <class Real>
-  static Real stiffness(const Contact<Real>&, const Coefficients<Real>& p) {
+  static SILT_INLINE Real stiffness(const Contact<Real>&, const Coefficients<Real>& p) {
     return p.stiffness;
   }
   template <class Real>
-  static Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p,
-                             const History<Real>& h) {
+  static SILT_INLINE Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p,
+                                         const History<Real>& h) {
     const Real elastic = p.stiffness * c.overlap;
     return mindlin_stored<TangentialMemory::Displacement>(elastic, Real(0.5) * elastic * c.overlap,
                                                           p.shear_ratio * p.stiffness, h.slip);

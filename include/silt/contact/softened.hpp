@@ -94,8 +94,8 @@ struct Softened {
   }
 
   template <class Real>
-  static Traction<Real> force(const Contact<Real>& c, const Coefficients<Real>& p,
-                              History<Real>& h) {
+  static SILT_INLINE Traction<Real> force(const Contact<Real>& c, const Coefficients<Real>& p,
+                                          History<Real>& h) {
     using Kept = typename detail::HistoryOf<Body, Real>::type;
     const Real zero(0), v = c.normal_velocity;
     Traction<Real> f = Body::force(c, softened(c, p), static_cast<Kept&>(h));
@@ -115,18 +115,19 @@ struct Softened {
   }
   /// True in the lanes in which the safeguard acted in this step.
   template <class Real>
-  static Mask<Real> safeguarded(const History<Real>& before, const History<Real>& now) {
+  static SILT_INLINE Mask<Real> safeguarded(const History<Real>& before, const History<Real>& now) {
     const Real zero(0);
     return select(before.approach < zero, zero, now.approach) < zero;
   }
 
   template <class Real>
-  static Real stiffness(const Contact<Real>& c, const Coefficients<Real>& p) {
+  static SILT_INLINE Real stiffness(const Contact<Real>& c, const Coefficients<Real>& p) {
     return Body::stiffness(c, softened(c, p));
   }
   template <class Real>
-  static Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p,
-                             const History<Real>& h) requires detail::SaysWhatItStores<Body> {
+  static SILT_INLINE Stored<Real> stored(
+      const Contact<Real>& c, const Coefficients<Real>& p,
+      const History<Real>& h) requires detail::SaysWhatItStores<Body> {
     using Kept = typename detail::HistoryOf<Body, Real>::type;
     Stored<Real> s = Body::stored(c, softened(c, p), static_cast<const Kept&>(h));
     const Real zero(0);
@@ -149,7 +150,7 @@ struct Softened {
   }
   /// E* over that of the solids [-].
   template <class Real>
-  static Real factor(const Coefficients<Real>& p, const Real& R_i, const Real& R_j) {
+  static SILT_INLINE Real factor(const Coefficients<Real>& p, const Real& R_i, const Real& R_j) {
     const Real one(1);
     const Real of_j = select(R_j > Real(0), factor_of(R_j, p.per_full_j, p.least_j), one);
     return one / (p.share_i / factor_of(R_i, p.per_full_i, p.least_i) + p.share_j / of_j);
@@ -174,7 +175,7 @@ struct Softened {
     return max(f, least);
   }
   template <class Real>
-  static auto softened(const Contact<Real>& c, const Coefficients<Real>& p) {
+  static SILT_INLINE auto softened(const Contact<Real>& c, const Coefficients<Real>& p) {
     return Body::scaled(p.body, factor(p, c.radius_i, c.radius_j));
   }
 };

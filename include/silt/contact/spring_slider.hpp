@@ -21,7 +21,7 @@ inline Real leapfrog_damping(const Real& c, const Real& inverse_mass, const Real
 
 /// Elastic force less damping along the normal, cut at zero if the contact ends at zero force.
 template <DampingEnd End, class Real>
-inline Real normal_force(const Real& elastic, const Real& damping, const Contact<Real>& c) {
+SILT_INLINE Real normal_force(const Real& elastic, const Real& damping, const Contact<Real>& c) {
   const Real force =
       elastic - leapfrog_damping(damping, c.inverse_m_eff, c.lag) * c.normal_velocity;
   if constexpr (End == DampingEnd::ZeroForce)
@@ -39,8 +39,8 @@ struct SpringSlider {
   Real friction;   // [-] mu
 
   /// History = spring force on i [N]. `unloading` <= 1 scales it where the stiffness fell.
-  Vec3<Real> from_force(const Contact<Real>& c, const Real& Fn, const Real& unloading,
-                        Vec3<Real>& spring) const {
+  SILT_INLINE Vec3<Real> from_force(const Contact<Real>& c, const Real& Fn, const Real& unloading,
+                                    Vec3<Real>& spring) const {
     const Vec3<Real> v = c.tangential_velocity;
     const Vec3<Real> trial = c.transported(spring) * unloading - (stiffness * c.time_step) * v;
     const Vec3<Real> dashpot = tangential_damping(c) * v;
@@ -51,7 +51,8 @@ struct SpringSlider {
   }
 
   /// History = slip [m] of i relative to j.
-  Vec3<Real> from_displacement(const Contact<Real>& c, const Real& Fn, Vec3<Real>& slip) const {
+  SILT_INLINE Vec3<Real> from_displacement(const Contact<Real>& c, const Real& Fn,
+                                           Vec3<Real>& slip) const {
     const Vec3<Real> v = c.tangential_velocity;
     const Vec3<Real> trial = c.transported(slip) + c.time_step * v;
     const Vec3<Real> dashpot = tangential_damping(c) * v;
@@ -64,10 +65,10 @@ struct SpringSlider {
 
  private:
   /// The tangential motion of two solid spheres at their contact carries 2/7 of m*.
-  Real tangential_damping(const Contact<Real>& c) const {
+  SILT_INLINE Real tangential_damping(const Contact<Real>& c) const {
     return leapfrog_damping(damping, c.inverse_m_eff, Real(3.5) * c.lag);
   }
-  Real share_within_limit(const Vec3<Real>& total, const Real& Fn) const {
+  SILT_INLINE Real share_within_limit(const Vec3<Real>& total, const Real& Fn) const {
     // 1/size as size (1/size^2): division and square root need not wait for each other.
     const Real size2 = max(dot(total, total), smallest<Real>());
     return min(friction * max(Fn, Real(0)) * (sqrt(size2) * (Real(1) / size2)), Real(1));
@@ -77,8 +78,8 @@ struct SpringSlider {
 /// The tangential force [N] on i of a spring whose stiffness goes as the square root of the overlap
 /// (Mindlin). `memory`: its force [N] or the slip [m].
 template <TangentialMemory Memory, class Real>
-inline Vec3<Real> mindlin_force(const SpringSlider<Real>& slider, const Contact<Real>& c,
-                                const Real& Fn, Vec3<Real>& memory) {
+SILT_INLINE Vec3<Real> mindlin_force(const SpringSlider<Real>& slider, const Contact<Real>& c,
+                                     const Real& Fn, Vec3<Real>& memory) {
   if constexpr (Memory == TangentialMemory::Force) {
     // S_t now over S_t at the last step, if the contact is unloading.
     const Real last = c.overlap + c.time_step * c.normal_velocity;
@@ -91,8 +92,8 @@ inline Vec3<Real> mindlin_force(const SpringSlider<Real>& slider, const Contact<
 
 /// What the springs of a Mindlin contact store; `elastic` [N] and `energy` [J] of the normal one.
 template <TangentialMemory Memory, class Real>
-inline Stored<Real> mindlin_stored(const Real& elastic, const Real& energy, const Real& stiffness,
-                                   const Vec3<Real>& memory) {
+SILT_INLINE Stored<Real> mindlin_stored(const Real& elastic, const Real& energy,
+                                        const Real& stiffness, const Vec3<Real>& memory) {
   if constexpr (Memory == TangentialMemory::Force)
     return {elastic, energy, memory,
             dot(memory, memory) / max(Real(2) * stiffness, smallest<Real>())};

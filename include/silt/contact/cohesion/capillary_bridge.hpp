@@ -58,7 +58,7 @@ struct BasicCapillaryBridge {
             (1 + p.contact_angle / 2) * std::cbrt(p.volume)};
   }
   template <class Real>
-  static Real attraction(const Contact<Real>& c, const Coefficients<Real>& p) {
+  static SILT_INLINE Real attraction(const Contact<Real>& c, const Coefficients<Real>& p) {
     const Real H = max(-c.overlap, Real(0)), R = Real(2) * c.R_eff;  // (1)
     if constexpr (Form == BridgeForce::Willett) {
       const Real X2 = H * H * R * p.inverse_volume;
@@ -73,7 +73,7 @@ struct BasicCapillaryBridge {
     }
   }
   template <class Real>
-  static Real range(const Coefficients<Real>& p, const Real&) {
+  static SILT_INLINE Real range(const Coefficients<Real>& p, const Real&) {
     return p.rupture;  // (4)
   }
   static void check(const Pair& p) {

@@ -115,7 +115,8 @@ struct Cohesive {
   }
 
   template <class Real>
-  static auto force(const Contact<Real>& c, const Coefficients<Real>& p, History<Real>& h) {
+  static SILT_INLINE auto force(const Contact<Real>& c, const Coefficients<Real>& p,
+                                History<Real>& h) {
     Real attraction = select(near(c, p), Cohesion::attraction(c, p.cohesion), Real(0));
     if constexpr (forms_at_touch) {
       h.attached = select(c.overlap > Real(0), Real(1), select(near(c, p), h.attached, Real(0)));
@@ -130,8 +131,8 @@ struct Cohesive {
   }
 
   template <class Real>
-  static Real range(const Coefficients<Real>& p,
-                    const Real& R_eff) requires(far_body || far_cohesion) {
+  static SILT_INLINE Real range(const Coefficients<Real>& p,
+                                const Real& R_eff) requires(far_body || far_cohesion) {
     if constexpr (!far_cohesion)
       return Body::range(p.body, R_eff);
     else if constexpr (!far_body)
@@ -140,11 +141,12 @@ struct Cohesive {
       return max(Body::range(p.body, R_eff), Cohesion::range(p.cohesion, R_eff));
   }
   template <class Real>
-  static Real stiffness(const Contact<Real>& c, const Coefficients<Real>& p) {
+  static SILT_INLINE Real stiffness(const Contact<Real>& c, const Coefficients<Real>& p) {
     return Body::stiffness(seen_by_body(c), p.body);
   }
   template <class Real>
-  static Real pressing(const Contact<Real>& c, const Coefficients<Real>& p, const Real& normal) {
+  static SILT_INLINE Real pressing(const Contact<Real>& c, const Coefficients<Real>& p,
+                                   const Real& normal) {
     const Real of_body = normal + Cohesion::attraction(c, p.cohesion);
     if constexpr (requires { Body::pressing(c, p.body, of_body); })
       return Body::pressing(c, p.body, of_body);
@@ -153,8 +155,9 @@ struct Cohesive {
   }
   /// The body's springs; attractions are not among them.
   template <class Real>
-  static Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p,
-                             const History<Real>& h) requires detail::SaysWhatItStores<Body> {
+  static SILT_INLINE Stored<Real> stored(
+      const Contact<Real>& c, const Coefficients<Real>& p,
+      const History<Real>& h) requires detail::SaysWhatItStores<Body> {
     using Kept = typename detail::HistoryOf<Body, Real>::type;
     return detail::stored_by<Body, Real>(seen_by_body(c), p.body, static_cast<const Kept&>(h));
   }
@@ -182,21 +185,22 @@ struct Cohesive {
  private:
   /// Where the attraction acts.
   template <class Real>
-  static Mask<Real> near(const Contact<Real>& c, const Coefficients<Real>& p) {
+  static SILT_INLINE Mask<Real> near(const Contact<Real>& c, const Coefficients<Real>& p) {
     if constexpr (far_cohesion)
       return c.overlap > -Cohesion::range(p.cohesion, c.R_eff);
     else
       return c.overlap > Real(0);
   }
   template <class Real>
-  static Contact<Real> seen_by_body(const Contact<Real>& c) {
+  static SILT_INLINE Contact<Real> seen_by_body(const Contact<Real>& c) {
     Contact<Real> touch = c;
     if constexpr (!far_body) touch.overlap = max(c.overlap, Real(0));
     return touch;
   }
   /// The body's answer and its history, nothing where it does not act.
   template <class Real>
-  static auto of_body(const Contact<Real>& c, const Coefficients<Real>& p, History<Real>& h) {
+  static SILT_INLINE auto of_body(const Contact<Real>& c, const Coefficients<Real>& p,
+                                  History<Real>& h) {
     using Kept = typename detail::HistoryOf<Body, Real>::type;
     constexpr std::size_t H = detail::history_size<Body>();
     auto f = detail::law_force<Body, Real>(seen_by_body(c), p.body, static_cast<Kept&>(h));

@@ -31,7 +31,7 @@ struct Dmt {
     return {2 * std::numbers::pi * p.work_of_adhesion};
   }
   template <class Real>
-  static Real attraction(const Contact<Real>& c, const Coefficients<Real>& p) {
+  static SILT_INLINE Real attraction(const Contact<Real>& c, const Coefficients<Real>& p) {
     return p.tension * c.R_eff;  // (1)
   }
   static void check(const Pair& p) {

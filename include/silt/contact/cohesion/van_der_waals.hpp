@@ -40,12 +40,12 @@ struct VanDerWaals {
     return {p.hamaker / 6, p.closest, p.cutoff, 1 / (p.cutoff * p.cutoff)};
   }
   template <class Real>
-  static Real attraction(const Contact<Real>& c, const Coefficients<Real>& p) {
+  static SILT_INLINE Real attraction(const Contact<Real>& c, const Coefficients<Real>& p) {
     const Real nearness = Real(1) / max(-c.overlap, p.closest);
     return p.strength * c.R_eff * max(nearness * nearness - p.at_cutoff, Real(0));  // (1)
   }
   template <class Real>
-  static Real range(const Coefficients<Real>& p, const Real&) {
+  static SILT_INLINE Real range(const Coefficients<Real>& p, const Real&) {
     return p.cutoff;
   }
   /// The force falls to a ninth over two of the closest distances.

@@ -30,7 +30,7 @@ struct RollingDirectional {
   };
   static Coefficients<double> mix(const Pair& p) { return {p.rolling_friction}; }
   template <class Real>
-  static Vec3<Real> torque(const RollingContact<Real>& c, const Coefficients<Real>& p) {
+  static SILT_INLINE Vec3<Real> torque(const RollingContact<Real>& c, const Coefficients<Real>& p) {
     return c.against(c.angular_velocity, p.rolling_friction * c.R_eff * c.normal_force);  // (1)
   }
   static void check(const Pair& p) {

@@ -35,8 +35,8 @@ struct RollingEpsd {
   static Coefficients<double> mix(const Pair& p) { return {p.rolling_friction, 2 * p.damping}; }
 
   template <class Real>
-  static Vec3<Real> torque(const RollingContact<Real>& c, const Coefficients<Real>& p,
-                           History<Real>& h) {
+  static SILT_INLINE Vec3<Real> torque(const RollingContact<Real>& c, const Coefficients<Real>& p,
+                                       History<Real>& h) {
     const Real arm = p.rolling_friction * c.R_eff;  // [m]
     const Real kr = stiffness(c, arm);
     const Real limit = arm * c.normal_force;
@@ -50,8 +50,8 @@ struct RollingEpsd {
   }
 
   template <class Real>
-  static Real stored(const RollingContact<Real>& c, const Coefficients<Real>& p,
-                     const History<Real>& h) {
+  static SILT_INLINE Real stored(const RollingContact<Real>& c, const Coefficients<Real>& p,
+                                 const History<Real>& h) {
     const Real kr = stiffness(c, p.rolling_friction * c.R_eff);
     return dot(h.torque, h.torque) / max(Real(2) * kr, smallest<Real>());
   }
@@ -63,7 +63,7 @@ struct RollingEpsd {
 
  private:
   template <class Real>
-  static Real stiffness(const RollingContact<Real>& c, const Real& arm) {  // [N m]
+  static SILT_INLINE Real stiffness(const RollingContact<Real>& c, const Real& arm) {  // [N m]
     return Real(2.25) * c.normal_stiffness * arm * arm;
   }
 };

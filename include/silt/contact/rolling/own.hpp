@@ -31,8 +31,9 @@ struct RollingOwn {
   };
   static Coefficients<double> mix(const Pair& p) { return {p.rolling_friction}; }
   template <class Real>
-  static OwnCouples<Real> torque(const RollingContact<Real>& c, const OwnRotations<Real>& own,
-                                 const Coefficients<Real>& p) {
+  static SILT_INLINE OwnCouples<Real> torque(const RollingContact<Real>& c,
+                                             const OwnRotations<Real>& own,
+                                             const Coefficients<Real>& p) {
     const Real force = p.rolling_friction * c.normal_force;
     return {c.against(own.of_i, force * own.radius_i),
             c.against(own.of_j, force * own.radius_j)};  // (1)

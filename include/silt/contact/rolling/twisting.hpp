@@ -43,8 +43,8 @@ struct Twisting {
     return {3 * std::numbers::pi / 16 * p.twisting_friction, 2 * p.damping};
   }
   template <class Real>
-  static Vec3<Real> torque(const RollingContact<Real>& c, const Coefficients<Real>& p,
-                           History<Real>& h) {
+  static SILT_INLINE Vec3<Real> torque(const RollingContact<Real>& c, const Coefficients<Real>& p,
+                                       History<Real>& h) {
     const Real a2 = c.R_eff * max(c.overlap, Real(0)), kw = c.normal_stiffness * a2;
     const Real limit = p.limit * sqrt(a2) * c.normal_force;
     const Real trial = h.torque - kw * c.time_step * c.twist;
@@ -54,8 +54,8 @@ struct Twisting {
     return max(min(h.torque - damping * c.twist, limit), -limit) * c.normal;  // (2)
   }
   template <class Real>
-  static Real stored(const RollingContact<Real>& c, const Coefficients<Real>&,
-                     const History<Real>& h) {
+  static SILT_INLINE Real stored(const RollingContact<Real>& c, const Coefficients<Real>&,
+                                 const History<Real>& h) {
     const Real kw = c.normal_stiffness * c.R_eff * max(c.overlap, Real(0));
     return h.torque * h.torque / max(Real(2) * kw, smallest<Real>());
   }
@@ -103,14 +103,14 @@ struct Both {
     return {First::mix(p.first), Second::mix(p.second)};
   }
   template <class Real>
-  static Vec3<Real> torque(const RollingContact<Real>& c, const Coefficients<Real>& p,
-                           History<Real>& h) {
+  static SILT_INLINE Vec3<Real> torque(const RollingContact<Real>& c, const Coefficients<Real>& p,
+                                       History<Real>& h) {
     return of<First>(c, p.first, static_cast<Part<Real, 1, Kept<First, Real, 1>>&>(h)) +
            of<Second>(c, p.second, static_cast<Part<Real, 2, Kept<Second, Real, 2>>&>(h));
   }
   template <class Real>
-  static Real stored(const RollingContact<Real>& c, const Coefficients<Real>& p,
-                     const History<Real>& h) {
+  static SILT_INLINE Real stored(const RollingContact<Real>& c, const Coefficients<Real>& p,
+                                 const History<Real>& h) {
     return in<First>(c, p.first, static_cast<const Part<Real, 1, Kept<First, Real, 1>>&>(h)) +
            in<Second>(c, p.second, static_cast<const Part<Real, 2, Kept<Second, Real, 2>>&>(h));
   }
@@ -118,14 +118,16 @@ struct Both {
 
  private:
   template <class Model, class Real, class Coefficients, class History>
-  static Vec3<Real> of(const RollingContact<Real>& c, const Coefficients& p, History& h) {
+  static SILT_INLINE Vec3<Real> of(const RollingContact<Real>& c, const Coefficients& p,
+                                   History& h) {
     if constexpr (detail::HasHistory<Model>)
       return Model::torque(c, p, h);
     else
       return Model::torque(c, p);
   }
   template <class Model, class Real, class Coefficients, class History>
-  static Real in(const RollingContact<Real>& c, const Coefficients& p, const History& h) {
+  static SILT_INLINE Real in(const RollingContact<Real>& c, const Coefficients& p,
+                             const History& h) {
     if constexpr (requires { Model::stored(c, p, h); })
       return Model::stored(c, p, h);
     else

@@ -30,7 +30,7 @@ struct RollingViscous {
   };
   static Coefficients<double> mix(const Pair& p) { return {p.rolling_viscosity}; }
   template <class Real>
-  static Vec3<Real> torque(const RollingContact<Real>& c, const Coefficients<Real>& p) {
+  static SILT_INLINE Vec3<Real> torque(const RollingContact<Real>& c, const Coefficients<Real>& p) {
     const Vec3<Real> v = cross(c.spin_velocity, c.normal);
     const Real speed = sqrt(dot(v, v));
     return c.against(c.angular_velocity,
