@@ -41,5 +41,6 @@
 #include <silt/shape/fit_spheres.hpp>
 #include <silt/shape/multi_sphere.hpp>
 #include <silt/shape/sphere.hpp>
+#include <silt/shape/super_ellipsoid.hpp>
 #include <silt/simulation.hpp>
 #include <silt/study/unequal_damping.hpp>

@@ -87,7 +87,7 @@ class Simulation {
                 "spheres have no orientation: leave the rotation out");
   static constexpr bool has_ledger = detail::count<detail::IsLedger, Policies...> > 0;
   using BooksOrNot = std::conditional_t<has_ledger, detail::WithLedger<ContactsType>, ContactsType>;
-  using EngineContacts = std::conditional_t<has_bodies, detail::WithShares<BooksOrNot>, BooksOrNot>;
+  using EngineContacts = typename detail::ContactsOf<ShapeType, BooksOrNot>::type;
   using Engine = detail::Engine<ShapeType, EngineContacts, Search, Domain, Arch, Precision,
                                 Integrator, Rotation>;
 
@@ -127,6 +127,10 @@ class Simulation {
     for (const auto& part : surfaces.parts)
       detail::visit_surface(part, [](const auto& s) {
         if constexpr (requires { s.check(); }) s.check();
+        if constexpr (ConvexShape<ShapeType>)
+          require(std::is_same_v<std::remove_cvref_t<decltype(s)>, Plane>,
+                  "add_wall: this shape of particles meets planes only (Plane, box()); make the "
+                  "particles of spheres (MultiSphere) for other walls");
       });
     Wall wall{std::move(surfaces.parts), contacts_.add(material), std::move(motion)};
     if (wall.moves()) wall.pose = wall.last_pose = wall.motion(time_);
@@ -172,7 +176,9 @@ class Simulation {
   /// Whether several parts of a body that press on one partner share the stiffness of a contact
   /// (engine/shared_contacts.hpp); true unless set. Without, a body is the stiffer the more parts
   /// it touches with.
-  void share_contacts(bool yes) requires has_bodies { engine_.share_contacts = yes; }
+  void share_contacts(bool yes) requires(has_bodies && !ConvexShape<ShapeType>) {
+    engine_.share_contacts = yes;
+  }
 
   // --- the run ------------------------------------------------------------------------------
 

@@ -9,6 +9,7 @@
 #include <silt/shape/multi_sphere.hpp>
 #include <silt/silt.hpp>
 
+#include "engine/body_totals.hpp"
 #include "engine/support.hpp"
 
 namespace {
@@ -29,29 +30,6 @@ HertzMindlin::Material elastic() {
   auto m = stone;
   m.restitution = 1, m.friction = 0;
   return m;
-}
-
-/// Sums over all particles [kg m/s], [kg m2/s about the origin], [J].
-struct Totals {
-  Vec3d momentum{0, 0, 0}, angular{0, 0, 0};
-  double energy = 0;
-};
-template <class Sim>
-Totals totals(const Sim& sim) {
-  Totals t;
-  for (std::size_t k = 0; k < sim.rows(); ++k) {
-    const Vec3d v = sim.velocity(k), w = sim.angular_velocity(k);
-    const auto& mass = sim.forms()[sim.form(k)].mass;
-    const double s = sim.scale(k), unit = sim.mass(k) / mass.volume * s * s;
-    const Quaternion axes = sim.orientation(k) * mass.axes;
-    const Vec3d b = rotate(conjugate(axes), w);
-    const Vec3d l{unit * mass.inertia.x * b.x, unit * mass.inertia.y * b.y,
-                  unit * mass.inertia.z * b.z};
-    t.momentum += sim.mass(k) * v;
-    t.angular += sim.mass(k) * cross(sim.position(k), v) + rotate(axes, l);
-    t.energy += 0.5 * sim.mass(k) * dot(v, v) + 0.5 * dot(l, b);
-  }
-  return t;
 }
 
 /// Tripods and dumbbells that fall into a box.

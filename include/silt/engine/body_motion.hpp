@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include <silt/engine/convex_rows.hpp>
 #include <silt/engine/sphere_motion.hpp>
 #include <silt/fill/bodies.hpp>
 #include <silt/motion/rotation.hpp>
@@ -15,7 +16,7 @@
 namespace silt::inline SILT_TARGET::detail {
 
 /// A rigid body.
-struct Body {
+struct alignas(32) Body {
   Vec3d centre;            // [m]
   double inv_m;            // [1/kg]; 0: fixed
   Vec3d velocity;          // [m/s] at the last half step
@@ -47,14 +48,15 @@ struct Axes {
 /// Translation and rotation of rigid bodies, each of one or more parts, which are the rows that
 /// lists and contacts know: bodies take up what loads their parts, move, and put them in their
 /// places with the velocities that they have there.
-template <class ShapeType, class ContactsType, class State, class Scalar, class Integrator,
-          class Rotation>
+template <class ShapeType, class ContactsType, class State, class Scalar, class Arch,
+          class Integrator, class Rotation>
 class BodyMotion {
   static_assert(Integrator::derivatives == 0,
                 "particles that are no spheres move by Leapfrog or SymplecticEuler; Gear is for "
                 "spheres");
   static constexpr bool rotates = ContactsType::rotates;
   static constexpr std::size_t chunks = load_chunks<ContactsType>;
+  static constexpr std::size_t W = Lanes<Arch>::width;
 
  public:
   using Scene = MovedScene<State, Scalar>;
@@ -67,6 +69,11 @@ class BodyMotion {
   std::vector<BodyForm<ShapeType>> forms;
   std::vector<Body> bodies;
   std::vector<std::uint32_t> rows;  // of the parts of each body, as its form counts them
+  static constexpr bool convex = ConvexShape<ShapeType>;
+  struct NoRows {};
+  [[no_unique_address]]
+  typename std::conditional_t<convex, ConvexRowsOf<ShapeType>, std::type_identity<NoRows>>::type
+      convex_rows;
 
   std::span<const std::uint32_t> rows_of(const Body& b) const {
     return {rows.data() + b.first, forms[b.form].parts.size()};
@@ -83,23 +90,25 @@ class BodyMotion {
   }
 
   Pace integrate(const Scene& scene, Advance how, const Kick& kick) {
-    if (how == Advance::KickAndRecord) synchronous.resize(bodies.size());
-    return over_bodies(scene, [&](std::size_t k, Measured& most) {
-      Body& b = bodies[k];
+    if (how == Advance::KickAndDrift)
+      return over_bodies(
+          scene, [&](Body& b) { push(scene, b, kick); }, kick.drift);
+    synchronous.resize(bodies.size());
+    return over_bodies(scene, [&](Body& b, Measured& most) {
       const Vec3d velocity = b.velocity, momentum = b.momentum;
       push(scene, b, kick);
-      if (how == Advance::KickAndDrift) return move(scene, b, kick.drift, most);
       // At the whole step both are the means of the two half steps around it.
       const bool of_now = kick.first || Integrator::first_kick != 0.5;
-      synchronous[k] = {of_now ? velocity : 0.5 * (velocity + b.velocity),
-                        b.angular_velocity(of_now ? momentum : 0.5 * (momentum + b.momentum))};
+      synchronous[static_cast<std::size_t>(&b - bodies.data())] = {
+          of_now ? velocity : 0.5 * (velocity + b.velocity),
+          b.angular_velocity(of_now ? momentum : 0.5 * (momentum + b.momentum))};
       place(scene.particles, scene.per_inner2, b, Placing::Still, 0, most);
     });
   }
   /// Completes a step that was observed; returns the largest share of an inner reach [1/s].
   double drift(const Scene& scene, double time_step, double) {
-    return over_bodies(scene, [&](std::size_t k,
-                                  Measured& most) { move(scene, bodies[k], time_step, most); })
+    return over_bodies(
+               scene, [](Body&) {}, time_step)
         .largest_share;
   }
   /// After an observed state: the step will be `ratio` times as long.
@@ -113,6 +122,34 @@ class BodyMotion {
       b.velocity = synchronous[k].velocity + ratio * (b.velocity - synchronous[k].velocity);
       b.momentum = now + ratio * (b.momentum - now);
       put_in_place(particles, b);
+    }
+  }
+
+  /// Of convex bodies: their poses and forms as the narrow phase reads them, after the rows have
+  /// changed.
+  void renew_convex_rows(const State& particles) {
+    if constexpr (convex) {
+      auto& out = convex_rows;
+      const auto scaled = [&](const Body& b) {
+        return scaled_form(form_of(forms[b.form].shape), b.scale);
+      };
+      const auto same = [&](const Body& b) {
+        return b.form == bodies.front().form && b.scale == bodies.front().scale;
+      };
+      const bool one = std::all_of(bodies.begin(), bodies.end(), same);
+      out.form.resize(one ? std::min<std::size_t>(bodies.size(), 1) : particles.size());
+      out.pose.assign(particles.size() + 2, {{}, {0, 0, 0}, 0});
+      out.exponents = Exponents::Two;
+      out.least_radius = std::numeric_limits<double>::infinity();
+      for (std::size_t r = 0; r < particles.size(); ++r) {
+        const Body& b = bodies[particles.part[r].body];
+        if (r < out.form.size()) out.form[r].set(scaled(b));
+        const auto& shape = forms[b.form].shape;
+        out.exponents = std::max(out.exponents, exponents_of(shape.s1, shape.s2));
+        out.pose[r] = pose_of(b);
+        if (b.id != no_particle)
+          out.least_radius = std::min(out.least_radius, out.pose[r].least_radius);
+      }
     }
   }
 
@@ -155,17 +192,48 @@ class BodyMotion {
   }
 
  private:
+  PoseRow pose_of(const Body& b) const requires convex {
+    PoseRow pose{b.orientation, {0, 0, 0}, b.scale * forms[b.form].shape.least_radius()};
+    if (b.inv_m > 0) pose.inv_inertia = {1 / b.inertia.x, 1 / b.inertia.y, 1 / b.inertia.z};
+    return pose;
+  }
+
   struct Measured {
     double speed2 = 0, share2 = 0, sum2 = 0;
   };
   enum class Placing { Still, Moved };
 
+  /// Calls visit(body, measured) for all bodies.
   template <class Visit>
   Pace over_bodies(const Scene& scene, const Visit& visit) {
+    return over_ranges(scene, [&](std::size_t from, std::size_t to, Measured& most) {
+      for (std::size_t k = from; k < to; ++k)
+        if (bodies[k].id != no_particle) visit(bodies[k], most);
+    });
+  }
+  /// Calls prepare(body) for all bodies, lets them drift for `time` [s] and puts their parts in
+  /// place.
+  template <class Prepare>
+  Pace over_bodies(const Scene& scene, const Prepare& prepare, double time) {
+    return over_ranges(scene, [&](std::size_t from, std::size_t to, Measured& most) {
+      for (std::size_t k = from; k < to; k += W) {
+        const std::span<Body> pack{bodies.data() + k, std::min(W, to - k)};
+        for (Body& b : pack)
+          if (b.id != no_particle) prepare(b);
+        turn(pack, time);
+        for (Body& b : pack) {
+          if (b.id == no_particle) continue;
+          b.centre += time * b.velocity;
+          place(scene.particles, scene.per_inner2, b, Placing::Moved, time, most);
+        }
+      }
+    });
+  }
+  template <class Range>
+  Pace over_ranges(const Scene& scene, const Range& range) {
     std::array<Measured, Team::most_ranges> of{};
     scene.team.for_ranges(bodies.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
-      for (std::size_t k = from; k < to; ++k)
-        if (bodies[k].id != no_particle) visit(k, of[r]);
+      range(from, to, of[r]);
     });
     Measured all;
     for (const Measured& m : of) {
@@ -173,6 +241,32 @@ class BodyMotion {
       all.sum2 += m.sum2;
     }
     return {std::sqrt(all.speed2), std::sqrt(all.share2), std::isfinite(all.sum2)};
+  }
+
+  /// Turns up to one pack of bodies.
+  static void turn(std::span<Body> pack, double time) {
+    using Real = typename Lanes<Arch>::Real;
+    Real q[4], momentum[4], inertia[4];
+    if constexpr (requires(Vec3<Real> v) { Rotation::drift(q, v, v, Real(time)); }) {
+      const double* at[3][W];
+      for (std::size_t lane = 0; lane < W; ++lane) {
+        const Body& b = pack[std::min(lane, pack.size() - 1)];
+        at[0][lane] = &b.orientation.w, at[1][lane] = &b.momentum.x, at[2][lane] = &b.inertia.x;
+      }
+      gather_columns<Arch, 1>(at[0], q);
+      gather_columns<Arch, 1>(at[1], momentum), gather_columns<Arch, 1>(at[2], inertia);
+      Vec3<Real> L{momentum[0], momentum[1], momentum[2]};
+      Rotation::drift(q, L, Vec3<Real>{inertia[0], inertia[1], inertia[2]}, Real(time));
+      alignas(64) double out[7][W];
+      for (int c = 0; c < 4; ++c) store(out[c], q[c]);
+      store(out[4], L.x), store(out[5], L.y), store(out[6], L.z);
+      for (std::size_t lane = 0; lane < pack.size(); ++lane) {
+        pack[lane].orientation = {out[0][lane], out[1][lane], out[2][lane], out[3][lane]};
+        pack[lane].momentum = {out[4][lane], out[5][lane], out[6][lane]};
+      }
+    } else {
+      for (Body& b : pack) Rotation::drift(b.orientation, b.momentum, b.inertia, time);
+    }
   }
 
   /// Kicks a body by the loads of its parts, and clears them.
@@ -190,7 +284,10 @@ class BodyMotion {
       };
       const Vec3d f = take(0);
       force += f, torque += cross(axes.to_space(b.scale * parts[p].centre), f);
-      if constexpr (rotates) torque += b.scale * parts[p].radius * take(1);
+      if constexpr (convex)
+        torque += take(1);
+      else if constexpr (rotates)
+        torque += b.scale * parts[p].radius * take(1);
       if constexpr (ContactsType::has_rolling) torque += take(2);
     }
     if (b.inv_m == 0) return;
@@ -198,15 +295,9 @@ class BodyMotion {
     Rotation::kick(b.momentum, axes.to_body(torque), b.inertia, kick.time);
   }
 
-  void move(const Scene& scene, Body& b, double time, Measured& most) const {
-    b.centre += time * b.velocity;
-    Rotation::drift(b.orientation, b.momentum, b.inertia, time);
-    place(scene.particles, scene.per_inner2, b, Placing::Moved, time, most);
-  }
-
   /// Puts the parts in their places. How far each has gone in `time` is measured exactly.
   void place(State& particles, const double* per_inner2, const Body& b, Placing how, double time,
-             Measured& most) const {
+             Measured& most) {
     const Axes axes(b.orientation);
     const auto& parts = forms[b.form].parts;
     const Vec3d w = b.angular_velocity(b.momentum);
@@ -222,6 +313,8 @@ class BodyMotion {
         motion.wx = spin.x, motion.wy = spin.y, motion.wz = spin.z;
       }
       particles.renew_pair_motion(r);
+      if constexpr (convex)
+        if (r < convex_rows.pose.size()) convex_rows.pose[r].q = b.orientation;
       Vec3d v = velocity;
       if (how == Placing::Moved) {
         const Vec3d now = b.centre + arm + particles.part[r].image;

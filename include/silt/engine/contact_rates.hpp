@@ -116,17 +116,10 @@ class ContactRates {
  public:
   ContactRates(const EngineType& e, const Domain& domain, double back, double time_step)
       : e_(e), back_(back), time_step_(time_step), sums_(e.rows_of_particles()) {
-    e.lists.pairs.for_each([&](std::size_t k) {
-      add_pair(e.lists.pairs.first()[k], e.lists.pairs.second()[k], domain);
-    });
-    for_each_wall_contact(e, back, [&](const WallCandidate& c, const SurfacePoint& point) {
-      const double r = e_.particles.position[c.particle].r, depth = r - point.distance;
-      const double inv_m = e_.particles.motion[c.particle].inv_m;
-      if (inv_m > 0 && depth > 0)
-        add(c.particle, inv_m, 0, point.normal, e_.turning(c.particle, point.normal), 0,
-            linear(c.particle, e_.walls[c.wall].material, point.normal, depth, {r, 0}, inv_m,
-                   inv_m / (1.4 * r * r)));
-    });
+    if constexpr (EngineType::convex)
+      add_convex(domain);
+    else
+      add_spheres(domain);
   }
 
   /// SimulationError if a sphere's rate is above the limit.
@@ -167,6 +160,38 @@ class ContactRates {
     LinearContact normal, rolling;
   };
 
+  void add_spheres(const Domain& domain) {
+    e_.lists.pairs.for_each([&](std::size_t k) {
+      add_pair(e_.lists.pairs.first()[k], e_.lists.pairs.second()[k], domain);
+    });
+    for_each_wall_contact(e_, back_, [&](const WallCandidate& c, const SurfacePoint& point) {
+      const double r = e_.particles.position[c.particle].r, depth = r - point.distance;
+      const double inv_m = e_.particles.motion[c.particle].inv_m;
+      if (inv_m > 0 && depth > 0)
+        add(c.particle, inv_m, 0, point.normal, e_.turning(c.particle, point.normal), 0,
+            linear(c.particle, e_.walls[c.wall].material, point.normal, depth, {r, 0}, inv_m,
+                   inv_m / (1.4 * r * r)));
+    });
+  }
+  void add_convex([[maybe_unused]] const Domain& domain) {
+    if constexpr (EngineType::convex)
+      for_each_convex_contact(e_, domain, [&](const SeenContact& c) {
+        const double R = 2 * c.R_eff, a = e_.particles.motion[c.i].inv_m;
+        const double all = c.inverse_mass_i + c.inverse_mass_j;
+        if (c.j == no_particle)
+          return add(
+              c.i, a, 0, c.normal, c.inverse_mass_i - a, 0,
+              linear(c.i, e_.walls[c.wall].material, c.normal, c.overlap, {c.R_eff, 0}, all, all));
+        const double b = e_.particles.motion[c.j].inv_m;
+        std::size_t other = 0;
+        if constexpr (EngineType::Contacts::several_materials) other = e_.particles.material[c.j];
+        const Pair contact = linear(c.i, other, c.normal, c.overlap, {R, R}, all, all);
+        const double both = std::sqrt(a * b);
+        const double turn_both = std::sqrt(c.inverse_mass_i * c.inverse_mass_j) - both;
+        add(c.i, a, both, c.normal, c.inverse_mass_i - a, turn_both, contact);
+        add(c.j, b, both, c.normal, c.inverse_mass_j - b, turn_both, contact);
+      });
+  }
   void add_pair(std::uint32_t i, std::uint32_t j, [[maybe_unused]] const Domain& domain) {
     const double r = e_.particles.position[i].r, q = e_.particles.position[j].r;
     const double a = e_.particles.motion[i].inv_m, b = e_.particles.motion[j].inv_m;

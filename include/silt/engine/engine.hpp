@@ -11,6 +11,8 @@
 #include <vector>
 
 #include <silt/engine/body_motion.hpp>
+#include <silt/engine/convex_pairs.hpp>
+#include <silt/engine/convex_walls.hpp>
 #include <silt/engine/near_lists.hpp>
 #include <silt/engine/pair_pipeline.hpp>
 #include <silt/engine/particle_state.hpp>
@@ -20,6 +22,32 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
+/// What contacts keep and give besides what the law says, by the shape.
+template <class ShapeType, class Contacts>
+struct ContactsOf {
+  using type = Contacts;
+};
+template <BodyShape ShapeType, class Contacts>
+struct ContactsOf<ShapeType, Contacts> {
+  using type = WithShares<Contacts>;
+};
+template <ConvexShape ShapeType, class Contacts>
+struct ContactsOf<ShapeType, Contacts> {
+  using type = WithNormals<Contacts>;
+};
+
+/// By whether bodies are convex.
+template <bool Convex>
+struct WallStageOf {
+  template <class, class ContactsType, class Arch, class Scalar>
+  using type = WallPipeline<ContactsType, Arch, Scalar>;
+};
+template <>
+struct WallStageOf<true> {
+  template <class ShapeType, class ContactsType, class Arch, class>
+  using type = ConvexWalls<ShapeType, ContactsType, Arch>;
+};
+
 template <bool HasBodies>
 struct MoverOf {
   template <class ShapeType, class Contacts, class State, class Scalar, class Arch,
@@ -28,9 +56,9 @@ struct MoverOf {
 };
 template <>
 struct MoverOf<true> {
-  template <class ShapeType, class Contacts, class State, class Scalar, class, class Integrator,
-            class Rotation>
-  using type = BodyMotion<ShapeType, Contacts, State, Scalar, Integrator, Rotation>;
+  template <class ShapeType, class Contacts, class State, class Scalar, class Arch,
+            class Integrator, class Rotation>
+  using type = BodyMotion<ShapeType, Contacts, State, Scalar, Arch, Integrator, Rotation>;
 };
 
 /// The state of a simulation and the stages of its step, each a plain function of state. Knows the
@@ -46,6 +74,9 @@ class Engine {
   using Scalar = typename Precision::PairScalar;                 // of the work on pairs
   static constexpr bool predicts = Integrator::derivatives > 0;
   static constexpr bool has_bodies = BodyShape<ShapeType>;  // rows are parts of them
+  static constexpr bool convex = ConvexShape<ShapeType>;    // with a narrow phase of their own
+  static_assert(!convex || std::is_same_v<Scalar, double>,
+                "Mixed precision is for spheres and bodies made of spheres; leave it out");
   using State = ParticleState<rotates, ContactsType::several_materials, Scalar,
                               Integrator::derivatives, has_bodies>;
   using Motion = typename State::Motion;
@@ -91,7 +122,8 @@ class Engine {
     if (!lists.take_renewed()) return;
     if constexpr (has_bodies)
       if (lists.upkeep.searched_at == step) follow_bodies(domain);
-    if constexpr (has_bodies) shared_.renew(lists.pairs, particles, mover.bodies.size());
+    if constexpr (shares) shared_.renew(lists.pairs, particles, mover.bodies.size());
+    if constexpr (convex) mover.renew_convex_rows(particles);
     make_kinds();
     sums_.resize(particles.size() * 4 * chunks, 0);  // all zero between the steps
     particles.renew_pair_motion(*team_);
@@ -100,22 +132,32 @@ class Engine {
   // --- forces -------------------------------------------------------------------------------
 
   void pair_forces(const Domain& domain, const StepTimes& times) {
+    if constexpr (convex) {
+      using Pairs = ConvexPairs<ShapeType, ContactsType, Domain, Arch>;
+      return take(Pairs::run({particles.position.data(), particles.motion.data(),
+                              &mover.convex_rows, kinds_.data(), times},
+                             lists.pairs, coefficients, domain, sums_.data(), *team_));
+    } else {
+      take(sphere_pairs(domain, times));
+    }
+  }
+  Tally<ContactsType> sphere_pairs(const Domain& domain, const StepTimes& times) {
     using Pipeline = PairPipeline<ContactsType, Domain, Arch, Scalar>;
     const bool large = Pipeline::working_set(particles.size(), lists.pairs.size()) > beyond_caches;
-    const auto tally = Pipeline::run(
+    return Pipeline::run(
         {particles.position.data(), particles.pair_motion(), kinds_.data(),
          particles.largest_radius, particles.smallest_radius, times, large, share_pairs(domain)},
         lists.pairs, coefficients, domain, sums_.data(), *team_);
+  }
+  void take(const Tally<ContactsType>& tally) {
     largest_overlap = tally.largest, contact_energy = tally.energy;
     safeguards += tally.safeguards;
   }
 
   void wall_forces(const StepTimes& times) {
     if (walls.empty()) return;
-    const auto tally = wall_pipeline_.run(
-        {particles.position.data(), particles.motion.data(), particles.pair_motion(),
-         particles.material.data(), times, parts(), share_walls()},
-        lists.walls, coefficients, walls, sums_.data(), *team_);
+    const auto tally = wall_pipeline_.run(wall_input(times), lists.walls, coefficients, walls,
+                                          sums_.data(), *team_);
     largest_overlap = std::max(largest_overlap, tally.largest);
     contact_energy.add(tally.energy);
     safeguards += tally.safeguards;
@@ -139,7 +181,10 @@ class Engine {
   }
 
   std::optional<CrowdedContact> crowded() const {
-    return walls.empty() ? std::nullopt : wall_pipeline_.crowded();
+    if constexpr (convex)
+      return std::nullopt;
+    else
+      return walls.empty() ? std::nullopt : wall_pipeline_.crowded();
   }
 
   void move_walls(double time) {
@@ -189,6 +234,13 @@ class Engine {
     lists.upkeep.used += largest_share * time_step;
   }
 
+  /// [m] of the smallest sphere, or of the largest one inside the thinnest convex body.
+  double least_radius() const {
+    if constexpr (convex)
+      return mover.convex_rows.least_radius;
+    else
+      return particles.smallest_radius;
+  }
   /// The number of the particle that a row is, or belongs to.
   std::uint32_t id_of(std::size_t row) const {
     if constexpr (has_bodies)
@@ -235,6 +287,11 @@ class Engine {
 
   std::size_t touching_pairs(const Domain& domain) const {
     std::size_t count = 0;
+    if constexpr (convex) {
+      lists.pairs.for_each(
+          [&](std::size_t k) { count += lists.pairs.history(ContactsType::memory_radius, k) > 0; });
+      return count;
+    }
     lists.pairs.for_each([&](std::size_t k) {
       count += within_reach(particles.position[lists.pairs.first()[k]],
                             particles.position[lists.pairs.second()[k]], 0, domain);
@@ -273,8 +330,9 @@ class Engine {
     else
       return 2.5;
   }();
+  static constexpr bool shares = has_bodies && !convex;
   const Scalar* share_pairs([[maybe_unused]] const Domain& domain) {
-    if constexpr (has_bodies)
+    if constexpr (shares)
       if (share_contacts) {
         shared_.share_pairs(lists.pairs, particles, domain, energy_exponent, *team_);
         return shared_.shares();
@@ -282,12 +340,26 @@ class Engine {
     return nullptr;
   }
   const SharedContacts<Scalar>* share_walls() {
-    if constexpr (has_bodies)
+    if constexpr (shares)
       if (share_contacts) {
         shared_.share_walls(*this, energy_exponent);
         return &shared_;
       }
     return nullptr;
+  }
+  auto wall_input(const StepTimes& times) {
+    using Input = typename WallStage::Input;
+    if constexpr (convex)
+      return Input{particles.position.data(), particles.motion.data(), &mover.convex_rows,
+                   particles.material.data(), times};
+    else
+      return Input{particles.position.data(),
+                   particles.motion.data(),
+                   particles.pair_motion(),
+                   particles.material.data(),
+                   times,
+                   parts(),
+                   share_walls()};
   }
   const PartRow* parts() const {
     if constexpr (has_bodies)
@@ -308,10 +380,12 @@ class Engine {
     }
   }
 
+  using WallStage =
+      typename WallStageOf<convex>::template type<ShapeType, ContactsType, Arch, Scalar>;
   std::unique_ptr<Team> team_ = std::make_unique<Team>(1);
-  WallPipeline<ContactsType, Arch, Scalar> wall_pipeline_;
+  WallStage wall_pipeline_;
   struct NoShares {};
-  [[no_unique_address]] std::conditional_t<has_bodies, SharedContacts<Scalar>, NoShares> shared_;
+  [[no_unique_address]] std::conditional_t<shares, SharedContacts<Scalar>, NoShares> shared_;
   AlignedVector<Scalar> sums_;  // [N] load on each particle, zero between the steps
   std::vector<std::uint16_t> kinds_;
 };

@@ -13,6 +13,7 @@
 #include <silt/boundary/wall.hpp>
 #include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
+#include <silt/engine/convex_look.hpp>
 #include <silt/engine/list_upkeep.hpp>
 #include <silt/engine/wall_contacts.hpp>
 
@@ -93,20 +94,27 @@ template <class EngineType, class Domain>
                                            double limit) {
   double most = -1;  // [-]
   std::uint32_t a = 0, b = 0;
-  e.lists.pairs.for_each([&](std::size_t k) {
-    const std::uint32_t i = e.lists.pairs.first()[k], j = e.lists.pairs.second()[k];
-    const double r = e.particles.position[i].r, q = e.particles.position[j].r;
-    Vec3d d = place_before(e, i, back) - place_before(e, j, back);
-    if constexpr (Domain::periodic) d = domain.shortest(d);
-    const double ratio = (r + q - norm(d)) / std::min(r, q);
-    if (ratio > most) most = ratio, a = i, b = j;
-  });
   bool with_wall = false;
   std::size_t wall = 0;
-  for_each_wall_contact(e, back, [&](const WallCandidate& c, const SurfacePoint& point) {
-    const double ratio = 1 - point.distance / e.particles.position[c.particle].r;
-    if (ratio > most) most = ratio, with_wall = true, a = c.particle, wall = c.wall;
-  });
+  if constexpr (EngineType::convex) {
+    for_each_convex_contact(e, domain, [&](const SeenContact& c) {
+      if (!(c.share > most)) return;
+      most = c.share, a = c.i, b = c.j, wall = c.wall, with_wall = c.j == no_particle;
+    });
+  } else {
+    e.lists.pairs.for_each([&](std::size_t k) {
+      const std::uint32_t i = e.lists.pairs.first()[k], j = e.lists.pairs.second()[k];
+      const double r = e.particles.position[i].r, q = e.particles.position[j].r;
+      Vec3d d = place_before(e, i, back) - place_before(e, j, back);
+      if constexpr (Domain::periodic) d = domain.shortest(d);
+      const double ratio = (r + q - norm(d)) / std::min(r, q);
+      if (ratio > most) most = ratio, a = i, b = j;
+    });
+    for_each_wall_contact(e, back, [&](const WallCandidate& c, const SurfacePoint& point) {
+      const double ratio = 1 - point.distance / e.particles.position[c.particle].r;
+      if (ratio > most) most = ratio, with_wall = true, a = c.particle, wall = c.wall;
+    });
+  }
   const Vec3d where = place_before(e, a, back);
   const auto head = text("step ", step, ", t = ", time, " s: ");
   const auto tail =
@@ -151,7 +159,7 @@ double wall_travel(const EngineType& e) {
 template <class EngineType>
 [[noreturn, gnu::cold]] void throw_travel(const EngineType& e, double wall_way, std::int64_t step,
                                           double time, double dt, double limit) {
-  const double way = e.largest_speed * dt, most = limit * e.particles.smallest_radius;
+  const double way = e.largest_speed * dt, most = limit * e.least_radius();
   std::uint32_t fastest = 0;
   double speed = -1;  // [m/s]
   for (std::uint32_t k = 0; k < e.particles.size(); ++k)
@@ -164,7 +172,7 @@ template <class EngineType>
       is_wall ? std::string("a wall moves") : text("particle ", ids[0], " at ", where, " m moves");
   throw SimulationError(text("step ", step, ", t = ", time, " s: ", who, " by ",
                              std::max(way, wall_way), " m in a step, more than guard.max_travel = ",
-                             limit, " of the smallest radius ", e.particles.smallest_radius,
+                             limit, " of the smallest radius ", e.least_radius(),
                              " m, and may pass through others unseen; set "
                              "Simulation::time_step to less than ",
                              below(dt * most / std::max(way, wall_way)), " s"),
@@ -175,7 +183,7 @@ template <class EngineType>
 template <class EngineType>
 void check_travel(const EngineType& e, double wall_way, std::int64_t step, double time, double dt,
                   double limit) {
-  const double way = e.largest_speed * dt, most = limit * e.particles.smallest_radius;
+  const double way = e.largest_speed * dt, most = limit * e.least_radius();
   if (!(way <= most && wall_way <= most)) throw_travel(e, wall_way, step, time, dt, limit);
 }
 

@@ -51,6 +51,9 @@ class PairList {
   const std::uint32_t* first() const { return first_.data(); }
   const std::uint32_t* second() const { return second_.data(); }
   Scalar* history(std::size_t component) { return history_[component].data(); }
+  Scalar history(std::size_t component, std::size_t place) const {
+    return history_[component][place];
+  }
 
   /// Takes over newly found pairs; those of two fixed particles, or of one
   /// body, are left out. `before`: how many
@@ -363,5 +366,23 @@ class PairList {
   std::vector<std::uint32_t> archive_end_;  // of each row
   std::vector<Archived> archive_;
 };
+
+/// The sum of what run(from, to) gives for the places of every group, each on one thread; groups
+/// that share particles one after the other.
+template <class Tally, class List, class Run>
+Tally sum_over_groups(const List& list, const Team& team, const Run& run) {
+  const PairGroups& groups = list.groups();
+  std::vector<Tally> tallies(groups.count());
+  for (std::size_t p = 0; p < groups.phases(); ++p) {
+    const auto [from, to] = list.busy(groups.phase(p));
+    team.for_parts(to - from, [&, first = from](std::size_t k) {
+      const auto group = list.group(first + k);
+      tallies[first + k] = run(group.from, group.to);
+    });
+  }
+  Tally all;
+  for (const auto& tally : tallies) all.add(tally);
+  return all;
+}
 
 }  // namespace silt::detail

@@ -55,18 +55,9 @@ class PairPipeline {
   static Tally<ContactsType> run(const Input& in, List& list,
                                  const CoefficientTable<ContactsType>& table, const Domain& domain,
                                  Scalar* sums, const Team& team) {
-    const PairGroups& groups = list.groups();
-    std::vector<Tally<ContactsType>> tallies(groups.count());
-    for (std::size_t p = 0; p < groups.phases(); ++p) {
-      const auto [from, to] = list.busy(groups.phase(p));
-      team.for_parts(to - from, [&, first = from](std::size_t k) {
-        const auto group = list.group(first + k);
-        tallies[first + k] = run_group(in, list, table, domain, group.from, group.to, sums);
-      });
-    }
-    Tally<ContactsType> all;
-    for (const auto& tally : tallies) all.add(tally);
-    return all;
+    return sum_over_groups<Tally<ContactsType>>(list, team, [&](std::size_t from, std::size_t to) {
+      return run_group(in, list, table, domain, from, to, sums);
+    });
   }
 
  private:

@@ -62,6 +62,9 @@ class WallContacts {
   }
   Slot& slot(std::size_t k) { return slots_[k]; }
   Scalar* history(std::size_t component) { return history_[component].data(); }
+  Scalar history(std::size_t component, std::size_t slot) const {
+    return history_[component][slot];
+  }
   /// Pieces of the candidates at planes, and the runs of each.
   std::size_t plane_pieces() const { return piece_begin_.size() - 1; }
   std::span<const PlaneRun> runs(std::size_t piece) const {

@@ -18,6 +18,30 @@ struct CrowdedContact {
   std::uint32_t particle, wall;
 };
 
+/// Mean angular velocity [rad/s] from one pose to the next.
+inline Vec3d mean_angular_velocity(const Pose& from, const Pose& to, double time_step) {
+  const Quaternion d = to.rotation * conjugate(from.rotation);
+  const Vec3d axis{d.x, d.y, d.z};
+  const double sine = norm(axis);
+  if (sine == 0) return {0, 0, 0};
+  const double angle = 2 * std::atan2(d.w < 0 ? -sine : sine, std::abs(d.w));
+  return axis * (angle / (sine * time_step));
+}
+
+/// Sets force and torque of the walls, and counts their impulse, by the loads of `parts` threads'
+/// work, each with one a wall.
+inline void sum_wall_loads(std::span<Wall> walls, std::span<const WallLoad> loads,
+                           std::size_t parts, double time_step) {
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    walls[w].force = walls[w].torque = {0, 0, 0};
+    for (std::size_t b = 0; b < parts; ++b) {
+      walls[w].force += loads[b * walls.size() + w].force;
+      walls[w].torque += loads[b * walls.size() + w].torque;
+    }
+    walls[w].impulse += walls[w].force * time_step;
+  }
+}
+
 /// Computes the loads of all contacts with walls: geometry of each candidate, in double, then the
 /// same law over lanes as for pairs, rows out; sums what each wall bears. Spheres that are near
 /// planes at rest alone are the PlanePipeline's.
@@ -49,14 +73,7 @@ class WallPipeline {
         tallies_[b].add(Planes::run(in, run, walls[run.wall], contacts, table, sums,
                                     loads_[b * walls.size() + run.wall]));
     });
-    for (std::size_t w = 0; w < walls.size(); ++w) {
-      walls[w].force = walls[w].torque = {0, 0, 0};
-      for (std::size_t b = 0; b < parts; ++b) {
-        walls[w].force += loads_[b * walls.size() + w].force;
-        walls[w].torque += loads_[b * walls.size() + w].torque;
-      }
-      walls[w].impulse += walls[w].force * in.times.step;
-    }
+    sum_wall_loads(walls, loads_, parts, in.times.step);
     Tally<ContactsType> all;
     for (const auto& tally : tallies_) all.add(tally);
     return all;
@@ -287,7 +304,7 @@ class WallPipeline {
       // Mean velocity of the material point over the last step, like the spheres' own.
       wall_velocity =
           (contact - wall.last_pose.to_space(wall.pose.to_body(contact))) * (1 / in.times.step);
-      wall_spin = angular_velocity(wall.last_pose, wall.pose, in.times.step);
+      wall_spin = mean_angular_velocity(wall.last_pose, wall.pose, in.times.step);
       // ... of the one under the contact half a step ago, which this one was not if they slide.
       wall_velocity +=
           cross(wall_spin, in.times.lag * in.times.step * (wall_velocity - motion.velocity()) +
@@ -326,16 +343,6 @@ class WallPipeline {
     s.place[k] = {static_cast<std::uint32_t>(slot), c.particle, c.wall};
     for (std::size_t h = 0; h < ContactsType::history; ++h)
       s.history[h][k] = contacts.history(h)[slot];
-  }
-
-  /// Mean angular velocity [rad/s] from one pose to the next.
-  static Vec3d angular_velocity(const Pose& from, const Pose& to, double time_step) {
-    const Quaternion d = to.rotation * conjugate(from.rotation);
-    const Vec3d axis{d.x, d.y, d.z};
-    const double sine = norm(axis);
-    if (sine == 0) return {0, 0, 0};
-    const double angle = 2 * std::atan2(d.w < 0 ? -sine : sine, std::abs(d.w));
-    return axis * (angle / (sine * time_step));
   }
 
   std::vector<WallLoad> loads_;                         // by block and wall

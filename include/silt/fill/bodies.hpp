@@ -9,6 +9,7 @@
 
 #include <silt/fill/particles.hpp>
 #include <silt/shape/concept.hpp>
+#include <silt/shape/narrow/super_ellipsoids.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -19,6 +20,12 @@ struct BodyForm {
   MassProperties mass;
   std::vector<Ball> parts;
   double radius;  // [m] of the sphere around the centroid that holds all
+  /// Of a convex shape, for many normals: the radius at the contact [m], and what the mass is over
+  /// the mass that a push there meets [-].
+  struct Spot {
+    double radius, lightness;
+  };
+  std::vector<Spot> spots;
 
   explicit BodyForm(S given) : shape(std::move(given)) {
     shape.check();
@@ -28,17 +35,40 @@ struct BodyForm {
       parts.push_back({rotate(conjugate(mass.axes), b.centre - mass.centroid), b.radius});
       radius = std::max(radius, norm(parts.back().centre) + b.radius);
     }
+    if constexpr (ConvexShape<S>) find_spots();
   }
 
   /// Tells `lightest` the parts of a particle of this form: the mass is what a push at the tip of
   /// the longest lever meets.
   template <class Lightest>
   void include_lightest(Lightest& lightest, double scale, double of_body) const {
+    for (const Spot& s : spots) lightest.include({scale * s.radius, of_body / s.lightness});
+    if (!spots.empty()) return;
     double lever2 = 0;
     for (const Ball& b : parts) lever2 = std::max(lever2, dot(b.centre, b.centre));
     const double least = std::min({mass.inertia.x, mass.inertia.y, mass.inertia.z}) / mass.volume;
     for (const Ball& b : parts)
       lightest.include({scale * b.radius, of_body / (1 + lever2 / least)});
+  }
+
+ private:
+  /// Normals evenly over the sphere, by the golden angle.
+  void find_spots() {
+    const auto form = form_of(shape);
+    constexpr int count = 300;
+    for (int k = 0; k < count; ++k) {
+      const double z = 1 - (2 * k + 1.0) / count, r = std::sqrt(1 - z * z);
+      const double turn = k * std::numbers::pi * (3 - std::sqrt(5.0));
+      const Vec3d n{r * std::cos(turn), r * std::sin(turn), z};
+      Vec3d s, t;
+      tangents(n, s, t);
+      const auto cap = cap_at(form, n, s, t);
+      const Vec3d lever = cross(n * cap.height + s * cap.along_s + t * cap.along_t, n);
+      const Vec3d& I = mass.inertia;
+      spots.push_back({contact_radius(form, cap),
+                       1 + mass.volume * (lever.x * lever.x / I.x + lever.y * lever.y / I.y +
+                                          lever.z * lever.z / I.z)});
+    }
   }
 };
 

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 
+#include <silt/core/lanes.hpp>
 #include <silt/core/quaternion.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -32,50 +34,63 @@ struct NoSquish {
     momentum += torque * time;
   }
   static void drift(Quaternion& q, Vec3d& momentum, const Vec3d& inertia, double time) {
-    const double half = 0.5 * time;
-    about_z(q, momentum, half * momentum.z / inertia.z);
-    about_y(q, momentum, half * momentum.y / inertia.y);
-    about_x(q, momentum, time * momentum.x / inertia.x);
-    about_y(q, momentum, half * momentum.y / inertia.y);
-    about_z(q, momentum, half * momentum.z / inertia.z);
+    double turned[4] = {q.w, q.x, q.y, q.z};
+    drift(turned, momentum, inertia, time);
+    q = {turned[0], turned[1], turned[2], turned[3]};
+  }
+  /// The same for q = (w, x, y, z) in lanes: a body's turns wait for each other, several bodies'
+  /// do not.
+  template <class Real>
+  static void drift(Real (&q)[4], Vec3<Real>& L, const Vec3<Real>& inertia, const Real& time) {
+    const Real one(1), half = Real(0.5) * time;
+    const Vec3<Real> per{one / inertia.x, one / inertia.y, one / inertia.z};
+    turn<3>(q, L, half * L.z * per.z);
+    turn<2>(q, L, half * L.y * per.y);
+    turn<1>(q, L, time * L.x * per.x);
+    turn<2>(q, L, half * L.y * per.y);
+    turn<3>(q, L, half * L.z * per.z);
   }
 
  private:
   /// Cosine and sine of half an angle, of unit length to rounding.
+  template <class Real>
   struct HalfTurn {
-    double c, s;
-    explicit HalfTurn(double angle) {
-      if (std::abs(angle) > 0.1) {
-        c = std::cos(0.5 * angle), s = std::sin(0.5 * angle);
-        return;
-      }
+    Real c, s;
+    SILT_INLINE explicit HalfTurn(const Real& angle) {
       // By the tangent of a quarter of the angle; its series errs by less than 1e-16.
-      const double x = 0.25 * angle, x2 = x * x;
-      const double t = x * (1 + x2 * (1.0 / 3 + x2 * (2.0 / 15 + x2 * (17.0 / 315))));
-      const double per = 1 / (1 + t * t);
-      c = (1 - t * t) * per, s = 2 * t * per;
+      const Real one(1), x = Real(0.25) * angle, x2 = x * x;
+      const Real t =
+          x * (one + x2 * (Real(1.0 / 3) + x2 * (Real(2.0 / 15) + x2 * Real(17.0 / 315))));
+      const Real per = one / (one + t * t);
+      c = (one - t * t) * per, s = Real(2) * t * per;
+      if (any(x2 > Real(0.025 * 0.025))) take_large(angle);
     }
-    double cosine() const { return c * c - s * s; }
-    double sine() const { return 2 * c * s; }
+
+   private:
+    /// The lanes whose angle is too large for the series.
+    void take_large(const Real& angle) {
+      constexpr std::size_t W = sizeof(Real) / sizeof(double);
+      alignas(64) double angles[W], cosines[W], sines[W];
+      store(angles, angle), store(cosines, c), store(sines, s);
+      for (std::size_t k = 0; k < W; ++k)
+        if (!(std::abs(angles[k]) <= 0.1))
+          cosines[k] = std::cos(0.5 * angles[k]), sines[k] = std::sin(0.5 * angles[k]);
+      c = load<Real>(cosines), s = load<Real>(sines);
+    }
   };
-  // q <- q exp(angle e/2); the momentum stays in space, so that it turns back in the body.
-  static void about_x(Quaternion& q, Vec3d& m, double angle) {
-    const HalfTurn h(angle);
-    q = {h.c * q.w - h.s * q.x, h.c * q.x + h.s * q.w, h.c * q.y + h.s * q.z,
-         h.c * q.z - h.s * q.y};
-    m = {m.x, h.cosine() * m.y + h.sine() * m.z, h.cosine() * m.z - h.sine() * m.y};
-  }
-  static void about_y(Quaternion& q, Vec3d& m, double angle) {
-    const HalfTurn h(angle);
-    q = {h.c * q.w - h.s * q.y, h.c * q.x - h.s * q.z, h.c * q.y + h.s * q.w,
-         h.c * q.z + h.s * q.x};
-    m = {h.cosine() * m.x - h.sine() * m.z, m.y, h.cosine() * m.z + h.sine() * m.x};
-  }
-  static void about_z(Quaternion& q, Vec3d& m, double angle) {
-    const HalfTurn h(angle);
-    q = {h.c * q.w - h.s * q.z, h.c * q.x + h.s * q.y, h.c * q.y - h.s * q.x,
-         h.c * q.z + h.s * q.w};
-    m = {h.cosine() * m.x + h.sine() * m.y, h.cosine() * m.y - h.sine() * m.x, m.z};
+  /// q <- q exp(angle e/2) about axis 1, 2 or 3; the momentum stays in space, so that it turns back
+  /// in the body.
+  template <int axis, class Real>
+  static SILT_INLINE void turn(Real (&q)[4], Vec3<Real>& L, const Real& angle) {
+    const HalfTurn<Real> h(angle);
+    constexpr int i = axis, j = axis % 3 + 1, k = j % 3 + 1;
+    const Real w = q[0], qi = q[i], qj = q[j], qk = q[k];
+    q[0] = h.c * w - h.s * qi, q[i] = h.c * qi + h.s * w;
+    q[j] = h.c * qj + h.s * qk, q[k] = h.c * qk - h.s * qj;
+    const Real cosine = h.c * h.c - h.s * h.s, sine = Real(2) * h.c * h.s;
+    Real* const l[3] = {&L.x, &L.y, &L.z};
+    const Real lj = *l[j - 1], lk = *l[k - 1];
+    *l[j - 1] = cosine * lj + sine * lk, *l[k - 1] = cosine * lk - sine * lj;
   }
 };
 

@@ -37,4 +37,14 @@ concept BodyShape = requires(const S& form) {
   { form.parts() } -> std::same_as<std::vector<Ball>>;
 };
 
+/// A convex body shape, one part, whose contacts are found by its own narrow phase. Needs besides
+///   static constexpr bool is_convex = true
+///   form_of(form): what the kernels take (shape/narrow/), in the principal frame
+///   double least_radius() const                  [m] of the largest sphere inside
+template <class S>
+concept ConvexShape = BodyShape<S> && requires(const S& form) {
+  requires S::is_convex;
+  { form.least_radius() } -> std::same_as<double>;
+};
+
 }  // namespace silt

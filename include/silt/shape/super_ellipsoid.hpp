@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include <silt/shape/mass_properties.hpp>
+#include <silt/shape/concept.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -26,6 +26,8 @@ namespace silt::inline SILT_TARGET {
 /// Errors: check() throws InputError: field, value, unit, range.
 /// Tests:  tests/shape/super_ellipsoid.cpp.
 struct SuperEllipsoid {
+  static constexpr bool is_body = true, is_convex = true;
+
   double a, b, c;  // [m] semi-axes
   double s1 = 2;   // [-] exponent between z and the x-y plane
   double s2 = 2;   // [-] exponent in the x-y plane
@@ -145,6 +147,10 @@ struct SuperEllipsoid {
 
   MassProperties mass_properties() const { return {volume(), {0, 0, 0}, inertia(), {}}; }
 
+  /// The bounding sphere, for searches.
+  std::vector<Ball> parts() const { return {{{0, 0, 0}, bounding_radius()}}; }
+  double least_radius() const { return smallest_axis(); }  // [m]
+
   double bounding_radius() const {  // [m], (3)
     return std::sqrt(dual_norm(dual_norm(a * a, b * b, s2), c * c, s1));
   }
@@ -185,6 +191,8 @@ struct SuperEllipsoid {
     return large * std::exp(std::log1p(std::pow(ratio, t)) / t);
   }
 };
+
+static_assert(ConvexShape<SuperEllipsoid>);
 
 namespace detail {
 

@@ -40,6 +40,8 @@ struct SuperForm {
   using Real = R;
   template <class Other>
   using With = SuperForm<Other, E>;
+  template <class Other, Exponents Kernel>
+  using Of = SuperForm<Other, Kernel>;
   Vec3<R> axes2;  // [m2] a^2, b^2, c^2
   R e2;           // [m2] e^2
   R p1, p2;       // [-] dual exponents s/(s - 1)
@@ -57,6 +59,8 @@ template <class R, Exponents E = Exponents::Any>
 struct PolyForm : SuperForm<R, E> {
   template <class Other>
   using With = PolyForm<Other, E>;
+  template <class Other, Exponents Kernel>
+  using Of = PolyForm<Other, Kernel>;
   Vec3<R> minus2;  // [m2] of the sides towards -x, -y, -z; axes2 holds the others
 
   SILT_INLINE Vec3<R> axes2_towards(const Vec3<R>& n) const {

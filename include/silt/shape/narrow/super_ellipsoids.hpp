@@ -180,22 +180,28 @@ template <class FormI, class FormJ, class Real>
 
 }  // namespace detail
 
-/// Proved apart, cheaply: bounding spheres; then, along the last direction, the bodies themselves
-/// by rough powers, with a margin of 1e-5 of their size. (Boxes around the bodies along that
-/// direction prove less, and a pack is done only when all of its lanes are.) Lanes that are not
-/// proved apart need touch().
+/// A lower bound [m] of the gap, cheaply; what is not greater than 0 proves nothing. By bounding
+/// spheres; then, along the last direction, by the bodies themselves with rough powers, less a
+/// margin of 1e-5 of their size. (Boxes around the bodies along that direction prove less, and a
+/// pack is done only when all of its lanes are.)
+template <class FormI, class FormJ, class Real = typename FormI::Real>
+SILT_INLINE Real least_gap(const PosedPair<FormI, FormJ>& pair, const NormalMemory<Real>& memory) {
+  const Real reach = pair.i.bound + pair.j.bound;
+  const Real by_spheres = sqrt(dot(pair.between, pair.between)) - reach;
+  const Mask<Real> known = memory.follows != Real(0);
+  if (!any(known && !(by_spheres > Real(0)))) return by_spheres;
+  const Vec3<Real> m = detail::last_direction(pair, memory);
+  const Vec3<Real> ni = pair.turn_i.to_body(m), nj = -pair.turn_j.to_body(m);
+  const Real heights = rough_height(pair.i, ni) + rough_height(pair.j, nj);
+  const Real along = dot(m, pair.between) - heights - Real(1e-5) * reach;
+  return max(by_spheres, select(known, along, by_spheres));
+}
+
+/// Proved apart by least_gap(). Lanes that are not need touch().
 template <class FormI, class FormJ, class Real = typename FormI::Real>
 SILT_INLINE Mask<Real> apart(const PosedPair<FormI, FormJ>& pair,
                              const NormalMemory<Real>& memory) {
-  const Real reach = pair.i.bound + pair.j.bound;
-  const Mask<Real> far = dot(pair.between, pair.between) > reach * reach;
-  const Mask<Real> known = memory.follows != Real(0);
-  if (!any(known && !far)) return far;
-  const Vec3<Real> m = detail::last_direction(pair, memory);
-  const Real gap = dot(m, pair.between);
-  const Vec3<Real> ni = pair.turn_i.to_body(m), nj = -pair.turn_j.to_body(m);
-  const Real heights = rough_height(pair.i, ni) + rough_height(pair.j, nj);
-  return far || (known && (heights + Real(1e-5) * reach < gap));
+  return least_gap(pair, memory) > Real(0);
 }
 
 /// The contact of each lane's pair; `memory` is read and written. Lanes that are only padding

@@ -1,0 +1,382 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+
+#include <silt/engine/convex_rows.hpp>
+#include <silt/engine/load_rows.hpp>
+#include <silt/engine/pair_list.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// Computes the loads of all pairs of convex bodies, block by block. The lists are of bounding
+/// spheres; of a block's pairs, each stage takes only those on that the one before could not prove
+/// apart, again in whole packs:
+///   the gap that was found last, less what speeds and spins may have closed since; bounding
+///   spheres; separation along the last normal (least_gap()); contact (touch()); law; loads.
+/// What a pair keeps behind the law's history: NormalMemory, whose last number, R_eff while the
+/// bodies touch, is minus a lower bound of the gap while they do not.
+template <class ShapeType, class ContactsType, class Domain, class Arch>
+class ConvexPairs {
+  using Real = typename Lanes<Arch>::Real;
+  using List = PairList<ContactsType::history, double>;
+  using Rows = ConvexRows<ShapeType>;
+  using Memory = NormalMemory<Real>;
+  static constexpr std::size_t W = Lanes<Arch>::width;
+  static constexpr std::size_t block = 128, chunks = 2, row = 4 * chunks;
+  static constexpr std::size_t H = ContactsType::history, M = ContactsType::memory_from,
+                               memory_size = ContactsType::memory_size,
+                               radius = ContactsType::memory_radius;
+  static_assert(load_chunks<ContactsType> == chunks,
+                "rolling resistance is of spheres and of bodies made of spheres: the shape of "
+                "others resists rolling itself");
+  static_assert(!ActsAtDistance<typename ContactsType::Law>,
+                "laws that act at a distance are for spheres and bodies made of spheres");
+
+ public:
+  struct Input {
+    const PositionRow* positions;
+    const MotionRow<true>* motions;
+    const Rows* rows;
+    const std::uint16_t* kinds;  // place in the coefficient table, if there are several materials
+    StepTimes times;
+  };
+
+  /// Adds the load of every pair to the sums of its bodies: force, and torque about the centre.
+  static Tally<ContactsType> run(const Input& in, List& list,
+                                 const CoefficientTable<ContactsType>& table, const Domain& domain,
+                                 double* sums, const Team& team) {
+    return sum_over_groups<Tally<ContactsType>>(list, team, [&](std::size_t from, std::size_t to) {
+      const Scene scene{in, list, table, domain, sums};
+      switch (in.rows->exponents) {
+        case Exponents::Two:
+          return run_group<Exponents::Two>(scene, from, to);
+        case Exponents::Equal:
+          return run_group<Exponents::Equal>(scene, from, to);
+        default:
+          return run_group<Exponents::Any>(scene, from, to);
+      }
+    });
+  }
+
+ private:
+  struct Scene {
+    const Input& in;
+    List& list;
+    const CoefficientTable<ContactsType>& table;
+    const Domain& domain;
+    double* sums;
+  };
+
+  /// Some pairs of a block.
+  struct Some {
+    std::size_t count = 0;
+    std::uint32_t place[block + W];            // in the list
+    alignas(64) double between[3][block + W];  // [m] from the first to the second centre
+    void add(std::uint32_t k, const double (&x)[3][W], std::size_t lane) {
+      place[count] = k;
+      for (int c = 0; c < 3; ++c) between[c][count] = x[c][lane];
+      ++count;
+    }
+    /// Fills the last pack with its last pair.
+    void pad() {
+      for (std::size_t k = count; k % W != 0; ++k) {
+        place[k] = place[count - 1];
+        for (auto& c : between) c[k] = c[count - 1];
+      }
+    }
+    SILT_INLINE Vec3<Real> between_at(std::size_t k) const {
+      return load3<Real>(between[0] + k, between[1] + k, between[2] + k);
+    }
+  };
+
+  template <Exponents E>
+  static Tally<ContactsType> run_group(const Scene& scene, std::size_t from, std::size_t to) {
+    RunningTally<ContactsType, Real> tally;
+    Some near, open;
+    for (; from < to; from += block) {
+      open.count = near.count = 0;
+      sort_out(scene, from, std::min(block, to - from), near, open);
+      prove_apart<E>(scene, near, open);
+      if (open.count > 0) run_contacts<E>(scene, open, tally);
+    }
+    return tally.end();
+  }
+
+  /// Sorts pairs: those that touched are open; of the others those whose gap is used up and whose
+  /// bounding spheres overlap are near.
+  static void sort_out(const Scene& scene, std::size_t from, std::size_t count, Some& near,
+                       Some& open) {
+    const auto difference = Row4<Arch>::of(-1, -1, -1, 1);
+    const Real zero(0), step(gap_slack * scene.in.times.step);
+    double* const gaps = scene.list.history(radius);
+    for (std::size_t k = from; k < from + count; k += W) {
+      const std::uint32_t *const a = scene.list.first() + k, *const b = scene.list.second() + k;
+      const std::uint64_t lanes = valid_lanes(from + count - k);
+      const Real kept = load<Real>(gaps + k);
+      const std::uint64_t touched = lane_bits(kept > zero) & lanes;
+      std::uint64_t closed = 0;  // lanes that need no look
+      if (const auto resting = kept < zero; any(resting)) {
+        const Real left = kept + step * approach(scene.in, a, b);
+        closed = lane_bits(left < zero) & lane_bits(resting) & lanes;
+        store(gaps + k, select(resting, min(left, zero), kept));
+      }
+      if ((closed | ~lanes) == ~std::uint64_t{0}) continue;
+
+      Row4<Arch> rows[W];
+      for (std::size_t lane = 0; lane < W; ++lane)
+        rows[lane] = Row4<Arch>::load(&scene.in.positions[b[lane]].x) +
+                     difference * Row4<Arch>::load(&scene.in.positions[a[lane]].x);
+      Real columns[4];
+      rows_to_columns<Arch>(rows, columns);
+      Vec3<Real> d{columns[0], columns[1], columns[2]};
+      if constexpr (Domain::periodic) d = scene.domain.shortest(d);
+      const Real distance2 = dot(d, d), reach = columns[3];
+      const std::uint64_t within = lane_bits(distance2 < reach * reach);
+      alignas(64) double x[3][W], gap[W];
+      store(x[0], d.x), store(x[1], d.y), store(x[2], d.z), store(gap, sqrt(distance2) - reach);
+      for (std::uint64_t bits = lanes & ~closed; bits != 0; bits &= bits - 1) {
+        const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
+        const std::uint64_t bit = bits & -bits;
+        if (within & bit)
+          (touched & bit ? open : near).add(static_cast<std::uint32_t>(k + lane), x, lane);
+        else
+          part(scene.list, k + lane, gap[lane], touched & bit);
+      }
+    }
+    near.pad();
+  }
+
+  /// Of the near pairs those that the last normal does not prove to be apart.
+  template <Exponents E>
+  static void prove_apart(const Scene& scene, const Some& near, Some& open) {
+    for (std::size_t k = 0; k < near.count; k += W) {
+      const Real gaps = least_gap(posed<E>(scene, near, k), memory_of(scene.list, near.place + k));
+      alignas(64) double x[3][W], gap[W];
+      const Vec3<Real> d = near.between_at(k);
+      store(x[0], d.x), store(x[1], d.y), store(x[2], d.z), store(gap, gaps);
+      for (std::size_t lane = 0; lane < std::min(W, near.count - k); ++lane)
+        if (gap[lane] > 0)
+          part(scene.list, near.place[k + lane], gap[lane], false);
+        else
+          open.add(near.place[k + lane], x, lane);
+    }
+    open.pad();
+  }
+
+  /// Notes the gap [m] of a pair that does not touch; one that did loses its history.
+  static void part(List& list, std::size_t place, double gap, bool touched) {
+    if (touched)
+      for (std::size_t h = 0; h < M; ++h) list.history(h)[place] = 0;
+    list.history(radius)[place] = gap > 0 ? -gap : 0;
+  }
+
+  /// How fast [m/s] the gap of each pair may shrink: bodies turn about their centres within their
+  /// bounding spheres, whose radius is in the spin velocity.
+  static SILT_INLINE Real approach(const Input& in, const std::uint32_t* a,
+                                   const std::uint32_t* b) {
+    const double* at[W];
+    Real i[8], j[8];
+    for (std::size_t lane = 0; lane < W; ++lane) at[lane] = &in.motions[a[lane]].vx;
+    gather_columns<Arch, 2>(at, i);
+    for (std::size_t lane = 0; lane < W; ++lane) at[lane] = &in.motions[b[lane]].vx;
+    gather_columns<Arch, 2>(at, j);
+    const auto length = [](const Real& x, const Real& y, const Real& z) {
+      return sqrt(x * x + y * y + z * z);
+    };
+    return length(i[0] - j[0], i[1] - j[1], i[2] - j[2]) + length(i[4], i[5], i[6]) +
+           length(j[4], j[5], j[6]);
+  }
+  static std::uint64_t valid_lanes(std::size_t left) {
+    return left >= W ? (std::uint64_t{1} << W) - 1 : (std::uint64_t{1} << left) - 1;
+  }
+  /// The angular velocity is that at the end of a step, in which that of a free body may have been
+  /// a little greater.
+  static constexpr double gap_slack = 1.1;
+
+  /// Contacts of a block: kinematics and arms, side by side.
+  struct Contacts {
+    KinematicsBlock<ContactsType, block, double> kinematics;
+    alignas(64) double history[H + 1][block];
+    alignas(64) double arm_i[3][block], arm_j[3][block];  // [m] from the centres
+    std::uint16_t kind[block];
+  };
+
+  template <Exponents E>
+  static void run_contacts(const Scene& scene, const Some& open,
+                           RunningTally<ContactsType, Real>& tally) {
+    Contacts c;
+    const std::size_t padded = pieces(open.count, W) * W;
+    for (std::size_t k = 0; k < padded; k += W) touch_pack<E>(scene, open, k, c, tally);
+    for (std::size_t h = 0; h < M; ++h) {
+      const double* const from = scene.list.history(h);
+      for (std::size_t k = 0; k < open.count; ++k) c.history[h][k] = from[open.place[k]];
+      for (std::size_t k = open.count; k < padded; ++k) c.history[h][k] = 0;
+    }
+    for (std::size_t k = open.count; k < padded; ++k) c.kinematics.overlap[k] = -1;  // no contacts
+    if constexpr (ContactsType::several_materials)
+      for (std::size_t k = 0; k < padded; ++k) c.kind[k] = scene.in.kinds[open.place[k]];
+    std::array<double*, H + 1> history{};
+    for (std::size_t h = 0; h < H; ++h) history[h] = c.history[h];
+    loads_of<ContactsType, Arch>(c.kinematics, padded, scene.in.times, scene.table,
+                                 ContactsType::several_materials ? c.kind : nullptr, history,
+                                 tally);
+    tally.end_block();
+    for (std::size_t h = 0; h < M; ++h) {
+      double* const to = scene.list.history(h);
+      for (std::size_t k = 0; k < open.count; ++k) to[open.place[k]] = c.history[h][k];
+    }
+    add_loads(scene, open, padded, c);
+  }
+
+  template <Exponents E>
+  static void touch_pack(const Scene& scene, const Some& open, std::size_t k, Contacts& c,
+                         RunningTally<ContactsType, Real>& tally) {
+    const auto& in = scene.in;
+    const auto pair = posed<E>(scene, open, k);
+    Memory memory = memory_of(scene.list, open.place + k);
+    memory.R_eff = max(memory.R_eff, Real(0));  // else a gap
+    const auto touched = memory.R_eff > Real(0), with_i = memory.follows > Real(0);
+    const Vec3<Real> last = last_direction(pair, memory);
+    const BodyContact<Real> found = touch(pair, memory);
+    const std::size_t valid = std::min(W, open.count - k);
+    memory.R_eff = select(found.touches, memory.R_eff, min(found.overlap, Real(0)));
+    keep_memory(scene.list, open.place + k, valid, memory);
+
+    BodyAtContact<Real> i, j;
+    Real thin_i, thin_j;
+    body_pack(in, scene.list.first(), open.place + k, i, thin_i);
+    body_pack(in, scene.list.second(), open.place + k, j, thin_j);
+    i.axes = pair.turn_i, j.axes = pair.turn_j;
+    const Real zero(0), step(in.times.step);
+    const Vec3<Real> n = found.normal, arm_i = found.point, arm_j = found.point - pair.between;
+    Kinematics<Real> kin;
+    kin.normal = n;
+    kin.velocity = i.velocity_at(arm_i) - j.velocity_at(arm_j);
+    // The direction of a step ago: it is kept in the axes of one body, which have turned.
+    const Vec3<Real> turn = step * cross(select(with_i, i.spin, j.spin), last);
+    kin.change = select(touched, n + last - turn, {zero, zero, zero});
+    kin.overlap = select(found.touches, found.overlap, Real(-1));
+    kin.inverse_m_eff = i.inverse_mass(arm_i, n) + j.inverse_mass(arm_j, n);
+    kin.m_eff = Real(1) / kin.inverse_m_eff;
+    kin.R_eff = found.R_eff;
+    kin.arm = zero, kin.spin = {zero, zero, zero};
+    kin.twist = Real(0.5) * dot(i.spin + j.spin, n);
+    c.kinematics.put(k, kin);
+    c.kinematics.put(k, Radii<Real>{Real(2) * kin.R_eff, Real(2) * kin.R_eff});
+    store(c.arm_i[0] + k, arm_i.x), store(c.arm_i[1] + k, arm_i.y), store(c.arm_i[2] + k, arm_i.z);
+    store(c.arm_j[0] + k, arm_j.x), store(c.arm_j[1] + k, arm_j.y), store(c.arm_j[2] + k, arm_j.z);
+
+    const Real share = select(found.touches, found.overlap, zero) / min(thin_i, thin_j);
+    if (any(share > Real(tally.sum.largest))) {
+      alignas(64) double each[W];
+      store(each, share);
+      tally.sum.largest = std::max(tally.sum.largest, *std::max_element(each, each + W));
+    }
+  }
+
+  /// Force and torques of the contacts, onto the sums of both bodies.
+  static void add_loads(const Scene& scene, const Some& open, std::size_t padded,
+                        const Contacts& c) {
+    alignas(64) double on_i[block * row], on_j[block * row];
+    for (std::size_t k = 0; k < padded; k += W) {
+      const Vec3<Real> force = c.kinematics.template get_load<Real>(k).force;
+      const auto arm = [&](const double(&a)[3][block]) {
+        return load3<Real>(a[0] + k, a[1] + k, a[2] + k);
+      };
+      const PairLoad<Real> i{force, cross(arm(c.arm_i), force), {}};
+      const PairLoad<Real> j{-force, cross(arm(c.arm_j), -force), {}};
+      write_rows<chunks, Arch, Real>(on_i + k * row, i);
+      write_rows<chunks, Arch, Real>(on_j + k * row, j);
+    }
+    for (std::size_t k = 0; k < open.count; ++k) {
+      const std::uint32_t place = open.place[k];
+      add_row<Arch, chunks, false>(scene.sums + scene.list.first()[place] * row, on_i + k * row);
+      add_row<Arch, chunks, false>(scene.sums + scene.list.second()[place] * row, on_j + k * row);
+    }
+  }
+
+  // --- gathering ----------------------------------------------------------------------------
+
+  template <Exponents E>
+  using FormOf = typename Rows::Form::template Of<Real, E>;
+
+  template <Exponents E>
+  static SILT_INLINE PosedPair<FormOf<E>, FormOf<E>> posed(const Scene& scene, const Some& some,
+                                                           std::size_t k) {
+    PosedPair<FormOf<E>, FormOf<E>> pair;
+    const std::uint32_t *const a = scene.list.first(), *const b = scene.list.second();
+    pair.i = form_pack<E>(scene.in, a, some.place + k);
+    pair.j = form_pack<E>(scene.in, b, some.place + k);
+    pair.turn_i = axes_pack(scene.in, a, some.place + k);
+    pair.turn_j = axes_pack(scene.in, b, some.place + k);
+    pair.between = some.between_at(k);
+    return pair;
+  }
+  template <Exponents E>
+  static SILT_INLINE FormOf<E> form_pack(const Input& in, const std::uint32_t* side,
+                                         const std::uint32_t* place) {
+    using Row = FormRow<typename Rows::Form>;
+    Real columns[4 * Row::rows];
+    if (in.rows->one_form()) {
+      for (std::size_t c = 0; c < 4 * Row::rows; ++c)
+        columns[c] = Real(in.rows->form.front().value[c]);
+    } else {
+      const double* at[W];
+      for (std::size_t lane = 0; lane < W; ++lane)
+        at[lane] = in.rows->form[side[place[lane]]].value;
+      gather_columns<Arch, Row::rows>(at, columns);
+    }
+    FormOf<E> form;
+    static_assert(sizeof form <= sizeof columns);
+    std::memcpy(static_cast<void*>(&form), columns, sizeof form);
+    return form;
+  }
+  static SILT_INLINE BodyAxes<Real> axes_pack(const Input& in, const std::uint32_t* side,
+                                              const std::uint32_t* place) {
+    const double* at[W];
+    for (std::size_t lane = 0; lane < W; ++lane) at[lane] = &in.rows->pose[side[place[lane]]].q.w;
+    Real q[4];
+    gather_columns<Arch, 1>(at, q);
+    return body_axes<Real>(q[0], q[1], q[2], q[3]);
+  }
+  static SILT_INLINE void body_pack(const Input& in, const std::uint32_t* side,
+                                    const std::uint32_t* place, BodyAtContact<Real>& body,
+                                    Real& least_radius) {
+    const double* at[W];
+    Real m[8], i[4];
+    for (std::size_t lane = 0; lane < W; ++lane) at[lane] = &in.motions[side[place[lane]]].vx;
+    gather_columns<Arch, 2>(at, m);
+    for (std::size_t lane = 0; lane < W; ++lane)
+      at[lane] = &in.rows->pose[side[place[lane]]].inv_inertia.x;
+    gather_columns<Arch, 1>(at, i);
+    body.velocity = {m[0], m[1], m[2]}, body.inv_m = m[3];
+    body.spin = Vec3<Real>{m[4], m[5], m[6]} * m[7];
+    body.inv_inertia = {i[0], i[1], i[2]}, least_radius = i[3];
+  }
+
+  static SILT_INLINE Memory memory_of(List& list, const std::uint32_t* place) {
+    alignas(64) double values[memory_size][W];
+    for (std::size_t h = 0; h < memory_size; ++h) {
+      const double* const from = list.history(M + h);
+      for (std::size_t lane = 0; lane < W; ++lane) values[h][lane] = from[place[lane]];
+    }
+    Memory memory;
+    std::memcpy(static_cast<void*>(&memory), values, sizeof memory);
+    return memory;
+  }
+  static SILT_INLINE void keep_memory(List& list, const std::uint32_t* place, std::size_t valid,
+                                      const Memory& memory) {
+    alignas(64) double values[memory_size][W];
+    std::memcpy(values, static_cast<const void*>(&memory), sizeof memory);
+    for (std::size_t h = 0; h < memory_size; ++h) {
+      double* const to = list.history(M + h);
+      for (std::size_t lane = 0; lane < valid; ++lane) to[place[lane]] = values[h][lane];
+    }
+  }
+};
+
+}  // namespace silt::detail
