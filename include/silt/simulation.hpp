@@ -83,6 +83,8 @@ class Simulation {
   using ShapeType = typename ParticlesType::ShapeType;
   /// Particles are rigid bodies with an orientation, of one part or several.
   static constexpr bool has_bodies = BodyShape<ShapeType>;
+  /// ... whose shape is no set of spheres.
+  static constexpr bool has_surfaces = ConvexShape<ShapeType>;
   static_assert(has_bodies || detail::count<detail::IsRotation, Policies...> == 0,
                 "spheres have no orientation: leave the rotation out");
   static constexpr bool has_ledger = detail::count<detail::IsLedger, Policies...> > 0;

@@ -3,6 +3,8 @@
 // Super-ellipsoids in the engine: against spheres, conservation in collisions, rest on planes, and
 // all that a simulation does with particles.
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
 
 #include <silt/boundary/domain.hpp>
 #include <silt/io/checkpoint.hpp>
@@ -228,6 +230,19 @@ TEST_CASE("A plane that moves carries and pushes super-ellipsoids") {
   const double weight = 9.81 * sim.mass(0);
   sim.run(0.6);
   CHECK(near_relative(-sim.wall(0).force.z, weight, 0.5));  // it rocks on its side
+}
+
+TEST_CASE("The VTK series of super-ellipsoids shows their surfaces") {
+  const std::string folder = "convex_vtk_test";
+  auto sim = heap(6);
+  sim.run(0, silt::vtk_series(folder, silt::every(1.0)));
+  std::ifstream list(folder + "/surfaces.pvd"), file(folder + "/surfaces_000000000.vtp");
+  REQUIRE(list.good());
+  std::string head(2000, ' ');
+  file.read(head.data(), 2000);
+  // Six bodies of 6 faces with 8 x 8 cells of 2 triangles.
+  CHECK(head.find("NumberOfPolys=\"4608\"") != std::string::npos);
+  std::filesystem::remove_all(folder);
 }
 
 TEST_CASE("The guard of super-ellipsoids names what is wrong") {

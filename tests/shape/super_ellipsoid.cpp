@@ -1,6 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 #include <doctest/doctest.h>
 
+#include <silt/shape/surface_mesh.hpp>
+
 #include "random_pairs.hpp"
 
 namespace {
@@ -184,5 +186,20 @@ TEST_CASE("poly_super_ellipsoid: support point on the surface with its normal, i
     CHECK(std::abs(poly.value(p)) < 1e-12);
     CHECK(norm(silt::normalised(poly.gradient(p)) - n) < 1e-12);
     CHECK(norm(p) <= poly.bounding_radius());
+  }
+}
+
+TEST_CASE("The mesh that shows a super-ellipsoid is closed and has its volume") {
+  for (const double s : {2.0, 4.0, 20.0}) {
+    const silt::SuperEllipsoid shape{.a = 1, .b = 2, .c = 0.5, .s1 = s, .s2 = s};
+    const auto [points, triangles] = silt::surface_of(shape, 16);
+    CHECK(points.size() == 6 * 16 * 16 + 2);
+    double volume = 0;
+    for (const auto& t : triangles)
+      volume += dot(points[t[0]], cross(points[t[1]], points[t[2]])) / 6;
+    for (const auto& p : points) CHECK(std::abs(shape.value(p)) < 1e-9);
+    // Chords cut off (1/cells)^2 or so of a round body; a box has none.
+    CHECK(volume < shape.volume());
+    CHECK(volume > (1 - 2.0 / (16 * 16)) * shape.volume());
   }
 }

@@ -139,13 +139,13 @@ class BodyMotion {
       const bool one = std::all_of(bodies.begin(), bodies.end(), same);
       out.form.resize(one ? std::min<std::size_t>(bodies.size(), 1) : particles.size());
       out.pose.assign(particles.size() + 2, {{}, {0, 0, 0}, 0});
-      out.exponents = Exponents::Two;
+      out.exponents = Exponents::Ball;
       out.least_radius = std::numeric_limits<double>::infinity();
       for (std::size_t r = 0; r < particles.size(); ++r) {
         const Body& b = bodies[particles.part[r].body];
         if (r < out.form.size()) out.form[r].set(scaled(b));
         const auto& shape = forms[b.form].shape;
-        out.exponents = std::max(out.exponents, exponents_of(shape.s1, shape.s2));
+        out.exponents = std::max(out.exponents, exponents_of(shape));
         out.pose[r] = pose_of(b);
         if (b.id != no_particle)
           out.least_radius = std::min(out.least_radius, out.pose[r].least_radius);

@@ -51,14 +51,8 @@ class ConvexPairs {
                                  double* sums, const Team& team) {
     return sum_over_groups<Tally<ContactsType>>(list, team, [&](std::size_t from, std::size_t to) {
       const Scene scene{in, list, table, domain, sums};
-      switch (in.rows->exponents) {
-        case Exponents::Two:
-          return run_group<Exponents::Two>(scene, from, to);
-        case Exponents::Equal:
-          return run_group<Exponents::Equal>(scene, from, to);
-        default:
-          return run_group<Exponents::Any>(scene, from, to);
-      }
+      return with_exponents(in.rows->exponents,
+                            [&](auto e) { return run_group<decltype(e)::value>(scene, from, to); });
     });
   }
 

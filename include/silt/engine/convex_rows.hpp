@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <type_traits>
 #include <vector>
 
 #include <silt/core/row4.hpp>
@@ -54,16 +55,17 @@ Form scaled_form(Form f, double scale) {
 template <class ShapeType>
 struct ConvexRows {
   using Form = decltype(form_of(std::declval<const ShapeType&>()));
-  AlignedVector<PoseRow> pose;           // of each row, and of two more: padding pairs
-  AlignedVector<FormRow<Form>> form;     // of each row; of all, if there is only one
-  Exponents exponents = Exponents::Two;  // that all of them have
+  AlignedVector<PoseRow> pose;            // of each row, and of two more: padding pairs
+  AlignedVector<FormRow<Form>> form;      // of each row; of all, if there is only one
+  Exponents exponents = Exponents::Ball;  // that all of them have
 
   double least_radius = 0;  // [m] of any of them
 
   bool one_form() const { return form.size() == 1; }
   const FormRow<Form>& form_row(std::size_t row) const { return form[one_form() ? 0 : row]; }
-  Form form_at(std::size_t row) const {
-    Form f;
+  template <Exponents E = Exponents::Any>
+  auto form_at(std::size_t row) const {
+    typename Form::template Of<double, E> f;
     std::memcpy(static_cast<void*>(&f), form_row(row).value, sizeof f);
     return f;
   }
@@ -73,6 +75,22 @@ template <class ShapeType>
 struct ConvexRowsOf {
   using type = ConvexRows<ShapeType>;
 };
+
+/// Calls run with the exponents as a constant.
+template <class Run>
+auto with_exponents(Exponents e, const Run& run) {
+  const auto as = [&]<Exponents E>() { return run(std::integral_constant<Exponents, E>{}); };
+  switch (e) {
+    case Exponents::Ball:
+      return as.template operator()<Exponents::Ball>();
+    case Exponents::Two:
+      return as.template operator()<Exponents::Two>();
+    case Exponents::Equal:
+      return as.template operator()<Exponents::Equal>();
+    default:
+      return as.template operator()<Exponents::Any>();
+  }
+}
 
 /// Rows of four numbers a lane, turned into columns.
 template <class Arch, std::size_t Rows, class Real>

@@ -21,7 +21,7 @@ struct BodyAtPlane {
 
 /// The contact of a row with a plane, its point in the plane as that of spheres; `first_R_eff`: see
 /// touch_plane().
-template <class Rows>
+template <Exponents E = Exponents::Any, class Rows>
 BodyAtPlane body_at_plane(const Rows& rows, std::size_t row, const Vec3d& centre, const Wall& wall,
                           const Plane& given, double& first_R_eff) {
   const Plane plane = given.unit();
@@ -29,8 +29,8 @@ BodyAtPlane body_at_plane(const Rows& rows, std::size_t row, const Vec3d& centre
       dot((wall.moves() ? wall.pose.to_body(centre) : centre) - plane.point, plane.normal);
   const Vec3d normal = wall.moves() ? wall.pose.rotate(plane.normal) : plane.normal;
   BodyAtPlane at;
-  at.contact =
-      touch_plane(rows.form_at(row), body_axes(rows.pose[row].q), normal, distance, first_R_eff);
+  at.contact = touch_plane(rows.template form_at<E>(row), body_axes(rows.pose[row].q), normal,
+                           distance, first_R_eff);
   at.contact.point += (0.5 * at.contact.overlap) * normal;
   at.place = centre + at.contact.point;
   return at;
@@ -65,7 +65,11 @@ class ConvexWalls {
     const std::size_t blocks = contacts.blocks();
     loads_.assign(blocks * walls.size(), {});
     tallies_.assign(blocks, {});
-    team.for_parts(blocks, [&](std::size_t b) { run_block(in, contacts, table, walls, sums, b); });
+    with_exponents(in.rows->exponents, [&](auto e) {
+      team.for_parts(blocks, [&](std::size_t b) {
+        this->run_block<decltype(e)::value>(in, contacts, table, walls, sums, b);
+      });
+    });
     sum_wall_loads(walls, loads_, blocks, in.times.step);
     Tally<ContactsType> all;
     for (const auto& tally : tallies_) all.add(tally);
@@ -82,13 +86,14 @@ class ConvexWalls {
     std::size_t count = 0;
   };
 
+  template <Exponents E>
   void run_block(const Input& in, Contacts& contacts, const CoefficientTable<ContactsType>& table,
                  std::span<const Wall> walls, double* sums, std::size_t b) {
     Scratch s;
     double largest = 0;
     for (const WallCandidate& c : contacts.block_candidates(b))
       if (in.motions[c.particle].inv_m != 0)
-        largest = std::max(largest, describe(in, contacts, table, walls[c.wall], c, s));
+        largest = std::max(largest, describe<E>(in, contacts, table, walls[c.wall], c, s));
     pad(s);
     std::array<double*, H + 1> history{};
     for (std::size_t h = 0; h < H; ++h) history[h] = s.history[h];
@@ -114,6 +119,7 @@ class ConvexWalls {
   }
 
   /// Adds a candidate's contact, if it touches; returns overlap over least radius [-].
+  template <Exponents E>
   static double describe(const Input& in, Contacts& contacts,
                          const CoefficientTable<ContactsType>& table, const Wall& wall,
                          const WallCandidate& c, Scratch& s) {
@@ -121,8 +127,8 @@ class ConvexWalls {
     double& first_R_eff = contacts.history(radius)[c.slot];
     const PositionRow& position = in.positions[c.particle];
     const auto [contact, place] =
-        body_at_plane(*in.rows, c.particle, position.centre(), wall,
-                      *std::get_if<Plane>(&wall.surfaces[c.surface]), first_R_eff);
+        body_at_plane<E>(*in.rows, c.particle, position.centre(), wall,
+                         *std::get_if<Plane>(&wall.surfaces[c.surface]), first_R_eff);
     if (!contact.touches) {
       if (slot.touching)
         for (std::size_t h = 0; h < H; ++h) contacts.history(h)[c.slot] = 0;

@@ -20,6 +20,7 @@
 #include <silt/io/csv_table.hpp>
 #include <silt/io/progress_line.hpp>
 #include <silt/io/vtk.hpp>
+#include <silt/shape/surface_mesh.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -179,6 +180,34 @@ void write_parts(const std::string& file, const Sim& sim) requires(Sim::has_bodi
   fields.add("radius", radius).add("id", id);
   write_vtp_points(file, position, fields);
 }
+/// Writes the surfaces of bodies whose shape is no set of spheres: id, form and velocity of the
+/// body at every point.
+template <class Sim>
+void write_surfaces(const std::string& file, const Sim& sim) requires(Sim::has_surfaces) {
+  std::vector<SurfaceMesh> of_forms;
+  for (const auto& form : sim.forms()) of_forms.push_back(surface_of(form.shape));
+  SurfaceMesh all;
+  std::vector<std::uint32_t> id, form;
+  std::vector<std::array<float, 3>> velocity;
+  for (std::size_t k = 0; k < sim.rows(); ++k) {
+    if (!sim.is_present(k)) continue;
+    const SurfaceMesh& mesh = of_forms[sim.form(k)];
+    const auto first = static_cast<std::uint32_t>(all.points.size());
+    const Quaternion turn = sim.orientation(k);
+    for (const Vec3d& p : mesh.points)
+      all.points.push_back(sim.position(k) + rotate(turn, sim.scale(k) * p));
+    for (const auto& t : mesh.triangles)
+      all.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+    const Vec3d v = sim.velocity(k);
+    id.insert(id.end(), mesh.points.size(), sim.id(k));
+    form.insert(form.end(), mesh.points.size(), static_cast<std::uint32_t>(sim.form(k)));
+    velocity.insert(velocity.end(), mesh.points.size(),
+                    {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)});
+  }
+  VtkFields fields;
+  fields.add("id", id).add("form", form).add("velocity", velocity);
+  write_vtp_triangles(file, all.points, all.triangles, fields);
+}
 template <class Sim>
 void write_particles(const std::string& file, const Sim& sim) {
   write_particles(file, sim, [](const auto&, auto&, const auto&) {});
@@ -213,7 +242,7 @@ WallTriangles wall_triangles(const Sim& sim, const Box& around) {
 }
 
 /// Writes `folder/particles.pvd` and `folder/walls.pvd`, each a time series that ParaView opens; of
-/// bodies also `folder/parts.pvd`, the spheres that they consist of.
+/// bodies also `folder/parts.pvd`, the spheres that they consist of, or `folder/surfaces.pvd`.
 /// `more` adds fields as in write_particles.
 template <class More>
 class VtkSeriesObserver {
@@ -230,7 +259,10 @@ class VtkSeriesObserver {
       return sim.continued() ? VtkSeries::resume(folder_, name, keep) : VtkSeries(folder_, name);
     };
     particles_ = open("particles"), walls_ = open("walls");
-    if constexpr (Sim::has_bodies) parts_ = open("parts");
+    if constexpr (Sim::has_surfaces)
+      parts_ = open("surfaces");
+    else if constexpr (Sim::has_bodies)
+      parts_ = open("parts");
   }
   template <class Sim>
   bool is_due(const Sim& sim) const {
@@ -253,7 +285,10 @@ class VtkSeriesObserver {
     };
     write_particles(text(folder_, '/', file("particles")), sim, more_);
     particles_->add(sim.time(), file("particles"));
-    if constexpr (Sim::has_bodies) {
+    if constexpr (Sim::has_surfaces) {
+      write_surfaces(text(folder_, '/', file("surfaces")), sim);
+      parts_->add(sim.time(), file("surfaces"));
+    } else if constexpr (Sim::has_bodies) {
       write_parts(text(folder_, '/', file("parts")), sim);
       parts_->add(sim.time(), file("parts"));
     }
@@ -271,7 +306,7 @@ class VtkSeriesObserver {
   std::string folder_;
   Schedule schedule_;
   More more_;
-  std::optional<VtkSeries> particles_, walls_, parts_;
+  std::optional<VtkSeries> particles_, walls_, parts_;  // parts or surfaces
 };
 
 template <class More>

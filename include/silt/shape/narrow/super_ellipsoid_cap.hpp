@@ -31,8 +31,9 @@ namespace silt::inline SILT_TARGET {
 /// plane, H - (h l . n - h) 1: the Hessian of h made homogeneous of degree one.
 /// Tests:  tests/shape/super_ellipsoid_contact.cpp.
 
-/// Which exponents the bodies of a block have: all 2; s1 = s2; any. Chosen at compile time.
-enum class Exponents { Two, Equal, Any };
+/// Which exponents the bodies of a block have: all 2, and equal axes; all 2; s1 = s2; any. Chosen
+/// at compile time.
+enum class Exponents { Ball, Two, Equal, Any };
 
 /// A super-ellipsoid as the kernels take it: plain Reals.
 template <class R, Exponents E = Exponents::Any>
@@ -122,6 +123,10 @@ inline SphereForm<double> sphere_form(double radius) { return {radius, radius}; 
 /// Which kernel a super-ellipsoid of these exponents may use.
 inline Exponents exponents_of(double s1, double s2) {
   return s1 != s2 ? Exponents::Any : s1 == 2 ? Exponents::Two : Exponents::Equal;
+}
+inline Exponents exponents_of(const SuperEllipsoid& shape) {
+  const Exponents e = exponents_of(shape.s1, shape.s2);
+  return e == Exponents::Two && shape.a == shape.b && shape.b == shape.c ? Exponents::Ball : e;
 }
 
 /// A plain struct of Reals seen as another of the same order: one lane out of packs, or one value
@@ -301,6 +306,10 @@ SILT_INLINE Height<Real> height_with(const Form& f, const Vec3<Real>& n) {
 template <class Real, Exponents E, template <class, Exponents> class Form>
 SILT_INLINE Cap<Real> cap_at(const Form<Real, E>& form, const Vec3<Real>& n, const Vec3<Real>& s,
                              const Vec3<Real>& t) {
+  if constexpr (E == Exponents::Ball) {
+    const Real zero(0), one(1);
+    return {form.bound, zero, zero, {form.bound, zero, form.bound}, {one, zero, one}};
+  }
   const auto at = detail::height_with<Form<Real, E>, E>(form, n);
   const Real ls = dot(at.hl, s), lt = dot(at.hl, t), rest = at.h - dot(at.hl, n);
   auto radii = detail::weighted_squares(at.hD, s, t);
@@ -334,6 +343,7 @@ inline Vec3d support_of(const Form& form, const Vec3d& n) {
 /// h(n) alone, to 1e-6 of the body, by rough powers: for tests of separation.
 template <class Real, Exponents E, template <class, Exponents> class Form>
 SILT_INLINE Real rough_height(const Form<Real, E>& f, const Vec3<Real>& n) {
+  if constexpr (E == Exponents::Ball) return f.bound;
   const Vec3<Real> a2 = f.axes2_towards(n);
   const Vec3<Real> w = detail::times(detail::times(a2, n), n) + Vec3<Real>{f.e2, f.e2, f.e2};
   const auto power = [](const Real& x, const Real& y) { return rough_exp2(y * rough_log2(x)); };

@@ -204,6 +204,27 @@ SILT_INLINE Mask<Real> apart(const PosedPair<FormI, FormJ>& pair,
   return least_gap(pair, memory) > Real(0);
 }
 
+/// The contact of two balls; the direction is kept in the axes of i.
+template <class Real>
+SILT_INLINE BodyContact<Real> touch(
+    const PosedPair<SuperForm<Real, Exponents::Ball>, SuperForm<Real, Exponents::Ball>>& pair,
+    NormalMemory<Real>& memory) {
+  const Real a = pair.i.bound, b = pair.j.bound, zero(0);
+  const Real distance = sqrt(max(dot(pair.between, pair.between), smallest<Real>()));
+  const Vec3<Real> m = pair.between * (Real(1) / distance);
+  BodyContact<Real> out;
+  out.overlap = a + b - distance;
+  out.touches = out.overlap > zero;
+  out.normal = -m;
+  out.point = m * (a - Real(0.5) * out.overlap);
+  out.R_eff = a * b / (a + b);
+  out.residual = zero;
+  out.solved = distance == distance;
+  memory.direction = pair.turn_i.to_body(m);
+  memory.follows = Real(1), memory.R_eff = select(out.touches, out.R_eff, zero);
+  return out;
+}
+
 /// The contact of each lane's pair; `memory` is read and written. Lanes that are only padding
 /// should be far apart.
 template <ContactRadius Radius = ContactRadius::AtFirstTouch, class FormI, class FormJ,
