@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// The bed of spheres that the benchmarks share: Hertz, Tsuji damping, Mindlin spring with the slip
-// as history, Coulomb friction.
+// The beds that the benchmarks share, of spheres or of bodies: Hertz, Tsuji damping, Mindlin spring
+// with the slip as history, Coulomb friction.
 
 #include <algorithm>
 #include <cmath>
@@ -21,12 +21,12 @@ inline double width_for(std::size_t n) {
   return 0.15 * std::sqrt(std::max(1.0, static_cast<double>(n) / 50000));
 }
 
-template <class Precision>
-auto bed(silt::Particles<silt::Sphere> spheres, int threads, Precision precision) {
-  const double width = width_for(spheres.size());
+/// Particles in an open box with a square floor of `width` [m].
+template <class Shape, class Precision>
+auto bed(silt::Particles<Shape> particles, double width, int threads, Precision precision) {
   const Law::Material m{
       .youngs_modulus = 1e6, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.4};
-  silt::Simulation sim{std::move(spheres), silt::Contacts<Law>{m}, precision};
+  silt::Simulation sim{std::move(particles), silt::Contacts<Law>{m}, precision};
   sim.gravity = {0, 0, -9.81};
   sim.time_step = time_step;
   sim.threads = threads;
@@ -37,6 +37,12 @@ auto bed(silt::Particles<silt::Sphere> spheres, int threads, Precision precision
   sim.add_wall(silt::Plane{{0, width, 0}, {0, -1, 0}}, m);
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, m);
   return sim;
+}
+
+template <class Precision>
+auto bed(silt::Particles<silt::Sphere> spheres, int threads, Precision precision) {
+  const double width = width_for(spheres.size());
+  return bed(std::move(spheres), width, threads, precision);
 }
 
 template <class Sim>

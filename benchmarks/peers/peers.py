@@ -12,11 +12,10 @@ summary.json are written to --out.
 import argparse
 import json
 import os
-import re
 import shutil
-import statistics
-import subprocess
 import sys
+
+import codes
 
 LAW = "hertz/material 1e6 0.5 0.3 tangential mindlin 1e6 1.0 0.4 damping tsuji"
 LAMMPS = f"""
@@ -79,57 +78,22 @@ run {steps}
 PEERS = ("LAMMPS granular", "LIGGGHTS")
 
 
-def run_deck(program, deck, cores, folder, **values):
-    name = os.path.basename(program)
-    path, end = os.path.join(folder, name + ".in"), os.path.join(folder, name + ".end")
-    with open(path, "w") as f:
-        f.write(deck.format(end=end, **values))
-    for old in os.listdir(folder):
-        if old.startswith(name + ".end"):
-            os.remove(os.path.join(folder, old))
-    command = [program, "-in", path, "-log", "none"]
-    if cores > 1:
-        command = ["mpirun", "-np", str(cores), "--bind-to", "core"] + command
-    out = subprocess.run(command, capture_output=True, text=True, cwd=folder,
-                         env=dict(os.environ, OMP_NUM_THREADS="1", OMPI_ALLOW_RUN_AS_ROOT="1",
-                                  OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1"))
-    loops = re.findall(r"Loop time of ([0-9.eE+-]+)", out.stdout)
-    energy = re.findall(r"^\s*\d+\s+\d+\s+([0-9.eE+-]+)", out.stdout, re.M)
-    ends = sorted(file for file in os.listdir(folder) if file.startswith(name + ".end"))
-    if len(loops) != 2 or not ends:
-        sys.exit(f"{program} did not finish:\n{out.stdout[-2000:]}{out.stderr[-2000:]}")
-    return float(loops[1]), float(energy[-1]), os.path.join(folder, ends[-1])
-
-
-def values_of(line):
-    words = line.split()
-    return dict(zip(words[::2], map(float, words[1::2])))
-
-
 def run_silt(program, cores, precision, folder, data, warmup, steps):
     end = os.path.join(folder, "silt.end")
-    out = subprocess.run([program, "time", data, str(warmup), str(steps), str(cores), precision, end],
-                         capture_output=True, text=True)
-    if out.returncode != 0:
-        sys.exit(f"silt did not finish: {out.stderr}")
-    values = values_of(out.stdout)
+    values = codes.values_of(codes.run(
+        [program, "time", data, str(warmup), str(steps), str(cores), precision, end], folder))
     return values["seconds"], values["kinetic_energy"], end
 
 
 def measure(program, end):
     """Coordination number and mean overlap of the state in a dump or data file."""
     if not end.endswith("silt.end"):
-        with open(end) as f, open(end + ".data", "w") as to:
+        with open(end + ".data", "w") as to:
             to.write("Atoms\n\n")
-            atoms = False
-            for line in f:
-                if atoms:
-                    k, x, y, z, r = line.split()
-                    to.write(f"{k} 1 {2 * float(r)} 2500 {x} {y} {z}\n")
-                atoms = atoms or line.startswith("ITEM: ATOMS")
+            for k, x, y, z, r in codes.rows_of_dump(end):
+                to.write(f"{k} 1 {2 * float(r)} 2500 {x} {y} {z}\n")
         end += ".data"
-    return values_of(subprocess.run([program, "measure", end], capture_output=True, text=True,
-                                    check=True).stdout)
+    return codes.values_of(codes.run([program, "measure", end], None))
 
 
 def plot(results, path):
@@ -205,31 +169,27 @@ def main():
             steps = max(50, int(a.work * work / n))
             if not os.path.exists(data):
                 print(f"making {data}", flush=True)
-                subprocess.run([silt, "settle", str(n), str(settle), data], check=True)
+                codes.run([silt, "settle", str(n), str(settle), data], folder)
             common = dict(data=data, warmup=warmup, steps=steps)
             for cores in a.cores:
-                codes = {
-                    "LAMMPS granular":
-                        lambda: run_deck("lmp", LAMMPS, cores, folder, width=width, **common),
-                    "LIGGGHTS":
-                        lambda: run_deck("liggghts", LIGGGHTS, cores, folder, width=width, **common),
-                    "silt double": lambda: run_silt(silt, cores, "double", folder, **common),
-                    "silt mixed": lambda: run_silt(silt, cores, "mixed", folder, **common),
+                def code(start, *arguments, **values):
+                    def once():
+                        seconds, energy, end = start(*arguments, **values)
+                        return seconds, lambda: dict(kinetic_energy_j=energy, **measure(silt, end))
+                    return once
+
+                deck = dict(width=width, cores=cores, **common)
+                runs = {
+                    "LAMMPS granular": code(codes.run_deck, "lmp", LAMMPS, folder, **deck),
+                    "LIGGGHTS": code(codes.run_deck, "liggghts", LIGGGHTS, folder, **deck),
+                    "silt double": code(run_silt, silt, cores, "double", folder, **common),
+                    "silt mixed": code(run_silt, silt, cores, "mixed", folder, **common),
                 }
                 if a.native_lammps:
                     native = os.path.abspath(shutil.which(a.native_lammps))
-                    codes["LAMMPS native"] = (
-                        lambda: run_deck(native, LAMMPS, cores, folder, width=width, **common))
-                times, ends = {name: [] for name in codes}, {}
-                for _ in range(a.repeat):
-                    for name, run in codes.items():
-                        seconds, energy, end = run()
-                        times[name].append(seconds)
-                        if name not in ends:
-                            ends[name] = dict(kinetic_energy_j=energy, **measure(silt, end))
-                speed = {name: {"median": n * steps / statistics.median(t) / 1e6,
-                                "least": n * steps / max(t) / 1e6, "most": n * steps / min(t) / 1e6}
-                         for name, t in times.items()}
+                    runs["LAMMPS native"] = code(codes.run_deck, native, LAMMPS, folder, **deck)
+                times, ends = codes.interleaved(runs, a.repeat)
+                speed = codes.speeds(times, n * steps)
                 peer = max(speed[name]["median"] for name in PEERS)
                 lines = [f"{n} spheres, {state}, {cores} core{'s' * (cores > 1)}, {steps} steps, "
                          f"median of {a.repeat} interleaved runs",

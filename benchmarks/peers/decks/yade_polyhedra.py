@@ -1,0 +1,47 @@
+# silt - BSD-3-Clause, see LICENSE
+"""yade -n -x -j1 yade_polyhedra.py FILE STEPS: times 216 random polyhedra that fall on a plane, from
+FILE on, which is made, 3 000 steps from the start, where it is not there."""
+import os
+import sys
+import time
+
+from yade import *
+from yade import log, polyhedra_utils
+
+
+def scene():
+    material = PolyhedraMat()
+    material.density, material.young, material.poisson, material.frictionAngle = 2600, 1e6, 0.02, 0.6
+    O.bodies.append(utils.wall(0, axis=2, sense=1, material=material))
+    for i in range(6):
+        for j in range(6):
+            for k in range(6):
+                one = polyhedra_utils.polyhedra(material, size=(0.01, 0.01, 0.01),
+                                                seed=i * 36 + j * 6 + k)
+                one.state.pos = (i * 0.012, j * 0.012, 0.012 + k * 0.014)
+                O.bodies.append(one)
+    O.engines = [
+        ForceResetter(),
+        InsertionSortCollider([Bo1_Polyhedra_Aabb(), Bo1_Wall_Aabb(), Bo1_Facet_Aabb()]),
+        InteractionLoop([Ig2_Wall_Polyhedra_PolyhedraGeom(), Ig2_Polyhedra_Polyhedra_PolyhedraGeom(),
+                         Ig2_Facet_Polyhedra_PolyhedraGeom()],
+                        [Ip2_PolyhedraMat_PolyhedraMat_PolyhedraPhys()],
+                        [Law2_PolyhedraGeom_PolyhedraPhys_Volumetric()]),
+        NewtonIntegrator(damping=0.3, gravity=(0, 0, -9.81)),
+    ]
+    O.dt = 2e-5
+
+
+log.setLevel("Default", log.FATAL)  # it would warn hundreds of times a step of a case that is none
+file, steps = sys.argv[1], int(sys.argv[2])
+if not os.path.exists(file):
+    scene()
+    O.run(3000, True)
+    O.save(file)
+O.load(file)
+O.run(5, True)
+start = time.time()
+O.run(steps, True)
+seconds = time.time() - start
+pairs = sum(1 for c in O.interactions if c.isReal and min(c.id1, c.id2) > 0)  # 0: the plane
+print("seconds", seconds, "contacts", 2 * pairs / 216)
