@@ -5,6 +5,7 @@
   bodies            a settled bed of rigid bodies of eight balls, same law, positions and velocities
                     for all codes
   super-ellipsoids  a settled bed of 1 476 superquadrics (2, 2, 4 mm) of blockiness 2, 4 and 8
+  balls             as many balls of 2.5 mm, in silt as spheres and as super-ellipsoids
   polyhedra         216 random polyhedra that fall on a plane, 0.06 s after the start
 
 What is installed is run, interleaved and repeated, and timed by its own loop clock. Printed are
@@ -139,6 +140,19 @@ def time_superquadrics(a, steps, restart):
     return seconds, lambda: {"contacts": 2 * pairs / SUPERQUADRICS}
 
 
+def with_silt_bed(a, form, steps):
+    """A bed of bench_super_ellipsoids_bed, which settles it once."""
+    silt = os.path.join(a.silt, "bench_super_ellipsoids_bed")
+    bed = os.path.join(a.out, f"bed.{form}.silt")
+    if not os.path.exists(bed):
+        codes.run([silt, "settle", form, bed], a.out)
+
+    def once():
+        values = codes.result_of(codes.run([silt, "time", form, bed, str(steps)], a.out))
+        return values["seconds"], lambda: {"contacts": values["contacts"]}
+    return once
+
+
 def super_ellipsoids(a):
     steps = max(50, int(1000 * a.work))
     for blockiness in (2, 4, 8):
@@ -149,7 +163,15 @@ def super_ellipsoids(a):
                 print(f"making {restart}", flush=True)
                 settle_superquadrics(a, blockiness, restart)
             runs["LIGGGHTS"] = partial(time_superquadrics, a, steps, restart)
+        runs["silt double"] = with_silt_bed(a, str(blockiness), steps)
         yield f"{SUPERQUADRICS} super-ellipsoids, blockiness {blockiness}", SUPERQUADRICS, steps, runs
+
+
+def balls(a):
+    steps = max(50, int(1000 * a.work))
+    runs = {"silt Sphere": with_silt_bed(a, "sphere", steps),
+            "silt SuperEllipsoid": with_silt_bed(a, "ball", steps)}
+    yield f"{SUPERQUADRICS} balls, as spheres and as super-ellipsoids", SUPERQUADRICS, steps, runs
 
 
 # --- polyhedra ------------------------------------------------------------------------------------
@@ -173,7 +195,8 @@ def polyhedra(a):
 
 # A case yields its scenes: a title, the number of particles, the steps timed, and the codes that run
 # it, each a function that returns seconds and a function that measures the state at the end.
-CASES = {"bodies": bodies, "super-ellipsoids": super_ellipsoids, "polyhedra": polyhedra}
+CASES = {"bodies": bodies, "super-ellipsoids": super_ellipsoids, "balls": balls,
+         "polyhedra": polyhedra}
 
 
 def table(title, particles, steps, speed, ends, repeat):

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -56,7 +57,12 @@ class BodyMotion {
                 "spheres");
   static constexpr bool rotates = ContactsType::rotates;
   static constexpr std::size_t chunks = load_chunks<ContactsType>;
+  using Real = typename Lanes<Arch>::Real;
   static constexpr std::size_t W = Lanes<Arch>::width;
+  static constexpr bool turns_in_lanes = requires(Real(&q)[4], Vec3<Real> v, Real time) {
+    Rotation::drift(q, v, v, time);
+  };
+  static constexpr bool in_lanes = ConvexShape<ShapeType> && turns_in_lanes;
 
  public:
   using Scene = MovedScene<State, Scalar>;
@@ -90,6 +96,10 @@ class BodyMotion {
   }
 
   Pace integrate(const Scene& scene, Advance how, const Kick& kick) {
+    if constexpr (in_lanes) {
+      if (how != Advance::KickAndDrift) synchronous.resize(bodies.size());
+      return carry(scene, &kick, how == Advance::KickAndDrift ? kick.drift : 0);
+    }
     if (how == Advance::KickAndDrift)
       return over_bodies(
           scene, [&](Body& b) { push(scene, b, kick); }, kick.drift);
@@ -107,6 +117,7 @@ class BodyMotion {
   }
   /// Completes a step that was observed; returns the largest share of an inner reach [1/s].
   double drift(const Scene& scene, double time_step, double) {
+    if constexpr (in_lanes) return carry(scene, nullptr, time_step).largest_share;
     return over_bodies(
                scene, [](Body&) {}, time_step)
         .largest_share;
@@ -243,11 +254,103 @@ class BodyMotion {
     return {std::sqrt(all.speed2), std::sqrt(all.share2), std::isfinite(all.sum2)};
   }
 
+  /// Convex bodies, which are one part each, in lanes: kick, if there is one, and drift for `time`
+  /// [s]; without a drift the state at the whole step is recorded.
+  Pace carry(const Scene& scene, const Kick* kick, double time) {
+    return over_ranges(scene, [&](std::size_t from, std::size_t to, Measured& most) {
+      for (std::size_t k = from; k < to; k += W)
+        carry_pack(scene, kick, time, {bodies.data() + k, std::min(W, to - k)}, most);
+    });
+  }
+  void carry_pack(const Scene& scene, const Kick* kick, double time, std::span<Body> pack,
+                  Measured& most) {
+    using V = Vec3<Real>;
+    static_assert(offsetof(Body, inertia) == 16 * sizeof(double));
+    const double* at[W];
+    for (std::size_t lane = 0; lane < W; ++lane)
+      at[lane] = &pack[std::min(lane, pack.size() - 1)].centre.x;
+    Real b[20];  // the numbers of Body, in their order
+    gather_columns<Arch, 5>(at, b);
+    V centre{b[0], b[1], b[2]}, velocity{b[4], b[5], b[6]}, L{b[12], b[13], b[14]};
+    const V inertia{b[16], b[17], b[18]};
+    const Real inv_m = b[3], radius = b[7], scale = b[15], zero(0);
+    Real q[4] = {b[8], b[9], b[10], b[11]};
+    const auto angular = [&](const V& momentum) {
+      return body_axes<Real>(q[0], q[1], q[2], q[3])
+          .to_space({momentum.x / inertia.x, momentum.y / inertia.y, momentum.z / inertia.z});
+    };
+    const V velocity_before = velocity, L_before = L;
+    if (kick != nullptr) {
+      for (std::size_t lane = 0; lane < W; ++lane)
+        at[lane] = scene.sums + load_of(pack[std::min(lane, pack.size() - 1)]);
+      Real load[8];
+      gather_columns<Arch, 2>(at, load);
+      for (const Body& body : pack) std::fill_n(scene.sums + load_of(body), 4 * chunks, 0.0);
+      const auto free = inv_m > zero;
+      const Real kick_time(kick->time);
+      const V g{Real(kick->gravity.x), Real(kick->gravity.y), Real(kick->gravity.z)};
+      const V force{load[0], load[1], load[2]}, torque{load[4], load[5], load[6]};
+      const V turning = body_axes<Real>(q[0], q[1], q[2], q[3]).to_body(torque);
+      velocity = select(free, velocity + kick_time * (inv_m * force + g), velocity);
+      V kicked = L;
+      Rotation::kick(kicked, turning, inertia, kick_time);
+      L = select(free, kicked, L);
+    }
+    if (time != 0) {
+      centre += Real(time) * velocity;
+      Rotation::drift(q, L, inertia, Real(time));
+    }
+
+    Row4<Arch> moved[4][W], spin[W];
+    const auto turned = [&](const V& v, const Real& last, Row4<Arch>(&out)[W]) {
+      const Real columns[4] = {v.x, v.y, v.z, last};
+      columns_to_rows<Arch>(columns, out);
+    };
+    turned(centre, inv_m, moved[0]), turned(velocity, radius, moved[1]);
+    columns_to_rows<Arch>(q, moved[2]), turned(L, scale, moved[3]);
+    turned(radius * angular(L), zero, spin);  // the row's radius is the body's
+    const bool record = kick != nullptr && time == 0;
+    alignas(64) double whole[6][W];  // velocity, angular velocity
+    if (record) {
+      // At the whole step velocities are the means of the two half steps around it.
+      const bool of_now = kick->first || Integrator::first_kick != 0.5;
+      const V v = of_now ? velocity_before : Real(0.5) * (velocity_before + velocity);
+      const V w = angular(of_now ? L_before : Real(0.5) * (L_before + L));
+      store(whole[0], v.x), store(whole[1], v.y), store(whole[2], v.z);
+      store(whole[3], w.x), store(whole[4], w.y), store(whole[5], w.z);
+    }
+    for (std::size_t lane = 0; lane < pack.size(); ++lane) {
+      Body& body = pack[lane];
+      if (body.id == no_particle) continue;
+      for (std::size_t r = 0; r < 4; ++r) moved[r][lane].store(&body.centre.x + 4 * r);
+      const std::size_t row = row_of(body);
+      auto& motion = scene.particles.motion[row];
+      const double inv_r = motion.inv_r;
+      moved[1][lane].store(&motion.vx), spin[lane].store(&motion.wx);
+      motion.inv_m = body.inv_m, motion.inv_r = inv_r;
+      if (time != 0) {
+        PositionRow& position = scene.particles.position[row];
+        const Vec3d now = body.centre + scene.particles.part[row].image;
+        position.x = now.x, position.y = now.y, position.z = now.z;
+      }
+      if (row < convex_rows.pose.size()) convex_rows.pose[row].q = body.orientation;
+      const double v2 = dot(body.velocity, body.velocity);
+      most.sum2 += v2, most.speed2 = std::max(most.speed2, v2);
+      most.share2 = std::max(most.share2, v2 * scene.per_inner2[row]);
+      if (record)
+        synchronous[static_cast<std::size_t>(&body - bodies.data())] = {
+            {whole[0][lane], whole[1][lane], whole[2][lane]},
+            {whole[3][lane], whole[4][lane], whole[5][lane]}};
+    }
+  }
+  /// The row of a body of one part, and the place of its load.
+  std::size_t row_of(const Body& b) const { return rows[b.first]; }
+  std::size_t load_of(const Body& b) const { return row_of(b) * 4 * chunks; }
+
   /// Turns up to one pack of bodies.
   static void turn(std::span<Body> pack, double time) {
-    using Real = typename Lanes<Arch>::Real;
     Real q[4], momentum[4], inertia[4];
-    if constexpr (requires(Vec3<Real> v) { Rotation::drift(q, v, v, Real(time)); }) {
+    if constexpr (turns_in_lanes) {
       const double* at[3][W];
       for (std::size_t lane = 0; lane < W; ++lane) {
         const Body& b = pack[std::min(lane, pack.size() - 1)];

@@ -30,7 +30,9 @@ concept RotationIntegrator = requires(Quaternion q, Vec3d momentum, const Vec3d 
 struct NoSquish {
   static constexpr bool is_rotation = true;
 
-  static void kick(Vec3d& momentum, const Vec3d& torque, const Vec3d&, double time) {
+  template <class Real>
+  static void kick(Vec3<Real>& momentum, const Vec3<Real>& torque, const Vec3<Real>&,
+                   const Real& time) {
     momentum += torque * time;
   }
   static void drift(Quaternion& q, Vec3d& momentum, const Vec3d& inertia, double time) {
