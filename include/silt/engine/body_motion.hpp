@@ -9,42 +9,13 @@
 #include <limits>
 #include <vector>
 
+#include <silt/engine/body.hpp>
 #include <silt/engine/convex_rows.hpp>
 #include <silt/engine/sphere_motion.hpp>
 #include <silt/fill/bodies.hpp>
 #include <silt/motion/rotation.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
-
-/// A rigid body.
-struct alignas(32) Body {
-  Vec3d centre;            // [m]
-  double inv_m;            // [1/kg]; 0: fixed
-  Vec3d velocity;          // [m/s] at the last half step
-  double radius;           // [m] of the bounding sphere
-  Quaternion orientation;  // principal axes to space
-  Vec3d momentum;          // [kg m2/s] angular, in principal axes, at the last half step
-  double scale;            // [-] of its form
-  Vec3d inertia;           // [kg m2] principal moments; of fixed ones 1
-  std::uint32_t id;        // no_particle: has left
-  std::uint32_t form;
-  std::uint32_t material;
-  std::uint32_t first = 0;  // place of the row of its first part in `rows`
-
-  Vec3d angular_velocity(const Vec3d& of) const {  // [rad/s] in space
-    return rotate(orientation, {of.x / inertia.x, of.y / inertia.y, of.z / inertia.z});
-  }
-};
-static_assert(sizeof(Body) % sizeof(double) == 0);
-
-/// Columns of a rotation.
-struct Axes {
-  Vec3d x, y, z;
-  explicit Axes(const Quaternion& q)
-      : x(rotate(q, {1, 0, 0})), y(rotate(q, {0, 1, 0})), z(rotate(q, {0, 0, 1})) {}
-  Vec3d to_space(const Vec3d& v) const { return v.x * x + v.y * y + v.z * z; }
-  Vec3d to_body(const Vec3d& v) const { return {dot(x, v), dot(y, v), dot(z, v)}; }
-};
 
 /// Translation and rotation of rigid bodies, each of one or more parts, which are the rows that
 /// lists and contacts know: bodies take up what loads their parts, move, and put them in their
@@ -374,7 +345,7 @@ class BodyMotion {
 
   /// Kicks a body by the loads of its parts, and clears them.
   void push(const Scene& scene, Body& b, const Kick& kick) const {
-    const Axes axes(b.orientation);
+    const BodyAxes<double> axes = body_axes(b.orientation);
     const auto& parts = forms[b.form].parts;
     Vec3d force{0, 0, 0}, torque{0, 0, 0};
     for (std::size_t p = 0; p < parts.size(); ++p) {
@@ -401,7 +372,7 @@ class BodyMotion {
   /// Puts the parts in their places. How far each has gone in `time` is measured exactly.
   void place(State& particles, const double* per_inner2, const Body& b, Placing how, double time,
              Measured& most) {
-    const Axes axes(b.orientation);
+    const BodyAxes<double> axes = body_axes(b.orientation);
     const auto& parts = forms[b.form].parts;
     const Vec3d w = b.angular_velocity(b.momentum);
     for (std::size_t p = 0; p < parts.size(); ++p) {

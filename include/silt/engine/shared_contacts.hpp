@@ -10,7 +10,7 @@
 
 #include <silt/core/storage.hpp>
 #include <silt/core/threads.hpp>
-#include <silt/engine/guard.hpp>
+#include <silt/engine/wall_look.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 

@@ -70,23 +70,24 @@ struct PolySuperEllipsoid {
   double bounding_radius() const { return largest_octant().bounding_radius(); }
 
   SuperEllipsoid largest_octant() const {
-    return {std::max(plus.x, minus.x),
-            std::max(plus.y, minus.y),
-            std::max(plus.z, minus.z),
-            s1,
-            s2,
-            face_rounding};
+    return with_axes([](double a, double b) { return std::max(a, b); });
   }
   SuperEllipsoid smallest_octant() const {
-    return {std::min(plus.x, minus.x),
-            std::min(plus.y, minus.y),
-            std::min(plus.z, minus.z),
+    return with_axes([](double a, double b) { return std::min(a, b); });
+  }
+
+ private:
+  /// With semi-axes chosen from both sides of each plane.
+  template <class Choose>
+  SuperEllipsoid with_axes(const Choose& choose) const {
+    return {choose(plus.x, minus.x),
+            choose(plus.y, minus.y),
+            choose(plus.z, minus.z),
             s1,
             s2,
             face_rounding};
   }
 
- private:
   /// The integral of x^i y^j z^k over the body, by (1).
   double moment(int i, int j, int k) const {
     const auto both = [](double p, double m, int power) {  // the octants on either side, with sign

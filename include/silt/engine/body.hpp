@@ -1,0 +1,31 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cstdint>
+
+#include <silt/core/quaternion.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// A rigid body.
+struct alignas(32) Body {
+  Vec3d centre;            // [m]
+  double inv_m;            // [1/kg]; 0: fixed
+  Vec3d velocity;          // [m/s] at the last half step
+  double radius;           // [m] of the bounding sphere
+  Quaternion orientation;  // principal axes to space
+  Vec3d momentum;          // [kg m2/s] angular, in principal axes, at the last half step
+  double scale;            // [-] of its form
+  Vec3d inertia;           // [kg m2] principal moments; of fixed ones 1
+  std::uint32_t id;        // no_particle: has left
+  std::uint32_t form;
+  std::uint32_t material;
+  std::uint32_t first = 0;  // place of the row of its first part in `rows`
+
+  Vec3d angular_velocity(const Vec3d& of) const {  // [rad/s] in space
+    return rotate(orientation, {of.x / inertia.x, of.y / inertia.y, of.z / inertia.z});
+  }
+};
+static_assert(sizeof(Body) % sizeof(double) == 0);
+
+}  // namespace silt::detail
