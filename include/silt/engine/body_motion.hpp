@@ -112,9 +112,8 @@ class BodyMotion {
   void renew_convex_rows(const State& particles) {
     if constexpr (convex) {
       auto& out = convex_rows;
-      const auto scaled = [&](const Body& b) {
-        return scaled_form(form_of(forms[b.form].shape), b.scale);
-      };
+      std::vector<decltype(form_of(forms.front().shape))> of_forms;
+      for (const auto& form : forms) of_forms.push_back(form_of(form.shape));
       const auto same = [&](const Body& b) {
         return b.form == bodies.front().form && b.scale == bodies.front().scale;
       };
@@ -125,7 +124,7 @@ class BodyMotion {
       out.least_radius = std::numeric_limits<double>::infinity();
       for (std::size_t r = 0; r < particles.size(); ++r) {
         const Body& b = bodies[particles.part[r].body];
-        if (r < out.form.size()) out.form[r].set(scaled(b));
+        if (r < out.form.size()) out.form[r].set(scaled_form(of_forms[b.form], b.scale));
         const auto& shape = forms[b.form].shape;
         out.exponents = std::max(out.exponents, exponents_of(shape));
         out.pose[r] = pose_of(b);
