@@ -79,7 +79,8 @@ class Polyhedron {
   double radius() const { return radius_; }                    // [m] of dilation
   double bounding_radius() const { return bounding_radius_; }  // [m] about the origin, dilated
   double core_volume() const { return core_volume_; }          // [m3]
-  double core_area() const { return core_area_; }              // [m2]
+  double equal_volume_radius() const { return equal_volume_radius_; }  // [m] of the sphere, dilated
+  double core_area() const { return core_area_; }                      // [m2]
   double edge_turning() const { return edge_turning_; }  // [m] sum of length times exterior angle
 
   /// Steiner: V + S r + (1/2) sum L theta r^2 + (4/3) pi r^3.
@@ -151,6 +152,7 @@ class Polyhedron {
   GraphColumns graph_columns_;
   Columns plane_columns_, vertex_columns_;
   double radius_ = 0, bounding_radius_ = 0, core_volume_ = 0, core_area_ = 0, edge_turning_ = 0;
+  double equal_volume_radius_ = 0;
 };
 
 inline Polyhedron::Polyhedron(const ConvexFaces& body, double radius)
@@ -231,6 +233,7 @@ inline void Polyhedron::add_columns() {
 inline void Polyhedron::measure() {
   core_volume_ = moments_of(triangles(), vertices_[0]).volume;
   for (const auto& v : vertices_) bounding_radius_ = std::max(bounding_radius_, norm(v) + radius_);
+  equal_volume_radius_ = std::cbrt(0.75 * volume() / std::numbers::pi);
 }
 
 namespace detail {
