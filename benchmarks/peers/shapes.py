@@ -181,16 +181,23 @@ POLYHEDRA = 216
 
 def polyhedra(a):
     steps, state = max(50, int(200 * a.work)), os.path.join(a.out, "polyhedra.yade.gz")
+    bodies = os.path.join(a.out, "polyhedra.bodies")
 
     def yade():
         if not os.path.exists(state):
             print(f"making {state}, which takes minutes", flush=True)
         out = codes.run(on_one_core(a.yade) + [os.path.join(DECKS, "yade_polyhedra.py"), state,
-                                               str(steps)], a.out)
+                                               str(steps), bodies], a.out)
         values = codes.result_of(out)
         return values["seconds"], lambda: {"contacts": values["contacts"]}
 
-    yield f"{POLYHEDRA} polyhedra", POLYHEDRA, steps, {"Yade": yade} if a.yade else {}
+    def silt():
+        out = codes.run([os.path.join(a.silt, "bench_polyhedra_bed"), bodies, str(steps)], a.out)
+        values = codes.result_of(out)
+        return values["seconds"], lambda: {"contacts": values["contacts"]}
+
+    yield (f"{POLYHEDRA} polyhedra", POLYHEDRA, steps,
+           {"Yade": yade, "silt double": silt} if a.yade else {})
 
 
 # A case yields its scenes: a title, the number of particles, the steps timed, and the codes that run

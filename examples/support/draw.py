@@ -3,6 +3,7 @@
 """Pictures of silt's results: grains from VTK files (.vtp) and curves from tables (.csv).
 
   draw.py spheres early.vtp late.vtp --out flow.png --colour velocity --view front --cut y=0.05
+  draw.py spheres surfaces.vtp --out shapes.png --colour form
   draw.py curves energy.csv --x time --y kinetic,potential --out energy.png
 
 Needs numpy and matplotlib (Debian: apt-get install python3-numpy python3-matplotlib).
@@ -300,6 +301,51 @@ class Canvas:
                 nearer = who < flat[at]
                 flat[at[nearer]] = who[nearer]
 
+    def draw_triangles(self, projected, triangles, normals, colours):
+        """Triangles of all bodies; normals (n, 3, 3) of each one's corners, colours of points."""
+        place = self.to_pixels(projected)
+        corners = place[triangles]
+        longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+        parts = np.maximum(np.ceil(1.2 * longest).astype(int), 1)
+        shown = (normals[:, :, 2].max(axis=1) > 0)
+        shown &= (corners[:, :, :2].max(axis=1) > 0).all(axis=1)
+        shown &= (corners[:, :, :2].min(axis=1) < [self.width, self.height]).all(axis=1)
+        shade = np.zeros((self.height, self.width))
+        for n in np.unique(parts[shown]):
+            i, j = np.meshgrid(np.arange(n + 1), np.arange(n + 1), indexing="ij")
+            kept = i + j <= n
+            weights = np.stack([i[kept], j[kept], n - i[kept] - j[kept]], axis=1) / n
+            some = np.flatnonzero(shown & (parts == n))
+            portion = max(1, 2_000_000 // len(weights))
+            for start in range(0, len(some), portion):
+                group = some[start:start + portion]
+                self.splat(np.einsum("wc,tcx->twx", weights, corners[group]).reshape(-1, 3),
+                           np.einsum("wc,tcx->twx", weights, normals[group]).reshape(-1, 3),
+                           np.repeat(colours[triangles[group, 0]], len(weights), axis=0), shade)
+        seen = np.isfinite(self.depth)
+        depth = self.depth[seen]
+        if len(depth) > 0:
+            near, far = np.percentile(depth, [99, 1])
+            dark = 0.30 * np.clip((near - depth) / max(near - far, 1), 0, 1)
+            self.image[seen] = np.clip(self.image[seen] * (shade[seen] * (1 - dark))[:, None], 0, 1)
+
+    def splat(self, points, normals, colours, shade):
+        """Points of surfaces into the picture, the nearest of each pixel."""
+        x, y = np.floor(points[:, :2]).astype(int).T
+        ok = (x >= 0) & (x < self.width) & (y >= 0) & (y < self.height)
+        at, z = y[ok] * self.width + x[ok], points[ok, 2]
+        nearer = z > self.depth.reshape(-1)[at]
+        which = np.flatnonzero(ok)[nearer]
+        order = np.argsort(z[nearer], kind="stable")  # of several at one pixel the last stays
+        which, at = which[order], at[nearer][order]
+        n = normals[which] / np.linalg.norm(normals[which], axis=1, keepdims=True)
+        light = np.array([-0.35, 0.50, 0.79])
+        value = 0.42 + 0.58 * np.clip(n @ light, 0, 1)
+        value *= 0.70 + 0.30 * np.clip(n[:, 2] / 0.35, 0, 1)
+        self.depth.reshape(-1)[at] = points[which, 2]
+        self.image.reshape(-1, 3)[at] = colours[which]
+        shade.reshape(-1)[at] = value
+
     def draw_lines(self, segments):
         """Lines where no sphere is in front of them."""
         ends = self.to_pixels(segments)
@@ -329,11 +375,12 @@ class Canvas:
 
 
 class Bed:
-    """The spheres of one file, in view coordinates."""
+    """The spheres of one file, or its surfaces, in view coordinates."""
 
     def __init__(self, path, colour, axes, cut):
-        points, fields, _ = read_vtp(path)
-        radii = fields[find_name("radius", fields, "field", path)]
+        points, fields, self.triangles = read_vtp(path)
+        radii = (np.ones(len(points)) if len(self.triangles) else
+                 fields[find_name("radius", fields, "field", path)])
         self.values, self.label = np.zeros(len(points)), ""
         if colour is not None and colour in ("x", "y", "z"):
             self.values, self.label = points[:, "xyz".index(colour)], f"{colour} [m]"
@@ -345,13 +392,39 @@ class Bed:
                 self.values = np.linalg.norm(self.values, axis=1)
                 self.label = f"|{word}|" + (f" [{unit}]" if unit else "")
         kept = np.isfinite(points).all(axis=1) & (radii > 0)
+        if len(self.triangles):
+            self.take_surfaces(points, fields, axes, cut)
+            return
         if cut:
             kept &= cut.beyond(points) >= 0
         self.places, self.radii = points[kept] @ axes.T, radii[kept].astype(float)
         self.values = self.values[kept]
 
+    def take_surfaces(self, points, fields, axes, cut):
+        """Whole bodies: those whose middle is beyond the cut."""
+        if cut:
+            body = np.unique(fields["id"], return_inverse=True)[1].reshape(-1)
+            count = np.bincount(body)
+            middle = np.stack([np.bincount(body, points[:, k]) / count for k in range(3)], axis=1)
+            self.triangles = self.triangles[(cut.beyond(middle) >= 0)[body[self.triangles[:, 0]]]]
+        corners = points[self.triangles].astype(float)
+        flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        around = np.zeros((len(points), 3))
+        for k in range(3):
+            np.add.at(around, self.triangles[:, k], flat)
+        smooth = around[self.triangles]
+        length = [np.maximum(np.linalg.norm(v, axis=-1, keepdims=True), 1e-300)
+                  for v in (flat, smooth)]
+        flat, smooth = flat / length[0], smooth / length[1]
+        # A corner where facets meet at an edge has each facet's own normal.
+        edge = (smooth * flat[:, None, :]).sum(axis=2) < math.cos(math.radians(25))
+        self.normals = np.where(edge[:, :, None], flat[:, None, :], smooth) @ axes.T
+        self.places, self.radii = points @ axes.T, np.zeros(len(points))
+
     def corners(self):
         """Picture coordinates that its bounds must hold."""
+        if len(self.triangles):
+            return self.places[np.unique(self.triangles), :2]
         r = self.radii[:, None]
         return np.concatenate([self.places[:, :2] - r, self.places[:, :2] + r])
 
@@ -486,7 +559,11 @@ def draw_spheres(options):
     figure = plt.figure(figsize=(sheet.width, sheet.height))
     for k, (bed, title) in enumerate(zip(beds, titles)):
         canvas = Canvas(bounds, max(1, round(sheet.panel_width * DPI)))
-        canvas.draw_spheres(bed.places, bed.radii, scale.colours(bed.values))
+        colours = scale.colours(bed.values)
+        if len(bed.triangles):
+            canvas.draw_triangles(bed.places, bed.triangles, bed.normals, colours)
+        else:
+            canvas.draw_spheres(bed.places, bed.radii, colours)
         canvas.draw_lines(edges @ axes.T)
         panel = figure.add_axes(sheet.panel(k))
         panel.imshow(canvas.picture(), interpolation="none", aspect="auto")
@@ -583,8 +660,8 @@ class Parser(argparse.ArgumentParser):
 def parse(arguments):
     parser = Parser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(required=True, metavar="spheres|curves")
-    spheres = commands.add_parser("spheres", help="shaded spheres, several files side by side")
-    spheres.add_argument("files", nargs="+", metavar="FILE.vtp", help="points with a field 'radius'")
+    spheres = commands.add_parser("spheres", help="shaded spheres, or bodies by their surfaces, several files side by side")
+    spheres.add_argument("files", nargs="+", metavar="FILE.vtp", help="points with a field 'radius', or triangles")
     spheres.add_argument("--out", required=True, metavar="PNG")
     spheres.add_argument("--colour", metavar="FIELD", help="a field (of a vector its length), x, y or z")
     spheres.add_argument("--range", metavar="LOW,HIGH", help="values at the ends of the colour bar")

@@ -44,6 +44,10 @@ void Command::add(const std::string& name, std::size_t& value, std::size_t least
                   const std::string& help) {
   parser_->app.add_option(name, value, help)->check(CLI::Range(least, most))->capture_default_str();
 }
+void Command::add(const std::string& name, std::string& value,
+                  const std::vector<std::string>& choices, const std::string& help) {
+  parser_->app.add_option(name, value, help)->check(CLI::IsMember(choices))->capture_default_str();
+}
 void Command::add_flag(const std::string& name, bool& value, const std::string& help) {
   parser_->app.add_flag(name, value, help);
 }

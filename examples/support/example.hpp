@@ -37,6 +37,8 @@ class Command {
            const std::string& help);
   void add(const std::string& name, std::size_t& value, std::size_t least, std::size_t most,
            const std::string& help);
+  void add(const std::string& name, std::string& value, const std::vector<std::string>& choices,
+           const std::string& help);
   void add_flag(const std::string& name, bool& value, const std::string& help);
   /// Takes away one of the shared options, which this program has no use for.
   void leave_out(const std::string& name);

@@ -84,7 +84,7 @@ class Simulation {
   /// Particles are rigid bodies with an orientation, of one part or several.
   static constexpr bool has_bodies = BodyShape<ShapeType>;
   /// ... whose shape is no set of spheres.
-  static constexpr bool has_surfaces = ConvexShape<ShapeType>;
+  static constexpr bool has_surfaces = SolidShape<ShapeType>;
   static_assert(has_bodies || detail::count<detail::IsRotation, Policies...> == 0,
                 "spheres have no orientation: leave the rotation out");
   static constexpr bool has_ledger = detail::count<detail::IsLedger, Policies...> > 0;
@@ -129,10 +129,6 @@ class Simulation {
     for (const auto& part : surfaces.parts)
       detail::visit_surface(part, [](const auto& s) {
         if constexpr (requires { s.check(); }) s.check();
-        if constexpr (ConvexShape<ShapeType>)
-          require(std::is_same_v<std::remove_cvref_t<decltype(s)>, Plane>,
-                  "add_wall: this shape of particles meets planes only (Plane, box()); make the "
-                  "particles of spheres (MultiSphere) for other walls");
       });
     Wall wall{std::move(surfaces.parts), contacts_.add(material), std::move(motion)};
     if (wall.moves()) wall.pose = wall.last_pose = wall.motion(time_);
@@ -178,7 +174,7 @@ class Simulation {
   /// Whether several parts of a body that press on one partner share the stiffness of a contact
   /// (engine/shared_contacts.hpp); true unless set. Without, a body is the stiffer the more parts
   /// it touches with.
-  void share_contacts(bool yes) requires(has_bodies && !ConvexShape<ShapeType>) {
+  void share_contacts(bool yes) requires(has_bodies && !SolidShape<ShapeType>) {
     engine_.share_contacts = yes;
   }
 

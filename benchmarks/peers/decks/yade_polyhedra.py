@@ -1,6 +1,7 @@
 # silt - BSD-3-Clause, see LICENSE
-"""yade -n -x -j1 yade_polyhedra.py FILE STEPS: times 216 random polyhedra that fall on a plane, from
-FILE on, which is made, 3 000 steps from the start, where it is not there."""
+"""yade -n -x -j1 yade_polyhedra.py FILE STEPS BODIES: times 216 random polyhedra that fall on a plane,
+from FILE on, which is made, 3 000 steps from the start, where it is not there. BODIES: where they
+are then, a line each: place, quaternion (w first), velocity, spin, corners."""
 import os
 import sys
 import time
@@ -33,12 +34,20 @@ def scene():
 
 
 log.setLevel("Default", log.FATAL)  # it would warn hundreds of times a step of a case that is none
-file, steps = sys.argv[1], int(sys.argv[2])
+file, steps, bodies = sys.argv[1], int(sys.argv[2]), sys.argv[3]
 if not os.path.exists(file):
     scene()
     O.run(3000, True)
     O.save(file)
 O.load(file)
+with open(bodies, "w") as f:
+    for body in O.bodies:
+        if not isinstance(body.shape, Polyhedra):
+            continue
+        s, q = body.state, body.state.ori
+        corners = [x for corner in body.shape.v for x in corner]
+        f.write(" ".join(f"{x:.17g}" for x in [*s.pos, q[3], q[0], q[1], q[2], *s.vel, *s.angVel,
+                                               *corners]) + "\n")
 O.run(5, True)
 start = time.time()
 O.run(steps, True)

@@ -33,7 +33,6 @@ class BodyMotion {
   static constexpr bool turns_in_lanes = requires(Real(&q)[4], Vec3<Real> v, Real time) {
     Rotation::drift(q, v, v, time);
   };
-  static constexpr bool in_lanes = ConvexShape<ShapeType> && turns_in_lanes;
 
  public:
   using Scene = MovedScene<State, Scalar>;
@@ -46,11 +45,16 @@ class BodyMotion {
   std::vector<BodyForm<ShapeType>> forms;
   std::vector<Body> bodies;
   std::vector<std::uint32_t> rows;  // of the parts of each body, as its form counts them
-  static constexpr bool convex = ConvexShape<ShapeType>;
-  struct NoRows {};
-  [[no_unique_address]]
-  typename std::conditional_t<convex, ConvexRowsOf<ShapeType>, std::type_identity<NoRows>>::type
-      convex_rows;
+  static constexpr bool convex = SolidShape<ShapeType>;
+  [[no_unique_address]] typename ConvexRowsOf<ShapeType>::type convex_rows;
+
+  /// Bodies of one part that is at their centre move in lanes.
+  static constexpr bool in_lanes = [] {
+    if constexpr (convex)
+      return ShapeType::one_part && turns_in_lanes;
+    else
+      return false;
+  }();
 
   std::span<const std::uint32_t> rows_of(const Body& b) const {
     return {rows.data() + b.first, forms[b.form].parts.size()};
@@ -107,30 +111,23 @@ class BodyMotion {
     }
   }
 
-  /// Of convex bodies: their poses and forms as the narrow phase reads them, after the rows have
+  /// Of convex parts: their poses and forms as the narrow phases read them, after the rows have
   /// changed.
   void renew_convex_rows(const State& particles) {
     if constexpr (convex) {
       auto& out = convex_rows;
-      std::vector<decltype(form_of(forms.front().shape))> of_forms;
-      for (const auto& form : forms) of_forms.push_back(form_of(form.shape));
       const auto same = [&](const Body& b) {
         return b.form == bodies.front().form && b.scale == bodies.front().scale;
       };
-      const bool one = std::all_of(bodies.begin(), bodies.end(), same);
-      out.form.resize(one ? std::min<std::size_t>(bodies.size(), 1) : particles.size());
+      const bool one = !bodies.empty() && forms[bodies.front().form].parts.size() == 1 &&
+                       std::all_of(bodies.begin(), bodies.end(), same);
+      out.form.resize(one ? 1 : particles.size());
       out.pose.assign(particles.size() + 2, {{}, {0, 0, 0}, 0});
+      if constexpr (!ShapeType::one_part) out.lever.assign(particles.size() + 2, {});
+      if constexpr (ShapeType::Kinds::count > 1) out.kind.assign(particles.size() + 2, 0);
       out.exponents = Exponents::Ball;
       out.least_radius = std::numeric_limits<double>::infinity();
-      for (std::size_t r = 0; r < particles.size(); ++r) {
-        const Body& b = bodies[particles.part[r].body];
-        if (r < out.form.size()) out.form[r].set(scaled_form(of_forms[b.form], b.scale));
-        const auto& shape = forms[b.form].shape;
-        out.exponents = std::max(out.exponents, exponents_of(shape));
-        out.pose[r] = pose_of(b);
-        if (b.id != no_particle)
-          out.least_radius = std::min(out.least_radius, out.pose[r].least_radius);
-      }
+      for (std::size_t r = 0; r < particles.size(); ++r) renew_row(r, particles.part[r]);
     }
   }
 
@@ -173,12 +170,38 @@ class BodyMotion {
   }
 
  private:
-  PoseRow pose_of(const Body& b) const requires convex {
-    PoseRow pose{b.orientation, {0, 0, 0}, b.scale * forms[b.form].shape.least_radius()};
-    if (b.inv_m > 0) pose.inv_inertia = {1 / b.inertia.x, 1 / b.inertia.y, 1 / b.inertia.z};
-    return pose;
+  void renew_row(std::size_t r, const PartRow& part) requires convex {
+    auto& out = convex_rows;
+    const Body& b = bodies[part.body];
+    const auto& solids = forms[b.form].solids;
+    std::visit(
+        [&](const auto& solid) {
+          using Kind = std::decay_t<decltype(solid)>;
+          using Kernel = KernelOf<Kind>;
+          auto& store = std::get<ShapeType::Kinds::template index<Kind>>(out.stores);
+          if (r < out.form.size()) out.form[r].set(Kernel::row(solid, b.scale, store));
+          out.exponents = std::max(out.exponents, Kernel::exponents(solid));
+          out.pose[r].least_radius = b.scale * Kernel::least_radius(solid);
+        },
+        solids[part.local].solid);
+    if constexpr (ShapeType::Kinds::count > 1)
+      out.kind[r] = static_cast<std::uint8_t>(solids[part.local].solid.index());
+    if (b.inv_m > 0) out.pose[r].inv_inertia = {1 / b.inertia.x, 1 / b.inertia.y, 1 / b.inertia.z};
+    turn_row(r, b, part.local,
+             rotate(b.orientation, b.scale * forms[b.form].parts[part.local].centre));
+    if (b.id != no_particle)
+      out.least_radius = std::min(out.least_radius, out.pose[r].least_radius);
   }
-
+  /// `arm` [m] from the body's centre to the part's.
+  void turn_row(std::size_t r, const Body& b, [[maybe_unused]] std::size_t part,
+                [[maybe_unused]] const Vec3d& arm) requires convex {
+    if constexpr (ShapeType::one_part) {
+      convex_rows.pose[r].q = b.orientation;
+    } else {
+      convex_rows.pose[r].q = b.orientation * forms[b.form].solids[part].axes;
+      convex_rows.lever[r].q = b.orientation, convex_rows.lever[r].offset = arm;
+    }
+  }
   struct Measured {
     double speed2 = 0, share2 = 0, sum2 = 0;
   };
@@ -387,7 +410,7 @@ class BodyMotion {
       }
       particles.renew_pair_motion(r);
       if constexpr (convex)
-        if (r < convex_rows.pose.size()) convex_rows.pose[r].q = b.orientation;
+        if (r < convex_rows.pose.size()) turn_row(r, b, p, arm);
       Vec3d v = velocity;
       if (how == Placing::Moved) {
         const Vec3d now = b.centre + arm + particles.part[r].image;

@@ -9,24 +9,28 @@
 #include <silt/engine/convex_rows.hpp>
 #include <silt/engine/load_rows.hpp>
 #include <silt/engine/pair_list.hpp>
+#include <silt/shape/narrow/solid_pairs.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Computes the loads of all pairs of convex bodies, block by block. The lists are of bounding
+/// Computes the loads of all pairs of convex parts, block by block. The lists are of bounding
 /// spheres; of a block's pairs, each stage takes only those on that the one before could not prove
-/// apart, again in whole packs:
+/// apart, again in whole packs, pairs of the same two kinds together:
 ///   the gap that was found last, less what speeds and spins may have closed since; bounding
 ///   spheres; separation along the last normal (least_gap()); contact (touch()); law; loads.
-/// What a pair keeps behind the law's history: NormalMemory, whose last number, R_eff while the
-/// bodies touch, is minus a lower bound of the gap while they do not.
-template <class ShapeType, class ContactsType, class Domain, class Arch>
+/// Of two kinds the first in KindList is i, else the particle with the lower id. What a pair keeps
+/// behind the law's history: NormalMemory, whose last number, R_eff while the bodies touch, is
+/// minus a lower bound of the gap while they do not.
+template <class Rows, class ContactsType, class Domain, class Arch>
 class ConvexPairs {
   using Real = typename Lanes<Arch>::Real;
   using List = PairList<ContactsType::history, double>;
-  using Rows = ConvexRows<ShapeType>;
   using Memory = NormalMemory<Real>;
+  using Kinds = typename Rows::Kinds;
   static constexpr std::size_t W = Lanes<Arch>::width;
-  static constexpr std::size_t block = 128, chunks = 2, row = 4 * chunks;
+  static constexpr std::size_t kind_count = Kinds::count,
+                               pair_kinds = kind_count * (kind_count + 1) / 2;
+  static constexpr std::size_t block = kind_count > 1 ? 256 : 128, chunks = 2, row = 4 * chunks;
   static constexpr std::size_t H = ContactsType::history, M = ContactsType::memory_from,
                                memory_size = ContactsType::memory_size,
                                radius = ContactsType::memory_radius;
@@ -35,6 +39,14 @@ class ConvexPairs {
                 "others resists rolling itself");
   static_assert(!ActsAtDistance<typename ContactsType::Law>,
                 "laws that act at a distance are for spheres and bodies made of spheres");
+  template <std::size_t K>
+  using KernelAt = KernelOf<typename Rows::template KindAt<K>>;
+  template <std::size_t A, std::size_t B>
+  static constexpr bool in_lanes = KernelAt<A>::in_lanes&& KernelAt<B>::in_lanes;
+  /// Overlaps of polyhedra are no depths: see SolidContact.
+  template <std::size_t A, std::size_t B>
+  static constexpr bool has_gradient =
+      std::is_same_v<typename Rows::template KindAt<A>, Polyhedron>&& A == B;
 
  public:
   struct Input {
@@ -50,9 +62,7 @@ class ConvexPairs {
                                  const CoefficientTable<ContactsType>& table, const Domain& domain,
                                  double* sums, const Team& team) {
     return sum_over_groups<Tally<ContactsType>>(list, team, [&](std::size_t from, std::size_t to) {
-      const Scene scene{in, list, table, domain, sums};
-      return with_exponents(in.rows->exponents,
-                            [&](auto e) { return run_group<decltype(e)::value>(scene, from, to); });
+      return run_group({in, list, table, domain, sums}, from, to);
     });
   }
 
@@ -69,16 +79,18 @@ class ConvexPairs {
   struct Some {
     std::size_t count = 0;
     std::uint32_t place[block + W];            // in the list
-    alignas(64) double between[3][block + W];  // [m] from the first to the second centre
-    void add(std::uint32_t k, const double (&x)[3][W], std::size_t lane) {
-      place[count] = k;
-      for (int c = 0; c < 3; ++c) between[c][count] = x[c][lane];
+    std::uint32_t i[block + W], j[block + W];  // rows
+    alignas(64) double between[3][block + W];  // [m] from the centre of i to that of j
+    void add(std::uint32_t k, std::uint32_t a, std::uint32_t b, const double (&x)[3][W],
+             std::size_t lane, double sign = 1) {
+      place[count] = k, i[count] = a, j[count] = b;
+      for (int c = 0; c < 3; ++c) between[c][count] = sign * x[c][lane];
       ++count;
     }
     /// Fills the last pack with its last pair.
     void pad() {
       for (std::size_t k = count; k % W != 0; ++k) {
-        place[k] = place[count - 1];
+        place[k] = place[count - 1], i[k] = i[count - 1], j[k] = j[count - 1];
         for (auto& c : between) c[k] = c[count - 1];
       }
     }
@@ -86,24 +98,66 @@ class ConvexPairs {
       return load3<Real>(between[0] + k, between[1] + k, between[2] + k);
     }
   };
+  /// By the kinds of i and j.
+  struct ByKind {
+    Some of[pair_kinds];
+    void clear() {
+      for (Some& some : of) some.count = 0;
+    }
+    static constexpr std::size_t at(std::size_t a, std::size_t b) {  // a <= b
+      return a * kind_count - a * (a + 1) / 2 + b;
+    }
+    void add(const Scene& scene, std::size_t k, const double (&x)[3][W], std::size_t lane) {
+      const std::uint32_t a = scene.list.first()[k], b = scene.list.second()[k];
+      const std::size_t p = scene.in.rows->kind_of(a), q = scene.in.rows->kind_of(b);
+      if (p <= q)
+        of[at(p, q)].add(static_cast<std::uint32_t>(k), a, b, x, lane);
+      else
+        of[at(q, p)].add(static_cast<std::uint32_t>(k), b, a, x, lane, -1);
+    }
+  };
 
-  template <Exponents E>
   static Tally<ContactsType> run_group(const Scene& scene, std::size_t from, std::size_t to) {
     RunningTally<ContactsType, Real> tally;
-    Some near, open;
+    ByKind near, open;
     for (; from < to; from += block) {
-      open.count = near.count = 0;
+      near.clear(), open.clear();
       sort_out(scene, from, std::min(block, to - from), near, open);
-      prove_apart<E>(scene, near, open);
-      if (open.count > 0) run_contacts<E>(scene, open, tally);
+      for_all_kinds<0, 0>([&]<std::size_t A, std::size_t B>() {
+        run_kinds<A, B>(scene, near.of[ByKind::at(A, B)], open.of[ByKind::at(A, B)], tally);
+      });
     }
     return tally.end();
+  }
+  template <std::size_t A, std::size_t B, class Run>
+  static void for_all_kinds(const Run& run) {
+    run.template operator()<A, B>();
+    if constexpr (B + 1 < kind_count)
+      for_all_kinds<A, B + 1>(run);
+    else if constexpr (A + 1 < kind_count)
+      for_all_kinds<A + 1, A + 1>(run);
+  }
+  template <std::size_t A, std::size_t B>
+  static void run_kinds(const Scene& scene, Some& near, Some& open,
+                        RunningTally<ContactsType, Real>& tally) {
+    if (near.count + open.count == 0) return;
+    const auto run = [&](auto e) {
+      constexpr Exponents E = decltype(e)::value;
+      near.pad();
+      prove_apart<A, B, E>(scene, near, open);
+      open.pad();
+      if (open.count > 0) run_contacts<A, B, E>(scene, open, tally);
+    };
+    if constexpr (kind_count == 1 && in_lanes<A, B>)
+      with_exponents(scene.in.rows->exponents, run);
+    else  // not each kernel for each pair of kinds: that would be long to compile
+      run(std::integral_constant<Exponents, Exponents::Any>{});
   }
 
   /// Sorts pairs: those that touched are open; of the others those whose gap is used up and whose
   /// bounding spheres overlap are near.
-  static void sort_out(const Scene& scene, std::size_t from, std::size_t count, Some& near,
-                       Some& open) {
+  static void sort_out(const Scene& scene, std::size_t from, std::size_t count, ByKind& near,
+                       ByKind& open) {
     const auto difference = Row4<Arch>::of(-1, -1, -1, 1);
     const Real zero(0), step(gap_slack * scene.in.times.step);
     double* const gaps = scene.list.history(radius);
@@ -136,29 +190,35 @@ class ConvexPairs {
         const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
         const std::uint64_t bit = bits & -bits;
         if (within & bit)
-          (touched & bit ? open : near).add(static_cast<std::uint32_t>(k + lane), x, lane);
+          (touched & bit ? open : near).add(scene, k + lane, x, lane);
         else
           part(scene.list, k + lane, gap[lane], touched & bit);
       }
     }
-    near.pad();
   }
 
   /// Of the near pairs those that the last normal does not prove to be apart.
-  template <Exponents E>
+  template <std::size_t A, std::size_t B, Exponents E>
   static void prove_apart(const Scene& scene, const Some& near, Some& open) {
     for (std::size_t k = 0; k < near.count; k += W) {
-      const Real gaps = least_gap(posed<E>(scene, near, k), memory_of(scene.list, near.place + k));
+      const std::size_t valid = std::min(W, near.count - k);
       alignas(64) double x[3][W], gap[W];
       const Vec3<Real> d = near.between_at(k);
-      store(x[0], d.x), store(x[1], d.y), store(x[2], d.z), store(gap, gaps);
-      for (std::size_t lane = 0; lane < std::min(W, near.count - k); ++lane)
+      store(x[0], d.x), store(x[1], d.y), store(x[2], d.z);
+      if constexpr (in_lanes<A, B>)
+        store(gap,
+              least_gap(posed<A, B, E>(scene, near, k), memory_of(scene.list, near.place + k)));
+      else
+        for (std::size_t lane = 0; lane < valid; ++lane)
+          with_placed<A, B>(scene, near, k + lane, [&](const auto& i, const auto& j) {
+            gap[lane] = least_gap_of(i, j, memory_at(scene.list, near.place[k + lane]));
+          });
+      for (std::size_t lane = 0; lane < valid; ++lane)
         if (gap[lane] > 0)
           part(scene.list, near.place[k + lane], gap[lane], false);
         else
-          open.add(near.place[k + lane], x, lane);
+          open.add(near.place[k + lane], near.i[k + lane], near.j[k + lane], x, lane);
     }
-    open.pad();
   }
 
   /// Notes the gap [m] of a pair that does not touch; one that did loses its history.
@@ -196,15 +256,16 @@ class ConvexPairs {
     KinematicsBlock<ContactsType, block, double> kinematics;
     alignas(64) double history[H + 1][block];
     alignas(64) double arm_i[3][block], arm_j[3][block];  // [m] from the centres
+    alignas(64) double gradient[block], couple[block];    // of SolidContact
     std::uint16_t kind[block];
   };
 
-  template <Exponents E>
+  template <std::size_t A, std::size_t B, Exponents E>
   static void run_contacts(const Scene& scene, const Some& open,
                            RunningTally<ContactsType, Real>& tally) {
     Contacts c;
     const std::size_t padded = pieces(open.count, W) * W;
-    for (std::size_t k = 0; k < padded; k += W) touch_pack<E>(scene, open, k, c, tally);
+    for (std::size_t k = 0; k < padded; k += W) touch_pack<A, B, E>(scene, open, k, c, tally);
     for (std::size_t h = 0; h < M; ++h) {
       const double* const from = scene.list.history(h);
       for (std::size_t k = 0; k < open.count; ++k) c.history[h][k] = from[open.place[k]];
@@ -223,38 +284,84 @@ class ConvexPairs {
       double* const to = scene.list.history(h);
       for (std::size_t k = 0; k < open.count; ++k) to[open.place[k]] = c.history[h][k];
     }
-    add_loads(scene, open, padded, c);
+    add_loads<has_gradient<A, B>>(scene, open, padded, c);
   }
 
-  template <Exponents E>
+  /// What a narrow phase has found.
+  struct Found {
+    BodyContact<Real> contact;
+    Real gradient = Real(1), couple = Real(0);
+  };
+  template <std::size_t A, std::size_t B, Exponents E>
+  static SILT_INLINE Found find(const Scene& scene, const Some& open, std::size_t k,
+                                Memory& memory) {
+    if constexpr (in_lanes<A, B>) {
+      return {touch(posed<A, B, E>(scene, open, k), memory)};
+    } else {
+      alignas(64) double of[10][W];
+      const std::size_t valid = std::min(W, open.count - k);
+      for (std::size_t lane = 0; lane < valid; ++lane) {
+        auto kept = one_lane<NormalMemory<double>>(memory, lane);
+        SolidContact one;
+        with_placed<A, B>(scene, open, k + lane,
+                          [&](const auto& i, const auto& j) { one = touch_solids(i, j, kept); });
+        set_lane(memory, kept, lane);
+        const double values[] = {one.normal.x, one.normal.y, one.normal.z, one.point.x,
+                                 one.point.y,  one.point.z,  one.overlap,  one.R_eff,
+                                 one.gradient, one.couple};
+        for (std::size_t v = 0; v < 10; ++v) of[v][lane] = values[v];
+      }
+      for (auto& v : of)
+        for (std::size_t lane = valid; lane < W; ++lane) v[lane] = v[0];
+      Found found;
+      found.contact.normal = load3<Real>(of[0], of[1], of[2]);
+      found.contact.point = load3<Real>(of[3], of[4], of[5]);
+      found.contact.overlap = load<Real>(of[6]), found.contact.R_eff = load<Real>(of[7]);
+      found.contact.touches = found.contact.overlap > Real(0);
+      found.gradient = load<Real>(of[8]), found.couple = load<Real>(of[9]);
+      return found;
+    }
+  }
+
+  template <std::size_t A, std::size_t B, Exponents E>
   static void touch_pack(const Scene& scene, const Some& open, std::size_t k, Contacts& c,
                          RunningTally<ContactsType, Real>& tally) {
     const auto& in = scene.in;
-    const auto pair = posed<E>(scene, open, k);
     Memory memory = memory_of(scene.list, open.place + k);
     memory.R_eff = max(memory.R_eff, Real(0));  // else a gap
     const auto touched = memory.R_eff > Real(0), with_i = memory.follows > Real(0);
-    const Vec3<Real> last = last_direction(pair, memory);
-    const BodyContact<Real> found = touch(pair, memory);
+    const BodyAxes<Real> turn_i = axes_pack(in, open.i + k), turn_j = axes_pack(in, open.j + k);
+    const BodyAxes<Real> turn{select(with_i, turn_i.x, turn_j.x),
+                              select(with_i, turn_i.y, turn_j.y),
+                              select(with_i, turn_i.z, turn_j.z)};
+    const Vec3<Real> last = turn.to_space(memory.direction), between = open.between_at(k);
+    const Found of = find<A, B, E>(scene, open, k, memory);
+    const BodyContact<Real>& found = of.contact;
     const std::size_t valid = std::min(W, open.count - k);
     memory.R_eff = select(found.touches, memory.R_eff, min(found.overlap, Real(0)));
     keep_memory(scene.list, open.place + k, valid, memory);
 
     BodyAtContact<Real> i, j;
     Real thin_i, thin_j;
-    body_pack(in, scene.list.first(), open.place + k, i, thin_i);
-    body_pack(in, scene.list.second(), open.place + k, j, thin_j);
-    i.axes = pair.turn_i, j.axes = pair.turn_j;
+    body_pack(in, open.i + k, i, thin_i), body_pack(in, open.j + k, j, thin_j);
+    if constexpr (!Rows::has_levers) i.axes = turn_i, j.axes = turn_j;
     const Real zero(0), step(in.times.step);
-    const Vec3<Real> n = found.normal, arm_i = found.point, arm_j = found.point - pair.between;
+    const Vec3<Real> n = found.normal, arm_i = found.point, arm_j = found.point - between;
     Kinematics<Real> kin;
     kin.normal = n;
     kin.velocity = i.velocity_at(arm_i) - j.velocity_at(arm_j);
     // The direction of a step ago: it is kept in the axes of one body, which have turned.
-    const Vec3<Real> turn = step * cross(select(with_i, i.spin, j.spin), last);
-    kin.change = select(touched, n + last - turn, {zero, zero, zero});
+    const Vec3<Real> turned = step * cross(select(with_i, i.spin, j.spin), last);
+    kin.change = select(touched, n + last - turned, {zero, zero, zero});
     kin.overlap = select(found.touches, found.overlap, Real(-1));
-    kin.inverse_m_eff = i.inverse_mass(arm_i, n) + j.inverse_mass(arm_j, n);
+    kin.inverse_m_eff = i.inverse_mass(arm_i, n, of.couple) + j.inverse_mass(arm_j, n, of.couple);
+    if constexpr (has_gradient<A, B>) {
+      // All that moves the overlap's rate counts `gradient` times, and so does all force.
+      kin.velocity += (of.couple * dot(i.spin - j.spin, n)) * n;
+      kin.velocity = of.gradient * kin.velocity;
+      kin.inverse_m_eff = max(of.gradient * of.gradient * kin.inverse_m_eff, smallest<Real>());
+      store(c.gradient + k, of.gradient), store(c.couple + k, of.couple);
+    }
     kin.m_eff = Real(1) / kin.inverse_m_eff;
     kin.R_eff = found.R_eff;
     kin.arm = zero, kin.spin = {zero, zero, zero};
@@ -273,85 +380,103 @@ class ConvexPairs {
   }
 
   /// Force and torques of the contacts, onto the sums of both bodies.
+  template <bool HasGradient>
   static void add_loads(const Scene& scene, const Some& open, std::size_t padded,
                         const Contacts& c) {
     alignas(64) double on_i[block * row], on_j[block * row];
     for (std::size_t k = 0; k < padded; k += W) {
-      const Vec3<Real> force = c.kinematics.template get_load<Real>(k).force;
-      const auto arm = [&](const double(&a)[3][block]) {
-        return load3<Real>(a[0] + k, a[1] + k, a[2] + k);
+      Vec3<Real> force = c.kinematics.template get_load<Real>(k).force, couple{};
+      if constexpr (HasGradient) {
+        const Vec3<Real> n = c.kinematics.template get<Real>(k).normal;
+        force = load<Real>(c.gradient + k) * force;
+        couple = (load<Real>(c.couple + k) * dot(force, n)) * n;
+      }
+      const auto turning = [&](const double(&a)[3][block]) {
+        const Vec3<Real> torque = cross(load3<Real>(a[0] + k, a[1] + k, a[2] + k), force);
+        return HasGradient ? torque + couple : torque;
       };
-      const PairLoad<Real> i{force, cross(arm(c.arm_i), force), {}};
-      const PairLoad<Real> j{-force, cross(arm(c.arm_j), -force), {}};
+      const PairLoad<Real> i{force, turning(c.arm_i), {}};
+      const PairLoad<Real> j{-force, -turning(c.arm_j), {}};
       write_rows<chunks, Arch, Real>(on_i + k * row, i);
       write_rows<chunks, Arch, Real>(on_j + k * row, j);
     }
     for (std::size_t k = 0; k < open.count; ++k) {
-      const std::uint32_t place = open.place[k];
-      add_row<Arch, chunks, false>(scene.sums + scene.list.first()[place] * row, on_i + k * row);
-      add_row<Arch, chunks, false>(scene.sums + scene.list.second()[place] * row, on_j + k * row);
+      add_row<Arch, chunks, false>(scene.sums + open.i[k] * row, on_i + k * row);
+      add_row<Arch, chunks, false>(scene.sums + open.j[k] * row, on_j + k * row);
     }
   }
 
   // --- gathering ----------------------------------------------------------------------------
 
-  template <Exponents E>
-  using FormOf = typename Rows::Form::template Of<Real, E>;
+  template <std::size_t K, Exponents E>
+  using FormOf = typename KernelAt<K>::template Form<Real, E>;
 
-  template <Exponents E>
-  static SILT_INLINE PosedPair<FormOf<E>, FormOf<E>> posed(const Scene& scene, const Some& some,
-                                                           std::size_t k) {
-    PosedPair<FormOf<E>, FormOf<E>> pair;
-    const std::uint32_t *const a = scene.list.first(), *const b = scene.list.second();
-    pair.i = form_pack<E>(scene.in, a, some.place + k);
-    pair.j = form_pack<E>(scene.in, b, some.place + k);
-    pair.turn_i = axes_pack(scene.in, a, some.place + k);
-    pair.turn_j = axes_pack(scene.in, b, some.place + k);
+  template <std::size_t A, std::size_t B, Exponents E>
+  static SILT_INLINE PosedPair<FormOf<A, E>, FormOf<B, E>> posed(const Scene& scene,
+                                                                 const Some& some, std::size_t k) {
+    PosedPair<FormOf<A, E>, FormOf<B, E>> pair;
+    pair.i = form_pack<A, E>(scene.in, some.i + k), pair.j = form_pack<B, E>(scene.in, some.j + k);
+    pair.turn_i = axes_pack(scene.in, some.i + k), pair.turn_j = axes_pack(scene.in, some.j + k);
     pair.between = some.between_at(k);
     return pair;
   }
-  template <Exponents E>
-  static SILT_INLINE FormOf<E> form_pack(const Input& in, const std::uint32_t* side,
-                                         const std::uint32_t* place) {
-    using Row = FormRow<typename Rows::Form>;
-    Real columns[4 * Row::rows];
+  /// Calls visit(i, j) with one pair, i's centre being the origin.
+  template <std::size_t A, std::size_t B, class Visit>
+  static void with_placed(const Scene& scene, const Some& some, std::size_t k, const Visit& visit) {
+    const auto& rows = *scene.in.rows;
+    visit(rows.template placed<A>(some.i[k], {0, 0, 0}),
+          rows.template placed<B>(some.j[k],
+                                  {some.between[0][k], some.between[1][k], some.between[2][k]}));
+  }
+  template <std::size_t K, Exponents E>
+  static SILT_INLINE FormOf<K, E> form_pack(const Input& in, const std::uint32_t* which) {
+    constexpr std::size_t rows = (sizeof(typename KernelAt<K>::Row) + 31) / 32;
+    Real columns[4 * rows];
     if (in.rows->one_form()) {
-      for (std::size_t c = 0; c < 4 * Row::rows; ++c)
-        columns[c] = Real(in.rows->form.front().value[c]);
+      for (std::size_t c = 0; c < 4 * rows; ++c) columns[c] = Real(in.rows->form.front().value[c]);
     } else {
       const double* at[W];
-      for (std::size_t lane = 0; lane < W; ++lane)
-        at[lane] = in.rows->form[side[place[lane]]].value;
-      gather_columns<Arch, Row::rows>(at, columns);
+      for (std::size_t lane = 0; lane < W; ++lane) at[lane] = in.rows->form[which[lane]].value;
+      gather_columns<Arch, rows>(at, columns);
     }
-    FormOf<E> form;
+    FormOf<K, E> form;
     static_assert(sizeof form <= sizeof columns);
     std::memcpy(static_cast<void*>(&form), columns, sizeof form);
     return form;
   }
-  static SILT_INLINE BodyAxes<Real> axes_pack(const Input& in, const std::uint32_t* side,
-                                              const std::uint32_t* place) {
+  static SILT_INLINE BodyAxes<Real> axes_pack(const Input& in, const std::uint32_t* which) {
     const double* at[W];
-    for (std::size_t lane = 0; lane < W; ++lane) at[lane] = &in.rows->pose[side[place[lane]]].q.w;
+    for (std::size_t lane = 0; lane < W; ++lane) at[lane] = &in.rows->pose[which[lane]].q.w;
     Real q[4];
     gather_columns<Arch, 1>(at, q);
     return body_axes<Real>(q[0], q[1], q[2], q[3]);
   }
-  static SILT_INLINE void body_pack(const Input& in, const std::uint32_t* side,
-                                    const std::uint32_t* place, BodyAtContact<Real>& body,
-                                    Real& least_radius) {
+  static SILT_INLINE void body_pack(const Input& in, const std::uint32_t* which,
+                                    BodyAtContact<Real>& body, Real& least_radius) {
     const double* at[W];
     Real m[8], i[4];
-    for (std::size_t lane = 0; lane < W; ++lane) at[lane] = &in.motions[side[place[lane]]].vx;
+    for (std::size_t lane = 0; lane < W; ++lane) at[lane] = &in.motions[which[lane]].vx;
     gather_columns<Arch, 2>(at, m);
     for (std::size_t lane = 0; lane < W; ++lane)
-      at[lane] = &in.rows->pose[side[place[lane]]].inv_inertia.x;
+      at[lane] = &in.rows->pose[which[lane]].inv_inertia.x;
     gather_columns<Arch, 1>(at, i);
     body.velocity = {m[0], m[1], m[2]}, body.inv_m = m[3];
     body.spin = Vec3<Real>{m[4], m[5], m[6]} * m[7];
     body.inv_inertia = {i[0], i[1], i[2]}, least_radius = i[3];
+    body.offset = {Real(0), Real(0), Real(0)};
+    if constexpr (Rows::has_levers) {
+      Real lever[8];
+      for (std::size_t lane = 0; lane < W; ++lane) at[lane] = &in.rows->lever[which[lane]].q.w;
+      gather_columns<Arch, 2>(at, lever);
+      body.axes = body_axes<Real>(lever[0], lever[1], lever[2], lever[3]);
+      body.offset = {lever[4], lever[5], lever[6]};
+    }
   }
 
+  static NormalMemory<double> memory_at(List& list, std::uint32_t place) {
+    const auto kept = [&](std::size_t h) { return list.history(M + h)[place]; };
+    return {{kept(0), kept(1), kept(2)}, kept(3), kept(4)};
+  }
   static SILT_INLINE Memory memory_of(List& list, const std::uint32_t* place) {
     alignas(64) double values[memory_size][W];
     for (std::size_t h = 0; h < memory_size; ++h) {

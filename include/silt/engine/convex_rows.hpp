@@ -3,19 +3,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
+#include <tuple>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <silt/core/row4.hpp>
 #include <silt/core/storage.hpp>
 #include <silt/engine/rows.hpp>
+#include <silt/shape/narrow/kinds.hpp>
 #include <silt/shape/narrow/super_ellipsoid_plane.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
 /// A Contacts type whose contacts keep, behind all else, what the narrow phase must know of the
-/// last step: NormalMemory, number by number.
+/// last step: NormalMemory, number by number. At walls only its last number is used.
 template <class ContactsType>
 struct WithNormals : ContactsType {
   static constexpr bool rotates = true;
@@ -25,55 +29,92 @@ struct WithNormals : ContactsType {
   static constexpr std::size_t history = memory_from + memory_size;
 };
 
-/// Orientation and inertia of a convex body: one cache line.
+/// Orientation of a convex part, and the inertia of its body: one cache line.
 struct alignas(64) PoseRow {
   Quaternion q;         // its axes to space
-  Vec3d inv_inertia;    // [1/(kg m2)] about its axes
+  Vec3d inv_inertia;    // [1/(kg m2)] about the body's principal axes
   double least_radius;  // [m] of the largest sphere inside
 };
 static_assert(sizeof(PoseRow) == 64);
 
-/// A form as rows of four numbers.
-template <class Form>
-struct alignas(32) FormRow {
-  static constexpr std::size_t rows = (sizeof(Form) / sizeof(double) + 3) / 4;
-  double value[4 * rows] = {};
-  void set(const Form& form) { std::memcpy(value, static_cast<const void*>(&form), sizeof form); }
+/// Of a part that is not the whole of its body: where it is in it, and the body's principal axes.
+struct alignas(64) LeverRow {
+  Quaternion q;  // of the body, its principal axes to space
+  Vec3d offset;  // [m] from the body's centre to the part's, in space
+  double none = 0;
 };
 
-/// A form `scale` [-] as large.
-template <class Form>
-Form scaled_form(Form f, double scale) {
-  const double square = scale * scale;
-  f.axes2 = f.axes2 * square;
-  f.e2 *= square, f.e_p1 *= std::pow(scale, f.p1), f.e_p2 *= std::pow(scale, f.p2);
-  f.size *= scale, f.bound *= scale;
-  return f;
-}
-
-/// What the narrow phase knows of the rows of convex bodies.
-template <class ShapeType>
-struct ConvexRows {
-  using Form = decltype(form_of(std::declval<const ShapeType&>()));
-  AlignedVector<PoseRow> pose;            // of each row, and of two more: padding pairs
-  AlignedVector<FormRow<Form>> form;      // of each row; of all, if there is only one
-  Exponents exponents = Exponents::Ball;  // that all of them have
-
-  double least_radius = 0;  // [m] of any of them
-
-  bool one_form() const { return form.size() == 1; }
-  const FormRow<Form>& form_row(std::size_t row) const { return form[one_form() ? 0 : row]; }
-  template <Exponents E = Exponents::Any>
-  auto form_at(std::size_t row) const {
-    typename Form::template Of<double, E> f;
-    std::memcpy(static_cast<void*>(&f), form_row(row).value, sizeof f);
-    return f;
+/// A part in its size as rows of four numbers, whichever of the kinds it is.
+template <std::size_t Bytes>
+struct alignas(32) FormRow {
+  static constexpr std::size_t rows = (Bytes + 31) / 32;
+  double value[4 * rows] = {};
+  template <class Row>
+  void set(const Row& row) {
+    static_assert(sizeof row <= sizeof value && std::is_trivially_copyable_v<Row>);
+    std::memcpy(value, static_cast<const void*>(&row), sizeof row);
+  }
+  template <class Row>
+  Row get() const {
+    Row row;
+    std::memcpy(static_cast<void*>(&row), value, sizeof row);
+    return row;
   }
 };
 
+/// What narrow phases know of the rows, which are convex parts of bodies.
+template <class Kinds, bool OnePart>
+struct ConvexRows;
+template <class... Kind, bool OnePart>
+struct ConvexRows<KindList<Kind...>, OnePart> {
+  using Kinds = KindList<Kind...>;
+  static constexpr bool several = sizeof...(Kind) > 1, has_levers = !OnePart;
+  template <std::size_t K>
+  using KindAt = std::tuple_element_t<K, std::tuple<Kind...>>;
+  using Form = FormRow<std::max({sizeof(typename KernelOf<Kind>::Row)...})>;
+
+  AlignedVector<PoseRow> pose;            // of each row, and of two more: padding pairs
+  AlignedVector<LeverRow> lever;          // of each row, and of two more, if has_levers
+  AlignedVector<Form> form;               // of each row; of all, if there is only one
+  std::vector<std::uint8_t> kind;         // of each row, if there are several
+  Exponents exponents = Exponents::Ball;  // the most general of any
+  double least_radius = 0;                // [m] of the largest sphere inside of any, the least
+  std::tuple<typename KernelOf<Kind>::Store...> stores;
+
+  bool one_form() const { return form.size() == 1; }
+  const Form& form_row(std::size_t row) const { return form[one_form() ? 0 : row]; }
+  std::size_t kind_of([[maybe_unused]] std::size_t row) const {
+    if constexpr (several)
+      return kind[row];
+    else
+      return 0;
+  }
+  /// Part `row` of kind K at `at`.
+  template <std::size_t K>
+  auto placed(std::size_t row, const Vec3d& at) const {
+    using Kernel = KernelOf<KindAt<K>>;
+    return Kernel::place(form_row(row).template get<typename Kernel::Row>(), body_axes(pose[row].q),
+                         at);
+  }
+  /// Calls visit(placed part).
+  template <class Visit>
+  void visit(std::size_t row, const Vec3d& at, const Visit& visit) const {
+    const std::size_t k = kind_of(row);
+    [&]<std::size_t... K>(std::index_sequence<K...>) {
+      (void)((k == K && (visit(placed<K>(row, at)), true)) || ...);
+    }
+    (std::index_sequence_for<Kind...>{});
+  }
+};
+
+/// The rows of a shape; nothing of others than solids.
 template <class ShapeType>
 struct ConvexRowsOf {
-  using type = ConvexRows<ShapeType>;
+  struct type {};
+};
+template <SolidShape ShapeType>
+struct ConvexRowsOf<ShapeType> {
+  using type = ConvexRows<typename ShapeType::Kinds, ShapeType::one_part>;
 };
 
 /// Calls run with the exponents as a constant.
@@ -108,24 +149,36 @@ SILT_INLINE void gather_columns(const double* const* at, Real (&out)[4 * Rows]) 
 /// What of a body's motion its contacts need.
 template <class Real>
 struct BodyAtContact {
-  Vec3<Real> velocity, spin;  // [m/s] of the centre, [rad/s]; at the last half step
+  Vec3<Real> velocity, spin;  // [m/s] of the part's centre, [rad/s]; at the last half step
   Real inv_m;                 // [1/kg]
-  BodyAxes<Real> axes;
-  Vec3<Real> inv_inertia;  // [1/(kg m2)] about these
+  BodyAxes<Real> axes;        // principal
+  Vec3<Real> inv_inertia;     // [1/(kg m2)] about these
+  Vec3<Real> offset;          // [m] of the part's centre from the body's
 
   SILT_INLINE Vec3<Real> velocity_at(const Vec3<Real>& arm) const {
     return velocity + cross(spin, arm);
   }
-  /// The inverse mass [1/kg] that a push along n meets at `arm`: 1/m + (r x n) I^-1 (r x n).
-  SILT_INLINE Real inverse_mass(const Vec3<Real>& arm, const Vec3<Real>& n) const {
-    const Vec3<Real> lever = axes.to_body(cross(arm, n));
+  /// The inverse mass [1/kg] that a push along n at `arm` with the couple c n meets:
+  /// 1/m + l I^-1 l, l = r x n + c n.
+  SILT_INLINE Real inverse_mass(const Vec3<Real>& arm, const Vec3<Real>& n,
+                                const Real& couple = Real(0)) const {
+    const Vec3<Real> lever = axes.to_body(cross(arm + offset, n) + couple * n);
     return inv_m + inv_inertia.x * lever.x * lever.x + inv_inertia.y * lever.y * lever.y +
            inv_inertia.z * lever.z * lever.z;
   }
 };
 
-inline BodyAtContact<double> body_at_contact(const MotionRow<true>& m, const PoseRow& p) {
-  return {m.velocity(), m.spin_velocity() * m.inv_r, m.inv_m, body_axes(p.q), p.inv_inertia};
+/// The body of a row; contacts give their arms from the part's centre.
+template <class Rows>
+BodyAtContact<double> body_at_contact(const MotionRow<true>& m, const Rows& rows, std::size_t row) {
+  const PoseRow& p = rows.pose[row];
+  BodyAtContact<double> body{
+      m.velocity(), m.spin_velocity() * m.inv_r, m.inv_m, body_axes(p.q), p.inv_inertia, {0, 0, 0}};
+  if constexpr (Rows::has_levers) {
+    body.axes = body_axes(rows.lever[row].q);
+    body.offset = rows.lever[row].offset;
+  }
+  return body;
 }
 
 }  // namespace silt::detail

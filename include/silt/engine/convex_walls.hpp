@@ -10,45 +10,97 @@
 
 #include <silt/engine/convex_rows.hpp>
 #include <silt/engine/wall_pipeline.hpp>
+#include <silt/shape/narrow/solid_mesh_contacts.hpp>
+#include <silt/shape/narrow/solid_walls.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// A convex body at a plane of a wall, all in space.
-struct BodyAtPlane {
-  BodyContact<double> contact;  // normal from the plane to the body, point from its centre
-  Vec3d place;                  // [m] the contact's point
-};
+/// Contacts of one part with one surface, and with a plane, at most.
+inline constexpr int most_wall_contacts = 8;
+template <class Kinds>
+inline constexpr int most_plane_contacts = Kinds::template has<Polyhedron> ? most_wall_contacts : 1;
 
-/// The contact of a row with a plane, its point in the plane as that of spheres; `first_R_eff`: see
-/// touch_plane().
-template <Exponents E = Exponents::Any, class Rows>
-BodyAtPlane body_at_plane(const Rows& rows, std::size_t row, const Vec3d& centre, const Wall& wall,
-                          const Plane& given, double& first_R_eff) {
-  const Plane plane = given.unit();
-  const double distance =
-      dot((wall.moves() ? wall.pose.to_body(centre) : centre) - plane.point, plane.normal);
-  const Vec3d normal = wall.moves() ? wall.pose.rotate(plane.normal) : plane.normal;
-  BodyAtPlane at;
-  at.contact = touch_plane(rows.template form_at<E>(row), body_axes(rows.pose[row].q), normal,
-                           distance, first_R_eff);
-  at.contact.point += (0.5 * at.contact.overlap) * normal;
-  at.place = centre + at.contact.point;
-  return at;
+/// The contacts of a placed part with a surface, both in the wall's frame.
+template <class Placed, class S>
+int contacts_with(const Placed& body, const S& surface, std::span<const std::uint32_t> facets,
+                  SolidContact* out) {
+  if constexpr (std::is_same_v<Placed, PlacedBall>) {
+    SurfacePoint points[S::max_contacts];
+    int count;
+    if constexpr (requires { surface.contacts(body.position, body.radius, facets, points); })
+      count = surface.contacts(body.position, body.radius, facets, points);
+    else
+      count = surface.contacts(body.position, body.radius, points);
+    for (int k = 0; k < count; ++k) {
+      const auto& p = points[k];
+      out[k] = {p.normal,
+                body.position - p.distance * p.normal,
+                body.radius - p.distance,
+                1,
+                0,
+                body.radius,
+                p.feature};
+    }
+    return count;
+  } else {
+    int count;
+    if constexpr (std::is_same_v<S, Plane>)
+      count = plane_contacts(body, surface.unit(), out, most_wall_contacts);
+    else if constexpr (std::is_same_v<S, TriangleMesh>)
+      count = mesh_contacts(body, surface, facets, out, most_wall_contacts);
+    else if constexpr (std::is_same_v<S, Cylinder>)
+      count = cylinder_contacts(body, surface, out, most_wall_contacts);
+    else
+      count = cone_contacts(body, surface, out, most_wall_contacts);
+    if constexpr (!std::is_same_v<Placed, PlacedPolyhedron>)  // midway between both surfaces
+      for (int k = 0; k < count; ++k) out[k].point += (0.5 * out[k].overlap) * out[k].normal;
+    return count;
+  }
 }
 
-/// Computes the loads of all contacts of convex bodies with walls, which are planes, fixed or
-/// moving: exact contact of each candidate, then the same law over lanes as for pairs; sums what
-/// each wall bears.
-template <class ShapeType, class ContactsType, class Arch>
+/// Turns the axes of a part into the frame of a wall.
+inline void turn_into(const Pose&, PlacedBall&) {}
+template <class Form>
+void turn_into(const Pose& pose, PlacedSuper<Form>& body) {
+  const Quaternion back = conjugate(pose.rotation);
+  body.axes = {rotate(back, body.axes.x), rotate(back, body.axes.y), rotate(back, body.axes.z)};
+}
+inline void turn_into(const Pose& pose, PlacedPolyhedron& body) {
+  const Quaternion back = conjugate(pose.rotation);
+  auto& turn = body.pose.turn;
+  turn = {rotate(back, turn.x), rotate(back, turn.y), rotate(back, turn.z)};
+}
+
+/// The contacts of a row with one surface of a wall, in space; points on the wall.
+template <class Rows>
+int contacts_with_wall(const Rows& rows, std::size_t row, const Vec3d& centre, const Wall& wall,
+                       const Surface& surface, std::span<const std::uint32_t> facets,
+                       SolidContact (&out)[most_wall_contacts]) {
+  int count = 0;
+  const Vec3d at = wall.moves() ? wall.pose.to_body(centre) : centre;
+  rows.visit(row, at, [&](auto body) {
+    if (wall.moves()) turn_into(wall.pose, body);
+    count =
+        visit_surface(surface, [&](const auto& s) { return contacts_with(body, s, facets, out); });
+  });
+  for (int k = 0; k < count && wall.moves(); ++k) {
+    out[k].normal = wall.pose.rotate(out[k].normal);
+    out[k].point = wall.pose.to_space(out[k].point);
+  }
+  return count;
+}
+/// Computes the loads of all contacts of convex parts with walls, fixed or moving: exact contacts
+/// of each candidate, then the same law over lanes as for pairs; sums what each wall bears.
+template <class Rows, class ContactsType, class Arch>
 class ConvexWalls {
   using Real = typename Lanes<Arch>::Real;
-  using Rows = ConvexRows<ShapeType>;
   static constexpr std::size_t W = Lanes<Arch>::width;
   static constexpr std::size_t H = ContactsType::history, radius = ContactsType::memory_radius;
   static constexpr std::size_t chunks = load_chunks<ContactsType>, row = 4 * chunks;
 
  public:
-  using Contacts = WallContacts<H, double>;
+  using Contacts =
+      WallContacts<H, double, most_plane_contacts<typename Rows::Kinds>, most_wall_contacts>;
   static constexpr std::size_t block = Contacts::block;
   struct Input {
     const PositionRow* positions;
@@ -65,11 +117,7 @@ class ConvexWalls {
     const std::size_t blocks = contacts.blocks();
     loads_.assign(blocks * walls.size(), {});
     tallies_.assign(blocks, {});
-    with_exponents(in.rows->exponents, [&](auto e) {
-      team.for_parts(blocks, [&](std::size_t b) {
-        this->run_block<decltype(e)::value>(in, contacts, table, walls, sums, b);
-      });
-    });
+    team.for_parts(blocks, [&](std::size_t b) { run_block(in, contacts, table, walls, sums, b); });
     sum_wall_loads(walls, loads_, blocks, in.times.step);
     Tally<ContactsType> all;
     for (const auto& tally : tallies_) all.add(tally);
@@ -82,18 +130,18 @@ class ConvexWalls {
     alignas(64) double history[H + 1][block];
     std::uint16_t kind[block];
     WallCandidate of[block];
-    Vec3d arm[block], place[block];  // [m] from the centre; in space
+    std::uint32_t slot[block];
+    Vec3d arm[block], place[block];         // [m] from the centre; in space
+    double gradient[block], couple[block];  // of SolidContact
     std::size_t count = 0;
+    double largest = 0;  // [-] overlap over least radius
   };
 
-  template <Exponents E>
   void run_block(const Input& in, Contacts& contacts, const CoefficientTable<ContactsType>& table,
                  std::span<const Wall> walls, double* sums, std::size_t b) {
     Scratch s;
-    double largest = 0;
     for (const WallCandidate& c : contacts.block_candidates(b))
-      if (in.motions[c.particle].inv_m != 0)
-        largest = std::max(largest, describe<E>(in, contacts, table, walls[c.wall], c, s));
+      if (in.motions[c.particle].inv_m != 0) touch(in, contacts, table, walls[c.wall], c, s);
     pad(s);
     std::array<double*, H + 1> history{};
     for (std::size_t h = 0; h < H; ++h) history[h] = s.history[h];
@@ -101,67 +149,109 @@ class ConvexWalls {
     loads_of<ContactsType, Arch>(s.kinematics, pieces(s.count, W) * W, in.times, table, s.kind,
                                  history, running);
     tallies_[b] = running.end();
-    tallies_[b].largest = largest;
+    tallies_[b].largest = s.largest;
     for (std::size_t k = 0; k < s.count; ++k) {
       const WallCandidate& c = s.of[k];
       // The memory behind the law's history has been kept by describe().
       for (std::size_t h = 0; h < ContactsType::memory_from; ++h)
-        contacts.history(h)[c.slot] = s.history[h][k];
-      const Vec3d force = s.kinematics.template get_load<double>(k).force;
-      const Vec3d torque = cross(s.arm[k], force);
+        contacts.history(h)[s.slot[k]] = s.history[h][k];
+      const Vec3d n = s.kinematics.template get<double>(k).normal;
+      const Vec3d force = s.gradient[k] * s.kinematics.template get_load<double>(k).force;
+      const Vec3d couple = (s.couple[k] * dot(force, n)) * n;
+      const Vec3d torque = cross(s.arm[k], force) + couple;
       double* const sum = sums + c.particle * row;
       sum[0] += force.x, sum[1] += force.y, sum[2] += force.z;
       sum[4] += torque.x, sum[5] += torque.y, sum[6] += torque.z;
       WallLoad& load = loads_[b * walls.size() + c.wall];
       load.force -= force;
-      load.torque -= cross(s.place[k] - walls[c.wall].reference, force);
+      load.torque -= cross(s.place[k] - walls[c.wall].reference, force) + couple;
     }
   }
 
-  /// Adds a candidate's contact, if it touches; returns overlap over least radius [-].
-  template <Exponents E>
-  static double describe(const Input& in, Contacts& contacts,
-                         const CoefficientTable<ContactsType>& table, const Wall& wall,
-                         const WallCandidate& c, Scratch& s) {
-    auto& slot = contacts.slot(c.slot);
-    double& first_R_eff = contacts.history(radius)[c.slot];
-    const PositionRow& position = in.positions[c.particle];
-    const auto [contact, place] =
-        body_at_plane<E>(*in.rows, c.particle, position.centre(), wall,
-                         *std::get_if<Plane>(&wall.surfaces[c.surface]), first_R_eff);
-    if (!contact.touches) {
-      if (slot.touching)
-        for (std::size_t h = 0; h < H; ++h) contacts.history(h)[c.slot] = 0;
-      slot.touching = false;
-      return 0;
+  static constexpr double same_contact = 0.8;  // cosine of the largest turn in one step
+
+  /// Adds a candidate's contacts.
+  static void touch(const Input& in, Contacts& contacts,
+                    const CoefficientTable<ContactsType>& table, const Wall& wall,
+                    const WallCandidate& c, Scratch& s) {
+    SolidContact found[most_wall_contacts];
+    const Surface& surface = wall.surfaces[c.surface];
+    const Vec3d centre = in.positions[c.particle].centre();
+    const int count =
+        contacts_with_wall(*in.rows, c.particle, centre, wall, surface, contacts.facets(c), found);
+    const std::size_t slots = Contacts::slots_of(surface);
+    bool taken[most_wall_contacts] = {};
+    std::size_t own[most_wall_contacts];
+    // First those of the same feature, then those of nearly the same normal, then the new ones.
+    for (int k = 0; k < count; ++k)
+      own[k] = slot_of(found[k], c.slot, slots, contacts, taken, true);
+    for (int k = 0; k < count; ++k)
+      if (own[k] == slots) own[k] = slot_of(found[k], c.slot, slots, contacts, taken, false);
+    for (std::size_t p = 0; p < slots; ++p)
+      if (!taken[p]) end(contacts, c.slot + p);
+    for (int k = 0; k < count; ++k) {
+      for (std::size_t p = 0; own[k] == slots && p < slots; ++p)
+        if (!taken[p]) own[k] = p, taken[p] = true;
+      describe(found[k], centre, in, contacts, table, wall, c, c.slot + own[k], s);
     }
-    const Vec3d change = slot.touching ? contact.normal - slot.normal : Vec3d{0, 0, 0};
-    slot = {contact.normal, true};
-    const PoseRow& pose = in.rows->pose[c.particle];
-    const auto body = body_at_contact(in.motions[c.particle], pose);
+  }
+  static std::size_t slot_of(const SolidContact& contact, std::size_t begin, std::size_t slots,
+                             Contacts& contacts, bool* taken, bool by_feature) {
+    std::size_t best = slots;
+    double nearest = same_contact;
+    for (std::size_t p = 0; p < slots; ++p) {
+      const auto& slot = contacts.slot(begin + p);
+      if (taken[p] || !slot.touching || (by_feature && slot.feature != contact.feature)) continue;
+      if (const double cosine = dot(slot.normal, contact.normal); cosine > nearest)
+        nearest = cosine, best = p;
+    }
+    if (best < slots) taken[best] = true;
+    return best;
+  }
+  static void end(Contacts& contacts, std::size_t slot) {
+    if (!contacts.slot(slot).touching) return;
+    contacts.slot(slot).touching = false;
+    for (std::size_t h = 0; h < H; ++h) contacts.history(h)[slot] = 0;
+  }
+
+  static void describe(const SolidContact& contact, const Vec3d& centre, const Input& in,
+                       Contacts& contacts, const CoefficientTable<ContactsType>& table,
+                       const Wall& wall, const WallCandidate& c, std::size_t slot, Scratch& s) {
+    auto& kept = contacts.slot(slot);
+    const Vec3d change = kept.touching ? contact.normal - kept.normal : Vec3d{0, 0, 0};
+    kept = {contact.normal, true, contact.feature};
+    double& R_eff = contacts.history(radius)[slot];  // that of the first touch
+    if (!(R_eff > 0)) R_eff = contact.R_eff;
+    const auto body = body_at_contact(in.motions[c.particle], *in.rows, c.particle);
+    const Vec3d arm = contact.point - centre, n = contact.normal;
     Vec3d wall_velocity{0, 0, 0}, wall_spin{0, 0, 0};
     if (wall.moves()) {
-      wall_velocity =
-          (place - wall.last_pose.to_space(wall.pose.to_body(place))) * (1 / in.times.step);
+      wall_velocity = (contact.point - wall.last_pose.to_space(wall.pose.to_body(contact.point))) *
+                      (1 / in.times.step);
       wall_spin = mean_angular_velocity(wall.last_pose, wall.pose, in.times.step);
     }
     const std::size_t k = s.count++;
+    const double g = contact.gradient;
     Kinematics<double> kin;
-    kin.normal = contact.normal, kin.change = change;
-    kin.velocity = body.velocity_at(contact.point) - wall_velocity;
-    kin.overlap = contact.overlap, kin.R_eff = contact.R_eff;
-    kin.inverse_m_eff = body.inverse_mass(contact.point, contact.normal);
+    kin.normal = n, kin.change = change;
+    kin.velocity = body.velocity_at(arm) - wall_velocity;
+    // All that moves the overlap's rate counts `gradient` times, and so does all force.
+    kin.velocity = g * (kin.velocity + (contact.couple * dot(body.spin - wall_spin, n)) * n);
+    kin.overlap = contact.overlap, kin.R_eff = R_eff;
+    kin.inverse_m_eff = std::max(g * g * body.inverse_mass(arm, n, contact.couple), 1e-300);
     kin.m_eff = 1 / kin.inverse_m_eff;
     kin.arm = 0, kin.spin = {0, 0, 0};
-    kin.twist = dot(wall_spin, contact.normal);
+    kin.twist = dot(wall_spin, n);
     s.kinematics.put(k, kin);
-    s.kinematics.put(k, Radii<double>{contact.R_eff, 0});
+    s.kinematics.put(k, Radii<double>{R_eff, 0});
     std::size_t material = 0;
     if constexpr (ContactsType::several_materials) material = in.materials[c.particle];
     s.kind[k] = static_cast<std::uint16_t>(material * table.materials + wall.material);
-    s.of[k] = c, s.arm[k] = contact.point, s.place[k] = place;
-    for (std::size_t h = 0; h < H; ++h) s.history[h][k] = contacts.history(h)[c.slot];
-    return contact.overlap / pose.least_radius;
+    s.of[k] = c, s.slot[k] = static_cast<std::uint32_t>(slot);
+    s.arm[k] = arm, s.place[k] = contact.point;
+    s.gradient[k] = g, s.couple[k] = contact.couple;
+    for (std::size_t h = 0; h < H; ++h) s.history[h][k] = contacts.history(h)[slot];
+    s.largest = std::max(s.largest, contact.overlap / in.rows->pose[c.particle].least_radius);
   }
 
   /// Fills the last pack with its first contact, moved out of reach.

@@ -31,12 +31,12 @@ template <BodyShape ShapeType, class Contacts>
 struct ContactsOf<ShapeType, Contacts> {
   using type = WithShares<Contacts>;
 };
-template <ConvexShape ShapeType, class Contacts>
+template <SolidShape ShapeType, class Contacts>
 struct ContactsOf<ShapeType, Contacts> {
   using type = WithNormals<Contacts>;
 };
 
-/// By whether bodies are convex.
+/// By whether bodies have convex parts.
 template <bool Convex>
 struct WallStageOf {
   template <class, class ContactsType, class Arch, class Scalar>
@@ -45,7 +45,7 @@ struct WallStageOf {
 template <>
 struct WallStageOf<true> {
   template <class ShapeType, class ContactsType, class Arch, class>
-  using type = ConvexWalls<ShapeType, ContactsType, Arch>;
+  using type = ConvexWalls<typename ConvexRowsOf<ShapeType>::type, ContactsType, Arch>;
 };
 
 template <bool HasBodies>
@@ -74,13 +74,16 @@ class Engine {
   using Scalar = typename Precision::PairScalar;                 // of the work on pairs
   static constexpr bool predicts = Integrator::derivatives > 0;
   static constexpr bool has_bodies = BodyShape<ShapeType>;  // rows are parts of them
-  static constexpr bool convex = ConvexShape<ShapeType>;    // with a narrow phase of their own
+  static constexpr bool convex = SolidShape<ShapeType>;     // with narrow phases of their own
   static_assert(!convex || std::is_same_v<Scalar, double>,
                 "Mixed precision is for spheres and bodies made of spheres; leave it out");
   using State = ParticleState<rotates, ContactsType::several_materials, Scalar,
                               Integrator::derivatives, has_bodies>;
   using Motion = typename State::Motion;
-  using Lists = NearLists<ContactsType::history, Scalar, State, Search, Domain, Arch>;
+  using WallStage =
+      typename WallStageOf<convex>::template type<ShapeType, ContactsType, Arch, Scalar>;
+  using Lists = NearLists<ContactsType::history, Scalar, State, Search, Domain, Arch,
+                          typename WallStage::Contacts>;
 
   using Mover = typename MoverOf<has_bodies>::template type<ShapeType, ContactsType, State, Scalar,
                                                             Arch, Integrator, Rotation>;
@@ -133,7 +136,7 @@ class Engine {
 
   void pair_forces(const Domain& domain, const StepTimes& times) {
     if constexpr (convex) {
-      using Pairs = ConvexPairs<ShapeType, ContactsType, Domain, Arch>;
+      using Pairs = ConvexPairs<typename ConvexRowsOf<ShapeType>::type, ContactsType, Domain, Arch>;
       return take(Pairs::run({particles.position.data(), particles.motion.data(),
                               &mover.convex_rows, kinds_.data(), times},
                              lists.pairs, coefficients, domain, sums_.data(), *team_));
@@ -380,8 +383,6 @@ class Engine {
     }
   }
 
-  using WallStage =
-      typename WallStageOf<convex>::template type<ShapeType, ContactsType, Arch, Scalar>;
   std::unique_ptr<Team> team_ = std::make_unique<Team>(1);
   WallStage wall_pipeline_;
   struct NoShares {};

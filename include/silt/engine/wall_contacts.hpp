@@ -36,17 +36,19 @@ struct PlaneRun {
 
 /// Which spheres are near which surfaces, in two stages like PairList, and H Scalars of history for
 /// each contact with a wall. A candidate has as many slots as the surface can have contacts with
-/// one sphere; slots come in blocks that one thread computes at a time, and all candidates of a
-/// sphere stand side by side in one block. Spheres that are near planes at rest and nothing else,
-/// which most are, stand behind all others, one slot a candidate: cut into pieces that share no
-/// sphere, and in a piece plane by plane, so that lanes have the plane in common.
-template <std::size_t H, class Scalar>
+/// one sphere, or as many as are given here; slots come in blocks that one thread computes at a
+/// time, and all candidates of a sphere stand side by side in one block. Spheres that are near
+/// planes at rest and nothing else, which most are, stand behind all others, one slot a candidate:
+/// cut into pieces that share no sphere, and in a piece plane by plane, so that lanes have the
+/// plane in common.
+template <std::size_t H, class Scalar, std::size_t PlaneSlots = 0, std::size_t OtherSlots = 0>
 class WallContacts {
  public:
-  static constexpr std::size_t block = 64;  // slots
+  static constexpr std::size_t block = OtherSlots > 4 ? 128 : 64;  // slots
   struct Slot {
-    Vec3d normal;   // [-] at the last step
-    bool touching;  // or within the law's range
+    Vec3d normal;               // [-] at the last step
+    bool touching;              // or within the law's range
+    std::uint32_t feature = 0;  // of SolidContact
   };
   double range = 0;          // [m] gap at which the law still acts
   bool planes_apart = true;  // spheres at planes alone are the PlanePipeline's
@@ -162,7 +164,9 @@ class WallContacts {
   }
   static constexpr std::size_t slots_of(const Surface& surface) {
     return visit_surface(surface, [](const auto& s) {
-      return static_cast<std::size_t>(std::remove_cvref_t<decltype(s)>::max_contacts);
+      using S = std::remove_cvref_t<decltype(s)>;
+      constexpr std::size_t given = std::is_same_v<S, Plane> ? PlaneSlots : OtherSlots;
+      return given > 0 ? given : static_cast<std::size_t>(S::max_contacts);
     });
   }
 

@@ -9,18 +9,28 @@
 
 #include <silt/fill/particles.hpp>
 #include <silt/shape/concept.hpp>
-#include <silt/shape/narrow/super_ellipsoids.hpp>
+#include <silt/shape/narrow/kinds.hpp>
 
 namespace silt::inline SILT_TARGET {
 
+namespace detail {
+/// The parts of a SolidShape; nothing of others.
+template <class S>
+struct SolidsOfForm {};
+template <SolidShape S>
+struct SolidsOfForm<S> {
+  std::vector<SolidPart<typename S::Kinds>> solids;
+};
+}  // namespace detail
+
 /// A form as the engine has it: in its principal frame, about its centroid.
 template <class S>
-struct BodyForm {
+struct BodyForm : detail::SolidsOfForm<S> {
   S shape;  // as the user gave it
   MassProperties mass;
-  std::vector<Ball> parts;
-  double radius;  // [m] of the sphere around the centroid that holds all
-  /// Of a convex shape, for many normals: the radius at the contact [m], and what the mass is over
+  std::vector<Ball> parts;  // what they are, or the spheres around them
+  double radius;            // [m] of the sphere around the centroid that holds all
+  /// Of a solid shape, for many normals: the radius at the contact [m], and what the mass is over
   /// the mass that a push there meets [-].
   struct Spot {
     double radius, lightness;
@@ -31,11 +41,17 @@ struct BodyForm {
     shape.check();
     mass = shape.mass_properties();
     radius = 0;
-    for (const Ball& b : shape.parts()) {
-      parts.push_back({rotate(conjugate(mass.axes), b.centre - mass.centroid), b.radius});
-      radius = std::max(radius, norm(parts.back().centre) + b.radius);
+    if constexpr (SolidShape<S>) {
+      this->solids = shape.solids(mass);
+      for (const auto& part : this->solids) {
+        parts.push_back({part.centre, bound_of(part.solid)});
+        find_spots(part, std::max<std::size_t>(300 / this->solids.size(), 30));
+      }
+    } else {
+      for (const Ball& b : shape.parts())
+        parts.push_back({rotate(conjugate(mass.axes), b.centre - mass.centroid), b.radius});
     }
-    if constexpr (ConvexShape<S>) find_spots();
+    for (const Ball& b : parts) radius = std::max(radius, norm(b.centre) + b.radius);
   }
 
   /// Tells `lightest` the parts of a particle of this form: the mass is what a push at the tip of
@@ -52,23 +68,34 @@ struct BodyForm {
   }
 
  private:
+  template <class Solid>
+  static double bound_of(const Solid& solid) {
+    return std::visit(
+        [](const auto& part) { return KernelOf<std::decay_t<decltype(part)>>::bound(part); },
+        solid);
+  }
   /// Normals evenly over the sphere, by the golden angle.
-  void find_spots() {
-    const auto form = form_of(shape);
-    constexpr int count = 300;
-    for (int k = 0; k < count; ++k) {
-      const double z = 1 - (2 * k + 1.0) / count, r = std::sqrt(1 - z * z);
-      const double turn = k * std::numbers::pi * (3 - std::sqrt(5.0));
-      const Vec3d n{r * std::cos(turn), r * std::sin(turn), z};
-      Vec3d s, t;
-      tangents(n, s, t);
-      const auto cap = cap_at(form, n, s, t);
-      const Vec3d lever = cross(n * cap.height + s * cap.along_s + t * cap.along_t, n);
-      const Vec3d& I = mass.inertia;
-      spots.push_back({contact_radius(form, cap),
-                       1 + mass.volume * (lever.x * lever.x / I.x + lever.y * lever.y / I.y +
-                                          lever.z * lever.z / I.z)});
-    }
+  template <class Part>
+  void find_spots(const Part& part, std::size_t count) {
+    std::visit(
+        [&](const auto& solid) {
+          using Kernel = KernelOf<std::decay_t<decltype(solid)>>;
+          typename Kernel::Store store;
+          const auto body =
+              Kernel::place(Kernel::row(solid, 1, store), body_axes(part.axes), part.centre);
+          for (std::size_t k = 0; k < count; ++k) {
+            const double z = 1 - (2 * static_cast<double>(k) + 1) / static_cast<double>(count);
+            const double r = std::sqrt(1 - z * z);
+            const double turn = static_cast<double>(k) * std::numbers::pi * (3 - std::sqrt(5.0));
+            const Vec3d n{r * std::cos(turn), r * std::sin(turn), z};
+            const Vec3d lever = cross(body.support(n), n);
+            const Vec3d& I = mass.inertia;
+            spots.push_back({contact_radius_at(body, n),
+                             1 + mass.volume * (lever.x * lever.x / I.x + lever.y * lever.y / I.y +
+                                                lever.z * lever.z / I.z)});
+          }
+        },
+        part.solid);
   }
 };
 
@@ -125,6 +152,9 @@ class Particles<S> {
     require(is_finite(p.velocity), what("velocity"), " = ", p.velocity, " [m/s] must be finite");
     require(is_finite(p.angular_velocity), what("angular_velocity"), " = ", p.angular_velocity,
             " [rad/s] must be finite");
+    if constexpr (requires(const S& form) { form.has_size(); })
+      require(p.radius > 0 || forms_[p.form].shape.has_size(), what("radius"),
+              " = 0 [m] must be greater than 0: the form of a Sphere has no size of its own");
     if (p.radius == 0) p.radius = forms_[p.form].radius;
     all_.push_back(p);
     return *this;

@@ -194,8 +194,9 @@ void write_surfaces(const std::string& file, const Sim& sim) requires(Sim::has_s
     const SurfaceMesh& mesh = of_forms[sim.form(k)];
     const auto first = static_cast<std::uint32_t>(all.points.size());
     const Quaternion turn = sim.orientation(k);
+    const Vec3d centroid = sim.forms()[sim.form(k)].mass.centroid;
     for (const Vec3d& p : mesh.points)
-      all.points.push_back(sim.position(k) + rotate(turn, sim.scale(k) * p));
+      all.points.push_back(sim.position(k) + rotate(turn, sim.scale(k) * (p - centroid)));
     for (const auto& t : mesh.triangles)
       all.triangles.push_back({first + t[0], first + t[1], first + t[2]});
     const Vec3d v = sim.velocity(k);

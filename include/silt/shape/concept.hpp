@@ -2,6 +2,9 @@
 #pragma once
 
 #include <concepts>
+#include <cstddef>
+#include <type_traits>
+#include <variant>
 #include <vector>
 
 #include <silt/core/target.hpp>
@@ -28,23 +31,48 @@ struct Ball {
 /// its own size. Needs
 ///   void check() const                           throws InputError, one sentence
 ///   MassProperties mass_properties() const       of unit density
-///   std::vector<Ball> parts() const              the spheres that it consists of, any frame
 template <class S>
 concept BodyShape = requires(const S& form) {
   requires S::is_body;
   form.check();
   { form.mass_properties() } -> std::same_as<MassProperties>;
-  { form.parts() } -> std::same_as<std::vector<Ball>>;
 };
 
-/// A convex body shape, one part, whose contacts are found by its own narrow phase. Needs besides
-///   static constexpr bool is_convex = true
-///   form_of(form): what the kernels take (shape/narrow/), in the principal frame
-///   double least_radius() const                  [m] of the largest sphere inside
+/// The kinds of convex parts that bodies may have: Ball, SuperEllipsoid, PolySuperEllipsoid,
+/// Polyhedron, in this order.
+template <class... Kind>
+struct KindList {
+  static constexpr std::size_t count = sizeof...(Kind);
+  template <class K>
+  static constexpr bool has = (std::is_same_v<K, Kind> || ...);
+  template <class K>
+  static constexpr std::size_t index = [] {
+    std::size_t k = 0;
+    (void)((std::is_same_v<K, Kind> || (++k, false)) || ...);
+    return k;
+  }();
+};
+
+/// A convex part of a body.
+template <class Kinds>
+struct SolidPart;
+template <class... Kind>
+struct SolidPart<KindList<Kind...>> {
+  std::variant<Kind...> solid;  // in its own frame
+  Vec3d centre{0, 0, 0};        // [m] of that frame's origin, in the body's principal frame
+  Quaternion axes{};            // turns that frame into the body's
+};
+
+/// A body shape whose parts have narrow phases of their own (shape/narrow/). Needs besides
+///   using Kinds = KindList<...>                  that its parts may have
+///   static constexpr bool one_part               a single part, in the principal frame, always
+///   std::vector<SolidPart<Kinds>> solids(const MassProperties&) const
+///   SurfaceMesh surface_of(form)                 to show it
+/// Others are spheres that belong together: std::vector<Ball> parts() const, in any frame.
 template <class S>
-concept ConvexShape = BodyShape<S> && requires(const S& form) {
-  requires S::is_convex;
-  { form.least_radius() } -> std::same_as<double>;
+concept SolidShape = BodyShape<S> && requires(const S& form, const MassProperties& mass) {
+  { form.solids(mass) } -> std::same_as<std::vector<SolidPart<typename S::Kinds>>>;
+  { S::one_part } -> std::convertible_to<bool>;
 };
 
 }  // namespace silt

@@ -130,6 +130,8 @@ inline MassProperties mass_properties(const Polyhedron& body) {
   return mass_properties_about(core.centroid, m);
 }
 
+inline MassProperties Polyhedron::mass_properties() const { return silt::mass_properties(*this); }
+
 /// A shape in the frame of its centroid and principal axes.
 struct PrincipalShape {
   std::vector<Polyhedron> parts;  // convex; one if the body is
@@ -156,6 +158,13 @@ inline PrincipalShape principal_shape(const MassProperties& mass,
 inline PrincipalShape principal_shape(const Polyhedron& body) {
   return detail::principal_shape(mass_properties(body), {body});
 }
+
+inline std::vector<SolidPart<Polyhedron::Kinds>> Polyhedron::solids(
+    const MassProperties& mass) const {
+  return {{detail::principal_shape(mass, {*this}).parts.front(), {0, 0, 0}, {}}};
+}
+
+static_assert(SolidShape<Polyhedron>);
 
 /// A concave body: its surface gives the mass, its convex parts the contacts. The parts must fill
 /// it: their volumes may differ from the mesh's by 1e-3 of it in sum (overlapping parts press

@@ -20,6 +20,9 @@ namespace silt::inline SILT_TARGET {
 /// Valid:  as SuperEllipsoid. Units: SI. Errors: check() throws InputError.
 /// Tests:  tests/shape/super_ellipsoid.cpp.
 struct PolySuperEllipsoid {
+  static constexpr bool is_body = true, one_part = false;  // its origin is not its centroid
+  using Kinds = KindList<PolySuperEllipsoid>;
+
   Vec3d plus;     // [m] semi-axes towards +x, +y, +z
   Vec3d minus;    // [m] towards -x, -y, -z
   double s1 = 2;  // [-]
@@ -62,6 +65,9 @@ struct PolySuperEllipsoid {
              moment(1, 0, 1)}};
   }
   MassProperties mass_properties() const { return silt::mass_properties(moments()); }
+  std::vector<SolidPart<Kinds>> solids(const MassProperties& mass) const {
+    return {{*this, rotate(conjugate(mass.axes), -mass.centroid), conjugate(mass.axes)}};
+  }
   double equal_volume_radius() const {
     return std::cbrt(0.75 * volume() / std::numbers::pi_v<double>);
   }
@@ -100,5 +106,7 @@ struct PolySuperEllipsoid {
            (s1 * s2 * s2) * gamma * SuperEllipsoid::beta((k + 1) / s1, 1 + in_plane / s1);
   }
 };
+
+static_assert(SolidShape<PolySuperEllipsoid>);
 
 }  // namespace silt

@@ -9,6 +9,7 @@
 #include <silt/shape/clip_graph.hpp>
 #include <silt/shape/rigid_pose.hpp>
 #include <silt/shape/solid_mesh.hpp>
+#include <silt/shape/concept.hpp>
 #include <silt/shape/triangle_moments.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -25,6 +26,8 @@ namespace silt::inline SILT_TARGET {
 /// Tests:  tests/shape/polyhedron.cpp
 class Polyhedron {
  public:
+  static constexpr bool is_body = true, one_part = true;
+  using Kinds = KindList<Polyhedron>;
   static constexpr std::size_t most_faces = 250, most_vertices = 1000;
   static constexpr std::size_t block = 8;  // arrays for lanes are padded to multiples of it
 
@@ -62,6 +65,14 @@ class Polyhedron {
             " [m] out of the plane of a triangle; give convex parts, or take its convex hull");
     return Polyhedron(convex_hull(mesh.vertices()), radius);
   }
+
+  /// `scale` [-] as large, about the origin.
+  Polyhedron scaled(double scale) const;
+
+  void check() const {}  // it was when it was made
+  MassProperties mass_properties() const;
+  /// In the principal frame.
+  std::vector<SolidPart<Kinds>> solids(const MassProperties& mass) const;
 
   const std::vector<Vec3d>& vertices() const { return vertices_; }
   const std::vector<Face>& faces() const { return faces_; }
@@ -259,6 +270,24 @@ inline double highest_along(const Polyhedron::Columns& c, const Vec3d& n) {
   return highest;
 }
 }  // namespace detail
+
+inline Polyhedron Polyhedron::scaled(double scale) const {
+  Polyhedron p = *this;
+  const auto stretch = [scale](std::vector<double>& values) {
+    for (double& v : values) v *= scale;
+  };
+  for (auto& v : p.vertices_) v *= scale;
+  for (auto& f : p.faces_) f.offset *= scale;
+  for (auto& v : p.graph_) v.at *= scale;
+  auto& g = p.graph_columns_;
+  stretch(g.x), stretch(g.y), stretch(g.z), stretch(p.plane_columns_.w);
+  auto& c = p.vertex_columns_;
+  stretch(c.x), stretch(c.y), stretch(c.z);
+  const double square = scale * scale;
+  p.radius_ *= scale, p.bounding_radius_ *= scale, p.equal_volume_radius_ *= scale;
+  p.edge_turning_ *= scale, p.core_area_ *= square, p.core_volume_ *= square * scale;
+  return p;
+}
 
 inline double Polyhedron::reach(const Vec3d& n) const {
   return detail::highest_along(vertex_columns_, n);

@@ -26,7 +26,8 @@ namespace silt::inline SILT_TARGET {
 /// Errors: check() throws InputError: field, value, unit, range.
 /// Tests:  tests/shape/super_ellipsoid.cpp.
 struct SuperEllipsoid {
-  static constexpr bool is_body = true, is_convex = true;
+  static constexpr bool is_body = true, one_part = true;
+  using Kinds = KindList<SuperEllipsoid>;
 
   double a, b, c;  // [m] semi-axes
   double s1 = 2;   // [-] exponent between z and the x-y plane
@@ -147,9 +148,7 @@ struct SuperEllipsoid {
 
   MassProperties mass_properties() const { return {volume(), {0, 0, 0}, inertia(), {}}; }
 
-  /// The bounding sphere, for searches.
-  std::vector<Ball> parts() const { return {{{0, 0, 0}, bounding_radius()}}; }
-  double least_radius() const { return smallest_axis(); }  // [m]
+  std::vector<SolidPart<Kinds>> solids(const MassProperties&) const { return {{*this, {}, {}}}; }
 
   double bounding_radius() const {  // [m], (3)
     return std::sqrt(dual_norm(dual_norm(a * a, b * b, s2), c * c, s1));
@@ -192,7 +191,7 @@ struct SuperEllipsoid {
   }
 };
 
-static_assert(ConvexShape<SuperEllipsoid>);
+static_assert(SolidShape<SuperEllipsoid>);
 
 namespace detail {
 

@@ -204,11 +204,11 @@ SILT_INLINE Mask<Real> apart(const PosedPair<FormI, FormJ>& pair,
   return least_gap(pair, memory) > Real(0);
 }
 
-/// The contact of two balls; the direction is kept in the axes of i.
-template <class Real>
-SILT_INLINE BodyContact<Real> touch(
-    const PosedPair<SuperForm<Real, Exponents::Ball>, SuperForm<Real, Exponents::Ball>>& pair,
-    NormalMemory<Real>& memory) {
+namespace detail {
+/// The contact of two balls, whichever form they have; the direction is kept in the axes of i.
+template <class Form, class Real>
+SILT_INLINE BodyContact<Real> touch_balls(const PosedPair<Form, Form>& pair,
+                                          NormalMemory<Real>& memory) {
   const Real a = pair.i.bound, b = pair.j.bound, zero(0);
   const Real distance = sqrt(max(dot(pair.between, pair.between), smallest<Real>()));
   const Vec3<Real> m = pair.between * (Real(1) / distance);
@@ -223,6 +223,19 @@ SILT_INLINE BodyContact<Real> touch(
   memory.direction = pair.turn_i.to_body(m);
   memory.follows = Real(1), memory.R_eff = select(out.touches, out.R_eff, zero);
   return out;
+}
+}  // namespace detail
+
+template <class Real>
+SILT_INLINE BodyContact<Real> touch(
+    const PosedPair<SuperForm<Real, Exponents::Ball>, SuperForm<Real, Exponents::Ball>>& pair,
+    NormalMemory<Real>& memory) {
+  return detail::touch_balls(pair, memory);
+}
+template <class Real>
+SILT_INLINE BodyContact<Real> touch(const PosedPair<SphereForm<Real>, SphereForm<Real>>& pair,
+                                    NormalMemory<Real>& memory) {
+  return detail::touch_balls(pair, memory);
 }
 
 /// The contact of each lane's pair; `memory` is read and written. Lanes that are only padding

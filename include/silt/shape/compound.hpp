@@ -1,0 +1,114 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <vector>
+
+#include <silt/shape/dilated_moments.hpp>
+#include <silt/shape/poly_super_ellipsoid.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// A rigid body of convex parts of one kind: a multi-super-ellipsoid, or a concave polyhedron.
+///
+///   silt::Compound<silt::SuperEllipsoid> cross{.parts = {{rod}, {rod, {}, quarter_turn}}};
+///   silt::Compound<silt::Polyhedron> angle{.parts = {{wall}, {floor}},
+///                                          .mass = silt::mass_properties(triangles)};
+///
+/// Contacts are those of its parts, each with its own history. Mass and inertia are given, as from
+/// the surface of a concave polyhedron, or, left out, those of the parts' union: by counting a grid
+/// of points, `grid` along the longest side of the box around the body (200: 1e-3 of volume and
+/// inertia).
+/// Errors: check() throws InputError: no parts, or what a part's own check() says.
+/// Tests: tests/shape/compound.cpp
+template <SolidShape S>
+struct Compound {
+  static constexpr bool is_body = true, one_part = false;
+  using Kinds = typename S::Kinds;
+  struct Part {
+    S shape;
+    Vec3d centre{0, 0, 0};  // [m] of its frame's origin, in the compound's
+    Quaternion axes{};      // turns its frame into the compound's
+  };
+
+  std::vector<Part> parts;
+  std::optional<MassProperties> mass = {};
+  int grid = 200;
+
+  void check() const {
+    require(!parts.empty(), "Compound has no parts; give at least one");
+    require(grid >= 10, "Compound.grid = ", grid, " [-] must be at least 10");
+    for (const Part& p : parts) {
+      p.shape.check();
+      require(is_finite(p.centre), "Compound: the centre of a part, ", p.centre,
+              " [m], must be finite");
+    }
+    require(!mass || (mass->volume > 0 && mass->inertia.x > 0 && mass->inertia.y > 0 &&
+                      mass->inertia.z > 0),
+            "Compound: the volume and the principal moments of its mass must be greater than 0");
+  }
+
+  MassProperties mass_properties() const {
+    return mass ? *mass : parts.size() == 1 ? of_one() : silt::mass_properties(moments_of_union());
+  }
+
+  std::vector<SolidPart<Kinds>> solids(const MassProperties& of) const {
+    std::vector<SolidPart<Kinds>> all;
+    const Quaternion back = conjugate(of.axes);
+    for (const Part& p : parts) {
+      // In its own principal frame the part stands turned and shifted.
+      const MassProperties own = p.shape.mass_properties();
+      const Vec3d centroid = p.centre + rotate(p.axes, own.centroid);
+      const Quaternion turn = back * p.axes * own.axes;
+      for (auto& solid : p.shape.solids(own))
+        all.push_back({std::move(solid.solid),
+                       rotate(back, centroid - of.centroid) + rotate(turn, solid.centre),
+                       turn * solid.axes});
+    }
+    return all;
+  }
+
+ private:
+  MassProperties of_one() const {
+    MassProperties m = parts.front().shape.mass_properties();
+    m.centroid = parts.front().centre + rotate(parts.front().axes, m.centroid);
+    m.axes = parts.front().axes * m.axes;
+    return m;
+  }
+
+  static bool holds(const SuperEllipsoid& s, const Vec3d& x) { return s.value(x) <= 0; }
+  static bool holds(const PolySuperEllipsoid& s, const Vec3d& x) { return s.value(x) <= 0; }
+  static bool holds(const Polyhedron& s, const Vec3d& x) {
+    for (const auto& face : s.faces())
+      if (dot(face.normal, x) > face.offset) return false;
+    return true;
+  }
+  static double bound(const Polyhedron& s) { return s.bounding_radius(); }
+  static double bound(const SuperEllipsoid& s) { return s.bounding_radius(); }
+  static double bound(const PolySuperEllipsoid& s) { return s.bounding_radius(); }
+
+  Moments moments_of_union() const {
+    Box box;
+    for (const Part& p : parts) {
+      const double r = bound(p.shape);
+      box.include(p.centre - Vec3d{r, r, r}), box.include(p.centre + Vec3d{r, r, r});
+    }
+    const Vec3d e = box.extent();
+    const double h = std::max({e.x, e.y, e.z}) / grid;
+    const auto cells = [&](double length) { return static_cast<int>(std::ceil(length / h)); };
+    Moments m;
+    const double cell = h * h * h;
+    for (int i = 0; i < cells(e.x); ++i)
+      for (int j = 0; j < cells(e.y); ++j)
+        for (int k = 0; k < cells(e.z); ++k) {
+          const Vec3d x = box.min + Vec3d{(i + 0.5) * h, (j + 0.5) * h, (k + 0.5) * h};
+          for (const Part& p : parts)
+            if (holds(p.shape, rotate(conjugate(p.axes), x - p.centre))) {
+              m.volume += cell, m.first += cell * x, m.second += cell * outer(x);
+              break;
+            }
+        }
+    return m;
+  }
+};
+
+}  // namespace silt

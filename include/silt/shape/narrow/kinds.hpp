@@ -1,0 +1,123 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <map>
+#include <memory>
+#include <utility>
+
+#include <silt/shape/narrow/placed.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// How kernels take a kind of convex part:
+///   Row                      one in its size, as numbers that can be copied
+///   row(part, scale, store)  the same, `scale` [-] as large; what is no number is kept in `store`
+///   place(row, axes, at)     one where it stands, a ConvexSet
+///   bound, least_radius      [m] of the smallest sphere around it about its origin, and of a large
+///                            one inside of it
+///   in_lanes                 whether touch() of narrow/super_ellipsoids.hpp takes it; Form is then
+///                            Row with Reals for doubles
+template <class Kind>
+struct KernelOf;
+
+template <>
+struct KernelOf<Ball> {
+  using Row = SphereForm<double>;
+  struct Store {};
+  static constexpr bool in_lanes = true;
+  template <class Real, Exponents>
+  using Form = SphereForm<Real>;
+
+  static Row row(const Ball& ball, double scale, Store&) {
+    return sphere_form(scale * ball.radius);
+  }
+  static PlacedBall place(const Row& row, const BodyAxes<double>&, const Vec3d& at) {
+    return {row.bound, at};
+  }
+  static double bound(const Ball& ball) { return ball.radius; }
+  static double least_radius(const Ball& ball) { return ball.radius; }
+  static Exponents exponents(const Ball&) { return Exponents::Ball; }
+};
+
+namespace detail {
+/// A form `scale` [-] as large.
+template <class Form>
+Form scaled_form(Form f, double scale) {
+  const double square = scale * scale;
+  f.axes2 = f.axes2 * square;
+  if constexpr (requires { f.minus2; }) f.minus2 = f.minus2 * square;
+  f.e2 *= square, f.e_p1 *= std::pow(scale, f.p1), f.e_p2 *= std::pow(scale, f.p2);
+  f.size *= scale, f.bound *= scale;
+  return f;
+}
+}  // namespace detail
+
+template <>
+struct KernelOf<SuperEllipsoid> {
+  using Row = SuperForm<double>;
+  struct Store {};
+  static constexpr bool in_lanes = true;
+  template <class Real, Exponents E>
+  using Form = SuperForm<Real, E>;
+
+  static Row row(const SuperEllipsoid& shape, double scale, Store&) {
+    return detail::scaled_form(form_of(shape), scale);
+  }
+  static PlacedSuper<Row> place(const Row& row, const BodyAxes<double>& axes, const Vec3d& at) {
+    return {row, axes, at};
+  }
+  static double bound(const SuperEllipsoid& shape) { return shape.bounding_radius(); }
+  static double least_radius(const SuperEllipsoid& shape) { return shape.smallest_axis(); }
+  static Exponents exponents(const SuperEllipsoid& shape) { return exponents_of(shape); }
+};
+
+template <>
+struct KernelOf<PolySuperEllipsoid> {
+  using Row = PolyForm<double>;
+  struct Store {};
+  static constexpr bool in_lanes = true;
+  template <class Real, Exponents E>
+  using Form = PolyForm<Real, E>;
+
+  static Row row(const PolySuperEllipsoid& shape, double scale, Store&) {
+    return detail::scaled_form(form_of(shape), scale);
+  }
+  static PlacedSuper<Row> place(const Row& row, const BodyAxes<double>& axes, const Vec3d& at) {
+    return {row, axes, at};
+  }
+  static double bound(const PolySuperEllipsoid& shape) { return shape.bounding_radius(); }
+  static double least_radius(const PolySuperEllipsoid& shape) {
+    return shape.smallest_octant().smallest_axis();
+  }
+  static Exponents exponents(const PolySuperEllipsoid& shape) {
+    return exponents_of(shape.s1, shape.s2);
+  }
+};
+
+template <>
+struct KernelOf<Polyhedron> {
+  struct Row {
+    const Polyhedron* shape;
+  };
+  /// One a size.
+  using Store = std::map<std::pair<const Polyhedron*, double>, std::unique_ptr<Polyhedron>>;
+  static constexpr bool in_lanes = false;
+
+  static Row row(const Polyhedron& shape, double scale, Store& store) {
+    auto& kept = store[{&shape, scale}];
+    if (!kept) kept = std::make_unique<Polyhedron>(shape.scaled(scale));
+    return {kept.get()};
+  }
+  static PlacedPolyhedron place(const Row& row, const BodyAxes<double>& axes, const Vec3d& at) {
+    return {row.shape, {at, RotationMatrix{axes.x, axes.y, axes.z}}};
+  }
+  static double bound(const Polyhedron& shape) { return shape.bounding_radius(); }
+  static double least_radius(const Polyhedron& shape) {
+    double inside = shape.bounding_radius();
+    for (const auto& face : shape.faces()) inside = std::min(inside, face.offset);
+    return inside + shape.radius();
+  }
+  static Exponents exponents(const Polyhedron&) { return Exponents::Ball; }
+};
+
+}  // namespace silt
