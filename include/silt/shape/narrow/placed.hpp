@@ -53,6 +53,16 @@ inline double contact_radius_at(const PlacedPolyhedron& body, const Vec3d&) {
   return body.shape->equal_volume_radius();
 }
 
+namespace detail {
+/// [m] of the bounding sphere about the body's place.
+inline double bound_of(const PlacedBall& b) { return b.radius; }
+template <class Form>
+double bound_of(const PlacedSuper<Form>& b) {
+  return b.form.bound;
+}
+inline double bound_of(const PlacedPolyhedron& b) { return b.shape->bounding_radius(); }
+}  // namespace detail
+
 /// A contact of two bodies, or of one with a wall, whatever their shapes are.
 ///
 ///   force on i          = F(overlap) gradient normal, acts at `point`

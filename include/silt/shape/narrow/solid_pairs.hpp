@@ -43,13 +43,6 @@ const Vec3d& place_of(const PlacedSuper<Form>& b) {
 }
 inline const Vec3d& place_of(const PlacedPolyhedron& b) { return b.pose.position; }
 
-inline double bound_of(const PlacedBall& b) { return b.radius; }
-template <class Form>
-double bound_of(const PlacedSuper<Form>& b) {
-  return b.form.bound;
-}
-inline double bound_of(const PlacedPolyhedron& b) { return b.shape->bounding_radius(); }
-
 inline BodyAxes<double> axes_of(const PlacedBall&) { return {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}; }
 template <class Form>
 BodyAxes<double> axes_of(const PlacedSuper<Form>& b) {

@@ -25,12 +25,6 @@ const Vec3d& centre_of(const PlacedSuper<Form>& body) {
   return body.position;
 }
 inline const Vec3d& centre_of(const PlacedPolyhedron& body) { return body.pose.position; }
-template <class Form>
-double bound_of(const PlacedSuper<Form>& body) {  // [m] bounding radius about the centre
-  return body.form.bound;
-}
-inline double bound_of(const PlacedPolyhedron& body) { return body.shape->bounding_radius(); }
-
 /// The deepest contacts of those added; of equally deep ones the first added.
 struct DeepestContacts {
   SolidContact* out;

@@ -203,6 +203,9 @@ class ThicknessIntegrals {
   double trace_ = 0;    // T
 };
 
+/// Thinner intersections [-, of the body's bounding radius] are none.
+inline constexpr double thinnest = 1e-12;
+
 /// `sign` +1 if i's planes cut the body, -1 if i was cut.
 inline VolumeContact thickness_of(const ClippedBody::Graph& g, const PlacedPolyhedron& body,
                                   const Cutter& cutter, double sign, const Vec3d& towards_i) {
@@ -218,7 +221,8 @@ inline VolumeContact thickness_of(const ClippedBody::Graph& g, const PlacedPolyh
   }
   const ThicknessIntegrals t(g, *body.shape, cutter, cut);
   const double square = dot(t.area, t.area);
-  if (!(t.thickness > 0 && square > 0)) return {};  // too thin for numbers
+  // Too thin for numbers: corners are known to some 1e-16 of the body.
+  if (!(t.thickness > thinnest * body.shape->bounding_radius() && square > 0)) return {};
   out.overlap = t.thickness, out.gradient = std::sqrt(square);
   out.normal = body.pose.turn * ((-sign / out.gradient) * t.area);
   out.point = body.pose.to_space(cut.middle + (1 / square) * cross(t.area, t.moment));
