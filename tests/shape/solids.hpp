@@ -23,7 +23,7 @@ using Super = PlacedSuper<silt::SuperForm<double>>;
 using PolySuper = PlacedSuper<silt::PolyForm<double>>;
 
 struct BallKind {
-  static constexpr const char* name = "ball";
+  static inline const std::string name = "ball";
   double radius;
   explicit BallKind(Random& random) : radius(random.uniform(0.3, 0.5)) {}
   PlacedBall at(const Vec3d& x, const Quaternion&) const { return {radius, x}; }
@@ -39,14 +39,14 @@ inline silt::SuperEllipsoid super_shape(Random& random, double s) {
 }
 
 struct SuperKind {
-  static constexpr const char* name = "super";
+  static inline const std::string name = "super";
   silt::SuperForm<double> form;
   explicit SuperKind(Random& random, double s = 6) : form(form_of(super_shape(random, s))) {}
   Super at(const Vec3d& x, const Quaternion& q) const { return {form, body_axes(q), x}; }
 };
 
 struct PolySuperKind {
-  static constexpr const char* name = "poly-super";
+  static inline const std::string name = "poly-super";
   silt::PolyForm<double> form;
   explicit PolySuperKind(Random& random) {
     const auto side = [&] { return random.uniform(0.3, 0.5); };
@@ -58,7 +58,7 @@ struct PolySuperKind {
 };
 
 struct SharpKind {
-  static constexpr const char* name = "polyhedron";
+  static inline const std::string name = "polyhedron";
   Polyhedron shape;
   explicit SharpKind(Random& random) : shape(random.hull(12)) {}
   explicit SharpKind(const Polyhedron& given) : shape(given) {}
@@ -66,7 +66,7 @@ struct SharpKind {
 };
 
 struct DilatedKind : SharpKind {
-  static constexpr const char* name = "dilated";
+  static inline const std::string name = "dilated";
   explicit DilatedKind(Random& random)
       : SharpKind(Polyhedron::from_points(random.hull(12).vertices(), 0.06)) {}
 };
@@ -165,14 +165,14 @@ Collision collide(const KindI& kind_i, const KindJ& kind_j, unsigned seed, doubl
   Free i, j;
   const Vec3d ray = random.direction();
   i.q = random.turn(), j.q = random.turn();
-  i.x = 0.6 * ray + 0.1 * random.direction(), j.x = -0.6 * ray;
+  i.x = 0.65 * ray + 0.1 * random.direction(), j.x = -0.65 * ray;
   i.v = -0.5 * ray, j.v = 0.5 * ray;
   i.spin = 0.01 * random.direction(), j.spin = 0.01 * random.direction();
-  const double before = i.energy() + j.energy(), k = 3000;
+  const double before = i.energy() + j.energy(), k = 2e4;
   const Vec3d P = i.v + j.v, S = i.angular() + j.angular();
   NormalMemory<double> memory;
   Collision out;
-  for (double t = 0; t < 1.6; t += h) {
+  for (double t = 0; t < 1.8; t += h) {
     i.drift(h / 2), j.drift(h / 2);
     const auto c = touch_solids(kind_i.at(i.x, i.q), kind_j.at(j.x, j.q), memory);
     double stored = 0;

@@ -143,6 +143,27 @@ inline Symmetric2<double> made_positive(const Symmetric2<double>& H, double leas
   return {middle + off * c, off * s, middle - off * c};
 }
 
+/// The step along an edge by H itself, which is positive there though not in all directions; false
+/// if an end of the edge holds it.
+inline bool along_edge(const Symmetric2<double>& H, HeldStep& step) {
+  const auto &u = step.by[0], &v = step.by[1];
+  const double es = v.gs - u.gs, et = v.gt - u.gt, square = es * es + et * et;
+  const double across = (u.a - v.a) / square, curve = H.form(-et, es);
+  if (!(curve > 0)) return false;
+  const auto slope = [&](double s, double t) {  // grad of (2) where u holds it
+    return std::array{H.xx * s + H.xy * t + u.gs, H.xy * s + H.yy * t + u.gt};
+  };
+  const auto before = slope(across * es, across * et);
+  const double along = (before[0] * et - before[1] * es) / curve;
+  const double s = across * es - along * et, t = across * et + along * es;
+  const auto after = slope(s, t);
+  const double part = -(after[0] * es + after[1] * et) / square;
+  if (!(part > 0 && part < 1)) return false;
+  step.s = s, step.t = t, step.weight[0] = 1 - part, step.weight[1] = part;
+  step.value = 0.5 * H.form(s, t) + step.level();
+  return true;
+}
+
 /// The search, in the axes of the polyhedron.
 template <class Form>
 class CornerSearch {
@@ -170,14 +191,16 @@ class CornerSearch {
       const auto& T = at.cap.radii;
       const Symmetric2<double> true_H{T.xx - at.core_depth, T.xy, T.yy - at.core_depth};
       const auto H = made_positive(true_H, 1e-9 * size_);
-      const HeldStep step = best_step(at, H, rounding);
+      HeldStep step = best_step(at, H, rounding);
+      const bool made = H.xx != true_H.xx || H.yy != true_H.yy;  // positive
+      const bool minimum = !made || step.size == 3 || (step.size == 2 && along_edge(true_H, step));
       const double s = step.s, t = step.t, length2 = s * s + t * t;
       const double depth =
           r + (0.5 * T.form(s, t) + step.level()) / std::sqrt(1 + length2);  // after the step
       if (out.depth < 0 && depth > 1.5 * out.depth) return apart(out);
       const double pace = std::sqrt(at.cap.pace.form(s, t) + length2);
-      const bool minimum = is_minimum(true_H, H, step);
-      const bool ends = minimum && is_precise(at.cap, step, pace);
+      // On a face H counts for the weights alone, and not where the step is 0.
+      const bool ends = minimum && is_precise(at.cap, step, made && step.size == 3 ? 1 : pace);
       if (ends && (depth > 0 || at.core_depth + r - depth < rounding)) {
         out.depth = std::max(depth, 0.0), out.settled = true;
         out.direction = normalised(at.m + s * at.s + t * at.t);
@@ -240,14 +263,6 @@ class CornerSearch {
     return search.best();
   }
 
-  /// Whether F rises on all sides: H itself is positive where the corners leave the normal free.
-  static bool is_minimum(const Symmetric2<double>& true_H, const Symmetric2<double>& H,
-                         const HeldStep& step) {
-    if (step.size == 3 || (true_H.xx == H.xx && true_H.yy == H.yy)) return true;
-    if (step.size == 1) return false;
-    return true_H.form(step.by[0].gt - step.by[1].gt, step.by[1].gs - step.by[0].gs) > 0;
-  }
-
   /// As newton_step(): the errors of normal and point after the step. A vertex is exact as a
   /// point, a face as a normal.
   bool is_precise(const Cap<double>& cap, const HeldStep& step, double pace) const {
@@ -256,7 +271,8 @@ class CornerSearch {
     const double turn_error = step.size == 3 ? 0 : 2 * pace * std::hypot(s, t);
     const double moved = std::hypot(T.xx * s + T.xy * t, T.xy * s + T.yy * t);
     const double missed = step.size == 1 ? 0 : 2 * pace * moved + (T.xx + T.yy) * turn_error;
-    return pace <= 0.25 && turn_error <= turn_tolerance && missed <= point_tolerance * size_;
+    return (pace <= 0.25 || moved <= 0.1 * point_tolerance * size_) &&
+           turn_error <= turn_tolerance && missed <= point_tolerance * size_;
   }
 
   static CornerNormal apart(CornerNormal out) {
