@@ -123,7 +123,7 @@ TEST_CASE("solid_pairs: super-ellipsoid and polyhedron from nothing: the least o
   const auto shapes = many_shapes(random);
   double above = 0;
   int pairs = 0, lower = 0, deep_above = 0, deep_pairs = 0;
-  for (int k = 0; k < 400; ++k) {
+  for (int k = 0; k < 250; ++k) {
     const auto& shape = shapes[static_cast<std::size_t>(random.uniform(0, 21))];
     const auto [i, j] = arrange(k % 5, shape, random);
     NormalMemory<double> memory;
@@ -138,7 +138,7 @@ TEST_CASE("solid_pairs: super-ellipsoid and polyhedron from nothing: the least o
   }
   MESSAGE("of ", pairs, " shallow pairs at most ", above, " above the least; of ", deep_pairs,
           " deep ones ", deep_above, " are; lower than the brute force: ", lower);
-  CHECK(pairs > 150);
+  CHECK(pairs > 100);
   CHECK(above <= 1e-9);
   CHECK(deep_above <= deep_pairs / 100);
 }
@@ -324,23 +324,100 @@ TEST_CASE(
   Random random(8);
   for_each_pair(
       [&](const auto& i, const auto& j) {
-        double coarse = 0, fine = 0, momentum = 0;
-        int parted = 0;
+        // Dilated polyhedra: the point jumps where an edge or face comes to lie parallel to one of
+        // the partner. There the potential has a kink, and such collisions are left out.
+        const bool may_jump = (i.name == "dilated" || i.name == "polyhedron") &&
+                              (j.name == "dilated" || j.name == "polyhedron") &&
+                              i.name + j.name != "polyhedronpolyhedron";
+        double coarse = 0, fine = 0, end = 0, momentum = 0;
+        int parted = 0, used = 0;
         for (unsigned seed = 1; seed <= 8; ++seed) {
           const auto one = collide(i, j, seed, 1e-3), other = collide(i, j, seed, 2.5e-4);
           parted += one.parted && other.parted;
-          coarse += one.swing, fine += other.swing;
           momentum = std::max({momentum, one.momentum, other.momentum});
+          if (may_jump && other.jump > 2e-3) continue;  // the bodies move by 2.5e-4 in a step
+          coarse += one.swing, fine += other.swing, ++used;
+          if (other.parted) end = std::max(end, other.end);
         }
         const double order = std::log(coarse / fine) / std::log(4.0);
-        MESSAGE(i.name, " on ", j.name, ": mean largest energy error ", coarse / 8,
-                " at step 1e-3, ", fine / 8, " at 2.5e-4: order ", order);
+        MESSAGE(i.name, " on ", j.name, ", ", used, " collisions: mean largest energy error ",
+                coarse / used, " at step 1e-3, ", fine / used, " at 2.5e-4: order ", order,
+                ", after it at most ", end);
         CHECK(parted >= 7);
+        CHECK(used >= 4);
         CHECK(momentum <= 1e-12);
-        CHECK(fine / 8 <= 1e-3);
+        CHECK(fine / used <= 1e-4);
+        CHECK(end <= 1e-4);
         CHECK(order >= 1.6);  // second order, less what the first touch has of its singular force
       },
       random);
+}
+
+TEST_CASE(
+    "solid_pairs: bodies in one place and one inside of the other have finite contacts, all "
+    "kinds") {
+  Random random(10);
+  const auto is_finite_contact = [](const SolidContact& c) {
+    return silt::is_finite(c.normal) && silt::is_finite(c.point) &&
+           std::abs(norm(c.normal) - 1) <= 1e-12 &&
+           silt::is_finite({c.overlap, c.gradient, c.couple}) && std::isfinite(c.R_eff);
+  };
+  for_each_pair(
+      [&](const auto& kind_i, const auto& kind_j) {
+        INFO(kind_i.name, " on ", kind_j.name);
+        for (int k = 0; k < 20; ++k) {
+          const auto turn = random.turn();
+          const auto i = kind_i.at({0, 0, 0}, turn);
+          // The same place, turn and all; then from there out by one direction.
+          NormalMemory<double> memory;
+          const Vec3d out = random.direction();
+          for (const double away : {0.0, 1e-12, 0.05, 0.3, 3.0, 0.0}) {
+            const auto j = kind_j.at(away * out, k % 2 == 0 ? turn : random.turn());
+            const auto c = touch_solids(i, j, memory);
+            CHECK(is_finite_contact(c));
+            CHECK((c.overlap > 0) == (away < 1));
+            CHECK((c.R_eff > 0) == (away < 1));
+            CHECK(memory.R_eff == c.R_eff);
+          }
+        }
+      },
+      random);
+}
+
+TEST_CASE("solid_pairs: a polyhedron inside of another is buried: an overlap without a force") {
+  const auto small = shape_test::box({0.1, 0.1, 0.1}), large = shape_test::box({1, 1, 1});
+  NormalMemory<double> memory;
+  const auto c = touch_solids(PlacedPolyhedron{&small, {{0.1, 0, 0}, Quaternion{}}},
+                              PlacedPolyhedron{&large, {}}, memory);
+  CHECK(c.overlap > 0.05);
+  CHECK(c.gradient == 0);
+}
+
+TEST_CASE("solid_pairs: an ellipsoid on a box's face, edge and corner: closed forms") {
+  const auto cube = shape_test::box({1, 1, 1});
+  const PlacedPolyhedron j{&cube, {}};
+  const double a = 0.3, b = 0.2, c = 0.1, depth = 1e-3;
+  const auto form = form_of(silt::SuperEllipsoid{a, b, c});
+  const silt::BodyAxes<double> axes{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (const Vec3d n : {Vec3d{0, 0, 1}, normalised(Vec3d{1, 0, 1}), normalised(Vec3d{1, 1, 1})}) {
+    // The ellipsoid's point with outward normal -n at the middle of the feature, and then deeper.
+    const double h = std::sqrt(a * a * n.x * n.x + b * b * n.y * n.y + c * c * n.z * n.z);
+    const Vec3d feature{n.x > 0 ? 0.5 : 0, n.y > 0 ? 0.5 : 0, n.z > 0 ? 0.5 : 0};
+    const Vec3d from_centre{-a * a * n.x / h, -b * b * n.y / h, -c * c * n.z / h};
+    const Super i{form, axes, feature - from_centre - depth * n};
+    NormalMemory<double> memory;
+    const auto contact = touch_solids(i, j, memory);
+    CHECK(contact.overlap == near(depth).epsilon(1e-12));
+    CHECK(norm(contact.normal - n) <= 1e-7);
+    CHECK(norm(contact.point - (feature - 0.5 * depth * n)) <= 1e-7);
+    // R = 1/mean curvature, h = height of the tangent plane: kappa_m of an ellipsoid at normal n is
+    // (T1 + T2)/(2 T1 T2), T1 T2 = (a b c/h^2)^2, T1 + T2 from the trace of its matrix of radii.
+    const double product = std::pow(a * b * c / (h * h), 2);
+    const Vec3d g{a * a * n.x / h, b * b * n.y / h, c * c * n.z / h};
+    const double sum = (a * a + b * b + c * c - dot(g, g)) / h;
+    const double R = std::min(2 * product / sum, a), Rj = cube.equal_volume_radius();
+    CHECK(contact.R_eff == near(R * Rj / (R + Rj)).epsilon(1e-3));
+  }
 }
 
 #if defined(SILT_TEST_CCD)
@@ -353,9 +430,9 @@ void ccd_support(const void* object, const ccd_vec3_t* dir, ccd_vec3_t* out) {
 }
 }  // namespace
 
-TEST_CASE("solid_pairs: libccd says the same of what touches, and no less of how deep") {
+TEST_CASE("solid_pairs: libccd says the same of what touches, and of how deep") {
   Random random(9);
-  int pairs = 0, differ = 0, deeper = 0, depths = 0;
+  int pairs = 0, differ = 0, above = 0, below = 0, depths = 0;
   for (int round = 0; round < 10; ++round)
     for_each_pair(
         [&](const auto& kind_i, const auto& kind_j) {
@@ -381,14 +458,18 @@ TEST_CASE("solid_pairs: libccd says the same of what touches, and no less of how
             if (!by_depth || !(c.overlap > 0) || c.overlap > 0.05 ||
                 ccdGJKPenetration(&i, &j, &ccd, &depth, &direction, &position) != 0)
               continue;
-            ++depths, deeper += c.overlap > depth + 1e-6;
+            const Vec3d m{direction.v[0], direction.v[1], direction.v[2]};
+            ++depths, below += c.overlap < depth - 1e-6;
+            above += c.overlap > depth_along(i, j, m) + 1e-9;
           }
         },
         random);
-  MESSAGE("libccd: ", differ, " of ", pairs, " differ on touching; of ", depths,
-          " depths silt has a larger one in ", deeper);
+  MESSAGE("libccd: ", differ, " of ", pairs, " differ on touching; of ", depths, " depths ", below,
+          " are less than its polytope's, ", above, " more than along its direction");
   CHECK(pairs > 2500);
+  CHECK(depths > 800);
   CHECK(differ <= pairs / 1000);  // its tolerance on curved bodies
-  CHECK(deeper <= depths / 500);
+  CHECK(below <= depths / 500);   // its misses, as in gjk.cpp
+  CHECK(above == 0);
 }
 #endif

@@ -155,6 +155,7 @@ struct Free {
 
 struct Collision {
   double swing = 0, end = 0, momentum = 0;  // energy errors over energy; changes
+  double jump = 0;                          // [m] of the point from one step to the next
   bool touched = false, parted = false;
 };
 
@@ -172,13 +173,16 @@ Collision collide(const KindI& kind_i, const KindJ& kind_j, unsigned seed, doubl
   const Vec3d P = i.v + j.v, S = i.angular() + j.angular();
   NormalMemory<double> memory;
   Collision out;
+  Vec3d last{0, 0, 0};
+  bool pressed = false;
   for (double t = 0; t < 1.8; t += h) {
     i.drift(h / 2), j.drift(h / 2);
     const auto c = touch_solids(kind_i.at(i.x, i.q), kind_j.at(j.x, j.q), memory);
-    double stored = 0;
     if (c.overlap > 0) {
+      if (pressed) out.jump = std::max(out.jump, norm(c.point - last));
+      last = c.point;
       const double law = k * std::sqrt(c.R_eff * c.overlap);
-      stored = 0.4 * law * c.overlap * c.overlap;
+      const double stored = 0.4 * law * c.overlap * c.overlap;
       const Vec3d force = (law * c.overlap * c.gradient) * c.normal, turn = c.couple * force;
       // Half kicks on either side of the place at which the stored energy is taken.
       const auto kick = [&] {
@@ -189,7 +193,8 @@ Collision collide(const KindI& kind_i, const KindJ& kind_j, unsigned seed, doubl
       out.swing = std::max(out.swing, std::abs(i.energy() + j.energy() + stored - before) / before);
       kick();
     }
-    out.touched |= c.overlap > 0, out.parted = out.touched && !(c.overlap > 0);
+    pressed = c.overlap > 0;
+    out.touched |= pressed, out.parted = out.touched && !pressed;
     i.drift(h / 2), j.drift(h / 2);
   }
   out.end = std::abs(i.energy() + j.energy() - before) / before;

@@ -268,8 +268,9 @@ class CornerSearch {
   bool is_precise(const Cap<double>& cap, const HeldStep& step, double pace) const {
     const auto& T = cap.radii;
     const double s = step.s, t = step.t;
-    const double turn_error = step.size == 3 ? 0 : 2 * pace * std::hypot(s, t);
-    const double moved = std::hypot(T.xx * s + T.xy * t, T.xy * s + T.yy * t);
+    const double turn_error = step.size == 3 ? 0 : 2 * pace * std::sqrt(s * s + t * t);
+    const double us = T.xx * s + T.xy * t, ut = T.xy * s + T.yy * t;
+    const double moved = std::sqrt(us * us + ut * ut);
     const double missed = step.size == 1 ? 0 : 2 * pace * moved + (T.xx + T.yy) * turn_error;
     return (pace <= 0.25 || moved <= 0.1 * point_tolerance * size_) &&
            turn_error <= turn_tolerance && missed <= point_tolerance * size_;

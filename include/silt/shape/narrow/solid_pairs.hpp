@@ -153,8 +153,11 @@ SolidContact touch_corners(const PlacedSuper<Form>& i, const PlacedPolyhedron& j
     memory.follows = 0;
     return apart_by(gap, memory);
   }
+  const Vec3d last = last_direction_of(i, j, memory);
+  if (memory.follows != 0 && memory.R_eff == 0)
+    if (const double gap = gap_towards(i, j, last); gap > 0) return apart_by(gap, memory);
   const auto& turn = j.pose.turn;
-  const auto found = find_corner_normal(i, j, turn.back(last_direction_of(i, j, memory)));
+  const auto found = find_corner_normal(i, j, turn.back(last));
   const Vec3d m = turn * found.direction;
   // A corner leaves the normal to the smooth body, whose turning it follows.
   if (found.held == 1)
