@@ -18,7 +18,8 @@ namespace silt::inline SILT_TARGET {
 ///
 ///   1/2 s.H s + max_v (a_v + g_v . s),  a_v = h - m . c_v,  g_v = (grad h - c_v) in the plane  (2)
 ///
-/// H = T - (F - r) 1 (normal_search.hpp), its eigenvalues made positive. One corner holds the
+/// H = T - (F - r) 1 (normal_search.hpp), its eigenvalues made positive (along an edge H itself, if
+/// it is positive there). One corner holds the
 /// minimum (a vertex touches: Newton's step), two do (an edge: the normal stays across it), or
 /// three (a face: the normal is the face's). Which ones is found as GJK finds the nearest simplex,
 /// by adding the corner that stands out most and leaving out those without weight; sum_v weight_v

@@ -97,8 +97,8 @@ inline void nearest_on_triangle(Simplex& s) {
   s = best;
 }
 
-/// True if the origin is inside (then the simplex stays whole).
-inline bool nearest_on_tetrahedron(Simplex& s) {
+/// True if the origin is inside (then the simplex stays whole). `outside`: it is known not to be.
+inline bool nearest_on_tetrahedron(Simplex& s, bool outside = false) {
   Simplex best;
   double best_square = std::numeric_limits<double>::infinity();
   bool inside = true;
@@ -110,7 +110,7 @@ inline bool nearest_on_tetrahedron(Simplex& s) {
     const Vec3d a = face.corner[0].difference;
     const Vec3d n = cross(face.corner[1].difference - a, face.corner[2].difference - a);
     const double apex = dot(n, s.corner[k].difference - a), origin = -dot(n, a);
-    if (apex * origin > 0) continue;
+    if (apex * origin > 0 && !outside) continue;
     inside = false;
     nearest_on_triangle(face);
     keep_nearer(face, best, best_square);
@@ -181,6 +181,9 @@ GjkResult gjk_distance(const A& a, const B& b, const Vec3d& start,
     s.corner[s.size++] = {w, on_a, on_b};
     const auto before = s;
     out.overlapping = detail::nearest_on_simplex(s);
+    // A plane parts the sets: the volume of the tetrahedron drowns in rounding.
+    if (out.overlapping && out.lower_bound > rounding * size)
+      out.overlapping = detail::nearest_on_tetrahedron(s, true);
     if (out.overlapping) break;
     const Vec3d next = s.nearest();
     if (!(norm(next) > rounding * size)) {  // the origin lies on the simplex

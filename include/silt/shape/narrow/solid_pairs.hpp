@@ -15,9 +15,9 @@
 ///   ball or super, super          least depth over all normals (super_ellipsoids.hpp)
 ///   ball, polyhedron              nearest point of the polyhedron (sphere_polyhedron.hpp)
 ///   super, polyhedron             least depth over all normals (corner_normal.hpp)
-///   polyhedron, polyhedron        both sharp: thickness of the intersection
-///   (thickness_overlap.hpp)
-///                                 else by the distance of the cores (margin_contact.hpp)
+///   two sharp polyhedra           thickness of the intersection (thickness_overlap.hpp)
+///   polyhedra, one or both        distance of the cores (margin_contact.hpp)
+///   dilated
 ///
 /// (super: super-ellipsoid or poly-super-ellipsoid; a dilated polyhedron counts with its radius.)
 /// The overlap is a potential of place and turn in all of them (placed.hpp (1)), with the R_eff of
@@ -27,10 +27,11 @@
 /// dilated polyhedra whose cores overlap. The point jumps where parallel edges or faces leave it
 /// free (dilated polyhedra; super on polyhedron only if the super is flat there).
 ///
-/// Memory: direction = -normal, in the axes of the body that is flatter at the contact. A pair
-/// without one (follows = 0: new, or its bounding spheres were apart) is searched as a whole;
-/// otherwise a touching pair follows the minimum it came in by.
-/// Tests:  tests/shape/solid_pairs.cpp; cost: benchmarks/shape.
+/// Memory: direction = -normal, in the axes of the body that is flatter at the contact; those of a
+/// ball are those of space. A pair without one (follows = 0: new, or its bounding spheres were
+/// apart) is searched as a whole; otherwise a touching pair follows the minimum it came in by.
+///
+/// Tests:  tests/shape/solid_pairs.cpp. Cost: benchmarks/shape/bench_solid_pairs.cpp.
 
 namespace silt::inline SILT_TARGET {
 
@@ -130,7 +131,12 @@ auto posed_pair(const A& i, const B& j) {
 /// Two smooth bodies, not both balls.
 template <class A, class B>
 SolidContact touch_smooth(const A& i, const B& j, NormalMemory<double>& memory) {
-  const auto c = touch(posed_pair(i, j), memory);
+  const auto pair = posed_pair(i, j);
+  if (memory.follows != 0 && memory.R_eff == 0) {
+    const double gap = least_gap(pair, memory);
+    if (gap > 0 && gap_of_spheres(i, j) <= 0) return apart_by(gap, memory);
+  }
+  const auto c = touch(pair, memory);
   SolidContact out;
   out.overlap = c.touches ? c.overlap : std::min(c.overlap, 0.0);
   if (!c.touches) return out;
