@@ -357,3 +357,48 @@ TEST_CASE(
     }
   }
 }
+
+TEST_CASE(
+    "solid meshes: what has just touched rough ground, by distances to triangles, has a contact") {
+  Random r(7);
+  double least = 1, largest = 0;
+  for (int m = 0; m < 6; ++m) {
+    // Steep and nearly flat grounds; those of a smooth angle of 0 and of 30 degrees.
+    const double rough = m % 3 == 0 ? 0.5 : m % 3 == 1 ? 0.1 : 1e-3;
+    const TriangleMesh mesh(floor_of(r, 10, 2, [&](double, double) { return r.uniform(0, rough); }),
+                            m < 3 ? 0 : pi / 6);
+    std::vector<TriangleSet> sets;
+    for (const auto& t : mesh.triangles())
+      sets.push_back({{mesh.vertices()[t[0]], mesh.vertices()[t[1]], mesh.vertices()[t[2]]}});
+    for (int k = 0; k < 12; ++k)
+      for_bodies(r, [&](const auto& any, const std::string& name) {
+        INFO(name, " ", m, " ", k);
+        const auto body = moved(any, {r.uniform(-1, 1), r.uniform(-1, 1), 0}, {});
+        double radius = 0;
+        if constexpr (requires { body.shape->radius(); }) radius = body.shape->radius();
+        const auto touches = [&](double z) {
+          const auto there = moved(body, {0, 0, z}, {});
+          for (const auto& set : sets) {
+            const auto gap = gjk_distance(there, set, {0, 0, 1}, radius);
+            if (gap.overlapping || (!gap.beyond_reach && gap.distance < radius)) return true;
+          }
+          return false;
+        };
+        double low = 0, high = 2;
+        for (int i = 0; i < 40; ++i) {
+          const double mid = 0.5 * (low + high);
+          (touches(mid) ? low : high) = mid;
+        }
+        const double down = 1e-4;
+        CHECK(at(mesh, moved(body, {0, 0, high + 1e-6}, {})).empty());
+        const auto found = at(mesh, moved(body, {0, 0, high - down}, {}));
+        REQUIRE(found.size() > 0);
+        const double part = found[0].overlap / (down * found[0].normal.z);
+        INFO(part, " ", found.size());
+        CHECK(part < 1.001);
+        CHECK(part > 0.4);
+        least = std::min(least, part), largest = std::max(largest, part);
+      });
+  }
+  MESSAGE(least, " ", largest);
+}

@@ -21,7 +21,6 @@ class MeshContacts {
         centre_(centre_of(body)),
         bound_(bound_of(body)) {
     for (const auto t : candidates) add_face(t);
-    faces_ = count_;
     const auto& topology = mesh.topology();
     for (const auto t : candidates)
       for (const auto edge : topology.edges_of[t])
@@ -31,18 +30,33 @@ class MeshContacts {
         if (topology.triangles_at_vertex[v][0] == t) add_vertex(v);
   }
 
+  /// From the deepest to the least deep, without other sights of what is there already (b).
   void write(DeepestContacts& deepest) const {
-    for (std::size_t k = 0; k < count_; ++k) deepest.add(found_[k]);
+    std::array<const SolidContact*, most> kept;
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < count_; ++k) {
+      const SolidContact& c = found_[k].contact;
+      if (std::none_of(kept.begin(), kept.begin() + static_cast<std::ptrdiff_t>(count),
+                       [&](const SolidContact* deeper) { return is_same(*deeper, c); }))
+        kept[count++] = &c, deepest.add(c);
+    }
   }
 
  private:
   static constexpr bool polyhedron = std::is_same_v<Body, PlacedPolyhedron>;
-  static constexpr std::size_t most = 24, most_planes = 8;
+  static constexpr std::size_t most = 32, most_planes = 8;
 
   /// A plane that triangles lie in, seen from the body, and the contact with all of it.
   struct FacePlane {
     Vec3d at, normal;
     SolidContact contact;
+  };
+
+  struct Found {
+    SolidContact contact;
+    Vec3d at;     // [m] a point of the wall
+    double rank;  // [m]
+    bool face;
   };
 
   bool dilated() const {
@@ -77,12 +91,12 @@ class MeshContacts {
     if (height < 0) normal = -normal, height = -height;
     if (!(height < bound_)) return;
     if constexpr (polyhedron)
-      if (dilated()) return add_corners(t, normal, height);
+      if (dilated()) return add_corners(t, at, normal, height);
     const FacePlane& plane = plane_of(at, normal);
     const SolidContact& c = plane.contact;
     if (!(c.overlap > 0) || beside(t, c.point) > mesh_.round_off()) return;
     if (!in_sight(t, c.point - dot(c.point - at, normal) * normal)) return;
-    if (keep(plane.contact)) plane_at_[count_ - 1] = at;
+    keep(c, true, at);
   }
 
   /// The plane of a triangle; that of an earlier one if it is the same.
@@ -98,7 +112,7 @@ class MeshContacts {
     return next;
   }
 
-  void add_corners(std::uint32_t t, const Vec3d& normal, double height) {
+  void add_corners(std::uint32_t t, const Vec3d& at, const Vec3d& normal, double height) {
     const Vec3d n = body_.pose.turn.back(normal);
     const auto& corners = body_.shape->vertices();
     const double r = body_.shape->radius();
@@ -107,7 +121,7 @@ class MeshContacts {
       if (!(above < r && above > -r)) continue;
       const Vec3d p = body_.pose.to_space(corners[v]);
       if (beside(t, p) <= mesh_.round_off() && in_sight(t, p - above * normal))
-        keep(corner_contact(body_, v, p, above, normal));
+        keep(corner_contact(body_, v, p, above, normal), true, at);
     }
   }
 
@@ -130,36 +144,40 @@ class MeshContacts {
     return true;
   }
 
-  /// Adds a contact, unless it is one that is there: the same place of the body on a surface that
-  /// goes on smoothly.
-  bool keep(const SolidContact& c) {
-    for (std::size_t k = 0; k < count_; ++k) {
-      SolidContact& old = found_[k];
-      if (dot(old.normal, c.normal) <= mesh_.cos_smooth_angle()) continue;
-      if (dilated() && old.feature != c.feature && c.feature < Polyhedron::most_vertices) continue;
-      const double turn = norm(old.normal - c.normal);
-      const double near = 1.5 * std::max(old.R_eff, c.R_eff) * turn + mesh_.plane_tolerance();
-      if (norm(old.point - c.point) > near) continue;
-      return false;
-    }
-    if (count_ == most) return false;
-    found_[count_++] = c;
-    return true;
+  /// The same place of the body on a surface that goes on smoothly.
+  bool is_same(const SolidContact& a, const SolidContact& b) const {
+    if (dot(a.normal, b.normal) <= mesh_.cos_smooth_angle()) return false;
+    constexpr auto corners = Polyhedron::most_vertices;
+    if (a.feature != b.feature && a.feature < corners && b.feature < corners) return false;
+    const double turn = norm(a.normal - b.normal);
+    const double near = 1.5 * std::max(a.R_eff, b.R_eff) * turn + mesh_.plane_tolerance();
+    return norm(a.point - b.point) <= near;
+  }
+
+  /// Adds a contact in its place by depth; of equally deep ones, to what counts as the same plane,
+  /// faces first.
+  void keep(const SolidContact& c, bool face, const Vec3d& at) {
+    const double rank = c.overlap + (face ? mesh_.plane_tolerance() : 0);
+    if (count_ == most && !(rank > found_[most - 1].rank)) return;
+    std::size_t k = count_ < most ? count_++ : most - 1;
+    for (; k > 0 && rank > found_[k - 1].rank; --k) found_[k] = found_[k - 1];
+    found_[k] = {c, at, rank, face};
   }
 
   void keep(const FeatureDepth& found, std::uint32_t number) {
-    for (std::size_t k = 0; k < faces_ && !dilated(); ++k) {
-      const Vec3d off = found.at - plane_at_[k];
-      const double flat = mesh_.plane_tolerance() + 1e-4 * norm(found.at - found_[k].point);
-      if (std::abs(dot(off, found_[k].normal)) <= flat) return;  // (a)
+    for (std::size_t k = 0; k < count_ && !dilated(); ++k) {
+      const auto& [face, at, rank, is_face] = found_[k];
+      const double flat = mesh_.plane_tolerance() + 1e-4 * norm(found.at - face.point);
+      if (is_face && std::abs(dot(found.at - at, face.normal)) <= flat) return;  // (a)
     }
     SolidContact out;
     out.normal = found.normal, out.overlap = found.depth;
     out.point = found.at - (0.5 * found.depth) * found.normal;
     out.R_eff = contact_radius_at(body_, -found.normal);
     out.feature = static_cast<std::uint32_t>(Polyhedron::most_vertices) + number;
-    keep(out);
+    keep(out, false, found.at);
   }
+
   /// Whether the surface sticks out at a point of it, towards n: none of the triangles that hold it
   /// rises above the plane across n.
   bool sticks_out(const Vec3d& p, const Vec3d& n) const {
@@ -263,9 +281,8 @@ class MeshContacts {
   std::span<const std::uint32_t> candidates_;
   const Vec3d& centre_;
   double bound_;
-  std::array<SolidContact, most> found_;
-  std::array<Vec3d, most> plane_at_;  // [m] a point of the plane of a face contact
-  std::size_t count_ = 0, faces_ = 0;
+  std::array<Found, most> found_;
+  std::size_t count_ = 0;
   std::array<FacePlane, most_planes> plane_;
   std::size_t planes_ = 0;
 };
@@ -286,13 +303,13 @@ class MeshContacts {
 /// was cut: edges within a plane and seams of patches are none; of a sharp polyhedron or a
 /// super-ellipsoid, (a) an edge or vertex in the plane of a face contact is left out; (b) of
 /// contacts whose normals are within `smooth_angle` and whose points are as near to each other as
-/// on a body of the contact's radius, the first of face, edge, vertex is kept.
+/// on a body of the contact's radius, the deepest is kept.
 ///
 /// Features: 0 for faces, for those of a rounded polyhedron the number of its corner; 1000 + that
 /// of TriangleMesh for edges and vertices. Contacts of one feature differ in their normals.
 ///
 /// Valid:   overlaps below the radius of curvature, or near the surface as the gauge of the body
-///          sees it, for edges and vertices in super-ellipsoids. Up to 24 contacts.
+///          sees it, for edges and vertices in super-ellipsoids. Up to 32 contacts.
 /// Jumps:   where a sharp polyhedron's contact point leaves the last triangle of a plane and the
 ///          edge takes over (the overlaps differ by the law of thickness_overlap.hpp); where two
 ///          ways out of a corner are equally short (the normal).
