@@ -117,34 +117,39 @@ std::optional<FeatureDepth> point_depth(const PlacedSuper<Form>& body, const Vec
   return FeatureDepth{-found.direction, found.depth - size, point};
 }
 
-/// A straight line in the core of a polyhedron, in its frame: over the normals of its outline seen
-/// along the line, those of faces along it and of edges between faces towards and away. The depth
-/// is negative where the line is outside.
-struct LineDepth {
+/// A segment in the core of a polyhedron, in its frame: the least depth over all ways out, normals
+/// of faces and of edges across it. Negative where they are apart.
+struct SegmentDepth {
   Vec3d out{0, 0, 0};  // [-] outward normal of the core where the way out is shortest
   double depth = std::numeric_limits<double>::infinity();
+  bool by_end = false;  // the way out is that of an end, by a face that leans along the segment
 };
-inline LineDepth line_depth(const Polyhedron& core, const Vec3d& from, const Vec3d& edge) {
-  constexpr double along = 1e-9;  // a face this near to it counts as along the line
-  LineDepth best;
-  const auto look = [&](const Vec3d& out, double depth) {
-    if (depth < best.depth) best = {out, depth};
+inline SegmentDepth segment_depth(const Polyhedron& core, const Vec3d& a, const Vec3d& b,
+                                  const Vec3d& edge) {
+  constexpr double along = 1e-9;  // a face this near to it counts as along the segment
+  SegmentDepth best;
+  const auto look = [&](const Vec3d& out, double depth, bool by_end) {
+    if (depth < best.depth) best = {out, depth, by_end};
   };
-  for (const auto& face : core.faces())
-    if (const double c = dot(face.normal, edge); std::abs(c) <= along) {
+  for (const auto& face : core.faces()) {
+    const double c = dot(face.normal, edge);
+    if (std::abs(c) <= along) {
       const Vec3d across = normalised(face.normal - c * edge);
       const Vec3d& corner = core.vertices()[core.support_vertex(across, core.loop(face)[0])];
-      look(across, dot(across, corner - from));
+      look(across, dot(across, corner - a), false);
+    } else {
+      look(face.normal, face.offset - dot(face.normal, c > 0 ? a : b), true);
     }
+  }
   for (const auto& side : core.edges()) {
     const Vec3d &l = core.faces()[side.left].normal, &r = core.faces()[side.right].normal;
-    const double a = dot(l, edge), b = dot(r, edge);
-    if (std::abs(a) <= along || std::abs(b) <= along || !(a * b < 0)) continue;
+    const double cl = dot(l, edge), cr = dot(r, edge);
+    if (std::abs(cl) <= along || std::abs(cr) <= along || !(cl * cr < 0)) continue;
     const Vec3d& corner = core.vertices()[side.from];
     Vec3d out = cross(edge, core.vertices()[side.to] - corner);
     if (dot(out, l + r) < 0) out = -out;
     out = normalised(out);
-    look(out, dot(out, corner - from));
+    look(out, dot(out, corner - a), false);
   }
   return best;
 }
@@ -157,15 +162,15 @@ inline std::optional<FeatureDepth> edge_depth(const PlacedPolyhedron& body, cons
   const Vec3d a = pose.to_body(from), d = pose.turn.back(edge), b = a + length * d;
   for (const auto& face : body.shape->faces())
     if (std::min(dot(face.normal, a), dot(face.normal, b)) >= face.offset + r) return {};
-  LineDepth found = line_depth(*body.shape, a, d);
-  if (found.depth <= -r) return {};
+  SegmentDepth found = segment_depth(*body.shape, a, b, d);
+  if (found.depth <= -r || (found.depth > 0 && found.by_end)) return {};
   Vec3d normal = -(pose.turn * found.out);
-  if (found.depth < 0) {  // beside the core
+  if (found.depth <= 0) {  // beside the core
     const Vec3d arm = pose.position - from, across = arm - dot(arm, edge) * edge;
     const double distance = norm(across);
     const RoundWall seen(from, edge, length, across * (1 / distance), distance);
     const OuterAngle nearest(seen, body);
-    if (nearest.beyond() >= r) return {};
+    if (nearest.beyond() >= r || nearest.beyond() <= 0) return {};  // or only its line is within
     found.depth = -nearest.beyond(), normal = seen.e(nearest.phi());
   }
   const RoundWall wall(from, edge, length, normal, 0);
@@ -175,10 +180,45 @@ inline std::optional<FeatureDepth> edge_depth(const PlacedPolyhedron& body, cons
   return FeatureDepth{normal, found.depth + r, from + (0.5 * (low + high)) * edge};
 }
 
-inline std::optional<FeatureDepth> point_depth(const PlacedPolyhedron& body, const Vec3d& point) {
+/// A vertex of a wall with edges to `others` in a polyhedron: over the faces by which all of them
+/// come out, and the least way out must be the vertex's. Beside the core: of a dilated one.
+template <class Others>
+std::optional<FeatureDepth> vertex_depth(const PlacedPolyhedron& body, const Vec3d& point,
+                                         const Others& others) {
+  const auto& pose = body.pose;
+  const Vec3d p = pose.to_body(point);
+  double least = std::numeric_limits<double>::infinity(), outside = -least;
+  Vec3d out{0, 0, 0};
+  for (const auto& face : body.shape->faces()) {
+    const double depth = face.offset - dot(face.normal, p);
+    outside = std::max(outside, -depth);
+    if (outside >= body.shape->radius()) return {};
+    if (depth < least) least = depth, out = face.normal;
+  }
+  if (outside < 0) {
+    least = std::numeric_limits<double>::infinity();
+    bool of_vertex = false;
+    for (const auto& face : body.shape->faces()) {
+      const double depth = face.offset - dot(face.normal, p);
+      const Vec3d normal = pose.turn * face.normal;
+      double lowest = 0;
+      others([&](const Vec3d& other) { lowest = std::min(lowest, dot(normal, other - point)); });
+      if (depth - lowest < least) {
+        least = depth - lowest, out = normal;
+        of_vertex = -lowest <= 1e-9 * bound_of(body);
+      }
+    }
+    if (!of_vertex) return {};
+    return FeatureDepth{-out, least + body.shape->radius(), point};
+  }
   const auto found = sphere_contact(point, 0, body);
   if (!(found.overlap > 0)) return {};
   return FeatureDepth{-found.normal, found.overlap, point};
+}
+template <class Form, class Others>
+std::optional<FeatureDepth> vertex_depth(const PlacedSuper<Form>& body, const Vec3d& point,
+                                         const Others&) {
+  return point_depth(body, point);
 }
 
 }  // namespace silt::detail

@@ -96,6 +96,8 @@ class MeshContacts {
     const SolidContact& c = plane.contact;
     if (!(c.overlap > 0) || beside(t, c.point) > mesh_.round_off()) return;
     if (!in_sight(t, c.point - dot(c.point - at, normal) * normal)) return;
+    if constexpr (polyhedron)
+      if (!rests_on(at, normal)) return;
     keep(c, true, at);
   }
 
@@ -110,6 +112,24 @@ class MeshContacts {
     FacePlane& next = plane_[planes_++ % most_planes];
     next = {at, normal, half_space_contact(body_, at, normal)};
     return next;
+  }
+
+  /// Whether one of the corners that are deep in a plane lies over a triangle in it, or beyond by
+  /// no more than corners in a hollow do. A facet smaller than the body, on a ridge or tip, has a
+  /// plane that is deep in the body where the wall falls away: there edges and vertices touch.
+  bool rests_on(const Vec3d& at, const Vec3d& normal) const {
+    const auto depth = [&](const Vec3d& p) { return dot(at - p, normal); };
+    const double deepest = depth(body_.support(-normal));
+    const double slack = std::min(3 * deepest, 0.05 * bound_);
+    for (const auto& corner_in_body : body_.shape->vertices()) {
+      const Vec3d p = body_.pose.to_space(corner_in_body);
+      if (depth(p) < 0.5 * deepest) continue;
+      for (const auto t : candidates_)
+        if (std::abs(dot(mesh_.normals()[t], normal)) > 1 - 1e-10 &&
+            std::abs(depth(corner(t, 0))) <= mesh_.plane_tolerance() && beside(t, p) <= slack)
+          return true;
+    }
+    return false;
   }
 
   void add_corners(std::uint32_t t, const Vec3d& at, const Vec3d& normal, double height) {
@@ -255,7 +275,10 @@ class MeshContacts {
     const Vec3d& p = mesh_.vertices()[v];
     const Vec3d arm = p - centre_;
     if (!(dot(arm, arm) < bound_ * bound_)) return;
-    const auto found = point_depth(body_, p);
+    const auto found = vertex_depth(body_, p, [&](const auto& use) {
+      for (const auto t : mesh_.topology().triangles_at_vertex[v])
+        for (std::size_t k = 0; k < 3; ++k) use(corner(t, k));
+    });
     if (!found || !sticks_out(p, found->normal)) return;
     if constexpr (polyhedron)
       if (flat_along_edge(v, found->normal)) return;
