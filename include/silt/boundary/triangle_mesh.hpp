@@ -42,6 +42,11 @@ class TriangleMesh {
   const std::vector<Vec3d>& vertices() const { return vertices_; }  // [m]
   const std::vector<detail::VertexTriple>& triangles() const { return triangles_; }
   std::size_t dropped_triangles() const { return dropped_; }
+  const std::vector<Vec3d>& normals() const { return normals_; }  // [-] of the triangles
+  const detail::MeshTopology& topology() const { return topology_; }
+  double cos_smooth_angle() const { return cos_smooth_; }
+  double round_off() const { return tolerance_; }              // [m] in positions and distances
+  double plane_tolerance() const { return plane_tolerance_; }  // [m] of corners rounded to float
 
   Box bounds() const { return tree_.bounds(); }
   double area() const { return area_; }  // [m2]

@@ -4,10 +4,10 @@
 #include <array>
 #include <numbers>
 
-#include <silt/shape/narrow/solid_walls.hpp>
+#include <silt/shape/narrow/solid_planes.hpp>
 
 /// Searches over the one angle that the normals of a cylinder or cone depend on: for
-/// solid_round_walls.hpp.
+/// solid_walls.hpp.
 
 namespace silt::inline SILT_TARGET {
 
@@ -37,6 +37,13 @@ struct RoundWall {
     x = to_centre > 1e-14 * length ? across * (1 / to_centre) : any;
     x = normalised(x - dot(x, axis) * axis);
     y = cross(axis, x);
+  }
+
+  /// An edge: a cylinder without a radius, seen from along unit x. `distance` of the body's centre.
+  RoundWall(const Vec3d& start, const Vec3d& direction, double edge, const Vec3d& towards,
+            double distance)
+      : from(start), axis(direction), x(towards), y(cross(direction, towards)), length(edge) {
+    radius = offset = n_z = 0, n_r = 1, to_centre = distance;
   }
 
   Vec3d e(double phi) const { return std::cos(phi) * x + std::sin(phi) * y; }
@@ -216,8 +223,9 @@ class OuterAngle {
         low_ = phi_, p_low_ = p, has_low_ = true;
       else
         high_ = phi_, p_high_ = p, has_high_ = true;
-      next = best_between();
-      if (!(next > low_ && next < high_)) return;
+      next = dot(p, e) > 0 ? best_between() : low_;
+      if (!(next > low_ && next < high_)) next = halved();
+      if (!(high_ - low_ > 1e-15)) return;
     }
   }
   double phi() const { return phi_; }
@@ -227,6 +235,10 @@ class OuterAngle {
   double angle_of(const Vec3d& p) const { return std::atan2(dot(p, wall_.y), dot(p, wall_.x)); }
   double height(const Vec3d& p, double phi) const { return dot(p, wall_.normal(wall_.e(phi))); }
 
+  double halved() {
+    expected_ = std::numeric_limits<double>::infinity();
+    return 0.5 * (low_ + high_);
+  }
   /// The best angle for the two corners of the ends, and how high the lower of them stands there.
   double best_between() {
     double phi;
@@ -260,6 +272,40 @@ class OuterAngle {
   bool has_low_ = false, has_high_ = false;
   double phi_ = 0, beyond_ = 0, expected_ = 0;
 };
+
+/// The line along the wall that a core touches at the angle of e: a point, or part of a face or
+/// edge.
+struct TouchingLine {
+  double low = std::numeric_limits<double>::infinity();  // [m] along the slant
+  double high = -std::numeric_limits<double>::infinity();
+};
+/// Of the corners that are as low as `beyond`, to rounding, what lies over the line.
+inline TouchingLine touching_line(const RoundWall& wall, const PlacedPolyhedron& body,
+                                  const Vec3d& e, double beyond) {
+  const Vec3d N = wall.normal(e), across = cross(wall.axis, e);
+  const double tie = 1e-9 * bound_of(body);
+  struct Tied {
+    double side, along;  // [m] across, and along the slant
+  };
+  std::array<Tied, 32> tied;
+  std::size_t count = 0;
+  for (const auto& corner : body.shape->vertices()) {
+    const Vec3d p = body.pose.to_space(corner) - wall.from;
+    if (wall.beyond(p, N) <= beyond + tie && count < tied.size())
+      tied[count++] = {dot(p, across), wall.along(p, e)};
+  }
+  TouchingLine line;
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t j = 0; j < count; ++j) {
+      const auto &a = tied[i], &b = tied[j];
+      if (a.side > tie || b.side < -tie) continue;
+      const double width = b.side - a.side;
+      const double part = width > tie ? std::clamp(-a.side / width, 0.0, 1.0) : 0;
+      const double u = a.along + part * (b.along - a.along);
+      line.low = std::min(line.low, u), line.high = std::max(line.high, u);
+    }
+  return line;
+}
 
 }  // namespace detail
 

@@ -1,119 +1,145 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-#include <silt/boundary/plane.hpp>
-#include <silt/shape/narrow/placed.hpp>
-#include <silt/shape/narrow/thickness_overlap.hpp>
+#include <silt/boundary/cone.hpp>
+#include <silt/boundary/cylinder.hpp>
+#include <silt/shape/narrow/solid_round_search.hpp>
 
 namespace silt::inline SILT_TARGET {
 
-/// Contacts of convex bodies with walls, all in the wall's frame: planes here, cylinders and cones
-/// in solid_round_walls.hpp, meshes in solid_mesh_contacts.hpp.
+/// Contacts of convex bodies with walls, all in the wall's frame: planes (solid_planes.hpp),
+/// cylinders and cones; meshes in solid_mesh_contacts.hpp.
 ///
 /// Every function writes up to `most` contacts with overlap > 0, deepest first, and returns how
-/// many. The normal is from the wall to the body, the point midway between the surfaces. The
-/// feature tells contacts of one body with one wall apart, from one step to the next:
+/// many. The normal is from the wall to the body, the point midway between the surfaces. From one
+/// step to the next a contact is the one of the same feature with the nearest normal:
 ///   polyhedra         a corner's number, where corners touch on their own; else 0
 ///   super-ellipsoids  on the inner side of a round wall the edge or corner of the body; else 0
-///   meshes            the number of the triangle, edge or vertex of the mesh (TriangleMesh)
+///   meshes            see mesh_contacts()
 /// More contacts than `most`: those kept change by a jump as they change places in depth.
 
 namespace detail {
 
-template <class Form>
-const Vec3d& centre_of(const PlacedSuper<Form>& body) {
-  return body.position;
-}
-inline const Vec3d& centre_of(const PlacedPolyhedron& body) { return body.pose.position; }
-/// The deepest contacts of those added; of equally deep ones the first added.
-struct DeepestContacts {
-  SolidContact* out;
-  int most;
-  int count = 0;
-
-  void add(const SolidContact& contact) {
-    if (!(contact.overlap > 0)) return;
-    if (count == most && (most == 0 || !(contact.overlap > out[most - 1].overlap))) return;
-    int at = count < most ? count++ : most - 1;
-    for (; at > 0 && contact.overlap > out[at - 1].overlap; --at) out[at] = out[at - 1];
-    out[at] = contact;
-  }
-};
-
-/// What contact laws need of an overlap by thickness; `normal`: of the wall.
-inline SolidContact solid_contact(const PlacedPolyhedron& body, const VolumeContact& found) {
-  return {found.normal,   found.point,  found.overlap,
-          found.gradient, found.couple, body.shape->equal_volume_radius()};
-}
-
-/// A body that lies as deep in the half-space as its support point does.
-template <class Form>
-SolidContact half_space_contact(const PlacedSuper<Form>& body, const Vec3d& at,
-                                const Vec3d& normal) {
-  const double distance = dot(body.position - at, normal);
-  if (!(distance < body.form.bound)) return {};
-  Vec3d s, t;
-  tangents(normal, s, t);
-  const auto cap = body.cap(-normal, s, t);
+/// A contact at p, `beyond` the surface; free normal = -side N. `grow`: dilation of the body.
+template <class Body>
+SolidContact round_contact(const RoundWall& wall, const Body& body, const Vec3d& p, const Vec3d& e,
+                           double side, double grow) {
+  const Vec3d N = wall.normal(e);
+  const double beyond = wall.beyond(p, N);
   SolidContact out;
-  out.normal = normal, out.overlap = cap.height - distance;
-  if (!(out.overlap > 0)) return {};
-  out.point =
-      body.position + cap.along_s * s + cap.along_t * t - (0.5 * (cap.height + distance)) * normal;
-  out.R_eff = contact_radius(body.form, cap);
+  out.normal = -side * N, out.overlap = side * beyond + grow;
+  out.point = wall.from + p + (0.5 * (side * grow - beyond)) * N;
+  out.R_eff = contact_radius_at(body, side * N);
   return out;
 }
-/// The sharp core of a polyhedron, by the thickness of what lies in the half-space.
-inline SolidContact half_space_contact(const PlacedPolyhedron& body, const Vec3d& at,
-                                       const Vec3d& normal) {
-  if (!(dot(body.pose.position - at, normal) < bound_of(body))) return {};
-  return solid_contact(body, thickness_overlap(body, at, normal));
+
+/// Which edge or corner of the body p is near, 0 to 26, by its place over the semi-axes; 13 where
+/// the body is round. Exponents up to 3 count as round: a rolling body keeps its feature.
+template <class Form>
+std::uint32_t body_cell(const PlacedSuper<Form>& body, const Vec3d& p) {
+  const Vec3d at = body.axes.to_body(p), a2 = body.form.axes2_towards(at);
+  const auto third = [](double x, double square, double dual_exponent) -> std::uint32_t {
+    return dual_exponent >= 1.5 || 4 * x * x < square ? 1 : x > 0 ? 2 : 0;
+  };
+  return third(at.x, a2.x, body.form.p2) + 3 * third(at.y, a2.y, body.form.p2) +
+         9 * third(at.z, a2.z, body.form.p1);
 }
 
-/// Corner v of a dilated core, `height` over a wall.
-inline SolidContact corner_contact(const PlacedPolyhedron& body, std::uint32_t v, const Vec3d& at,
-                                   double height, const Vec3d& normal) {
+template <class Form>
+int inner_contacts(const RoundWall& wall, const PlacedSuper<Form>& body, DeepestContacts& deepest) {
+  const InnerMaxima<Form> maxima(wall, body);
+  std::array<std::uint8_t, 27> seen{};
+  for (int k = 0; k < maxima.count(); ++k) {
+    const auto& at = maxima[k];
+    if (!wall.between_ends(at.p, at.e)) continue;
+    auto contact = round_contact(wall, body, at.p, at.e, 1, 0);
+    const auto cell = body_cell(body, wall.from + at.p - body.position);
+    contact.feature = cell + 27u * seen[cell]++;
+    deepest.add(contact);
+  }
+  return deepest.count;
+}
+inline int inner_contacts(const RoundWall& wall, const PlacedPolyhedron& body,
+                          DeepestContacts& deepest) {
+  const auto& corners = body.shape->vertices();
   const double r = body.shape->radius();
-  return {normal, at - (0.5 * (r + height)) * normal, r - height, 1,
-          0,      body.shape->equal_volume_radius(),  v};
+  for (std::uint32_t v = 0; v < corners.size(); ++v) {
+    const Vec3d p = body.pose.to_space(corners[v]) - wall.from;
+    const double z = dot(p, wall.axis);
+    const Vec3d across = p - z * wall.axis;
+    const double distance = norm(across);
+    if (!(wall.n_r * distance + wall.n_z * z - wall.offset + r > 0)) continue;
+    const Vec3d e = distance > 0 ? across * (1 / distance) : wall.x;
+    if (!wall.between_ends(p, e)) continue;
+    auto contact = round_contact(wall, body, p, e, 1, r);
+    contact.feature = v;
+    deepest.add(contact);
+  }
+  return deepest.count;
+}
+
+template <class Form>
+int outer_contacts(const RoundWall& wall, const PlacedSuper<Form>& body, DeepestContacts& deepest) {
+  if (support_at(wall, body, 0, -1).beyond >= 0) return 0;  // this plane parts them
+  const double range = outer_range(wall, body.form.bound);
+  const auto at = turning_point(wall, body, -range, range, 0, -1);
+  if (at.beyond < 0 && wall.between_ends(at.p, at.e))
+    deepest.add(round_contact(wall, body, at.p, at.e, -1, 0));
+  return deepest.count;
+}
+
+/// A face or edge along the wall touches on a line: the middle of what lies on the wall.
+inline int outer_contacts(const RoundWall& wall, const PlacedPolyhedron& body,
+                          DeepestContacts& deepest) {
+  const OuterAngle best(wall, body);
+  const double r = body.shape->radius();
+  if (best.beyond() >= r) return 0;
+  const Vec3d e = wall.e(best.phi());
+  const auto line = touching_line(wall, body, e, best.beyond());
+  const double low = std::max(line.low, 0.0), high = std::min(line.high, wall.slant());
+  if (!(low <= high)) return 0;
+  // From place along the slant and height to the point itself.
+  const Vec3d along = wall.n_r * wall.axis - wall.n_z * e;
+  const Vec3d p = wall.radius * e + (0.5 * (low + high)) * along + best.beyond() * wall.normal(e);
+  deepest.add(round_contact(wall, body, p, e, -1, r));
+  return deepest.count;
+}
+
+template <class Body>
+int round_contacts(const Body& body, const Vec3d& from, const Vec3d& to, double radius_from,
+                   double radius_to, Side side, SolidContact* out, int most) {
+  DeepestContacts deepest{out, most};
+  const RoundWall wall(from, to, radius_from, radius_to, centre_of(body));
+  const bool inner = side == Side::Inside;
+  if (!wall.in_reach(centre_of(body), bound_of(body), inner)) return 0;
+  return inner ? inner_contacts(wall, body, deepest) : outer_contacts(wall, body, deepest);
 }
 
 }  // namespace detail
 
-/// Contacts with a plane whose normal has length 1.
+/// Contacts with the lateral surface of a cylinder. Its rims do not count: a contact whose foot on
+/// the surface lies beyond an end is dropped, by a jump.
 ///
-///   super-ellipsoid     one, at the support point: overlap = h(-n) - distance
-///   sharp polyhedron    one, thickness_overlap.hpp: with gradient and couple; one that lies behind
-///                       the plane as a whole is `buried`, gradient 0
-///   dilated polyhedron  one for each corner of the core nearer than its radius
+///   inside, super-ellipsoid  every local maximum over the wall's normals N of h(N) + N . (centre -
+///                            surface): a die that lies on its face touches with two edges
+///   inside, polyhedron       every corner of the core beyond the surface, or nearer than its
+///   radius outside                  one, at the least over N of h(-N) - N . (centre - surface),
+///   near the
+///                            direction of the body: its centre, not the axis, is outside
 ///
-/// Continuous in place and turn, as long as `most` holds all corners. Tests:
-/// tests/shape/solid_walls.cpp
-template <class Form>
-int plane_contacts(const PlacedSuper<Form>& body, const Plane& unit_plane, SolidContact* out,
-                   int most) {
-  detail::DeepestContacts deepest{out, most};
-  deepest.add(detail::half_space_contact(body, unit_plane.point, unit_plane.normal));
-  return deepest.count;
+/// Overlaps are depths: gradient 1, couple 0, and the envelope theorem makes the normal their
+/// gradient. Not continuous: the point, where a body outside tilts through a line contact (flat
+/// face or edge along the axis), and at the ends. Tests: tests/shape/solid_walls.cpp
+template <class Body>
+int cylinder_contacts(const Body& body, const Cylinder& wall, SolidContact* out, int most) {
+  return detail::round_contacts(body, wall.from, wall.to, wall.radius, wall.radius, wall.side, out,
+                                most);
 }
-inline int plane_contacts(const PlacedPolyhedron& body, const Plane& unit_plane, SolidContact* out,
-                          int most) {
-  detail::DeepestContacts deepest{out, most};
-  const Vec3d& n = unit_plane.normal;
-  const double r = body.shape->radius(), centre = dot(n, body.pose.position - unit_plane.point);
-  if (!(centre < detail::bound_of(body))) return 0;
-  if (r > 0) {
-    const Vec3d in_body = body.pose.turn.back(n);
-    const auto& corners = body.shape->vertices();
-    for (std::uint32_t v = 0; v < corners.size(); ++v)
-      if (const double height = centre + dot(in_body, corners[v]); height < r)
-        deepest.add(detail::corner_contact(body, v, body.pose.to_space(corners[v]), height, n));
-  } else {
-    deepest.add(detail::half_space_contact(body, unit_plane.point, n));
-  }
-  return deepest.count;
+/// The same with a cone, whose normals lean along its axis.
+template <class Body>
+int cone_contacts(const Body& body, const Cone& wall, SolidContact* out, int most) {
+  return detail::round_contacts(body, wall.from, wall.to, wall.radius_from, wall.radius_to,
+                                wall.side, out, most);
 }
 
 }  // namespace silt
-
-#include <silt/shape/narrow/solid_round_walls.hpp>

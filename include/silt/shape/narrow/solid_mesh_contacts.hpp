@@ -1,0 +1,348 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <silt/boundary/triangle_mesh.hpp>
+#include <silt/shape/narrow/solid_edges.hpp>
+#include <silt/shape/narrow/solid_planes.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+namespace detail {
+
+/// The contacts of one body with a mesh: faces first, then edges, then vertices.
+template <class Body>
+class MeshContacts {
+ public:
+  MeshContacts(const Body& body, const TriangleMesh& mesh,
+               std::span<const std::uint32_t> candidates)
+      : body_(body),
+        mesh_(mesh),
+        candidates_(candidates),
+        centre_(centre_of(body)),
+        bound_(bound_of(body)) {
+    for (const auto t : candidates) add_face(t);
+    const auto& topology = mesh.topology();
+    for (const auto t : candidates)
+      for (const auto edge : topology.edges_of[t])
+        if (topology.triangles_at_edge[edge][0] == t) add_edge(edge);
+    for (const auto t : candidates)
+      for (const auto v : mesh.triangles()[t])
+        if (topology.triangles_at_vertex[v][0] == t) add_vertex(v);
+  }
+
+  /// From the deepest to the least deep, without other sights of what is there already (b).
+  void write(DeepestContacts& deepest) const {
+    std::array<const SolidContact*, most> kept;
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < count_; ++k) {
+      const SolidContact& c = found_[k].contact;
+      if (std::none_of(kept.begin(), kept.begin() + static_cast<std::ptrdiff_t>(count),
+                       [&](const SolidContact* deeper) { return is_same(*deeper, c); }))
+        kept[count++] = &c, deepest.add(c);
+    }
+  }
+
+ private:
+  static constexpr bool polyhedron = std::is_same_v<Body, PlacedPolyhedron>;
+  static constexpr std::size_t most = 32, most_planes = 8;
+
+  /// A plane that triangles lie in, seen from the body, and the contact with all of it.
+  struct FacePlane {
+    Vec3d at, normal;
+    SolidContact contact;
+  };
+
+  struct Found {
+    SolidContact contact;
+    Vec3d at;     // [m] a point of the wall
+    double rank;  // [m]
+    bool face;
+  };
+
+  bool dilated() const {
+    if constexpr (polyhedron) return body_.shape->radius() > 0;
+    return false;
+  }
+  const Vec3d& corner(std::uint32_t triangle, std::size_t k) const {
+    return mesh_.vertices()[mesh_.triangles()[triangle][k]];
+  }
+
+  /// How far p, dropped on the triangle's plane, is outside of it.
+  double beside(std::uint32_t t, const Vec3d& p) const {
+    const auto& topology = mesh_.topology();
+    double most_beside = -std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto& edge = topology.edges[topology.edges_of[t][k]];
+      const double turn = edge.from == mesh_.triangles()[t][k] ? 1 : -1;
+      const Vec3d out = turn * cross(edge.direction, mesh_.normals()[t]);
+      most_beside = std::max(most_beside, dot(p - corner(t, k), out));
+    }
+    return most_beside;
+  }
+  bool holds(std::uint32_t t, const Vec3d& p, double tolerance) const {
+    return std::abs(dot(p - corner(t, 0), mesh_.normals()[t])) <= tolerance &&
+           beside(t, p) <= tolerance;
+  }
+
+  void add_face(std::uint32_t t) {
+    const Vec3d& at = corner(t, 0);
+    Vec3d normal = mesh_.normals()[t];
+    double height = dot(centre_ - at, normal);
+    if (height < 0) normal = -normal, height = -height;
+    if (!(height < bound_)) return;
+    if constexpr (polyhedron)
+      if (dilated()) return add_corners(t, at, normal, height);
+    const FacePlane& plane = plane_of(at, normal);
+    const SolidContact& c = plane.contact;
+    if (!(c.overlap > 0) || beside(t, c.point) > mesh_.round_off()) return;
+    if (!in_sight(t, c.point - dot(c.point - at, normal) * normal)) return;
+    if constexpr (polyhedron)
+      if (!rests_on(at, normal)) return;
+    keep(c, true, at);
+  }
+
+  /// The plane of a triangle; that of an earlier one if it is the same.
+  const FacePlane& plane_of(const Vec3d& at, const Vec3d& normal) {
+    for (std::size_t k = 0; k < std::min(planes_, most_planes); ++k) {
+      const FacePlane& p = plane_[k];
+      const Vec3d turn = p.normal - normal;
+      if (dot(turn, turn) <= 1e-26 && std::abs(dot(p.normal, at - p.at)) <= mesh_.round_off())
+        return p;
+    }
+    FacePlane& next = plane_[planes_++ % most_planes];
+    next = {at, normal, half_space_contact(body_, at, normal)};
+    return next;
+  }
+
+  /// Whether one of the corners that are deep in a plane lies over a triangle in it, or beyond by
+  /// no more than corners in a hollow do. A facet smaller than the body, on a ridge or tip, has a
+  /// plane that is deep in the body where the wall falls away: there edges and vertices touch.
+  bool rests_on(const Vec3d& at, const Vec3d& normal) const {
+    const auto depth = [&](const Vec3d& p) { return dot(at - p, normal); };
+    const double deepest = depth(body_.support(-normal));
+    const double slack = std::min(3 * deepest, 0.05 * bound_);
+    for (const auto& corner_in_body : body_.shape->vertices()) {
+      const Vec3d p = body_.pose.to_space(corner_in_body);
+      if (depth(p) < 0.5 * deepest) continue;
+      for (const auto t : candidates_)
+        if (std::abs(dot(mesh_.normals()[t], normal)) > 1 - 1e-10 &&
+            std::abs(depth(corner(t, 0))) <= mesh_.plane_tolerance() && beside(t, p) <= slack)
+          return true;
+    }
+    return false;
+  }
+
+  void add_corners(std::uint32_t t, const Vec3d& at, const Vec3d& normal, double height) {
+    const Vec3d n = body_.pose.turn.back(normal);
+    const auto& corners = body_.shape->vertices();
+    const double r = body_.shape->radius();
+    for (std::uint32_t v = 0; v < corners.size(); ++v) {
+      const double above = height + dot(n, corners[v]);
+      if (!(above < r && above > -r)) continue;
+      const Vec3d p = body_.pose.to_space(corners[v]);
+      if (beside(t, p) <= mesh_.round_off() && in_sight(t, p - above * normal))
+        keep(corner_contact(body_, v, p, above, normal), true, at);
+    }
+  }
+
+  /// Whether no other triangle hides from the centre the point p of t: the far slope of a ridge is
+  /// seen from its wrong side. In a hollow the body reaches a little through the other side of it,
+  /// which t sticks out of.
+  bool in_sight(std::uint32_t t, const Vec3d& p) const {
+    const Vec3d ray = p - centre_;
+    for (const auto other : candidates_) {
+      const Vec3d &n = mesh_.normals()[other], &at = corner(other, 0);
+      const double from = dot(centre_ - at, n), to = from + dot(ray, n);
+      if (other == t || !(from * to < 0)) continue;
+      const double part = from / (from - to);
+      if (beside(other, centre_ + part * ray) > 0) continue;
+      bool behind = true;
+      for (std::size_t k = 0; k < 3; ++k)
+        behind &= std::copysign(1.0, from) * dot(corner(t, k) - at, n) <= mesh_.plane_tolerance();
+      if (behind || part < 0.9) return false;
+    }
+    return true;
+  }
+
+  /// The same place of the body on a surface that goes on smoothly.
+  bool is_same(const SolidContact& a, const SolidContact& b) const {
+    if (dot(a.normal, b.normal) <= mesh_.cos_smooth_angle()) return false;
+    constexpr auto corners = Polyhedron::most_vertices;
+    if (a.feature != b.feature && a.feature < corners && b.feature < corners) return false;
+    const double turn = norm(a.normal - b.normal);
+    const double near = 1.5 * std::max(a.R_eff, b.R_eff) * turn + mesh_.plane_tolerance();
+    return norm(a.point - b.point) <= near;
+  }
+
+  /// Adds a contact in its place by depth; of equally deep ones, to what counts as the same plane,
+  /// faces first.
+  void keep(const SolidContact& c, bool face, const Vec3d& at) {
+    const double rank = c.overlap + (face ? mesh_.plane_tolerance() : 0);
+    if (count_ == most && !(rank > found_[most - 1].rank)) return;
+    std::size_t k = count_ < most ? count_++ : most - 1;
+    for (; k > 0 && rank > found_[k - 1].rank; --k) found_[k] = found_[k - 1];
+    found_[k] = {c, at, rank, face};
+  }
+
+  void keep(const FeatureDepth& found, std::uint32_t number) {
+    for (std::size_t k = 0; k < count_ && !dilated(); ++k) {
+      const auto& [face, at, rank, is_face] = found_[k];
+      const double flat = mesh_.plane_tolerance() + 1e-4 * norm(found.at - face.point);
+      if (is_face && std::abs(dot(found.at - at, face.normal)) <= flat) return;  // (a)
+    }
+    SolidContact out;
+    out.normal = found.normal, out.overlap = found.depth;
+    out.point = found.at - (0.5 * found.depth) * found.normal;
+    out.R_eff = contact_radius_at(body_, -found.normal);
+    out.feature = static_cast<std::uint32_t>(Polyhedron::most_vertices) + number;
+    keep(out, false, found.at);
+  }
+
+  /// Whether the surface sticks out at a point of it, towards n: none of the triangles that hold it
+  /// rises above the plane across n.
+  bool sticks_out(const Vec3d& p, const Vec3d& n) const {
+    const double tolerance = mesh_.plane_tolerance();
+    for (const auto t : candidates_) {
+      if (std::abs(dot(p - corner(t, 0), mesh_.normals()[t])) > tolerance) continue;
+      bool rises = false;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3d arm = corner(t, k) - p;
+        const double up = dot(arm, n);
+        rises |= up > tolerance && up * up > 1e-16 * dot(arm, arm);
+      }
+      if (rises && beside(t, p) <= tolerance) return false;
+    }
+    return true;
+  }
+
+  void add_edge(std::uint32_t number) {
+    const auto& topology = mesh_.topology();
+    const auto& edge = topology.edges[number];
+    const Vec3d& from = mesh_.vertices()[edge.from];
+    const Vec3d arm = centre_ - from;
+    const double foot = std::clamp(dot(arm, edge.direction), 0.0, edge.length);
+    const Vec3d gap = arm - foot * edge.direction;
+    if (!(dot(gap, gap) < bound_ * bound_)) return;
+    const auto sharing = topology.triangles_at_edge[number];
+    if (sharing.size() == 2 && !may_stick_out(number, sharing[0], sharing[1])) return;
+    const auto found = edge_depth(body_, from, edge.direction, edge.length);
+    if (!found || !sticks_out(found->at, found->normal)) return;
+    if (sharing.size() == 1 && goes_on(number, sharing[0], found->at)) return;
+    keep(*found, static_cast<std::uint32_t>(mesh_.triangles().size()) + number);
+  }
+
+  /// Not an edge within a plane, and not one in a hollow as the body sees it.
+  bool may_stick_out(std::uint32_t edge, std::uint32_t a, std::uint32_t b) const {
+    const double b_over_a = over(edge, a, b), a_over_b = over(edge, b, a);
+    const double flat = mesh_.plane_tolerance();
+    const Vec3d &na = mesh_.normals()[a], &nb = mesh_.normals()[b];
+    if (std::abs(b_over_a) <= flat && std::abs(a_over_b) <= flat)
+      return std::abs(dot(na, nb)) < 0.5 || dot(opposite(edge, a) - opposite_foot(edge, a),
+                                                opposite(edge, b) - opposite_foot(edge, b)) > 0;
+    return b_over_a <= flat || a_over_b <= flat;
+  }
+  /// [m] of the free corner of `other` over the plane of t, on the side of the body.
+  double over(std::uint32_t edge, std::uint32_t t, std::uint32_t other) const {
+    const Vec3d& n = mesh_.normals()[t];
+    const double side = dot(centre_ - corner(t, 0), n) < 0 ? -1 : 1;
+    return side * dot(opposite(edge, other) - corner(t, 0), n);
+  }
+  const Vec3d& opposite(std::uint32_t edge, std::uint32_t t) const {
+    const auto& e = mesh_.topology().edges[edge];
+    std::size_t k = 0;
+    while (k < 2 && (mesh_.triangles()[t][k] == e.from || mesh_.triangles()[t][k] == e.to)) ++k;
+    return corner(t, k);
+  }
+  Vec3d opposite_foot(std::uint32_t edge, std::uint32_t t) const {
+    const auto& e = mesh_.topology().edges[edge];
+    const Vec3d& from = mesh_.vertices()[e.from];
+    return from + dot(opposite(edge, t) - from, e.direction) * e.direction;
+  }
+
+  /// Whether a triangle that shares no corners goes on in the plane of t beyond its edge at p.
+  bool goes_on(std::uint32_t edge, std::uint32_t t, const Vec3d& p) const {
+    const Vec3d inwards = normalised(opposite(edge, t) - opposite_foot(edge, t));
+    const double tolerance = mesh_.plane_tolerance();
+    const Vec3d beyond = p - (10 * tolerance) * inwards;
+    for (const auto other : candidates_)
+      if (other != t && std::abs(dot(mesh_.normals()[other], mesh_.normals()[t])) > 1 - 1e-8 &&
+          holds(other, beyond, 2 * tolerance))
+        return true;
+    return false;
+  }
+
+  void add_vertex(std::uint32_t v) {
+    const Vec3d& p = mesh_.vertices()[v];
+    const Vec3d arm = p - centre_;
+    if (!(dot(arm, arm) < bound_ * bound_)) return;
+    const auto found = vertex_depth(body_, p, [&](const auto& use) {
+      for (const auto t : mesh_.topology().triangles_at_vertex[v])
+        for (std::size_t k = 0; k < 3; ++k) use(corner(t, k));
+    });
+    if (!found || !sticks_out(p, found->normal)) return;
+    if constexpr (polyhedron)
+      if (flat_along_edge(v, found->normal)) return;
+    const auto& mesh = mesh_;
+    keep(*found,
+         static_cast<std::uint32_t>(mesh.triangles().size() + mesh.topology().edges.size()) + v);
+  }
+
+  /// Whether one of the edges at a vertex lies across n: then it is the edge that touches.
+  bool flat_along_edge(std::uint32_t v, const Vec3d& n) const {
+    const Vec3d& p = mesh_.vertices()[v];
+    for (const auto t : mesh_.topology().triangles_at_vertex[v])
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3d arm = corner(t, k) - p;
+        const double up = dot(arm, n);
+        if (mesh_.triangles()[t][k] != v && up * up <= 1e-18 * dot(arm, arm)) return true;
+      }
+    return false;
+  }
+
+  const Body& body_;
+  const TriangleMesh& mesh_;
+  std::span<const std::uint32_t> candidates_;
+  const Vec3d& centre_;
+  double bound_;
+  std::array<Found, most> found_;
+  std::size_t count_ = 0;
+  std::array<FacePlane, most_planes> plane_;
+  std::size_t planes_ = 0;
+};
+
+}  // namespace detail
+
+/// Contacts with a mesh, which is solid from both sides: the body is on the side of its centre, and
+/// not deeper than that. `candidates`: any triangles in ascending order that include all nearer to
+/// the centre than the bounding radius (TriangleMesh::triangles_near).
+///
+///   faces     as the triangle's plane (plane_contacts), if the contact's point, of a rounded
+///             polyhedron the corner, lies over the triangle
+///   edges     the least over unit m across the edge of h(-m) - m . (centre - edge)
+///   vertices  the least depth of the point in the body
+///
+/// An edge or vertex counts where it sticks out: no triangle that holds the contact's point rises
+/// above the plane across the normal. As for TriangleMesh, contacts do not depend on how a surface
+/// was cut: edges within a plane and seams of patches are none; of a sharp polyhedron or a
+/// super-ellipsoid, (a) an edge or vertex in the plane of a face contact is left out; (b) of
+/// contacts whose normals are within `smooth_angle` and whose points are as near to each other as
+/// on a body of the contact's radius, the deepest is kept.
+///
+/// Features: 0 for faces, for those of a rounded polyhedron the number of its corner; 1000 + that
+/// of TriangleMesh for edges and vertices. Contacts of one feature differ in their normals.
+///
+/// Valid:   overlaps below the radius of curvature, or near the surface as the gauge of the body
+///          sees it, for edges and vertices in super-ellipsoids. Up to 32 contacts.
+/// Jumps:   where a sharp polyhedron's contact point leaves the last triangle of a plane and the
+///          edge takes over (the overlaps differ by the law of thickness_overlap.hpp); where two
+///          ways out of a corner are equally short (the normal).
+/// Tests:   tests/shape/solid_mesh_contacts.cpp
+template <class Body>
+int mesh_contacts(const Body& body, const TriangleMesh& mesh,
+                  std::span<const std::uint32_t> candidates, SolidContact* out, int most) {
+  detail::DeepestContacts deepest{out, most};
+  detail::MeshContacts<Body>(body, mesh, candidates).write(deepest);
+  return deepest.count;
+}
+
+}  // namespace silt
