@@ -28,7 +28,7 @@ constexpr HertzMindlin::Material stone{
 
 HertzMindlin::Material elastic() {
   auto m = stone;
-  m.restitution = 1, m.friction = 0;
+  m.youngs_modulus = 3e7, m.restitution = 1, m.friction = 0;
   return m;
 }
 

@@ -92,7 +92,9 @@ class Checkpoint {
     const auto candidates_outer = flat(state.outer), candidates_inner = flat(state.inner);
     std::vector<double> normals;
     std::vector<std::uint8_t> touching;
+    std::vector<std::uint32_t> features;
     for (const auto& s : state.slots) {
+      features.push_back(s.feature);
       normals.insert(normals.end(), {s.normal.x, s.normal.y, s.normal.z});
       touching.push_back(s.touching);
     }
@@ -101,6 +103,7 @@ class Checkpoint {
     out.add("walls.inner_facets", state.inner_facets);
     out.add("walls.pieces", state.pieces);
     out.add("walls.normal", normals), out.add("walls.touching", touching);
+    if constexpr (Sim::Engine::convex) out.add("walls.feature", features);
     for (std::size_t h = 0; h < H; ++h) out.add(text("walls.history", h), state.history[h]);
 
     std::vector<double> walls, marks;
@@ -206,9 +209,13 @@ class Checkpoint {
     const auto normals = in.get<double>("walls.normal", 3 * touching.size());
     for (std::size_t h = 0; h < H; ++h)
       state.history[h] = in.get<double>(text("walls.history", h), touching.size());
+    std::vector<std::uint32_t> features(touching.size(), 0);
+    if constexpr (Sim::Engine::convex)
+      features = in.get<std::uint32_t>("walls.feature", touching.size());
     for (std::size_t k = 0; k < touching.size(); ++k)
-      state.slots.push_back(
-          {{normals[3 * k], normals[3 * k + 1], normals[3 * k + 2]}, touching[k] != 0});
+      state.slots.push_back({{normals[3 * k], normals[3 * k + 1], normals[3 * k + 2]},
+                             touching[k] != 0,
+                             features[k]});
     const auto walls = in.get<double>("walls.state", 23 * surfaces.size());
     const auto marks = in.get<double>("walls.marks");
     const auto flows = in.get<double>("openings.flows", outlets + 2 * inlets);
