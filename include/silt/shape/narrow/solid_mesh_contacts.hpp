@@ -36,6 +36,7 @@ class MeshContacts {
     std::size_t count = 0;
     for (std::size_t k = 0; k < count_; ++k) {
       const SolidContact& c = found_[k].contact;
+      if (has_shorter_way(found_[k])) continue;
       if (std::none_of(kept.begin(), kept.begin() + static_cast<std::ptrdiff_t>(count),
                        [&](const SolidContact* deeper) { return is_same(*deeper, c); }))
         kept[count++] = &c, deepest.add(c);
@@ -94,7 +95,9 @@ class MeshContacts {
       if (dilated()) return add_corners(t, at, normal, height);
     const FacePlane& plane = plane_of(at, normal);
     const SolidContact& c = plane.contact;
-    if (!(c.overlap > 0) || beside(t, c.point) > mesh_.round_off()) return;
+    // The middle of what lies behind a plane is a little beside a corner that has just come over t.
+    const double slack = polyhedron ? std::min(c.overlap, 0.01 * bound_) : mesh_.round_off();
+    if (!(c.overlap > 0) || beside(t, c.point) > slack) return;
     if (!in_sight(t, c.point - dot(c.point - at, normal) * normal)) return;
     if constexpr (polyhedron)
       if (!rests_on(at, normal)) return;
@@ -162,6 +165,17 @@ class MeshContacts {
       if (behind || part < 0.9) return false;
     }
     return true;
+  }
+
+  /// An edge and the vertex at its end, in the same place of a sharp polyhedron: as both are one
+  /// wedge in the body, the least way out of both counts.
+  bool has_shorter_way(const Found& f) const {
+    if (!polyhedron || dilated() || f.face) return false;
+    return std::any_of(found_.begin(), found_.begin() + static_cast<std::ptrdiff_t>(count_),
+                       [&](const Found& o) {
+                         return !o.face && o.contact.overlap < f.contact.overlap &&
+                                norm(o.at - f.at) <= 2 * f.contact.overlap;
+                       });
   }
 
   /// The same place of the body on a surface that goes on smoothly.
