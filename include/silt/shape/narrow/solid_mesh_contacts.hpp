@@ -2,6 +2,7 @@
 #pragma once
 
 #include <silt/boundary/triangle_mesh.hpp>
+#include <silt/shape/narrow/penetration.hpp>
 #include <silt/shape/narrow/solid_edges.hpp>
 #include <silt/shape/narrow/solid_planes.hpp>
 
@@ -28,6 +29,8 @@ class MeshContacts {
     for (const auto t : candidates)
       for (const auto v : mesh.triangles()[t])
         if (topology.triangles_at_vertex[v][0] == t) add_vertex(v);
+    if constexpr (polyhedron)
+      if (count_ == 0 && !dilated()) add_deepest_triangle();
   }
 
   /// From the deepest to the least deep, without other sights of what is there already (b).
@@ -227,6 +230,26 @@ class MeshContacts {
       if (rises && beside(t, p) <= tolerance) return false;
     }
     return true;
+  }
+
+  /// Where the law of thickness has no face yet and no edge sticks out any more, a body in a
+  /// triangle still has the shortest way out of that.
+  void add_deepest_triangle() {
+    for (const auto t : candidates_) {
+      const Vec3d &n = mesh_.normals()[t], &at = corner(t, 0);
+      if (dot(body_.support(n) - at, n) <= 0 || dot(body_.support(-n) - at, n) >= 0) continue;
+      const TriangleSet set{{at, corner(t, 1), corner(t, 2)}};
+      const auto gap = gjk_distance(body_, set, centre_ - at, 0);
+      if (!gap.overlapping) continue;
+      const auto deep = penetration(body_, set, gap);
+      if (deep.flat || !(dot(deep.normal, centre_ - deep.on_b) > 0)) continue;
+      SolidContact out;
+      out.normal = deep.normal, out.overlap = deep.depth;
+      out.point = 0.5 * (deep.on_a + deep.on_b);
+      out.R_eff = contact_radius_at(body_, -deep.normal);
+      keep(out, true, at);
+      count_ = 1;
+    }
   }
 
   void add_edge(std::uint32_t number) {
