@@ -161,7 +161,7 @@ TEST_CASE(
   int contacts = 0, several = 0, no_face = 0;
   for (int m = 0; m < 10; ++m) {
     const TriangleMesh mesh(floor_of(r, 10, 2, [&](double, double) { return r.uniform(0, 0.3); }),
-                            0);
+                            m % 2 ? pi / 6 : 0);
     for (int k = 0; k < 800; ++k) {
       const double R = r.uniform(0.1, 0.5);
       const Vec3d centre{r.uniform(-1.4, 1.4), r.uniform(-1.4, 1.4), 0.3 + r.uniform(0.3, 1) * R};
