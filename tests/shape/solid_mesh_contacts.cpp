@@ -161,7 +161,7 @@ TEST_CASE(
   int contacts = 0, several = 0, no_face = 0;
   for (int m = 0; m < 10; ++m) {
     const TriangleMesh mesh(floor_of(r, 10, 2, [&](double, double) { return r.uniform(0, 0.3); }),
-                            0);
+                            m % 2 ? pi / 6 : 0);
     for (int k = 0; k < 800; ++k) {
       const double R = r.uniform(0.1, 0.5);
       const Vec3d centre{r.uniform(-1.4, 1.4), r.uniform(-1.4, 1.4), 0.3 + r.uniform(0.3, 1) * R};
@@ -191,7 +191,7 @@ TEST_CASE("solid meshes: bodies on a ridge and on a tip: least depth, and a pote
   Random r(3);
   const TriangleMesh ridge = ridge_mesh(3), tip = tip_mesh(3);
   int on_ridge = 0, on_tip = 0;
-  for (int k = 0; k < 40; ++k)
+  for (int k = 0; k < 25; ++k)
     for_bodies(r, [&](const auto& any, const std::string& name) {
       INFO(name, " ", k);
       const double depth = r.uniform(0.001, 0.01);
@@ -230,8 +230,8 @@ TEST_CASE("solid meshes: bodies on a ridge and on a tip: least depth, and a pote
       if (support_height(over, {0, 0, -1}) > 0 && points.empty())
         CHECK(support_height(over, normalised(-detail::centre_of(over))) > -1);
     });
-  CHECK(on_ridge == 320);
-  CHECK(on_tip > 40);
+  CHECK(on_ridge == 200);
+  CHECK(on_tip > 20);
 }
 
 TEST_CASE("solid meshes: a needle across a ridge is carried where it lies, at both ridges of two") {
@@ -361,7 +361,7 @@ TEST_CASE(
 TEST_CASE(
     "solid meshes: what has just touched rough ground, by distances to triangles, has a contact") {
   Random r(7);
-  double least = 1, largest = 0;
+  double least = 1;
   for (int m = 0; m < 6; ++m) {
     // Steep and nearly flat grounds; those of a smooth angle of 0 and of 30 degrees.
     const double rough = m % 3 == 0 ? 0.5 : m % 3 == 1 ? 0.1 : 1e-3;
@@ -370,7 +370,7 @@ TEST_CASE(
     std::vector<TriangleSet> sets;
     for (const auto& t : mesh.triangles())
       sets.push_back({{mesh.vertices()[t[0]], mesh.vertices()[t[1]], mesh.vertices()[t[2]]}});
-    for (int k = 0; k < 12; ++k)
+    for (int k = 0; k < 7; ++k)
       for_bodies(r, [&](const auto& any, const std::string& name) {
         INFO(name, " ", m, " ", k);
         const auto body = moved(any, {r.uniform(-1, 1), r.uniform(-1, 1), 0}, {});
@@ -397,8 +397,8 @@ TEST_CASE(
         INFO(part, " ", found.size());
         CHECK(part < 1.001);
         CHECK(part > 0.4);
-        least = std::min(least, part), largest = std::max(largest, part);
+        least = std::min(least, part);
       });
   }
-  MESSAGE(least, " ", largest);
+  CHECK(least < 0.6);  // a corner of a sharp polyhedron on a face: sqrt(0.3)
 }

@@ -213,6 +213,8 @@ TEST_CASE("solid walls: outside of shaft and spike the deepest place of a body i
                   grown(there) ==
               doctest::Approx(0.5 * found[0].overlap).epsilon(1e-9));
         CHECK(at(wall, moved(there, 0.02 * out, {})).empty());
+        // Differences over 1e-7: rounding 1e-9, second derivatives up to some 100/size.
+        CHECK(potential_error(there, [&](const auto& b) { return at(wall, b); }, 1e-7) < 1e-5);
       };
       check(shaft), check(spike);
     });

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <silt/boundary/triangle_mesh.hpp>
+#include <silt/shape/narrow/penetration.hpp>
 #include <silt/shape/narrow/solid_edges.hpp>
 #include <silt/shape/narrow/solid_planes.hpp>
 
@@ -20,14 +21,22 @@ class MeshContacts {
         candidates_(candidates),
         centre_(centre_of(body)),
         bound_(bound_of(body)) {
-    for (const auto t : candidates) add_face(t);
-    const auto& topology = mesh.topology();
+    // Planes that part a triangle from the body part its edges and vertices too.
+    std::array<std::uint32_t, 64> list;
+    std::size_t open = 0;
     for (const auto t : candidates)
+      if (add_face(t) && open++ < list.size()) list[open - 1] = t;
+    const std::span<const std::uint32_t> reached =
+        open <= list.size() ? std::span<const std::uint32_t>(list.data(), open) : candidates;
+    const auto& topology = mesh.topology();
+    for (const auto t : reached)
       for (const auto edge : topology.edges_of[t])
         if (topology.triangles_at_edge[edge][0] == t) add_edge(edge);
-    for (const auto t : candidates)
+    for (const auto t : reached)
       for (const auto v : mesh.triangles()[t])
         if (topology.triangles_at_vertex[v][0] == t) add_vertex(v);
+    if constexpr (polyhedron)
+      if (count_ == 0 && !dilated()) add_deepest_triangle(reached);
   }
 
   /// From the deepest to the least deep, without other sights of what is there already (b).
@@ -36,6 +45,7 @@ class MeshContacts {
     std::size_t count = 0;
     for (std::size_t k = 0; k < count_; ++k) {
       const SolidContact& c = found_[k].contact;
+      if (has_shorter_way(found_[k])) continue;
       if (std::none_of(kept.begin(), kept.begin() + static_cast<std::ptrdiff_t>(count),
                        [&](const SolidContact* deeper) { return is_same(*deeper, c); }))
         kept[count++] = &c, deepest.add(c);
@@ -50,6 +60,7 @@ class MeshContacts {
   struct FacePlane {
     Vec3d at, normal;
     SolidContact contact;
+    bool parts;  // the body does not reach it
   };
 
   struct Found {
@@ -79,26 +90,25 @@ class MeshContacts {
     }
     return most_beside;
   }
-  bool holds(std::uint32_t t, const Vec3d& p, double tolerance) const {
-    return std::abs(dot(p - corner(t, 0), mesh_.normals()[t])) <= tolerance &&
-           beside(t, p) <= tolerance;
-  }
 
-  void add_face(std::uint32_t t) {
+  /// Adds the contact with a triangle's face; false if its plane parts body and triangle.
+  bool add_face(std::uint32_t t) {
     const Vec3d& at = corner(t, 0);
     Vec3d normal = mesh_.normals()[t];
     double height = dot(centre_ - at, normal);
     if (height < 0) normal = -normal, height = -height;
-    if (!(height < bound_)) return;
+    if (!(height < bound_)) return false;
     if constexpr (polyhedron)
       if (dilated()) return add_corners(t, at, normal, height);
     const FacePlane& plane = plane_of(at, normal);
+    if (plane.parts) return false;
     const SolidContact& c = plane.contact;
-    if (!(c.overlap > 0) || beside(t, c.point) > mesh_.round_off()) return;
-    if (!in_sight(t, c.point - dot(c.point - at, normal) * normal)) return;
-    if constexpr (polyhedron)
-      if (!rests_on(at, normal)) return;
-    keep(c, true, at);
+    // The middle of what lies behind a plane is a little beside a corner that has just come over t.
+    const double slack = polyhedron ? std::min(c.overlap, 0.01 * bound_) : mesh_.round_off();
+    if (c.overlap > 0 && beside(t, c.point) <= slack &&
+        in_sight(t, c.point - dot(c.point - at, normal) * normal))
+      keep(c, true, at);
+    return true;
   }
 
   /// The plane of a triangle; that of an earlier one if it is the same.
@@ -110,16 +120,24 @@ class MeshContacts {
         return p;
     }
     FacePlane& next = plane_[planes_++ % most_planes];
-    next = {at, normal, half_space_contact(body_, at, normal)};
+    next = {at, normal, {}, false};
+    if constexpr (polyhedron) {
+      const double deepest = dot(at - body_.support(-normal), normal);
+      next.parts = deepest <= 0;
+      if (deepest > 0 && rests_on(at, normal, deepest))
+        next.contact = half_space_contact(body_, at, normal);
+    } else {
+      next.contact = half_space_contact(body_, at, normal);
+      next.parts = !(next.contact.overlap > 0);
+    }
     return next;
   }
 
   /// Whether one of the corners that are deep in a plane lies over a triangle in it, or beyond by
   /// no more than corners in a hollow do. A facet smaller than the body, on a ridge or tip, has a
   /// plane that is deep in the body where the wall falls away: there edges and vertices touch.
-  bool rests_on(const Vec3d& at, const Vec3d& normal) const {
+  bool rests_on(const Vec3d& at, const Vec3d& normal, double deepest) const {
     const auto depth = [&](const Vec3d& p) { return dot(at - p, normal); };
-    const double deepest = depth(body_.support(-normal));
     const double slack = std::min(3 * deepest, 0.05 * bound_);
     for (const auto& corner_in_body : body_.shape->vertices()) {
       const Vec3d p = body_.pose.to_space(corner_in_body);
@@ -132,17 +150,20 @@ class MeshContacts {
     return false;
   }
 
-  void add_corners(std::uint32_t t, const Vec3d& at, const Vec3d& normal, double height) {
+  bool add_corners(std::uint32_t t, const Vec3d& at, const Vec3d& normal, double height) {
     const Vec3d n = body_.pose.turn.back(normal);
     const auto& corners = body_.shape->vertices();
     const double r = body_.shape->radius();
+    bool reached = false;
     for (std::uint32_t v = 0; v < corners.size(); ++v) {
       const double above = height + dot(n, corners[v]);
+      reached |= above < r;
       if (!(above < r && above > -r)) continue;
       const Vec3d p = body_.pose.to_space(corners[v]);
       if (beside(t, p) <= mesh_.round_off() && in_sight(t, p - above * normal))
         keep(corner_contact(body_, v, p, above, normal), true, at);
     }
+    return reached;
   }
 
   /// Whether no other triangle hides from the centre the point p of t: the far slope of a ridge is
@@ -162,6 +183,17 @@ class MeshContacts {
       if (behind || part < 0.9) return false;
     }
     return true;
+  }
+
+  /// An edge and the vertex at its end, in the same place of a sharp polyhedron: as both are one
+  /// wedge in the body, the least way out of both counts.
+  bool has_shorter_way(const Found& f) const {
+    if (!polyhedron || dilated() || f.face) return false;
+    return std::any_of(found_.begin(), found_.begin() + static_cast<std::ptrdiff_t>(count_),
+                       [&](const Found& o) {
+                         return !o.face && o.contact.overlap < f.contact.overlap &&
+                                norm(o.at - f.at) <= 2 * f.contact.overlap;
+                       });
   }
 
   /// The same place of the body on a surface that goes on smoothly.
@@ -215,14 +247,31 @@ class MeshContacts {
     return true;
   }
 
+  /// Where the law of thickness has no face yet and no edge sticks out any more, a body in a
+  /// triangle still has the shortest way out of that.
+  void add_deepest_triangle(std::span<const std::uint32_t> reached) {
+    for (const auto t : reached) {
+      const Vec3d& at = corner(t, 0);
+      const TriangleSet set{{at, corner(t, 1), corner(t, 2)}};
+      const auto gap = gjk_distance(body_, set, centre_ - at, 0);
+      if (!gap.overlapping) continue;
+      const auto deep = penetration(body_, set, gap);
+      if (deep.flat || !(dot(deep.normal, centre_ - deep.on_b) > 0)) continue;
+      SolidContact out;
+      out.normal = deep.normal, out.overlap = deep.depth;
+      out.point = 0.5 * (deep.on_a + deep.on_b);
+      out.R_eff = contact_radius_at(body_, -deep.normal);
+      keep(out, true, at);
+      count_ = 1;
+    }
+  }
+
   void add_edge(std::uint32_t number) {
     const auto& topology = mesh_.topology();
     const auto& edge = topology.edges[number];
     const Vec3d& from = mesh_.vertices()[edge.from];
-    const Vec3d arm = centre_ - from;
-    const double foot = std::clamp(dot(arm, edge.direction), 0.0, edge.length);
-    const Vec3d gap = arm - foot * edge.direction;
-    if (!(dot(gap, gap) < bound_ * bound_)) return;
+    const Vec3d across = cross(centre_ - from, edge.direction);
+    if (!(dot(across, across) < bound_ * bound_)) return;
     const auto sharing = topology.triangles_at_edge[number];
     if (sharing.size() == 2 && !may_stick_out(number, sharing[0], sharing[1])) return;
     const auto found = edge_depth(body_, from, edge.direction, edge.length);
@@ -235,10 +284,8 @@ class MeshContacts {
   bool may_stick_out(std::uint32_t edge, std::uint32_t a, std::uint32_t b) const {
     const double b_over_a = over(edge, a, b), a_over_b = over(edge, b, a);
     const double flat = mesh_.plane_tolerance();
-    const Vec3d &na = mesh_.normals()[a], &nb = mesh_.normals()[b];
-    if (std::abs(b_over_a) <= flat && std::abs(a_over_b) <= flat)
-      return std::abs(dot(na, nb)) < 0.5 || dot(opposite(edge, a) - opposite_foot(edge, a),
-                                                opposite(edge, b) - opposite_foot(edge, b)) > 0;
+    if (std::abs(b_over_a) <= flat && std::abs(a_over_b) <= flat)  // or folded back on itself
+      return dot(inwards(edge, a), inwards(edge, b)) > 0;
     return b_over_a <= flat || a_over_b <= flat;
   }
   /// [m] of the free corner of `other` over the plane of t, on the side of the body.
@@ -253,20 +300,21 @@ class MeshContacts {
     while (k < 2 && (mesh_.triangles()[t][k] == e.from || mesh_.triangles()[t][k] == e.to)) ++k;
     return corner(t, k);
   }
-  Vec3d opposite_foot(std::uint32_t edge, std::uint32_t t) const {
+  /// From an edge to the free corner of t.
+  Vec3d inwards(std::uint32_t edge, std::uint32_t t) const {
     const auto& e = mesh_.topology().edges[edge];
-    const Vec3d& from = mesh_.vertices()[e.from];
-    return from + dot(opposite(edge, t) - from, e.direction) * e.direction;
+    const Vec3d arm = opposite(edge, t) - mesh_.vertices()[e.from];
+    return arm - dot(arm, e.direction) * e.direction;
   }
 
   /// Whether a triangle that shares no corners goes on in the plane of t beyond its edge at p.
   bool goes_on(std::uint32_t edge, std::uint32_t t, const Vec3d& p) const {
-    const Vec3d inwards = normalised(opposite(edge, t) - opposite_foot(edge, t));
     const double tolerance = mesh_.plane_tolerance();
-    const Vec3d beyond = p - (10 * tolerance) * inwards;
+    const Vec3d beyond = p - (10 * tolerance) * normalised(inwards(edge, t));
     for (const auto other : candidates_)
       if (other != t && std::abs(dot(mesh_.normals()[other], mesh_.normals()[t])) > 1 - 1e-8 &&
-          holds(other, beyond, 2 * tolerance))
+          std::abs(dot(p - corner(other, 0), mesh_.normals()[other])) <= 2 * tolerance &&
+          beside(other, beyond) <= 2 * tolerance)
         return true;
     return false;
   }
@@ -280,11 +328,9 @@ class MeshContacts {
         for (std::size_t k = 0; k < 3; ++k) use(corner(t, k));
     });
     if (!found || !sticks_out(p, found->normal)) return;
-    if constexpr (polyhedron)
-      if (flat_along_edge(v, found->normal)) return;
-    const auto& mesh = mesh_;
-    keep(*found,
-         static_cast<std::uint32_t>(mesh.triangles().size() + mesh.topology().edges.size()) + v);
+    if (polyhedron && flat_along_edge(v, found->normal)) return;
+    const auto before = mesh_.triangles().size() + mesh_.topology().edges.size();
+    keep(*found, static_cast<std::uint32_t>(before) + v);
   }
 
   /// Whether one of the edges at a vertex lies across n: then it is the edge that touches.
@@ -316,10 +362,11 @@ class MeshContacts {
 /// not deeper than that. `candidates`: any triangles in ascending order that include all nearer to
 /// the centre than the bounding radius (TriangleMesh::triangles_near).
 ///
-///   faces     as the triangle's plane (plane_contacts), if the contact's point, of a rounded
-///             polyhedron the corner, lies over the triangle
-///   edges     the least over unit m across the edge of h(-m) - m . (centre - edge)
-///   vertices  the least depth of the point in the body
+///   faces     as the triangle's plane (plane_contacts), if the contact's point lies over the
+///             triangle, of a rounded polyhedron the corner; of a sharp one a deep corner too
+///   edges     the least over unit m across the edge of h(-m) - m . (centre - edge), in a sharp
+///             polyhedron the least way out that an edge as a whole has
+///   vertices  the least depth of the point in the body, in a sharp polyhedron by its faces
 ///
 /// An edge or vertex counts where it sticks out: no triangle that holds the contact's point rises
 /// above the plane across the normal. As for TriangleMesh, contacts do not depend on how a surface
@@ -331,11 +378,13 @@ class MeshContacts {
 /// Features: 0 for faces, for those of a rounded polyhedron the number of its corner; 1000 + that
 /// of TriangleMesh for edges and vertices. Contacts of one feature differ in their normals.
 ///
-/// Valid:   overlaps below the radius of curvature, or near the surface as the gauge of the body
-///          sees it, for edges and vertices in super-ellipsoids. Up to 32 contacts.
-/// Jumps:   where a sharp polyhedron's contact point leaves the last triangle of a plane and the
-///          edge takes over (the overlaps differ by the law of thickness_overlap.hpp); where two
-///          ways out of a corner are equally short (the normal).
+/// Valid:   up to 32 contacts. Smooth bodies at edges and vertices: overlaps below the radius of
+///          curvature, else the way out nearest to that of the body's gauge. Sharp polyhedra:
+///          facets larger than the body. On finer relief no contact is lost, but overlaps jump from
+///          one law (thickness over a face) to the other (depth of an edge): round them there.
+/// Jumps:   as for spheres, at hollows and saddles, where a place that is no minimum any more still
+///          overlaps; where two ways out of a corner are equally short (the normal); a rounded
+///          corner that leaves the last triangle of a plane while it is not the nearest place.
 /// Tests:   tests/shape/solid_mesh_contacts.cpp
 template <class Body>
 int mesh_contacts(const Body& body, const TriangleMesh& mesh,

@@ -208,7 +208,7 @@ inline double outer_range(const RoundWall& wall, double bound) {
 class OuterAngle {
  public:
   OuterAngle(const RoundWall& wall, const PlacedPolyhedron& body)
-      : wall_(wall), body_(body), range_(outer_range(wall, bound_of(body))) {
+      : wall_(wall), range_(outer_range(wall, bound_of(body))) {
     low_ = -range_, high_ = range_;
     const double rounding = 1e-14 * (bound_of(body) + wall.to_centre);
     double next = 0;
@@ -266,7 +266,6 @@ class OuterAngle {
   }
 
   const RoundWall& wall_;
-  const PlacedPolyhedron& body_;
   double range_, low_, high_;
   Vec3d p_low_{}, p_high_{};
   bool has_low_ = false, has_high_ = false;
