@@ -33,7 +33,12 @@ struct Scene {
   double turns = 2;       // [-] of which the last is measured
   std::string shapes = "mix";
 
+  static constexpr std::size_t batch = 100;  // grains that are put in at a time
+  static constexpr double between = 0.12;    // [s] for them to fall
+
   double rate() const { return rpm * std::numbers::pi / 30; }  // [rad/s]
+  /// [s] in which the drum stands and is filled.
+  double filling() const { return between * static_cast<double>((particles + batch - 1) / batch); }
   Law::Material material() const {
     return {.youngs_modulus = 5e6, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.5};
   }
@@ -88,7 +93,7 @@ silt::Particles<Grains> batch(const Scene& s, std::size_t count, std::uint64_t s
 
 auto make_simulation(const Scene& s) {
   const silt::Box period{{-s.radius, 0, -s.radius}, {s.radius, s.length, s.radius}};
-  silt::Simulation sim{batch(s, std::min<std::size_t>(s.particles, 100), 1),
+  silt::Simulation sim{batch(s, std::min(s.particles, Scene::batch), 1),
                        silt::Contacts<Law>{s.material()},
                        silt::PeriodicBox{period, {false, true, false}}};
   sim.gravity = {0, 0, -9.81};
@@ -96,7 +101,10 @@ auto make_simulation(const Scene& s) {
       silt::Box{{-s.radius, -s.length, -s.radius}, {s.radius, 2 * s.length, s.radius}};
   sim.add_wall(
       silt::Cylinder{{0, -s.length, 0}, {0, 2 * s.length, 0}, s.radius, silt::Side::Inside},
-      s.material(), silt::rotation({0, 0, 0}, {0, 1, 0}, s.rate()));
+      s.material(),
+      [turn = silt::rotation({0, 0, 0}, {0, 1, 0}, s.rate()), start = s.filling()](double time) {
+        return turn(std::max(time - start, 0.0));
+      });
   return sim;
 }
 
@@ -187,10 +195,10 @@ int simulate(const Scene& s, const example::Options& options) {
 
   std::printf("filling\n");
   for (std::uint64_t seed = 2; sim.size() < s.particles; ++seed) {
-    sim.run(0.12);
-    sim.add(batch(s, std::min<std::size_t>(s.particles - sim.size(), 100), seed));
+    sim.run(Scene::between);
+    sim.add(batch(s, std::min(s.particles - sim.size(), Scene::batch), seed));
   }
-  sim.run(0.12);
+  sim.run(s.filling() - sim.time());
 
   std::printf("turning\n");
   const double turn = 60 / s.rpm, start = sim.time();  // [s]
@@ -236,10 +244,11 @@ int simulate(const Scene& s, const example::Options& options) {
   summary.check_at_least("dynamic_angle_of_repose_deg", bed.angle(), 15);
   summary.check_at_most("dynamic_angle_of_repose_deg", bed.angle(), 60);
   summary.write(options.out + "/summary.json");
-  const bool drawn = example::draw({"spheres", options.out + "/end.vtp", "--colour", "form",
-                                    "--walls", options.out + "/drum.vtp", "--title",
-                                    silt::text(s.shapes, ", ", s.rpm, " rpm"), "--out",
-                                    options.out + "/drum.png"});
+  const bool drawn =
+      example::draw({"spheres", options.out + "/end.vtp", "--colour", "shape", "--walls",
+                     options.out + "/drum.vtp", "--title",
+                     silt::text(s.rpm, " rpm; spheres: 0, super-ellipsoids: 1, cubes: 2"), "--out",
+                     options.out + "/drum.png"});
   std::printf(
       "\nDynamic angle of repose %.1f degrees, power %.3g W, %zu grains, %.3g grain-steps/s.\n",
       bed.angle(), power, sim.size(),

@@ -188,7 +188,7 @@ class BodyMotion {
       out.kind[r] = static_cast<std::uint8_t>(solids[part.local].solid.index());
     if (b.inv_m > 0) out.pose[r].inv_inertia = {1 / b.inertia.x, 1 / b.inertia.y, 1 / b.inertia.z};
     turn_row(r, b, part.local,
-             rotate(b.orientation, b.scale * forms[b.form].parts[part.local].centre));
+             body_axes(b.orientation).to_space(b.scale * forms[b.form].parts[part.local].centre));
     if (b.id != no_particle)
       out.least_radius = std::min(out.least_radius, out.pose[r].least_radius);
   }

@@ -181,7 +181,7 @@ void write_parts(const std::string& file, const Sim& sim) requires(Sim::has_bodi
   write_vtp_points(file, position, fields);
 }
 /// Writes the surfaces of bodies whose shape is no set of spheres: id, form and velocity of the
-/// body at every point.
+/// body at every point; in a Mix also which of its shapes it is.
 template <class Sim>
 void write_surfaces(const std::string& file, const Sim& sim) requires(Sim::has_surfaces) {
   std::vector<SurfaceMesh> of_forms;
@@ -207,6 +207,12 @@ void write_surfaces(const std::string& file, const Sim& sim) requires(Sim::has_s
   }
   VtkFields fields;
   fields.add("id", id).add("form", form).add("velocity", velocity);
+  std::vector<std::uint32_t> shape;
+  if constexpr (requires { sim.forms().front().shape.kind(); }) {
+    for (const std::uint32_t f : form)
+      shape.push_back(static_cast<std::uint32_t>(sim.forms()[f].shape.kind()));
+    fields.add("shape", shape);
+  }
   write_vtp_triangles(file, all.points, all.triangles, fields);
 }
 template <class Sim>

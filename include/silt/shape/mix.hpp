@@ -123,6 +123,7 @@ struct Mix {
         },
         shape);
   }
+  std::size_t kind() const { return shape.index(); }  // which of Shapes
   /// A Sphere has none of its own.
   bool has_size() const {
     return std::visit(
