@@ -265,11 +265,4 @@ TEST_CASE("The guard of super-ellipsoids names what is wrong") {
   stiff.time_step = 1e-4;
   CHECK(has_words(refusal<silt::SimulationError>([&] { stiff.run(0.1); }),
                   {"particle 0", "rate", "Simulation::time_step"}));
-  // Other walls.
-  CHECK(has_words(
-      refusal<silt::InputError>([&] {
-        stiff.add_wall(silt::Cylinder{{0, 0, 0}, {0, 0, 1}, 0.1, silt::Side::Inside}, stone);
-      }),
-      {"planes only", "MultiSphere"}));
-  CHECK(stiff.walls() == 2);
 }
