@@ -298,6 +298,51 @@ TEST_CASE(
       random);
 }
 
+namespace {
+template <class Body>
+double margin_of(const Body&) {
+  return 0;
+}
+double margin_of(const PlacedPolyhedron& body) { return body.shape->radius(); }
+}  // namespace
+
+TEST_CASE(
+    "solid_pairs: a pair that was apart touches as a new one does, however old its direction") {
+  // Bodies may have turned by any angle since the last look. Overlaps up to 0.3 % of their size, on
+  // both sides of what a first touch may be (deepest_first_touch), and gaps.
+  Random random(77);
+  std::size_t touching = 0;
+  for (int round = 0; round < 12; ++round)
+    for_each_pair(
+        [&](const auto& kind_i, const auto& kind_j) {
+          for (int k = 0; k < 12; ++k) {
+            const auto i = kind_i.at({0, 0, 0}, random.turn());
+            const Vec3d way = random.direction();
+            const Quaternion q = random.turn();
+            const double gap = random.uniform(-1.2e-3, 2e-3);
+            // Where they touch, along a line of centres.
+            double near = 0, far = 3;
+            for (int half = 0; half < 40; ++half) {
+              const double x = 0.5 * (near + far);
+              const auto j = kind_j.at(x * way, q);
+              (gjk_distance(i, j, -way).distance > margin_of(i) + margin_of(j) ? far : near) = x;
+            }
+            const auto j = kind_j.at((far + gap) * way, q);
+            NormalMemory<double> fresh, old{random.direction(), k % 2 == 0 ? 1.0 : -1.0, 0};
+            const auto a = touch_solids(i, j, fresh), b = touch_solids(i, j, old);
+            INFO(kind_i.name, " and ", kind_j.name, ", gap ", gap, ", overlaps ", a.overlap,
+                 " and ", b.overlap);
+            CHECK((a.overlap > 0) == (b.overlap > 0));
+            if (!(a.overlap > 0)) continue;
+            ++touching;
+            // Both are minima to point_tolerance of the size; depths agree to its square.
+            CHECK(std::abs(a.overlap - b.overlap) < 1e-9);
+          }
+        },
+        random);
+  CHECK(touching > 1000);
+}
+
 TEST_CASE("solid_pairs: gaps are lower bounds of the distance, all kinds") {
   Random random(7);
   for_each_pair(

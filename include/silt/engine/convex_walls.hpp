@@ -71,6 +71,29 @@ inline void turn_into(const Pose& pose, PlacedPolyhedron& body) {
   turn = {rotate(back, turn.x), rotate(back, turn.y), rotate(back, turn.z)};
 }
 
+/// As contacts_with_wall(), of a super-ellipsoid by the kernel for its exponents; `at` [m] in the
+/// wall's frame.
+template <class Rows>
+int contact_with_plane(const Rows& rows, std::size_t row, const Vec3d& at, const Wall& wall,
+                       const Plane& plane, SolidContact& out) {
+  using Row = SuperForm<double>;
+  const double distance = dot(at - plane.point, plane.normal);
+  const Row form = rows.form_row(row).template get<Row>();
+  if (!(distance < form.bound)) return 0;
+  const Vec3d n = wall.moves() ? wall.pose.rotate(plane.normal) : plane.normal;
+  const Vec3d centre = wall.moves() ? wall.pose.to_space(at) : at;
+  return with_exponents(rows.exponents, [&](auto e) {
+    using Form = SuperForm<double, decltype(e)::value>;
+    Form kernel;
+    static_assert(sizeof kernel == sizeof form);
+    std::memcpy(static_cast<void*>(&kernel), &form, sizeof form);
+    double R_eff = 0;
+    const auto c = touch_plane(kernel, body_axes(rows.pose[row].q), n, distance, R_eff);
+    out = {n, centre + c.point + (0.5 * c.overlap) * n, c.overlap, 1, 0, c.R_eff, 0};
+    return c.touches ? 1 : 0;
+  });
+}
+
 /// The contacts of a row with one surface of a wall, in space; points on the wall.
 template <class Rows>
 int contacts_with_wall(const Rows& rows, std::size_t row, const Vec3d& centre, const Wall& wall,
@@ -78,6 +101,9 @@ int contacts_with_wall(const Rows& rows, std::size_t row, const Vec3d& centre, c
                        SolidContact (&out)[most_wall_contacts]) {
   int count = 0;
   const Vec3d at = wall.moves() ? wall.pose.to_body(centre) : centre;
+  if constexpr (std::is_same_v<typename Rows::Kinds, KindList<SuperEllipsoid>>)
+    if (const auto* const plane = std::get_if<Plane>(&surface))
+      return contact_with_plane(rows, row, at, wall, plane->unit(), out[0]);
   rows.visit(row, at, [&](auto body) {
     if (wall.moves()) turn_into(wall.pose, body);
     count =

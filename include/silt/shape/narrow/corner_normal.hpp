@@ -292,10 +292,11 @@ class CornerSearch {
 
 /// From the direction `last` (in the axes of the polyhedron), or of a pair without one if that is
 /// zero: then by GJK and the expanding polytope as well, and the lower of both minima. The same if
-/// the search from `last` does not settle.
+/// the search from `last` does not settle, or ends deeper than bodies that were apart (`touched` is
+/// false) can have come: `last` may be old, and its minimum not the least.
 template <class Form>
 CornerNormal find_corner_normal(const PlacedSuper<Form>& smooth, const PlacedPolyhedron& body,
-                                const Vec3d& last) {
+                                const Vec3d& last, bool touched = true) {
   detail::CornerSearch<Form> search(smooth, body);
   const bool known = dot(last, last) > 0;
   const Vec3d towards = -search.smooth().position;
@@ -304,7 +305,9 @@ CornerNormal find_corner_normal(const PlacedSuper<Form>& smooth, const PlacedPol
                       : distance > 0 ? towards * (1 / distance)
                                      : Vec3d{0, 0, 1};
   CornerNormal best = search.from(start, known ? 20 : 40);
-  if (best.depth < 0 || (known && best.settled)) return best;
+  const double size = std::min(smooth.form.size, body.shape->equal_volume_radius());
+  const bool credible = touched || best.depth < deepest_first_touch * size;
+  if (best.depth < 0 || (known && best.settled && credible)) return best;
   const auto& turn = body.pose.turn;
   const auto gjk = gjk_distance(smooth, body, -(turn * best.direction));
   CornerNormal robust;

@@ -156,7 +156,7 @@ SolidContact touch_corners(const PlacedSuper<Form>& i, const PlacedPolyhedron& j
   if (memory.follows != 0 && memory.R_eff == 0)
     if (const double gap = gap_towards(i, j, last); gap > 0) return apart_by(gap, memory);
   const auto& turn = j.pose.turn;
-  const auto found = find_corner_normal(i, j, turn.back(last));
+  const auto found = find_corner_normal(i, j, turn.back(last), memory.R_eff > 0);
   const Vec3d m = turn * found.direction;
   // A corner leaves the normal to the smooth body, whose turning it follows.
   if (found.held == 1)

@@ -65,6 +65,10 @@ struct BodyContact {
 /// in lanes is content.
 inline constexpr double point_tolerance = 1e-7, turn_tolerance = 1e-7;
 
+/// An overlap [-, of the smaller size] that two bodies that were apart a step ago do not have,
+/// unless the minimum found from their last direction, which may be old, is not the least.
+inline constexpr double deepest_first_touch = 1e-3;
+
 /// Newton steps in lanes before a lane is taken out.
 inline constexpr int most_steps = 6;
 
@@ -141,7 +145,10 @@ template <class FormI, class FormJ>
 inline BodyContact<double> solve_hard(const PosedPair<FormI, FormJ>& pair,
                                       NormalMemory<double>& memory) {
   const Vec3d last = memory.follows == 0 ? Vec3d{0, 0, 0} : last_direction(pair, memory);
-  const auto found = find_common_normal(pair, last);
+  auto found = find_common_normal(pair, last);
+  const double size = std::min(pair.i.size, pair.j.size);
+  if (memory.R_eff == 0 && memory.follows != 0 && found.depth > deepest_first_touch * size)
+    found = find_common_normal(pair, {0, 0, 0});
   const auto D = depth_along(pair, found.direction);
   BodyContact<double> out{};
   const bool flatter_j = D.i.radii.xx + D.i.radii.yy < D.j.radii.xx + D.j.radii.yy;
@@ -284,7 +291,11 @@ inline BodyContact<Real> touch(const PosedPair<FormI, FormJ>& pair, NormalMemory
     open = open && !done && step.downhill;
     m = select(open, next, m);
   }
-  const Mask<Real> hard = !out.solved;
+  const Mask<Real> wrong =
+      start && out.solved && out.touches && (memory.R_eff == zero) &&
+      (out.overlap > Real(deepest_first_touch) * min(pair.i.size, pair.j.size));
+  if (any(wrong)) memory.follows = select(wrong, zero, memory.follows);  // anew, from no direction
+  const Mask<Real> hard = !out.solved || wrong;
   if (any(hard)) detail::solve_hard_lanes(pair, lane_bits(hard), memory, out);
   if constexpr (Radius == ContactRadius::AtFirstTouch)
     out.R_eff = select(memory.R_eff > zero, memory.R_eff, out.R_eff);
