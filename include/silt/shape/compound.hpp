@@ -95,12 +95,15 @@ struct Compound {
     const Vec3d e = box.extent();
     const double h = std::max({e.x, e.y, e.z}) / grid;
     const auto cells = [&](double length) { return static_cast<int>(std::ceil(length / h)); };
+    const int nx = cells(e.x), ny = cells(e.y), nz = cells(e.z);
+    const Vec3d step{e.x / nx, e.y / ny, e.z / nz};
+    const double cell = step.x * step.y * step.z;
     Moments m;
-    const double cell = h * h * h;
-    for (int i = 0; i < cells(e.x); ++i)
-      for (int j = 0; j < cells(e.y); ++j)
-        for (int k = 0; k < cells(e.z); ++k) {
-          const Vec3d x = box.min + Vec3d{(i + 0.5) * h, (j + 0.5) * h, (k + 0.5) * h};
+    for (int i = 0; i < nx; ++i)
+      for (int j = 0; j < ny; ++j)
+        for (int k = 0; k < nz; ++k) {
+          const Vec3d x =
+              box.min + Vec3d{(i + 0.5) * step.x, (j + 0.5) * step.y, (k + 0.5) * step.z};
           for (const Part& p : parts)
             if (holds(p.shape, rotate(conjugate(p.axes), x - p.centre))) {
               m.volume += cell, m.first += cell * x, m.second += cell * outer(x);
