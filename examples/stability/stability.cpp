@@ -45,6 +45,7 @@ int run(const example::Options& options) {
   stability::walls(table);
   stability::moving_walls(table);
   stability::rough(table);
+  stability::bodies(table);
   stability::sticky(table);
   stability::no_numbers(table);
   table.print_end();

@@ -77,6 +77,7 @@ void packed(Table& table);
 void walls(Table& table);
 void moving_walls(Table& table);
 void rough(Table& table);
+void bodies(Table& table);
 void sticky(Table& table);
 void no_numbers(Table& table);
 

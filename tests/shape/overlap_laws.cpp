@@ -48,6 +48,27 @@ TEST_CASE("both laws: blocks face to face; force and torque do not jump as they 
   }
 }
 
+TEST_CASE("thickness: an edge on a plane counts 0.707 of its depth, 1e-3 to 1e-9 deep") {
+  // Edges askew to the axes of the body: what is left of it is a sliver 1e9 times as long as thick.
+  std::vector<Vec3d> corners;
+  const Quaternion askew = rotation_about(normalised(Vec3d{1, 2, 3}), 0.7);
+  for (int k = 0; k < 8; ++k)
+    corners.push_back(rotate(askew, {k & 1 ? 1.0 : -1.0, k & 2 ? 1.0 : -1.0, k & 4 ? 1.0 : -1.0}));
+  const auto cube = Polyhedron::from_points(corners);
+  const Quaternion on_edge = rotation_about({1, 0, 0}, pi / 4) * conjugate(askew);
+  for (const double spin : {0.0, 0.4, 1.1})
+    for (double depth = 1e-3; depth > 0.5e-9; depth /= 10) {
+      INFO("spin ", spin, ", depth ", depth);
+      const PlacedPolyhedron i{
+          &cube, {{0, 0, std::sqrt(2.0) - depth}, rotation_about({0, 0, 1}, spin) * on_edge}};
+      const auto c = thickness_overlap(i, {0, 0, 0}, {0, 0, 1});
+      // Corners are known to 2e-16, the depth with them.
+      CHECK(std::abs(c.overlap / depth - std::sqrt(0.5)) < 1e-15 / depth + 1e-6);
+      CHECK(std::abs(c.gradient - std::sqrt(0.5)) < 1e-5);
+      CHECK(std::hypot(c.point.x, c.point.y) < 1e-6);
+    }
+}
+
 namespace {
 
 struct Outcome {

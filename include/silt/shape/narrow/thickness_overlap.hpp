@@ -29,7 +29,9 @@
 ///         by its width: delta tends to a constant, the force to 0 (a guard on the overlap stops
 ///         that). `buried` as for the volume. |grad delta| is 1 for faces, less for edges and
 ///         corners.
-/// Accuracy: C is taken in a frame along the normal, so that thin slabs do not drown in rounding.
+/// Accuracy: C is taken in a frame along the normal and the longest side, so that neither thin
+/// slabs
+///         nor the slivers along an edge drown in rounding.
 /// Cost:   benchmarks/shape/bench_polyhedra.cpp. No allocation. Memory of a pair: OverlapMemory.
 /// Tests:  tests/shape/volume_overlap.cpp, overlap_laws.cpp
 
@@ -41,6 +43,16 @@ namespace detail {
 inline RotationMatrix frame_along(const Vec3d& n) {
   const double sign = std::copysign(1.0, n.z), a = -1 / (sign + n.z), b = n.x * n.y * a;
   return {{1 + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
+}
+
+/// The same, x along the part of `way` across n: an intersection along an edge is some 1e-6 as wide
+/// as it is long, and an inverse of C in axes askew to it would be all rounding.
+inline RotationMatrix frame_along(const Vec3d& n, const Vec3d& way) {
+  const Vec3d x = way - dot(way, n) * n;
+  const double length2 = dot(x, x);
+  if (!(length2 > 1e-12 * dot(way, way))) return frame_along(n);
+  const Vec3d unit = (1 / std::sqrt(length2)) * x;
+  return {unit, cross(n, unit), n};
 }
 
 inline Vec3d times(const Symmetric3& s, const Vec3d& v) {
@@ -86,7 +98,7 @@ class ThicknessIntegrals {
         body_(body),
         cutter_(cutter),
         middle_(cut.middle),
-        frame_(frame_along(normalised(cut.area))) {
+        frame_(frame_along(normalised(cut.area), longest_way())) {
     const Moments m = moments();
     const double scale = 1 / m.volume;
     mean_ = scale * m.first;
@@ -104,6 +116,15 @@ class ThicknessIntegrals {
   Vec3d area{0, 0, 0}, moment{0, 0, 0};  // S, G of (2), G about the middle; frame of the body
 
  private:
+  /// From the middle to the corner farthest from it.
+  Vec3d longest_way() const {
+    Vec3d longest{0, 0, 0};
+    for (std::size_t v = 0; v < g_.size; ++v)
+      if (const Vec3d way = g_.at(v) - middle_; dot(way, way) > dot(longest, longest))
+        longest = way;
+    return longest;
+  }
+
   using Real = Lanes<DefaultArch>::Real;
   static constexpr std::size_t width = Lanes<DefaultArch>::width;
 
