@@ -116,6 +116,8 @@ std::vector<std::uint64_t> seeds(std::size_t count) {
   return all;
 }
 
+std::size_t heap_size(const Setting& setting) { return setting.quick ? 60 : 150; }
+
 struct Angles {
   Spread heap, drum, cost;
 };
@@ -123,7 +125,7 @@ Angles measure(const Model& model, std::size_t heaps, std::size_t drums, const S
                const std::string& picture = "") {
   Angles a;
   for (const auto seed : seeds(heaps)) {
-    const Heap h = heap_of(model, setting.quick ? 60 : 150, seed, seed == 1 ? picture : "");
+    const Heap h = heap_of(model, heap_size(setting), seed, seed == 1 ? picture : "");
     a.heap.values.push_back(h.angle), a.cost.values.push_back(1e3 * h.cost);
   }
   for (const auto seed : seeds(drums))
@@ -132,7 +134,11 @@ Angles measure(const Model& model, std::size_t heaps, std::size_t drums, const S
   return a;
 }
 
-double or_nan(const Spread& s, double value) { return s.values.empty() ? std::nan("") : value; }
+/// Mean and half of the range; not numbers if nothing was measured.
+std::pair<double, double> of_any(const Spread& s) {
+  if (s.values.empty()) return {std::nan(""), std::nan("")};
+  return {s.mean(), s.half_range()};
+}
 
 }  // namespace
 
@@ -144,14 +150,10 @@ Cubes repose(const Cases& cases, const Setting& setting, example::Summary& summa
     const bool cube = c.target.name == "cube";
     const auto add = [&](const Model& m, std::size_t heaps, std::size_t drums) {
       const std::string file =
-          cube ? silt::text(setting.out, "/heap_", m.name.substr(0, 2) == "6 " ? "cubes" : m.name,
-                            ".vtp")
-               : "";
+          m.name == "6 faces" ? setting.out + "/heap_cubes.vtp" : std::string();
       const Angles a = measure(m, heaps, drums, setting, file);
-      rows.add(m.name,
-               {a.heap.mean(), a.heap.half_range(),
-                or_nan(a.drum, a.drum.values.empty() ? 0 : a.drum.mean()),
-                or_nan(a.drum, a.drum.values.empty() ? 0 : a.drum.half_range()), a.cost.mean()});
+      rows.add(m.name, {a.heap.mean(), a.heap.half_range(), of_any(a.drum).first,
+                        of_any(a.drum).second, a.cost.mean()});
       summary.result(silt::text("heap_", c.target.name, ": ", m.name), a.heap.mean());
       if (!a.drum.values.empty())
         summary.result(silt::text("drum_", c.target.name, ": ", m.name), a.drum.mean());
@@ -221,7 +223,7 @@ void roll(const Cases& cases, const Cubes& cubes, const Setting& setting,
 
   // What else a bed of such spheres has in common with one of cubes.
   Rows rows({"solid fraction [-]", "partners [-]", "cost a grain and s [ms]"});
-  const std::size_t count = setting.quick ? 60 : 300;
+  const std::size_t count = bed_size(setting);
   const auto add = [&](const std::string& name, const Model& m) {
     const Bed b = settled_bed(m, count, 1);
     rows.add(name, {b.solid_fraction, b.partners, 1e3 * b.cost});
@@ -236,13 +238,20 @@ void roll(const Cases& cases, const Cubes& cubes, const Setting& setting,
   summary.check_at_least("spheres: heap with most rolling friction over none",
                          heap.back() / heap.front(), 1.2);
   summary.check_at_least("bed of cubes: cost over that of spheres", of_cubes.cost / plain.cost, 1);
+  const std::string cubes_seen = setting.out + "/heap_cubes.vtp";
+  const std::string spheres_seen = setting.out + "/heap_spheres.vtp";
+  const double shown = std::isfinite(by_heap) ? by_heap : coefficients.back();
+  heap_of(sphere_with(shown), heap_size(setting), 1, spheres_seen);
+  example::draw({"spheres", cubes_seen, spheres_seen, "--view", "front", "--title", "cubes",
+                 silt::text("spheres, mu_r = ", std::round(1000 * shown) / 1000), "--out",
+                 setting.out + "/heaps.png"});
   if (example::draw({"curves", path, "--x", "rolling friction", "--y", "heap,drum", "--reference",
                      silt::text("cubes, heap:0,", cubes.heap.mean()), "--reference",
                      silt::text("cubes, drum:0,", cubes.drum.mean()), "--y-label",
                      "angle of repose [degrees]", "--title",
                      "Spheres with rolling friction instead of cubes", "--out",
                      setting.out + "/rolling.png"}))
-    std::printf("Look at %s/rolling.png.\n", setting.out.c_str());
+    std::printf("Look at %s: rolling.png, heaps.png.\n", setting.out.c_str());
 }
 
 }  // namespace studies::shape

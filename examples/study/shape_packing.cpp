@@ -12,8 +12,8 @@ namespace studies::shape {
 
 namespace {
 
-constexpr double width = 3 * pitch;  // [m] of the period
-constexpr double duration = 0.25;    // [s]
+constexpr double width = 3.2 * pitch;  // [m] of the period
+constexpr double duration = 0.25;      // [s]
 
 /// The part of a sphere that lies below z, over its volume.
 double share_below(double centre, double z) {
@@ -53,7 +53,7 @@ Bed settled_bed(const Model& model, std::size_t count, std::uint64_t seed) {
 }
 
 void settle(const Cases& cases, const Setting& setting, example::Summary& summary) {
-  const std::size_t count = setting.quick ? 60 : 200;
+  const std::size_t count = bed_size(setting);
   const std::vector<std::uint64_t> others =
       setting.quick ? std::vector<std::uint64_t>{2} : std::vector<std::uint64_t>{2, 3, 4};
   for (const auto& [t, models] : cases) {

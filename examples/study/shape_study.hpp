@@ -67,6 +67,9 @@ class Rows {
   std::vector<std::pair<std::string, std::vector<double>>> rows_;
 };
 
+/// Grains of a bed.
+inline std::size_t bed_size(const Setting& setting) { return setting.quick ? 60 : 150; }
+
 /// What is asked of a crowd of cubes that spheres are to stand for.
 struct Cubes {
   Spread heap, drum;  // [degrees]
