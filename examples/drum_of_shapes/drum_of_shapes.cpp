@@ -16,6 +16,7 @@
 #include <silt/shape/mix.hpp>
 #include <silt/silt.hpp>
 
+#include "support/bed_profile.hpp"
 #include "support/example.hpp"
 
 namespace {
@@ -123,56 +124,17 @@ void write_outline(const Scene& s, const std::string& path) {
   silt::write_vtp_triangles(path, points, triangles);
 }
 
-/// The bed seen along the axis: how much solid stands in each column and layer, on average.
-class Occupancy {
- public:
-  explicit Occupancy(const Scene& s)
-      : radius_(s.radius), cell_(s.radius / cells), volume_(cell_ * cell_ * s.length) {}
+using example::Occupancy;
 
-  template <class Sim>
-  void add(const Sim& sim) {
-    ++samples_;
-    for (std::size_t k = 0; k < sim.rows(); ++k) {
-      const auto at = [&](double x) {
-        return std::clamp(static_cast<int>((x + radius_) / cell_), 0, 2 * cells - 1);
-      };
-      const auto& mass = sim.forms()[sim.form(k)].mass;
-      const double scale = sim.scale(k);
-      solid_[at(sim.position(k).x)][at(sim.position(k).z)] += mass.volume * scale * scale * scale;
-    }
+template <class Sim>
+void add_to(Occupancy& bed, const Sim& sim) {
+  bed.next_sample();
+  for (std::size_t k = 0; k < sim.rows(); ++k) {
+    const double scale = sim.scale(k);
+    bed.add_grain(sim.position(k).x, sim.position(k).z,
+                  sim.forms()[sim.form(k)].mass.volume * scale * scale * scale);
   }
-  /// Height [m] of the surface over column k: where the solid fraction falls below half of a bed's;
-  /// not a number where there is none.
-  double surface(int k) const {
-    const double full = 0.5 * 0.6 * volume_ * static_cast<double>(samples_);
-    for (int m = 2 * cells - 1; m >= 0; --m) {
-      const double here = solid_[k][m];
-      if (here < full) continue;
-      const double above = m + 1 < 2 * cells ? solid_[k][m + 1] : 0;
-      return -radius_ + (m + 0.5 + (here - full) / std::max(here - above, 1e-300)) * cell_;
-    }
-    return std::nan("");
-  }
-  double place(int k) const { return -radius_ + (k + 0.5) * cell_; }  // [m]
-
-  /// Slope of the surface [degrees], of its middle: columns within half of the drum's radius.
-  double angle() const {
-    double n = 0, x = 0, z = 0, xx = 0, xz = 0;
-    for (int k = 0; k < 2 * cells; ++k) {
-      const double at = place(k), height = surface(k);
-      if (std::abs(at) > 0.5 * radius_ || !std::isfinite(height)) continue;
-      n += 1, x += at, z += height, xx += at * at, xz += at * height;
-    }
-    return n > 2 ? std::abs(std::atan((n * xz - x * z) / (n * xx - x * x))) * 180 / std::numbers::pi
-                 : std::nan("");
-  }
-  static constexpr int cells = 12;  // over a radius
-
- private:
-  double radius_, cell_, volume_;
-  std::size_t samples_ = 0;
-  std::array<std::array<double, 2 * cells>, 2 * cells> solid_{};
-};
+}
 
 int simulate(const Scene& s, const example::Options& options) {
   const example::Stopwatch whole;
@@ -203,11 +165,11 @@ int simulate(const Scene& s, const example::Options& options) {
   std::printf("turning\n");
   const double turn = 60 / s.rpm, start = sim.time();  // [s]
   write_outline(s, options.out + "/drum.vtp");
-  Occupancy bed(s);
+  Occupancy bed(s.radius, s.length);
   double torque = 0, samples = 0;  // [N m] that the drum bears
   const auto watch = [&](const auto& at) {
     const bool measured = at.time() - start >= (s.turns - 1) * turn - 1e-9;
-    if (measured) bed.add(at), torque += at.wall(0).torque.y, samples += 1;
+    if (measured) add_to(bed, at), torque += at.wall(0).torque.y, samples += 1;
     double energy = 0;
     for (std::size_t k = 0; k < at.rows(); ++k)
       energy += 0.5 * at.mass(k) * dot(at.velocity(k), at.velocity(k));

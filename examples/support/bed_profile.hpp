@@ -1,0 +1,61 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+namespace example {
+
+/// The bed of a drum seen along its axis, which is y: how much solid stands in each column and
+/// layer, on average over the samples that are added.
+class Occupancy {
+ public:
+  static constexpr int cells = 12;  // over a radius
+
+  Occupancy(double radius, double length)  // [m] of the drum
+      : radius_(radius), cell_(radius / cells), volume_(cell_ * cell_ * length) {}
+
+  void next_sample() { ++samples_; }
+  /// A grain at x and z [m] from the axis, whose volume [m3] is counted at its centre.
+  void add_grain(double x, double z, double volume) { solid_[cell_at(x)][cell_at(z)] += volume; }
+
+  /// Height [m] of the surface over column k: where the solid fraction falls below half of a bed's;
+  /// not a number where there is none.
+  double surface(int k) const {
+    const double full = 0.5 * 0.6 * volume_ * static_cast<double>(samples_);
+    for (int m = 2 * cells - 1; m >= 0; --m) {
+      const double here = solid_[k][m];
+      if (here < full) continue;
+      const double above = m + 1 < 2 * cells ? solid_[k][m + 1] : 0;
+      return -radius_ + (m + 0.5 + (here - full) / std::max(here - above, 1e-300)) * cell_;
+    }
+    return std::nan("");
+  }
+  double place(int k) const { return -radius_ + (k + 0.5) * cell_; }  // [m]
+
+  /// Slope of the surface [degrees], of its middle: columns within half of the drum's radius.
+  double angle() const {
+    double n = 0, x = 0, z = 0, xx = 0, xz = 0;
+    for (int k = 0; k < 2 * cells; ++k) {
+      const double at = place(k), height = surface(k);
+      if (std::abs(at) > 0.5 * radius_ || !std::isfinite(height)) continue;
+      n += 1, x += at, z += height, xx += at * at, xz += at * height;
+    }
+    return n > 2 ? std::abs(std::atan((n * xz - x * z) / (n * xx - x * x))) * 180 / std::numbers::pi
+                 : std::nan("");
+  }
+
+ private:
+  int cell_at(double x) const {
+    return std::clamp(static_cast<int>((x + radius_) / cell_), 0, 2 * cells - 1);
+  }
+
+  double radius_, cell_, volume_;
+  std::size_t samples_ = 0;
+  std::array<std::array<double, 2 * cells>, 2 * cells> solid_{};
+};
+
+}  // namespace example
