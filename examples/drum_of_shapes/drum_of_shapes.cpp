@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -38,8 +39,6 @@ struct Scene {
   static constexpr double between = 0.12;    // [s] for them to fall
 
   double rate() const { return rpm * std::numbers::pi / 30; }  // [rad/s]
-  /// [s] in which the drum stands and is filled.
-  double filling() const { return between * static_cast<double>((particles + batch - 1) / batch); }
   Law::Material material() const {
     return {.youngs_modulus = 5e6, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.5};
   }
@@ -92,7 +91,8 @@ silt::Particles<Grains> batch(const Scene& s, std::size_t count, std::uint64_t s
   return grains;
 }
 
-auto make_simulation(const Scene& s) {
+/// The drum turns from `start` [s] on.
+auto make_simulation(const Scene& s, const double& start) {
   const silt::Box period{{-s.radius, 0, -s.radius}, {s.radius, s.length, s.radius}};
   silt::Simulation sim{batch(s, std::min(s.particles, Scene::batch), 1),
                        silt::Contacts<Law>{s.material()},
@@ -102,8 +102,7 @@ auto make_simulation(const Scene& s) {
       silt::Box{{-s.radius, -s.length, -s.radius}, {s.radius, 2 * s.length, s.radius}};
   sim.add_wall(
       silt::Cylinder{{0, -s.length, 0}, {0, 2 * s.length, 0}, s.radius, silt::Side::Inside},
-      s.material(),
-      [turn = silt::rotation({0, 0, 0}, {0, 1, 0}, s.rate()), start = s.filling()](double time) {
+      s.material(), [turn = silt::rotation({0, 0, 0}, {0, 1, 0}, s.rate()), &start](double time) {
         return turn(std::max(time - start, 0.0));
       });
   return sim;
@@ -138,7 +137,8 @@ void add_to(Occupancy& bed, const Sim& sim) {
 
 int simulate(const Scene& s, const example::Options& options) {
   const example::Stopwatch whole;
-  auto sim = make_simulation(s);
+  double start = std::numeric_limits<double>::infinity();  // [s] when the drum begins to turn
+  auto sim = make_simulation(s, start);
   sim.threads = options.threads;
   silt::make_folder(options.out);
   example::Summary summary;
@@ -160,10 +160,11 @@ int simulate(const Scene& s, const example::Options& options) {
     sim.run(Scene::between);
     sim.add(batch(s, std::min(s.particles - sim.size(), Scene::batch), seed));
   }
-  sim.run(s.filling() - sim.time());
+  sim.run(Scene::between);
 
   std::printf("turning\n");
-  const double turn = 60 / s.rpm, start = sim.time();  // [s]
+  const double turn = 60 / s.rpm;  // [s]
+  start = sim.time();
   write_outline(s, options.out + "/drum.vtp");
   Occupancy bed(s.radius, s.length);
   double torque = 0, samples = 0;  // [N m] that the drum bears
