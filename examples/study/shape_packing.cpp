@@ -83,6 +83,7 @@ void settle(const Cases& cases, const Setting& setting, example::Summary& summar
         unrest = std::max(unrest, b.unrest);
       });
     }
+    study.accept("error of solid fraction", 0.03);  // what beds from other starts differ by
     auto once = setting;
     once.repeats = 1;
     run_and_report(study, once, "bed_" + t.name);
