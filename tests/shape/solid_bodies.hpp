@@ -14,7 +14,7 @@ namespace solid_test {
 
 using namespace silt;
 using shape_test::pi;
-using shape_test::Random;
+using Draws = shape_test::Random;
 using Super = PlacedSuper<SuperForm<double>>;
 using Poly = PlacedSuper<PolyForm<double>>;
 
@@ -43,16 +43,16 @@ inline PlacedPolyhedron moved(PlacedPolyhedron b, const Vec3d& by, const Quatern
 }
 
 inline constexpr int most = 16;
-using Contacts = std::vector<SolidContact>;
+using Touches = std::vector<SolidContact>;
 template <class Find>
-Contacts all(Find&& find) {
-  Contacts out(most);
+Touches all(Find&& find) {
+  Touches out(most);
   out.resize(static_cast<std::size_t>(find(out.data(), most)));
   return out;
 }
 
 /// The contact whose point is nearest to that of `c`.
-inline const SolidContact* same(const Contacts& all, const SolidContact& c) {
+inline const SolidContact* same(const Touches& all, const SolidContact& c) {
   const SolidContact* best = nullptr;
   for (const auto& o : all)
     if (!best || norm(o.point - c.point) < norm(best->point - c.point)) best = &o;
@@ -63,7 +63,7 @@ inline const SolidContact* same(const Contacts& all, const SolidContact& c) {
 /// differences of the overlap of every contact. [-] and [m]. Infinite if a contact gets lost.
 template <class Body, class Find>
 double potential_error(const Body& body, Find&& find, double step) {
-  const Contacts now = find(body);
+  const Touches now = find(body);
   double worst = 0;
   for (const auto& c : now)
     for (int k = 0; k < 6; ++k) {
@@ -74,7 +74,7 @@ double potential_error(const Body& body, Find&& find, double step) {
         const double h = side == 0 ? -step : step;
         const Body b = k < 3 ? moved(body, h * axis, Quaternion{})
                              : moved(body, {0, 0, 0}, rotation_about(axis, h));
-        const Contacts then = find(b);
+        const Touches then = find(b);
         const auto* o = same(then, c);
         if (!o) return std::numeric_limits<double>::infinity();
         value[side] = o->overlap;

@@ -10,13 +10,13 @@ namespace {
 using Soup = std::vector<std::array<Vec3d, 3>>;
 
 template <class Body>
-Contacts at(const TriangleMesh& mesh, const Body& body) {
+Touches at(const TriangleMesh& mesh, const Body& body) {
   std::vector<std::uint32_t> near;
   mesh.triangles_near(detail::centre_of(body), detail::bound_of(body), near);
   return all([&](SolidContact* out, int n) { return mesh_contacts(body, mesh, near, out, n); });
 }
 template <class Body>
-Contacts at(const Plane& wall, const Body& body) {
+Touches at(const Plane& wall, const Body& body) {
   return all([&](SolidContact* out, int n) { return plane_contacts(body, wall, out, n); });
 }
 
@@ -26,7 +26,7 @@ void add_quad(Soup& soup, const Vec3d& a, const Vec3d& b, const Vec3d& c, const 
 
 /// A flat square floor, z = height(x, y), of irregular triangles; patches that share no corners.
 template <class Height>
-Soup floor_of(Random& r, int n, double half, Height&& height) {
+Soup floor_of(Draws& r, int n, double half, Height&& height) {
   std::vector<Vec3d> p;
   for (int j = 0; j <= n; ++j)
     for (int i = 0; i <= n; ++i) {
@@ -94,7 +94,7 @@ double line_depth(const auto& body) {
 }
 
 template <class Action>
-void for_bodies(Random& r, Action&& action) {
+void for_bodies(Draws& r, Action&& action) {
   for (const double s : {2., 4., 8., 20.})
     action(place(SuperEllipsoid{r.uniform(.2, .5), r.uniform(.2, .5), r.uniform(.2, .5), s, s},
                  {0, 0, 0}, r.turn()),
@@ -112,7 +112,7 @@ void for_bodies(Random& r, Action&& action) {
 }  // namespace
 
 TEST_CASE("solid meshes: a floor of irregular triangles is the plane, at all places and turns") {
-  Random r(1);
+  Draws r(1);
   const TriangleMesh whole(floor_of(r, 12, 3, [](double, double) { return 0.; }));
   // Patches with T-junctions: the fine one's rim has corners on the coarse one's triangles' sides.
   Soup soup = floor_of(r, 4, 1.5, [](double, double) { return 0.; });
@@ -157,7 +157,7 @@ TEST_CASE("solid meshes: a floor of irregular triangles is the plane, at all pla
 
 TEST_CASE(
     "solid meshes: a super-ellipsoid that is a sphere touches rough ground as a sphere does") {
-  Random r(2);
+  Draws r(2);
   int contacts = 0, several = 0, no_face = 0;
   for (int m = 0; m < 10; ++m) {
     const TriangleMesh mesh(floor_of(r, 10, 2, [&](double, double) { return r.uniform(0, 0.3); }),
@@ -188,7 +188,7 @@ TEST_CASE(
 }
 
 TEST_CASE("solid meshes: bodies on a ridge and on a tip: least depth, and a potential") {
-  Random r(3);
+  Draws r(3);
   const TriangleMesh ridge = ridge_mesh(3), tip = tip_mesh(3);
   int on_ridge = 0, on_tip = 0;
   for (int k = 0; k < 25; ++k)
@@ -360,7 +360,7 @@ TEST_CASE(
 
 TEST_CASE(
     "solid meshes: what has just touched rough ground, by distances to triangles, has a contact") {
-  Random r(7);
+  Draws r(7);
   double least = 1;
   for (int m = 0; m < 6; ++m) {
     // Steep and nearly flat grounds; those of a smooth angle of 0 and of 30 degrees.

@@ -5,13 +5,13 @@ using namespace solid_test;
 
 namespace {
 
-Contacts at(const Plane& wall, const auto& body) {
+Touches at(const Plane& wall, const auto& body) {
   return all([&](SolidContact* out, int n) { return plane_contacts(body, wall, out, n); });
 }
-Contacts at(const Cylinder& wall, const auto& body) {
+Touches at(const Cylinder& wall, const auto& body) {
   return all([&](SolidContact* out, int n) { return cylinder_contacts(body, wall, out, n); });
 }
-Contacts at(const Cone& wall, const auto& body) {
+Touches at(const Cone& wall, const auto& body) {
   return all([&](SolidContact* out, int n) { return cone_contacts(body, wall, out, n); });
 }
 
@@ -69,13 +69,13 @@ const Cylinder shaft{{0, 0, -3}, {0, 0, 3}, 0.7, Side::Outside};
 const Cone funnel{{0, 0, -3}, {0, 0, 3}, 1, 3, Side::Inside};
 const Cone spike{{0, 0, -3}, {0, 0, 3}, 0.3, 1.2, Side::Outside};
 
-SuperEllipsoid random_shape(Random& r, double s) {
+SuperEllipsoid random_shape(Draws& r, double s) {
   return {r.uniform(0.2, 0.5), r.uniform(0.2, 0.5), r.uniform(0.2, 0.5), s, s};
 }
 
 /// Calls action(body, name) with bodies of all kinds around the origin.
 template <class Action>
-void for_bodies(Random& r, Action&& action) {
+void for_bodies(Draws& r, Action&& action) {
   for (const double s : {2., 4., 8., 20.})
     action(place(random_shape(r, s), {0, 0, 0}, r.turn()), "s = " + std::to_string(s));
   const PolySuperEllipsoid lopsided{{0.3, 0.5, 0.2}, {0.4, 0.2, 0.3}, 5, 3};
@@ -94,7 +94,7 @@ double grown(const PlacedPolyhedron& b) { return b.shape->radius(); }
 }  // namespace
 
 TEST_CASE("solid walls: the deepest contact inside of drum and funnel is the deepest place found") {
-  Random r(1);
+  Draws r(1);
   for (int k = 0; k < 6; ++k)
     for_bodies(r, [&](const auto& body, const std::string& name) {
       INFO(name);
@@ -117,7 +117,7 @@ TEST_CASE("solid walls: the deepest contact inside of drum and funnel is the dee
 }
 
 TEST_CASE("solid walls: all local maxima inside a drum, against a dense scan of the angle") {
-  Random r(2);
+  Draws r(2);
   int several = 0;
   for (const double s : {2., 3., 8., 20.})
     for (int k = 0; k < 100; ++k) {
@@ -162,7 +162,7 @@ TEST_CASE("solid walls: all local maxima inside a drum, against a dense scan of 
 }
 
 TEST_CASE("solid walls: outside of shaft and spike the deepest place of a body is found") {
-  Random r(3);
+  Draws r(3);
   for (int k = 0; k < 6; ++k)
     for_bodies(r, [&](const auto& body, const std::string& name) {
       INFO(name);
@@ -214,14 +214,15 @@ TEST_CASE("solid walls: outside of shaft and spike the deepest place of a body i
               doctest::Approx(0.5 * found[0].overlap).epsilon(1e-9));
         CHECK(at(wall, moved(there, 0.02 * out, {})).empty());
         // Differences over 1e-7: rounding 1e-9, second derivatives up to some 100/size.
-        CHECK(potential_error(there, [&](const auto& b) { return at(wall, b); }, 1e-7) < 1e-5);
+        CHECK(potential_error(
+                  there, [&](const auto& b) { return at(wall, b); }, 1e-7) < 1e-5);
       };
       check(shaft), check(spike);
     });
 }
 
 TEST_CASE("solid walls: force and torque are minus the derivative of the overlap") {
-  Random r(4);
+  Draws r(4);
   for (int k = 0; k < 5; ++k)
     for_bodies(r, [&](const auto& body, const std::string& name) {
       INFO(name);
@@ -250,7 +251,7 @@ TEST_CASE("solid walls: force and torque are minus the derivative of the overlap
 }
 
 TEST_CASE("solid walls: a super-ellipsoid that is a sphere touches as a sphere does") {
-  Random r(5);
+  Draws r(5);
   int touching = 0;
   for (int k = 0; k < 2000; ++k) {
     const double R = r.uniform(0.1, 0.4);

@@ -6,7 +6,7 @@
 #include <bit>
 #include <cstdint>
 
-#include <silt/engine/convex_rows.hpp>
+#include <silt/engine/convex_gather.hpp>
 #include <silt/engine/load_rows.hpp>
 #include <silt/engine/pair_list.hpp>
 #include <silt/shape/narrow/solid_pairs.hpp>
@@ -25,14 +25,16 @@ template <class Rows, class ContactsType, class Domain, class Arch>
 class ConvexPairs {
   using Real = typename Lanes<Arch>::Real;
   using List = PairList<ContactsType::history, double>;
-  using Memory = NormalMemory<Real>;
+  using Gather = ConvexGather<Rows, List, ContactsType::memory_from, Arch>;
+  using Memory = typename Gather::Memory;
+  template <std::size_t K, Exponents E>
+  using FormOf = typename Gather::template FormOf<K, E>;
   using Kinds = typename Rows::Kinds;
   static constexpr std::size_t W = Lanes<Arch>::width;
   static constexpr std::size_t kind_count = Kinds::count,
                                pair_kinds = kind_count * (kind_count + 1) / 2;
   static constexpr std::size_t block = kind_count > 1 ? 256 : 128, chunks = 2, row = 4 * chunks;
   static constexpr std::size_t H = ContactsType::history, M = ContactsType::memory_from,
-                               memory_size = ContactsType::memory_size,
                                radius = ContactsType::memory_radius;
   static_assert(load_chunks<ContactsType> == chunks,
                 "rolling resistance is of spheres and of bodies made of spheres: the shape of "
@@ -49,13 +51,7 @@ class ConvexPairs {
       std::is_same_v<typename Rows::template KindAt<A>, Polyhedron>&& A == B;
 
  public:
-  struct Input {
-    const PositionRow* positions;
-    const MotionRow<true>* motions;
-    const Rows* rows;
-    const std::uint16_t* kinds;  // place in the coefficient table, if there are several materials
-    StepTimes times;
-  };
+  using Input = ConvexInput<Rows>;
 
   /// Adds the load of every pair to the sums of its bodies: force, and torque about the centre.
   static Tally<ContactsType> run(const Input& in, List& list,
@@ -206,12 +202,12 @@ class ConvexPairs {
       const Vec3<Real> d = near.between_at(k);
       store(x[0], d.x), store(x[1], d.y), store(x[2], d.z);
       if constexpr (in_lanes<A, B>)
-        store(gap,
-              least_gap(posed<A, B, E>(scene, near, k), memory_of(scene.list, near.place + k)));
+        store(gap, least_gap(posed<A, B, E>(scene, near, k),
+                             Gather::memory_of(scene.list, near.place + k)));
       else
         for (std::size_t lane = 0; lane < valid; ++lane)
           with_placed<A, B>(scene, near, k + lane, [&](const auto& i, const auto& j) {
-            gap[lane] = least_gap_of(i, j, memory_at(scene.list, near.place[k + lane]));
+            gap[lane] = least_gap_of(i, j, Gather::memory_at(scene.list, near.place[k + lane]));
           });
       for (std::size_t lane = 0; lane < valid; ++lane)
         if (gap[lane] > 0)
@@ -281,8 +277,7 @@ class ConvexPairs {
                                  tally);
     tally.end_block();
     for (std::size_t h = 0; h < M; ++h) {
-      double* const to = scene.list.history(h);
-      for (std::size_t k = 0; k < open.count; ++k) to[open.place[k]] = c.history[h][k];
+      Gather::scatter(c.history[h], open.place, open.count, scene.list.history(h));
     }
     add_loads<has_gradient<A, B>>(scene, open, padded, c);
   }
@@ -327,10 +322,11 @@ class ConvexPairs {
   static void touch_pack(const Scene& scene, const Some& open, std::size_t k, Contacts& c,
                          RunningTally<ContactsType, Real>& tally) {
     const auto& in = scene.in;
-    Memory memory = memory_of(scene.list, open.place + k);
+    Memory memory = Gather::memory_of(scene.list, open.place + k);
     memory.R_eff = max(memory.R_eff, Real(0));  // else a gap
     const auto touched = memory.R_eff > Real(0), with_i = memory.follows > Real(0);
-    const BodyAxes<Real> turn_i = axes_pack(in, open.i + k), turn_j = axes_pack(in, open.j + k);
+    const BodyAxes<Real> turn_i = Gather::axes_pack(in, open.i + k),
+                         turn_j = Gather::axes_pack(in, open.j + k);
     const BodyAxes<Real> turn{select(with_i, turn_i.x, turn_j.x),
                               select(with_i, turn_i.y, turn_j.y),
                               select(with_i, turn_i.z, turn_j.z)};
@@ -339,11 +335,11 @@ class ConvexPairs {
     const BodyContact<Real>& found = of.contact;
     const std::size_t valid = std::min(W, open.count - k);
     memory.R_eff = select(found.touches, memory.R_eff, min(found.overlap, Real(0)));
-    keep_memory(scene.list, open.place + k, valid, memory);
+    Gather::keep_memory(scene.list, open.place + k, valid, memory);
 
     BodyAtContact<Real> i, j;
     Real thin_i, thin_j;
-    body_pack(in, open.i + k, i, thin_i), body_pack(in, open.j + k, j, thin_j);
+    Gather::body_pack(in, open.i + k, i, thin_i), Gather::body_pack(in, open.j + k, j, thin_j);
     if constexpr (!Rows::has_levers) i.axes = turn_i, j.axes = turn_j;
     const Real zero(0), step(in.times.step);
     const Vec3<Real> n = found.normal, arm_i = found.point, arm_j = found.point - between;
@@ -406,17 +402,14 @@ class ConvexPairs {
     }
   }
 
-  // --- gathering ----------------------------------------------------------------------------
-
-  template <std::size_t K, Exponents E>
-  using FormOf = typename KernelAt<K>::template Form<Real, E>;
-
   template <std::size_t A, std::size_t B, Exponents E>
   static SILT_INLINE PosedPair<FormOf<A, E>, FormOf<B, E>> posed(const Scene& scene,
                                                                  const Some& some, std::size_t k) {
     PosedPair<FormOf<A, E>, FormOf<B, E>> pair;
-    pair.i = form_pack<A, E>(scene.in, some.i + k), pair.j = form_pack<B, E>(scene.in, some.j + k);
-    pair.turn_i = axes_pack(scene.in, some.i + k), pair.turn_j = axes_pack(scene.in, some.j + k);
+    pair.i = Gather::template form_pack<A, E>(scene.in, some.i + k),
+    pair.j = Gather::template form_pack<B, E>(scene.in, some.j + k);
+    pair.turn_i = Gather::axes_pack(scene.in, some.i + k),
+    pair.turn_j = Gather::axes_pack(scene.in, some.j + k);
     pair.between = some.between_at(k);
     return pair;
   }
@@ -427,74 +420,6 @@ class ConvexPairs {
     visit(rows.template placed<A>(some.i[k], {0, 0, 0}),
           rows.template placed<B>(some.j[k],
                                   {some.between[0][k], some.between[1][k], some.between[2][k]}));
-  }
-  template <std::size_t K, Exponents E>
-  static SILT_INLINE FormOf<K, E> form_pack(const Input& in, const std::uint32_t* which) {
-    constexpr std::size_t rows = (sizeof(typename KernelAt<K>::Row) + 31) / 32;
-    Real columns[4 * rows];
-    if (in.rows->one_form()) {
-      for (std::size_t c = 0; c < 4 * rows; ++c) columns[c] = Real(in.rows->form.front().value[c]);
-    } else {
-      const double* at[W];
-      for (std::size_t lane = 0; lane < W; ++lane) at[lane] = in.rows->form[which[lane]].value;
-      gather_columns<Arch, rows>(at, columns);
-    }
-    FormOf<K, E> form;
-    static_assert(sizeof form <= sizeof columns);
-    std::memcpy(static_cast<void*>(&form), columns, sizeof form);
-    return form;
-  }
-  static SILT_INLINE BodyAxes<Real> axes_pack(const Input& in, const std::uint32_t* which) {
-    const double* at[W];
-    for (std::size_t lane = 0; lane < W; ++lane) at[lane] = &in.rows->pose[which[lane]].q.w;
-    Real q[4];
-    gather_columns<Arch, 1>(at, q);
-    return body_axes<Real>(q[0], q[1], q[2], q[3]);
-  }
-  static SILT_INLINE void body_pack(const Input& in, const std::uint32_t* which,
-                                    BodyAtContact<Real>& body, Real& least_radius) {
-    const double* at[W];
-    Real m[8], i[4];
-    for (std::size_t lane = 0; lane < W; ++lane) at[lane] = &in.motions[which[lane]].vx;
-    gather_columns<Arch, 2>(at, m);
-    for (std::size_t lane = 0; lane < W; ++lane)
-      at[lane] = &in.rows->pose[which[lane]].inv_inertia.x;
-    gather_columns<Arch, 1>(at, i);
-    body.velocity = {m[0], m[1], m[2]}, body.inv_m = m[3];
-    body.spin = Vec3<Real>{m[4], m[5], m[6]} * m[7];
-    body.inv_inertia = {i[0], i[1], i[2]}, least_radius = i[3];
-    body.offset = {Real(0), Real(0), Real(0)};
-    if constexpr (Rows::has_levers) {
-      Real lever[8];
-      for (std::size_t lane = 0; lane < W; ++lane) at[lane] = &in.rows->lever[which[lane]].q.w;
-      gather_columns<Arch, 2>(at, lever);
-      body.axes = body_axes<Real>(lever[0], lever[1], lever[2], lever[3]);
-      body.offset = {lever[4], lever[5], lever[6]};
-    }
-  }
-
-  static NormalMemory<double> memory_at(List& list, std::uint32_t place) {
-    const auto kept = [&](std::size_t h) { return list.history(M + h)[place]; };
-    return {{kept(0), kept(1), kept(2)}, kept(3), kept(4)};
-  }
-  static SILT_INLINE Memory memory_of(List& list, const std::uint32_t* place) {
-    alignas(64) double values[memory_size][W];
-    for (std::size_t h = 0; h < memory_size; ++h) {
-      const double* const from = list.history(M + h);
-      for (std::size_t lane = 0; lane < W; ++lane) values[h][lane] = from[place[lane]];
-    }
-    Memory memory;
-    std::memcpy(static_cast<void*>(&memory), values, sizeof memory);
-    return memory;
-  }
-  static SILT_INLINE void keep_memory(List& list, const std::uint32_t* place, std::size_t valid,
-                                      const Memory& memory) {
-    alignas(64) double values[memory_size][W];
-    std::memcpy(values, static_cast<const void*>(&memory), sizeof memory);
-    for (std::size_t h = 0; h < memory_size; ++h) {
-      double* const to = list.history(M + h);
-      for (std::size_t lane = 0; lane < valid; ++lane) to[place[lane]] = values[h][lane];
-    }
   }
 };
 

@@ -7,9 +7,9 @@
 
 #include <silt/core/lanes.hpp>
 #include <silt/shape/clip_graph.hpp>
+#include <silt/shape/concept.hpp>
 #include <silt/shape/rigid_pose.hpp>
 #include <silt/shape/solid_mesh.hpp>
-#include <silt/shape/concept.hpp>
 #include <silt/shape/triangle_moments.hpp>
 
 namespace silt::inline SILT_TARGET {

@@ -1,0 +1,115 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+
+#include <silt/engine/convex_rows.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// What the kernels of convex parts read.
+template <class Rows>
+struct ConvexInput {
+  const PositionRow* positions;
+  const MotionRow<true>* motions;
+  const Rows* rows;
+  const std::uint16_t* kinds;  // place in the coefficient table, if there are several materials
+  StepTimes times;
+};
+
+/// Packs of convex parts from their rows, and of what pairs keep from the list, whose history has
+/// it from component M on.
+template <class Rows, class List, std::size_t M, class Arch>
+struct ConvexGather {
+  using Real = typename Lanes<Arch>::Real;
+  using Memory = NormalMemory<Real>;
+  static constexpr std::size_t W = Lanes<Arch>::width;
+  static constexpr std::size_t memory_size = sizeof(NormalMemory<double>) / sizeof(double);
+  template <std::size_t K, Exponents E>
+  using FormOf = typename KernelOf<typename Rows::template KindAt<K>>::template Form<Real, E>;
+
+  template <std::size_t K, Exponents E>
+  static SILT_INLINE FormOf<K, E> form_pack(const ConvexInput<Rows>& in,
+                                            const std::uint32_t* which) {
+    constexpr std::size_t rows =
+        (sizeof(typename KernelOf<typename Rows::template KindAt<K>>::Row) + 31) / 32;
+    Real columns[4 * rows];
+    if (in.rows->one_form()) {
+      for (std::size_t c = 0; c < 4 * rows; ++c) columns[c] = Real(in.rows->form.front().value[c]);
+    } else {
+      const double* at[W];
+      for (std::size_t lane = 0; lane < W; ++lane) at[lane] = in.rows->form[which[lane]].value;
+      gather_columns<Arch, rows>(at, columns);
+    }
+    FormOf<K, E> form;
+    static_assert(sizeof form <= sizeof columns);
+    std::memcpy(static_cast<void*>(&form), columns, sizeof form);
+    return form;
+  }
+  static SILT_INLINE BodyAxes<Real> axes_pack(const ConvexInput<Rows>& in,
+                                              const std::uint32_t* which) {
+    const double* at[W];
+    for (std::size_t lane = 0; lane < W; ++lane) at[lane] = &in.rows->pose[which[lane]].q.w;
+    Real q[4];
+    gather_columns<Arch, 1>(at, q);
+    return body_axes<Real>(q[0], q[1], q[2], q[3]);
+  }
+  static SILT_INLINE void body_pack(const ConvexInput<Rows>& in, const std::uint32_t* which,
+                                    BodyAtContact<Real>& body, Real& least_radius) {
+    const double* at[W];
+    Real m[8], i[4];
+    for (std::size_t lane = 0; lane < W; ++lane) at[lane] = &in.motions[which[lane]].vx;
+    gather_columns<Arch, 2>(at, m);
+    for (std::size_t lane = 0; lane < W; ++lane)
+      at[lane] = &in.rows->pose[which[lane]].inv_inertia.x;
+    gather_columns<Arch, 1>(at, i);
+    body.velocity = {m[0], m[1], m[2]}, body.inv_m = m[3];
+    body.spin = Vec3<Real>{m[4], m[5], m[6]} * m[7];
+    body.inv_inertia = {i[0], i[1], i[2]}, least_radius = i[3];
+    body.offset = {Real(0), Real(0), Real(0)};
+    if constexpr (Rows::has_levers) {
+      Real lever[8];
+      for (std::size_t lane = 0; lane < W; ++lane) at[lane] = &in.rows->lever[which[lane]].q.w;
+      gather_columns<Arch, 2>(at, lever);
+      body.axes = body_axes<Real>(lever[0], lever[1], lever[2], lever[3]);
+      body.offset = {lever[4], lever[5], lever[6]};
+    }
+  }
+
+  static NormalMemory<double> memory_at(List& list, std::uint32_t place) {
+    const auto kept = [&](std::size_t h) { return list.history(M + h)[place]; };
+    return {{kept(0), kept(1), kept(2)}, kept(3), kept(4)};
+  }
+  static SILT_INLINE Memory memory_of(List& list, const std::uint32_t* place) {
+    alignas(64) double values[memory_size][W];
+    for (std::size_t h = 0; h < memory_size; ++h) {
+      const double* const from = list.history(M + h);
+      for (std::size_t lane = 0; lane < W; ++lane) values[h][lane] = from[place[lane]];
+    }
+    Memory memory;
+    std::memcpy(static_cast<void*>(&memory), values, sizeof memory);
+    return memory;
+  }
+  static SILT_INLINE void keep_memory(List& list, const std::uint32_t* place, std::size_t valid,
+                                      const Memory& memory) {
+    alignas(64) double values[memory_size][W];
+    std::memcpy(values, static_cast<const void*>(&memory), sizeof memory);
+    for (std::size_t h = 0; h < memory_size; ++h) {
+      scatter(values[h], place, valid, list.history(M + h));
+    }
+  }
+
+  /// values[k] to to[place[k]]: one by one, as scatter instructions are slower.
+  static SILT_INLINE void scatter(const double* values, const std::uint32_t* place,
+                                  std::size_t count, double* to) {
+    for (std::size_t k = 0; k < count; ++k) {
+      to[place[k]] = values[k];
+#if defined(__GNUC__)
+      asm volatile("" ::: "memory");
+#endif
+    }
+  }
+};
+
+}  // namespace silt::detail
