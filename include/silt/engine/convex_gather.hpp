@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include <silt/engine/convex_rows.hpp>
+#include <silt/engine/load_rows.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
