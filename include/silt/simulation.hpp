@@ -105,7 +105,8 @@ class Simulation {
   static constexpr std::size_t bytes_per_body = has_bodies ? sizeof(detail::Body) : 0;
   /// State of one contact [bytes]: two indices and the history of the law.
   static constexpr std::size_t bytes_per_contact =
-      2 * sizeof(std::uint32_t) + EngineContacts::history * sizeof(typename Precision::PairScalar);
+      2 * sizeof(std::uint32_t) +
+      detail::history_numbers<EngineContacts> * sizeof(typename Precision::PairScalar);
 
   Vec3d gravity{0, 0, 0};           // [m/s2]
   std::optional<double> time_step;  // [s]; left out: a 20th of the shortest contact

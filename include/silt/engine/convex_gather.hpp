@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 
@@ -19,14 +20,22 @@ struct ConvexInput {
   StepTimes times;
 };
 
-/// Packs of convex parts from their rows, and of what pairs keep from the list, whose history has
-/// it from component M on.
-template <class Rows, class List, std::size_t M, class Arch>
+/// values[k] to to[place[k]]: one by one, as scatter instructions are slower.
+SILT_INLINE void scatter(const double* values, const std::uint32_t* place, std::size_t count,
+                         double* to) {
+  for (std::size_t k = 0; k < count; ++k) {
+    to[place[k]] = values[k];
+#if defined(__GNUC__)
+    asm volatile("" ::: "memory");
+#endif
+  }
+}
+
+/// Packs of convex parts from their rows.
+template <class Rows, class Arch>
 struct ConvexGather {
   using Real = typename Lanes<Arch>::Real;
-  using Memory = NormalMemory<Real>;
   static constexpr std::size_t W = Lanes<Arch>::width;
-  static constexpr std::size_t memory_size = sizeof(NormalMemory<double>) / sizeof(double);
   template <std::size_t K, Exponents E>
   using FormOf = typename KernelOf<typename Rows::template KindAt<K>>::template Form<Real, E>;
 
@@ -45,7 +54,8 @@ struct ConvexGather {
     }
     FormOf<K, E> form;
     static_assert(sizeof form <= sizeof columns);
-    std::memcpy(static_cast<void*>(&form), columns, sizeof form);
+    for (std::size_t c = 0; c < sizeof form / sizeof(Real); ++c)  // all at once would be a call
+      std::memcpy(reinterpret_cast<char*>(&form) + c * sizeof(Real), columns + c, sizeof(Real));
     return form;
   }
   static SILT_INLINE BodyAxes<Real> axes_pack(const ConvexInput<Rows>& in,
@@ -77,38 +87,51 @@ struct ConvexGather {
       body.offset = {lever[4], lever[5], lever[6]};
     }
   }
+};
+
+/// Packs of what pairs keep, from the list: in one row the M numbers of the law's history and of
+/// NormalMemory all but R_eff, which has a column.
+template <class List, std::size_t M, class Arch>
+struct KeptGather {
+  using Real = typename Lanes<Arch>::Real;
+  using Memory = NormalMemory<Real>;
+  static constexpr std::size_t W = Lanes<Arch>::width;
+  static constexpr std::size_t kept = M + sizeof(NormalMemory<double>) / sizeof(double) - 1;
+  static constexpr std::size_t chunks = (kept + 3) / 4;  // of a row
 
   static NormalMemory<double> memory_at(List& list, std::uint32_t place) {
-    const auto kept = [&](std::size_t h) { return list.history(M + h)[place]; };
-    return {{kept(0), kept(1), kept(2)}, kept(3), kept(4)};
+    const double* const row = list.history_row(place) + M;
+    return {{row[0], row[1], row[2]}, row[3], list.history(kept)[place]};
+  }
+  /// What pairs keep: `numbers` of the row, and R_eff.
+  static SILT_INLINE void kept_of(List& list, const std::uint32_t* place,
+                                  Real (&numbers)[4 * chunks], Memory& memory) {
+    const double* at[W];
+    for (std::size_t lane = 0; lane < W; ++lane) at[lane] = list.history_row(place[lane]);
+    gather_columns<Arch, chunks>(at, numbers);
+    alignas(64) double radius[W];
+    const double* const from = list.history(kept);
+    for (std::size_t lane = 0; lane < W; ++lane) radius[lane] = from[place[lane]];
+    memory = {{numbers[M], numbers[M + 1], numbers[M + 2]}, numbers[M + 3], load<Real>(radius)};
   }
   static SILT_INLINE Memory memory_of(List& list, const std::uint32_t* place) {
-    alignas(64) double values[memory_size][W];
-    for (std::size_t h = 0; h < memory_size; ++h) {
-      const double* const from = list.history(M + h);
-      for (std::size_t lane = 0; lane < W; ++lane) values[h][lane] = from[place[lane]];
-    }
+    Real numbers[4 * chunks];
     Memory memory;
-    std::memcpy(static_cast<void*>(&memory), values, sizeof memory);
+    kept_of(list, place, numbers, memory);
     return memory;
   }
-  static SILT_INLINE void keep_memory(List& list, const std::uint32_t* place, std::size_t valid,
-                                      const Memory& memory) {
-    alignas(64) double values[memory_size][W];
-    std::memcpy(values, static_cast<const void*>(&memory), sizeof memory);
-    for (std::size_t h = 0; h < memory_size; ++h) {
-      scatter(values[h], place, valid, list.history(M + h));
-    }
-  }
-
-  /// values[k] to to[place[k]]: one by one, as scatter instructions are slower.
-  static SILT_INLINE void scatter(const double* values, const std::uint32_t* place,
-                                  std::size_t count, double* to) {
-    for (std::size_t k = 0; k < count; ++k) {
-      to[place[k]] = values[k];
-#if defined(__GNUC__)
-      asm volatile("" ::: "memory");
-#endif
+  /// Writes the rows of a pack, the numbers of which stand in columns.
+  template <std::size_t Columns, std::size_t N>
+  static SILT_INLINE void keep(List& list, const std::uint32_t* place, std::size_t valid,
+                               const double (&columns)[Columns][N], std::size_t k) {
+    for (std::size_t c = 0; c < chunks; ++c) {
+      Real four[4] = {Real(0), Real(0), Real(0), Real(0)};
+      for (std::size_t h = 4 * c; h < std::min(4 * c + 4, kept); ++h)
+        four[h - 4 * c] = load<Real>(columns[h] + k);
+      Row4<Arch> rows[W];
+      columns_to_rows<Arch>(four, rows);
+      for (std::size_t lane = 0; lane < valid; ++lane)
+        rows[lane].store(list.history_row(place[lane]) + 4 * c);
     }
   }
 };

@@ -6,16 +6,14 @@
 #include <bit>
 #include <cstdint>
 
-#include <silt/engine/convex_gather.hpp>
-#include <silt/engine/load_rows.hpp>
+#include <silt/engine/convex_touch.hpp>
 #include <silt/engine/pair_list.hpp>
-#include <silt/shape/narrow/solid_pairs.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Computes the loads of all pairs of convex parts, block by block. The lists are of bounding
-/// spheres; of a block's pairs, each stage takes only those on that the one before could not prove
-/// apart, again in whole packs, pairs of the same two kinds together:
+/// Computes the loads of all pairs of convex parts. The lists are of bounding spheres; of their
+/// pairs each stage takes only those on that the one before could not prove apart, again in whole
+/// packs, pairs of the same two kinds together (what fills no pack waits for the next ones):
 ///   the gap that was found last, less what speeds and spins may have closed since; bounding
 ///   spheres; separation along the last normal (least_gap()); contact (touch()); law; loads.
 /// Of two kinds the first in KindList is i, else the particle with the lower id. What a pair keeps
@@ -24,16 +22,15 @@ namespace silt::inline SILT_TARGET::detail {
 template <class Rows, class ContactsType, class Domain, class Arch>
 class ConvexPairs {
   using Real = typename Lanes<Arch>::Real;
-  using List = PairList<ContactsType::history, double>;
-  using Gather = ConvexGather<Rows, List, ContactsType::memory_from, Arch>;
-  using Memory = typename Gather::Memory;
-  template <std::size_t K, Exponents E>
-  using FormOf = typename Gather::template FormOf<K, E>;
+  using List = PairList<ContactsType::history, double, history_in_rows<ContactsType>>;
+  using Gather = ConvexGather<Rows, Arch>;
+  using Kept = KeptGather<List, ContactsType::memory_from, Arch>;
   using Kinds = typename Rows::Kinds;
   static constexpr std::size_t W = Lanes<Arch>::width;
   static constexpr std::size_t kind_count = Kinds::count,
                                pair_kinds = kind_count * (kind_count + 1) / 2;
-  static constexpr std::size_t block = kind_count > 1 ? 256 : 128, chunks = 2, row = 4 * chunks;
+  static constexpr std::size_t scan = 128, slice = 64;  // pairs of the list, contacts at a time
+  static constexpr std::size_t chunks = 2, row = 4 * chunks;
   static constexpr std::size_t H = ContactsType::history, M = ContactsType::memory_from,
                                radius = ContactsType::memory_radius;
   static_assert(load_chunks<ContactsType> == chunks,
@@ -41,11 +38,10 @@ class ConvexPairs {
                 "others resists rolling itself");
   static_assert(!ActsAtDistance<typename ContactsType::Law>,
                 "laws that act at a distance are for spheres and bodies made of spheres");
-  template <std::size_t K>
-  using KernelAt = KernelOf<typename Rows::template KindAt<K>>;
-  template <std::size_t A, std::size_t B>
-  static constexpr bool in_lanes = KernelAt<A>::in_lanes&& KernelAt<B>::in_lanes;
   /// Overlaps of polyhedra are no depths: see SolidContact.
+  using Touch = ConvexTouch<Rows, ContactsType, List, slice, Arch>;
+  using Slice = typename Touch::Slice;
+  using Some = SomePairs<scan + slice + W, W>;
   template <std::size_t A, std::size_t B>
   static constexpr bool has_gradient =
       std::is_same_v<typename Rows::template KindAt<A>, Polyhedron>&& A == B;
@@ -71,35 +67,9 @@ class ConvexPairs {
     double* sums;
   };
 
-  /// Some pairs of a block.
-  struct Some {
-    std::size_t count = 0;
-    std::uint32_t place[block + W];            // in the list
-    std::uint32_t i[block + W], j[block + W];  // rows
-    alignas(64) double between[3][block + W];  // [m] from the centre of i to that of j
-    void add(std::uint32_t k, std::uint32_t a, std::uint32_t b, const double (&x)[3][W],
-             std::size_t lane, double sign = 1) {
-      place[count] = k, i[count] = a, j[count] = b;
-      for (int c = 0; c < 3; ++c) between[c][count] = sign * x[c][lane];
-      ++count;
-    }
-    /// Fills the last pack with its last pair.
-    void pad() {
-      for (std::size_t k = count; k % W != 0; ++k) {
-        place[k] = place[count - 1], i[k] = i[count - 1], j[k] = j[count - 1];
-        for (auto& c : between) c[k] = c[count - 1];
-      }
-    }
-    SILT_INLINE Vec3<Real> between_at(std::size_t k) const {
-      return load3<Real>(between[0] + k, between[1] + k, between[2] + k);
-    }
-  };
   /// By the kinds of i and j.
   struct ByKind {
     Some of[pair_kinds];
-    void clear() {
-      for (Some& some : of) some.count = 0;
-    }
     static constexpr std::size_t at(std::size_t a, std::size_t b) {  // a <= b
       return a * kind_count - a * (a + 1) / 2 + b;
     }
@@ -116,11 +86,11 @@ class ConvexPairs {
   static Tally<ContactsType> run_group(const Scene& scene, std::size_t from, std::size_t to) {
     RunningTally<ContactsType, Real> tally;
     ByKind near, open;
-    for (; from < to; from += block) {
-      near.clear(), open.clear();
-      sort_out(scene, from, std::min(block, to - from), near, open);
+    for (; from < to; from += scan) {
+      sort_out(scene, from, std::min(scan, to - from), near, open);
+      const bool last = from + scan >= to;
       for_all_kinds<0, 0>([&]<std::size_t A, std::size_t B>() {
-        run_kinds<A, B>(scene, near.of[ByKind::at(A, B)], open.of[ByKind::at(A, B)], tally);
+        run_kinds<A, B>(scene, near.of[ByKind::at(A, B)], open.of[ByKind::at(A, B)], last, tally);
       });
     }
     return tally.end();
@@ -133,18 +103,28 @@ class ConvexPairs {
     else if constexpr (A + 1 < kind_count)
       for_all_kinds<A + 1, A + 1>(run);
   }
+  /// Runs what fills packs, or, if they are the last ones, all.
   template <std::size_t A, std::size_t B>
-  static void run_kinds(const Scene& scene, Some& near, Some& open,
+  static void run_kinds(const Scene& scene, Some& near, Some& open, bool last,
                         RunningTally<ContactsType, Real>& tally) {
     if (near.count + open.count == 0) return;
     const auto run = [&](auto e) {
       constexpr Exponents E = decltype(e)::value;
-      near.pad();
-      prove_apart<A, B, E>(scene, near, open);
-      open.pad();
-      if (open.count > 0) run_contacts<A, B, E>(scene, open, tally);
+      const std::size_t whole = last ? near.count : near.count / W * W;
+      if (last) near.pad();
+      prove_apart<A, B, E>(scene, near, whole, open);
+      near.drop(whole);
+      std::size_t k = 0;
+      for (; open.count - k >= slice; k += slice)
+        run_contacts<A, B, E>(scene, open, k, slice, tally);
+      if (last && k < open.count) {
+        open.pad();
+        run_contacts<A, B, E>(scene, open, k, open.count - k, tally);
+        k = open.count;
+      }
+      open.drop(k);
     };
-    if constexpr (kind_count == 1 && in_lanes<A, B>)
+    if constexpr (kind_count == 1 && Touch::template in_lanes<A, B>)
       with_exponents(scene.in.rows->exponents, run);
     else  // not each kernel for each pair of kinds: that would be long to compile
       run(std::integral_constant<Exponents, Exponents::Any>{});
@@ -195,20 +175,23 @@ class ConvexPairs {
 
   /// Of the near pairs those that the last normal does not prove to be apart.
   template <std::size_t A, std::size_t B, Exponents E>
-  static void prove_apart(const Scene& scene, const Some& near, Some& open) {
-    for (std::size_t k = 0; k < near.count; k += W) {
-      const std::size_t valid = std::min(W, near.count - k);
+  static void prove_apart(const Scene& scene, const Some& near, std::size_t count, Some& open) {
+    for (std::size_t k = 0; k < count; k += W) {
+      const std::size_t valid = std::min(W, count - k);
       alignas(64) double x[3][W], gap[W];
-      const Vec3<Real> d = near.between_at(k);
+      const Vec3<Real> d = near.template between_at<Real>(k);
       store(x[0], d.x), store(x[1], d.y), store(x[2], d.z);
-      if constexpr (in_lanes<A, B>)
-        store(gap, least_gap(posed<A, B, E>(scene, near, k),
-                             Gather::memory_of(scene.list, near.place + k)));
+      if constexpr (Touch::template in_lanes<A, B>)
+        store(gap, least_gap(Touch::template posed<A, B, E>(
+                                 scene.in, near, k, Gather::axes_pack(scene.in, near.i + k),
+                                 Gather::axes_pack(scene.in, near.j + k)),
+                             Kept::memory_of(scene.list, near.place + k)));
       else
         for (std::size_t lane = 0; lane < valid; ++lane)
-          with_placed<A, B>(scene, near, k + lane, [&](const auto& i, const auto& j) {
-            gap[lane] = least_gap_of(i, j, Gather::memory_at(scene.list, near.place[k + lane]));
-          });
+          Touch::template with_placed<A, B>(
+              scene.in, near, k + lane, [&](const auto& i, const auto& j) {
+                gap[lane] = least_gap_of(i, j, Kept::memory_at(scene.list, near.place[k + lane]));
+              });
       for (std::size_t lane = 0; lane < valid; ++lane)
         if (gap[lane] > 0)
           part(scene.list, near.place[k + lane], gap[lane], false);
@@ -219,8 +202,7 @@ class ConvexPairs {
 
   /// Notes the gap [m] of a pair that does not touch; one that did loses its history.
   static void part(List& list, std::size_t place, double gap, bool touched) {
-    if (touched)
-      for (std::size_t h = 0; h < M; ++h) list.history(h)[place] = 0;
+    if (touched) std::fill_n(list.history_row(place), M, 0.0);
     list.history(radius)[place] = gap > 0 ? -gap : 0;
   }
 
@@ -247,179 +229,108 @@ class ConvexPairs {
   /// a little greater.
   static constexpr double gap_slack = 1.1;
 
-  /// Contacts of a block: kinematics and arms, side by side.
-  struct Contacts {
-    KinematicsBlock<ContactsType, block, double> kinematics;
-    alignas(64) double history[H + 1][block];
-    alignas(64) double arm_i[3][block], arm_j[3][block];  // [m] from the centres
-    alignas(64) double gradient[block], couple[block];    // of SolidContact
-    std::uint16_t kind[block];
-  };
-
   template <std::size_t A, std::size_t B, Exponents E>
-  static void run_contacts(const Scene& scene, const Some& open,
-                           RunningTally<ContactsType, Real>& tally) {
-    Contacts c;
-    const std::size_t padded = pieces(open.count, W) * W;
-    for (std::size_t k = 0; k < padded; k += W) touch_pack<A, B, E>(scene, open, k, c, tally);
-    for (std::size_t h = 0; h < M; ++h) {
-      const double* const from = scene.list.history(h);
-      for (std::size_t k = 0; k < open.count; ++k) c.history[h][k] = from[open.place[k]];
-      for (std::size_t k = open.count; k < padded; ++k) c.history[h][k] = 0;
-    }
-    for (std::size_t k = open.count; k < padded; ++k) c.kinematics.overlap[k] = -1;  // no contacts
+  static void run_contacts(const Scene& scene, const Some& open, std::size_t from,
+                           std::size_t count, RunningTally<ContactsType, Real>& tally) {
+    Slice c;
+    const std::size_t padded = pieces(count, W) * W;
+    const std::uint32_t* const place = open.place + from;
+    Touch::template run<A, B, E>(scene.in, scene.list, open, from, count, c);
+    scatter(c.history[radius], place, count, scene.list.history(radius));
+    for (std::size_t h = 0; h <= radius; ++h)  // no contacts
+      std::fill(c.history[h] + count, c.history[h] + padded, 0.0);
+    Real share(tally.sum.largest);
+    for (std::size_t k = 0; k < padded; k += W)
+      complete<has_gradient<A, B>>(scene, open, from, k, c, share);
+    alignas(64) double shares[W];
+    store(shares, share);
+    tally.sum.largest = *std::max_element(shares, shares + W);
     if constexpr (ContactsType::several_materials)
-      for (std::size_t k = 0; k < padded; ++k) c.kind[k] = scene.in.kinds[open.place[k]];
+      for (std::size_t k = 0; k < padded; ++k) c.kind[k] = scene.in.kinds[place[k]];
     std::array<double*, H + 1> history{};
     for (std::size_t h = 0; h < H; ++h) history[h] = c.history[h];
     loads_of<ContactsType, Arch>(c.kinematics, padded, scene.in.times, scene.table,
                                  ContactsType::several_materials ? c.kind : nullptr, history,
                                  tally);
     tally.end_block();
-    for (std::size_t h = 0; h < M; ++h) {
-      Gather::scatter(c.history[h], open.place, open.count, scene.list.history(h));
-    }
-    add_loads<has_gradient<A, B>>(scene, open, padded, c);
+    for (std::size_t k = 0; k < padded; k += W)
+      Kept::keep(scene.list, place + k, std::min(W, count - k), c.history, k);
+    add_loads<has_gradient<A, B>>(scene, open, from, count, c);
   }
 
-  /// What a narrow phase has found.
-  struct Found {
-    BodyContact<Real> contact;
-    Real gradient = Real(1), couple = Real(0);
-  };
-  template <std::size_t A, std::size_t B, Exponents E>
-  static SILT_INLINE Found find(const Scene& scene, const Some& open, std::size_t k,
-                                Memory& memory) {
-    if constexpr (in_lanes<A, B>) {
-      return {touch(posed<A, B, E>(scene, open, k), memory)};
-    } else {
-      alignas(64) double of[10][W];
-      const std::size_t valid = std::min(W, open.count - k);
-      for (std::size_t lane = 0; lane < valid; ++lane) {
-        auto kept = one_lane<NormalMemory<double>>(memory, lane);
-        SolidContact one;
-        with_placed<A, B>(scene, open, k + lane,
-                          [&](const auto& i, const auto& j) { one = touch_solids(i, j, kept); });
-        set_lane(memory, kept, lane);
-        const double values[] = {one.normal.x, one.normal.y, one.normal.z, one.point.x,
-                                 one.point.y,  one.point.z,  one.overlap,  one.R_eff,
-                                 one.gradient, one.couple};
-        for (std::size_t v = 0; v < 10; ++v) of[v][lane] = values[v];
-      }
-      for (auto& v : of)
-        for (std::size_t lane = valid; lane < W; ++lane) v[lane] = v[0];
-      Found found;
-      found.contact.normal = load3<Real>(of[0], of[1], of[2]);
-      found.contact.point = load3<Real>(of[3], of[4], of[5]);
-      found.contact.overlap = load<Real>(of[6]), found.contact.R_eff = load<Real>(of[7]);
-      found.contact.touches = found.contact.overlap > Real(0);
-      found.gradient = load<Real>(of[8]), found.couple = load<Real>(of[9]);
-      return found;
-    }
-  }
-
-  template <std::size_t A, std::size_t B, Exponents E>
-  static void touch_pack(const Scene& scene, const Some& open, std::size_t k, Contacts& c,
-                         RunningTally<ContactsType, Real>& tally) {
+  /// Contacts k and the following ones, whose geometry the slice has.
+  template <bool HasGradient>
+  static SILT_INLINE void complete(const Scene& scene, const Some& open, std::size_t from,
+                                   std::size_t k, Slice& c, Real& share) {
     const auto& in = scene.in;
-    Memory memory = Gather::memory_of(scene.list, open.place + k);
-    memory.R_eff = max(memory.R_eff, Real(0));  // else a gap
-    const auto touched = memory.R_eff > Real(0), with_i = memory.follows > Real(0);
-    const BodyAxes<Real> turn_i = Gather::axes_pack(in, open.i + k),
-                         turn_j = Gather::axes_pack(in, open.j + k);
-    const BodyAxes<Real> turn{select(with_i, turn_i.x, turn_j.x),
-                              select(with_i, turn_i.y, turn_j.y),
-                              select(with_i, turn_i.z, turn_j.z)};
-    const Vec3<Real> last = turn.to_space(memory.direction), between = open.between_at(k);
-    const Found of = find<A, B, E>(scene, open, k, memory);
-    const BodyContact<Real>& found = of.contact;
-    const std::size_t valid = std::min(W, open.count - k);
-    memory.R_eff = select(found.touches, memory.R_eff, min(found.overlap, Real(0)));
-    Gather::keep_memory(scene.list, open.place + k, valid, memory);
-
     BodyAtContact<Real> i, j;
     Real thin_i, thin_j;
-    Gather::body_pack(in, open.i + k, i, thin_i), Gather::body_pack(in, open.j + k, j, thin_j);
-    if constexpr (!Rows::has_levers) i.axes = turn_i, j.axes = turn_j;
-    const Real zero(0), step(in.times.step);
-    const Vec3<Real> n = found.normal, arm_i = found.point, arm_j = found.point - between;
+    Gather::body_pack(in, open.i + from + k, i, thin_i);
+    Gather::body_pack(in, open.j + from + k, j, thin_j);
+    if constexpr (!Rows::has_levers) {
+      i.axes = Gather::axes_pack(in, open.i + from + k);
+      j.axes = Gather::axes_pack(in, open.j + from + k);
+    }
+    const auto at = [&](const double(&v)[3][slice]) {
+      return load3<Real>(v[0] + k, v[1] + k, v[2] + k);
+    };
+    auto& kept = c.kinematics;
+    const Real zero(0), step(in.times.step), followed = load<Real>(c.followed + k);
+    const auto touches = load<Real>(c.history[radius] + k) > zero;
+    const Vec3<Real> n = at(kept.normal), arm_i = at(c.arm_i), last = at(c.last);
+    const Vec3<Real> arm_j = arm_i - open.template between_at<Real>(from + k);
     Kinematics<Real> kin;
     kin.normal = n;
     kin.velocity = i.velocity_at(arm_i) - j.velocity_at(arm_j);
     // The direction of a step ago: it is kept in the axes of one body, which have turned.
-    const Vec3<Real> turned = step * cross(select(with_i, i.spin, j.spin), last);
-    kin.change = select(touched, n + last - turned, {zero, zero, zero});
-    kin.overlap = select(found.touches, found.overlap, Real(-1));
-    kin.inverse_m_eff = i.inverse_mass(arm_i, n, of.couple) + j.inverse_mass(arm_j, n, of.couple);
-    if constexpr (has_gradient<A, B>) {
+    const Vec3<Real> turned = step * cross(select(followed > zero, i.spin, j.spin), last);
+    kin.change = select(followed != zero, n + last - turned, {zero, zero, zero});
+    kin.overlap = select(touches, load<Real>(kept.overlap + k), Real(-1));
+    if constexpr (HasGradient) {
       // All that moves the overlap's rate counts `gradient` times, and so does all force.
-      kin.velocity += (of.couple * dot(i.spin - j.spin, n)) * n;
-      kin.velocity = of.gradient * kin.velocity;
-      kin.inverse_m_eff = max(of.gradient * of.gradient * kin.inverse_m_eff, smallest<Real>());
-      store(c.gradient + k, of.gradient), store(c.couple + k, of.couple);
+      const Real g = load<Real>(c.gradient + k), couple = load<Real>(c.couple + k);
+      kin.velocity += (couple * dot(i.spin - j.spin, n)) * n;
+      kin.velocity = g * kin.velocity;
+      kin.inverse_m_eff =
+          max(g * g * (i.inverse_mass(arm_i, n, couple) + j.inverse_mass(arm_j, n, couple)),
+              smallest<Real>());
+    } else {
+      kin.inverse_m_eff = i.inverse_mass(arm_i, n) + j.inverse_mass(arm_j, n);
     }
     kin.m_eff = Real(1) / kin.inverse_m_eff;
-    kin.R_eff = found.R_eff;
+    kin.R_eff = load<Real>(kept.R_eff + k);
     kin.arm = zero, kin.spin = {zero, zero, zero};
     kin.twist = Real(0.5) * dot(i.spin + j.spin, n);
-    c.kinematics.put(k, kin);
-    c.kinematics.put(k, Radii<Real>{Real(2) * kin.R_eff, Real(2) * kin.R_eff});
-    store(c.arm_i[0] + k, arm_i.x), store(c.arm_i[1] + k, arm_i.y), store(c.arm_i[2] + k, arm_i.z);
-    store(c.arm_j[0] + k, arm_j.x), store(c.arm_j[1] + k, arm_j.y), store(c.arm_j[2] + k, arm_j.z);
-
-    const Real share = select(found.touches, found.overlap, zero) / min(thin_i, thin_j);
-    if (any(share > Real(tally.sum.largest))) {
-      alignas(64) double each[W];
-      store(each, share);
-      tally.sum.largest = std::max(tally.sum.largest, *std::max_element(each, each + W));
-    }
+    kept.put(k, kin);
+    kept.put(k, Radii<Real>{Real(2) * kin.R_eff, Real(2) * kin.R_eff});
+    share = max(share, select(touches, kin.overlap, zero) / min(thin_i, thin_j));
   }
 
   /// Force and torques of the contacts, onto the sums of both bodies.
   template <bool HasGradient>
-  static void add_loads(const Scene& scene, const Some& open, std::size_t padded,
-                        const Contacts& c) {
-    alignas(64) double on_i[block * row], on_j[block * row];
-    for (std::size_t k = 0; k < padded; k += W) {
+  static void add_loads(const Scene& scene, const Some& open, std::size_t from, std::size_t count,
+                        const Slice& c) {
+    alignas(64) double on_i[slice * row], on_j[slice * row];
+    for (std::size_t k = 0; k < count; k += W) {
       Vec3<Real> force = c.kinematics.template get_load<Real>(k).force, couple{};
       if constexpr (HasGradient) {
         const Vec3<Real> n = c.kinematics.template get<Real>(k).normal;
         force = load<Real>(c.gradient + k) * force;
         couple = (load<Real>(c.couple + k) * dot(force, n)) * n;
       }
-      const auto turning = [&](const double(&a)[3][block]) {
-        const Vec3<Real> torque = cross(load3<Real>(a[0] + k, a[1] + k, a[2] + k), force);
-        return HasGradient ? torque + couple : torque;
+      const Vec3<Real> arm = load3<Real>(c.arm_i[0] + k, c.arm_i[1] + k, c.arm_i[2] + k);
+      const auto turning = [&](const Vec3<Real>& a) {
+        return HasGradient ? cross(a, force) + couple : cross(a, force);
       };
-      const PairLoad<Real> i{force, turning(c.arm_i), {}};
-      const PairLoad<Real> j{-force, -turning(c.arm_j), {}};
+      const PairLoad<Real> i{force, turning(arm), {}};
+      const PairLoad<Real> j{-force, -turning(arm - open.template between_at<Real>(from + k)), {}};
       write_rows<chunks, Arch, Real>(on_i + k * row, i);
       write_rows<chunks, Arch, Real>(on_j + k * row, j);
     }
-    for (std::size_t k = 0; k < open.count; ++k) {
-      add_row<Arch, chunks, false>(scene.sums + open.i[k] * row, on_i + k * row);
-      add_row<Arch, chunks, false>(scene.sums + open.j[k] * row, on_j + k * row);
+    for (std::size_t k = 0; k < count; ++k) {
+      add_row<Arch, chunks, false>(scene.sums + open.i[from + k] * row, on_i + k * row);
+      add_row<Arch, chunks, false>(scene.sums + open.j[from + k] * row, on_j + k * row);
     }
-  }
-
-  template <std::size_t A, std::size_t B, Exponents E>
-  static SILT_INLINE PosedPair<FormOf<A, E>, FormOf<B, E>> posed(const Scene& scene,
-                                                                 const Some& some, std::size_t k) {
-    PosedPair<FormOf<A, E>, FormOf<B, E>> pair;
-    pair.i = Gather::template form_pack<A, E>(scene.in, some.i + k),
-    pair.j = Gather::template form_pack<B, E>(scene.in, some.j + k);
-    pair.turn_i = Gather::axes_pack(scene.in, some.i + k),
-    pair.turn_j = Gather::axes_pack(scene.in, some.j + k);
-    pair.between = some.between_at(k);
-    return pair;
-  }
-  /// Calls visit(i, j) with one pair, i's centre being the origin.
-  template <std::size_t A, std::size_t B, class Visit>
-  static void with_placed(const Scene& scene, const Some& some, std::size_t k, const Visit& visit) {
-    const auto& rows = *scene.in.rows;
-    visit(rows.template placed<A>(some.i[k], {0, 0, 0}),
-          rows.template placed<B>(some.j[k],
-                                  {some.between[0][k], some.between[1][k], some.between[2][k]}));
   }
 };
 

@@ -29,6 +29,19 @@ struct WithNormals : ContactsType {
   static constexpr std::size_t history = memory_from + memory_size;
 };
 
+/// Of what a pair keeps, the numbers that stand in rows, as few pairs of a list touch: all but the
+/// last, whose sign tells which these are.
+template <class ContactsType>
+inline constexpr std::size_t history_in_rows = 0;
+template <class ContactsType>
+requires(requires {
+  ContactsType::memory_radius;
+}) inline constexpr std::size_t history_in_rows<ContactsType> = ContactsType::memory_radius;
+template <class ContactsType>
+inline constexpr std::size_t history_numbers = ContactsType::history -
+                                               history_in_rows<ContactsType> +
+                                               (history_in_rows<ContactsType> + 3) / 4 * 4;
+
 /// Orientation of a convex part, and the inertia of its body: one cache line.
 struct alignas(64) PoseRow {
   Quaternion q;         // its axes to space

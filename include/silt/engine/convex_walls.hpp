@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include <silt/engine/convex_rows.hpp>
+#include <silt/engine/convex_planes.hpp>
 #include <silt/engine/wall_pipeline.hpp>
 #include <silt/shape/narrow/solid_mesh_contacts.hpp>
 #include <silt/shape/narrow/solid_walls.hpp>
@@ -115,8 +115,10 @@ int contacts_with_wall(const Rows& rows, std::size_t row, const Vec3d& centre, c
   }
   return count;
 }
+
 /// Computes the loads of all contacts of convex parts with walls, fixed or moving: exact contacts
-/// of each candidate, then the same law over lanes as for pairs; sums what each wall bears.
+/// of each candidate (ConvexPlanes: in lanes), then the same law over lanes as for pairs; sums what
+/// each wall bears.
 template <class Rows, class ContactsType, class Arch>
 class ConvexWalls {
   using Real = typename Lanes<Arch>::Real;
@@ -128,13 +130,7 @@ class ConvexWalls {
   using Contacts =
       WallContacts<H, double, most_plane_contacts<typename Rows::Kinds>, most_wall_contacts>;
   static constexpr std::size_t block = Contacts::block;
-  struct Input {
-    const PositionRow* positions;
-    const MotionRow<true>* motions;
-    const Rows* rows;
-    const std::uint16_t* materials;
-    StepTimes times;
-  };
+  using Input = ConvexInput<Rows>;
 
   /// Adds the loads to the sums of the bodies; sets force and torque of the walls.
   Tally<ContactsType> run(const Input& in, Contacts& contacts,
@@ -151,23 +147,24 @@ class ConvexWalls {
   }
 
  private:
-  struct Scratch {
-    KinematicsBlock<ContactsType, block, double> kinematics;
-    alignas(64) double history[H + 1][block];
-    std::uint16_t kind[block];
-    WallCandidate of[block];
-    std::uint32_t slot[block];
-    Vec3d arm[block], place[block];         // [m] from the centre; in space
-    double gradient[block], couple[block];  // of SolidContact
-    std::size_t count = 0;
-    double largest = 0;  // [-] overlap over least radius
-  };
+  using Planes = ConvexPlanes<Rows, ContactsType, Contacts, Arch>;
+  using Scratch = typename Planes::Block;
 
   void run_block(const Input& in, Contacts& contacts, const CoefficientTable<ContactsType>& table,
                  std::span<const Wall> walls, double* sums, std::size_t b) {
     Scratch s;
-    for (const WallCandidate& c : contacts.block_candidates(b))
-      if (in.motions[c.particle].inv_m != 0) touch(in, contacts, table, walls[c.wall], c, s);
+    const auto candidates = contacts.block_candidates(b);
+    if constexpr (Planes::in_lanes) {
+      typename Planes::Near near;
+      for (const WallCandidate& c : candidates)
+        if (in.motions[c.particle].inv_m != 0 && Planes::takes(walls[c.wall], c) &&
+            !near.take(in, walls[c.wall], c))
+          end(contacts, c.slot);
+      Planes::touch(in, near, contacts, table, walls, s);
+    }
+    for (const WallCandidate& c : candidates)
+      if (in.motions[c.particle].inv_m != 0 && !Planes::takes(walls[c.wall], c))
+        touch(in, contacts, table, walls[c.wall], c, s);
     pad(s);
     std::array<double*, H + 1> history{};
     for (std::size_t h = 0; h < H; ++h) history[h] = s.history[h];
@@ -177,20 +174,24 @@ class ConvexWalls {
     tallies_[b] = running.end();
     tallies_[b].largest = s.largest;
     for (std::size_t k = 0; k < s.count; ++k) {
-      const WallCandidate& c = s.of[k];
-      // The memory behind the law's history has been kept by describe().
+      if (s.slot[k] == Scratch::no_slot) continue;
+      const WallCandidate& c = *s.of[k];
+      // The memory behind the law's history has been kept already.
       for (std::size_t h = 0; h < ContactsType::memory_from; ++h)
         contacts.history(h)[s.slot[k]] = s.history[h][k];
-      const Vec3d n = s.kinematics.template get<double>(k).normal;
+      const auto at = [&](const auto& columns) {
+        return Vec3d{columns[0][k], columns[1][k], columns[2][k]};
+      };
+      const Vec3d n = at(s.kinematics.normal);
       const Vec3d force = s.gradient[k] * s.kinematics.template get_load<double>(k).force;
       const Vec3d couple = (s.couple[k] * dot(force, n)) * n;
-      const Vec3d torque = cross(s.arm[k], force) + couple;
+      const Vec3d torque = cross(at(s.arm), force) + couple;
       double* const sum = sums + c.particle * row;
       sum[0] += force.x, sum[1] += force.y, sum[2] += force.z;
       sum[4] += torque.x, sum[5] += torque.y, sum[6] += torque.z;
       WallLoad& load = loads_[b * walls.size() + c.wall];
       load.force -= force;
-      load.torque -= cross(s.place[k] - walls[c.wall].reference, force) + couple;
+      load.torque -= cross(at(s.place) - walls[c.wall].reference, force) + couple;
     }
   }
 
@@ -271,10 +272,12 @@ class ConvexWalls {
     s.kinematics.put(k, kin);
     s.kinematics.put(k, Radii<double>{R_eff, 0});
     std::size_t material = 0;
-    if constexpr (ContactsType::several_materials) material = in.materials[c.particle];
+    if constexpr (ContactsType::several_materials) material = in.kinds[c.particle];
     s.kind[k] = static_cast<std::uint16_t>(material * table.materials + wall.material);
-    s.of[k] = c, s.slot[k] = static_cast<std::uint32_t>(slot);
-    s.arm[k] = arm, s.place[k] = contact.point;
+    s.of[k] = &c, s.slot[k] = static_cast<std::uint32_t>(slot);
+    const Vec3d& x = contact.point;
+    s.arm[0][k] = arm.x, s.arm[1][k] = arm.y, s.arm[2][k] = arm.z;
+    s.place[0][k] = x.x, s.place[1][k] = x.y, s.place[2][k] = x.z;
     s.gradient[k] = g, s.couple[k] = contact.couple;
     for (std::size_t h = 0; h < H; ++h) s.history[h][k] = contacts.history(h)[slot];
     s.largest = std::max(s.largest, contact.overlap / in.rows->pose[c.particle].least_radius);

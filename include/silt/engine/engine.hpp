@@ -82,8 +82,8 @@ class Engine {
   using Motion = typename State::Motion;
   using WallStage =
       typename WallStageOf<convex>::template type<ShapeType, ContactsType, Arch, Scalar>;
-  using Lists = NearLists<ContactsType::history, Scalar, State, Search, Domain, Arch,
-                          typename WallStage::Contacts>;
+  using Lists = NearLists<ContactsType::history, history_in_rows<ContactsType>, Scalar, State,
+                          Search, Domain, Arch, typename WallStage::Contacts>;
 
   using Mover = typename MoverOf<has_bodies>::template type<ShapeType, ContactsType, State, Scalar,
                                                             Arch, Integrator, Rotation>;

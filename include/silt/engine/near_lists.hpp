@@ -22,8 +22,8 @@ namespace silt::inline SILT_TARGET::detail {
 /// The lists of what may touch soon, spheres and walls, and their renewal: which spheres reach how
 /// far (ListUpkeep), search, order of the particles in memory, pruning. Every loop over particles
 /// or pairs is shared between threads, none of which changes a result.
-template <std::size_t H, class Scalar, class State, class Search, class Domain, class Arch,
-          class Walls>
+template <std::size_t H, std::size_t InRows, class Scalar, class State, class Search, class Domain,
+          class Arch, class Walls>
 class NearLists {
  public:
   /// What the lists are of.
@@ -36,7 +36,7 @@ class NearLists {
     double range;      // [m] gap at which the law still acts, 0 for laws of touch
   };
 
-  PairList<H, Scalar> pairs;
+  PairList<H, Scalar, InRows> pairs;
   Walls walls;
   ListUpkeep upkeep;
   AlignedVector<Vec3d> reference;          // [m] positions at the last search

@@ -13,11 +13,13 @@
 #include <silt/core/row4.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/engine/pair_groups.hpp>
+#include <silt/engine/pair_history.hpp>
 #include <silt/search/concept.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The pairs of a simulation in two stages, with H Scalars of contact history for each pair.
+/// The pairs of a simulation in two stages, with H Scalars of contact history for each pair, the
+/// first `InRows` of them in rows (PairHistory).
 ///
 /// Outer list: all pairs nearer than the skin at the last search, group by group (PairGroups).
 /// Inner list: those of them nearer than the inner skin at the last pruning; only these are
@@ -26,8 +28,10 @@ namespace silt::inline SILT_TARGET::detail {
 /// id, so that history never changes its sign. Groups of the inner list begin at whole packs; the
 /// gaps between them hold pairs of two spheres of no radius (indices n, n+1), and so do `ahead`
 /// places behind the last group, for loops that look ahead.
-template <std::size_t H, class Scalar>
+template <std::size_t H, class Scalar, std::size_t InRows = 0>
 class PairList {
+  using History = PairHistory<H, Scalar, InRows>;
+
  public:
   static constexpr std::size_t padding = 16;  // the widest pack of lanes
   static constexpr std::size_t ahead = 128;   // places
@@ -50,10 +54,11 @@ class PairList {
   }
   const std::uint32_t* first() const { return first_.data(); }
   const std::uint32_t* second() const { return second_.data(); }
-  Scalar* history(std::size_t component) { return history_[component].data(); }
+  Scalar* history(std::size_t component) { return history_.column(component); }
   Scalar history(std::size_t component, std::size_t place) const {
-    return history_[component][place];
+    return history_.at(component, place);
   }
+  Scalar* history_row(std::size_t place) { return history_.row(place); }
 
   /// Takes over newly found pairs; those of two fixed particles, or of one
   /// body, are left out. `before`: how many
@@ -68,7 +73,7 @@ class PairList {
     first_.clear(), second_.clear(), origin_.clear();
     inner_group_.clear();
     size_ = 0;
-    for (auto& h : history_) h.clear();
+    history_.clear();
   }
 
   /// Calls visit(a, b) for all outer pairs; at the same time only for pairs without a common
@@ -107,7 +112,7 @@ class PairList {
     team.for_parts(chunks_.size(), [&](std::size_t c) {
       chunks_[c].kept = keep_near<Arch>(chunks_[c], grown.data(), domain);
     });
-    old_origin_.swap(origin_), old_history_.swap(history_);
+    old_origin_.swap(origin_), std::swap(old_history_, history_);
     lay_out();
     team.for_parts(chunks_.size(), [&](std::size_t c) { fill(chunks_[c], previous); });
     pad(grown.size());
@@ -130,7 +135,7 @@ class PairList {
     State s{outer_, {}, {}};
     for_each([&](std::size_t k) {
       s.origin.push_back(origin_[k]);
-      for (std::size_t h = 0; h < H; ++h) s.history[h].push_back(history_[h][k]);
+      for (std::size_t h = 0; h < H; ++h) s.history[h].push_back(history_.at(h, k));
     });
     return s;
   }
@@ -149,7 +154,9 @@ class PairList {
     for_each([&](std::size_t place) {
       origin_[place] = s.origin[k];
       first_[place] = outer_[s.origin[k]].a, second_[place] = outer_[s.origin[k]].b;
-      for (std::size_t h = 0; h < H; ++h) history_[h][place] = static_cast<Scalar>(s.history[h][k]);
+      std::array<Scalar, H> values{};
+      for (std::size_t h = 0; h < H; ++h) values[h] = static_cast<Scalar>(s.history[h][k]);
+      history_.set(place, values);
       ++k;
     });
     pad(particles);
@@ -158,7 +165,8 @@ class PairList {
   std::size_t bytes() const {
     return outer_.capacity() * sizeof(IndexPair) + kept_.capacity() * 4 + group_.capacity() * 2 +
            first_.capacity() * 2 * 4 +
-           (origin_.capacity() + old_origin_.capacity()) * (4 + H * sizeof(Scalar));
+           (origin_.capacity() + old_origin_.capacity()) *
+               (4 + (History::width + H - InRows) * sizeof(Scalar));
   }
 
  private:
@@ -167,12 +175,6 @@ class PairList {
     std::size_t group, from, to;      // in the outer list
     std::size_t kept = 0, begin = 0;  // in the inner list
   };
-
-  std::array<Scalar, H> values(std::size_t k) const {
-    std::array<Scalar, H> v{};
-    for (std::size_t c = 0; c < H; ++c) v[c] = history_[c][k];
-    return v;
-  }
 
   /// Sorts pairs by their group, stably, the particle with the lower id first.
   template <class State>
@@ -236,7 +238,7 @@ class PairList {
     const std::size_t padded = pieces(next, padding) * padding;
     make_room(first_, padded + ahead), make_room(second_, padded + ahead);
     make_room(origin_, padded);
-    for (auto& h : history_) make_room(h, padded);
+    history_.resize(padded);
   }
 
   /// Fills the gaps behind the groups. Their origin keeps the sequence ascending.
@@ -246,7 +248,7 @@ class PairList {
         first_[k] = static_cast<std::uint32_t>(particles);
         second_[k] = static_cast<std::uint32_t>(particles + 1);
         origin_[k] = origin_[g.to - 1];
-        for (auto& h : history_) h[k] = 0;
+        history_.clear(k);
       }
     std::fill(first_.end() - ahead, first_.end(), static_cast<std::uint32_t>(particles));
     std::fill(second_.end() - ahead, second_.end(), static_cast<std::uint32_t>(particles + 1));
@@ -317,7 +319,7 @@ class PairList {
         }
         while (old < old_origin_.size() && old_origin_[old] < outer) ++old;
         const bool carried = old < old_origin_.size() && old_origin_[old] == outer;
-        for (std::size_t h = 0; h < H; ++h) history_[h][k] = carried ? old_history_[h][old] : 0;
+        history_.copy(k, carried ? &old_history_ : nullptr, old);
       }
     }
   }
@@ -331,25 +333,21 @@ class PairList {
   void archive(std::size_t particles, const Team& team) {
     if constexpr (H > 0) {
       archive_end_.assign(particles, 0);
-      for_each_inner(team, [&](std::size_t k) { archive_end_[first_[k]] += remembers(k); });
+      for_each_inner(team,
+                     [&](std::size_t k) { archive_end_[first_[k]] += history_.remembers(k); });
       std::uint32_t place = 0;
       for (auto& row : archive_end_) place += std::exchange(row, place);
       make_room(archive_, place);
       for_each_inner(team, [&](std::size_t k) {
-        if (remembers(k)) archive_[archive_end_[first_[k]]++] = {second_[k], values(k)};
+        if (history_.remembers(k))
+          archive_[archive_end_[first_[k]]++] = {second_[k], history_.values(k)};
       });
     }
   }
-  bool remembers(std::size_t k) const {
-    for (const auto& h : history_)
-      if (h[k] != 0) return true;
-    return false;
-  }
   void recall(std::size_t k, std::uint32_t a, std::uint32_t b) {
-    for (auto& h : history_) h[k] = 0;
+    history_.clear(k);
     for (std::uint32_t s = a == 0 ? 0 : archive_end_[a - 1]; s < archive_end_[a]; ++s)
-      if (archive_[s].partner == b)
-        for (std::size_t h = 0; h < H; ++h) history_[h][k] = archive_[s].history[h];
+      if (archive_[s].partner == b) history_.set(k, archive_[s].history);
   }
 
   PairGroups groups_;
@@ -362,7 +360,7 @@ class PairList {
   std::size_t size_ = 0;  // pairs without the padding
   AlignedVector<std::uint32_t> first_, second_;
   std::vector<std::uint32_t> origin_, old_origin_;  // place in the outer list
-  std::array<AlignedVector<Scalar>, H> history_, old_history_;
+  History history_, old_history_;
   std::vector<std::uint32_t> archive_end_;  // of each row
   std::vector<Archived> archive_;
 };

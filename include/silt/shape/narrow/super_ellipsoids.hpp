@@ -212,6 +212,14 @@ SILT_INLINE Mask<Real> apart(const PosedPair<FormI, FormJ>& pair,
 }
 
 namespace detail {
+template <class FormI, class FormJ>
+inline constexpr bool are_balls = false;
+template <class R>
+inline constexpr bool are_balls<SphereForm<R>, SphereForm<R>> = true;
+template <class R>
+inline constexpr bool are_balls<SuperForm<R, Exponents::Ball>, SuperForm<R, Exponents::Ball>> =
+    true;
+
 /// The contact of two balls, whichever form they have; the direction is kept in the axes of i.
 template <class Form, class Real>
 SILT_INLINE BodyContact<Real> touch_balls(const PosedPair<Form, Form>& pair,
@@ -231,6 +239,72 @@ SILT_INLINE BodyContact<Real> touch_balls(const PosedPair<Form, Form>& pair,
   memory.follows = Real(1), memory.R_eff = select(out.touches, out.R_eff, zero);
   return out;
 }
+
+/// touch() with a first direction `from` where the memory follows a body. Unless `Whole`, after one
+/// step: lanes that it does not settle are not solved, and their normal is minus the direction to
+/// go on from.
+template <ContactRadius Radius, bool Whole, class FormI, class FormJ,
+          class Real = typename FormI::Real>
+inline BodyContact<Real> touch_from(const PosedPair<FormI, FormJ>& pair, const Vec3<Real>& from,
+                                    NormalMemory<Real>& memory) {
+  const Real zero(0), reach = pair.i.bound + pair.j.bound;
+  const Real size = min(pair.i.size, pair.j.size), tolerance = Real(point_tolerance) * size;
+  const Real distance2 = dot(pair.between, pair.between);
+  const Mask<Real> far = distance2 > reach * reach;
+  const Mask<Real> start = !far && (memory.follows != zero);
+  BodyContact<Real> out{no_lane<Real>(),
+                        {zero, zero, Real(1)},
+                        {zero, zero, zero},
+                        reach - sqrt(distance2),
+                        Real(1),
+                        zero,
+                        far};
+  Mask<Real> open = start;  // lanes that Newton's method still works on
+  Vec3<Real> m = select(start, from, out.normal);
+  for (int k = 0; k < (Whole ? most_steps : 1) && any(open); ++k) {
+    const auto D = depth_along(pair, m);
+    auto step = newton_step(D);
+    const Mask<Real> apart = D.F < zero;
+    const Mask<Real> settled = step.downhill && (step.residual <= tolerance) &&
+                               (step.turn_error <= Real(turn_tolerance)) &&
+                               (step.pace <= Real(0.25));
+    const Mask<Real> done = open && (apart || settled);
+    Real damp(1);
+    if (any(step.pace > Real(1))) damp = Real(1) / max(step.pace, Real(1));  // of w_k: doubled
+    const Vec3<Real> next = unit(m + D.s * (damp * step.s) + D.t * (damp * step.t));
+    if (any(done)) {
+      BodyContact<Real> now;
+      contact_after(pair, D, m, step, now);
+      now.normal = -next;
+      now.overlap = select(apart, D.F, now.overlap);
+      now.residual = select(apart, zero, now.residual);
+      take_lanes(done, now, done && !apart, out);
+      if (Radius == ContactRadius::Local || any(done && !apart && memory.R_eff == zero))
+        out.R_eff = select(done, effective_radius_at(pair, D), out.R_eff);
+      const auto &Ti = D.i.radii, &Tj = D.j.radii;
+      keep_direction(pair, select(apart, m, next), Ti.xx + Ti.yy, Tj.xx + Tj.yy, done, memory);
+    }
+    open = open && !done && step.downhill;
+    m = select(open, next, m);
+  }
+  const Mask<Real> wrong = start && out.solved && out.touches && (memory.R_eff == zero) &&
+                           (out.overlap > Real(deepest_first_touch) * size);
+  if (any(wrong)) memory.follows = select(wrong, zero, memory.follows);  // anew, from no direction
+  const Mask<Real> hard = !out.solved || wrong;
+  if constexpr (Whole) {
+    if (any(hard)) solve_hard_lanes(pair, lane_bits(hard), memory, out);
+  } else {
+    out.solved = !hard;
+    out.normal = select(hard, -m, out.normal);
+  }
+  if constexpr (Radius == ContactRadius::AtFirstTouch)
+    out.R_eff = select(memory.R_eff > zero, memory.R_eff, out.R_eff);
+  memory.R_eff =
+      select(out.solved || Mask<Real>(Whole), select(out.touches, out.R_eff, zero), memory.R_eff);
+  memory.follows = select(far, zero, memory.follows);
+  return out;
+}
+
 }  // namespace detail
 
 template <class Real>
@@ -250,58 +324,7 @@ SILT_INLINE BodyContact<Real> touch(const PosedPair<SphereForm<Real>, SphereForm
 template <ContactRadius Radius = ContactRadius::AtFirstTouch, class FormI, class FormJ,
           class Real = typename FormI::Real>
 inline BodyContact<Real> touch(const PosedPair<FormI, FormJ>& pair, NormalMemory<Real>& memory) {
-  const Real zero(0), reach = pair.i.bound + pair.j.bound;
-  const Real tolerance = Real(point_tolerance) * min(pair.i.size, pair.j.size);
-  const Real distance2 = dot(pair.between, pair.between);
-  const Mask<Real> far = distance2 > reach * reach;
-  const Mask<Real> start = !far && (memory.follows != zero);
-  BodyContact<Real> out{detail::no_lane<Real>(),
-                        {zero, zero, Real(1)},
-                        {zero, zero, zero},
-                        reach - sqrt(distance2),
-                        Real(1),
-                        zero,
-                        far};
-  Mask<Real> open = start;  // lanes that Newton's method still works on
-  Vec3<Real> m = select(start, detail::last_direction(pair, memory), out.normal);
-  for (int k = 0; k < most_steps && any(open); ++k) {
-    const auto D = depth_along(pair, m);
-    auto step = newton_step(D);
-    const Mask<Real> apart = D.F < zero;
-    const Mask<Real> settled = step.downhill && (step.residual <= tolerance) &&
-                               (step.turn_error <= Real(turn_tolerance)) &&
-                               (step.pace <= Real(0.25));
-    const Mask<Real> done = open && (apart || settled);
-    Real damp(1);
-    if (any(step.pace > Real(1))) damp = Real(1) / max(step.pace, Real(1));  // of w_k: doubled
-    const Vec3<Real> next = unit(m + D.s * (damp * step.s) + D.t * (damp * step.t));
-    if (any(done)) {
-      BodyContact<Real> now;
-      detail::contact_after(pair, D, m, step, now);
-      now.normal = -next;
-      now.overlap = select(apart, D.F, now.overlap);
-      now.residual = select(apart, zero, now.residual);
-      detail::take_lanes(done, now, done && !apart, out);
-      if (Radius == ContactRadius::Local || any(done && !apart && memory.R_eff == zero))
-        out.R_eff = select(done, detail::effective_radius_at(pair, D), out.R_eff);
-      const auto &Ti = D.i.radii, &Tj = D.j.radii;
-      detail::keep_direction(pair, select(apart, m, next), Ti.xx + Ti.yy, Tj.xx + Tj.yy, done,
-                             memory);
-    }
-    open = open && !done && step.downhill;
-    m = select(open, next, m);
-  }
-  const Mask<Real> wrong =
-      start && out.solved && out.touches && (memory.R_eff == zero) &&
-      (out.overlap > Real(deepest_first_touch) * min(pair.i.size, pair.j.size));
-  if (any(wrong)) memory.follows = select(wrong, zero, memory.follows);  // anew, from no direction
-  const Mask<Real> hard = !out.solved || wrong;
-  if (any(hard)) detail::solve_hard_lanes(pair, lane_bits(hard), memory, out);
-  if constexpr (Radius == ContactRadius::AtFirstTouch)
-    out.R_eff = select(memory.R_eff > zero, memory.R_eff, out.R_eff);
-  memory.R_eff = select(out.touches, out.R_eff, zero);
-  memory.follows = select(far, zero, memory.follows);
-  return out;
+  return detail::touch_from<Radius, true>(pair, detail::last_direction(pair, memory), memory);
 }
 
 }  // namespace silt
