@@ -45,20 +45,20 @@ const Vec3d oblique = normalised(Vec3d{1, -2, 3});
 
 TEST_CASE("silhouette: a sphere and an ellipsoid in closed form") {
   const SuperEllipsoid ball{2, 2, 2};
-  const auto round = silt::detail::convex_silhouette(ball, oblique, 512);
-  CHECK(near_relative(round.area, 4 * pi, 1e-8));
-  CHECK(near_relative(round.perimeter, 4 * pi, 1e-8));
+  const auto round = silt::detail::ConvexOutline(ball, oblique).seen();
+  CHECK(near_relative(round.area, 4 * pi, 1e-6));
+  CHECK(near_relative(round.perimeter, 4 * pi, 1e-6));
   const auto flow = silt::shape_in_flow(ball, oblique);
   for (const double one : {flow.sphericity, flow.crosswise, flow.lengthwise, flow.circularity})
-    CHECK(near_relative(one, 1, 1e-6));
+    CHECK(near_relative(one, 1, 3e-6));
   const SuperEllipsoid body{3, 2, 1};
   CHECK(near_relative(silhouette(body, {0, 0, 1}).area, 6 * pi, 1e-14));
   CHECK(near_relative(silhouette(body, {1, 0, 0}).area, 2 * pi, 1e-14));
   // Perimeter of the ellipse 3, 2: mpmath.
-  CHECK(near_relative(silhouette(body, {0, 0, 1}).perimeter, 15.865439589290590, 1e-7));
+  CHECK(near_relative(silhouette(body, {0, 0, 1}).perimeter, 15.865439589290590, 1e-5));
   // The closed form beside support points, whose tangents know nothing of it.
-  CHECK(near_relative(silt::detail::convex_silhouette(body, oblique, 512).area,
-                      silt::ellipsoid_projected_area(3, 2, 1, oblique), 1e-7));
+  CHECK(near_relative(silt::detail::ConvexOutline(body, oblique).seen().area,
+                      silt::ellipsoid_projected_area(3, 2, 1, oblique), 1e-5));
   const auto turned = silt::shape_in_flow(silt::Sphere(), oblique);
   CHECK(turned.sphericity == 1);
 }
@@ -85,7 +85,7 @@ TEST_CASE("silhouette: boxes seen along an edge and a diagonal, dilated ones") {
   // A super-ellipsoid near the box: its corners are missing.
   const SuperEllipsoid near_cube{0.5, 0.5, 0.5, 40, 40};
   CHECK(near_relative(silhouette(near_cube, {0, 0, 1}).area, 1, 0.01));
-  CHECK(near_relative(silhouette(near_cube, oblique).area, silhouette(cube, oblique).area, 0.02));
+  CHECK(near_relative(silhouette(near_cube, oblique).area, silhouette(cube, oblique).area, 0.04));
 }
 
 TEST_CASE("silhouette: of every convex body the mean area is a quarter of the surface (Cauchy)") {
@@ -98,7 +98,7 @@ TEST_CASE("silhouette: of every convex body the mean area is a quarter of the su
   check(Polyhedron::from_points({{0, 0, 0}, {1, 0, 0}, {0.3, 1, 0}, {0.2, 0.3, 0.8}}), 5e-4);
   check(SuperEllipsoid{3, 2, 1}, 1e-4);
   check(SuperEllipsoid{1, 1, 2, 8, 2}, 5e-4);
-  check(SuperEllipsoid{1, 0.7, 2, 40, 40}, 2e-3);
+  check(SuperEllipsoid{1, 0.7, 2, 40, 40}, 5e-4);
   check(PolySuperEllipsoid{{1, 2, 3}, {2, 1, 1.5}, 3, 4}, 5e-4);
   check(MultiSphere{{{{0, 0, 0}, 0.7}}}, 1e-6);
 }
