@@ -33,13 +33,6 @@ inline void check_direction(const Vec3d& u) {
           " must be a unit vector; divide it by its length ", norm(u));
 }
 
-/// Two unit vectors across u and each other.
-inline std::pair<Vec3d, Vec3d> across(const Vec3d& u) {
-  const Vec3d a = std::abs(u.x) < 0.6 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
-  const Vec3d e = normalised(cross(u, a));
-  return {e, cross(u, e)};
-}
-
 /// Of a convex body by its support points around u. The polygon of the points is too small, that of
 /// the tangents at them too large; in the means of both that are taken the errors of second order
 /// of a smooth outline cancel. Steps are halved until the corners between the polygons are below
@@ -71,8 +64,8 @@ class ConvexOutline {
   };
   Point at(double turn) const {
     const double angle = 2 * std::numbers::pi * turn, c = std::cos(angle), s = std::sin(angle);
-    const Vec3d p = body_.support(axes_.first * c + axes_.second * s);
-    return {turn, c, s, dot(p, axes_.first), dot(p, axes_.second)};
+    const Vec3d p = body_.support(axes_[0] * c + axes_[1] * s);
+    return {turn, c, s, dot(p, axes_[0]), dot(p, axes_[1])};
   }
   void add(const Point& p, const Point& q, int halvings) {
     const double dx = q.x - p.x, dy = q.y - p.y, sine = p.nx * q.ny - p.ny * q.nx;
@@ -90,7 +83,7 @@ class ConvexOutline {
   }
 
   const S& body_;
-  std::pair<Vec3d, Vec3d> axes_;
+  std::array<Vec3d, 2> axes_;
   double smallest_ = 0;
   Silhouette chords_{0, 0}, tangents_{0, 0};
 };
