@@ -139,6 +139,16 @@ double pack_difference(const Law& law) {
   return worst;
 }
 
+/// Not laws: of doubles alone, and without a result.
+struct OfDoubles {
+  double normalised(double eps, double) const { return eps; }
+};
+struct Nothing {
+  template <class Real>
+  void normalised(const Real&, const Real&) const {}
+};
+static_assert(!silt::DragLaw<OfDoubles> && !silt::DragLaw<Nothing> && !silt::DragLaw<int>);
+
 }  // namespace
 
 TEST_CASE("drag: Fhat of every law equals the table's to its last digit") {

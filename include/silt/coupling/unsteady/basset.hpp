@@ -149,9 +149,18 @@ class BassetHistory {
 
   /// Goes on by one dt; the newest g of every particle is 0 until it is recorded.
   void advance() {
+    advance([](std::size_t blocks, const auto& one) {
+      for (std::size_t b = 0; b < blocks; ++b) one(b);
+    });
+  }
+  /// The same by a loop of yours: loop(n, one) calls one(0) ... one(n - 1), in any order, also at
+  /// the same time.
+  template <class Loop>
+  void advance(const Loop& loop) {
     head_ = (head_ + slots_ - 1) % slots_;
-    for (std::size_t i = 0; i < size_; i += block)
-      for (std::size_t axis = 0; axis < 3; ++axis) advance_block(i, axis);
+    loop((size_ + block - 1) / block, [this](std::size_t b) {
+      for (std::size_t axis = 0; axis < 3; ++axis) advance_block(b * block, axis);
+    });
     correct_young();
   }
 
