@@ -17,8 +17,8 @@
 
 /// What a flow sees of a body: area and outline of its projection, and the numbers that drag laws
 /// take. Directions are unit vectors in the body's own frame.
-/// Errors: InputError for a direction that is not of length 1. Tests:
-/// tests/coupling/silhouette.cpp.
+/// Errors: InputError for a direction that is not of length 1.
+/// Tests:  tests/coupling/silhouette.cpp.
 namespace silt::inline SILT_TARGET {
 
 /// The projection of a body along a direction.

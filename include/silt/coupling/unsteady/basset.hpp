@@ -18,8 +18,8 @@ namespace silt::inline SILT_TARGET {
 ///
 ///   I(t) = int_-inf^t g(s)/sqrt(t - s) ds + W(0)/sqrt(t - t0),  g = dW/dt                     (1)
 ///   window:  sum over the last N steps, g linear in each: exact for such g                     (2)
-///   tail:    1/sqrt(t) ~ sum_i a_i sqrt(e/t_i) exp(-t/(2 t_i)), t > t_win = N dt, which only needs
-///            one number a term: F_i <- e^-x F_i + what has left the window, x = dt/(2 t_i) (3)
+///   tail:    1/sqrt(t) ~ sum_i a_i sqrt(e/t_i) exp(-t/(2 t_i)) for t > t_win = N dt            (3)
+///            which needs one number a term: F_i <- e^-x F_i + what left the window, x = dt/(2 t_i)
 ///
 /// The force is basset_coefficient() times I, W the slip [m/s] (fluid less particle).
 ///
