@@ -53,8 +53,21 @@ TEST_CASE("functions: cosine to 2e-15 from -pi to pi, tanh to 2e-15 everywhere")
   CHECK(silt::hyperbolic_tangent(1e-300) == 1e-300);
 }
 
+TEST_CASE("functions: arc tangent to 2e-15 everywhere, of float to 5e-7") {
+  for (double digits = -300; digits <= 300; digits += 0.17) {
+    const double x = std::pow(10.0, digits);
+    CAPTURE(x);
+    CHECK(std::abs(silt::arc_tangent(x) / std::atan(x) - 1) <= 2e-15);
+    CHECK(silt::arc_tangent(-x) == -silt::arc_tangent(x));
+  }
+  for (float x = -300; x <= 300; x += 0.31f)
+    CHECK(std::abs(silt::arc_tangent(x) - std::atan(static_cast<double>(x))) <= 5e-7);
+  CHECK(silt::arc_tangent(0.0) == 0);
+}
+
 TEST_CASE("functions: a pack equals doubles to a few ulp") {
   CHECK(lane_difference(1e-6, 2, [](const auto& x) { return silt::cube_root(x); }) < 2e-15);
   CHECK(lane_difference(-3, 3, [](const auto& x) { return silt::cosine(x); }) < 1e-12);  // near 0
+  CHECK(lane_difference(-300, 300, [](const auto& x) { return silt::arc_tangent(x); }) < 2e-15);
   CHECK(lane_difference(-9, 9, [](const auto& x) { return silt::hyperbolic_tangent(x); }) < 2e-15);
 }

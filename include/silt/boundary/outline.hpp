@@ -22,13 +22,6 @@ struct Outline {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-/// Two unit vectors across `n` and each other.
-inline std::array<Vec3d, 2> across(const Vec3d& n) {
-  const Vec3d least = std::abs(n.x) < 0.6 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
-  const Vec3d u = normalised(cross(n, least));
-  return {u, cross(n, u)};
-}
-
 /// The part of a plane inside the box `seen`.
 [[gnu::cold]] inline Outline outline(const Plane& plane, const Box& seen) {
   const Vec3d e = seen.extent();

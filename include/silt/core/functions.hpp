@@ -45,4 +45,15 @@ inline Real hyperbolic_tangent(const Real& x) {
   return t;
 }
 
+/// atan of x in (-pi/2, pi/2), relative error 1e-15: halved three times, then its series.
+template <class Real>
+inline Real arc_tangent(const Real& x) {
+  Real t = max(min(x, Real(1e18)), Real(-1e18));  // no square overflows, also of float
+  for (int k = 0; k < 3; ++k) t = t / (Real(1) + sqrt(Real(1) + t * t));  // |t| < 0.199
+  const Real t2 = t * t;
+  Real sum(0);
+  for (int n = 23; n > 0; n -= 2) sum = Real(ScalarOf<Real>(1.0 / n)) - sum * t2;
+  return Real(8) * t * sum;
+}
+
 }  // namespace silt

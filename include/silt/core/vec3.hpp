@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <array>
 #include <cmath>
 
 #include <silt/core/target.hpp>
@@ -53,5 +54,14 @@ inline Vec3d normalised(const Vec3d& a) { return a * (1.0 / norm(a)); }
 inline bool is_finite(const Vec3d& a) {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
 }
+
+namespace detail {
+/// Two unit vectors across the unit vector `n` and each other.
+inline std::array<Vec3d, 2> across(const Vec3d& n) {
+  const Vec3d least = std::abs(n.x) < 0.6 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
+  const Vec3d u = normalised(cross(n, least));
+  return {u, cross(n, u)};
+}
+}  // namespace detail
 
 }  // namespace silt

@@ -1,0 +1,83 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <concepts>
+#include <numbers>
+
+#include <silt/core/functions.hpp>
+#include <silt/core/powers.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// The drag of a fluid on one sphere among others, without the pressure gradient's part:
+///
+///   F_d = K W,  K = 3 pi mu d eps Fhat(eps, Re)  [kg/s],  Re = eps rho |W| d/mu               (1)
+///   beta = n K = 18 mu eps (1 - eps) Fhat/d^2    [kg/(m3 s)], n = 6 (1 - eps)/(pi d^3)        (2)
+///
+/// W [m/s] fluid's velocity less the particle's, eps [-] fluid fraction, d [m] diameter (of the
+/// sphere of equal volume), mu [Pa s], rho [kg/m3]. (1) is the force of model A, where the particle
+/// also feels -V grad p. Model B has the whole in the drag: K/eps, see model_b().
+///
+/// A law is a small struct, as
+///   struct Stokes {
+///     template <class Real>
+///     Real normalised(const Real& eps, const Real&) const { return Real(1) / eps; }
+///   };
+/// `normalised` is Fhat [-] of (1), a pure function. Real is double, float or a pack of them, one
+/// lane a particle: no `if` on its value, but select(); power() and others of core/powers.hpp and
+/// core/functions.hpp. Valid for 0 < eps <= 1 and Re >= 0, finite at Re = 0.
+template <class L>
+concept DragLaw = requires(const L& law, const double& eps, const float& eps_of_float) {
+  { law.normalised(eps, eps) } -> std::same_as<double>;
+  { law.normalised(eps_of_float, eps_of_float) } -> std::same_as<float>;
+};
+
+namespace detail {
+/// A number of a formula, in the lanes' own precision.
+template <class Real>
+constexpr Real lanes_of(double x) {
+  return Real(static_cast<ScalarOf<Real>>(x));
+}
+/// Re that powers and logarithms can take. Every law here is within 1e-4 of its Stokes limit there.
+template <class Real>
+inline Real guarded(const Real& Re) {
+  return max(Re, lanes_of<Real>(1e-10));
+}
+}  // namespace detail
+
+/// Re = eps rho |W| d/mu [-]: superficial, as every drag law here takes it.
+template <class Real>
+inline Real slip_reynolds(const Real& eps, const Real& rho, const Real& slip, const Real& d,
+                          const Real& mu) {
+  return eps * rho * slip * d / mu;
+}
+
+/// K of (1) [kg/s].
+template <class Law, class Real>
+inline Real drag_coefficient(const Law& law, const Real& eps, const Real& Re, const Real& d,
+                             const Real& mu) {
+  return detail::lanes_of<Real>(3 * std::numbers::pi) * mu * d * eps * law.normalised(eps, Re);
+}
+
+/// beta of (2) [kg/(m3 s)], per volume of the mixture.
+template <class Law, class Real>
+inline Real interphase_coefficient(const Law& law, const Real& eps, const Real& Re, const Real& d,
+                                   const Real& mu) {
+  return Real(18) * mu * eps * (Real(1) - eps) * law.normalised(eps, Re) / (d * d);
+}
+
+/// K or beta of model B (all of the mean pressure's force within the drag) from those of model A.
+template <class Real>
+inline Real model_b(const Real& coefficient, const Real& eps) {
+  return coefficient / eps;
+}
+
+/// F_d [N] of (1) for the slip W.
+template <class Law, class Real>
+inline Vec3<Real> drag_force(const Law& law, const Real& eps, const Real& rho, const Real& mu,
+                             const Real& d, const Vec3<Real>& W) {
+  const Real Re = slip_reynolds(eps, rho, sqrt(dot(W, W)), d, mu);
+  return W * drag_coefficient(law, eps, Re, d, mu);
+}
+
+}  // namespace silt
