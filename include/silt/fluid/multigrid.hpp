@@ -1,0 +1,344 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <silt/core/storage.hpp>
+#include <silt/core/target.hpp>
+#include <silt/core/threads.hpp>
+#include <silt/fluid/level_rows.hpp>
+#include <silt/fluid/plane_sweeps.hpp>
+
+namespace silt::inline SILT_TARGET::fluid_detail {
+
+/// One grid of the multigrid: coefficients of faces and cells, unknown and right side, in float.
+///
+/// Every direction wraps; where the grid does not, the faces of index 0 are closed (a = 0).
+struct Level {
+  std::array<int, 3> n{};             // cells [-]
+  std::array<bool, 3> wraps{};        // the last cell is coupled with the first
+  std::array<bool, 3> halved{};       // directions in which the next level has half the cells
+  std::array<std::vector<float>, 3> width;  // of the cells, in those of the finest [-]
+  std::array<AlignedVector<float>, 3> a;    // coefficients of the lower faces
+  AlignedVector<float> d, inverse, x, r;    // diagonal, 1 / (sum a + d) or 0, unknown, right side
+  std::vector<std::uint8_t> row_has_d;
+  std::vector<std::array<double, 3>> plane_sums;  // of a over each plane
+  std::size_t stride = 0;
+
+  Level(const std::array<int, 3>& cells, const std::array<bool, 3>& wrap) : n(cells), wraps(wrap) {
+    stride = pieces(static_cast<std::size_t>(n[0]), room) * room + room;
+    const std::size_t rows = static_cast<std::size_t>(n[1]) * static_cast<std::size_t>(n[2]);
+    for (std::size_t c = 0; c < 3; ++c) {
+      a[c].assign(values(), 0.0f);
+      width[c].assign(static_cast<std::size_t>(n[c]), 1.0f);
+    }
+    d.assign(values(), 0.0f);
+    inverse.assign(values(), 0.0f);
+    x.assign(values(), 0.0f);
+    r.assign(values(), 0.0f);
+    row_has_d.assign(rows, 0);
+    plane_sums.assign(static_cast<std::size_t>(n[2]), {});
+  }
+  static std::size_t pieces(std::size_t count, std::size_t size) {
+    return (count + size - 1) / size;
+  }
+  std::size_t values() const {
+    return stride * static_cast<std::size_t>(n[1]) * static_cast<std::size_t>(n[2]) + 2 * room;
+  }
+  std::size_t row_number(int j, int k) const {
+    return static_cast<std::size_t>(j) + static_cast<std::size_t>(n[1]) * static_cast<std::size_t>(k);
+  }
+  std::size_t begin(int j, int k) const { return room + stride * row_number(j, k); }
+  int after(int c, int i) const { return i + 1 == n[static_cast<std::size_t>(c)] ? 0 : i + 1; }
+  int before(int c, int i) const { return (i == 0 ? n[static_cast<std::size_t>(c)] : i) - 1; }
+
+  FaceRows faces(int j, int k) const {
+    const std::size_t at = begin(j, k);
+    return {a[0].data() + at,
+            a[1].data() + at,
+            a[1].data() + begin(after(1, j), k),
+            a[2].data() + at,
+            a[2].data() + begin(j, after(2, k)),
+            row_has_d[row_number(j, k)] ? d.data() + at : nullptr};
+  }
+  template <class Float>
+  NeighbourRows<Float> neighbours(Float* v, int j, int k) const {
+    return {v + begin(j, k), v + begin(before(1, j), k), v + begin(after(1, j), k),
+            v + begin(j, before(2, k)), v + begin(j, after(2, k))};
+  }
+  /// Copies what stands at the other end of a row.
+  void wrap_row(float* row) const {
+    if (!wraps[0]) return;
+    row[-1] = row[n[0] - 1];
+    row[n[0]] = row[0];
+  }
+  /// How much a coarser face is further from centre to centre than the finer one i.
+  float distance(std::size_t c, int i) const {
+    const auto at = [&](int of) { return width[c][static_cast<std::size_t>(of)]; };
+    return 0.5f * (at(i) + at(before(static_cast<int>(c), i)));
+  }
+  /// From a and d of plane k and of the next: the inverse of the whole diagonal.
+  void invert_diagonal(int k) {
+    for (int j = 0; j < n[1]; ++j) {
+      const FaceRows f = faces(j, k);
+      const float* own = d.data() + begin(j, k);
+      float* out = inverse.data() + begin(j, k);
+      bool any = false;
+      for (int i = 0; i < n[0]; ++i) {
+        const float sum = (f.x[i] + f.x[i + 1]) + (f.y_low[i] + f.y_up[i]) +
+                          (f.z_low[i] + f.z_up[i]) + own[i];
+        any |= own[i] > 0;
+        out[i] = sum > 0 ? 1 / sum : 0.0f;
+      }
+      row_has_d[row_number(j, k)] = any;
+    }
+  }
+};
+
+/// The coefficients of a coarser level from those of the finer one: the mean over the finer faces
+/// that a coarser one covers, times its area over its longer distance. Of d the sum.
+inline void coarsen_coefficients(const Team& team, const Level& fine, Level& coarse) {
+  const std::array<int, 3> by{fine.halved[0] ? 2 : 1, fine.halved[1] ? 2 : 1,
+                              fine.halved[2] ? 2 : 1};
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t i = 0; i < coarse.width[c].size(); ++i) {
+      coarse.width[c][i] = 0;
+      for (std::size_t m = static_cast<std::size_t>(by[c]) * i;
+           m < std::min(fine.width[c].size(), static_cast<std::size_t>(by[c]) * (i + 1)); ++m)
+        coarse.width[c][i] += fine.width[c][m];
+    }
+  std::vector<float> ratio_x(static_cast<std::size_t>(coarse.n[0]));
+  for (int i = 0; i < coarse.n[0]; ++i)
+    ratio_x[static_cast<std::size_t>(i)] = fine.distance(0, by[0] * i) / coarse.distance(0, i);
+  team.for_parts(static_cast<std::size_t>(coarse.n[2]), [&](std::size_t plane) {
+    const int k = static_cast<int>(plane);
+    const float ratio_z = fine.distance(2, by[2] * k) / coarse.distance(2, k);
+    std::array<double, 3> sums{};
+    for (int j = 0; j < coarse.n[1]; ++j) {
+      const float ratio_y = fine.distance(1, by[1] * j) / coarse.distance(1, j);
+      const std::size_t at = coarse.begin(j, k);
+      float *ax = coarse.a[0].data() + at, *ay = coarse.a[1].data() + at;
+      float *az = coarse.a[2].data() + at, *d = coarse.d.data() + at;
+      std::fill(ax, ax + coarse.n[0] + 1, 0.0f);
+      std::fill(ay, ay + coarse.n[0], 0.0f);
+      std::fill(az, az + coarse.n[0], 0.0f);
+      std::fill(d, d + coarse.n[0], 0.0f);
+      const auto add = [&](const float* from, float* to) {
+        if (by[0] == 1) {
+          for (int i = 0; i < coarse.n[0]; ++i) to[i] += from[i];
+          return;
+        }
+        const int pairs = fine.n[0] / 2;
+        for (int i = 0; i < pairs; ++i) to[i] += from[2 * i] + from[2 * i + 1];
+        if (pairs < coarse.n[0]) to[pairs] += from[2 * pairs];
+      };
+      const auto add_every = [&](const float* from, float* to) {
+        for (int i = 0; i < coarse.n[0]; ++i) to[i] += from[by[0] * i];
+      };
+      for (int fk = by[2] * k; fk < std::min(fine.n[2], by[2] * (k + 1)); ++fk)
+        for (int fj = by[1] * j; fj < std::min(fine.n[1], by[1] * (j + 1)); ++fj) {
+          const std::size_t from = fine.begin(fj, fk);
+          add_every(fine.a[0].data() + from, ax);
+          if (fj == by[1] * j) add(fine.a[1].data() + from, ay);
+          if (fk == by[2] * k) add(fine.a[2].data() + from, az);
+          add(fine.d.data() + from, d);
+        }
+      for (int i = 0; i < coarse.n[0]; ++i) {
+        ax[i] *= coarse.n[0] > 1 ? ratio_x[static_cast<std::size_t>(i)] : 0.0f;
+        ay[i] *= coarse.n[1] > 1 ? ratio_y : 0.0f;
+        az[i] *= coarse.n[2] > 1 ? ratio_z : 0.0f;
+        sums[0] += ax[i];
+        sums[1] += ay[i];
+        sums[2] += az[i];
+      }
+      if (coarse.wraps[0]) ax[coarse.n[0]] = ax[0];
+    }
+    coarse.plane_sums[plane] = sums;
+  });
+  team.for_parts(static_cast<std::size_t>(coarse.n[2]),
+                 [&](std::size_t k) { coarse.invert_diagonal(static_cast<int>(k)); });
+}
+
+/// Directions to halve: the one of the strongest couplings and those not much weaker. None where
+/// one cell is left.
+inline std::array<bool, 3> directions_to_halve(const Level& level) {
+  constexpr double much_weaker = 0.3;
+  std::array<double, 3> sum{};
+  for (const auto& plane : level.plane_sums)
+    for (std::size_t c = 0; c < 3; ++c) sum[c] += plane[c];
+  double strongest = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    sum[c] *= static_cast<double>(level.n[c]) / std::max(1, level.n[c] - !level.wraps[c]);
+    if (level.n[c] > 1) strongest = std::max(strongest, sum[c]);
+  }
+  std::array<bool, 3> halved{};
+  for (std::size_t c = 0; c < 3; ++c)
+    halved[c] = level.n[c] > 1 && sum[c] >= much_weaker * strongest;
+  return halved;
+}
+
+/// One V-cycle of geometric multigrid as the symmetric preconditioner of conjugate gradients:
+/// red-black Gauss-Seidel, `sweeps` times before (red, black) and after (black, red), piecewise
+/// constant transfer, levels of half the cells down to one cell. Float throughout.
+class Multigrid {
+ public:
+  static constexpr int sweeps = 2;  // before and after the coarser level [-]
+
+  Multigrid(const std::array<int, 3>& cells, const std::array<bool, 3>& wraps) {
+    levels_.emplace_back(cells, wraps);
+  }
+  Level& finest() { return levels_.front(); }
+  const Level& finest() const { return levels_.front(); }
+  std::size_t levels() const { return levels_.size(); }
+  const Level& level(std::size_t l) const { return levels_[l]; }
+
+  /// Makes the coarser levels, once the finest has its coefficients.
+  void coarsen(const Team& team) {
+    for (std::size_t l = 0;; ++l) {
+      const auto halved = directions_to_halve(levels_[l]);
+      const bool last = !halved[0] && !halved[1] && !halved[2];
+      if (last || levels_[l].halved != halved) levels_.erase(levels_.begin() + static_cast<std::ptrdiff_t>(l) + 1, levels_.end());
+      levels_[l].halved = halved;
+      if (last) break;
+      if (l + 1 == levels_.size()) {
+        auto n = levels_[l].n;
+        for (std::size_t c = 0; c < 3; ++c)
+          if (halved[c]) n[c] = (n[c] + 1) / 2;
+        levels_.emplace_back(n, levels_[l].wraps);
+      }
+      coarsen_coefficients(team_for(l + 1, team), levels_[l], levels_[l + 1]);
+    }
+  }
+
+  /// x of the finest level from its r; returns x . r.
+  double cycle(const Team& team) {
+    plane_dots_.resize(static_cast<std::size_t>(finest().n[2]));
+    cycle(0, team);
+    double sum = 0;
+    for (const double part : plane_dots_) sum += part;
+    return sum;
+  }
+
+ private:
+  /// Small levels are not worth waking threads for.
+  const Team& team_for(std::size_t l, const Team& team) const {
+    const auto& n = levels_[l].n;
+    return static_cast<double>(n[0]) * n[1] * n[2] < 8192 ? alone_ : team;
+  }
+
+  void cycle(std::size_t l, const Team& given) {
+    Level& level = levels_[l];
+    const Team& team = team_for(l, given);
+    const bool last = l + 1 == levels_.size();
+    const int n2 = level.n[2];
+    const bool fused = !last && team.threads() == 1 && !level.wraps[2];
+    sweep_planes(team, {n2, 2 * sweeps + fused, level.wraps[2]}, [&](int s, int k) {
+      if (s < 2 * sweeps)
+        relax_plane(level, s, k, s % 2, false);
+      else if (!level.halved[2] || k % 2 == 1 || k + 1 == n2)
+        restrict_plane(level, levels_[l + 1], level.halved[2] ? k / 2 : k);
+    });
+    if (!last) {
+      Level& coarse = levels_[l + 1];
+      if (!fused)
+        team.for_parts(static_cast<std::size_t>(coarse.n[2]), [&](std::size_t k) {
+          restrict_plane(level, coarse, static_cast<int>(k));
+        });
+      cycle(l + 1, given);
+    }
+    sweep_planes(team, {n2, 2 * sweeps + 1, level.wraps[2], true}, [&](int s, int k) {
+      if (s == 0) {
+        if (!last) correct_plane(levels_[l + 1], level, k);
+        return;
+      }
+      relax_plane(level, s, k, s % 2, true);
+      if (l == 0 && s == 2 * sweeps) {
+        double dot = 0;
+        for (int j = 0; j < level.n[1]; ++j)
+          dot += dot_row(level.n[0], level.x.data() + level.begin(j, k),
+                         level.r.data() + level.begin(j, k));
+        plane_dots_[static_cast<std::size_t>(k)] = dot;
+      }
+    });
+  }
+
+  /// Relaxes the cells of one colour (i + j + k even: 0) of plane k.
+  static void relax_plane(Level& level, int stage, int k, int colour, bool after) {
+    for (int row = 0; row < level.n[1]; ++row) {
+      const int j = after ? level.n[1] - 1 - row : row;
+      const int odd = (j + k + colour) & 1;
+      const std::size_t at = level.begin(j, k);
+      float* x = level.x.data() + at;
+      if (stage == 0 && !after)
+        relax_row_from_zero(level.n[0], odd, level.inverse.data() + at, level.r.data() + at, x);
+      else
+        relax_row(level.n[0], odd, level.faces(j, k), level.inverse.data() + at,
+                  level.r.data() + at, level.neighbours(level.x.data(), j, k));
+      level.wrap_row(x);
+    }
+  }
+
+  static constexpr int chunk = 256;
+
+  /// r of plane k of the coarser level: the sum of the finer residuals.
+  static void restrict_plane(const Level& fine, Level& coarse, int k) {
+    alignas(64) float sum[chunk];
+    const int by_x = fine.halved[0] ? 2 : 1, by_y = fine.halved[1] ? 2 : 1,
+              by_z = fine.halved[2] ? 2 : 1;
+    for (int j = 0; j < coarse.n[1]; ++j) {
+      float* r = coarse.r.data() + coarse.begin(j, k);
+      for (int from = 0; from < fine.n[0]; from += chunk) {
+        const int count = std::min(chunk, fine.n[0] - from);
+        const int packs = (count + lanes - 1) / lanes * lanes;
+        std::fill(sum, sum + packs, 0.0f);
+        for (int fk = by_z * k; fk < std::min(fine.n[2], by_z * (k + 1)); ++fk)
+          for (int fj = by_y * j; fj < std::min(fine.n[1], by_y * (j + 1)); ++fj)
+            add_residual(from, packs, fine.faces(fj, fk), fine.r.data() + fine.begin(fj, fk),
+                         fine.neighbours(fine.x.data(), fj, fk), sum);
+        if (by_x == 1) {
+          std::copy(sum, sum + count, r + from);
+        } else {
+          for (int i = 0; i < count / 2; ++i) r[from / 2 + i] = sum[2 * i] + sum[2 * i + 1];
+          if (count % 2 == 1) r[(from + count) / 2] = sum[count - 1];
+        }
+      }
+    }
+  }
+
+  /// Adds the coarser level's x to plane k.
+  static void correct_plane(const Level& coarse, Level& fine, int k) {
+    alignas(64) float twice[chunk];
+    const int coarse_k = fine.halved[2] ? k / 2 : k;
+    for (int from = 0; from < fine.n[0]; from += chunk) {
+      const int count = std::min(chunk, fine.n[0] - from);
+      const int packs = (count + lanes - 1) / lanes * lanes;
+      int held = -1;
+      for (int j = 0; j < fine.n[1]; ++j) {
+        const int coarse_j = fine.halved[1] ? j / 2 : j;
+        if (coarse_j != held) {
+          const float* e = coarse.x.data() + coarse.begin(coarse_j, coarse_k);
+          if (fine.halved[0])
+            for (int i = 0; i < packs; ++i) twice[i] = e[(from + i) / 2];
+          else
+            std::copy(e + from, e + from + count, twice);
+          for (int i = count; i < packs; ++i) twice[i] = 0;
+          held = coarse_j;
+        }
+        float* x = fine.x.data() + fine.begin(j, k);
+        for (int i = 0; i < packs; i += lanes)
+          store(x + from + i, load<Pack>(x + from + i) + load<Pack>(twice + i));
+        if (from + count == fine.n[0]) fine.wrap_row(x);
+      }
+    }
+  }
+
+  std::vector<Level> levels_;
+  std::vector<double> plane_dots_;
+  Team alone_{1};
+};
+
+}  // namespace silt::inline SILT_TARGET::fluid_detail

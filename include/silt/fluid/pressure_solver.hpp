@@ -1,0 +1,458 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <silt/core/error.hpp>
+#include <silt/core/lanes.hpp>
+#include <silt/core/target.hpp>
+#include <silt/core/threads.hpp>
+#include <silt/fluid/components.hpp>
+#include <silt/fluid/double_rows.hpp>
+#include <silt/fluid/grid.hpp>
+#include <silt/fluid/multigrid.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// When PressureSolver stops.
+struct PressureTolerance {
+  double relative = 1e-6;     // |b - A p| / |b| [-]
+  int most_iterations = 200;  // [-]
+};
+
+/// What came of one solve. |v| is the root of the sum of squares over the cells.
+struct PressureSolution {
+  int iterations = 0;      // of conjugate gradients, one V-cycle each [-]
+  double residual = 0;     // |b - A p| / |b|, b without what was removed, in double precision [-]
+  double removed = 0;      // what was removed from b to make it solvable, relative to |b| [-]
+  bool converged = false;  // residual <= relative
+  std::string reason;      // why not, one sentence; empty if converged
+};
+
+/// Solves A p = b on the cells of a Grid:
+///
+///   (A p)_c = sum over the six faces of a_f (p_c - p_neighbour) + d_c p_c                      (1)
+///
+/// with coefficients a_f >= 0 of the faces and d_c >= 0 of the cells (a Dirichlet value p_0 beyond
+/// a face of coefficient w is d_c += w, b_c += w p_0). Units are the caller's: a, d and b / p share
+/// one. Periodic directions wrap, their face n being face 0; faces at the boundary of other
+/// directions are closed whatever their a. Cells without open faces and with d = 0 are blocked:
+/// p = 0. A connected set of cells without any d > 0 is solved for b less its mean over the set,
+/// and the mean of p over the set is 0.
+///
+/// Method: conjugate gradients preconditioned by a symmetric V-cycle of geometric multigrid (see
+/// multigrid.hpp), both in float; p in double, and the residual is computed anew in double whenever
+/// it has dropped by 1e-4 and at the end ("reliable updates"), so that the result is as good as of
+/// double throughout. Memory: 12 floats and 1 double a cell, and an eighth of the floats once more.
+/// Source: O. Tatebe, The multigrid preconditioned conjugate gradient method, 6th Copper Mountain
+///   Conf. on Multigrid Methods, NASA CP-3224, 1993, 621-634; G. L. G. Sleijpen, H. A. van der
+///   Vorst, Reliable updated residuals in hybrid Bi-CG methods, Computing 56, 1996, 141-163,
+///   doi:10.1007/BF02309342.
+/// Valid: contrasts of a to 1e4 and more, whatever the sizes. Rows of few cells (nx < 16) cost as
+///   if they had 16: let x be a long direction.
+/// Threads: results are the same, bit for bit, for every number of threads.
+/// Errors: InputError for coefficients that are negative or no numbers, and for other grids. A
+///   solve that fails says so in what it returns.
+/// Tests: tests/fluid/pressure_solver.cpp; speed: benchmarks/fluid/bench_pressure.cpp.
+class PressureSolver {
+ public:
+  explicit PressureSolver(const Grid& grid)
+      : grid_(grid),
+        multigrid_(grid.cells(), wraps(grid)),
+        b_(grid),
+        direction_(multigrid_.finest().values(), 0.0f),
+        product_(multigrid_.finest().values(), 0.0f),
+        planes_(static_cast<std::size_t>(grid.nz())) {}
+
+  const Grid& grid() const { return grid_; }
+  const fluid_detail::Multigrid& multigrid() const { return multigrid_; }
+  /// Number of connected sets of cells that no d > 0 holds.
+  std::size_t floating_sets() const { return components_.sizes.size(); }
+
+  /// Takes new coefficients: of the lower faces in each direction, and of the cells. The solver
+  /// reads the four fields again in solve(): they must live and stay as they are until then.
+  void set(const Field& ax, const Field& ay, const Field& az, const Field& d, const Team& team) {
+    is_set_ = false;
+    a_ = {&ax, &ay, &az};
+    d_ = &d;
+    for (const Field* field : {&ax, &ay, &az, &d}) require_grid(*field, "coefficients");
+    double largest = convert(team);
+    if (largest > 0 && !(largest * scale_ >= 1e-3 && largest * scale_ <= 1e3)) {
+      scale_ = std::ldexp(1.0, -std::clamp(std::ilogb(largest), -1000, 1000));
+      convert(team);
+    }
+    multigrid_.coarsen(team);
+    bool changed = components_.of_cell.empty();
+    for (const Plane& plane : planes_) changed |= plane.changed;
+    if (changed) components_.find(openings_, grid_.cells());
+    is_set_ = true;
+  }
+
+  /// Solves for p, starting from the p given. Ghosts of periodic directions are set too.
+  PressureSolution solve(const Field& b, Field& p, const PressureTolerance& until,
+                         const Team& team) {
+    require(is_set_, "PressureSolver: call set() with the coefficients before solve()");
+    require_grid(b, "right side");
+    require_grid(p, "solution");
+    require(&b != &p, "PressureSolver: right side and solution are the same field; give two");
+    require(until.relative > 0 && until.relative < 1, "PressureTolerance.relative = ",
+            until.relative, " [-] must be in (0, 1)");
+    require(until.most_iterations >= 0, "PressureTolerance.most_iterations = ",
+            until.most_iterations, " [-] must not be negative");
+    PressureSolution result;
+    const double whole = take_right_side(b, team);
+    const double norm = std::sqrt(sum_planes(team, [&](int k) { return b_squares(k); }));
+    if (!std::isfinite(whole) || !std::isfinite(norm)) {
+      result.residual = norm;
+      result.reason = "the right side holds a value that is infinite or no number";
+      return result;
+    }
+    result.removed = whole > 0 ? removed_ / whole : 0;
+    // What is left of a right side that is all mean is rounding.
+    if (norm <= 1e-14 * whole) {
+      clear_cells(p, false);
+      p.wrap_ghosts();
+      result.converged = true;
+      return result;
+    }
+    clear_cells(p, true);
+    iterate(p, norm, until, team, result);
+    remove_means(p, team);
+    p.wrap_ghosts();
+    return result;
+  }
+
+  /// z = M r: the preconditioner alone, on the cells, for tests.
+  void precondition(const Field& r, Field& z, const Team& team) {
+    fluid_detail::Level& level = multigrid_.finest();
+    for (int k = 0; k < grid_.nz(); ++k)
+      for (int j = 0; j < grid_.ny(); ++j)
+        for (int i = 0; i < grid_.nx(); ++i)
+          level.r[level.begin(j, k) + static_cast<std::size_t>(i)] = static_cast<float>(r(i, j, k));
+    multigrid_.cycle(team);
+    for (int k = 0; k < grid_.nz(); ++k)
+      for (int j = 0; j < grid_.ny(); ++j)
+        for (int i = 0; i < grid_.nx(); ++i)
+          z(i, j, k) =
+              static_cast<double>(level.x[level.begin(j, k) + static_cast<std::size_t>(i)]);
+  }
+
+ private:
+  struct Plane {
+    double largest = 0, sum = 0;
+    bool changed = false, valid = true;
+  };
+
+  static std::array<bool, 3> wraps(const Grid& grid) {
+    return {grid.periodic(0) && grid.nx() > 1, grid.periodic(1) && grid.ny() > 1,
+            grid.periodic(2) && grid.nz() > 1};
+  }
+  void require_grid(const Field& field, const char* what) const {
+    require(field.grid() == grid_, "PressureSolver: the ", what,
+            " stand on another grid than the solver's; make both with one Grid");
+  }
+  std::size_t cell_of_row(int j, int k) const {
+    return static_cast<std::size_t>(grid_.nx()) *
+           (static_cast<std::size_t>(j) +
+            static_cast<std::size_t>(grid_.ny()) * static_cast<std::size_t>(k));
+  }
+  /// Calls of_plane(k) for every plane; the sum of what it returns, always added in one order.
+  template <class OfPlane>
+  double sum_planes(const Team& team, const OfPlane& of_plane) {
+    team.for_parts(planes_.size(), [&](std::size_t k) {
+      planes_[k].sum = of_plane(static_cast<int>(k));
+    });
+    return added_planes();
+  }
+  double added_planes() const {
+    double sum = 0;
+    for (const Plane& plane : planes_) sum += plane.sum;
+    return sum;
+  }
+
+  /// The finest level from the fields; returns the largest coefficient.
+  double convert(const Team& team) {
+    fluid_detail::Level& level = multigrid_.finest();
+    openings_.resize(grid_.size());
+    team.for_parts(planes_.size(), [&](std::size_t k) { convert_plane(static_cast<int>(k)); });
+    double largest = 0;
+    for (std::size_t k = 0; k < planes_.size(); ++k) {
+      if (!planes_[k].valid) refuse_plane(static_cast<int>(k));
+      largest = std::max(largest, planes_[k].largest);
+    }
+    team.for_parts(planes_.size(),
+                   [&](std::size_t k) { level.invert_diagonal(static_cast<int>(k)); });
+    return largest;
+  }
+
+  void convert_plane(int k) {
+    fluid_detail::Level& level = multigrid_.finest();
+    Plane& plane = planes_[static_cast<std::size_t>(k)];
+    plane = {};
+    std::array<double, 3> sums{};
+    const int n = grid_.nx();
+    for (int j = 0; j < grid_.ny(); ++j) {
+      const std::size_t at = level.begin(j, k), cell = cell_of_row(j, k);
+      const bool closed[3] = {false, j == 0 && !level.wraps[1], k == 0 && !level.wraps[2]};
+      for (std::size_t c = 0; c < 3; ++c) {
+        float* to = level.a[c].data() + at;
+        if (closed[c])
+          std::fill(to, to + n, 0.0f);
+        else
+          fluid_detail::convert_row(n, c == 0 && !level.wraps[0], scale_, a_[c]->row(j, k), to,
+                                    sums[c], plane.largest, plane.valid);
+      }
+      level.a[0][at + static_cast<std::size_t>(n)] = level.a[0][at];
+      double unused = 0;
+      fluid_detail::convert_row(n, false, scale_, d_->row(j, k), level.d.data() + at, unused,
+                                plane.largest, plane.valid);
+      plane.changed |= fluid_detail::mark_openings(
+          n, level.a[0].data() + at, level.a[1].data() + at, level.a[2].data() + at,
+          level.d.data() + at, openings_.data() + cell);
+    }
+    level.plane_sums[static_cast<std::size_t>(k)] = sums;
+  }
+
+  /// Says which coefficient of plane k is wrong.
+  [[gnu::cold]] void refuse_plane(int k) const {
+    const auto& closed = multigrid_.finest().wraps;
+    const Field* fields[4] = {a_[0], a_[1], a_[2], d_};
+    constexpr const char* names[4] = {"ax", "ay", "az", "d"};
+    for (int f = 0; f < 4; ++f)
+      for (int j = 0; j < grid_.ny(); ++j)
+        for (int i = 0; i < grid_.nx(); ++i) {
+          const int at[3] = {i, j, k};
+          if (f < 3 && at[f] == 0 && !closed[static_cast<std::size_t>(f)]) continue;
+          const double v = (*fields[f])(i, j, k);
+          require(v >= 0 && std::isfinite(v), "PressureSolver: coefficient ", names[f], "(", i,
+                  ", ", j, ", ", k, ") = ", v, " must be finite and not negative");
+        }
+  }
+
+  /// b less its mean over every floating set, 0 in blocked cells; returns |b|.
+  double take_right_side(const Field& b, const Team& team) {
+    const double squares = sum_planes(team, [&](int k) {
+      double sum = 0;
+      for (int j = 0; j < grid_.ny(); ++j) {
+        const double* from = b.row(j, k);
+        std::copy(from, from + grid_.nx(), b_.row(j, k));
+        sum += fluid_detail::dot_row(grid_.nx(), from, from);
+      }
+      return sum;
+    });
+    removed_ = 0;
+    if (!components_.sizes.empty() || components_.any_blocked) {
+      remove_means(b_, team);
+      removed_ = std::sqrt(sum_planes(team, [&](int k) {
+        double sum = 0;
+        for (int j = 0; j < grid_.ny(); ++j) {
+          const double *whole = b.row(j, k), *left = b_.row(j, k);
+          for (int i = 0; i < grid_.nx(); ++i) sum += (whole[i] - left[i]) * (whole[i] - left[i]);
+        }
+        return sum;
+      }));
+    }
+    return std::sqrt(squares);
+  }
+  double b_squares(int k) const {
+    double sum = 0;
+    for (int j = 0; j < grid_.ny(); ++j)
+      sum += fluid_detail::dot_row(grid_.nx(), b_.row(j, k), b_.row(j, k));
+    return sum;
+  }
+
+  /// Takes off the mean over every floating set, and makes blocked cells 0.
+  void remove_means(Field& v, const Team& team) {
+    const std::size_t sets = components_.sizes.size();
+    if (sets == 0 && !components_.any_blocked) return;
+    set_sums_.assign(sets * planes_.size(), 0.0);
+    const auto for_cells = [&](const auto& what) {
+      team.for_parts(planes_.size(), [&](std::size_t k) {
+        for (int j = 0; j < grid_.ny(); ++j) {
+          double* values = v.row(j, static_cast<int>(k));
+          const std::int32_t* set = components_.of_cell.data() + cell_of_row(j, static_cast<int>(k));
+          for (int i = 0; i < grid_.nx(); ++i) what(k * sets, set[i], values[i]);
+        }
+      });
+    };
+    for_cells([&](std::size_t first, std::int32_t set, double& value) {
+      if (set >= 0) set_sums_[first + static_cast<std::size_t>(set)] += value;
+    });
+    std::vector<double> means(sets, 0.0);
+    for (std::size_t k = 0; k < planes_.size(); ++k)
+      for (std::size_t s = 0; s < sets; ++s) means[s] += set_sums_[k * sets + s];
+    for (std::size_t s = 0; s < sets; ++s) means[s] /= static_cast<double>(components_.sizes[s]);
+    for_cells([&](std::size_t, std::int32_t set, double& value) {
+      if (set >= 0) value -= means[static_cast<std::size_t>(set)];
+      if (set == fluid_detail::Components::blocked) value = 0;
+    });
+  }
+
+  /// Makes p zero, in blocked cells only or everywhere.
+  void clear_cells(Field& p, bool only_blocked) const {
+    if (only_blocked && !components_.any_blocked) return;
+    for (int k = 0; k < grid_.nz(); ++k)
+      for (int j = 0; j < grid_.ny(); ++j) {
+        const std::int32_t* set = components_.of_cell.data() + cell_of_row(j, k);
+        double* values = p.row(j, k);
+        for (int i = 0; i < grid_.nx(); ++i)
+          if (!only_blocked || set[i] == fluid_detail::Components::blocked) values[i] = 0;
+      }
+  }
+
+  /// Conjugate gradients from p on. `scale` is of the residual in float: r = scale (b - A p).
+  void iterate(Field& p, double norm, const PressureTolerance& until, const Team& team,
+               PressureSolution& result) {
+    constexpr double drop = 1e-4;  // of the residual between two that are computed in double
+    const double cells = std::sqrt(static_cast<double>(grid_.size()));
+    const double target = until.relative * norm;
+    double scale = cells / norm, residual = true_residual(p, 1, team);
+    const auto stopped = [&](const char* why) { result.reason = why; };
+    double next_check = 0, rz = 0, alpha = 0;
+    bool along = false;  // direction_ holds a direction
+    const auto renew = [&] {
+      if (std::isfinite(residual) && !(residual * scale < 1e6 * cells && residual * scale > 1e-6 * cells)) {
+        scale = cells / residual;
+        along = false;
+      }
+      residual = true_residual(p, scale, team);
+      next_check = std::max(target, drop * residual);
+    };
+    if (residual > target) renew();
+    while (residual > target) {
+      if (result.iterations == until.most_iterations) {
+        stopped("the residual is not small enough after most_iterations");
+        break;
+      }
+      const double before = rz;
+      rz = multigrid_.cycle(team);
+      if (!(rz > 0 && std::isfinite(rz))) {
+        stopped("the preconditioned residual is no number or not positive");
+        break;
+      }
+      const double pq = advance(p, along ? rz / before : 0, along ? alpha : 0, team);
+      if (!(pq > 0 && std::isfinite(pq))) {
+        along = false;
+        stopped("the coefficients make a direction without resistance, or a number that is none");
+        break;
+      }
+      along = true;
+      const double step = rz / pq;
+      alpha = step * scale_ / scale;
+      ++result.iterations;
+      residual = std::sqrt(subtract(static_cast<float>(step), team)) / scale;
+      if (!(residual > next_check)) {  // or no number
+        flush(p, alpha, team);
+        alpha = 0;
+        renew();
+      }
+    }
+    if (along && alpha != 0) {
+      flush(p, alpha, team);
+      residual = true_residual(p, scale, team);
+    }
+    result.residual = residual / norm;
+    result.converged = residual <= target;
+    if (result.converged)
+      result.reason.clear();
+    else if (!std::isfinite(residual))
+      stopped("the solution to start from holds a value that is infinite or no number, or the "
+              "numbers left the range of double");
+  }
+
+  /// r of the finest level = scale (b - A p); returns |b - A p|.
+  double true_residual(const Field& p, double scale, const Team& team) {
+    fluid_detail::Level& level = multigrid_.finest();
+    return std::sqrt(sum_planes(team, [&](int k) {
+      double sum = 0;
+      for (int j = 0; j < grid_.ny(); ++j) {
+        const int low_j = level.before(1, j), high_j = level.after(1, j);
+        const int low_k = level.before(2, k), high_k = level.after(2, k);
+        const auto open = [&](int c, int i) {
+          return grid_.cells()[static_cast<std::size_t>(c)] > 1 &&
+                 (i > 0 || level.wraps[static_cast<std::size_t>(c)]);
+        };
+        const auto face = [&](int c, int i, int row_j, int row_k) {
+          return open(c, i) ? a_[static_cast<std::size_t>(c)]->row(row_j, row_k) : nullptr;
+        };
+        const fluid_detail::DoubleRows rows{
+            a_[0]->row(j, k),    {face(1, j, j, k), face(1, high_j, high_j, k),
+                                  face(2, k, j, k), face(2, high_k, j, high_k)},
+            d_->row(j, k),       p.row(j, k),
+            {p.row(low_j, k), p.row(high_j, k), p.row(j, low_k), p.row(j, high_k)}};
+        sum += fluid_detail::residual_row(grid_.nx(), level.wraps[0], rows, b_.row(j, k), scale,
+                                          level.r.data() + level.begin(j, k));
+      }
+      return sum;
+    }));
+  }
+
+  /// p += alpha direction, direction = z + beta direction, product = A direction; returns
+  /// direction . product.
+  double advance(Field& p, double beta, double alpha, const Team& team) {
+    fluid_detail::Level& level = multigrid_.finest();
+    const int n = grid_.nx();
+    const float* search = direction_.data();
+    sweep_planes(team, {grid_.nz(), 2, level.wraps[2]}, [&](int stage, int k) {
+      double sum = 0;
+      for (int j = 0; j < grid_.ny(); ++j) {
+        const std::size_t at = level.begin(j, k);
+        if (stage == 0) {
+          float* row = direction_.data() + at;
+          if (alpha != 0) fluid_detail::add_scaled_row(n, alpha, row, p.row(j, k));
+          fluid_detail::direction_row(n, static_cast<float>(beta), level.x.data() + at, row);
+          level.wrap_row(row);
+        } else {
+          sum += fluid_detail::apply_row(n, level.faces(j, k), level.neighbours(search, j, k),
+                                         product_.data() + at);
+        }
+      }
+      if (stage == 1) planes_[static_cast<std::size_t>(k)].sum = sum;
+    });
+    return added_planes();
+  }
+  /// r -= step product; returns r . r.
+  double subtract(float step, const Team& team) {
+    fluid_detail::Level& level = multigrid_.finest();
+    return sum_planes(team, [&](int k) {
+      double sum = 0;
+      for (int j = 0; j < grid_.ny(); ++j) {
+        const std::size_t at = level.begin(j, k);
+        sum += fluid_detail::subtract_row(grid_.nx(), step, product_.data() + at,
+                                          level.r.data() + at);
+      }
+      return sum;
+    });
+  }
+  /// p += alpha direction.
+  void flush(Field& p, double alpha, const Team& team) {
+    const fluid_detail::Level& level = multigrid_.finest();
+    team.for_parts(planes_.size(), [&](std::size_t plane) {
+      const int k = static_cast<int>(plane);
+      for (int j = 0; j < grid_.ny(); ++j)
+        fluid_detail::add_scaled_row(grid_.nx(), alpha, direction_.data() + level.begin(j, k),
+                                     p.row(j, k));
+    });
+  }
+
+  Grid grid_;
+  fluid_detail::Multigrid multigrid_;
+  fluid_detail::Components components_;
+  fluid_detail::Openings openings_;
+  std::array<const Field*, 3> a_{};
+  const Field* d_ = nullptr;
+  Field b_;
+  AlignedVector<float> direction_, product_;  // of conjugate gradients
+  std::vector<Plane> planes_;
+  std::vector<double> set_sums_;
+  double scale_ = 1, removed_ = 0;  // of the coefficients in float; of the right side
+  bool is_set_ = false;
+};
+
+}  // namespace silt
