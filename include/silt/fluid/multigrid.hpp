@@ -216,7 +216,7 @@ class Multigrid {
 
   /// x of the finest level from its r; returns x . r.
   double cycle(const Team& team) {
-    plane_dots_.resize(static_cast<std::size_t>(finest().n[2]));
+    plane_dots_.assign(static_cast<std::size_t>(finest().n[2]), 0.0);
     cycle(0, team);
     double sum = 0;
     for (const double part : plane_dots_) sum += part;
@@ -234,43 +234,47 @@ class Multigrid {
     Level& level = levels_[l];
     const Team& team = team_for(l, given);
     const bool last = l + 1 == levels_.size();
-    const int n2 = level.n[2];
+    const int n1 = level.n[1], n2 = level.n[2];
     const bool fused = !last && team.threads() == 1 && !level.wraps[2];
-    sweep_planes(team, {n2, 2 * sweeps + fused, level.wraps[2]}, [&](int s, int k) {
+    PlaneSweeps order{n2, n1, 2 * sweeps + fused, 6 * sizeof(float) * level.stride,
+                      level.wraps[2], level.wraps[1]};
+    sweep_planes(team, order, [&](int s, int k, int from, int to) {
       if (s < 2 * sweeps)
-        relax_plane(level, s, k, s % 2, false);
+        relax_rows(level, s, k, from, to, false);
       else if (!level.halved[2] || k % 2 == 1 || k + 1 == n2)
-        restrict_plane(level, levels_[l + 1], level.halved[2] ? k / 2 : k);
+        for (int j = from; j < to; ++j)
+          if (!level.halved[1] || j % 2 == 1 || j + 1 == n1)
+            restrict_row(level, levels_[l + 1], level.halved[1] ? j / 2 : j,
+                         level.halved[2] ? k / 2 : k);
     });
     if (!last) {
       Level& coarse = levels_[l + 1];
       if (!fused)
         team.for_parts(static_cast<std::size_t>(coarse.n[2]), [&](std::size_t k) {
-          restrict_plane(level, coarse, static_cast<int>(k));
+          for (int j = 0; j < coarse.n[1]; ++j) restrict_row(level, coarse, j, static_cast<int>(k));
         });
       cycle(l + 1, given);
     }
-    sweep_planes(team, {n2, 2 * sweeps + 1, level.wraps[2], true}, [&](int s, int k) {
+    order.stages = 2 * sweeps + 1;
+    order.backward = true;
+    sweep_planes(team, order, [&](int s, int k, int from, int to) {
       if (s == 0) {
-        if (!last) correct_plane(levels_[l + 1], level, k);
+        if (!last) correct_rows(levels_[l + 1], level, k, from, to);
         return;
       }
-      relax_plane(level, s, k, s % 2, true);
-      if (l == 0 && s == 2 * sweeps) {
-        double dot = 0;
-        for (int j = 0; j < level.n[1]; ++j)
-          dot += dot_row(level.n[0], level.x.data() + level.begin(j, k),
-                         level.r.data() + level.begin(j, k));
-        plane_dots_[static_cast<std::size_t>(k)] = dot;
-      }
+      relax_rows(level, s, k, from, to, true);
+      if (l == 0 && s == 2 * sweeps)
+        for (int j = from; j < to; ++j)
+          plane_dots_[static_cast<std::size_t>(k)] += dot_row(
+              level.n[0], level.x.data() + level.begin(j, k), level.r.data() + level.begin(j, k));
     });
   }
 
-  /// Relaxes the cells of one colour (i + j + k even: 0) of plane k.
-  static void relax_plane(Level& level, int stage, int k, int colour, bool after) {
-    for (int row = 0; row < level.n[1]; ++row) {
-      const int j = after ? level.n[1] - 1 - row : row;
-      const int odd = (j + k + colour) & 1;
+  /// Relaxes the cells of the stage's colour (even stages: i + j + k even) of rows of plane k.
+  static void relax_rows(Level& level, int stage, int k, int from, int to, bool after) {
+    for (int row = from; row < to; ++row) {
+      const int j = after ? from + to - 1 - row : row;
+      const int odd = (j + k + stage) & 1;
       const std::size_t at = level.begin(j, k);
       float* x = level.x.data() + at;
       if (stage == 0 && !after)
@@ -284,40 +288,38 @@ class Multigrid {
 
   static constexpr int chunk = 256;
 
-  /// r of plane k of the coarser level: the sum of the finer residuals.
-  static void restrict_plane(const Level& fine, Level& coarse, int k) {
+  /// r of row (j, k) of the coarser level: the sum of the finer residuals.
+  static void restrict_row(const Level& fine, Level& coarse, int j, int k) {
     alignas(64) float sum[chunk];
     const int by_x = fine.halved[0] ? 2 : 1, by_y = fine.halved[1] ? 2 : 1,
               by_z = fine.halved[2] ? 2 : 1;
-    for (int j = 0; j < coarse.n[1]; ++j) {
-      float* r = coarse.r.data() + coarse.begin(j, k);
-      for (int from = 0; from < fine.n[0]; from += chunk) {
-        const int count = std::min(chunk, fine.n[0] - from);
-        const int packs = (count + lanes - 1) / lanes * lanes;
-        std::fill(sum, sum + packs, 0.0f);
-        for (int fk = by_z * k; fk < std::min(fine.n[2], by_z * (k + 1)); ++fk)
-          for (int fj = by_y * j; fj < std::min(fine.n[1], by_y * (j + 1)); ++fj)
-            add_residual(from, packs, fine.faces(fj, fk), fine.r.data() + fine.begin(fj, fk),
-                         fine.neighbours(fine.x.data(), fj, fk), sum);
-        if (by_x == 1) {
-          std::copy(sum, sum + count, r + from);
-        } else {
-          for (int i = 0; i < count / 2; ++i) r[from / 2 + i] = sum[2 * i] + sum[2 * i + 1];
-          if (count % 2 == 1) r[(from + count) / 2] = sum[count - 1];
-        }
+    float* r = coarse.r.data() + coarse.begin(j, k);
+    for (int from = 0; from < fine.n[0]; from += chunk) {
+      const int count = std::min(chunk, fine.n[0] - from);
+      const int packs = (count + lanes - 1) / lanes * lanes;
+      std::fill(sum, sum + packs, 0.0f);
+      for (int fk = by_z * k; fk < std::min(fine.n[2], by_z * (k + 1)); ++fk)
+        for (int fj = by_y * j; fj < std::min(fine.n[1], by_y * (j + 1)); ++fj)
+          add_residual(from, packs, fine.faces(fj, fk), fine.r.data() + fine.begin(fj, fk),
+                       fine.neighbours(fine.x.data(), fj, fk), sum);
+      if (by_x == 1) {
+        std::copy(sum, sum + count, r + from);
+      } else {
+        for (int i = 0; i < count / 2; ++i) r[from / 2 + i] = sum[2 * i] + sum[2 * i + 1];
+        if (count % 2 == 1) r[(from + count) / 2] = sum[count - 1];
       }
     }
   }
 
-  /// Adds the coarser level's x to plane k.
-  static void correct_plane(const Level& coarse, Level& fine, int k) {
+  /// Adds the coarser level's x to rows of plane k.
+  static void correct_rows(const Level& coarse, Level& fine, int k, int first, int end) {
     alignas(64) float twice[chunk];
     const int coarse_k = fine.halved[2] ? k / 2 : k;
     for (int from = 0; from < fine.n[0]; from += chunk) {
       const int count = std::min(chunk, fine.n[0] - from);
       const int packs = (count + lanes - 1) / lanes * lanes;
       int held = -1;
-      for (int j = 0; j < fine.n[1]; ++j) {
+      for (int j = first; j < end; ++j) {
         const int coarse_j = fine.halved[1] ? j / 2 : j;
         if (coarse_j != held) {
           const float* e = coarse.x.data() + coarse.begin(coarse_j, coarse_k);

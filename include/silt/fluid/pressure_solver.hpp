@@ -399,9 +399,11 @@ class PressureSolver {
     fluid_detail::Level& level = multigrid_.finest();
     const int n = grid_.nx();
     const float* search = direction_.data();
-    sweep_planes(team, {grid_.nz(), 2, level.wraps[2]}, [&](int stage, int k) {
-      double sum = 0;
-      for (int j = 0; j < grid_.ny(); ++j) {
+    for (Plane& plane : planes_) plane.sum = 0;
+    const PlaneSweeps order{grid_.nz(),     grid_.ny(),     2, 8 * sizeof(float) * level.stride,
+                            level.wraps[2], level.wraps[1]};
+    sweep_planes(team, order, [&](int stage, int k, int from, int to) {
+      for (int j = from; j < to; ++j) {
         const std::size_t at = level.begin(j, k);
         if (stage == 0) {
           float* row = direction_.data() + at;
@@ -409,11 +411,10 @@ class PressureSolver {
           fluid_detail::direction_row(n, static_cast<float>(beta), level.x.data() + at, row);
           level.wrap_row(row);
         } else {
-          sum += fluid_detail::apply_row(n, level.faces(j, k), level.neighbours(search, j, k),
-                                         product_.data() + at);
+          planes_[static_cast<std::size_t>(k)].sum += fluid_detail::apply_row(
+              n, level.faces(j, k), level.neighbours(search, j, k), product_.data() + at);
         }
       }
-      if (stage == 1) planes_[static_cast<std::size_t>(k)].sum = sum;
     });
     return added_planes();
   }
