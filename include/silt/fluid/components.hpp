@@ -30,9 +30,9 @@ struct Components {
     of_cell.assign(cells, unseen);
     sizes.clear();
     any_blocked = false;
-    const std::array<std::size_t, 3> step{1, static_cast<std::size_t>(n[0]),
-                                          static_cast<std::size_t>(n[0]) *
-                                              static_cast<std::size_t>(n[1])};
+    const std::array<std::size_t, 3> step{
+        1, static_cast<std::size_t>(n[0]),
+        static_cast<std::size_t>(n[0]) * static_cast<std::size_t>(n[1])};
     std::vector<std::size_t> members;
     for (std::size_t seed = 0; seed < cells; ++seed) {
       if (of_cell[seed] != unseen) continue;

@@ -54,8 +54,8 @@ inline void convert_row(int n, bool first_closed, double scale, const double* __
   for (int lane = 0; lane < wide; ++lane) {
     sum += sums[lane] * scale;
     largest = std::max(largest, high[lane]);
-    valid = valid && number[lane] && low[lane] >= 0 &&
-            high[lane] <= std::numeric_limits<double>::max();
+    valid =
+        valid && number[lane] && low[lane] >= 0 && high[lane] <= std::numeric_limits<double>::max();
   }
 }
 

@@ -27,8 +27,8 @@ namespace silt::inline SILT_TARGET {
 /// Tests:  tests/fluid/grid.cpp.
 class Grid {
  public:
-  static constexpr int ghost = 2;                 // layers of cells beyond each side [-]
-  static constexpr std::size_t vector = 8;        // doubles in 64 bytes [-]
+  static constexpr int ghost = 2;                  // layers of cells beyond each side [-]
+  static constexpr std::size_t vector = 8;         // doubles in 64 bytes [-]
   static constexpr int most_cells_across = 65536;  // in one direction [-]
 
   Grid(const Box& box, const std::array<int, 3>& cells, const std::array<bool, 3>& periodic = {})

@@ -129,15 +129,13 @@ inline double apply_row(int n, const FaceRows& a, const NeighbourRows<const floa
 inline void add_residual(int from, int count, const FaceRows& a, const float* r,
                          const NeighbourRows<const float>& x, float* sum) {
   for (int i = 0; i < count; i += lanes)
-    store(sum + i,
-          load<Pack>(sum + i) + (load<Pack>(r + from + i) - apply_pack(from + i, a, x)));
+    store(sum + i, load<Pack>(sum + i) + (load<Pack>(r + from + i) - apply_pack(from + i, a, x)));
 }
 
 /// u . v of n values; beyond them one of both is 0.
 inline double dot_row(int n, const float* u, const float* v) {
   Pack sum(0.0f);
-  for (int i = 0; i < n; i += lanes)
-    sum = multiply_add(load<Pack>(u + i), load<Pack>(v + i), sum);
+  for (int i = 0; i < n; i += lanes) sum = multiply_add(load<Pack>(u + i), load<Pack>(v + i), sum);
   return sum_of(sum);
 }
 

@@ -19,9 +19,9 @@ namespace silt::inline SILT_TARGET::fluid_detail {
 ///
 /// Every direction wraps; where the grid does not, the faces of index 0 are closed (a = 0).
 struct Level {
-  std::array<int, 3> n{};             // cells [-]
-  std::array<bool, 3> wraps{};        // the last cell is coupled with the first
-  std::array<bool, 3> halved{};       // directions in which the next level has half the cells
+  std::array<int, 3> n{};                   // cells [-]
+  std::array<bool, 3> wraps{};              // the last cell is coupled with the first
+  std::array<bool, 3> halved{};             // directions in which the next level has half the cells
   std::array<std::vector<float>, 3> width;  // of the cells, in those of the finest [-]
   std::array<AlignedVector<float>, 3> a;    // coefficients of the lower faces
   AlignedVector<float> d, inverse, x, r;    // diagonal, 1 / (sum a + d) or 0, unknown, right side
@@ -50,7 +50,8 @@ struct Level {
     return stride * static_cast<std::size_t>(n[1]) * static_cast<std::size_t>(n[2]) + 2 * room;
   }
   std::size_t row_number(int j, int k) const {
-    return static_cast<std::size_t>(j) + static_cast<std::size_t>(n[1]) * static_cast<std::size_t>(k);
+    return static_cast<std::size_t>(j) +
+           static_cast<std::size_t>(n[1]) * static_cast<std::size_t>(k);
   }
   std::size_t begin(int j, int k) const { return room + stride * row_number(j, k); }
   int after(int c, int i) const { return i + 1 == n[static_cast<std::size_t>(c)] ? 0 : i + 1; }
@@ -89,8 +90,8 @@ struct Level {
       float* out = inverse.data() + begin(j, k);
       bool any = false;
       for (int i = 0; i < n[0]; ++i) {
-        const float sum = (f.x[i] + f.x[i + 1]) + (f.y_low[i] + f.y_up[i]) +
-                          (f.z_low[i] + f.z_up[i]) + own[i];
+        const float sum =
+            (f.x[i] + f.x[i + 1]) + (f.y_low[i] + f.y_up[i]) + (f.z_low[i] + f.z_up[i]) + own[i];
         any |= own[i] > 0;
         out[i] = sum > 0 ? 1 / sum : 0.0f;
       }
@@ -201,7 +202,8 @@ class Multigrid {
     for (std::size_t l = 0;; ++l) {
       const auto halved = directions_to_halve(levels_[l]);
       const bool last = !halved[0] && !halved[1] && !halved[2];
-      if (last || levels_[l].halved != halved) levels_.erase(levels_.begin() + static_cast<std::ptrdiff_t>(l) + 1, levels_.end());
+      if (last || levels_[l].halved != halved)
+        levels_.erase(levels_.begin() + static_cast<std::ptrdiff_t>(l) + 1, levels_.end());
       levels_[l].halved = halved;
       if (last) break;
       if (l + 1 == levels_.size()) {
@@ -236,10 +238,19 @@ class Multigrid {
     const bool last = l + 1 == levels_.size();
     const int n1 = level.n[1], n2 = level.n[2];
     const bool fused = !last && team.threads() == 1 && !level.wraps[2];
-    PlaneSweeps order{n2, n1, 2 * sweeps + fused, 6 * sizeof(float) * level.stride,
-                      level.wraps[2], level.wraps[1]};
+    PlaneSweeps order{n2,
+                      n1,
+                      2 * sweeps + fused,
+                      6 * sizeof(float) * level.stride,
+                      level.wraps[2],
+                      level.wraps[1]};
+    // Where cells of one colour are coupled across a seam the first sweep is not r / diagonal.
+    const bool seam = (level.wraps[1] && n1 % 2 == 1) || (level.wraps[2] && n2 % 2 == 1);
+    if (seam) std::fill(level.x.begin(), level.x.end(), 0.0f);
     sweep_planes(team, order, [&](int s, int k, int from, int to) {
-      if (s < 2 * sweeps)
+      if (s == 0 && !seam)
+        relax_rows_from_zero(level, k, from, to);
+      else if (s < 2 * sweeps)
         relax_rows(level, s, k, from, to, false);
       else if (!level.halved[2] || k % 2 == 1 || k + 1 == n2)
         for (int j = from; j < to; ++j)
@@ -276,12 +287,17 @@ class Multigrid {
       const int j = after ? from + to - 1 - row : row;
       const int odd = (j + k + stage) & 1;
       const std::size_t at = level.begin(j, k);
+      relax_row(level.n[0], odd, level.faces(j, k), level.inverse.data() + at, level.r.data() + at,
+                level.neighbours(level.x.data(), j, k));
+      level.wrap_row(level.x.data() + at);
+    }
+  }
+  static void relax_rows_from_zero(Level& level, int k, int from, int to) {
+    for (int j = from; j < to; ++j) {
+      const std::size_t at = level.begin(j, k);
       float* x = level.x.data() + at;
-      if (stage == 0 && !after)
-        relax_row_from_zero(level.n[0], odd, level.inverse.data() + at, level.r.data() + at, x);
-      else
-        relax_row(level.n[0], odd, level.faces(j, k), level.inverse.data() + at,
-                  level.r.data() + at, level.neighbours(level.x.data(), j, k));
+      relax_row_from_zero(level.n[0], (j + k) & 1, level.inverse.data() + at, level.r.data() + at,
+                          x);
       level.wrap_row(x);
     }
   }

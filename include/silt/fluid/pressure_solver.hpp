@@ -101,10 +101,11 @@ class PressureSolver {
     require_grid(b, "right side");
     require_grid(p, "solution");
     require(&b != &p, "PressureSolver: right side and solution are the same field; give two");
-    require(until.relative > 0 && until.relative < 1, "PressureTolerance.relative = ",
-            until.relative, " [-] must be in (0, 1)");
-    require(until.most_iterations >= 0, "PressureTolerance.most_iterations = ",
-            until.most_iterations, " [-] must not be negative");
+    require(until.relative > 0 && until.relative < 1,
+            "PressureTolerance.relative = ", until.relative, " [-] must be in (0, 1)");
+    require(until.most_iterations >= 0,
+            "PressureTolerance.most_iterations = ", until.most_iterations,
+            " [-] must not be negative");
     PressureSolution result;
     const double whole = take_right_side(b, team);
     const double norm = std::sqrt(sum_planes(team, [&](int k) { return b_squares(k); }));
@@ -128,13 +129,14 @@ class PressureSolver {
     return result;
   }
 
-  /// z = M r: the preconditioner alone, on the cells, for tests.
+  /// z = M r: the preconditioner alone, for tests. r of blocked cells counts as 0.
   void precondition(const Field& r, Field& z, const Team& team) {
     fluid_detail::Level& level = multigrid_.finest();
     for (int k = 0; k < grid_.nz(); ++k)
       for (int j = 0; j < grid_.ny(); ++j)
         for (int i = 0; i < grid_.nx(); ++i)
-          level.r[level.begin(j, k) + static_cast<std::size_t>(i)] = static_cast<float>(r(i, j, k));
+          if (const std::size_t at = level.begin(j, k) + static_cast<std::size_t>(i); true)
+            level.r[at] = level.inverse[at] > 0 ? static_cast<float>(r(i, j, k)) : 0.0f;
     multigrid_.cycle(team);
     for (int k = 0; k < grid_.nz(); ++k)
       for (int j = 0; j < grid_.ny(); ++j)
@@ -165,9 +167,8 @@ class PressureSolver {
   /// Calls of_plane(k) for every plane; the sum of what it returns, always added in one order.
   template <class OfPlane>
   double sum_planes(const Team& team, const OfPlane& of_plane) {
-    team.for_parts(planes_.size(), [&](std::size_t k) {
-      planes_[k].sum = of_plane(static_cast<int>(k));
-    });
+    team.for_parts(planes_.size(),
+                   [&](std::size_t k) { planes_[k].sum = of_plane(static_cast<int>(k)); });
     return added_planes();
   }
   double added_planes() const {
@@ -212,9 +213,9 @@ class PressureSolver {
       double unused = 0;
       fluid_detail::convert_row(n, false, scale_, d_->row(j, k), level.d.data() + at, unused,
                                 plane.largest, plane.valid);
-      plane.changed |= fluid_detail::mark_openings(
-          n, level.a[0].data() + at, level.a[1].data() + at, level.a[2].data() + at,
-          level.d.data() + at, openings_.data() + cell);
+      plane.changed |= fluid_detail::mark_openings(n, level.a[0].data() + at,
+                                                   level.a[1].data() + at, level.a[2].data() + at,
+                                                   level.d.data() + at, openings_.data() + cell);
     }
     level.plane_sums[static_cast<std::size_t>(k)] = sums;
   }
@@ -276,7 +277,8 @@ class PressureSolver {
       team.for_parts(planes_.size(), [&](std::size_t k) {
         for (int j = 0; j < grid_.ny(); ++j) {
           double* values = v.row(j, static_cast<int>(k));
-          const std::int32_t* set = components_.of_cell.data() + cell_of_row(j, static_cast<int>(k));
+          const std::int32_t* set =
+              components_.of_cell.data() + cell_of_row(j, static_cast<int>(k));
           for (int i = 0; i < grid_.nx(); ++i) what(k * sets, set[i], values[i]);
         }
       });
@@ -312,19 +314,20 @@ class PressureSolver {
     constexpr double drop = 1e-4;  // of the residual between two that are computed in double
     const double cells = std::sqrt(static_cast<double>(grid_.size()));
     const double target = until.relative * norm;
-    double scale = cells / norm, residual = true_residual(p, 1, team);
+    double scale = cells / norm, residual = 0;
     const auto stopped = [&](const char* why) { result.reason = why; };
     double next_check = 0, rz = 0, alpha = 0;
     bool along = false;  // direction_ holds a direction
     const auto renew = [&] {
-      if (std::isfinite(residual) && !(residual * scale < 1e6 * cells && residual * scale > 1e-6 * cells)) {
-        scale = cells / residual;
-        along = false;
-      }
       residual = true_residual(p, scale, team);
+      if (std::isnormal(residual) && std::abs(std::log10(residual * scale / cells)) > 6) {
+        scale = cells / residual;  // floats would leave their range: begin anew
+        along = false;
+        residual = true_residual(p, scale, team);
+      }
       next_check = std::max(target, drop * residual);
     };
-    if (residual > target) renew();
+    renew();
     while (residual > target) {
       if (result.iterations == until.most_iterations) {
         stopped("the residual is not small enough after most_iterations");
@@ -362,8 +365,9 @@ class PressureSolver {
     if (result.converged)
       result.reason.clear();
     else if (!std::isfinite(residual))
-      stopped("the solution to start from holds a value that is infinite or no number, or the "
-              "numbers left the range of double");
+      stopped(
+          "the solution to start from holds a value that is infinite or no number, or the "
+          "numbers left the range of double");
   }
 
   /// r of the finest level = scale (b - A p); returns |b - A p|.
@@ -382,9 +386,11 @@ class PressureSolver {
           return open(c, i) ? a_[static_cast<std::size_t>(c)]->row(row_j, row_k) : nullptr;
         };
         const fluid_detail::DoubleRows rows{
-            a_[0]->row(j, k),    {face(1, j, j, k), face(1, high_j, high_j, k),
-                                  face(2, k, j, k), face(2, high_k, j, high_k)},
-            d_->row(j, k),       p.row(j, k),
+            a_[0]->row(j, k),
+            {face(1, j, j, k), face(1, high_j, high_j, k), face(2, k, j, k),
+             face(2, high_k, j, high_k)},
+            d_->row(j, k),
+            p.row(j, k),
             {p.row(low_j, k), p.row(high_j, k), p.row(j, low_k), p.row(j, high_k)}};
         sum += fluid_detail::residual_row(grid_.nx(), level.wraps[0], rows, b_.row(j, k), scale,
                                           level.r.data() + level.begin(j, k));
@@ -400,7 +406,7 @@ class PressureSolver {
     const int n = grid_.nx();
     const float* search = direction_.data();
     for (Plane& plane : planes_) plane.sum = 0;
-    const PlaneSweeps order{grid_.nz(),     grid_.ny(),     2, 8 * sizeof(float) * level.stride,
+    const PlaneSweeps order{grid_.nz(),     grid_.ny(),    2, 8 * sizeof(float) * level.stride,
                             level.wraps[2], level.wraps[1]};
     sweep_planes(team, order, [&](int stage, int k, int from, int to) {
       for (int j = from; j < to; ++j) {
@@ -425,8 +431,8 @@ class PressureSolver {
       double sum = 0;
       for (int j = 0; j < grid_.ny(); ++j) {
         const std::size_t at = level.begin(j, k);
-        sum += fluid_detail::subtract_row(grid_.nx(), step, product_.data() + at,
-                                          level.r.data() + at);
+        sum +=
+            fluid_detail::subtract_row(grid_.nx(), step, product_.data() + at, level.r.data() + at);
       }
       return sum;
     });
