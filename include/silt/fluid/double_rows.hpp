@@ -59,10 +59,10 @@ inline void convert_row(int n, bool first_closed, double scale, const double* __
   }
 }
 
-/// Marks what is open at the cells of a row; returns whether any mark changed.
-inline bool mark_openings(int n, const float* __restrict ax, const float* __restrict ay,
-                          const float* __restrict az, const float* __restrict d,
-                          std::uint8_t* __restrict open) {
+/// Marks what is open at the n cells of a row, whose ax, ay, az and d follow each other in `rows`;
+/// returns whether any mark changed.
+inline bool mark_openings(int n, const float* __restrict rows, std::uint8_t* __restrict open) {
+  const float *ax = rows, *ay = ax + n, *az = ay + n, *d = az + n;
   std::uint8_t changed = 0;
   for (int i = 0; i < n; ++i) {
     const auto marks = static_cast<std::uint8_t>((ax[i] > 0 ? 1 : 0) | (ay[i] > 0 ? 2 : 0) |
@@ -82,10 +82,11 @@ struct DoubleRows {
   std::array<const double*, 4> beside;
 };
 
-/// r = scale (b - A p); returns |b - A p|^2 of the row. Faces of x at its ends are closed, or the
+/// r = scale (b - A p); returns |b - A p|^2 of the row. r is in halves (see
+/// level_rows.hpp). Faces of x at its ends are closed, or the
 /// first is the last if `wraps`; no ghost is read for them.
 inline double residual_row(int n, bool wraps, const DoubleRows& of, const double* b, double scale,
-                           float* r) {
+                           float* r, std::ptrdiff_t half) {
   constexpr int chunk = 256;
   alignas(64) static constexpr std::array<double, chunk> zeros{};
   alignas(64) double left[chunk];
@@ -121,7 +122,11 @@ inline double residual_row(int n, bool wraps, const DoubleRows& of, const double
     if (from == 0) left[0] = at_end(0);
     if (from + count == n) left[count - 1] = at_end(n - 1);
     total += dot_row(count, left, left);
-    for (int i = 0; i < count; ++i) r[from + i] = static_cast<float>(scale * left[i]);
+    for (int m = 0; m < count / 2; ++m) {
+      r[from / 2 + m] = static_cast<float>(scale * left[2 * m]);
+      r[from / 2 + half + m] = static_cast<float>(scale * left[2 * m + 1]);
+    }
+    if (count % 2 == 1) r[(from + count) / 2] = static_cast<float>(scale * left[count - 1]);
   }
   return total;
 }

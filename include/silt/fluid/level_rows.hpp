@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 
 #include <silt/core/lanes.hpp>
@@ -10,8 +9,10 @@
 
 /// Operations on single rows of a level of the multigrid: floats, whole packs of lanes.
 ///
-/// Rows begin on a boundary of 64 bytes; up to a multiple of 16 beyond the last cell there are
-/// values that may be read and written. There the inverse diagonal is 0, so that unknowns stay 0.
+/// A row holds its cells of even i, then, `half` values on, those of odd i: cells of one colour of
+/// a row then follow each other, and of a pack no lane is idle. Both halves begin on a boundary of
+/// 64 bytes and have room for whole multiples of 16. What stands between and behind the cells may
+/// be read and written; there the inverse diagonal is 0, so that unknowns stay 0.
 namespace silt::inline SILT_TARGET::fluid_detail {
 
 using Pack = Lanes<DefaultArch, float>::Real;
@@ -40,62 +41,64 @@ SILT_INLINE ScalarOf<Real> sum_of(const Real& a) {
   }
 }
 
+/// How many cells of a row of n have even i (half 0) or odd i (half 1).
+constexpr int cells_of_half(int n, int h) { return (n + 1 - h) / 2; }
+
 /// Row (j, k) of the operator: coefficients of the six faces of its cells. `y_up` is y_low of row
 /// (j+1, k), z_up z_low of (j, k+1); the upper face of x is that of the next cell.
 struct FaceRows {
   const float *x, *y_low, *y_up, *z_low, *z_up;
   const float* diagonal;  // d of the row, or null where it is zero
 };
-/// Row (j, k) of an unknown, whose x[-1] and x[n] are set, and its four neighbours.
+/// Row (j, k) of an unknown, whose values of i = -1 and n are set, and its four neighbours.
 template <class Float>
 struct NeighbourRows {
   Float* at;
   const float *y_low, *y_up, *z_low, *z_up;
 };
 
-/// 1, 0, 1, 0 ... : a pack loaded here, or one place on, chooses one colour of a row.
-inline const float* colour_row(int odd) {
-  alignas(64) static constexpr auto row = [] {
-    std::array<float, 32> values{};
-    for (std::size_t i = 0; i < values.size(); i += 2) values[i] = 1;
-    return values;
-  }();
-  return row.data() + odd;
-}
+/// Where the lower and the upper neighbours in x of the cells of a half stand, and the coefficients
+/// of their upper faces: those of even i lie between odd ones, and the reverse.
+struct Sides {
+  std::ptrdiff_t own, lower, upper;
+  Sides(int h, std::ptrdiff_t half)
+      : own(h == 0 ? 0 : half), lower(h == 0 ? half - 1 : 0), upper(h == 0 ? half : 1) {}
+};
 
-/// Gauss-Seidel for the cells of one colour (i + odd even): x = (r + sum a x_neighbour) / diagonal.
-inline void relax_row(int n, int odd, const FaceRows& a, const float* inverse, const float* r,
-                      const NeighbourRows<float>& x) {
-  const auto chosen = load_any<Pack>(colour_row(odd)) > Pack(0.5f);
-  Pack left = load_any<Pack>(x.at - 1);
-  for (int i = 0; i < n; i += lanes) {
-    const Pack own = load<Pack>(x.at + i);
-    const Pack right = load_any<Pack>(x.at + i + 1);
-    const Pack next_left = load_any<Pack>(x.at + i + lanes - 1);  // before own is stored
-    Pack s = multiply_add(load<Pack>(a.x + i), left, load<Pack>(r + i));
-    Pack t = load_any<Pack>(a.x + i + 1) * right;
+/// Gauss-Seidel for the cells of one half: x = (r + sum a x_neighbour) / diagonal.
+inline void relax_row(int n, int h, std::ptrdiff_t half, const FaceRows& a, const float* inverse,
+                      const float* r, const NeighbourRows<float>& x) {
+  const Sides side(h, half);
+  const int count = cells_of_half(n, h);
+  for (int m = 0; m < count; m += lanes) {
+    const std::ptrdiff_t i = side.own + m;
+    Pack s =
+        multiply_add(load<Pack>(a.x + i), load_any<Pack>(x.at + side.lower + m), load<Pack>(r + i));
+    Pack t = load_any<Pack>(a.x + side.upper + m) * load_any<Pack>(x.at + side.upper + m);
     s = multiply_add(load<Pack>(a.y_low + i), load<Pack>(x.y_low + i), s);
     t = multiply_add(load<Pack>(a.y_up + i), load<Pack>(x.y_up + i), t);
     s = multiply_add(load<Pack>(a.z_low + i), load<Pack>(x.z_low + i), s);
     t = multiply_add(load<Pack>(a.z_up + i), load<Pack>(x.z_up + i), t);
-    store(x.at + i, select(chosen, (s + t) * load<Pack>(inverse + i), own));
-    left = next_left;
+    store(x.at + i, (s + t) * load<Pack>(inverse + i));
   }
 }
 
-/// The first of the sweeps, where the unknown is zero: x = r / diagonal for the cells of one
-/// colour, 0 for the others.
-inline void relax_row_from_zero(int n, int odd, const float* inverse, const float* r, float* x) {
-  const auto chosen = load_any<Pack>(colour_row(odd)) > Pack(0.5f);
-  for (int i = 0; i < n; i += lanes)
-    store(x + i, select(chosen, load<Pack>(r + i) * load<Pack>(inverse + i), Pack(0.0f)));
+/// The first of the sweeps, where the unknown is zero: x = r / diagonal for the cells of one half.
+inline void relax_row_from_zero(int n, int h, std::ptrdiff_t half, const float* inverse,
+                                const float* r, float* x) {
+  const std::ptrdiff_t own = h == 0 ? 0 : half;
+  for (int m = 0; m < cells_of_half(n, h); m += lanes)
+    store(x + own + m, load<Pack>(r + own + m) * load<Pack>(inverse + own + m));
 }
 
-/// (A x)_i, by differences: what is lost to rounding is then small against a |x - x_neighbour|.
-SILT_INLINE Pack apply_pack(int i, const FaceRows& a, const NeighbourRows<const float>& x) {
+/// A x of a pack of cells from the m-th of a half on, by differences: what is lost to rounding is
+/// then small against a |x - x_neighbour|.
+SILT_INLINE Pack apply_pack(int m, const Sides& side, const FaceRows& a,
+                            const NeighbourRows<const float>& x) {
+  const std::ptrdiff_t i = side.own + m;
   const Pack own = load<Pack>(x.at + i);
-  Pack s = load<Pack>(a.x + i) * (own - load_any<Pack>(x.at + i - 1));
-  Pack t = load_any<Pack>(a.x + i + 1) * (own - load_any<Pack>(x.at + i + 1));
+  Pack s = load<Pack>(a.x + i) * (own - load_any<Pack>(x.at + side.lower + m));
+  Pack t = load_any<Pack>(a.x + side.upper + m) * (own - load_any<Pack>(x.at + side.upper + m));
   s = multiply_add(load<Pack>(a.y_low + i), own - load<Pack>(x.y_low + i), s);
   t = multiply_add(load<Pack>(a.y_up + i), own - load<Pack>(x.y_up + i), t);
   s = multiply_add(load<Pack>(a.z_low + i), own - load<Pack>(x.z_low + i), s);
@@ -104,64 +107,88 @@ SILT_INLINE Pack apply_pack(int i, const FaceRows& a, const NeighbourRows<const 
   return s + t;
 }
 
-/// q = A p; returns p . q. Beyond the row p must be 0.
-inline double apply_row(int n, const FaceRows& a, const NeighbourRows<const float>& p, float* q) {
-  Pack sum(0.0f);
-  const int whole = n / lanes * lanes;
-  for (int i = 0; i < whole; i += lanes) {
-    const Pack product = apply_pack(i, a, p);
-    store(q + i, product);
-    sum = multiply_add(product, load<Pack>(p.at + i), sum);
-  }
-  double total = sum_of(sum);
-  if (whole < n) {
+/// q = A p; returns p . q. Nothing beyond the cells is written.
+inline double apply_row(int n, std::ptrdiff_t half, const FaceRows& a,
+                        const NeighbourRows<const float>& p, float* q) {
+  double total = 0;
+  for (const int h : {0, 1}) {
+    const Sides side(h, half);
+    const int count = cells_of_half(n, h), whole = count / lanes * lanes;
+    Pack sum(0.0f);
+    for (int m = 0; m < whole; m += lanes) {
+      const Pack product = apply_pack(m, side, a, p);
+      store(q + side.own + m, product);
+      sum = multiply_add(product, load<Pack>(p.at + side.own + m), sum);
+    }
+    total += static_cast<double>(sum_of(sum));
+    if (whole == count) continue;
     alignas(64) float last[lanes];
-    store(last, apply_pack(whole, a, p));
-    for (int i = whole; i < n; ++i) {
-      q[i] = last[i - whole];
-      total += q[i] * p.at[i];
+    store(last, apply_pack(whole, side, a, p));
+    for (int m = whole; m < count; ++m) {
+      q[side.own + m] = last[m - whole];
+      total += static_cast<double>(q[side.own + m] * p.at[side.own + m]);
     }
   }
   return total;
 }
 
-/// Adds r - A x of cells from ... from+count-1 (a multiple of the lanes) to `sum`.
-inline void add_residual(int from, int count, const FaceRows& a, const float* r,
+/// Adds r - A x of `count` cells of a half from the m-th on to `sum`; whole packs.
+inline void add_residual(int from, int count, const Sides& side, const FaceRows& a, const float* r,
                          const NeighbourRows<const float>& x, float* sum) {
-  for (int i = 0; i < count; i += lanes)
-    store(sum + i, load<Pack>(sum + i) + (load<Pack>(r + from + i) - apply_pack(from + i, a, x)));
+  for (int m = 0; m < count; m += lanes)
+    store(sum + m, load<Pack>(sum + m) +
+                       (load<Pack>(r + side.own + from + m) - apply_pack(from + m, side, a, x)));
 }
 
-/// u . v of n values; beyond them one of both is 0.
-inline double dot_row(int n, const float* u, const float* v) {
+/// u . v of rows of n values, halves and all between; there one of both is 0.
+inline double dot_row(std::size_t n, const float* u, const float* v) {
   Pack sum(0.0f);
-  for (int i = 0; i < n; i += lanes) sum = multiply_add(load<Pack>(u + i), load<Pack>(v + i), sum);
-  return sum_of(sum);
+  for (std::size_t i = 0; i < n; i += lanes)
+    sum = multiply_add(load<Pack>(u + i), load<Pack>(v + i), sum);
+  return static_cast<double>(sum_of(sum));
 }
 
 /// r -= alpha q; returns r . r.
-inline double subtract_row(int n, float alpha, const float* q, float* r) {
+inline double subtract_row(std::size_t n, float alpha, const float* q, float* r) {
   Pack sum(0.0f);
-  for (int i = 0; i < n; i += lanes) {
+  for (std::size_t i = 0; i < n; i += lanes) {
     const Pack v = multiply_add(Pack(-alpha), load<Pack>(q + i), load<Pack>(r + i));
     store(r + i, v);
     sum = multiply_add(v, v, sum);
   }
-  return sum_of(sum);
+  return static_cast<double>(sum_of(sum));
 }
 
 /// p = z + beta p.
-inline void direction_row(int n, float beta, const float* z, float* p) {
-  for (int i = 0; i < n; i += lanes)
+inline void direction_row(std::size_t n, float beta, const float* z, float* p) {
+  for (std::size_t i = 0; i < n; i += lanes)
     store(p + i, multiply_add(Pack(beta), load<Pack>(p + i), load<Pack>(z + i)));
 }
 
-/// x += alpha p in double, of n values and no more.
-inline void add_scaled_row(int n, double alpha, const float* __restrict p, double* __restrict x) {
-  int i = 0;
-  for (; i + 8 <= n; i += 8)
-    for (int lane = 0; lane < 8; ++lane) x[i + lane] += alpha * static_cast<double>(p[i + lane]);
-  for (; i < n; ++i) x[i] += alpha * static_cast<double>(p[i]);
+/// sum += alpha p in double.
+inline void add_scaled_row(std::size_t n, double alpha, const float* __restrict p,
+                           double* __restrict sum) {
+  for (std::size_t i = 0; i < n; i += 8)
+    for (std::size_t lane = 0; lane < 8; ++lane)
+      sum[i + lane] += alpha * static_cast<double>(p[i + lane]);
+}
+
+/// A row in the order of i from its halves, from cell 2 m on, and the reverse.
+inline void join_halves(int cells, const float* __restrict even, std::ptrdiff_t half,
+                        float* __restrict to) {
+  for (int m = 0; m < cells / 2; ++m) {
+    to[2 * m] = even[m];
+    to[2 * m + 1] = even[half + m];
+  }
+  if (cells % 2 == 1) to[cells - 1] = even[cells / 2];
+}
+inline void split_halves(int cells, const float* __restrict from, float* __restrict even,
+                         std::ptrdiff_t half) {
+  for (int m = 0; m < cells / 2; ++m) {
+    even[m] = from[2 * m];
+    even[half + m] = from[2 * m + 1];
+  }
+  if (cells % 2 == 1) even[cells / 2] = from[cells - 1];
 }
 
 }  // namespace silt::inline SILT_TARGET::fluid_detail

@@ -15,6 +15,26 @@
 
 namespace silt::inline SILT_TARGET::fluid_detail {
 
+/// Values of a level. Arrays begin at other places of a page each: a kernel reads a dozen at the
+/// same place, and at one place of all pages a first-level cache holds eight lines or so.
+template <class Scalar>
+class LevelArray {
+ public:
+  LevelArray() = default;
+  /// `number` of the array in the level.
+  LevelArray(std::size_t values, std::size_t number)
+      : skip_(number * 9 * 64 / sizeof(Scalar)), values_(values + skip_, Scalar(0)) {}
+  Scalar* data() { return values_.data() + skip_; }
+  const Scalar* data() const { return values_.data() + skip_; }
+  Scalar& operator[](std::size_t i) { return values_[skip_ + i]; }
+  Scalar operator[](std::size_t i) const { return values_[skip_ + i]; }
+  void clear() { std::fill(values_.begin(), values_.end(), Scalar(0)); }
+
+ private:
+  std::size_t skip_ = 0;
+  AlignedVector<Scalar> values_;
+};
+
 /// One grid of the multigrid: coefficients of faces and cells, unknown and right side, in float.
 ///
 /// Every direction wraps; where the grid does not, the faces of index 0 are closed (a = 0).
@@ -23,37 +43,51 @@ struct Level {
   std::array<bool, 3> wraps{};              // the last cell is coupled with the first
   std::array<bool, 3> halved{};             // directions in which the next level has half the cells
   std::array<std::vector<float>, 3> width;  // of the cells, in those of the finest [-]
-  std::array<AlignedVector<float>, 3> a;    // coefficients of the lower faces
-  AlignedVector<float> d, inverse, x, r;    // diagonal, 1 / (sum a + d) or 0, unknown, right side
+  std::array<LevelArray<float>, 3> a;       // coefficients of the lower faces
+  LevelArray<float> d, inverse, x, r;       // diagonal, 1 / (sum a + d) or 0, unknown, right side
   std::vector<std::uint8_t> row_has_d;
   std::vector<std::array<double, 3>> plane_sums;  // of a over each plane
-  std::size_t stride = 0;
+  std::ptrdiff_t half = 0;            // from the cells of even i of a row to those of odd i
+  std::size_t stride = 0, plane = 0;  // from row to row, from plane to plane
 
   Level(const std::array<int, 3>& cells, const std::array<bool, 3>& wrap) : n(cells), wraps(wrap) {
-    stride = pieces(static_cast<std::size_t>(n[0]), room) * room + room;
+    const std::size_t most = pieces(static_cast<std::size_t>(n[0] + 1) / 2, room) * room;
+    half = static_cast<std::ptrdiff_t>(most) + room;  // between them i = n and, from behind, i = -1
+    stride = 2 * most + room;
+    constexpr std::size_t page = 1024, apart = 21 * 16;  // floats; see LevelArray
+    plane = stride * static_cast<std::size_t>(n[1]);
+    if (n[1] > 1 && n[2] > 1) plane += (page + apart - plane % page) % page;
     const std::size_t rows = static_cast<std::size_t>(n[1]) * static_cast<std::size_t>(n[2]);
     for (std::size_t c = 0; c < 3; ++c) {
-      a[c].assign(values(), 0.0f);
+      a[c] = {values(), c};
       width[c].assign(static_cast<std::size_t>(n[c]), 1.0f);
     }
-    d.assign(values(), 0.0f);
-    inverse.assign(values(), 0.0f);
-    x.assign(values(), 0.0f);
-    r.assign(values(), 0.0f);
+    d = {values(), 6};
+    inverse = {values(), 3};
+    x = {values(), 4};
+    r = {values(), 5};
     row_has_d.assign(rows, 0);
     plane_sums.assign(static_cast<std::size_t>(n[2]), {});
   }
   static std::size_t pieces(std::size_t count, std::size_t size) {
     return (count + size - 1) / size;
   }
-  std::size_t values() const {
-    return stride * static_cast<std::size_t>(n[1]) * static_cast<std::size_t>(n[2]) + 2 * room;
-  }
+  std::size_t values() const { return plane * static_cast<std::size_t>(n[2]) + 2 * room; }
   std::size_t row_number(int j, int k) const {
     return static_cast<std::size_t>(j) +
            static_cast<std::size_t>(n[1]) * static_cast<std::size_t>(k);
   }
-  std::size_t begin(int j, int k) const { return room + stride * row_number(j, k); }
+  std::size_t begin(int j, int k) const {
+    return room + stride * static_cast<std::size_t>(j) + plane * static_cast<std::size_t>(k);
+  }
+  std::size_t index(int i, int j, int k) const {
+    return begin(j, k) + static_cast<std::size_t>(i / 2 + (i % 2) * half);
+  }
+  /// Cells of one colour are coupled: the last with the first of an odd number.
+  bool has_seam() const {
+    return (wraps[0] && n[0] % 2 == 1) || (wraps[1] && n[1] % 2 == 1) ||
+           (wraps[2] && n[2] % 2 == 1);
+  }
   int after(int c, int i) const { return i + 1 == n[static_cast<std::size_t>(c)] ? 0 : i + 1; }
   int before(int c, int i) const { return (i == 0 ? n[static_cast<std::size_t>(c)] : i) - 1; }
 
@@ -74,8 +108,9 @@ struct Level {
   /// Copies what stands at the other end of a row.
   void wrap_row(float* row) const {
     if (!wraps[0]) return;
-    row[-1] = row[n[0] - 1];
-    row[n[0]] = row[0];
+    const int last = n[0] - 1;
+    row[half - 1] = row[last / 2 + (last % 2) * half];
+    row[n[0] / 2 + (n[0] % 2) * half] = row[0];
   }
   /// How much a coarser face is further from centre to centre than the finer one i.
   float distance(std::size_t c, int i) const {
@@ -89,11 +124,15 @@ struct Level {
       const float* own = d.data() + begin(j, k);
       float* out = inverse.data() + begin(j, k);
       bool any = false;
-      for (int i = 0; i < n[0]; ++i) {
-        const float sum =
-            (f.x[i] + f.x[i + 1]) + (f.y_low[i] + f.y_up[i]) + (f.z_low[i] + f.z_up[i]) + own[i];
-        any |= own[i] > 0;
-        out[i] = sum > 0 ? 1 / sum : 0.0f;
+      for (const int h : {0, 1}) {
+        const Sides side(h, half);
+        for (int m = 0; m < cells_of_half(n[0], h); ++m) {
+          const std::ptrdiff_t i = side.own + m;
+          const float sum = (f.x[i] + f.x[side.upper + m]) + (f.y_low[i] + f.y_up[i]) +
+                            (f.z_low[i] + f.z_up[i]) + own[i];
+          any |= own[i] > 0;
+          out[i] = sum > 0 ? 1 / sum : 0.0f;
+        }
       }
       row_has_d[row_number(j, k)] = any;
     }
@@ -119,44 +158,51 @@ inline void coarsen_coefficients(const Team& team, const Level& fine, Level& coa
     const int k = static_cast<int>(plane);
     const float ratio_z = fine.distance(2, by[2] * k) / coarse.distance(2, k);
     std::array<double, 3> sums{};
+    const int n = coarse.n[0];
+    std::vector<float> rows(4 * static_cast<std::size_t>(n));  // in the order of i
+    float *ax = rows.data(), *ay = ax + n, *az = ay + n, *d = az + n;
     for (int j = 0; j < coarse.n[1]; ++j) {
       const float ratio_y = fine.distance(1, by[1] * j) / coarse.distance(1, j);
-      const std::size_t at = coarse.begin(j, k);
-      float *ax = coarse.a[0].data() + at, *ay = coarse.a[1].data() + at;
-      float *az = coarse.a[2].data() + at, *d = coarse.d.data() + at;
-      std::fill(ax, ax + coarse.n[0] + 1, 0.0f);
-      std::fill(ay, ay + coarse.n[0], 0.0f);
-      std::fill(az, az + coarse.n[0], 0.0f);
-      std::fill(d, d + coarse.n[0], 0.0f);
-      const auto add = [&](const float* from, float* to) {
-        if (by[0] == 1) {
-          for (int i = 0; i < coarse.n[0]; ++i) to[i] += from[i];
-          return;
-        }
-        const int pairs = fine.n[0] / 2;
-        for (int i = 0; i < pairs; ++i) to[i] += from[2 * i] + from[2 * i + 1];
-        if (pairs < coarse.n[0]) to[pairs] += from[2 * pairs];
+      std::fill(rows.begin(), rows.end(), 0.0f);
+      const auto add_both = [&](const float* even, float* to) {  // of the cells of even and odd i
+        const float* odd = even + fine.half;
+        for (int m = 0; m < fine.n[0] / 2; ++m) to[m] += even[m] + odd[m];
+        if (fine.n[0] % 2 == 1) to[n - 1] += even[n - 1];
       };
-      const auto add_every = [&](const float* from, float* to) {
-        for (int i = 0; i < coarse.n[0]; ++i) to[i] += from[by[0] * i];
+      const auto add_even = [&](const float* even, float* to) {
+        for (int m = 0; m < n; ++m) to[m] += even[m];
+      };
+      const auto add_each = [&](const float* even, float* to) {
+        for (int i = 0; i < n; ++i) to[i] += even[i / 2 + (i % 2) * fine.half];
       };
       for (int fk = by[2] * k; fk < std::min(fine.n[2], by[2] * (k + 1)); ++fk)
         for (int fj = by[1] * j; fj < std::min(fine.n[1], by[1] * (j + 1)); ++fj) {
           const std::size_t from = fine.begin(fj, fk);
-          add_every(fine.a[0].data() + from, ax);
-          if (fj == by[1] * j) add(fine.a[1].data() + from, ay);
-          if (fk == by[2] * k) add(fine.a[2].data() + from, az);
-          add(fine.d.data() + from, d);
+          const auto add = [&](const LevelArray<float>& of, float* to) {
+            by[0] == 2 ? add_both(of.data() + from, to) : add_each(of.data() + from, to);
+          };
+          if (by[0] == 2)
+            add_even(fine.a[0].data() + from, ax);
+          else
+            add_each(fine.a[0].data() + from, ax);
+          if (fj == by[1] * j) add(fine.a[1], ay);
+          if (fk == by[2] * k) add(fine.a[2], az);
+          add(fine.d, d);
         }
-      for (int i = 0; i < coarse.n[0]; ++i) {
-        ax[i] *= coarse.n[0] > 1 ? ratio_x[static_cast<std::size_t>(i)] : 0.0f;
+      for (int i = 0; i < n; ++i) {
+        ax[i] *= n > 1 ? ratio_x[static_cast<std::size_t>(i)] : 0.0f;
         ay[i] *= coarse.n[1] > 1 ? ratio_y : 0.0f;
         az[i] *= coarse.n[2] > 1 ? ratio_z : 0.0f;
-        sums[0] += ax[i];
-        sums[1] += ay[i];
-        sums[2] += az[i];
+        sums[0] += static_cast<double>(ax[i]);
+        sums[1] += static_cast<double>(ay[i]);
+        sums[2] += static_cast<double>(az[i]);
       }
-      if (coarse.wraps[0]) ax[coarse.n[0]] = ax[0];
+      const std::size_t at = coarse.begin(j, k);
+      split_halves(n, ax, coarse.a[0].data() + at, coarse.half);
+      split_halves(n, ay, coarse.a[1].data() + at, coarse.half);
+      split_halves(n, az, coarse.a[2].data() + at, coarse.half);
+      split_halves(n, d, coarse.d.data() + at, coarse.half);
+      coarse.wrap_row(coarse.a[0].data() + at);
     }
     coarse.plane_sums[plane] = sums;
   });
@@ -245,8 +291,8 @@ class Multigrid {
                       level.wraps[2],
                       level.wraps[1]};
     // Where cells of one colour are coupled across a seam the first sweep is not r / diagonal.
-    const bool seam = (level.wraps[1] && n1 % 2 == 1) || (level.wraps[2] && n2 % 2 == 1);
-    if (seam) std::fill(level.x.begin(), level.x.end(), 0.0f);
+    const bool seam = level.has_seam();
+    if (seam) level.x.clear();
     sweep_planes(team, order, [&](int s, int k, int from, int to) {
       if (s == 0 && !seam)
         relax_rows_from_zero(level, k, from, to);
@@ -277,7 +323,7 @@ class Multigrid {
       if (l == 0 && s == 2 * sweeps)
         for (int j = from; j < to; ++j)
           plane_dots_[static_cast<std::size_t>(k)] += dot_row(
-              level.n[0], level.x.data() + level.begin(j, k), level.r.data() + level.begin(j, k));
+              level.stride, level.x.data() + level.begin(j, k), level.r.data() + level.begin(j, k));
     });
   }
 
@@ -285,9 +331,9 @@ class Multigrid {
   static void relax_rows(Level& level, int stage, int k, int from, int to, bool after) {
     for (int row = from; row < to; ++row) {
       const int j = after ? from + to - 1 - row : row;
-      const int odd = (j + k + stage) & 1;
       const std::size_t at = level.begin(j, k);
-      relax_row(level.n[0], odd, level.faces(j, k), level.inverse.data() + at, level.r.data() + at,
+      relax_row(level.n[0], (j + k + stage) & 1, level.half, level.faces(j, k),
+                level.inverse.data() + at, level.r.data() + at,
                 level.neighbours(level.x.data(), j, k));
       level.wrap_row(level.x.data() + at);
     }
@@ -296,60 +342,79 @@ class Multigrid {
     for (int j = from; j < to; ++j) {
       const std::size_t at = level.begin(j, k);
       float* x = level.x.data() + at;
-      relax_row_from_zero(level.n[0], (j + k) & 1, level.inverse.data() + at, level.r.data() + at,
-                          x);
+      relax_row_from_zero(level.n[0], (j + k) & 1, level.half, level.inverse.data() + at,
+                          level.r.data() + at, x);
       level.wrap_row(x);
     }
   }
 
   static constexpr int chunk = 256;
 
+  /// Calls what(h) for the halves of row (j, k) that hold cells of even i + j + k. The others need
+  /// no transfer: the sweep before it left them no residual, the sweep after it sets them anew
+  /// whatever they are. Not so at a seam.
+  template <class What>
+  static void for_halves(const Level& level, int j, int k, const What& what) {
+    const int h = (j + k) & 1;
+    what(h);
+    if (level.has_seam()) what(1 - h);
+  }
+
   /// r of row (j, k) of the coarser level: the sum of the finer residuals.
   static void restrict_row(const Level& fine, Level& coarse, int j, int k) {
-    alignas(64) float sum[chunk];
+    alignas(64) float sums[2][chunk];
     const int by_x = fine.halved[0] ? 2 : 1, by_y = fine.halved[1] ? 2 : 1,
               by_z = fine.halved[2] ? 2 : 1;
     float* r = coarse.r.data() + coarse.begin(j, k);
-    for (int from = 0; from < fine.n[0]; from += chunk) {
-      const int count = std::min(chunk, fine.n[0] - from);
+    const int most = cells_of_half(fine.n[0], 0), odd = cells_of_half(fine.n[0], 1);
+    for (int from = 0; from < most; from += chunk) {
+      const int count = std::min(chunk, most - from);
       const int packs = (count + lanes - 1) / lanes * lanes;
-      std::fill(sum, sum + packs, 0.0f);
+      for (auto& sum : sums) std::fill(sum, sum + packs, 0.0f);
       for (int fk = by_z * k; fk < std::min(fine.n[2], by_z * (k + 1)); ++fk)
         for (int fj = by_y * j; fj < std::min(fine.n[1], by_y * (j + 1)); ++fj)
-          add_residual(from, packs, fine.faces(fj, fk), fine.r.data() + fine.begin(fj, fk),
-                       fine.neighbours(fine.x.data(), fj, fk), sum);
-      if (by_x == 1) {
-        std::copy(sum, sum + count, r + from);
+          for_halves(fine, fj, fk, [&](int h) {
+            float* sum = sums[by_x == 2 ? 0 : h];
+            const float last = sum[count - 1];
+            add_residual(from, packs, Sides(h, fine.half), fine.faces(fj, fk),
+                         fine.r.data() + fine.begin(fj, fk), fine.neighbours(fine.x.data(), fj, fk),
+                         sum);
+            if (h == 1 && odd < from + count) sum[count - 1] = last;  // there is no such cell
+          });
+      if (by_x == 2) {
+        split_halves(count, sums[0], r + from / 2, coarse.half);
       } else {
-        for (int i = 0; i < count / 2; ++i) r[from / 2 + i] = sum[2 * i] + sum[2 * i + 1];
-        if (count % 2 == 1) r[(from + count) / 2] = sum[count - 1];
+        std::copy(sums[0], sums[0] + count, r + from);
+        std::copy(sums[1], sums[1] + std::min(count, odd - from), r + coarse.half + from);
       }
     }
   }
 
   /// Adds the coarser level's x to rows of plane k.
   static void correct_rows(const Level& coarse, Level& fine, int k, int first, int end) {
-    alignas(64) float twice[chunk];
+    alignas(64) float joined[chunk];
     const int coarse_k = fine.halved[2] ? k / 2 : k;
-    for (int from = 0; from < fine.n[0]; from += chunk) {
-      const int count = std::min(chunk, fine.n[0] - from);
+    const int most = cells_of_half(fine.n[0], 0);
+    for (int from = 0; from < most; from += chunk) {
+      const int count = std::min(chunk, most - from);
       const int packs = (count + lanes - 1) / lanes * lanes;
       int held = -1;
       for (int j = first; j < end; ++j) {
         const int coarse_j = fine.halved[1] ? j / 2 : j;
-        if (coarse_j != held) {
-          const float* e = coarse.x.data() + coarse.begin(coarse_j, coarse_k);
-          if (fine.halved[0])
-            for (int i = 0; i < packs; ++i) twice[i] = e[(from + i) / 2];
-          else
-            std::copy(e + from, e + from + count, twice);
-          for (int i = count; i < packs; ++i) twice[i] = 0;
+        const float* e = coarse.x.data() + coarse.begin(coarse_j, coarse_k);
+        if (fine.halved[0] && coarse_j != held) {
+          join_halves(count, e + from / 2, coarse.half, joined);
+          std::fill(joined + count, joined + packs, 0.0f);
           held = coarse_j;
         }
         float* x = fine.x.data() + fine.begin(j, k);
-        for (int i = 0; i < packs; i += lanes)
-          store(x + from + i, load<Pack>(x + from + i) + load<Pack>(twice + i));
-        if (from + count == fine.n[0]) fine.wrap_row(x);
+        for_halves(fine, j, k, [&](int h) {
+          float* own = x + Sides(h, fine.half).own + from;
+          const float* add = fine.halved[0] ? joined : e + Sides(h, coarse.half).own + from;
+          for (int m = 0; m < packs; m += lanes)
+            store(own + m, load<Pack>(own + m) + load<Pack>(add + m));
+        });
+        if (from + count == most) fine.wrap_row(x);
       }
     }
   }

@@ -66,8 +66,9 @@ class PressureSolver {
       : grid_(grid),
         multigrid_(grid.cells(), wraps(grid)),
         b_(grid),
-        direction_(multigrid_.finest().values(), 0.0f),
-        product_(multigrid_.finest().values(), 0.0f),
+        direction_(multigrid_.finest().values(), 7),
+        product_(multigrid_.finest().values(), 8),
+        correction_(multigrid_.finest().values(), 9),
         planes_(static_cast<std::size_t>(grid.nz())) {}
 
   const Grid& grid() const { return grid_; }
@@ -135,14 +136,13 @@ class PressureSolver {
     for (int k = 0; k < grid_.nz(); ++k)
       for (int j = 0; j < grid_.ny(); ++j)
         for (int i = 0; i < grid_.nx(); ++i)
-          if (const std::size_t at = level.begin(j, k) + static_cast<std::size_t>(i); true)
+          if (const std::size_t at = level.index(i, j, k); true)
             level.r[at] = level.inverse[at] > 0 ? static_cast<float>(r(i, j, k)) : 0.0f;
     multigrid_.cycle(team);
     for (int k = 0; k < grid_.nz(); ++k)
       for (int j = 0; j < grid_.ny(); ++j)
         for (int i = 0; i < grid_.nx(); ++i)
-          z(i, j, k) =
-              static_cast<double>(level.x[level.begin(j, k) + static_cast<std::size_t>(i)]);
+          z(i, j, k) = static_cast<double>(level.x[level.index(i, j, k)]);
   }
 
  private:
@@ -198,24 +198,24 @@ class PressureSolver {
     plane = {};
     std::array<double, 3> sums{};
     const int n = grid_.nx();
+    std::vector<float> rows(4 * static_cast<std::size_t>(n));  // ax, ay, az, d in the order of i
     for (int j = 0; j < grid_.ny(); ++j) {
-      const std::size_t at = level.begin(j, k), cell = cell_of_row(j, k);
+      const std::size_t at = level.begin(j, k);
       const bool closed[3] = {false, j == 0 && !level.wraps[1], k == 0 && !level.wraps[2]};
-      for (std::size_t c = 0; c < 3; ++c) {
-        float* to = level.a[c].data() + at;
-        if (closed[c])
+      for (std::size_t c = 0; c < 4; ++c) {
+        float* to = rows.data() + c * static_cast<std::size_t>(n);
+        double unused = 0;
+        if (c < 3 && closed[c])
           std::fill(to, to + n, 0.0f);
         else
-          fluid_detail::convert_row(n, c == 0 && !level.wraps[0], scale_, a_[c]->row(j, k), to,
-                                    sums[c], plane.largest, plane.valid);
+          fluid_detail::convert_row(n, c == 0 && !level.wraps[0], scale_,
+                                    (c < 3 ? a_[c] : d_)->row(j, k), to, c < 3 ? sums[c] : unused,
+                                    plane.largest, plane.valid);
+        fluid_detail::split_halves(n, to, (c < 3 ? level.a[c] : level.d).data() + at, level.half);
       }
-      level.a[0][at + static_cast<std::size_t>(n)] = level.a[0][at];
-      double unused = 0;
-      fluid_detail::convert_row(n, false, scale_, d_->row(j, k), level.d.data() + at, unused,
-                                plane.largest, plane.valid);
-      plane.changed |= fluid_detail::mark_openings(n, level.a[0].data() + at,
-                                                   level.a[1].data() + at, level.a[2].data() + at,
-                                                   level.d.data() + at, openings_.data() + cell);
+      level.wrap_row(level.a[0].data() + at);
+      plane.changed |=
+          fluid_detail::mark_openings(n, rows.data(), openings_.data() + cell_of_row(j, k));
     }
     level.plane_sums[static_cast<std::size_t>(k)] = sums;
   }
@@ -339,7 +339,7 @@ class PressureSolver {
         stopped("the preconditioned residual is no number or not positive");
         break;
       }
-      const double pq = advance(p, along ? rz / before : 0, along ? alpha : 0, team);
+      const double pq = advance(along ? rz / before : 0, along ? alpha : 0, team);
       if (!(pq > 0 && std::isfinite(pq))) {
         along = false;
         stopped("the coefficients make a direction without resistance, or a number that is none");
@@ -393,15 +393,15 @@ class PressureSolver {
             p.row(j, k),
             {p.row(low_j, k), p.row(high_j, k), p.row(j, low_k), p.row(j, high_k)}};
         sum += fluid_detail::residual_row(grid_.nx(), level.wraps[0], rows, b_.row(j, k), scale,
-                                          level.r.data() + level.begin(j, k));
+                                          level.r.data() + level.begin(j, k), level.half);
       }
       return sum;
     }));
   }
 
-  /// p += alpha direction, direction = z + beta direction, product = A direction; returns
+  /// correction += alpha direction, direction = z + beta direction, product = A direction; returns
   /// direction . product.
-  double advance(Field& p, double beta, double alpha, const Team& team) {
+  double advance(double beta, double alpha, const Team& team) {
     fluid_detail::Level& level = multigrid_.finest();
     const int n = grid_.nx();
     const float* search = direction_.data();
@@ -413,12 +413,15 @@ class PressureSolver {
         const std::size_t at = level.begin(j, k);
         if (stage == 0) {
           float* row = direction_.data() + at;
-          if (alpha != 0) fluid_detail::add_scaled_row(n, alpha, row, p.row(j, k));
-          fluid_detail::direction_row(n, static_cast<float>(beta), level.x.data() + at, row);
+          if (alpha != 0)
+            fluid_detail::add_scaled_row(level.stride, alpha, row, correction_.data() + at);
+          fluid_detail::direction_row(level.stride, static_cast<float>(beta), level.x.data() + at,
+                                      row);
           level.wrap_row(row);
         } else {
-          planes_[static_cast<std::size_t>(k)].sum += fluid_detail::apply_row(
-              n, level.faces(j, k), level.neighbours(search, j, k), product_.data() + at);
+          planes_[static_cast<std::size_t>(k)].sum +=
+              fluid_detail::apply_row(n, level.half, level.faces(j, k),
+                                      level.neighbours(search, j, k), product_.data() + at);
         }
       }
     });
@@ -431,20 +434,28 @@ class PressureSolver {
       double sum = 0;
       for (int j = 0; j < grid_.ny(); ++j) {
         const std::size_t at = level.begin(j, k);
-        sum +=
-            fluid_detail::subtract_row(grid_.nx(), step, product_.data() + at, level.r.data() + at);
+        sum += fluid_detail::subtract_row(level.stride, step, product_.data() + at,
+                                          level.r.data() + at);
       }
       return sum;
     });
   }
-  /// p += alpha direction.
+  /// p += correction + alpha direction; correction = 0.
   void flush(Field& p, double alpha, const Team& team) {
     const fluid_detail::Level& level = multigrid_.finest();
     team.for_parts(planes_.size(), [&](std::size_t plane) {
       const int k = static_cast<int>(plane);
-      for (int j = 0; j < grid_.ny(); ++j)
-        fluid_detail::add_scaled_row(grid_.nx(), alpha, direction_.data() + level.begin(j, k),
-                                     p.row(j, k));
+      for (int j = 0; j < grid_.ny(); ++j) {
+        const std::size_t at = level.begin(j, k);
+        double *values = p.row(j, k), *even = correction_.data() + at, *odd = even + level.half;
+        fluid_detail::add_scaled_row(level.stride, alpha, direction_.data() + at, even);
+        for (int m = 0; m < grid_.nx() / 2; ++m) {
+          values[2 * m] += even[m];
+          values[2 * m + 1] += odd[m];
+        }
+        if (grid_.nx() % 2 == 1) values[grid_.nx() - 1] += even[grid_.nx() / 2];
+        std::fill(even, even + level.stride, 0.0);
+      }
     });
   }
 
@@ -455,7 +466,8 @@ class PressureSolver {
   std::array<const Field*, 3> a_{};
   const Field* d_ = nullptr;
   Field b_;
-  AlignedVector<float> direction_, product_;  // of conjugate gradients
+  fluid_detail::LevelArray<float> direction_, product_;  // of conjugate gradients
+  fluid_detail::LevelArray<double> correction_;  // of p since the residual was computed in double
   std::vector<Plane> planes_;
   std::vector<double> set_sums_;
   double scale_ = 1, removed_ = 0;  // of the coefficients in float; of the right side
