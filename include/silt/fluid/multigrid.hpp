@@ -139,8 +139,35 @@ struct Level {
   }
 };
 
+/// Adds d of row (j, k) to that of a coarser row, in the order of i. d stands for conductances to
+/// values beyond faces, twice as far from a coarser cell's centre: which faces is not known, but
+/// they are closed ones, and a direction counts by its share of those. Where no face is closed, d
+/// is a volume's and is summed.
+inline void add_diagonal(const Level& fine, int j, int k, float* to) {
+  if (!fine.row_has_d[fine.row_number(j, k)]) return;
+  const FaceRows a = fine.faces(j, k);
+  for (int i = 0; i < fine.n[0]; ++i) {
+    const Sides side(i % 2, fine.half);
+    const std::ptrdiff_t at = side.own + i / 2;
+    if (!(a.diagonal[at] > 0)) continue;
+    const std::array<int, 3> cell{i, j, k};
+    const std::array<int, 3> closed{(a.x[at] == 0) + (a.x[side.upper + i / 2] == 0),
+                                    (a.y_low[at] == 0) + (a.y_up[at] == 0),
+                                    (a.z_low[at] == 0) + (a.z_up[at] == 0)};
+    int all = 0, farther = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (fine.n[c] == 1) continue;
+      const bool paired = fine.halved[c] && (fine.n[c] % 2 == 0 || cell[c] + 1 < fine.n[c]);
+      all += closed[c];
+      farther += paired ? closed[c] : 0;
+    }
+    const float share = all > 0 ? static_cast<float>(farther) / static_cast<float>(all) : 0.0f;
+    to[fine.halved[0] ? i / 2 : i] += a.diagonal[at] * (1 - 0.5f * share);
+  }
+}
+
 /// The coefficients of a coarser level from those of the finer one: the mean over the finer faces
-/// that a coarser one covers, times its area over its longer distance. Of d the sum.
+/// that a coarser one covers, times its area over its longer distance.
 inline void coarsen_coefficients(const Team& team, const Level& fine, Level& coarse) {
   const std::array<int, 3> by{fine.halved[0] ? 2 : 1, fine.halved[1] ? 2 : 1,
                               fine.halved[2] ? 2 : 1};
@@ -187,7 +214,7 @@ inline void coarsen_coefficients(const Team& team, const Level& fine, Level& coa
             add_each(fine.a[0].data() + from, ax);
           if (fj == by[1] * j) add(fine.a[1], ay);
           if (fk == by[2] * k) add(fine.a[2], az);
-          add(fine.d, d);
+          add_diagonal(fine, fj, fk, d);
         }
       for (int i = 0; i < n; ++i) {
         ax[i] *= n > 1 ? ratio_x[static_cast<std::size_t>(i)] : 0.0f;
