@@ -147,7 +147,7 @@ TEST_CASE("pressure_solver: iterations to 1e-8 at 32^3 and 64^3, contrast 26 and
       CAPTURE(name);
       CAPTURE(n);
       CHECK(result.converged);
-      CHECK(result.iterations <= (name == 'D' ? 35 : 20));
+      CHECK(result.iterations <= (name == 'D' ? 35 : name == 'B' ? 20 : 10));
       CHECK(residual_of(a, p) <= 1.0001e-8);
       CHECK(result.reason.empty());
     }
@@ -413,7 +413,10 @@ TEST_CASE("pressure_solver: what cannot be solved is said") {
   const PressureSolution start = solver.solve(a.b, p, {}, team);
   CHECK_FALSE(start.converged);
   CHECK(start.reason.find("no number") != std::string::npos);
+  p.fill(1e300);
+  CHECK_FALSE(solver.solve(a.b, p, {}, team).converged);
   p.fill(0);
+  CHECK(solver.solve(a.b, p, {.relative = 1e-8}, team).converged);  // nothing has stayed behind
   a.b(1, 2, 3) = std::numeric_limits<double>::infinity();
   const PressureSolution right = solver.solve(a.b, p, {}, team);
   CHECK_FALSE(right.converged);

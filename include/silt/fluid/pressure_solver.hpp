@@ -17,6 +17,7 @@
 #include <silt/fluid/double_rows.hpp>
 #include <silt/fluid/grid.hpp>
 #include <silt/fluid/multigrid.hpp>
+#include <silt/fluid/pressure_coefficients.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -62,6 +63,7 @@ struct PressureSolution {
 /// Tests: tests/fluid/pressure_solver.cpp; speed: benchmarks/fluid/bench_pressure.cpp.
 class PressureSolver {
  public:
+  PressureSolver(const PressureSolver&) = delete;
   explicit PressureSolver(const Grid& grid)
       : grid_(grid),
         multigrid_(grid.cells(), wraps(grid)),
@@ -69,29 +71,21 @@ class PressureSolver {
         direction_(multigrid_.finest().values(), 7),
         product_(multigrid_.finest().values(), 8),
         correction_(multigrid_.finest().values(), 9),
-        planes_(static_cast<std::size_t>(grid.nz())) {}
+        plane_sums_(static_cast<std::size_t>(grid.nz()), 0.0) {}
 
   const Grid& grid() const { return grid_; }
   const fluid_detail::Multigrid& multigrid() const { return multigrid_; }
   /// Number of connected sets of cells that no d > 0 holds.
-  std::size_t floating_sets() const { return components_.sizes.size(); }
+  std::size_t floating_sets() const { return components_ ? components_->sizes.size() : 0; }
 
   /// Takes new coefficients: of the lower faces in each direction, and of the cells. The solver
   /// reads the four fields again in solve(): they must live and stay as they are until then.
   void set(const Field& ax, const Field& ay, const Field& az, const Field& d, const Team& team) {
     is_set_ = false;
-    a_ = {&ax, &ay, &az};
-    d_ = &d;
     for (const Field* field : {&ax, &ay, &az, &d}) require_grid(*field, "coefficients");
-    double largest = convert(team);
-    if (largest > 0 && !(largest * scale_ >= 1e-3 && largest * scale_ <= 1e3)) {
-      scale_ = std::ldexp(1.0, -std::clamp(std::ilogb(largest), -1000, 1000));
-      convert(team);
-    }
+    coefficients_.set({&ax, &ay, &az, &d}, multigrid_.finest(), team);
     multigrid_.coarsen(team);
-    bool changed = components_.of_cell.empty();
-    for (const Plane& plane : planes_) changed |= plane.changed;
-    if (changed) components_.find(openings_, grid_.cells());
+    components_ = &coefficients_.components();
     is_set_ = true;
   }
 
@@ -146,11 +140,6 @@ class PressureSolver {
   }
 
  private:
-  struct Plane {
-    double largest = 0, sum = 0;
-    bool changed = false, valid = true;
-  };
-
   static std::array<bool, 3> wraps(const Grid& grid) {
     return {grid.periodic(0) && grid.nx() > 1, grid.periodic(1) && grid.ny() > 1,
             grid.periodic(2) && grid.nz() > 1};
@@ -167,73 +156,14 @@ class PressureSolver {
   /// Calls of_plane(k) for every plane; the sum of what it returns, always added in one order.
   template <class OfPlane>
   double sum_planes(const Team& team, const OfPlane& of_plane) {
-    team.for_parts(planes_.size(),
-                   [&](std::size_t k) { planes_[k].sum = of_plane(static_cast<int>(k)); });
+    team.for_parts(plane_sums_.size(),
+                   [&](std::size_t k) { plane_sums_[k] = of_plane(static_cast<int>(k)); });
     return added_planes();
   }
   double added_planes() const {
     double sum = 0;
-    for (const Plane& plane : planes_) sum += plane.sum;
+    for (const double part : plane_sums_) sum += part;
     return sum;
-  }
-
-  /// The finest level from the fields; returns the largest coefficient.
-  double convert(const Team& team) {
-    fluid_detail::Level& level = multigrid_.finest();
-    openings_.resize(grid_.size());
-    team.for_parts(planes_.size(), [&](std::size_t k) { convert_plane(static_cast<int>(k)); });
-    double largest = 0;
-    for (std::size_t k = 0; k < planes_.size(); ++k) {
-      if (!planes_[k].valid) refuse_plane(static_cast<int>(k));
-      largest = std::max(largest, planes_[k].largest);
-    }
-    team.for_parts(planes_.size(),
-                   [&](std::size_t k) { level.invert_diagonal(static_cast<int>(k)); });
-    return largest;
-  }
-
-  void convert_plane(int k) {
-    fluid_detail::Level& level = multigrid_.finest();
-    Plane& plane = planes_[static_cast<std::size_t>(k)];
-    plane = {};
-    std::array<double, 3> sums{};
-    const int n = grid_.nx();
-    std::vector<float> rows(4 * static_cast<std::size_t>(n));  // ax, ay, az, d in the order of i
-    for (int j = 0; j < grid_.ny(); ++j) {
-      const std::size_t at = level.begin(j, k);
-      const bool closed[3] = {false, j == 0 && !level.wraps[1], k == 0 && !level.wraps[2]};
-      for (std::size_t c = 0; c < 4; ++c) {
-        float* to = rows.data() + c * static_cast<std::size_t>(n);
-        double unused = 0;
-        if (c < 3 && closed[c])
-          std::fill(to, to + n, 0.0f);
-        else
-          fluid_detail::convert_row(n, c == 0 && !level.wraps[0], scale_,
-                                    (c < 3 ? a_[c] : d_)->row(j, k), to, c < 3 ? sums[c] : unused,
-                                    plane.largest, plane.valid);
-        fluid_detail::split_halves(n, to, (c < 3 ? level.a[c] : level.d).data() + at, level.half);
-      }
-      level.wrap_row(level.a[0].data() + at);
-      plane.changed |=
-          fluid_detail::mark_openings(n, rows.data(), openings_.data() + cell_of_row(j, k));
-    }
-    level.plane_sums[static_cast<std::size_t>(k)] = sums;
-  }
-
-  /// Says which coefficient of plane k is wrong.
-  [[gnu::cold]] void refuse_plane(int k) const {
-    const auto& closed = multigrid_.finest().wraps;
-    const Field* fields[4] = {a_[0], a_[1], a_[2], d_};
-    constexpr const char* names[4] = {"ax", "ay", "az", "d"};
-    for (int f = 0; f < 4; ++f)
-      for (int j = 0; j < grid_.ny(); ++j)
-        for (int i = 0; i < grid_.nx(); ++i) {
-          const int at[3] = {i, j, k};
-          if (f < 3 && at[f] == 0 && !closed[static_cast<std::size_t>(f)]) continue;
-          const double v = (*fields[f])(i, j, k);
-          require(v >= 0 && std::isfinite(v), "PressureSolver: coefficient ", names[f], "(", i,
-                  ", ", j, ", ", k, ") = ", v, " must be finite and not negative");
-        }
   }
 
   /// b less its mean over every floating set, 0 in blocked cells; returns |b|.
@@ -248,7 +178,7 @@ class PressureSolver {
       return sum;
     });
     removed_ = 0;
-    if (!components_.sizes.empty() || components_.any_blocked) {
+    if (!components_->sizes.empty() || components_->any_blocked) {
       remove_means(b_, team);
       removed_ = std::sqrt(sum_planes(team, [&](int k) {
         double sum = 0;
@@ -270,15 +200,15 @@ class PressureSolver {
 
   /// Takes off the mean over every floating set, and makes blocked cells 0.
   void remove_means(Field& v, const Team& team) {
-    const std::size_t sets = components_.sizes.size();
-    if (sets == 0 && !components_.any_blocked) return;
-    set_sums_.assign(sets * planes_.size(), 0.0);
+    const std::size_t sets = components_->sizes.size();
+    if (sets == 0 && !components_->any_blocked) return;
+    set_sums_.assign(sets * plane_sums_.size(), 0.0);
     const auto for_cells = [&](const auto& what) {
-      team.for_parts(planes_.size(), [&](std::size_t k) {
+      team.for_parts(plane_sums_.size(), [&](std::size_t k) {
         for (int j = 0; j < grid_.ny(); ++j) {
           double* values = v.row(j, static_cast<int>(k));
           const std::int32_t* set =
-              components_.of_cell.data() + cell_of_row(j, static_cast<int>(k));
+              components_->of_cell.data() + cell_of_row(j, static_cast<int>(k));
           for (int i = 0; i < grid_.nx(); ++i) what(k * sets, set[i], values[i]);
         }
       });
@@ -287,9 +217,9 @@ class PressureSolver {
       if (set >= 0) set_sums_[first + static_cast<std::size_t>(set)] += value;
     });
     std::vector<double> means(sets, 0.0);
-    for (std::size_t k = 0; k < planes_.size(); ++k)
+    for (std::size_t k = 0; k < plane_sums_.size(); ++k)
       for (std::size_t s = 0; s < sets; ++s) means[s] += set_sums_[k * sets + s];
-    for (std::size_t s = 0; s < sets; ++s) means[s] /= static_cast<double>(components_.sizes[s]);
+    for (std::size_t s = 0; s < sets; ++s) means[s] /= static_cast<double>(components_->sizes[s]);
     for_cells([&](std::size_t, std::int32_t set, double& value) {
       if (set >= 0) value -= means[static_cast<std::size_t>(set)];
       if (set == fluid_detail::Components::blocked) value = 0;
@@ -298,10 +228,10 @@ class PressureSolver {
 
   /// Makes p zero, in blocked cells only or everywhere.
   void clear_cells(Field& p, bool only_blocked) const {
-    if (only_blocked && !components_.any_blocked) return;
+    if (only_blocked && !components_->any_blocked) return;
     for (int k = 0; k < grid_.nz(); ++k)
       for (int j = 0; j < grid_.ny(); ++j) {
-        const std::int32_t* set = components_.of_cell.data() + cell_of_row(j, k);
+        const std::int32_t* set = components_->of_cell.data() + cell_of_row(j, k);
         double* values = p.row(j, k);
         for (int i = 0; i < grid_.nx(); ++i)
           if (!only_blocked || set[i] == fluid_detail::Components::blocked) values[i] = 0;
@@ -317,7 +247,8 @@ class PressureSolver {
     double scale = cells / norm, residual = 0;
     const auto stopped = [&](const char* why) { result.reason = why; };
     double next_check = 0, rz = 0, alpha = 0;
-    bool along = false;  // direction_ holds a direction
+    bool along = false;   // direction_ holds a direction
+    bool behind = false;  // p lacks what direction_ and correction_ hold
     const auto renew = [&] {
       residual = true_residual(p, scale, team);
       if (std::isnormal(residual) && std::abs(std::log10(residual * scale / cells)) > 6) {
@@ -339,24 +270,27 @@ class PressureSolver {
         stopped("the preconditioned residual is no number or not positive");
         break;
       }
+      if (!along) direction_.clear();
       const double pq = advance(along ? rz / before : 0, along ? alpha : 0, team);
+      behind = true;
       if (!(pq > 0 && std::isfinite(pq))) {
-        along = false;
+        alpha = 0;
         stopped("the coefficients make a direction without resistance, or a number that is none");
         break;
       }
       along = true;
       const double step = rz / pq;
-      alpha = step * scale_ / scale;
+      alpha = step * coefficients_.scale() / scale;
       ++result.iterations;
       residual = std::sqrt(subtract(static_cast<float>(step), team)) / scale;
       if (!(residual > next_check)) {  // or no number
         flush(p, alpha, team);
         alpha = 0;
+        behind = false;
         renew();
       }
     }
-    if (along && alpha != 0) {
+    if (behind) {
       flush(p, alpha, team);
       residual = true_residual(p, scale, team);
     }
@@ -364,38 +298,26 @@ class PressureSolver {
     result.converged = residual <= target;
     if (result.converged)
       result.reason.clear();
-    else if (!std::isfinite(residual))
+    else
+      forget();
+    if (!std::isfinite(residual))
       stopped(
           "the solution to start from holds a value that is infinite or no number, or the "
           "numbers left the range of double");
   }
 
+  /// Numbers that are none must not outlive the solve that made them.
+  void forget() {
+    multigrid_.forget();
+    direction_.clear();
+    product_.clear();
+    correction_.clear();
+  }
+
   /// r of the finest level = scale (b - A p); returns |b - A p|.
   double true_residual(const Field& p, double scale, const Team& team) {
-    fluid_detail::Level& level = multigrid_.finest();
     return std::sqrt(sum_planes(team, [&](int k) {
-      double sum = 0;
-      for (int j = 0; j < grid_.ny(); ++j) {
-        const int low_j = level.before(1, j), high_j = level.after(1, j);
-        const int low_k = level.before(2, k), high_k = level.after(2, k);
-        const auto open = [&](int c, int i) {
-          return grid_.cells()[static_cast<std::size_t>(c)] > 1 &&
-                 (i > 0 || level.wraps[static_cast<std::size_t>(c)]);
-        };
-        const auto face = [&](int c, int i, int row_j, int row_k) {
-          return open(c, i) ? a_[static_cast<std::size_t>(c)]->row(row_j, row_k) : nullptr;
-        };
-        const fluid_detail::DoubleRows rows{
-            a_[0]->row(j, k),
-            {face(1, j, j, k), face(1, high_j, high_j, k), face(2, k, j, k),
-             face(2, high_k, j, high_k)},
-            d_->row(j, k),
-            p.row(j, k),
-            {p.row(low_j, k), p.row(high_j, k), p.row(j, low_k), p.row(j, high_k)}};
-        sum += fluid_detail::residual_row(grid_.nx(), level.wraps[0], rows, b_.row(j, k), scale,
-                                          level.r.data() + level.begin(j, k), level.half);
-      }
-      return sum;
+      return coefficients_.residual_plane(k, b_, p, scale, multigrid_.finest());
     }));
   }
 
@@ -405,7 +327,7 @@ class PressureSolver {
     fluid_detail::Level& level = multigrid_.finest();
     const int n = grid_.nx();
     const float* search = direction_.data();
-    for (Plane& plane : planes_) plane.sum = 0;
+    std::fill(plane_sums_.begin(), plane_sums_.end(), 0.0);
     const PlaneSweeps order{grid_.nz(),     grid_.ny(),    2, 8 * sizeof(float) * level.stride,
                             level.wraps[2], level.wraps[1]};
     sweep_planes(team, order, [&](int stage, int k, int from, int to) {
@@ -419,7 +341,7 @@ class PressureSolver {
                                       row);
           level.wrap_row(row);
         } else {
-          planes_[static_cast<std::size_t>(k)].sum +=
+          plane_sums_[static_cast<std::size_t>(k)] +=
               fluid_detail::apply_row(n, level.half, level.faces(j, k),
                                       level.neighbours(search, j, k), product_.data() + at);
         }
@@ -443,12 +365,13 @@ class PressureSolver {
   /// p += correction + alpha direction; correction = 0.
   void flush(Field& p, double alpha, const Team& team) {
     const fluid_detail::Level& level = multigrid_.finest();
-    team.for_parts(planes_.size(), [&](std::size_t plane) {
+    team.for_parts(plane_sums_.size(), [&](std::size_t plane) {
       const int k = static_cast<int>(plane);
       for (int j = 0; j < grid_.ny(); ++j) {
         const std::size_t at = level.begin(j, k);
         double *values = p.row(j, k), *even = correction_.data() + at, *odd = even + level.half;
-        fluid_detail::add_scaled_row(level.stride, alpha, direction_.data() + at, even);
+        if (alpha != 0)
+          fluid_detail::add_scaled_row(level.stride, alpha, direction_.data() + at, even);
         for (int m = 0; m < grid_.nx() / 2; ++m) {
           values[2 * m] += even[m];
           values[2 * m + 1] += odd[m];
@@ -461,16 +384,13 @@ class PressureSolver {
 
   Grid grid_;
   fluid_detail::Multigrid multigrid_;
-  fluid_detail::Components components_;
-  fluid_detail::Openings openings_;
-  std::array<const Field*, 3> a_{};
-  const Field* d_ = nullptr;
+  fluid_detail::PressureCoefficients coefficients_;
+  const fluid_detail::Components* components_ = nullptr;
   Field b_;
   fluid_detail::LevelArray<float> direction_, product_;  // of conjugate gradients
   fluid_detail::LevelArray<double> correction_;  // of p since the residual was computed in double
-  std::vector<Plane> planes_;
-  std::vector<double> set_sums_;
-  double scale_ = 1, removed_ = 0;  // of the coefficients in float; of the right side
+  std::vector<double> plane_sums_, set_sums_;
+  double removed_ = 0;  // |.| of what was taken off the right side
   bool is_set_ = false;
 };
 
