@@ -17,7 +17,7 @@ namespace silt::inline SILT_TARGET::fluid_detail {
 /// values beyond faces, twice as far from a coarser cell's centre: which faces is not known, but
 /// they are closed ones, and a direction counts by its share of those. Where no face is closed, d
 /// is a volume's and is summed.
-inline void add_diagonal(const Level& fine, int j, int k, float* to) {
+SILT_ONE_COPY void add_diagonal(const Level& fine, int j, int k, float* to) {
   if (!fine.row_has_d[fine.row_number(j, k)]) return;
   const FaceRows a = fine.faces(j, k);
   for (int i = 0; i < fine.n[0]; ++i) {

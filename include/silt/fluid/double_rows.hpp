@@ -19,7 +19,7 @@ using PackD = Lanes<DefaultArch>::Real;
 inline constexpr int lanes_d = static_cast<int>(Lanes<DefaultArch>::width);
 
 /// u . v of n values.
-inline double dot_row(int n, const double* u, const double* v) {
+SILT_ONE_COPY double dot_row(int n, const double* u, const double* v) {
   PackD sum(0.0);
   int i = 0;
   for (; i + lanes_d <= n; i += lanes_d) sum += load<PackD>(u + i) * load<PackD>(v + i);
@@ -30,8 +30,9 @@ inline double dot_row(int n, const double* u, const double* v) {
 
 /// to = scale from, and what the set-up asks of `from`: adds its sum (scaled), finds the largest
 /// and whether all are finite and not negative. `first_closed`: the first counts as 0.
-inline void convert_row(int n, bool first_closed, double scale, const double* __restrict from,
-                        float* __restrict to, double& sum, double& largest, bool& valid) {
+SILT_ONE_COPY void convert_row(int n, bool first_closed, double scale,
+                               const double* __restrict from, float* __restrict to, double& sum,
+                               double& largest, bool& valid) {
   // Lanes of their own for sums and extremes, so that compilers can use vectors.
   constexpr int wide = 8;
   double sums[wide] = {}, high[wide] = {}, low[wide] = {};
@@ -85,8 +86,8 @@ struct DoubleRows {
 /// r = scale (b - A p); returns |b - A p|^2 of the row. r is in halves (see
 /// level_rows.hpp). Faces of x at its ends are closed, or the
 /// first is the last if `wraps`; no ghost is read for them.
-inline double residual_row(int n, bool wraps, const DoubleRows& of, const double* b, double scale,
-                           float* r, std::ptrdiff_t half) {
+SILT_ONE_COPY double residual_row(int n, bool wraps, const DoubleRows& of, const double* b,
+                                  double scale, float* r, std::ptrdiff_t half) {
   constexpr int chunk = 256;
   alignas(64) static constexpr std::array<double, chunk> zeros{};
   alignas(64) double left[chunk];

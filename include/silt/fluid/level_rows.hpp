@@ -7,6 +7,16 @@
 #include <silt/core/lanes.hpp>
 #include <silt/core/target.hpp>
 
+/// One machine code of a function, not a copy at each call: compilers may fuse a product and a sum
+/// in one copy and not in another, and results would depend on who calls, hence on threads.
+#if defined(__clang__)
+#define SILT_ONE_COPY inline __attribute__((noinline))
+#elif defined(__GNUC__)
+#define SILT_ONE_COPY inline __attribute__((noinline, noclone))
+#else
+#define SILT_ONE_COPY inline
+#endif
+
 /// Operations on single rows of a level of the multigrid: floats, whole packs of lanes.
 ///
 /// A row holds its cells of even i, then, `half` values on, those of odd i: cells of one colour of
@@ -66,8 +76,8 @@ struct Sides {
 };
 
 /// Gauss-Seidel for the cells of one half: x = (r + sum a x_neighbour) / diagonal.
-inline void relax_row(int n, int h, std::ptrdiff_t half, const FaceRows& a, const float* inverse,
-                      const float* r, const NeighbourRows<float>& x) {
+SILT_ONE_COPY void relax_row(int n, int h, std::ptrdiff_t half, const FaceRows& a,
+                             const float* inverse, const float* r, const NeighbourRows<float>& x) {
   const Sides side(h, half);
   const int count = cells_of_half(n, h);
   for (int m = 0; m < count; m += lanes) {
@@ -108,8 +118,8 @@ SILT_INLINE Pack apply_pack(int m, const Sides& side, const FaceRows& a,
 }
 
 /// q = A p; returns p . q. Nothing beyond the cells is written.
-inline double apply_row(int n, std::ptrdiff_t half, const FaceRows& a,
-                        const NeighbourRows<const float>& p, float* q) {
+SILT_ONE_COPY double apply_row(int n, std::ptrdiff_t half, const FaceRows& a,
+                               const NeighbourRows<const float>& p, float* q) {
   double total = 0;
   for (const int h : {0, 1}) {
     const Sides side(h, half);
@@ -133,15 +143,15 @@ inline double apply_row(int n, std::ptrdiff_t half, const FaceRows& a,
 }
 
 /// Adds r - A x of `count` cells of a half from the m-th on to `sum`; whole packs.
-inline void add_residual(int from, int count, const Sides& side, const FaceRows& a, const float* r,
-                         const NeighbourRows<const float>& x, float* sum) {
+SILT_ONE_COPY void add_residual(int from, int count, const Sides& side, const FaceRows& a,
+                                const float* r, const NeighbourRows<const float>& x, float* sum) {
   for (int m = 0; m < count; m += lanes)
     store(sum + m, load<Pack>(sum + m) +
                        (load<Pack>(r + side.own + from + m) - apply_pack(from + m, side, a, x)));
 }
 
 /// u . v of rows of n values, halves and all between; there one of both is 0.
-inline double dot_row(std::size_t n, const float* u, const float* v) {
+SILT_ONE_COPY double dot_row(std::size_t n, const float* u, const float* v) {
   Pack sum(0.0f);
   for (std::size_t i = 0; i < n; i += lanes)
     sum = multiply_add(load<Pack>(u + i), load<Pack>(v + i), sum);
@@ -149,7 +159,7 @@ inline double dot_row(std::size_t n, const float* u, const float* v) {
 }
 
 /// r -= alpha q; returns r . r.
-inline double subtract_row(std::size_t n, float alpha, const float* q, float* r) {
+SILT_ONE_COPY double subtract_row(std::size_t n, float alpha, const float* q, float* r) {
   Pack sum(0.0f);
   for (std::size_t i = 0; i < n; i += lanes) {
     const Pack v = multiply_add(Pack(-alpha), load<Pack>(q + i), load<Pack>(r + i));
@@ -160,14 +170,14 @@ inline double subtract_row(std::size_t n, float alpha, const float* q, float* r)
 }
 
 /// p = z + beta p.
-inline void direction_row(std::size_t n, float beta, const float* z, float* p) {
+SILT_ONE_COPY void direction_row(std::size_t n, float beta, const float* z, float* p) {
   for (std::size_t i = 0; i < n; i += lanes)
     store(p + i, multiply_add(Pack(beta), load<Pack>(p + i), load<Pack>(z + i)));
 }
 
 /// sum += alpha p in double.
-inline void add_scaled_row(std::size_t n, double alpha, const float* __restrict p,
-                           double* __restrict sum) {
+SILT_ONE_COPY void add_scaled_row(std::size_t n, double alpha, const float* __restrict p,
+                                  double* __restrict sum) {
   for (std::size_t i = 0; i < n; i += 8)
     for (std::size_t lane = 0; lane < 8; ++lane)
       sum[i + lane] += alpha * static_cast<double>(p[i + lane]);

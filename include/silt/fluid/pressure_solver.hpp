@@ -50,7 +50,7 @@ struct PressureSolution {
 /// Method: conjugate gradients preconditioned by a symmetric V-cycle of geometric multigrid (see
 /// multigrid.hpp), both in float; p in double, and the residual is computed anew in double whenever
 /// it has dropped by 1e-4 and at the end ("reliable updates"), so that the result is as good as of
-/// double throughout. Memory: 12 floats and 1 double a cell, and an eighth of the floats once more.
+/// double throughout. Memory: about 65 bytes a cell (9 floats, 2 doubles, labels; coarser levels).
 /// Source: O. Tatebe, The multigrid preconditioned conjugate gradient method, 6th Copper Mountain
 ///   Conf. on Multigrid Methods, NASA CP-3224, 1993, 621-634; G. L. G. Sleijpen, H. A. van der
 ///   Vorst, Reliable updated residuals in hybrid Bi-CG methods, Computing 56, 1996, 141-163,
