@@ -1,0 +1,77 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cstddef>
+
+#include <silt/core/lanes.hpp>
+
+/// Loops over single rows of the flow solver's fields.
+namespace silt::inline SILT_TARGET::fluid_detail {
+
+/// Calls body.operator()<Real>(i) for i = from ... to-1: by packs, then one by one.
+template <class Body>
+SILT_INLINE void for_row(int from, int to, const Body& body) {
+  using Pack = Lanes<DefaultArch>::Real;
+  constexpr int width = static_cast<int>(Lanes<DefaultArch>::width);
+  int i = from;
+  if constexpr (width > 1)
+    for (; i + width <= to; i += width) body.template operator()<Pack>(i);
+  for (; i < to; ++i) body.template operator()<double>(i);
+}
+
+template <class Real>
+SILT_INLINE void store_any(double* p, const Real& x) {
+  if constexpr (is_batch<Real>)
+    x.store_unaligned(p);
+  else
+    *p = x;
+}
+
+/// Flux of q through the face between `m` and `0`, with the flow `f` towards 0: van Leer's limited
+/// second-order upwind value.
+/// Source: B. van Leer, J. Comput. Phys. 14 (1974) 361.
+template <class Real>
+SILT_INLINE Real flux(const Real& f, const Real& mm, const Real& m, const Real& q0, const Real& p) {
+  const auto forward = f > Real(0);
+  const Real near = select(forward, m, q0), far = select(forward, q0, m);
+  const Real a = far - near, b = near - select(forward, mm, p), ab = a * b;
+  const auto monotone = ab > Real(0);
+  return f * (near + select(monotone, ab, Real(0)) / select(monotone, a + b, Real(1)));
+}
+
+/// What one row of one velocity component needs: pointers to value i = 0 of the row.
+struct MomentumRow {
+  const double* q;            // [m/s] the component
+  const double* flow[3];      // [m/s] superficial velocities that carry it, on their faces
+  const double* spread;       // [1/s] divergence of the velocity, in cells
+  std::ptrdiff_t step[3];     // from a value to the next in each direction
+  std::ptrdiff_t own;         // step in the direction of the component
+  double over_h[3];           // [1/m]
+  double over_own;            // [1/m] in that direction
+  double density, viscosity;  // [kg/m3], [Pa s]
+};
+
+/// Advection and viscosity of value i [N/m3]: -rho div(F q), and mu (lap q + 1/3 grad div u).
+template <class Real>
+SILT_INLINE void explicit_terms(const MomentumRow& r, int i, Real& advection, Real& viscous) {
+  const auto q = [&](std::ptrdiff_t at) { return load_any<Real>(r.q + i + at); };
+  const Real q0 = q(0), half(0.5);
+  Real div(0), lap(0);
+  for (int e = 0; e < 3; ++e) {
+    const std::ptrdiff_t s = r.step[e];
+    const auto flow = [&](std::ptrdiff_t at) {
+      const double* const f = r.flow[e] + i + at;
+      return half * (load_any<Real>(f - r.own) + load_any<Real>(f));
+    };
+    const Real mm = q(-2 * s), m = q(-s), p = q(s), pp = q(2 * s), over(r.over_h[e]);
+    div += over * (flux(flow(s), m, q0, p, pp) - flux(flow(0), mm, m, q0, p));
+    lap += (over * over) * ((p - q0) - (q0 - m));
+  }
+  const double* const spread = r.spread + i;
+  const Real squeeze =
+      Real(r.over_own / 3) * (load_any<Real>(spread) - load_any<Real>(spread - r.own));
+  advection = Real(-r.density) * div;
+  viscous = Real(r.viscosity) * (lap + squeeze);
+}
+
+}  // namespace silt::fluid_detail
