@@ -27,16 +27,21 @@ SILT_INLINE void store_any(double* p, const Real& x) {
     *p = x;
 }
 
-/// Flux of q through the face between `m` and `0`, with the flow `f` towards 0: van Leer's limited
-/// second-order upwind value.
-/// Source: B. van Leer, J. Comput. Phys. 14 (1974) 361.
+/// Differences of velocities, over the velocity that carries them, that count as smooth [-].
+inline constexpr double smooth_difference = 0.1;
+
+/// Flux of q through the face between `m` and `0`, with the flow `f` towards 0: upwind with the
+/// mean of both slopes (Fromm) where q is smooth, extremes included, and with van Albada's limited
+/// slope where it jumps. Source: G. D. van Albada, B. van Leer, W. W. Roberts, Astron. Astrophys.
+/// 108 (1982) 76.
 template <class Real>
 SILT_INLINE Real flux(const Real& f, const Real& mm, const Real& m, const Real& q0, const Real& p) {
   const auto forward = f > Real(0);
   const Real near = select(forward, m, q0), far = select(forward, q0, m);
-  const Real a = far - near, b = near - select(forward, mm, p), ab = a * b;
-  const auto monotone = ab > Real(0);
-  return f * (near + select(monotone, ab, Real(0)) / select(monotone, a + b, Real(1)));
+  const Real a = far - near, b = near - select(forward, mm, p);
+  const Real small = Real(smooth_difference * smooth_difference) * f * f + smallest<Real>();
+  const Real slope = (max(a * b, Real(0)) + small) * (a + b) / (a * a + b * b + Real(2) * small);
+  return f * (near + Real(0.5) * slope);
 }
 
 /// What one row of one velocity component needs: pointers to value i = 0 of the row.

@@ -100,7 +100,7 @@ class FlowSolver {
   /// @{
   Field& velocity(int d) { return u_[at(d)]; }  // [m/s] interstitial
   const Field& velocity(int d) const { return u_[at(d)]; }
-  Field& pressure() { return p_; }  // [Pa]
+  Field& pressure() { return p_; }  // [Pa] of the middle of the last step
   const Field& pressure() const { return p_; }
   /// @}
 
@@ -121,6 +121,30 @@ class FlowSolver {
     superficial(u_, flow_, team);
     old_flow_ = flow_;
     old_dt_ = 0, started_ = true;
+  }
+
+  /// The momentum of the fluid [kg m/s] that steps keep: of what is in the volumes of velocities.
+  Vec3d momentum(const Team& team = {}) const {
+    double of[3];
+    for (int d = 0; d < 3; ++d) {
+      const std::ptrdiff_t s = stride(d);
+      const int first = sides_.first(d), last = sides_.last(d);
+      of[d] = over_planes(
+          team,
+          [&](int k) {
+            double all = 0;
+            for (int j = 0; j < grid_.ny(); ++j)
+              for (int i = 0; i < grid_.nx(); ++i) {
+                const int face = d == 0 ? i : d == 1 ? j : k;
+                const double *m = &mass_.row(j, k)[i], u = u_[at(d)](i, j, k);
+                if (face >= first && face < last) all += 0.5 * (m[-s] + m[0]) * u;
+              }
+            return all;
+          },
+          sum);
+      of[d] *= fluid_.density * grid_.cell_volume();
+    }
+    return {of[0], of[1], of[2]};
   }
 
   /// The longest step [s] for which the explicit terms are stable, with a margin.
@@ -186,10 +210,17 @@ class FlowSolver {
   }
 
   void take_voidage() {
-    if (options_.model == MomentumModel::Simplified)
-      eps_.fill(1);
-    else
-      eps_ = voidage_;
+    if (options_.model == MomentumModel::Simplified) return;  // 1 as from the first
+    for (int k = 0; k < grid_.nz(); ++k)
+      for (int j = 0; j < grid_.ny(); ++j) {
+        const double* const e = voidage_.row(j, k);
+        for (int i = 0; i < grid_.nx(); ++i)
+          if (!(e[i] > 0 && e[i] <= 1 + 1e-9)) [[unlikely]]
+            throw Error(text("FlowSolver: cell (", i, ", ", j, ", ", k, ") has a voidage of ", e[i],
+                             "; it must be above 0 and at most 1: spread the particles' volume "
+                             "over more cells, or use larger cells"));
+      }
+    eps_ = voidage_;
     sides_.fill_voidage(eps_);
   }
 
@@ -246,17 +277,17 @@ class FlowSolver {
   }
   void refuse_unstable(double dt, double courant) const {
     if (!(courant <= 1))
-      throw Error(text("FlowSolver: the flow crosses ", courant, " cells in a step of ",
-                                   dt, " s; it must be at most 1: make the fluid's step shorter"));
+      throw Error(text("FlowSolver: the flow crosses ", courant, " cells in a step of ", dt,
+                       " s; it must be at most 1: make the fluid's step shorter"));
     const Vec3d size = grid_.h();
     const double spread = fluid_.viscosity / fluid_.density * dt *
                           (1 / (size.x * size.x) + 1 / (size.y * size.y) + 1 / (size.z * size.z));
     if (spread > 0.45)
       throw Error(
           text("FlowSolver: viscosity spreads over mu dt / rho (1/hx^2 + "
-                           "1/hy^2 + 1/hz^2) = ",
-                           spread, " of a cell in a step of ", dt,
-                           " s; it must be at most 0.45: make the fluid's step shorter"));
+               "1/hy^2 + 1/hz^2) = ",
+               spread, " of a cell in a step of ", dt,
+               " s; it must be at most 0.45: make the fluid's step shorter"));
   }
 
   /// The fluxes in the middle of the step, and the fluid that they carry.
@@ -394,11 +425,11 @@ class FlowSolver {
         sum);
     const double mean = excess * dt / static_cast<double>(grid_.size());
     if (!sides_.any_open() && std::abs(mean) > 1e-6)
-      throw Error(text(
-          "FlowSolver: ", mean > 0 ? "more" : "less", " fluid comes in than goes out, by ",
-          std::abs(mean),
-          " of the volume in a step, and no side is an Outflow; make one an "
-          "Outflow, or balance the sides' velocities and the particles that come and go"));
+      throw Error(
+          text("FlowSolver: ", mean > 0 ? "more" : "less", " fluid comes in than goes out, by ",
+               std::abs(mean),
+               " of the volume in a step, and no side is an Outflow; make one an "
+               "Outflow, or balance the sides' velocities and the particles that come and go"));
     solver_.set(coefficient_[0], coefficient_[1], coefficient_[2], held_, team);
     change_.fill(0);
     const auto solved = solver_.solve(
@@ -406,7 +437,7 @@ class FlowSolver {
         {.relative = options_.tolerance, .most_iterations = options_.most_iterations}, team);
     if (!solved.converged)
       throw Error(text("FlowSolver: the pressure of a step of ", dt,
-                                   " s cannot be found: ", solved.reason));
+                       " s cannot be found: ", solved.reason));
     done.iterations = solved.iterations, done.removed = solved.removed;
     sides_.fill_pressure(change_, true);
     for (int d = 0; d < 3; ++d) {
