@@ -128,13 +128,15 @@ TEST_CASE("Poiseuille's and Couette's profiles") {
         }) < 1e-9);
 }
 
-TEST_CASE("Lid-driven cavity at Re = 100 as of Ghia et al.") {
-  // U. Ghia, K. N. Ghia, C. T. Shin, J. Comput. Phys. 48 (1982) 387, tables I and II, 129 x 129.
-  const int n = 64;
+TEST_CASE("Lid-driven cavity at Re = 100") {
+  // U. Ghia, K. N. Ghia, C. T. Shin, J. Comput. Phys. 48 (1982) 387, tables I and II. Their grid of
+  // 129 x 129 leaves them up to 0.0085 from later, finer solutions (the extremes below), hence the
+  // tolerance of 0.009.
+  const int n = 48;
   FlowSolver flow(Grid({{0, 0, 0}, {1, 1, 1}}, {n, n, 1}, {false, false, true}),
                   FluidProperties{1.0, 0.01});
   flow.set_side(1, 1, NoSlip{{1, 0, 0}});
-  for (int s = 0; s < 3200; ++s) flow.step(0.004);
+  for (int s = 0; s < 2200; ++s) flow.step(0.006);
   const auto u_at = [&](double y) {  // on x = 1/2, a row of faces
     const double at = y * n - 0.5;
     const int j = static_cast<int>(at);
@@ -147,14 +149,24 @@ TEST_CASE("Lid-driven cavity at Re = 100 as of Ghia et al.") {
     const double w = at - i;
     return (1 - w) * flow.velocity(1)(i, n / 2, 0) + w * flow.velocity(1)(i + 1, n / 2, 0);
   };
-  // The largest error was 6.3e-3 with 40 x 40 cells and falls with their size squared.
   const double far[][2] = {{0.1016, -0.06434}, {0.1719, -0.10150}, {0.2813, -0.15662},
                            {0.4531, -0.21090}, {0.5000, -0.20581}, {0.6172, -0.13641},
                            {0.7344, 0.00332},  {0.8516, 0.23151}};
-  for (const auto& [y, u] : far) CHECK(std::abs(u_at(y) - u) < 3e-3);
+  for (const auto& [y, u] : far) CHECK(std::abs(u_at(y) - u) < 9e-3);
   const double high[][2] = {{0.0938, 0.12317}, {0.1563, 0.16077},  {0.2344, 0.17527},
                             {0.5000, 0.05454}, {0.8047, -0.24533}, {0.9063, -0.16914}};
-  for (const auto& [x, v] : high) CHECK(std::abs(v_at(x) - v) < 3e-3);
+  for (const auto& [x, v] : high) CHECK(std::abs(v_at(x) - v) < 9e-3);
+  double u_least = 0, v_least = 0, v_most = 0;
+  for (int k = 0; k < n; ++k) {
+    u_least = std::min(u_least, flow.velocity(0)(n / 2, k, 0));
+    v_least = std::min(v_least, flow.velocity(1)(k, n / 2, 0));
+    v_most = std::max(v_most, flow.velocity(1)(k, n / 2, 0));
+  }
+  // C. H. Marchi, R. Suero, L. K. Araki, J. Braz. Soc. Mech. Sci. Eng. 31 (2009) 186; the error of
+  // these cells falls from 0.005 with 32 x 32.
+  CHECK(std::abs(u_least - -0.21404) < 2.5e-3);
+  CHECK(std::abs(v_least - -0.25380) < 2.5e-3);
+  CHECK(std::abs(v_most - 0.17957) < 2.5e-3);
 }
 
 TEST_CASE("a uniform flow stays one to rounding, also where it carries a changing voidage") {
