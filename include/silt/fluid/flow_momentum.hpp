@@ -1,0 +1,124 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cstddef>
+
+#include <silt/fluid/flow_state.hpp>
+
+/// What a step does before its pressure: see FlowSolver.
+namespace silt::inline SILT_TARGET::fluid_detail {
+
+inline void refuse_unstable(const FlowState& state, double dt, double courant) {
+  if (!(courant <= 1))
+    throw Error(text("FlowSolver: the flow crosses ", courant, " cells in a step of ", dt,
+                     " s; it must be at most 1: make the fluid's step shorter"));
+  const Vec3d size = state.grid.h();
+  const double spread = state.fluid.viscosity / state.fluid.density * dt *
+                        (1 / (size.x * size.x) + 1 / (size.y * size.y) + 1 / (size.z * size.z));
+  if (spread > 0.45)
+    throw Error(
+        text("FlowSolver: viscosity spreads over mu dt / rho (1/hx^2 + "
+             "1/hy^2 + 1/hz^2) = ",
+             spread, " of a cell in a step of ", dt,
+             " s; it must be at most 0.45: make the fluid's step shorter"));
+}
+
+/// The fluxes in the middle of the step, and the fluid that they carry.
+inline void carry(FlowState& state, double dt, const Team& team) {
+  const double ahead = state.old_dt > 0 ? 0.5 * dt / state.old_dt : 0;
+  for (int d = 0; d < 3; ++d) {
+    const int more[3] = {d == 0, d == 1, d == 2};
+    team.for_parts(FlowState::at(state.grid.nz() + more[2]), [&](std::size_t part) {
+      for (int j = 0; j < state.grid.ny() + more[1]; ++j) {
+        const int k = static_cast<int>(part);
+        const double *now = state.flow[FlowState::at(d)].row(j, k),
+                     *old = state.old_flow[FlowState::at(d)].row(j, k);
+        double* out = state.carried[FlowState::at(d)].row(j, k);
+        for_row(0, state.grid.nx() + more[0], [&]<class Real>(int i) {
+          const Real f = load_any<Real>(now + i);
+          store_any(out + i, f + Real(ahead) * (f - load_any<Real>(old + i)));
+        });
+      }
+    });
+    state.sides.fill_flux(d, state.carried[FlowState::at(d)]);
+  }
+  const double lacking = state.over_planes(
+      team,
+      [&](int k) {
+        double most = 0;
+        for (int j = 0; j < state.grid.ny(); ++j) {
+          const double *m = state.mass.row(j, k), *e = state.eps.row(j, k);
+          double* const out = state.next_mass.row(j, k);
+          for (int i = 0; i < state.grid.nx(); ++i) {
+            out[i] = m[i] - dt * state.divergence(state.carried, i, j, k);
+            most = FlowState::larger(most, 0.5 * e[i] - out[i]);
+          }
+        }
+        return most;
+      },
+      FlowState::larger);
+  if (lacking > 0) {  // eps jumps: follow it a step late, without looking ahead
+    state.carried = state.flow, state.mass = state.older_eps, state.next_mass = state.old_eps;
+  }
+  state.sides.fill_voidage(state.mass), state.sides.fill_voidage(state.next_mass);
+}
+inline void find_spread(FlowState& state, const Team& team) {
+  state.for_cells(team, [&](int j, int k) {
+    double* const out = state.spread.row(j, k);
+    for (int i = 0; i < state.grid.nx(); ++i) out[i] = state.divergence(state.velocity, i, j, k);
+  });
+  state.sides.fill_cells(state.spread);
+}
+
+/// One stage: `out` is u* of (4) with the tendency of q, or, in the second stage, the mean of it
+/// and the first one's.
+inline void stage(FlowState& state, const Three& q, bool second, double dt, Three& out,
+                  const Team& team) {
+  const bool averaged = state.options.model == MomentumModel::A;
+  for (int d = 0; d < 3; ++d) {
+    const std::ptrdiff_t s = state.stride(d);
+    state.for_faces(d, team, [&](int j, int k, int from, int to) {
+      const auto row = [&](const Field& f) { return f.row(j, k); };
+      MomentumRow r{row(q[FlowState::at(d)]),
+                    {row(state.carried[0]), row(state.carried[1]), row(state.carried[2])},
+                    row(state.spread),
+                    {state.stride(0), state.stride(1), state.stride(2)},
+                    s,
+                    {1 / state.h(0), 1 / state.h(1), 1 / state.h(2)},
+                    1 / state.h(d),
+                    state.fluid.density,
+                    state.fluid.viscosity};
+      const double *u = row(state.velocity[FlowState::at(d)]), *eps = row(state.eps),
+                   *m = row(state.mass), *m1 = row(state.next_mass), *K = row(state.drag),
+                   *Kv = row(state.drag_v[FlowState::at(d)]),
+                   *f = row(state.force[FlowState::at(d)]), *p = row(state.pressure);
+      double *const to_row = out[FlowState::at(d)].row(j, k),
+                    *const t_row = state.tendency[FlowState::at(d)].row(j, k),
+                    *const w_row = state.weight[FlowState::at(d)].row(j, k);
+      const double per_step = state.fluid.density / dt;
+      for_row(from, to, [&]<class Real>(int i) {
+        const Real half(0.5);
+        const auto mean = [&](const double* c) {
+          return half * (load_any<Real>(c + i - s) + load_any<Real>(c + i));
+        };
+        const Real eps_f = averaged ? mean(eps) : Real(1);
+        Real advection, viscous;
+        explicit_terms(r, i, advection, viscous);
+        Real t = advection + eps_f * viscous;
+        if (second)
+          t = half * (load_any<Real>(t_row + i) + t);
+        else
+          store_any(t_row + i, t);
+        const Real over_D = Real(1) / (Real(per_step) * mean(m1) + mean(K));
+        const Real slope =
+            Real(1 / state.h(d)) * (load_any<Real>(p + i) - load_any<Real>(p + i - s));
+        const Real driven = Real(per_step) * mean(m) * load_any<Real>(u + i) + t - eps_f * slope +
+                            mean(Kv) + mean(f);
+        store_any(to_row + i, over_D * driven);
+        if (second) store_any(w_row + i, eps_f * over_D);
+      });
+    });
+  }
+}
+
+}  // namespace silt::fluid_detail

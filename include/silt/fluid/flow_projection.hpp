@@ -1,0 +1,130 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+
+#include <silt/fluid/flow_state.hpp>
+#include <silt/fluid/pressure_solver.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// What a step did.
+struct FlowStep {
+  double courant = 0;  // [-] the largest sum over directions of |u| dt / h of any cell
+  int iterations = 0;  // of the pressure solver
+  double removed = 0;  // [-] of the continuity equation's right side: what no flow could balance
+};
+
+namespace fluid_detail {
+
+/// The pressure that makes a step's velocities keep the volume: (5) of FlowSolver.
+class FlowProjection {
+ public:
+  explicit FlowProjection(const Grid& grid)
+      : solver_(grid),
+        coefficient_{Field(grid), Field(grid), Field(grid)},
+        change_(grid),
+        right_(grid),
+        held_(grid) {}
+
+  void run(FlowState& state, double dt, FlowStep& done, const Team& team) {
+    state.old_flow = state.flow;
+    state.superficial(state.next, state.flow, team);
+    for (int d = 0; d < 3; ++d) {
+      const std::ptrdiff_t s = state.stride(d);
+      const double over = 1 / (state.h(d) * state.h(d));
+      state.for_faces(d, team, [&](int j, int k, int from, int to) {
+        const double *eps = state.eps.row(j, k), *w = state.weight[FlowState::at(d)].row(j, k);
+        double* const a = coefficient_[FlowState::at(d)].row(j, k);
+        for_row(from, to, [&]<class Real>(int i) {
+          const Real mean = Real(0.5) * (load_any<Real>(eps + i - s) + load_any<Real>(eps + i));
+          store_any(a + i, Real(over) * mean * load_any<Real>(w + i));
+        });
+      });
+    }
+    hold_outlets(state);
+    const double excess = state.over_planes(
+        team,
+        [&](int k) {
+          double all = 0;
+          for (int j = 0; j < state.grid.ny(); ++j) {
+            const double *now = state.eps.row(j, k), *old = state.old_eps.row(j, k);
+            double* const b = right_.row(j, k);
+            for (int i = 0; i < state.grid.nx(); ++i) {
+              b[i] = -(state.divergence(state.flow, i, j, k) + (now[i] - old[i]) / dt);
+              all += b[i];
+            }
+          }
+          return all;
+        },
+        FlowState::added);
+    const double mean = excess * dt / static_cast<double>(state.grid.size());
+    if (!state.sides.any_open() && std::abs(mean) > 1e-6)
+      throw Error(
+          text("FlowSolver: ", mean > 0 ? "more" : "less", " fluid comes in than goes out, by ",
+               std::abs(mean),
+               " of the volume in a step, and no side is an Outflow; make one an "
+               "Outflow, or balance the sides' velocities and the particles that come and go"));
+    solver_.set(coefficient_[0], coefficient_[1], coefficient_[2], held_, team);
+    change_.fill(0);
+    const auto solved = solver_.solve(
+        right_, change_,
+        {.relative = state.options.tolerance, .most_iterations = state.options.most_iterations},
+        team);
+    if (!solved.converged)
+      throw Error(text("FlowSolver: the pressure of a step of ", dt,
+                       " s cannot be found: ", solved.reason));
+    done.iterations = solved.iterations, done.removed = solved.removed;
+    state.sides.fill_pressure(change_, true);
+    for (int d = 0; d < 3; ++d) {
+      const std::ptrdiff_t s = state.stride(d);
+      state.for_faces(d, team, [&](int j, int k, int from, int to) {
+        const double *star = state.next[FlowState::at(d)].row(j, k),
+                     *w = state.weight[FlowState::at(d)].row(j, k), *dp = change_.row(j, k);
+        double* const u = state.velocity[FlowState::at(d)].row(j, k);
+        for_row(from, to, [&]<class Real>(int i) {
+          const Real slope =
+              Real(1 / state.h(d)) * (load_any<Real>(dp + i) - load_any<Real>(dp + i - s));
+          store_any(u + i, load_any<Real>(star + i) - load_any<Real>(w + i) * slope);
+        });
+      });
+      state.sides.fill_velocity(d, state.velocity[FlowState::at(d)]);
+    }
+    state.for_cells(team, [&](int j, int k) {
+      double* const p = state.pressure.row(j, k);
+      const double* const dp = change_.row(j, k);
+      for (int i = 0; i < state.grid.nx(); ++i) p[i] += dp[i];
+    });
+    state.superficial(state.velocity, state.flow, team);
+  }
+
+ private:
+  /// Outlets hold the pressure half a cell from the last centre.
+  void hold_outlets(const FlowState& state) {
+    held_.fill(0);
+    const auto& n = state.grid.cells();
+    for (int d = 0; d < 3; ++d)
+      for (int end = 0; end < 2; ++end) {
+        if (!state.sides.open(d, end)) continue;
+        const int a = (d + 1) % 3, b = (d + 2) % 3;
+        for (int y = 0; y < n[FlowState::at(b)]; ++y)
+          for (int x = 0; x < n[FlowState::at(a)]; ++x) {
+            int cell[3], face[3];
+            cell[a] = face[a] = x, cell[b] = face[b] = y;
+            cell[d] = end == 0 ? 0 : n[FlowState::at(d)] - 1,
+            face[d] = end == 0 ? 0 : n[FlowState::at(d)];
+            held_(cell[0], cell[1], cell[2]) +=
+                2 * coefficient_[FlowState::at(d)](face[0], face[1], face[2]);
+          }
+      }
+  }
+
+  PressureSolver solver_;
+  Three coefficient_;            // eps e/D/h^2
+  Field change_, right_, held_;  // dp and its equation
+};
+
+}  // namespace fluid_detail
+
+}  // namespace silt

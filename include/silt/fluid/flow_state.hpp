@@ -1,0 +1,169 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include <silt/core/error.hpp>
+#include <silt/core/threads.hpp>
+#include <silt/fluid/flow_rows.hpp>
+#include <silt/fluid/flow_sides.hpp>
+#include <silt/fluid/grid.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// An incompressible Newtonian fluid.
+struct FluidProperties {
+  double density = 1.2;       // [kg/m3]
+  double viscosity = 1.8e-5;  // [Pa s]
+};
+
+/// Volume-averaged momentum equations, with the pressure p and the force f of the particles:
+///   A           d(eps rho u)/dt + div(eps rho u u) = -eps grad p + eps div tau + f
+///   B                                              =     -grad p +     div tau + f
+///   Simplified  of the fluid alone (eps = 1); for dilute flow, solids below 1 %
+enum class MomentumModel { A, B, Simplified };
+
+struct FlowOptions {
+  MomentumModel model = MomentumModel::A;
+  double tolerance = 1e-6;    // [-] of the pressure's residual
+  int most_iterations = 200;  // [-] of the pressure solver
+};
+
+namespace fluid_detail {
+
+/// One field a direction: of velocities and fluxes.
+using Three = std::array<Field, 3>;
+
+/// The fields of a FlowSolver, and loops over them; ghosts are as `sides` has them.
+struct FlowState {
+  FlowState(const Grid& g, const FluidProperties& f, const FlowOptions& o)
+      : grid(g), fluid(f), options(o), sides(g) {}
+
+  static std::size_t at(int d) { return static_cast<std::size_t>(d); }
+  std::ptrdiff_t stride(int d) const {
+    return d == 0 ? 1
+                  : static_cast<std::ptrdiff_t>(d == 1 ? grid.row_stride() : grid.plane_stride());
+  }
+  double h(int d) const { return d == 0 ? grid.h().x : d == 1 ? grid.h().y : grid.h().z; }
+
+  /// Calls visit(j, k, from, to) for the rows of the unknown velocities of direction d, planes in
+  /// threads.
+  template <class Visit>
+  void for_faces(int d, const Team& team, const Visit& visit) const {
+    const auto& n = grid.cells();
+    int from[3] = {0, 0, 0}, to[3] = {n[0], n[1], n[2]};
+    from[d] = sides.first(d), to[d] = sides.last(d);
+    team.for_parts(static_cast<std::size_t>(std::max(0, to[2] - from[2])), [&](std::size_t part) {
+      const int k = from[2] + static_cast<int>(part);
+      for (int j = from[1]; j < to[1]; ++j) visit(j, k, from[0], to[0]);
+    });
+  }
+  template <class Visit>
+  void for_cells(const Team& team, const Visit& visit) const {
+    team.for_parts(at(grid.nz()), [&](std::size_t k) {
+      for (int j = 0; j < grid.ny(); ++j) visit(j, static_cast<int>(k));
+    });
+  }
+
+  void take_voidage() {
+    if (options.model == MomentumModel::Simplified) return;  // 1 as from the first
+    for (int k = 0; k < grid.nz(); ++k)
+      for (int j = 0; j < grid.ny(); ++j) {
+        const double* const e = voidage.row(j, k);
+        for (int i = 0; i < grid.nx(); ++i)
+          if (!(e[i] > 0 && e[i] <= 1 + 1e-9)) [[unlikely]]
+            throw Error(text("FlowSolver: cell (", i, ", ", j, ", ", k, ") has a voidage of ", e[i],
+                             "; it must be above 0 and at most 1: spread the particles' volume "
+                             "over more cells, or use larger cells"));
+      }
+    eps = voidage;
+    sides.fill_voidage(eps);
+  }
+
+  /// to = eps u on all faces, boundary faces too.
+  void superficial(const Three& u, Three& to, const Team& team) const {
+    for (int d = 0; d < 3; ++d) {
+      const std::ptrdiff_t s = stride(d);
+      const int more[3] = {d == 0, d == 1, d == 2};
+      team.for_parts(at(grid.nz() + more[2]), [&](std::size_t part) {
+        const int k = static_cast<int>(part);
+        for (int j = 0; j < grid.ny() + more[1]; ++j) {
+          const double *e = eps.row(j, k), *v = u[at(d)].row(j, k);
+          double* out = to[at(d)].row(j, k);
+          fluid_detail::for_row(0, grid.nx() + more[0], [&]<class Real>(int i) {
+            const Real mean = Real(0.5) * (load_any<Real>(e + i - s) + load_any<Real>(e + i));
+            fluid_detail::store_any(out + i, mean * load_any<Real>(v + i));
+          });
+        }
+      });
+      sides.fill_flux(d, to[at(d)]);
+    }
+  }
+
+  double divergence(const Three& f, int i, int j, int k) const {
+    double sum = 0;
+    for (int d = 0; d < 3; ++d) {
+      const double* const v = &f[at(d)].row(j, k)[i];
+      sum += (v[stride(d)] - v[0]) / h(d);
+    }
+    return sum;
+  }
+  /// The sum of what of_plane(k) returns, or, with std::max for `join`, the largest.
+  template <class OfPlane, class Join>
+  double over_planes(const Team& team, const OfPlane& of_plane, const Join& join) const {
+    std::vector<double> of(at(grid.nz()), 0.0);
+    team.for_parts(of.size(), [&](std::size_t k) { of[k] = of_plane(static_cast<int>(k)); });
+    double all = 0;
+    for (const double one : of) all = join(all, one);
+    return all;
+  }
+  static double larger(double a, double b) { return !(b <= a) ? b : a; }  // also what is no number
+  static double added(double a, double b) { return a + b; }
+
+  double courant(double dt, const Team& team) const {
+    const double over[3] = {dt / h(0), dt / h(1), dt / h(2)};
+    return over_planes(
+        team,
+        [&](int k) {
+          double most = 0;
+          for (int j = 0; j < grid.ny(); ++j)
+            for (int i = 0; i < grid.nx(); ++i) {
+              double one = 0;
+              for (int d = 0; d < 3; ++d) {
+                const double* const v = &velocity[at(d)].row(j, k)[i];
+                one += over[d] * std::max(std::abs(v[0]), std::abs(v[stride(d)]));
+              }
+              most = larger(most, one);
+            }
+          return most;
+        },
+        larger);
+  }
+  Grid grid;
+  FluidProperties fluid;
+  FlowOptions options;
+  FlowSides sides;
+  bool started = false;
+  double old_dt = 0;                                            // [s] of the last step; 0: none
+  Three velocity = three(), first = three(), next = three();    // [m/s] u, after a stage, u*
+  Three flow = three(), old_flow = three(), carried = three();  // [m/s] eps u; F
+  Three tendency = three();                                     // [N/m3] of the first stage
+  Three weight = three();                                       // [m3 s/kg] e/D
+  Field pressure{grid};                                         // [Pa]
+  Field voidage{grid, 1}, eps{grid, 1}, old_eps{grid, 1}, older_eps{grid, 1};
+  Field mass{grid, 1}, next_mass{grid, 1};  // [-] m, m'
+  Field spread{grid};                       // [1/s] div u
+  Field drag{grid};                         // [kg/(m3 s)] K
+  Three drag_v = three(), force = three();  // [N/m3] K v, s
+
+ private:
+  Three three() const { return {Field(grid), Field(grid), Field(grid)}; }
+};
+
+}  // namespace fluid_detail
+
+}  // namespace silt
