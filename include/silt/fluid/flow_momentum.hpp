@@ -65,7 +65,8 @@ inline void carry(FlowState& state, double dt, const Team& team) {
 inline void find_spread(FlowState& state, const Team& team) {
   state.for_cells(team, [&](int j, int k) {
     double* const out = state.spread.row(j, k);
-    for (int i = 0; i < state.grid.nx(); ++i) out[i] = state.divergence(state.velocity, i, j, k);
+    for (int i = 0; i < state.grid.nx(); ++i)
+      out[i] = state.beside_solids(i, j, k) ? 0 : state.divergence(state.velocity, i, j, k);
   });
   state.sides.fill_cells(state.spread);
 }
@@ -74,50 +75,47 @@ inline void find_spread(FlowState& state, const Team& team) {
 /// and the first one's.
 inline void stage(FlowState& state, const Three& q, bool second, double dt, Three& out,
                   const Team& team) {
-  const bool averaged = state.options.model == MomentumModel::A;
   for (int d = 0; d < 3; ++d) {
-    const std::ptrdiff_t s = state.stride(d);
+    const std::size_t c = FlowState::at(d);
     state.for_faces(d, team, [&](int j, int k, int from, int to) {
       const auto row = [&](const Field& f) { return f.row(j, k); };
-      MomentumRow r{row(q[FlowState::at(d)]),
-                    {row(state.carried[0]), row(state.carried[1]), row(state.carried[2])},
-                    row(state.spread),
-                    {state.stride(0), state.stride(1), state.stride(2)},
-                    s,
-                    {1 / state.h(0), 1 / state.h(1), 1 / state.h(2)},
-                    1 / state.h(d),
-                    state.fluid.density,
-                    state.fluid.viscosity};
-      const double *u = row(state.velocity[FlowState::at(d)]), *eps = row(state.eps),
-                   *m = row(state.mass), *m1 = row(state.next_mass), *K = row(state.drag),
-                   *Kv = row(state.drag_v[FlowState::at(d)]),
-                   *f = row(state.force[FlowState::at(d)]), *p = row(state.pressure);
-      double *const to_row = out[FlowState::at(d)].row(j, k),
-                    *const t_row = state.tendency[FlowState::at(d)].row(j, k),
-                    *const w_row = state.weight[FlowState::at(d)].row(j, k);
-      const double per_step = state.fluid.density / dt;
-      for_row(from, to, [&]<class Real>(int i) {
-        const Real half(0.5);
-        const auto mean = [&](const double* c) {
-          return half * (load_any<Real>(c + i - s) + load_any<Real>(c + i));
-        };
-        const Real eps_f = averaged ? mean(eps) : Real(1);
-        Real advection, viscous;
-        explicit_terms(r, i, advection, viscous);
-        Real t = advection + eps_f * viscous;
-        if (second)
-          t = half * (load_any<Real>(t_row + i) + t);
-        else
-          store_any(t_row + i, t);
-        const Real over_D = Real(1) / (Real(per_step) * mean(m1) + mean(K));
-        const Real slope =
-            Real(1 / state.h(d)) * (load_any<Real>(p + i) - load_any<Real>(p + i - s));
-        const Real driven = Real(per_step) * mean(m) * load_any<Real>(u + i) + t - eps_f * slope +
-                            mean(Kv) + mean(f);
-        store_any(to_row + i, over_D * driven);
-        if (second) store_any(w_row + i, eps_f * over_D);
-      });
+      const bool walled = state.solids.has_value();
+      const auto of_solids = [&](const auto& field) {
+        return walled ? field(*state.solids)[c].row(j, k) : nullptr;
+      };
+      const StageRow r{row(q[c]),
+                       {row(state.carried[0]), row(state.carried[1]), row(state.carried[2])},
+                       row(state.spread),
+                       {state.stride(0), state.stride(1), state.stride(2)},
+                       state.stride(d),
+                       {1 / state.h(0), 1 / state.h(1), 1 / state.h(2)},
+                       1 / state.h(d),
+                       state.fluid.density,
+                       state.fluid.viscosity,
+                       state.fluid.density / dt,
+                       state.options.model == MomentumModel::A,
+                       second,
+                       row(state.velocity[c]),
+                       row(state.eps),
+                       row(state.mass),
+                       row(state.next_mass),
+                       row(state.drag),
+                       row(state.drag_v[c]),
+                       row(state.force[c]),
+                       row(state.pressure),
+                       of_solids([](const FlowSolids& s) -> const Three& { return s.open; }),
+                       of_solids([](const FlowSolids& s) -> const Three& { return s.drag; }),
+                       of_solids([](const FlowSolids& s) -> const Three& { return s.push; }),
+                       of_solids([](const FlowSolids& s) -> const Three& { return s.velocity; }),
+                       out[c].row(j, k),
+                       state.tendency[c].row(j, k),
+                       state.weight[c].row(j, k)};
+      if (walled)
+        stage_row<true>(r, from, to);
+      else
+        stage_row<false>(r, from, to);
     });
+    state.fill_velocity(d, out[c]);
   }
 }
 

@@ -89,7 +89,7 @@ class FlowProjection {
           store_any(u + i, load_any<Real>(star + i) - load_any<Real>(w + i) * slope);
         });
       });
-      state.sides.fill_velocity(d, state.velocity[FlowState::at(d)]);
+      state.fill_velocity(d, state.velocity[FlowState::at(d)]);
     }
     state.for_cells(team, [&](int j, int k) {
       double* const p = state.pressure.row(j, k);

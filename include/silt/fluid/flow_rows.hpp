@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include <silt/core/lanes.hpp>
+#include <silt/fluid/level_rows.hpp>
 
 /// Loops over single rows of the flow solver's fields.
 namespace silt::inline SILT_TARGET::fluid_detail {
@@ -11,11 +12,11 @@ namespace silt::inline SILT_TARGET::fluid_detail {
 /// Calls body.operator()<Real>(i) for i = from ... to-1: by packs, then one by one.
 template <class Body>
 SILT_INLINE void for_row(int from, int to, const Body& body) {
-  using Pack = Lanes<DefaultArch>::Real;
+  using Packed = Lanes<DefaultArch>::Real;
   constexpr int width = static_cast<int>(Lanes<DefaultArch>::width);
   int i = from;
   if constexpr (width > 1)
-    for (; i + width <= to; i += width) body.template operator()<Pack>(i);
+    for (; i + width <= to; i += width) body.template operator()<Packed>(i);
   for (; i < to; ++i) body.template operator()<double>(i);
 }
 
@@ -44,21 +45,27 @@ SILT_INLINE Real flux(const Real& f, const Real& mm, const Real& m, const Real& 
   return f * (near + Real(0.5) * slope);
 }
 
-/// What one row of one velocity component needs: pointers to value i = 0 of the row.
-struct MomentumRow {
-  const double* q;            // [m/s] the component
-  const double* flow[3];      // [m/s] superficial velocities that carry it, on their faces
-  const double* spread;       // [1/s] divergence of the velocity, in cells
-  std::ptrdiff_t step[3];     // from a value to the next in each direction
-  std::ptrdiff_t own;         // step in the direction of the component
-  double over_h[3];           // [1/m]
-  double over_own;            // [1/m] in that direction
-  double density, viscosity;  // [kg/m3], [Pa s]
+/// What one stage needs of a row of one velocity component: pointers to value i = 0 of the row.
+struct StageRow {
+  const double* q;         // [m/s] the component, of the stage
+  const double* flow[3];   // [m/s] superficial velocities that carry it, on their faces
+  const double* spread;    // [1/s] divergence of the velocity, in cells
+  std::ptrdiff_t step[3];  // from a value to the next in each direction
+  std::ptrdiff_t own;      // step in the direction of the component
+  double over_h[3];        // [1/m]
+  double over_own;         // [1/m] in that direction
+  double density, viscosity, per_step;  // [kg/m3], [Pa s], [kg/(m3 s)] density over time step
+  bool averaged, second;                // model A; the second stage
+  // At the beginning of the step; eps, m, m', K, K v, s, p.
+  const double *u, *eps, *mass, *next_mass, *drag, *drag_v, *force, *pressure;
+  // In a box with solids: whether faces are open, and walls' drag and velocity.
+  const double *open, *wall_drag, *wall_push, *wall_velocity;
+  double *to, *tendency, *weight;
 };
 
 /// Advection and viscosity of value i [N/m3]: -rho div(F q), and mu (lap q + 1/3 grad div u).
-template <class Real>
-SILT_INLINE void explicit_terms(const MomentumRow& r, int i, Real& advection, Real& viscous) {
+template <class Real, bool Walled>
+SILT_INLINE void explicit_terms(const StageRow& r, int i, Real& advection, Real& viscous) {
   const auto q = [&](std::ptrdiff_t at) { return load_any<Real>(r.q + i + at); };
   const Real q0 = q(0), half(0.5);
   Real div(0), lap(0);
@@ -69,7 +76,12 @@ SILT_INLINE void explicit_terms(const MomentumRow& r, int i, Real& advection, Re
       return half * (load_any<Real>(f - r.own) + load_any<Real>(f));
     };
     const Real mm = q(-2 * s), m = q(-s), p = q(s), pp = q(2 * s), over(r.over_h[e]);
-    div += over * (flux(flow(s), m, q0, p, pp) - flux(flow(0), mm, m, q0, p));
+    Real above = flux(flow(s), m, q0, p, pp), below = flux(flow(0), mm, m, q0, p);
+    if constexpr (Walled) {  // nothing is carried out of solids or into them
+      above = above * load_any<Real>(r.open + i + s);
+      below = below * load_any<Real>(r.open + i - s);
+    }
+    div += over * (above - below);
     lap += (over * over) * ((p - q0) - (q0 - m));
   }
   const double* const spread = r.spread + i;
@@ -77,6 +89,43 @@ SILT_INLINE void explicit_terms(const MomentumRow& r, int i, Real& advection, Re
       Real(r.over_own / 3) * (load_any<Real>(spread) - load_any<Real>(spread - r.own));
   advection = Real(-r.density) * div;
   viscous = Real(r.viscosity) * (lap + squeeze);
+}
+
+/// Values from ... to-1 of a stage: (4) of FlowSolver.
+template <bool Walled>
+SILT_ONE_COPY void stage_row(const StageRow& r, int from, int to) {
+  for_row(from, to, [&]<class Real>(int i) {
+    const Real half(0.5);
+    const auto at = [&](const double* c) { return load_any<Real>(c + i); };
+    const auto mean = [&](const double* c) {
+      return half * (load_any<Real>(c + i - r.own) + at(c));
+    };
+    const Real eps_f = r.averaged ? mean(r.eps) : Real(1);
+    Real advection, viscous;
+    explicit_terms<Real, Walled>(r, i, advection, viscous);
+    Real t = advection + eps_f * viscous;
+    if (r.second)
+      t = half * (at(r.tendency) + t);
+    else
+      store_any(r.tendency + i, t);
+    Real D = Real(r.per_step) * mean(r.next_mass) + mean(r.drag);
+    const Real slope = Real(r.over_own) * (at(r.pressure) - load_any<Real>(r.pressure + i - r.own));
+    Real driven = Real(r.per_step) * mean(r.mass) * at(r.u) + t - eps_f * slope + mean(r.drag_v) +
+                  mean(r.force);
+    if constexpr (Walled) {
+      D += eps_f * at(r.wall_drag);
+      driven += eps_f * at(r.wall_push);
+    }
+    const Real over_D = Real(1) / D;
+    Real u = over_D * driven, weight = eps_f * over_D;
+    if constexpr (Walled) {
+      const Real open = at(r.open);
+      u = select(open > Real(0), u, at(r.wall_velocity));
+      weight = open * weight;
+    }
+    store_any(r.to + i, u);
+    if (r.second) store_any(r.weight + i, weight);
+  });
 }
 
 }  // namespace silt::fluid_detail

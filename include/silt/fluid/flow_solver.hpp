@@ -69,6 +69,29 @@ class FlowSolver {
     s_.sides.set(direction, end, side);
   }
 
+  /// What stands in the box: fluid is only where boundary.distance > 0.
+  void set_boundary(const FlowBoundary& boundary) {
+    require(static_cast<bool>(boundary.distance),
+            "FlowBoundary.distance is not set; give the signed distance to the surface");
+    s_.solids.emplace(grid(), boundary, s_.fluid.viscosity);
+    s_.started = false;
+  }
+  /// What flows through face `face` of direction d, all of its plane [m3/s].
+  double flow_rate(int d, int face) const {
+    const auto& n = grid().cells();
+    double sum = 0;
+    int at[3], to[3] = {n[0], n[1], n[2]};
+    to[d] = 1;
+    for (at[2] = 0; at[2] < to[2]; ++at[2])
+      for (at[1] = 0; at[1] < to[1]; ++at[1])
+        for (at[0] = 0; at[0] < to[0]; ++at[0]) {
+          int f[3] = {at[0], at[1], at[2]};
+          f[d] = face;
+          sum += s_.flow[FlowState::at(d)](f[0], f[1], f[2]);
+        }
+    return sum * grid().cell_volume() / s_.h(d);
+  }
+
   /// @name The state, on faces of each direction and in cells
   /// @{
   Field& velocity(int d) { return s_.velocity[FlowState::at(d)]; }  // [m/s] interstitial
@@ -90,7 +113,16 @@ class FlowSolver {
   void start(const Team& team = {}) {
     s_.take_voidage();
     s_.older_eps = s_.old_eps = s_.mass = s_.eps;
-    for (int d = 0; d < 3; ++d) s_.sides.fill_velocity(d, s_.velocity[FlowState::at(d)]);
+    for (int d = 0; d < 3; ++d) {
+      if (s_.solids)
+        for (int k = 0; k < grid().nz(); ++k)
+          for (int j = 0; j < grid().ny(); ++j)
+            for (int i = 0; i < grid().nx(); ++i)
+              if (s_.solids->open[FlowState::at(d)](i, j, k) == 0)
+                s_.velocity[FlowState::at(d)](i, j, k) =
+                    s_.solids->velocity[FlowState::at(d)](i, j, k);
+      s_.fill_velocity(d, s_.velocity[FlowState::at(d)]);
+    }
     s_.superficial(s_.velocity, s_.flow, team);
     s_.old_flow = s_.flow;
     s_.old_dt = 0, s_.started = true;
@@ -144,9 +176,7 @@ class FlowSolver {
     fluid_detail::carry(s_, dt, team);
     fluid_detail::find_spread(s_, team);
     fluid_detail::stage(s_, s_.velocity, false, dt, s_.first, team);
-    for (int d = 0; d < 3; ++d) s_.sides.fill_velocity(d, s_.first[FlowState::at(d)]);
     fluid_detail::stage(s_, s_.first, true, dt, s_.next, team);
-    for (int d = 0; d < 3; ++d) s_.sides.fill_velocity(d, s_.next[FlowState::at(d)]);
     projection_.run(s_, dt, done, team);
     std::swap(s_.mass, s_.next_mass), std::swap(s_.older_eps, s_.old_eps);
     s_.old_eps = s_.eps, s_.old_dt = dt;

@@ -5,12 +5,14 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include <silt/core/error.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/fluid/flow_rows.hpp>
 #include <silt/fluid/flow_sides.hpp>
+#include <silt/fluid/flow_solids.hpp>
 #include <silt/fluid/grid.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -34,9 +36,6 @@ struct FlowOptions {
 };
 
 namespace fluid_detail {
-
-/// One field a direction: of velocities and fluxes.
-using Three = std::array<Field, 3>;
 
 /// The fields of a FlowSolver, and loops over them; ghosts are as `sides` has them.
 struct FlowState {
@@ -84,6 +83,29 @@ struct FlowState {
     sides.fill_voidage(eps);
   }
 
+  /// Boundary faces and ghosts of a velocity.
+  void fill_velocity(int d, Field& u) const {
+    sides.fill_velocity(d, u);
+    if (!solids || grid.periodic(d)) return;
+    const int n[3] = {grid.nx(), grid.ny(), grid.nz()}, a = (d + 1) % 3, b = (d + 2) % 3;
+    for (int y = 0; y < n[b]; ++y)
+      for (int x = 0; x < n[a]; ++x)
+        for (const int end : {0, n[d]}) {
+          int f[3];
+          f[d] = end, f[a] = x, f[b] = y;
+          if (solids->open[at(d)](f[0], f[1], f[2]) == 0)
+            u(f[0], f[1], f[2]) = solids->velocity[at(d)](f[0], f[1], f[2]);
+        }
+  }
+  bool beside_solids(int i, int j, int k) const {
+    if (!solids) return false;
+    for (int d = 0; d < 3; ++d) {
+      const double* const open = &solids->open[at(d)].row(j, k)[i];
+      if (open[0] == 0 || open[stride(d)] == 0) return true;
+    }
+    return false;
+  }
+
   /// to = eps u on all faces, boundary faces too.
   void superficial(const Three& u, Three& to, const Team& team) const {
     for (int d = 0; d < 3; ++d) {
@@ -93,10 +115,13 @@ struct FlowState {
         const int k = static_cast<int>(part);
         for (int j = 0; j < grid.ny() + more[1]; ++j) {
           const double *e = eps.row(j, k), *v = u[at(d)].row(j, k);
+          const double* const open = solids ? solids->open[at(d)].row(j, k) : nullptr;
           double* out = to[at(d)].row(j, k);
           fluid_detail::for_row(0, grid.nx() + more[0], [&]<class Real>(int i) {
             const Real mean = Real(0.5) * (load_any<Real>(e + i - s) + load_any<Real>(e + i));
-            fluid_detail::store_any(out + i, mean * load_any<Real>(v + i));
+            Real through = mean * load_any<Real>(v + i);
+            if (open != nullptr) through = through * load_any<Real>(open + i);
+            fluid_detail::store_any(out + i, through);
           });
         }
       });
@@ -147,6 +172,7 @@ struct FlowState {
   FluidProperties fluid;
   FlowOptions options;
   FlowSides sides;
+  std::optional<FlowSolids> solids;
   bool started = false;
   double old_dt = 0;                                            // [s] of the last step; 0: none
   Three velocity = three(), first = three(), next = three();    // [m/s] u, after a stage, u*
