@@ -93,7 +93,8 @@ SILT_INLINE void explicit_terms(const StageRow& r, int i, Real& advection, Real&
 
 /// Values from ... to-1 of a stage: (4) of FlowSolver.
 template <bool Walled>
-SILT_ONE_COPY void stage_row(const StageRow& r, int from, int to) {
+SILT_ONE_COPY void stage_row(const StageRow& row, int from, int to) {
+  const StageRow r = row;  // which no store changes
   for_row(from, to, [&]<class Real>(int i) {
     const Real half(0.5);
     const auto at = [&](const double* c) { return load_any<Real>(c + i); };

@@ -57,12 +57,14 @@ class FlowSides {
             "; it has no sides there");
     Side& s = sides_[static_cast<std::size_t>(direction)][static_cast<std::size_t>(end)];
     Side made{side, {}};
-    for (int c = 0; c < 3; ++c)
-      made.given[static_cast<std::size_t>(c)] = values(side, direction, end, c);
-    if (std::holds_alternative<NoSlip>(side))
-      for (const double normal : made.given[static_cast<std::size_t>(direction)])
-        require(normal == 0, "FlowSolver: a wall at a side in ", name, " cannot have the velocity ",
-                normal, " m/s across itself; use Inflow for that");
+    for (int c = 0; c < 3; ++c) {
+      std::vector<double> given = values(side, direction, end, c);
+      if (c == direction && std::holds_alternative<NoSlip>(side))
+        for (const double normal : given)
+          require(normal == 0, "FlowSolver: a wall at a side in ", name,
+                  " cannot have the velocity ", normal, " m/s across itself; use Inflow for that");
+      made.given[static_cast<std::size_t>(c)] = std::move(given);
+    }
     s = std::move(made);
   }
 
