@@ -494,4 +494,6 @@ TEST_CASE("what cannot be is refused with a sentence") {
   flow.set_side(2, 1, Outflow{});
   flow.step(0.01);
   has([&] { flow.step(0.9); }, "cells in a step");
+  flow.force(0)(1, 1, 1) = std::nan("");
+  has([&] { flow.step(0.01); }, "velocities are no numbers");
 }

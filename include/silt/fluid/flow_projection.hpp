@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -68,10 +69,18 @@ class FlowProjection {
                "Outflow, or balance the sides' velocities and the particles that come and go"));
     solver_.set(coefficient_[0], coefficient_[1], coefficient_[2], held_, team);
     change_.fill(0);
-    const auto solved = solver_.solve(
-        right_, change_,
-        {.relative = state.options.tolerance, .most_iterations = state.options.most_iterations},
-        team);
+    // What is less than rounding of the voidage in this step need not be found.
+    const double norm = norm_of_right(state, team), least = rounding / dt / norm;
+    if (!std::isfinite(norm))
+      throw Error(text("FlowSolver: velocities are no numbers after a step of ", dt,
+                       " s; look at the drag and the forces given, and make the step shorter"));
+    PressureSolution solved;
+    solved.converged = !(least < 1);
+    if (least < 1)
+      solved = solver_.solve(right_, change_,
+                             {.relative = std::max(state.options.tolerance, least),
+                              .most_iterations = state.options.most_iterations},
+                             team);
     if (!solved.converged)
       throw Error(text("FlowSolver: the pressure of a step of ", dt,
                        " s cannot be found: ", solved.reason));
@@ -100,6 +109,23 @@ class FlowProjection {
   }
 
  private:
+  static constexpr double rounding = 1e-14;  // [-] of the voidage
+
+  /// Root of the mean square [1/s].
+  double norm_of_right(const FlowState& state, const Team& team) const {
+    const double squares = state.over_planes(
+        team,
+        [&](int k) {
+          double all = 0;
+          for (int j = 0; j < state.grid.ny(); ++j) {
+            const double* const b = right_.row(j, k);
+            for (int i = 0; i < state.grid.nx(); ++i) all += b[i] * b[i];
+          }
+          return all;
+        },
+        FlowState::added);
+    return std::sqrt(squares / static_cast<double>(state.grid.size()));
+  }
   /// Outlets hold the pressure half a cell from the last centre.
   void hold_outlets(const FlowState& state) {
     held_.fill(0);
