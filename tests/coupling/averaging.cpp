@@ -124,10 +124,10 @@ TEST_CASE("averaging: linear fields are gathered as symmetry has it, away from w
   CHECK(worst(compact, symmetric) <= 1e-12);
   CHECK(worst(gaussian, symmetric) <= 1e-12);
   CHECK(worst(exact, symmetric) <= 1e-12);
-  // In between the first moment errs with the place in the cell, by the first term of Poisson's sum,
-  // times the slopes' sum of 5.5. The narrowest: s = h/2 of sampled Gaussians, 4 pi s^2
-  // exp(-2 pi^2 s^2) = 0.0226 h; of B integrated over cells its transform at z = 2 pi R/h over pi,
-  // at most 15 (z^2 - 3) z^-5 / pi = 0.0035 h at R = 1.75 h. The rest is for further terms, and the
+  // In between the first moment errs with the place in the cell, by the first term of Poisson's
+  // sum, times the slopes' sum of 5.5. The narrowest: s = h/2 of sampled Gaussians, 4 pi s^2 exp(-2
+  // pi^2 s^2) = 0.0226 h; of B integrated over cells its transform at z = 2 pi R/h over pi, at most
+  // 15 (z^2 - 3) z^-5 / pi = 0.0035 h at R = 1.75 h. The rest is for further terms, and the
   // Gaussian's cut.
   CHECK(worst(gaussian, any) <= 0.0226 * 5.5);
   CHECK(worst(compact, any) <= 0.0035 * 5.5 * 1.1);
@@ -157,11 +157,13 @@ TEST_CASE("averaging: one thread and three give the same bits") {
         for (int k = 0; k < room.grid.nz(); ++k)
           for (int j = 0; j < room.grid.ny(); ++j)
             for (int i = 0; i < room.grid.nx(); ++i) REQUIRE(fa[m](i, j, k) == fb[m](i, j, k));
-      CHECK(gather(a, fa, cloud.position.size(), one) == gather(b, fa, cloud.position.size(), three));
+      CHECK(gather(a, fa, cloud.position.size(), one) ==
+            gather(b, fa, cloud.position.size(), three));
     });
 }
 
-TEST_CASE("averaging: particles outside are counted and have no weights; those in walls lose none") {
+TEST_CASE(
+    "averaging: particles outside are counted and have no weights; those in walls lose none") {
   const Grid grid({{0, 0, 0}, {8, 8, 8}}, {16, 16, 16}, {true, false, false});
   Field open(grid, 1);
   for (int k = 0; k < 16; ++k)

@@ -12,8 +12,7 @@ namespace {
 
 Polyhedron brick(double a, double b, double c, double radius = 0) {
   std::vector<Vec3d> corners;
-  for (int k = 0; k < 8; ++k)
-    corners.push_back({k & 1 ? a : -a, k & 2 ? b : -b, k & 4 ? c : -c});
+  for (int k = 0; k < 8; ++k) corners.push_back({k & 1 ? a : -a, k & 2 ? b : -b, k & 4 ? c : -c});
   return Polyhedron::from_points(corners, radius);
 }
 
@@ -29,8 +28,8 @@ Cloud bodies_in(const Box& box, std::size_t n, double d, std::uint64_t seed) {
   silt::Random random(seed + 1);
   cloud.forms = forms();
   for (std::size_t p = 0; p < n; ++p) {
-    const Vec3d axis = silt::normalised(
-        {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(0.1, 1)});
+    const Vec3d axis =
+        silt::normalised({random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(0.1, 1)});
     cloud.orientation.push_back(silt::rotation_about(axis, random.uniform(0, 3)));
     cloud.form.push_back(static_cast<std::uint32_t>(random.index(cloud.forms.size())));
   }
@@ -40,12 +39,11 @@ Cloud bodies_in(const Box& box, std::size_t n, double d, std::uint64_t seed) {
 }  // namespace
 
 TEST_CASE("body forms: points fill the body, their second moments are its own") {
-  // Mean of x^2 of an ellipsoid a^2/5, of a brick a^2/3; points err by what counting them does, some
-  // N^(-2/3) (0.004) of each term at the surface.
+  // Mean of x^2 of an ellipsoid a^2/5, of a brick a^2/3; points err by what counting them does,
+  // some N^(-2/3) (0.004) of each term at the surface.
   const auto moments = [](const BodyForm& form) {
     Vec3d sum{0, 0, 0}, mean{0, 0, 0};
-    for (const Vec3d& x : form.points)
-      sum += Vec3d{x.x * x.x, x.y * x.y, x.z * x.z}, mean += x;
+    for (const Vec3d& x : form.points) sum += Vec3d{x.x * x.x, x.y * x.y, x.z * x.z}, mean += x;
     CHECK(silt::norm(mean) <= 1e-12 * static_cast<double>(form.points.size()));
     return sum * (1.0 / static_cast<double>(form.points.size()));
   };
@@ -100,7 +98,8 @@ TEST_CASE("averaging of bodies: volume, adjointness and constants to rounding in
     });
 }
 
-TEST_CASE("averaging of bodies: the enlarged kernel is as elongated as the body, and turns with it") {
+TEST_CASE(
+    "averaging of bodies: the enlarged kernel is as elongated as the body, and turns with it") {
   const Grid grid({{0, 0, 0}, {20, 20, 20}}, {40, 40, 40});
   Cloud one;
   one.position = {{10.15, 10, 9.8}};
@@ -134,7 +133,8 @@ TEST_CASE("averaging of bodies: the enlarged kernel is as elongated as the body,
   }
 }
 
-TEST_CASE("averaging of bodies: satellites see the orientation, spheres among bodies their kernel") {
+TEST_CASE(
+    "averaging of bodies: satellites see the orientation, spheres among bodies their kernel") {
   // A rod along x is in three cells of a row, along z in three of a column.
   const Grid grid({{0, 0, 0}, {5, 5, 5}}, {5, 5, 5});
   Cloud one;

@@ -54,7 +54,8 @@ TEST_CASE("diffusion: lines are solved, with walls, wraps and blocked cells") {
         }
 }
 
-TEST_CASE("diffusion: the adjoint step is the adjoint, in three directions with all that there is") {
+TEST_CASE(
+    "diffusion: the adjoint step is the adjoint, in three directions with all that there is") {
   for (const Room& room : rooms()) {
     CAPTURE(room.name);
     LineDiffusion diffusion(room.grid, 2);
@@ -68,8 +69,7 @@ TEST_CASE("diffusion: the adjoint step is the adjoint, in three directions with 
       Field other = b;
       Field* const o[]{&other};
       diffusion.step(o, {});
-      CHECK(std::abs(dot(forward, b) - dot(a, other)) >
-            1e-8 * std::sqrt(dot(a, a) * dot(b, b)));
+      CHECK(std::abs(dot(forward, b) - dot(a, other)) > 1e-8 * std::sqrt(dot(a, a) * dot(b, b)));
     }
   }
 }

@@ -105,9 +105,7 @@ TEST_CASE("averaging: a packing of 0.507 has its void fraction in every inner ce
 TEST_CASE("averaging: d eps/dt of a moving cloud does not grow when dt is quartered, PCM's does") {
   for (const double h : {1.0, 3.0}) {
     CAPTURE(h);
-    const auto growth = [&](const auto& mode) {
-      return rate(mode, h, 0.05) / rate(mode, h, 0.2);
-    };
+    const auto growth = [&](const auto& mode) { return rate(mode, h, 0.05) / rate(mode, h, 0.2); };
     CHECK(growth(Kernel{}) <= 1.1);
     CHECK(growth(Kernel{Kernel::Form::Gaussian}) <= 1.1);
     // Jumps of a number that goes with dt: their rms over dt grows as its root, 2 at a quarter.

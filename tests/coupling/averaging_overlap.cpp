@@ -140,13 +140,11 @@ TEST_CASE("satellites: shares err as PHYSICS.md C7 says, less with more points")
     double sum = 0, count = 0;
     for (std::size_t p = 0; p < 1000; ++p) {
       double difference[64] = {};
-      exact.stencils().for_weights(p, [&](int i, int j, int k, double w) {
-        difference[(k * 4 + j) * 4 + i] += w;
-      });
+      exact.stencils().for_weights(
+          p, [&](int i, int j, int k, double w) { difference[(k * 4 + j) * 4 + i] += w; });
       for (const double d : difference) count += d > 0;
-      op.stencils().for_weights(p, [&](int i, int j, int k, double w) {
-        difference[(k * 4 + j) * 4 + i] -= w;
-      });
+      op.stencils().for_weights(
+          p, [&](int i, int j, int k, double w) { difference[(k * 4 + j) * 4 + i] -= w; });
       for (const double d : difference) sum += d * d;
     }
     return std::sqrt(sum / count);

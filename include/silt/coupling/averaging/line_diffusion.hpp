@@ -152,6 +152,7 @@ class LineDiffusion {
     const double *inverse = &a.inverse[at], *lower = &a.lower[at], *upper = &a.upper[at];
     double last[Rows] = {};
     for (int i = 0; i < n; ++i)
+#pragma GCC unroll 8
       for (int r = 0; r < Rows; ++r) {
         const auto c = static_cast<std::size_t>(r) * a.of_j + static_cast<std::size_t>(i);
         double& value = v[static_cast<std::size_t>(r) * stride + static_cast<std::size_t>(i)];
@@ -159,6 +160,7 @@ class LineDiffusion {
       }
     for (int r = 0; r < Rows; ++r) last[r] = 0;
     for (int i = n - 1; i >= 0; --i)
+#pragma GCC unroll 8
       for (int r = 0; r < Rows; ++r) {
         const auto c = static_cast<std::size_t>(r) * a.of_j + static_cast<std::size_t>(i);
         double& value = v[static_cast<std::size_t>(r) * stride + static_cast<std::size_t>(i)];

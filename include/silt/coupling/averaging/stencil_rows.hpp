@@ -15,8 +15,10 @@
 /// have room for a pack that begins at their last cell; what is there is added 0 or left out.
 namespace silt::inline SILT_TARGET::detail {
 
-using StencilPack = Lanes<DefaultArch>::Real;
-inline constexpr int stencil_lanes = static_cast<int>(Lanes<DefaultArch>::width);
+/// Of at most 4 lanes: most stencils are 4 to 13 cells across, and wider packs are mostly beyond.
+inline constexpr std::size_t stencil_width = std::min<std::size_t>(Lanes<DefaultArch>::width, 4);
+using StencilPack = PackOf<stencil_width>::type;
+inline constexpr int stencil_lanes = static_cast<int>(stencil_width);
 inline constexpr int stencil_pad = 8;  // factors of x are padded to a multiple of this
 static_assert(stencil_pad % stencil_lanes == 0);
 
@@ -59,35 +61,54 @@ SILT_INLINE void for_runs(int start, int count, int n, const Body& body) {
   if (before < count) body(0, before, count - before);
 }
 
-/// row[j stride + i] += q wx[i] wy[j] for `rows` rows and Packs packs.
+/// Where a block of planes and rows of several fields stands, and its factors.
+struct ProductBlock {
+  double* const* fields;         // their origins
+  const double* const* columns;  // of particles
+  std::size_t count, particle;   // of fields; which particle
+  std::size_t at, row, plane;    // first cell from the origins; strides
+  const double *wx, *wy, *wz;
+  int rows, planes;
+};
+
+/// field[at + k plane + j row + i] += q wx[i] wy[j] wz[k] for Packs packs of i.
 template <int Packs>
-SILT_INLINE void add_packs(double* row, std::size_t stride, double q, const double* wx,
-                           const double* wy, int rows) {
-  StencilPack v[Packs];
-  for (int s = 0; s < Packs; ++s) v[s] = load_any<StencilPack>(wx + s * stencil_lanes) * q;
-  for (int j = 0; j < rows; ++j, row += stride) {
-    const StencilPack w(wy[j]);
-    for (int s = 0; s < Packs; ++s) {
-      double* at = row + s * stencil_lanes;
-      put_any(at, fused(v[s], w, load_any<StencilPack>(at)));
+void add_packs(const ProductBlock& b) {
+  StencilPack x[Packs];
+#pragma GCC unroll 4
+  for (int s = 0; s < Packs; ++s) x[s] = load_any<StencilPack>(b.wx + s * stencil_lanes);
+  for (std::size_t n = 0; n < b.count; ++n) {
+    double* of_plane = b.fields[n] + b.at;
+    const double q = b.columns[n][b.particle];
+    for (int k = 0; k < b.planes; ++k, of_plane += b.plane) {
+      const double of_rows = q * b.wz[k];
+      double* row = of_plane;
+      for (int j = 0; j < b.rows; ++j, row += b.row) {
+        const StencilPack w(of_rows * b.wy[j]);
+#pragma GCC unroll 4
+        for (int s = 0; s < Packs; ++s) {
+          double* at = row + s * stencil_lanes;
+          put_any(at, fused(x[s], w, load_any<StencilPack>(at)));
+        }
+      }
     }
   }
 }
-inline void add_product(double* row, std::size_t stride, double q, const double* wx, int nx,
-                        const double* wy, int rows) {
-  int packs = (nx + stencil_lanes - 1) / stencil_lanes;
-  for (; packs > 4; packs -= 4, row += 4 * stencil_lanes, wx += 4 * stencil_lanes)
-    add_packs<4>(row, stride, q, wx, wy, rows);
-  switch (packs) {
-    case 4:
-      return add_packs<4>(row, stride, q, wx, wy, rows);
-    case 3:
-      return add_packs<3>(row, stride, q, wx, wy, rows);
-    case 2:
-      return add_packs<2>(row, stride, q, wx, wy, rows);
-    default:
-      return add_packs<1>(row, stride, q, wx, wy, rows);
+inline void add_product(ProductBlock b, int nx) {
+  constexpr int most = 4;
+  for (; nx > most * stencil_lanes; nx -= most * stencil_lanes) {
+    add_packs<most>(b);
+    b.at += most * stencil_lanes, b.wx += most * stencil_lanes;
   }
+  const int packs = (nx + stencil_lanes - 1) / stencil_lanes;
+  if (packs == 1)
+    add_packs<1>(b);
+  else if (packs == 2)
+    add_packs<2>(b);
+  else if (packs == 3)
+    add_packs<3>(b);
+  else
+    add_packs<4>(b);
 }
 
 /// Sums w[j] f_q[j stride + i] of several fields and packs over rows; then times wx[i].
@@ -103,7 +124,9 @@ struct RowSums {
                        const double* wy, int rows) {
     for (int j = 0; j < rows; ++j, at += stride) {
       const StencilPack w(wz * wy[j]);
+#pragma GCC unroll 4
       for (int f = 0; f < Fields; ++f)
+#pragma GCC unroll 4
         for (int s = 0; s < Packs; ++s)
           sum[f][s] =
               fused(w, load_any<StencilPack>(fields[f] + at + s * stencil_lanes), sum[f][s]);
@@ -111,8 +134,10 @@ struct RowSums {
   }
   /// Where wx is 0 a pack may have read anything.
   SILT_INLINE void close(const double* wx, double* to) const {
+#pragma GCC unroll 4
     for (int f = 0; f < Fields; ++f) {
       double total = 0;
+#pragma GCC unroll 4
       for (int s = 0; s < Packs; ++s) {
         const auto w = load_any<StencilPack>(wx + s * stencil_lanes);
         total += sum_lanes(select(w > StencilPack(0.0), StencilPack(w * sum[f][s]), 0.0));

@@ -99,6 +99,11 @@ class Stencils {
       for (Field* field : f) field->fill(0);
       return;
     }
+    Targets targets;
+    for (std::size_t n = 0; n < q.size(); ++n) {
+      targets.columns.push_back(q[n].data());
+      targets.fields.push_back(f[n]->row(0, 0) - grid_.index(0, 0, 0));
+    }
     team.for_parts(static_cast<std::size_t>(slabs), [&](std::size_t slab) {
       const int from = static_cast<int>(slab) * slab_planes_;
       const int to = std::min(grid_.nz(), from + slab_planes_);
@@ -110,7 +115,7 @@ class Stencils {
         const Stencil& s = stencils_[p];
         detail::for_runs(s.k, s.nz, grid_.nz(), [&](int first, int done, int count) {
           const int low = std::max(first, from), high = std::min(first + count, to);
-          if (low < high) add(s, p, q, f, low, done + low - first, high - low);
+          if (low < high) add(s, p, targets, low, done + low - first, high - low);
         });
       }
     });
@@ -160,6 +165,12 @@ class Stencils {
     std::uint16_t product = 0;
     std::uint64_t offset = 0;  // of its weights
     int row() const { return nx + nx_wrapped; }
+  };
+
+  /// What spread() adds to: origins of fields, and columns of particles.
+  struct Targets {
+    std::vector<const double*> columns;
+    std::vector<double*> fields;
   };
 
   static std::uint64_t room(const Stencil& s) {
@@ -292,29 +303,34 @@ class Stencils {
 
   static const double* origin(const Field& f) { return f.row(0, 0) - f.grid().index(0, 0, 0); }
 
-  void add(const Stencil& s, std::size_t p, Quantities q, CellFields f, int k, int c,
-           int planes) const {
-    const std::size_t stride = grid_.row_stride();
-    for (std::size_t n = 0; n < q.size(); ++n) {
-      const double value = q[n][p];
-      for (int plane = 0; plane < planes; ++plane)
-        detail::for_runs(s.j, s.ny, grid_.ny(), [&](int first, int done, int rows) {
-          double* row = f[n]->row(first, k + plane);
-          if (s.product) {
-            const double of_plane = value * z(s)[c + plane];
-            const double* wy = y(s) + done;
-            detail::add_product(row + s.i, stride, of_plane, x(s), s.nx, wy, rows);
-            if (s.nx_wrapped > 0)
-              detail::add_product(row, stride, of_plane, x_wrapped(s), s.nx_wrapped, wy, rows);
-            return;
+  /// Adds planes c ... of a stencil to those from k on.
+  void add(const Stencil& s, std::size_t p, const Targets& to, int k, int c, int planes) const {
+    const std::size_t row = grid_.row_stride(), plane = grid_.plane_stride();
+    detail::for_runs(s.j, s.ny, grid_.ny(), [&](int first, int done, int rows) {
+      const std::size_t at = grid_.index(0, first, k), i = static_cast<std::size_t>(s.i);
+      if (s.product) {
+        const std::size_t count = to.fields.size();
+        detail::ProductBlock block{
+            to.fields.data(), to.columns.data(), count, p,     at + i, row, plane, x(s),
+            y(s) + done,      z(s) + c,          rows,  planes};
+        detail::add_product(block, s.nx);
+        if (s.nx_wrapped == 0) return;
+        block.at = at, block.wx = x_wrapped(s);
+        detail::add_product(block, s.nx_wrapped);
+        return;
+      }
+      for (std::size_t n = 0; n < to.fields.size(); ++n) {
+        const double q = to.columns[n][p];
+        for (int m = 0; m < planes; ++m) {
+          const double* w = x(s) + ((c + m) * s.ny + done) * s.row();
+          double* target = to.fields[n] + at + static_cast<std::size_t>(m) * plane;
+          for (int j = 0; j < rows; ++j, target += row, w += s.row()) {
+            detail::add_dense(target + i, q, w, s.nx);
+            if (s.nx_wrapped > 0) detail::add_dense(target, q, w + s.nx, s.nx_wrapped);
           }
-          const double* w = x(s) + ((c + plane) * s.ny + done) * s.row();
-          for (int j = 0; j < rows; ++j, row += stride, w += s.row()) {
-            detail::add_dense(row + s.i, value, w, s.nx);
-            if (s.nx_wrapped > 0) detail::add_dense(row, value, w + s.nx, s.nx_wrapped);
-          }
-        });
-    }
+        }
+      }
+    });
   }
 
   template <int Fields, int Packs>
