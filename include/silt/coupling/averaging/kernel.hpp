@@ -59,8 +59,8 @@ class Kernel::Source {
   StencilKind ranges(std::size_t p, std::array<AxisRange, 3>& r) const {
     const auto s = frame_.at(of_.position[p]);
     if (!frame_.inside(s)) return StencilKind::None;
-    const BodyForm* form = form_of(p);
-    if (!form) {
+    const BodyForm* body = form_of(p);
+    if (!body) {
       for (std::size_t d = 0; d < 3; ++d) {
         const double reach = reach_in_cells(p, d);
         r[d] = compact_ ? frame_.range(d, s[d] - reach, s[d] + reach)
@@ -69,8 +69,8 @@ class Kernel::Source {
       return StencilKind::Product;
     }
     const RotationMatrix turn = rotation_matrix(of_.orientation[p]);
-    const double R = body_reach(p, *form);
-    const SuperEllipsoid outline{form->axes.x, form->axes.y, form->axes.z, form->s1, form->s2};
+    const double R = body_reach(p, *body);
+    const SuperEllipsoid outline{body->axes.x, body->axes.y, body->axes.z, body->s1, body->s2};
     for (std::size_t d = 0; d < 3; ++d) {
       const Vec3d e = turn.back({d == 0 ? 1.0 : 0, d == 1 ? 1.0 : 0, d == 2 ? 1.0 : 0});
       const double reach = R * outline.height(e) * frame_.inverse(d);
@@ -104,12 +104,12 @@ class Kernel::Source {
 
   void dense(std::size_t p, const std::array<AxisRange, 3>& r, double* raw) const {
     using Pack = detail::StencilPack;
-    const BodyForm& form = *form_of(p);
+    const BodyForm& body = *form_of(p);
     const auto s = frame_.at(of_.position[p]);
     const RotationMatrix turn = rotation_matrix(of_.orientation[p]);
-    const double inverse = 1 / body_reach(p, form);
+    const double inverse = 1 / body_reach(p, body);
     // Body coordinates of a point in semi-axes, over the reach.
-    const Vec3d a{inverse / form.axes.x, inverse / form.axes.y, inverse / form.axes.z};
+    const Vec3d a{inverse / body.axes.x, inverse / body.axes.y, inverse / body.axes.z};
     const auto seen = [&](const Vec3d& v) {
       const Vec3d b = turn.back(v);
       return Vec3d{b.x * a.x, b.y * a.y, b.z * a.z};
@@ -127,7 +127,7 @@ class Kernel::Source {
           const Pack m = Pack(static_cast<double>(i)) + steps();
           const Vec3<Pack> x{Pack(at.x) + m * Pack(step.x), Pack(at.y) + m * Pack(step.y),
                              Pack(at.z) + m * Pack(step.z)};
-          const Pack q2 = form.ellipsoid() ? dot(x, x) : gauge_squared(form, x);
+          const Pack q2 = body.ellipsoid() ? dot(x, x) : gauge_squared(body, x);
           store(lane, compact_ ? quartic(q2) : gaussian(q2));
           std::copy_n(lane, std::min(detail::stencil_lanes, nx - i), raw + i);
         }
@@ -138,16 +138,16 @@ class Kernel::Source {
   /// Null: a sphere.
   const BodyForm* form_of(std::size_t p) const {
     if (of_.forms.empty()) return nullptr;
-    const BodyForm& form = of_.forms[of_.form.empty() ? 0 : of_.form[p]];
-    return form.sphere ? nullptr : &form;
+    const BodyForm& body = of_.forms[of_.form.empty() ? 0 : of_.form[p]];
+    return body.sphere ? nullptr : &body;
   }
   double reach_in_cells(std::size_t p, std::size_t d) const {
     return std::max(per_radius_ * of_.radius[p] * frame_.inverse(d), 1.5);
   }
   /// R or 3 s [m]; where the body is thinnest it is enlarged to 1.5 cells as well.
-  double body_reach(std::size_t p, const BodyForm& form) const {
+  double body_reach(std::size_t p, const BodyForm& body) const {
     const double h = std::max({frame_.h(0), frame_.h(1), frame_.h(2)});
-    return std::max(per_radius_ * of_.radius[p], 1.5 * h / form.smallest_axis);
+    return std::max(per_radius_ * of_.radius[p], 1.5 * h / body.smallest_axis);
   }
 
   static detail::StencilPack steps() {
@@ -167,14 +167,14 @@ class Kernel::Source {
   }
   /// (g/reach)^2 of a super-ellipsoid; x in semi-axes over the reach.
   template <class Real>
-  static Real gauge_squared(const BodyForm& form, const Vec3<Real>& x) {
+  static Real gauge_squared(const BodyForm& body, const Vec3<Real>& x) {
     const auto raised = [](const Real& v, double to) {
       return power(max(min(v, Real(1e6)), Real(1e-6)), Real(to));
     };
-    const Real across = raised(abs(x.x), form.s2) + raised(abs(x.y), form.s2);
+    const Real across = raised(abs(x.x), body.s2) + raised(abs(x.y), body.s2);
     const Real all =
-        power(max(across, smallest<Real>()), Real(form.s1 / form.s2)) + raised(abs(x.z), form.s1);
-    return power(max(all, smallest<Real>()), Real(2 / form.s1));
+        power(max(across, smallest<Real>()), Real(body.s1 / body.s2)) + raised(abs(x.z), body.s1);
+    return power(max(all, smallest<Real>()), Real(2 / body.s1));
   }
 
   bool compact_;

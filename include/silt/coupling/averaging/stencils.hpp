@@ -6,6 +6,7 @@
 
 #include <silt/coupling/averaging/axis_range.hpp>
 #include <silt/coupling/averaging/concept.hpp>
+#include <silt/coupling/averaging/slab_lists.hpp>
 #include <silt/coupling/averaging/stencil_rows.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -88,14 +89,19 @@ class Stencils {
       }
     });
     for (const auto c : closed_) report_.without_open += c;
-    make_slabs(team);
+    slabs_.make(
+        grid_, n,
+        [&](std::size_t p) {
+          return detail::Planes{stencils_[p].k, stencils_[p].nx > 0 ? stencils_[p].nz : 0};
+        },
+        team);
+    report_.bytes += slabs_.bytes();
   }
 
   /// f_c = sum_p w_pc q_p, in the cells.
   void spread(Quantities q, CellFields f, const Team& team) const {
     detail::check_columns("spread", q, f, grid_, stencils_.size());
-    const int slabs = static_cast<int>(first_.size()) - 1;
-    if (slabs < 1) {
+    if (stencils_.empty()) {
       for (Field* field : f) field->fill(0);
       return;
     }
@@ -104,17 +110,15 @@ class Stencils {
       targets.columns.push_back(q[n].data());
       targets.fields.push_back(f[n]->row(0, 0) - grid_.index(0, 0, 0));
     }
-    team.for_parts(static_cast<std::size_t>(slabs), [&](std::size_t slab) {
-      const int from = static_cast<int>(slab) * slab_planes_;
-      const int to = std::min(grid_.nz(), from + slab_planes_);
+    team.for_parts(slabs_.size(), [&](std::size_t slab) {
+      const int lower = slabs_.lower(slab), upper = slabs_.lower(slab + 1);
       for (Field* field : f)
-        for (int k = from; k < to; ++k)
+        for (int k = lower; k < upper; ++k)
           for (int j = 0; j < grid_.ny(); ++j) std::fill_n(field->row(j, k), grid_.nx(), 0.0);
-      for (std::size_t e = first_[slab]; e < first_[slab + 1]; ++e) {
-        const std::size_t p = members_[e];
+      for (const std::uint32_t p : slabs_.members(slab)) {
         const Stencil& s = stencils_[p];
         detail::for_runs(s.k, s.nz, grid_.nz(), [&](int first, int done, int count) {
-          const int low = std::max(first, from), high = std::min(first + count, to);
+          const int low = std::max(first, lower), high = std::min(first + count, upper);
           if (low < high) add(s, p, targets, low, done + low - first, high - low);
         });
       }
@@ -378,60 +382,13 @@ class Stencils {
     });
   }
 
-  /// Lists which particles reach which slab, in their order. Slabs of five fields fit a core's
-  /// cache, and there are enough for the team.
-  void make_slabs(const Team& team) {
-    const std::size_t bytes = 5 * sizeof(double) * grid_.plane_stride();
-    const int fit = static_cast<int>(std::clamp<std::size_t>(500000 / bytes, 1, 65536));
-    const int shared = team.threads() == 1 ? grid_.nz() : grid_.nz() / (4 * team.threads());
-    slab_planes_ = std::max(1, std::min(fit, shared));
-    const std::size_t slabs = detail::pieces(static_cast<std::size_t>(grid_.nz()),
-                                             static_cast<std::size_t>(slab_planes_));
-    counts_.assign(Team::most_ranges * slabs, 0);
-    const auto for_slabs = [&](const Stencil& s, const auto& use) {
-      detail::for_runs(s.k, s.nz, grid_.nz(), [&](int first, int done, int count) {
-        const int last = (first + count - 1) / slab_planes_, own = s.k / slab_planes_;
-        for (int slab = first / slab_planes_; slab <= last; ++slab)
-          if (done == 0 || slab < own) use(static_cast<std::size_t>(slab));
-      });
-    };
-    const std::size_t n = stencils_.size();
-    team.for_ranges(n, [&](std::size_t range, std::size_t from, std::size_t to) {
-      for (std::size_t p = from; p < to; ++p)
-        if (stencils_[p].nx > 0)
-          for_slabs(stencils_[p], [&](std::size_t slab) { ++counts_[range * slabs + slab]; });
-    });
-    first_.assign(slabs + 1, 0);
-    std::size_t sum = 0;
-    for (std::size_t slab = 0; slab < slabs; ++slab) {
-      first_[slab] = sum;
-      for (std::size_t range = 0; range < Team::most_ranges; ++range) {
-        const std::size_t own = counts_[range * slabs + slab];
-        counts_[range * slabs + slab] = sum;
-        sum += own;
-      }
-    }
-    first_[slabs] = sum;
-    detail::make_room(members_, sum);
-    team.for_ranges(n, [&](std::size_t range, std::size_t from, std::size_t to) {
-      for (std::size_t p = from; p < to; ++p)
-        if (stencils_[p].nx > 0)
-          for_slabs(stencils_[p], [&](std::size_t slab) {
-            members_[counts_[range * slabs + slab]++] = static_cast<std::uint32_t>(p);
-          });
-    });
-    report_.bytes += members_.size() * sizeof(std::uint32_t);
-  }
-
   Grid grid_;
   std::vector<Field> openness_;  // none: all open
   bool any_open_ = true;
   AlignedVector<Stencil> stencils_;
   AlignedVector<double> weights_;
-  std::vector<std::size_t> closed_, counts_;
-  std::vector<std::size_t> first_;      // member of each slab, and their number
-  std::vector<std::uint32_t> members_;  // particles, slab by slab
-  int slab_planes_ = 1;
+  std::vector<std::size_t> closed_;
+  detail::SlabLists slabs_;
   AveragingReport report_;
 };
 
