@@ -1,0 +1,91 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <vector>
+
+#include <silt/coupling/averaging/axis_range.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// How what is in coarse cells is given to the fine ones of the same length, in one direction:
+/// fine f gets T_fc of coarse c. sum_f T_fc = 1: nothing is lost; sum_c T_fc is the ratio of their
+/// sizes: what is uniform stays so. Any two numbers of cells, fine at least as many as coarse.
+///
+///   constant  T_fc = the part of c that lies in f
+///   linear    T_fc = integral over f of the hat function of c, over its own; folded at walls, so
+///             that it is constant from the last centre on
+///
+/// The same numbers of cells: 1, whichever was asked for.
+struct AxisTransfer {
+  struct Part {
+    int coarse;
+    double weight;
+  };
+  int fine_cells, coarse_cells;
+  std::vector<int> first;   // part of each fine cell, and their number
+  std::vector<Part> parts;  // fine cell by fine cell
+  std::vector<int> first_of_coarse;
+  struct FinePart {
+    int fine;
+    double weight;
+  };
+  std::vector<FinePart> fine_parts;  // the same, coarse cell by coarse cell
+
+  AxisTransfer(int fine, int coarse, bool periodic, bool linear)
+      : fine_cells(fine), coarse_cells(coarse) {
+    const double ratio = static_cast<double>(coarse) / fine;
+    std::vector<double> row(static_cast<std::size_t>(coarse));
+    std::vector<std::vector<FinePart>> columns(row.size());
+    for (int f = 0; f < fine; ++f) {
+      const double low = f * ratio, high = (f + 1) * ratio;
+      first.push_back(static_cast<int>(parts.size()));
+      std::fill(row.begin(), row.end(), 0.0);
+      const bool hat = linear && fine != coarse;
+      const double beyond = hat ? 0.5 : 0;
+      const AxisRange range(static_cast<int>(std::floor(low - beyond)),
+                            static_cast<int>(std::ceil(high + beyond)) - 1, coarse, periodic);
+      for (int c = range.low; c <= range.high; ++c) {
+        const double u = low - c - 0.5, v = high - c - 0.5;
+        const double w = fine == coarse ? (c == f ? 1.0 : 0.0)
+                         : hat          ? hat_integral(v) - hat_integral(u)
+                                        : std::max(0.0, std::min(v, 0.5) - std::max(u, -0.5));
+        row[static_cast<std::size_t>(range.start + range.place(c)) % row.size()] += w;
+      }
+      for (std::size_t c = 0; c < row.size(); ++c)
+        if (row[c] > 0) {
+          parts.push_back({static_cast<int>(c), row[c]});
+          columns[c].push_back({f, row[c]});
+        }
+    }
+    first.push_back(static_cast<int>(parts.size()));
+    for (const auto& column : columns) {
+      first_of_coarse.push_back(static_cast<int>(fine_parts.size()));
+      fine_parts.insert(fine_parts.end(), column.begin(), column.end());
+    }
+    first_of_coarse.push_back(static_cast<int>(fine_parts.size()));
+  }
+
+  /// Calls use(coarse, weight) for fine cell f, and use(fine, weight) for coarse cell c.
+  template <class Use>
+  void of_fine(int f, const Use& use) const {
+    const auto n = static_cast<std::size_t>(f);
+    for (int m = first[n]; m < first[n + 1]; ++m)
+      use(parts[static_cast<std::size_t>(m)].coarse, parts[static_cast<std::size_t>(m)].weight);
+  }
+  template <class Use>
+  void of_coarse(int c, const Use& use) const {
+    const auto n = static_cast<std::size_t>(c);
+    for (int m = first_of_coarse[n]; m < first_of_coarse[n + 1]; ++m)
+      use(fine_parts[static_cast<std::size_t>(m)].fine,
+          fine_parts[static_cast<std::size_t>(m)].weight);
+  }
+
+ private:
+  /// Of the hat 1 - |t| from -1 to u.
+  static double hat_integral(double u) {
+    const double x = std::clamp(u, -1.0, 1.0);
+    return 0.5 + x - 0.5 * x * std::abs(x);
+  }
+};
+
+}  // namespace silt

@@ -1,0 +1,146 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cmath>
+#include <concepts>
+#include <cstdint>
+#include <span>
+
+#include <silt/core/quaternion.hpp>
+#include <silt/core/threads.hpp>
+#include <silt/coupling/averaging/body_form.hpp>
+#include <silt/fluid/grid.hpp>
+
+/// Averaging between particles and the cells of a Grid: what every coupling mode is made of.
+///
+/// A mode (Unresolved, TwoGrid, Kernel, Diffusion) gives weights w_pc >= 0 of particle p on cell c
+/// with sum_c w_pc = 1, and with them
+///
+///   spread:  f_c = sum_p w_pc q_p      volume V_p -> solids volume of the cell, K_p, K_p v_p,
+///   forces gather:  g_p = sum_c w_pc f_c      fluid velocity, grad p, void fraction at the
+///   particle
+///
+/// the one the adjoint of the other, <spread q, f> = <q, gather f>: what the particles give the
+/// fluid gets, to rounding. Periodic directions wrap. Nothing is given to blocked cells: a
+/// particle's weights are normalised over its open cells.
+namespace silt::inline SILT_TARGET {
+
+/// Where the particles are, as an averaging operator sees them.
+struct AveragedParticles {
+  std::span<const Vec3d> position;  // [m] of the centre of mass
+  std::span<const double> radius;   // [m] of the sphere, or of the sphere of the body's volume
+  // Of bodies alone:
+  std::span<const Quaternion> orientation = {};  // principal axes to space
+  std::span<const std::uint32_t> form = {};      // which of `forms`; left out: all the first
+  std::span<const BodyForm> forms = {};          // left out: spheres
+};
+
+/// One number a particle, per quantity; one Field, per quantity.
+using Quantities = std::span<const std::span<const double>>;
+using GatheredValues = std::span<const std::span<double>>;
+using CellFields = std::span<Field* const>;
+using ConstCellFields = std::span<const Field* const>;
+
+/// What place() found.
+struct AveragingReport {
+  std::size_t particles = 0;
+  std::size_t outside = 0;       // not in the grid: they have no weights, gather gives 0
+  std::size_t without_open = 0;  // none of their cells is open: all goes to the nearest open cell
+  std::size_t bytes = 0;         // that the weights take
+};
+
+/// A mode is what a user sets, with
+///   void check() const                  throws InputError, one sentence
+///   using Averaging = ...               the operator, made from (mode, grid, diameter [m]): of the
+///                                       largest particles, in which the mode's widths are given
+/// and the operator has
+///   void open(const Field& cells)       1 in open cells, 0 in blocked ones; before place()
+///   void place(const AveragedParticles&, const Team&)
+///   void spread(Quantities, CellFields, const Team&)        their cells are set, ghosts are not
+///   void gather(ConstCellFields, GatheredValues, const Team&)        reads no ghosts
+///   const AveragingReport& report() const
+/// Results are the same, bit for bit, for every number of threads.
+template <class M>
+concept AveragingMode =
+    std::constructible_from<typename M::Averaging, const M&, const Grid&, double> &&
+    requires(const M& mode, typename M::Averaging& averaging, const Field& cells,
+             const AveragedParticles& particles, Quantities q, CellFields f, ConstCellFields g,
+             GatheredValues v, const Team& team) {
+  mode.check();
+  averaging.open(cells);
+  averaging.place(particles, team);
+  averaging.spread(q, f, team);
+  averaging.gather(g, v, team);
+  { averaging.report() } -> std::convertible_to<const AveragingReport&>;
+};
+
+/// Sum of a field over the grid's cells.
+inline double total(const Field& field) {
+  const Grid& g = field.grid();
+  double sum = 0;
+  for (int k = 0; k < g.nz(); ++k)
+    for (int j = 0; j < g.ny(); ++j) {
+      const double* row = field.row(j, k);
+      double of_row = 0;
+      for (int i = 0; i < g.nx(); ++i) of_row += row[i];
+      sum += of_row;
+    }
+  return sum;
+}
+
+/// The solids volume [m3] by which cells exceed what a least void fraction leaves for it: what an
+/// engine that sets eps = max(1 - solids/V_cell, least) leaves out.
+inline double clipped_solids(const Field& solids, double least_void_fraction) {
+  const Grid& g = solids.grid();
+  const double most = (1 - least_void_fraction) * g.cell_volume();
+  double sum = 0;
+  for (int k = 0; k < g.nz(); ++k)
+    for (int j = 0; j < g.ny(); ++j)
+      for (int i = 0; i < g.nx(); ++i) sum += std::max(0.0, solids(i, j, k) - most);
+  return sum;
+}
+
+namespace detail {
+
+/// Refuses particles that no operator can place.
+inline void check_particles(const AveragedParticles& of) {
+  const std::size_t n = of.position.size();
+  require(of.radius.size() == n, "AveragedParticles: ", of.radius.size(), " radii for ", n,
+          " positions; give one each");
+  require(n < 0xffffffffu, "AveragedParticles: ", n, " particles are more than 2^32 - 2");
+  for (std::size_t p = 0; p < n; ++p)
+    require(of.radius[p] > 0 && of.radius[p] <= 1e300, "AveragedParticles: radius of particle ", p,
+            " = ", of.radius[p], " [m] must be finite and greater than 0");
+  if (of.forms.empty()) {
+    require(of.form.empty(), "AveragedParticles: forms are numbered but none is given; set forms");
+    return;
+  }
+  require(of.orientation.size() == n, "AveragedParticles: ", of.orientation.size(),
+          " orientations for ", n, " bodies; give one each");
+  require(of.form.empty() || of.form.size() == n, "AveragedParticles: ", of.form.size(),
+          " numbers of forms for ", n, " bodies; give one each, or none if all have the first");
+  for (std::size_t p = 0; p < of.form.size(); ++p)
+    require(of.form[p] < of.forms.size(), "AveragedParticles: form ", of.form[p], " of particle ",
+            p, " must be less than the number of forms, ", of.forms.size());
+}
+
+/// Refuses fields and quantities that do not belong together.
+template <class Columns, class Fields>
+void check_columns(const char* what, const Columns& columns, const Fields& fields, const Grid& grid,
+                   std::size_t particles) {
+  require(columns.size() == fields.size(), what, ": ", columns.size(),
+          " quantities of particles but ", fields.size(), " fields; give as many");
+  for (std::size_t q = 0; q < columns.size(); ++q) {
+    require(columns[q].size() == particles, what, ": quantity ", q, " has ", columns[q].size(),
+            " values for ", particles, " particles; place() the present ones first");
+    require(fields[q] != nullptr && fields[q]->grid() == grid, what, ": field ", q,
+            " is not one of the operator's grid");
+  }
+}
+
+inline void check_diameter(double diameter) {
+  require_positive("averaging: the diameter of the particles", diameter, "m");
+}
+
+}  // namespace detail
+}  // namespace silt

@@ -1,0 +1,188 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <silt/core/powers.hpp>
+#include <silt/coupling/averaging/stencil_averaging.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// A particle's share of cells is that of a smooth kernel around it, wider than a cell: for cells
+/// of any size, and the mode whose void fraction has no noise in time.
+///
+///   Form::Compact   K = B(x) B(y) B(z), B(x) = 15/16 (1 - x^2/R^2)^2 / R inside R, integrated over
+///                   the cells (a polynomial): R = width d, at least 1.5 h (1)
+///   Form::Gaussian  K = G(x) G(y) G(z), G = exp(-x^2/(2 s^2)) - exp(-9/2) inside 3 s, at the
+///   cells'
+///                   centres, s = width d, at least h/2 (2)
+///   bodies          K = (1 - q^2)^2 or exp(-9/2 q^2) - exp(-9/2), at the cells' centres, with
+///                   q = g(x) r/R, R of (1) or 3 s of (2): R and s are enlarged in each direction
+///                   by the body's extent in radii r of the sphere of its volume (3)
+///
+/// Weights are normalised: the volume is exact. d is a sphere's diameter, or that of the sphere of
+/// a body's volume; g its gauge (BodyForm). At walls kernels are folded. Products of
+/// one-dimensional factors need little memory, and B is the smoother in its cells for its being
+/// integrated; its second moments are isotropic, its tails reach out along the diagonals by up to
+/// sqrt(3) R.
+///
+/// Deviations: the review's Gaussian jumps at its cut by exp(-9/2), which d eps/dt would see as
+/// noise; here it is lowered by that. Minimal widths: below them a kernel would be a jump of the
+/// cell's own. Memory: spheres 100 to 350 bytes (cells across 3 to 15), bodies 8 bytes a cell.
+/// Source: PHYSICS.md C7, FLUID.md 3.2 (own measurements); (3): exponent -g(x)^2/(2 k^2), k = s/r.
+/// Errors: check(): InputError for a width below 0.1 or above 100 diameters.
+/// Tests:  tests/coupling/averaging.cpp, averaging_noise.cpp, averaging_bodies.cpp.
+struct Kernel {
+  enum class Form { Compact, Gaussian };
+  Form form = Form::Compact;
+  double width = 0;  // [diameters] R of Compact, s of Gaussian; 0: the usual 3 and 1
+
+  void check() const {
+    require(width == 0 || (width >= 0.1 && width <= 100), "Kernel.width = ", width,
+            " [diameters] must be in [0.1, 100], or 0 for the usual one");
+  }
+
+  class Source;
+  using Averaging = StencilAveraging<Kernel>;
+};
+
+class Kernel::Source {
+ public:
+  Source(const Kernel& mode, const Grid& grid, double, const AveragedParticles& particles)
+      : compact_(mode.form == Form::Compact),
+        per_radius_(2 *
+                    (mode.width > 0 ? mode.width
+                     : compact_     ? 3
+                                    : 1) *
+                    (compact_ ? 1 : 3)),
+        of_(particles),
+        frame_(grid) {}
+
+  StencilKind ranges(std::size_t p, std::array<AxisRange, 3>& r) const {
+    const auto s = frame_.at(of_.position[p]);
+    if (!frame_.inside(s)) return StencilKind::None;
+    const BodyForm* body = form_of(p);
+    if (!body) {
+      for (std::size_t d = 0; d < 3; ++d) {
+        const double reach = reach_in_cells(p, d);
+        r[d] = compact_ ? frame_.range(d, s[d] - reach, s[d] + reach)
+                        : frame_.range(d, s[d] - reach + 0.5, s[d] + reach - 0.5);
+      }
+      return StencilKind::Product;
+    }
+    const RotationMatrix turn = rotation_matrix(of_.orientation[p]);
+    const double R = body_reach(p, *body);
+    const SuperEllipsoid outline{body->axes.x, body->axes.y, body->axes.z, body->s1, body->s2};
+    for (std::size_t d = 0; d < 3; ++d) {
+      const Vec3d e = turn.back({d == 0 ? 1.0 : 0, d == 1 ? 1.0 : 0, d == 2 ? 1.0 : 0});
+      const double reach = R * outline.height(e) * frame_.inverse(d);
+      r[d] = frame_.range(d, s[d] - reach + 0.5, s[d] + reach - 0.5);
+    }
+    return StencilKind::Dense;
+  }
+
+  /// Factors of (1) and (2), in packs.
+  void factor(std::size_t p, int direction, const AxisRange& range, double* raw) const {
+    using Pack = detail::StencilPack;
+    const auto d = static_cast<std::size_t>(direction);
+    const double s = frame_.at(of_.position[p])[d], inverse = 1 / reach_in_cells(p, d);
+    const double first = (range.low - s) * inverse;
+    if (compact_) {
+      // All faces first, then their differences.
+      const auto integral = [](double q) {
+        const double x = std::clamp(q, -1.0, 1.0), x2 = x * x;
+        return x * (1 - x2 * (2.0 / 3 - 0.2 * x2));
+      };
+      for (int m = 0; m <= range.raw(); ++m) raw[m] = integral(first + m * inverse);
+      for (int m = 0; m < range.raw(); ++m) raw[m] = std::max(0.0, raw[m + 1] - raw[m]);
+      return;
+    }
+    const double middle = first + 0.5 * inverse;
+    for (int m = 0; m < range.raw(); m += detail::stencil_lanes) {
+      const Pack q = Pack(middle) + (Pack(static_cast<double>(m)) + steps()) * Pack(inverse);
+      detail::put_any(raw + m, gaussian(Pack(q * q)));
+    }
+  }
+
+  void dense(std::size_t p, const std::array<AxisRange, 3>& r, double* raw) const {
+    using Pack = detail::StencilPack;
+    const BodyForm& body = *form_of(p);
+    const auto s = frame_.at(of_.position[p]);
+    const RotationMatrix turn = rotation_matrix(of_.orientation[p]);
+    const double inverse = 1 / body_reach(p, body);
+    // Body coordinates of a point in semi-axes, over the reach.
+    const Vec3d a{inverse / body.axes.x, inverse / body.axes.y, inverse / body.axes.z};
+    const auto seen = [&](const Vec3d& v) {
+      const Vec3d b = turn.back(v);
+      return Vec3d{b.x * a.x, b.y * a.y, b.z * a.z};
+    };
+    const Vec3d step = seen({frame_.h(0), 0, 0});
+    const auto centre = [&](std::size_t d, int m) {
+      return (r[d].low + m + 0.5 - s[d]) * frame_.h(d);
+    };
+    const int nx = r[0].raw();
+    alignas(64) double lane[detail::stencil_lanes];
+    for (int k = 0; k < r[2].raw(); ++k)
+      for (int j = 0; j < r[1].raw(); ++j, raw += nx) {
+        const Vec3d at = seen({centre(0, 0), centre(1, j), centre(2, k)});
+        for (int i = 0; i < nx; i += detail::stencil_lanes) {
+          const Pack m = Pack(static_cast<double>(i)) + steps();
+          const Vec3<Pack> x{Pack(at.x) + m * Pack(step.x), Pack(at.y) + m * Pack(step.y),
+                             Pack(at.z) + m * Pack(step.z)};
+          const Pack q2 = body.ellipsoid() ? dot(x, x) : gauge_squared(body, x);
+          store(lane, compact_ ? quartic(q2) : gaussian(q2));
+          std::copy_n(lane, std::min(detail::stencil_lanes, nx - i), raw + i);
+        }
+      }
+  }
+
+ private:
+  /// Null: a sphere.
+  const BodyForm* form_of(std::size_t p) const {
+    if (of_.forms.empty()) return nullptr;
+    const BodyForm& body = of_.forms[of_.form.empty() ? 0 : of_.form[p]];
+    return body.sphere ? nullptr : &body;
+  }
+  double reach_in_cells(std::size_t p, std::size_t d) const {
+    return std::max(per_radius_ * of_.radius[p] * frame_.inverse(d), 1.5);
+  }
+  /// R or 3 s [m]; where the body is thinnest it is enlarged to 1.5 cells as well.
+  double body_reach(std::size_t p, const BodyForm& body) const {
+    const double h = std::max({frame_.h(0), frame_.h(1), frame_.h(2)});
+    return std::max(per_radius_ * of_.radius[p], 1.5 * h / body.smallest_axis);
+  }
+
+  static detail::StencilPack steps() {
+    alignas(64) static constexpr double of[16]{0, 1, 2,  3,  4,  5,  6,  7,
+                                               8, 9, 10, 11, 12, 13, 14, 15};
+    return load<detail::StencilPack>(of);
+  }
+  template <class Real>
+  static Real gaussian(const Real& q2) {
+    constexpr double edge = 0.011108996538242306;  // exp(-9/2)
+    return max(exponential(Real(Real(-4.5) * min(q2, Real(1.0)))) - Real(edge), Real(0.0));
+  }
+  template <class Real>
+  static Real quartic(const Real& q2) {
+    const Real u = max(Real(1.0) - q2, Real(0.0));
+    return u * u;
+  }
+  /// (g/reach)^2 of a super-ellipsoid; x in semi-axes over the reach.
+  template <class Real>
+  static Real gauge_squared(const BodyForm& body, const Vec3<Real>& x) {
+    const auto raised = [](const Real& v, double to) {
+      return power(max(min(v, Real(1e6)), Real(1e-6)), Real(to));
+    };
+    const Real across = raised(abs(x.x), body.s2) + raised(abs(x.y), body.s2);
+    const Real all =
+        power(max(across, smallest<Real>()), Real(body.s1 / body.s2)) + raised(abs(x.z), body.s1);
+    return power(max(all, smallest<Real>()), Real(2 / body.s1));
+  }
+
+  bool compact_;
+  double per_radius_;  // [-] R or 3 s, over the radius
+  const AveragedParticles& of_;
+  detail::CellFrame frame_;
+};
+
+static_assert(AveragingMode<Kernel>);
+
+}  // namespace silt

@@ -1,0 +1,155 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <silt/coupling/averaging/stencils.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// Multiplies cells by openness (blocked ones become 0 whatever they hold), or copies them so.
+inline void multiply_openness(const Field& openness, CellFields fields, const Team& team) {
+  const Grid& g = openness.grid();
+  team.for_parts(static_cast<std::size_t>(g.nz()), [&](std::size_t plane) {
+    const int k = static_cast<int>(plane);
+    for (Field* field : fields)
+      for (int j = 0; j < g.ny(); ++j) {
+        double* to = field->row(j, k);
+        const double* o = openness.row(j, k);
+        for (int i = 0; i < g.nx(); ++i) to[i] = o[i] > 0 ? o[i] * to[i] : 0.0;
+      }
+  });
+}
+
+/// Copies of fields, times openness where it is given, kept from call to call.
+class FieldCopies {
+ public:
+  ConstCellFields of(ConstCellFields fields, const Field* openness, const Team& team) {
+    room_for(fields.size(), fields.empty() ? nullptr : &fields[0]->grid());
+    if (fields.empty()) return {};
+    const Grid& g = fields[0]->grid();
+    team.for_parts(static_cast<std::size_t>(g.nz()), [&](std::size_t plane) {
+      const int k = static_cast<int>(plane);
+      for (std::size_t q = 0; q < fields.size(); ++q)
+        for (int j = 0; j < g.ny(); ++j) {
+          const double* from = fields[q]->row(j, k);
+          double* to = copies_[q].row(j, k);
+          if (!openness) {
+            std::copy(from, from + g.nx(), to);
+            continue;
+          }
+          const double* o = openness->row(j, k);
+          for (int i = 0; i < g.nx(); ++i) to[i] = o[i] > 0 ? o[i] * from[i] : 0.0;
+        }
+    });
+    return {constant_.data(), fields.size()};
+  }
+  /// `n` fields of a grid, whatever is in them; those of the last call of any function.
+  CellFields room_for(std::size_t n, const Grid* grid) {
+    if (grid && !copies_.empty() && !(copies_[0].grid() == *grid)) copies_.clear();
+    if (grid && copies_.size() < n) {
+      copies_.resize(n, Field(*grid));
+      constant_.clear(), all_.clear();
+      for (Field& f : copies_) constant_.push_back(&f), all_.push_back(&f);
+    }
+    return {all_.data(), n};
+  }
+
+ private:
+  std::vector<Field> copies_;
+  std::vector<const Field*> constant_;
+  std::vector<Field*> all_;
+};
+
+/// The operator of modes whose weights are stencils on the grid itself. Mode::Source(mode, grid,
+/// diameter, particles) is what Stencils::place takes.
+template <class Mode>
+class StencilAveraging {
+ public:
+  StencilAveraging(const Mode& mode, const Grid& grid, double diameter)
+      : mode_(mode), diameter_(diameter), stencils_(grid) {
+    mode.check();
+    detail::check_diameter(diameter);
+  }
+  const Grid& grid() const { return stencils_.grid(); }
+  const Stencils& stencils() const { return stencils_; }
+  const AveragingReport& report() const { return stencils_.report(); }
+
+  void open(const Field& cells) { stencils_.open(cells); }
+  void place(const AveragedParticles& particles, const Team& team = {}) {
+    detail::check_particles(particles);
+    const typename Mode::Source source(mode_, stencils_.grid(), diameter_, particles);
+    stencils_.place(particles.position.size(), source, team);
+  }
+  void spread(Quantities q, CellFields f, const Team& team = {}) {
+    stencils_.spread(q, f, team);
+    if (stencils_.openness()) multiply_openness(*stencils_.openness(), f, team);
+  }
+  void gather(ConstCellFields f, GatheredValues g, const Team& team = {}) {
+    detail::check_columns("gather", g, f, grid(), report().particles);
+    if (stencils_.openness())
+      stencils_.gather(copies_.of(f, stencils_.openness(), team), g, team);
+    else
+      stencils_.gather(f, g, team);
+  }
+
+ private:
+  Mode mode_;
+  double diameter_;
+  Stencils stencils_;
+  FieldCopies copies_;
+};
+
+namespace detail {
+
+/// What all sources share: where a particle is in units of cells, and the ranges around it.
+class CellFrame {
+ public:
+  explicit CellFrame(const Grid& grid)
+      : min_(grid.box().min),
+        inverse_{1 / grid.h().x, 1 / grid.h().y, 1 / grid.h().z},
+        h_{grid.h().x, grid.h().y, grid.h().z},
+        cells_(grid.cells()) {
+    for (std::size_t d = 0; d < 3; ++d) periodic_[d] = grid.periodic(static_cast<int>(d));
+  }
+  /// Place in cells from the lower corner [-].
+  std::array<double, 3> at(const Vec3d& x) const {
+    return {(x.x - min_.x) * inverse_[0], (x.y - min_.y) * inverse_[1],
+            (x.z - min_.z) * inverse_[2]};
+  }
+  double inverse(std::size_t d) const { return inverse_[d]; }
+  double h(std::size_t d) const { return h_[d]; }
+  bool inside(const std::array<double, 3>& s) const {
+    for (std::size_t d = 0; d < 3; ++d) {
+      if (periodic_[d] ? !(std::abs(s[d]) < 1e9) : !(s[d] >= 0 && s[d] <= cells_[d])) return false;
+    }
+    return true;
+  }
+  /// Cells that low ... high [cells] touch; of a particle on the upper end the last cell.
+  AxisRange range(std::size_t d, double low, double high) const {
+    return {whole(d, low), whole(d, high), cells_[d], periodic_[d]};
+  }
+  AxisRange cell(std::size_t d, double s) const {
+    int c = whole(d, s);
+    if (!periodic_[d]) c = std::min(c, cells_[d] - 1);
+    return {c, c, cells_[d], periodic_[d]};
+  }
+  /// The two cells whose centres are on either side.
+  AxisRange hat(std::size_t d, double s) const {
+    const int c = whole(d, s - 0.5);
+    return {c, c + 1, cells_[d], periodic_[d]};
+  }
+
+ private:
+  int whole(std::size_t d, double s) const {
+    const double f = std::floor(s), most = 2e9;
+    (void)d;
+    return static_cast<int>(std::clamp(f, -most, most));
+  }
+  Vec3d min_;
+  std::array<double, 3> inverse_, h_;
+  std::array<int, 3> cells_;
+  std::array<bool, 3> periodic_{};
+};
+
+}  // namespace detail
+
+}  // namespace silt

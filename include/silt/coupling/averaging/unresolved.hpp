@@ -1,0 +1,155 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <silt/coupling/averaging/sphere_overlap.hpp>
+#include <silt/coupling/averaging/stencil_averaging.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+namespace detail {
+
+/// N points of equal weight that fill the unit ball: Fibonacci lattices on shells, whose points are
+/// as many as their volume asks for, at the radius of the shell's mean square; shifted to the
+/// centre.
+inline std::vector<Vec3d> ball_points(int n) {
+  if (n == 1) return {{0, 0, 0}};
+  const int shells = std::max(1, static_cast<int>(std::lround(std::cbrt(n / 8.0))));
+  const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
+  std::vector<Vec3d> all;
+  Vec3d mean{0, 0, 0};
+  double below = 0;  // volume fraction inside the shell
+  for (int s = 0; s < shells; ++s) {
+    const double part = (s + 1.0) / shells;
+    const int end = s + 1 == shells ? n : static_cast<int>(std::lround(n * part * part * part));
+    const int count = end - static_cast<int>(all.size());
+    if (count <= 0) continue;
+    const double above = static_cast<double>(end) / n, u = std::cbrt(below), v = std::cbrt(above);
+    const double square = 0.6 * (std::pow(v, 5) - std::pow(u, 5)) / (above - below);
+    for (int k = 0; k < count; ++k) {
+      const double z = 1 - (2 * k + 1.0) / count, r = std::sqrt(1 - z * z);
+      const double angle = golden * k + 2.4 * s;
+      all.push_back(Vec3d{r * std::cos(angle), r * std::sin(angle), z} * std::sqrt(square));
+      mean += all.back();
+    }
+    below = above;
+  }
+  mean *= 1.0 / n;
+  for (Vec3d& x : all) x -= mean;
+  return all;
+}
+
+}  // namespace detail
+
+/// A particle's volume goes to the cells that it is in: for cells larger than particles.
+///
+///   Share::Centre      all to the cell of its centre. d eps/dt grows as 1/dt, eps may be below 0.
+///   Share::Satellites  equal parts to the cells of so many points in it; of bodies, those of their
+///                      BodyForm. Error of a share where h = d: 0.08 (8 points), 0.03 (29), 0.015
+///                      (100).
+///   Share::Exact       the volumes of sphere and cells in common (sphere_overlap.hpp), cells of
+///   any
+///                      size. Spheres alone.
+/// Source: PHYSICS.md C7. Errors: check(): InputError for fewer than 1 or more than 1e6 points;
+/// place(): for bodies with Share::Exact.
+/// Tests: tests/coupling/averaging.cpp, averaging_overlap.cpp, averaging_bodies.cpp.
+struct Unresolved {
+  enum class Share { Centre, Satellites, Exact };
+  Share share = Share::Exact;
+  int points = 29;  // [-] of Satellites, of spheres
+
+  void check() const {
+    require(points >= 1 && points <= 1000000, "Unresolved.points = ", points,
+            " [-] must be in [1, 1000000]");
+  }
+
+  class Source;
+  using Averaging = StencilAveraging<Unresolved>;
+};
+
+class Unresolved::Source {
+ public:
+  Source(const Unresolved& mode, const Grid& grid, double, const AveragedParticles& particles)
+      : share_(mode.share), of_(particles), frame_(grid) {
+    require(share_ != Share::Exact || of_.forms.empty(),
+            "Unresolved: Share::Exact is of spheres alone; take Share::Satellites for bodies");
+    if (share_ == Share::Satellites && of_.forms.empty())
+      points_ = detail::ball_points(mode.points);
+  }
+
+  StencilKind ranges(std::size_t p, std::array<AxisRange, 3>& r) const {
+    const auto s = frame_.at(of_.position[p]);
+    if (!frame_.inside(s)) return StencilKind::None;
+    if (share_ == Share::Centre) {
+      for (std::size_t d = 0; d < 3; ++d) r[d] = frame_.cell(d, s[d]);
+      return StencilKind::Dense;
+    }
+    if (of_.forms.empty()) {
+      for (std::size_t d = 0; d < 3; ++d) {
+        const double reach = of_.radius[p] * frame_.inverse(d);
+        r[d] = frame_.range(d, s[d] - reach, s[d] + reach);
+      }
+      return StencilKind::Dense;
+    }
+    double low[3] = {s[0], s[1], s[2]}, high[3] = {s[0], s[1], s[2]};
+    for_points(p, [&](const std::array<double, 3>& x) {
+      for (std::size_t d = 0; d < 3; ++d)
+        low[d] = std::min(low[d], x[d]), high[d] = std::max(high[d], x[d]);
+    });
+    for (std::size_t d = 0; d < 3; ++d) r[d] = frame_.range(d, low[d], high[d]);
+    return StencilKind::Dense;
+  }
+  void factor(std::size_t, int, const AxisRange&, double*) const {}
+
+  void dense(std::size_t p, const std::array<AxisRange, 3>& r, double* raw) const {
+    if (share_ == Share::Centre) {
+      *raw = 1;
+      return;
+    }
+    const int nx = r[0].raw(), ny = r[1].raw();
+    if (share_ == Share::Exact) return exact(p, r, raw);
+    for_points(p, [&](const std::array<double, 3>& x) {
+      int c[3];
+      for (std::size_t d = 0; d < 3; ++d)  // rounding may lie between this and the range
+        c[d] = std::clamp(static_cast<int>(std::floor(x[d])) - r[d].low, 0, r[d].raw() - 1);
+      raw[(c[2] * ny + c[1]) * nx + c[0]] += 1;
+    });
+  }
+
+ private:
+  template <class Use>
+  void for_points(std::size_t p, const Use& use) const {
+    if (of_.forms.empty()) {
+      for (const Vec3d& x : points_) use(frame_.at(of_.position[p] + x * of_.radius[p]));
+      return;
+    }
+    const RotationMatrix turn = rotation_matrix(of_.orientation[p]);
+    for (const Vec3d& x : of_.forms[of_.form.empty() ? 0 : of_.form[p]].points)
+      use(frame_.at(of_.position[p] + turn * x * of_.radius[p]));
+  }
+
+  void exact(std::size_t p, const std::array<AxisRange, 3>& r, double* raw) const {
+    thread_local SphereOverlap overlap;
+    thread_local std::array<std::vector<double>, 3> planes;
+    const auto s = frame_.at(of_.position[p]);
+    const double scale = 1 / of_.radius[p];
+    std::array<int, 3> cells;
+    for (std::size_t d = 0; d < 3; ++d) {
+      cells[d] = r[d].raw();
+      planes[d].clear();
+      for (int m = 0; m <= cells[d]; ++m)
+        planes[d].push_back((r[d].low + m - s[d]) * frame_.h(d) * scale);
+    }
+    overlap.shares(
+        planes[0].data(), planes[1].data(), planes[2].data(), cells,
+        [&](int i, int j, int k, double v) { raw[(k * cells[1] + j) * cells[0] + i] = v; });
+  }
+
+  Share share_;
+  const AveragedParticles& of_;
+  detail::CellFrame frame_;
+  std::vector<Vec3d> points_;
+};
+
+static_assert(AveragingMode<Unresolved>);
+
+}  // namespace silt
