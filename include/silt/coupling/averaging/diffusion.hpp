@@ -52,7 +52,7 @@ class Diffusion::Averaging {
     diffusion_.open(cells);
   }
   void place(const AveragedParticles& particles, const Team& team = {}) {
-    detail::check_particles(particles);
+    detail::check_particles(particles, grid());
     const std::size_t n = particles.position.size();
     if (mode_.share == Share::Hat)
       return stencils_.place(n, detail::HatSource(grid(), particles), team);

@@ -100,7 +100,7 @@ class TwoGrid::Averaging {
     stencils_.open(seen);
   }
   void place(const AveragedParticles& particles, const Team& team = {}) {
-    detail::check_particles(particles);
+    detail::check_particles(particles, grid_);
     const std::size_t n = particles.position.size();
     if (mode_.share == Share::Hat)
       return stencils_.place(n, detail::HatSource(coarse(), particles), team);
