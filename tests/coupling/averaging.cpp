@@ -214,6 +214,8 @@ TEST_CASE("averaging: nonsense is refused") {
   cloud.radius[1] = 0;
   const auto placed = [&] { return refusal([&] { op.place(cloud.seen()); }); };
   CHECK(says(placed(), "radius of particle 1 = 0 [m]"));
+  cloud.radius[1] = 1.5;
+  CHECK(says(placed(), "radius of particle 1 = 1.5 [m] must be in (0, 1]"));
   cloud.radius = {0.1, 0.1};
   CHECK(says(placed(), "2 radii for 3 positions"));
   cloud.radius.assign(3, 0.1);

@@ -9,7 +9,7 @@ namespace {
 constexpr double pi = std::numbers::pi;
 
 /// Volume of the unit ball between planes, by Gauss' rule along x of areas of a disc in a rectangle
-/// (PHYSICS.md C7), with break points where the area has a kink; nodes by a cosine.
+///, with break points where the area has a kink; nodes by a cosine.
 class Quadrature {
  public:
   static double box(const Vec3d& low, const Vec3d& high) {
@@ -58,7 +58,7 @@ class Quadrature {
 TEST_CASE("sphere overlap: octants, caps and wedges have their closed volumes") {
   CHECK(near_relative(SphereOverlap::corner(0, 0, 0), pi / 6, 1e-15));
   CHECK(near_relative(SphereOverlap::corner(-1, -1, -1), 4 * pi / 3, 1e-15));
-  // Cap of height 0.3 of a ball of radius 0.5 (PHYSICS.md C7).
+  // Cap of height 0.3 of a ball of radius 0.5.
   CHECK(std::abs(SphereOverlap::corner(0.4, -1, -1) / 8 - 0.113097) < 5e-7);
   CHECK(std::abs(SphereOverlap::corner(-1, 0.4, -1) - SphereOverlap::corner(0.4, -1, -1)) < 1e-15);
   for (const double a : {-0.9, -0.3, 0.0, 0.2, 0.7, 0.999}) {
@@ -124,7 +124,7 @@ TEST_CASE("sphere overlap: 27 cells agree with counted random points") {
     CHECK(std::abs(share[c] - counted[c]) <= 4 * std::sqrt(8 * share[c] / n) + 1e-9);
 }
 
-TEST_CASE("satellites: shares err as PHYSICS.md C7 says, less with more points") {
+TEST_CASE("satellites: shares err as they should, less with more points") {
   // Cells as large as the sphere's diameter, random places; rms over the cells that have a share.
   const Grid grid({{0, 0, 0}, {4, 4, 4}}, {4, 4, 4});
   const Cloud cloud = [&] {

@@ -47,7 +47,7 @@ SimulationError failure(Sim& sim, double duration) {
   return *caught;
 }
 
-/// PHYSICS.md B3: t_c = 2.943275 d_max/v of an elastic Hertz impact; seven digits are given.
+/// t_c = 2.943275 d_max/v of an elastic Hertz impact; seven digits are given.
 double hertz_time(double E_eff, double R_eff, double m_eff, double v) {
   const double kH = 4.0 / 3.0 * E_eff * std::sqrt(R_eff);
   return 2.943275 * std::pow(1.25 * m_eff / kH, 0.4) * std::pow(v, -0.2);

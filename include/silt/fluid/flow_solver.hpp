@@ -76,6 +76,10 @@ class FlowSolver {
     s_.solids.emplace(grid(), boundary, s_.fluid.viscosity);
     s_.started = false;
   }
+  /// Ghosts of the pressure as the sides have it; and whether a side holds a pressure or is
+  /// periodic, so that there is a slope across it.
+  void fill_pressure_ghosts() { s_.sides.fill_pressure(s_.pressure, false); }
+  bool holds_pressure(int d, int end) const { return grid().periodic(d) || s_.sides.open(d, end); }
   /// What flows through face `face` of direction d, all of its plane [m3/s].
   double flow_rate(int d, int face) const {
     const auto& n = grid().cells();

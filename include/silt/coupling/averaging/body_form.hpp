@@ -19,7 +19,7 @@ namespace silt::inline SILT_TARGET {
 /// gauge(x) is how often the body, blown up about its centroid, must be enlarged to reach x: exact
 /// for super-ellipsoids; others are taken as the ellipsoid with their moments of inertia.
 /// Sources: for the sequence, M. Roberts, The unreasonable effectiveness of quasirandom sequences
-///          (2018); gauge: PHYSICS.md C7.
+///          (2018); gauge: 1 on the surface, of degree one.
 /// Errors:  InputError for fewer than 1 or more than 1e6 points.
 /// Tests:   tests/coupling/averaging_bodies.cpp.
 struct BodyForm {

@@ -103,14 +103,16 @@ inline double clipped_solids(const Field& solids, double least_void_fraction) {
 namespace detail {
 
 /// Refuses particles that no operator can place.
-inline void check_particles(const AveragedParticles& of) {
+inline void check_particles(const AveragedParticles& of, const Grid& grid) {
+  const Vec3d extent = grid.box().extent();
+  const double most = std::max({extent.x, extent.y, extent.z});
   const std::size_t n = of.position.size();
   require(of.radius.size() == n, "AveragedParticles: ", of.radius.size(), " radii for ", n,
           " positions; give one each");
   require(n < 0xffffffffu, "AveragedParticles: ", n, " particles are more than 2^32 - 2");
   for (std::size_t p = 0; p < n; ++p)
-    require(of.radius[p] > 0 && of.radius[p] <= 1e300, "AveragedParticles: radius of particle ", p,
-            " = ", of.radius[p], " [m] must be finite and greater than 0");
+    require(of.radius[p] > 0 && of.radius[p] <= most, "AveragedParticles: radius of particle ", p,
+            " = ", of.radius[p], " [m] must be in (0, ", most, "], the length of the grid's box");
   if (of.forms.empty()) {
     require(of.form.empty(), "AveragedParticles: forms are numbered but none is given; set forms");
     return;

@@ -18,7 +18,7 @@ namespace silt::inline SILT_TARGET {
 ///   Share     Hat - linear between the eight centres around a particle, for bodies too; Exact -
 ///   the
 ///             volumes in common, of spheres. Neither jumps in time, as that of the centre would.
-/// Source: R. Sun, H. Xiao, Int. J. Multiphase Flow 77 (2015) 142 (b about 6 d); FLUID.md 3.2 a, e.
+/// Source: R. Sun, H. Xiao, Int. J. Multiphase Flow 77 (2015) 142 (b about 6 d).
 /// Errors: check(): InputError for a width outside (0, 1000] or steps outside [1, 1000]; place():
 ///         for bodies with Share::Exact.
 /// Tests:  tests/coupling/averaging.cpp, averaging_diffusion.cpp.
@@ -52,7 +52,7 @@ class Diffusion::Averaging {
     diffusion_.open(cells);
   }
   void place(const AveragedParticles& particles, const Team& team = {}) {
-    detail::check_particles(particles);
+    detail::check_particles(particles, grid());
     const std::size_t n = particles.position.size();
     if (mode_.share == Share::Hat)
       return stencils_.place(n, detail::HatSource(grid(), particles), team);

@@ -27,9 +27,9 @@ namespace silt::inline SILT_TARGET {
 /// Deviations: the review's Gaussian jumps at its cut by exp(-9/2), which d eps/dt would see as
 /// noise; here it is lowered by that. Minimal widths: below them a kernel would be a jump of the
 /// cell's own. Memory: spheres 100 to 350 bytes (cells across 3 to 15), bodies 8 bytes a cell.
-/// Source: PHYSICS.md C7, FLUID.md 3.2 (own measurements); (3): exponent -g(x)^2/(2 k^2), k = s/r.
-/// Errors: check(): InputError for a width below 0.1 or above 100 diameters.
-/// Tests:  tests/coupling/averaging.cpp, averaging_noise.cpp, averaging_bodies.cpp.
+/// Source: H. Ma et al., Powder Technol. 412 (2022) 117972 (2), and (3) as exponent -g(x)^2/(2
+/// k^2), k = s/r; (1) is of our own. Errors: check(): InputError for a width below 0.1 or above 100
+/// diameters. Tests:  tests/coupling/averaging.cpp, averaging_noise.cpp, averaging_bodies.cpp.
 struct Kernel {
   enum class Form { Compact, Gaussian };
   Form form = Form::Compact;

@@ -75,7 +75,7 @@ class StencilAveraging {
 
   void open(const Field& cells) { stencils_.open(cells); }
   void place(const AveragedParticles& particles, const Team& team = {}) {
-    detail::check_particles(particles);
+    detail::check_particles(particles, grid());
     const typename Mode::Source source(mode_, stencils_.grid(), diameter_, particles);
     stencils_.place(particles.position.size(), source, team);
   }
@@ -119,31 +119,27 @@ class CellFrame {
   double h(std::size_t d) const { return h_[d]; }
   bool inside(const std::array<double, 3>& s) const {
     for (std::size_t d = 0; d < 3; ++d) {
-      if (periodic_[d] ? !(std::abs(s[d]) < 1e9) : !(s[d] >= 0 && s[d] <= cells_[d])) return false;
+      if (periodic_[d] ? !(std::abs(s[d]) < 4e8) : !(s[d] >= 0 && s[d] <= cells_[d])) return false;
     }
     return true;
   }
   /// Cells that low ... high [cells] touch; of a particle on the upper end the last cell.
   AxisRange range(std::size_t d, double low, double high) const {
-    return {whole(d, low), whole(d, high), cells_[d], periodic_[d]};
+    return {whole(low), whole(high), cells_[d], periodic_[d]};
   }
   AxisRange cell(std::size_t d, double s) const {
-    int c = whole(d, s);
+    int c = whole(s);
     if (!periodic_[d]) c = std::min(c, cells_[d] - 1);
     return {c, c, cells_[d], periodic_[d]};
   }
   /// The two cells whose centres are on either side.
   AxisRange hat(std::size_t d, double s) const {
-    const int c = whole(d, s - 0.5);
+    const int c = whole(s - 0.5);
     return {c, c + 1, cells_[d], periodic_[d]};
   }
 
  private:
-  int whole(std::size_t d, double s) const {
-    const double f = std::floor(s), most = 2e9;
-    (void)d;
-    return static_cast<int>(std::clamp(f, -most, most));
-  }
+  static int whole(double s) { return static_cast<int>(std::clamp(std::floor(s), -5e8, 5e8)); }
   Vec3d min_;
   std::array<double, 3> inverse_, h_;
   std::array<int, 3> cells_;

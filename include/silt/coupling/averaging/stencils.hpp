@@ -33,7 +33,10 @@ enum class StencilKind : std::uint8_t {
 /// Tests: tests/coupling/averaging.cpp.
 class Stencils {
  public:
-  explicit Stencils(const Grid& grid) : grid_(grid) {}
+  explicit Stencils(const Grid& grid) : grid_(grid) {
+    for (const int n : grid.cells())
+      require(n < 65536, "averaging: the grid has ", n, " cells in a direction; at most 65535");
+  }
 
   const Grid& grid() const { return grid_; }
   const AveragingReport& report() const { return report_; }

@@ -19,9 +19,8 @@ namespace silt::inline SILT_TARGET {
 ///
 /// Where cells are blocked a coarse cell gives to its open ones alone: weights are those of hat
 /// (or share) and transfer together, normalised over the particle's open cells.
-/// Source: PHYSICS.md C7, FLUID.md 6.1. Errors: check(): InputError for a cell outside [1, 100];
-/// place(): for bodies with Share::Exact.
-/// Tests: tests/coupling/averaging.cpp.
+/// Source: H. Ma et al., Powder Technol. 412 (2022) 117972. Errors: check(): InputError for a cell
+/// outside [1, 100]; place(): for bodies with Share::Exact. Tests: tests/coupling/averaging.cpp.
 struct TwoGrid {
   enum class Share { Hat, Exact };
   enum class Transfer { Linear, Constant };
@@ -100,7 +99,7 @@ class TwoGrid::Averaging {
     stencils_.open(seen);
   }
   void place(const AveragedParticles& particles, const Team& team = {}) {
-    detail::check_particles(particles);
+    detail::check_particles(particles, grid_);
     const std::size_t n = particles.position.size();
     if (mode_.share == Share::Hat)
       return stencils_.place(n, detail::HatSource(coarse(), particles), team);

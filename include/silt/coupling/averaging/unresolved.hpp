@@ -49,9 +49,9 @@ inline std::vector<Vec3d> ball_points(int n) {
 ///   Share::Exact       the volumes of sphere and cells in common (sphere_overlap.hpp), cells of
 ///   any
 ///                      size. Spheres alone.
-/// Source: PHYSICS.md C7. Errors: check(): InputError for fewer than 1 or more than 1e6 points;
-/// place(): for bodies with Share::Exact.
-/// Tests: tests/coupling/averaging.cpp, averaging_overlap.cpp, averaging_bodies.cpp.
+/// Source: H. Ma et al., Powder Technol. 412 (2022) 117972; the overlap is of our own. Errors:
+/// check(): InputError for fewer than 1 or more than 1e6 points; place(): for bodies with
+/// Share::Exact. Tests: tests/coupling/averaging.cpp, averaging_overlap.cpp, averaging_bodies.cpp.
 struct Unresolved {
   enum class Share { Centre, Satellites, Exact };
   Share share = Share::Exact;
