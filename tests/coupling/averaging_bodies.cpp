@@ -73,6 +73,21 @@ TEST_CASE("body forms: points fill the body, their second moments are its own") 
   CHECK(farthest > 1.4 / rr);
   CHECK(farthest < 1.52 / rr);
   CHECK(body_form(silt::Sphere{}).sphere);
+  CHECK(body_form(brick(1, 1, 1)).sphere);  // a cube's moments are a sphere's
+  CHECK_FALSE(body_form(SuperEllipsoid{1, 1, 1, 8, 8}).sphere);
+  // Every kind of shape has a form: a compound, octants, one of a mix.
+  const SuperEllipsoid rod{3, 1, 1};
+  const silt::Compound<SuperEllipsoid> one{.parts = {{rod, {}, {}}}};
+  const silt::PolySuperEllipsoid egg{.plus = {2, 1, 1}, .minus = {1, 1, 1}};
+  const auto elongation = [](const BodyForm& form) {
+    const Vec3d& x = form.axes;
+    return std::max({x.x, x.y, x.z}) / std::min({x.x, x.y, x.z});
+  };
+  CHECK(near_relative(elongation(body_form(rod)), 3, 1e-12));
+  CHECK(near_relative(elongation(body_form(one)), 3, 1e-9));
+  // Of the egg: <x^2> - <x>^2 = 3/5 - (3/8)^2 along, 1/5 across.
+  CHECK(near_relative(elongation(body_form(egg)), std::sqrt((0.6 - 0.140625) / 0.2), 1e-6));
+  CHECK(body_form(silt::Mix<silt::Sphere, SuperEllipsoid>(silt::Sphere{})).sphere);
   CHECK(says(refusal([] { body_form(silt::Sphere{}, 0); }), "0 interior points"));
 }
 

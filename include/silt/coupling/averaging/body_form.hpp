@@ -24,10 +24,10 @@ namespace silt::inline SILT_TARGET {
 /// Tests:   tests/coupling/averaging_bodies.cpp.
 struct BodyForm {
   std::vector<Vec3d> points;  // [-]
-  double reach = 1;           // [-] of the farthest point of the bounding sphere
   Vec3d axes{1, 1, 1};        // [-] semi-axes of the (super-)ellipsoid of the gauge
   double s1 = 2, s2 = 2;      // [-] its exponents
   double smallest_axis = 1;   // [-]
+  /// The gauge is a sphere's (that of a cube is, too): so are kernels.
   bool sphere = false;
 
   bool ellipsoid() const { return s1 == 2 && s2 == 2; }
@@ -70,14 +70,12 @@ BodyForm body_form(const S& shape, int points = 100) {
     const auto parts = detail::SolidsOf<S>::solids(shape, mass);
     const double radius = std::cbrt(0.75 * mass.volume / std::numbers::pi);
     Box box;
-    double reach = 0;
     for (const auto& part : parts) {
       const Ball bound =
           std::visit([](const auto& solid) { return detail::bound_of(solid); }, part.solid);
       const Vec3d centre = part.centre + rotate(part.axes, bound.centre);
       const double r = bound.radius;
       box.include(Box{centre - Vec3d{r, r, r}, centre + Vec3d{r, r, r}});
-      reach = std::max(reach, norm(centre) + r);
     }
     const auto inside = [&](const Vec3d& x) {
       for (const auto& part : parts)
@@ -104,7 +102,6 @@ BodyForm body_form(const S& shape, int points = 100) {
     }
     mean *= 1.0 / points;
     for (Vec3d& x : form.points) x -= mean;
-    form.reach = reach / radius + norm(mean);
     if constexpr (std::is_same_v<S, SuperEllipsoid>) {
       form.axes = {shape.a / radius, shape.b / radius, shape.c / radius};
       form.s1 = shape.s1, form.s2 = shape.s2;
@@ -117,6 +114,7 @@ BodyForm body_form(const S& shape, int points = 100) {
       };
       const Vec3d a{axis(I.x, I.y, I.z), axis(I.y, I.z, I.x), axis(I.z, I.x, I.y)};
       form.axes = a * (1 / std::cbrt(a.x * a.y * a.z));
+      form.sphere = std::max({a.x, a.y, a.z}) <= (1 + 1e-3) * std::min({a.x, a.y, a.z});
     }
     form.smallest_axis = std::min({form.axes.x, form.axes.y, form.axes.z});
     return form;

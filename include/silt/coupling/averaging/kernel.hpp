@@ -19,10 +19,10 @@ namespace silt::inline SILT_TARGET {
 ///                   by the body's extent in radii r of the sphere of its volume (3)
 ///
 /// Weights are normalised: the volume is exact. d is a sphere's diameter, or that of the sphere of
-/// a body's volume; g its gauge (BodyForm). At walls kernels are folded. Products of
-/// one-dimensional factors need little memory, and B is the smoother in its cells for its being
-/// integrated; its second moments are isotropic, its tails reach out along the diagonals by up to
-/// sqrt(3) R.
+/// a body's volume; g its gauge (BodyForm). At walls kernels are folded. Products of factors need
+/// little memory, and B, integrated, is the smoother in its cells. Second moments are isotropic
+/// (standard deviation 0.378 R of B); of the fourth, <x^4>/(3 <x^2 y^2>) is 0.78 of B and 0.91 of
+/// the cut Gaussian, 1 if isotropic: along diagonals tails reach out by up to sqrt(3) R.
 ///
 /// Deviations: the review's Gaussian jumps at its cut by exp(-9/2), which d eps/dt would see as
 /// noise; here it is lowered by that. Minimal widths: below them a kernel would be a jump of the
