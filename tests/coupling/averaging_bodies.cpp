@@ -2,8 +2,8 @@
 #include "coupling/averaging_support.hpp"
 
 using namespace averaging_test;
-using silt::body_form;
-using silt::BodyForm;
+using silt::averaged_form;
+using silt::AveragedForm;
 using silt::MultiSphere;
 using silt::Polyhedron;
 using silt::SuperEllipsoid;
@@ -16,11 +16,11 @@ Polyhedron brick(double a, double b, double c, double radius = 0) {
   return Polyhedron::from_points(corners, radius);
 }
 
-std::vector<BodyForm> forms() {
-  return {body_form(SuperEllipsoid{2, 1, 0.7}, 50), body_form(SuperEllipsoid{1, 1, 3, 8, 2}, 50),
-          body_form(brick(1, 2, 0.5), 50),
-          body_form(MultiSphere{{{{-1, 0, 0}, 1}, {{1, 0, 0}, 1}}}, 50),
-          body_form(silt::Sphere{}, 50)};
+std::vector<AveragedForm> forms() {
+  return {averaged_form(SuperEllipsoid{2, 1, 0.7}, 50),
+          averaged_form(SuperEllipsoid{1, 1, 3, 8, 2}, 50), averaged_form(brick(1, 2, 0.5), 50),
+          averaged_form(MultiSphere{{{{-1, 0, 0}, 1}, {{1, 0, 0}, 1}}}, 50),
+          averaged_form(silt::Sphere{}, 50)};
 }
 
 Cloud bodies_in(const Box& box, std::size_t n, double d, std::uint64_t seed) {
@@ -41,19 +41,19 @@ Cloud bodies_in(const Box& box, std::size_t n, double d, std::uint64_t seed) {
 TEST_CASE("body forms: points fill the body, their second moments are its own") {
   // Mean of x^2 of an ellipsoid a^2/5, of a brick a^2/3; points err by what counting them does,
   // some N^(-2/3) (0.004) of each term at the surface.
-  const auto moments = [](const BodyForm& form) {
+  const auto moments = [](const AveragedForm& form) {
     Vec3d sum{0, 0, 0}, mean{0, 0, 0};
     for (const Vec3d& x : form.points) sum += Vec3d{x.x * x.x, x.y * x.y, x.z * x.z}, mean += x;
     CHECK(silt::norm(mean) <= 1e-12 * static_cast<double>(form.points.size()));
     return sum * (1.0 / static_cast<double>(form.points.size()));
   };
   const double r = std::cbrt(2.0 * 1 * 0.7);
-  const Vec3d e = moments(body_form(SuperEllipsoid{2, 1, 0.7}, 4000));
+  const Vec3d e = moments(averaged_form(SuperEllipsoid{2, 1, 0.7}, 4000));
   CHECK(near_relative(e.x, 4 / (5 * r * r), 0.01));
   CHECK(near_relative(e.y, 1 / (5 * r * r), 0.01));
   CHECK(near_relative(e.z, 0.49 / (5 * r * r), 0.01));
   // Principal axes of the brick are those of its points, in some order.
-  const BodyForm of = body_form(brick(1, 2, 0.5), 4000);
+  const AveragedForm of = averaged_form(brick(1, 2, 0.5), 4000);
   const double R = std::cbrt(0.75 * 8 / std::numbers::pi);
   const Vec3d b = moments(of);
   double found[3] = {b.x, b.y, b.z};
@@ -66,29 +66,29 @@ TEST_CASE("body forms: points fill the body, their second moments are its own") 
   CHECK(near_relative(a.x * a.y * a.z, 1, 1e-12));
   CHECK(near_relative(std::max({a.x, a.y, a.z}) / std::min({a.x, a.y, a.z}), 4, 1e-9));
   // A rounded brick reaches out by its radius.
-  const BodyForm round = body_form(brick(1, 1, 1, 0.5), 2000);
+  const AveragedForm round = averaged_form(brick(1, 1, 1, 0.5), 2000);
   double farthest = 0;
   for (const Vec3d& x : round.points) farthest = std::max({farthest, x.x, x.y, x.z});
   const double rr = brick(1, 1, 1, 0.5).equal_volume_radius();
   CHECK(farthest > 1.4 / rr);
   CHECK(farthest < 1.52 / rr);
-  CHECK(body_form(silt::Sphere{}).sphere);
-  CHECK(body_form(brick(1, 1, 1)).sphere);  // a cube's moments are a sphere's
-  CHECK_FALSE(body_form(SuperEllipsoid{1, 1, 1, 8, 8}).sphere);
+  CHECK(averaged_form(silt::Sphere{}).sphere);
+  CHECK(averaged_form(brick(1, 1, 1)).sphere);  // a cube's moments are a sphere's
+  CHECK_FALSE(averaged_form(SuperEllipsoid{1, 1, 1, 8, 8}).sphere);
   // Every kind of shape has a form: a compound, octants, one of a mix.
   const SuperEllipsoid rod{3, 1, 1};
   const silt::Compound<SuperEllipsoid> one{.parts = {{rod, {}, {}}}};
   const silt::PolySuperEllipsoid egg{.plus = {2, 1, 1}, .minus = {1, 1, 1}};
-  const auto elongation = [](const BodyForm& form) {
+  const auto elongation = [](const AveragedForm& form) {
     const Vec3d& x = form.axes;
     return std::max({x.x, x.y, x.z}) / std::min({x.x, x.y, x.z});
   };
-  CHECK(near_relative(elongation(body_form(rod)), 3, 1e-12));
-  CHECK(near_relative(elongation(body_form(one)), 3, 1e-9));
+  CHECK(near_relative(elongation(averaged_form(rod)), 3, 1e-12));
+  CHECK(near_relative(elongation(averaged_form(one)), 3, 1e-9));
   // Of the egg: <x^2> - <x>^2 = 3/5 - (3/8)^2 along, 1/5 across.
-  CHECK(near_relative(elongation(body_form(egg)), std::sqrt((0.6 - 0.140625) / 0.2), 1e-6));
-  CHECK(body_form(silt::Mix<silt::Sphere, SuperEllipsoid>(silt::Sphere{})).sphere);
-  CHECK(says(refusal([] { body_form(silt::Sphere{}, 0); }), "0 interior points"));
+  CHECK(near_relative(elongation(averaged_form(egg)), std::sqrt((0.6 - 0.140625) / 0.2), 1e-6));
+  CHECK(averaged_form(silt::Mix<silt::Sphere, SuperEllipsoid>(silt::Sphere{})).sphere);
+  CHECK(says(refusal([] { averaged_form(silt::Sphere{}, 0); }), "0 interior points"));
 }
 
 TEST_CASE("averaging of bodies: volume, adjointness and constants to rounding in every mode") {
@@ -119,7 +119,7 @@ TEST_CASE(
   Cloud one;
   one.position = {{10.15, 10, 9.8}};
   one.radius = {0.5};
-  one.forms = {body_form(SuperEllipsoid{2, 1, 1})};
+  one.forms = {averaged_form(SuperEllipsoid{2, 1, 1})};
   const double tilt = 0.6;
   one.orientation = {silt::rotation_about({0, 0, 1}, tilt)};
   for (const Kernel::Form form : {Kernel::Form::Compact, Kernel::Form::Gaussian}) {
@@ -154,7 +154,7 @@ TEST_CASE(
   const Grid grid({{0, 0, 0}, {5, 5, 5}}, {5, 5, 5});
   Cloud one;
   one.position = {grid.centre(2, 2, 2)};
-  one.forms = {body_form(SuperEllipsoid{1.4, 0.2, 0.2}, 200)};
+  one.forms = {averaged_form(SuperEllipsoid{1.4, 0.2, 0.2}, 200)};
   one.radius = {SuperEllipsoid{1.4, 0.2, 0.2}.equal_volume_radius()};
   Unresolved::Averaging op({Unresolved::Share::Satellites}, grid, 1);
   for (const double angle : {0.0, 0.5 * std::numbers::pi}) {

@@ -37,7 +37,7 @@ struct Cloud {
   std::vector<double> radius;
   std::vector<silt::Quaternion> orientation = {};
   std::vector<std::uint32_t> form = {};
-  std::vector<silt::BodyForm> forms = {};
+  std::vector<silt::AveragedForm> forms = {};
 
   AveragedParticles seen() const { return {position, radius, orientation, form, forms}; }
   std::vector<double> volumes() const {

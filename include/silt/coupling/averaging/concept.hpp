@@ -8,7 +8,7 @@
 
 #include <silt/core/quaternion.hpp>
 #include <silt/core/threads.hpp>
-#include <silt/coupling/averaging/body_form.hpp>
+#include <silt/coupling/averaging/averaged_form.hpp>
 #include <silt/fluid/grid.hpp>
 
 /// Averaging between particles and the cells of a Grid: what every coupling mode is made of.
@@ -32,7 +32,7 @@ struct AveragedParticles {
   // Of bodies alone:
   std::span<const Quaternion> orientation = {};  // principal axes to space
   std::span<const std::uint32_t> form = {};      // which of `forms`; left out: all the first
-  std::span<const BodyForm> forms = {};          // left out: spheres
+  std::span<const AveragedForm> forms = {};      // left out: spheres
 };
 
 /// One number a particle, per quantity; one Field, per quantity.

@@ -19,10 +19,10 @@ namespace silt::inline SILT_TARGET {
 ///                   by the body's extent in radii r of the sphere of its volume (3)
 ///
 /// Weights are normalised: the volume is exact. d is a sphere's diameter, or that of the sphere of
-/// a body's volume; g its gauge (BodyForm). At walls kernels are folded. Products of factors need
-/// little memory, and B, integrated, is the smoother in its cells. Second moments are isotropic
-/// (standard deviation 0.378 R of B); of the fourth, <x^4>/(3 <x^2 y^2>) is 0.78 of B and 0.91 of
-/// the cut Gaussian, 1 if isotropic: along diagonals tails reach out by up to sqrt(3) R.
+/// a body's volume; g its gauge (AveragedForm). At walls kernels are folded. Products of factors
+/// need little memory, and B, integrated, is the smoother in its cells. Second moments are
+/// isotropic (standard deviation 0.378 R of B); of the fourth, <x^4>/(3 <x^2 y^2>) is 0.78 of B and
+/// 0.91 of the cut Gaussian, 1 if isotropic: along diagonals tails reach out by up to sqrt(3) R.
 ///
 /// Deviations: the review's Gaussian jumps at its cut by exp(-9/2), which d eps/dt would see as
 /// noise; here it is lowered by that. Minimal widths: below them a kernel would be a jump of the
@@ -59,7 +59,7 @@ class Kernel::Source {
   StencilKind ranges(std::size_t p, std::array<AxisRange, 3>& r) const {
     const auto s = frame_.at(of_.position[p]);
     if (!frame_.inside(s)) return StencilKind::None;
-    const BodyForm* body = form_of(p);
+    const AveragedForm* body = form_of(p);
     if (!body) {
       for (std::size_t d = 0; d < 3; ++d) {
         const double reach = reach_in_cells(p, d);
@@ -104,7 +104,7 @@ class Kernel::Source {
 
   void dense(std::size_t p, const std::array<AxisRange, 3>& r, double* raw) const {
     using Pack = detail::StencilPack;
-    const BodyForm& body = *form_of(p);
+    const AveragedForm& body = *form_of(p);
     const auto s = frame_.at(of_.position[p]);
     const RotationMatrix turn = rotation_matrix(of_.orientation[p]);
     const double inverse = 1 / body_reach(p, body);
@@ -136,16 +136,16 @@ class Kernel::Source {
 
  private:
   /// Null: a sphere.
-  const BodyForm* form_of(std::size_t p) const {
+  const AveragedForm* form_of(std::size_t p) const {
     if (of_.forms.empty()) return nullptr;
-    const BodyForm& body = of_.forms[of_.form.empty() ? 0 : of_.form[p]];
+    const AveragedForm& body = of_.forms[of_.form.empty() ? 0 : of_.form[p]];
     return body.sphere ? nullptr : &body;
   }
   double reach_in_cells(std::size_t p, std::size_t d) const {
     return std::max(per_radius_ * of_.radius[p] * frame_.inverse(d), 1.5);
   }
   /// R or 3 s [m]; where the body is thinnest it is enlarged to 1.5 cells as well.
-  double body_reach(std::size_t p, const BodyForm& body) const {
+  double body_reach(std::size_t p, const AveragedForm& body) const {
     const double h = std::max({frame_.h(0), frame_.h(1), frame_.h(2)});
     return std::max(per_radius_ * of_.radius[p], 1.5 * h / body.smallest_axis);
   }
@@ -167,7 +167,7 @@ class Kernel::Source {
   }
   /// (g/reach)^2 of a super-ellipsoid; x in semi-axes over the reach.
   template <class Real>
-  static Real gauge_squared(const BodyForm& body, const Vec3<Real>& x) {
+  static Real gauge_squared(const AveragedForm& body, const Vec3<Real>& x) {
     const auto raised = [](const Real& v, double to) {
       return power(max(min(v, Real(1e6)), Real(1e-6)), Real(to));
     };

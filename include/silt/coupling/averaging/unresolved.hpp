@@ -44,8 +44,8 @@ inline std::vector<Vec3d> ball_points(int n) {
 ///
 ///   Share::Centre      all to the cell of its centre. d eps/dt grows as 1/dt, eps may be below 0.
 ///   Share::Satellites  equal parts to the cells of so many points in it; of bodies, those of their
-///                      BodyForm. Error of a share where h = d: 0.08 (8 points), 0.03 (29), 0.015
-///                      (100).
+///                      AveragedForm. Error of a share where h = d: 0.08 (8 points), 0.03 (29),
+///                      0.015 (100).
 ///   Share::Exact       the volumes of sphere and cells in common (sphere_overlap.hpp), cells of
 ///   any
 ///                      size. Spheres alone.

@@ -9,7 +9,8 @@ namespace silt::inline SILT_TARGET {
 
 /// What averaging knows of a body's form: points that fill it, and how far it reaches.
 ///
-///   const silt::BodyForm form = silt::body_form(silt::SuperEllipsoid{2e-3, 1e-3, 1e-3}, 100);
+///   const silt::AveragedForm form = silt::averaged_form(silt::SuperEllipsoid{2e-3, 1e-3, 1e-3},
+///   100);
 ///
 /// Lengths are in radii of the sphere of equal volume, in the principal frame, about the centroid.
 /// Points are quasi-random (additive recurrence with powers of the root of g^4 = g + 1), all of
@@ -22,7 +23,7 @@ namespace silt::inline SILT_TARGET {
 ///          (2018); gauge: 1 on the surface, of degree one.
 /// Errors:  InputError for fewer than 1 or more than 1e6 points.
 /// Tests:   tests/coupling/averaging_bodies.cpp.
-struct BodyForm {
+struct AveragedForm {
   std::vector<Vec3d> points;  // [-]
   Vec3d axes{1, 1, 1};        // [-] semi-axes of the (super-)ellipsoid of the gauge
   double s1 = 2, s2 = 2;      // [-] its exponents
@@ -47,9 +48,9 @@ inline bool holds_point(const Polyhedron& s, const Vec3d& x) {
   return true;
 }
 /// Bounding sphere about the part's origin, and where that is.
-inline Ball bound_of(const Ball& b) { return b; }
+inline Ball bounding_ball(const Ball& b) { return b; }
 template <class S>
-Ball bound_of(const S& s) {
+Ball bounding_ball(const S& s) {
   return {{0, 0, 0}, s.bounding_radius()};
 }
 
@@ -57,13 +58,13 @@ Ball bound_of(const S& s) {
 
 /// The form of any of silt's shapes, with so many interior points.
 template <class S>
-BodyForm body_form(const S& shape, int points = 100) {
-  require(points >= 1 && points <= 1000000, "body_form: ", points,
+AveragedForm averaged_form(const S& shape, int points = 100) {
+  require(points >= 1 && points <= 1000000, "averaged_form: ", points,
           " interior points must be in [1, 1000000]");
-  BodyForm form;
+  AveragedForm form;
   if constexpr (std::is_same_v<S, Sphere>) {
     form.sphere = true;
-    return body_form(SuperEllipsoid{1, 1, 1}, points);
+    return averaged_form(SuperEllipsoid{1, 1, 1}, points);
   } else {
     shape.check();
     const MassProperties mass = shape.mass_properties();
@@ -72,7 +73,7 @@ BodyForm body_form(const S& shape, int points = 100) {
     Box box;
     for (const auto& part : parts) {
       const Ball bound =
-          std::visit([](const auto& solid) { return detail::bound_of(solid); }, part.solid);
+          std::visit([](const auto& solid) { return detail::bounding_ball(solid); }, part.solid);
       const Vec3d centre = part.centre + rotate(part.axes, bound.centre);
       const double r = bound.radius;
       box.include(Box{centre - Vec3d{r, r, r}, centre + Vec3d{r, r, r}});
@@ -93,7 +94,7 @@ BodyForm body_form(const S& shape, int points = 100) {
     Vec3d mean{0, 0, 0};
     const double most = 1e5 * points + 1e6;
     for (double k = 1; static_cast<int>(form.points.size()) < points; ++k) {
-      require(k < most, "body_form: the shape fills too little of the box around it");
+      require(k < most, "averaged_form: the shape fills too little of the box around it");
       const auto at = [&](int d) { return std::fmod(0.5 + k * step[d], 1.0); };
       const Vec3d x = box.min + Vec3d{at(0) * e.x, at(1) * e.y, at(2) * e.z};
       if (!inside(x)) continue;
