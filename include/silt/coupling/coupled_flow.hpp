@@ -179,7 +179,7 @@ class CoupledFlow {
   }
   void find_exchange(const CoupledParticles& of, double dt, const Team& team) {
     exchange_.resize(of.velocity.size());
-    const auto [rho, mu] = std::pair{flow_.fluid().density, flow_.fluid().viscosity};
+    const double rho = flow_.fluid().density, mu = flow_.fluid().viscosity;
     const bool model_A = flow_.options().model != MomentumModel::B;
     const bool alone = flow_.options().model == MomentumModel::Simplified;
     team.for_ranges(exchange_.size(), [&](std::size_t, std::size_t from, std::size_t to) {

@@ -233,7 +233,8 @@ struct ConvexTouch {
           memory, 0, one);
     for (std::size_t lane = 0; lane < valid; ++lane) {
       const std::size_t k = which[lane];
-      auto &from_k = one.kinematics, &to = slice.kinematics;
+      auto& from_k = one.kinematics;
+      auto& to = slice.kinematics;
       for (int c = 0; c < 3; ++c) {
         to.normal[c][k] = from_k.normal[c][lane];
         slice.arm_i[c][k] = one.arm_i[c][lane];
