@@ -177,11 +177,11 @@ class BodyMotion {
     std::visit(
         [&](const auto& solid) {
           using Kind = std::decay_t<decltype(solid)>;
-          using Kernel = KernelOf<Kind>;
+          using Narrow = KernelOf<Kind>;
           auto& store = std::get<ShapeType::Kinds::template index<Kind>>(out.stores);
-          if (r < out.form.size()) out.form[r].set(Kernel::row(solid, b.scale, store));
-          out.exponents = std::max(out.exponents, Kernel::exponents(solid));
-          out.pose[r].least_radius = b.scale * Kernel::least_radius(solid);
+          if (r < out.form.size()) out.form[r].set(Narrow::row(solid, b.scale, store));
+          out.exponents = std::max(out.exponents, Narrow::exponents(solid));
+          out.pose[r].least_radius = b.scale * Narrow::least_radius(solid);
         },
         solids[part.local].solid);
     if constexpr (ShapeType::Kinds::count > 1)

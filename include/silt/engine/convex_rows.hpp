@@ -105,8 +105,8 @@ struct ConvexRows<KindList<Kind...>, OnePart> {
   /// Part `row` of kind K at `at`.
   template <std::size_t K>
   auto placed(std::size_t row, const Vec3d& at) const {
-    using Kernel = KernelOf<KindAt<K>>;
-    return Kernel::place(form_row(row).template get<typename Kernel::Row>(), body_axes(pose[row].q),
+    using Narrow = KernelOf<KindAt<K>>;
+    return Narrow::place(form_row(row).template get<typename Narrow::Row>(), body_axes(pose[row].q),
                          at);
   }
   /// Calls visit(placed part).

@@ -79,10 +79,10 @@ struct BodyForm : detail::SolidsOfForm<S> {
   void find_spots(const Part& part, std::size_t count) {
     std::visit(
         [&](const auto& solid) {
-          using Kernel = KernelOf<std::decay_t<decltype(solid)>>;
-          typename Kernel::Store store;
+          using Narrow = KernelOf<std::decay_t<decltype(solid)>>;
+          typename Narrow::Store store;
           const auto body =
-              Kernel::place(Kernel::row(solid, 1, store), body_axes(part.axes), part.centre);
+              Narrow::place(Narrow::row(solid, 1, store), body_axes(part.axes), part.centre);
           for (std::size_t k = 0; k < count; ++k) {
             const double z = 1 - (2 * static_cast<double>(k) + 1) / static_cast<double>(count);
             const double r = std::sqrt(1 - z * z);
