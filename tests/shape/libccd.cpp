@@ -74,7 +74,8 @@ std::array<std::vector<Vec3d>, 3> of_a_box() {
     for (int y = -1; y <= 1; ++y)
       for (int z = -1; z <= 1; ++z)
         if (const int n = x * x + y * y + z * z; n > 0)
-          out[static_cast<std::size_t>(n - 1)].push_back(normalised(Vec3d(x, y, z)));
+          out[static_cast<std::size_t>(n - 1)].push_back(
+              normalised(Vec3d{1.0 * x, 1.0 * y, 1.0 * z}));
   return out;
 }
 
