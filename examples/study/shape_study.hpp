@@ -54,7 +54,7 @@ class Rows {
     std::string csv = "name";
     for (const auto& c : columns_) std::printf("  %s", c.c_str()), csv += "," + c;
     for (const auto& [name, numbers] : rows_) {
-      std::printf("\n%-18s", name.c_str()), csv += "\n" + name;
+      std::printf("\n%-18s", name.c_str()), csv += "\n\"" + name + "\"";  // it may have a comma
       for (std::size_t k = 0; k < numbers.size(); ++k) {
         const int width = static_cast<int>(columns_[k].size());
         if (std::isnan(numbers[k]))  // not measured
