@@ -52,8 +52,8 @@ using Form = std::variant<RollingSphere, silt::MultiSphere, silt::SuperEllipsoid
 struct Model {
   std::string name;
   Form form;  // of any size: particles are scaled to `volume`
-  /// [-] of the step that silt chooses. Of a hundred spheres and more several press at once, and
-  /// the guard asks for shorter steps.
+  /// [-] of the step that silt chooses. Of fifty spheres and more several press at once, and the
+  /// guard asks for shorter steps.
   double step_share = 1;
 };
 
@@ -100,7 +100,7 @@ inline Model spheres_for(const Target& t, std::size_t count) {
   for (const auto& [a, b, c] : surface.triangles)
     triangles.push_back({surface.points[a], surface.points[b], surface.points[c]});
   auto fit = silt::fit_spheres(silt::solid_mesh(triangles), {.spheres = count});
-  return {silt::text(count, " spheres"), fit.form, count > 100 ? 0.6 : 1};
+  return {silt::text(count, " spheres"), fit.form, count > 100 ? 0.6 : count >= 50 ? 0.9 : 1};
 }
 inline Model faces_for(const Target& t, std::size_t count) {
   return {silt::text(count, " faces"), hull_of(t.exact, count), 1};

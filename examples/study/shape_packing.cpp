@@ -71,7 +71,7 @@ void settle(const Cases& cases, const Setting& setting, example::Summary& summar
     });
     double unrest = 0;
     for (const auto& model : models) {
-      if (model.step_share < 1) continue;  // minutes: see the docs
+      if (model.step_share < 0.9) continue;  // minutes: see the docs
       study.variant(model.name, [&, model](silt::StudyRun& run) {
         Bed b{};
         run.time([&] { b = settled_bed(model, count, 1); });

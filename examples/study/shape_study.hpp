@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -34,7 +35,8 @@ struct Spread {
     for (const double v : values) sum += v;
     return sum / static_cast<double>(values.size());
   }
-  double half_range() const {
+  double half_range() const {  // not a number of a single one
+    if (values.size() < 2) return std::nan("");
     const auto [least, most] = std::minmax_element(values.begin(), values.end());
     return 0.5 * (*most - *least);
   }
@@ -52,10 +54,13 @@ class Rows {
     std::string csv = "name";
     for (const auto& c : columns_) std::printf("  %s", c.c_str()), csv += "," + c;
     for (const auto& [name, numbers] : rows_) {
-      std::printf("\n%-18s", name.c_str()), csv += "\n" + name;
+      std::printf("\n%-18s", name.c_str()), csv += "\n\"" + name + "\"";  // it may have a comma
       for (std::size_t k = 0; k < numbers.size(); ++k) {
-        std::printf("  %*.4g", static_cast<int>(columns_[k].size()), numbers[k]);
-        csv += silt::text(",", numbers[k]);
+        const int width = static_cast<int>(columns_[k].size());
+        if (std::isnan(numbers[k]))  // not measured
+          std::printf("  %*s", width, "-"), csv += ",";
+        else
+          std::printf("  %*.4g", width, numbers[k]), csv += silt::text(",", numbers[k]);
       }
     }
     std::printf("\n\n"), std::fflush(stdout);

@@ -3,10 +3,7 @@
 #include "solids.hpp"
 
 #include "near.hpp"
-
-#if defined(SILT_TEST_CCD)
-#include <ccd/ccd.h>
-#endif
+#include "pair_count.hpp"
 
 using namespace solids;
 using silt::least_gap_of;
@@ -83,7 +80,7 @@ TEST_CASE("solid_pairs: super-ellipsoid and polyhedron, 3e4 pairs: a minimum, or
   const auto shapes = many_shapes(random);
   int touching = 0, unproved = 0, gjk_wrong = 0, unsettled = 0, evaluations = 0;
   double of_depth = 0, of_point = 0, outside = 0;
-  for (int k = 0; k < 30000; ++k) {
+  for (int k = 0, count = pairs::count(30000); k < count; ++k) {
     const auto& shape = shapes[static_cast<std::size_t>(k / 5) % shapes.size()];
     const auto [i, j] = arrange(k % 5, shape, random);
     const auto found = find_corner_normal(i, j, {0, 0, 0});
@@ -468,57 +465,3 @@ TEST_CASE("solid_pairs: an ellipsoid on a box's face, edge and corner: closed fo
     CHECK(contact.R_eff == near(R * Rj / (R + Rj)).epsilon(1e-3));
   }
 }
-
-#if defined(SILT_TEST_CCD)
-namespace {
-template <class Body>
-void ccd_support(const void* object, const ccd_vec3_t* dir, ccd_vec3_t* out) {
-  const Vec3d n = normalised(Vec3d{dir->v[0], dir->v[1], dir->v[2]});
-  const Vec3d p = farthest(*static_cast<const Body*>(object), n);
-  ccdVec3Set(out, p.x, p.y, p.z);
-}
-}  // namespace
-
-TEST_CASE("solid_pairs: libccd says the same of what touches, and of how deep") {
-  Random random(9);
-  int pairs = 0, differ = 0, above = 0, below = 0, depths = 0;
-  for (int round = 0; round < 10; ++round)
-    for_each_pair(
-        [&](const auto& kind_i, const auto& kind_j) {
-          for (int k = 0; k < 12; ++k) {
-            const auto i = kind_i.at({0, 0, 0}, random.turn());
-            const auto j = k % 3 == 0 ? kind_j.at(random.in_cube(0.8), random.turn())
-                                      : placed_at(i, kind_j, random.turn(), random.direction(),
-                                                  random.uniform(-0.01, k % 3 == 1 ? 0.01 : 0.1));
-            NormalMemory<double> memory;
-            const auto c = touch_solids(i, j, memory);
-            ccd_t ccd;
-            CCD_INIT(&ccd);
-            ccd.support1 = ccd_support<std::decay_t<decltype(i)>>;
-            ccd.support2 = ccd_support<std::decay_t<decltype(j)>>;
-            ccd.max_iterations = 500, ccd.epa_tolerance = 1e-7;
-            const double gap = gap_between(i, j);
-            if ((!(c.overlap > 0) && gap < 1e-5) || (c.overlap > 0 && c.overlap < 1e-5)) continue;
-            ++pairs;
-            differ += (ccdGJKIntersect(&i, &j, &ccd) != 0) != (c.overlap > 0);
-            ccd_real_t depth;
-            ccd_vec3_t direction, position;
-            const bool by_depth = !(kind_i.name == "polyhedron" && kind_j.name == "polyhedron");
-            if (!by_depth || !(c.overlap > 0) || c.overlap > 0.05 ||
-                ccdGJKPenetration(&i, &j, &ccd, &depth, &direction, &position) != 0)
-              continue;
-            const Vec3d m{direction.v[0], direction.v[1], direction.v[2]};
-            ++depths, below += c.overlap < depth - 1e-6;
-            above += c.overlap > depth_along(i, j, m) + 1e-9;
-          }
-        },
-        random);
-  MESSAGE("libccd: ", differ, " of ", pairs, " differ on touching; of ", depths, " depths ", below,
-          " are less than its polytope's, ", above, " more than along its direction");
-  CHECK(pairs > 2500);
-  CHECK(depths > 800);
-  CHECK(differ <= pairs / 1000);  // its tolerance on curved bodies
-  CHECK(below <= depths / 500);   // its misses, as in gjk.cpp
-  CHECK(above == 0);
-}
-#endif

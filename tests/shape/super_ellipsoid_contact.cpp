@@ -4,6 +4,7 @@
 #include <silt/shape/narrow/super_ellipsoid_plane.hpp>
 
 #include "oracle.hpp"
+#include "pair_count.hpp"
 #include "two_bodies.hpp"
 
 namespace {
@@ -269,8 +270,9 @@ TEST_CASE("super_ellipsoids: the least depth is that of a search over all direct
 #if defined(SILT_TEST_CCD)
 TEST_CASE("super_ellipsoids: 100 000 pairs touch where libccd's GJK says so") {
   pairs::Source from(11);
+  const int count = pairs::count(100000);
   int compared = 0;
-  for (int k = 0; k < 100000; ++k) {
+  for (int k = 0; k < count; ++k) {
     const double depth = (k % 3 == 0 ? -1 : 1) * from.log_uniform(1e-4, 0.1);
     const double s = k % 5 == 0 ? 2 : k % 5 == 1 ? 40 : 8, aspect = k % 7 == 0 ? 30 : 3;
     const auto p = k % 2 == 0
@@ -282,26 +284,35 @@ TEST_CASE("super_ellipsoids: 100 000 pairs touch where libccd's GJK says so") {
     ++compared;
     CHECK(c.touches == oracle::Ccd(p.pair).touch());
   }
-  CHECK(compared > 80000);
+  CHECK(compared > 0.8 * count);
 }
 
 TEST_CASE("super_ellipsoids: libccd's EPA finds the same depth in 2 000 touching pairs") {
   pairs::Source from(12);
-  int compared = 0;
+  const int count = pairs::count(2000);
+  int compared = 0, missed = 0;
   double least = 1, most = 0;
-  for (int k = 0; k < 2000; ++k) {
+  for (int k = 0; k < count; ++k) {
     const auto p = pairs::general(from, k % 2 == 0 ? 4 : 12, 3, from.log_uniform(1e-3, 0.05));
     const double depth = oracle::Ccd(p.pair).depth(), found = cold(p.pair).overlap;
     if (depth <= 0) continue;  // it gives up on some
     ++compared;
-    least = std::min(least, (found - depth) / size_of(p.pair));
-    most = std::max(most, (found - depth) / size_of(p.pair));
+    const double more = (found - depth) / size_of(p.pair);
+    least = std::min(least, more);
+    // One in thousands ends early: then a search over all directions tells who is right.
+    if (more > 1e-3 && ++missed)
+      CHECK(std::abs(found - oracle::least_depth(p.pair)) < 1e-6 * size_of(p.pair));
+    else
+      most = std::max(most, more);
   }
-  CHECK(compared > 1900);
+  CHECK(compared > 0.95 * count);
   // EPA measures a polytope inside the sum of the bodies: never more, and less by the height of a
   // cap over its facets, at which it stops.
+  MESSAGE("libccd: of ", compared, " depths ", missed, " missed; the others at most ", most,
+          " sizes less");
   CHECK(least > -1e-9);
   CHECK(most < 1e-3);
+  CHECK(missed <= 2 + compared / 1000);
 }
 #endif
 
