@@ -87,12 +87,14 @@ void settle(const Cases& cases, const Setting& setting, example::Summary& summar
     auto once = setting;
     once.repeats = 1;
     run_and_report(study, once, "bed_" + t.name);
-    std::printf(
-        "Super-ellipsoids from other starts: solid fraction %.4f +- %.4f, partners %.2f +- "
-        "%.2f\n\n",
-        fraction.mean(), fraction.half_range(), partners.mean(), partners.half_range());
     summary.result("solid_fraction_" + t.name, fraction.mean());
-    summary.result("solid_fraction_half_range_" + t.name, fraction.half_range());
+    if (others.size() > 1) {
+      std::printf(
+          "Super-ellipsoids from other starts: solid fraction %.4f +- %.4f, partners %.2f +- "
+          "%.2f\n\n",
+          fraction.mean(), fraction.half_range(), partners.mean(), partners.half_range());
+      summary.result("solid_fraction_half_range_" + t.name, fraction.half_range());
+    }
     for (const auto& r : study.results().rows)
       for (const auto& n : r.notes)
         if (n.name == "solid fraction" || n.name == "cost a grain and s")
