@@ -19,16 +19,16 @@ namespace detail {
 
 /// How a float and a double are stored.
 template <class Scalar>
-struct Stored;
+struct FloatLayout;
 template <>
-struct Stored<double> {
+struct FloatLayout<double> {
   using Bits = std::uint64_t;
   static constexpr int fraction = 52, bias = 1023;
   static constexpr Bits one = 0x3FF0000000000000, root_half = 0x3FE6A09E667F3BCD,
                         exponent = 0xFFF0000000000000, unit = 0x4330000000000000;
 };
 template <>
-struct Stored<float> {
+struct FloatLayout<float> {
   using Bits = std::uint32_t;
   static constexpr int fraction = 23, bias = 127;
   static constexpr Bits one = 0x3F800000, root_half = 0x3F3504F3, exponent = 0xFF800000,
@@ -38,12 +38,12 @@ struct Stored<float> {
 /// The bits of the lanes of a Real, as integers that can be shifted lane by lane.
 template <class Real>
 struct BitsOf {
-  using type = typename Stored<Real>::Bits;
+  using type = typename FloatLayout<Real>::Bits;
 };
 template <class Real>
 requires is_batch<Real>
 struct BitsOf<Real> {
-  typedef typename Stored<ScalarOf<Real>>::Bits type __attribute__((vector_size(sizeof(Real))));
+  typedef typename FloatLayout<ScalarOf<Real>>::Bits type __attribute__((vector_size(sizeof(Real))));
 };
 
 template <class Real>
@@ -58,7 +58,7 @@ SILT_INLINE Real from_bits(const typename BitsOf<Real>::type& bits) {
 /// x = 2^k m with m in [sqrt(1/2), sqrt(2)).
 template <class Real>
 SILT_INLINE void split(const Real& x, Real& k, Real& m) {
-  using S = Stored<ScalarOf<Real>>;
+  using S = FloatLayout<ScalarOf<Real>>;
   constexpr auto two_to_fraction = static_cast<ScalarOf<Real>>(typename S::Bits{1} << S::fraction);
   const auto bits = bits_of(x);
   const auto shifted = bits + (S::one - S::root_half);
@@ -69,7 +69,7 @@ SILT_INLINE void split(const Real& x, Real& k, Real& m) {
 /// y = k + f with |f| <= 1/2; returns 2^k.
 template <class Real>
 SILT_INLINE Real split_power(const Real& y, Real& f) {
-  using S = Stored<ScalarOf<Real>>;
+  using S = FloatLayout<ScalarOf<Real>>;
   // Its sum with y has round(y) in the lowest places.
   constexpr auto magic = static_cast<ScalarOf<Real>>(typename S::Bits{3} << (S::fraction - 1));
   const Real sum = y + Real(magic);
@@ -134,7 +134,7 @@ SILT_INLINE Real exact_exp2_minus_1(const Real& y) {
 /// The largest |y| that exact_exp2 takes.
 template <class Real>
 inline constexpr ScalarOf<Real> largest_power_of_two =
-    static_cast<ScalarOf<Real>>(detail::Stored<ScalarOf<Real>>::bias - 1);
+    static_cast<ScalarOf<Real>>(detail::FloatLayout<ScalarOf<Real>>::bias - 1);
 
 /// x^y for x > 0; the relative error is that of the exponent, 2e-16 |y log2 x| and two ulp.
 template <class Real>
