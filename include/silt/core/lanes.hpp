@@ -174,6 +174,37 @@ inline Real load_any(const ScalarOf<Real>* p) {
     return *p;
 }
 
+/// Stores to any address.
+template <class Real>
+SILT_INLINE void store_any(ScalarOf<Real>* p, const Real& x) {
+  if constexpr (is_batch<Real>)
+    x.store_unaligned(p);
+  else
+    *p = x;
+}
+
+/// a b + c.
+template <class Real>
+SILT_INLINE Real multiply_add(const Real& a, const Real& b, const Real& c) {
+  if constexpr (is_batch<Real>)
+    return xsimd::fma(a, b, c);
+  else
+    return a * b + c;
+}
+/// The sum over the lanes, in their order.
+template <class Real>
+SILT_INLINE ScalarOf<Real> sum_of(const Real& a) {
+  if constexpr (is_batch<Real>) {
+    alignas(64) ScalarOf<Real> values[Real::size];
+    store(values, a);
+    ScalarOf<Real> sum = 0;
+    for (const auto v : values) sum += v;
+    return sum;
+  } else {
+    return a;
+  }
+}
+
 /// Makes the compiler read anew what p points to. Compilers keep the indices of a pack in vector
 /// registers from one use to the next, which takes longer than to read them again.
 template <class T>

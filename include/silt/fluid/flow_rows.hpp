@@ -20,14 +20,6 @@ SILT_INLINE void for_row(int from, int to, const Body& body) {
   for (; i < to; ++i) body.template operator()<double>(i);
 }
 
-template <class Real>
-SILT_INLINE void store_any(double* p, const Real& x) {
-  if constexpr (is_batch<Real>)
-    x.store_unaligned(p);
-  else
-    *p = x;
-}
-
 /// Differences of velocities, over the velocity that carries them, that count as smooth [-].
 inline constexpr double smooth_difference = 0.1;
 

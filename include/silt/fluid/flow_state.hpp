@@ -121,7 +121,7 @@ struct FlowState {
             const Real mean = Real(0.5) * (load_any<Real>(e + i - s) + load_any<Real>(e + i));
             Real through = mean * load_any<Real>(v + i);
             if (open != nullptr) through = through * load_any<Real>(open + i);
-            fluid_detail::store_any(out + i, through);
+            store_any(out + i, through);
           });
         }
       });

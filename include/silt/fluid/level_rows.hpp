@@ -29,28 +29,6 @@ using Pack = Lanes<DefaultArch, float>::Real;
 inline constexpr int lanes = static_cast<int>(Lanes<DefaultArch, float>::width);
 inline constexpr int room = 16;  // rows have room for a multiple of this
 
-/// a b + c.
-template <class Real>
-SILT_INLINE Real multiply_add(const Real& a, const Real& b, const Real& c) {
-  if constexpr (is_batch<Real>)
-    return xsimd::fma(a, b, c);
-  else
-    return a * b + c;
-}
-/// The sum over the lanes, in their order.
-template <class Real>
-SILT_INLINE ScalarOf<Real> sum_of(const Real& a) {
-  if constexpr (is_batch<Real>) {
-    alignas(64) ScalarOf<Real> values[Real::size];
-    store(values, a);
-    ScalarOf<Real> sum = 0;
-    for (const auto v : values) sum += v;
-    return sum;
-  } else {
-    return a;
-  }
-}
-
 /// How many cells of a row of n have even i (half 0) or odd i (half 1).
 constexpr int cells_of_half(int n, int h) { return (n + 1 - h) / 2; }
 

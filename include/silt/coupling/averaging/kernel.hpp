@@ -98,7 +98,7 @@ class Kernel::Source {
     const double middle = first + 0.5 * inverse;
     for (int m = 0; m < range.raw(); m += detail::stencil_lanes) {
       const Pack q = Pack(middle) + (Pack(static_cast<double>(m)) + steps()) * Pack(inverse);
-      detail::put_any(raw + m, gaussian(Pack(q * q)));
+      store_any(raw + m, gaussian(Pack(q * q)));
     }
   }
 

@@ -197,15 +197,14 @@ class LineDiffusion {
                    *lower = &a.lower[at(m)];
       for (int i = 0; i < nx; i += detail::stencil_lanes) {
         const Pack own = load<Pack>(v + i) * load<Pack>(inverse + i);
-        store(v + i, detail::fused(load<Pack>(lower + i), load<Pack>(before + i), own));
+        store(v + i, multiply_add(load<Pack>(lower + i), load<Pack>(before + i), own));
       }
     }
     for (int m = n - 2; m >= 0; --m) {
       double* v = row(m);
       const double *after = row(m + 1), *upper = &a.upper[at(m)];
       for (int i = 0; i < nx; i += detail::stencil_lanes)
-        store(v + i,
-              detail::fused(load<Pack>(upper + i), load<Pack>(after + i), load<Pack>(v + i)));
+        store(v + i, multiply_add(load<Pack>(upper + i), load<Pack>(after + i), load<Pack>(v + i)));
     }
     if (!a.periodic) return;
     const double *first = row(0), *last = row(n - 1);

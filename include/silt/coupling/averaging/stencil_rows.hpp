@@ -22,34 +22,6 @@ inline constexpr int stencil_lanes = static_cast<int>(stencil_width);
 inline constexpr int stencil_pad = 8;  // factors of x are padded to a multiple of this
 static_assert(stencil_pad % stencil_lanes == 0);
 
-template <class Real>
-SILT_INLINE void put_any(double* p, const Real& x) {
-  if constexpr (is_batch<Real>)
-    x.store_unaligned(p);
-  else
-    *p = x;
-}
-template <class Real>
-SILT_INLINE Real fused(const Real& a, const Real& b, const Real& c) {
-  if constexpr (is_batch<Real>)
-    return xsimd::fma(a, b, c);
-  else
-    return a * b + c;
-}
-/// The sum of the lanes, in their order.
-template <class Real>
-SILT_INLINE double sum_lanes(const Real& x) {
-  if constexpr (is_batch<Real>) {
-    alignas(64) double lane[Real::size];
-    store(lane, x);
-    double total = 0;
-    for (const double v : lane) total += v;
-    return total;
-  } else {
-    return x;
-  }
-}
-
 constexpr int padded(int n) { return (n + stencil_pad - 1) / stencil_pad * stencil_pad; }
 
 /// Calls body(first, done, count) for the one or two runs of cells that `count` cells from `start`
@@ -88,7 +60,7 @@ void add_packs(const ProductBlock& b) {
 #pragma GCC unroll 4
         for (int s = 0; s < Packs; ++s) {
           double* at = row + s * stencil_lanes;
-          put_any(at, fused(x[s], w, load_any<StencilPack>(at)));
+          store_any(at, multiply_add(x[s], w, load_any<StencilPack>(at)));
         }
       }
     }
@@ -129,7 +101,7 @@ struct RowSums {
 #pragma GCC unroll 4
         for (int s = 0; s < Packs; ++s)
           sum[f][s] =
-              fused(w, load_any<StencilPack>(fields[f] + at + s * stencil_lanes), sum[f][s]);
+              multiply_add(w, load_any<StencilPack>(fields[f] + at + s * stencil_lanes), sum[f][s]);
     }
   }
   /// Where wx is 0 a pack may have read anything.
@@ -140,7 +112,7 @@ struct RowSums {
 #pragma GCC unroll 4
       for (int s = 0; s < Packs; ++s) {
         const auto w = load_any<StencilPack>(wx + s * stencil_lanes);
-        total += sum_lanes(select(w > StencilPack(0.0), StencilPack(w * sum[f][s]), 0.0));
+        total += sum_of(select(w > StencilPack(0.0), StencilPack(w * sum[f][s]), 0.0));
       }
       to[f] += total;
     }
@@ -152,8 +124,8 @@ SILT_INLINE void add_dense(double* row, double q, const double* w, int n) {
   int i = 0;
   if (n >= stencil_lanes)
     for (; i + stencil_lanes <= n; i += stencil_lanes)
-      put_any(row + i,
-              fused(load_any<StencilPack>(w + i), StencilPack(q), load_any<StencilPack>(row + i)));
+      store_any(row + i, multiply_add(load_any<StencilPack>(w + i), StencilPack(q),
+                                      load_any<StencilPack>(row + i)));
   for (; i < n; ++i) row[i] += q * w[i];
 }
 /// Sum of w[i] f[i].
@@ -163,8 +135,8 @@ SILT_INLINE double dot_dense(const double* f, const double* w, int n) {
   if (n >= stencil_lanes) {
     StencilPack sum(0.0);
     for (; i + stencil_lanes <= n; i += stencil_lanes)
-      sum = fused(load_any<StencilPack>(w + i), load_any<StencilPack>(f + i), sum);
-    total = sum_lanes(sum);
+      sum = multiply_add(load_any<StencilPack>(w + i), load_any<StencilPack>(f + i), sum);
+    total = sum_of(sum);
   }
   for (; i < n; ++i) total += w[i] * f[i];
   return total;
