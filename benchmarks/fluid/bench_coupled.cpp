@@ -69,9 +69,10 @@ template <class Mode>
 void coupled(const char* name, const Mode& mode) {
   const double d = 1e-3, h = 2 * d, a = 1.02 * d;
   const int nx = 16, nz = 80;
-  silt::CoupledFlow flow(silt::Grid({{0, 0, 0}, {nx * h, nx * h, nz * h}}, {nx, nx, nz}),
-                         {.density = 1.2, .viscosity = 1.8e-5}, silt::DiFelice{}, mode, d,
-                         {.tolerance = 1e-5});
+  silt::CoupledFlow flow(
+      silt::DiFelice{}, mode,
+      silt::FlowSolver(silt::Grid({{0, 0, 0}, {nx * h, nx * h, nz * h}}, {nx, nx, nz}),
+                       {.density = 1.2, .viscosity = 1.8e-5}, {.tolerance = 1e-5}));
   flow.flow().set_side(2, 0, silt::Inflow{{0, 0, 0.8}});
   flow.flow().set_side(2, 1, silt::Outflow{});
   const std::size_t count = 100000;

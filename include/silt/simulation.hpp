@@ -33,7 +33,7 @@ namespace silt::inline SILT_TARGET {
 ///   contact    Contacts<Law, Options...>                      must be given
 ///   search     VerletList<Finder>, or a finder itself         VerletList<CellGrid>, automatic skin
 ///   domain     OpenDomain, PeriodicBox                        OpenDomain
-///   fluid      NoFluid                                        NoFluid
+///   fluid      CoupledFlow<Drag, Mode, Forces...>             NoFluid
 ///   precision  Double, Mixed                                  Double
 ///   kernels    KernelsFor<Arch>                               what the compile flags allow
 ///   integrator Leapfrog, SymplecticEuler, Gear                Leapfrog
@@ -88,21 +88,26 @@ class Simulation {
   static_assert(has_bodies || detail::count<detail::IsRotation, Policies...> == 0,
                 "spheres have no orientation: leave the rotation out");
   static constexpr bool has_ledger = detail::count<detail::IsLedger, Policies...> > 0;
+  static constexpr bool rotates = ContactsType::rotates || has_bodies;
+  static constexpr detail::FromFluid from_fluid = detail::loads_of_fluid<Fluid>;
+  static_assert(rotates || from_fluid != detail::FromFluid::ForceAndTorque,
+                "a force of the fluid has a torque, but these spheres do not rotate: take a "
+                "contact law with friction, or leave that force out");
   using BooksOrNot = std::conditional_t<has_ledger, detail::WithLedger<ContactsType>, ContactsType>;
   using EngineContacts = typename detail::ContactsOf<ShapeType, BooksOrNot>::type;
   using Engine = detail::Engine<ShapeType, EngineContacts, Search, Domain, Arch, Precision,
-                                Integrator, Rotation>;
+                                Integrator, Rotation, from_fluid>;
 
   static_assert(
       !(Integrator::derivatives > 0 && detail::has_safeguard<typename ContactsType::Law>),
       "a law with a safeguard (Softened) turns a velocity within one step, which Gear spreads over "
       "several, beyond what is wanted: take Leapfrog");
 
-  static constexpr bool rotates = ContactsType::rotates || has_bodies;
   /// State of one particle [bytes]: no more than the policies need. Of bodies: of each part;
   /// bytes_per_body come once a body.
   static constexpr std::size_t bytes_per_particle = Engine::State::bytes_per_particle;
-  static constexpr std::size_t bytes_per_body = has_bodies ? sizeof(detail::Body) : 0;
+  static constexpr std::size_t bytes_per_body =
+      has_bodies ? sizeof(detail::Body) + detail::FluidLoads<from_fluid>::bytes : 0;
   /// State of one contact [bytes]: two indices and the history of the law.
   static constexpr std::size_t bytes_per_contact =
       2 * sizeof(std::uint32_t) +
@@ -117,7 +122,8 @@ class Simulation {
   explicit Simulation(Args&&... policies)
       : contacts_(detail::take<ContactsType>(policies...)),
         search_(detail::take_or<Search>(policies...)),
-        domain_(detail::take_or<Domain>(policies...)) {
+        domain_(detail::take_or<Domain>(policies...)),
+        fluid_(detail::take_or<Fluid>(policies...)) {
     if constexpr (requires { search_.check(); }) search_.check();
     add(detail::take<ParticlesType>(policies...));
   }
@@ -301,6 +307,13 @@ class Simulation {
     }
     return book_.balance(translation, rotation, potentials);
   }
+  /// The fluid and what it has done.
+  Fluid& fluid() requires(Fluid::active) { return fluid_; }
+  const Fluid& fluid() const requires(Fluid::active) { return fluid_; }
+  /// What the fluid does to particle k at present [N].
+  Vec3d fluid_force(std::size_t k) const requires(Fluid::active) {
+    return engine_.fluid_loads().force[k].vector();
+  }
   const ContactsType& contacts() const { return contacts_; }
   const Domain& domain() const { return domain_; }
   const Search& search() const { return search_; }
@@ -329,6 +342,7 @@ class Simulation {
                                   Integrator::lag};
     engine_.pair_forces(domain_, times);
     engine_.wall_forces(times);
+    if constexpr (Fluid::active) couple();
     book_step(times);
     using Advance = typename Engine::Advance;
     const double kick = first_kick_ ? Integrator::first_kick * dt_ : dt_;
@@ -365,6 +379,11 @@ class Simulation {
   void add_bodies(const ParticlesType& more, std::size_t first_form);
   void book_step(const detail::StepTimes& times);
   void book_leaving(std::size_t k);
+  void couple();
+  void renew_fluid();
+  double gather_for_fluid();
+  double power_of_fluid() const;
+  void check_fluid() const;
   double potential(std::size_t k) const { return -mass(k) * dot(gravity_booked_, position(k)); }
   void prepare();
   double chosen_time_step() const;
@@ -382,10 +401,19 @@ class Simulation {
   friend class Checkpoint;
   friend class detail::Openings<ShapeType>;
   struct NoBook {};
+  struct NoParticles {};
+  static auto particles_in_fluid() {
+    if constexpr (Fluid::active)
+      return typename Fluid::Particles{};
+    else
+      return NoParticles{};
+  }
 
   ContactsType contacts_;
   Search search_;
   Domain domain_;
+  [[no_unique_address]] Fluid fluid_;
+  [[no_unique_address]] decltype(particles_in_fluid()) in_fluid_;
   Engine engine_;
   detail::Openings<ShapeType> openings_;
   [[no_unique_address]] std::conditional_t<has_ledger, detail::EnergyBook, NoBook> book_;
@@ -409,4 +437,5 @@ requires(detail::count<detail::IsKernels, std::remove_cvref_t<Args>...> == 0) Si
 }  // namespace silt
 
 #include <silt/engine/simulation_bodies.hpp>
+#include <silt/engine/simulation_fluid.hpp>
 #include <silt/engine/simulation_parts.hpp>

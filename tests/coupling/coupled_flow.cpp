@@ -19,7 +19,6 @@
 
 using silt::CoupledFlow;
 using silt::CoupledParticles;
-using silt::FlowOptions;
 using silt::FluidProperties;
 using silt::Grid;
 using silt::MomentumModel;
@@ -57,7 +56,7 @@ double over_ergun(const Mode& mode, MomentumModel model, double cell_over_diamet
   const int n = std::max(1, static_cast<int>(std::lround(width / (cell_over_diameter * d))));
   const Grid g({{0, 0, 0}, {width, width, height}}, {n, n, 9 * n}, {true, true, false});
   const FluidProperties air{1.2, 1.8e-5};
-  CoupledFlow flow(g, air, silt::Ergun{}, mode, d, FlowOptions{.model = model});
+  CoupledFlow flow(silt::Ergun{}, mode, silt::FlowSolver(g, air, {.model = model}));
   flow.flow().set_side(2, 0, silt::Inflow{{0, 0, U}});
   flow.flow().set_side(2, 1, silt::Outflow{});
   Grains grains;
@@ -96,8 +95,8 @@ TEST_CASE("what the fluid gets the particles give, to rounding") {
   for (const MomentumModel model : {MomentumModel::A, MomentumModel::B}) {
     const Grid g({{0, 0, 0}, {0.01, 0.01, 0.01}}, {8, 8, 8}, {true, true, true});
     // So little viscosity that its stress is nothing, and a drag that makes up for it.
-    CoupledFlow flow(g, FluidProperties{1.2, 1e-14}, Given{1e11}, silt::Kernel{}, 1e-3,
-                     FlowOptions{.model = model, .tolerance = 1e-8});
+    CoupledFlow flow(Given{1e11}, silt::Kernel{},
+                     silt::FlowSolver(g, {1.2, 1e-14}, {.model = model, .tolerance = 1e-8}));
     silt::Random random(7);
     Grains grains;
     for (int p = 0; p < 300; ++p) {
@@ -129,8 +128,8 @@ TEST_CASE("a grain settles at its terminal velocity") {
   // Glass, 0.5 mm, in water: Re about 35. Steps of half a relaxation time.
   const double d = 0.5e-3, rho = 2500, mu = 1e-3, water = 1000;
   const Grid g({{0, 0, 0}, {0.012, 0.012, 0.03}}, {12, 12, 30}, {false, false, false});
-  CoupledFlow flow(g, FluidProperties{water, mu}, silt::SchillerNaumann{}, silt::Kernel{.width = 6},
-                   d, FlowOptions{});
+  CoupledFlow flow(silt::SchillerNaumann{}, silt::Kernel{.width = 6},
+                   silt::FlowSolver(g, {water, mu}));
   flow.gravity = {0, 0, -9.81};
   Grains grains;
   grains.add({0.006, 0.006, 0.025}, d, rho);
@@ -148,7 +147,7 @@ TEST_CASE("a grain settles at its terminal velocity") {
 
 TEST_CASE("spans that do not fit are refused") {
   const Grid g({{0, 0, 0}, {1, 1, 1}}, {4, 4, 4}, {true, true, true});
-  CoupledFlow flow(g, {}, silt::Ergun{}, silt::Kernel{}, 0.1);
+  CoupledFlow flow(silt::Ergun{}, silt::Kernel{}, silt::FlowSolver(g, {}));
   Grains grains;
   grains.add({0.5, 0.5, 0.5}, 0.1, 1000);
   CHECK_THROWS_WITH_AS(flow.advance(grains.view(), 1e-3, {}),

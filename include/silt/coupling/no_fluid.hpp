@@ -7,8 +7,10 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// The coupling of particles with a fluid. Needs `static constexpr bool active`; if it is false,
-/// the fluid stage of the time loop compiles to nothing.
+/// The coupling of particles with a fluid: NoFluid, or CoupledFlow (coupling/coupled_flow.hpp).
+/// Needs `static constexpr bool active`; if it is false, the fluid stage of the time loop compiles
+/// to nothing. If it is true, `turns` says whether there are torques, and a simulation asks, every
+/// few steps, for the loads of CoupledFlow::advance().
 template <class F>
 concept FluidCoupling = requires {
   { F::active } -> std::convertible_to<bool>;

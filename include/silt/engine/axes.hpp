@@ -6,6 +6,7 @@
 
 #include <silt/contact/contacts.hpp>
 #include <silt/coupling/no_fluid.hpp>
+#include <silt/engine/fluid_loads.hpp>
 #include <silt/fill/particles.hpp>
 #include <silt/motion/concept.hpp>
 #include <silt/motion/rotation.hpp>
@@ -43,6 +44,15 @@ template <class P>
 
 template <class P>
 struct IsFluid : std::bool_constant<FluidCoupling<P>> {};
+
+/// What particles are given by a fluid.
+template <class F>
+inline constexpr FromFluid loads_of_fluid = [] {
+  if constexpr (!F::active)
+    return FromFluid::Nothing;
+  else
+    return F::turns ? FromFluid::ForceAndTorque : FromFluid::Force;
+}();
 
 template <class P>
 struct IsKernels : std::false_type {};

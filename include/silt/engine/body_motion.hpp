@@ -21,7 +21,7 @@ namespace silt::inline SILT_TARGET::detail {
 /// lists and contacts know: bodies take up what loads their parts, move, and put them in their
 /// places with the velocities that they have there.
 template <class ShapeType, class ContactsType, class State, class Scalar, class Arch,
-          class Integrator, class Rotation>
+          class Integrator, class Rotation, FromFluid Given>
 class BodyMotion {
   static_assert(Integrator::derivatives == 0,
                 "particles that are no spheres move by Leapfrog or SymplecticEuler; Gear is for "
@@ -44,6 +44,7 @@ class BodyMotion {
   std::vector<Synchronous> synchronous;  // of the last observed step
   std::vector<BodyForm<ShapeType>> forms;
   std::vector<Body> bodies;
+  [[no_unique_address]] FluidLoads<Given> fluid;  // of each body
   std::vector<std::uint32_t> rows;  // of the parts of each body, as its form counts them
   static constexpr bool convex = SolidShape<ShapeType>;
   [[no_unique_address]] typename ConvexRowsOf<ShapeType>::type convex_rows;
@@ -142,6 +143,7 @@ class BodyMotion {
     std::vector<std::uint32_t> place(bodies.size(), no_particle);
     std::vector<Body> sorted;
     std::vector<Synchronous> recorded;
+    std::vector<std::uint32_t> order;
     std::uint32_t next = 0;
     sorted.reserve(bodies.size());
     for (std::size_t r = 0; r < particles.size(); ++r) {
@@ -149,6 +151,7 @@ class BodyMotion {
       if (place[part.body] == no_particle) {
         place[part.body] = static_cast<std::uint32_t>(sorted.size());
         sorted.push_back(bodies[part.body]);
+        order.push_back(part.body);
         if (!synchronous.empty() && part.body < synchronous.size())
           recorded.push_back(synchronous[part.body]);
         sorted.back().first = next;
@@ -157,6 +160,7 @@ class BodyMotion {
       part.body = place[part.body];
     }
     bodies.swap(sorted), synchronous.swap(recorded);
+    fluid.for_each([&](const char*, auto& column) { gather(column, order, Team()); });
     number_rows(particles);
   }
   /// Notes the rows of each body's parts.
@@ -279,6 +283,7 @@ class BodyMotion {
       Real load[8];
       gather_columns<Arch, 2>(at, load);
       for (const Body& body : pack) std::fill_n(scene.sums + load_of(body), 4 * chunks, 0.0);
+      if constexpr (fluid.any) add_fluid(pack, load);
       const auto free = inv_m > zero;
       const Real kick_time(kick->time);
       const V g{Real(kick->gravity.x), Real(kick->gravity.y), Real(kick->gravity.z)};
@@ -336,6 +341,20 @@ class BodyMotion {
             {whole[3][lane], whole[4][lane], whole[5][lane]}};
     }
   }
+  /// Adds what the fluid does to a pack of bodies to its loads.
+  void add_fluid(std::span<const Body> pack, Real (&load)[8]) const {
+    const auto first = static_cast<std::size_t>(pack.data() - bodies.data());
+    const auto add = [&](const AlignedVector<VectorRow>& column, std::size_t to) {
+      const double* at[W];
+      for (std::size_t lane = 0; lane < W; ++lane)
+        at[lane] = &column[first + std::min(lane, pack.size() - 1)].x;
+      Real more[4];
+      gather_columns<Arch, 1>(at, more);
+      for (std::size_t c = 0; c < 3; ++c) load[to + c] += more[c];
+    };
+    add(fluid.force, 0);
+    if constexpr (fluid.turns) add(fluid.torque, 4);
+  }
   /// The row of a body of one part, and the place of its load.
   std::size_t row_of(const Body& b) const { return rows[b.first]; }
   std::size_t load_of(const Body& b) const { return row_of(b) * 4 * chunks; }
@@ -387,6 +406,9 @@ class BodyMotion {
       if constexpr (ContactsType::has_rolling) torque += take(2);
     }
     if (b.inv_m == 0) return;
+    const auto k = static_cast<std::size_t>(&b - bodies.data());
+    if constexpr (fluid.any) force += fluid.force[k].vector();
+    if constexpr (fluid.turns) torque += fluid.torque[k].vector();
     b.velocity += kick.time * (b.inv_m * force + kick.gravity);
     Rotation::kick(b.momentum, axes.to_body(torque), b.inertia, kick.time);
   }

@@ -51,20 +51,21 @@ struct WallStageOf<true> {
 template <bool HasBodies>
 struct MoverOf {
   template <class ShapeType, class Contacts, class State, class Scalar, class Arch,
-            class Integrator, class>
+            class Integrator, class, FromFluid>
   using type = SphereMotion<ShapeType, Contacts, State, Scalar, Arch, Integrator>;
 };
 template <>
 struct MoverOf<true> {
   template <class ShapeType, class Contacts, class State, class Scalar, class Arch,
-            class Integrator, class Rotation>
-  using type = BodyMotion<ShapeType, Contacts, State, Scalar, Arch, Integrator, Rotation>;
+            class Integrator, class Rotation, FromFluid Given>
+  using type = BodyMotion<ShapeType, Contacts, State, Scalar, Arch, Integrator, Rotation, Given>;
 };
 
 /// The state of a simulation and the stages of its step, each a plain function of state. Knows the
 /// policies, but neither observers nor files nor the order of the stages: that is Simulation's.
 template <class ShapeType, class ContactsType, class Search, class Domain, class Arch,
-          class Precision, class Integrator = Leapfrog, class Rotation = NoSquish>
+          class Precision, class Integrator = Leapfrog, class Rotation = NoSquish,
+          FromFluid Given = FromFluid::Nothing>
 class Engine {
  public:
   using Contacts = ContactsType;
@@ -77,8 +78,9 @@ class Engine {
   static constexpr bool convex = SolidShape<ShapeType>;     // with narrow phases of their own
   static_assert(!convex || std::is_same_v<Scalar, double>,
                 "Mixed precision is for spheres and bodies made of spheres; leave it out");
-  using State = ParticleState<rotates, ContactsType::several_materials, Scalar,
-                              Integrator::derivatives, has_bodies>;
+  using State =
+      ParticleState<rotates, ContactsType::several_materials, Scalar, Integrator::derivatives,
+                    has_bodies, has_bodies ? FromFluid::Nothing : Given>;
   using Motion = typename State::Motion;
   using WallStage =
       typename WallStageOf<convex>::template type<ShapeType, ContactsType, Arch, Scalar>;
@@ -86,7 +88,7 @@ class Engine {
                           Search, Domain, Arch, typename WallStage::Contacts>;
 
   using Mover = typename MoverOf<has_bodies>::template type<ShapeType, ContactsType, State, Scalar,
-                                                            Arch, Integrator, Rotation>;
+                                                            Arch, Integrator, Rotation, Given>;
 
   State particles;
   std::vector<Wall> walls;
@@ -244,6 +246,15 @@ class Engine {
     else
       return particles.smallest_radius;
   }
+  /// What a fluid does to each particle (body, or row).
+  auto& fluid_loads() {
+    if constexpr (has_bodies)
+      return mover.fluid;
+    else
+      return particles.fluid;
+  }
+  const auto& fluid_loads() const { return const_cast<Engine&>(*this).fluid_loads(); }
+  const Team& team() const { return *team_; }
   /// The number of the particle that a row is, or belongs to.
   std::uint32_t id_of(std::size_t row) const {
     if constexpr (has_bodies)
@@ -276,6 +287,7 @@ class Engine {
   void park(std::size_t k) {
     if constexpr (has_bodies) {
       for (const std::uint32_t row : mover.rows_of(mover.bodies[k])) particles.park(row);
+      mover.fluid.remove(k);
       mover.bodies[k].id = no_particle;
     } else {
       particles.park(k);

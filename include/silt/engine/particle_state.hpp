@@ -10,6 +10,7 @@
 
 #include <silt/core/storage.hpp>
 #include <silt/core/threads.hpp>
+#include <silt/engine/fluid_loads.hpp>
 #include <silt/engine/rows.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -28,9 +29,9 @@ void gather(V& values, std::span<const std::uint32_t> order, const Team& team) {
 /// once more in PairScalar, if that is not double.
 /// Two rows more than particles: spheres of no radius, the partners of padding pairs.
 /// `Derivatives`: of position and of spin velocity each, that the integrator keeps. `OfBodies`:
-/// rows are parts of rigid bodies.
+/// rows are parts of rigid bodies. `Given`: what a fluid does to rows.
 template <bool Rotates, bool SeveralMaterials, class PairScalar, std::size_t Derivatives,
-          bool OfBodies = false>
+          bool OfBodies = false, FromFluid Given = FromFluid::Nothing>
 class ParticleState {
  public:
   static constexpr std::size_t derivative_rows = Derivatives * (1 + Rotates);
@@ -44,7 +45,8 @@ class ParticleState {
   static constexpr std::size_t bytes_per_particle =
       sizeof(PositionRow) + sizeof(Motion) + (single ? sizeof(PairMotion) : 0) +
       sizeof(std::uint32_t) + (SeveralMaterials ? sizeof(std::uint16_t) : 0) +
-      derivative_rows * 4 * sizeof(double) + (OfBodies ? sizeof(PartRow) : 0);
+      derivative_rows * 4 * sizeof(double) + (OfBodies ? sizeof(PartRow) : 0) +
+      FluidLoads<Given>::bytes;
   static constexpr bool of_bodies = OfBodies;
 
   AlignedVector<PositionRow> position;
@@ -52,7 +54,8 @@ class ParticleState {
   AlignedVector<HigherDerivatives> derivatives;  // if the integrator has any
   std::vector<std::uint32_t> id;
   std::vector<std::uint16_t> material;
-  std::vector<PartRow> part;   // of bodies
+  std::vector<PartRow> part;  // of bodies
+  [[no_unique_address]] FluidLoads<Given> fluid;
   double largest_radius = 0;   // [m]
   double smallest_radius = 0;  // [m]
   double mean_diameter = 0;    // [m]
@@ -97,6 +100,7 @@ class ParticleState {
       derivatives.back().row[0][0] = std::numeric_limits<double>::quiet_NaN();
     }
     if constexpr (SeveralMaterials) material.push_back(of);
+    fluid.add();
     pad();
   }
 
@@ -124,6 +128,7 @@ class ParticleState {
     motion[k] = Motion{};
     if constexpr (Derivatives > 0) derivatives[k] = {};
     id[k] = no_particle;
+    fluid.remove(k);
     ++parked;
   }
   bool is_parked(std::size_t k) const { return id[k] == no_particle; }
@@ -134,6 +139,7 @@ class ParticleState {
     if constexpr (SeveralMaterials) gather(material, order, team);
     if constexpr (Derivatives > 0) gather(derivatives, order, team);
     if constexpr (OfBodies) gather(part, order, team);
+    fluid.for_each([&](const char*, auto& column) { gather(column, order, team); });
     pad();
   }
 

@@ -41,6 +41,7 @@ void Simulation<Policies...>::add_bodies(const ParticlesType& more, std::size_t 
     }
     first += static_cast<std::uint32_t>(form.parts.size());
     mover.bodies.push_back(b);
+    mover.fluid.add();
     mover.put_in_place(engine_.particles, b);
     if (kicked_) mover.synchronous.push_back({p.velocity, p.angular_velocity});
   }

@@ -258,6 +258,7 @@ void Simulation<Policies...>::prepare() {
     book_.change_gravity(change);
     gravity_booked_ = gravity;
   }
+  check_fluid();
   engine_.set_threads(threads);
   engine_.set_coefficients(contacts_);
   if (dt_ == 0 || (time_step && *time_step != dt_)) {

@@ -140,7 +140,9 @@ class SphereMotion {
                          scene.particles.motion.data(),
                          scene.particles.pair_rows(),
                          scene.particles.derivatives.data(),
-                         scene.sums};
+                         scene.sums,
+                         scene.particles.fluid.force.data(),
+                         scene.particles.fluid.torque.data()};
     const double* const per_inner2 = scene.per_inner2;
     Real largest2(0), sum2(0), share2(0);
     std::size_t k = from;
@@ -184,7 +186,26 @@ class SphereMotion {
     typename State::PairMotion* pair_motion;
     typename State::HigherDerivatives* derivatives;
     Scalar* sums;
+    const VectorRow *fluid_force, *fluid_torque;
   };
+  using Fluid = decltype(State::fluid);
+  /// The loads of particle k: force; torque over radius; couple.
+  SILT_INLINE static Row load_of(const Constants& with, std::size_t k, std::size_t chunk) {
+    const auto load =
+        convert<double>(Row4<Arch, Scalar>::load(with.sums + (k * chunks + chunk) * 4));
+    if constexpr (Fluid::any)
+      if (chunk == 0) return load + Row::load(&with.fluid_force[k].x);
+    if constexpr (Fluid::turns)
+      if (chunk == 1)
+        return load + Row::load(&with.fluid_torque[k].x) * Row::all(inverse_radius(with.motion[k]));
+    return load;
+  }
+  static double inverse_radius([[maybe_unused]] const Motion& m) {
+    if constexpr (rotates)
+      return m.inv_r;
+    else
+      return 0;
+  }
   /// Returns the velocity of the next drift as a row.
   template <Advance How>
   SILT_INLINE Row advance_one(std::size_t k, const Constants& with) {
@@ -197,9 +218,6 @@ class SphereMotion {
   Row correct_one(std::size_t k, const Constants& with) {
     Motion& m = with.motion[k];
     Scalar* const load = with.sums + k * 4 * chunks;
-    const auto load_of = [&](std::size_t chunk) {
-      return convert<double>(Row4<Arch, Scalar>::load(load + 4 * chunk));
-    };
     auto& rows = with.derivatives[k].row;
     const bool is_new = std::isnan(rows[0][0]);
     const double inv_m = m.inv_m, dt = with.step;
@@ -212,7 +230,7 @@ class SphereMotion {
     Row x = Row::load(&with.position[k].x), v = Row::load(&m.vx), q[4];
     const Row before = x;
     const Row acceleration =
-        load_of(0) * Row::all(inv_m) + with.gravity * Row::all(inv_m > 0 ? 1 : 0);
+        load_of(with, k, 0) * Row::all(inv_m) + with.gravity * Row::all(inv_m > 0 ? 1 : 0);
     if (is_new) {
       q[0] = acceleration * Row::all(0.5 * dt * dt), q[1] = q[2] = q[3] = Row::all(0);
     } else {
@@ -224,8 +242,9 @@ class SphereMotion {
     if constexpr (rotates) {
       Row spin = Row::load(&m.wx), p[4];
       const double push = inv_m / ShapeType::inertia_factor();
-      Row rate = load_of(1) * Row::all(push);
-      if constexpr (ContactsType::has_rolling) rate = rate + load_of(2) * Row::all(push * m.inv_r);
+      Row rate = load_of(with, k, 1) * Row::all(push);
+      if constexpr (ContactsType::has_rolling)
+        rate = rate + load_of(with, k, 2) * Row::all(push * m.inv_r);
       if (is_new) {
         p[0] = rate * Row::all(dt), p[1] = p[2] = p[3] = Row::all(0);
       } else {
@@ -268,17 +287,14 @@ class SphereMotion {
     const double inv_m = m.inv_m;
     [[maybe_unused]] Motion before;
     if constexpr (How == Advance::KickAndRecord) before = m;
-    const auto load_of = [&](std::size_t chunk) {
-      return convert<double>(Row4<Arch, Scalar>::load(load + 4 * chunk));
-    };
     const Row velocity =
-        Leapfrog::kick(Row::load(&m.vx), load_of(0), inv_m, with.gravity, with.time);
+        Leapfrog::kick(Row::load(&m.vx), load_of(with, k, 0), inv_m, with.gravity, with.time);
     velocity.store(&m.vx);
     if constexpr (single) convert<float>(velocity).store(&with.pair_motion[k].vx);
     if constexpr (rotates) {
-      Row spin = Leapfrog::spin(Row::load(&m.wx), load_of(1), inv_m * with.spin_time);
+      Row spin = Leapfrog::spin(Row::load(&m.wx), load_of(with, k, 1), inv_m * with.spin_time);
       if constexpr (ContactsType::has_rolling)
-        spin = Leapfrog::turn(spin, load_of(2), inv_m * with.spin_time, m.inv_r);
+        spin = Leapfrog::turn(spin, load_of(with, k, 2), inv_m * with.spin_time, m.inv_r);
       spin.store(&m.wx);
       if constexpr (single) convert<float>(spin).store(&with.pair_motion[k].wx);
     }

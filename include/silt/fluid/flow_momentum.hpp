@@ -109,7 +109,8 @@ inline void stage(FlowState& state, const Three& q, bool second, double dt, Thre
                        of_solids([](const FlowSolids& s) -> const Three& { return s.velocity; }),
                        out[c].row(j, k),
                        state.tendency[c].row(j, k),
-                       state.weight[c].row(j, k)};
+                       state.weight[c].row(j, k),
+                       state.stress.empty() ? nullptr : state.stress[c].row(j, k)};
       if (walled)
         stage_row<true>(r, from, to);
       else

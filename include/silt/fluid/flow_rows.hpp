@@ -53,6 +53,7 @@ struct StageRow {
   // In a box with solids: whether faces are open, and walls' drag and velocity.
   const double *open, *wall_drag, *wall_push, *wall_velocity;
   double *to, *tendency, *weight;
+  double* stress;  // [N/m3] div tau, mean of the stages; null if nobody asks
 };
 
 /// Advection and viscosity of value i [N/m3]: -rho div(F q), and mu (lap q + 1/3 grad div u).
@@ -110,6 +111,8 @@ SILT_ONE_COPY void stage_row(const StageRow& row, int from, int to) {
       driven += eps_f * at(r.wall_push);
     }
     const Real over_D = Real(1) / D;
+    if (r.stress != nullptr)
+      store_any(r.stress + i, r.second ? half * (at(r.stress) + viscous) : viscous);
     Real u = over_D * driven, weight = eps_f * over_D;
     if constexpr (Walled) {
       const Real open = at(r.open);

@@ -39,14 +39,25 @@ struct FlowSolids {
       : open{Field(grid, 1), Field(grid, 1), Field(grid, 1)},
         drag{Field(grid), Field(grid), Field(grid)},
         push{Field(grid), Field(grid), Field(grid)},
-        velocity{Field(grid), Field(grid), Field(grid)} {
+        velocity{Field(grid), Field(grid), Field(grid)},
+        cells(grid) {
     for (int d = 0; d < 3; ++d) set(grid, boundary, viscosity, d);
+    for (int k = 0; k < grid.nz(); ++k)
+      for (int j = 0; j < grid.ny(); ++j)
+        for (int i = 0; i < grid.nx(); ++i)
+          cells(i, j, k) = open[0](i, j, k) + open[0](i + 1, j, k) + open[1](i, j, k) +
+                                       open[1](i, j + 1, k) + open[2](i, j, k) +
+                                       open[2](i, j, k + 1) >
+                                   0
+                               ? 1
+                               : 0;
   }
 
   Three open;      // [-] 1 or 0
   Three drag;      // [kg/(m3 s)]
   Three push;      // [N/m3] what goes with the walls' velocity
   Three velocity;  // [m/s] of the solid, in closed faces
+  Field cells;     // [-] 1 with open faces, 0 without
 
  private:
   void set(const Grid& grid, const FlowBoundary& boundary, double viscosity, int d) {

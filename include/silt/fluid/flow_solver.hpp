@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <memory>
+#include <span>
 #include <utility>
 
 #include <silt/fluid/flow_momentum.hpp>
@@ -50,7 +52,8 @@ class FlowSolver {
 
  public:
   FlowSolver(const Grid& grid, const FluidProperties& fluid, const FlowOptions& options = {})
-      : s_(grid, fluid, options), projection_(grid) {
+      : s_(grid, fluid, options),
+        projection_(std::make_unique<fluid_detail::FlowProjection>(grid)) {
     require(std::isfinite(fluid.density) && fluid.density > 0,
             "FluidProperties.density = ", fluid.density, " kg/m3 must be positive");
     require(std::isfinite(fluid.viscosity) && fluid.viscosity >= 0,
@@ -58,6 +61,11 @@ class FlowSolver {
     require(options.tolerance > 0 && options.tolerance < 1,
             "FlowOptions.tolerance = ", options.tolerance, " must be in (0, 1)");
   }
+
+  FlowSolver(FlowSolver&&) = default;
+  FlowSolver(const FlowSolver& other)
+      : s_(other.s_), projection_(std::make_unique<fluid_detail::FlowProjection>(other.grid())) {}
+  FlowSolver& operator=(FlowSolver&&) = default;
 
   const Grid& grid() const { return s_.grid; }
   const FluidProperties& fluid() const { return s_.fluid; }
@@ -76,6 +84,8 @@ class FlowSolver {
     s_.solids.emplace(grid(), boundary, s_.fluid.viscosity);
     s_.started = false;
   }
+  /// 1 in cells that fluid can enter, 0 in others; null if all can.
+  const Field* open_cells() const { return s_.solids ? &s_.solids->cells : nullptr; }
   /// Ghosts of the pressure as the sides have it; and whether a side holds a pressure or is
   /// periodic, so that there is a slope across it.
   void fill_pressure_ghosts() { s_.sides.fill_pressure(s_.pressure, false); }
@@ -112,6 +122,14 @@ class FlowSolver {
   Field& drag_velocity(int d) { return s_.drag_v[FlowState::at(d)]; }  // [N/m3] K v
   Field& force(int d) { return s_.force[FlowState::at(d)]; }           // [N/m3] s
   /// @}
+
+  /// From now on steps keep div tau [N/m3], the viscous part that acts on fluid and particles
+  /// alike, as it is on the inner faces of each direction; that of walls within the box is not in
+  /// it.
+  void keep_stress() {
+    if (s_.stress.empty()) s_.stress.assign(3, Field(grid()));
+  }
+  const Field& stress(int d) const { return s_.stress[FlowState::at(d)]; }
 
   /// Makes the velocities as set the state from which steps go on: at rest, at first.
   void start(const Team& team = {}) {
@@ -166,6 +184,25 @@ class FlowSolver {
     return std::min(by_flow, 0.35 / (nu * squares));
   }
 
+  /// What a step goes on from, part by part: visit(name, span of doubles), which may change it.
+  template <class Visit>
+  void for_each_state(const Visit& visit) {
+    const auto fields = [&](const char* name, auto&... field) {
+      int number = 0;
+      (visit(text(name, number++), field.values()), ...);
+    };
+    fields("fluid.velocity", s_.velocity[0], s_.velocity[1], s_.velocity[2]);
+    fields("fluid.flow", s_.flow[0], s_.flow[1], s_.flow[2]);
+    fields("fluid.old_flow", s_.old_flow[0], s_.old_flow[1], s_.old_flow[2]);
+    fields("fluid.pressure", s_.pressure);
+    fields("fluid.voidage", s_.voidage, s_.eps, s_.old_eps, s_.older_eps, s_.mass);
+    std::array<double, 2> last{s_.started ? 1.0 : 0.0, s_.old_dt};
+    for (int d = 0; d < 3 && !s_.stress.empty(); ++d)
+      visit(text("fluid.stress", d), s_.stress[FlowState::at(d)].values());
+    visit("fluid.last", std::span<double>(last));
+    s_.started = last[0] != 0, s_.old_dt = last[1];
+  }
+
   FlowStep step(double dt, const Team& team = {}) {
     require(std::isfinite(dt) && dt > 0, "FlowSolver: a step of ", dt, " s is none");
     if (!s_.started) start(team);
@@ -181,7 +218,7 @@ class FlowSolver {
     fluid_detail::find_spread(s_, team);
     fluid_detail::stage(s_, s_.velocity, false, dt, s_.first, team);
     fluid_detail::stage(s_, s_.first, true, dt, s_.next, team);
-    projection_.run(s_, dt, done, team);
+    projection_->run(s_, dt, done, team);
     std::swap(s_.mass, s_.next_mass), std::swap(s_.older_eps, s_.old_eps);
     s_.old_eps = s_.eps, s_.old_dt = dt;
     return done;
@@ -189,7 +226,7 @@ class FlowSolver {
 
  private:
   FlowState s_;
-  fluid_detail::FlowProjection projection_;
+  std::unique_ptr<fluid_detail::FlowProjection> projection_;  // knows nothing between steps
 };
 
 }  // namespace silt

@@ -179,6 +179,7 @@ struct FlowState {
   Three flow = three(), old_flow = three(), carried = three();  // [m/s] eps u; F
   Three tendency = three();                                     // [N/m3] of the first stage
   Three weight = three();                                       // [m3 s/kg] e/D
+  std::vector<Field> stress;                                    // [N/m3] div tau, if it is kept
   Field pressure{grid};                                         // [Pa]
   Field voidage{grid, 1}, eps{grid, 1}, old_eps{grid, 1}, older_eps{grid, 1};
   Field mass{grid, 1}, next_mass{grid, 1};  // [-] m, m'

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <span>
 
 #include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
@@ -118,6 +119,8 @@ class Field {
   /// The value of i = 0 in row (j, k), on a 64-byte boundary; those of other i follow and precede.
   double* row(int j, int k) { return values_.data() + grid_.index(0, j, k); }
   const double* row(int j, int k) const { return values_.data() + grid_.index(0, j, k); }
+  /// All numbers as they stand in memory, ghosts and gaps included.
+  std::span<double> values() { return values_; }
   void fill(double value) { std::fill(values_.begin(), values_.end(), value); }
 
   /// Copies into the ghosts of every periodic direction what stands at the other side; edges and

@@ -13,8 +13,8 @@
 namespace silt::inline SILT_TARGET {
 
 /// Saves and restores the whole state of a simulation: particles, contact history, lists, walls,
-/// inlets and outlets, clock. A run continued from it gives the same bits as one that never
-/// stopped.
+/// inlets and outlets, the fluid, clock. A run continued from it gives the same bits as one that
+/// never stopped.
 ///
 ///   silt::save_checkpoint(sim, "run.silt");
 ///   silt::load_checkpoint(sim, "run.silt");    // sim: the same scene, built by the same program
@@ -137,6 +137,16 @@ class Checkpoint {
                    {sim.gravity_booked_.x, sim.gravity_booked_.y, sim.gravity_booked_.z});
       out.add("ledger", books);
     }
+    std::vector<std::pair<std::string, std::vector<double>>> flow;
+    if constexpr (Sim::Fluid::active) {
+      e.fluid_loads().for_each([&](const char* name, const auto& column) {
+        out.add(name, doubles(column.data(), e.rows_of_particles()));
+      });
+      visit_fluid(sim, [&](const std::string& name, std::span<double> values) {
+        flow.emplace_back(name, std::vector<double>(values.begin(), values.end()));
+      });
+      for (const auto& [name, values] : flow) out.add(name, values);
+    }
     std::vector<std::uint64_t> search;
     if constexpr (chooses_search) {
       const auto& choice = detail::finder_of(sim.search_).choice();
@@ -225,6 +235,15 @@ class Checkpoint {
       require(books.size() >= decltype(sim.book_)::least_size + 3, "checkpoint '", path,
               "': its ledger is incomplete");
     }
+    std::vector<std::vector<double>> loads, flow;
+    if constexpr (Sim::Fluid::active) {
+      e.fluid_loads().for_each([&](const char* name, const auto&) {
+        loads.push_back(in.get<double>(name, 4 * particles));
+      });
+      visit_fluid(sim, [&](const std::string& name, std::span<double> values) {
+        flow.push_back(in.get<double>(name, values.size()));
+      });
+    }
     e.set_coefficients(sim.contacts_);  // throws where a pair of materials lacks its values
     if constexpr (chooses_search) {
       const auto choice = in.get<std::uint64_t>("search.choice", 2);
@@ -258,6 +277,16 @@ class Checkpoint {
       e.mover.number_rows(e.particles);
     }
     e.particles.pad();
+    if constexpr (Sim::Fluid::active) {
+      std::size_t next_load = 0, next_part = 0;
+      e.fluid_loads().resize(particles);
+      e.fluid_loads().for_each(
+          [&](const char*, auto& column) { copy(loads[next_load++], column.data()); });
+      visit_fluid(sim, [&](const std::string&, std::span<double> values) {
+        std::copy(flow[next_part].begin(), flow[next_part].end(), values.begin());
+        ++next_part;
+      });
+    }
     e.mover.synchronous.resize(synchronous.size() / 6),
         copy(synchronous, e.mover.synchronous.data());
     e.lists.reference.resize(reference.size() / 3), copy(reference, e.lists.reference.data());
@@ -303,10 +332,11 @@ class Checkpoint {
 
   /// Which programs can continue from the file: the policies that shape the state.
   static std::string signature() {
-    return text("silt state 6; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
+    return text("silt state 7; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
                 name_of<typename Sim::ContactsType>(), "; search ", name_of<typename Sim::Search>(),
                 "; domain ", name_of<typename Sim::Domain>(), "; precision ",
                 name_of<typename Sim::Precision>(), Sim::has_ledger ? "; ledger" : "",
+                Sim::Fluid::active ? text("; fluid ", name_of<typename Sim::Fluid>()) : "",
                 "; integrator ", name_of<typename Sim::Integrator>(),
                 Sim::has_bodies ? text("; rotation ", name_of<typename Sim::Rotation>()) : "");
   }
@@ -326,6 +356,12 @@ class Checkpoint {
 #else
     return typeid(T).name();
 #endif
+  }
+
+  /// The fluid's state, which the visitor may change.
+  template <class Visit>
+  static void visit_fluid(const Sim& sim, const Visit& visit) {
+    const_cast<typename Sim::Fluid&>(sim.fluid_).for_each_state(visit);
   }
 
   template <class Row>

@@ -42,6 +42,7 @@ struct EnergyBalance {
   double walls;            // work of moving walls, and of fixed particles that move
   double openings;         // with particles that came, less with those that left
   double changed_gravity;  // by setting `gravity` anew
+  double fluid;            // work of the fluid on particles that are not fixed
 
   double initial;      // all that was there at the first step
   double turned_over;  // by normal forces since then, once in and out
@@ -52,7 +53,7 @@ struct EnergyBalance {
   double dissipated() const {
     return normal_damping + tangential_damping + friction + rolling_resistance;
   }
-  double supplied() const { return walls + openings + changed_gravity; }
+  double supplied() const { return walls + openings + changed_gravity + fluid; }
   /// What the books cannot explain: the error of time integration, second order in the step with
   /// Leapfrog; first with SymplecticEuler, while forces act, and Gear, with damping or friction
   /// (docs/energy.md has numbers). First order are also: gravity that is set anew between runs,
@@ -89,6 +90,7 @@ class EnergyBook {
   }
   void bring_in(double energy) { openings_ += energy; }
   void change_gravity(double energy) { changed_gravity_ += energy; }
+  void fluid_worked(double energy) { of_fluid_ += energy; }
 
   EnergyBalance balance(double translation, double rotation, double gravity) const {
     EnergyBalance e{};
@@ -98,13 +100,15 @@ class EnergyBook {
     e.friction = work_.shear_dashpot - work_.shear - (stored_.tangential - at_start_.tangential);
     e.rolling_resistance = -work_.couple - (stored_.rolling - at_start_.rolling);
     e.walls = of_walls_, e.openings = openings_, e.changed_gravity = changed_gravity_;
+    e.fluid = of_fluid_;
     e.initial = initial_, e.turned_over = work_.turned_over;
     return e;
   }
 
   // The books as numbers, for a checkpoint.
   std::vector<double> state() const {
-    std::vector<double> all{of_walls_, openings_, changed_gravity_, initial_, last_fixed_power_};
+    std::vector<double> all{of_walls_, openings_,         changed_gravity_,
+                            initial_,  last_fixed_power_, of_fluid_};
     for (const auto* e : {&stored_, &at_start_, &work_}) {
       const auto values = ContactEnergy<double>::values(*e);
       all.insert(all.end(), values.begin(), values.end());
@@ -115,8 +119,8 @@ class EnergyBook {
   }
   void restore(const std::vector<double>& all) {
     of_walls_ = all[0], openings_ = all[1], changed_gravity_ = all[2], initial_ = all[3];
-    last_fixed_power_ = all[4];
-    std::size_t at = 5;
+    last_fixed_power_ = all[4], of_fluid_ = all[5];
+    std::size_t at = 6;
     for (auto* e : {&stored_, &at_start_, &work_}) {
       std::array<double, 8> values;
       for (double& v : values) v = all[at++];
@@ -128,7 +132,7 @@ class EnergyBook {
                        {all[at + 3], all[at + 4], all[at + 5]},
                        {all[at + 6], all[at + 7], all[at + 8]}});
   }
-  static constexpr std::size_t least_size = 5 + 3 * 8;
+  static constexpr std::size_t least_size = 6 + 3 * 8;
 
  private:
   struct Load {
@@ -156,6 +160,7 @@ class EnergyBook {
   ContactEnergy<double> stored_ = no_energy<double>(), at_start_ = stored_, work_ = stored_;
   std::vector<Load> last_;  // of each wall
   double of_walls_ = 0, openings_ = 0, changed_gravity_ = 0, initial_ = 0, last_fixed_power_ = 0;
+  double of_fluid_ = 0;
 };
 
 }  // namespace detail

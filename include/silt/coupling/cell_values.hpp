@@ -1,0 +1,158 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include <silt/fluid/flow_solver.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// What particles ask of a flow, in its cells.
+class CellValues {
+ public:
+  using Three = std::vector<Field>;  // by direction; empty if never asked for
+
+  explicit CellValues(const Grid& g) : velocity(3, Field(g)), slope(velocity) {}
+
+  Three velocity;      // [m/s] the mean of both faces
+  Three slope;         // [Pa/m] of the pressure
+  Three stress;        // [N/m3] div tau of the last step; from find_stress()
+  Three curl;          // [1/s] of the velocity; from find_curl()
+  Three acceleration;  // [m/s2] Du/Dt; from find_acceleration()
+
+  void find_velocity(const FlowSolver& flow, const Team& team) {
+    for (int d = 0; d < 3; ++d) {
+      const int s[3] = {d == 0, d == 1, d == 2};
+      Field& to = velocity[at(d)];
+      for_rows(flow, team, [&](int j, int k) {
+        const Field& u = flow.velocity(d);
+        const double *low = u.row(j, k), *high = u.row(j + s[1], k + s[2]) + s[0];
+        double* const out = to.row(j, k);
+        for (int i = 0; i < flow.grid().nx(); ++i) out[i] = 0.5 * (low[i] + high[i]);
+      });
+    }
+  }
+
+  /// The mean of the slopes at both faces; beside a side, of the inner one alone.
+  void find_slope(FlowSolver& flow, const Team& team) {
+    const Grid& g = flow.grid();
+    Field& p = flow.pressure();
+    flow.fill_pressure_ghosts();
+    for (int d = 0; d < 3; ++d) {
+      const int s[3] = {d == 0, d == 1, d == 2};
+      const int last = g.cells()[at(d)] - 1;
+      const double h = width(g, d);
+      const bool low_held = flow.holds_pressure(d, 0), high_held = flow.holds_pressure(d, 1);
+      for_rows(flow, team, [&](int j, int k) {
+        const double *c = p.row(j, k), *below = p.row(j - s[1], k - s[2]) - s[0],
+                     *above = p.row(j + s[1], k + s[2]) + s[0];
+        double* const to = slope[at(d)].row(j, k);
+        for (int i = 0; i < g.nx(); ++i) {
+          const int place = d == 0 ? i : d == 1 ? j : k;
+          const bool low = place > 0 || low_held, high = place < last || high_held;
+          const double sum = (low ? c[i] - below[i] : 0) + (high ? above[i] - c[i] : 0);
+          to[i] = sum / (h * std::max(1, low + high));
+        }
+      });
+    }
+  }
+
+  /// div tau, the mean of both faces; beside a side that is not periodic, of the inner face alone.
+  void find_stress(const FlowSolver& flow, const Team& team) {
+    const Grid& g = flow.grid();
+    make(stress, g);
+    for (int d = 0; d < 3; ++d) {
+      const Field& of = flow.stress(d);
+      const int last = g.cells()[at(d)] - 1;
+      for_rows(flow, team, [&](int j, int k) {
+        for (int i = 0; i < g.nx(); ++i) {
+          const int place = d == 0 ? i : d == 1 ? j : k;
+          const bool low = place > 0 || g.periodic(d), high = place < last || g.periodic(d);
+          int up[3] = {i, j, k};
+          up[d] = place == last ? 0 : place + 1;  // round, if it is periodic
+          const double sum = (low ? of(i, j, k) : 0) + (high ? of(up[0], up[1], up[2]) : 0);
+          stress[at(d)](i, j, k) = sum / std::max(1, low + high);
+        }
+      });
+    }
+  }
+
+  void find_curl(const FlowSolver& flow, const Team& team) {
+    const Grid& g = flow.grid();
+    make(curl, g);
+    for_rows(flow, team, [&](int j, int k) {
+      for (int i = 0; i < g.nx(); ++i)
+        for (int c = 0; c < 3; ++c) {
+          const int a = (c + 1) % 3, b = (c + 2) % 3;
+          curl[at(c)](i, j, k) = difference(g, velocity[at(b)], a, i, j, k) -
+                                 difference(g, velocity[at(a)], b, i, j, k);
+        }
+    });
+  }
+
+  /// Since the last call, `dt` [s] ago; without it (0), of a steady flow.
+  void find_acceleration(const FlowSolver& flow, double dt, const Team& team) {
+    const Grid& g = flow.grid();
+    make(acceleration, g), make(last_, g);
+    for_rows(flow, team, [&](int j, int k) {
+      for (int i = 0; i < g.nx(); ++i)
+        for (int c = 0; c < 3; ++c) {
+          const Field& u = velocity[at(c)];
+          double sum = dt > 0 ? (u(i, j, k) - last_[at(c)](i, j, k)) / dt : 0;
+          for (int d = 0; d < 3; ++d)
+            sum += velocity[at(d)](i, j, k) * difference(g, u, d, i, j, k);
+          acceleration[at(c)](i, j, k) = sum;
+        }
+    });
+    last_ = velocity;
+  }
+
+  /// What find_acceleration() keeps, for a checkpoint.
+  template <class Visit>
+  void for_each_state(const Grid& g, const Visit& visit) {
+    make(last_, g);
+    for (int d = 0; d < 3; ++d) visit(text("fluid.last_velocity", d), last_[at(d)].values());
+  }
+
+  template <class Visit>
+  static void for_rows(const FlowSolver& flow, const Team& team, const Visit& visit) {
+    team.for_parts(static_cast<std::size_t>(flow.grid().nz()), [&](std::size_t k) {
+      for (int j = 0; j < flow.grid().ny(); ++j) visit(j, static_cast<int>(k));
+    });
+  }
+
+ private:
+  static std::size_t at(int d) { return static_cast<std::size_t>(d); }
+  static double width(const Grid& g, int d) {
+    return d == 0 ? g.h().x : d == 1 ? g.h().y : g.h().z;
+  }
+  static void make(Three& field, const Grid& g) {
+    if (field.empty()) field.assign(3, Field(g));
+  }
+  /// The next cell that way; whether there is one.
+  static bool neighbour(const Grid& g, int d, int way, int i, int j, int k, int (&n)[3]) {
+    n[0] = i, n[1] = j, n[2] = k;
+    const int count = g.cells()[at(d)];
+    n[d] += way;
+    if (n[d] >= 0 && n[d] < count) return true;
+    if (!g.periodic(d)) return false;
+    n[d] = (n[d] + count) % count;
+    return true;
+  }
+  /// Central; beside a side towards the inner cell.
+  static double difference(const Grid& g, const Field& u, int d, int i, int j, int k) {
+    double value[2] = {u(i, j, k), u(i, j, k)};
+    int steps = 0;
+    for (const int side : {0, 1}) {
+      int n[3];
+      if (neighbour(g, d, 2 * side - 1, i, j, k, n)) value[side] = u(n[0], n[1], n[2]), ++steps;
+    }
+    return (value[1] - value[0]) / (std::max(1, steps) * width(g, d));
+  }
+
+  Three last_;  // [m/s] velocity
+};
+
+}  // namespace silt::detail

@@ -1,0 +1,87 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cmath>
+#include <concepts>
+#include <cstdint>
+
+#include <silt/core/quaternion.hpp>
+#include <silt/coupling/lift/magnus.hpp>
+#include <silt/coupling/lift/saffman_mei.hpp>
+#include <silt/coupling/unsteady/forces.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// A particle in the fluid as the forces of a CoupledFlow see it, at the start of a fluid step.
+struct InFluid {
+  double density, viscosity;  // [kg/m3], [Pa s] of the fluid
+  double voidage;             // [-] at the particle
+  double diameter;            // [m] of the sphere of equal volume
+  double volume, mass;        // [m3], [kg]; infinite: fixed
+  double dt;                  // [s] the fluid step
+  Vec3d slip;                 // [m/s] fluid's velocity less the particle's
+  Vec3d curl;                 // [1/s] of the fluid's velocity; where a force needs it
+  Vec3d angular_velocity;     // [rad/s] of the particle
+  Quaternion orientation;     // principal axes to space, and
+  std::uint32_t form;         // number of the form: of bodies
+};
+
+/// What a fluid does to a particle besides drag, pressure and viscous stress: a struct with one of
+///   Vec3d force_on(const InFluid&) const        [N]
+///   Vec3d torque_on(const InFluid&) const       [N m]
+///   double added_mass(const InFluid&) const     [kg] that is accelerated with the particle
+/// and `static constexpr bool needs_curl = true` if it reads that. The fluid gets the opposite of
+/// forces in the same step.
+template <class F>
+concept FluidForce = requires(const F& f, const InFluid& at) {
+  { f.force_on(at) } -> std::same_as<Vec3d>;
+}
+|| requires(const F& f, const InFluid& at) {
+  { f.torque_on(at) } -> std::same_as<Vec3d>;
+}
+|| requires(const F& f, const InFluid& at) {
+  { f.added_mass(at) } -> std::same_as<double>;
+};
+
+/// Lift in a shear (SaffmanMei).
+struct ShearLift {
+  static constexpr bool needs_curl = true;
+  Vec3d force_on(const InFluid& p) const {
+    return SaffmanMei::force(p.diameter, p.density, p.viscosity, p.slip, p.curl);
+  }
+};
+
+/// Lift by spin (OesterleBuiDinh).
+struct SpinLift {
+  static constexpr bool needs_curl = true;
+  Vec3d force_on(const InFluid& p) const {
+    return OesterleBuiDinh::force(p.diameter, p.density, p.viscosity, p.slip,
+                                  0.5 * p.curl - p.angular_velocity);
+  }
+};
+
+/// The fluid's torque against relative spin (rotational_torque), integrated exactly over the step
+/// with its coefficient held: T = (I/dt)(1 - exp(-C dt/I)) Omega with C Omega the torque now. It
+/// limits no step.
+struct SpinTorque {
+  static constexpr bool needs_curl = true;
+  Vec3d torque_on(const InFluid& p) const {
+    const Vec3d Omega = 0.5 * p.curl - p.angular_velocity;
+    const double spin = norm(Omega);
+    if (spin == 0 || !std::isfinite(p.mass)) return {0, 0, 0};
+    const Vec3d now = rotational_torque(p.diameter, p.density, p.viscosity, Omega);
+    const double inertia = 0.1 * p.mass * p.diameter * p.diameter;  // of a solid sphere
+    const double X = norm(now) / spin * p.dt / inertia;
+    return (-std::expm1(-X) / X) * now;
+  }
+};
+
+/// Virtual mass, F = C rho V (Du/Dt - dv/dt), with dv/dt from all that acts, this force included:
+/// stable for light particles too.
+/// Source: unsteady/forces.hpp.
+struct VirtualMass {
+  double coefficient = 0.5;  // [-] of a sphere
+  double added_mass(const InFluid& p) const { return coefficient * p.density * p.volume; }
+};
+
+}  // namespace silt

@@ -1,0 +1,52 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <silt/coupling/averaging/concept.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// The particles of a coupling step, one value each; at its end, except for velocities, which are
+/// those of its start.
+struct CoupledParticles {
+  AveragedParticles shape;                       // where they are, and how large
+  std::span<const Vec3d> velocity;               // [m/s]
+  std::span<const double> volume;                // [m3]
+  std::span<const double> mass;                  // [kg]; infinite: fixed
+  std::span<const Vec3d> acceleration = {};      // [m/s2] by all but the fluid; left out: none
+  std::span<const Vec3d> angular_velocity = {};  // [rad/s]; left out: none
+};
+
+namespace detail {
+
+/// The particles of a simulation, one after the other, as its fluid takes them.
+struct ParticlesInFluid {
+  std::vector<std::size_t> place;  // in the rows of particles
+  std::vector<Vec3d> position, velocity, acceleration, spin, force, torque;
+  std::vector<double> radius, volume, mass;
+  std::vector<Quaternion> orientation;
+  std::vector<std::uint32_t> form;
+  std::vector<AveragedForm> forms;
+
+  void resize(std::size_t n, bool bodies, bool turns) {
+    for (auto* v : {&position, &velocity, &acceleration, &force}) v->resize(n);
+    for (auto* v : {&radius, &volume, &mass}) v->resize(n);
+    if (turns) spin.resize(n), torque.resize(n);
+    if (bodies) orientation.resize(n), form.resize(n);
+  }
+  CoupledParticles view() const {
+    return {
+        {position, radius, orientation, form, forms}, velocity, volume, mass, acceleration, spin};
+  }
+  template <class Shape>
+  void add_form(const Shape& shape) {
+    forms.push_back(averaged_form(shape));
+  }
+};
+
+}  // namespace detail
+}  // namespace silt

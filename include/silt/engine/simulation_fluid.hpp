@@ -1,0 +1,150 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+// Parts of Simulation that only a fluid needs.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <silt/simulation.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// Refuses a fluid that does not fit to where the particles are.
+template <class... Policies>
+void Simulation<Policies...>::check_fluid() const {
+  if constexpr (Fluid::active) {
+    require(!fluid_.steps || *fluid_.steps >= 1, "CoupledFlow.steps = ", fluid_.steps.value_or(0),
+            " particle steps a fluid step must be at least 1, or left out");
+    require(fluid_.most_steps >= 1, "CoupledFlow.most_steps = ", fluid_.most_steps,
+            " must be at least 1");
+    if constexpr (Domain::periodic) {
+      const auto& g = fluid_.flow().grid();
+      const Vec3d low = g.box().min, extent = g.box().extent();
+      const double from[3] = {low.x, low.y, low.z}, length[3] = {extent.x, extent.y, extent.z};
+      const Vec3d corner = domain_.box().min;
+      const double begins[3] = {corner.x, corner.y, corner.z};
+      for (int d = 0; d < 3; ++d)
+        require(!domain_.repeats(d) ||
+                    (g.periodic(d) && std::abs(length[d] - domain_.length(d)) < 1e-9 * length[d] &&
+                     std::abs(from[d] - begins[d]) < 1e-9 * length[d]),
+                "the PeriodicBox repeats in ", "xyz"[d], " from ", begins[d], " m on, after ",
+                domain_.length(d), " m, but the flow's grid from ", from[d], " m on has ",
+                length[d], " m and is ", g.periodic(d) ? "" : "not ",
+                "periodic there; give both the same");
+    }
+  }
+}
+
+/// Asks the fluid anew for what it does to the particles, if it is time.
+template <class... Policies>
+void Simulation<Policies...>::couple() {
+  if constexpr (Fluid::active) {
+    if (fluid_.fluid_steps() == 0) fluid_.start_at(time_);
+    const double before = power_of_fluid();
+    if (fluid_.time() < time_ + 0.5 * dt_) renew_fluid();
+    if constexpr (has_ledger)
+      if (!first_kick_) book_.fluid_worked(0.5 * dt_ * (before + power_of_fluid()));
+  }
+}
+
+template <class... Policies>
+void Simulation<Policies...>::renew_fluid() {
+  const double fastest = gather_for_fluid();
+  int steps = 1;
+  if (fluid_.steps)
+    steps = *fluid_.steps;
+  else if (fluid_.fluid_steps() > 0)
+    steps = static_cast<int>(std::clamp(fluid_.longest_step(fastest, engine_.team()) / dt_, 1.0,
+                                        static_cast<double>(fluid_.most_steps)));
+  const double span = steps * dt_;
+  fluid_.gravity = gravity;
+  auto& p = in_fluid_;
+  try {
+    fluid_.advance(p.view(), span, p.force, engine_.team(), p.torque);
+  } catch (const InputError&) {
+    throw;
+  } catch (const Error& error) {
+    throw SimulationError(text("step ", step_, ", t = ", time_, " s: ", error.what()), step_, {},
+                          {});
+  }
+  auto& loads = engine_.fluid_loads();
+  engine_.team().for_ranges(p.place.size(), [&](std::size_t, std::size_t from, std::size_t to) {
+    for (std::size_t n = from; n < to; ++n) {
+      using Row = detail::VectorRow;
+      const std::size_t k = p.place[n];
+      const double inv_m = std::isfinite(p.mass[n]) ? 1 / p.mass[n] : 0;
+      loads.force[k] = Row::of(p.force[n]);
+      loads.unforced[k] = Row::of(p.velocity[n] + (span * inv_m) * p.force[n]);
+      if constexpr (loads.turns) loads.torque[k] = Row::of(p.torque[n]);
+    }
+  });
+}
+
+/// Returns the largest speed [m/s].
+template <class... Policies>
+double Simulation<Policies...>::gather_for_fluid() {
+  auto& p = in_fluid_;
+  const auto& loads = engine_.fluid_loads();
+  p.place.clear();
+  for (std::size_t k = 0; k < rows(); ++k)
+    if (is_present(k)) p.place.push_back(k);
+  p.resize(p.place.size(), has_bodies, loads.turns);
+  if constexpr (has_bodies)
+    while (p.forms.size() < engine_.mover.forms.size())
+      p.add_form(engine_.mover.forms[p.forms.size()].shape);
+  const double span = fluid_.last_step_length();
+  std::array<double, Team::most_ranges> fastest{};
+  engine_.team().for_ranges(p.place.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
+    for (std::size_t n = from; n < to; ++n) {
+      const std::size_t k = p.place[n];
+      p.position[n] = position(k), p.mass[n] = mass(k);
+      if constexpr (has_bodies) {
+        const auto& b = bodies()[k];
+        p.volume[n] = forms()[b.form].mass.volume * b.scale * b.scale * b.scale;
+        p.radius[n] = std::cbrt(p.volume[n] * (0.75 / std::numbers::pi));
+        p.velocity[n] = b.velocity, p.orientation[n] = b.orientation, p.form[n] = b.form;
+        if constexpr (loads.turns) p.spin[n] = b.angular_velocity(b.momentum);
+      } else {
+        const auto& m = engine_.particles.motion[k];
+        p.radius[n] = radius(k), p.volume[n] = ShapeType::volume(radius(k));
+        p.velocity[n] = m.velocity();
+        if constexpr (loads.turns) p.spin[n] = m.spin_velocity() * m.inv_r;
+      }
+      // What has acted besides the fluid since it was asked, on average.
+      const Vec3d unforced = loads.unforced[k].vector();
+      const bool known = span > 0 && !std::isnan(unforced.x);
+      p.acceleration[n] = known ? (1 / span) * (p.velocity[n] - unforced) : gravity;
+      if (!std::isfinite(p.mass[n])) p.acceleration[n] = {0, 0, 0};
+      fastest[r] = std::max(fastest[r], norm(p.velocity[n]));
+    }
+  });
+  return *std::max_element(fastest.begin(), fastest.end());
+}
+
+/// [W] of the fluid on the particles that are not fixed; for the ledger alone.
+template <class... Policies>
+double Simulation<Policies...>::power_of_fluid() const {
+  double power = 0;
+  if constexpr (has_ledger) {
+    const auto& loads = engine_.fluid_loads();
+    for (std::size_t k = 0; k < rows(); ++k) {
+      if (!is_present(k) || !std::isfinite(mass(k))) continue;
+      Vec3d v, w{0, 0, 0};
+      if constexpr (has_bodies) {
+        v = bodies()[k].velocity, w = bodies()[k].angular_velocity(bodies()[k].momentum);
+      } else {
+        const auto& m = engine_.particles.motion[k];
+        v = m.velocity();
+        if constexpr (rotates) w = m.spin_velocity() * m.inv_r;
+      }
+      power += dot(loads.force[k].vector(), v);
+      if constexpr (loads.turns) power += dot(loads.torque[k].vector(), w);
+    }
+  }
+  return power;
+}
+
+}  // namespace silt

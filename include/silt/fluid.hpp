@@ -1,0 +1,13 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+/// All of silt with fluids: silt/silt.hpp, the flow solver, the modes of coupling, and the forces
+/// between fluid and particles. Scenes without a fluid take silt/silt.hpp, which compiles faster.
+#include <silt/coupling/averaging/diffusion.hpp>
+#include <silt/coupling/averaging/kernel.hpp>
+#include <silt/coupling/averaging/two_grid.hpp>
+#include <silt/coupling/averaging/unresolved.hpp>
+#include <silt/coupling/coupled_flow.hpp>
+#include <silt/coupling/drag/laws.hpp>
+#include <silt/coupling/formulas.hpp>
+#include <silt/silt.hpp>

@@ -1,0 +1,269 @@
+// silt - BSD-3-Clause, see LICENSE
+
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+#include <string>
+#include <utility>
+
+#include <doctest/doctest.h>
+
+#include <silt/fluid.hpp>
+
+using silt::Contacts;
+using silt::CoupledFlow;
+using silt::FlowSolver;
+using silt::Grid;
+using silt::HertzMindlin;
+using silt::Particles;
+using silt::Simulation;
+using silt::Sphere;
+using silt::Vec3d;
+
+namespace {
+
+const HertzMindlin::Material glass{2e5, 0.3, 0.8, 0.3};
+
+/// Grains in a box of gas that blows upwards between periodic sides.
+template <class... More>
+auto blown(std::size_t count, int threads, const More&... more) {
+  const double width = 8e-3, height = 24e-3;
+  FlowSolver flow(Grid({{0, 0, 0}, {width, width, height}}, {4, 4, 12}, {true, true, false}),
+                  {1.2, 1.8e-5});
+  flow.set_side(2, 0, silt::Inflow{{0, 0, 0.6}});
+  flow.set_side(2, 1, silt::Outflow{});
+  Particles<Sphere> grains;
+  grains.fill({.min = {0, 0, 1e-3}, .max = {width, width, 0.6 * height}},
+              {.radius = silt::uniform(0.4e-3, 0.6e-3), .density = 1500, .count = count});
+  Simulation sim{std::move(grains), Contacts<HertzMindlin>{glass},
+                 silt::PeriodicBox{{{0, 0, 0}, {width, width, height}}, {true, true, false}},
+                 CoupledFlow{silt::DiFelice{}, silt::Kernel{}, flow, more...}};
+  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, glass);
+  sim.gravity = {0, 0, -9.81};
+  sim.time_step = 2e-5;
+  sim.threads = threads;
+  return sim;
+}
+
+}  // namespace
+
+TEST_CASE("a grain dropped into a gas that rises follows its exact solution") {
+  // Stokes drag: v(t) = u - v_t - (u - v_t - v0) exp(-t/tau), v_t = g tau (1 - rho/rho_p).
+  const double d = 60e-6, rho = 2500, mu = 1.8e-5, up = 0.5, g = 9.81;
+  const double tau = rho * d * d / (18 * mu), fall = g * tau * (1 - 1.2 / rho);
+  // In a box so wide that the grain does not move the gas.
+  FlowSolver flow(Grid({{0, 0, 0}, {0.01, 0.01, 0.04}}, {5, 5, 20}, {true, true, false}),
+                  {1.2, mu});
+  flow.set_side(2, 0, silt::Inflow{{0, 0, up}});
+  flow.set_side(2, 1, silt::Outflow{});
+  flow.velocity(2).fill(up);
+  for (const double steps_per_tau : {20.0, 1.0, 0.05}) {  // the last one is stiff
+    Particles<Sphere> grain;
+    grain.add({.position = {5e-3, 5e-3, 0.01}, .radius = 0.5 * d, .density = rho});
+    CoupledFlow air{silt::Stokes{}, silt::Unresolved{}, flow};
+    const double span = tau / steps_per_tau;  // a fluid step
+    air.steps = 10;
+    Simulation sim{std::move(grain), Contacts<HertzMindlin>{glass}, air};
+    sim.gravity = {0, 0, -g};
+    sim.time_step = span / 10;
+    sim.guard.max_time_step = 1e9;  // it meets nobody
+    CAPTURE(steps_per_tau);
+    if (span > 0.3 * 2e-3 / up) {
+      // The gas itself would cross cells in a step: refused, and the step before stays.
+      CHECK_THROWS_AS(sim.run(2 * tau), silt::SimulationError);
+      continue;
+    }
+    // At the end of a fluid step velocities are those of half a step ago.
+    sim.run(4 * tau);
+    const double t = sim.time();
+    const double exact = up - fall - (up - fall) * std::exp(-t / tau);
+    // Leapfrog begins with half a step of the first force: half a step of the fall, decaying.
+    const double first = 0.5 * sim.step_length() / tau * up * std::exp(-t / tau);
+    CHECK(sim.velocity(0).z == doctest::Approx(exact).epsilon(1e-4 + first / exact));
+  }
+}
+
+TEST_CASE("a fixed bed in a Simulation has Ergun's pressure drop") {
+  const double d = 1e-3, a = 1.02 * d, U = 0.4;
+  const int across = 8, layers = 16;
+  const double width = across * a, height = 3 * layers * a;
+  FlowSolver flow(Grid({{0, 0, 0}, {width, width, height}}, {4, 4, 24}, {true, true, false}),
+                  {1.2, 1.8e-5});
+  flow.set_side(2, 0, silt::Inflow{{0, 0, U}});
+  flow.set_side(2, 1, silt::Outflow{});
+  Particles<Sphere> bed;
+  for (int k = 0; k < layers; ++k)
+    for (int j = 0; j < across; ++j)
+      for (int i = 0; i < across; ++i)
+        bed.add({.position = {(i + 0.5) * a, (j + 0.5) * a, (layers + k + 0.5) * a},
+                 .radius = 0.5 * d,
+                 .density = 2500,
+                 .fixed = true});
+  Simulation sim{std::move(bed), Contacts<HertzMindlin>{glass},
+                 CoupledFlow{silt::Ergun{}, silt::Kernel{}, flow}};
+  sim.time_step = 2e-5;
+  sim.run(0.03);
+  const auto& p = sim.fluid().flow().pressure();
+  double low = 0, high = 0;
+  for (int j = 0; j < 4; ++j)
+    for (int i = 0; i < 4; ++i) low += p(i, j, 10) / 16, high += p(i, j, 13) / 16;
+  const double eps = 1 - std::numbers::pi / 6 * d * d * d / (a * a * a);
+  const double expected = silt::ergun_pressure_gradient(eps, d, 1.2, 1.8e-5, U);
+  CHECK((low - high) / (3 * height / 24) == doctest::Approx(expected).epsilon(0.02));
+  CHECK(sim.velocity(0).z == 0);
+  CHECK(sim.fluid_force(0).z > 0);
+}
+
+TEST_CASE("particles and fluid together keep their momentum") {
+  const double width = 8e-3;
+  const Grid g({{0, 0, 0}, {width, width, width}}, {4, 4, 4}, {true, true, true});
+  FlowSolver flow(g, {1.2, 1.8e-5}, {.tolerance = 1e-9});
+  Particles<Sphere> grains;
+  grains.fill({.min = {0, 0, 0}, .max = {width, width, width}},
+              {.radius = 0.4e-3, .density = 500, .count = 120});
+  for (std::size_t k = 0; k < grains.size(); ++k)
+    grains[k].velocity = {0.3 * std::sin(double(k)), 0.3 * std::cos(double(k)), 0.4};
+  Simulation sim{std::move(grains), Contacts<HertzMindlin>{glass},
+                 silt::PeriodicBox{{{0, 0, 0}, {width, width, width}}, {true, true, true}},
+                 CoupledFlow{silt::DiFelice{}, silt::Kernel{}, flow, silt::ShearLift{},
+                             silt::SpinLift{}, silt::SpinTorque{}, silt::VirtualMass{}}};
+  sim.time_step = 2e-5;
+  sim.fluid().steps = 5;
+  double exchanged = 0;
+  const auto momentum = [&] {
+    // The fluid has given what the particles will have at the end of its step; at time() they have
+    // half a kick of it.
+    Vec3d sum = sim.fluid().flow().momentum();
+    const double due = sim.fluid().time() - sim.time() - 0.5 * sim.step_length();
+    for (std::size_t k = 0; k < sim.rows(); ++k)
+      sum += sim.mass(k) * sim.velocity(k) + due * sim.fluid_force(k);
+    return sum;
+  };
+  sim.run(20 * 2e-5);
+  const Vec3d start = momentum();
+  for (int s = 0; s < 20; ++s) {
+    sim.run(5 * 2e-5);
+    for (std::size_t k = 0; k < sim.rows(); ++k) exchanged += 5 * 2e-5 * norm(sim.fluid_force(k));
+    CHECK(norm(momentum() - start) < 1e-8 * exchanged);
+  }
+}
+
+TEST_CASE("a run with a fluid goes on from a checkpoint bit by bit, and on any number of threads") {
+  const std::string path = (std::filesystem::temp_directory_path() / "silt_coupled.silt").string();
+  auto whole = blown(300, 1, silt::SpinLift{}, silt::SpinTorque{}, silt::VirtualMass{});
+  whole.run(0.013);
+  silt::save_checkpoint(whole, path);
+  whole.run(0.02);
+  auto second = blown(300, 3, silt::SpinLift{}, silt::SpinTorque{}, silt::VirtualMass{});
+  silt::load_checkpoint(second, path);
+  second.run(0.02);
+  REQUIRE(second.size() == whole.size());
+  for (std::size_t k = 0; k < whole.rows(); ++k) {
+    const std::size_t other = second.find(whole.id(k));
+    CHECK(norm(whole.position(k) - second.position(other)) == 0);
+    CHECK(norm(whole.velocity(k) - second.velocity(other)) == 0);
+  }
+  CHECK(whole.fluid().fluid_steps() == second.fluid().fluid_steps());
+  // Another drag law is another scene.
+  FlowSolver flow(Grid({{0, 0, 0}, {8e-3, 8e-3, 24e-3}}, {4, 4, 12}, {true, true, false}), {});
+  Particles<Sphere> grain;
+  grain.add({.position = {4e-3, 4e-3, 4e-3}, .radius = 5e-4, .density = 1500});
+  Simulation other{std::move(grain), Contacts<HertzMindlin>{glass},
+                   CoupledFlow{silt::Ergun{}, silt::Kernel{}, flow}};
+  CHECK_THROWS_AS(silt::load_checkpoint(other, path), silt::Error);
+  std::filesystem::remove(path);
+}
+
+TEST_CASE("the ledger knows the fluid's work") {
+  auto run = [](double time_step) {
+    FlowSolver flow(Grid({{0, 0, 0}, {8e-3, 8e-3, 24e-3}}, {4, 4, 12}, {true, true, false}), {});
+    flow.set_side(2, 0, silt::Inflow{{0, 0, 2.0}});
+    flow.set_side(2, 1, silt::Outflow{});
+    Particles<Sphere> grains;
+    grains.fill({.min = {0, 0, 1e-3}, .max = {8e-3, 8e-3, 12e-3}},
+                {.radius = 0.5e-3, .density = 500, .count = 200});
+    Simulation sim{std::move(grains), Contacts<HertzMindlin>{glass},
+                   silt::PeriodicBox{{{0, 0, 0}, {8e-3, 8e-3, 1}}, {true, true, false}},
+                   CoupledFlow{silt::DiFelice{}, silt::Kernel{}, flow}, silt::EnergyLedger{}};
+    sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, glass);
+    sim.gravity = {0, 0, -9.81};
+    sim.time_step = time_step;
+    sim.run(0.02);
+    return sim.energy();
+  };
+  const auto e = run(1e-5);
+  CHECK(e.fluid > 0);
+  // As without a fluid, to second order in the step: at 200 steps a contact some 1e-5.
+  CHECK(std::abs(e.residual()) < 1e-4 * (e.fluid + e.turned_over));
+}
+
+TEST_CASE("fluids that do not fit are refused") {
+  const auto with = [](const Grid& g, auto domain, int steps) {
+    Particles<Sphere> grain;
+    grain.add({.position = {4e-3, 4e-3, 4e-3}, .radius = 5e-4, .density = 1500});
+    CoupledFlow air{silt::Ergun{}, silt::Kernel{}, FlowSolver(g, {})};
+    if (steps != 1) air.steps = steps;
+    Simulation sim{std::move(grain), Contacts<HertzMindlin>{glass}, domain, air};
+    sim.time_step = 1e-5;
+    sim.run(1e-4);
+  };
+  const silt::Box box{{0, 0, 0}, {8e-3, 8e-3, 8e-3}};
+  const silt::PeriodicBox repeats{box, {true, false, false}};
+  CHECK_THROWS_WITH_AS(with(Grid(box, {4, 4, 4}), repeats, 1),
+                       "the PeriodicBox repeats in x from 0 m on, after 0.008 m, but the flow's "
+                       "grid from 0 m on has 0.008 m and is not periodic there; give both the same",
+                       silt::InputError);
+  CHECK_THROWS_AS(
+      with(Grid({{0, 0, 0}, {7e-3, 8e-3, 8e-3}}, {4, 4, 4}, {true, false, false}), repeats, 1),
+      silt::InputError);
+  CHECK_NOTHROW(with(Grid(box, {4, 4, 4}, {true, false, false}), repeats, 1));
+  CHECK_THROWS_WITH_AS(with(Grid(box, {4, 4, 4}), silt::OpenDomain{}, 0),
+                       "CoupledFlow.steps = 0 particle steps a fluid step must be at least 1, or "
+                       "left out",
+                       silt::InputError);
+}
+
+TEST_CASE("particles beyond the flow's grid feel no fluid") {
+  FlowSolver flow(Grid({{0, 0, 0}, {8e-3, 8e-3, 8e-3}}, {4, 4, 4}), {1000, 1e-3});
+  Particles<Sphere> grains;
+  grains.add({.position = {4e-3, 4e-3, 12e-3}, .radius = 5e-4, .density = 2500});
+  grains.add({.position = {4e-3, 4e-3, 6e-3}, .radius = 5e-4, .density = 2500});
+  Simulation sim{std::move(grains), Contacts<HertzMindlin>{glass},
+                 CoupledFlow{silt::SchillerNaumann{}, silt::Kernel{}, flow}};
+  sim.gravity = {0, 0, -9.81};
+  sim.time_step = 1e-5;
+  sim.run(0.01);
+  const std::size_t above = sim.find(0), below = sim.find(1);
+  CHECK(norm(sim.fluid_force(above)) == 0);
+  CHECK(sim.velocity(above).z == doctest::Approx(-9.81 * 0.01).epsilon(1e-9));
+  CHECK(sim.fluid_force(below).z > 0);
+}
+
+TEST_CASE("bodies settle in a fluid") {
+  // A ball as super-ellipsoid and the same as sphere: the same way down.
+  const auto fall = [](auto particles) {
+    FlowSolver flow(Grid({{0, 0, 0}, {0.012, 0.012, 0.03}}, {12, 12, 30}), {1000, 1e-3});
+    Simulation sim{std::move(particles), Contacts<HertzMindlin>{glass},
+                   CoupledFlow{silt::SchillerNaumann{}, silt::Kernel{.width = 6}, flow}};
+    sim.gravity = {0, 0, -9.81};
+    sim.time_step = 2e-5;
+    sim.run(0.1);
+    return sim.velocity(0).z;
+  };
+  Particles<Sphere> sphere;
+  sphere.add({.position = {6e-3, 6e-3, 0.025}, .radius = 0.25e-3, .density = 2500});
+  Particles<silt::SuperEllipsoid> body;
+  body.add({.form = body.add_form(silt::SuperEllipsoid{1, 1, 1}),
+            .position = {6e-3, 6e-3, 0.025},
+            .radius = 0.25e-3,
+            .density = 2500});
+  Particles<silt::MultiSphere> pair;
+  pair.add({.form = pair.add_form(silt::MultiSphere{{{{0, 0, 0}, 1.0}}}),
+            .position = {6e-3, 6e-3, 0.025},
+            .radius = 0.25e-3,
+            .density = 2500});
+  const double of_sphere = fall(std::move(sphere));
+  CHECK(of_sphere == doctest::Approx(-0.0737).epsilon(0.02));
+  CHECK(fall(std::move(body)) == doctest::Approx(of_sphere).epsilon(1e-6));
+  CHECK(fall(std::move(pair)) == doctest::Approx(of_sphere).epsilon(1e-6));
+}
