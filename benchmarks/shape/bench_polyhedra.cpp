@@ -35,16 +35,25 @@ class Random {
   std::normal_distribution<double> normal_;
 };
 
-/// Cubes of edge 1, or hulls of 12 to 20 points on a ball of diameter 1.
-std::vector<Polyhedron> shapes(bool cubes, Random& random) {
+/// Cubes of edge 1, hulls of 12 to 20 points on a ball of diameter 1 (20 to 36 faces), or of points
+/// spread evenly on it: that many triangles.
+enum Bodies { cubes = 6, hulls = 36, faces_240 = 240, faces_2000 = 2000 };
+
+std::vector<Polyhedron> shapes(Bodies which, Random& random) {
   std::vector<Polyhedron> out;
-  for (std::size_t k = 0; k < kinds; ++k) {
+  for (std::size_t k = 0; k < (which > hulls ? 1 : kinds); ++k) {
     std::vector<Vec3d> points;
-    if (cubes)
+    if (which == cubes)
       for (int c = 0; c < 8; ++c)
         points.push_back({(c & 1) - 0.5, (c >> 1 & 1) - 0.5, (c >> 2) - 0.5});
-    else
+    else if (which == hulls)
       for (std::size_t p = 0; p < 12 + k % 9; ++p) points.push_back(0.5 * random.direction());
+    else
+      for (int p = 0, n = which / 2 + 2; p < n; ++p) {
+        const double z = 1 - (2 * p + 1.0) / n, phi = 2.399963229728653 * p;
+        const double r = std::sqrt(1 - z * z);
+        points.push_back(0.5 * Vec3d{r * std::cos(phi), r * std::sin(phi), z});
+      }
     out.push_back(principal_shape(Polyhedron::from_points(points)).parts[0]);
   }
   return out;
@@ -61,8 +70,8 @@ std::vector<Pair> make_pairs(const std::vector<Polyhedron>& shapes, double gap, 
                              Random& random) {
   std::vector<Pair> out;
   while (out.size() < pairs) {
-    const auto& a = shapes[out.size() % kinds];
-    const auto& b = shapes[out.size() * 7 / 3 % kinds];
+    const auto& a = shapes[out.size() % shapes.size()];
+    const auto& b = shapes[out.size() * 7 / 3 % shapes.size()];
     const auto turn = random.turn();
     auto towards = random.direction();
     Pair pair{{&a, {{0, 0, 0}, turn}}, {&b, {{0, 0, 0}, random.turn()}}, {}};
@@ -85,7 +94,8 @@ std::vector<Pair> make_pairs(const std::vector<Polyhedron>& shapes, double gap, 
 }
 
 struct Case {
-  bool cubes, face_to_face;
+  Bodies bodies;
+  bool face_to_face;
   double gap;  // [-] of the bodies' size
   bool remember;
   bool by_thickness = false;
@@ -93,7 +103,7 @@ struct Case {
 
 void contact(benchmark::State& state, const Case& c) {
   Random random;
-  const auto bodies = shapes(c.cubes, random);
+  const auto bodies = shapes(c.bodies, random);
   auto all = make_pairs(bodies, c.gap, c.face_to_face, random);
   for (auto& p : all) volume_contact(p.i, p.j, {1}, p.memory);
   std::size_t touching = 0, visits = 0;
@@ -112,21 +122,27 @@ void contact(benchmark::State& state, const Case& c) {
                          benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
-BENCHMARK_CAPTURE(contact, volume_cubes, Case{true, false, -0.01, true});
-BENCHMARK_CAPTURE(contact, volume_cubes_face_to_face, Case{true, true, -0.01, true});
-BENCHMARK_CAPTURE(contact, volume_hulls, Case{false, false, -0.01, true});
-BENCHMARK_CAPTURE(contact, thickness_cubes, Case{true, false, -0.01, true, true});
-BENCHMARK_CAPTURE(contact, thickness_cubes_face_to_face, Case{true, true, -0.01, true, true});
-BENCHMARK_CAPTURE(contact, thickness_hulls, Case{false, false, -0.01, true, true});
-BENCHMARK_CAPTURE(contact, near_miss_cubes, Case{true, false, 0.02, true});
-BENCHMARK_CAPTURE(contact, near_miss_hulls, Case{false, false, 0.02, true});
-BENCHMARK_CAPTURE(contact, cold_cubes, Case{true, false, 0.02, false});
-BENCHMARK_CAPTURE(contact, cold_hulls, Case{false, false, 0.02, false});
+BENCHMARK_CAPTURE(contact, volume_cubes, Case{cubes, false, -0.01, true});
+BENCHMARK_CAPTURE(contact, volume_cubes_face_to_face, Case{cubes, true, -0.01, true});
+BENCHMARK_CAPTURE(contact, volume_hulls, Case{hulls, false, -0.01, true});
+BENCHMARK_CAPTURE(contact, thickness_cubes, Case{cubes, false, -0.01, true, true});
+BENCHMARK_CAPTURE(contact, thickness_cubes_face_to_face, Case{cubes, true, -0.01, true, true});
+BENCHMARK_CAPTURE(contact, thickness_hulls, Case{hulls, false, -0.01, true, true});
+BENCHMARK_CAPTURE(contact, near_miss_cubes, Case{cubes, false, 0.02, true});
+BENCHMARK_CAPTURE(contact, near_miss_hulls, Case{hulls, false, 0.02, true});
+BENCHMARK_CAPTURE(contact, cold_cubes, Case{cubes, false, 0.02, false});
+BENCHMARK_CAPTURE(contact, cold_hulls, Case{hulls, false, 0.02, false});
+BENCHMARK_CAPTURE(contact, thickness_240_faces, Case{faces_240, false, -0.01, true, true});
+BENCHMARK_CAPTURE(contact, thickness_2000_faces, Case{faces_2000, false, -0.01, true, true});
+BENCHMARK_CAPTURE(contact, near_miss_240_faces, Case{faces_240, false, 0.02, true});
+BENCHMARK_CAPTURE(contact, near_miss_2000_faces, Case{faces_2000, false, 0.02, true});
+BENCHMARK_CAPTURE(contact, cold_240_faces, Case{faces_240, false, 0.02, false});
+BENCHMARK_CAPTURE(contact, cold_2000_faces, Case{faces_2000, false, 0.02, false});
 
 /// Rounded bodies: cores 0.02 apart, margins of 0.015 each; a distance whose axis is remembered.
-void margins(benchmark::State& state, bool cubes) {
+void margins(benchmark::State& state, Bodies which) {
   Random random;
-  const auto bodies = shapes(cubes, random);
+  const auto bodies = shapes(which, random);
   const auto all = make_pairs(bodies, 0.02, false, random);
   std::vector<silt::AxisMemory> memory(all.size());
   for (auto _ : state)
@@ -136,15 +152,16 @@ void margins(benchmark::State& state, bool cubes) {
       benchmark::Counter(static_cast<double>(state.iterations()) * pairs * 1e-9,
                          benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
-BENCHMARK_CAPTURE(margins, cubes, true);
-BENCHMARK_CAPTURE(margins, hulls, false);
+BENCHMARK_CAPTURE(margins, cubes, cubes);
+BENCHMARK_CAPTURE(margins, hulls, hulls);
+BENCHMARK_CAPTURE(margins, 2000_faces, faces_2000);
 
-void plane(benchmark::State& state, bool cubes) {
+void plane(benchmark::State& state, Bodies which) {
   Random random;
-  const auto bodies = shapes(cubes, random);
+  const auto bodies = shapes(which, random);
   std::vector<PlacedPolyhedron> all;
   for (std::size_t k = 0; k < pairs; ++k) {
-    PlacedPolyhedron p{&bodies[k % kinds], {{0, 0, 0}, random.turn()}};
+    PlacedPolyhedron p{&bodies[k % bodies.size()], {{0, 0, 0}, random.turn()}};
     p.pose.position.z = -p.support({0, 0, -1}).z - 0.01;
     all.push_back(p);
   }
@@ -156,8 +173,9 @@ void plane(benchmark::State& state, bool cubes) {
       benchmark::Counter(static_cast<double>(state.iterations()) * pairs * 1e-9,
                          benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
-BENCHMARK_CAPTURE(plane, cubes, true);
-BENCHMARK_CAPTURE(plane, hulls, false);
+BENCHMARK_CAPTURE(plane, cubes, cubes);
+BENCHMARK_CAPTURE(plane, hulls, hulls);
+BENCHMARK_CAPTURE(plane, 2000_faces, faces_2000);
 
 }  // namespace
 

@@ -58,9 +58,18 @@ struct Model {
 };
 
 /// Directions spread evenly: the 12 corners of an icosahedron (20 faces), with the middles of its
-/// faces (32 points, 60 faces), with the middles of those edges (122 points, 240 faces).
+/// faces (32 points, 60 faces), with the middles of those edges (122 points, 240 faces). More along
+/// a spiral: any number.
 inline std::vector<Vec3d> directions(std::size_t faces) {
   std::vector<Vec3d> all;
+  if (faces > 240) {
+    const double n = 0.5 * static_cast<double>(faces) + 2;
+    for (double k = 0; k < n; ++k) {
+      const double z = 1 - (2 * k + 1) / n, r = std::sqrt(1 - z * z), turn = 2.399963229 * k;
+      all.push_back({r * std::cos(turn), r * std::sin(turn), z});
+    }
+    return all;
+  }
   const double golden = 0.5 * (1 + std::sqrt(5.0));
   for (const double a : {-1.0, 1.0})
     for (const double b : {-golden, golden})
@@ -78,13 +87,13 @@ inline std::vector<Vec3d> directions(std::size_t faces) {
 }
 
 /// The convex hull of points on the surface, those whose normals are the directions for so many
-/// `faces`, all turned to where the hull is largest, of 100 turns. silt's polyhedra have at most
-/// 250 faces. Faces that come to lie in one plane are one.
+/// `faces`, all turned to where the hull is largest, of 100 turns (of 5 where it hardly matters).
+/// Faces that come to lie in one plane are one.
 inline silt::Polyhedron hull_of(const silt::SuperEllipsoid& s, std::size_t faces) {
   const auto normals = directions(faces);
   silt::Random random(5);
   std::optional<silt::Polyhedron> best;
-  for (int k = 0; k < 100; ++k) {
+  for (int k = 0, turns = faces > 240 ? 5 : 100; k < turns; ++k) {
     const auto turn = silt::random_orientation(random);
     std::vector<Vec3d> points;
     for (const auto& n : normals) points.push_back(s.support(rotate(turn, n)));
@@ -126,7 +135,7 @@ inline std::vector<Model> models_for(const Target& t, bool quick) {
   all.push_back(exact_for(t));
   if (t.name == "cube") all.push_back(true_cube());
   for (const std::size_t n :
-       quick ? std::vector<std::size_t>{20, 60} : std::vector<std::size_t>{20, 60, 240})
+       quick ? std::vector<std::size_t>{20, 60} : std::vector<std::size_t>{20, 60, 240, 2000})
     all.push_back(faces_for(t, n));
   return all;
 }

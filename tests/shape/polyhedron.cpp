@@ -261,6 +261,6 @@ TEST_CASE("Polyhedron: from a mesh, also one rounded to float; what it refuses")
   refuses([&] { Polyhedron::from_points({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}); }, "needs four");
   refuses([&] { Polyhedron::from_points(box_corners({0, 0, 0}, {1, 1, 1}), -1); }, "radius");
   std::vector<Vec3d> many;
-  for (int k = 0; k < 200; ++k) many.push_back(random.direction());
-  refuses([&] { Polyhedron::from_points(many); }, "at most 250");
+  for (int k = 0; k < 2100; ++k) many.push_back(random.direction());
+  refuses([&] { Polyhedron::from_points(many); }, "at most 4000");
 }

@@ -33,11 +33,12 @@ PlacedPolyhedron turned_about(PlacedPolyhedron body, const Vec3d& at, const Vec3
 
 /// One body cut by all planes of the other, whichever way volume_overlap would choose.
 silt::VolumeOverlap cut_by(const PlacedPolyhedron& cutting, const PlacedPolyhedron& body) {
-  silt::detail::Cutter cutter;
+  auto& cutter = silt::detail::Cutter::empty();
   silt::detail::place_planes(cutting, body, cutter);
-  silt::detail::ClippedBody left(*body.shape);
+  auto& left = silt::detail::ClippedBody::whole(*body.shape);
   if (!silt::detail::cut_by_all(left, cutter, 0)) return {};
-  return finish(silt::detail::CutIntegrator(left.graph(), *body.shape, cutter).result(), body.pose, 1);
+  return finish(silt::detail::CutIntegrator(left.graph(), *body.shape, cutter).result(), body.pose,
+                1);
 }
 
 const Vec3d axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};

@@ -206,21 +206,13 @@ class ConvexPairs {
     list.history(radius)[place] = gap > 0 ? -gap : 0;
   }
 
-  /// How fast [m/s] the gap of each pair may shrink: bodies turn about their centres within their
-  /// bounding spheres, whose radius is in the spin velocity.
+  /// How fast [m/s] the gap of each pair may shrink.
   static SILT_INLINE Real approach(const Input& in, const std::uint32_t* a,
                                    const std::uint32_t* b) {
-    const double* at[W];
-    Real i[8], j[8];
-    for (std::size_t lane = 0; lane < W; ++lane) at[lane] = &in.motions[a[lane]].vx;
-    gather_columns<Arch, 2>(at, i);
-    for (std::size_t lane = 0; lane < W; ++lane) at[lane] = &in.motions[b[lane]].vx;
-    gather_columns<Arch, 2>(at, j);
-    const auto length = [](const Real& x, const Real& y, const Real& z) {
-      return sqrt(x * x + y * y + z * z);
-    };
-    return length(i[0] - j[0], i[1] - j[1], i[2] - j[2]) + length(i[4], i[5], i[6]) +
-           length(j[4], j[5], j[6]);
+    alignas(64) double sum[W];
+    const double* const pace = in.rows->pace.data();
+    for (std::size_t lane = 0; lane < W; ++lane) sum[lane] = pace[a[lane]] + pace[b[lane]];
+    return load<Real>(sum);
   }
   static std::uint64_t valid_lanes(std::size_t left) {
     return left >= W ? (std::uint64_t{1} << W) - 1 : (std::uint64_t{1} << left) - 1;

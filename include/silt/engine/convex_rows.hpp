@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -12,6 +13,7 @@
 
 #include <silt/core/row4.hpp>
 #include <silt/core/storage.hpp>
+#include <silt/core/threads.hpp>
 #include <silt/engine/rows.hpp>
 #include <silt/shape/narrow/kinds.hpp>
 #include <silt/shape/narrow/super_ellipsoid_plane.hpp>
@@ -90,9 +92,33 @@ struct ConvexRows<KindList<Kind...>, OnePart> {
   AlignedVector<LeverRow> lever;          // of each row, and of two more, if has_levers
   AlignedVector<Form> form;               // of each row; of all, if there is only one
   std::vector<std::uint8_t> kind;         // of each row, if there are several
+  AlignedVector<double> pace;             // [m/s] see measure_pace()
   Exponents exponents = Exponents::Ball;  // the most general of any
   double least_radius = 0;                // [m] of the largest sphere inside of any, the least
   std::tuple<typename KernelOf<Kind>::Store...> stores;
+
+  /// How fast any point of a row's bounding sphere, turning with it, moves relative to the mean of
+  /// all: the sum of two rows' bounds how fast they close. Relative to the mean, as a heap that
+  /// falls does not close; of each alone, as pairs are many more than bodies.
+  void measure_pace(const MotionRow<true>* motions, const Team& team) {
+    const std::size_t n = pose.size();
+    pace.resize(n);
+    std::array<Vec3d, Team::most_ranges> sum{};
+    team.for_ranges(n, [&](std::size_t r, std::size_t from, std::size_t to) {
+      Vec3d of_range{0, 0, 0};
+      for (std::size_t k = from; k < to; ++k) of_range += motions[k].velocity();
+      sum[r] = of_range;
+    });
+    Vec3d mean{0, 0, 0};
+    for (const Vec3d& s : sum) mean += s;
+    mean = mean * (1 / static_cast<double>(n));
+    team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t k = from; k < to; ++k) {
+        const auto& m = motions[k];  // the spin velocity is that at the bounding sphere
+        pace[k] = norm(m.velocity() - mean) + norm(Vec3d{m.wx, m.wy, m.wz});
+      }
+    });
+  }
 
   bool one_form() const { return form.size() == 1; }
   const Form& form_row(std::size_t row) const { return form[one_form() ? 0 : row]; }

@@ -139,6 +139,7 @@ class Engine {
   void pair_forces(const Domain& domain, const StepTimes& times) {
     if constexpr (convex) {
       using Pairs = ConvexPairs<typename ConvexRowsOf<ShapeType>::type, ContactsType, Domain, Arch>;
+      mover.convex_rows.measure_pace(particles.motion.data(), *team_);
       return take(Pairs::run({particles.position.data(), particles.motion.data(),
                               &mover.convex_rows, kinds_.data(), times},
                              lists.pairs, coefficients, domain, sums_.data(), *team_));

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -23,18 +24,31 @@ struct ConvexFaces {
 
 namespace detail {
 
-/// The hull while it grows: triangles, one point added at a time, the farthest first.
+/// The hull while it grows: triangles, one point added at a time, the farthest first. Each point
+/// keeps the triangle that it stands highest over, so that a step costs a look at its new
+/// triangles.
 class GrowingHull {
  public:
   GrowingHull(const std::vector<Vec3d>& points, double tolerance)
-      : points_(points), tolerance_(tolerance) {
+      : points_(points), tolerance_(tolerance), highest_(points.size()) {
     start();
     for (std::uint32_t p = next(); p != none; p = next()) add(p);
   }
-  const std::vector<VertexTriple>& triangles() const { return triangles_; }
+  std::vector<VertexTriple> triangles() const {
+    std::vector<VertexTriple> out;
+    for (std::size_t t = 0; t < triangles_.size(); ++t)
+      if (!dropped_[t]) out.push_back(triangles_[t]);
+    return out;
+  }
 
  private:
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+
+  /// The triangle that a point stands highest over, and how high [m].
+  struct Highest {
+    double height = -std::numeric_limits<double>::infinity();
+    std::uint32_t triangle = 0;
+  };
 
   void start() {
     std::array<std::uint32_t, 4> corner{};
@@ -57,15 +71,36 @@ class GrowingHull {
     if (dot(points_[corner[3]] - a, up) > 0) std::swap(corner[1], corner[2]);
     const auto [i, j, k, l] = corner;
     for (const VertexTriple& t : {VertexTriple{i, j, k}, {i, l, j}, {j, l, k}, {k, l, i}}) push(t);
+    look(0);
   }
 
   void push(const VertexTriple& t) {
     const Vec3d& a = points_[t[0]];
-    triangles_.push_back(t);
+    for (std::size_t k = 0; k < 3; ++k)
+      at_edge_[name(t[k], t[(k + 1) % 3])] = static_cast<std::uint32_t>(triangles_.size());
+    triangles_.push_back(t), dropped_.push_back(0);
     normals_.push_back(normalised(cross(points_[t[1]] - a, points_[t[2]] - a)));
+  }
+  void drop(std::uint32_t t) {
+    dropped_[t] = 1;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto at = at_edge_.find(name(triangles_[t][k], triangles_[t][(k + 1) % 3]));
+      if (at != at_edge_.end() && at->second == t) at_edge_.erase(at);
+    }
   }
   double height(std::size_t t, const Vec3d& p) const {
     return dot(p - points_[triangles_[t][0]], normals_[t]);
+  }
+
+  /// Brings `highest_` up to date: the triangles from `first` on are new, some others are dropped.
+  void look(std::uint32_t first) {
+    for (std::uint32_t p = 0; p < points_.size(); ++p) {
+      std::uint32_t t = first;
+      if (dropped_[highest_[p].triangle]) highest_[p] = {}, t = 0;
+      for (; t < triangles_.size(); ++t)
+        if (!dropped_[t])
+          if (const double h = height(t, points_[p]); h > highest_[p].height) highest_[p] = {h, t};
+    }
   }
 
   /// The point farthest outside of any triangle.
@@ -73,67 +108,70 @@ class GrowingHull {
     std::uint32_t best = none;
     double most = tolerance_;
     for (std::uint32_t p = 0; p < points_.size(); ++p)
-      for (std::size_t t = 0; t < triangles_.size(); ++t)
-        if (const double h = height(t, points_[p]); h > most) best = p, most = h;
+      if (highest_[p].height > most) best = p, most = highest_[p].height;
     return best;
   }
 
   /// Replaces the triangles that `p` sees by a fan from their rim to `p`. Those it sees are
   /// gathered across edges from the one it stands highest over, so that the rim is one loop.
   void add(std::uint32_t p) {
-    std::vector<char> seen(triangles_.size(), 0);
-    std::size_t top = 0;
-    for (std::size_t t = 1; t < triangles_.size(); ++t)
-      if (height(t, points_[p]) > height(top, points_[p])) top = t;
-    seen[top] = 1;
-    for (bool grown = true; grown;) {
-      grown = false;
-      for (std::size_t t = 0; t < triangles_.size(); ++t)
-        if (!seen[t] && height(t, points_[p]) > 0.5 * tolerance_ && touches_seen(t, seen))
-          seen[t] = 1, grown = true;
-    }
-    std::vector<VertexTriple> fan, kept;
-    std::vector<Vec3d> kept_normals;
-    for (std::size_t t = 0; t < triangles_.size(); ++t) {
-      if (!seen[t]) kept.push_back(triangles_[t]), kept_normals.push_back(normals_[t]);
-      for (std::size_t k = 0; seen[t] && k < 3; ++k) {
-        const auto a = triangles_[t][k], b = triangles_[t][(k + 1) % 3];
-        if (!seen[across(a, b)]) fan.push_back({a, b, p});
-      }
-    }
-    triangles_ = std::move(kept), normals_ = std::move(kept_normals);
+    std::vector<std::uint32_t> seen{highest_[p].triangle};
+    std::vector<char> is_seen(triangles_.size(), 0);
+    is_seen[seen[0]] = 1;
+    const auto beyond = [&](std::uint32_t t, std::size_t k) {
+      return across(triangles_[t][k], triangles_[t][(k + 1) % 3]);
+    };
+    for (std::size_t n = 0; n < seen.size(); ++n)
+      for (std::size_t k = 0; k < 3; ++k)
+        if (const auto t = beyond(seen[n], k);
+            !is_seen[t] && height(t, points_[p]) > 0.5 * tolerance_)
+          is_seen[t] = 1, seen.push_back(t);
+    std::sort(seen.begin(), seen.end());
+    std::vector<VertexTriple> fan;
+    for (const auto t : seen)
+      for (std::size_t k = 0; k < 3; ++k)
+        if (!is_seen[beyond(t, k)])
+          fan.push_back({triangles_[t][k], triangles_[t][(k + 1) % 3], p});
+    for (const auto t : seen) drop(t);
+    const auto first = static_cast<std::uint32_t>(triangles_.size());
     for (const auto& t : fan) push(t);
+    look(first);
   }
 
-  bool touches_seen(std::size_t t, const std::vector<char>& seen) const {
-    for (std::size_t k = 0; k < 3; ++k)
-      if (seen[across(triangles_[t][k], triangles_[t][(k + 1) % 3])]) return true;
-    return false;
+  static std::uint64_t name(std::uint32_t from, std::uint32_t to) {
+    return std::uint64_t{from} << 32 | to;
   }
   /// The triangle on the other side of the edge a b of a triangle.
-  std::size_t across(std::uint32_t a, std::uint32_t b) const {
-    for (std::size_t t = 0; t < triangles_.size(); ++t)
-      for (std::size_t k = 0; k < 3; ++k)
-        if (triangles_[t][k] == b && triangles_[t][(k + 1) % 3] == a) return t;
+  std::uint32_t across(std::uint32_t a, std::uint32_t b) const {
+    const auto at = at_edge_.find(name(b, a));
+    if (at != at_edge_.end()) return at->second;
     throw InputError(
         "convex_hull: the points are too many for their distances; leave out points "
         "that nearly lie in one place or one plane");
   }
 
   const std::vector<Vec3d>& points_;
-  double tolerance_;  // [m] above a plane that counts as in it
-  std::vector<VertexTriple> triangles_;
+  double tolerance_;                     // [m] above a plane that counts as in it
+  std::vector<VertexTriple> triangles_;  // all there ever were
+  std::vector<char> dropped_;
   std::vector<Vec3d> normals_;
+  std::vector<Highest> highest_;                              // of each point
+  std::unordered_map<std::uint64_t, std::uint32_t> at_edge_;  // the triangle left of an edge
 };
 
 /// Joins triangles of one plane to faces, and drops corners that no longer bend anything.
 class FaceMerger {
  public:
-  FaceMerger(const std::vector<Vec3d>& points, const std::vector<VertexTriple>& triangles,
+  FaceMerger(const std::vector<Vec3d>& points, std::vector<VertexTriple> triangles,
              double tolerance)
-      : points_(points), triangles_(triangles), tolerance_(tolerance), group_(triangles.size()) {
+      : points_(points),
+        triangles_(std::move(triangles)),
+        tolerance_(tolerance),
+        group_(triangles_.size()),
+        members_(triangles_.size()) {
     for (std::uint32_t t = 0; t < group_.size(); ++t) group_[t] = t;
     join();
+    for (std::uint32_t t = 0; t < group_.size(); ++t) members_[group_[t]].push_back(t);
   }
 
   ConvexFaces faces() const {
@@ -196,8 +234,8 @@ class FaceMerger {
   /// The rim of a group: its directed edges whose reverse is not one of its own.
   std::vector<std::uint32_t> loop_of(std::uint32_t g) const {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> sides;
-    for (std::uint32_t t = 0; t < group_.size(); ++t)
-      for (std::size_t k = 0; group_[t] == g && k < 3; ++k)
+    for (const auto t : members_[g])
+      for (std::size_t k = 0; k < 3; ++k)
         sides.emplace_back(triangles_[t][k], triangles_[t][(k + 1) % 3]);
     const auto inner = [&](const auto& side) {
       return std::count(sides.begin(), sides.end(), std::pair(side.second, side.first)) > 0;
@@ -219,9 +257,10 @@ class FaceMerger {
   }
 
   const std::vector<Vec3d>& points_;
-  const std::vector<VertexTriple>& triangles_;
+  const std::vector<VertexTriple> triangles_;
   double tolerance_;
-  std::vector<std::uint32_t> group_;
+  std::vector<std::uint32_t> group_;                 // of each triangle: its first one
+  std::vector<std::vector<std::uint32_t>> members_;  // of each group
 };
 
 }  // namespace detail
@@ -246,8 +285,8 @@ inline ConvexFaces convex_hull(const std::vector<Vec3d>& points) {
   require(diagonal > 0, "convex_hull: all ", points.size(), " points lie in one place");
   detail::VertexWelder welder(points.size(), box.min, 1e-9 * diagonal);
   for (const auto& p : points) welder.add(p);
-  const detail::GrowingHull hull(welder.points, 1e-10 * diagonal);
-  return detail::FaceMerger(welder.points, hull.triangles(), 1e-8 * diagonal).faces();
+  auto triangles = detail::GrowingHull(welder.points, 1e-10 * diagonal).triangles();
+  return detail::FaceMerger(welder.points, std::move(triangles), 1e-8 * diagonal).faces();
 }
 
 }  // namespace silt

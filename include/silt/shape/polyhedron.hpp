@@ -18,17 +18,17 @@ namespace silt::inline SILT_TARGET {
 ///
 /// Corners, faces and edges are those of the core, in the frame of the points it was made from;
 /// principal_shape() of shape/dilated_moments.hpp moves it to its centroid and principal axes, as
-/// bodies want it. Valid:  up to 250 faces and 1000 corners, so that a contact needs no memory of
-/// its own. Units:  [m]. A face's normal points outwards, its corners turn counter-clockwise seen
-/// from there. Errors: InputError with one sentence: too few points, all in one plane
-/// (convex_hull.hpp); an open,
+/// bodies want it. Valid:  up to 4000 faces (and so 8000 corners): 16 bits number them and all that
+/// cuts make of them. Units:  [m]. A face's normal points outwards, its corners turn
+/// counter-clockwise seen from there. Errors: InputError with one sentence: too few points, all in
+/// one plane (convex_hull.hpp); an open,
 ///         inside-out, self-touching or concave mesh (solid_mesh.hpp); a radius below 0.
 /// Tests:  tests/shape/polyhedron.cpp
 class Polyhedron {
  public:
   static constexpr bool is_body = true, one_part = true;
   using Kinds = KindList<Polyhedron>;
-  static constexpr std::size_t most_faces = 250, most_vertices = 1000;
+  static constexpr std::size_t most_faces = 4000, most_vertices = 2 * most_faces;
   static constexpr std::size_t block = 8;  // arrays for lanes are padded to multiples of it
 
   struct Face {
@@ -80,7 +80,10 @@ class Polyhedron {
   std::span<const std::uint32_t> loop(const Face& face) const {
     return {loops_.data() + face.first, face.corners};
   }
-  std::span<const std::uint32_t> neighbours(std::uint32_t v) const { return neighbours_[v]; }
+  std::span<const std::uint32_t> neighbours(std::uint32_t v) const {
+    return {neighbours_.data() + first_neighbour_[v],
+            first_neighbour_[v + 1] - first_neighbour_[v]};
+  }
   const std::vector<ClipVertex>& graph() const { return graph_; }
   const GraphColumns& graph_columns() const { return graph_columns_; }
   /// Planes (w: offset), the last ones repeated; corners (w: 0), the last ones repeated.
@@ -148,7 +151,7 @@ class Polyhedron {
     double most = dot(n, vertices_[at]);
     for (bool higher = true; higher;) {
       higher = false;
-      for (const auto v : neighbours_[at])
+      for (const auto v : neighbours(at))
         if (const double h = dot(n, vertices_[v]); h > most) at = v, most = h, higher = true;
     }
     return at;
@@ -158,7 +161,7 @@ class Polyhedron {
   std::vector<Face> faces_;
   std::vector<Edge> edges_;
   std::vector<std::uint32_t> loops_;
-  std::vector<std::vector<std::uint32_t>> neighbours_;
+  std::vector<std::uint32_t> first_neighbour_, neighbours_;  // of each corner, in turn
   std::vector<ClipVertex> graph_;
   GraphColumns graph_columns_;
   Columns plane_columns_, vertex_columns_;
@@ -169,9 +172,8 @@ class Polyhedron {
 inline Polyhedron::Polyhedron(const ConvexFaces& body, double radius)
     : vertices_(body.vertices), radius_(radius) {
   require_not_negative("Polyhedron: radius", radius, "m");
-  require(body.faces.size() <= most_faces && vertices_.size() <= most_vertices,
-          "Polyhedron: ", body.faces.size(), " faces and ", vertices_.size(), " corners; at most ",
-          most_faces, " and ", most_vertices, " are possible: simplify it");
+  require(body.faces.size() <= most_faces, "Polyhedron: ", body.faces.size(), " faces and ",
+          vertices_.size(), " corners; at most ", most_faces, " faces are possible: simplify it");
   add_faces(body);
   add_edges();
   graph_ = detail::clip_graph(body);
@@ -199,19 +201,27 @@ inline void Polyhedron::add_faces(const ConvexFaces& body) {
 
 inline void Polyhedron::add_edges() {
   constexpr auto none = std::numeric_limits<std::uint32_t>::max();
-  neighbours_.resize(vertices_.size());
+  std::vector<std::vector<std::uint32_t>> neighbours(vertices_.size());
+  std::vector<std::vector<std::uint32_t>> edges_from(vertices_.size());
   for (std::uint32_t f = 0; f < faces_.size(); ++f) {
     const auto corner = loop(faces_[f]);
     for (std::size_t k = 0; k < corner.size(); ++k) {
       const auto a = corner[k], b = corner[(k + 1) % corner.size()];
-      neighbours_[a].push_back(b);
-      const auto twin = std::find_if(edges_.begin(), edges_.end(),
-                                     [&](const Edge& e) { return e.from == b && e.to == a; });
-      if (twin == edges_.end())
-        edges_.push_back({a, b, f, none});
+      neighbours[a].push_back(b);
+      const auto& back = edges_from[b];
+      const auto twin = std::find_if(back.begin(), back.end(),
+                                     [&](std::uint32_t e) { return edges_[e].to == a; });
+      if (twin == back.end())
+        edges_from[a].push_back(static_cast<std::uint32_t>(edges_.size())),
+            edges_.push_back({a, b, f, none});
       else
-        twin->right = f;
+        edges_[*twin].right = f;
     }
+  }
+  first_neighbour_.push_back(0);
+  for (const auto& of : neighbours) {
+    neighbours_.insert(neighbours_.end(), of.begin(), of.end());
+    first_neighbour_.push_back(static_cast<std::uint32_t>(neighbours_.size()));
   }
   for (const auto& edge : edges_) {
     require(edge.right != none, "Polyhedron: the faces of the convex hull do not close");

@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <silt/core/lanes.hpp>
 #include <silt/core/quaternion.hpp>
 
 /// Where a body stands: what the narrow phase of shapes takes. A matrix, as one turns many vectors.
@@ -12,11 +13,11 @@ namespace silt::inline SILT_TARGET {
 struct RotationMatrix {
   Vec3d x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
 
-  friend Vec3d operator*(const RotationMatrix& r, const Vec3d& v) {
+  friend SILT_INLINE Vec3d operator*(const RotationMatrix& r, const Vec3d& v) {
     return v.x * r.x + v.y * r.y + v.z * r.z;
   }
   /// The inverse: space to body.
-  Vec3d back(const Vec3d& v) const { return {dot(x, v), dot(y, v), dot(z, v)}; }
+  SILT_INLINE Vec3d back(const Vec3d& v) const { return {dot(x, v), dot(y, v), dot(z, v)}; }
 };
 
 inline RotationMatrix rotation_matrix(const Quaternion& q) {
@@ -36,8 +37,8 @@ struct RigidPose {
   RigidPose(const Vec3d& at, const RotationMatrix& r) : position(at), turn(r) {}
   RigidPose(const Vec3d& at, const Quaternion& q) : position(at), turn(rotation_matrix(q)) {}
 
-  Vec3d to_space(const Vec3d& p) const { return position + turn * p; }
-  Vec3d to_body(const Vec3d& p) const { return turn.back(p - position); }
+  SILT_INLINE Vec3d to_space(const Vec3d& p) const { return position + turn * p; }
+  SILT_INLINE Vec3d to_body(const Vec3d& p) const { return turn.back(p - position); }
 };
 
 }  // namespace silt

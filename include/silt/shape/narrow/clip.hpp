@@ -2,6 +2,7 @@
 #pragma once
 
 #include <bit>
+#include <memory>
 #include <utility>
 
 #include <silt/shape/polyhedron.hpp>
@@ -26,15 +27,33 @@ struct HalfSpace {
 };
 
 /// Names of the faces that cuts make begin here; lower numbers are the body's own.
-inline constexpr std::size_t first_cut_face = 256;
+inline constexpr std::size_t first_cut_face = 4352;
 static_assert(Polyhedron::most_faces <= first_cut_face);
 
-/// What is left of a body after cuts. On the stack: 100 kB, of which small bodies touch little.
+template <class Room>
+Room* make_room_of_thread() {
+  thread_local const auto room = std::make_unique_for_overwrite<Room>();
+  return room.get();
+}
+/// Memory of one thread for work of one kind, kept as long as the thread lives. Nothing is written
+/// when it is made, so that of a large one the system gives the pages that are used.
+template <class Room>
+SILT_INLINE Room& room_of_thread() {
+  thread_local constinit Room* room = nullptr;
+  if (room == nullptr) [[unlikely]]
+    room = make_room_of_thread<Room>();
+  return *room;
+}
+
+/// What is left of a body after cuts. It lives in the thread's memory, one at a time: 1.5 MB, of
+/// which small bodies touch little.
 class ClippedBody {
  public:
-  /// Bodies and half-spaces have at most 250 faces each (Polyhedron); a simple polytope with F
-  /// faces has 2 F - 4 vertices, all of which a cut may leave beside as many new ones.
-  static constexpr std::size_t most_vertices = 2 * (2 * Polyhedron::most_faces);
+  /// Bodies and cutters have at most Polyhedron::most_faces each, and a simple polytope with F
+  /// faces has 2 F - 4 vertices.
+  static constexpr std::size_t most_vertices = 4 * Polyhedron::most_faces + 432;
+  static_assert(most_vertices <= 1 << 16 &&
+                first_cut_face + Polyhedron::most_faces <= 1 << 16);  // numbers of 16 bits
 
   struct Graph {
     alignas(64) double x[most_vertices], y[most_vertices], z[most_vertices];
@@ -44,8 +63,14 @@ class ClippedBody {
     Vec3d at(std::size_t v) const { return {x[v], y[v], z[v]}; }
   };
 
-  explicit ClippedBody(const Polyhedron& body) : start_(&body.graph_columns()) {}
+  ClippedBody() = default;
   ClippedBody(const ClippedBody&) = delete;
+  /// The thread's one, to be cut anew.
+  static SILT_INLINE ClippedBody& whole(const Polyhedron& body) {
+    ClippedBody& all = room_of_thread<ClippedBody>();
+    all.start_ = &body.graph_columns(), all.current_ = 0;
+    return all;
+  }
 
   /// Cuts away what is outside of the half-space; false if nothing is left. `name` of the new face.
   bool cut(const HalfSpace& half, std::size_t name) {
@@ -99,17 +124,32 @@ class ClippedBody {
     return from.size - inside;
   }
 
+  /// Numbers the vertices inside, in turn, and returns how many there are.
+  SILT_INLINE std::size_t number(const Source& from, std::size_t outside) {
+    std::size_t kept = 0;
+    const auto keep = [&](std::size_t v) {
+      old_[kept] = static_cast<std::uint16_t>(v), number_[v] = static_cast<std::uint16_t>(kept);
+    };
+    if (from.size < 256 || 4 * outside < 3 * from.size) {
+      for (std::size_t v = 0; v < from.size; ++v) keep(v), kept += height_[v] <= 0;
+      return kept;
+    }
+    for (std::size_t v = 0; v < from.size; v += width) {  // few of many: a cap
+      auto bits = lane_bits(load<Real>(height_ + v) <= Real(0));
+      if (from.size - v < width) bits &= (std::uint64_t{1} << (from.size - v)) - 1;
+      for (; bits != 0; bits &= bits - 1)
+        keep(v + static_cast<std::size_t>(std::countr_zero(bits))), ++kept;
+    }
+    return kept;
+  }
+
   SILT_INLINE bool cut_from(const Source& from, const HalfSpace& half, std::size_t name) {
     const std::size_t outside = heights(from, half);
     if (outside == 0) return true;
     if (outside == from.size) return false;
     current_ ^= 1;
     Graph& to = graphs_[current_];
-    std::size_t kept = 0;
-    for (std::size_t v = 0; v < from.size; ++v) {
-      old_[kept] = static_cast<std::uint16_t>(v), number_[v] = static_cast<std::uint16_t>(kept);
-      kept += height_[v] <= 0;
-    }
+    const std::size_t kept = number(from, outside);
     std::size_t crossings = 0;
     for (std::size_t i = 0; i < kept; ++i) {
       const std::size_t v = old_[i];
@@ -174,7 +214,7 @@ class ClippedBody {
   }
 
   const Polyhedron::GraphColumns* start_;
-  std::size_t current_ = 0;
+  std::size_t current_;
   alignas(64) double height_[most_vertices];
   std::uint16_t number_[most_vertices], old_[most_vertices];
   std::uint16_t leaves_by_[2 * first_cut_face];  // new vertex at which the cut leaves a face

@@ -11,7 +11,9 @@ struct PlacedPolyhedron {
   const Polyhedron* shape;
   RigidPose pose;
 
-  Vec3d support(const Vec3d& n) const { return pose.to_space(shape->support(pose.turn.back(n))); }
+  SILT_INLINE Vec3d support(const Vec3d& n) const {
+    return pose.to_space(shape->support(pose.turn.back(n)));
+  }
 };
 static_assert(ConvexSet<PlacedPolyhedron>);
 

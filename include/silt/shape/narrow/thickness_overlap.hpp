@@ -39,14 +39,8 @@ namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
-/// Axes with z along `n`, any unit vector (T. Duff et al., J. Comput. Graph. Tech. 6 (2017) 1).
-inline RotationMatrix frame_along(const Vec3d& n) {
-  const double sign = std::copysign(1.0, n.z), a = -1 / (sign + n.z), b = n.x * n.y * a;
-  return {{1 + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
-}
-
-/// The same, x along the part of `way` across n: an intersection along an edge is some 1e-6 as wide
-/// as it is long, and an inverse of C in axes askew to it would be all rounding.
+/// frame_along(n) with x along the part of `way` across n: an intersection along an edge is some
+/// 1e-6 as wide as it is long, and an inverse of C in axes askew to it would be all rounding.
 inline RotationMatrix frame_along(const Vec3d& n, const Vec3d& way) {
   const Vec3d x = way - dot(way, n) * n;
   const double length2 = dot(x, x);

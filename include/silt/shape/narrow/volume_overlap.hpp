@@ -48,7 +48,7 @@
 /// Source: Y. T. Feng, K. Han, D. R. J. Owen, Comput. Methods Appl. Mech. Eng. 373 (2021) 113454
 /// (the
 ///         energy-conserving volume model; S and x_c); (3), (4) and the couple are silt's.
-/// Valid:  convex bodies of up to 250 faces; concave ones as sums over convex parts. If i is wholly
+/// Valid:  convex bodies of up to 4000 faces; concave ones as sums over parts. If i is wholly
 ///         inside of j then S = 0: no force; `gradient` is 0 and `buried` is set, a guard must
 ///         stop. Dilated bodies touch by their cores here; their radius is for
 ///         narrow/margin_contact.hpp.
@@ -209,7 +209,7 @@ inline VolumeOverlap volume_overlap(const PlacedPolyhedron& i,
                                     const std::array<Vec3d, 3>& triangle) {
   const auto& [a, b, c] = triangle;
   const Vec3d up = normalised(cross(b - a, c - a));
-  detail::Cutter cutter;
+  detail::Cutter& cutter = detail::Cutter::empty();
   const auto add = [&](const Vec3d& at, const Vec3d& normal) {
     const Vec3d n = i.pose.turn.back(normal);
     const std::size_t k = cutter.size++;
@@ -219,7 +219,7 @@ inline VolumeOverlap volume_overlap(const PlacedPolyhedron& i,
   add(a, up);
   for (std::size_t k = 0; k < 3; ++k)
     add(triangle[k], normalised(cross(triangle[(k + 1) % 3] - triangle[k], up)));
-  detail::ClippedBody left(*i.shape);
+  detail::ClippedBody& left = detail::ClippedBody::whole(*i.shape);
   if (!detail::cut_by_all(left, cutter, 0)) return {};
   return detail::finish(detail::CutIntegrator(left.graph(), *i.shape, cutter).result(), i.pose, -1);
 }
