@@ -37,6 +37,11 @@ struct Rim {
     if (free * dot(n, wall.normal(e)) < 0) return along;
     return wall.n_r * along - inwards * wall.n_z * dot(n, e);
   }
+  /// Whether a ball about the centre of the body reaches the rim.
+  bool is_near(const Vec3d& body, double bound) const {
+    const double z = dot(body - centre, wall.axis), across = wall.to_centre - radius;
+    return z * z + across * across < bound * bound;
+  }
   /// Half the range of phi around the body's within `bound` of its centre; < 0: none is.
   double half_range(const Vec3d& body, double bound) const {
     const double z = dot(body - centre, wall.axis), rho = wall.to_centre;

@@ -64,10 +64,10 @@ int inner_contacts(const RoundWall& wall, const PlacedSuper<Form>& body, Deepest
 /// A contact of a polyhedron `over_end` from an end of the surface, at the angle of e: if the rim
 /// there is a shorter way out, by a face that leans over it, that counts. False: none at all, as
 /// the body lies on the rim, which this place is beyond of.
-inline bool over_rim(const RoundWall& wall, const PlacedPolyhedron& body, const Vec3d& e,
-                     double over_end, bool at_to, double free, SolidContact& contact) {
+[[gnu::noinline]] inline bool over_rim(const RoundWall& wall, const PlacedPolyhedron& body,
+                                       const Vec3d& e, double over_end, bool at_to, double free,
+                                       SolidContact& contact) {
   const double beyond = contact.overlap - body.shape->radius();
-  if (!(over_end < 2 * beyond)) return true;
   const double phi = std::atan2(dot(e, wall.y), dot(e, wall.x));
   const Rim rim(wall, at_to, free);
   const RimInPolyhedron in_body(rim, body, std::max(0.0, beyond - over_end));
@@ -80,11 +80,11 @@ inline bool over_rim(const RoundWall& wall, const PlacedPolyhedron& body, const 
   return true;
 }
 
-/// `ahead`: of add_rims().
+/// `ahead`: of add_rim().
 inline int inner_contacts(const RoundWall& wall, const PlacedPolyhedron& body,
                           DeepestContacts& deepest, double& ahead) {
   const auto& corners = body.shape->vertices();
-  const double r = body.shape->radius();
+  const double r = body.shape->radius(), slant = wall.slant();
   for (std::uint32_t v = 0; v < corners.size(); ++v) {
     const Vec3d p = body.pose.to_space(corners[v]) - wall.from;
     const double z = dot(p, wall.axis);
@@ -93,11 +93,12 @@ inline int inner_contacts(const RoundWall& wall, const PlacedPolyhedron& body,
     const double beyond = wall.n_r * distance + wall.n_z * z - wall.offset;
     if (!(beyond + r > 0)) continue;
     const Vec3d e = distance > 0 ? across * (1 / distance) : wall.x;
-    const double u = wall.along(p, e), over_end = std::min(u, wall.slant() - u);
+    const double u = wall.along(p, e), over_end = std::min(u, slant - u);
     ahead = std::max(ahead, beyond - std::abs(over_end));
     if (over_end < 0) continue;
     auto contact = round_contact(wall, body, p, e, 1, r);
-    if (!over_rim(wall, body, e, over_end, 2 * u > wall.slant(), -1, contact)) continue;
+    if (over_end < 2 * beyond && !over_rim(wall, body, e, over_end, 2 * u > slant, -1, contact))
+      continue;
     contact.feature = v;
     deepest.add(contact);
   }
@@ -131,8 +132,9 @@ inline int outer_contacts(const RoundWall& wall, const PlacedPolyhedron& body,
   const Vec3d along = wall.n_r * wall.axis - wall.n_z * e;
   const Vec3d p = wall.radius * e + (0.5 * (low + high)) * along + best.beyond() * wall.normal(e);
   auto contact = round_contact(wall, body, p, e, -1, r);
-  over_rim(wall, body, e, over_end, line.high > wall.slant() - line.low, 1, contact);
-  if (is_rim(contact)) return 0;  // add_rims() has it
+  if (over_end < -2 * best.beyond())
+    over_rim(wall, body, e, over_end, line.high > wall.slant() - line.low, 1, contact);
+  if (is_rim(contact)) return 0;  // add_rim() has it
   deepest.add(contact);
   return deepest.count;
 }
@@ -149,37 +151,34 @@ bool leaves_rim(const Rim&, const PlacedSuper<Form>&, const SolidContact&, const
   return false;
 }
 
-/// Adds the contacts with both rims. Where a body touches rim and surface in the same place the
+/// Adds the contacts with a rim. Where a body touches rim and surface in the same place the
 /// shorter way out counts.
 template <class Body>
-void add_rims(const RoundWall& wall, const Body& body, bool inner, double ahead,
-              DeepestContacts& deepest) {
-  const bool alone = deepest.count == 0;
+[[gnu::noinline]] void add_rim(const Rim& rim, const Body& body, double ahead, bool alone,
+                               DeepestContacts& deepest) {
+  const RoundWall& wall = rim.wall;
   std::array<SolidContact, 8> found;
-  for (const bool at_to : {false, true}) {
-    const Rim rim(wall, at_to, inner ? -1 : 1);
-    DeepestContacts on_rim{found.data(), static_cast<int>(found.size())};
-    if (rim.radius > 1e-12 * wall.length) {
-      rim_contacts(rim, body, ahead, alone, on_rim);
-    } else if (const auto tip = tip_contact(rim, body)) {
-      const double along = rim.inwards * dot(tip->normal, wall.axis);
-      const double across = norm(tip->normal - dot(tip->normal, wall.axis) * wall.axis);
-      if (wall.n_r * along + std::abs(wall.n_z) * across <= 0) on_rim.add(*tip);
+  DeepestContacts on_rim{found.data(), static_cast<int>(found.size())};
+  if (rim.radius > 1e-12 * wall.length) {
+    rim_contacts(rim, body, ahead, alone, on_rim);
+  } else if (const auto tip = tip_contact(rim, body)) {
+    const double along = rim.inwards * dot(tip->normal, wall.axis);
+    const double across = norm(tip->normal - dot(tip->normal, wall.axis) * wall.axis);
+    if (wall.n_r * along + std::abs(wall.n_z) * across <= 0) on_rim.add(*tip);
+  }
+  for (int k = 0; k < on_rim.count; ++k) {
+    const SolidContact& on = found[static_cast<std::size_t>(k)];
+    bool longer = false;
+    for (int c = 0; c < deepest.count && !longer; ++c) {
+      const SolidContact& other = deepest.out[c];
+      const double reach = 2 * std::max(on.overlap, other.overlap);
+      if (is_rim(other) || norm(on.point - other.point) > reach) continue;
+      if (on.overlap < other.overlap)
+        deepest.remove(c--);
+      else
+        longer = leaves_rim(rim, body, on, other);
     }
-    for (int k = 0; k < on_rim.count; ++k) {
-      const SolidContact& on = found[static_cast<std::size_t>(k)];
-      bool longer = false;
-      for (int c = 0; c < deepest.count && !longer; ++c) {
-        const SolidContact& other = deepest.out[c];
-        const double reach = 2 * std::max(on.overlap, other.overlap);
-        if (is_rim(other) || norm(on.point - other.point) > reach) continue;
-        if (on.overlap < other.overlap)
-          deepest.remove(c--);
-        else
-          longer = leaves_rim(rim, body, on, other);
-      }
-      if (!longer) deepest.add(on);
-    }
+    if (!longer) deepest.add(on);
   }
 }
 
@@ -200,7 +199,10 @@ int round_contacts(const Body& body, const Vec3d& from, const Vec3d& to, double 
     else
       outer_contacts(wall, body, deepest, ahead);
   }
-  add_rims(wall, body, inner, std::min(ahead, 0.05 * bound_of(body)), deepest);
+  const bool alone = deepest.count == 0;
+  for (const bool at_to : {false, true})
+    if (const Rim rim(wall, at_to, inner ? -1 : 1); rim.is_near(centre_of(body), bound_of(body)))
+      add_rim(rim, body, std::min(ahead, 0.05 * bound_of(body)), alone, deepest);
   return deepest.count;
 }
 
