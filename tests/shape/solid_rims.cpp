@@ -154,7 +154,7 @@ TEST_CASE(
     "solid rims: the deepest place of the rim, by steps; a potential; gone behind its depth") {
   Draws r(3);
   int found_on_rim = 0;
-  for (const double s : {2., 3., 8., 20., 0., 1.})  // 0: polyhedra, 1: dilated ones
+  for (const double s : {2., 3., 8., 20., 1.})  // 1: dilated polyhedra
     for (int k = 0; k < 25; ++k) {
       const double phi = r.uniform(0, 2 * pi), lean = r.uniform(0.3, 2.8);
       const double depth = std::pow(10, r.uniform(-5, -2.5));
