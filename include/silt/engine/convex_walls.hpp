@@ -116,6 +116,27 @@ int contacts_with_wall(const Rows& rows, std::size_t row, const Vec3d& centre, c
   return count;
 }
 
+inline bool is_round(const Surface& surface) {
+  return std::holds_alternative<Cylinder>(surface) || std::holds_alternative<Cone>(surface);
+}
+
+/// Drops contacts with a rim that lies in the tangent plane of a deeper contact with another
+/// surface and looks the same way: where two surfaces join, it is a seam. Of two rims in the same
+/// place the `first` surface's stays. Returns how many are left.
+inline int without_seams(SolidContact* found, int count, std::span<const SolidContact> beside,
+                         bool first, double tolerance) {
+  const auto is_seam = [&](const SolidContact& a) {
+    return is_rim(a) && std::any_of(beside.begin(), beside.end(), [&](const SolidContact& b) {
+             const double deeper = b.overlap - a.overlap;
+             // Points lie on the walls or behind, by no more than the overlaps.
+             const double off = std::abs(dot(a.point - b.point, b.normal));
+             return (deeper > tolerance || (deeper > -tolerance && first)) &&
+                    dot(a.normal, b.normal) > 0.5 && off <= tolerance + a.overlap + b.overlap;
+           });
+  };
+  return static_cast<int>(std::remove_if(found, found + count, is_seam) - found);
+}
+
 /// Computes the loads of all contacts of convex parts with walls, fixed or moving: exact contacts
 /// of each candidate (ConvexPlanes: in lanes), then the same law over lanes as for pairs; sums what
 /// each wall bears.
@@ -164,7 +185,7 @@ class ConvexWalls {
     }
     for (const WallCandidate& c : candidates)
       if (in.motions[c.particle].inv_m != 0 && !Planes::takes(walls[c.wall], c))
-        touch(in, contacts, table, walls[c.wall], c, s);
+        touch(in, contacts, table, walls, candidates, c, s);
     pad(s);
     std::array<double*, H + 1> history{};
     for (std::size_t h = 0; h < H; ++h) history[h] = s.history[h];
@@ -199,13 +220,26 @@ class ConvexWalls {
 
   /// Adds a candidate's contacts.
   static void touch(const Input& in, Contacts& contacts,
-                    const CoefficientTable<ContactsType>& table, const Wall& wall,
-                    const WallCandidate& c, Scratch& s) {
+                    const CoefficientTable<ContactsType>& table, std::span<const Wall> walls,
+                    std::span<const WallCandidate> candidates, const WallCandidate& c, Scratch& s) {
     SolidContact found[most_wall_contacts];
+    const Wall& wall = walls[c.wall];
     const Surface& surface = wall.surfaces[c.surface];
     const Vec3d centre = in.positions[c.particle].centre();
-    const int count =
+    int count =
         contacts_with_wall(*in.rows, c.particle, centre, wall, surface, contacts.facets(c), found);
+    if (is_round(surface) && std::any_of(found, found + count, is_rim))
+      for (const WallCandidate& other : candidates)
+        if (other.particle == c.particle && &other != &c) {
+          SolidContact beside[most_wall_contacts];
+          const Wall& its = walls[other.wall];
+          const int n =
+              contacts_with_wall(*in.rows, c.particle, centre, its, its.surfaces[other.surface],
+                                 contacts.facets(other), beside);
+          const double tolerance = 1e-6 * in.rows->pose[c.particle].least_radius;
+          count = without_seams(found, count, {beside, static_cast<std::size_t>(n)}, &other < &c,
+                                tolerance);
+        }
     const std::size_t slots = Contacts::slots_of(surface);
     bool taken[most_wall_contacts] = {};
     std::size_t own[most_wall_contacts];

@@ -29,6 +29,7 @@ struct DeepestContacts {
     for (; at > 0 && contact.overlap > out[at - 1].overlap; --at) out[at] = out[at - 1];
     out[at] = contact;
   }
+  void remove(int k) { std::copy(out + k + 1, out + count--, out + k); }
 };
 
 /// What contact laws need of an overlap by thickness; `normal`: of the wall.

@@ -3,7 +3,7 @@
 
 #include <silt/boundary/cone.hpp>
 #include <silt/boundary/cylinder.hpp>
-#include <silt/shape/narrow/solid_round_search.hpp>
+#include <silt/shape/narrow/solid_rims.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -15,6 +15,7 @@ namespace silt::inline SILT_TARGET {
 /// step to the next a contact is the one of the same feature with the nearest normal:
 ///   polyhedra         a corner's number, where corners touch on their own; else 0
 ///   super-ellipsoids  on the inner side of a round wall the edge or corner of the body; else 0
+///   rims              1000 at `from`, 1001 at `to`
 ///   meshes            see mesh_contacts()
 /// More contacts than `most`: those kept change by a jump as they change places in depth.
 
@@ -46,7 +47,8 @@ std::uint32_t body_cell(const PlacedSuper<Form>& body, const Vec3d& p) {
 }
 
 template <class Form>
-int inner_contacts(const RoundWall& wall, const PlacedSuper<Form>& body, DeepestContacts& deepest) {
+int inner_contacts(const RoundWall& wall, const PlacedSuper<Form>& body, DeepestContacts& deepest,
+                   double&) {
   const InnerMaxima<Form> maxima(wall, body);
   std::array<std::uint8_t, 27> seen{};
   for (int k = 0; k < maxima.count(); ++k) {
@@ -59,19 +61,44 @@ int inner_contacts(const RoundWall& wall, const PlacedSuper<Form>& body, Deepest
   }
   return deepest.count;
 }
+/// A contact of a polyhedron `over_end` from an end of the surface, at the angle of e: if the rim
+/// there is a shorter way out, by a face that leans over it, that counts. False: none at all, as
+/// the body lies on the rim, which this place is beyond of.
+[[gnu::noinline]] inline bool over_rim(const RoundWall& wall, const PlacedPolyhedron& body,
+                                       const Vec3d& e, double over_end, bool at_to, double free,
+                                       SolidContact& contact) {
+  const double beyond = contact.overlap - body.shape->radius();
+  const double phi = std::atan2(dot(e, wall.y), dot(e, wall.x));
+  const Rim rim(wall, at_to, free);
+  const RimInPolyhedron in_body(rim, body, std::max(0.0, beyond - over_end));
+  if (free < 0 && in_body.stays_in(phi, beyond * contact.normal)) return false;
+  const auto there = in_body(phi);
+  const Vec3d n = body.pose.turn * -there.out;
+  if (there.depth > -1e-9 * bound_of(body) && there.depth < contact.overlap &&
+      rim.under_surface(n, e) < -most_tilt)
+    contact = rim.contact(rim.at(e), n, there.depth, contact.R_eff);
+  return true;
+}
+
+/// `ahead`: of add_rim().
 inline int inner_contacts(const RoundWall& wall, const PlacedPolyhedron& body,
-                          DeepestContacts& deepest) {
+                          DeepestContacts& deepest, double& ahead) {
   const auto& corners = body.shape->vertices();
-  const double r = body.shape->radius();
+  const double r = body.shape->radius(), slant = wall.slant();
   for (std::uint32_t v = 0; v < corners.size(); ++v) {
     const Vec3d p = body.pose.to_space(corners[v]) - wall.from;
     const double z = dot(p, wall.axis);
     const Vec3d across = p - z * wall.axis;
     const double distance = norm(across);
-    if (!(wall.n_r * distance + wall.n_z * z - wall.offset + r > 0)) continue;
+    const double beyond = wall.n_r * distance + wall.n_z * z - wall.offset;
+    if (!(beyond + r > 0)) continue;
     const Vec3d e = distance > 0 ? across * (1 / distance) : wall.x;
-    if (!wall.between_ends(p, e)) continue;
+    const double u = wall.along(p, e), over_end = std::min(u, slant - u);
+    ahead = std::max(ahead, beyond - std::abs(over_end));
+    if (over_end < 0) continue;
     auto contact = round_contact(wall, body, p, e, 1, r);
+    if (over_end < 2 * beyond && !over_rim(wall, body, e, over_end, 2 * u > slant, -1, contact))
+      continue;
     contact.feature = v;
     deepest.add(contact);
   }
@@ -79,7 +106,8 @@ inline int inner_contacts(const RoundWall& wall, const PlacedPolyhedron& body,
 }
 
 template <class Form>
-int outer_contacts(const RoundWall& wall, const PlacedSuper<Form>& body, DeepestContacts& deepest) {
+int outer_contacts(const RoundWall& wall, const PlacedSuper<Form>& body, DeepestContacts& deepest,
+                   double&) {
   if (support_at(wall, body, 0, -1).beyond >= 0) return 0;  // this plane parts them
   const double range = outer_range(wall, body.form.bound);
   const auto at = turning_point(wall, body, -range, range, 0, -1);
@@ -90,19 +118,68 @@ int outer_contacts(const RoundWall& wall, const PlacedSuper<Form>& body, Deepest
 
 /// A face or edge along the wall touches on a line: the middle of what lies on the wall.
 inline int outer_contacts(const RoundWall& wall, const PlacedPolyhedron& body,
-                          DeepestContacts& deepest) {
+                          DeepestContacts& deepest, double& ahead) {
   const OuterAngle best(wall, body);
   const double r = body.shape->radius();
   if (best.beyond() >= r) return 0;
   const Vec3d e = wall.e(best.phi());
   const auto line = touching_line(wall, body, e, best.beyond());
   const double low = std::max(line.low, 0.0), high = std::min(line.high, wall.slant());
+  const double depth = r - best.beyond(), over_end = std::min(line.high, wall.slant() - line.low);
+  ahead = std::max(0.0, depth - std::abs(over_end));
   if (!(low <= high)) return 0;
   // From place along the slant and height to the point itself.
   const Vec3d along = wall.n_r * wall.axis - wall.n_z * e;
   const Vec3d p = wall.radius * e + (0.5 * (low + high)) * along + best.beyond() * wall.normal(e);
-  deepest.add(round_contact(wall, body, p, e, -1, r));
+  auto contact = round_contact(wall, body, p, e, -1, r);
+  if (over_end < -2 * best.beyond())
+    over_rim(wall, body, e, over_end, line.high > wall.slant() - line.low, 1, contact);
+  if (is_rim(contact)) return 0;  // add_rim() has it
+  deepest.add(contact);
   return deepest.count;
+}
+
+/// Whether the rim is out of the body as soon as it has left the surface.
+inline bool leaves_rim(const Rim& rim, const PlacedPolyhedron& body, const SolidContact& on_rim,
+                       const SolidContact& other) {
+  const Vec3d p = on_rim.point - rim.wall.from;
+  const double phi = std::atan2(dot(p, rim.wall.y), dot(p, rim.wall.x));
+  return !RimInPolyhedron(rim, body, 0).stays_in(phi, other.overlap * other.normal);
+}
+template <class Form>
+bool leaves_rim(const Rim&, const PlacedSuper<Form>&, const SolidContact&, const SolidContact&) {
+  return false;
+}
+
+/// Adds the contacts with a rim. Where a body touches rim and surface in the same place the
+/// shorter way out counts.
+template <class Body>
+[[gnu::noinline]] void add_rim(const Rim& rim, const Body& body, double ahead, bool alone,
+                               DeepestContacts& deepest) {
+  const RoundWall& wall = rim.wall;
+  std::array<SolidContact, 8> found;
+  DeepestContacts on_rim{found.data(), static_cast<int>(found.size())};
+  if (rim.radius > 1e-12 * wall.length) {
+    rim_contacts(rim, body, ahead, alone, on_rim);
+  } else if (const auto tip = tip_contact(rim, body)) {
+    const double along = rim.inwards * dot(tip->normal, wall.axis);
+    const double across = norm(tip->normal - dot(tip->normal, wall.axis) * wall.axis);
+    if (wall.n_r * along + std::abs(wall.n_z) * across <= 0) on_rim.add(*tip);
+  }
+  for (int k = 0; k < on_rim.count; ++k) {
+    const SolidContact& on = found[static_cast<std::size_t>(k)];
+    bool longer = false;
+    for (int c = 0; c < deepest.count && !longer; ++c) {
+      const SolidContact& other = deepest.out[c];
+      const double reach = 2 * std::max(on.overlap, other.overlap);
+      if (is_rim(other) || norm(on.point - other.point) > reach) continue;
+      if (on.overlap < other.overlap)
+        deepest.remove(c--);
+      else
+        longer = leaves_rim(rim, body, on, other);
+    }
+    if (!longer) deepest.add(on);
+  }
 }
 
 template <class Body>
@@ -112,13 +189,26 @@ int round_contacts(const Body& body, const Vec3d& from, const Vec3d& to, double 
   const RoundWall wall(from, to, radius_from, radius_to, centre_of(body));
   const bool inner = side == Side::Inside;
   if (!wall.in_reach(centre_of(body), bound_of(body), inner)) return 0;
-  return inner ? inner_contacts(wall, body, deepest) : outer_contacts(wall, body, deepest);
+  const Vec3d centre = centre_of(body) - wall.from;
+  const double beyond = wall.beyond(centre, wall.normal(wall.x)), z = dot(centre, wall.axis);
+  double ahead = 0;
+  // A body that has come past an end to the other side is not behind the surface.
+  if ((inner ? beyond <= 0 : beyond >= 0) || (z >= 0 && z <= wall.length)) {
+    if (inner)
+      inner_contacts(wall, body, deepest, ahead);
+    else
+      outer_contacts(wall, body, deepest, ahead);
+  }
+  const bool alone = deepest.count == 0;
+  for (const bool at_to : {false, true})
+    if (const Rim rim(wall, at_to, inner ? -1 : 1); rim.is_near(centre_of(body), bound_of(body)))
+      add_rim(rim, body, std::min(ahead, 0.05 * bound_of(body)), alone, deepest);
+  return deepest.count;
 }
 
 }  // namespace detail
 
-/// Contacts with the lateral surface of a cylinder. Its rims do not count: a contact whose foot on
-/// the surface lies beyond an end is dropped, by a jump.
+/// Contacts with the lateral surface of a cylinder and with its rims.
 ///
 ///   inside, super-ellipsoid  every local maximum over the wall's normals N of h(N) + N . (centre -
 ///                            surface): a die that lies on its face touches with two edges
@@ -126,10 +216,18 @@ int round_contacts(const Body& body, const Vec3d& from, const Vec3d& to, double 
 ///   radius outside                  one, at the least over N of h(-N) - N . (centre - surface),
 ///   near the
 ///                            direction of the body: its centre, not the axis, is outside
+///   rims                     every place of the circle that is deepest in the body, if the surface
+///                            does not rise above the plane across the normal there
 ///
 /// Overlaps are depths: gradient 1, couple 0, and the envelope theorem makes the normal their
-/// gradient. Not continuous: the point, where a body outside tilts through a line contact (flat
-/// face or edge along the axis), and at the ends. Tests: tests/shape/solid_walls.cpp
+/// gradient. Where the foot of a contact on the surface comes to an end, that on the rim is as deep
+/// and has the same normal, as for spheres: no jump of smooth and of dilated bodies, as long as
+/// they overlap less than their radii of curvature. A corner of a sharp polyhedron that slips over
+/// a rim has other ways out before and after: over_rim() takes the shorter one, and what is left
+/// jumps by some 0.7 of the overlap. Not continuous either: the point, where a body outside tilts
+/// through a line contact (flat face or edge along the axis) or lies flat on a rim; two places of a
+/// rim that merge while both are deep. Tests: tests/shape/solid_walls.cpp, solid_rims.cpp,
+/// engine/rims.cpp
 template <class Body>
 int cylinder_contacts(const Body& body, const Cylinder& wall, SolidContact* out, int most) {
   return detail::round_contacts(body, wall.from, wall.to, wall.radius, wall.radius, wall.side, out,
