@@ -144,6 +144,8 @@ class CoupledFlow {
     return done;
   }
 
+  /// [-] at each particle of the last step; 0 beyond the grid.
+  std::span<const double> voidage_at_particles() const { return values_[eps_at]; }
   /// The longest fluid step [s] for particles of that speed [m/s]; see `steps`.
   double longest_step(double speed, const Team& team) const {
     const Vec3d h = flow_.grid().h();

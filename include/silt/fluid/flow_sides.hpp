@@ -104,7 +104,7 @@ class FlowSides {
                 // What flows back in brings nothing along.
                 const double edge = line(0), out = end == 1 ? edge : -edge;
                 line(1) = free ? (out > 0 ? edge : 0) : 2 * edge - line(-1);
-                if (end == 0) line(2) = line(1);
+                line(2) = line(1);
               } else {
                 const double twice = slips ? 0 : 2 * given[k], sign = slips ? 1 : -1;
                 line(1) = twice + sign * line(0), line(2) = twice + sign * line(-1);

@@ -51,7 +51,7 @@ class Grid {
             " cells are more than 2e9 with their ghosts; use fewer");
     h_ = {extent.x / cells[0], extent.y / cells[1], extent.z / cells[2]};
     stride_ = (static_cast<std::size_t>(cells[0]) + vector - 1) / vector * vector + vector;
-    plane_ = stride_ * static_cast<std::size_t>(cells[1] + 2 * ghost);
+    plane_ = stride_ * static_cast<std::size_t>(cells[1] + 2 * ghost + 1);
   }
 
   const Box& box() const { return box_; }
@@ -79,7 +79,8 @@ class Grid {
   /// Number of values from row (j, k) to (j + 1, k), and from (j, k) to (j, k + 1).
   std::size_t row_stride() const { return stride_; }
   std::size_t plane_stride() const { return plane_; }
-  /// Where value (i, j, k) stands; each index from -ghost to n + ghost - 1.
+  /// Where value (i, j, k) stands; each index from -ghost to n + ghost: on faces, of which there is
+  /// one more than cells, that is as many ghosts at both ends.
   std::size_t index(int i, int j, int k) const {
     const auto at = static_cast<std::ptrdiff_t>(vector) + i;
     return static_cast<std::size_t>(at) + static_cast<std::size_t>(j + ghost) * stride_ +
@@ -87,7 +88,7 @@ class Grid {
   }
   /// Number of values of a field. A row's upper ghosts may stand before the next row's lower ones.
   std::size_t storage() const {
-    return plane_ * static_cast<std::size_t>(nz() + 2 * ghost) + 2 * vector;
+    return plane_ * static_cast<std::size_t>(nz() + 2 * ghost + 1) + 2 * vector;
   }
   /// @}
 
