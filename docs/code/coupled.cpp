@@ -1,0 +1,34 @@
+// silt - BSD-3-Clause, see LICENSE
+// The scene with a fluid of docs/fluid.md.
+
+#include <cstdio>
+#include <utility>
+
+#include <silt/fluid.hpp>
+
+int main() {
+  const double width = 0.012, height = 0.04;  // [m]
+  silt::Particles<silt::Sphere> grains;
+  grains.fill({.min = {0, 0, 0}, .max = {width, width, 0.5 * height}},
+              {.radius = silt::uniform(0.45e-3, 0.55e-3), .density = 1500, .count = 1200});
+
+  silt::FlowSolver air(silt::Grid({{0, 0, 0}, {width, width, height}}, {6, 6, 20}),
+                       {.density = 1.2, .viscosity = 1.8e-5});
+  air.set_side(2, 0, silt::Inflow{.velocity = {0, 0, 0.8}});
+  air.set_side(2, 1, silt::Outflow{.pressure = 0});
+
+  const silt::HertzMindlin::Material glass{.youngs_modulus = 1e6, .poisson_ratio = 0.3};
+  silt::Simulation sim{std::move(grains), silt::Contacts<silt::HertzMindlin>{glass},
+                       silt::CoupledFlow{silt::Gidaspow{}, silt::Kernel{}, air}};
+  sim.add_wall(silt::box({0, 0, 0}, {width, width, 2 * height}), glass);
+  sim.gravity = {0, 0, -9.81};
+  sim.run(0.3);
+
+  double weight = 0;
+  for (std::size_t k = 0; k < sim.rows(); ++k) weight += 9.81 * sim.mass(k);
+  const auto& p = sim.fluid().flow().pressure();
+  const double at_inlet = 1.5 * p(3, 3, 0) - 0.5 * p(3, 3, 1);  // the bed begins there
+  std::printf("pressure drop %.0f Pa, weight over area %.0f Pa; %lld fluid steps\n",
+              at_inlet - p(3, 3, 19), weight / (width * width),
+              static_cast<long long>(sim.fluid().fluid_steps()));
+}
