@@ -22,7 +22,7 @@ int main() {
                        silt::CoupledFlow{silt::Gidaspow{}, silt::Kernel{}, air}};
   sim.add_wall(silt::box({0, 0, 0}, {width, width, 2 * height}), glass);
   sim.gravity = {0, 0, -9.81};
-  sim.run(0.3);
+  sim.run(0.3, silt::vtk_series("coupled", silt::every(0.05)));
 
   double weight = 0;
   for (std::size_t k = 0; k < sim.rows(); ++k) weight += 9.81 * sim.mass(k);

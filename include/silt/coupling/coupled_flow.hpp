@@ -19,6 +19,7 @@
 #include <silt/coupling/fluid_force.hpp>
 #include <silt/coupling/momentum_exchange.hpp>
 #include <silt/coupling/particles_in_fluid.hpp>
+#include <silt/fluid/flow_vtk.hpp>
 
 namespace silt::inline SILT_TARGET {
 

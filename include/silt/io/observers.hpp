@@ -249,7 +249,8 @@ WallTriangles wall_triangles(const Sim& sim, const Box& around) {
 }
 
 /// Writes `folder/particles.pvd` and `folder/walls.pvd`, each a time series that ParaView opens; of
-/// bodies also `folder/parts.pvd`, the spheres that they consist of, or `folder/surfaces.pvd`.
+/// bodies also `folder/parts.pvd`, the spheres that they consist of, or `folder/surfaces.pvd`; with
+/// a fluid `folder/flow.pvd`.
 /// `more` adds fields as in write_particles.
 template <class More>
 class VtkSeriesObserver {
@@ -270,6 +271,7 @@ class VtkSeriesObserver {
       parts_ = open("surfaces");
     else if constexpr (Sim::has_bodies)
       parts_ = open("parts");
+    if constexpr (Sim::Fluid::active) flow_ = open("flow");
   }
   template <class Sim>
   bool is_due(const Sim& sim) const {
@@ -286,9 +288,9 @@ class VtkSeriesObserver {
       }
     if (sim.size() > 0) around = around.grown(largest);
     const auto number = std::to_string(sim.step());
-    const auto file = [&](const char* name) {
+    const auto file = [&](const char* name, const char* kind = ".vtp") {
       return text(name, '_', std::string(9 - std::min<std::size_t>(9, number.size()), '0'), number,
-                  ".vtp");
+                  kind);
     };
     write_particles(text(folder_, '/', file("particles")), sim, more_);
     particles_->add(sim.time(), file("particles"));
@@ -298,6 +300,10 @@ class VtkSeriesObserver {
     } else if constexpr (Sim::has_bodies) {
       write_parts(text(folder_, '/', file("parts")), sim);
       parts_->add(sim.time(), file("parts"));
+    }
+    if constexpr (Sim::Fluid::active) {
+      write_flow(text(folder_, '/', file("flow", ".vti")), sim.fluid().flow());
+      flow_->add(sim.time(), file("flow", ".vti"));
     }
     if (sim.size() > 0 && sim.walls() > 0) {
       const auto w = wall_triangles(sim, around);
@@ -313,7 +319,7 @@ class VtkSeriesObserver {
   std::string folder_;
   Schedule schedule_;
   More more_;
-  std::optional<VtkSeries> particles_, walls_, parts_;  // parts or surfaces
+  std::optional<VtkSeries> particles_, walls_, parts_, flow_;  // parts or surfaces
 };
 
 template <class More>

@@ -89,15 +89,14 @@ struct VtkSection {
   std::span<const VtkArray> arrays;
 };
 
-inline void write_vtp(const std::string& path, std::size_t points, std::size_t verts,
-                      std::size_t polygons, std::span<const VtkSection> sections) {
+/// `type`: VTK's word for the data set; `about` and `piece`: what its element and that of its only
+/// piece say.
+inline void write_vtk_file(const std::string& path, std::string_view type, std::string_view about,
+                           std::string_view piece, std::span<const VtkSection> sections) {
   AtomicFile file(path);
-  file.write(
-      text("<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" "
-           "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PolyData>\n"
-           "<Piece NumberOfPoints=\"",
-           points, "\" NumberOfVerts=\"", verts,
-           "\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"", polygons, "\">\n"));
+  file.write(text("<?xml version=\"1.0\"?>\n<VTKFile type=\"", type,
+                  "\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<", type,
+                  about, ">\n<Piece ", piece, ">\n"));
   std::uint64_t offset = 0;  // [bytes] of an array behind the mark '_'
   for (const auto& section : sections) {
     file.write(text('<', section.tag, ">\n"));
@@ -109,7 +108,7 @@ inline void write_vtp(const std::string& path, std::size_t points, std::size_t v
     }
     file.write(text("</", section.tag, ">\n"));
   }
-  file.write("</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_");
+  file.write(text("</Piece>\n</", type, ">\n<AppendedData encoding=\"raw\">\n_"));
   for (const auto& section : sections)
     for (const auto& array : section.arrays) {
       const std::uint64_t bytes = array.bytes;
@@ -118,6 +117,14 @@ inline void write_vtp(const std::string& path, std::size_t points, std::size_t v
     }
   file.write("\n</AppendedData>\n</VTKFile>\n");
   file.commit();
+}
+inline void write_vtp(const std::string& path, std::size_t points, std::size_t verts,
+                      std::size_t polygons, std::span<const VtkSection> sections) {
+  write_vtk_file(
+      path, "PolyData", "",
+      text("NumberOfPoints=\"", points, "\" NumberOfVerts=\"", verts,
+           "\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"", polygons, '"'),
+      sections);
 }
 
 /// stride, 2 stride, ... : where each cell's list of points ends.

@@ -1,0 +1,53 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <silt/fluid/flow_solver.hpp>
+#include <silt/io/vtk.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// Writes a flow for ParaView, cell by cell: velocity [m/s] (between the particles; the mean of the
+/// cell's faces), pressure [Pa], voidage [-], and whether fluid can enter (1, or 0 within walls).
+/// `path` should end in .vti. `vtk_series` does it in a Simulation with a fluid.
+/// Errors: FileError if the file cannot be written. Tests: tests/fluid/flow_vtk.cpp.
+inline void write_flow(const std::string& path, const FlowSolver& flow) {
+  const Grid& g = flow.grid();
+  const std::size_t n = g.size();
+  std::vector<Vec3d> velocity;
+  std::vector<double> pressure, voidage;
+  std::vector<std::int32_t> open;
+  velocity.reserve(n), pressure.reserve(n), voidage.reserve(n), open.reserve(n);
+  for (int k = 0; k < g.nz(); ++k)
+    for (int j = 0; j < g.ny(); ++j)
+      for (int i = 0; i < g.nx(); ++i) {
+        const auto mean = [&](int d) {
+          const Field& u = flow.velocity(d);
+          return 0.5 * (u(i, j, k) + u(i + (d == 0), j + (d == 1), k + (d == 2)));
+        };
+        velocity.push_back({mean(0), mean(1), mean(2)});
+        pressure.push_back(flow.pressure()(i, j, k));
+        voidage.push_back(flow.voidage()(i, j, k));
+        open.push_back(!flow.open_cells() || (*flow.open_cells())(i, j, k) > 0 ? 1 : 0);
+      }
+  const auto view = [](const char* name, const auto& values) {
+    using Value = typename std::decay_t<decltype(values)>::value_type;
+    return detail::vtk_array(name, std::span<const Value>(values));
+  };
+  const std::array arrays{view("velocity", velocity), view("pressure", pressure),
+                          view("voidage", voidage), view("open", open)};
+  const detail::VtkSection sections[] = {{"CellData", arrays}};
+  const std::string extent = text("\"0 ", g.nx(), " 0 ", g.ny(), " 0 ", g.nz(), '"');
+  const Vec3d &o = g.box().min, &h = g.h();
+  detail::write_vtk_file(path, "ImageData",
+                         text(" WholeExtent=", extent, " Origin=\"", o.x, ' ', o.y, ' ', o.z,
+                              "\" Spacing=\"", h.x, ' ', h.y, ' ', h.z, '"'),
+                         text("Extent=", extent), sections);
+}
+
+}  // namespace silt
