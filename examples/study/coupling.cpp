@@ -123,6 +123,37 @@ const Named modes[] = {
 
 std::string name_of(const Named& mode, double h) { return silt::text(mode.name, ", ", h, " d"); }
 
+/// A line a mode: the error of each grain's drag over the size of cells.
+void draw(const silt::Study& study, const std::string& out) {
+  std::string table = "cells [diameters]", columns;
+  for (const auto& mode : modes) {
+    table += silt::text(",", mode.name, " [-]");
+    columns += silt::text(columns.empty() ? "" : ",", mode.name);
+  }
+  const auto& rows = study.results().rows;
+  bool any = false;
+  for (const double h : sizes) {
+    std::string line = silt::text("\n", h);
+    bool complete = true;
+    for (const auto& mode : modes) {
+      const auto row = std::find_if(rows.begin(), rows.end(),
+                                    [&](const auto& r) { return r.name == name_of(mode, h); });
+      complete = complete && row != rows.end() && !row->failed();
+      // The reference itself has no error and no place on a logarithmic axis.
+      if (complete)
+        line += silt::text(",", std::max(1e-4, row->error("error of drag of each")->value));
+    }
+    if (complete) table += line, any = true;
+  }
+  const std::string path = out + "/over_cells.csv";
+  silt::detail::write_whole(path, table + "\n");
+  if (any &&
+      example::draw({"curves", path, "--x", "cells", "--y", columns, "--log", "xy", "--y-label",
+                     "error of each grain's drag [-]", "--title",
+                     "Drag on the grains of a bed at rest", "--out", out + "/over_cells.png"}))
+    std::printf("Look at %s/over_cells.png.\n", out.c_str());
+}
+
 void run(const studies::Setting& setting, example::Summary& summary) {
   const Bed bed = random_bed(setting.quick ? 8 : 24);
   const double finest = setting.quick ? 0.5 : 0.25;
@@ -136,8 +167,10 @@ void run(const studies::Setting& setting, example::Summary& summary) {
       study.variant(name_of(mode, h), mode.through(bed, h));
     }
   study.accept("error of drag", 0.03);
+  study.accept("error of drag of each", 0.02);
   studies::run_and_report(study, setting, "bed");
   studies::add_recommendation(summary, "coupling", study);
+  draw(study, setting.out);
   double worst = 0, centre = 0;
   for (const auto& row : study.results().rows)
     for (const auto& mode : modes)
