@@ -6,6 +6,7 @@
 
 #include <silt/coupling/drag/ergun.hpp>
 #include <silt/coupling/formulas.hpp>
+#include <silt/fluid/boundary_of.hpp>
 #include <silt/fluid/flow_solver.hpp>
 
 int main() {
@@ -36,4 +37,20 @@ int main() {
       (flow.pressure()(0, 0, 7) - flow.pressure()(0, 0, 12)) / (5 * grid.h().z);
   std::printf("pressure gradient in the bed %.0f Pa/m; Ergun: %.0f Pa/m\n", per_metre,
               silt::ergun_pressure_gradient(eps, d, air.density, air.viscosity, superficial));
+
+  // A turbulent pipe of 50 mm, periodic along it.
+  const silt::Cylinder wall{{-1, 0, 0}, {1, 0, 0}, 0.025, silt::Side::Inside};
+  silt::FlowSolver pipe(
+      silt::Grid({{0, -0.03, -0.03}, {0.01, 0.03, 0.03}}, {2, 12, 12}, {true, false, false}), air);
+  pipe.set_boundary(silt::boundary_of(wall));
+  pipe.set_turbulence({.half_width = 0.025});
+  pipe.force(0).fill(60);     // [Pa/m]
+  pipe.velocity(0).fill(15);  // [m/s]
+  for (double t = 0; t < 0.5;) {
+    const double dt = std::min(1e-3, pipe.stable_step());
+    pipe.step(dt);
+    t += dt;
+  }
+  std::printf("60 Pa/m drive %.1f m/s through the pipe\n",
+              pipe.flow_rate(0, 0) / (3.14159 * 0.025 * 0.025));
 }

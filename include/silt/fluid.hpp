@@ -10,4 +10,5 @@
 #include <silt/coupling/coupled_flow.hpp>
 #include <silt/coupling/drag/laws.hpp>
 #include <silt/coupling/formulas.hpp>
+#include <silt/fluid/boundary_of.hpp>
 #include <silt/silt.hpp>

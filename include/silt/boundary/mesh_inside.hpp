@@ -3,7 +3,7 @@
 
 #include <silt/boundary/triangle_mesh.hpp>
 
-/// The third part of TriangleMesh: what a closed mesh encloses.
+/// The third part of TriangleMesh: what a closed mesh encloses, and what is nearest.
 
 namespace silt::inline SILT_TARGET {
 
@@ -68,6 +68,20 @@ inline double TriangleMesh::turns_by_solid_angle(const Vec3d& point) const {
                              la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
   }
   return half_angle / (2 * std::numbers::pi);
+}
+
+inline SurfacePoint TriangleMesh::nearest_point(const Vec3d& centre) const {
+  const Vec3d arm = centre - vertices_[triangles_.front().front()];
+  double reach = std::sqrt(dot(arm, arm)) * (1 + 1e-9) + 2 * tolerance_;
+  std::optional<Nearest> best;
+  tree_.for_each_nearer(centre, reach, [&](std::uint32_t t) {
+    const auto found = nearest(t, centre, reach + tolerance_);
+    if (!found || (best && !(found->point.distance < best->point.distance))) return;
+    best = found, reach = found->point.distance;
+  });
+  require(best.has_value(), "TriangleMesh: no triangle is nearest to ", centre,
+          " [m]; the place must be finite");
+  return best->point;
 }
 
 }  // namespace silt

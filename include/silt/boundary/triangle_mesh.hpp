@@ -68,6 +68,9 @@ class TriangleMesh {
     return found ? found->point.distance : far;
   }
 
+  /// Where the surface comes nearest to `centre`, however far that is.
+  SurfacePoint nearest_point(const Vec3d& centre) const;
+
   /// `candidates`: any numbers in ascending order that include all triangles with distance < reach.
   /// The feature of a contact is a triangle's number, or the number of triangles + an edge's, or
   /// those of triangles and edges + a vertex's.

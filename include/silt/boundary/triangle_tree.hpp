@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include <silt/core/box.hpp>
@@ -28,6 +29,29 @@ class TriangleTree {
   template <class Visit>
   void for_each_near(const Vec3d& point, double reach, Visit&& visit) const {
     for_each([&](const Box& box) { return squared_distance(box, point) <= reach * reach; }, visit);
+  }
+
+  /// The same, nearest boxes first, while `visit` may lower `reach`.
+  template <class Visit>
+  void for_each_nearer(const Vec3d& point, const double& reach, Visit&& visit) const {
+    struct Due {
+      std::uint32_t node;
+      double square;
+    };
+    std::vector<Due> due{{0, squared_distance(nodes_.front().box, point)}};
+    while (!due.empty()) {
+      const Due now = due.back();
+      due.pop_back();
+      if (now.square > reach * reach) continue;
+      const Node& node = nodes_[now.node];
+      for (auto k = node.first; k < node.last; ++k) visit(order_[k]);
+      if (node.first < node.last) continue;
+      const auto left = now.node + 1, right = nodes_[left].skip_to;
+      Due near{left, squared_distance(nodes_[left].box, point)},
+          far{right, squared_distance(nodes_[right].box, point)};
+      if (far.square < near.square) std::swap(near, far);
+      due.push_back(far), due.push_back(near);
+    }
   }
 
   /// Calls `visit(triangle)` for the triangles of every leaf whose box and all around it `meets`.

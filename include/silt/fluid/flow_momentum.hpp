@@ -13,8 +13,9 @@ inline void refuse_unstable(const FlowState& state, double dt, double courant) {
     throw Error(text("FlowSolver: the flow crosses ", courant, " cells in a step of ", dt,
                      " s; it must be at most 1: make the fluid's step shorter"));
   const Vec3d size = state.grid.h();
-  const double spread = state.fluid.viscosity / state.fluid.density * dt *
-                        (1 / (size.x * size.x) + 1 / (size.y * size.y) + 1 / (size.z * size.z));
+  const double squares = 1 / (size.x * size.x) + 1 / (size.y * size.y) + 1 / (size.z * size.z);
+  const double spread = state.fluid.viscosity / state.fluid.density * dt * squares +
+                        (state.turbulence ? dt * state.eddy_rate() : 0);
   if (spread > 0.45)
     throw Error(
         text("FlowSolver: viscosity spreads over mu dt / rho (1/hx^2 + "
@@ -83,6 +84,14 @@ inline void stage(FlowState& state, const Three& q, bool second, double dt, Thre
       const auto of_solids = [&](const auto& field) {
         return walled ? field(*state.solids)[c].row(j, k) : nullptr;
       };
+      const FlowTurbulence* const eddies = state.turbulence ? &*state.turbulence : nullptr;
+      const auto all = [&](int e) { return row(q[FlowState::at(e)]); };
+      const auto reached = [&](int e) {
+        return eddies ? row(eddies->open[FlowState::at(e)]) : nullptr;
+      };
+      const auto edges = [&](int e) {
+        return eddies ? row(eddies->edges[c][FlowState::at(e)]) : nullptr;
+      };
       const StageRow r{row(q[c]),
                        {row(state.carried[0]), row(state.carried[1]), row(state.carried[2])},
                        row(state.spread),
@@ -107,14 +116,20 @@ inline void stage(FlowState& state, const Three& q, bool second, double dt, Thre
                        of_solids([](const FlowSolids& s) -> const Three& { return s.drag; }),
                        of_solids([](const FlowSolids& s) -> const Three& { return s.push; }),
                        of_solids([](const FlowSolids& s) -> const Three& { return s.velocity; }),
+                       eddies ? row(eddies->eddy) : nullptr,
+                       {all(0), all(1), all(2)},
+                       {reached(0), reached(1), reached(2)},
+                       {edges(0), edges(1), edges(2)},
+                       eddies ? row(eddies->drag[c]) : nullptr,
+                       eddies ? row(eddies->push[c]) : nullptr,
                        out[c].row(j, k),
                        state.tendency[c].row(j, k),
                        state.weight[c].row(j, k),
                        state.stress.empty() ? nullptr : state.stress[c].row(j, k)};
-      if (walled)
-        stage_row<true>(r, from, to);
+      if (eddies)
+        walled ? stage_row<true, true>(r, from, to) : stage_row<false, true>(r, from, to);
       else
-        stage_row<false>(r, from, to);
+        walled ? stage_row<true, false>(r, from, to) : stage_row<false, false>(r, from, to);
     });
     state.fill_velocity(d, out[c]);
   }

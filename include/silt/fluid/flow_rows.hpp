@@ -52,6 +52,11 @@ struct StageRow {
   const double *u, *eps, *mass, *next_mass, *drag, *drag_v, *force, *pressure;
   // In a box with solids: whether faces are open, and walls' drag and velocity.
   const double *open, *wall_drag, *wall_push, *wall_velocity;
+  // In turbulence: eddy viscosity in cells [Pa s], velocities of all components and the faces that
+  // eddies reach, walls' drag beyond the laminar one.
+  const double* eddy;
+  const double *all[3], *reached[3], *edges[3];
+  const double *turbulent_drag, *turbulent_push;
   double *to, *tendency, *weight;
   double* stress;  // [N/m3] div tau, mean of the stages; null if nobody asks
 };
@@ -84,8 +89,38 @@ SILT_INLINE void explicit_terms(const StageRow& r, int i, Real& advection, Real&
   viscous = Real(r.viscosity) * (lap + squeeze);
 }
 
+/// div (mu_t (grad u + grad u')) of value i [N/m3].
+template <class Real>
+SILT_INLINE Real eddy_term(const StageRow& r, int i) {
+  const auto at = [&](const double* c, std::ptrdiff_t s) { return load_any<Real>(c + i + s); };
+  const auto q = [&](std::ptrdiff_t s) { return at(r.q, s); };
+  Real sum(0);
+  for (int e = 0; e < 3; ++e) {
+    const std::ptrdiff_t s = r.step[e];
+    const Real over(r.over_h[e]);
+    if (s == r.own) {
+      const auto pull = [&](std::ptrdiff_t low) {  // of the cell above value `low`
+        return Real(2) * at(r.eddy, low) * over * (q(low + s) - q(low));
+      };
+      sum += over * (at(r.reached[e], s) * pull(0) - at(r.reached[e], -s) * pull(-s));
+      continue;
+    }
+    const double *const v = r.all[e], *const of = r.reached[e];
+    const auto pull = [&](std::ptrdiff_t low) {  // of the edge between values `low` and next
+      const std::ptrdiff_t high = low + s, back = high - r.own;
+      const Real mu = Real(0.25) * ((at(r.eddy, low) + at(r.eddy, low - r.own)) +
+                                    (at(r.eddy, high) + at(r.eddy, back)));
+      const Real across = Real(r.over_own) * (at(v, high) - at(v, back));
+      return mu * at(r.edges[e], low) *
+             (over * (q(high) - q(low)) + at(of, high) * at(of, back) * across);
+    };
+    sum += over * (pull(0) - pull(-s));
+  }
+  return sum;
+}
+
 /// Values from ... to-1 of a stage: (4) of FlowSolver.
-template <bool Walled>
+template <bool Walled, bool Turbulent>
 SILT_ONE_COPY void stage_row(const StageRow& row, int from, int to) {
   const StageRow r = row;  // which no store changes
   for_row(from, to, [&]<class Real>(int i) {
@@ -97,6 +132,7 @@ SILT_ONE_COPY void stage_row(const StageRow& row, int from, int to) {
     const Real eps_f = r.averaged ? mean(r.eps) : Real(1);
     Real advection, viscous;
     explicit_terms<Real, Walled>(r, i, advection, viscous);
+    if constexpr (Turbulent) viscous += eddy_term<Real>(r, i);
     Real t = advection + eps_f * viscous;
     if (r.second)
       t = half * (at(r.tendency) + t);
@@ -109,6 +145,10 @@ SILT_ONE_COPY void stage_row(const StageRow& row, int from, int to) {
     if constexpr (Walled) {
       D += eps_f * at(r.wall_drag);
       driven += eps_f * at(r.wall_push);
+    }
+    if constexpr (Turbulent) {
+      D += eps_f * at(r.turbulent_drag);
+      driven += eps_f * at(r.turbulent_push);
     }
     const Real over_D = Real(1) / D;
     if (r.stress != nullptr)

@@ -75,6 +75,12 @@ class FlowSides {
     return open(direction, end) ||
            (!grid_.periodic(direction) && std::holds_alternative<Inflow>(at(direction, end).kind));
   }
+  /// The velocity [m/s] of the wall at a side; null if there is none.
+  const Vec3d* wall(int direction, int end) const {
+    if (grid_.periodic(direction)) return nullptr;
+    const auto* const found = std::get_if<NoSlip>(&at(direction, end).kind);
+    return found == nullptr ? nullptr : &found->velocity;
+  }
   /// First and last face of direction d whose velocity is unknown, and one more.
   int first(int d) const { return grid_.periodic(d) || open(d, 0) ? 0 : 1; }
   int last(int d) const {

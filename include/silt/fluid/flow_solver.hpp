@@ -75,6 +75,7 @@ class FlowSolver {
   /// periodic; a wall at rest unless set.
   void set_side(int direction, int end, const FlowSide& side) {
     s_.sides.set(direction, end, side);
+    if (s_.turbulence) s_.turbulence->ready = false;
   }
 
   /// What stands in the box: fluid is only where boundary.distance > 0.
@@ -82,7 +83,25 @@ class FlowSolver {
     require(static_cast<bool>(boundary.distance),
             "FlowBoundary.distance is not set; give the signed distance to the surface");
     s_.solids.emplace(grid(), boundary, s_.fluid.viscosity);
+    s_.boundary = boundary;
+    if (s_.turbulence) s_.turbulence->ready = false;
     s_.started = false;
+  }
+  /// Makes the flow a turbulent one, of Reynolds-averaged velocities. Costs nothing unless called.
+  void set_turbulence(const MixingLength& model) {
+    model.check();
+    require(s_.fluid.viscosity > 0,
+            "FlowSolver: turbulence at a wall needs FluidProperties.viscosity > 0");
+    s_.turbulence.emplace(grid(), model);
+  }
+  /// Of a turbulent flow, at the beginning of the last step: [Pa s] in cells, and y+ at walls.
+  const Field& eddy_viscosity() const {
+    check_turbulent();
+    return s_.turbulence->eddy;
+  }
+  WallUnits wall_units() const {
+    check_turbulent();
+    return s_.turbulence->walls;
   }
   /// 1 in cells that fluid can enter, 0 in others; null if all can.
   const Field* open_cells() const { return s_.solids ? &s_.solids->cells : nullptr; }
@@ -181,7 +200,8 @@ class FlowSolver {
                  squares = 1 / (h.x * h.x) + 1 / (h.y * h.y) + 1 / (h.z * h.z);
     const double by_flow = speeds > 0 ? 0.5 / speeds : std::numeric_limits<double>::infinity();
     const double nu = s_.fluid.viscosity / s_.fluid.density;
-    return std::min(by_flow, 0.35 / (nu * squares));
+    const double by_eddies = s_.turbulence ? s_.eddy_rate() : 0;
+    return std::min(by_flow, 0.35 / (nu * squares + by_eddies));
   }
 
   /// What a step goes on from, part by part: visit(name, span of doubles), which may change it.
@@ -200,6 +220,7 @@ class FlowSolver {
     for (int d = 0; d < 3 && !s_.stress.empty(); ++d)
       visit(text("fluid.stress", d), s_.stress[FlowState::at(d)].values());
     visit("fluid.last", std::span<double>(last));
+    if (s_.turbulence) visit("fluid.eddy", std::span<double>(&s_.turbulence->largest, 1));
     s_.started = last[0] != 0, s_.old_dt = last[1];
   }
 
@@ -207,6 +228,7 @@ class FlowSolver {
     require(std::isfinite(dt) && dt > 0, "FlowSolver: a step of ", dt, " s is none");
     if (!s_.started) start(team);
     FlowStep done;
+    s_.find_turbulence(team);
     done.courant = s_.courant(dt, team);
     fluid_detail::refuse_unstable(s_, dt, done.courant);
     s_.take_voidage();
@@ -225,6 +247,11 @@ class FlowSolver {
   }
 
  private:
+  void check_turbulent() const {
+    require(s_.turbulence.has_value(),
+            "FlowSolver: the flow is not turbulent; set_turbulence first");
+  }
+
   FlowState s_;
   std::unique_ptr<fluid_detail::FlowProjection> projection_;  // knows nothing between steps
 };

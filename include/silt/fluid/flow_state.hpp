@@ -13,6 +13,7 @@
 #include <silt/fluid/flow_rows.hpp>
 #include <silt/fluid/flow_sides.hpp>
 #include <silt/fluid/flow_solids.hpp>
+#include <silt/fluid/flow_turbulence.hpp>
 #include <silt/fluid/grid.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -97,6 +98,19 @@ struct FlowState {
             u(f[0], f[1], f[2]) = solids->velocity[at(d)](f[0], f[1], f[2]);
         }
   }
+  /// Eddy viscosity and walls' shear, if the flow is turbulent.
+  void find_turbulence(const Team& team) {
+    if (!turbulence) return;
+    if (!turbulence->ready)
+      turbulence->prepare(grid, sides, boundary ? &*boundary : nullptr, solids ? &*solids : nullptr,
+                          fluid.viscosity);
+    turbulence->find(grid, sides, velocity, fluid.density, fluid.viscosity, team);
+  }
+  /// 1/s, of explicit steps: eddies act twice along a component's own direction.
+  double eddy_rate() const {
+    const double x = 1 / (h(0) * h(0)), y = 1 / (h(1) * h(1)), z = 1 / (h(2) * h(2));
+    return turbulence->largest / fluid.density * (x + y + z + std::max({x, y, z}));
+  }
   bool beside_solids(int i, int j, int k) const {
     if (!solids) return false;
     for (int d = 0; d < 3; ++d) {
@@ -173,6 +187,8 @@ struct FlowState {
   FlowOptions options;
   FlowSides sides;
   std::optional<FlowSolids> solids;
+  std::optional<FlowBoundary> boundary;
+  std::optional<FlowTurbulence> turbulence;
   bool started = false;
   double old_dt = 0;                                            // [s] of the last step; 0: none
   Three velocity = three(), first = three(), next = three();    // [m/s] u, after a stage, u*

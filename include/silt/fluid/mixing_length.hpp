@@ -1,0 +1,81 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include <silt/core/error.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// Velocity over a smooth wall, from it through the viscous layer into the logarithmic one:
+///
+///   y+ = u+ + exp(-kappa B) (exp(kappa u+) - 1 - kappa u+ - (kappa u+)^2/2 - (kappa u+)^3/6)   (1)
+///   nu_t / nu = dy+/du+ - 1                                                                    (2)
+///
+/// u+ = u/u*, y+ = u* y/nu, u* = sqrt(tau_wall/rho).
+/// Source: D. B. Spalding, J. Appl. Mech. 28 (1961) 455; kappa and B as in the law of friction of
+///   smooth pipes (H. Schlichting, Boundary-Layer Theory, 7th ed., 1979, ch. XX).
+/// Valid:  walls without roughness, flows along them that nothing holds up: not where they
+/// separate. Tests:  tests/fluid/turbulence.cpp
+struct WallLaw {
+  static constexpr double kappa = 0.4, B = 5.5;
+
+  static double y_plus(double u_plus) {
+    const double k = kappa * u_plus;
+    return u_plus + lift() * (std::exp(k) - 1 - k - k * k / 2 - k * k * k / 6);
+  }
+  /// [-] eddy viscosity over the fluid's.
+  static double eddy(double u_plus) {
+    const double k = kappa * u_plus;
+    return kappa * lift() * (std::exp(k) - 1 - k - k * k / 2);
+  }
+  /// u+ at a place with u y / nu = u+ y+ = `reynolds`.
+  static double u_plus(double reynolds) {
+    if (!(reynolds > 0)) return 0;
+    // From above, where the product is convex.
+    double u = std::min(std::sqrt(reynolds), std::log(1 + reynolds) / kappa + B);
+    for (int n = 0; n < 50; ++n) {
+      const double y = y_plus(u);
+      const double change = (u * y - reynolds) / (y + u * (1 + eddy(u)));
+      u -= change;
+      if (std::abs(change) < 1e-10 * u) break;
+    }
+    return u;
+  }
+
+ private:
+  static double lift() {
+    static const double value = std::exp(-kappa * B);
+    return value;
+  }
+};
+
+/// Turbulence by Prandtl's mixing length, as measured in pipes and between plates:
+///
+///   mu_t = rho l^2 |S|,  |S| = sqrt(2 S:S)                                                     (1)
+///   l/R = (0.14 - 0.08 (1 - y/R)^2 - 0.06 (1 - y/R)^4) (1 - exp(-y+/26))                       (2)
+///
+/// y is the distance from the nearest wall, y+ = y sqrt(tau/rho)/nu with the local shear stress.
+/// With it the momentum equations have tau + mu_t (grad u + grad u'); in cells beside walls mu_t is
+/// that of WallLaw, and so is the shear that walls exert on what flows along them, whose first cell
+/// may be in the viscous layer or in the logarithmic one.
+///
+/// Source: J. Nikuradse, VDI-Forschungsheft 356 (1932), and H. Schlichting, Boundary-Layer Theory,
+///   7th ed., 1979, eq. (20.18) (length); E. R. van Driest, J. Aeronaut. Sci. 23 (1956) 1007.
+/// Valid:  flows along walls. Behind bends and steps it lets flow separate too far; grains do not
+///   change it. Least sure where y+ of the first cells is below some 40 (FlowSolver::wall_units()):
+///   there friction is up to 17 % too high.
+/// Tests:  tests/fluid/turbulence.cpp
+struct MixingLength {
+  double half_width = 0;  // [m] R: radius of the pipe, half the distance of the plates
+
+  void check() const { require_positive("MixingLength.half_width", half_width, "m"); }
+  double length(double y) const {  // [m]
+    const double r = 1 - std::clamp(y / half_width, 0.0, 1.0), r2 = r * r;
+    return half_width * (0.14 - 0.08 * r2 - 0.06 * r2 * r2);
+  }
+  static double damping(double y_plus) { return 1 - std::exp(-y_plus / 26); }
+};
+
+}  // namespace silt
