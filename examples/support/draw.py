@@ -5,6 +5,7 @@
   draw.py spheres early.vtp late.vtp --out flow.png --colour velocity --view front --cut y=0.05
   draw.py spheres surfaces.vtp --out shapes.png --colour form
   draw.py curves energy.csv --x time --y kinetic,potential --out energy.png
+  draw.py cells early.csv late.csv --value voidage --out voidage.png
 
 Needs numpy and matplotlib (Debian: apt-get install python3-numpy python3-matplotlib).
 A wrong argument or file ends in one sentence on stderr and exit status 2.
@@ -649,6 +650,51 @@ def draw_curves(options):
     save(figure, options.out)
 
 
+# ------------------------------------------------------------------------------------ cells
+
+
+def read_cells(path, wanted):
+    """Name and values of a field on the cells of a plane, upwards and across, and its bounds."""
+    names, rows = read_csv(path)
+    name = find_name(wanted, names, "column", path)
+    x, y = np.unique(rows[:, 0]), np.unique(rows[:, 1])
+    if len(x) < 2 or len(y) < 2 or len(x) * len(y) != len(rows):
+        raise Refusal(f"file '{path}' has {len(rows)} rows for {len(x)} x {len(y)} places in its "
+                      "first two columns; it must have one for each cell of a rectangle")
+    values = np.empty((len(y), len(x)))
+    values[np.searchsorted(y, rows[:, 1]), np.searchsorted(x, rows[:, 0])] = \
+        rows[:, names.index(name)]
+    dx, dy = (x[1] - x[0]) / 2, (y[1] - y[0]) / 2
+    return name, values, (x[0] - dx, x[-1] + dx, y[0] - dy, y[-1] + dy)
+
+
+def draw_cells(options):
+    titles = options.title or [os.path.splitext(os.path.basename(f))[0] for f in options.files]
+    if len(titles) != len(options.files):
+        raise Refusal(f"there are {len(titles)} titles for {len(options.files)} files; give one a file")
+    fields = [read_cells(path, options.value) for path in options.files]
+    bounds = fields[0][2]
+    low, high = (parse_numbers("--range", options.range, 2) if options.range else
+                 (min(f[1].min() for f in fields), max(f[1].max() for f in fields)))
+    norm = Normalize(low, high if high > low else low + (abs(low) or 1))
+    sheet = Sheet(len(fields), (bounds[1] - bounds[0]) / (bounds[3] - bounds[2]))
+    figure = plt.figure(figsize=(sheet.width, sheet.height))
+    for k, ((_, values, extent), title) in enumerate(zip(fields, titles)):
+        panel = figure.add_axes(sheet.panel(k))
+        panel.imshow(values, origin="lower", extent=extent, norm=norm, cmap=COLOUR_MAP,
+                     interpolation="nearest", aspect="auto")
+        panel.set(xticks=[], yticks=[])
+        letters = max(6, int(sheet.panel_width * 72 / (0.55 * 12)))  # that fit over a panel
+        panel.set_title(textwrap.fill(title, letters), fontsize=12, pad=6)
+    draw_scale_bar(figure, sheet, bounds[1] - bounds[0])
+    width = min(4.0, sheet.width - 2.6)
+    bar = figure.colorbar(ScalarMappable(norm, COLOUR_MAP), orientation="horizontal",
+                          cax=figure.add_axes(sheet.box(max((sheet.width - width) / 2, 2.2), 0.50,
+                                                        width, 0.14)))
+    bar.set_label(fields[0][0], fontsize=11)
+    save(figure, options.out)
+
+
 # --------------------------------------------------------------------------------- commands
 
 
@@ -659,7 +705,7 @@ class Parser(argparse.ArgumentParser):
 
 def parse(arguments):
     parser = Parser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    commands = parser.add_subparsers(required=True, metavar="spheres|curves")
+    commands = parser.add_subparsers(required=True, metavar="spheres|curves|cells")
     spheres = commands.add_parser("spheres", help="shaded spheres, or bodies by their surfaces, several files side by side")
     spheres.add_argument("files", nargs="+", metavar="FILE.vtp", help="points with a field 'radius', or triangles")
     spheres.add_argument("--out", required=True, metavar="PNG")
@@ -687,6 +733,14 @@ def parse(arguments):
     curves.add_argument("--out", required=True, metavar="PNG")
     curves.add_argument("--title")
     curves.set_defaults(draw=draw_curves)
+    cells = commands.add_parser("cells", help="a field on the cells of a plane, several tables side by side")
+    cells.add_argument("files", nargs="+", metavar="FILE.csv",
+                       help="a row a cell: its middle across and upwards [m], then fields")
+    cells.add_argument("--value", required=True, metavar="COLUMN", help="with or without its unit")
+    cells.add_argument("--range", metavar="LOW,HIGH", help="values at the ends of the colour bar")
+    cells.add_argument("--title", nargs="+", metavar="T", help="a caption for each file")
+    cells.add_argument("--out", required=True, metavar="PNG")
+    cells.set_defaults(draw=draw_cells)
     # Values such as -0.1,0.1,0,1 begin like an option: join them to theirs.
     joined = []
     for argument in arguments:
