@@ -119,6 +119,11 @@ class CoupledFlow {
     check(particles, force.size(), torque.size());
     make_averaging(particles);
     CoupledStep done;
+    if (!averaging_) {  // there has been no particle yet
+      done.flow = flow_.step(dt, team);
+      time_ += dt, ++count_, last_dt_ = dt, last_ = done;
+      return done;
+    }
     averaging_->place(particles.shape, team);
     done.averaging = averaging_->report();
     spread_volume(particles, done, team);

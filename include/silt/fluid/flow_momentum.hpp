@@ -126,6 +126,16 @@ inline void stage(FlowState& state, const Three& q, bool second, double dt, Thre
                        state.tendency[c].row(j, k),
                        state.weight[c].row(j, k),
                        state.stress.empty() ? nullptr : state.stress[c].row(j, k)};
+      if (walled) {  // most of a box around a pipe is in solids
+        const auto open = state.solids->span(d, j, k);
+        const int all_to = to;
+        constexpr int width = static_cast<int>(Lanes<DefaultArch>::width);
+        const auto packs = [&](int i) { return from + (std::max(0, i - from) / width) * width; };
+        const int first = std::min(packs(open.from), to),
+                  end = std::max(first, std::min(packs(open.to + width - 1), to));
+        leave_closed(r, from, first), leave_closed(r, end, all_to);
+        from = first, to = end;
+      }
       if (eddies)
         walled ? stage_row<true, true>(r, from, to) : stage_row<false, true>(r, from, to);
       else

@@ -164,4 +164,13 @@ SILT_ONE_COPY void stage_row(const StageRow& row, int from, int to) {
   });
 }
 
+/// Values from ... to-1 of a stage, all of them in solids.
+inline void leave_closed(const StageRow& r, int from, int to) {
+  for (int i = from; i < to; ++i) {
+    r.to[i] = r.wall_velocity[i];
+    if (r.second) r.weight[i] = 0;
+    if (r.stress != nullptr) r.stress[i] = 0;
+  }
+}
+
 }  // namespace silt::fluid_detail

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <vector>
 
 #include <silt/core/error.hpp>
 #include <silt/fluid/grid.hpp>
@@ -41,7 +42,7 @@ struct FlowSolids {
         push{Field(grid), Field(grid), Field(grid)},
         velocity{Field(grid), Field(grid), Field(grid)},
         cells(grid) {
-    for (int d = 0; d < 3; ++d) set(grid, boundary, viscosity, d);
+    for (int d = 0; d < 3; ++d) set(grid, boundary, viscosity, d), find_spans(grid, d);
     for (int k = 0; k < grid.nz(); ++k)
       for (int j = 0; j < grid.ny(); ++j)
         for (int i = 0; i < grid.nx(); ++i)
@@ -59,7 +60,36 @@ struct FlowSolids {
   Three velocity;  // [m/s] of the solid, in closed faces
   Field cells;     // [-] 1 with open faces, 0 without
 
+  /// Values `from` ... `to`-1 of a row of faces, of which all others are in solids, as are those
+  /// next to them.
+  struct Span {
+    int from = 0, to = 0;
+  };
+  Span span(int d, int j, int k) const {
+    return spans_[static_cast<std::size_t>(d)]
+                 [static_cast<std::size_t>(k) * rows_ + static_cast<std::size_t>(j)];
+  }
+
  private:
+  void find_spans(const Grid& grid, int d) {
+    const auto& n = grid.cells();
+    const auto c = static_cast<std::size_t>(d);
+    rows_ = static_cast<std::size_t>(n[1] + 1);
+    spans_[c].assign(rows_ * static_cast<std::size_t>(n[2] + 1), {});
+    for (int k = 0; k <= n[2]; ++k)
+      for (int j = 0; j <= n[1]; ++j) {
+        Span& to = spans_[c][static_cast<std::size_t>(k) * rows_ + static_cast<std::size_t>(j)];
+        to = {n[0] + 1, 0};
+        for (int z = k - 1; z <= k + 1; ++z)
+          for (int y = j - 1; y <= j + 1; ++y)
+            for (int i = -1; i <= n[0] + 1; ++i)
+              if (open[c](i, y, z) != 0)
+                to.from = std::min(to.from, i - 1), to.to = std::max(to.to, i + 2);
+      }
+  }
+  std::array<std::vector<Span>, 3> spans_;
+  std::size_t rows_ = 0;
+
   void set(const Grid& grid, const FlowBoundary& boundary, double viscosity, int d) {
     constexpr int g = Grid::ghost;
     const auto& n = grid.cells();
