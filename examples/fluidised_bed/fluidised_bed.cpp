@@ -393,7 +393,7 @@ int main(int argc, char** argv) {
     if (command.options.quick) {
       if (!command.given("--particles")) scene.particles = 1000;
       if (!command.given("--blowing")) scene.blowing = 0.3;
-      if (!command.given("--step")) scene.step = 0.15;
+      if (!command.given("--step")) scene.step = scene.shape == "sphere" ? 0.15 : 0.1;
       scene.across = 4, scene.relaxing = 0.06, scene.averaging = 0.03;
       scene.high = 40;
     } else {

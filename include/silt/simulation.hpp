@@ -90,7 +90,8 @@ class Simulation {
   static constexpr bool has_ledger = detail::count<detail::IsLedger, Policies...> > 0;
   static constexpr bool rotates = ContactsType::rotates || has_bodies;
   static constexpr detail::FromFluid from_fluid = detail::loads_of_fluid<Fluid>;
-  static_assert(rotates || from_fluid != detail::FromFluid::ForceAndTorque,
+  static constexpr bool turned_by_fluid = from_fluid == detail::FromFluid::ForceAndTorque;
+  static_assert(rotates || !turned_by_fluid,
                 "a force of the fluid has a torque, but these spheres do not rotate: take a "
                 "contact law with friction, or leave that force out");
   using BooksOrNot = std::conditional_t<has_ledger, detail::WithLedger<ContactsType>, ContactsType>;

@@ -78,7 +78,7 @@ void Simulation<Policies...>::renew_fluid() {
       const double inv_m = std::isfinite(p.mass[n]) ? 1 / p.mass[n] : 0;
       loads.force[k] = Row::of(p.force[n]);
       loads.unforced[k] = Row::of(p.velocity[n] + (span * inv_m) * p.force[n]);
-      if constexpr (loads.turns) loads.torque[k] = Row::of(p.torque[n]);
+      if constexpr (turned_by_fluid) loads.torque[k] = Row::of(p.torque[n]);
     }
   });
 }
@@ -91,7 +91,7 @@ double Simulation<Policies...>::gather_for_fluid() {
   p.place.clear();
   for (std::size_t k = 0; k < rows(); ++k)
     if (is_present(k)) p.place.push_back(k);
-  p.resize(p.place.size(), has_bodies, loads.turns);
+  p.resize(p.place.size(), has_bodies, turned_by_fluid);
   if constexpr (has_bodies)
     while (p.forms.size() < engine_.mover.forms.size())
       p.add_form(engine_.mover.forms[p.forms.size()].shape);
@@ -106,12 +106,12 @@ double Simulation<Policies...>::gather_for_fluid() {
         p.volume[n] = forms()[b.form].mass.volume * b.scale * b.scale * b.scale;
         p.radius[n] = std::cbrt(p.volume[n] * (0.75 / std::numbers::pi));
         p.velocity[n] = b.velocity, p.orientation[n] = b.orientation, p.form[n] = b.form;
-        if constexpr (loads.turns) p.spin[n] = b.angular_velocity(b.momentum);
+        if constexpr (turned_by_fluid) p.spin[n] = b.angular_velocity(b.momentum);
       } else {
         const auto& m = engine_.particles.motion[k];
         p.radius[n] = radius(k), p.volume[n] = ShapeType::volume(radius(k));
         p.velocity[n] = m.velocity();
-        if constexpr (loads.turns) p.spin[n] = m.spin_velocity() * m.inv_r;
+        if constexpr (turned_by_fluid) p.spin[n] = m.spin_velocity() * m.inv_r;
       }
       // What has acted besides the fluid since it was asked, on average.
       const Vec3d unforced = loads.unforced[k].vector();
@@ -141,7 +141,7 @@ double Simulation<Policies...>::power_of_fluid() const {
         if constexpr (rotates) w = m.spin_velocity() * m.inv_r;
       }
       power += dot(loads.force[k].vector(), v);
-      if constexpr (loads.turns) power += dot(loads.torque[k].vector(), w);
+      if constexpr (turned_by_fluid) power += dot(loads.torque[k].vector(), w);
     }
   }
   return power;
