@@ -234,4 +234,13 @@ TEST_CASE("particles beyond the flow's grid feel no fluid") {
   CHECK(norm(sim.fluid_force(above)) == 0);
   CHECK(sim.velocity(above).z == doctest::Approx(-9.81 * 0.01).epsilon(1e-9));
   CHECK(sim.fluid_force(below).z > 0);
+  // A centre that has left by less than the radius, as overlaps with walls let it, is still there.
+  for (const double out : {0.1e-3, 0.4e-3}) {
+    const Vec3d seen = sim.fluid().at_the_side({8e-3 + out, 4e-3, -out}, 5e-4);
+    CHECK(seen.x < 8e-3);
+    CHECK(seen.x > 8e-3 - 1e-9);
+    CHECK(seen.y == 4e-3);
+    CHECK(seen.z > 0);
+  }
+  CHECK(sim.fluid().at_the_side({8e-3 + 6e-4, 4e-3, 4e-3}, 5e-4).x == 8e-3 + 6e-4);
 }

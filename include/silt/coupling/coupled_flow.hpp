@@ -169,6 +169,19 @@ class CoupledFlow {
     if (clock[3] > 0) diameter = clock[3];
     if constexpr (has_added_mass) cells_.for_each_state(flow_.grid(), visit);
   }
+  /// Where a particle is for the fluid: its centre, or, if that has left the grid by less than its
+  /// radius, as a contact with a wall at the side lets it, the place at the side.
+  Vec3d at_the_side(const Vec3d& centre, double radius) const {
+    const Grid& g = flow_.grid();
+    const auto inside = [&](double x, double low, double high, int d) {
+      if (g.periodic(d) || x < low - radius || x > high + radius) return x;
+      const double margin = 1e-9 * (high - low);
+      return std::clamp(x, low + margin, high - margin);
+    };
+    const Vec3d &a = g.box().min, &b = g.box().max;
+    return {inside(centre.x, a.x, b.x, 0), inside(centre.y, a.y, b.y, 1),
+            inside(centre.z, a.z, b.z, 2)};
+  }
   void start_at(double time) { time_ = time; }
   double last_step_length() const { return last_dt_; }  // [s] 0: none yet
   using Particles = detail::ParticlesInFluid;

@@ -100,7 +100,7 @@ double Simulation<Policies...>::gather_for_fluid() {
   engine_.team().for_ranges(p.place.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
     for (std::size_t n = from; n < to; ++n) {
       const std::size_t k = p.place[n];
-      p.position[n] = position(k), p.mass[n] = mass(k);
+      p.position[n] = fluid_.at_the_side(position(k), radius(k)), p.mass[n] = mass(k);
       if constexpr (has_bodies) {
         const auto& b = bodies()[k];
         p.volume[n] = forms()[b.form].mass.volume * b.scale * b.scale * b.scale;
