@@ -78,7 +78,8 @@ void Simulation<Policies...>::renew_fluid() {
       const double inv_m = std::isfinite(p.mass[n]) ? 1 / p.mass[n] : 0;
       loads.force[k] = Row::of(p.force[n]);
       loads.unforced[k] = Row::of(p.velocity[n] + (span * inv_m) * p.force[n]);
-      if constexpr (loads.turns) loads.torque[k] = Row::of(p.torque[n]);
+      if constexpr (from_fluid == detail::FromFluid::ForceAndTorque)
+        loads.torque[k] = Row::of(p.torque[n]);
     }
   });
 }
@@ -106,12 +107,14 @@ double Simulation<Policies...>::gather_for_fluid() {
         p.volume[n] = forms()[b.form].mass.volume * b.scale * b.scale * b.scale;
         p.radius[n] = std::cbrt(p.volume[n] * (0.75 / std::numbers::pi));
         p.velocity[n] = b.velocity, p.orientation[n] = b.orientation, p.form[n] = b.form;
-        if constexpr (loads.turns) p.spin[n] = b.angular_velocity(b.momentum);
+        if constexpr (from_fluid == detail::FromFluid::ForceAndTorque)
+          p.spin[n] = b.angular_velocity(b.momentum);
       } else {
         const auto& m = engine_.particles.motion[k];
         p.radius[n] = radius(k), p.volume[n] = ShapeType::volume(radius(k));
         p.velocity[n] = m.velocity();
-        if constexpr (loads.turns) p.spin[n] = m.spin_velocity() * m.inv_r;
+        if constexpr (from_fluid == detail::FromFluid::ForceAndTorque)
+          p.spin[n] = m.spin_velocity() * m.inv_r;
       }
       // What has acted besides the fluid since it was asked, on average.
       const Vec3d unforced = loads.unforced[k].vector();
@@ -141,7 +144,8 @@ double Simulation<Policies...>::power_of_fluid() const {
         if constexpr (rotates) w = m.spin_velocity() * m.inv_r;
       }
       power += dot(loads.force[k].vector(), v);
-      if constexpr (loads.turns) power += dot(loads.torque[k].vector(), w);
+      if constexpr (from_fluid == detail::FromFluid::ForceAndTorque)
+        power += dot(loads.torque[k].vector(), w);
     }
   }
   return power;
