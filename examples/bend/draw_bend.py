@@ -34,18 +34,18 @@ def rope(axes, path, case, title, most):
     points, fields, _ = read_vtp(path)
     speed = np.linalg.norm(fields["velocity"], axis=1)
     x, y = points[:, 0] / D, points[:, 1] / D
-    across, up = (y, x) if case == "vh" else (x, y)
+    across, up = (x, y) if case == "hv" else (y, x)
     shown = axes.scatter(across, up, c=speed, s=3, lw=0, cmap=COLOUR_MAP, vmin=0, vmax=most)
     t = np.linspace(0, np.pi / 2, 40)
     for side in (-0.5, 0.5):
         r = 1 + side
         wall_x = np.concatenate(([x.min()], -0 + r * np.sin(t), [1 + side]))
         wall_y = np.concatenate(([-side], 1 - r * np.cos(t), [y.max()]))
-        a, b = (wall_y, wall_x) if case == "vh" else (wall_x, wall_y)
+        a, b = (wall_x, wall_y) if case == "hv" else (wall_y, wall_x)
         axes.plot(a, b, color="0.3", lw=0.8)
     axes.set(aspect="equal", title=title)
-    axes.set_xlabel(("y" if case == "vh" else "x") + "/D")
-    axes.set_ylabel(("x" if case == "vh" else "y") + "/D")
+    axes.set_xlabel(("x" if case == "hv" else "y") + "/D")
+    axes.set_ylabel(("y" if case == "hv" else "x") + "/D")
     return shown
 
 
@@ -105,13 +105,18 @@ def main(folder, case):
     across, speeds, points = (table(f"{folder}/{name}.csv") for name in ("across", "along", "points"))
     last = int(across[:, 1].max())
     sections = [at for at in SECTIONS[case] if at <= last] or [last]
-    figure = plt.figure(figsize=(11, 8.2), constrained_layout=True)
-    upper, lower = figure.subfigures(2, 1, height_ratios=(1.25, 1))
+    tall = case == "hv"
+    figure = plt.figure(figsize=(10.5, 7.5) if tall else (12, 7), constrained_layout=True)
+    if tall:
+        upper, lower = figure.subfigures(1, 2, width_ratios=(1.2, 1))
+    else:
+        upper, lower = figure.subfigures(2, 1, height_ratios=(1, 1.2))
     pictures = upper.subplots(1, 2, sharey=True)
-    most = 10 if speeds[:, 1:].max() < 10 else np.ceil(speeds[:, 1:].max())
+    most = max(8, np.ceil(np.nanmax(speeds[:, 1:])))
     for m, model in enumerate(MODELS):
         shown = rope(pictures[m], f"{folder}/{model}.vtp", case, f"{model} model", most)
-    upper.colorbar(shown, ax=pictures, label="speed of the particles [m/s]", shrink=0.8)
+    upper.colorbar(shown, ax=pictures, label="speed of the particles [m/s]", shrink=0.7,
+                   location="bottom")
     figure.suptitle("A bend " + TITLE[case])
     if case == "hh":
         left, right = lower.subfigures(1, 2, width_ratios=(1.3, 1))
@@ -123,7 +128,7 @@ def main(folder, case):
                       fontsize=9)
         along(right.subplots(), speeds)
     else:
-        charts = lower.subplots(1, 3)
+        charts = lower.subplots(3, 1) if tall else lower.subplots(1, 3)
         distribution(charts[0], across, sections)
         profile(charts[1], across)
         along(charts[2], speeds)

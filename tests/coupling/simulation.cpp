@@ -1,5 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -243,4 +244,34 @@ TEST_CASE("particles beyond the flow's grid feel no fluid") {
     CHECK(seen.z > 0);
   }
   CHECK(sim.fluid().at_the_side({8e-3 + 6e-4, 4e-3, 4e-3}, 5e-4).x == 8e-3 + 6e-4);
+}
+
+TEST_CASE("a pipe that is a wall of both, empty before its inlet opens") {
+  const double D = 0.02, h = D / 5, length = 0.06;
+  FlowSolver flow(Grid({{0, -0.7 * D, -0.7 * D}, {length, 0.7 * D, 0.7 * D}}, {15, 7, 7}),
+                  {1.2, 1.8e-5});
+  flow.set_side(0, 0, silt::Inflow{{2, 0, 0}});
+  flow.set_side(0, 1, silt::Outflow{});
+  Simulation sim{Particles<Sphere>{}, Contacts<HertzMindlin>{glass},
+                 CoupledFlow{silt::DiFelice{}, silt::Kernel{}, flow}};
+  sim.add_wall(silt::Cylinder{{-3 * h, 0, 0}, {length + 3 * h, 0, 0}, D / 2, silt::Side::Inside},
+               glass);
+  sim.fluid().flow().set_boundary(silt::boundary_of_walls(sim));
+  sim.time_step = 2e-5;
+  sim.run(1e-4);
+  CHECK(sim.fluid().fluid_steps() > 0);
+  sim.add_inlet(silt::CylinderRegion{{0, 0, 0}, {0.01, 0, 0}, D / 2},
+                {.radius = silt::uniform(0.5e-3, 0.6e-3),
+                 .density = 1000,
+                 .rate = 3000,
+                 .velocity = {0.5, 0, 0}});
+  sim.run(5e-3);
+  CHECK(sim.size() >= 10);
+  double fastest = 0;
+  for (std::size_t k = 0; k < sim.rows(); ++k) fastest = std::max(fastest, sim.velocity(k).x);
+  CHECK(fastest > 0.5);  // the air carries them
+  const auto& air = sim.fluid().flow();
+  // Air comes in by the open faces of its side; grains take some room from step to step.
+  CHECK(air.flow_rate(0, 15) == doctest::Approx(air.flow_rate(0, 0)).epsilon(0.01));
+  CHECK(air.flow_rate(0, 0) == doctest::Approx(2 * std::numbers::pi / 4 * D * D).epsilon(0.25));
 }

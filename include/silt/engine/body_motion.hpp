@@ -283,7 +283,7 @@ class BodyMotion {
       Real load[8];
       gather_columns<Arch, 2>(at, load);
       for (const Body& body : pack) std::fill_n(scene.sums + load_of(body), 4 * chunks, 0.0);
-      if constexpr (fluid.any) add_fluid(pack, load);
+      if constexpr (decltype(fluid)::any) add_fluid(pack, load);
       const auto free = inv_m > zero;
       const Real kick_time(kick->time);
       const V g{Real(kick->gravity.x), Real(kick->gravity.y), Real(kick->gravity.z)};
@@ -353,7 +353,7 @@ class BodyMotion {
       for (std::size_t c = 0; c < 3; ++c) load[to + c] += more[c];
     };
     add(fluid.force, 0);
-    if constexpr (fluid.turns) add(fluid.torque, 4);
+    if constexpr (decltype(fluid)::turns) add(fluid.torque, 4);
   }
   /// The row of a body of one part, and the place of its load.
   std::size_t row_of(const Body& b) const { return rows[b.first]; }
@@ -407,8 +407,8 @@ class BodyMotion {
     }
     if (b.inv_m == 0) return;
     const auto k = static_cast<std::size_t>(&b - bodies.data());
-    if constexpr (fluid.any) force += fluid.force[k].vector();
-    if constexpr (fluid.turns) torque += fluid.torque[k].vector();
+    if constexpr (decltype(fluid)::any) force += fluid.force[k].vector();
+    if constexpr (decltype(fluid)::turns) torque += fluid.torque[k].vector();
     b.velocity += kick.time * (b.inv_m * force + kick.gravity);
     Rotation::kick(b.momentum, axes.to_body(torque), b.inertia, kick.time);
   }
