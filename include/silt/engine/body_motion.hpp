@@ -11,6 +11,7 @@
 
 #include <silt/engine/body.hpp>
 #include <silt/engine/convex_rows.hpp>
+#include <silt/engine/fluid_loads.hpp>
 #include <silt/engine/sphere_motion.hpp>
 #include <silt/fill/bodies.hpp>
 #include <silt/motion/rotation.hpp>

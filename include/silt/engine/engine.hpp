@@ -13,6 +13,7 @@
 #include <silt/engine/body_motion.hpp>
 #include <silt/engine/convex_pairs.hpp>
 #include <silt/engine/convex_walls.hpp>
+#include <silt/engine/fluid_loads.hpp>
 #include <silt/engine/near_lists.hpp>
 #include <silt/engine/pair_pipeline.hpp>
 #include <silt/engine/particle_state.hpp>

@@ -10,6 +10,7 @@
 
 #include <silt/core/row4.hpp>
 #include <silt/core/threads.hpp>
+#include <silt/engine/fluid_loads.hpp>
 #include <silt/engine/load_rows.hpp>
 #include <silt/engine/rows.hpp>
 #include <silt/motion/gear.hpp>
