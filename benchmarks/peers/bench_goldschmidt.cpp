@@ -79,6 +79,7 @@ auto bed(silt::Particles<silt::Sphere> spheres, const Mode& mode, double modulus
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, wall);
   sim.add_wall(silt::Plane{{0, -half, 0}, {0, 1, 0}}, wall);
   sim.add_wall(silt::Plane{{0, half, 0}, {0, -1, 0}}, wall);
+  sim.add_wall(silt::Plane{{0, 0, high}, {0, 0, -1}}, wall);  // the lattice splashes
   // Planes of symmetry there, which spheres' centres may reach.
   sim.add_wall(silt::Plane{{-deep - diameter / 2, 0, 0}, {1, 0, 0}}, mirror);
   sim.add_wall(silt::Plane{{deep + diameter / 2, 0, 0}, {-1, 0, 0}}, mirror);

@@ -13,12 +13,23 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
+/// What the ledger wants to know of a step besides the work of each force.
+struct LedgerAsks {
+  /// Steps in one of which damping and friction of tangential forces are told apart, for all. Their
+  /// sum, and so the residual, is known of each step.
+  static constexpr int split_every = 4;
+
+  bool stored;  // what contacts store now
+  bool split;   // which part of the tangential force is its dashpot
+};
+
 /// The energy of contacts: of one, or a sum over many.
 template <class Real>
 struct ContactEnergy {
   Real normal, tangential, rolling;  // [J] stored now in springs, where that was asked for
   // Work on the bodies since the last step [J]: of what is no spring along the normal; of the
-  // tangential force, and of its dashpot; of the couple; half of what the normal force moved.
+  // tangential force, and of its dashpot, where that was asked for; of the couple; half of what the
+  // normal force moved.
   Real dashpot, shear, shear_dashpot, couple, turned_over;
 
   template <class Other>
@@ -31,7 +42,7 @@ struct ContactEnergy {
   /// From sums of forces times velocities [W], as the kernel has them, to work.
   void worked(const Real& half_time) {
     dashpot *= half_time, shear *= half_time, couple *= half_time, turned_over *= half_time;
-    shear_dashpot *= Real(2) * half_time;
+    shear_dashpot *= Real(2 * LedgerAsks::split_every) * half_time;
   }
   static std::array<Real, 8> values(const ContactEnergy& e) {
     return std::bit_cast<std::array<Real, 8>>(e);

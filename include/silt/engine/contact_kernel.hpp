@@ -214,11 +214,11 @@ struct ContactKernel {
   }
 
   /// `history`: one pointer a component, at this pack; lanes out of contact are set to zero.
-  /// `with_stored`: the ledger wants to know what is stored now. `share` [-] of its force that the
-  /// contact gives (SharedContacts).
+  /// `ask`: what the ledger wants to know of this step. `share` [-] of its force that the contact
+  /// gives (SharedContacts).
   static SILT_INLINE PairLoad<Real> load(
       const Kinematics<Real>& k, const RollingKinematics<Real>& r, const Radii<Real>& radii,
-      const Real& time_step, const Real& lag, [[maybe_unused]] bool with_stored,
+      const Real& time_step, const Real& lag, [[maybe_unused]] const LedgerAsks& ask,
       const LawCoefficients& law, [[maybe_unused]] const RollingCoefficients& rolling,
       ScalarOf<Real>* const* history, [[maybe_unused]] RunningTally<ContactsType, Real>& tally,
       [[maybe_unused]] const Real& share) {
@@ -257,7 +257,7 @@ struct ContactKernel {
       Vec3<Real> tangential{zero, zero, zero};
       if constexpr (is_frictional<Law>)
         tangential = select(touching, answer.tangential, tangential);
-      books.add(c, law, h, touching, normal_force, tangential, with_stored, share, tally.lanes);
+      books.add(c, law, h, touching, normal_force, tangential, ask, share, tally.lanes);
       if constexpr (has_safeguard<Law>)
         tally.lanes.dashpot -= ended_by_safeguard(c, law, before, h, touching);
     }
@@ -304,7 +304,7 @@ struct ContactKernel {
               history + offset + ContactsType::rolling_history + ContactsType::kept_couple;
           tally.lanes.couple += known(dot(with_kept(out.couple, kept), r.angular_velocity));
           if constexpr (requires { Rolling::stored(rc, rolling, m); })
-            if (with_stored)
+            if (ask.stored)
               tally.lanes.rolling += select(touching, Rolling::stored(rc, rolling, m), zero);
         }
       }
@@ -350,32 +350,36 @@ struct ContactKernel {
     template <class H, class M>
     SILT_INLINE void add(const Contact<Real>& c, const LawCoefficients& law, const H& now,
                          const M& touching, const Real& normal, const Vec3<Real>& tangential,
-                         bool with_stored, [[maybe_unused]] const Real& share,
+                         const LedgerAsks& ask, [[maybe_unused]] const Real& share,
                          Energy& energy) const {
       const Real zero(0);
       Stored<Real> stored = stored_by<Law, Real>(c, law, now);
       if constexpr (shares_contacts<ContactsType>)
         stored = {share * stored.force, share * stored.normal, share * stored.spring,
                   share * stored.tangential};
-      if (with_stored) energy.normal += select(touching, stored.normal, zero);
+      if (ask.stored) energy.normal += select(touching, stored.normal, zero);
       const Real dashpot = select(touching, normal - stored.force, zero);
       energy.dashpot += dashpot * velocity;
       energy.turned_over += abs(normal * velocity);
       silt::store(kept[0], dashpot);
       if constexpr (is_frictional<Law>) {
-        const Vec3<Real> damping = tangential - select(touching, stored.spring, {zero, zero, zero});
-        const Real friction = friction_of(law), limit = friction * pressing(c, law, normal);
-        const Real force2 = dot(tangential, tangential);
-        const auto sticks = force2 < Real(0.999999) * limit * limit;
-        if (with_stored) {
-          // While it slides, laws set the spring so that spring and dashpot make the limit: no more
-          // of it is held than bears the force.
-          const Real spring2 = max(dot(stored.spring, stored.spring), smallest<Real>());
-          const Real held = stored.tangential * min(force2 / spring2, Real(1));
-          energy.tangential += select(touching, select(sticks, stored.tangential, held), zero);
-        }
         energy.shear += dot(tangential, slip);
-        energy.shear_dashpot += select(sticks, dot(damping, slip), zero);  // else it slides
+        if (ask.stored || ask.split) {
+          const Real friction = friction_of(law), limit = friction * pressing(c, law, normal);
+          const Real force2 = dot(tangential, tangential);
+          const auto sticks = force2 < Real(0.999999) * limit * limit;
+          if (ask.stored) {
+            // While it slides, laws set the spring so that spring and dashpot make the limit: no
+            // more of it is held than bears the force.
+            const Real spring2 = max(dot(stored.spring, stored.spring), smallest<Real>());
+            const Real held = stored.tangential * min(force2 / spring2, Real(1));
+            energy.tangential += select(touching, select(sticks, stored.tangential, held), zero);
+          }
+          if (ask.split) {
+            const Vec3<Real> spring = select(touching, stored.spring, {zero, zero, zero});
+            energy.shear_dashpot += select(sticks, dot(tangential - spring, slip), zero);
+          }  // while it slides all is friction
+        }
         silt::store(kept[1], tangential.x), silt::store(kept[2], tangential.y),
             silt::store(kept[3], tangential.z);
       }

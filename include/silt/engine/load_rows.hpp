@@ -14,9 +14,9 @@ namespace silt::inline SILT_TARGET::detail {
 
 /// What a step must know of time.
 struct StepTimes {
-  double step;       // [s]
-  double worked;     // of it, that forces have been at work since the last step: 0 at the first
-  bool with_stored;  // the ledger wants to know what contacts store now
+  double step;    // [s]
+  double worked;  // of it, that forces have been at work since the last step: 0 at the first
+  LedgerAsks ask;
   double lag = 0.5;  // [steps] by which velocities are older than positions
 };
 
@@ -67,8 +67,8 @@ SILT_INLINE void loads_of(Block& block, std::size_t count, const StepTimes& time
     for (std::size_t h = 0; h < H; ++h) at[h] = history[h] + k;
     block.put_load(
         k, Kernel::load(block.template get<Real>(k), block.template get_rolling<Real>(k),
-                        block.template get_radii<Real>(k), step, lag, times.with_stored,
-                        coefficients.law(), coefficients.rolling(), at.data(), tally,
+                        block.template get_radii<Real>(k), step, lag, times.ask, coefficients.law(),
+                        coefficients.rolling(), at.data(), tally,
                         shares_contacts<ContactsType> && shares != nullptr ? load<Real>(shares + k)
                                                                            : Real(1)));
   }

@@ -33,7 +33,8 @@ struct EnergyBalance {
   double normal, tangential, rolling;  // in the springs of contacts
   // Lost since the start. Friction and rolling resistance are what tangential forces (less their
   // dashpots) and couples took and neither hold nor gave back; partial slip (Mindlin's law on
-  // loading) is friction. Damping and friction are told apart to first order in the step.
+  // loading) is friction. Damping and friction are told apart on every fourth step, to first order
+  // in it.
   double normal_damping;  // of dashpots; with cohesion also what attractions took less gave back
   double tangential_damping;  // of dashpots
   double friction;
