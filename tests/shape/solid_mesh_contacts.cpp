@@ -1,76 +1,15 @@
 // silt - BSD-3-Clause, see LICENSE
 #include <silt/shape/narrow/solid_mesh_contacts.hpp>
 
-#include "solid_bodies.hpp"
+#include "grounds.hpp"
 
 using namespace solid_test;
 
 namespace {
 
-using Soup = std::vector<std::array<Vec3d, 3>>;
-
-template <class Body>
-Touches at(const TriangleMesh& mesh, const Body& body) {
-  std::vector<std::uint32_t> near;
-  mesh.triangles_near(detail::centre_of(body), detail::bound_of(body), near);
-  return all([&](SolidContact* out, int n) { return mesh_contacts(body, mesh, near, out, n); });
-}
 template <class Body>
 Touches at(const Plane& wall, const Body& body) {
   return all([&](SolidContact* out, int n) { return plane_contacts(body, wall, out, n); });
-}
-
-void add_quad(Soup& soup, const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
-  soup.push_back({a, b, c}), soup.push_back({a, c, d});
-}
-
-/// A flat square floor, z = height(x, y), of irregular triangles; patches that share no corners.
-template <class Height>
-Soup floor_of(Draws& r, int n, double half, Height&& height) {
-  std::vector<Vec3d> p;
-  for (int j = 0; j <= n; ++j)
-    for (int i = 0; i <= n; ++i) {
-      const double w = 2 * half / n, jitter = 0.3 * w;
-      const bool rim = i == 0 || j == 0 || i == n || j == n;
-      const double x = -half + w * i + (rim ? 0 : r.uniform(-jitter, jitter));
-      const double y = -half + w * j + (rim ? 0 : r.uniform(-jitter, jitter));
-      p.push_back({x, y, height(x, y)});
-    }
-  Soup out;
-  const auto at = [&](int i, int j) { return p[static_cast<std::size_t>(j * (n + 1) + i)]; };
-  for (int j = 0; j < n; ++j)
-    for (int i = 0; i < n; ++i) {
-      if (r.uniform() < 0.5)
-        add_quad(out, at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
-      else
-        add_quad(out, at(i + 1, j), at(i + 1, j + 1), at(i, j + 1), at(i, j));
-    }
-  return out;
-}
-
-/// A step: floor z = 0 for x > 0, going down at x = 0, floor z = -1 for x < 0.
-TriangleMesh step_mesh() {
-  Soup soup;
-  add_quad(soup, {0, -5, 0}, {5, -5, 0}, {5, 5, 0}, {0, 5, 0});
-  add_quad(soup, {0, -5, -1}, {0, -5, 0}, {0, 5, 0}, {0, 5, -1});
-  add_quad(soup, {-5, -5, -1}, {0, -5, -1}, {0, 5, -1}, {-5, 5, -1});
-  return TriangleMesh(soup, 0.1);
-}
-
-/// The roof of a house whose ridge is the y axis; slopes fall by `slope`.
-TriangleMesh ridge_mesh(double slope) {
-  Soup soup;
-  add_quad(soup, {0, -5, 0}, {3, -5, -3 * slope}, {3, 5, -3 * slope}, {0, 5, 0});
-  add_quad(soup, {0, 5, 0}, {-3, 5, -3 * slope}, {-3, -5, -3 * slope}, {0, -5, 0});
-  return TriangleMesh(soup, 0.1);
-}
-/// A pyramid whose tip is the origin.
-TriangleMesh tip_mesh(double slope) {
-  Soup soup;
-  const Vec3d p[4] = {
-      {3, 0, -3 * slope}, {0, 3, -3 * slope}, {-3, 0, -3 * slope}, {0, -3, -3 * slope}};
-  for (int k = 0; k < 4; ++k) soup.push_back({Vec3d{0, 0, 0}, p[k], p[(k + 1) % 4]});
-  return TriangleMesh(soup, 0.1);
 }
 
 double support_height(const auto& b, const Vec3d& n) {
@@ -93,6 +32,7 @@ double line_depth(const auto& body) {
   return least;
 }
 
+/// All but sharp polyhedra, whose contacts are those of surface_depth.cpp.
 template <class Action>
 void for_bodies(Draws& r, Action&& action) {
   for (const double s : {2., 4., 8., 20.})
@@ -101,11 +41,8 @@ void for_bodies(Draws& r, Action&& action) {
            "s = " + std::to_string(s));
   const PolySuperEllipsoid lopsided{{0.3, 0.5, 0.2}, {0.4, 0.2, 0.3}, 5, 3};
   action(Poly{form_of(lopsided), body_axes(r.turn()), {0, 0, 0}}, std::string("octants"));
-  const Polyhedron die = shape_test::box({0.6, 0.5, 0.4}), stone = r.hull(30);
   const auto round =
       Polyhedron::from_points(shape_test::box_corners({-.3, -.2, -.2}, {.3, .2, .2}), 0.05);
-  action(place(die, {0, 0, 0}, r.turn()), std::string("die"));
-  action(place(stone, {0, 0, 0}, r.turn()), std::string("hull"));
   action(place(round, {0, 0, 0}, r.turn()), std::string("rounded die"));
 }
 
@@ -230,8 +167,8 @@ TEST_CASE("solid meshes: bodies on a ridge and on a tip: least depth, and a pote
       if (support_height(over, {0, 0, -1}) > 0 && points.empty())
         CHECK(support_height(over, normalised(-detail::centre_of(over))) > -1);
     });
-  CHECK(on_ridge == 200);
-  CHECK(on_tip > 20);
+  CHECK(on_ridge == 150);
+  CHECK(on_tip > 10);
 }
 
 TEST_CASE("solid meshes: a needle across a ridge is carried where it lies, at both ridges of two") {
@@ -254,39 +191,25 @@ TEST_CASE("solid meshes: a needle across a ridge is carried where it lies, at bo
   }
   const TriangleMesh ridges(
       two);  // smooth_angle 30 degrees: equal normals, but far from each other
-  const auto bar = shape_test::box({2, 0.2, 0.2});
   const auto round_bar =
       Polyhedron::from_points(shape_test::box_corners({-.9, -.05, -.05}, {.9, .05, .05}), 0.05);
-  const auto stub = shape_test::box({1.1, 0.2, 0.2});
-  for (const auto* shape : {&bar, &stub, &round_bar})
-    for (const double tilt : {0., 1e-4}) {
-      const auto on = at(ridges, place(*shape, {0, 0, 0.099}, rotation_about({0, 1, 0}, tilt)));
-      REQUIRE(on.size() == 2);
-      for (const auto& c : on) {
-        CHECK(std::abs(std::abs(c.point.x) - 0.5) < 1e-4);
-        CHECK(std::abs(c.point.y) < 0.1);
-        CHECK(std::abs(c.overlap - 0.001) < 1.01 * 0.5 * tilt + 1e-8);
-        if (tilt == 0) CHECK(std::abs(c.point.y) < 1e-12);  // the middle of the line
-      }
+  for (const double tilt : {0., 1e-4}) {
+    const auto on = at(ridges, place(round_bar, {0, 0, 0.099}, rotation_about({0, 1, 0}, tilt)));
+    REQUIRE(on.size() == 2);
+    for (const auto& c : on) {
+      CHECK(std::abs(std::abs(c.point.x) - 0.5) < 1e-4);
+      CHECK(std::abs(c.point.y) < 0.1);
+      CHECK(std::abs(c.overlap - 0.001) < 1.01 * 0.5 * tilt + 1e-8);
+      if (tilt == 0) CHECK(std::abs(c.point.y) < 1e-12);  // the middle of the line
     }
+  }
 }
 
-TEST_CASE("solid meshes: a die over the edge of a step, and at its foot") {
+TEST_CASE("solid meshes: a rounded die over the edge of a step") {
   const TriangleMesh step = step_mesh();
-  const auto die = shape_test::box({0.4, 0.4, 0.4});
   const auto rounded =
       Polyhedron::from_points(shape_test::box_corners({-.15, -.15, -.15}, {.15, .15, .15}), 0.05);
   const auto super = SuperEllipsoid{0.2, 0.2, 0.2, 20, 20};
-  // Flat over the edge, more than half of it on the step: as on the plane.
-  const auto flat = at(step, place(die, {0.05, 0, 0.199}, {}));
-  REQUIRE(flat.size() == 1);
-  CHECK(flat[0].overlap == near(0.001).epsilon(1e-4));
-  CHECK(flat[0].normal.z == near(1));
-  // Less than half: the edge.
-  const auto off = at(step, place(die, {-0.05, 0, 0.199}, {}));
-  REQUIRE(off.size() == 1);
-  CHECK(off[0].overlap == near(0.001).epsilon(1e-9));
-  CHECK(norm(off[0].point - Vec3d{0, 0, -0.0005}) < 1e-9);
   // A rounded die has two corners on the step, and lies on the edge.
   const auto round = at(step, place(rounded, {0.05, 0, 0.199}, {}));
   REQUIRE(round.size() == 3);
@@ -303,16 +226,10 @@ TEST_CASE("solid meshes: a die over the edge of a step, and at its foot") {
       CHECK(dot(found[0].normal, up) > 1 - 1e-4);
     };
     if (tilt < 0) {
-      check(place(die, 0.199 * up, q), 1e-12);
       check(place(rounded, 0.199 * up, q), 1e-12);
       check(place(super, 0.199 * up, q), 1e-4);
     }
   }
-  // At the foot: floor and riser.
-  const auto foot = at(step, place(die, {-0.199, 0, -0.801}, {}));
-  REQUIRE(foot.size() == 2);
-  CHECK(foot[0].normal.x + foot[1].normal.x == near(-1));
-  CHECK(foot[0].normal.z + foot[1].normal.z == near(1));
 }
 
 TEST_CASE("solid meshes: a cube in the corner of a box touches three faces") {
@@ -321,13 +238,8 @@ TEST_CASE("solid meshes: a cube in the corner of a box touches three faces") {
   add_quad(soup, {0, 0, 0}, {0, 2, 0}, {0, 2, 2}, {0, 0, 2});
   add_quad(soup, {0, 0, 0}, {0, 0, 2}, {2, 0, 2}, {2, 0, 0});
   const TriangleMesh box(soup);
-  const auto die = shape_test::box({1, 1, 1});
   const auto rounded =
       Polyhedron::from_points(shape_test::box_corners({-.4, -.4, -.4}, {.4, .4, .4}), 0.1);
-  const auto three = at(box, place(die, {0.499, 0.498, 0.497}, {}));
-  REQUIRE(three.size() == 3);
-  const double exact[3] = {0.003, 0.002, 0.001};
-  for (std::size_t k = 0; k < 3; ++k) CHECK(three[k].overlap == near(exact[k]).epsilon(1e-4));
   CHECK(at(box, place(SuperEllipsoid{.5, .5, .5, 20, 20}, {0.499, 0.498, 0.497}, {})).size() == 3);
   const auto corners = at(box, place(rounded, {0.499, 0.498, 0.497}, {}));
   CHECK(corners.size() == 12);
@@ -400,5 +312,5 @@ TEST_CASE(
         least = std::min(least, part);
       });
   }
-  CHECK(least < 0.6);  // a corner of a sharp polyhedron on a face: sqrt(0.3)
+  CHECK(least < 1);
 }

@@ -44,6 +44,8 @@ class TriangleMesh {
   std::size_t dropped_triangles() const { return dropped_; }
   const std::vector<Vec3d>& normals() const { return normals_; }  // [-] of the triangles
   const detail::MeshTopology& topology() const { return topology_; }
+  /// Which patch each triangle belongs to (mesh_patches.hpp).
+  const std::vector<std::uint32_t>& patches() const { return patches_; }
   double cos_smooth_angle() const { return cos_smooth_; }
   double round_off() const { return tolerance_; }              // [m] in positions and distances
   double plane_tolerance() const { return plane_tolerance_; }  // [m] of corners rounded to float
@@ -90,6 +92,7 @@ class TriangleMesh {
 
   static Box checked_bounds(const std::vector<std::array<Vec3d, 3>>& soup);
   void weld(const std::vector<std::array<Vec3d, 3>>& soup, const Vec3d& origin);
+  std::vector<std::uint32_t> find_patches() const;
   std::optional<int> turns_by_ray(const Vec3d& point) const;
   double turns_by_solid_angle(const Vec3d& point) const;
   std::optional<Nearest> nearest(std::uint32_t triangle, const Vec3d& centre, double reach) const;
@@ -125,6 +128,7 @@ class TriangleMesh {
   bool closed_ = false;
   detail::MeshTopology topology_;
   detail::TriangleTree tree_;
+  std::vector<std::uint32_t> patches_;
 };
 
 inline TriangleMesh::TriangleMesh(const std::vector<std::array<Vec3d, 3>>& soup,
@@ -146,6 +150,7 @@ inline TriangleMesh::TriangleMesh(const std::vector<std::array<Vec3d, 3>>& soup,
   for (std::size_t t = 0; t < triangles_.size(); ++t)
     for (const auto v : triangles_[t]) boxes[t].include(vertices_[v]);
   tree_ = detail::TriangleTree(boxes);
+  patches_ = find_patches();
 }
 
 inline Box TriangleMesh::checked_bounds(const std::vector<std::array<Vec3d, 3>>& soup) {
@@ -202,3 +207,4 @@ inline void TriangleMesh::triangles_near(const Vec3d& centre, double reach,
 
 #include <silt/boundary/mesh_contacts.hpp>
 #include <silt/boundary/mesh_inside.hpp>
+#include <silt/boundary/mesh_patches.hpp>

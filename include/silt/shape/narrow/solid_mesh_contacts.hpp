@@ -5,6 +5,7 @@
 #include <silt/shape/narrow/penetration.hpp>
 #include <silt/shape/narrow/solid_edges.hpp>
 #include <silt/shape/narrow/solid_planes.hpp>
+#include <silt/shape/narrow/surface_depth.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -35,8 +36,6 @@ class MeshContacts {
     for (const auto t : reached)
       for (const auto v : mesh.triangles()[t])
         if (topology.triangles_at_vertex[v][0] == t) add_vertex(v);
-    if constexpr (polyhedron)
-      if (count_ == 0 && !dilated()) add_deepest_triangle(reached);
   }
 
   /// From the deepest to the least deep, without other sights of what is there already (b).
@@ -45,7 +44,6 @@ class MeshContacts {
     std::size_t count = 0;
     for (std::size_t k = 0; k < count_; ++k) {
       const SolidContact& c = found_[k].contact;
-      if (has_shorter_way(found_[k])) continue;
       if (std::none_of(kept.begin(), kept.begin() + static_cast<std::ptrdiff_t>(count),
                        [&](const SolidContact* deeper) { return is_same(*deeper, c); }))
         kept[count++] = &c, deepest.add(c);
@@ -70,10 +68,6 @@ class MeshContacts {
     bool face;
   };
 
-  bool dilated() const {
-    if constexpr (polyhedron) return body_.shape->radius() > 0;
-    return false;
-  }
   const Vec3d& corner(std::uint32_t triangle, std::size_t k) const {
     return mesh_.vertices()[mesh_.triangles()[triangle][k]];
   }
@@ -98,17 +92,17 @@ class MeshContacts {
     double height = dot(centre_ - at, normal);
     if (height < 0) normal = -normal, height = -height;
     if (!(height < bound_)) return false;
-    if constexpr (polyhedron)
-      if (dilated()) return add_corners(t, at, normal, height);
-    const FacePlane& plane = plane_of(at, normal);
-    if (plane.parts) return false;
-    const SolidContact& c = plane.contact;
-    // The middle of what lies behind a plane is a little beside a corner that has just come over t.
-    const double slack = polyhedron ? std::min(c.overlap, 0.01 * bound_) : mesh_.round_off();
-    if (c.overlap > 0 && beside(t, c.point) <= slack &&
-        in_sight(t, c.point - dot(c.point - at, normal) * normal))
-      keep(c, true, at);
-    return true;
+    if constexpr (polyhedron) {
+      return add_corners(t, at, normal, height);
+    } else {
+      const FacePlane& plane = plane_of(at, normal);
+      if (plane.parts) return false;
+      const SolidContact& c = plane.contact;
+      if (c.overlap > 0 && beside(t, c.point) <= mesh_.round_off() &&
+          in_sight(t, c.point - dot(c.point - at, normal) * normal))
+        keep(c, true, at);
+      return true;
+    }
   }
 
   /// The plane of a triangle; that of an earlier one if it is the same.
@@ -121,33 +115,9 @@ class MeshContacts {
     }
     FacePlane& next = plane_[planes_++ % most_planes];
     next = {at, normal, {}, false};
-    if constexpr (polyhedron) {
-      const double deepest = dot(at - body_.support(-normal), normal);
-      next.parts = deepest <= 0;
-      if (deepest > 0 && rests_on(at, normal, deepest))
-        next.contact = half_space_contact(body_, at, normal);
-    } else {
-      next.contact = half_space_contact(body_, at, normal);
-      next.parts = !(next.contact.overlap > 0);
-    }
+    next.contact = half_space_contact(body_, at, normal);
+    next.parts = !(next.contact.overlap > 0);
     return next;
-  }
-
-  /// Whether one of the corners that are deep in a plane lies over a triangle in it, or beyond by
-  /// no more than corners in a hollow do. A facet smaller than the body, on a ridge or tip, has a
-  /// plane that is deep in the body where the wall falls away: there edges and vertices touch.
-  bool rests_on(const Vec3d& at, const Vec3d& normal, double deepest) const {
-    const auto depth = [&](const Vec3d& p) { return dot(at - p, normal); };
-    const double slack = std::min(3 * deepest, 0.05 * bound_);
-    for (const auto& corner_in_body : body_.shape->vertices()) {
-      const Vec3d p = body_.pose.to_space(corner_in_body);
-      if (depth(p) < 0.5 * deepest) continue;
-      for (const auto t : candidates_)
-        if (std::abs(dot(mesh_.normals()[t], normal)) > 1 - 1e-10 &&
-            std::abs(depth(corner(t, 0))) <= mesh_.plane_tolerance() && beside(t, p) <= slack)
-          return true;
-    }
-    return false;
   }
 
   bool add_corners(std::uint32_t t, const Vec3d& at, const Vec3d& normal, double height) {
@@ -185,17 +155,6 @@ class MeshContacts {
     return true;
   }
 
-  /// An edge and the vertex at its end, in the same place of a sharp polyhedron: as both are one
-  /// wedge in the body, the least way out of both counts.
-  bool has_shorter_way(const Found& f) const {
-    if (!polyhedron || dilated() || f.face) return false;
-    return std::any_of(found_.begin(), found_.begin() + static_cast<std::ptrdiff_t>(count_),
-                       [&](const Found& o) {
-                         return !o.face && o.contact.overlap < f.contact.overlap &&
-                                norm(o.at - f.at) <= 2 * f.contact.overlap;
-                       });
-  }
-
   /// The same place of the body on a surface that goes on smoothly.
   bool is_same(const SolidContact& a, const SolidContact& b) const {
     if (dot(a.normal, b.normal) <= mesh_.cos_smooth_angle()) return false;
@@ -217,7 +176,7 @@ class MeshContacts {
   }
 
   void keep(const FeatureDepth& found, std::uint32_t number) {
-    for (std::size_t k = 0; k < count_ && !dilated(); ++k) {
+    for (std::size_t k = 0; k < count_ && !polyhedron; ++k) {
       const auto& [face, at, rank, is_face] = found_[k];
       const double flat = mesh_.plane_tolerance() + 1e-4 * norm(found.at - face.point);
       if (is_face && std::abs(dot(found.at - at, face.normal)) <= flat) return;  // (a)
@@ -245,25 +204,6 @@ class MeshContacts {
       if (rises && beside(t, p) <= tolerance) return false;
     }
     return true;
-  }
-
-  /// Where the law of thickness has no face yet and no edge sticks out any more, a body in a
-  /// triangle still has the shortest way out of that.
-  void add_deepest_triangle(std::span<const std::uint32_t> reached) {
-    for (const auto t : reached) {
-      const Vec3d& at = corner(t, 0);
-      const TriangleSet set{{at, corner(t, 1), corner(t, 2)}};
-      const auto gap = gjk_distance(body_, set, centre_ - at, 0);
-      if (!gap.overlapping) continue;
-      const auto deep = penetration(body_, set, gap);
-      if (deep.flat || !(dot(deep.normal, centre_ - deep.on_b) > 0)) continue;
-      SolidContact out;
-      out.normal = deep.normal, out.overlap = deep.depth;
-      out.point = 0.5 * (deep.on_a + deep.on_b);
-      out.R_eff = contact_radius_at(body_, -deep.normal);
-      keep(out, true, at);
-      count_ = 1;
-    }
   }
 
   void add_edge(std::uint32_t number) {
@@ -362,33 +302,35 @@ class MeshContacts {
 /// not deeper than that. `candidates`: any triangles in ascending order that include all nearer to
 /// the centre than the bounding radius (TriangleMesh::triangles_near).
 ///
+/// Sharp polyhedra: surface_contacts(), on coarse meshes and fine. Others:
+///
 ///   faces     as the triangle's plane (plane_contacts), if the contact's point lies over the
-///             triangle, of a rounded polyhedron the corner; of a sharp one a deep corner too
-///   edges     the least over unit m across the edge of h(-m) - m . (centre - edge), in a sharp
-///             polyhedron the least way out that an edge as a whole has
-///   vertices  the least depth of the point in the body, in a sharp polyhedron by its faces
+///             triangle; of a rounded polyhedron the corner
+///   edges     the least over unit m across the edge of h(-m) - m . (centre - edge)
+///   vertices  the least depth of the point in the body
 ///
 /// An edge or vertex counts where it sticks out: no triangle that holds the contact's point rises
 /// above the plane across the normal. As for TriangleMesh, contacts do not depend on how a surface
-/// was cut: edges within a plane and seams of patches are none; of a sharp polyhedron or a
-/// super-ellipsoid, (a) an edge or vertex in the plane of a face contact is left out; (b) of
-/// contacts whose normals are within `smooth_angle` and whose points are as near to each other as
-/// on a body of the contact's radius, the deepest is kept.
+/// was cut: edges within a plane and seams of patches are none; of a super-ellipsoid, (a) an edge
+/// or vertex in the plane of a face contact is left out; (b) of contacts whose normals are within
+/// `smooth_angle` and whose points are as near to each other as on a body of the contact's radius,
+/// the deepest is kept.
 ///
-/// Features: 0 for faces, for those of a rounded polyhedron the number of its corner; 1000 + that
-/// of TriangleMesh for edges and vertices. Contacts of one feature differ in their normals.
+/// Features: 0 for faces, for those of a rounded polyhedron the number of its corner; for edges and
+/// vertices most_vertices + that of TriangleMesh. Contacts of one feature differ in their normals.
 ///
 /// Valid:   up to 32 contacts. Smooth bodies at edges and vertices: overlaps below the radius of
-///          curvature, else the way out nearest to that of the body's gauge. Sharp polyhedra:
-///          facets larger than the body. On finer relief no contact is lost, but overlaps jump from
-///          one law (thickness over a face) to the other (depth of an edge): round them there.
+///          curvature, else the way out nearest to that of the body's gauge.
 /// Jumps:   as for spheres, at hollows and saddles, where a place that is no minimum any more still
 ///          overlaps; where two ways out of a corner are equally short (the normal); a rounded
-///          corner that leaves the last triangle of a plane while it is not the nearest place.
-/// Tests:   tests/shape/solid_mesh_contacts.cpp
+///          corner that leaves the last triangle of a plane while it is not the nearest place. Not
+///          with sharp polyhedra.
+/// Tests:   tests/shape/solid_mesh_contacts.cpp, surface_depth.cpp
 template <class Body>
 int mesh_contacts(const Body& body, const TriangleMesh& mesh,
                   std::span<const std::uint32_t> candidates, SolidContact* out, int most) {
+  if constexpr (std::is_same_v<Body, PlacedPolyhedron>)
+    if (body.shape->radius() == 0) return surface_contacts(body, mesh, candidates, out, most);
   detail::DeepestContacts deepest{out, most};
   detail::MeshContacts<Body>(body, mesh, candidates).write(deepest);
   return deepest.count;
