@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -71,21 +70,19 @@ silt::Study::Variant bed(const Way& way, double duration) {
       auto sim = scene(std::move(grains), std::move(fluid), 1e-5);
       sim.gravity = {0, 0, -9.81};
       sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, glass);
-      double drop = 0, slip = 0, height = 0, heat = 0;
+      double drop = 0, height = 0, heat = 0;
       int count = 0;
       const auto look = [&](auto& s) {
         if (s.time() < 0.3 * duration) return;
         const auto& p = s.fluid().flow().pressure();
-        const auto& u = s.fluid().flow().velocity(2);
         for (int j = 0; j < 5; ++j)
           for (int i = 0; i < 5; ++i) drop += p(i, j, 0) / 25;
         const auto n = static_cast<double>(s.rows());
         silt::Vec3d mean{0, 0, 0};
         for (std::size_t k = 0; k < s.rows(); ++k) mean += (1 / n) * s.velocity(k);
         for (std::size_t k = 0; k < s.rows(); ++k) {
-          const silt::Vec3d v = s.velocity(k), x = s.position(k);
-          const int cell = std::clamp(static_cast<int>(x.z / 2e-3), 0, 29);
-          slip += (u(2, 2, cell) - v.z) / n, height += x.z / n;
+          const silt::Vec3d v = s.velocity(k);
+          height += s.position(k).z / n;
           heat += dot(v - mean, v - mean) / (3 * n);
         }
         ++count;
@@ -94,7 +91,6 @@ silt::Study::Variant bed(const Way& way, double duration) {
       run.value("pressure drop", drop / count, "Pa");
       run.value("height", 1e3 * height / count, "mm");
       run.value("fluctuation", heat / count, "m2/s2");
-      (void)slip;
     });
   };
 }
@@ -114,7 +110,7 @@ silt::Study::Variant cooling(const Way& way, double duration) {
                                (k / 100 + 0.5) * W / 10},
                   .radius = 0.5 * small,
                   .density = 500,
-                  .velocity = {any(), any(), any()}});
+                  .velocity = {0.4 * any(), 0.4 * any(), 0.4 * any()}});
     }
     coupled(way, std::move(flow), [&](auto fluid) {
       auto sim = scene(std::move(grains), std::move(fluid), 2e-6);
@@ -173,11 +169,6 @@ silt::Study study(const std::string& title, const Scene& scene, double duration,
 }
 
 void run(const studies::Setting& setting, example::Summary& summary) {
-  silt::Study bubbling = study("Coupling economies: a bubbling bed, 1782 spheres", bed,
-                               setting.quick ? 0.02 : 0.05, d, setting.quick);
-  bubbling.accept("error of pressure drop", 0.02);
-  studies::run_and_report(bubbling, setting, "bed");
-  studies::add_recommendation(summary, "bed", bubbling);
   silt::Study dilute = study("Coupling economies: a dilute crowd cools, 1000 spheres", cooling,
                              setting.quick ? 2e-3 : 4e-3, 0.2e-3, setting.quick);
   dilute.accept("error of temperature", 0.01);
@@ -187,6 +178,12 @@ void run(const studies::Setting& setting, example::Summary& summary) {
     if (row.name == "followed, 5" && !row.failed())
       summary.check_at_most("followed_5_temperature_error",
                             row.error("error of temperature")->value, 0.01);
+
+  silt::Study bubbling = study("Coupling economies: a bubbling bed, 1782 spheres", bed,
+                               setting.quick ? 0.01 : 0.05, d, setting.quick);
+  bubbling.accept("error of pressure drop", 0.02);
+  studies::run_and_report(bubbling, setting, "bed");
+  studies::add_recommendation(summary, "bed", bubbling);
 }
 
 const studies::Registered here{
