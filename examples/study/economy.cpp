@@ -95,7 +95,7 @@ silt::Study::Variant bed(const Way& way, double duration) {
   };
 }
 
-/// 1.5 % of grains of 0.2 mm in a gas at rest but for them; their granular temperature falls by
+/// 6.5 % of grains of 0.2 mm in a gas at rest but for them; their granular temperature falls by
 /// drag and collisions.
 silt::Study::Variant cooling(const Way& way, double duration) {
   return [=](silt::StudyRun& run) {

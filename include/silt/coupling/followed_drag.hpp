@@ -29,8 +29,8 @@ namespace silt::inline SILT_TARGET {
 /// more than tolerance since it was (W' then); 0: in each step. K ~ |W|^n, 0 <= n <= 1, is then off
 /// by up to n tolerance.
 ///
-/// Source: the exponential pair of MomentumExchange; cells and tolerance: A. Brosh, H. Kalman,
-///         A. Levy, Granular Matter 13 (2011) 175 name them, without formulas.
+/// Source: the exponential pair of MomentumExchange; cells and tolerance: T. Brosh, H. Kalman,
+///         A. Levy, Particuology 12 (2014) 113, who name them without formulas.
 /// Errors: InputError for negative numbers.
 /// Tests:  tests/coupling/followed_drag.cpp.
 struct FollowedDrag {
