@@ -15,34 +15,60 @@ namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
-/// Integrals over a flat polygon of powers of a function e that is linear on it.
+/// Triangles with a function e that is linear on each, and the integrals of its powers.
+///
+/// Exact: over a triangle the integral of e^m is 2 area m!/(m + 2)! h_m(e0, e1, e2), h the sum of
+/// all products of m factors; its slope by e_i is m times the integral of e^(m-1) and the share of
+/// corner i, and that of h_m is h_(m-1) of all three and of e_i once more.
 template <int Power>
-struct PowerIntegrals {
-  double full = 0;       // of e^Power
-  double less = 0;       // of e^(Power - 1)
-  Vec3d place{0, 0, 0};  // of e^(Power - 1) x
+class PowerIntegrals {
+ public:
+  static constexpr std::size_t lanes = 8;
+  static constexpr int m = Power;
 
-  /// Adds a triangle, of corners p where e is given. Exact: over a triangle the integral of e^m is
-  /// 2 area m!/(m + 2)! h_m(e0, e1, e2), h the sum of all products of m factors, and its slope by
-  /// e_i is m times that of e^(m-1) and the share of corner i.
-  void add(const std::array<Vec3d, 3>& p, const std::array<double, 3>& e) {
-    constexpr int m = Power;
-    const double twice_area = norm(cross(p[1] - p[0], p[2] - p[0]));
-    std::array<double, m + 1> h;
-    h[0] = 1;
-    for (int k = 1; k <= m; ++k) h[k] = e[0] * h[k - 1];
-    for (int n = 1; n < 3; ++n)
-      for (int k = 1; k <= m; ++k) h[k] += e[n] * h[k - 1];
-    full += twice_area / ((m + 1) * (m + 2)) * h[m];
-    constexpr double share = 1.0 / (m * (m + 1) * (m + 2));
-    for (int n = 0; n < 3; ++n) {
-      double slope = 1;  // h_(m-1) of all three and of e_n once more
-      for (int k = 1; k < m; ++k) slope = h[k] + e[n] * slope;
-      const double part = share * twice_area * slope;
-      less += part;
-      place += part * p[n];
-    }
+  bool is_full() const { return count_ == lanes; }
+  void add(const Vec3d& a, const Vec3d& b, const Vec3d& c, const std::array<double, 3>& e,
+           std::uint32_t face) {
+    const std::size_t k = count_++;
+    corner_[0][k] = a, corner_[1][k] = b, corner_[2][k] = c;
+    for (std::size_t n = 0; n < 3; ++n) e_[n][k] = e[n];
+    twice_area_[k] = norm(cross(b - a, c - a));
+    face_[k] = face;
   }
+  /// Gives use(face, integral of e^m, of e^(m-1), of e^(m-1) x) of each and forgets them.
+  template <class Use>
+  void end(const Use& use) {
+    double h[m + 1][lanes], slope[lanes];
+    for (std::size_t k = count_; k < lanes; ++k) e_[0][k] = e_[1][k] = e_[2][k] = 0;
+    for (std::size_t k = 0; k < lanes; ++k) h[0][k] = 1;
+    for (int p = 1; p <= m; ++p)
+      for (std::size_t k = 0; k < lanes; ++k) h[p][k] = e_[0][k] * h[p - 1][k];
+    for (int n = 1; n < 3; ++n)
+      for (int p = 1; p <= m; ++p)
+        for (std::size_t k = 0; k < lanes; ++k) h[p][k] += e_[n][k] * h[p - 1][k];
+    double part[3][lanes];
+    for (int n = 0; n < 3; ++n) {
+      for (std::size_t k = 0; k < lanes; ++k) slope[k] = 1;
+      for (int p = 1; p < m; ++p)
+        for (std::size_t k = 0; k < lanes; ++k) slope[k] = h[p][k] + e_[n][k] * slope[k];
+      for (std::size_t k = 0; k < lanes; ++k) part[n][k] = slope[k];
+    }
+    for (std::size_t k = 0; k < count_; ++k) {
+      const double share = twice_area_[k] / (m * (m + 1) * (m + 2));
+      const double less = share * (part[0][k] + part[1][k] + part[2][k]);
+      use(face_[k], twice_area_[k] / ((m + 1) * (m + 2)) * h[m][k], less,
+          share * (part[0][k] * corner_[0][k] + part[1][k] * corner_[1][k] +
+                   part[2][k] * corner_[2][k]));
+    }
+    count_ = 0;
+  }
+
+ private:
+  alignas(64) double e_[3][lanes];
+  double twice_area_[lanes];
+  Vec3d corner_[3][lanes];
+  std::uint32_t face_[lanes];
+  std::size_t count_ = 0;
 };
 
 /// What the surface of a mesh in a sharp polyhedron amounts to, patch by patch; see
@@ -56,21 +82,38 @@ class SurfaceDepth {
 
   void add(std::uint32_t t) {
     const double over = 1 / unit_;
-    auto& [polygon, cell, next, faces] = work_;
+    auto& [polygon, cell, next, faces, low] = work_;
     polygon.clear();
     for (const auto v : mesh_.triangles()[t])
       polygon.push_back(over * body_.pose.to_body(mesh_.vertices()[v]));
-    if (!cut_by_body(polygon, next)) return;
-    find_nearest_faces(polygon, faces);
+    if (!cut_by_bound() || !cut_by_body()) return;
+    find_nearest_faces();
     Patch* const patch = patch_of(mesh_.patches()[t]);
     if (patch == nullptr) return;
+    const auto use = [&](std::uint32_t f, double full, double less, const Vec3d& place) {
+      const Vec3d& n = body_.shape->faces()[f].normal;
+      patch->full += full, patch->less += less;
+      patch->place += place;
+      patch->push += less * n;
+      patch->torque += cross(place, n);
+    };
+    const auto& all = body_.shape->faces();
     for (const auto f : faces) {
       cell = polygon;
-      for (const auto g : faces)
-        if (g != f && cell.size() > 2)
-          cut(cell, next, [&](const Vec3d& x) { return depth(g, x) - depth(f, x); });
-      if (cell.size() > 2) add_cell(*patch, f, cell);
+      for (const auto g : faces) {
+        if (g == f) continue;  // where it is nearer than the other
+        cut(cell, all[g].normal - all[f].normal, (all[g].offset - all[f].offset) / unit_);
+        if (cell.size() < 3) break;
+      }
+      for (std::size_t k = 2; k < cell.size(); ++k) {
+        sums_.add(cell[0], cell[k - 1], cell[k],
+                  {std::max(depth(f, cell[0]), 0.0), std::max(depth(f, cell[k - 1]), 0.0),
+                   std::max(depth(f, cell[k]), 0.0)},
+                  f);
+        if (sums_.is_full()) sums_.end(use);
+      }
     }
+    sums_.end(use);
   }
 
   void write(DeepestContacts& deepest) const {
@@ -79,6 +122,7 @@ class SurfaceDepth {
 
  private:
   static constexpr std::size_t most = 16;
+  static constexpr std::uint32_t few = 16;  // faces that are looked at one by one
 
   // All in units of the bounding radius, in the body's axes.
   struct Patch {
@@ -92,6 +136,7 @@ class SurfaceDepth {
   struct Memory {
     std::vector<Vec3d> polygon, cell, next;
     std::vector<std::uint32_t> faces;
+    std::vector<double> numbers;
   };
   static Memory& memory() {
     thread_local Memory work;
@@ -102,58 +147,118 @@ class SurfaceDepth {
     const auto& face = body_.shape->faces()[f];
     return face.offset / unit_ - dot(face.normal, x);
   }
-  /// Keeps of a polygon where `inside` is not below 0.
-  template <class Inside>
-  static void cut(std::vector<Vec3d>& polygon, std::vector<Vec3d>& next, const Inside& inside) {
+  /// Keeps of a polygon where normal . x <= offset.
+  void cut(std::vector<Vec3d>& polygon, const Vec3d& normal, double offset) {
+    auto& [unused, cell, next, faces, inside] = work_;
+    inside.clear();
+    bool none = true, all = true;
+    for (const Vec3d& x : polygon) {
+      const double by = offset - dot(normal, x);
+      inside.push_back(by);
+      none &= by < 0, all &= !(by < 0);
+    }
+    if (all) return;
     next.clear();
-    Vec3d last = polygon.back();
-    double before = inside(last);
-    for (const Vec3d& p : polygon) {
-      const double now = inside(p);
-      if ((before < 0) != (now < 0)) next.push_back(last + (before / (before - now)) * (p - last));
-      if (!(now < 0)) next.push_back(p);
-      last = p, before = now;
+    if (!none) {
+      std::size_t last = polygon.size() - 1;
+      for (std::size_t k = 0; k < polygon.size(); last = k++) {
+        const double before = inside[last], now = inside[k];
+        if ((before < 0) != (now < 0))
+          next.push_back(polygon[last] + (before / (before - now)) * (polygon[k] - polygon[last]));
+        if (!(now < 0)) next.push_back(polygon[k]);
+      }
     }
     polygon.swap(next);
   }
-  bool cut_by_body(std::vector<Vec3d>& polygon, std::vector<Vec3d>& next) const {
+  /// A ball about a polygon.
+  struct Ball {
+    Vec3d centre;
+    double radius;
+  };
+  static Ball ball_about(const std::vector<Vec3d>& polygon) {
+    Vec3d sum{0, 0, 0};
+    for (const Vec3d& x : polygon) sum += x;
+    const Vec3d centre = (1 / static_cast<double>(polygon.size())) * sum;
+    double square = 0;
+    for (const Vec3d& x : polygon) square = std::max(square, dot(x - centre, x - centre));
+    return {centre, std::sqrt(square)};
+  }
+
+  /// Cuts a large triangle down to a square about what the bounding sphere has of its plane.
+  bool cut_by_bound() {
+    auto& polygon = work_.polygon;
+    const Vec3d across = cross(polygon[1] - polygon[0], polygon[2] - polygon[0]);
+    const Vec3d n = (1 / norm(across)) * across;
+    const double height = dot(n, polygon[0]), square = 1 - height * height;
+    if (!(square > 0)) return false;
+    if (dot(across, across) < 1) return true;  // no larger than the body
+    const double r = std::sqrt(square);
+    Vec3d s, t;
+    tangents(n, s, t);
+    for (const Vec3d& way : {s, -s, t, -t}) {
+      cut(polygon, way, r);
+      if (polygon.size() < 3) return false;
+    }
+    return true;
+  }
+  bool cut_by_body() {
     const auto& plane = body_.shape->plane_columns();
     const auto count = static_cast<std::uint32_t>(body_.shape->faces().size());
-    const std::array<Vec3d, 3> p{polygon[0], polygon[1], polygon[2]};
-    const double over = 1 / unit_;
-    auto& crossed = work_.faces;
+    auto& [polygon, cell, next, crossed, low] = work_;
     crossed.clear();
-    for (std::uint32_t f = 0; f < count; ++f) {
-      const Vec3d n{plane.x[f], plane.y[f], plane.z[f]};
-      const double w = over * plane.w[f];
-      const double a = w - dot(n, p[0]), b = w - dot(n, p[1]), c = w - dot(n, p[2]);
-      if (!(std::max({a, b, c}) > 0)) return false;
-      if (std::min({a, b, c}) < 0) crossed.push_back(f);
+    if (count <= few) {
+      for (std::uint32_t f = 0; f < count; ++f) {
+        double least = 4, most_depth = -4;
+        for (const Vec3d& x : polygon) {
+          const double e = depth(f, x);
+          least = std::min(least, e), most_depth = std::max(most_depth, e);
+        }
+        if (!(most_depth > 0)) return false;
+        if (least < 0) crossed.push_back(f);
+      }
+    } else {
+      const Ball ball = ball_about(polygon);
+      for (std::uint32_t f = 0; f < count; ++f) {
+        const double e =
+            plane.w[f] / unit_ - dot(Vec3d{plane.x[f], plane.y[f], plane.z[f]}, ball.centre);
+        if (e <= -ball.radius) return false;
+        if (e < ball.radius) crossed.push_back(f);
+      }
     }
     for (const auto f : crossed) {
-      cut(polygon, next, [&](const Vec3d& x) { return depth(f, x); });
+      cut(polygon, body_.shape->faces()[f].normal, body_.shape->faces()[f].offset / unit_);
       if (polygon.size() < 3) return false;
     }
     return true;
   }
   /// Those that can be the nearest somewhere on the polygon.
-  void find_nearest_faces(const std::vector<Vec3d>& polygon,
-                          std::vector<std::uint32_t>& faces) const {
+  void find_nearest_faces() {
+    const auto& plane = body_.shape->plane_columns();
     const auto count = static_cast<std::uint32_t>(body_.shape->faces().size());
+    auto& [polygon, cell, next, faces, low] = work_;
+    const Ball ball = ball_about(polygon);
     faces.clear();
-    double bound = 4;  // no point is deeper than that in its nearest face
-    const auto range = [&](std::uint32_t f) {
-      double low = 4, high = -4;
+    double least = 4;  // no point is deeper than that
+    for (std::uint32_t f = 0; f < count; ++f) {
+      const double e =
+          plane.w[f] / unit_ - dot(Vec3d{plane.x[f], plane.y[f], plane.z[f]}, ball.centre);
+      if (e > least + 2 * ball.radius) continue;
+      faces.push_back(f), least = std::min(least, e);
+    }
+    double bound = 4;
+    low.clear();
+    for (const auto f : faces) {
+      double least_depth = 4, most_depth = -4;
       for (const Vec3d& x : polygon) {
         const double e = depth(f, x);
-        low = std::min(low, e), high = std::max(high, e);
+        least_depth = std::min(least_depth, e), most_depth = std::max(most_depth, e);
       }
-      return std::array{low, high};
-    };
-    for (std::uint32_t f = 0; f < count; ++f)
-      if (const auto [low, high] = range(f); low <= bound)
-        faces.push_back(f), bound = std::min(bound, high);
-    std::erase_if(faces, [&](std::uint32_t f) { return range(f)[0] > bound; });
+      low.push_back(least_depth), bound = std::min(bound, most_depth);
+    }
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < faces.size(); ++k)
+      if (low[k] <= bound) faces[kept++] = faces[k];
+    faces.resize(kept);
   }
   Patch* patch_of(std::uint32_t number) {
     for (std::size_t k = 0; k < count_; ++k)
@@ -162,19 +267,6 @@ class SurfaceDepth {
     patch_[count_] = {number, 0, 0, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
     return &patch_[count_++];
   }
-  void add_cell(Patch& patch, std::uint32_t f, const std::vector<Vec3d>& cell) const {
-    const Vec3d& n = body_.shape->faces()[f].normal;
-    const auto depth_at = [&](const Vec3d& x) { return std::max(depth(f, x), 0.0); };
-    PowerIntegrals<power> sums;
-    for (std::size_t k = 2; k < cell.size(); ++k)
-      sums.add({cell[0], cell[k - 1], cell[k]},
-               {depth_at(cell[0]), depth_at(cell[k - 1]), depth_at(cell[k])});
-    patch.full += sums.full, patch.less += sums.less;
-    patch.place += sums.place;
-    patch.push += sums.less * n;
-    patch.torque += cross(sums.place, n);
-  }
-
   SolidContact contact(const Patch& p) const {
     SolidContact out;
     out.feature = static_cast<std::uint32_t>(Polyhedron::most_vertices) + p.number;
@@ -203,6 +295,7 @@ class SurfaceDepth {
   Memory& work_;
   std::array<Patch, most> patch_;
   std::size_t count_ = 0;
+  PowerIntegrals<power> sums_;
 };
 
 }  // namespace detail
