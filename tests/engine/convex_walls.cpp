@@ -8,6 +8,7 @@
 #include <silt/silt.hpp>
 
 #include "engine/body_totals.hpp"
+#include "engine/stones.hpp"
 #include "engine/support.hpp"
 #include "near.hpp"
 
@@ -17,19 +18,6 @@ using namespace engine_test;
 using silt::Polyhedron;
 using Grains =
     silt::Mix<silt::MultiSphere, silt::SuperEllipsoid, silt::PolySuperEllipsoid, Polyhedron>;
-
-HertzMindlin::Material stone(double restitution, double friction) {
-  return {.youngs_modulus = 1e7,
-          .poisson_ratio = 0.3,
-          .restitution = restitution,
-          .friction = friction};
-}
-
-Polyhedron block(double a, double b, double c, double dilation = 0) {
-  std::vector<Vec3d> corners;
-  for (int k = 0; k < 8; ++k) corners.push_back({k & 1 ? a : -a, k & 2 ? b : -b, k & 4 ? c : -c});
-  return Polyhedron::from_points(corners, dilation);
-}
 
 silt::Particles<Grains> of_all_forms() {
   silt::Particles<Grains> grains;

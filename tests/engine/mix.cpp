@@ -13,6 +13,7 @@
 #include <silt/silt.hpp>
 
 #include "engine/body_totals.hpp"
+#include "engine/stones.hpp"
 #include "engine/support.hpp"
 #include "near.hpp"
 
@@ -23,20 +24,14 @@ using silt::Polyhedron;
 using Grains = silt::Mix<Sphere, silt::MultiSphere, silt::SuperEllipsoid, silt::PolySuperEllipsoid,
                          Polyhedron, silt::Compound<Polyhedron>>;
 
-constexpr HertzMindlin::Material stone{
-    .youngs_modulus = 1e7, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.5};
+const HertzMindlin::Material rock = stone(0.5, 0.5);
 
 HertzMindlin::Material elastic() {
-  auto m = stone;
+  auto m = rock;
   m.youngs_modulus = 3e7, m.restitution = 1, m.friction = 0;
   return m;
 }
 
-Polyhedron block(double a, double b, double c, double dilation = 0) {
-  std::vector<Vec3d> corners;
-  for (int k = 0; k < 8; ++k) corners.push_back({k & 1 ? a : -a, k & 2 ? b : -b, k & 4 ? c : -c});
-  return Polyhedron::from_points(corners, dilation);
-}
 Polyhedron tetrahedron(double size) {
   return Polyhedron::from_points(
       {{size, size, size}, {size, -size, -size}, {-size, size, -size}, {-size, -size, size}});
@@ -71,9 +66,9 @@ auto heap(std::size_t of_each, Policies... policies) {
                  .count = of_each,
                  .velocity = {0.1, 0.05, -0.5},
                  .form = form});
-  silt::Simulation sim{std::move(grains), silt::Contacts<HertzMindlin>{stone}, policies...};
+  silt::Simulation sim{std::move(grains), silt::Contacts<HertzMindlin>{rock}, policies...};
   sim.gravity = {0, 0, -9.81};
-  sim.add_wall(silt::box({0, 0, 0}, {0.012, 0.012, 0.2}), stone);
+  sim.add_wall(silt::box({0, 0, 0}, {0.012, 0.012, 0.2}), rock);
   return sim;
 }
 
@@ -130,9 +125,9 @@ TEST_CASE("Every shape that is all but a sphere moves as one") {
       silt::PolySuperEllipsoid{{r, r, r}, {r, r, r}}, block(core, core, core, r - core)};
   // One falls on a plane, slips, and meets another one.
   const auto run = [&](auto particles, bool with_plane) {
-    silt::Simulation sim{std::move(particles), silt::Contacts<HertzMindlin>{stone}};
+    silt::Simulation sim{std::move(particles), silt::Contacts<HertzMindlin>{rock}};
     sim.time_step = 1e-6;
-    if (with_plane) sim.add_wall(silt::Plane{{0, 0, -r}, {0, 0, 1}}, stone);
+    if (with_plane) sim.add_wall(silt::Plane{{0, 0, -r}, {0, 0, 1}}, rock);
     sim.run(0.004);
     return std::array{sim.velocity(0), sim.angular_velocity(0) * r, sim.velocity(1),
                       sim.angular_velocity(1) * r};
@@ -173,8 +168,8 @@ TEST_CASE("Bodies of all shapes that tumble in a box never gain energy") {
     };
     grains[k].velocity = any(0.5), grains[k].angular_velocity = any(500);
   }
-  silt::Simulation sim{std::move(grains), silt::Contacts<HertzMindlin>{stone}};
-  sim.add_wall(silt::box({0, 0, 0}, {0.012, 0.012, 0.012}), stone);
+  silt::Simulation sim{std::move(grains), silt::Contacts<HertzMindlin>{rock}};
+  sim.add_wall(silt::box({0, 0, 0}, {0.012, 0.012, 0.012}), rock);
   sim.run(0);
   const double start = totals(sim).energy;
   double most = 0;
@@ -196,9 +191,9 @@ TEST_CASE("A block on a slope stays, blocks stacked ten high stay, and cards lea
     auto p = at_rest;
     p.position = 0.999e-3 * up, p.orientation = turn;
     one.add(p);
-    silt::Simulation sim{std::move(one), silt::Contacts<HertzMindlin>{stone}};
+    silt::Simulation sim{std::move(one), silt::Contacts<HertzMindlin>{rock}};
     sim.gravity = {0, 0, -9.81};
-    sim.add_wall(silt::Plane{{0, 0, 0}, up}, stone);
+    sim.add_wall(silt::Plane{{0, 0, 0}, up}, rock);
     sim.run(0.2);
     const Vec3d from = sim.position(0);
     sim.run(0.5);
@@ -213,9 +208,9 @@ TEST_CASE("A block on a slope stays, blocks stacked ten high stay, and cards lea
       p.orientation = silt::rotation_about({0, 0, 1}, 0.1 * k);
       stack.add(p);
     }
-    silt::Simulation sim{std::move(stack), silt::Contacts<HertzMindlin>{stone}};
+    silt::Simulation sim{std::move(stack), silt::Contacts<HertzMindlin>{rock}};
     sim.gravity = {0, 0, -9.81};
-    sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, stone);
+    sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, rock);
     sim.run(0.3);
     std::vector<Vec3d> from;
     for (std::size_t k = 0; k < 10; ++k) from.push_back(sim.position(sim.find(k)));
@@ -238,9 +233,9 @@ TEST_CASE("A block on a slope stays, blocks stacked ten high stay, and cards lea
       p.orientation = silt::rotation_about({0, 1, 0}, -side * lean);
       cards.add(p);
     }
-    silt::Simulation sim{std::move(cards), silt::Contacts<HertzMindlin>{stone}};
+    silt::Simulation sim{std::move(cards), silt::Contacts<HertzMindlin>{rock}};
     sim.gravity = {0, 0, -9.81};
-    sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, stone);
+    sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, rock);
     sim.run(0.3);
     const Vec3d from[2] = {sim.position(0), sim.position(1)};
     CHECK(std::abs(from[0].z - from[1].z) < 1e-6);

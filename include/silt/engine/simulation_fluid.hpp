@@ -86,7 +86,7 @@ void Simulation<Policies...>::renew_fluid() {
       loads.force[k] = Row::of(p.force[n]);
       if constexpr (follows_fluid) {
         const auto start = fluid_.start_of(n);
-        const HeldDrag& drag = p.drag[n];
+        const auto& drag = p.drag[n];
         loads.unforced[k] = Row::of(p.velocity[n]);
         loads.held[k] = Row::of(start.push), loads.held[k].unused = drag.coefficient;
         loads.flow[k] = Row::of(start.velocity), loads.flow[k].unused = start.voidage;
