@@ -38,6 +38,19 @@ Soup floor_of(Draws& r, int n, double half, Height&& height) {
   return out;
 }
 
+/// A flat floor in two parts that share no corners: the fine one's rim has them on the coarse one's
+/// triangles' sides.
+inline TriangleMesh floor_with_seam(Draws& r) {
+  Soup soup = floor_of(r, 4, 1.5, [](double, double) { return 0.; });
+  for (auto& t : soup)
+    for (auto& p : t) p.x -= 1.5;
+  for (auto t : floor_of(r, 7, 1.5, [](double, double) { return 0.; })) {
+    for (auto& p : t) p.x += 1.5;
+    soup.push_back(t);
+  }
+  return TriangleMesh(soup);
+}
+
 /// A step: floor z = 0 for x > 0, going down at x = 0, floor z = -1 for x < 0.
 inline TriangleMesh step_mesh() {
   Soup soup;

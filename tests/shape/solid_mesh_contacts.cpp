@@ -51,15 +51,7 @@ void for_bodies(Draws& r, Action&& action) {
 TEST_CASE("solid meshes: a floor of irregular triangles is the plane, at all places and turns") {
   Draws r(1);
   const TriangleMesh whole(floor_of(r, 12, 3, [](double, double) { return 0.; }));
-  // Patches with T-junctions: the fine one's rim has corners on the coarse one's triangles' sides.
-  Soup soup = floor_of(r, 4, 1.5, [](double, double) { return 0.; });
-  for (auto& t : soup)
-    for (auto& p : t) p.x -= 1.5;
-  for (auto t : floor_of(r, 7, 1.5, [](double, double) { return 0.; })) {
-    for (auto& p : t) p.x += 1.5;
-    soup.push_back(t);
-  }
-  const TriangleMesh patches(soup);
+  const TriangleMesh patches = floor_with_seam(r);
   const Plane plane{{0, 0, 0}, {0, 0, 1}};
   for (int k = 0; k < 60; ++k)
     for_bodies(r, [&](const auto& any, const std::string& name) {

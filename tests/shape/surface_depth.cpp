@@ -74,14 +74,7 @@ TEST_CASE("surface depth: a cube flat on a plane, a fin in a cube") {
 TEST_CASE("surface depth: does not depend on how a plane is cut, seams without corners included") {
   Draws r(1);
   const TriangleMesh whole(floor_of(r, 12, 3, [](double, double) { return 0.; }));
-  Soup soup = floor_of(r, 4, 1.5, [](double, double) { return 0.; });
-  for (auto& t : soup)
-    for (auto& p : t) p.x -= 1.5;
-  for (auto t : floor_of(r, 7, 1.5, [](double, double) { return 0.; })) {
-    for (auto& p : t) p.x += 1.5;
-    soup.push_back(t);
-  }
-  const TriangleMesh halves(soup), one = square(3);
+  const TriangleMesh halves = floor_with_seam(r), one = square(3);
   for (const auto patch : halves.patches()) CHECK(patch == 0);
   const Polyhedron die = shape_test::box({0.6, 0.5, 0.4}), stone = r.hull(30);
   for (int k = 0; k < 100; ++k)
