@@ -16,7 +16,9 @@
 #include <silt/coupling/averaging/concept.hpp>
 #include <silt/coupling/cell_values.hpp>
 #include <silt/coupling/drag/concept.hpp>
+#include <silt/coupling/drag/oriented.hpp>
 #include <silt/coupling/fluid_force.hpp>
+#include <silt/coupling/fluid_needs.hpp>
 #include <silt/coupling/momentum_exchange.hpp>
 #include <silt/coupling/particles_in_fluid.hpp>
 #include <silt/fluid/flow_vtk.hpp>
@@ -78,10 +80,15 @@ class CoupledFlow {
  public:
   static constexpr bool active = true;
   static constexpr bool turns = (false || ... || turns_particles<Forces>);
-  static constexpr bool needs_curl = (false || ... || wants_curl<Forces>);
+  static constexpr bool needs_strain = (false || ... || detail::wants_strain<Forces>);
+  static constexpr bool needs_curl = needs_strain || (false || ... || wants_curl<Forces>);
+  static constexpr bool sees_forms =
+      detail::wants_forms<Drag> || (false || ... || detail::wants_forms<Forces>);
+  static constexpr bool has_history = (false || ... || detail::remembers<Forces>);
   static constexpr bool has_added_mass = (false || ... || adds_mass<Forces>);
-  static_assert(DragLaw<Drag>,
-                "CoupledFlow takes a drag law first (silt/coupling/drag/concept.hpp)");
+  static_assert(
+      DragLaw<Drag> || OrientedDragLaw<Drag>,
+      "CoupledFlow takes a drag law first (silt/coupling/drag/concept.hpp, oriented.hpp)");
 
   CoupledFlow(const Drag& drag, const Mode& mode, FlowSolver flow, const Forces&... forces)
       : flow_(std::move(flow)),
@@ -129,6 +136,7 @@ class CoupledFlow {
     spread_volume(particles, done, team);
     find_cells(team);
     gather(n, team, true);
+    remember(particles, dt, team);
     find_exchange(particles, dt, torque, team);
     spread_exchange(particles, n, team);
     done.flow = flow_.step(dt, team);
@@ -168,6 +176,7 @@ class CoupledFlow {
     time_ = clock[0], count_ = static_cast<std::int64_t>(clock[1]), last_dt_ = clock[2];
     if (clock[3] > 0) diameter = clock[3];
     if constexpr (has_added_mass) cells_.for_each_state(flow_.grid(), visit);
+    if constexpr (has_history) detail::visit_histories(forces_, visit);
   }
   /// Where a particle is for the fluid: its centre, or, if that has left the grid by less than its
   /// radius, as a contact with a wall at the side lets it, the place at the side.
@@ -188,7 +197,7 @@ class CoupledFlow {
 
  private:
   static constexpr std::size_t u_at = 0, eps_at = 3, slope_at = 4, stress_at = 7, curl_at = 10,
-                               Du_at = 13, b_at = 16, quantities = 17;
+                               Du_at = 13, b_at = 16, strain_at = 17, quantities = 23;
   bool in_pressure() const { return flow_.options().model == MomentumModel::A; }
   Vec3d value(std::size_t column, std::size_t p) const {
     return {values_[column][p], values_[column + 1][p], values_[column + 2][p]};
@@ -213,6 +222,8 @@ class CoupledFlow {
     if (!of.acceleration.empty()) same(of.acceleration.size(), "accelerations");
     if (!of.angular_velocity.empty()) same(of.angular_velocity.size(), "angular velocities");
     if (torques > 0) same(torques, "torques");
+    if constexpr (has_history) same(of.id.size(), "ids, which a history needs,");
+    if constexpr (sees_forms) detail::check_forms(of, drag_, forces_);
     require(least_voidage > 0 && least_voidage < 1, "CoupledFlow.least_voidage = ", least_voidage,
             " must be in (0, 1)");
   }
@@ -247,6 +258,7 @@ class CoupledFlow {
     cells_.find_velocity(flow_, team);
     find_loads(team);
     if constexpr (needs_curl) cells_.find_curl(flow_, team);
+    if constexpr (needs_strain) cells_.find_strain(flow_, team);
     if constexpr (has_added_mass) cells_.find_acceleration(flow_, last_dt_, team);
   }
   /// Cell values at the particles: all, or those that a flow step has changed.
@@ -266,9 +278,21 @@ class CoupledFlow {
     if (all) take(flow_.voidage(), eps_at);
     if constexpr (needs_curl)
       if (all) take3(cells_.curl, curl_at);
+    if constexpr (needs_strain)
+      if (all) take3(cells_.stretch, strain_at), take3(cells_.strain, strain_at + 3);
     if constexpr (has_added_mass)
       if (all) take3(cells_.acceleration, Du_at);
     averaging_->gather(ConstCellFields(from.data(), count), GatheredValues(to.data(), count), team);
+  }
+  /// Forces with a history learn of the slips of now.
+  void remember([[maybe_unused]] const CoupledParticles& of, [[maybe_unused]] double dt,
+                [[maybe_unused]] const Team& team) {
+    if constexpr (has_history) {
+      slips_.resize(of.velocity.size());
+      for (std::size_t p = 0; p < slips_.size(); ++p)
+        slips_[p] = is_outside(p) ? Vec3d{NAN, NAN, NAN} : value(u_at, p) - of.velocity[p];
+      detail::remember_slips(forces_, of.id, slips_, dt, team);
+    }
   }
   void find_exchange(const CoupledParticles& of, double dt, std::span<Vec3d> torque,
                      const Team& team) {
@@ -293,16 +317,21 @@ class CoupledFlow {
     at.voidage = alone ? 1 : std::clamp(values_[eps_at][p], least_voidage, 1.0);
     at.diameter = 2 * of.shape.radius[p], at.volume = of.volume[p], at.mass = of.mass[p];
     at.dt = dt, at.slip = value(u_at, p) - of.velocity[p];
+    at.place = p;
     if constexpr (needs_curl) at.curl = value(curl_at, p);
+    if constexpr (needs_strain)
+      at.stretch = value(strain_at, p), at.strain = value(strain_at + 3, p);
     if (!of.angular_velocity.empty()) at.angular_velocity = of.angular_velocity[p];
     if (!of.shape.orientation.empty()) at.orientation = of.shape.orientation[p];
     if (!of.shape.form.empty()) at.form = of.shape.form[p];
+    if constexpr (sees_forms)
+      if (!of.forms.empty()) at.body = &of.forms[at.form];
     return at;
   }
   double coefficient(const InFluid& at) const {
     const double Re =
         slip_reynolds(at.voidage, at.density, norm(at.slip), at.diameter, at.viscosity);
-    const double K = drag_coefficient(drag_, at.voidage, Re, at.diameter, at.viscosity);
+    const double K = detail::drag_on(drag_, at, Re);
     return flow_.options().model == MomentumModel::B ? model_b(K, at.voidage) : K;
   }
   MomentumExchange<double> exchange_of(const CoupledParticles& of, const InFluid& at,
@@ -382,6 +411,7 @@ class CoupledFlow {
   CellValues cells_;
   std::array<std::vector<double>, quantities> values_;  // of each particle, by column
   std::vector<MomentumExchange<double>> exchange_;
+  std::vector<Vec3d> slips_;       // [m/s] of forces with a history
   double time_ = 0, last_dt_ = 0;  // [s]
   std::int64_t count_ = 0;
   CoupledStep last_;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <silt/coupling/averaging/concept.hpp>
+#include <silt/coupling/drag/form_in_flow.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -19,6 +20,8 @@ struct CoupledParticles {
   std::span<const double> mass;                  // [kg]; infinite: fixed
   std::span<const Vec3d> acceleration = {};      // [m/s2] by all but the fluid; left out: none
   std::span<const Vec3d> angular_velocity = {};  // [rad/s]; left out: none
+  std::span<const FormInFlow> forms = {};        // of bodies, where a force or the drag sees forms
+  std::span<const std::uint32_t> id = {};        // that each keeps; where a force has a history
 };
 
 namespace detail {
@@ -31,16 +34,21 @@ struct ParticlesInFluid {
   std::vector<Quaternion> orientation;
   std::vector<std::uint32_t> form;
   std::vector<AveragedForm> forms;
+  std::vector<FormInFlow> forms_in_flow;  // if asked for
+  std::vector<std::uint32_t> id;
 
   void resize(std::size_t n, bool bodies, bool turns) {
     for (auto* v : {&position, &velocity, &acceleration, &force}) v->resize(n);
     for (auto* v : {&radius, &volume, &mass}) v->resize(n);
     if (turns) spin.resize(n), torque.resize(n);
+    id.resize(n);
     if (bodies) orientation.resize(n), form.resize(n);
   }
   CoupledParticles view() const {
-    return {
+    CoupledParticles all{
         {position, radius, orientation, form, forms}, velocity, volume, mass, acceleration, spin};
+    all.forms = forms_in_flow, all.id = id;
+    return all;
   }
   template <class Shape>
   void add_form(const Shape& shape) {
