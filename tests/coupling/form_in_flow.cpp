@@ -112,7 +112,7 @@ TEST_CASE("form_in_flow: a compound is the union of its parts") {
   CHECK(form_in_flow(mixed).aspect_ratio() == doctest::Approx(2));
 }
 
-TEST_CASE("form_in_flow: resistance to spin of spheroids") {
+TEST_CASE("form_in_flow: resistance of spheroids") {
   // S. Kim, S. J. Karrila, Microhydrodynamics (1991), table 3.4; and of a disc about an axis
   // across, 32/3 mu c^3, in the limit.
   const auto rod = form_in_flow(SuperEllipsoid{2, 1, 1});
@@ -122,6 +122,8 @@ TEST_CASE("form_in_flow: resistance to spin of spheroids") {
   CHECK(rod.spin_resistance.x == doctest::Approx(along).epsilon(1e-6));
   CHECK(rod.spin_resistance.y == doctest::Approx(across).epsilon(1e-6));
   CHECK(rod.spin_resistance.z == doctest::Approx(across).epsilon(1e-6));
+  const double slip_along = 8.0 / 3 * e * e * e / (-2 * e + (1 + e * e) * L) * 2 / std::cbrt(r3);
+  CHECK(rod.slip_resistance.x == doctest::Approx(slip_along).epsilon(1e-6));
   CHECK(rod.strain_share.z == doctest::Approx(0.6));  // (r^2 - 1)/(r^2 + 1)
   const auto disc = form_in_flow(SuperEllipsoid{1, 1, 1e-2});
   CHECK(disc.spin_resistance.x * 8 * pi * 1e-2 == doctest::Approx(32.0 / 3).epsilon(0.02));

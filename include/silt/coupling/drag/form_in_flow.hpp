@@ -30,6 +30,7 @@ struct FormInFlow {
   double sphericity = 1;                // [-]
   Vec3d inertia{0.4, 0.4, 0.4};         // [-] principal moments over m r^2
   Vec3d axes{1, 1, 1};                  // [-] semi-axes over r of the ellipsoid of these moments
+  Vec3d slip_resistance{1, 1, 1};       // [-] of that in slow flow: force over 6 pi mu r times slip
   Vec3d spin_resistance{1, 1, 1};       // [-] of that: torque over 8 pi mu r^3 times rate of spin
   Vec3d strain_share{0, 0, 0};          // [-] of that: (b^2 - c^2)/(b^2 + c^2) and so on
   std::vector<double> seen, mean_side;  // [-] the tables; empty: a sphere
@@ -215,13 +216,14 @@ FormInFlow form_in_flow(const S& shape) {
     form.axes = {axis(I.x, I.y, I.z), axis(I.y, I.z, I.x), axis(I.z, I.x, I.y)};
     form.axes *= 1 / std::cbrt(form.axes.x * form.axes.y * form.axes.z);
     const Vec3d a2{form.axes.x * form.axes.x, form.axes.y * form.axes.y, form.axes.z * form.axes.z};
-    // 16/3 (b^2 + c^2)/(b^2 beta + c^2 gamma) over 8 of a sphere; beta = 2/3 R_D(c^2, a^2, b^2).
-    const auto resistance = [](double a, double b, double c) {
-      const double beta = detail::carlson_rd(c, a, b), gamma = detail::carlson_rd(a, b, c);
-      return (b + c) / (b * beta + c * gamma);
-    };
-    form.spin_resistance = {resistance(a2.x, a2.y, a2.z), resistance(a2.y, a2.z, a2.x),
-                            resistance(a2.z, a2.x, a2.y)};
+    // alpha = int dl/((a^2 + l) D) = 2/3 R_D(b^2, c^2, a^2), and a^2 alpha + b^2 beta + c^2 gamma =
+    // int dl/D = chi; 8/3/(chi + a^2 alpha), and 2/3 (b^2 + c^2)/(b^2 beta + c^2 gamma).
+    const double A = 2.0 / 3 * a2.x * detail::carlson_rd(a2.y, a2.z, a2.x),
+                 B = 2.0 / 3 * a2.y * detail::carlson_rd(a2.z, a2.x, a2.y),
+                 C = 2.0 / 3 * a2.z * detail::carlson_rd(a2.x, a2.y, a2.z), chi = A + B + C;
+    form.slip_resistance = {8.0 / 3 / (chi + A), 8.0 / 3 / (chi + B), 8.0 / 3 / (chi + C)};
+    form.spin_resistance = {2.0 / 3 * (a2.y + a2.z) / (B + C), 2.0 / 3 * (a2.z + a2.x) / (C + A),
+                            2.0 / 3 * (a2.x + a2.y) / (A + B)};
     form.strain_share = {(a2.y - a2.z) / (a2.y + a2.z), (a2.z - a2.x) / (a2.z + a2.x),
                          (a2.x - a2.y) / (a2.x + a2.y)};
     form.seen.resize(3 * nodes * nodes), form.mean_side.resize(3 * nodes * nodes);

@@ -90,6 +90,39 @@ struct InclinedLift {
   }
 };
 
+/// A lone ellipsoid in slow flow, exactly; other bodies as the one of their moments and volume. Its
+/// drag and, given as a force too, its lift:
+///
+///   silt::CoupledFlow{silt::SlowEllipsoid{}, mode, flow, silt::SlowEllipsoid{}}
+///
+///   F = 6 pi mu r sum_i k_i (W.e_i) e_i, k_x = (8/3)/(chi + a^2 alpha), a, b, c over r (4) chi =
+///   int_0^inf dl/D, alpha = int_0^inf dl/((a^2 + l) D), D^2 = (a^2 + l)(b^2 + l)(c^2 + l)
+///
+/// Source: A. Oberbeck, J. reine angew. Math. 81 (1876) 62; Happel and Brenner as above, sec. 5-11.
+/// Valid:  Re << 1; the same among other particles.
+struct SlowEllipsoid {
+  static constexpr bool sees_forms = true;
+  double normalised(const InFluid& at, double) const {
+    const double W2 = dot(at.slip, at.slip);
+    const Vec3d W = detail::in_body(at, at.slip);
+    return (W2 > 0 ? dot(W, over_stokes(at, W)) / W2 : 1) / at.voidage;
+  }
+  Vec3d force_on(const InFluid& at) const {
+    const double W2 = dot(at.slip, at.slip);
+    if (W2 == 0) return {0, 0, 0};
+    const Vec3d W = detail::in_body(at, at.slip), F = over_stokes(at, W);
+    return rotate(at.orientation,
+                  3 * std::numbers::pi * at.viscosity * at.diameter * (F - W * (dot(F, W) / W2)));
+  }
+
+ private:
+  static Vec3d over_stokes(const InFluid& at, const Vec3d& W) {
+    if (!at.body) return W;
+    const Vec3d& k = at.body->slip_resistance;
+    return {k.x * W.x, k.y * W.y, k.z * W.z};
+  }
+};
+
 /// Drag of one of the four bodies of Zastawny et al., with (1). Below Re = 0.1, where the fit ends,
 /// C_D Re stays as it is there.
 struct ZastawnyDrag {
@@ -158,6 +191,7 @@ inline void ZastawnyLift::check_form(const FormInFlow* form) const {
   detail::check_aspect("ZastawnyLift", fit, form);
 }
 
+static_assert(OrientedDragLaw<SlowEllipsoid> && FluidForce<SlowEllipsoid>);
 static_assert(OrientedDragLaw<OrientedDrag<>> && OrientedDragLaw<ZastawnyDrag>);
 static_assert(FluidForce<InclinedLift<>> && FluidForce<ZastawnyLift>);
 
