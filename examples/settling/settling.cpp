@@ -130,9 +130,6 @@ Settled suspension(const Scene& s, const silt::FluidProperties& liquid, double f
   auto sim = make_simulation(s, std::move(grains), liquid, s.across, s.high, 3);
   sim.threads = threads;
   const double v = s.hindered(liquid, fraction), fall = s.fall * s.diameter;
-  // Grains that touch must not be driven by a drag that is older than they keep a velocity.
-  const double relaxation = v / 9.81 * s.density / (s.density - liquid.density);
-  sim.fluid().most_steps = std::clamp(static_cast<int>(0.5 * relaxation / Scene::step), 1, 50);
   sim.run(fall / v);
   // Those that are in the middle half of the column now.
   std::vector<std::uint32_t> ids;

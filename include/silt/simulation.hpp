@@ -90,7 +90,8 @@ class Simulation {
   static constexpr bool has_ledger = detail::count<detail::IsLedger, Policies...> > 0;
   static constexpr bool rotates = ContactsType::rotates || has_bodies;
   static constexpr detail::FromFluid from_fluid = detail::loads_of_fluid<Fluid>;
-  static constexpr bool turned_by_fluid = from_fluid == detail::FromFluid::ForceAndTorque;
+  static constexpr bool turned_by_fluid = detail::turns(from_fluid);
+  static constexpr bool follows_fluid = detail::follows(from_fluid);
   static_assert(rotates || !turned_by_fluid,
                 "a force of the fluid has a torque, but these spheres do not rotate: take a "
                 "contact law with friction, or leave that force out");
@@ -315,6 +316,9 @@ class Simulation {
   Vec3d fluid_force(std::size_t k) const requires(Fluid::active) {
     return engine_.fluid_loads().force[k].vector();
   }
+  /// What the fluid has given to particle k [N s] that velocity(k) does not have yet, as the flow is
+  /// ahead of the particles; while they are observed (or after run()), from the second step on.
+  Vec3d due_from_fluid(std::size_t k) const;
   const ContactsType& contacts() const { return contacts_; }
   const Domain& domain() const { return domain_; }
   const Search& search() const { return search_; }
@@ -385,6 +389,7 @@ class Simulation {
   void book_leaving(std::size_t k);
   void couple();
   void renew_fluid();
+  void follow_fluid();
   double gather_for_fluid();
   double power_of_fluid() const;
   void check_fluid() const;

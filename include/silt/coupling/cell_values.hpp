@@ -80,6 +80,22 @@ class CellValues {
     }
   }
 
+  /// The exchanged force on the particles as the fluid felt it [N].
+  Vec3d exchanged(FlowSolver& flow) const {
+    Vec3d sum{0, 0, 0};
+    const Grid& g = flow.grid();
+    for (int k = 0; k < g.nz(); ++k)
+      for (int j = 0; j < g.ny(); ++j)
+        for (int i = 0; i < g.nx(); ++i) {
+          const double K = flow.drag()(i, j, k);
+          const auto of = [&](int d) {
+            return K * velocity[at(d)](i, j, k) - flow.drag_velocity(d)(i, j, k);
+          };
+          sum += Vec3d{of(0), of(1), of(2)};
+        }
+    return g.cell_volume() * sum;
+  }
+
   void find_curl(const FlowSolver& flow, const Team& team) {
     const Grid& g = flow.grid();
     make(curl, g);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <tuple>
@@ -19,21 +20,12 @@
 #include <silt/coupling/drag/oriented.hpp>
 #include <silt/coupling/fluid_force.hpp>
 #include <silt/coupling/fluid_needs.hpp>
+#include <silt/coupling/followed_drag.hpp>
 #include <silt/coupling/momentum_exchange.hpp>
 #include <silt/coupling/particles_in_fluid.hpp>
 #include <silt/fluid/flow_vtk.hpp>
 
 namespace silt::inline SILT_TARGET {
-
-/// What a coupling step did.
-struct CoupledStep {
-  FlowStep flow;
-  AveragingReport averaging;
-  double clipped = 0;       // [m3] solids that the least voidage leaves no room for
-  double volume_error = 0;  // [-] solids in cells over the particles' volume, less 1
-  Vec3d
-      momentum_error{};  // [N] forces on particles and on the fluid: their sum, 0 but for rounding
-};
 
 /// Particles and a flow, each of which feels the other, unresolved or by two grids, a kernel or
 /// diffusion: the fluid of a Simulation, or of a loop of one's own.
@@ -52,8 +44,15 @@ struct CoupledStep {
 /// with the same weights in all of them; in model B without grad p and tau, with K/eps. L is that
 /// of `Forces` (coupling/fluid_force.hpp); a virtual mass m' makes it
 /// F m/(m + m') + m' (Du/Dt - a'), with b, c and a' of m + m'. F is held over the particles' own
-/// steps until the next one. The last term is there as p is without the fluid's weight. Particles
-/// beyond the grid feel no fluid.
+/// steps until the next one. Of a and grad p those of the last step are taken, but with
+///
+///   - V grad p' = - V grad p + r (F' - F),  r = (1 - eps)/eps                                (5)
+///
+/// F' and F without pressure: the pressure that a crowd's own drag makes pushes each of its
+/// particles as well, and so is as stiff as drag is. (Taken from the last step alone, its share 1 -
+/// E/X in c makes settling grow without bound from r = 1/3 on, in steps of some relaxation times.)
+/// The last term is there as p is without the fluid's weight. Particles beyond the grid feel no
+/// fluid.
 ///
 /// Source: Z. Y. Zhou et al., J. Fluid Mech. 661 (2010) 482 (models); MomentumExchange.
 /// Errors: those of FlowSolver and the averaging mode; InputError for spans that do not fit.
@@ -86,9 +85,17 @@ class CoupledFlow {
       detail::wants_forms<Drag> || (false || ... || detail::wants_forms<Forces>);
   static constexpr bool has_history = (false || ... || detail::remembers<Forces>);
   static constexpr bool has_added_mass = (false || ... || adds_mass<Forces>);
+  /// Drag follows each particle's velocity between fluid steps.
+  static constexpr bool follows = (false || ... || std::is_same_v<Forces, FollowedDrag>);
+  static_assert(!(follows && has_added_mass),
+                "FollowedDrag does not know a virtual mass: leave one of them out");
   static_assert(
       DragLaw<Drag> || OrientedDragLaw<Drag>,
       "CoupledFlow takes a drag law first (silt/coupling/drag/concept.hpp, oriented.hpp)");
+  static_assert(
+      !(follows && OrientedDragLaw<Drag>),
+      "FollowedDrag does not know how bodies lie: take a drag law of spheres, or leave it "
+      "out");
 
   CoupledFlow(const Drag& drag, const Mode& mode, FlowSolver flow, const Forces&... forces)
       : flow_(std::move(flow)),
@@ -98,6 +105,7 @@ class CoupledFlow {
         solids_(flow_.grid()),
         cells_(flow_.grid()) {
     mode_.check();
+    if constexpr (follows) held_drag().check();
     if (in_pressure()) flow_.keep_stress();
   }
 
@@ -138,11 +146,13 @@ class CoupledFlow {
     gather(n, team, true);
     remember(particles, dt, team);
     find_exchange(particles, dt, torque, team);
-    spread_exchange(particles, n, team);
+    spread_exchange(particles, n, dt, team);
     done.flow = flow_.step(dt, team);
     cells_.find_velocity(flow_, team);
     find_loads(team);
     gather(n, team, false);
+    following_ = false;
+    if constexpr (follows) start_.assign(n, {});
     Vec3d on_particles{0, 0, 0};
     for (std::size_t p = 0; p < n; ++p) {
       if (is_outside(p)) {
@@ -152,11 +162,61 @@ class CoupledFlow {
       const Vec3d exchanged = exchange_[p].force(value(u_at, p), particles.velocity[p]);
       on_particles += exchanged;
       force[p] = exchanged + static_force(particles.volume[p], p);
+      if constexpr (follows) start_following(particles, p, exchanged, dt, done, on_particles);
     }
-    done.momentum_error = on_particles - force_of_fluid();
+    done.momentum_error = on_particles - cells_.exchanged(flow_);
     time_ += dt, ++count_, last_dt_ = dt, last_ = done;
     return done;
   }
+
+  /// @name With FollowedDrag, in a Simulation
+  /// @{
+  /// What particle p feels until the next fluid step: the fluid's velocity [m/s] and voidage [-],
+  /// 0: no fluid; drag [N] that the fluid has given; all other force [N], but for pressure and
+  /// stress if those are read from cells.
+  struct Start {
+    Vec3d velocity{0, 0, 0}, drag{0, 0, 0}, push{0, 0, 0};
+    double voidage = 0;
+  };
+  const Start& start_of(std::size_t p) const requires follows { return start_[p]; }
+  /// [N s] that particles which have left the fluid had taken beyond what it had given them.
+  Vec3d lost() const { return lost_; }
+  void lose(const Vec3d& impulse) { lost_ += impulse; }
+  /// Renews the values of cells, if there are such, after a fluid step or a restart.
+  void prepare_to_follow(const Team& team) requires follows {
+    if (following_ || !(held_drag().cell > 0)) return;
+    cells_.find_velocity(flow_, team);
+    find_loads(team);
+    held_.make(flow_.grid(), held_drag().cell);
+    held_.renew(flow_.grid(), cells_, in_pressure(), team);
+    following_ = true;
+  }
+  /// The force [N] on the particle of row k, at x [m], with velocity v [m/s], over its next dt [s].
+  template <class Loads>
+  Vec3d follow(Loads& loads, std::size_t k, const Vec3d& x, const Vec3d& v, double mass,
+               const Vec3d& contacts, double dt) const requires follows {
+    const auto& how = held_drag();
+    auto &held = loads.held[k], &reference = loads.reference[k];
+    const Vec3d push = held.vector();
+    Vec3d u = loads.flow[k].vector(), read{0, 0, 0};
+    if (how.cell > 0) {
+      const double d = loads.given[k].unused;
+      const detail::HeldValues& here = held_.at(x);
+      u = here.velocity, read = (std::numbers::pi / 6 * d * d * d) * here.push;
+    }
+    const Vec3d slip = u - v, change = slip - reference.vector();
+    const double tolerance2 = how.tolerance * how.tolerance;
+    if (!(dot(change, change) <= tolerance2 * dot(reference.vector(), reference.vector()))) {
+      reference = {slip.x, slip.y, slip.z, loads.flow[k].unused};
+      held.unused = coefficient(loads.flow[k].unused, norm(slip), loads.given[k].unused);
+    }
+    const Vec3d a = (1 / mass) * (contacts + push + read) + gravity;
+    const Vec3d exchanged = momentum_exchange(mass, held.unused, dt, a).force(u, v) + read;
+    auto& taken = loads.taken[k];
+    taken.x += dt * exchanged.x, taken.y += dt * exchanged.y, taken.z += dt * exchanged.z;
+    return exchanged + push;
+  }
+  /// @}
 
   /// [-] at each particle of the last step; 0 beyond the grid.
   std::span<const double> voidage_at_particles() const { return values_[eps_at]; }
@@ -171,10 +231,12 @@ class CoupledFlow {
   void for_each_state(const Visit& visit) {
     flow_.for_each_state(visit);
     const auto counted = static_cast<double>(count_);
-    std::array<double, 4> clock{time_, counted, last_dt_, diameter.value_or(0)};
+    std::array<double, 7> clock{time_,   counted, last_dt_, diameter.value_or(0),
+                                lost_.x, lost_.y, lost_.z};
     visit("fluid.clock", std::span<double>(clock));
     time_ = clock[0], count_ = static_cast<std::int64_t>(clock[1]), last_dt_ = clock[2];
     if (clock[3] > 0) diameter = clock[3];
+    lost_ = {clock[4], clock[5], clock[6]}, following_ = false;
     if constexpr (has_added_mass) cells_.for_each_state(flow_.grid(), visit);
     if constexpr (has_history) detail::visit_histories(forces_, visit);
   }
@@ -198,6 +260,7 @@ class CoupledFlow {
  private:
   static constexpr std::size_t u_at = 0, eps_at = 3, slope_at = 4, stress_at = 7, curl_at = 10,
                                Du_at = 13, b_at = 16, strain_at = 17, quantities = 23;
+  const FollowedDrag& held_drag() const requires follows { return std::get<FollowedDrag>(forces_); }
   bool in_pressure() const { return flow_.options().model == MomentumModel::A; }
   Vec3d value(std::size_t column, std::size_t p) const {
     return {values_[column][p], values_[column + 1][p], values_[column + 2][p]};
@@ -211,46 +274,10 @@ class CoupledFlow {
     return volume * push;
   }
 
-  void check(const CoupledParticles& of, std::size_t forces, std::size_t torques) const {
-    const std::size_t n = of.velocity.size();
-    const auto same = [n](std::size_t count, const char* what) {
-      require(count == n, "CoupledParticles: ", count, " ", what, " for ", n,
-              " velocities; give one each");
-    };
-    same(of.shape.position.size(), "positions"), same(of.volume.size(), "volumes");
-    same(of.mass.size(), "masses"), same(forces, "forces");
-    if (!of.acceleration.empty()) same(of.acceleration.size(), "accelerations");
-    if (!of.angular_velocity.empty()) same(of.angular_velocity.size(), "angular velocities");
-    if (torques > 0) same(torques, "torques");
-    if constexpr (has_history) same(of.id.size(), "ids, which a history needs,");
-    if constexpr (sees_forms) detail::check_forms(of, drag_, forces_);
-    require(least_voidage > 0 && least_voidage < 1, "CoupledFlow.least_voidage = ", least_voidage,
-            " must be in (0, 1)");
-  }
+  void check(const CoupledParticles& of, std::size_t forces, std::size_t torques) const;
 
-  void make_averaging(const CoupledParticles& of) {
-    if (averaging_ || of.velocity.empty()) return;
-    if (!diameter) diameter = 2 * *std::max_element(of.shape.radius.begin(), of.shape.radius.end());
-    averaging_.emplace(mode_, flow_.grid(), *diameter);
-    if (const Field* open = flow_.open_cells()) averaging_->open(*open);
-  }
-  void spread_volume(const CoupledParticles& of, CoupledStep& done, const Team& team) {
-    Field* const to[] = {&solids_};
-    const std::span<const double> volume[] = {of.volume};
-    averaging_->spread(volume, to, team);
-    const Grid& g = flow_.grid();
-    double particles = 0;
-    for (const double v : of.volume) particles += v;
-    if (particles > 0 && done.averaging.outside == 0)
-      done.volume_error = total(solids_) / particles - 1;
-    done.clipped = clipped_solids(solids_, least_voidage);
-    const double over = 1 / g.cell_volume();
-    CellValues::for_rows(flow_, team, [&](int j, int k) {
-      const double* const s = solids_.row(j, k);
-      double* const eps = flow_.voidage().row(j, k);
-      for (int i = 0; i < g.nx(); ++i) eps[i] = std::max(1 - s[i] * over, least_voidage);
-    });
-  }
+  void make_averaging(const CoupledParticles& of);
+  void spread_volume(const CoupledParticles& of, CoupledStep& done, const Team& team);
   void find_loads(const Team& team) {
     if (in_pressure()) cells_.find_slope(flow_, team), cells_.find_stress(flow_, team);
   }
@@ -262,62 +289,18 @@ class CoupledFlow {
     if constexpr (has_added_mass) cells_.find_acceleration(flow_, last_dt_, team);
   }
   /// Cell values at the particles: all, or those that a flow step has changed.
-  void gather(std::size_t n, const Team& team, bool all) {
-    std::array<const Field*, quantities> from;
-    std::array<std::span<double>, quantities> to;
-    std::size_t count = 0;
-    const auto take = [&](const Field& field, std::size_t column) {
-      values_[column].resize(n);
-      from[count] = &field, to[count++] = values_[column];
-    };
-    const auto take3 = [&](const auto& fields, std::size_t column) {
-      for (std::size_t d = 0; d < 3; ++d) take(fields[d], column + d);
-    };
-    take3(cells_.velocity, u_at);
-    if (in_pressure()) take3(cells_.slope, slope_at), take3(cells_.stress, stress_at);
-    if (all) take(flow_.voidage(), eps_at);
-    if constexpr (needs_curl)
-      if (all) take3(cells_.curl, curl_at);
-    if constexpr (needs_strain)
-      if (all) take3(cells_.stretch, strain_at), take3(cells_.strain, strain_at + 3);
-    if constexpr (has_added_mass)
-      if (all) take3(cells_.acceleration, Du_at);
-    averaging_->gather(ConstCellFields(from.data(), count), GatheredValues(to.data(), count), team);
-  }
+  void gather(std::size_t n, const Team& team, bool all);
   /// Forces with a history learn of the slips of now.
-  void remember([[maybe_unused]] const CoupledParticles& of, [[maybe_unused]] double dt,
-                [[maybe_unused]] const Team& team) {
-    if constexpr (has_history) {
-      slips_.resize(of.velocity.size());
-      for (std::size_t p = 0; p < slips_.size(); ++p)
-        slips_[p] = is_outside(p) ? Vec3d{NAN, NAN, NAN} : value(u_at, p) - of.velocity[p];
-      detail::remember_slips(forces_, of.id, slips_, dt, team);
-    }
-  }
+  void remember(const CoupledParticles& of, double dt, const Team& team);
   void find_exchange(const CoupledParticles& of, double dt, std::span<Vec3d> torque,
-                     const Team& team) {
-    exchange_.resize(of.velocity.size());
-    team.for_ranges(exchange_.size(), [&](std::size_t, std::size_t from, std::size_t to) {
-      for (std::size_t p = from; p < to; ++p) {
-        exchange_[p] = {0, {0, 0, 0}};
-        if constexpr (turns)
-          if (!torque.empty()) torque[p] = {0, 0, 0};
-        if (is_outside(p)) continue;
-        const InFluid at = particle(of, p, dt);
-        exchange_[p] = exchange_of(of, at, p);
-        if constexpr (turns)
-          if (!torque.empty()) torque[p] = torque_on(at);
-      }
-    });
-  }
+                     const Team& team);
   InFluid particle(const CoupledParticles& of, std::size_t p, double dt) const {
     InFluid at{};
     at.density = flow_.fluid().density, at.viscosity = flow_.fluid().viscosity;
     const bool alone = flow_.options().model == MomentumModel::Simplified;
     at.voidage = alone ? 1 : std::clamp(values_[eps_at][p], least_voidage, 1.0);
     at.diameter = 2 * of.shape.radius[p], at.volume = of.volume[p], at.mass = of.mass[p];
-    at.dt = dt, at.slip = value(u_at, p) - of.velocity[p];
-    at.place = p;
+    at.dt = dt, at.place = p, at.slip = value(u_at, p) - of.velocity[p];
     if constexpr (needs_curl) at.curl = value(curl_at, p);
     if constexpr (needs_strain)
       at.stretch = value(strain_at, p), at.strain = value(strain_at + 3, p);
@@ -328,33 +311,58 @@ class CoupledFlow {
       if (!of.forms.empty()) at.body = &of.forms[at.form];
     return at;
   }
-  double coefficient(const InFluid& at) const {
+  /// [kg/s] of drag.
+  double coefficient(double voidage, double slip, double d) const {
+    const auto& fluid = flow_.fluid();
+    const double Re = slip_reynolds(voidage, fluid.density, slip, d, fluid.viscosity);
+    const double K = drag_coefficient(drag_, voidage, Re, d, fluid.viscosity);
+    return flow_.options().model == MomentumModel::B ? model_b(K, voidage) : K;
+  }
+  double coefficient([[maybe_unused]] const CoupledParticles& of, const InFluid& at,
+                     [[maybe_unused]] std::size_t p) const {
+    if constexpr (follows)
+      if (!of.drag.empty()) {
+        HeldDrag& held = of.drag[p];
+        const double tolerance = held_drag().tolerance;
+        if (norm(at.slip - held.slip) <= tolerance * norm(held.slip) &&
+            std::abs(at.voidage - held.voidage) <= tolerance)
+          return held.coefficient;
+        held = {coefficient(at.voidage, norm(at.slip), at.diameter), at.slip, at.voidage};
+        return held.coefficient;
+      }
     const double Re =
         slip_reynolds(at.voidage, at.density, norm(at.slip), at.diameter, at.viscosity);
     const double K = detail::drag_on(drag_, at, Re);
     return flow_.options().model == MomentumModel::B ? model_b(K, at.voidage) : K;
   }
+  /// After the fluid's step, in which it gave `exchanged` [N] to particle p.
+  void start_following(const CoupledParticles& of, std::size_t p, const Vec3d& exchanged, double dt,
+                       CoupledStep& done, Vec3d& on_particles) requires follows {
+    const double V = of.volume[p];
+    const Vec3d others = others_[p];  // lift, and so on
+    const bool alone = flow_.options().model == MomentumModel::Simplified;
+    const Vec3d weight = -V * flow_.fluid().density * gravity, all = static_force(V, p);
+    const bool from_cells = held_drag().cell > 0;  // then pressure is part of what is exchanged
+    start_[p] = {value(u_at, p), exchanged - others + (from_cells ? all - weight : Vec3d{0, 0, 0}),
+                 others + (from_cells ? weight : all),
+                 alone ? 1 : std::clamp(values_[eps_at][p], least_voidage, 1.0)};
+    if (of.owed.empty()) return;
+    done.owed += of.owed[p], on_particles += (1 / dt) * of.owed[p];
+  }
   MomentumExchange<double> exchange_of(const CoupledParticles& of, const InFluid& at,
-                                       std::size_t p) const {
-    const double K = coefficient(at);
-    Vec3d push{0, 0, 0};
-    double added = 0;
-    const auto ask = [&](const auto& force) {
-      using F = std::decay_t<decltype(force)>;
-      if constexpr (pushes<F>) push += force.force_on(at);
-      if constexpr (adds_mass<F>) added += force.added_mass(at);
-    };
-    std::apply([&](const auto&... force) { (ask(force), ...); }, forces_);
-    Vec3d Du{0, 0, 0};
-    if constexpr (has_added_mass) Du = value(Du_at, p);
-    if (!std::isfinite(at.mass)) return {K, -(push + added * Du)};
-    const Vec3d others = static_force(at.volume, p) + push;
-    Vec3d a = (1 / at.mass) * others;
-    if (!of.acceleration.empty()) a += of.acceleration[p];
-    const double all = at.mass + added, share = at.mass / all;
-    a = share * a + (added / all) * Du;
-    const auto e = momentum_exchange(all, K, at.dt, a);
-    return {share * e.coefficient, share * e.offset - push - added * (Du - a)};
+                                       std::size_t p);
+  /// What the fluid and the particle exchanged in the last step [N]; not a number: not known, or of
+  /// no pressure.
+  Vec3d last_exchange(const CoupledParticles& of, const InFluid& at, std::size_t p) const {
+    if (!in_pressure() || of.last_force.empty()) return Vec3d{NAN, 0, 0};
+    if constexpr (follows) {
+      Vec3d other = others_[p];
+      if (held_drag().cell > 0)
+        other -= static_force(at.volume, p) + at.volume * flow_.fluid().density * gravity;
+      if (!of.owed.empty()) other -= (1 / at.dt) * of.owed[p];
+      return of.last_force[p] + other;
+    }
+    return of.last_force[p] - static_force(at.volume, p);
   }
   Vec3d torque_on(const InFluid& at) const {
     Vec3d sum{0, 0, 0};
@@ -364,43 +372,7 @@ class CoupledFlow {
     std::apply([&](const auto&... force) { (ask(force), ...); }, forces_);
     return sum;
   }
-  void spread_exchange(const CoupledParticles& of, std::size_t n, const Team& team) {
-    values_[b_at].resize(n);
-    for (std::size_t p = 0; p < n; ++p) {
-      const auto& e = exchange_[p];
-      const Vec3d push = e.coefficient * of.velocity[p] + e.offset;
-      values_[0][p] = push.x, values_[1][p] = push.y, values_[2][p] = push.z;
-      values_[b_at][p] = e.coefficient;
-    }
-    Field* const to[] = {&flow_.drag_velocity(0), &flow_.drag_velocity(1), &flow_.drag_velocity(2),
-                         &flow_.drag()};
-    const std::span<const double> from[] = {values_[0], values_[1], values_[2], values_[b_at]};
-    averaging_->spread(from, to, team);
-    const double over = 1 / flow_.grid().cell_volume();
-    CellValues::for_rows(flow_, team, [&](int j, int k) {
-      for (Field* f : to) {
-        double* const row = f->row(j, k);
-        for (int i = 0; i < flow_.grid().nx(); ++i) row[i] *= over;
-      }
-    });
-  }
-  /// The exchanged force on the particles as the fluid felt it [N].
-  Vec3d force_of_fluid() {
-    Vec3d sum{0, 0, 0};
-    const Grid& g = flow_.grid();
-    for (int k = 0; k < g.nz(); ++k)
-      for (int j = 0; j < g.ny(); ++j)
-        for (int i = 0; i < g.nx(); ++i) {
-          const double K = flow_.drag()(i, j, k);
-          const auto of = [&](int d) {
-            return K * cells_.velocity[static_cast<std::size_t>(d)](i, j, k) -
-                   flow_.drag_velocity(d)(i, j, k);
-          };
-          sum += Vec3d{of(0), of(1), of(2)};
-        }
-    return g.cell_volume() * sum;
-  }
-
+  void spread_exchange(const CoupledParticles& of, std::size_t n, double dt, const Team& team);
   using CellValues = detail::CellValues;
   FlowSolver flow_;
   Drag drag_;
@@ -411,10 +383,17 @@ class CoupledFlow {
   CellValues cells_;
   std::array<std::vector<double>, quantities> values_;  // of each particle, by column
   std::vector<MomentumExchange<double>> exchange_;
-  std::vector<Vec3d> slips_;       // [m/s] of forces with a history
+  std::vector<Vec3d> slips_;   // [m/s] of forces with a history
+  std::vector<Vec3d> others_;  // [N] of Forces, with FollowedDrag
+  std::vector<Start> start_;
+  detail::HeldCells held_;
+  bool following_ = false;         // held_ is of the present flow
+  Vec3d lost_{0, 0, 0};            // [N s]
   double time_ = 0, last_dt_ = 0;  // [s]
   std::int64_t count_ = 0;
   CoupledStep last_;
 };
 
 }  // namespace silt
+
+#include <silt/coupling/coupled_flow_parts.hpp>

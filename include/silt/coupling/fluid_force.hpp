@@ -38,8 +38,8 @@ struct InFluid {
 ///   Vec3d torque_on(const InFluid&) const       [N m]
 ///   double added_mass(const InFluid&) const     [kg] that is accelerated with the particle
 /// and `static constexpr bool needs_curl = true` if it reads that, or needs_strain, which has the
-/// curl too, or sees_forms. The fluid gets the opposite of
-/// forces in the same step.
+/// curl too, or sees_forms. The fluid gets the opposite of forces in the same step. Or
+/// FollowedDrag, which says how drag is held (followed_drag.hpp).
 template <class F>
 concept FluidForce = requires(const F& f, const InFluid& at) {
   { f.force_on(at) } -> std::same_as<Vec3d>;
@@ -49,7 +49,8 @@ concept FluidForce = requires(const F& f, const InFluid& at) {
 }
 || requires(const F& f, const InFluid& at) {
   { f.added_mass(at) } -> std::same_as<double>;
-};
+}
+|| F::follows_velocity;
 
 /// Lift in a shear (SaffmanMei).
 struct ShearLift {

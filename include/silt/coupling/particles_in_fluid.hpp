@@ -8,8 +8,27 @@
 
 #include <silt/coupling/averaging/concept.hpp>
 #include <silt/coupling/drag/form_in_flow.hpp>
+#include <silt/fluid/flow_solver.hpp>
 
 namespace silt::inline SILT_TARGET {
+
+/// What a coupling step did.
+struct CoupledStep {
+  FlowStep flow;
+  AveragingReport averaging;
+  double clipped = 0;       // [m3] solids that the least voidage leaves no room for
+  double volume_error = 0;  // [-] solids in cells over the particles' volume, less 1
+  Vec3d
+      momentum_error{};  // [N] forces on particles and on the fluid: their sum, 0 but for rounding
+  Vec3d owed{0, 0, 0};   // [N s] that particles had taken beyond what the fluid gave: given now
+};
+
+/// The drag coefficient of a particle, and where it was found.
+struct HeldDrag {
+  double coefficient;  // [kg/s]
+  Vec3d slip;          // [m/s] not a number: not known
+  double voidage;      // [-]
+};
 
 /// The particles of a coupling step, one value each; at its end, except for velocities, which are
 /// those of its start.
@@ -20,8 +39,14 @@ struct CoupledParticles {
   std::span<const double> mass;                  // [kg]; infinite: fixed
   std::span<const Vec3d> acceleration = {};      // [m/s2] by all but the fluid; left out: none
   std::span<const Vec3d> angular_velocity = {};  // [rad/s]; left out: none
-  std::span<const FormInFlow> forms = {};        // of bodies, where a force or the drag sees forms
-  std::span<const std::uint32_t> id = {};        // that each keeps; where a force has a history
+  /// [N] that the last step gave; not numbers: none. Steps longer than half of a dense suspension's
+  /// relaxation time need it.
+  std::span<const Vec3d> last_force = {};
+  // With FollowedDrag:
+  std::span<const Vec3d> owed = {};  // [N s] taken beyond what the fluid gave in its last step
+  std::span<HeldDrag> drag = {};     // renewed where the tolerance asks for it
+  std::span<const FormInFlow> forms = {};  // of bodies, where a force or the drag sees forms
+  std::span<const std::uint32_t> id = {};  // that each keeps; where a force has a history
 };
 
 namespace detail {
@@ -29,24 +54,34 @@ namespace detail {
 /// The particles of a simulation, one after the other, as its fluid takes them.
 struct ParticlesInFluid {
   std::vector<std::size_t> place;  // in the rows of particles
-  std::vector<Vec3d> position, velocity, acceleration, spin, force, torque;
+  std::vector<Vec3d> position, velocity, acceleration, spin, force, torque, last_force;
   std::vector<double> radius, volume, mass;
+  std::vector<Vec3d> owed;     // with FollowedDrag
+  std::vector<HeldDrag> drag;  // with FollowedDrag
   std::vector<Quaternion> orientation;
   std::vector<std::uint32_t> form;
   std::vector<AveragedForm> forms;
   std::vector<FormInFlow> forms_in_flow;  // if asked for
   std::vector<std::uint32_t> id;
 
-  void resize(std::size_t n, bool bodies, bool turns) {
-    for (auto* v : {&position, &velocity, &acceleration, &force}) v->resize(n);
+  void resize(std::size_t n, bool bodies, bool turns, bool follows) {
+    for (auto* v : {&position, &velocity, &acceleration, &force, &last_force}) v->resize(n);
     for (auto* v : {&radius, &volume, &mass}) v->resize(n);
+    if (follows) owed.resize(n), drag.resize(n);
     if (turns) spin.resize(n), torque.resize(n);
     id.resize(n);
     if (bodies) orientation.resize(n), form.resize(n);
   }
-  CoupledParticles view() const {
-    CoupledParticles all{
-        {position, radius, orientation, form, forms}, velocity, volume, mass, acceleration, spin};
+  CoupledParticles view() {
+    CoupledParticles all{{position, radius, orientation, form, forms},
+                         velocity,
+                         volume,
+                         mass,
+                         acceleration,
+                         spin,
+                         last_force,
+                         owed,
+                         drag};
     all.forms = forms_in_flow, all.id = id;
     return all;
   }

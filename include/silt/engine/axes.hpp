@@ -50,6 +50,8 @@ template <class F>
 inline constexpr FromFluid loads_of_fluid = [] {
   if constexpr (!F::active)
     return FromFluid::Nothing;
+  else if constexpr (requires { requires F::follows; })
+    return F::turns ? FromFluid::FollowedForceAndTorque : FromFluid::FollowedForce;
   else
     return F::turns ? FromFluid::ForceAndTorque : FromFluid::Force;
 }();

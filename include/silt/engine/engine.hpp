@@ -256,6 +256,20 @@ class Engine {
       return particles.fluid;
   }
   const auto& fluid_loads() const { return const_cast<Engine&>(*this).fluid_loads(); }
+  /// Of contacts on particle k [N], before the loads are integrated.
+  Vec3d contact_force(std::size_t k) const {
+    const auto of = [&](std::size_t row) {
+      const Scalar* const load = sums_.data() + row * 4 * chunks;
+      return Vec3d{double(load[0]), double(load[1]), double(load[2])};
+    };
+    if constexpr (has_bodies) {
+      Vec3d sum{0, 0, 0};
+      for (const std::uint32_t row : mover.rows_of(mover.bodies[k])) sum += of(row);
+      return sum;
+    } else {
+      return of(k);
+    }
+  }
   const Team& team() const { return *team_; }
   /// The number of the particle that a row is, or belongs to.
   std::uint32_t id_of(std::size_t row) const {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <silt/simulation.hpp>
@@ -44,7 +45,13 @@ void Simulation<Policies...>::couple() {
   if constexpr (Fluid::active) {
     if (fluid_.fluid_steps() == 0) fluid_.start_at(time_);
     const double before = power_of_fluid();
+    if constexpr (follows_fluid) {
+      auto& left = engine_.fluid_loads().left;
+      fluid_.lose(left), left = {0, 0, 0};
+      fluid_.gravity = gravity;
+    }
     if (fluid_.time() < time_ + 0.5 * dt_) renew_fluid();
+    if constexpr (follows_fluid) follow_fluid();
     if constexpr (has_ledger)
       if (!first_kick_) book_.fluid_worked(0.5 * dt_ * (before + power_of_fluid()));
   }
@@ -77,10 +84,66 @@ void Simulation<Policies...>::renew_fluid() {
       const std::size_t k = p.place[n];
       const double inv_m = std::isfinite(p.mass[n]) ? 1 / p.mass[n] : 0;
       loads.force[k] = Row::of(p.force[n]);
-      loads.unforced[k] = Row::of(p.velocity[n] + (span * inv_m) * p.force[n]);
+      if constexpr (follows_fluid) {
+        const auto start = fluid_.start_of(n);
+        const HeldDrag& drag = p.drag[n];
+        loads.unforced[k] = Row::of(p.velocity[n]);
+        loads.held[k] = Row::of(start.push), loads.held[k].unused = drag.coefficient;
+        loads.flow[k] = Row::of(start.velocity), loads.flow[k].unused = start.voidage;
+        loads.reference[k] = Row::of(drag.slip), loads.reference[k].unused = drag.voidage;
+        loads.given[k] = Row::of(span * start.drag + p.owed[n]);
+        loads.given[k].unused = start.voidage > 0 ? 2 * p.radius[n] : 0;
+        loads.taken[k] = Row::of((inv_m > 0 ? -span : 0) * start.drag);
+      } else {
+        loads.unforced[k] = Row::of(p.velocity[n] + (span * inv_m) * p.force[n]);
+      }
       if constexpr (turned_by_fluid) loads.torque[k] = Row::of(p.torque[n]);
     }
   });
+}
+
+/// Drag at the particles' present velocities.
+template <class... Policies>
+void Simulation<Policies...>::follow_fluid() {
+  if constexpr (follows_fluid) {
+    auto& loads = engine_.fluid_loads();
+    fluid_.prepare_to_follow(engine_.team());
+    engine_.team().for_ranges(rows(), [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t k = from; k < to; ++k) {
+        if (!is_present(k) || loads.given[k].unused == 0) continue;
+        double inv_m;
+        Vec3d v;
+        if constexpr (has_bodies)
+          inv_m = bodies()[k].inv_m, v = bodies()[k].velocity;
+        else
+          inv_m = engine_.particles.motion[k].inv_m, v = engine_.particles.motion[k].velocity();
+        if (inv_m == 0) continue;
+        const Vec3d force =
+            fluid_.follow(loads, k, position(k), v, 1 / inv_m, engine_.contact_force(k), dt_);
+        loads.force[k] = detail::VectorRow::of(force);
+        const Vec3d unforced = loads.unforced[k].vector() + (dt_ * inv_m) * force;
+        loads.unforced[k] = detail::VectorRow::of(unforced);
+      }
+    });
+  }
+}
+
+template <class... Policies>
+Vec3d Simulation<Policies...>::due_from_fluid([[maybe_unused]] std::size_t k) const {
+  if constexpr (Fluid::active) {
+    const auto& loads = engine_.fluid_loads();
+    const double ahead = fluid_.time() - time_ - 0.5 * dt_;  // [s] half of a kick has been
+    const Vec3d force = loads.force[k].vector();
+    if constexpr (follows_fluid) {
+      if (!std::isfinite(mass(k))) return {0, 0, 0};
+      const Vec3d push = loads.held[k].vector();
+      return ahead * push + 0.5 * dt_ * (force - push) - loads.taken[k].vector();
+    } else {
+      return ahead * force;
+    }
+  } else {
+    return {0, 0, 0};
+  }
 }
 
 /// Returns the largest speed [m/s].
@@ -91,7 +154,7 @@ double Simulation<Policies...>::gather_for_fluid() {
   p.place.clear();
   for (std::size_t k = 0; k < rows(); ++k)
     if (is_present(k)) p.place.push_back(k);
-  p.resize(p.place.size(), has_bodies, turned_by_fluid);
+  p.resize(p.place.size(), has_bodies, turned_by_fluid, follows_fluid);
   if constexpr (has_bodies)
     while (p.forms.size() < engine_.mover.forms.size()) {
       const auto& shape = engine_.mover.forms[p.forms.size()].shape;
@@ -120,6 +183,15 @@ double Simulation<Policies...>::gather_for_fluid() {
       // What has acted besides the fluid since it was asked, on average.
       const Vec3d unforced = loads.unforced[k].vector();
       const bool known = span > 0 && !std::isnan(unforced.x);
+      constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+      p.last_force[n] = known ? loads.force[k].vector() : Vec3d{unknown, 0, 0};
+      if constexpr (follows_fluid) {
+        const Vec3d given = loads.given[k].vector();
+        const bool in_fluid = known && loads.given[k].unused > 0;
+        p.last_force[n] = in_fluid ? (1 / span) * given : Vec3d{unknown, 0, 0};
+        p.owed[n] = in_fluid && std::isfinite(p.mass[n]) ? loads.taken[k].vector() : Vec3d{0, 0, 0};
+        p.drag[n] = {loads.held[k].unused, loads.reference[k].vector(), loads.reference[k].unused};
+      }
       p.acceleration[n] = known ? (1 / span) * (p.velocity[n] - unforced) : gravity;
       if (!std::isfinite(p.mass[n])) p.acceleration[n] = {0, 0, 0};
       fastest[r] = std::max(fastest[r], norm(p.velocity[n]));

@@ -1,0 +1,172 @@
+// silt - BSD-3-Clause, see LICENSE
+//
+// Couplings at their edges: each either right in a quantity that is known, or stopped by a
+// sentence.
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <doctest/doctest.h>
+
+#include <silt/fluid.hpp>
+
+using silt::FlowSolver;
+using silt::Grid;
+using silt::Particles;
+using silt::Sphere;
+using silt::Vec3d;
+
+namespace {
+
+const silt::HertzMindlin::Material glass{2e5, 0.3, 0.5, 0.3};
+
+/// One simulation for all of them: it is compiled once.
+auto coupled(Particles<Sphere> grains, FlowSolver flow, double time_step, int steps) {
+  const auto& g = flow.grid();
+  const silt::PeriodicBox domain{g.box(), {g.periodic(0), g.periodic(1), g.periodic(2)}};
+  silt::CoupledFlow fluid{silt::Gidaspow{}, silt::Kernel{}, std::move(flow)};
+  fluid.steps = steps;
+  silt::Simulation sim{std::move(grains), silt::Contacts<silt::HertzMindlin>{glass}, domain,
+                       std::move(fluid)};
+  sim.time_step = time_step, sim.threads = 1;
+  return sim;
+}
+
+/// n x n x layers grains of diameter d, `pitch` apart, from z on.
+Particles<Sphere> lattice(int n, int layers, double pitch, double z, double d, double density,
+                          const Vec3d& velocity, bool fixed = false) {
+  Particles<Sphere> grains;
+  for (int k = 0; k < layers; ++k)
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i)
+        grains.add({.position = {(i + 0.5) * pitch, (j + 0.5) * pitch, z + (k + 0.5) * pitch},
+                    .radius = 0.5 * d,
+                    .density = density,
+                    .velocity = velocity,
+                    .fixed = fixed});
+  return grains;
+}
+
+}  // namespace
+
+TEST_CASE("dense suspension in a viscous liquid, fluid steps of four relaxation times") {
+  // By (5) of CoupledFlow; with the pressure of the last step alone the grains' speeds grow from
+  // step to step, at r = phi/(1 - phi) > 1/3.
+  const double d = 0.5e-3, mu = 0.1, density = 2500, liquid = 1100, phi = 0.45, dt = 2e-5;
+  const int n = 6, layers = 14;
+  const double pitch = d * std::cbrt(std::acos(-1.0) / 6 / phi), W = n * pitch,
+               H = (layers + 2) * pitch;
+  const double hindered =
+      silt::minimum_fluidisation_velocity(silt::Gidaspow{}, 1 - phi, d, density, liquid, mu);
+  const double relaxation = hindered / 9.81 * density / (density - liquid);
+  auto grains = lattice(n, layers, pitch, pitch, d, density, {0, 0, 0});
+  silt::Random random(1);
+  for (std::size_t k = 0; k < grains.size(); ++k) {
+    const auto shift = [&] { return 0.1 * (pitch - d) * random.uniform(-1, 1); };
+    grains[k].position += Vec3d{shift(), shift(), shift()};
+  }
+  FlowSolver flow(Grid({{0, 0, 0}, {W, W, H}}, {4, 4, 10}, {true, true, false}), {liquid, mu});
+  const int steps = static_cast<int>(std::lround(4 * relaxation / dt));
+  auto sim = coupled(std::move(grains), std::move(flow), dt, steps);
+  sim.gravity = {0, 0, -9.81};
+  sim.run(200 * steps * dt);
+  double fall = 0, fastest = 0;
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < sim.rows(); ++k) {
+    if (std::abs(sim.position(k).z / H - 0.5) > 0.25) continue;
+    fall -= sim.velocity(k).z, ++count;
+    fastest = std::max(fastest, norm(sim.velocity(k)));
+  }
+  // The lattice loosens as it falls.
+  CHECK(fall / static_cast<double>(count) == doctest::Approx(hindered).epsilon(0.1));
+  CHECK(fastest < 2 * hindered);
+}
+
+TEST_CASE("gas a ten-thousandth as heavy as the grains takes their velocity, and momentum stays") {
+  const double d = 1e-3, density = 2500, gas = 0.25, W = 8e-3, speed = 0.5;
+  FlowSolver flow(Grid({{0, 0, 0}, {W, W, W}}, {4, 4, 4}, {true, true, true}), {gas, 1.8e-5},
+                  {.tolerance = 1e-10});
+  auto sim = coupled(lattice(5, 5, W / 5, 0, d, density, {0, 0, speed}), std::move(flow), 2e-5, 10);
+  sim.run(0.1);
+  const double M = 125 * density * Sphere::volume(d / 2);
+  double p = 0;
+  for (std::size_t k = 0; k < sim.rows(); ++k) p += sim.mass(k) * sim.velocity(k).z;
+  const double due = sim.fluid().time() - sim.time() - 0.5 * sim.step_length();
+  double with_due = p + sim.fluid().flow().momentum().z;
+  for (std::size_t k = 0; k < sim.rows(); ++k) with_due += due * sim.fluid_force(k).z;
+  // The first kick is half a step of the first force, the largest: 2e-9 of M speed.
+  CHECK(with_due == doctest::Approx(M * speed).epsilon(1e-7));
+  const double solids = 125 * Sphere::volume(d / 2) / (W * W * W);
+  const double share = gas * (1 - solids) * W * W * W / M;
+  CHECK(p / M == doctest::Approx(speed / (1 + share)).epsilon(1e-6));
+  CHECK(sim.fluid().flow().velocity(2)(1, 1, 1) == doctest::Approx(p / M).epsilon(0.01));
+}
+
+TEST_CASE(
+    "a grain whose slip dies in a millionth of a fluid step falls with its terminal velocity") {
+  const double d = 1e-7, density = 1000, mu = 1.8e-5, W = 8e-3, g = 9.81;
+  const double tau = density * d * d / (18 * mu), v_t = g * tau * (1 - 1.2 / density);
+  FlowSolver flow(Grid({{0, 0, 0}, {W, W, W}}, {4, 4, 4}, {true, true, false}), {1.2, mu});
+  Particles<Sphere> grain;
+  grain.add({.position = {W / 2, W / 2, W / 2}, .radius = d / 2, .density = density});
+  auto sim = coupled(std::move(grain), std::move(flow), 1e6 * tau, 1);
+  sim.gravity = {0, 0, -g};
+  sim.guard.max_time_step = 1e12, sim.guard.max_travel = 1e12;  // it meets nobody
+  sim.run(20e6 * tau);
+  CHECK(sim.velocity(0).z == doctest::Approx(-v_t).epsilon(1e-5));
+}
+
+TEST_CASE("cells without any room beside empty ones: the pressure drop is the grains' drag") {
+  const double d = 1e-3, W = 8e-3, H = 24e-3, U = 0.2;
+  FlowSolver flow(Grid({{0, 0, 0}, {W, W, H}}, {4, 4, 12}, {true, true, false}), {1.2, 1.8e-5});
+  flow.set_side(2, 0, silt::Inflow{{0, 0, U}});
+  flow.set_side(2, 1, silt::Outflow{});
+  // Grains 0.8 d apart fill more than their space: 102 %.
+  auto sim =
+      coupled(lattice(10, 10, W / 10, 8e-3, d, 2500, {0, 0, 0}, true), std::move(flow), 2e-5, 10);
+  sim.guard.max_overlap = 1;
+  sim.run(0.04);
+  const auto& done = sim.fluid().last_step();
+  CHECK(done.clipped > 0);  // and it says so
+  auto& air = sim.fluid().flow();
+  CHECK(air.flow_rate(2, 12) == doctest::Approx(U * W * W).epsilon(1e-6));
+  // eps dp A = drag, with the voidage that the flow has.
+  double pressure = 0, exchanged = 0;
+  const double cell = air.grid().cell_volume();
+  for (int k = 0; k < 12; ++k)
+    for (int j = 0; j < 4; ++j)
+      for (int i = 0; i < 4; ++i) {
+        const double above = k < 11 ? air.pressure()(i, j, k + 1) : 0;
+        if (k < 11)
+          pressure += 0.5 * (air.voidage()(i, j, k) + air.voidage()(i, j, k + 1)) *
+                      (air.pressure()(i, j, k) - above) * W * W / 16;
+        exchanged += cell * (air.drag()(i, j, k) * 0.5 *
+                                 (air.velocity(2)(i, j, k) + air.velocity(2)(i, j, k + 1)) -
+                             air.drag_velocity(2)(i, j, k));
+      }
+  CHECK(pressure == doctest::Approx(exchanged).epsilon(0.01));  // and the gas's inertia
+}
+
+TEST_CASE("an inlet that jumps to 100 times its velocity: the flow follows, or the run stops") {
+  const double W = 8e-3, H = 24e-3, U = 0.02;
+  const auto jump = [&](int steps) {
+    FlowSolver flow(Grid({{0, 0, 0}, {W, W, H}}, {4, 4, 12}, {true, true, false}), {1.2, 1.8e-5});
+    flow.set_side(2, 0, silt::Inflow{{0, 0, U}});
+    flow.set_side(2, 1, silt::Outflow{});
+    auto sim =
+        coupled(lattice(6, 6, W / 6, 8e-3, 1e-3, 2500, {0, 0, 0}), std::move(flow), 2e-5, steps);
+    sim.run(0.01);
+    const double before = sim.fluid().flow().flow_rate(2, 12);
+    CHECK(before == doctest::Approx(U * W * W).epsilon(1e-5));
+    sim.fluid().flow().set_side(2, 0, silt::Inflow{{0, 0, 100 * U}});
+    sim.run(0.012);
+    CHECK(sim.fluid().flow().flow_rate(2, 0) == doctest::Approx(100 * U * W * W).epsilon(1e-9));
+    // Grains move, so that the gas they leave room to goes elsewhere.
+    CHECK(sim.fluid().flow().flow_rate(2, 12) == doctest::Approx(100 * U * W * W).epsilon(0.02));
+    for (std::size_t k = 0; k < sim.rows(); ++k) CHECK(sim.velocity(k).z < 100 * U);
+  };
+  jump(10);  // 0.2 cells a step
+  // The step after it would cross four cells.
+  CHECK_THROWS_WITH_AS(jump(200), doctest::Contains("crosses"), silt::SimulationError);
+}
