@@ -10,5 +10,7 @@
 #include <silt/coupling/coupled_flow.hpp>
 #include <silt/coupling/drag/laws.hpp>
 #include <silt/coupling/formulas.hpp>
+#include <silt/coupling/lift/ellipsoid_torque.hpp>
+#include <silt/coupling/unsteady/history_force.hpp>
 #include <silt/fluid/boundary_of.hpp>
 #include <silt/silt.hpp>

@@ -16,11 +16,12 @@ class CellValues {
 
   explicit CellValues(const Grid& g) : velocity(3, Field(g)), slope(velocity) {}
 
-  Three velocity;      // [m/s] the mean of both faces
-  Three slope;         // [Pa/m] of the pressure
-  Three stress;        // [N/m3] div tau of the last step; from find_stress()
-  Three curl;          // [1/s] of the velocity; from find_curl()
-  Three acceleration;  // [m/s2] Du/Dt; from find_acceleration()
+  Three velocity;         // [m/s] the mean of both faces
+  Three slope;            // [Pa/m] of the pressure
+  Three stress;           // [N/m3] div tau of the last step; from find_stress()
+  Three curl;             // [1/s] of the velocity; from find_curl()
+  Three stretch, strain;  // [1/s] rates of strain xx, yy, zz and yz, zx, xy; from find_strain()
+  Three acceleration;     // [m/s2] Du/Dt; from find_acceleration()
 
   void find_velocity(const FlowSolver& flow, const Team& team) {
     for (int d = 0; d < 3; ++d) {
@@ -104,6 +105,21 @@ class CellValues {
           const int a = (c + 1) % 3, b = (c + 2) % 3;
           curl[at(c)](i, j, k) = difference(g, velocity[at(b)], a, i, j, k) -
                                  difference(g, velocity[at(a)], b, i, j, k);
+        }
+    });
+  }
+
+  /// Rates of strain [1/s]: xx, yy, zz, yz, zx, xy.
+  void find_strain(const FlowSolver& flow, const Team& team) {
+    const Grid& g = flow.grid();
+    make(stretch, g), make(strain, g);
+    for_rows(flow, team, [&](int j, int k) {
+      for (int i = 0; i < g.nx(); ++i)
+        for (int c = 0; c < 3; ++c) {
+          const int a = (c + 1) % 3, b = (c + 2) % 3;
+          stretch[at(c)](i, j, k) = difference(g, velocity[at(c)], c, i, j, k);
+          strain[at(c)](i, j, k) = 0.5 * (difference(g, velocity[at(b)], a, i, j, k) +
+                                          difference(g, velocity[at(a)], b, i, j, k));
         }
     });
   }

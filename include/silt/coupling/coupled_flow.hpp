@@ -17,7 +17,9 @@
 #include <silt/coupling/averaging/concept.hpp>
 #include <silt/coupling/cell_values.hpp>
 #include <silt/coupling/drag/concept.hpp>
+#include <silt/coupling/drag/oriented.hpp>
 #include <silt/coupling/fluid_force.hpp>
+#include <silt/coupling/fluid_needs.hpp>
 #include <silt/coupling/followed_drag.hpp>
 #include <silt/coupling/momentum_exchange.hpp>
 #include <silt/coupling/particles_in_fluid.hpp>
@@ -77,14 +79,23 @@ class CoupledFlow {
  public:
   static constexpr bool active = true;
   static constexpr bool turns = (false || ... || turns_particles<Forces>);
-  static constexpr bool needs_curl = (false || ... || wants_curl<Forces>);
+  static constexpr bool needs_strain = (false || ... || detail::wants_strain<Forces>);
+  static constexpr bool needs_curl = needs_strain || (false || ... || wants_curl<Forces>);
+  static constexpr bool sees_forms =
+      detail::wants_forms<Drag> || (false || ... || detail::wants_forms<Forces>);
+  static constexpr bool has_history = (false || ... || detail::remembers<Forces>);
   static constexpr bool has_added_mass = (false || ... || adds_mass<Forces>);
   /// Drag follows each particle's velocity between fluid steps.
   static constexpr bool follows = (false || ... || std::is_same_v<Forces, FollowedDrag>);
   static_assert(!(follows && has_added_mass),
                 "FollowedDrag does not know a virtual mass: leave one of them out");
-  static_assert(DragLaw<Drag>,
-                "CoupledFlow takes a drag law first (silt/coupling/drag/concept.hpp)");
+  static_assert(
+      DragLaw<Drag> || OrientedDragLaw<Drag>,
+      "CoupledFlow takes a drag law first (silt/coupling/drag/concept.hpp, oriented.hpp)");
+  static_assert(
+      !(follows && OrientedDragLaw<Drag>),
+      "FollowedDrag does not know how bodies lie: take a drag law of spheres, or leave it "
+      "out");
 
   CoupledFlow(const Drag& drag, const Mode& mode, FlowSolver flow, const Forces&... forces)
       : flow_(std::move(flow)),
@@ -133,6 +144,7 @@ class CoupledFlow {
     spread_volume(particles, done, team);
     find_cells(team);
     gather(n, team, true);
+    remember(particles, dt, team);
     find_exchange(particles, dt, torque, team);
     spread_exchange(particles, n, dt, team);
     done.flow = flow_.step(dt, team);
@@ -226,6 +238,7 @@ class CoupledFlow {
     if (clock[3] > 0) diameter = clock[3];
     lost_ = {clock[4], clock[5], clock[6]}, following_ = false;
     if constexpr (has_added_mass) cells_.for_each_state(flow_.grid(), visit);
+    if constexpr (has_history) detail::visit_histories(forces_, visit);
   }
   /// Where a particle is for the fluid: its centre, or, if that has left the grid by less than its
   /// radius, as a contact with a wall at the side lets it, the place at the side.
@@ -246,7 +259,7 @@ class CoupledFlow {
 
  private:
   static constexpr std::size_t u_at = 0, eps_at = 3, slope_at = 4, stress_at = 7, curl_at = 10,
-                               Du_at = 13, b_at = 16, quantities = 17;
+                               Du_at = 13, b_at = 16, strain_at = 17, quantities = 23;
   const FollowedDrag& held_drag() const requires follows { return std::get<FollowedDrag>(forces_); }
   bool in_pressure() const { return flow_.options().model == MomentumModel::A; }
   Vec3d value(std::size_t column, std::size_t p) const {
@@ -272,10 +285,13 @@ class CoupledFlow {
     cells_.find_velocity(flow_, team);
     find_loads(team);
     if constexpr (needs_curl) cells_.find_curl(flow_, team);
+    if constexpr (needs_strain) cells_.find_strain(flow_, team);
     if constexpr (has_added_mass) cells_.find_acceleration(flow_, last_dt_, team);
   }
   /// Cell values at the particles: all, or those that a flow step has changed.
   void gather(std::size_t n, const Team& team, bool all);
+  /// Forces with a history learn of the slips of now.
+  void remember(const CoupledParticles& of, double dt, const Team& team);
   void find_exchange(const CoupledParticles& of, double dt, std::span<Vec3d> torque,
                      const Team& team);
   InFluid particle(const CoupledParticles& of, std::size_t p, double dt) const {
@@ -284,11 +300,15 @@ class CoupledFlow {
     const bool alone = flow_.options().model == MomentumModel::Simplified;
     at.voidage = alone ? 1 : std::clamp(values_[eps_at][p], least_voidage, 1.0);
     at.diameter = 2 * of.shape.radius[p], at.volume = of.volume[p], at.mass = of.mass[p];
-    at.dt = dt, at.slip = value(u_at, p) - of.velocity[p];
+    at.dt = dt, at.place = p, at.slip = value(u_at, p) - of.velocity[p];
     if constexpr (needs_curl) at.curl = value(curl_at, p);
+    if constexpr (needs_strain)
+      at.stretch = value(strain_at, p), at.strain = value(strain_at + 3, p);
     if (!of.angular_velocity.empty()) at.angular_velocity = of.angular_velocity[p];
     if (!of.shape.orientation.empty()) at.orientation = of.shape.orientation[p];
     if (!of.shape.form.empty()) at.form = of.shape.form[p];
+    if constexpr (sees_forms)
+      if (!of.forms.empty()) at.body = &of.forms[at.form];
     return at;
   }
   /// [kg/s] of drag.
@@ -310,7 +330,10 @@ class CoupledFlow {
         held = {coefficient(at.voidage, norm(at.slip), at.diameter), at.slip, at.voidage};
         return held.coefficient;
       }
-    return coefficient(at.voidage, norm(at.slip), at.diameter);
+    const double Re =
+        slip_reynolds(at.voidage, at.density, norm(at.slip), at.diameter, at.viscosity);
+    const double K = detail::drag_on(drag_, at, Re);
+    return flow_.options().model == MomentumModel::B ? model_b(K, at.voidage) : K;
   }
   /// After the fluid's step, in which it gave `exchanged` [N] to particle p.
   void start_following(const CoupledParticles& of, std::size_t p, const Vec3d& exchanged, double dt,
@@ -360,6 +383,7 @@ class CoupledFlow {
   CellValues cells_;
   std::array<std::vector<double>, quantities> values_;  // of each particle, by column
   std::vector<MomentumExchange<double>> exchange_;
+  std::vector<Vec3d> slips_;   // [m/s] of forces with a history
   std::vector<Vec3d> others_;  // [N] of Forces, with FollowedDrag
   std::vector<Start> start_;
   detail::HeldCells held_;

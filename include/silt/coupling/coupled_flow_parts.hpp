@@ -23,6 +23,8 @@ void CoupledFlow<Drag, Mode, Forces...>::check(const CoupledParticles& of, std::
   if (!of.drag.empty()) same(of.drag.size(), "held drags");
   if (!of.angular_velocity.empty()) same(of.angular_velocity.size(), "angular velocities");
   if (torques > 0) same(torques, "torques");
+  if constexpr (has_history) same(of.id.size(), "ids, which a history needs,");
+  if constexpr (sees_forms) detail::check_forms(of, drag_, forces_);
   require(least_voidage > 0 && least_voidage < 1, "CoupledFlow.least_voidage = ", least_voidage,
           " must be in (0, 1)");
 }
@@ -64,9 +66,23 @@ void CoupledFlow<Drag, Mode, Forces...>::gather(std::size_t n, const Team& team,
   if (all) take(flow_.voidage(), eps_at);
   if constexpr (needs_curl)
     if (all) take3(cells_.curl, curl_at);
+  if constexpr (needs_strain)
+    if (all) take3(cells_.stretch, strain_at), take3(cells_.strain, strain_at + 3);
   if constexpr (has_added_mass)
     if (all) take3(cells_.acceleration, Du_at);
   averaging_->gather(ConstCellFields(from.data(), count), GatheredValues(to.data(), count), team);
+}
+
+template <class Drag, AveragingMode Mode, FluidForce... Forces>
+void CoupledFlow<Drag, Mode, Forces...>::remember([[maybe_unused]] const CoupledParticles& of,
+                                                  [[maybe_unused]] double dt,
+                                                  [[maybe_unused]] const Team& team) {
+  if constexpr (has_history) {
+    slips_.resize(of.velocity.size());
+    for (std::size_t p = 0; p < slips_.size(); ++p)
+      slips_[p] = is_outside(p) ? Vec3d{NAN, NAN, NAN} : value(u_at, p) - of.velocity[p];
+    detail::remember_slips(forces_, of.id, slips_, dt, team);
+  }
 }
 
 template <class Drag, AveragingMode Mode, FluidForce... Forces>

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
 
 #include <silt/core/quaternion.hpp>
@@ -11,6 +12,8 @@
 #include <silt/coupling/unsteady/forces.hpp>
 
 namespace silt::inline SILT_TARGET {
+
+struct FormInFlow;  // coupling/drag/form_in_flow.hpp
 
 /// A particle in the fluid as the forces of a CoupledFlow see it, at the start of a fluid step.
 struct InFluid {
@@ -24,14 +27,19 @@ struct InFluid {
   Vec3d angular_velocity;     // [rad/s] of the particle
   Quaternion orientation;     // principal axes to space, and
   std::uint32_t form;         // number of the form: of bodies
+  const FormInFlow* body;     // what the flow sees of that form; null: of spheres
+  /// [1/s] rates of strain xx, yy, zz and yz, zx, xy (half of the sums) where a force needs them
+  Vec3d stretch, strain;
+  std::size_t place;  // among the particles of this step
 };
 
 /// What a fluid does to a particle besides drag, pressure and viscous stress: a struct with one of
 ///   Vec3d force_on(const InFluid&) const        [N]
 ///   Vec3d torque_on(const InFluid&) const       [N m]
 ///   double added_mass(const InFluid&) const     [kg] that is accelerated with the particle
-/// and `static constexpr bool needs_curl = true` if it reads that. The fluid gets the opposite of
-/// forces in the same step. Or FollowedDrag, which says how drag is held (followed_drag.hpp).
+/// and `static constexpr bool needs_curl = true` if it reads that, or needs_strain, which has the
+/// curl too, or sees_forms. The fluid gets the opposite of forces in the same step. Or
+/// FollowedDrag, which says how drag is held (followed_drag.hpp).
 template <class F>
 concept FluidForce = requires(const F& f, const InFluid& at) {
   { f.force_on(at) } -> std::same_as<Vec3d>;

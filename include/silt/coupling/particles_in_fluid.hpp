@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <silt/coupling/averaging/concept.hpp>
+#include <silt/coupling/drag/form_in_flow.hpp>
 #include <silt/fluid/flow_solver.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -44,6 +45,8 @@ struct CoupledParticles {
   // With FollowedDrag:
   std::span<const Vec3d> owed = {};  // [N s] taken beyond what the fluid gave in its last step
   std::span<HeldDrag> drag = {};     // renewed where the tolerance asks for it
+  std::span<const FormInFlow> forms = {};  // of bodies, where a force or the drag sees forms
+  std::span<const std::uint32_t> id = {};  // that each keeps; where a force has a history
 };
 
 namespace detail {
@@ -58,24 +61,29 @@ struct ParticlesInFluid {
   std::vector<Quaternion> orientation;
   std::vector<std::uint32_t> form;
   std::vector<AveragedForm> forms;
+  std::vector<FormInFlow> forms_in_flow;  // if asked for
+  std::vector<std::uint32_t> id;
 
   void resize(std::size_t n, bool bodies, bool turns, bool follows) {
     for (auto* v : {&position, &velocity, &acceleration, &force, &last_force}) v->resize(n);
     for (auto* v : {&radius, &volume, &mass}) v->resize(n);
     if (follows) owed.resize(n), drag.resize(n);
     if (turns) spin.resize(n), torque.resize(n);
+    id.resize(n);
     if (bodies) orientation.resize(n), form.resize(n);
   }
   CoupledParticles view() {
-    return {{position, radius, orientation, form, forms},
-            velocity,
-            volume,
-            mass,
-            acceleration,
-            spin,
-            last_force,
-            owed,
-            drag};
+    CoupledParticles all{{position, radius, orientation, form, forms},
+                         velocity,
+                         volume,
+                         mass,
+                         acceleration,
+                         spin,
+                         last_force,
+                         owed,
+                         drag};
+    all.forms = forms_in_flow, all.id = id;
+    return all;
   }
   template <class Shape>
   void add_form(const Shape& shape) {

@@ -156,14 +156,18 @@ double Simulation<Policies...>::gather_for_fluid() {
     if (is_present(k)) p.place.push_back(k);
   p.resize(p.place.size(), has_bodies, turned_by_fluid, follows_fluid);
   if constexpr (has_bodies)
-    while (p.forms.size() < engine_.mover.forms.size())
-      p.add_form(engine_.mover.forms[p.forms.size()].shape);
+    while (p.forms.size() < engine_.mover.forms.size()) {
+      const auto& shape = engine_.mover.forms[p.forms.size()].shape;
+      if constexpr (Fluid::sees_forms) p.forms_in_flow.push_back(form_in_flow(shape));
+      p.add_form(shape);
+    }
   const double span = fluid_.last_step_length();
   std::array<double, Team::most_ranges> fastest{};
   engine_.team().for_ranges(p.place.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
     for (std::size_t n = from; n < to; ++n) {
       const std::size_t k = p.place[n];
       p.position[n] = fluid_.at_the_side(position(k), radius(k)), p.mass[n] = mass(k);
+      p.id[n] = id(k);
       if constexpr (has_bodies) {
         const auto& b = bodies()[k];
         p.volume[n] = forms()[b.form].mass.volume * b.scale * b.scale * b.scale;

@@ -142,7 +142,7 @@ class Checkpoint {
       e.fluid_loads().for_each([&](const char* name, const auto& column) {
         out.add(name, doubles(column.data(), e.rows_of_particles()));
       });
-      visit_fluid(sim, [&](const std::string& name, std::span<double> values) {
+      visit_fluid(sim, [&](const std::string& name, const auto& values) {
         flow.emplace_back(name, std::vector<double>(values.begin(), values.end()));
       });
       for (const auto& [name, values] : flow) out.add(name, values);
@@ -240,8 +240,11 @@ class Checkpoint {
       e.fluid_loads().for_each([&](const char* name, const auto&) {
         loads.push_back(in.get<double>(name, 4 * particles));
       });
-      visit_fluid(sim, [&](const std::string& name, std::span<double> values) {
-        flow.push_back(in.get<double>(name, values.size()));
+      visit_fluid(sim, [&](const std::string& name, auto&& values) {
+        if constexpr (sets_its_length<decltype(values)>)
+          flow.push_back(in.get<double>(name));
+        else
+          flow.push_back(in.get<double>(name, values.size()));
       });
     }
     e.set_coefficients(sim.contacts_);  // throws where a pair of materials lacks its values
@@ -282,7 +285,8 @@ class Checkpoint {
       e.fluid_loads().resize(particles);
       e.fluid_loads().for_each(
           [&](const char*, auto& column) { copy(loads[next_load++], column.data()); });
-      visit_fluid(sim, [&](const std::string&, std::span<double> values) {
+      visit_fluid(sim, [&](const std::string&, auto&& values) {
+        if constexpr (sets_its_length<decltype(values)>) values.resize(flow[next_part].size());
         std::copy(flow[next_part].begin(), flow[next_part].end(), values.begin());
         ++next_part;
       });
@@ -358,6 +362,10 @@ class Checkpoint {
 #endif
   }
 
+  /// A part of the fluid's state whose length is not known before.
+  template <class V>
+  static constexpr bool sets_its_length =
+      std::is_same_v<std::remove_cvref_t<V>, std::vector<double>>;
   /// The fluid's state, which the visitor may change.
   template <class Visit>
   static void visit_fluid(const Sim& sim, const Visit& visit) {

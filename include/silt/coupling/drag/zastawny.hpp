@@ -20,6 +20,7 @@ namespace silt::inline SILT_TARGET {
 struct Zastawny {
   double a[9], b[10], c[10];
   AxisKind kind;
+  double aspect = 1;  // [-] length along the axis over that across it
 
   template <class Real>
   Real drag_along(const Real& Re) const {
@@ -71,24 +72,28 @@ inline constexpr Zastawny zastawny_ellipsoid_5_2{
     {2.0, 5.1, .48, 15.52, 1.05, 24.68, .98, 3.19, .21},
     {6.079, .898, .704, -.028, 1.067, .0025, .818, 1.049, 0, 0},
     {2.078, .279, .372, .018, .98, 0, 0, 1, 0, 0},
-    AxisKind::Long};
+    AxisKind::Long,
+    2.5};
 /// Ellipsoid with axes 5 : 4 : 4.
 inline constexpr Zastawny zastawny_ellipsoid_5_4{
     {1.95, 18.12, 1.023, 4.26, .384, 21.52, .99, 2.86, .26},
     {.083, -.21, 1.582, .851, 1.842, -.802, -.006, .874, .009, .57},
     {.935, .146, -.469, .145, .116, .748, .041, .221, .657, .044},
-    AxisKind::Long};
+    AxisKind::Long,
+    1.25};
 /// Disc, an ellipsoid with axes 1 : 5 : 5.
 inline constexpr Zastawny zastawny_disc{
     {1.96, 5.82, .44, 15.56, 1.068, 35.41, .96, 3.63, .05},
     {12.111, 1.036, 3.887, .109, .812, .249, -.198, 5.821, -4.717, .007},
     {3.782, .237, 2.351, .236, -.394, 1.615, -.044, -.537, 1.805, -.037},
-    AxisKind::Short};
+    AxisKind::Short,
+    0.2};
 /// Fibre of length 5 diameters.
 inline constexpr Zastawny zastawny_fibre{
     {2.12, 20.35, .98, 2.77, .396, 29.14, .97, 3.66, .16},
     {8.652, .815, .407, -.197, .978, .036, .451, 1.359, -.43, .007},
     {.011, -.656, 8.909, .396, 2.926, -1.28, .037, -15.236, 16.757, -.006},
-    AxisKind::Long};
+    AxisKind::Long,
+    5};
 
 }  // namespace silt

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -135,6 +136,42 @@ class BassetHistory {
     young_.push_back({i, 0, W, g});
     put(slot_row(0), i, g);
   }
+  /// Particle i begins now with the slip W, where what is recorded after each step is the mean of g
+  /// in it: past(i) + newest() g is then the mean of the integral over the step, and exact within
+  /// the window where g is constant in each.
+  void start_mean(std::size_t i, const Vec3d& W) {
+    start(i, W, {0, 0, 0});
+    young_.back().mean = true;
+  }
+
+  /// All that the future depends on, for the same kernel and number of particles.
+  std::vector<double> state() const {
+    std::vector<double> all{static_cast<double>(young_.size())};
+    for (std::size_t k = 0; k < slots_; ++k) append_row(all, slot_row(k));
+    for (std::size_t i = 0; i <= terms; ++i) append_row(all, tail_row(i));  // the last is past
+    for (const Young& y : young_)
+      all.insert(all.end(), {static_cast<double>(y.particle), static_cast<double>(y.age), y.slip.x,
+                             y.slip.y, y.slip.z, y.rate.x, y.rate.y, y.rate.z, double(y.mean)});
+    return all;
+  }
+  void restore(std::span<const double> all) {
+    const std::size_t of_rows = rows() * size_;
+    require(!all.empty() && all.size() == 1 + of_rows + 9 * static_cast<std::size_t>(all[0]),
+            "BassetHistory: a state of ", all.size(), " numbers does not fit to ", size_,
+            " particles and a window of ", kernel_.steps, " steps");
+    const double* next = all.data() + 1;
+    head_ = 0;
+    for (std::size_t r = 0; r < rows(); ++r, next += size_)
+      std::transform(next, next + size_, &values_[r * stride_],
+                     [](double v) { return static_cast<Scalar>(v); });
+    young_.clear();
+    for (const double* end = all.data() + all.size(); next < end; next += 9)
+      young_.push_back({static_cast<std::size_t>(next[0]),
+                        static_cast<std::size_t>(next[1]),
+                        {next[2], next[3], next[4]},
+                        {next[5], next[6], next[7]},
+                        next[8] != 0});
+  }
 
   /// Particle `to` becomes a copy of `from`: to fill a gap before a resize().
   void copy(std::size_t from, std::size_t to) {
@@ -187,6 +224,7 @@ class BassetHistory {
   struct Young {
     std::size_t particle, age;  // [-], [steps]
     Vec3d slip, rate;           // at its beginning
+    bool mean = false;          // of steps, from start_mean()
   };
 
   // Rows: slots of g, terms of the tail, past; x, y, z of each.
@@ -207,6 +245,12 @@ class BassetHistory {
   void add(std::size_t row, std::size_t i, const Vec3d& v) {
     const Scalar* p = &values_[row * stride_ + i];
     put(row, i, Vec3d{p[0], p[stride_], p[2 * stride_]} + v);
+  }
+  void append_row(std::vector<double>& to, std::size_t r) const {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const Scalar* p = &values_[(r + axis) * stride_];
+      to.insert(to.end(), p, p + size_);
+    }
   }
   void clear(std::size_t i) {
     for (std::size_t r = 0; r < rows(); ++r) values_[r * stride_ + i] = 0;
@@ -243,19 +287,25 @@ class BassetHistory {
   void correct_young() {
     for (auto& y : young_) {
       const std::size_t k = ++y.age;
-      if (k < kernel_.steps) {
-        add(past_row(), y.particle,
-            y.slip * (1 / std::sqrt(static_cast<double>(k) * kernel_.dt)) -
-                y.rate * (kernel_.weight[k] - kernel_.first_weight[k]));
-        continue;
-      }
-      for (std::size_t i = 0; i < terms; ++i) {
-        const Vec3d change = y.slip * kernel_.at_window[i] - y.rate * kernel_.newer[i];
-        add(tail_row(i), y.particle, change);
-        add(past_row(), y.particle, change);
-      }
+      const auto age = static_cast<double>(k);
+      const double root = y.mean ? 2 * (std::sqrt(age) - std::sqrt(age - 1)) : 1 / std::sqrt(age);
+      const Vec3d jump = y.slip * (root / std::sqrt(kernel_.dt));
+      if (k < kernel_.steps)
+        add(past_row(), y.particle, jump - y.rate * (kernel_.weight[k] - kernel_.first_weight[k]));
+      else
+        leave_window(y, jump);
     }
     std::erase_if(young_, [&](const Young& y) { return y.age >= kernel_.steps; });
+  }
+
+  void leave_window(const Young& y, const Vec3d& jump) {
+    for (std::size_t i = 0; i < terms; ++i) {
+      const double x = -std::log(kernel_.decay[i]), mean = y.mean ? std::expm1(x) / x : 1;
+      const Vec3d change = y.slip * (mean * kernel_.at_window[i]) - y.rate * kernel_.newer[i];
+      add(tail_row(i), y.particle, change);
+      if (!y.mean) add(past_row(), y.particle, change);
+    }
+    if (y.mean) add(past_row(), y.particle, jump);
   }
 
   BassetKernel kernel_;

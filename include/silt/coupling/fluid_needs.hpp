@@ -1,0 +1,75 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include <silt/coupling/drag/oriented.hpp>
+#include <silt/coupling/particles_in_fluid.hpp>
+
+/// What the drag law and the forces of a CoupledFlow ask for, and are told.
+namespace silt::inline SILT_TARGET::detail {
+
+template <class F>
+inline constexpr bool wants_strain = requires {
+  requires F::needs_strain;
+};
+template <class F>
+inline constexpr bool wants_forms = requires {
+  requires F::sees_forms;
+};
+template <class F>
+inline constexpr bool remembers = requires {
+  requires F::has_history;
+};
+
+/// K [kg/s] of model A.
+template <class Drag>
+double drag_on(const Drag& drag, const InFluid& at, double Re) {
+  if constexpr (OrientedDragLaw<Drag>)
+    return 3 * std::numbers::pi * at.viscosity * at.diameter * at.voidage * drag.normalised(at, Re);
+  else
+    return drag_coefficient(drag, at.voidage, Re, at.diameter, at.viscosity);
+}
+
+/// Forms that a law or a force was not made for are refused by it.
+template <class Drag, class Forces>
+void check_forms(const CoupledParticles& of, const Drag& drag, const Forces& forces) {
+  for (const std::uint32_t form : of.shape.form)
+    require(form < of.forms.size(), "CoupledParticles: form ", form, " of a body, but forms of ",
+            of.forms.size(), "; give a FormInFlow of each (form_in_flow)");
+  const auto ask = [&](const auto& one) {
+    if constexpr (requires { one.check_form(nullptr); }) {
+      if (of.forms.empty()) one.check_form(nullptr);
+      for (const auto& form : of.forms) one.check_form(&form);
+    }
+  };
+  ask(drag);
+  std::apply([&](const auto&... force) { (ask(force), ...); }, forces);
+}
+
+template <class Forces>
+void remember_slips(Forces& forces, std::span<const std::uint32_t> id, std::span<const Vec3d> slip,
+                    double dt, const Team& team) {
+  const auto tell = [&](auto& force) {
+    if constexpr (remembers<std::decay_t<decltype(force)>>) force.remember(id, slip, dt, team);
+  };
+  std::apply([&](auto&... force) { (tell(force), ...); }, forces);
+}
+
+template <class Forces, class Visit>
+void visit_histories(Forces& forces, const Visit& visit) {
+  const auto one = [&](auto& force) {
+    if constexpr (remembers<std::decay_t<decltype(force)>>) {
+      std::vector<double> state = force.state();
+      visit(std::string("fluid.history"), state);
+      force.restore(state);
+    }
+  };
+  std::apply([&](auto&... force) { (one(force), ...); }, forces);
+}
+
+}  // namespace silt::detail

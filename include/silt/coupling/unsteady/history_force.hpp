@@ -1,0 +1,144 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <silt/core/threads.hpp>
+#include <silt/coupling/fluid_force.hpp>
+#include <silt/coupling/unsteady/basset.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// Basset's history force in a CoupledFlow, by the window method, of every particle since it came:
+///
+///   F = 1.5 d^2 sqrt(pi rho mu) [int_0^t g(s)/sqrt(t - s) ds + W(0)/sqrt(t)],  g = dW/dt       (1)
+///
+/// W the slip (fluid less particle). What acts in a fluid step is the mean of (1) over it, exact
+/// (within the window) where g is constant in each step; the part of the step's own g is taken as
+/// an added mass, so that light particles are stable too, and the slip's jump W(0) as a particle
+/// begins, from the start or an inlet, counts as a sudden motion. The fluid's own acceleration in
+/// the step's g is Du/Dt of the last step. Particles beyond the grid lose their history.
+///
+///   auto fluid = silt::CoupledFlow{silt::Stokes{}, silt::Kernel{}, flow, silt::HistoryForce{},
+///                                  silt::VirtualMass{}};
+///   fluid.steps = 5;
+///
+/// Particles are known by their ids, so that it does not matter how they lie in memory. 24 (N + 13)
+/// bytes a particle.
+///
+/// Source: M. A. T. van Hinsberg, J. H. M. ten Thije Boonkkamp, H. J. H. Clercx, J. Comput. Phys.
+///         230 (2011) 1465; BassetKernel.
+/// Valid:  lone spheres, Re << 1; at large Re it decays faster than (1).
+/// Errors: InputError where a fluid step is longer or shorter than the first one: say how many
+///         steps of particles it has (CoupledFlow.steps), and what they are (time_step).
+/// Tests:  tests/coupling/history_force.cpp.
+class HistoryForce {
+ public:
+  static constexpr bool has_history = true;
+
+  explicit HistoryForce(std::size_t window_steps = 20) : window_(window_steps) {
+    BassetKernel(1, window_);  // refuses what cannot be
+  }
+
+  Vec3d force_on(const InFluid& at) const { return factor(at) * history_->past(slot_[at.place]); }
+  double added_mass(const InFluid& at) const { return factor(at) * history_->newest(); }
+
+  /// A fluid step of dt [s] begins; slips [m/s] of particles with these ids, not numbers where
+  /// there is no fluid.
+  void remember(std::span<const std::uint32_t> id, std::span<const Vec3d> slip, double dt,
+                const Team& team) {
+    if (!history_) history_.emplace(BassetKernel(dt, window_));
+    const double first = history_->kernel().dt;
+    require(
+        std::abs(dt - first) <= 1e-9 * first, "HistoryForce: a fluid step of ", dt,
+        " s after ones of ", first,
+        " s, but its memory is of equal steps; set CoupledFlow.steps, and Simulation.time_step");
+    forget_those_not_in(id, slip);
+    slot_.resize(id.size());
+    for (std::size_t p = 0; p < id.size(); ++p) {
+      slot_[p] = 0;
+      if (std::isnan(slip[p].x)) continue;
+      if (id[p] >= slot_of_.size()) slot_of_.resize(id[p] + std::size_t{1}, none);
+      std::uint32_t& slot = slot_of_[id[p]];
+      if (slot == none) {
+        slot = static_cast<std::uint32_t>(owner_.size());
+        owner_.push_back(id[p]), last_.push_back(slip[p]);
+        history_->resize(owner_.size());
+        history_->start_mean(slot, slip[p]);
+      } else {
+        history_->record(slot, (1 / dt) * (slip[p] - last_[slot]));
+        last_[slot] = slip[p];
+      }
+      slot_[p] = slot;
+    }
+    if (owner_.empty()) return;
+    history_->advance([&](std::size_t blocks, const auto& one) { team.for_parts(blocks, one); });
+  }
+
+  /// For a checkpoint.
+  std::vector<double> state() const {
+    if (!history_) return {};
+    std::vector<double> all{history_->kernel().dt, static_cast<double>(owner_.size())};
+    for (std::size_t k = 0; k < owner_.size(); ++k)
+      all.insert(all.end(), {double(owner_[k]), last_[k].x, last_[k].y, last_[k].z});
+    const auto more = history_->state();
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+  void restore(std::span<const double> all) {
+    history_.reset(), owner_.clear(), last_.clear(), slot_of_.clear(), slot_.clear();
+    if (all.empty()) return;
+    const auto n = all.size() > 1 ? static_cast<std::size_t>(all[1]) : 0;
+    require(all.size() > 2 + 4 * n, "HistoryForce: its state in the checkpoint is not complete");
+    history_.emplace(BassetKernel(all[0], window_), n);
+    for (std::size_t k = 0; k < n; ++k) {
+      const double* of = &all[2 + 4 * k];
+      owner_.push_back(static_cast<std::uint32_t>(of[0])), last_.push_back({of[1], of[2], of[3]});
+      if (owner_[k] >= slot_of_.size()) slot_of_.resize(owner_[k] + std::size_t{1}, none);
+      slot_of_[owner_[k]] = static_cast<std::uint32_t>(k);
+    }
+    history_->restore(all.subspan(2 + 4 * n));
+  }
+
+ private:
+  static constexpr std::uint32_t none = ~0u;
+
+  static double factor(const InFluid& at) {
+    return basset_coefficient(at.diameter, at.density, at.viscosity);
+  }
+  /// Fills the places of those that have left with the last ones.
+  void forget_those_not_in(std::span<const std::uint32_t> id, std::span<const Vec3d> slip) {
+    here_.assign(owner_.size(), 0);
+    for (std::size_t p = 0; p < id.size(); ++p)
+      if (id[p] < slot_of_.size() && slot_of_[id[p]] != none && !std::isnan(slip[p].x))
+        here_[slot_of_[id[p]]] = 1;
+    std::size_t n = owner_.size();
+    for (std::size_t k = n; k-- > 0;) {
+      if (here_[k]) continue;
+      slot_of_[owner_[k]] = none;
+      if (k != --n) {
+        history_->copy(n, k);
+        owner_[k] = owner_[n], last_[k] = last_[n],
+        slot_of_[owner_[k]] = static_cast<std::uint32_t>(k);
+      }
+    }
+    owner_.resize(n), last_.resize(n), history_->resize(n);
+  }
+
+  std::size_t window_;  // [fluid steps]
+  std::optional<BassetHistory<>> history_;
+  std::vector<std::uint32_t> owner_, slot_of_;  // id of a place in the history; the opposite
+  std::vector<Vec3d> last_;                     // [m/s] slip of each place, a step ago
+  std::vector<std::uint32_t> slot_;             // of each particle of this step
+  std::vector<char> here_;
+};
+
+static_assert(FluidForce<HistoryForce>);
+
+}  // namespace silt
