@@ -105,12 +105,12 @@ TEST_CASE("the gas velocity that bears a bed of given voidage is 0.561 m/s, by E
   // Where no mode sees the bed's ends all cells have its voidage: what is left is the line between
   // two velocities, b dU^2 / (8 F') = 1.2e-5 of U at the most, where F = a U + b U^2 is Ergun's.
   const auto is_borne = [&](auto bed) {
-    CHECK(bed.bearing_velocity() == doctest::Approx(U).epsilon(1.5e-5));
-    CHECK(bed.borne(U).middle == doctest::Approx(1).epsilon(1e-5));
+    CHECK(std::abs(bed.bearing_velocity() / U - 1) < 1.5e-5);
+    CHECK(std::abs(bed.borne(U).middle - 1) < 1e-6);
   };
   is_borne(Bed(silt::Unresolved{}, 20));
-  is_borne(Bed(silt::Kernel{}, 20));
-  is_borne(Bed(silt::Kernel{}, 20, MomentumModel::B));
+  is_borne(Bed(silt::Kernel{}, 28));
+  is_borne(Bed(silt::Kernel{}, 28, MomentumModel::B));
   is_borne(Bed(silt::Diffusion{.width = 3}, 48));
   is_borne(Bed(silt::Diffusion{.width = 3}, 48, MomentumModel::B));
   is_borne(Bed(silt::Diffusion{}, 96));  // 6 diameters wide
@@ -125,7 +125,7 @@ TEST_CASE("a bed's blurred ends bear less: the weight of some layers, however hi
   double least = 0;  // the wider the mode, the more
   const auto grows = [&](const auto& mode, int layers) {
     const double low = lacking(mode, layers), high = lacking(mode, 2 * layers);
-    CHECK(high == doctest::Approx(low).epsilon(1e-4));
+    CHECK(std::abs(high - low) < 1e-3);  // layers: the ends do not meet
     CHECK(low > least);
     least = low;
   };
