@@ -2,6 +2,7 @@
 // The program of docs/fluid.md.
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include <silt/coupling/drag/ergun.hpp>
@@ -53,4 +54,18 @@ int main() {
   }
   std::printf("60 Pa/m drive %.1f m/s through the pipe\n",
               pipe.flow_rate(0, 0) / (3.14159 * 0.025 * 0.025));
+
+  // A jet into a box, 8 mm wide.
+  silt::FlowSolver box(silt::Grid({{0, 0, 0}, {0.03, 0.03, 0.06}}, {15, 15, 30}), air);
+  const auto nozzle = [](const silt::Vec3d& x) {
+    return 0.004 - std::hypot(x.x - 0.015, x.y - 0.015);
+  };
+  box.set_side(2, 0, silt::Inflow{.velocity = {0, 0, 2}, .outline = nozzle});
+  box.set_side(2, 1, silt::Outflow{});
+  box.start();
+  const double by_area = box.flow_rate(2, 0);
+  box.set_side(2, 0, silt::Inflow{.rate = 1e-4, .outline = nozzle});
+  box.start();
+  std::printf("the nozzle lets in %.4e m3/s (2 m/s and its area: %.4e), then %.4e m3/s\n", by_area,
+              2 * 3.14159265 * 0.004 * 0.004, box.flow_rate(2, 0));
 }

@@ -6,12 +6,14 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <utility>
 #include <variant>
 #include <vector>
 
 #include <silt/core/error.hpp>
 #include <silt/fluid/grid.hpp>
+#include <silt/fluid/side_area.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -24,10 +26,26 @@ struct NoSlip {
 struct FreeSlip {};
 
 /// Fluid flows in (or is drawn out) at a given velocity, which is superficial: that of the fluid in
-/// front of the particles.
+/// front of the particles. It passes the faces whose centres are open, of which the area is not
+/// quite that of a pipe's end. With a rate or an outline, velocities are scaled by one factor:
+///
+///   rate     just that much passes, to rounding
+///   outline  what passes is the integral of the velocity over the part of the side that is within
+///            the outline, and in the fluid of a FlowBoundary: true areas; that of a disc
+///            of radius R to h^2/(700 R^2) of it, in cells of size h (side_area.hpp)
+///
+/// Errors: set_side() and set_boundary(): InputError for rates that are not finite, patches without
+///         an open face, and velocities that flow the other way than the rate.
+/// Tests:  tests/fluid/inflow.cpp.
 struct Inflow {
   Vec3d velocity{0, 0, 0};                             // [m/s]
   std::function<Vec3d(const Vec3d& place)> profile{};  // [m/s] at a place [m]; instead of velocity
+  /// [m3/s] into the box, below 0 out of it; velocities left out: straight in.
+  std::optional<double> rate{};
+  /// Signed distance [m] to the edge of a patch of the side, positive in it; it must be right
+  /// within a cell of the edge. Beyond it the side is a wall at rest, which a turbulent flow does
+  /// not feel.
+  std::function<double(const Vec3d& place)> outline{};
 };
 
 /// Fluid flows out, at a given pressure.
@@ -56,9 +74,20 @@ class FlowSides {
     require(!grid_.periodic(direction), "FlowSolver: the grid is periodic in ", name,
             "; it has no sides there");
     Side& s = sides_[static_cast<std::size_t>(direction)][static_cast<std::size_t>(end)];
-    Side made{side, {}};
+    Side made{side, {}, {}};
+    if (auto* const in = std::get_if<Inflow>(&made.kind)) {
+      require(std::isfinite(in->rate.value_or(0)),
+              "FlowSolver: Inflow.rate = ", in->rate.value_or(0), " m3/s at a side in ", name,
+              " is not finite");
+      const Vec3d& v = in->velocity;
+      if (in->rate && !in->profile && v.x == 0 && v.y == 0 && v.z == 0)
+        (direction == 0   ? in->velocity.x
+         : direction == 1 ? in->velocity.y
+                          : in->velocity.z) = (end == 0) == (*in->rate > 0) ? 1 : -1;
+      if (in->outline) made.beyond = beyond(in->outline, direction, end);
+    }
     for (int c = 0; c < 3; ++c) {
-      std::vector<double> given = values(side, direction, end, c);
+      std::vector<double> given = values(made.kind, direction, end, c);
       if (c == direction && std::holds_alternative<NoSlip>(side))
         for (const double normal : given)
           require(normal == 0, "FlowSolver: a wall at a side in ", name,
@@ -66,6 +95,19 @@ class FlowSides {
       made.given[static_cast<std::size_t>(c)] = std::move(given);
     }
     s = std::move(made);
+  }
+
+  /// Scales inflows with a rate or an outline. `boundary`: of the flow; null: none. open(e, i, j,
+  /// k): whether a face of direction e is in the fluid.
+  template <class Open>
+  void scale(const std::function<double(const Vec3d&)>& boundary, const Open& open) {
+    for (int e = 0; e < 3; ++e)
+      for (int end = 0; end < 2 && !grid_.periodic(e); ++end) {
+        const auto* const in = std::get_if<Inflow>(&at(e, end).kind);
+        if (in == nullptr || !(in->rate || in->outline)) continue;
+        set(e, end, FlowSide(at(e, end).kind));  // unscaled
+        scale(e, end, boundary, open);
+      }
   }
 
   bool open(int direction, int end) const {
@@ -157,6 +199,7 @@ class FlowSides {
   struct Side {
     FlowSide kind = NoSlip{};
     std::array<std::vector<double>, 3> given;  // velocities where each component crosses the side
+    std::vector<char> beyond;                  // 1 beyond the outline; none: there is none
   };
   /// Values from a side outwards: 0 is the last one inside (or on it), 1 and 2 the ghosts.
   struct Line {
@@ -197,15 +240,42 @@ class FlowSides {
       for (int end = 0; end < 2; ++end) {
         const bool given = open(e, end) || (inflows && through(e, end));
         const double twice = given ? 2 * value(e, end) : 0, s = given ? sign : 1;
+        const auto& wall = at(e, end).beyond;
         for_line(
             e, end,
-            [&](Line line, std::size_t) {
+            [&](Line line, std::size_t k) {
               line.data = &f;
-              line(1) = twice + s * line(0), line(2) = line(1);
+              const bool passed = wall.empty() || wall[k] == 0;
+              line(1) = passed ? twice + s * line(0) : line(0), line(2) = line(1);
             },
             false);
       }
     }
+  }
+  /// Where a value of component c (3: of a cell) meets the side [m], in the box.
+  Vec3d place(const Line& line, int end, int c) const {
+    const Vec3d h = grid_.h(), low = grid_.box().min, high = grid_.box().max;
+    double x[3] = {low.x + (line.at[0] + (c == 0 ? 0 : 0.5)) * h.x,
+                   low.y + (line.at[1] + (c == 1 ? 0 : 0.5)) * h.y,
+                   low.z + (line.at[2] + (c == 2 ? 0 : 0.5)) * h.z};
+    const double ends[2][3] = {{low.x, low.y, low.z}, {high.x, high.y, high.z}};
+    for (int b = 0; b < 3; ++b) x[b] = std::clamp(x[b], ends[0][b], ends[1][b]);
+    x[line.e] = ends[end][line.e];
+    return {x[0], x[1], x[2]};
+  }
+  std::vector<char> beyond(const std::function<double(const Vec3d&)>& outline, int e,
+                           int end) const {
+    std::vector<char> out;
+    for_line(
+        e, end,
+        [&](const Line& line, std::size_t) {
+          const Vec3d x = place(line, end, 3);
+          const double away = outline(x);
+          require(!std::isnan(away), "FlowSolver: Inflow.outline is no number at ", x, " m");
+          out.push_back(away > 0 ? 0 : 1);
+        },
+        false);
+    return out;
   }
   /// Velocities that a side gives to component c, at all values for_line() visits.
   std::vector<double> values(const FlowSide& side, int e, int end, int c) const {
@@ -217,24 +287,76 @@ class FlowSides {
         [&](const Line& line, std::size_t) {
           Vec3d v{0, 0, 0};
           if (wall != nullptr) v = wall->velocity;
-          if (in != nullptr) v = in->velocity;
-          if (in != nullptr && in->profile) {
-            const Vec3d h = grid_.h(), low = grid_.box().min, high = grid_.box().max;
-            double x[3] = {low.x + (line.at[0] + (c == 0 ? 0 : 0.5)) * h.x,
-                           low.y + (line.at[1] + (c == 1 ? 0 : 0.5)) * h.y,
-                           low.z + (line.at[2] + (c == 2 ? 0 : 0.5)) * h.z};
-            const double ends[2][3] = {{low.x, low.y, low.z}, {high.x, high.y, high.z}};
-            for (int b = 0; b < 3; ++b) x[b] = std::clamp(x[b], ends[0][b], ends[1][b]);
-            x[e] = ends[end][e];
-            v = in->profile({x[0], x[1], x[2]});
+          if (in != nullptr) {
+            const Vec3d x = place(line, end, c);
+            const bool passed = !in->outline || in->outline(x) > 0;
+            if (passed) v = in->profile ? in->profile(x) : in->velocity;
           }
-          const double component = c == 0 ? v.x : c == 1 ? v.y : v.z;
+          const double component = along(v, c);
           require(std::isfinite(component), "FlowSolver: a side is given the velocity ", component,
                   " m/s; give finite numbers");
           out.push_back(component);
         },
         false);
     return out;
+  }
+  static double along(const Vec3d& v, int c) { return c == 0 ? v.x : c == 1 ? v.y : v.z; }
+
+  template <class Open>
+  void scale(int e, int end, const std::function<double(const Vec3d&)>& boundary,
+             const Open& open) {
+    Side& side = sides_[static_cast<std::size_t>(e)][static_cast<std::size_t>(end)];
+    const Inflow& in = std::get<Inflow>(side.kind);
+    const int a = (e + 1) % 3, b = (e + 2) % 3;
+    const double h[3] = {grid_.h().x, grid_.h().y, grid_.h().z}, inwards = end == 0 ? 1 : -1;
+    const double edge = end == 0 ? along(grid_.box().min, e) : along(grid_.box().max, e);
+    const auto spot = [&](double u, double v) {
+      double x[3];
+      x[e] = edge, x[a] = u, x[b] = v;
+      return Vec3d{x[0], x[1], x[2]};
+    };
+    const auto distance = [&](double u, double v) {
+      const Vec3d x = spot(u, v);
+      const double of_patch = in.outline(x);
+      return boundary ? std::min(of_patch, boundary(x)) : of_patch;
+    };
+    const auto flux = [&](double u, double v) {
+      return inwards * along(in.profile ? in.profile(spot(u, v)) : in.velocity, e);
+    };
+    const auto& n = grid_.cells();
+    double passes = 0, both_ways = 0, wanted = 0;  // [m3/s]
+    int faces = 0;
+    for_line(
+        e, end,
+        [&](const Line& line, std::size_t k) {
+          for (const int c : {a, b})
+            if (line.at[c] < 0 || line.at[c] >= n[static_cast<std::size_t>(c)]) return;
+          int face[3] = {line.at[0], line.at[1], line.at[2]};
+          face[e] = end == 0 ? 0 : n[static_cast<std::size_t>(e)];
+          if (open(e, face[0], face[1], face[2])) {
+            const double one = inwards * side.given[static_cast<std::size_t>(e)][k] * h[a] * h[b];
+            passes += one, both_ways += std::abs(one);
+            if (side.beyond.empty() || side.beyond[k] == 0) ++faces;
+          }
+          if (in.rate) return;
+          const Vec3d x = place(line, end, 3);
+          wanted += integral_inside(along(x, a), along(x, b), h[a], h[b], distance, flux);
+        },
+        false);
+    if (in.rate) wanted = *in.rate;
+    const char name[] = {"xyz"[e], 0};
+    const char* const which = end == 0 ? "lower" : "upper";
+    require(faces > 0, "FlowSolver: the Inflow at the ", which, " side in ", name,
+            " has no face whose centre is within its outline and in the fluid; use smaller cells, "
+            "or see that they meet");
+    if (wanted == 0 && passes == 0) return;
+    require(std::abs(passes) > 1e-6 * both_ways && wanted / passes >= 0, "FlowSolver: ", wanted,
+            " m3/s are to flow in at the ", which, " side in ", name,
+            ", but its velocities let in ", passes,
+            " m3/s, which no factor above 0 turns into that; let them point that way, or leave "
+            "them out and give the rate");
+    for (auto& given : side.given)
+      for (double& v : given) v *= wanted / passes;
   }
 
   Grid grid_;

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -46,7 +47,7 @@ namespace silt::inline SILT_TARGET {
 /// Threads: results are the same, bit for bit, for every number of threads.
 /// Errors: InputError for sides, fluids and fields that cannot be; Error, with a sentence, where a
 ///   step cannot be made.
-/// Tests:  tests/fluid/flow_solver.cpp.
+/// Tests:  tests/fluid/flow_solver.cpp, tests/fluid/inflow.cpp.
 class FlowSolver {
   using FlowState = fluid_detail::FlowState;
 
@@ -74,7 +75,10 @@ class FlowSolver {
   /// What bounds the flow at the lower (end 0) or upper (end 1) side of a direction that is not
   /// periodic; a wall at rest unless set.
   void set_side(int direction, int end, const FlowSide& side) {
-    s_.sides.set(direction, end, side);
+    fluid_detail::FlowSides sides = s_.sides;
+    sides.set(direction, end, side);
+    s_.scale_inflows(sides, s_.boundary, s_.solids);
+    s_.sides = std::move(sides);
     if (s_.turbulence) s_.turbulence->ready = false;
   }
 
@@ -82,8 +86,11 @@ class FlowSolver {
   void set_boundary(const FlowBoundary& boundary) {
     require(static_cast<bool>(boundary.distance),
             "FlowBoundary.distance is not set; give the signed distance to the surface");
-    s_.solids.emplace(grid(), boundary, s_.fluid.viscosity);
-    s_.boundary = boundary;
+    std::optional<fluid_detail::FlowSolids> solids;
+    solids.emplace(grid(), boundary, s_.fluid.viscosity);
+    fluid_detail::FlowSides sides = s_.sides;
+    s_.scale_inflows(sides, boundary, solids);
+    s_.sides = std::move(sides), s_.solids = std::move(solids), s_.boundary = boundary;
     if (s_.turbulence) s_.turbulence->ready = false;
     s_.started = false;
   }

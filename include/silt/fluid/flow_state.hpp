@@ -84,6 +84,12 @@ struct FlowState {
     sides.fill_voidage(eps);
   }
 
+  static void scale_inflows(FlowSides& sides, const std::optional<FlowBoundary>& boundary,
+                            const std::optional<FlowSolids>& solids) {
+    sides.scale(boundary ? boundary->distance : nullptr, [&](int d, int i, int j, int k) {
+      return !solids || solids->open[at(d)](i, j, k) != 0;
+    });
+  }
   /// Boundary faces and ghosts of a velocity.
   void fill_velocity(int d, Field& u) const {
     sides.fill_velocity(d, u);
