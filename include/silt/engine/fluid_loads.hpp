@@ -47,9 +47,10 @@ struct FluidLoads {
   AlignedVector<VectorRow> held;       // [N] forces besides drag (drag coefficient [kg/s])
   AlignedVector<VectorRow> flow;       // [m/s] the fluid's velocity (voidage [-])
   AlignedVector<VectorRow> reference;  // [m/s] slip (voidage [-]) that the coefficient is of
-  AlignedVector<VectorRow> given;      // [N s] by the fluid's step, with what it owed (diameter [m]; 0: none)
-  AlignedVector<VectorRow> taken;      // [N s] since then, less what the step is for
-  Vec3d left{0, 0, 0};  // [N s] taken by those that have left since it was last read
+  AlignedVector<VectorRow>
+      given;  // [N s] by the fluid's step, with what it owed (diameter [m]; 0: none)
+  AlignedVector<VectorRow> taken;  // [N s] since then, less what the step is for
+  Vec3d left{0, 0, 0};             // [N s] taken by those that have left since it was last read
 
   void add() {
     if constexpr (any) {
