@@ -11,6 +11,8 @@
 
 #include <silt/fluid.hpp>
 
+#include "near.hpp"
+
 using silt::FlowSolver;
 using silt::Grid;
 using silt::Particles;
@@ -79,7 +81,7 @@ TEST_CASE("dense suspension in a viscous liquid, fluid steps of four relaxation 
     fastest = std::max(fastest, norm(sim.velocity(k)));
   }
   // The lattice loosens as it falls.
-  CHECK(fall / static_cast<double>(count) == doctest::Approx(hindered).epsilon(0.1));
+  CHECK(fall / static_cast<double>(count) == near(hindered).epsilon(0.1));
   CHECK(fastest < 2 * hindered);
 }
 
@@ -88,19 +90,23 @@ TEST_CASE("gas a ten-thousandth as heavy as the grains takes their velocity, and
   FlowSolver flow(Grid({{0, 0, 0}, {W, W, W}}, {4, 4, 4}, {true, true, true}), {gas, 1.8e-5},
                   {.tolerance = 1e-10});
   auto sim = coupled(lattice(5, 5, W / 5, 0, d, density, {0, 0, speed}), std::move(flow), 2e-5, 10);
-  sim.run(0.1);
+  sim.run(2e-5);
+  // Velocities are half a step behind forces, but for the first: half of its kick is not made.
+  double kick = 0;
+  for (std::size_t k = 0; k < sim.rows(); ++k) kick += 1e-5 * sim.fluid_force(k).z;
+  sim.run(0.1 - 2e-5);
   const double M = 125 * density * Sphere::volume(d / 2);
   double p = 0;
   for (std::size_t k = 0; k < sim.rows(); ++k) p += sim.mass(k) * sim.velocity(k).z;
   const double due = sim.fluid().time() - sim.time() - 0.5 * sim.step_length();
   double with_due = p + sim.fluid().flow().momentum().z;
   for (std::size_t k = 0; k < sim.rows(); ++k) with_due += due * sim.fluid_force(k).z;
-  // The first kick is half a step of the first force, the largest: 2e-9 of M speed.
-  CHECK(with_due == doctest::Approx(M * speed).epsilon(1e-7));
+  const double start = M * speed - kick;  // 2.6e-6 more
+  CHECK(with_due == near(start).epsilon(1e-8));
   const double solids = 125 * Sphere::volume(d / 2) / (W * W * W);
   const double share = gas * (1 - solids) * W * W * W / M;
-  CHECK(p / M == doctest::Approx(speed / (1 + share)).epsilon(1e-6));
-  CHECK(sim.fluid().flow().velocity(2)(1, 1, 1) == doctest::Approx(p / M).epsilon(0.01));
+  CHECK(p / M == near(start / M / (1 + share)).epsilon(1e-8));
+  CHECK(sim.fluid().flow().velocity(2)(1, 1, 1) == near(p / M).epsilon(0.01));
 }
 
 TEST_CASE(
@@ -114,7 +120,7 @@ TEST_CASE(
   sim.gravity = {0, 0, -g};
   sim.guard.max_time_step = 1e12, sim.guard.max_travel = 1e12;  // it meets nobody
   sim.run(20e6 * tau);
-  CHECK(sim.velocity(0).z == doctest::Approx(-v_t).epsilon(1e-5));
+  CHECK(sim.velocity(0).z == near(-v_t).epsilon(1e-5));
 }
 
 TEST_CASE("cells without any room beside empty ones: the pressure drop is the grains' drag") {
@@ -130,7 +136,7 @@ TEST_CASE("cells without any room beside empty ones: the pressure drop is the gr
   const auto& done = sim.fluid().last_step();
   CHECK(done.clipped > 0);  // and it says so
   auto& air = sim.fluid().flow();
-  CHECK(air.flow_rate(2, 12) == doctest::Approx(U * W * W).epsilon(1e-6));
+  CHECK(air.flow_rate(2, 12) == near(U * W * W).epsilon(1e-6));
   // eps dp A = drag, with the voidage that the flow has.
   double pressure = 0, exchanged = 0;
   const double cell = air.grid().cell_volume();
@@ -145,7 +151,7 @@ TEST_CASE("cells without any room beside empty ones: the pressure drop is the gr
                                  (air.velocity(2)(i, j, k) + air.velocity(2)(i, j, k + 1)) -
                              air.drag_velocity(2)(i, j, k));
       }
-  CHECK(pressure == doctest::Approx(exchanged).epsilon(0.01));  // and the gas's inertia
+  CHECK(pressure == near(exchanged).epsilon(0.01));  // and the gas's inertia
 }
 
 TEST_CASE("an inlet that jumps to 100 times its velocity: the flow follows, or the run stops") {
@@ -158,12 +164,12 @@ TEST_CASE("an inlet that jumps to 100 times its velocity: the flow follows, or t
         coupled(lattice(6, 6, W / 6, 8e-3, 1e-3, 2500, {0, 0, 0}), std::move(flow), 2e-5, steps);
     sim.run(0.01);
     const double before = sim.fluid().flow().flow_rate(2, 12);
-    CHECK(before == doctest::Approx(U * W * W).epsilon(1e-5));
+    CHECK(before == near(U * W * W).epsilon(1e-5));
     sim.fluid().flow().set_side(2, 0, silt::Inflow{{0, 0, 100 * U}});
     sim.run(0.012);
-    CHECK(sim.fluid().flow().flow_rate(2, 0) == doctest::Approx(100 * U * W * W).epsilon(1e-9));
+    CHECK(sim.fluid().flow().flow_rate(2, 0) == near(100 * U * W * W).epsilon(1e-9));
     // Grains move, so that the gas they leave room to goes elsewhere.
-    CHECK(sim.fluid().flow().flow_rate(2, 12) == doctest::Approx(100 * U * W * W).epsilon(0.02));
+    CHECK(sim.fluid().flow().flow_rate(2, 12) == near(100 * U * W * W).epsilon(0.02));
     for (std::size_t k = 0; k < sim.rows(); ++k) CHECK(sim.velocity(k).z < 100 * U);
   };
   jump(10);  // 0.2 cells a step

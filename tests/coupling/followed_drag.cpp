@@ -10,6 +10,8 @@
 
 #include <silt/fluid.hpp>
 
+#include "near.hpp"
+
 using silt::FlowSolver;
 using silt::FollowedDrag;
 using silt::Grid;
@@ -133,7 +135,7 @@ TEST_CASE("followed drag: a stiff grain between two fluid steps comes to its ter
   sim.gravity = {0, 0, -g};
   sim.guard.max_time_step = 1e12, sim.guard.max_travel = 1e12;  // it meets nobody
   sim.run(20e3 * tau);
-  CHECK(sim.velocity(0).z == doctest::Approx(-v_t).epsilon(1e-4));
+  CHECK(sim.velocity(0).z == near(-v_t).epsilon(1e-4));
 }
 
 TEST_CASE("followed drag: a dense suspension in long fluid steps falls as its law says") {
@@ -160,7 +162,7 @@ TEST_CASE("followed drag: a dense suspension in long fluid steps falls as its la
     if (std::abs(sim.position(k).z / H - 0.5) > 0.25) continue;
     fall -= sim.velocity(k).z, fastest = std::max(fastest, norm(sim.velocity(k))), ++count;
   }
-  CHECK(fall / count == doctest::Approx(law).epsilon(0.1));
+  CHECK(fall / count == near(law).epsilon(0.1));
   CHECK(fastest < 2 * law);
 }
 

@@ -11,6 +11,8 @@
 #include <silt/fluid/boundary_of.hpp>
 #include <silt/fluid/flow_solver.hpp>
 
+#include "near.hpp"
+
 using silt::boundary_of;
 using silt::Cylinder;
 using silt::FlowBoundary;
@@ -179,10 +181,10 @@ TEST_CASE("boundary_of: Poiseuille flow in a pipe, as a cylinder and as a mesh")
   };
   const double exact = pi * std::pow(R, 4) * G / (8 * mu);
   const double pipe = rate(boundary_of(Cylinder{{-1, 0, 0}, {1, 0, 0}, R, Side::Inside}));
-  // 10 cells a diameter: 0.8 % on average over places of the pipe in the cells, 1.1 % at the most.
-  CHECK(pipe == doctest::Approx(exact).epsilon(0.011));
+  // 10 cells a diameter, axis on a corner of cells: faces are open or closed, 1.34 % too much.
+  CHECK(pipe == near(exact).epsilon(0.0135));
   // Of the same cross-section as the circle, the polygon lets as much through to (pi/sides)^4.
   const double angle = 2 * pi / sides, same = R * std::sqrt(angle / std::sin(angle));
   const double mesh = rate(boundary_of(TriangleMesh(mantle(-3 * h, 5 * h, same, sides))));
-  CHECK(mesh == doctest::Approx(pipe).epsilon(2e-3));
+  CHECK(mesh == near(pipe).epsilon(2e-3));
 }
