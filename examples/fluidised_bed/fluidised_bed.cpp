@@ -106,6 +106,46 @@ auto law_of(const Sim& sim) {
   }
 }
 
+/// [-] What is left of the pressure drop of a bed at rest as the kernel blurs its surface: in one
+/// dimension, grains up to `height` [m] in the voidage and the flow that they and the kernel make.
+template <class Shape, class DragLaw>
+double left_by_kernel(const DragLaw& law, const Scene& s, double voidage, double height, double U) {
+  constexpr int reach = 3, per_diameter = 10, half = reach * per_diameter;  // of silt::Kernel
+  const auto n = static_cast<int>((height / s.diameter + 2 * reach) * per_diameter);
+  using Row = std::vector<double>;
+  const auto at = [](auto& row, int i) -> auto& { return row[static_cast<std::size_t>(i)]; };
+  Row kernel;
+  double sum = 0;
+  for (int k = -half; k <= half; ++k) {
+    const double rest = 1 - static_cast<double>(k * k) / (half * half);
+    kernel.push_back(silt::BodyShape<Shape> ? rest * rest * rest : rest * rest);
+    sum += kernel.back();
+  }
+  const auto blur = [&](const Row& f) {  // folded at the floor
+    Row out(f.size());
+    for (int i = 0; i < n; ++i)
+      for (int k = -half; k <= half; ++k)
+        at(out, i) +=
+            at(kernel, k + half) / sum * at(f, i + k < 0 ? -1 - i - k : std::min(i + k, n - 1));
+    return out;
+  };
+  const double h = s.diameter / per_diameter;
+  Row solids, eps, u, force;
+  for (int i = 0; i < n; ++i) solids.push_back((i + 0.5) * h < height ? 1 - voidage : 0);
+  for (const double phi : blur(solids)) eps.push_back(1 - phi), u.push_back(U / (1 - phi));
+  const auto at_grains = blur(eps), slip = blur(u);
+  for (int i = 0; i < n; ++i) {  // over 18 mu/d^2
+    const double e = at(at_grains, i), W = at(slip, i);
+    const double Re = silt::slip_reynolds(e, s.gas.density, W, s.diameter, s.gas.viscosity);
+    force.push_back(at(solids, i) > 0 ? at(solids, i) * e * W * law.normalised(e, Re) : 0);
+  }
+  double drop = 0;
+  const auto on_gas = blur(force);
+  for (int i = 0; i < n; ++i) drop += h * at(on_gas, i) / at(eps, i);
+  const double Re = s.gas.density * U * s.diameter / s.gas.viscosity;
+  return drop / (height * (1 - voidage) * U / voidage * law.normalised(voidage, Re));
+}
+
 /// Grains on a lattice above the floor.
 template <class Shape>
 silt::Particles<Shape> fill(const Scene& s) {
@@ -141,6 +181,7 @@ auto make_simulation(const Scene& s) {
   silt::Simulation sim{fill<Shape>(s), silt::Contacts<Law>{s.material()},
                        silt::PeriodicBox{{{0, 0, 0}, corner}, {true, true, false}},
                        make_fluid<Shape>(std::move(flow))};
+  if (silt::BodyShape<Shape>) sim.fluid().least_voidage = 0.2;  // they lie denser than spheres
   sim.gravity = {0, 0, -9.81};
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, s.material());
   return sim;
@@ -300,13 +341,17 @@ int simulate(const Scene& s, const example::Options& options) {
       options.out + "/pressure_drop.csv",
       {"velocity [m/s]", "gas rising [Pa]", "gas falling [Pa]",
        law_name + " at the bed's voidage [Pa]", "height rising [m]", "height falling [m]"});
-  double error = 0;  // [-] of the bed at rest
+  double error = 0, blurred = 0;  // [-] of the bed at rest; what the kernel's blur takes
   for (std::size_t k = 0; k < velocities.size(); ++k) {
     const double height = falling[k].height;
     const double by_law =
         height * silt::bed_pressure_gradient(law, bed.voidage(height), s.diameter, s.gas.density,
                                              s.gas.viscosity, velocities[k]);
-    if (k < packed.size()) error = std::max(error, std::abs(falling[k].pressure_drop / by_law - 1));
+    if (k < packed.size()) {
+      const double left = left_by_kernel<Shape>(law, s, bed.voidage(height), height, velocities[k]);
+      error = std::max(error, std::abs(falling[k].pressure_drop / (left * by_law) - 1));
+      blurred = std::max(blurred, 1 - left);
+    }
     curve.add_row({velocities[k], rising[k].pressure_drop, falling[k].pressure_drop,
                    k < packed.size() ? by_law : std::nan(""), rising[k].height, falling[k].height});
   }
@@ -364,10 +409,10 @@ int simulate(const Scene& s, const example::Options& options) {
   // floor, which are as short, are not met exactly.
   summary.check_at_most("balance_of_forces_over_weight",
                         std::max(unbalanced, std::abs(bubbling.unbalanced(s.weight()))), 0.02);
-  // The kernel spreads the bed's surface over three diameters each way: what lies there bears less
-  // than it should, as if the bed were lower by half of that.
-  const double edge = 1.5 * s.diameter / loose + 0.02;
-  summary.check_at_most("pressure_drop_at_rest_over_law_less_1", error, edge);
+  // 0.02: the surface is not flat, and the kernel of bodies is as long as they are.
+  const double edge = blurred + 0.02;
+  summary.result("taken_by_the_kernels_blur", blurred);
+  summary.check_at_most("pressure_drop_at_rest_over_law_and_blur_less_1", error, 0.02);
   summary.check_within("minimum_fluidisation_m_s", measured, expected, edge * expected,
                        law_name + " at this voidage; the kernel blurs the bed's surface");
   // The rest is borne by the floor when parts of the bed fall back on it. A quick run has too few
