@@ -13,7 +13,7 @@
 
 namespace stability {
 
-namespace {
+namespace bodies_rows {
 
 using namespace silt;
 
@@ -294,9 +294,10 @@ Measures heap(const std::vector<Form>& forms, double e, double friction) {
   return out;
 }
 
-}  // namespace
+}  // namespace bodies_rows
 
 void bodies(Table& table) {
+  using namespace bodies_rows;
   const auto forms = all_forms(table.quick);
   const int phases = table.quick ? 2 : 4;
   const auto tame = [](bool yes) { return yes ? Setting::Tame : Setting::Extreme; };

@@ -10,7 +10,7 @@
 
 namespace stability {
 
-namespace {
+namespace impacts_rows {
 
 using namespace silt;
 using enum DampingEnd;
@@ -99,9 +99,10 @@ Measures light_and_heavy() {
           {"steps short of 8 a contact", std::max(1 - n / 8, 0.0), 0}};
 }
 
-}  // namespace
+}  // namespace impacts_rows
 
 void impacts(Table& table) {
+  using namespace impacts_rows;
   table.scene("Restitution from 0.05 to 1, at the time step that silt chooses",
               "rebound and largest overlap as the closed forms, within 2 pi zeta/n + 1.9/n^2 of "
               "them\n          (n steps a contact), in the worst of 8 phases");

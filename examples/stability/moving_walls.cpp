@@ -11,7 +11,7 @@
 
 namespace stability {
 
-namespace {
+namespace moving_walls_rows {
 
 using namespace silt;
 
@@ -84,9 +84,10 @@ Measures closing(bool mesh, double modulus, double speed, double step) {
   return {{"let two plates pass", 1, 0}};
 }
 
-}  // namespace
+}  // namespace moving_walls_rows
 
 void moving_walls(Table& table) {
+  using namespace moving_walls_rows;
   table.scene(
       "A plate hits a grain at rest, e = 0.5",
       "the grain leaves with (1 + e) times the speed of the plate, in the worst of 4 phases;"

@@ -13,7 +13,7 @@
 
 namespace stability {
 
-namespace {
+namespace no_numbers_rows {
 
 using namespace silt;
 
@@ -88,9 +88,10 @@ Motion motion_of(double start, const std::function<Pose(double)>& later) {
   return [=](double t) { return t < start ? Pose{} : later(t); };
 }
 
-}  // namespace
+}  // namespace no_numbers_rows
 
 void no_numbers(Table& table) {
+  using namespace no_numbers_rows;
   table.scene("What is no number", "stopped or refused, never gone on with");
   const auto same = [](auto&) {};
   const Surfaces floor = Plane{{0, 0, 0}, {0, 0, 1}};

@@ -16,7 +16,7 @@
 
 namespace stability {
 
-namespace {
+namespace packed_rows {
 
 using namespace silt;
 
@@ -260,9 +260,10 @@ Measures slow_press(double modulus, double speed, double depth, double share) {
           {"speed over that of the plates", norm(sim.velocity(0)) / speed, 0.5}};
 }
 
-}  // namespace
+}  // namespace packed_rows
 
 void packed(Table& table) {
+  using namespace packed_rows;
   table.scene(
       "Columns 10 m tall: spheres on top of each other, at rest",
       "they stay there: loads, overlaps and height as the sum of Hertz contacts, to rounding");

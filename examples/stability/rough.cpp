@@ -13,7 +13,7 @@
 
 namespace stability {
 
-namespace {
+namespace rough_rows {
 
 using namespace silt;
 using Rolling = Both<RollingEpsd, Twisting>;
@@ -159,9 +159,10 @@ Measures same_bits(int threads) {
   return {{"particles that differ", differ, 0}};
 }
 
-}  // namespace
+}  // namespace rough_rows
 
 void rough(Table& table) {
+  using namespace rough_rows;
   table.scene(
       "Friction 0 to 2, oblique impacts",
       "never more energy than before; if it slides throughout: tangential speed and spin as "

@@ -9,7 +9,7 @@
 
 namespace stability {
 
-namespace {
+namespace several_rows {
 
 using namespace silt;
 
@@ -62,9 +62,10 @@ Measures moduli(const std::vector<double>& moduli, double radius, double small) 
           {"momentum", momentum, std::is_same_v<Precision, Mixed> ? 1e-5 : 1e-11}};
 }
 
-}  // namespace
+}  // namespace several_rows
 
 void several(Table& table) {
+  using namespace several_rows;
   table.scene(
       "Moduli from 1e5 to 2e11 Pa in one scene, every one against every other, e = 0.5",
       "restitution and momentum of every pair, largest overlap of all, as the closed forms");

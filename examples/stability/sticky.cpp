@@ -13,7 +13,7 @@
 
 namespace stability {
 
-namespace {
+namespace sticky_rows {
 
 using namespace silt;
 
@@ -145,9 +145,10 @@ Measures attracted(double ratio, double speed) {
   return {{"speed", std::abs(sim.velocity(0).z / speed - 1), 0.01}};
 }
 
-}  // namespace
+}  // namespace sticky_rows
 
 void sticky(Table& table) {
+  using namespace sticky_rows;
   table.scene("A grain of 40 um hangs from a ceiling by JKR adhesion, over its weight",
               "at the overlap of JKR's theory, without motion; below 1 it falls freely");
   for (const double ratio : {0.5, 1.2, 1e2, 1e4, 1e6})

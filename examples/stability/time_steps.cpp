@@ -13,7 +13,7 @@
 
 namespace stability {
 
-namespace {
+namespace time_steps_rows {
 
 using namespace silt;
 using enum DampingEnd;
@@ -82,9 +82,10 @@ double most(const Candidate& c, double share) {
   return c.restitution * rebound_bound(c.zeta, limit / share);
 }
 
-}  // namespace
+}  // namespace time_steps_rows
 
 std::vector<StepPoint> time_steps(Table& table) {
+  using namespace time_steps_rows;
   table.scene("Time steps from 0.01 to 10 times the limit (t_c/8), one impact of two spheres",
               "the speed after over that before as the closed form, within e (2 pi zeta/n + "
               "1.9/n^2), in\n          the worst of 16 phases");

@@ -12,7 +12,7 @@
 
 namespace stability {
 
-namespace {
+namespace walls_rows {
 
 using namespace silt;
 
@@ -117,9 +117,10 @@ Measures thin(const Contacts<Law>& contacts, double e, double speed, double step
   return {{"behind the mesh", behind, 0}, {"restitution", worst, 0.2}};
 }
 
-}  // namespace
+}  // namespace walls_rows
 
 void walls(Table& table) {
+  using namespace walls_rows;
   table.scene("A sphere wedged between two planes, pressed in by up to 1e5 times its weight",
               "it rests where the Hertz forces balance the load: F = m a/(2 sin(angle/2)), walls "
               "bear m a");

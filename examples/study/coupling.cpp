@@ -16,6 +16,8 @@
 
 #include "study/studies.hpp"
 
+namespace coupling_study {
+
 namespace {
 
 constexpr double d = 1e-3, solids = 0.45, speed = 0.5;  // [m], [-], [m/s] superficial
@@ -192,3 +194,5 @@ const studies::Registered here{
     run};
 
 }  // namespace
+
+}  // namespace coupling_study

@@ -18,6 +18,8 @@
 
 #include "study/studies.hpp"
 
+namespace damping_rule_study {
+
 namespace {
 
 using silt::DashpotRule;
@@ -193,3 +195,5 @@ const studies::Registered here{
     "damping-rule", "restitution of unequal spheres: dashpots made from each alone", run};
 
 }  // namespace
+
+}  // namespace damping_rule_study

@@ -16,6 +16,8 @@
 
 #include "study/studies.hpp"
 
+namespace economy_study {
+
 namespace {
 
 constexpr double d = 1e-3;  // [m]
@@ -190,3 +192,5 @@ const studies::Registered here{
     "economy", "a coupled run: held or followed drag, cells, lazy drag, fluid steps", run};
 
 }  // namespace
+
+}  // namespace economy_study

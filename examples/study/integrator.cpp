@@ -19,6 +19,8 @@
 #include "study/studies.hpp"
 #include "study/two_flats.hpp"
 
+namespace integrator_study {
+
 namespace {
 
 namespace flats = studies::two_flats;
@@ -155,3 +157,5 @@ void run(const studies::Setting& setting, example::Summary& summary) {
 const studies::Registered here{"integrator", "integrators on elastic and damped impacts", run};
 
 }  // namespace
+
+}  // namespace integrator_study

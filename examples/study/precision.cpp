@@ -10,6 +10,8 @@
 #include "study/crowds.hpp"
 #include "study/studies.hpp"
 
+namespace precision_study {
+
 namespace {
 
 constexpr double nudge = 1 + 1e-9;
@@ -75,3 +77,5 @@ void run(const studies::Setting& setting, example::Summary& summary) {
 const studies::Registered here{"precision", "double against mixed: a bed and a granular gas", run};
 
 }  // namespace
+
+}  // namespace precision_study

@@ -6,6 +6,8 @@
 
 #include "study/shape_study.hpp"
 
+namespace shape_study {
+
 namespace {
 
 void run(const studies::Setting& setting, example::Summary& summary) {
@@ -23,3 +25,5 @@ const studies::Registered here{
     "shape", "spheres, super-ellipsoids, polyhedra for one particle: impact, bed, heap, drum", run};
 
 }  // namespace
+
+}  // namespace shape_study

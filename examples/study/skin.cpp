@@ -16,6 +16,8 @@
 #include "study/crowds.hpp"
 #include "study/studies.hpp"
 
+namespace skin_study {
+
 namespace {
 
 constexpr double diameter = 2 * studies::mean_radius;  // [m]
@@ -114,3 +116,5 @@ void run(const studies::Setting& setting, example::Summary& summary) {
 const studies::Registered here{"skin", "cost over the skin of the Verlet list", run};
 
 }  // namespace
+
+}  // namespace skin_study

@@ -15,6 +15,8 @@
 #include "study/crowds.hpp"
 #include "study/studies.hpp"
 
+namespace softening_study {
+
 namespace {
 
 using Law = silt::Softened<silt::HertzMindlin>;
@@ -150,3 +152,5 @@ const studies::Registered here{
     "softening", "small spheres made softer: gain in time step, bulk results, overlaps", run};
 
 }  // namespace
+
+}  // namespace softening_study

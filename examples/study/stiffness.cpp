@@ -17,6 +17,8 @@
 #include "study/studies.hpp"
 #include "study/two_flats.hpp"
 
+namespace stiffness_study {
+
 namespace {
 
 namespace flats = studies::two_flats;
@@ -175,3 +177,5 @@ const studies::Registered here{
     "stiffness", "overlap over the shear modulus, and what passes through a wall", run};
 
 }  // namespace
+
+}  // namespace stiffness_study

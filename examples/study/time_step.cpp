@@ -19,6 +19,8 @@
 #include "study/studies.hpp"
 #include "study/two_flats.hpp"
 
+namespace time_step_study {
+
 namespace {
 
 namespace flats = studies::two_flats;
@@ -149,3 +151,5 @@ const studies::Registered here{"time-step",
                                "elastic two-flat test: error of the speed over the time step", run};
 
 }  // namespace
+
+}  // namespace time_step_study

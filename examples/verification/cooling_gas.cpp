@@ -14,7 +14,7 @@
 #include "verification/gallery.hpp"
 
 namespace verification {
-namespace {
+namespace cooling_gas_cases {
 
 using silt::Vec3d;
 
@@ -70,9 +70,10 @@ class Slope {
   double n_ = 0, x_ = 0, y_ = 0, xx_ = 0, xy_ = 0;
 };
 
-}  // namespace
+}  // namespace cooling_gas_cases
 
 void cooling_gas(Gallery& gallery) {
+  using namespace cooling_gas_cases;
   const std::size_t count = gallery.quick ? 1000 : 4000;
   const double last = gallery.quick ? 3 : 9;  // [tau]
   const double side = std::cbrt(static_cast<double>(count) * silt::Sphere::volume(d / 2) / phi);

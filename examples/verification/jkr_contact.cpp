@@ -13,7 +13,7 @@
 #include "verification/gallery.hpp"
 
 namespace verification {
-namespace {
+namespace jkr_contact_cases {
 
 constexpr double radius = 1e-3;  // [m]
 constexpr silt::Jkr::Material sticky{
@@ -120,9 +120,10 @@ void compare_ratios(Gallery& gallery, const Course& course) {
   gallery.summary.result("jkr_force_at_touch_over_pull_off", at_touch);
 }
 
-}  // namespace
+}  // namespace jkr_contact_cases
 
 void jkr_contact(Gallery& gallery) {
+  using namespace jkr_contact_cases;
   const auto pair = pair_of();
   const double deepest = 3 * silt::jkr_overlap_at_rest(pair);
   const double gap = -1.5 * silt::jkr_overlap_at_parting(pair);

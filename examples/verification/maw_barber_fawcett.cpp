@@ -9,7 +9,7 @@
 #include <silt/contact/formulas.hpp>
 
 namespace verification {
-namespace {
+namespace maw_barber_fawcett_cases {
 
 constexpr double pi = std::numbers::pi;
 
@@ -144,9 +144,10 @@ class Circle {
   std::vector<int> state_;             // 0 sticks, else the sign of the traction that slips
 };
 
-}  // namespace
+}  // namespace maw_barber_fawcett_cases
 
 double maw_barber_fawcett(double stiffness_ratio, double incidence, int rings) {
+  using namespace maw_barber_fawcett_cases;
   const double kH = 4.0 / 3, deepest = std::pow(1.25 / kH, 0.4);
   const double dt = silt::hertz_time_factor * deepest / (10 * rings);
   Circle circle(stiffness_ratio / 4, std::sqrt(deepest), rings);

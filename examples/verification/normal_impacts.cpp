@@ -10,7 +10,7 @@
 #include "verification/strike.hpp"
 
 namespace verification {
-namespace {
+namespace normal_impacts_cases {
 
 using silt::DampingEnd;
 using silt::HertzMindlin;
@@ -113,9 +113,10 @@ void restitutions(Gallery& gallery, const std::string& law, DampingEnd end) {
   gallery.check("chung_ooi_3_restitution_" + law, worst, step_reason);
 }
 
-}  // namespace
+}  // namespace normal_impacts_cases
 
 void normal_impacts_of_chung_and_ooi(Gallery& gallery) {
+  using namespace normal_impacts_cases;
   for (const auto& [solid, name] : {std::pair{glass, "glass"}, std::pair{limestone, "limestone"}}) {
     const Ball ball{.solid = solid, .radius = 0.010, .velocity = {0, 0, -10}};
     Ball other = ball;
@@ -129,11 +130,12 @@ void normal_impacts_of_chung_and_ooi(Gallery& gallery) {
   restitutions<Attracting>(gallery, "to_zero_overlap", DampingEnd::ZeroOverlap);
 }
 
-namespace {
+namespace normal_impacts_cases {
 
 /// V1 of one law: what is asked for against what comes, over the steps a contact.
 template <class Law>
 void steps_a_contact(Gallery& gallery, const std::string& law, DampingEnd end) {
+  using namespace normal_impacts_cases;
   auto table = gallery.table(
       "restitution_" + law,
       {"steps a contact [-]", "restitution [-]", "error of restitution [-]", "error of overlap [-]",
@@ -166,14 +168,16 @@ void steps_a_contact(Gallery& gallery, const std::string& law, DampingEnd end) {
   gallery.check("duration_" + law, durations, "counted in whole steps: 4.5 of them");
 }
 
-}  // namespace
+}  // namespace normal_impacts_cases
 
 void restitution_and_steps(Gallery& gallery) {
+  using namespace normal_impacts_cases;
   steps_a_contact<HertzMindlin>(gallery, "cut_at_zero_force", DampingEnd::ZeroForce);
   steps_a_contact<Attracting>(gallery, "to_zero_overlap", DampingEnd::ZeroOverlap);
 }
 
 void size_ratios(Gallery& gallery) {
+  using namespace normal_impacts_cases;
   auto table = gallery.table(
       "size_ratio", {"size ratio [-]", "restitution given [-]", "restitution [-]", "error [-]"});
   Worst worst;
@@ -192,13 +196,14 @@ void size_ratios(Gallery& gallery) {
                 "leaves less than half of 2 pi zeta/n = 0.16 %");
 }
 
-namespace {
+namespace normal_impacts_cases {
 
 using Soft = silt::Softened<HertzMindlin>;
 constexpr double wanted = 2e-3, given_restitution = 0.5;  // [m] radius of full stiffness, [-]
 
 /// Two equal spheres of a radius [m] that meet at 1 m/s, softened for the time step of `wanted`.
 Impact softened_pair(double radius) {
+  using namespace normal_impacts_cases;
   Impact impact{.ball = {.solid = {1e8, 0.25, 2500}, .radius = radius, .velocity = {0, 0, -1}}};
   impact.other = Ball{.solid = impact.ball.solid, .radius = radius};
   impact.restitution = given_restitution, impact.full_radius = wanted;
@@ -206,9 +211,10 @@ Impact softened_pair(double radius) {
   return impact;
 }
 
-}  // namespace
+}  // namespace normal_impacts_cases
 
 void softened_moduli(Gallery& gallery) {
+  using namespace normal_impacts_cases;
   auto table = gallery.table(
       "softening", {"radius over wanted [-]", "factor on the modulus [-]",
                     "overlap over diameter by the closed form [-]", "overlap over diameter [-]",

@@ -12,7 +12,7 @@
 #include "verification/published.hpp"
 
 namespace verification {
-namespace {
+namespace oblique_impacts_cases {
 
 // Chung and Ooi 2011; each value read in the set-ups of these tests in Yade, Kratos and PySPH.
 constexpr Solid aluminium_oxide{3.8e11, 0.23, 4000}, aluminium_alloy{7.0e10, 0.33, 2700};
@@ -142,14 +142,16 @@ void maw_barber_fawcett_itself(Gallery& gallery) {
   gallery.summary.result("maw_barber_fawcett_largest_distance_from_finite_elements", distance);
 }
 
-}  // namespace
+}  // namespace oblique_impacts_cases
 
 void alumina_on_glass(Gallery& gallery) {
+  using namespace oblique_impacts_cases;
   angles_at_one_speed(gallery, "alumina_on_glass", aluminium_oxide, soda_lime_glass);
   compare_with_kharaz(gallery);
 }
 
 void oblique_impacts_of_chung_and_ooi(Gallery& gallery) {
+  using namespace oblique_impacts_cases;
   angles_at_one_speed(gallery, "chung_ooi_4_aluminium_oxide", aluminium_oxide,
                       rigid(aluminium_oxide));
   angles_at_one_speed(gallery, "chung_ooi_4_aluminium_alloy", aluminium_alloy,

@@ -14,7 +14,7 @@
 #include "verification/gallery.hpp"
 
 namespace verification {
-namespace {
+namespace on_a_plane_cases {
 
 using silt::Vec3d;
 using Rough = silt::Contacts<silt::HertzMindlin, silt::RollingEpsd>;
@@ -54,9 +54,10 @@ double rigid(double tangent, double rolling) {
   return tangent - rolls <= mu ? rolls : tangent - mu;
 }
 
-}  // namespace
+}  // namespace on_a_plane_cases
 
 void slopes(Gallery& gallery) {
+  using namespace on_a_plane_cases;
   auto table = gallery.table("slopes", {"tangent of the slope [-]", "acceleration over g cos [-]",
                                         "with rolling resistance [-]", "rigid body [-]",
                                         "rigid body with rolling resistance [-]"});
@@ -85,6 +86,7 @@ void slopes(Gallery& gallery) {
 }
 
 void from_slip_to_roll(Gallery& gallery) {
+  using namespace on_a_plane_cases;
   auto table = gallery.table("slip_to_roll", {"time [s]", "speed [m/s]", "R w [m/s]",
                                               "speed rigid [m/s]", "R w rigid [m/s]"});
   const double u0 = 0.1, rolls = 2 * u0 / (7 * mu * g);  // [m/s], [s]

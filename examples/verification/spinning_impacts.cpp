@@ -6,7 +6,7 @@
 #include "verification/oblique.hpp"
 
 namespace verification {
-namespace {
+namespace spinning_impacts_cases {
 
 // Chung and Ooi 2011; each value read in the set-ups of these tests in Kratos, PySPH and a
 // collection of Yade scripts.
@@ -56,9 +56,10 @@ void opposite_spins(Gallery& gallery, const std::string& name, const Solid& soli
   gallery.check(name + "_nothing_changes", worst, "the surfaces do not slip: rounding");
 }
 
-}  // namespace
+}  // namespace spinning_impacts_cases
 
 void spinning_impacts_of_chung_and_ooi(Gallery& gallery) {
+  using namespace spinning_impacts_cases;
   for (const auto& [solid, word] :
        {std::pair{aluminium_alloy, "aluminium_alloy"}, std::pair{nylon, "nylon"}}) {
     auto impact = on_plane(solid, radius, speed, 0);

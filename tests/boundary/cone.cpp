@@ -4,6 +4,8 @@
 
 #include "support.hpp"
 
+namespace cone_test {
+
 using namespace boundary_test;
 using silt::Cone;
 using silt::Cylinder;
@@ -124,3 +126,5 @@ TEST_CASE("cone: refuses a missing length and radii that make no surface") {
   refuses<silt::InputError>(made({0, 0, 1}, 0, 0), "are both 0 [m]");
   CHECK_NOTHROW(tip.check());
 }
+
+}  // namespace cone_test

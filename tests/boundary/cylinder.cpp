@@ -3,6 +3,8 @@
 
 #include "support.hpp"
 
+namespace cylinder_test {
+
 using namespace boundary_test;
 using silt::Cylinder;
 using silt::Side;
@@ -100,3 +102,5 @@ TEST_CASE("cylinder: refuses a missing length or radius") {
   refuses<silt::InputError>(made({0, 0, 0}, {0, 0, 1}, not_a_number), "Cylinder.radius = nan");
   CHECK_NOTHROW(drum.check());
 }
+
+}  // namespace cylinder_test

@@ -8,9 +8,6 @@
 
 #include "support.hpp"
 
-using namespace boundary_test;
-using silt::TriangleMesh;
-
 namespace {
 std::atomic<long> allocations = 0;
 }
@@ -22,6 +19,11 @@ std::atomic<long> allocations = 0;
 }
 [[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
 [[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace mesh_contacts_test {
+
+using namespace boundary_test;
+using silt::TriangleMesh;
 
 namespace {
 
@@ -424,3 +426,5 @@ TEST_CASE("mesh_contacts: features number faces, then edges, then vertices") {
   const auto vertex = contacts(box, {1.05, 1.05, 1.05}, 0.1)[0].feature;
   CHECK((vertex >= 30 && vertex < 38));
 }
+
+}  // namespace mesh_contacts_test

@@ -3,6 +3,8 @@
 
 #include "support.hpp"
 
+namespace motion_test {
+
 using namespace boundary_test;
 using silt::Motion;
 using silt::Pose;
@@ -81,3 +83,5 @@ TEST_CASE("motion: refuses arguments without meaning, by name") {
   refuses<InputError>([] { silt::combined({}, silt::translation({0, 0, 0})); }, "first motion");
   refuses<InputError>([] { silt::combined(silt::translation({0, 0, 0}), {}); }, "second motion");
 }
+
+}  // namespace motion_test

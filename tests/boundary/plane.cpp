@@ -3,6 +3,8 @@
 
 #include "support.hpp"
 
+namespace plane_test {
+
 using namespace boundary_test;
 using silt::Plane;
 
@@ -79,3 +81,5 @@ TEST_CASE("box_planes: refuses min >= max in any direction and limits that are n
       },
       "must be finite");
 }
+
+}  // namespace plane_test

@@ -8,6 +8,8 @@
 
 #include "support.hpp"
 
+namespace stl_test {
+
 using namespace boundary_test;
 using silt::FileError;
 using silt::InputError;
@@ -227,3 +229,5 @@ TEST_CASE("stl: writing refuses what cannot be read back and leaves the old file
   CHECK(silt::read_stl(path) == Soup{facet_corners});
   CHECK(!std::filesystem::exists(path + ".part"));
 }
+
+}  // namespace stl_test

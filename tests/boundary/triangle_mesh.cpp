@@ -3,6 +3,8 @@
 
 #include "support.hpp"
 
+namespace triangle_mesh_test {
+
 using namespace boundary_test;
 using silt::TriangleMesh;
 
@@ -242,3 +244,5 @@ TEST_CASE("triangle_mesh: refuses what makes no surface, by name") {
       },
       "the mesh is not closed");
 }
+
+}  // namespace triangle_mesh_test

@@ -9,6 +9,8 @@
 
 #include "contact/support.hpp"
 
+namespace cohesion_test {
+
 namespace {
 
 using namespace contact_test;
@@ -258,3 +260,5 @@ TEST_CASE("cohesion: refuses values out of range and names them") {
       {"HertzMindlin::Material.youngs_modulus"});
   refuses([] { Dusty::check(Dusty::Pair{{2, 0}, quartz}); }, {"restitution = 2"});
 }
+
+}  // namespace cohesion_test

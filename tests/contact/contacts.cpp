@@ -7,6 +7,8 @@
 
 #include "contact/support.hpp"
 
+namespace contacts_test {
+
 namespace {
 
 using namespace contact_test;
@@ -181,3 +183,5 @@ TEST_CASE(
     }
   }
 }
+
+}  // namespace contacts_test

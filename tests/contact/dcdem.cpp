@@ -4,6 +4,8 @@
 
 #include "contact/support.hpp"
 
+namespace dcdem_test {
+
 namespace {
 
 using namespace contact_test;
@@ -119,3 +121,5 @@ TEST_CASE("dcdem: refuses values out of range and names them") {
   refuses([] { Dcdem::check(Dcdem::Material{1, 0.3, 0}); }, {"Dcdem restitution = 0"});
   refuses([] { Dcdem::check(Dcdem::Material{1, 0.3, 1, -1}); }, {"Dcdem friction = -1"});
 }
+
+}  // namespace dcdem_test

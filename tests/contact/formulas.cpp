@@ -12,6 +12,8 @@
 
 #include "near.hpp"
 
+namespace formulas_test {
+
 // "B1" ... "A1.3" are sections of the physics reference from which the numbers come. "mpmath" are
 // values computed at 40 digits from the defining equations (restitution by bisection, duration of
 // the end ZeroForce by quadrature, of ZeroOverlap by its Gamma functions of complex argument).
@@ -495,7 +497,7 @@ TEST_CASE("softening_factor: table of B5, equal time steps and the growth of the
     CHECK(rounds_to(softening_factor(small, wanted, Rayleigh), row.rayleigh, 1e-3));
     CHECK(rounds_to(softening_factor(small, wanted, ContactTime), row.contact_time,
                     row.s > 5 ? 1e-5 : 1e-4 * (row.s < 3 ? 10 : 1)));
-    CHECK(rounds_to(softening_factor(small, wanted, LinearSpring), row.linear, 1e-3));
+    CHECK(rounds_to(softening_factor(small, wanted, LinearContactTime), row.linear, 1e-3));
     // The time step that counts is the wanted one's.
     const double G = 1e7;
     CHECK(near_relative(
@@ -513,7 +515,7 @@ TEST_CASE("softening_factor: table of B5, equal time steps and the growth of the
     CHECK(near_relative(hertz_max_overlap(rayleigh) / hertz_max_overlap(hard), std::pow(row.s, 0.8),
                         1e-14));
   }
-  for (const auto rule : {Rayleigh, ContactTime, LinearSpring})
+  for (const auto rule : {Rayleigh, ContactTime, LinearContactTime})
     CHECK(softening_factor(2, 1, rule) == 1);  // nothing larger is made stiffer
   CHECK(names(refusal([] { softening_factor(0, 1, Rayleigh); }), "softening: radius = 0 [m]"));
   CHECK(names(refusal([] { softening_factor(1, -1, Rayleigh); }),
@@ -598,3 +600,5 @@ TEST_CASE("rayleigh_time_step: pi R over the exact Rayleigh speed, within 0.4 % 
   CHECK(near_relative(rayleigh_time_step(1, 1, 1, 0) / rayleigh_time_step(1, 1, 1, 0.5),
                       (0.8766 + 0.1631 / 2) / 0.8766, 1e-14));
 }
+
+}  // namespace formulas_test

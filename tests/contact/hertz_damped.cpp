@@ -4,6 +4,8 @@
 
 #include "contact/support.hpp"
 
+namespace hertz_damped_test {
+
 namespace {
 
 using namespace contact_test;
@@ -212,3 +214,5 @@ TEST_CASE("hertz_damped: batch, Coulomb's limit, parameters and refusals as any 
   law_as_any_other<HuntCrossley>(0.5);
   law_as_any_other<LinearDashpot>(1);
 }
+
+}  // namespace hertz_damped_test

@@ -3,6 +3,8 @@
 
 #include "contact/support.hpp"
 
+namespace hertz_mindlin_test {
+
 namespace {
 
 using namespace contact_test;
@@ -170,3 +172,5 @@ TEST_CASE("hertz_mindlin: refuses values out of range and names them") {
   refuses(with(&M::restitution, 1.3), {"1.3"});
   CHECK_NOTHROW(HertzMindlin::check(glass()));
 }
+
+}  // namespace hertz_mindlin_test

@@ -4,6 +4,8 @@
 
 #include "contact/support.hpp"
 
+namespace jkr_test {
+
 namespace {
 
 using namespace contact_test;
@@ -236,3 +238,5 @@ TEST_CASE("jkr: refuses values out of range and names them") {
   refuses([] { tabor_parameter({1, 1, 1}, 0); }, {"z0 = 0 [m]"});
   refuses([] { jkr_sticking_speed({1, 1, 1}, 0); }, {"m_eff = 0 [kg]"});
 }
+
+}  // namespace jkr_test

@@ -3,6 +3,8 @@
 
 #include "contact/support.hpp"
 
+namespace linear_spring_test {
+
 namespace {
 
 using namespace contact_test;
@@ -113,3 +115,5 @@ TEST_CASE("linear_spring: refuses values out of range and names them") {
           {"LinearSpring::Material.stiffness = -1"});
   refuses([] { LinearSpring::check(LinearSpring::Material{1, 2}); }, {"restitution = 2"});
 }
+
+}  // namespace linear_spring_test

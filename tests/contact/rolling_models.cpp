@@ -9,6 +9,8 @@
 
 #include "contact/support.hpp"
 
+namespace rolling_models_test {
+
 namespace {
 
 using namespace contact_test;
@@ -200,3 +202,5 @@ TEST_CASE("rolling models: refuse values out of range and name them") {
   refuses([] { Full::check({{-1}, {}}); }, {"RollingEpsd.rolling_friction"});
   refuses([] { Full::check({{}, {-1}}); }, {"Twisting.twisting_friction"});
 }
+
+}  // namespace rolling_models_test

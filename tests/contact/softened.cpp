@@ -10,6 +10,8 @@
 
 #include "near.hpp"
 
+namespace softened_test {
+
 namespace {
 
 using Solid = silt::HertzMindlin::Material;
@@ -188,3 +190,5 @@ TEST_CASE("softened: what is refused") {
   refused({.solid = solid(0.5), .full_radius = 1, .deepest = 0}, "Softened::Material.deepest = 0");
   refused({.solid = solid(7)}, "restitution = 7");
 }
+
+}  // namespace softened_test

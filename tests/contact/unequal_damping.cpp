@@ -7,6 +7,8 @@
 #include <silt/contact/hertz_mindlin.hpp>
 #include <silt/study/unequal_damping.hpp>
 
+namespace unequal_damping_test {
+
 namespace {
 
 using namespace silt;
@@ -87,3 +89,5 @@ TEST_CASE("unequal_damping: a mass ratio out of range is refused") {
   CHECK(sentence == "mass ratio = 0 [-] must be finite and greater than 0");
   CHECK_THROWS_AS(restitution_with(MeanMass, 1.5, 1, ZeroForce), InputError);
 }
+
+}  // namespace unequal_damping_test

@@ -7,6 +7,8 @@
 
 #include <silt/core/functions.hpp>
 
+namespace functions_test {
+
 namespace {
 
 using Batch = typename silt::Lanes<silt::DefaultArch>::Real;
@@ -71,3 +73,5 @@ TEST_CASE("functions: a pack equals doubles to a few ulp") {
   CHECK(lane_difference(-300, 300, [](const auto& x) { return silt::arc_tangent(x); }) < 2e-15);
   CHECK(lane_difference(-9, 9, [](const auto& x) { return silt::hyperbolic_tangent(x); }) < 2e-15);
 }
+
+}  // namespace functions_test

@@ -5,6 +5,8 @@
 
 #include <silt/core/powers.hpp>
 
+namespace powers_test {
+
 namespace {
 
 using Batch = typename silt::Lanes<silt::DefaultArch>::Real;
@@ -98,3 +100,5 @@ TEST_CASE("powers: float and packs of float to 2e-7") {
     both(x, exact, 4e-7 * exact, [](auto b) { return silt::one_minus_exponential(b); });
   }
 }
+
+}  // namespace powers_test

@@ -8,6 +8,8 @@
 
 #include <silt/core/random.hpp>
 
+namespace random_test {
+
 using silt::Random;
 
 namespace {
@@ -176,3 +178,5 @@ TEST_CASE("random: index(0) is refused with a sentence") {
                        "Random::index(0): there is no number to choose from; n must be at least 1",
                        silt::InputError);
 }
+
+}  // namespace random_test

@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+namespace row4_test {
+
 namespace {
 
 /// Numbers every element of W rows, turns them into columns and back.
@@ -63,3 +65,5 @@ TEST_CASE("row4: arithmetic goes element by element") {
   check_arithmetic<silt::OneLane>();
   check_arithmetic<silt::DefaultArch>();
 }
+
+}  // namespace row4_test

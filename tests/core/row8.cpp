@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+namespace row8_test {
+
 namespace {
 
 /// Numbers every element of W rows of eight, turns them into columns and back.
@@ -62,3 +64,5 @@ TEST_CASE("row8: arithmetic goes element by element") {
   check_arithmetic<silt::DefaultArch, double>();
   check_arithmetic<silt::DefaultArch, float>();
 }
+
+}  // namespace row8_test

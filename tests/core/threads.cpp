@@ -10,6 +10,8 @@
 
 #include <doctest/doctest.h>
 
+namespace threads_test {
+
 TEST_CASE("team: every part is done exactly once, for any number of threads and parts") {
   for (const int threads : {1, 2, 3, 8, 40}) {
     const silt::Team team(threads);
@@ -101,3 +103,5 @@ TEST_CASE("team: a number of threads that cannot be is refused") {
   CHECK_THROWS_WITH_AS(silt::Team(0), "threads = 0 must be in [1, 4096]", silt::InputError);
   CHECK_THROWS_WITH_AS(silt::Team(5000), "threads = 5000 must be in [1, 4096]", silt::InputError);
 }
+
+}  // namespace threads_test

@@ -1,6 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 #include "coupling/averaging_support.hpp"
 
+namespace averaging_test {
+
 using namespace averaging_test;
 
 namespace {
@@ -242,3 +244,5 @@ TEST_CASE("averaging: what an engine cuts off is the volume above the limit of e
   CHECK(near_relative(silt::clipped_solids(solids, 0.3), 0.2, 1e-14));
   CHECK(silt::clipped_solids(solids, 0.05) == 0);
 }
+
+}  // namespace averaging_test

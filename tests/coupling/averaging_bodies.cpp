@@ -1,6 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 #include "coupling/averaging_support.hpp"
 
+namespace averaging_bodies_test {
+
 using namespace averaging_test;
 using silt::averaged_form;
 using silt::AveragedForm;
@@ -183,3 +185,5 @@ TEST_CASE(
   same.form.clear(), same.orientation.clear();
   CHECK(says(refusal([&] { a.place(same.seen()); }), "0 orientations for 20 bodies"));
 }
+
+}  // namespace averaging_bodies_test

@@ -1,6 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 #include "coupling/averaging_support.hpp"
 
+namespace averaging_diffusion_test {
+
 using namespace averaging_test;
 using silt::LineDiffusion;
 
@@ -102,3 +104,5 @@ TEST_CASE("diffusion: a point becomes a Gaussian of width b, its variance exact"
     CHECK(near_relative(seen(n)(24, 24, 24), gaussian * std::pow(1 + (1 / v + 3.0 / n) / 8, 3),
                         0.005));
 }
+
+}  // namespace averaging_diffusion_test

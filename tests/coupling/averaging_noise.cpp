@@ -1,6 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 #include "coupling/averaging_support.hpp"
 
+namespace averaging_noise_test {
+
 using namespace averaging_test;
 
 namespace {
@@ -112,3 +114,5 @@ TEST_CASE("averaging: d eps/dt of a moving cloud does not grow when dt is quarte
     CHECK(growth(Unresolved{Unresolved::Share::Centre}) >= 1.5);
   }
 }
+
+}  // namespace averaging_noise_test

@@ -1,6 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 #include "coupling/averaging_support.hpp"
 
+namespace averaging_overlap_test {
+
 using namespace averaging_test;
 using silt::SphereOverlap;
 
@@ -155,3 +157,5 @@ TEST_CASE("satellites: shares err as they should, less with more points") {
   CHECK(at100 <= 0.015);
   CHECK(at1000 <= 0.0029);
 }
+
+}  // namespace averaging_overlap_test

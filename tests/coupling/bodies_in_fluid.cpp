@@ -8,6 +8,8 @@
 
 #include "near.hpp"
 
+namespace bodies_in_fluid_test {
+
 using silt::Contacts;
 using silt::CoupledFlow;
 using silt::FlowSolver;
@@ -53,3 +55,5 @@ TEST_CASE("bodies settle in a fluid") {
   // The volume of spheres joined is integrated: of this one 8.4e-6 too large.
   CHECK(fall(std::move(pair)) == near(of_sphere).epsilon(8.5e-6));
 }
+
+}  // namespace bodies_in_fluid_test

@@ -19,6 +19,8 @@
 
 #include "near.hpp"
 
+namespace coupled_flow_test {
+
 using silt::CoupledFlow;
 using silt::CoupledParticles;
 using silt::FluidProperties;
@@ -162,3 +164,5 @@ TEST_CASE("spans that do not fit are refused") {
   CHECK_THROWS_WITH_AS(flow.advance(grains.view(), 1e-3, grains.force),
                        "CoupledFlow.least_voidage = 0 must be in (0, 1)", silt::InputError);
 }
+
+}  // namespace coupled_flow_test

@@ -10,6 +10,8 @@
 
 #include "near.hpp"
 
+namespace drag_test {
+
 // The table is C2 of the physics reference, computed there from the laws' formulas by other code.
 
 namespace {
@@ -248,3 +250,5 @@ TEST_CASE("drag: sizes of a mixture: Carman's part makes the bed that of the Sau
   CHECK(near_relative(silt::polydisperse_factor(0.4, 1.0), 1 + 0.064 * 0.4, 1e-15));
   CHECK(near_relative(silt::polydisperse_factor(0.5, 2.0), 0.5 + 1 + 0.128, 1e-15));
 }
+
+}  // namespace drag_test

@@ -13,6 +13,8 @@
 
 #include "near.hpp"
 
+namespace extremes_test {
+
 using silt::FlowSolver;
 using silt::Grid;
 using silt::Particles;
@@ -176,3 +178,5 @@ TEST_CASE("an inlet that jumps to 100 times its velocity: the flow follows, or t
   // The step after it would cross four cells.
   CHECK_THROWS_WITH_AS(jump(200), doctest::Contains("crosses"), silt::SimulationError);
 }
+
+}  // namespace extremes_test

@@ -12,6 +12,8 @@
 
 #include "near.hpp"
 
+namespace followed_drag_test {
+
 using silt::FlowSolver;
 using silt::FollowedDrag;
 using silt::Grid;
@@ -222,3 +224,5 @@ TEST_CASE("followed drag: negative numbers are refused") {
   CHECK_THROWS_AS(with({.cell = -1}), silt::InputError);
   CHECK_THROWS_AS(with({.tolerance = -0.1}), silt::InputError);
 }
+
+}  // namespace followed_drag_test

@@ -8,6 +8,8 @@
 
 #include <silt/coupling/drag/form_in_flow.hpp>
 
+namespace form_in_flow_test {
+
 using silt::Compound;
 using silt::form_in_flow;
 using silt::MultiSphere;
@@ -128,3 +130,5 @@ TEST_CASE("form_in_flow: resistance of spheroids") {
   const auto disc = form_in_flow(SuperEllipsoid{1, 1, 1e-2});
   CHECK(disc.spin_resistance.x * 8 * pi * 1e-2 == doctest::Approx(32.0 / 3).epsilon(0.02));
 }
+
+}  // namespace form_in_flow_test

@@ -9,6 +9,8 @@
 
 #include "near.hpp"
 
+namespace formulas_test {
+
 using silt::DiFelice;
 using silt::Ergun;
 using silt::SchillerNaumann;
@@ -116,3 +118,5 @@ TEST_CASE("coupling formulas: refusals") {
   CHECK(refused([] { silt::ergun_pressure_gradient(0.4, 1e-3, 1.2, 1.8e-5, -1); },
                 "superficial velocity U = -1 [m/s]"));
 }
+
+}  // namespace formulas_test

@@ -10,6 +10,8 @@
 #include <silt/coupling/unsteady/history_force.hpp>
 #include <silt/fluid.hpp>
 
+namespace history_force_test {
+
 using silt::HistoryForce;
 using silt::Particles;
 using silt::Sphere;
@@ -152,3 +154,5 @@ TEST_CASE("history_force: places in the history follow the ids") {
     CHECK(force(jump, 0) == doctest::Approx(exact).epsilon(k <= 4 ? 1e-12 : 2e-3));
   }
 }
+
+}  // namespace history_force_test

@@ -9,6 +9,8 @@
 
 #include "near.hpp"
 
+namespace lift_test {
+
 using silt::OesterleBuiDinh;
 using silt::SaffmanMei;
 using silt::Vec3d;
@@ -109,3 +111,5 @@ TEST_CASE("lift: lanes of double and float equal doubles") {
   compare(1.0, 1e-13);
   compare(1.0f, 3e-6);
 }
+
+}  // namespace lift_test

@@ -15,6 +15,8 @@
 #include <silt/coupling/drag/laws.hpp>
 #include <silt/coupling/formulas.hpp>
 
+namespace minimum_fluidisation_test {
+
 using silt::CoupledFlow;
 using silt::MomentumModel;
 using silt::Vec3d;
@@ -134,3 +136,5 @@ TEST_CASE("a bed's blurred ends bear less: the weight of some layers, however hi
   grows(silt::Diffusion{.width = 3}, 24);  // 4.9
   grows(silt::Diffusion{.width = 6}, 48);  // 9.5
 }
+
+}  // namespace minimum_fluidisation_test

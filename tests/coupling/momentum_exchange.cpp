@@ -10,6 +10,8 @@
 
 #include "near.hpp"
 
+namespace momentum_exchange_test {
+
 using silt::momentum_exchange;
 using silt::Vec3d;
 
@@ -142,3 +144,5 @@ TEST_CASE("momentum exchange: unlike particles give and take nothing but momentu
   // 4e5 roundings of 1e-16, mostly cancelling.
   CHECK(norm(momentum() - before) <= 1e-12 * norm(before));
 }
+
+}  // namespace momentum_exchange_test

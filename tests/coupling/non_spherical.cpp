@@ -13,6 +13,8 @@
 
 #include "near.hpp"
 
+namespace non_spherical_test {
+
 // C3 and C4 are sections of the physics reference from which the values come.
 
 using silt::AxisKind;
@@ -245,3 +247,5 @@ TEST_CASE("Zastawny: the values of C4, angles' ends, lanes") {
       for (const double c : C) CHECK(near_relative(c, one->torque(Re, 0.6, 0.8), 1e-13));
     }
 }
+
+}  // namespace non_spherical_test

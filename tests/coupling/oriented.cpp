@@ -11,6 +11,8 @@
 
 #include "near.hpp"
 
+namespace oriented_test {
+
 using silt::EllipsoidTorque;
 using silt::FormInFlow;
 using silt::HoelzerSommerfeld;
@@ -235,3 +237,5 @@ TEST_CASE("oriented: a spheroid that lies askew settles askew, as in Stokes flow
   CHECK(std::abs(v.x) > 0.05 * std::abs(v.z));
   CHECK(norm(rotate(sim.orientation(0), {1, 0, 0}) - n) < 1e-9);  // in Stokes flow it does not turn
 }
+
+}  // namespace oriented_test

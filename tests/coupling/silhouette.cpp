@@ -10,6 +10,8 @@
 
 #include "near.hpp"
 
+namespace silhouette_test {
+
 using silt::MultiSphere;
 using silt::Polyhedron;
 using silt::PolySuperEllipsoid;
@@ -143,3 +145,5 @@ TEST_CASE("silhouette: refusals") {
   }
   CHECK(said.find("turns = 0 [-] must be at least 2") != std::string::npos);
 }
+
+}  // namespace silhouette_test

@@ -13,6 +13,8 @@
 
 #include "near.hpp"
 
+namespace simulation_test {
+
 using silt::Contacts;
 using silt::CoupledFlow;
 using silt::FlowSolver;
@@ -277,3 +279,5 @@ TEST_CASE("a pipe that is a wall of both, empty before its inlet opens") {
   CHECK(air.flow_rate(0, 15) == near(air.flow_rate(0, 0)).epsilon(0.01));
   CHECK(air.flow_rate(0, 0) == near(2 * std::numbers::pi / 4 * D * D).epsilon(0.25));
 }
+
+}  // namespace simulation_test

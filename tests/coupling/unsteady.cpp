@@ -12,6 +12,8 @@
 
 #include "near.hpp"
 
+namespace unsteady_test {
+
 using silt::BassetHistory;
 using silt::BassetKernel;
 using silt::Vec3d;
@@ -235,3 +237,5 @@ TEST_CASE("basset: refusals") {
   CHECK(refused([&] { history.start(3, {0, 0, 0}, {0, 0, 0}); }, "particle 3 of 3"));
   CHECK(refused([&] { history.copy(0, 4); }, "particle 4 of 3"));
 }
+
+}  // namespace unsteady_test

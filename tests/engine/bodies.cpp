@@ -12,6 +12,8 @@
 #include "engine/body_totals.hpp"
 #include "engine/support.hpp"
 
+namespace bodies_test {
+
 namespace {
 
 using namespace engine_test;
@@ -278,3 +280,5 @@ TEST_CASE("Particles of bodies refuse what makes no sense") {
   silt::Simulation of_spheres{spheres, silt::Contacts<HertzMindlin>{stone}};
   refused([&] { of_spheres.add_inlet(region, flow); }, {"spheres have no form"});
 }
+
+}  // namespace bodies_test

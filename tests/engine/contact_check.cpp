@@ -4,6 +4,8 @@
 
 #include <silt/engine/contact_check.hpp>
 
+namespace contact_check_test {
+
 namespace {
 
 using namespace engine_test;
@@ -62,3 +64,5 @@ TEST_CASE("contact_check: two fixed particles that overlap are no contact") {
   sim.run(2e-3, check);
   CHECK(check.contacts() > 1000);
 }
+
+}  // namespace contact_check_test

@@ -8,6 +8,8 @@
 
 #include <silt/contact/rolling/epsd.hpp>
 
+namespace contact_history_test {
+
 namespace {
 
 using namespace engine_test;
@@ -121,3 +123,5 @@ TEST_CASE("contact_history: it matters in this scene, so that the cases above ca
   with.run(duration / 2), without.run(duration / 2);
   CHECK(difference(bits(with), bits(without)) > 1e-6);
 }
+
+}  // namespace contact_history_test

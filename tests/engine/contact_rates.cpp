@@ -12,6 +12,8 @@
 
 #include "near.hpp"
 
+namespace contact_rates_test {
+
 namespace {
 
 using namespace engine_test;
@@ -157,3 +159,5 @@ TEST_CASE("contact_rates: limits that make no sense are refused by name") {
   sim.guard.max_rate = 1, sim.guard.max_travel = -1;
   CHECK(has_words(refusal<silt::InputError>([&] { sim.run(0); }), {"Guard.max_travel = -1 [-]"}));
 }
+
+}  // namespace contact_rates_test

@@ -15,6 +15,8 @@
 #include "engine/support.hpp"
 #include "near.hpp"
 
+namespace convex_bodies_test {
+
 namespace {
 
 using namespace engine_test;
@@ -266,3 +268,5 @@ TEST_CASE("The guard of super-ellipsoids names what is wrong") {
   CHECK(has_words(refusal<silt::SimulationError>([&] { stiff.run(0.1); }),
                   {"particle 0", "rate", "Simulation::time_step"}));
 }
+
+}  // namespace convex_bodies_test

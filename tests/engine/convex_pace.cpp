@@ -8,6 +8,8 @@
 #include <silt/engine/convex_rows.hpp>
 #include <silt/shape/super_ellipsoid.hpp>
 
+namespace convex_pace_test {
+
 namespace {
 
 using Rows = silt::detail::ConvexRows<silt::KindList<silt::SuperEllipsoid>, true>;
@@ -49,3 +51,5 @@ TEST_CASE("convex_pace: no two bodies close faster than the sum; a common motion
   CHECK(changed <= 1e-12);           // some of the 700 roundings of 100 in the mean
   CHECK(paces(motions, 3) == pace);  // the same bits for any number of threads
 }
+
+}  // namespace convex_pace_test

@@ -12,6 +12,8 @@
 #include "engine/support.hpp"
 #include "near.hpp"
 
+namespace convex_walls_test {
+
 namespace {
 
 using namespace engine_test;
@@ -271,3 +273,5 @@ TEST_CASE("A mesh that moves carries a cube, which stays on it") {
   CHECK(norm(off() - from) < 2e-6);  // the springs' give
   CHECK(near_relative(-sim.wall(0).force.z, 9.81 * sim.mass(0), 0.05));
 }
+
+}  // namespace convex_walls_test

@@ -4,6 +4,8 @@
 
 #include "near.hpp"
 
+namespace determinism_test {
+
 namespace {
 
 using namespace engine_test;
@@ -137,3 +139,5 @@ TEST_CASE("determinism: enough spheres for several shares, sorted or not, give t
     CHECK(run(3, sort) == first);
   }
 }
+
+}  // namespace determinism_test

@@ -14,6 +14,8 @@
 
 #include "near.hpp"
 
+namespace guard_test {
+
 namespace {
 
 using namespace engine_test;
@@ -476,3 +478,5 @@ TEST_CASE("time_step: with several materials what walls alone are made of does n
   CHECK(time_step(Several{{rubber}}, false) == one);
   CHECK(time_step(Several{{rubber}}, true) < 0.1 * one);
 }
+
+}  // namespace guard_test

@@ -11,6 +11,8 @@
 #include <silt/contact/linear_spring.hpp>
 #include <silt/search/brute_force.hpp>
 
+namespace list_upkeep_test {
+
 namespace {
 
 using namespace engine_test;
@@ -278,3 +280,5 @@ TEST_CASE("list_upkeep: no contact is missed across the faces of a repeating box
     CHECK(watch.searches.size() > 3);
   }
 }
+
+}  // namespace list_upkeep_test

@@ -17,6 +17,8 @@
 #include "engine/support.hpp"
 #include "near.hpp"
 
+namespace mix_test {
+
 namespace {
 
 using namespace engine_test;
@@ -270,3 +272,5 @@ TEST_CASE("A run of all shapes continued from a checkpoint has the same bits") {
   CHECK(bits(sim) == bits(again));
   std::remove(path.c_str());
 }
+
+}  // namespace mix_test

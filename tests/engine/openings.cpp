@@ -9,6 +9,8 @@
 
 #include "near.hpp"
 
+namespace openings_test {
+
 namespace {
 
 using namespace engine_test;
@@ -190,3 +192,5 @@ TEST_CASE("inlet: values that make no sense are refused by name") {
   sim.run(1e-3);
   CHECK(sim.size() == 0);  // none of them was added
 }
+
+}  // namespace openings_test

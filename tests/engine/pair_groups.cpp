@@ -10,6 +10,8 @@
 
 #include <silt/core/random.hpp>
 
+namespace pair_groups_test {
+
 using silt::detail::PairGroups;
 
 TEST_CASE("pair groups: no two groups of one phase have a particle in common") {
@@ -54,3 +56,5 @@ TEST_CASE("pair groups: pairs of neighbouring shares all lie in two phases") {
     CHECK((g >= from && g < to));
   }
 }
+
+}  // namespace pair_groups_test

@@ -7,6 +7,8 @@
 #include <silt/contact/linear_spring.hpp>
 #include <silt/io/checkpoint.hpp>
 
+namespace precision_test {
+
 namespace {
 
 using namespace engine_test;
@@ -150,3 +152,5 @@ TEST_CASE(
                   {"precision", "Mixed", "Double"}));
   std::filesystem::remove(path);
 }
+
+}  // namespace precision_test

@@ -12,6 +12,8 @@
 #include <silt/core/random.hpp>
 #include <silt/simulation.hpp>
 
+namespace reduction_test {
+
 namespace {
 
 using silt::Contacts;
@@ -94,3 +96,5 @@ TEST_CASE("reduction: a sphere in contact with 60 others feels the sum of their 
     CHECK(norm(motion.velocity() - expected) < 1e-11 * norm(expected));
   }
 }
+
+}  // namespace reduction_test

@@ -10,6 +10,8 @@
 #include "engine/support.hpp"
 #include "near.hpp"
 
+namespace rims_test {
+
 namespace {
 
 using namespace engine_test;
@@ -114,3 +116,5 @@ TEST_CASE("A block across the rim of an upright tube stays where it is") {
       CHECK(norm(Vec3d{q.x, q.y, q.z}) < 1e-3);
     }
 }
+
+}  // namespace rims_test

@@ -12,6 +12,8 @@
 
 #include <filesystem>
 
+namespace search_policies_test {
+
 namespace {
 
 using namespace engine_test;
@@ -152,3 +154,5 @@ TEST_CASE("search_policies: a run without a list goes on from a checkpoint with 
   CHECK(bits(again) == bits(sim));
   std::filesystem::remove(path);
 }
+
+}  // namespace search_policies_test

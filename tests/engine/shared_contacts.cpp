@@ -6,6 +6,8 @@
 
 #include "engine/support.hpp"
 
+namespace shared_contacts_test {
+
 namespace {
 
 using namespace engine_test;
@@ -145,3 +147,5 @@ TEST_CASE("An elastic plate that falls onto an edge, rocks and flies off keeps i
     CHECK(std::abs(error(tilt, true)) < 1e-3);  // stiffer against tilting: larger errors of a step
   }
 }
+
+}  // namespace shared_contacts_test

@@ -11,6 +11,8 @@
 #include <silt/boundary/triangle_mesh.hpp>
 #include <silt/fill/packing.hpp>
 
+namespace packing_test {
+
 using silt::Arrangement;
 using silt::Box;
 using silt::CylinderRegion;
@@ -346,3 +348,5 @@ TEST_CASE("packing: a sphere grid finds the same free places as brute force at s
   CHECK(free_places < 4500);
   CHECK(different == 0);
 }
+
+}  // namespace packing_test

@@ -13,6 +13,8 @@
 #include <silt/core/random.hpp>
 #include <silt/fill/particle_file.hpp>
 
+namespace particle_file_test {
+
 using silt::ParticleTable;
 using silt::Vec3d;
 
@@ -201,3 +203,5 @@ TEST_CASE("particle_file: a table that could not be read back is refused and lea
        "ParticleTable.position[0] = (");
   CHECK_THROWS_AS(silt::write_particle_file(folder.file("none/beads.csv"), good), silt::FileError);
 }
+
+}  // namespace particle_file_test

@@ -10,6 +10,8 @@
 #include <silt/core/random.hpp>
 #include <silt/fill/region.hpp>
 
+namespace region_test {
+
 using silt::Box;
 using silt::CylinderRegion;
 using silt::MeshRegion;
@@ -164,3 +166,5 @@ static_assert(!silt::Region<NotARegion>);
 static_assert(silt::Region<MeshRegion<TriangleMesh>>);
 
 }  // namespace
+
+}  // namespace region_test

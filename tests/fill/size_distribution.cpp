@@ -13,6 +13,8 @@
 
 #include "near.hpp"
 
+namespace size_distribution_test {
+
 using silt::By;
 using silt::Random;
 using silt::SizeDistribution;
@@ -197,3 +199,5 @@ TEST_CASE("size_distribution: impossible values are refused by name") {
   says([] { silt::table({{1e-3, 0.5}, {0, 0.5}}, By::Number); }, "radius of class 2 = 0 [m]");
   says([] { silt::table({{1e-3, not_a_number}}, By::Number); }, "fraction of class 1 = nan [-]");
 }
+
+}  // namespace size_distribution_test

@@ -13,6 +13,8 @@
 
 #include "near.hpp"
 
+namespace boundary_of_test {
+
 using silt::boundary_of;
 using silt::Cylinder;
 using silt::FlowBoundary;
@@ -188,3 +190,5 @@ TEST_CASE("boundary_of: Poiseuille flow in a pipe, as a cylinder and as a mesh")
   const double mesh = rate(boundary_of(TriangleMesh(mantle(-3 * h, 5 * h, same, sides))));
   CHECK(mesh == near(pipe).epsilon(2e-3));
 }
+
+}  // namespace boundary_of_test

@@ -15,6 +15,8 @@
 
 #include "near.hpp"
 
+namespace flow_solver_test {
+
 using silt::Field;
 using silt::FlowOptions;
 using silt::FlowSolver;
@@ -529,3 +531,5 @@ TEST_CASE("a step reads nothing that no one has set") {
       CHECK(std::isfinite(sum));
     }
 }
+
+}  // namespace flow_solver_test

@@ -12,6 +12,8 @@
 
 #include <silt/fluid/flow_vtk.hpp>
 
+namespace flow_vtk_test {
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -88,3 +90,5 @@ TEST_CASE("VTK's own reader finds a flow where it is") {
   fs::remove_all(folder);
   CHECK_THROWS_AS(silt::write_flow("/nowhere/at/all/flow.vti", flow), silt::FileError);
 }
+
+}  // namespace flow_vtk_test

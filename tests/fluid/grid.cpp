@@ -7,6 +7,8 @@
 
 #include <silt/fluid/grid.hpp>
 
+namespace grid_test {
+
 namespace {
 
 using silt::Box;
@@ -103,3 +105,5 @@ TEST_CASE("grid: nonsense is refused") {
   CHECK(refusal({{0, 0, 0}, {std::nan(""), 1, 1}}, {4, 4, 4}).find("give a finite box") !=
         std::string::npos);
 }
+
+}  // namespace grid_test

@@ -13,6 +13,8 @@
 #include <silt/fluid/boundary_of.hpp>
 #include <silt/fluid/flow_solver.hpp>
 
+namespace inflow_test {
+
 using silt::FlowSolver;
 using silt::Grid;
 using silt::Inflow;
@@ -175,3 +177,5 @@ TEST_CASE("inflows that cannot be are refused") {
                   silt::InputError);
   CHECK(off(rate_of(flow), 1e-5) <= 1e-14);
 }
+
+}  // namespace inflow_test

@@ -11,6 +11,8 @@
 
 #include "fluid/pressure_cases.hpp"
 
+namespace pressure_solver_test {
+
 namespace {
 
 using silt::Field;
@@ -435,3 +437,5 @@ TEST_CASE("pressure_solver: what cannot be solved is said") {
   CHECK(with(a.az, std::numeric_limits<double>::infinity()).find("az(2, 3, 4)") !=
         std::string::npos);
 }
+
+}  // namespace pressure_solver_test

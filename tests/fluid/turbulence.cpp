@@ -12,6 +12,8 @@
 #include <silt/fluid/boundary_of.hpp>
 #include <silt/fluid/flow_solver.hpp>
 
+namespace turbulence_test {
+
 using silt::FlowSolver;
 using silt::Grid;
 using silt::Vec3d;
@@ -167,3 +169,5 @@ TEST_CASE("turbulence: steps, states and refusals") {
   flow.step(5e-4), again.step(5e-4);
   for (int j = 0; j < 8; ++j) CHECK(again.velocity(0)(1, j, 0) == flow.velocity(0)(1, j, 0));
 }
+
+}  // namespace turbulence_test

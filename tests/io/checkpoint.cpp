@@ -15,6 +15,8 @@
 #include <silt/contact/linear_spring.hpp>
 #include <silt/io/checkpoint.hpp>
 
+namespace checkpoint_test {
+
 namespace {
 
 using namespace engine_test;
@@ -310,3 +312,5 @@ TEST_CASE("checkpoint: a writer killed at least 100 times at random moments lose
   run_to(sim, last);
   CHECK(seen(sim) == uninterrupted());
 }
+
+}  // namespace checkpoint_test

@@ -15,6 +15,8 @@
 
 #include <silt/io/checkpoint_file.hpp>
 
+namespace checkpoint_file_test {
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -367,3 +369,5 @@ TEST_CASE("checkpoint: a writer killed at 20 random moments always leaves a comp
   }
   CHECK(last > 0);  // the children did write
 }
+
+}  // namespace checkpoint_file_test

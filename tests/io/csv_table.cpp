@@ -13,6 +13,8 @@
 
 #include <silt/io/csv_table.hpp>
 
+namespace csv_table_test {
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -145,3 +147,5 @@ TEST_CASE("csv_table: a row that does not fit is a FileError with the reason, an
   CHECK(WEXITSTATUS(status) == 3);  // 20 bytes of header, 6 a row: 3 fit into 40
   CHECK(content_of(path) == "time [s],energy [J]\n0.5,1\n0.5,1\n0.5,1\n");
 }
+
+}  // namespace csv_table_test

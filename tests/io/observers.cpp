@@ -16,6 +16,8 @@
 
 #include "near.hpp"
 
+namespace observers_test {
+
 namespace {
 
 using namespace engine_test;
@@ -299,3 +301,5 @@ TEST_CASE(
   for (const auto& file : fs::recursive_directory_iterator(folder.path))
     CHECK_FALSE(file.path().string().ends_with(".partial"));
 }
+
+}  // namespace observers_test

@@ -3,6 +3,8 @@
 
 #include <silt/io/progress_line.hpp>
 
+namespace progress_line_test {
+
 using silt::progress_line;
 
 TEST_CASE("progress_line: place, speed, overlap and remaining time, in one line") {
@@ -52,3 +54,5 @@ TEST_CASE("progress_line: short runs show enough digits of the time") {
   CHECK(progress_line(0.0123, 0.02, 1, 1, 1, 0).starts_with("t = 0.01230 of 0.02000 s (61 %)"));
   CHECK(progress_line(50, 3600, 1, 1, 1, 0).starts_with("t = 50 of 3600 s (1 %)"));
 }
+
+}  // namespace progress_line_test

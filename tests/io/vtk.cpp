@@ -10,6 +10,8 @@
 
 #include <silt/io/vtk.hpp>
 
+namespace vtk_test {
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -269,3 +271,5 @@ TEST_CASE("vtk: a series refuses backward times, unusable names and foreign list
     CHECK(silt::detail::read_file(series.path()) == foreign);
   }
 }
+
+}  // namespace vtk_test

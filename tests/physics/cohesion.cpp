@@ -16,6 +16,8 @@
 #include "boundary/support.hpp"
 #include "physics/support.hpp"
 
+namespace cohesion_test {
+
 // Laws that act at a distance, through the whole engine: lists, pairs, all kinds of walls (B9,
 // V10).
 
@@ -319,3 +321,5 @@ TEST_CASE("cohesion: a range that would act through both faces of a repeating bo
   CHECK(sentence.find("PeriodicBox: its length") != std::string::npos);
   CHECK(sentence.find("range 0.0011 m") != std::string::npos);
 }
+
+}  // namespace cohesion_test

@@ -8,6 +8,8 @@
 
 #include "physics/support.hpp"
 
+namespace conservation_test {
+
 // What a scene keeps: energy, momentum, angular momentum, equilibrium, its place in a periodic box.
 
 namespace {
@@ -294,3 +296,5 @@ TEST_CASE(
     CHECK(norm(domain.shortest(sim.position(k) - start - sim.time() * drift)) < 1e-11 * length);
   }
 }
+
+}  // namespace conservation_test

@@ -6,6 +6,8 @@
 
 #include "physics/support.hpp"
 
+namespace friction_test {
+
 // A sphere and a rough plane: closed forms of rigid bodies with Coulomb friction (V2, V3).
 
 namespace {
@@ -183,3 +185,5 @@ TEST_CASE("friction: a sliding sphere rolls after 2 u0/(7 mu g), at 5/7 of its s
   CHECK(near_relative(scene.velocity().x, 5.0 / 7.0 * u0, scene.lever_error()));
   CHECK(near_relative(scene.surface_speed().y, 5.0 / 7.0 * u0, 2 * scene.lever_error()));
 }
+
+}  // namespace friction_test

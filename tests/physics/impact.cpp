@@ -8,6 +8,8 @@
 
 #include "physics/support.hpp"
 
+namespace impact_test {
+
 // Head-on impacts against the closed forms of contact/formulas.hpp and impact.hpp (B3, V1).
 
 namespace {
@@ -228,3 +230,5 @@ TEST_CASE(
     compare_simulation(BasicLinearSpring<ZeroOverlap>{}, ZeroOverlap);
   }
 }
+
+}  // namespace impact_test

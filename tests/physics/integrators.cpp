@@ -12,6 +12,8 @@
 
 #include "near.hpp"
 
+namespace integrators_test {
+
 namespace {
 
 // Nothing is damped at restitution 1, so that it makes no difference where the damping ends.
@@ -199,3 +201,5 @@ TEST_CASE("integrators: what Gear keeps of a particle") {
   using Geared = silt::Simulation<silt::Particles<silt::Sphere>, Contacts, silt::Gear>;
   CHECK(Geared::bytes_per_particle == Verlet::bytes_per_particle + 8 * 32);
 }
+
+}  // namespace integrators_test

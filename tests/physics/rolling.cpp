@@ -6,6 +6,8 @@
 
 #include "physics/support.hpp"
 
+namespace rolling_test {
+
 // A sphere with rolling resistance (model C) on a slope and on level ground (V3, B8).
 
 namespace {
@@ -136,3 +138,5 @@ TEST_CASE("rolling: the couples on a pair are equal and opposite") {
   // Round-off of some thousand steps.
   CHECK(norm(angular_momentum(sim) - before) < 1e-12 * norm(before));
 }
+
+}  // namespace rolling_test

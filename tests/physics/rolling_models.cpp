@@ -13,6 +13,8 @@
 #include "boundary/support.hpp"
 #include "physics/support.hpp"
 
+namespace rolling_models_test {
+
 // Rolling models A, B, D and twisting against their closed forms (B8); model C: rolling.cpp.
 
 namespace {
@@ -210,3 +212,5 @@ TEST_CASE("rolling models: D brakes spheres of a pair by mu_r R_i times the impu
     CHECK(near_relative(w0 - spin_of(sim, k).z, 0.2 * R * impulse / I, 1e-9));
   }
 }
+
+}  // namespace rolling_models_test

@@ -6,6 +6,8 @@
 
 #include <silt/motion/rotation.hpp>
 
+namespace rotation_test {
+
 // V7 of the verification list: torque-free and heavy tops.
 
 namespace {
@@ -127,3 +129,5 @@ TEST_CASE_TEMPLATE("A fast-spinning body turns right even where a step turns it 
   R::drift(top.q, top.momentum, top.inertia, 0.7);
   CHECK(angle(top.q, silt::rotation_about({0, 0, 1}, 1.4)) < 1e-14);
 }
+
+}  // namespace rotation_test

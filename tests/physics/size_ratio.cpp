@@ -6,6 +6,8 @@
 
 #include "physics/support.hpp"
 
+namespace size_ratio_test {
+
 // Spheres of very different size: restitution (V5, B4) and the tangential history, which must
 // belong to the same instant as the geometry.
 
@@ -191,3 +193,5 @@ TEST_CASE("size ratio: restitution is within 0.1 % of its nominal value from 1 t
       CHECK(near_relative(restitution(e, ratio, 1000), e, 0.001));
     }
 }
+
+}  // namespace size_ratio_test

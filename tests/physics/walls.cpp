@@ -9,6 +9,8 @@
 #include "boundary/support.hpp"
 #include "physics/support.hpp"
 
+namespace walls_test {
+
 // Walls in a Simulation: meshes that act as the plane they tile, walls that move, loads on walls.
 
 namespace {
@@ -297,3 +299,5 @@ TEST_CASE("walls: the walls of a heap at rest bear its weight and its moment abo
   CHECK(norm(sim.wall(0).force - weight) < 1e-5 * norm(weight));
   CHECK(norm(sim.wall(0).torque - moment) < 1e-5 * norm(moment));
 }
+
+}  // namespace walls_test

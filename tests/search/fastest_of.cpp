@@ -8,6 +8,8 @@
 
 #include <silt/search/fastest_of.hpp>
 
+namespace fastest_of_test {
+
 using namespace search_test;
 
 namespace {
@@ -108,3 +110,5 @@ TEST_CASE("fastest_of: a choice that there is not is refused") {
   silt::FastestOf<silt::CellGrid, silt::Nbs> search;
   CHECK_THROWS_AS(search.keep({2, 10}), silt::InputError);
 }
+
+}  // namespace fastest_of_test

@@ -2,6 +2,8 @@
 // Which levels HashedGrid sorts spheres into.
 #include <search/support.hpp>
 
+namespace levels_test {
+
 using namespace search_test;
 
 namespace {
@@ -83,3 +85,5 @@ TEST_CASE("levels: a ratio or number that cannot be is refused with a sentence")
     CHECK(refusal({.ratio = {}, .most = most}).find("must be in [1, 64]") != std::string::npos);
   CHECK(refusal({}).empty());
 }
+
+}  // namespace levels_test

@@ -3,6 +3,8 @@
 // sets of pairs must be equal, without any tolerance.
 #include <search/support.hpp>
 
+namespace searches_test {
+
 using namespace search_test;
 
 #define SILT_SEARCHES \
@@ -251,3 +253,5 @@ TEST_CASE("searches: a copy of a search works apart from it") {
   copy = grid;
   CHECK(sorted(found_by(copy, rows, 0, OpenDomain{})) == expected);
 }
+
+}  // namespace searches_test

@@ -7,6 +7,8 @@
 
 #include "near.hpp"
 
+namespace compound_test {
+
 namespace {
 
 using silt::Compound;
@@ -94,3 +96,5 @@ TEST_CASE("compound: what is refused") {
           mix.add({.form = 0, .position = {0, 0, 0}, .density = 1000});
         }).find("no size of its own") != std::string::npos);
 }
+
+}  // namespace compound_test

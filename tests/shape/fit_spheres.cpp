@@ -9,6 +9,8 @@
 
 #include <silt/shape/fit_spheres.hpp>
 
+namespace fit_spheres_test {
+
 namespace {
 
 using silt::Vec3d;
@@ -101,3 +103,5 @@ TEST_CASE("What cannot be fitted is said") {
   CHECK(sentence(cuboid({1, 1, 1}), {.spheres = 0}).find("spheres = 0") != std::string::npos);
   CHECK(sentence(cuboid({1, 1, 1}), {.resolution = 2}).find("resolution = 2") != std::string::npos);
 }
+
+}  // namespace fit_spheres_test

@@ -10,6 +10,8 @@
 #include <ccd/ccd.h>
 #endif
 
+namespace gjk_test {
+
 using namespace shape_test;
 using silt::AxisMemory;
 using silt::gjk_distance;
@@ -318,3 +320,5 @@ TEST_CASE("gjk: libccd says the same of 1e5 pairs") {
   CHECK(too_short + deeper + failed < deep_pairs / 500);  // its misses; all axes agree with silt
 }
 #endif
+
+}  // namespace gjk_test

@@ -11,6 +11,8 @@
 
 #include "pair_count.hpp"
 
+namespace libccd_test {
+
 using namespace solids;
 using silt::touch_solids;
 
@@ -385,4 +387,6 @@ TEST_CASE("libccd: every pair of kinds: what touches, and how deep") {
           all.above, " above here, at most ", all.worst, " m; of ", all.deep, " deep ones ",
           all.deep_above, " above, the least of them ", all.shallowest, " m");
 }
+
+}  // namespace libccd_test
 #endif

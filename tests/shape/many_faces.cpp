@@ -11,6 +11,8 @@
 #include <ccd/ccd.h>
 #endif
 
+namespace many_faces_test {
+
 using namespace shape_test;
 using silt::OverlapMemory;
 using silt::thickness_contact;
@@ -235,3 +237,5 @@ TEST_CASE("polyhedra of many faces: libccd says the same on touching and on dept
   CHECK(off <= depths / 50);  // it misses the least way now and then, as in libccd.cpp
 }
 #endif
+
+}  // namespace many_faces_test

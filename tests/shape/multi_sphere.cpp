@@ -9,6 +9,8 @@
 
 #include <silt/shape/multi_sphere.hpp>
 
+namespace multi_sphere_test {
+
 namespace {
 
 using silt::Ball;
@@ -128,3 +130,5 @@ TEST_CASE("A multi-sphere is read from a file, and what is wrong with one is sai
   std::remove(path.c_str());
   CHECK_THROWS_AS((void)silt::read_multi_sphere(path), silt::FileError);
 }
+
+}  // namespace multi_sphere_test

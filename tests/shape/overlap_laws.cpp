@@ -4,6 +4,8 @@
 
 #include <silt/shape/narrow/thickness_overlap.hpp>
 
+namespace overlap_laws_test {
+
 using namespace shape_test;
 using silt::OverlapMemory;
 using silt::rotation_about;
@@ -212,3 +214,5 @@ TEST_CASE("thickness law: a cube on a plane stays; dropped on an edge it stands 
   CHECK(dropped.aside <= 1e-12);
   CHECK(dropped.kinetic_energy <= 1e-12);
 }
+
+}  // namespace overlap_laws_test

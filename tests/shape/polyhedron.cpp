@@ -6,6 +6,8 @@
 
 #include <silt/boundary/stl.hpp>
 
+namespace polyhedron_test {
+
 using namespace shape_test;
 using silt::mass_properties;
 
@@ -264,3 +266,5 @@ TEST_CASE("Polyhedron: from a mesh, also one rounded to float; what it refuses")
   for (int k = 0; k < 2100; ++k) many.push_back(random.direction());
   refuses([&] { Polyhedron::from_points(many); }, "at most 4000");
 }
+
+}  // namespace polyhedron_test

@@ -3,12 +3,14 @@
 
 #include "grounds.hpp"
 
+namespace solid_mesh_contacts_test {
+
 using namespace solid_test;
 
 namespace {
 
 template <class Body>
-Touches at(const Plane& wall, const Body& body) {
+Touches at_plane(const Plane& wall, const Body& body) {
   return all([&](SolidContact* out, int n) { return plane_contacts(body, wall, out, n); });
 }
 
@@ -69,7 +71,7 @@ TEST_CASE("solid meshes: a floor of irregular triangles is the plane, at all pla
         }();
       const double height = support_height(body, {0, 0, -1}) - r.uniform(0, 0.03);
       body = moved(body, {r.uniform(-0.9, 0.9), r.uniform(-0.9, 0.9), height}, {});
-      const auto exact = at(plane, body);
+      const auto exact = at_plane(plane, body);
       for (const TriangleMesh* mesh : {&whole, &patches}) {
         const auto found = at(*mesh, body);
         REQUIRE(found.size() == exact.size());
@@ -306,3 +308,5 @@ TEST_CASE(
   }
   CHECK(least < 1);
 }
+
+}  // namespace solid_mesh_contacts_test

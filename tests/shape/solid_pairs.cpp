@@ -5,6 +5,8 @@
 #include "near.hpp"
 #include "pair_count.hpp"
 
+namespace solid_pairs_test {
+
 using namespace solids;
 using silt::least_gap_of;
 using silt::touch_solids;
@@ -465,3 +467,5 @@ TEST_CASE("solid_pairs: an ellipsoid on a box's face, edge and corner: closed fo
     CHECK(contact.R_eff == near(R * Rj / (R + Rj)).epsilon(1e-3));
   }
 }
+
+}  // namespace solid_pairs_test

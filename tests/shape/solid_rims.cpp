@@ -1,6 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 #include "solid_bodies.hpp"
 
+namespace solid_rims_test {
+
 using namespace solid_test;
 
 namespace {
@@ -252,3 +254,5 @@ TEST_CASE("solid rims: what lies flat on a wall and a body next to a rim have on
     CHECK(norm(c.normal - Vec3d{0, 0, -1}) < 1e-12);
   }
 }
+
+}  // namespace solid_rims_test

@@ -1,6 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 #include "solid_bodies.hpp"
 
+namespace solid_walls_test {
+
 using namespace solid_test;
 
 namespace {
@@ -337,3 +339,5 @@ TEST_CASE("solid walls: a rounded polyhedron on a plane touches with each corner
   CHECK(two[0].overlap == found[0].overlap);
   CHECK(two[1].overlap >= found[2].overlap);
 }
+
+}  // namespace solid_walls_test

@@ -5,6 +5,8 @@
 
 #include "random_pairs.hpp"
 
+namespace super_ellipsoid_test {
+
 namespace {
 
 using silt::SuperEllipsoid;
@@ -203,3 +205,5 @@ TEST_CASE("The mesh that shows a super-ellipsoid is closed and has its volume") 
     CHECK(volume > (1 - 2.0 / (16 * 16)) * shape.volume());
   }
 }
+
+}  // namespace super_ellipsoid_test

@@ -7,6 +7,8 @@
 #include "pair_count.hpp"
 #include "two_bodies.hpp"
 
+namespace super_ellipsoid_contact_test {
+
 namespace {
 
 using silt::SuperEllipsoid;
@@ -448,3 +450,5 @@ TEST_CASE("super_ellipsoids: bodies about one centre, far ones and memory of pai
   CHECK(far.solved);
   CHECK(memory.follows == 0);
 }
+
+}  // namespace super_ellipsoid_contact_test

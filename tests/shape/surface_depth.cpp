@@ -3,6 +3,8 @@
 
 #include "grounds.hpp"
 
+namespace surface_depth_test {
+
 using namespace solid_test;
 
 namespace {
@@ -199,3 +201,5 @@ TEST_CASE("surface depth: patches of a mesh") {
       CHECK((cube.patches()[a] == cube.patches()[b]) ==
             (dot(cube.normals()[a], cube.normals()[b]) > 0.5));
 }
+
+}  // namespace surface_depth_test

@@ -4,6 +4,8 @@
 
 #include <silt/shape/narrow/thickness_overlap.hpp>
 
+namespace volume_overlap_test {
+
 using namespace shape_test;
 using silt::OverlapMemory;
 using silt::rotation_about;
@@ -301,3 +303,5 @@ TEST_CASE("volume law: the couple and the point matter: without them energy is n
   CHECK(with <= 1e-6);
   CHECK(without >= 1e-3);
 }
+
+}  // namespace volume_overlap_test

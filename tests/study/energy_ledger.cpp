@@ -12,6 +12,8 @@
 
 #include "near.hpp"
 
+namespace energy_ledger_test {
+
 using silt::Vec3d;
 
 namespace {
@@ -316,3 +318,5 @@ TEST_CASE("ledger: same books for any number of threads; none before the first r
   }
   CHECK(friction[0] == friction[1]);
 }
+
+}  // namespace energy_ledger_test

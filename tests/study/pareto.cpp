@@ -6,6 +6,8 @@
 #include <silt/core/random.hpp>
 #include <silt/study/pareto.hpp>
 
+namespace pareto_test {
+
 namespace {
 
 using namespace silt;
@@ -69,3 +71,5 @@ TEST_CASE("pareto: a cost or an error that is none is refused") {
   CHECK_THROWS_AS(pareto_front(Points{{1, std::nan("")}}), InputError);
   CHECK(pareto_front(Points{}).empty());
 }
+
+}  // namespace pareto_test

@@ -10,6 +10,8 @@
 
 #include <silt/study/study.hpp>
 
+namespace study_test {
+
 namespace {
 
 using namespace silt;
@@ -402,3 +404,5 @@ TEST_CASE("study: the clocks go forward, and work costs processor time") {
     CHECK(row.cost() * static_cast<double>(row.runs) > 0.005);
   }
 }
+
+}  // namespace study_test

@@ -206,20 +206,20 @@ inline double softest_modulus_on_wall(double density, double speed, double zeta,
 /// What a softened small sphere shares with a larger one of the radius `wanted`: it is then that
 /// one's time step that counts.
 enum class Softening {
-  Rayleigh,     // the Rayleigh time step: E ~ s^-2, s = wanted radius over radius
-  ContactTime,  // the contact time of a Hertz spring: E ~ s^-5/2
-  LinearSpring  // the contact time of a linear spring: k ~ s^-3
+  Rayleigh,          // the Rayleigh time step: E ~ s^-2, s = wanted radius over radius
+  ContactTime,       // the contact time of a Hertz spring: E ~ s^-5/2
+  LinearContactTime  // that of a linear spring: k ~ s^-3
 };
 
-/// Factor [-] on the modulus (LinearSpring: stiffness) of a sphere of `radius` [m] that has the
-/// limit of a sphere of radius `wanted` [m]; 1 if it is no smaller. The overlap over the diameter
-/// grows by s (ContactTime, LinearSpring) or s^(4/5) (Rayleigh): see softest_modulus.
+/// Factor [-] on the modulus (LinearContactTime: stiffness) of a sphere of `radius` [m] that has
+/// the limit of a sphere of radius `wanted` [m]; 1 if it is no smaller. The overlap over the
+/// diameter grows by s (ContactTime, LinearContactTime) or s^(4/5) (Rayleigh): see softest_modulus.
 inline double softening_factor(double radius, double wanted, Softening rule) {
   require_positive("softening: radius", radius, "m");
   require_positive("softening: wanted radius", wanted, "m");
   const double s = std::max(wanted / radius, 1.0);
   if (rule == Softening::Rayleigh) return 1 / (s * s);
-  if (rule == Softening::LinearSpring) return 1 / (s * s * s);
+  if (rule == Softening::LinearContactTime) return 1 / (s * s * s);
   return 1 / (s * s * std::sqrt(s));
 }
 

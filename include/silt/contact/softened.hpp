@@ -171,7 +171,7 @@ struct Softened {
     const Real x = min(R * per_full, Real(1));
     Real f = x * x;
     if constexpr (Rule == Softening::ContactTime) f = f * sqrt(x);
-    if constexpr (Rule == Softening::LinearSpring) f = f * x;
+    if constexpr (Rule == Softening::LinearContactTime) f = f * x;
     return max(f, least);
   }
   template <class Real>
