@@ -340,20 +340,22 @@ int simulate(const Scene& s, const example::Options& options) {
   silt::CsvTable curve(
       options.out + "/pressure_drop.csv",
       {"velocity [m/s]", "gas rising [Pa]", "gas falling [Pa]",
-       law_name + " at the bed's voidage [Pa]", "height rising [m]", "height falling [m]"});
+       law_name + " at the bed's voidage [Pa]", law_name + " less the kernel's blur [Pa]",
+       "height rising [m]", "height falling [m]"});
   double error = 0, blurred = 0;  // [-] of the bed at rest; what the kernel's blur takes
   for (std::size_t k = 0; k < velocities.size(); ++k) {
-    const double height = falling[k].height;
-    const double by_law =
+    const double height = k < packed.size() ? falling[k].height : loose;
+    double by_law =
         height * silt::bed_pressure_gradient(law, bed.voidage(height), s.diameter, s.gas.density,
                                              s.gas.viscosity, velocities[k]);
+    const double left = left_by_kernel<Shape>(law, s, bed.voidage(height), height, velocities[k]);
     if (k < packed.size()) {
-      const double left = left_by_kernel<Shape>(law, s, bed.voidage(height), height, velocities[k]);
       error = std::max(error, std::abs(falling[k].pressure_drop / (left * by_law) - 1));
       blurred = std::max(blurred, 1 - left);
     }
-    curve.add_row({velocities[k], rising[k].pressure_drop, falling[k].pressure_drop,
-                   k < packed.size() ? by_law : std::nan(""), rising[k].height, falling[k].height});
+    if (left * by_law > 1.1 * s.weight()) by_law = std::nan("");  // a bed that has long left
+    curve.add_row({velocities[k], rising[k].pressure_drop, falling[k].pressure_drop, by_law,
+                   left * by_law, rising[k].height, falling[k].height});
   }
 
   std::printf("bubbling at %.2f m/s\n", s.bubbling * measured);
@@ -405,6 +407,11 @@ int simulate(const Scene& s, const example::Options& options) {
   summary.result("fluid_steps", static_cast<double>(sim.fluid().fluid_steps()));
   summary.result("steps", static_cast<double>(sim.step()));
   summary.result("wall_time_s", watch.seconds());
+  const silt::FluidClosure& closure = sim.fluid().closure();
+  summary.check_at_most("volume_of_solids_off", closure.volume, 1e-12);
+  summary.check_at_most("momentum_of_exchange_off", closure.momentum, 1e-12);
+  summary.check_at_most("continuity_off", closure.continuity,
+                        sim.fluid().flow().options().tolerance);
   // What gas and floor bear is weight and gain of momentum; read every 0.2 ms, impacts on the
   // floor, which are as short, are not met exactly.
   summary.check_at_most("balance_of_forces_over_weight",
@@ -415,9 +422,9 @@ int simulate(const Scene& s, const example::Options& options) {
   summary.check_at_most("pressure_drop_at_rest_over_law_and_blur_less_1", error, 0.02);
   summary.check_within("minimum_fluidisation_m_s", measured, expected, edge * expected,
                        law_name + " at this voidage; the kernel blurs the bed's surface");
-  // The rest is borne by the floor when parts of the bed fall back on it. A quick run has too few
-  // strokes of the bed for a mean.
-  if (!options.quick)
+  // The rest is borne by the floor when parts of the bed fall back on it; a stroke of the bed takes
+  // some 0.2 s, and a mean over less than three of them is none.
+  if (0.75 * s.blowing >= 0.6)
     summary.check_within("bubbling_pressure_drop_over_weight", bubbling.pressure_drop / s.weight(),
                          1, 0.08, "mean over a few strokes of the bed");
   summary.check_at_least("bubbling_height_over_height_at_rest", bubbling.height / loose, 1.1);
@@ -440,8 +447,9 @@ int simulate(const Scene& s, const example::Options& options) {
   const bool drawn =
       example::draw(
           {"curves", options.out + "/pressure_drop.csv", "--x", "velocity", "--y",
-           law_name + " at the bed's voidage,gas rising,gas falling", "--y-label",
-           "pressure drop [Pa]", "--reference",
+           law_name + " at the bed's voidage," + law_name +
+               " less the kernel's blur,gas rising,gas falling",
+           "--y-label", "pressure drop [Pa]", "--reference",
            silt::text("weight of the bed over its area:0,", s.weight()), "--title",
            silt::text("minimum fluidisation at ", std::round(1e3 * measured) / 1e3, " m/s"),
            "--out", options.out + "/pressure_drop.png"}) &&

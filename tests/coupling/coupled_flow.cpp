@@ -125,6 +125,13 @@ TEST_CASE("what the fluid gets the particles give, to rounding") {
       // The first step's fluid has not had the particles' room taken from it before.
       if (s > 0) CHECK(norm(flow.flow().momentum() - before + given) < 1e-10 * scale);
     }
+    // Continuity: the pressure's tolerance of what the particles and the flow have moved, which is
+    // less than a tenth of a cell.
+    const silt::FluidClosure& most = flow.closure();
+    CHECK((most.volume > 0 && most.volume < 1e-12));
+    CHECK((most.momentum > 0 && most.momentum < 1e-12));
+    CHECK((most.continuity > 0 && most.continuity < 0.1 * flow.flow().options().tolerance));
+    CHECK(most.clipped == 0);
   }
 }
 

@@ -55,4 +55,13 @@ TEST_CASE("progress_line: short runs show enough digits of the time") {
   CHECK(progress_line(50, 3600, 1, 1, 1, 0).starts_with("t = 50 of 3600 s (1 %)"));
 }
 
+TEST_CASE("progress_line: how well the books of a fluid close") {
+  struct {
+    double volume = 2.22e-16, continuity = 1.4e-9, momentum = 0, clipped = 0.015;
+  } most;
+  CHECK(silt::closure_line(most) ==
+        "fluid, at most of any step: volume of solids off by 2.2e-16, momentum by 0 of what is "
+        "exchanged, continuity by 1.4e-09 of a cell, no room for 0.015 of the solids");
+}
+
 }  // namespace progress_line_test

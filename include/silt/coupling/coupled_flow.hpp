@@ -124,6 +124,7 @@ class CoupledFlow {
   double time() const { return time_; }                // [s] up to which the flow is known
   std::int64_t fluid_steps() const { return count_; }  // [-] since the start
   const CoupledStep& last_step() const { return last_; }
+  const FluidClosure& closure() const { return closure_; }
   /// @}
 
   /// Advances the flow by dt [s]; gives the force on each particle [N], and the torque [N m] if any
@@ -136,8 +137,7 @@ class CoupledFlow {
     CoupledStep done;
     if (!averaging_) {  // there has been no particle yet
       done.flow = flow_.step(dt, team);
-      time_ += dt, ++count_, last_dt_ = dt, last_ = done;
-      return done;
+      return finish(done, dt);
     }
     averaging_->place(particles.shape, team);
     done.averaging = averaging_->report();
@@ -160,13 +160,12 @@ class CoupledFlow {
         continue;
       }
       const Vec3d exchanged = exchange_[p].force(value(u_at, p), particles.velocity[p]);
-      on_particles += exchanged;
+      on_particles += exchanged, done.exchanged += norm(exchanged);
       force[p] = exchanged + static_force(particles.volume[p], p);
       if constexpr (follows) start_following(particles, p, exchanged, dt, done, on_particles);
     }
     done.momentum_error = on_particles - cells_.exchanged(flow_);
-    time_ += dt, ++count_, last_dt_ = dt, last_ = done;
-    return done;
+    return finish(done, dt);
   }
 
   /// @name With FollowedDrag, in a Simulation
@@ -318,6 +317,11 @@ class CoupledFlow {
     const double K = drag_coefficient(drag_, voidage, Re, d, fluid.viscosity);
     return flow_.options().model == MomentumModel::B ? model_b(K, voidage) : K;
   }
+  CoupledStep finish(const CoupledStep& done, double dt) {
+    time_ += dt, ++count_, last_dt_ = dt, last_ = done;
+    closure_.add(done);
+    return done;
+  }
   double coefficient([[maybe_unused]] const CoupledParticles& of, const InFluid& at,
                      [[maybe_unused]] std::size_t p) const {
     if constexpr (follows)
@@ -348,6 +352,7 @@ class CoupledFlow {
                  alone ? 1 : std::clamp(values_[eps_at][p], least_voidage, 1.0)};
     if (of.owed.empty()) return;
     done.owed += of.owed[p], on_particles += (1 / dt) * of.owed[p];
+    done.exchanged += norm(of.owed[p]) / dt;
   }
   MomentumExchange<double> exchange_of(const CoupledParticles& of, const InFluid& at,
                                        std::size_t p);
@@ -392,6 +397,7 @@ class CoupledFlow {
   double time_ = 0, last_dt_ = 0;  // [s]
   std::int64_t count_ = 0;
   CoupledStep last_;
+  FluidClosure closure_;
 };
 
 }  // namespace silt

@@ -36,10 +36,9 @@ void CoupledFlow<Drag, Mode, Forces...>::spread_volume(const CoupledParticles& o
   const std::span<const double> volume[] = {of.volume};
   averaging_->spread(volume, to, team);
   const Grid& g = flow_.grid();
-  double particles = 0;
-  for (const double v : of.volume) particles += v;
-  if (particles > 0 && done.averaging.outside == 0)
-    done.volume_error = total(solids_) / particles - 1;
+  for (const double v : of.volume) done.solids += v;
+  if (done.solids > 0 && done.averaging.outside == 0)
+    done.volume_error = total(solids_) / done.solids - 1;
   done.clipped = clipped_solids(solids_, least_voidage);
   const double over = 1 / g.cell_volume();
   CellValues::for_rows(flow_, team, [&](int j, int k) {

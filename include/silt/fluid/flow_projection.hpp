@@ -15,6 +15,9 @@ struct FlowStep {
   double courant = 0;  // [-] the largest sum over directions of |u| dt / h of any cell
   int iterations = 0;  // of the pressure solver
   double removed = 0;  // [-] of the continuity equation's right side: what no flow could balance
+  /// [-] of a cell's volume, root of the mean square: what the pressure's tolerance has left of
+  /// this step's continuity equation.
+  double unbalanced = 0;
 };
 
 namespace fluid_detail {
@@ -85,6 +88,7 @@ class FlowProjection {
       throw Error(text("FlowSolver: the pressure of a step of ", dt,
                        " s cannot be found: ", solved.reason));
     done.iterations = solved.iterations, done.removed = solved.removed;
+    done.unbalanced = (least < 1 ? solved.residual : 1) * norm * dt;
     state.sides.fill_pressure(change_, true);
     for (int d = 0; d < 3; ++d) {
       const std::ptrdiff_t s = state.stride(d);

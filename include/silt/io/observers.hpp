@@ -331,7 +331,8 @@ inline auto vtk_series(std::string folder, Schedule schedule) {
 }
 
 /// Shows on stderr how far the run is: on a terminal once a second, rewriting one line; else (a log
-/// file) a line every ten seconds.
+/// file) a line every ten seconds. Of a fluid, how well its books with the particles close, at the
+/// end.
 class Progress {
  public:
   explicit Progress(std::FILE* out) : out_(out), terminal_(isatty(fileno(out)) != 0) {}
@@ -371,6 +372,8 @@ class Progress {
       std::fprintf(out_, "\r%-120s%s", line.c_str(), last ? "\n" : "");
     else
       std::fprintf(out_, "%s\n", line.c_str());
+    if constexpr (requires { sim.fluid().closure(); })
+      if (last) std::fprintf(out_, "%s\n", closure_line(sim.fluid().closure()).c_str());
     std::fflush(out_);
     shown_ = Clock::now();
   }
