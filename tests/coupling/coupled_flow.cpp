@@ -53,12 +53,14 @@ struct Given {
 
 /// Pressure gradient in the middle of a bed of spheres at rest, over Ergun's.
 template <class Mode>
-double over_ergun(const Mode& mode, MomentumModel model, double cell_over_diameter) {
+double over_ergun(const Mode& mode, MomentumModel model, double cell_over_diameter,
+                  int layers = 24) {
   const double d = 1e-3, a = d * 1.02, U = 0.4;  // lattice spacing
-  const int across = 8, layers = 24;
+  const int across = 8;
   const double width = across * a, height = 3 * layers * a;
   const int n = std::max(1, static_cast<int>(std::lround(width / (cell_over_diameter * d))));
-  const Grid g({{0, 0, 0}, {width, width, height}}, {n, n, 9 * n}, {true, true, false});
+  const Grid g({{0, 0, 0}, {width, width, height}}, {n, n, 3 * n * layers / across},
+               {true, true, false});
   const FluidProperties air{1.2, 1.8e-5};
   CoupledFlow flow(silt::Ergun{}, mode, silt::FlowSolver(g, air, {.model = model}));
   flow.flow().set_side(2, 0, silt::Inflow{{0, 0, U}});
@@ -71,7 +73,7 @@ double over_ergun(const Mode& mode, MomentumModel model, double cell_over_diamet
   for (int s = 0; s < 60; ++s) flow.advance(grains.view(), 5e-4, grains.force);
   const double eps = 1 - grains.volume[0] / (a * a * a);
   // Over the middle third of the bed, where no mode sees its ends.
-  const int low = 4 * n, high = 5 * n;
+  const int in_bed = n * layers / across, low = in_bed + in_bed / 3, high = in_bed + 2 * in_bed / 3;
   const auto mean = [&](int k) {
     double sum = 0;
     for (int j = 0; j < n; ++j)
@@ -85,14 +87,18 @@ double over_ergun(const Mode& mode, MomentumModel model, double cell_over_diamet
 }  // namespace
 
 TEST_CASE("the pressure drop of a bed at rest is Ergun's") {
+  // 1e-3: what the modes see of the bed's ends, and the pressure's tolerance; 1e-2 where the coarse
+  // cells, of three diameters, hold two layers or three. Diffusion spreads by
+  // implicit steps, whose tails are long: with a width of 3 and 8 diameters to the ends it is 2 %
+  // low, with 16 less than 2e-4.
   for (const MomentumModel model : {MomentumModel::A, MomentumModel::B}) {
-    CHECK(over_ergun(silt::Kernel{}, model, 2) == doctest::Approx(1).epsilon(0.02));
-    CHECK(over_ergun(silt::Diffusion{.width = 3}, model, 2) == doctest::Approx(1).epsilon(0.02));
-    CHECK(over_ergun(silt::TwoGrid{}, model, 2) == doctest::Approx(1).epsilon(0.02));
+    CHECK(over_ergun(silt::Kernel{}, model, 2) == near(1).epsilon(1e-3));
+    CHECK(over_ergun(silt::Diffusion{.width = 3}, model, 2, 48) == near(1).epsilon(1e-3));
+    CHECK(over_ergun(silt::TwoGrid{}, model, 2) == near(1).epsilon(1e-2));
   }
-  CHECK(over_ergun(silt::Kernel{}, MomentumModel::A, 1) == doctest::Approx(1).epsilon(0.02));
+  CHECK(over_ergun(silt::Kernel{}, MomentumModel::A, 1) == near(1).epsilon(1e-3));
   // Cells of the size of a lattice cell hold one sphere each.
-  CHECK(over_ergun(silt::Unresolved{}, MomentumModel::A, 4) == doctest::Approx(1).epsilon(0.02));
+  CHECK(over_ergun(silt::Unresolved{}, MomentumModel::A, 4) == near(1).epsilon(1e-3));
 }
 
 TEST_CASE("what the fluid gets the particles give, to rounding") {

@@ -11,6 +11,8 @@
 #include <silt/boundary/triangle_mesh.hpp>
 #include <silt/fill/packing.hpp>
 
+#include "near.hpp"
+
 namespace packing_test {
 
 using silt::Arrangement;
@@ -171,9 +173,8 @@ TEST_CASE("packing: as many as fit reach the solid fractions that the documentat
     CHECK(result.requested == result.spheres.size());
     return solid_volume(result.spheres) / box.volume();
   };
-  CHECK(fraction(Arrangement::Lattice) ==
-        doctest::Approx(0.591).epsilon(0.005));                                 // fixed by geometry
-  CHECK(fraction(Arrangement::Random) == doctest::Approx(0.31).epsilon(0.03));  // by chance: +-3 %
+  CHECK(fraction(Arrangement::Lattice) == near(0.591).epsilon(0.005));  // fixed by geometry
+  CHECK(fraction(Arrangement::Random) == near(0.31).epsilon(0.03));     // by chance: +-3 %
 }
 
 TEST_CASE("packing: a wide distribution is placed at a solid fraction of 0.45 by Random") {
@@ -183,7 +184,7 @@ TEST_CASE("packing: a wide distribution is placed at a solid fraction of 0.45 by
                                        .arrangement = Arrangement::Random});
   CHECK(result.why_not_more.empty());
   CHECK(least_gap(result.spheres) >= -1e-14);
-  CHECK(solid_volume(result.spheres) == doctest::Approx(450).epsilon(0.01));
+  CHECK(solid_volume(result.spheres) == near(450).epsilon(0.01));
 }
 
 TEST_CASE("packing: a solid volume is met to half of the largest sphere") {

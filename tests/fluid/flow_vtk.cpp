@@ -12,6 +12,8 @@
 
 #include <silt/fluid/flow_vtk.hpp>
 
+#include "near.hpp"
+
 namespace flow_vtk_test {
 
 namespace {
@@ -67,9 +69,9 @@ TEST_CASE("VTK's own reader finds a flow where it is") {
     CHECK(errors == 0);
     CHECK(std::array{nx, ny, nz} == std::array{5, 6, 7});  // points
     CHECK(std::array{ox, oy, oz} == std::array{1.0, 2.0, 3.0});
-    CHECK(hx == doctest::Approx(0.1));
-    CHECK(hy == doctest::Approx(0.2));
-    CHECK(hz == doctest::Approx(0.25));
+    CHECK(hx == near(0.1));
+    CHECK(hy == near(0.2));
+    CHECK(hz == near(0.25));
     const auto expect = [&](const std::string& name, std::initializer_list<double> values) {
       std::string word;
       int tuples;

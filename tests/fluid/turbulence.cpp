@@ -12,6 +12,8 @@
 #include <silt/fluid/boundary_of.hpp>
 #include <silt/fluid/flow_solver.hpp>
 
+#include "near.hpp"
+
 namespace turbulence_test {
 
 using silt::FlowSolver;
@@ -80,17 +82,16 @@ FlowSolver channel(int cells, double wide, double slope, double start, double pl
 
 TEST_CASE("wall law: viscous layer, logarithm, and its eddy viscosity") {
   for (const double u : {0.1, 1.0, 5.0, 15.0, 25.0}) {
-    CHECK(WallLaw::u_plus(u * WallLaw::y_plus(u)) == doctest::Approx(u));
+    CHECK(WallLaw::u_plus(u * WallLaw::y_plus(u)) == near(u));
     const double e = 1e-4;
-    CHECK(
-        1 + WallLaw::eddy(u) ==
-        doctest::Approx((WallLaw::y_plus(u + e) - WallLaw::y_plus(u - e)) / (2 * e)).epsilon(1e-6));
+    CHECK(1 + WallLaw::eddy(u) ==
+          near((WallLaw::y_plus(u + e) - WallLaw::y_plus(u - e)) / (2 * e)).epsilon(1e-6));
   }
   CHECK(WallLaw::u_plus(0) == 0);
-  CHECK(WallLaw::u_plus(1) == doctest::Approx(1).epsilon(1e-3));  // u+ = y+
+  CHECK(WallLaw::u_plus(1) == near(1).epsilon(1e-3));  // u+ = y+
   // At y+ of some 1000 what Spalding's law adds to the logarithm's exponential is below 2 % of it.
   const double u = WallLaw::u_plus(1e3 * (2.5 * std::log(1e3) + 5.5));
-  CHECK(u == doctest::Approx(2.5 * std::log(WallLaw::y_plus(u)) + 5.5).epsilon(0.02));
+  CHECK(u == near(2.5 * std::log(WallLaw::y_plus(u)) + 5.5).epsilon(0.02));
 }
 
 TEST_CASE(
@@ -101,7 +102,7 @@ TEST_CASE(
   for (const double off : {0.0, 0.5}) {
     const Pipe pipe(10, 4e4, off, 0.7 * off);
     CAPTURE(pipe.flow.wall_units().mean);
-    CHECK(pipe.friction() == doctest::Approx(1).epsilon(0.10));
+    CHECK(pipe.friction() == near(1).epsilon(0.10));
     CHECK(pipe.flow.wall_units().least > 0);
     CHECK(pipe.flow.wall_units().most < 250);  // a cell and a half
   }
@@ -120,7 +121,7 @@ TEST_CASE("velocities in a turbulent pipe are those of the logarithmic law") {
       const double u_plus = pipe.flow.velocity(0)(0, j, k) / ustar,
                    y_plus = y * ustar * pipe.rho / pipe.mu;
       // 5 %: half of what the friction may be wrong, as it goes with the velocity's square.
-      CHECK(u_plus == doctest::Approx(2.5 * std::log(y_plus) + 5.5).epsilon(0.05));
+      CHECK(u_plus == near(2.5 * std::log(y_plus) + 5.5).epsilon(0.05));
       ++seen;
     }
   CHECK(seen > 40);
@@ -135,10 +136,10 @@ TEST_CASE("turbulent flow between plates, at rest and moving") {
   double mean = 0;
   for (int j = 0; j < 16; ++j) {
     mean += still.velocity(0)(0, j, 0) / 16;
-    CHECK(moving.velocity(0)(0, j, 0) == doctest::Approx(3 + still.velocity(0)(0, j, 0)));
+    CHECK(moving.velocity(0)(0, j, 0) == near(3 + still.velocity(0)(0, j, 0)));
     CHECK(still.eddy_viscosity()(0, j, 0) > 2e-5);
   }
-  CHECK(mean == doctest::Approx(U).epsilon(0.05));  // 10 % of friction
+  CHECK(mean == near(U).epsilon(0.05));  // 10 % of friction
 }
 
 TEST_CASE("turbulence: steps, states and refusals") {

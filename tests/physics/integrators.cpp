@@ -91,17 +91,17 @@ double error_of_lift(int steps_a_period) {
 }  // namespace
 
 TEST_CASE("integrators: orders on a smooth motion") {
-  CHECK(order_of_swing<silt::VelocityVerlet>(1) == doctest::Approx(2).epsilon(0.02));
-  CHECK(order_of_swing<silt::SymplecticEuler>(1) == doctest::Approx(1).epsilon(0.05));
+  CHECK(order_of_swing<silt::VelocityVerlet>(1) == near(2).epsilon(0.02));
+  CHECK(order_of_swing<silt::SymplecticEuler>(1) == near(1).epsilon(0.05));
   // Damping uses the velocity of half a step ago. Its coefficient is mended so that restitutions
   // are of second order (tests/physics/impact.cpp); the frequency is of first.
-  CHECK(order_of_swing<silt::VelocityVerlet>(0.5) == doctest::Approx(1).epsilon(0.05));
+  CHECK(order_of_swing<silt::VelocityVerlet>(0.5) == near(1).epsilon(0.05));
   // Gear begins with the acceleration alone: where motion begins at once, that decides.
-  CHECK(order_of_swing<silt::Gear>(0.5, 50) == doctest::Approx(2).epsilon(0.1));
+  CHECK(order_of_swing<silt::Gear>(0.5, 50) == near(2).epsilon(0.1));
   const double coarse = error_of_lift<silt::Gear>(40), fine = error_of_lift<silt::Gear>(80);
-  CHECK(std::log2(coarse / fine) == doctest::Approx(5).epsilon(0.06));
+  CHECK(std::log2(coarse / fine) == near(5).epsilon(0.06));
   CHECK(std::log2(error_of_lift<silt::VelocityVerlet>(40) /
-                  error_of_lift<silt::VelocityVerlet>(80)) == doctest::Approx(2).epsilon(0.05));
+                  error_of_lift<silt::VelocityVerlet>(80)) == near(2).epsilon(0.05));
   CHECK(fine < 1e-3 * error_of_lift<silt::VelocityVerlet>(80));
 }
 
@@ -114,10 +114,10 @@ TEST_CASE("integrators: with Gear free motion is exact") {
   sim.time_step = 1e-3, sim.guard.max_time_step = sim.guard.max_travel = 1e9;
   sim.run(1);
   // The first step knows the acceleration, which is all there is: exact.
-  CHECK(sim.position(0).z == doctest::Approx(3 - 0.5 * g).epsilon(1e-12));
-  CHECK(sim.velocity(0).z == doctest::Approx(3 - g).epsilon(1e-12));
-  CHECK(sim.position(0).x == doctest::Approx(1).epsilon(1e-12));
-  CHECK(sim.angular_velocity(0).x == doctest::Approx(50).epsilon(1e-12));
+  CHECK(sim.position(0).z == near(3 - 0.5 * g).epsilon(1e-12));
+  CHECK(sim.velocity(0).z == near(3 - g).epsilon(1e-12));
+  CHECK(sim.position(0).x == near(1).epsilon(1e-12));
+  CHECK(sim.angular_velocity(0).x == near(50).epsilon(1e-12));
 }
 
 TEST_CASE("integrators: impacts, and a bed, with each") {
@@ -176,7 +176,7 @@ TEST_CASE("integrators: a step that changes in the middle of an impact, and a re
     CHECK(changed.touching_pairs() == 1);
     changed.time_step = 1e-7;
     changed.run(2e-4 - 3e-5);
-    CHECK(changed.velocity(1).x == doctest::Approx(steady.velocity(1).x).epsilon(tolerance));
+    CHECK(changed.velocity(1).x == near(steady.velocity(1).x).epsilon(tolerance));
 
     const std::string file =
         (std::filesystem::temp_directory_path() / ("silt_integrator_" + std::to_string(::getpid())))

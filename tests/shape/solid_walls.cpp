@@ -1,4 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
+#include "near.hpp"
 #include "solid_bodies.hpp"
 
 namespace solid_walls_test {
@@ -110,7 +111,7 @@ TEST_CASE("solid walls: the deepest contact inside of drum and funnel is the dee
         // The search by steps ends 1e-8 rad from the normal: second order in D, times 6000 radii.
         CHECK(std::abs(found[0].overlap - exact) < 1e-9);
         for (const auto& c : found) {
-          CHECK(beyond(wall, c.point) == doctest::Approx(0.5 * c.overlap).epsilon(1e-9));
+          CHECK(beyond(wall, c.point) == near(0.5 * c.overlap).epsilon(1e-9));
           CHECK(std::abs(norm(c.normal) - 1) < 1e-14);
         }
       };
@@ -213,7 +214,7 @@ TEST_CASE("solid walls: outside of shaft and spike the deepest place of a body i
         // The contact point lies in the body: half the overlap below its surface.
         CHECK(dot(found[0].point - there.support(-found[0].normal), found[0].normal) +
                   grown(there) ==
-              doctest::Approx(0.5 * found[0].overlap).epsilon(1e-9));
+              near(0.5 * found[0].overlap).epsilon(1e-9));
         CHECK(at(wall, moved(there, 0.02 * out, {})).empty());
         // Differences over 1e-7: rounding 1e-9, second derivatives up to some 100/size.
         CHECK(potential_error(
@@ -271,7 +272,7 @@ TEST_CASE("solid walls: a super-ellipsoid that is a sphere touches as a sphere d
       ++touching;
       CHECK(std::abs(found[0].overlap - (R - s.distance)) < 1e-13);
       CHECK(norm(found[0].normal - s.normal) < 1e-9);
-      CHECK(found[0].R_eff == doctest::Approx(R));
+      CHECK(found[0].R_eff == near(R));
     };
     check(drum), check(funnel);
     if (std::hypot(ball.position.x, ball.position.y) > R + 1) check(shaft), check(spike);

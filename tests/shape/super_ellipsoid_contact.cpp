@@ -3,6 +3,7 @@
 
 #include <silt/shape/narrow/super_ellipsoid_plane.hpp>
 
+#include "near.hpp"
 #include "oracle.hpp"
 #include "pair_count.hpp"
 #include "two_bodies.hpp"
@@ -438,11 +439,11 @@ TEST_CASE("super_ellipsoids: bodies about one centre, far ones and memory of pai
   CHECK(touch(p, memory).touches);
   CHECK(memory.R_eff > 0);
   p.between = {0, 0, 6.1};
-  const auto near = touch(p, memory);
-  CHECK(!near.touches);
+  const auto close = touch(p, memory);
+  CHECK(!close.touches);
   CHECK(memory.R_eff == 0);
   CHECK(memory.follows != 0);
-  CHECK(near.overlap == doctest::Approx(-0.1).epsilon(0.02));
+  CHECK(close.overlap == near(-0.1).epsilon(0.02));
   CHECK(silt::apart(p, memory));
   p.between = {0, 0, 60};
   const auto far = touch(p, memory);

@@ -10,6 +10,8 @@
 
 #include <silt/study/study.hpp>
 
+#include "near.hpp"
+
 namespace study_test {
 
 namespace {
@@ -159,7 +161,7 @@ TEST_CASE("study: values are compared with those of the reference, numbers and p
   const auto& results = study.run(clock.options());
   CHECK(reference_runs == 1);
   CHECK(results.rows[0].error("error of height")->value == 0.25);
-  CHECK(results.rows[0].error("error of profile")->value == doctest::Approx(0.1).epsilon(1e-15));
+  CHECK(results.rows[0].error("error of profile")->value == near(0.1).epsilon(1e-15));
   CHECK(results.rows[0].note("height")->value == -2.5);
   CHECK(results.rows[1].error("error of height")->value == 0);
   CHECK(results.reference->error("error of profile")->value == 0);
