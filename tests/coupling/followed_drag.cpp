@@ -216,12 +216,14 @@ TEST_CASE("followed drag: the ledger closes to second order in the step") {
   CHECK(fine < coarse / 8);  // 16, but for the crowd's other paths
 }
 
-TEST_CASE("followed drag: negative numbers are refused") {
+TEST_CASE("followed drag: negative numbers and cells beyond all memory are refused") {
   const auto with = [](FollowedDrag how) {
     return silt::CoupledFlow{silt::Gidaspow{}, silt::Kernel{},
                              FlowSolver(Grid({{0, 0, 0}, {1, 1, 1}}, {4, 4, 4}), {}), how};
   };
   CHECK_THROWS_AS(with({.cell = -1}), silt::InputError);
+  CHECK_THROWS_AS(with({.cell = 1e-9}), silt::InputError);
+  CHECK_NOTHROW(with({.cell = 10}));
   CHECK_THROWS_AS(with({.tolerance = -0.1}), silt::InputError);
 }
 

@@ -123,6 +123,25 @@ TEST_CASE("guard: speeds whose square overflows stop the run") {
   CHECK(has_words(failure(sim, 1).what(), {"step 0", "overflow", "lower the time step"}));
 }
 
+TEST_CASE("guard: particles that [] has made impossible are refused by number and field") {
+  const auto refused = [](auto change, const char* words) {
+    silt::Particles<Sphere> p;
+    p.add({.position = {0, 0, 0}, .radius = 1e-3, .density = 2500});
+    p.add({.position = {1, 0, 0}, .radius = 1e-3, .density = 2500});
+    change(p[1]);
+    try {
+      silt::Simulation sim{std::move(p), silt::Contacts<HertzMindlin>{rubber}};
+      FAIL("not refused: ", words);
+    } catch (const InputError& error) {
+      CHECK(has_words(error.what(), {"particle 1: ", words}));
+    }
+  };
+  refused([](auto& p) { p.radius = 0; }, "radius = 0 [m]");
+  refused([](auto& p) { p.density = -1; }, "density = -1 [kg/m3]");
+  refused([](auto& p) { p.position.y = std::numeric_limits<double>::quiet_NaN(); },
+          "position = (1, nan, 0) [m]");
+}
+
 TEST_CASE("guard: a particle outside the domain is refused at the start and stops the run later") {
   auto sim = scene({{{0, 0, 0}, {1, 0, 0}}});
   sim.guard.domain = Box{{-1e-2, -1e-2, -1e-2}, {1e-2, 1e-2, 1e-2}};

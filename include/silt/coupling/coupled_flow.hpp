@@ -105,7 +105,7 @@ class CoupledFlow {
         solids_(flow_.grid()),
         cells_(flow_.grid()) {
     mode_.check();
-    if constexpr (follows) held_drag().check();
+    if constexpr (follows) held_drag().check(flow_.grid());
     if (in_pressure()) flow_.keep_stress();
   }
 

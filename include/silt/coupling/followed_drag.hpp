@@ -31,7 +31,7 @@ namespace silt::inline SILT_TARGET {
 ///
 /// Source: the exponential pair of MomentumExchange; cells and tolerance: T. Brosh, H. Kalman,
 ///         A. Levy, Particuology 12 (2014) 113, who name them without formulas.
-/// Errors: InputError for negative numbers.
+/// Errors: InputError for negative numbers, and for cells too small.
 /// Tests:  tests/coupling/followed_drag.cpp.
 struct FollowedDrag {
   static constexpr bool follows_velocity = true;
@@ -41,6 +41,15 @@ struct FollowedDrag {
   void check() const {
     require_not_negative("FollowedDrag.cell", cell, "m");
     require_not_negative("FollowedDrag.tolerance", tolerance, "-");
+  }
+  /// Refuses cells that no memory holds.
+  void check(const Grid& g) const {
+    check();
+    if (cell == 0) return;
+    const Vec3d n = (1 / cell) * g.box().extent();
+    require(std::max(n.x, 1.0) * std::max(n.y, 1.0) * std::max(n.z, 1.0) < 1e8,
+            "FollowedDrag.cell = ", cell, " [m] cuts the flow's box of ", g.box().extent(),
+            " m into more than 1e8 cells; take larger ones, or 0 for values held by particle");
   }
 };
 

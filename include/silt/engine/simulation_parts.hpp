@@ -12,6 +12,8 @@ template <class... Policies>
 void Simulation<Policies...>::check_new(const ParticlesType& more) const {
   for (std::size_t k = 0; k < more.size(); ++k) {
     const auto& p = more[k];
+    more.check(p, k);
+    require(p.radius > 0, "particle ", k, ": radius = 0 [m] must be greater than 0");
     if (guard.domain)
       require(guard.domain->contains(p.position), "particle ", k, " at ", p.position,
               " m is outside guard.domain from ", guard.domain->min, " to ", guard.domain->max,

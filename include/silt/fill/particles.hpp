@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -61,17 +62,22 @@ class Particles {
   };
 
   Particles& add(const Particle& p) {
-    const auto what = [&](const char* field) {
-      return text("particle ", all_.size(), ": ", field);
-    };
-    require(is_finite(p.position), what("position"), " = ", p.position, " [m] must be finite");
-    require_positive(what("radius"), p.radius, "m");
-    require_positive(what("density"), p.density, "kg/m3");
-    require(is_finite(p.velocity), what("velocity"), " = ", p.velocity, " [m/s] must be finite");
-    require(is_finite(p.angular_velocity), what("angular_velocity"), " = ", p.angular_velocity,
-            " [rad/s] must be finite");
+    check(p, all_.size());
     all_.push_back(p);
     return *this;
+  }
+  /// Refuses what no simulation can start with; a Simulation asks again, as [] may have changed it.
+  static void check(const Particle& p, std::size_t number) {
+    require(is_finite(p.position), "particle ", number, ": position = ", p.position,
+            " [m] must be finite");
+    require(std::isfinite(p.radius) && p.radius > 0, "particle ", number, ": radius = ", p.radius,
+            " [m] must be finite and greater than 0");
+    require(std::isfinite(p.density) && p.density > 0, "particle ", number,
+            ": density = ", p.density, " [kg/m3] must be finite and greater than 0");
+    require(is_finite(p.velocity), "particle ", number, ": velocity = ", p.velocity,
+            " [m/s] must be finite");
+    require(is_finite(p.angular_velocity), "particle ", number,
+            ": angular_velocity = ", p.angular_velocity, " [rad/s] must be finite");
   }
 
   /// Fills a region without overlap, also with the particles there already. Throws InputError and

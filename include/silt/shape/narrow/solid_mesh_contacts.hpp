@@ -268,9 +268,34 @@ class MeshContacts {
         for (std::size_t k = 0; k < 3; ++k) use(corner(t, k));
     });
     if (!found || !sticks_out(p, found->normal)) return;
-    if (polyhedron && flat_along_edge(v, found->normal)) return;
+    if (polyhedron && (flat_along_edge(v, found->normal) || !is_tip(v))) return;
     const auto before = mesh_.triangles().size() + mesh_.topology().edges.size();
     keep(*found, static_cast<std::uint32_t>(before) + v);
+  }
+
+  /// Whether a vertex is no place within a plane or along a straight edge, which a body that lies
+  /// there nearly flat touches by its corners or by that edge.
+  bool is_tip(std::uint32_t v) const {
+    const auto& topology = mesh_.topology();
+    std::array<Vec3d, 2> along;
+    double shorter = std::numeric_limits<double>::infinity();
+    std::size_t count = 0;
+    for (const auto t : topology.triangles_at_vertex[v])
+      for (const auto number : topology.edges_of[t]) {
+        const auto& edge = topology.edges[number];
+        const auto sharing = topology.triangles_at_edge[number];
+        if ((edge.from != v && edge.to != v) || sharing[0] != t) continue;
+        if (sharing.size() == 1 ? goes_on(number, t, mesh_.vertices()[v])
+                                : sharing.size() == 2 && !may_stick_out(number, t, sharing[1]))
+          continue;
+        if (count == 2) return true;
+        along[count++] = (edge.from == v ? 1. : -1.) * edge.direction;
+        shorter = std::min(shorter, edge.length);
+      }
+    if (count < 2) return count == 1;
+    const bool straight = dot(along[0], along[1]) < 0 &&
+                          norm(cross(along[0], along[1])) * shorter <= mesh_.plane_tolerance();
+    return !straight;
   }
 
   /// Whether one of the edges at a vertex lies across n: then it is the edge that touches.
