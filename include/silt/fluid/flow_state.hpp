@@ -107,9 +107,13 @@ struct FlowState {
   /// Eddy viscosity and walls' shear, if the flow is turbulent.
   void find_turbulence(const Team& team) {
     if (!turbulence) return;
-    if (!turbulence->ready)
+    if (!turbulence->ready) {
+      double fastest = 0;  // [m/s]
+      for (int d = 0; d < 3 && turbulence->two; ++d)
+        for (const double u : velocity[at(d)].values()) fastest = std::max(fastest, std::abs(u));
       turbulence->prepare(grid, sides, boundary ? &*boundary : nullptr, solids ? &*solids : nullptr,
-                          fluid.viscosity);
+                          fluid.viscosity, fluid.viscosity / fluid.density, fastest);
+    }
     turbulence->find(grid, sides, velocity, fluid.density, fluid.viscosity, team);
   }
   /// 1/s, of explicit steps: eddies act twice along a component's own direction.
