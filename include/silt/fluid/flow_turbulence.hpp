@@ -188,9 +188,7 @@ struct FlowTurbulence {
         two->inflow[at(e)][at(end)] = std::max(TwoEquations::least, m.energy(speed));
         fastest = std::max(fastest, speed);
       }
-    // Of a fluid at rest: eddies that are as viscous as the fluid, which shear can feed.
-    const double l = m.inflow_length(), still = nu / (std::pow(m.C_mu, 0.25) * l);
-    const double k0 = std::max(m.energy(fastest), still * still);
+    const double l = m.inflow_length(), k0 = m.start_energy(fastest, nu);
     for (int k = 0; k < grid.nz(); ++k)
       for (int j = 0; j < grid.ny(); ++j)
         for (int i = 0; i < grid.nx(); ++i) {

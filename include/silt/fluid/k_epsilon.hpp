@@ -60,6 +60,11 @@ struct KEpsilon {
     return std::pow(C_mu, 0.75) * k * std::sqrt(k) / of;
   }
   double inflow_length() const { return length > 0 ? length : 0.07 * width; }
+  /// k of a start [m2/s2]; of a fluid at rest: eddies as viscous as it is, which shear can feed.
+  double start_energy(double velocity, double nu) const {
+    const double still = nu / (std::pow(C_mu, 0.25) * inflow_length());
+    return std::fmax(energy(velocity), still * still);
+  }
   /// nu_t [m2/s].
   double eddy(double k, double epsilon) const {
     return std::fmin(C_mu * k * k / epsilon, std::pow(C_mu, 0.25) * std::sqrt(k) * width);
