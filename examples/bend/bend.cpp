@@ -30,7 +30,7 @@ using silt::Vec3d;
 constexpr double pi = std::numbers::pi;
 
 struct Scene {
-  std::string kind = "hv", closure = "k-epsilon";
+  std::string kind = "hv", closure = "mixing-length";
   std::size_t cells = 8;  // [-] a diameter
   double inlet = 0.2;     // [m] of pipe before the bend
   double outlet = 0.55;   // [m] behind it
