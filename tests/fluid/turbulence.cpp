@@ -149,8 +149,8 @@ TEST_CASE("turbulence: steps, states and refusals") {
   CHECK(flow.stable_step() <= laminar.stable_step());
   CHECK_THROWS_WITH_AS(laminar.eddy_viscosity(), doctest::Contains("set_turbulence first"),
                        silt::InputError);
-  CHECK_THROWS_WITH_AS(laminar.set_turbulence({}), doctest::Contains("MixingLength.half_width"),
-                       silt::InputError);
+  CHECK_THROWS_WITH_AS(laminar.set_turbulence(silt::MixingLength{}),
+                       doctest::Contains("MixingLength.half_width"), silt::InputError);
   FlowSolver ideal(flow.grid(), {1.2, 0});
   CHECK_THROWS_WITH_AS(ideal.set_turbulence({.half_width = 0.02}),
                        doctest::Contains("viscosity > 0"), silt::InputError);

@@ -181,6 +181,29 @@ class FlowSides {
     fill(
         f, 1, [](int, int) { return 0.0; }, false);
   }
+  /// As fill_cells, but with value(direction, end) where an Inflow comes in.
+  template <class Value>
+  void fill_carried(Field& f, const Value& value) const {
+    fill_cells(f);
+    for (int e = 0; e < 3; ++e)
+      for (int end = 0; end < 2; ++end)
+        if (through(e, end) && !open(e, end))
+          for_line(
+              e, end,
+              [&](Line line, std::size_t) {
+                line.data = &f;
+                line(1) = line(2) = value(e, end);
+              },
+              false);
+  }
+  /// Mean speed across an inflow [m/s], weighted with itself.
+  double inflow_speed(int e, int end) const {
+    double sum = 0, squares = 0;
+    if (!through(e, end) || open(e, end)) return 0;
+    for (const double v : at(e, end).given[static_cast<std::size_t>(e)])
+      sum += std::abs(v), squares += v * v;
+    return sum > 0 ? squares / sum : 0;
+  }
   void fill_voidage(Field& f) const {
     fill(
         f, -1, [](int, int) { return 1.0; }, true);

@@ -11,6 +11,7 @@
 #include <span>
 #include <utility>
 
+#include <silt/fluid/flow_k_epsilon.hpp>
 #include <silt/fluid/flow_momentum.hpp>
 #include <silt/fluid/flow_projection.hpp>
 
@@ -95,12 +96,11 @@ class FlowSolver {
     s_.started = false;
   }
   /// Makes the flow a turbulent one, of Reynolds-averaged velocities. Costs nothing unless called.
-  void set_turbulence(const MixingLength& model) {
-    model.check();
-    require(s_.fluid.viscosity > 0,
-            "FlowSolver: turbulence at a wall needs FluidProperties.viscosity > 0");
-    s_.turbulence.emplace(grid(), model);
-  }
+  void set_turbulence(const MixingLength& model) { make_turbulent(model); }
+  void set_turbulence(const KEpsilon& model) { make_turbulent(model); }
+  /// Of a flow with KEpsilon, in cells; where 0 at the first step they get KEpsilon's of a start.
+  Field& turbulent_energy() { return equations().k; }   // [m2/s2]
+  Field& dissipation() { return equations().epsilon; }  // [m2/s3]
   /// Of a turbulent flow, at the beginning of the last step: [Pa s] in cells, and y+ at walls.
   const Field& eddy_viscosity() const {
     check_turbulent();
@@ -228,6 +228,8 @@ class FlowSolver {
       visit(text("fluid.stress", d), s_.stress[FlowState::at(d)].values());
     visit("fluid.last", std::span<double>(last));
     if (s_.turbulence) visit("fluid.eddy", std::span<double>(&s_.turbulence->largest, 1));
+    if (s_.turbulence && s_.turbulence->two)
+      fields("fluid.k_epsilon", s_.turbulence->two->k, s_.turbulence->two->epsilon);
     s_.started = last[0] != 0, s_.old_dt = last[1];
   }
 
@@ -248,12 +250,25 @@ class FlowSolver {
     fluid_detail::stage(s_, s_.velocity, false, dt, s_.first, team);
     fluid_detail::stage(s_, s_.first, true, dt, s_.next, team);
     projection_->run(s_, dt, done, team);
+    fluid_detail::carry_turbulence(s_, dt, team);
     std::swap(s_.mass, s_.next_mass), std::swap(s_.older_eps, s_.old_eps);
     s_.old_eps = s_.eps, s_.old_dt = dt;
     return done;
   }
 
  private:
+  template <class Model>
+  void make_turbulent(const Model& model) {
+    model.check();
+    require(s_.fluid.viscosity > 0,
+            "FlowSolver: turbulence at a wall needs FluidProperties.viscosity > 0");
+    s_.turbulence.emplace(grid(), model);
+  }
+  fluid_detail::TwoEquations& equations() {
+    require(s_.turbulence && s_.turbulence->two,
+            "FlowSolver: the flow has no k and epsilon; set_turbulence(KEpsilon) first");
+    return *s_.turbulence->two;
+  }
   void check_turbulent() const {
     require(s_.turbulence.has_value(),
             "FlowSolver: the flow is not turbulent; set_turbulence first");

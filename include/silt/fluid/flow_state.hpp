@@ -109,13 +109,45 @@ struct FlowState {
     if (!turbulence) return;
     if (!turbulence->ready)
       turbulence->prepare(grid, sides, boundary ? &*boundary : nullptr, solids ? &*solids : nullptr,
-                          fluid.viscosity);
+                          fluid.viscosity, fluid.viscosity / fluid.density,
+                          turbulence->two ? fastest() : 0);
     turbulence->find(grid, sides, velocity, fluid.density, fluid.viscosity, team);
   }
   /// 1/s, of explicit steps: eddies act twice along a component's own direction.
   double eddy_rate() const {
     const double x = 1 / (h(0) * h(0)), y = 1 / (h(1) * h(1)), z = 1 / (h(2) * h(2));
-    return turbulence->largest / fluid.density * (x + y + z + std::max({x, y, z}));
+    const double most = turbulence->two && turbulence->largest == 0
+                            ? eddies_at_start()
+                            : turbulence->largest / fluid.density;
+    return most * (x + y + z + std::max({x, y, z}));
+  }
+  /// [m/s] the largest velocity on any face, or of what flows in.
+  double fastest() const {
+    double most = 0;
+    for (int d = 0; d < 3; ++d) {
+      for (int end = 0; end < 2; ++end) most = std::max(most, sides.inflow_speed(d, end));
+      for (int k = 0; k <= grid.nz(); ++k)
+        for (int j = 0; j <= grid.ny(); ++j)
+          for (int i = 0; i <= grid.nx(); ++i)
+            most = std::max(most, std::abs(velocity[at(d)](i, j, k)));
+    }
+    return most;
+  }
+  /// [m2/s] of k and epsilon as they will be in the first step.
+  double eddies_at_start() const {
+    const TwoEquations& two = *turbulence->two;
+    const double k0 = two.model.start_energy(fastest(), fluid.viscosity / fluid.density);
+    double most = 0;
+    for (int k = 0; k < grid.nz(); ++k)
+      for (int j = 0; j < grid.ny(); ++j)
+        for (int i = 0; i < grid.nx(); ++i) {
+          const double energy = two.k(i, j, k) > 0 ? two.k(i, j, k) : k0, e = two.epsilon(i, j, k);
+          most = std::max(
+              most,
+              two.model.eddy(energy,
+                             e > 0 ? e : two.model.dissipation(energy, two.model.inflow_length())));
+        }
+    return most;
   }
   bool beside_solids(int i, int j, int k) const {
     if (!solids) return false;

@@ -6,12 +6,14 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include <silt/core/threads.hpp>
 #include <silt/fluid/flow_sides.hpp>
 #include <silt/fluid/flow_solids.hpp>
 #include <silt/fluid/grid.hpp>
+#include <silt/fluid/k_epsilon.hpp>
 #include <silt/fluid/mixing_length.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -23,6 +25,22 @@ struct WallUnits {
 
 namespace fluid_detail {
 
+/// What KEpsilon keeps in cells.
+struct TwoEquations {
+  TwoEquations(const Grid& grid, const KEpsilon& m)
+      : model(m), k(grid), epsilon(grid), made(grid), slopes(grid), kind(grid) {}
+
+  // Kinds of cells; passed: with open faces, but the centre in a wall.
+  static constexpr double closed = 0, passed = 1, beside_wall = 2, free = 3;
+  static constexpr double least = 1e-30;  // of k and epsilon
+
+  KEpsilon model;
+  Field k, epsilon, made;  // [m2/s2], [m2/s3]; P [m2/s3] at the beginning of the step
+  Field slopes;            // [-] square of slopes of a logarithm over that of their differences
+  Field kind;
+  std::array<std::array<double, 2>, 3> inflow{};  // [m2/s2] k of each side
+};
+
 /// The turbulence of a flow: eddy viscosity in cells, shear of walls on faces.
 ///
 /// Towards a wall viscosity acts by links mu/(theta h^2) (FlowSolids; 2 mu/h^2 at a side of the
@@ -33,7 +51,11 @@ namespace fluid_detail {
 /// than its difference: there mu_t has the factor
 ///   edges = 2 (y2 - y1)/((y2 + y1) ln(y2/y1))
 struct FlowTurbulence {
-  explicit FlowTurbulence(const Grid& grid, const MixingLength& m)
+  FlowTurbulence(const Grid& grid, const KEpsilon& m)
+      : FlowTurbulence(grid, MixingLength{0.5 * m.width}) {
+    two.emplace(grid, m);
+  }
+  FlowTurbulence(const Grid& grid, const MixingLength& m)
       : model(m),
         eddy(grid),
         square(grid),
@@ -44,8 +66,9 @@ struct FlowTurbulence {
         push{Field(grid), Field(grid), Field(grid)} {}
 
   MixingLength model;
-  bool ready = false;  // as the walls are
-  double largest = 0;  // [Pa s] eddy viscosity, at the last step
+  std::optional<TwoEquations> two;  // instead of the length
+  bool ready = false;               // as the walls are
+  double largest = 0;               // [Pa s] eddy viscosity, at the last step
   WallUnits walls;
   Field eddy;                  // [Pa s]
   Field square, distance;      // [m2], [m] l^2 undamped, y; 0 in solids and beside walls
@@ -55,12 +78,13 @@ struct FlowTurbulence {
 
   /// Finds the walls.
   void prepare(const Grid& grid, const FlowSides& sides, const FlowBoundary* boundary,
-               const FlowSolids* solids, double viscosity) {
+               const FlowSolids* solids, double viscosity, double nu, double fastest) {
     for (int d = 0; d < 3; ++d) {
       find_faces(grid, sides, boundary, solids, viscosity, d);
       find_edges(grid, sides, boundary, d);
     }
     find_cells(grid, sides, boundary, solids);
+    if (two) sides.fill_cells(two->kind), begin(grid, sides, nu, fastest);
     ready = true;
   }
 
@@ -87,9 +111,15 @@ struct FlowTurbulence {
                 slope(v, d, e, i, j, k) * over[e] + slope(u[at(e)], e, d, i, j, k) * over[d];
             squares += shear * shear;
           }
-          const double S = std::sqrt(squares), y = distance(i, j, k);
-          const double damped = MixingLength::damping(y * std::sqrt((nu + l2 * S) * S) / nu);
-          eddy(i, j, k) = density * l2 * damped * damped * S;
+          if (two) {
+            const double nu_t = two->model.eddy(two->k(i, j, k), two->epsilon(i, j, k));
+            two->made(i, j, k) = nu_t * squares * two->slopes(i, j, k);
+            eddy(i, j, k) = density * nu_t;
+          } else {
+            const double S = std::sqrt(squares), y = distance(i, j, k);
+            const double damped = MixingLength::damping(y * std::sqrt((nu + l2 * S) * S) / nu);
+            eddy(i, j, k) = density * l2 * damped * damped * S;
+          }
           most[plane] = std::max(most[plane], eddy(i, j, k));
         }
     });
@@ -103,6 +133,7 @@ struct FlowTurbulence {
       const double u_plus = WallLaw::u_plus(norm(v - c.wall) * c.distance / nu);
       const double value = c.share * viscosity * WallLaw::eddy(u_plus);
       eddy(c.i, c.j, c.k) = value, largest = std::max(largest, value);
+      if (two) at_wall(c, u_plus, nu);
     }
     sides.fill_cells(eddy);
     walls = {std::numeric_limits<double>::infinity(), 0, 0};
@@ -135,8 +166,61 @@ struct FlowTurbulence {
     int i, j, k;
     double distance, share;  // [m]; [-] l over kappa y
     Vec3d wall;              // [m/s]
+    double middle;           // [m] distance of the middle of what is fluid of it
   };
   static std::size_t at(int d) { return static_cast<std::size_t>(d); }
+
+  /// (4) of KEpsilon; `u_plus` is at c.distance.
+  void at_wall(const WallCell& c, double u_plus, double nu) {
+    const double ustar = WallLaw::y_plus(u_plus) * nu / c.distance;
+    const double g = 1 / (1 + WallLaw::eddy(WallLaw::u_plus_at(c.middle * ustar / nu)));
+    two->made(c.i, c.j, c.k) = std::pow(ustar, 4) / nu * g * (1 - g);
+    two->epsilon(c.i, c.j, c.k) =
+        std::max(TwoEquations::least,
+                 two->model.dissipation(two->k(c.i, c.j, c.k), WallLaw::kappa * c.middle));
+  }
+  /// Inflows, and k and epsilon where nobody has set them; `fastest` [m/s] is of the flow.
+  void begin(const Grid& grid, const FlowSides& sides, double nu, double fastest) {
+    const KEpsilon& m = two->model;
+    for (int e = 0; e < 3; ++e)
+      for (int end = 0; end < 2; ++end) {
+        const double speed = sides.inflow_speed(e, end);
+        two->inflow[at(e)][at(end)] = std::max(TwoEquations::least, m.energy(speed));
+        fastest = std::max(fastest, speed);
+      }
+    const double l = m.inflow_length(), k0 = m.start_energy(fastest, nu);
+    for (int k = 0; k < grid.nz(); ++k)
+      for (int j = 0; j < grid.ny(); ++j)
+        for (int i = 0; i < grid.nx(); ++i) {
+          double &energy = two->k(i, j, k), &epsilon = two->epsilon(i, j, k);
+          require(std::isfinite(energy) && std::isfinite(epsilon) && energy >= 0 && epsilon >= 0,
+                  "FlowSolver: cell (", i, ", ", j, ", ", k, ") has k = ", energy,
+                  " m2/s2 and epsilon = ", epsilon, " m2/s3; give them values above 0");
+          if (energy == 0) energy = k0;
+          if (epsilon == 0) epsilon = m.dissipation(energy, l);
+        }
+  }
+  /// How much less the slope of a logarithm is, squared, than central differences have it.
+  static double log_slopes(const Grid& grid, const FlowSides& sides, const FlowBoundary* boundary,
+                           int i, int j, int k, double y) {
+    const double h[3] = {grid.h().x, grid.h().y, grid.h().z};
+    double sum = 0;
+    for (int e = 0; e < 3; ++e) {
+      double beyond[2];
+      for (const int end : {0, 1}) {
+        double x[3] = {i + 0.5, j + 0.5, k + 0.5};
+        x[e] += end ? 1 : -1;
+        if (grid.periodic(e)) x[e] -= grid.cells()[at(e)] * std::floor(x[e] / grid.cells()[at(e)]);
+        Vec3d wall;
+        beyond[end] =
+            std::max(FlowSolids::nearest * h[e], distance_at(grid, sides, boundary, x, wall));
+      }
+      const double slope = std::log(beyond[1] / beyond[0]) / (2 * h[e]);
+      if (std::isfinite(slope)) sum += slope * slope;
+    }
+    // Far from walls it is 1, and near the middle of a pipe there is no logarithm.
+    return sum > 0 && std::sqrt(sum) * y > 1 ? 1 / (sum * y * y) : 1;
+  }
 
   /// Difference in direction e, over two cells and halved, of component d in the middle of a cell.
   static double slope(const Field& v, int d, int e, int i, int j, int k) {
@@ -259,19 +343,27 @@ struct FlowTurbulence {
   void find_cells(const Grid& grid, const FlowSides& sides, const FlowBoundary* boundary,
                   const FlowSolids* solids) {
     const auto& n = grid.cells();
+    const double half = 0.5 * std::min({grid.h().x, grid.h().y, grid.h().z});
     cells_.clear(), eddy.fill(0), square.fill(0), distance.fill(0);
+    if (two) two->kind.fill(TwoEquations::closed), two->made.fill(0);
     for (int k = 0; k < n[2]; ++k)
       for (int j = 0; j < n[1]; ++j)
         for (int i = 0; i < n[0]; ++i) {
           if (solids != nullptr && solids->cells(i, j, k) == 0) continue;
           Vec3d wall;
           const double y = distance_at(grid, sides, boundary, {i + 0.5, j + 0.5, k + 0.5}, wall);
+          if (two) two->kind(i, j, k) = TwoEquations::passed;
           if (!(y > 0)) continue;
           const double l = model.length(y);
-          if (is_beside_walls(i, j, k))
-            cells_.push_back({i, j, k, y, std::min(1.0, l / (WallLaw::kappa * y)), wall});
+          const bool beside = is_beside_walls(i, j, k);
+          if (beside)
+            cells_.push_back({i, j, k, y, two ? 1 : std::min(1.0, l / (WallLaw::kappa * y)), wall,
+                              y < half ? 0.5 * (y + half) : y});
           else
             square(i, j, k) = l * l, distance(i, j, k) = y;
+          if (!two) continue;
+          two->kind(i, j, k) = beside ? TwoEquations::beside_wall : TwoEquations::free;
+          two->slopes(i, j, k) = beside ? 1 : log_slopes(grid, sides, boundary, i, j, k, y);
         }
   }
   /// True if differences around a cell would use velocities in walls.

@@ -17,7 +17,7 @@ namespace silt::inline SILT_TARGET {
 /// Source: D. B. Spalding, J. Appl. Mech. 28 (1961) 455; kappa and B as in the law of friction of
 ///   smooth pipes (H. Schlichting, Boundary-Layer Theory, 7th ed., 1979, ch. XX).
 /// Valid:  walls without roughness, flows along them that nothing holds up: not where they
-/// separate. Tests:  tests/fluid/turbulence.cpp
+/// separate. Tests:  tests/fluid/turbulence.cpp, tests/fluid/k_epsilon.cpp
 struct WallLaw {
   static constexpr double kappa = 0.4, B = 5.5;
 
@@ -38,6 +38,17 @@ struct WallLaw {
     for (int n = 0; n < 50; ++n) {
       const double y = y_plus(u);
       const double change = (u * y - reynolds) / (y + u * (1 + eddy(u)));
+      u -= change;
+      if (std::abs(change) < 1e-10 * u) break;
+    }
+    return u;
+  }
+  /// u+ at a distance y+.
+  static double u_plus_at(double distance) {
+    if (!(distance > 0)) return 0;
+    double u = std::min(distance, std::log(1 + distance) / kappa + B);  // from above, as y+ is
+    for (int n = 0; n < 50; ++n) {
+      const double change = (y_plus(u) - distance) / (1 + eddy(u));
       u -= change;
       if (std::abs(change) < 1e-10 * u) break;
     }

@@ -1,0 +1,76 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cmath>
+
+#include <silt/core/error.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// Turbulence by two equations, of its energy k [m2/s2] and what of it dies, epsilon [m2/s3]:
+///
+///   d(m k)/dt + div(F k) = div(m (nu + nu_t/sigma_k) grad k) + m (P - epsilon)                 (1)
+///   d(m epsilon)/dt + div(F epsilon) = div(m (nu + nu_t/sigma_epsilon) grad epsilon)
+///                                      + m (C1 P - C2 epsilon) epsilon/k                       (2)
+///   nu_t = C_mu k^2/epsilon,  P = nu_t |S|^2,  |S| = sqrt(2 S:S)                               (3)
+///
+/// with the fluid's share of space m and its fluxes F as in the momentum equations (FlowSolver).
+/// Particles neither make nor damp turbulence.
+///
+/// Walls: their shear is that of WallLaw at the true distance, as of MixingLength. In cells beside
+/// walls k has (1), without flux to the wall, and
+///
+///   P = u*^4/nu g (1 - g),  g = du+/dy+ of WallLaw;  epsilon = C_mu^(3/4) k^(3/2)/(kappa y) (4)
+///
+/// of which k = u*^2/sqrt(C_mu) is the balance in the logarithmic layer.
+/// Inflow: k = 3/2 (intensity U)^2, epsilon = C_mu^(3/4) k^(3/2)/length, U the mean velocity of the
+/// side, weighted with itself. Outflow: no gradient. The same, with the largest velocity, where a
+/// flow starts and nobody has set them.
+///
+/// Source: B. E. Launder, D. B. Spalding, Comput. Methods Appl. Mech. Eng. 3 (1974) 269: equations,
+///   constants, wall cells. Of our own: g, so that first cells may be in the viscous layer; eddies
+///   of mu_t no longer than `width`; no work of div u in P.
+///   Inflow length of 0.07 widths: of fully developed pipes, common practice (H. K. Versteeg, W.
+///   Malalasekera, An Introduction to Computational Fluid Dynamics, 2nd ed., 2007, ch. 3).
+/// Numerics: upwind with minmod slopes, then diffusion, then sources with the sinks implicit (S. V.
+///   Patankar, Numerical Heat Transfer and Fluid Flow, 1980, ch. 7.2): k and epsilon stay above 0,
+///   whatever flows in. First order in time; a balance does not depend on the step.
+/// Valid:  flows with Re high enough for a logarithmic layer; over-produces k where flow stagnates.
+///   kappa of its constants is 0.43, that of WallLaw 0.4.
+/// Tests:  tests/fluid/k_epsilon.cpp
+struct KEpsilon {
+  double width = 0;         // [m] diameter of the pipe, distance of the plates
+  double intensity = 0.05;  // [-] of what flows in: root of 2/3 k over the mean velocity
+  double length = 0;        // [m] of its eddies; 0: 0.07 width
+  double C_mu = 0.09, C1 = 1.44, C2 = 1.92, sigma_k = 1, sigma_epsilon = 1.3;
+
+  void check() const {
+    require_positive("KEpsilon.width", width, "m");
+    require(std::isfinite(length) && length >= 0, "KEpsilon.length = ", length,
+            " m must be positive, or 0 for 0.07 width");
+    require(intensity > 0 && intensity <= 1, "KEpsilon.intensity = ", intensity,
+            " must be in (0, 1]; pipes have some 0.05");
+    require_positive("KEpsilon.C_mu", C_mu, "-");
+    require(std::isfinite(C1) && C1 > 1 && std::isfinite(C2) && C2 > C1, "KEpsilon.C1 = ", C1,
+            " must be above 1, and C2 = ", C2, " above C1");
+    require(sigma_k >= 1 && sigma_epsilon >= 1 && std::isfinite(sigma_k * sigma_epsilon),
+            "KEpsilon.sigma_k = ", sigma_k, " and sigma_epsilon = ", sigma_epsilon,
+            " must be at least 1: steps are stable for these");
+  }
+  double energy(double velocity) const { return 1.5 * std::pow(intensity * velocity, 2); }
+  double dissipation(double k, double of) const {  // `of`: length [m]
+    return std::pow(C_mu, 0.75) * k * std::sqrt(k) / of;
+  }
+  double inflow_length() const { return length > 0 ? length : 0.07 * width; }
+  /// k of a start [m2/s2]; of a fluid at rest: eddies as viscous as it is, which shear can feed.
+  double start_energy(double velocity, double nu) const {
+    const double still = nu / (std::pow(C_mu, 0.25) * inflow_length());
+    return std::fmax(energy(velocity), still * still);
+  }
+  /// nu_t [m2/s].
+  double eddy(double k, double epsilon) const {
+    return std::fmin(C_mu * k * k / epsilon, std::pow(C_mu, 0.25) * std::sqrt(k) * width);
+  }
+};
+
+}  // namespace silt
