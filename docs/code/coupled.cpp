@@ -31,4 +31,14 @@ int main() {
   std::printf("pressure drop %.0f Pa, weight over area %.0f Pa; %lld fluid steps\n",
               at_inlet - p(3, 3, 19), weight / (width * width),
               static_cast<long long>(sim.fluid().fluid_steps()));
+
+  // Drag that follows each grain between fluid steps.
+  silt::CoupledFlow followed{silt::Gidaspow{}, silt::Kernel{}, air,
+                             silt::FollowedDrag{.cell = 0.002, .tolerance = 0.05}};
+  silt::Particles<silt::Sphere> one;
+  one.add({.position = {0.006, 0.006, 0.03}, .radius = 0.5e-3, .density = 1500});
+  silt::Simulation fall{std::move(one), silt::Contacts<silt::HertzMindlin>{glass}, followed};
+  fall.gravity = {0, 0, -9.81};
+  fall.run(0.01);
+  std::printf("a grain after 0.01 s: %.4f m/s, in a vacuum -0.0981 m/s\n", fall.velocity(0).z);
 }

@@ -62,6 +62,9 @@ class Simulation {
                 "Simulation takes one rotation (silt/motion/rotation.hpp)");
   static_assert(detail::count<detail::IsPrecision, Policies...> <= 1,
                 "Simulation takes one precision: Double or Mixed (silt/engine/precision.hpp)");
+  static_assert(detail::count<detail::IsKernels, Policies...> <= 1 &&
+                    detail::count<detail::IsLedger, Policies...> <= 1,
+                "Simulation takes one KernelsFor and one EnergyLedger");
   static_assert(
       (detail::belongs_to_an_axis<Policies> && ...),
       "a policy given to Simulation belongs to no axis: it must be Particles, Contacts, a "
@@ -316,8 +319,8 @@ class Simulation {
   Vec3d fluid_force(std::size_t k) const requires(Fluid::active) {
     return engine_.fluid_loads().force[k].vector();
   }
-  /// What the fluid has given to particle k [N s] that velocity(k) does not have yet, as the flow is
-  /// ahead of the particles; while they are observed (or after run()), from the second step on.
+  /// What the fluid has given to particle k [N s] that velocity(k) does not have yet, as the flow
+  /// is ahead of the particles; while they are observed (or after run()), from the second step on.
   Vec3d due_from_fluid(std::size_t k) const;
   const ContactsType& contacts() const { return contacts_; }
   const Domain& domain() const { return domain_; }

@@ -2,6 +2,8 @@
 // The programs of refused/, each with its one mistake mended: they must compile, so that it is the
 // mistake that the others are refused for.
 #define SILT_MENDED
+#include <silt/fluid.hpp>
+
 #include "refused/scene.hpp"
 
 namespace foreign_option {
@@ -36,4 +38,13 @@ namespace two_fluids {
 }
 namespace two_searches {
 #include "refused/two_searches.cpp"
+}
+namespace followed_drag_twice {
+#include "refused/followed_drag_twice.cpp"
+}
+namespace two_ledgers {
+#include "refused/two_ledgers.cpp"
+}
+namespace two_rolling_models {
+#include "refused/two_rolling_models.cpp"
 }

@@ -58,6 +58,9 @@ class Contacts {
   static_assert(((std::is_same_v<Options, SeveralMaterials> || RollingModel<Options>)&&...),
                 "Contacts<Law, Options...>: an option must be SeveralMaterials or a RollingModel; "
                 "the contract is in silt/contact/concept.hpp");
+  static_assert((0 + ... + RollingModel<Options>) <= 1,
+                "Contacts<Law, Options...> takes one rolling model; two at once are Both<First, "
+                "Second> (silt/contact/rolling/twisting.hpp)");
 
   static constexpr bool several_materials = (std::is_same_v<Options, SeveralMaterials> || ...);
   static constexpr bool has_rolling = !std::is_same_v<Rolling, NoRolling>;

@@ -1,0 +1,9 @@
+// silt - BSD-3-Clause, see LICENSE
+// refused: Simulation takes one KernelsFor and one EnergyLedger
+#include "scene.hpp"
+
+#if defined(SILT_MENDED)
+silt::Simulation sim{beads, contacts, silt::EnergyLedger{}};
+#else
+silt::Simulation sim{beads, contacts, silt::EnergyLedger{}, silt::EnergyLedger{}};
+#endif
