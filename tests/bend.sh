@@ -7,6 +7,7 @@ bend=$1
 source "$(dirname "$0")/program.sh" "$bend"
 
 refused "case" --case up
+refused "closure" --closure none
 refused "not in range" --cells 2
 refused "take one" --quick --full
 touch "$work/file"
@@ -20,4 +21,7 @@ if "$bend" --quick --case hv --out "$work/hv" >"$work/log" 2>&1; then
 else
   fail "bend --quick ended with status $?: $(tail -n 20 "$work/log")"
 fi
+"$bend" --quick --case hv --closure k-epsilon --out "$work/k" >"$work/log" 2>&1 ||
+  fail "bend --closure k-epsilon ended with status $?: $(tail -n 20 "$work/log")"
+grep -q '"closure": "k-epsilon"' "$work/k/summary.json" || fail "the summary does not name the closure"
 exit $failed

@@ -45,6 +45,7 @@ int main() {
       silt::Grid({{0, -0.03, -0.03}, {0.01, 0.03, 0.03}}, {2, 12, 12}, {true, false, false}), air);
   pipe.set_boundary(silt::boundary_of(wall));
   pipe.set_turbulence({.half_width = 0.025});
+  // Or by two equations: what is set last holds.
   pipe.set_turbulence(silt::KEpsilon{.width = 0.05, .intensity = 0.05});
   pipe.force(0).fill(60);     // [Pa/m]
   pipe.velocity(0).fill(15);  // [m/s]

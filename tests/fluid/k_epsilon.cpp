@@ -234,6 +234,17 @@ TEST_CASE("k-epsilon: a voidage that jumps neither makes nor takes k of uniform 
     CHECK(flow.turbulent_energy()(i, 2, 2) == doctest::Approx(0.3).epsilon(0.01));
 }
 
+TEST_CASE("k-epsilon: a wall through the centres of cells makes no turbulence of its own") {
+  const double h = 0.005;
+  FlowSolver flow(Grid({{0, 0, 0}, {2 * h, 8 * h, h}}, {2, 8, 1}, {true, false, true}), {rho, mu});
+  flow.set_boundary({.distance = [=](const Vec3d& x) { return x.y - 0.5 * h * (1 - 1e-12); }});
+  flow.set_turbulence(KEpsilon{.width = 0.04});
+  flow.velocity(0).fill(10);
+  const double U = 10;
+  for (int m = 0; m < 20; ++m) flow.step(1e-5);
+  for (int j = 0; j < 8; ++j) CHECK(flow.turbulent_energy()(0, j, 0) < U * U / 2);
+}
+
 TEST_CASE("k-epsilon: threads, states and refusals") {
   const auto start = [] { return channel(8, 0.04, 30, 10, 0, 0.01); };
   FlowSolver flow = start();

@@ -357,7 +357,8 @@ struct FlowTurbulence {
           const double l = model.length(y);
           const bool beside = is_beside_walls(i, j, k);
           if (beside)
-            cells_.push_back({i, j, k, y, two ? 1 : std::min(1.0, l / (WallLaw::kappa * y)), wall,
+            cells_.push_back({i, j, k, two ? std::max(y, 2 * FlowSolids::nearest * half) : y,
+                              two ? 1 : std::min(1.0, l / (WallLaw::kappa * y)), wall,
                               y < half ? 0.5 * (y + half) : y});
           else
             square(i, j, k) = l * l, distance(i, j, k) = y;
