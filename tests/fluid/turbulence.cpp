@@ -12,6 +12,7 @@
 #include <silt/fluid/boundary_of.hpp>
 #include <silt/fluid/flow_solver.hpp>
 
+#include "fluid/turbulent.hpp"
 #include "near.hpp"
 
 namespace turbulence_test {
@@ -20,20 +21,14 @@ using silt::FlowSolver;
 using silt::Grid;
 using silt::Vec3d;
 using silt::WallLaw;
+using turbulent::mu, turbulent::prandtl, turbulent::rho;
 
 namespace {
-
-/// Darcy's friction factor of a smooth pipe, by Prandtl's law (fitted to Nikuradse's pipes).
-double prandtl(double Re) {
-  double s = 10;  // 1/sqrt(f)
-  for (int n = 0; n < 50; ++n) s = 2 * std::log10(Re / s) - 0.8;
-  return 1 / (s * s);
-}
 
 /// Air, driven by the slope that Prandtl's law has at this Re, through a pipe of `cells` a
 /// diameter, whose axis is moved in the cells by `off` [cells].
 struct Pipe {
-  double D = 0.05, rho = 1.2, mu = 1.8e-5;
+  double D = 0.05;
   double U, slope, h;
   Vec3d middle;
   FlowSolver flow;
@@ -65,15 +60,10 @@ struct Pipe {
   }
 };
 
-/// Air between plates `wide` apart, `cells` cells, which move with `plates`.
+/// Air between plates, see turbulent::channel, after `end` [s].
 FlowSolver channel(int cells, double wide, double slope, double start, double plates, double end) {
-  const double h = wide / cells;
-  FlowSolver flow(Grid({{0, 0, 0}, {wide, wide, h}}, {2, cells, 1}, {true, false, true}),
-                  {1.2, 1.8e-5});
-  for (const int side : {0, 1}) flow.set_side(1, side, silt::NoSlip{{plates, 0, 0}});
+  FlowSolver flow = turbulent::channel(cells, wide, slope, start, plates);
   flow.set_turbulence({.half_width = wide / 2});
-  flow.force(0).fill(slope);
-  flow.velocity(0).fill(start + plates);
   for (double t = 0; t < end; t += 5e-4) flow.step(5e-4);
   return flow;
 }
@@ -110,7 +100,7 @@ TEST_CASE(
 
 TEST_CASE("velocities in a turbulent pipe are those of the logarithmic law") {
   const Pipe pipe(12, 1e5, 0, 0);
-  const double ustar = std::sqrt(pipe.slope * pipe.D / 4 / pipe.rho);
+  const double ustar = std::sqrt(pipe.slope * pipe.D / 4 / rho);
   int seen = 0;
   for (int k = 0; k < pipe.flow.grid().nz(); ++k)
     for (int j = 0; j < pipe.flow.grid().ny(); ++j) {
@@ -119,7 +109,7 @@ TEST_CASE("velocities in a turbulent pipe are those of the logarithmic law") {
       // From the second cell to four fifths of the way: then Nikuradse's length gives more.
       if (y < 1.5 * pipe.h || y > 0.8 * pipe.D / 2) continue;
       const double u_plus = pipe.flow.velocity(0)(0, j, k) / ustar,
-                   y_plus = y * ustar * pipe.rho / pipe.mu;
+                   y_plus = y * ustar * rho / mu;
       // 5 %: half of what the friction may be wrong, as it goes with the velocity's square.
       CHECK(u_plus == near(2.5 * std::log(y_plus) + 5.5).epsilon(0.05));
       ++seen;

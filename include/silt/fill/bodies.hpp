@@ -146,20 +146,13 @@ class Particles<S> {
   void check(const Particle& p, std::size_t number) const {
     require(p.form < forms_.size(), "particle ", number, ": form = ", p.form, " is none of the ",
             forms_.size(), " forms; make it with add_form first");
-    require(is_finite(p.position), "particle ", number, ": position = ", p.position,
-            " [m] must be finite");
+    detail::check_state(p, number);
     const Quaternion& q = p.orientation;
     const double length = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
     require(std::abs(length - 1) < 1e-6, "particle ", number, ": orientation has length ", length,
             " [-], but must be a unit quaternion");
     require(std::isfinite(p.radius) && p.radius >= 0, "particle ", number, ": radius = ", p.radius,
             " [m] must be finite and not negative");
-    require(std::isfinite(p.density) && p.density > 0, "particle ", number,
-            ": density = ", p.density, " [kg/m3] must be finite and greater than 0");
-    require(is_finite(p.velocity), "particle ", number, ": velocity = ", p.velocity,
-            " [m/s] must be finite");
-    require(is_finite(p.angular_velocity), "particle ", number,
-            ": angular_velocity = ", p.angular_velocity, " [rad/s] must be finite");
     if constexpr (requires(const S& form) { form.has_size(); })
       require(
           p.radius > 0 || forms_[p.form].shape.has_size(), "particle ", number,

@@ -38,6 +38,23 @@ struct Fill {
   }
 };
 
+namespace detail {
+
+/// What particles of all shapes have to have.
+template <class P>
+void check_state(const P& p, std::size_t number) {
+  require(is_finite(p.position), "particle ", number, ": position = ", p.position,
+          " [m] must be finite");
+  require(std::isfinite(p.density) && p.density > 0, "particle ", number, ": density = ", p.density,
+          " [kg/m3] must be finite and greater than 0");
+  require(is_finite(p.velocity), "particle ", number, ": velocity = ", p.velocity,
+          " [m/s] must be finite");
+  require(is_finite(p.angular_velocity), "particle ", number,
+          ": angular_velocity = ", p.angular_velocity, " [rad/s] must be finite");
+}
+
+}  // namespace detail
+
 /// The particles that a simulation starts with.
 ///
 ///   silt::Particles<silt::Sphere> beads;
@@ -68,16 +85,9 @@ class Particles {
   }
   /// Refuses what no simulation can start with; a Simulation asks again, as [] may have changed it.
   static void check(const Particle& p, std::size_t number) {
-    require(is_finite(p.position), "particle ", number, ": position = ", p.position,
-            " [m] must be finite");
+    detail::check_state(p, number);
     require(std::isfinite(p.radius) && p.radius > 0, "particle ", number, ": radius = ", p.radius,
             " [m] must be finite and greater than 0");
-    require(std::isfinite(p.density) && p.density > 0, "particle ", number,
-            ": density = ", p.density, " [kg/m3] must be finite and greater than 0");
-    require(is_finite(p.velocity), "particle ", number, ": velocity = ", p.velocity,
-            " [m/s] must be finite");
-    require(is_finite(p.angular_velocity), "particle ", number,
-            ": angular_velocity = ", p.angular_velocity, " [rad/s] must be finite");
   }
 
   /// Fills a region without overlap, also with the particles there already. Throws InputError and
