@@ -275,9 +275,11 @@ TEST_CASE("a pipe that is a wall of both, empty before its inlet opens") {
   for (std::size_t k = 0; k < sim.rows(); ++k) fastest = std::max(fastest, sim.velocity(k).x);
   CHECK(fastest > 0.5);  // the air carries them
   const auto& air = sim.fluid().flow();
-  // Air comes in by the open faces of its side; grains take some room from step to step.
-  CHECK(air.flow_rate(0, 15) == near(air.flow_rate(0, 0)).epsilon(0.01));
-  CHECK(air.flow_rate(0, 0) == near(2 * std::numbers::pi / 4 * D * D).epsilon(0.25));
+  // Air comes in by a disc, whose area in the cells is that of chords of a quarter of a cell: some
+  // (h/4)^2 / (4 R) of its radius less. Two grains that come in one fluid step drive out 2 %.
+  CHECK(air.flow_rate(0, 0) == near(2 * std::numbers::pi / 4 * D * D).epsilon(0.003));
+  CHECK(air.flow_rate(0, 15) == near(air.flow_rate(0, 0)).epsilon(0.03));
+  CHECK(sim.fluid().closure().continuity < 1e-6);
 }
 
 }  // namespace simulation_test

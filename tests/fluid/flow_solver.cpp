@@ -387,6 +387,37 @@ TEST_CASE("a manufactured flow through a varying bed, to second order") {
   }
 }
 
+TEST_CASE("a uniform flow between walls askew to the cells stays one") {
+  // Between plates along (2, 0, 1), without friction; with the areas of cut faces, which are exact
+  // for planes, what is carried along them is what was there, in free fluid and among particles.
+  const double h = 0.1, tilt = 1 / std::sqrt(5.0);
+  const Grid g({{0, 0, 0}, {28 * h, 3 * h, 14 * h}}, {28, 3, 14}, {true, true, true});
+  for (const double eps : {1.0, 0.4})
+    for (const double half : {0.31, 0.43}) {  // slivers of many sizes
+      FlowSolver flow(g, FluidProperties{1.0, 0}, FlowOptions{.tolerance = 1e-12});
+      flow.set_boundary({.distance = [&](const Vec3d& x) {
+        return half - std::abs(std::remainder((x.x - 2 * x.z) * tilt + 0.037, 28 * h * tilt));
+      }});
+      flow.voidage().fill(eps);
+      flow.velocity(0).fill(2), flow.velocity(1).fill(0.7), flow.velocity(2).fill(1);
+      flow.start();
+      const double through = flow.flow_rate(0, 5);
+      for (int s = 0; s < 20; ++s) flow.step(0.02);
+      CHECK(through ==
+            near(eps * 2 * 2 * half / (2 * tilt) * 3 * h).epsilon(1e-3));  // by an open face
+      CHECK(flow.flow_rate(0, 5) == near(through).epsilon(1e-10));
+      double worst = 0;
+      for (int d = 0; d < 3; ++d)
+        for_all(g, [&](int i, int j, int k) {
+          const double u = flow.velocity(d)(i, j, k), still = d == 0 ? 2 : d == 1 ? 0.7 : 1;
+          if (u != 0) worst = std::max(worst, std::abs(u - still));
+        });
+      // Rounding, but for faces of less than a thousandth of a cell's: closed, or slivers beside.
+      CAPTURE(worst);
+      CHECK(worst < 1e-8);
+    }
+}
+
 TEST_CASE("Poiseuille flow in a pipe that lies askew in the cells") {
   // A periodic box of 28 x 12 x 14 cells, the axis along (2, 0, 1), 10 cells a diameter.
   const double G = 2, mu = 0.1, R = 0.5, tilt = 1 / std::sqrt(5.0), h = 2 * R / 10;
@@ -401,7 +432,7 @@ TEST_CASE("Poiseuille flow in a pipe that lies askew in the cells") {
   const double dt = 1.2 * flow.stable_step(), end = 1.6 * R * R / mu;
   for (double t = 0; t < end; t += dt) flow.step(dt);
   const double exact = pi * std::pow(R, 4) * G / (8 * mu);
-  CHECK(std::abs(flow.flow_rate(0, 0) / exact - 1) < 0.01);
+  CHECK(std::abs(flow.flow_rate(0, 0) / exact - 1) < 0.004);  // 0.2 %; of other slopes 0 to 0.3 %
   CHECK(flow.flow_rate(0, 3) == near(flow.flow_rate(0, 0)).epsilon(1e-4));
   CHECK(flow.flow_rate(2, 3) == near(flow.flow_rate(0, 0)).epsilon(1e-4));
 }
@@ -443,9 +474,9 @@ TEST_CASE("Couette flow between a turning drum and its shaft") {
   }
   CAPTURE(error[0]);
   CAPTURE(error[1]);
-  // Walls are steps for what flows along them in their plane: first order, and large.
-  CHECK(error[0] < 0.1);
-  CHECK(error[1] < 0.6 * error[0]);
+  // Second order, with what the two grids owe to where walls cut their cells.
+  CHECK(error[0] < 0.006);
+  CHECK(error[1] < 0.4 * error[0]);
 }
 
 TEST_CASE("results do not depend on the number of threads") {

@@ -130,6 +130,17 @@ TEST_CASE("a patch lets in its velocity times its true area, and is a wall elsew
     }
 }
 
+TEST_CASE("an inflow into a pipe passes its true area") {
+  for (const int n : {6, 8, 11, 16, 24}) {
+    FlowSolver flow(cells(n), liquid);
+    flow.set_boundary({.distance = to_pipe});
+    flow.set_side(2, 0, Inflow{.velocity = {0, 0, 0.1}}), flow.set_side(2, 1, silt::Outflow{});
+    // Chords of h/4 and less instead of the arc.
+    const double h = 0.024 / n;
+    CHECK(off(rate_of(flow), 0.1 * pi * R * R) <= h * h / (44 * R * R));
+  }
+}
+
 TEST_CASE("walls cut a patch: half of a pipe's end, and all of it by the walls' own distance") {
   const double U = 0.1;
   const silt::FlowBoundary pipe{.distance = to_pipe};

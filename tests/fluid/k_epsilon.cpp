@@ -142,6 +142,11 @@ TEST_CASE("k-epsilon: pipe friction within 10 % of Prandtl's law, velocities on 
   }
 }
 
+TEST_CASE("k-epsilon: pipe friction within 10 % of Prandtl's law, askew to the cells") {
+  CHECK(turbulent::askew_friction(8, 4.6e4, 0.05, KEpsilon{.width = 0.05}) ==
+        near(1).epsilon(0.10));  // seen: -1 %
+}
+
 TEST_CASE("k-epsilon between plates: Dean's friction, equilibrium in the logarithmic layer") {
   // R. B. Dean, J. Fluids Eng. 100 (1978) 215: Cf = 0.073 Re^(-1/4), Re = U 2H/nu, within some 5 %.
   const double wide = 0.04, U = 10, Re = U * wide / nu;

@@ -33,7 +33,8 @@ inline double carried_through(const double* q, const double* left, const double*
 }
 
 /// to = (m q - dt div(F q)) / m' of k and epsilon. Where a cell holds q and lets C of it out in the
-/// step, faces carry at most q (1 + (1 - C)/2), so that nothing falls below 0.
+/// step, faces carry at most q (1 + (1 - C)/2), so that nothing falls below 0. In a cell cut by a
+/// wall what fluxes change acts on the fluid in it, see FlowSolids.
 inline void advect_turbulence(FlowState& state, double dt, CarriedTurbulence& to,
                               const Team& team) {
   const TwoEquations& two = *state.turbulence->two;
@@ -46,11 +47,12 @@ inline void advect_turbulence(FlowState& state, double dt, CarriedTurbulence& to
     const double *const F[3] = {fluxes(0, j, k), fluxes(1, j, k), fluxes(2, j, k)},
                         *const m = state.mass.row(j, k);
     double* const left = to.left.row(j, k);
+    const double* const share = state.solids ? state.solids->share.row(j, k) : nullptr;
     for (int i = 0; i < state.grid.nx(); ++i) {
       double out = 0;
       for (int d = 0; d < 3; ++d)
         out += over[d] * (std::max(0.0, F[d][i + s[d]]) + std::max(0.0, -F[d][i]));
-      left[i] = std::max(0.0, 1 - out / m[i]);
+      left[i] = std::max(0.0, 1 - out / (share != nullptr ? m[i] * share[i] : m[i]));
     }
   });
   state.sides.fill_cells(to.left);
@@ -60,7 +62,8 @@ inline void advect_turbulence(FlowState& state, double dt, CarriedTurbulence& to
                         *const left = to.left.row(j, k), *const kind = two.kind.row(j, k);
     const double* open[3] = {nullptr, nullptr, nullptr};
     for (int d = 0; d < 3 && state.solids; ++d)
-      open[d] = state.solids->open[FlowState::at(d)].row(j, k);
+      open[d] = state.solids->area[FlowState::at(d)].row(j, k);
+    const double* const share = state.solids ? state.solids->share.row(j, k) : nullptr;
     for (const bool energy : {true, false}) {
       const double* const q = (energy ? two.k : two.epsilon).row(j, k);
       double* const out = (energy ? to.k : to.epsilon).row(j, k);
@@ -69,10 +72,13 @@ inline void advect_turbulence(FlowState& state, double dt, CarriedTurbulence& to
           out[i] = q[i];
           continue;
         }
-        double sum = 0;
-        for (int d = 0; d < 3; ++d)
+        double sum = 0, net = 0;
+        for (int d = 0; d < 3; ++d) {
           sum += over[d] * (carried_through(q, left, open[d], F[d][i + s[d]], i + s[d], s[d]) -
                             carried_through(q, left, open[d], F[d][i], i, s[d]));
+          net += over[d] * (F[d][i + s[d]] - F[d][i]);
+        }
+        if (share != nullptr) sum += (1 / share[i] - 1) * (sum - net * q[i]);
         out[i] = std::max(TwoEquations::least, (m[i] * q[i] - sum) / next[i]);
       }
     }
@@ -96,7 +102,7 @@ inline void make_turbulence(FlowState& state, double dt, const CarriedTurbulence
                         *const e1 = from.epsilon.row(j, k), *const made = two.made.row(j, k);
     const double* open[3] = {nullptr, nullptr, nullptr};
     for (int d = 0; d < 3 && state.solids; ++d)
-      open[d] = state.solids->open[FlowState::at(d)].row(j, k);
+      open[d] = state.solids->inside[FlowState::at(d)].row(j, k);
     double *const energy = two.k.row(j, k), *const epsilon = two.epsilon.row(j, k);
     for (int i = 0; i < state.grid.nx(); ++i) {
       if (kind[i] <= TwoEquations::passed) {

@@ -1,7 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <vector>
 
 #include <silt/fluid/flow_state.hpp>
 
@@ -72,12 +74,42 @@ inline void find_spread(FlowState& state, const Team& team) {
   state.sides.fill_cells(state.spread);
 }
 
+/// What leads the velocities of slivers of direction d: see Sliver.
+inline void lead_slivers(FlowState& state, const Three& q, int d, const Team& team) {
+  const std::size_t c = FlowState::at(d);
+  FlowSolids& solids = *state.solids;
+  const std::vector<Sliver>& slivers = solids.slivers[c];
+  const double mu = state.fluid.viscosity;
+  constexpr std::size_t part = 64;
+  team.for_parts((slivers.size() + part - 1) / part, [&](std::size_t n) {
+    for (std::size_t l = n * part; l < std::min(slivers.size(), (n + 1) * part); ++l) {
+      const Sliver& s = slivers[l];
+      int p[3] = {s.i, s.j, s.k};
+      p[s.e] += s.way;
+      const double wall = d == 0   ? s.wall.x
+                          : d == 1 ? s.wall.y
+                                   : s.wall.z,
+                   next = q[c](p[0], p[1], p[2]) - wall, h = state.h(s.e), r = s.here / s.there;
+      double link = mu / (s.here * h * (1 - r)), to = r * next;
+      if (state.turbulence) {
+        const double u = q[c](s.i, s.j, s.k) - wall;
+        to = std::clamp(u, std::min(to, next), std::max(to, next));
+        const double speed = norm(velocity_at(q, d, p[0], p[1], p[2]) - s.wall);
+        link = u == to ? 0 : link + state.fluid.density * speed / h;
+      }
+      solids.drag[c](s.i, s.j, s.k) = link;
+      solids.push[c](s.i, s.j, s.k) = link * (wall + to);
+    }
+  });
+}
+
 /// One stage: `out` is u* of (4) with the tendency of q, or, in the second stage, the mean of it
 /// and the first one's.
 inline void stage(FlowState& state, const Three& q, bool second, double dt, Three& out,
                   const Team& team) {
   for (int d = 0; d < 3; ++d) {
     const std::size_t c = FlowState::at(d);
+    if (state.solids) lead_slivers(state, q, d, team);
     state.for_faces(d, team, [&](int j, int k, int from, int to) {
       const auto row = [&](const Field& f) { return f.row(j, k); };
       const bool walled = state.solids.has_value();
@@ -112,7 +144,9 @@ inline void stage(FlowState& state, const Three& q, bool second, double dt, Thre
                        row(state.drag_v[c]),
                        row(state.force[c]),
                        row(state.pressure),
-                       of_solids([](const FlowSolids& s) -> const Three& { return s.open; }),
+                       of_solids([](const FlowSolids& s) -> const Three& { return s.area; }),
+                       of_solids([](const FlowSolids& s) -> const Three& { return s.inside; }),
+                       of_solids([](const FlowSolids& s) -> const Three& { return s.thin; }),
                        of_solids([](const FlowSolids& s) -> const Three& { return s.drag; }),
                        of_solids([](const FlowSolids& s) -> const Three& { return s.push; }),
                        of_solids([](const FlowSolids& s) -> const Three& { return s.velocity; }),

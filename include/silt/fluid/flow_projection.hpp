@@ -40,10 +40,14 @@ class FlowProjection {
       const double over = 1 / (state.h(d) * state.h(d));
       state.for_faces(d, team, [&](int j, int k, int from, int to) {
         const double *eps = state.eps.row(j, k), *w = state.weight[FlowState::at(d)].row(j, k);
+        const double* const area =
+            state.solids ? state.solids->area[FlowState::at(d)].row(j, k) : nullptr;
         double* const a = coefficient_[FlowState::at(d)].row(j, k);
         for_row(from, to, [&]<class Real>(int i) {
           const Real mean = Real(0.5) * (load_any<Real>(eps + i - s) + load_any<Real>(eps + i));
-          store_any(a + i, Real(over) * mean * load_any<Real>(w + i));
+          Real through = Real(over) * mean * load_any<Real>(w + i);
+          if (area != nullptr) through = through * load_any<Real>(area + i);
+          store_any(a + i, through);
         });
       });
     }
@@ -151,7 +155,7 @@ class FlowProjection {
   }
 
   PressureSolver solver_;
-  Three coefficient_;            // eps e/D/h^2
+  Three coefficient_;            // a eps e/D/h^2
   Field change_, right_, held_;  // dp and its equation
 };
 

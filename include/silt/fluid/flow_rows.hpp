@@ -50,8 +50,8 @@ struct StageRow {
   bool averaged, second;                // model A; the second stage
   // At the beginning of the step; eps, m, m', K, K v, s, p.
   const double *u, *eps, *mass, *next_mass, *drag, *drag_v, *force, *pressure;
-  // In a box with solids: whether faces are open, and walls' drag and velocity.
-  const double *open, *wall_drag, *wall_push, *wall_velocity;
+  // In a box with solids: see FlowSolids.
+  const double *area, *inside, *thin, *wall_drag, *wall_push, *wall_velocity;
   // In turbulence: eddy viscosity in cells [Pa s], velocities of all components and the faces that
   // eddies reach, walls' drag beyond the laminar one.
   const double* eddy;
@@ -62,29 +62,38 @@ struct StageRow {
 };
 
 /// Advection and viscosity of value i [N/m3]: -rho div(F q), and mu (lap q + 1/3 grad div u).
+/// In solids nothing has a velocity that could be carried: q is there what it is beside them.
 template <class Real, bool Walled>
 SILT_INLINE void explicit_terms(const StageRow& r, int i, Real& advection, Real& viscous) {
-  const auto q = [&](std::ptrdiff_t at) { return load_any<Real>(r.q + i + at); };
+  const auto at = [&](const double* c, std::ptrdiff_t s) { return load_any<Real>(c + i + s); };
+  const auto q = [&](std::ptrdiff_t s) { return at(r.q, s); };
   const Real q0 = q(0), half(0.5);
-  Real div(0), lap(0);
+  Real div(0), lap(0), net(0);
   for (int e = 0; e < 3; ++e) {
     const std::ptrdiff_t s = r.step[e];
-    const auto flow = [&](std::ptrdiff_t at) {
-      const double* const f = r.flow[e] + i + at;
-      return half * (load_any<Real>(f - r.own) + load_any<Real>(f));
+    const auto flow = [&](std::ptrdiff_t to) {
+      return half * (at(r.flow[e], to - r.own) + at(r.flow[e], to));
     };
-    const Real mm = q(-2 * s), m = q(-s), p = q(s), pp = q(2 * s), over(r.over_h[e]);
-    Real above = flux(flow(s), m, q0, p, pp), below = flux(flow(0), mm, m, q0, p);
-    if constexpr (Walled) {  // nothing is carried out of solids or into them
-      above = above * load_any<Real>(r.open + i + s);
-      below = below * load_any<Real>(r.open + i - s);
+    Real mm = q(-2 * s), m = q(-s), p = q(s), pp = q(2 * s);
+    const Real over(r.over_h[e]), in = flow(0), out = flow(s);
+    if constexpr (Walled) {
+      const auto beside = [&](std::ptrdiff_t to, const Real& value) {  // as viscosity feels it
+        return select(at(r.inside, to) > Real(0), value, at(r.wall_velocity, to));
+      };
+      lap += (over * over) * ((beside(s, p) - q0) - (q0 - beside(-s, m)));
+      const auto carried = [&](std::ptrdiff_t to, const Real& value, const Real& before) {
+        return select(at(r.area, to) > Real(0), value, before);
+      };
+      p = carried(s, p, q0), m = carried(-s, m, q0);
+      pp = carried(2 * s, pp, p), mm = carried(-2 * s, mm, m);
+      net += over * (out - in);
+    } else {
+      lap += (over * over) * ((p - q0) - (q0 - m));
     }
-    div += over * (above - below);
-    lap += (over * over) * ((p - q0) - (q0 - m));
+    div += over * (flux(out, m, q0, p, pp) - flux(in, mm, m, q0, p));
   }
-  const double* const spread = r.spread + i;
-  const Real squeeze =
-      Real(r.over_own / 3) * (load_any<Real>(spread) - load_any<Real>(spread - r.own));
+  const Real squeeze = Real(r.over_own / 3) * (at(r.spread, 0) - at(r.spread, -r.own));
+  if constexpr (Walled) div += at(r.thin, 0) * (div - q0 * net);
   advection = Real(-r.density) * div;
   viscous = Real(r.viscosity) * (lap + squeeze);
 }
@@ -133,6 +142,7 @@ SILT_ONE_COPY void stage_row(const StageRow& row, int from, int to) {
     Real advection, viscous;
     explicit_terms<Real, Walled>(r, i, advection, viscous);
     if constexpr (Turbulent) viscous += eddy_term<Real>(r, i);
+    if constexpr (Walled) viscous = viscous * at(r.inside);  // slivers have their own
     Real t = advection + eps_f * viscous;
     if (r.second)
       t = half * (at(r.tendency) + t);
@@ -155,9 +165,8 @@ SILT_ONE_COPY void stage_row(const StageRow& row, int from, int to) {
       store_any(r.stress + i, r.second ? half * (at(r.stress) + viscous) : viscous);
     Real u = over_D * driven, weight = eps_f * over_D;
     if constexpr (Walled) {
-      const Real open = at(r.open);
-      u = select(open > Real(0), u, at(r.wall_velocity));
-      weight = open * weight;
+      const auto open = at(r.area) > Real(0);
+      u = select(open, u, at(r.wall_velocity)), weight = select(open, weight, Real(0));
     }
     store_any(r.to + i, u);
     if (r.second) store_any(r.weight + i, weight);

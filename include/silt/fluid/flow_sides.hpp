@@ -26,8 +26,8 @@ struct NoSlip {
 struct FreeSlip {};
 
 /// Fluid flows in (or is drawn out) at a given velocity, which is superficial: that of the fluid in
-/// front of the particles. It passes the faces whose centres are open, of which the area is not
-/// quite that of a pipe's end. With a rate or an outline, velocities are scaled by one factor:
+/// front of the particles. It passes what a FlowBoundary leaves open of the side's faces. With a
+/// rate or an outline, velocities are scaled by one factor:
 ///
 ///   rate     just that much passes, to rounding
 ///   outline  what passes is the integral of the velocity over the part of the side that is within
@@ -97,16 +97,16 @@ class FlowSides {
     s = std::move(made);
   }
 
-  /// Scales inflows with a rate or an outline. `boundary`: of the flow; null: none. open(e, i, j,
-  /// k): whether a face of direction e is in the fluid.
-  template <class Open>
-  void scale(const std::function<double(const Vec3d&)>& boundary, const Open& open) {
+  /// Scales inflows with a rate or an outline. `boundary`: of the flow; null: none. area(e, i, j,
+  /// k): the share of a face of direction e that is in the fluid.
+  template <class Area>
+  void scale(const std::function<double(const Vec3d&)>& boundary, const Area& area) {
     for (int e = 0; e < 3; ++e)
       for (int end = 0; end < 2 && !grid_.periodic(e); ++end) {
         const auto* const in = std::get_if<Inflow>(&at(e, end).kind);
         if (in == nullptr || !(in->rate || in->outline)) continue;
         set(e, end, FlowSide(at(e, end).kind));  // unscaled
-        scale(e, end, boundary, open);
+        scale(e, end, boundary, area);
       }
   }
 
@@ -325,9 +325,9 @@ class FlowSides {
   }
   static double along(const Vec3d& v, int c) { return c == 0 ? v.x : c == 1 ? v.y : v.z; }
 
-  template <class Open>
+  template <class Area>
   void scale(int e, int end, const std::function<double(const Vec3d&)>& boundary,
-             const Open& open) {
+             const Area& area) {
     Side& side = sides_[static_cast<std::size_t>(e)][static_cast<std::size_t>(end)];
     const Inflow& in = std::get<Inflow>(side.kind);
     const int a = (e + 1) % 3, b = (e + 2) % 3;
@@ -356,14 +356,15 @@ class FlowSides {
             if (line.at[c] < 0 || line.at[c] >= n[static_cast<std::size_t>(c)]) return;
           int face[3] = {line.at[0], line.at[1], line.at[2]};
           face[e] = end == 0 ? 0 : n[static_cast<std::size_t>(e)];
-          if (open(e, face[0], face[1], face[2])) {
-            const double one = inwards * side.given[static_cast<std::size_t>(e)][k] * h[a] * h[b];
+          if (const double share = area(e, face[0], face[1], face[2]); share > 0) {
+            const double one =
+                inwards * side.given[static_cast<std::size_t>(e)][k] * share * h[a] * h[b];
             passes += one, both_ways += std::abs(one);
             if (side.beyond.empty() || side.beyond[k] == 0) ++faces;
           }
           if (in.rate) return;
           const Vec3d x = place(line, end, 3);
-          wanted += integral_inside(along(x, a), along(x, b), h[a], h[b], distance, flux);
+          wanted += integral_inside<16>(along(x, a), along(x, b), h[a], h[b], distance, flux);
         },
         false);
     if (in.rate) wanted = *in.rate;

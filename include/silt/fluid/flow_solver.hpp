@@ -166,7 +166,7 @@ class FlowSolver {
         for (int k = 0; k < grid().nz(); ++k)
           for (int j = 0; j < grid().ny(); ++j)
             for (int i = 0; i < grid().nx(); ++i)
-              if (s_.solids->open[FlowState::at(d)](i, j, k) == 0)
+              if (s_.solids->area[FlowState::at(d)](i, j, k) == 0)
                 s_.velocity[FlowState::at(d)](i, j, k) =
                     s_.solids->velocity[FlowState::at(d)](i, j, k);
       s_.fill_velocity(d, s_.velocity[FlowState::at(d)]);

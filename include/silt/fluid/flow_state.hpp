@@ -87,7 +87,7 @@ struct FlowState {
   static void scale_inflows(FlowSides& sides, const std::optional<FlowBoundary>& boundary,
                             const std::optional<FlowSolids>& solids) {
     sides.scale(boundary ? boundary->distance : nullptr, [&](int d, int i, int j, int k) {
-      return !solids || solids->open[at(d)](i, j, k) != 0;
+      return solids ? solids->area[at(d)](i, j, k) : 1.0;
     });
   }
   /// Boundary faces and ghosts of a velocity.
@@ -100,7 +100,7 @@ struct FlowState {
         for (const int end : {0, n[d]}) {
           int f[3];
           f[d] = end, f[a] = x, f[b] = y;
-          if (solids->open[at(d)](f[0], f[1], f[2]) == 0)
+          if (solids->area[at(d)](f[0], f[1], f[2]) == 0)
             u(f[0], f[1], f[2]) = solids->velocity[at(d)](f[0], f[1], f[2]);
         }
   }
@@ -152,13 +152,13 @@ struct FlowState {
   bool beside_solids(int i, int j, int k) const {
     if (!solids) return false;
     for (int d = 0; d < 3; ++d) {
-      const double* const open = &solids->open[at(d)].row(j, k)[i];
-      if (open[0] == 0 || open[stride(d)] == 0) return true;
+      const double* const area = &solids->area[at(d)].row(j, k)[i];
+      if (area[0] < 1 || area[stride(d)] < 1) return true;
     }
     return false;
   }
 
-  /// to = eps u on all faces, boundary faces too.
+  /// to = a eps u on all faces, boundary faces too; a: their share in the fluid.
   void superficial(const Three& u, Three& to, const Team& team) const {
     for (int d = 0; d < 3; ++d) {
       const std::ptrdiff_t s = stride(d);
@@ -167,12 +167,12 @@ struct FlowState {
         const int k = static_cast<int>(part);
         for (int j = 0; j < grid.ny() + more[1]; ++j) {
           const double *e = eps.row(j, k), *v = u[at(d)].row(j, k);
-          const double* const open = solids ? solids->open[at(d)].row(j, k) : nullptr;
+          const double* const area = solids ? solids->area[at(d)].row(j, k) : nullptr;
           double* out = to[at(d)].row(j, k);
           fluid_detail::for_row(0, grid.nx() + more[0], [&]<class Real>(int i) {
             const Real mean = Real(0.5) * (load_any<Real>(e + i - s) + load_any<Real>(e + i));
             Real through = mean * load_any<Real>(v + i);
-            if (open != nullptr) through = through * load_any<Real>(open + i);
+            if (area != nullptr) through = through * load_any<Real>(area + i);
             store_any(out + i, through);
           });
         }

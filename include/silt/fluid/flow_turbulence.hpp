@@ -231,23 +231,6 @@ struct FlowTurbulence {
     };
     return 0.25 * (pair(1) - pair(-1));
   }
-  static Vec3d velocity_at(const Three& u, int d, int i, int j, int k) {
-    double v[3];
-    for (int e = 0; e < 3; ++e) {
-      if (e == d) {
-        v[e] = u[at(e)](i, j, k);
-        continue;
-      }
-      v[e] = 0;
-      for (int n = 0; n < 4; ++n) {  // both cells of the face, both faces of each
-        const int back = n & 1, on = n >> 1;
-        v[e] += 0.25 * u[at(e)](i - back * (d == 0) + on * (e == 0),
-                                j - back * (d == 1) + on * (e == 1),
-                                k - back * (d == 2) + on * (e == 2));
-      }
-    }
-    return {v[0], v[1], v[2]};
-  }
   static Vec3d place(const Grid& grid, double i, double j, double k) {
     const Vec3d h = grid.h();
     return grid.box().min + Vec3d{i * h.x, j * h.y, k * h.z};
@@ -260,7 +243,7 @@ struct FlowTurbulence {
     auto& faces = faces_[at(d)];
     faces.clear(), drag[at(d)].fill(0), push[at(d)].fill(0);
     open[at(d)].fill(1);
-    if (solids != nullptr) open[at(d)] = solids->open[at(d)];
+    if (solids != nullptr) open[at(d)] = solids->inside[at(d)];
     for (int k = 0; k < n[2]; ++k)
       for (int j = 0; j < n[1]; ++j)
         for (int i = 0; i < n[0]; ++i) {

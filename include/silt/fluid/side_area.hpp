@@ -29,14 +29,14 @@ inline double positive_share(const std::array<double, 4>& value) {
 }
 
 /// The integral of flux(u, v) over the part of the rectangle of lengths a, b about (u0, v0) where
-/// distance(u, v), a signed distance, is positive. The rectangle is cut into 16 x 16 pieces of size
-/// s; a line of radius R is cut short by s^2/(4 R) at the most, and straight ones are exact.
-template <class Distance, class Flux>
-double integral_inside(double u0, double v0, double a, double b, const Distance& distance,
-                       const Flux& flux) {
-  constexpr std::size_t pieces = 16;
+/// distance(u, v), a signed distance, is positive. The rectangle is cut into pieces x pieces of
+/// size s; a line of radius R is cut short by s^2/(4 R) at the most, and straight ones are exact.
+template <std::size_t pieces, class Distance, class Flux>
+auto integral_inside(double u0, double v0, double a, double b, const Distance& distance,
+                     const Flux& flux) {
+  using Value = decltype(flux(u0, v0));
   const double middle = distance(u0, v0), reach = std::hypot(a, b);
-  if (middle < -reach) return 0;
+  if (middle < -reach) return Value{};
   const bool cut = !(middle > reach);
   const double du = a / pieces, dv = b / pieces, low_u = u0 - 0.5 * a, low_v = v0 - 0.5 * b;
   std::array<std::array<double, pieces + 1>, 2> row{};
@@ -45,7 +45,7 @@ double integral_inside(double u0, double v0, double a, double b, const Distance&
       row[j % 2][i] =
           distance(low_u + static_cast<double>(i) * du, low_v + static_cast<double>(j) * dv);
   };
-  double sum = 0;
+  Value sum{};
   fill(0);
   for (std::size_t j = 0; j < pieces; ++j) {
     fill(j + 1);
@@ -58,7 +58,7 @@ double integral_inside(double u0, double v0, double a, double b, const Distance&
                             low_v + (static_cast<double>(j) + 0.5) * dv);
     }
   }
-  return sum * du * dv;
+  return du * dv * sum;
 }
 
 }  // namespace silt::inline SILT_TARGET::fluid_detail
