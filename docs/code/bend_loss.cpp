@@ -60,13 +60,16 @@ int main(int argc, char** argv) {
       }
     return sum / seen;
   };
-  double drop = 0, samples = 0, first = 1e-6;
+  double drop[2] = {}, samples = 0, first = 1e-6;
+  const double far[2] = {3, 7};  // [D] behind the bend
   std::vector<double> profile(static_cast<std::size_t>(cells), 0.0);
   for (double t = 0; t < end;) {
     const double dt = std::min(first *= 1.05, 0.8 * std::min(flow.stable_step(), 0.3 * h / U));
     flow.step(dt), t += dt;
     if (t < 0.6 * end) continue;
-    drop += pressure(-D, false) - pressure(R + 3 * D + 1e-9, true), samples += 1;
+    for (int n = 0; n < 2; ++n)
+      drop[n] += pressure(-D, false) - pressure(R + far[n] * D + 1e-9, true);
+    samples += 1;
     const int j = static_cast<int>(std::floor((R + D - low.y) / h));
     for (int b = 0; b < cells; ++b) {
       const int i = static_cast<int>(std::floor((R - D / 2 + (b + 0.5) * h - low.x) / h));
@@ -79,10 +82,12 @@ int main(int argc, char** argv) {
   for (int n = 0; n < 50; ++n) root = 2 * std::log10(Re / root) - 0.8;
   // Ito, for R/a from 2 to 15.
   const double ratio = 2 * R / D, alpha = 0.95 + 17.2 * std::pow(ratio, -1.96);
-  std::printf("out over in less 1: %.1e; loss %.3f (Ito: %.3f)\n",
+  std::printf("out over in less 1: %.1e; Ito's loss: %.3f\n",
               flow.flow_rate(1, ny) / flow.flow_rate(0, 0) - 1,
-              drop / samples / q - 4 / (root * root),
               0.00241 * alpha * 90 * std::pow(Re, -0.17) * std::pow(ratio, 0.84));
+  for (int n = 0; n < 2; ++n)
+    std::printf("loss to %.0f D behind the bend: %.3f\n", far[n],
+                drop[n] / samples / q - (far[n] + 1) / (root * root));
   std::printf("velocity, inner to outer wall:");
   for (const double u : profile) std::printf(" %.2f", u / samples);
   std::printf("\n");

@@ -122,6 +122,7 @@ class Field {
   const double* row(int j, int k) const { return values_.data() + grid_.index(0, j, k); }
   /// All numbers as they stand in memory, ghosts and gaps included.
   std::span<double> values() { return values_; }
+  std::span<const double> values() const { return values_; }
   void fill(double value) { std::fill(values_.begin(), values_.end(), value); }
 
   /// Copies into the ghosts of every periodic direction what stands at the other side; edges and
