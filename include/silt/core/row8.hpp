@@ -38,9 +38,10 @@ struct Row8 {
 
 /// Turns one row a lane into eight columns: element c of rows[l] = lane l of low[c] or high[c - 4].
 template <class Arch, class Scalar>
-SILT_INLINE void rows_to_columns(const Row8<Arch, Scalar> (&rows)[Lanes<Arch, Scalar>::width],
-                                 typename Lanes<Arch, Scalar>::Real (&low)[4],
-                                 typename Lanes<Arch, Scalar>::Real (&high)[4]) {
+SILT_INLINE void rows_to_columns(
+    [[maybe_unused]] const Row8<Arch, Scalar> (&rows)[Lanes<Arch, Scalar>::width],
+    [[maybe_unused]] typename Lanes<Arch, Scalar>::Real (&low)[4],
+    [[maybe_unused]] typename Lanes<Arch, Scalar>::Real (&high)[4]) {
 #if defined(__AVX512F__)
   if constexpr (Lanes<Arch>::width == 8 && std::is_same_v<Scalar, double>) {
     __m512d v[2][4];
@@ -82,9 +83,10 @@ SILT_INLINE void rows_to_columns(const Row8<Arch, Scalar> (&rows)[Lanes<Arch, Sc
 
 /// The way back.
 template <class Arch, class Scalar>
-SILT_INLINE void columns_to_rows(const typename Lanes<Arch, Scalar>::Real (&low)[4],
-                                 const typename Lanes<Arch, Scalar>::Real (&high)[4],
-                                 Row8<Arch, Scalar> (&rows)[Lanes<Arch, Scalar>::width]) {
+SILT_INLINE void columns_to_rows(
+    [[maybe_unused]] const typename Lanes<Arch, Scalar>::Real (&low)[4],
+    [[maybe_unused]] const typename Lanes<Arch, Scalar>::Real (&high)[4],
+    [[maybe_unused]] Row8<Arch, Scalar> (&rows)[Lanes<Arch, Scalar>::width]) {
 #if defined(__AVX512F__)
   if constexpr (Lanes<Arch>::width == 8 && std::is_same_v<Scalar, double>) {
     for (int g = 0; g < 2; ++g) {

@@ -99,9 +99,10 @@ struct FlowSolids {
     const auto any = [](const Field& f) {
       return std::any_of(f.values().begin(), f.values().end(), [](double v) { return v > 0; });
     };
-    require(any(inside[0]) || any(inside[1]) || any(inside[2]),
-            "FlowBoundary.distance leaves no face of the grid in the fluid; it must be above 0 there, "
-            "and walls further apart than a cell");
+    require(
+        any(inside[0]) || any(inside[1]) || any(inside[2]),
+        "FlowBoundary.distance leaves no face of the grid in the fluid; it must be above 0 there, "
+        "and walls further apart than a cell");
     for (int d = 0; d < 3; ++d) find_thin(grid, d);
     for (int k = 0; k < grid.nz(); ++k)
       for (int j = 0; j < grid.ny(); ++j)
