@@ -1,7 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 #include <random>
@@ -264,6 +266,31 @@ TEST_CASE("pressure_solver: 72 % of the cells blocked at random: each pocket is 
     CHECK(blocked > 0.72 * 21 * 24 * 19);
     CHECK(wrong < 1e-7);  // 1e-10 times a condition below 1000: long winding paths
   }
+}
+
+TEST_CASE("pressure_solver: faces closed at random, periodic over odd numbers") {
+  // Pairs of cells that touch only over the seam among them, which have the same colour.
+  for (const std::array<bool, 3>& periodic : {std::array{true, false, false}, {true, true, true}})
+    for (std::uint32_t seed = 0; seed < 40; ++seed) {
+      const Grid grid({{0, 0, 0}, {1, 1, 1}}, {9, 9, 8}, periodic);
+      Field a[3] = {Field(grid), Field(grid), Field(grid)}, d(grid), b(grid), p(grid);
+      std::mt19937 random(seed);
+      const auto one = [&] { return random() / 4294967296.0; };
+      for (int k = 0; k < 8; ++k)
+        for (int j = 0; j < 9; ++j)
+          for (int i = 0; i < 9; ++i) {
+            const int at[3] = {i, j, k};
+            for (std::size_t c = 0; c < 3; ++c)
+              if (at[c] > 0 || periodic[c]) a[c](i, j, k) = one() < 0.3 ? 1 : 0;
+            b(i, j, k) = one() - 0.5;
+          }
+      PressureSolver solver(grid);
+      solver.set(a[0], a[1], a[2], d, Team{});
+      const PressureSolution found = solver.solve(b, p, {.relative = 1e-6}, Team{});
+      CAPTURE(seed);
+      CAPTURE(found.reason);
+      CHECK(found.converged);
+    }
 }
 
 TEST_CASE("pressure_solver: two chambers, one with an outlet: only the other's mean is removed") {

@@ -146,6 +146,13 @@ TEST_CASE("turbulence: steps, states and refusals") {
                        silt::InputError);
   CHECK_THROWS_WITH_AS(laminar.set_turbulence(silt::MixingLength{}),
                        doctest::Contains("MixingLength.half_width"), silt::InputError);
+  // Far from any wall, at rest and in motion.
+  FlowSolver free(Grid({{0, 0, 0}, {1, 1, 1}}, {8, 8, 8}, {true, true, true}), flow.fluid());
+  free.set_turbulence({.half_width = 0.02});
+  free.velocity(1)(3, 3, 3) = 1;
+  for (int s = 0; s < 3; ++s) free.step(1e-3);
+  CHECK(free.velocity(1)(3, 3, 3) > 0.5);
+  CHECK(std::isfinite(free.velocity(0)(0, 0, 0)));
   FlowSolver ideal(flow.grid(), {1.2, 0});
   CHECK_THROWS_WITH_AS(ideal.set_turbulence({.half_width = 0.02}),
                        doctest::Contains("viscosity > 0"), silt::InputError);

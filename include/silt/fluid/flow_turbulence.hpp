@@ -344,7 +344,7 @@ struct FlowTurbulence {
                               two ? 1 : std::min(1.0, l / (WallLaw::kappa * y)), wall,
                               y < half ? 0.5 * (y + half) : y});
           else
-            square(i, j, k) = l * l, distance(i, j, k) = y;
+            square(i, j, k) = l * l, distance(i, j, k) = std::min(y, 1e3 * model.half_width);
           if (!two) continue;
           two->kind(i, j, k) = beside ? TwoEquations::beside_wall : TwoEquations::free;
           two->slopes(i, j, k) = beside ? 1 : log_slopes(grid, sides, boundary, i, j, k, y);

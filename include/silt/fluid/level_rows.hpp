@@ -71,6 +71,15 @@ SILT_ONE_COPY void relax_row(int n, int h, std::ptrdiff_t half, const FaceRows& 
   }
 }
 
+/// The same for the m-th cell of even i alone.
+inline void relax_cell(int m, std::ptrdiff_t half, const FaceRows& a, const float* inverse,
+                       const float* r, const NeighbourRows<float>& x) {
+  const std::ptrdiff_t lower = half - 1 + m, upper = half + m;
+  x.at[m] = inverse[m] *
+            (r[m] + a.x[m] * x.at[lower] + a.x[upper] * x.at[upper] + a.y_low[m] * x.y_low[m] +
+             a.y_up[m] * x.y_up[m] + a.z_low[m] * x.z_low[m] + a.z_up[m] * x.z_up[m]);
+}
+
 /// The first of the sweeps, where the unknown is zero: x = r / diagonal for the cells of one half.
 inline void relax_row_from_zero(int n, int h, std::ptrdiff_t half, const float* inverse,
                                 const float* r, float* x) {

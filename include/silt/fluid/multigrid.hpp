@@ -119,15 +119,22 @@ class Multigrid {
     });
   }
 
-  /// Relaxes the cells of the stage's colour (even stages: i + j + k even) of rows of plane k.
+  /// Relaxes the cells of the stage's colour (even stages: i + j + k even) of rows of plane k. The
+  /// last cell of an odd number, coupled with the first of the same colour, follows it, or goes
+  /// before it if `after`: both at once would exchange what is wrong in them.
   static void relax_rows(Level& level, int stage, int k, int from, int to, bool after) {
+    const bool seam = level.wraps[0] && level.n[0] % 2 == 1 && level.n[0] > 1;
     for (int row = from; row < to; ++row) {
-      const int j = after ? from + to - 1 - row : row;
+      const int j = after ? from + to - 1 - row : row, h = (j + k + stage) & 1;
       const std::size_t at = level.begin(j, k);
-      relax_row(level.n[0], (j + k + stage) & 1, level.half, level.faces(j, k),
-                level.inverse.data() + at, level.r.data() + at,
-                level.neighbours(level.x.data(), j, k));
-      level.wrap_row(level.x.data() + at);
+      const float *const inverse = level.inverse.data() + at, *const r = level.r.data() + at;
+      const FaceRows faces = level.faces(j, k);
+      const NeighbourRows<float> x = level.neighbours(level.x.data(), j, k);
+      relax_row(level.n[0], h, level.half, faces, inverse, r, x);
+      level.wrap_row(x.at);
+      if (!seam || h == 1) continue;
+      relax_cell(after ? 0 : level.n[0] / 2, level.half, faces, inverse, r, x);
+      level.wrap_row(x.at);
     }
   }
   static void relax_rows_from_zero(Level& level, int k, int from, int to) {

@@ -32,7 +32,7 @@ struct PressureSolution {
   int iterations = 0;      // of conjugate gradients, one V-cycle each [-]
   double residual = 0;     // |b - A p| / |b|, b without what was removed, in double precision [-]
   double removed = 0;      // what was removed from b to make it solvable, relative to |b| [-]
-  bool converged = false;  // residual <= relative
+  bool converged = false;  // residual <= relative, or rounding of b beside what was removed
   std::string reason;      // why not, one sentence; empty if converged
 };
 
@@ -110,15 +110,16 @@ class PressureSolver {
       return result;
     }
     result.removed = whole > 0 ? removed_ / whole : 0;
-    // What is left of a right side that is all mean is rounding.
-    if (norm <= 1e-14 * whole) {
+    // What is left of a right side that is all mean is rounding, and is not looked for.
+    const double rounding = 1e-14 * whole;
+    if (norm <= rounding) {
       clear_cells(p, false);
       p.wrap_ghosts();
       result.converged = true;
       return result;
     }
     clear_cells(p, true);
-    iterate(p, norm, until, team, result);
+    iterate(p, norm, std::max(until.relative * norm, rounding), until, team, result);
     remove_means(p, team);
     p.wrap_ghosts();
     return result;
@@ -238,12 +239,12 @@ class PressureSolver {
       }
   }
 
-  /// Conjugate gradients from p on. `scale` is of the residual in float: r = scale (b - A p).
-  void iterate(Field& p, double norm, const PressureTolerance& until, const Team& team,
-               PressureSolution& result) {
+  /// Conjugate gradients from p on to a residual of `target`. `scale` is of the residual in float:
+  /// r = scale (b - A p).
+  void iterate(Field& p, double norm, double target, const PressureTolerance& until,
+               const Team& team, PressureSolution& result) {
     constexpr double drop = 1e-4;  // of the residual between two that are computed in double
     const double cells = std::sqrt(static_cast<double>(grid_.size()));
-    const double target = until.relative * norm;
     double scale = cells / norm, residual = 0;
     const auto stopped = [&](const char* why) { result.reason = why; };
     double next_check = 0, rz = 0, alpha = 0;
