@@ -114,6 +114,7 @@ struct FlowSolids {
           cells(i, j, k) = most(inside);
           if (most(area) > 0) share(i, j, k) = most(area);
         }
+    find_corners(grid);
   }
 
   Three area;      // [-] from 0 to 1
@@ -125,6 +126,12 @@ struct FlowSolids {
   Field cells;     // [-] 1 with a face whose centre is in the fluid, 0 without
   Field share;     // [-] V of cells
   std::array<std::vector<Sliver>, 3> slivers;
+
+  /// Copies what particles do from the next cell into cells that only slivers touch, where no
+  /// particle is counted: else the fluid would find ways without drag there.
+  void fill_corners(Field& f) const {
+    for (const auto& [to, from] : corners_) f(to[0], to[1], to[2]) = f(from[0], from[1], from[2]);
+  }
 
   /// Values `from` ... `to`-1 of a row of faces, of which all others are in solids, as are those
   /// next to them.
@@ -153,6 +160,38 @@ struct FlowSolids {
                 to.from = std::min(to.from, i - 1), to.to = std::max(to.to, i + 2);
       }
   }
+  /// Of the cells around one whose faces are slivers, that with the widest way to it; else any.
+  void find_corners(const Grid& grid) {
+    const auto& n = grid.cells();
+    for (int k = 0; k < n[2]; ++k)
+      for (int j = 0; j < n[1]; ++j)
+        for (int i = 0; i < n[0]; ++i) {
+          if (cells(i, j, k) != 0) continue;
+          double widest = -1;
+          std::array<int, 3> from{};
+          bool passed = false;
+          for (int z = -1; z <= 1; ++z)
+            for (int y = -1; y <= 1; ++y)
+              for (int x = -1; x <= 1; ++x) {
+                double way = 0;
+                const int steps[3] = {x, y, z};
+                for (std::size_t d = 0; d < 3 && std::abs(x) + std::abs(y) + std::abs(z) == 1; ++d)
+                  if (steps[d] != 0)
+                    way = area[d](i + std::max(x, 0), j + std::max(y, 0), k + std::max(z, 0));
+                passed |= way > 0;
+                std::array<int, 3> at{i + x, j + y, k + z};
+                bool in = true;
+                for (int d = 0; d < 3; ++d) {
+                  const auto c = static_cast<std::size_t>(d);
+                  if (grid.periodic(d)) at[c] = (at[c] + n[c]) % n[c];
+                  in &= at[c] >= 0 && at[c] < n[c];
+                }
+                if (in && way > widest && cells(at[0], at[1], at[2]) != 0) widest = way, from = at;
+              }
+          if (passed && widest >= 0) corners_.push_back({std::array<int, 3>{i, j, k}, from});
+        }
+  }
+  std::vector<std::array<std::array<int, 3>, 2>> corners_;
   std::array<std::vector<Span>, 3> spans_;
   std::size_t rows_ = 0;
 

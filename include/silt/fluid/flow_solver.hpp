@@ -242,8 +242,10 @@ class FlowSolver {
     fluid_detail::refuse_unstable(s_, dt, done.courant);
     s_.take_voidage();
     for (Field* f : {&s_.drag, &s_.drag_v[0], &s_.drag_v[1], &s_.drag_v[2], &s_.force[0],
-                     &s_.force[1], &s_.force[2]})
+                     &s_.force[1], &s_.force[2]}) {
+      if (s_.solids) s_.solids->fill_corners(*f);
       s_.sides.fill_cells(*f);
+    }
     s_.sides.fill_pressure(s_.pressure, false);
     fluid_detail::carry(s_, dt, team);
     fluid_detail::find_spread(s_, team);
