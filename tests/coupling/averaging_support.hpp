@@ -124,14 +124,19 @@ struct Room {
   const char* name;
   Grid grid;
   bool blocked;
+  bool cut = false;
 
-  /// A slanted wall and a pillar.
+  /// A slanted wall and a pillar; `cut`: of the wall's cells a part is open.
   Field open() const {
     Field cells(grid, 1);
     for (int k = 0; k < grid.nz(); ++k)
       for (int j = 0; j < grid.ny(); ++j)
         for (int i = 0; i < grid.nx(); ++i)
-          if (3 * i + 2 * k < grid.nx() || (i > grid.nx() / 2 && j == grid.ny() / 2))
+          if (i > grid.nx() / 2 && j == grid.ny() / 2)
+            cells(i, j, k) = 0;
+          else if (cut)
+            cells(i, j, k) = std::clamp((3 * i + 2 * k - grid.nx()) / 3.0 + 0.15, 0.0, 1.0);
+          else if (3 * i + 2 * k < grid.nx())
             cells(i, j, k) = 0;
     return cells;
   }
@@ -144,7 +149,9 @@ inline std::vector<Room> rooms() {
           {"one cell thick, h = 3 d", {{{0, 0, 0}, {12, 3, 9}}, {4, 1, 3}, wraps}, false},
           {"smaller than kernels", {{{0, 0, 0}, {2, 2, 2}}, {5, 4, 3}, mixed}, false},
           {"blocked cells, walls", {{{0, 0, 0}, {6, 5, 4}}, {12, 11, 8}, walls}, true},
-          {"blocked cells, periodic", {{{0, 0, 0}, {7, 5, 6}}, {9, 5, 7}, wraps}, true}};
+          {"blocked cells, periodic", {{{0, 0, 0}, {7, 5, 6}}, {9, 5, 7}, wraps}, true},
+          {"cut cells, walls", {{{0, 0, 0}, {6, 5, 4}}, {12, 11, 8}, walls}, true, true},
+          {"cut cells, periodic", {{{0, 0, 0}, {7, 5, 6}}, {9, 5, 7}, wraps}, true, true}};
 }
 
 template <class Operator>

@@ -406,6 +406,9 @@ TEST_CASE("a uniform flow between walls askew to the cells stays one") {
       CHECK(through ==
             near(eps * 2 * 2 * half / (2 * tilt) * 3 * h).epsilon(1e-3));  // by an open face
       CHECK(flow.flow_rate(0, 5) == near(through).epsilon(1e-10));
+      // Less what is in corners of cells that are counted as solid.
+      const double volume = 28 * 3 * 14 * h * h * h * 2 * half / (28 * h * tilt);
+      CHECK(flow.momentum().x == near(eps * 2 * volume).epsilon(0.02));
       double worst = 0;
       for (int d = 0; d < 3; ++d)
         for_all(g, [&](int i, int j, int k) {
@@ -416,6 +419,43 @@ TEST_CASE("a uniform flow between walls askew to the cells stays one") {
       CAPTURE(worst);
       CHECK(worst < 1e-8);
     }
+}
+
+TEST_CASE("a uniform flow along walls askew to the cells carries a voidage as free flow does") {
+  // Waves of voidage that move with the flow, cells and slivers of many sizes at the plates.
+  const auto strays = [](double half) {  // rms of what is not the flow [m/s]; half 0: no plates
+    const double h = 0.05, dt = 0.01, tilt = 1 / std::sqrt(5.0), V[] = {2, 0.7, 1};
+    const Grid g({{0, 0, 0}, {56 * h, 3 * h, 28 * h}}, {56, 3, 28}, {true, true, true});
+    FlowSolver flow(g, FluidProperties{1.0, 0}, FlowOptions{.tolerance = 1e-10});
+    if (half > 0)
+      flow.set_boundary({.distance = [&](const Vec3d& x) {
+        return half - std::abs(std::remainder((x.x - 2 * x.z) * tilt + 0.037, 56 * h * tilt));
+      }});
+    const auto set_eps = [&](double t) {
+      const double k = 2 * pi / (28 * h);
+      for_all(g, [&](int i, int j, int l) {
+        const Vec3d x = g.centre(i, j, l);
+        flow.voidage()(i, j, l) =
+            0.7 + 0.2 * std::sin(k * (x.x - V[0] * t)) * std::cos(k * (x.z - V[2] * t));
+      });
+    };
+    set_eps(0);
+    for (int d = 0; d < 3; ++d) flow.velocity(d).fill(V[d]);
+    flow.start();
+    for (int s = 1; s <= 80; ++s) set_eps(s * dt), flow.step(dt);
+    double sum = 0, count = 0;
+    for (const int d : {0, 2})
+      for_all(g, [&](int i, int j, int k) {
+        const double u = flow.velocity(d)(i, j, k);
+        if (u != 0) sum += (u - V[d]) * (u - V[d]), ++count;
+      });
+    return std::sqrt(sum / count);
+  };
+  // Free flow errs by the second order of cells and step, 0.0105 m/s; with the plates it is 1.9 and
+  // 1.2 times that. If the voidage of cut cells were that of whole ones, 3 to 4 times.
+  const double free = strays(0);
+  CHECK(free < 0.011);
+  for (const double half : {0.31, 0.43}) CHECK(strays(half) < 2.2 * free);
 }
 
 TEST_CASE("Poiseuille flow in a pipe that lies askew in the cells") {
@@ -444,8 +484,9 @@ TEST_CASE("drag in a pipe leaves no way without it along the wall") {
   flow.set_boundary(
       {.distance = [=](const Vec3d& x) { return R - std::hypot(x.x - 0.31 * h, x.y + 0.13 * h); }});
   flow.set_side(2, 0, Inflow{.velocity = {0, 0, U}}), flow.set_side(2, 1, Outflow{});
-  for_all(flow.grid(),
-          [&](int i, int j, int k) { flow.drag()(i, j, k) = K * (*flow.open_cells())(i, j, k); });
+  for_all(flow.grid(), [&](int i, int j, int k) {
+    flow.drag()(i, j, k) = (*flow.open_cells())(i, j, k) > 0 ? K : 0;
+  });
   for (int s = 0; s < 30; ++s) flow.step(1e-3);
   double fastest = 0;
   for_all(flow.grid(),

@@ -36,7 +36,7 @@ class CellValues {
     }
   }
 
-  /// The mean of the slopes at both faces; beside a side, of the inner one alone.
+  /// The mean of the slopes at both faces; beside a side or a wall, of the open one alone.
   void find_slope(FlowSolver& flow, const Team& team) {
     const Grid& g = flow.grid();
     Field& p = flow.pressure();
@@ -50,9 +50,11 @@ class CellValues {
         const double *c = p.row(j, k), *below = p.row(j - s[1], k - s[2]) - s[0],
                      *above = p.row(j + s[1], k + s[2]) + s[0];
         double* const to = slope[at(d)].row(j, k);
+        const OpenEnds open(flow.open_faces(d), s, j, k);
         for (int i = 0; i < g.nx(); ++i) {
           const int place = d == 0 ? i : d == 1 ? j : k;
-          const bool low = place > 0 || low_held, high = place < last || high_held;
+          const bool low = (place > 0 || low_held) && open.low(i),
+                     high = (place < last || high_held) && open.high(i);
           const double sum = (low ? c[i] - below[i] : 0) + (high ? above[i] - c[i] : 0);
           to[i] = sum / (h * std::max(1, low + high));
         }
@@ -60,17 +62,21 @@ class CellValues {
     }
   }
 
-  /// div tau, the mean of both faces; beside a side that is not periodic, of the inner face alone.
+  /// div tau, the mean of both faces; beside a wall or a side that is not periodic, of the inner
+  /// face alone.
   void find_stress(const FlowSolver& flow, const Team& team) {
     const Grid& g = flow.grid();
     make(stress, g);
     for (int d = 0; d < 3; ++d) {
       const Field& of = flow.stress(d);
       const int last = g.cells()[at(d)] - 1;
+      const int s[3] = {d == 0, d == 1, d == 2};
       for_rows(flow, team, [&](int j, int k) {
+        const OpenEnds open(flow.inner_faces(d), s, j, k);
         for (int i = 0; i < g.nx(); ++i) {
           const int place = d == 0 ? i : d == 1 ? j : k;
-          const bool low = place > 0 || g.periodic(d), high = place < last || g.periodic(d);
+          const bool low = (place > 0 || g.periodic(d)) && open.low(i),
+                     high = (place < last || g.periodic(d)) && open.high(i);
           int up[3] = {i, j, k};
           up[d] = place == last ? 0 : place + 1;  // round, if it is periodic
           const double sum = (low ? of(i, j, k) : 0) + (high ? of(up[0], up[1], up[2]) : 0);
@@ -85,14 +91,16 @@ class CellValues {
     Vec3d sum{0, 0, 0};
     const Grid& g = flow.grid();
     for (int k = 0; k < g.nz(); ++k)
-      for (int j = 0; j < g.ny(); ++j)
+      for (int j = 0; j < g.ny(); ++j) {
+        const double* const open = flow.open_row(j, k);
         for (int i = 0; i < g.nx(); ++i) {
           const double K = flow.drag()(i, j, k);
           const auto of = [&](int d) {
             return K * velocity[at(d)](i, j, k) - flow.drag_velocity(d)(i, j, k);
           };
-          sum += Vec3d{of(0), of(1), of(2)};
+          sum += (open != nullptr ? open[i] : 1) * Vec3d{of(0), of(1), of(2)};
         }
+      }
     return g.cell_volume() * sum;
   }
 
@@ -156,6 +164,16 @@ class CellValues {
   }
 
  private:
+  /// Which of the two faces of cells of a row, in one direction, are open; `faces` null: all.
+  struct OpenEnds {
+    OpenEnds(const Field* faces, const int (&s)[3], int j, int k)
+        : at_low(faces ? faces->row(j, k) : nullptr),
+          at_high(faces ? faces->row(j + s[1], k + s[2]) + s[0] : nullptr) {}
+    bool low(int i) const { return at_low == nullptr || at_low[i] > 0; }
+    bool high(int i) const { return at_high == nullptr || at_high[i] > 0; }
+    const double *at_low, *at_high;
+  };
+
   static std::size_t at(int d) { return static_cast<std::size_t>(d); }
   static double width(const Grid& g, int d) {
     return d == 0 ? g.h().x : d == 1 ? g.h().y : g.h().z;

@@ -134,7 +134,7 @@ class CoupledFlow {
                       const Team& team = {}, std::span<Vec3d> torque = {}) {
     const std::size_t n = particles.velocity.size();
     check(particles, force.size(), torque.size());
-    make_averaging(particles);
+    make_averaging(particles, team);
     CoupledStep done;
     if (!averaging_) {  // there has been no particle yet
       done.flow = flow_.step(dt, team);
@@ -187,6 +187,8 @@ class CoupledFlow {
     if (following_ || !(held_drag().cell > 0)) return;
     cells_.find_velocity(flow_, team);
     find_loads(team);
+    for (auto* fields : {&cells_.velocity, &cells_.slope, &cells_.stress})
+      for (Field& f : *fields) join(f);
     held_.make(flow_.grid(), held_drag().cell);
     held_.renew(flow_.grid(), cells_, in_pressure(), team);
     following_ = true;
@@ -276,7 +278,7 @@ class CoupledFlow {
 
   void check(const CoupledParticles& of, std::size_t forces, std::size_t torques) const;
 
-  void make_averaging(const CoupledParticles& of);
+  void make_averaging(const CoupledParticles& of, const Team& team);
   void spread_volume(const CoupledParticles& of, CoupledStep& done, const Team& team);
   void find_loads(const Team& team) {
     if (in_pressure()) cells_.find_slope(flow_, team), cells_.find_stress(flow_, team);
@@ -287,6 +289,9 @@ class CoupledFlow {
     if constexpr (needs_curl) cells_.find_curl(flow_, team);
     if constexpr (needs_strain) cells_.find_strain(flow_, team);
     if constexpr (has_added_mass) cells_.find_acceleration(flow_, last_dt_, team);
+  }
+  void join(Field& values) const {
+    if (const auto* joined = flow_.joined_cells()) joined->average(values);
   }
   /// Cell values at the particles: all, or those that a flow step has changed.
   void gather(std::size_t n, const Team& team, bool all);
@@ -385,7 +390,8 @@ class CoupledFlow {
   Mode mode_;
   std::tuple<Forces...> forces_;
   std::optional<typename Mode::Averaging> averaging_;
-  Field solids_;  // [m3]
+  int opened_ = 0;  // which of the flow's boundaries it knows
+  Field solids_;    // [m3]
   CellValues cells_;
   std::array<std::vector<double>, quantities> values_;  // of each particle, by column
   std::vector<MomentumExchange<double>> exchange_;

@@ -35,6 +35,7 @@ void CoupledFlow<Drag, Mode, Forces...>::spread_volume(const CoupledParticles& o
   Field* const to[] = {&solids_};
   const std::span<const double> volume[] = {of.volume};
   averaging_->spread(volume, to, team);
+  if (const auto* joined = flow_.joined_cells()) joined->spread(solids_);
   const Grid& g = flow_.grid();
   for (const double v : of.volume) done.solids += v;
   if (done.solids > 0 && done.averaging.outside == 0)
@@ -44,7 +45,9 @@ void CoupledFlow<Drag, Mode, Forces...>::spread_volume(const CoupledParticles& o
   CellValues::for_rows(flow_, team, [&](int j, int k) {
     const double* const s = solids_.row(j, k);
     double* const eps = flow_.voidage().row(j, k);
-    for (int i = 0; i < g.nx(); ++i) eps[i] = std::max(1 - s[i] * over, least_voidage);
+    const double* const open = flow_.open_row(j, k);
+    for (int i = 0; i < g.nx(); ++i)
+      eps[i] = std::max(1 - s[i] * over / fluid_detail::fluid_share(open, i), least_voidage);
   });
 }
 
@@ -53,11 +56,12 @@ void CoupledFlow<Drag, Mode, Forces...>::gather(std::size_t n, const Team& team,
   std::array<const Field*, quantities> from;
   std::array<std::span<double>, quantities> to;
   std::size_t count = 0;
-  const auto take = [&](const Field& field, std::size_t column) {
+  const auto take = [&](Field& field, std::size_t column) {
+    join(field);
     values_[column].resize(n);
     from[count] = &field, to[count++] = values_[column];
   };
-  const auto take3 = [&](const auto& fields, std::size_t column) {
+  const auto take3 = [&](auto& fields, std::size_t column) {
     for (std::size_t d = 0; d < 3; ++d) take(fields[d], column + d);
   };
   take3(cells_.velocity, u_at);
@@ -154,21 +158,31 @@ void CoupledFlow<Drag, Mode, Forces...>::spread_exchange(const CoupledParticles&
                        &flow_.drag()};
   const std::span<const double> from[] = {values_[0], values_[1], values_[2], values_[b_at]};
   averaging_->spread(from, to, team);
+  if (const auto* joined = flow_.joined_cells())
+    for (Field* f : to) joined->spread(*f);
   const double over = 1 / flow_.grid().cell_volume();
   CellValues::for_rows(flow_, team, [&](int j, int k) {
+    const double* const open = flow_.open_row(j, k);
     for (Field* f : to) {
       double* const row = f->row(j, k);
-      for (int i = 0; i < flow_.grid().nx(); ++i) row[i] *= over;
+      for (int i = 0; i < flow_.grid().nx(); ++i)
+        row[i] *= over / fluid_detail::fluid_share(open, i);
     }
   });
 }
 
 template <class Drag, AveragingMode Mode, FluidForce... Forces>
-void CoupledFlow<Drag, Mode, Forces...>::make_averaging(const CoupledParticles& of) {
-  if (averaging_ || of.velocity.empty()) return;
-  if (!diameter) diameter = 2 * *std::max_element(of.shape.radius.begin(), of.shape.radius.end());
-  averaging_.emplace(mode_, flow_.grid(), *diameter);
-  if (const Field* open = flow_.open_cells()) averaging_->open(*open);
+void CoupledFlow<Drag, Mode, Forces...>::make_averaging(const CoupledParticles& of,
+                                                        const Team& team) {
+  if (of.velocity.empty()) return;
+  if (!averaging_) {
+    if (!diameter) diameter = 2 * *std::max_element(of.shape.radius.begin(), of.shape.radius.end());
+    averaging_.emplace(mode_, flow_.grid(), *diameter);
+  } else if (opened_ == flow_.boundaries()) {
+    return;
+  }
+  if (const Field* open = flow_.open_cells()) averaging_->open(*open, team);
+  opened_ = flow_.boundaries();
 }
 
 }  // namespace silt

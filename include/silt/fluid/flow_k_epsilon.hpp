@@ -78,7 +78,7 @@ inline void advect_turbulence(FlowState& state, double dt, CarriedTurbulence& to
                             carried_through(q, left, open[d], F[d][i], i, s[d]));
           net += over[d] * (F[d][i + s[d]] - F[d][i]);
         }
-        if (share != nullptr) sum += (1 / share[i] - 1) * (sum - net * q[i]);
+        if (share != nullptr) sum = (sum - net * q[i]) / share[i] + (m[i] - next[i]) * q[i];
         out[i] = std::max(TwoEquations::least, (m[i] * q[i] - sum) / next[i]);
       }
     }

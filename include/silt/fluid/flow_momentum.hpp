@@ -51,9 +51,10 @@ inline void carry(FlowState& state, double dt, const Team& team) {
         double most = 0;
         for (int j = 0; j < state.grid.ny(); ++j) {
           const double *m = state.mass.row(j, k), *e = state.eps.row(j, k);
+          const double* const share = state.solids ? state.solids->cells.row(j, k) : nullptr;
           double* const out = state.next_mass.row(j, k);
           for (int i = 0; i < state.grid.nx(); ++i) {
-            out[i] = m[i] - dt * state.divergence(state.carried, i, j, k);
+            out[i] = m[i] - dt / fluid_share(share, i) * state.divergence(state.carried, i, j, k);
             most = FlowState::larger(most, 0.5 * e[i] - out[i]);
           }
         }

@@ -58,9 +58,11 @@ class FlowProjection {
           double all = 0;
           for (int j = 0; j < state.grid.ny(); ++j) {
             const double *now = state.eps.row(j, k), *old = state.old_eps.row(j, k);
+            const double* const share = state.solids ? state.solids->cells.row(j, k) : nullptr;
             double* const b = right_.row(j, k);
             for (int i = 0; i < state.grid.nx(); ++i) {
-              b[i] = -(state.divergence(state.flow, i, j, k) + (now[i] - old[i]) / dt);
+              const double fluid = share != nullptr ? share[i] : 1;
+              b[i] = -(state.divergence(state.flow, i, j, k) + fluid * (now[i] - old[i]) / dt);
               all += b[i];
             }
           }
@@ -69,11 +71,13 @@ class FlowProjection {
         FlowState::added);
     const double mean = excess * dt / static_cast<double>(state.grid.size());
     if (!state.sides.any_open() && std::abs(mean) > 1e-6)
-      throw Error(
-          text("FlowSolver: ", mean > 0 ? "more" : "less", " fluid comes in than goes out, by ",
-               std::abs(mean),
-               " of the volume in a step, and no side is an Outflow; make one an "
-               "Outflow, or balance the sides' velocities and the particles that come and go"));
+      throw Error(text(
+          "FlowSolver: ", mean > 0 ? "more" : "less", " fluid comes in than goes out, by ",
+          std::abs(mean),
+          " of the volume in a step, and no side is an Outflow; make one an "
+          "Outflow, or balance the sides' velocities and the particles that come and go; solids "
+          "that a CoupledFlow cuts off at its least_voidage have gone as well: wider weights or "
+          "larger cells have room for them"));
     solver_.set(coefficient_[0], coefficient_[1], coefficient_[2], held_, team);
     change_.fill(0);
     // What is less than rounding of the voidage in this step need not be found.

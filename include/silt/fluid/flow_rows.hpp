@@ -93,7 +93,11 @@ SILT_INLINE void explicit_terms(const StageRow& r, int i, Real& advection, Real&
     div += over * (flux(out, m, q0, p, pp) - flux(in, mm, m, q0, p));
   }
   const Real squeeze = Real(r.over_own / 3) * (at(r.spread, 0) - at(r.spread, -r.own));
-  if constexpr (Walled) div += at(r.thin, 0) * (div - q0 * net);
+  if constexpr (Walled) {
+    const auto mean = [&](const double* c) { return half * (at(c, -r.own) + at(c, 0)); };
+    const Real less = Real(r.per_step / r.density) * (mean(r.mass) - mean(r.next_mass));
+    div = (Real(1) + at(r.thin, 0)) * (div - q0 * net) + q0 * less;
+  }
   advection = Real(-r.density) * div;
   viscous = Real(r.viscosity) * (lap + squeeze);
 }

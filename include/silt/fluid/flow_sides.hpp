@@ -134,6 +134,15 @@ class FlowSides {
     return false;
   }
 
+  /// Mean pressure [Pa] of the outlets; 0 without any.
+  double outlet_pressure() const {
+    double sum = 0, count = 0;
+    for (int e = 0; e < 3; ++e)
+      for (const int end : {0, 1})
+        if (open(e, end)) sum += std::get<Outflow>(at(e, end).kind).pressure, ++count;
+    return count > 0 ? sum / count : 0;
+  }
+
   /// Sets the faces of component c that are given, and its ghosts.
   void fill_velocity(int c, Field& u) const {
     u.wrap_ghosts();

@@ -5,27 +5,21 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <functional>
 #include <vector>
 
 #include <silt/core/error.hpp>
-#include <silt/fluid/grid.hpp>
+#include <silt/fluid/joined_cells.hpp>
 #include <silt/fluid/side_area.hpp>
 
 namespace silt::inline SILT_TARGET {
 
-/// What stands in the box of a flow: pipes, bends, drums, hoppers.
-struct FlowBoundary {
-  /// Signed distance [m] to the surface at a place [m]: positive in the fluid. It must be right
-  /// within a cell of the surface.
-  std::function<double(const Vec3d& place)> distance;
-  std::function<Vec3d(const Vec3d& place)> velocity{};  // [m/s] of the surface; at rest if left out
-};
-
 namespace fluid_detail {
 
-/// One field a direction: of velocities and fluxes.
-using Three = std::array<Field, 3>;
+/// [-] By which what is counted in cell i is divided: the share of the cell that fluid can enter; 1
+/// where none can. `open`: a row of FlowSolids::cells, or null in a box without solids.
+inline double fluid_share(const double* open, int i) {
+  return open != nullptr && open[i] > 0 ? open[i] : 1;
+}
 
 /// The velocity [m/s] in the middle of face (i, j, k) of direction d.
 inline Vec3d velocity_at(const Three& u, int d, int i, int j, int k) {
@@ -111,10 +105,11 @@ struct FlowSolids {
             return std::max({of[0](i, j, k), of[0](i + 1, j, k), of[1](i, j, k), of[1](i, j + 1, k),
                              of[2](i, j, k), of[2](i, j, k + 1)});
           };
-          cells(i, j, k) = most(inside);
+          if (most(inside) > 0) cells(i, j, k) = open_share(grid, boundary, i, j, k);
           if (most(area) > 0) share(i, j, k) = most(area);
         }
     find_corners(grid);
+    joined.find(grid, boundary, area, cells);
   }
 
   Three area;      // [-] from 0 to 1
@@ -123,9 +118,10 @@ struct FlowSolids {
   Three drag;      // [kg/(m3 s)]
   Three push;      // [N/m3] what goes with the walls' velocity
   Three velocity;  // [m/s] of the solid, in faces whose centres are in it
-  Field cells;     // [-] 1 with a face whose centre is in the fluid, 0 without
+  Field cells;     // [-] the fluid's share of cells with a face whose centre is in it; 0 of others
   Field share;     // [-] V of cells
   std::array<std::vector<Sliver>, 3> slivers;
+  JoinedCells joined;
 
   /// Copies what particles do from the next cell into cells that only slivers touch, where no
   /// particle is counted: else the fluid would find ways without drag there.
@@ -159,6 +155,23 @@ struct FlowSolids {
               if (area[c](i, y, z) != 0)
                 to.from = std::min(to.from, i - 1), to.to = std::max(to.to, i + 2);
       }
+  }
+  /// Of a cell that is cut: the mean of areas of slices. Not less than a tenth, so that particles
+  /// find room.
+  double open_share(const Grid& grid, const FlowBoundary& boundary, int i, int j, int k) const {
+    if (area[0](i, j, k) == 1 && area[0](i + 1, j, k) == 1 && area[1](i, j, k) == 1 &&
+        area[1](i, j + 1, k) == 1 && area[2](i, j, k) == 1 && area[2](i, j, k + 1) == 1)
+      return 1;
+    const Vec3d x = grid.centre(i, j, k), h = grid.h();
+    double sum = 0;
+    for (int slice = 0; slice < 4; ++slice)
+      sum += integral_inside<pieces>(
+          x.x, x.y, h.x, h.y,
+          [&](double u, double v) {
+            return boundary.distance({u, v, x.z + ((slice + 0.5) / 4 - 0.5) * h.z});
+          },
+          [](double, double) { return 1.0; });
+    return std::clamp(sum / (4 * h.x * h.y), 0.1, 1.0);
   }
   /// Of the cells around one whose faces are slivers, that with the widest way to it; else any.
   void find_corners(const Grid& grid) {

@@ -66,7 +66,9 @@ class FlowSolver {
 
   FlowSolver(FlowSolver&&) = default;
   FlowSolver(const FlowSolver& other)
-      : s_(other.s_), projection_(std::make_unique<fluid_detail::FlowProjection>(other.grid())) {}
+      : s_(other.s_),
+        boundaries_(other.boundaries_),
+        projection_(std::make_unique<fluid_detail::FlowProjection>(other.grid())) {}
   FlowSolver& operator=(FlowSolver&&) = default;
 
   const Grid& grid() const { return s_.grid; }
@@ -74,11 +76,15 @@ class FlowSolver {
   const FlowOptions& options() const { return s_.options; }
 
   /// What bounds the flow at the lower (end 0) or upper (end 1) side of a direction that is not
-  /// periodic; a wall at rest unless set.
+  /// periodic; a wall at rest unless set. By what the outlets' mean pressure changes all pressure
+  /// is shifted: a jump at the outlet would be felt as a blow.
   void set_side(int direction, int end, const FlowSide& side) {
     fluid_detail::FlowSides sides = s_.sides;
     sides.set(direction, end, side);
     s_.scale_inflows(sides, s_.boundary, s_.solids);
+    if (sides.any_open())
+      for (double& p : s_.pressure.values())
+        p += sides.outlet_pressure() - s_.sides.outlet_pressure();
     s_.sides = std::move(sides);
     if (s_.turbulence) s_.turbulence->ready = false;
   }
@@ -90,11 +96,13 @@ class FlowSolver {
     std::optional<fluid_detail::FlowSolids> solids;
     solids.emplace(grid(), boundary, s_.fluid.viscosity);
     fluid_detail::FlowSides sides = s_.sides;
+    sides.fill_cells(solids->cells);
     s_.scale_inflows(sides, boundary, solids);
     s_.sides = std::move(sides), s_.solids = std::move(solids), s_.boundary = boundary;
     if (s_.turbulence) s_.turbulence->ready = false;
-    s_.started = false;
+    s_.started = false, ++boundaries_;
   }
+  int boundaries() const { return boundaries_; }  // that have been set
   /// Makes the flow a turbulent one, of Reynolds-averaged velocities. Costs nothing unless called.
   void set_turbulence(const MixingLength& model) { make_turbulent(model); }
   void set_turbulence(const KEpsilon& model) { make_turbulent(model); }
@@ -110,8 +118,25 @@ class FlowSolver {
     check_turbulent();
     return s_.turbulence->walls;
   }
-  /// 1 in cells that fluid can enter, 0 in others; null if all can.
+  /// The fluid's share of cells that fluid can enter, at least 0.1, and 0 in others; null if all
+  /// are whole.
   const Field* open_cells() const { return s_.solids ? &s_.solids->cells : nullptr; }
+  /// Of row (j, k), for fluid_detail::fluid_share.
+  const double* open_row(int j, int k) const {
+    return s_.solids ? s_.solids->cells.row(j, k) : nullptr;
+  }
+  /// The share of each face of direction d that is open, and 1 or 0: whether its centre is in the
+  /// fluid; null if all are whole.
+  const Field* open_faces(int d) const {
+    return s_.solids ? &s_.solids->area[FlowState::at(d)] : nullptr;
+  }
+  const Field* inner_faces(int d) const {
+    return s_.solids ? &s_.solids->inside[FlowState::at(d)] : nullptr;
+  }
+  /// Cells at walls that are one for particles; null if there are no walls within the box.
+  const fluid_detail::JoinedCells* joined_cells() const {
+    return s_.solids ? &s_.solids->joined : nullptr;
+  }
   /// Ghosts of the pressure as the sides have it; and whether a side holds a pressure or is
   /// periodic, so that there is a slope across it.
   void fill_pressure_ghosts() { s_.sides.fill_pressure(s_.pressure, false); }
@@ -186,12 +211,16 @@ class FlowSolver {
           team,
           [&](int k) {
             double all = 0;
-            for (int j = 0; j < s_.grid.ny(); ++j)
+            for (int j = 0; j < s_.grid.ny(); ++j) {
+              const double* const open = open_row(j, k);
               for (int i = 0; i < s_.grid.nx(); ++i) {
                 const int face = d == 0 ? i : d == 1 ? j : k;
                 const double *m = &s_.mass.row(j, k)[i], u = s_.velocity[FlowState::at(d)](i, j, k);
-                if (face >= first && face < last) all += 0.5 * (m[-s] + m[0]) * u;
+                const double low = open != nullptr ? open[i - s] * m[-s] : m[-s],
+                             high = open != nullptr ? open[i] * m[0] : m[0];
+                if (face >= first && face < last) all += 0.5 * (low + high) * u;
               }
+            }
             return all;
           },
           FlowState::added);
@@ -277,6 +306,7 @@ class FlowSolver {
   }
 
   FlowState s_;
+  int boundaries_ = 0;
   std::unique_ptr<fluid_detail::FlowProjection> projection_;  // knows nothing between steps
 };
 

@@ -75,8 +75,8 @@ struct WallLaw {
 /// Source: J. Nikuradse, VDI-Forschungsheft 356 (1932), and H. Schlichting, Boundary-Layer Theory,
 ///   7th ed., 1979, eq. (20.18) (length); E. R. van Driest, J. Aeronaut. Sci. 23 (1956) 1007.
 /// Valid:  flows along walls; for those that separate take KEpsilon. Grains do not change it. Least
-///   sure where y+ of the first cells is below some 40 (FlowSolver::wall_units()): there friction is
-///   up to 13 % too high, and 35 % along walls askew to the cells.
+///   sure where y+ of the first cells is below some 40 (FlowSolver::wall_units()): there friction
+///   is up to 13 % too high, and 35 % along walls askew to the cells.
 /// Tests:  tests/fluid/turbulence.cpp
 struct MixingLength {
   double half_width = 0;  // [m] R: radius of the pipe, half the distance of the plates

@@ -54,7 +54,8 @@ struct AveragingReport {
 ///   using Averaging = ...               the operator, made from (mode, grid, diameter [m]): of the
 ///                                       largest particles, in which the mode's widths are given
 /// and the operator has
-///   void open(const Field& cells)       1 in open cells, 0 in blocked ones; before place()
+///   void open(const Field& cells, const Team&)      the share of each cell that is open, from 0 to
+///                                                   1; before place()
 ///   void place(const AveragedParticles&, const Team&)
 ///   void spread(Quantities, CellFields, const Team&)        their cells are set, ghosts are not
 ///   void gather(ConstCellFields, GatheredValues, const Team&)        reads no ghosts
@@ -67,7 +68,7 @@ concept AveragingMode =
              const AveragedParticles& particles, Quantities q, CellFields f, ConstCellFields g,
              GatheredValues v, const Team& team) {
   mode.check();
-  averaging.open(cells);
+  averaging.open(cells, team);
   averaging.place(particles, team);
   averaging.spread(q, f, team);
   averaging.gather(g, v, team);

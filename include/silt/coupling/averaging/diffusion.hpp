@@ -41,43 +41,55 @@ class Diffusion::Averaging {
  public:
   Averaging(const Diffusion& mode, const Grid& grid, double diameter)
       : mode_((mode.check(), detail::check_diameter(diameter), mode)),
+        diameter_(diameter),
         stencils_(grid),
         diffusion_(grid, 0.25 * mode.width * diameter * mode.width * diameter / mode.steps) {}
 
   const Grid& grid() const { return stencils_.grid(); }
   const AveragingReport& report() const { return stencils_.report(); }
 
-  void open(const Field& cells) {
-    stencils_.open(cells);
+  void open(const Field& cells, const Team& team = {}) {
+    const auto balance = [&](const auto& source_of) {
+      balance_.assign(1,
+                      detail::Balance::open(stencils_, cells, cells, diameter_, source_of, team));
+    };
+    mode_.share == Share::Hat ? balance(detail::hat_shares(grid()))
+                              : balance(detail::exact_shares(grid()));
+    open_.assign(1, cells);
     diffusion_.open(cells);
   }
   void place(const AveragedParticles& particles, const Team& team = {}) {
     detail::check_particles(particles, grid());
     const std::size_t n = particles.position.size();
     if (mode_.share == Share::Hat)
-      return stencils_.place(n, detail::HatSource(grid(), particles), team);
+      return stencils_.place(n, detail::hat_shares(grid())(particles), team);
     require(particles.forms.empty(),
             "Diffusion: Share::Exact is of spheres alone; take Share::Hat");
-    stencils_.place(n, Unresolved::Source({}, grid(), 1, particles), team);
+    stencils_.place(n, detail::exact_shares(grid())(particles), team);
   }
   void spread(Quantities q, CellFields f, const Team& team = {}) {
     stencils_.spread(q, f, team);
-    if (stencils_.openness()) multiply_openness(*stencils_.openness(), f, team);
+    if (!open_.empty()) multiply_openness(balance_[0], f, team);
     for (int s = 0; s < mode_.steps; ++s) diffusion_.step(f, team);
+    if (!open_.empty()) multiply_openness(open_[0], f, team);
   }
   void gather(ConstCellFields f, GatheredValues g, const Team& team = {}) {
     detail::check_columns("gather", g, f, grid(), report().particles);
-    const ConstCellFields smooth = copies_.of(f, stencils_.openness(), team);
+    const ConstCellFields smooth = copies_.of(f, nullptr, team);
     const CellFields own = copies_.room_for(f.size(), &grid());
+    if (!open_.empty()) clear_blocked(open_[0], own, team);
     for (int s = 0; s < mode_.steps; ++s) diffusion_.adjoint_step(own, team);
+    if (!open_.empty()) multiply_openness(*stencils_.openness(), own, team);
     stencils_.gather(smooth, g, team);
   }
 
  private:
   Diffusion mode_;
+  double diameter_;
   Stencils stencils_;
   LineDiffusion diffusion_;
   FieldCopies copies_;
+  std::vector<Field> open_, balance_;  // none: all cells are open
 };
 
 static_assert(AveragingMode<Diffusion>);

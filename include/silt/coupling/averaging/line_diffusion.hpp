@@ -10,12 +10,15 @@ namespace silt::inline SILT_TARGET {
 
 /// Implicit diffusion of cell fields, direction by direction (locally one-dimensional): one step is
 ///
-///   f <- (1 + k L_z)^-1 (1 + k L_y)^-1 (1 + k L_x)^-1 f,   k = D dt / h^2 of the direction (1)
+///   f <- (s + k L_z)^-1 s (s + k L_y)^-1 s (s + k L_x)^-1 s f,   k = D dt / h^2 of the direction
+///   (1)
 ///
-/// with L the second difference without flux through walls and blocked cells, wrapped where the
-/// direction is periodic. Each factor is symmetric, positive and keeps sums; the product's adjoint
-/// is that in the opposite order. A line is solved by elimination; where it is periodic, its
-/// closing bond, k w w^T with w = e_first - e_last, is added by Sherman's and Morrison's formula.
+/// with s the share of each cell that is open, and L the second difference without flux through
+/// walls and blocked cells, wrapped where the direction is periodic. Each factor keeps what is
+/// uniform, is positive, and symmetric in the product sum s f g, so that it keeps the sum of s f;
+/// the product's adjoint in it is that in the opposite order. A line is solved by elimination;
+/// where it is periodic, its closing bond, k w w^T with w = e_first - e_last, is added by Sherman's
+/// and Morrison's formula.
 ///
 /// Source: N. N. Yanenko, The method of fractional steps (1971). Values in ghosts are lost.
 /// Tests:  tests/coupling/averaging_diffusion.cpp.
@@ -60,15 +63,16 @@ class LineDiffusion {
     double inverse, lower, upper, closing;
   };
 
-  /// The coefficients of one line of n cells, open(m) of them.
-  template <class Open, class Set>
-  static void factorise(int n, bool periodic, double k, const Open& open, const Set& set) {
+  /// The coefficients of one line of n cells, of which share(m) is open.
+  template <class Share, class Set>
+  static void factorise(int n, bool periodic, double k, const Share& share, const Set& set) {
+    const auto open = [&](int m) { return share(m) > 0; };
     std::vector<LineCell> c(static_cast<std::size_t>(n));
     const auto at = [&](int m) -> LineCell& { return c[static_cast<std::size_t>(m)]; };
     const auto bond = [&](int m) { return m > 0 && m < n && open(m) && open(m - 1) ? k : 0.0; };
     for (int m = 0; m < n; ++m) {
       const double before = bond(m), after = bond(m + 1);
-      double middle = 1 + before + after;
+      double middle = (open(m) ? share(m) : 1) + before + after;
       if (m > 0) middle -= before * before * at(m - 1).inverse;
       at(m) = {1 / middle, before / middle, after / middle, 0};
     }
@@ -81,7 +85,10 @@ class LineDiffusion {
       const double scale = k / (1 + k * (at(0).closing - at(n - 1).closing));
       for (auto& cell : c) cell.closing *= scale;
     }
-    for (int m = 0; m < n; ++m) set(m, at(m));
+    for (int m = 0; m < n; ++m) {
+      if (open(m)) at(m).inverse *= share(m);
+      set(m, at(m));
+    }
   }
 
   void make(const Field* cells) {
@@ -106,7 +113,7 @@ class LineDiffusion {
               n[d], axis.periodic, k_[static_cast<std::size_t>(d)],
               [&](int m) {
                 at[d] = m;
-                return !cells || (*cells)(at[0], at[1], at[2]) > 0;
+                return cells ? (*cells)(at[0], at[1], at[2]) : 1.0;
               },
               [&](int m, const LineCell& c) {
                 at[d] = m;

@@ -1,12 +1,16 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-#include <silt/coupling/averaging/stencils.hpp>
+#include <silt/coupling/averaging/balance.hpp>
 
 namespace silt::inline SILT_TARGET {
 
-/// Multiplies cells by openness (blocked ones become 0 whatever they hold), or copies them so.
-inline void multiply_openness(const Field& openness, CellFields fields, const Team& team) {
+namespace detail {
+
+/// Puts new_value(openness, value) into open cells, and 0 into blocked ones whatever they hold.
+template <class NewValue>
+void change_open(const Field& openness, CellFields fields, const Team& team,
+                 const NewValue& new_value) {
   const Grid& g = openness.grid();
   team.for_parts(static_cast<std::size_t>(g.nz()), [&](std::size_t plane) {
     const int k = static_cast<int>(plane);
@@ -14,9 +18,18 @@ inline void multiply_openness(const Field& openness, CellFields fields, const Te
       for (int j = 0; j < g.ny(); ++j) {
         double* to = field->row(j, k);
         const double* o = openness.row(j, k);
-        for (int i = 0; i < g.nx(); ++i) to[i] = o[i] > 0 ? o[i] * to[i] : 0.0;
+        for (int i = 0; i < g.nx(); ++i) to[i] = o[i] > 0 ? new_value(o[i], to[i]) : 0.0;
       }
   });
+}
+
+}  // namespace detail
+
+inline void multiply_openness(const Field& openness, CellFields fields, const Team& team) {
+  detail::change_open(openness, fields, team, [](double o, double v) { return o * v; });
+}
+inline void clear_blocked(const Field& openness, CellFields fields, const Team& team) {
+  detail::change_open(openness, fields, team, [](double, double v) { return v; });
 }
 
 /// Copies of fields, times openness where it is given, kept from call to call.
@@ -73,7 +86,12 @@ class StencilAveraging {
   const Stencils& stencils() const { return stencils_; }
   const AveragingReport& report() const { return stencils_.report(); }
 
-  void open(const Field& cells) { stencils_.open(cells); }
+  void open(const Field& cells, const Team& team = {}) {
+    const auto source_of = [&](const AveragedParticles& of) {
+      return typename Mode::Source(mode_, grid(), diameter_, of);
+    };
+    detail::Balance::open(stencils_, cells, cells, diameter_, source_of, team);
+  }
   void place(const AveragedParticles& particles, const Team& team = {}) {
     detail::check_particles(particles, grid());
     const typename Mode::Source source(mode_, stencils_.grid(), diameter_, particles);

@@ -46,18 +46,20 @@ class Stencils {
   /// gathered before.
   void open(const Field& openness) {
     require(openness.grid() == grid_, "averaging: the field of open cells is not of its grid");
-    openness_.assign(1, openness);
-    any_open_ = false;
+    bool any = false;
     for (int k = 0; k < grid_.nz(); ++k)
       for (int j = 0; j < grid_.ny(); ++j)
         for (int i = 0; i < grid_.nx(); ++i) {
           const double o = openness(i, j, k);
           require(o >= 0 && o <= 1 + 1e-9, "averaging: openness of cell (", i, ", ", j, ", ", k,
                   ") = ", o, " [-] must be in [0, 1]");
-          any_open_ |= o > least_open;
+          any |= o > least_open;
         }
-    require(any_open_, "averaging: no cell of the grid is open");
+    require(any, "averaging: no cell of the grid is open");
+    weigh(openness);
   }
+  /// The same with any weights of cells instead.
+  void weigh(const Field& openness) { openness_.assign(1, openness); }
   /// Null: all cells are open.
   const Field* openness() const { return openness_.empty() ? nullptr : openness_.data(); }
 
@@ -387,7 +389,6 @@ class Stencils {
 
   Grid grid_;
   std::vector<Field> openness_;  // none: all open
-  bool any_open_ = true;
   AlignedVector<Stencil> stencils_;
   AlignedVector<double> weights_;
   std::vector<std::size_t> closed_;

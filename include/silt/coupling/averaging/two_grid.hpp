@@ -63,6 +63,14 @@ class HatSource {
   CellFrame frame_;
 };
 
+/// What Stencils::place takes, of particles: hats, or the volumes in common with spheres.
+inline auto hat_shares(const Grid& grid) {
+  return [&grid](const AveragedParticles& of) { return HatSource(grid, of); };
+}
+inline auto exact_shares(const Grid& grid) {
+  return [&grid](const AveragedParticles& of) { return Unresolved::Source({}, grid, 1, of); };
+}
+
 /// The grid of the same box with cells of at least `size` where the cells are smaller.
 inline Grid coarser_grid(const Grid& grid, double size) {
   std::array<int, 3> n = grid.cells();
@@ -80,6 +88,7 @@ class TwoGrid::Averaging {
   Averaging(const TwoGrid& mode, const Grid& grid, double diameter)
       : mode_((mode.check(), detail::check_diameter(diameter), mode)),
         grid_(grid),
+        diameter_(diameter),
         stencils_(detail::coarser_grid(grid, mode.cell * diameter)) {
     for (std::size_t d = 0; d < 3; ++d)
       axes_.emplace_back(grid.cells()[d], coarse().cells()[d], grid.periodic(static_cast<int>(d)),
@@ -89,27 +98,33 @@ class TwoGrid::Averaging {
   const Grid& coarse() const { return stencils_.grid(); }
   const AveragingReport& report() const { return stencils_.report(); }
 
-  void open(const Field& cells) {
+  void open(const Field& cells, const Team& team = {}) {
     require(cells.grid() == grid_, "averaging: the field of open cells is not of its grid");
-    open_.assign(1, cells);
+    open_.clear();
     Field seen(coarse());
-    const Field* const from[]{&open_[0]};
+    const Field* const from[]{&cells};
     Field* const to[]{&seen};
-    collect(from, to, {});
-    stencils_.open(seen);
+    collect(from, to, team);
+    const auto balance = [&](const auto& source_of) {
+      balance_.assign(1, detail::Balance::open(stencils_, cells, seen, diameter_, source_of, team));
+    };
+    mode_.share == Share::Hat ? balance(detail::hat_shares(coarse()))
+                              : balance(detail::exact_shares(coarse()));
+    open_.assign(1, cells);
   }
   void place(const AveragedParticles& particles, const Team& team = {}) {
     detail::check_particles(particles, grid_);
     const std::size_t n = particles.position.size();
     if (mode_.share == Share::Hat)
-      return stencils_.place(n, detail::HatSource(coarse(), particles), team);
+      return stencils_.place(n, detail::hat_shares(coarse())(particles), team);
     require(particles.forms.empty(), "TwoGrid: Share::Exact is of spheres alone; take Share::Hat");
-    stencils_.place(n, Unresolved::Source({}, coarse(), 1, particles), team);
+    stencils_.place(n, detail::exact_shares(coarse())(particles), team);
   }
   void spread(Quantities q, CellFields f, const Team& team = {}) {
     detail::check_columns("spread", q, f, grid_, report().particles);
     const CellFields part = copies_.room_for(q.size(), &coarse());
     stencils_.spread(q, part, team);
+    if (!open_.empty()) multiply_openness(balance_[0], part, team);
     distribute(part, f, team);
     if (!open_.empty()) multiply_openness(open_[0], f, team);
   }
@@ -117,6 +132,7 @@ class TwoGrid::Averaging {
     detail::check_columns("gather", g, f, grid_, report().particles);
     const CellFields part = copies_.room_for(f.size(), &coarse());
     collect(f, part, team);
+    if (!open_.empty()) multiply_openness(balance_[0], part, team);
     stencils_.gather({part.data(), part.size()}, g, team);
   }
 
@@ -189,9 +205,11 @@ class TwoGrid::Averaging {
 
   TwoGrid mode_;
   Grid grid_;
+  double diameter_;
   Stencils stencils_;
   std::vector<AxisTransfer> axes_;
-  std::vector<Field> open_;  // none: all are
+  std::vector<Field> open_;     // none: all are
+  std::vector<Field> balance_;  // of coarse cells, where some are not open
   FieldCopies copies_;
   AlignedVector<double> planes_;
 };
