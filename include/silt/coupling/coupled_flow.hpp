@@ -87,7 +87,9 @@ class CoupledFlow {
   static constexpr bool has_added_mass = (false || ... || adds_mass<Forces>);
   /// Drag follows each particle's velocity between fluid steps.
   static constexpr bool follows = (false || ... || std::is_same_v<Forces, FollowedDrag>);
-  static_assert((0 + ... + std::is_same_v<Forces, FollowedDrag>) <= 1, "give FollowedDrag once");
+  template <class Force>
+  static constexpr int times_given = (0 + ... + std::is_same_v<Forces, Force>);
+  static_assert(((times_given<Forces> == 1) && ...), "CoupledFlow: give each force once");
   static_assert(!(follows && has_added_mass),
                 "FollowedDrag does not know a virtual mass: leave one of them out");
   static_assert(
