@@ -137,6 +137,20 @@ TEST_CASE("turbulent flow between plates, at rest and moving") {
   CHECK(mean == near(U).epsilon(0.05));  // 10 % of friction
 }
 
+TEST_CASE("stable_step() knows the eddies that the last step has made") {
+  // Air that is blown to some 20 m/s within a step: its eddies are not those of the step before.
+  FlowSolver flow(Grid({{0, 0, 0}, {0.02, 0.04, 0.01}}, {4, 16, 2}, {true, false, true}),
+                  {rho, mu});
+  flow.set_turbulence({.half_width = 0.02});
+  for (int s = 0; s < 30; ++s) {
+    for (int j = 0; j < 16; ++j)
+      for (int i = 0; i < 4; ++i)
+        for (int k = 0; k < 2; ++k) flow.force(0)(i, j, k) = s % 10 == 0 ? 2e4 * (j % 3) : 0;
+    flow.step(std::min(1e-3, flow.stable_step()));
+  }
+  CHECK(flow.eddy_viscosity()(0, 8, 0) > 50 * mu);
+}
+
 TEST_CASE("turbulence: steps, states and refusals") {
   FlowSolver flow = channel(8, 0.04, 30, 10, 0, 0.01);
   FlowSolver laminar(flow.grid(), flow.fluid());

@@ -86,7 +86,7 @@ class FlowSolver {
       for (double& p : s_.pressure.values())
         p += sides.outlet_pressure() - s_.sides.outlet_pressure();
     s_.sides = std::move(sides);
-    if (s_.turbulence) s_.turbulence->ready = false;
+    if (s_.turbulence) s_.turbulence->ready = s_.turbulence->found = false;
   }
 
   /// What stands in the box: fluid is only where boundary.distance > 0.
@@ -99,7 +99,7 @@ class FlowSolver {
     sides.fill_cells(solids->cells);
     s_.scale_inflows(sides, boundary, solids);
     s_.sides = std::move(sides), s_.solids = std::move(solids), s_.boundary = boundary;
-    if (s_.turbulence) s_.turbulence->ready = false;
+    if (s_.turbulence) s_.turbulence->ready = s_.turbulence->found = false;
     s_.started = false, ++boundaries_;
   }
   int boundaries() const { return boundaries_; }  // that have been set
@@ -109,7 +109,7 @@ class FlowSolver {
   /// Of a flow with KEpsilon, in cells; where 0 at the first step they get KEpsilon's of a start.
   Field& turbulent_energy() { return equations().k; }   // [m2/s2]
   Field& dissipation() { return equations().epsilon; }  // [m2/s3]
-  /// Of a turbulent flow, at the beginning of the last step: [Pa s] in cells, and y+ at walls.
+  /// Of a turbulent flow after a step: [Pa s] in cells, and y+ at walls.
   const Field& eddy_viscosity() const {
     check_turbulent();
     return s_.turbulence->eddy;
@@ -159,7 +159,10 @@ class FlowSolver {
 
   /// @name The state, on faces of each direction and in cells
   /// @{
-  Field& velocity(int d) { return s_.velocity[FlowState::at(d)]; }  // [m/s] interstitial
+  Field& velocity(int d) {  // [m/s] interstitial
+    s_.forget_eddies();
+    return s_.velocity[FlowState::at(d)];
+  }
   const Field& velocity(int d) const { return s_.velocity[FlowState::at(d)]; }
   Field& pressure() { return s_.pressure; }  // [Pa] of the middle of the last step
   const Field& pressure() const { return s_.pressure; }
@@ -196,6 +199,7 @@ class FlowSolver {
                     s_.solids->velocity[FlowState::at(d)](i, j, k);
       s_.fill_velocity(d, s_.velocity[FlowState::at(d)]);
     }
+    s_.forget_eddies();
     s_.superficial(s_.velocity, s_.flow, team);
     s_.old_flow = s_.flow;
     s_.old_dt = 0, s_.started = true;
@@ -256,6 +260,7 @@ class FlowSolver {
     for (int d = 0; d < 3 && !s_.stress.empty(); ++d)
       visit(text("fluid.stress", d), s_.stress[FlowState::at(d)].values());
     visit("fluid.last", std::span<double>(last));
+    s_.forget_eddies();
     if (s_.turbulence) visit("fluid.eddy", std::span<double>(&s_.turbulence->largest, 1));
     if (s_.turbulence && s_.turbulence->two)
       fields("fluid.k_epsilon", s_.turbulence->two->k, s_.turbulence->two->epsilon);
@@ -282,6 +287,8 @@ class FlowSolver {
     fluid_detail::stage(s_, s_.first, true, dt, s_.next, team);
     projection_->run(s_, dt, done, team);
     fluid_detail::carry_turbulence(s_, dt, team);
+    // Those of the next step, so that stable_step() knows them.
+    s_.forget_eddies(), s_.find_turbulence(team);
     std::swap(s_.mass, s_.next_mass), std::swap(s_.older_eps, s_.old_eps);
     s_.old_eps = s_.eps, s_.old_dt = dt;
     return done;
@@ -298,6 +305,7 @@ class FlowSolver {
   fluid_detail::TwoEquations& equations() {
     require(s_.turbulence && s_.turbulence->two,
             "FlowSolver: the flow has no k and epsilon; set_turbulence(KEpsilon) first");
+    s_.forget_eddies();
     return *s_.turbulence->two;
   }
   void check_turbulent() const {

@@ -111,7 +111,13 @@ struct FlowState {
       turbulence->prepare(grid, sides, boundary ? &*boundary : nullptr, solids ? &*solids : nullptr,
                           fluid.viscosity, fluid.viscosity / fluid.density,
                           turbulence->two ? fastest() : 0);
-    turbulence->find(grid, sides, velocity, fluid.density, fluid.viscosity, team);
+    if (!turbulence->found)
+      turbulence->find(grid, sides, velocity, fluid.density, fluid.viscosity, team);
+    turbulence->found = true;
+  }
+  /// To be called where walls, sides or velocities change from outside.
+  void forget_eddies() {
+    if (turbulence) turbulence->found = false;
   }
   /// 1/s, of explicit steps: eddies act twice along a component's own direction.
   double eddy_rate() const {

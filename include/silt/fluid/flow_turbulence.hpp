@@ -68,6 +68,7 @@ struct FlowTurbulence {
   MixingLength model;
   std::optional<TwoEquations> two;  // instead of the length
   bool ready = false;               // as the walls are
+  bool found = false;               // eddies are those of the velocities as they are
   double largest = 0;               // [Pa s] eddy viscosity, at the last step
   WallUnits walls;
   Field eddy;                  // [Pa s]
