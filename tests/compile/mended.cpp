@@ -39,8 +39,8 @@ namespace two_fluids {
 namespace two_searches {
 #include "refused/two_searches.cpp"
 }
-namespace followed_drag_twice {
-#include "refused/followed_drag_twice.cpp"
+namespace force_twice {
+#include "refused/force_twice.cpp"
 }
 namespace two_ledgers {
 #include "refused/two_ledgers.cpp"
