@@ -103,7 +103,7 @@ double over_ergun(const Mode& mode, double off, MomentumModel model = MomentumMo
 TEST_CASE("the pressure drop of a bed in a pipe is Ergun's, wherever the wall cuts the cells") {
   // 3 %, at six cells a diameter: the fluid's shares of cut cells, and cells joined where few
   // centres are. Measured 0.979 to 1.013. If weights only add up to 1 for each particle, Kernel has
-  // 0.93 and TwoGrid 0.88; if what particles take counts against whole cells, all have 0.41 to
+  // 0.94 and TwoGrid 0.88; if what particles take counts against whole cells, all have 0.37 to
   // 0.63.
   const auto ergun = near(1).epsilon(0.03);
   for (const double off : {0.0, 0.35}) {

@@ -582,6 +582,10 @@ TEST_CASE("what cannot be is refused with a sentence") {
   has([&] { flow.set_side(3, 0, NoSlip{}); }, "side (3, 0) does not exist");
   has([&] { flow.set_side(1, 0, NoSlip{{0, 1, 0}}); }, "use Inflow");
   has([&] { flow.set_side(1, 0, Inflow{{0, std::nan(""), 0}}); }, "finite");
+  has([&] { flow.set_side(2, 1, Outflow{std::nan("")}); }, "Outflow.pressure = nan Pa");
+  flow.set_side(2, 1, Outflow{1e5});  // nothing is left of the refused one
+  CHECK(flow.pressure()(1, 2, 3) == 1e5);
+  flow.set_side(2, 1, NoSlip{});
   has([&] { flow.set_boundary({.distance = [](const Vec3d&) { return -1.0; }}); },
       "leaves no face of the grid in the fluid");
   has([&] { flow.step(0); }, "step of 0 s");

@@ -301,23 +301,7 @@ class CoupledFlow {
   void remember(const CoupledParticles& of, double dt, const Team& team);
   void find_exchange(const CoupledParticles& of, double dt, std::span<Vec3d> torque,
                      const Team& team);
-  InFluid particle(const CoupledParticles& of, std::size_t p, double dt) const {
-    InFluid at{};
-    at.density = flow_.fluid().density, at.viscosity = flow_.fluid().viscosity;
-    const bool alone = flow_.options().model == MomentumModel::Simplified;
-    at.voidage = alone ? 1 : std::clamp(values_[eps_at][p], least_voidage, 1.0);
-    at.diameter = 2 * of.shape.radius[p], at.volume = of.volume[p], at.mass = of.mass[p];
-    at.dt = dt, at.place = p, at.slip = value(u_at, p) - of.velocity[p];
-    if constexpr (needs_curl) at.curl = value(curl_at, p);
-    if constexpr (needs_strain)
-      at.stretch = value(strain_at, p), at.strain = value(strain_at + 3, p);
-    if (!of.angular_velocity.empty()) at.angular_velocity = of.angular_velocity[p];
-    if (!of.shape.orientation.empty()) at.orientation = of.shape.orientation[p];
-    if (!of.shape.form.empty()) at.form = of.shape.form[p];
-    if constexpr (sees_forms)
-      if (!of.forms.empty()) at.body = &of.forms[at.form];
-    return at;
-  }
+  InFluid particle(const CoupledParticles& of, std::size_t p, double dt) const;
   /// [kg/s] of drag.
   double coefficient(double voidage, double slip, double d) const {
     const auto& fluid = flow_.fluid();
@@ -366,17 +350,7 @@ class CoupledFlow {
                                        std::size_t p);
   /// What the fluid and the particle exchanged in the last step [N]; not a number: not known, or of
   /// no pressure.
-  Vec3d last_exchange(const CoupledParticles& of, const InFluid& at, std::size_t p) const {
-    if (!in_pressure() || of.last_force.empty()) return Vec3d{NAN, 0, 0};
-    if constexpr (follows) {
-      Vec3d other = others_[p];
-      if (held_drag().cell > 0)
-        other -= static_force(at.volume, p) + at.volume * flow_.fluid().density * gravity;
-      if (!of.owed.empty()) other -= (1 / at.dt) * of.owed[p];
-      return of.last_force[p] + other;
-    }
-    return of.last_force[p] - static_force(at.volume, p);
-  }
+  Vec3d last_exchange(const CoupledParticles& of, const InFluid& at, std::size_t p) const;
   Vec3d torque_on(const InFluid& at) const {
     Vec3d sum{0, 0, 0};
     const auto ask = [&](const auto& force) {

@@ -108,6 +108,39 @@ void CoupledFlow<Drag, Mode, Forces...>::find_exchange(const CoupledParticles& o
 }
 
 template <class Drag, AveragingMode Mode, FluidForce... Forces>
+auto CoupledFlow<Drag, Mode, Forces...>::particle(const CoupledParticles& of, std::size_t p,
+                                                  double dt) const -> InFluid {
+  InFluid at{};
+  at.density = flow_.fluid().density, at.viscosity = flow_.fluid().viscosity;
+  const bool alone = flow_.options().model == MomentumModel::Simplified;
+  at.voidage = alone ? 1 : std::clamp(values_[eps_at][p], least_voidage, 1.0);
+  at.diameter = 2 * of.shape.radius[p], at.volume = of.volume[p], at.mass = of.mass[p];
+  at.dt = dt, at.place = p, at.slip = value(u_at, p) - of.velocity[p];
+  if constexpr (needs_curl) at.curl = value(curl_at, p);
+  if constexpr (needs_strain) at.stretch = value(strain_at, p), at.strain = value(strain_at + 3, p);
+  if (!of.angular_velocity.empty()) at.angular_velocity = of.angular_velocity[p];
+  if (!of.shape.orientation.empty()) at.orientation = of.shape.orientation[p];
+  if (!of.shape.form.empty()) at.form = of.shape.form[p];
+  if constexpr (sees_forms)
+    if (!of.forms.empty()) at.body = &of.forms[at.form];
+  return at;
+}
+
+template <class Drag, AveragingMode Mode, FluidForce... Forces>
+Vec3d CoupledFlow<Drag, Mode, Forces...>::last_exchange(const CoupledParticles& of,
+                                                        const InFluid& at, std::size_t p) const {
+  if (!in_pressure() || of.last_force.empty()) return Vec3d{NAN, 0, 0};
+  if constexpr (follows) {
+    Vec3d other = others_[p];
+    if (held_drag().cell > 0)
+      other -= static_force(at.volume, p) + at.volume * flow_.fluid().density * gravity;
+    if (!of.owed.empty()) other -= (1 / at.dt) * of.owed[p];
+    return of.last_force[p] + other;
+  }
+  return of.last_force[p] - static_force(at.volume, p);
+}
+
+template <class Drag, AveragingMode Mode, FluidForce... Forces>
 MomentumExchange<double> CoupledFlow<Drag, Mode, Forces...>::exchange_of(const CoupledParticles& of,
                                                                          const InFluid& at,
                                                                          std::size_t p) {
