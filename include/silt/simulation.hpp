@@ -350,7 +350,8 @@ class Simulation {
         dt_,
         first_kick_ ? 0 : dt_,
         {observed || first_kick_, step_ % detail::LedgerAsks::split_every == 0},
-        Integrator::lag};
+        Integrator::lag,
+        step_ % detail::StepTimes::areas_every == 0};
     engine_.pair_forces(domain_, times);
     engine_.wall_forces(times);
     if constexpr (Fluid::active) couple();

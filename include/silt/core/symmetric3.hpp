@@ -29,6 +29,16 @@ inline Symmetric3 outer(const Vec3d& v) {
   return {v.x * v.x, v.y * v.y, v.z * v.z, v.x * v.y, v.y * v.z, v.z * v.x};
 }
 
+/// The tensor of these components along the axes x, y and z.
+inline Symmetric3 tensor_along(const Vec3d& x, const Vec3d& y, const Vec3d& z,
+                               const Symmetric3& s) {
+  const Vec3d a = s.xx * x + s.xy * y + s.zx * z, b = s.xy * x + s.yy * y + s.yz * z,
+              c = s.zx * x + s.yz * y + s.zz * z;
+  return {a.x * x.x + b.x * y.x + c.x * z.x, a.y * x.y + b.y * y.y + c.y * z.y,
+          a.z * x.z + b.z * y.z + c.z * z.z, a.x * x.y + b.x * y.y + c.x * z.y,
+          a.y * x.z + b.y * y.z + c.y * z.z, a.z * x.x + b.z * y.x + c.z * z.x};
+}
+
 /// Principal values and axes: tensor = R diag(values) R^T, R the rotation that `axes` stands for.
 struct Principal {
   Vec3d values;

@@ -89,30 +89,38 @@ struct ConvexGather {
   }
 };
 
-/// Packs of what pairs keep, from the list: in one row the M numbers of the law's history and of
-/// NormalMemory all but R_eff, which has a column.
-template <class List, std::size_t M, class Arch>
+/// Packs of what pairs keep, from the list, see WithNormals: all, or what contacts of one point
+/// have.
+template <class List, class ContactsType, class Arch>
 struct KeptGather {
   using Real = typename Lanes<Arch>::Real;
   using Memory = NormalMemory<Real>;
   static constexpr std::size_t W = Lanes<Arch>::width;
-  static constexpr std::size_t kept = M + sizeof(NormalMemory<double>) / sizeof(double) - 1;
-  static constexpr std::size_t chunks = (kept + 3) / 4;  // of a row
+  static constexpr std::size_t M = ContactsType::memory_from, first = ContactsType::memory_to,
+                               radius = ContactsType::memory_radius;
+  static constexpr std::size_t chunks = (first + 3) / 4, more_chunks = (radius - first + 3) / 4;
 
   static NormalMemory<double> memory_at(List& list, std::uint32_t place) {
     const double* const row = list.history_row(place) + M;
-    return {{row[0], row[1], row[2]}, row[3], list.history(kept)[place]};
+    return {{row[0], row[1], row[2]}, row[3], list.history(radius)[place]};
   }
-  /// What pairs keep: `numbers` of the row, and R_eff.
+  /// What pairs keep: of the numbers of the first rows, and R_eff.
   static SILT_INLINE void kept_of(List& list, const std::uint32_t* place,
                                   Real (&numbers)[4 * chunks], Memory& memory) {
     const double* at[W];
     for (std::size_t lane = 0; lane < W; ++lane) at[lane] = list.history_row(place[lane]);
     gather_columns<Arch, chunks>(at, numbers);
-    alignas(64) double radius[W];
-    const double* const from = list.history(kept);
-    for (std::size_t lane = 0; lane < W; ++lane) radius[lane] = from[place[lane]];
-    memory = {{numbers[M], numbers[M + 1], numbers[M + 2]}, numbers[M + 3], load<Real>(radius)};
+    alignas(64) double radii[W];
+    const double* const from = list.history(radius);
+    for (std::size_t lane = 0; lane < W; ++lane) radii[lane] = from[place[lane]];
+    memory = {{numbers[M], numbers[M + 1], numbers[M + 2]}, numbers[M + 3], load<Real>(radii)};
+  }
+  /// Those of the second rows.
+  static SILT_INLINE void more_of(List& list, const std::uint32_t* place,
+                                  Real (&numbers)[4 * more_chunks]) {
+    const double* at[W];
+    for (std::size_t lane = 0; lane < W; ++lane) at[lane] = list.more_history_row(place[lane]);
+    gather_columns<Arch, more_chunks>(at, numbers);
   }
   static SILT_INLINE Memory memory_of(List& list, const std::uint32_t* place) {
     Real numbers[4 * chunks];
@@ -120,18 +128,30 @@ struct KeptGather {
     kept_of(list, place, numbers, memory);
     return memory;
   }
-  /// Writes the rows of a pack, the numbers of which stand in columns.
-  template <std::size_t Columns, std::size_t N>
+  /// Writes the rows of a pack, the numbers of which stand in columns; with the second ones if
+  /// `All`.
+  template <bool All, std::size_t Columns, std::size_t N>
   static SILT_INLINE void keep(List& list, const std::uint32_t* place, std::size_t valid,
                                const double (&columns)[Columns][N], std::size_t k) {
-    for (std::size_t c = 0; c < chunks; ++c) {
+    put_rows<chunks>(columns, 0, first, valid, k,
+                     [&](std::size_t lane) { return list.history_row(place[lane]); });
+    if constexpr (All)
+      put_rows<more_chunks>(columns, first, radius, valid, k,
+                            [&](std::size_t lane) { return list.more_history_row(place[lane]); });
+  }
+
+ private:
+  template <std::size_t Chunks, std::size_t Columns, std::size_t N, class RowOf>
+  static SILT_INLINE void put_rows(const double (&columns)[Columns][N], std::size_t from,
+                                   std::size_t to, std::size_t valid, std::size_t k,
+                                   const RowOf& row_of) {
+    for (std::size_t c = 0; c < Chunks; ++c) {
       Real four[4] = {Real(0), Real(0), Real(0), Real(0)};
-      for (std::size_t h = 4 * c; h < std::min(4 * c + 4, kept); ++h)
-        four[h - 4 * c] = load<Real>(columns[h] + k);
+      for (std::size_t h = 0; h < 4 && from + 4 * c + h < to; ++h)
+        four[h] = load<Real>(columns[from + 4 * c + h] + k);
       Row4<Arch> rows[W];
       columns_to_rows<Arch>(four, rows);
-      for (std::size_t lane = 0; lane < valid; ++lane)
-        rows[lane].store(list.history_row(place[lane]) + 4 * c);
+      for (std::size_t lane = 0; lane < valid; ++lane) rows[lane].store(row_of(lane) + 4 * c);
     }
   }
 };

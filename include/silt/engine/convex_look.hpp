@@ -35,7 +35,8 @@ void for_each_convex_contact(const EngineType& e, const Domain& domain, const Vi
     Vec3d between = e.particles.position[j].centre() - e.particles.position[i].centre();
     if constexpr (Domain::periodic) between = domain.shortest(between);
     const auto kept = [&](std::size_t h) { return e.lists.pairs.history(C::memory_from + h, k); };
-    NormalMemory<double> memory{{kept(0), kept(1), kept(2)}, kept(3), kept(4)};
+    NormalMemory<double> memory{
+        {kept(0), kept(1), kept(2)}, kept(3), e.lists.pairs.history(C::memory_radius, k)};
     SolidContact contact;
     rows.visit(i, {0, 0, 0}, [&](const auto& a) {
       rows.visit(j, between, [&](const auto& b) { contact = touch_solids(a, b, memory); });

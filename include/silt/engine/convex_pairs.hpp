@@ -24,7 +24,7 @@ class ConvexPairs {
   using Real = typename Lanes<Arch>::Real;
   using List = PairList<ContactsType::history, double, history_in_rows<ContactsType>>;
   using Gather = ConvexGather<Rows, Arch>;
-  using Kept = KeptGather<List, ContactsType::memory_from, Arch>;
+  using Kept = KeptGather<List, ContactsType, Arch>;
   using Kinds = typename Rows::Kinds;
   static constexpr std::size_t W = Lanes<Arch>::width;
   static constexpr std::size_t kind_count = Kinds::count,
@@ -202,7 +202,7 @@ class ConvexPairs {
 
   /// Notes the gap [m] of a pair that does not touch; one that did loses its history.
   static void part(List& list, std::size_t place, double gap, bool touched) {
-    if (touched) std::fill_n(list.history_row(place), M, 0.0);
+    if (touched) list.forget_contact(place, M);
     list.history(radius)[place] = gap > 0 ? -gap : 0;
   }
 
@@ -224,6 +224,7 @@ class ConvexPairs {
   template <std::size_t A, std::size_t B, Exponents E>
   static void run_contacts(const Scene& scene, const Some& open, std::size_t from,
                            std::size_t count, RunningTally<ContactsType, Real>& tally) {
+    constexpr bool has_area = Touch::template has_area<A, B, E>;
     Slice c;
     const std::size_t padded = pieces(count, W) * W;
     const std::uint32_t* const place = open.place + from;
@@ -233,7 +234,7 @@ class ConvexPairs {
       std::fill(c.history[h] + count, c.history[h] + padded, 0.0);
     Real share(tally.sum.largest);
     for (std::size_t k = 0; k < padded; k += W)
-      complete<has_gradient<A, B>>(scene, open, from, k, c, share);
+      complete<has_gradient<A, B>, has_area>(scene, open, from, k, c, share);
     alignas(64) double shares[W];
     store(shares, share);
     tally.sum.largest = *std::max_element(shares, shares + W);
@@ -241,17 +242,22 @@ class ConvexPairs {
       for (std::size_t k = 0; k < padded; ++k) c.kind[k] = scene.in.kinds[place[k]];
     std::array<double*, H + 1> history{};
     for (std::size_t h = 0; h < H; ++h) history[h] = c.history[h];
-    loads_of<ContactsType, Arch>(c.kinematics, padded, scene.in.times, scene.table,
-                                 ContactsType::several_materials ? c.kind : nullptr, history,
-                                 tally);
+    const std::uint16_t* const kinds = ContactsType::several_materials ? c.kind : nullptr;
+    if constexpr (has_area)
+      loads_at_points<ContactsType, Arch>(
+          c.kinematics, c.area, !Touch::template in_lanes<A, B> || scene.in.times.renew_areas,
+          padded, scene.in.times, scene.table, kinds, history, tally);
+    else
+      loads_of<ContactsType, Arch>(c.kinematics, padded, scene.in.times, scene.table, kinds,
+                                   history, tally);
     tally.end_block();
     for (std::size_t k = 0; k < padded; k += W)
-      Kept::keep(scene.list, place + k, std::min(W, count - k), c.history, k);
-    add_loads<has_gradient<A, B>>(scene, open, from, count, c);
+      Kept::template keep<has_area>(scene.list, place + k, std::min(W, count - k), c.history, k);
+    add_loads<has_gradient<A, B>, has_area>(scene, open, from, count, c);
   }
 
   /// Contacts k and the following ones, whose geometry the slice has.
-  template <bool HasGradient>
+  template <bool HasGradient, bool HasArea>
   static SILT_INLINE void complete(const Scene& scene, const Some& open, std::size_t from,
                                    std::size_t k, Slice& c, Real& share) {
     const auto& in = scene.in;
@@ -294,12 +300,17 @@ class ConvexPairs {
     kin.arm = zero, kin.spin = {zero, zero, zero};
     kin.twist = Real(0.5) * dot(i.spin + j.spin, n);
     kept.put(k, kin);
+    if constexpr (HasArea) {
+      Vec3<Real> spin = i.spin - j.spin;
+      if constexpr (HasGradient) spin = load<Real>(c.gradient + k) * spin;
+      c.area.put_spin(k, spin);
+    }
     kept.put(k, Radii<Real>{Real(2) * kin.R_eff, Real(2) * kin.R_eff});
     share = max(share, select(touches, kin.overlap, zero) / min(thin_i, thin_j));
   }
 
   /// Force and torques of the contacts, onto the sums of both bodies.
-  template <bool HasGradient>
+  template <bool HasGradient, bool HasArea>
   static void add_loads(const Scene& scene, const Some& open, std::size_t from, std::size_t count,
                         const Slice& c) {
     alignas(64) double on_i[slice * row], on_j[slice * row];
@@ -311,8 +322,12 @@ class ConvexPairs {
         couple = (load<Real>(c.couple + k) * dot(force, n)) * n;
       }
       const Vec3<Real> arm = load3<Real>(c.arm_i[0] + k, c.arm_i[1] + k, c.arm_i[2] + k);
+      if constexpr (HasArea) {
+        const Vec3<Real> moment = c.area.template get_moment<Real>(k);
+        couple += HasGradient ? load<Real>(c.gradient + k) * moment : moment;
+      }
       const auto turning = [&](const Vec3<Real>& a) {
-        return HasGradient ? cross(a, force) + couple : cross(a, force);
+        return HasGradient || HasArea ? cross(a, force) + couple : cross(a, force);
       };
       const PairLoad<Real> i{force, turning(arm), {}};
       const PairLoad<Real> j{-force, -turning(arm - open.template between_at<Real>(from + k)), {}};

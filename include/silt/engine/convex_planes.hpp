@@ -8,6 +8,7 @@
 #include <span>
 #include <variant>
 
+#include <silt/engine/contact_area.hpp>
 #include <silt/engine/convex_gather.hpp>
 #include <silt/engine/wall_contacts.hpp>
 #include <silt/shape/narrow/super_ellipsoid_plane.hpp>
@@ -29,6 +30,8 @@ struct ConvexWallBlock {
   std::uint32_t slot[room];                         // no_slot: only padding
   alignas(64) double arm[3][room], place[3][room];  // [m] from the centre; in space
   double gradient[room], couple[room];              // of SolidContact
+  static constexpr bool has_area = ContactsType::points > 1;
+  AreaBlock<has_area ? room : 1> area;
   std::size_t count = 0;
   double largest = 0;  // [-] overlap over least radius
 };
@@ -38,8 +41,7 @@ template <class Rows, class ContactsType, class Contacts, class Arch>
 class ConvexPlanes {
   using Real = typename Lanes<Arch>::Real;
   using Gather = ConvexGather<Rows, Arch>;
-  static constexpr std::size_t W = Lanes<Arch>::width, M = ContactsType::memory_from,
-                               radius = ContactsType::memory_radius;
+  static constexpr std::size_t W = Lanes<Arch>::width, radius = ContactsType::memory_radius;
   template <std::size_t K>
   using KindAt = typename Rows::template KindAt<K>;
 
@@ -106,7 +108,7 @@ class ConvexPlanes {
       kept[3][lane] = contacts.history(radius)[slot];
       const Vec3d& n = contacts.slot(slot).normal;
       last_normal[0][lane] = n.x, last_normal[1][lane] = n.y, last_normal[2][lane] = n.z;
-      for (std::size_t h = 0; h < M; ++h)
+      for (std::size_t h = 0; h < ContactsType::history_kept(E > Exponents::Two); ++h)
         to.history[h][k + lane] = lane < valid ? contacts.history(h)[slot] : 0;
     }
     const auto at = [&](const auto& columns, std::size_t from) {
@@ -142,6 +144,13 @@ class ConvexPlanes {
     store(to.place[0] + k, place.x), store(to.place[1] + k, place.y);
     store(to.place[2] + k, place.z);
     store(to.gradient + k, one), store(to.couple + k, zero);
+    if constexpr (E > Exponents::Two) {
+      if (in.times.renew_areas || any(!touched)) {
+        const auto form = Gather::template form_pack<0, E>(in, near.row + k);
+        to.area.put_spread(k, spread_of(form, axes, n, found.point, found.overlap));
+      }
+      to.area.put_spin(k, body.spin);
+    }
     alignas(64) double touches[W], share[W];
     store(touches, R_eff);
     store(share, select(found.touches, found.overlap, zero) / thin);

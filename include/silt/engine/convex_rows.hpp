@@ -14,35 +14,66 @@
 #include <silt/core/row4.hpp>
 #include <silt/core/storage.hpp>
 #include <silt/core/threads.hpp>
+#include <silt/engine/pair_history.hpp>
 #include <silt/engine/rows.hpp>
 #include <silt/shape/narrow/kinds.hpp>
 #include <silt/shape/narrow/super_ellipsoid_plane.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// A Contacts type whose contacts keep, behind all else, what the narrow phase must know of the
-/// last step: NormalMemory, number by number. At walls only its last number is used.
-template <class ContactsType>
+/// A Contacts type whose contacts have `Points` points, each with a history of its own
+/// (contact_area.hpp), and keep what the narrow phase must know of the last step: NormalMemory. In
+/// this order: the first point's history; NormalMemory but its last number; the other points'
+/// histories; AreaFrame; the last number of NormalMemory. So contacts of one point need the first
+/// numbers alone. At walls only the last one of NormalMemory is used.
+template <class ContactsType, std::size_t Points>
 struct WithNormals : ContactsType {
   static constexpr bool rotates = true;
-  static constexpr std::size_t memory_from = ContactsType::history;
-  static constexpr std::size_t memory_size = sizeof(NormalMemory<double>) / sizeof(double);
-  static constexpr std::size_t memory_radius = memory_from + memory_size - 1;  // R_eff: touching
-  static constexpr std::size_t history = memory_from + memory_size;
+  static constexpr std::size_t points = Points, point_history = ContactsType::history;
+  static constexpr bool shares_contacts = Points > 1;
+  static constexpr std::size_t memory_from = point_history;
+  static constexpr std::size_t memory_to = memory_from + sizeof(NormalMemory<double>) / 8 - 1;
+  static constexpr std::size_t frame_from = memory_to + (Points - 1) * point_history;  // AreaFrame
+  static constexpr std::size_t memory_radius =
+      frame_from + (Points > 1 ? 6 : 0);  // R_eff: touching
+  static constexpr std::size_t history = memory_radius + 1;
+  /// Of contacts with walls, the numbers before R_eff that are in use.
+  static constexpr std::size_t history_kept(bool has_area) {
+    return has_area ? memory_radius : memory_from;
+  }
+  /// Where the history of a point begins.
+  static constexpr std::size_t history_of(std::size_t point) {
+    return point == 0 ? 0 : memory_to + (point - 1) * point_history;
+  }
 };
 
+/// Kinds whose contacts have an area: all but balls.
+template <class Kind>
+inline constexpr bool has_flats = !std::is_same_v<Kind, Ball>;
+/// Points at which the contacts of these kinds act.
+template <class Kinds>
+inline constexpr std::size_t points_of_contacts = 1;
+template <class... Kind>
+inline constexpr std::size_t points_of_contacts<KindList<Kind...>> = (has_flats<Kind> || ...) ? 3
+                                                                                              : 1;
+
 /// Of what a pair keeps, the numbers that stand in rows, as few pairs of a list touch: all but the
-/// last, whose sign tells which these are.
+/// last, whose sign tells which these are. Those of more points than one apart, as only contacts
+/// with an area have them.
 template <class ContactsType>
-inline constexpr std::size_t history_in_rows = 0;
+inline constexpr HistoryRows history_in_rows{};
 template <class ContactsType>
 requires(requires {
   ContactsType::memory_radius;
-}) inline constexpr std::size_t history_in_rows<ContactsType> = ContactsType::memory_radius;
+}) inline constexpr HistoryRows history_in_rows<ContactsType>{
+    ContactsType::memory_to, ContactsType::memory_radius - ContactsType::memory_to};
+/// Numbers that a contact takes at most.
 template <class ContactsType>
-inline constexpr std::size_t history_numbers = ContactsType::history -
-                                               history_in_rows<ContactsType> +
-                                               (history_in_rows<ContactsType> + 3) / 4 * 4;
+inline constexpr std::size_t history_numbers = [] {
+  constexpr HistoryRows rows = history_in_rows<ContactsType>;
+  return ContactsType::history - rows.first - rows.more + (rows.first + 3) / 4 * 4 +
+         (rows.more + 3) / 4 * 4;
+}();
 
 /// Orientation of a convex part, and the inertia of its body: one cache line.
 struct alignas(64) PoseRow {
@@ -121,6 +152,8 @@ struct ConvexRows<KindList<Kind...>, OnePart> {
   }
 
   bool one_form() const { return form.size() == 1; }
+  /// Whether contacts may have an area: not of ellipsoids alone.
+  bool has_area() const { return Kinds::template has<Polyhedron> || exponents > Exponents::Two; }
   const Form& form_row(std::size_t row) const { return form[one_form() ? 0 : row]; }
   std::size_t kind_of([[maybe_unused]] std::size_t row) const {
     if constexpr (several)

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <silt/engine/contact_area.hpp>
 #include <silt/engine/convex_gather.hpp>
 #include <silt/engine/load_rows.hpp>
 #include <silt/shape/narrow/solid_pairs.hpp>
@@ -59,6 +60,8 @@ struct ConvexSlice {
   alignas(64) double followed[N];             // the body it follows; 0: it did not touch
   alignas(64) double gradient[N], couple[N];  // of SolidContact
   std::uint16_t kind[N];
+  static constexpr bool has_area = ContactsType::points > 1;
+  AreaBlock<has_area ? N : 1> area;
 };
 
 /// The narrow phase of pairs of convex parts: kernels in lanes, or pair by pair. In lanes all get
@@ -67,7 +70,7 @@ template <class Rows, class ContactsType, class List, std::size_t N, class Arch>
 struct ConvexTouch {
   using Real = typename Lanes<Arch>::Real;
   using Gather = ConvexGather<Rows, Arch>;
-  using Kept = KeptGather<List, ContactsType::memory_from, Arch>;
+  using Kept = KeptGather<List, ContactsType, Arch>;
   using Memory = typename Kept::Memory;
   using Slice = ConvexSlice<ContactsType, N>;
   using Input = ConvexInput<Rows>;
@@ -80,6 +83,12 @@ struct ConvexTouch {
   static constexpr std::size_t W = Lanes<Arch>::width, M = ContactsType::memory_from,
                                radius = ContactsType::memory_radius;
 
+  /// Whether the contacts of two kinds have an area. (Ellipsoids touch in points as balls do.)
+  template <std::size_t A, std::size_t B, Exponents E>
+  static constexpr bool has_area =
+      has_flats<typename Rows::template KindAt<A>>&& has_flats<typename Rows::template KindAt<B>> &&
+      (!in_lanes<A, B> || E > Exponents::Two);
+
   /// Contacts of the `count` pairs from `from` on, whose last pack is padded. In the slice: normal,
   /// overlap, R_eff, arm_i, last, followed, gradient, couple, history and memory.
   template <std::size_t A, std::size_t B, Exponents E, class Some>
@@ -91,11 +100,13 @@ struct ConvexTouch {
       for (std::size_t k = 0; k < count; k += W) {
         const BodyAxes<Real> turn_i = Gather::axes_pack(in, some.i + from + k),
                              turn_j = Gather::axes_pack(in, some.j + from + k);
-        Memory memory = recall(list, some.place + from + k, turn_i, turn_j, k, out);
-        const auto found =
-            first_step(posed<A, B, E>(in, some, from + k, turn_i, turn_j),
-                       load3<Real>(out.last[0] + k, out.last[1] + k, out.last[2] + k), memory);
-        put(found, memory, k, out);
+        Memory memory =
+            recall<has_area<A, B, E>>(list, some.place + from + k, turn_i, turn_j, k, out);
+        const auto pair = posed<A, B, E>(in, some, from + k, turn_i, turn_j);
+        const auto found = first_step(
+            pair, load3<Real>(out.last[0] + k, out.last[1] + k, out.last[2] + k), memory);
+        put<has_area<A, B, E>>(pair, found, memory, k,
+                               in.times.renew_areas || any_is_new<has_area<A, B, E>>(out, k), out);
         std::uint64_t bits = ~lane_bits(found.solved);
         bits &= (std::uint64_t{1} << std::min(W, count - k)) - 1;
         for (; bits != 0; bits &= bits - 1)
@@ -106,8 +117,9 @@ struct ConvexTouch {
         go_on<A, B, E>(in, some, from, open + k, std::min(W, left - k), out);
     } else {
       for (std::size_t k = 0; k < count; k += W)
-        recall(list, some.place + from + k, Gather::axes_pack(in, some.i + from + k),
-               Gather::axes_pack(in, some.j + from + k), k, out);
+        recall<has_area<A, B, E>>(list, some.place + from + k,
+                                  Gather::axes_pack(in, some.i + from + k),
+                                  Gather::axes_pack(in, some.j + from + k), k, out);
       for (std::size_t k = 0; k < count; ++k)
         with_placed<A, B>(in, some, from + k, [&](const auto& i, const auto& j) {
           auto memory = memory_at(out, k);
@@ -137,6 +149,7 @@ struct ConvexTouch {
 
  private:
   /// What a pack of pairs kept goes into the slice.
+  template <bool HasArea>
   static SILT_INLINE Memory recall(List& list, const std::uint32_t* place,
                                    const BodyAxes<Real>& turn_i, const BodyAxes<Real>& turn_j,
                                    std::size_t k, Slice& out) {
@@ -145,6 +158,12 @@ struct ConvexTouch {
     Kept::kept_of(list, place, numbers, memory);
     memory.R_eff = max(memory.R_eff, Real(0));  // else a gap
     for (std::size_t h = 0; h < M; ++h) store(out.history[h] + k, numbers[h]);
+    if constexpr (HasArea) {
+      Real more[4 * Kept::more_chunks];
+      Kept::more_of(list, place, more);
+      for (std::size_t h = Kept::first; h < radius; ++h)
+        store(out.history[h] + k, more[h - Kept::first]);
+    }
     keep(memory, k, out);
     const auto with_i = memory.follows > Real(0);
     const BodyAxes<Real> turn{select(with_i, turn_i.x, turn_j.x),
@@ -154,6 +173,17 @@ struct ConvexTouch {
     store(out.last[0] + k, last.x), store(out.last[1] + k, last.y), store(out.last[2] + k, last.z);
     store(out.followed + k, select(memory.R_eff > Real(0), memory.follows, Real(0)));
     return memory;
+  }
+  /// Whether any of a pack's contacts has no points yet.
+  template <bool HasArea>
+  static SILT_INLINE bool any_is_new([[maybe_unused]] const Slice& slice,
+                                     [[maybe_unused]] std::size_t k) {
+    if constexpr (HasArea) {
+      const auto* const way = slice.history + ContactsType::frame_from;
+      const Vec3<Real> t = load3<Real>(way[0] + k, way[1] + k, way[2] + k);
+      return any(!(dot(t, t) > Real(0.5)));
+    }
+    return false;
   }
   template <std::size_t Slots>
   static SILT_INLINE void keep(const Memory& memory, std::size_t k,
@@ -180,9 +210,12 @@ struct ConvexTouch {
 
   /// What lanes have found goes into the slice, and what they keep: R_eff, or where they do not
   /// touch minus the gap.
-  template <std::size_t Slots>
-  static SILT_INLINE void put(const BodyContact<Real>& found, Memory& memory, std::size_t k,
+  template <bool HasArea, class Pair, std::size_t Slots>
+  static SILT_INLINE void put([[maybe_unused]] const Pair& pair, const BodyContact<Real>& found,
+                              Memory& memory, std::size_t k, [[maybe_unused]] bool renew_area,
                               ConvexSlice<ContactsType, Slots>& out) {
+    if constexpr (HasArea)
+      if (renew_area) out.area.put_spread(k, spread_of(pair, found));
     const Real gap = min(found.overlap, Real(0));
     memory.R_eff = select(found.solved, select(found.touches, memory.R_eff, gap), memory.R_eff);
     auto& kin = out.kinematics;
@@ -203,6 +236,7 @@ struct ConvexTouch {
     put3(kin.normal, found.normal), put3(out.arm_i, found.point);
     kin.overlap[k] = found.overlap, kin.R_eff[k] = found.R_eff;
     out.gradient[k] = found.gradient, out.couple[k] = found.couple;
+    if constexpr (Slice::has_area) out.area.put_spread(k, found.spread);
     auto& h = out.history;
     h[M][k] = memory.direction.x, h[M + 1][k] = memory.direction.y;
     h[M + 2][k] = memory.direction.z, h[M + 3][k] = memory.follows;
@@ -214,23 +248,25 @@ struct ConvexTouch {
   static void go_on(const Input& in, const Some& some, std::size_t from, const std::uint16_t* which,
                     std::size_t valid, Slice& slice) {
     SomePairs<W, 0> few;
-    alignas(64) double normal[3][W], kept[5][W];
+    alignas(64) double normal[3][W], kept[5][W];  // NormalMemory
     for (std::size_t lane = 0; lane < W; ++lane) {
       const std::size_t k = which[lane];
       few.add(0, some.i[from + k], some.j[from + k], some.between, from + k);
       for (int c = 0; c < 3; ++c) normal[c][lane] = slice.kinematics.normal[c][k];
-      for (int h = 0; h < 5; ++h) kept[h][lane] = slice.history[M + h][k];
+      for (int h = 0; h < 4; ++h) kept[h][lane] = slice.history[M + h][k];
+      kept[4][lane] = slice.history[radius][k];
     }
     Memory memory{load3<Real>(kept[0], kept[1], kept[2]), load<Real>(kept[3]), load<Real>(kept[4])};
     const auto pair =
         posed<A, B, E>(in, few, 0, Gather::axes_pack(in, few.i), Gather::axes_pack(in, few.j));
     ConvexSlice<ContactsType, W> one;
     if constexpr (are_balls<FormOf<A, E>, FormOf<B, E>>)
-      put(touch(pair, memory), memory, 0, one);
+      put<has_area<A, B, E>>(pair, touch(pair, memory), memory, 0, true, one);
     else
-      put(touch_from<ContactRadius::AtFirstTouch, true>(
-              pair, -load3<Real>(normal[0], normal[1], normal[2]), memory),
-          memory, 0, one);
+      put<has_area<A, B, E>>(pair,
+                             touch_from<ContactRadius::AtFirstTouch, true>(
+                                 pair, -load3<Real>(normal[0], normal[1], normal[2]), memory),
+                             memory, 0, true, one);
     for (std::size_t lane = 0; lane < valid; ++lane) {
       const std::size_t k = which[lane];
       auto& from_k = one.kinematics;
@@ -240,7 +276,11 @@ struct ConvexTouch {
         slice.arm_i[c][k] = one.arm_i[c][lane];
       }
       to.overlap[k] = from_k.overlap[lane], to.R_eff[k] = from_k.R_eff[lane];
-      for (std::size_t h = M; h <= radius; ++h) slice.history[h][k] = one.history[h][lane];
+      for (std::size_t h = M; h < ContactsType::memory_to; ++h)
+        slice.history[h][k] = one.history[h][lane];
+      slice.history[radius][k] = one.history[radius][lane];
+      if constexpr (has_area<A, B, E>)
+        for (std::size_t c = 0; c < 6; ++c) slice.area.spread[c][k] = one.area.spread[c][lane];
     }
   }
 };

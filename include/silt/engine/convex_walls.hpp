@@ -52,8 +52,14 @@ int contacts_with(const Placed& body, const S& surface, std::span<const std::uin
       count = cylinder_contacts(body, surface, out, most_wall_contacts);
     else
       count = cone_contacts(body, surface, out, most_wall_contacts);
-    if constexpr (!std::is_same_v<Placed, PlacedPolyhedron>)  // midway between both surfaces
-      for (int k = 0; k < count; ++k) out[k].point += (0.5 * out[k].overlap) * out[k].normal;
+    if constexpr (!std::is_same_v<Placed, PlacedPolyhedron>)
+      for (int k = 0; k < count; ++k) {
+        auto& c = out[k];
+        if (!is_rim(c) && c.feature < Polyhedron::most_vertices)  // no edge of the wall
+          c.spread = symmetric(
+              spread_of(body.form, body.axes, c.normal, c.point - body.position, c.overlap));
+        c.point += (0.5 * c.overlap) * c.normal;  // midway between both surfaces
+      }
     return count;
   }
 }
@@ -90,6 +96,8 @@ int contact_with_plane(const Rows& rows, std::size_t row, const Vec3d& at, const
     double R_eff = 0;
     const auto c = touch_plane(kernel, body_axes(rows.pose[row].q), n, distance, R_eff);
     out = {n, centre + c.point + (0.5 * c.overlap) * n, c.overlap, 1, 0, c.R_eff, 0};
+    if constexpr (decltype(e)::value > Exponents::Two)
+      out.spread = symmetric(spread_of(kernel, body_axes(rows.pose[row].q), n, c.point, c.overlap));
     return c.touches ? 1 : 0;
   });
 }
@@ -112,6 +120,7 @@ int contacts_with_wall(const Rows& rows, std::size_t row, const Vec3d& centre, c
   for (int k = 0; k < count && wall.moves(); ++k) {
     out[k].normal = wall.pose.rotate(out[k].normal);
     out[k].point = wall.pose.to_space(out[k].point);
+    out[k].spread = turned(rotation_matrix(wall.pose.rotation), out[k].spread);
   }
   return count;
 }
@@ -190,22 +199,30 @@ class ConvexWalls {
     std::array<double*, H + 1> history{};
     for (std::size_t h = 0; h < H; ++h) history[h] = s.history[h];
     RunningTally<ContactsType, Real> running;
-    loads_of<ContactsType, Arch>(s.kinematics, pieces(s.count, W) * W, in.times, table, s.kind,
-                                 history, running);
+    const std::size_t padded = pieces(s.count, W) * W;
+    const bool has_area = Scratch::has_area && in.rows->has_area();
+    const std::size_t kept = ContactsType::history_kept(has_area);
+    if (has_area) {
+      loads_at_points<ContactsType, Arch>(s.kinematics, s.area,
+                                          !Planes::in_lanes || in.times.renew_areas, padded,
+                                          in.times, table, s.kind, history, running);
+    } else {
+      loads_of<ContactsType, Arch>(s.kinematics, padded, in.times, table, s.kind, history, running);
+    }
     tallies_[b] = running.end();
     tallies_[b].largest = s.largest;
     for (std::size_t k = 0; k < s.count; ++k) {
       if (s.slot[k] == Scratch::no_slot) continue;
       const WallCandidate& c = *s.of[k];
-      // The memory behind the law's history has been kept already.
-      for (std::size_t h = 0; h < ContactsType::memory_from; ++h)
+      for (std::size_t h = 0; h < kept; ++h)  // R_eff has been kept already
         contacts.history(h)[s.slot[k]] = s.history[h][k];
       const auto at = [&](const auto& columns) {
         return Vec3d{columns[0][k], columns[1][k], columns[2][k]};
       };
       const Vec3d n = at(s.kinematics.normal);
       const Vec3d force = s.gradient[k] * s.kinematics.template get_load<double>(k).force;
-      const Vec3d couple = (s.couple[k] * dot(force, n)) * n;
+      Vec3d couple = (s.couple[k] * dot(force, n)) * n;
+      if (has_area) couple += s.gradient[k] * at(s.area.moment);
       const Vec3d torque = cross(at(s.arm), force) + couple;
       double* const sum = sums + c.particle * row;
       sum[0] += force.x, sum[1] += force.y, sum[2] += force.z;
@@ -304,6 +321,10 @@ class ConvexWalls {
     kin.arm = 0, kin.spin = {0, 0, 0};
     kin.twist = dot(wall_spin, n);
     s.kinematics.put(k, kin);
+    if constexpr (Scratch::has_area) {
+      s.area.put_spread(k, contact.spread);
+      s.area.put_spin(k, g * (body.spin - wall_spin));
+    }
     s.kinematics.put(k, Radii<double>{R_eff, 0});
     std::size_t material = 0;
     if constexpr (ContactsType::several_materials) material = in.kinds[c.particle];
@@ -313,7 +334,8 @@ class ConvexWalls {
     s.arm[0][k] = arm.x, s.arm[1][k] = arm.y, s.arm[2][k] = arm.z;
     s.place[0][k] = x.x, s.place[1][k] = x.y, s.place[2][k] = x.z;
     s.gradient[k] = g, s.couple[k] = contact.couple;
-    for (std::size_t h = 0; h < H; ++h) s.history[h][k] = contacts.history(h)[slot];
+    const std::size_t in_use = ContactsType::history_kept(in.rows->has_area());
+    for (std::size_t h = 0; h < in_use; ++h) s.history[h][k] = contacts.history(h)[slot];
     s.largest = std::max(s.largest, contact.overlap / in.rows->pose[c.particle].least_radius);
   }
 
@@ -327,6 +349,10 @@ class ConvexWalls {
       s.kinematics.put(k, s.kinematics.template get_radii<double>(from));
       for (auto& h : s.history) h[k] = 0;
       s.kind[k] = s.kind[from];
+      if constexpr (Scratch::has_area) {
+        s.area.put_spread(k, Symmetric3{});
+        s.area.put_spin(k, Vec3d{0, 0, 0});
+      }
     }
   }
 

@@ -34,7 +34,7 @@ struct ContactsOf<ShapeType, Contacts> {
 };
 template <SolidShape ShapeType, class Contacts>
 struct ContactsOf<ShapeType, Contacts> {
-  using type = WithNormals<Contacts>;
+  using type = WithNormals<Contacts, points_of_contacts<typename ShapeType::Kinds>>;
 };
 
 /// By whether bodies have convex parts.
@@ -129,7 +129,10 @@ class Engine {
     if constexpr (has_bodies)
       if (lists.upkeep.searched_at == step) follow_bodies(domain);
     if constexpr (shares) shared_.renew(lists.pairs, particles, mover.bodies.size());
-    if constexpr (convex) mover.renew_convex_rows(particles);
+    if constexpr (convex) {
+      mover.renew_convex_rows(particles);
+      lists.pairs.use_more_history(mover.convex_rows.has_area());
+    }
     make_kinds();
     sums_.resize(particles.size() * 4 * chunks, 0);  // all zero between the steps
     particles.renew_pair_motion(*team_);

@@ -17,7 +17,9 @@ struct StepTimes {
   double step;    // [s]
   double worked;  // of it, that forces have been at work since the last step: 0 at the first
   LedgerAsks ask;
-  double lag = 0.5;  // [steps] by which velocities are older than positions
+  double lag = 0.5;         // [steps] by which velocities are older than positions
+  bool renew_areas = true;  // contacts of smooth bodies find their points anew (contact_area.hpp)
+  static constexpr int areas_every = 8;  // steps
 };
 
 /// Chunks of four scalars in the row of one contact: force; with rotation torque over radius; with

@@ -22,7 +22,7 @@ namespace silt::inline SILT_TARGET::detail {
 /// The lists of what may touch soon, spheres and walls, and their renewal: which spheres reach how
 /// far (ListUpkeep), search, order of the particles in memory, pruning. Every loop over particles
 /// or pairs is shared between threads, none of which changes a result.
-template <std::size_t H, std::size_t InRows, class Scalar, class State, class Search, class Domain,
+template <std::size_t H, HistoryRows InRows, class Scalar, class State, class Search, class Domain,
           class Arch, class Walls>
 class NearLists {
  public:

@@ -18,8 +18,8 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The pairs of a simulation in two stages, with H Scalars of contact history for each pair, the
-/// first `InRows` of them in rows (PairHistory).
+/// The pairs of a simulation in two stages, with H Scalars of contact history for each pair, some
+/// of them in rows (PairHistory).
 ///
 /// Outer list: all pairs nearer than the skin at the last search, group by group (PairGroups).
 /// Inner list: those of them nearer than the inner skin at the last pruning; only these are
@@ -28,7 +28,7 @@ namespace silt::inline SILT_TARGET::detail {
 /// id, so that history never changes its sign. Groups of the inner list begin at whole packs; the
 /// gaps between them hold pairs of two spheres of no radius (indices n, n+1), and so do `ahead`
 /// places behind the last group, for loops that look ahead.
-template <std::size_t H, class Scalar, std::size_t InRows = 0>
+template <std::size_t H, class Scalar, HistoryRows InRows = HistoryRows{}>
 class PairList {
   using History = PairHistory<H, Scalar, InRows>;
 
@@ -59,6 +59,14 @@ class PairList {
     return history_.at(component, place);
   }
   Scalar* history_row(std::size_t place) { return history_.row(place); }
+  Scalar* more_history_row(std::size_t place) { return history_.more_row(place); }
+  /// Sets the first `numbers` of a history and its second row to 0.
+  void forget_contact(std::size_t place, std::size_t numbers) {
+    std::fill_n(history_.row(place), numbers, Scalar(0));
+    if (history_.uses_more()) std::fill_n(history_.more_row(place), History::more_width, Scalar(0));
+  }
+  /// Whether the second rows of histories are in use.
+  void use_more_history(bool yes) { history_.use_more(yes); }
 
   /// Takes over newly found pairs; those of two fixed particles, or of one
   /// body, are left out. `before`: how many
@@ -113,6 +121,7 @@ class PairList {
       chunks_[c].kept = keep_near<Arch>(chunks_[c], grown.data(), domain);
     });
     old_origin_.swap(origin_), std::swap(old_history_, history_);
+    history_.use_more(old_history_.uses_more());
     lay_out();
     team.for_parts(chunks_.size(), [&](std::size_t c) { fill(chunks_[c], previous); });
     pad(grown.size());
@@ -140,6 +149,7 @@ class PairList {
     return s;
   }
   void restore(const State& s, std::size_t particles) {
+    history_.use_more(true);
     outer_ = s.outer;
     groups_ = PairGroups(particles);
     outer_begin_.assign(groups_.count() + 1, 0);
@@ -165,8 +175,7 @@ class PairList {
   std::size_t bytes() const {
     return outer_.capacity() * sizeof(IndexPair) + kept_.capacity() * 4 + group_.capacity() * 2 +
            first_.capacity() * 2 * 4 +
-           (origin_.capacity() + old_origin_.capacity()) *
-               (4 + (History::width + H - InRows) * sizeof(Scalar));
+           (origin_.capacity() + old_origin_.capacity()) * (4 + history_.bytes_per_place());
   }
 
  private:

@@ -3,6 +3,7 @@
 
 #include <silt/core/lanes.hpp>
 #include <silt/core/quaternion.hpp>
+#include <silt/core/symmetric3.hpp>
 
 /// Where a body stands: what the narrow phase of shapes takes. A matrix, as one turns many vectors.
 /// Tests: tests/shape/polyhedron.cpp
@@ -27,6 +28,11 @@ inline RotationMatrix rotation_matrix(const Quaternion& q) {
   return {{1 - 2 * (yy + zz), 2 * (xy + wz), 2 * (xz - wy)},
           {2 * (xy - wz), 1 - 2 * (xx + zz), 2 * (yz + wx)},
           {2 * (xz + wy), 2 * (yz - wx), 1 - 2 * (xx + yy)}};
+}
+
+/// A tensor in the body's axes, seen in space.
+inline Symmetric3 turned(const RotationMatrix& r, const Symmetric3& s) {
+  return tensor_along(r.x, r.y, r.z, s);
 }
 
 struct RigidPose {

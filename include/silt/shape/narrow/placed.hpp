@@ -79,6 +79,7 @@ struct SolidContact {
   double couple = 0;          // [m]
   double R_eff = 0;           // [m] for Hertz' law
   std::uint32_t feature = 0;  // of a wall: which face, edge or corner of either
+  Symmetric3 spread{};        // [m2] covariance of the contact region across the normal
 };
 
 }  // namespace silt

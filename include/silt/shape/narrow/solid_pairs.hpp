@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <silt/shape/narrow/contact_spread.hpp>
 #include <silt/shape/narrow/corner_normal.hpp>
 #include <silt/shape/narrow/margin_contact.hpp>
 #include <silt/shape/narrow/sphere_polyhedron.hpp>
@@ -167,6 +168,9 @@ SolidContact touch_corners(const PlacedSuper<Form>& i, const PlacedPolyhedron& j
   SolidContact out;
   out.normal = -m, out.overlap = found.depth;
   out.point = j.pose.to_space(found.corner) + (0.5 * found.depth - j.shape->radius()) * m;
+  if (found.held == 3)  // on a face
+    out.spread =
+        symmetric(spread_of(i.form, i.axes, out.normal, out.point - i.position, out.overlap));
   if (!(memory.R_eff > 0)) {
     const double a = found.contact_radius, b = contact_radius_at(j, -m);
     memory.R_eff = a * b / (a + b);
@@ -205,6 +209,7 @@ inline SolidContact touch_sharp(const PlacedPolyhedron& i, const PlacedPolyhedro
   SolidContact out;
   out.normal = c.normal, out.point = c.point, out.overlap = c.overlap;
   out.gradient = c.buried ? 0 : c.gradient, out.couple = c.couple;
+  out.spread = c.spread;
   return out;
 }
 

@@ -34,8 +34,14 @@ struct DeepestContacts {
 
 /// What contact laws need of an overlap by thickness; `normal`: of the wall.
 inline SolidContact solid_contact(const PlacedPolyhedron& body, const VolumeContact& found) {
-  return {found.normal,   found.point,  found.overlap,
-          found.gradient, found.couple, body.shape->equal_volume_radius()};
+  return {found.normal,
+          found.point,
+          found.overlap,
+          found.gradient,
+          found.couple,
+          body.shape->equal_volume_radius(),
+          0,
+          found.spread};
 }
 
 /// A body that lies as deep in the half-space as its support point does.

@@ -35,7 +35,23 @@ class PowerIntegrals {
     twice_area_[k] = norm(cross(b - a, c - a));
     face_[k] = face;
   }
-  /// Gives use(face, integral of e^m, of e^(m-1), of e^(m-1) x) of each and forgets them.
+  /// Integrals of e^(m-2) and its products with the place.
+  struct Spread {
+    double weight = 0;
+    Vec3d first{0, 0, 0};
+    Symmetric3 second;
+    void add(const Spread& more) {
+      weight += more.weight, first += more.first, second += more.second;
+    }
+    /// Covariance of the place.
+    Symmetric3 covariance() const {
+      const double over = 1 / weight;
+      Symmetric3 c = over * second;
+      c += -1.0 * outer(over * first);
+      return c;
+    }
+  };
+  /// Gives use(face, integral of e^m, of e^(m-1), of e^(m-1) x, Spread) of each and forgets them.
   template <class Use>
   void end(const Use& use) {
     double h[m + 1][lanes], slope[lanes];
@@ -46,19 +62,41 @@ class PowerIntegrals {
     for (int n = 1; n < 3; ++n)
       for (int p = 1; p <= m; ++p)
         for (std::size_t k = 0; k < lanes; ++k) h[p][k] += e_[n][k] * h[p - 1][k];
-    double part[3][lanes];
+    double part[3][lanes], bend[3][3][lanes];
     for (int n = 0; n < 3; ++n) {
       for (std::size_t k = 0; k < lanes; ++k) slope[k] = 1;
-      for (int p = 1; p < m; ++p)
+      for (int q = n; q < 3; ++q)
+        for (std::size_t k = 0; k < lanes; ++k) bend[n][q][k] = 1;
+      for (int p = 1; p < m; ++p) {
         for (std::size_t k = 0; k < lanes; ++k) slope[k] = h[p][k] + e_[n][k] * slope[k];
+        for (int q = n; q < 3 && p < m - 1; ++q)
+          for (std::size_t k = 0; k < lanes; ++k)
+            bend[n][q][k] = slope[k] + e_[q][k] * bend[n][q][k];
+      }
       for (std::size_t k = 0; k < lanes; ++k) part[n][k] = slope[k];
     }
     for (std::size_t k = 0; k < count_; ++k) {
       const double share = twice_area_[k] / (m * (m + 1) * (m + 2));
       const double less = share * (part[0][k] + part[1][k] + part[2][k]);
+      Spread spread;
+      const double flat = share / (m - 1);
+      for (int n = 0; n < 3; ++n) {
+        Vec3d row = (2 * flat * bend[n][n][k]) * corner_[n][k];
+        double weight = 2 * flat * bend[n][n][k];
+        for (int q = 0; q < 3; ++q) {
+          if (q == n) continue;
+          const double both = flat * bend[std::min(n, q)][std::max(n, q)][k];
+          row += both * corner_[q][k], weight += both;
+        }
+        const Vec3d& x = corner_[n][k];
+        spread.weight += weight, spread.first += weight * x;
+        spread.second +=
+            {x.x * row.x, x.y * row.y, x.z * row.z, x.x * row.y, x.y * row.z, x.z * row.x};
+      }
       use(face_[k], twice_area_[k] / ((m + 1) * (m + 2)) * h[m][k], less,
           share * (part[0][k] * corner_[0][k] + part[1][k] * corner_[1][k] +
-                   part[2][k] * corner_[2][k]));
+                   part[2][k] * corner_[2][k]),
+          spread);
     }
     count_ = 0;
   }
@@ -90,7 +128,9 @@ class SurfaceDepth {
     find_nearest_faces();
     Patch* const patch = patch_of(mesh_.patches()[t]);
     if (patch == nullptr) return;
-    const auto use = [&](std::uint32_t f, double full, double less, const Vec3d& place) {
+    const auto use = [&](std::uint32_t f, double full, double less, const Vec3d& place,
+                         const Sums::Spread& spread) {
+      patch->spread.add(spread);
       const Vec3d& n = body_.shape->faces()[f].normal;
       patch->full += full, patch->less += less;
       patch->place += place;
@@ -125,6 +165,7 @@ class SurfaceDepth {
   static constexpr std::uint32_t few = 16;  // faces that are looked at one by one
 
   // All in units of the bounding radius, in the body's axes.
+  using Sums = PowerIntegrals<power>;
   struct Patch {
     std::uint32_t number;
     double full;   // integral of the depth to `power`
@@ -132,6 +173,7 @@ class SurfaceDepth {
     Vec3d place;   // of that, times the place
     Vec3d push;    // of that, times the normal of the nearest face
     Vec3d torque;  // of that, times place x normal
+    Sums::Spread spread;
   };
   struct Memory {
     std::vector<Vec3d> polygon, cell, next;
@@ -264,7 +306,7 @@ class SurfaceDepth {
     for (std::size_t k = 0; k < count_; ++k)
       if (patch_[k].number == number) return &patch_[k];
     if (count_ == most) return nullptr;
-    patch_[count_] = {number, 0, 0, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+    patch_[count_] = {number, 0, 0, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {}};
     return &patch_[count_++];
   }
   SolidContact contact(const Patch& p) const {
@@ -286,6 +328,7 @@ class SurfaceDepth {
     out.couple = unit_ * couple;
     out.point = body_.pose.to_space(unit_ * at);
     out.R_eff = body_.shape->equal_volume_radius();
+    out.spread = (unit_ * unit_) * turned(body_.pose.turn, p.spread.covariance());
     return out;
   }
 
@@ -295,7 +338,7 @@ class SurfaceDepth {
   Memory& work_;
   std::array<Patch, most> patch_;
   std::size_t count_ = 0;
-  PowerIntegrals<power> sums_;
+  Sums sums_;
 };
 
 }  // namespace detail

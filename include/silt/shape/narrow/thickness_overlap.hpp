@@ -99,6 +99,7 @@ class ThicknessIntegrals {
     Symmetric3 c = scale * m.second;
     c += -1.0 * outer(mean_);
     inverse_ = inverse(c);
+    spread = c;
     trace_ = inverse_.trace();
     thickness = std::sqrt(12 / trace_);
     add_pressure();
@@ -108,6 +109,8 @@ class ThicknessIntegrals {
 
   double thickness = 0;                  // [m] delta
   Vec3d area{0, 0, 0}, moment{0, 0, 0};  // S, G of (2), G about the middle; frame of the body
+  Symmetric3 spread;                     // [m2] C, in `frame`
+  const RotationMatrix& frame() const { return frame_; }
 
  private:
   /// From the middle to the corner farthest from it.
@@ -242,6 +245,8 @@ inline VolumeContact thickness_of(const ClippedBody::Graph& g, const PlacedPolyh
   out.normal = body.pose.turn * ((-sign / out.gradient) * t.area);
   out.point = body.pose.to_space(cut.middle + (1 / square) * cross(t.area, t.moment));
   out.couple = dot(t.area, t.moment) / square;
+  const auto &turn = body.pose.turn, &frame = t.frame();
+  out.spread = tensor_along(turn * frame.x, turn * frame.y, turn * frame.z, t.spread);
   return out;
 }
 

@@ -90,6 +90,7 @@ struct VolumeContact {
   double area = 0;        // [m2] |S|
   double volume = 0;      // [m3]
   bool buried = false;    // one body wholly inside of the other: no direction, no force
+  Symmetric3 spread;      // [m2] covariance of the intersection across the normal; by thickness
 };
 
 /// What a pair keeps from step to step (12 bytes): a direction from j to i, along which the bodies
@@ -181,11 +182,11 @@ inline VolumeOverlap finish(const CutIntegrals& cut, const RigidPose& body, doub
 inline VolumeOverlap volume_overlap(const PlacedPolyhedron& i, const PlacedPolyhedron& j,
                                     const Vec3d& axis) {
   VolumeOverlap out;
-  detail::cut_pair(i, j, axis,
-                   [&](const auto& graph, const auto& body, const auto& cutter, double sign) {
-                     out = detail::finish(detail::CutIntegrator(graph, *body.shape, cutter).result(),
-                                          body.pose, sign);
-                   });
+  detail::cut_pair(
+      i, j, axis, [&](const auto& graph, const auto& body, const auto& cutter, double sign) {
+        out = detail::finish(detail::CutIntegrator(graph, *body.shape, cutter).result(), body.pose,
+                             sign);
+      });
   return out;
 }
 
