@@ -9,6 +9,7 @@
 
 #include <silt/contact/concept.hpp>
 #include <silt/engine/guard.hpp>
+#include <silt/engine/shape_inertia.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -23,7 +24,7 @@ namespace silt::inline SILT_TARGET::detail {
 /// whose neighbours swing against each other. Leapfrog breaks where dt times it is 2; an impact
 /// errs by some 10 % at a rate of 1.25, and makes energy above (docs/stability.md).
 /// The same of rolling and twisting, with the couple over the relative rotation and the inertia
-/// 0.4 m r^2 of a sphere whose contact slides, without n n^T.
+/// I of a sphere whose contact slides, without n n^T.
 /// The limit of the time step looks at speeds alone: this one sees grains that are squeezed or
 /// stick, contacts that few steps resolve, and resistance to rolling that is too stiff or too
 /// strongly damped. Spheres where they were `back` [s] ago.
@@ -58,7 +59,8 @@ LinearContact linearised(Contact<double> at, const typename Law::template Coeffi
 template <class Law, class Rolling>
 LinearContact linearised_rolling(const Contact<double>& at, double normal_force, double inertia,
                                  const typename Law::template Coefficients<double>& law,
-                                 const typename Rolling::template Coefficients<double>& p) {
+                                 const typename Rolling::template Coefficients<double>& p,
+                                 double share_of_rolling = 2.0 / 7.0) {
   const Vec3d n = at.normal;
   const Vec3d across = normalised(std::abs(n.x) < 0.7 ? cross(n, {1, 0, 0}) : cross(n, {0, 1, 0}));
   const double slow = 1e-9 / at.time_step;  // [rad/s] too slow to slide
@@ -75,7 +77,8 @@ LinearContact linearised_rolling(const Contact<double>& at, double normal_force,
                                    at.R_eff,
                                    inertia,
                                    {0, 0, 0},
-                                   step};
+                                   step,
+                                   share_of_rolling};
     Vec3d couple;
     if constexpr (HasHistory<Rolling>) {
       typename Rolling::template History<double> none{};
@@ -147,6 +150,7 @@ class ContactRates {
   }
 
  private:
+  using Inertia = InertiaOf<typename EngineType::Contacts>;
   using Law = typename EngineType::Contacts::Law;
   using Rolling = typename EngineType::Contacts::Rolling;
   static constexpr bool rolls = EngineType::Contacts::has_rolling && !of_own_rotation<Rolling>;
@@ -170,7 +174,7 @@ class ContactRates {
       if (inv_m > 0 && depth > 0)
         add(c.particle, inv_m, 0, point.normal, e_.turning(c.particle, point.normal), 0,
             linear(c.particle, e_.walls[c.wall].material, point.normal, depth, {r, 0}, inv_m,
-                   inv_m / (1.4 * r * r)));
+                   inv_m / (Inertia::rolling() * r * r)));
     });
   }
   void add_convex([[maybe_unused]] const Domain& domain) {
@@ -203,7 +207,7 @@ class ContactRates {
     std::size_t other = 0;
     if constexpr (EngineType::Contacts::several_materials) other = e_.particles.material[j];
     const auto contact =
-        linear(i, other, n, depth, {r, q}, a + b, (a / (r * r) + b / (q * q)) / 1.4);
+        linear(i, other, n, depth, {r, q}, a + b, (a / (r * r) + b / (q * q)) / Inertia::rolling());
     const double both = std::sqrt(a * b);
     const double turn_i = e_.turning(i, n), turn_j = e_.turning(j, n);
     const double turn_both = std::sqrt((a + turn_i) * (b + turn_j)) - both;
@@ -221,11 +225,12 @@ class ContactRates {
     const auto [r, q] = radii;
     c.normal = n, c.overlap = depth, c.R_eff = q > 0 ? r * q / (r + q) : r;
     c.m_eff = 1 / inv_m, c.inverse_m_eff = inv_m, c.radius_i = r, c.radius_j = q;
-    c.time_step = time_step_;
+    c.time_step = time_step_, c.slip_mobility = Inertia::slip_mobility();
     Pair out{linearised<Law>(c, table.law[kind]), {0, 0}};
     if constexpr (rolls)
       out.rolling = linearised_rolling<Law, Rolling>(c, out.normal.k * depth, 1 / inv_inertia,
-                                                     table.law[kind], table.rolling[kind]);
+                                                     table.law[kind], table.rolling[kind],
+                                                     Inertia::share_of_rolling());
     return out;
   }
   void add(std::size_t i, double inv_m, double both, const Vec3d& n, double turn, double turn_both,
@@ -237,8 +242,9 @@ class ContactRates {
     s.turning.k += pair.normal.k * (turn + turn_both);
     s.turning.c += pair.normal.c * (turn + turn_both);
     // Both spheres of a pair bear the couple: as in (1), with the inertia for the mass.
-    s.rolling.k += pair.rolling.k * w / (0.4 * r * r);
-    s.rolling.c += pair.rolling.c * w / (0.4 * r * r);
+    const double inertia = Inertia::factor() * r * r;  // [m2] over the mass
+    s.rolling.k += pair.rolling.k * w / inertia;
+    s.rolling.c += pair.rolling.c * w / inertia;
   }
 
   const EngineType& e_;

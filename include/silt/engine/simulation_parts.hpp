@@ -260,6 +260,7 @@ void Simulation<Policies...>::prepare() {
     book_.change_gravity(change);
     gravity_booked_ = gravity;
   }
+  if constexpr (!has_bodies) detail::check_inertia<ShapeType>();
   check_fluid();
   engine_.set_threads(threads);
   engine_.set_coefficients(contacts_);
