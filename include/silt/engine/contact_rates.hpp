@@ -16,7 +16,7 @@ namespace silt::inline SILT_TARGET::detail {
 /// How fast spheres swing, and are damped, in the contacts that they have now, over the time step.
 ///
 ///   K_i = sum_j k (1/m_i + 1/sqrt(m_i m_j)) n n^T, C_i likewise of c; at a wall 1/m_i alone    (1)
-///   rate_i = dt (sqrt|K_i| + |C_i|/2)                                                          (2)
+///   rate_i = dt (sqrt|K_i| + |C_i|/2), of Gear another: see its rate()                         (2)
 ///
 /// k and c are stiffness and damping of a contact along its normal, from the law's force itself.
 /// The largest |K_i| bounds the square of the highest frequency that the whole packing has, since
@@ -138,18 +138,29 @@ class ContactRates {
         text("step ", step, ", t = ", time, " s: the contacts of particle ", e_.id_of(row),
              " near ", where, " m are too stiff or too strongly damped for the time step ",
              time_step_, " s: rate ", most, ", above guard.max_rate = ", limit,
-             "; set Simulation::time_step to less than ", below(time_step_ * limit / most),
+             "; set Simulation::time_step to less than ", below(step_for(worst, limit)),
              " s, or soften the material"),
         step, {e_.id_of(row)}, where);
   }
-  double rate(std::size_t k) const {
-    const Sums& s = sums_[k];
-    return time_step_ *
-           std::max(std::sqrt(s.k.bound() + s.turning.k) + (s.c.bound() + s.turning.c) / 2,
-                    std::sqrt(s.rolling.k) + s.rolling.c / 2);
-  }
+  double rate(std::size_t k) const { return rate_in(k, time_step_); }
 
  private:
+  double rate_in(std::size_t k, double step) const {
+    using I = typename EngineType::IntegratorType;
+    const Sums& s = sums_[k];
+    return std::max(
+        rate_of<I>(step * std::sqrt(s.k.bound() + s.turning.k), step * (s.c.bound() + s.turning.c)),
+        rate_of<I>(step * std::sqrt(s.rolling.k), step * s.rolling.c));
+  }
+  /// [s] in which the rate is the limit.
+  double step_for(std::size_t k, double limit) const {
+    double low = 0, high = time_step_;
+    for (int halving = 0; halving < 60; ++halving) {
+      const double middle = 0.5 * (low + high);
+      (rate_in(k, middle) > limit ? high : low) = middle;
+    }
+    return low;
+  }
   using Inertia = InertiaOf<typename EngineType::Contacts>;
   using Law = typename EngineType::Contacts::Law;
   using Rolling = typename EngineType::Contacts::Rolling;

@@ -76,6 +76,7 @@ template <class ShapeType, class ContactsType, class Search, class Domain, class
 class Engine {
  public:
   using Contacts = ContactsType;
+  using IntegratorType = Integrator;
   static constexpr bool rotates = ContactsType::rotates;
   static constexpr std::size_t chunks = load_chunks<ContactsType>;
   static constexpr std::size_t history = ContactsType::history;  // Reals of a contact

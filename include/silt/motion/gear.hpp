@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 
 #include <silt/motion/concept.hpp>
@@ -31,6 +32,13 @@ struct Gear {
   static constexpr bool is_integrator = true;
   static constexpr std::size_t derivatives = 4;
   static constexpr double first_kick = 1, lag = 0;
+  /// A dashpot alone grows from dt c/m = 0.17 on, a spring alone from dt omega = 0.79 on, both
+  /// where (dt omega/0.79)^2 + dt c/(0.17 m) = 1; a packing's sums are up to four times those of a
+  /// pair.
+  static constexpr DampingLimit damping_limit{.normal = 0.08, .shear = 0.15};
+  static double rate(double spring, double dashpot) {  // 1.25 just before
+    return 1.25 * std::sqrt(spring * spring / (0.72 * 0.72) + dashpot / 0.16);
+  }
 
   /// Corrects {x, r}, {v, 1/m} and q_2 ... q_5 by the acceleration [m/s2].
   template <class Row>
