@@ -25,9 +25,17 @@ struct LightestSpheres {
   struct One {
     double radius = std::numeric_limits<double>::infinity();  // [m]
     double mass = std::numeric_limits<double>::infinity();    // [kg]
+    bool operator==(const One&) const = default;
   };
   One of_mass, of_hertz;
-  One largest{0};                                       // of those that move
+  One largest{0};  // of those that move
+  /// Each of the three once.
+  std::vector<One> extremes() const {
+    std::vector<One> all{of_mass};
+    if (of_hertz != of_mass) all.push_back(of_hertz);
+    if (largest != of_mass && largest != of_hertz) all.push_back(largest);
+    return all;
+  }
   double fixed = 0;                                     // [m] radius of the largest fixed one
   double least_density = One{}.mass, most_density = 0;  // [kg/m3] of m/R^3
 
@@ -96,11 +104,10 @@ class ShortestContactSearch {
       const auto &a = meetings.spheres[k / n], &b = meetings.spheres[k % n];
       if (!a.any()) continue;
       p_ = &pairs[k], i_ = k / n, j_ = k % n;
-      if (i_ == j_)
-        for (const One& s : {a.of_mass, a.of_hertz}) look(s, s, Partner::Sphere);
-      for (const One& s : {a.of_mass, a.of_hertz, a.largest}) {
-        if (b.any() && (i_ != j_ || law_needs_radii<Law>))
-          for (const One& other : {b.of_mass, b.of_hertz, b.largest})
+      const auto of_a = a.extremes(), of_b = b.extremes();
+      for (const One& s : of_a) {
+        for (const One& other : of_b)
+          if (b.any() && (i_ != j_ || s == other || law_needs_radii<Law>))
             look(s, other, Partner::Sphere);
         if (b.fixed > 0) look(s, {b.fixed, infinite}, Partner::Fixed);
         if (meetings.walls[j_]) look(s, {infinite, infinite}, Partner::Wall);
