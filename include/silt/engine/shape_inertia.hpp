@@ -2,6 +2,7 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/lanes.hpp>
 #include <silt/shape/concept.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
