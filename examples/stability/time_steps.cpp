@@ -99,7 +99,9 @@ std::vector<StepPoint> time_steps(Table& table) {
       });
     };
     for (const double share : {0.01, 0.1, 0.5, 0.999})
-      if (!table.quick || share > 0.1) row(share, Setting::Tame, false);
+      if (!table.quick || share > 0.1)
+        // At e = 0.05 the dashpot makes the limit shorter than an eighth of the contact.
+        row(share, c.restitution < 0.1 && share > 0.9 ? Setting::Extreme : Setting::Tame, false);
     row(1.01, Setting::Extreme, false);
     for (const double share : {1.01, 1.5, 2.0, 3.0, 5.0, 10.0}) row(share, Setting::Extreme, true);
   }

@@ -146,6 +146,7 @@ class Simulation {
     if (wall.moves()) wall.pose = wall.last_pose = wall.motion(time_);
     engine_.walls.push_back(std::move(wall));
     engine_.lists.forget();
+    scene_changed_ = true;
     return engine_.walls.size() - 1;
   }
   /// Takes away the surfaces of wall k: a lid that opens. Its number stays taken.
@@ -153,6 +154,10 @@ class Simulation {
     engine_.walls.at(k).surfaces.clear();
     engine_.lists.forget();
   }
+  /// Lets particles and walls of these two materials overlap by up to `limit` [-] of the smaller
+  /// radius, in place of guard.max_overlap: a heavy body that hits light grains.
+  void set_max_overlap(const typename ContactsType::Material& a,
+                       const typename ContactsType::Material& b, double limit);
   const Wall& wall(std::size_t k) const { return engine_.walls.at(k); }
   std::size_t walls() const { return engine_.walls.size(); }
   void set_reference(std::size_t k, const Vec3d& point) { engine_.walls.at(k).reference = point; }
@@ -171,6 +176,7 @@ class Simulation {
     else
       require(flow.form == 0, "InletFlow.form = ", flow.form,
               ", but spheres have no form; leave it out");
+    scene_changed_ = true;
     return openings_.add_inlet(region, flow, time_);
   }
   std::size_t add_inlet(const Box& region, const InletFlow& flow) {
@@ -401,8 +407,9 @@ class Simulation {
   void prepare();
   double chosen_time_step() const;
   double expected_speed() const;
-  detail::LightestSpheres lightest_spheres() const;
-  std::vector<bool> materials_of_spheres() const;
+  detail::Meetings meetings() const;
+  std::optional<detail::ShortestContact> shortest_contact(double speed) const;
+  bool is_step_too_long() const;
   void check_walls() const;
   void keep_limits();
   void keep_rates(double back);
@@ -436,6 +443,8 @@ class Simulation {
   double checked_speed_ = 0, checked_overlap_ = 0, peak_overlap_ = 0;
   std::uint32_t next_id_ = 0, next_part_ = 0;
   bool first_kick_ = true, kicked_ = false, continued_ = false;
+  bool scene_changed_ = false;  // since the last run began
+  detail::OverlapLimits overlap_limits_;
 };
 
 // The kernels' instruction set is always part of the type, so that translation units with different

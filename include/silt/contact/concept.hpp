@@ -31,6 +31,8 @@ struct Contact {
   Vec3<Real> turn;                 // [rad] rotation of the contact frame during the last step
   Real time_step;                  // [s]
   Real lag;                        // [s] twice the age of the velocities: time_step, or 0 (Gear)
+  /// [-] m_eff over the mass that resists slip, 1 + m r^2/I: 7/2 of solid spheres
+  Real slip_mobility = Real(3.5f);
 
   /// A vector of the last step's tangent plane, turned with the contact into the present tangent
   /// plane, its length kept.
@@ -71,6 +73,8 @@ struct RollingContact {
   Real inertia_eff;             // [kg m2] 1/(1/(Ii + mi Ri^2) + 1/(Ij + mj Rj^2))
   Vec3<Real> turn;              // [rad]
   Real time_step;               // [s]
+  /// [-] I/(I + m r^2): the inertia of twisting, 1/(1/Ii + 1/Ij), over inertia_eff
+  Real share_of_rolling = Real(static_cast<ScalarOf<Real>>(2.0 / 7.0));
 
   /// A couple against `rotation` [rad/s], of the size `limit` [N m] but for rotations so slow that
   /// some steps would turn them round: those it damps, over 8 steps.

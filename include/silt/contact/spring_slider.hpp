@@ -64,9 +64,9 @@ struct SpringSlider {
   }
 
  private:
-  /// The tangential motion of two solid spheres at their contact carries 2/7 of m*.
+  /// Slip moves the mass m*/slip_mobility, 2/7 of m* of solid spheres.
   SILT_INLINE Real tangential_damping(const Contact<Real>& c) const {
-    return leapfrog_damping(damping, c.inverse_m_eff, Real(3.5) * c.lag);
+    return leapfrog_damping(damping, c.inverse_m_eff, c.slip_mobility * c.lag);
   }
   SILT_INLINE Real share_within_limit(const Vec3<Real>& total, const Real& Fn) const {
     // 1/size as size (1/size^2): division and square root need not wait for each other.

@@ -115,6 +115,7 @@ auto CoupledFlow<Drag, Mode, Forces...>::particle(const CoupledParticles& of, st
   const bool alone = flow_.options().model == MomentumModel::Simplified;
   at.voidage = alone ? 1 : std::clamp(values_[eps_at][p], least_voidage, 1.0);
   at.diameter = 2 * of.shape.radius[p], at.volume = of.volume[p], at.mass = of.mass[p];
+  at.inertia_factor = of.inertia_factor;
   at.dt = dt, at.place = p, at.slip = value(u_at, p) - of.velocity[p];
   if constexpr (needs_curl) at.curl = value(curl_at, p);
   if constexpr (needs_strain) at.stretch = value(strain_at, p), at.strain = value(strain_at + 3, p);

@@ -30,7 +30,8 @@ struct InFluid {
   const FormInFlow* body;     // what the flow sees of that form; null: of spheres
   /// [1/s] rates of strain xx, yy, zz and yz, zx, xy (half of the sums) where a force needs them
   Vec3d stretch, strain;
-  std::size_t place;  // among the particles of this step
+  std::size_t place;            // among the particles of this step
+  double inertia_factor = 0.4;  // [-] I/(m r^2), of spheres
 };
 
 /// What a fluid does to a particle besides drag, pressure and viscous stress: a struct with one of
@@ -79,7 +80,7 @@ struct SpinTorque {
     const double spin = norm(Omega);
     if (spin == 0 || !std::isfinite(p.mass)) return {0, 0, 0};
     const Vec3d now = rotational_torque(p.diameter, p.density, p.viscosity, Omega);
-    const double inertia = 0.1 * p.mass * p.diameter * p.diameter;  // of a solid sphere
+    const double inertia = 0.25 * p.inertia_factor * p.mass * p.diameter * p.diameter;
     const double X = norm(now) / spin * p.dt / inertia;
     return (-std::expm1(-X) / X) * now;
   }

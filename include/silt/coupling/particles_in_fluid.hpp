@@ -68,6 +68,7 @@ struct CoupledParticles {
   std::span<HeldDrag> drag = {};     // renewed where the tolerance asks for it
   std::span<const FormInFlow> forms = {};  // of bodies, where a force or the drag sees forms
   std::span<const std::uint32_t> id = {};  // that each keeps; where a force has a history
+  double inertia_factor = 0.4;             // [-] I/(m r^2) of spheres
 };
 
 namespace detail {
@@ -84,6 +85,7 @@ struct ParticlesInFluid {
   std::vector<AveragedForm> forms;
   std::vector<FormInFlow> forms_in_flow;  // if asked for
   std::vector<std::uint32_t> id;
+  double inertia_factor = 0.4;  // [-]
 
   void resize(std::size_t n, bool bodies, bool turns, bool follows) {
     for (auto* v : {&position, &velocity, &acceleration, &force, &last_force}) v->resize(n);
@@ -103,7 +105,7 @@ struct ParticlesInFluid {
                          last_force,
                          owed,
                          drag};
-    all.forms = forms_in_flow, all.id = id;
+    all.forms = forms_in_flow, all.id = id, all.inertia_factor = inertia_factor;
     return all;
   }
   template <class Shape>

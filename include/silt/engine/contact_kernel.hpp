@@ -8,6 +8,7 @@
 #include <silt/contact/contacts.hpp>
 #include <silt/core/lanes.hpp>
 #include <silt/engine/contact_energy.hpp>
+#include <silt/engine/shape_inertia.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -175,6 +176,7 @@ struct ContactKernel {
                 "EnergyLedger needs to know what the contact law stores: give it a function "
                 "stored(), as silt/contact/concept.hpp says");
   using Energy = EnergyOf<ContactsType, Real>;
+  using Inertia = InertiaOf<ContactsType>;
   using LawCoefficients = typename Law::template Coefficients<Real>;
   using RollingCoefficients = typename Rolling::template Coefficients<Real>;
 
@@ -186,6 +188,7 @@ struct ContactKernel {
     c.overlap = ActsAtDistance<Law> ? k.overlap : max(k.overlap, Real(0));
     c.R_eff = k.R_eff, c.m_eff = k.m_eff, c.inverse_m_eff = k.inverse_m_eff;
     c.time_step = time_step, c.lag = Real(2) * lag * time_step;
+    c.slip_mobility = Real(static_cast<ScalarOf<Real>>(Inertia::slip_mobility()));
     const Vec3<Real> middle = k.normal - lag * k.change;  // when velocities were these
     c.normal_velocity = dot(k.velocity, middle);
     if constexpr (ContactsType::rotates) {
@@ -274,7 +277,8 @@ struct ContactKernel {
                                     k.R_eff,
                                     r.inertia_eff,
                                     c.turn,
-                                    time_step};
+                                    time_step,
+                                    Real(static_cast<ScalarOf<Real>>(Inertia::share_of_rolling()))};
       const Vec3<Real> none{zero, zero, zero};
       if constexpr (of_own_rotation<Rolling>) {
         // Couples that are not opposite, as what is (couple) and what turns both alike (twirl).

@@ -9,13 +9,14 @@
 
 #include <silt/contact/concept.hpp>
 #include <silt/engine/guard.hpp>
+#include <silt/engine/shape_inertia.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
 /// How fast spheres swing, and are damped, in the contacts that they have now, over the time step.
 ///
 ///   K_i = sum_j k (1/m_i + 1/sqrt(m_i m_j)) n n^T, C_i likewise of c; at a wall 1/m_i alone    (1)
-///   rate_i = dt (sqrt|K_i| + |C_i|/2)                                                          (2)
+///   rate_i = dt (sqrt|K_i| + |C_i|/2), of Gear another: see its rate()                         (2)
 ///
 /// k and c are stiffness and damping of a contact along its normal, from the law's force itself.
 /// The largest |K_i| bounds the square of the highest frequency that the whole packing has, since
@@ -23,7 +24,7 @@ namespace silt::inline SILT_TARGET::detail {
 /// whose neighbours swing against each other. Leapfrog breaks where dt times it is 2; an impact
 /// errs by some 10 % at a rate of 1.25, and makes energy above (docs/stability.md).
 /// The same of rolling and twisting, with the couple over the relative rotation and the inertia
-/// 0.4 m r^2 of a sphere whose contact slides, without n n^T.
+/// I of a sphere whose contact slides, without n n^T.
 /// The limit of the time step looks at speeds alone: this one sees grains that are squeezed or
 /// stick, contacts that few steps resolve, and resistance to rolling that is too stiff or too
 /// strongly damped. Spheres where they were `back` [s] ago.
@@ -58,7 +59,8 @@ LinearContact linearised(Contact<double> at, const typename Law::template Coeffi
 template <class Law, class Rolling>
 LinearContact linearised_rolling(const Contact<double>& at, double normal_force, double inertia,
                                  const typename Law::template Coefficients<double>& law,
-                                 const typename Rolling::template Coefficients<double>& p) {
+                                 const typename Rolling::template Coefficients<double>& p,
+                                 double share_of_rolling = 2.0 / 7.0) {
   const Vec3d n = at.normal;
   const Vec3d across = normalised(std::abs(n.x) < 0.7 ? cross(n, {1, 0, 0}) : cross(n, {0, 1, 0}));
   const double slow = 1e-9 / at.time_step;  // [rad/s] too slow to slide
@@ -75,7 +77,8 @@ LinearContact linearised_rolling(const Contact<double>& at, double normal_force,
                                    at.R_eff,
                                    inertia,
                                    {0, 0, 0},
-                                   step};
+                                   step,
+                                   share_of_rolling};
     Vec3d couple;
     if constexpr (HasHistory<Rolling>) {
       typename Rolling::template History<double> none{};
@@ -135,18 +138,30 @@ class ContactRates {
         text("step ", step, ", t = ", time, " s: the contacts of particle ", e_.id_of(row),
              " near ", where, " m are too stiff or too strongly damped for the time step ",
              time_step_, " s: rate ", most, ", above guard.max_rate = ", limit,
-             "; set Simulation::time_step to less than ", below(time_step_ * limit / most),
+             "; set Simulation::time_step to less than ", below(step_for(worst, limit)),
              " s, or soften the material"),
         step, {e_.id_of(row)}, where);
   }
-  double rate(std::size_t k) const {
-    const Sums& s = sums_[k];
-    return time_step_ *
-           std::max(std::sqrt(s.k.bound() + s.turning.k) + (s.c.bound() + s.turning.c) / 2,
-                    std::sqrt(s.rolling.k) + s.rolling.c / 2);
-  }
+  double rate(std::size_t k) const { return rate_in(k, time_step_); }
 
  private:
+  double rate_in(std::size_t k, double step) const {
+    using I = typename EngineType::IntegratorType;
+    const Sums& s = sums_[k];
+    return std::max(
+        rate_of<I>(step * std::sqrt(s.k.bound() + s.turning.k), step * (s.c.bound() + s.turning.c)),
+        rate_of<I>(step * std::sqrt(s.rolling.k), step * s.rolling.c));
+  }
+  /// [s] in which the rate is the limit.
+  double step_for(std::size_t k, double limit) const {
+    double low = 0, high = time_step_;
+    for (int halving = 0; halving < 60; ++halving) {
+      const double middle = 0.5 * (low + high);
+      (rate_in(k, middle) > limit ? high : low) = middle;
+    }
+    return low;
+  }
+  using Inertia = InertiaOf<typename EngineType::Contacts>;
   using Law = typename EngineType::Contacts::Law;
   using Rolling = typename EngineType::Contacts::Rolling;
   static constexpr bool rolls = EngineType::Contacts::has_rolling && !of_own_rotation<Rolling>;
@@ -170,7 +185,7 @@ class ContactRates {
       if (inv_m > 0 && depth > 0)
         add(c.particle, inv_m, 0, point.normal, e_.turning(c.particle, point.normal), 0,
             linear(c.particle, e_.walls[c.wall].material, point.normal, depth, {r, 0}, inv_m,
-                   inv_m / (1.4 * r * r)));
+                   inv_m / (Inertia::rolling() * r * r)));
     });
   }
   void add_convex([[maybe_unused]] const Domain& domain) {
@@ -203,7 +218,7 @@ class ContactRates {
     std::size_t other = 0;
     if constexpr (EngineType::Contacts::several_materials) other = e_.particles.material[j];
     const auto contact =
-        linear(i, other, n, depth, {r, q}, a + b, (a / (r * r) + b / (q * q)) / 1.4);
+        linear(i, other, n, depth, {r, q}, a + b, (a / (r * r) + b / (q * q)) / Inertia::rolling());
     const double both = std::sqrt(a * b);
     const double turn_i = e_.turning(i, n), turn_j = e_.turning(j, n);
     const double turn_both = std::sqrt((a + turn_i) * (b + turn_j)) - both;
@@ -221,11 +236,12 @@ class ContactRates {
     const auto [r, q] = radii;
     c.normal = n, c.overlap = depth, c.R_eff = q > 0 ? r * q / (r + q) : r;
     c.m_eff = 1 / inv_m, c.inverse_m_eff = inv_m, c.radius_i = r, c.radius_j = q;
-    c.time_step = time_step_;
+    c.time_step = time_step_, c.slip_mobility = Inertia::slip_mobility();
     Pair out{linearised<Law>(c, table.law[kind]), {0, 0}};
     if constexpr (rolls)
       out.rolling = linearised_rolling<Law, Rolling>(c, out.normal.k * depth, 1 / inv_inertia,
-                                                     table.law[kind], table.rolling[kind]);
+                                                     table.law[kind], table.rolling[kind],
+                                                     Inertia::share_of_rolling());
     return out;
   }
   void add(std::size_t i, double inv_m, double both, const Vec3d& n, double turn, double turn_both,
@@ -237,8 +253,9 @@ class ContactRates {
     s.turning.k += pair.normal.k * (turn + turn_both);
     s.turning.c += pair.normal.c * (turn + turn_both);
     // Both spheres of a pair bear the couple: as in (1), with the inertia for the mass.
-    s.rolling.k += pair.rolling.k * w / (0.4 * r * r);
-    s.rolling.c += pair.rolling.c * w / (0.4 * r * r);
+    const double inertia = Inertia::factor() * r * r;  // [m2] over the mass
+    s.rolling.k += pair.rolling.k * w / inertia;
+    s.rolling.c += pair.rolling.c * w / inertia;
   }
 
   const EngineType& e_;

@@ -18,8 +18,10 @@
 #include <silt/engine/pair_pipeline.hpp>
 #include <silt/engine/particle_state.hpp>
 #include <silt/engine/precision.hpp>
+#include <silt/engine/shape_inertia.hpp>
 #include <silt/engine/sphere_motion.hpp>
 #include <silt/engine/wall_pipeline.hpp>
+#include <silt/shape/sphere.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -27,6 +29,10 @@ namespace silt::inline SILT_TARGET::detail {
 template <class ShapeType, class Contacts>
 struct ContactsOf {
   using type = Contacts;
+};
+template <Shape ShapeType, class Contacts>
+requires(!std::is_same_v<ShapeType, Sphere>) struct ContactsOf<ShapeType, Contacts> {
+  using type = OfShape<Contacts, ShapeType>;
 };
 template <BodyShape ShapeType, class Contacts>
 struct ContactsOf<ShapeType, Contacts> {
@@ -70,6 +76,7 @@ template <class ShapeType, class ContactsType, class Search, class Domain, class
 class Engine {
  public:
   using Contacts = ContactsType;
+  using IntegratorType = Integrator;
   static constexpr bool rotates = ContactsType::rotates;
   static constexpr std::size_t chunks = load_chunks<ContactsType>;
   static constexpr std::size_t history = ContactsType::history;  // Reals of a contact

@@ -5,9 +5,11 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <map>
 #include <optional>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <silt/boundary/wall.hpp>
@@ -22,7 +24,7 @@ namespace silt::inline SILT_TARGET {
 /// Limits that a run must keep; where one is broken it stops with a SimulationError. What each of
 /// them prevents, and why it has its default: docs/stability.md.
 struct Guard {
-  double max_overlap = 0.3;        // [-] of the smaller radius
+  double max_overlap = 0.3;        // [-] of the smaller radius; of pairs: set_max_overlap
   double max_time_step = 0.125;    // [-] of the shortest contact time at the largest speed
   double max_travel = 0.3;         // [-] of the smallest radius, of particles and walls in a step
   double max_rate = 1.25;          // [-] of a particle in its contacts: contact_rates.hpp
@@ -57,20 +59,64 @@ inline std::string below(double time_step) {
   return digits;
 }
 
-/// Names the contact with the largest overlap over the smaller radius, which was measured `back`
-/// [s] ago.
-template <class EngineType, class Domain>
-[[noreturn, gnu::cold]] void throw_overlap(const EngineType& e, const Domain& domain,
-                                           std::int64_t step, double time, double back,
-                                           double limit) {
-  double most = -1;  // [-]
+/// The limits of the overlap: one for all contacts, and those of single pairs of materials.
+class OverlapLimits {
+ public:
+  void set(std::size_t a, std::size_t b, double limit) { of_pairs_[std::minmax(a, b)] = limit; }
+  bool empty() const { return of_pairs_.empty(); }
+  double of(std::size_t a, std::size_t b, double otherwise) const {
+    const auto found = of_pairs_.find(std::minmax(a, b));
+    return found == of_pairs_.end() ? otherwise : found->second;
+  }
+  double least(double otherwise) const {
+    for (const auto& [pair, limit] : of_pairs_) otherwise = std::min(otherwise, limit);
+    return otherwise;
+  }
+  /// The largest of a material's.
+  double most(std::size_t material, double otherwise) const {
+    for (const auto& [pair, limit] : of_pairs_)
+      if (pair.first == material || pair.second == material) otherwise = std::max(otherwise, limit);
+    return otherwise;
+  }
+
+ private:
+  std::map<std::pair<std::size_t, std::size_t>, double> of_pairs_;  // the lower number first
+};
+
+/// Material of a row of particles.
+template <class EngineType>
+std::size_t material_of([[maybe_unused]] const EngineType& e, [[maybe_unused]] std::size_t row) {
+  if constexpr (EngineType::Contacts::several_materials)
+    return e.particles.material[row];
+  else
+    return 0;
+}
+
+/// A contact and how far it is above its limit.
+struct DeepContact {
+  double excess = -1, overlap = 0, limit = 0;  // [-] overlap over limit; of the smaller radius
   std::uint32_t a = 0, b = 0;
+  std::size_t material_a = 0, material_b = 0, wall = 0;
   bool with_wall = false;
-  std::size_t wall = 0;
+};
+
+/// The contact whose overlap is the largest share of its limit, measured `back` [s] ago.
+template <class EngineType, class Domain>
+[[gnu::cold]] DeepContact deepest_contact(const EngineType& e, const Domain& domain, double back,
+                                          double limit, const OverlapLimits& limits) {
+  DeepContact most;
+  const auto look = [&](std::uint32_t a, std::uint32_t b, std::size_t wall, bool with_wall,
+                        double overlap) {
+    const std::size_t i = material_of(e, a);
+    const std::size_t j = with_wall ? e.walls[wall].material : material_of(e, b);
+    const double own = limits.of(i, j, limit);
+    if (overlap / own > most.excess)
+      most = {overlap / own, overlap, own, a, b, i, j, wall, with_wall};
+  };
   if constexpr (EngineType::convex) {
     for_each_convex_contact(e, domain, [&](const SeenContact& c) {
-      if (!(c.share > most)) return;
-      most = c.share, a = c.i, b = c.j, wall = c.wall, with_wall = c.j == no_particle;
+      const bool with_wall = c.j == no_particle;
+      look(c.i, with_wall ? 0 : c.j, c.wall, with_wall, c.share);
     });
   } else {
     e.lists.pairs.for_each([&](std::size_t k) {
@@ -78,27 +124,43 @@ template <class EngineType, class Domain>
       const double r = e.particles.position[i].r, q = e.particles.position[j].r;
       Vec3d d = place_before(e, i, back) - place_before(e, j, back);
       if constexpr (Domain::periodic) d = domain.shortest(d);
-      const double ratio = (r + q - norm(d)) / std::min(r, q);
-      if (ratio > most) most = ratio, a = i, b = j;
+      look(i, j, 0, false, (r + q - norm(d)) / std::min(r, q));
     });
     for_each_wall_contact(e, back, [&](const WallCandidate& c, const SurfacePoint& point) {
-      const double ratio = 1 - point.distance / e.particles.position[c.particle].r;
-      if (ratio > most) most = ratio, with_wall = true, a = c.particle, wall = c.wall;
+      look(c.particle, 0, c.wall, true, 1 - point.distance / e.particles.position[c.particle].r);
     });
   }
-  const Vec3d where = place_before(e, a, back);
+  return most;
+}
+
+/// The overlaps of a step are above the least limit: names the contact that is above its own, if
+/// there is one. `name` says the name of a material.
+template <class EngineType, class Domain, class Name>
+[[gnu::cold]] void check_overlaps(const EngineType& e, const Domain& domain, std::int64_t step,
+                                  double time, double back, double limit,
+                                  const OverlapLimits& limits, const Name& name) {
+  const DeepContact c = deepest_contact(e, domain, back, limit, limits);
+  if (!limits.empty() && !(c.excess > 1)) return;
+  const bool is_common = c.limit == limit;
+  const Vec3d where = place_before(e, c.a, back);
   const auto head = text("step ", step, ", t = ", time, " s: ");
-  const auto tail =
-      text(e.largest_overlap, " of the radius, above the limit guard.max_overlap = ", limit,
-           "; use a stiffer material, a lower speed or a smaller time step, or start "
-           "without overlaps");
-  if (with_wall)
-    throw SimulationError(
-        text(head, "particle ", e.id_of(a), " at ", where, " m overlaps wall ", wall, " by ", tail),
-        step, {e.id_of(a)}, where);
-  throw SimulationError(text(head, "particles ", e.id_of(a), " and ", e.id_of(b), " near ", where,
-                             " m overlap by ", tail),
-                        step, {e.id_of(a), e.id_of(b)}, where);
+  const std::string both = name(c.material_a) + " and " + name(c.material_b);
+  const auto tail = text(
+      limits.empty() ? e.largest_overlap : c.overlap, " of the smaller radius, above the limit ",
+      is_common ? text("guard.max_overlap = ", limit)
+                : text(c.limit, " that set_max_overlap gives to ", both),
+      "; use a stiffer material, a lower speed or a smaller time step, or start without overlaps",
+      is_common ? text(". Where a heavy body may press light grains in deeper, "
+                       "Simulation::set_max_overlap raises the limit for ",
+                       both, " alone")
+                : std::string());
+  if (c.with_wall)
+    throw SimulationError(text(head, "particle ", e.id_of(c.a), " at ", where, " m overlaps wall ",
+                               c.wall, " by ", tail),
+                          step, {e.id_of(c.a)}, where);
+  throw SimulationError(text(head, "particles ", e.id_of(c.a), " and ", e.id_of(c.b), " near ",
+                             where, " m overlap by ", tail),
+                        step, {e.id_of(c.a), e.id_of(c.b)}, where);
 }
 
 /// A wall whose motion has given a pose that is none would act on nothing, or on other places.

@@ -286,13 +286,12 @@ class PairPipeline {
 
   static void gather_rolling(const Input& in, const std::uint32_t* first,
                              const std::uint32_t* second, std::size_t k, Block& out) {
+    const auto rolling = static_cast<Scalar>(InertiaOf<ContactsType>::rolling());
     for (std::size_t lane = 0; lane < W; ++lane) {
       const Motion &a = in.motions[first[lane]], &b = in.motions[second[lane]];
-      // 1/(I + m r^2) of a solid sphere: 1/(1.4 m r^2).
-      out.put(k + lane,
-              RollingKinematics<Scalar>{
-                  a.inv_r * a.spin_velocity() - b.inv_r * b.spin_velocity(),
-                  Scalar(1.4) / (a.inv_m * a.inv_r * a.inv_r + b.inv_m * b.inv_r * b.inv_r)});
+      out.put(k + lane, RollingKinematics<Scalar>{
+                            a.inv_r * a.spin_velocity() - b.inv_r * b.spin_velocity(),
+                            rolling / (a.inv_m * a.inv_r * a.inv_r + b.inv_m * b.inv_r * b.inv_r)});
     }
   }
 };

@@ -116,6 +116,7 @@ class PlanePipeline {
                             Real(static_cast<Scalar>(plane.normal.y)),
                             Real(static_cast<Scalar>(plane.normal.z))};
     Real largest(0);
+    [[maybe_unused]] const Real rolling(static_cast<Scalar>(InertiaOf<ContactsType>::rolling()));
     for (std::size_t k = 0; k < count; k += W) {
       Real velocity[4], spin[4];
       motion_of(in.pair_motions, particle + k, velocity, spin);
@@ -133,8 +134,8 @@ class PlanePipeline {
         kin.spin = {spin[0], spin[1], spin[2]};
         kin.arm = select(there, distance * spin[3], zero), kin.twist = zero;
         if constexpr (ContactsType::has_rolling)
-          out.kinematics.put(k, RollingKinematics<Real>{spin[3] * kin.spin,
-                                                        Real(Scalar(1.4)) * r * r * kin.m_eff});
+          out.kinematics.put(
+              k, RollingKinematics<Real>{spin[3] * kin.spin, rolling * r * r * kin.m_eff});
       }
       out.kinematics.put(k, kin);
       out.kinematics.put(k, Radii<Real>{r, zero});

@@ -161,6 +161,7 @@ double Simulation<Policies...>::gather_for_fluid() {
       if constexpr (Fluid::sees_forms) p.forms_in_flow.push_back(form_in_flow(shape));
       p.add_form(shape);
     }
+  if constexpr (!has_bodies) p.inertia_factor = ShapeType::inertia_factor();
   const double span = fluid_.last_step_length();
   std::array<double, Team::most_ranges> fastest{};
   engine_.team().for_ranges(p.place.size(), [&](std::size_t r, std::size_t from, std::size_t to) {

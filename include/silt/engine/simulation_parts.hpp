@@ -39,6 +39,7 @@ void Simulation<Policies...>::add(const ParticlesType& more) {
     check_new(more);  // before anything changes
     const std::size_t first = engine_.mover.forms.size();
     engine_.mover.forms.insert(engine_.mover.forms.end(), more.forms().begin(), more.forms().end());
+    scene_changed_ = true;
     return add_bodies(more, first);
   } else {
     check_new(more);
@@ -70,6 +71,7 @@ void Simulation<Policies...>::add(const ParticlesType& more) {
     }
     engine_.particles.measure();
     engine_.lists.forget();
+    scene_changed_ = true;
   }
 }
 
@@ -96,7 +98,9 @@ void Simulation<Policies...>::insert(const std::vector<PlacedSphere>& spheres,
   } else {
     for (const auto& s : spheres)
       more.add({s.position, s.radius, flow.density, velocity, {0, 0, 0}, flow.material});
+    const bool changed = scene_changed_;
     add(more);
+    scene_changed_ = changed;  // inlets have counted from their start
   }
   if constexpr (has_ledger && !std::is_void_v<ParticlesType>) {
     // ... and the ledger wants that of this instant.
@@ -129,51 +133,65 @@ void Simulation<Policies...>::book_leaving([[maybe_unused]] std::size_t k) {
   }
 }
 
+/// What may meet: the particles that are there and those that inlets will still bring; the walls
+/// that have surfaces.
 template <class... Policies>
-detail::LightestSpheres Simulation<Policies...>::lightest_spheres() const {
-  detail::LightestSpheres lightest;
+detail::Meetings Simulation<Policies...>::meetings() const {
+  const std::size_t materials = engine_.coefficients.materials;
+  detail::Meetings all{std::vector<detail::LightestSpheres>(materials),
+                       std::vector<bool>(materials, false)};
+  const auto brings_more = [](const Inlet& inlet) {
+    return inlet.flow.total == 0 || inlet.placed < inlet.flow.total;
+  };
   if constexpr (has_bodies) {
-    for (const auto& b : bodies())
-      if (b.id != no_particle && b.inv_m > 0)
-        engine_.mover.forms[b.form].include_lightest(lightest, b.scale, 1 / b.inv_m);
+    for (const auto& b : bodies()) {
+      if (b.id == no_particle) continue;
+      auto& of_material = all.spheres[ContactsType::several_materials ? b.material : 0];
+      if (b.inv_m > 0)
+        engine_.mover.forms[b.form].include_lightest(of_material, b.scale, 1 / b.inv_m);
+      else
+        of_material.include({b.radius, INFINITY});
+    }
     for (const auto& inlet : openings_.inlets()) {
       const auto& form = engine_.mover.forms.at(inlet.flow.form);
-      const double scale = inlet.flow.radius.min() / form.radius;
-      form.include_lightest(lightest, scale,
-                            inlet.flow.density * form.mass.volume * scale * scale * scale);
+      for (const double radius : {inlet.flow.radius.min(), inlet.flow.radius.max()}) {
+        const double scale = radius / form.radius;
+        if (brings_more(inlet))
+          form.include_lightest(all.spheres[inlet.flow.material], scale,
+                                inlet.flow.density * form.mass.volume * scale * scale * scale);
+      }
     }
   } else {
     for (std::size_t k = 0; k < rows(); ++k)
-      if (is_present(k)) lightest.include({radius(k), mass(k)});
-    for (const auto& inlet : openings_.inlets()) {
-      const double r = inlet.flow.radius.min();
-      lightest.include({r, inlet.flow.density * ShapeType::volume(r)});
-    }
+      if (is_present(k)) all.spheres[material(k)].include({radius(k), mass(k)});
+    for (const auto& inlet : openings_.inlets())
+      for (const double r : {inlet.flow.radius.min(), inlet.flow.radius.max()})
+        if (brings_more(inlet))
+          all.spheres[inlet.flow.material].include({r, inlet.flow.density * ShapeType::volume(r)});
   }
-  return lightest;
+  for (const Wall& wall : engine_.walls)
+    if (!wall.surfaces.empty()) all.walls[wall.material] = true;
+  return all;
 }
 
-/// Which materials of the table have spheres, or will have from inlets.
 template <class... Policies>
-std::vector<bool> Simulation<Policies...>::materials_of_spheres() const {
-  std::vector<bool> used(engine_.coefficients.materials, false);
-  for (std::size_t k = 0; k < rows(); ++k)
-    if (is_present(k)) used[material(k)] = true;
-  for (const auto& inlet : openings_.inlets()) used[inlet.flow.material] = true;
-  return used;
+std::optional<detail::ShortestContact> Simulation<Policies...>::shortest_contact(
+    double speed) const {
+  using Law = typename ContactsType::Law;
+  if constexpr (detail::HasContactTime<Law>) {
+    if (!(speed > 0)) return std::nullopt;
+    const detail::ShortestContactSearch<Law, Integrator> search(
+        engine_.coefficients.law, meetings(), speed,
+        detail::InertiaOf<typename Engine::Contacts>::slip_mobility());
+    if (std::isfinite(search.found().time)) return search.found();
+  }
+  return std::nullopt;
 }
 
 template <class... Policies>
 std::optional<double> Simulation<Policies...>::time_step_limit(double speed) const {
-  if constexpr (detail::HasContactTime<typename ContactsType::Law>) {
-    const auto lightest = lightest_spheres();
-    if (!lightest.any() || !(speed > 0)) return std::nullopt;
-    return guard.max_time_step *
-           detail::shortest_contact<typename ContactsType::Law>(
-               engine_.coefficients.law, materials_of_spheres(), lightest, speed);
-  } else {
-    return std::nullopt;
-  }
+  const auto shortest = shortest_contact(speed);
+  return shortest ? std::optional<double>(guard.max_time_step * shortest->time) : std::nullopt;
 }
 
 /// The largest speed now, of particles and walls, or that of a fall through the whole scene,
@@ -219,21 +237,23 @@ double Simulation<Policies...>::expected_speed() const {
 template <class... Policies>
 double Simulation<Policies...>::chosen_time_step() const {
   const double speed = expected_speed();
+  const auto shortest = shortest_contact(speed);
   if (time_step) {
     require_positive("Simulation::time_step", *time_step, "s");
-    if (const auto limit = time_step_limit(speed))
-      require(*time_step <= *limit, "Simulation::time_step = ", *time_step,
-              " [s] is above the limit ", *limit, " s, guard.max_time_step = ", guard.max_time_step,
-              " of the shortest contact at ", speed,
-              " m/s; lower it, leave it out, or soften the "
-              "material");
+    if (shortest)
+      require(*time_step <= guard.max_time_step * shortest->time,
+              "Simulation::time_step = ", *time_step, " [s] is above the limit ",
+              guard.max_time_step * shortest->time,
+              " s, guard.max_time_step = ", guard.max_time_step,
+              " of the shortest contact that can happen at ", speed, " m/s: that ",
+              detail::describe(*shortest, contacts_),
+              "; lower it, leave it out, or soften the material");
     return *time_step;
   }
-  const auto limit = time_step_limit(speed);
-  require(limit.has_value(),
+  require(shortest.has_value(),
           "the time step cannot be chosen: the contact law has no contact_time(), or nothing moves "
           "and there is no gravity; set Simulation::time_step [s]");
-  return *limit / guard.max_time_step / 20;
+  return shortest->time / 20;
 }
 
 template <class... Policies>
@@ -244,13 +264,19 @@ void Simulation<Policies...>::prepare() {
   require_positive("Guard.max_rate", guard.max_rate, "-");
   // A mesh is hard from both sides: how deep a particle is in it is known up to its radius.
   for (const Wall& wall : engine_.walls)
-    for (const auto& surface : wall.surfaces)
-      require(guard.through_meshes || guard.max_overlap + guard.max_travel < 1 ||
-                  !detail::is_mesh(surface),
-              "Guard.max_overlap = ", guard.max_overlap,
-              " and Guard.max_travel = ", guard.max_travel,
-              " [-] must be less than 1 together where there are meshes: a "
-              "particle could come out behind one unseen (guard.through_meshes = true lets them)");
+    for (const auto& surface : wall.surfaces) {
+      const double overlap = overlap_limits_.most(wall.material, guard.max_overlap);
+      require(
+          guard.through_meshes || overlap + guard.max_travel < 1 || !detail::is_mesh(surface),
+          overlap > guard.max_overlap ? "the limit of set_max_overlap = " : "Guard.max_overlap = ",
+          overlap, " and Guard.max_travel = ", guard.max_travel,
+          " [-] must be less than 1 together where there are meshes: a "
+          "particle could come out behind one unseen (guard.through_meshes = true lets them)");
+    }
+  for (const auto& inlet : openings_.inlets())
+    require(inlet.flow.material < contacts_.materials(),
+            "InletFlow.material = ", inlet.flow.material, " is not in the table of ",
+            contacts_.materials(), " materials; add it to the contacts first");
   require(is_finite(gravity), "Simulation::gravity = ", gravity, " [m/s2] must be finite");
   if constexpr (has_ledger) {
     double change = 0;
@@ -260,16 +286,42 @@ void Simulation<Policies...>::prepare() {
     book_.change_gravity(change);
     gravity_booked_ = gravity;
   }
+  if constexpr (!has_bodies) detail::check_inertia<ShapeType>();
   check_fluid();
   engine_.set_threads(threads);
   engine_.set_coefficients(contacts_);
-  if (dt_ == 0 || (time_step && *time_step != dt_)) {
+  if (dt_ == 0 || (time_step && *time_step != dt_) || (scene_changed_ && is_step_too_long())) {
     const double dt = chosen_time_step();
     if (kicked_ && dt_ > 0) engine_.change_step(dt / dt_);
     time_origin_ = time_, step_origin_ = step_;
     dt_ = dt;
   }
+  if (scene_changed_) checked_speed_ = 0;
+  scene_changed_ = false;
   if (guard.domain) detail::check_inside(engine_, *guard.domain, step_, time_);
+}
+
+/// Of what has been added since the last run.
+template <class... Policies>
+bool Simulation<Policies...>::is_step_too_long() const {
+  const auto limit = time_step_limit(expected_speed());
+  return limit && dt_ > *limit;
+}
+
+template <class... Policies>
+void Simulation<Policies...>::set_max_overlap(const typename ContactsType::Material& a,
+                                              const typename ContactsType::Material& b,
+                                              double limit) {
+  require_positive("Simulation::set_max_overlap: limit", limit, "-");
+  const auto number = [this](const auto& material) {
+    std::size_t k = 0;
+    while (k < contacts_.materials() && !(contacts_.material(k) == material)) ++k;
+    require(k < contacts_.materials(), "Simulation::set_max_overlap: a material",
+            detail::leading_value(material), " is none of the ", contacts_.materials(),
+            " of the contacts and the walls; give the same values, and add the wall before");
+    return k;
+  };
+  overlap_limits_.set(number(a), number(b), limit);
 }
 
 template <class... Policies>
@@ -285,18 +337,23 @@ void Simulation<Policies...>::keep_limits() {
   if (kicked_) detail::check_spins(engine_, step_, time_);
   // Unless observers look at this step, the particles have moved on from where forces acted.
   const double back = kicked_ ? 0 : dt_;
-  if (engine_.largest_overlap > guard.max_overlap)
-    detail::throw_overlap(engine_, domain_, step_, time_, back, guard.max_overlap);
+  if (engine_.largest_overlap > overlap_limits_.least(guard.max_overlap))
+    detail::check_overlaps(
+        engine_, domain_, step_, time_, back, guard.max_overlap, overlap_limits_,
+        [this](std::size_t k) { return detail::name_of_material(contacts_, k); });
   detail::check_crowded(engine_, step_, time_, back);
   const double wall_way = detail::wall_travel(engine_);
   const double speed = std::max(engine_.largest_speed, wall_way / dt_);
   if (speed > 1.05 * checked_speed_) {
     checked_speed_ = speed;
-    if (const auto limit = time_step_limit(checked_speed_); limit && dt_ > *limit)
+    const auto shortest = shortest_contact(checked_speed_);
+    if (shortest && dt_ > guard.max_time_step * shortest->time)
       throw SimulationError(
           text("step ", step_, ", t = ", time_, " s: the time step ", dt_, " s is above its limit ",
-               *limit, " s at the largest speed ", checked_speed_,
-               " m/s; set a smaller Simulation::time_step or a softer material"),
+               guard.max_time_step * shortest->time, " s at the largest speed ", checked_speed_,
+               " m/s, guard.max_time_step of the shortest contact that can happen: that ",
+               detail::describe(*shortest, contacts_),
+               "; set a smaller Simulation::time_step or a softer material"),
           step_, {}, {});
   }
   detail::check_travel(engine_, wall_way, step_, time_, dt_, guard.max_travel);

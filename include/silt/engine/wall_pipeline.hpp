@@ -326,8 +326,9 @@ class WallPipeline {
       kin.arm = scalar(point.distance * motion.inv_r);
       kin.twist = scalar(dot(wall_spin, point.normal));
       s.kinematics.put(
-          k, RollingKinematics<Scalar>{vector(motion.spin_velocity() * motion.inv_r - wall_spin),
-                                       scalar(1.4 * sphere.r * sphere.r / motion.inv_m)});
+          k, RollingKinematics<Scalar>{
+                 vector(motion.spin_velocity() * motion.inv_r - wall_spin),
+                 scalar(InertiaOf<ContactsType>::rolling() * sphere.r * sphere.r / motion.inv_m)});
     }
     s.kinematics.put(k, kin);
     s.kinematics.put(k, Radii<Scalar>{scalar(sphere.r), scalar(0)});

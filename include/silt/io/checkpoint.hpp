@@ -53,7 +53,8 @@ class Checkpoint {
                                              sim.kicked_,
                                              e.lists.upkeep.pruned_at,
                                              e.lists.upkeep.searched_at,
-                                             static_cast<std::int64_t>(e.safeguards)};
+                                             static_cast<std::int64_t>(e.safeguards),
+                                             sim.scene_changed_};
     const auto& plan = e.lists.upkeep.plan;
     const std::vector<double> upkeep{
         e.lists.upkeep.used, e.largest_share, e.lists.upkeep.outer_wall, e.lists.upkeep.inner_wall,
@@ -177,7 +178,7 @@ class Checkpoint {
     const auto clock = in.get<double>("clock", 9), upkeep = in.get<double>("upkeep", 10);
     const auto outer_reach = in.get<double>("reach.outer"),
                inner_reach = in.get<double>("reach.inner", outer_reach.size());
-    const auto counters = in.get<std::int64_t>("counters", 8);
+    const auto counters = in.get<std::int64_t>("counters", 9);
     const auto id = in.get<std::uint32_t>("id");
     const std::size_t n = id.size();
     constexpr std::size_t motion_size = sizeof(typename Engine::Motion) / sizeof(double);
@@ -258,6 +259,7 @@ class Checkpoint {
     sim.step_ = counters[0], sim.step_origin_ = counters[1];
     sim.next_id_ = static_cast<std::uint32_t>(counters[2]);
     sim.continued_ = true;
+    sim.scene_changed_ = counters[8] != 0;
     sim.first_kick_ = counters[3] != 0, sim.kicked_ = counters[4] != 0;
     e.safeguards = static_cast<std::uint64_t>(counters[7]);
     e.lists.upkeep.pruned_at = counters[5], e.lists.upkeep.searched_at = counters[6];
@@ -336,7 +338,7 @@ class Checkpoint {
 
   /// Which programs can continue from the file: the policies that shape the state.
   static std::string signature() {
-    return text("silt state 7; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
+    return text("silt state 8; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
                 name_of<typename Sim::ContactsType>(), "; search ", name_of<typename Sim::Search>(),
                 "; domain ", name_of<typename Sim::Domain>(), "; precision ",
                 name_of<typename Sim::Precision>(), Sim::has_ledger ? "; ledger" : "",

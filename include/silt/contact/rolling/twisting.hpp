@@ -49,8 +49,7 @@ struct Twisting {
     const Real limit = p.limit * sqrt(a2) * c.normal_force;
     const Real trial = h.torque - kw * c.time_step * c.twist;
     h.torque = max(min(trial, limit), -limit);  // (1)
-    // Of solid spheres: I = 2/7 of the inertia of rolling.
-    const Real damping = p.twice_damping * sqrt(Real(2.0 / 7.0) * c.inertia_eff * kw);
+    const Real damping = p.twice_damping * sqrt(c.share_of_rolling * c.inertia_eff * kw);
     return max(min(h.torque - damping * c.twist, limit), -limit) * c.normal;  // (2)
   }
   template <class Real>
