@@ -55,6 +55,11 @@ struct Stored {
   Real normal;        // [J] in it
   Vec3<Real> spring;  // [N] of the tangential spring
   Real tangential;    // [J] in it
+  /// [N s/m] of the dashpot that makes the tangential force what the spring's is not; 0: none
+  Real damping = Real(0);
+  /// [J] that the tangential spring got in the last step without work, of laws that keep its
+  /// elongation while its stiffness changes
+  Real stiffening = Real(0);
 };
 
 /// What a rolling model sees of one pair or of one pair a lane.
@@ -71,6 +76,9 @@ struct RollingContact {
   Real inertia_eff;             // [kg m2] 1/(1/(Ii + mi Ri^2) + 1/(Ij + mj Rj^2))
   Vec3<Real> turn;              // [rad]
   Real time_step;               // [s]
+  // One step ago; springs that remember a couple lose what they cannot hold as they soften.
+  Real last_overlap = overlap;             // [m]
+  Real last_stiffness = normal_stiffness;  // [N/m]
 
   /// A couple against `rotation` [rad/s], of the size `limit` [N m] but for rotations so slow that
   /// some steps would turn them round: those it damps, over 8 steps.
@@ -196,7 +204,8 @@ SILT_INLINE Aggregate<Real> broadcast(const Aggregate<double>& a) {
 ///     partner, and `static double impact_force(Coefficients<double>, R_eff, m_eff, speed)` [N],
 ///     for Softened
 ///   static Stored<Real> stored(Contact<Real>, Coefficients<Real> [, History<Real>])    for the
-///     EnergyLedger: springs and the energy in them, after force() has had its turn
+///     EnergyLedger: springs and the energy in them, after force() has had its turn; without
+///     Stored::damping all that the tangential force takes is friction
 ///   static Real pressing(Contact<Real>, Coefficients<Real>, Real normal)    [N] >= 0, what presses
 ///     the bodies together, adhesion included, for rolling resistance; left out: max(normal, 0)
 template <class L>

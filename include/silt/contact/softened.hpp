@@ -135,6 +135,7 @@ struct Softened {
     s.force = select(carries, s.force, zero), s.normal = select(carries, s.normal, zero);
     s.spring = select(carries, s.spring, Vec3<Real>{zero, zero, zero});
     s.tangential = select(carries, s.tangential, zero);
+    s.stiffening = select(carries, s.stiffening, zero);
     return s;
   }
   /// For partners of radii R_i and R_j [m]; of a wall: R_j = 0.

@@ -14,9 +14,9 @@ namespace silt::inline SILT_TARGET::detail {
 
 /// What a step must know of time.
 struct StepTimes {
-  double step;    // [s]
-  double worked;  // of it, that forces have been at work since the last step: 0 at the first
-  LedgerAsks ask;
+  double step;       // [s]
+  double worked;     // of it, that forces have been at work since the last step: 0 at the first
+  bool ask;          // contacts what they store (ledger_asks_every)
   double lag = 0.5;  // [steps] by which velocities are older than positions
 };
 
