@@ -76,9 +76,9 @@ struct RollingContact {
   Real inertia_eff;             // [kg m2] 1/(1/(Ii + mi Ri^2) + 1/(Ij + mj Rj^2))
   Vec3<Real> turn;              // [rad]
   Real time_step;               // [s]
-  // One step ago; springs that remember a couple lose what they cannot hold as they soften.
-  Real last_overlap = overlap;             // [m]
-  Real last_stiffness = normal_stiffness;  // [N/m]
+  // Of springs that remember a couple: they lose what they cannot hold as they soften.
+  Real unloading = Real(1);  // [-] <= 1 normal_stiffness over that one step ago
+  Real shrinking = Real(1);  // [-] <= 1 overlap over that one step ago
 
   /// A couple against `rotation` [rad/s], of the size `limit` [N m] but for rotations so slow that
   /// some steps would turn them round: those it damps, over 8 steps.
@@ -195,6 +195,8 @@ SILT_INLINE Aggregate<Real> broadcast(const Aggregate<double>& a) {
 ///   static void check(const Material&), check(const Pair&)      throw InputError
 ///   static double contact_time(Coefficients<double>, R_eff, m_eff, speed)    [s], for the step
 ///   static Real stiffness(Contact<Real>, Coefficients<Real>)    [N/m], for rolling resistance
+///   static Real unloading(Contact<Real>, Coefficients<Real>)    [-] <= 1, stiffness over that one
+///     step ago, where a closed form is cheaper than to ask stiffness() twice
 ///   static Real range(Coefficients<Real>, Real R_eff)    [m], of laws that act at a distance:
 ///     force and history live while the gap is smaller; must not fall as R_eff grows
 ///   static constexpr bool needs_radii = true    Contact::radius_i and radius_j are set, and

@@ -98,6 +98,10 @@ struct BasicDcdem {
     return Real(1.5) * p.stiffness * sqrt(c.R_eff * c.overlap);
   }
   template <class Real>
+  static SILT_INLINE Real unloading(const Contact<Real>& c, const Coefficients<Real>&) {
+    return hertz_unloading(c);
+  }
+  template <class Real>
   static SILT_INLINE Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p,
                                          [[maybe_unused]] const History<Real>& h) {
     const Real S = p.stiffness * sqrt(c.R_eff * c.overlap), elastic = S * c.overlap,

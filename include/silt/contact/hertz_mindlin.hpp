@@ -83,6 +83,10 @@ struct BasicHertzMindlin {
   }
 
   template <class Real>
+  static SILT_INLINE Real unloading(const Contact<Real>& c, const Coefficients<Real>&) {
+    return hertz_unloading(c);
+  }
+  template <class Real>
   static SILT_INLINE Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p,
                                          const History<Real>& h) {
     const Real Sn = stiffness(c, p), elastic = Real(2.0 / 3.0) * Sn * c.overlap;

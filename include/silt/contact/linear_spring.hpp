@@ -52,6 +52,10 @@ struct BasicLinearSpring {
     return p.stiffness;
   }
   template <class Real>
+  static SILT_INLINE Real unloading(const Contact<Real>&, const Coefficients<Real>&) {
+    return Real(1);
+  }
+  template <class Real>
   static SILT_INLINE Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p) {
     const Real elastic = p.stiffness * c.overlap, zero(0);
     return {elastic, Real(0.5) * elastic * c.overlap, {zero, zero, zero}, zero};
@@ -113,6 +117,10 @@ struct BasicLinearSpringFriction {
   template <class Real>
   static SILT_INLINE Real stiffness(const Contact<Real>&, const Coefficients<Real>& p) {
     return p.stiffness;
+  }
+  template <class Real>
+  static SILT_INLINE Real unloading(const Contact<Real>&, const Coefficients<Real>&) {
+    return Real(1);
   }
   template <class Real>
   static SILT_INLINE Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p,

@@ -125,6 +125,12 @@ struct Softened {
     return Body::stiffness(c, softened(c, p));
   }
   template <class Real>
+  static SILT_INLINE Real unloading(const Contact<Real>& c,
+                                    const Coefficients<Real>& p) requires requires {
+    Body::unloading(c, p.body);
+  }
+  { return Body::unloading(c, p.body); }
+  template <class Real>
   static SILT_INLINE Stored<Real> stored(
       const Contact<Real>& c, const Coefficients<Real>& p,
       const History<Real>& h) requires detail::SaysWhatItStores<Body> {

@@ -84,16 +84,25 @@ struct SpringSlider {
   }
 };
 
+/// [-] <= 1 The overlap over that one step ago, if the contact is unloading.
+template <class Real>
+SILT_INLINE Real shrinking(const Contact<Real>& c) {
+  const Real now = max(c.overlap, smallest<Real>());
+  return now / max(c.overlap + c.time_step * c.normal_velocity, now);
+}
+/// The same of a stiffness that goes as the square root of the overlap.
+template <class Real>
+SILT_INLINE Real hertz_unloading(const Contact<Real>& c) {
+  return sqrt(shrinking(c));
+}
+
 /// The tangential force [N] on i of a spring whose stiffness goes as the square root of the overlap
 /// (Mindlin). `memory`: its force [N] or the slip [m].
 template <TangentialMemory Memory, class Real>
 SILT_INLINE Vec3<Real> mindlin_force(const SpringSlider<Real>& slider, const Contact<Real>& c,
                                      const Real& Fn, Vec3<Real>& memory) {
   if constexpr (Memory == TangentialMemory::Force) {
-    // S_t now over S_t at the last step, if the contact is unloading.
-    const Real last = c.overlap + c.time_step * c.normal_velocity;
-    const Real unloading = min(sqrt(c.overlap / max(last, c.overlap)), Real(1));
-    return slider.from_force(c, Fn, unloading, memory);
+    return slider.from_force(c, Fn, hertz_unloading(c), memory);
   } else {
     return slider.from_displacement(c, Fn, memory);
   }

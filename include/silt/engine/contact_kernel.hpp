@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include <silt/contact/contacts.hpp>
+#include <silt/contact/spring_slider.hpp>
 #include <silt/core/lanes.hpp>
 #include <silt/engine/contact_energy.hpp>
 
@@ -266,9 +267,6 @@ struct ContactKernel {
     if constexpr (ContactsType::has_rolling) {
       [[maybe_unused]] constexpr std::size_t offset = ContactsType::law_history;
       const Real twist = dot(r.angular_velocity, k.normal);
-      Contact<Real> last = c;  // one step ago
-      last.overlap = c.overlap + time_step * c.normal_velocity;
-      if constexpr (!ActsAtDistance<Law>) last.overlap = max(last.overlap, zero);
       const RollingContact<Real> rc{k.normal,
                                     r.angular_velocity - twist * k.normal,
                                     twist,
@@ -280,8 +278,8 @@ struct ContactKernel {
                                     r.inertia_eff,
                                     c.turn,
                                     time_step,
-                                    last.overlap,
-                                    Law::stiffness(last, law)};
+                                    unloading(c, law),
+                                    shrinking(c)};
       const Vec3<Real> none{zero, zero, zero};
       if constexpr (of_own_rotation<Rolling>) {
         // Couples that are not opposite, as what is (couple) and what turns both alike (twirl).
@@ -381,6 +379,17 @@ struct ContactKernel {
     const Stored<Real> spring = stored_by<Law, Real>(c, law, before);
     const Real ended = Real(2) * spring.normal / c.time_step + spring.force * c.normal_velocity;
     return select(touching, select(Law::safeguarded(before, now), ended, zero), zero);
+  }
+  /// The law's stiffness over that one step ago, if the contact is unloading [-].
+  static SILT_INLINE Real unloading(const Contact<Real>& c, const LawCoefficients& law) {
+    if constexpr (requires { Law::unloading(c, law); }) {
+      return Law::unloading(c, law);
+    } else {
+      Contact<Real> last = c;
+      last.overlap = c.overlap + c.time_step * c.normal_velocity;
+      const Real then = max(Law::stiffness(last, law), smallest<Real>());
+      return min(Law::stiffness(c, law) / then, Real(1));
+    }
   }
   template <class Answer>
   static SILT_INLINE Answer shared(const Answer& answer, const Real& share) {

@@ -43,9 +43,7 @@ struct RollingEpsd {
     const Real arm = p.rolling_friction * c.R_eff;  // [m]
     const Real kr = stiffness(c, arm);
     const Real limit = arm * c.normal_force;
-    const Real unloading =
-        min(c.normal_stiffness / max(c.last_stiffness, smallest<Real>()), Real(1));
-    const Vec3<Real> carried = unloading * (h.torque + cross(c.turn, h.torque));
+    const Vec3<Real> carried = c.unloading * (h.torque + cross(c.turn, h.torque));
     const Vec3<Real> trial = carried - (kr * c.time_step) * c.angular_velocity;
     const Real size = sqrt(max(dot(trial, trial), smallest<Real>()));
     const auto mobilised = size >= limit;

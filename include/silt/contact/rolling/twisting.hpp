@@ -48,9 +48,7 @@ struct Twisting {
                                        History<Real>& h) {
     const Real a2 = c.R_eff * max(c.overlap, Real(0)), kw = c.normal_stiffness * a2;
     const Real limit = p.limit * sqrt(a2) * c.normal_force;
-    const Real last_kw = c.last_stiffness * c.R_eff * max(c.last_overlap, Real(0));
-    const Real unloading = min(kw / max(last_kw, smallest<Real>()), Real(1));
-    const Real trial = unloading * h.torque - kw * c.time_step * c.twist;
+    const Real trial = c.unloading * c.shrinking * h.torque - kw * c.time_step * c.twist;
     h.torque = max(min(trial, limit), -limit);  // (1)
     // Of solid spheres: I = 2/7 of the inertia of rolling.
     const Real damping = p.twice_damping * sqrt(Real(2.0 / 7.0) * c.inertia_eff * kw);
