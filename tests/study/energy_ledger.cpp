@@ -155,14 +155,14 @@ TEST_CASE("ledger: a sphere slides until it rolls: friction, damping and spring 
                        silt::EnergyLedger{}};
   sim.gravity = {0, 0, -g};
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, rough);
-  sim.time_step = 2e-6;
+  sim.time_step = 1e-6;
   sim.run(0.01);
   const double arm = 1 - press / R, slowing = mu * g * (1 + 2.5 * arm * arm);
   const double t = 0.01, way = v0 * t - 0.5 * slowing * t * t;
   const auto slides = sim.energy();
   const double spring = F * F / (2 * St);
   CHECK(slides.tangential == near(spring).epsilon(1e-4));
-  CHECK(slides.tangential_damping == near(spring).epsilon(0.02));  // told apart each 4th step
+  CHECK(slides.tangential_damping == near(spring).epsilon(0.02));  // 1.3 dt S_t/c_t = 0.011
   CHECK(slides.friction == near(F * way - 2 * spring).epsilon(1e-4));
   sim.run(0.09);
   // It has rolled for long: 2/7 of its energy is gone, v'/v = 1/(1 + 2/5/arm^2).
@@ -204,7 +204,7 @@ Backwards losses_of(Sim& sim, double duration) {
 /// 2e-5: a contact takes 300 steps and more; the error of a spring's energy is (w dt)^2/8 of it,
 /// w dt = pi/300, and the dashpots' loss is known at half steps.
 template <class Make>
-void losses_only_grow(const char* name, const Make& contacts_of, bool attracts = false) {
+void losses_only_grow(const std::string& name, const Make& contacts_of, bool attracts = false) {
   CAPTURE(name);
   silt::Random random(11);
   for (int run = 0; run < 12; ++run) {
@@ -292,7 +292,7 @@ TEST_CASE("ledger: an oblique impact that slides throughout; its channels sum up
     CHECK(e.friction > 10 * e.tangential_damping);
     CHECK(e.tangential_damping > 0);
     CHECK(e.elastic() == 0);
-    CHECK(e.dissipated() == near(e.initial - e.kinetic()).epsilon(1e-4));
+    CHECK(e.dissipated() == near(e.initial + e.supplied() - e.kinetic()).epsilon(1e-4));
   };
   const silt::HertzMindlin::Material soft{1e7, 0.25, 0.5, 0.4};
   run(silt::Contacts<silt::HertzMindlin>{soft});
