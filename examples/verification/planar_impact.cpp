@@ -17,9 +17,9 @@ double planar_surface_speed_after(const Impact& impact, double surface_speed, in
     const double Fn =
         std::max(2.0 / 3 * Sn * overlap + damping * std::sqrt(Sn * m) * approach, 0.0);
     if (overlap < last) spring *= std::sqrt(overlap / last);
-    const double dashpot = damping * std::sqrt(St * m) * slip, free = spring + St * slip * h;
-    const double total = std::clamp(free + dashpot, -mu * Fn, mu * Fn);
-    spring = total - dashpot;
+    const double ct = damping * std::sqrt(St * m);  // [N s/m]
+    const double total = std::clamp(spring + (St * h + ct) * slip, -mu * Fn, mu * Fn);
+    spring += St * h / (St * h + ct) * (total - spring);  // the spring's own velocity: u of (2)
     slip -= 3.5 / m * total * h;
     approach -= Fn / m * h;
   }

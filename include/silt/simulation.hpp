@@ -352,12 +352,9 @@ class Simulation {
     if (first_kick_) engine_.start_walls(time_, dt_);
     openings_.update(engine_, *this);
     engine_.renew_lists(search_, domain_, step_, dt_);
-    const detail::StepTimes times{
-        dt_,
-        first_kick_ ? 0 : dt_,
-        {observed || first_kick_, step_ % detail::LedgerAsks::split_every == 0},
-        Integrator::lag,
-        step_ % detail::StepTimes::areas_every == 0};
+    const detail::StepTimes times{dt_, first_kick_ ? 0 : dt_,
+                                  observed || first_kick_ || step_ % detail::ledger_asks_every == 0,
+                                  Integrator::lag, step_ % detail::StepTimes::areas_every == 0};
     engine_.pair_forces(domain_, times);
     engine_.wall_forces(times);
     if constexpr (Fluid::active) couple();

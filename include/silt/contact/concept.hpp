@@ -57,6 +57,11 @@ struct Stored {
   Real normal;        // [J] in it
   Vec3<Real> spring;  // [N] of the tangential spring
   Real tangential;    // [J] in it
+  /// [N s/m] of the dashpot that makes the tangential force what the spring's is not; 0: none
+  Real damping = Real(0);
+  /// [J] that the tangential spring got in the last step without work, of laws that keep its
+  /// elongation while its stiffness changes
+  Real stiffening = Real(0);
 };
 
 /// What a rolling model sees of one pair or of one pair a lane.
@@ -75,6 +80,9 @@ struct RollingContact {
   Real time_step;               // [s]
   /// [-] I/(I + m r^2): the inertia of twisting, 1/(1/Ii + 1/Ij), over inertia_eff
   Real share_of_rolling = Real(static_cast<ScalarOf<Real>>(2.0 / 7.0));
+  // Of springs that remember a couple: they lose what they cannot hold as they soften.
+  Real unloading = Real(1);  // [-] <= 1 normal_stiffness over that one step ago
+  Real shrinking = Real(1);  // [-] <= 1 overlap over that one step ago
 
   /// A couple against `rotation` [rad/s], of the size `limit` [N m] but for rotations so slow that
   /// some steps would turn them round: those it damps, over 8 steps.
@@ -191,6 +199,8 @@ SILT_INLINE Aggregate<Real> broadcast(const Aggregate<double>& a) {
 ///   static void check(const Material&), check(const Pair&)      throw InputError
 ///   static double contact_time(Coefficients<double>, R_eff, m_eff, speed)    [s], for the step
 ///   static Real stiffness(Contact<Real>, Coefficients<Real>)    [N/m], for rolling resistance
+///   static Real unloading(Contact<Real>, Coefficients<Real>)    [-] <= 1, stiffness over that one
+///     step ago, where a closed form is cheaper than to ask stiffness() twice
 ///   static Real range(Coefficients<Real>, Real R_eff)    [m], of laws that act at a distance:
 ///     force and history live while the gap is smaller; must not fall as R_eff grows
 ///   static constexpr bool needs_radii = true    Contact::radius_i and radius_j are set, and
@@ -200,7 +210,8 @@ SILT_INLINE Aggregate<Real> broadcast(const Aggregate<double>& a) {
 ///     partner, and `static double impact_force(Coefficients<double>, R_eff, m_eff, speed)` [N],
 ///     for Softened
 ///   static Stored<Real> stored(Contact<Real>, Coefficients<Real> [, History<Real>])    for the
-///     EnergyLedger: springs and the energy in them, after force() has had its turn
+///     EnergyLedger: springs and the energy in them, after force() has had its turn; without
+///     Stored::damping all that the tangential force takes is friction
 ///   static Real pressing(Contact<Real>, Coefficients<Real>, Real normal)    [N] >= 0, what presses
 ///     the bodies together, adhesion included, for rolling resistance; left out: max(normal, 0)
 template <class L>

@@ -84,9 +84,7 @@ struct BasicDcdem {
     const Real Fn =
         normal_force<DampingEnd::ZeroOverlap>(kn * root * c.overlap, gn * sqrt(root), c);  // (1)
     if constexpr (Form == DcdemForm::Mended) {
-      const Real share(2.0 / 7.0);
-      const SpringSlider<Real> slider{share * kn * root, share * gn * sqrt(root), p.friction};
-      return {Fn, slider.from_displacement(c, Fn, h.slip)};  // (2)
+      return {Fn, slider(p, kn * root, gn * sqrt(root)).from_displacement(c, Fn, h.slip)};  // (2)
     } else {
       const Vec3<Real> v = c.tangential_velocity;
       const Real speed = sqrt(max(dot(v, v), smallest<Real>()));
@@ -100,14 +98,20 @@ struct BasicDcdem {
     return Real(1.5) * p.stiffness * sqrt(c.R_eff * c.overlap);
   }
   template <class Real>
+  static SILT_INLINE Real unloading(const Contact<Real>& c, const Coefficients<Real>&) {
+    return hertz_unloading(c);
+  }
+  template <class Real>
   static SILT_INLINE Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p,
                                          [[maybe_unused]] const History<Real>& h) {
     const Real S = p.stiffness * sqrt(c.R_eff * c.overlap), elastic = S * c.overlap,
                energy = Real(0.4) * elastic * c.overlap, zero(0);
-    if constexpr (Form == DcdemForm::Mended)
-      return mindlin_stored<TangentialMemory::Displacement>(elastic, energy, Real(2.0 / 7.0) * S,
-                                                            h.slip);
-    else
+    if constexpr (Form == DcdemForm::Mended) {
+      const Real gn = p.damping * sqrt(c.m_eff * p.stiffness * sqrt(c.R_eff)),
+                 damping = gn * sqrt(sqrt(c.overlap));
+      return mindlin_stored<TangentialMemory::Displacement>(slider(p, S, damping), c, elastic,
+                                                            energy, h.slip);
+    } else
       return {elastic, energy, {zero, zero, zero}, zero};
   }
   static double contact_time(const Coefficients<double>& p, double R_eff, double m_eff,
@@ -123,6 +127,15 @@ struct BasicDcdem {
     require(p.restitution > 0 && p.restitution <= 1, "Dcdem restitution = ", p.restitution,
             " [-] must be in (0, 1]");
     require_not_negative("Dcdem friction", p.friction, "-");
+  }
+
+ private:
+  /// Of the normal spring's F/d [N/m] and dashpot [N s/m].
+  template <class Real>
+  static SILT_INLINE SpringSlider<Real> slider(const Coefficients<Real>& p, const Real& spring,
+                                               const Real& damping) {
+    const Real share(2.0 / 7.0);
+    return {share * spring, share * damping, p.friction};
   }
 };
 

@@ -100,19 +100,23 @@ struct HertzDamped {
     const Real Sn = stiffness(c, p);  // (1)
     const Real elastic = Real(2.0 / 3.0) * Sn * c.overlap;
     const Real cn = Damping::coefficient(p.dissipation, Sn, elastic);
-    const Real Fn = normal_force<End>(elastic, cn, c);  // (2)
-    const SpringSlider<Real> slider{p.stiffness_ratio * Sn, p.shear_damping * cn, p.friction};
-    return {Fn, mindlin_force<Memory>(slider, c, Fn, h.tangential)};  // (3)
+    const Real Fn = normal_force<End>(elastic, cn, c);                           // (2)
+    return {Fn, mindlin_force<Memory>(slider(p, Sn, cn), c, Fn, h.tangential)};  // (3)
   }
   template <class Real>
   static SILT_INLINE Real stiffness(const Contact<Real>& c, const Coefficients<Real>& p) {
     return p.twice_modulus * sqrt(c.R_eff * c.overlap);
   }
   template <class Real>
+  static SILT_INLINE Real unloading(const Contact<Real>& c, const Coefficients<Real>&) {
+    return hertz_unloading(c);
+  }
+  template <class Real>
   static SILT_INLINE Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p,
                                          const History<Real>& h) {
     const Real Sn = stiffness(c, p), elastic = Real(2.0 / 3.0) * Sn * c.overlap;
-    return mindlin_stored<Memory>(elastic, Real(0.4) * elastic * c.overlap, p.stiffness_ratio * Sn,
+    const Real cn = Damping::coefficient(p.dissipation, Sn, elastic);
+    return mindlin_stored<Memory>(slider(p, Sn, cn), c, elastic, Real(0.4) * elastic * c.overlap,
                                   h.tangential);
   }
   static double contact_time(const Coefficients<double>& p, double R_eff, double m_eff,
@@ -127,6 +131,13 @@ struct HertzDamped {
   static void check(const Pair& p) {
     require_not_negative("HertzDamped dissipation", p.dissipation, Damping::unit);
     require_not_negative("HertzDamped friction", p.friction, "-");
+  }
+
+ private:
+  template <class Real>
+  static SILT_INLINE SpringSlider<Real> slider(const Coefficients<Real>& p, const Real& Sn,
+                                               const Real& cn) {
+    return {p.stiffness_ratio * Sn, p.shear_damping * cn, p.friction};
   }
 };
 

@@ -74,8 +74,7 @@ struct BasicHertzMindlin {
     const Real Sn = p.twice_modulus * sqrt(c.R_eff * c.overlap);  // (1)
     const Real cn = p.normal_damping * sqrt(Sn * c.m_eff);
     const Real Fn = normal_force<End>(Real(2.0 / 3.0) * Sn * c.overlap, cn, c);  // (2)
-    const SpringSlider<Real> slider{p.stiffness_ratio * Sn, p.shear_damping * cn, p.friction};
-    return {Fn, mindlin_force<Memory>(slider, c, Fn, h.tangential)};  // (3)
+    return {Fn, mindlin_force<Memory>(slider(p, Sn, cn), c, Fn, h.tangential)};  // (3)
   }
 
   template <class Real>
@@ -84,10 +83,15 @@ struct BasicHertzMindlin {
   }
 
   template <class Real>
+  static SILT_INLINE Real unloading(const Contact<Real>& c, const Coefficients<Real>&) {
+    return hertz_unloading(c);
+  }
+  template <class Real>
   static SILT_INLINE Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p,
                                          const History<Real>& h) {
     const Real Sn = stiffness(c, p), elastic = Real(2.0 / 3.0) * Sn * c.overlap;
-    return mindlin_stored<Memory>(elastic, Real(0.4) * elastic * c.overlap, p.stiffness_ratio * Sn,
+    const Real cn = p.normal_damping * sqrt(Sn * c.m_eff);
+    return mindlin_stored<Memory>(slider(p, Sn, cn), c, elastic, Real(0.4) * elastic * c.overlap,
                                   h.tangential);
   }
 
@@ -119,6 +123,13 @@ struct BasicHertzMindlin {
     require(p.restitution > 0 && p.restitution <= 1, "HertzMindlin restitution = ", p.restitution,
             " [-] must be in (0, 1]");
     require_not_negative("HertzMindlin friction", p.friction, "-");
+  }
+
+ private:
+  template <class Real>
+  static SILT_INLINE SpringSlider<Real> slider(const Coefficients<Real>& p, const Real& Sn,
+                                               const Real& cn) {
+    return {p.stiffness_ratio * Sn, p.shear_damping * cn, p.friction};
   }
 };
 

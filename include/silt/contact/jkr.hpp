@@ -113,9 +113,9 @@ struct Jkr {
     const Real Fn =
         select(attached, normal_force<DampingEnd::ZeroOverlap>(elastic, cn, c), zero);  // (1)
     const Real unloading = min(a / max(h.contact_radius, smallest<Real>()), Real(1));
-    const SpringSlider<Real> slider{p.stiffness_ratio * Sn, p.shear_damping * cn, p.friction};
     const Real pressing = select(attached, Fn + twice_pull_off(c, p), zero);
-    const Vec3<Real> Ft = slider.from_force(c, pressing, unloading, h.tangential);  // (3)
+    const Vec3<Real> Ft =
+        slider(p, Sn, cn).from_force(c, pressing, unloading, h.tangential);  // (3)
     h.contact_radius = a;
     return {Fn, Ft};
   }
@@ -143,9 +143,10 @@ struct Jkr {
                                          const History<Real>& h) {
     const Real d = max(c.overlap, Real(0)), Sn = p.twice_modulus * sqrt(c.R_eff * d),
                elastic = Real(2.0 / 3.0) * Sn * d;
-    return mindlin_stored<TangentialMemory::Force>(
-        elastic, Real(0.4) * elastic * d, p.stiffness_ratio * p.twice_modulus * h.contact_radius,
-        h.tangential);
+    const Real of_area = p.twice_modulus * h.contact_radius;
+    return stored_in<TangentialMemory::Force>(
+        slider(p, of_area, p.normal_damping * sqrt(of_area * c.m_eff)), c, elastic,
+        Real(0.4) * elastic * d, h.tangential);
   }
   static double contact_time(const Coefficients<double>& p, double R_eff, double m_eff,
                              double speed) {
@@ -165,6 +166,11 @@ struct Jkr {
   }
 
  private:
+  template <class Real>
+  static SILT_INLINE SpringSlider<Real> slider(const Coefficients<Real>& p, const Real& Sn,
+                                               const Real& cn) {
+    return {p.stiffness_ratio * Sn, p.shear_damping * cn, p.friction};
+  }
   template <class Real>
   static SILT_INLINE Real root_of_radius(const Contact<Real>& c, const Coefficients<Real>& p) {
     const Real At = cube_root(p.stickiness * c.R_eff);

@@ -52,6 +52,10 @@ struct BasicLinearSpring {
     return p.stiffness;
   }
   template <class Real>
+  static SILT_INLINE Real unloading(const Contact<Real>&, const Coefficients<Real>&) {
+    return Real(1);
+  }
+  template <class Real>
   static SILT_INLINE Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p) {
     const Real elastic = p.stiffness * c.overlap, zero(0);
     return {elastic, Real(0.5) * elastic * c.overlap, {zero, zero, zero}, zero};
@@ -108,20 +112,23 @@ struct BasicLinearSpringFriction {
                                           History<Real>& h) {
     const Real cn = p.damping * sqrt(p.stiffness * c.m_eff);
     const Real Fn = normal_force<End>(p.stiffness * c.overlap, cn, c);  // (1)
-    const SpringSlider<Real> slider{p.shear_ratio * p.stiffness, sqrt(p.shear_ratio) * cn,
-                                    p.friction};
-    return {Fn, slider.from_displacement(c, Fn, h.slip)};  // (2)
+    return {Fn, slider(p, cn).from_displacement(c, Fn, h.slip)};        // (2)
   }
   template <class Real>
   static SILT_INLINE Real stiffness(const Contact<Real>&, const Coefficients<Real>& p) {
     return p.stiffness;
   }
   template <class Real>
+  static SILT_INLINE Real unloading(const Contact<Real>&, const Coefficients<Real>&) {
+    return Real(1);
+  }
+  template <class Real>
   static SILT_INLINE Stored<Real> stored(const Contact<Real>& c, const Coefficients<Real>& p,
                                          const History<Real>& h) {
     const Real elastic = p.stiffness * c.overlap;
-    return mindlin_stored<TangentialMemory::Displacement>(elastic, Real(0.5) * elastic * c.overlap,
-                                                          p.shear_ratio * p.stiffness, h.slip);
+    return stored_in<TangentialMemory::Displacement>(
+        slider(p, p.damping * sqrt(p.stiffness * c.m_eff)), c, elastic,
+        Real(0.5) * elastic * c.overlap, h.slip);
   }
   template <class Real>
   static Coefficients<Real> scaled(Coefficients<Real> p, const Real& factor) {
@@ -145,6 +152,12 @@ struct BasicLinearSpringFriction {
   static void check(const Pair& p) {
     Normal::check(typename Normal::Pair{p.restitution});
     require_not_negative("LinearSpringFriction friction", p.friction, "-");
+  }
+
+ private:
+  template <class Real>
+  static SILT_INLINE SpringSlider<Real> slider(const Coefficients<Real>& p, const Real& cn) {
+    return {p.shear_ratio * p.stiffness, sqrt(p.shear_ratio) * cn, p.friction};
   }
 };
 

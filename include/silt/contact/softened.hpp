@@ -125,6 +125,12 @@ struct Softened {
     return Body::stiffness(c, softened(c, p));
   }
   template <class Real>
+  static SILT_INLINE Real unloading(const Contact<Real>& c,
+                                    const Coefficients<Real>& p) requires requires {
+    Body::unloading(c, p.body);
+  }
+  { return Body::unloading(c, p.body); }
+  template <class Real>
   static SILT_INLINE Stored<Real> stored(
       const Contact<Real>& c, const Coefficients<Real>& p,
       const History<Real>& h) requires detail::SaysWhatItStores<Body> {
@@ -135,6 +141,7 @@ struct Softened {
     s.force = select(carries, s.force, zero), s.normal = select(carries, s.normal, zero);
     s.spring = select(carries, s.spring, Vec3<Real>{zero, zero, zero});
     s.tangential = select(carries, s.tangential, zero);
+    s.stiffening = select(carries, s.stiffening, zero);
     return s;
   }
   /// For partners of radii R_i and R_j [m]; of a wall: R_j = 0.

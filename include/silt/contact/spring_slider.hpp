@@ -30,8 +30,18 @@ SILT_INLINE Real normal_force(const Real& elastic, const Real& damping, const Co
     return force;
 }
 
-/// Tangential spring and dashpot in parallel, in series with a Coulomb slider: |F_t| <= mu F_n.
-/// While it slides the stored spring is set back so that spring + dashpot equals the limit.
+/// Tangential spring and dashpot in parallel, both in series with a Coulomb slider:
+/// |F_t| <= mu F_n. With T the spring's force on i, v the slip velocity, u that of the spring
+/// alone:
+///
+///   sticking:  u = v,  F_t = T - c_t u,  dT = - S_t u dt                                      (1)
+///   sliding:   F_t = mu F_n along what (1) would give; u from F_t = T - c_t u                 (2)
+///
+/// In one step dT = share (F_t - T), share = S_t dt/(S_t dt + c_t), holds for both. While it slides
+/// the spring relaxes to the limit within c_t/S_t, and the dashpot damps the spring's own motion:
+/// c_t u^2 >= 0 is its loss, F_t (v - u) <= 0 the slider's, and the spring has what it was given.
+/// (Luding, Granular Matter 10 (2008) 235, and LAMMPS set T = F_t + c_t v instead as it slides: a
+/// spring loaded by the dashpot, with energy that nobody gave it, pushes along the slip later.)
 template <class Real>
 struct SpringSlider {
   Real stiffness;  // [N/m] S_t
@@ -41,33 +51,32 @@ struct SpringSlider {
   /// History = spring force on i [N]. `unloading` <= 1 scales it where the stiffness fell.
   SILT_INLINE Vec3<Real> from_force(const Contact<Real>& c, const Real& Fn, const Real& unloading,
                                     Vec3<Real>& spring) const {
-    const Vec3<Real> v = c.tangential_velocity;
-    const Vec3<Real> trial = c.transported(spring) * unloading - (stiffness * c.time_step) * v;
-    const Vec3<Real> dashpot = tangential_damping(c) * v;
-    const Vec3<Real> total = trial - dashpot;
-    const Real sticking = share_within_limit(total, Fn);
-    spring = sticking * trial + (Real(1) - sticking) * dashpot;
-    return sticking * total;
+    const Vec3<Real> carried = c.transported(spring) * unloading;
+    const Real of_spring = stiffness * c.time_step, both = of_spring + tangential_damping(c);
+    const Vec3<Real> trial = carried - both * c.tangential_velocity;
+    const Vec3<Real> force = share_within_limit(trial, Fn) * trial;
+    spring = carried + (of_spring / max(both, smallest<Real>())) * (force - carried);
+    return force;
   }
 
-  /// History = slip [m] of i relative to j.
+  /// History = elongation of the spring [m], of i relative to j.
   SILT_INLINE Vec3<Real> from_displacement(const Contact<Real>& c, const Real& Fn,
                                            Vec3<Real>& slip) const {
-    const Vec3<Real> v = c.tangential_velocity;
-    const Vec3<Real> trial = c.transported(slip) + c.time_step * v;
-    const Vec3<Real> dashpot = tangential_damping(c) * v;
-    const Vec3<Real> total = stiffness * trial + dashpot;
-    const Real compliance = Real(1) / max(stiffness, smallest<Real>());
-    const Real sticking = share_within_limit(total, Fn);
-    slip = sticking * trial - ((Real(1) - sticking) * compliance) * dashpot;
-    return -sticking * total;
+    const Vec3<Real> carried = c.transported(slip), spring = (-stiffness) * carried;
+    const Real both = stiffness * c.time_step + tangential_damping(c);
+    const Vec3<Real> trial = spring - both * c.tangential_velocity;
+    const Vec3<Real> force = share_within_limit(trial, Fn) * trial;
+    slip = carried - (c.time_step / max(both, smallest<Real>())) * (force - spring);
+    return force;
   }
 
- private:
-  /// Slip moves the mass m*/slip_mobility, 2/7 of m* of solid spheres.
+  /// [N s/m] of the dashpot as it acts. Slip moves the mass m*/slip_mobility, 2/7 of m* of solid
+  /// spheres.
   SILT_INLINE Real tangential_damping(const Contact<Real>& c) const {
     return leapfrog_damping(damping, c.inverse_m_eff, c.slip_mobility * c.lag);
   }
+
+ private:
   SILT_INLINE Real share_within_limit(const Vec3<Real>& total, const Real& Fn) const {
     // 1/size as size (1/size^2): division and square root need not wait for each other.
     const Real size2 = max(dot(total, total), smallest<Real>());
@@ -75,30 +84,55 @@ struct SpringSlider {
   }
 };
 
+/// [-] <= 1 The overlap over that one step ago, if the contact is unloading.
+template <class Real>
+SILT_INLINE Real shrinking(const Contact<Real>& c) {
+  const Real now = max(c.overlap, smallest<Real>());
+  return now / max(c.overlap + c.time_step * c.normal_velocity, now);
+}
+/// The same of a stiffness that goes as the square root of the overlap.
+template <class Real>
+SILT_INLINE Real hertz_unloading(const Contact<Real>& c) {
+  return sqrt(shrinking(c));
+}
+
 /// The tangential force [N] on i of a spring whose stiffness goes as the square root of the overlap
 /// (Mindlin). `memory`: its force [N] or the slip [m].
 template <TangentialMemory Memory, class Real>
 SILT_INLINE Vec3<Real> mindlin_force(const SpringSlider<Real>& slider, const Contact<Real>& c,
                                      const Real& Fn, Vec3<Real>& memory) {
   if constexpr (Memory == TangentialMemory::Force) {
-    // S_t now over S_t at the last step, if the contact is unloading.
-    const Real last = c.overlap + c.time_step * c.normal_velocity;
-    const Real unloading = min(sqrt(c.overlap / max(last, c.overlap)), Real(1));
-    return slider.from_force(c, Fn, unloading, memory);
+    return slider.from_force(c, Fn, hertz_unloading(c), memory);
   } else {
     return slider.from_displacement(c, Fn, memory);
   }
 }
 
-/// What the springs of a Mindlin contact store; `elastic` [N] and `energy` [J] of the normal one.
+/// What the springs of a contact store; `elastic` [N] and `energy` [J] of the normal one. After the
+/// force is known.
 template <TangentialMemory Memory, class Real>
-SILT_INLINE Stored<Real> mindlin_stored(const Real& elastic, const Real& energy,
-                                        const Real& stiffness, const Vec3<Real>& memory) {
+SILT_INLINE Stored<Real> stored_in(const SpringSlider<Real>& slider, const Contact<Real>& c,
+                                   const Real& elastic, const Real& energy,
+                                   const Vec3<Real>& memory) {
+  const Real square = Real(0.5) * dot(memory, memory), k = slider.stiffness;
   if constexpr (Memory == TangentialMemory::Force)
-    return {elastic, energy, memory,
-            dot(memory, memory) / max(Real(2) * stiffness, smallest<Real>())};
+    return {elastic, energy, memory, square / max(k, smallest<Real>()),
+            slider.tangential_damping(c)};
   else
-    return {elastic, energy, -stiffness * memory, Real(0.5) * stiffness * dot(memory, memory)};
+    return {elastic, energy, (-k) * memory, k * square, slider.tangential_damping(c)};
+}
+
+/// The same where the tangential stiffness goes as the square root of the overlap.
+template <TangentialMemory Memory, class Real>
+SILT_INLINE Stored<Real> mindlin_stored(const SpringSlider<Real>& slider, const Contact<Real>& c,
+                                        const Real& elastic, const Real& energy,
+                                        const Vec3<Real>& memory) {
+  Stored<Real> s = stored_in<Memory>(slider, c, elastic, energy, memory);
+  if constexpr (Memory == TangentialMemory::Displacement) {
+    const Real last = max(c.overlap + c.time_step * c.normal_velocity, Real(0));
+    s.stiffening = s.tangential * (Real(1) - sqrt(last / max(c.overlap, smallest<Real>())));
+  }
+  return s;
 }
 
 }  // namespace silt

@@ -167,7 +167,10 @@ SILT_INLINE void loads_at_points(
                                .force;
       force += f, moment += cross(arm, f);
     };
-    add.template operator()<0>(), add.template operator()<1>(), add.template operator()<2>();
+    add.template operator()<0>();
+    const auto safeguards = tally.sum.safeguards;  // of contacts, not of points
+    add.template operator()<1>(), add.template operator()<2>();
+    tally.sum.safeguards = safeguards;
     block.template put_load<Real>(k, {force, none, none});
     store(area.moment[0] + k, moment.x), store(area.moment[1] + k, moment.y);
     store(area.moment[2] + k, moment.z);

@@ -13,24 +13,19 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What the ledger wants to know of a step besides the work of each force.
-struct LedgerAsks {
-  /// Steps in one of which damping and friction of tangential forces are told apart, for all. Their
-  /// sum, and so the residual, is known of each step.
-  static constexpr int split_every = 4;
-
-  bool stored;  // what contacts store now
-  bool split;   // which part of the tangential force is its dashpot
-};
+/// Steps in one of which the ledger asks contacts what they store and what their tangential
+/// dashpots take, besides steps that are observed. The work of each force is booked in every step.
+inline constexpr int ledger_asks_every = 4;
 
 /// The energy of contacts: of one, or a sum over many.
 template <class Real>
 struct ContactEnergy {
-  Real normal, tangential, rolling;  // [J] stored now in springs, where that was asked for
+  // Where that was asked for: [J] stored now in springs, [W] taken now by tangential dashpots.
+  Real normal, tangential, rolling, shear_damping;
   // Work on the bodies since the last step [J]: of what is no spring along the normal; of the
-  // tangential force, and of its dashpot, where that was asked for; of the couple; half of what the
-  // normal force moved.
-  Real dashpot, shear, shear_dashpot, couple, turned_over;
+  // tangential force; of the couple; half of what the normal force moved.
+  Real dashpot, shear, couple, turned_over;
+  Real stiffening;  // [J] that tangential springs got since the last step without work
 
   template <class Other>
   void add(const ContactEnergy<Other>& more) {
@@ -42,10 +37,9 @@ struct ContactEnergy {
   /// From sums of forces times velocities [W], as the kernel has them, to work.
   void worked(const Real& half_time) {
     dashpot *= half_time, shear *= half_time, couple *= half_time, turned_over *= half_time;
-    shear_dashpot *= Real(2 * LedgerAsks::split_every) * half_time;
   }
-  static std::array<Real, 8> values(const ContactEnergy& e) {
-    return std::bit_cast<std::array<Real, 8>>(e);
+  static auto values(const ContactEnergy& e) {
+    return std::bit_cast<std::array<Real, sizeof(ContactEnergy) / sizeof(Real)>>(e);
   }
 
  private:
@@ -68,7 +62,7 @@ struct ContactEnergy {
 template <class Real>
 inline ContactEnergy<Real> no_energy() {
   const Real zero(0);
-  return {zero, zero, zero, zero, zero, zero, zero, zero};
+  return {zero, zero, zero, zero, zero, zero, zero, zero, zero};
 }
 
 /// A Contacts type whose contacts keep, behind the histories of law and rolling model, what the

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include <silt/contact/contacts.hpp>
+#include <silt/contact/spring_slider.hpp>
 #include <silt/core/lanes.hpp>
 #include <silt/engine/contact_energy.hpp>
 #include <silt/engine/shape_inertia.hpp>
@@ -217,14 +218,16 @@ struct ContactKernel {
   }
 
   /// `history`: one pointer a component, at this pack; lanes out of contact are set to zero.
-  /// `ask`: what the ledger wants to know of this step. `share` [-] of its force that the contact
-  /// gives (SharedContacts).
-  static SILT_INLINE PairLoad<Real> load(
-      const Kinematics<Real>& k, const RollingKinematics<Real>& r, const Radii<Real>& radii,
-      const Real& time_step, const Real& lag, [[maybe_unused]] const LedgerAsks& ask,
-      const LawCoefficients& law, [[maybe_unused]] const RollingCoefficients& rolling,
-      ScalarOf<Real>* const* history, [[maybe_unused]] RunningTally<ContactsType, Real>& tally,
-      [[maybe_unused]] const Real& share) {
+  /// `ask`: whether the ledger wants to know what contacts store. `share` [-] of its force that the
+  /// contact gives (SharedContacts).
+  static SILT_INLINE PairLoad<Real> load(const Kinematics<Real>& k,
+                                         const RollingKinematics<Real>& r, const Radii<Real>& radii,
+                                         const Real& time_step, const Real& lag,
+                                         [[maybe_unused]] bool ask, const LawCoefficients& law,
+                                         [[maybe_unused]] const RollingCoefficients& rolling,
+                                         ScalarOf<Real>* const* history,
+                                         [[maybe_unused]] RunningTally<ContactsType, Real>& tally,
+                                         [[maybe_unused]] const Real& share) {
     const Contact<Real> c = contact(k, radii, time_step, lag);
     const auto touching = acting(k, law);
     const Real zero(0);
@@ -278,7 +281,9 @@ struct ContactKernel {
                                     r.inertia_eff,
                                     c.turn,
                                     time_step,
-                                    Real(static_cast<ScalarOf<Real>>(Inertia::share_of_rolling()))};
+                                    Real(static_cast<ScalarOf<Real>>(Inertia::share_of_rolling())),
+                                    unloading(c, law),
+                                    shrinking(c)};
       const Vec3<Real> none{zero, zero, zero};
       if constexpr (of_own_rotation<Rolling>) {
         // Couples that are not opposite, as what is (couple) and what turns both alike (twirl).
@@ -308,8 +313,7 @@ struct ContactKernel {
               history + offset + ContactsType::rolling_history + ContactsType::kept_couple;
           tally.lanes.couple += known(dot(with_kept(out.couple, kept), r.angular_velocity));
           if constexpr (requires { Rolling::stored(rc, rolling, m); })
-            if (ask.stored)
-              tally.lanes.rolling += select(touching, Rolling::stored(rc, rolling, m), zero);
+            if (ask) tally.lanes.rolling += select(touching, Rolling::stored(rc, rolling, m), zero);
         }
       }
     }
@@ -317,22 +321,11 @@ struct ContactKernel {
   }
 
  private:
-  /// The law's coefficient of friction; infinite if it does not tell.
-  template <class Coefficients>
-  static SILT_INLINE Real friction_of(const Coefficients& law) {
-    if constexpr (requires { law.friction; })
-      return law.friction;
-    else if constexpr (requires { law.body; })
-      return friction_of(law.body);
-    else
-      return Real(1e18f);
-  }
-
   /// Books what the forces of a pack of contacts did since the last step. The work of a force is
   /// its mean over the step times the displacement, velocity of the half step times step: the sum
   /// of all works is then what the leapfrog's kinetic energy gains. Summed up here is twice the
-  /// mean times the velocity; of the tangential dashpot, once the present force. The last forces
-  /// come in before the law is asked, the present ones after it: fewer registers at a time.
+  /// mean times the velocity. The last forces come in before the law is asked, the present ones
+  /// after it: fewer registers at a time.
   struct Books {
     ScalarOf<Real>* const* kept;  // of the last step: one pointer a component, at this pack
     Real velocity;                // [m/s] along the normal; none if the partner has left
@@ -354,35 +347,27 @@ struct ContactKernel {
     template <class H, class M>
     SILT_INLINE void add(const Contact<Real>& c, const LawCoefficients& law, const H& now,
                          const M& touching, const Real& normal, const Vec3<Real>& tangential,
-                         const LedgerAsks& ask, [[maybe_unused]] const Real& share,
-                         Energy& energy) const {
+                         bool ask, [[maybe_unused]] const Real& share, Energy& energy) const {
       const Real zero(0);
       Stored<Real> stored = stored_by<Law, Real>(c, law, now);
       if constexpr (shares_contacts<ContactsType>)
-        stored = {share * stored.force, share * stored.normal, share * stored.spring,
-                  share * stored.tangential};
-      if (ask.stored) energy.normal += select(touching, stored.normal, zero);
+        stored = {share * stored.force,      share * stored.normal,  share * stored.spring,
+                  share * stored.tangential, share * stored.damping, share * stored.stiffening};
       const Real dashpot = select(touching, normal - stored.force, zero);
       energy.dashpot += dashpot * velocity;
       energy.turned_over += abs(normal * velocity);
       silt::store(kept[0], dashpot);
+      if (ask) energy.normal += select(touching, stored.normal, zero);
       if constexpr (is_frictional<Law>) {
         energy.shear += dot(tangential, slip);
-        if (ask.stored || ask.split) {
-          const Real friction = friction_of(law), limit = friction * pressing(c, law, normal);
-          const Real force2 = dot(tangential, tangential);
-          const auto sticks = force2 < Real(0.999999) * limit * limit;
-          if (ask.stored) {
-            // While it slides, laws set the spring so that spring and dashpot make the limit: no
-            // more of it is held than bears the force.
-            const Real spring2 = max(dot(stored.spring, stored.spring), smallest<Real>());
-            const Real held = stored.tangential * min(force2 / spring2, Real(1));
-            energy.tangential += select(touching, select(sticks, stored.tangential, held), zero);
-          }
-          if (ask.split) {
-            const Vec3<Real> spring = select(touching, stored.spring, {zero, zero, zero});
-            energy.shear_dashpot += select(sticks, dot(tangential - spring, slip), zero);
-          }  // while it slides all is friction
+        energy.stiffening += select(touching, stored.stiffening, zero);
+        if (ask) {
+          energy.tangential += select(touching, stored.tangential, zero);
+          // What is no spring's is c u, u the spring's own velocity: c u^2.
+          const Vec3<Real> damping = tangential - stored.spring;
+          const Real taken = dot(damping, damping) / max(stored.damping, smallest<Real>());
+          energy.shear_damping +=
+              select(touching, select(stored.damping > zero, taken, zero), zero);
         }
         silt::store(kept[1], tangential.x), silt::store(kept[2], tangential.y),
             silt::store(kept[3], tangential.z);
@@ -398,6 +383,17 @@ struct ContactKernel {
     const Stored<Real> spring = stored_by<Law, Real>(c, law, before);
     const Real ended = Real(2) * spring.normal / c.time_step + spring.force * c.normal_velocity;
     return select(touching, select(Law::safeguarded(before, now), ended, zero), zero);
+  }
+  /// The law's stiffness over that one step ago, if the contact is unloading [-].
+  static SILT_INLINE Real unloading(const Contact<Real>& c, const LawCoefficients& law) {
+    if constexpr (requires { Law::unloading(c, law); }) {
+      return Law::unloading(c, law);
+    } else {
+      Contact<Real> last = c;
+      last.overlap = c.overlap + c.time_step * c.normal_velocity;
+      const Real then = max(Law::stiffness(last, law), smallest<Real>());
+      return min(Law::stiffness(c, law) / then, Real(1));
+    }
   }
   template <class Answer>
   static SILT_INLINE Answer shared(const Answer& answer, const Real& share) {

@@ -14,10 +14,10 @@ namespace silt::inline SILT_TARGET::detail {
 
 /// What a step must know of time.
 struct StepTimes {
-  double step;    // [s]
-  double worked;  // of it, that forces have been at work since the last step: 0 at the first
-  LedgerAsks ask;
-  double lag = 0.5;         // [steps] by which velocities are older than positions
+  double step;       // [s]
+  double worked;     // of it, that forces have been at work since the last step: 0 at the first
+  bool ask;          // contacts what they store (ledger_asks_every)
+  double lag = 0.5;  // [steps] by which velocities are older than positions
   bool renew_areas = true;  // contacts of smooth bodies find their points anew (contact_area.hpp)
   static constexpr int areas_every = 8;  // steps
 };

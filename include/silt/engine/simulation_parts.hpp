@@ -118,7 +118,7 @@ void Simulation<Policies...>::book_step([[maybe_unused]] const detail::StepTimes
         if (is_present(k) && std::isfinite(mass(k))) start += kinetic(k).sum() + potential(k);
     engine_.contact_energy.worked(0.5 * times.worked);
     book_.book(engine_.contact_energy, engine_.walls, dt_, engine_.power_on_fixed(),
-               first_kick_ ? &start : nullptr);
+               first_kick_ ? &start : nullptr, times.ask);
   }
 }
 

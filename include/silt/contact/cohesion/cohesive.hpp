@@ -145,6 +145,12 @@ struct Cohesive {
     return Body::stiffness(seen_by_body(c), p.body);
   }
   template <class Real>
+  static SILT_INLINE Real unloading(const Contact<Real>& c,
+                                    const Coefficients<Real>& p) requires requires {
+    Body::unloading(c, p.body);
+  }
+  { return Body::unloading(seen_by_body(c), p.body); }
+  template <class Real>
   static SILT_INLINE Real pressing(const Contact<Real>& c, const Coefficients<Real>& p,
                                    const Real& normal) {
     const Real of_body = normal + Cohesion::attraction(c, p.cohesion);

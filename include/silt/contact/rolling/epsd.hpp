@@ -11,6 +11,9 @@ namespace silt::inline SILT_TARGET {
 ///   M <- M - k_r w dt, |M| <= M_m = mu_r R* F_n,  k_r = 2.25 k_n mu_r^2 R*^2                 (1)
 ///   M_d = -C_r w while |M| < M_m, C_r = 2 eta_r sqrt(I_r k_r)                                (2)
 ///
+/// As k_r falls, M falls with it (silt's addition, as HertzMindlin does): a spring that kept its
+/// couple would hold energy that nobody gave it.
+///
 /// Source: J. Ai et al., Powder Technol. 206 (2011) 269, eqs. 20-29; K. Iwashita, M. Oda 1998.
 /// Valid:  spheres; w = relative rolling velocity w_i - w_j in the tangent plane.
 /// Units:  SI. Shapes: Real = double or batch, lane = pair. History: 3 Reals [N m].
@@ -40,7 +43,7 @@ struct RollingEpsd {
     const Real arm = p.rolling_friction * c.R_eff;  // [m]
     const Real kr = stiffness(c, arm);
     const Real limit = arm * c.normal_force;
-    const Vec3<Real> carried = h.torque + cross(c.turn, h.torque);
+    const Vec3<Real> carried = c.unloading * (h.torque + cross(c.turn, h.torque));
     const Vec3<Real> trial = carried - (kr * c.time_step) * c.angular_velocity;
     const Real size = sqrt(max(dot(trial, trial), smallest<Real>()));
     const auto mobilised = size >= limit;

@@ -15,7 +15,8 @@ namespace silt::inline SILT_TARGET {
 ///   M <- M - k_w w_n dt, |M| <= M_m = 3 pi/16 mu_w a F_n, a = sqrt(R* d), k_w = S_n a^2       (1)
 ///   M_d = -2 eta sqrt(I k_w) w_n, |M + M_d| <= M_m, I = (1/I_i + 1/I_j)^-1                     (2)
 ///
-/// M_m is Coulomb's friction under Hertz' pressure; mu_w is then the friction of the surfaces.
+/// M_m is Coulomb's friction under Hertz' pressure; mu_w is then the friction of the surfaces. As
+/// k_w falls, M falls with it, so that no energy is made.
 ///
 /// Source: J. L. Lubkin, J. Appl. Mech. 18 (1951) 183 (M_m); E. Reissner, H. F. Sagoci, J. Appl.
 ///         Phys. 15 (1944) 652: 16/3 G a^3 of one body, so 4/3 (1 - nu) S_n a^2 of two alike, which
@@ -47,7 +48,7 @@ struct Twisting {
                                        History<Real>& h) {
     const Real a2 = c.R_eff * max(c.overlap, Real(0)), kw = c.normal_stiffness * a2;
     const Real limit = p.limit * sqrt(a2) * c.normal_force;
-    const Real trial = h.torque - kw * c.time_step * c.twist;
+    const Real trial = c.unloading * c.shrinking * h.torque - kw * c.time_step * c.twist;
     h.torque = max(min(trial, limit), -limit);  // (1)
     const Real damping = p.twice_damping * sqrt(c.share_of_rolling * c.inertia_eff * kw);
     return max(min(h.torque - damping * c.twist, limit), -limit) * c.normal;  // (2)
