@@ -83,8 +83,13 @@ TEST_CASE("contact_area: the points have the mean and the covariance of the cont
     Vec3d way{0, 0, 0};
     if (n % 2 == 0) way = silt::normalised(u + random.uniform(-2, 2) * v);
     const Vec3d before = way;
-    const auto points = silt::detail::points_of_area<double>({c.xx, c.yy, c.zz, c.xy, c.yz, c.zx},
-                                                             normal, {0, 0, 0}, way);
+    const silt::Spread<double> spread{c.xx, c.yy, c.zz, c.xy, c.yz, c.zx};
+    silt::detail::AreaFrame<double> frame{way, 0, 0, 0};
+    frame.turn_with(normal, {0, 0, 0});
+    frame.begin(spread, normal);
+    frame.set_root(spread, normal, true);
+    way = frame.way;
+    const auto points = frame.arms(normal);
     Vec3d sum{0, 0, 0};
     silt::Symmetric3 covariance;
     for (const Vec3d& p : points) sum += p, covariance += (1.0 / 3) * silt::outer(p);
