@@ -38,26 +38,21 @@ namespace silt::inline SILT_TARGET {
 /// A fluid step:
 ///
 ///   weights of the particles' places -> eps = 1 - sum w V/V_cell                              (1)
-///   u, eps at the particles -> K (drag law) and other forces L -> b, c of MomentumExchange    (2)
-///   fluid: sum w b, sum w (b v + c - L), each over V_cell; FlowSolver::step                   (3)
-///   particles: F = b (u' - v) - c + L - V grad p' + V div tau - rho V g                       (4)
+///   u, eps at the particles -> K (drag law) and other forces -> c, o, q of StepResponse        (2)
+///   fluid: sum w c, sum w o, sum w q, each over V_cell; FlowSolver::step                      (3)
+///   particles: F = c u' - o + q (grad p' - div tau) - V (grad p' - div tau) - rho V g         (4)
 ///
-/// with the same weights in all of them; in model B without grad p and tau, with K/eps. L is that
-/// of `Forces` (coupling/fluid_force.hpp); a virtual mass m' makes it
-/// F m/(m + m') + m' (Du/Dt - a'), with b, c and a' of m + m'. F is held over the particles' own
-/// steps until the next one. Of a and grad p those of the last step are taken, but with
+/// with the same weights in all of them; in model B without grad p and tau, with K/eps. Forces: see
+/// coupling/fluid_force.hpp. F is held over the particles' own steps until the next one. Where
+/// particles are light, or drag dies within the step, their velocities after it are part of the
+/// step's continuity ((6) of FlowSolver), as explicitly no step is stable from
+/// (1 - eps)/eps rho/rho_p = 1 on. The last term is there as p is without the fluid's weight.
+/// Particles beyond the grid feel no fluid.
 ///
-///   - V grad p' = - V grad p + r (F' - F),  r = (1 - eps)/eps                                (5)
-///
-/// F' and F without pressure: the pressure that a crowd's own drag makes pushes each of its
-/// particles as well, and so is as stiff as drag is. (Taken from the last step alone, its share 1 -
-/// E/X in c makes settling grow without bound from r = 1/3 on, in steps of some relaxation times.)
-/// The last term is there as p is without the fluid's weight. Particles beyond the grid feel no
-/// fluid.
-///
-/// Source: Z. Y. Zhou et al., J. Fluid Mech. 661 (2010) 482 (models); MomentumExchange.
+/// Source: Z. Y. Zhou et al., J. Fluid Mech. 661 (2010) 482 (models); StepResponse.
 /// Errors: those of FlowSolver and the averaging mode; InputError for spans that do not fit.
-/// Tests:  tests/coupling/coupled_flow.cpp, tests/coupling/simulation.cpp.
+/// Tests:  tests/coupling/coupled_flow.cpp, simulation.cpp, light_particles.cpp,
+///         impulsive_start.cpp.
 template <class Drag, AveragingMode Mode, FluidForce... Forces>
 class CoupledFlow {
   template <class F>

@@ -23,7 +23,7 @@ namespace silt::inline SILT_TARGET {
 /// (within the window) where g is constant in each step; the part of the step's own g is taken as
 /// an added mass, so that light particles are stable too, and the slip's jump W(0) as a particle
 /// begins, from the start or an inlet, counts as a sudden motion. The fluid's own acceleration in
-/// the step's g is Du/Dt of the last step. Particles beyond the grid lose their history.
+/// the step's g is Du/Dt of that step. Particles beyond the grid lose their history.
 ///
 ///   auto fluid = silt::CoupledFlow{silt::Stokes{}, silt::Kernel{}, flow, silt::HistoryForce{},
 ///                                  silt::VirtualMass{}};
