@@ -47,6 +47,7 @@ int run(const example::Options& options) {
   stability::rough(table);
   stability::bodies(table);
   stability::sticky(table);
+  stability::light(table);
   stability::no_numbers(table);
   table.print_end();
   table.write_csv(options.out + "/stability.csv");

@@ -79,6 +79,7 @@ void moving_walls(Table& table);
 void rough(Table& table);
 void bodies(Table& table);
 void sticky(Table& table);
+void light(Table& table);
 void no_numbers(Table& table);
 
 }  // namespace stability

@@ -326,7 +326,7 @@ class Simulation {
     return engine_.fluid_loads().force[k].vector();
   }
   /// What the fluid has given to particle k [N s] that velocity(k) does not have yet, as the flow
-  /// is ahead of the particles; while they are observed (or after run()), from the second step on.
+  /// is ahead of the particles; while they are observed, or after run().
   Vec3d due_from_fluid(std::size_t k) const;
   const ContactsType& contacts() const { return contacts_; }
   const Domain& domain() const { return domain_; }
@@ -396,9 +396,12 @@ class Simulation {
   void book_leaving(std::size_t k);
   void couple();
   void renew_fluid();
+  double kicked_to() const;
+  void change_fluid_step(double dt);
   void follow_fluid();
   double gather_for_fluid();
   double power_of_fluid() const;
+  double work_of_first_kick() const;
   void check_fluid() const;
   double potential(std::size_t k) const { return -mass(k) * dot(gravity_booked_, position(k)); }
   void prepare();
@@ -434,7 +437,8 @@ class Simulation {
   Engine engine_;
   detail::Openings<ShapeType> openings_;
   [[no_unique_address]] std::conditional_t<has_ledger, detail::EnergyBook, NoBook> book_;
-  Vec3d gravity_booked_{0, 0, 0};  // [m/s2] that the ledger reckons with
+  static constexpr double clock_rounding = 1e-3;  // [-] of a step
+  Vec3d gravity_booked_{0, 0, 0};                 // [m/s2] that the ledger reckons with
   double time_ = 0, dt_ = 0, time_origin_ = 0;
   std::int64_t step_ = 0, step_origin_ = 0;
   double checked_speed_ = 0, checked_overlap_ = 0, peak_overlap_ = 0;

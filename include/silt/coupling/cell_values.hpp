@@ -21,7 +21,7 @@ class CellValues {
   Three stress;           // [N/m3] div tau of the last step; from find_stress()
   Three curl;             // [1/s] of the velocity; from find_curl()
   Three stretch, strain;  // [1/s] rates of strain xx, yy, zz and yz, zx, xy; from find_strain()
-  Three acceleration;     // [m/s2] Du/Dt; from find_acceleration()
+  Three convection;       // [m/s2] u grad u; from find_convection()
 
   void find_velocity(const FlowSolver& flow, const Team& team) {
     for (int d = 0; d < 3; ++d) {
@@ -86,8 +86,8 @@ class CellValues {
     }
   }
 
-  /// The exchanged force on the particles as the fluid felt it [N].
-  Vec3d exchanged(FlowSolver& flow) const {
+  /// The exchanged force on the particles as the fluid felt it [N]; `borne` null: 0.
+  Vec3d exchanged(FlowSolver& flow, const Field* borne) const {
     Vec3d sum{0, 0, 0};
     const Grid& g = flow.grid();
     for (int k = 0; k < g.nz(); ++k)
@@ -96,7 +96,10 @@ class CellValues {
         for (int i = 0; i < g.nx(); ++i) {
           const double K = flow.drag()(i, j, k);
           const auto of = [&](int d) {
-            return K * velocity[at(d)](i, j, k) - flow.drag_velocity(d)(i, j, k);
+            const double push = K * velocity[at(d)](i, j, k) - flow.drag_velocity(d)(i, j, k);
+            return borne == nullptr ? push
+                                    : push + (*borne)(i, j, k) *
+                                                 (slope[at(d)](i, j, k) - stress[at(d)](i, j, k));
           };
           sum += (open != nullptr ? open[i] : 1) * Vec3d{of(0), of(1), of(2)};
         }
@@ -132,28 +135,19 @@ class CellValues {
     });
   }
 
-  /// Since the last call, `dt` [s] ago; without it (0), of a steady flow.
-  void find_acceleration(const FlowSolver& flow, double dt, const Team& team) {
+  void find_convection(const FlowSolver& flow, const Team& team) {
     const Grid& g = flow.grid();
-    make(acceleration, g), make(last_, g);
+    make(convection, g);
     for_rows(flow, team, [&](int j, int k) {
       for (int i = 0; i < g.nx(); ++i)
         for (int c = 0; c < 3; ++c) {
           const Field& u = velocity[at(c)];
-          double sum = dt > 0 ? (u(i, j, k) - last_[at(c)](i, j, k)) / dt : 0;
+          double sum = 0;
           for (int d = 0; d < 3; ++d)
             sum += velocity[at(d)](i, j, k) * difference(g, u, d, i, j, k);
-          acceleration[at(c)](i, j, k) = sum;
+          convection[at(c)](i, j, k) = sum;
         }
     });
-    last_ = velocity;
-  }
-
-  /// What find_acceleration() keeps, for a checkpoint.
-  template <class Visit>
-  void for_each_state(const Grid& g, const Visit& visit) {
-    make(last_, g);
-    for (int d = 0; d < 3; ++d) visit(text("fluid.last_velocity", d), last_[at(d)].values());
   }
 
   template <class Visit>
@@ -201,8 +195,6 @@ class CellValues {
     }
     return (value[1] - value[0]) / (std::max(1, steps) * width(g, d));
   }
-
-  Three last_;  // [m/s] velocity
 };
 
 }  // namespace silt::detail

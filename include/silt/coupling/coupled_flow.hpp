@@ -23,6 +23,7 @@
 #include <silt/coupling/followed_drag.hpp>
 #include <silt/coupling/momentum_exchange.hpp>
 #include <silt/coupling/particles_in_fluid.hpp>
+#include <silt/coupling/step_response.hpp>
 #include <silt/fluid/flow_vtk.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -37,26 +38,21 @@ namespace silt::inline SILT_TARGET {
 /// A fluid step:
 ///
 ///   weights of the particles' places -> eps = 1 - sum w V/V_cell                              (1)
-///   u, eps at the particles -> K (drag law) and other forces L -> b, c of MomentumExchange    (2)
-///   fluid: sum w b, sum w (b v + c - L), each over V_cell; FlowSolver::step                   (3)
-///   particles: F = b (u' - v) - c + L - V grad p' + V div tau - rho V g                       (4)
+///   u, eps at the particles -> K (drag law) and other forces -> c, o, q of StepResponse        (2)
+///   fluid: sum w c, sum w o, sum w q, each over V_cell; FlowSolver::step                      (3)
+///   particles: F = c u' - o + q (grad p' - div tau) - V (grad p' - div tau) - rho V g         (4)
 ///
-/// with the same weights in all of them; in model B without grad p and tau, with K/eps. L is that
-/// of `Forces` (coupling/fluid_force.hpp); a virtual mass m' makes it
-/// F m/(m + m') + m' (Du/Dt - a'), with b, c and a' of m + m'. F is held over the particles' own
-/// steps until the next one. Of a and grad p those of the last step are taken, but with
+/// with the same weights in all of them; in model B without grad p and tau, with K/eps. Forces: see
+/// coupling/fluid_force.hpp. F is held over the particles' own steps until the next one. Where
+/// particles are light, or drag dies within the step, their velocities after it are part of the
+/// step's continuity ((6) of FlowSolver), as explicitly no step is stable from
+/// (1 - eps)/eps rho/rho_p = 1 on. The last term is there as p is without the fluid's weight.
+/// Particles beyond the grid feel no fluid.
 ///
-///   - V grad p' = - V grad p + r (F' - F),  r = (1 - eps)/eps                                (5)
-///
-/// F' and F without pressure: the pressure that a crowd's own drag makes pushes each of its
-/// particles as well, and so is as stiff as drag is. (Taken from the last step alone, its share 1 -
-/// E/X in c makes settling grow without bound from r = 1/3 on, in steps of some relaxation times.)
-/// The last term is there as p is without the fluid's weight. Particles beyond the grid feel no
-/// fluid.
-///
-/// Source: Z. Y. Zhou et al., J. Fluid Mech. 661 (2010) 482 (models); MomentumExchange.
+/// Source: Z. Y. Zhou et al., J. Fluid Mech. 661 (2010) 482 (models); StepResponse.
 /// Errors: those of FlowSolver and the averaging mode; InputError for spans that do not fit.
-/// Tests:  tests/coupling/coupled_flow.cpp, tests/coupling/simulation.cpp.
+/// Tests:  tests/coupling/coupled_flow.cpp, simulation.cpp, light_particles.cpp,
+///         impulsive_start.cpp.
 template <class Drag, AveragingMode Mode, FluidForce... Forces>
 class CoupledFlow {
   template <class F>
@@ -162,12 +158,14 @@ class CoupledFlow {
         force[p] = {0, 0, 0};
         continue;
       }
-      const Vec3d exchanged = exchange_[p].force(value(u_at, p), particles.velocity[p]);
+      const Vec3d slope = in_pressure() ? value(slope_at, p) - value(stress_at, p) : Vec3d{0, 0, 0};
+      const Vec3d exchanged = response_[p].force(value(u_at, p), slope);
       on_particles += exchanged, done.exchanged += norm(exchanged);
       force[p] = exchanged + static_force(particles.volume[p], p);
       if constexpr (follows) start_following(particles, p, exchanged, dt, done, on_particles);
     }
-    done.momentum_error = on_particles - cells_.exchanged(flow_);
+    done.momentum_error =
+        on_particles - cells_.exchanged(flow_, in_pressure() ? &flow_.response().borne : nullptr);
     return finish(done, dt);
   }
 
@@ -241,7 +239,6 @@ class CoupledFlow {
     time_ = clock[0], count_ = static_cast<std::int64_t>(clock[1]), last_dt_ = clock[2];
     if (clock[3] > 0) diameter = clock[3];
     lost_ = {clock[4], clock[5], clock[6]}, following_ = false;
-    if constexpr (has_added_mass) cells_.for_each_state(flow_.grid(), visit);
     if constexpr (has_history) detail::visit_histories(forces_, visit);
   }
   /// Where a particle is for the fluid: its centre, or, if that has left the grid by less than its
@@ -263,7 +260,13 @@ class CoupledFlow {
 
  private:
   static constexpr std::size_t u_at = 0, eps_at = 3, slope_at = 4, stress_at = 7, curl_at = 10,
-                               Du_at = 13, b_at = 16, strain_at = 17, quantities = 23;
+                               convection_at = 13, b_at = 16, strain_at = 17, borne_at = 23,
+                               with_fluid_at = 24, with_pressure_at = 25, flux_at = 26,
+                               quantities = 29;
+  /// Where the particles' answer to a step's pressure and velocity is less than this share of what
+  /// asks for it, continuity may know of it a step late.
+  static constexpr double most_lagged_gain = 0.1;  // [-]
+  static constexpr double stiff_drag = 0.2;        // [-] of a step over the relaxation time
   const FollowedDrag& held_drag() const requires follows { return std::get<FollowedDrag>(forces_); }
   bool in_pressure() const { return flow_.options().model == MomentumModel::A; }
   Vec3d value(std::size_t column, std::size_t p) const {
@@ -290,7 +293,7 @@ class CoupledFlow {
     find_loads(team);
     if constexpr (needs_curl) cells_.find_curl(flow_, team);
     if constexpr (needs_strain) cells_.find_strain(flow_, team);
-    if constexpr (has_added_mass) cells_.find_acceleration(flow_, last_dt_, team);
+    if constexpr (has_added_mass) cells_.find_convection(flow_, team);
   }
   void join(Field& values) const {
     if (const auto* joined = flow_.joined_cells()) joined->average(values);
@@ -326,8 +329,10 @@ class CoupledFlow {
         held = {coefficient(at.voidage, norm(at.slip), at.diameter), at.slip, at.voidage};
         return held.coefficient;
       }
-    const double Re =
-        slip_reynolds(at.voidage, at.density, norm(at.slip), at.diameter, at.viscosity);
+    return coefficient(at, norm(at.slip));
+  }
+  double coefficient(const InFluid& at, double slip) const {
+    const double Re = slip_reynolds(at.voidage, at.density, slip, at.diameter, at.viscosity);
     const double K = detail::drag_on(drag_, at, Re);
     return flow_.options().model == MomentumModel::B ? model_b(K, at.voidage) : K;
   }
@@ -346,11 +351,13 @@ class CoupledFlow {
     done.owed += of.owed[p], on_particles += (1 / dt) * of.owed[p];
     done.exchanged += norm(of.owed[p]) / dt;
   }
-  MomentumExchange<double> exchange_of(const CoupledParticles& of, const InFluid& at,
-                                       std::size_t p);
-  /// What the fluid and the particle exchanged in the last step [N]; not a number: not known, or of
-  /// no pressure.
-  Vec3d last_exchange(const CoupledParticles& of, const InFluid& at, std::size_t p) const;
+  StepResponse response_of(const CoupledParticles& of, const InFluid& at, std::size_t p);
+  /// By how much the fluid's velocity changes in a step for a change of the particles' in the one
+  /// before, if continuity knows of that a step late [-].
+  double gain_of(const InFluid& at, const StepResponse& r) const {
+    return (1 - at.voidage) / at.voidage * (r.with_fluid + at.density / at.dt * r.with_pressure);
+  }
+  bool moves() { return flow_.responds() && flow_.response().moves; }
   Vec3d torque_on(const InFluid& at) const {
     Vec3d sum{0, 0, 0};
     const auto ask = [&](const auto& force) {
@@ -370,7 +377,7 @@ class CoupledFlow {
   Field solids_;    // [m3]
   CellValues cells_;
   std::array<std::vector<double>, quantities> values_;  // of each particle, by column
-  std::vector<MomentumExchange<double>> exchange_;
+  std::vector<StepResponse> response_;
   std::vector<Vec3d> slips_;   // [m/s] of forces with a history
   std::vector<Vec3d> others_;  // [N] of Forces, with FollowedDrag
   std::vector<Start> start_;

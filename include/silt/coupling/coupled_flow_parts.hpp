@@ -18,7 +18,6 @@ void CoupledFlow<Drag, Mode, Forces...>::check(const CoupledParticles& of, std::
   same(of.shape.position.size(), "positions"), same(of.volume.size(), "volumes");
   same(of.mass.size(), "masses"), same(forces, "forces");
   if (!of.acceleration.empty()) same(of.acceleration.size(), "accelerations");
-  if (!of.last_force.empty()) same(of.last_force.size(), "last forces");
   if (!of.owed.empty()) same(of.owed.size(), "impulses owed");
   if (!of.drag.empty()) same(of.drag.size(), "held drags");
   if (!of.angular_velocity.empty()) same(of.angular_velocity.size(), "angular velocities");
@@ -72,7 +71,7 @@ void CoupledFlow<Drag, Mode, Forces...>::gather(std::size_t n, const Team& team,
   if constexpr (needs_strain)
     if (all) take3(cells_.stretch, strain_at), take3(cells_.strain, strain_at + 3);
   if constexpr (has_added_mass)
-    if (all) take3(cells_.acceleration, Du_at);
+    if (all) take3(cells_.convection, convection_at);
   averaging_->gather(ConstCellFields(from.data(), count), GatheredValues(to.data(), count), team);
 }
 
@@ -91,20 +90,24 @@ void CoupledFlow<Drag, Mode, Forces...>::remember([[maybe_unused]] const Coupled
 template <class Drag, AveragingMode Mode, FluidForce... Forces>
 void CoupledFlow<Drag, Mode, Forces...>::find_exchange(const CoupledParticles& of, double dt,
                                                        std::span<Vec3d> torque, const Team& team) {
-  exchange_.resize(of.velocity.size());
+  response_.resize(of.velocity.size());
   if constexpr (follows) others_.resize(of.velocity.size());
-  team.for_ranges(exchange_.size(), [&](std::size_t, std::size_t from, std::size_t to) {
+  std::array<double, Team::most_ranges> largest{};
+  team.for_ranges(response_.size(), [&](std::size_t range, std::size_t from, std::size_t to) {
     for (std::size_t p = from; p < to; ++p) {
-      exchange_[p] = {0, {0, 0, 0}};
+      response_[p] = {};
       if constexpr (turns)
         if (!torque.empty()) torque[p] = {0, 0, 0};
       if (is_outside(p)) continue;
       const InFluid at = particle(of, p, dt);
-      exchange_[p] = exchange_of(of, at, p);
+      response_[p] = response_of(of, at, p);
+      largest[range] = std::max(largest[range], gain_of(at, response_[p]));
       if constexpr (turns)
         if (!torque.empty()) torque[p] = torque_on(at);
     }
   });
+  const bool moves = *std::max_element(largest.begin(), largest.end()) > most_lagged_gain;
+  if (moves || in_pressure()) flow_.response().moves = moves;
 }
 
 template <class Drag, AveragingMode Mode, FluidForce... Forces>
@@ -128,76 +131,82 @@ auto CoupledFlow<Drag, Mode, Forces...>::particle(const CoupledParticles& of, st
 }
 
 template <class Drag, AveragingMode Mode, FluidForce... Forces>
-Vec3d CoupledFlow<Drag, Mode, Forces...>::last_exchange(const CoupledParticles& of,
-                                                        const InFluid& at, std::size_t p) const {
-  if (!in_pressure() || of.last_force.empty()) return Vec3d{NAN, 0, 0};
-  if constexpr (follows) {
-    Vec3d other = others_[p];
-    if (held_drag().cell > 0)
-      other -= static_force(at.volume, p) + at.volume * flow_.fluid().density * gravity;
-    if (!of.owed.empty()) other -= (1 / at.dt) * of.owed[p];
-    return of.last_force[p] + other;
-  }
-  return of.last_force[p] - static_force(at.volume, p);
-}
-
-template <class Drag, AveragingMode Mode, FluidForce... Forces>
-MomentumExchange<double> CoupledFlow<Drag, Mode, Forces...>::exchange_of(const CoupledParticles& of,
-                                                                         const InFluid& at,
-                                                                         std::size_t p) {
-  const double K = coefficient(of, at, p);
-  Vec3d push{0, 0, 0};
-  double added = 0;
+StepResponse CoupledFlow<Drag, Mode, Forces...>::response_of(const CoupledParticles& of,
+                                                             const InFluid& at, std::size_t p) {
+  StepLoads loads{};
+  loads.mass = at.mass, loads.dt = at.dt, loads.volume = in_pressure() ? at.volume : 0;
+  loads.velocity = of.velocity[p], loads.fluid = value(u_at, p);
   const auto ask = [&](const auto& force) {
     using F = std::decay_t<decltype(force)>;
-    if constexpr (pushes<F>) push += force.force_on(at);
-    if constexpr (adds_mass<F>) added += force.added_mass(at);
+    if constexpr (pushes<F>) loads.push += force.force_on(at);
+    if constexpr (adds_mass<F>) loads.added += force.added_mass(at);
   };
   std::apply([&](const auto&... force) { (ask(force), ...); }, forces_);
-  if constexpr (follows) others_[p] = push;
-  Vec3d Du{0, 0, 0};
-  if constexpr (has_added_mass) Du = value(Du_at, p);
-  if (!std::isfinite(at.mass)) return {K, -(push + added * Du)};
-  const Vec3d others = static_force(at.volume, p) + push;
-  Vec3d a = (1 / at.mass) * others;
-  if (!of.acceleration.empty()) a += of.acceleration[p];
-  const double all = at.mass + added, share = at.mass / all;
-  a = share * a + (added / all) * Du;
-  const auto e = momentum_exchange(all, K, at.dt, a);
-  const Vec3d offset = share * e.offset - push - added * (Du - a);
-  // (5): G (F' - F) joins the offset.
-  const Vec3d F = last_exchange(of, at, p);
-  if (std::isnan(F.x)) return {share * e.coefficient, offset};
-  const double lag = K > 0 ? 1 - e.coefficient / K : 0;  // 1 - E/X
-  const double G = share * (lag + added / at.mass) * (1 - at.voidage) / at.voidage;
-  const double part = 1 / (1 + G);
-  return {part * share * e.coefficient, part * (offset - G * F)};
+  if constexpr (follows) others_[p] = loads.push;
+  if constexpr (has_added_mass) loads.convection = value(convection_at, p);
+  loads.drag = coefficient(of, at, p);
+  if (!std::isfinite(at.mass)) return step_response(loads);
+  loads.others = (-at.volume * flow_.fluid().density) * gravity;
+  if (!of.acceleration.empty()) loads.others += at.mass * of.acceleration[p];
+  StepResponse response = step_response(loads);
+  // A drag that dies within the step is that of the mean of both slips: with that of the first one
+  // a drag ~ slip^2 never comes to rest, slip and (terminal velocity)^2/slip by turns.
+  if (at.dt * loads.drag > stiff_drag * (loads.mass + loads.added)) {
+    const Vec3d slope = in_pressure() ? value(slope_at, p) - value(stress_at, p) : Vec3d{0, 0, 0};
+    const double last = norm(loads.fluid - response.velocity(loads.fluid, slope));
+    loads.drag = coefficient(at, 0.5 * (norm(at.slip) + last));
+    response = step_response(loads);
+  }
+  return response;
 }
 
 template <class Drag, AveragingMode Mode, FluidForce... Forces>
 void CoupledFlow<Drag, Mode, Forces...>::spread_exchange(const CoupledParticles& of, std::size_t n,
                                                          double dt, const Team& team) {
-  values_[b_at].resize(n);
+  std::array<Field*, 10> to;
+  std::array<std::span<const double>, 10> from;
+  std::size_t count = 0;
+  const auto take = [&](Field& field, std::size_t column) {
+    values_[column].resize(n);
+    from[count] = values_[column], to[count++] = &field;
+  };
+  ParticleResponse* const answer = in_pressure() || moves() ? &flow_.response() : nullptr;
+  if (moves()) {
+    take(answer->with_fluid, with_fluid_at), take(answer->with_pressure, with_pressure_at);
+    for (std::size_t d = 0; d < 3; ++d) take(answer->flux[d], flux_at + d);
+    for (std::size_t p = 0; p < n; ++p) {
+      const auto& r = response_[p];
+      const double V = of.volume[p];
+      Vec3d flux = r.start;
+      if (in_pressure()) flux += r.with_pressure * value(stress_at, p);
+      values_[with_fluid_at][p] = V * r.with_fluid;
+      values_[with_pressure_at][p] = V * r.with_pressure;
+      values_[flux_at][p] = V * flux.x, values_[flux_at + 1][p] = V * flux.y,
+      values_[flux_at + 2][p] = V * flux.z;
+    }
+  }
+  for (int d = 0; d < 3; ++d) take(flow_.drag_velocity(d), static_cast<std::size_t>(d));
+  take(flow_.drag(), b_at);
+  if (in_pressure()) take(answer->borne, borne_at);
   for (std::size_t p = 0; p < n; ++p) {
-    const auto& e = exchange_[p];
-    Vec3d push = e.coefficient * of.velocity[p] + e.offset;
+    const auto& r = response_[p];
+    Vec3d push = r.offset;
     if constexpr (follows) {
       if (!of.owed.empty()) push -= (1 / dt) * of.owed[p];
       if (!of.owed.empty() && is_outside(p)) lost_ += of.owed[p];
     }
     values_[0][p] = push.x, values_[1][p] = push.y, values_[2][p] = push.z;
-    values_[b_at][p] = e.coefficient;
+    values_[b_at][p] = r.coefficient;
+    if (in_pressure()) values_[borne_at][p] = r.borne;
   }
-  Field* const to[] = {&flow_.drag_velocity(0), &flow_.drag_velocity(1), &flow_.drag_velocity(2),
-                       &flow_.drag()};
-  const std::span<const double> from[] = {values_[0], values_[1], values_[2], values_[b_at]};
-  averaging_->spread(from, to, team);
+  averaging_->spread(Quantities(from.data(), count), CellFields(to.data(), count), team);
+  const CellFields fields(to.data(), count);
   if (const auto* joined = flow_.joined_cells())
-    for (Field* f : to) joined->spread(*f);
+    for (Field* f : fields) joined->spread(*f);
   const double over = 1 / flow_.grid().cell_volume();
   CellValues::for_rows(flow_, team, [&](int j, int k) {
     const double* const open = flow_.open_row(j, k);
-    for (Field* f : to) {
+    for (Field* f : fields) {
       double* const row = f->row(j, k);
       for (int i = 0; i < flow_.grid().nx(); ++i)
         row[i] *= over / fluid_detail::fluid_share(open, i);

@@ -86,8 +86,8 @@ struct SpinTorque {
   }
 };
 
-/// Virtual mass, F = C rho V (Du/Dt - dv/dt), with dv/dt from all that acts, this force included:
-/// stable for light particles too.
+/// Virtual mass, F = C rho V (Du/Dt - dv/dt), with dv/dt from all that acts, this force included,
+/// and Du/Dt of the same step: stable for light particles, and exact where a flow starts suddenly.
 /// Source: unsteady/forces.hpp.
 struct VirtualMass {
   double coefficient = 0.5;  // [-] of a sphere

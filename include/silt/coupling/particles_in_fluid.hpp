@@ -60,9 +60,6 @@ struct CoupledParticles {
   std::span<const double> mass;                  // [kg]; infinite: fixed
   std::span<const Vec3d> acceleration = {};      // [m/s2] by all but the fluid; left out: none
   std::span<const Vec3d> angular_velocity = {};  // [rad/s]; left out: none
-  /// [N] that the last step gave; not numbers: none. Steps longer than half of a dense suspension's
-  /// relaxation time need it.
-  std::span<const Vec3d> last_force = {};
   // With FollowedDrag:
   std::span<const Vec3d> owed = {};  // [N s] taken beyond what the fluid gave in its last step
   std::span<HeldDrag> drag = {};     // renewed where the tolerance asks for it
@@ -76,7 +73,7 @@ namespace detail {
 /// The particles of a simulation, one after the other, as its fluid takes them.
 struct ParticlesInFluid {
   std::vector<std::size_t> place;  // in the rows of particles
-  std::vector<Vec3d> position, velocity, acceleration, spin, force, torque, last_force;
+  std::vector<Vec3d> position, velocity, acceleration, spin, force, torque;
   std::vector<double> radius, volume, mass;
   std::vector<Vec3d> owed;     // with FollowedDrag
   std::vector<HeldDrag> drag;  // with FollowedDrag
@@ -88,7 +85,7 @@ struct ParticlesInFluid {
   double inertia_factor = 0.4;  // [-]
 
   void resize(std::size_t n, bool bodies, bool turns, bool follows) {
-    for (auto* v : {&position, &velocity, &acceleration, &force, &last_force}) v->resize(n);
+    for (auto* v : {&position, &velocity, &acceleration, &force}) v->resize(n);
     for (auto* v : {&radius, &volume, &mass}) v->resize(n);
     if (follows) owed.resize(n), drag.resize(n);
     if (turns) spin.resize(n), torque.resize(n);
@@ -102,7 +99,6 @@ struct ParticlesInFluid {
                          mass,
                          acceleration,
                          spin,
-                         last_force,
                          owed,
                          drag};
     all.forms = forms_in_flow, all.id = id, all.inertia_factor = inertia_factor;

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include <silt/simulation.hpp>
@@ -50,10 +49,59 @@ void Simulation<Policies...>::couple() {
       fluid_.lose(left), left = {0, 0, 0};
       fluid_.gravity = gravity;
     }
-    if (fluid_.time() < time_ + 0.5 * dt_) renew_fluid();
+    if (fluid_.time() < kicked_to() + clock_rounding * dt_) renew_fluid();
     if constexpr (follows_fluid) follow_fluid();
     if constexpr (has_ledger)
-      if (!first_kick_) book_.fluid_worked(0.5 * dt_ * (before + power_of_fluid()));
+      book_.fluid_worked(first_kick_ ? -work_of_first_kick()
+                                     : 0.5 * dt_ * (before + power_of_fluid()));
+  }
+}
+
+/// The time [s] of the velocities before this step's kick: those of leapfrog are half a step
+/// behind, but for the first. Fluid steps end at such times, so that what the fluid gives in a step
+/// of its own is what the particles' kicks take, the first, shorter one included.
+template <class... Policies>
+double Simulation<Policies...>::kicked_to() const {
+  return first_kick_ ? time_ : time_ - (1 - Integrator::first_kick) * dt_;
+}
+
+/// The particles' steps will be dt [s] long instead of dt_; called where velocities are half an old
+/// step ahead of time(), before they are made half a new one ahead with the last forces. What the
+/// fluid has given stays what it is.
+template <class... Policies>
+void Simulation<Policies...>::change_fluid_step([[maybe_unused]] double dt) {
+  if constexpr (Fluid::active) {
+    if (fluid_.fluid_steps() == 0) return;
+    if constexpr (Integrator::first_kick != 0.5) {
+      fluid_.start_at(fluid_.time() + dt -
+                      dt_);  // velocities are of whole steps, whatever those are
+    } else {
+      const double more = 0.5 * (dt - dt_);  // [s] that the last force will act on
+      const double ahead = fluid_.time() - (time_ + 0.5 * dt);  // [s] of the kicks to come
+      const double kicks = std::ceil(ahead / dt - clock_rounding);
+      auto& loads = engine_.fluid_loads();
+      for (std::size_t k = 0; k < rows(); ++k) {
+        if (!is_present(k) || !std::isfinite(mass(k))) continue;
+        const Vec3d force = loads.force[k].vector();
+        if constexpr (follows_fluid) {
+          const Vec3d drag = force - loads.held[k].vector();
+          if (loads.given[k].unused > 0)
+            loads.taken[k] = detail::VectorRow::of(loads.taken[k].vector() + more * drag);
+          const Vec3d unforced = loads.unforced[k].vector() + (more / mass(k)) * force;
+          loads.unforced[k] = detail::VectorRow::of(unforced);
+        } else if (kicks > 0) {
+          loads.force[k] = detail::VectorRow::of((ahead / (kicks * dt)) * force);
+        } else {
+          // Taken back: more than the fluid has given.
+          const Vec3d back = (dt_ / dt * ahead / mass(k)) * force;  // change_step scales it
+          if constexpr (has_bodies)
+            engine_.mover.bodies[k].velocity += back;
+          else
+            engine_.particles.motion[k].vx += back.x, engine_.particles.motion[k].vy += back.y,
+                engine_.particles.motion[k].vz += back.z;
+        }
+      }
+    }
   }
 }
 
@@ -66,7 +114,9 @@ void Simulation<Policies...>::renew_fluid() {
   else if (fluid_.fluid_steps() > 0)
     steps = static_cast<int>(std::clamp(fluid_.longest_step(fastest, engine_.team()) / dt_, 1.0,
                                         static_cast<double>(fluid_.most_steps)));
-  const double span = steps * dt_;
+  const double behind = kicked_to() - fluid_.time();  // [s] after a change of the time step
+  double span = (first_kick_ ? steps - 1 + Integrator::first_kick : steps) * dt_;
+  if (behind > clock_rounding * dt_) span += behind;
   fluid_.gravity = gravity;
   auto& p = in_fluid_;
   try {
@@ -77,6 +127,7 @@ void Simulation<Policies...>::renew_fluid() {
     throw SimulationError(text("step ", step_, ", t = ", time_, " s: ", error.what()), step_, {},
                           {});
   }
+  fluid_.start_at(time_ + (steps - 1 + Integrator::first_kick) * dt_);  // to the last digit
   auto& loads = engine_.fluid_loads();
   engine_.team().for_ranges(p.place.size(), [&](std::size_t, std::size_t from, std::size_t to) {
     for (std::size_t n = from; n < to; ++n) {
@@ -107,6 +158,7 @@ template <class... Policies>
 void Simulation<Policies...>::follow_fluid() {
   if constexpr (follows_fluid) {
     auto& loads = engine_.fluid_loads();
+    const double kick = first_kick_ ? Integrator::first_kick * dt_ : dt_;
     fluid_.prepare_to_follow(engine_.team());
     engine_.team().for_ranges(rows(), [&](std::size_t, std::size_t from, std::size_t to) {
       for (std::size_t k = from; k < to; ++k) {
@@ -119,9 +171,9 @@ void Simulation<Policies...>::follow_fluid() {
           inv_m = engine_.particles.motion[k].inv_m, v = engine_.particles.motion[k].velocity();
         if (inv_m == 0) continue;
         const Vec3d force =
-            fluid_.follow(loads, k, position(k), v, 1 / inv_m, engine_.contact_force(k), dt_);
+            fluid_.follow(loads, k, position(k), v, 1 / inv_m, engine_.contact_force(k), kick);
         loads.force[k] = detail::VectorRow::of(force);
-        const Vec3d unforced = loads.unforced[k].vector() + (dt_ * inv_m) * force;
+        const Vec3d unforced = loads.unforced[k].vector() + (kick * inv_m) * force;
         loads.unforced[k] = detail::VectorRow::of(unforced);
       }
     });
@@ -132,12 +184,15 @@ template <class... Policies>
 Vec3d Simulation<Policies...>::due_from_fluid([[maybe_unused]] std::size_t k) const {
   if constexpr (Fluid::active) {
     const auto& loads = engine_.fluid_loads();
-    const double ahead = fluid_.time() - time_ - 0.5 * dt_;  // [s] half of a kick has been
+    const double ahead = fluid_.time() - time_;  // [s] velocity(k) is that of time()
     const Vec3d force = loads.force[k].vector();
     if constexpr (follows_fluid) {
       if (!std::isfinite(mass(k))) return {0, 0, 0};
       const Vec3d push = loads.held[k].vector();
-      return ahead * push + 0.5 * dt_ * (force - push) - loads.taken[k].vector();
+      // Of leapfrog's last kick the half beyond time() is taken, but not in velocity(k); of others'
+      // all of it.
+      const double pending = Integrator::first_kick * dt_;
+      return ahead * push + pending * (force - push) - loads.taken[k].vector();
     } else {
       return ahead * force;
     }
@@ -184,12 +239,8 @@ double Simulation<Policies...>::gather_for_fluid() {
       // What has acted besides the fluid since it was asked, on average.
       const Vec3d unforced = loads.unforced[k].vector();
       const bool known = span > 0 && !std::isnan(unforced.x);
-      constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-      p.last_force[n] = known ? loads.force[k].vector() : Vec3d{unknown, 0, 0};
       if constexpr (follows_fluid) {
-        const Vec3d given = loads.given[k].vector();
         const bool in_fluid = known && loads.given[k].unused > 0;
-        p.last_force[n] = in_fluid ? (1 / span) * given : Vec3d{unknown, 0, 0};
         p.owed[n] = in_fluid && std::isfinite(p.mass[n]) ? loads.taken[k].vector() : Vec3d{0, 0, 0};
         p.drag[n] = {loads.held[k].unused, loads.reference[k].vector(), loads.reference[k].unused};
       }
@@ -199,6 +250,24 @@ double Simulation<Policies...>::gather_for_fluid() {
     }
   });
   return *std::max_element(fastest.begin(), fastest.end());
+}
+
+/// [J] by which the fluid's work in leapfrog's first half kick is less than with the velocity at
+/// its end, with which the next step books it: of a sudden start half of all.
+template <class... Policies>
+double Simulation<Policies...>::work_of_first_kick() const {
+  double work = 0;
+  if constexpr (has_ledger && Integrator::first_kick == 0.5) {
+    const auto& loads = engine_.fluid_loads();
+    for (std::size_t k = 0; k < rows(); ++k) {
+      if (!is_present(k) || !std::isfinite(mass(k))) continue;
+      const Vec3d force = loads.force[k].vector();
+      // A blow is over before gravity and contacts have moved anything.
+      const Vec3d a = (1 / mass(k)) * (force + 2 * engine_.contact_force(k)) + 2 * gravity;
+      work += 0.125 * dt_ * dt_ * dot(force, a);
+    }
+  }
+  return work;
 }
 
 /// [W] of the fluid on the particles that are not fixed; for the ledger alone.

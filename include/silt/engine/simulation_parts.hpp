@@ -292,7 +292,10 @@ void Simulation<Policies...>::prepare() {
   engine_.set_coefficients(contacts_);
   if (dt_ == 0 || (time_step && *time_step != dt_) || (scene_changed_ && is_step_too_long())) {
     const double dt = chosen_time_step();
-    if (kicked_ && dt_ > 0) engine_.change_step(dt / dt_);
+    if (kicked_ && dt_ > 0) {
+      if (!first_kick_) change_fluid_step(dt);
+      engine_.change_step(dt / dt_);
+    }
     time_origin_ = time_, step_origin_ = step_;
     dt_ = dt;
   }

@@ -28,7 +28,8 @@ inline void refuse_unstable(const FlowState& state, double dt, double courant) {
 
 /// The fluxes in the middle of the step, and the fluid that they carry.
 inline void carry(FlowState& state, double dt, const Team& team) {
-  const double ahead = state.old_dt > 0 ? 0.5 * dt / state.old_dt : 0;
+  // Looks ahead by no more than the last step, if that was a short one.
+  const double ahead = state.old_dt > 0 ? std::min(0.5 * dt / state.old_dt, 1.0) : 0;
   for (int d = 0; d < 3; ++d) {
     const int more[3] = {d == 0, d == 1, d == 2};
     team.for_parts(FlowState::at(state.grid.nz() + more[2]), [&](std::size_t part) {
@@ -65,6 +66,28 @@ inline void carry(FlowState& state, double dt, const Team& team) {
     state.carried = state.flow, state.mass = state.older_eps, state.next_mass = state.old_eps;
   }
   state.sides.fill_voidage(state.mass), state.sides.fill_voidage(state.next_mass);
+}
+/// Whether the fluxes have jumped in this step, as they do where sides change or the flow starts
+/// from rest: by more than a third of what they are.
+inline bool has_jumped(const FlowState& state, const Team& team) {
+  double changes = 0, squares = 0;
+  for (int d = 0; d < 3; ++d) {
+    const Field &now = state.flow[FlowState::at(d)], &old = state.old_flow[FlowState::at(d)];
+    const auto sum = [&](const auto& of) {
+      return state.over_planes(
+          team,
+          [&](int k) {
+            double all = 0;
+            for (int j = 0; j < state.grid.ny(); ++j)
+              for (int i = 0; i < state.grid.nx(); ++i) all += of(i, j, k) * of(i, j, k);
+            return all;
+          },
+          FlowState::added);
+    };
+    changes += sum([&](int i, int j, int k) { return now(i, j, k) - old(i, j, k); });
+    squares += sum([&](int i, int j, int k) { return now(i, j, k); });
+  }
+  return changes > squares / 9;
 }
 inline void find_spread(FlowState& state, const Team& team) {
   state.for_cells(team, [&](int j, int k) {
@@ -145,6 +168,7 @@ inline void stage(FlowState& state, const Three& q, bool second, double dt, Thre
                        row(state.drag_v[c]),
                        row(state.force[c]),
                        row(state.pressure),
+                       state.response ? row(state.response->borne) : nullptr,
                        of_solids([](const FlowSolids& s) -> const Three& { return s.area; }),
                        of_solids([](const FlowSolids& s) -> const Three& { return s.inside; }),
                        of_solids([](const FlowSolids& s) -> const Three& { return s.thin; }),

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 
 #include <silt/fluid/flow_state.hpp>
 #include <silt/fluid/pressure_solver.hpp>
@@ -21,6 +22,17 @@ struct FlowStep {
 };
 
 namespace fluid_detail {
+
+/// After a step with (6): the voidage of which the fluxes know.
+inline void count_flow(FlowState& state, double dt, const Team& team) {
+  state.for_cells(team, [&](int j, int k) {
+    const double* const share = state.solids ? state.solids->cells.row(j, k) : nullptr;
+    const double* const before = state.older_eps.row(j, k);
+    double* const counted = state.old_eps.row(j, k);
+    for (int i = 0; i < state.grid.nx(); ++i)
+      counted[i] = before[i] - dt / fluid_share(share, i) * state.divergence(state.flow, i, j, k);
+  });
+}
 
 /// The pressure that makes a step's velocities keep the volume: (5) of FlowSolver.
 class FlowProjection {
@@ -40,18 +52,22 @@ class FlowProjection {
       const double over = 1 / (state.h(d) * state.h(d));
       state.for_faces(d, team, [&](int j, int k, int from, int to) {
         const double *eps = state.eps.row(j, k), *w = state.weight[FlowState::at(d)].row(j, k);
+        const CarriedRow carried(state, d, j, k);
         const double* const area =
             state.solids ? state.solids->area[FlowState::at(d)].row(j, k) : nullptr;
         double* const a = coefficient_[FlowState::at(d)].row(j, k);
         for_row(from, to, [&]<class Real>(int i) {
           const Real mean = Real(0.5) * (load_any<Real>(eps + i - s) + load_any<Real>(eps + i));
           Real through = Real(over) * mean * load_any<Real>(w + i);
+          if (carried.any()) through += Real(over) * carried.response(i, load_any<Real>(w + i));
           if (area != nullptr) through = through * load_any<Real>(area + i);
           store_any(a + i, through);
         });
       });
     }
     hold_outlets(state);
+    const bool moves = state.response && state.response->moves;
+    if (moves) carry_particles(state, team);
     const double excess = state.over_planes(
         team,
         [&](int k) {
@@ -63,6 +79,7 @@ class FlowProjection {
             for (int i = 0; i < state.grid.nx(); ++i) {
               const double fluid = share != nullptr ? share[i] : 1;
               b[i] = -(state.divergence(state.flow, i, j, k) + fluid * (now[i] - old[i]) / dt);
+              if (moves) b[i] -= state.divergence(*carried_, i, j, k);
               all += b[i];
             }
           }
@@ -121,6 +138,53 @@ class FlowProjection {
   }
 
  private:
+  /// (6) of FlowSolver on a row of faces.
+  struct CarriedRow {
+    CarriedRow(const FlowState& state, int d, int j, int k) : back(state.stride(d)) {
+      if (!state.response || !state.response->moves) return;
+      const ParticleResponse& r = *state.response;
+      A = r.with_fluid.row(j, k), B = r.with_pressure.row(j, k);
+      S = r.flux[FlowState::at(d)].row(j, k);
+    }
+    bool any() const { return A != nullptr; }
+    template <class Real>
+    Real mean(const double* of, int i) const {
+      return Real(0.5) * (load_any<Real>(of + i - back) + load_any<Real>(of + i));
+    }
+    template <class Real>
+    Real response(int i, const Real& weight) const {
+      return mean<Real>(A, i) * weight + mean<Real>(B, i);
+    }
+    std::ptrdiff_t back;
+    const double *A = nullptr, *B = nullptr, *S = nullptr;
+  };
+  void carry_particles(const FlowState& state, const Team& team) {
+    const Grid& g = state.grid;
+    if (!carried_) carried_ = Three{Field(g), Field(g), Field(g)};
+    for (int d = 0; d < 3; ++d) {
+      Field& to = (*carried_)[FlowState::at(d)];
+      to.fill(0);
+      const std::ptrdiff_t s = state.stride(d);
+      state.for_faces(d, team, [&](int j, int k, int from, int end) {
+        const CarriedRow carried(state, d, j, k);
+        const double *star = state.next[FlowState::at(d)].row(j, k), *p = state.pressure.row(j, k);
+        const double* const area =
+            state.solids ? state.solids->area[FlowState::at(d)].row(j, k) : nullptr;
+        double* const out = to.row(j, k);
+        for_row(from, end, [&]<class Real>(int i) {
+          const Real slope =
+              Real(1 / state.h(d)) * (load_any<Real>(p + i) - load_any<Real>(p + i - s));
+          Real flux = carried.template mean<Real>(carried.S, i) +
+                      carried.template mean<Real>(carried.A, i) * load_any<Real>(star + i) -
+                      carried.template mean<Real>(carried.B, i) * slope;
+          if (area != nullptr) flux = flux * load_any<Real>(area + i);
+          store_any(out + i, flux);
+        });
+      });
+      state.sides.fill_flux(d, to);
+    }
+  }
+
   static constexpr double rounding = 1e-14;  // [-] of the voidage
 
   /// Root of the mean square [1/s].
@@ -159,8 +223,9 @@ class FlowProjection {
   }
 
   PressureSolver solver_;
-  Three coefficient_;            // a eps e/D/h^2
-  Field change_, right_, held_;  // dp and its equation
+  Three coefficient_;             // a eps e/D/h^2
+  Field change_, right_, held_;   // dp and its equation
+  std::optional<Three> carried_;  // [m/s] the particles' volume, with the last pressure
 };
 
 }  // namespace fluid_detail

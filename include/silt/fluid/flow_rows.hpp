@@ -50,6 +50,7 @@ struct StageRow {
   bool averaged, second;                // model A; the second stage
   // At the beginning of the step; eps, m, m', K, K v, s, p.
   const double *u, *eps, *mass, *next_mass, *drag, *drag_v, *force, *pressure;
+  const double* borne;  // [-] of ParticleResponse; null: 0
   // In a box with solids: see FlowSolids.
   const double *area, *inside, *thin, *wall_drag, *wall_push, *wall_velocity;
   // In turbulence: eddy viscosity in cells [Pa s], velocities of all components and the faces that
@@ -147,14 +148,15 @@ SILT_ONE_COPY void stage_row(const StageRow& row, int from, int to) {
     explicit_terms<Real, Walled>(r, i, advection, viscous);
     if constexpr (Turbulent) viscous += eddy_term<Real>(r, i);
     if constexpr (Walled) viscous = viscous * at(r.inside);  // slivers have their own
-    Real t = advection + eps_f * viscous;
+    const Real share = r.borne != nullptr ? eps_f + mean(r.borne) : eps_f;
+    Real t = advection + share * viscous;
     if (r.second)
       t = half * (at(r.tendency) + t);
     else
       store_any(r.tendency + i, t);
     Real D = Real(r.per_step) * mean(r.next_mass) + mean(r.drag);
     const Real slope = Real(r.over_own) * (at(r.pressure) - load_any<Real>(r.pressure + i - r.own));
-    Real driven = Real(r.per_step) * mean(r.mass) * at(r.u) + t - eps_f * slope + mean(r.drag_v) +
+    Real driven = Real(r.per_step) * mean(r.mass) * at(r.u) + t - share * slope + mean(r.drag_v) +
                   mean(r.force);
     if constexpr (Walled) {
       D += eps_f * at(r.wall_drag);
@@ -167,7 +169,7 @@ SILT_ONE_COPY void stage_row(const StageRow& row, int from, int to) {
     const Real over_D = Real(1) / D;
     if (r.stress != nullptr)
       store_any(r.stress + i, r.second ? half * (at(r.stress) + viscous) : viscous);
-    Real u = over_D * driven, weight = eps_f * over_D;
+    Real u = over_D * driven, weight = share * over_D;
     if constexpr (Walled) {
       const auto open = at(r.area) > Real(0);
       u = select(open, u, at(r.wall_velocity)), weight = select(open, weight, Real(0));

@@ -36,7 +36,18 @@ namespace silt::inline SILT_TARGET {
 ///   D u* = rho m u / dt + T - e grad p + K v + s,   D = rho m' / dt + K                        (4)
 ///   div(eps e / D grad dp) = div(eps u*) + (eps' - eps) / dt,   u' = u* - e / D grad dp        (5)
 ///
-/// with e = eps (model A) or 1. m is the fluid that fluxes F have carried into the volume of a
+/// with e = eps (model A) or 1. Particles that are light, or stiffly coupled, answer within the
+/// step (ParticleResponse): what they leave of pressure and stress to the fluid joins e, q over the
+/// volume, and the volume that they carry joins (5),
+///
+///   div((eps + A) (e + q)/D + B) grad dp = div(eps u* + S + A u* - B grad p) + (eps - eps~)/dt (6)
+///
+/// A, B, S: sums of V a, V b, V (v0 + b div tau) over the volume, eps~ the voidage of which the
+/// fluxes until now know, so that no volume is lost where particles move otherwise. Without (6) the
+/// fluid learns a step late of what its pressure has done to them, with a gain of
+/// (1 - eps)/eps rho/rho_p: above 1 no step is stable.
+///
+/// m is the fluid that fluxes F have carried into the volume of a
 /// velocity, m' = m - dt div F; it follows eps by a step. With it momentum is kept to rounding and
 /// a uniform flow stays one, whatever eps does.
 /// Second order in space and time on smooth flows; in time drag is of first order.
@@ -85,7 +96,7 @@ class FlowSolver {
     if (sides.any_open())
       for (double& p : s_.pressure.values())
         p += sides.outlet_pressure() - s_.sides.outlet_pressure();
-    s_.sides = std::move(sides);
+    s_.sides = std::move(sides), s_.sides_changed = true;
     if (s_.turbulence) s_.turbulence->ready = s_.turbulence->found = false;
   }
 
@@ -175,6 +186,12 @@ class FlowSolver {
   Field& drag() { return s_.drag; }                                    // [kg/(m3 s)] K
   Field& drag_velocity(int d) { return s_.drag_v[FlowState::at(d)]; }  // [N/m3] K v
   Field& force(int d) { return s_.force[FlowState::at(d)]; }           // [N/m3] s
+  /// How particles answer within the step; made by the first call.
+  ParticleResponse& response() {
+    if (!s_.response) s_.response.emplace(grid());
+    return *s_.response;
+  }
+  bool responds() const { return s_.response.has_value(); }
   /// @}
 
   /// From now on steps keep div tau [N/m3], the viscous part that acts on fluid and particles
@@ -202,7 +219,7 @@ class FlowSolver {
     s_.forget_eddies();
     s_.superficial(s_.velocity, s_.flow, team);
     s_.old_flow = s_.flow;
-    s_.old_dt = 0, s_.started = true;
+    s_.old_dt = 0, s_.started = s_.sides_changed = true;
   }
 
   /// The momentum of the fluid [kg m/s] that steps keep: of what is in the volumes of velocities.
@@ -256,7 +273,8 @@ class FlowSolver {
     fields("fluid.old_flow", s_.old_flow[0], s_.old_flow[1], s_.old_flow[2]);
     fields("fluid.pressure", s_.pressure);
     fields("fluid.voidage", s_.voidage, s_.eps, s_.old_eps, s_.older_eps, s_.mass);
-    std::array<double, 2> last{s_.started ? 1.0 : 0.0, s_.old_dt};
+    std::array<double, 4> last{s_.started ? 1.0 : 0.0, s_.old_dt, s_.sides_changed ? 1.0 : 0.0,
+                               s_.jumped ? 1.0 : 0.0};
     for (int d = 0; d < 3 && !s_.stress.empty(); ++d)
       visit(text("fluid.stress", d), s_.stress[FlowState::at(d)].values());
     visit("fluid.last", std::span<double>(last));
@@ -264,12 +282,15 @@ class FlowSolver {
     if (s_.turbulence) visit("fluid.eddy", std::span<double>(&s_.turbulence->largest, 1));
     if (s_.turbulence && s_.turbulence->two)
       fields("fluid.k_epsilon", s_.turbulence->two->k, s_.turbulence->two->epsilon);
-    s_.started = last[0] != 0, s_.old_dt = last[1];
+    s_.started = last[0] != 0, s_.old_dt = last[1], s_.sides_changed = last[2] != 0,
+    s_.jumped = last[3] != 0;
   }
 
   FlowStep step(double dt, const Team& team = {}) {
     require(std::isfinite(dt) && dt > 0, "FlowSolver: a step of ", dt, " s is none");
-    if (!s_.started) start(team);
+    const bool first = !s_.started;
+    if (first) start(team);
+    if (s_.jumped) s_.pressure.fill(s_.sides.outlet_pressure());
     FlowStep done;
     s_.find_turbulence(team);
     done.courant = s_.courant(dt, team);
@@ -280,6 +301,11 @@ class FlowSolver {
       if (s_.solids) s_.solids->fill_corners(*f);
       s_.sides.fill_cells(*f);
     }
+    if (s_.response)
+      s_.response->for_each([&](Field& f) {
+        if (s_.solids) s_.solids->fill_corners(f);
+        s_.sides.fill_cells(f);
+      });
     s_.sides.fill_pressure(s_.pressure, false);
     fluid_detail::carry(s_, dt, team);
     fluid_detail::find_spread(s_, team);
@@ -290,7 +316,18 @@ class FlowSolver {
     // Those of the next step, so that stable_step() knows them.
     s_.forget_eddies(), s_.find_turbulence(team);
     std::swap(s_.mass, s_.next_mass), std::swap(s_.older_eps, s_.old_eps);
-    s_.old_eps = s_.eps, s_.old_dt = dt;
+    if (s_.response && s_.response->moves)
+      fluid_detail::count_flow(s_, dt, team);
+    else
+      s_.old_eps = s_.eps;
+    s_.old_dt = dt;
+    s_.jumped = s_.sides_changed && fluid_detail::has_jumped(s_, team);
+    if (s_.jumped) {
+      s_.old_dt = 0;
+      // The fluxes at the start need not have been those of any flow.
+      if (first) s_.mass = s_.eps;
+    }
+    s_.sides_changed = false;
     return done;
   }
 

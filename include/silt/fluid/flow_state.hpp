@@ -36,6 +36,30 @@ struct FlowOptions {
   int most_iterations = 200;  // [-] of the pressure solver
 };
 
+/// How the particles of a coming step answer to it, in cells, for a flow whose particles are light
+/// or stiffly coupled; see FlowSolver. At the step's end a particle of volume V has the velocity
+///
+///   v' = v0 + a u' - b (grad p' - div tau')                                                   (1)
+///
+/// and bears of pressure and viscous stress the part V - q alone; q is left to the fluid.
+struct ParticleResponse {
+  explicit ParticleResponse(const Grid& g)
+      : borne(g), with_fluid(g), with_pressure(g), flux{Field(g), Field(g), Field(g)} {}
+
+  Field borne;                // [-] sum w q over the cell's volume (model A)
+  bool moves = false;         // whether continuity knows (1): then, as sums over the cell's volume,
+  Field with_fluid;           // [-] w V a
+  Field with_pressure;        // [m3 s/kg] w V b
+  std::array<Field, 3> flux;  // [m/s] w V (v0 + b div tau)
+
+  template <class Visit>
+  void for_each(const Visit& visit) {
+    visit(borne);
+    if (moves)
+      for (Field* f : {&with_fluid, &with_pressure, &flux[0], &flux[1], &flux[2]}) visit(*f);
+  }
+};
+
 namespace fluid_detail {
 
 /// The fields of a FlowSolver, and loops over them; ghosts are as `sides` has them.
@@ -234,12 +258,17 @@ struct FlowState {
   std::optional<FlowBoundary> boundary;
   std::optional<FlowTurbulence> turbulence;
   bool started = false;
-  double old_dt = 0;                                            // [s] of the last step; 0: none
+  bool sides_changed = true;  // since the last step, or it is the first one
+  /// The flow jumped in the last step: neither its fluxes nor the pressure of that blow say
+  /// anything of the next one's.
+  bool jumped = false;
+  double old_dt = 0;  // [s] of the last step; 0: none, or the flow jumped in it
   Three velocity = three(), first = three(), next = three();    // [m/s] u, after a stage, u*
   Three flow = three(), old_flow = three(), carried = three();  // [m/s] eps u; F
   Three tendency = three();                                     // [N/m3] of the first stage
   Three weight = three();                                       // [m3 s/kg] e/D
   std::vector<Field> stress;                                    // [N/m3] div tau, if it is kept
+  std::optional<ParticleResponse> response;                     // if particles have one
   Field pressure{grid};                                         // [Pa]
   Field voidage{grid, 1}, eps{grid, 1}, old_eps{grid, 1}, older_eps{grid, 1};
   Field mass{grid, 1}, next_mass{grid, 1};  // [-] m, m'

@@ -138,10 +138,11 @@ class BassetHistory {
   }
   /// Particle i begins now with the slip W, where what is recorded after each step is the mean of g
   /// in it: past(i) + newest() g is then the mean of the integral over the step, and exact within
-  /// the window where g is constant in each.
-  void start_mean(std::size_t i, const Vec3d& W) {
+  /// the window where g is constant in each. Its first step is `first` [-] of a step long; what is
+  /// recorded after it is the change of the slip over a whole step.
+  void start_mean(std::size_t i, const Vec3d& W, double first = 1) {
     start(i, W, {0, 0, 0});
-    young_.back().mean = true;
+    young_.back().mean = true, young_.back().first = first;
   }
 
   /// All that the future depends on, for the same kernel and number of particles.
@@ -150,13 +151,14 @@ class BassetHistory {
     for (std::size_t k = 0; k < slots_; ++k) append_row(all, slot_row(k));
     for (std::size_t i = 0; i <= terms; ++i) append_row(all, tail_row(i));  // the last is past
     for (const Young& y : young_)
-      all.insert(all.end(), {static_cast<double>(y.particle), static_cast<double>(y.age), y.slip.x,
-                             y.slip.y, y.slip.z, y.rate.x, y.rate.y, y.rate.z, double(y.mean)});
+      all.insert(all.end(),
+                 {static_cast<double>(y.particle), static_cast<double>(y.age), y.slip.x, y.slip.y,
+                  y.slip.z, y.rate.x, y.rate.y, y.rate.z, double(y.mean), y.first});
     return all;
   }
   void restore(std::span<const double> all) {
     const std::size_t of_rows = rows() * size_;
-    require(!all.empty() && all.size() == 1 + of_rows + 9 * static_cast<std::size_t>(all[0]),
+    require(!all.empty() && all.size() == 1 + of_rows + 10 * static_cast<std::size_t>(all[0]),
             "BassetHistory: a state of ", all.size(), " numbers does not fit to ", size_,
             " particles and a window of ", kernel_.steps, " steps");
     const double* next = all.data() + 1;
@@ -165,12 +167,13 @@ class BassetHistory {
       std::transform(next, next + size_, &values_[r * stride_],
                      [](double v) { return static_cast<Scalar>(v); });
     young_.clear();
-    for (const double* end = all.data() + all.size(); next < end; next += 9)
+    for (const double* end = all.data() + all.size(); next < end; next += 10)
       young_.push_back({static_cast<std::size_t>(next[0]),
                         static_cast<std::size_t>(next[1]),
                         {next[2], next[3], next[4]},
                         {next[5], next[6], next[7]},
-                        next[8] != 0});
+                        next[8] != 0,
+                        next[9]});
   }
 
   /// Particle `to` becomes a copy of `from`: to fill a gap before a resize().
@@ -225,6 +228,7 @@ class BassetHistory {
     std::size_t particle, age;  // [-], [steps]
     Vec3d slip, rate;           // at its beginning
     bool mean = false;          // of steps, from start_mean()
+    double first = 1;           // [-] length of its first step
   };
 
   // Rows: slots of g, terms of the tail, past; x, y, z of each.
@@ -288,9 +292,14 @@ class BassetHistory {
     for (auto& y : young_) {
       const std::size_t k = ++y.age;
       const auto age = static_cast<double>(k);
-      const double root = y.mean ? 2 * (std::sqrt(age) - std::sqrt(age - 1)) : 1 / std::sqrt(age);
+      const double late = age - 1 + y.first;  // at the end of the step
+      const double root = !y.mean  ? 1 / std::sqrt(age)
+                          : k == 1 ? 2 / std::sqrt(late)
+                                   : 2 * (std::sqrt(late) - std::sqrt(late - 1));
       const Vec3d jump = y.slip * (root / std::sqrt(kernel_.dt));
-      if (k < kernel_.steps)
+      if (k < kernel_.steps && y.mean)
+        add(past_row(), y.particle, jump + short_first_step(y));
+      else if (k < kernel_.steps)
         add(past_row(), y.particle, jump - y.rate * (kernel_.weight[k] - kernel_.first_weight[k]));
       else
         leave_window(y, jump);
@@ -298,10 +307,26 @@ class BassetHistory {
     std::erase_if(young_, [&](const Young& y) { return y.age >= kernel_.steps; });
   }
 
+  /// What its g of a shorter first step makes beyond what the same change of the slip would in a
+  /// whole one.
+  Vec3d short_first_step(Young& y) const {
+    if (y.first == 1 || y.age < 2) return {0, 0, 0};
+    if (y.age == 2) {
+      const Scalar* g = &values_[slot_row(1) * stride_ + y.particle];
+      y.rate = {g[0], g[stride_], g[2 * stride_]};
+    }
+    const auto power = [](double k) { return k * std::sqrt(k); };
+    const double k = static_cast<double>(y.age), late = k - 1 + y.first;
+    const double weight = power(late) - power(late - 1) - power(k - 1) + power(k - 2);
+    return y.rate * (std::sqrt(kernel_.dt) * 4 / 3 * weight / y.first - kernel_.weight[y.age - 1]);
+  }
+
   void leave_window(const Young& y, const Vec3d& jump) {
     for (std::size_t i = 0; i < terms; ++i) {
-      const double x = -std::log(kernel_.decay[i]), mean = y.mean ? std::expm1(x) / x : 1;
-      const Vec3d change = y.slip * (mean * kernel_.at_window[i]) - y.rate * kernel_.newer[i];
+      const double x = -std::log(kernel_.decay[i]);
+      const double mean = y.mean ? std::exp((1 - y.first) * x) * std::expm1(x) / x : 1;
+      Vec3d change = y.slip * (mean * kernel_.at_window[i]);
+      if (!y.mean) change -= y.rate * kernel_.newer[i];
       add(tail_row(i), y.particle, change);
       if (!y.mean) add(past_row(), y.particle, change);
     }

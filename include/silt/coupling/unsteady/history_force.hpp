@@ -23,7 +23,7 @@ namespace silt::inline SILT_TARGET {
 /// (within the window) where g is constant in each step; the part of the step's own g is taken as
 /// an added mass, so that light particles are stable too, and the slip's jump W(0) as a particle
 /// begins, from the start or an inlet, counts as a sudden motion. The fluid's own acceleration in
-/// the step's g is Du/Dt of the last step. Particles beyond the grid lose their history.
+/// the step's g is Du/Dt of that step. Particles beyond the grid lose their history.
 ///
 ///   auto fluid = silt::CoupledFlow{silt::Stokes{}, silt::Kernel{}, flow, silt::HistoryForce{},
 ///                                  silt::VirtualMass{}};
@@ -35,8 +35,9 @@ namespace silt::inline SILT_TARGET {
 /// Source: M. A. T. van Hinsberg, J. H. M. ten Thije Boonkkamp, H. J. H. Clercx, J. Comput. Phys.
 ///         230 (2011) 1465; BassetKernel.
 /// Valid:  lone spheres, Re << 1; at large Re it decays faster than (1).
-/// Errors: InputError where a fluid step is longer or shorter than the first one: say how many
-///         steps of particles it has (CoupledFlow.steps), and what they are (time_step).
+/// Errors: InputError where fluid steps are not of one length, but for the first, which may be
+///         shorter (leapfrog's first kick is half a step): say how many steps of particles they
+///         have (CoupledFlow.steps), and what those are (time_step).
 /// Tests:  tests/coupling/history_force.cpp.
 class HistoryForce {
  public:
@@ -46,19 +47,35 @@ class HistoryForce {
     BassetKernel(1, window_);  // refuses what cannot be
   }
 
-  Vec3d force_on(const InFluid& at) const { return factor(at) * history_->past(slot_[at.place]); }
-  double added_mass(const InFluid& at) const { return factor(at) * history_->newest(); }
+  Vec3d force_on(const InFluid& at) const {
+    const std::uint32_t slot = slot_[at.place];
+    if (!history_) return (factor(at) * 2 / std::sqrt(first_)) * last_[slot];
+    return factor(at) * history_->past(slot);
+  }
+  double added_mass(const InFluid& at) const {
+    return factor(at) * (history_ ? history_->newest() : std::sqrt(first_) * 4 / 3);
+  }
 
   /// A fluid step of dt [s] begins; slips [m/s] of particles with these ids, not numbers where
   /// there is no fluid.
   void remember(std::span<const std::uint32_t> id, std::span<const Vec3d> slip, double dt,
                 const Team& team) {
-    if (!history_) history_.emplace(BassetKernel(dt, window_));
-    const double first = history_->kernel().dt;
+    const double known = history_ ? history_->kernel().dt : first_;
     require(
-        std::abs(dt - first) <= 1e-9 * first, "HistoryForce: a fluid step of ", dt,
-        " s after ones of ", first,
+        known == 0 || std::abs(dt - known) <= 1e-9 * known || (!history_ && dt > known),
+        "HistoryForce: a fluid step of ", dt, " s after ones of ", known,
         " s, but its memory is of equal steps; set CoupledFlow.steps, and Simulation.time_step");
+    const auto advance = [&] {
+      if (!owner_.empty())
+        history_->advance(
+            [&](std::size_t blocks, const auto& one) { team.for_parts(blocks, one); });
+    };
+    if (!history_ && known > 0) {  // the first step, now that the length of the others is known
+      history_.emplace(BassetKernel(dt, window_), owner_.size());
+      for (std::size_t slot = 0; slot < owner_.size(); ++slot)
+        history_->start_mean(slot, last_[slot], std::min(1.0, known / dt));
+      advance();
+    }
     forget_those_not_in(id, slip);
     slot_.resize(id.size());
     for (std::size_t p = 0; p < id.size(); ++p) {
@@ -69,41 +86,48 @@ class HistoryForce {
       if (slot == none) {
         slot = static_cast<std::uint32_t>(owner_.size());
         owner_.push_back(id[p]), last_.push_back(slip[p]);
-        history_->resize(owner_.size());
-        history_->start_mean(slot, slip[p]);
+        if (history_) history_->resize(owner_.size()), history_->start_mean(slot, slip[p]);
       } else {
-        history_->record(slot, (1 / dt) * (slip[p] - last_[slot]));
+        if (history_) history_->record(slot, (1 / dt) * (slip[p] - last_[slot]));
         last_[slot] = slip[p];
       }
       slot_[p] = slot;
     }
-    if (owner_.empty()) return;
-    history_->advance([&](std::size_t blocks, const auto& one) { team.for_parts(blocks, one); });
+    if (history_)
+      advance();
+    else
+      first_ = dt;
   }
 
   /// For a checkpoint.
   std::vector<double> state() const {
-    if (!history_) return {};
-    std::vector<double> all{history_->kernel().dt, static_cast<double>(owner_.size())};
+    if (first_ == 0) return {};
+    std::vector<double> all{first_, history_ ? history_->kernel().dt : 0,
+                            static_cast<double>(owner_.size())};
     for (std::size_t k = 0; k < owner_.size(); ++k)
       all.insert(all.end(), {double(owner_[k]), last_[k].x, last_[k].y, last_[k].z});
+    if (!history_) return all;
     const auto more = history_->state();
     all.insert(all.end(), more.begin(), more.end());
     return all;
   }
   void restore(std::span<const double> all) {
     history_.reset(), owner_.clear(), last_.clear(), slot_of_.clear(), slot_.clear();
+    first_ = 0;
     if (all.empty()) return;
-    const auto n = all.size() > 1 ? static_cast<std::size_t>(all[1]) : 0;
-    require(all.size() > 2 + 4 * n, "HistoryForce: its state in the checkpoint is not complete");
-    history_.emplace(BassetKernel(all[0], window_), n);
+    const auto n = all.size() > 2 ? static_cast<std::size_t>(all[2]) : 0;
+    require(all.size() > 2 && all.size() >= 3 + 4 * n + (all[1] > 0 ? 1 : 0),
+            "HistoryForce: its state in the checkpoint is not complete");
+    first_ = all[0];
     for (std::size_t k = 0; k < n; ++k) {
-      const double* of = &all[2 + 4 * k];
+      const double* of = &all[3 + 4 * k];
       owner_.push_back(static_cast<std::uint32_t>(of[0])), last_.push_back({of[1], of[2], of[3]});
       if (owner_[k] >= slot_of_.size()) slot_of_.resize(owner_[k] + std::size_t{1}, none);
       slot_of_[owner_[k]] = static_cast<std::uint32_t>(k);
     }
-    history_->restore(all.subspan(2 + 4 * n));
+    if (!(all[1] > 0)) return;
+    history_.emplace(BassetKernel(all[1], window_), n);
+    history_->restore(all.subspan(3 + 4 * n));
   }
 
  private:
@@ -123,15 +147,17 @@ class HistoryForce {
       if (here_[k]) continue;
       slot_of_[owner_[k]] = none;
       if (k != --n) {
-        history_->copy(n, k);
+        if (history_) history_->copy(n, k);
         owner_[k] = owner_[n], last_[k] = last_[n],
         slot_of_[owner_[k]] = static_cast<std::uint32_t>(k);
       }
     }
-    owner_.resize(n), last_.resize(n), history_->resize(n);
+    owner_.resize(n), last_.resize(n);
+    if (history_) history_->resize(n);
   }
 
   std::size_t window_;  // [fluid steps]
+  double first_ = 0;    // [s] the first fluid step; 0: none yet
   std::optional<BassetHistory<>> history_;
   std::vector<std::uint32_t> owner_, slot_of_;  // id of a place in the history; the opposite
   std::vector<Vec3d> last_;                     // [m/s] slip of each place, a step ago

@@ -1,0 +1,99 @@
+// silt - BSD-3-Clause, see LICENSE
+// Crowds in a liquid, from particles a millionth as dense as it to a million times as dense.
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+
+#include <silt/fluid.hpp>
+
+#include "stability/table.hpp"
+
+namespace stability {
+
+namespace light_rows {
+
+using namespace silt;
+
+constexpr double water = 1000, mu = 1e-3, g = 9.81, d = 0.5e-3;  // [kg/m3], [Pa s], [m/s2], [m]
+
+/// A disturbed lattice of spheres between a floor and a lid of water, from rest, in fluid steps of
+/// half the relaxation time, or as long as the flow allows.
+template <class... Forces>
+Measures crowd(double ratio, double voidage, const Forces&... forces) {
+  const int n = 4, layers = 14, steps = 5;
+  const double density = ratio * water, V = Sphere::volume(d / 2);
+  const double pitch = d * std::cbrt(std::acos(-1.0) / 6 / (1 - voidage)), W = n * pitch,
+               H = (layers + 2) * pitch;
+  const Box box{{0, 0, 0}, {W, W, H}};
+  FlowSolver flow(Grid(box, {4, 4, 16}, {true, true, false}), {water, mu}, {.tolerance = 1e-8});
+  Particles<Sphere> grains;
+  Random random(1);
+  for (int k = 0; k < n * n * layers; ++k) {
+    const auto shift = [&] { return 0.1 * (pitch - d) * random.uniform(-1, 1); };
+    grains.add({.position = {(k % n + 0.5) * pitch + shift(), (k / n % n + 0.5) * pitch + shift(),
+                             (k / (n * n) + 1.5) * pitch + shift()},
+                .radius = d / 2,
+                .density = density});
+  }
+  const double law = minimum_fluidisation_velocity(Gidaspow{}, voidage, d, density, water, mu);
+  const double K = drag_coefficient(Gidaspow{}, voidage, law * water * d / mu, d, mu);
+  const double relaxation = voidage * voidage * (density + water) * V / K;
+  constexpr bool added = (false || ... || std::is_same_v<Forces, VirtualMass>);
+  const double settling = (added ? 25 : 8) * relaxation;
+  // So short that the lattice stays one.
+  const double longest = (added ? 0.9 : 0.3) * pitch / law;
+  const double span = std::min({0.5 * relaxation, 0.9 * flow.stable_step(), longest / 40});
+  CoupledFlow fluid{Gidaspow{}, Kernel{}, std::move(flow), forces...};
+  fluid.steps = steps;
+  // Of no stiffness: nothing but the fluid is looked at.
+  Simulation sim{std::move(grains), Contacts<HertzMindlin>{{1e-14, 0.3, 0.5, 0.3}},
+                 PeriodicBox{box, {true, true, false}}, std::move(fluid)};
+  sim.gravity = {0, 0, -g}, sim.time_step = span / steps, sim.threads = 1;
+  sim.guard.max_time_step = sim.guard.max_rate = sim.guard.max_overlap = 1e30;
+  sim.run(std::min(std::max(settling, 40 * span), longest));
+  double mean = 0, fastest = 0, seen = 0;
+  int count = 0;
+  for (std::size_t k = 0; k < sim.rows(); ++k) {
+    // Weights blur the crowd's ends over some diameters.
+    if (std::abs(sim.position(k).z / H - 0.5) > 0.08) continue;
+    mean += sim.velocity(k).z, ++count;
+    seen += sim.fluid().voidage_at_particles()[k];
+    fastest = std::max(fastest, norm(sim.velocity(k)));
+  }
+  // Of the law at the voidage that the grains see.
+  mean *= (ratio < 1 ? 1.0 : -1.0) / count /
+          minimum_fluidisation_velocity(Gidaspow{}, seen / count, d, density, water, mu);
+  const bool settled = settling < longest;
+  Measures all{{"momentum exchanged", sim.fluid().closure().momentum, 1e-12},
+               {"largest velocity", fastest / law, 1.3}};
+  // Heavy ones are still on their way, which takes longer than the lattice holds.
+  if (settled)
+    all.push_back({"velocity", std::abs(mean - 1), 0.05});
+  else
+    all.push_back({"velocity beyond the final one", mean - 1, 0.05});
+  return all;
+}
+
+}  // namespace light_rows
+
+void light(Table& table) {
+  using namespace light_rows;
+  table.scene("Crowds in water, density over that of water by void fraction",
+              "the velocity by the balance of drag, weight and pressure within 5 %; momentum of "
+              "both to rounding");
+  for (const double ratio : {1e-6, 1e-3, 0.02, 0.1, 0.5, 2.0, 1e3, 1e6})
+    for (const double voidage : {0.48, 0.6, 0.85, 0.99}) {
+      if (table.quick && voidage != 0.85) continue;
+      table.row(text("density ratio ", ratio, ", voids ", voidage), Setting::Tame,
+                [&] { return crowd(ratio, voidage); });
+    }
+  for (const double ratio : {1e-6, 0.02, 0.5}) {
+    table.row(text("density ratio ", ratio, ", virtual mass"), Setting::Tame,
+              [&] { return crowd(ratio, 0.85, VirtualMass{}); });
+    table.row(text("density ratio ", ratio, ", drag that follows"), Setting::Tame,
+              [&] { return crowd(ratio, 0.85, FollowedDrag{}); });
+  }
+}
+
+}  // namespace stability

@@ -1,0 +1,76 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cmath>
+
+#include <silt/core/powers.hpp>
+#include <silt/core/vec3.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// What acts on a particle during a fluid step of a CoupledFlow, besides what the step will find.
+struct StepLoads {
+  double mass, added;  // [kg] m, infinite: fixed; m' added mass
+  double drag;         // [kg/s] K
+  double volume;       // [m3] on which pressure and stress act; 0: they do not (model B)
+  double dt;           // [s] the fluid step
+  Vec3d velocity;      // [m/s] v of the particle
+  Vec3d fluid;         // [m/s] u of the fluid
+  Vec3d convection;    // [m/s2] u grad u
+  Vec3d others;        // [N] of all but the fluid: weight, buoyancy by the fluid's weight, contacts
+  Vec3d push;          // [N] of the fluid besides drag, pressure, stress and added mass: lift
+};
+
+/// The velocity and the force of a particle at the end of a fluid step, linear in what the step
+/// finds: the fluid's velocity u', grad p' and div tau'.
+///
+///   (m + m') dv/dt = K (u' - v) - V (grad p' - div tau') + m' Du/Dt + push + others (1) Du/Dt =
+///   (u' - u)/dt + u grad u                                                             (2) X = dt
+///   K/(m + m'),  E = 1 - e^-X,  R = E/X (1 without drag) v' = v0 + a u' - b (grad p' - div tau'),
+///   a = E + R m'/(m + m'),  b = dt R V/(m + m')       (3) F  = c u' - o + q (grad p' - div tau'),
+///   c = m a/dt,  q = V - m b/dt                        (4)
+///
+/// (3) is the exact solution of (1) for u', p' held over the step, and F what the fluid does to the
+/// particle besides V (div tau' - grad p'), from the same change of momentum. So a particle without
+/// mass feels nothing in sum, and its terminal velocity is right for any X and any ratio of
+/// densities; a fluid that starts suddenly gives it the inviscid impulse in the step of the start.
+/// For m' = 0 and a pressure that is known it is MomentumExchange.
+///
+/// Units: SI.
+/// Tests: tests/coupling/light_particles.cpp, tests/coupling/impulsive_start.cpp.
+struct StepResponse {
+  double with_fluid = 0;     // [-] a
+  double with_pressure = 0;  // [m3 s/kg] b
+  Vec3d start{0, 0, 0};      // [m/s] v0
+  double coefficient = 0;    // [kg/s] c
+  Vec3d offset{0, 0, 0};     // [N] o
+  double borne = 0;          // [m3] q
+
+  /// v' of (3) [m/s]; slope: grad p' - div tau' [Pa/m].
+  Vec3d velocity(const Vec3d& u, const Vec3d& slope) const {
+    return start + with_fluid * u - with_pressure * slope;
+  }
+  /// F of (4) [N]; the fluid gets its opposite.
+  Vec3d force(const Vec3d& u, const Vec3d& slope) const {
+    return coefficient * u - offset + borne * slope;
+  }
+};
+
+inline StepResponse step_response(const StepLoads& p) {
+  const Vec3d known = p.push + p.added * (p.convection - (1 / p.dt) * p.fluid);
+  if (!std::isfinite(p.mass))
+    return {0, 0, p.velocity, p.drag + p.added / p.dt, p.drag * p.velocity - known, 0};
+  const double all = p.mass + p.added, X = p.dt * p.drag / all;
+  const double E = X > 0 ? one_minus_exponential(X) : 0, R = X > 0 ? E / X : 1;
+  const double part = p.mass / all * R;  // of the forces that the particle's own mass takes
+  StepResponse r;
+  r.with_fluid = E + R * p.added / all;
+  r.with_pressure = p.dt * R * p.volume / all;
+  r.start = (1 - E) * p.velocity + (p.dt * R / all) * (p.others + known);
+  r.coefficient = p.mass / p.dt * r.with_fluid;
+  r.offset = (p.mass / p.dt * E) * p.velocity + (1 - part) * p.others - part * known;
+  r.borne = (1 - part) * p.volume;
+  return r;
+}
+
+}  // namespace silt
