@@ -12,6 +12,7 @@
 #include <silt/boundary/wall.hpp>
 #include <silt/contact/contacts.hpp>
 #include <silt/coupling/no_fluid.hpp>
+#include <silt/engine/ask_on_lanes.hpp>
 #include <silt/engine/axes.hpp>
 #include <silt/engine/contact_rates.hpp>
 #include <silt/engine/engine.hpp>
@@ -100,6 +101,7 @@ class Simulation {
                 "contact law with friction, or leave that force out");
   using BooksOrNot = std::conditional_t<has_ledger, detail::WithLedger<ContactsType>, ContactsType>;
   using EngineContacts = typename detail::ContactsOf<ShapeType, BooksOrNot>::type;
+  static_assert(detail::laws_fit_lanes<EngineContacts, Arch>());
   using Engine = detail::Engine<ShapeType, EngineContacts, Search, Domain, Arch, Precision,
                                 Integrator, Rotation, from_fluid>;
 
