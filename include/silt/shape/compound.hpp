@@ -29,11 +29,14 @@ struct Compound {
     S shape;
     Vec3d centre{0, 0, 0};  // [m] of its frame's origin, in the compound's
     Quaternion axes{};      // turns its frame into the compound's
+    bool operator==(const Part&) const = default;
   };
 
   std::vector<Part> parts;
   std::optional<MassProperties> mass = {};
   int grid = 200;
+
+  bool operator==(const Compound&) const = default;
 
   void check() const {
     require(!parts.empty(), "Compound has no parts; give at least one");

@@ -32,6 +32,7 @@ struct MassProperties {
   Vec3d centroid;   // [m] in the frame the body was given in
   Vec3d inertia;    // [m5] principal moments about the centroid, for a density of 1
   Quaternion axes;  // [-] turns principal axes into those the body was given in
+  bool operator==(const MassProperties&) const = default;
 };
 
 /// From moments about any origin, by the parallel-axis rule; I = tr(S) 1 - S.

@@ -32,6 +32,8 @@ struct MultiSphere {
   /// the balls; left out: those of the union.
   std::optional<MassProperties> mass = {};
 
+  bool operator==(const MultiSphere&) const = default;
+
   void check() const {
     require(!balls.empty(), "MultiSphere has no balls; give at least one");
     for (std::size_t k = 0; k < balls.size(); ++k) {
