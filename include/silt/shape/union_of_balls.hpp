@@ -32,7 +32,7 @@ namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
-struct Disc {
+struct SliceDisc {
   double y, z, r;
 };
 /// Integrals over an area of 1, y, z, y^2, z^2 and y z.
@@ -57,7 +57,7 @@ struct ArcIntegrals {
 };
 
 /// (1) and (2) along the arc of a disc from angle `from` to `to`.
-inline void add_arc(const Disc& d, double from, double to, AreaMoments& m) {
+inline void add_arc(const SliceDisc& d, double from, double to, AreaMoments& m) {
   const double a = d.y, b = d.z, r = d.r;
   const ArcIntegrals i(from, to);
   m.one += r * (a * i.c + r * i.cc);
@@ -135,12 +135,12 @@ class BallCluster {
     }
     AreaMoments m;
     for (std::size_t i = 0; i < discs_.size(); ++i) {
-      const Disc& d = discs_[i];
+      const SliceDisc& d = discs_[i];
       if (!(d.r > 0)) continue;
       covered_.clear();
       bool inside = false;
       for (const std::size_t j : neighbours_[i]) {
-        const Disc& e = discs_[j];
+        const SliceDisc& e = discs_[j];
         const double dy = e.y - d.y, dz = e.z - d.z, apart2 = dy * dy + dz * dz;
         if (!(e.r > 0) || apart2 >= (d.r + e.r) * (d.r + e.r)) continue;
         const double apart = std::sqrt(apart2);
@@ -208,7 +208,7 @@ class BallCluster {
   std::span<const Ball> balls_;
   double work_;
   std::vector<std::vector<std::size_t>> neighbours_;
-  std::vector<Disc> discs_;
+  std::vector<SliceDisc> discs_;
   std::vector<std::pair<double, double>> covered_;
 };
 
