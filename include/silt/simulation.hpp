@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include <silt/boundary/wall.hpp>
 #include <silt/contact/contacts.hpp>
 #include <silt/coupling/no_fluid.hpp>
+#include <silt/engine/ask_on_lanes.hpp>
 #include <silt/engine/axes.hpp>
 #include <silt/engine/contact_rates.hpp>
 #include <silt/engine/engine.hpp>
@@ -100,6 +102,7 @@ class Simulation {
                 "contact law with friction, or leave that force out");
   using BooksOrNot = std::conditional_t<has_ledger, detail::WithLedger<ContactsType>, ContactsType>;
   using EngineContacts = typename detail::ContactsOf<ShapeType, BooksOrNot>::type;
+  static_assert(detail::laws_fit_lanes<EngineContacts, Arch>());
   using Engine = detail::Engine<ShapeType, EngineContacts, Search, Domain, Arch, Precision,
                                 Integrator, Rotation, from_fluid>;
 
@@ -184,8 +187,9 @@ class Simulation {
   }
   const Inlet& inlet(std::size_t k) const { return openings_.inlet(k); }
 
-  /// Adds more particles now.
-  void add(const ParticlesType& more);
+  /// Adds more particles now. Returns the number in forms() of each of their forms: a new one, or
+  /// that of an equal form which the simulation has already; of spheres nothing.
+  std::vector<std::size_t> add(const ParticlesType& more);
   /// Adds what an inlet has placed.
   void insert(const std::vector<PlacedSphere>& spheres, const InletFlow& flow, Random& random);
 
@@ -390,8 +394,12 @@ class Simulation {
   const std::vector<detail::Body>& bodies() const requires has_bodies {
     return engine_.mover.bodies;
   }
-  void check_new(const ParticlesType& more) const;
-  void add_bodies(const ParticlesType& more, std::size_t first_form);
+  template <class Particle, class Check>
+  void check_new(std::span<const Particle> more, const Check& check) const;
+  template <class Form>
+  std::vector<std::size_t> add_forms(const std::vector<Form>& more);
+  template <class Particle>
+  void add_bodies(std::span<const Particle> more, std::span<const std::size_t> numbers = {});
   void book_step(const detail::StepTimes& times);
   void book_leaving(std::size_t k);
   void couple();

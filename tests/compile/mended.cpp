@@ -48,3 +48,30 @@ namespace two_ledgers {
 namespace two_rolling_models {
 #include "refused/two_rolling_models.cpp"
 }
+namespace law_with_if {
+#include "refused/law_with_if.cpp"
+}
+namespace law_with_std_max {
+#include "refused/law_with_std_max.cpp"
+}
+namespace law_with_std_sqrt {
+#include "refused/law_with_std_sqrt.cpp"
+}
+namespace rolling_with_if {
+#include "refused/rolling_with_if.cpp"
+}
+namespace rolling_of_doubles {
+#include "refused/rolling_of_doubles.cpp"
+}
+namespace cohesion_with_if {
+#include "refused/cohesion_with_if.cpp"
+}
+namespace cohesion_of_doubles {
+#include "refused/cohesion_of_doubles.cpp"
+}
+namespace drag_with_if {
+#include "refused/drag_with_if.cpp"
+}
+namespace drag_of_doubles {
+#include "refused/drag_of_doubles.cpp"
+}

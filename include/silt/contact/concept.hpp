@@ -190,8 +190,10 @@ SILT_INLINE Aggregate<Real> broadcast(const Aggregate<double>& a) {
 ///   template <class Real> struct Coefficients    what the kernel needs of a pair: Reals only
 ///   static Coefficients<double> mix(const Material&, const Material& [, const Pair&])
 ///   static force(Contact<Real>, Coefficients<Real> [, History<Real>&])   in + - * / and the
-///     functions of core/lanes.hpp; returns Real (central force: particles need no rotation) or
-///     Traction<Real>. SILT_INLINE: in a large unit compilers stop inlining (a step: 1.45 times).
+///     functions of core/lanes.hpp: select() and no `if` on data, which is refused at compile time
+///     (core/probe.hpp) unless the scene has KernelsFor<OneLane>. Returns Real (central force:
+///     particles need no rotation) or Traction<Real>. SILT_INLINE: in a large unit compilers stop
+///     inlining (a step: 1.45 times).
 /// Optional, each found by its name:
 ///   template <class Real> struct History  Reals kept while the contact lasts, zero at first touch
 ///   struct Pair                           values that belong to two materials (restitution, ...)
@@ -220,7 +222,8 @@ concept ContactLaw = std::equality_comparable<typename L::Material> && requires 
 } &&(std::same_as<detail::ForceOf<L>, double> ||
      std::same_as<detail::ForceOf<L>, Traction<double>>);
 
-/// A rolling model adds a couple M on i and -M on j: needs `Pair`, `Coefficients`, `mix(Pair)` and
+/// A rolling model adds a couple M on i and -M on j, in lanes as a law: needs `Pair`,
+/// `Coefficients`, `mix(Pair)` and
 /// `static Vec3<Real> torque(RollingContact<Real>, Coefficients<Real> [, History<Real>&])`.
 /// With `static constexpr bool of_own_rotation = true` it is asked `torque(RollingContact<Real>,
 /// OwnRotations<Real>, Coefficients<Real>)` and returns OwnCouples<Real>. `static Real
@@ -252,8 +255,8 @@ inline constexpr bool of_own_rotation = requires {
   requires M::of_own_rotation;
 };
 
-/// True if the law can be asked for a pack of lanes of type Real, as for one double. (What its body
-/// does with them, the compiler says.)
+/// True if the law can be asked for a pack of lanes of type Real, as for one double. (Whether its
+/// body is right for lanes, engine/ask_on_lanes.hpp finds out.)
 template <class L, class Real>
 concept WorksOnLanes = requires(const Contact<Real>& c,
                                 const typename L::template Coefficients<Real>& p,

@@ -18,6 +18,7 @@
 #include <xsimd/xsimd.hpp>
 #endif
 
+#include <silt/core/probe.hpp>
 #include <silt/core/vec3.hpp>
 
 /// For the few functions of a kernel that must end up in one loop body whatever their size.
@@ -29,16 +30,21 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// The architecture of one lane: kernels run on plain `double`.
+/// The architecture of one lane: kernels run on plain `double`. Laws may then be such that work on
+/// one double alone.
 struct OneLane {};
+
+/// The same where no SIMD is to be had. Laws are held to what packs of lanes need, so that a law
+/// which compiles here compiles everywhere.
+struct NoLanes : OneLane {};
 
 /// The architecture that the compile flags allow; part of every type that depends on it, so that
 /// two translation units with different flags can live in one program.
 #if defined(SILT_NO_SIMD)
-using DefaultArch = OneLane;
+using DefaultArch = NoLanes;
 #else
 using DefaultArch = std::conditional_t<xsimd::has_simd_register<double, xsimd::default_arch>::value,
-                                       xsimd::default_arch, OneLane>;
+                                       xsimd::default_arch, NoLanes>;
 #endif
 
 /// Maps an architecture to the scalar-or-batch type of its kernels (`Real`) and its width.
@@ -47,8 +53,9 @@ struct Lanes {
   using Real = xsimd::batch<Scalar, Arch>;
   static constexpr std::size_t width = Real::size;
 };
-template <class Scalar>
-struct Lanes<OneLane, Scalar> {
+template <class Arch, class Scalar>
+requires std::is_base_of_v<OneLane, Arch>
+struct Lanes<Arch, Scalar> {
   using Real = Scalar;
   static constexpr std::size_t width = 1;
 };
@@ -97,38 +104,43 @@ using Mask = decltype(std::declval<Real>() < std::declval<Real>());
 /// @{
 template <class Real>
 inline Real sqrt(const Real& x) {
-  if constexpr (is_batch<Real>)
-    return xsimd::sqrt(x);
-  else
+  if constexpr (is_batch<Real>) {
+    using xsimd::sqrt;  // or that of the probe
+    return sqrt(x);
+  } else
     return std::sqrt(x);
 }
 template <class Real>
 inline Real abs(const Real& x) {
-  if constexpr (is_batch<Real>)
-    return xsimd::abs(x);
-  else
+  if constexpr (is_batch<Real>) {
+    using xsimd::abs;  // or that of the probe
+    return abs(x);
+  } else
     return std::fabs(x);
 }
 template <class Real>
 inline Real min(const Real& a, const std::type_identity_t<Real>& b) {
-  if constexpr (is_batch<Real>)
-    return xsimd::min(a, b);
-  else
+  if constexpr (is_batch<Real>) {
+    using xsimd::min;  // or that of the probe
+    return min(a, b);
+  } else
     return b < a ? b : a;
 }
 template <class Real>
 inline Real max(const Real& a, const std::type_identity_t<Real>& b) {
-  if constexpr (is_batch<Real>)
-    return xsimd::max(a, b);
-  else
+  if constexpr (is_batch<Real>) {
+    using xsimd::max;  // or that of the probe
+    return max(a, b);
+  } else
     return a < b ? b : a;
 }
 /// `a` in the lanes where `mask` holds, `b` in the others. A NaN in a lane not taken does no harm.
 template <class Real>
 inline Real select(const Mask<Real>& mask, const Real& a, const std::type_identity_t<Real>& b) {
-  if constexpr (is_batch<Real>)
-    return xsimd::select(mask, a, b);
-  else
+  if constexpr (is_batch<Real>) {
+    using xsimd::select;  // or that of the probe
+    return select(mask, a, b);
+  } else
     return mask ? a : b;
 }
 template <class Real>
@@ -142,8 +154,10 @@ template <class M>
 inline bool any(const M& mask) {
   if constexpr (std::is_same_v<M, bool>)
     return mask;
-  else
-    return xsimd::any(mask);
+  else {
+    using xsimd::any;  // or that of the probe
+    return any(mask);
+  }
 }
 
 template <class Real>
@@ -186,9 +200,10 @@ SILT_INLINE void store_any(ScalarOf<Real>* p, const Real& x) {
 /// a b + c.
 template <class Real>
 SILT_INLINE Real multiply_add(const Real& a, const Real& b, const Real& c) {
-  if constexpr (is_batch<Real>)
-    return xsimd::fma(a, b, c);
-  else
+  if constexpr (is_batch<Real>) {
+    using xsimd::fma;  // or that of the probe
+    return fma(a, b, c);
+  } else
     return a * b + c;
 }
 /// The sum over the lanes, in their order.

@@ -91,6 +91,9 @@ class CoupledFlow {
   static_assert(
       DragLaw<Drag> || OrientedDragLaw<Drag>,
       "CoupledFlow takes a drag law first (silt/coupling/drag/concept.hpp, oriented.hpp)");
+  static_assert(OrientedDragLaw<Drag> || detail::drag_fits_lanes<Drag>(),
+                "the drag law works on double and float, but not on a pack of lanes: make "
+                "normalised(eps, Re) a template of Real, as silt/coupling/drag/concept.hpp says");
   static_assert(
       !(follows && OrientedDragLaw<Drag>),
       "FollowedDrag does not know how bodies lie: take a drag law of spheres, or leave it "

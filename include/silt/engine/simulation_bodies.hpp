@@ -7,15 +7,35 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Adds bodies, which check_new has seen, and whose forms are those of the engine from `first_form`
-/// on.
+/// Takes in forms, but for those that are forms of the simulation already; returns the number of
+/// each. Forms that come together are not compared with each other, so that the first ones keep the
+/// numbers that add_form gave them.
 template <class... Policies>
-void Simulation<Policies...>::add_bodies(const ParticlesType& more, std::size_t first_form) {
+template <class Form>
+std::vector<std::size_t> Simulation<Policies...>::add_forms(const std::vector<Form>& more) {
+  auto& forms = engine_.mover.forms;
+  const std::size_t before = forms.size();
+  std::vector<std::size_t> numbers;
+  for (const Form& form : more) {
+    std::size_t k = 0;
+    while (k < before && !forms[k].is(form)) ++k;
+    if (k == before) k = forms.size(), forms.push_back(form);
+    numbers.push_back(k);
+  }
+  return numbers;
+}
+
+/// Adds bodies, which check_new has seen. Their forms are numbered as those of the simulation, or
+/// `numbers` has the number of each.
+template <class... Policies>
+template <class Particle>
+void Simulation<Policies...>::add_bodies(std::span<const Particle> more,
+                                         std::span<const std::size_t> numbers) {
   auto& mover = engine_.mover;
   std::uint32_t first = static_cast<std::uint32_t>(mover.rows.size());
   const std::size_t before = mover.bodies.size();
   for (const auto& p : more) {
-    const auto number = static_cast<std::uint32_t>(first_form + p.form);
+    const auto number = static_cast<std::uint32_t>(numbers.empty() ? p.form : numbers[p.form]);
     const auto& form = mover.forms[number];
     const double scale = p.radius / form.radius, volume = form.mass.volume * scale * scale * scale;
     detail::Body b{};

@@ -7,12 +7,13 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Refuses particles that do not fit into the scene.
+/// Refuses particles that do not fit into the scene. `check` is that of the shape.
 template <class... Policies>
-void Simulation<Policies...>::check_new(const ParticlesType& more) const {
+template <class Particle, class Check>
+void Simulation<Policies...>::check_new(std::span<const Particle> more, const Check& check) const {
   for (std::size_t k = 0; k < more.size(); ++k) {
     const auto& p = more[k];
-    more.check(p, k);
+    check(p, k);
     require(p.radius > 0, "particle ", k, ": radius = 0 [m] must be greater than 0");
     if (guard.domain)
       require(guard.domain->contains(p.position), "particle ", k, " at ", p.position,
@@ -34,15 +35,15 @@ void Simulation<Policies...>::check_new(const ParticlesType& more) const {
 }
 
 template <class... Policies>
-void Simulation<Policies...>::add(const ParticlesType& more) {
+std::vector<std::size_t> Simulation<Policies...>::add(const ParticlesType& more) {
+  using Particle = typename ParticlesType::Particle;
+  std::vector<std::size_t> numbers;                 // of its forms
+  check_new(std::span<const Particle>(more.all()),  // before anything changes
+            [&](const Particle& p, std::size_t k) { more.check(p, k); });
   if constexpr (has_bodies) {
-    check_new(more);  // before anything changes
-    const std::size_t first = engine_.mover.forms.size();
-    engine_.mover.forms.insert(engine_.mover.forms.end(), more.forms().begin(), more.forms().end());
-    scene_changed_ = true;
-    return add_bodies(more, first);
+    numbers = add_forms(more.forms());
+    add_bodies(std::span<const Particle>(more.all()), numbers);
   } else {
-    check_new(more);
     std::vector<std::pair<PositionRow, typename Engine::Motion>> rows;
     for (std::size_t k = 0; k < more.size(); ++k) {
       const auto& p = more[k];
@@ -71,31 +72,36 @@ void Simulation<Policies...>::add(const ParticlesType& more) {
     }
     engine_.particles.measure();
     engine_.lists.forget();
-    scene_changed_ = true;
   }
+  scene_changed_ = true;
+  return numbers;
 }
 
 template <class... Policies>
 void Simulation<Policies...>::insert(const std::vector<PlacedSphere>& spheres,
                                      const InletFlow& flow, [[maybe_unused]] Random& random) {
   if (spheres.empty()) return;
-  ParticlesType more;
   // The velocity is that of this instant; rows hold that of half a step ago.
   const double ago = first_kick_ || Integrator::first_kick != 0.5 ? 0 : 0.5 * dt_;  // [s]
   const Vec3d velocity = flow.velocity - ago * gravity;
   const std::size_t before = rows();
   if constexpr (has_bodies) {
+    using Particle = typename ParticlesType::Particle;
+    std::vector<Particle> more;
     for (const auto& s : spheres)
-      more.add_like(engine_.mover.forms, {.form = flow.form,
-                                          .position = s.position,
-                                          .orientation = random_orientation(random),
-                                          .radius = s.radius,
-                                          .density = flow.density,
-                                          .velocity = velocity,
-                                          .material = flow.material});
-    check_new(more);
-    add_bodies(more, 0);
+      more.push_back({.form = flow.form,
+                      .position = s.position,
+                      .orientation = random_orientation(random),
+                      .radius = s.radius,
+                      .density = flow.density,
+                      .velocity = velocity,
+                      .material = flow.material});
+    check_new(std::span<const Particle>(more), [&](const Particle& p, std::size_t k) {
+      ParticlesType::check(p, k, engine_.mover.forms);
+    });
+    add_bodies(std::span<const Particle>(more));
   } else {
+    ParticlesType more;
     for (const auto& s : spheres)
       more.add({s.position, s.radius, flow.density, velocity, {0, 0, 0}, flow.material});
     const bool changed = scene_changed_;

@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
+#include <memory>
 #include <numbers>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -54,6 +57,15 @@ struct BodyForm : detail::SolidsOfForm<S> {
     for (const Ball& b : parts) radius = std::max(radius, norm(b.centre) + b.radius);
   }
 
+  /// Whether `b` is a copy of this form, or of the same shape: they are one form then.
+  bool is(const BodyForm& b) const {
+    if (made_ == b.made_) return true;
+    if constexpr (std::equality_comparable<S>)
+      return shape == b.shape;
+    else
+      return false;
+  }
+
   /// Tells `lightest` the parts of a particle of this form: the mass is what a push at the tip of
   /// the longest lever meets.
   template <class Lightest>
@@ -97,6 +109,8 @@ struct BodyForm : detail::SolidsOfForm<S> {
         },
         part.solid);
   }
+
+  std::shared_ptr<const char> made_ = std::make_shared<const char>();  // shared by all copies
 };
 
 /// An orientation drawn from all with equal probability.
@@ -143,9 +157,10 @@ class Particles<S> {
     return *this;
   }
   /// As of spheres.
-  void check(const Particle& p, std::size_t number) const {
-    require(p.form < forms_.size(), "particle ", number, ": form = ", p.form, " is none of the ",
-            forms_.size(), " forms; make it with add_form first");
+  void check(const Particle& p, std::size_t number) const { check(p, number, forms_); }
+  static void check(const Particle& p, std::size_t number, std::span<const BodyForm<S>> forms) {
+    require(p.form < forms.size(), "particle ", number, ": form = ", p.form, " is none of the ",
+            forms.size(), " forms; make it with add_form first");
     detail::check_state(p, number);
     const Quaternion& q = p.orientation;
     const double length = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
@@ -155,14 +170,8 @@ class Particles<S> {
             " [m] must be finite and not negative");
     if constexpr (requires(const S& form) { form.has_size(); })
       require(
-          p.radius > 0 || forms_[p.form].shape.has_size(), "particle ", number,
+          p.radius > 0 || forms[p.form].shape.has_size(), "particle ", number,
           ": radius = 0 [m] must be greater than 0: the form of a Sphere has no size of its own");
-  }
-
-  /// Adds one of another's forms.
-  Particles& add_like(const std::vector<BodyForm<S>>& forms, const Particle& p) {
-    if (forms_.empty()) forms_ = forms;
-    return add(p);
   }
 
   /// Fills a region without overlap of bounding spheres, also with those of the particles there
@@ -197,6 +206,7 @@ class Particles<S> {
 
   const std::vector<BodyForm<S>>& forms() const { return forms_; }
   std::size_t size() const { return all_.size(); }
+  const std::vector<Particle>& all() const { return all_; }
   const Particle& operator[](std::size_t k) const { return all_[k]; }
   Particle& operator[](std::size_t k) { return all_[k]; }
   auto begin() const { return all_.begin(); }

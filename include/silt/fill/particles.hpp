@@ -129,6 +129,7 @@ class Particles {
   }
 
   std::size_t size() const { return all_.size(); }
+  const std::vector<Particle>& all() const { return all_; }
   const Particle& operator[](std::size_t k) const { return all_[k]; }
   Particle& operator[](std::size_t k) { return all_[k]; }
   auto begin() const { return all_.begin(); }

@@ -29,11 +29,14 @@ struct Compound {
     S shape;
     Vec3d centre{0, 0, 0};  // [m] of its frame's origin, in the compound's
     Quaternion axes{};      // turns its frame into the compound's
+    bool operator==(const Part&) const = default;
   };
 
   std::vector<Part> parts;
   std::optional<MassProperties> mass = {};
   int grid = 200;
+
+  bool operator==(const Compound&) const = default;
 
   void check() const {
     require(!parts.empty(), "Compound has no parts; give at least one");
@@ -84,17 +87,40 @@ struct Compound {
       if (dot(face.normal, x) > face.offset) return false;
     return true;
   }
-  static double bound(const Polyhedron& s) { return s.bounding_radius(); }
+  /// A point amidst the part, in its frame, and how far from it the part reaches.
+  template <class Shape>
+  static Vec3d middle_of(const Shape&) {
+    return {0, 0, 0};
+  }
+  static Vec3d middle_of(const Polyhedron& s) {
+    Box box;
+    for (const Vec3d& v : s.vertices()) box.include(v);
+    return box.min + 0.5 * box.extent();
+  }
+  static double bound(const Polyhedron& s) {
+    const Vec3d middle = middle_of(s);
+    double most = 0;
+    for (const Vec3d& v : s.vertices()) most = std::max(most, norm(v - middle));
+    return most + s.radius();
+  }
   static double bound(const SuperEllipsoid& s) { return s.bounding_radius(); }
   static double bound(const PolySuperEllipsoid& s) { return s.bounding_radius(); }
 
   /// The grid is tilted: faces along its planes would count a whole layer of cells too many or few.
   Moments moments_of_union() const {
     const Quaternion tilt = rotation_about({0.26, 0.53, 0.81}, 0.7);
-    Box box;
+    // All about the middle of the parts, so that nothing is lost far from the frame's origin.
+    std::vector<Vec3d> places;
+    Box around;
     for (const Part& p : parts) {
-      const double r = bound(p.shape);
-      const Vec3d centre = rotate(conjugate(tilt), p.centre);
+      places.push_back(p.centre + rotate(p.axes, middle_of(p.shape)));
+      around.include(places.back());
+    }
+    const Vec3d middle = around.min + 0.5 * around.extent();
+    Box box;
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      const double r = bound(parts[k].shape);
+      const Vec3d centre = rotate(conjugate(tilt), places[k] - middle);
       box.include(centre - Vec3d{r, r, r}), box.include(centre + Vec3d{r, r, r});
     }
     const Vec3d e = box.extent();
@@ -104,13 +130,14 @@ struct Compound {
     const Vec3d step{e.x / nx, e.y / ny, e.z / nz};
     const double cell = step.x * step.y * step.z;
     Moments m;
+    m.origin = middle;
     for (int i = 0; i < nx; ++i)
       for (int j = 0; j < ny; ++j)
         for (int k = 0; k < nz; ++k) {
           const Vec3d x = rotate(
               tilt, box.min + Vec3d{(i + 0.5) * step.x, (j + 0.5) * step.y, (k + 0.5) * step.z});
           for (const Part& p : parts)
-            if (holds(p.shape, rotate(conjugate(p.axes), x - p.centre))) {
+            if (holds(p.shape, rotate(conjugate(p.axes), x - (p.centre - middle)))) {
               m.volume += cell, m.first += cell * x, m.second += cell * outer(x);
               break;
             }

@@ -25,12 +25,14 @@ concept Shape = requires(double radius) {
 struct Ball {
   Vec3d centre;   // [m] in the body's frame
   double radius;  // [m]
+  bool operator==(const Ball&) const = default;
 };
 
 /// A shape with an orientation. A value of it is one form, which many particles may have, each in
 /// its own size. Needs
 ///   void check() const                           throws InputError, one sentence
 ///   MassProperties mass_properties() const       of unit density
+/// Forms that operator== says are equal are one form of a simulation; without it, copies are.
 template <class S>
 concept BodyShape = requires(const S& form) {
   requires S::is_body;

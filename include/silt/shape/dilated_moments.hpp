@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <silt/core/gauss_rule.hpp>
 #include <silt/shape/polyhedron.hpp>
 
 /// Mass properties of a polyhedron dilated by r: its core, a slab on each face, a wedge of a
@@ -20,27 +21,6 @@ namespace detail {
 inline void add_point(Moments& m, const Vec3d& point, double weight) {
   m.volume += weight, m.first += weight * point, m.second += weight * outer(point);
 }
-
-/// Nodes and weights of Gauss' rule on [0, 1] by Newton's iteration on the Legendre polynomial.
-template <int N>
-struct GaussRule {
-  std::array<double, N> at{}, weight{};
-
-  GaussRule() {
-    for (int k = 0; k < N; ++k) {
-      double x = std::cos(std::numbers::pi * (k + 0.75) / (N + 0.5)), slope = 1;
-      for (int step = 0; step < 50; ++step) {
-        double before = 1, p = x;
-        for (int n = 2; n <= N; ++n)
-          before = std::exchange(p, ((2 * n - 1) * x * p - (n - 1) * before) / n);
-        slope = N * (x * p - before) / (x * x - 1);
-        x -= p / slope;
-      }
-      at[static_cast<std::size_t>(k)] = 0.5 * (1 + x);
-      weight[static_cast<std::size_t>(k)] = 1 / ((1 - x * x) * slope * slope);
-    }
-  }
-};
 
 /// int over directions u in the spherical triangle of unit vectors a, b, c, by its flat triangle:
 /// p = a + s (b - a) + s t (c - b), u = p/|p|, d omega = s |a . (b x c)| / |p|^3 ds dt. Wide ones

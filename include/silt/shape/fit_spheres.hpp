@@ -195,7 +195,7 @@ inline SphereFit fit_spheres(const TriangleMesh& mesh, const SphereFitOptions& o
   double low = 0, high = std::cbrt(volume);
   for (int k = 0; k < 24; ++k) {
     const double middle = 0.5 * (low + high);
-    (moments_of_union(grown(middle), 120).volume < volume ? low : high) = middle;
+    (moments_of_union(grown(middle), 0).volume < volume ? low : high) = middle;
   }
   fit.form.balls = grown(0.5 * (low + high));
   fit.form.mass = mass_properties(mesh);

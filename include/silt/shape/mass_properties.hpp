@@ -1,20 +1,27 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 #include <silt/core/error.hpp>
 #include <silt/core/symmetric3.hpp>
 
 namespace silt::inline SILT_TARGET {
 
-/// Volume and its first two moments: integrals over a body of 1 [m3], x [m4] and x x^T [m5].
+/// Volume and its first two moments: integrals over a body of 1 [m3], x [m4] and x x^T [m5], x from
+/// `origin`. Far from the body, differences of large numbers would be left of it.
 struct Moments {
   double volume = 0;
   Vec3d first{0, 0, 0};
   Symmetric3 second;
+  Vec3d origin{0, 0, 0};  // [m] in the frame of the body
 
   /// The same about a point from which the present origin is seen at `place` [m].
   void shift(const Vec3d& place) {
     const Vec3d s = first;
+    origin -= place;
     first += volume * place;
     second += volume * outer(place);
     second += {2 * s.x * place.x,
@@ -32,17 +39,27 @@ struct MassProperties {
   Vec3d centroid;   // [m] in the frame the body was given in
   Vec3d inertia;    // [m5] principal moments about the centroid, for a density of 1
   Quaternion axes;  // [-] turns principal axes into those the body was given in
+  bool operator==(const MassProperties&) const = default;
 };
 
 /// From moments about any origin, by the parallel-axis rule; I = tr(S) 1 - S.
+/// Errors: InputError for no volume, and for a body so thin or so spread out that rounding of its
+/// largest principal moment, 1e-16 of it, is seen in the smallest.
 inline MassProperties mass_properties(const Moments& m) {
   require(m.volume > 0, "mass_properties: the volume ", m.volume, " [m3] must be greater than 0");
   const Vec3d centroid = m.first * (1 / m.volume);
   Symmetric3 s = m.second;
   s += -m.volume * outer(centroid);
-  const double trace = s.trace();
-  const Principal p = principal({trace - s.xx, trace - s.yy, trace - s.zz, -s.xy, -s.yz, -s.zx});
-  return {m.volume, centroid, p.values, p.axes};
+  const Principal p = principal({s.yy + s.zz, s.zz + s.xx, s.xx + s.yy, -s.xy, -s.yz, -s.zx});
+  const double least = std::min({p.values.x, p.values.y, p.values.z});
+  const double most = std::max({p.values.x, p.values.y, p.values.z});
+  require(least >= std::numeric_limits<double>::min() && std::isfinite(most),
+          "mass_properties: the principal moments ", p.values, " [m5] of a body of ", m.volume,
+          " [m3] are no normal numbers greater than 0; give its size in metres, and a solid");
+  require(least > 1e-10 * most, "mass_properties: the principal moments ", p.values,
+          " [m5] differ by more than 1e10, so that the smallest is lost in rounding; bring the "
+          "parts of the body nearer to each other, or make it thicker");
+  return {m.volume, m.origin + centroid, p.values, p.axes};
 }
 
 }  // namespace silt

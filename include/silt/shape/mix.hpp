@@ -84,6 +84,8 @@ struct Mix {
 
   std::variant<Shapes...> shape;
 
+  bool operator==(const Mix&) const = default;
+
   template <class S>
   requires(std::is_same_v<S, Shapes> || ...) Mix(S form)  // NOLINT: any of them is one
       : shape(std::move(form)) {}

@@ -1,7 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -22,8 +24,10 @@ namespace silt::inline SILT_TARGET {
 /// touch the same other body at once, each gets its share of stiffness and damping, so that the
 /// body is not the stiffer the more spheres describe it (engine/shared_contacts.hpp).
 /// Units: m, in any frame; the engine moves it to the principal frame.
-/// Errors: InputError for no balls, radii that are not positive, places that are not finite.
-/// Tests: tests/shape/multi_sphere.cpp, tests/engine/bodies.cpp.
+/// Errors: InputError for no balls, radii that are not positive, places that are not finite or more
+///         than 4e10 radii from the origin, balls so far apart (some 1e5 radii) that the moment
+///         about their line is lost in rounding.
+/// Tests: tests/shape/multi_sphere.cpp, tests/shape/translation.cpp, tests/engine/bodies.cpp.
 struct MultiSphere {
   static constexpr bool is_body = true;
 
@@ -32,17 +36,33 @@ struct MultiSphere {
   /// the balls; left out: those of the union.
   std::optional<MassProperties> mass = {};
 
+  bool operator==(const MultiSphere&) const = default;
+
   void check() const {
     require(!balls.empty(), "MultiSphere has no balls; give at least one");
-    for (std::size_t k = 0; k < balls.size(); ++k) {
-      require(is_finite(balls[k].centre), "MultiSphere: the centre of ball ", k, ", ",
-              balls[k].centre, " [m], must be finite");
-      require_positive(text("MultiSphere: the radius of ball ", k), balls[k].radius, "m");
-    }
+    for (std::size_t k = 0; k < balls.size(); ++k) check(balls[k], k);
     require(!mass || (mass->volume > 0 && mass->inertia.x > 0 && mass->inertia.y > 0 &&
                       mass->inertia.z > 0),
             "MultiSphere: the volume and the principal moments of its mass must be greater than 0");
   }
+  /// Of ball k alone.
+  static void check(const Ball& ball, std::size_t k) {
+    require(is_finite(ball.centre), "MultiSphere: the centre of ball ", k, ", ", ball.centre,
+            " [m], must be finite");
+    require_positive(text("MultiSphere: the radius of ball ", k), ball.radius, "m");
+    // Its inertia goes by the fifth power: a double's range is 1e-308 to 1e308.
+    require(ball.radius >= least_radius && ball.radius <= 1 / least_radius,
+            "MultiSphere: the radius of ball ", k, ", ", ball.radius, " [m], must be in [",
+            least_radius, ", ", 1 / least_radius, "]; check its unit");
+    const Vec3d& c = ball.centre;
+    const double far = std::max({std::abs(c.x), std::abs(c.y), std::abs(c.z)});
+    require(far <= most_radii_away * ball.radius, "MultiSphere: ball ", k, " of radius ",
+            ball.radius, " m is at ", c, " m, where places are rounded by ", 1.1e-16 * far,
+            " m; move the origin of its frame nearer to the body, or leave so small a ball out");
+  }
+  static constexpr double least_radius = 1e-50;    // [m]
+  static constexpr double most_radii_away = 4e10;  // [-] rounding is 1e-5 of the radius there
+
   MassProperties mass_properties() const {
     return mass ? *mass : silt::mass_properties(moments_of_union(balls));
   }
@@ -77,6 +97,11 @@ inline MultiSphere read_multi_sphere(const std::string& path, double scale = 1) 
                            "' is not four numbers x y z r"));
     form.balls.push_back(
         {{values[0] * scale, values[1] * scale, values[2] * scale}, values[3] * scale});
+    try {
+      MultiSphere::check(form.balls.back(), form.balls.size() - 1);
+    } catch (const InputError& e) {
+      throw InputError(text("multi-sphere file '", path, "', line ", number, ": ", e.what()));
+    }
   }
   try {
     form.check();

@@ -69,6 +69,12 @@ class Polyhedron {
   /// `scale` [-] as large, about the origin.
   Polyhedron scaled(double scale) const;
 
+  /// Of the same corners, faces and radius, in the same order.
+  bool operator==(const Polyhedron& b) const {
+    return radius_ == b.radius_ && vertices_ == b.vertices_ && loops_ == b.loops_ &&
+           faces_.size() == b.faces_.size();
+  }
+
   void check() const {}  // it was when it was made
   MassProperties mass_properties() const;
   /// In the principal frame.

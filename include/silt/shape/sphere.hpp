@@ -13,6 +13,7 @@ struct Sphere {
     return 4.0 / 3.0 * std::numbers::pi * radius * radius * radius;
   }
   static constexpr double inertia_factor() { return 0.4; }
+  bool operator==(const Sphere&) const = default;
 };
 
 static_assert(Shape<Sphere>);

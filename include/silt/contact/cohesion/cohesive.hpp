@@ -19,10 +19,11 @@ namespace silt::inline SILT_TARGET {
 ///   static void check(const Pair&)         throws InputError
 /// Optional:
 ///   static Real range(Coefficients<Real>, Real R_eff)    [m] if it acts beyond touch, see
-///   ContactLaw static constexpr bool forms_at_touch = true          it begins at touch, and ends
-///   at its range static double passing_time(Coefficients<double>, double speed)    [s] for the
-///   time step: in
+///     ContactLaw
+///   static constexpr bool forms_at_touch = true          it begins at touch, ends at its range
+///   static double passing_time(Coefficients<double>, double speed)    [s] for the time step: in
 ///     which the attraction changes from naught to all
+/// As in a contact law, attraction() and range() run on packs of lanes: select() and no `if`.
 template <class M>
 concept CohesionModel = std::equality_comparable<typename M::Pair> &&
     requires(const Contact<double>& c, const typename M::template Coefficients<double>& p) {
@@ -117,6 +118,11 @@ struct Cohesive {
   template <class Real>
   static SILT_INLINE auto force(const Contact<Real>& c, const Coefficients<Real>& p,
                                 History<Real>& h) {
+    static_assert(
+        requires { Cohesion::attraction(c, p.cohesion); },
+        "the cohesion model works on one double, but not on a pack of lanes: make attraction() a "
+        "template of Real, as silt/contact/cohesion/cohesive.hpp says, or give "
+        "KernelsFor<OneLane>");
     Real attraction = select(near(c, p), Cohesion::attraction(c, p.cohesion), Real(0));
     if constexpr (forms_at_touch) {
       h.attached = select(c.overlap > Real(0), Real(1), select(near(c, p), h.attached, Real(0)));

@@ -25,7 +25,8 @@ namespace silt::inline SILT_TARGET {
 ///   };
 /// `normalised` is Fhat [-] of (1), a pure function. Real is double, float or a pack of them, one
 /// lane a particle: no `if` on its value, but select(); power() and others of core/powers.hpp and
-/// core/functions.hpp. Valid for 0 < eps <= 1 and Re >= 0, finite at Re = 0.
+/// core/functions.hpp. Valid for 0 < eps <= 1 and Re >= 0, finite at Re = 0. CoupledFlow refuses at
+/// compile time what is not right for packs (core/probe.hpp).
 template <class L>
 concept DragLaw = requires(const L& law, const double& eps, const float& eps_of_float) {
   { law.normalised(eps, eps) } -> std::same_as<double>;
@@ -33,6 +34,21 @@ concept DragLaw = requires(const L& law, const double& eps, const float& eps_of_
 };
 
 namespace detail {
+template <class L>
+concept DragOnLanes = requires(const L& law, const ProbeLane& x) {
+  { law.normalised(x, x) } -> std::same_as<ProbeLane>;
+};
+template <class L>
+void ask_drag_on_lanes(const L& law, const ProbeLane& x) {
+  law.normalised(x, x);
+}
+/// As laws_fit_lanes() of engine/ask_on_lanes.hpp, for a drag law.
+template <class L>
+constexpr bool drag_fits_lanes() {
+  if constexpr (DragOnLanes<L>) static_cast<void>(&ask_drag_on_lanes<L>);
+  return DragOnLanes<L>;
+}
+
 /// A number of a formula, in the lanes' own precision.
 template <class Real>
 constexpr Real lanes_of(double x) {
