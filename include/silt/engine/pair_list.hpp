@@ -139,6 +139,7 @@ class PairList {
     });
     return s;
   }
+  /// `particles`: as many as there were at the search that made the lists.
   void restore(const State& s, std::size_t particles) {
     outer_ = s.outer;
     groups_ = PairGroups(particles);

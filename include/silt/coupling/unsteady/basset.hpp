@@ -156,10 +156,18 @@ class BassetHistory {
   }
   void restore(std::span<const double> all) {
     const std::size_t of_rows = rows() * size_;
-    require(!all.empty() && all.size() == 1 + of_rows + 9 * static_cast<std::size_t>(all[0]),
-            "BassetHistory: a state of ", all.size(), " numbers does not fit to ", size_,
+    const bool whole = !all.empty() && all.size() > of_rows &&
+                       all[0] == static_cast<double>((all.size() - 1 - of_rows) / 9) &&
+                       (all.size() - 1 - of_rows) % 9 == 0;
+    require(whole, "BassetHistory: a state of ", all.size(), " numbers does not fit to ", size_,
             " particles and a window of ", kernel_.steps, " steps");
     const double* next = all.data() + 1;
+    for (const double* young = next + of_rows; young < all.data() + all.size(); young += 9)
+      require(young[0] >= 0 && young[0] < static_cast<double>(size_) &&
+                  young[0] == std::floor(young[0]) && young[1] >= 0 &&
+                  young[1] < static_cast<double>(kernel_.steps) && young[1] == std::floor(young[1]),
+              "BassetHistory: a state with particle ", young[0], " of ", size_, ", new since ",
+              young[1], " of ", kernel_.steps, " steps");
     head_ = 0;
     for (std::size_t r = 0; r < rows(); ++r, next += size_)
       std::transform(next, next + size_, &values_[r * stride_],

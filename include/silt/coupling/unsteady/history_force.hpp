@@ -94,8 +94,22 @@ class HistoryForce {
   void restore(std::span<const double> all) {
     history_.reset(), owner_.clear(), last_.clear(), slot_of_.clear(), slot_.clear();
     if (all.empty()) return;
-    const auto n = all.size() > 1 ? static_cast<std::size_t>(all[1]) : 0;
-    require(all.size() > 2 + 4 * n, "HistoryForce: its state in the checkpoint is not complete");
+    require(all.size() > 2 && all[1] >= 0 && 2 + 4 * all[1] < static_cast<double>(all.size()) &&
+                all[1] == std::floor(all[1]),
+            "HistoryForce: its state in the checkpoint is not complete");
+    require(std::isfinite(all[0]) && all[0] > 0, "HistoryForce: its state is of steps of ", all[0],
+            " s");
+    const auto n = static_cast<std::size_t>(all[1]);
+    std::vector<double> owners;
+    for (std::size_t k = 0; k < n; ++k) {
+      const double id = all[2 + 4 * k];
+      require(id >= 0 && id < static_cast<double>(none) && id == std::floor(id),
+              "HistoryForce: its state is of particle ", id);
+      owners.push_back(id);
+    }
+    std::sort(owners.begin(), owners.end());
+    require(std::adjacent_find(owners.begin(), owners.end()) == owners.end(),
+            "HistoryForce: its state has a particle twice");
     history_.emplace(BassetKernel(all[0], window_), n);
     for (std::size_t k = 0; k < n; ++k) {
       const double* of = &all[2 + 4 * k];
