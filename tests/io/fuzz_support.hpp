@@ -148,7 +148,7 @@ class Judge {
  public:
   explicit Judge(std::string reader) : reader_(std::move(reader)), rss_(peak()) {}
   ~Judge() {
-    CHECK_MESSAGE(peak() - rss_ < 512 * 1024, reader_, ": ", (peak() - rss_) / 1024, " MB");
+    CHECK_MESSAGE(peak() - rss_ < most_memory, reader_, ": ", (peak() - rss_) / 1024, " MB");
     MESSAGE(reader_, ": ", refused_, " refused, ", taken_, " taken, longest ", longest_, " s");
   }
 
@@ -178,6 +178,11 @@ class Judge {
   int taken() const { return taken_; }
 
  private:
+#if defined(__SANITIZE_ADDRESS__)
+  static constexpr long most_memory = 2048 * 1024;  // [kB] what was freed is kept for a while
+#else
+  static constexpr long most_memory = 512 * 1024;  // [kB]
+#endif
   static long peak() {  // [kB]
     rusage usage{};
     ::getrusage(RUSAGE_SELF, &usage);

@@ -157,7 +157,9 @@ class Checkpoint {
       read_scene(a, path, accepted);
       clock_.visit(a);
       detail::check_clock(a, clock_);
-      openings_.visit(a, sim_.openings_.outlets().size(), sim_.openings_.inlets().size());
+      const std::size_t inlets = sim_.openings_.inlets().size();
+      openings_.visit(a, sim_.openings_.outlets().size(),
+                      accepted.inlets ? detail::CheckpointLoader::any_count : inlets);
       detail::check_openings(a, openings_, sim_.openings_, clock_, accepted);
       read_particles(a);
       read_lists(a, accepted);
@@ -165,8 +167,9 @@ class Checkpoint {
       if constexpr (Sim::Fluid::active) read_fluid(a, path);
       if constexpr (chooses_search) {
         const auto choice = a.template column<std::uint64_t>("search.choice", 2);
-        a.need(choice[0] < detail::finder_of(sim_.search_).names().size(),
-               "search.choice[0] = ", choice[0], " is no search");
+        using Finder = std::remove_cvref_t<decltype(detail::finder_of(sim_.search_))>;
+        a.need(choice[0] < Finder::searches, "search.choice[0] = ", choice[0], " is none of ",
+               Finder::searches, " searches");
         choice_ = {choice[0], choice[1]};
       }
     }
@@ -196,7 +199,7 @@ class Checkpoint {
         wall.force = walls_.force[w], wall.torque = walls_.torque[w];
         wall.impulse = walls_.impulse[w];
       }
-      openings_.put(sim.openings_);
+      openings_.put(sim.openings_, accepted.inlets, clock_.time);
       if constexpr (Sim::has_ledger)
         sim.book_ = std::move(book_), sim.gravity_booked_ = gravity_booked_;
       if constexpr (Sim::Fluid::active) sim.fluid_ = std::move(*fluid_);
@@ -306,13 +309,14 @@ class Checkpoint {
                     const std::string& path) requires(Sim::Fluid::active) {
       try {
         fluid_->for_each_state([&](const std::string& name, auto&& values) {
+          // A part that is a vector sets its own length.
           if constexpr (std::is_same_v<std::remove_cvref_t<decltype(values)>,
                                        std::vector<double>>) {
-            values = a.template column<double>(name);  // its length is not known before
-            detail::check_fluid_part(a, name, values);
+            values = a.template column<double>(name);
+            detail::check_fluid_part(a, name, values, *fluid_);
           } else {
             const auto read = a.template column<double>(name, values.size());
-            detail::check_fluid_part(a, name, read);
+            detail::check_fluid_part(a, name, read, *fluid_);
             std::copy(read.begin(), read.end(), values.begin());
           }
         });

@@ -225,12 +225,19 @@ struct OpeningsState {
     a.column("inlets.start", start, inlets, not_negative_number);
     a.column("inlets.interval", interval, inlets, not_negative_number);
   }
-  /// What an inlet or outlet goes on from.
+  /// What inlets and outlets go on from; `anew`: inlets begin at `time` [s], as if just added.
   template <class Openings>
-  void put(Openings& openings) const noexcept {
+  void put(Openings& openings, bool anew, double time) const noexcept {
     std::size_t k = 0;
     for (auto& o : openings.outlets()) o.count = out_count[k], o.mass = out_mass[k], ++k;
     k = 0;
+    if (anew) {
+      for (auto& i : openings.inlets()) {
+        i.start = time, i.interval = 0, i.placed = i.waiting = i.insertions = 0;
+        i.random = Random(i.flow.seed);
+      }
+      return;
+    }
     for (auto& i : openings.inlets()) {
       i.placed = placed[k], i.waiting = waiting[k], i.insertions = insertions[k];
       i.random = Random(Random::State{seed[k], counter[k]});

@@ -93,6 +93,8 @@ void describe_materials(const Describer& is, const Table& table) {
 
 template <class Form>
 void describe_form(const Describer& is, const Form& form) {
+  is("parts that touch", form.parts.size());
+  if constexpr (requires { form.shape.describe(is); }) form.shape.describe(is);
   const auto& m = form.mass;
   is("radius [m]", form.radius), is("volume [m3]", m.volume);
   const double slack = 1e-9 * norm(m.inertia);
@@ -102,8 +104,6 @@ void describe_form(const Describer& is, const Form& form) {
   is.number("centroid x [m]", m.centroid.x, apart),
       is.number("centroid y [m]", m.centroid.y, apart);
   is.number("centroid z [m]", m.centroid.z, apart);
-  is("parts", form.parts.size());
-  if constexpr (requires { form.shape.describe(is); }) form.shape.describe(is);
 }
 
 template <class Inlet>
@@ -150,7 +150,8 @@ SceneDescription describe_scene(const Sim& sim, const Table& coefficients, const
   using Aspect = SceneDescription::Aspect;
   SceneDescription out;
   const Describer is(out, Aspect::Scene, "");
-  is("walls", sim.walls()), is("inlets", openings.inlets().size());
+  is("walls", sim.walls());
+  Describer(out, Aspect::Inlet, "")("inlets", openings.inlets().size());
   is("outlets", openings.outlets().size());
   if constexpr (std::remove_cvref_t<decltype(sim.domain())>::periodic) {
     const auto of = is.of("periodic box: ");

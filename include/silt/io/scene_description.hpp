@@ -29,7 +29,7 @@ namespace silt::inline SILT_TARGET {
 struct AcceptedChanges {
   bool materials = false;  // their number and values, pair values and rolling resistance
   bool motions = false;    // of walls
-  bool inlets = false;     // what flows in, and where; not how many inlets there are
+  bool inlets = false;     // all of them: they begin anew, as if added at the checkpoint's time
 };
 
 namespace detail {
