@@ -217,13 +217,16 @@ class CheckpointReader {
     // From the beginning of the policy, or what else semicolons part, in which they differ.
     const std::size_t part = at == 0 ? 0 : std::string_view(expected).rfind(';', at - 1) + 1;
     const auto from = [&](std::string_view whole) {
-      if (at >= whole.size()) return std::string("nothing more");
       std::size_t begin = std::min(whole.find_first_not_of(' ', part), at);
       if (at - begin > 80) begin = at - 40;
       return in_quotes(whole.substr(begin, whole.find(';', begin) - begin), 120);
     };
+    const auto rest = [&](std::string_view whole) {
+      return at < whole.size() ? in_quotes(whole.substr(at), 32) : std::string("nothing more");
+    };
     refuse("belongs to another program: it was written by ", from(signature_), ", this program is ",
-           from(expected), "; they first differ at character ", at + 1);
+           from(expected), "; they first differ at character ", at + 1, ", where the file has ",
+           rest(signature_), " and the program ", rest(expected));
   }
 
   bool has(std::string_view name) const { return find(name) != nullptr; }

@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <initializer_list>
@@ -80,9 +81,11 @@ class CsvTable {
     for (std::size_t k = 0; k < columns.size(); ++k) {
       const auto& name = columns[k];
       require(!name.empty(), "CsvTable '", path, "': the name of column ", k, " is empty");
-      require(name.find_first_of(",\"\n\r") == std::string::npos, "CsvTable '", path,
-              "': the column name ", in_quotes(name),
-              " must not contain commas, quotes or line ends");
+      require(name.find_first_of(",\"") == std::string::npos &&
+                  std::none_of(name.begin(), name.end(),
+                               [](unsigned char c) { return c < 32 || c == 127; }),
+              "CsvTable '", path, "': the column name ", in_quotes(name),
+              " must not contain commas, quotes or control characters");
       for (std::size_t other = 0; other < k; ++other)
         require(columns[other] != name, "CsvTable '", path, "': there are two columns named ",
                 in_quotes(name));
