@@ -175,6 +175,26 @@ TEST_CASE(
   CHECK(seen(sim) == seen(whole));
 }
 
+TEST_CASE("checkpoint: of several shares, saved after particles were added, it continues as well") {
+  const Folder folder;
+  const auto grown = [] {
+    auto sim = many_spheres(2, true);
+    sim.run(0.005);
+    silt::Particles<Sphere> more;  // so many that the shares of pairs have other ends
+    more.fill({.min = {0, 0, 0.13}, .max = {0.04, 0.04, 0.17}},
+              {.radius = 1e-3, .density = 2500, .count = 3000});
+    sim.add(more);
+    return sim;
+  };
+  auto whole = grown();
+  save_checkpoint(whole, folder / "c");
+  whole.run(1e-4);
+  auto second = many_spheres(3, true);
+  load_checkpoint(second, folder / "c");
+  second.run(1e-4);
+  CHECK(bits(second) == bits(whole));
+}
+
 TEST_CASE(
     "checkpoint: files that do not fit are refused with a sentence, the simulation unchanged") {
   const Folder folder;

@@ -21,7 +21,7 @@ using fuzz::Folder;
 constexpr double step = 4e-6;  // [s] of mixed_scene
 
 /// Bodies of several spheres in a flow, with a ledger, and forces with a memory.
-auto bodies_in_flow() {
+auto bodies_in_flow(double height = 20e-3, double viscosity = 1e-2) {
   silt::Particles<silt::MultiSphere> stones;
   const auto rod =
       stones.add_form({.balls = {{{-0.5e-3, 0, 0}, 0.8e-3}, {{0.5e-3, 0, 0}, 0.8e-3}}});
@@ -30,8 +30,8 @@ auto bodies_in_flow() {
               {.radius = 1e-3, .density = 2500, .count = 12, .form = rod});
   stones.fill({.min = {1e-3, 1e-3, 10e-3}, .max = {9e-3, 9e-3, 14e-3}},
               {.radius = 0.8e-3, .density = 2500, .count = 8, .form = ball});
-  silt::FlowSolver flow(silt::Grid({{0, 0, 0}, {10e-3, 10e-3, 20e-3}}, {4, 4, 8}),
-                        {.density = 1000, .viscosity = 1e-2});
+  silt::FlowSolver flow(silt::Grid({{0, 0, 0}, {10e-3, 10e-3, height}}, {4, 4, 8}),
+                        {.density = 1000, .viscosity = viscosity});
   silt::CoupledFlow fluid{silt::Stokes{}, silt::Kernel{}, std::move(flow), silt::HistoryForce{4},
                           silt::VirtualMass{}};
   fluid.steps = 5;
@@ -154,6 +154,17 @@ void all_forgeries(const char* name, const Make& make, double before, const Chan
 }
 
 }  // namespace
+
+TEST_CASE("checkpoint: a fluid on another grid, of another viscosity, is named") {
+  const Folder folder;
+  save_checkpoint(bodies_in_flow(), folder / "c");
+  auto taller = bodies_in_flow(22e-3);
+  CHECK(has_words(refusal<silt::InputError>([&] { load_checkpoint(taller, folder / "c"); }),
+                  {"fluid: grid to z [m] is 0.02 in the file and 0.022 in the scene"}));
+  auto thicker = bodies_in_flow(20e-3, 2e-2);
+  CHECK(has_words(refusal<silt::InputError>([&] { load_checkpoint(thicker, folder / "c"); }),
+                  {"fluid: viscosity [Pa s] is 0.01 in the file and 0.02 in the scene"}));
+}
 
 TEST_CASE("fuzz: checkpoints of spheres, materials, a periodic box, walls that move, inlets") {
   all_forgeries(

@@ -166,7 +166,7 @@ class Judge {
                     std::string(error.what()).substr(0, 300));
       ++refused_, refused = true;
     } catch (const std::exception& error) {
-      FAIL_CHECK(reader_, ", input ", input, ": a foreign exception: ", error.what());
+      FAIL_CHECK(reader_, ", input ", input, ": a foreign exception: ", std::string(error.what()));
     }
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     longest_ = std::max(longest_, took.count());

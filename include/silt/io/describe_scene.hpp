@@ -13,7 +13,7 @@
 /// What a checkpoint says of the scene that wrote it, beside the policies: domain, materials,
 /// walls, inlets and outlets, forms, fluid. What cannot be seen from outside is not in it: a motion
 /// (its pose at the checkpoint's time is compared), the parameters of searches, drag laws and
-/// averaging. Tests: tests/io/checkpoint_scene.cpp (every item, changed).
+/// averaging. Tests: tests/io/checkpoint_scene.cpp (items, changed).
 
 namespace silt::inline SILT_TARGET::detail {
 
