@@ -137,7 +137,7 @@ void all_forgeries(const char* name, const Make& make, double before, const Chan
         throw;
       }
       loaded = true;
-      victim.run(4 * victim.step_length());
+      victim.run(4 * *victim.time_step);
       return true;
     });
     if (loaded)
@@ -146,6 +146,7 @@ void all_forgeries(const char* name, const Make& make, double before, const Chan
       CHECK_THROWS_AS(load_checkpoint(careful, path), silt::Error);
   }
   CHECK(judge.refused() > inputs / 2);
+  CHECK(judge.taken() > inputs / 20);
   CHECK(seen(careful) == at_first);
   auto untouched = make();
   untouched.run(before / 2);
