@@ -111,6 +111,32 @@ TEST_CASE(
   CHECK(soup == Soup{facet_corners, facet_corners});
 }
 
+TEST_CASE("stl: a facet on the line of its solid's name is read; so are lines that end in CR") {
+  const Folder folder;
+  std::string one_line = "solid a b " + facet + facet + "endsolid a b\n";
+  CHECK(silt::read_stl(folder.with("a.stl", one_line)) == Soup{facet_corners, facet_corners});
+  std::string all_one_line = one_line;
+  for (char& c : all_one_line)
+    if (c == '\n') c = ' ';
+  CHECK(silt::read_stl(folder.with("b.stl", all_one_line)) == Soup{facet_corners, facet_corners});
+  for (char& c : one_line)
+    if (c == '\n') c = '\r';
+  CHECK(silt::read_stl(folder.with("c.stl", one_line)) == Soup{facet_corners, facet_corners});
+  // What follows the last name on its line is not lost unseen either.
+  const auto lost = folder.with("d.stl", "solid a\n" + facet + "endsolid a " + facet);
+  refuses<FileError>([&] { silt::read_stl(lost); }, "line 9: expected 'solid', found 'facet'");
+}
+
+TEST_CASE("stl: a byte-order mark is skipped; what a sentence shows of a file is short and plain") {
+  const Folder folder;
+  const auto path = folder.with("a.stl", "\xEF\xBB\xBFsolid a\n" + facet + "endsolid a\n");
+  CHECK(silt::read_stl(path) == Soup{facet_corners});
+  const std::string word = "\x1b[31m" + std::string(1 << 20, 'x');
+  refuses<FileError>([&] { silt::read_stl(folder.with("b.stl", "solid a\n" + word + "\n")); },
+                     "line 2: expected 'facet' or 'endsolid', found '\\x1b[31m" +
+                         std::string(55, 'x') + "'... (1048581 bytes)");
+}
+
 TEST_CASE("stl: scale multiplies the corners") {
   const Folder folder;
   const auto path = folder.with("a.stl", "solid mm\n" + facet + "endsolid mm\n");

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include <silt/core/error.hpp>
 #include <silt/core/functions.hpp>
 
 namespace functions_test {
@@ -30,6 +31,23 @@ double lane_difference(double from, double to, const F& f) {
 }
 
 }  // namespace
+
+TEST_CASE("in_quotes: what is shown of any text is printable, and at most 60 characters of it") {
+  CHECK(silt::in_quotes("") == "''");
+  CHECK(silt::in_quotes("semi-axis c") == "'semi-axis c'");
+  CHECK(silt::in_quotes("a\n\t\r\x1b[31m\x7f") == "'a\\n\\t\\r\\x1b[31m\\x7f'");
+  CHECK(silt::in_quotes(std::string_view("a\0b", 3)) == "'a\\x00b'");
+  CHECK(silt::in_quotes("H\xC3\xB6he \xE2\x82\xAC \xF0\x9F\x98\x80") ==
+        "'H\xC3\xB6he \xE2\x82\xAC \xF0\x9F\x98\x80'");
+  // Broken UTF-8, control characters of Latin-1, and what turns the direction of writing.
+  CHECK(silt::in_quotes("\xC3") == "'\\xc3'");
+  CHECK(silt::in_quotes("\xE2\x82") == "'\\xe2\\x82'");
+  CHECK(silt::in_quotes("\xC2\x9B"
+                        "31m") == "'\\xc2\\x9b31m'");
+  CHECK(silt::in_quotes("\xE2\x80\xAE") == "'\\xe2\\x80\\xae'");
+  CHECK(silt::in_quotes(std::string(60, 'x')) == "'" + std::string(60, 'x') + "'");
+  CHECK(silt::in_quotes(std::string(61, 'x')) == "'" + std::string(60, 'x') + "'... (61 bytes)");
+}
 
 TEST_CASE("functions: cube root to 1e-15 from 1e-24 to 1e24") {
   for (double digits = -24; digits <= 24; digits += 0.01) {

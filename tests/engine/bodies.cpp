@@ -161,7 +161,7 @@ TEST_CASE("A run of bodies continued from a checkpoint has the same bits") {
   silt::Simulation foreign{std::move(others), silt::Contacts<HertzMindlin>{stone}};
   foreign.add_wall(silt::box({0, 0, 0}, {0.02, 0.02, 0.2}), stone);
   CHECK(has_words(refusal<silt::InputError>([&] { silt::load_checkpoint(foreign, path); }),
-                  {"other forms"}));
+                  {"of another scene: form 0: "}));
   std::remove(path.c_str());
 }
 

@@ -178,6 +178,11 @@ TEST_CASE(
   check_refused(header + "0,0,0,1,1,0.5\n", "column 'material': '0.5' must be a whole number");
   check_refused(header + "0,0,0,1,1,-1\n", "column 'material': '-1' must be a whole number");
   check_refused("x y z diameter\n0 0 0 -2\n", "line 2: column 'diameter': '-2'");
+  check_refused(header + std::string(1 << 20, '7') + "x,0,0,1,1,0\n",
+                "7'... (1048577 bytes) is outside the range");
+  check_refused(header + "\x1b[2J,0,0,1,1,0\n", "column 'x': '\\x1b[2J' is not a number");
+  check_refused(std::string("\xFF\xFEx\0", 4), "is text in UTF-16; save it as UTF-8");
+  check_refused(std::string("x,y\0", 4), "is no text: it has zero bytes");
 }
 
 TEST_CASE("particle_file: a table that could not be read back is refused and leaves the old file") {

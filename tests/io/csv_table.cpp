@@ -100,6 +100,24 @@ TEST_CASE("csv_table: resume refuses other columns and damaged rows, and leaves 
   refused("time [s],energy [J]\n0,1,2\n", "line 2 is not 2 numbers");
   refused("time [s],energy [J]\n0,1\n\n", "line 3 is not 2 numbers");
   refused("time [s],energy [J]\n0,x\n", "'0,x'");
+  // Times tell which rows to keep: all of them must be ones.
+  refused("time [s],energy [J]\n0,1\nnan,2\n", "line 3 begins with nan, which is no time");
+  refused("time [s],energy [J]\n-inf,1\n", "line 2 begins with -inf, which is no time");
+  refused("time [s],energy [J]\n0,1\ninf,2\n", "line 3 begins with inf, which is no time");
+  refused("time [s],energy [J]\n0,1\n0.5,2\n0.25,3\n",
+          "line 4 begins with 0.25, less than the 0.5 of the line above");
+  // What a sentence shows of a file is short and plain.
+  refused("time [s],energy [J]\n0," + std::string(1 << 20, 'a') + "\n",
+          "'0," + std::string(58, 'a') + "'... (1048578 bytes)");
+  refused("time [s],energy [J]\n0,\x1b[31m\n", "'0,\\x1b[31m'");
+  refused("\x1b]0;x\x07\n", "first line is '\\x1b]0;x\\x07'");
+}
+
+TEST_CASE("csv_table: a byte-order mark, as some editors put it, is dropped") {
+  const Folder folder;
+  write_text(folder / "a.csv", "\xEF\xBB\xBFtime [s],energy [J]\n0,1\n1,nan\n");
+  silt::CsvTable::resume(folder / "a.csv", columns, 1);
+  CHECK(content_of(folder / "a.csv") == "time [s],energy [J]\n0,1\n1,nan\n");
 }
 
 TEST_CASE("csv_table: unusable columns and rows of another length are refused") {
@@ -111,6 +129,8 @@ TEST_CASE("csv_table: unusable columns and rows of another length are refused") 
   refused({}, "no columns");
   refused({"a", ""}, "column 1 is empty");
   refused({"a,b"}, "'a,b'");
+  refused({"a\nb"}, "'a\\nb' must not contain commas, quotes or control characters");
+  refused({"\x1b[1ma"}, "'\\x1b[1ma'");
   refused({"a", "b", "a"}, "two columns named 'a'");
   CHECK_FALSE(fs::exists(path));
   silt::CsvTable table(path, columns);

@@ -262,8 +262,15 @@ TEST_CASE("vtk: a series refuses backward times, unusable names and foreign list
   CHECK_THROWS_WITH_AS(silt::VtkSeries(folder / "file", "grains"), doctest::Contains("is a file"),
                        silt::FileError);
   const auto good = silt::detail::read_file(series.path());
+  const auto timed = [&](const std::string& time) {  // a frame more, before the others
+    auto other = good;
+    const std::string frame =
+        "<DataSet timestep=\"" + time + "\" group=\"\" part=\"0\" file=\"a\"/>\n";
+    return other.insert(other.find("<DataSet"), frame);
+  };
   for (const auto& foreign :
-       {std::string("<xml/>"), good.substr(0, good.size() - 5), good + "x", std::string()}) {
+       {std::string("<xml/>"), good.substr(0, good.size() - 5), good + "x", std::string(),
+        timed("nan"), timed("-inf"), timed("inf"), timed("0.3")}) {
     write_text(series.path(), foreign);
     CHECK_THROWS_WITH_AS(silt::VtkSeries::resume(folder.path, "grains", 1),
                          doctest::Contains("grains.pvd' is not as silt writes it"),

@@ -113,6 +113,8 @@ TEST_CASE("A multi-sphere is read from a file, and what is wrong with one is sai
   REQUIRE(rod.balls.size() == 2);
   CHECK(rod.balls[1].centre == Vec3d{1e-3, 0, 0});
   CHECK(rod.balls[1].radius == doctest::Approx(1.5e-3).epsilon(1e-15));
+  write("\xEF\xBB\xBF-1 0 0 1\r\n1 0 0 1.5");  // as some editors save it
+  CHECK(silt::read_multi_sphere(path).balls.size() == 2);
   const auto refused = [&](const char* content, const char* words) {
     write(content);
     try {
@@ -125,6 +127,9 @@ TEST_CASE("A multi-sphere is read from a file, and what is wrong with one is sai
   };
   refused("1 2 3\n", "line 1: '1 2 3' is not four numbers x y z r");
   refused("0 0 0 1\n1 2 x 3\n", "line 2");
+  refused((std::string(1 << 20, 'a') + "\n").c_str(), "aaa'... (1048576 bytes) is not four");
+  refused("0 0 0 \x1b[1m\n", "'0 0 0 \\x1b[1m' is not four numbers");
+  refused("0 0 0 1 1\n", "line 1");
   refused("# nothing\n", "has no balls");
   refused("0 0 0 -1\n", "the radius of ball 0");
   std::remove(path.c_str());

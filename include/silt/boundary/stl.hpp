@@ -71,11 +71,11 @@ class AsciiStl {
     std::vector<std::array<Vec3d, 3>> triangles;
     expect(next(), "solid");
     do {
-      skip_line();  // the solid's name
+      skip_name();
       auto word = next();
       for (; is(word, "facet"); word = next()) triangles.push_back(facet());
       if (!is(word, "endsolid")) fail("expected 'facet' or 'endsolid', found ", shown(word));
-      skip_line();
+      skip_name();
     } while (another_solid());
     return triangles;
   }
@@ -116,7 +116,7 @@ class AsciiStl {
 
   std::string_view next() {
     while (!rest_.empty() && is_space(rest_.front())) {
-      line_ += rest_.front() == '\n';
+      line_ += rest_.front() == '\n' || (rest_.front() == '\r' && !rest_.starts_with("\r\n"));
       rest_.remove_prefix(1);
     }
     std::size_t n = 0;
@@ -125,7 +125,17 @@ class AsciiStl {
     rest_.remove_prefix(n);
     return word;
   }
-  void skip_line() { rest_.remove_prefix(std::min(rest_.find('\n'), rest_.size())); }
+  /// The name of a solid: the rest of the line, but for facets that stand on it.
+  void skip_name() {
+    const std::size_t end = std::min(rest_.find_first_of("\n\r"), rest_.size());
+    AsciiStl line(path_, rest_.substr(0, end));
+    for (std::string_view before = line.rest_; !before.empty(); before = line.rest_)
+      if (is(line.next(), "facet")) {
+        const auto at = static_cast<std::size_t>(before.data() - rest_.data());
+        if (is(AsciiStl(line).next(), "normal")) return rest_.remove_prefix(at);
+      }
+    rest_.remove_prefix(end);
+  }
 
   void expect(std::string_view word, std::string_view wanted) const {
     if (!is(word, wanted)) fail("expected '", wanted, "', found ", shown(word));
@@ -142,7 +152,7 @@ class AsciiStl {
         [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; });
   }
   static std::string shown(std::string_view word) {
-    return word.empty() ? "the end of the file" : text('\'', word.substr(0, 40), '\'');
+    return word.empty() ? "the end of the file" : in_quotes(word);
   }
 
   const std::string& path_;
@@ -152,20 +162,29 @@ class AsciiStl {
 
 /// Binary if the size is what the count in the header asks for, whatever the header's words; else
 /// text if there is no zero byte, of which every binary file has some.
-inline std::vector<std::array<Vec3d, 3>> parse_stl(const std::string& path,
-                                                   std::string_view bytes) {
-  if (bytes.empty()) stl_error("STL file ", path, " is empty");
-  const bool has_header = bytes.size() >= stl_header_bytes;
-  const std::size_t count = has_header ? get_u32(bytes.data() + 80) : 0;
-  const std::size_t expected = stl_header_bytes + stl_triangle_bytes * count;
-  if (has_header && bytes.size() == expected) return parse_binary_stl(bytes);
-  if (bytes.find('\0') == std::string_view::npos) return AsciiStl(path, bytes).parse();
-  if (!has_header)
-    stl_error("STL file ", path, " is not text and has ", bytes.size(),
-              " bytes; a binary STL file begins with a header of 84 bytes");
-  stl_error("STL file ", path, " is binary and announces ", count, " triangles, that is ", expected,
-            " bytes, but has ", bytes.size(), " bytes; it is ",
-            bytes.size() < expected ? "truncated or " : "", "not an STL file");
+inline std::vector<std::array<Vec3d, 3>> parse_stl(const std::string& path) {
+  return read_from(path, [&](const File& file, std::uint64_t bytes) {
+    if (bytes == 0) stl_error("STL file ", path, " is empty");
+    const bool has_header = bytes >= stl_header_bytes;
+    char header[stl_header_bytes] = {};
+    if (has_header) file.read_at(0, header, sizeof header);
+    const std::uint64_t count = get_u32(header + 80);
+    const std::uint64_t expected = stl_header_bytes + stl_triangle_bytes * count;
+    if (has_header && bytes == expected)
+      return parse_binary_stl(read_blocks(file, bytes, [](std::string_view) {}));
+    const std::string content = read_blocks(file, bytes, [&](std::string_view block) {
+      if (block.find('\0') == std::string_view::npos) return;
+      if (!has_header)
+        stl_error("STL file ", path, " is not text and has ", bytes,
+                  " bytes; a binary STL file begins with a header of 84 bytes");
+      stl_error("STL file ", path, " is binary and announces ", count, " triangles, that is ",
+                expected, " bytes, but has ", bytes, " bytes; it is ",
+                bytes < expected ? "truncated or " : "", "not an STL file");
+    });
+    std::string_view characters = content;
+    if (characters.starts_with(utf8_mark)) characters.remove_prefix(utf8_mark.size());
+    return AsciiStl(path, characters).parse();
+  });
 }
 
 inline bool fits_float(double value) {
@@ -214,7 +233,7 @@ inline std::string ascii_stl(const std::vector<std::array<Vec3d, 3>>& triangles)
 /// The triangles of an ASCII or binary STL file, corners times `scale` [m per unit of the file].
 inline std::vector<std::array<Vec3d, 3>> read_stl(const std::string& path, double scale = 1) {
   require_positive("read_stl: scale", scale, "m per file unit");
-  auto triangles = detail::parse_stl(path, detail::read_file(path));
+  auto triangles = detail::parse_stl(path);
   if (triangles.empty()) detail::stl_error("STL file ", path, " holds no triangles");
   for (std::size_t t = 0; t < triangles.size(); ++t)
     for (auto& corner : triangles[t]) {

@@ -117,6 +117,47 @@ template <class... Parts>
   return detail::join({parts...});
 }
 
+namespace detail {
+
+/// Length [bytes] of the printable character that `words` begins with, 0 if it has none: a control
+/// character, or bytes that are no UTF-8.
+[[gnu::cold]] inline std::size_t printable_length(std::string_view words) {
+  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(words[k]); };
+  if (byte(0) < 0x80) return byte(0) >= 0x20 && byte(0) != 0x7f;
+  const std::size_t length = byte(0) >= 0xf0 ? 4 : byte(0) >= 0xe0 ? 3 : 2;
+  if (byte(0) < 0xc2 || byte(0) > 0xf4 || words.size() < length) return 0;
+  for (std::size_t k = 1; k < length; ++k)
+    if ((byte(k) & 0xc0) != 0x80) return 0;
+  if (byte(0) == 0xc2 && byte(1) < 0xa0) return 0;  // control characters of Latin-1
+  // Invisible ones: zero widths, directions of writing, byte-order mark.
+  if (byte(0) == 0xe2 && byte(1) == 0x80 && (byte(2) <= 0x8f || byte(2) >= 0xa8)) return 0;
+  if (byte(0) == 0xe2 && byte(1) == 0x81 && byte(2) >= 0xa0) return 0;
+  if (byte(0) == 0xef && byte(1) == 0xbb && byte(2) == 0xbf) return 0;
+  return length;
+}
+
+}  // namespace detail
+
+/// Text of a file or a user as a sentence shows it: in quotes, the first `most` characters, and
+/// what cannot be printed as \n or \x1b, so that no terminal obeys it.
+[[gnu::cold]] inline std::string in_quotes(std::string_view words, std::size_t most = 60) {
+  std::string out = "'";
+  const std::size_t whole = words.size();
+  for (std::size_t shown = 0; !words.empty(); ++shown) {
+    if (shown == most) return out + text("'... (", whole, " bytes)");
+    const std::size_t length = detail::printable_length(words);
+    const auto c = static_cast<unsigned char>(words[0]);
+    if (length > 0)
+      out += words.substr(0, length);
+    else if (c == '\n' || c == '\t' || c == '\r')
+      out += c == '\n' ? "\\n" : c == '\t' ? "\\t" : "\\r";
+    else
+      out += "\\x", out += "0123456789abcdef"[c >> 4], out += "0123456789abcdef"[c & 15];
+    words.remove_prefix(length > 0 ? length : 1);
+  }
+  return out + "'";
+}
+
 /// Throws InputError with the joined parts unless `condition` holds.
 template <class... Parts>
 void require(bool condition, const Parts&... parts) {

@@ -117,14 +117,19 @@ class Engine {
 
   template <class Contacts>
   void set_coefficients(const Contacts& contacts) {
+    coefficients = coefficients_of(contacts);
+  }
+  template <class Contacts>
+  static CoefficientTable<ContactsType> coefficients_of(const Contacts& contacts) {
     const std::size_t n = contacts.materials();
     const std::size_t of_particles = ContactsType::several_materials ? n : 1;
-    coefficients = {n, {}, {}};
+    CoefficientTable<ContactsType> table{n, {}, {}};
     for (std::size_t a = 0; a < of_particles; ++a)
       for (std::size_t b = 0; b < n; ++b) {
-        coefficients.law.push_back(contacts.coefficients(a, b));
-        coefficients.rolling.push_back(contacts.rolling_coefficients(a, b));
+        table.law.push_back(contacts.coefficients(a, b));
+        table.rolling.push_back(contacts.rolling_coefficients(a, b));
       }
+    return table;
   }
 
   /// Renews what is stale of the lists, and what follows from them.

@@ -112,7 +112,8 @@ class ListUpkeep {
     outer.assign(outer_reaches.begin(), outer_reaches.end());
     inner.assign(inner_reaches.begin(), inner_reaches.end());
     per_inner2.resize(inner.size());
-    for (std::size_t k = 0; k < inner.size(); ++k) per_inner2[k] = 1 / (inner[k] * inner[k]);
+    for (std::size_t k = 0; k < inner.size(); ++k)
+      per_inner2[k] = inner[k] > 0 ? 1 / (inner[k] * inner[k]) : 0;  // 0: there is no list
   }
 
  private:

@@ -148,6 +148,7 @@ class PairList {
     });
     return s;
   }
+  /// `particles`: as many as there were at the search that made the lists.
   void restore(const State& s, std::size_t particles) {
     history_.use_more(true);
     outer_ = s.outer;

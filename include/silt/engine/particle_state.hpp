@@ -47,7 +47,7 @@ class ParticleState {
       sizeof(std::uint32_t) + (SeveralMaterials ? sizeof(std::uint16_t) : 0) +
       derivative_rows * 4 * sizeof(double) + (OfBodies ? sizeof(PartRow) : 0) +
       FluidLoads<Given>::bytes;
-  static constexpr bool of_bodies = OfBodies;
+  static constexpr bool of_bodies = OfBodies, several = SeveralMaterials;
 
   AlignedVector<PositionRow> position;
   AlignedVector<Motion> motion;

@@ -159,6 +159,41 @@ class WallContacts {
     renewed_ = false;
   }
 
+  /// Whether the inner candidates of a state stand where a pruning puts them, in slots of their
+  /// own: blocks are worked on by several threads at a time.
+  bool is_laid_out(const State& s, std::span<const Wall> walls) const {
+    WallContacts fresh;
+    fresh.planes_apart = planes_apart, fresh.inner_ = s.inner;
+    std::sort(fresh.inner_.begin(), fresh.inner_.end(),
+              [](const WallCandidate& a, const WallCandidate& b) { return a.origin < b.origin; });
+    fresh.part_planes(walls), fresh.lay_out_slots(walls);
+    const auto same = [](const WallCandidate& a, const WallCandidate& b) {
+      return a.key() == b.key() && a.slot == b.slot && a.origin == b.origin;
+    };
+    return std::equal(s.inner.begin(), s.inner.end(), fresh.inner_.begin(), same) &&
+           std::equal(s.pieces.begin(), s.pieces.end(), fresh.piece_begin_.begin(),
+                      fresh.piece_begin_.end()) &&
+           s.slots.size() == fresh.slots_.size();
+  }
+  /// The least that a state must hold to, where walls were taken away since the lists were made, so
+  /// that they only tell of the contacts that were: archive() finds slots for all candidates.
+  static bool has_slots(const State& s) {
+    if (s.pieces.empty() || s.pieces.back() != s.inner.size() ||
+        !std::is_sorted(s.pieces.begin(), s.pieces.end()) || s.slots.size() % padding != 0)
+      return false;
+    const std::size_t first_plane = s.pieces.front();
+    for (std::size_t k = 0; k < s.inner.size(); ++k) {
+      const std::size_t slot = s.inner[k].slot, last = k == 0 ? 0 : s.inner[k - 1].slot;
+      const bool next_block = k > 0 && slot / block != last / block;
+      if (k > 0 && slot <= last) return false;
+      if (k < first_plane && (slot / block > (k > 0 ? last / block + next_block : 0) ||
+                              pieces(slot + 1, block) * block > s.slots.size()))
+        return false;
+      if (slot >= s.slots.size()) return false;
+    }
+    return true;
+  }
+
   static Vec3d in_body(const Wall& wall, const Vec3d& point) {
     return wall.moves() ? wall.pose.to_body(point) : point;
   }

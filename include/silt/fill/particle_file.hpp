@@ -34,9 +34,7 @@ namespace detail {
 /// Reads one table; holds where it is, so that every refusal can name file, line and column.
 class ParticleReader {
  public:
-  ParticleReader(const std::string& path, std::string_view content) : path_(path), rest_(content) {
-    if (rest_.substr(0, 3) == "\xEF\xBB\xBF") rest_.remove_prefix(3);  // byte order mark
-  }
+  ParticleReader(const std::string& path, std::string_view content) : path_(path), rest_(content) {}
 
   ParticleTable read() {
     std::string_view line;
@@ -127,7 +125,7 @@ class ParticleReader {
     while (next_value(line, name)) {
       const auto known = std::find(column_names.begin(), column_names.end(), name);
       if (known == column_names.end())
-        fail("'", name, "' is no column name; the first line that is no comment must be one ",
+        fail(in_quotes(name), " is no column name; the first line that is no comment must be one ",
              expected);
       const auto column = static_cast<Column>(known - column_names.begin());
       if (has_[column]) fail("column '", name, "' is named twice");
@@ -171,7 +169,7 @@ class ParticleReader {
     return x;
   }
   [[noreturn]] void refuse(Column column, std::string_view value, std::string_view why) const {
-    fail("column '", column_names[column], "': '", value, "' ", why);
+    fail("column '", column_names[column], "': ", in_quotes(value), " ", why);
   }
 
   void append(ParticleTable& table, const std::array<double, column_count>& row) const {
@@ -228,7 +226,7 @@ inline void require_writable(const ParticleTable& t) {
 /// repeated column, wrong number of values, no number, not finite, radius or density not greater
 /// than 0.
 inline ParticleTable read_particle_file(const std::string& path) {
-  const std::string content = detail::read_file(path);
+  const std::string content = detail::read_text(path);
   return detail::ParticleReader(path, content).read();
 }
 

@@ -5,10 +5,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdint>
 #include <cstdio>
 #include <iterator>
+#include <new>
 #include <span>
 #include <string>
 #include <string_view>
@@ -103,10 +105,67 @@ class File {
   int descriptor_;
 };
 
-inline std::string read_file(const std::string& path) {
+/// Refuses a file that is larger than this machine's memory, as a sparse one may be, before any of
+/// it is read: what is read from it would not fit either.
+inline void check_size(std::uint64_t bytes, const std::string& name) {
+  const long pages = ::sysconf(_SC_PHYS_PAGES), page = ::sysconf(_SC_PAGESIZE);
+  if (pages <= 0 || page <= 0) return;  // the system does not say
+  const auto memory = static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page);
+  if (bytes > memory)
+    throw FileError(text("file '", name, "' has ", bytes, " bytes, more than this machine's ",
+                         memory, " bytes of memory; it is damaged, or too large to be read here"));
+}
+
+/// Reads what `read(file)` wants of a file; where memory ends, that is a FileError too.
+template <class Read>
+auto read_from(const std::string& path, const Read& read) {
   const File file(path, O_RDONLY, path);
-  std::string content(file.size(), '\0');
-  file.read_at(0, content.data(), content.size());
+  const std::uint64_t bytes = file.size();
+  check_size(bytes, path);
+  try {
+    return read(file, bytes);
+  } catch (const std::bad_alloc&) {
+    throw FileError(text("file '", path, "' of ", bytes, " bytes does not fit into memory"));
+  }
+}
+
+/// Reads a file in blocks and asks after each, accept(all so far): what is refused early costs no
+/// more memory than that.
+template <class Accept>
+std::string read_blocks(const File& file, std::uint64_t bytes, const Accept& accept) {
+  constexpr std::uint64_t first = 1 << 16;
+  std::string content;
+  for (std::uint64_t at = 0; at < bytes;) {
+    const std::uint64_t block = std::min(bytes - at, std::max(first, at));  // doubles
+    content.resize(at + block);
+    file.read_at(at, content.data() + at, block);
+    accept(std::string_view(content).substr(at));
+    at += block;
+  }
+  return content;
+}
+
+inline std::string read_file(const std::string& path) {
+  return read_from(path, [](const File& file, std::uint64_t bytes) {
+    return read_blocks(file, bytes, [](std::string_view) {});
+  });
+}
+
+inline constexpr std::string_view utf8_mark = "\xEF\xBB\xBF";  // a byte-order mark
+
+/// A file of text without the byte-order mark that some editors put before it.
+/// Errors: FileError for one with zero bytes: binary, or text in UTF-16.
+inline std::string read_text(const std::string& path) {
+  std::string content = read_from(path, [&](const File& file, std::uint64_t bytes) {
+    return read_blocks(file, bytes, [&](std::string_view block) {
+      if (block.find('\0') == std::string_view::npos) return;
+      const bool wide = block.starts_with("\xFF\xFE") || block.starts_with("\xFE\xFF");
+      throw FileError(
+          text("file '", path, "' ",
+               wide ? "is text in UTF-16; save it as UTF-8" : "is no text: it has zero bytes"));
+    });
+  });
+  if (content.starts_with(utf8_mark)) content.erase(0, utf8_mark.size());
   return content;
 }
 

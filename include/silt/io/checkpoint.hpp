@@ -1,13 +1,17 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-#include <cstdint>
-#include <span>
+#include <memory>
+#include <new>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
+#include <silt/io/checkpoint_checks.hpp>
 #include <silt/io/checkpoint_file.hpp>
+#include <silt/io/describe_scene.hpp>
 #include <silt/simulation.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -20,15 +24,15 @@ namespace silt::inline SILT_TARGET {
 ///   silt::load_checkpoint(sim, "run.silt");    // sim: the same scene, built by the same program
 ///
 /// Walls, materials, limits and gravity come from the program; the state replaces all particles.
-/// Errors: FileError for a file that is damaged or cannot be read or written; InputError for one of
-/// other policies or of a scene with other walls, inlets or outlets. The simulation is then as it
-/// was. Tests: tests/io/checkpoint.cpp.
+/// The file describes the scene that wrote it (io/describe_scene.hpp): where the scene differs, the
+/// difference is named, and refused unless it is one of AcceptedChanges.
+/// All or nothing: a file is read, and every number of it checked, before the simulation changes.
+/// Errors: FileError for a file that is damaged or cannot be read or written, or was written by
+/// another program (other policies); InputError for one of another scene. The simulation is then as
+/// it was. Tests: tests/io/checkpoint.cpp, checkpoint_scene.cpp, fuzz_checkpoint.cpp.
 template <class Sim>
 class Checkpoint {
   using Engine = typename Sim::Engine;
-  using WallPairs = decltype(Engine::Lists::walls);
-  static constexpr std::size_t H = Engine::history;
-  static constexpr std::size_t part_size = sizeof(PartRow) / sizeof(double);
   static constexpr bool chooses_search = requires(typename Sim::Search s) {
     detail::finder_of(s).choice();
   };
@@ -37,306 +41,67 @@ class Checkpoint {
   static void save(const Sim& sim, const std::string& path) {
     const Engine& e = sim.engine_;
     CheckpointWriter out(signature());
-    const std::vector<double> clock{sim.time_,
-                                    sim.dt_,
-                                    sim.time_origin_,
-                                    sim.checked_speed_,
-                                    sim.peak_overlap_,
-                                    e.particles.largest_radius,
-                                    e.particles.mean_diameter,
-                                    e.largest_speed,
-                                    e.largest_overlap};
-    const std::vector<std::int64_t> counters{sim.step_,
-                                             sim.step_origin_,
-                                             sim.next_id_,
-                                             sim.first_kick_,
-                                             sim.kicked_,
-                                             e.lists.upkeep.pruned_at,
-                                             e.lists.upkeep.searched_at,
-                                             static_cast<std::int64_t>(e.safeguards),
-                                             sim.scene_changed_};
-    const auto& plan = e.lists.upkeep.plan;
-    const std::vector<double> upkeep{
-        e.lists.upkeep.used, e.largest_share, e.lists.upkeep.outer_wall, e.lists.upkeep.inner_wall,
-        plan.outer_time,     plan.inner_time, plan.least_outer,          plan.most_outer,
-        plan.least_inner,    plan.most_inner};
-    out.add("clock", clock), out.add("counters", counters), out.add("upkeep", upkeep);
-    out.add("reach.outer", std::span(e.lists.upkeep.outer)),
-        out.add("reach.inner", std::span(e.lists.upkeep.inner));
+    detail::CheckpointSaver a(out);
+    std::vector<bool> removed;
+    for (const auto& w : e.walls) removed.push_back(w.surfaces.empty());
+    const auto coefficients = Engine::coefficients_of(sim.contacts_);
+    out.add_text("scene",
+                 detail::describe_scene(sim, coefficients, sim.openings_, removed).written());
+    auto clock = clock_of(sim);
+    clock.visit(a);
+    auto walls = detail::WallsState::of(e.walls, e.lists);
+    walls.visit(a, e.walls.size());
+    auto openings = detail::OpeningsState::of(sim.openings_);
+    openings.visit(a, openings.out_count.size(), openings.placed.size());
 
-    const std::size_t n = e.particles.size();
-    out.add("position", doubles(e.particles.position.data(), n));
-    out.add("motion", doubles(e.particles.motion.data(), n));
-    if constexpr (Engine::predicts)
-      out.add("derivatives", doubles(e.particles.derivatives.data(), n));
-    out.add("id", e.particles.id);
-    out.add("material", e.particles.material);
-    std::vector<std::uint64_t> forms;
-    if constexpr (Sim::has_bodies) {
-      out.add("bodies", doubles(e.mover.bodies.data(), e.mover.bodies.size()));
-      out.add("parts", doubles(e.particles.part.data(), n));
-      for (const auto& form : e.mover.forms) forms.push_back(form.parts.size());
-      forms.push_back(sim.next_part_);
-      out.add("forms", forms);
-    }
-    out.add("synchronous",
-            doubles(e.mover.synchronous.data(), sim.kicked_ ? e.rows_of_particles() : 0));
-    out.add("reference", doubles(e.lists.reference.data(), std::min(n, e.lists.reference.size())));
+    detail::visit_particles(a, e.particles, e.particles.size());
+    if constexpr (Sim::has_bodies) a.rows("bodies", e.mover.bodies, e.mover.bodies.size());
+    a.rows("synchronous", e.mover.synchronous, sim.kicked_ ? e.rows_of_particles() : 0);
+    detail::visit_upkeep(a, e.lists.upkeep, e.lists.reference, e.lists.reference.size());
+    auto pairs = e.lists.pairs.state();
+    detail::visit_pairs(a, pairs);
+    auto contacts = e.lists.walls.state();
+    detail::visit_wall_contacts(a, contacts);
 
-    std::vector<std::uint32_t> outer;
-    const auto pairs = e.lists.pairs.state();
-    for (const auto [a, b] : pairs.outer) outer.push_back(a), outer.push_back(b);
-    out.add("pairs.outer", outer), out.add("pairs.inner", pairs.origin);
-    for (std::size_t h = 0; h < H; ++h) out.add(text("pairs.history", h), pairs.history[h]);
-
-    const auto state = e.lists.walls.state();
-    const auto candidates_outer = flat(state.outer), candidates_inner = flat(state.inner);
-    std::vector<double> normals;
-    std::vector<std::uint8_t> touching;
-    std::vector<std::uint32_t> features;
-    for (const auto& s : state.slots) {
-      features.push_back(s.feature);
-      normals.insert(normals.end(), {s.normal.x, s.normal.y, s.normal.z});
-      touching.push_back(s.touching);
-    }
-    out.add("walls.outer", candidates_outer), out.add("walls.inner", candidates_inner);
-    out.add("walls.outer_facets", state.outer_facets);
-    out.add("walls.inner_facets", state.inner_facets);
-    out.add("walls.pieces", state.pieces);
-    out.add("walls.normal", normals), out.add("walls.touching", touching);
-    if constexpr (Sim::Engine::convex) out.add("walls.feature", features);
-    for (std::size_t h = 0; h < H; ++h) out.add(text("walls.history", h), state.history[h]);
-
-    std::vector<double> walls, marks;
-    std::vector<std::uint64_t> surfaces;
-    for (const auto& w : e.walls) {
-      surfaces.push_back(w.surfaces.size());
-      put(walls, w.pose), put(walls, w.last_pose);
-      for (const Vec3d& v : {w.force, w.torque, w.impulse}) put(walls, v);
-    }
-    for (const auto* mark : {&e.lists.searched_walls, &e.lists.pruned_walls}) {
-      put(marks, mark->region().min), put(marks, mark->region().max);
-      for (const auto& pose : mark->poses()) put(marks, pose);
-    }
-    out.add("walls.state", walls), out.add("walls.marks", marks),
-        out.add("walls.surfaces", surfaces);
-
-    std::vector<std::uint64_t> counts;
-    std::vector<double> flows;
-    for (const auto& o : sim.openings_.outlets())
-      counts.push_back(o.count), flows.push_back(o.mass);
-    for (const auto& i : sim.openings_.inlets()) {
-      const auto random = i.random.state();
-      counts.insert(counts.end(), {i.placed, i.waiting, i.insertions, random.seed, random.counter});
-      flows.push_back(i.start), flows.push_back(i.interval);
-    }
-    out.add("openings.counts", counts), out.add("openings.flows", flows);
     std::vector<double> books;
     if constexpr (Sim::has_ledger) {
       books = sim.book_.state();
       books.insert(books.end(),
                    {sim.gravity_booked_.x, sim.gravity_booked_.y, sim.gravity_booked_.z});
-      out.add("ledger", books);
+      a.column("ledger", books, books.size());
     }
-    std::vector<std::pair<std::string, std::vector<double>>> flow;
     if constexpr (Sim::Fluid::active) {
-      e.fluid_loads().for_each([&](const char* name, const auto& column) {
-        out.add(name, doubles(column.data(), e.rows_of_particles()));
-      });
-      visit_fluid(sim, [&](const std::string& name, const auto& values) {
-        flow.emplace_back(name, std::vector<double>(values.begin(), values.end()));
-      });
-      for (const auto& [name, values] : flow) out.add(name, values);
+      detail::visit_loads(a, e.fluid_loads(), e.rows_of_particles());
+      // It visits what it has as something that may change; here nothing does.
+      const_cast<typename Sim::Fluid&>(sim.fluid_)
+          .for_each_state([&](const std::string& name, const auto& values) {
+            a.copied(name, std::vector<double>(values.begin(), values.end()));
+          });
     }
     std::vector<std::uint64_t> search;
     if constexpr (chooses_search) {
       const auto& choice = detail::finder_of(sim.search_).choice();
       search = {choice.finder, choice.spheres};
-      out.add("search.choice", search);
+      a.column("search.choice", search, 2);
     }
     out.commit(path);
   }
 
-  static void load(Sim& sim, const std::string& path) {
-    const CheckpointReader in(path);
-    in.require_signature(signature());
-    Engine& e = sim.engine_;
-    const auto surfaces = in.get<std::uint64_t>("walls.surfaces");
-    require(surfaces.size() == e.walls.size(), "checkpoint '", path, "' has ", surfaces.size(),
-            " walls, but the simulation has ", e.walls.size(), "; build the scene that wrote it");
-    for (std::size_t w = 0; w < surfaces.size(); ++w)
-      require(surfaces[w] == 0 || surfaces[w] == e.walls[w].surfaces.size(), "checkpoint '", path,
-              "': wall ", w, " has ", surfaces[w], " surfaces, but the simulation's has ",
-              e.walls[w].surfaces.size(), "; build the scene that wrote it");
-    const std::size_t outlets = sim.openings_.outlets().size(),
-                      inlets = sim.openings_.inlets().size();
-    const auto counts = in.get<std::uint64_t>("openings.counts");
-    require(counts.size() == outlets + 5 * inlets, "checkpoint '", path,
-            "' has other inlets or outlets than the simulation; build the scene that wrote it");
-
-    // Everything is read and checked for its length before anything is changed.
-    const auto clock = in.get<double>("clock", 9), upkeep = in.get<double>("upkeep", 10);
-    const auto outer_reach = in.get<double>("reach.outer"),
-               inner_reach = in.get<double>("reach.inner", outer_reach.size());
-    const auto counters = in.get<std::int64_t>("counters", 9);
-    const auto id = in.get<std::uint32_t>("id");
-    const std::size_t n = id.size();
-    constexpr std::size_t motion_size = sizeof(typename Engine::Motion) / sizeof(double);
-    const auto position = in.get<double>("position", 4 * n);
-    const auto motion = in.get<double>("motion", motion_size * n);
-    std::vector<double> derivatives;
-    if constexpr (Engine::predicts)
-      derivatives = in.get<double>("derivatives", 4 * Engine::State::derivative_rows * n);
-    const auto material =
-        in.get<std::uint16_t>("material", Sim::ContactsType::several_materials ? n : 0);
-    std::vector<double> bodies, parts;
-    std::vector<std::uint64_t> forms;
-    std::size_t particles = n;
-    if constexpr (Sim::has_bodies) {
-      constexpr std::size_t body_size = sizeof(detail::Body) / sizeof(double);
-      bodies = in.get<double>("bodies"), parts = in.get<double>("parts", part_size * n);
-      particles = bodies.size() / body_size;
-      forms = in.get<std::uint64_t>("forms");
-      bool same = forms.size() == e.mover.forms.size() + 1;
-      for (std::size_t f = 0; same && f + 1 < forms.size(); ++f)
-        same = forms[f] == e.mover.forms[f].parts.size();
-      require(same && bodies.size() % body_size == 0, "checkpoint '", path,
-              "' has particles of other forms than the simulation; build the scene that wrote it");
+  static void load(Sim& sim, const std::string& path, const AcceptedChanges& accepted = {}) {
+    try {
+      const CheckpointReader in(path);
+      in.require_signature(signature());
+      const detail::CheckpointLoader a(in, path);
+      Staged staged(sim);
+      staged.read(a, path, accepted);
+      staged.put_into(sim, accepted);
+    } catch (const std::bad_alloc&) {
+      throw FileError(text("checkpoint '", path, "' does not fit into memory"));
     }
-    const auto synchronous = in.get<double>("synchronous", counters[4] ? 6 * particles : 0);
-    const auto reference = in.get<double>("reference");
-    const auto outer = in.get<std::uint32_t>("pairs.outer");
-    typename decltype(Engine::Lists::pairs)::State pairs;
-    pairs.origin = in.get<std::uint32_t>("pairs.inner");
-    for (std::size_t h = 0; h < H; ++h)
-      pairs.history[h] = in.get<double>(text("pairs.history", h), pairs.origin.size());
-    typename WallPairs::State state;
-    state.outer = candidates(in.get<std::uint32_t>("walls.outer"));
-    state.inner = candidates(in.get<std::uint32_t>("walls.inner"));
-    state.outer_facets = in.get<std::uint32_t>("walls.outer_facets");
-    state.inner_facets = in.get<std::uint32_t>("walls.inner_facets");
-    state.pieces = in.get<std::uint64_t>("walls.pieces");
-    const auto touching = in.get<std::uint8_t>("walls.touching");
-    const auto normals = in.get<double>("walls.normal", 3 * touching.size());
-    for (std::size_t h = 0; h < H; ++h)
-      state.history[h] = in.get<double>(text("walls.history", h), touching.size());
-    std::vector<std::uint32_t> features(touching.size(), 0);
-    if constexpr (Sim::Engine::convex)
-      features = in.get<std::uint32_t>("walls.feature", touching.size());
-    for (std::size_t k = 0; k < touching.size(); ++k)
-      state.slots.push_back({{normals[3 * k], normals[3 * k + 1], normals[3 * k + 2]},
-                             touching[k] != 0,
-                             features[k]});
-    const auto walls = in.get<double>("walls.state", 23 * surfaces.size());
-    const auto marks = in.get<double>("walls.marks");
-    const auto flows = in.get<double>("openings.flows", outlets + 2 * inlets);
-    std::vector<double> books;
-    if constexpr (Sim::has_ledger) {
-      books = in.get<double>("ledger");
-      require(books.size() >= decltype(sim.book_)::least_size + 3, "checkpoint '", path,
-              "': its ledger is incomplete");
-    }
-    std::vector<std::vector<double>> loads, flow;
-    if constexpr (Sim::Fluid::active) {
-      e.fluid_loads().for_each([&](const char* name, const auto&) {
-        loads.push_back(in.get<double>(name, 4 * particles));
-      });
-      visit_fluid(sim, [&](const std::string& name, auto&& values) {
-        if constexpr (sets_its_length<decltype(values)>)
-          flow.push_back(in.get<double>(name));
-        else
-          flow.push_back(in.get<double>(name, values.size()));
-      });
-    }
-    e.set_coefficients(sim.contacts_);  // throws where a pair of materials lacks its values
-    if constexpr (chooses_search) {
-      const auto choice = in.get<std::uint64_t>("search.choice", 2);
-      detail::finder_of(sim.search_).keep({choice[0], choice[1]});  // throws where there is none
-    }
-
-    sim.time_ = clock[0], sim.dt_ = clock[1], sim.time_origin_ = clock[2];
-    sim.checked_speed_ = clock[3], sim.peak_overlap_ = clock[4];
-    sim.step_ = counters[0], sim.step_origin_ = counters[1];
-    sim.next_id_ = static_cast<std::uint32_t>(counters[2]);
-    sim.continued_ = true;
-    sim.scene_changed_ = counters[8] != 0;
-    sim.first_kick_ = counters[3] != 0, sim.kicked_ = counters[4] != 0;
-    e.safeguards = static_cast<std::uint64_t>(counters[7]);
-    e.lists.upkeep.pruned_at = counters[5], e.lists.upkeep.searched_at = counters[6];
-    e.lists.upkeep.used = upkeep[0], e.lists.upkeep.outer_wall = upkeep[2],
-    e.lists.upkeep.inner_wall = upkeep[3];
-    e.lists.upkeep.plan = {upkeep[4], upkeep[5], upkeep[6], upkeep[7], upkeep[8], upkeep[9]};
-    e.lists.upkeep.restore(outer_reach, inner_reach);
-
-    e.particles.id = id, e.particles.material = material;
-    e.particles.position.resize(n), e.particles.motion.resize(n);
-    copy(position, e.particles.position.data()), copy(motion, e.particles.motion.data());
-    if constexpr (Engine::predicts) {
-      e.particles.derivatives.resize(n);
-      copy(derivatives, e.particles.derivatives.data());
-    }
-    if constexpr (Sim::has_bodies) {
-      e.mover.bodies.resize(particles), copy(bodies, e.mover.bodies.data());
-      e.particles.part.resize(n), copy(parts, e.particles.part.data());
-      sim.next_part_ = static_cast<std::uint32_t>(forms.back());
-      e.mover.number_rows(e.particles);
-    }
-    e.particles.pad();
-    if constexpr (Sim::Fluid::active) {
-      std::size_t next_load = 0, next_part = 0;
-      e.fluid_loads().resize(particles);
-      e.fluid_loads().for_each(
-          [&](const char*, auto& column) { copy(loads[next_load++], column.data()); });
-      visit_fluid(sim, [&](const std::string&, auto&& values) {
-        if constexpr (sets_its_length<decltype(values)>) values.resize(flow[next_part].size());
-        std::copy(flow[next_part].begin(), flow[next_part].end(), values.begin());
-        ++next_part;
-      });
-    }
-    e.mover.synchronous.resize(synchronous.size() / 6),
-        copy(synchronous, e.mover.synchronous.data());
-    e.lists.reference.resize(reference.size() / 3), copy(reference, e.lists.reference.data());
-    for (std::size_t w = 0; w < surfaces.size(); ++w)
-      if (surfaces[w] == 0) e.walls[w].surfaces.clear();
-
-    for (std::size_t k = 0; k + 1 < outer.size(); k += 2)
-      pairs.outer.push_back({outer[k], outer[k + 1]});
-    e.lists.pairs.restore(pairs, n);
-    e.lists.walls.restore(std::move(state), e.walls, n);
-
-    const double* next = walls.data();
-    for (auto& w : e.walls) {
-      take(next, w.pose), take(next, w.last_pose);
-      take(next, w.force), take(next, w.torque), take(next, w.impulse);
-    }
-    next = marks.data();
-    const std::size_t poses = (marks.size() - 12) / 14;
-    for (auto* mark : {&e.lists.searched_walls, &e.lists.pruned_walls}) {
-      Box region;
-      take(next, region.min), take(next, region.max);
-      std::vector<Pose> was(poses);
-      for (auto& pose : was) take(next, pose);
-      mark->restore(std::move(was), region);
-    }
-    std::size_t c = 0, f = 0;
-    for (auto& o : sim.openings_.outlets()) o.count = counts[c++], o.mass = flows[f++];
-    for (auto& i : sim.openings_.inlets()) {
-      i.placed = counts[c], i.waiting = counts[c + 1], i.insertions = counts[c + 2];
-      i.random = Random(Random::State{counts[c + 3], counts[c + 4]});
-      c += 5;
-      i.start = flows[f++], i.interval = flows[f++];
-    }
-    if constexpr (Sim::has_ledger) {
-      const std::size_t last = books.size() - 3;
-      sim.gravity_booked_ = {books[last], books[last + 1], books[last + 2]};
-      books.resize(last);
-      sim.book_.restore(books);
-    }
-    e.particles.restored(clock[5], clock[6]);
-    e.restored(clock[7], clock[8], upkeep[1]);
   }
 
-  /// Which programs can continue from the file: the policies that shape the state.
+  /// Which programs can continue from the file: the policies that shape the state, and what
+  /// contacts remember.
   static std::string signature() {
     return text("silt state 8; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
                 name_of<typename Sim::ContactsType>(), "; search ", name_of<typename Sim::Search>(),
@@ -344,13 +109,13 @@ class Checkpoint {
                 name_of<typename Sim::Precision>(), Sim::has_ledger ? "; ledger" : "",
                 Sim::Fluid::active ? text("; fluid ", name_of<typename Sim::Fluid>()) : "",
                 "; integrator ", name_of<typename Sim::Integrator>(),
-                Sim::has_bodies ? text("; rotation ", name_of<typename Sim::Rotation>()) : "");
+                Sim::has_bodies ? text("; rotation ", name_of<typename Sim::Rotation>()) : "",
+                "; contacts keep ", Engine::history, " numbers");
   }
 
  private:
   template <class T>
   static std::string name_of() {
-#if defined(__GNUC__)
     const std::string_view all = __PRETTY_FUNCTION__;
     const std::size_t from = all.find("T = ") + 4;
     std::string name(all.substr(from, all.find_first_of(";]", from) - from));
@@ -359,61 +124,231 @@ class Checkpoint {
     for (auto at = name.find(target); at != name.npos; at = name.find(target, at))
       name.erase(at, target.size());
     return name;
-#else
-    return typeid(T).name();
-#endif
   }
 
-  /// A part of the fluid's state whose length is not known before.
-  template <class V>
-  static constexpr bool sets_its_length =
-      std::is_same_v<std::remove_cvref_t<V>, std::vector<double>>;
-  /// The fluid's state, which the visitor may change.
-  template <class Visit>
-  static void visit_fluid(const Sim& sim, const Visit& visit) {
-    const_cast<typename Sim::Fluid&>(sim.fluid_).for_each_state(visit);
+  static detail::ClockState clock_of(const Sim& sim) {
+    const Engine& e = sim.engine_;
+    detail::ClockState c;
+    c.time = sim.time_, c.step_length = sim.dt_, c.time_origin = sim.time_origin_;
+    c.checked_speed = sim.checked_speed_, c.peak_overlap = sim.peak_overlap_;
+    c.largest_speed = e.largest_speed, c.largest_overlap = e.largest_overlap;
+    c.largest_share = e.largest_share, c.safeguards = e.safeguards;
+    c.step = sim.step_, c.step_origin = sim.step_origin_;
+    c.next_id = sim.next_id_, c.next_part = sim.next_part_;
+    c.first_kick = sim.first_kick_, c.kicked = sim.kicked_, c.scene_changed = sim.scene_changed_;
+    return c;
   }
 
-  template <class Row>
-  static std::span<const double> doubles(const Row* rows, std::size_t count) {
-    static_assert(sizeof(Row) % sizeof(double) == 0);
-    return {reinterpret_cast<const double*>(rows), count * sizeof(Row) / sizeof(double)};
-  }
-  template <class Row>
-  static void copy(const std::vector<double>& from, Row* to) {
-    std::copy(from.begin(), from.end(), reinterpret_cast<double*>(to));
-  }
-  static void put(std::vector<double>& out, const Vec3d& v) {
-    out.insert(out.end(), {v.x, v.y, v.z});
-  }
-  static void put(std::vector<double>& out, const Pose& p) {
-    out.insert(out.end(), {p.rotation.w, p.rotation.x, p.rotation.y, p.rotation.z});
-    put(out, p.translation);
-  }
-  static void take(const double*& from, Vec3d& v) {
-    v = {from[0], from[1], from[2]};
-    from += 3;
-  }
-  static void take(const double*& from, Pose& p) {
-    p.rotation = {from[0], from[1], from[2], from[3]};
-    from += 4;
-    take(from, p.translation);
-  }
-  static std::vector<std::uint32_t> flat(const std::vector<detail::WallCandidate>& candidates) {
-    std::vector<std::uint32_t> out;
-    for (const auto& c : candidates)
-      out.insert(out.end(),
-                 {c.particle, c.wall, c.surface, c.slot, c.facets, c.facet_count, c.origin});
-    return out;
-  }
-  static std::vector<detail::WallCandidate> candidates(const std::vector<std::uint32_t>& flat) {
-    std::vector<detail::WallCandidate> out;
-    for (std::size_t k = 0; k + 6 < flat.size(); k += 7)
-      out.push_back({flat[k], static_cast<std::uint16_t>(flat[k + 1]),
-                     static_cast<std::uint16_t>(flat[k + 2]), flat[k + 3], flat[k + 4], flat[k + 5],
-                     flat[k + 6]});
-    return out;
-  }
+  struct Nothing {};
+  template <bool Has, class T>
+  using If = std::conditional_t<Has, T, Nothing>;
+
+  /// All that a checkpoint changes, beside the simulation: read and checked first, then put in its
+  /// place by moves alone, which cannot fail.
+  class Staged {
+   public:
+    explicit Staged(const Sim& sim) : sim_(sim), e_(sim.engine_) {
+      if constexpr (Sim::has_ledger) book_ = sim.book_;
+      if constexpr (Sim::Fluid::active) fluid_ = std::make_unique<typename Sim::Fluid>(sim.fluid_);
+    }
+
+    void read(const detail::CheckpointLoader& a, const std::string& path,
+              const AcceptedChanges& accepted) {
+      read_scene(a, path, accepted);
+      clock_.visit(a);
+      detail::check_clock(a, clock_);
+      const std::size_t inlets = sim_.openings_.inlets().size();
+      openings_.visit(a, sim_.openings_.outlets().size(),
+                      accepted.inlets ? detail::CheckpointLoader::any_count : inlets);
+      detail::check_openings(a, openings_, sim_.openings_, clock_, accepted);
+      read_particles(a);
+      read_lists(a, accepted);
+      if constexpr (Sim::has_ledger) read_ledger(a);
+      if constexpr (Sim::Fluid::active) read_fluid(a, path);
+      if constexpr (chooses_search) {
+        const auto choice = a.template column<std::uint64_t>("search.choice", 2);
+        using Finder = std::remove_cvref_t<decltype(detail::finder_of(sim_.search_))>;
+        a.need(choice[0] < Finder::searches, "search.choice[0] = ", choice[0], " is none of ",
+               Finder::searches, " searches");
+        choice_ = {choice[0], choice[1]};
+      }
+    }
+
+    void put_into(Sim& sim, const AcceptedChanges& accepted) noexcept {
+      Engine& e = sim.engine_;
+      sim.time_ = clock_.time, sim.dt_ = clock_.step_length, sim.time_origin_ = clock_.time_origin;
+      // With other materials the time step's limit is another one: it is looked at anew.
+      sim.checked_speed_ = accepted.materials ? 0 : clock_.checked_speed;
+      sim.peak_overlap_ = clock_.peak_overlap, sim.checked_overlap_ = 0;
+      sim.step_ = clock_.step, sim.step_origin_ = clock_.step_origin;
+      sim.next_id_ = clock_.next_id, sim.next_part_ = clock_.next_part;
+      sim.first_kick_ = clock_.first_kick, sim.kicked_ = clock_.kicked, sim.continued_ = true;
+      sim.scene_changed_ = clock_.scene_changed;
+      e.coefficients = std::move(coefficients_);
+      e.safeguards = clock_.safeguards;
+      e.particles = std::move(particles_);
+      e.mover.synchronous = std::move(synchronous_);
+      if constexpr (Sim::has_bodies) {
+        e.mover.bodies = std::move(bodies_), e.mover.rows = std::move(rows_);
+        if constexpr (Sim::Fluid::active) e.mover.fluid = std::move(loads_);
+      }
+      e.lists = std::move(lists_);
+      for (std::size_t w = 0; w < e.walls.size(); ++w) {
+        Wall& wall = e.walls[w];
+        if (walls_.surfaces[w] == 0) wall.surfaces.clear();
+        wall.pose = walls_.pose[w], wall.last_pose = walls_.last_pose[w];
+        wall.force = walls_.force[w], wall.torque = walls_.torque[w];
+        wall.impulse = walls_.impulse[w];
+      }
+      openings_.put(sim.openings_, accepted.inlets, clock_.time);
+      if constexpr (Sim::has_ledger)
+        sim.book_ = std::move(book_), sim.gravity_booked_ = gravity_booked_;
+      if constexpr (Sim::Fluid::active) sim.fluid_ = std::move(*fluid_);
+      if constexpr (chooses_search) detail::finder_of(sim.search_).keep({choice_[0], choice_[1]});
+      e.restored(clock_.largest_speed, clock_.largest_overlap, clock_.largest_share);
+    }
+
+   private:
+    void read_scene(const detail::CheckpointLoader& a, const std::string& path,
+                    const AcceptedChanges& accepted) {
+      coefficients_ = Engine::coefficients_of(sim_.contacts_);  // throws where a pair has no values
+      const std::string written = a.words("scene");
+      a.column("walls.surfaces", walls_.surfaces, detail::CheckpointLoader::any_count);
+      std::vector<bool> removed(e_.walls.size(), false);  // in the file, or in both
+      for (std::size_t w = 0; w < std::min(removed.size(), walls_.surfaces.size()); ++w)
+        removed[w] = walls_.surfaces[w] == 0;
+      const auto scene = detail::describe_scene(sim_, coefficients_, sim_.openings_, removed);
+      const std::string difference = scene.difference(written, accepted);
+      require(difference.empty(), "checkpoint '", path, "' is of another scene: ", difference);
+      walls_.visit(a, e_.walls.size());
+      for (std::size_t w = 0; w < e_.walls.size(); ++w)
+        a.need(walls_.surfaces[w] == 0 || walls_.surfaces[w] == e_.walls[w].surfaces.size(),
+               "wall ", w, " has ", walls_.surfaces[w], " surfaces, the scene's ",
+               e_.walls[w].surfaces.size());
+    }
+
+    void read_particles(const detail::CheckpointLoader& a) {
+      const std::size_t materials =
+          Sim::ContactsType::several_materials ? coefficients_.materials : 1;
+      detail::visit_particles(a, particles_, detail::CheckpointLoader::any_count);
+      detail::check_particles(a, particles_, materials);
+      detail::check_ids(a, Sim::has_bodies ? "part" : "particle", particles_.id,
+                        Sim::has_bodies ? clock_.next_part : clock_.next_id);
+      std::size_t count = particles_.size();
+      if constexpr (Sim::has_bodies) {
+        a.rows("bodies", bodies_, detail::CheckpointLoader::any_count);
+        rows_ = detail::check_bodies(a, bodies_, particles_, e_.mover.forms, materials);
+        count = bodies_.size();
+        std::vector<std::uint32_t> ids;
+        for (const auto& b : bodies_) ids.push_back(b.id);
+        detail::check_ids(a, "body", std::move(ids), clock_.next_id);
+      }
+      a.rows("synchronous", synchronous_, clock_.kicked ? count : 0);
+      for (std::size_t k = 0; k < synchronous_.size(); ++k) {
+        const auto& [velocity, spin] = synchronous_[k];
+        a.need(is_finite(velocity) && is_finite(spin), "synchronous: velocity ", velocity,
+               " m/s and spin of particle ", k, " must be finite");
+      }
+      if constexpr (Sim::Fluid::active) {
+        auto& loads = loads_of_particles();
+        loads.resize(count);
+        detail::visit_loads(a, loads, count);
+        detail::check_loads(a, loads);
+      }
+      particles_.pad();
+      particles_.restored(particles_.largest_radius, particles_.mean_diameter);
+    }
+
+    auto& loads_of_particles() {
+      if constexpr (Sim::has_bodies)
+        return loads_;
+      else
+        return particles_.fluid;
+    }
+
+    void read_lists(const detail::CheckpointLoader& a, const AcceptedChanges& accepted) {
+      auto& upkeep = lists_.upkeep;
+      detail::visit_upkeep(a, upkeep, lists_.reference, detail::CheckpointLoader::any_count);
+      const std::size_t listed = lists_.reference.size();
+      detail::check_upkeep(a, clock_, upkeep, listed, particles_.size());
+      for (std::size_t k = 0; k < listed; ++k)
+        a.need(is_finite(lists_.reference[k]), "lists.reference of row ", k, " must be finite");
+      const bool forgotten = upkeep.searched_at < 0;
+      detail::check_walls(a, walls_, e_.walls, clock_, forgotten, accepted);
+
+      typename decltype(Engine::Lists::pairs)::State pairs;
+      detail::visit_pairs(a, pairs);
+      detail::check_pairs<typename Engine::Scalar>(a, pairs, particles_, listed);
+      typename decltype(Engine::Lists::walls)::State contacts;
+      detail::visit_wall_contacts(a, contacts);
+      lists_.walls.planes_apart = !Engine::State::of_bodies;
+      detail::check_wall_contacts<typename Engine::Scalar>(a, contacts, lists_.walls, e_.walls,
+                                                           listed, forgotten);
+      const std::vector<double> outer(upkeep.outer.begin(), upkeep.outer.end()),
+          inner(upkeep.inner.begin(), upkeep.inner.end());
+      upkeep.restore(outer, inner);
+      lists_.pairs.restore(pairs, listed);
+      lists_.walls.restore(std::move(contacts), e_.walls, listed);
+      lists_.searched_walls.restore(std::move(walls_.marks[0]), walls_.regions[0]);
+      lists_.pruned_walls.restore(std::move(walls_.marks[1]), walls_.regions[1]);
+    }
+
+    void read_ledger(const detail::CheckpointLoader& a) requires(Sim::has_ledger) {
+      auto books = a.template column<double>("ledger");
+      constexpr std::size_t least = decltype(sim_.book_)::least_size + 3;
+      a.need(books.size() >= least && (books.size() - least) % 9 == 0 &&
+                 (books.size() - least) / 9 <= e_.walls.size(),
+             "ledger has ", books.size(), " numbers, which do not fit to ", e_.walls.size(),
+             " walls");
+      const std::size_t last = books.size() - 3;
+      gravity_booked_ = {books[last], books[last + 1], books[last + 2]};
+      books.resize(last);
+      book_.restore(books);
+    }
+
+    void read_fluid(const detail::CheckpointLoader& a,
+                    const std::string& path) requires(Sim::Fluid::active) {
+      try {
+        fluid_->for_each_state([&](const std::string& name, auto&& values) {
+          // A part that is a vector sets its own length.
+          if constexpr (std::is_same_v<std::remove_cvref_t<decltype(values)>,
+                                       std::vector<double>>) {
+            values = a.template column<double>(name);
+            detail::check_fluid_part(a, name, values, *fluid_);
+          } else {
+            const auto read = a.template column<double>(name, values.size());
+            detail::check_fluid_part(a, name, read, *fluid_);
+            std::copy(read.begin(), read.end(), values.begin());
+          }
+        });
+      } catch (const InputError& error) {
+        throw FileError(text("checkpoint '", path, "' is damaged: ", error.what()));
+      }
+      const double ahead = fluid_->time() - clock_.time;
+      const double most = fluid_->last_step_length() * (1 + 1e-9) + clock_.step_length;
+      a.need(fluid_->fluid_steps() == 0 || (ahead > -most && ahead < most),
+             "fluid.clock: the fluid "
+             "is at ",
+             fluid_->time(), " s, the particles at ", clock_.time, " s");
+    }
+
+    const Sim& sim_;
+    const Engine& e_;
+    detail::ClockState clock_;
+    detail::WallsState walls_;
+    detail::OpeningsState openings_;
+    decltype(Engine::coefficients) coefficients_;
+    typename Engine::State particles_;
+    decltype(Engine::Mover::synchronous) synchronous_;
+    std::vector<detail::Body> bodies_;
+    std::vector<std::uint32_t> rows_;
+    std::remove_cvref_t<decltype(std::declval<Engine&>().fluid_loads())> loads_;
+    typename Engine::Lists lists_;
+    [[no_unique_address]] If<Sim::has_ledger, decltype(Sim::book_)> book_;
+    Vec3d gravity_booked_{0, 0, 0};
+    std::unique_ptr<typename Sim::Fluid> fluid_;
+    std::array<std::size_t, 2> choice_{};
+  };
 };
 
 template <class Sim>
@@ -421,8 +356,8 @@ void save_checkpoint(const Sim& sim, const std::string& path) {
   Checkpoint<Sim>::save(sim, path);
 }
 template <class Sim>
-void load_checkpoint(Sim& sim, const std::string& path) {
-  Checkpoint<Sim>::load(sim, path);
+void load_checkpoint(Sim& sim, const std::string& path, const AcceptedChanges& accepted = {}) {
+  Checkpoint<Sim>::load(sim, path, accepted);
 }
 
 }  // namespace silt

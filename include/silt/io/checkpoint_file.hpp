@@ -94,6 +94,7 @@ inline constexpr std::string_view checkpoint_magic = "\x89SILTCP\n";
 inline constexpr std::uint32_t byte_order_mark = 0x01020304;
 inline constexpr std::uint32_t checkpoint_version = 1;
 inline constexpr std::size_t checkpoint_start = 32;  // [bytes] before the table
+inline constexpr std::size_t checkpoint_most_table = std::size_t{1} << 20;  // [bytes]
 
 template <class T>
 void append_bytes(std::string& out, T value) {
@@ -161,8 +162,8 @@ class CheckpointWriter {
   void add_field(Field field) {
     require(!field.name.empty(), "CheckpointWriter: a field's name is empty");
     for (const auto& other : fields_)
-      require(other.name != field.name, "CheckpointWriter: there are two fields named '",
-              field.name, "'; give each its own name");
+      require(other.name != field.name, "CheckpointWriter: there are two fields named ",
+              in_quotes(field.name), "; give each its own name");
     fields_.push_back(std::move(field));
   }
 
@@ -213,13 +214,19 @@ class CheckpointReader {
     const auto parts =
         std::mismatch(signature_.begin(), signature_.end(), expected.begin(), expected.end());
     const auto at = static_cast<std::size_t>(parts.first - signature_.begin());
-    const auto from = [at](std::string_view whole) {
-      return at < whole.size() ? silt::text("'", whole.substr(at, 32), "'")
-                               : std::string("nothing more");
+    // From the beginning of the policy, or what else semicolons part, in which they differ.
+    const std::size_t part = at == 0 ? 0 : std::string_view(expected).rfind(';', at - 1) + 1;
+    const auto from = [&](std::string_view whole) {
+      std::size_t begin = std::min(whole.find_first_not_of(' ', part), at);
+      if (at - begin > 80) begin = at - 40;
+      return in_quotes(whole.substr(begin, whole.find(';', begin) - begin), 120);
     };
-    refuse("belongs to another program: it was written by '", signature_, "', this program is '",
-           expected, "'; they first differ at character ", at + 1, ", where the file has ",
-           from(signature_), " and the program ", from(expected));
+    const auto rest = [&](std::string_view whole) {
+      return at < whole.size() ? in_quotes(whole.substr(at), 32) : std::string("nothing more");
+    };
+    refuse("belongs to another program: it was written by ", from(signature_), ", this program is ",
+           from(expected), "; they first differ at character ", at + 1, ", where the file has ",
+           rest(signature_), " and the program ", rest(expected));
   }
 
   bool has(std::string_view name) const { return find(name) != nullptr; }
@@ -239,6 +246,20 @@ class CheckpointReader {
     if (field.count != count)
       refuse("has ", field.count, " values in its field '", name, "', but ", count, " are needed");
     return get<T>(name);
+  }
+
+  /// The number of values of a field; refuses one of another type.
+  template <class T>
+  std::uint64_t count(std::string_view name) const {
+    return require_field(name, detail::checkpoint_type<T>()).count;
+  }
+  /// Reads a field of exactly `count` values to where there is room for them.
+  template <class T>
+  void read(std::string_view name, T* to, std::size_t count) const {
+    const Field& field = require_field(name, detail::checkpoint_type<T>());
+    if (field.count != count)
+      refuse("has ", field.count, " values in its field '", name, "', but ", count, " are needed");
+    file_.read_at(field.offset, to, count * sizeof(T));
   }
 
   std::string text(std::string_view name) const {
@@ -267,6 +288,7 @@ class CheckpointReader {
   std::uint64_t check_start() {
     size_ = file_.size();
     if (size_ == 0) refuse("is empty");
+    detail::check_size(size_, file_.name());
     char start[detail::checkpoint_start] = {};
     const auto got = static_cast<std::size_t>(std::min<std::uint64_t>(size_, sizeof start));
     file_.read_at(0, start, got);
@@ -309,7 +331,8 @@ class CheckpointReader {
   // A matching checksum does not make the numbers in the table honest: all are checked again.
   void read_table(std::uint64_t table_bytes) {
     const std::uint64_t end = size_ - sizeof(std::uint64_t);
-    if (end < detail::checkpoint_start || table_bytes > end - detail::checkpoint_start)
+    if (end < detail::checkpoint_start || table_bytes > end - detail::checkpoint_start ||
+        table_bytes > detail::checkpoint_most_table)
       refuse_table();
     std::string table(table_bytes, '\0');
     file_.read_at(detail::checkpoint_start, table.data(), table.size());
@@ -339,6 +362,11 @@ class CheckpointReader {
       fields_.push_back(std::move(field));
     }
     if (offset != end || !rest.empty()) refuse_table();
+    std::vector<std::string_view> names;
+    for (const auto& field : fields_) names.push_back(field.name);
+    std::sort(names.begin(), names.end());
+    const auto twice = std::adjacent_find(names.begin(), names.end());
+    if (twice != names.end()) refuse("is damaged: it has two fields named ", in_quotes(*twice));
   }
 
   const Field* find(std::string_view name) const {
@@ -351,7 +379,10 @@ class CheckpointReader {
     const Field* field = find(name);
     if (field == nullptr) {
       std::string names;
-      for (const auto& f : fields_) names += silt::text(names.empty() ? "'" : ", '", f.name, "'");
+      constexpr std::size_t most = 10;
+      for (std::size_t k = 0; k < std::min(fields_.size(), most); ++k)
+        names += silt::text(names.empty() ? "" : ", ", in_quotes(fields_[k].name));
+      if (fields_.size() > most) names += silt::text(" and ", fields_.size() - most, " more");
       refuse("has no field '", name, "'; it has ", names.empty() ? "none at all" : names);
     }
     if (field->type != type)

@@ -1,8 +1,11 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <initializer_list>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -31,7 +34,8 @@ class CsvTable {
 
   /// Goes on with a table after a restart: keeps the rows whose first number is at most `limit`
   /// (the time of the restart), and drops later ones and a last row that a kill left incomplete.
-  /// Where there is no file it begins a new one.
+  /// Where there is no file it begins a new one. The first numbers of the rows must be finite and
+  /// must not decrease, as times do: which rows to keep could not be told otherwise.
   static CsvTable resume(const std::string& path, const std::vector<std::string>& columns,
                          double limit) {
     std::string content = header(path, columns);
@@ -77,11 +81,14 @@ class CsvTable {
     for (std::size_t k = 0; k < columns.size(); ++k) {
       const auto& name = columns[k];
       require(!name.empty(), "CsvTable '", path, "': the name of column ", k, " is empty");
-      require(name.find_first_of(",\"\n\r") == std::string::npos, "CsvTable '", path,
-              "': the column name '", name, "' must not contain commas, quotes or line ends");
+      require(name.find_first_of(",\"") == std::string::npos &&
+                  std::none_of(name.begin(), name.end(),
+                               [](unsigned char c) { return c < 32 || c == 127; }),
+              "CsvTable '", path, "': the column name ", in_quotes(name),
+              " must not contain commas, quotes or control characters");
       for (std::size_t other = 0; other < k; ++other)
-        require(columns[other] != name, "CsvTable '", path, "': there are two columns named '",
-                name, "'");
+        require(columns[other] != name, "CsvTable '", path, "': there are two columns named ",
+                in_quotes(name));
       if (k > 0) line += ',';
       line += name;
     }
@@ -90,18 +97,26 @@ class CsvTable {
 
   static std::string rows_up_to(const std::string& path, std::string_view header_line,
                                 std::size_t columns, double limit) {
-    const std::string content = detail::read_file(path);
+    const std::string content = detail::read_text(path);
     std::string_view rest = content;
     if (!rest.starts_with(header_line))
-      throw FileError(text("table '", path, "' cannot be continued: its first line is '",
-                           rest.substr(0, rest.find('\n')), "', but the columns are '",
-                           header_line.substr(0, header_line.size() - 1), "'"));
+      throw FileError(text("table '", path, "' cannot be continued: its first line is ",
+                           in_quotes(rest.substr(0, rest.find('\n'))), ", but the columns are ",
+                           in_quotes(header_line.substr(0, header_line.size() - 1))));
     rest.remove_prefix(header_line.size());
     std::string kept;
     std::size_t line = 2;
+    double before = -std::numeric_limits<double>::infinity();
     for (std::size_t end; (end = rest.find('\n')) != std::string_view::npos; ++line) {
-      if (first_number(path, line, rest.substr(0, end), columns) <= limit)
-        kept += rest.substr(0, end + 1);
+      const double first = first_number(path, line, rest.substr(0, end), columns);
+      if (!std::isfinite(first) || first < before)
+        throw FileError(text("table '", path, "' line ", line, " begins with ", first,
+                             std::isfinite(first)
+                                 ? text(", less than the ", before, " of the line above")
+                                 : std::string(", which is no time"),
+                             "; mend or remove the table"));
+      if (first <= limit) kept += rest.substr(0, end + 1);
+      before = first;
       rest.remove_prefix(end + 1);
     }
     return kept;
@@ -118,7 +133,7 @@ class CsvTable {
       const bool last = k + 1 == columns;
       if (error != std::errc{} || (last ? after != end : after == end || *after != ','))
         throw FileError(text("table '", path, "' line ", line, " is not ", columns,
-                             " numbers with commas between: '", row, "'"));
+                             " numbers with commas between: ", in_quotes(row)));
       if (k == 0) first = number;
       at = after + (last ? 0 : 1);
     }

@@ -75,12 +75,17 @@ VtkArray vtk_array(std::string_view name, std::span<const T> values) {
 }
 
 /// A string that may stand between quotes in XML as it is.
+inline bool is_plain(std::string_view word) {
+  for (const char c : word)
+    if (std::string_view("\"'<>&").find(c) != std::string_view::npos ||
+        static_cast<unsigned char>(c) < ' ')
+      return false;
+  return !word.empty();
+}
 inline void require_plain(std::string_view what, std::string_view word) {
   require(!word.empty(), what, " is empty");
-  for (const char c : word)
-    require(std::string_view("\"'<>&").find(c) == std::string_view::npos &&
-                static_cast<unsigned char>(c) >= ' ',
-            what, " '", word, "' must not contain quotes, <, >, & or control characters");
+  require(is_plain(word), what, " ", in_quotes(word),
+          " must not contain quotes, <, >, & or control characters");
 }
 
 /// An XML element of a VTK file that holds arrays.
@@ -153,8 +158,8 @@ class VtkFields {
   VtkFields& add(std::string_view name, Values&& values) {
     detail::require_plain("VtkFields: a field's name", name);
     for (const auto& other : arrays_)
-      require(other.name != name, "VtkFields: there are two fields named '", name,
-              "'; give each its own name");
+      require(other.name != name, "VtkFields: there are two fields named ", in_quotes(name),
+              "; give each its own name");
     arrays_.push_back(detail::vtk_array(name, detail::lasting_view(std::forward<Values>(values))));
     return *this;
   }
@@ -162,8 +167,8 @@ class VtkFields {
   /// The arrays; InputError unless each has one entry a point.
   std::span<const detail::VtkArray> arrays_for(const std::string& path, std::size_t points) const {
     for (const auto& array : arrays_)
-      require(array.tuples == points, "VTK file '", path, "': field '", array.name, "' has ",
-              array.tuples, " entries, but there are ", points, " points");
+      require(array.tuples == points, "VTK file '", path, "': field ", in_quotes(array.name),
+              " has ", array.tuples, " entries, but there are ", points, " points");
     return arrays_;
   }
 
@@ -277,7 +282,7 @@ class VtkSeries {
   }
 
   [[gnu::cold]] void read(double until) {
-    const std::string content = detail::read_file(path_);
+    const std::string content = detail::read_text(path_);
     std::string_view rest = content;
     const auto skip = [&](std::string_view word) {
       const bool there = rest.starts_with(word);
@@ -291,15 +296,17 @@ class VtkSeries {
                              " on; remove it, or give the run another folder or name"));
     };
     expect(skip(head_));
+    double last = -std::numeric_limits<double>::infinity();  // [s] frames follow in time
     while (skip(before_time_)) {
       Frame frame{};
       const auto number = std::from_chars(rest.data(), rest.data() + rest.size(), frame.time);
-      expect(number.ec == std::errc{});
+      expect(number.ec == std::errc{} && std::isfinite(frame.time) && frame.time >= last);
+      last = frame.time;
       rest.remove_prefix(static_cast<std::size_t>(number.ptr - rest.data()));
       expect(skip(before_file_));
       frame.file = rest.substr(0, rest.find('"'));
       rest.remove_prefix(frame.file.size());
-      expect(skip(after_file_));
+      expect(detail::is_plain(frame.file) && skip(after_file_));
       if (frame.time <= until) frames_.push_back(std::move(frame));
     }
     expect(skip(tail_) && rest.empty());

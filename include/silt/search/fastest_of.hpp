@@ -118,6 +118,7 @@ class FastestOf {
     detail::sort_pairs(pairs, n, team);
   }
 
+  static constexpr std::size_t searches = sizeof...(Finders);
   const Choice& choice() const { return choice_; }
   void keep(const Choice& choice) {
     require(choice.finder < sizeof...(Finders), "FastestOf: there is no search ", choice.finder);

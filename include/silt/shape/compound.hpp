@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include <silt/shape/dilated_moments.hpp>
@@ -49,6 +50,22 @@ struct Compound {
     require(!mass || (mass->volume > 0 && mass->inertia.x > 0 && mass->inertia.y > 0 &&
                       mass->inertia.z > 0),
             "Compound: the volume and the principal moments of its mass must be greater than 0");
+  }
+
+  /// What the form is made of: visit(name, number), for one to be told from another (checkpoints).
+  template <class Visit>
+  void describe(const Visit& visit) const {
+    visit("parts", static_cast<double>(parts.size()));
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      const auto of_part = [&](const std::string& name, const auto& value) {
+        visit(text("part ", k, ": ", name), value);
+      };
+      parts[k].shape.describe(of_part);
+      const Quaternion& q = parts[k].axes;
+      of_part("centre x [m]", parts[k].centre.x), of_part("centre y [m]", parts[k].centre.y);
+      of_part("centre z [m]", parts[k].centre.z), of_part("axes w", q.w), of_part("axes x", q.x);
+      of_part("axes y", q.y), of_part("axes z", q.z);
+    }
   }
 
   MassProperties mass_properties() const {

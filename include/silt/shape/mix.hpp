@@ -126,6 +126,16 @@ struct Mix {
         shape);
   }
   std::size_t kind() const { return shape.index(); }  // which of Shapes
+  /// What the form is made of: visit(name, number), for one to be told from another (checkpoints).
+  template <class Visit>
+  void describe(const Visit& visit) const {
+    visit("shape", static_cast<double>(kind()));
+    std::visit(
+        [&](const auto& form) {
+          if constexpr (requires { form.describe(visit); }) form.describe(visit);
+        },
+        shape);
+  }
   /// A Sphere has none of its own.
   bool has_size() const {
     return std::visit(

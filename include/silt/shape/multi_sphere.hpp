@@ -5,8 +5,8 @@
 #include <charconv>
 #include <cmath>
 #include <optional>
-#include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <silt/io/atomic_file.hpp>
@@ -67,6 +67,15 @@ struct MultiSphere {
     return mass ? *mass : silt::mass_properties(moments_of_union(balls));
   }
   std::vector<Ball> parts() const { return balls; }
+  /// What the form is made of: visit(name, number), for one to be told from another (checkpoints).
+  template <class Visit>
+  void describe(const Visit& visit) const {
+    std::vector<Vec3d> centres, radii;
+    for (const Ball& b : balls) centres.push_back(b.centre), radii.push_back({b.radius, 0, 0});
+    visit("balls", static_cast<double>(balls.size()));
+    visit("centres", std::span<const Vec3d>(centres));
+    visit("radii", std::span<const Vec3d>(radii));
+  }
 };
 
 static_assert(BodyShape<MultiSphere>);
@@ -77,24 +86,29 @@ static_assert(BodyShape<MultiSphere>);
 /// InputError as MultiSphere::check.
 inline MultiSphere read_multi_sphere(const std::string& path, double scale = 1) {
   require_positive("read_multi_sphere: scale", scale, "m");
-  std::istringstream lines(detail::read_file(path));
+  const std::string content = detail::read_text(path);
+  std::string_view rest = content;
   MultiSphere form;
-  std::string line;
-  for (std::size_t number = 1; std::getline(lines, line); ++number) {
-    std::istringstream words(line.substr(0, line.find('#')));
-    std::vector<std::string> found;
-    for (std::string word; words >> word;) found.push_back(word);
-    if (found.empty()) continue;
+  for (std::size_t number = 1; !rest.empty(); ++number) {
+    const std::string_view line = rest.substr(0, rest.find('\n'));
+    rest.remove_prefix(std::min(line.size() + 1, rest.size()));
     double values[4] = {};
-    bool good = found.size() == 4;
-    for (std::size_t k = 0; k < 4 && good; ++k) {
-      const char *const begin = found[k].data(), *const end = begin + found[k].size();
-      const auto [stop, error] = std::from_chars(begin, end, values[k]);
-      good = error == std::errc{} && stop == end;
+    std::size_t found = 0;
+    bool good = true;
+    constexpr std::string_view blank = " \t\r\v\f";
+    std::string_view words = line.substr(0, line.find('#'));
+    for (std::size_t at; good && (at = words.find_first_not_of(blank)) != words.npos; ++found) {
+      words.remove_prefix(at);
+      const auto word = words.substr(0, words.find_first_of(blank));
+      words.remove_prefix(word.size());
+      const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(),
+                                                 values[std::min<std::size_t>(found, 3)]);
+      good = error == std::errc{} && stop == word.data() + word.size();
     }
-    if (!good)
-      throw FileError(text("multi-sphere file '", path, "', line ", number, ": '", line,
-                           "' is not four numbers x y z r"));
+    if (good && found == 0) continue;
+    if (!good || found != 4)
+      throw FileError(text("multi-sphere file '", path, "', line ", number, ": ", in_quotes(line),
+                           " is not four numbers x y z r"));
     form.balls.push_back(
         {{values[0] * scale, values[1] * scale, values[2] * scale}, values[3] * scale});
     try {

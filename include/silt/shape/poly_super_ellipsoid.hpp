@@ -57,6 +57,14 @@ struct PolySuperEllipsoid {
   Vec3d support(const Vec3d& n) const { return octant(n).support(n); }
 
   double volume() const { return moment(0, 0, 0); }  // [m3]
+  /// What the form is made of: visit(name, number), for one to be told from another (checkpoints).
+  template <class Visit>
+  void describe(const Visit& visit) const {
+    visit("semi-axis towards +x [m]", plus.x), visit("semi-axis towards +y [m]", plus.y);
+    visit("semi-axis towards +z [m]", plus.z), visit("semi-axis towards -x [m]", minus.x);
+    visit("semi-axis towards -y [m]", minus.y), visit("semi-axis towards -z [m]", minus.z);
+    visit("exponent s1", s1), visit("exponent s2", s2), visit("face_rounding", face_rounding);
+  }
   /// About the shape's origin, by (1).
   Moments moments() const {
     return {volume(),

@@ -76,6 +76,13 @@ class Polyhedron {
   }
 
   void check() const {}  // it was when it was made
+  /// What the form is made of: visit(name, number), for one to be told from another (checkpoints).
+  template <class Visit>
+  void describe(const Visit& visit) const {
+    visit("corners", static_cast<double>(vertices_.size()));
+    visit("faces", static_cast<double>(faces_.size())), visit("dilation [m]", radius_);
+    visit("corners", std::span<const Vec3d>(vertices_));
+  }
   MassProperties mass_properties() const;
   /// In the principal frame.
   std::vector<SolidPart<Kinds>> solids(const MassProperties& mass) const;

@@ -53,6 +53,12 @@ struct SuperEllipsoid {
   }
 
   double smallest_axis() const { return std::min({a, b, c}); }
+  /// What the form is made of: visit(name, number), for one to be told from another (checkpoints).
+  template <class Visit>
+  void describe(const Visit& visit) const {
+    visit("semi-axis a [m]", a), visit("semi-axis b [m]", b), visit("semi-axis c [m]", c);
+    visit("exponent s1", s1), visit("exponent s2", s2), visit("face_rounding", face_rounding);
+  }
 
   // ---- the surface ------------------------------------------------------------------------------
 

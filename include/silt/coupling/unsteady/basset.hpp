@@ -157,17 +157,27 @@ class BassetHistory {
     return all;
   }
   void restore(std::span<const double> all) {
+    constexpr std::size_t of_young = 10;
     const std::size_t of_rows = rows() * size_;
-    require(!all.empty() && all.size() == 1 + of_rows + 10 * static_cast<std::size_t>(all[0]),
-            "BassetHistory: a state of ", all.size(), " numbers does not fit to ", size_,
+    const bool whole = !all.empty() && all.size() > of_rows &&
+                       all[0] == static_cast<double>((all.size() - 1 - of_rows) / of_young) &&
+                       (all.size() - 1 - of_rows) % of_young == 0;
+    require(whole, "BassetHistory: a state of ", all.size(), " numbers does not fit to ", size_,
             " particles and a window of ", kernel_.steps, " steps");
     const double* next = all.data() + 1;
+    for (const double* young = next + of_rows; young < all.data() + all.size(); young += of_young)
+      require(young[0] >= 0 && young[0] < static_cast<double>(size_) &&
+                  young[0] == std::floor(young[0]) && young[1] >= 0 &&
+                  young[1] < static_cast<double>(kernel_.steps) && young[1] == std::floor(young[1]) &&
+                  young[9] > 0 && young[9] <= 1,
+              "BassetHistory: a state with particle ", young[0], " of ", size_, ", new since ",
+              young[1], " of ", kernel_.steps, " steps, the first ", young[9], " of a step long");
     head_ = 0;
     for (std::size_t r = 0; r < rows(); ++r, next += size_)
       std::transform(next, next + size_, &values_[r * stride_],
                      [](double v) { return static_cast<Scalar>(v); });
     young_.clear();
-    for (const double* end = all.data() + all.size(); next < end; next += 10)
+    for (const double* end = all.data() + all.size(); next < end; next += of_young)
       young_.push_back({static_cast<std::size_t>(next[0]),
                         static_cast<std::size_t>(next[1]),
                         {next[2], next[3], next[4]},

@@ -81,8 +81,7 @@ class HistoryForce {
     for (std::size_t p = 0; p < id.size(); ++p) {
       slot_[p] = 0;
       if (std::isnan(slip[p].x)) continue;
-      if (id[p] >= slot_of_.size()) slot_of_.resize(id[p] + std::size_t{1}, none);
-      std::uint32_t& slot = slot_of_[id[p]];
+      std::uint32_t& slot = slot_of_.at(id[p]);
       if (slot == none) {
         slot = static_cast<std::uint32_t>(owner_.size());
         owner_.push_back(id[p]), last_.push_back(slip[p]);
@@ -115,15 +114,29 @@ class HistoryForce {
     history_.reset(), owner_.clear(), last_.clear(), slot_of_.clear(), slot_.clear();
     first_ = 0;
     if (all.empty()) return;
-    const auto n = all.size() > 2 ? static_cast<std::size_t>(all[2]) : 0;
-    require(all.size() > 2 && all.size() >= 3 + 4 * n + (all[1] > 0 ? 1 : 0),
+    require(all.size() > 2 && all[2] >= 0 && 3 + 4 * all[2] <= static_cast<double>(all.size()) &&
+                all[2] == std::floor(all[2]),
             "HistoryForce: its state in the checkpoint is not complete");
+    require(std::isfinite(all[0]) && all[0] > 0 && std::isfinite(all[1]) && all[1] >= 0,
+            "HistoryForce: its state is of steps of ", all[0], " and ", all[1], " s");
+    const auto n = static_cast<std::size_t>(all[2]);
+    require((all[1] > 0) == (all.size() > 3 + 4 * n),
+            "HistoryForce: its state in the checkpoint is not complete");
+    std::vector<double> owners;
+    for (std::size_t k = 0; k < n; ++k) {
+      const double id = all[3 + 4 * k];
+      require(id >= 0 && id < static_cast<double>(none) && id == std::floor(id),
+              "HistoryForce: its state is of particle ", id);
+      owners.push_back(id);
+    }
+    std::sort(owners.begin(), owners.end());
+    require(std::adjacent_find(owners.begin(), owners.end()) == owners.end(),
+            "HistoryForce: its state has a particle twice");
     first_ = all[0];
     for (std::size_t k = 0; k < n; ++k) {
       const double* of = &all[3 + 4 * k];
       owner_.push_back(static_cast<std::uint32_t>(of[0])), last_.push_back({of[1], of[2], of[3]});
-      if (owner_[k] >= slot_of_.size()) slot_of_.resize(owner_[k] + std::size_t{1}, none);
-      slot_of_[owner_[k]] = static_cast<std::uint32_t>(k);
+      slot_of_.at(owner_[k]) = static_cast<std::uint32_t>(k);
     }
     if (!(all[1] > 0)) return;
     history_.emplace(BassetKernel(all[1], window_), n);
@@ -133,6 +146,27 @@ class HistoryForce {
  private:
   static constexpr std::uint32_t none = ~0u;
 
+  /// A number for each id, in pages: of those that are in use alone, so that a high id costs no
+  /// more memory than a low one.
+  class Slots {
+   public:
+    std::uint32_t& at(std::uint32_t id) {
+      const std::size_t p = id / page;
+      if (p >= pages_.size()) pages_.resize(p + 1);
+      if (pages_[p].empty()) pages_[p].assign(page, none);
+      return pages_[p][id % page];
+    }
+    std::uint32_t find(std::uint32_t id) const {
+      const std::size_t p = id / page;
+      return p < pages_.size() && !pages_[p].empty() ? pages_[p][id % page] : none;
+    }
+    void clear() { pages_.clear(); }
+
+   private:
+    static constexpr std::uint32_t page = 1 << 16;
+    std::vector<std::vector<std::uint32_t>> pages_;
+  };
+
   static double factor(const InFluid& at) {
     return basset_coefficient(at.diameter, at.density, at.viscosity);
   }
@@ -140,16 +174,16 @@ class HistoryForce {
   void forget_those_not_in(std::span<const std::uint32_t> id, std::span<const Vec3d> slip) {
     here_.assign(owner_.size(), 0);
     for (std::size_t p = 0; p < id.size(); ++p)
-      if (id[p] < slot_of_.size() && slot_of_[id[p]] != none && !std::isnan(slip[p].x))
-        here_[slot_of_[id[p]]] = 1;
+      if (const std::uint32_t slot = slot_of_.find(id[p]); slot != none && !std::isnan(slip[p].x))
+        here_[slot] = 1;
     std::size_t n = owner_.size();
     for (std::size_t k = n; k-- > 0;) {
       if (here_[k]) continue;
-      slot_of_[owner_[k]] = none;
+      slot_of_.at(owner_[k]) = none;
       if (k != --n) {
         if (history_) history_->copy(n, k);
         owner_[k] = owner_[n], last_[k] = last_[n],
-        slot_of_[owner_[k]] = static_cast<std::uint32_t>(k);
+        slot_of_.at(owner_[k]) = static_cast<std::uint32_t>(k);
       }
     }
     owner_.resize(n), last_.resize(n);
@@ -159,9 +193,10 @@ class HistoryForce {
   std::size_t window_;  // [fluid steps]
   double first_ = 0;    // [s] the first fluid step; 0: none yet
   std::optional<BassetHistory<>> history_;
-  std::vector<std::uint32_t> owner_, slot_of_;  // id of a place in the history; the opposite
-  std::vector<Vec3d> last_;                     // [m/s] slip of each place, a step ago
-  std::vector<std::uint32_t> slot_;             // of each particle of this step
+  std::vector<std::uint32_t> owner_;  // id of a place in the history
+  Slots slot_of_;                     // the opposite
+  std::vector<Vec3d> last_;           // [m/s] slip of each place, a step ago
+  std::vector<std::uint32_t> slot_;   // of each particle of this step
   std::vector<char> here_;
 };
 

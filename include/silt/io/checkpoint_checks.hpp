@@ -1,0 +1,381 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <silt/io/checkpoint_parts.hpp>
+
+/// How the numbers of a checkpoint must fit to each other and to the scene, so that nothing that is
+/// loaded reads or writes beyond an array, and all of it is a state that a run can reach. Each
+/// throws FileError by CheckpointLoader::need. Tests: tests/io/fuzz_checkpoint.cpp (every field,
+/// forged).
+
+namespace silt::inline SILT_TARGET::detail {
+
+inline bool is_finite(const Pose& p) {
+  const Quaternion& q = p.rotation;
+  return silt::is_finite(p.translation) && std::isfinite(q.w + q.x + q.y + q.z);
+}
+/// Of unit length: to what many small turns leave of it.
+inline bool is_unit(const Quaternion& q) {
+  return std::abs(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1) < 1e-6;
+}
+/// Equal but for `part` of the larger, by default what rounding makes of a few products.
+inline bool is_near(double a, double b, double part = 1e-9) {
+  return std::abs(a - b) <= part * std::max(std::abs(a), std::abs(b));
+}
+
+inline void check_clock(const CheckpointLoader& a, const ClockState& c) {
+  a.need(c.step_origin <= c.step, "clock.step_origin = ", c.step_origin,
+         " is after clock.step = ", c.step);
+  const double since = static_cast<double>(c.step - c.step_origin) * c.step_length;
+  a.need(is_near(c.time, c.time_origin + since), "clock.time = ", c.time, " s is not that of ",
+         c.step - c.step_origin, " steps of ", c.step_length, " s since ", c.time_origin, " s");
+  a.need(c.step_length > 0 || (c.step == 0 && !c.kicked), "clock.step_length = 0 after ", c.step,
+         " steps");
+  a.need(!c.first_kick || (c.step == 0 && !c.kicked),
+         "clock.first_kick is 1, but there was a first step");
+  a.need(c.first_kick || c.kicked || c.step > 0, "clock.first_kick is 0 before the first step");
+}
+
+template <class Upkeep>
+void check_upkeep(const CheckpointLoader& a, const ClockState& c, const Upkeep& u,
+                  std::size_t listed, std::size_t rows) {
+  a.need(u.searched_at <= u.pruned_at && u.pruned_at <= c.step &&
+             (u.searched_at >= 0) == (u.pruned_at >= 0),
+         "lists.searched_at = ", u.searched_at, " and lists.pruned_at = ", u.pruned_at,
+         " do not fit to step ", c.step);
+  a.need(u.plan.least_outer <= u.plan.most_outer && u.plan.least_inner <= u.plan.most_inner,
+         "lists.least_outer or lists.least_inner is larger than its largest value");
+  a.need(listed <= rows && (u.searched_at < 0 || listed == rows), "the lists are of ", listed,
+         " rows, but there are ", rows);
+  a.check("lists.outer_reach", u.outer, not_negative_number);
+  a.check("lists.inner_reach", u.inner, not_negative_number);
+}
+
+/// Ids are unique and below the next one; returns how many have one.
+template <class Ids>
+std::size_t check_ids(const CheckpointLoader& a, const char* what, Ids ids, std::uint32_t next) {
+  std::sort(ids.begin(), ids.end());
+  const auto end = std::lower_bound(ids.begin(), ids.end(), no_particle);
+  const auto twice = std::adjacent_find(ids.begin(), end);
+  a.need(twice == end, "two ", what, " have the id ", twice == end ? 0 : *twice);
+  a.need(end == ids.begin() || *(end - 1) < next, "a ", what, " has the id ",
+         end == ids.begin() ? 0 : *(end - 1), ", but the next one to be given is ", next);
+  return static_cast<std::size_t>(end - ids.begin());
+}
+
+template <class State>
+void check_particles(const CheckpointLoader& a, const State& p, std::size_t materials) {
+  constexpr auto most = std::numeric_limits<float>::max();
+  double largest = 0, sum = 0;
+  bool parked = false;
+  for (std::size_t k = 0; k < p.size(); ++k) {
+    const PositionRow& row = p.position[k];
+    const auto& m = p.motion[k];
+    a.need(silt::is_finite(m.velocity()) && std::isfinite(m.inv_m) && m.inv_m >= 0,
+           "motion of row ", k, ": velocity ", Vec3d{m.vx, m.vy, m.vz}, " m/s and inverse mass ",
+           m.inv_m, " 1/kg must be finite, and that not negative");
+    if constexpr (requires { m.inv_r; })
+      a.need(std::isfinite(m.wx + m.wy + m.wz) && std::isfinite(m.inv_r), "motion of row ", k,
+             ": its spin must be finite");
+    if constexpr (State::single)
+      a.need(norm(m.velocity()) <= most && m.inv_m <= most, "motion of row ", k,
+             " must be below 3.4e38");
+    if constexpr (State::several)
+      a.need(p.material[k] < materials, "material[", k, "] = ", p.material[k], " is none of the ",
+             materials, " materials");
+    if constexpr (State::derivative_rows > 0) {
+      const auto& d = p.derivatives[k].row;
+      for (std::size_t r = 0; r < State::derivative_rows && !std::isnan(d[0][0]); ++r)
+        a.need(std::isfinite(d[r][0] + d[r][1] + d[r][2] + d[r][3]), "derivatives of row ", k,
+               " must be finite");
+    }
+    if (p.is_parked(k)) {
+      parked = true;
+      a.need(row.r == 0, "row ", k, " has left, but has a radius of ", row.r, " m");
+      continue;
+    }
+    a.need(silt::is_finite(row.centre()) && std::isfinite(row.r) && row.r > 0, "position of row ",
+           k, ": ", row.centre(), " m and radius ", row.r,
+           " m must be finite, and that greater than 0");
+    if constexpr (requires { m.inv_r; })
+      a.need(is_near(m.inv_r * row.r, 1), "motion of row ", k, ": 1/radius = ", m.inv_r,
+             " 1/m, but the radius is ", row.r, " m");
+    largest = std::max(largest, row.r), sum += 2 * row.r;
+  }
+  // As measured when particles came or went: those that have left since are still in it.
+  const double mean = p.size() > 0 ? sum / static_cast<double>(p.size()) : 0;
+  a.need(parked ? p.largest_radius >= largest : p.largest_radius == largest,
+         "largest.radius = ", p.largest_radius, " m, but that of the particles is ", largest, " m");
+  a.need(parked ? p.mean_diameter <= 2 * p.largest_radius * (1 + 1e-9)
+                : is_near(p.mean_diameter, mean),
+         "mean_diameter = ", p.mean_diameter, " m, but that of the particles is ", mean, " m");
+}
+
+/// Returns the rows of each body's parts, as BodyMotion numbers them.
+template <class State, class Forms>
+std::vector<std::uint32_t> check_bodies(const CheckpointLoader& a, const std::vector<Body>& bodies,
+                                        const State& p, const Forms& forms, std::size_t materials) {
+  std::size_t first = 0;
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    const Body& b = bodies[k];
+    a.need(b.form < forms.size(), "body ", k, " has form ", b.form, " of ", forms.size());
+    const auto& form = forms[b.form];
+    a.need(b.material < materials, "body ", k, " has material ", b.material, " of ", materials);
+    a.need(b.first == first, "body ", k, " begins at part ", b.first, ", not at ", first);
+    a.need(silt::is_finite(b.centre) && silt::is_finite(b.velocity) && silt::is_finite(b.momentum),
+           "body ", k, ": its place ", b.centre, " m, velocity ", b.velocity,
+           " m/s and angular momentum ", b.momentum, " kg m2/s must be finite");
+    a.need(is_unit(b.orientation), "body ", k, ": its orientation is no unit quaternion");
+    a.need(std::isfinite(b.scale) && b.scale > 0 && is_near(b.radius, b.scale * form.radius),
+           "body ", k, ": radius ", b.radius, " m and scale ", b.scale, " do not fit to form ",
+           b.form, " of ", form.radius, " m");
+    const Vec3d& I = b.inertia;
+    a.need(silt::is_finite(I) && std::min({I.x, I.y, I.z}) > 0 && std::isfinite(b.inv_m) &&
+               b.inv_m >= 0,
+           "body ", k, ": inertia ", I, " kg m2 and inverse mass ", b.inv_m,
+           " 1/kg must be finite, and not negative");
+    const double per_mass = b.scale * b.scale / form.mass.volume;  // [1/m3]
+    const Vec3d& J = form.mass.inertia;
+    a.need(b.inv_m == 0 || (is_near(I.x * b.inv_m, J.x * per_mass, 1e-6) &&
+                            is_near(I.y * b.inv_m, J.y * per_mass, 1e-6) &&
+                            is_near(I.z * b.inv_m, J.z * per_mass, 1e-6)),
+           "body ", k, ": inertia ", I, " kg m2 does not fit to its form and mass");
+    first += form.parts.size();
+  }
+  a.need(first == p.size(), "bodies have ", first, " parts, but there are ", p.size(), " rows");
+  std::vector<std::uint32_t> rows(first, no_particle);
+  for (std::size_t r = 0; r < p.size(); ++r) {
+    const PartRow& part = p.part[r];
+    a.need(part.body < bodies.size() && part.local < forms[bodies[part.body].form].parts.size(),
+           "row ", r, " is part ", part.local, " of body ", part.body, ", which is not there");
+    const Body& b = bodies[part.body];
+    std::uint32_t& place = rows[b.first + part.local];
+    a.need(place == no_particle, "rows ", place, " and ", r, " are one part of body ", part.body);
+    place = static_cast<std::uint32_t>(r);
+    a.need(p.is_parked(r) == (b.id == no_particle), "row ", r,
+           " and its body do not agree whether they have left");
+    if (p.is_parked(r)) continue;
+    const auto& ball = forms[b.form].parts[part.local];
+    a.need(is_near(p.position[r].r, b.scale * ball.radius), "row ", r, " has the radius ",
+           p.position[r].r, " m, but as a part of its body ", b.scale * ball.radius, " m");
+    const Vec3d at = b.centre + rotate(b.orientation, b.scale * ball.centre) + part.image;
+    const double size = b.radius + norm(b.centre) + norm(part.image);
+    a.need(norm(p.position[r].centre() - at) <= 1e-6 * size, "row ", r, " is at ",
+           p.position[r].centre(), " m, but as a part of its body at ", at, " m");
+    a.need(p.motion[r].inv_m == b.inv_m, "row ", r, " has another mass than its body");
+    if constexpr (State::several)
+      a.need(p.material[r] == b.material, "row ", r, " has another material than its body");
+  }
+  return rows;
+}
+
+/// `listed`: how many rows the lists are of.
+template <class Scalar, class Pairs, class State>
+void check_pairs(const CheckpointLoader& a, const Pairs& pairs, const State& p,
+                 std::size_t listed) {
+  const auto left = [&](std::uint32_t row) { return p.id[row] == no_particle; };
+  const PairGroups groups(listed);
+  std::vector<std::uint32_t> begin(listed + 1, 0);  // pairs of each row, for those given twice
+  std::size_t group = 0;
+  for (std::size_t k = 0; k < pairs.outer.size(); ++k) {
+    const auto [i, j] = pairs.outer[k];
+    a.need(i < listed && j < listed && i != j, "pairs.outer[", k, "] is of rows ", i, " and ", j,
+           " of ", listed);
+    const std::size_t now = groups.of(i, j);
+    a.need(now >= group, "pairs.outer[", k, "] is not in its group");
+    group = now;
+    ++begin[std::min(i, j) + 1];
+    if (left(i) || left(j)) continue;
+    a.need(p.id[i] < p.id[j], "pairs.outer[", k, "] has the higher id first");
+    a.need(p.motion[i].inv_m > 0 || p.motion[j].inv_m > 0, "pairs.outer[", k,
+           "] is of two fixed particles");
+    if constexpr (State::of_bodies)
+      a.need(p.part[i].body != p.part[j].body, "pairs.outer[", k, "] is of one body");
+  }
+  for (std::size_t r = 0; r < listed; ++r) begin[r + 1] += begin[r];
+  std::vector<std::uint32_t> partner(pairs.outer.size()), next(begin.begin(), begin.end());
+  for (const auto [i, j] : pairs.outer) partner[next[std::min(i, j)]++] = std::max(i, j);
+  for (std::size_t r = 0; r < listed; ++r) {
+    const auto from = partner.begin() + begin[r], to = partner.begin() + begin[r + 1];
+    std::sort(from, to);
+    a.need(std::adjacent_find(from, to) == to, "pairs.outer has a pair of row ", r, " twice");
+  }
+  for (std::size_t k = 0; k < pairs.origin.size(); ++k)
+    a.need(
+        pairs.origin[k] < pairs.outer.size() && (k == 0 || pairs.origin[k - 1] < pairs.origin[k]),
+        "pairs.inner[", k, "] = ", pairs.origin[k],
+        " must be a place in the outer list, after "
+        "the one before it");
+  for (std::size_t h = 0; h < pairs.history.size(); ++h)
+    for (const double x : pairs.history[h])
+      a.need(std::abs(x) <= static_cast<double>(std::numeric_limits<Scalar>::max()),
+             "pairs.history", h, " has ", x, ", beyond what contacts can hold");
+}
+
+/// `forgotten`: the lists will be made anew before they are used, but for the contacts in them.
+template <class Scalar, class Contacts>
+void check_wall_contacts(const CheckpointLoader& a, const typename Contacts::State& s,
+                         const Contacts& contacts, std::span<const Wall> walls, std::size_t listed,
+                         bool forgotten) {
+  const auto check = [&](const char* name, const std::vector<WallCandidate>& all,
+                         const std::vector<std::uint32_t>& facets) {
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      const WallCandidate& c = all[k];
+      a.need(c.particle < listed && c.wall < walls.size(), name, "[", k, "] is of row ", c.particle,
+             " of ", listed, " and wall ", c.wall, " of ", walls.size());
+      const auto& surfaces = walls[c.wall].surfaces;
+      a.need(c.surface < surfaces.size() || (surfaces.empty() && forgotten), name, "[", k,
+             "] is at surface ", c.surface, " of ", surfaces.size(), " of wall ", c.wall);
+      a.need(c.facet_count <= facets.size() && c.facets <= facets.size() - c.facet_count, name, "[",
+             k, "] has its facets at ", c.facets, " to ", std::uint64_t{c.facets} + c.facet_count,
+             " of ", facets.size());
+      if (surfaces.empty()) continue;
+      const auto* mesh = std::get_if<std::shared_ptr<const TriangleMesh>>(&surfaces[c.surface]);
+      a.need(mesh != nullptr ? c.facet_count > 0 : c.facet_count == 0, name, "[", k, "] has ",
+             c.facet_count, " facets");
+      for (std::size_t f = 0; f < c.facet_count; ++f)
+        a.need(facets[c.facets + f] < (*mesh)->triangles().size() &&
+                   (f == 0 || facets[c.facets + f - 1] < facets[c.facets + f]),
+               name, "[", k, "] has the facet ", facets[c.facets + f], " of ",
+               (*mesh)->triangles().size(), ", which must ascend");
+    }
+  };
+  check("walls.outer", s.outer, s.outer_facets), check("walls.inner", s.inner, s.inner_facets);
+  for (std::size_t k = 1; k < s.outer.size(); ++k)
+    a.need(s.outer[k - 1].key() < s.outer[k].key(), "walls.outer[", k, "] is not in order");
+  std::vector<bool> seen(s.outer.size(), false);
+  for (std::size_t k = 0; k < s.inner.size(); ++k) {
+    const WallCandidate& c = s.inner[k];
+    a.need(c.origin < s.outer.size() && !seen[c.origin] && s.outer[c.origin].key() == c.key(),
+           "walls.inner[", k, "] is none of the outer list");
+    seen[c.origin] = true;
+  }
+  a.need(Contacts::has_slots(s), "walls.inner has slots that contacts cannot have");
+  const bool all_there = std::none_of(s.inner.begin(), s.inner.end(), [&](const auto& c) {
+    return walls[c.wall].surfaces.empty();
+  });
+  a.need(!all_there || contacts.is_laid_out(s, walls),
+         "walls.inner is not laid out as contacts are");
+  for (std::size_t k = 0; k < s.slots.size(); ++k)
+    a.need(std::abs(norm(s.slots[k].normal) - 1) < 1e-3, "walls.slots[", 4 * k,
+           "]: the normal is no unit vector");
+  for (std::size_t h = 0; h < s.history.size(); ++h)
+    for (const double x : s.history[h])
+      a.need(std::abs(x) <= static_cast<double>(std::numeric_limits<Scalar>::max()),
+             "walls.history", h, " has ", x, ", beyond what contacts can hold");
+}
+
+inline void check_walls(const CheckpointLoader& a, const WallsState& s, std::span<const Wall> walls,
+                        const ClockState& c, bool forgotten, const AcceptedChanges& accepted) {
+  const auto near = [](const Pose& p, const Pose& q) {
+    const double far = norm(p.translation) + norm(q.translation);
+    const double cosine = p.rotation.w * q.rotation.w + p.rotation.x * q.rotation.x +
+                          p.rotation.y * q.rotation.y + p.rotation.z * q.rotation.z;
+    return norm(p.translation - q.translation) <= 1e-9 * far + 1e-12 && std::abs(cosine) > 1 - 1e-9;
+  };
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    a.need(is_finite(s.pose[w]) && is_unit(s.pose[w].rotation) && is_finite(s.last_pose[w]) &&
+               is_unit(s.last_pose[w].rotation),
+           "wall ", w, ": its pose must be finite, with a unit quaternion");
+    a.need(silt::is_finite(s.force[w]) && silt::is_finite(s.torque[w]) &&
+               silt::is_finite(s.impulse[w]),
+           "wall ", w, ": force ", s.force[w], " N, torque ", s.torque[w], " N m and impulse ",
+           s.impulse[w], " N s must be finite");
+    const Pose scene = walls[w].moves() ? walls[w].motion(c.time) : Pose{};
+    require(accepted.motions || near(s.pose[w], scene), "a checkpoint of another scene: wall ", w,
+            " was at ", s.pose[w].translation, " m, quaternion w = ", s.pose[w].rotation.w,
+            ", at t = ", c.time, " s; its motion in the scene puts it at ", scene.translation,
+            " m, w = ", scene.rotation.w,
+            "; build the scene that wrote it, or accept other motions: "
+            "load_checkpoint(sim, path, {.motions = true})");
+  }
+  for (const auto& marks : s.marks) {
+    a.need(forgotten ? marks.size() <= walls.size() : marks.size() == walls.size(),
+           "the lists know poses of ", marks.size(), " walls of ", walls.size());
+    for (const Pose& p : marks)
+      a.need(is_finite(p) && is_unit(p.rotation),
+             "walls.searched and walls.pruned: poses must be "
+             "finite, with unit quaternions");
+  }
+  for (const Box& b : s.regions)
+    for (const Vec3d& v : {b.min, b.max})
+      a.need(!std::isnan(v.x) && !std::isnan(v.y) && !std::isnan(v.z),
+             "walls.regions must be numbers");
+}
+
+template <class Openings>
+void check_openings(const CheckpointLoader& a, const OpeningsState& s, const Openings& openings,
+                    const ClockState& c, const AcceptedChanges& accepted) {
+  for (std::size_t k = 0; k < openings.inlets().size() && !accepted.inlets; ++k) {
+    const auto& flow = openings.inlets()[k].flow;
+    a.need(s.start[k] <= c.time, "inlets.start[", k, "] = ", s.start[k],
+           " s is after the checkpoint's time ", c.time, " s");
+    a.need(s.counter[k] <= std::uint64_t{1} << 53 && s.insertions[k] <= std::uint64_t{1} << 53,
+           "inlets.counter or inlets.insertions of inlet ", k, " is too large");
+    const double since = c.time - s.start[k], most = flow.rate * since * (1 + 1e-9) + 2;
+    a.need(static_cast<double>(s.placed[k]) <= most && static_cast<double>(s.waiting[k]) <= most &&
+               (flow.total == 0 || s.placed[k] <= flow.total),
+           "inlets: inlet ", k, " has placed ", s.placed[k], " particles, and ", s.waiting[k],
+           " wait, more than its rate makes in ", since, " s");
+    a.need(s.interval[k] > 0
+               ? static_cast<double>(s.insertions[k]) <= since / s.interval[k] * (1 + 1e-9) + 2
+               : s.insertions[k] == 0,
+           "inlets: inlet ", k, " has placed particles ", s.insertions[k], " times, every ",
+           s.interval[k], " s, in ", since, " s");
+    a.need(s.seed[k] == flow.seed, "inlets.seed[", k, "] = ", s.seed[k], ", but the inlet's is ",
+           flow.seed);
+  }
+}
+
+/// Part of a fluid's state, by its name (FlowSolver and CoupledFlow::for_each_state).
+template <class Fluid>
+void check_fluid_part(const CheckpointLoader& a, const std::string& name,
+                      std::span<const double> values, const Fluid& fluid) {
+  a.check(name, values, finite_number);
+  const auto part = [&](std::size_t k, const NumberRule& rule) {
+    a.need(rule.holds(values[k]), name, "[", k, "] = ", values[k], " ", rule.words);
+  };
+  if (name == "fluid.clock" && values.size() == 7)
+    part(0, not_negative_number), part(1, count_number), part(2, not_negative_number),
+        part(3, not_negative_number);
+  if (name == "fluid.last" && values.size() == 4)
+    part(0, flag_number), part(1, not_negative_number), part(2, flag_number), part(3, flag_number);
+  if (name == "fluid.eddy" || name.starts_with("fluid.k_epsilon"))
+    a.check(name, values, not_negative_number);
+  if constexpr (requires { fluid.flow().grid(); }) {
+    const auto& g = fluid.flow().grid();
+    // Ghosts are extrapolated; the last field is what was carried, which need not stay below 1.
+    if (!name.starts_with("fluid.voidage") || name == "fluid.voidage4") return;
+    for (int k = 0; k < g.nz(); ++k)
+      for (int j = 0; j < g.ny(); ++j)
+        for (int i = 0; i < g.nx(); ++i) {
+          const double eps = values[g.index(i, j, k)];
+          a.need(eps > 0 && eps <= 1 + 1e-9, name, " of cell (", i, ", ", j, ", ", k, ") is ", eps,
+                 " and must be above 0 and at most 1");
+        }
+  }
+}
+
+/// Loads on particles: numbers, but for what is not known yet of new ones.
+template <class Loads>
+void check_loads(const CheckpointLoader& a, const Loads& loads) {
+  loads.for_each([&](const std::string& name, const auto& column) {
+    const bool may_be_new = name == "fluid.unforced" || name == "fluid.reference";
+    for (std::size_t k = 0; k < column.size(); ++k) {
+      const auto& row = column[k];
+      a.need((std::isfinite(row.x + row.y + row.z) || (may_be_new && std::isnan(row.x))) &&
+                 std::isfinite(row.unused),
+             name, " of particle ", k, " must be finite");
+    }
+  });
+}
+
+}  // namespace silt::detail

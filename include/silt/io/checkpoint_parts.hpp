@@ -1,0 +1,250 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <silt/engine/wall_contacts.hpp>
+#include <silt/io/checkpoint_archive.hpp>
+#include <silt/io/scene_description.hpp>
+#include <silt/simulation.hpp>
+
+/// What the state of a simulation is made of, component by component: a visit() names the numbers
+/// and columns, for saving and loading alike, and says what single numbers may be. How they must
+/// fit to each other and to the scene is in io/checkpoint_checks.hpp.
+
+namespace silt::inline SILT_TARGET::detail {
+
+struct ClockState {
+  double time = 0, step_length = 0, time_origin = 0;
+  double checked_speed = 0, peak_overlap = 0;
+  double largest_speed = 0, largest_overlap = 0, largest_share = 0;
+  std::int64_t step = 0, step_origin = 0;
+  std::uint64_t safeguards = 0;
+  std::uint32_t next_id = 0, next_part = 0;
+  bool first_kick = true, kicked = false, scene_changed = false;
+
+  template <class Archive>
+  void visit(Archive& a) {
+    a.number("clock.time", time, not_negative_number);
+    a.number("clock.step_length", step_length, not_negative_number);
+    a.number("clock.time_origin", time_origin, not_negative_number);
+    a.number("clock.step", step, count_number);
+    a.number("clock.step_origin", step_origin, count_number);
+    a.number("clock.first_kick", first_kick, flag_number);
+    a.number("clock.kicked", kicked, flag_number);
+    a.number("clock.scene_changed", scene_changed, flag_number);
+    a.number("next_id", next_id, place_number);
+    a.number("next_part", next_part, place_number);
+    a.number("guard.checked_speed", checked_speed, not_negative_number);
+    a.number("guard.peak_overlap", peak_overlap, not_negative_number);
+    a.number("guard.safeguards", safeguards, count_number);
+    a.number("largest.speed", largest_speed, not_negative_number);
+    a.number("largest.overlap", largest_overlap, not_negative_number);
+    a.number("largest.share", largest_share, not_negative_number);
+  }
+};
+
+template <class Archive, class Upkeep, class Reference>
+void visit_upkeep(Archive& a, Upkeep& u, Reference& reference, std::size_t rows) {
+  a.number("lists.searched_at", u.searched_at, count_or_never);
+  a.number("lists.pruned_at", u.pruned_at, count_or_never);
+  a.number("lists.used", u.used, not_negative_number);
+  a.number("lists.outer_wall", u.outer_wall, finite_number);
+  a.number("lists.inner_wall", u.inner_wall, finite_number);
+  a.number("lists.outer_time", u.plan.outer_time, not_negative_number);
+  a.number("lists.inner_time", u.plan.inner_time, not_negative_number);
+  a.number("lists.least_outer", u.plan.least_outer, not_negative_number);
+  a.number("lists.most_outer", u.plan.most_outer, not_negative_number);
+  a.number("lists.least_inner", u.plan.least_inner, not_negative_number);
+  a.number("lists.most_inner", u.plan.most_inner, not_negative_number);
+  a.rows("lists.reference", reference, rows);
+  rows = reference.size();
+  a.rows("lists.outer_reach", u.outer, rows);
+  a.rows("lists.inner_reach", u.inner, rows);
+}
+
+/// `n` rows; loading, as many as the file has ids.
+template <class Archive, class State>
+void visit_particles(Archive& a, State& p, std::size_t n) {
+  a.column("id", p.id, n);
+  n = p.id.size();
+  a.rows("position", p.position, n), a.rows("motion", p.motion, n);
+  if constexpr (State::derivative_rows > 0) a.rows("derivatives", p.derivatives, n);
+  a.column("material", p.material, State::several ? n : 0);
+  if constexpr (State::of_bodies) a.rows("parts", p.part, n);
+  a.number("largest.radius", p.largest_radius, not_negative_number);
+  a.number("mean_diameter", p.mean_diameter, not_negative_number);
+}
+
+template <class Archive, class Loads>
+void visit_loads(Archive& a, Loads& loads, std::size_t particles) {
+  loads.for_each([&](const char* name, auto& column) { a.rows(name, column, particles); });
+}
+
+/// Of PairList: the pairs of the outer list, which of them are in the inner one, and their history.
+template <class Archive, class Pairs>
+void visit_pairs(Archive& a, Pairs& pairs) {
+  if constexpr (Archive::loads) {
+    const auto outer = a.template column<std::uint32_t>("pairs.outer");
+    a.need(outer.size() % 2 == 0, "pairs.outer has ", outer.size(), " places, not two each");
+    pairs.outer.resize(outer.size() / 2);
+    for (std::size_t k = 0; k < pairs.outer.size(); ++k)
+      pairs.outer[k] = {outer[2 * k], outer[2 * k + 1]};
+    a.column("pairs.inner", pairs.origin, Archive::any_count);
+  } else {
+    std::vector<std::uint32_t> outer;
+    outer.reserve(2 * pairs.outer.size());
+    for (const auto [i, j] : pairs.outer) outer.push_back(i), outer.push_back(j);
+    a.copied("pairs.outer", std::move(outer));
+    a.column("pairs.inner", pairs.origin, 0);
+  }
+  for (std::size_t h = 0; h < pairs.history.size(); ++h)
+    a.column(text("pairs.history", h), pairs.history[h], pairs.origin.size());
+}
+
+template <class Archive>
+void visit_candidates(Archive& a, const std::string& name, std::vector<WallCandidate>& all) {
+  std::vector<std::uint32_t> flat;
+  if constexpr (Archive::loads) {
+    flat = a.template column<std::uint32_t>(name);
+    a.need(flat.size() % 7 == 0, name, " has ", flat.size(), " numbers, not 7 each");
+    constexpr std::uint32_t most = std::numeric_limits<std::uint16_t>::max();
+    for (std::size_t k = 0; k < flat.size(); k += 7) {
+      a.need(flat[k + 1] <= most && flat[k + 2] <= most, name, "[", k / 7, "] is at wall ",
+             flat[k + 1], ", surface ", flat[k + 2], ", which cannot be");
+      all.push_back({flat[k], static_cast<std::uint16_t>(flat[k + 1]),
+                     static_cast<std::uint16_t>(flat[k + 2]), flat[k + 3], flat[k + 4], flat[k + 5],
+                     flat[k + 6]});
+    }
+  } else {
+    flat.reserve(7 * all.size());
+    for (const auto& c : all)
+      flat.insert(flat.end(),
+                  {c.particle, c.wall, c.surface, c.slot, c.facets, c.facet_count, c.origin});
+    a.copied(name, std::move(flat));
+  }
+}
+
+/// Of WallContacts. `rows`: Slot by Slot, normal and then 1 where it touches.
+template <class Archive, class Contacts>
+void visit_wall_contacts(Archive& a, Contacts& s) {
+  visit_candidates(a, "walls.outer", s.outer), visit_candidates(a, "walls.inner", s.inner);
+  constexpr std::size_t any = CheckpointLoader::any_count;
+  a.column("walls.outer_facets", s.outer_facets, any);
+  a.column("walls.inner_facets", s.inner_facets, any);
+  a.column("walls.pieces", s.pieces, any);
+  std::vector<double> slots;
+  if constexpr (Archive::loads) {
+    a.column("walls.slots", slots, any);
+    a.need(slots.size() % 4 == 0, "walls.slots has ", slots.size(), " numbers, not 4 each");
+    std::vector<std::uint32_t> features;
+    a.column("walls.features", features, slots.size() / 4);
+    for (std::size_t k = 0; k < slots.size(); k += 4) {
+      a.need(flag_number.holds(slots[k + 3]), "walls.slots[", k + 3, "] = ", slots[k + 3], " ",
+             flag_number.words);
+      s.slots.push_back(
+          {{slots[k], slots[k + 1], slots[k + 2]}, slots[k + 3] == 1, features[k / 4]});
+    }
+  } else {
+    std::vector<std::uint32_t> features;
+    slots.reserve(4 * s.slots.size()), features.reserve(s.slots.size());
+    for (const auto& slot : s.slots) {
+      const Vec3d& n = slot.normal;
+      slots.insert(slots.end(), {n.x, n.y, n.z, slot.touching ? 1.0 : 0.0});
+      features.push_back(slot.feature);
+    }
+    a.copied("walls.slots", std::move(slots)), a.copied("walls.features", std::move(features));
+  }
+  for (std::size_t h = 0; h < s.history.size(); ++h)
+    a.column(text("walls.history", h), s.history[h], s.slots.size());
+}
+
+/// Where walls are and what they bear, and where they were when the lists were made.
+struct WallsState {
+  std::vector<std::uint64_t> surfaces;  // of each wall; 0: taken away
+  std::vector<Pose> pose, last_pose;
+  std::vector<Vec3d> force, torque, impulse;
+  std::array<std::vector<Pose>, 2> marks;  // at the search, at the pruning
+  std::vector<Box> regions;                // of both
+
+  template <class Walls, class Lists>
+  static WallsState of(const Walls& walls, const Lists& lists) {
+    WallsState s;
+    for (const auto& w : walls) {
+      s.surfaces.push_back(w.surfaces.size());
+      s.pose.push_back(w.pose), s.last_pose.push_back(w.last_pose);
+      s.force.push_back(w.force), s.torque.push_back(w.torque), s.impulse.push_back(w.impulse);
+    }
+    for (const auto* mark : {&lists.searched_walls, &lists.pruned_walls}) {
+      s.marks[s.regions.size()].assign(mark->poses().begin(), mark->poses().end());
+      s.regions.push_back(mark->region());
+    }
+    return s;
+  }
+  template <class Archive>
+  void visit(Archive& a, std::size_t walls) {
+    a.column("walls.surfaces", surfaces, walls);
+    a.rows("walls.pose", pose, walls), a.rows("walls.last_pose", last_pose, walls);
+    a.rows("walls.force", force, walls), a.rows("walls.torque", torque, walls);
+    a.rows("walls.impulse", impulse, walls);
+    constexpr bool loads = Archive::loads;
+    a.rows("walls.searched", marks[0], loads ? CheckpointLoader::any_count : marks[0].size());
+    a.rows("walls.pruned", marks[1], loads ? CheckpointLoader::any_count : marks[1].size());
+    a.rows("walls.regions", regions, 2);
+  }
+};
+
+struct OpeningsState {
+  std::vector<std::uint64_t> out_count, placed, waiting, insertions, seed, counter;
+  std::vector<double> out_mass, start, interval;
+
+  template <class Openings>
+  static OpeningsState of(const Openings& openings) {
+    OpeningsState s;
+    for (const auto& o : openings.outlets())
+      s.out_count.push_back(o.count), s.out_mass.push_back(o.mass);
+    for (const auto& i : openings.inlets()) {
+      s.placed.push_back(i.placed), s.waiting.push_back(i.waiting);
+      s.insertions.push_back(i.insertions);
+      s.seed.push_back(i.random.state().seed), s.counter.push_back(i.random.state().counter);
+      s.start.push_back(i.start), s.interval.push_back(i.interval);
+    }
+    return s;
+  }
+  template <class Archive>
+  void visit(Archive& a, std::size_t outlets, std::size_t inlets) {
+    a.column("outlets.count", out_count, outlets);
+    a.column("outlets.mass", out_mass, outlets, not_negative_number);
+    a.column("inlets.placed", placed, inlets), a.column("inlets.waiting", waiting, inlets);
+    a.column("inlets.insertions", insertions, inlets);
+    a.column("inlets.seed", seed, inlets), a.column("inlets.counter", counter, inlets);
+    a.column("inlets.start", start, inlets, not_negative_number);
+    a.column("inlets.interval", interval, inlets, not_negative_number);
+  }
+  /// What inlets and outlets go on from; `anew`: inlets begin at `time` [s], as if just added.
+  template <class Openings>
+  void put(Openings& openings, bool anew, double time) const noexcept {
+    std::size_t k = 0;
+    for (auto& o : openings.outlets()) o.count = out_count[k], o.mass = out_mass[k], ++k;
+    k = 0;
+    if (anew) {
+      for (auto& i : openings.inlets()) {
+        i.start = time, i.interval = 0, i.placed = i.waiting = i.insertions = 0;
+        i.random = Random(i.flow.seed);
+      }
+      return;
+    }
+    for (auto& i : openings.inlets()) {
+      i.placed = placed[k], i.waiting = waiting[k], i.insertions = insertions[k];
+      i.random = Random(Random::State{seed[k], counter[k]});
+      i.start = start[k], i.interval = interval[k], ++k;
+    }
+  }
+};
+
+}  // namespace silt::detail

@@ -1,0 +1,198 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <array>
+#include <bit>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include <silt/boundary/wall.hpp>
+#include <silt/io/scene_description.hpp>
+
+/// What a checkpoint says of the scene that wrote it, beside the policies: domain, materials,
+/// walls, inlets and outlets, forms, fluid. What cannot be seen from outside is not in it: a motion
+/// (its pose at the checkpoint's time is compared), the parameters of searches, drag laws and
+/// averaging. Tests: tests/io/checkpoint_scene.cpp (items, changed).
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// Adds items whose names begin with `of`.
+class Describer {
+ public:
+  using Aspect = SceneDescription::Aspect;
+  Describer(SceneDescription& out, Aspect aspect, std::string of)
+      : out_(out), aspect_(aspect), of_(std::move(of)) {}
+  template <class Value>
+  void operator()(const std::string& name, const Value& value) const {
+    if constexpr (std::is_arithmetic_v<Value>)
+      out_.add(aspect_, of_ + name, static_cast<double>(value));
+    else
+      out_.add(aspect_, of_ + name, value);
+  }
+  void number(const std::string& name, double value, double slack) const {
+    out_.add(aspect_, of_ + name, value, slack);
+  }
+  Describer of(const std::string& more) const { return {out_, aspect_, of_ + more}; }
+
+ private:
+  SceneDescription& out_;
+  Aspect aspect_;
+  std::string of_;
+};
+
+inline void describe(const Describer& is, const Box& box) {
+  is("from", box.min), is("to", box.max);
+}
+
+inline const char* words_of(Side side) { return side == Side::Inside ? "inside" : "outside"; }
+inline void describe(const Describer& is, const Plane& plane) {
+  is("is", "a plane"), is("point", plane.point), is("normal", plane.normal);
+}
+inline void describe(const Describer& is, const Cylinder& c) {
+  is("is", "a cylinder"), is("from", c.from), is("to", c.to), is("radius [m]", c.radius);
+  is("side", words_of(c.side));
+}
+inline void describe(const Describer& is, const Cone& c) {
+  is("is", "a cone"), is("from", c.from), is("to", c.to), is("radius_from [m]", c.radius_from);
+  is("radius_to [m]", c.radius_to), is("side", words_of(c.side));
+}
+inline void describe(const Describer& is, const TriangleMesh& mesh) {
+  is("is", "a mesh"), is("vertices", mesh.vertices().size());
+  is("triangles", mesh.triangles().size()),
+      is("cosine of the smooth angle", mesh.cos_smooth_angle());
+  is("vertices", std::span<const Vec3d>(mesh.vertices()));
+  std::vector<Vec3d> corners;
+  for (const auto& [i, j, k] : mesh.triangles())
+    corners.push_back({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+  is("corners of the triangles", std::span<const Vec3d>(corners));
+}
+
+/// Numbers of a plain aggregate of doubles, as laws have them for their kernels.
+template <class Aggregate>
+void describe_numbers(const Describer& is, const std::string& whose, const Aggregate& values) {
+  if constexpr (!std::is_empty_v<Aggregate>) {
+    constexpr std::size_t count = sizeof(Aggregate) / sizeof(double);
+    const auto numbers = std::bit_cast<std::array<double, count>>(values);
+    for (std::size_t k = 0; k < count; ++k)
+      is(text(whose, " coefficient ", k + 1, " of ", count), numbers[k]);
+  }
+}
+
+/// Of the law and the rolling model for every pair, in the order of the engine's table.
+template <class Table>
+void describe_materials(const Describer& is, const Table& table) {
+  is("materials", table.materials);
+  const std::size_t n = table.materials;
+  for (std::size_t k = 0; k < table.law.size(); ++k) {
+    const auto of_pair = is.of(text("materials ", k / n, " and ", k % n, ": "));
+    describe_numbers(of_pair, "the law's", table.law[k]);
+    describe_numbers(of_pair, "the rolling model's", table.rolling[k]);
+  }
+}
+
+template <class Form>
+void describe_form(const Describer& is, const Form& form) {
+  is("parts that touch", form.parts.size());
+  if constexpr (requires { form.shape.describe(is); }) form.shape.describe(is);
+  const auto& m = form.mass;
+  is("radius [m]", form.radius), is("volume [m3]", m.volume);
+  const double slack = 1e-9 * norm(m.inertia);
+  is.number("inertia x [m5]", m.inertia.x, slack), is.number("inertia y [m5]", m.inertia.y, slack);
+  is.number("inertia z [m5]", m.inertia.z, slack);
+  const double apart = 1e-9 * (form.radius + norm(m.centroid));
+  is.number("centroid x [m]", m.centroid.x, apart),
+      is.number("centroid y [m]", m.centroid.y, apart);
+  is.number("centroid z [m]", m.centroid.z, apart);
+}
+
+template <class Inlet>
+void describe_inlet(const Describer& is, const Inlet& inlet) {
+  const auto& flow = inlet.flow;
+  is("region", inlet.region), is("density [kg/m3]", flow.density), is("rate [1/s]", flow.rate);
+  is("least radius [m]", flow.radius.min()), is("largest radius [m]", flow.radius.max());
+  is("mean volume [m3]", flow.radius.mean_volume()), is("velocity", flow.velocity);
+  is("total", flow.total), is("material", flow.material), is("form", flow.form);
+  is("seed", text(flow.seed)), is("trials", flow.trials), is("interval [s]", flow.interval);
+}
+
+template <class Fluid>
+void describe_fluid(const Describer& is, const Fluid& fluid) {
+  if constexpr (requires { fluid.flow().grid(); }) {
+    const auto& flow = fluid.flow();
+    const auto& g = flow.grid();
+    describe(is.of("grid "), g.box());
+    is("density [kg/m3]", flow.fluid().density), is("viscosity [Pa s]", flow.fluid().viscosity);
+    is("momentum model", static_cast<int>(flow.options().model));
+    for (int d = 0; d < 3; ++d) {
+      const auto along = is.of(text("xyz"[d], ": "));
+      along("cells", g.cells()[static_cast<std::size_t>(d)]);
+      along("periodic", g.periodic(d) ? "yes" : "no");
+      for (const int end : {0, 1})
+        along(end == 0 ? "lower side" : "upper side",
+              flow.holds_pressure(d, end) ? "open" : "closed");
+    }
+    is("walls within the box", flow.open_cells() != nullptr ? "yes" : "no");
+    if (const auto* open = flow.open_cells()) {
+      double sum = 0;
+      for (int k = 0; k < g.nz(); ++k)
+        for (int j = 0; j < g.ny(); ++j)
+          for (int i = 0; i < g.nx(); ++i) sum += (1 + i + 1.7 * j + 2.3 * k) * (*open)(i, j, k);
+      is("checksum of the open cells", sum);
+    }
+  }
+}
+
+/// `removed[w]`: whether wall w is described as one without surfaces.
+template <class Sim, class Table, class Openings>
+SceneDescription describe_scene(const Sim& sim, const Table& coefficients, const Openings& openings,
+                                const std::vector<bool>& removed) {
+  using Aspect = SceneDescription::Aspect;
+  SceneDescription out;
+  const Describer is(out, Aspect::Scene, "");
+  is("walls", sim.walls());
+  Describer(out, Aspect::Inlet, "")("inlets", openings.inlets().size());
+  is("outlets", openings.outlets().size());
+  if constexpr (std::remove_cvref_t<decltype(sim.domain())>::periodic) {
+    const auto of = is.of("periodic box: ");
+    for (int d = 0; d < 3; ++d) {
+      of(text("repeats in ", "xyz"[d]), sim.domain().repeats(d) ? "yes" : "no");
+      if (sim.domain().repeats(d)) {
+        const Vec3d least = sim.domain().box().min;
+        of.number(text("begins in ", "xyz"[d], " [m]"),
+                  d == 0   ? least.x
+                  : d == 1 ? least.y
+                           : least.z,
+                  1e-9 * sim.domain().length(d));
+        of(text("length in ", "xyz"[d], " [m]"), sim.domain().length(d));
+      }
+    }
+  }
+  if constexpr (Sim::has_bodies) {
+    is("forms", sim.forms().size());
+    for (std::size_t f = 0; f < sim.forms().size(); ++f)
+      describe_form(is.of(text("form ", f, ": ")), sim.forms()[f]);
+    is("bodies share the stiffness of contacts", sim.engine().share_contacts ? "yes" : "no");
+  }
+  describe_materials({out, Aspect::Material, ""}, coefficients);
+  for (std::size_t w = 0; w < sim.walls(); ++w) {
+    const Wall& wall = sim.wall(w);
+    const std::string name = text("wall ", w, ": ");
+    is(name + "surfaces", removed[w] ? std::size_t{0} : wall.surfaces.size());
+    Describer(out, Aspect::Material, name)("material", wall.material);
+    Describer(out, Aspect::Motion, name)("moves", wall.moves() ? "yes" : "no");
+    for (std::size_t s = 0; s < wall.surfaces.size() && !removed[w]; ++s)
+      visit_surface(wall.surfaces[s], [&](const auto& surface) {
+        describe(is.of(wall.surfaces.size() == 1 ? name : text(name, "surface ", s, ": ")),
+                 surface);
+      });
+  }
+  for (std::size_t k = 0; k < openings.outlets().size(); ++k)
+    describe(is.of(text("outlet ", k, ": ")), openings.outlets()[k].region);
+  for (std::size_t k = 0; k < openings.inlets().size(); ++k)
+    describe_inlet({out, Aspect::Inlet, text("inlet ", k, ": ")}, openings.inlets()[k]);
+  if constexpr (Sim::Fluid::active) describe_fluid(is.of("fluid: "), sim.fluid());
+  return out;
+}
+
+}  // namespace silt::detail

@@ -1,0 +1,171 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <silt/core/error.hpp>
+#include <silt/core/vec3.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// Differences between a checkpoint and the scene it is loaded into that are made on purpose:
+///
+///   silt::load_checkpoint(sim, "settled.silt", {.materials = true});   // with another friction
+///
+/// The state is taken over as it is: springs of contacts keep their displacement, so that forces
+/// jump where stiffness does; the ledger counts what that gives or takes as its residual. The time
+/// step is held against its limit anew.
+struct AcceptedChanges {
+  bool materials = false;  // their number and values, pair values and rolling resistance
+  bool motions = false;    // of walls
+  bool inlets = false;     // all of them: they begin anew, as if added at the checkpoint's time
+};
+
+namespace detail {
+
+/// What a scene is made of, item by item, as text in a checkpoint; two can be compared.
+///
+///   form 0: semi-axis c [m] = 0.002
+///
+/// Numbers may differ by rounding: they may come from programs for different instruction sets.
+class SceneDescription {
+ public:
+  /// Which change, if accepted, lets an item differ.
+  enum class Aspect : char { Scene = 's', Material = 'm', Motion = 'w', Inlet = 'i' };
+
+  /// A number that may differ by a part of 1e-9, far above rounding and below any change made on
+  /// purpose; or by `slack`, where it is a difference of larger ones.
+  void add(Aspect aspect, const std::string& name, double value, double slack = 0) {
+    items_.push_back({aspect, name, text(value), value, std::max(slack, 1e-9 * std::abs(value))});
+  }
+  void add(Aspect aspect, const std::string& name, const Vec3d& v, std::string_view unit = "m") {
+    const double slack = 1e-9 * norm(v);
+    add(aspect, text(name, " x [", unit, "]"), v.x, slack);
+    add(aspect, text(name, " y [", unit, "]"), v.y, slack);
+    add(aspect, text(name, " z [", unit, "]"), v.z, slack);
+  }
+  void add(Aspect aspect, const std::string& name, const char* words) {
+    items_.push_back({aspect, name, in_quotes(words, most_words), 0, -1});
+  }
+  void add(Aspect aspect, const std::string& name, const std::string& words) {
+    add(aspect, name, words.c_str());
+  }
+  /// Many points by one number: their sum, each coordinate with a weight of its own, so that hardly
+  /// any change leaves it as it is. Rounding of n coordinates is below 1e-12 of the absolute sum.
+  void add(Aspect aspect, const std::string& name, std::span<const Vec3d> points) {
+    double sum = 0, size = 0;
+    std::uint64_t state = 1;
+    for (const Vec3d& p : points)
+      for (const double x : {p.x, p.y, p.z}) {
+        state = state * 6364136223846793005u + 1442695040888963407u;
+        const double weighted = (1 + static_cast<double>(state >> 40) * 0x1p-24) * x;
+        sum += weighted, size += std::abs(weighted);
+      }
+    items_.push_back(
+        {aspect, text("checksum of the ", name, " [m]"), text(sum), sum, 1e-12 * size});
+  }
+
+  /// One line an item.
+  std::string written() const {
+    std::string out;
+    for (const Item& item : items_)
+      out += text(static_cast<char>(item.aspect), ' ', item.name, " = ", item.value, '\n');
+    return out;
+  }
+
+  /// What differs from what a file says and what to do about it, as a phrase: the first three
+  /// items, and how many more. Empty if nothing does. `written` comes from a file, and may be
+  /// anything.
+  std::string difference(std::string_view written, const AcceptedChanges& accepted) const {
+    std::map<std::string_view, std::string_view> in_file;
+    while (!written.empty()) {
+      const auto line = written.substr(0, written.find('\n'));
+      written.remove_prefix(std::min(line.size() + 1, written.size()));
+      const auto equals = line.find(" = ");
+      if (equals == line.npos || equals < 2) return text(in_quotes(line), " says nothing");
+      if (!is_accepted(static_cast<Aspect>(line[0]), accepted))
+        in_file[line.substr(2, equals - 2)] = line.substr(equals + 3);
+    }
+    std::string phrase, one_sided;
+    std::size_t count = 0;
+    AcceptedChanges would_do;
+    // Where there is one more of something, its number says so, and the items of that one do not.
+    for (const Item& item : items_) {
+      if (is_accepted(item.aspect, accepted)) continue;
+      const auto found = in_file.find(item.name);
+      if (found != in_file.end() && is_same(item, found->second)) {
+        in_file.erase(found);
+        continue;
+      }
+      would_do.materials |= item.aspect == Aspect::Material;
+      would_do.motions |= item.aspect == Aspect::Motion;
+      would_do.inlets |= item.aspect == Aspect::Inlet;
+      if (found == in_file.end()) {
+        if (one_sided.empty())
+          one_sided = text(item.name, " is ", shown(item.value), " in the scene alone");
+        continue;
+      }
+      if (count++ < 3)
+        phrase += text(count > 1 ? "; " : "", item.name, " is ", shown(found->second),
+                       " in the file and ", shown(item.value), " in the scene");
+      in_file.erase(found);
+    }
+    if (one_sided.empty() && !in_file.empty())
+      one_sided = text(in_quotes(in_file.begin()->first), " is ", shown(in_file.begin()->second),
+                       " in the file alone");
+    if (count > 3) phrase += text("; and ", count - 3, " more");
+    if (count == 0) phrase = one_sided;
+    if (phrase.empty()) return phrase;
+    phrase += "; build the scene that wrote it";
+    for (const auto& [may, word] :
+         {std::pair{would_do.materials, "materials"}, std::pair{would_do.motions, "motions"},
+          std::pair{would_do.inlets, "inlets"}})
+      if (may)
+        phrase +=
+            text(", or accept other ", word, ": load_checkpoint(sim, path, {.", word, " = true})");
+    return phrase;
+  }
+
+ private:
+  static constexpr std::size_t most_words = 1000;
+  struct Item {
+    Aspect aspect;
+    std::string name, value;
+    double number, slack;  // slack < 0: words
+  };
+
+  static bool is_accepted(Aspect aspect, const AcceptedChanges& accepted) {
+    return (aspect == Aspect::Material && accepted.materials) ||
+           (aspect == Aspect::Motion && accepted.motions) ||
+           (aspect == Aspect::Inlet && accepted.inlets);
+  }
+  static bool is_same(const Item& item, std::string_view in_file) {
+    if (item.value == in_file) return true;
+    double value = 0;
+    const auto [end, error] =
+        std::from_chars(in_file.data(), in_file.data() + in_file.size(), value);
+    return item.slack >= 0 && error == std::errc{} && end == in_file.data() + in_file.size() &&
+           std::abs(value - item.number) <= item.slack;
+  }
+  /// Words are in quotes already.
+  static std::string shown(std::string_view value) {
+    const std::string safe = in_quotes(value);
+    return safe.size() == value.size() + 2 ? std::string(value) : safe;
+  }
+
+  std::vector<Item> items_;
+};
+
+}  // namespace detail
+}  // namespace silt
