@@ -265,17 +265,19 @@ class Bed {
     Means sum{};
     double n = 0;
     const double before = momentum(), start = sim_.time();
+    const double given = sim_.wall(0).impulse.z;  // [N s] to the floor, also by short impacts
     sim_.run(span,
              silt::at(silt::every(2e-4),
-                      [&](const auto& at) {
+                      [&](const auto&) {
                         sum.pressure_drop += pressure_drop();
-                        sum.floor -= at.wall(0).force.z / s_.area();
                         sum.height += height(), sum.speed += speed();
                         n += 1;
                       }),
              observers...);
-    const double gained = (momentum() - before) / (sim_.time() - start) / s_.area();
-    return {sum.pressure_drop / n, sum.floor / n, gained, sum.height / n, sum.speed / n, centres()};
+    const double per_area = 1 / ((sim_.time() - start) * s_.area());
+    sum.floor = -(sim_.wall(0).impulse.z - given) * per_area;
+    const double gained = (momentum() - before) * per_area;
+    return {sum.pressure_drop / n, sum.floor, gained, sum.height / n, sum.speed / n, centres()};
   }
 
   /// Of the gas between the floor, to which it is extrapolated, and its outlet [Pa].
@@ -477,8 +479,8 @@ int simulate(const Scene& s, const example::Options& options) {
   summary.check_at_most("momentum_of_exchange_off", closure.momentum, rounding);
   summary.check_at_most("continuity_off", closure.continuity,
                         sim.fluid().flow().options().tolerance);
-  // What gas and floor bear is weight and gain of momentum; read every 0.2 ms, impacts on the
-  // floor, which are as short, are not met exactly.
+  // What gas and floor bear is weight and gain of momentum. The gas's part is read every 0.2 ms, and
+  // extrapolated to the floor over half a cell, in which the bed bears less: 1.3 % of it.
   summary.check_at_most("balance_of_forces_over_weight",
                         std::max(unbalanced, std::abs(bubbling.unbalanced(s.weight()))), 0.02);
   // 0.01: layers are not even, and bodies' kernels are taken as one.
@@ -555,7 +557,7 @@ int main(int argc, char** argv) {
       if (!command.given("--particles")) scene.particles = 1000;
       if (!command.given("--blowing")) scene.blowing = 0.3;
       if (!command.given("--step")) scene.step = scene.shape == "sphere" ? 0.15 : 0.1;
-      scene.across = 4, scene.relaxing = 0.06, scene.averaging = 0.03;
+      scene.across = 4, scene.relaxing = 0.06, scene.averaging = 0.08;
       scene.high = 40;
     } else {
       scene.across = static_cast<int>(
