@@ -54,20 +54,22 @@ struct SpringSlider {
     const Vec3<Real> carried = c.transported(spring) * unloading;
     const Real of_spring = stiffness * c.time_step, both = of_spring + tangential_damping(c);
     const Vec3<Real> trial = carried - both * c.tangential_velocity;
-    const Vec3<Real> force = share_within_limit(trial, Fn) * trial;
-    spring = carried + (of_spring / max(both, smallest<Real>())) * (force - carried);
-    return force;
+    const Limited at = limited(trial, Fn, both);
+    spring = (Real(1) - at.relaxed * of_spring) * carried -
+             (at.share * of_spring) * c.tangential_velocity;
+    return at.share * trial;
   }
 
   /// History = elongation of the spring [m], of i relative to j.
   SILT_INLINE Vec3<Real> from_displacement(const Contact<Real>& c, const Real& Fn,
                                            Vec3<Real>& slip) const {
-    const Vec3<Real> carried = c.transported(slip), spring = (-stiffness) * carried;
-    const Real both = stiffness * c.time_step + tangential_damping(c);
-    const Vec3<Real> trial = spring - both * c.tangential_velocity;
-    const Vec3<Real> force = share_within_limit(trial, Fn) * trial;
-    slip = carried - (c.time_step / max(both, smallest<Real>())) * (force - spring);
-    return force;
+    const Vec3<Real> carried = c.transported(slip);
+    const Real of_spring = stiffness * c.time_step, both = of_spring + tangential_damping(c);
+    const Vec3<Real> trial = (-stiffness) * carried - both * c.tangential_velocity;
+    const Limited at = limited(trial, Fn, both);
+    slip = (Real(1) - at.relaxed * of_spring) * carried +
+           (at.share * c.time_step) * c.tangential_velocity;
+    return at.share * trial;
   }
 
   /// [N s/m] of the dashpot as it acts. Slip moves the mass m*/slip_mobility, 2/7 of m* of solid
@@ -77,10 +79,19 @@ struct SpringSlider {
   }
 
  private:
-  SILT_INLINE Real share_within_limit(const Vec3<Real>& total, const Real& Fn) const {
-    // 1/size as size (1/size^2): division and square root need not wait for each other.
-    const Real size2 = max(dot(total, total), smallest<Real>());
-    return min(friction * max(Fn, Real(0)) * (sqrt(size2) * (Real(1) / size2)), Real(1));
+  struct Limited {
+    Real share;    // [-] of the trial force that friction bears
+    Real relaxed;  // [m/N] (1 - share)/(S_t dt + c_t)
+  };
+  /// One division for both, by |trial|^2 (S_t dt + c_t); sqrt(size^2)/size^2 is 1/size, and square
+  /// root and division need not wait for each other. Where the product is next to nothing the trial
+  /// force is within the limit, or both are none.
+  SILT_INLINE Limited limited(const Vec3<Real>& trial, const Real& Fn, const Real& both) const {
+    const Real size2 = max(dot(trial, trial), smallest<Real>());
+    const Real inverse = Real(1) / max(size2 * both, smallest<Real>());
+    const Real borne = friction * max(Fn, Real(0)) * sqrt(size2) * (both * inverse);
+    const Real share = min(borne, Real(1));
+    return {share, (Real(1) - share) * (size2 * inverse)};
   }
 };
 
