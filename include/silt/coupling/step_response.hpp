@@ -45,6 +45,9 @@ struct StepResponse {
   double coefficient = 0;    // [kg/s] c
   Vec3d offset{0, 0, 0};     // [N] o
   double borne = 0;          // [m3] q
+  /// [-] of what other forces change during the step, the share that the fluid's answer, which is
+  /// held, lacks: near 0 for heavy particles, near 1 for light or stiffly coupled ones
+  double lag = 0;
 
   /// v' of (3) [m/s]; slope: grad p' - div tau' [Pa/m].
   Vec3d velocity(const Vec3d& u, const Vec3d& slope) const {
@@ -70,6 +73,7 @@ inline StepResponse step_response(const StepLoads& p) {
   r.coefficient = p.mass / p.dt * r.with_fluid;
   r.offset = (p.mass / p.dt * E) * p.velocity + (1 - part) * p.others - part * known;
   r.borne = (1 - part) * p.volume;
+  r.lag = 1 - part;
   return r;
 }
 
