@@ -102,7 +102,7 @@ TEST_CASE("a drag law that gives no number: it is named, and no shorter step is 
     CAPTURE(stopped);
     CHECK(says(stopped, "FlowSolver: the drag"));
     CHECK(says(stopped, "however short the step"));
-    CHECK_FALSE(says(stopped, "shorter"));
+    CHECK_FALSE(says(stopped, "at most"));
   }
 }
 
@@ -116,8 +116,7 @@ TEST_CASE("a velocity of the flow that is no number: no shorter step is advised"
     stopped = error.what();
   }
   CAPTURE(stopped);
-  CHECK(says(stopped, "no number"));
-  CHECK_FALSE(says(stopped, "shorter step is"));
+  CHECK(says(stopped, "FlowSolver: the velocity"));
   CHECK_FALSE(says(stopped, "take a step"));
 }
 

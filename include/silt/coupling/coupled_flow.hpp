@@ -120,8 +120,7 @@ class CoupledFlow {
   /// @name In a Simulation
   /// @{
   /// Particle steps a fluid step; left out: as many as keep the flow stable (at half its limit) and
-  /// no particle crosses a fifth of a cell in, at most `most_steps`; and where particles' answers
-  /// are held (held_answer), no more than their contacts allow (most_held_lag).
+  /// no particle crosses a fifth of a cell in, at most `most_steps`; of light ones, see HeldAnswer.
   std::optional<int> steps;
   int most_steps = 50;
   double time() const { return time_; }                // [s] up to which the flow is known
@@ -232,29 +231,19 @@ class CoupledFlow {
     const double stable = flow_.stable_step(team), least = std::min({h.x, h.y, h.z});
     return speed > 0 ? std::min(stable, 0.2 * least / speed) : stable;
   }
-  /// The particle of the last step whose answer to the fluid misses most of what its contacts do
-  /// during a step: StepResponse::lag [-], and its density over the fluid's [-].
-  struct HeldAnswer {
-    double lag = 0, density_ratio = 0;
-  };
-  const HeldAnswer& held_answer() const { return held_answer_; }
-  /// Up to this lag fluid steps of any length are stable with contacts whose dashpot is a twentieth
-  /// of the critical one (e = 0.85) and more; above, those that resolve the contacts' oscillation,
-  /// omega dt < 1.7. By the eigenvalues of a grain on a damped spring with (1) of StepResponse.
-  static constexpr double most_held_lag = 0.1;
+  const HeldAnswer& held_answer() const { return held_answer_; }  // of the last step
   /// The state, part by part, for a checkpoint: visit(name, span of doubles).
   template <class Visit>
   void for_each_state(const Visit& visit) {
     flow_.for_each_state(visit);
     const auto counted = static_cast<double>(count_);
-    std::array<double, 9> clock{
-        time_,   counted, last_dt_,         diameter.value_or(0),      lost_.x,
-        lost_.y, lost_.z, held_answer_.lag, held_answer_.density_ratio};
+    std::array<double, 9> clock{time_, counted, last_dt_, diameter.value_or(0)};
+    clock[4] = lost_.x, clock[5] = lost_.y, clock[6] = lost_.z;
+    clock[7] = held_answer_.lag, clock[8] = held_answer_.density_ratio;
     visit("fluid.clock", std::span<double>(clock));
     time_ = clock[0], count_ = static_cast<std::int64_t>(clock[1]), last_dt_ = clock[2];
     if (clock[3] > 0) diameter = clock[3];
-    lost_ = {clock[4], clock[5], clock[6]}, following_ = false;
-    held_answer_ = {clock[7], clock[8]};
+    lost_ = {clock[4], clock[5], clock[6]}, held_answer_ = {clock[7], clock[8]}, following_ = false;
     if constexpr (has_history) detail::visit_histories(forces_, visit);
   }
   /// Where a particle is for the fluid: its centre, or, if that has left the grid by less than its
@@ -329,8 +318,7 @@ class CoupledFlow {
     return flow_.options().model == MomentumModel::B ? model_b(K, voidage) : K;
   }
   CoupledStep finish(const CoupledStep& done, double dt) {
-    time_ += dt, ++count_, last_dt_ = dt, last_ = done;
-    closure_.add(done);
+    time_ += dt, ++count_, last_dt_ = dt, last_ = done, closure_.add(done);
     return done;
   }
   double coefficient([[maybe_unused]] const CoupledParticles& of, const InFluid& at,

@@ -59,12 +59,25 @@ struct StepResponse {
   }
 };
 
+/// The particle of a fluid step whose answer, held over the step, misses most of what its contacts
+/// do meanwhile.
+struct HeldAnswer {
+  double lag = 0;            // [-] StepResponse::lag
+  double density_ratio = 0;  // [-] its density over the fluid's
+  /// Up to this lag fluid steps of any length are stable with contacts whose dashpot is a twentieth
+  /// of the critical one (e = 0.85) and more; above, those that resolve the contacts' oscillation,
+  /// omega dt < 1.7. By the eigenvalues of a grain on a damped spring with (3) and (4), where the
+  /// force of the spring is known to the fluid as its mean over the step before.
+  static constexpr double most_lag = 0.1;
+};
+
 inline StepResponse step_response(const StepLoads& p) {
   const Vec3d known = p.push + p.added * (p.convection - (1 / p.dt) * p.fluid);
   if (!std::isfinite(p.mass))
     return {0, 0, p.velocity, p.drag + p.added / p.dt, p.drag * p.velocity - known, 0};
   const double all = p.mass + p.added, X = p.dt * p.drag / all;
-  const double E = X > 0 ? one_minus_exponential(X) : 0, R = X > 0 ? E / X : 1;
+  // A drag that is no number stays one, for the flow to refuse.
+  const double E = X == 0 ? 0 : one_minus_exponential(X), R = X == 0 ? 1 : E / X;
   const double part = p.mass / all * R;  // of the forces that the particle's own mass takes
   StepResponse r;
   r.with_fluid = E + R * p.added / all;

@@ -25,10 +25,6 @@ struct FlowStepError : Error {
 namespace silt::inline SILT_TARGET::fluid_detail {
 
 inline void refuse_unstable(const FlowState& state, double dt, double courant) {
-  if (!std::isfinite(courant))
-    throw Error(
-        "FlowSolver: a velocity of the flow is no number, which no shorter step mends; look at the "
-        "velocities that were set");
   if (courant > 1)
     throw FlowStepError(text("FlowSolver: the flow crosses ", courant, " cells in a step of ", dt,
                              " s; it must be at most 1"),

@@ -95,11 +95,11 @@ class FlowProjection {
           "Outflow, or balance the sides' velocities and the particles that come and go; solids "
           "that a CoupledFlow cuts off at its least_voidage have gone as well: wider weights or "
           "larger cells have room for them"));
-    solver_.set(coefficient_[0], coefficient_[1], coefficient_[2], held_, team);
-    change_.fill(0);
     // What is less than rounding of the voidage in this step need not be found.
     const double norm = norm_of_right(state, team), least = rounding / dt / norm;
     if (!std::isfinite(norm)) throw_no_numbers(state);
+    solver_.set(coefficient_[0], coefficient_[1], coefficient_[2], held_, team);
+    change_.fill(0);
     PressureSolution solved;
     solved.converged = !(least < 1);
     if (least < 1)
@@ -149,6 +149,7 @@ class FlowProjection {
                                ", from which no velocity follows, however short the step; look at "
                                "what sets it"));
     };
+    for (const Field& f : state.velocity) look(f, "the velocity");
     look(state.drag, "the drag K");
     for (const Field& f : state.drag_v) look(f, "the drag's K v");
     for (const Field& f : state.force) look(f, "the force");
@@ -159,8 +160,8 @@ class FlowProjection {
       for (const Field& f : state.response->flux) look(f, "the particles' flux");
     }
     throw Error(
-        "FlowSolver: velocities are no numbers after a step, however short; look at the velocities "
-        "of the sides and of walls");
+        "FlowSolver: no velocity that is a number follows, however short the step; look at the "
+        "velocities of the sides and of walls");
   }
   static constexpr double too_large = 1e150;  // its square, over a cell's size, may overflow
 
