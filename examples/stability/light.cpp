@@ -75,6 +75,49 @@ Measures crowd(double ratio, double voidage, const Forces&... forces) {
   return all;
 }
 
+/// 15 % of solids rise in a closed box of water, gather under its lid and come to rest, in fluid
+/// steps that silt chooses.
+template <class... Forces>
+Measures under_lid(double density, double restitution, const Forces&... forces) {
+  const int n = 3, layers = 8;
+  const double grain = 0.66e-3, V = Sphere::volume(grain / 2);
+  const double pitch = std::cbrt(V / 0.15), W = n * pitch, H = 1.5 * layers * pitch;
+  const Box box{{0, 0, 0}, {W, W, H}};
+  FlowSolver flow(Grid(box, {2, 2, 8}, {true, true, false}), {water, mu});
+  Particles<Sphere> grains;
+  Random random(1);
+  for (int k = 0; k < n * n * layers; ++k) {
+    const auto place = [&](int i) { return (i + 0.5 + 0.05 * random.uniform(-1, 1)) * pitch; };
+    grains.add({.position = {place(k % n), place(k / n % n), place(k / (n * n))},
+                .radius = grain / 2,
+                .density = density});
+  }
+  const HertzMindlin::Material soft{density < 10 ? 1e4 : 1e5, 0.3, restitution, 0.3};
+  Simulation sim{std::move(grains), Contacts<HertzMindlin>{soft},
+                 PeriodicBox{box, {true, true, false}},
+                 CoupledFlow{Gidaspow{}, Kernel{}, std::move(flow), forces...}};
+  sim.gravity = {0, 0, -g}, sim.threads = 1;
+  sim.add_wall(Plane{{0, 0, 0}, {0, 0, 1}}, soft);
+  const auto lid = sim.add_wall(Plane{{0, 0, H}, {0, 0, -1}}, soft);
+  const double law = minimum_fluidisation_velocity(Gidaspow{}, 0.85, grain, density, water, mu);
+  const double count = n * n * layers, free = 0.7 * (H - layers * pitch) / law;
+  double swing = 0, left = 0;
+  while (sim.time() < free) {
+    sim.run(free / 20);
+    double mean = 0;
+    for (std::size_t k = 0; k < sim.rows(); ++k) mean += sim.velocity(k).z / law / count;
+    if (sim.time() > 0.15 * free) swing = std::max(swing, std::abs(mean - 1));
+  }
+  sim.run(0.3 - sim.time());
+  for (std::size_t k = 0; k < sim.rows(); ++k) left = std::max(left, norm(sim.velocity(k)) / law);
+  const double load = sim.wall(lid).force.z / (count * (water - density) * V * g);
+  // Both ends of the crowd are looser than its middle.
+  return {{"momentum exchanged", sim.fluid().closure().momentum, 1e-12},
+          {"velocity while they rise", swing, 0.25},
+          {"velocity at rest", left, 1e-3},
+          {"load of the lid", std::abs(load - 1), 0.01}};
+}
+
 }  // namespace light_rows
 
 void light(Table& table) {
@@ -94,6 +137,19 @@ void light(Table& table) {
     table.row(text("density ratio ", ratio, ", drag that follows"), Setting::Tame,
               [&] { return crowd(ratio, 0.85, FollowedDrag{}); });
   }
+  table.scene("Light grains gather under a lid in water, 15 % of solids of 0.66 mm",
+              "they rise with the velocity of their drag law within 25 %, come to rest, and the "
+              "lid bears their buoyancy within 1 %");
+  for (const double density : {100.0, 20.0, 1.0})
+    for (const double restitution : {0.5, 0.9}) {
+      if (table.quick && (density != 20.0 || restitution < 0.9)) continue;
+      table.row(text(density, " kg/m3, e = ", restitution), Setting::Tame,
+                [&] { return under_lid(density, restitution); });
+    }
+  table.row("20 kg/m3, e = 0.9, virtual mass", Setting::Tame,
+            [&] { return under_lid(20, 0.9, VirtualMass{}); });
+  table.row("20 kg/m3, e = 0.9, drag that follows", Setting::Tame,
+            [&] { return under_lid(20, 0.9, FollowedDrag{}); });
 }
 
 }  // namespace stability

@@ -404,6 +404,8 @@ class Simulation {
   void book_leaving(std::size_t k);
   void couple();
   void renew_fluid();
+  double longest_held_step(double longest) const;
+  void check_held_step(double span) const;
   double kicked_to() const;
   void change_fluid_step(double dt);
   void follow_fluid();
@@ -418,6 +420,7 @@ class Simulation {
   detail::Meetings meetings() const;
   std::optional<detail::ShortestContact> shortest_contact(double speed) const;
   bool is_step_too_long() const;
+  bool is_longer_than_chosen() const;
   void check_walls() const;
   void keep_limits();
   void keep_rates(double back);
@@ -449,6 +452,8 @@ class Simulation {
   Vec3d gravity_booked_{0, 0, 0};                 // [m/s2] that the ledger reckons with
   double time_ = 0, dt_ = 0, time_origin_ = 0;
   std::int64_t step_ = 0, step_origin_ = 0;
+  /// Fluid steps that resolve contacts, over the limit of the particles' steps, an eighth of one.
+  static constexpr double held_share_of_contact = 2;
   double checked_speed_ = 0, checked_overlap_ = 0, peak_overlap_ = 0;
   std::uint32_t next_id_ = 0, next_part_ = 0;
   bool first_kick_ = true, kicked_ = false, continued_ = false;

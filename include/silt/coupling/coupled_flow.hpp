@@ -120,7 +120,7 @@ class CoupledFlow {
   /// @name In a Simulation
   /// @{
   /// Particle steps a fluid step; left out: as many as keep the flow stable (at half its limit) and
-  /// no particle crosses a fifth of a cell in, at most `most_steps`.
+  /// no particle crosses a fifth of a cell in, at most `most_steps`; of light ones, see HeldAnswer.
   std::optional<int> steps;
   int most_steps = 50;
   double time() const { return time_; }                // [s] up to which the flow is known
@@ -231,17 +231,19 @@ class CoupledFlow {
     const double stable = flow_.stable_step(team), least = std::min({h.x, h.y, h.z});
     return speed > 0 ? std::min(stable, 0.2 * least / speed) : stable;
   }
+  const HeldAnswer& held_answer() const { return held_answer_; }  // of the last step
   /// The state, part by part, for a checkpoint: visit(name, span of doubles).
   template <class Visit>
   void for_each_state(const Visit& visit) {
     flow_.for_each_state(visit);
     const auto counted = static_cast<double>(count_);
-    std::array<double, 7> clock{time_,   counted, last_dt_, diameter.value_or(0),
-                                lost_.x, lost_.y, lost_.z};
+    std::array<double, 9> clock{time_, counted, last_dt_, diameter.value_or(0)};
+    clock[4] = lost_.x, clock[5] = lost_.y, clock[6] = lost_.z;
+    clock[7] = held_answer_.lag, clock[8] = held_answer_.density_ratio;
     visit("fluid.clock", std::span<double>(clock));
     time_ = clock[0], count_ = static_cast<std::int64_t>(clock[1]), last_dt_ = clock[2];
     if (clock[3] > 0) diameter = clock[3];
-    lost_ = {clock[4], clock[5], clock[6]}, following_ = false;
+    lost_ = {clock[4], clock[5], clock[6]}, held_answer_ = {clock[7], clock[8]}, following_ = false;
     if constexpr (has_history) detail::visit_histories(forces_, visit);
   }
   /// Where a particle is for the fluid: its centre, or, if that has left the grid by less than its
@@ -316,8 +318,7 @@ class CoupledFlow {
     return flow_.options().model == MomentumModel::B ? model_b(K, voidage) : K;
   }
   CoupledStep finish(const CoupledStep& done, double dt) {
-    time_ += dt, ++count_, last_dt_ = dt, last_ = done;
-    closure_.add(done);
+    time_ += dt, ++count_, last_dt_ = dt, last_ = done, closure_.add(done);
     return done;
   }
   double coefficient([[maybe_unused]] const CoupledParticles& of, const InFluid& at,
@@ -389,6 +390,7 @@ class CoupledFlow {
   Vec3d lost_{0, 0, 0};            // [N s]
   double time_ = 0, last_dt_ = 0;  // [s]
   std::int64_t count_ = 0;
+  HeldAnswer held_answer_;
   CoupledStep last_;
   FluidClosure closure_;
 };

@@ -93,6 +93,7 @@ void CoupledFlow<Drag, Mode, Forces...>::find_exchange(const CoupledParticles& o
   response_.resize(of.velocity.size());
   if constexpr (follows) others_.resize(of.velocity.size());
   std::array<double, Team::most_ranges> largest{};
+  std::array<HeldAnswer, Team::most_ranges> held{};
   team.for_ranges(response_.size(), [&](std::size_t range, std::size_t from, std::size_t to) {
     for (std::size_t p = from; p < to; ++p) {
       response_[p] = {};
@@ -102,10 +103,15 @@ void CoupledFlow<Drag, Mode, Forces...>::find_exchange(const CoupledParticles& o
       const InFluid at = particle(of, p, dt);
       response_[p] = response_of(of, at, p);
       largest[range] = std::max(largest[range], gain_of(at, response_[p]));
+      if (response_[p].lag > held[range].lag)
+        held[range] = {response_[p].lag, at.mass / (at.volume * at.density)};
       if constexpr (turns)
         if (!torque.empty()) torque[p] = torque_on(at);
     }
   });
+  held_answer_ = {};
+  for (const HeldAnswer& one : held)
+    if (one.lag > held_answer_.lag) held_answer_ = one;
   const bool moves = *std::max_element(largest.begin(), largest.end()) > most_lagged_gain;
   if (moves || in_pressure()) flow_.response().moves = moves;
 }

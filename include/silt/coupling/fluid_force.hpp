@@ -88,6 +88,7 @@ struct SpinTorque {
 
 /// Virtual mass, F = C rho V (Du/Dt - dv/dt), with dv/dt from all that acts, this force included,
 /// and Du/Dt of the same step: stable for light particles, and exact where a flow starts suddenly.
+/// Not with FollowedDrag, which knows no mass but the particle's: that does not compile.
 /// Source: unsteady/forces.hpp.
 struct VirtualMass {
   double coefficient = 0.5;  // [-] of a sphere

@@ -31,7 +31,8 @@ namespace silt::inline SILT_TARGET {
 ///
 /// Source: the exponential pair of MomentumExchange; cells and tolerance: T. Brosh, H. Kalman,
 ///         A. Levy, Particuology 12 (2014) 113, who name them without formulas.
-/// Errors: InputError for negative numbers, and for cells too small.
+/// Errors: InputError for negative numbers, and for cells too small; not with VirtualMass (it does
+///         not compile).
 /// Tests:  tests/coupling/followed_drag.cpp.
 struct FollowedDrag {
   static constexpr bool follows_velocity = true;

@@ -45,6 +45,9 @@ struct StepResponse {
   double coefficient = 0;    // [kg/s] c
   Vec3d offset{0, 0, 0};     // [N] o
   double borne = 0;          // [m3] q
+  /// [-] of what other forces change during the step, the share that the fluid's answer, which is
+  /// held, lacks: near 0 for heavy particles, near 1 for light or stiffly coupled ones
+  double lag = 0;
 
   /// v' of (3) [m/s]; slope: grad p' - div tau' [Pa/m].
   Vec3d velocity(const Vec3d& u, const Vec3d& slope) const {
@@ -56,12 +59,25 @@ struct StepResponse {
   }
 };
 
+/// The particle of a fluid step whose answer, held over the step, misses most of what its contacts
+/// do meanwhile.
+struct HeldAnswer {
+  double lag = 0;            // [-] StepResponse::lag
+  double density_ratio = 0;  // [-] its density over the fluid's
+  /// Up to this lag fluid steps of any length are stable with contacts whose dashpot is a twentieth
+  /// of the critical one (e = 0.85) and more; above, those that resolve the contacts' oscillation,
+  /// omega dt < 1.7. By the eigenvalues of a grain on a damped spring with (3) and (4), where the
+  /// force of the spring is known to the fluid as its mean over the step before.
+  static constexpr double most_lag = 0.1;
+};
+
 inline StepResponse step_response(const StepLoads& p) {
   const Vec3d known = p.push + p.added * (p.convection - (1 / p.dt) * p.fluid);
   if (!std::isfinite(p.mass))
     return {0, 0, p.velocity, p.drag + p.added / p.dt, p.drag * p.velocity - known, 0};
   const double all = p.mass + p.added, X = p.dt * p.drag / all;
-  const double E = X > 0 ? one_minus_exponential(X) : 0, R = X > 0 ? E / X : 1;
+  // A drag that is no number stays one, for the flow to refuse.
+  const double E = X == 0 ? 0 : one_minus_exponential(X), R = X == 0 ? 1 : E / X;
   const double part = p.mass / all * R;  // of the forces that the particle's own mass takes
   StepResponse r;
   r.with_fluid = E + R * p.added / all;
@@ -70,6 +86,7 @@ inline StepResponse step_response(const StepLoads& p) {
   r.coefficient = p.mass / p.dt * r.with_fluid;
   r.offset = (p.mass / p.dt * E) * p.velocity + (1 - part) * p.others - part * known;
   r.borne = (1 - part) * p.volume;
+  r.lag = 1 - part;
   return r;
 }
 

@@ -34,22 +34,34 @@ struct Guard {
 
 namespace detail {
 
+/// Whether a shorter time step may mend what a run was stopped for: only where the limits that see
+/// too long ones in time have been lifted.
+inline bool lets_long_steps_pass(const Guard& guard) {
+  const Guard usual;
+  return guard.max_time_step > usual.max_time_step || guard.max_travel > usual.max_travel ||
+         guard.max_rate > usual.max_rate;
+}
+
 /// Looks for the particle that has become not a number; says where, and what to change.
 template <class EngineType>
-[[noreturn, gnu::cold]] void throw_not_finite(const EngineType& e, std::int64_t step, double time) {
+[[noreturn, gnu::cold]] void throw_not_finite(const EngineType& e, std::int64_t step, double time,
+                                              bool shorter) {
+  const auto mend = shorter ? "; lower the time step, as limits of the guard are lifted, or look "
+                              "for overlapping particles at the start"
+                            : "; look at gravity and at the forces and laws that you gave, and for "
+                              "overlapping particles at the start";
   for (std::size_t k = 0; k < e.particles.size(); ++k) {
     const auto& m = e.particles.motion[k];
     const auto& p = e.particles.position[k];
     if (e.particles.is_parked(k) || (is_finite(m.velocity()) && is_finite(p.centre()))) continue;
     throw SimulationError(
         text("step ", step, ", t = ", time, " s: the velocity of particle ", e.id_of(k),
-             " is not finite near ", e.lists.reference[k],
-             " m; lower the time step, or look for overlapping particles at the start"),
+             " is not finite near ", e.lists.reference[k], " m", mend),
         step, {e.id_of(k)}, e.lists.reference[k]);
   }
-  throw SimulationError(text("step ", step, ", t = ", time,
-                             " s: the squared velocities overflow; lower the time step"),
-                        step, {}, {});
+  throw SimulationError(
+      text("step ", step, ", t = ", time, " s: the squared velocities overflow", mend), step, {},
+      {});
 }
 
 /// A time step [s] to advise, to three digits and safely below.
@@ -134,26 +146,30 @@ template <class EngineType, class Domain>
 }
 
 /// The overlaps of a step are above the least limit: names the contact that is above its own, if
-/// there is one. `name` says the name of a material.
-template <class EngineType, class Domain, class Name>
+/// there is one. `longer` says whether the time step is longer than silt chooses, so that the
+/// overlap may be an error of it; `name` says the name of a material.
+template <class EngineType, class Domain, class Longer, class Name>
 [[gnu::cold]] void check_overlaps(const EngineType& e, const Domain& domain, std::int64_t step,
                                   double time, double back, double limit,
-                                  const OverlapLimits& limits, const Name& name) {
+                                  const OverlapLimits& limits, const Longer& longer,
+                                  const Name& name) {
   const DeepContact c = deepest_contact(e, domain, back, limit, limits);
   if (!limits.empty() && !(c.excess > 1)) return;
   const bool is_common = c.limit == limit;
   const Vec3d where = place_before(e, c.a, back);
   const auto head = text("step ", step, ", t = ", time, " s: ");
   const std::string both = name(c.material_a) + " and " + name(c.material_b);
-  const auto tail = text(
-      limits.empty() ? e.largest_overlap : c.overlap, " of the smaller radius, above the limit ",
-      is_common ? text("guard.max_overlap = ", limit)
-                : text(c.limit, " that set_max_overlap gives to ", both),
-      "; use a stiffer material, a lower speed or a smaller time step, or start without overlaps",
-      is_common ? text(". Where a heavy body may press light grains in deeper, "
-                       "Simulation::set_max_overlap raises the limit for ",
-                       both, " alone")
-                : std::string());
+  const auto tail = text(limits.empty() ? e.largest_overlap : c.overlap,
+                         " of the smaller radius, above the limit ",
+                         is_common ? text("guard.max_overlap = ", limit)
+                                   : text(c.limit, " that set_max_overlap gives to ", both),
+                         "; use a stiffer material",
+                         longer() ? ", a lower speed or a smaller time step" : " or a lower speed",
+                         ", or start without overlaps",
+                         is_common ? text(". Where a heavy body may press light grains in deeper, "
+                                          "Simulation::set_max_overlap raises the limit for ",
+                                          both, " alone")
+                                   : std::string());
   if (c.with_wall)
     throw SimulationError(text(head, "particle ", e.id_of(c.a), " at ", where, " m overlaps wall ",
                                c.wall, " by ", tail),
@@ -239,14 +255,16 @@ void check_crowded(const EngineType& e, std::int64_t step, double time, double b
 
 /// Spins that are not finite act on velocities only where there is friction.
 template <class EngineType>
-void check_spins(const EngineType& e, std::int64_t step, double time) {
+void check_spins(const EngineType& e, std::int64_t step, double time, bool shorter) {
   if constexpr (EngineType::rotates)
     for (std::size_t k = 0; k < e.particles.size(); ++k)
       if (!e.particles.is_parked(k) && !is_finite(e.particles.motion[k].spin_velocity()))
         throw SimulationError(
             text("step ", step, ", t = ", time, " s: the angular velocity of particle ", e.id_of(k),
                  " is not finite near ", e.lists.reference[k],
-                 " m; lower the time step, or look at the law and the rolling model"),
+                 shorter ? " m; lower the time step, as limits of the guard are lifted, or look "
+                         : " m; look ",
+                 "at the law and the rolling model"),
             step, {e.id_of(k)}, e.lists.reference[k]);
 }
 

@@ -105,6 +105,42 @@ void Simulation<Policies...>::change_fluid_step([[maybe_unused]] double dt) {
   }
 }
 
+/// Light or stiffly coupled particles in contact: what the fluid gives them is held over its step
+/// and knows only the contacts of the step before, so that a step of up to `longest` [s] must
+/// either leave the fluid's answer small or resolve the contacts.
+template <class... Policies>
+double Simulation<Policies...>::longest_held_step(double longest) const {
+  if constexpr (!follows_fluid) {
+    const double small = HeldAnswer::most_lag * fluid_.last_step_length();
+    if (fluid_.held_answer().lag * longest > small)
+      if (const auto limit = time_step_limit(checked_speed_))
+        return std::min(longest,
+                        std::max(small / fluid_.held_answer().lag, held_share_of_contact * *limit));
+  }
+  return longest;
+}
+
+/// The same of a number of steps that was set.
+template <class... Policies>
+void Simulation<Policies...>::check_held_step(double span) const {
+  if constexpr (!follows_fluid) {
+    const auto held = fluid_.held_answer();
+    if (!(held.lag > HeldAnswer::most_lag && held.density_ratio < 1)) return;
+    const auto limit = time_step_limit(checked_speed_);
+    if (!limit || span <= held_share_of_contact * *limit) return;
+    throw SimulationError(
+        text("step ", step_, ", t = ", time_, " s: CoupledFlow.steps = ", *fluid_.steps,
+             " particle steps a fluid step are too many for particles of ", held.density_ratio,
+             " of the fluid's density: what it gives them is held for ", span,
+             " s, longer than a quarter of a contact, and would make their contacts swing; set it "
+             "to "
+             "at most ",
+             static_cast<int>(held_share_of_contact * *limit / dt_), " or leave it out",
+             Fluid::has_added_mass ? "" : ", or add FollowedDrag"),
+        step_, {}, {});
+  }
+}
+
 template <class... Policies>
 void Simulation<Policies...>::renew_fluid() {
   const double fastest = gather_for_fluid();
@@ -112,8 +148,9 @@ void Simulation<Policies...>::renew_fluid() {
   if (fluid_.steps)
     steps = *fluid_.steps;
   else if (fluid_.fluid_steps() > 0)
-    steps = static_cast<int>(std::clamp(fluid_.longest_step(fastest, engine_.team()) / dt_, 1.0,
-                                        static_cast<double>(fluid_.most_steps)));
+    steps = static_cast<int>(
+        std::clamp(longest_held_step(fluid_.longest_step(fastest, engine_.team())) / dt_, 1.0,
+                   static_cast<double>(fluid_.most_steps)));
   const double behind = kicked_to() - fluid_.time();  // [s] after a change of the time step
   double span = (first_kick_ ? steps - 1 + Integrator::first_kick : steps) * dt_;
   if (behind > clock_rounding * dt_) span += behind;
@@ -123,10 +160,18 @@ void Simulation<Policies...>::renew_fluid() {
     fluid_.advance(p.view(), span, p.force, engine_.team(), p.torque);
   } catch (const InputError&) {
     throw;
+  } catch (const FlowStepError& error) {
+    const int fewer = static_cast<int>(error.longest / dt_);
+    throw SimulationError(text("step ", step_, ", t = ", time_, " s: ", error.what(),
+                               fewer >= 1 ? text(", ", fewer, " particle steps of now ", steps,
+                                                 ": by CoupledFlow.steps or most_steps")
+                                          : text(", by a Simulation::time_step of less than that")),
+                          step_, {}, {});
   } catch (const Error& error) {
     throw SimulationError(text("step ", step_, ", t = ", time_, " s: ", error.what()), step_, {},
                           {});
   }
+  if (fluid_.steps) check_held_step(span);
   fluid_.start_at(time_ + (steps - 1 + Integrator::first_kick) * dt_);  // to the last digit
   auto& loads = engine_.fluid_loads();
   engine_.team().for_ranges(p.place.size(), [&](std::size_t, std::size_t from, std::size_t to) {

@@ -333,6 +333,14 @@ void Simulation<Policies...>::set_max_overlap(const typename ContactsType::Mater
   overlap_limits_.set(number(a), number(b), limit);
 }
 
+/// Whether the time step is longer than the one that silt chooses for the speeds so far.
+template <class... Policies>
+bool Simulation<Policies...>::is_longer_than_chosen() const {
+  const auto limit =
+      shortest_contact(std::max({checked_speed_, engine_.largest_speed, expected_speed()}));
+  return !limit || dt_ > (1 + 1e-9) * limit->time / 20;
+}
+
 template <class... Policies>
 void Simulation<Policies...>::check_walls() const {
   for (std::size_t w = 0; w < engine_.walls.size(); ++w)
@@ -342,13 +350,15 @@ void Simulation<Policies...>::check_walls() const {
 template <class... Policies>
 void Simulation<Policies...>::keep_limits() {
   peak_overlap_ = std::max(peak_overlap_, engine_.largest_overlap);
-  if (!engine_.finite) detail::throw_not_finite(engine_, step_, time_);
-  if (kicked_) detail::check_spins(engine_, step_, time_);
+  const bool lets_pass = detail::lets_long_steps_pass(guard);
+  if (!engine_.finite) detail::throw_not_finite(engine_, step_, time_, lets_pass);
+  if (kicked_) detail::check_spins(engine_, step_, time_, lets_pass);
   // Unless observers look at this step, the particles have moved on from where forces acted.
   const double back = kicked_ ? 0 : dt_;
   if (engine_.largest_overlap > overlap_limits_.least(guard.max_overlap))
     detail::check_overlaps(
         engine_, domain_, step_, time_, back, guard.max_overlap, overlap_limits_,
+        [this] { return is_longer_than_chosen(); },
         [this](std::size_t k) { return detail::name_of_material(contacts_, k); });
   detail::check_crowded(engine_, step_, time_, back);
   const double wall_way = detail::wall_travel(engine_);

@@ -95,13 +95,11 @@ class FlowProjection {
           "Outflow, or balance the sides' velocities and the particles that come and go; solids "
           "that a CoupledFlow cuts off at its least_voidage have gone as well: wider weights or "
           "larger cells have room for them"));
-    solver_.set(coefficient_[0], coefficient_[1], coefficient_[2], held_, team);
-    change_.fill(0);
     // What is less than rounding of the voidage in this step need not be found.
     const double norm = norm_of_right(state, team), least = rounding / dt / norm;
-    if (!std::isfinite(norm))
-      throw Error(text("FlowSolver: velocities are no numbers after a step of ", dt,
-                       " s; look at the drag and the forces given, and make the step shorter"));
+    if (!std::isfinite(norm)) throw_no_numbers(state);
+    solver_.set(coefficient_[0], coefficient_[1], coefficient_[2], held_, team);
+    change_.fill(0);
     PressureSolution solved;
     solved.converged = !(least < 1);
     if (least < 1)
@@ -138,6 +136,35 @@ class FlowProjection {
   }
 
  private:
+  /// Says which field that was given to the step is none, and where.
+  [[noreturn, gnu::cold]] static void throw_no_numbers(const FlowState& state) {
+    const auto look = [&](const Field& f, const char* what) {
+      const Grid& g = state.grid;
+      for (int k = 0; k < g.nz(); ++k)
+        for (int j = 0; j < g.ny(); ++j)
+          for (int i = 0; i < g.nx(); ++i)
+            if (!(std::abs(f(i, j, k)) < too_large))
+              throw Error(text("FlowSolver: ", what, " of cell (", i, ", ", j, ", ", k, ") is ",
+                               f(i, j, k),
+                               ", from which no velocity follows, however short the step; look at "
+                               "what sets it"));
+    };
+    for (const Field& f : state.velocity) look(f, "the velocity");
+    look(state.drag, "the drag K");
+    for (const Field& f : state.drag_v) look(f, "the drag's K v");
+    for (const Field& f : state.force) look(f, "the force");
+    if (state.response) {
+      look(state.response->borne, "the pressure that particles bear");
+      look(state.response->with_fluid, "the particles' answer to velocity");
+      look(state.response->with_pressure, "the particles' answer to pressure");
+      for (const Field& f : state.response->flux) look(f, "the particles' flux");
+    }
+    throw Error(
+        "FlowSolver: no velocity that is a number follows, however short the step; look at the "
+        "velocities of the sides and of walls");
+  }
+  static constexpr double too_large = 1e150;  // its square, over a cell's size, may overflow
+
   /// (6) of FlowSolver on a row of faces.
   struct CarriedRow {
     CarriedRow(const FlowState& state, int d, int j, int k) : back(state.stride(d)) {
