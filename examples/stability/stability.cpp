@@ -46,6 +46,7 @@ int run(const example::Options& options) {
   stability::moving_walls(table);
   stability::rough(table);
   stability::bodies(table);
+  stability::spins(table);
   stability::sticky(table);
   stability::light(table);
   stability::no_numbers(table);

@@ -78,6 +78,7 @@ void walls(Table& table);
 void moving_walls(Table& table);
 void rough(Table& table);
 void bodies(Table& table);
+void spins(Table& table);
 void sticky(Table& table);
 void light(Table& table);
 void no_numbers(Table& table);

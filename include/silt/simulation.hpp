@@ -345,7 +345,8 @@ class Simulation {
   std::uint64_t safeguarded() const requires detail::has_safeguard<typename ContactsType::Law> {
     return engine_.safeguards;
   }
-  /// The largest time step that guard allows at `speed` [m/s]; none if the law has no closed form.
+  /// The largest time step that guard allows at `speed` [m/s] of the fastest points of particles
+  /// (docs/stability.md, Spin); none if the law has no closed form.
   std::optional<double> time_step_limit(double speed) const;
 
  private:
@@ -416,6 +417,8 @@ class Simulation {
   double potential(std::size_t k) const { return -mass(k) * dot(gravity_booked_, position(k)); }
   void prepare();
   double chosen_time_step() const;
+  detail::SurfaceSpeed surface_speed(std::size_t k) const;
+  std::string tips_at(double speed) const;
   double expected_speed() const;
   detail::Meetings meetings() const;
   std::optional<detail::ShortestContact> shortest_contact(double speed) const;

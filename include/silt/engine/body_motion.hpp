@@ -208,7 +208,8 @@ class BodyMotion {
     }
   }
   struct Measured {
-    double speed2 = 0, share2 = 0, sum2 = 0;
+    double speed = 0, share2 = 0, sum = 0;  // [m/s] Body::speed, [1/s2], [m/s]
+    void include(double of_body) { sum += of_body, speed = std::max(speed, of_body); }
   };
   enum class Placing { Still, Moved };
 
@@ -246,10 +247,10 @@ class BodyMotion {
     });
     Measured all;
     for (const Measured& m : of) {
-      all.speed2 = std::max(all.speed2, m.speed2), all.share2 = std::max(all.share2, m.share2);
-      all.sum2 += m.sum2;
+      all.speed = std::max(all.speed, m.speed), all.share2 = std::max(all.share2, m.share2);
+      all.sum += m.sum;
     }
-    return {std::sqrt(all.speed2), std::sqrt(all.share2), std::isfinite(all.sum2)};
+    return {all.speed, std::sqrt(all.share2), std::isfinite(all.sum)};
   }
 
   /// Convex bodies, which are one part each, in lanes: kick, if there is one, and drift for `time`
@@ -263,12 +264,13 @@ class BodyMotion {
   void carry_pack(const Scene& scene, const Kick* kick, double time, std::span<Body> pack,
                   Measured& most) {
     using V = Vec3<Real>;
-    static_assert(offsetof(Body, inertia) == 16 * sizeof(double));
+    static_assert(offsetof(Body, inertia) == 16 * sizeof(double) &&
+                  offsetof(Body, lever) == 21 * sizeof(double));
     const double* at[W];
     for (std::size_t lane = 0; lane < W; ++lane)
       at[lane] = &pack[std::min(lane, pack.size() - 1)].centre.x;
-    Real b[20];  // the numbers of Body, in their order
-    gather_columns<Arch, 5>(at, b);
+    Real b[24];  // the numbers of Body, in their order
+    gather_columns<Arch, 6>(at, b);
     V centre{b[0], b[1], b[2]}, velocity{b[4], b[5], b[6]}, L{b[12], b[13], b[14]};
     const V inertia{b[16], b[17], b[18]};
     const Real inv_m = b[3], radius = b[7], scale = b[15], zero(0);
@@ -308,6 +310,11 @@ class BodyMotion {
     turned(centre, inv_m, moved[0]), turned(velocity, radius, moved[1]);
     columns_to_rows<Arch>(q, moved[2]), turned(L, scale, moved[3]);
     turned(radius * angular(L), zero, spin);  // the row's radius is the body's
+    const Real v2 = dot(velocity, velocity);
+    alignas(64) double speed[W], squared[W];
+    store(squared, v2);
+    store(speed, sqrt(v2) + abs(L.x / inertia.x) * b[21] + abs(L.y / inertia.y) * b[22] +
+                     abs(L.z / inertia.z) * b[23]);
     const bool record = kick != nullptr && time == 0;
     alignas(64) double whole[6][W];  // velocity, angular velocity
     if (record) {
@@ -333,9 +340,8 @@ class BodyMotion {
         position.x = now.x, position.y = now.y, position.z = now.z;
       }
       if (row < convex_rows.pose.size()) convex_rows.pose[row].q = body.orientation;
-      const double v2 = dot(body.velocity, body.velocity);
-      most.sum2 += v2, most.speed2 = std::max(most.speed2, v2);
-      most.share2 = std::max(most.share2, v2 * scene.per_inner2[row]);
+      most.include(speed[lane]);
+      most.share2 = std::max(most.share2, squared[lane] * scene.per_inner2[row]);
       if (record)
         synchronous[static_cast<std::size_t>(&body - bodies.data())] = {
             {whole[0][lane], whole[1][lane], whole[2][lane]},
@@ -414,12 +420,14 @@ class BodyMotion {
     Rotation::kick(b.momentum, axes.to_body(torque), b.inertia, kick.time);
   }
 
-  /// Puts the parts in their places. How far each has gone in `time` is measured exactly.
+  /// Puts the parts in their places. How far each has gone in `time` is measured exactly: what
+  /// the lists need, whose bounding spheres no spin moves.
   void place(State& particles, const double* per_inner2, const Body& b, Placing how, double time,
              Measured& most) {
     const BodyAxes<double> axes = body_axes(b.orientation);
     const auto& parts = forms[b.form].parts;
     const Vec3d w = b.angular_velocity(b.momentum);
+    most.include(b.speed());
     for (std::size_t p = 0; p < parts.size(); ++p) {
       const std::size_t r = rows[b.first + p];
       const Vec3d arm = axes.to_space(b.scale * parts[p].centre);
@@ -440,9 +448,7 @@ class BodyMotion {
         v = (1 / time) * (now - row.centre());
         row.x = now.x, row.y = now.y, row.z = now.z;
       }
-      const double v2 = dot(v, v);
-      most.sum2 += v2, most.speed2 = std::max(most.speed2, v2);
-      if (per_inner2 != nullptr) most.share2 = std::max(most.share2, v2 * per_inner2[r]);
+      if (per_inner2 != nullptr) most.share2 = std::max(most.share2, dot(v, v) * per_inner2[r]);
     }
   }
 };

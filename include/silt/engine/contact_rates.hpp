@@ -190,7 +190,7 @@ class ContactRates {
   }
   void add_convex([[maybe_unused]] const Domain& domain) {
     if constexpr (EngineType::convex)
-      for_each_convex_contact(e_, domain, [&](const SeenContact& c) {
+      for_each_convex_contact(e_, domain, back_, [&](const SeenContact& c) {
         const double R = 2 * c.R_eff, a = e_.particles.motion[c.i].inv_m;
         const double all = c.inverse_mass_i + c.inverse_mass_j;
         if (c.j == no_particle)

@@ -161,19 +161,27 @@ struct ConvexRows<KindList<Kind...>, OnePart> {
     else
       return 0;
   }
-  /// Part `row` of kind K at `at`.
+  /// Part `row` of kind K at `at`, turned by q.
+  template <std::size_t K>
+  auto placed(std::size_t row, const Vec3d& at, const Quaternion& q) const {
+    using Narrow = KernelOf<KindAt<K>>;
+    return Narrow::place(form_row(row).template get<typename Narrow::Row>(), body_axes(q), at);
+  }
   template <std::size_t K>
   auto placed(std::size_t row, const Vec3d& at) const {
-    using Narrow = KernelOf<KindAt<K>>;
-    return Narrow::place(form_row(row).template get<typename Narrow::Row>(), body_axes(pose[row].q),
-                         at);
+    return placed<K>(row, at, pose[row].q);
   }
   /// Calls visit(placed part).
   template <class Visit>
   void visit(std::size_t row, const Vec3d& at, const Visit& visit) const {
+    visit_turned(row, at, pose[row].q, visit);
+  }
+  template <class Visit>
+  void visit_turned(std::size_t row, const Vec3d& at, const Quaternion& q,
+                    const Visit& visit) const {
     const std::size_t k = kind_of(row);
     [&]<std::size_t... K>(std::index_sequence<K...>) {
-      (void)((k == K && (visit(placed<K>(row, at)), true)) || ...);
+      (void)((k == K && (visit(placed<K>(row, at, q)), true)) || ...);
     }
     (std::index_sequence_for<Kind...>{});
   }

@@ -77,6 +77,7 @@ class Engine {
  public:
   using Contacts = ContactsType;
   using IntegratorType = Integrator;
+  using RotationType = Rotation;
   static constexpr bool rotates = ContactsType::rotates;
   static constexpr std::size_t chunks = load_chunks<ContactsType>;
   static constexpr std::size_t history = ContactsType::history;  // Reals of a contact
@@ -103,7 +104,7 @@ class Engine {
   Lists lists;
   Mover mover;
   CoefficientTable<ContactsType> coefficients;
-  double largest_speed = 0;      // [m/s]
+  double largest_speed = 0;      // [m/s] of surfaces: Pace
   double largest_share = 0;      // [1/s] largest speed over inner reach
   double largest_overlap = 0;    // [-] over the smaller radius, in the last step
   bool finite = true;            // all velocities, after the last kick

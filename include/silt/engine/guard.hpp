@@ -15,6 +15,7 @@
 #include <silt/boundary/wall.hpp>
 #include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
+#include <silt/engine/body.hpp>
 #include <silt/engine/convex_look.hpp>
 #include <silt/engine/list_upkeep.hpp>
 #include <silt/engine/wall_look.hpp>
@@ -24,11 +25,11 @@ namespace silt::inline SILT_TARGET {
 /// Limits that a run must keep; where one is broken it stops with a SimulationError. What each of
 /// them prevents, and why it has its default: docs/stability.md.
 struct Guard {
-  double max_overlap = 0.3;        // [-] of the smaller radius; of pairs: set_max_overlap
-  double max_time_step = 0.125;    // [-] of the shortest contact time at the largest speed
-  double max_travel = 0.3;         // [-] of the smallest radius, of particles and walls in a step
-  double max_rate = 1.25;          // [-] of a particle in its contacts: contact_rates.hpp
-  bool through_meshes = false;     // true: particles may come out behind a mesh, if limits let them
+  double max_overlap = 0.3;      // [-] of the smaller radius; of pairs: set_max_overlap
+  double max_time_step = 0.125;  // [-] of the shortest contact time at the largest speed
+  double max_travel = 0.3;       // [-] of the smallest radius: tips of particles and walls, a step
+  double max_rate = 1.25;        // [-] of a particle in its contacts: contact_rates.hpp
+  bool through_meshes = false;   // true: particles may come out behind a mesh, if limits let them
   std::optional<Box> domain = {};  // [m] particles must stay inside; left out: not checked
 };
 
@@ -40,6 +41,21 @@ inline bool lets_long_steps_pass(const Guard& guard) {
   const Guard usual;
   return guard.max_time_step > usual.max_time_step || guard.max_travel > usual.max_travel ||
          guard.max_rate > usual.max_rate;
+}
+
+/// Spins that are not finite act on velocities of spheres only where there is friction.
+template <class EngineType>
+void check_spins(const EngineType& e, std::int64_t step, double time, bool shorter) {
+  if constexpr (EngineType::rotates)
+    for (std::size_t k = 0; k < e.particles.size(); ++k)
+      if (!e.particles.is_parked(k) && !is_finite(e.particles.motion[k].spin_velocity()))
+        throw SimulationError(
+            text("step ", step, ", t = ", time, " s: the angular velocity of particle ", e.id_of(k),
+                 " is not finite near ", e.lists.reference[k],
+                 shorter ? " m; lower the time step, as limits of the guard are lifted, or look "
+                         : " m; look ",
+                 "at the law and the rolling model"),
+            step, {e.id_of(k)}, e.lists.reference[k]);
 }
 
 /// Looks for the particle that has become not a number; says where, and what to change.
@@ -59,6 +75,7 @@ template <class EngineType>
              " is not finite near ", e.lists.reference[k], " m", mend),
         step, {e.id_of(k)}, e.lists.reference[k]);
   }
+  check_spins(e, step, time, shorter);  // that of a body moves its tips
   throw SimulationError(
       text("step ", step, ", t = ", time, " s: the squared velocities overflow", mend), step, {},
       {});
@@ -82,6 +99,10 @@ class OverlapLimits {
   }
   double least(double otherwise) const {
     for (const auto& [pair, limit] : of_pairs_) otherwise = std::min(otherwise, limit);
+    return otherwise;
+  }
+  double greatest(double otherwise) const {
+    for (const auto& [pair, limit] : of_pairs_) otherwise = std::max(otherwise, limit);
     return otherwise;
   }
   /// The largest of a material's.
@@ -126,7 +147,7 @@ template <class EngineType, class Domain>
       most = {overlap / own, overlap, own, a, b, i, j, wall, with_wall};
   };
   if constexpr (EngineType::convex) {
-    for_each_convex_contact(e, domain, [&](const SeenContact& c) {
+    for_each_convex_contact(e, domain, back, [&](const SeenContact& c) {
       const bool with_wall = c.j == no_particle;
       look(c.i, with_wall ? 0 : c.j, c.wall, with_wall, c.share);
     });
@@ -154,7 +175,18 @@ template <class EngineType, class Domain, class Longer, class Name>
                                   const OverlapLimits& limits, const Longer& longer,
                                   const Name& name) {
   const DeepContact c = deepest_contact(e, domain, back, limit, limits);
-  if (!limits.empty() && !(c.excess > 1)) return;
+  if (!(c.excess > 1) && !limits.empty() && e.largest_overlap <= limits.greatest(limit)) return;
+  const auto advice = [&] {
+    return text("; use a stiffer material",
+                longer() ? ", a lower speed or a smaller time step" : " or a lower speed",
+                ", or start without overlaps");
+  };
+  if (!(c.excess > 0.99))  // gone: parts of bodies that turn fast are not quite where they were
+    throw SimulationError(
+        text("step ", step, ", t = ", time, " s: two particles, or one and a wall, overlapped by ",
+             e.largest_overlap, " of the smaller radius, above the limit ", limits.greatest(limit),
+             ", and have parted within the step", advice()),
+        step, {}, {});
   const bool is_common = c.limit == limit;
   const Vec3d where = place_before(e, c.a, back);
   const auto head = text("step ", step, ", t = ", time, " s: ");
@@ -163,9 +195,7 @@ template <class EngineType, class Domain, class Longer, class Name>
                          " of the smaller radius, above the limit ",
                          is_common ? text("guard.max_overlap = ", limit)
                                    : text(c.limit, " that set_max_overlap gives to ", both),
-                         "; use a stiffer material",
-                         longer() ? ", a lower speed or a smaller time step" : " or a lower speed",
-                         ", or start without overlaps",
+                         advice(),
                          is_common ? text(". Where a heavy body may press light grains in deeper, "
                                           "Simulation::set_max_overlap raises the limit for ",
                                           both, " alone")
@@ -205,26 +235,75 @@ double wall_travel(const EngineType& e) {
   return most;
 }
 
+/// How fast the surface of a particle is, with its tips (Body::tip_speed).
+struct SurfaceSpeed {
+  double centre = 0, by_spin = 0;  // [m/s] by_spin: 0 of spheres
+  double spin = 0;                 // [rad/s]
+  std::uint32_t id = no_particle;
+
+  double sum() const { return centre + by_spin; }
+  bool is_of_tips() const { return by_spin > 0.1 * centre; }
+  /// What the speed is made of, for a sentence; nothing where the spin is hardly a part of it.
+  std::string words() const {
+    if (!is_of_tips()) return {};
+    return text(" (of the tips of particle ", id, ": its velocity of ", centre, " m/s and ",
+                by_spin, " m/s by its spin of ", spin, " rad/s)");
+  }
+};
+
+template <class EngineType>
+SurfaceSpeed surface_speed(const EngineType& e, std::size_t place) {
+  if constexpr (EngineType::has_bodies) {
+    const Body& b = e.mover.bodies[place];
+    const Vec3d w{b.momentum.x / b.inertia.x, b.momentum.y / b.inertia.y,
+                  b.momentum.z / b.inertia.z};
+    return {norm(b.velocity), b.tip_speed(w), norm(w), b.id};
+  } else {
+    return {norm(e.particles.motion[place].velocity()), 0, 0, e.particles.id[place]};
+  }
+}
+
+struct FastestParticle {
+  SurfaceSpeed speed{-1};
+  Vec3d centre{0, 0, 0};  // [m]
+};
+template <class EngineType>
+[[gnu::cold]] FastestParticle fastest_particle(const EngineType& e) {
+  FastestParticle most;
+  for (std::size_t k = 0; k < e.rows_of_particles(); ++k) {
+    const SurfaceSpeed s = surface_speed(e, k);
+    if (s.id == no_particle || !(s.sum() > most.speed.sum())) continue;
+    most.speed = s;
+    if constexpr (EngineType::has_bodies)
+      most.centre = e.mover.bodies[k].centre;
+    else
+      most.centre = e.particles.position[k].centre();
+  }
+  return most;
+}
+
 template <class EngineType>
 [[noreturn, gnu::cold]] void throw_travel(const EngineType& e, double wall_way, std::int64_t step,
                                           double time, double dt, double limit) {
   const double way = e.largest_speed * dt, most = limit * e.least_radius();
-  std::uint32_t fastest = 0;
-  double speed = -1;  // [m/s]
-  for (std::uint32_t k = 0; k < e.particles.size(); ++k)
-    if (const double v = norm(e.particles.motion[k].velocity()); v > speed) speed = v, fastest = k;
+  const FastestParticle fastest = fastest_particle(e);
   const bool is_wall = wall_way > way;
-  const Vec3d where = is_wall ? Vec3d{} : e.particles.position[fastest].centre();
+  const Vec3d where = is_wall ? Vec3d{} : fastest.centre;
   std::vector<std::uint32_t> ids;
-  if (!is_wall) ids.push_back(e.id_of(fastest));
-  const auto who =
-      is_wall ? std::string("a wall moves") : text("particle ", ids[0], " at ", where, " m moves");
+  if (!is_wall) ids.push_back(fastest.speed.id);
+  const auto who = is_wall ? std::string("a wall moves")
+                   : fastest.speed.is_of_tips()
+                       ? text("the tips of particle ", ids[0], " at ", where, " m move")
+                       : text("particle ", ids[0], " at ", where, " m moves");
   throw SimulationError(text("step ", step, ", t = ", time, " s: ", who, " by ",
                              std::max(way, wall_way), " m in a step, more than guard.max_travel = ",
                              limit, " of the smallest radius ", e.least_radius(),
                              " m, and may pass through others unseen; set "
                              "Simulation::time_step to less than ",
-                             below(dt * most / std::max(way, wall_way)), " s"),
+                             below(dt * most / std::max(way, wall_way)), " s",
+                             !is_wall && fastest.speed.is_of_tips()
+                                 ? text(", or lower the spin", fastest.speed.words())
+                                 : std::string()),
                         step, ids, where);
 }
 
@@ -251,21 +330,6 @@ void check_crowded(const EngineType& e, std::int64_t step, double time, double b
           " places at once, and silt computes no more; give TriangleMesh a larger smooth_angle, or "
           "a coarser or flatter mesh there"),
       step, {id}, where);
-}
-
-/// Spins that are not finite act on velocities only where there is friction.
-template <class EngineType>
-void check_spins(const EngineType& e, std::int64_t step, double time, bool shorter) {
-  if constexpr (EngineType::rotates)
-    for (std::size_t k = 0; k < e.particles.size(); ++k)
-      if (!e.particles.is_parked(k) && !is_finite(e.particles.motion[k].spin_velocity()))
-        throw SimulationError(
-            text("step ", step, ", t = ", time, " s: the angular velocity of particle ", e.id_of(k),
-                 " is not finite near ", e.lists.reference[k],
-                 shorter ? " m; lower the time step, as limits of the guard are lifted, or look "
-                         : " m; look ",
-                 "at the law and the rolling model"),
-            step, {e.id_of(k)}, e.lists.reference[k]);
 }
 
 template <class EngineType>

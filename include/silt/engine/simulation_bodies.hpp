@@ -40,6 +40,7 @@ void Simulation<Policies...>::add_bodies(std::span<const Particle> more,
     const double scale = p.radius / form.radius, volume = form.mass.volume * scale * scale * scale;
     detail::Body b{};
     b.centre = p.position, b.velocity = p.velocity, b.radius = p.radius, b.scale = scale;
+    b.lever = scale * form.lever;
     b.inv_m = p.fixed ? 0 : 1 / (p.density * volume);
     b.inertia = p.fixed ? Vec3d{1, 1, 1}
                         : p.density * scale * scale * scale * scale * scale * form.mass.inertia;

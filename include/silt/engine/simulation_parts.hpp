@@ -200,8 +200,28 @@ std::optional<double> Simulation<Policies...>::time_step_limit(double speed) con
   return shortest ? std::optional<double>(guard.max_time_step * shortest->time) : std::nullopt;
 }
 
-/// The largest speed now, of particles and walls, or that of a fall through the whole scene,
-/// whichever is greater [m/s].
+/// How fast the surface of particle k is at time().
+template <class... Policies>
+detail::SurfaceSpeed Simulation<Policies...>::surface_speed(std::size_t k) const {
+  if constexpr (has_bodies) {
+    const Vec3d w = rotate(conjugate(bodies()[k].orientation), angular_velocity(k));
+    return {norm(velocity(k)), bodies()[k].tip_speed(w), norm(w), id(k)};
+  } else {
+    return {norm(velocity(k)), 0, 0, id(k)};
+  }
+}
+
+/// The particle whose surface is the fastest at time(), for a sentence at this speed.
+template <class... Policies>
+std::string Simulation<Policies...>::tips_at(double speed) const {
+  for (std::size_t k = 0; k < rows(); ++k)
+    if (is_present(k))
+      if (const auto s = surface_speed(k); s.sum() == speed) return s.words();
+  return {};
+}
+
+/// The largest speed now, of particles with their tips and of walls, or that of a fall through the
+/// whole scene, whichever is greater [m/s]. What inlets bring does not spin.
 template <class... Policies>
 double Simulation<Policies...>::expected_speed() const {
   double speed = 0, radius = 0;
@@ -216,7 +236,7 @@ double Simulation<Policies...>::expected_speed() const {
   };
   for (std::size_t k = 0; k < rows(); ++k)
     if (is_present(k)) {
-      speed = std::max(speed, norm(velocity(k))), include(position(k));
+      speed = std::max(speed, surface_speed(k).sum()), include(position(k));
       radius = std::max(radius, this->radius(k));
     }
   for (const auto& inlet : openings_.inlets()) {
@@ -251,8 +271,8 @@ double Simulation<Policies...>::chosen_time_step() const {
               "Simulation::time_step = ", *time_step, " [s] is above the limit ",
               guard.max_time_step * shortest->time,
               " s, guard.max_time_step = ", guard.max_time_step,
-              " of the shortest contact that can happen at ", speed, " m/s: that ",
-              detail::describe(*shortest, contacts_),
+              " of the shortest contact that can happen at ", speed, " m/s", tips_at(speed),
+              ": that ", detail::describe(*shortest, contacts_),
               "; lower it, leave it out, or soften the material");
     return *time_step;
   }
@@ -366,14 +386,17 @@ void Simulation<Policies...>::keep_limits() {
   if (speed > 1.05 * checked_speed_) {
     checked_speed_ = speed;
     const auto shortest = shortest_contact(checked_speed_);
-    if (shortest && dt_ > guard.max_time_step * shortest->time)
+    if (shortest && dt_ > guard.max_time_step * shortest->time) {
+      const auto fastest = detail::fastest_particle(engine_).speed;
       throw SimulationError(
           text("step ", step_, ", t = ", time_, " s: the time step ", dt_, " s is above its limit ",
                guard.max_time_step * shortest->time, " s at the largest speed ", checked_speed_,
-               " m/s, guard.max_time_step of the shortest contact that can happen: that ",
+               " m/s", speed > engine_.largest_speed ? std::string() : fastest.words(),
+               ", guard.max_time_step of the shortest contact that can happen: that ",
                detail::describe(*shortest, contacts_),
                "; set a smaller Simulation::time_step or a softer material"),
           step_, {}, {});
+    }
   }
   detail::check_travel(engine_, wall_way, step_, time_, dt_, guard.max_travel);
   keep_rates(back);

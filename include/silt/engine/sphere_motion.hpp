@@ -29,7 +29,7 @@ struct Kick {
 
 /// How fast they are after it.
 struct Pace {
-  double largest_speed;  // [m/s]
+  double largest_speed;  // [m/s] of bodies with that of their tips: Body::speed
   double largest_share;  // [1/s] speed over inner reach
   bool finite;           // all velocities
 };

@@ -33,6 +33,10 @@ struct BodyForm : detail::SolidsOfForm<S> {
   MassProperties mass;
   std::vector<Ball> parts;  // what they are, or the spheres around them
   double radius;            // [m] of the sphere around the centroid that holds all
+  /// [m] largest |r x n| along each principal axis, over the surface with its points r from the
+  /// centroid and normals n: an angular velocity w moves no point faster along its normal than the
+  /// sum of |w_i| lever_i. Of solids over 1000 normals: up to 10 % less.
+  Vec3d lever{0, 0, 0};
   /// Of a solid shape, for many normals: the radius at the contact [m], and what the mass is over
   /// the mass that a push there meets [-].
   struct Spot {
@@ -53,6 +57,10 @@ struct BodyForm : detail::SolidsOfForm<S> {
     } else {
       for (const Ball& b : shape.parts())
         parts.push_back({rotate(conjugate(mass.axes), b.centre - mass.centroid), b.radius});
+      for (const Ball& b : parts) {
+        const Vec3d& c = b.centre;  // normals of a ball have all directions
+        widen_lever({std::hypot(c.y, c.z), std::hypot(c.z, c.x), std::hypot(c.x, c.y)});
+      }
     }
     for (const Ball& b : parts) radius = std::max(radius, norm(b.centre) + b.radius);
   }
@@ -86,7 +94,17 @@ struct BodyForm : detail::SolidsOfForm<S> {
         [](const auto& part) { return KernelOf<std::decay_t<decltype(part)>>::bound(part); },
         solid);
   }
-  /// Normals evenly over the sphere, by the golden angle.
+  void widen_lever(const Vec3d& of) {
+    lever = {std::max(lever.x, std::abs(of.x)), std::max(lever.y, std::abs(of.y)),
+             std::max(lever.z, std::abs(of.z))};
+  }
+  /// The k-th of `count` normals evenly over the sphere, by the golden angle.
+  static Vec3d normal_of(std::size_t k, std::size_t count) {
+    const double z = 1 - (2 * static_cast<double>(k) + 1) / static_cast<double>(count);
+    const double r = std::sqrt(1 - z * z);
+    const double turn = static_cast<double>(k) * std::numbers::pi * (3 - std::sqrt(5.0));
+    return {r * std::cos(turn), r * std::sin(turn), z};
+  }
   template <class Part>
   void find_spots(const Part& part, std::size_t count) {
     std::visit(
@@ -95,16 +113,17 @@ struct BodyForm : detail::SolidsOfForm<S> {
           typename Narrow::Store store;
           const auto body =
               Narrow::place(Narrow::row(solid, 1, store), body_axes(part.axes), part.centre);
+          constexpr std::size_t many = 1000;  // [-] BodyForm::lever
+          for (std::size_t k = 0; k < many; ++k) {
+            const Vec3d n = normal_of(k, many);
+            widen_lever(cross(body.support(n), n));
+          }
           for (std::size_t k = 0; k < count; ++k) {
-            const double z = 1 - (2 * static_cast<double>(k) + 1) / static_cast<double>(count);
-            const double r = std::sqrt(1 - z * z);
-            const double turn = static_cast<double>(k) * std::numbers::pi * (3 - std::sqrt(5.0));
-            const Vec3d n{r * std::cos(turn), r * std::sin(turn), z};
-            const Vec3d lever = cross(body.support(n), n);
+            const Vec3d n = normal_of(k, count), arm = cross(body.support(n), n);
             const Vec3d& I = mass.inertia;
             spots.push_back({contact_radius_at(body, n),
-                             1 + mass.volume * (lever.x * lever.x / I.x + lever.y * lever.y / I.y +
-                                                lever.z * lever.z / I.z)});
+                             1 + mass.volume * (arm.x * arm.x / I.x + arm.y * arm.y / I.y +
+                                                arm.z * arm.z / I.z)});
           }
         },
         part.solid);

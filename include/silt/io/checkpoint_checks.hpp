@@ -137,6 +137,9 @@ std::vector<std::uint32_t> check_bodies(const CheckpointLoader& a, const std::ve
     a.need(std::isfinite(b.scale) && b.scale > 0 && is_near(b.radius, b.scale * form.radius),
            "body ", k, ": radius ", b.radius, " m and scale ", b.scale, " do not fit to form ",
            b.form, " of ", form.radius, " m");
+    // The widest of many normals: another rounding may find another one.
+    a.need(norm(b.lever - b.scale * form.lever) <= 1e-6 * b.radius, "body ", k, ": lever ", b.lever,
+           " m does not fit to its form, of ", b.scale * form.lever, " m");
     const Vec3d& I = b.inertia;
     a.need(silt::is_finite(I) && std::min({I.x, I.y, I.z}) > 0 && std::isfinite(b.inv_m) &&
                b.inv_m >= 0,
