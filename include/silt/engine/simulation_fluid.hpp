@@ -111,11 +111,11 @@ void Simulation<Policies...>::change_fluid_step([[maybe_unused]] double dt) {
 template <class... Policies>
 double Simulation<Policies...>::longest_held_step(double longest) const {
   if constexpr (!follows_fluid) {
-    const double small = HeldAnswer::most_lag * fluid_.last_step_length();
-    if (fluid_.held_answer().lag * longest > small)
+    const double lag = fluid_.held_answer().in_contact,
+                 small = HeldAnswer::most_lag * fluid_.last_step_length();
+    if (lag * longest > small)
       if (const auto limit = time_step_limit(checked_speed_))
-        return std::min(longest,
-                        std::max(small / fluid_.held_answer().lag, held_share_of_contact * *limit));
+        return std::min(longest, std::max(small / lag, held_share_of_contact * *limit));
   }
   return longest;
 }
