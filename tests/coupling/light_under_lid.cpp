@@ -92,13 +92,13 @@ TEST_CASE("a bed of light grains rises without a swing and rests under the lid")
   for (const auto& [density, restitution] : {std::pair(100.0, 0.9), {20.0, 0.5}, {20.0, 0.9}}) {
     CAPTURE(density);
     CAPTURE(restitution);
-    check(bed(density, restitution, 0.25));
+    check(bed(density, restitution, 0.3));
   }
 }
 
 TEST_CASE("the same with virtual mass, and with drag that follows") {
-  check(bed(20, 0.9, 0.25, silt::VirtualMass{}));
-  check(bed(20, 0.9, 0.25, silt::FollowedDrag{}));
+  check(bed(20, 0.9, 0.3, silt::VirtualMass{}));
+  check(bed(20, 0.9, 0.3, silt::FollowedDrag{}));
 }
 
 }  // namespace light_under_lid_test

@@ -40,6 +40,13 @@ struct SimulationError : Error {
   Vec3d position;  // [m]
 };
 
+/// A step of a flow that is too long for the flow as it is now.
+struct FlowStepError : Error {
+  FlowStepError(const std::string& sentence, double longest_step)
+      : Error(sentence), longest(longest_step) {}
+  double longest;  // [s] that this flow allows
+};
+
 // Sentences, and what else runs once in a while, are [[gnu::cold]]: compiled for size, out of the
 // way, they take less of the time that every program takes to compile.
 

@@ -237,13 +237,12 @@ class CoupledFlow {
   void for_each_state(const Visit& visit) {
     flow_.for_each_state(visit);
     const auto counted = static_cast<double>(count_);
-    std::array<double, 9> clock{time_, counted, last_dt_, diameter.value_or(0)};
-    clock[4] = lost_.x, clock[5] = lost_.y, clock[6] = lost_.z;
-    clock[7] = held_answer_.lag, clock[8] = held_answer_.density_ratio;
+    std::array<double, 8> clock{time_,   counted, last_dt_, diameter.value_or(0),
+                                lost_.x, lost_.y, lost_.z,  held_answer_.in_contact};
     visit("fluid.clock", std::span<double>(clock));
     time_ = clock[0], count_ = static_cast<std::int64_t>(clock[1]), last_dt_ = clock[2];
     if (clock[3] > 0) diameter = clock[3];
-    lost_ = {clock[4], clock[5], clock[6]}, held_answer_ = {clock[7], clock[8]}, following_ = false;
+    lost_ = {clock[4], clock[5], clock[6]}, held_answer_.in_contact = clock[7], following_ = false;
     if constexpr (has_history) detail::visit_histories(forces_, visit);
   }
   /// Where a particle is for the fluid: its centre, or, if that has left the grid by less than its
@@ -309,6 +308,7 @@ class CoupledFlow {
   void remember(const CoupledParticles& of, double dt, const Team& team);
   void find_exchange(const CoupledParticles& of, double dt, std::span<Vec3d> torque,
                      const Team& team);
+  bool is_pushed(const CoupledParticles& of, std::size_t p, double dt) const;
   InFluid particle(const CoupledParticles& of, std::size_t p, double dt) const;
   /// [kg/s] of drag.
   double coefficient(double voidage, double slip, double d) const {

@@ -103,17 +103,28 @@ void CoupledFlow<Drag, Mode, Forces...>::find_exchange(const CoupledParticles& o
       const InFluid at = particle(of, p, dt);
       response_[p] = response_of(of, at, p);
       largest[range] = std::max(largest[range], gain_of(at, response_[p]));
-      if (response_[p].lag > held[range].lag)
-        held[range] = {response_[p].lag, at.mass / (at.volume * at.density)};
+      held[range].include(response_[p].lag, at.mass / (at.volume * at.density),
+                          is_pushed(of, p, dt));
       if constexpr (turns)
         if (!torque.empty()) torque[p] = torque_on(at);
     }
   });
-  held_answer_ = {};
-  for (const HeldAnswer& one : held)
-    if (one.lag > held_answer_.lag) held_answer_ = one;
+  held_answer_ = {0, 0, 0.9 * held_answer_.in_contact};
+  for (const HeldAnswer& one : held) {
+    held_answer_.include(one.lag, one.density_ratio, false);
+    held_answer_.in_contact = std::max(held_answer_.in_contact, one.in_contact);
+  }
   const bool moves = *std::max_element(largest.begin(), largest.end()) > most_lagged_gain;
   if (moves || in_pressure()) flow_.response().moves = moves;
+}
+
+/// Whether more than gravity and the fluid has accelerated particle p in the last step.
+template <class Drag, AveragingMode Mode, FluidForce... Forces>
+bool CoupledFlow<Drag, Mode, Forces...>::is_pushed(const CoupledParticles& of, std::size_t p,
+                                                   double dt) const {
+  if (of.acceleration.empty()) return false;
+  const double rounding = 1e-6 * norm(gravity) + 1e-9 / dt * norm(of.velocity[p]);  // [m/s2]
+  return norm(of.acceleration[p] - gravity) > rounding;
 }
 
 template <class Drag, AveragingMode Mode, FluidForce... Forces>

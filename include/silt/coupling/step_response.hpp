@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include <silt/core/powers.hpp>
@@ -59,16 +60,21 @@ struct StepResponse {
   }
 };
 
-/// The particle of a fluid step whose answer, held over the step, misses most of what its contacts
-/// do meanwhile.
+/// How much the particles' answers, held over a fluid step, miss of what contacts do meanwhile:
+/// StepResponse::lag, at most of any particle.
 struct HeldAnswer {
-  double lag = 0;            // [-] StepResponse::lag
-  double density_ratio = 0;  // [-] its density over the fluid's
+  double lag = 0;            // [-] and
+  double density_ratio = 0;  // [-] that particle's density over the fluid's
+  double in_contact = 0;     // [-] lag of those that contacts push; 0.9 of it a step later
   /// Up to this lag fluid steps of any length are stable with contacts whose dashpot is a twentieth
   /// of the critical one (e = 0.85) and more; above, those that resolve the contacts' oscillation,
   /// omega dt < 1.7. By the eigenvalues of a grain on a damped spring with (3) and (4), where the
   /// force of the spring is known to the fluid as its mean over the step before.
   static constexpr double most_lag = 0.1;
+  void include(double of, double ratio, bool touched) {
+    if (of > lag) lag = of, density_ratio = ratio;
+    if (touched) in_contact = std::max(in_contact, of);
+  }
 };
 
 inline StepResponse step_response(const StepLoads& p) {

@@ -111,11 +111,11 @@ void Simulation<Policies...>::change_fluid_step([[maybe_unused]] double dt) {
 template <class... Policies>
 double Simulation<Policies...>::longest_held_step(double longest) const {
   if constexpr (!follows_fluid) {
-    const double small = HeldAnswer::most_lag * fluid_.last_step_length();
-    if (fluid_.held_answer().lag * longest > small)
+    const auto& held = fluid_.held_answer();
+    const double lag = held.in_contact, small = held.most_lag * fluid_.last_step_length();
+    if (lag * longest > small)
       if (const auto limit = time_step_limit(checked_speed_))
-        return std::min(longest,
-                        std::max(small / fluid_.held_answer().lag, held_share_of_contact * *limit));
+        return std::min(longest, std::max(small / lag, held_share_of_contact * *limit));
   }
   return longest;
 }
@@ -125,7 +125,7 @@ template <class... Policies>
 void Simulation<Policies...>::check_held_step(double span) const {
   if constexpr (!follows_fluid) {
     const auto held = fluid_.held_answer();
-    if (!(held.lag > HeldAnswer::most_lag && held.density_ratio < 1)) return;
+    if (!(held.lag > held.most_lag && held.density_ratio < 1)) return;
     const auto limit = time_step_limit(checked_speed_);
     if (!limit || span <= held_share_of_contact * *limit) return;
     throw SimulationError(

@@ -2,42 +2,31 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
-#include <string>
 #include <vector>
 
 #include <silt/fluid/flow_state.hpp>
 
 /// What a step does before its pressure: see FlowSolver.
-namespace silt::inline SILT_TARGET {
-
-/// A step of a FlowSolver that is too long for the flow as it is now.
-struct FlowStepError : Error {
-  FlowStepError(const std::string& sentence, double longest_step)
-      : Error(text(sentence, ": take a step of at most ", longest_step, " s")),
-        longest(longest_step) {}
-  double longest;  // [s] that this flow allows
-};
-
-}  // namespace silt
-
 namespace silt::inline SILT_TARGET::fluid_detail {
 
 inline void refuse_unstable(const FlowState& state, double dt, double courant) {
   if (courant > 1)
-    throw FlowStepError(text("FlowSolver: the flow crosses ", courant, " cells in a step of ", dt,
-                             " s; it must be at most 1"),
-                        dt / courant);
+    throw FlowStepError(
+        text("FlowSolver: the flow crosses ", courant, " cells in a step of ", dt,
+             " s; it must be at most 1: take a step of at most ", dt / courant, " s"),
+        dt / courant);
   const Vec3d size = state.grid.h();
   const double squares = 1 / (size.x * size.x) + 1 / (size.y * size.y) + 1 / (size.z * size.z);
   const double spread = state.fluid.viscosity / state.fluid.density * dt * squares +
                         (state.turbulence ? dt * state.eddy_rate() : 0);
   if (spread > 0.45)
-    throw FlowStepError(text("FlowSolver: viscosity spreads over mu dt / rho (1/hx^2 + "
-                             "1/hy^2 + 1/hz^2) = ",
-                             spread, " of a cell in a step of ", dt, " s; it must be at most 0.45"),
-                        0.45 * dt / spread);
+    throw FlowStepError(
+        text("FlowSolver: viscosity spreads over mu dt / rho (1/hx^2 + "
+             "1/hy^2 + 1/hz^2) = ",
+             spread, " of a cell in a step of ", dt,
+             " s; it must be at most 0.45: take a step of at most ", 0.45 * dt / spread, " s"),
+        0.45 * dt / spread);
 }
 
 /// The fluxes in the middle of the step, and the fluid that they carry.

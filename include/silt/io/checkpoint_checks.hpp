@@ -346,9 +346,9 @@ void check_fluid_part(const CheckpointLoader& a, const std::string& name,
   const auto part = [&](std::size_t k, const NumberRule& rule) {
     a.need(rule.holds(values[k]), name, "[", k, "] = ", values[k], " ", rule.words);
   };
-  if (name == "fluid.clock" && values.size() == 9)
+  if (name == "fluid.clock" && values.size() == 8)
     part(0, not_negative_number), part(1, count_number), part(2, not_negative_number),
-        part(3, not_negative_number), part(7, not_negative_number), part(8, not_negative_number);
+        part(3, not_negative_number), part(7, not_negative_number);
   if (name == "fluid.last" && values.size() == 4)
     part(0, flag_number), part(1, not_negative_number), part(2, flag_number), part(3, flag_number);
   if (name == "fluid.eddy" || name.starts_with("fluid.k_epsilon"))
