@@ -143,7 +143,7 @@ void Simulation<Policies...>::book_leaving([[maybe_unused]] std::size_t k) {
 /// that have surfaces.
 template <class... Policies>
 detail::Meetings Simulation<Policies...>::meetings() const {
-  const std::size_t materials = engine_.coefficients.materials;
+  const std::size_t materials = contacts_.materials();
   detail::Meetings all{std::vector<detail::LightestSpheres>(materials),
                        std::vector<bool>(materials, false)};
   const auto brings_more = [](const Inlet& inlet) {
@@ -187,7 +187,7 @@ std::optional<detail::ShortestContact> Simulation<Policies...>::shortest_contact
   if constexpr (detail::HasContactTime<Law>) {
     if (!(speed > 0)) return std::nullopt;
     const detail::ShortestContactSearch<Law, Integrator> search(
-        engine_.coefficients.law, meetings(), speed,
+        Engine::coefficients_of(contacts_).law, meetings(), speed,
         detail::InertiaOf<typename Engine::Contacts>::slip_mobility());
     if (std::isfinite(search.found().time)) return search.found();
   }
