@@ -599,7 +599,7 @@ TEST_CASE("what cannot be is refused with a sentence") {
   flow.step(0.01);
   has([&] { flow.step(0.9); }, "cells in a step");
   flow.force(0)(1, 1, 1) = std::nan("");
-  has([&] { flow.step(0.01); }, "velocities are no numbers");
+  has([&] { flow.step(0.01); }, "the force of cell (1, 1, 1) is nan");
 }
 
 TEST_CASE("a step reads nothing that no one has set") {

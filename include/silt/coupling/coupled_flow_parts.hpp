@@ -103,8 +103,8 @@ void CoupledFlow<Drag, Mode, Forces...>::find_exchange(const CoupledParticles& o
       const InFluid at = particle(of, p, dt);
       response_[p] = response_of(of, at, p);
       largest[range] = std::max(largest[range], gain_of(at, response_[p]));
-      held[range].include(response_[p].lag, at.mass / (at.volume * at.density),
-                          is_pushed(of, p, dt));
+      if (const double lag = response_[p].lag; lag > HeldAnswer::least_lag)
+        held[range].include(lag, at.mass / (at.volume * at.density), is_pushed(of, p, dt));
       if constexpr (turns)
         if (!torque.empty()) torque[p] = torque_on(at);
     }

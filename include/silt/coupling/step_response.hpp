@@ -71,6 +71,7 @@ struct HeldAnswer {
   /// omega dt < 1.7. By the eigenvalues of a grain on a damped spring with (3) and (4), where the
   /// force of the spring is known to the fluid as its mean over the step before.
   static constexpr double most_lag = 0.1;
+  static constexpr double least_lag = 1e-3;  // that is looked at
   void include(double of, double ratio, bool touched) {
     if (of > lag) lag = of, density_ratio = ratio;
     if (touched) in_contact = std::max(in_contact, of);
