@@ -51,12 +51,14 @@ End sweep(const Form& form, double tips, double modulus, int phase, double share
   if (share < 1) sim.time_step = share * sim.step_length();
   const double before = energy_of(sim);
   sim.run(2 * turn);
+  const std::size_t body = sim.find(0), ball = sim.find(1);  // the search may change their order
   End end;
-  end.velocity = sim.velocity(1);
+  end.velocity = sim.velocity(ball);
   end.met = norm(end.velocity + drift) > 1e-9 * norm(drift);
   end.energy = std::abs(energy_of(sim) / before - 1);
-  end.momentum = norm(sim.mass(0) * sim.velocity(0) + sim.mass(1) * (sim.velocity(1) + drift)) /
-                 (sim.mass(1) * std::max(norm(end.velocity), norm(drift)));
+  end.momentum =
+      norm(sim.mass(body) * sim.velocity(body) + sim.mass(ball) * (end.velocity + drift)) /
+      (sim.mass(ball) * std::max(norm(end.velocity), norm(drift)));
   return end;
 }
 

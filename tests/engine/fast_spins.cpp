@@ -124,11 +124,11 @@ TEST_CASE("fast_spins: at its own step the needle hits the bead as it should, in
       const auto before = totals(sim);
       sim.run(quarter_turn / 4);
       const auto after = totals(sim);
-      const double p = sim.mass(1) * 500;  // [kg m/s]
+      const double p = sim.mass(sim.find(1)) * 500;  // [kg m/s]
       energy = std::max(energy, std::abs(after.energy / before.energy - 1));
       momentum = std::max(momentum, norm(after.momentum - before.momentum) / p);
       angular = std::max(angular, norm(after.angular - before.angular) / (p * half));
-      return sim.velocity(1);
+      return sim.velocity(sim.find(1));
     };
     const Vec3d v = hit(1);
     least = std::min(least, norm(v));
@@ -306,18 +306,18 @@ TEST_CASE("fast_spins: random bodies that spin fast hit a bead, or are stopped")
       ++stopped;
       continue;
     }
-    const double before = totals(sim).energy, was = norm(sim.velocity(1));
+    const double before = totals(sim).energy, was = norm(sim.velocity(sim.find(1)));
     if (stop_of(sim, 2 * turn)) {
       ++stopped;
       continue;
     }
     ++ran;
     fine.time_step = sim.step_length() / 8;
-    const bool met = std::abs(norm(sim.velocity(1)) / was - 1) > 1e-9;
+    const bool met = std::abs(norm(sim.velocity(sim.find(1))) / was - 1) > 1e-9;
     if (met) ++hit, energy = std::max(energy, std::abs(totals(sim).energy / before - 1));
     if (!met && !stop_of(fine, 2 * turn)) {
       CAPTURE(k);
-      CHECK(norm(fine.velocity(1)) == near(was).epsilon(1e-9));  // it had not been there
+      CHECK(norm(fine.velocity(fine.find(1))) == near(was).epsilon(1e-9));  // it had not been there
     }
   }
   MESSAGE(ran << " ran, " << hit << " hit, " << stopped << " stopped, energy " << energy);
