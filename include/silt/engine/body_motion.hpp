@@ -309,18 +309,19 @@ class BodyMotion {
     };
     turned(centre, inv_m, moved[0]), turned(velocity, radius, moved[1]);
     columns_to_rows<Arch>(q, moved[2]), turned(L, scale, moved[3]);
-    const V w{L.x / inertia.x, L.y / inertia.y, L.z / inertia.z};
-    const auto axes = body_axes<Real>(q[0], q[1], q[2], q[3]);
-    turned(radius * axes.to_space(w), zero, spin);  // the row's radius is the body's
+    const V rate{L.x / inertia.x, L.y / inertia.y, L.z / inertia.z};  // principal
+    const auto frame = body_axes<Real>(q[0], q[1], q[2], q[3]);
+    turned(radius * frame.to_space(rate), zero, spin);  // the row's radius is the body's
     alignas(64) double speed[W], squared[W];
     {
       for (std::size_t lane = 0; lane < W; ++lane)
-        at[lane] = &pack[std::min(lane, pack.size() - 1)].lever.x - 1;
+        at[lane] = &pack[std::min(lane, pack.size() - 1)].centre.x + 20;  // its last row
       Real lever[4];
       gather_columns<Arch, 1>(at, lever);
       const Real v2 = dot(velocity, velocity);
       store(squared, v2);
-      store(speed, sqrt(v2) + abs(w.x) * lever[1] + abs(w.y) * lever[2] + abs(w.z) * lever[3]);
+      store(speed,
+            sqrt(v2) + abs(rate.x) * lever[1] + abs(rate.y) * lever[2] + abs(rate.z) * lever[3]);
     }
     const bool record = kick != nullptr && time == 0;
     alignas(64) double whole[6][W];  // velocity, angular velocity
