@@ -269,8 +269,8 @@ class BodyMotion {
     const double* at[W];
     for (std::size_t lane = 0; lane < W; ++lane)
       at[lane] = &pack[std::min(lane, pack.size() - 1)].centre.x;
-    Real b[24];  // the numbers of Body, in their order
-    gather_columns<Arch, 6>(at, b);
+    Real b[20];  // the numbers of Body, in their order
+    gather_columns<Arch, 5>(at, b);
     V centre{b[0], b[1], b[2]}, velocity{b[4], b[5], b[6]}, L{b[12], b[13], b[14]};
     const V inertia{b[16], b[17], b[18]};
     const Real inv_m = b[3], radius = b[7], scale = b[15], zero(0);
@@ -309,12 +309,20 @@ class BodyMotion {
     };
     turned(centre, inv_m, moved[0]), turned(velocity, radius, moved[1]);
     columns_to_rows<Arch>(q, moved[2]), turned(L, scale, moved[3]);
-    turned(radius * angular(L), zero, spin);  // the row's radius is the body's
-    const Real v2 = dot(velocity, velocity);
+    const V rate{L.x / inertia.x, L.y / inertia.y, L.z / inertia.z};  // principal
+    const auto frame = body_axes<Real>(q[0], q[1], q[2], q[3]);
+    turned(radius * frame.to_space(rate), zero, spin);  // the row's radius is the body's
     alignas(64) double speed[W], squared[W];
-    store(squared, v2);
-    store(speed, sqrt(v2) + abs(L.x / inertia.x) * b[21] + abs(L.y / inertia.y) * b[22] +
-                     abs(L.z / inertia.z) * b[23]);
+    {
+      for (std::size_t lane = 0; lane < W; ++lane)
+        at[lane] = &pack[std::min(lane, pack.size() - 1)].centre.x + 20;  // its last row
+      Real lever[4];
+      gather_columns<Arch, 1>(at, lever);
+      const Real v2 = dot(velocity, velocity);
+      store(squared, v2);
+      store(speed,
+            sqrt(v2) + abs(rate.x) * lever[1] + abs(rate.y) * lever[2] + abs(rate.z) * lever[3]);
+    }
     const bool record = kick != nullptr && time == 0;
     alignas(64) double whole[6][W];  // velocity, angular velocity
     if (record) {

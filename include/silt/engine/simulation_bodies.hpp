@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of Simulation that only rigid bodies need.
+// Parts of Simulation that are about rigid bodies.
 
 #include <silt/simulation.hpp>
 
@@ -71,6 +71,26 @@ void Simulation<Policies...>::add_bodies(std::span<const Particle> more,
       if (std::isfinite(mass(k))) book_.bring_in(kinetic(k).sum() + potential(k));
   engine_.particles.measure();
   engine_.lists.forget();
+}
+
+/// How fast the surface of particle k is at time().
+template <class... Policies>
+detail::SurfaceSpeed Simulation<Policies...>::surface_speed(std::size_t k) const {
+  if constexpr (has_bodies) {
+    const Vec3d w = rotate(conjugate(bodies()[k].orientation), angular_velocity(k));
+    return {norm(velocity(k)), bodies()[k].tip_speed(w), norm(w), id(k)};
+  } else {
+    return {norm(velocity(k)), 0, 0, id(k)};
+  }
+}
+
+/// The particle whose surface is the fastest at time(), for a sentence at this speed.
+template <class... Policies>
+std::string Simulation<Policies...>::tips_at(double speed) const {
+  for (std::size_t k = 0; k < rows(); ++k)
+    if (is_present(k))
+      if (const auto s = surface_speed(k); s.sum() == speed) return s.words();
+  return {};
 }
 
 }  // namespace silt

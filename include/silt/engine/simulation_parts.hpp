@@ -200,26 +200,6 @@ std::optional<double> Simulation<Policies...>::time_step_limit(double speed) con
   return shortest ? std::optional<double>(guard.max_time_step * shortest->time) : std::nullopt;
 }
 
-/// How fast the surface of particle k is at time().
-template <class... Policies>
-detail::SurfaceSpeed Simulation<Policies...>::surface_speed(std::size_t k) const {
-  if constexpr (has_bodies) {
-    const Vec3d w = rotate(conjugate(bodies()[k].orientation), angular_velocity(k));
-    return {norm(velocity(k)), bodies()[k].tip_speed(w), norm(w), id(k)};
-  } else {
-    return {norm(velocity(k)), 0, 0, id(k)};
-  }
-}
-
-/// The particle whose surface is the fastest at time(), for a sentence at this speed.
-template <class... Policies>
-std::string Simulation<Policies...>::tips_at(double speed) const {
-  for (std::size_t k = 0; k < rows(); ++k)
-    if (is_present(k))
-      if (const auto s = surface_speed(k); s.sum() == speed) return s.words();
-  return {};
-}
-
 /// The largest speed now, of particles with their tips and of walls, or that of a fall through the
 /// whole scene, whichever is greater [m/s]. What inlets bring does not spin.
 template <class... Policies>
