@@ -8,10 +8,11 @@
 #   balance_of_forces_over_weight, 1 %
 #                     a load that is not read (of the walls alone: up to 60 %), gas pressure that is not
 #                     that on the floor (extrapolated: 1.7 %)
-#   minimum_fluidisation_over_the_law, 2 % (ellipsoids 3 %; --quick, whose bed is half as high, twice
-#   that)             drag that is not the law's: an exponent of the voidage that is off by 0.1, a slip
-#                     that is superficial; a kernel of 3 diameters instead of 1.5
-#   minimum_fluidisation_m_s, pressure_drop_at_rest_over_law_by_layers_less_1, 1 % and 2 %
+#   minimum_fluidisation_over_the_law, 2 % (ellipsoids 3 %; --quick, whose bed is less than half as
+#   high, 3 and 4.5 %)
+#                     drag that is not the law's; a kernel of 3 diameters instead of 1.5; a voidage
+#                     with a height of the bed that is off by 1 %
+#   minimum_fluidisation_m_s, pressure_drop_at_rest_over_law_by_layers_less_1, 1.5 % and 2 %
 #                     layers that feel another flow than cells and kernel make: those at a floor that
 #                     counts as clear of grains
 #   pressure_drop_of_the_dense_bed_over_the_loose_one

@@ -37,12 +37,12 @@ using Law = silt::HertzMindlin;
 using silt::Vec3d;
 
 struct Scene {
-  std::size_t particles = 10000;
+  std::size_t particles = 5000;
   double diameter = 1e-3;     // [m] of the sphere of a grain's volume
   double density = 2500;      // [kg/m3]
   double cell = 1e-3;         // [m]
   double kernel = 1.5;        // [diameters] its reach
-  int across = 25, deep = 5;  // [cells] of the slice
+  int across = 16, deep = 4;  // [cells] of the slice
   int high = 150;             // [cells] of the box, above the floor
   double modulus = 1e6;       // [Pa] soft, for a long time step
   double bubbling = 2.0;      // [-] times the minimum fluidisation velocity
@@ -348,11 +348,20 @@ class Bed {
       }
     return sum / (s_.across * s_.deep);
   }
-  /// Twice that of the grains' centre of mass above the floor [m].
+  /// Of the bed's surface above the floor [m]: where layers of cells hold half of the mean solids
+  /// (those from the floor to twice the height of the centre of mass).
   double height() const {
-    double sum = 0;
-    for (std::size_t k = 0; k < sim_.rows(); ++k) sum += sim_.position(k).z;
-    return 2 * sum / static_cast<double>(sim_.rows());
+    double twice = 0;  // [m]
+    for (std::size_t k = 0; k < sim_.rows(); ++k) twice += 2 * sim_.position(k).z;
+    twice /= static_cast<double>(sim_.rows());
+    const double half = 0.5 * (1 - voidage(twice));
+    double above = 0;
+    for (int k = s_.high - 1; k >= 0; --k) {
+      const double here = 1 - voidage_of_layer(k);
+      if (here >= half) return s_.cell * (k + 0.5 + (here - half) / (here - above));
+      above = here;
+    }
+    return twice;  // no layer holds as much
   }
   Profile centres() const {
     const double h = s_.diameter / per_diameter, grain = s_.volume() / (s_.area() * h);
@@ -373,6 +382,13 @@ class Bed {
   }
   double voidage(double height) const {
     return 1 - static_cast<double>(s_.particles) * s_.volume() / (s_.area() * height);
+  }
+  double voidage_of_layer(int k) const {
+    const auto& eps = sim_.fluid().flow().voidage();
+    double sum = 0;
+    for (int j = 0; j < s_.deep; ++j)
+      for (int i = 0; i < s_.across; ++i) sum += eps(i, j, k);
+    return sum / (s_.across * s_.deep);
   }
   /// The voidage of cells, mean over the depth, as a table.
   void write_voidage(const std::string& path) const {
@@ -567,7 +583,7 @@ int simulate(const Scene& s, const example::Options& options) {
   // bed's height; the rest is what layers lack of evenness.
   summary.check_within("minimum_fluidisation_over_the_law", measured / by_law, 1, s.most_off,
                        law_name + " at the bed's voidage");
-  summary.check_within("minimum_fluidisation_m_s", measured, expected, 0.01 * expected,
+  summary.check_within("minimum_fluidisation_m_s", measured, expected, 0.015 * expected,
                        law_name + " by the bed's layers, as the kernel blurs them");
   summary.check_at_most("pressure_drop_at_rest_over_law_by_layers_less_1", error, 0.02);
   summary.check_at_least("pressure_drop_of_the_dense_bed_over_the_loose_one", above, 1.02);
@@ -638,17 +654,17 @@ int main(int argc, char** argv) {
   command.add("--blowing", scene.blowing, 0.1, 20, "How long the bed bubbles [s]");
   return command.run(argc, argv, [&] {
     if (command.options.quick) {
-      if (!command.given("--particles")) scene.particles = 1200;
-      if (!command.given("--blowing")) scene.blowing = 0.2;
+      if (!command.given("--particles")) scene.particles = 1000;
+      if (!command.given("--blowing")) scene.blowing = 0.15;
       if (!command.given("--bubbling")) scene.bubbling = 1.5;
       if (!command.given("--step")) scene.step = 0.15;
       scene.across = 8, scene.deep = 4, scene.high = 64;
-      scene.relaxing = 0.015, scene.averaging = 0.01, scene.plateau = 0.05;
-      scene.settling = 0.15, scene.most_off = 0.04;
+      scene.relaxing = 0.015, scene.averaging = 0.01, scene.plateau = 0.04;
+      scene.settling = 0.15, scene.most_off = 0.03;
     } else {
-      // As high a bed of any number, but for very few.
-      const double across = 25 * static_cast<double>(scene.particles) / 10000;
-      scene.across = std::max(8, static_cast<int>(std::round(across)));
+      // As high a bed of any number, but for few.
+      const double deep = 4 * static_cast<double>(scene.particles) / 5000;
+      scene.deep = std::max(4, static_cast<int>(std::round(deep)));
     }
     if (scene.shape != "sphere") scene.most_off *= 1.5;  // their law falls faster with the voidage
     return scene.shape == "sphere" ? simulate<silt::Sphere>(scene, command.options)
