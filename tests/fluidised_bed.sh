@@ -8,7 +8,7 @@
 #   balance_of_forces_over_weight, 1 %
 #                     a load that is not read (of the walls alone: up to 60 %), gas pressure that is not
 #                     that on the floor (extrapolated: 1.7 %)
-#   minimum_fluidisation_over_the_law, 2 % (ellipsoids 3 %; --quick, whose bed is less than half as
+#   minimum_fluidisation_over_the_law, 2 % (ellipsoids 3 %; --quick, whose bed is half as
 #   high, 3 and 4.5 %)
 #                     drag that is not the law's; a kernel of 3 diameters instead of 1.5; a voidage
 #                     with a height of the bed that is off by 1 %

@@ -446,7 +446,7 @@ int simulate(const Scene& s, const example::Options& options) {
   auto sim = make_simulation(s, settle<Shape>(s, options.threads));
   sim.threads = options.threads;
   Bed bed(s, sim);
-  sim.run(s.relaxing);
+  sim.run(s.relaxing, silt::progress());
   const double filled = bed.height();
   // The dense bed breaks up somewhat later, as the walls hold it back.
   const double guess = 1.1 * s.velocity_by(law_of(sim), bed.voidage(filled));
@@ -654,12 +654,12 @@ int main(int argc, char** argv) {
   command.add("--blowing", scene.blowing, 0.1, 20, "How long the bed bubbles [s]");
   return command.run(argc, argv, [&] {
     if (command.options.quick) {
-      if (!command.given("--particles")) scene.particles = 1000;
-      if (!command.given("--blowing")) scene.blowing = 0.15;
+      if (!command.given("--particles")) scene.particles = 1200;
+      if (!command.given("--blowing")) scene.blowing = 0.2;
       if (!command.given("--bubbling")) scene.bubbling = 1.5;
       if (!command.given("--step")) scene.step = 0.15;
       scene.across = 8, scene.deep = 4, scene.high = 64;
-      scene.relaxing = 0.015, scene.averaging = 0.01, scene.plateau = 0.04;
+      scene.relaxing = 0.015, scene.averaging = 0.01, scene.plateau = 0.05;
       scene.settling = 0.15, scene.most_off = 0.03;
     } else {
       // As high a bed of any number, but for few.
