@@ -46,7 +46,7 @@ struct Scene {
   int high = 150;             // [cells] of the box, above the floor
   double modulus = 1e6;       // [Pa] soft, for a long time step
   double bubbling = 2.0;      // [-] times the minimum fluidisation velocity
-  double settling = 0.2;      // [s]
+  double settling = 0.1;      // [s] after the last grain has fallen
   double relaxing = 0.03;     // [s] after a step of the gas's velocity,
   double averaging = 0.02;    // [s] and then means are taken,
   double plateau = 0.25;      // [s] longer ones where the bed does not rest
@@ -212,7 +212,7 @@ silt::Particles<Shape> fill(const Scene& s) {
     reach = form.radius * s.diameter / 2 * std::cbrt(silt::Sphere::volume(1) / form.mass.volume);
   }
   silt::Random random(1);
-  const double pitch = 2.05 * reach;
+  const double pitch = 2.002 * reach;
   const int nx = static_cast<int>(s.width() / pitch), ny = static_cast<int>(s.depth() / pitch);
   for (int n = 0; n < static_cast<int>(s.particles); ++n) {
     typename silt::Particles<Shape>::Particle p{};
@@ -247,7 +247,9 @@ silt::Particles<Shape> settle(const Scene& s, int threads) {
   silt::Simulation sim{std::move(grains), silt::Contacts<Law>{s.settling_material()}, domain(s)};
   add_floor_and_walls(sim, s, s.settling_material());
   sim.threads = threads;
-  sim.run(s.settling, silt::progress());
+  double top = 0;  // [m] from where the last grains fall
+  for (std::size_t k = 0; k < sim.rows(); ++k) top = std::max(top, sim.position(k).z);
+  sim.run(std::sqrt(2 * top / 9.81) + s.settling, silt::progress());
   for (std::size_t k = 0; k < sim.rows(); ++k) {
     typename silt::Particles<Shape>::Particle p{};
     p.position = sim.position(k), p.radius = sim.radius(k), p.density = s.density;
@@ -660,7 +662,7 @@ int main(int argc, char** argv) {
       if (!command.given("--step")) scene.step = 0.15;
       scene.across = 8, scene.deep = 4, scene.high = 64;
       scene.relaxing = 0.015, scene.averaging = 0.01, scene.plateau = 0.05;
-      scene.settling = 0.15, scene.most_off = 0.03;
+      scene.settling = 0.05, scene.most_off = 0.03;
     } else {
       // As high a bed of any number, but for few.
       const double deep = 4 * static_cast<double>(scene.particles) / 5000;
