@@ -1,10 +1,13 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A fluidised bed: grains of 1 mm on a floor that gas passes, in a thin slice that is periodic
-// across. The gas is stepped through the minimum fluidisation velocity, up and down, which gives
-// the pressure drop over the velocity; then it is blown at twice that and more, until bubbles rise.
-// The minimum fluidisation velocity is measured where the bed's pressure drop, as it falls with the
-// velocity, leaves the bed's weight, and compared with Ergun's equation: at the bed's voidage, and
+// A fluidised bed: grains of 1 mm on a floor that gas passes, between two walls, in a thin slice
+// that is periodic in its depth. The grains are first settled with little friction, as tapping
+// packs them. Then the gas is stepped through the minimum fluidisation velocity, up and down, which
+// gives the pressure drop over the velocity: the dense bed, which the walls hold back, bears more
+// than its weight before it breaks up; as the gas falls the bed that is left is looser. Last it is
+// blown at twice that velocity, until bubbles rise. The minimum fluidisation velocity is measured
+// where the pressure drop of the bed at rest, as the gas falls, would reach the bed's weight, and
+// compared with Ergun's equation at the bed's voidage. What is between them the law has by layers:
 // summed over the bed's layers, in the voidage and the flow that cells and kernel make of them.
 // Ellipsoids have the drag and the lift of how they lie in the flow, and are compared with that law
 // for the grains as they lie in the bed.
@@ -34,19 +37,22 @@ using Law = silt::HertzMindlin;
 using silt::Vec3d;
 
 struct Scene {
-  std::size_t particles = 10000;
+  std::size_t particles = 5000;
   double diameter = 1e-3;     // [m] of the sphere of a grain's volume
   double density = 2500;      // [kg/m3]
-  double cell = 2e-3;         // [m]
-  int across = 20, deep = 3;  // [cells] of the slice
-  int high = 60;              // [cells] of the box, above the floor
+  double cell = 1e-3;         // [m]
+  double kernel = 1.5;        // [diameters] its reach
+  int across = 16, deep = 4;  // [cells] of the slice
+  int high = 150;             // [cells] of the box, above the floor
   double modulus = 1e6;       // [Pa] soft, for a long time step
   double bubbling = 2.0;      // [-] times the minimum fluidisation velocity
-  double settling = 0.15;     // [s]
-  double relaxing = 0.05;     // [s] after a step of the gas's velocity,
-  double averaging = 0.05;    // [s] and then means are taken
+  double settling = 0.1;      // [s] after the last grain has fallen
+  double relaxing = 0.03;     // [s] after a step of the gas's velocity,
+  double averaging = 0.02;    // [s] and then means are taken,
+  double plateau = 0.25;      // [s] longer ones where the bed does not rest
   double blowing = 1.0;       // [s] the bubbling bed; its first quarter is not measured
-  double step = 0.1;          // [m/s] of the gas's velocity
+  double step = 0.1;          // [m/s] of the gas's velocity; a quarter of it near fluidisation
+  double most_off = 0.02;     // [-] of minimum fluidisation from the law's
   double at_rest = 5e-3;      // [m/s] mean speed of the grains in a bed that is not fluidised
   std::string shape = "sphere";
   silt::FluidProperties gas{.density = 1.2, .viscosity = 1.8e-5};
@@ -67,17 +73,21 @@ struct Scene {
   Law::Material material() const {
     return {.youngs_modulus = modulus, .poisson_ratio = 0.3, .restitution = 0.9, .friction = 0.3};
   }
+  Law::Material settling_material() const {  // as tapping packs
+    return {.youngs_modulus = modulus, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.05};
+  }
 };
 
 /// Spheres: Ergun's equation in beds, Wen and Yu's where grains are few. Bodies: the law of Hoelzer
 /// and Sommerfeld by their silhouettes, with Di Felice's voidage function.
 template <class Shape>
-auto make_fluid(silt::FlowSolver flow) {
+auto make_fluid(const Scene& s, silt::FlowSolver flow) {
+  const silt::Kernel kernel{.width = s.kernel};
   if constexpr (silt::BodyShape<Shape>)
-    return silt::CoupledFlow{silt::OrientedDrag<>{}, silt::Kernel{}, std::move(flow),
+    return silt::CoupledFlow{silt::OrientedDrag<>{}, kernel, std::move(flow),
                              silt::InclinedLift<>{}};
   else
-    return silt::CoupledFlow{silt::Gidaspow{}, silt::Kernel{}, std::move(flow)};
+    return silt::CoupledFlow{silt::Gidaspow{}, kernel, std::move(flow)};
 }
 
 /// The mean drag of bodies that lie as some hundred of a bed do, in a flow upwards.
@@ -118,11 +128,11 @@ double reach_of(const Sim& sim, const Scene& s) {
       const double r = std::cbrt(grain.a * grain.b * grain.c);  // forms are of any size
       const Vec3d extent{grain.a / r * up.x, grain.b / r * up.y, grain.c / r * up.z};
       const double least = std::min({grain.a, grain.b, grain.c}) / r;
-      sum += std::max(3 * s.diameter, 1.5 * s.cell / least) * norm(extent);
+      sum += std::max(s.kernel * s.diameter, 1.5 * s.cell / least) * norm(extent);
     }
     return sum / static_cast<double>(sim.rows());
   } else {
-    return std::max(3 * s.diameter, 1.5 * s.cell);
+    return std::max(s.kernel * s.diameter, 1.5 * s.cell);
   }
 }
 
@@ -132,8 +142,8 @@ constexpr int per_diameter = 10;  // bins of a Profile
 using Profile = std::vector<double>;
 
 /// Pressure drop [Pa] of a bed at rest by the law, in one dimension: grains at their heights, each
-/// in the voidage and the flow that the kernel, the cells and the floor, through which the gas
-/// comes with its superficial velocity, make of all. What layers lack of evenness it does not know.
+/// in the voidage and the flow that the kernel and the cells make of all. What layers lack of
+/// evenness, also at walls, it does not know.
 ///   R: of the kernel [m]
 template <class Shape, class DragLaw>
 double drop_by_layers(const DragLaw& law, const Scene& s, double R, const Profile& centres,
@@ -171,7 +181,7 @@ double drop_by_layers(const DragLaw& law, const Scene& s, double R, const Profil
   };
   const auto solids = spread([](std::size_t) { return 1.0; });
   const auto voidage = [&](int c) { return 1 - (c < n ? at(solids, c) : 0); };
-  const auto on_face = [&](int f) { return f == 0 ? 1 : 0.5 * (voidage(f - 1) + voidage(f)); };
+  const auto on_face = [&](int f) { return 0.5 * (voidage(std::max(f - 1, 0)) + voidage(f)); };
   const auto resistance = spread([&](std::size_t k) {  // [kg/(m3 s)] of a grain's volume
     double e = 0, slip = 0;
     for (int c = 0; c < n; ++c) {
@@ -183,11 +193,11 @@ double drop_by_layers(const DragLaw& law, const Scene& s, double R, const Profil
                ? 18 * s.gas.viscosity / (s.diameter * s.diameter) * e * law.normalised(e, Re)
                : 0;
   });
-  const auto fall = [&](int f) {  // [Pa] of the pressure, across a face
-    return h * 0.5 * (at(resistance, f - 1) + at(resistance, f)) * U / std::pow(on_face(f), 2);
-  };
-  double drop = 0.5 * fall(1);  // from the floor, to which the pressure is extrapolated
-  for (int f = 1; f < n; ++f) drop += fall(f);
+  double drop = 0;
+  for (int f = 0; f < n; ++f) {  // across faces; on the floor half of one
+    const double below = f > 0 ? at(resistance, f - 1) : 0;
+    drop += h * 0.5 * (below + at(resistance, f)) * U / std::pow(on_face(f), 2);
+  }
   return drop;
 }
 
@@ -202,7 +212,7 @@ silt::Particles<Shape> fill(const Scene& s) {
     reach = form.radius * s.diameter / 2 * std::cbrt(silt::Sphere::volume(1) / form.mass.volume);
   }
   silt::Random random(1);
-  const double pitch = 2.05 * reach;
+  const double pitch = 2.002 * reach;
   const int nx = static_cast<int>(s.width() / pitch), ny = static_cast<int>(s.depth() / pitch);
   for (int n = 0; n < static_cast<int>(s.particles); ++n) {
     typename silt::Particles<Shape>::Particle p{};
@@ -216,19 +226,49 @@ silt::Particles<Shape> fill(const Scene& s) {
   return grains;
 }
 
+silt::PeriodicBox domain(const Scene& s) {
+  return {{{0, 0, 0}, {s.width(), s.depth(), s.high * s.cell}}, {false, true, false}};
+}
+constexpr int floor_and_walls = 3;
+template <class Sim>
+void add_floor_and_walls(Sim& sim, const Scene& s, const Law::Material& material) {
+  sim.gravity = {0, 0, -9.81};
+  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, material);
+  sim.add_wall(silt::Plane{{0, 0, 0}, {1, 0, 0}}, material);
+  sim.add_wall(silt::Plane{{s.width(), 0, 0}, {-1, 0, 0}}, material);
+}
+
+/// A dense bed at rest.
 template <class Shape>
-auto make_simulation(const Scene& s) {
-  const Vec3d corner{s.width(), s.depth(), s.high * s.cell};
+silt::Particles<Shape> settle(const Scene& s, int threads) {
+  auto grains = fill<Shape>(s);
+  silt::Particles<Shape> settled;
+  if constexpr (silt::BodyShape<Shape>) settled.add_form(grains.forms()[0].shape);
+  silt::Simulation sim{std::move(grains), silt::Contacts<Law>{s.settling_material()}, domain(s)};
+  add_floor_and_walls(sim, s, s.settling_material());
+  sim.threads = threads;
+  double top = 0;  // [m] from where the last grains fall
+  for (std::size_t k = 0; k < sim.rows(); ++k) top = std::max(top, sim.position(k).z);
+  sim.run(std::sqrt(2 * top / 9.81) + s.settling, silt::progress());
+  for (std::size_t k = 0; k < sim.rows(); ++k) {
+    typename silt::Particles<Shape>::Particle p{};
+    p.position = sim.position(k), p.radius = sim.radius(k), p.density = s.density;
+    if constexpr (silt::BodyShape<Shape>) p.orientation = sim.orientation(k);
+    settled.add(p);
+  }
+  return settled;
+}
+
+template <class Shape>
+auto make_simulation(const Scene& s, silt::Particles<Shape> grains) {
   silt::FlowSolver flow(
-      silt::Grid({{0, 0, 0}, corner}, {s.across, s.deep, s.high}, {true, true, false}), s.gas);
+      silt::Grid(domain(s).box(), {s.across, s.deep, s.high}, {false, true, false}), s.gas);
   flow.set_side(2, 0, silt::Inflow{});
   flow.set_side(2, 1, silt::Outflow{});
-  silt::Simulation sim{fill<Shape>(s), silt::Contacts<Law>{s.material()},
-                       silt::PeriodicBox{{{0, 0, 0}, corner}, {true, true, false}},
-                       make_fluid<Shape>(std::move(flow))};
-  if (silt::BodyShape<Shape>) sim.fluid().least_voidage = 0.2;  // they lie denser than spheres
-  sim.gravity = {0, 0, -9.81};
-  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, s.material());
+  silt::Simulation sim{std::move(grains), silt::Contacts<Law>{s.material()}, domain(s),
+                       make_fluid<Shape>(s, std::move(flow))};
+  if (silt::BodyShape<Shape>) sim.fluid().least_voidage = 0.1;  // they lie denser than spheres
+  add_floor_and_walls(sim, s, s.material());
   return sim;
 }
 
@@ -236,13 +276,25 @@ template <class Sim>
 class Bed {
  public:
   struct Means {
-    double pressure_drop, floor, momentum;  // [Pa] over the area: of the gas, on the floor, gained
-    double height;                          // [m]
-    double speed;                           // [m/s] of the grains
-    Profile centres;                        // at the end
-    /// What gas and floor bear, less the weight and what the bed gains, over the weight [-].
-    double unbalanced(double weight) const {
-      return (pressure_drop + floor - momentum) / weight - 1;
+    double pressure_drop = 0, floor = 0, walls = 0;  // [Pa] over the area: what they bear
+    double momentum = 0;                             // [Pa] that grains gain
+    double height = 0;                               // [m]
+    double speed = 0;                                // [m/s] of the grains
+    double time = 0;                                 // [s] of which these are means
+    Profile centres{};                               // at the end
+
+    double borne() const { return pressure_drop + floor + walls; }
+    /// What is borne, less the weight and what the bed gains, over the weight [-].
+    double unbalanced(double weight) const { return (borne() - momentum) / weight - 1; }
+    /// As well over the time of `next`, which follows.
+    void go_on(const Means& next) {
+      const double both = time + next.time;
+      const auto join = [&](double& mean, double other) {
+        mean = (mean * time + other * next.time) / both;
+      };
+      join(pressure_drop, next.pressure_drop), join(floor, next.floor), join(walls, next.walls);
+      join(momentum, next.momentum), join(height, next.height), join(speed, next.speed);
+      time = both, centres = next.centres;
     }
   };
 
@@ -262,10 +314,10 @@ class Bed {
   }
   template <class... Observers>
   Means measure(double span, Observers&&... observers) {
-    Means sum{};
+    Means sum;
     double n = 0;
     const double before = momentum(), start = sim_.time();
-    const double given = sim_.wall(0).impulse.z;  // [N s] to the floor, also by short impacts
+    const auto given = impulses();
     sim_.run(span,
              silt::at(silt::every(2e-4),
                       [&](const auto&) {
@@ -274,25 +326,44 @@ class Bed {
                         n += 1;
                       }),
              observers...);
-    const double per_area = 1 / ((sim_.time() - start) * s_.area());
-    sum.floor = -(sim_.wall(0).impulse.z - given) * per_area;
-    const double gained = (momentum() - before) * per_area;
-    return {sum.pressure_drop / n, sum.floor, gained, sum.height / n, sum.speed / n, centres()};
+    sum.time = sim_.time() - start, sum.centres = centres();
+    sum.pressure_drop /= n, sum.height /= n, sum.speed /= n;
+    const double per_area = 1 / (sum.time * s_.area());
+    const auto now = impulses();
+    sum.floor = -(now[0] - given[0]) * per_area;
+    sum.walls = -(now[1] + now[2] - given[1] - given[2]) * per_area;
+    sum.momentum = (momentum() - before) * per_area;
+    return sum;
   }
 
-  /// Of the gas between the floor, to which it is extrapolated, and its outlet [Pa].
-  double pressure_drop() const {
-    const auto& p = sim_.fluid().flow().pressure();
+  /// Of the gas between the floor and its outlet [Pa]. From the first cells' centres down to the
+  /// floor its slope is what goes with the drag there.
+  double pressure_drop() {
+    auto& flow = sim_.fluid().flow();
     double sum = 0;
     for (int j = 0; j < s_.deep; ++j)
-      for (int i = 0; i < s_.across; ++i) sum += 1.5 * p(i, j, 0) - 0.5 * p(i, j, 1);
+      for (int i = 0; i < s_.across; ++i) {
+        const double push =
+            flow.drag()(i, j, 0) * flow.velocity(2)(i, j, 0) - flow.drag_velocity(2)(i, j, 0);
+        const double share = flow.voidage()(i, j, 0) + flow.response().borne(i, j, 0);
+        sum += flow.pressure()(i, j, 0) + 0.5 * s_.cell * push / share;
+      }
     return sum / (s_.across * s_.deep);
   }
-  /// Twice that of the grains' centre of mass above the floor [m].
+  /// Of the bed's surface above the floor [m]: where layers of cells hold half of the mean solids
+  /// (those from the floor to twice the height of the centre of mass).
   double height() const {
-    double sum = 0;
-    for (std::size_t k = 0; k < sim_.rows(); ++k) sum += sim_.position(k).z;
-    return 2 * sum / static_cast<double>(sim_.rows());
+    double twice = 0;  // [m]
+    for (std::size_t k = 0; k < sim_.rows(); ++k) twice += 2 * sim_.position(k).z;
+    twice /= static_cast<double>(sim_.rows());
+    const double half = 0.5 * (1 - voidage(twice));
+    double above = 0;
+    for (int k = s_.high - 1; k >= 0; --k) {
+      const double here = 1 - voidage_of_layer(k);
+      if (here >= half) return s_.cell * (k + 0.5 + (here - half) / (here - above));
+      above = here;
+    }
+    return twice;  // no layer holds as much
   }
   Profile centres() const {
     const double h = s_.diameter / per_diameter, grain = s_.volume() / (s_.area() * h);
@@ -314,6 +385,13 @@ class Bed {
   double voidage(double height) const {
     return 1 - static_cast<double>(s_.particles) * s_.volume() / (s_.area() * height);
   }
+  double voidage_of_layer(int k) const {
+    const auto& eps = sim_.fluid().flow().voidage();
+    double sum = 0;
+    for (int j = 0; j < s_.deep; ++j)
+      for (int i = 0; i < s_.across; ++i) sum += eps(i, j, k);
+    return sum / (s_.across * s_.deep);
+  }
   /// The voidage of cells, mean over the depth, as a table.
   void write_voidage(const std::string& path) const {
     const auto& eps = sim_.fluid().flow().voidage();
@@ -327,6 +405,12 @@ class Bed {
   }
 
  private:
+  /// [N s] given upwards to floor and walls, also by short impacts.
+  std::array<double, floor_and_walls> impulses() const {
+    std::array<double, floor_and_walls> given{};
+    for (std::size_t w = 0; w < given.size(); ++w) given[w] = sim_.wall(w).impulse.z;
+    return given;
+  }
   double momentum() const {  // [kg m/s] upwards
     double sum = 0;
     for (std::size_t k = 0; k < sim_.rows(); ++k) sum += sim_.mass(k) * sim_.velocity(k).z;
@@ -359,33 +443,46 @@ void write_picture(const std::string& path, const Sim& sim) {
 template <class Shape>
 int simulate(const Scene& s, const example::Options& options) {
   const example::Stopwatch watch;
-  auto sim = make_simulation<Shape>(s);
-  sim.threads = options.threads;
   silt::make_folder(options.out);
-  Bed bed(s, sim);
-
   std::printf("settling\n");
-  sim.run(s.settling, silt::progress());
+  auto sim = make_simulation(s, settle<Shape>(s, options.threads));
+  sim.threads = options.threads;
+  Bed bed(s, sim);
+  sim.run(s.relaxing, silt::progress());
   const double filled = bed.height();
-  const double guess = s.velocity_by(silt::Ergun{}, bed.voidage(filled));
+  // The dense bed breaks up somewhat later, as the walls hold it back.
+  const double guess = 1.1 * s.velocity_by(law_of(sim), bed.voidage(filled));
 
   std::printf("gas up and down\n");
   using Means = typename decltype(bed)::Means;
-  std::vector<double> velocities;
-  while (velocities.empty() || velocities.back() < 1.3 * guess)
-    velocities.push_back(s.step * static_cast<double>(velocities.size() + 1));
+  std::vector<double> velocities{s.step};
+  while (velocities.back() < 1.3 * guess) {
+    const double last = velocities.back();
+    const bool near = last > 0.8 * guess && last < 1.15 * guess;
+    velocities.push_back(last + (near ? 0.25 : 1) * s.step);
+  }
   std::vector<Means> rising, falling(velocities.size());
   double unbalanced = 0;
+  Means plateau;
   const auto measure = [&](double U) {
     bed.blow(U, s.relaxing);
-    const Means m = bed.measure(s.averaging);
+    Means m = bed.measure(s.averaging);
+    if (m.speed > s.at_rest) m.go_on(bed.measure(s.plateau));
+    if (U > 1.1 * guess && m.speed > s.at_rest) plateau.go_on(m);
     unbalanced = std::max(unbalanced, std::abs(m.unbalanced(s.weight())));
-    std::printf("  %.3f m/s: %.1f Pa, height %.2f mm\n", U, m.pressure_drop, 1e3 * m.height);
+    std::printf("  %.3f m/s: %.1f Pa, height %.2f mm%s\n", U, m.pressure_drop, 1e3 * m.height,
+                m.speed < s.at_rest ? ", at rest" : "");
     return m;
   };
   for (const double U : velocities) rising.push_back(measure(U));
   falling.back() = rising.back();
   for (std::size_t k = velocities.size() - 1; k-- > 0;) falling[k] = measure(velocities[k]);
+  double overshoot = 0, above = std::numeric_limits<double>::infinity();  // [-]
+  for (std::size_t k = 0; k < velocities.size() && rising[k].speed < s.at_rest; ++k) {
+    overshoot = std::max(overshoot, rising[k].pressure_drop / s.weight());
+    if (falling[k].speed < s.at_rest)
+      above = std::min(above, rising[k].pressure_drop / falling[k].pressure_drop);
+  }
 
   std::vector<std::array<double, 2>> packed;
   for (std::size_t k = 0; k < velocities.size(); ++k)
@@ -400,7 +497,8 @@ int simulate(const Scene& s, const example::Options& options) {
   silt::CsvTable curve(options.out + "/pressure_drop.csv",
                        {"velocity [m/s]", "gas rising [Pa]", "gas falling [Pa]",
                         law_name + " at the bed's voidage [Pa]", law_name + " by layers [Pa]",
-                        "height rising [m]", "height falling [m]"});
+                        "height rising [m]", "height falling [m]", "floor rising [Pa]",
+                        "floor falling [Pa]", "walls rising [Pa]", "walls falling [Pa]"});
   double error = 0;                              // [-] of the bed at rest
   std::vector<std::array<double, 2>> by_layers;  // as `packed`
   const double reach = reach_of(sim, s);
@@ -418,7 +516,8 @@ int simulate(const Scene& s, const example::Options& options) {
     }
     if (layered > 1.1 * s.weight()) drop = layered = std::nan("");  // the bed has long left
     curve.add_row({U, rising[k].pressure_drop, falling[k].pressure_drop, drop, layered,
-                   rising[k].height, falling[k].height});
+                   rising[k].height, falling[k].height, rising[k].floor, falling[k].floor,
+                   rising[k].walls, falling[k].walls});
   }
   const double expected = crossing(by_layers, s.weight());
 
@@ -433,11 +532,9 @@ int simulate(const Scene& s, const example::Options& options) {
   snapshot("at rest");
   const double begun = sim.time();
   bed.blow(s.bubbling * measured, 0.25 * s.blowing, series);
-  Means bubbling{};
+  Means bubbling;
   for (int k = 0; k < 3; ++k) {
-    const auto m = bed.measure(0.25 * s.blowing, series);
-    bubbling.pressure_drop += m.pressure_drop / 3, bubbling.floor += m.floor / 3;
-    bubbling.momentum += m.momentum / 3, bubbling.height += m.height / 3;
+    bubbling.go_on(bed.measure(0.25 * s.blowing, series));
     char title[40];
     std::snprintf(title, sizeof title, "%.2f s", sim.time() - begun);
     snapshot(title);
@@ -458,13 +555,14 @@ int simulate(const Scene& s, const example::Options& options) {
   summary.input("friction", s.material().friction);
   summary.input("threads", static_cast<double>(options.threads));
   summary.result("weight_over_area_pa", s.weight());
-  summary.result("voidage_as_filled", bed.voidage(filled));
+  summary.result("voidage_of_the_dense_bed", bed.voidage(filled));
   summary.result("voidage_of_the_loose_bed", voidage);
   summary.result("minimum_fluidisation_m_s", measured);
   summary.result("drag_law_at_this_voidage_m_s", by_law);
   summary.result("drag_law_by_layers_m_s", expected);
   summary.result("ergun_at_this_voidage_m_s", s.velocity_by(silt::Ergun{}, voidage));
   summary.result("ergun_at_voidage_0.4_m_s", s.velocity_by(silt::Ergun{}, 0.4));
+  summary.result("plateau_over_weight", plateau.borne() / s.weight());
   summary.result("bubbling_velocity_m_s", s.bubbling * measured);
   summary.result("bubbling_pressure_drop_pa", bubbling.pressure_drop);
   summary.result("bubbling_height_over_height_at_rest", bubbling.height / loose);
@@ -479,19 +577,23 @@ int simulate(const Scene& s, const example::Options& options) {
   summary.check_at_most("momentum_of_exchange_off", closure.momentum, rounding);
   summary.check_at_most("continuity_off", closure.continuity,
                         sim.fluid().flow().options().tolerance);
-  // What gas and floor bear is weight and gain of momentum. The gas's part is read every 0.2 ms, and
-  // extrapolated to the floor over half a cell, in which the bed bears less: 1.3 % of it.
+  // What gas, floor and walls bear is weight and gain of momentum. The gas's part is read every 0.2
+  // ms, and lacks what it brings of its own momentum, rho U^2 (1/eps - 1): 0.3 % as bubbles rise.
   summary.check_at_most("balance_of_forces_over_weight",
-                        std::max(unbalanced, std::abs(bubbling.unbalanced(s.weight()))), 0.02);
-  // 0.01: layers are not even, and bodies' kernels are taken as one.
-  summary.check_at_most("pressure_drop_at_rest_over_law_by_layers_less_1", error, 0.01);
-  summary.check_within("minimum_fluidisation_m_s", measured, expected, 0.01 * expected,
+                        std::max(unbalanced, std::abs(bubbling.unbalanced(s.weight()))), 0.01);
+  // The kernel blurs the bed's surface, where it bears less: by 0.53 of the kernel's reach over the
+  // bed's height; the rest is what layers lack of evenness.
+  summary.check_within("minimum_fluidisation_over_the_law", measured / by_law, 1, s.most_off,
+                       law_name + " at the bed's voidage");
+  summary.check_within("minimum_fluidisation_m_s", measured, expected, 0.015 * expected,
                        law_name + " by the bed's layers, as the kernel blurs them");
-  // The rest is borne by the floor when parts of the bed fall back on it; a stroke of the bed takes
-  // some 0.2 s, and a mean over less than three of them is none.
-  if (0.75 * s.blowing >= 0.6)
-    summary.check_within("bubbling_pressure_drop_over_weight", bubbling.pressure_drop / s.weight(),
-                         1, 0.08, "mean over a few strokes of the bed");
+  summary.check_at_most("pressure_drop_at_rest_over_law_by_layers_less_1", error, 0.02);
+  summary.check_at_least("pressure_drop_of_the_dense_bed_over_the_loose_one", above, 1.02);
+  summary.check_at_least("largest_pressure_drop_at_rest_over_weight", overshoot, 1.01);
+  // As long as the bed does not rise and fall by much: 0.01 m/s over 0.1 s would be 1 %.
+  if (plateau.time >= 0.5)
+    summary.check_within("plateau_over_weight", plateau.borne() / s.weight(), 1, 0.01,
+                         "borne by gas, floor and walls together");
   summary.check_at_least("bubbling_height_over_height_at_rest", bubbling.height / loose, 1.1);
   summary.check_at_most("largest_overlap", sim.peak_overlap(), sim.guard.max_overlap);
   summary.write(options.out + "/summary.json");
@@ -554,16 +656,19 @@ int main(int argc, char** argv) {
   command.add("--blowing", scene.blowing, 0.1, 20, "How long the bed bubbles [s]");
   return command.run(argc, argv, [&] {
     if (command.options.quick) {
-      if (!command.given("--particles")) scene.particles = 1000;
-      if (!command.given("--blowing")) scene.blowing = 0.3;
-      if (!command.given("--step")) scene.step = scene.shape == "sphere" ? 0.15 : 0.1;
-      scene.across = 4, scene.relaxing = 0.06, scene.averaging = 0.08;
-      scene.high = 40;
+      if (!command.given("--particles")) scene.particles = 1200;
+      if (!command.given("--blowing")) scene.blowing = 0.2;
+      if (!command.given("--bubbling")) scene.bubbling = 1.5;
+      if (!command.given("--step")) scene.step = 0.15;
+      scene.across = 8, scene.deep = 4, scene.high = 64;
+      scene.relaxing = 0.015, scene.averaging = 0.01, scene.plateau = 0.05;
+      scene.settling = 0.05, scene.most_off = 0.03;
     } else {
-      scene.across = static_cast<int>(
-          std::round(20 * std::sqrt(static_cast<double>(scene.particles) / 10000)));
-      scene.high = 3 * scene.across;
+      // As high a bed of any number, but for few.
+      const double deep = 4 * static_cast<double>(scene.particles) / 5000;
+      scene.deep = std::max(4, static_cast<int>(std::round(deep)));
     }
+    if (scene.shape != "sphere") scene.most_off *= 1.5;  // their law falls faster with the voidage
     return scene.shape == "sphere" ? simulate<silt::Sphere>(scene, command.options)
                                    : simulate<silt::SuperEllipsoid>(scene, command.options);
   });

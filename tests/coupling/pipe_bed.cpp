@@ -88,12 +88,12 @@ double over_ergun(const Mode& mode, double off, MomentumModel model = MomentumMo
   const double share = bed.volume[0] / (std::numbers::pi / 6 * Bed::d * Bed::d * Bed::d);
   const auto& p = flow.flow().pressure();
   const double slope = (p(n / 2, n / 2, 2) - p(n / 2, n / 2, 4)) / (2 * Bed::h);
-  // Drag and pressure on the particles are what the pressure does at both ends: measured 0.95 to
-  // 0.99 of it, as the walls have their friction.
+  // Drag and pressure on the particles are what the pressure does at both ends, but for the walls'
+  // friction: measured 0.983 to 1.004 (0.95 to 0.99 where sides that gas passes count as clear).
   Vec3d all{0, 0, 0};
   for (const Vec3d& f : bed.force) all += f;
   const double p0 = p(n / 2, n / 2, 0), drop = p0 + 0.5 * (p0 - p(n / 2, n / 2, 1));
-  CHECK(all.z == near(drop * std::numbers::pi * Bed::R * Bed::R).epsilon(0.06));
+  CHECK(all.z == near(drop * std::numbers::pi * Bed::R * Bed::R).epsilon(0.02));
   return slope * share /
          ergun_pressure_gradient(1 - Bed::solids, Bed::d, air.density, air.viscosity, Bed::U);
 }

@@ -27,8 +27,8 @@ struct NoSlip {
 struct FreeSlip {};
 
 /// Fluid flows in (or is drawn out) at a given velocity, which is superficial: that of the fluid in
-/// front of the particles. It passes what a FlowBoundary leaves open of the side's faces. With a
-/// rate or an outline, velocities are scaled by one factor:
+/// front of the particles; beside them it is 1/eps times as fast. It passes what a FlowBoundary
+/// leaves open of the side's faces. With a rate or an outline, velocities are scaled by one factor:
 ///
 ///   rate     just that much passes, to rounding
 ///   outline  what passes is the integral of the velocity over the part of the side that is within

@@ -68,7 +68,7 @@ inline void carry(FlowState& state, double dt, const Team& team) {
   if (lacking > 0) {  // eps jumps: follow it a step late, without looking ahead
     state.carried = state.flow, state.mass = state.older_eps, state.next_mass = state.old_eps;
   }
-  state.sides.fill_voidage(state.mass), state.sides.fill_voidage(state.next_mass);
+  state.sides.fill_cells(state.mass), state.sides.fill_cells(state.next_mass);
 }
 /// Whether the fluxes have jumped in this step, as they do where sides change or the flow starts
 /// from rest: by more than a third of what they are.

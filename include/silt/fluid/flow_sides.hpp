@@ -108,21 +108,23 @@ class FlowSides {
     return count > 0 ? sum / count : 0;
   }
 
-  /// Sets the faces of component c that are given, and its ghosts.
-  void fill_velocity(int c, Field& u) const {
+  /// Sets the faces of component c that are given, and its ghosts. What flows in is given by its
+  /// superficial velocity: beside a side the voidage `eps` is that of the cells there.
+  void fill_velocity(int c, Field& u, const Field& eps) const {
     u.wrap_ghosts();
     for (int e = 0; e < 3; ++e) {
       if (grid_.periodic(e)) continue;
       for (int end = 0; end < 2; ++end) {
         const Side& side = at(e, end);
         const bool free = open(e, end), slips = free || std::holds_alternative<FreeSlip>(side.kind);
+        const bool flows_in = std::holds_alternative<Inflow>(side.kind);
         const auto& given = side.given[static_cast<std::size_t>(c)];
         for_line(
             e, end,
             [&](Line line, std::size_t k) {
               line.data = &u;
               if (e == c) {
-                if (!free) line(0) = given[k];
+                if (!free) line(0) = flows_in ? given[k] / line.inner_cell(eps) : given[k];
                 // What flows back in brings nothing along.
                 const double edge = line(0), out = end == 1 ? edge : -edge;
                 line(1) = free ? (out > 0 ? edge : 0) : 2 * edge - line(-1);
@@ -149,11 +151,9 @@ class FlowSides {
             },
             e == c);
   }
-  /// Ghosts of a cell field: of the next cell, or such that the mean on a face that fluid passes is
-  /// `passed`.
+  /// Ghosts of a cell field: of the next cell.
   void fill_cells(Field& f) const {
-    fill(
-        f, 1, [](int, int) { return 0.0; }, false);
+    fill(f, [](int, int) { return std::optional<double>(); });
   }
   /// As fill_cells, but with value(direction, end) where an Inflow comes in.
   template <class Value>
@@ -178,18 +178,11 @@ class FlowSides {
       sum += std::abs(v), squares += v * v;
     return sum > 0 ? squares / sum : 0;
   }
-  void fill_voidage(Field& f) const {
-    fill(
-        f, -1, [](int, int) { return 1.0; }, true);
-  }
   void fill_pressure(Field& p, bool change) const {
-    fill(
-        p, -1,
-        [&](int e, int end) {
-          const auto* out = std::get_if<Outflow>(&at(e, end).kind);
-          return out == nullptr || change ? 0.0 : out->pressure;
-        },
-        false);
+    fill(p, [&](int e, int end) {
+      const auto* out = std::get_if<Outflow>(&at(e, end).kind);
+      return out == nullptr ? std::nullopt : std::optional(change ? 0.0 : out->pressure);
+    });
   }
 
  private:
@@ -207,6 +200,12 @@ class FlowSides {
       int x[3] = {at[0], at[1], at[2]};
       x[e] = inner + k * outward;
       return (*data)(x[0], x[1], x[2]);
+    }
+    /// Of the line of a face at the side: the value of the cell beside it.
+    double inner_cell(const Field& of) const {
+      int x[3] = {at[0], at[1], at[2]};
+      x[e] = outward < 0 ? inner : inner - 1;
+      return of(x[0], x[1], x[2]);
     }
   };
   const Side& at(int e, int end) const {
@@ -229,21 +228,21 @@ class FlowSides {
         visit(line, k);
       }
   }
-  template <class Value>
-  void fill(Field& f, double sign, const Value& value, bool inflows) const {
+  /// Ghosts of a cell field: such that the mean on a side is what on_side(direction, end) has, or
+  /// of the next cell where that is nothing.
+  template <class OnSide>
+  void fill(Field& f, const OnSide& on_side) const {
     f.wrap_ghosts();
     for (int e = 0; e < 3; ++e) {
       if (grid_.periodic(e)) continue;
       for (int end = 0; end < 2; ++end) {
-        const bool given = open(e, end) || (inflows && through(e, end));
-        const double twice = given ? 2 * value(e, end) : 0, s = given ? sign : 1;
-        const auto& wall = at(e, end).beyond;
+        const std::optional<double> held = on_side(e, end);
+        const double twice = 2 * held.value_or(0), sign = held ? -1 : 1;
         for_line(
             e, end,
-            [&](Line line, std::size_t k) {
+            [&](Line line, std::size_t) {
               line.data = &f;
-              const bool passed = wall.empty() || wall[k] == 0;
-              line(1) = passed ? twice + s * line(0) : line(0), line(2) = line(1);
+              line(1) = line(2) = twice + sign * line(0);
             },
             false);
       }

@@ -24,10 +24,11 @@ namespace silt::inline SILT_TARGET {
 ///   momentum as MomentumModel says, tau = mu (grad u + grad u' - 2/3 div u 1)                  (2)
 ///   f = K (v - u) + s                                                                          (3)
 ///
-/// u [m/s] is the velocity between the particles (interstitial), eps u the superficial one. Before
-/// a step the caller sets eps as it will be at its end, and K, K v (drag of the particles) and
-/// other forces s. Drag is implicit and limits no step. The pressure is without the fluid's weight:
-/// what hangs in the fluid bears its buoyancy besides.
+/// u [m/s] is the velocity between the particles (interstitial), eps u the superficial one, which
+/// an Inflow gives; on a side of the box eps is that of the cells beside it. Before a step the
+/// caller sets eps as it will be at its end, and K, K v (drag of the particles) and other forces s.
+/// Drag is implicit and limits no step. The pressure is without the fluid's weight: what hangs in
+/// the fluid bears its buoyancy besides.
 ///
 /// A step: fluxes eps u extrapolated to its middle; advection and viscosity by Heun's rule; drag
 /// and pressure by incremental projection, with the drag in the diagonal and in the weight of the

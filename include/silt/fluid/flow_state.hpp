@@ -105,7 +105,7 @@ struct FlowState {
                              "over more cells, or use larger cells"));
       }
     eps = voidage;
-    sides.fill_voidage(eps);
+    sides.fill_cells(eps);
   }
 
   static void scale_inflows(FlowSides& sides, const std::optional<FlowBoundary>& boundary,
@@ -116,7 +116,7 @@ struct FlowState {
   }
   /// Boundary faces and ghosts of a velocity.
   void fill_velocity(int d, Field& u) const {
-    sides.fill_velocity(d, u);
+    sides.fill_velocity(d, u, eps);
     if (!solids || grid.periodic(d)) return;
     const int n[3] = {grid.nx(), grid.ny(), grid.nz()}, a = (d + 1) % 3, b = (d + 2) % 3;
     for (int y = 0; y < n[b]; ++y)
