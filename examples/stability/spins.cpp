@@ -36,7 +36,8 @@ End sweep(const Form& form, double tips, double modulus, int phase, double share
               away = rotate(turned, normalised(Vec3d{1, -0.2, 0.5}));
   const double turn = 2 * std::numbers::pi * reach / tips;  // [s]
   const Vec3d drift = (bead / turn) * away;
-  bodies.add({.orientation = turned,
+  bodies.add({.position = {0, 0, 0},
+              .orientation = turned,
               .radius = reach,
               .density = density,
               .angular_velocity = (tips / reach) * axis});
