@@ -57,15 +57,27 @@ auto make_column(int grains) {
   return sim;
 }
 
-/// Mean pressure [Pa] in the tube at layer k of cells.
-double pressure(const silt::FlowSolver& flow, int k) {
+/// Mean of value(i, j) over the open part of layer k of cells.
+template <class Value>
+double mean_of_layer(const silt::FlowSolver& flow, int k, const Value& value) {
   double sum = 0, all = 0;
   for (int j = 0; j < across; ++j)
     for (int i = 0; i < across; ++i) {
       const double share = (*flow.open_cells())(i, j, k);
-      sum += share * flow.pressure()(i, j, k), all += share;
+      if (share > 0) sum += share * value(i, j), all += share;
     }
   return sum / all;
+}
+double pressure(const silt::FlowSolver& flow, int k) {  // [Pa]
+  return mean_of_layer(flow, k, [&](int i, int j) { return flow.pressure()(i, j, k); });
+}
+/// [Pa] Half a cell below the first centres: the slope there is what goes with the drag.
+double pressure_on_floor(silt::FlowSolver& flow) {
+  return pressure(flow, 0) + mean_of_layer(flow, 0, [&](int i, int j) {
+           const double drag =
+               flow.drag()(i, j, 0) * flow.velocity(2)(i, j, 0) - flow.drag_velocity(2)(i, j, 0);
+           return 0.5 * h * drag / (flow.voidage()(i, j, 0) + flow.response().borne(i, j, 0));
+         });
 }
 
 }  // namespace
@@ -88,8 +100,8 @@ int main(int argc, char** argv) {
     sim.run(0.05 * times);
     double drop = 0, slope = 0, walls = 0, count = 0;
     sim.run(0.04 * times, silt::at(silt::every(2e-4), [&](const auto& at) {
-              const silt::FlowSolver& flow = sim.fluid().flow();
-              drop += 1.5 * pressure(flow, 0) - 0.5 * pressure(flow, 1);
+              silt::FlowSolver& flow = sim.fluid().flow();
+              drop += pressure_on_floor(flow);
               slope += (pressure(flow, 2) - pressure(flow, 5)) / (3 * h);
               walls -= at.wall(0).force.z + at.wall(1).force.z;
               ++count;

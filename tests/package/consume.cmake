@@ -1,4 +1,5 @@
-# cmake -DHOW=find_package|add_subdirectory -DSOURCE=... -DBUILD=... -DWORK=... [-DOPTIONS=...] -P consume.cmake
+# cmake -DHOW=find_package|add_subdirectory -DSOURCE=... -DBUILD=... -DWORK=... -DGENERATOR=... [-DOPTIONS=...]
+#       -P consume.cmake
 # Builds and runs a user's project against silt: installed to a folder of its own, or as a subfolder.
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE out ERROR_VARIABLE out)
@@ -19,7 +20,7 @@ if(HOW STREQUAL "find_package")
 else()
   set(where -DSILT_SOURCE_DIR=${SOURCE})
 endif()
-run(${CMAKE_COMMAND} -S ${SOURCE}/tests/package -B ${WORK}/build -DCMAKE_BUILD_TYPE=Debug ${where} ${OPTIONS})
+run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${SOURCE}/tests/package -B ${WORK}/build -DCMAKE_BUILD_TYPE=Debug ${where} ${OPTIONS})
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 run(${WORK}/build/consumer)
 file(REMOVE_RECURSE ${WORK})
