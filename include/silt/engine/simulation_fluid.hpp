@@ -132,7 +132,7 @@ void Simulation<Policies...>::check_held_step(double span) const {
         text("step ", step_, ", t = ", time_, " s: CoupledFlow.steps = ", *fluid_.steps,
              " particle steps a fluid step are too many for particles of ", held.density_ratio,
              " of the fluid's density: what it gives them is held for ", span,
-             " s, longer than a quarter of a contact, and would make their contacts swing; set it "
+             " s, longer than an eighth of a contact, and would make their contacts swing; set it "
              "to "
              "at most ",
              static_cast<int>(held_share_of_contact * *limit / dt_), " or leave it out",
