@@ -53,7 +53,7 @@ struct Scene {
   double blowing = 1.0;       // [s] the bubbling bed; its first quarter is not measured
   double step = 0.1;          // [m/s] of the gas's velocity; a quarter of it near fluidisation
   double most_off = 0.02;     // [-] of minimum fluidisation from the law's
-  double at_rest = 1e-3;      // [m/s] mean speed of the grains in a bed that is not fluidised
+  double at_rest = 5e-3;      // [m/s] mean speed of the grains in a bed that is not fluidised
   std::string shape = "sphere";
   silt::FluidProperties gas{.density = 1.2, .viscosity = 1.8e-5};
 
