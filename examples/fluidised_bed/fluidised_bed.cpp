@@ -45,11 +45,12 @@ struct Scene {
   int across = 16, deep = 4;  // [cells] of the slice
   int high = 150;             // [cells] of the box, above the floor
   double modulus = 1e6;       // [Pa] soft, for a long time step
-  double bubbling = 2.0;      // [-] times the minimum fluidisation velocity
+  double bubbling = 1.5;      // [-] times the minimum fluidisation velocity
   double settling = 0.1;      // [s] after the last grain has fallen
   double relaxing = 0.03;     // [s] after a step of the gas's velocity,
   double averaging = 0.02;    // [s] and then means are taken,
-  double plateau = 0.25;      // [s] longer ones where the bed does not rest
+  double moving = 0.25;       // [s] longer ones where the bed does not rest,
+  double plateau = 1.0;       // [s] and where it is all borne: 0.07 m/s over 0.7 s are 1 %
   double blowing = 1.0;       // [s] the bubbling bed; its first quarter is not measured
   double step = 0.1;          // [m/s] of the gas's velocity; a quarter of it near fluidisation
   double most_off = 0.02;     // [-] of minimum fluidisation from the law's
@@ -340,12 +341,13 @@ class Bed {
   /// floor its slope is what goes with the drag there.
   double pressure_drop() {
     auto& flow = sim_.fluid().flow();
+    const bool bears = flow.responds() && flow.response().bears;
     double sum = 0;
     for (int j = 0; j < s_.deep; ++j)
       for (int i = 0; i < s_.across; ++i) {
         const double push =
             flow.drag()(i, j, 0) * flow.velocity(2)(i, j, 0) - flow.drag_velocity(2)(i, j, 0);
-        const double share = flow.voidage()(i, j, 0) + flow.response().borne(i, j, 0);
+        const double share = flow.voidage()(i, j, 0) + (bears ? flow.response().borne(i, j, 0) : 0);
         sum += flow.pressure()(i, j, 0) + 0.5 * s_.cell * push / share;
       }
     return sum / (s_.across * s_.deep);
@@ -376,6 +378,11 @@ class Bed {
       all[low] += (1 - upper) * grain, all[low + 1] += upper * grain;
     }
     return all;
+  }
+  double top() const {  // [m] of the highest grain's centre
+    double most = 0;
+    for (std::size_t k = 0; k < sim_.rows(); ++k) most = std::max(most, sim_.position(k).z);
+    return most;
   }
   double speed() const {  // [m/s] mean of the grains
     double sum = 0;
@@ -467,8 +474,9 @@ int simulate(const Scene& s, const example::Options& options) {
   const auto measure = [&](double U) {
     bed.blow(U, s.relaxing);
     Means m = bed.measure(s.averaging);
-    if (m.speed > s.at_rest) m.go_on(bed.measure(s.plateau));
-    if (U > 1.1 * guess && m.speed > s.at_rest) plateau.go_on(m);
+    const bool fluidised = m.speed > s.at_rest, on_plateau = fluidised && U > 1.1 * guess;
+    if (fluidised) m.go_on(bed.measure(on_plateau ? s.plateau : s.moving));
+    if (on_plateau) plateau.go_on(m);
     unbalanced = std::max(unbalanced, std::abs(m.unbalanced(s.weight())));
     std::printf("  %.3f m/s: %.1f Pa, height %.2f mm%s\n", U, m.pressure_drop, 1e3 * m.height,
                 m.speed < s.at_rest ? ", at rest" : "");
@@ -485,22 +493,22 @@ int simulate(const Scene& s, const example::Options& options) {
   }
 
   std::vector<std::array<double, 2>> packed;
-  for (std::size_t k = 0; k < velocities.size(); ++k)
-    if (falling[k].speed < s.at_rest) packed.push_back({velocities[k], falling[k].pressure_drop});
+  for (std::size_t k = 0; k < velocities.size() && falling[k].speed < s.at_rest; ++k)
+    packed.push_back({velocities[k], falling[k].pressure_drop});
   silt::require(packed.size() >= 2, "only ", packed.size(),
                 " velocities leave the bed at rest; take a smaller --step");
-  // The bed still compacts as the gas falls: it is that of the fastest gas which leaves it at rest.
+  // Of the fastest gas which leaves it at rest: the bed still compacts as the gas falls.
   const double loose = falling[packed.size() - 1].height, voidage = bed.voidage(loose);
   const auto law = law_of(sim);
   const std::string law_name = decltype(sim)::has_bodies ? "Drag law" : "Ergun";
-  const double measured = crossing(packed, s.weight()), by_law = s.velocity_by(law, voidage);
+  const double measured = crossing(packed, s.weight());
   silt::CsvTable curve(options.out + "/pressure_drop.csv",
                        {"velocity [m/s]", "gas rising [Pa]", "gas falling [Pa]",
                         law_name + " at the bed's voidage [Pa]", law_name + " by layers [Pa]",
                         "height rising [m]", "height falling [m]", "floor rising [Pa]",
                         "floor falling [Pa]", "walls rising [Pa]", "walls falling [Pa]"});
-  double error = 0;                              // [-] of the bed at rest
-  std::vector<std::array<double, 2>> by_layers;  // as `packed`
+  double error = 0;                                          // [-] of the bed at rest
+  std::vector<std::array<double, 2>> by_voidage, by_layers;  // as `packed`
   const double reach = reach_of(sim, s);
   for (std::size_t k = 0; k < velocities.size(); ++k) {
     const double U = velocities[k];
@@ -511,7 +519,7 @@ int simulate(const Scene& s, const example::Options& options) {
                                                       s.gas.density, s.gas.viscosity, U);
     double layered = drop_by_layers<Shape>(law, s, reach, bed_then.centres, U);
     if (at_rest) {
-      by_layers.push_back({U, layered});
+      by_voidage.push_back({U, drop}), by_layers.push_back({U, layered});
       error = std::max(error, std::abs(falling[k].pressure_drop / layered - 1));
     }
     if (layered > 1.1 * s.weight()) drop = layered = std::nan("");  // the bed has long left
@@ -519,6 +527,8 @@ int simulate(const Scene& s, const example::Options& options) {
                    rising[k].height, falling[k].height, rising[k].floor, falling[k].floor,
                    rising[k].walls, falling[k].walls});
   }
+  // As measured: the bed has another voidage at each velocity, and there is no one of them all.
+  const double by_law = crossing(by_voidage, s.weight());
   const double expected = crossing(by_layers, s.weight());
 
   std::printf("bubbling at %.2f m/s\n", s.bubbling * measured);
@@ -533,8 +543,10 @@ int simulate(const Scene& s, const example::Options& options) {
   const double begun = sim.time();
   bed.blow(s.bubbling * measured, 0.25 * s.blowing, series);
   Means bubbling;
+  double highest = 0;  // [m]
   for (int k = 0; k < 3; ++k) {
     bubbling.go_on(bed.measure(0.25 * s.blowing, series));
+    highest = std::max(highest, bed.top());
     char title[40];
     std::snprintf(title, sizeof title, "%.2f s", sim.time() - begun);
     snapshot(title);
@@ -558,9 +570,9 @@ int simulate(const Scene& s, const example::Options& options) {
   summary.result("voidage_of_the_dense_bed", bed.voidage(filled));
   summary.result("voidage_of_the_loose_bed", voidage);
   summary.result("minimum_fluidisation_m_s", measured);
-  summary.result("drag_law_at_this_voidage_m_s", by_law);
+  summary.result("drag_law_at_the_voidages_at_rest_m_s", by_law);
   summary.result("drag_law_by_layers_m_s", expected);
-  summary.result("ergun_at_this_voidage_m_s", s.velocity_by(silt::Ergun{}, voidage));
+  summary.result("ergun_at_the_loose_voidage_m_s", s.velocity_by(silt::Ergun{}, voidage));
   summary.result("ergun_at_voidage_0.4_m_s", s.velocity_by(silt::Ergun{}, 0.4));
   summary.result("plateau_over_weight", plateau.borne() / s.weight());
   summary.result("bubbling_velocity_m_s", s.bubbling * measured);
@@ -584,16 +596,17 @@ int simulate(const Scene& s, const example::Options& options) {
   // The kernel blurs the bed's surface, where it bears less: by 0.53 of the kernel's reach over the
   // bed's height; the rest is what layers lack of evenness.
   summary.check_within("minimum_fluidisation_over_the_law", measured / by_law, 1, s.most_off,
-                       law_name + " at the bed's voidage");
+                       law_name + " at the bed's voidage at each velocity");
   summary.check_within("minimum_fluidisation_m_s", measured, expected, 0.015 * expected,
                        law_name + " by the bed's layers, as the kernel blurs them");
   summary.check_at_most("pressure_drop_at_rest_over_law_by_layers_less_1", error, 0.02);
   summary.check_at_least("pressure_drop_of_the_dense_bed_over_the_loose_one", above, 1.02);
   summary.check_at_least("largest_pressure_drop_at_rest_over_weight", overshoot, 1.01);
-  // As long as the bed does not rise and fall by much: 0.01 m/s over 0.1 s would be 1 %.
-  if (plateau.time >= 0.5)
+  // Not of the quick run, in which the bed's rise and fall count.
+  if (plateau.time >= 0.7)
     summary.check_within("plateau_over_weight", plateau.borne() / s.weight(), 1, 0.01,
                          "borne by gas, floor and walls together");
+  summary.check_at_most("highest_grain_over_height_of_the_box", highest / (s.high * s.cell), 1);
   summary.check_at_least("bubbling_height_over_height_at_rest", bubbling.height / loose, 1.1);
   summary.check_at_most("largest_overlap", sim.peak_overlap(), sim.guard.max_overlap);
   summary.write(options.out + "/summary.json");
@@ -622,10 +635,8 @@ int simulate(const Scene& s, const example::Options& options) {
       example::draw(grains) && example::draw(gas);
   std::printf(
       "\nMinimum fluidisation at %.3f m/s; by %s %.3f m/s of the bed's layers as the kernel blurs "
-      "them, %.3f m/s at its voidage of %.3f; Ergun's at 0.4 %.3f m/s.\nAt %.2f m/s: %.3f of the "
-      "weight borne by the gas, height %.2f "
-      "times that "
-      "at rest.\n",
+      "them, %.3f m/s at its voidage, up to %.3f; Ergun's at 0.4 %.3f m/s.\nAt %.2f m/s: %.3f of "
+      "the weight borne by the gas, height %.2f times that at rest.\n",
       measured, decltype(sim)::has_bodies ? "the drag law" : "Ergun", expected, by_law, voidage,
       s.velocity_by(silt::Ergun{}, 0.4), s.bubbling * measured, bubbling.pressure_drop / s.weight(),
       bubbling.height / loose);
@@ -658,7 +669,6 @@ int main(int argc, char** argv) {
     if (command.options.quick) {
       if (!command.given("--particles")) scene.particles = 1200;
       if (!command.given("--blowing")) scene.blowing = 0.2;
-      if (!command.given("--bubbling")) scene.bubbling = 1.5;
       if (!command.given("--step")) scene.step = 0.15;
       scene.across = 8, scene.deep = 4, scene.high = 64;
       scene.relaxing = 0.015, scene.averaging = 0.01, scene.plateau = 0.05;

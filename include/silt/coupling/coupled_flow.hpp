@@ -168,7 +168,7 @@ class CoupledFlow {
       if constexpr (follows) start_following(particles, p, exchanged, dt, done, on_particles);
     }
     done.momentum_error =
-        on_particles - cells_.exchanged(flow_, in_pressure() ? &flow_.response().borne : nullptr);
+        on_particles - cells_.exchanged(flow_, bears() ? &flow_.response().borne : nullptr);
     return finish(done, dt);
   }
 
@@ -270,7 +270,10 @@ class CoupledFlow {
   /// Where the particles' answer to a step's pressure and velocity is less than this share of what
   /// asks for it, continuity may know of it a step late.
   static constexpr double most_lagged_gain = 0.1;  // [-]
-  static constexpr double stiff_drag = 0.2;        // [-] of a step over the relaxation time
+  /// Where q of (4) is less than this share of a particle's volume, it goes with the pressure of
+  /// the step before: a sum less to spread over cells, for grains in gas.
+  static constexpr double most_lagged_share = 0.02;  // [-]
+  static constexpr double stiff_drag = 0.2;          // [-] of a step over the relaxation time
   const FollowedDrag& held_drag() const requires follows { return std::get<FollowedDrag>(forces_); }
   bool in_pressure() const { return flow_.options().model == MomentumModel::A; }
   Vec3d value(std::size_t column, std::size_t p) const {
@@ -362,6 +365,7 @@ class CoupledFlow {
     return (1 - at.voidage) / at.voidage * (r.with_fluid + at.density / at.dt * r.with_pressure);
   }
   bool moves() { return flow_.responds() && flow_.response().moves; }
+  bool bears() { return flow_.responds() && flow_.response().bears; }
   Vec3d torque_on(const InFluid& at) const {
     Vec3d sum{0, 0, 0};
     const auto ask = [&](const auto& force) {

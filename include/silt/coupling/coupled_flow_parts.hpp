@@ -115,7 +115,9 @@ void CoupledFlow<Drag, Mode, Forces...>::find_exchange(const CoupledParticles& o
     held_answer_.in_contact = std::max(held_answer_.in_contact, one.in_contact);
   }
   const bool moves = *std::max_element(largest.begin(), largest.end()) > most_lagged_gain;
-  if (moves || in_pressure()) flow_.response().moves = moves;
+  const bool bears = in_pressure() && (moves || held_answer_.lag > most_lagged_share);
+  if (moves || bears || flow_.responds())
+    flow_.response().moves = moves, flow_.response().bears = bears;
 }
 
 /// Whether more than gravity and the fluid has accelerated particle p in the last step.
@@ -187,8 +189,8 @@ void CoupledFlow<Drag, Mode, Forces...>::spread_exchange(const CoupledParticles&
     values_[column].resize(n);
     from[count] = values_[column], to[count++] = &field;
   };
-  ParticleResponse* const answer = in_pressure() || moves() ? &flow_.response() : nullptr;
   if (moves()) {
+    ParticleResponse* const answer = &flow_.response();
     take(answer->with_fluid, with_fluid_at), take(answer->with_pressure, with_pressure_at);
     for (std::size_t d = 0; d < 3; ++d) take(answer->flux[d], flux_at + d);
     for (std::size_t p = 0; p < n; ++p) {
@@ -204,9 +206,11 @@ void CoupledFlow<Drag, Mode, Forces...>::spread_exchange(const CoupledParticles&
   }
   for (int d = 0; d < 3; ++d) take(flow_.drag_velocity(d), static_cast<std::size_t>(d));
   take(flow_.drag(), b_at);
-  if (in_pressure()) take(answer->borne, borne_at);
+  const bool bears_now = bears(), lagged = in_pressure() && !bears_now;
+  if (bears_now) take(flow_.response().borne, borne_at);
   for (std::size_t p = 0; p < n; ++p) {
-    const auto& r = response_[p];
+    auto& r = response_[p];
+    if (lagged) r.offset -= r.borne * (value(slope_at, p) - value(stress_at, p)), r.borne = 0;
     Vec3d push = r.offset;
     if constexpr (follows) {
       if (!of.owed.empty()) push -= (1 / dt) * of.owed[p];
@@ -214,7 +218,7 @@ void CoupledFlow<Drag, Mode, Forces...>::spread_exchange(const CoupledParticles&
     }
     values_[0][p] = push.x, values_[1][p] = push.y, values_[2][p] = push.z;
     values_[b_at][p] = r.coefficient;
-    if (in_pressure()) values_[borne_at][p] = r.borne;
+    if (bears_now) values_[borne_at][p] = r.borne;
   }
   averaging_->spread(Quantities(from.data(), count), CellFields(to.data(), count), team);
   const CellFields fields(to.data(), count);

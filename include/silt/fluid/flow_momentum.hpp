@@ -144,6 +144,7 @@ inline void stage(FlowState& state, const Three& q, bool second, double dt, Thre
         return walled ? field(*state.solids)[c].row(j, k) : nullptr;
       };
       const FlowTurbulence* const eddies = state.turbulence ? &*state.turbulence : nullptr;
+      const bool bears = state.response && state.response->bears;
       const auto all = [&](int e) { return row(q[FlowState::at(e)]); };
       const auto reached = [&](int e) {
         return eddies ? row(eddies->open[FlowState::at(e)]) : nullptr;
@@ -171,7 +172,7 @@ inline void stage(FlowState& state, const Three& q, bool second, double dt, Thre
                        row(state.drag_v[c]),
                        row(state.force[c]),
                        row(state.pressure),
-                       state.response ? row(state.response->borne) : nullptr,
+                       bears ? row(state.response->borne) : nullptr,
                        of_solids([](const FlowSolids& s) -> const Three& { return s.area; }),
                        of_solids([](const FlowSolids& s) -> const Three& { return s.inside; }),
                        of_solids([](const FlowSolids& s) -> const Three& { return s.thin; }),

@@ -46,6 +46,7 @@ struct ParticleResponse {
   explicit ParticleResponse(const Grid& g)
       : borne(g), with_fluid(g), with_pressure(g), flux{Field(g), Field(g), Field(g)} {}
 
+  bool bears = false;         // whether the step knows
   Field borne;                // [-] sum w q over the cell's volume (model A)
   bool moves = false;         // whether continuity knows (1): then, as sums over the cell's volume,
   Field with_fluid;           // [-] w V a
@@ -54,7 +55,7 @@ struct ParticleResponse {
 
   template <class Visit>
   void for_each(const Visit& visit) {
-    visit(borne);
+    if (bears) visit(borne);
     if (moves)
       for (Field* f : {&with_fluid, &with_pressure, &flux[0], &flux[1], &flux[2]}) visit(*f);
   }
