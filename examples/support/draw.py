@@ -351,9 +351,10 @@ class ColourScale:
         self.kinds = None
         if self.label and np.issubdtype(values.dtype, np.integer) and limits is None:
             kinds = np.unique(values)
-            self.kinds = kinds if len(kinds) <= len(COLOURS) else None
+            self.kinds = kinds if 0 < len(kinds) <= len(COLOURS) else None
         self.names = names
-        if names is not None and (self.kinds is None or self.kinds.max() >= len(names)):
+        if names is not None and len(values) > 0 and (
+                self.kinds is None or self.kinds.max() >= len(names)):
             raise Refusal("--names gives words for the whole numbers 0, 1, ... of the field of "
                           f"--colour, at most {len(COLOURS)}: there are {len(names)} words, and "
                           + ("no such field" if self.kinds is None else

@@ -8,10 +8,10 @@ import sys
 DEBIAN = "/usr/bin/python3"
 
 
-def missing(modules=("numpy", "matplotlib")):
+def missing(names):
     """Those that cannot be imported here."""
     out = []
-    for name in modules:
+    for name in names:
         try:
             __import__(name)
         except ModuleNotFoundError:
@@ -20,16 +20,16 @@ def missing(modules=("numpy", "matplotlib")):
 
 
 def sentence(script, names):
-    advice = "install " + " and ".join(f"python3-{name}" for name in names) + " (Debian: apt-get " \
-        "install " + " ".join(f"python3-{name}" for name in names) + ")"
+    advice = (f"install {' and '.join(names)} (Debian: apt-get install "
+              f"{' '.join('python3-' + name for name in names)})")
     if os.path.realpath(sys.executable) != os.path.realpath(DEBIAN):
-        there = all(os.path.isdir(f"/usr/lib/python3/dist-packages/{name}") for name in names)
-        advice = (f"start it with {DEBIAN}, which has them" if there and os.path.exists(DEBIAN) else
-                  advice + f" and start it with {DEBIAN}, or use pip")
+        have = all(os.path.isdir(f"/usr/lib/python3/dist-packages/{name}") for name in names)
+        advice = (f"start it with {DEBIAN}, which has them" if have and os.path.exists(DEBIAN) else
+                  f"{advice} and start it with the Python that has them")
     return f"{script}: {sys.executable} has no {' and no '.join(names)}; {advice}\n"
 
 
-_names = missing()
-if _names:
-    sys.stderr.write(sentence(os.path.basename(sys.argv[0]), _names))
+absent = missing(("numpy", "matplotlib"))
+if absent:
+    sys.stderr.write(sentence(os.path.basename(sys.argv[0]), absent))
     sys.exit(2)
