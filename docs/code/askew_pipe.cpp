@@ -64,8 +64,8 @@ int main(int argc, char** argv) {
                 k_epsilon);
     least = std::min({least, length, k_epsilon}), most = std::max({most, length, k_epsilon});
   }
-  // Catches walls that lie askew and do not hold the flow back (0.66 in the quick run), or do so
-  // twice over, as steps of whole cells would (1.4).
+  // Catches walls that take nothing from the flow where they lie askew, or far more than a pipe
+  // does: from Prandtl's mean velocity, at which the run begins, the flow then moves away.
   const double limit = times < 1 ? 1.3 : 1.45;
   if (least > 0.9 && most < limit) return 0;
   std::printf("wrong: friction over Prandtl's is %.2f to %.2f; it must be 0.9 to %.2f\n", least,

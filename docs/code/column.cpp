@@ -119,8 +119,8 @@ int main(int argc, char** argv) {
     slope_off = std::max(slope_off, std::abs(of_ergun - 1));
     borne_off = std::max(borne_off, std::abs(missing));
   }
-  // Catches a tube whose cut cells count as whole ones in drag or voidage (slopes off by 10 % and
-  // more), and drag that grains and gas do not feel alike (weight is missing).
+  // Catches a tube whose cut cells count as whole ones in voidage or drag (the slope is not
+  // Ergun's), and drag that grains and gas do not feel alike (weight is missing).
   if (slope_off < 0.05 && borne_off < 0.05) return 0;
   std::printf(
       "wrong: the slope is off Ergun's by %.3f, and %.3f of the weight is missing; 0.05 at "
