@@ -135,7 +135,8 @@ with tempfile.TemporaryDirectory() as folder:
           ["0.3 s after, 2.5 kg"], "numbers of 17 digits in a title")
     refused("2 titles for 1 files", "spheres", bodies, "--title", "a", "b", "--out", picture)
 
-# Triangles in any order, sliver or not, some beyond the picture, against one after the other at every pixel's middle. Catches
+# Triangles in any order, slivers too, some beyond the picture, against one after the other at the
+# middle of every pixel. Catches
 # gaps between neighbours, wrong depths, and triangles skipped as hidden that are not.
 corners = np.concatenate([rng.uniform(-80, 280, (150, 3, 3)),
                           rng.uniform(-5, 195, (600, 1, 3)) + rng.uniform(0, 12, (600, 3, 3))])

@@ -20,6 +20,11 @@ def expand(counts):
     return group, np.arange(len(group)) - np.repeat(np.cumsum(counts) - counts, counts)
 
 
+def area(p, q):
+    """Twice that of the triangle between two vectors of the plane, by row."""
+    return p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]
+
+
 class Canvas:
     """A picture of spheres and lines in parallel projection; lengths in (supersampled) pixels."""
 
@@ -27,7 +32,8 @@ class Canvas:
         self.left, right, self.bottom, top = bounds
         self.width = width * SUPERSAMPLING
         self.scale = self.width / (right - self.left)
-        self.height = SUPERSAMPLING * max(1, round((top - self.bottom) * self.scale / SUPERSAMPLING))
+        rows = round((top - self.bottom) * self.scale / SUPERSAMPLING)
+        self.height = SUPERSAMPLING * max(1, rows)
         self.depth = np.full((self.height, self.width), -np.inf, np.float32)
         self.image = np.ones((self.height, self.width, 3), np.float32)
 
@@ -131,11 +137,8 @@ class Canvas:
             who = owner.reshape(-1)[some]
             a, b, c = (corners[who, k, :2] for k in range(3))
             x = np.stack([some % self.width + 0.5, some // self.width + 0.5], axis=1)
-            whole = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
-            at_b = ((x[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) -
-                    (x[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])) / whole
-            at_c = ((b[:, 0] - a[:, 0]) * (x[:, 1] - a[:, 1]) -
-                    (b[:, 1] - a[:, 1]) * (x[:, 0] - a[:, 0])) / whole
+            whole = area(b - a, c - a)
+            at_b, at_c = area(x - a, c - a) / whole, area(b - a, x - a) / whole
             n = ((1 - at_b - at_c)[:, None] * normals[who, 0] + at_b[:, None] * normals[who, 1] +
                  at_c[:, None] * normals[who, 2]).astype(np.float32)
             n /= np.sqrt(np.maximum((n * n).sum(axis=1, keepdims=True), 1e-12))
@@ -143,7 +146,8 @@ class Canvas:
             shade *= 0.70 + 0.30 * np.clip(n[:, 2] / 0.35, 0, 1)
             depth = self.depth.reshape(-1)[some]
             shade *= 1 - 0.30 * np.clip((near - depth) / max(near - far, 1), 0, 1)
-            self.image.reshape(-1, 3)[some] = np.clip(colours[triangles[who, 0]] * shade[:, None], 0, 1)
+            colour = colours[triangles[who, 0]] * shade[:, None]
+            self.image.reshape(-1, 3)[some] = np.clip(colour, 0, 1)
 
     def front_triangles(self, corners, depth):
         """Which triangle is the nearest of those at each pixel's middle, or -1; `depth` is that of
@@ -173,12 +177,14 @@ class Canvas:
 
     @staticmethod
     def is_hidden(depth, low, high, nearest, block=16):
-        """Whether everything that small boxes of pixels show is nearer than what would come there."""
+        """Whether all that small boxes of pixels show is nearer than what would come there."""
         farthest = depth
         for axis in (0, 1):
-            farthest = np.minimum.reduceat(farthest, np.arange(0, farthest.shape[axis], block), axis)
+            starts = np.arange(0, farthest.shape[axis], block)
+            farthest = np.minimum.reduceat(farthest, starts, axis)
         last = [farthest.shape[1] - 1, farthest.shape[0] - 1]
-        (x0, y0), (x1, y1) = (np.clip(np.floor(e / block), 0, last).astype(int).T for e in (low, high))
+        (x0, y0), (x1, y1) = (np.clip(np.floor(end / block), 0, last).astype(int).T
+                              for end in (low, high))
         small = (x1 - x0 <= 1) & (y1 - y0 <= 1)
         return small & (nearest < np.minimum(np.minimum(farthest[y0, x0], farthest[y0, x1]),
                                              np.minimum(farthest[y1, x0], farthest[y1, x1])))
