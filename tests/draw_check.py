@@ -136,12 +136,12 @@ with tempfile.TemporaryDirectory() as folder:
     refused("2 titles for 1 files", "spheres", bodies, "--title", "a", "b", "--out", picture)
 
 # Triangles in any order, slivers too, some beyond the picture, against one after the other at the
-# middle of every pixel. Catches
-# gaps between neighbours, wrong depths, and triangles skipped as hidden that are not.
+# middle of every pixel. Catches gaps between neighbours, wrong depths, and triangles skipped as hidden
+# that are not.
 corners = np.concatenate([rng.uniform(-80, 280, (150, 3, 3)),
                           rng.uniform(-5, 195, (600, 1, 3)) + rng.uniform(0, 12, (600, 3, 3))])
 canvas = Canvas([0, 100, 0, 100], 100)
-owner = canvas.front_triangles(corners, canvas.depth)
+owner = canvas.front_triangles(corners, canvas.depth, portion=2000)
 x, y = np.meshgrid(np.arange(200) + 0.5, np.arange(200) + 0.5)
 depth = np.full((200, 200), -np.inf)
 for a, b, c in corners:
@@ -155,6 +155,14 @@ check((np.isfinite(depth) != np.isfinite(canvas.depth)).sum() <= 4, "pixels cove
 check((np.abs(depth[both] - canvas.depth[both]) > 0.01).sum() <= 4,
       "depths differ from those of one triangle after the other")
 check(((owner >= 0) == np.isfinite(canvas.depth)).all(), "a pixel has a depth and no triangle")
+
+# A large triangle whose box has its corners behind others, which are nearer, is seen between them.
+near = np.array([[-20, -20, 100], [60, -20, 100], [20, 60, 100]], float)
+corners = np.concatenate([[near + [dx, dy, 0] for dx in (0, 160) for dy in (0, 160)],
+                          [[[10, 10, 0], [190, 10, 0], [100, 190, 0]]]])
+canvas = Canvas([0, 100, 0, 100], 100)
+owner = canvas.front_triangles(corners, canvas.depth, portion=1000)
+check(owner[100, 100] == 4, "a large triangle between nearer ones is taken for hidden")
 
 # A sphere of triangles looks like a sphere: catches normals turned inside out or not interpolated.
 form, facets = ball(96, 64)

@@ -149,11 +149,12 @@ class Canvas:
             colour = colours[triangles[who, 0]] * shade[:, None]
             self.image.reshape(-1, 3)[some] = np.clip(colour, 0, 1)
 
-    def front_triangles(self, corners, depth):
+    def front_triangles(self, corners, depth, portion=1_000_000):
         """Which triangle is the nearest of those at each pixel's middle, or -1; `depth` is that of
         what is there, and becomes that of the nearest.
 
-        Near-to-far in portions; triangles behind what nearer portions have covered are skipped.
+        Near-to-far in portions of about so many pixels; triangles behind what nearer portions have
+        covered are skipped.
         """
         owner = np.full(depth.shape, -1, np.int32)
         nearest, low, high = corners[:, :, 2].max(axis=1), corners[:, :, :2].min(axis=1), \
@@ -168,7 +169,7 @@ class Canvas:
         start = 0
         while start < len(order):
             before = ends[start - 1] if start > 0 else 0
-            stop = max(start + 1, np.searchsorted(ends, before + 1_000_000))
+            stop = max(start + 1, np.searchsorted(ends, before + portion))
             some = order[start:stop]
             start = stop
             some = some[~self.is_hidden(depth, low[some], high[some], nearest[some])]
