@@ -157,8 +157,8 @@ check((np.abs(depth[both] - canvas.depth[both]) > 0.01).sum() <= 4,
 check(((owner >= 0) == np.isfinite(canvas.depth)).all(), "a pixel has a depth and no triangle")
 
 # A large triangle whose box has its corners behind others, which are nearer, is seen between them.
-near = np.array([[-20, -20, 100], [60, -20, 100], [20, 60, 100]], float)
-corners = np.concatenate([[near + [dx, dy, 0] for dx in (0, 160) for dy in (0, 160)],
+near = np.array([[-60, -60, 100], [100, -60, 100], [20, 100, 100]], float)
+corners = np.concatenate([[near + [dx, dy, 0] for dx in (0, 160) for dy in (0, 170)],
                           [[[10, 10, 0], [190, 10, 0], [100, 190, 0]]]])
 canvas = Canvas([0, 100, 0, 100], 100)
 owner = canvas.front_triangles(corners, canvas.depth, portion=1000)
