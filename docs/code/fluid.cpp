@@ -54,8 +54,8 @@ int main() {
     pipe.step(dt);
     t += dt;
   }
-  std::printf("60 Pa/m drive %.1f m/s through the pipe\n",
-              pipe.flow_rate(0, 0) / (3.14159 * 0.025 * 0.025));
+  const double mean = pipe.flow_rate(0, 0) / (3.14159 * 0.025 * 0.025);  // [m/s]
+  std::printf("60 Pa/m drive %.1f m/s through the pipe\n", mean);
 
   // A jet into a box, 8 mm wide.
   silt::FlowSolver box(silt::Grid({{0, 0, 0}, {0.03, 0.03, 0.06}}, {15, 15, 30}), air);
@@ -70,4 +70,24 @@ int main() {
   box.start();
   std::printf("the nozzle lets in %.4e m3/s (2 m/s and its area: %.4e), then %.4e m3/s\n", by_area,
               2 * 3.14159265 * 0.004 * 0.004, box.flow_rate(2, 0));
+
+  // Catches drag that works on another velocity than the gas's (the gradient would be off by
+  // 1/0.4), a pipe whose flow stands still or has no friction (15 m/s, or 25 more in half a
+  // second), and a nozzle of whole cells (3 % too large or small) or that does not keep the rate.
+  const double ergun =
+      silt::ergun_pressure_gradient(eps, d, air.density, air.viscosity, superficial);
+  double prandtl = 15, root = 7;  // [m/s] at 60 Pa/m; 1/sqrt(f)
+  for (int n = 0; n < 50; ++n) {
+    root = 2 * std::log10(air.density * prandtl * 0.05 / air.viscosity / root) - 0.8;
+    prandtl = root * std::sqrt(2 * 0.05 * 60 / air.density);
+  }
+  const char* wrong = nullptr;
+  if (std::abs(per_metre / ergun - 1) > 0.005)
+    wrong = "the bed's gradient must be Ergun's, to 0.5 %";
+  if (std::abs(mean / prandtl - 1) > 0.03) wrong = "the pipe's mean must be Prandtl's, to 3 %";
+  if (std::abs(by_area / (2 * 3.14159265 * 0.004 * 0.004) - 1) > 0.005 ||
+      std::abs(box.flow_rate(2, 0) / 1e-4 - 1) > 1e-9)
+    wrong = "the nozzle must have its area, to 0.5 %, and let in the rate given";
+  if (wrong) std::printf("wrong: %s\n", wrong);
+  return wrong ? 1 : 0;
 }

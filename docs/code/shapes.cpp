@@ -1,6 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 // The program of docs/shapes.md.
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include <silt/silt.hpp>
@@ -56,4 +58,25 @@ int main() {
   const silt::Quaternion q = sim.orientation(sim.find(150));  // of the frame the stone was given in
   std::printf("the stone rests at z = %.2f mm, turned to (%.3f, %.3f, %.3f, %.3f)\n",
               1e3 * sim.position(sim.find(150)).z, q.w, q.x, q.y, q.z);
+
+  // Catches spheres that do not fill the stone (its volume), a stone that sinks into the floor or
+  // hangs above the rods, bodies that fall through walls and through each other (too low) or stay
+  // where they were filled in, and rods that never come to rest.
+  double mean = 0, fastest = 0;
+  bool inside = sim.size() == 151;
+  for (std::size_t k = 0; k < sim.rows(); ++k) {
+    const silt::Vec3d x = sim.position(k);
+    mean += x.z / static_cast<double>(sim.size());
+    fastest = std::max(fastest, norm(sim.velocity(k)));
+    inside &= std::min({x.x, x.y, x.z, 0.03 - x.x, 0.03 - x.y}) > 0.8e-3;
+  }
+  const double stone_z = sim.position(sim.find(150)).z;
+  std::printf("mean height %.2f mm, fastest %.3f m/s\n", 1e3 * mean, fastest);
+  if (std::abs(fit.volume_error) < 1e-3 && fit.surface_error < 0.3e-3 && inside && fastest < 0.1 &&
+      mean > 0.9e-3 && mean < 3e-3 && stone_z > 1.1e-3 && stone_z < 15e-3)
+    return 0;
+  std::puts(
+      "wrong: a fit of the stone's volume to 1e-3 and of its surface to 0.3 mm, all 151 bodies "
+      "at rest inside the box, at a mean height of 0.9 to 3 mm, the stone among or on the rods");
+  return 1;
 }

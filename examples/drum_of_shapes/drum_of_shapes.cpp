@@ -209,9 +209,8 @@ int simulate(const Scene& s, const example::Options& options) {
   summary.write(options.out + "/summary.json");
   const bool drawn =
       example::draw({"spheres", options.out + "/end.vtp", "--colour", "shape", "--walls",
-                     options.out + "/drum.vtp", "--title",
-                     silt::text(s.rpm, " rpm; spheres: 0, super-ellipsoids: 1, cubes: 2"), "--out",
-                     options.out + "/drum.png"});
+                     options.out + "/drum.vtp", "--names", "spheres,super-ellipsoids,cubes",
+                     "--title", silt::text(s.rpm, " rpm"), "--out", options.out + "/drum.png"});
   std::printf(
       "\nDynamic angle of repose %.1f degrees, power %.3g W, %zu grains, %.3g grain-steps/s.\n",
       bed.angle(), power, sim.size(),

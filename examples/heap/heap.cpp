@@ -266,11 +266,13 @@ int simulate(const Scene& s, const example::Options& options, Sim sim) {
   summary.write(options.out + "/summary.json");
   const bool mixed = s.shapes == "mix";
   std::vector<std::string> picture{"spheres", before, after, "--colour", mixed ? "shape" : "id"};
-  if (!mixed) picture.insert(picture.end(), {"--range", silt::text("0,", s.particles)});
+  if (mixed)
+    picture.insert(picture.end(), {"--names", "spheres,multi-spheres,super-ellipsoids,cubes"});
+  else
+    picture.insert(picture.end(), {"--range", silt::text("0,", s.particles)});
   for (const auto& word :
        {std::string("--title"),
-        std::string(mixed ? "0: spheres, 1: multi-spheres, 2: super-ellipsoids, 3: cubes"
-                          : "ids as they were filled in, from below"),
+        std::string(mixed ? "before" : "ids as they were filled in, from below"),
         silt::text("at rest, ", std::round(100 * (sim.time() - opened)) / 100, " s later"),
         std::string("--out"), options.out + "/heap.png"})
     picture.push_back(word);

@@ -252,8 +252,9 @@ int simulate(Scene scene, const example::Options& options) {
     const double per_step = steps > 0 ? (seconds - last_seconds) / steps : 0;
     last_step = s.step(), last_seconds = seconds;
     curve.time.push_back(s.time() - opening), curve.mass.push_back(w.below);
-    return std::array<double, 6>{s.time() - opening, w.below,  static_cast<double>(w.count_below),
-                                 contacts,           w.energy, 1e3 * per_step};
+    const double time = std::round(1e9 * (s.time() - opening)) / 1e9;  // without digits of rounding
+    return std::array<double, 6>{time,     w.below,  static_cast<double>(w.count_below),
+                                 contacts, w.energy, 1e3 * per_step};
   };
   auto table = silt::table(options.out + "/discharge.csv",
                            {"time [s]", "mass below [kg]", "particles below [-]", "contacts [-]",
@@ -278,7 +279,8 @@ int simulate(Scene scene, const example::Options& options) {
   }
   if (pictures.empty()) {
     pictures.push_back(options.out + "/snapshot_end.vtp");
-    titles.push_back(silt::text(sim.time() - opening, " s after opening"));
+    titles.push_back(
+        silt::text(std::round(1e3 * (sim.time() - opening)) / 1e3, " s after opening"));
     silt::write_particles(pictures.back(), sim, layers);
   }
 

@@ -12,18 +12,22 @@ A wrong argument or file ends in one sentence on stderr and exit status 2.
 """
 
 import argparse
+import glob
 import itertools
 import math
 import os
+import re
 import sys
 import textwrap
 import xml.etree.ElementTree as ElementTree
 
+import needs  # noqa: F401  (its sentence where numpy or matplotlib is missing)
 import matplotlib
 import numpy as np
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
+from canvas import Canvas  # noqa: E402
 from matplotlib.cm import ScalarMappable  # noqa: E402
 from matplotlib.colors import ListedColormap, Normalize, to_rgb  # noqa: E402
 from matplotlib.lines import Line2D  # noqa: E402
@@ -34,9 +38,8 @@ COLOURS = ["#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F
 PLAIN = "#C9A66B"  # spheres without a field
 # Without viridis's darkest end, which would hide the shading.
 COLOUR_MAP = ListedColormap(plt.get_cmap("viridis")(np.linspace(0.14, 1, 256)), "viridis from 14 %")
-WALL_COLOUR = 0.30
-SUPERSAMPLING = 2
 DPI = 150
+UNITS = {"velocity": "m/s", "angular_velocity": "rad/s", "radius": "m"}  # of fields by silt
 VTK_TYPES = {"Float64": "<f8", "Float32": "<f4", "Int32": "<i4", "UInt32": "<u4"}
 
 
@@ -113,6 +116,56 @@ def find_name(wanted, names, what, path):
     raise Refusal(f"file '{path}' has no {what} '{wanted}'; it has: {', '.join(names) or 'none'}")
 
 
+def round_long(words):
+    """Words in which numbers of many digits have four: '0.10000000000000009 s' -> '0.1 s'."""
+    return re.sub(r"\d+\.\d{5,}(?:[eE][-+]?\d+)?", lambda n: f"{float(n[0]):.4g}", words)
+
+
+def spell_times(times):
+    """Times [s] in words, with as few digits as tell them apart and are right to 0.5 %."""
+    largest = max(map(abs, times), default=0)
+    unit, scale = next(((u, s) for u, s, least in (("s", 1, 0.1), ("ms", 1e3, 1e-4))
+                        if largest >= least), ("\u00b5s", 1e6))
+    if largest == 0:
+        unit, scale = "s", 1
+    for decimals in range(10):
+        rounded = [round(t * scale, decimals) for t in times]
+        if (len(set(rounded)) == len(set(times)) and
+                all(abs(r - t * scale) <= 0.005 * abs(t * scale) for r, t in zip(rounded, times))
+                and (decimals >= 1 or largest * scale >= 10)):
+            break
+    return [f"{r:.{decimals}f} {unit}" for r in rounded]
+
+
+def time_in_series(path):
+    """The time [s] of a file of a series, as the .pvd file beside it says, or None."""
+    folder, name = os.path.split(path)
+    for series in sorted(glob.glob(os.path.join(glob.escape(folder), "*.pvd"))):
+        try:
+            entries = ElementTree.parse(series).iterfind(".//DataSet")
+            return next(float(e.get("timestep")) for e in entries if e.get("file") == name)
+        except (OSError, ElementTree.ParseError, StopIteration, TypeError, ValueError):
+            continue
+    return None
+
+
+def captions(titles, files):
+    """The titles, or: the times of files of a series; else the steps in their names; else, of several
+    files, their names in words."""
+    if titles:
+        if len(titles) != len(files):
+            raise Refusal(f"there are {len(titles)} titles for {len(files)} files; give one a file")
+        return [round_long(title) for title in titles]
+    times = [time_in_series(path) for path in files]
+    if None not in times:
+        return spell_times(times)
+    names = [os.path.splitext(os.path.basename(path))[0] for path in files]
+    steps = [re.search(r"_(\d+)$", name) for name in names]
+    if all(steps):
+        return [f"step {int(step[1])}" for step in steps]
+    return [name.replace("_", " ") for name in names] if len(files) > 1 else [""]
+
+
 def save(figure, path):
     partial = path + ".partial"
     try:
@@ -171,9 +224,29 @@ class Cut:
             segments[out, end] = inner + part * (segments[out, end] - inner)
         return segments
 
+    def clip_triangles(self, corners):
+        """The parts of triangles (n, 3, 3) in the half that is kept, as triangles."""
+        d = self.beyond(corners)
+        inside = (d >= 0).sum(axis=1)
+        parts = [corners[inside == 3]]
+        for count in (1, 2):  # the corner that is alone on its side first
+            some, e = corners[inside == count], d[inside == count]
+            lone = np.argmax((e >= 0) if count == 1 else (e < 0), axis=1)
+            turned = (lone[:, None] + np.arange(3)) % 3
+            some = np.take_along_axis(some, turned[:, :, None], axis=1)
+            e = np.take_along_axis(e, turned, axis=1)
+            p, q = (some[:, 0] + (e[:, 0] / (e[:, 0] - e[:, k]))[:, None] * (some[:, k] - some[:, 0])
+                    for k in (1, 2))
+            if count == 1:
+                parts.append(np.stack([some[:, 0], p, q], axis=1))
+            else:
+                parts.append(np.stack([p, some[:, 1], some[:, 2]], axis=1))
+                parts.append(np.stack([p, some[:, 2], q], axis=1))
+        return np.concatenate(parts)
+
 
 def wall_edges(points, triangles, viewer):
-    """Segments (n, 2, 3): borders, edges where facets differ by over 1 degree, and outlines."""
+    """Segments (n, 2, 3): borders, edges where facets differ by over 20 degrees, and outlines."""
     if len(triangles) == 0:
         return np.empty((0, 2, 3))
     # Facets from STL files share places but not points: weld them.
@@ -197,179 +270,12 @@ def wall_edges(points, triangles, viewer):
     pair = starts[~shown]
     n0, n1 = normals[facet[pair]], normals[facet[pair + 1]]
     # Facets may be listed with either orientation: compare the planes, not the sides.
-    bent = np.abs((n0 * n1).sum(axis=1)) < math.cos(math.radians(1))
+    bent = np.abs((n0 * n1).sum(axis=1)) < math.cos(math.radians(20))
     facing0, facing1 = n0 @ viewer, n1 @ viewer
     outline = (facing0 * facing1 < 0) & (np.minimum(abs(facing0), abs(facing1)) > 1e-6) & \
         ((n0 * n1).sum(axis=1) > 0)
     shown[~shown] = bent | outline
     return corners[edges[starts[shown]]]
-
-
-# -------------------------------------------------------------------------------- rendering
-
-
-class Canvas:
-    """A picture of spheres and lines in parallel projection; lengths in (supersampled) pixels."""
-
-    def __init__(self, bounds, width):
-        self.left, right, self.bottom, top = bounds
-        self.width = width * SUPERSAMPLING
-        self.scale = self.width / (right - self.left)
-        self.height = SUPERSAMPLING * max(1, round((top - self.bottom) * self.scale / SUPERSAMPLING))
-        self.depth = np.full((self.height, self.width), -np.inf)
-        self.image = np.ones((self.height, self.width, 3))
-
-    def to_pixels(self, projected):
-        return (projected[..., :3] - [self.left, self.bottom, 0]) * self.scale
-
-    def draw_spheres(self, projected, radii, colours):
-        place, r = self.to_pixels(projected), radii * self.scale
-        inside = ((place[:, 0] > -r) & (place[:, 0] < self.width + r) &
-                  (place[:, 1] > -r) & (place[:, 1] < self.height + r))
-        near_first = np.flatnonzero(inside)[np.argsort(-place[inside, 2], kind="stable")]
-        place, r, colours = place[near_first], r[near_first], colours[near_first]
-        owner = self.front_spheres(place, r)
-        rows, columns = np.nonzero(owner < len(r))
-        if len(rows) == 0:
-            return
-        who = owner[rows, columns]
-        nx = np.clip((columns + 0.5 - place[who, 0]) / r[who], -1, 1)
-        ny = np.clip((rows + 0.5 - place[who, 1]) / r[who], -1, 1)
-        nz = np.sqrt(np.clip(1 - nx * nx - ny * ny, 0, 1))
-        self.depth[rows, columns] = depth = place[who, 2] + nz * r[who]
-        light = np.array([-0.35, 0.50, 0.79])
-        shade = 0.42 + 0.58 * np.clip(nx * light[0] + ny * light[1] + nz * light[2], 0, 1)
-        shade *= 0.70 + 0.30 * np.minimum(1, nz / 0.45)  # a dark rim parts neighbours
-        near, far = np.percentile(depth, [99, 1])
-        shade *= 1 - 0.30 * np.clip((near - depth) / max(near - far, 12 * np.median(r)), 0, 1)
-        self.image[rows, columns] = np.clip(colours[who] * shade[:, None], 0, 1)
-
-    def front_spheres(self, place, r):
-        """Which sphere is seen at each pixel: its place in the near-to-far order, or len(r).
-
-        Along a ray, spheres that do not overlap follow each other as their centres do, so the
-        nearest centre wins. Near-to-far in portions: what a portion has covered is final, and
-        spheres all of whose pixels are covered are skipped.
-        """
-        owner = np.full((self.height, self.width), len(r), np.int64)
-        low = np.maximum(np.floor(place[:, :2] - r[:, None]).astype(int), 0)
-        high = np.minimum(np.ceil(place[:, :2] + r[:, None]).astype(int) + 1,
-                          [self.width, self.height])
-        size = np.ceil(r).astype(int)
-        portion = max(1000, len(r) // 40)
-        for start in range(0, len(r), portion):
-            some = np.arange(start, min(start + portion, len(r)))
-            some = some[self.open_blocks(owner == len(r), low[some], high[some]) > 0]
-            for k in np.unique(size[some]):
-                group = some[size[some] == k]
-                if len(group) < (2 * k + 1) ** 2:
-                    self.stamp_each(owner, group, place, r, low, high)
-                else:
-                    self.stamp_together(owner, group, place, r, k)
-        return owner
-
-    @staticmethod
-    def open_blocks(free, low, high, block=4):
-        """How many blocks of pixels with a free one touch each box from `low` to below `high`."""
-        for axis in (0, 1):
-            free = np.logical_or.reduceat(free, np.arange(0, free.shape[axis], block), axis=axis)
-        sums = np.zeros((free.shape[0] + 1, free.shape[1] + 1), np.int32)
-        np.cumsum(np.cumsum(free, axis=0, dtype=np.int32), axis=1, out=sums[1:, 1:])
-        (x0, y0), (x1, y1) = (low // block).T, (-(-high // block)).T
-        return sums[y1, x1] - sums[y0, x1] - sums[y1, x0] + sums[y0, x0]
-
-    @staticmethod
-    def stamp_each(owner, group, place, r, low, high):
-        for i in group:
-            (x0, y0), (x1, y1) = low[i], high[i]
-            dx = np.arange(x0, x1) + 0.5 - place[i, 0]
-            dy = np.arange(y0, y1) + 0.5 - place[i, 1]
-            disc = dx * dx + (dy * dy)[:, None] <= r[i] ** 2
-            part = owner[y0:y1, x0:x1]
-            part[disc] = np.minimum(part[disc], i)
-
-    def stamp_together(self, owner, group, place, r, k):
-        group = group[::-1]  # far to near: of several at one pixel the last assignment stays
-        cell = np.floor(place[group, :2]).astype(int)
-        flat = owner.reshape(-1)
-        for ox in range(-k, k + 1):
-            for oy in range(-k, k + 1):
-                x, y = cell[:, 0] + ox, cell[:, 1] + oy
-                d2 = (x + 0.5 - place[group, 0]) ** 2 + (y + 0.5 - place[group, 1]) ** 2
-                hit = (d2 <= r[group] ** 2) | (ox == 0 and oy == 0)  # a dot at least
-                hit &= (x >= 0) & (x < self.width) & (y >= 0) & (y < self.height)
-                at, who = y[hit] * self.width + x[hit], group[hit]
-                nearer = who < flat[at]
-                flat[at[nearer]] = who[nearer]
-
-    def draw_triangles(self, projected, triangles, normals, colours):
-        """Triangles of all bodies; normals (n, 3, 3) of each one's corners, colours of points."""
-        place = self.to_pixels(projected)
-        corners = place[triangles]
-        longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
-        parts = np.maximum(np.ceil(1.2 * longest).astype(int), 1)
-        shown = (normals[:, :, 2].max(axis=1) > 0)
-        shown &= (corners[:, :, :2].max(axis=1) > 0).all(axis=1)
-        shown &= (corners[:, :, :2].min(axis=1) < [self.width, self.height]).all(axis=1)
-        shade = np.zeros((self.height, self.width))
-        for n in np.unique(parts[shown]):
-            i, j = np.meshgrid(np.arange(n + 1), np.arange(n + 1), indexing="ij")
-            kept = i + j <= n
-            weights = np.stack([i[kept], j[kept], n - i[kept] - j[kept]], axis=1) / n
-            some = np.flatnonzero(shown & (parts == n))
-            portion = max(1, 2_000_000 // len(weights))
-            for start in range(0, len(some), portion):
-                group = some[start:start + portion]
-                self.splat(np.einsum("wc,tcx->twx", weights, corners[group]).reshape(-1, 3),
-                           np.einsum("wc,tcx->twx", weights, normals[group]).reshape(-1, 3),
-                           np.repeat(colours[triangles[group, 0]], len(weights), axis=0), shade)
-        seen = np.isfinite(self.depth)
-        depth = self.depth[seen]
-        if len(depth) > 0:
-            near, far = np.percentile(depth, [99, 1])
-            dark = 0.30 * np.clip((near - depth) / max(near - far, 1), 0, 1)
-            self.image[seen] = np.clip(self.image[seen] * (shade[seen] * (1 - dark))[:, None], 0, 1)
-
-    def splat(self, points, normals, colours, shade):
-        """Points of surfaces into the picture, the nearest of each pixel."""
-        x, y = np.floor(points[:, :2]).astype(int).T
-        ok = (x >= 0) & (x < self.width) & (y >= 0) & (y < self.height)
-        at, z = y[ok] * self.width + x[ok], points[ok, 2]
-        nearer = z > self.depth.reshape(-1)[at]
-        which = np.flatnonzero(ok)[nearer]
-        order = np.argsort(z[nearer], kind="stable")  # of several at one pixel the last stays
-        which, at = which[order], at[nearer][order]
-        n = normals[which] / np.linalg.norm(normals[which], axis=1, keepdims=True)
-        light = np.array([-0.35, 0.50, 0.79])
-        value = 0.42 + 0.58 * np.clip(n @ light, 0, 1)
-        value *= 0.70 + 0.30 * np.clip(n[:, 2] / 0.35, 0, 1)
-        self.depth.reshape(-1)[at] = points[which, 2]
-        self.image.reshape(-1, 3)[at] = colours[which]
-        shade.reshape(-1)[at] = value
-
-    def draw_lines(self, segments):
-        """Lines where no sphere is in front of them."""
-        ends = self.to_pixels(segments)
-        length = np.abs(ends[:, 1, :2] - ends[:, 0, :2]).max(axis=1)
-        steps = np.ceil(2 * np.minimum(length, 4 * self.width)).astype(int) + 1
-        which = np.repeat(np.arange(len(ends)), steps)
-        count = np.arange(len(which)) - np.repeat(np.cumsum(steps) - steps, steps)
-        part = (count / np.maximum(steps[which] - 1, 1))[:, None]
-        points = ends[which, 0] + part * (ends[which, 1] - ends[which, 0])
-        # Lines lie on walls, which grains touch: half a pixel decides nothing.
-        column, row = np.floor(points[:, :2]).astype(int).T
-        for dx in (-1, 0, 1):
-            for dy in (-1, 0, 1):
-                x, y = column + dx, row + dy
-                ok = (x >= 0) & (x < self.width) & (y >= 0) & (y < self.height)
-                x, y = x[ok], y[ok]
-                seen = points[ok, 2] >= self.depth[y, x] - 1
-                self.image[y[seen], x[seen]] = WALL_COLOUR
-
-    def picture(self):
-        n = SUPERSAMPLING
-        small = self.image.reshape(self.height // n, n, self.width // n, n, 3).mean(axis=(1, 3))
-        return small[::-1]
 
 
 # ---------------------------------------------------------------------------------- spheres
@@ -380,7 +286,8 @@ class Bed:
 
     def __init__(self, path, colour, axes, cut):
         points, fields, self.triangles = read_vtp(path)
-        radii = (np.ones(len(points)) if len(self.triangles) else
+        self.has_surfaces = len(self.triangles) > 0
+        radii = (np.ones(len(points)) if self.has_surfaces else
                  fields[find_name("radius", fields, "field", path)])
         self.values, self.label = np.zeros(len(points)), ""
         if colour is not None and colour in ("x", "y", "z"):
@@ -391,9 +298,12 @@ class Bed:
             if self.values.ndim == 2:
                 word, unit = split_unit(name)
                 self.values = np.linalg.norm(self.values, axis=1)
-                self.label = f"|{word}|" + (f" [{unit}]" if unit else "")
+                unit = unit or UNITS.get(word, "")
+                self.label = f"|{word.replace('_', ' ')}|" + (f" [{unit}]" if unit else "")
+            elif name in UNITS:
+                self.label = f"{name} [{UNITS[name]}]"
         kept = np.isfinite(points).all(axis=1) & (radii > 0)
-        if len(self.triangles):
+        if self.has_surfaces:
             self.take_surfaces(points, fields, axes, cut)
             return
         if cut:
@@ -408,23 +318,25 @@ class Bed:
             count = np.bincount(body)
             middle = np.stack([np.bincount(body, points[:, k]) / count for k in range(3)], axis=1)
             self.triangles = self.triangles[(cut.beyond(middle) >= 0)[body[self.triangles[:, 0]]]]
-        corners = points[self.triangles].astype(float)
-        flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        around = np.zeros((len(points), 3))
-        for k in range(3):
-            np.add.at(around, self.triangles[:, k], flat)
+        places = points @ axes.T
+        a, b, c = (places[self.triangles[:, k]] for k in range(3))
+        flat = np.cross(b - a, c - a)
+        around = np.stack([sum(np.bincount(self.triangles[:, k], flat[:, axis], len(points))
+                               for k in range(3)) for axis in range(3)], axis=1)
+        front = flat[:, 2] > 0  # the rest is behind these
+        self.triangles, flat = self.triangles[front], flat[front]
         smooth = around[self.triangles]
         length = [np.maximum(np.linalg.norm(v, axis=-1, keepdims=True), 1e-300)
                   for v in (flat, smooth)]
         flat, smooth = flat / length[0], smooth / length[1]
         # A corner where facets meet at an edge has each facet's own normal.
         edge = (smooth * flat[:, None, :]).sum(axis=2) < math.cos(math.radians(25))
-        self.normals = np.where(edge[:, :, None], flat[:, None, :], smooth) @ axes.T
-        self.places, self.radii = points @ axes.T, np.zeros(len(points))
+        self.normals = np.where(edge[:, :, None], flat[:, None, :], smooth)
+        self.places, self.radii = places, np.zeros(len(points))
 
     def corners(self):
         """Picture coordinates that its bounds must hold."""
-        if len(self.triangles):
+        if self.has_surfaces:
             return self.places[np.unique(self.triangles), :2]
         r = self.radii[:, None]
         return np.concatenate([self.places[:, :2] - r, self.places[:, :2] + r])
@@ -433,13 +345,20 @@ class Bed:
 class ColourScale:
     """Colours of values: one for each of a few whole numbers, else a continuous map."""
 
-    def __init__(self, beds, limits):
+    def __init__(self, beds, limits, names=None):
         values = np.concatenate([bed.values for bed in beds])
         self.label = beds[0].label
         self.kinds = None
         if self.label and np.issubdtype(values.dtype, np.integer) and limits is None:
             kinds = np.unique(values)
-            self.kinds = kinds if len(kinds) <= len(COLOURS) else None
+            self.kinds = kinds if 0 < len(kinds) <= len(COLOURS) else None
+        self.names = names
+        if names is not None and len(values) > 0 and (
+                self.kinds is None or self.kinds.max() >= len(names)):
+            raise Refusal("--names gives words for the whole numbers 0, 1, ... of the field of "
+                          f"--colour, at most {len(COLOURS)}: there are {len(names)} words, and "
+                          + ("no such field" if self.kinds is None else
+                             f"the values {', '.join(map(str, self.kinds))}"))
         finite = values[np.isfinite(values)] if len(values) else np.zeros(1)
         low, high = limits or ((finite.min(), finite.max()) if len(finite) else (0, 1))
         self.norm = Normalize(low, high if high > low else low + (abs(low) or 1))
@@ -461,10 +380,12 @@ class ColourScale:
         if self.kinds is not None:
             axes.set_axis_off()
             word = split_unit(self.label)[0]
-            marks = [Line2D([], [], ls="", marker="o", ms=9, color=COLOURS[k], label=f"{kind:g}")
+            words = self.names or {kind: f"{kind:g}" for kind in self.kinds}
+            marks = [Line2D([], [], ls="", marker="o", ms=9, color=COLOURS[k], label=words[kind])
                      for k, kind in enumerate(self.kinds)]
-            axes.legend(handles=marks, title=word, loc="center", ncol=len(marks), frameon=False,
-                        fontsize=11, title_fontsize=11, handletextpad=0.2, columnspacing=1.2)
+            axes.legend(handles=marks, title=word if self.names is None else None, loc="center",
+                        ncol=len(marks), frameon=False, fontsize=11, title_fontsize=11,
+                        handletextpad=0.2, columnspacing=1.2)
         else:
             bar = figure.colorbar(ScalarMappable(self.norm, COLOUR_MAP), cax=axes,
                                   orientation="horizontal", extend=self.extend)
@@ -498,14 +419,15 @@ def picture_bounds(beds, edges, axes):
 class Sheet:
     """Where panels, captions, colour bar and scale bar stand, in inches."""
 
-    SIDE, CAPTION, BELOW, GAP = 0.25, 0.56, 0.80, 0.25  # a caption has up to two lines
+    SIDE, BELOW, GAP = 0.25, 0.80, 0.25
 
-    def __init__(self, panels, aspect):
-        best = None
+    def __init__(self, titles, aspect):
+        panels, best = len(titles), None
+        self.caption = 0.56 if any(titles) else 0.15  # a caption has up to two lines
         for columns in range(1, panels + 1):  # the arrangement with the largest panels
             rows = math.ceil(panels / columns)
             width = min((13 - 2 * self.SIDE + self.GAP) / columns - self.GAP,
-                        ((8.5 - self.BELOW) / rows - self.CAPTION) * aspect, 7)
+                        ((8.5 - self.BELOW) / rows - self.caption) * aspect, 7)
             if best is None or width > best[0] * 1.001:
                 best = (width, columns, rows)
         self.panel_width, self.columns, self.rows = best
@@ -513,12 +435,12 @@ class Sheet:
         used = self.columns * (self.panel_width + self.GAP) - self.GAP
         self.width = max(used, 4.5) + 2 * self.SIDE
         self.left = (self.width - used) / 2
-        self.height = self.rows * (self.panel_height + self.CAPTION) + self.BELOW
+        self.height = self.rows * (self.panel_height + self.caption) + self.BELOW
 
     def panel(self, k):
         row, column = divmod(k, self.columns)
         x = self.left + column * (self.panel_width + self.GAP)
-        y = self.height - (row + 1) * (self.panel_height + self.CAPTION)
+        y = self.height - (row + 1) * (self.panel_height + self.caption)
         return self.box(x, y, self.panel_width, self.panel_height)
 
     def box(self, x, y, width, height):
@@ -542,29 +464,29 @@ def draw_scale_bar(figure, sheet, span):
 def draw_spheres(options):
     axes = view_axes(options.view)
     cut = Cut(options.cut, axes) if options.cut else None
-    titles = options.title or [os.path.splitext(os.path.basename(f))[0] for f in options.files]
-    if len(titles) != len(options.files):
-        raise Refusal(f"there are {len(titles)} titles for {len(options.files)} files; give one a file")
+    titles = captions(options.title, options.files)
     beds = [Bed(path, options.colour, axes, cut) for path in options.files]
-    edges = np.empty((0, 2, 3))
+    edges, walls = np.empty((0, 2, 3)), np.empty((0, 3, 3))
     if options.walls:
         points, _, triangles = read_vtp(options.walls)
-        edges = wall_edges(points, triangles, axes[2])
-        edges = cut.clip(edges) if cut else edges
+        edges, walls = wall_edges(points, triangles, axes[2]), points[triangles]
+        if cut:
+            edges, walls = cut.clip(edges), cut.clip_triangles(walls)
     bounds = (parse_numbers("--bounds", options.bounds, 4) if options.bounds
               else picture_bounds(beds, edges, axes))
     limits = parse_numbers("--range", options.range, 2) if options.range else None
-    scale = ColourScale(beds, limits)
+    scale = ColourScale(beds, limits, options.names.split(",") if options.names else None)
 
-    sheet = Sheet(len(beds), (bounds[1] - bounds[0]) / (bounds[3] - bounds[2]))
+    sheet = Sheet(titles, (bounds[1] - bounds[0]) / (bounds[3] - bounds[2]))
     figure = plt.figure(figsize=(sheet.width, sheet.height))
     for k, (bed, title) in enumerate(zip(beds, titles)):
         canvas = Canvas(bounds, max(1, round(sheet.panel_width * DPI)))
         colours = scale.colours(bed.values)
-        if len(bed.triangles):
+        if bed.has_surfaces:
             canvas.draw_triangles(bed.places, bed.triangles, bed.normals, colours)
         else:
             canvas.draw_spheres(bed.places, bed.radii, colours)
+        canvas.draw_walls(walls @ axes.T)
         canvas.draw_lines(edges @ axes.T)
         panel = figure.add_axes(sheet.panel(k))
         panel.imshow(canvas.picture(), interpolation="none", aspect="auto")
@@ -646,7 +568,7 @@ def draw_curves(options):
             panel.legend(fontsize=11, frameon=True, framealpha=0.9, edgecolor="none")
     panels[-1, 0].set_xlabel(x_name, fontsize=12)
     if options.title:
-        figure.suptitle(options.title, fontsize=13)
+        figure.suptitle(round_long(options.title), fontsize=13)
     save(figure, options.out)
 
 
@@ -669,15 +591,13 @@ def read_cells(path, wanted):
 
 
 def draw_cells(options):
-    titles = options.title or [os.path.splitext(os.path.basename(f))[0] for f in options.files]
-    if len(titles) != len(options.files):
-        raise Refusal(f"there are {len(titles)} titles for {len(options.files)} files; give one a file")
+    titles = captions(options.title, options.files)
     fields = [read_cells(path, options.value) for path in options.files]
     bounds = fields[0][2]
     low, high = (parse_numbers("--range", options.range, 2) if options.range else
                  (min(f[1].min() for f in fields), max(f[1].max() for f in fields)))
     norm = Normalize(low, high if high > low else low + (abs(low) or 1))
-    sheet = Sheet(len(fields), (bounds[1] - bounds[0]) / (bounds[3] - bounds[2]))
+    sheet = Sheet(titles, (bounds[1] - bounds[0]) / (bounds[3] - bounds[2]))
     figure = plt.figure(figsize=(sheet.width, sheet.height))
     for k, ((_, values, extent), title) in enumerate(zip(fields, titles)):
         panel = figure.add_axes(sheet.panel(k))
@@ -710,11 +630,13 @@ def parse(arguments):
     spheres.add_argument("files", nargs="+", metavar="FILE.vtp", help="points with a field 'radius', or triangles")
     spheres.add_argument("--out", required=True, metavar="PNG")
     spheres.add_argument("--colour", metavar="FIELD", help="a field (of a vector its length), x, y or z")
+    spheres.add_argument("--names", metavar="WORD,WORD",
+                         help="what the values 0, 1, ... of the field mean")
     spheres.add_argument("--range", metavar="LOW,HIGH", help="values at the ends of the colour bar")
     spheres.add_argument("--view", choices=["front", "side", "top", "iso"], default="front")
-    spheres.add_argument("--walls", metavar="FILE.vtp", help="a surface, drawn as its edges")
+    spheres.add_argument("--walls", metavar="FILE.vtp", help="a surface, drawn behind the grains")
     spheres.add_argument("--cut", metavar="y=0.05", help="leave out the half in front of this place [m]")
-    spheres.add_argument("--title", nargs="+", metavar="T", help="a caption for each file")
+    spheres.add_argument("--title", nargs="+", metavar="T", help="a caption for each file (its time, if it is of a series)")
     spheres.add_argument("--bounds", metavar="XMIN,XMAX,ZMIN,ZMAX",
                          help="what the picture shows, across and upwards [m]")
     spheres.set_defaults(draw=draw_spheres)

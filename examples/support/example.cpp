@@ -133,7 +133,13 @@ bool draw(const std::vector<std::string>& arguments) {
 }
 
 bool run_script(const std::string& script, const std::vector<std::string>& arguments) {
-  std::string command = "/usr/bin/python3 '" + script + "'";
+  // Debian has numpy and matplotlib for /usr/bin/python3, whatever `python3` may be; where that one
+  // lacks them, `python3`.
+  std::string command =
+      "python=/usr/bin/python3; \"$python\" -c 'import sys; from importlib.util import find_spec; "
+      "sys.exit(not (find_spec(\"numpy\") and find_spec(\"matplotlib\")))' 2>/dev/null || "
+      "python=python3; \"$python\" '" +
+      script + "'";
   for (const auto& a : arguments) {
     std::string quoted;
     for (const char c : a) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);

@@ -8,6 +8,7 @@ import sys
 here = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(here, "..", "support"))
 
+import needs  # noqa: E402,F401
 import numpy as np  # noqa: E402
 import draw as support  # noqa: E402
 from draw import COLOURS, Refusal, find_name, plt, read_csv, save  # noqa: E402,F401

@@ -11,8 +11,8 @@ stderr and exit status 2.
 
 import sys
 
-import numpy as np
 from panels import COLOURS, Folder, Refusal, legend, line, name_axes, points, sheet, silt
+import numpy as np
 
 KHARAZ = "Kharaz 2001"
 DEM = "Chung and Ooi 2011 (DEM)"

@@ -9,7 +9,11 @@ import math
 import os
 import sys
 
-import matplotlib
+try:
+    import matplotlib
+except ModuleNotFoundError:
+    sys.exit(f"{sys.argv[0]}: {sys.executable} has no matplotlib; install it (Debian: apt-get install "
+             "python3-matplotlib, for /usr/bin/python3)")
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
