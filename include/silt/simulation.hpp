@@ -168,6 +168,7 @@ class Simulation {
   /// Particles whose centre enters `region` leave the simulation and are counted.
   std::size_t add_outlet(const Box& region) { return openings_.add_outlet(region); }
   const Outlet& outlet(std::size_t k) const { return openings_.outlet(k); }
+  std::size_t outlets() const { return openings_.outlets().size(); }
 
   /// Places new particles at a rate; see Inlet.
   template <Region R>
@@ -186,6 +187,7 @@ class Simulation {
     return add_inlet<Box>(region, flow);
   }
   const Inlet& inlet(std::size_t k) const { return openings_.inlet(k); }
+  std::size_t inlets() const { return openings_.inlets().size(); }
 
   /// Adds more particles now. Returns the number in forms() of each of their forms: a new one, or
   /// that of an equal form which the simulation has already; of spheres nothing.

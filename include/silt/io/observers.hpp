@@ -2,10 +2,8 @@
 #pragma once
 
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <functional>
 #include <limits>
 #include <optional>
@@ -13,12 +11,10 @@
 #include <utility>
 #include <vector>
 
-#include <unistd.h>
-
 #include <silt/boundary/outline.hpp>
 #include <silt/io/checkpoint.hpp>
 #include <silt/io/csv_table.hpp>
-#include <silt/io/progress_line.hpp>
+#include <silt/io/progress.hpp>
 #include <silt/io/vtk.hpp>
 #include <silt/shape/surface_mesh.hpp>
 
@@ -329,63 +325,5 @@ VtkSeriesObserver<More> vtk_series(std::string folder, Schedule schedule, More m
 inline auto vtk_series(std::string folder, Schedule schedule) {
   return vtk_series(std::move(folder), schedule, [](const auto&, auto&, const auto&) {});
 }
-
-/// Shows on stderr how far the run is: on a terminal once a second, rewriting one line; else (a log
-/// file) a line every ten seconds. Of a fluid, how well its books with the particles close, at the
-/// end.
-class Progress {
- public:
-  explicit Progress(std::FILE* out) : out_(out), terminal_(isatty(fileno(out)) != 0) {}
-
-  template <class Sim>
-  void begin(const Sim& sim, double end_time) {
-    start_ = shown_ = Clock::now();
-    start_time_ = sim.time(), end_time_ = end_time, first_step_ = sim.step();
-    steps_ = 0;
-  }
-  template <class Sim>
-  bool is_due(const Sim& sim) const {
-    // The clock is only looked at now and then: at most every 16 steps.
-    return sim.step() % 16 == 0 && seconds_since(shown_) >= (terminal_ ? 1 : 10);
-  }
-  template <class Sim>
-  void operator()(const Sim& sim) {
-    show(sim, false);
-  }
-  template <class Sim>
-  void end(const Sim& sim) {
-    show(sim, true);
-  }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  static double seconds_since(Clock::time_point t) {
-    return std::chrono::duration<double>(Clock::now() - t).count();
-  }
-  template <class Sim>
-  void show(const Sim& sim, bool last) {
-    steps_ += static_cast<std::uint64_t>(sim.step() - first_step_) * sim.size();
-    first_step_ = sim.step();
-    const auto line = progress_line(sim.time(), end_time_, steps_, seconds_since(start_),
-                                    sim.size(), sim.peak_overlap(), start_time_);
-    if (terminal_)
-      std::fprintf(out_, "\r%-120s%s", line.c_str(), last ? "\n" : "");
-    else
-      std::fprintf(out_, "%s\n", line.c_str());
-    if constexpr (requires { sim.fluid().closure(); })
-      if (last) std::fprintf(out_, "%s\n", closure_line(sim.fluid().closure()).c_str());
-    std::fflush(out_);
-    shown_ = Clock::now();
-  }
-
-  std::FILE* out_;
-  bool terminal_;
-  Clock::time_point start_, shown_;
-  double start_time_ = 0, end_time_ = 0;
-  std::int64_t first_step_ = 0;
-  std::uint64_t steps_ = 0;
-};
-
-inline Progress progress(std::FILE* out = stderr) { return Progress(out); }
 
 }  // namespace silt

@@ -1,0 +1,150 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <unistd.h>
+
+#include <silt/io/progress_line.hpp>
+#include <silt/io/scene_warnings.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+namespace detail {
+
+/// Gives on each warning of a simulation once, also where an observer sees several runs of it.
+class ToldWarnings {
+ public:
+  template <class Tell>
+  void tell(const std::vector<std::string>& warnings, Tell&& tell) {
+    for (const auto& sentence : warnings) {
+      if (std::find(told_.begin(), told_.end(), sentence) != told_.end()) continue;
+      told_.push_back(sentence);
+      tell(sentence);
+    }
+  }
+
+ private:
+  std::vector<std::string> told_;
+};
+
+}  // namespace detail
+
+struct ProgressOptions {
+  std::FILE* out = stderr;
+  bool warnings = true;  // scene_warnings at the start, inlet_warnings at the end
+};
+
+/// Shows on stderr how far the run is: on a terminal once a second, rewriting one line; else (a log
+/// file) a line every ten seconds. Of a fluid, how well its books with the particles close, at the
+/// end. Before that, and at the end, what is odd about the scene (io/scene_warnings.hpp), a line
+/// each that begins with "warning: ".
+class Progress {
+ public:
+  explicit Progress(const ProgressOptions& options)
+      : options_(options), terminal_(isatty(fileno(options.out)) != 0) {}
+  explicit Progress(std::FILE* out) : Progress(ProgressOptions{.out = out}) {}
+
+  template <class Sim>
+  void begin(const Sim& sim, double end_time) {
+    start_ = shown_ = Clock::now();
+    start_time_ = sim.time(), end_time_ = end_time, first_step_ = sim.step();
+    steps_ = 0;
+    if (options_.warnings) warn(scene_warnings(sim));
+  }
+  template <class Sim>
+  bool is_due(const Sim& sim) const {
+    // The clock is only looked at now and then: at most every 16 steps.
+    return sim.step() % 16 == 0 && seconds_since(shown_) >= (terminal_ ? 1 : 10);
+  }
+  template <class Sim>
+  void operator()(const Sim& sim) {
+    show(sim, false);
+  }
+  template <class Sim>
+  void end(const Sim& sim) {
+    show(sim, true);
+    if (options_.warnings) warn(inlet_warnings(sim));
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static double seconds_since(Clock::time_point t) {
+    return std::chrono::duration<double>(Clock::now() - t).count();
+  }
+  void warn(const std::vector<std::string>& warnings) {
+    told_.tell(warnings, [this](const std::string& sentence) {
+      std::fprintf(options_.out, "warning: %s\n", sentence.c_str());
+    });
+    std::fflush(options_.out);
+  }
+  template <class Sim>
+  void show(const Sim& sim, bool last) {
+    steps_ += static_cast<std::uint64_t>(sim.step() - first_step_) * sim.size();
+    first_step_ = sim.step();
+    const auto line = progress_line(sim.time(), end_time_, steps_, seconds_since(start_),
+                                    sim.size(), sim.peak_overlap(), start_time_);
+    if (terminal_)
+      std::fprintf(options_.out, "\r%-120s%s", line.c_str(), last ? "\n" : "");
+    else
+      std::fprintf(options_.out, "%s\n", line.c_str());
+    if constexpr (requires { sim.fluid().closure(); })
+      if (last) std::fprintf(options_.out, "%s\n", closure_line(sim.fluid().closure()).c_str());
+    std::fflush(options_.out);
+    shown_ = Clock::now();
+  }
+
+  ProgressOptions options_;
+  bool terminal_;
+  Clock::time_point start_, shown_;
+  double start_time_ = 0, end_time_ = 0;
+  std::int64_t first_step_ = 0;
+  std::uint64_t steps_ = 0;
+  detail::ToldWarnings told_;
+};
+
+/// progress(stdout), or progress({.warnings = false}).
+inline Progress progress(const ProgressOptions& options) { return Progress(options); }
+inline Progress progress(std::FILE* out = stderr) { return Progress(out); }
+
+/// Hands the same warnings to `callback(sentence)` and prints nothing. It may throw: the run then
+/// ends there, before its first step.
+///   sim.run(1.0, silt::on_warnings([&](const std::string& w) { log << w << '\n'; }),
+///           silt::progress({.warnings = false}));
+template <class Callback>
+class WarningsObserver {
+ public:
+  explicit WarningsObserver(Callback callback) : callback_(std::move(callback)) {}
+
+  template <class Sim>
+  void begin(const Sim& sim, double) {
+    told_.tell(scene_warnings(sim), callback_);
+  }
+  template <class Sim>
+  bool is_due(const Sim&) const {
+    return false;
+  }
+  template <class Sim>
+  void operator()(const Sim&) {}
+  template <class Sim>
+  void end(const Sim& sim) {
+    told_.tell(inlet_warnings(sim), callback_);
+  }
+
+ private:
+  Callback callback_;
+  detail::ToldWarnings told_;
+};
+
+template <class Callback>
+WarningsObserver<Callback> on_warnings(Callback callback) {
+  return WarningsObserver<Callback>(std::move(callback));
+}
+
+}  // namespace silt

@@ -1,0 +1,279 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <silt/contact/concept.hpp>
+#include <silt/core/error.hpp>
+#include <silt/engine/openings.hpp>
+#include <silt/io/scene_look.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// Scenes that run but that hardly anyone means: numbers in other units, gravity with the wrong
+/// sign, walls forgotten, outlets that no particle reaches. For each a sentence that says what,
+/// where, and what to change; none of them stops a run.
+///
+///   for (const auto& sentence : silt::scene_warnings(sim)) std::puts(sentence.c_str());
+///
+/// progress() prints them at the start of a run, on_warnings(callback) hands them over
+/// (io/progress.hpp). They are computed only when asked for, in O(particles + walls).
+/// What each looks at, and what it leaves alone: docs/tutorial.md, Warnings.
+/// Tests: tests/io/scene_warnings.cpp (each fires; near misses and legitimate scenes do not).
+
+/// The thresholds, with their reasons.
+struct WarningLimits {
+  /// Throws and impacts of fewer particles need no walls.
+  static constexpr std::size_t few = 10;  // [-]
+  /// Without a fluid: the particles of most solids have 1 to 10 in g/cm3 and more than 10 in kg/m3;
+  /// the lightest in use are foams such as expanded polystyrene, some 10 kg/m3 (recalled).
+  static constexpr double lightest_solid = 10;  // [kg/m3]
+  /// In a fluid bubbles are as light as gases: hydrogen at 0.1 bar and 20 C has 0.008 kg/m3
+  /// (computed, ideal gas).
+  static constexpr double lightest_bubble = 1e-3;  // [kg/m3]
+  /// Diameter: that of grains of 2 mm whose radius is given as 1. Boulders of 1 m are below.
+  static constexpr double largest_grain = 2;  // [m]
+  /// The earth's gravity, also rounded to 10. In mm/s2 it is a thousand times that, to be told
+  /// from centrifuges of some hundred g.
+  static constexpr double least_g = 9.7, most_g = 10.1;  // [m/s2]
+  /// An outlet further away than so many times the size of the scene and the width of a throw.
+  static constexpr double far_off = 100;  // [-]
+  /// An inlet for which more than this share of what was due waits.
+  static constexpr double waiting_share = 0.1;  // [-]
+};
+
+namespace detail {
+
+/// Three significant digits.
+[[gnu::cold]] inline std::string about(double value) {
+  char digits[32];
+  std::snprintf(digits, sizeof digits, "%.3g", value);
+  return digits;
+}
+
+/// Whether gravity is the earth's in m/s2, or, with `unit` 100 or 1000, in cm/s2 or mm/s2.
+inline bool is_earths(const Vec3d& gravity, double unit) {
+  const double g = norm(gravity) / unit;
+  return g >= WarningLimits::least_g && g <= WarningLimits::most_g;
+}
+/// Scenes with such a gravity are not in the reduced units that simulations without scale are in.
+inline bool has_scale(const Vec3d& gravity) {
+  return is_earths(gravity, 1) || is_earths(gravity, 100) || is_earths(gravity, 1000);
+}
+
+inline std::string name_of(std::size_t outlet, const Box& region) {
+  return text("outlet ", outlet, " from ", region.min, " to ", region.max, " m ");
+}
+
+/// How far a particle may go between two looks at the outlets (Outlet, ListUpkeep) [m].
+template <class Sim>
+double way_between_looks(const Sim& sim, const SceneLook& look) {
+  const double step = look.fastest * sim.step_length();
+  if constexpr (requires { sim.search().skin; }) {
+    if (sim.search().skin) return step + *sim.search().skin / 10;
+    return std::isfinite(look.list_diameter) ? step + 0.25 * look.list_diameter : step;
+  } else {
+    return step;
+  }
+}
+
+/// A direction in which nothing is beside the outlet, as in a scene that is flat, does not count.
+template <class Sim>
+void warn_of_thin(const Sim& sim, const SceneLook& look, std::size_t outlet,
+                  std::vector<std::string>& out) {
+  const Box& region = sim.outlet(outlet).region;
+  const double way = way_between_looks(sim, look);
+  const auto of = [](const Vec3d& v) { return std::array{v.x, v.y, v.z}; };
+  const auto min = of(region.min), max = of(region.max);
+  const auto low = of(look.centres.min), high = of(look.centres.max);
+  for (std::size_t d = 0; d < 3; ++d) {
+    if (max[d] - min[d] >= way || (low[d] >= min[d] && high[d] <= max[d])) continue;
+    out.push_back(text(name_of(outlet, region), "is ", about(max[d] - min[d]), " m thick along ",
+                       "xyz"[d], ", and a particle may move by ", about(way),
+                       " m between two looks at what is inside: some may pass through it; make it "
+                       "thicker, best by a diameter"));
+    return;
+  }
+}
+
+/// The walls that an outlet is behind as "wall 1 and wall 3", if nothing can reach it. A wall that
+/// may be a lid or a mould, to be taken away later, does not count: were it gone, another one must
+/// be in the way, or there must be no other wall at all.
+template <class Sim>
+std::string walls_before(const Sim& sim, const Box& region) {
+  std::string names;
+  std::size_t count = 0, parts = 0, others = 0;
+  for (std::size_t w = 0; w < sim.walls(); ++w) {
+    const Wall& wall = sim.wall(w);
+    if (!is_behind(region, wall)) {
+      others += !wall.surfaces.empty();
+      continue;
+    }
+    names += text(count++ > 0 ? " and wall " : "wall ", w);
+    parts += wall.surfaces.size();
+  }
+  constexpr bool repeats = Sim::Domain::periodic;  // then a single plane may be the lid of a column
+  const bool sure = count > 1 || (count == 1 && others == 0 && (parts > 1 || !repeats));
+  return sure ? names : std::string();
+}
+
+template <class Sim>
+bool is_far_off(const Sim& sim, const SceneLook& look, const Box& region) {
+  const double g = norm(sim.gravity);
+  if (Sim::Fluid::active || Sim::Domain::periodic || look.walls_move || look.is_empty() ||
+      look.particles < WarningLimits::few || !(g > 0))
+    return false;
+  const Vec3d down = sim.gravity * (1 / g);
+  if (reach_along(region, down) > reach_along(look.all, down)) return false;  // they may fall there
+  const double throw_width = look.fastest * look.fastest / g;
+  return gap_between(region, look.all) >
+         WarningLimits::far_off * (norm(look.all.extent()) + throw_width);
+}
+
+/// Of an outlet where no particle can get to; false if it is in order.
+template <class Sim>
+bool warn_of_outside(const Sim& sim, const SceneLook& look, std::size_t outlet,
+                     std::vector<std::string>& out) {
+  const Box& region = sim.outlet(outlet).region;
+  const auto say = [&](const auto&... words) {
+    out.push_back(name_of(outlet, region) + text(words...));
+    return true;
+  };
+  // What is looked for only now and then may be outside for a moment, by less than a diameter.
+  const double late = look.is_empty() ? 0 : 2 * look.largest_radius;
+  if constexpr (Sim::Domain::periodic) {
+    const auto& domain = sim.domain();
+    const auto of = [](const Vec3d& v) { return std::array{v.x, v.y, v.z}; };
+    const auto min = of(region.min), max = of(region.max), low = of(domain.box().min);
+    for (int d = 0; d < 3; ++d) {
+      const auto k = static_cast<std::size_t>(d);
+      if (!domain.repeats(d)) continue;
+      const double high = low[k] + domain.length(d);
+      if (min[k] > high + late || max[k] < low[k] - late)
+        return say("lies outside the periodic box, which repeats along ", "xyz"[d], " from ",
+                   about(low[k]), " to ", about(high),
+                   " m: a particle that leaves it there comes in at the other side; move the "
+                   "outlet into the box, or let the box not repeat along ",
+                   "xyz"[d]);
+    }
+  }
+  if (const auto& domain = sim.guard.domain; domain && gap_between(region, *domain) > late)
+    return say("lies outside guard.domain from ", domain->min, " to ", domain->max,
+               " m: a particle on its way there stops the run; enlarge guard.domain, or move the "
+               "outlet into it");
+  if (const auto walls = walls_before(sim, region); !walls.empty())
+    return say("lies behind ", walls,
+               ", so that no particle can reach it (a plane is infinite); move it to the side "
+               "where particles are, or leave an opening in the wall");
+  if (is_far_off(sim, look, region))
+    return say("is ", about(gap_between(region, look.all)),
+               " m away from all that is in the scene, whose size is ",
+               about(norm(look.all.extent())),
+               " m, and gravity does not pull particles there; give positions in m, and put the "
+               "outlet where particles leave");
+  return false;
+}
+
+/// Particles that attract each other and walls may hang.
+template <class ContactsType>
+inline constexpr bool is_sticky = ActsAtDistance<typename ContactsType::Law> ||
+                                  requires(const typename ContactsType::Material& material) {
+  material.cohesion;
+};
+
+template <class Sim>
+void warn_of_gravity(const Sim& sim, const SceneLook& look, std::vector<std::string>& out) {
+  const Vec3d g = sim.gravity;
+  const std::string name = text("gravity = ", g, " [m/s2] ");
+  if (is_earths(g, 1000))
+    out.push_back(name + "is the earth's in mm/s2; give it in m/s2, as 9.81, and all lengths in m");
+  if (!(norm(g) > 0)) return;
+  const Vec3d down = g * (1 / norm(g));
+  bool falls_forever = !Sim::Fluid::active && !look.some_fixed && sim.outlets() == 0 &&
+                       look.particles >= WarningLimits::few;
+  if constexpr (Sim::Domain::periodic) {
+    const double along[3] = {down.x, down.y, down.z};
+    for (int d = 0; d < 3; ++d) falls_forever &= !sim.domain().repeats(d) || !(along[d] != 0);
+  }
+  if (falls_forever && sim.walls() == 0) {
+    out.push_back(text("no walls: ", look.particles, " particles fall freely by ", name,
+                       "and nothing will hold them; add walls (Simulation::add_wall) or an outlet "
+                       "before the run, or leave gravity out"));
+    return;
+  }
+  const bool held = walls_may_hold(sim, look, down);
+  if (falls_forever && look.wall_parts > 0 && !held && !is_sticky<typename Sim::ContactsType>) {
+    out.push_back(name + text("has no wall in its way: ", look.particles,
+                              " particles will fall out of the scene; turn its sign, or close the "
+                              "scene on that side, by a wall or an outlet"));
+    return;
+  }
+  // In a closed box, gravity along z that pulls particles off a floor to its lid: down is -z.
+  if (!(g.x == 0 && g.y == 0 && g.z > 0) || !has_scale(g) || sim.step() > 0 || !held) return;
+  for (std::size_t w = 0; w < sim.walls(); ++w)
+    for (const Surface& surface : sim.wall(w).surfaces)
+      if (const auto* plane = std::get_if<Plane>(&surface);
+          plane != nullptr && plane->unit().normal.z > 0.999 && !sim.wall(w).moves()) {
+        out.push_back(name + text("pulls particles up, off the floor at z = ", plane->point.z,
+                                  " m (wall ", w, "); give it a negative z if down is meant"));
+        return;
+      }
+}
+
+template <class Sim>
+void warn_of_units(const Sim& sim, const SceneLook& look, std::vector<std::string>& out) {
+  if (look.is_empty() || !has_scale(sim.gravity)) return;
+  const double lightest =
+      Sim::Fluid::active ? WarningLimits::lightest_bubble : WarningLimits::lightest_solid;
+  if (look.largest_density > 0 && look.largest_density < lightest)
+    out.push_back(text("the densest particle has ", about(look.largest_density),
+                       " kg/m3, less than any ", Sim::Fluid::active ? "gas" : "solid",
+                       "; give densities in kg/m3: 1 g/cm3 is 1000 kg/m3, 1 t/mm3 is 1e12 kg/m3"));
+  if (!Sim::Fluid::active && look.particles >= WarningLimits::few &&
+      2 * look.smallest_radius >= WarningLimits::largest_grain * (1 - 1e-9))
+    out.push_back(text("the smallest particle is ", about(2 * look.smallest_radius),
+                       " m across; give radii and all lengths in m: 1 mm is 0.001 m"));
+}
+
+}  // namespace detail
+
+/// What is odd about a scene, before it runs: outlets, gravity, units. Empty if nothing is.
+template <class Sim>
+[[gnu::cold]] std::vector<std::string> scene_warnings(const Sim& sim) {
+  std::vector<std::string> out;
+  const detail::SceneLook look = detail::look_at(sim);
+  for (std::size_t k = 0; k < sim.outlets(); ++k)
+    if (!detail::warn_of_outside(sim, look, k, out)) detail::warn_of_thin(sim, look, k, out);
+  detail::warn_of_gravity(sim, look, out);
+  detail::warn_of_units(sim, look, out);
+  return out;
+}
+
+/// What is odd after a run: inlets that fell short of their rate. Those that are late by no more
+/// than one insertion catch up by themselves.
+template <class Sim>
+[[gnu::cold]] std::vector<std::string> inlet_warnings(const Sim& sim) {
+  std::vector<std::string> out;
+  for (std::size_t k = 0; k < sim.inlets(); ++k) {
+    const Inlet& inlet = sim.inlet(k);
+    const auto waiting = static_cast<double>(inlet.waiting);
+    const std::uint64_t due = inlet.placed + inlet.waiting;
+    if (waiting <= WarningLimits::waiting_share * static_cast<double>(due) ||
+        waiting <= 1 + inlet.flow.rate * inlet.interval)
+      continue;
+    out.push_back(text("inlet ", k, " has placed ", inlet.placed, " of the ", due,
+                       " particles that were due: ", inlet.flow.trials,
+                       " random places in a row were occupied in ", inlet.region,
+                       "; lower the rate, enlarge the region, or give a velocity that clears it"));
+  }
+  return out;
+}
+
+}  // namespace silt
