@@ -290,8 +290,8 @@ TEST_CASE("Zastawny: bodies against the exact drag in slow flow and Hoelzer-Somm
   }
 }
 
-TEST_CASE("Zastawny: the ellipsoids by the coefficients that Basilisk's sandbox has") {
-  // C_D, C_L and C_T of drag_, lift_ and torque_Zastawny2012 of its spheroids.h at sin = 0.6,
+TEST_CASE("Zastawny: the ellipsoids by the coefficients of another program") {
+  // C_D, C_L and C_T of drag_, lift_ and torque_Zastawny2012 of a header for Basilisk at sin = 0.6,
   // evaluated in Python: a coefficient mistyped in ours shows.
   const struct {
     const silt::Zastawny& fit;

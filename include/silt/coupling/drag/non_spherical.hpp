@@ -76,8 +76,8 @@ struct HaiderLevenspiel {
 ///   C_D = K2 {24/r (1 + 0.1118 r^0.6567) + 0.4305/(1 + 3305/r)}, r = Re K1 K2,
 ///   K1 = 1/[dn/(3 d) + (2/3)/sqrt(phi)], K2 = 10^(1.8148 (-log10 phi)^0.5743);
 ///   isometric: dn = d, otherwise dn = dA
-/// Source: G. H. Ganser, Powder Technol. 77 (1993) 143, read in table 2 of the review of CFD-DEM of
-///         non-spherical particles by H. Ma et al.; FALL3D and MFIX have the same numbers.
+/// Source: G. H. Ganser, Powder Technol. 77 (1993) 143; read in table 2 of H. Ma et al., Powder
+///         Technol. 412 (2022) 117972. FALL3D and MFIX have the same numbers.
 /// Valid:  r <= 1e5 and phi up to 0.95. It is a fit of bodies with edges: K2 rises infinitely
 ///         steeply at phi = 1, where (phi = 1) C_D lies below the drag of a sphere by 0.3 % at Re
 ///         0.5, 12 % at 10, 25 % at 50, 27 % at 200, 19 % at 1000 and 7 % at 2500. For bodies near

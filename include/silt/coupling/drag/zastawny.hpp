@@ -12,16 +12,18 @@ namespace silt::inline SILT_TARGET {
 ///
 /// of alpha in [0, pi/2], the angle between the slip and the way in which the body is long: the
 /// axis of rods, the plane of discs. So C_D90 is broadside on for both, and C_L of discs is along
-/// -e_L of drag/orientation.hpp. The functions below are of the axis of symmetry, whose angle to
-/// the slip has this sine and cosine; d of equal volume; drag_and_lift() and pitching_torque() make
-/// forces. Source: M. Zastawny, G. Mallouppas, F. Zhao, B. van Wachem, Int. J. Multiphase Flow 39
-/// (2012)
-///         227. The print was not read. All coefficients of both ellipsoids are those of
-///         spheroids.h in the sandbox of Basilisk, of 5 : 4 : 4 also those of a channel flow solver
-///         in Fortran (FLUID_TORQUE_ELLIPSOID). Disc and fibre are recalled, unverified: smooth and
-///         plausible, no more.
-///         That the disc's C_D90 is broadside on follows from the exact drag in slow flow: at Re =
-///         0.1 it is 0.73 of it edge on and 0.93 broadside on, the other way round 0.56 and 1.2.
+/// -e_L of drag/orientation.hpp. The functions below take sine and cosine of the angle between the
+/// slip and the axis of symmetry; d is of equal volume. drag_and_lift() and pitching_torque() make
+/// forces of them.
+///
+/// Source: M. Zastawny, G. Mallouppas, F. Zhao, B. van Wachem, Int. J. Multiphase Flow 39 (2012)
+///         227. The print was not read. All coefficients of both ellipsoids are those of a header
+///         for Basilisk, "Utility functions for spheroids" (drag_Zastawny2012 and others); of
+///         5 : 4 : 4 a solver of channel flow in Fortran (FLUID_TORQUE_ELLIPSOID) has them too.
+///         Disc and fibre are recalled, unverified; their drags broadside on are within 10 % of
+///         Hoelzer and Sommerfeld's law. That the disc's C_D90 is broadside on follows from the
+///         exact drag in slow flow: at Re = 0.1 the fit is 0.73 of it edge on and 0.93 broadside
+///         on; the other way round it would be 0.56 and 1.2.
 /// Valid:  0.1 < Re < 300; at Re = 0.1 the ellipsoids' drag is 12 to 18 % below the exact one.
 /// Shapes: Real = double, float or a pack. Tests: tests/coupling/non_spherical.cpp.
 struct Zastawny {
