@@ -81,7 +81,7 @@ int main(int argc, char** argv) {
   const double Re = U * D * air.density / air.viscosity, q = 0.5 * air.density * U * U;
   double root = 10;  // 1/sqrt(f), Prandtl
   for (int n = 0; n < 50; ++n) root = 2 * std::log10(Re / root) - 0.8;
-  // Ito, for R/a from 2 to 15.
+  // Ito, for R/a from 2 to 15; the source: docs/fluid.md.
   const double ratio = 2 * R / D, alpha = 0.95 + 17.2 * std::pow(ratio, -1.96);
   const double gained = flow.flow_rate(1, ny) / flow.flow_rate(0, 0) - 1;
   std::printf("out over in less 1: %.1e; Ito's loss: %.3f\n", gained,

@@ -315,6 +315,7 @@ double difference(const Measured& a, const Measured& b, int at) {
 struct Verdict {
   std::string of;
   bool simplified, traditional;
+  bool expected = true;  // false: known not to be so here, as docs/fluid.md says
 };
 /// What was published of each case (figures 6 to 9 of the paper), and whether it is so here.
 std::vector<Verdict> verdicts(const Scene& s, const Measured& a, const Measured& b) {
@@ -350,6 +351,7 @@ std::vector<Verdict> verdicts(const Scene& s, const Measured& a, const Measured&
     add("by 9 D they have come down", [&](const Measured& m) { return m.mean_z(9) < m.mean_z(0); });
     add("they are slowest at 6 D (simplified), 7 D (traditional)",
         [&](const Measured& m) { return std::abs(m.slowest() - (&m == &a ? 6 : 7)) <= 1; });
+    all.back().expected = false;
   }
   const std::array<int, 2> at = s.kind == "hv"   ? std::array{3, 5}
                                 : s.kind == "vh" ? std::array{1, 3}
@@ -357,7 +359,8 @@ std::vector<Verdict> verdicts(const Scene& s, const Measured& a, const Measured&
   // A tenth: what neighbouring bins of a few thousand particles of one rope differ by.
   const bool alike = std::max(difference(a, b, at[0]), difference(a, b, at[1])) < 0.1;
   const bool as_said = s.kind == "hh" ? !alike : alike;
-  all.push_back({s.kind == "hh" ? "the models differ" : "the models agree", as_said, as_said});
+  all.push_back({s.kind == "hh" ? "the models differ" : "the models agree", as_said, as_said,
+                 s.kind != "hh"});
   return all;
 }
 
@@ -391,11 +394,14 @@ int simulate(const Scene& s, const example::Options& options) {
     summary.result("fluid_steps_" + name, r.fluid_steps);
     summary.result("particles_inside_" + name, r.inside);
     summary.result("wall_time_s_" + name, r.seconds);
+    // A particle that is deleted without leaving by the outlet, or counted twice as it does.
     summary.check_at_most("particles_lost_" + name, std::abs(r.placed - r.left - r.inside), 0);
     // In the traditional model the volume of particles that come and go counts.
     summary.check_at_most("gas_out_over_in_less_1_" + name, r.flow_error,
                           name == "simplified" ? 1e-4 : 0.02);
+    // Solids that found no room in a cell, and would be left out of the balance.
     summary.check_at_most("clipped_solids_m3_" + name, r.clipped, 0);
+    // A bend whose particles do not go to its outer wall.
     summary.check_at_least("mean_across_at_bend_exit_" + name, m.mean_across(0), 0.6);
     summary.check_at_least("particles_seen_at_bend_exit_" + name,
                            static_cast<double>(m.section(0).size()), 20);
@@ -409,6 +415,13 @@ int simulate(const Scene& s, const example::Options& options) {
     for (const auto& v : verdicts(s, simple.measured, full.measured)) {
       summary.result("as_published_simplified: " + v.of, v.simplified);
       summary.result("as_published_traditional: " + v.of, v.traditional);
+      // Checks of the run that docs/fluid.md describes, or a longer one: a rope on the wrong side
+      // of the pipe, models that part where they are known to agree - or a table there that is no
+      // longer true.
+      if (s.duration < Scene{}.duration) continue;
+      const std::string name = (v.expected ? "as_published_" : "not_as_published_");
+      summary.check_at_least(name + "simplified: " + v.of, v.simplified == v.expected, 1);
+      summary.check_at_least(name + "traditional: " + v.of, v.traditional == v.expected, 1);
     }
   summary.write(options.out + "/summary.json");
   const bool drawn = example::run_script(SILT_BEND_SCRIPT, {options.out, s.kind});

@@ -87,7 +87,7 @@ void spins(Table& table) {
       for (const double modulus : {1e7, 1e11})
         if (!(table.quick && modulus > 1e8))
           table.row(text(f.name, ", ", tips, " m/s, E = ", modulus, " Pa"),
-                    tips < 10 && !f.slender ? Setting::Tame : Setting::Extreme,
+                    tips < 10 || (modulus > 1e8 && !f.slender) ? Setting::Tame : Setting::Extreme,
                     [&] { return swept(f, tips, modulus, table.quick ? 1 : 3); });
 }
 

@@ -152,11 +152,15 @@ void sticky(Table& table) {
   table.scene("A grain of 40 um hangs from a ceiling by JKR adhesion, over its weight",
               "at the overlap of JKR's theory, without motion; below 1 it falls freely");
   for (const double ratio : {0.5, 1.2, 1e2, 1e4, 1e6})
-    for (const double share : {0.0, 1.0})
-      table.row(text("pull-off ", ratio, " weights, ",
-                     share > 0 ? "step at the limit" : "step as chosen"),
-                share > 0 || ratio > 1e5 ? Setting::Extreme : Setting::Tame,
-                [&] { return hangs<Double>(ratio, share); });
+    for (const double share : {0.0, 1.0}) {
+      const auto run = [&] { return hangs<Double>(ratio, share); };
+      const std::string name = text("pull-off ", ratio, " weights, ",
+                                    share > 0 ? "step at the limit" : "step as chosen");
+      if (ratio > 1e5)  // JKR's overlap at rest is 0.36 of the radius
+        table.stops(name, "guard.max_overlap", run);
+      else
+        table.row(name, share > 0 ? Setting::Extreme : Setting::Tame, run);
+    }
   for (const double ratio : {1e2, 1e4})
     table.row(text("pull-off ", ratio, " weights, mixed precision"), Setting::Tame,
               [&] { return hangs<Mixed>(ratio, 0); });
@@ -175,14 +179,16 @@ void sticky(Table& table) {
               "they end as a lump: below 10 % of the energy of motion, and it does not grow");
   for (const double ratio : {1e2, 1e4, 1e5})
     for (const double speed : {0.1, 1.0})
-      table.row(text("JKR, pull-off ", ratio, " weights, ", speed, " m/s"), Setting::Extreme,
+      table.row(text("JKR, pull-off ", ratio, " weights, ", speed, " m/s"), Setting::Tame,
                 [&] { return lump(jkr(work_for(ratio), 0.3), speed); });
 
   table.scene("Van der Waals attraction over the weight, e = 1",
               "it comes back as fast as it came, within 1 %");
   for (const double ratio : {1.0, 1e2, 1e4})
     for (const double speed : {0.01, 0.1, 1.0})
-      table.row(text(ratio, " weights, ", speed, " m/s"), Setting::Extreme,
+      table.row(text(ratio, " weights, ", speed, " m/s"),
+                // 1e4 times the weight makes 0.01 m/s faster than the step was chosen for.
+                ratio < 1e3 || speed > 0.05 ? Setting::Tame : Setting::Extreme,
                 [&] { return attracted(ratio, speed); });
 }
 

@@ -65,6 +65,17 @@ std::string shortened(std::string sentence) {
   return sentence.substr(0, cut) + " ...";
 }
 
+/// Whether a limit of the guard stopped a scene: of overlap, rate, time step, travel, or places on
+/// a mesh. What is not among them - a number that is none, an argument that is refused - is a
+/// mistake in the scene or in silt, and no way for an extreme scene to end.
+bool is_a_limit(const std::string& sentence) {
+  for (const char* words :
+       {"guard.max_overlap", "are too stiff or too strongly damped", "is above the limit",
+        "is above its limit", "more than guard.max_travel", "places at once, and silt computes"})
+    if (sentence.find(words) != std::string::npos) return true;
+  return false;
+}
+
 std::string quoted(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
@@ -80,6 +91,16 @@ void Table::scene(const std::string& name, const std::string& stable) {
 }
 
 void Table::row(const std::string& name, Setting setting, const std::function<Measures()>& run) {
+  add(name, setting, nullptr, run);
+}
+
+void Table::stops(const std::string& name, const std::string& words,
+                  const std::function<Measures()>& run) {
+  add(name, Setting::Extreme, &words, run);
+}
+
+void Table::add(const std::string& name, Setting setting, const std::string* words,
+                const std::function<Measures()>& run) {
   Row row{scene_, name, Verdict::Stable, {"", 0, 0}, "", 0};
   const example::Stopwatch watch;
   try {
@@ -89,9 +110,12 @@ void Table::row(const std::string& name, Setting setting, const std::function<Me
       first = false;
       if (!(m.error <= m.bound)) row.verdict = Verdict::Wrong;
     }
+    if (words) row.worst = {"not stopped", 1, 0}, row.verdict = Verdict::Wrong;
   } catch (const silt::Error& e) {
     row.sentence = e.what();
-    row.verdict = setting == Setting::Tame ? Verdict::Alarm : Verdict::Stopped;
+    const bool expected = words ? row.sentence.find(*words) != std::string::npos
+                                : setting == Setting::Extreme && is_a_limit(row.sentence);
+    row.verdict = expected ? Verdict::Stopped : Verdict::Alarm;
   }
   row.seconds = watch.seconds();
   std::printf("  %-*s %-7s ", name_width, name.c_str(), word(row.verdict));

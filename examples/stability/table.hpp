@@ -19,13 +19,15 @@ struct Measure {
 };
 using Measures = std::vector<Measure>;
 
-/// How a row may end. Tame ones must be stable; beyond the edge the guard may stop them.
+/// How a row may end. Tame ones must be stable, all at the time step that silt chooses among them
+/// but where a limit of the guard is exceeded by the scene itself; beyond the edge the guard may
+/// stop them, by one of its limits and by no other error.
 enum class Setting { Tame, Extreme };
 
 enum class Verdict {
   Stable,   // every measure within its bound
   Stopped,  // by a sentence of silt
-  Alarm,    // a tame one that was stopped
+  Alarm,    // a tame one that was stopped, or another by a sentence that is not of it
   Wrong     // it went on to its end, and a measure is out of its bound
 };
 
@@ -46,6 +48,9 @@ class Table {
   void scene(const std::string& name, const std::string& stable);
   /// Runs a row: `run` returns the measures or throws what silt throws.
   void row(const std::string& name, Setting setting, const std::function<Measures()>& run);
+  /// Runs a row that must be stopped, by a sentence with these words.
+  void stops(const std::string& name, const std::string& words,
+             const std::function<Measures()>& run);
 
   const std::vector<Row>& rows() const { return rows_; }
   int count(Verdict verdict) const;
@@ -55,6 +60,8 @@ class Table {
   void add_to(example::Summary& summary) const;
 
  private:
+  void add(const std::string& name, Setting setting, const std::string* words,
+           const std::function<Measures()>& run);
   std::string scene_;
   std::vector<Row> rows_;
 };

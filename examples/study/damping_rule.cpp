@@ -170,21 +170,21 @@ void run(const studies::Setting& setting, example::Summary& summary) {
   studies::add_recommendation(summary, "rule", cost);
   const double off = compare(setting.out, sizes);
   summary.result("largest_difference_to_closed_forms", off);
-  // The size ratio study of documents on wide size distributions: e of nominal 0.5.
+  // e of nominal 0.5, computed by another program of our own, which integrates the impacts. Catches
+  // closed forms and a Simulation that are wrong alike.
   const struct {
     std::size_t rule;
     double ratio, e;
-  } published[] = {{1, 1, .616}, {1, 10, .511}, {2, 5, .366},
-                   {3, 2, .217}, {4, 2, .175},  {4, 5, 0}};
+  } computed[] = {{1, 1, .616}, {1, 10, .511}, {2, 5, .366}, {3, 2, .217}, {4, 2, .175}, {4, 5, 0}};
   double off_table = 0;
-  for (const auto& p : published)
+  for (const auto& p : computed)
     off_table = std::max(off_table, std::abs(restitution(rules[p.rule], p.ratio) - p.e));
   // 1000 steps a contact: the dashpot's force begins somewhere within a step, 2 pi zeta'/1000 of e
   // at most (tests/physics/impact.cpp), with zeta' = 0.5 the strongest that parts with e > 0.16;
   // the table has three digits.
   const double tolerance = 2 * M_PI * 0.5 / steps_a_contact + 0.0005;
   summary.check_at_most("off_closed_forms", off, tolerance);
-  summary.check_at_most("off_table", off_table, tolerance);
+  summary.check_at_most("off_computed_elsewhere", off_table, tolerance);
   summary.check_at_most("pairs_own_worst_error",
                         cost.results().rows[0].error("worst error of e")->value, tolerance);
   summary.check_at_least("others_worst_error",

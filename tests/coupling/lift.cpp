@@ -17,7 +17,8 @@ using silt::Vec3d;
 
 namespace {
 
-// C4 of the physics reference: air, 1 mm, slip 1 m/s, shear 100 1/s, spin 1000 1/s.
+// Values of C4 are computed in the physics reference from the same formulas by other code: air, 1
+// mm, slip 1 m/s, shear 100 1/s, spin 1000 1/s. The limits are other sources.
 constexpr double rho = 1.2, mu = 1.8e-5, d = 1e-3, shear = 100;
 constexpr double pi = std::numbers::pi;
 

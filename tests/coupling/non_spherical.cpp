@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <numbers>
 #include <utility>
 
@@ -15,7 +16,8 @@
 
 namespace non_spherical_test {
 
-// C3 and C4 are sections of the physics reference from which the values come.
+// C3 is a section of the physics reference: values computed there from the same formulas by other
+// code. Values of other sources say which.
 
 using silt::AxisKind;
 using silt::Ganser;
@@ -214,37 +216,120 @@ TEST_CASE("orientation: pitching torque turns rods and discs broadside on, from 
   CHECK(norm(silt::pitching_torque(d, rho, W, {0, 0, 1}, C_T, AxisKind::Long)) == 0);
 }
 
-TEST_CASE("Zastawny: the values of C4, angles' ends, lanes") {
-  const auto& body = silt::zastawny_ellipsoid_5_2;
+TEST_CASE(
+    "spheres: each law by shape beside the standard drag curve, within what its header says") {
+  // The curve of Clift, Grace and Weber (Bubbles, Drops, and Particles, 1978, table 5.2) as the
+  // tests of the Python library fluids have it (Clift, Clift_Gauvin). A misprint in the numbers of
+  // a law moves it off; that Ganser lies so low is the fit's own (drag/non_spherical.hpp).
+  const struct {
+    double Re, C_D;
+  } curve[] = {{0.5, 51.538}, {50, 1.5743}, {200, 0.7905}, {500, 0.55492}, {2500, 0.40818}};
+  const double ganser[] = {0.997, 0.754, 0.733, 0.761, 0.926};
+  for (std::size_t k = 0; k < std::size(curve); ++k) {
+    const auto [Re, C_D] = curve[k];
+    CAPTURE(Re);
+    const auto over = [&](const auto& law) { return lone_body_drag(law, sphere, Re) / C_D; };
+    CHECK(std::abs(over(HaiderLevenspiel()) - 1.035) <= 0.035);
+    CHECK(std::abs(over(TranCong()) - 1) <= 0.04);
+    CHECK(std::abs(over(Ganser()) - ganser[k]) <= 0.002);
+    CHECK(std::abs(over(GanserInFlow()) - ganser[k]) <= 0.002);
+    CHECK(std::abs(over(HoelzerSommerfeldSimplified()) - 1) <= 0.2);
+    if (Re < 1000) CHECK(std::abs(24 / Re * silt::schiller_naumann(Re) / C_D - 1) <= 0.025);
+  }
+}
+
+TEST_CASE("isometric bodies: Ganser beside the measurements of Pettyjohn and Christiansen") {
+  // E. S. Pettyjohn, E. B. Christiansen, Chem. Eng. Prog. 44 (1948) 157, by their own fits: slow
+  // drag over the sphere's 1/(0.843 log10(phi/0.065)), C_D = 5.31 - 4.88 phi from Re = 2000 to
+  // 2e5. Recalled; several public programs of settling have both. Ganser's K1, K2 and the numbers
+  // 0.4305 and 3305 are of another form: at Re = 2e4 it is 4.6 % above for cuboctahedra, 6.3 % for
+  // tetrahedra, less between. K2 without its exponent 0.5743 would be off by a factor.
+  for (const double phi : {0.67, 0.806, 0.846, 0.906}) {
+    CAPTURE(phi);
+    const ShapeInFlow<double> body{phi, 1, 1, 1};
+    CHECK(near_relative(Ganser().over_stokes(body, 0.0), 1 / (0.843 * std::log10(phi / 0.065)),
+                        0.021));
+    CHECK(near_relative(lone_body_drag(Ganser(), body, 2e4), 5.31 - 4.88 * phi, 0.065));
+  }
+}
+
+TEST_CASE("Zastawny: bodies against the exact drag in slow flow and Hoelzer-Sommerfeld's") {
+  // Exact C_D at Re = 0.1 of spheroids (Oberbeck's solution), along the axis and across it. The
+  // fits lie below, by 12 to 18 % the ellipsoids, 27 and 8 % the disc. A disc whose C_D0 is taken
+  // for the flow along its axis would have 0.56 and 1.21.
+  const struct {
+    const silt::Zastawny& fit;
+    double along, across, least;
+  } slow[] = {{silt::zastawny_ellipsoid_5_2, 230.776, 275.192, 0.82},
+              {silt::zastawny_ellipsoid_5_4, 234.057, 244.737, 0.86},
+              {silt::zastawny_disc, 353.535, 270.691, 0.73}};
+  for (const auto& body : slow) {
+    CAPTURE(body.fit.aspect);
+    CHECK(body.fit.drag_along(0.1) / body.along > body.least);
+    CHECK(body.fit.drag_along(0.1) / body.along < 0.93);
+    CHECK(body.fit.drag_across(0.1) / body.across > body.least);
+    CHECK(body.fit.drag_across(0.1) / body.across < 0.93);
+  }
+  // Broadside on, where bodies fall, the general law is another source for all Re: the fits are
+  // within 7 % of it for disc and long ellipsoid to Re = 100, and for the fibre, a spherocylinder.
+  const double pi4 = pi / 4, L = 4 + 2. / 3;  // [diameters] cylinder of the fibre's volume
+  const auto broadside = [&](double V, double S, double A, double seen_across) {
+    const double d2 = std::cbrt(36 * V * V / (pi * pi));
+    return ShapeInFlow<double>{4 * pi4 * d2 / S, pi4 * d2 / A, pi4 * d2 / (S / 2 - seen_across), 1};
+  };
+  const double e = std::sqrt(0.96);  // of the disc, 1 : 5 : 5
+  const auto disc =
+      broadside(25 * pi / 6, 12.5 * pi * (1 + 0.04 / e * std::atanh(e)), 25 * pi4, 5 * pi4);
+  const auto fibre = broadside(pi4 * L, 5 * pi, 4 + pi4, 0.5 * (4 + 2 * pi4));
+  for (const double Re : {1.0, 10.0, 100.0}) {
+    CAPTURE(Re);
+    CHECK(near_relative(silt::zastawny_disc.drag_along(Re),
+                        lone_body_drag(HoelzerSommerfeld(), disc, Re), 0.07));
+    CHECK(near_relative(silt::zastawny_fibre.drag_across(Re),
+                        lone_body_drag(HoelzerSommerfeld(), fibre, Re), 0.1));
+  }
+}
+
+TEST_CASE("Zastawny: the ellipsoids by the coefficients of another program") {
+  // C_D, C_L and C_T of drag_, lift_ and torque_Zastawny2012 of a header for Basilisk at sin = 0.6,
+  // evaluated in Python: a coefficient mistyped in ours shows.
+  const struct {
+    const silt::Zastawny& fit;
+    double Re, C[3];
+  } rows[] = {{silt::zastawny_ellipsoid_5_2, 1, {23.23000, 3.10811, 1.18808}},
+              {silt::zastawny_ellipsoid_5_2, 100, {0.97082, 0.38992, 0.44486}},
+              {silt::zastawny_ellipsoid_5_4, 1, {23.11863, 0.80375, 0.24639}},
+              {silt::zastawny_ellipsoid_5_4, 100, {0.96337, 0.11619, 0.11190}}};
+  for (const auto& row : rows) {
+    CHECK(std::abs(row.fit.drag(row.Re, 0.6, 0.8) - row.C[0]) <= 0.50001e-5);
+    CHECK(std::abs(row.fit.lift(row.Re, 0.6, 0.8) - row.C[1]) <= 0.50001e-5);
+    CHECK(std::abs(row.fit.torque(row.Re, 0.6, 0.8) - row.C[2]) <= 0.50001e-5);
+  }
+}
+
+TEST_CASE("Zastawny: the ends of angles, lift, lanes") {
   const double s = std::sqrt(0.5);
-  CHECK(std::abs(body.drag_along(1.0) - 20.620) <= 5.1e-4);
-  CHECK(std::abs(body.drag_along(100.0) - 0.682) <= 5.1e-4);
-  CHECK(std::abs(body.drag_across(1.0) - 27.870) <= 5.1e-4);
-  CHECK(std::abs(body.drag_across(100.0) - 1.483) <= 5.1e-4);
-  CHECK(std::abs(body.lift(1.0, s, s) - 3.255) <= 5.1e-4);
-  CHECK(std::abs(body.lift(100.0, s, s) - 0.416) <= 5.1e-4);
-  CHECK(std::abs(body.torque(1.0, s, s) - 1.234) <= 5.1e-4);
-  CHECK(std::abs(body.torque(100.0, s, s) - 0.462) <= 5.1e-4);
-  // Against the exact spheroid, 230.8 and 275.2.
-  CHECK(std::abs(body.drag_along(0.1) - 189.5) <= 0.051);
-  CHECK(std::abs(body.drag_across(0.1) - 240.9) <= 0.051);
   using Pack = typename silt::Lanes<silt::DefaultArch>::Real;
   for (const auto* one : {&silt::zastawny_ellipsoid_5_2, &silt::zastawny_ellipsoid_5_4,
                           &silt::zastawny_disc, &silt::zastawny_fibre})
     for (const double Re : {0.1, 3.0, 300.0}) {
-      CHECK(one->drag(Re, 0.0) == one->drag_along(Re));
-      CHECK(near_relative(one->drag(Re, 1.0), one->drag_across(Re), 1e-14));
-      CHECK(one->drag_across(Re) > one->drag_along(Re));
+      CHECK(near_relative(one->drag(Re, 0.0, 1.0), one->drag_along(Re), 1e-14));
+      CHECK(near_relative(one->drag(Re, 1.0, 0.0), one->drag_across(Re), 1e-14));
+      // Broadside on the drag is larger: across the axis of rods, along that of discs.
+      CHECK((one->drag_across(Re) > one->drag_along(Re)) == (one->kind == AxisKind::Long));
       CHECK(one->lift(Re, 0.0, 1.0) == 0);
       CHECK(one->lift(Re, 1.0, 0.0) == 0);
       CHECK(one->torque(Re, 1.0, 0.0) == 0);
-      // C4: lift at 45 degrees near half the difference of the drags; the fits part at the
-      // ends of the range, from 0.77 (fibre, Re 0.1) to 1.38 (5/4, Re 300).
+      // Lift at 45 degrees near half the difference of the drags, with its sign (exact in slow
+      // flow); the fits part at the ends of the range, from 0.77 (fibre, Re 0.1) to 1.38 (5/4, Re
+      // 300). A disc's lift the wrong way would be -1.
       const double half = 0.5 * (one->drag_across(Re) - one->drag_along(Re));
       CHECK(std::abs(one->lift(Re, s, s) / half - 1.05) <= 0.35);
       alignas(64) double C[silt::Lanes<silt::DefaultArch>::width];
       silt::store(C, one->torque(Pack(Re), Pack(0.6), Pack(0.8)));
       for (const double c : C) CHECK(near_relative(c, one->torque(Re, 0.6, 0.8), 1e-13));
+      silt::store(C, one->lift(Pack(Re), Pack(0.6), Pack(0.8)));
+      for (const double c : C) CHECK(near_relative(c, one->lift(Re, 0.6, 0.8), 1e-13));
     }
 }
 

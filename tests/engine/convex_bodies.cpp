@@ -227,11 +227,17 @@ TEST_CASE("A plane that moves carries and pushes super-ellipsoids") {
   sim.gravity = {0, 0, -9.81};
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, stone, silt::translation({0, 0, 0.05}));
   sim.run(0.2);
-  CHECK(sim.position(0).z > 0.01 + 0.6e-3);
-  CHECK(sim.velocity(0).z == near(0.05).epsilon(0.5));
-  const double weight = 9.81 * sim.mass(0);
-  sim.run(0.6);
-  CHECK(near_relative(-sim.wall(0).force.z, weight, 0.5));  // it rocks on its side
+  // It lies on its side by now and rocks: its height over the plane varies by less than 0.8 mm, and
+  // in 0.6 s it goes up with the plane by 30. The plane's mean load is the weight; a contact that
+  // took the plane for one at rest would push the grain off, or let it sink.
+  const double weight = 9.81 * sim.mass(0), from = sim.position(0).z;
+  CHECK(from > 0.01 + 0.6e-3);
+  CHECK(from < 0.01 + 1.4e-3);
+  double load = 0, samples = 0;
+  sim.run(0.6, silt::at(silt::every(1e-4),
+                        [&](const auto& s) { load -= s.wall(0).force.z, samples += 1; }));
+  CHECK(std::abs(sim.position(0).z - from - 0.03) < 0.8e-3);
+  CHECK(near_relative(load / samples, weight, 0.05));
 }
 
 TEST_CASE("The VTK series of super-ellipsoids shows their surfaces") {

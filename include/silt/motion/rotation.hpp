@@ -100,6 +100,7 @@ struct NoSquish {
 /// exact turn that it makes. Second order in the orientation, more accurate than NoSquish at the
 /// same step; but the energy of a free body slowly drifts. For scenes that dissipate.
 /// Source: C. A. del Valle et al., Comput. Phys. Commun. 297 (2024) 109077 (SPIRAL, leapfrog form).
+///         Recalled, the print was not read; tests/physics/rotation.cpp has its order.
 struct Spiral {
   static constexpr bool is_rotation = true;
 

@@ -24,7 +24,7 @@ enum class BridgeForce { Willett, Rabinovich };
 ///
 /// Source: (2) C. D. Willett et al., Langmuir 16 (2000) 9396, eq. 12 (the short form); (3) Ya. I.
 ///         Rabinovich et al., Langmuir 21 (2005) 10992; (4) G. Lian et al., J. Colloid Interface
-///         Sci. 161 (1993) 138.
+///         Sci. 161 (1993) 138. Recalled, the print was not read.
 /// Valid:  V < 0.001 R^3 ((2): a few % then, to 25 % near H_c); no gravity, no flow of liquid from
 ///         bridge to bridge, no viscosity.
 /// Units:  SI. Shapes: Real = double or batch, lane = pair. History: 1 Real (Cohesive keeps it).

@@ -124,7 +124,7 @@ struct SlowEllipsoid {
 };
 
 /// Drag of one of the four bodies of Zastawny et al., with (1). Below Re = 0.1, where the fit ends,
-/// C_D Re stays as it is there.
+/// C_D Re stays as it is there. What of the coefficients is verified: drag/zastawny.hpp.
 struct ZastawnyDrag {
   Zastawny fit;
   static constexpr bool sees_forms = true;
@@ -171,7 +171,7 @@ inline void check_aspect(const char* who, const Zastawny& fit, const FormInFlow*
 inline double ZastawnyDrag::normalised(const InFluid& at, double Re) const {
   const auto in = detail::inclination(at);
   const double Re_fit = std::max(Re, 0.1);
-  return fit.drag(Re_fit, in.sine) * Re_fit / 24 *
+  return fit.drag(Re_fit, in.sine, in.cosine) * Re_fit / 24 *
          power(at.voidage, double(-di_felice_exponent(Re)));
 }
 inline void ZastawnyDrag::check_form(const FormInFlow* form) const {
