@@ -8,8 +8,7 @@
 //   bench_bed measure FILE
 //     contacts, mean overlap and mean height of the spheres in FILE, and how many there are
 // FILE is a data file of LAMMPS (atom style sphere). Law: Hertz, Tsuji damping, Mindlin spring with
-// the slip as history and Coulomb friction, as `hertz/material ... tangential mindlin ... damping
-// tsuji`.
+// the slip as history and Coulomb friction; peers.py has LAMMPS' numbers for it.
 
 #include <chrono>
 #include <cstdio>

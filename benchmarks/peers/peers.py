@@ -22,7 +22,12 @@ import sys
 import codes
 from report import Options, Summary, in_range, make_folder, versions, write
 
-LAW = "hertz/material 1e6 0.5 0.3 tangential mindlin 1e6 1.0 0.4 damping tsuji"
+# The law of LIGGGHTS and silt in LAMMPS' terms. Its `damping tsuji` takes Tsuji's polynomial, which is
+# for the mass of one sphere, with the reduced mass of two: 0.5 would rebound with 0.616. 0.36665 gives
+# the dashpot of 0.5. 0.9075: tangential dashpot over normal one, sqrt(8 G* / 2 E*). Stiffnesses are
+# given as 4/3 E* and 8 G* for E = 1e6 and 0.3, as walls take E / 2(1 - nu) for E* from a material. "pre
+# no" below: each start of a run puts the restitution of walls through the polynomial once more.
+LAW = "hertz 732600.7 0.36665 tangential mindlin 904977.4 0.9075 0.4 damping tsuji"
 LAMMPS = f"""
 atom_style sphere
 boundary f f f
@@ -45,7 +50,7 @@ thermo 100000000
 thermo_style custom step atoms ke
 thermo_modify lost ignore norm no
 run {{warmup}}
-run {{steps}}
+run {{steps}} pre no
 write_dump all custom {{end}} id x y z radius
 """
 LIGGGHTS = """

@@ -209,6 +209,18 @@ class Tests(unittest.TestCase):
         for deck in (peers.LAMMPS, peers.LIGGGHTS):  # halves of a bed, not floor and top
             self.assertIn("processors * * 1", deck)
 
+    def test_lammps_has_the_restitution_of_the_others(self):
+        # Each start of a run puts the walls' restitution through Tsuji's polynomial once more: with two
+        # of them walls rebounded with 0.6. And the polynomial counts on the mass of one sphere.
+        starts = [line for line in peers.LAMMPS.splitlines()
+                  if line.startswith("run ") and not line.endswith("pre no")]
+        self.assertEqual(len(starts), 1)
+        e = float(peers.LAW.split()[2])
+        tsuji = (1.2728 - 4.2783 * e + 11.087 * e**2 - 22.348 * e**3 + 27.467 * e**4 - 18.022 * e**5
+                 + 4.8218 * e**6)
+        exact = math.log(2) * math.sqrt(5) / math.hypot(math.log(2), math.pi)  # rebounds with 0.5
+        self.assertAlmostEqual(tsuji, exact, places=4)
+
     def test_digits_are_no_finer_than_the_spread(self):
         self.assertEqual(report.rounded(46.42, 0.9), "46")
         self.assertEqual(report.rounded(46.42, 0.3), "46.4")
