@@ -2,18 +2,38 @@
 //
 // What a fluid step costs on one thread: the flow solver alone, in a box with a bed in its lower
 // half, and CoupledFlow with 100 000 spheres in 20 480 cells, in each of its modes.
+//   bench_coupled [--quick] [--out DIR]
+// DIR/summary.json: all numbers, and checks that fluid and particles are in balance in all that is
+// timed: continuity, volume and momentum close, and no sphere is lost.
 
+#include <algorithm>
 #include <cstdio>
 #include <ctime>
 #include <numbers>
+#include <string>
 #include <vector>
 
 #include <silt/fluid.hpp>
+#include <silt/io/atomic_file.hpp>
+
+#include "support/example.hpp"
 
 namespace {
 
 constexpr double time_step = 1e-4;  // [s]
-constexpr int steps = 20;
+constexpr double tolerance = 1e-5;  // [-] of the pressure solver
+
+example::Summary summary;
+int steps = 20;                // of each of the modes
+std::size_t spheres = 100000;  // in the bed
+int height = 80;               // [-] cells of the bed's grid
+
+/// Most that the closure of fluid and particles may be off.
+void check(const std::string& name, const silt::FluidClosure& closure) {
+  summary.check_at_most(name + "_volume_error", closure.volume, 1e-10);
+  summary.check_at_most(name + "_momentum_error", closure.momentum, 1e-9);
+  summary.check_at_most(name + "_continuity_error", closure.continuity, tolerance);
+}
 
 /// Processor time [s] so far: others may use the machine too.
 double now() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
@@ -30,7 +50,7 @@ double seconds(const Call& call) {
 void flow_alone(int nx, int ny, int nz) {
   const double h = 5e-3, speed = 1.8;
   silt::FlowSolver flow(silt::Grid({{0, 0, 0}, {nx * h, ny * h, nz * h}}, {nx, ny, nz}),
-                        {.density = 1.2, .viscosity = 1.8e-5}, {.tolerance = 1e-5});
+                        {.density = 1.2, .viscosity = 1.8e-5}, {.tolerance = tolerance});
   flow.set_side(2, 0, silt::Inflow{{0, 0, speed}});
   flow.set_side(2, 1, silt::Outflow{});
   silt::Random random(1);
@@ -45,7 +65,7 @@ void flow_alone(int nx, int ny, int nz) {
   });
   flow.velocity(2).fill(speed);
   int iterations = 0, calls = 0;
-  double spent = 0;  // on changing the bed
+  double spent = 0, unbalanced = 0;  // on changing the bed; of continuity
   const double all = seconds([&] {
     const double start = now();
     bed([&](int i, int j, int k) {
@@ -53,24 +73,30 @@ void flow_alone(int nx, int ny, int nz) {
       eps += 0.02 * (random.uniform(0.42, 0.5) - eps);
     });
     if (calls >= 5) spent += now() - start;
-    iterations += flow.step(time_step).iterations, ++calls;
+    const auto done = flow.step(time_step);
+    iterations += done.iterations, ++calls;
+    unbalanced = std::max(unbalanced, done.unbalanced);
   });
   const auto cells = static_cast<double>(flow.grid().size());
+  const std::string name = silt::text("flow_", flow.grid().size(), "_cells");
+  summary.result(name + "_ns_a_cell", 1e9 * (all - spent / steps) / cells);
+  summary.result(name + "_iterations", double(iterations) / calls);
+  summary.check_at_most(name + "_continuity_error", unbalanced, tolerance);
   std::printf("flow alone, %7.0f cells: %4.0f ns a cell and step, %.1f iterations\n", cells,
               1e9 * (all - spent / steps) / cells, double(iterations) / calls);
 }
 
 template <class Mode>
-void coupled(const char* name, const Mode& mode) {
+void coupled(const char* name, const std::string& key, const Mode& mode) {
   const double d = 1e-3, h = 2 * d, a = 1.02 * d;
-  const int nx = 16, nz = 80;
+  const int nx = 16, nz = height;
   silt::CoupledFlow flow(
       silt::DiFelice{}, mode,
       silt::FlowSolver(silt::Grid({{0, 0, 0}, {nx * h, nx * h, nz * h}}, {nx, nx, nz}),
-                       {.density = 1.2, .viscosity = 1.8e-5}, {.tolerance = 1e-5}));
+                       {.density = 1.2, .viscosity = 1.8e-5}, {.tolerance = tolerance}));
   flow.flow().set_side(2, 0, silt::Inflow{{0, 0, 0.8}});
   flow.flow().set_side(2, 1, silt::Outflow{});
-  const std::size_t count = 100000;
+  const std::size_t count = spheres;
   std::vector<silt::Vec3d> place, velocity(count, {0, 0, 0}), force(count);
   const int across = static_cast<int>(nx * h / a);
   for (int k = 0; place.size() < count; ++k)
@@ -80,10 +106,15 @@ void coupled(const char* name, const Mode& mode) {
   const double V = std::numbers::pi / 6 * d * d * d;
   const std::vector<double> radius(count, 0.5 * d), volume(count, V), mass(count, 2500 * V);
   const silt::CoupledParticles grains{{place, radius}, velocity, volume, mass};
-  const double step = seconds([&] { flow.advance(grains, time_step, force); });
+  silt::FluidClosure closure;
+  const double step = seconds([&] { closure.add(flow.advance(grains, time_step, force)); });
   const double alone = seconds([&] { flow.flow().step(time_step); });
+  summary.result(key + "_ms_a_step", 1e3 * step);
+  summary.result(key + "_flow_ms_a_step", 1e3 * alone);
+  summary.result(key + "_ns_a_particle", 1e9 * (step - alone) / static_cast<double>(count));
+  check(key, closure);
   std::printf("%-22s %5.1f ms a step, of it flow %4.1f ms; the rest %3.0f ns a particle\n", name,
-              1e3 * step, 1e3 * alone, 1e9 * (step - alone) / count);
+              1e3 * step, 1e3 * alone, 1e9 * (step - alone) / static_cast<double>(count));
 }
 
 /// The same bed in a Simulation, fallen and at rest but for what the gas stirs; with or without a
@@ -93,9 +124,9 @@ auto bed(const Fluid&... fluid) {
   const double d = 1e-3, a = 1.02 * d, width = 32 * d;
   silt::Particles<silt::Sphere> grains;
   const int across = static_cast<int>(width / a);
-  for (int k = 0; grains.size() < 100000; ++k)
+  for (int k = 0; grains.size() < spheres; ++k)
     for (int j = 0; j < across; ++j)
-      for (int i = 0; i < across && grains.size() < 100000; ++i)
+      for (int i = 0; i < across && grains.size() < spheres; ++i)
         grains.add({.position = {(i + 0.6 + 0.05 * (k % 3)) * a, (j + 0.6 + 0.05 * (k % 2)) * a,
                                  (k + 0.6) * a},
                     .radius = 0.5 * d,
@@ -109,12 +140,13 @@ auto bed(const Fluid&... fluid) {
   sim.run(0.05);
   return sim;
 }
+
 /// What of the time of a run is the fluid's, at 50 particle steps a fluid step.
 template <class Mode>
-void in_simulation(const char* name, const Mode& mode) {
+void in_simulation(const char* name, const std::string& key, const Mode& mode) {
   const double h = 2e-3;
-  silt::FlowSolver flow(silt::Grid({{0, 0, 0}, {16 * h, 16 * h, 80 * h}}, {16, 16, 80}),
-                        {.density = 1.2, .viscosity = 1.8e-5}, {.tolerance = 1e-5});
+  silt::FlowSolver flow(silt::Grid({{0, 0, 0}, {16 * h, 16 * h, height * h}}, {16, 16, height}),
+                        {.density = 1.2, .viscosity = 1.8e-5}, {.tolerance = tolerance});
   flow.set_side(2, 0, silt::Inflow{{0, 0, 0.3}});
   flow.set_side(2, 1, silt::Outflow{});
   silt::CoupledFlow air{silt::DiFelice{}, mode, std::move(flow)};
@@ -126,25 +158,51 @@ void in_simulation(const char* name, const Mode& mode) {
     sim.run(200 * 1e-5);
     return (now() - start) / 200;
   };
+  timed(coupled), timed(dry);  // to warm up
   double with = 0, without = 0;
   for (int round = 0; round < 5; ++round) with += timed(coupled) / 5, without += timed(dry) / 5;
   std::printf("%-22s %5.2f ms a particle step, the dry bed %5.2f: the fluid's share %2.0f %%\n",
               name, 1e3 * with, 1e3 * without, 100 * (1 - without / with));
+  summary.result(key + "_ms_a_particle_step", 1e3 * with);
+  summary.result(key + "_dry_ms_a_particle_step", 1e3 * without);
+  check(key, coupled.fluid().closure());
+  summary.check_at_most(key + "_clipped", coupled.fluid().closure().clipped, 0);
+  summary.check_at_most(key + "_lost", static_cast<double>(spheres - coupled.rows()), 0);
+  summary.check_at_most(key + "_overlap_over_radius", coupled.peak_overlap(), 0.1);
+}
+
+int run(const example::Options& options) {
+  silt::make_folder(options.out);
+  if (options.quick) steps = 3, spheres = 10000, height = 16;
+  summary.input("quick", options.quick);
+  summary.input("spheres", static_cast<double>(spheres));
+  std::printf("%s\n", example::processor().c_str());
+  if (options.quick) {
+    flow_alone(16, 16, 24);
+  } else {
+    flow_alone(32, 16, 96);
+    flow_alone(64, 64, 64);
+  }
+  std::printf("%zu spheres, %d cells of 2 diameters:\n", spheres, 256 * height);
+  using silt::Unresolved;
+  coupled("Unresolved, centre", "centre", Unresolved{.share = Unresolved::Share::Centre});
+  coupled("Unresolved, exact", "exact", Unresolved{});
+  coupled("TwoGrid", "two_grid", silt::TwoGrid{});
+  coupled("Kernel", "kernel", silt::Kernel{});
+  coupled("Diffusion", "diffusion", silt::Diffusion{});
+  std::printf("Simulation of the same, 50 particle steps a fluid step:\n");
+  in_simulation("Kernel", "simulation_kernel", silt::Kernel{});
+  in_simulation("Unresolved, exact", "simulation_exact", Unresolved{});
+  summary.write(options.out + "/summary.json");
+  summary.print_checks();
+  std::printf("Look at: %s/summary.json\n", options.out.c_str());
+  return summary.all_hold() ? 0 : 1;
 }
 
 }  // namespace
 
-int main() {
-  flow_alone(32, 16, 96);
-  flow_alone(64, 64, 64);
-  std::printf("100 000 spheres, 20 480 cells of 2 diameters:\n");
-  using silt::Unresolved;
-  coupled("Unresolved, centre", Unresolved{.share = Unresolved::Share::Centre});
-  coupled("Unresolved, exact", Unresolved{});
-  coupled("TwoGrid", silt::TwoGrid{});
-  coupled("Kernel", silt::Kernel{});
-  coupled("Diffusion", silt::Diffusion{});
-  std::printf("Simulation of 100 000 spheres in 20 480 cells, 50 particle steps a fluid step:\n");
-  in_simulation("Kernel", silt::Kernel{});
-  in_simulation("Unresolved, exact", Unresolved{});
+int main(int argc, char** argv) {
+  example::Command command("What a fluid step costs: the flow solver, its coupling in each mode",
+                           example::Kind::Study, "out/bench-fluid/coupled");
+  return command.run(argc, argv, [&] { return run(command.options); });
 }

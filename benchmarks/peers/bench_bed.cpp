@@ -6,10 +6,9 @@
 //   bench_bed time FILE WARMUP STEPS THREADS double|mixed END
 //     runs the bed in FILE; prints one line of results; writes where it ends to END
 //   bench_bed measure FILE
-//     contacts and mean overlap of the spheres in FILE
+//     contacts, mean overlap and mean height of the spheres in FILE, and how many there are
 // FILE is a data file of LAMMPS (atom style sphere). Law: Hertz, Tsuji damping, Mindlin spring with
-// the slip as history and Coulomb friction, as `hertz/material ... tangential mindlin ... damping
-// tsuji`.
+// the slip as history and Coulomb friction; peers.py has LAMMPS' numbers for it.
 
 #include <chrono>
 #include <cstdio>
@@ -46,19 +45,21 @@ silt::Particles<silt::Sphere> read(const std::string& path) {
 void measure(const std::string& file) {
   const auto spheres = read(file);
   std::vector<silt::PositionRow> rows;
-  double largest = 0, overlap = 0;  // [m]
+  double largest = 0, overlap = 0, height = 0;  // [m]
   for (std::size_t k = 0; k < spheres.size(); ++k) {
     const auto& p = spheres[k].position;
     rows.push_back({p.x, p.y, p.z, spheres[k].radius});
     largest = std::max(largest, spheres[k].radius);
+    height += p.z;
   }
   std::vector<silt::IndexPair> touching;
   silt::CellGrid{}.find({rows, largest}, 0.0, silt::OpenDomain{}, silt::Team(1), touching);
   for (const auto& [a, b] : touching)
     overlap += rows[a].r + rows[b].r - norm(rows[a].centre() - rows[b].centre());
   const auto n = static_cast<double>(rows.size()), pairs = static_cast<double>(touching.size());
-  std::printf("coordination %.6g mean_overlap_over_d %.4g\n", 2 * pairs / n,
-              touching.empty() ? 0.0 : overlap / pairs / 4.3e-3);
+  std::printf("spheres %zu coordination %.6g mean_overlap_over_d %.4g mean_height_m %.8g\n",
+              rows.size(), 2 * pairs / n, touching.empty() ? 0.0 : overlap / pairs / 4.3e-3,
+              height / n);
 }
 
 template <class Sim>

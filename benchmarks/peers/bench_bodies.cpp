@@ -126,8 +126,8 @@ void measure(const std::string& path) {
     partners.insert(std::minmax(i, j));
   }
   const double bodies = static_cast<double>(rows.size()) / balls_per_body;
-  std::printf("contacts %.6g partners %.6g overlap %.4g height %.6g\n", 2 * contacts / bodies,
-              2 * static_cast<double>(partners.size()) / bodies,
+  std::printf("bodies %.6g contacts %.6g partners %.6g overlap %.4g height %.8g\n", bodies,
+              2 * contacts / bodies, 2 * static_cast<double>(partners.size()) / bodies,
               contacts > 0 ? overlap / contacts / (2 * ball_radius) : 0.0,
               height / static_cast<double>(rows.size()));
 }

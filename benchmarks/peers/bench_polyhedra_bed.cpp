@@ -1,8 +1,11 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// bench_polyhedra_bed BODIES STEPS
+// bench_polyhedra_bed time BODIES WARMUP STEPS
 //   goes on, on one thread, from the state of random polyhedra on a plane that Yade has written
-//   (decks/yade_polyhedra.py); 50 steps untimed; prints one line of results.
+//   (decks/yade_polyhedra.py); WARMUP steps untimed; prints one line of results, with what
+//   `measure` prints of the end.
+// bench_polyhedra_bed measure BODIES
+//   bodies in BODIES, their contacts by silt's geometry and their mean height
 
 #include <chrono>
 #include <cstdio>
@@ -44,7 +47,17 @@ silt::Particles<silt::Polyhedron> read(const std::string& path) {
   return all;
 }
 
-int run(const std::string& path, double steps) {
+template <class Sim>
+void measure(const Sim& sim) {
+  double height = 0;
+  for (std::size_t k = 0; k < sim.rows(); ++k)
+    height += sim.position(k).z / static_cast<double>(sim.rows());
+  std::printf("bodies %zu contacts %.6g height %.8g\n", sim.rows(),
+              2.0 * static_cast<double>(sim.touching_pairs()) / static_cast<double>(sim.size()),
+              height);
+}
+
+int run(const std::string& path, double warmup, double steps) {
   const silt::HertzMindlin::Material m{
       .youngs_modulus = 1e6, .poisson_ratio = 0.02, .restitution = 0.5, .friction = 0.68};
   silt::Simulation sim{read(path), silt::Contacts<silt::HertzMindlin>{m}};
@@ -52,13 +65,17 @@ int run(const std::string& path, double steps) {
   sim.time_step = time_step, sim.threads = 1;
   sim.guard.max_overlap = 1, sim.guard.max_time_step = 1;
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, m);
-  sim.run(50 * time_step);
+  sim.run(warmup * time_step);
+  if (steps == 0) {
+    measure(sim);
+    return 0;
+  }
   const auto start = std::chrono::steady_clock::now();
   sim.run(steps * time_step);
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  std::printf("seconds %.6g contacts %.6g\n", seconds,
-              2.0 * static_cast<double>(sim.touching_pairs()) / static_cast<double>(sim.size()));
+  std::printf("seconds %.6g ", seconds);
+  measure(sim);
   return 0;
 }
 
@@ -66,8 +83,10 @@ int run(const std::string& path, double steps) {
 
 int main(int argc, char** argv) {
   try {
-    if (argc == 3) return run(argv[1], std::stod(argv[2]));
-    std::fprintf(stderr, "bench_polyhedra_bed BODIES STEPS\n");
+    const std::string mode = argc > 2 ? argv[1] : "";
+    if (mode == "time" && argc == 5) return run(argv[2], std::stod(argv[3]), std::stod(argv[4]));
+    if (mode == "measure" && argc == 3) return run(argv[2], 0, 0);
+    std::fprintf(stderr, "bench_polyhedra_bed time BODIES WARMUP STEPS | measure BODIES\n");
   } catch (const std::exception& e) {
     std::fprintf(stderr, "%s\n", e.what());
   }

@@ -3,20 +3,25 @@
 // Settled beds of 1 476 super-ellipsoids, as LIGGGHTS has its superquadrics in shapes.py, or of as
 // many spheres; see there.
 //   bench_super_ellipsoids_bed settle FORM FILE
-//     lets a lattice collapse in a box for 30 000 steps; writes a checkpoint
-//   bench_super_ellipsoids_bed time FORM FILE STEPS
-//     goes on from FILE on one thread, 200 steps untimed; prints one line of results
+//     lets a lattice collapse in a box for 30 000 steps; writes where it comes to rest
+//   bench_super_ellipsoids_bed time FORM FILE WARMUP STEPS END
+//     goes on from FILE on one thread, WARMUP steps untimed; prints one line of results; writes END
+//   bench_super_ellipsoids_bed measure FORM FILE
+//     particles in FILE, their contacts by silt's geometry and their mean height
+// FILE, END: a line a particle, position, orientation (w x y z), velocity, angular velocity.
 // FORM: 2, 4, 8: super-ellipsoids of 2 x 2 x 4 mm with this exponent; ball: of 2.5 mm with equal
 // axes and exponent 2; sphere: the same as silt::Sphere.
 
 #include <chrono>
 #include <cstdio>
 #include <exception>
+#include <fstream>
 #include <string>
+#include <vector>
 
 #include <silt/boundary/wall.hpp>
 #include <silt/contact/hertz_mindlin.hpp>
-#include <silt/io/checkpoint.hpp>
+#include <silt/io/atomic_file.hpp>
 #include <silt/shape/sphere.hpp>
 #include <silt/shape/super_ellipsoid.hpp>
 #include <silt/simulation.hpp>
@@ -25,19 +30,45 @@ namespace {
 
 constexpr double time_step = 1e-5, density = 2500;  // [s], [kg/m3]
 
-/// Particles on the lattice that LIGGGHTS makes; balls and spheres with a push aside, as their
-/// columns would stand.
-template <class Particles, class Add>
-auto bed(Particles particles, bool pushed, const Add& add) {
+struct Row {
+  silt::Vec3d place;
+  silt::Quaternion orientation;
+  silt::Vec3d velocity, spin;
+};
+
+/// Rows on the lattice that LIGGGHTS makes; balls and spheres with a push aside, as their columns
+/// would stand.
+std::vector<Row> lattice(bool pushed) {
   silt::Random random(1);
+  std::vector<Row> rows;
   for (int k = 0; k < 41; ++k)
     for (int j = 0; j < 6; ++j)
       for (int i = 0; i < 6; ++i) {
         const silt::Vec3d place = 0.0085 * silt::Vec3d{i + 1.0, j + 1.0, k + 1.0};
         const auto push = [&] { return pushed ? random.uniform(-0.3, 0.3) : 0.0; };
         const silt::Vec3d velocity{push(), push(), 0};
-        add(particles, place, velocity, random);
+        rows.push_back({place, silt::random_orientation(random), velocity, {0, 0, 0}});
       }
+  return rows;
+}
+
+std::vector<Row> read(const std::string& path) {
+  std::ifstream in(path);
+  silt::require(in.good(), "cannot read ", path);
+  std::vector<Row> rows;
+  Row r;
+  auto &p = r.place, &v = r.velocity, &w = r.spin;
+  auto& q = r.orientation;
+  while (in >> p.x >> p.y >> p.z >> q.w >> q.x >> q.y >> q.z >> v.x >> v.y >> v.z >> w.x >> w.y >>
+         w.z)
+    rows.push_back(r);
+  silt::require(!rows.empty(), "no particles in ", path);
+  return rows;
+}
+
+template <class Particles, class Add>
+auto bed(Particles particles, const std::vector<Row>& rows, const Add& add) {
+  for (const Row& row : rows) add(particles, row);
   const silt::HertzMindlin::Material m{
       .youngs_modulus = 1e7, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.4};
   silt::Simulation sim{std::move(particles), silt::Contacts<silt::HertzMindlin>{m}};
@@ -49,45 +80,78 @@ auto bed(Particles particles, bool pushed, const Add& add) {
   return sim;
 }
 
-auto super_ellipsoids(const std::string& name) {
+auto super_ellipsoids(const std::string& name, const std::vector<Row>& rows) {
   silt::Particles<silt::SuperEllipsoid> particles;
-  const bool is_ball = name == "ball";
-  if (is_ball) {
+  if (name == "ball") {
     particles.add_form({.a = 2.5e-3, .b = 2.5e-3, .c = 2.5e-3});
   } else {
     const double s = std::stod(name);
     particles.add_form({.a = 2e-3, .b = 2e-3, .c = 4e-3, .s1 = s, .s2 = s});
   }
-  return bed(std::move(particles), is_ball,
-             [](auto& all, const auto& place, const auto& velocity, auto& random) {
-               all.add({.position = place,
-                        .orientation = silt::random_orientation(random),
-                        .density = density,
-                        .velocity = velocity});
-             });
+  return bed(std::move(particles), rows, [](auto& all, const Row& row) {
+    all.add({.position = row.place,
+             .orientation = row.orientation,
+             .density = density,
+             .velocity = row.velocity,
+             .angular_velocity = row.spin});
+  });
 }
-auto spheres() {
-  return bed(silt::Particles<silt::Sphere>{}, true,
-             [](auto& all, const auto& place, const auto& velocity, auto&) {
-               all.add({place, 2.5e-3, density, velocity});
-             });
+auto spheres(const std::vector<Row>& rows) {
+  return bed(silt::Particles<silt::Sphere>{}, rows, [](auto& all, const Row& row) {
+    all.add({.position = row.place,
+             .radius = 2.5e-3,
+             .density = density,
+             .velocity = row.velocity,
+             .angular_velocity = row.spin});
+  });
 }
 
 template <class Sim>
-int run(Sim sim, const std::string& mode, const std::string& file, double steps) {
-  if (mode == "settle") {
+void write(const Sim& sim, const std::string& path) {
+  std::string out;
+  for (std::size_t id = 0; id < sim.size(); ++id) {
+    const std::size_t k = sim.find(static_cast<std::uint32_t>(id));
+    const auto p = sim.position(k), v = sim.velocity(k), w = sim.angular_velocity(k);
+    silt::Quaternion q{1, 0, 0, 0};
+    if constexpr (requires { sim.orientation(k); }) q = sim.orientation(k);
+    out += silt::text(p.x, ' ', p.y, ' ', p.z, ' ', q.w, ' ', q.x, ' ', q.y, ' ', q.z, ' ', v.x,
+                      ' ', v.y, ' ', v.z, ' ', w.x, ' ', w.y, ' ', w.z, '\n');
+  }
+  silt::AtomicFile file(path);
+  file.write(out);
+  file.commit();
+}
+
+/// What to do with a bed, see above.
+struct Task {
+  std::string mode, form, file, end;
+  double warmup = 0, steps = 0;
+};
+
+template <class Sim>
+int run(Sim sim, const Task& task) {
+  if (task.mode == "settle") {
     sim.run(30000 * time_step);
-    silt::save_checkpoint(sim, file);
+    write(sim, task.file);
     return 0;
   }
-  silt::load_checkpoint(sim, file);
-  sim.run(200 * time_step);
+  if (task.mode == "measure") {
+    sim.run(0);
+    double height = 0;
+    for (std::size_t k = 0; k < sim.rows(); ++k)
+      height += sim.position(k).z / static_cast<double>(sim.rows());
+    std::printf("particles %zu contacts %.6g height %.8g\n", sim.size(),
+                2.0 * static_cast<double>(sim.touching_pairs()) / static_cast<double>(sim.size()),
+                height);
+    return 0;
+  }
+  sim.run(task.warmup * time_step);
   const auto start = std::chrono::steady_clock::now();
-  sim.run(steps * time_step);
+  sim.run(task.steps * time_step);
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  std::printf("seconds %.6g contacts %.6g\n", seconds,
-              2.0 * static_cast<double>(sim.touching_pairs()) / static_cast<double>(sim.size()));
+  std::printf("seconds %.6g\n", seconds);
+  write(sim, task.end);
   return 0;
 }
 
@@ -95,16 +159,19 @@ int run(Sim sim, const std::string& mode, const std::string& file, double steps)
 
 int main(int argc, char** argv) {
   try {
-    const std::string mode = argc > 1 ? argv[1] : "";
-    if ((mode == "settle" && argc == 4) || (mode == "time" && argc == 5)) {
-      const double steps = argc == 5 ? std::stod(argv[4]) : 0;
-      const std::string form = argv[2];
-      return form == "sphere" ? run(spheres(), mode, argv[3], steps)
-                              : run(super_ellipsoids(form), mode, argv[3], steps);
+    Task task;
+    if (argc > 3) task.mode = argv[1], task.form = argv[2], task.file = argv[3];
+    if (task.mode == "time" && argc == 7)
+      task.warmup = std::stod(argv[4]), task.steps = std::stod(argv[5]), task.end = argv[6];
+    if ((argc == 4 && (task.mode == "settle" || task.mode == "measure")) || !task.end.empty()) {
+      const bool is_sphere = task.form == "sphere";
+      const auto rows =
+          task.mode == "settle" ? lattice(is_sphere || task.form == "ball") : read(task.file);
+      return is_sphere ? run(spheres(rows), task) : run(super_ellipsoids(task.form, rows), task);
     }
     std::fprintf(stderr,
-                 "bench_super_ellipsoids_bed settle FORM FILE | time FORM FILE STEPS; "
-                 "FORM: 2, 4, 8, ball, sphere\n");
+                 "bench_super_ellipsoids_bed settle FORM FILE | time FORM FILE WARMUP STEPS END | "
+                 "measure FORM FILE; FORM: 2, 4, 8, ball, sphere\n");
     return 2;
   } catch (const std::exception& e) {
     std::fprintf(stderr, "%s\n", e.what());

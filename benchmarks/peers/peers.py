@@ -4,28 +4,39 @@
 
 Two states: a settled bed, and the collapse of a loose lattice with all its list rebuilds ("filling").
 silt makes the positions and velocities once; every code starts from the same file and is timed by its
-own loop clock: settled beds after 200 steps to warm up, filling from the first step on. Runs are
-interleaved and repeated. Printed are medians in million particle-steps a second with their spread, the
-ratio to the faster peer on as many cores, and the state each code ends in. A table, a plot and
-summary.json are written to --out.
+own loop clock: settled beds after 200 steps to warm up, filling from the first step on. What comes
+before the loop (reading, set-up, a peer's first list) and what comes after it (output) counts for no
+code. LAMMPS and LIGGGHTS run with the fastest of the --skins, each for itself in each scene; silt
+chooses its own, with its guard on. Runs are interleaved and repeated. Printed are medians in million
+particle-steps a second with their spread, the ratio to the fastest peer on as many cores, and the state
+each code ends in, measured by one program for all. A table, a plot and summary.json are written to
+--out; checks: all codes have done the same work (no sphere lost; contacts, overlaps, heights and
+energies alike).
+
+Debian's LAMMPS and LIGGGHTS are compiled for any machine of their kind. ./run peers-native compiles
+both for this one; what it has left in build/peers is timed as further rows.
 """
-import argparse
-import json
 import os
-import shutil
 import sys
 
 import codes
+from report import Options, Summary, in_range, make_folder, versions, write
 
-LAW = "hertz/material 1e6 0.5 0.3 tangential mindlin 1e6 1.0 0.4 damping tsuji"
+# The law of LIGGGHTS and silt in LAMMPS' terms. Its `damping tsuji` takes Tsuji's polynomial, which is
+# for the mass of one sphere, with the reduced mass of two: 0.5 would rebound with 0.616. 0.36665 gives
+# the dashpot of 0.5. 0.9075: tangential dashpot over normal one, sqrt(8 G* / 2 E*). Stiffnesses are
+# given as 4/3 E* and 8 G* for E = 1e6 and 0.3, as walls take E / 2(1 - nu) for E* from a material. "pre
+# no" below: each start of a run puts the restitution of walls through the polynomial once more.
+LAW = "hertz 732600.7 0.36665 tangential mindlin 904977.4 0.9075 0.4 damping tsuji"
 LAMMPS = f"""
 atom_style sphere
 boundary f f f
+processors * * 1
 newton off
 comm_modify vel yes
 units si
 read_data {{data}}
-neighbor 0.0006 bin
+neighbor {{skin}} bin
 neigh_modify delay 0 every 1 check yes
 pair_style granular
 pair_coeff * * {LAW}
@@ -39,19 +50,20 @@ thermo 100000000
 thermo_style custom step atoms ke
 thermo_modify lost ignore norm no
 run {{warmup}}
-run {{steps}}
+run {{steps}} pre no
 write_dump all custom {{end}} id x y z radius
 """
 LIGGGHTS = """
 atom_style granular
 atom_modify map array
 boundary f f f
+processors * * 1
 newton off
 communicate single vel yes
 units si
 soft_particles yes
 read_data {data}
-neighbor 0.0006 bin
+neighbor {skin} bin
 neigh_modify delay 0
 fix m1 all property/global youngsModulus peratomtype 1e6
 fix m2 all property/global poissonsRatio peratomtype 0.3
@@ -71,11 +83,9 @@ thermo 100000000
 thermo_style custom step atoms ke
 thermo_modify lost ignore norm no
 run {warmup}
-dump d all custom {steps} {end}.* id x y z radius
-dump_modify d first no
 run {steps}
+write_dump all custom {end} id x y z radius
 """
-PEERS = ("LAMMPS granular", "LIGGGHTS")
 
 
 def run_silt(program, cores, precision, folder, data, warmup, steps):
@@ -86,7 +96,7 @@ def run_silt(program, cores, precision, folder, data, warmup, steps):
 
 
 def measure(program, end):
-    """Coordination number and mean overlap of the state in a dump or data file."""
+    """Spheres, contacts a sphere, mean overlap and mean height of the state in a dump or data file."""
     if not end.endswith("silt.end"):
         with open(end + ".data", "w") as to:
             to.write("Atoms\n\n")
@@ -94,6 +104,35 @@ def measure(program, end):
                 to.write(f"{k} 1 {2 * float(r)} 2500 {x} {y} {z}\n")
         end += ".data"
     return codes.values_of(codes.run([program, "measure", end], None))
+
+
+DIAMETER = 4.3e-3  # [m] mean
+WEIGHT = 9.81 * 2500 * 3.14159265 / 6 * DIAMETER**3  # [N] of a sphere
+
+
+def check(summary, scene, n, ends):
+    """That all codes have done the same work: a code that loses spheres or contacts is fast."""
+    kinetic = {name: e["kinetic_energy_j"] / (n * WEIGHT * DIAMETER) for name, e in ends.items()}
+    middle = {key: sorted(e[key] for e in ends.values())[len(ends) // 2]
+              for key in ("coordination", "mean_overlap_over_d", "mean_height_m")}
+    kinetic_middle = sorted(kinetic.values())[len(kinetic) // 2]
+    # A count of contacts that come and go is as good as its root.
+    root = max(1.0, middle["coordination"] * n / 2) ** 0.5
+    for name, e in ends.items():
+        at = f"{scene}, {name}: "
+        summary.within(at + "spheres", e["spheres"], n, 0, "none may be lost")
+        summary.within(at + "contacts a sphere", e["coordination"], middle["coordination"],
+                       0.01 * middle["coordination"] + 2 * root / n,
+                       "1 % of the median of all codes, and the root of their number")
+        summary.within(at + "mean overlap over d", e["mean_overlap_over_d"],
+                       middle["mean_overlap_over_d"],
+                       (0.02 + 0.5 / root) * middle["mean_overlap_over_d"] + 1e-6,
+                       "2 % of the median of all codes, and what its number leaves open")
+        summary.within(at + "mean height over d", e["mean_height_m"] / DIAMETER,
+                       middle["mean_height_m"] / DIAMETER, 0.05, "a twentieth of a diameter")
+        summary.within(at + "kinetic energy over weight times d", kinetic[name], kinetic_middle,
+                       0.01 * kinetic_middle + 1e-4,
+                       "1 % of the median of all codes, or as good as at rest")
 
 
 def plot(results, path):
@@ -105,8 +144,9 @@ def plot(results, path):
         return False
     states = [s for s in ("settled", "filling") if any(r["state"] == s for r in results)]
     cores = sorted({r["cores"] for r in results})
-    colour = {"LAMMPS granular": "#8a8a8a", "LIGGGHTS": "#b9a26c", "LAMMPS native": "#4d4d4d",
-              "silt double": "#1f6fb2", "silt mixed": "#c1440e"}
+    colour = {"LAMMPS, Debian": "#8a8a8a", "LIGGGHTS, Debian": "#b9a26c", "LAMMPS, native": "#4d4d4d",
+              "LIGGGHTS, native": "#7a6420", "silt double": "#1f6fb2", "silt mixed": "#c1440e",
+              "silt double, AVX2": "#78aede", "silt mixed, AVX2": "#e59b7d"}
     fig, axes = plt.subplots(1, len(states), figsize=(5.2 * len(states), 4), squeeze=False)
     for ax, state in zip(axes[0], states):
         for name in colour:
@@ -135,85 +175,113 @@ def plot(results, path):
     return True
 
 
+def timed(silt, start, *arguments, **values):
+    """A code as codes.interleaved runs it."""
+    def once():
+        seconds, energy, end = start(*arguments, **values)
+        return seconds, lambda: dict(kinetic_energy_j=energy, **measure(silt, end))
+    return once
+
+
+def run_scene(a, folder, peers, silts, n, state, cores):
+    """Times all codes on one scene: speeds, ends and skins."""
+    data = os.path.join(folder, f"{state}.{n}")
+    warmup, settle = (200, 20000) if state == "settled" else (0, 0)
+    # Filling: all of it for 5 000, the first impacts and the collapse of larger ones.
+    steps = max(50, int(a.work * (1e7 if state == "settled" else 1.25e8) / n))
+    silt = silts[0][1]
+    if not os.path.exists(data):
+        print(f"making {data}", flush=True)
+        codes.run([silt, "settle", str(n), str(settle), data + ".new"], folder)
+        os.replace(data + ".new", data)
+    common = dict(data=data, warmup=warmup, steps=steps)
+    runs, skins = {}, {}
+    for name, program, deck in peers:
+        values = dict(width=0.15 * max(1.0, n / 50000) ** 0.5, cores=cores, **common)
+        skin, tried = codes.fastest(a.skins, lambda one: codes.run_deck(
+            program, deck, folder, skin=one * 1e-3, **values)[0])
+        skins[name] = {"mm": skin, "seconds": {f"{k:g}": v for k, v in tried.items()}}
+        runs[name] = timed(silt, codes.run_deck, program, deck, folder, skin=skin * 1e-3, **values)
+    for label, program in silts:
+        for precision in ("double", "mixed"):
+            runs[f"silt {precision}{label}"] = timed(silt, run_silt, program, cores, precision, folder,
+                                                     **common)
+    times, ends = codes.interleaved(runs, a.repeat)
+    return steps, codes.speeds(times, n * steps), ends, skins
+
+
 def main():
-    p = argparse.ArgumentParser(description=__doc__,
-                                formatter_class=argparse.RawDescriptionHelpFormatter)
+    p = Options(__doc__, "out/peers")
     p.add_argument("--silt", required=True, help="the program bench_bed")
-    p.add_argument("--repeat", type=int, default=5)
-    p.add_argument("--cores", type=int, nargs="+", default=[1])
+    p.add_argument("--silt-avx2", metavar="PROGRAM",
+                   help="bench_bed compiled for AVX2, timed as further rows")
+    p.add_argument("--repeat", type=in_range(int, 1, 1000), default=5)
+    p.add_argument("--cores", type=in_range(int, 1, 4096), nargs="+", default=[1])
     p.add_argument("--states", nargs="+", choices=["settled", "filling"],
                    default=["settled", "filling"])
-    p.add_argument("--work", type=float, default=1,
+    p.add_argument("--work", type=in_range(float, 1e-6, 1e6), default=1,
                    help="multiplies the number of steps that are timed")
-    p.add_argument("--native-lammps", metavar="PROGRAM",
-                   help="a LAMMPS compiled for this machine, timed as a further row")
-    p.add_argument("--out", default="out/peers")
-    p.add_argument("sizes", type=int, nargs="*", default=[5000, 50000])
+    p.add_argument("--skins", type=in_range(float, 1e-3, 10), nargs="+", metavar="MM",
+                   default=[0.2, 0.4, 0.6, 0.9, 1.3],
+                   help="[mm] for the peers; more than one: all are tried, twice, and the fastest "
+                        "taken")
+    p.add_argument("--native", metavar="FOLDER", default=codes.NATIVE,
+                   help="of LAMMPS and LIGGGHTS as ./run peers-native compiles them")
+    p.add_argument("sizes", type=in_range(int, 100, 10**8), nargs="*", default=[])
     a = p.parse_args()
-    for program in ("lmp", "liggghts", "mpirun"):
-        if not shutil.which(program):
-            sys.exit(f"{program} is not installed; ./run peers installs it on Debian")
-    if a.native_lammps and not shutil.which(a.native_lammps):
-        sys.exit(f"--native-lammps {a.native_lammps}: there is no such program")
-    folder = os.path.abspath(a.out)
-    os.makedirs(folder, exist_ok=True)
-    silt = os.path.abspath(a.silt)
-    results, table = [], []
+    if a.quick:
+        a.repeat, a.work, a.skins = min(a.repeat, 2), min(a.work, 0.02), a.skins[:2]
+    a.sizes = a.sizes or ([5000] if a.quick else [5000, 50000])
+    silts = [("", codes.program(a.silt, "--silt"))]
+    if a.silt_avx2:
+        silts.append((", AVX2", codes.program(a.silt_avx2, "--silt-avx2")))
+    if max(a.cores) > 1:
+        codes.program("mpirun")
+    peers = [("LAMMPS, Debian", codes.program("lmp"), LAMMPS),
+             ("LIGGGHTS, Debian", codes.program("liggghts"), LIGGGHTS)]
+    for name, program, deck in (("LAMMPS, native", "lmp", LAMMPS),
+                                ("LIGGGHTS, native", "liggghts", LIGGGHTS)):
+        if codes.native(program, a.native):
+            peers.append((name, codes.native(program, a.native), deck))
+    folder = make_folder(a.out)
+    found = versions(silts[0][1])
+    found.update((name, codes.version_of(program)) for name, program, _ in peers)
+    summary = Summary({"particles": a.sizes, "states": a.states, "cores": a.cores, "work": a.work,
+                       "repeat": a.repeat, "skins_mm": a.skins, "quick": a.quick}, found)
+    summary.results["unit"] = "million particle-steps per second"
+    results = summary.results["scenes"] = []
+    table = codes.head(found)
+    print("\n".join(table), flush=True)
     for n in a.sizes:
-        width = 0.15 * max(1.0, n / 50000) ** 0.5
         for state in a.states:
-            data = os.path.join(folder, f"{state}.{n}")
-            warmup, settle = (200, 20000) if state == "settled" else (0, 0)
-            # Filling: all of it for 5 000, the first impacts and the collapse of larger ones.
-            work = 1e7 if state == "settled" else 1.25e8
-            steps = max(50, int(a.work * work / n))
-            if not os.path.exists(data):
-                print(f"making {data}", flush=True)
-                codes.run([silt, "settle", str(n), str(settle), data], folder)
-            common = dict(data=data, warmup=warmup, steps=steps)
             for cores in a.cores:
-                def code(start, *arguments, **values):
-                    def once():
-                        seconds, energy, end = start(*arguments, **values)
-                        return seconds, lambda: dict(kinetic_energy_j=energy, **measure(silt, end))
-                    return once
-
-                deck = dict(width=width, cores=cores, **common)
-                runs = {
-                    "LAMMPS granular": code(codes.run_deck, "lmp", LAMMPS, folder, **deck),
-                    "LIGGGHTS": code(codes.run_deck, "liggghts", LIGGGHTS, folder, **deck),
-                    "silt double": code(run_silt, silt, cores, "double", folder, **common),
-                    "silt mixed": code(run_silt, silt, cores, "mixed", folder, **common),
-                }
-                if a.native_lammps:
-                    native = os.path.abspath(shutil.which(a.native_lammps))
-                    runs["LAMMPS native"] = code(codes.run_deck, native, LAMMPS, folder, **deck)
-                times, ends = codes.interleaved(runs, a.repeat)
-                speed = codes.speeds(times, n * steps)
-                peer = max(speed[name]["median"] for name in PEERS)
-                lines = [f"{n} spheres, {state}, {cores} core{'s' * (cores > 1)}, {steps} steps, "
-                         f"median of {a.repeat} interleaved runs",
-                         "                    M/s  (spread)          over peer  kinetic energy  "
-                         "contacts a sphere  mean overlap/d"]
+                steps, speed, ends, skins = run_scene(a, folder, peers, silts, n, state, cores)
+                best = max((speed[name] for name, _, _ in peers), key=lambda s: s.median)
+                scene = f"{n} spheres, {state}, {cores} core{'s' * (cores > 1)}"
+                lines = [f"{scene}, {steps} steps, median of {a.repeat} interleaved runs",
+                         "                        M/s  (spread)          over peer  kinetic energy  "
+                         "contacts a sphere  mean overlap/d  skin"]
                 for name, s in speed.items():
                     e = ends[name]
-                    lines.append(f"  {name:16s}{s['median']:7.2f}  ({s['least']:.2f} to {s['most']:.2f})"
-                                 .ljust(42) + f"{s['median'] / peer:9.2f}  "
-                                 f"{e['kinetic_energy_j']:12.4g} J  {e['coordination']:17.4f}  "
-                                 f"{e['mean_overlap_over_d']:14.5f}")
+                    lines.append(
+                        f"  {name:18s}{s.text():>9s}  {s.spread()}".ljust(47)
+                        + f"{s.over(best):>9s}  {e['kinetic_energy_j']:12.4g} J  "
+                        f"{e['coordination']:17.4f}  {e['mean_overlap_over_d']:14.5f}  "
+                        + (f"{skins[name]['mm']:g} mm" if name in skins else "its own"))
                 print("\n".join(lines) + "\n", flush=True)
                 table += lines + [""]
+                check(summary, scene, n, ends)
                 results.append({"particles": n, "state": state, "cores": cores, "steps": steps,
-                                "speed": speed, "ends": ends,
-                                "double_over_faster_peer": speed["silt double"]["median"] / peer,
-                                "mixed_over_faster_peer": speed["silt mixed"]["median"] / peer})
-    with open(os.path.join(a.out, "summary.json"), "w") as f:
-        json.dump({"unit": "million particle-steps per second", "results": results}, f, indent=2)
-    with open(os.path.join(a.out, "table.txt"), "w") as f:
-        f.write("\n".join(table))
-    drawn = plot(results, os.path.join(a.out, "peers.png"))
+                                "speed": {name: s.as_dict() for name, s in speed.items()},
+                                "ends": ends, "skins": skins,
+                                "double_over_fastest_peer": speed["silt double"].median / best.median,
+                                "mixed_over_fastest_peer": speed["silt mixed"].median / best.median})
+    write(os.path.join(folder, "table.txt"), "\n".join(table))
+    drawn = plot(results, os.path.join(folder, "peers.png"))
+    status = summary.end(folder)
     print(f"Look at: {a.out}/table.txt, summary.json" + (", peers.png" if drawn else ""))
+    return status
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -4,7 +4,9 @@
 // stage by stage, on one thread; and what more threads gain, next to what as many runs of one
 // thread each gain that know nothing of each other: no more can be had from the machine at that
 // moment.
-//   roofline [N...]    spheres; default 5000 50000
+//   roofline [N...] [--quick] [--out DIR]    spheres; default 5000 50000
+// DIR/summary.json: all numbers, and checks that what was timed is what it is called: a bed at
+// rest, whole, whose lists hold each contact, and no stage faster than its bound.
 
 #include <algorithm>
 #include <chrono>
@@ -14,11 +16,21 @@
 #include <thread>
 #include <vector>
 
+#include <silt/io/atomic_file.hpp>
+
+#include "support/example.hpp"
+
 #include "../bed.hpp"
 
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+/// What is printed stands in summary.json too.
+struct Report {
+  example::Summary summary;
+  bool quick = false;
+};
 
 /// Seconds that `work` takes, the least of `repeats`.
 template <class Work>
@@ -39,10 +51,11 @@ void keep(const T& value) {
 
 /// Bytes a second of a = a + s b over arrays of `bytes` together: two reads and a write, and no
 /// line is written that was not read, as in the stages of a step.
-double update(std::size_t bytes) {
+double update(std::size_t bytes, bool quick) {
   const std::size_t n = bytes / (2 * sizeof(double));
   silt::AlignedVector<double> a(n, 1.0), b(n, 2.0);
-  const std::size_t rounds = std::max<std::size_t>(1, (std::size_t{1} << 28) / bytes);
+  const std::size_t rounds =
+      std::max<std::size_t>(1, (std::size_t{1} << (quick ? 26 : 28)) / bytes);
   const double seconds = least_time(5, [&] {
     for (std::size_t r = 0; r < rounds; ++r) {
       for (std::size_t k = 0; k < n; ++k) a[k] += 1e-9 * b[k];
@@ -54,9 +67,9 @@ double update(std::size_t bytes) {
 
 /// Operations a second on packs of lanes, `chains` of them independent of each other.
 template <class Scalar, std::size_t chains, class Operation>
-double rate(const Operation& operation) {
+double rate(const Operation& operation, bool quick) {
   using Real = typename silt::Lanes<silt::DefaultArch, Scalar>::Real;
-  constexpr int rounds = 2000000;
+  const int rounds = quick ? 200000 : 2000000;
   Real x[chains];
   for (std::size_t c = 0; c < chains; ++c) x[c] = Real(Scalar(1) + Scalar(c) / 64);
   const double seconds = least_time(5, [&] {
@@ -65,7 +78,7 @@ double rate(const Operation& operation) {
       keep(x);
     }
   });
-  return static_cast<double>(chains * rounds) * silt::Lanes<silt::DefaultArch, Scalar>::width /
+  return static_cast<double>(chains) * rounds * silt::Lanes<silt::DefaultArch, Scalar>::width /
          seconds;
 }
 
@@ -82,20 +95,25 @@ struct Machine {
 };
 
 template <class Scalar>
-Machine measure_machine(const std::vector<std::pair<std::size_t, double>>& bandwidth) {
+Machine measure_machine(const std::vector<std::pair<std::size_t, double>>& bandwidth, bool quick) {
   Machine m{bandwidth, 0, 0, 0};
   // Registers alone would be faster: `keep` makes each round go through the first-level cache.
-  m.flops = 2 * rate<Scalar, 12>([](auto x) {
-              using Real = decltype(x);
-              for (int k = 0; k < 16; ++k) x = x * Real(Scalar(0.999)) + Real(Scalar(0.001));
-              return x;
-            }) *
+  m.flops = 2 *
+            rate<Scalar, 12>(
+                [](auto x) {
+                  using Real = decltype(x);
+                  for (int k = 0; k < 16; ++k) x = x * Real(Scalar(0.999)) + Real(Scalar(0.001));
+                  return x;
+                },
+                quick) *
             16;
-  m.roots = rate<Scalar, 8>([](auto x) { return silt::sqrt(x); });
-  m.divisions = rate<Scalar, 8>([](auto x) {
-    using Real = decltype(x);
-    return Real(Scalar(1.5)) / x;
-  });
+  m.roots = rate<Scalar, 8>([](auto x) { return silt::sqrt(x); }, quick);
+  m.divisions = rate<Scalar, 8>(
+      [](auto x) {
+        using Real = decltype(x);
+        return Real(Scalar(1.5)) / x;
+      },
+      quick);
   return m;
 }
 
@@ -103,14 +121,19 @@ Machine measure_machine(const std::vector<std::pair<std::size_t, double>>& bandw
 constexpr double pair_flops = 230, pair_roots = 4, pair_divisions = 3;
 constexpr double particle_flops = 40;
 
-void row(const char* stage, double measured, double bytes, double working_set, double flops,
-         double roots, double divisions, const Machine& machine) {
+void row(Report& report, const std::string& scene, const char* stage, double measured, double bytes,
+         double working_set, double flops, double roots, double divisions, const Machine& machine) {
   const double by_bytes = 1e9 * bytes / machine.bandwidth_for(working_set);
   const double by_flops = 1e9 * flops / machine.flops;
   const double by_divider = 1e9 * (roots / machine.roots + divisions / machine.divisions);
   const double bound = std::max({by_bytes, by_flops, by_divider});
   std::printf("  %-12s %8.2f   %8.2f %8.2f %8.2f   %6.1f\n", stage, measured, by_bytes, by_flops,
               by_divider, measured / bound);
+  const std::string name = scene + "_" + stage;
+  report.summary.result(name + "_ns", measured);
+  report.summary.result(name + "_bound_ns", bound);
+  // A bound that is beaten has been counted wrongly, or the stage has not done its work.
+  report.summary.check_at_least(name + "_over_bound", measured / bound, 1);
 }
 
 /// The spheres of a simulation as they are now.
@@ -126,10 +149,63 @@ silt::Particles<silt::Sphere> copy_of(const Sim& sim) {
   return spheres;
 }
 
+/// That the scene is what its rows say: at rest, whole, and all of its contacts in the lists.
+template <class Sim>
+void check_bed(Report& report, const std::string& scene, Sim& sim) {
+  std::vector<silt::PositionRow> rows;
+  double largest = 0;  // [m]
+  std::size_t outside = 0;
+  const double width = bench::width_for(sim.rows());
+  for (std::size_t k = 0; k < sim.rows(); ++k) {
+    const auto p = sim.position(k);
+    const double r = sim.radius(k);
+    rows.push_back({p.x, p.y, p.z, r});
+    largest = std::max(largest, r);
+    const bool in = std::min(p.x, p.y) > 0 && std::max(p.x, p.y) < width && p.z > 0;
+    outside += in ? 0 : 1;
+  }
+  std::vector<silt::IndexPair> touching;
+  silt::CellGrid{}.find({rows, largest}, 0.0, silt::OpenDomain{}, silt::Team(1), touching);
+  const auto pairs = static_cast<double>(touching.size());
+  const auto count = static_cast<double>(sim.rows());
+  const double mass = 2500 * 4.0 / 3 * 3.14159265 * 2.15e-3 * 2.15e-3 * 2.15e-3;  // [kg]
+  report.summary.result(scene + "_contacts_a_sphere", 2 * pairs / count);
+  report.summary.check_at_most(scene + "_spheres_outside", static_cast<double>(outside), 0);
+  report.summary.check_within(scene + "_touching_pairs", static_cast<double>(sim.touching_pairs()),
+                              pairs, 1e-3 * pairs,
+                              "another search finds them anew; float rounds in mixed precision");
+  report.summary.check_at_least(scene + "_listed_over_touching",
+                                static_cast<double>(sim.engine().lists.pairs.size()) / pairs, 1);
+  report.summary.check_at_least(scene + "_contacts_a_sphere", 2 * pairs / count, 4);
+  report.summary.check_at_most(scene + "_kinetic_energy_over_weight_times_d",
+                               bench::kinetic_energy(sim) / (count * mass * 9.81 * 4.3e-3), 0.01);
+  report.summary.check_at_most(scene + "_time_step_over_limit",
+                               bench::time_step / *sim.time_step_limit(1.0), 1);
+}
+
+/// Particles in whose place, velocity or spin a run on all threads differs from one on one.
+template <class Sim, class Precision>
+std::size_t differ_by_threads(const Sim& sim, Precision precision) {
+  auto one = bench::bed(copy_of(sim), 1, precision);
+  auto all = bench::bed(copy_of(sim), std::max(2, silt::default_threads()), precision);
+  one.run(50 * bench::time_step), all.run(50 * bench::time_step);
+  std::size_t differ = 0;
+  for (std::size_t k = 0; k < one.rows(); ++k) {
+    const auto same = [](const silt::Vec3d& a, const silt::Vec3d& b) {
+      return a.x == b.x && a.y == b.y && a.z == b.z;
+    };
+    if (!same(one.position(k), all.position(k)) || !same(one.velocity(k), all.velocity(k)) ||
+        !same(one.angular_velocity(k), all.angular_velocity(k)))
+      ++differ;
+  }
+  return differ;
+}
+
 /// How many times more steps a second a team of all threads makes than one thread; and as many
 /// threads that run one copy each. Medians of interleaved rounds.
 template <class Sim, class Precision>
-void show_threads(Sim& sim, Precision precision, int steps) {
+void show_threads(Report& report, const std::string& scene, Sim& sim, Precision precision,
+                  int steps) {
   const int threads = silt::default_threads();
   if (threads < 2) return;
   std::vector<Sim> copies;
@@ -139,7 +215,8 @@ void show_threads(Sim& sim, Precision precision, int steps) {
   }
   const double time = steps * bench::time_step;
   std::vector<double> team, apart;
-  for (int round = 0; round < 7; ++round) {
+  constexpr int rounds = 7;
+  for (int round = 0; round < rounds; ++round) {
     sim.threads = 1;
     const double one = least_time(1, [&] { sim.run(time); });
     sim.threads = threads;
@@ -155,13 +232,20 @@ void show_threads(Sim& sim, Precision precision, int steps) {
       "  %d threads: %.2f times one (%.2f to %.2f); %d runs at once, one thread each: "
       "%.2f times one (%.2f to %.2f)\n",
       threads, team[3], team[0], team[6], threads, apart[3], apart[0], apart[6]);
+  report.summary.result(scene + "_team_over_one_thread", team[rounds / 2]);
+  report.summary.result(scene + "_apart_over_one_thread", apart[rounds / 2]);
 }
 
 template <class Precision>
-void show(std::size_t n, Precision precision, const Machine& machine, const char* name) {
+void show(Report& report, std::size_t n, Precision precision, const Machine& machine,
+          const char* name) {
   using Scalar = typename Precision::PairScalar;
   auto sim = bench::bed(bench::lattice(n), silt::default_threads(), precision);
   sim.run(20000 * bench::time_step);
+  const std::string scene = silt::text(n, "_", name);
+  check_bed(report, scene, sim);
+  report.summary.check_at_most(scene + "_particles_that_differ_by_threads",
+                               static_cast<double>(differ_by_threads(sim, precision)), 0);
   sim.threads = 1;
   sim.run(200 * bench::time_step);
   auto& e = sim.engine();
@@ -172,12 +256,14 @@ void show(std::size_t n, Precision precision, const Machine& machine, const char
   const double pairs = static_cast<double>(e.lists.pairs.size()) / count;
   const double walls = static_cast<double>(e.lists.walls.candidates().size()) / count;
   double seconds[3] = {1e30, 1e30, 1e30};
+  const silt::detail::StepTimes times{
+      .step = bench::time_step, .worked = bench::time_step, .ask = false};
   for (int k = 0; k < 30; ++k) {
     const auto least = [](double& now, const auto& work) {
       now = std::min(now, least_time(1, work));
     };
-    least(seconds[0], [&] { e.pair_forces(sim.domain(), bench::time_step); });
-    least(seconds[1], [&] { e.wall_forces(bench::time_step); });
+    least(seconds[0], [&] { e.pair_forces(sim.domain(), times); });
+    least(seconds[1], [&] { e.wall_forces(times); });
     // No time passes: sums are read and cleared, rows are read and written as in a step.
     least(seconds[2], [&] { e.integrate(Engine::Advance::KickAndDrift, {0, 0, 0}, 0, 0, false); });
   }
@@ -204,40 +290,73 @@ void show(std::size_t n, Precision precision, const Machine& machine, const char
   std::printf(
       "               measured   bounds by bytes, arithmetic, divider   measured\n"
       "               [ns a sphere]                                    / bound\n");
-  row("pairs", seconds[0] * ns, pair_bytes, set, pairs * pair_flops, pairs * pair_roots,
-      pairs * pair_divisions, machine);
-  row("walls", seconds[1] * ns, walls * (32 + 64 + 2 * sum + 12 + 48), set, walls * pair_flops,
-      walls * pair_roots, walls * pair_divisions, machine);
-  row("integration", seconds[2] * ns, step_bytes, integrated, particle_flops, 0, 0, machine);
+  row(report, scene, "pairs", seconds[0] * ns, pair_bytes, set, pairs * pair_flops,
+      pairs * pair_roots, pairs * pair_divisions, machine);
+  row(report, scene, "walls", seconds[1] * ns, walls * (32 + 64 + 2 * sum + 12 + 48), set,
+      walls * pair_flops, walls * pair_roots, walls * pair_divisions, machine);
+  row(report, scene, "integration", seconds[2] * ns, step_bytes, integrated, particle_flops, 0, 0,
+      machine);
   std::printf(
       "  a whole step %6.2f ns = %.1f M particle-steps/s; pruning %.1f ns, a search %.0f ns\n",
       whole * ns, 1e-6 * count / whole, prune * ns, renew * ns);
-  show_threads(sim, precision, static_cast<int>(2e7 / count) + 1);
+  report.summary.result(scene + "_step_ns", whole * ns);
+  report.summary.result(scene + "_pruning_ns", prune * ns);
+  report.summary.result(scene + "_search_ns", renew * ns);
+  // The stages are parts of a step; the least of 30 calls each, they are no slower than in it.
+  report.summary.check_at_most(scene + "_stages_over_step",
+                               (seconds[0] + seconds[1] + seconds[2]) / whole, 1.2);
+  show_threads(report, scene, sim, precision,
+               static_cast<int>((report.quick ? 1e6 : 2e7) / count) + 1);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  std::vector<std::size_t> sizes;
-  for (int k = 1; k < argc; ++k) sizes.push_back(std::strtoul(argv[k], nullptr, 10));
-  if (sizes.empty()) sizes = {5000, 50000};
-
+int run(const example::Options& options, std::vector<std::size_t> sizes) {
+  silt::make_folder(options.out);
+  Report report{{}, options.quick};
+  if (sizes.empty())
+    sizes = options.quick ? std::vector<std::size_t>{2000} : std::vector<std::size_t>{5000, 50000};
+  report.summary.input("quick", options.quick);
+  std::string all;
+  for (const std::size_t n : sizes) all += silt::text(all.empty() ? "" : " ", n);
+  report.summary.input("spheres", all);
+  std::printf("%s\n", example::processor().c_str());
   std::vector<std::pair<std::size_t, double>> bandwidth;
   std::printf("memory, one thread (a = a + s b):");
   for (const std::size_t kib : {24, 900, 4096, 16384, 262144}) {
-    bandwidth.emplace_back(kib << 10, update(kib << 10));
+    bandwidth.emplace_back(kib << 10, update(kib << 10, options.quick));
     std::printf("  %zu kiB %.0f GB/s", kib, 1e-9 * bandwidth.back().second);
+    report.summary.result(silt::text("bandwidth_", kib, "_kib_bytes_per_s"),
+                          bandwidth.back().second);
   }
-  const auto full = measure_machine<double>(bandwidth);
-  const auto single = measure_machine<float>(bandwidth);
+  const auto full = measure_machine<double>(bandwidth, options.quick);
+  const auto single = measure_machine<float>(bandwidth, options.quick);
   std::printf(
       "\narithmetic, one thread [1e9/s]: double %.1f flop, %.2f roots, %.2f divisions;"
       " float %.1f flop, %.2f roots, %.2f divisions\n",
       1e-9 * full.flops, 1e-9 * full.roots, 1e-9 * full.divisions, 1e-9 * single.flops,
       1e-9 * single.roots, 1e-9 * single.divisions);
-  for (const std::size_t n : sizes) {
-    show(n, silt::Double{}, full, "double");
-    show(n, silt::Mixed{}, single, "mixed");
+  for (const auto& [name, m] : {std::pair{"double", &full}, std::pair{"float", &single}}) {
+    report.summary.result(silt::text(name, "_flops_per_s"), m->flops);
+    report.summary.result(silt::text(name, "_roots_per_s"), m->roots);
+    report.summary.result(silt::text(name, "_divisions_per_s"), m->divisions);
   }
-  return 0;
+  for (const std::size_t n : sizes) {
+    show(report, n, silt::Double{}, full, "double");
+    show(report, n, silt::Mixed{}, single, "mixed");
+  }
+  report.summary.write(options.out + "/summary.json");
+  std::printf("\n");
+  report.summary.print_checks();
+  std::printf("Look at: %s/summary.json\n", options.out.c_str());
+  return report.summary.all_hold() ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  example::Command command(
+      "What this machine can do, the bound for a settled bed, and silt's stages",
+      example::Kind::Study, "out/roofline");
+  std::vector<std::size_t> sizes;
+  command.add("N", sizes, 100, 100000000, "Spheres; default 5000 50000, with --quick 2000");
+  return command.run(argc, argv, [&] { return run(command.options, sizes); });
 }

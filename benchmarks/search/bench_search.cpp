@@ -1,10 +1,12 @@
 // silt - BSD-3-Clause, see LICENSE
 //
 // What a search costs, build and query together: ns a sphere (items are spheres); `build` [ns a
-// sphere] alone, of searches that have it apart; bytes a sphere that it holds besides the pairs.
-// Single thread.
+// sphere] alone, of searches that have it apart; bytes a sphere that it holds besides the pairs;
+// how many pairs it has found, and a sum over them by which search.py sees whether all searches
+// have found the same ones. Single thread.
 //   bench_search [--benchmark_filter=...]      Google Benchmark's options
-//   bench_search points SCENE N FILE           writes a scene as a LAMMPS data file
+//   bench_search points SCENE N FILE           writes a scene as a LAMMPS data file, its spheres in
+//                                              the order in which HashedGrid has them
 
 #include <algorithm>
 #include <chrono>
@@ -14,7 +16,9 @@
 #include <functional>
 #include <map>
 #include <new>
+#include <numeric>
 #include <string>
+#include <type_traits>
 
 #include <malloc.h>
 
@@ -110,16 +114,31 @@ double least_time(const Work& work) {
   return least;
 }
 
+/// The same number for the same pairs in any order, of spheres numbered by `ids`; another for
+/// others.
+double sum_of(const std::vector<silt::IndexPair>& pairs, const std::vector<std::uint32_t>& ids) {
+  std::uint64_t sum = 0;
+  for (const auto& [a, b] : pairs) {
+    const auto [i, j] = std::minmax(ids[a], ids[b]);
+    std::uint64_t h = (static_cast<std::uint64_t>(i) << 32 | j) + 0x9e3779b97f4a7c15u;
+    h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9u;
+    h = (h ^ (h >> 27)) * 0x94d049bb133111ebu;
+    sum += h ^ (h >> 31);
+  }
+  return static_cast<double>(sum >> 11);  // as many bits as a double has
+}
+
 template <class Search>
 void search(benchmark::State& state, Search finder, Rows rows) {
   const double largest = bench::largest_radius(rows);
   const silt::Team team;
   constexpr silt::OpenDomain domain;
+  std::vector<std::uint32_t> ids(rows.size());
+  std::iota(ids.begin(), ids.end(), 0u);
   if constexpr (requires { []<class S>(bench::Ordered<S>&) {}(finder); }) {
-    std::vector<std::uint32_t> order;
-    finder.order({rows, largest}, reach, domain, team, order);
+    finder.order({rows, largest}, reach, domain, team, ids);
     Rows ordered;
-    for (const auto k : order) ordered.push_back(rows[k]);
+    for (const auto k : ids) ordered.push_back(rows[k]);
     rows.swap(ordered);
   }
   std::vector<silt::IndexPair> pairs;
@@ -133,6 +152,8 @@ void search(benchmark::State& state, Search finder, Rows rows) {
                                 finder.build({rows, largest}, reach, domain, team);
                               });
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(rows.size()));
+  if constexpr (!std::is_same_v<Search, bench::InPieces>)
+    state.counters["sum"] = sum_of(pairs, ids);
   state.counters["pairs"] = static_cast<double>(pairs.size()) / static_cast<double>(rows.size());
   if constexpr (requires { finder.report(); }) state.SetLabel(finder.report());
 }
@@ -159,6 +180,7 @@ void drive(benchmark::State& state, double travel) {
   sim.guard.max_overlap = sim.guard.max_time_step = 1e9;
   sim.guard.max_travel = sim.guard.max_rate = 1e9;
   sim.run(20 * dt);
+  state.counters["touching"] = static_cast<double>(sim.touching_pairs());
   for (auto _ : state) sim.run(10 * dt);
   state.SetItemsProcessed(state.iterations() * 10 * static_cast<std::int64_t>(n));
 }
@@ -208,6 +230,9 @@ int write_points(const std::string& name, std::size_t n, const std::string& path
     for (const Scene& scene : *all) {
       if (scene.name != name) continue;
       const Rows& rows = rows_of(scene, n);
+      std::vector<std::uint32_t> order;
+      silt::HashedGrid{}.order({rows, bench::largest_radius(rows)}, reach, silt::OpenDomain{},
+                               silt::Team(1), order);
       silt::Box box;
       for (const auto& p : rows) box.include(p.centre());
       box = box.grown(1);
@@ -217,9 +242,10 @@ int write_points(const std::string& name, std::size_t n, const std::string& path
           file,
           "\n\n%zu atoms\n1 atom types\n%g %g xlo xhi\n%g %g ylo yhi\n%g %g zlo zhi\n\nAtoms\n\n",
           rows.size(), box.min.x, box.max.x, box.min.y, box.max.y, box.min.z, box.max.z);
-      for (std::size_t k = 0; k < rows.size(); ++k)
-        std::fprintf(file, "%zu 1 %.9g 2500 %.17g %.17g %.17g\n", k + 1, 2 * rows[k].r, rows[k].x,
-                     rows[k].y, rows[k].z);
+      for (std::size_t k = 0; k < rows.size(); ++k) {
+        const auto& p = rows[order[k]];
+        std::fprintf(file, "%zu 1 %.17g 2500 %.17g %.17g %.17g\n", k + 1, 2 * p.r, p.x, p.y, p.z);
+      }
       return std::fclose(file) == 0 ? 0 : 2;
     }
   std::fprintf(stderr, "bench_search: there is no scene '%s', or '%s' cannot be written\n",

@@ -3,11 +3,17 @@
 """Runs bench_search, prints its tables, fits growth exponents and draws log-log plots.
 
 Times are processor time of one thread, build and query together, in ns a sphere (of which build, of
-searches that have it apart): the least of --repeat rounds, which are interleaved. "In order": the spheres have been sorted by the search's own
-order() before, as a Verlet list does. The lists of LAMMPS and LIGGGHTS are built on the same spheres
-and timed by their own clocks ("Neigh"), if they are installed. Results: OUT/search.json, *.png.
+searches that have it apart): the least of --repeat rounds, which are interleaved. "In order": the
+spheres have been sorted by the search's own order() before, as a Verlet list does. The lists of LAMMPS
+and LIGGGHTS, if they are installed, are built on the same spheres in that order and with the same
+reach, and timed by their own clocks ("Neigh"), the least of as many rounds; they are compared with
+HashedGrid in order, the k-d tree, which has the spheres as they come, with HashedGrid on the same.
+LAMMPS and LIGGGHTS as ./run peers-native compiles them have rows of their own; Debian's are compiled
+for any machine of their kind.
+
+Results: OUT/summary.json, *.png. Checks: all searches find the same pairs, the peers as many; spheres
+that collide touch as many others with each search.
 """
-import argparse
 import collections
 import json
 import math
@@ -17,9 +23,15 @@ import shutil
 import subprocess
 import sys
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "peers"))
+import codes  # noqa: E402
+from report import Options, Summary, in_range, make_folder, refuse, versions  # noqa: E402
+
 COLOURS = ["#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#555555"]
 SUBS = ["sub-grid 1/%d" % k for k in (1, 2, 3, 4, 5, 6, 8, 10)]
-NEARLY_THE_SAME = ["HashedGrid, pieces", "HashedGrid, in order", "HashedGrid, one level", "CellGrid, in order"]  # in a plot
+PIECES = "HashedGrid, pieces"  # does not look for all pairs
+NEARLY_THE_SAME = [PIECES, "HashedGrid, in order", "HashedGrid, one level", "CellGrid, in order"]  # in a plot
 PEER = """
 units si
 atom_style {style}
@@ -48,7 +60,7 @@ def run_bench(program, pattern, seconds):
     out = subprocess.run([program, "--benchmark_filter=" + pattern, "--benchmark_format=json",
                           f"--benchmark_min_time={seconds}"], capture_output=True, text=True)
     if out.returncode != 0:
-        sys.exit(f"bench_search did not finish: {out.stderr}")
+        refuse(f"bench_search did not finish: {out.stderr}")
     return json.loads(out.stdout)["benchmarks"]
 
 
@@ -63,7 +75,7 @@ def collect(rounds):
             key, (name, n) = group, rest.rsplit("/", 1)
         one = results[key][name].setdefault(int(n), {"ns": math.inf})
         one["ns"] = min(one["ns"], 1e9 / row["items_per_second"])
-        for field in ("bytes", "pairs", "label"):
+        for field in ("bytes", "pairs", "sum", "touching", "label"):
             if field in row:
                 one[field] = row[field]
         if "build" in row:
@@ -125,44 +137,71 @@ def print_drive(results):
         print(f"  {name:24s} " + " ".join(f"{results[g][name][20000]['ns']:9.1f}" for g in groups))
 
 
-def time_peers(program, folder, scene, n):
-    """ns a sphere of one build of the neighbour list, by each peer's own clock."""
+def time_peers(program, folder, scene, n, rounds, native):
+    """ns a sphere of one build of the neighbour list, by each peer's own clock, and how many pairs a
+    sphere the list holds."""
     data = os.path.join(folder, "points.data")
-    subprocess.run([program, "points", scene, str(n), data], check=True)
+    codes.run([program, "points", scene, str(n), data], folder)
+    lammps = dict(style="sphere", map="", soft="", law="pair_style gran/hertz/history "
+                  "1e6 NULL 0 NULL 0.4 1\npair_coeff * *")
+    liggghts = dict(style="granular", map="atom_modify map array\n", soft="soft_particles yes\n",
+                    law=LIGGGHTS_LAW)
+    peers = {"LAMMPS, Debian": (shutil.which("lmp"), lammps),
+             "LIGGGHTS, Debian": (shutil.which("liggghts"), liggghts),
+             "LAMMPS, native": (codes.native("lmp", native), lammps),
+             "LIGGGHTS, native": (codes.native("liggghts", native), liggghts)}
     found = {}
-    for peer, settings in (
-            ("lmp", dict(style="sphere", map="", soft="", law="pair_style gran/hertz/history "
-                         "1e6 NULL 0 NULL 0.4 1\npair_coeff * *")),
-            ("liggghts", dict(style="granular", map="atom_modify map array\n",
-                              soft="soft_particles yes\n", law=LIGGGHTS_LAW))):
-        if not shutil.which(peer):
+    for name, (peer, settings) in (one for _ in range(rounds) for one in peers.items()):
+        if not peer:
             continue
         text = PEER.format(data=data, **settings)
-        if peer == "liggghts":
+        if settings is liggghts:
             text = text.replace("comm_modify vel yes", "communicate single vel yes")
-        deck = os.path.join(folder, peer + ".in")
+        deck = os.path.join(folder, os.path.basename(peer) + ".in")
         with open(deck, "w") as f:
             f.write(text)
-        out = subprocess.run([peer, "-in", deck, "-log", "none"], capture_output=True, text=True,
-                             cwd=folder, env=dict(os.environ, OMP_NUM_THREADS="1"))
-        seconds = re.search(r"^Neigh\s*(?:\||time \(%\) =)\s*([0-9.e+-]+)", out.stdout, re.M)
-        if seconds:
-            found[peer] = 1e9 * float(seconds.group(1)) / 20 / n
-        else:
-            print(f"{peer} did not finish: {(out.stdout + out.stderr)[-300:]}")
+        out = codes.run([peer, "-in", deck, "-log", "none"], folder)
+        seconds = re.search(r"^Neigh\s*(?:\||time \(%\) =)\s*([0-9.e+-]+)", out, re.M)
+        builds = re.search(r"^Neighbor list builds = (\d+)", out, re.M)
+        pairs = re.search(r"^Total # of neighbors = (\d+)", out, re.M)
+        if not seconds or not builds or not pairs:
+            refuse(f"{peer} did not print what it does: {out[-500:]}")
+        one = found.setdefault(name, {"ns": math.inf, "program": peer})
+        one["ns"] = min(one["ns"], 1e9 * float(seconds[1]) / int(builds[1]) / n)
+        one["pairs"] = int(pairs[1]) / n
     return found
 
 
 def print_peers(results, peers):
     for (scene, n), found in peers.items():
-        ours = {name: of[n]["ns"] for name, of in results[scene].items() if n in of}
-        best = min(ours.get("HashedGrid, in order", math.inf), ours.get("HashedGrid", math.inf))
-        print(f"\n{scene}, {n} spheres, against HashedGrid ({best:.1f} ns a sphere)")
-        rows = {"k-d tree (nanoflann)": ours.get("k-d tree (nanoflann)"),
-                "LAMMPS, list build": found.get("lmp"), "LIGGGHTS, list build": found.get("liggghts")}
-        for name, value in rows.items():
-            if value:
-                print(f"  {name:24s} {value:9.1f} ns  {value / best:6.1f}x")
+        ours = {name: of[n] for name, of in results[scene].items() if n in of}
+        print(f"\n{scene}, {n} spheres, ns a sphere, and over HashedGrid on spheres that lie alike")
+        rows = [("k-d tree (nanoflann)", ours.get("k-d tree (nanoflann)"), "HashedGrid")]
+        rows += [(f"{name}, list build", one, "HashedGrid, in order") for name, one in found.items()]
+        for name, one, to in rows:
+            if one and to in ours:
+                print(f"  {name:28s} {one['ns']:9.1f}  {one['ns'] / ours[to]['ns']:6.1f}x  "
+                      f"({to}: {ours[to]['ns']:.1f})")
+
+
+def check(summary, results, peers):
+    """All searches must have found the same pairs, whatever their times."""
+    for group, searches in results.items():
+        field = "touching" if group.startswith("drive ") else "sum"
+        for n in sorted({n for of in searches.values() for n in of}):
+            found = {name: of[n] for name, of in searches.items() if n in of and name != PIECES}
+            values = collections.Counter(one.get(field) for one in found.values())
+            usual = values.most_common(1)[0][0]
+            others = [name for name, one in found.items() if one.get(field) != usual]
+            what = "touch other pairs" if field == "touching" else "find other pairs"
+            summary.at_most(f"{group}, {n}: searches of {len(found)} that {what}"
+                            + (f" ({', '.join(others)})" if others else ""), len(others), 0)
+    for (scene, n), found in peers.items():
+        mine = results.get(scene, {}).get("HashedGrid", {}).get(n)
+        for name, one in found.items():
+            if mine:
+                summary.within(f"{scene}, {n}, {name}: pairs a sphere", one["pairs"], mine["pairs"],
+                               1e-4 * mine["pairs"], "the same spheres and reach")
 
 
 def draw(results, folder):
@@ -221,34 +260,46 @@ def draw(results, folder):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Options(__doc__, "out/search")
     parser.add_argument("--bench", required=True, help="the program bench_search")
-    parser.add_argument("--out", default="out/search")
-    parser.add_argument("--quick", action="store_true", help="up to 1e5 spheres, one short round")
-    parser.add_argument("--repeat", type=int, default=3)
+    parser.add_argument("--repeat", type=in_range(int, 1, 1000), default=3)
+    parser.add_argument("--alone", action="store_true", help="without LAMMPS and LIGGGHTS")
+    parser.add_argument("--native", metavar="FOLDER", default=codes.NATIVE,
+                        help="of LAMMPS and LIGGGHTS as ./run peers-native compiles them")
     options = parser.parse_args()
-    os.makedirs(options.out, exist_ok=True)
+    bench = codes.program(options.bench, "--bench")
+    folder = make_folder(options.out)
     rounds = 1 if options.quick else options.repeat
-    patterns = (["search/(dense bed|cloud|jets)/.*/(1000|10000|100000)$", "search/.*:(1|5|10|100)/",
-                 "drive/"] if options.quick else ["."])
-    results = collect([run_bench(options.bench, p, 0.02 if options.quick else 0.1)
+    largest = 10000 if options.quick else 100000
+    patterns = (["search/(dense bed|cloud|jets)/.*/(1000|10000)$",
+                 "search/.*:(1|10)/(Hashed|Cell|Nbs|Auto|sub-grid 1/[48])", "drive/.*01/"]
+                if options.quick else ["."])
+    results = collect([run_bench(bench, p, 0.002 if options.quick else 0.1)
                        for _ in range(rounds) for p in patterns])
-    peers = {(s, 100000): time_peers(options.bench, os.path.abspath(options.out), s, 100000)
-             for s in ("dense bed",)}
+    peers = {} if options.alone else {
+        (s, largest): time_peers(bench, folder, s, largest, rounds, options.native)
+        for s in ("dense bed",)}
+    found = versions(bench)
+    found.update((name, codes.version_of(one["program"])) for of in peers.values()
+                 for name, one in of.items())
+    print("\n".join(codes.head(found)))
     print_growth(results), print_sizes(results), print_drive(results), print_peers(results, peers)
     for name, of in (("dense bed", results["dense bed"]), ("cloud", results["cloud"])):
         if "AutoSearch" in of:
             print(f"\nAutoSearch, {name}: {of['AutoSearch'][max(of['AutoSearch'])].get('label')}")
-    with open(os.path.join(options.out, "search.json"), "w") as file:
-        json.dump({"results": results,
-                   "peers": [{"scene": s, "n": n, **v} for (s, n), v in peers.items()]}, file, indent=1)
+    summary = Summary({"quick": options.quick, "repeat": rounds}, found)
+    summary.results = {"unit": "ns a sphere", "searches": results,
+                       "peers": [{"scene": s, "n": n, **v} for (s, n), v in peers.items()]}
+    check(summary, results, peers)
     try:
-        draw(results, options.out)
+        draw(results, folder)
     except ImportError:
         print("no plots: matplotlib is missing (Debian: apt-get install python3-matplotlib)")
-    print(f"\nresults and plots are in {options.out}")
+    print()
+    status = summary.end(folder)
+    print(f"Look at: {options.out}/summary.json, *.png")
+    return status
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
+#include <map>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -43,6 +45,10 @@ void Command::add(const std::string& name, double& value, double least, double m
 void Command::add(const std::string& name, std::size_t& value, std::size_t least, std::size_t most,
                   const std::string& help) {
   parser_->app.add_option(name, value, help)->check(CLI::Range(least, most))->capture_default_str();
+}
+void Command::add(const std::string& name, std::vector<std::size_t>& values, std::size_t least,
+                  std::size_t most, const std::string& help) {
+  parser_->app.add_option(name, values, help)->check(CLI::Range(least, most));
 }
 void Command::add(const std::string& name, std::string& value,
                   const std::vector<std::string>& choices, const std::string& help) {
@@ -99,7 +105,7 @@ void Summary::write(const std::string& path) const {
   };
   nlohmann::ordered_json all;
   all["inputs"] = object(inputs_);
-  all["versions"] = {{"silt", SILT_VERSION}, {"compiler", __VERSION__}};
+  all["versions"] = {{"silt", SILT_VERSION}, {"compiler", __VERSION__}, {"processor", processor()}};
   all["results"] = object(results_);
   all["checks"] = nlohmann::ordered_json::array();
   for (const auto& c : checks_) {
@@ -126,6 +132,26 @@ void Summary::print_checks() const {
     else
       std::printf("(%.4g off %.4g, at most %.4g)\n", c.value - c.reference, c.reference, c.limit);
   }
+}
+
+std::string processor() {
+  std::ifstream file("/proc/cpuinfo");
+  std::map<std::string, std::string> found;
+  for (std::string line; std::getline(file, line) && !line.empty();) {
+    const auto colon = line.find(':');
+    if (colon == std::string::npos) continue;
+    const auto end = line.find_last_not_of(" \t", colon - 1);
+    const auto from = line.find_first_not_of(' ', colon + 1);
+    found[line.substr(0, end + 1)] = from == std::string::npos ? "" : line.substr(from);
+  }
+  if (!found.count("model name")) return "unknown processor";
+  const std::string flags = ' ' + found["flags"] + ' ';
+  const auto has = [&](const char* flag) { return flags.find(flag) != std::string::npos; };
+  return found["model name"] + ", family " + found["cpu family"] + " model " + found["model"] +
+         ", " +
+         (has(" avx512f ") ? "AVX-512"
+          : has(" avx2 ")  ? "AVX2"
+                           : "SSE2");
 }
 
 bool draw(const std::vector<std::string>& arguments) {

@@ -37,6 +37,9 @@ class Command {
            const std::string& help);
   void add(const std::string& name, std::size_t& value, std::size_t least, std::size_t most,
            const std::string& help);
+  /// Several numbers; a name without dashes makes them the arguments that are no options.
+  void add(const std::string& name, std::vector<std::size_t>& values, std::size_t least,
+           std::size_t most, const std::string& help);
   void add(const std::string& name, std::string& value, const std::vector<std::string>& choices,
            const std::string& help);
   void add_flag(const std::string& name, bool& value, const std::string& help);
@@ -89,6 +92,10 @@ class Summary {
   std::vector<Entry> inputs_, results_;
   std::vector<Check> checks_;
 };
+
+/// The processor's name, what tells apart those sold under one name, and its widest lanes; as
+/// benchmarks/report.py has it.
+std::string processor();
 
 /// Runs draw.py with these arguments; false if there is no Python with numpy and matplotlib.
 bool draw(const std::vector<std::string>& arguments);

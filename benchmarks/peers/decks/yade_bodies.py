@@ -1,12 +1,13 @@
 # silt - BSD-3-Clause, see LICENSE
-"""yade -n -x -j1 yade_bodies.py BODIES FORM WIDTH WARMUP STEPS END: the bed of bench_bodies in Yade."""
+"""yade -n -x -j1 yade_bodies.py BODIES FORM WIDTH WARMUP STEPS SKIN END: the bed of bench_bodies in
+Yade. SKIN: of its list, over the radius of a ball."""
 import math
 import sys
 import time
 
 from yade import *
 
-bodies, form, width, warmup, steps, end = sys.argv[1:7]
+bodies, form, width, warmup, steps, skin, end = sys.argv[1:8]
 width = float(width)
 material = FrictMat(young=1e6, poisson=0.3, density=2500, frictionAngle=math.atan(0.4))
 O.materials.append(material)
@@ -31,7 +32,7 @@ beta = math.sqrt(5 / 6) * -ln / math.hypot(ln, math.pi)
 beta *= math.sqrt(clumps[0][0].mass / O.bodies[clumps[0][1][0]].state.mass)
 O.engines = [
     ForceResetter(),
-    InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Wall_Aabb()], verletDist=-0.05),
+    InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Wall_Aabb()], verletDist=-float(skin)),
     InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom()],
                     [Ip2_FrictMat_FrictMat_MindlinPhys(betan=beta)],
                     [Law2_ScGeom_MindlinPhys_Mindlin()]),

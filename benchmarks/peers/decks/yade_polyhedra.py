@@ -1,7 +1,8 @@
 # silt - BSD-3-Clause, see LICENSE
-"""yade -n -x -j1 yade_polyhedra.py FILE STEPS BODIES: times 216 random polyhedra that fall on a plane,
-from FILE on, which is made, 3 000 steps from the start, where it is not there. BODIES: where they
-are then, a line each: place, quaternion (w first), velocity, spin, corners."""
+"""yade -n -x -j1 yade_polyhedra.py FILE WARMUP STEPS SKIN BODIES END: times 216 random polyhedra that
+fall on a plane, from FILE on, which is made, 3 000 steps from the start, where it is not there. SKIN [m]
+of its list. BODIES, END: where they are then, and after WARMUP and STEPS, a line each: place, quaternion
+(w first), velocity, spin, corners."""
 import os
 import sys
 import time
@@ -34,23 +35,31 @@ def scene():
 
 
 log.setLevel("Default", log.FATAL)  # it would warn hundreds of times a step of a case that is none
-file, steps, bodies = sys.argv[1], int(sys.argv[2]), sys.argv[3]
+file, warmup, steps, skin, start_file, end_file = sys.argv[1:7]
 if not os.path.exists(file):
     scene()
     O.run(3000, True)
     O.save(file)
 O.load(file)
-with open(bodies, "w") as f:
-    for body in O.bodies:
-        if not isinstance(body.shape, Polyhedra):
-            continue
-        s, q = body.state, body.state.ori
-        corners = [x for corner in body.shape.v for x in corner]
-        f.write(" ".join(f"{x:.17g}" for x in [*s.pos, q[3], q[0], q[1], q[2], *s.vel, *s.angVel,
-                                               *corners]) + "\n")
-O.run(5, True)
+next(e for e in O.engines if isinstance(e, InsertionSortCollider)).verletDist = float(skin)
+
+
+def write(path):
+    with open(path, "w") as f:
+        for body in O.bodies:
+            if not isinstance(body.shape, Polyhedra):
+                continue
+            s, q = body.state, body.state.ori
+            corners = [x for corner in body.shape.v for x in corner]
+            f.write(" ".join(f"{x:.17g}" for x in [*s.pos, q[3], q[0], q[1], q[2], *s.vel, *s.angVel,
+                                                   *corners]) + "\n")
+
+
+write(start_file)
+O.run(int(warmup), True)
 start = time.time()
-O.run(steps, True)
+O.run(int(steps), True)
 seconds = time.time() - start
+write(end_file)
 pairs = sum(1 for c in O.interactions if c.isReal and min(c.id1, c.id2) > 0)  # 0: the plane
-print("seconds", seconds, "contacts", 2 * pairs / 216)
+print("seconds", seconds, "own_contacts", 2 * pairs / 216)
