@@ -123,6 +123,7 @@ TEST_CASE("guard: what is added later and overlaps is given so too; what runs in
   CHECK(has_words(failure(hit, 0.01).what(), {"overlaps wall 0", "use a stiffer material"}));
 }
 
+// Two ellipsoids of a mix without flat faces had no room for what their contact keeps, and crashed.
 TEST_CASE("guard: in a mix, two bodies that overlap are named by their numbers") {
   using Grains = silt::Mix<Sphere, silt::SuperEllipsoid>;
   for (const bool balls : {true, false})

@@ -10,7 +10,7 @@
 
 #include <silt/core/error.hpp>
 #include <silt/engine/body.hpp>
-#include <silt/engine/particle_state.hpp>
+#include <silt/engine/rows.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 

@@ -102,21 +102,23 @@ template <class EngineType, class Domain>
   return most;
 }
 
-/// Centre of the particle that a row is, or belongs to [m].
+/// Centre of the particle that a row is, or belongs to [m], `back` [s] ago.
 template <class EngineType>
-Vec3d centre_of_owner(const EngineType& e, std::size_t row) {
-  if constexpr (EngineType::has_bodies)
-    return e.mover.bodies[e.owner(row)].centre;
-  else
-    return e.particles.position[row].centre();
+Vec3d centre_of_owner(const EngineType& e, std::size_t row, double back) {
+  if constexpr (EngineType::has_bodies) {
+    const Body& b = e.mover.bodies[e.owner(row)];
+    return b.centre - back * b.velocity;
+  } else {
+    return place_before(e, row, back);
+  }
 }
 
 /// Why two particles overlap where a run begins, and what to change.
 template <class EngineType, class Domain>
 [[gnu::cold]] std::string twin_words(const EngineType& e, [[maybe_unused]] const Domain& domain,
-                                     const DeepContact& c) {
+                                     double back, const DeepContact& c) {
   constexpr double near = 0.5;  // [-] of the smaller radius
-  Vec3d d = centre_of_owner(e, c.a) - centre_of_owner(e, c.b);
+  Vec3d d = centre_of_owner(e, c.a, back) - centre_of_owner(e, c.b, back);
   if constexpr (Domain::periodic) d = domain.shortest(d);
   const double r = std::min(e.particles.position[c.a].r, e.particles.position[c.b].r);
   if (norm(d) > near * r)
@@ -181,7 +183,7 @@ template <class EngineType, class Domain, class Longer, class Name>
   const bool is_given_so = at_start && c.overlap > 1;  // no material would bear that
   const auto cause = !at_start     ? advice()
                      : c.with_wall ? behind_words(e, domain, back, c)
-                                   : twin_words(e, domain, c);
+                                   : twin_words(e, domain, back, c);
   const auto tail = text(
       limits.empty() ? e.largest_overlap : c.overlap, " of the smaller radius, above the limit ",
       is_common ? text("guard.max_overlap = ", limit)
