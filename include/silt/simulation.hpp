@@ -43,38 +43,10 @@ namespace silt::inline SILT_TARGET {
 ///   ledger     EnergyLedger                                   no books of the energy
 ///
 /// Lengths in m, times in s, masses in kg. Errors: InputError for values and combinations that
-/// cannot be used, SimulationError for a run that breaks a limit of `guard`.
+/// cannot be used, SimulationError for a run that breaks a limit of `guard`; policies that do not
+/// make a simulation: a sentence at compile time (engine/refused_simulation.hpp).
 template <class... Policies>
 class Simulation {
-  static_assert(detail::count<detail::IsParticles, Policies...> == 1,
-                "Simulation needs the particles: give one silt::Particles<Shape> "
-                "(silt/fill/particles.hpp; shapes: silt/shape/concept.hpp)");
-  static_assert(detail::count<detail::IsContacts, Policies...> == 1,
-                "Simulation needs one contact law: give silt::Contacts<Law>{material} "
-                "(silt/contact/contacts.hpp; laws: silt/contact/concept.hpp)");
-  static_assert(detail::count<detail::IsSearch, Policies...> <= 1,
-                "Simulation takes one neighbour search (silt/search/concept.hpp)");
-  static_assert(detail::count<detail::IsDomain, Policies...> <= 1,
-                "Simulation takes one domain (silt/boundary/domain.hpp)");
-  static_assert(detail::count<detail::IsFluid, Policies...> <= 1,
-                "Simulation takes one fluid coupling (silt/coupling/no_fluid.hpp)");
-  static_assert(detail::count<detail::IsIntegrator, Policies...> <= 1,
-                "Simulation takes one integrator (silt/motion/concept.hpp)");
-  static_assert(detail::count<detail::IsRotation, Policies...> <= 1,
-                "Simulation takes one rotation (silt/motion/rotation.hpp)");
-  static_assert(detail::count<detail::IsPrecision, Policies...> <= 1,
-                "Simulation takes one precision: Double or Mixed (silt/engine/precision.hpp)");
-  static_assert(detail::count<detail::IsKernels, Policies...> <= 1 &&
-                    detail::count<detail::IsLedger, Policies...> <= 1,
-                "Simulation takes one KernelsFor and one EnergyLedger");
-  static_assert(
-      (detail::belongs_to_an_axis<Policies> && ...),
-      "a policy given to Simulation belongs to no axis: it must be Particles, Contacts, a "
-      "NeighbourSearch, a domain, a FluidCoupling, a precision, an Integrator, a rotation, "
-      "KernelsFor or EnergyLedger; the "
-      "contracts are in "
-      "silt/contact/, search/, boundary/, coupling/, motion/ concept.hpp");
-
  public:
   using ParticlesType = detail::pick<detail::IsParticles, void, Policies...>;
   using ContactsType = detail::pick<detail::IsContacts, void, Policies...>;
@@ -149,21 +121,21 @@ class Simulation {
     if (wall.moves()) wall.pose = wall.last_pose = wall.motion(time_);
     engine_.walls.push_back(std::move(wall));
     engine_.lists.forget();
-    scene_changed_ = true;
+    scene_changed_ = true, scene_step_ = step_;
     return engine_.walls.size() - 1;
   }
   /// Takes away the surfaces of wall k: a lid that opens. Its number stays taken.
   void remove_wall(std::size_t k) {
-    engine_.walls.at(k).surfaces.clear();
+    wall_at(k).surfaces.clear();
     engine_.lists.forget();
   }
   /// Lets particles and walls of these two materials overlap by up to `limit` [-] of the smaller
   /// radius, in place of guard.max_overlap: a heavy body that hits light grains.
   void set_max_overlap(const typename ContactsType::Material& a,
                        const typename ContactsType::Material& b, double limit);
-  const Wall& wall(std::size_t k) const { return engine_.walls.at(k); }
+  const Wall& wall(std::size_t k) const { return detail::at("wall", engine_.walls, k); }
   std::size_t walls() const { return engine_.walls.size(); }
-  void set_reference(std::size_t k, const Vec3d& point) { engine_.walls.at(k).reference = point; }
+  void set_reference(std::size_t k, const Vec3d& point) { wall_at(k).reference = point; }
 
   /// Particles whose centre enters `region` leave the simulation and are counted.
   std::size_t add_outlet(const Box& region) { return openings_.add_outlet(region); }
@@ -216,6 +188,7 @@ class Simulation {
       const bool stop = step_ >= last;
       if (!kicked_) advance(stop || (detail::is_due(observers, *this) || ...));
       if (kicked_) (detail::observe(observers, *this), ...);
+      if (kicked_ && sizeof...(Observers) > 0) detail::check_given(engine_, gravity, step_, time_);
       if (stop) break;
       if (kicked_) engine_.drift(dt_);
       kicked_ = false;
@@ -242,64 +215,64 @@ class Simulation {
   std::size_t rows() const { return engine_.rows_of_particles(); }
   std::uint32_t id(std::size_t k) const {
     if constexpr (has_bodies)
-      return bodies()[k].id;
+      return bodies()[known(k)].id;
     else
-      return engine_.particles.id[k];
+      return engine_.particles.id[known(k)];
   }
   bool is_present(std::size_t k) const { return id(k) != no_particle; }
   Vec3d position(std::size_t k) const {  // [m] of the centre of mass
     if constexpr (has_bodies)
-      return bodies()[k].centre;
+      return bodies()[known(k)].centre;
     else
-      return engine_.particles.position[k].centre();
+      return engine_.particles.position[known(k)].centre();
   }
   double radius(std::size_t k) const {  // [m] of bodies that of the bounding sphere
     if constexpr (has_bodies)
-      return bodies()[k].radius;
+      return bodies()[known(k)].radius;
     else
-      return engine_.particles.position[k].r;
+      return engine_.particles.position[known(k)].r;
   }
   double mass(std::size_t k) const {  // [kg] infinite: fixed
     double inv_m;
     if constexpr (has_bodies)
-      inv_m = bodies()[k].inv_m;
+      inv_m = bodies()[known(k)].inv_m;
     else
-      inv_m = engine_.particles.motion[k].inv_m;
+      inv_m = engine_.particles.motion[known(k)].inv_m;
     return inv_m > 0 ? 1 / inv_m : INFINITY;
   }
   Vec3d velocity(std::size_t k) const {  // [m/s] at time()
-    if (kicked_) return engine_.mover.synchronous[k].velocity;
+    if (kicked_) return engine_.mover.synchronous[known(k)].velocity;
     if constexpr (has_bodies)
-      return bodies()[k].velocity;
+      return bodies()[known(k)].velocity;
     else
-      return engine_.particles.motion[k].velocity();
+      return engine_.particles.motion[known(k)].velocity();
   }
   Vec3d angular_velocity(std::size_t k) const  // [rad/s] at time()
       requires rotates {
     if constexpr (has_bodies) {
-      return kicked_ ? engine_.mover.synchronous[k].angular_velocity
-                     : bodies()[k].angular_velocity(bodies()[k].momentum);
+      return kicked_ ? engine_.mover.synchronous[known(k)].angular_velocity
+                     : bodies()[known(k)].angular_velocity(bodies()[k].momentum);
     } else {
-      const auto& m = engine_.particles.motion[k];
+      const auto& m = engine_.particles.motion[known(k)];
       return (kicked_ ? engine_.mover.synchronous[k].spin_velocity : m.spin_velocity()) * m.inv_r;
     }
   }
   /// Turns the frame in which the form was given to space.
   Quaternion orientation(std::size_t k) const requires has_bodies {
-    const auto& b = bodies()[k];
+    const auto& b = bodies()[known(k)];
     return b.orientation * conjugate(engine_.mover.forms[b.form].mass.axes);
   }
-  std::size_t form(std::size_t k) const requires has_bodies { return bodies()[k].form; }
+  std::size_t form(std::size_t k) const requires has_bodies { return bodies()[known(k)].form; }
   /// Size of the particle over that of its form as it was made [-].
-  double scale(std::size_t k) const requires has_bodies { return bodies()[k].scale; }
+  double scale(std::size_t k) const requires has_bodies { return bodies()[known(k)].scale; }
   const std::vector<BodyForm<ShapeType>>& forms() const requires has_bodies {
     return engine_.mover.forms;
   }
   std::size_t material(std::size_t k) const {
     if constexpr (has_bodies)
-      return bodies()[k].material;
+      return bodies()[known(k)].material;
     else if constexpr (ContactsType::several_materials)
-      return engine_.particles.material[k];
+      return engine_.particles.material[known(k)];
     else
       return 0;
   }
@@ -329,7 +302,7 @@ class Simulation {
   const Fluid& fluid() const requires(Fluid::active) { return fluid_; }
   /// What the fluid does to particle k at present [N].
   Vec3d fluid_force(std::size_t k) const requires(Fluid::active) {
-    return engine_.fluid_loads().force[k].vector();
+    return engine_.fluid_loads().force[known(k)].vector();
   }
   /// What the fluid has given to particle k [N s] that velocity(k) does not have yet, as the flow
   /// is ahead of the particles; while they are observed, or after run().
@@ -375,6 +348,12 @@ class Simulation {
     keep_limits();
   }
 
+  std::size_t known(std::size_t k) const {
+    if (k >= rows()) [[unlikely]]
+      detail::refuse_row(k, rows());
+    return k;
+  }
+  Wall& wall_at(std::size_t k) { return const_cast<Wall&>(wall(k)); }
   struct Kinetic {
     double translation, rotation;  // [J]
     double sum() const { return translation + rotation; }
@@ -424,6 +403,7 @@ class Simulation {
   double expected_speed() const;
   detail::Meetings meetings() const;
   std::optional<detail::ShortestContact> shortest_contact(double speed) const;
+  double longest_travel_step(double speed) const;
   bool is_step_too_long() const;
   bool is_longer_than_chosen() const;
   void check_walls() const;
@@ -463,7 +443,8 @@ class Simulation {
   double checked_speed_ = 0, checked_overlap_ = 0, peak_overlap_ = 0;
   std::uint32_t next_id_ = 0, next_part_ = 0;
   bool first_kick_ = true, kicked_ = false, continued_ = false;
-  bool scene_changed_ = false;  // since the last run began
+  bool scene_changed_ = false;   // since the last run began
+  std::int64_t scene_step_ = 0;  // when particles or walls were last added
   detail::OverlapLimits overlap_limits_;
 };
 
@@ -478,6 +459,8 @@ requires(detail::count<detail::IsKernels, std::remove_cvref_t<Args>...> == 0) Si
 
 }  // namespace silt
 
+#include <silt/engine/refused_simulation.hpp>
 #include <silt/engine/simulation_bodies.hpp>
 #include <silt/engine/simulation_fluid.hpp>
 #include <silt/engine/simulation_parts.hpp>
+#include <silt/engine/simulation_time_step.hpp>

@@ -23,7 +23,9 @@ export -f alone
 export target='#ifndef SILT_TARGET
 #error "its namespace needs silt/core/target.hpp"
 #endif'
-if grep -rn '^ *namespace silt' "$dir/silt" | grep -v 'namespace silt::inline SILT_TARGET\b'; then
+# What is thrown must have a plain name, which a terminated program shows; units_apart.py looks at it.
+if grep -rn '^ *namespace silt' "$dir/silt" | grep -v 'namespace silt::inline SILT_TARGET\b' |
+  grep -v '/core/error_types.hpp:[0-9]*:namespace silt {$'; then
   echo "these must stand in 'namespace silt::inline SILT_TARGET'"
   exit 1
 fi

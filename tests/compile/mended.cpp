@@ -75,3 +75,21 @@ namespace drag_with_if {
 namespace drag_of_doubles {
 #include "refused/drag_of_doubles.cpp"
 }
+namespace drag_of_one_double {
+#include "refused/drag_of_one_double.cpp"
+}
+namespace flow_without_mode {
+#include "refused/flow_without_mode.cpp"
+}
+namespace flow_without_drag {
+#include "refused/flow_without_drag.cpp"
+}
+namespace flow_without_flow {
+#include "refused/flow_without_flow.cpp"
+}
+namespace flow_with_two_drags {
+#include "refused/flow_with_two_drags.cpp"
+}
+namespace law_without_contacts {
+#include "refused/law_without_contacts.cpp"
+}

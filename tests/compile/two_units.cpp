@@ -5,6 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <typeinfo>
+
+#include <silt/core/error.hpp>
 
 #include "unit.hpp"
 
@@ -40,4 +44,23 @@ TEST_CASE(
   CHECK(largest_difference(plain.mixed, plain.positions) < 1e-9);
   CHECK(plain.mixed != plain.positions);
   CHECK(plain_unit().positions == plain.positions);
+}
+
+TEST_CASE("two_units: an error of any unit has a plain name, and is caught by the others") {
+  const auto name = [](void (*fails)()) -> std::string {
+    try {
+      fails();
+    } catch (const silt::SimulationError& error) {
+      CHECK(error.particles.size() == 2);
+      CHECK(std::abs(error.position.z) < 2e-3);
+      return typeid(error).name();
+    }
+    return {};
+  };
+  // A program that catches nothing shows it as silt::SimulationError.
+  CHECK(name(plain_unit_fails) == "N4silt15SimulationErrorE");
+#if defined(__GNUC__) && defined(__x86_64__)
+  if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) return;
+#endif
+  CHECK(name(avx2_unit_fails) == "N4silt15SimulationErrorE");
 }

@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// Compiled twice into one program, with other instruction sets: SILT_UNIT is the function's name.
+// Compiled twice into one program, with other instruction sets: SILT_UNIT and SILT_FAILS name the functions.
 #include "unit.hpp"
 
 #include <typeinfo>
@@ -44,4 +44,13 @@ UnitResult SILT_UNIT() {
   const auto sim = fallen<silt::Double>();
   return {silt::Lanes<silt::DefaultArch>::width, typeid(sim).name(), positions(sim),
           positions(fallen<silt::Mixed>())};
+}
+
+void SILT_FAILS() {
+  const silt::HertzMindlin::Material glass{.youngs_modulus = 1e7, .poisson_ratio = 0.25};
+  silt::Particles<silt::Sphere> beads;
+  beads.add({.position = {0, 0, 0}, .radius = 1e-3, .density = 2500});
+  beads.add({.position = {0, 0, 1e-3}, .radius = 1e-3, .density = 2500, .velocity = {0, 0, 1}});
+  silt::Simulation sim{std::move(beads), silt::Contacts<silt::HertzMindlin>{glass}};
+  sim.run(1e-3);
 }

@@ -15,3 +15,7 @@ struct UnitResult {
 
 UnitResult plain_unit();
 UnitResult avx2_unit();
+
+/// Each throws the SimulationError of two spheres that overlap at the start.
+void plain_unit_fails();
+void avx2_unit_fails();

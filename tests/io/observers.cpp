@@ -170,6 +170,20 @@ TEST_CASE("observers: a run with all of them gives the bits of a run with none")
     CHECK_FALSE(file.path().string().ends_with(".partial"));
 }
 
+TEST_CASE("table: a row may be one number, and is one column of numbers") {
+  Folder folder;
+  auto sim = scene();
+  sim.run(3 * step, silt::table(folder / "t.csv", {"time [s]"}, every(step),
+                                [](const auto& s) { return s.time(); }));
+  sim.run(0, silt::table(folder / "n.csv", {"steps [-]"}, every(step),
+                         [](const auto& s) { return s.step(); }));
+  const auto lines = [&](const char* name) {
+    return count_of("\n", silt::detail::read_text(folder / name));
+  };
+  CHECK(lines("t.csv") == 5);
+  CHECK(silt::detail::read_text(folder / "n.csv") == "steps [-]\n3\n");
+}
+
 TEST_CASE("vtk_series: frames say their time and hold every particle with its fields") {
   const Folder folder;
   auto sim = scene();

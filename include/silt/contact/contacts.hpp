@@ -120,7 +120,7 @@ class Contacts {
   }
 
   std::size_t materials() const { return materials_.size(); }
-  const Material& material(std::size_t k) const { return materials_.at(k); }
+  const Material& material(std::size_t k) const { return detail::at("material", materials_, k); }
 
   /// The law's coefficients for materials a and b; InputError if they have no pair value.
   LawCoefficients coefficients(std::size_t a, std::size_t b) const {

@@ -4,48 +4,13 @@
 #include <charconv>
 #include <cstdint>
 #include <initializer_list>
-#include <stdexcept>
 #include <string>
 #include <string_view>
-#include <utility>
-#include <vector>
 
+#include <silt/core/error_types.hpp>
 #include <silt/core/vec3.hpp>
 
 namespace silt::inline SILT_TARGET {
-
-/// Everything silt throws derives from this; `what()` is one sentence: what, where, what to change.
-struct Error : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-
-/// A value, file or combination that cannot be used. Nothing has been changed or written.
-struct InputError : Error {
-  using Error::Error;
-};
-
-/// A file or folder that cannot be read or written (missing, full disk, damaged content).
-struct FileError : Error {
-  using Error::Error;
-};
-
-/// The run itself went wrong: not a number, overlap or time step over its limit, a particle
-/// outside.
-struct SimulationError : Error {
-  SimulationError(const std::string& sentence, std::int64_t at_step, std::vector<std::uint32_t> ids,
-                  Vec3d where)
-      : Error(sentence), step(at_step), particles(std::move(ids)), position(where) {}
-  std::int64_t step;
-  std::vector<std::uint32_t> particles;
-  Vec3d position;  // [m]
-};
-
-/// A step of a flow that is too long for the flow as it is now.
-struct FlowStepError : Error {
-  FlowStepError(const std::string& sentence, double longest_step)
-      : Error(sentence), longest(longest_step) {}
-  double longest;  // [s] that this flow allows
-};
 
 // Sentences, and what else runs once in a while, are [[gnu::cold]]: compiled for size, out of the
 // way, they take less of the time that every program takes to compile.
@@ -171,6 +136,20 @@ void require(bool condition, const Parts&... parts) {
   if (!condition) [[unlikely]]
     throw InputError(detail::join({parts...}));
 }
+
+namespace detail {
+/// Element k of `all`, by the name that a sentence gives them.
+template <class All>
+const auto& at(std::string_view name, const All& all, std::size_t k) {
+  require(k < all.size(), name, '(', k, "): there ", all.size() == 1 ? "is " : "are ", all.size(),
+          ' ', name, all.size() == 1 ? "" : "s", ", counted from 0");
+  return all[k];
+}
+[[noreturn, gnu::cold, gnu::noinline]] inline void refuse_row(std::size_t k, std::size_t rows) {
+  throw InputError(text("there is no particle at place ", k, ": Simulation::rows() is ", rows,
+                        ", and find() gives that for a particle that has left"));
+}
+}  // namespace detail
 
 /// Throws InputError unless `value` is finite and in [low, high]: name, value, unit, range.
 inline void require_in(std::string_view name, double value, std::string_view unit, double low,

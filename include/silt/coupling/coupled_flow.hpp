@@ -28,8 +28,9 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Particles and a flow, each of which feels the other, unresolved or by two grids, a kernel or
-/// diffusion: the fluid of a Simulation, or of a loop of one's own.
+/// What CoupledFlow is, of policies in this order; CoupledFlow itself takes them in any
+/// (coupled_flow_policies.hpp). Particles and a flow, each of which feels the other, unresolved or
+/// by two grids, a kernel or diffusion: the fluid of a Simulation, or of a loop of one's own.
 ///
 ///   silt::FlowSolver flow(grid, air, {.model = silt::MomentumModel::A});
 ///   silt::Simulation sim{std::move(grains), silt::Contacts<silt::HertzMindlin>{glass},
@@ -53,8 +54,8 @@ namespace silt::inline SILT_TARGET {
 /// Errors: those of FlowSolver and the averaging mode; InputError for spans that do not fit.
 /// Tests:  tests/coupling/coupled_flow.cpp, simulation.cpp, light_particles.cpp,
 ///         impulsive_start.cpp.
-template <class Drag, AveragingMode Mode, FluidForce... Forces>
-class CoupledFlow {
+template <class Drag, class Mode, class... Forces>
+class BasicCoupledFlow {
   template <class F>
   static constexpr bool wants_curl = requires {
     requires F::needs_curl;
@@ -88,9 +89,6 @@ class CoupledFlow {
   static_assert(((times_given<Forces> == 1) && ...), "CoupledFlow: give each force once");
   static_assert(!(follows && has_added_mass),
                 "FollowedDrag does not know a virtual mass: leave one of them out");
-  static_assert(
-      DragLaw<Drag> || OrientedDragLaw<Drag>,
-      "CoupledFlow takes a drag law first (silt/coupling/drag/concept.hpp, oriented.hpp)");
   static_assert(OrientedDragLaw<Drag> || detail::drag_fits_lanes<Drag>(),
                 "the drag law works on double and float, but not on a pack of lanes: make "
                 "normalised(eps, Re) a template of Real, as silt/coupling/drag/concept.hpp says");
@@ -99,7 +97,7 @@ class CoupledFlow {
       "FollowedDrag does not know how bodies lie: take a drag law of spheres, or leave it "
       "out");
 
-  CoupledFlow(const Drag& drag, const Mode& mode, FlowSolver flow, const Forces&... forces)
+  BasicCoupledFlow(const Drag& drag, const Mode& mode, FlowSolver flow, const Forces&... forces)
       : flow_(std::move(flow)),
         drag_(drag),
         mode_(mode),
@@ -402,3 +400,4 @@ class CoupledFlow {
 }  // namespace silt
 
 #include <silt/coupling/coupled_flow_parts.hpp>
+#include <silt/coupling/coupled_flow_policies.hpp>

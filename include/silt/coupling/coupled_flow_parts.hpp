@@ -7,8 +7,8 @@
 
 namespace silt::inline SILT_TARGET {
 
-template <class Drag, AveragingMode Mode, FluidForce... Forces>
-void CoupledFlow<Drag, Mode, Forces...>::check(const CoupledParticles& of, std::size_t forces,
+template <class Drag, class Mode, class... Forces>
+void BasicCoupledFlow<Drag, Mode, Forces...>::check(const CoupledParticles& of, std::size_t forces,
                                                std::size_t torques) const {
   const std::size_t n = of.velocity.size();
   const auto same = [n](std::size_t count, const char* what) {
@@ -28,8 +28,8 @@ void CoupledFlow<Drag, Mode, Forces...>::check(const CoupledParticles& of, std::
           " must be in (0, 1)");
 }
 
-template <class Drag, AveragingMode Mode, FluidForce... Forces>
-void CoupledFlow<Drag, Mode, Forces...>::spread_volume(const CoupledParticles& of,
+template <class Drag, class Mode, class... Forces>
+void BasicCoupledFlow<Drag, Mode, Forces...>::spread_volume(const CoupledParticles& of,
                                                        CoupledStep& done, const Team& team) {
   Field* const to[] = {&solids_};
   const std::span<const double> volume[] = {of.volume};
@@ -50,8 +50,8 @@ void CoupledFlow<Drag, Mode, Forces...>::spread_volume(const CoupledParticles& o
   });
 }
 
-template <class Drag, AveragingMode Mode, FluidForce... Forces>
-void CoupledFlow<Drag, Mode, Forces...>::gather(std::size_t n, const Team& team, bool all) {
+template <class Drag, class Mode, class... Forces>
+void BasicCoupledFlow<Drag, Mode, Forces...>::gather(std::size_t n, const Team& team, bool all) {
   std::array<const Field*, quantities> from;
   std::array<std::span<double>, quantities> to;
   std::size_t count = 0;
@@ -75,8 +75,8 @@ void CoupledFlow<Drag, Mode, Forces...>::gather(std::size_t n, const Team& team,
   averaging_->gather(ConstCellFields(from.data(), count), GatheredValues(to.data(), count), team);
 }
 
-template <class Drag, AveragingMode Mode, FluidForce... Forces>
-void CoupledFlow<Drag, Mode, Forces...>::remember([[maybe_unused]] const CoupledParticles& of,
+template <class Drag, class Mode, class... Forces>
+void BasicCoupledFlow<Drag, Mode, Forces...>::remember([[maybe_unused]] const CoupledParticles& of,
                                                   [[maybe_unused]] double dt,
                                                   [[maybe_unused]] const Team& team) {
   if constexpr (has_history) {
@@ -87,8 +87,8 @@ void CoupledFlow<Drag, Mode, Forces...>::remember([[maybe_unused]] const Coupled
   }
 }
 
-template <class Drag, AveragingMode Mode, FluidForce... Forces>
-void CoupledFlow<Drag, Mode, Forces...>::find_exchange(const CoupledParticles& of, double dt,
+template <class Drag, class Mode, class... Forces>
+void BasicCoupledFlow<Drag, Mode, Forces...>::find_exchange(const CoupledParticles& of, double dt,
                                                        std::span<Vec3d> torque, const Team& team) {
   response_.resize(of.velocity.size());
   if constexpr (follows) others_.resize(of.velocity.size());
@@ -121,16 +121,16 @@ void CoupledFlow<Drag, Mode, Forces...>::find_exchange(const CoupledParticles& o
 }
 
 /// Whether more than gravity and the fluid has accelerated particle p in the last step.
-template <class Drag, AveragingMode Mode, FluidForce... Forces>
-bool CoupledFlow<Drag, Mode, Forces...>::is_pushed(const CoupledParticles& of, std::size_t p,
+template <class Drag, class Mode, class... Forces>
+bool BasicCoupledFlow<Drag, Mode, Forces...>::is_pushed(const CoupledParticles& of, std::size_t p,
                                                    double dt) const {
   if (of.acceleration.empty()) return false;
   const double rounding = 1e-6 * norm(gravity) + 1e-9 / dt * norm(of.velocity[p]);  // [m/s2]
   return norm(of.acceleration[p] - gravity) > rounding;
 }
 
-template <class Drag, AveragingMode Mode, FluidForce... Forces>
-auto CoupledFlow<Drag, Mode, Forces...>::particle(const CoupledParticles& of, std::size_t p,
+template <class Drag, class Mode, class... Forces>
+auto BasicCoupledFlow<Drag, Mode, Forces...>::particle(const CoupledParticles& of, std::size_t p,
                                                   double dt) const -> InFluid {
   InFluid at{};
   at.density = flow_.fluid().density, at.viscosity = flow_.fluid().viscosity;
@@ -149,8 +149,8 @@ auto CoupledFlow<Drag, Mode, Forces...>::particle(const CoupledParticles& of, st
   return at;
 }
 
-template <class Drag, AveragingMode Mode, FluidForce... Forces>
-StepResponse CoupledFlow<Drag, Mode, Forces...>::response_of(const CoupledParticles& of,
+template <class Drag, class Mode, class... Forces>
+StepResponse BasicCoupledFlow<Drag, Mode, Forces...>::response_of(const CoupledParticles& of,
                                                              const InFluid& at, std::size_t p) {
   StepLoads loads{};
   loads.mass = at.mass, loads.dt = at.dt, loads.volume = in_pressure() ? at.volume : 0;
@@ -179,8 +179,8 @@ StepResponse CoupledFlow<Drag, Mode, Forces...>::response_of(const CoupledPartic
   return response;
 }
 
-template <class Drag, AveragingMode Mode, FluidForce... Forces>
-void CoupledFlow<Drag, Mode, Forces...>::spread_exchange(const CoupledParticles& of, std::size_t n,
+template <class Drag, class Mode, class... Forces>
+void BasicCoupledFlow<Drag, Mode, Forces...>::spread_exchange(const CoupledParticles& of, std::size_t n,
                                                          double dt, const Team& team) {
   std::array<Field*, 10> to;
   std::array<std::span<const double>, 10> from;
@@ -235,8 +235,8 @@ void CoupledFlow<Drag, Mode, Forces...>::spread_exchange(const CoupledParticles&
   });
 }
 
-template <class Drag, AveragingMode Mode, FluidForce... Forces>
-void CoupledFlow<Drag, Mode, Forces...>::make_averaging(const CoupledParticles& of,
+template <class Drag, class Mode, class... Forces>
+void BasicCoupledFlow<Drag, Mode, Forces...>::make_averaging(const CoupledParticles& of,
                                                         const Team& team) {
   if (of.velocity.empty()) return;
   if (!averaging_) {

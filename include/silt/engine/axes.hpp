@@ -86,6 +86,20 @@ inline constexpr bool belongs_to_an_axis =
 template <template <class> class Is, class... Policies>
 inline constexpr int count = (0 + ... + int{Is<Policies>::value});
 
+/// One of each axis at most, with particles and contacts.
+template <class... Policies>
+inline constexpr bool make_a_simulation = count<IsParticles, Policies...> == 1 &&
+                                          count<IsContacts, Policies...> == 1 &&
+                                          count<IsSearch, Policies...> <= 1 &&
+                                          count<IsDomain, Policies...> <= 1 &&
+                                          count<IsFluid, Policies...> <= 1 &&
+                                          count<IsIntegrator, Policies...> <= 1 &&
+                                          count<IsRotation, Policies...> <= 1 &&
+                                          count<IsPrecision, Policies...> <= 1 &&
+                                          count<IsKernels, Policies...> <= 1 &&
+                                          count<IsLedger, Policies...> <= 1 &&
+                                          (belongs_to_an_axis<Policies> && ...);
+
 template <template <class> class Is, class Default, class... Policies>
 struct Pick {
   using type = Default;

@@ -152,8 +152,11 @@ struct ConvexRows<KindList<Kind...>, OnePart> {
   }
 
   bool one_form() const { return form.size() == 1; }
-  /// Whether contacts may have an area: not of ellipsoids alone.
-  bool has_area() const { return Kinds::template has<Polyhedron> || exponents > Exponents::Two; }
+  /// Whether contacts may have an area: not of ellipsoids alone, unless pairs are worked on by the
+  /// kernels for any exponents (ConvexPairs), which keep what areas need.
+  bool has_area() const {
+    return several || Kinds::template has<Polyhedron> || exponents > Exponents::Two;
+  }
   const Form& form_row(std::size_t row) const { return form[one_form() ? 0 : row]; }
   std::size_t kind_of([[maybe_unused]] std::size_t row) const {
     if constexpr (several)

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <map>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -16,7 +15,8 @@
 #include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
 #include <silt/engine/body.hpp>
-#include <silt/engine/convex_look.hpp>
+#include <silt/engine/guard_finite.hpp>
+#include <silt/engine/guard_overlap.hpp>
 #include <silt/engine/list_upkeep.hpp>
 #include <silt/engine/wall_look.hpp>
 
@@ -43,170 +43,11 @@ inline bool lets_long_steps_pass(const Guard& guard) {
          guard.max_rate > usual.max_rate;
 }
 
-/// Spins that are not finite act on velocities of spheres only where there is friction.
-template <class EngineType>
-void check_spins(const EngineType& e, std::int64_t step, double time, bool shorter) {
-  if constexpr (EngineType::rotates)
-    for (std::size_t k = 0; k < e.particles.size(); ++k)
-      if (!e.particles.is_parked(k) && !is_finite(e.particles.motion[k].spin_velocity()))
-        throw SimulationError(
-            text("step ", step, ", t = ", time, " s: the angular velocity of particle ", e.id_of(k),
-                 " is not finite near ", e.lists.reference[k],
-                 shorter ? " m; lower the time step, as limits of the guard are lifted, or look "
-                         : " m; look ",
-                 "at the law and the rolling model"),
-            step, {e.id_of(k)}, e.lists.reference[k]);
-}
-
-/// Looks for the particle that has become not a number; says where, and what to change.
-template <class EngineType>
-[[noreturn, gnu::cold]] void throw_not_finite(const EngineType& e, std::int64_t step, double time,
-                                              bool shorter) {
-  const auto mend = shorter ? "; lower the time step, as limits of the guard are lifted, or look "
-                              "for overlapping particles at the start"
-                            : "; look at gravity and at the forces and laws that you gave, and for "
-                              "overlapping particles at the start";
-  for (std::size_t k = 0; k < e.particles.size(); ++k) {
-    const auto& m = e.particles.motion[k];
-    const auto& p = e.particles.position[k];
-    if (e.particles.is_parked(k) || (is_finite(m.velocity()) && is_finite(p.centre()))) continue;
-    throw SimulationError(
-        text("step ", step, ", t = ", time, " s: the velocity of particle ", e.id_of(k),
-             " is not finite near ", e.lists.reference[k], " m", mend),
-        step, {e.id_of(k)}, e.lists.reference[k]);
-  }
-  check_spins(e, step, time, shorter);  // that of a body moves its tips
-  throw SimulationError(
-      text("step ", step, ", t = ", time, " s: the squared velocities overflow", mend), step, {},
-      {});
-}
-
 /// A time step [s] to advise, to three digits and safely below.
 inline std::string below(double time_step) {
   char digits[32];
   std::snprintf(digits, sizeof digits, "%.3g", 0.999 * time_step);
   return digits;
-}
-
-/// The limits of the overlap: one for all contacts, and those of single pairs of materials.
-class OverlapLimits {
- public:
-  void set(std::size_t a, std::size_t b, double limit) { of_pairs_[std::minmax(a, b)] = limit; }
-  bool empty() const { return of_pairs_.empty(); }
-  double of(std::size_t a, std::size_t b, double otherwise) const {
-    const auto found = of_pairs_.find(std::minmax(a, b));
-    return found == of_pairs_.end() ? otherwise : found->second;
-  }
-  double least(double otherwise) const {
-    for (const auto& [pair, limit] : of_pairs_) otherwise = std::min(otherwise, limit);
-    return otherwise;
-  }
-  double greatest(double otherwise) const {
-    for (const auto& [pair, limit] : of_pairs_) otherwise = std::max(otherwise, limit);
-    return otherwise;
-  }
-  /// The largest of a material's.
-  double most(std::size_t material, double otherwise) const {
-    for (const auto& [pair, limit] : of_pairs_)
-      if (pair.first == material || pair.second == material) otherwise = std::max(otherwise, limit);
-    return otherwise;
-  }
-
- private:
-  std::map<std::pair<std::size_t, std::size_t>, double> of_pairs_;  // the lower number first
-};
-
-/// Material of a row of particles.
-template <class EngineType>
-std::size_t material_of([[maybe_unused]] const EngineType& e, [[maybe_unused]] std::size_t row) {
-  if constexpr (EngineType::Contacts::several_materials)
-    return e.particles.material[row];
-  else
-    return 0;
-}
-
-/// A contact and how far it is above its limit.
-struct DeepContact {
-  double excess = -1, overlap = 0, limit = 0;  // [-] overlap over limit; of the smaller radius
-  std::uint32_t a = 0, b = 0;
-  std::size_t material_a = 0, material_b = 0, wall = 0;
-  bool with_wall = false;
-};
-
-/// The contact whose overlap is the largest share of its limit, measured `back` [s] ago.
-template <class EngineType, class Domain>
-[[gnu::cold]] DeepContact deepest_contact(const EngineType& e, const Domain& domain, double back,
-                                          double limit, const OverlapLimits& limits) {
-  DeepContact most;
-  const auto look = [&](std::uint32_t a, std::uint32_t b, std::size_t wall, bool with_wall,
-                        double overlap) {
-    const std::size_t i = material_of(e, a);
-    const std::size_t j = with_wall ? e.walls[wall].material : material_of(e, b);
-    const double own = limits.of(i, j, limit);
-    if (overlap / own > most.excess)
-      most = {overlap / own, overlap, own, a, b, i, j, wall, with_wall};
-  };
-  if constexpr (EngineType::convex) {
-    for_each_convex_contact(e, domain, back, [&](const SeenContact& c) {
-      const bool with_wall = c.j == no_particle;
-      look(c.i, with_wall ? 0 : c.j, c.wall, with_wall, c.share);
-    });
-  } else {
-    e.lists.pairs.for_each([&](std::size_t k) {
-      const std::uint32_t i = e.lists.pairs.first()[k], j = e.lists.pairs.second()[k];
-      const double r = e.particles.position[i].r, q = e.particles.position[j].r;
-      Vec3d d = place_before(e, i, back) - place_before(e, j, back);
-      if constexpr (Domain::periodic) d = domain.shortest(d);
-      look(i, j, 0, false, (r + q - norm(d)) / std::min(r, q));
-    });
-    for_each_wall_contact(e, back, [&](const WallCandidate& c, const SurfacePoint& point) {
-      look(c.particle, 0, c.wall, true, 1 - point.distance / e.particles.position[c.particle].r);
-    });
-  }
-  return most;
-}
-
-/// The overlaps of a step are above the least limit: names the contact that is above its own, if
-/// there is one. `longer` says whether the time step is longer than silt chooses, so that the
-/// overlap may be an error of it; `name` says the name of a material.
-template <class EngineType, class Domain, class Longer, class Name>
-[[gnu::cold]] void check_overlaps(const EngineType& e, const Domain& domain, std::int64_t step,
-                                  double time, double back, double limit,
-                                  const OverlapLimits& limits, const Longer& longer,
-                                  const Name& name) {
-  const DeepContact c = deepest_contact(e, domain, back, limit, limits);
-  if (!(c.excess > 1) && !limits.empty() && e.largest_overlap <= limits.greatest(limit)) return;
-  const auto advice = [&] {
-    return text("; use a stiffer material",
-                longer() ? ", a lower speed or a smaller time step" : " or a lower speed",
-                ", or start without overlaps");
-  };
-  if (!(c.excess > 0.99))  // gone: parts of bodies that turn fast are not quite where they were
-    throw SimulationError(
-        text("step ", step, ", t = ", time, " s: two particles, or one and a wall, overlapped by ",
-             e.largest_overlap, " of the smaller radius, above the limit ", limits.greatest(limit),
-             ", and have parted within the step", advice()),
-        step, {}, {});
-  const bool is_common = c.limit == limit;
-  const Vec3d where = place_before(e, c.a, back);
-  const auto head = text("step ", step, ", t = ", time, " s: ");
-  const std::string both = name(c.material_a) + " and " + name(c.material_b);
-  const auto tail = text(limits.empty() ? e.largest_overlap : c.overlap,
-                         " of the smaller radius, above the limit ",
-                         is_common ? text("guard.max_overlap = ", limit)
-                                   : text(c.limit, " that set_max_overlap gives to ", both),
-                         advice(),
-                         is_common ? text(". Where a heavy body may press light grains in deeper, "
-                                          "Simulation::set_max_overlap raises the limit for ",
-                                          both, " alone")
-                                   : std::string());
-  if (c.with_wall)
-    throw SimulationError(text(head, "particle ", e.id_of(c.a), " at ", where, " m overlaps wall ",
-                               c.wall, " by ", tail),
-                          step, {e.id_of(c.a)}, where);
-  throw SimulationError(text(head, "particles ", e.id_of(c.a), " and ", e.id_of(c.b), " near ",
-                             where, " m overlap by ", tail),
-                        step, {e.id_of(c.a), e.id_of(c.b)}, where);
 }
 
 /// A wall whose motion has given a pose that is none would act on nothing, or on other places.
@@ -223,16 +64,25 @@ inline void check_pose(const Wall& wall, std::size_t number, std::int64_t step, 
   if (std::abs(length2 - 1) > 1e-6) stop("a rotation whose quaternion is not of length 1");
 }
 
-/// The longest way [m] that points of moving walls go in a step, where particles may be near them.
+/// How far [m] points of a moving wall go in a step, where particles may be near them.
+template <class EngineType>
+double travel_of(const EngineType& e, const Wall& w) {
+  if (!w.moves() || e.particles.size() == 0) return 0;
+  return largest_displacement(w.pose, w.last_pose, e.lists.searched_walls.region());
+}
+/// The longest such way.
 template <class EngineType>
 double wall_travel(const EngineType& e) {
   double most = 0;
-  if (e.particles.size() == 0) return most;
-  for (const Wall& w : e.walls)
-    if (w.moves())
-      most = std::max(most,
-                      largest_displacement(w.pose, w.last_pose, e.lists.searched_walls.region()));
+  for (const Wall& w : e.walls) most = std::max(most, travel_of(e, w));
   return most;
+}
+template <class EngineType>
+[[gnu::cold]] std::size_t fastest_wall(const EngineType& e) {
+  std::size_t fastest = 0;
+  for (std::size_t w = 1; w < e.walls.size(); ++w)
+    if (travel_of(e, e.walls[w]) > travel_of(e, e.walls[fastest])) fastest = w;
+  return fastest;
 }
 
 /// How fast the surface of a particle is, with its tips (Body::tip_speed).
@@ -291,7 +141,7 @@ template <class EngineType>
   const Vec3d where = is_wall ? Vec3d{} : fastest.centre;
   std::vector<std::uint32_t> ids;
   if (!is_wall) ids.push_back(fastest.speed.id);
-  const auto who = is_wall ? std::string("a wall moves")
+  const auto who = is_wall ? text("wall ", fastest_wall(e), " moves")
                    : fastest.speed.is_of_tips()
                        ? text("the tips of particle ", ids[0], " at ", where, " m move")
                        : text("particle ", ids[0], " at ", where, " m moves");

@@ -107,8 +107,8 @@ class Openings {
     });
     return inlets_.size() - 1;
   }
-  const Outlet& outlet(std::size_t k) const { return outlets_.at(k); }
-  const Inlet& inlet(std::size_t k) const { return inlets_.at(k); }
+  const Outlet& outlet(std::size_t k) const { return at("outlet", outlets_, k); }
+  const Inlet& inlet(std::size_t k) const { return at("inlet", inlets_, k); }
   std::vector<Outlet>& outlets() { return outlets_; }
   std::vector<Inlet>& inlets() { return inlets_; }
   const std::vector<Outlet>& outlets() const { return outlets_; }

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of Simulation that are not the loop: taking in particles, choosing and checking the step.
+// Parts of Simulation that are not the loop: taking in particles, beginning a run, its limits.
 
 #include <silt/simulation.hpp>
 
@@ -73,7 +73,7 @@ std::vector<std::size_t> Simulation<Policies...>::add(const ParticlesType& more)
     engine_.particles.measure();
     engine_.lists.forget();
   }
-  scene_changed_ = true;
+  scene_changed_ = true, scene_step_ = step_;
   return numbers;
 }
 
@@ -105,8 +105,9 @@ void Simulation<Policies...>::insert(const std::vector<PlacedSphere>& spheres,
     for (const auto& s : spheres)
       more.add({s.position, s.radius, flow.density, velocity, {0, 0, 0}, flow.material});
     const bool changed = scene_changed_;
+    const std::int64_t at = scene_step_;
     add(more);
-    scene_changed_ = changed;  // inlets have counted from their start
+    scene_changed_ = changed, scene_step_ = at;  // inlets have counted from their start
   }
   if constexpr (has_ledger && !std::is_void_v<ParticlesType>) {
     // ... and the ledger wants that of this instant.
@@ -137,129 +138,6 @@ void Simulation<Policies...>::book_leaving([[maybe_unused]] std::size_t k) {
     const Vec3d v = velocity(k), now = v + ago * gravity;
     book_.bring_in(0.5 * mass(k) * (dot(v, v) - dot(now, now)) - kinetic(k).sum() - potential(k));
   }
-}
-
-/// What may meet: the particles that are there and those that inlets will still bring; the walls
-/// that have surfaces.
-template <class... Policies>
-detail::Meetings Simulation<Policies...>::meetings() const {
-  const std::size_t materials = contacts_.materials();
-  detail::Meetings all{std::vector<detail::LightestSpheres>(materials),
-                       std::vector<bool>(materials, false)};
-  const auto brings_more = [](const Inlet& inlet) {
-    return inlet.flow.total == 0 || inlet.placed < inlet.flow.total;
-  };
-  if constexpr (has_bodies) {
-    for (const auto& b : bodies()) {
-      if (b.id == no_particle) continue;
-      auto& of_material = all.spheres[ContactsType::several_materials ? b.material : 0];
-      if (b.inv_m > 0)
-        engine_.mover.forms[b.form].include_lightest(of_material, b.scale, 1 / b.inv_m);
-      else
-        of_material.include({b.radius, INFINITY});
-    }
-    for (const auto& inlet : openings_.inlets()) {
-      const auto& form = engine_.mover.forms.at(inlet.flow.form);
-      for (const double radius : {inlet.flow.radius.min(), inlet.flow.radius.max()}) {
-        const double scale = radius / form.radius;
-        if (brings_more(inlet))
-          form.include_lightest(all.spheres[inlet.flow.material], scale,
-                                inlet.flow.density * form.mass.volume * scale * scale * scale);
-      }
-    }
-  } else {
-    for (std::size_t k = 0; k < rows(); ++k)
-      if (is_present(k)) all.spheres[material(k)].include({radius(k), mass(k)});
-    for (const auto& inlet : openings_.inlets())
-      for (const double r : {inlet.flow.radius.min(), inlet.flow.radius.max()})
-        if (brings_more(inlet))
-          all.spheres[inlet.flow.material].include({r, inlet.flow.density * ShapeType::volume(r)});
-  }
-  for (const Wall& wall : engine_.walls)
-    if (!wall.surfaces.empty()) all.walls[wall.material] = true;
-  return all;
-}
-
-template <class... Policies>
-std::optional<detail::ShortestContact> Simulation<Policies...>::shortest_contact(
-    double speed) const {
-  using Law = typename ContactsType::Law;
-  if constexpr (detail::HasContactTime<Law>) {
-    if (!(speed > 0)) return std::nullopt;
-    const detail::ShortestContactSearch<Law, Integrator> search(
-        Engine::coefficients_of(contacts_).law, meetings(), speed,
-        detail::InertiaOf<typename Engine::Contacts>::slip_mobility());
-    if (std::isfinite(search.found().time)) return search.found();
-  }
-  return std::nullopt;
-}
-
-template <class... Policies>
-std::optional<double> Simulation<Policies...>::time_step_limit(double speed) const {
-  const auto shortest = shortest_contact(speed);
-  return shortest ? std::optional<double>(guard.max_time_step * shortest->time) : std::nullopt;
-}
-
-/// The largest speed now, of particles with their tips and of walls, or that of a fall through the
-/// whole scene, whichever is greater [m/s]. What inlets bring does not spin.
-template <class... Policies>
-double Simulation<Policies...>::expected_speed() const {
-  double speed = 0, radius = 0;
-  Box scene;
-  // What is infinite, as planes are, bounds the scene in the directions in which it is flat.
-  const auto include = [&scene](const Vec3d& p) {
-    const auto widen = [](double& low, double& high, double x) {
-      if (std::isfinite(x)) low = std::min(low, x), high = std::max(high, x);
-    };
-    widen(scene.min.x, scene.max.x, p.x), widen(scene.min.y, scene.max.y, p.y);
-    widen(scene.min.z, scene.max.z, p.z);
-  };
-  for (std::size_t k = 0; k < rows(); ++k)
-    if (is_present(k)) {
-      speed = std::max(speed, surface_speed(k).sum()), include(position(k));
-      radius = std::max(radius, this->radius(k));
-    }
-  for (const auto& inlet : openings_.inlets()) {
-    speed = std::max(speed, norm(inlet.flow.velocity));
-    include(inlet.bounds.min), include(inlet.bounds.max);
-  }
-  for (const auto& w : engine_.walls) speed = std::max(speed, detail::speed_near(w, scene, time_));
-  for (const auto& w : engine_.walls)
-    for (const auto& s : w.surfaces) {
-      const Box b = detail::bounds_in_space(w, s);
-      include(b.min), include(b.max);
-    }
-  const auto fall = [this](const Box& box) {
-    const auto height = [](double low, double high) { return high > low ? high - low : 0.0; };
-    return std::sqrt(2 * (std::abs(gravity.x) * height(box.min.x, box.max.x) +
-                          std::abs(gravity.y) * height(box.min.y, box.max.y) +
-                          std::abs(gravity.z) * height(box.min.z, box.max.z)));
-  };
-  speed = std::max(speed, fall(scene));
-  // Of a scene that is flat, or bounded by walls aslant alone, a particle's own size is known.
-  return speed > 0 ? speed : fall(scene.grown(radius));
-}
-
-template <class... Policies>
-double Simulation<Policies...>::chosen_time_step() const {
-  const double speed = expected_speed();
-  const auto shortest = shortest_contact(speed);
-  if (time_step) {
-    require_positive("Simulation::time_step", *time_step, "s");
-    if (shortest)
-      require(*time_step <= guard.max_time_step * shortest->time,
-              "Simulation::time_step = ", *time_step, " [s] is above the limit ",
-              guard.max_time_step * shortest->time,
-              " s, guard.max_time_step = ", guard.max_time_step,
-              " of the shortest contact that can happen at ", speed, " m/s", tips_at(speed),
-              ": that ", detail::describe(*shortest, contacts_),
-              "; lower it, leave it out, or soften the material");
-    return *time_step;
-  }
-  require(shortest.has_value(),
-          "the time step cannot be chosen: the contact law has no contact_time(), or nothing moves "
-          "and there is no gravity; set Simulation::time_step [s]");
-  return shortest->time / 20;
 }
 
 template <class... Policies>
@@ -293,6 +171,7 @@ void Simulation<Policies...>::prepare() {
     gravity_booked_ = gravity;
   }
   if constexpr (!has_bodies) detail::check_inertia<ShapeType>();
+  if (step_ > 0 || kicked_) detail::check_given(engine_, gravity, step_, time_);
   check_fluid();
   engine_.set_threads(threads);
   engine_.set_coefficients(contacts_);
@@ -310,13 +189,6 @@ void Simulation<Policies...>::prepare() {
   if (guard.domain) detail::check_inside(engine_, *guard.domain, step_, time_);
 }
 
-/// Of what has been added since the last run.
-template <class... Policies>
-bool Simulation<Policies...>::is_step_too_long() const {
-  const auto limit = time_step_limit(expected_speed());
-  return limit && dt_ > *limit;
-}
-
 template <class... Policies>
 void Simulation<Policies...>::set_max_overlap(const typename ContactsType::Material& a,
                                               const typename ContactsType::Material& b,
@@ -331,14 +203,6 @@ void Simulation<Policies...>::set_max_overlap(const typename ContactsType::Mater
     return k;
   };
   overlap_limits_.set(number(a), number(b), limit);
-}
-
-/// Whether the time step is longer than the one that silt chooses for the speeds so far.
-template <class... Policies>
-bool Simulation<Policies...>::is_longer_than_chosen() const {
-  const auto limit =
-      shortest_contact(std::max({checked_speed_, engine_.largest_speed, expected_speed()}));
-  return !limit || dt_ > (1 + 1e-9) * limit->time / 20;
 }
 
 template <class... Policies>
@@ -358,7 +222,7 @@ void Simulation<Policies...>::keep_limits() {
   if (engine_.largest_overlap > overlap_limits_.least(guard.max_overlap))
     detail::check_overlaps(
         engine_, domain_, step_, time_, back, guard.max_overlap, overlap_limits_,
-        [this] { return is_longer_than_chosen(); },
+        step_ <= scene_step_ + (scene_step_ > 0), [this] { return is_longer_than_chosen(); },
         [this](std::size_t k) { return detail::name_of_material(contacts_, k); });
   detail::check_crowded(engine_, step_, time_, back);
   const double wall_way = detail::wall_travel(engine_);
@@ -371,7 +235,10 @@ void Simulation<Policies...>::keep_limits() {
       throw SimulationError(
           text("step ", step_, ", t = ", time_, " s: the time step ", dt_, " s is above its limit ",
                guard.max_time_step * shortest->time, " s at the largest speed ", checked_speed_,
-               " m/s", speed > engine_.largest_speed ? std::string() : fastest.words(),
+               " m/s",
+               speed > engine_.largest_speed ? text(" (of wall ", detail::fastest_wall(engine_),
+                                                    ", which was slower where the step was chosen)")
+                                             : fastest.words(),
                ", guard.max_time_step of the shortest contact that can happen: that ",
                detail::describe(*shortest, contacts_),
                "; set a smaller Simulation::time_step or a softer material"),

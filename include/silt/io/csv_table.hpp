@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <initializer_list>
@@ -9,6 +10,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -146,4 +148,20 @@ class CsvTable {
   std::string line_;
 };
 
+namespace detail {
+
+/// What a row may be given as: a number alone, or an array or vector of double.
+template <class Row>
+auto row_of(Row row) {
+  if constexpr (std::is_arithmetic_v<Row>) {
+    return std::array<double, 1>{static_cast<double>(row)};
+  } else {
+    static_assert(std::is_constructible_v<std::span<const double>, const Row&>,
+                  "table: the function must return the numbers of a row: one number, or a "
+                  "std::array or std::vector of double");
+    return row;
+  }
+}
+
+}  // namespace detail
 }  // namespace silt

@@ -97,20 +97,20 @@ inline auto checkpoints(std::string path, Schedule schedule) {
   return at(schedule, [path = std::move(path)](const auto& sim) { save_checkpoint(sim, path); });
 }
 
-/// Appends a row of numbers to a CSV table: `row(simulation)` returns them, the time (or the time
-/// since some event) first. A new table, but for a run that goes on from a checkpoint: that keeps
-/// the rows of earlier times.
+/// Appends a row of numbers to a CSV table: `row(simulation)` returns them, as an array or a
+/// vector, or one number alone; the time (or the time since some event) first. A new table, but for
+/// a run that goes on from a checkpoint: that keeps the rows of earlier times.
 template <class Row>
 auto table(const std::string& path, const std::vector<std::string>& columns, Schedule schedule,
            Row row) {
   return at(schedule, [path, columns, row = std::move(row),
                        open = std::shared_ptr<CsvTable>()](const auto& sim) mutable {
-    const auto values = row(sim);
+    const auto values = detail::row_of(row(sim));
     if (!open)
       open = std::make_shared<CsvTable>(
           sim.continued() ? CsvTable::resume(path, columns, values[0] - 0.5 * sim.step_length())
                           : CsvTable(path, columns));
-    open->add_row(std::span<const double>(values.data(), values.size()));
+    open->add_row(std::span<const double>(values));
   });
 }
 

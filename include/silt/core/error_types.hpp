@@ -1,0 +1,75 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <silt/core/target.hpp>
+
+// What silt throws stands outside of the namespace of its instruction set: an error that nobody
+// catches is then shown as silt::SimulationError, and a unit with other compile flags can catch it.
+// Nothing here may depend on those flags. Constructors and assignments are compiled into their
+// callers; destructors alone are functions that units share, and move no numbers
+// (tests/compile/units_apart.py).
+#define SILT_COPIES_INLINE(Class)                       \
+  [[gnu::always_inline]] Class(const Class&) = default; \
+  [[gnu::always_inline]] Class& operator=(const Class&) = default
+
+namespace silt {
+
+/// Everything silt throws derives from this; `what()` is one sentence: what, where, what to change.
+struct Error : std::runtime_error {
+  [[gnu::always_inline]] explicit Error(const std::string& sentence)
+      : std::runtime_error(sentence) {}
+  SILT_COPIES_INLINE(Error);
+};
+
+/// A value, file or combination that cannot be used. Nothing has been changed or written.
+struct InputError : Error {
+  [[gnu::always_inline]] explicit InputError(const std::string& sentence) : Error(sentence) {}
+  SILT_COPIES_INLINE(InputError);
+};
+
+/// A file or folder that cannot be read or written (missing, full disk, damaged content).
+struct FileError : Error {
+  [[gnu::always_inline]] explicit FileError(const std::string& sentence) : Error(sentence) {}
+  SILT_COPIES_INLINE(FileError);
+};
+
+/// The run itself went wrong: not a number, overlap or time step over its limit, a particle
+/// outside.
+struct SimulationError : Error {
+  /// Three coordinates [m]; becomes a Vec3d wherever one is wanted.
+  struct Place {
+    double x, y, z;
+    template <class V>
+    requires requires(V v) { v = V{v.x, v.y, v.z}; }
+    [[gnu::always_inline]] operator V() const { return {x, y, z}; }  // NOLINT: converts
+  };
+  template <class V = Place>
+  [[gnu::always_inline]] SimulationError(const std::string& sentence, std::int64_t at_step,
+                                         std::vector<std::uint32_t> ids, const V& where)
+      : Error(sentence),
+        step(at_step),
+        particles(std::move(ids)),
+        position{where.x, where.y, where.z} {}
+  SILT_COPIES_INLINE(SimulationError);
+  std::int64_t step;
+  std::vector<std::uint32_t> particles;
+  Place position;  // [m]
+};
+
+/// A step of a flow that is too long for the flow as it is now.
+struct FlowStepError : Error {
+  [[gnu::always_inline]] FlowStepError(const std::string& sentence, double longest_step)
+      : Error(sentence), longest(longest_step) {}
+  SILT_COPIES_INLINE(FlowStepError);
+  double longest;  // [s] that this flow allows
+};
+
+}  // namespace silt
+
+#undef SILT_COPIES_INLINE

@@ -1,0 +1,161 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+// Parts of Simulation that choose the time step.
+
+#include <silt/simulation.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// What may meet: the particles that are there and those that inlets will still bring; the walls
+/// that have surfaces.
+template <class... Policies>
+detail::Meetings Simulation<Policies...>::meetings() const {
+  const std::size_t materials = contacts_.materials();
+  detail::Meetings all{std::vector<detail::LightestSpheres>(materials),
+                       std::vector<bool>(materials, false)};
+  const auto brings_more = [](const Inlet& inlet) {
+    return inlet.flow.total == 0 || inlet.placed < inlet.flow.total;
+  };
+  if constexpr (has_bodies) {
+    for (const auto& b : bodies()) {
+      if (b.id == no_particle) continue;
+      auto& of_material = all.spheres[ContactsType::several_materials ? b.material : 0];
+      if (b.inv_m > 0)
+        engine_.mover.forms[b.form].include_lightest(of_material, b.scale, 1 / b.inv_m);
+      else
+        of_material.include({b.radius, INFINITY});
+    }
+    for (const auto& inlet : openings_.inlets()) {
+      const auto& form = engine_.mover.forms.at(inlet.flow.form);
+      for (const double radius : {inlet.flow.radius.min(), inlet.flow.radius.max()}) {
+        const double scale = radius / form.radius;
+        if (brings_more(inlet))
+          form.include_lightest(all.spheres[inlet.flow.material], scale,
+                                inlet.flow.density * form.mass.volume * scale * scale * scale);
+      }
+    }
+  } else {
+    for (std::size_t k = 0; k < rows(); ++k)
+      if (is_present(k)) all.spheres[material(k)].include({radius(k), mass(k)});
+    for (const auto& inlet : openings_.inlets())
+      for (const double r : {inlet.flow.radius.min(), inlet.flow.radius.max()})
+        if (brings_more(inlet))
+          all.spheres[inlet.flow.material].include({r, inlet.flow.density * ShapeType::volume(r)});
+  }
+  for (const Wall& wall : engine_.walls)
+    if (!wall.surfaces.empty()) all.walls[wall.material] = true;
+  return all;
+}
+
+template <class... Policies>
+std::optional<detail::ShortestContact> Simulation<Policies...>::shortest_contact(
+    double speed) const {
+  using Law = typename ContactsType::Law;
+  if constexpr (detail::HasContactTime<Law>) {
+    if (!(speed > 0)) return std::nullopt;
+    const detail::ShortestContactSearch<Law, Integrator> search(
+        Engine::coefficients_of(contacts_).law, meetings(), speed,
+        detail::InertiaOf<typename Engine::Contacts>::slip_mobility());
+    if (std::isfinite(search.found().time)) return search.found();
+  }
+  return std::nullopt;
+}
+
+template <class... Policies>
+std::optional<double> Simulation<Policies...>::time_step_limit(double speed) const {
+  const auto shortest = shortest_contact(speed);
+  return shortest ? std::optional<double>(guard.max_time_step * shortest->time) : std::nullopt;
+}
+
+/// The largest speed now, of particles with their tips and of walls, or that of a fall through the
+/// whole scene, whichever is greater [m/s]. What inlets bring does not spin.
+template <class... Policies>
+double Simulation<Policies...>::expected_speed() const {
+  double speed = 0, radius = 0;
+  Box scene;
+  // What is infinite, as planes are, bounds the scene in the directions in which it is flat.
+  const auto include = [&scene](const Vec3d& p) {
+    const auto widen = [](double& low, double& high, double x) {
+      if (std::isfinite(x)) low = std::min(low, x), high = std::max(high, x);
+    };
+    widen(scene.min.x, scene.max.x, p.x), widen(scene.min.y, scene.max.y, p.y);
+    widen(scene.min.z, scene.max.z, p.z);
+  };
+  for (std::size_t k = 0; k < rows(); ++k)
+    if (is_present(k)) {
+      speed = std::max(speed, surface_speed(k).sum()), include(position(k));
+      radius = std::max(radius, this->radius(k));
+    }
+  for (const auto& inlet : openings_.inlets()) {
+    speed = std::max(speed, norm(inlet.flow.velocity));
+    include(inlet.bounds.min), include(inlet.bounds.max);
+  }
+  // Walls where they may touch particles, which are more than their centres.
+  const Box near = scene.grown(radius);
+  for (const auto& w : engine_.walls) speed = std::max(speed, detail::speed_near(w, near, time_));
+  for (const auto& w : engine_.walls)
+    for (const auto& s : w.surfaces) {
+      const Box b = detail::bounds_in_space(w, s);
+      include(b.min), include(b.max);
+    }
+  const auto fall = [this](const Box& box) {
+    const auto height = [](double low, double high) { return high > low ? high - low : 0.0; };
+    return std::sqrt(2 * (std::abs(gravity.x) * height(box.min.x, box.max.x) +
+                          std::abs(gravity.y) * height(box.min.y, box.max.y) +
+                          std::abs(gravity.z) * height(box.min.z, box.max.z)));
+  };
+  speed = std::max(speed, fall(scene));
+  // Of a scene that is flat, or bounded by walls aslant alone, a particle's own size is known.
+  return speed > 0 ? speed : fall(scene.grown(radius));
+}
+
+template <class... Policies>
+double Simulation<Policies...>::chosen_time_step() const {
+  const double speed = expected_speed();
+  const auto shortest = shortest_contact(speed);
+  if (time_step) {
+    require_positive("Simulation::time_step", *time_step, "s");
+    if (shortest)
+      require(*time_step <= guard.max_time_step * shortest->time,
+              "Simulation::time_step = ", *time_step, " [s] is above the limit ",
+              guard.max_time_step * shortest->time,
+              " s, guard.max_time_step = ", guard.max_time_step,
+              " of the shortest contact that can happen at ", speed, " m/s", tips_at(speed),
+              ": that ", detail::describe(*shortest, contacts_),
+              "; lower it, leave it out, or soften the material");
+    return *time_step;
+  }
+  require(size() > 0 || !openings_.inlets().empty(),
+          "the time step cannot be chosen: there are no particles; add some, or an inlet, or set "
+          "Simulation::time_step [s]");
+  require(shortest.has_value(),
+          "the time step cannot be chosen: the contact law has no contact_time(), or nothing moves "
+          "and there is no gravity; set Simulation::time_step [s]");
+  return std::min(shortest->time / 20, 0.5 * longest_travel_step(speed));
+}
+
+/// In which nothing at this speed [m/s] goes farther than guard.max_travel allows [s].
+template <class... Policies>
+double Simulation<Policies...>::longest_travel_step(double speed) const {
+  const double least = engine_.least_radius();  // of convex bodies known from the first step on
+  return least > 0 ? guard.max_travel * least / speed : INFINITY;
+}
+
+/// Of what has been added since the last run.
+template <class... Policies>
+bool Simulation<Policies...>::is_step_too_long() const {
+  const double speed = expected_speed();
+  const auto limit = time_step_limit(speed);
+  return (limit && dt_ > *limit) || dt_ > longest_travel_step(speed);
+}
+
+/// Whether the time step is longer than the one that silt chooses for the speeds so far.
+template <class... Policies>
+bool Simulation<Policies...>::is_longer_than_chosen() const {
+  const auto limit =
+      shortest_contact(std::max({checked_speed_, engine_.largest_speed, expected_speed()}));
+  return !limit || dt_ > (1 + 1e-9) * limit->time / 20;
+}
+
+}  // namespace silt
