@@ -319,8 +319,8 @@ void packed(Table& table) {
         const std::string name =
             text("mass ratio ", 1e6 * density_ratio, ", E = ", modulus, " Pa, step ",
                  share > 0 ? text(share, " of the limit") : "chosen");
-        if (density_ratio >
-            100)  // the small one is pressed flat, or stiffer than any step resolves
+        // At 1e9 the small one is pressed flat, or too stiff for the step of an impact.
+        if (density_ratio > 100)
           table.stops(name, modulus < 1e10 ? "guard.max_overlap" : "are too stiff", run);
         else
           table.row(name, share == 0 ? Setting::Tame : Setting::Extreme, run);
