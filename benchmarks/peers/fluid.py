@@ -133,8 +133,7 @@ def check(summary, ends, span):
         if name != CENTRE:  # whose pressure jumps, docs/fluid.md
             summary.within(f"{name}: pressure over weight", e["pressure_pa"] / weight,
                            middle["pressure_pa"] / weight, 0.2 * middle["pressure_pa"] / weight,
-                           "20 %: by cells' centres and by a kernel differ by 8 to 14 %; with model A "
-                           "instead of B it would be 2 times off")
+                           "20 %: volumes in the centres' cells and by a kernel differ by 8 to 14 %")
 
 
 def main():
