@@ -132,8 +132,8 @@ def check(summary, ends, span):
             summary.at_most(f"{name}: solids clipped", e["clipped"], 1e-3)
         if name != CENTRE:  # whose pressure jumps, docs/fluid.md
             summary.within(f"{name}: pressure over weight", e["pressure_pa"] / weight,
-                           middle["pressure_pa"] / weight, 0.1 * middle["pressure_pa"] / weight,
-                           "10 %: by cells' centres and by a kernel")
+                           middle["pressure_pa"] / weight, 0.2 * middle["pressure_pa"] / weight,
+                           "20 %: volumes in the centres' cells and by a kernel differ by 8 to 14 %")
 
 
 def main():
@@ -154,7 +154,7 @@ def main():
     runs = {}
     if shutil.which("DPMFoam") and os.path.isdir(TUTORIAL):
         found["DPMFoam"] = "OpenFOAM, Debian's " + subprocess.run(
-            ["dpkg-query", "-W", "openfoam"], capture_output=True, text=True).stdout.strip()
+            ["dpkg-query", "-W", "openfoam"], capture_output=True, text=True).stdout.strip().replace("\t", " ")
         runs["DPMFoam"] = lambda: dpmfoam(bed, a.span, out)
     else:
         print("DPMFoam or its tutorials are not there (Debian: openfoam, openfoam-examples)")
