@@ -1,5 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
-// Compiled twice into one program, with other instruction sets: SILT_UNIT and SILT_FAILS name the functions.
+// Compiled twice into one program, with other instruction sets: SILT_UNIT and SILT_FAILS name the
+// functions.
 #include "unit.hpp"
 
 #include <typeinfo>

@@ -7,8 +7,9 @@
 /// cannot run. For flags that differ but make the same name here, set a name of your own.
 ///
 /// A silt type of one unit is hence not that of another; a type of yours, or of the standard
-/// library, is. Errors alone are the same in all units (core/error_types.hpp). Functions of the standard library are shared: link the units with the fewest
-/// instructions first. Test: tests/compile/units_apart.py.
+/// library, is. Errors alone are the same in all units (core/error_types.hpp). Functions of the
+/// standard library are shared: link the units with the fewest instructions first. Test:
+/// tests/compile/units_apart.py.
 #if !defined(SILT_TARGET)
 #if defined(__AVX512F__)
 #define SILT_TARGET for_avx512

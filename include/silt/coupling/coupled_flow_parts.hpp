@@ -9,7 +9,7 @@ namespace silt::inline SILT_TARGET {
 
 template <class Drag, class Mode, class... Forces>
 void BasicCoupledFlow<Drag, Mode, Forces...>::check(const CoupledParticles& of, std::size_t forces,
-                                               std::size_t torques) const {
+                                                    std::size_t torques) const {
   const std::size_t n = of.velocity.size();
   const auto same = [n](std::size_t count, const char* what) {
     require(count == n, "CoupledParticles: ", count, " ", what, " for ", n,
@@ -30,7 +30,7 @@ void BasicCoupledFlow<Drag, Mode, Forces...>::check(const CoupledParticles& of, 
 
 template <class Drag, class Mode, class... Forces>
 void BasicCoupledFlow<Drag, Mode, Forces...>::spread_volume(const CoupledParticles& of,
-                                                       CoupledStep& done, const Team& team) {
+                                                            CoupledStep& done, const Team& team) {
   Field* const to[] = {&solids_};
   const std::span<const double> volume[] = {of.volume};
   averaging_->spread(volume, to, team);
@@ -77,8 +77,8 @@ void BasicCoupledFlow<Drag, Mode, Forces...>::gather(std::size_t n, const Team& 
 
 template <class Drag, class Mode, class... Forces>
 void BasicCoupledFlow<Drag, Mode, Forces...>::remember([[maybe_unused]] const CoupledParticles& of,
-                                                  [[maybe_unused]] double dt,
-                                                  [[maybe_unused]] const Team& team) {
+                                                       [[maybe_unused]] double dt,
+                                                       [[maybe_unused]] const Team& team) {
   if constexpr (has_history) {
     slips_.resize(of.velocity.size());
     for (std::size_t p = 0; p < slips_.size(); ++p)
@@ -89,7 +89,8 @@ void BasicCoupledFlow<Drag, Mode, Forces...>::remember([[maybe_unused]] const Co
 
 template <class Drag, class Mode, class... Forces>
 void BasicCoupledFlow<Drag, Mode, Forces...>::find_exchange(const CoupledParticles& of, double dt,
-                                                       std::span<Vec3d> torque, const Team& team) {
+                                                            std::span<Vec3d> torque,
+                                                            const Team& team) {
   response_.resize(of.velocity.size());
   if constexpr (follows) others_.resize(of.velocity.size());
   std::array<double, Team::most_ranges> largest{};
@@ -123,7 +124,7 @@ void BasicCoupledFlow<Drag, Mode, Forces...>::find_exchange(const CoupledParticl
 /// Whether more than gravity and the fluid has accelerated particle p in the last step.
 template <class Drag, class Mode, class... Forces>
 bool BasicCoupledFlow<Drag, Mode, Forces...>::is_pushed(const CoupledParticles& of, std::size_t p,
-                                                   double dt) const {
+                                                        double dt) const {
   if (of.acceleration.empty()) return false;
   const double rounding = 1e-6 * norm(gravity) + 1e-9 / dt * norm(of.velocity[p]);  // [m/s2]
   return norm(of.acceleration[p] - gravity) > rounding;
@@ -131,7 +132,7 @@ bool BasicCoupledFlow<Drag, Mode, Forces...>::is_pushed(const CoupledParticles& 
 
 template <class Drag, class Mode, class... Forces>
 auto BasicCoupledFlow<Drag, Mode, Forces...>::particle(const CoupledParticles& of, std::size_t p,
-                                                  double dt) const -> InFluid {
+                                                       double dt) const -> InFluid {
   InFluid at{};
   at.density = flow_.fluid().density, at.viscosity = flow_.fluid().viscosity;
   const bool alone = flow_.options().model == MomentumModel::Simplified;
@@ -151,7 +152,8 @@ auto BasicCoupledFlow<Drag, Mode, Forces...>::particle(const CoupledParticles& o
 
 template <class Drag, class Mode, class... Forces>
 StepResponse BasicCoupledFlow<Drag, Mode, Forces...>::response_of(const CoupledParticles& of,
-                                                             const InFluid& at, std::size_t p) {
+                                                                  const InFluid& at,
+                                                                  std::size_t p) {
   StepLoads loads{};
   loads.mass = at.mass, loads.dt = at.dt, loads.volume = in_pressure() ? at.volume : 0;
   loads.velocity = of.velocity[p], loads.fluid = value(u_at, p);
@@ -180,8 +182,9 @@ StepResponse BasicCoupledFlow<Drag, Mode, Forces...>::response_of(const CoupledP
 }
 
 template <class Drag, class Mode, class... Forces>
-void BasicCoupledFlow<Drag, Mode, Forces...>::spread_exchange(const CoupledParticles& of, std::size_t n,
-                                                         double dt, const Team& team) {
+void BasicCoupledFlow<Drag, Mode, Forces...>::spread_exchange(const CoupledParticles& of,
+                                                              std::size_t n, double dt,
+                                                              const Team& team) {
   std::array<Field*, 10> to;
   std::array<std::span<const double>, 10> from;
   std::size_t count = 0;
@@ -237,7 +240,7 @@ void BasicCoupledFlow<Drag, Mode, Forces...>::spread_exchange(const CoupledParti
 
 template <class Drag, class Mode, class... Forces>
 void BasicCoupledFlow<Drag, Mode, Forces...>::make_averaging(const CoupledParticles& of,
-                                                        const Team& team) {
+                                                             const Team& team) {
   if (of.velocity.empty()) return;
   if (!averaging_) {
     if (!diameter) diameter = 2 * *std::max_element(of.shape.radius.begin(), of.shape.radius.end());
