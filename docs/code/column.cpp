@@ -2,7 +2,7 @@
 //
 // Air through a bed of grains that lie in a tube, below minimum fluidisation: docs/fluid.md.
 // To be built with -O3 -march=native; arguments: number of grains (6000), length
-// of the run (0.3; the table has 1). The status tells whether the slope is Ergun's and the weight
+// of the run (0.4; the table has 1). The status tells whether the slope is Ergun's and the weight
 // is borne.
 
 #include <algorithm>
@@ -85,7 +85,7 @@ double pressure_on_floor(silt::FlowSolver& flow) {
 
 int main(int argc, char** argv) {
   const int grains = argc > 1 ? std::atoi(argv[1]) : 6000;
-  const double times = argc > 2 ? std::atof(argv[2]) : 0.3;
+  const double times = argc > 2 ? std::atof(argv[2]) : 0.4;
   auto sim = make_column(grains);
   const double weight = grains * silt::Sphere::volume(0.5 * d) * (density - 1.2) * 9.81;
   sim.run(0.15 * times);
