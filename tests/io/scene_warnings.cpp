@@ -68,11 +68,12 @@ auto boxed(const Grains& grains, Policies... policies) {
   return sim;
 }
 
-silt::CoupledFlow<silt::Gidaspow, silt::Kernel> water() {
-  return {silt::Gidaspow{}, silt::Kernel{},
-          silt::FlowSolver(
-              silt::Grid({{0, 0, 0}, {width, width, width}}, {4, 4, 4}, {false, false, false}),
-              {1000, 1e-3})};
+auto water() {
+  return silt::CoupledFlow{
+      silt::Gidaspow{}, silt::Kernel{},
+      silt::FlowSolver(
+          silt::Grid({{0, 0, 0}, {width, width, width}}, {4, 4, 4}, {false, false, false}),
+          {1000, 1e-3})};
 }
 
 /// Whether there is one warning alone, which has these words.
