@@ -69,11 +69,10 @@ auto boxed(const Grains& grains, Policies... policies) {
 }
 
 auto water() {
-  return silt::CoupledFlow{
-      silt::Gidaspow{}, silt::Kernel{},
-      silt::FlowSolver(
-          silt::Grid({{0, 0, 0}, {width, width, width}}, {4, 4, 4}, {false, false, false}),
-          {1000, 1e-3})};
+  return silt::CoupledFlow{silt::Gidaspow{}, silt::Kernel{},
+                           silt::FlowSolver(silt::Grid({{0, 0, 0}, {width, width, width}},
+                                                       {4, 4, 4}, {false, false, false}),
+                                            {1000, 1e-3})};
 }
 
 /// Whether there is one warning alone, which has these words.
