@@ -157,35 +157,36 @@ const std::vector<Against> both{Against::Wall, Against::Another}, walls{Against:
 const std::vector<double> shallow{0.001, 0.01}, deep{0.05, 0.2};
 // What the docs state. Computed over 40 impacts of each kind: 1.1e-3 at most.
 constexpr double stated = 2e-3;
+constexpr unsigned each = 5;  // impacts of a kind and overlap, in the suite
 
 }  // namespace
 
 TEST_CASE("impacts_of_shapes: the energy errs by 2e-3 at most at overlaps up to 1 %, every shape") {
   CHECK(errors<Sphere>(spheres, both, shallow, 4).back() < stated);
-  CHECK(errors<MultiSphere>(multi_spheres, both, shallow, 15).back() < stated);
-  CHECK(errors<SuperEllipsoid>(ellipsoids, both, shallow, 15).back() < stated);
-  CHECK(errors<SuperEllipsoid>(flat_4, both, shallow, 15).back() < stated);
-  CHECK(errors<SuperEllipsoid>(flat_8, both, shallow, 15).back() < stated);
-  CHECK(errors<Polyhedron>(hulls, both, shallow, 15).back() < stated);
-  CHECK(errors<Polyhedron>(bricks, both, shallow, 15).back() < stated);
-  CHECK(errors<Polyhedron>(rounded_hulls, both, shallow, 15).back() < stated);
-  CHECK(errors<Polyhedron>(rounded_bricks, both, shallow, 15).back() < stated);
-  CHECK(errors<Angle>(angles, both, shallow, 15).back() < stated);
+  CHECK(errors<MultiSphere>(multi_spheres, both, shallow, each).back() < stated);
+  CHECK(errors<SuperEllipsoid>(ellipsoids, both, shallow, each).back() < stated);
+  CHECK(errors<SuperEllipsoid>(flat_4, both, shallow, each).back() < stated);
+  CHECK(errors<SuperEllipsoid>(flat_8, both, shallow, each).back() < stated);
+  CHECK(errors<Polyhedron>(hulls, both, shallow, each).back() < stated);
+  CHECK(errors<Polyhedron>(bricks, both, shallow, each).back() < stated);
+  CHECK(errors<Polyhedron>(rounded_hulls, both, shallow, each).back() < stated);
+  CHECK(errors<Polyhedron>(rounded_bricks, both, shallow, each).back() < stated);
+  CHECK(errors<Angle>(angles, both, shallow, each).back() < stated);
 }
 
 TEST_CASE("impacts_of_shapes: ... and up to 20 %, but for flat ones and pairs of rounded ones") {
   CHECK(errors<Sphere>(spheres, both, deep, 4).back() < stated);
-  CHECK(errors<MultiSphere>(multi_spheres, both, deep, 15).back() < stated);
-  CHECK(errors<SuperEllipsoid>(ellipsoids, both, deep, 15).back() < stated);
-  CHECK(errors<Polyhedron>(hulls, both, deep, 15).back() < stated);
-  CHECK(errors<Polyhedron>(bricks, both, deep, 15).back() < stated);
-  CHECK(errors<Angle>(angles, both, deep, 15).back() < stated);
-  CHECK(errors<Polyhedron>(rounded_bricks, walls, deep, 15).back() < stated);
+  CHECK(errors<MultiSphere>(multi_spheres, both, deep, each).back() < stated);
+  CHECK(errors<SuperEllipsoid>(ellipsoids, both, deep, each).back() < stated);
+  CHECK(errors<Polyhedron>(hulls, both, deep, each).back() < stated);
+  CHECK(errors<Polyhedron>(bricks, both, deep, each).back() < stated);
+  CHECK(errors<Angle>(angles, both, deep, each).back() < stated);
+  CHECK(errors<Polyhedron>(rounded_bricks, walls, deep, each).back() < stated);
   // Their potential has nearly a kink where faces lie on each other: computed 5.6e-3, 1.7e-2,
   // 6.4e-2 at most, of 160 impacts each; the docs state twice that.
-  const auto four = errors<SuperEllipsoid>(flat_4, both, deep, 15);
-  const auto eight = errors<SuperEllipsoid>(flat_8, both, deep, 15);
-  const auto rounded = errors<Polyhedron>(rounded_bricks, pairs, deep, 15);
+  const auto four = errors<SuperEllipsoid>(flat_4, both, deep, each);
+  const auto eight = errors<SuperEllipsoid>(flat_8, both, deep, each);
+  const auto rounded = errors<Polyhedron>(rounded_bricks, pairs, deep, each);
   CHECK(four.back() < 0.012);
   CHECK(eight.back() < 0.035);
   CHECK(rounded.back() < 0.13);
@@ -197,8 +198,8 @@ TEST_CASE("impacts_of_shapes: ... and up to 20 %, but for flat ones and pairs of
 // The medians fall by 4 to 8 with half the step: second order, and the kink of Hertz' law at touch.
 TEST_CASE("impacts_of_shapes: the error falls with the square of the step") {
   const auto fall = [&]<class Shape>(const Shape*, const auto& make) {
-    const auto coarse = errors<Shape>(make, both, {0.01}, 12, 20);
-    const auto fine = errors<Shape>(make, both, {0.01}, 12, 80);
+    const auto coarse = errors<Shape>(make, both, {0.01}, 2 * each, 20);
+    const auto fine = errors<Shape>(make, both, {0.01}, 2 * each, 80);
     CHECK(fine.back() < 1e-4);  // computed: 5e-5
     return coarse[coarse.size() / 2] / fine[fine.size() / 2];
   };
