@@ -246,6 +246,10 @@ class PairPipeline {
         kin.twist = dot(kin.spin, kin.normal) * inverse_reach;
       }
       out.put_completed(k, kin);
+      if constexpr (ContactsType::has_rolling) {
+        const auto rolling = static_cast<Scalar>(InertiaOf<ContactsType>::rolling());
+        silt::store(out.inertia_eff + k, Real(rolling) / load<Real>(out.inertia_eff + k));
+      }
 
       // Overlap over the smaller radius, min(a, b) = a b/max(a, b): here a b = R* (a + b), and the
       // larger one is at most what the sum leaves. Exactly only where this bound exceeds.
@@ -284,15 +288,19 @@ class PairPipeline {
     return most;
   }
 
-  static void gather_rolling(const Input& in, const std::uint32_t* first,
-                             const std::uint32_t* second, std::size_t k, Block& out) {
-    const auto rolling = static_cast<Scalar>(InertiaOf<ContactsType>::rolling());
+  /// Angular velocity between a pack of pairs, and the sum of 1/(m r^2) in place of the inertia.
+  static SILT_INLINE void gather_rolling(const Input& in, const std::uint32_t* first,
+                                         const std::uint32_t* second, std::size_t k, Block& out) {
+    read_anew(first), read_anew(second);
+    Row rows[W];
     for (std::size_t lane = 0; lane < W; ++lane) {
       const Motion &a = in.motions[first[lane]], &b = in.motions[second[lane]];
-      out.put(k + lane, RollingKinematics<Scalar>{
-                            a.inv_r * a.spin_velocity() - b.inv_r * b.spin_velocity(),
-                            rolling / (a.inv_m * a.inv_r * a.inv_r + b.inv_m * b.inv_r * b.inv_r)});
+      rows[lane] = Row::all(a.inv_r) * Row::load(&a.wx) - Row::all(b.inv_r) * Row::load(&b.wx);
+      out.inertia_eff[k + lane] = a.inv_m * a.inv_r * a.inv_r + b.inv_m * b.inv_r * b.inv_r;
     }
+    Real turning[4];
+    rows_to_columns<Arch>(rows, turning);
+    for (int c = 0; c < 3; ++c) silt::store(out.angular_velocity[c] + k, turning[c]);
   }
 };
 
