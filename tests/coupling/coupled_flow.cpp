@@ -167,7 +167,7 @@ TEST_CASE("a grain settles at its terminal velocity") {
 
 TEST_CASE("spans that do not fit are refused") {
   const Grid g({{0, 0, 0}, {1, 1, 1}}, {4, 4, 4}, {true, true, true});
-  CoupledFlow flow(silt::Ergun{}, silt::Kernel{}, silt::FlowSolver(g, {}));
+  CoupledFlow flow(silt::Ergun{}, silt::Kernel{}, silt::FlowSolver(g, {1.2, 1.8e-5}));
   Grains grains;
   grains.add({0.5, 0.5, 0.5}, 0.1, 1000);
   CHECK_THROWS_WITH_AS(flow.advance(grains.view(), 1e-3, {}),

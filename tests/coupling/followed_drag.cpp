@@ -219,7 +219,8 @@ TEST_CASE("followed drag: the ledger closes to second order in the step") {
 TEST_CASE("followed drag: negative numbers and cells beyond all memory are refused") {
   const auto with = [](FollowedDrag how) {
     return silt::CoupledFlow{silt::Gidaspow{}, silt::Kernel{},
-                             FlowSolver(Grid({{0, 0, 0}, {1, 1, 1}}, {4, 4, 4}), {}), how};
+                             FlowSolver(Grid({{0, 0, 0}, {1, 1, 1}}, {4, 4, 4}), {1.2, 1.8e-5}),
+                             how};
   };
   CHECK_THROWS_AS(with({.cell = -1}), silt::InputError);
   CHECK_THROWS_AS(with({.cell = 1e-9}), silt::InputError);

@@ -177,7 +177,8 @@ TEST_CASE("a run with a fluid goes on from a checkpoint bit by bit, and on any n
   }
   CHECK(whole.fluid().fluid_steps() == second.fluid().fluid_steps());
   // Another drag law is another scene.
-  FlowSolver flow(Grid({{0, 0, 0}, {8e-3, 8e-3, 24e-3}}, {4, 4, 12}, {true, true, false}), {});
+  FlowSolver flow(Grid({{0, 0, 0}, {8e-3, 8e-3, 24e-3}}, {4, 4, 12}, {true, true, false}),
+                  {1.2, 1.8e-5});
   Particles<Sphere> grain;
   grain.add({.position = {4e-3, 4e-3, 4e-3}, .radius = 5e-4, .density = 1500});
   Simulation other{std::move(grain), Contacts<HertzMindlin>{glass}, slow(flow)};
@@ -203,7 +204,7 @@ TEST_CASE("fluids that do not fit are refused") {
   const auto with = [](const Grid& g, const silt::PeriodicBox& domain, int steps) {
     Particles<Sphere> grain;
     grain.add({.position = {4e-3, 4e-3, 4e-3}, .radius = 5e-4, .density = 1500});
-    auto air = rich(FlowSolver(g, {}));
+    auto air = rich(FlowSolver(g, {1.2, 1.8e-5}));
     if (steps != 1) air.steps = steps;
     Simulation sim{std::move(grain), Contacts<HertzMindlin>{glass}, domain, air};
     sim.time_step = 1e-5;

@@ -576,7 +576,10 @@ TEST_CASE("what cannot be is refused with a sentence") {
   const Grid g({{0, 0, 0}, {1, 1, 1}}, {4, 4, 4}, {true, false, false});
   has([&] { FlowSolver(g, FluidProperties{0, 1}); }, "density = 0");
   has([&] { FlowSolver(g, FluidProperties{1, -1}); }, "viscosity = -1");
-  has([&] { FlowSolver(g, {}, FlowOptions{.tolerance = 2}); }, "tolerance = 2");
+  has([&] { FlowSolver(g, FluidProperties{.density = 1000}); }, "viscosity [Pa s] must be given");
+  has([&] { FlowSolver(g, FluidProperties{.viscosity = 1e-3}); },
+      "density = 0 kg/m3 must be given");
+  has([&] { FlowSolver(g, {1, 1}, FlowOptions{.tolerance = 2}); }, "tolerance = 2");
   FlowSolver flow(g, FluidProperties{1, 0.01});
   has([&] { flow.set_side(0, 0, NoSlip{}); }, "periodic in x");
   has([&] { flow.set_side(3, 0, NoSlip{}); }, "side (3, 0) does not exist");

@@ -44,7 +44,7 @@ TEST_CASE("VTK's own reader finds a flow where it is") {
   std::string folder = (fs::temp_directory_path() / "silt_flow_XXXXXX").string();
   REQUIRE(::mkdtemp(folder.data()) != nullptr);
   const silt::Grid g({{1, 2, 3}, {1.4, 3, 4.5}}, {4, 5, 6});
-  silt::FlowSolver flow(g, {});
+  silt::FlowSolver flow(g, {1.2, 1.8e-5});
   flow.set_boundary({.distance = [](const silt::Vec3d& x) { return x.x - 1.05; }});
   for (int k = 0; k < 6; ++k)
     for (int j = 0; j < 5; ++j)

@@ -117,6 +117,13 @@ TEST_CASE("checkpoint: whatever a scene has otherwise is named") {
           {"wall 0: is is 'a plane' in the file and 'a cylinder' in the scene"});
   refused({.wall = silt::box({-1, -1, -1}, {1, 1, 1})},
           {"wall 0: surfaces is 1 in the file and 6"});
+  {
+    auto walled = built({});
+    walled.add_wall(silt::Plane{{0, 0, 1}, {0, 0, -1}}, walled.contacts().material(0));
+    const auto words = refusal<InputError>([&] { load_checkpoint(walled, path); });
+    CHECK(has_words(words, {"walls is ", "build the scene that wrote it"}));
+    CHECK(words.find("accept") == std::string::npos);  // it would be refused all the same
+  }
   refused({.motion = {}},
           {"wall 0: moves is 'yes' in the file and 'no' in the scene", ".motions = true"});
   refused({.motion = silt::vibration({0, 0, 0.2e-3}, 60)},
@@ -148,7 +155,8 @@ TEST_CASE("checkpoint: rounding of another instruction set is no difference") {
   const auto one = of(0.1, 7), rounded = of(0.1 * (1 + 4e-16), 7 * (1 - 4e-16));
   CHECK(one.difference(rounded.written(), {}).empty());
   CHECK(has_words(one.difference(of(0.1 * (1 + 1e-8), 7).written(), {}), {"x is 0.1000000"}));
-  CHECK(has_words(one.difference(of(0.1, 7.00001).written(), {}), {"checksum of the points"}));
+  CHECK(has_words(one.difference(of(0.1, 7.00001).written(), {}),
+                  {"the points [m] are others in the file than in the scene"}));
 }
 
 TEST_CASE("checkpoint: other materials are taken where they are accepted, and act from then on") {

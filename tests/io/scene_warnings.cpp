@@ -93,6 +93,28 @@ bool is_silent(const Sentences& all) {
 
 // --- outlets --------------------------------------------------------------------------------
 
+TEST_CASE("scene_warnings: particles outside of the flow's grid, but not along where it repeats") {
+  const auto grains = [](const silt::Vec3d& shift, std::array<bool, 3> repeats) {
+    silt::Particles<silt::Sphere> p;
+    for (int k = 0; k < 4; ++k)
+      p.add({.position = silt::Vec3d{0.01, 0.01, 0.002 + 0.004 * k} + shift,
+             .radius = 1e-3,
+             .density = 2500});
+    silt::FlowSolver flow(silt::Grid({{0, 0, 0}, {0.02, 0.02, 0.01}}, {4, 4, 4}, repeats),
+                          {1000, 1e-3});
+    silt::Simulation sim{std::move(p), silt::Contacts<silt::HertzMindlin>{{1e6, 0.3, 0.5, 0.4}},
+                         silt::CoupledFlow{silt::Gidaspow{}, silt::Kernel{}, std::move(flow)}};
+    sim.gravity = {0, 0, -9.81};
+    sim.add_wall(silt::Plane{{0, 0, -1}, {0, 0, 1}}, sim.contacts().material(0));
+    return sim;
+  };
+  CHECK(is_one(silt::scene_warnings(grains({0, 0, 0}, {})),
+               {"1 of 4 particles lie outside of the flow's grid", "enlarge or move the grid"}));
+  CHECK(is_one(silt::scene_warnings(grains({1, 0, 0}, {})), {"4 of 4 particles"}));
+  CHECK(is_silent(silt::scene_warnings(grains({0, 0, -2e-3 * 2}, {true, true, true}))));
+  CHECK(is_silent(silt::scene_warnings(grains({1, 0, 0}, {true, false, true}))));
+}
+
 TEST_CASE("scene_warnings: an outlet thinner than the way between two looks at it") {
   const auto with_outlet = [](double thick, auto... policies) {
     auto sim = loose({}, policies...);

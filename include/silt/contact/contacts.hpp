@@ -127,7 +127,9 @@ class Contacts {
     if constexpr (detail::HasPairValues<Law>) {
       const auto& given = pairs_[a * materials_.size() + b].pair;
       require(given || a == b, "materials ", a, " and ", b,
-              " have no pair value; call set_pair(material, material, values) on the contacts");
+              " have no pair value; call set_pair(material, material, values) on the contacts. "
+              "(Materials count from 0 in the order in which the contacts and the walls got them; "
+              "a wall of other values than the particles' is another material)");
       return Law::mix(materials_[a], materials_[b], given ? *given : Law::like(materials_[a]));
     } else {
       return Law::mix(materials_[a], materials_[b]);

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -149,19 +150,21 @@ template <class EngineType, class Domain>
                 "cylinder or cone, is that of the particles, or move it");
   return text("; ", behind, " of ", all,
               " particles lie behind this wall and the others in front of it: it stands inside the "
-              "bed, or one of its planes is turned over (a normal points to the particles); move "
-              "the wall, or leave those particles out");
+              "bed, or a part of it is turned over (the normal of a plane and the Side of a "
+              "cylinder or cone are those of the particles); move the wall, or leave those "
+              "particles out");
 }
 
 /// The overlaps of a step are above the least limit: names the contact that is above its own, if
 /// there is one. `longer` says whether the time step is longer than silt chooses, so that the
 /// overlap may be an error of it; `at_start`, that no step has been done with these particles and
-/// walls, so that the scene was given so; `name` says the name of a material.
-template <class EngineType, class Domain, class Longer, class Name>
+/// walls, so that the scene was given so; `name` says the name of a material, `inlet_at` which
+/// inlet has a place in its region, if one has.
+template <class EngineType, class Domain, class Longer, class Name, class InletAt>
 [[gnu::cold]] void check_overlaps(const EngineType& e, const Domain& domain, std::int64_t step,
                                   double time, double back, double limit,
                                   const OverlapLimits& limits, bool at_start, const Longer& longer,
-                                  const Name& name) {
+                                  const Name& name, const InletAt& inlet_at) {
   const DeepContact c = deepest_contact(e, domain, back, limit, limits);
   if (!(c.excess > 1) && !limits.empty() && e.largest_overlap <= limits.greatest(limit)) return;
   const auto advice = [&]() -> std::string {
@@ -181,7 +184,12 @@ template <class EngineType, class Domain, class Longer, class Name>
   const auto head = text("step ", step, ", t = ", time, " s: ");
   const std::string both = name(c.material_a) + " and " + name(c.material_b);
   const bool is_given_so = at_start && c.overlap > 1;  // no material would bear that
-  const auto cause = !at_start     ? advice()
+  const std::optional<std::size_t> inlet =
+      c.with_wall && c.overlap > 1 ? inlet_at(centre_of_owner(e, c.a, back)) : std::nullopt;
+  const auto cause = inlet         ? text("; the region of inlet ", *inlet,
+                                          " reaches behind this wall: move the region to the side of the "
+                                                  "wall where particles are to be")
+                     : !at_start   ? advice()
                      : c.with_wall ? behind_words(e, domain, back, c)
                                    : twin_words(e, domain, back, c);
   const auto tail = text(

@@ -110,6 +110,12 @@ class Openings {
   const Outlet& outlet(std::size_t k) const { return at("outlet", outlets_, k); }
   const Inlet& inlet(std::size_t k) const { return at("inlet", inlets_, k); }
   std::vector<Outlet>& outlets() { return outlets_; }
+  /// The first inlet whose region reaches to this place [m].
+  std::optional<std::size_t> inlet_at(const Vec3d& place) const {
+    for (std::size_t k = 0; k < inlets_.size(); ++k)
+      if (inlets_[k].bounds.contains(place)) return k;
+    return std::nullopt;
+  }
   std::vector<Inlet>& inlets() { return inlets_; }
   const std::vector<Outlet>& outlets() const { return outlets_; }
   const std::vector<Inlet>& inlets() const { return inlets_; }

@@ -223,7 +223,8 @@ void Simulation<Policies...>::keep_limits() {
     detail::check_overlaps(
         engine_, domain_, step_, time_, back, guard.max_overlap, overlap_limits_,
         step_ <= scene_step_ + (scene_step_ > 0), [this] { return is_longer_than_chosen(); },
-        [this](std::size_t k) { return detail::name_of_material(contacts_, k); });
+        [this](std::size_t k) { return detail::name_of_material(contacts_, k); },
+        [this](const Vec3d& p) { return openings_.inlet_at(p); });
   detail::check_crowded(engine_, step_, time_, back);
   const double wall_way = detail::wall_travel(engine_);
   const double speed = std::max(engine_.largest_speed, wall_way / dt_);

@@ -129,9 +129,12 @@ double Simulation<Policies...>::chosen_time_step() const {
   require(size() > 0 || !openings_.inlets().empty(),
           "the time step cannot be chosen: there are no particles; add some, or an inlet, or set "
           "Simulation::time_step [s]");
+  require(speed > 0,
+          "the time step cannot be chosen: nothing moves and there is no gravity; set "
+          "Simulation::time_step [s]");
   require(shortest.has_value(),
-          "the time step cannot be chosen: the contact law has no contact_time(), or nothing moves "
-          "and there is no gravity; set Simulation::time_step [s]");
+          "the time step cannot be chosen: the contact law does not say how long a contact lasts; "
+          "give it contact_time() (silt/contact/concept.hpp), or set Simulation::time_step [s]");
   return std::min(shortest->time / 20, 0.5 * longest_travel_step(speed));
 }
 

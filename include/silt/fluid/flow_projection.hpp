@@ -92,9 +92,9 @@ class FlowProjection {
           "FlowSolver: ", mean > 0 ? "more" : "less", " fluid comes in than goes out, by ",
           std::abs(mean),
           " of the volume in a step, and no side is an Outflow; make one an "
-          "Outflow, or balance the sides' velocities and the particles that come and go; solids "
-          "that a CoupledFlow cuts off at its least_voidage have gone as well: wider weights or "
-          "larger cells have room for them"));
+          "Outflow, or balance the sides' velocities and the particles that come and go. (Where a "
+          "CoupledFlow clips solids at its least_voidage, the clipped volume counts as gone: take "
+          "wider weights or larger cells)"));
     // What is less than rounding of the voidage in this step need not be found.
     const double norm = norm_of_right(state, team), least = rounding / dt / norm;
     if (!std::isfinite(norm)) throw_no_numbers(state);

@@ -69,7 +69,10 @@ class FlowSolver {
       : s_(grid, fluid, options),
         projection_(std::make_unique<fluid_detail::FlowProjection>(grid)) {
     require(std::isfinite(fluid.density) && fluid.density > 0,
-            "FluidProperties.density = ", fluid.density, " kg/m3 must be positive");
+            "FluidProperties.density = ", fluid.density,
+            " kg/m3 must be given and positive: air at 20 C has 1.2, water 998");
+    require(!std::isnan(fluid.viscosity),
+            "FluidProperties.viscosity [Pa s] must be given: air at 20 C has 1.8e-5, water 1e-3");
     require(std::isfinite(fluid.viscosity) && fluid.viscosity >= 0,
             "FluidProperties.viscosity = ", fluid.viscosity, " Pa s must not be negative");
     require(options.tolerance > 0 && options.tolerance < 1,

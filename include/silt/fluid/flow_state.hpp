@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -20,8 +21,8 @@ namespace silt::inline SILT_TARGET {
 
 /// An incompressible Newtonian fluid.
 struct FluidProperties {
-  double density = 1.2;       // [kg/m3]
-  double viscosity = 1.8e-5;  // [Pa s]
+  double density = 0;                                           // [kg/m3] must be given
+  double viscosity = std::numeric_limits<double>::quiet_NaN();  // [Pa s] must be given
 };
 
 /// Volume-averaged momentum equations, with the pressure p and the force f of the particles:

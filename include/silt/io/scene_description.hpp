@@ -72,8 +72,7 @@ class SceneDescription {
         const double weighted = (1 + static_cast<double>(state >> 40) * 0x1p-24) * x;
         sum += weighted, size += std::abs(weighted);
       }
-    items_.push_back(
-        {aspect, text("checksum of the ", name, " [m]"), text(sum), sum, 1e-12 * size});
+    items_.push_back({aspect, text(many_points, name, " [m]"), text(sum), sum, 1e-12 * size});
   }
 
   /// One line an item.
@@ -100,6 +99,7 @@ class SceneDescription {
     std::string phrase, one_sided;
     std::size_t count = 0;
     AcceptedChanges would_do;
+    bool no_change_would_do = false;
     // Where there is one more of something, its number says so, and the items of that one do not.
     for (const Item& item : items_) {
       if (is_accepted(item.aspect, accepted)) continue;
@@ -108,6 +108,7 @@ class SceneDescription {
         in_file.erase(found);
         continue;
       }
+      no_change_would_do |= item.aspect == Aspect::Scene;
       would_do.materials |= item.aspect == Aspect::Material;
       would_do.motions |= item.aspect == Aspect::Motion;
       would_do.inlets |= item.aspect == Aspect::Inlet;
@@ -116,9 +117,7 @@ class SceneDescription {
           one_sided = text(item.name, " is ", shown(item.value), " in the scene alone");
         continue;
       }
-      if (count++ < 3)
-        phrase += text(count > 1 ? "; " : "", item.name, " is ", shown(found->second),
-                       " in the file and ", shown(item.value), " in the scene");
+      if (count++ < 3) phrase += (count > 1 ? "; " : "") + difference(item, found->second);
       in_file.erase(found);
     }
     if (one_sided.empty() && !in_file.empty())
@@ -128,6 +127,7 @@ class SceneDescription {
     if (count == 0) phrase = one_sided;
     if (phrase.empty()) return phrase;
     phrase += "; build the scene that wrote it";
+    if (no_change_would_do) return phrase;
     for (const auto& [may, word] :
          {std::pair{would_do.materials, "materials"}, std::pair{would_do.motions, "motions"},
           std::pair{would_do.inlets, "inlets"}})
@@ -139,6 +139,7 @@ class SceneDescription {
 
  private:
   static constexpr std::size_t most_words = 1000;
+  static constexpr std::string_view many_points = "checksum of the ";
   struct Item {
     Aspect aspect;
     std::string name, value;
@@ -157,6 +158,13 @@ class SceneDescription {
         std::from_chars(in_file.data(), in_file.data() + in_file.size(), value);
     return item.slack >= 0 && error == std::errc{} && end == in_file.data() + in_file.size() &&
            std::abs(value - item.number) <= item.slack;
+  }
+  static std::string difference(const Item& item, std::string_view in_file) {
+    if (item.name.starts_with(many_points))  // a sum that says nothing to a reader
+      return text("the ", item.name.substr(many_points.size()),
+                  " are others in the file than in the scene");
+    return text(item.name, " is ", shown(in_file), " in the file and ", shown(item.value),
+                " in the scene");
   }
   /// Words are in quotes already.
   static std::string shown(std::string_view value) {

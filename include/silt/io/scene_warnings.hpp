@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -242,9 +243,32 @@ void warn_of_units(const Sim& sim, const SceneLook& look, std::vector<std::strin
                        " m across; give radii and all lengths in m: 1 mm is 0.001 m"));
 }
 
+/// Particles beyond the grid of the flow, on which no fluid acts.
+template <class Sim>
+void warn_of_grid(const Sim& sim, std::vector<std::string>& out) {
+  if constexpr (requires { sim.fluid().flow().grid().box(); }) {
+    const auto& grid = sim.fluid().flow().grid();
+    const Box& box = grid.box();
+    Box inside = box;
+    constexpr double far = std::numeric_limits<double>::infinity();
+    if (grid.periodic(0)) inside.min.x = -far, inside.max.x = far;
+    if (grid.periodic(1)) inside.min.y = -far, inside.max.y = far;
+    if (grid.periodic(2)) inside.min.z = -far, inside.max.z = far;
+    std::size_t all = 0, beyond = 0;
+    for (std::size_t k = 0; k < sim.rows(); ++k)
+      if (sim.is_present(k)) ++all, beyond += !inside.contains(sim.position(k));
+    if (beyond > 0)
+      out.push_back(text(beyond, " of ", all, " particles lie outside of the flow's grid from ",
+                         box.min, " to ", box.max,
+                         " m, where no fluid acts on them; enlarge or move the grid, or the "
+                         "particles"));
+  }
+}
+
 }  // namespace detail
 
-/// What is odd about a scene, before it runs: outlets, gravity, units. Empty if nothing is.
+/// What is odd about a scene, before it runs: outlets, gravity, units, the flow's grid.
+/// Empty if nothing is.
 template <class Sim>
 [[gnu::cold]] std::vector<std::string> scene_warnings(const Sim& sim) {
   std::vector<std::string> out;
@@ -253,6 +277,7 @@ template <class Sim>
     if (!detail::warn_of_outside(sim, look, k, out)) detail::warn_of_thin(sim, look, k, out);
   detail::warn_of_gravity(sim, look, out);
   detail::warn_of_units(sim, look, out);
+  detail::warn_of_grid(sim, out);
   return out;
 }
 
