@@ -42,7 +42,7 @@ auto falling(const Search& search) {
 
 int main() {
   // Policies of Simulation, from the usual to the special.
-  auto usual = falling(silt::VerletList{});
+  auto usual = falling(silt::VerletList<>{});
   auto wide = falling(silt::VerletList<silt::HashedGrid>{});
   auto direct = falling(silt::HashedGrid{});
   auto tried = falling(silt::VerletList<silt::AutoSearch>{});

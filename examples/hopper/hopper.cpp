@@ -92,7 +92,7 @@ auto make_simulation(const Scene& s) {
                .count = s.particles,
                .gap = s.gap});
   silt::Simulation sim{std::move(grains), silt::Contacts<Law>{s.material()},
-                       silt::VerletList{.sort = s.sort}, Precision{}};
+                       silt::VerletList<>{.sort = s.sort}, Precision{}};
   sim.gravity = {0, 0, -9.81};
   sim.time_step = s.time_step;
   const double w = s.width;

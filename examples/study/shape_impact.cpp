@@ -105,7 +105,7 @@ void strike(const Cases& cases, const Setting& setting, example::Summary& summar
                        grains);
         crowd->add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}});
         run.time([&] { crowd->run(gap / speed + 0.75 * after); });
-        double off = 0, turn = 0, worst = 0, energy = 0;
+        double off = 0, turned = 0, worst = 0, energy = 0;
         for (std::size_t k = 0; k < hits.size(); ++k) {
           const auto& hit = hits[k];
           const Vec3d v = crowd->grain(k).velocity - Vec3d{0, 0, hit.rebound};
@@ -116,12 +116,12 @@ void strike(const Cases& cases, const Setting& setting, example::Summary& summar
           const Vec3d I = density * t.exact.inertia();
           const double w = norm(Vec3d{L.x / I.x, L.y / I.y, L.z / I.z});
           off += dot(v, v), worst = std::max(worst, norm(v));
-          turn += w * w;
+          turned += w * w;
         }
         const double n = static_cast<double>(hits.size());
         energy = crowd->kinetic_energy() / (0.5 * n * crowd->mass() * speed * speed) - 1;
         run.error("error of velocity", std::sqrt(off / n) / speed);
-        run.error("error of spin", std::sqrt(turn / n) * radius / speed);
+        run.error("error of spin", std::sqrt(turned / n) * radius / speed);
         run.note("error of energy", energy);
         run.note("worst velocity", worst / speed);
         run.note("outline", outline_error(model, t.exact));

@@ -89,7 +89,8 @@ void check(const Bed& b) {
 TEST_CASE("a bed of light grains rises without a swing and rests under the lid") {
   // Fluid steps of 50 particle steps made grains of 20 kg/m3 tremble there with 0.3 of the law's
   // velocity for ever.
-  for (const auto& [density, restitution] : {std::pair(100.0, 0.9), {20.0, 0.5}, {20.0, 0.9}}) {
+  for (const auto& of : {std::pair(100.0, 0.9), {20.0, 0.5}, {20.0, 0.9}}) {
+    const double density = of.first, restitution = of.second;
     CAPTURE(density);
     CAPTURE(restitution);
     check(bed(density, restitution, 0.3));

@@ -226,7 +226,7 @@ TEST_CASE(
   } curve[] = {{0.5, 51.538}, {50, 1.5743}, {200, 0.7905}, {500, 0.55492}, {2500, 0.40818}};
   const double ganser[] = {0.997, 0.754, 0.733, 0.761, 0.926};
   for (std::size_t k = 0; k < std::size(curve); ++k) {
-    const auto [Re, C_D] = curve[k];
+    const double Re = curve[k].Re, C_D = curve[k].C_D;
     CAPTURE(Re);
     const auto over = [&](const auto& law) { return lone_body_drag(law, sphere, Re) / C_D; };
     CHECK(std::abs(over(HaiderLevenspiel()) - 1.035) <= 0.035);

@@ -115,7 +115,8 @@ TEST_CASE("contact_area: a block that spins on its face stops when Coulomb's tor
   struct Case {
     double a, b;
   };
-  for (const auto [a, b] : {Case{3e-3, 3e-3}, Case{6e-3, 3e-3}, Case{2e-3, 3e-3}}) {
+  for (const Case& of : {Case{3e-3, 3e-3}, Case{6e-3, 3e-3}, Case{2e-3, 3e-3}}) {
+    const double a = of.a, b = of.b;
     const double c = 2e-3, depth = depth_at_rest(a, b, c, m);
     for (const bool mesh : {false, true}) {
       CAPTURE(mesh);

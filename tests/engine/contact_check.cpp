@@ -58,7 +58,7 @@ TEST_CASE("contact_check: two fixed particles that overlap are no contact") {
   p.add({.position = {0, 0, 0}, .radius = 1e-3, .density = 2500, .fixed = true});
   p.add({.position = {1e-3, 0, 0}, .radius = 1e-3, .density = 2500, .fixed = true});
   p.add({.position = {0, 0, 2.5e-3}, .radius = 1e-3, .density = 2500, .velocity = {0, 0, -0.5}});
-  silt::Simulation sim{std::move(p), silt::Contacts<HertzMindlin>{rubber}, silt::VerletList{}};
+  silt::Simulation sim{std::move(p), silt::Contacts<HertzMindlin>{rubber}, silt::VerletList<>{}};
   sim.time_step = 2e-6;
   silt::ContactCheck check;
   sim.run(2e-3, check);

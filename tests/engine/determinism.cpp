@@ -77,7 +77,7 @@ TEST_CASE(
              .density = 2500,
              .velocity = {0, 0, -0.5},
              .material = material});
-    silt::Simulation sim{std::move(p), mixed_contacts(), silt::VerletList{},
+    silt::Simulation sim{std::move(p), mixed_contacts(), silt::VerletList<>{},
                          silt::PeriodicBox{{{0, 0, 0}, {16e-3, 1, 1}}, {true, false, false}}};
     sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, on_resin ? resin : rubber);
     sim.time_step = 2e-6;
@@ -96,7 +96,7 @@ TEST_CASE("several_materials: a pair without values is named when the run starts
   MixedContacts contacts({rubber, resin});
   silt::Particles<Sphere> p;
   p.add({.position = {8e-3, 0, 0}, .radius = 1e-3, .density = 2500, .velocity = {1, 0, 0}});
-  silt::Simulation sim{std::move(p), contacts, silt::VerletList{},
+  silt::Simulation sim{std::move(p), contacts, silt::VerletList<>{},
                        silt::PeriodicBox{{{0, 0, 0}, {16e-3, 1, 1}}, {true, false, false}}};
   CHECK(has_words(refusal<silt::InputError>([&] { sim.run(1e-3); }),
                   {"materials 0 and 1 have no pair value", "call set_pair("}));

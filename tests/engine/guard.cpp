@@ -461,7 +461,7 @@ TEST_CASE("time_step: the automatic step is a 20th of the closed form's shortest
   contacts.set_pair(rubber, steel, {.restitution = 0.5, .friction = 0.1});
   silt::Particles<Sphere> p;
   p.add({.position = {0, 0, 0.1}, .radius = 1e-3, .density = 2500, .velocity = {0, 0, 3}});
-  silt::Simulation walled{std::move(p), contacts, silt::VerletList{}};
+  silt::Simulation walled{std::move(p), contacts, silt::VerletList<>{}};
   walled.add_wall(silt::Cylinder{{0, 0, 0}, {0, 0, 2}, 1, silt::Side::Inside}, steel);
   walled.run(0);
   CHECK(near_relative(walled.step_length(), hertz_time(E_wall, 1e-3, m, 3) / 20, seven_digits));
@@ -469,7 +469,7 @@ TEST_CASE("time_step: the automatic step is a 20th of the closed form's shortest
   // Gravity: the speed of a fall through the scene, which is 2 m high.
   silt::Simulation heavy{
       silt::Particles<Sphere>{}.add({.position = {0, 0, 0.1}, .radius = 1e-3, .density = 2500}),
-      contacts, silt::VerletList{}};
+      contacts, silt::VerletList<>{}};
   heavy.gravity = {0, 0, -9.81};
   heavy.add_wall(silt::Cylinder{{0, 0, 0}, {0, 0, 2}, 1, silt::Side::Inside}, steel);
   heavy.run(0);

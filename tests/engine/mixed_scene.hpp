@@ -70,7 +70,7 @@ auto many_spheres(int threads, bool sort, Precision precision = {}) {
                 .velocity = {0.3, -0.2, -1}});
   const HertzMindlin::Material glass{1e7, 0.3, 0.5, 0.4};
   silt::Simulation sim{std::move(spheres), silt::Contacts<HertzMindlin>{glass},
-                       silt::VerletList{.sort = sort}, precision};
+                       silt::VerletList<>{.sort = sort}, precision};
   sim.gravity = {0, 0, -9.81};
   sim.time_step = 1e-5;
   sim.threads = threads;

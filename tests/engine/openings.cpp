@@ -25,7 +25,7 @@ const double mass = 1000 * silt::sphere_volume(1e-3);  // [kg] of one sphere
 
 auto scene(const silt::Particles<Sphere>& particles = {}) {
   silt::Simulation sim{silt::Particles<Sphere>(particles),
-                       silt::Contacts<LinearSpring>{{.stiffness = 10}}, silt::VerletList{},
+                       silt::Contacts<LinearSpring>{{.stiffness = 10}}, silt::VerletList<>{},
                        silt::PeriodicBox{channel, {true, true, false}}};
   sim.time_step = step;
   sim.threads = 1;

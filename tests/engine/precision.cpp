@@ -25,7 +25,8 @@ std::vector<ParticleBits> impact(const typename Law::Material& material, const V
          .radius = 0.8e-3,
          .density = 2000,
          .velocity = {-0.5, 0, 0.1}});
-  silt::Simulation sim{std::move(p), silt::Contacts<Law>{material}, silt::VerletList{}, precision};
+  silt::Simulation sim{std::move(p), silt::Contacts<Law>{material}, silt::VerletList<>{},
+                       precision};
   sim.time_step = 1e-6;
   sim.guard.max_overlap = 1;
   sim.run(4e-3);
@@ -96,7 +97,7 @@ TEST_CASE("precision: spheres of a micron, and of a metre, are within the range 
       p.add({.position = {0, 0, 0}, .radius = r, .density = 2500, .velocity = {0.01, 0, 0}});
       p.add({.position = {2.001 * r, 0.1 * r, 0}, .radius = r, .density = 2500});
       silt::Simulation sim{std::move(p), silt::Contacts<HertzMindlin>{{7e10, 0.22, 0.9, 0.3}},
-                           silt::VerletList{}, precision};
+                           silt::VerletList<>{}, precision};
       sim.run(2 * r);  // 20 um at 1 cm/s for a radius of 1 mm
       return sim.velocity(sim.find(1));
     };

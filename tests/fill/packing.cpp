@@ -75,9 +75,10 @@ const std::vector<std::pair<const char*, SizeDistribution>>& distributions() {
 template <class R>
 void check_placement(const R& region, std::size_t count, const std::vector<PlacedSphere>& already) {
   const auto& place = silt::region_of(region);
-  for (const auto& [name, sizes] : distributions())
+  for (const auto& distribution : distributions())
     for (const auto arrangement : {Arrangement::Lattice, Arrangement::Random}) {
-      CAPTURE(name);
+      const auto& sizes = distribution.second;
+      CAPTURE(distribution.first);
       CAPTURE(place.describe());
       CAPTURE(static_cast<int>(arrangement));
       const double gap = 0.05e-3;

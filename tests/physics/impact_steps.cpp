@@ -92,7 +92,8 @@ struct AnyLaw {
       else
         return Law::contact_time(p, R_j > 0 ? effective_radius(R_i, R_j) : R_i, m_eff, speed);
     };
-    reaches = [p](double R_eff) -> double {
+    reaches = [p]([[maybe_unused]] double R_eff) -> double {
+      static_cast<void>(p);  // of laws that end at touch
       if constexpr (ActsAtDistance<Law>)
         return Law::range(p, R_eff);
       else

@@ -12,8 +12,8 @@ namespace silt::inline SILT_TARGET {
 /// only when particles or walls may have moved by as much. No contact is ever missed: the proof
 /// and the test that renews the list are in engine/list_upkeep.hpp.
 ///
-///   silt::VerletList{}                      for each sphere a reach that follows its motion
-///   silt::VerletList{.skin = 0.3e-3}        [m] the same for all: half of this skin
+///   silt::VerletList<>{}                      for each sphere a reach that follows its motion
+///   silt::VerletList<>{.skin = 0.3e-3}        [m] the same for all: half of this skin
 ///
 /// Source: L. Verlet, Phys. Rev. 159 (1967) 98.
 /// Errors: InputError for a skin that is not finite and positive.

@@ -5,5 +5,5 @@
 #if defined(SILT_MENDED)
 silt::Simulation sim{beads, contacts, silt::BruteForce{}};
 #else
-silt::Simulation sim{beads, contacts, silt::BruteForce{}, silt::VerletList{}};
+silt::Simulation sim{beads, contacts, silt::BruteForce{}, silt::VerletList<>{}};
 #endif
