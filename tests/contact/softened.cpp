@@ -159,8 +159,9 @@ TEST_CASE(
     sim.run(1e-9);
     return sim.step_length();
   };
-  // With a very large partner a contact is stiffer by up to 2, and so shorter by 2^(-2/5).
-  CHECK(step_for(1e-3) / step_for(0) == near(10).epsilon(0.35));
+  // t ~ m^(2/5) E*^(-2/5) R^(-1/5) of two alike: f = (R/R_full)^(5/2) on E* leaves R_full/R.
+  CHECK(step_for(1e-3) / step_for(0) == near(10).epsilon(1e-12));
+  CHECK(step_for(0.3e-3) / step_for(0) == near(3).epsilon(1e-12));
 
   const auto run = [](auto... policy) {
     silt::Particles<silt::Sphere> spheres;
