@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
+#include <silt/files/atomic_file.hpp>
 #include <silt/fluid.hpp>
-#include <silt/io/atomic_file.hpp>
 
 #include "support/example.hpp"
 

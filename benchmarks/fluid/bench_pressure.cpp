@@ -23,8 +23,8 @@
 #include <string>
 #include <vector>
 
+#include <silt/files/atomic_file.hpp>
 #include <silt/fluid/pressure_solver.hpp>
-#include <silt/io/atomic_file.hpp>
 
 #include "fluid/pressure_cases.hpp"
 #include "support/example.hpp"

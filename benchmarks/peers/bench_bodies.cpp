@@ -9,7 +9,7 @@
 //     contacts of the bodies whose balls stand in BALLS, 'x y z r' a line, body by body
 // FILE: a line a body, position, orientation (w x y z), velocity, angular velocity. The law is that
 // of bench_bed. whole: every contact of two balls has all of its stiffness, as in LIGGGHTS and
-// Yade; shared: engine/shared_contacts.hpp.
+// Yade; shared: engine/contact/shared_contacts.hpp.
 
 #include <chrono>
 #include <cstdio>

@@ -21,7 +21,7 @@
 
 #include <silt/boundary/wall.hpp>
 #include <silt/contact/hertz_mindlin.hpp>
-#include <silt/io/atomic_file.hpp>
+#include <silt/files/atomic_file.hpp>
 #include <silt/shape/sphere.hpp>
 #include <silt/shape/super_ellipsoid.hpp>
 #include <silt/simulation.hpp>

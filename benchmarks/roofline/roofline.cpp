@@ -16,7 +16,7 @@
 #include <thread>
 #include <vector>
 
-#include <silt/io/atomic_file.hpp>
+#include <silt/files/atomic_file.hpp>
 
 #include "support/example.hpp"
 

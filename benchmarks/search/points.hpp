@@ -12,8 +12,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include <silt/core/position_row.hpp>
 #include <silt/core/random.hpp>
-#include <silt/engine/rows.hpp>
 
 namespace bench {
 

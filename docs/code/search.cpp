@@ -5,9 +5,9 @@
 #include <cstdio>
 #include <string>
 
-#include <silt/engine/contact_check.hpp>
 #include <silt/search/fastest_of.hpp>
 #include <silt/silt.hpp>
+#include <silt/simulation/contact_check.hpp>
 
 /// A search of one's own: every pair nearer than `reach`, once.
 struct MySearch {

@@ -8,7 +8,7 @@
 #include <cstdlib>
 
 #include <silt/core/error.hpp>
-#include <silt/io/atomic_file.hpp>
+#include <silt/files/atomic_file.hpp>
 
 #include "stability/table.hpp"
 #include "support/example.hpp"

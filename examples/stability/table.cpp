@@ -8,7 +8,7 @@
 #include <cstring>
 
 #include <silt/core/error.hpp>
-#include <silt/io/atomic_file.hpp>
+#include <silt/files/atomic_file.hpp>
 
 namespace stability {
 

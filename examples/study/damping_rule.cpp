@@ -12,7 +12,7 @@
 #include <vector>
 
 #include <silt/contact/hertz_mindlin.hpp>
-#include <silt/io/csv_table.hpp>
+#include <silt/files/csv_table.hpp>
 #include <silt/simulation.hpp>
 #include <silt/study/unequal_damping.hpp>
 

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include <silt/io/csv_table.hpp>
+#include <silt/files/csv_table.hpp>
 #include <silt/motion/gear.hpp>
 #include <silt/motion/leapfrog.hpp>
 

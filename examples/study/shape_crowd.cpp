@@ -7,7 +7,7 @@
 #include <utility>
 
 #include <silt/contact/rolling/epsd.hpp>
-#include <silt/io/vtk.hpp>
+#include <silt/files/vtk.hpp>
 #include <silt/simulation.hpp>
 
 namespace studies::shape {

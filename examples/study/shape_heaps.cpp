@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <numbers>
 
-#include <silt/io/csv_table.hpp>
+#include <silt/files/csv_table.hpp>
 
 #include "study/shape_crowd.hpp"
 #include "study/shape_study.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include <silt/io/atomic_file.hpp>
+#include <silt/files/atomic_file.hpp>
 
 #include "study/shape_crowd.hpp"
 #include "study/studies.hpp"

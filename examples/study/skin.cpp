@@ -11,7 +11,7 @@
 #include <tuple>
 #include <vector>
 
-#include <silt/io/csv_table.hpp>
+#include <silt/files/csv_table.hpp>
 
 #include "study/crowds.hpp"
 #include "study/studies.hpp"

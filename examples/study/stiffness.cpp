@@ -12,7 +12,7 @@
 
 #include <silt/boundary/triangle_mesh.hpp>
 #include <silt/contact/impact.hpp>
-#include <silt/io/csv_table.hpp>
+#include <silt/files/csv_table.hpp>
 
 #include "study/studies.hpp"
 #include "study/two_flats.hpp"

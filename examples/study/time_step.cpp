@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include <silt/io/csv_table.hpp>
+#include <silt/files/csv_table.hpp>
 
 #include "study/studies.hpp"
 #include "study/two_flats.hpp"

@@ -14,7 +14,7 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/threads.hpp>
-#include <silt/io/atomic_file.hpp>
+#include <silt/files/atomic_file.hpp>
 
 namespace example {
 

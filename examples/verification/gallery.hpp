@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <silt/io/csv_table.hpp>
+#include <silt/files/csv_table.hpp>
 
 #include "support/example.hpp"
 

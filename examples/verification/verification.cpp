@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include <silt/io/atomic_file.hpp>
+#include <silt/files/atomic_file.hpp>
 
 #include "verification/gallery.hpp"
 

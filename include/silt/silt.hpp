@@ -27,7 +27,6 @@
 #include <silt/contact/rolling/viscous.hpp>
 #include <silt/contact/softened.hpp>
 #include <silt/coupling/no_fluid.hpp>
-#include <silt/engine/contact_check.hpp>
 #include <silt/fill/particle_file.hpp>
 #include <silt/fill/particles.hpp>
 #include <silt/io/checkpoint.hpp>
@@ -45,4 +44,5 @@
 #include <silt/shape/sphere.hpp>
 #include <silt/shape/super_ellipsoid.hpp>
 #include <silt/simulation.hpp>
+#include <silt/simulation/contact_check.hpp>
 #include <silt/study/unequal_damping.hpp>

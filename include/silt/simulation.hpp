@@ -13,16 +13,16 @@
 #include <silt/boundary/wall.hpp>
 #include <silt/contact/contacts.hpp>
 #include <silt/coupling/no_fluid.hpp>
-#include <silt/engine/ask_on_lanes.hpp>
-#include <silt/engine/axes.hpp>
-#include <silt/engine/contact_rates.hpp>
+#include <silt/engine/checks/contact_rates.hpp>
+#include <silt/engine/checks/guard.hpp>
+#include <silt/engine/checks/time_step.hpp>
+#include <silt/engine/contact/ask_on_lanes.hpp>
 #include <silt/engine/engine.hpp>
-#include <silt/engine/guard.hpp>
-#include <silt/engine/openings.hpp>
-#include <silt/engine/time_step.hpp>
+#include <silt/engine/population/openings.hpp>
 #include <silt/fill/particles.hpp>
 #include <silt/search/verlet_list.hpp>
-#include <silt/study/energy_ledger.hpp>
+#include <silt/simulation/axes.hpp>
+#include <silt/simulation/energy_ledger.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -44,7 +44,7 @@ namespace silt::inline SILT_TARGET {
 ///
 /// Lengths in m, times in s, masses in kg. Errors: InputError for values and combinations that
 /// cannot be used, SimulationError for a run that breaks a limit of `guard`; policies that do not
-/// make a simulation: a sentence at compile time (engine/refused_simulation.hpp).
+/// make a simulation: a sentence at compile time (simulation/refused_simulation.hpp).
 template <class... Policies>
 class Simulation {
  public:
@@ -168,8 +168,8 @@ class Simulation {
   void insert(const std::vector<PlacedSphere>& spheres, const InletFlow& flow, Random& random);
 
   /// Whether several parts of a body that press on one partner share the stiffness of a contact
-  /// (engine/shared_contacts.hpp); true unless set. Without, a body is the stiffer the more parts
-  /// it touches with.
+  /// (engine/contact/shared_contacts.hpp); true unless set. Without, a body is the stiffer the more
+  /// parts it touches with.
   void share_contacts(bool yes) requires(has_bodies && !SolidShape<ShapeType>) {
     engine_.share_contacts = yes;
   }
@@ -459,8 +459,8 @@ requires(detail::count<detail::IsKernels, std::remove_cvref_t<Args>...> == 0) Si
 
 }  // namespace silt
 
-#include <silt/engine/refused_simulation.hpp>
-#include <silt/engine/simulation_bodies.hpp>
-#include <silt/engine/simulation_fluid.hpp>
-#include <silt/engine/simulation_parts.hpp>
-#include <silt/engine/simulation_time_step.hpp>
+#include <silt/simulation/bodies.hpp>
+#include <silt/simulation/choose_time_step.hpp>
+#include <silt/simulation/parts.hpp>
+#include <silt/simulation/refused_simulation.hpp>
+#include <silt/simulation/with_fluid.hpp>

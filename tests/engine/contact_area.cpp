@@ -5,7 +5,7 @@
 #include <numbers>
 #include <vector>
 
-#include <silt/engine/contact_area.hpp>
+#include <silt/engine/convex/contact_area.hpp>
 #include <silt/silt.hpp>
 
 #include "engine/stones.hpp"

@@ -8,7 +8,7 @@
 #include <silt/contact/jkr.hpp>
 #include <silt/contact/linear_spring.hpp>
 #include <silt/contact/rolling/epsd.hpp>
-#include <silt/engine/contact_rates.hpp>
+#include <silt/engine/checks/contact_rates.hpp>
 
 #include "near.hpp"
 

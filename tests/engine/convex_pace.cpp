@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include <silt/engine/convex_rows.hpp>
+#include <silt/engine/convex/convex_rows.hpp>
 #include <silt/shape/super_ellipsoid.hpp>
 
 namespace convex_pace_test {

@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-#include <silt/engine/pair_groups.hpp>
+#include <silt/engine/lists/pair_groups.hpp>
 
 #include <doctest/doctest.h>
 

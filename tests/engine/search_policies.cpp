@@ -3,12 +3,12 @@
 // Verlet list. The physics must not depend on it.
 #include <engine/mixed_scene.hpp>
 
-#include <silt/engine/contact_check.hpp>
 #include <silt/io/checkpoint.hpp>
 #include <silt/search/brute_force.hpp>
 #include <silt/search/fastest_of.hpp>
 #include <silt/search/hashed_grid.hpp>
 #include <silt/search/nbs.hpp>
+#include <silt/simulation/contact_check.hpp>
 
 #include <filesystem>
 

@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// Also holds the tests of silt/io/atomic_file.hpp, which checkpoints are the main user of.
+// Also holds the tests of silt/files/atomic_file.hpp, which checkpoints are the main user of.
 #include <doctest/doctest.h>
 #include <signal.h>
 #include <sys/resource.h>
@@ -13,7 +13,7 @@
 #include <random>
 #include <thread>
 
-#include <silt/io/checkpoint_file.hpp>
+#include <silt/files/checkpoint_file.hpp>
 
 namespace checkpoint_file_test {
 

@@ -11,7 +11,7 @@
 #include <fstream>
 #include <limits>
 
-#include <silt/io/csv_table.hpp>
+#include <silt/files/csv_table.hpp>
 
 namespace csv_table_test {
 

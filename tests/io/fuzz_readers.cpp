@@ -5,9 +5,9 @@
 #include <io/fuzz_support.hpp>
 
 #include <silt/boundary/stl.hpp>
+#include <silt/files/csv_table.hpp>
+#include <silt/files/vtk.hpp>
 #include <silt/fill/particle_file.hpp>
-#include <silt/io/csv_table.hpp>
-#include <silt/io/vtk.hpp>
 #include <silt/shape/multi_sphere.hpp>
 
 namespace fuzz_readers_test {

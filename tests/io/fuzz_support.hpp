@@ -17,7 +17,7 @@
 #include <vector>
 
 #include <silt/core/random.hpp>
-#include <silt/io/checkpoint_file.hpp>
+#include <silt/files/checkpoint_file.hpp>
 
 /// Mutated and forged files, the same ones in every run, and what every reader must do with them:
 /// refuse them with a silt::Error whose sentence is short and printable, or take them and be

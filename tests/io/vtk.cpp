@@ -8,7 +8,7 @@
 #include <fstream>
 #include <sstream>
 
-#include <silt/io/vtk.hpp>
+#include <silt/files/vtk.hpp>
 
 namespace vtk_test {
 

@@ -13,7 +13,7 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/vec3.hpp>
-#include <silt/io/atomic_file.hpp>
+#include <silt/files/atomic_file.hpp>
 
 /// Surfaces from and to STL files, the triangle soup that CAD programs export.
 /// Format: 3D Systems, StereoLithography Interface Specification (1988), sections 6.5 (ASCII, here

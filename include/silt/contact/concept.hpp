@@ -256,7 +256,7 @@ inline constexpr bool of_own_rotation = requires {
 };
 
 /// True if the law can be asked for a pack of lanes of type Real, as for one double. (Whether its
-/// body is right for lanes, engine/ask_on_lanes.hpp finds out.)
+/// body is right for lanes, engine/contact/ask_on_lanes.hpp finds out.)
 template <class L, class Real>
 concept WorksOnLanes = requires(const Contact<Real>& c,
                                 const typename L::template Coefficients<Real>& p,

@@ -11,10 +11,10 @@ namespace silt::inline SILT_TARGET::detail {
 
 /// A number that stands for a pack of lanes while a law is checked: it has the functions of
 /// core/lanes.hpp and computes nothing. Simulation and CoupledFlow instantiate every law once with
-/// it (engine/ask_on_lanes.hpp, coupling/drag/concept.hpp), so that code which is right for one
-/// double alone is refused with a sentence on every instruction set. Without it AVX-512 would take
-/// `if (f < 0)`: its masks are integers, and one lane would decide for all.
-/// Tests: tests/core/probe.cpp, tests/compile/refused/.
+/// it (engine/contact/ask_on_lanes.hpp, coupling/drag/concept.hpp), so that code which is right for
+/// one double alone is refused with a sentence on every instruction set. Without it AVX-512 would
+/// take `if (f < 0)`: its masks are integers, and one lane would decide for all. Tests:
+/// tests/core/probe.cpp, tests/compile/refused/.
 class ProbeMask {
   template <class T>
   static constexpr bool is_refused = std::is_void_v<T>;

@@ -10,17 +10,17 @@
 #include <optional>
 #include <vector>
 
-#include <silt/engine/body_motion.hpp>
-#include <silt/engine/convex_pairs.hpp>
-#include <silt/engine/convex_walls.hpp>
-#include <silt/engine/fluid_loads.hpp>
-#include <silt/engine/near_lists.hpp>
-#include <silt/engine/pair_pipeline.hpp>
-#include <silt/engine/particle_state.hpp>
-#include <silt/engine/precision.hpp>
-#include <silt/engine/shape_inertia.hpp>
-#include <silt/engine/sphere_motion.hpp>
-#include <silt/engine/wall_pipeline.hpp>
+#include <silt/engine/advance/body_motion.hpp>
+#include <silt/engine/advance/sphere_motion.hpp>
+#include <silt/engine/contact/shape_inertia.hpp>
+#include <silt/engine/convex/convex_pairs.hpp>
+#include <silt/engine/convex/convex_walls.hpp>
+#include <silt/engine/lists/near_lists.hpp>
+#include <silt/engine/spheres/pair_pipeline.hpp>
+#include <silt/engine/spheres/wall_pipeline.hpp>
+#include <silt/engine/state/fluid_loads.hpp>
+#include <silt/engine/state/particle_state.hpp>
+#include <silt/engine/state/precision.hpp>
 #include <silt/shape/sphere.hpp>
 
 namespace silt::inline SILT_TARGET::detail {

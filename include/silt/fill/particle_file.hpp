@@ -13,7 +13,7 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/vec3.hpp>
-#include <silt/io/atomic_file.hpp>
+#include <silt/files/atomic_file.hpp>
 
 namespace silt::inline SILT_TARGET {
 

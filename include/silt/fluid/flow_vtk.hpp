@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <silt/files/vtk.hpp>
 #include <silt/fluid/flow_solver.hpp>
-#include <silt/io/vtk.hpp>
 
 namespace silt::inline SILT_TARGET {
 

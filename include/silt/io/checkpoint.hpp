@@ -9,8 +9,8 @@
 #include <type_traits>
 #include <vector>
 
+#include <silt/files/checkpoint_file.hpp>
 #include <silt/io/checkpoint_checks.hpp>
-#include <silt/io/checkpoint_file.hpp>
 #include <silt/io/describe_scene.hpp>
 #include <silt/simulation.hpp>
 

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include <silt/io/checkpoint_file.hpp>
+#include <silt/files/checkpoint_file.hpp>
 
 /// The two sides of a checkpoint: one function visits what a component's state is made of, and
 /// CheckpointSaver or CheckpointLoader does the rest. See io/checkpoint_parts.hpp.

@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include <silt/engine/wall_contacts.hpp>
 #include <silt/io/checkpoint_archive.hpp>
 #include <silt/io/scene_description.hpp>
 #include <silt/simulation.hpp>

@@ -12,10 +12,10 @@
 #include <vector>
 
 #include <silt/boundary/outline.hpp>
+#include <silt/files/csv_table.hpp>
+#include <silt/files/vtk.hpp>
 #include <silt/io/checkpoint.hpp>
-#include <silt/io/csv_table.hpp>
 #include <silt/io/progress.hpp>
-#include <silt/io/vtk.hpp>
 #include <silt/shape/surface_mesh.hpp>
 
 namespace silt::inline SILT_TARGET {

@@ -8,7 +8,7 @@
 
 #include <silt/boundary/wall.hpp>
 #include <silt/core/box.hpp>
-#include <silt/engine/time_step.hpp>
+#include <silt/simulation.hpp>
 
 /// What scene_warnings (io/scene_warnings.hpp) asks about a scene: how large it is, what its
 /// particles are like, and whether its walls can hold them. Tests: tests/io/scene_warnings.cpp

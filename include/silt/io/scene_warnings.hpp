@@ -13,7 +13,6 @@
 
 #include <silt/contact/concept.hpp>
 #include <silt/core/error.hpp>
-#include <silt/engine/openings.hpp>
 #include <silt/io/scene_look.hpp>
 
 namespace silt::inline SILT_TARGET {

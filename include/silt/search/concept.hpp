@@ -7,8 +7,8 @@
 #include <vector>
 
 #include <silt/boundary/domain.hpp>
+#include <silt/core/position_row.hpp>
 #include <silt/core/threads.hpp>
-#include <silt/engine/rows.hpp>
 
 namespace silt::inline SILT_TARGET {
 

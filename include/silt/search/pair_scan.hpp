@@ -7,30 +7,12 @@
 #include <cstdint>
 #include <vector>
 
+#include <silt/core/compress.hpp>
 #include <silt/core/lanes.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/search/concept.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
-
-/// Writes {a, b[lane]} for every lane whose bit is set; returns where the next one goes. There must
-/// be room for `Width` pairs, and as many b, whatever the bits.
-template <std::size_t Width>
-SILT_INLINE IndexPair* put_pairs(std::uint32_t a, const std::uint32_t* b, std::uint64_t bits,
-                                 IndexPair* out) {
-#if defined(__AVX512F__)
-  if constexpr (Width == 8) {  // without a branch on the bits, which nothing could predict
-    const __m512i second = _mm512_slli_epi64(
-        _mm512_cvtepu32_epi64(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(b))), 32);
-    const __m512i pairs = _mm512_or_si512(second, _mm512_set1_epi64(a));
-    _mm512_storeu_si512(out, _mm512_maskz_compress_epi64(static_cast<__mmask8>(bits), pairs));
-    return out + std::popcount(bits);
-  }
-#endif
-  for (; bits != 0; bits &= bits - 1)
-    *out++ = {a, b[static_cast<std::size_t>(std::countr_zero(bits))]};
-  return out;
-}
 
 /// Pairs found, in room that grows before it is written to.
 class PairBuffer {

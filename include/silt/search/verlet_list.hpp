@@ -10,7 +10,7 @@ namespace silt::inline SILT_TARGET {
 
 /// Keeps the pairs that `Finder` found with some reach beyond touching (the skin), and finds anew
 /// only when particles or walls may have moved by as much. No contact is ever missed: the proof
-/// and the test that renews the list are in engine/list_upkeep.hpp.
+/// and the test that renews the list are in engine/lists/list_upkeep.hpp.
 ///
 ///   silt::VerletList<>{}                      for each sphere a reach that follows its motion
 ///   silt::VerletList<>{.skin = 0.3e-3}        [m] the same for all: half of this skin

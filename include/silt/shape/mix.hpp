@@ -72,7 +72,7 @@ struct KindsAmong<KindList<First, Rest...>, Shapes...> {
 /// Every pair of kinds of parts has a narrow phase of its own, chosen at compile time; pairs are
 /// worked on kind by kind. The form of a Sphere has a radius of 1 m: its particles say theirs.
 /// Parts of MultiSpheres in a mix do not share the stiffness of a contact
-/// (engine/shared_contacts.hpp).
+/// (engine/contact/shared_contacts.hpp).
 /// Tests: tests/engine/mix.cpp
 template <class... Shapes>
 struct Mix {

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include <silt/io/atomic_file.hpp>
+#include <silt/files/atomic_file.hpp>
 #include <silt/shape/union_of_balls.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -22,7 +22,7 @@ namespace silt::inline SILT_TARGET {
 ///
 /// Contacts are those of its spheres, each with its own history. Where several spheres of one body
 /// touch the same other body at once, each gets its share of stiffness and damping, so that the
-/// body is not the stiffer the more spheres describe it (engine/shared_contacts.hpp).
+/// body is not the stiffer the more spheres describe it (engine/contact/shared_contacts.hpp).
 /// Units: m, in any frame; the engine moves it to the principal frame.
 /// Errors: InputError for no balls, radii that are not positive, places that are not finite or more
 ///         than 4e10 radii from the origin, balls so far apart (some 1e5 radii) that the moment

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include <silt/core/error.hpp>
-#include <silt/io/atomic_file.hpp>
+#include <silt/files/atomic_file.hpp>
 #include <silt/study/clock.hpp>
 #include <silt/study/study_files.hpp>
 #include <silt/study/study_results.hpp>

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include <silt/core/error.hpp>
-#include <silt/io/atomic_file.hpp>
+#include <silt/files/atomic_file.hpp>
 #include <silt/study/study_results.hpp>
 #include <silt/study/study_table.hpp>
 

@@ -42,7 +42,7 @@ template <class L>
 void ask_drag_on_lanes(const L& law, const ProbeLane& x) {
   law.normalised(x, x);
 }
-/// As laws_fit_lanes() of engine/ask_on_lanes.hpp, for a drag law.
+/// As laws_fit_lanes() of engine/contact/ask_on_lanes.hpp, for a drag law.
 template <class L>
 constexpr bool drag_fits_lanes() {
   if constexpr (DragOnLanes<L>) static_cast<void>(&ask_drag_on_lanes<L>);

@@ -1,0 +1,464 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include <silt/engine/advance/sphere_motion.hpp>
+#include <silt/engine/convex/convex_rows.hpp>
+#include <silt/engine/state/body.hpp>
+#include <silt/engine/state/fluid_loads.hpp>
+#include <silt/fill/bodies.hpp>
+#include <silt/motion/rotation.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// Translation and rotation of rigid bodies, each of one or more parts, which are the rows that
+/// lists and contacts know: bodies take up what loads their parts, move, and put them in their
+/// places with the velocities that they have there.
+template <class ShapeType, class ContactsType, class State, class Scalar, class Arch,
+          class Integrator, class Rotation, FromFluid Given>
+class BodyMotion {
+  static_assert(Integrator::derivatives == 0,
+                "particles that are no spheres move by Leapfrog or SymplecticEuler; Gear is for "
+                "spheres");
+  static constexpr bool rotates = ContactsType::rotates;
+  static constexpr std::size_t chunks = load_chunks<ContactsType>;
+  using Real = typename Lanes<Arch>::Real;
+  static constexpr std::size_t W = Lanes<Arch>::width;
+  static constexpr bool turns_in_lanes = requires(Real(&q)[4], Vec3<Real> v, Real time) {
+    Rotation::drift(q, v, v, time);
+  };
+
+ public:
+  using Scene = MovedScene<State, Scalar>;
+
+  /// State of one body at a whole step.
+  struct Synchronous {
+    Vec3d velocity, angular_velocity;  // [m/s], [rad/s]
+  };
+  std::vector<Synchronous> synchronous;  // of the last observed step
+  std::vector<BodyForm<ShapeType>> forms;
+  std::vector<Body> bodies;
+  [[no_unique_address]] FluidLoads<Given> fluid;  // of each body
+  std::vector<std::uint32_t> rows;  // of the parts of each body, as its form counts them
+  static constexpr bool convex = SolidShape<ShapeType>;
+  [[no_unique_address]] typename ConvexRowsOf<ShapeType>::type convex_rows;
+
+  /// Bodies of one part that is at their centre move in lanes.
+  static constexpr bool in_lanes = [] {
+    if constexpr (convex)
+      return ShapeType::one_part && turns_in_lanes;
+    else
+      return false;
+  }();
+
+  std::span<const std::uint32_t> rows_of(const Body& b) const {
+    return {rows.data() + b.first, forms[b.form].parts.size()};
+  }
+
+  /// What rotation adds to the inverse mass [1/kg] against a push along n through a part's centre.
+  double turning(const PartRow& part, const Vec3d& n) const {
+    const Body& b = bodies[part.body];
+    if (b.inv_m == 0) return 0;
+    const Vec3d arm = b.scale * forms[b.form].parts[part.local].centre;
+    const Vec3d lever = cross(arm, rotate(conjugate(b.orientation), n));
+    return lever.x * lever.x / b.inertia.x + lever.y * lever.y / b.inertia.y +
+           lever.z * lever.z / b.inertia.z;
+  }
+
+  Pace integrate(const Scene& scene, Advance how, const Kick& kick) {
+    if constexpr (in_lanes) {
+      if (how != Advance::KickAndDrift) synchronous.resize(bodies.size());
+      return carry(scene, &kick, how == Advance::KickAndDrift ? kick.drift : 0);
+    }
+    if (how == Advance::KickAndDrift)
+      return over_bodies(
+          scene, [&](Body& b) { push(scene, b, kick); }, kick.drift);
+    synchronous.resize(bodies.size());
+    return over_bodies(scene, [&](Body& b, Measured& most) {
+      const Vec3d velocity = b.velocity, momentum = b.momentum;
+      push(scene, b, kick);
+      // At the whole step both are the means of the two half steps around it.
+      const bool of_now = kick.first || Integrator::first_kick != 0.5;
+      synchronous[static_cast<std::size_t>(&b - bodies.data())] = {
+          of_now ? velocity : 0.5 * (velocity + b.velocity),
+          b.angular_velocity(of_now ? momentum : 0.5 * (momentum + b.momentum))};
+      place(scene.particles, scene.per_inner2, b, Placing::Still, 0, most);
+    });
+  }
+  /// Completes a step that was observed; returns the largest share of an inner reach [1/s].
+  double drift(const Scene& scene, double time_step, double) {
+    if constexpr (in_lanes) return carry(scene, nullptr, time_step).largest_share;
+    return over_bodies(
+               scene, [](Body&) {}, time_step)
+        .largest_share;
+  }
+  /// After an observed state: the step will be `ratio` times as long.
+  void change_step(State& particles, double ratio) {
+    if (Integrator::first_kick != 0.5) return;
+    for (std::size_t k = 0; k < bodies.size(); ++k) {
+      Body& b = bodies[k];
+      const Vec3d w = synchronous[k].angular_velocity;
+      const Vec3d turned = rotate(conjugate(b.orientation), w);
+      const Vec3d now{turned.x * b.inertia.x, turned.y * b.inertia.y, turned.z * b.inertia.z};
+      b.velocity = synchronous[k].velocity + ratio * (b.velocity - synchronous[k].velocity);
+      b.momentum = now + ratio * (b.momentum - now);
+      put_in_place(particles, b);
+    }
+  }
+
+  /// Of convex parts: their poses and forms as the narrow phases read them, after the rows have
+  /// changed.
+  void renew_convex_rows(const State& particles) {
+    if constexpr (convex) {
+      auto& out = convex_rows;
+      const auto same = [&](const Body& b) {
+        return b.form == bodies.front().form && b.scale == bodies.front().scale;
+      };
+      const bool one = !bodies.empty() && forms[bodies.front().form].parts.size() == 1 &&
+                       std::all_of(bodies.begin(), bodies.end(), same);
+      out.form.resize(one ? 1 : particles.size());
+      out.pose.assign(particles.size() + 2, {{}, {0, 0, 0}, 0});
+      if constexpr (!ShapeType::one_part) out.lever.assign(particles.size() + 2, {});
+      if constexpr (ShapeType::Kinds::count > 1) out.kind.assign(particles.size() + 2, 0);
+      out.exponents = Exponents::Ball;
+      out.least_radius = std::numeric_limits<double>::infinity();
+      for (std::size_t r = 0; r < particles.size(); ++r) renew_row(r, particles.part[r]);
+    }
+  }
+
+  /// Puts the parts of a body where it is, with the velocities they have there.
+  void put_in_place(State& particles, const Body& b) {
+    Measured most;
+    place(particles, nullptr, b, Placing::Still, 0, most);
+  }
+
+  /// After parts were sorted or dropped: brings the bodies into the order of their first parts.
+  void follow(State& particles) {
+    std::vector<std::uint32_t> place(bodies.size(), no_particle);
+    std::vector<Body> sorted;
+    std::vector<Synchronous> recorded;
+    std::vector<std::uint32_t> order;
+    std::uint32_t next = 0;
+    sorted.reserve(bodies.size());
+    for (std::size_t r = 0; r < particles.size(); ++r) {
+      auto& part = particles.part[r];
+      if (place[part.body] == no_particle) {
+        place[part.body] = static_cast<std::uint32_t>(sorted.size());
+        sorted.push_back(bodies[part.body]);
+        order.push_back(part.body);
+        if (!synchronous.empty() && part.body < synchronous.size())
+          recorded.push_back(synchronous[part.body]);
+        sorted.back().first = next;
+        next += static_cast<std::uint32_t>(forms[sorted.back().form].parts.size());
+      }
+      part.body = place[part.body];
+    }
+    bodies.swap(sorted), synchronous.swap(recorded);
+    fluid.for_each([&](const char*, auto& column) { gather(column, order, Team()); });
+    number_rows(particles);
+  }
+  /// Notes the rows of each body's parts.
+  void number_rows(const State& particles) {
+    std::size_t count = 0;
+    for (const Body& b : bodies) count += forms[b.form].parts.size();
+    rows.assign(count, no_particle);
+    for (std::size_t r = 0; r < particles.size(); ++r)
+      rows[bodies[particles.part[r].body].first + particles.part[r].local] =
+          static_cast<std::uint32_t>(r);
+  }
+
+ private:
+  void renew_row(std::size_t r, const PartRow& part) requires convex {
+    auto& out = convex_rows;
+    const Body& b = bodies[part.body];
+    const auto& solids = forms[b.form].solids;
+    std::visit(
+        [&](const auto& solid) {
+          using Kind = std::decay_t<decltype(solid)>;
+          using Narrow = KernelOf<Kind>;
+          auto& store = std::get<ShapeType::Kinds::template index<Kind>>(out.stores);
+          if (r < out.form.size()) out.form[r].set(Narrow::row(solid, b.scale, store));
+          out.exponents = std::max(out.exponents, Narrow::exponents(solid));
+          out.pose[r].least_radius = b.scale * Narrow::least_radius(solid);
+        },
+        solids[part.local].solid);
+    if constexpr (ShapeType::Kinds::count > 1)
+      out.kind[r] = static_cast<std::uint8_t>(solids[part.local].solid.index());
+    if (b.inv_m > 0) out.pose[r].inv_inertia = {1 / b.inertia.x, 1 / b.inertia.y, 1 / b.inertia.z};
+    turn_row(r, b, part.local,
+             body_axes(b.orientation).to_space(b.scale * forms[b.form].parts[part.local].centre));
+    if (b.id != no_particle)
+      out.least_radius = std::min(out.least_radius, out.pose[r].least_radius);
+  }
+  /// `arm` [m] from the body's centre to the part's.
+  void turn_row(std::size_t r, const Body& b, [[maybe_unused]] std::size_t part,
+                [[maybe_unused]] const Vec3d& arm) requires convex {
+    if constexpr (ShapeType::one_part) {
+      convex_rows.pose[r].q = b.orientation;
+    } else {
+      convex_rows.pose[r].q = b.orientation * forms[b.form].solids[part].axes;
+      convex_rows.lever[r].q = b.orientation, convex_rows.lever[r].offset = arm;
+    }
+  }
+  struct Measured {
+    double speed = 0, share2 = 0, sum = 0;  // [m/s] Body::speed, [1/s2], [m/s]
+    void include(double of_body) { sum += of_body, speed = std::max(speed, of_body); }
+  };
+  enum class Placing { Still, Moved };
+
+  /// Calls visit(body, measured) for all bodies.
+  template <class Visit>
+  Pace over_bodies(const Scene& scene, const Visit& visit) {
+    return over_ranges(scene, [&](std::size_t from, std::size_t to, Measured& most) {
+      for (std::size_t k = from; k < to; ++k)
+        if (bodies[k].id != no_particle) visit(bodies[k], most);
+    });
+  }
+  /// Calls prepare(body) for all bodies, lets them drift for `time` [s] and puts their parts in
+  /// place.
+  template <class Prepare>
+  Pace over_bodies(const Scene& scene, const Prepare& prepare, double time) {
+    return over_ranges(scene, [&](std::size_t from, std::size_t to, Measured& most) {
+      for (std::size_t k = from; k < to; k += W) {
+        const std::span<Body> pack{bodies.data() + k, std::min(W, to - k)};
+        for (Body& b : pack)
+          if (b.id != no_particle) prepare(b);
+        turn(pack, time);
+        for (Body& b : pack) {
+          if (b.id == no_particle) continue;
+          b.centre += time * b.velocity;
+          place(scene.particles, scene.per_inner2, b, Placing::Moved, time, most);
+        }
+      }
+    });
+  }
+  template <class Range>
+  Pace over_ranges(const Scene& scene, const Range& range) {
+    std::array<Measured, Team::most_ranges> of{};
+    scene.team.for_ranges(bodies.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
+      range(from, to, of[r]);
+    });
+    Measured all;
+    for (const Measured& m : of) {
+      all.speed = std::max(all.speed, m.speed), all.share2 = std::max(all.share2, m.share2);
+      all.sum += m.sum;
+    }
+    return {all.speed, std::sqrt(all.share2), std::isfinite(all.sum)};
+  }
+
+  /// Convex bodies, which are one part each, in lanes: kick, if there is one, and drift for `time`
+  /// [s]; without a drift the state at the whole step is recorded.
+  Pace carry(const Scene& scene, const Kick* kick, double time) {
+    return over_ranges(scene, [&](std::size_t from, std::size_t to, Measured& most) {
+      for (std::size_t k = from; k < to; k += W)
+        carry_pack(scene, kick, time, {bodies.data() + k, std::min(W, to - k)}, most);
+    });
+  }
+  void carry_pack(const Scene& scene, const Kick* kick, double time, std::span<Body> pack,
+                  Measured& most) {
+    using V = Vec3<Real>;
+    static_assert(offsetof(Body, inertia) == 16 * sizeof(double) &&
+                  offsetof(Body, lever) == 21 * sizeof(double));
+    const double* at[W];
+    for (std::size_t lane = 0; lane < W; ++lane)
+      at[lane] = &pack[std::min(lane, pack.size() - 1)].centre.x;
+    Real b[20];  // the numbers of Body, in their order
+    gather_columns<Arch, 5>(at, b);
+    V centre{b[0], b[1], b[2]}, velocity{b[4], b[5], b[6]}, L{b[12], b[13], b[14]};
+    const V inertia{b[16], b[17], b[18]};
+    const Real inv_m = b[3], radius = b[7], scale = b[15], zero(0);
+    Real q[4] = {b[8], b[9], b[10], b[11]};
+    const auto angular = [&](const V& momentum) {
+      return body_axes<Real>(q[0], q[1], q[2], q[3])
+          .to_space({momentum.x / inertia.x, momentum.y / inertia.y, momentum.z / inertia.z});
+    };
+    const V velocity_before = velocity, L_before = L;
+    if (kick != nullptr) {
+      for (std::size_t lane = 0; lane < W; ++lane)
+        at[lane] = scene.sums + load_of(pack[std::min(lane, pack.size() - 1)]);
+      Real load[8];
+      gather_columns<Arch, 2>(at, load);
+      for (const Body& body : pack) std::fill_n(scene.sums + load_of(body), 4 * chunks, 0.0);
+      if constexpr (decltype(fluid)::any) add_fluid(pack, load);
+      const auto free = inv_m > zero;
+      const Real kick_time(kick->time);
+      const V g{Real(kick->gravity.x), Real(kick->gravity.y), Real(kick->gravity.z)};
+      const V force{load[0], load[1], load[2]}, torque{load[4], load[5], load[6]};
+      const V turning = body_axes<Real>(q[0], q[1], q[2], q[3]).to_body(torque);
+      velocity = select(free, velocity + kick_time * (inv_m * force + g), velocity);
+      V kicked = L;
+      Rotation::kick(kicked, turning, inertia, kick_time);
+      L = select(free, kicked, L);
+    }
+    if (time != 0) {
+      centre += Real(time) * velocity;
+      Rotation::drift(q, L, inertia, Real(time));
+    }
+
+    Row4<Arch> moved[4][W], spin[W];
+    const auto turned = [&](const V& v, const Real& last, Row4<Arch>(&out)[W]) {
+      const Real columns[4] = {v.x, v.y, v.z, last};
+      columns_to_rows<Arch>(columns, out);
+    };
+    turned(centre, inv_m, moved[0]), turned(velocity, radius, moved[1]);
+    columns_to_rows<Arch>(q, moved[2]), turned(L, scale, moved[3]);
+    const V rate{L.x / inertia.x, L.y / inertia.y, L.z / inertia.z};  // principal
+    const auto frame = body_axes<Real>(q[0], q[1], q[2], q[3]);
+    turned(radius * frame.to_space(rate), zero, spin);  // the row's radius is the body's
+    alignas(64) double speed[W], squared[W];
+    {
+      for (std::size_t lane = 0; lane < W; ++lane)
+        at[lane] = &pack[std::min(lane, pack.size() - 1)].centre.x + 20;  // its last row
+      Real lever[4];
+      gather_columns<Arch, 1>(at, lever);
+      const Real v2 = dot(velocity, velocity);
+      store(squared, v2);
+      store(speed,
+            sqrt(v2) + abs(rate.x) * lever[1] + abs(rate.y) * lever[2] + abs(rate.z) * lever[3]);
+    }
+    const bool record = kick != nullptr && time == 0;
+    alignas(64) double whole[6][W];  // velocity, angular velocity
+    if (record) {
+      // At the whole step velocities are the means of the two half steps around it.
+      const bool of_now = kick->first || Integrator::first_kick != 0.5;
+      const V v = of_now ? velocity_before : Real(0.5) * (velocity_before + velocity);
+      const V w = angular(of_now ? L_before : Real(0.5) * (L_before + L));
+      store(whole[0], v.x), store(whole[1], v.y), store(whole[2], v.z);
+      store(whole[3], w.x), store(whole[4], w.y), store(whole[5], w.z);
+    }
+    for (std::size_t lane = 0; lane < pack.size(); ++lane) {
+      Body& body = pack[lane];
+      if (body.id == no_particle) continue;
+      for (std::size_t r = 0; r < 4; ++r) moved[r][lane].store(&body.centre.x + 4 * r);
+      const std::size_t row = row_of(body);
+      auto& motion = scene.particles.motion[row];
+      const double inv_r = motion.inv_r;
+      moved[1][lane].store(&motion.vx), spin[lane].store(&motion.wx);
+      motion.inv_m = body.inv_m, motion.inv_r = inv_r;
+      if (time != 0) {
+        PositionRow& position = scene.particles.position[row];
+        const Vec3d now = body.centre + scene.particles.part[row].image;
+        position.x = now.x, position.y = now.y, position.z = now.z;
+      }
+      if (row < convex_rows.pose.size()) convex_rows.pose[row].q = body.orientation;
+      most.include(speed[lane]);
+      most.share2 = std::max(most.share2, squared[lane] * scene.per_inner2[row]);
+      if (record)
+        synchronous[static_cast<std::size_t>(&body - bodies.data())] = {
+            {whole[0][lane], whole[1][lane], whole[2][lane]},
+            {whole[3][lane], whole[4][lane], whole[5][lane]}};
+    }
+  }
+  /// Adds what the fluid does to a pack of bodies to its loads.
+  void add_fluid(std::span<const Body> pack, Real (&load)[8]) const {
+    const auto first = static_cast<std::size_t>(pack.data() - bodies.data());
+    const auto add = [&](const AlignedVector<VectorRow>& column, std::size_t to) {
+      const double* at[W];
+      for (std::size_t lane = 0; lane < W; ++lane)
+        at[lane] = &column[first + std::min(lane, pack.size() - 1)].x;
+      Real more[4];
+      gather_columns<Arch, 1>(at, more);
+      for (std::size_t c = 0; c < 3; ++c) load[to + c] += more[c];
+    };
+    add(fluid.force, 0);
+    if constexpr (decltype(fluid)::turns) add(fluid.torque, 4);
+  }
+  /// The row of a body of one part, and the place of its load.
+  std::size_t row_of(const Body& b) const { return rows[b.first]; }
+  std::size_t load_of(const Body& b) const { return row_of(b) * 4 * chunks; }
+
+  /// Turns up to one pack of bodies.
+  static void turn(std::span<Body> pack, double time) {
+    Real q[4], momentum[4], inertia[4];
+    if constexpr (turns_in_lanes) {
+      const double* at[3][W];
+      for (std::size_t lane = 0; lane < W; ++lane) {
+        const Body& b = pack[std::min(lane, pack.size() - 1)];
+        at[0][lane] = &b.orientation.w, at[1][lane] = &b.momentum.x, at[2][lane] = &b.inertia.x;
+      }
+      gather_columns<Arch, 1>(at[0], q);
+      gather_columns<Arch, 1>(at[1], momentum), gather_columns<Arch, 1>(at[2], inertia);
+      Vec3<Real> L{momentum[0], momentum[1], momentum[2]};
+      Rotation::drift(q, L, Vec3<Real>{inertia[0], inertia[1], inertia[2]}, Real(time));
+      alignas(64) double out[7][W];
+      for (int c = 0; c < 4; ++c) store(out[c], q[c]);
+      store(out[4], L.x), store(out[5], L.y), store(out[6], L.z);
+      for (std::size_t lane = 0; lane < pack.size(); ++lane) {
+        pack[lane].orientation = {out[0][lane], out[1][lane], out[2][lane], out[3][lane]};
+        pack[lane].momentum = {out[4][lane], out[5][lane], out[6][lane]};
+      }
+    } else {
+      for (Body& b : pack) Rotation::drift(b.orientation, b.momentum, b.inertia, time);
+    }
+  }
+
+  /// Kicks a body by the loads of its parts, and clears them.
+  void push(const Scene& scene, Body& b, const Kick& kick) const {
+    const BodyAxes<double> axes = body_axes(b.orientation);
+    const auto& parts = forms[b.form].parts;
+    Vec3d force{0, 0, 0}, torque{0, 0, 0};
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      Scalar* const load = scene.sums + std::size_t{rows[b.first + p]} * 4 * chunks;
+      const auto take = [&](std::size_t chunk) {
+        Scalar* const at = load + 4 * chunk;
+        const Vec3d v{double(at[0]), double(at[1]), double(at[2])};
+        at[0] = at[1] = at[2] = at[3] = 0;
+        return v;
+      };
+      const Vec3d f = take(0);
+      force += f, torque += cross(axes.to_space(b.scale * parts[p].centre), f);
+      if constexpr (convex)
+        torque += take(1);
+      else if constexpr (rotates)
+        torque += b.scale * parts[p].radius * take(1);
+      if constexpr (ContactsType::has_rolling) torque += take(2);
+    }
+    if (b.inv_m == 0) return;
+    const auto k = static_cast<std::size_t>(&b - bodies.data());
+    if constexpr (decltype(fluid)::any) force += fluid.force[k].vector();
+    if constexpr (decltype(fluid)::turns) torque += fluid.torque[k].vector();
+    b.velocity += kick.time * (b.inv_m * force + kick.gravity);
+    Rotation::kick(b.momentum, axes.to_body(torque), b.inertia, kick.time);
+  }
+
+  /// Puts the parts in their places. How far each has gone in `time` is measured exactly: what
+  /// the lists need, whose bounding spheres no spin moves.
+  void place(State& particles, const double* per_inner2, const Body& b, Placing how, double time,
+             Measured& most) {
+    const BodyAxes<double> axes = body_axes(b.orientation);
+    const auto& parts = forms[b.form].parts;
+    const Vec3d w = b.angular_velocity(b.momentum);
+    most.include(b.speed());
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      const std::size_t r = rows[b.first + p];
+      const Vec3d arm = axes.to_space(b.scale * parts[p].centre);
+      const Vec3d velocity = b.velocity + cross(w, arm);
+      auto& motion = particles.motion[r];
+      motion.vx = velocity.x, motion.vy = velocity.y, motion.vz = velocity.z;
+      PositionRow& row = particles.position[r];
+      if constexpr (rotates) {
+        const Vec3d spin = row.r * w;
+        motion.wx = spin.x, motion.wy = spin.y, motion.wz = spin.z;
+      }
+      particles.renew_pair_motion(r);
+      if constexpr (convex)
+        if (r < convex_rows.pose.size()) turn_row(r, b, p, arm);
+      Vec3d v = velocity;
+      if (how == Placing::Moved) {
+        const Vec3d now = b.centre + arm + particles.part[r].image;
+        v = (1 / time) * (now - row.centre());
+        row.x = now.x, row.y = now.y, row.z = now.z;
+      }
+      if (per_inner2 != nullptr) most.share2 = std::max(most.share2, dot(v, v) * per_inner2[r]);
+    }
+  }
+};
+
+}  // namespace silt::detail

@@ -1,0 +1,98 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <silt/core/error.hpp>
+#include <silt/engine/state/body.hpp>
+#include <silt/engine/state/rows.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// Spins that are not finite act on velocities of spheres only where there is friction.
+template <class EngineType>
+void check_spins(const EngineType& e, std::int64_t step, double time, bool shorter) {
+  if constexpr (EngineType::rotates)
+    for (std::size_t k = 0; k < e.particles.size(); ++k)
+      if (!e.particles.is_parked(k) && !is_finite(e.particles.motion[k].spin_velocity()))
+        throw SimulationError(
+            text("step ", step, ", t = ", time, " s: the angular velocity of particle ", e.id_of(k),
+                 " is not finite near ", e.lists.reference[k],
+                 shorter ? " m; lower the time step, as limits of the guard are lifted, or look "
+                         : " m; look ",
+                 "at the law and the rolling model"),
+            step, {e.id_of(k)}, e.lists.reference[k]);
+}
+
+/// Two particles at one place have no normal: names them, if there are such.
+template <class EngineType>
+[[gnu::cold]] void check_coincident(const EngineType& e, std::int64_t step, double time) {
+  e.lists.pairs.for_each([&](std::size_t k) {
+    const std::uint32_t i = e.lists.pairs.first()[k], j = e.lists.pairs.second()[k];
+    const Vec3d& where = e.lists.reference[i];
+    const double r = std::min(e.particles.position[i].r, e.particles.position[j].r);
+    if (norm(where - e.lists.reference[j]) < 1e-12 * r)
+      throw SimulationError(text("step ", step, ", t = ", time, " s: particles ", e.id_of(i),
+                                 " and ", e.id_of(j), " are at the same place, ", where,
+                                 " m, as of a particle that was added twice, and the direction of "
+                                 "their contact is not defined; leave one of them out"),
+                            step, {e.id_of(i), e.id_of(j)}, where);
+  });
+}
+
+/// What observers, or the program between two runs, have made of gravity and the particles.
+template <class EngineType>
+void check_given(const EngineType& e, const Vec3d& gravity, std::int64_t step, double time) {
+  const auto stop = [&](const std::string& what, std::vector<std::uint32_t> ids, const Vec3d& at) {
+    throw SimulationError(text("step ", step, ", t = ", time, " s: ", what,
+                               ", which must be finite; an observer, or the program between two "
+                               "runs, has set it"),
+                          step, std::move(ids), at);
+  };
+  if (!is_finite(gravity)) stop(text("Simulation::gravity = ", gravity, " [m/s2]"), {}, {});
+  const auto look = [&](std::uint32_t id, const Vec3d& place, const Vec3d& velocity) {
+    if (!is_finite(place)) stop(text("the place of particle ", id, " is ", place, " m"), {id}, {});
+    if (!is_finite(velocity))
+      stop(text("the velocity of particle ", id, " at ", place, " m is ", velocity, " m/s"), {id},
+           place);
+  };
+  if constexpr (EngineType::has_bodies) {
+    for (const auto& b : e.mover.bodies)
+      if (b.id != no_particle) look(b.id, b.centre, b.velocity);
+  } else {
+    for (std::size_t k = 0; k < e.particles.size(); ++k)
+      if (!e.particles.is_parked(k))
+        look(e.id_of(k), e.particles.position[k].centre(), e.particles.motion[k].velocity());
+  }
+}
+
+/// Looks for the particle that has become not a number; says where, and what to change.
+template <class EngineType>
+[[noreturn, gnu::cold]] void throw_not_finite(const EngineType& e, std::int64_t step, double time,
+                                              bool shorter) {
+  check_coincident(e, step, time);
+  const auto mend = shorter ? "; lower the time step, as limits of the guard are lifted, or look "
+                              "for overlapping particles at the start"
+                            : "; look at gravity and at the forces and laws that you gave, and for "
+                              "overlapping particles at the start";
+  for (std::size_t k = 0; k < e.particles.size(); ++k) {
+    const auto& m = e.particles.motion[k];
+    const auto& p = e.particles.position[k];
+    if (e.particles.is_parked(k) || (is_finite(m.velocity()) && is_finite(p.centre()))) continue;
+    throw SimulationError(
+        text("step ", step, ", t = ", time, " s: the velocity of particle ", e.id_of(k),
+             " is not finite near ", e.lists.reference[k], " m", mend),
+        step, {e.id_of(k)}, e.lists.reference[k]);
+  }
+  check_spins(e, step, time, shorter);  // that of a body moves its tips
+  throw SimulationError(
+      text("step ", step, ", t = ", time, " s: the squared velocities overflow", mend), step, {},
+      {});
+}
+
+}  // namespace silt::detail

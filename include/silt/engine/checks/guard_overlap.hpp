@@ -1,0 +1,213 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <silt/boundary/wall.hpp>
+#include <silt/core/error.hpp>
+#include <silt/engine/convex/convex_look.hpp>
+#include <silt/engine/lists/wall_look.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// The limits of the overlap: one for all contacts, and those of single pairs of materials.
+class OverlapLimits {
+ public:
+  void set(std::size_t a, std::size_t b, double limit) { of_pairs_[std::minmax(a, b)] = limit; }
+  bool empty() const { return of_pairs_.empty(); }
+  double of(std::size_t a, std::size_t b, double otherwise) const {
+    const auto found = of_pairs_.find(std::minmax(a, b));
+    return found == of_pairs_.end() ? otherwise : found->second;
+  }
+  double least(double otherwise) const {
+    for (const auto& [pair, limit] : of_pairs_) otherwise = std::min(otherwise, limit);
+    return otherwise;
+  }
+  double greatest(double otherwise) const {
+    for (const auto& [pair, limit] : of_pairs_) otherwise = std::max(otherwise, limit);
+    return otherwise;
+  }
+  /// The largest of a material's.
+  double most(std::size_t material, double otherwise) const {
+    for (const auto& [pair, limit] : of_pairs_)
+      if (pair.first == material || pair.second == material) otherwise = std::max(otherwise, limit);
+    return otherwise;
+  }
+
+ private:
+  std::map<std::pair<std::size_t, std::size_t>, double> of_pairs_;  // the lower number first
+};
+
+/// Material of a row of particles.
+template <class EngineType>
+std::size_t material_of([[maybe_unused]] const EngineType& e, [[maybe_unused]] std::size_t row) {
+  if constexpr (EngineType::Contacts::several_materials)
+    return e.particles.material[row];
+  else
+    return 0;
+}
+
+/// A contact and how far it is above its limit.
+struct DeepContact {
+  double excess = -1, overlap = 0, limit = 0;  // [-] overlap over limit; of the smaller radius
+  std::uint32_t a = 0, b = 0;
+  std::size_t material_a = 0, material_b = 0, wall = 0;
+  bool with_wall = false;
+};
+
+/// Calls visit(a, b, wall, with_wall, overlap [-] of the smaller radius) for the contacts of rows
+/// as they lay `back` [s] ago; b is 0 with a wall.
+template <class EngineType, class Domain, class Visit>
+[[gnu::cold]] void for_each_overlap(const EngineType& e, const Domain& domain, double back,
+                                    const Visit& visit) {
+  if constexpr (EngineType::convex) {
+    for_each_convex_contact(e, domain, back, [&](const SeenContact& c) {
+      const bool with_wall = c.j == no_particle;
+      visit(c.i, with_wall ? 0 : c.j, c.wall, with_wall, c.share);
+    });
+  } else {
+    e.lists.pairs.for_each([&](std::size_t k) {
+      const std::uint32_t i = e.lists.pairs.first()[k], j = e.lists.pairs.second()[k];
+      const double r = e.particles.position[i].r, q = e.particles.position[j].r;
+      Vec3d d = place_before(e, i, back) - place_before(e, j, back);
+      if constexpr (Domain::periodic) d = domain.shortest(d);
+      visit(i, j, 0, false, (r + q - norm(d)) / std::min(r, q));
+    });
+    for_each_wall_contact(e, back, [&](const WallCandidate& c, const SurfacePoint& point) {
+      visit(c.particle, 0, c.wall, true, 1 - point.distance / e.particles.position[c.particle].r);
+    });
+  }
+}
+
+/// The contact whose overlap is the largest share of its limit, measured `back` [s] ago.
+template <class EngineType, class Domain>
+[[gnu::cold]] DeepContact deepest_contact(const EngineType& e, const Domain& domain, double back,
+                                          double limit, const OverlapLimits& limits) {
+  DeepContact most;
+  for_each_overlap(
+      e, domain, back,
+      [&](std::uint32_t a, std::uint32_t b, std::size_t wall, bool with_wall, double overlap) {
+        const std::size_t i = material_of(e, a);
+        const std::size_t j = with_wall ? e.walls[wall].material : material_of(e, b);
+        const double own = limits.of(i, j, limit);
+        if (overlap / own > most.excess)
+          most = {overlap / own, overlap, own, a, b, i, j, wall, with_wall};
+      });
+  return most;
+}
+
+/// Centre of the particle that a row is, or belongs to [m], `back` [s] ago.
+template <class EngineType>
+Vec3d centre_of_owner(const EngineType& e, std::size_t row, double back) {
+  if constexpr (EngineType::has_bodies) {
+    const Body& b = e.mover.bodies[e.owner(row)];
+    return b.centre - back * b.velocity;
+  } else {
+    return place_before(e, row, back);
+  }
+}
+
+/// Why two particles overlap where a run begins, and what to change.
+template <class EngineType, class Domain>
+[[gnu::cold]] std::string twin_words(const EngineType& e, [[maybe_unused]] const Domain& domain,
+                                     double back, const DeepContact& c) {
+  constexpr double near = 0.5;  // [-] of the smaller radius
+  Vec3d d = centre_of_owner(e, c.a, back) - centre_of_owner(e, c.b, back);
+  if constexpr (Domain::periodic) d = domain.shortest(d);
+  const double r = std::min(e.particles.position[c.a].r, e.particles.position[c.b].r);
+  if (norm(d) > near * r)
+    return "; start without overlaps: move them apart, or let fill() place them";
+  return "; their centres lie at nearly the same place, as of a particle that was added twice: "
+         "leave one of them out";
+}
+
+/// The same of a particle and a wall: the wall may be turned over, or stand inside the bed.
+template <class EngineType, class Domain>
+[[gnu::cold]] std::string behind_words(const EngineType& e, const Domain& domain, double back,
+                                       const DeepContact& c) {
+  std::vector<bool> is_behind(e.rows_of_particles(), false);
+  for_each_overlap(
+      e, domain, back,
+      [&](std::uint32_t a, std::uint32_t, std::size_t wall, bool with_wall, double overlap) {
+        if (with_wall && wall == c.wall && overlap > 1) is_behind[e.owner(a)] = true;
+      });
+  std::vector<bool> is_there(e.rows_of_particles(), false);
+  for (std::size_t k = 0; k < e.particles.size(); ++k)
+    if (!e.particles.is_parked(k)) is_there[e.owner(k)] = true;
+  const auto behind = std::count(is_behind.begin(), is_behind.end(), true);
+  const auto all = std::count(is_there.begin(), is_there.end(), true);
+  if (behind == 0) return "; start without overlaps: move the particle or the wall";
+  if (behind == all)
+    return text("; ", all == 1 ? "the particle lies" : text("all ", all, " particles lie"),
+                " behind this wall: turn it over, so that the normal of a plane, or the Side of a "
+                "cylinder or cone, is that of the particles, or move it");
+  return text("; ", behind, " of ", all,
+              " particles lie behind this wall and the others in front of it: it stands inside the "
+              "bed, or a part of it is turned over (the normal of a plane and the Side of a "
+              "cylinder or cone are those of the particles); move the wall, or leave those "
+              "particles out");
+}
+
+/// The overlaps of a step are above the least limit: names the contact that is above its own, if
+/// there is one. `longer` says whether the time step is longer than silt chooses, so that the
+/// overlap may be an error of it; `at_start`, that no step has been done with these particles and
+/// walls, so that the scene was given so; `name` says the name of a material, `inlet_at` which
+/// inlet has a place in its region, if one has.
+template <class EngineType, class Domain, class Longer, class Name, class InletAt>
+[[gnu::cold]] void check_overlaps(const EngineType& e, const Domain& domain, std::int64_t step,
+                                  double time, double back, double limit,
+                                  const OverlapLimits& limits, bool at_start, const Longer& longer,
+                                  const Name& name, const InletAt& inlet_at) {
+  const DeepContact c = deepest_contact(e, domain, back, limit, limits);
+  if (!(c.excess > 1) && !limits.empty() && e.largest_overlap <= limits.greatest(limit)) return;
+  const auto advice = [&]() -> std::string {
+    if (at_start) return "; start without overlaps";
+    return text("; use a stiffer material",
+                longer() ? ", a lower speed or a smaller time step" : " or a lower speed",
+                ", or start without overlaps");
+  };
+  if (!(c.excess > 0.99))  // gone: parts of bodies that turn fast are not quite where they were
+    throw SimulationError(
+        text("step ", step, ", t = ", time, " s: two particles, or one and a wall, overlapped by ",
+             e.largest_overlap, " of the smaller radius, above the limit ", limits.greatest(limit),
+             ", and have parted within the step", advice()),
+        step, {}, {});
+  const bool is_common = c.limit == limit;
+  const Vec3d where = place_before(e, c.a, back);
+  const auto head = text("step ", step, ", t = ", time, " s: ");
+  const std::string both = name(c.material_a) + " and " + name(c.material_b);
+  const bool is_given_so = at_start && c.overlap > 1;  // no material would bear that
+  const std::optional<std::size_t> inlet =
+      c.with_wall && c.overlap > 1 ? inlet_at(centre_of_owner(e, c.a, back)) : std::nullopt;
+  const auto cause = inlet         ? text("; the region of inlet ", *inlet,
+                                          " reaches behind this wall: move the region to the side of the "
+                                                  "wall where particles are to be")
+                     : !at_start   ? advice()
+                     : c.with_wall ? behind_words(e, domain, back, c)
+                                   : twin_words(e, domain, back, c);
+  const auto tail = text(
+      limits.empty() ? e.largest_overlap : c.overlap, " of the smaller radius, above the limit ",
+      is_common ? text("guard.max_overlap = ", limit)
+                : text(c.limit, " that set_max_overlap gives to ", both),
+      cause,
+      is_common && !is_given_so ? text(". Where a heavy body may press light grains in deeper, "
+                                       "Simulation::set_max_overlap raises the limit for ",
+                                       both, " alone")
+                                : std::string());
+  if (c.with_wall)
+    throw SimulationError(text(head, "particle ", e.id_of(c.a), " at ", where, " m overlaps wall ",
+                               c.wall, " by ", tail),
+                          step, {e.id_of(c.a)}, where);
+  throw SimulationError(text(head, "particles ", e.id_of(c.a), " and ", e.id_of(c.b), " near ",
+                             where, " m overlap by ", tail),
+                        step, {e.id_of(c.a), e.id_of(c.b)}, where);
+}
+
+}  // namespace silt::detail

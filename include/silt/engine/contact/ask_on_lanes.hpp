@@ -1,0 +1,75 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <silt/contact/contacts.hpp>
+#include <silt/core/lanes.hpp>
+#include <silt/engine/contact/contact_energy.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// Instantiates what the engine asks of a law on lanes, with the probe in their place; runs never.
+template <class ContactsType, class Law = typename ContactsType::Law>
+void ask_law_on_lanes(const Contact<ProbeLane>& c,
+                      const typename Law::template Coefficients<ProbeLane>& p,
+                      typename HistoryOf<Law, ProbeLane>::type& h) {
+  law_force<Law, ProbeLane>(c, p, h);
+  if constexpr (ActsAtDistance<Law>) Law::range(p, c.R_eff);
+  if constexpr (has_safeguard<Law>) Law::safeguarded(h, h);
+  if constexpr (ContactsType::has_rolling) Law::stiffness(c, p);
+  if constexpr (ContactsType::has_rolling || keeps_ledger<ContactsType>)
+    if constexpr (requires { Law::pressing(c, p, c.overlap); }) Law::pressing(c, p, c.overlap);
+  if constexpr (keeps_ledger<ContactsType> && SaysWhatItStores<Law>)
+    stored_by<Law, ProbeLane>(c, p, h);
+}
+
+template <class Model>
+concept TorqueOnLanes = requires(const RollingContact<ProbeLane>& c,
+                                 const OwnRotations<ProbeLane>& own,
+                                 const typename Model::template Coefficients<ProbeLane>& p,
+                                 typename HistoryOf<Model, ProbeLane>::type& h) {
+  requires requires { Model::torque(c, p); } || requires {
+    Model::torque(c, p, h);
+  } || requires {
+    Model::torque(c, own, p);
+  };
+};
+
+template <class ContactsType, class Model = typename ContactsType::Rolling>
+void ask_rolling_on_lanes(const RollingContact<ProbeLane>& c, const OwnRotations<ProbeLane>& own,
+                          const typename Model::template Coefficients<ProbeLane>& p,
+                          typename HistoryOf<Model, ProbeLane>::type& h) {
+  if constexpr (of_own_rotation<Model>)
+    Model::torque(c, own, p);
+  else if constexpr (HasHistory<Model>)
+    Model::torque(c, p, h);
+  else
+    Model::torque(c, p);
+  if constexpr (keeps_ledger<ContactsType>)
+    if constexpr (requires { Model::stored(c, p, h); }) Model::stored(c, p, h);
+}
+
+/// True if the law and the rolling model of a Contacts type work on packs of lanes; where they do
+/// not, the compiler says so at the place in their bodies, with the sentence of the probe. In a
+/// constant expression, so that this comes before the kernels and leaves no code. A scene that
+/// names OneLane is not asked.
+template <class ContactsType, class Arch>
+constexpr bool laws_fit_lanes() {
+  if constexpr (!std::is_same_v<Arch, OneLane>) {
+    using Law = typename ContactsType::Law;
+    using Rolling = typename ContactsType::Rolling;
+    static_assert(
+        WorksOnLanes<Law, ProbeLane>,
+        "the contact law works on one double, but not on a pack of lanes: make force() a template "
+        "of Real, as silt/contact/concept.hpp says, or give KernelsFor<OneLane>");
+    static_assert(
+        !ContactsType::has_rolling || TorqueOnLanes<Rolling>,
+        "the rolling model works on one double, but not on a pack of lanes: make torque() a "
+        "template of Real, as silt/contact/concept.hpp says, or give KernelsFor<OneLane>");
+    if constexpr (WorksOnLanes<Law, ProbeLane>) static_cast<void>(&ask_law_on_lanes<ContactsType>);
+    if constexpr (ContactsType::has_rolling && TorqueOnLanes<Rolling>)
+      static_cast<void>(&ask_rolling_on_lanes<ContactsType>);
+  }
+  return true;
+}
+
+}  // namespace silt::detail

@@ -1,0 +1,344 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+
+#include <silt/engine/convex/convex_touch.hpp>
+#include <silt/engine/lists/pair_list.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// Computes the loads of all pairs of convex parts. The lists are of bounding spheres; of their
+/// pairs each stage takes only those on that the one before could not prove apart, again in whole
+/// packs, pairs of the same two kinds together (what fills no pack waits for the next ones):
+///   the gap that was found last, less what speeds and spins may have closed since; bounding
+///   spheres; separation along the last normal (least_gap()); contact (touch()); law; loads.
+/// Of two kinds the first in KindList is i, else the particle with the lower id. What a pair keeps
+/// behind the law's history: NormalMemory, whose last number, R_eff while the bodies touch, is
+/// minus a lower bound of the gap while they do not.
+template <class Rows, class ContactsType, class Domain, class Arch>
+class ConvexPairs {
+  using Real = typename Lanes<Arch>::Real;
+  using List = PairList<ContactsType::history, double, history_in_rows<ContactsType>>;
+  using Gather = ConvexGather<Rows, Arch>;
+  using Kept = KeptGather<List, ContactsType, Arch>;
+  using Kinds = typename Rows::Kinds;
+  static constexpr std::size_t W = Lanes<Arch>::width;
+  static constexpr std::size_t kind_count = Kinds::count,
+                               pair_kinds = kind_count * (kind_count + 1) / 2;
+  static constexpr std::size_t scan = 128, slice = 64;  // pairs of the list, contacts at a time
+  static constexpr std::size_t chunks = 2, row = 4 * chunks;
+  static constexpr std::size_t H = ContactsType::history, M = ContactsType::memory_from,
+                               radius = ContactsType::memory_radius;
+  static_assert(load_chunks<ContactsType> == chunks,
+                "rolling resistance is of spheres and of bodies made of spheres: the shape of "
+                "others resists rolling itself");
+  static_assert(!ActsAtDistance<typename ContactsType::Law>,
+                "laws that act at a distance are for spheres and bodies made of spheres");
+  /// Overlaps of polyhedra are no depths: see SolidContact.
+  using Touch = ConvexTouch<Rows, ContactsType, List, slice, Arch>;
+  using Slice = typename Touch::Slice;
+  using Some = SomePairs<scan + slice + W, W>;
+  template <std::size_t A, std::size_t B>
+  static constexpr bool has_gradient =
+      std::is_same_v<typename Rows::template KindAt<A>, Polyhedron>&& A == B;
+
+ public:
+  using Input = ConvexInput<Rows>;
+
+  /// Adds the load of every pair to the sums of its bodies: force, and torque about the centre.
+  static Tally<ContactsType> run(const Input& in, List& list,
+                                 const CoefficientTable<ContactsType>& table, const Domain& domain,
+                                 double* sums, const Team& team) {
+    return sum_over_groups<Tally<ContactsType>>(list, team, [&](std::size_t from, std::size_t to) {
+      return run_group({in, list, table, domain, sums}, from, to);
+    });
+  }
+
+ private:
+  struct Scene {
+    const Input& in;
+    List& list;
+    const CoefficientTable<ContactsType>& table;
+    const Domain& domain;
+    double* sums;
+  };
+
+  /// By the kinds of i and j.
+  struct ByKind {
+    Some of[pair_kinds];
+    static constexpr std::size_t at(std::size_t a, std::size_t b) {  // a <= b
+      return a * kind_count - a * (a + 1) / 2 + b;
+    }
+    void add(const Scene& scene, std::size_t k, const double (&x)[3][W], std::size_t lane) {
+      const std::uint32_t a = scene.list.first()[k], b = scene.list.second()[k];
+      const std::size_t p = scene.in.rows->kind_of(a), q = scene.in.rows->kind_of(b);
+      if (p <= q)
+        of[at(p, q)].add(static_cast<std::uint32_t>(k), a, b, x, lane);
+      else
+        of[at(q, p)].add(static_cast<std::uint32_t>(k), b, a, x, lane, -1);
+    }
+  };
+
+  static Tally<ContactsType> run_group(const Scene& scene, std::size_t from, std::size_t to) {
+    RunningTally<ContactsType, Real> tally;
+    ByKind near, open;
+    for (; from < to; from += scan) {
+      sort_out(scene, from, std::min(scan, to - from), near, open);
+      const bool last = from + scan >= to;
+      for_all_kinds<0, 0>([&]<std::size_t A, std::size_t B>() {
+        run_kinds<A, B>(scene, near.of[ByKind::at(A, B)], open.of[ByKind::at(A, B)], last, tally);
+      });
+    }
+    return tally.end();
+  }
+  template <std::size_t A, std::size_t B, class Run>
+  static void for_all_kinds(const Run& run) {
+    run.template operator()<A, B>();
+    if constexpr (B + 1 < kind_count)
+      for_all_kinds<A, B + 1>(run);
+    else if constexpr (A + 1 < kind_count)
+      for_all_kinds<A + 1, A + 1>(run);
+  }
+  /// Runs what fills packs, or, if they are the last ones, all.
+  template <std::size_t A, std::size_t B>
+  static void run_kinds(const Scene& scene, Some& near, Some& open, bool last,
+                        RunningTally<ContactsType, Real>& tally) {
+    if (near.count + open.count == 0) return;
+    const auto run = [&](auto e) {
+      constexpr Exponents E = decltype(e)::value;
+      const std::size_t whole = last ? near.count : near.count / W * W;
+      if (last) near.pad();
+      prove_apart<A, B, E>(scene, near, whole, open);
+      near.drop(whole);
+      std::size_t k = 0;
+      for (; open.count - k >= slice; k += slice)
+        run_contacts<A, B, E>(scene, open, k, slice, tally);
+      if (last && k < open.count) {
+        open.pad();
+        run_contacts<A, B, E>(scene, open, k, open.count - k, tally);
+        k = open.count;
+      }
+      open.drop(k);
+    };
+    if constexpr (kind_count == 1 && Touch::template in_lanes<A, B>)
+      with_exponents(scene.in.rows->exponents, run);
+    else  // not each kernel for each pair of kinds: that would be long to compile
+      run(std::integral_constant<Exponents, Exponents::Any>{});
+  }
+
+  /// Sorts pairs: those that touched are open; of the others those whose gap is used up and whose
+  /// bounding spheres overlap are near.
+  static void sort_out(const Scene& scene, std::size_t from, std::size_t count, ByKind& near,
+                       ByKind& open) {
+    const auto difference = Row4<Arch>::of(-1, -1, -1, 1);
+    const Real zero(0), step(gap_slack * scene.in.times.step);
+    double* const gaps = scene.list.history(radius);
+    for (std::size_t k = from; k < from + count; k += W) {
+      const std::uint32_t *const a = scene.list.first() + k, *const b = scene.list.second() + k;
+      const std::uint64_t lanes = valid_lanes(from + count - k);
+      const Real kept = load<Real>(gaps + k);
+      const std::uint64_t touched = lane_bits(kept > zero) & lanes;
+      std::uint64_t closed = 0;  // lanes that need no look
+      if (const auto resting = kept < zero; any(resting)) {
+        const Real left = kept + step * approach(scene.in, a, b);
+        closed = lane_bits(left < zero) & lane_bits(resting) & lanes;
+        store(gaps + k, select(resting, min(left, zero), kept));
+      }
+      if ((closed | ~lanes) == ~std::uint64_t{0}) continue;
+
+      Row4<Arch> rows[W];
+      for (std::size_t lane = 0; lane < W; ++lane)
+        rows[lane] = Row4<Arch>::load(&scene.in.positions[b[lane]].x) +
+                     difference * Row4<Arch>::load(&scene.in.positions[a[lane]].x);
+      Real columns[4];
+      rows_to_columns<Arch>(rows, columns);
+      Vec3<Real> d{columns[0], columns[1], columns[2]};
+      if constexpr (Domain::periodic) d = scene.domain.shortest(d);
+      const Real distance2 = dot(d, d), reach = columns[3];
+      const std::uint64_t within = lane_bits(distance2 < reach * reach);
+      alignas(64) double x[3][W], gap[W];
+      store(x[0], d.x), store(x[1], d.y), store(x[2], d.z), store(gap, sqrt(distance2) - reach);
+      for (std::uint64_t bits = lanes & ~closed; bits != 0; bits &= bits - 1) {
+        const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
+        const std::uint64_t bit = bits & -bits;
+        if (within & bit)
+          (touched & bit ? open : near).add(scene, k + lane, x, lane);
+        else
+          part(scene.list, k + lane, gap[lane], touched & bit);
+      }
+    }
+  }
+
+  /// Of the near pairs those that the last normal does not prove to be apart.
+  template <std::size_t A, std::size_t B, Exponents E>
+  static void prove_apart(const Scene& scene, const Some& near, std::size_t count, Some& open) {
+    for (std::size_t k = 0; k < count; k += W) {
+      const std::size_t valid = std::min(W, count - k);
+      alignas(64) double x[3][W], gap[W];
+      const Vec3<Real> d = near.template between_at<Real>(k);
+      store(x[0], d.x), store(x[1], d.y), store(x[2], d.z);
+      if constexpr (Touch::template in_lanes<A, B>)
+        store(gap, least_gap(Touch::template posed<A, B, E>(
+                                 scene.in, near, k, Gather::axes_pack(scene.in, near.i + k),
+                                 Gather::axes_pack(scene.in, near.j + k)),
+                             Kept::memory_of(scene.list, near.place + k)));
+      else
+        for (std::size_t lane = 0; lane < valid; ++lane)
+          Touch::template with_placed<A, B>(
+              scene.in, near, k + lane, [&](const auto& i, const auto& j) {
+                gap[lane] = least_gap_of(i, j, Kept::memory_at(scene.list, near.place[k + lane]));
+              });
+      for (std::size_t lane = 0; lane < valid; ++lane)
+        if (gap[lane] > 0)
+          part(scene.list, near.place[k + lane], gap[lane], false);
+        else
+          open.add(near.place[k + lane], near.i[k + lane], near.j[k + lane], x, lane);
+    }
+  }
+
+  /// Notes the gap [m] of a pair that does not touch; one that did loses its history.
+  static void part(List& list, std::size_t place, double gap, bool touched) {
+    if (touched) list.forget_contact(place, M);
+    list.history(radius)[place] = gap > 0 ? -gap : 0;
+  }
+
+  /// How fast [m/s] the gap of each pair may shrink.
+  static SILT_INLINE Real approach(const Input& in, const std::uint32_t* a,
+                                   const std::uint32_t* b) {
+    alignas(64) double sum[W];
+    const double* const pace = in.rows->pace.data();
+    for (std::size_t lane = 0; lane < W; ++lane) sum[lane] = pace[a[lane]] + pace[b[lane]];
+    return load<Real>(sum);
+  }
+  static std::uint64_t valid_lanes(std::size_t left) {
+    return left >= W ? (std::uint64_t{1} << W) - 1 : (std::uint64_t{1} << left) - 1;
+  }
+  /// The angular velocity is that at the end of a step, in which that of a free body may have been
+  /// a little greater.
+  static constexpr double gap_slack = 1.1;
+
+  template <std::size_t A, std::size_t B, Exponents E>
+  static void run_contacts(const Scene& scene, const Some& open, std::size_t from,
+                           std::size_t count, RunningTally<ContactsType, Real>& tally) {
+    constexpr bool has_area = Touch::template has_area<A, B, E>;
+    Slice c;
+    const std::size_t padded = pieces(count, W) * W;
+    const std::uint32_t* const place = open.place + from;
+    Touch::template run<A, B, E>(scene.in, scene.list, open, from, count, c);
+    scatter(c.history[radius], place, count, scene.list.history(radius));
+    for (std::size_t h = 0; h <= radius; ++h)  // no contacts
+      std::fill(c.history[h] + count, c.history[h] + padded, 0.0);
+    Real share(tally.sum.largest);
+    for (std::size_t k = 0; k < padded; k += W)
+      complete<has_gradient<A, B>, has_area>(scene, open, from, k, c, share);
+    alignas(64) double shares[W];
+    store(shares, share);
+    tally.sum.largest = *std::max_element(shares, shares + W);
+    if constexpr (ContactsType::several_materials)
+      for (std::size_t k = 0; k < padded; ++k) c.kind[k] = scene.in.kinds[place[k]];
+    std::array<double*, H + 1> history{};
+    for (std::size_t h = 0; h < H; ++h) history[h] = c.history[h];
+    const std::uint16_t* const kinds = ContactsType::several_materials ? c.kind : nullptr;
+    if constexpr (has_area)
+      loads_at_points<ContactsType, Arch>(
+          c.kinematics, c.area, !Touch::template in_lanes<A, B> || scene.in.times.renew_areas,
+          padded, scene.in.times, scene.table, kinds, history, tally);
+    else
+      loads_of<ContactsType, Arch>(c.kinematics, padded, scene.in.times, scene.table, kinds,
+                                   history, tally);
+    tally.end_block();
+    for (std::size_t k = 0; k < padded; k += W)
+      Kept::template keep<has_area>(scene.list, place + k, std::min(W, count - k), c.history, k);
+    add_loads<has_gradient<A, B>, has_area>(scene, open, from, count, c);
+  }
+
+  /// Contacts k and the following ones, whose geometry the slice has.
+  template <bool HasGradient, bool HasArea>
+  static SILT_INLINE void complete(const Scene& scene, const Some& open, std::size_t from,
+                                   std::size_t k, Slice& c, Real& share) {
+    const auto& in = scene.in;
+    BodyAtContact<Real> i, j;
+    Real thin_i, thin_j;
+    Gather::body_pack(in, open.i + from + k, i, thin_i);
+    Gather::body_pack(in, open.j + from + k, j, thin_j);
+    if constexpr (!Rows::has_levers) {
+      i.axes = Gather::axes_pack(in, open.i + from + k);
+      j.axes = Gather::axes_pack(in, open.j + from + k);
+    }
+    const auto at = [&](const double(&v)[3][slice]) {
+      return load3<Real>(v[0] + k, v[1] + k, v[2] + k);
+    };
+    auto& kept = c.kinematics;
+    const Real zero(0), step(in.times.step), followed = load<Real>(c.followed + k);
+    const auto touches = load<Real>(c.history[radius] + k) > zero;
+    const Vec3<Real> n = at(kept.normal), arm_i = at(c.arm_i), last = at(c.last);
+    const Vec3<Real> arm_j = arm_i - open.template between_at<Real>(from + k);
+    Kinematics<Real> kin;
+    kin.normal = n;
+    kin.velocity = i.velocity_at(arm_i) - j.velocity_at(arm_j);
+    // The direction of a step ago: it is kept in the axes of one body, which have turned.
+    const Vec3<Real> turned = step * cross(select(followed > zero, i.spin, j.spin), last);
+    kin.change = select(followed != zero, n + last - turned, {zero, zero, zero});
+    kin.overlap = select(touches, load<Real>(kept.overlap + k), Real(-1));
+    if constexpr (HasGradient) {
+      // All that moves the overlap's rate counts `gradient` times, and so does all force.
+      const Real g = load<Real>(c.gradient + k), couple = load<Real>(c.couple + k);
+      kin.velocity += (couple * dot(i.spin - j.spin, n)) * n;
+      kin.velocity = g * kin.velocity;
+      kin.inverse_m_eff =
+          max(g * g * (i.inverse_mass(arm_i, n, couple) + j.inverse_mass(arm_j, n, couple)),
+              smallest<Real>());
+    } else {
+      kin.inverse_m_eff = i.inverse_mass(arm_i, n) + j.inverse_mass(arm_j, n);
+    }
+    kin.m_eff = Real(1) / kin.inverse_m_eff;
+    kin.R_eff = load<Real>(kept.R_eff + k);
+    kin.arm = zero, kin.spin = {zero, zero, zero};
+    kin.twist = Real(0.5) * dot(i.spin + j.spin, n);
+    kept.put(k, kin);
+    if constexpr (HasArea) {
+      Vec3<Real> spin = i.spin - j.spin;
+      if constexpr (HasGradient) spin = load<Real>(c.gradient + k) * spin;
+      c.area.put_spin(k, spin);
+    }
+    kept.put(k, Radii<Real>{Real(2) * kin.R_eff, Real(2) * kin.R_eff});
+    share = max(share, select(touches, kin.overlap, zero) / min(thin_i, thin_j));
+  }
+
+  /// Force and torques of the contacts, onto the sums of both bodies.
+  template <bool HasGradient, bool HasArea>
+  static void add_loads(const Scene& scene, const Some& open, std::size_t from, std::size_t count,
+                        const Slice& c) {
+    alignas(64) double on_i[slice * row], on_j[slice * row];
+    for (std::size_t k = 0; k < count; k += W) {
+      Vec3<Real> force = c.kinematics.template get_load<Real>(k).force, couple{};
+      if constexpr (HasGradient) {
+        const Vec3<Real> n = c.kinematics.template get<Real>(k).normal;
+        force = load<Real>(c.gradient + k) * force;
+        couple = (load<Real>(c.couple + k) * dot(force, n)) * n;
+      }
+      const Vec3<Real> arm = load3<Real>(c.arm_i[0] + k, c.arm_i[1] + k, c.arm_i[2] + k);
+      if constexpr (HasArea) {
+        const Vec3<Real> moment = c.area.template get_moment<Real>(k);
+        couple += HasGradient ? load<Real>(c.gradient + k) * moment : moment;
+      }
+      const auto turning = [&](const Vec3<Real>& a) {
+        return HasGradient || HasArea ? cross(a, force) + couple : cross(a, force);
+      };
+      const PairLoad<Real> i{force, turning(arm), {}};
+      const PairLoad<Real> j{-force, -turning(arm - open.template between_at<Real>(from + k)), {}};
+      write_rows<chunks, Arch, Real>(on_i + k * row, i);
+      write_rows<chunks, Arch, Real>(on_j + k * row, j);
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+      add_row<Arch, chunks, false>(scene.sums + open.i[from + k] * row, on_i + k * row);
+      add_row<Arch, chunks, false>(scene.sums + open.j[from + k] * row, on_j + k * row);
+    }
+  }
+};
+
+}  // namespace silt::detail

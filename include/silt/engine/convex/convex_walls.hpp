@@ -1,0 +1,363 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <silt/engine/convex/convex_planes.hpp>
+#include <silt/engine/spheres/wall_pipeline.hpp>
+#include <silt/shape/narrow/solid_mesh_contacts.hpp>
+#include <silt/shape/narrow/solid_walls.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// Contacts of one part with one surface, and with a plane, at most.
+inline constexpr int most_wall_contacts = 8;
+template <class Kinds>
+inline constexpr int most_plane_contacts = Kinds::template has<Polyhedron> ? most_wall_contacts : 1;
+
+/// The contacts of a placed part with a surface, both in the wall's frame.
+template <class Placed, class S>
+int contacts_with(const Placed& body, const S& surface, std::span<const std::uint32_t> facets,
+                  SolidContact* out) {
+  if constexpr (std::is_same_v<Placed, PlacedBall>) {
+    SurfacePoint points[S::max_contacts];
+    int count;
+    if constexpr (requires { surface.contacts(body.position, body.radius, facets, points); })
+      count = surface.contacts(body.position, body.radius, facets, points);
+    else
+      count = surface.contacts(body.position, body.radius, points);
+    for (int k = 0; k < count; ++k) {
+      const auto& p = points[k];
+      out[k] = {p.normal,
+                body.position - p.distance * p.normal,
+                body.radius - p.distance,
+                1,
+                0,
+                body.radius,
+                p.feature};
+    }
+    return count;
+  } else {
+    int count;
+    if constexpr (std::is_same_v<S, Plane>)
+      count = plane_contacts(body, surface.unit(), out, most_wall_contacts);
+    else if constexpr (std::is_same_v<S, TriangleMesh>)
+      count = mesh_contacts(body, surface, facets, out, most_wall_contacts);
+    else if constexpr (std::is_same_v<S, Cylinder>)
+      count = cylinder_contacts(body, surface, out, most_wall_contacts);
+    else
+      count = cone_contacts(body, surface, out, most_wall_contacts);
+    if constexpr (!std::is_same_v<Placed, PlacedPolyhedron>)
+      for (int k = 0; k < count; ++k) {
+        auto& c = out[k];
+        if (!is_rim(c) && c.feature < Polyhedron::most_vertices)  // no edge of the wall
+          c.spread = symmetric(
+              spread_of(body.form, body.axes, c.normal, c.point - body.position, c.overlap));
+        c.point += (0.5 * c.overlap) * c.normal;  // midway between both surfaces
+      }
+    return count;
+  }
+}
+
+/// Turns the axes of a part into the frame of a wall.
+inline void turn_into(const Pose&, PlacedBall&) {}
+template <class Form>
+void turn_into(const Pose& pose, PlacedSuper<Form>& body) {
+  const Quaternion back = conjugate(pose.rotation);
+  body.axes = {rotate(back, body.axes.x), rotate(back, body.axes.y), rotate(back, body.axes.z)};
+}
+inline void turn_into(const Pose& pose, PlacedPolyhedron& body) {
+  const Quaternion back = conjugate(pose.rotation);
+  auto& turn = body.pose.turn;
+  turn = {rotate(back, turn.x), rotate(back, turn.y), rotate(back, turn.z)};
+}
+
+/// As contacts_with_wall(), of a super-ellipsoid by the kernel for its exponents; `at` [m] in the
+/// wall's frame.
+template <class Rows>
+int contact_with_plane(const Rows& rows, std::size_t row, const Vec3d& at, const Wall& wall,
+                       const Plane& plane, SolidContact& out) {
+  using Row = SuperForm<double>;
+  const double distance = dot(at - plane.point, plane.normal);
+  const Row form = rows.form_row(row).template get<Row>();
+  if (!(distance < form.bound)) return 0;
+  const Vec3d n = wall.moves() ? wall.pose.rotate(plane.normal) : plane.normal;
+  const Vec3d centre = wall.moves() ? wall.pose.to_space(at) : at;
+  return with_exponents(rows.exponents, [&](auto e) {
+    using Form = SuperForm<double, decltype(e)::value>;
+    Form kernel;
+    static_assert(sizeof kernel == sizeof form);
+    std::memcpy(static_cast<void*>(&kernel), &form, sizeof form);
+    double R_eff = 0;
+    const auto c = touch_plane(kernel, body_axes(rows.pose[row].q), n, distance, R_eff);
+    out = {n, centre + c.point + (0.5 * c.overlap) * n, c.overlap, 1, 0, c.R_eff, 0};
+    if constexpr (decltype(e)::value > Exponents::Two)
+      out.spread = symmetric(spread_of(kernel, body_axes(rows.pose[row].q), n, c.point, c.overlap));
+    return c.touches ? 1 : 0;
+  });
+}
+
+/// The contacts of a row with one surface of a wall, in space; points on the wall.
+template <class Rows>
+int contacts_with_wall(const Rows& rows, std::size_t row, const Vec3d& centre, const Wall& wall,
+                       const Surface& surface, std::span<const std::uint32_t> facets,
+                       SolidContact (&out)[most_wall_contacts]) {
+  int count = 0;
+  const Vec3d at = wall.moves() ? wall.pose.to_body(centre) : centre;
+  if constexpr (std::is_same_v<typename Rows::Kinds, KindList<SuperEllipsoid>>)
+    if (const auto* const plane = std::get_if<Plane>(&surface))
+      return contact_with_plane(rows, row, at, wall, plane->unit(), out[0]);
+  rows.visit(row, at, [&](auto body) {
+    if (wall.moves()) turn_into(wall.pose, body);
+    count =
+        visit_surface(surface, [&](const auto& s) { return contacts_with(body, s, facets, out); });
+  });
+  for (int k = 0; k < count && wall.moves(); ++k) {
+    out[k].normal = wall.pose.rotate(out[k].normal);
+    out[k].point = wall.pose.to_space(out[k].point);
+    out[k].spread = turned(rotation_matrix(wall.pose.rotation), out[k].spread);
+  }
+  return count;
+}
+
+inline bool is_round(const Surface& surface) {
+  return std::holds_alternative<Cylinder>(surface) || std::holds_alternative<Cone>(surface);
+}
+
+/// Drops contacts with a rim that lies in the tangent plane of a deeper contact with another
+/// surface and looks the same way: where two surfaces join, it is a seam. Of two rims in the same
+/// place the `first` surface's stays. Returns how many are left.
+inline int without_seams(SolidContact* found, int count, std::span<const SolidContact> beside,
+                         bool first, double tolerance) {
+  const auto is_seam = [&](const SolidContact& a) {
+    return is_rim(a) && std::any_of(beside.begin(), beside.end(), [&](const SolidContact& b) {
+             const double deeper = b.overlap - a.overlap;
+             // Points lie on the walls or behind, by no more than the overlaps.
+             const double off = std::abs(dot(a.point - b.point, b.normal));
+             return (deeper > tolerance || (deeper > -tolerance && first)) &&
+                    dot(a.normal, b.normal) > 0.5 && off <= tolerance + a.overlap + b.overlap;
+           });
+  };
+  return static_cast<int>(std::remove_if(found, found + count, is_seam) - found);
+}
+
+/// Computes the loads of all contacts of convex parts with walls, fixed or moving: exact contacts
+/// of each candidate (ConvexPlanes: in lanes), then the same law over lanes as for pairs; sums what
+/// each wall bears.
+template <class Rows, class ContactsType, class Arch>
+class ConvexWalls {
+  using Real = typename Lanes<Arch>::Real;
+  static constexpr std::size_t W = Lanes<Arch>::width;
+  static constexpr std::size_t H = ContactsType::history, radius = ContactsType::memory_radius;
+  static constexpr std::size_t chunks = load_chunks<ContactsType>, row = 4 * chunks;
+
+ public:
+  using Contacts =
+      WallContacts<H, double, most_plane_contacts<typename Rows::Kinds>, most_wall_contacts>;
+  static constexpr std::size_t block = Contacts::block;
+  using Input = ConvexInput<Rows>;
+
+  /// Adds the loads to the sums of the bodies; sets force and torque of the walls.
+  Tally<ContactsType> run(const Input& in, Contacts& contacts,
+                          const CoefficientTable<ContactsType>& table, std::span<Wall> walls,
+                          double* sums, const Team& team) {
+    const std::size_t blocks = contacts.blocks();
+    loads_.assign(blocks * walls.size(), {});
+    tallies_.assign(blocks, {});
+    team.for_parts(blocks, [&](std::size_t b) { run_block(in, contacts, table, walls, sums, b); });
+    sum_wall_loads(walls, loads_, blocks, in.times.step);
+    Tally<ContactsType> all;
+    for (const auto& tally : tallies_) all.add(tally);
+    return all;
+  }
+
+ private:
+  using Planes = ConvexPlanes<Rows, ContactsType, Contacts, Arch>;
+  using Scratch = typename Planes::Block;
+
+  void run_block(const Input& in, Contacts& contacts, const CoefficientTable<ContactsType>& table,
+                 std::span<const Wall> walls, double* sums, std::size_t b) {
+    Scratch s;
+    const auto candidates = contacts.block_candidates(b);
+    if constexpr (Planes::in_lanes) {
+      typename Planes::Near near;
+      for (const WallCandidate& c : candidates)
+        if (in.motions[c.particle].inv_m != 0 && Planes::takes(walls[c.wall], c) &&
+            !near.take(in, walls[c.wall], c))
+          end(contacts, c.slot);
+      Planes::touch(in, near, contacts, table, walls, s);
+    }
+    for (const WallCandidate& c : candidates)
+      if (in.motions[c.particle].inv_m != 0 && !Planes::takes(walls[c.wall], c))
+        touch(in, contacts, table, walls, candidates, c, s);
+    pad(s);
+    std::array<double*, H + 1> history{};
+    for (std::size_t h = 0; h < H; ++h) history[h] = s.history[h];
+    RunningTally<ContactsType, Real> running;
+    const std::size_t padded = pieces(s.count, W) * W;
+    const bool has_area = Scratch::has_area && in.rows->has_area();
+    const std::size_t kept = ContactsType::history_kept(has_area);
+    if (has_area) {
+      loads_at_points<ContactsType, Arch>(s.kinematics, s.area,
+                                          !Planes::in_lanes || in.times.renew_areas, padded,
+                                          in.times, table, s.kind, history, running);
+    } else {
+      loads_of<ContactsType, Arch>(s.kinematics, padded, in.times, table, s.kind, history, running);
+    }
+    tallies_[b] = running.end();
+    tallies_[b].largest = s.largest;
+    for (std::size_t k = 0; k < s.count; ++k) {
+      if (s.slot[k] == Scratch::no_slot) continue;
+      const WallCandidate& c = *s.of[k];
+      for (std::size_t h = 0; h < kept; ++h)  // R_eff has been kept already
+        contacts.history(h)[s.slot[k]] = s.history[h][k];
+      const auto at = [&](const auto& columns) {
+        return Vec3d{columns[0][k], columns[1][k], columns[2][k]};
+      };
+      const Vec3d n = at(s.kinematics.normal);
+      const Vec3d force = s.gradient[k] * s.kinematics.template get_load<double>(k).force;
+      Vec3d couple = (s.couple[k] * dot(force, n)) * n;
+      if (has_area) couple += s.gradient[k] * at(s.area.moment);
+      const Vec3d torque = cross(at(s.arm), force) + couple;
+      double* const sum = sums + c.particle * row;
+      sum[0] += force.x, sum[1] += force.y, sum[2] += force.z;
+      sum[4] += torque.x, sum[5] += torque.y, sum[6] += torque.z;
+      WallLoad& load = loads_[b * walls.size() + c.wall];
+      load.force -= force;
+      load.torque -= cross(at(s.place) - walls[c.wall].reference, force) + couple;
+    }
+  }
+
+  static constexpr double same_contact = 0.8;  // cosine of the largest turn in one step
+
+  /// Adds a candidate's contacts.
+  static void touch(const Input& in, Contacts& contacts,
+                    const CoefficientTable<ContactsType>& table, std::span<const Wall> walls,
+                    std::span<const WallCandidate> candidates, const WallCandidate& c, Scratch& s) {
+    SolidContact found[most_wall_contacts];
+    const Wall& wall = walls[c.wall];
+    const Surface& surface = wall.surfaces[c.surface];
+    const Vec3d centre = in.positions[c.particle].centre();
+    int count =
+        contacts_with_wall(*in.rows, c.particle, centre, wall, surface, contacts.facets(c), found);
+    if (is_round(surface) && std::any_of(found, found + count, is_rim))
+      for (const WallCandidate& other : candidates)
+        if (other.particle == c.particle && &other != &c) {
+          SolidContact beside[most_wall_contacts];
+          const Wall& its = walls[other.wall];
+          const int n =
+              contacts_with_wall(*in.rows, c.particle, centre, its, its.surfaces[other.surface],
+                                 contacts.facets(other), beside);
+          const double tolerance = 1e-6 * in.rows->pose[c.particle].least_radius;
+          count = without_seams(found, count, {beside, static_cast<std::size_t>(n)}, &other < &c,
+                                tolerance);
+        }
+    const std::size_t slots = Contacts::slots_of(surface);
+    bool taken[most_wall_contacts] = {};
+    std::size_t own[most_wall_contacts];
+    // First those of the same feature, then those of nearly the same normal, then the new ones.
+    for (int k = 0; k < count; ++k)
+      own[k] = slot_of(found[k], c.slot, slots, contacts, taken, true);
+    for (int k = 0; k < count; ++k)
+      if (own[k] == slots) own[k] = slot_of(found[k], c.slot, slots, contacts, taken, false);
+    for (std::size_t p = 0; p < slots; ++p)
+      if (!taken[p]) end(contacts, c.slot + p);
+    for (int k = 0; k < count; ++k) {
+      for (std::size_t p = 0; own[k] == slots && p < slots; ++p)
+        if (!taken[p]) own[k] = p, taken[p] = true;
+      describe(found[k], centre, in, contacts, table, wall, c, c.slot + own[k], s);
+    }
+  }
+  static std::size_t slot_of(const SolidContact& contact, std::size_t begin, std::size_t slots,
+                             Contacts& contacts, bool* taken, bool by_feature) {
+    std::size_t best = slots;
+    double nearest = same_contact;
+    for (std::size_t p = 0; p < slots; ++p) {
+      const auto& slot = contacts.slot(begin + p);
+      if (taken[p] || !slot.touching || (by_feature && slot.feature != contact.feature)) continue;
+      if (const double cosine = dot(slot.normal, contact.normal); cosine > nearest)
+        nearest = cosine, best = p;
+    }
+    if (best < slots) taken[best] = true;
+    return best;
+  }
+  static void end(Contacts& contacts, std::size_t slot) {
+    if (!contacts.slot(slot).touching) return;
+    contacts.slot(slot).touching = false;
+    for (std::size_t h = 0; h < H; ++h) contacts.history(h)[slot] = 0;
+  }
+
+  static void describe(const SolidContact& contact, const Vec3d& centre, const Input& in,
+                       Contacts& contacts, const CoefficientTable<ContactsType>& table,
+                       const Wall& wall, const WallCandidate& c, std::size_t slot, Scratch& s) {
+    auto& kept = contacts.slot(slot);
+    const Vec3d change = kept.touching ? contact.normal - kept.normal : Vec3d{0, 0, 0};
+    kept = {contact.normal, true, contact.feature};
+    double& R_eff = contacts.history(radius)[slot];  // that of the first touch
+    if (!(R_eff > 0)) R_eff = contact.R_eff;
+    const auto body = body_at_contact(in.motions[c.particle], *in.rows, c.particle);
+    const Vec3d arm = contact.point - centre, n = contact.normal;
+    Vec3d wall_velocity{0, 0, 0}, wall_spin{0, 0, 0};
+    if (wall.moves()) {
+      wall_velocity = (contact.point - wall.last_pose.to_space(wall.pose.to_body(contact.point))) *
+                      (1 / in.times.step);
+      wall_spin = mean_angular_velocity(wall.last_pose, wall.pose, in.times.step);
+    }
+    const std::size_t k = s.count++;
+    const double g = contact.gradient;
+    Kinematics<double> kin;
+    kin.normal = n, kin.change = change;
+    kin.velocity = body.velocity_at(arm) - wall_velocity;
+    // All that moves the overlap's rate counts `gradient` times, and so does all force.
+    kin.velocity = g * (kin.velocity + (contact.couple * dot(body.spin - wall_spin, n)) * n);
+    kin.overlap = contact.overlap, kin.R_eff = R_eff;
+    kin.inverse_m_eff = std::max(g * g * body.inverse_mass(arm, n, contact.couple), 1e-300);
+    kin.m_eff = 1 / kin.inverse_m_eff;
+    kin.arm = 0, kin.spin = {0, 0, 0};
+    kin.twist = dot(wall_spin, n);
+    s.kinematics.put(k, kin);
+    if constexpr (Scratch::has_area) {
+      s.area.put_spread(k, contact.spread);
+      s.area.put_spin(k, g * (body.spin - wall_spin));
+    }
+    s.kinematics.put(k, Radii<double>{R_eff, 0});
+    std::size_t material = 0;
+    if constexpr (ContactsType::several_materials) material = in.kinds[c.particle];
+    s.kind[k] = static_cast<std::uint16_t>(material * table.materials + wall.material);
+    s.of[k] = &c, s.slot[k] = static_cast<std::uint32_t>(slot);
+    const Vec3d& x = contact.point;
+    s.arm[0][k] = arm.x, s.arm[1][k] = arm.y, s.arm[2][k] = arm.z;
+    s.place[0][k] = x.x, s.place[1][k] = x.y, s.place[2][k] = x.z;
+    s.gradient[k] = g, s.couple[k] = contact.couple;
+    const std::size_t in_use = ContactsType::history_kept(in.rows->has_area());
+    for (std::size_t h = 0; h < in_use; ++h) s.history[h][k] = contacts.history(h)[slot];
+    s.largest = std::max(s.largest, contact.overlap / in.rows->pose[c.particle].least_radius);
+  }
+
+  /// Fills the last pack with its first contact, moved out of reach.
+  static void pad(Scratch& s) {
+    for (std::size_t k = s.count; k % W != 0; ++k) {
+      const std::size_t from = s.count / W * W;
+      auto kinematics = s.kinematics.template get<double>(from);
+      kinematics.overlap = -1;
+      s.kinematics.put(k, kinematics);
+      s.kinematics.put(k, s.kinematics.template get_radii<double>(from));
+      for (auto& h : s.history) h[k] = 0;
+      s.kind[k] = s.kind[from];
+      if constexpr (Scratch::has_area) {
+        s.area.put_spread(k, Symmetric3{});
+        s.area.put_spin(k, Vec3d{0, 0, 0});
+      }
+    }
+  }
+
+  std::vector<WallLoad> loads_;               // by block and wall
+  std::vector<Tally<ContactsType>> tallies_;  // by block
+};
+
+}  // namespace silt::detail

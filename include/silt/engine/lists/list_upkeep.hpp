@@ -1,0 +1,167 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include <silt/boundary/motion.hpp>
+#include <silt/boundary/wall.hpp>
+#include <silt/core/box.hpp>
+#include <silt/core/storage.hpp>
+#include <silt/engine/state/rows.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// When the lists must be renewed so that no contact is missed, with a reach of its own for every
+/// sphere: those that hardly move need hardly any, however fast others are.
+///
+/// Let s_i be the outer and q_i the inner reach of sphere i, D_i its displacement since the search
+/// and U_i since the last pruning; S, Q, D', U' the same for the walls. Gaps are counted from where
+/// the law begins to act: from its range on, which is 0 for laws of touch. A pair that is not in
+/// the outer list had a gap of at least s_i + s_j at the search; one of the outer list that was
+/// pruned had at least q_i + q_j at the pruning. Hence
+///   (1) if every q_i <= s_i - D_i at the pruning, and Q <= S - D', then at that moment every pair
+///       outside the inner list had a gap of at least q_i + q_j (a sphere and a wall: q_i + Q);
+///   (2) as long as U_i < q_i for all i, and U' <= Q, none of them touches, or comes within range.
+/// U_i/q_i is bounded by the sum over steps of max_i (|v_i| dt/q_i): one multiplication a particle.
+/// D_i is measured exactly, at each pruning. (2) is checked before the forces of every step.
+/// Tests: tests/engine/list_upkeep.cpp (against brute force at every step).
+class ListUpkeep {
+ public:
+  AlignedVector<double> outer;                    // [m] s_i
+  AlignedVector<double> inner;                    // [m] q_i
+  AlignedVector<double> per_inner2;               // [1/m2] 1/q_i^2
+  double outer_wall = 0, inner_wall = 0;          // [m] S and Q
+  double used = 0;                                // [-] bound of the largest U_i/q_i
+  std::int64_t pruned_at = -1, searched_at = -1;  // [steps]
+  /// For how long [s] the lists shall hold, and the bounds of the reaches [m].
+  struct Plan {
+    double outer_time, inner_time, least_outer, most_outer, least_inner, most_inner;
+  } plan{};
+
+  bool inner_holds(double wall_travel) const { return used < 1 && wall_travel <= inner_wall; }
+
+  /// For a skin S that the user set, the largest gap of a listed pair: half of it for each sphere;
+  /// a fifth of that for the inner list.
+  void set_skin(double skin) { plan = {0, 0, skin / 2, skin / 2, skin / 10, skin / 10}; }
+
+  /// Chooses for how long both lists shall hold, for spheres of mean diameter d [m] that may move
+  /// at `mean_speed` and spheres and walls at up to `fastest` [m/s]. Minimises the cost a step and
+  /// particle of search, pruning and pairs that do not touch. The constants are nanoseconds, read
+  /// off a profile of the hopper's discharge; they set the speed alone.
+  void choose_skins(double d, double mean_speed, double fastest, double time_step) {
+    constexpr double search = 150, cell = 30, prune = 15, prune_pair = 8, idle_pair = 8;  // [ns]
+    constexpr double pairs = 2.2, more_pairs = 10;  // a particle; more by gap over diameter
+    plan = {0, 0, 0.03 * d, 0.5 * d, 0.005 * d, 0.25 * d};
+    const double per = slack * time_step / d;
+    const double mean = per * mean_speed, most = per * fastest;  // diameters a step
+    double best = std::numeric_limits<double>::infinity();
+    for (double outer_steps = 2; outer_steps < 1e5; outer_steps *= 1.15) {
+      const double widest = std::max(0.03, most * outer_steps);
+      if (widest > 0.5 && outer_steps > 2) break;
+      const double listed = pairs + more_pairs * 2 * (0.03 + mean * outer_steps);
+      const double pruning = prune + prune_pair * listed;
+      const double idle = idle_pair * more_pairs * 2 * mean;
+      const double inner_steps =
+          std::clamp(std::sqrt(pruning / std::max(idle, 1e-9)), 1.0, outer_steps / 2);
+      const double edge = 1 + 2 * widest;
+      const double cost = (search + cell * edge * edge * edge) / outer_steps +
+                          pruning / inner_steps + idle * inner_steps;
+      if (cost >= best) continue;
+      best = cost;
+      plan.outer_time = outer_steps * time_step, plan.inner_time = inner_steps * time_step;
+    }
+  }
+
+  /// The outer reach [m] of a sphere that may move at `speed` [m/s].
+  double outer_reach(double speed) const {
+    return std::clamp(slack * plan.outer_time * speed, plan.least_outer, plan.most_outer);
+  }
+  void set_outer_wall(double wall_speed) {
+    outer_wall = wall_speed < 0 ? 0 : outer_reach(wall_speed);
+  }
+
+  /// Sets the inner reaches of particles from ... to-1; false if the outer list is used up: then
+  /// half of what is wanted is more than what displacement(k) [m] has left of the outer reach.
+  template <class Displacement>
+  bool set_inner(std::size_t from, std::size_t to, std::span<const double> speeds,
+                 const Displacement& displacement) {
+    bool enough = true;
+    for (std::size_t k = from; k < to; ++k) {
+      const double wanted = inner_reach(speeds[k]);
+      const double left = outer[k] - displacement(k);
+      enough &= left >= 0.5 * wanted;
+      inner[k] = std::min(wanted, left);
+      per_inner2[k] = 1 / (inner[k] * inner[k]);
+    }
+    return enough;
+  }
+  bool set_inner_wall(double wall_speed, double wall_displacement) {
+    if (wall_speed < 0) return inner_wall = 0, true;  // walls at rest
+    const double wanted = inner_reach(wall_speed);
+    const double left = outer_wall - wall_displacement;
+    inner_wall = std::min(wanted, left);
+    return left >= 0.5 * wanted;
+  }
+
+  void restore(std::span<const double> outer_reaches, std::span<const double> inner_reaches) {
+    outer.assign(outer_reaches.begin(), outer_reaches.end());
+    inner.assign(inner_reaches.begin(), inner_reaches.end());
+    per_inner2.resize(inner.size());
+    for (std::size_t k = 0; k < inner.size(); ++k)
+      per_inner2[k] = inner[k] > 0 ? 1 / (inner[k] * inner[k]) : 0;  // 0: there is no list
+  }
+
+ private:
+  static constexpr double slack = 1.2;  // reach over what the present speed takes
+
+  double inner_reach(double speed) const {
+    return std::clamp(slack * plan.inner_time * speed, plan.least_inner, plan.most_inner);
+  }
+};
+
+/// The largest displacement [m] of points of `region` that are carried from pose a to pose b. A
+/// rigid motion is affine, so its displacement is convex and largest at a corner.
+inline double largest_displacement(const Pose& a, const Pose& b, const Box& region) {
+  double most = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3d p{corner & 1 ? region.max.x : region.min.x,
+                  corner & 2 ? region.max.y : region.min.y,
+                  corner & 4 ? region.max.z : region.min.z};
+    most = std::max(most, norm(b.to_space(a.to_body(p)) - p));
+  }
+  return most;
+}
+
+/// Poses of all walls at one instant, to measure their motion since.
+class WallMarks {
+ public:
+  void set(std::span<const Wall> walls, const Box& region) {
+    region_ = region;
+    poses_.clear();
+    for (const auto& w : walls) poses_.push_back(w.pose);
+  }
+  double travel(std::span<const Wall> walls) const {
+    double most = 0;
+    for (std::size_t w = 0; w < walls.size(); ++w)
+      if (walls[w].moves())
+        // Of the points that are in the region now: it is they that spheres there may touch.
+        most = std::max(most, largest_displacement(walls[w].pose, poses_[w], region_));
+    return most;
+  }
+  std::span<const Pose> poses() const { return poses_; }
+  const Box& region() const { return region_; }
+  void restore(std::vector<Pose> poses, const Box& region) {
+    poses_ = std::move(poses), region_ = region;
+  }
+
+ private:
+  std::vector<Pose> poses_;
+  Box region_;
+};
+
+}  // namespace silt::detail

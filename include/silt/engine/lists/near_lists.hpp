@@ -1,0 +1,297 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <numeric>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <silt/boundary/wall.hpp>
+#include <silt/core/threads.hpp>
+#include <silt/engine/lists/list_upkeep.hpp>
+#include <silt/engine/lists/pair_list.hpp>
+#include <silt/engine/lists/wall_contacts.hpp>
+#include <silt/engine/state/particle_state.hpp>
+#include <silt/search/verlet_list.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// The lists of what may touch soon, spheres and walls, and their renewal: which spheres reach how
+/// far (ListUpkeep), search, order of the particles in memory, pruning. Every loop over particles
+/// or pairs is shared between threads, none of which changes a result.
+template <std::size_t H, HistoryRows InRows, class Scalar, class State, class Search, class Domain,
+          class Arch, class Walls>
+class NearLists {
+ public:
+  /// What the lists are of.
+  struct Scene {
+    State& particles;
+    std::span<const Wall> walls;
+    const Domain& domain;
+    const Team& team;
+    double time_step;  // [s]
+    double range;      // [m] gap at which the law still acts, 0 for laws of touch
+  };
+
+  PairList<H, Scalar, InRows> pairs;
+  Walls walls;
+  ListUpkeep upkeep;
+  AlignedVector<Vec3d> reference;          // [m] positions at the last search
+  WallMarks searched_walls, pruned_walls;  // poses at the last search and pruning
+
+  bool hold(std::span<const Wall> now) const {
+    return keeps_list && upkeep.pruned_at >= 0 && upkeep.inner_holds(pruned_walls.travel(now));
+  }
+  /// Makes the next step search anew, whatever has moved.
+  void forget() { upkeep.searched_at = upkeep.pruned_at = -1; }
+  /// True once after every pruning: what follows from the lists must follow.
+  bool take_renewed() { return std::exchange(renewed_, false); }
+
+  /// Renews what is stale.
+  void renew(const Scene& scene, Search& search, std::int64_t step) {
+    walls.range = scene.range, walls.planes_apart = !State::of_bodies;
+    if (hold(scene.walls)) return;
+    const double wall_speed = fastest_wall(scene);
+    anticipate_speeds(scene);
+    if (upkeep.searched_at < 0 || !choose_inner(scene, wall_speed)) {
+      find_pairs(scene, search, wall_speed, step);
+      upkeep.searched_at = step;
+      anticipate_speeds(scene);  // with the new neighbours
+      choose_inner(scene, wall_speed);
+    }
+    prune(scene);
+    upkeep.pruned_at = step;
+  }
+
+  /// Completes lists that a checkpoint restored.
+  void restored() { first_pruning_ = false, renewed_ = upkeep.pruned_at >= 0; }
+
+  std::size_t bytes() const {
+    return reference.capacity() * sizeof(Vec3d) + pairs.bytes() +
+           (upkeep.outer.capacity() + upkeep.inner.capacity() + upkeep.per_inner2.capacity() +
+            speeds_.capacity() + anticipated_.capacity()) *
+               sizeof(double) +
+           grown_.capacity() * sizeof(PositionRow) + found_.capacity() * sizeof(IndexPair);
+  }
+
+ private:
+  static constexpr bool keeps_list = requires(Search & s) { s.finder; };
+
+  // --- how far the lists reach --------------------------------------------------------------
+
+  /// The speeds [m/s] that particles may soon have: their own, and most of the fastest neighbour's,
+  /// which may hit them.
+  void anticipate_speeds(const Scene& scene) {
+    constexpr double passed_on = 0.75;
+    const std::size_t n = scene.particles.size();
+    speeds_.resize(n), anticipated_.resize(n);
+    scene.team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t k = from; k < to; ++k) {
+        const Vec3d v = scene.particles.motion[k].velocity();
+        anticipated_[k] = speeds_[k] = std::sqrt(dot(v, v));
+      }
+    });
+    pairs.for_each_outer(scene.team, [&](std::uint32_t a, std::uint32_t b) {
+      anticipated_[a] = std::max(anticipated_[a], passed_on * speeds_[b]);
+      anticipated_[b] = std::max(anticipated_[b], passed_on * speeds_[a]);
+    });
+  }
+
+  /// [m/s] over the last step; -1 if no wall moves.
+  double fastest_wall(const Scene& scene) const {
+    if (std::none_of(scene.walls.begin(), scene.walls.end(),
+                     [](const Wall& w) { return w.moves(); }))
+      return -1;
+    const Box region = occupied_region(scene);
+    double fastest = 0;
+    for (const auto& w : scene.walls)
+      if (w.moves())
+        fastest =
+            std::max(fastest, largest_displacement(w.pose, w.last_pose, region) / scene.time_step);
+    return fastest;
+  }
+
+  void choose_skins(const Scene& scene, const Search& search, double wall_speed) {
+    if constexpr (keeps_list) {
+      if (search.skin) return upkeep.set_skin(*search.skin);
+      std::array<double, Team::most_ranges> sum{}, most{};
+      scene.team.for_ranges(
+          anticipated_.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
+            for (std::size_t k = from; k < to; ++k)
+              sum[r] += anticipated_[k], most[r] = std::max(most[r], anticipated_[k]);
+          });
+      const auto n = static_cast<double>(std::max<std::size_t>(anticipated_.size(), 1));
+      upkeep.choose_skins(
+          scene.particles.mean_diameter, std::accumulate(sum.begin(), sum.end(), 0.0) / n,
+          std::max(wall_speed, *std::max_element(most.begin(), most.end())), scene.time_step);
+    }
+  }
+
+  /// Grows spheres by their outer reaches, and half the law's range: those that overlap then are
+  /// the pairs of the outer list.
+  void reach_out(const Scene& scene, double wall_speed) {
+    const std::size_t n = scene.particles.size();
+    upkeep.outer.resize(n), grown_.resize(n);
+    std::array<double, Team::most_ranges> largest{};
+    scene.team.for_ranges(n, [&](std::size_t r, std::size_t from, std::size_t to) {
+      for (std::size_t k = from; k < to; ++k) {
+        upkeep.outer[k] = upkeep.outer_reach(anticipated_[k]);
+        grown_[k] = scene.particles.position[k];
+        grown_[k].r += upkeep.outer[k] + scene.range / 2;
+        largest[r] = std::max(largest[r], grown_[k].r);
+      }
+    });
+    largest_grown_ = *std::max_element(largest.begin(), largest.end());
+    upkeep.set_outer_wall(wall_speed);
+  }
+
+  /// Chooses the inner reaches; false if the outer list does not hold for them.
+  bool choose_inner(const Scene& scene, double wall_speed) {
+    const State& particles = scene.particles;
+    const std::size_t n = particles.size();
+    upkeep.inner.resize(n), upkeep.per_inner2.resize(n);
+    if constexpr (!keeps_list) {
+      std::fill_n(upkeep.inner.begin(), n, 0.0), std::fill_n(upkeep.per_inner2.begin(), n, 0.0);
+      return false;
+    }
+    std::array<bool, Team::most_ranges> too_little{};
+    scene.team.for_ranges(n, [&](std::size_t r, std::size_t from, std::size_t to) {
+      too_little[r] = !upkeep.set_inner(from, to, anticipated_, [&](std::size_t k) {
+        return particles.is_parked(k) ? 0.0 : norm(particles.position[k].centre() - reference[k]);
+      });
+    });
+    return upkeep.set_inner_wall(wall_speed, searched_walls.travel(scene.walls)) &&
+           std::none_of(too_little.begin(), too_little.end(), [](bool is) { return is; });
+  }
+
+  // --- search -------------------------------------------------------------------------------
+
+  /// Whether this search is to bring the particles into the order of their cells: one that is
+  /// renewed at every step would spend more time on sorting than it gains.
+  static bool is_to_sort([[maybe_unused]] const Search& search, std::int64_t step) {
+    if constexpr (keeps_list)
+      return search.sort;
+    else
+      return step % 1000 == 0;
+  }
+
+  void find_pairs(const Scene& scene, Search& search, double wall_speed, std::int64_t step) {
+    State& particles = scene.particles;
+    const Team& team = scene.team;
+    const std::size_t before = particles.size();
+    previous_.resize(before);
+    std::iota(previous_.begin(), previous_.end(), 0u);
+    if (particles.parked > 0) drop_parked(scene);
+    if constexpr (Domain::periodic) wrap(scene), check_range(scene);
+    choose_skins(scene, search, wall_speed);
+    reach_out(scene, wall_speed);
+
+    auto& find = finder_of(search);
+    const auto spheres = [&] { return SphereSet{{grown_.data(), grown_.size()}, largest_grown_}; };
+    bool is_found = false;
+    if constexpr (requires { find.order(spheres(), 0.0, scene.domain, team, order_); })
+      if (is_to_sort(search, step)) {
+        find.order(spheres(), 0.0, scene.domain, team, order_);
+        apply_order(scene);
+        if constexpr (requires { find.find_ordered(0.0, scene.domain, team, found_); })
+          find.find_ordered(0.0, scene.domain, team, found_), is_found = true;
+      }
+    if (!is_found) find.find(spheres(), 0.0, scene.domain, team, found_);
+    pairs.set_outer(found_, particles, before, team);
+    if (found_.size() > 1000000) found_ = {};  // its memory would lie idle until the next search
+    const double of_walls = upkeep.outer_wall + scene.range / 2;
+    walls.search(scene.walls, {grown_.data(), grown_.size()}, of_walls, previous_, team);
+
+    reference.resize(particles.size());
+    team.for_ranges(particles.size(), [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t k = from; k < to; ++k) reference[k] = particles.position[k].centre();
+    });
+    searched_walls.set(scene.walls, occupied_region(scene).grown(largest_grown_ + of_walls));
+    first_pruning_ = true;
+  }
+
+  /// A pair must not act through two faces of a repeating box at once.
+  static void check_range(const Scene& scene) {
+    const double least = 4 * scene.particles.largest_radius + 2 * scene.range;
+    for (int d = 0; d < 3; ++d)
+      require(!scene.domain.repeats(d) || scene.domain.length(d) >= least,
+              "PeriodicBox: its length ", scene.domain.length(d), " [m] must be at least ", least,
+              " m, two diameters and twice the range ", scene.range, " m of the contact law");
+  }
+
+  void wrap(const Scene& scene) {
+    auto& position = scene.particles.position;
+    scene.team.for_ranges(scene.particles.size(),
+                          [&](std::size_t, std::size_t from, std::size_t to) {
+                            for (std::size_t k = from; k < to; ++k) {
+                              const Vec3d p = scene.domain.wrapped(position[k].centre());
+                              if constexpr (State::of_bodies)
+                                scene.particles.part[k].image += p - position[k].centre();
+                              position[k] = {p.x, p.y, p.z, position[k].r};
+                            }
+                          });
+  }
+
+  Box occupied_region(const Scene& scene) const {
+    std::array<Box, Team::most_ranges> of;
+    scene.team.for_ranges(scene.particles.size(),
+                          [&](std::size_t r, std::size_t from, std::size_t to) {
+                            Box region;
+                            for (std::size_t k = from; k < to; ++k)
+                              if (!scene.particles.is_parked(k))
+                                region.include(scene.particles.position[k].centre());
+                            of[r] = region;
+                          });
+    Box region;
+    for (const Box& b : of) region.include(b);
+    return region;
+  }
+
+  void drop_parked(const Scene& scene) {
+    order_.clear();
+    for (std::uint32_t k = 0; k < scene.particles.size(); ++k)
+      if (!scene.particles.is_parked(k)) order_.push_back(k);
+    scene.particles.reorder(order_, scene.team);
+    gather(previous_, order_, scene.team), gather(anticipated_, order_, scene.team);
+    scene.particles.parked = 0;
+    scene.particles.measure();
+  }
+
+  void apply_order(const Scene& scene) {
+    scene.particles.reorder(order_, scene.team);
+    gather(previous_, order_, scene.team);
+    gather(upkeep.outer, order_, scene.team), gather(grown_, order_, scene.team);
+  }
+
+  // --- pruning ------------------------------------------------------------------------------
+
+  void prune(const Scene& scene) {
+    const std::size_t n = scene.particles.size();
+    const auto* const rows = scene.particles.position.data();
+    grown_.resize(n);
+    scene.team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t k = from; k < to; ++k)
+        grown_[k] = rows[k], grown_[k].r += upkeep.inner[k] + scene.range / 2;
+    });
+    const std::span<const std::uint32_t> none, before(previous_);
+    pairs.template prune<Arch>({grown_.data(), n}, scene.domain, first_pruning_ ? before : none,
+                               scene.team);
+    walls.prune(scene.walls, rows, upkeep.inner.data(), upkeep.inner_wall + scene.range,
+                scene.team);
+    pruned_walls.set(scene.walls, searched_walls.region());
+    upkeep.used = 0;
+    first_pruning_ = false, renewed_ = true;
+  }
+
+  std::vector<IndexPair> found_;
+  std::vector<std::uint32_t> order_, previous_;
+  std::vector<double> speeds_, anticipated_;  // [m/s]
+  AlignedVector<PositionRow> grown_;          // radius and outer or inner reach
+  double largest_grown_ = 0;                  // [m]
+  bool first_pruning_ = true, renewed_ = false;
+};
+
+}  // namespace silt::detail

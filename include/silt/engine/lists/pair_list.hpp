@@ -1,0 +1,374 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <silt/core/compress.hpp>
+#include <silt/core/row4.hpp>
+#include <silt/core/threads.hpp>
+#include <silt/engine/lists/pair_groups.hpp>
+#include <silt/engine/lists/pair_history.hpp>
+#include <silt/search/concept.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// The pairs of a simulation in two stages, with H Scalars of contact history for each pair, some
+/// of them in rows (PairHistory).
+///
+/// Outer list: all pairs nearer than the skin at the last search, group by group (PairGroups).
+/// Inner list: those of them nearer than the inner skin at the last pruning; only these are
+/// computed. Pruning keeps the order of the outer list, so that history is carried along by a merge
+/// of two ascending sequences, in one linear pass. In a pair, `a` is the particle with the lower
+/// id, so that history never changes its sign. Groups of the inner list begin at whole packs; the
+/// gaps between them hold pairs of two spheres of no radius (indices n, n+1), and so do `ahead`
+/// places behind the last group, for loops that look ahead.
+template <std::size_t H, class Scalar, HistoryRows InRows = HistoryRows{}>
+class PairList {
+  using History = PairHistory<H, Scalar, InRows>;
+
+ public:
+  static constexpr std::size_t padding = 16;  // the widest pack of lanes
+  static constexpr std::size_t ahead = 128;   // places
+
+  struct Group {
+    std::size_t from = 0, to = 0;  // places in the inner list
+    std::size_t size() const { return to - from; }
+  };
+
+  std::size_t outer_size() const { return outer_.size(); }
+  std::size_t size() const { return size_; }
+  std::size_t padded_size() const { return origin_.size(); }
+  const PairGroups& groups() const { return groups_; }
+  const Group& group(std::size_t g) const { return inner_group_[g]; }
+  /// The part of a phase from its first to its last group that is not empty.
+  PairGroups::Phase busy(PairGroups::Phase phase) const {
+    while (phase.from < phase.to && inner_group_[phase.from].size() == 0) ++phase.from;
+    while (phase.from < phase.to && inner_group_[phase.to - 1].size() == 0) --phase.to;
+    return phase;
+  }
+  const std::uint32_t* first() const { return first_.data(); }
+  const std::uint32_t* second() const { return second_.data(); }
+  Scalar* history(std::size_t component) { return history_.column(component); }
+  Scalar history(std::size_t component, std::size_t place) const {
+    return history_.at(component, place);
+  }
+  Scalar* history_row(std::size_t place) { return history_.row(place); }
+  Scalar* more_history_row(std::size_t place) { return history_.more_row(place); }
+  /// Sets the first `numbers` of a history and its second row to 0.
+  void forget_contact(std::size_t place, std::size_t numbers) {
+    std::fill_n(history_.row(place), numbers, Scalar(0));
+    if (history_.uses_more()) std::fill_n(history_.more_row(place), History::more_width, Scalar(0));
+  }
+  /// Whether the second rows of histories are in use.
+  void use_more_history(bool yes) { history_.use_more(yes); }
+
+  /// Takes over newly found pairs; those of two fixed particles, or of one
+  /// body, are left out. `before`: how many
+  /// particles there were when the old list was current.
+  template <class State>
+  void set_outer(std::span<const IndexPair> found, const State& particles, std::size_t before,
+                 const Team& team) {
+    archive(before, team);
+    groups_ = PairGroups(particles.size());
+    sort_into_groups(found, particles, team);
+    cut_into_chunks();
+    first_.clear(), second_.clear(), origin_.clear();
+    inner_group_.clear();
+    size_ = 0;
+    history_.clear();
+  }
+
+  /// Calls visit(a, b) for all outer pairs; at the same time only for pairs without a common
+  /// particle.
+  template <class Visit>
+  void for_each_outer(const Team& team, const Visit& visit) const {
+    if (outer_.empty()) return;
+    for (std::size_t p = 0; p < groups_.phases(); ++p) {
+      auto [from, to] = groups_.phase(p);
+      while (to > from && outer_begin_[to] == outer_begin_[to - 1]) --to;
+      team.for_parts(to - from, [&, first = from](std::size_t g) {
+        for (std::size_t k = outer_begin_[first + g]; k < outer_begin_[first + g + 1]; ++k)
+          visit(outer_[k].a, outer_[k].b);
+      });
+    }
+  }
+  /// The same for the places of all inner pairs.
+  template <class Visit>
+  void for_each_inner(const Team& team, const Visit& visit) const {
+    if (size_ == 0) return;
+    for (std::size_t p = 0; p < groups_.phases(); ++p) {
+      const auto [from, to] = busy(groups_.phase(p));
+      team.for_parts(to - from, [&, first = from](std::size_t g) {
+        for (std::size_t k = group(first + g).from; k < group(first + g).to; ++k) visit(k);
+      });
+    }
+  }
+
+  /// Makes the inner list of all outer pairs that overlap if the particles are grown by their
+  /// reaches: `grown`. `previous[k]`: the place of particle k before set_outer, if this is the
+  /// first pruning after it; else empty.
+  template <class Arch, class Domain>
+  void prune(std::span<const PositionRow> grown, const Domain& domain,
+             std::span<const std::uint32_t> previous, const Team& team) {
+    make_room(kept_, outer_.size());
+    team.for_parts(chunks_.size(), [&](std::size_t c) {
+      chunks_[c].kept = keep_near<Arch>(chunks_[c], grown.data(), domain);
+    });
+    old_origin_.swap(origin_), std::swap(old_history_, history_);
+    history_.use_more(old_history_.uses_more());
+    lay_out();
+    team.for_parts(chunks_.size(), [&](std::size_t c) { fill(chunks_[c], previous); });
+    pad(grown.size());
+  }
+
+  /// Calls visit(place) for every pair in the inner list.
+  template <class Visit>
+  void for_each(const Visit& visit) const {
+    for (const Group& g : inner_group_)
+      for (std::size_t k = g.from; k < g.to; ++k) visit(k);
+  }
+
+  /// The lists as they stand, for a checkpoint.
+  struct State {
+    std::vector<IndexPair> outer;
+    std::vector<std::uint32_t> origin;  // of the inner list, in the outer one
+    std::array<std::vector<double>, H> history;
+  };
+  State state() const {
+    State s{outer_, {}, {}};
+    for_each([&](std::size_t k) {
+      s.origin.push_back(origin_[k]);
+      for (std::size_t h = 0; h < H; ++h) s.history[h].push_back(history_.at(h, k));
+    });
+    return s;
+  }
+  /// `particles`: as many as there were at the search that made the lists.
+  void restore(const State& s, std::size_t particles) {
+    history_.use_more(true);
+    outer_ = s.outer;
+    groups_ = PairGroups(particles);
+    outer_begin_.assign(groups_.count() + 1, 0);
+    for (const auto [a, b] : outer_) ++outer_begin_[groups_.of(a, b) + 1];
+    std::partial_sum(outer_begin_.begin(), outer_begin_.end(), outer_begin_.begin());
+    cut_into_chunks();
+    std::size_t k = 0;
+    for (auto& c : chunks_)
+      for (c.kept = 0; k < s.origin.size() && s.origin[k] < c.to; ++k) ++c.kept;
+    lay_out();
+    k = 0;
+    for_each([&](std::size_t place) {
+      origin_[place] = s.origin[k];
+      first_[place] = outer_[s.origin[k]].a, second_[place] = outer_[s.origin[k]].b;
+      std::array<Scalar, H> values{};
+      for (std::size_t h = 0; h < H; ++h) values[h] = static_cast<Scalar>(s.history[h][k]);
+      history_.set(place, values);
+      ++k;
+    });
+    pad(particles);
+  }
+
+  std::size_t bytes() const {
+    return outer_.capacity() * sizeof(IndexPair) + kept_.capacity() * 4 + group_.capacity() * 2 +
+           first_.capacity() * 2 * 4 +
+           (origin_.capacity() + old_origin_.capacity()) * (4 + history_.bytes_per_place());
+  }
+
+ private:
+  static constexpr std::size_t chunk = 4096;  // outer pairs that one thread prunes at a time
+  struct Chunk {
+    std::size_t group, from, to;      // in the outer list
+    std::size_t kept = 0, begin = 0;  // in the inner list
+  };
+
+  /// Sorts pairs by their group, stably, the particle with the lower id first.
+  template <class State>
+  void sort_into_groups(std::span<const IndexPair> found, const State& particles,
+                        const Team& team) {
+    const auto group_of = [&](const IndexPair& p) {
+      if constexpr (State::of_bodies)
+        if (particles.part[p.a].body == particles.part[p.b].body) return groups_.count();
+      if (particles.some_fixed && particles.motion[p.a].inv_m == 0 &&
+          particles.motion[p.b].inv_m == 0)
+        return groups_.count();
+      return groups_.of(p.a, p.b);
+    };
+    const std::size_t count = groups_.count() + 1;  // one more for those left out
+    make_room(group_, found.size());
+    std::vector<std::size_t> next(Team::most_ranges * count, 0);  // of each range and group
+    team.for_ranges(found.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
+      for (std::size_t k = from; k < to; ++k)
+        ++next[r * count + (group_[k] = static_cast<std::uint16_t>(group_of(found[k])))];
+    });
+    outer_begin_.resize(count);
+    std::size_t place = 0;
+    for (std::size_t g = 0; g < count; ++g) {
+      outer_begin_[g] = place;
+      for (std::size_t r = 0; r < Team::most_ranges; ++r)
+        place += std::exchange(next[r * count + g], place);
+    }
+    make_room(outer_, outer_begin_.back());
+    team.for_ranges(found.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
+      for (std::size_t k = from; k < to; ++k) {
+        if (group_[k] == groups_.count()) continue;
+        const auto [a, b] = found[k];
+        outer_[next[r * count + group_[k]]++] =
+            particles.id[a] < particles.id[b] ? IndexPair{a, b} : IndexPair{b, a};
+      }
+    });
+  }
+
+  void cut_into_chunks() {
+    chunks_.clear();
+    for (std::size_t g = 0; g < groups_.count(); ++g)
+      for (std::size_t from = outer_begin_[g]; from < outer_begin_[g + 1]; from += chunk)
+        chunks_.push_back({g, from, std::min(from + chunk, outer_begin_[g + 1])});
+  }
+
+  /// Gives each chunk and group its place in the inner list by what each chunk keeps.
+  void lay_out() {
+    inner_group_.assign(groups_.count(), {});
+    std::size_t next = 0, c = 0;
+    size_ = 0;
+    for (std::size_t g = 0; g < groups_.count(); ++g) {
+      next = pieces(next, padding) * padding;
+      inner_group_[g].from = next;
+      for (; c < chunks_.size() && chunks_[c].group == g; ++c) {
+        chunks_[c].begin = next;
+        next += chunks_[c].kept;
+      }
+      inner_group_[g].to = next;
+      size_ += inner_group_[g].size();
+    }
+    const std::size_t padded = pieces(next, padding) * padding;
+    make_room(first_, padded + ahead), make_room(second_, padded + ahead);
+    make_room(origin_, padded);
+    history_.resize(padded);
+  }
+
+  /// Fills the gaps behind the groups. Their origin keeps the sequence ascending.
+  void pad(std::size_t particles) {
+    for (const Group& g : inner_group_)
+      for (std::size_t k = g.to; k < pieces(g.to, padding) * padding; ++k) {
+        first_[k] = static_cast<std::uint32_t>(particles);
+        second_[k] = static_cast<std::uint32_t>(particles + 1);
+        origin_[k] = origin_[g.to - 1];
+        history_.clear(k);
+      }
+    std::fill(first_.end() - ahead, first_.end(), static_cast<std::uint32_t>(particles));
+    std::fill(second_.end() - ahead, second_.end(), static_cast<std::uint32_t>(particles + 1));
+  }
+
+  /// Writes the outer pairs of a chunk that are near into kept_; returns how many.
+  template <class Arch, class Domain>
+  std::size_t keep_near(const Chunk& c, const PositionRow* grown, const Domain& domain) {
+    using Real = typename Lanes<Arch>::Real;
+    constexpr std::size_t W = Lanes<Arch>::width;
+    const auto difference = Row4<Arch>::of(-1, -1, -1, 1);
+    std::uint32_t *const begin = kept_.data() + c.from, *next = begin;
+    std::size_t k = c.from;
+    for (; k + W <= c.to; k += W) {  // so that the `W` places that are written to are all its own
+      Row4<Arch> rows[W];
+      for (std::size_t lane = 0; lane < W; ++lane)
+        rows[lane] = Row4<Arch>::load(&grown[outer_[k + lane].a].x) +
+                     difference * Row4<Arch>::load(&grown[outer_[k + lane].b].x);
+      Real columns[4];
+      rows_to_columns<Arch>(rows, columns);
+      Vec3<Real> d{columns[0], columns[1], columns[2]};
+      if constexpr (Domain::periodic) d = domain.shortest(d);
+      next = put_places<W>(k, lane_bits(dot(d, d) < columns[3] * columns[3]), next);
+    }
+    for (; k < c.to; ++k) {
+      *next = static_cast<std::uint32_t>(k);
+      next += within_reach(grown[outer_[k].a], grown[outer_[k].b], 0, domain);
+    }
+    return static_cast<std::size_t>(next - begin);
+  }
+
+  /// Fills the part of the inner list that comes from one chunk, history included.
+  void fill(const Chunk& c, std::span<const std::uint32_t> previous) {
+    std::size_t old = static_cast<std::size_t>(
+        std::lower_bound(old_origin_.begin(), old_origin_.end(), c.from) - old_origin_.begin());
+    for (std::size_t n = 0; n < c.kept; ++n) {
+      const std::size_t k = c.begin + n;
+      const std::uint32_t outer = kept_[c.from + n];
+      origin_[k] = outer;
+      first_[k] = outer_[outer].a, second_[k] = outer_[outer].b;
+      if constexpr (H > 0) {
+        if (!previous.empty()) {
+          recall(k, previous[first_[k]], previous[second_[k]]);
+          continue;
+        }
+        while (old < old_origin_.size() && old_origin_[old] < outer) ++old;
+        const bool carried = old < old_origin_.size() && old_origin_[old] == outer;
+        history_.copy(k, carried ? &old_history_ : nullptr, old);
+      }
+    }
+  }
+
+  struct Archived {
+    std::uint32_t partner;
+    std::array<Scalar, H> history;
+  };
+
+  /// Sets aside the history of all touching pairs, in rows by the place of the first particle.
+  void archive(std::size_t particles, const Team& team) {
+    if constexpr (H > 0) {
+      archive_end_.assign(particles, 0);
+      for_each_inner(team,
+                     [&](std::size_t k) { archive_end_[first_[k]] += history_.remembers(k); });
+      std::uint32_t place = 0;
+      for (auto& row : archive_end_) place += std::exchange(row, place);
+      make_room(archive_, place);
+      for_each_inner(team, [&](std::size_t k) {
+        if (history_.remembers(k))
+          archive_[archive_end_[first_[k]]++] = {second_[k], history_.values(k)};
+      });
+    }
+  }
+  void recall(std::size_t k, std::uint32_t a, std::uint32_t b) {
+    history_.clear(k);
+    for (std::uint32_t s = a == 0 ? 0 : archive_end_[a - 1]; s < archive_end_[a]; ++s)
+      if (archive_[s].partner == b) history_.set(k, archive_[s].history);
+  }
+
+  PairGroups groups_;
+  std::vector<IndexPair> outer_;
+  std::vector<std::size_t> outer_begin_;  // first outer pair of each group
+  std::vector<Chunk> chunks_;
+  std::vector<std::uint16_t> group_;  // of the pairs found last
+  std::vector<std::uint32_t> kept_;
+  std::vector<Group> inner_group_;
+  std::size_t size_ = 0;  // pairs without the padding
+  AlignedVector<std::uint32_t> first_, second_;
+  std::vector<std::uint32_t> origin_, old_origin_;  // place in the outer list
+  History history_, old_history_;
+  std::vector<std::uint32_t> archive_end_;  // of each row
+  std::vector<Archived> archive_;
+};
+
+/// The sum of what run(from, to) gives for the places of every group, each on one thread; groups
+/// that share particles one after the other.
+template <class Tally, class List, class Run>
+Tally sum_over_groups(const List& list, const Team& team, const Run& run) {
+  const PairGroups& groups = list.groups();
+  std::vector<Tally> tallies(groups.count());
+  for (std::size_t p = 0; p < groups.phases(); ++p) {
+    const auto [from, to] = list.busy(groups.phase(p));
+    team.for_parts(to - from, [&, first = from](std::size_t k) {
+      const auto group = list.group(first + k);
+      tallies[first + k] = run(group.from, group.to);
+    });
+  }
+  Tally all;
+  for (const auto& tally : tallies) all.add(tally);
+  return all;
+}
+
+}  // namespace silt::detail

@@ -1,0 +1,451 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <tuple>
+#include <vector>
+
+#include <silt/boundary/wall.hpp>
+#include <silt/core/storage.hpp>
+#include <silt/core/threads.hpp>
+#include <silt/engine/lists/pair_list.hpp>
+#include <silt/engine/state/rows.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// A sphere that is near a surface, and the slots that keep its contacts with it.
+struct WallCandidate {
+  std::uint32_t particle;
+  std::uint16_t wall, surface;        // surface of this wall
+  std::uint32_t slot;                 // its first slot
+  std::uint32_t facets, facet_count;  // where its triangles stand in the pool, if it is a mesh
+  std::uint32_t origin;               // of one kept by the pruning: its place in the outer list
+  auto key() const { return std::tie(particle, wall, surface); }
+};
+
+/// Slots of spheres that are near one and the same plane at rest.
+struct PlaneRun {
+  std::uint16_t wall;
+  Vec3d normal;          // [-] unit
+  double offset;         // [m] of the plane from the origin along the normal
+  std::size_t from, to;  // slots; `from` is the first of a whole pack
+};
+
+/// Which spheres are near which surfaces, in two stages like PairList, and H Scalars of history for
+/// each contact with a wall. A candidate has as many slots as the surface can have contacts with
+/// one sphere, or as many as are given here; slots come in blocks that one thread computes at a
+/// time, and all candidates of a sphere stand side by side in one block. Spheres that are near
+/// planes at rest and nothing else, which most are, stand behind all others, one slot a candidate:
+/// cut into pieces that share no sphere, and in a piece plane by plane, so that lanes have the
+/// plane in common.
+template <std::size_t H, class Scalar, std::size_t PlaneSlots = 0, std::size_t OtherSlots = 0>
+class WallContacts {
+ public:
+  static constexpr std::size_t block = OtherSlots > 4 ? 128 : 64;  // slots
+  struct Slot {
+    Vec3d normal;               // [-] at the last step
+    bool touching;              // or within the law's range
+    std::uint32_t feature = 0;  // of SolidContact
+  };
+  double range = 0;          // [m] gap at which the law still acts
+  bool planes_apart = true;  // spheres at planes alone are the PlanePipeline's
+
+  std::size_t slots() const { return slots_.size(); }
+  std::size_t blocks() const { return block_begin_.empty() ? 0 : block_begin_.size() - 1; }
+  std::span<const WallCandidate> candidates() const { return inner_; }
+  std::span<const WallCandidate> block_candidates(std::size_t b) const {
+    return {inner_.data() + block_begin_[b], block_begin_[b + 1] - block_begin_[b]};
+  }
+  std::span<const std::uint32_t> facets(const WallCandidate& c) const {
+    return {inner_facets_.data() + c.facets, c.facet_count};
+  }
+  Slot& slot(std::size_t k) { return slots_[k]; }
+  Scalar* history(std::size_t component) { return history_[component].data(); }
+  Scalar history(std::size_t component, std::size_t slot) const {
+    return history_[component][slot];
+  }
+  /// Pieces of the candidates at planes, and the runs of each.
+  std::size_t plane_pieces() const { return piece_begin_.size() - 1; }
+  std::span<const PlaneRun> runs(std::size_t piece) const {
+    return {runs_.data() + run_begin_[piece], run_begin_[piece + 1] - run_begin_[piece]};
+  }
+  /// The sphere of a slot in a run; behind the run's end, up to a whole pack, one that is not
+  /// there.
+  const std::uint32_t* at_planes(std::size_t slot) const {
+    return at_planes_.data() + (slot - first_plane_slot_);
+  }
+
+  /// Finds all spheres nearer than `reach` [m] to a surface.
+  void search(std::span<const Wall> walls, std::span<const PositionRow> rows, double reach,
+              std::span<const std::uint32_t> previous, const Team& team) {
+    archive();
+    particles_ = static_cast<std::uint32_t>(rows.size());
+    previous_.assign(previous.begin(), previous.end());
+    renewed_ = true;
+    team.for_ranges(rows.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
+      Found& found = found_[r];
+      found.clear();
+      for (std::size_t w = 0; w < walls.size(); ++w)
+        for (std::size_t s = 0; s < walls[w].surfaces.size(); ++s)
+          visit_surface(walls[w].surfaces[s], [&](const auto& surface) {
+            search_surface(surface, walls[w], w, s, rows, from, to, reach, found);
+          });
+      std::sort(found.candidates.begin(), found.candidates.end(),
+                [](const WallCandidate& a, const WallCandidate& b) { return a.key() < b.key(); });
+    });
+    collect(outer_, outer_facets_);
+  }
+
+  /// Keeps of those found the ones nearer than the sphere's and the wall's reach [m] now; history
+  /// stays with its contact.
+  void prune(std::span<const Wall> walls, const PositionRow* rows, const double* reach,
+             double wall_reach, const Team& team) {
+    if (!renewed_) archive();
+    team.for_ranges(outer_.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
+      found_[r].clear();
+      for (std::size_t k = from; k < to; ++k) {
+        WallCandidate c = outer_[k];
+        c.origin = static_cast<std::uint32_t>(k);
+        if (rows[c.particle].r == 0) continue;  // it has left
+        const Wall& wall = walls[c.wall];
+        const Vec3d centre = in_body(wall, rows[c.particle].centre());
+        const double within = rows[c.particle].r + reach[c.particle] + wall_reach;
+        visit_surface(wall.surfaces[c.surface],
+                      [&](const auto& surface) { keep(surface, c, centre, within, found_[r]); });
+      }
+    });
+    collect(inner_, inner_facets_);
+    part_planes(walls);
+    lay_out_slots(walls);
+    lay_out_planes(walls);
+    recall();
+    renewed_ = false;
+  }
+
+  /// State for a checkpoint: candidates, facets and slots as they stand.
+  struct State {
+    std::vector<WallCandidate> outer, inner;
+    std::vector<std::uint32_t> outer_facets, inner_facets;
+    std::vector<Slot> slots;
+    std::array<std::vector<double>, H> history;
+    std::vector<std::uint64_t> pieces;  // first candidate at planes of each piece, and the end
+  };
+  State state() const {
+    State s{outer_, inner_, outer_facets_, inner_facets_, slots_, {}, {}};
+    s.pieces.assign(piece_begin_.begin(), piece_begin_.end());
+    for (std::size_t h = 0; h < H; ++h) s.history[h].assign(history_[h].begin(), history_[h].end());
+    return s;
+  }
+  void restore(State s, std::span<const Wall> walls, std::size_t particles) {
+    particles_ = static_cast<std::uint32_t>(particles);
+    outer_ = std::move(s.outer), inner_ = std::move(s.inner);
+    outer_facets_ = std::move(s.outer_facets), inner_facets_ = std::move(s.inner_facets);
+    // Blocks by the slots as they were: a wall may have lost its surfaces since.
+    piece_begin_.assign(s.pieces.begin(), s.pieces.end());
+    block_begin_.clear();
+    for (std::size_t k = 0; k < planes_from(); ++k)
+      if (inner_[k].slot / block >= block_begin_.size()) block_begin_.push_back(k);
+    if (planes_from() > 0) block_begin_.push_back(planes_from());
+    slots_ = std::move(s.slots);
+    for (std::size_t h = 0; h < H; ++h) {
+      history_[h].resize(s.history[h].size());
+      for (std::size_t k = 0; k < s.history[h].size(); ++k)
+        history_[h][k] = static_cast<Scalar>(s.history[h][k]);
+    }
+    lay_out_planes(walls);
+    renewed_ = false;
+  }
+
+  /// Whether the inner candidates of a state stand where a pruning puts them, in slots of their
+  /// own: blocks are worked on by several threads at a time.
+  bool is_laid_out(const State& s, std::span<const Wall> walls) const {
+    WallContacts fresh;
+    fresh.planes_apart = planes_apart, fresh.inner_ = s.inner;
+    std::sort(fresh.inner_.begin(), fresh.inner_.end(),
+              [](const WallCandidate& a, const WallCandidate& b) { return a.origin < b.origin; });
+    fresh.part_planes(walls), fresh.lay_out_slots(walls);
+    const auto same = [](const WallCandidate& a, const WallCandidate& b) {
+      return a.key() == b.key() && a.slot == b.slot && a.origin == b.origin;
+    };
+    return std::equal(s.inner.begin(), s.inner.end(), fresh.inner_.begin(), same) &&
+           std::equal(s.pieces.begin(), s.pieces.end(), fresh.piece_begin_.begin(),
+                      fresh.piece_begin_.end()) &&
+           s.slots.size() == fresh.slots_.size();
+  }
+  /// The least that a state must hold to, where walls were taken away since the lists were made, so
+  /// that they only tell of the contacts that were: archive() finds slots for all candidates.
+  static bool has_slots(const State& s) {
+    if (s.pieces.empty() || s.pieces.back() != s.inner.size() ||
+        !std::is_sorted(s.pieces.begin(), s.pieces.end()) || s.slots.size() % padding != 0)
+      return false;
+    const std::size_t first_plane = s.pieces.front();
+    for (std::size_t k = 0; k < s.inner.size(); ++k) {
+      const std::size_t slot = s.inner[k].slot, last = k == 0 ? 0 : s.inner[k - 1].slot;
+      const bool next_block = k > 0 && slot / block != last / block;
+      if (k > 0 && slot <= last) return false;
+      if (k < first_plane && (slot / block > (k > 0 ? last / block + next_block : 0) ||
+                              pieces(slot + 1, block) * block > s.slots.size()))
+        return false;
+      if (slot >= s.slots.size()) return false;
+    }
+    return true;
+  }
+
+  static Vec3d in_body(const Wall& wall, const Vec3d& point) {
+    return wall.moves() ? wall.pose.to_body(point) : point;
+  }
+  static constexpr std::size_t slots_of(const Surface& surface) {
+    return visit_surface(surface, [](const auto& s) {
+      using S = std::remove_cvref_t<decltype(s)>;
+      constexpr std::size_t given = std::is_same_v<S, Plane> ? PlaneSlots : OtherSlots;
+      return given > 0 ? given : static_cast<std::size_t>(S::max_contacts);
+    });
+  }
+
+ private:
+  /// What one range of spheres or candidates gave, with a pool of triangles of its own.
+  struct Found {
+    std::vector<WallCandidate> candidates;
+    std::vector<std::uint32_t> facets, near;
+    void clear() { candidates.clear(), facets.clear(); }
+    void add(WallCandidate c, std::span<const std::uint32_t> of) {
+      c.facets = static_cast<std::uint32_t>(facets.size());
+      c.facet_count = static_cast<std::uint32_t>(of.size());
+      facets.insert(facets.end(), of.begin(), of.end());
+      candidates.push_back(c);
+    }
+  };
+
+  template <class S>
+  static void search_surface(const S& surface, const Wall& wall, std::size_t w, std::size_t s,
+                             std::span<const PositionRow> rows, std::size_t from, std::size_t to,
+                             double reach, Found& found) {
+    WallCandidate c{0, static_cast<std::uint16_t>(w), static_cast<std::uint16_t>(s), 0, 0, 0, 0};
+    for (std::size_t p = from; p < to; ++p) {
+      const Vec3d centre = in_body(wall, rows[p].centre());
+      const double within = rows[p].r + reach;
+      found.near.clear();
+      if constexpr (requires { surface.triangles_near(centre, within, found.near); }) {
+        if (!surface.bounds().grown(within).contains(centre)) continue;
+        surface.triangles_near(centre, within, found.near);
+        if (found.near.empty()) continue;
+      } else {
+        SurfacePoint point[S::max_contacts];
+        if (surface.contacts(centre, within, point) == 0) continue;
+      }
+      c.particle = static_cast<std::uint32_t>(p);
+      found.add(c, found.near);
+    }
+  }
+
+  /// Keeps the candidate if it is within reach, with those of its triangles that are.
+  template <class S>
+  void keep(const S& surface, const WallCandidate& c, const Vec3d& centre, double within,
+            Found& found) const {
+    found.near.clear();
+    if constexpr (requires { surface.triangles_near(centre, within, found.near); }) {
+      for (std::uint32_t k = c.facets; k < c.facets + c.facet_count; ++k)
+        if (surface.distance_to(outer_facets_[k], centre) < within)
+          found.near.push_back(outer_facets_[k]);
+      if (found.near.empty()) return;
+    } else {
+      SurfacePoint point[S::max_contacts];
+      if (surface.contacts(centre, within, point) == 0) return;
+    }
+    found.add(c, found.near);
+  }
+
+  /// Joins what the ranges found, in their order.
+  void collect(std::vector<WallCandidate>& candidates, std::vector<std::uint32_t>& facets) {
+    candidates.clear(), facets.clear();
+    for (Found& found : found_) {
+      const auto offset = static_cast<std::uint32_t>(facets.size());
+      for (WallCandidate c : found.candidates) c.facets += offset, candidates.push_back(c);
+      facets.insert(facets.end(), found.facets.begin(), found.facets.end());
+      found.clear();
+    }
+  }
+
+  static constexpr std::size_t piece_size = 256;  // candidates at planes, about
+  static constexpr std::size_t padding = 16;      // the widest pack of lanes
+  /// Cosine between the normals of two planes from which on one sphere's contacts with both are
+  /// looked at together: they may be one contact.
+  static constexpr double nearly_one_plane = 0.9;
+
+  std::size_t planes_from() const { return piece_begin_.front(); }
+  static const Plane* plane_at_rest(std::span<const Wall> walls, const WallCandidate& c) {
+    return walls[c.wall].moves() ? nullptr : std::get_if<Plane>(&walls[c.wall].surfaces[c.surface]);
+  }
+  /// Whether one sphere's candidates are planes at rest that touch it in places of their own.
+  static bool are_planes(std::span<const Wall> walls, std::span<const WallCandidate> of_one) {
+    for (std::size_t a = 0; a < of_one.size(); ++a) {
+      const Plane* const plane = plane_at_rest(walls, of_one[a]);
+      if (plane == nullptr) return false;
+      for (std::size_t b = 0; b < a; ++b)
+        if (dot(plane->unit().normal, plane_at_rest(walls, of_one[b])->unit().normal) >
+            nearly_one_plane)
+          return false;
+    }
+    return true;
+  }
+
+  /// Brings the candidates at planes to the end, in pieces, each plane by plane.
+  void part_planes(std::span<const Wall> walls) {
+    std::vector<WallCandidate> others, at_planes;
+    std::vector<std::size_t> begin{0};
+    for (std::size_t k = 0, next = 0; k < inner_.size(); k = next) {
+      while (next < inner_.size() && inner_[next].particle == inner_[k].particle) ++next;
+      const std::span<const WallCandidate> of_one{inner_.data() + k, next - k};
+      auto& to = planes_apart && are_planes(walls, of_one) ? at_planes : others;
+      to.insert(to.end(), of_one.begin(), of_one.end());
+      if (at_planes.size() >= begin.back() + piece_size) begin.push_back(at_planes.size());
+    }
+    if (begin.back() < at_planes.size()) begin.push_back(at_planes.size());
+    for (std::size_t p = 0; p + 1 < begin.size(); ++p)
+      std::stable_sort(at_planes.begin() + static_cast<std::ptrdiff_t>(begin[p]),
+                       at_planes.begin() + static_cast<std::ptrdiff_t>(begin[p + 1]),
+                       [](const WallCandidate& a, const WallCandidate& b) {
+                         return std::tie(a.wall, a.surface) < std::tie(b.wall, b.surface);
+                       });
+    piece_begin_.clear();
+    for (const std::size_t b : begin) piece_begin_.push_back(others.size() + b);
+    others.insert(others.end(), at_planes.begin(), at_planes.end());
+    inner_ = std::move(others);
+  }
+  static bool same_plane(const WallCandidate& a, const WallCandidate& b) {
+    return a.wall == b.wall && a.surface == b.surface;
+  }
+
+  void lay_out_slots(std::span<const Wall> walls) {
+    block_begin_.assign(1, 0);
+    std::size_t next = 0;
+    const auto count = [&](std::size_t k) {
+      return slots_of(walls[inner_[k].wall].surfaces[inner_[k].surface]);
+    };
+    for (std::size_t k = 0; k < planes_from(); ++k) {
+      std::size_t together = count(k);  // slots that must not be parted from this candidate's
+      if (k == 0 || inner_[k - 1].particle != inner_[k].particle)
+        for (std::size_t m = k + 1; m < planes_from() && inner_[m].particle == inner_[k].particle;
+             ++m)
+          if (together + count(m) <= block) together += count(m);
+      if (next % block + together > block) next = pieces(next, block) * block;
+      if (next / block >= block_begin_.size()) block_begin_.push_back(k);
+      inner_[k].slot = static_cast<std::uint32_t>(next);
+      next += count(k);
+    }
+    if (planes_from() > 0)
+      block_begin_.push_back(planes_from());
+    else
+      block_begin_.clear();
+    next = pieces(next, block) * block;
+    for (std::size_t p = 0; p < plane_pieces(); ++p)
+      for (std::size_t k = piece_begin_[p]; k < piece_begin_[p + 1]; ++k) {
+        if (k == piece_begin_[p] || !same_plane(inner_[k - 1], inner_[k]))
+          next = pieces(next, padding) * padding;
+        inner_[k].slot = static_cast<std::uint32_t>(next++);
+      }
+    slots_.assign(pieces(next, padding) * padding, Slot{{0, 0, 1}, false});
+    for (auto& h : history_) h.assign(slots_.size(), 0);
+  }
+
+  /// Notes the runs, and the sphere of each slot in them.
+  void lay_out_planes(std::span<const Wall> walls) {
+    runs_.clear(), run_begin_.assign(1, 0);
+    first_plane_slot_ = planes_from() < inner_.size() ? inner_[planes_from()].slot : slots_.size();
+    at_planes_.assign(slots_.size() - first_plane_slot_, particles_);
+    for (std::size_t p = 0; p < plane_pieces(); ++p) {
+      for (std::size_t k = piece_begin_[p]; k < piece_begin_[p + 1]; ++k) {
+        const WallCandidate& c = inner_[k];
+        at_planes_[c.slot - first_plane_slot_] = c.particle;
+        if (k == piece_begin_[p] || !same_plane(inner_[k - 1], c)) {
+          if (walls[c.wall].surfaces.empty())
+            continue;  // taken away; the lists will be renewed before they are used
+          const Plane plane = plane_at_rest(walls, c)->unit();
+          runs_.push_back({c.wall, plane.normal, dot(plane.point, plane.normal), c.slot, c.slot});
+        }
+        if (!walls[c.wall].surfaces.empty()) ++runs_.back().to;
+      }
+      run_begin_.push_back(runs_.size());
+    }
+  }
+
+  struct Kept {
+    std::uint32_t particle;
+    std::uint16_t wall, surface;
+    Slot slot;
+    std::array<Scalar, H> history;
+    auto key() const { return std::tie(particle, wall, surface); }
+  };
+
+  /// Sets aside all touching contacts, in the order of the outer list: by particle, wall, surface.
+  void archive() {
+    for (const PlaneRun& run : runs_)
+      for (std::size_t s = run.from; s < run.to; ++s)
+        if (remembers(s)) slots_[s] = {run.normal, true};
+    std::vector<std::uint32_t> inner(outer_.size(), no_particle);  // place in the inner list
+    for (std::uint32_t k = 0; k < inner_.size(); ++k) inner[inner_[k].origin] = k;
+    archive_.clear(), archived_.assign(outer_.size() + 1, 0);
+    for (std::size_t o = 0; o < outer_.size(); ++o) {
+      if (inner[o] != no_particle) archive(inner[o]);
+      archived_[o + 1] = static_cast<std::uint32_t>(archive_.size());
+    }
+  }
+  void archive(std::size_t k) {
+    const WallCandidate& c = inner_[k];
+    std::size_t end = c.slot + 1;
+    if (k < planes_from())
+      end = k + 1 < planes_from() && inner_[k + 1].slot / block == c.slot / block
+                ? inner_[k + 1].slot
+                : pieces(end, block) * block;
+    for (std::size_t s = c.slot; s < end; ++s)
+      if (slots_[s].touching) {
+        archive_.push_back({c.particle, c.wall, c.surface, slots_[s], {}});
+        for (std::size_t h = 0; h < H; ++h) archive_.back().history[h] = history_[h][s];
+      }
+  }
+  bool remembers(std::size_t slot) const {
+    for (const auto& h : history_)
+      if (h[slot] != 0) return true;
+    return false;
+  }
+  /// Gives kept contacts back to their candidates.
+  void recall() {
+    for (const WallCandidate& c : inner_) {
+      auto from = archive_.begin(), to = from;
+      if (renewed_) {
+        const std::uint32_t before = previous_.empty() ? c.particle : previous_[c.particle];
+        std::tie(from, to) = std::equal_range(archive_.begin(), archive_.end(),
+                                              Kept{before, c.wall, c.surface, {}, {}}, by_key);
+      } else {
+        from += archived_[c.origin], to += archived_[c.origin + 1];
+      }
+      for (std::size_t s = c.slot; from != to; ++from, ++s) {
+        slots_[s] = from->slot;
+        for (std::size_t h = 0; h < H; ++h) history_[h][s] = from->history[h];
+      }
+    }
+  }
+  static bool by_key(const Kept& a, const Kept& b) { return a.key() < b.key(); }
+
+  std::vector<WallCandidate> outer_, inner_;
+  std::vector<std::uint32_t> outer_facets_, inner_facets_;
+  std::array<Found, Team::most_ranges> found_;
+  std::vector<std::size_t> block_begin_;     // first candidate of each block
+  std::vector<std::size_t> piece_begin_{0};  // first candidate of each piece at planes
+  std::vector<PlaneRun> runs_;
+  std::vector<std::size_t> run_begin_{0};  // first run of each piece
+  std::vector<std::uint32_t> at_planes_;   // sphere of each slot at planes
+  std::size_t first_plane_slot_ = 0;
+  std::uint32_t particles_ = 0;
+  std::vector<Slot> slots_;
+  std::array<AlignedVector<Scalar>, H> history_;
+  std::vector<Kept> archive_;
+  std::vector<std::uint32_t> archived_;  // first kept contact of each outer candidate
+  std::vector<std::uint32_t> previous_;
+  bool renewed_ = false;
+};
+
+}  // namespace silt::detail

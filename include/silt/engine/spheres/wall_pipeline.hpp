@@ -1,0 +1,354 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <silt/engine/contact/shared_contacts.hpp>
+#include <silt/engine/lists/wall_contacts.hpp>
+#include <silt/engine/spheres/plane_pipeline.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// A sphere, by its place, and a wall.
+struct CrowdedContact {
+  std::uint32_t particle, wall;
+};
+
+/// Mean angular velocity [rad/s] from one pose to the next.
+inline Vec3d mean_angular_velocity(const Pose& from, const Pose& to, double time_step) {
+  const Quaternion d = to.rotation * conjugate(from.rotation);
+  const Vec3d axis{d.x, d.y, d.z};
+  const double sine = norm(axis);
+  if (sine == 0) return {0, 0, 0};
+  const double angle = 2 * std::atan2(d.w < 0 ? -sine : sine, std::abs(d.w));
+  return axis * (angle / (sine * time_step));
+}
+
+/// Sets force and torque of the walls, and counts their impulse, by the loads of `parts` threads'
+/// work, each with one a wall.
+inline void sum_wall_loads(std::span<Wall> walls, std::span<const WallLoad> loads,
+                           std::size_t parts, double time_step) {
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    walls[w].force = walls[w].torque = {0, 0, 0};
+    for (std::size_t b = 0; b < parts; ++b) {
+      walls[w].force += loads[b * walls.size() + w].force;
+      walls[w].torque += loads[b * walls.size() + w].torque;
+    }
+    walls[w].impulse += walls[w].force * time_step;
+  }
+}
+
+/// Computes the loads of all contacts with walls: geometry of each candidate, in double, then the
+/// same law over lanes as for pairs, rows out; sums what each wall bears. Spheres that are near
+/// planes at rest alone are the PlanePipeline's.
+template <class ContactsType, class Arch, class Scalar>
+class WallPipeline {
+  using Planes = PlanePipeline<ContactsType, Arch, Scalar>;
+  using Motion = MotionRow<ContactsType::rotates>;
+  static constexpr std::size_t W = Lanes<Arch, Scalar>::width;
+  static constexpr std::size_t block = Planes::Contacts::block;
+  static constexpr std::size_t chunks = load_chunks<ContactsType>;
+  static constexpr std::size_t row = 4 * chunks;  // scalars
+  static constexpr bool rotates = ContactsType::rotates;
+
+ public:
+  using Input = typename Planes::Input;
+  using Contacts = typename Planes::Contacts;
+
+  /// Adds the loads to the sums of the particles; sets force and torque of the walls.
+  Tally<ContactsType> run(const Input& in, Contacts& contacts,
+                          const CoefficientTable<ContactsType>& table, std::span<Wall> walls,
+                          Scalar* sums, const Team& team) {
+    const std::size_t blocks = contacts.blocks(), parts = blocks + contacts.plane_pieces();
+    loads_.assign(parts * walls.size(), {});
+    tallies_.assign(parts, {});
+    crowded_.assign(parts, {});
+    team.for_parts(parts, [&](std::size_t b) {
+      if (b < blocks) return run_block(in, contacts, table, walls, sums, b);
+      for (const PlaneRun& run : contacts.runs(b - blocks))
+        tallies_[b].add(Planes::run(in, run, walls[run.wall], contacts, table, sums,
+                                    loads_[b * walls.size() + run.wall]));
+    });
+    sum_wall_loads(walls, loads_, parts, in.times.step);
+    Tally<ContactsType> all;
+    for (const auto& tally : tallies_) all.add(tally);
+    return all;
+  }
+
+  /// A sphere that touches a wall in more places than a surface gives contacts, in the last step.
+  std::optional<CrowdedContact> crowded() const {
+    for (const auto& c : crowded_)
+      if (c) return c;
+    return {};
+  }
+
+ private:
+  /// The contacts of one block, side by side whatever slots they have.
+  struct Scratch {
+    KinematicsBlock<ContactsType, block, Scalar> kinematics;
+    alignas(64) Scalar history[ContactsType::history + 1][block];
+    std::uint16_t kind[block];  // place in the coefficient table
+    struct Place {
+      std::uint32_t slot, particle;
+      std::uint16_t wall;
+    } place[block];
+    Vec3d point[block];                  // [m] where it touches
+    double share[block];                 // [-] overlap over the radius
+    alignas(64) Scalar of_force[block];  // [-] share of its force (SharedContacts)
+    std::size_t count;
+    std::optional<CrowdedContact> crowded;
+  };
+  void run_block(const Input& in, Contacts& contacts, const CoefficientTable<ContactsType>& table,
+                 std::span<const Wall> walls, Scalar* sums, std::size_t b) {
+    const auto candidates = contacts.block_candidates(b);
+    // Spheres at walls are far from each other in memory: better to wait for all of them at once.
+    for (const auto& c : candidates) {
+      __builtin_prefetch(in.positions + c.particle);
+      __builtin_prefetch(in.motions + c.particle);
+      __builtin_prefetch(sums + c.particle * row, 1);
+    }
+    Scratch s;
+    s.count = 0;
+    for (std::size_t k = 0, next = 0; k < candidates.size(); k = next) {
+      while (next < candidates.size() && candidates[next].particle == candidates[k].particle)
+        ++next;
+      touch(candidates.subspan(k, next - k), walls, contacts, in, table, s);
+    }
+    crowded_[b] = s.crowded;
+    pad(s);
+
+    alignas(64) Scalar rows[block * row];
+    std::array<Scalar*, ContactsType::history + 1> history{};
+    for (std::size_t h = 0; h < ContactsType::history; ++h) history[h] = s.history[h];
+    const std::size_t padded = pieces(s.count, W) * W;
+    RunningTally<ContactsType, typename Lanes<Arch, Scalar>::Real> running;
+    loads_of<ContactsType, Arch>(s.kinematics, padded, in.times, table, s.kind, history, running,
+                                 in.sharing != nullptr ? s.of_force : nullptr);
+    tallies_[b] = running.end();
+    write_rows<ContactsType, Arch>(s.kinematics, padded, rows);
+    for (std::size_t k = 0; k < s.count; ++k) {
+      const auto [slot, particle, wall] = s.place[k];
+      for (std::size_t h = 0; h < ContactsType::history; ++h)
+        contacts.history(h)[slot] = s.history[h][k];
+      const Scalar* const r = rows + k * row;
+      add_row<Arch, chunks, false>(sums + particle * row, r);
+      const Vec3d force{-r[0], -r[1], -r[2]};
+      WallLoad& load = loads_[b * walls.size() + wall];
+      load.force += force;
+      load.torque += cross(s.point[k] - walls[wall].reference, force);
+      if constexpr (ContactsType::has_rolling) load.torque += {-r[8], -r[9], -r[10]};
+      tallies_[b].largest = std::max(tallies_[b].largest, s.share[k]);
+    }
+  }
+
+  /// Fills the last pack with its first contact, moved out of reach.
+  static void pad(Scratch& s) {
+    for (std::size_t k = s.count; k % W != 0; ++k) {
+      const std::size_t from = s.count / W * W;
+      auto kinematics = s.kinematics.template get<Scalar>(from);
+      kinematics.overlap = Scalar(-1e30);
+      s.kinematics.put(k, kinematics);
+      s.kinematics.put(k, s.kinematics.template get_rolling<Scalar>(from));
+      s.kinematics.put(k, s.kinematics.template get_radii<Scalar>(from));
+      for (auto& h : s.history) h[k] = 0;
+      s.kind[k] = s.kind[from];
+      s.of_force[k] = 1;
+    }
+  }
+
+  static constexpr double same_contact = 0.8;  // cosine of the largest turn in one step
+
+  /// A place where a sphere touches a surface.
+  struct Touch {
+    SurfacePoint point;     // normal in space
+    std::size_t candidate;  // among those of the sphere
+    bool seam;              // belongs to another contact of the sphere
+  };
+
+  /// All contacts of one sphere with the surfaces near it. Mostly it is one that it can touch once.
+  static void touch(std::span<const WallCandidate> candidates, std::span<const Wall> walls,
+                    Contacts& contacts, const Input& in,
+                    const CoefficientTable<ContactsType>& table, Scratch& s) {
+    const WallCandidate& c = candidates[0];
+    if (candidates.size() > 1 || Contacts::slots_of(walls[c.wall].surfaces[c.surface]) > 1)
+      return touch_several(candidates, walls, contacts, in, table, s);
+    const PositionRow& sphere = in.positions[c.particle];
+    SurfacePoint point;
+    const int count = visit_surface(walls[c.wall].surfaces[c.surface], [&](const auto& surface) {
+      if constexpr (std::remove_cvref_t<decltype(surface)>::max_contacts == 1)
+        return touching_points(surface, walls[c.wall], c, sphere, contacts, &point);
+      else
+        return 0;
+    });
+    auto& slot = contacts.slot(c.slot);
+    if (count == 0) return end(contacts, c.slot);
+    if (slot.touching && dot(slot.normal, point.normal) < same_contact) end(contacts, c.slot);
+    const Vec3d last = slot.touching ? slot.normal : point.normal;
+    slot = {point.normal, true};
+    describe(point, last, sphere, walls[c.wall], c, c.slot, contacts, in, table, s);
+  }
+
+  static void touch_several(std::span<const WallCandidate> candidates, std::span<const Wall> walls,
+                            Contacts& contacts, const Input& in,
+                            const CoefficientTable<ContactsType>& table, Scratch& s) {
+    const PositionRow& sphere = in.positions[candidates[0].particle];
+    std::array<Touch, block> found;  // as many as fit into a block's slots
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < candidates.size(); ++k) {
+      const auto& c = candidates[k];
+      visit_surface(walls[c.wall].surfaces[c.surface], [&](const auto& surface) {
+        using S = std::remove_cvref_t<decltype(surface)>;
+        SurfacePoint points[S::max_contacts];
+        const int n = touching_points(surface, walls[c.wall], c, sphere, contacts, points);
+        if constexpr (S::max_contacts > 1)
+          if (n == S::max_contacts &&
+              surface.has_more_contacts(Contacts::in_body(walls[c.wall], sphere.centre()), sphere.r,
+                                        contacts.facets(c)))
+            s.crowded = CrowdedContact{c.particle, c.wall};
+        for (int p = 0; p < n; ++p) found[count++] = {points[p], k, false};
+      });
+    }
+    if (count > 1 && candidates.size() > 1) drop_seams({found.data(), count}, 1e-6 * sphere.r);
+    for (std::size_t k = 0, next = 0; k < candidates.size(); ++k) {
+      const auto& c = candidates[k];
+      const std::size_t slots = Contacts::slots_of(walls[c.wall].surfaces[c.surface]);
+      bool taken[8] = {};
+      for (; next < count && found[next].candidate == k; ++next) {
+        if (found[next].seam) continue;
+        const SurfacePoint& point = found[next].point;
+        const std::size_t own = slot_for(point.normal, c.slot, contacts, taken, slots);
+        const Vec3d last = contacts.slot(own).touching ? contacts.slot(own).normal : point.normal;
+        contacts.slot(own) = {point.normal, true};
+        describe(point, last, sphere, walls[c.wall], c, own, contacts, in, table, s);
+      }
+      for (std::size_t p = 0; p < slots; ++p)
+        if (!taken[p]) end(contacts, c.slot + p);
+    }
+  }
+
+  template <class S>
+  static int touching_points(const S& surface, const Wall& wall, const WallCandidate& c,
+                             const PositionRow& sphere, const Contacts& contacts,
+                             SurfacePoint* points) {
+    const Vec3d centre = Contacts::in_body(wall, sphere.centre());
+    double within = sphere.r;
+    if constexpr (ActsAtDistance<typename ContactsType::Law>) within += contacts.range;
+    int count;
+    if constexpr (requires { surface.contacts(centre, within, contacts.facets(c), points); })
+      count = surface.contacts(centre, within, contacts.facets(c), points);
+    else
+      count = surface.contacts(centre, within, points);
+    if (wall.moves())
+      for (int p = 0; p < count; ++p) points[p].normal = wall.pose.rotate(points[p].normal);
+    return count;
+  }
+
+  /// Where two surfaces join, the rim or edge of one lies in the tangent plane of the other: it is
+  /// a seam there and no second contact.
+  static void drop_seams(std::span<Touch> found, double tolerance) {
+    for (std::size_t a = 0; a < found.size(); ++a)
+      for (std::size_t b = 0; b < found.size() && !found[a].seam; ++b) {
+        if (found[a].candidate == found[b].candidate || found[b].seam) continue;
+        const double deeper = found[a].point.distance - found[b].point.distance;
+        const bool second = deeper > tolerance || (deeper > -tolerance && b < a);
+        if (second && in_tangent_plane(found[a].point, found[b].point, tolerance))
+          found[a].seam = true;
+      }
+  }
+
+  /// The slot whose contact had nearly this normal a step ago, else a free one: history goes on
+  /// while a contact moves from facet to edge to facet.
+  static std::size_t slot_for(const Vec3d& normal, std::size_t begin, Contacts& contacts,
+                              bool* taken, std::size_t slots) {
+    std::size_t best = slots;
+    double nearest = same_contact;
+    for (std::size_t k = 0; k < slots; ++k) {
+      const auto& slot = contacts.slot(begin + k);
+      if (taken[k] || !slot.touching) continue;
+      if (const double cosine = dot(slot.normal, normal); cosine > nearest)
+        nearest = cosine, best = k;
+    }
+    for (std::size_t k = 0; best == slots && k < slots; ++k)
+      if (!taken[k] && !contacts.slot(begin + k).touching) best = k;
+    for (std::size_t k = 0; best == slots && k < slots; ++k)
+      if (!taken[k]) {
+        best = k;  // an old contact that ended in this very step
+        end(contacts, begin + k);
+      }
+    taken[best] = true;
+    return begin + best;
+  }
+
+  /// Ends the contact in a slot, if there is one.
+  static void end(Contacts& contacts, std::size_t slot) {
+    if (!contacts.slot(slot).touching) return;
+    contacts.slot(slot).touching = false;
+    for (std::size_t h = 0; h < ContactsType::history; ++h) contacts.history(h)[slot] = 0;
+  }
+
+  static void describe(const SurfacePoint& point, const Vec3d& last_normal,
+                       const PositionRow& sphere, const Wall& wall, const WallCandidate& c,
+                       std::size_t slot, Contacts& contacts, const Input& in,
+                       const CoefficientTable<ContactsType>& table, Scratch& s) {
+    const Motion& motion = in.motions[c.particle];
+    if (motion.inv_m == 0) return;  // a fixed sphere feels no wall
+    const std::size_t k = s.count++;
+    const Vec3d contact = sphere.centre() - point.distance * point.normal;
+    const Vec3d change = point.normal - last_normal;
+    Vec3d wall_velocity{0, 0, 0}, wall_spin{0, 0, 0};
+    if (wall.moves()) {
+      // Mean velocity of the material point over the last step, like the spheres' own.
+      wall_velocity =
+          (contact - wall.last_pose.to_space(wall.pose.to_body(contact))) * (1 / in.times.step);
+      wall_spin = mean_angular_velocity(wall.last_pose, wall.pose, in.times.step);
+      // ... of the one under the contact half a step ago, which this one was not if they slide.
+      wall_velocity +=
+          cross(wall_spin, in.times.lag * in.times.step * (wall_velocity - motion.velocity()) +
+                               in.times.lag * point.distance * change);
+    }
+    const auto scalar = [](double x) { return static_cast<Scalar>(x); };
+    const auto vector = [](const Vec3d& v) {
+      return Vec3<Scalar>{static_cast<Scalar>(v.x), static_cast<Scalar>(v.y),
+                          static_cast<Scalar>(v.z)};
+    };
+    Kinematics<Scalar> kin;
+    kin.normal = vector(point.normal), kin.change = vector(change);
+    kin.velocity = vector(motion.velocity() - wall_velocity);
+    kin.overlap = scalar(sphere.r - point.distance);
+    kin.R_eff = scalar(sphere.r);
+    kin.m_eff = scalar(1 / motion.inv_m), kin.inverse_m_eff = scalar(motion.inv_m);
+    if constexpr (rotates) {
+      kin.spin = vector(motion.spin_velocity());
+      kin.arm = scalar(point.distance * motion.inv_r);
+      kin.twist = scalar(dot(wall_spin, point.normal));
+      s.kinematics.put(
+          k, RollingKinematics<Scalar>{
+                 vector(motion.spin_velocity() * motion.inv_r - wall_spin),
+                 scalar(InertiaOf<ContactsType>::rolling() * sphere.r * sphere.r / motion.inv_m)});
+    }
+    s.kinematics.put(k, kin);
+    s.kinematics.put(k, Radii<Scalar>{scalar(sphere.r), scalar(0)});
+    s.share[k] = (sphere.r - point.distance) / sphere.r;
+    if constexpr (shares_contacts<ContactsType>)
+      if (in.sharing != nullptr)
+        s.of_force[k] = static_cast<Scalar>(
+            in.sharing->of_wall(in.parts[c.particle].body, c, sphere.r, sphere.r - point.distance));
+    std::size_t material = 0;
+    if constexpr (ContactsType::several_materials) material = in.materials[c.particle];
+    s.kind[k] = static_cast<std::uint16_t>(material * table.materials + wall.material);
+    s.point[k] = contact;
+    s.place[k] = {static_cast<std::uint32_t>(slot), c.particle, c.wall};
+    for (std::size_t h = 0; h < ContactsType::history; ++h)
+      s.history[h][k] = contacts.history(h)[slot];
+  }
+
+  std::vector<WallLoad> loads_;                         // by block and wall
+  std::vector<Tally<ContactsType>> tallies_;            // by block
+  std::vector<std::optional<CrowdedContact>> crowded_;  // by block
+};
+
+}  // namespace silt::detail

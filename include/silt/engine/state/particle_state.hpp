@@ -1,0 +1,177 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include <silt/core/storage.hpp>
+#include <silt/core/threads.hpp>
+#include <silt/engine/state/fluid_loads.hpp>
+#include <silt/engine/state/rows.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// values[k] = what was values[order[k]].
+template <class V>
+void gather(V& values, std::span<const std::uint32_t> order, const Team& team) {
+  V sorted(order.size());
+  team.for_ranges(order.size(), [&](std::size_t, std::size_t from, std::size_t to) {
+    for (std::size_t k = from; k < to; ++k) sorted[k] = values[order[k]];
+  });
+  values.swap(sorted);
+}
+
+/// All that is known of the particles: rows, ids, and materials if there are several; the motion
+/// once more in PairScalar, if that is not double.
+/// Two rows more than particles: spheres of no radius, the partners of padding pairs.
+/// `Derivatives`: of position and of spin velocity each, that the integrator keeps. `OfBodies`:
+/// rows are parts of rigid bodies. `Given`: what a fluid does to rows.
+template <bool Rotates, bool SeveralMaterials, class PairScalar, std::size_t Derivatives,
+          bool OfBodies = false, FromFluid Given = FromFluid::Nothing>
+class ParticleState {
+ public:
+  static constexpr std::size_t derivative_rows = Derivatives * (1 + Rotates);
+  /// Rows of four; the very first entry is not a number as long as they are not known.
+  struct alignas(32) HigherDerivatives {
+    double row[derivative_rows == 0 ? 1 : derivative_rows][4];
+  };
+  using Motion = MotionRow<Rotates>;
+  using PairMotion = MotionRow<Rotates, PairScalar>;
+  static constexpr bool single = std::is_same_v<PairScalar, float>;
+  static constexpr std::size_t bytes_per_particle =
+      sizeof(PositionRow) + sizeof(Motion) + (single ? sizeof(PairMotion) : 0) +
+      sizeof(std::uint32_t) + (SeveralMaterials ? sizeof(std::uint16_t) : 0) +
+      derivative_rows * 4 * sizeof(double) + (OfBodies ? sizeof(PartRow) : 0) +
+      FluidLoads<Given>::bytes;
+  static constexpr bool of_bodies = OfBodies, several = SeveralMaterials;
+
+  AlignedVector<PositionRow> position;
+  AlignedVector<Motion> motion;
+  AlignedVector<HigherDerivatives> derivatives;  // if the integrator has any
+  std::vector<std::uint32_t> id;
+  std::vector<std::uint16_t> material;
+  std::vector<PartRow> part;  // of bodies
+  [[no_unique_address]] FluidLoads<Given> fluid;
+  double largest_radius = 0;   // [m]
+  double smallest_radius = 0;  // [m]
+  double mean_diameter = 0;    // [m]
+  bool some_fixed = false;     // particles of infinite mass
+  std::size_t parked = 0;      // those that have left since the last search
+
+  /// The motion as the pair kernel reads it.
+  const PairMotion* pair_motion() const {
+    if constexpr (single)
+      return pair_motion_.data();
+    else
+      return motion.data();
+  }
+  PairMotion* pair_rows() { return pair_motion_.data(); }  // of its own, if single
+  /// Copies all of the motion to where the pair kernel reads it; kicks then keep it up to date.
+  void renew_pair_motion(const Team& team) {
+    if constexpr (single) {
+      pair_motion_.resize(motion.size());
+      team.for_ranges(motion.size(), [&](std::size_t, std::size_t from, std::size_t to) {
+        for (std::size_t k = from; k < to; ++k) set_pair_motion(k);
+      });
+    }
+  }
+
+  /// The same of one row.
+  void renew_pair_motion([[maybe_unused]] std::size_t k) {
+    if constexpr (single)
+      if (k < pair_motion_.size()) set_pair_motion(k);
+  }
+
+  std::size_t size() const { return id.size(); }
+  std::span<const PositionRow> rows() const { return {position.data(), size()}; }
+
+  ParticleState() { pad(); }
+
+  void add(const PositionRow& p, const Motion& m, std::uint32_t new_id, std::uint16_t of) {
+    position.resize(size()), motion.resize(size());
+    position.push_back(p), motion.push_back(m);
+    id.push_back(new_id);
+    if constexpr (Derivatives > 0) {
+      derivatives.push_back({});
+      derivatives.back().row[0][0] = std::numeric_limits<double>::quiet_NaN();
+    }
+    if constexpr (SeveralMaterials) material.push_back(of);
+    fluid.add();
+    pad();
+  }
+
+  /// Measures sizes anew after particles were added or dropped.
+  void measure() {
+    largest_radius = 0, mean_diameter = 0;
+    for (const auto& p : rows()) {
+      largest_radius = std::max(largest_radius, p.r);
+      mean_diameter += 2 * p.r;
+    }
+    if (size() > 0) mean_diameter /= static_cast<double>(size());
+    measure_others();
+  }
+  /// Completes a restored state, sizes as they were measured.
+  void restored(double radius, double diameter) {
+    largest_radius = radius, mean_diameter = diameter;
+    parked = static_cast<std::size_t>(std::count(id.begin(), id.end(), no_particle));
+    measure_others();
+  }
+
+  /// Takes particle k out of all contacts at once; the next search drops it.
+  void park(std::size_t k) {
+    constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
+    position[k] = {nowhere, nowhere, nowhere, 0};
+    motion[k] = Motion{};
+    if constexpr (Derivatives > 0) derivatives[k] = {};
+    id[k] = no_particle;
+    fluid.remove(k);
+    ++parked;
+  }
+  bool is_parked(std::size_t k) const { return id[k] == no_particle; }
+
+  /// Keeps particle order[k] in place k; particles not named are dropped.
+  void reorder(std::span<const std::uint32_t> order, const Team& team) {
+    gather(position, order, team), gather(motion, order, team), gather(id, order, team);
+    if constexpr (SeveralMaterials) gather(material, order, team);
+    if constexpr (Derivatives > 0) gather(derivatives, order, team);
+    if constexpr (OfBodies) gather(part, order, team);
+    fluid.for_each([&](const char*, auto& column) { gather(column, order, team); });
+    pad();
+  }
+
+  void pad() {
+    position.resize(size()), motion.resize(size());
+    for (int k = 0; k < 2; ++k) {
+      position.push_back({static_cast<double>(k), 0, 0, 0});
+      Motion m{};
+      m.inv_m = 1;
+      if constexpr (Rotates) m.inv_r = 1;
+      motion.push_back(m);
+    }
+  }
+
+ private:
+  AlignedVector<PairMotion> pair_motion_;  // if it differs from motion
+
+  void set_pair_motion(std::size_t k) {
+    const Motion& m = motion[k];
+    PairMotion& p = pair_motion_[k];
+    p.vx = float(m.vx), p.vy = float(m.vy), p.vz = float(m.vz), p.inv_m = float(m.inv_m);
+    if constexpr (Rotates)
+      p.wx = float(m.wx), p.wy = float(m.wy), p.wz = float(m.wz), p.inv_r = float(m.inv_r);
+  }
+
+  void measure_others() {
+    smallest_radius = largest_radius;
+    for (const auto& p : rows())
+      if (p.r > 0) smallest_radius = std::min(smallest_radius, p.r);
+    some_fixed = std::any_of(motion.begin(), motion.begin() + static_cast<std::ptrdiff_t>(size()),
+                             [](const Motion& m) { return m.inv_m == 0; });
+  }
+};
+
+}  // namespace silt::detail

@@ -1,0 +1,319 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <silt/core/error.hpp>
+#include <silt/core/vec3.hpp>
+#include <silt/files/atomic_file.hpp>
+
+namespace silt::inline SILT_TARGET {
+namespace detail {
+
+static_assert(
+    std::endian::native == std::endian::little,
+    "silt/io: VTK files are written in the machine's byte order and say that it is little "
+    "endian; a big-endian port has to swap bytes here");
+
+/// One appended array of a VTK file: a view of values that live elsewhere.
+struct VtkArray {
+  std::string name;
+  std::string_view type;  // VTK's word
+  std::size_t components, tuples, bytes;
+  const void* values;
+};
+
+/// How many numbers of which kind one element of a field is.
+template <class T>
+struct VtkElement {
+  using Number = T;
+  static constexpr std::size_t components = 1;
+};
+template <class Real>
+struct VtkElement<Vec3<Real>> {
+  using Number = Real;
+  static constexpr std::size_t components = 3;
+};
+template <class T, std::size_t N>
+struct VtkElement<std::array<T, N>> {
+  using Number = T;
+  static constexpr std::size_t components = N;
+};
+
+template <class T>
+constexpr std::string_view vtk_type() {
+  if constexpr (std::is_same_v<T, double>)
+    return "Float64";
+  else if constexpr (std::is_same_v<T, float>)
+    return "Float32";
+  else if constexpr (std::is_same_v<T, std::int32_t>)
+    return "Int32";
+  else if constexpr (std::is_same_v<T, std::uint32_t>)
+    return "UInt32";
+  else
+    static_assert(sizeof(T) == 0, "a VTK field is of double, float, int32_t or uint32_t");
+}
+
+template <class T>
+VtkArray vtk_array(std::string_view name, std::span<const T> values) {
+  using Number = typename VtkElement<T>::Number;
+  constexpr auto components = VtkElement<T>::components;
+  static_assert(sizeof(T) == components * sizeof(Number));
+  return {std::string(name), vtk_type<Number>(),  components,
+          values.size(),     values.size_bytes(), values.data()};
+}
+
+/// A string that may stand between quotes in XML as it is.
+inline bool is_plain(std::string_view word) {
+  for (const char c : word)
+    if (std::string_view("\"'<>&").find(c) != std::string_view::npos ||
+        static_cast<unsigned char>(c) < ' ')
+      return false;
+  return !word.empty();
+}
+inline void require_plain(std::string_view what, std::string_view word) {
+  require(!word.empty(), what, " is empty");
+  require(is_plain(word), what, " ", in_quotes(word),
+          " must not contain quotes, <, >, & or control characters");
+}
+
+/// An XML element of a VTK file that holds arrays.
+struct VtkSection {
+  std::string_view tag;
+  std::span<const VtkArray> arrays;
+};
+
+/// `type`: VTK's word for the data set; `about` and `piece`: what its element and that of its only
+/// piece say.
+inline void write_vtk_file(const std::string& path, std::string_view type, std::string_view about,
+                           std::string_view piece, std::span<const VtkSection> sections) {
+  AtomicFile file(path);
+  file.write(text("<?xml version=\"1.0\"?>\n<VTKFile type=\"", type,
+                  "\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<", type,
+                  about, ">\n<Piece ", piece, ">\n"));
+  std::uint64_t offset = 0;  // [bytes] of an array behind the mark '_'
+  for (const auto& section : sections) {
+    file.write(text('<', section.tag, ">\n"));
+    for (const auto& array : section.arrays) {
+      file.write(text("<DataArray type=\"", array.type, "\" Name=\"", array.name,
+                      "\" NumberOfComponents=\"", array.components,
+                      "\" format=\"appended\" offset=\"", offset, "\"/>\n"));
+      offset += sizeof(std::uint64_t) + array.bytes;
+    }
+    file.write(text("</", section.tag, ">\n"));
+  }
+  file.write(text("</Piece>\n</", type, ">\n<AppendedData encoding=\"raw\">\n_"));
+  for (const auto& section : sections)
+    for (const auto& array : section.arrays) {
+      const std::uint64_t bytes = array.bytes;
+      file.write(&bytes, sizeof bytes);
+      file.write(array.values, array.bytes);
+    }
+  file.write("\n</AppendedData>\n</VTKFile>\n");
+  file.commit();
+}
+inline void write_vtp(const std::string& path, std::size_t points, std::size_t verts,
+                      std::size_t polygons, std::span<const VtkSection> sections) {
+  write_vtk_file(
+      path, "PolyData", "",
+      text("NumberOfPoints=\"", points, "\" NumberOfVerts=\"", verts,
+           "\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"", polygons, '"'),
+      sections);
+}
+
+/// stride, 2 stride, ... : where each cell's list of points ends.
+inline std::vector<std::int32_t> vtk_cell_ends(const std::string& path, std::size_t cells,
+                                               std::int32_t stride) {
+  constexpr auto most = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
+  require(cells <= most / static_cast<std::size_t>(stride), "VTK file '", path, "': ", cells,
+          " cells are too many for its 32-bit numbers; write them as several files");
+  std::vector<std::int32_t> ends(cells);
+  std::int32_t end = 0;
+  for (auto& e : ends) e = end += stride;
+  return ends;
+}
+
+}  // namespace detail
+
+/// Named values at the points of a VTK file. The arrays are not copied: they must live until the
+/// file is written.
+///
+///   silt::VtkFields fields;
+///   fields.add("radius [m]", radii).add("velocity [m/s]", velocities);
+class VtkFields {
+ public:
+  /// An array of double, float, int32_t or uint32_t, or of Vec3 or std::array of these.
+  template <class Values>
+  VtkFields& add(std::string_view name, Values&& values) {
+    detail::require_plain("VtkFields: a field's name", name);
+    for (const auto& other : arrays_)
+      require(other.name != name, "VtkFields: there are two fields named ", in_quotes(name),
+              "; give each its own name");
+    arrays_.push_back(detail::vtk_array(name, detail::lasting_view(std::forward<Values>(values))));
+    return *this;
+  }
+
+  /// The arrays; InputError unless each has one entry a point.
+  std::span<const detail::VtkArray> arrays_for(const std::string& path, std::size_t points) const {
+    for (const auto& array : arrays_)
+      require(array.tuples == points, "VTK file '", path, "': field ", in_quotes(array.name),
+              " has ", array.tuples, " entries, but there are ", points, " points");
+    return arrays_;
+  }
+
+ private:
+  std::vector<detail::VtkArray> arrays_;
+};
+
+/// Writes `positions` [m] as points with a vertex each, for ParaView: `path` should end in .vtp.
+/// Errors: InputError for a field of another length; FileError if the file cannot be written.
+inline void write_vtp_points(const std::string& path, std::span<const Vec3d> positions,
+                             const VtkFields& fields = {}) {
+  const std::size_t n = positions.size();
+  const auto point_fields = fields.arrays_for(path, n);
+  const auto ends = detail::vtk_cell_ends(path, n, 1);
+  std::vector<std::int32_t> own_point(n);
+  for (std::size_t i = 0; i < n; ++i) own_point[i] = ends[i] - 1;
+  const std::array points{detail::vtk_array("Points", positions)};
+  const std::array verts{
+      detail::vtk_array("connectivity", std::span<const std::int32_t>(own_point)),
+      detail::vtk_array("offsets", std::span<const std::int32_t>(ends))};
+  const detail::VtkSection sections[] = {
+      {"PointData", point_fields}, {"Points", points}, {"Verts", verts}};
+  detail::write_vtp(path, n, n, 0, sections);
+}
+
+/// Writes a surface: `triangles` names three of the `points` [m] each.
+/// Errors: InputError for a field of another length or a triangle with a point that is not there;
+/// FileError if the file cannot be written.
+inline void write_vtp_triangles(const std::string& path, std::span<const Vec3d> points,
+                                std::span<const std::array<std::uint32_t, 3>> triangles,
+                                const VtkFields& fields = {}) {
+  const auto point_fields = fields.arrays_for(path, points.size());
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (const auto p : triangles[t])
+      require(p < points.size(), "VTK file '", path, "': triangle ", t, " names point ", p,
+              ", but there are only ", points.size(), " points, counted from 0");
+  const auto ends = detail::vtk_cell_ends(path, triangles.size(), 3);
+  auto corners = detail::vtk_array("connectivity", triangles);
+  corners.components = 1;
+  const std::array places{detail::vtk_array("Points", points)};
+  const std::array polygons{corners,
+                            detail::vtk_array("offsets", std::span<const std::int32_t>(ends))};
+  const detail::VtkSection sections[] = {
+      {"PointData", point_fields}, {"Points", places}, {"Polys", polygons}};
+  detail::write_vtp(path, points.size(), 0, triangles.size(), sections);
+}
+
+/// A time series of VTK files: `<folder>/<name>.pvd`, which ParaView opens as one animation.
+/// The list is replaced as a whole after each frame, so it is valid at every moment.
+/// Errors: InputError for unusable names or a time that runs backwards; FileError if the list
+/// cannot be written or, in `resume`, is not one of silt's.
+class VtkSeries {
+ public:
+  /// A new, empty series; makes the folder, and empties a list of that name.
+  VtkSeries(const std::string& folder, std::string_view name) : VtkSeries(folder, name, {}) {
+    write();
+  }
+
+  /// Goes on with a series after a restart at `time` [s]: frames later than that are dropped from
+  /// the list. Where there is none it begins a new one.
+  static VtkSeries resume(const std::string& folder, std::string_view name, double time) {
+    VtkSeries series(folder, name, {});
+    if (detail::file_exists(series.path_)) series.read(time);
+    series.write();
+    return series;
+  }
+
+  const std::string& path() const { return path_; }
+  std::size_t frames() const { return frames_.size(); }
+
+  /// Adds the file `file` (its place as seen from the folder) as the state at `time` [s]. A frame
+  /// at the time of the last one takes its place.
+  void add(double time, std::string_view file) {
+    detail::require_plain("VtkSeries: the frame's file name", file);
+    require(std::isfinite(time), "VtkSeries '", path_, "': time = ", time, " [s] must be finite");
+    if (!frames_.empty()) {
+      require(time >= frames_.back().time, "VtkSeries '", path_, "': time = ", time,
+              " [s] must not be before the last frame's, ", frames_.back().time, " [s]");
+      if (time == frames_.back().time) frames_.pop_back();
+    }
+    frames_.push_back({time, std::string(file)});
+    write();
+  }
+
+ private:
+  struct Frame {
+    double time;  // [s]
+    std::string file;
+  };
+  static constexpr std::string_view head_ =
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" "
+      "byte_order=\"LittleEndian\">\n<Collection>\n";
+  static constexpr std::string_view before_time_ = "<DataSet timestep=\"";
+  static constexpr std::string_view before_file_ = "\" group=\"\" part=\"0\" file=\"";
+  static constexpr std::string_view after_file_ = "\"/>\n";
+  static constexpr std::string_view tail_ = "</Collection>\n</VTKFile>\n";
+
+  VtkSeries(const std::string& folder, std::string_view name, std::vector<Frame> frames)
+      : path_(text(folder, '/', name, ".pvd")), frames_(std::move(frames)) {
+    detail::require_plain("VtkSeries: the name", name);
+    make_folder(folder);
+  }
+
+  void write() const {
+    AtomicFile file(path_);
+    file.write(head_);
+    for (const auto& frame : frames_)
+      file.write(text(before_time_, frame.time, before_file_, frame.file, after_file_));
+    file.write(tail_);
+    file.commit();
+  }
+
+  [[gnu::cold]] void read(double until) {
+    const std::string content = detail::read_text(path_);
+    std::string_view rest = content;
+    const auto skip = [&](std::string_view word) {
+      const bool there = rest.starts_with(word);
+      if (there) rest.remove_prefix(word.size());
+      return there;
+    };
+    const auto expect = [&](bool as_written) {
+      if (!as_written)
+        throw FileError(text("series '", path_, "' is not as silt writes it, from byte ",
+                             content.size() - rest.size(),
+                             " on; remove it, or give the run another folder or name"));
+    };
+    expect(skip(head_));
+    double last = -std::numeric_limits<double>::infinity();  // [s] frames follow in time
+    while (skip(before_time_)) {
+      Frame frame{};
+      const auto number = std::from_chars(rest.data(), rest.data() + rest.size(), frame.time);
+      expect(number.ec == std::errc{} && std::isfinite(frame.time) && frame.time >= last);
+      last = frame.time;
+      rest.remove_prefix(static_cast<std::size_t>(number.ptr - rest.data()));
+      expect(skip(before_file_));
+      frame.file = rest.substr(0, rest.find('"'));
+      rest.remove_prefix(frame.file.size());
+      expect(detail::is_plain(frame.file) && skip(after_file_));
+      if (frame.time <= until) frames_.push_back(std::move(frame));
+    }
+    expect(skip(tail_) && rest.empty());
+  }
+
+  std::string path_;
+  std::vector<Frame> frames_;
+};
+
+}  // namespace silt

@@ -1,0 +1,155 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <type_traits>
+#include <utility>
+
+#include <silt/contact/contacts.hpp>
+#include <silt/coupling/no_fluid.hpp>
+#include <silt/engine/state/fluid_loads.hpp>
+#include <silt/fill/particles.hpp>
+#include <silt/motion/concept.hpp>
+#include <silt/motion/rotation.hpp>
+#include <silt/search/concept.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// The instruction set that the kernels use: an xsimd architecture, or OneLane.
+template <class Arch>
+struct KernelsFor {
+  using type = Arch;
+};
+
+namespace detail {
+
+template <class P>
+struct IsParticles : std::false_type {};
+template <class S>
+struct IsParticles<Particles<S>> : std::true_type {};
+
+template <class P>
+struct IsContacts : std::bool_constant<is_contacts<P>> {};
+
+/// A search is a finder itself, or something that holds one (a Verlet list).
+template <class P>
+        struct IsSearch : std::bool_constant < NeighbourSearch<P> ||
+    requires(P p) {
+  requires NeighbourSearch<decltype(p.finder)>;
+} > {};
+
+template <class P>
+    struct IsDomain : std::bool_constant < requires {
+  P::is_domain;
+} > {};
+
+template <class P>
+struct IsFluid : std::bool_constant<FluidCoupling<P>> {};
+
+/// What particles are given by a fluid.
+template <class F>
+inline constexpr FromFluid loads_of_fluid = [] {
+  if constexpr (!F::active)
+    return FromFluid::Nothing;
+  else if constexpr (requires { requires F::follows; })
+    return F::turns ? FromFluid::FollowedForceAndTorque : FromFluid::FollowedForce;
+  else
+    return F::turns ? FromFluid::ForceAndTorque : FromFluid::Force;
+}();
+
+template <class P>
+struct IsKernels : std::false_type {};
+template <class Arch>
+struct IsKernels<KernelsFor<Arch>> : std::true_type {};
+
+template <class P>
+    struct IsPrecision : std::bool_constant < requires {
+  typename P::PairScalar;
+} > {};
+
+template <class P>
+    struct IsLedger : std::bool_constant < requires {
+  requires P::is_ledger;
+} > {};
+
+template <class P>
+struct IsIntegrator : std::bool_constant<Integrator<P>> {};
+
+template <class P>
+struct IsRotation : std::bool_constant<RotationIntegrator<P>> {};
+
+template <class P>
+inline constexpr bool belongs_to_an_axis =
+    IsParticles<P>::value || IsContacts<P>::value || IsSearch<P>::value || IsDomain<P>::value ||
+    IsFluid<P>::value || IsKernels<P>::value || IsPrecision<P>::value || IsLedger<P>::value ||
+    IsIntegrator<P>::value || IsRotation<P>::value;
+
+template <template <class> class Is, class... Policies>
+inline constexpr int count = (0 + ... + int{Is<Policies>::value});
+
+/// One of each axis at most, with particles and contacts.
+template <class... Policies>
+inline constexpr bool make_a_simulation = count<IsParticles, Policies...> == 1 &&
+                                          count<IsContacts, Policies...> == 1 &&
+                                          count<IsSearch, Policies...> <= 1 &&
+                                          count<IsDomain, Policies...> <= 1 &&
+                                          count<IsFluid, Policies...> <= 1 &&
+                                          count<IsIntegrator, Policies...> <= 1 &&
+                                          count<IsRotation, Policies...> <= 1 &&
+                                          count<IsPrecision, Policies...> <= 1 &&
+                                          count<IsKernels, Policies...> <= 1 &&
+                                          count<IsLedger, Policies...> <= 1 &&
+                                          (belongs_to_an_axis<Policies> && ...);
+
+template <template <class> class Is, class Default, class... Policies>
+struct Pick {
+  using type = Default;
+};
+template <template <class> class Is, class Default, class First, class... Rest>
+struct Pick<Is, Default, First, Rest...> {
+  using type = typename std::conditional_t<Is<First>::value, std::type_identity<First>,
+                                           Pick<Is, Default, Rest...>>::type;
+};
+/// The policy of one axis, or its default.
+template <template <class> class Is, class Default, class... Policies>
+using pick = typename Pick<Is, Default, Policies...>::type;
+
+/// The argument of type T among those given.
+template <class T, class First, class... Rest>
+T& take(First& first, Rest&... rest) {
+  if constexpr (std::is_same_v<T, std::remove_cv_t<First>>)
+    return const_cast<T&>(first);
+  else
+    return take<T>(rest...);
+}
+template <class T, class... Args>
+T take_or(Args&... args) {
+  if constexpr ((std::is_same_v<T, std::remove_cv_t<Args>> || ...))
+    return take<T>(args...);
+  else
+    return T{};
+}
+
+// Observers: anything callable with the simulation; the members below are optional.
+
+template <class O, class Sim>
+void begin(O& observer, Sim& sim, double end_time) {
+  if constexpr (requires { observer.begin(sim, end_time); }) observer.begin(sim, end_time);
+}
+template <class O, class Sim>
+bool is_due(O& observer, const Sim& sim) {
+  if constexpr (requires { observer.is_due(sim); })
+    return observer.is_due(sim);
+  else
+    return true;
+}
+template <class O, class Sim>
+void observe(O& observer, Sim& sim) {
+  if (is_due(observer, sim)) observer(sim);
+}
+template <class O, class Sim>
+void end(O& observer, Sim& sim) {
+  if constexpr (requires { observer.end(sim); }) observer.end(sim);
+}
+
+}  // namespace detail
+}  // namespace silt

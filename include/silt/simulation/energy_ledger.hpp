@@ -1,0 +1,195 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <span>
+#include <vector>
+
+#include <silt/boundary/wall.hpp>
+#include <silt/engine/contact/contact_energy.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// Policy of a Simulation that keeps books of its energy, read by `energy()`; without it they cost
+/// nothing.
+///
+///   silt::Simulation sim{beads, silt::Contacts<silt::HertzMindlin>{glass}, silt::EnergyLedger{}};
+///   sim.run(1.0);
+///   const silt::EnergyBalance e = sim.energy();
+///
+/// Every law of silt can be asked what it stores (silt/contact/concept.hpp: stored()); one of your
+/// own must say so too.
+/// Tests: tests/study/energy_ledger.cpp.
+struct EnergyLedger {
+  static constexpr bool is_ledger = true;
+};
+
+/// Where the energy is, and where it went since the first step [J].
+struct EnergyBalance {
+  // Now.
+  double translation, rotation;        // kinetic, of particles that are not fixed
+  double gravity;                      // - m g x, against the origin
+  double normal, tangential, rolling;  // in the springs of contacts
+  // Lost since the start: none of these falls from one observation to the next by more than the
+  // error of the step (residual()), but normal_damping with cohesion. Friction and rolling
+  // resistance are what tangential forces (less their dashpots) and couples took and neither hold
+  // nor gave back; partial slip (Mindlin's law on loading) is friction, and so is what a tangential
+  // spring still held as its contact ended. Damping and friction are told apart on every fourth
+  // step and on those that are observed, their sum is known of each.
+  double normal_damping;  // of dashpots; with cohesion also what attractions took less gave back
+  double tangential_damping;  // of dashpots
+  double friction;
+  double rolling_resistance;  // with twisting
+  // Brought in since the start.
+  double walls;            // work of moving walls, and of fixed particles that move
+  double openings;         // with particles that came, less with those that left
+  double changed_gravity;  // by setting `gravity` anew
+  double fluid;            // work of the fluid on particles that are not fixed
+  double stiffening;  // by laws that remember the tangential displacement while the stiffness grows
+                      // (TangentialMemory::Displacement of Hertz' contacts, Dcdem): from nothing
+
+  double initial;      // all that was there at the first step
+  double turned_over;  // by normal forces since then, once in and out
+
+  double kinetic() const { return translation + rotation; }
+  double elastic() const { return normal + tangential + rolling; }
+  double held() const { return kinetic() + gravity + elastic(); }
+  double dissipated() const {
+    return normal_damping + tangential_damping + friction + rolling_resistance;
+  }
+  double supplied() const { return walls + openings + changed_gravity + fluid + stiffening; }
+  /// What the books cannot explain: the error of time integration, second order in the step with
+  /// Leapfrog; first with SymplecticEuler, while forces act, and Gear, with damping or friction
+  /// (docs/energy.md has numbers). First order are also: gravity that is set anew between runs,
+  /// half a step of which is that from before; with friction, the change of the lever arm in half a
+  /// step (some 1e-7 of the energy turned over at 1000 steps a contact), RollingOwn, and ends of
+  /// contact with DampingEnd::ZeroOverlap at walls that are not planes at rest, or without a Verlet
+  /// list. Springs of contacts that a removed wall or a particle had as it left through an outlet
+  /// are in it too.
+  double residual() const { return held() + dissipated() - supplied() - initial; }
+};
+
+namespace detail {
+
+/// The books of one simulation.
+class EnergyBook {
+ public:
+  /// Books one step after its forces are known. `start`: what the particles have at the first one,
+  /// kinetic and against gravity; `fixed_power` [W]: of contacts on fixed particles that move;
+  /// `asked`: contacts have said what they store.
+  void book(const ContactEnergy<double>& contacts, std::span<const Wall> walls, double time_step,
+            double fixed_power, const double* start, bool asked) {
+    stored_ = contacts;
+    if (start != nullptr) {
+      at_start_ = contacts;
+      initial_ = *start + contacts.normal + contacts.tangential + contacts.rolling;
+    } else {
+      work_.add(contacts);
+      for (std::size_t w = 0; w < walls.size() && w < last_.size(); ++w)
+        if (walls[w].moves()) of_walls_ += work_of(walls[w], last_[w]);
+      of_walls_ -= 0.5 * time_step * (last_fixed_power_ + fixed_power);
+      since_asked_ += time_step;
+    }
+    if (asked) tell_apart();
+    last_.clear();
+    for (const auto& wall : walls) last_.push_back({wall.force, wall.torque, wall.reference});
+    last_fixed_power_ = fixed_power;
+  }
+  void bring_in(double energy) { openings_ += energy; }
+  void change_gravity(double energy) { changed_gravity_ += energy; }
+  void fluid_worked(double energy) { of_fluid_ += energy; }
+
+  EnergyBalance balance(double translation, double rotation, double gravity) const {
+    EnergyBalance e{};
+    e.translation = translation, e.rotation = rotation, e.gravity = gravity;
+    e.normal = stored_.normal, e.tangential = stored_.tangential, e.rolling = stored_.rolling;
+    e.normal_damping = -work_.dashpot;
+    e.friction = friction_, e.tangential_damping = tangential_loss() - friction_;
+    e.rolling_resistance = -work_.couple - (stored_.rolling - at_start_.rolling);
+    e.walls = of_walls_, e.openings = openings_, e.changed_gravity = changed_gravity_;
+    e.fluid = of_fluid_, e.stiffening = work_.stiffening;
+    e.initial = initial_, e.turned_over = work_.turned_over;
+    return e;
+  }
+
+  // The books as numbers, for a checkpoint.
+  std::vector<double> state() const {
+    std::vector<double> all{of_walls_, openings_,    changed_gravity_, initial_, last_fixed_power_,
+                            of_fluid_, since_asked_, last_power_,      damped_,  friction_};
+    for (const auto* e : {&stored_, &at_start_, &work_}) {
+      const auto values = ContactEnergy<double>::values(*e);
+      all.insert(all.end(), values.begin(), values.end());
+    }
+    for (const auto& [force, torque, reference] : last_)
+      for (const Vec3d& v : {force, torque, reference}) all.insert(all.end(), {v.x, v.y, v.z});
+    return all;
+  }
+  void restore(const std::vector<double>& all) {
+    of_walls_ = all[0], openings_ = all[1], changed_gravity_ = all[2], initial_ = all[3];
+    last_fixed_power_ = all[4], of_fluid_ = all[5], since_asked_ = all[6], last_power_ = all[7];
+    damped_ = all[8], friction_ = all[9];
+    std::size_t at = 10;
+    for (auto* e : {&stored_, &at_start_, &work_}) {
+      std::array<double, terms> values;
+      for (double& v : values) v = all[at++];
+      *e = std::bit_cast<ContactEnergy<double>>(values);
+    }
+    last_.clear();
+    for (; at + 9 <= all.size(); at += 9)
+      last_.push_back({{all[at], all[at + 1], all[at + 2]},
+                       {all[at + 3], all[at + 4], all[at + 5]},
+                       {all[at + 6], all[at + 7], all[at + 8]}});
+  }
+  static constexpr std::size_t terms = sizeof(ContactEnergy<double>) / sizeof(double);
+  static constexpr std::size_t least_size = 10 + 3 * terms;
+
+ private:
+  /// What tangential forces have taken and their springs do not hold [J].
+  double tangential_loss() const {
+    return work_.stiffening - work_.shear - (stored_.tangential - at_start_.tangential);
+  }
+  /// The loss of dashpots is their power, which is known of some steps, integrated over time;
+  /// friction is the rest of the loss, the largest that it has been: the integral errs to both
+  /// sides, and friction gives nothing back. So neither part falls while the loss grows.
+  void tell_apart() {
+    damped_ += 0.5 * since_asked_ * (last_power_ + stored_.shear_damping);
+    last_power_ = stored_.shear_damping, since_asked_ = 0;
+    friction_ = std::max(friction_, tangential_loss() - damped_);
+  }
+
+  struct Load {
+    Vec3d force, torque, reference;  // [N], [N m], [m]
+  };
+
+  /// Work of a wall on the particles in the last step [J]: mean load times displacement.
+  static double work_of(const Wall& wall, const Load& last) {
+    // Displacement of the wall where the torque is taken about, the same forwards and backwards.
+    const auto moved = [&](const Vec3d& p) {
+      return 0.5 * (wall.pose.to_space(wall.last_pose.to_body(p)) -
+                    wall.last_pose.to_space(wall.pose.to_body(p)));
+    };
+    const Vec3d here = wall.reference;
+    const Quaternion turn = wall.pose.rotation * conjugate(wall.last_pose.rotation);
+    const Vec3d axis{turn.x, turn.y, turn.z};
+    const double sine = norm(axis);
+    const double angle = 2 * std::atan2(turn.w < 0 ? -sine : sine, std::abs(turn.w));
+    const Vec3d rotation = sine == 0 ? Vec3d{0, 0, 0} : axis * (angle / sine);
+    // The last torque about the present reference.
+    const Vec3d torque = last.torque + cross(last.reference - here, last.force);
+    return -0.5 * (dot(last.force + wall.force, moved(here)) + dot(torque + wall.torque, rotation));
+  }
+
+  ContactEnergy<double> stored_ = no_energy<double>(), at_start_ = stored_, work_ = stored_;
+  std::vector<Load> last_;  // of each wall
+  double of_walls_ = 0, openings_ = 0, changed_gravity_ = 0, initial_ = 0, last_fixed_power_ = 0;
+  double of_fluid_ = 0;
+  double since_asked_ = 0;  // [s]
+  double last_power_ = 0;   // [W] of tangential dashpots when last asked
+  double damped_ = 0;       // [J] by them, integrated
+  double friction_ = 0;     // [J]
+};
+
+}  // namespace detail
+}  // namespace silt

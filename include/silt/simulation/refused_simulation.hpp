@@ -1,0 +1,78 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+// What a Simulation is of policies that make none: sentences, and members enough for the lines that
+// follow in a user's program to compile, so that the sentence is what the compiler ends with.
+
+#include <silt/contact/concept.hpp>
+#include <silt/simulation.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+template <class... Policies>
+requires(!detail::make_a_simulation<Policies...>) class Simulation<Policies...> {
+  template <template <class> class Is>
+  static constexpr int given = detail::count<Is, Policies...>;
+  static constexpr bool has_particles = given<detail::IsParticles> == 1;
+  static constexpr bool has_contacts = given<detail::IsContacts> == 1;
+  static constexpr bool has_one_search = given<detail::IsSearch> <= 1;
+  static constexpr bool has_one_domain = given<detail::IsDomain> <= 1;
+  static constexpr bool has_one_fluid = given<detail::IsFluid> <= 1;
+  static constexpr bool has_one_integrator = given<detail::IsIntegrator> <= 1;
+  static constexpr bool has_one_rotation = given<detail::IsRotation> <= 1;
+  static constexpr bool has_one_precision = given<detail::IsPrecision> <= 1;
+  static constexpr bool has_one_of_the_rest =
+      given<detail::IsKernels> <= 1 && given<detail::IsLedger> <= 1;
+  /// A law without its Contacts has the sentence about these.
+  static constexpr bool all_belong =
+      ((detail::belongs_to_an_axis<Policies> || (ContactLaw<Policies> && !has_contacts)) && ...);
+
+  static_assert(has_particles,
+                "Simulation needs the particles: give one silt::Particles<Shape> "
+                "(silt/fill/particles.hpp; shapes: silt/shape/concept.hpp)");
+  static_assert(has_contacts,
+                "Simulation needs one contact law: give silt::Contacts<Law>{material} "
+                "(silt/contact/contacts.hpp; laws: silt/contact/concept.hpp)");
+  static_assert(has_one_search, "Simulation takes one neighbour search (silt/search/concept.hpp)");
+  static_assert(has_one_domain, "Simulation takes one domain (silt/boundary/domain.hpp)");
+  static_assert(has_one_fluid, "Simulation takes one fluid coupling (silt/coupling/no_fluid.hpp)");
+  static_assert(has_one_integrator, "Simulation takes one integrator (silt/motion/concept.hpp)");
+  static_assert(has_one_rotation, "Simulation takes one rotation (silt/motion/rotation.hpp)");
+  static_assert(
+      has_one_precision,
+      "Simulation takes one precision: Double or Mixed (silt/engine/state/precision.hpp)");
+  static_assert(has_one_of_the_rest, "Simulation takes one KernelsFor and one EnergyLedger");
+  static_assert(
+      all_belong,
+      "a policy given to Simulation belongs to no axis: it must be Particles, Contacts, a "
+      "NeighbourSearch, a domain, a FluidCoupling, a precision, an Integrator, a rotation, "
+      "KernelsFor or EnergyLedger; the contracts are in silt/contact/, search/, boundary/, "
+      "coupling/, motion/ concept.hpp");
+
+ public:
+  template <class... Args>
+  explicit Simulation(Args&&...) {}
+
+  Vec3d gravity{0, 0, 0};
+  std::optional<double> time_step;
+  int threads = 1;
+  Guard guard;
+  template <class... Args>
+  std::size_t add_wall(Args&&...);
+  std::size_t add_wall(Surfaces, std::initializer_list<double>);
+  template <class... Args>
+  std::size_t add_inlet(Args&&...);
+  std::size_t add_outlet(const Box&);
+  template <class... Args>
+  void add(Args&&...);
+  template <class... Args>
+  void run(double, Args&&...);
+  double time() const;
+  std::int64_t step() const;
+  std::size_t size() const;
+  std::size_t rows() const;
+  Vec3d position(std::size_t) const;
+  Vec3d velocity(std::size_t) const;
+};
+
+}  // namespace silt
