@@ -213,7 +213,7 @@ class Simulation {
   }
   /// Places 0 ... rows()-1 in memory; those where id() is silt::no_particle have left.
   std::size_t rows() const { return engine_.rows_of_particles(); }
-  std::uint32_t id(std::size_t k) const {
+  ParticleId id(std::size_t k) const {
     if constexpr (has_bodies)
       return bodies()[known(k)].id;
     else
@@ -269,19 +269,16 @@ class Simulation {
     return engine_.mover.forms;
   }
   std::size_t material(std::size_t k) const {
-    if constexpr (has_bodies)
-      return bodies()[known(k)].material;
-    else if constexpr (ContactsType::several_materials)
-      return engine_.particles.material[known(k)];
+    if constexpr (ContactsType::several_materials)
+      return engine_.particles.material[engine_.first_row(known(k))];
     else
       return 0;
   }
-  /// The present place of the particle with this id; rows() if it has left. O(rows()).
-  std::size_t find(std::uint32_t wanted) const {
-    std::size_t k = 0;
-    while (k < rows() && id(k) != wanted) ++k;
-    return k;
-  }
+  /// The present place of the particle with this id; rows() if it has left, or never was. Takes
+  /// constant time, but for the first call after places have changed (a search that sorts,
+  /// particles that come or go), which takes O(rows()) and must not be made by several threads at
+  /// once.
+  std::size_t find(ParticleId wanted) const { return engine_.find(wanted); }
   /// Pairs of particles that touch [-]; of bodies, of their parts. O(pairs).
   std::size_t touching_pairs() const { return engine_.touching_pairs(domain_); }
   /// Where the energy is and where it went; when the simulation is not running, or in an observer.
@@ -441,7 +438,7 @@ class Simulation {
   /// omega dt = 0.4 of a pair's, some 1.1 of a packing's fastest motion, where 1.7 is stable.
   static constexpr double held_share_of_contact = 1;
   double checked_speed_ = 0, checked_overlap_ = 0, peak_overlap_ = 0;
-  std::uint32_t next_id_ = 0, next_part_ = 0;
+  ParticleId next_id_ = 0, next_part_ = 0;
   bool first_kick_ = true, kicked_ = false, continued_ = false;
   bool scene_changed_ = false;   // since the last run began
   std::int64_t scene_step_ = 0;  // when particles or walls were last added

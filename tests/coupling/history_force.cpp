@@ -128,15 +128,15 @@ TEST_CASE("history_force: places in the history follow the ids") {
     at.density = 1, at.viscosity = 1, at.diameter = 1, at.place = place;
     return of.force_on(at).x;
   };
-  const auto slip = [](std::uint32_t id, int n) {
+  const auto slip = [](silt::ParticleId id, int n) {
     return Vec3d{std::sin(0.3 * n + id) + 2 * id, 0, 0};
   };
   for (std::uint32_t n = 0; n < 12; ++n) {
-    std::vector<std::uint32_t> ids{3, 1};
+    std::vector<silt::ParticleId> ids{3, 1};
     if (n > 2) ids.push_back(7);
     if (n > 6) ids.erase(ids.begin());
-    std::vector<std::uint32_t> turned(ids.rbegin(), ids.rend());
-    const auto tell = [&](HistoryForce& f, const std::vector<std::uint32_t>& of) {
+    std::vector<silt::ParticleId> turned(ids.rbegin(), ids.rend());
+    const auto tell = [&](HistoryForce& f, const std::vector<silt::ParticleId>& of) {
       std::vector<Vec3d> slips;
       for (const auto id : of) slips.push_back(slip(id, int(n)));
       f.remember(of, slips, 0.1, team);
@@ -147,7 +147,7 @@ TEST_CASE("history_force: places in the history follow the ids") {
   CHECK_THROWS_AS(HistoryForce(0), silt::InputError);
   // The mean over the first step of W(0)/sqrt(t) is 2 W/sqrt(dt), later 2 (sqrt(k) - sqrt(k - 1)).
   HistoryForce jump(4);
-  const std::vector<std::uint32_t> one{0};
+  const std::vector<silt::ParticleId> one{0};
   const std::vector<Vec3d> held{{1, 0, 0}};
   for (int k = 1; k <= 12; ++k) {
     jump.remember(one, held, 0.1, team);

@@ -407,7 +407,7 @@ TEST_CASE("fast_spins: a deep contact that is gone in the same step is still nam
   sim.time_step = 1e-5;
   const auto error = stop_of(sim, 1e-3);
   REQUIRE(error);
-  CHECK(error->particles == std::vector<std::uint32_t>{0, 1});
+  CHECK(error->particles == std::vector<silt::ParticleId>{0, 1});
   CHECK(has_words(error->what(), {"step 0, t = 0 s", "particles 0 and 1", "overlap by 0.8",
                                   "guard.max_overlap = 0.3"}));
 }

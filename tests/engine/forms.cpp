@@ -68,7 +68,7 @@ TEST_CASE("forms: what is added again shares the forms that are there") {
   CHECK(sim.add(both) == std::vector<std::size_t>{1, 0, 2});
   CHECK(sim.forms().size() == 3);
   for (std::size_t k = 0; k < sim.rows(); ++k) {
-    const std::uint32_t id = sim.id(k);
+    const auto id = sim.id(k);
     const std::size_t wanted = id < 201 ? 0 : std::vector<std::size_t>{1, 0, 2}[(id - 201) % 3];
     CHECK(sim.form(k) == wanted);
     CHECK(sim.radius(k) == sim.forms()[wanted].radius);

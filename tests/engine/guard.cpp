@@ -86,7 +86,7 @@ TEST_CASE("guard: spheres that press into each other too far stop the run, named
   // At the step that silt chose, no shorter one mends it.
   CHECK(std::string(error.what()).find("smaller time step") == std::string::npos);
   CHECK(error.step == sim.step());
-  CHECK(error.particles == std::vector<std::uint32_t>{0, 1});
+  CHECK(error.particles == std::vector<silt::ParticleId>{0, 1});
   CHECK(norm(error.position) < 2e-3);
   CHECK(sim.peak_overlap() > 0.3);
 }
@@ -109,7 +109,7 @@ TEST_CASE("guard: spheres that overlap at the start are named although they fly 
   auto sim = scene({{{-0.6e-3, 0, 0}, {-1, 0, 0}}, {{0.6e-3, 0, 0}, {1, 0, 0}}});
   const auto error = failure(sim, 1e-2);
   CHECK(error.step == 0);
-  CHECK(error.particles == std::vector<std::uint32_t>{0, 1});
+  CHECK(error.particles == std::vector<silt::ParticleId>{0, 1});
   CHECK(has_words(error.what(), {"step 0, t = 0 s", "particles 0 and 1", "overlap by 0.8",
                                  "start without overlaps"}));
 }
@@ -119,7 +119,7 @@ TEST_CASE("guard: a sphere that presses into a wall too far is named, and so is 
   sim.add_wall(silt::Plane{{0, 0, -1}, {0, 0, 1}}, rubber);
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, rubber);
   const auto error = failure(sim, 1e-2);
-  CHECK(error.particles == std::vector<std::uint32_t>{0});
+  CHECK(error.particles == std::vector<silt::ParticleId>{0});
   CHECK(error.position.x == near(5e-3));
   CHECK(has_words(error.what(), {"particle 0 at (0.005", "overlaps wall 1 by 0.",
                                  "guard.max_overlap = 0.3", "use a stiffer material"}));
@@ -143,7 +143,7 @@ TEST_CASE("guard: velocities that are no numbers stop the run, and the particle 
   REQUIRE(sim.rows() == 2);
   sim.engine().particles.motion[sim.find(1)].vy = std::numeric_limits<double>::quiet_NaN();
   const auto error = failure(sim, 1e-3);
-  CHECK(error.particles == std::vector<std::uint32_t>{1});
+  CHECK(error.particles == std::vector<silt::ParticleId>{1});
   CHECK(error.position.x == near(0.1).epsilon(0.1));
   CHECK(has_words(error.what(), {silt::text("step ", error.step), "the velocity of particle 1 at (",
                                  "nan", "must be finite", "the program between two runs"}));
@@ -204,7 +204,7 @@ TEST_CASE("guard: a particle outside the domain is refused at the start and stop
   CHECK(sim.size() == 1);
 
   const auto error = failure(sim, 1);
-  CHECK(error.particles == std::vector<std::uint32_t>{0});
+  CHECK(error.particles == std::vector<silt::ParticleId>{0});
   CHECK(error.position.x > 1e-2);
   // Found at the next look at the lists: it has gone no further than the widest skin, a diameter.
   CHECK(error.position.x < 1.2e-2);
@@ -283,7 +283,7 @@ TEST_CASE(
   sim.time_step = 2.5e-6;  // 0.75 mm a step
   const auto error = failure(sim, 1e-3);
   CHECK(error.step == 0);
-  CHECK(error.particles == std::vector<std::uint32_t>{0});
+  CHECK(error.particles == std::vector<silt::ParticleId>{0});
   CHECK(has_words(error.what(), {"step 0", "particle 0 at (0, 0, 0.00", "moves by 0.00075",
                                  "guard.max_travel = 0.3 of the smallest radius 0.001 m",
                                  "Simulation::time_step to less than 9.99e-07 s"}));
@@ -335,7 +335,7 @@ TEST_CASE("guard: angular velocities that are no numbers are found before observ
   silt::Simulation sim{std::move(p), silt::Contacts<silt::LinearSpring, NoCouple>{{1e4, 0.5}, {}}};
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, {1e4, 0.5});
   const auto error = failure(sim, 2e-4);
-  CHECK(error.particles == std::vector<std::uint32_t>{0});
+  CHECK(error.particles == std::vector<silt::ParticleId>{0});
   CHECK(has_words(error.what(), {"the angular velocity of particle 0 is not finite near",
                                  "look at the law and the rolling model"}));
 }
@@ -371,7 +371,7 @@ TEST_CASE("guard: a sphere that touches a mesh in more places than are computed 
     error = e;
   }
   REQUIRE(error);
-  CHECK(error->particles == std::vector<std::uint32_t>{0});
+  CHECK(error->particles == std::vector<silt::ParticleId>{0});
   CHECK(norm(error->position - Vec3d{0, 0, 2e-3}) < 1e-4);
   CHECK(has_words(error->what(), {"particle 0 at (", "the mesh of wall 0", "more than 4 places",
                                   "larger smooth_angle"}));
@@ -384,7 +384,7 @@ TEST_CASE(
   sim.time_step = 1e-3;
   sim.guard.max_time_step = 1e3;
   const auto error = failure(sim, 1e-2);
-  CHECK(error.particles == std::vector<std::uint32_t>{0});
+  CHECK(error.particles == std::vector<silt::ParticleId>{0});
   CHECK(error.position.z == near(0.65e-3).epsilon(1e-6));
   CHECK(has_words(error.what(), {"particle 0 at (0, 0, 0.0006", "overlaps wall 0 by 0.35"}));
 }

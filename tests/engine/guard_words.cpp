@@ -59,7 +59,7 @@ bool lacks(const std::string& sentence, std::initializer_list<std::string> words
 TEST_CASE("guard: twins at the start are called so, and no other material is advised") {
   auto sim = scene({{0.1, 0, 0}, {0, 0, 0}, {0, 0, 0.3e-3}});
   const auto error = failure(sim, 0.01);
-  CHECK(error.particles == std::vector<std::uint32_t>{1, 2});
+  CHECK(error.particles == std::vector<silt::ParticleId>{1, 2});
   CHECK(has_words(error.what(), {"step 0", "particles 1 and 2", "overlap by 1.7", "added twice",
                                  "leave one of them out"}));
   CHECK(lacks(error.what(), {"material", "time step", "speed"}));
@@ -73,7 +73,7 @@ TEST_CASE("guard: twins at the start are called so, and no other material is adv
 TEST_CASE("guard: two spheres at one place are named, not a velocity that is not finite") {
   auto sim = scene({{0.1, 0, 0}, {0, 0, 0.02}, {0, 0, 0.02}});
   const auto error = failure(sim, 0.01);
-  CHECK(error.particles == std::vector<std::uint32_t>{1, 2});
+  CHECK(error.particles == std::vector<silt::ParticleId>{1, 2});
   CHECK(error.position.z == 0.02);
   CHECK(has_words(error.what(), {"particles 1 and 2 are at the same place, (0, 0, 0.02) m",
                                  "added twice", "leave one of them out"}));
@@ -97,7 +97,7 @@ TEST_CASE("guard: a plane turned over and a wall inside the bed are told apart")
   inside.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, rubber);
   inside.add_wall(silt::Plane{{0, 0, 4e-3}, {0, 0, 1}}, rubber);
   const auto error = failure(inside, 0.01);
-  CHECK(error.particles == std::vector<std::uint32_t>{0});
+  CHECK(error.particles == std::vector<silt::ParticleId>{0});
   CHECK(has_words(error.what(), {"wall 1", "1 of 3 particles lie behind this wall and the others",
                                  "inside the bed"}));
   CHECK(lacks(error.what(), {"stiffer", "time step"}));

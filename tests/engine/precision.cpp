@@ -56,8 +56,8 @@ TEST_CASE("precision: mixed rows and histories are smaller, and only there are r
   using Spheres = silt::Particles<Sphere>;
   using Rough = silt::Simulation<Spheres, silt::Contacts<HertzMindlin>, Mixed>;
   using Smooth = silt::Simulation<Spheres, silt::Contacts<silt::LinearSpring>, Mixed>;
-  CHECK(Rough::bytes_per_particle == 32 + 64 + 32 + 4);
-  CHECK(Smooth::bytes_per_particle == 32 + 32 + 16 + 4);
+  CHECK(Rough::bytes_per_particle == 32 + 64 + 32 + 8);
+  CHECK(Smooth::bytes_per_particle == 32 + 32 + 16 + 8);
   CHECK(Rough::bytes_per_contact == 8 + 12);
   CHECK(Smooth::bytes_per_contact == 8);
 }

@@ -32,12 +32,12 @@ using Sim = silt::Simulation<silt::Particles<Sphere>, Contacts<Options...>>;
 
 TEST_CASE("state: bytes of a particle and of a contact are those that the policies need") {
   // Centre and radius; velocity and 1/m, with rotation as much again; id.
-  CHECK(Sim<HertzMindlin>::bytes_per_particle == 32 + 64 + 4);
-  CHECK(Sim<LinearSpringFriction>::bytes_per_particle == 32 + 64 + 4);
-  CHECK(Sim<LinearSpring>::bytes_per_particle == 32 + 32 + 4);
-  CHECK(Sim<HertzMindlin, SeveralMaterials>::bytes_per_particle == 32 + 64 + 4 + 2);
-  CHECK(Sim<LinearSpring, SeveralMaterials>::bytes_per_particle == 32 + 32 + 4 + 2);
-  CHECK(Sim<LinearSpring, RollingEpsd>::bytes_per_particle == 32 + 64 + 4);
+  CHECK(Sim<HertzMindlin>::bytes_per_particle == 32 + 64 + 8);
+  CHECK(Sim<LinearSpringFriction>::bytes_per_particle == 32 + 64 + 8);
+  CHECK(Sim<LinearSpring>::bytes_per_particle == 32 + 32 + 8);
+  CHECK(Sim<HertzMindlin, SeveralMaterials>::bytes_per_particle == 32 + 64 + 8 + 2);
+  CHECK(Sim<LinearSpring, SeveralMaterials>::bytes_per_particle == 32 + 32 + 8 + 2);
+  CHECK(Sim<LinearSpring, RollingEpsd>::bytes_per_particle == 32 + 64 + 8);
   // Two indices; three Reals of tangential and three of rolling history.
   CHECK(Sim<HertzMindlin>::bytes_per_contact == 8 + 24);
   CHECK(Sim<LinearSpringFriction>::bytes_per_contact == 8 + 24);

@@ -26,7 +26,7 @@ inline constexpr HertzMindlin::Material rubber{
 
 /// Everything about one particle that a run may change.
 struct ParticleBits {
-  std::uint32_t id;
+  silt::ParticleId id;
   std::array<double, 9> values;  // position [m], velocity [m/s], angular velocity [rad/s]
   bool operator==(const ParticleBits&) const = default;
 };

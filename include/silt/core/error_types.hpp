@@ -51,15 +51,15 @@ struct SimulationError : Error {
   };
   template <class V = Place>
   [[gnu::always_inline]] SimulationError(const std::string& sentence, std::int64_t at_step,
-                                         std::vector<std::uint32_t> ids, const V& where)
+                                         std::vector<std::uint64_t> ids, const V& where)
       : Error(sentence),
         step(at_step),
         particles(std::move(ids)),
         position{where.x, where.y, where.z} {}
   SILT_COPIES_INLINE(SimulationError);
   std::int64_t step;
-  std::vector<std::uint32_t> particles;
-  Place position;  // [m]
+  std::vector<std::uint64_t> particles;  // ids
+  Place position;                        // [m]
 };
 
 /// A step of a flow that is too long for the flow as it is now.

@@ -9,8 +9,12 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Id of a particle that has left; place of one that was not there.
-inline constexpr std::uint32_t no_particle = std::numeric_limits<std::uint32_t>::max();
+/// Number of a particle: given in the order in which they come, and never again.
+using ParticleId = std::uint64_t;
+/// Id of a particle that has left.
+inline constexpr ParticleId no_particle = std::numeric_limits<ParticleId>::max();
+/// Place of what is not there.
+inline constexpr std::uint32_t no_place = std::numeric_limits<std::uint32_t>::max();
 
 /// Centre and radius of one sphere [m]: what a search and the gap of a pair need, half a cache
 /// line.

@@ -52,7 +52,7 @@ void check_forms(const CoupledParticles& of, const Drag& drag, const Forces& for
 }
 
 template <class Forces>
-void remember_slips(Forces& forces, std::span<const std::uint32_t> id, std::span<const Vec3d> slip,
+void remember_slips(Forces& forces, std::span<const ParticleId> id, std::span<const Vec3d> slip,
                     double dt, const Team& team) {
   const auto tell = [&](auto& force) {
     if constexpr (remembers<std::decay_t<decltype(force)>>) force.remember(id, slip, dt, team);

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include <silt/core/position_row.hpp>
 #include <silt/coupling/averaging/concept.hpp>
 #include <silt/coupling/drag/form_in_flow.hpp>
 #include <silt/fluid/flow_solver.hpp>
@@ -64,7 +65,7 @@ struct CoupledParticles {
   std::span<const Vec3d> owed = {};  // [N s] taken beyond what the fluid gave in its last step
   std::span<HeldDrag> drag = {};     // renewed where the tolerance asks for it
   std::span<const FormInFlow> forms = {};  // of bodies, where a force or the drag sees forms
-  std::span<const std::uint32_t> id = {};  // that each keeps; where a force has a history
+  std::span<const ParticleId> id = {};     // that each keeps; where a force has a history
   double inertia_factor = 0.4;             // [-] I/(m r^2) of spheres
 };
 
@@ -81,7 +82,7 @@ struct ParticlesInFluid {
   std::vector<std::uint32_t> form;
   std::vector<AveragedForm> forms;
   std::vector<FormInFlow> forms_in_flow;  // if asked for
-  std::vector<std::uint32_t> id;
+  std::vector<ParticleId> id;
   double inertia_factor = 0.4;  // [-]
 
   void resize(std::size_t n, bool bodies, bool turns, bool follows) {

@@ -5,11 +5,13 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <numeric>
 #include <optional>
 #include <vector>
 
+#include <silt/core/id_table.hpp>
 #include <silt/engine/advance/body_motion.hpp>
 #include <silt/engine/advance/sphere_motion.hpp>
 #include <silt/engine/contact/shape_inertia.hpp>
@@ -288,11 +290,38 @@ class Engine {
   }
   const Team& team() const { return *team_; }
   /// The number of the particle that a row is, or belongs to.
-  std::uint32_t id_of(std::size_t row) const {
+  ParticleId id_of(std::size_t row) const {
     if constexpr (has_bodies)
       return mover.bodies[particles.part[row].body].id;
     else
       return particles.id[row];
+  }
+  /// The place of the particle with this id; rows_of_particles() if there is none.
+  std::size_t find(ParticleId wanted) const {
+    const std::size_t n = rows_of_particles();
+    if (indexed_ != particles.changes) {
+      places_.clear();
+      for (std::size_t k = 0; k < n; ++k)
+        if (const ParticleId id = id_at(k); id != no_particle)
+          places_.at(id) = static_cast<std::uint32_t>(k);
+      indexed_ = particles.changes;
+    }
+    const std::uint32_t k = wanted == no_particle ? no_place : places_.find(wanted);
+    return k == no_place ? n : k;
+  }
+  /// Of the particle at place k.
+  ParticleId id_at(std::size_t k) const {
+    if constexpr (has_bodies)
+      return mover.bodies[k].id;
+    else
+      return particles.id[k];
+  }
+  /// The row of the particle at place k, of a body that of its first part.
+  std::size_t first_row(std::size_t k) const {
+    if constexpr (has_bodies)
+      return mover.rows[mover.bodies[k].first];
+    else
+      return k;
   }
   /// Particles: bodies, or rows.
   std::size_t rows_of_particles() const {
@@ -329,6 +358,7 @@ class Engine {
   /// Completes a restored state.
   void restored(double speed, double overlap, double share) {
     largest_speed = speed, largest_overlap = overlap, largest_share = share;
+    indexed_ = never_indexed;
     lists.restored();
   }
 
@@ -431,6 +461,9 @@ class Engine {
   WallStage wall_pipeline_;
   struct NoShares {};
   [[no_unique_address]] std::conditional_t<shares, SharedContacts<Scalar>, NoShares> shared_;
+  static constexpr std::uint64_t never_indexed = std::numeric_limits<std::uint64_t>::max();
+  mutable std::uint64_t indexed_ = never_indexed;  // particles.changes that places_ is of
+  mutable IdTable places_;
   AlignedVector<Scalar> sums_;  // [N] load on each particle, zero between the steps
   std::vector<std::uint16_t> kinds_;
 };

@@ -61,8 +61,10 @@ constexpr std::string_view vtk_type() {
     return "Int32";
   else if constexpr (std::is_same_v<T, std::uint32_t>)
     return "UInt32";
+  else if constexpr (std::is_same_v<T, std::uint64_t>)
+    return "UInt64";
   else
-    static_assert(sizeof(T) == 0, "a VTK field is of double, float, int32_t or uint32_t");
+    static_assert(sizeof(T) == 0, "a VTK field is of double, float, int32_t, uint32_t or uint64_t");
 }
 
 template <class T>
@@ -153,7 +155,7 @@ inline std::vector<std::int32_t> vtk_cell_ends(const std::string& path, std::siz
 ///   fields.add("radius [m]", radii).add("velocity [m/s]", velocities);
 class VtkFields {
  public:
-  /// An array of double, float, int32_t or uint32_t, or of Vec3 or std::array of these.
+  /// An array of double, float, int32_t, uint32_t or uint64_t, or of Vec3 or std::array of these.
   template <class Values>
   VtkFields& add(std::string_view name, Values&& values) {
     detail::require_plain("VtkFields: a field's name", name);

@@ -237,9 +237,9 @@ class Checkpoint {
       std::size_t count = particles_.size();
       if constexpr (Sim::has_bodies) {
         a.rows("bodies", bodies_, detail::CheckpointLoader::any_count);
-        rows_ = detail::check_bodies(a, bodies_, particles_, e_.mover.forms, materials);
+        rows_ = detail::check_bodies(a, bodies_, particles_, e_.mover.forms);
         count = bodies_.size();
-        std::vector<std::uint32_t> ids;
+        std::vector<ParticleId> ids;
         for (const auto& b : bodies_) ids.push_back(b.id);
         detail::check_ids(a, "body", std::move(ids), clock_.next_id);
       }

@@ -61,7 +61,7 @@ void check_upkeep(const CheckpointLoader& a, const ClockState& c, const Upkeep& 
 
 /// Ids are unique and below the next one; returns how many have one.
 template <class Ids>
-std::size_t check_ids(const CheckpointLoader& a, const char* what, Ids ids, std::uint32_t next) {
+std::size_t check_ids(const CheckpointLoader& a, const char* what, Ids ids, ParticleId next) {
   std::sort(ids.begin(), ids.end());
   const auto end = std::lower_bound(ids.begin(), ids.end(), no_particle);
   const auto twice = std::adjacent_find(ids.begin(), end);
@@ -122,13 +122,12 @@ void check_particles(const CheckpointLoader& a, const State& p, std::size_t mate
 /// Returns the rows of each body's parts, as BodyMotion numbers them.
 template <class State, class Forms>
 std::vector<std::uint32_t> check_bodies(const CheckpointLoader& a, const std::vector<Body>& bodies,
-                                        const State& p, const Forms& forms, std::size_t materials) {
+                                        const State& p, const Forms& forms) {
   std::size_t first = 0;
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     const Body& b = bodies[k];
     a.need(b.form < forms.size(), "body ", k, " has form ", b.form, " of ", forms.size());
     const auto& form = forms[b.form];
-    a.need(b.material < materials, "body ", k, " has material ", b.material, " of ", materials);
     a.need(b.first == first, "body ", k, " begins at part ", b.first, ", not at ", first);
     a.need(silt::is_finite(b.centre) && silt::is_finite(b.velocity) && silt::is_finite(b.momentum),
            "body ", k, ": its place ", b.centre, " m, velocity ", b.velocity,
@@ -154,14 +153,14 @@ std::vector<std::uint32_t> check_bodies(const CheckpointLoader& a, const std::ve
     first += form.parts.size();
   }
   a.need(first == p.size(), "bodies have ", first, " parts, but there are ", p.size(), " rows");
-  std::vector<std::uint32_t> rows(first, no_particle);
+  std::vector<std::uint32_t> rows(first, no_place);
   for (std::size_t r = 0; r < p.size(); ++r) {
     const PartRow& part = p.part[r];
     a.need(part.body < bodies.size() && part.local < forms[bodies[part.body].form].parts.size(),
            "row ", r, " is part ", part.local, " of body ", part.body, ", which is not there");
     const Body& b = bodies[part.body];
     std::uint32_t& place = rows[b.first + part.local];
-    a.need(place == no_particle, "rows ", place, " and ", r, " are one part of body ", part.body);
+    a.need(place == no_place, "rows ", place, " and ", r, " are one part of body ", part.body);
     place = static_cast<std::uint32_t>(r);
     a.need(p.is_parked(r) == (b.id == no_particle), "row ", r,
            " and its body do not agree whether they have left");
@@ -174,9 +173,11 @@ std::vector<std::uint32_t> check_bodies(const CheckpointLoader& a, const std::ve
     a.need(norm(p.position[r].centre() - at) <= 1e-6 * size, "row ", r, " is at ",
            p.position[r].centre(), " m, but as a part of its body at ", at, " m");
     a.need(p.motion[r].inv_m == b.inv_m, "row ", r, " has another mass than its body");
-    if constexpr (State::several)
-      a.need(p.material[r] == b.material, "row ", r, " has another material than its body");
   }
+  if constexpr (State::several)
+    for (std::size_t r = 0; r < p.size(); ++r)
+      a.need(p.material[r] == p.material[rows[bodies[p.part[r].body].first]], "row ", r,
+             " has another material than its body");
   return rows;
 }
 

@@ -24,7 +24,7 @@ struct ClockState {
   double largest_speed = 0, largest_overlap = 0, largest_share = 0;
   std::int64_t step = 0, step_origin = 0;
   std::uint64_t safeguards = 0;
-  std::uint32_t next_id = 0, next_part = 0;
+  ParticleId next_id = 0, next_part = 0;
   bool first_kick = true, kicked = false, scene_changed = false;
 
   template <class Archive>
@@ -37,8 +37,8 @@ struct ClockState {
     a.number("clock.first_kick", first_kick, flag_number);
     a.number("clock.kicked", kicked, flag_number);
     a.number("clock.scene_changed", scene_changed, flag_number);
-    a.number("next_id", next_id, place_number);
-    a.number("next_part", next_part, place_number);
+    a.number("next_id", next_id, count_number);
+    a.number("next_part", next_part, count_number);
     a.number("guard.checked_speed", checked_speed, not_negative_number);
     a.number("guard.peak_overlap", peak_overlap, not_negative_number);
     a.number("guard.safeguards", safeguards, count_number);

@@ -164,7 +164,7 @@ template <class Sim>
 void write_parts(const std::string& file, const Sim& sim) requires(Sim::has_bodies) {
   std::vector<Vec3d> position;
   std::vector<float> radius;
-  std::vector<std::uint32_t> id;
+  std::vector<ParticleId> id;
   const auto& e = sim.engine();
   for (std::size_t row = 0; row < e.particles.size(); ++row) {
     if (e.particles.is_parked(row)) continue;
@@ -183,7 +183,8 @@ void write_surfaces(const std::string& file, const Sim& sim) requires(Sim::has_s
   std::vector<SurfaceMesh> of_forms;
   for (const auto& form : sim.forms()) of_forms.push_back(surface_of(form.shape));
   SurfaceMesh all;
-  std::vector<std::uint32_t> id, form;
+  std::vector<ParticleId> id;
+  std::vector<std::uint32_t> form;
   std::vector<std::array<float, 3>> velocity;
   for (std::size_t k = 0; k < sim.rows(); ++k) {
     if (!sim.is_present(k)) continue;

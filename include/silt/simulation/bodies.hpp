@@ -47,7 +47,7 @@ void Simulation<Policies...>::add_bodies(std::span<const Particle> more,
     b.orientation = p.orientation * form.mass.axes;
     const Vec3d w = rotate(conjugate(b.orientation), p.angular_velocity);
     b.momentum = {w.x * b.inertia.x, w.y * b.inertia.y, w.z * b.inertia.z};
-    b.id = next_id_++, b.form = number, b.material = static_cast<std::uint32_t>(p.material);
+    b.id = next_id_++, b.form = number;
     b.first = first;
     for (std::uint32_t local = 0; local < form.parts.size(); ++local) {
       const Vec3d c = b.centre + rotate(b.orientation, scale * form.parts[local].centre);

@@ -20,7 +20,7 @@ detail::Meetings Simulation<Policies...>::meetings() const {
   if constexpr (has_bodies) {
     for (const auto& b : bodies()) {
       if (b.id == no_particle) continue;
-      auto& of_material = all.spheres[ContactsType::several_materials ? b.material : 0];
+      auto& of_material = all.spheres[material(static_cast<std::size_t>(&b - bodies().data()))];
       if (b.inv_m > 0)
         engine_.mover.forms[b.form].include_lightest(of_material, b.scale, 1 / b.inv_m);
       else

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include <silt/core/id_table.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/coupling/fluid_force.hpp>
 #include <silt/coupling/unsteady/basset.hpp>
@@ -58,7 +59,7 @@ class HistoryForce {
 
   /// A fluid step of dt [s] begins; slips [m/s] of particles with these ids, not numbers where
   /// there is no fluid.
-  void remember(std::span<const std::uint32_t> id, std::span<const Vec3d> slip, double dt,
+  void remember(std::span<const ParticleId> id, std::span<const Vec3d> slip, double dt,
                 const Team& team) {
     const double known = history_ ? history_->kernel().dt : first_;
     require(
@@ -125,7 +126,7 @@ class HistoryForce {
     std::vector<double> owners;
     for (std::size_t k = 0; k < n; ++k) {
       const double id = all[3 + 4 * k];
-      require(id >= 0 && id < static_cast<double>(none) && id == std::floor(id),
+      require(id >= 0 && id <= 0x1p53 && id == std::floor(id),
               "HistoryForce: its state is of particle ", id);
       owners.push_back(id);
     }
@@ -135,7 +136,7 @@ class HistoryForce {
     first_ = all[0];
     for (std::size_t k = 0; k < n; ++k) {
       const double* of = &all[3 + 4 * k];
-      owner_.push_back(static_cast<std::uint32_t>(of[0])), last_.push_back({of[1], of[2], of[3]});
+      owner_.push_back(static_cast<ParticleId>(of[0])), last_.push_back({of[1], of[2], of[3]});
       slot_of_.at(owner_[k]) = static_cast<std::uint32_t>(k);
     }
     if (!(all[1] > 0)) return;
@@ -144,34 +145,13 @@ class HistoryForce {
   }
 
  private:
-  static constexpr std::uint32_t none = ~0u;
-
-  /// A number for each id, in pages: of those that are in use alone, so that a high id costs no
-  /// more memory than a low one.
-  class Slots {
-   public:
-    std::uint32_t& at(std::uint32_t id) {
-      const std::size_t p = id / page;
-      if (p >= pages_.size()) pages_.resize(p + 1);
-      if (pages_[p].empty()) pages_[p].assign(page, none);
-      return pages_[p][id % page];
-    }
-    std::uint32_t find(std::uint32_t id) const {
-      const std::size_t p = id / page;
-      return p < pages_.size() && !pages_[p].empty() ? pages_[p][id % page] : none;
-    }
-    void clear() { pages_.clear(); }
-
-   private:
-    static constexpr std::uint32_t page = 1 << 16;
-    std::vector<std::vector<std::uint32_t>> pages_;
-  };
+  static constexpr std::uint32_t none = no_place;
 
   static double factor(const InFluid& at) {
     return basset_coefficient(at.diameter, at.density, at.viscosity);
   }
   /// Fills the places of those that have left with the last ones.
-  void forget_those_not_in(std::span<const std::uint32_t> id, std::span<const Vec3d> slip) {
+  void forget_those_not_in(std::span<const ParticleId> id, std::span<const Vec3d> slip) {
     here_.assign(owner_.size(), 0);
     for (std::size_t p = 0; p < id.size(); ++p)
       if (const std::uint32_t slot = slot_of_.find(id[p]); slot != none && !std::isnan(slip[p].x))
@@ -193,10 +173,10 @@ class HistoryForce {
   std::size_t window_;  // [fluid steps]
   double first_ = 0;    // [s] the first fluid step; 0: none yet
   std::optional<BassetHistory<>> history_;
-  std::vector<std::uint32_t> owner_;  // id of a place in the history
-  Slots slot_of_;                     // the opposite
-  std::vector<Vec3d> last_;           // [m/s] slip of each place, a step ago
-  std::vector<std::uint32_t> slot_;   // of each particle of this step
+  std::vector<ParticleId> owner_;    // id of a place in the history
+  detail::IdTable slot_of_;                  // the opposite
+  std::vector<Vec3d> last_;          // [m/s] slip of each place, a step ago
+  std::vector<std::uint32_t> slot_;  // of each particle of this step
   std::vector<char> here_;
 };
 

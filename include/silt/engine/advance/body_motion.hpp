@@ -141,7 +141,7 @@ class BodyMotion {
 
   /// After parts were sorted or dropped: brings the bodies into the order of their first parts.
   void follow(State& particles) {
-    std::vector<std::uint32_t> place(bodies.size(), no_particle);
+    std::vector<std::uint32_t> place(bodies.size(), no_place);
     std::vector<Body> sorted;
     std::vector<Synchronous> recorded;
     std::vector<std::uint32_t> order;
@@ -149,7 +149,7 @@ class BodyMotion {
     sorted.reserve(bodies.size());
     for (std::size_t r = 0; r < particles.size(); ++r) {
       auto& part = particles.part[r];
-      if (place[part.body] == no_particle) {
+      if (place[part.body] == no_place) {
         place[part.body] = static_cast<std::uint32_t>(sorted.size());
         sorted.push_back(bodies[part.body]);
         order.push_back(part.body);
@@ -168,7 +168,7 @@ class BodyMotion {
   void number_rows(const State& particles) {
     std::size_t count = 0;
     for (const Body& b : bodies) count += forms[b.form].parts.size();
-    rows.assign(count, no_particle);
+    rows.assign(count, no_place);
     for (std::size_t r = 0; r < particles.size(); ++r)
       rows[bodies[particles.part[r].body].first + particles.part[r].local] =
           static_cast<std::uint32_t>(r);

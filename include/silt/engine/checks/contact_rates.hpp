@@ -194,7 +194,7 @@ class ContactRates {
       for_each_convex_contact(e_, domain, back_, [&](const SeenContact& c) {
         const double R = 2 * c.R_eff, a = e_.particles.motion[c.i].inv_m;
         const double all = c.inverse_mass_i + c.inverse_mass_j;
-        if (c.j == no_particle)
+        if (c.j == no_place)
           return add(
               c.i, a, 0, c.normal, c.inverse_mass_i - a, 0,
               linear(c.i, e_.walls[c.wall].material, c.normal, c.overlap, {c.R_eff, 0}, all, all));

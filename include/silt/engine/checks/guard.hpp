@@ -89,7 +89,7 @@ template <class EngineType>
 struct SurfaceSpeed {
   double centre = 0, by_spin = 0;  // [m/s] by_spin: 0 of spheres
   double spin = 0;                 // [rad/s]
-  std::uint32_t id = no_particle;
+  ParticleId id = no_particle;
 
   double sum() const { return centre + by_spin; }
   bool is_of_tips() const { return by_spin > 0.1 * centre; }
@@ -139,7 +139,7 @@ template <class EngineType>
   const FastestParticle fastest = fastest_particle(e);
   const bool is_wall = wall_way > way;
   const Vec3d where = is_wall ? Vec3d{} : fastest.centre;
-  std::vector<std::uint32_t> ids;
+  std::vector<ParticleId> ids;
   if (!is_wall) ids.push_back(fastest.speed.id);
   const auto who = is_wall ? text("wall ", fastest_wall(e), " moves")
                    : fastest.speed.is_of_tips()

@@ -48,14 +48,14 @@ template <class EngineType>
 /// What observers, or the program between two runs, have made of gravity and the particles.
 template <class EngineType>
 void check_given(const EngineType& e, const Vec3d& gravity, std::int64_t step, double time) {
-  const auto stop = [&](const std::string& what, std::vector<std::uint32_t> ids, const Vec3d& at) {
+  const auto stop = [&](const std::string& what, std::vector<ParticleId> ids, const Vec3d& at) {
     throw SimulationError(text("step ", step, ", t = ", time, " s: ", what,
                                ", which must be finite; an observer, or the program between two "
                                "runs, has set it"),
                           step, std::move(ids), at);
   };
   if (!is_finite(gravity)) stop(text("Simulation::gravity = ", gravity, " [m/s2]"), {}, {});
-  const auto look = [&](std::uint32_t id, const Vec3d& place, const Vec3d& velocity) {
+  const auto look = [&](ParticleId id, const Vec3d& place, const Vec3d& velocity) {
     if (!is_finite(place)) stop(text("the place of particle ", id, " is ", place, " m"), {id}, {});
     if (!is_finite(velocity))
       stop(text("the velocity of particle ", id, " at ", place, " m is ", velocity, " m/s"), {id},

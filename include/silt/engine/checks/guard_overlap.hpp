@@ -69,7 +69,7 @@ template <class EngineType, class Domain, class Visit>
                                     const Visit& visit) {
   if constexpr (EngineType::convex) {
     for_each_convex_contact(e, domain, back, [&](const SeenContact& c) {
-      const bool with_wall = c.j == no_particle;
+      const bool with_wall = c.j == no_place;
       visit(c.i, with_wall ? 0 : c.j, c.wall, with_wall, c.share);
     });
   } else {

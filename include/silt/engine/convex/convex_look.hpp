@@ -12,7 +12,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// A contact of convex bodies, by their rows; or of one with a wall, j then being no_particle.
+/// A contact of convex bodies, by their rows; or of one with a wall, j then being no_place.
 struct SeenContact {
   std::uint32_t i, j;
   std::uint16_t wall;
@@ -104,7 +104,7 @@ void for_each_convex_contact(const EngineType& e, const Domain& domain, double b
                                          e.lists.walls.facets(c), found);
     for (int k = 0; k < count; ++k)
       visit(SeenContact{
-          c.particle, no_particle, c.wall, found[k].normal, found[k].overlap, found[k].R_eff,
+          c.particle, no_place, c.wall, found[k].normal, found[k].overlap, found[k].R_eff,
           found[k].overlap / least(c.particle),
           found[k].gradient * found[k].gradient *
               at(c.particle)

@@ -385,11 +385,11 @@ class WallContacts {
     for (const PlaneRun& run : runs_)
       for (std::size_t s = run.from; s < run.to; ++s)
         if (remembers(s)) slots_[s] = {run.normal, true};
-    std::vector<std::uint32_t> inner(outer_.size(), no_particle);  // place in the inner list
+    std::vector<std::uint32_t> inner(outer_.size(), no_place);  // place in the inner list
     for (std::uint32_t k = 0; k < inner_.size(); ++k) inner[inner_[k].origin] = k;
     archive_.clear(), archived_.assign(outer_.size() + 1, 0);
     for (std::size_t o = 0; o < outer_.size(); ++o) {
-      if (inner[o] != no_particle) archive(inner[o]);
+      if (inner[o] != no_place) archive(inner[o]);
       archived_[o + 1] = static_cast<std::uint32_t>(archive_.size());
     }
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include <silt/core/position_row.hpp>
 #include <silt/core/quaternion.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -18,9 +19,8 @@ struct alignas(32) Body {
   Vec3d momentum;          // [kg m2/s] angular, in principal axes, at the last half step
   double scale;            // [-] of its form
   Vec3d inertia;           // [kg m2] principal moments; of fixed ones 1
-  std::uint32_t id;        // no_particle: has left
+  ParticleId id;           // no_particle: has left
   std::uint32_t form;
-  std::uint32_t material;
   std::uint32_t first = 0;  // place of the row of its first part in `rows`
   Vec3d lever{0, 0, 0};     // [m] BodyForm::lever in its size
 

@@ -44,7 +44,7 @@ class ParticleState {
   static constexpr bool single = std::is_same_v<PairScalar, float>;
   static constexpr std::size_t bytes_per_particle =
       sizeof(PositionRow) + sizeof(Motion) + (single ? sizeof(PairMotion) : 0) +
-      sizeof(std::uint32_t) + (SeveralMaterials ? sizeof(std::uint16_t) : 0) +
+      sizeof(ParticleId) + (SeveralMaterials ? sizeof(std::uint16_t) : 0) +
       derivative_rows * 4 * sizeof(double) + (OfBodies ? sizeof(PartRow) : 0) +
       FluidLoads<Given>::bytes;
   static constexpr bool of_bodies = OfBodies, several = SeveralMaterials;
@@ -52,7 +52,7 @@ class ParticleState {
   AlignedVector<PositionRow> position;
   AlignedVector<Motion> motion;
   AlignedVector<HigherDerivatives> derivatives;  // if the integrator has any
-  std::vector<std::uint32_t> id;
+  std::vector<ParticleId> id;
   std::vector<std::uint16_t> material;
   std::vector<PartRow> part;  // of bodies
   [[no_unique_address]] FluidLoads<Given> fluid;
@@ -61,6 +61,7 @@ class ParticleState {
   double mean_diameter = 0;    // [m]
   bool some_fixed = false;     // particles of infinite mass
   std::size_t parked = 0;      // those that have left since the last search
+  std::uint64_t changes = 0;   // how often places have changed, or who is there
 
   /// The motion as the pair kernel reads it.
   const PairMotion* pair_motion() const {
@@ -91,7 +92,7 @@ class ParticleState {
 
   ParticleState() { pad(); }
 
-  void add(const PositionRow& p, const Motion& m, std::uint32_t new_id, std::uint16_t of) {
+  void add(const PositionRow& p, const Motion& m, ParticleId new_id, std::uint16_t of) {
     position.resize(size()), motion.resize(size());
     position.push_back(p), motion.push_back(m);
     id.push_back(new_id);
@@ -102,6 +103,7 @@ class ParticleState {
     if constexpr (SeveralMaterials) material.push_back(of);
     fluid.add();
     pad();
+    ++changes;
   }
 
   /// Measures sizes anew after particles were added or dropped.
@@ -129,7 +131,7 @@ class ParticleState {
     if constexpr (Derivatives > 0) derivatives[k] = {};
     id[k] = no_particle;
     fluid.remove(k);
-    ++parked;
+    ++parked, ++changes;
   }
   bool is_parked(std::size_t k) const { return id[k] == no_particle; }
 
@@ -141,6 +143,7 @@ class ParticleState {
     if constexpr (OfBodies) gather(part, order, team);
     fluid.for_each([&](const char*, auto& column) { gather(column, order, team); });
     pad();
+    ++changes;
   }
 
   void pad() {
