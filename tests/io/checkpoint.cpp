@@ -223,8 +223,8 @@ TEST_CASE(
   CHECK(has_words(damaged(content + "x"), {bad, "is damaged"}));
 
   auto newer = content;
-  newer[12] = 2;  // the format version follows magic and byte-order mark
-  CHECK(has_words(damaged(newer), {bad, "format version 2", "versions up to 1", "newer silt"}));
+  newer[12] = 3;  // the format version follows magic and byte-order mark
+  CHECK(has_words(damaged(newer), {bad, "format version 3", "reads version 2", "newer silt"}));
 
   silt::Random random(3);
   for (int k = 0; k < 60; ++k) {

@@ -290,8 +290,12 @@ TEST_CASE("checkpoint: missing, empty, foreign, newer, swapped and damaged files
   put(changed, 8, std::uint32_t{0x04030201});
   CHECK(has_words(sentence_for(with_checksum(changed)), {path, "other byte order"}));
   changed = good;
-  put(changed, 12, std::uint32_t{2});
-  CHECK(has_words(sentence_for(with_checksum(changed)), {path, "version 2", "up to 1", "newer"}));
+  put(changed, 12, std::uint32_t{3});
+  CHECK(has_words(sentence_for(with_checksum(changed)),
+                  {path, "version 3", "reads version 2", "newer"}));
+  put(changed, 12, std::uint32_t{1});
+  CHECK(has_words(sentence_for(with_checksum(changed)),
+                  {path, "version 1", "the silt that wrote it"}));
   changed = good;
   changed[good.size() - 30] ^= 1;
   CHECK(has_words(sentence_for(changed), {path, "damaged", "checksum"}));

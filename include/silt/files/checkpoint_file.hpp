@@ -92,7 +92,7 @@ inline constexpr std::uint64_t padded_to_8(std::uint64_t bytes) { return (bytes 
 // and for each its u32 name length, name, kind, size, u64 count.
 inline constexpr std::string_view checkpoint_magic = "\x89SILTCP\n";
 inline constexpr std::uint32_t byte_order_mark = 0x01020304;
-inline constexpr std::uint32_t checkpoint_version = 1;
+inline constexpr std::uint32_t checkpoint_version = 2;  // 2: ids of 64 bits
 inline constexpr std::size_t checkpoint_start = 32;  // [bytes] before the table
 inline constexpr std::size_t checkpoint_most_table = std::size_t{1} << 20;  // [bytes]
 
@@ -305,9 +305,12 @@ class CheckpointReader {
           "continued on such a machine");
     if (mark != detail::byte_order_mark) refuse("is damaged: its byte-order mark is wrong");
     if (version > detail::checkpoint_version)
-      refuse("has format version ", version, ", and this program reads versions up to ",
+      refuse("has format version ", version, ", and this program reads version ",
              detail::checkpoint_version, ": it is from a newer silt, or damaged");
     if (version == 0) refuse("is damaged: its format version is 0");
+    if (version < detail::checkpoint_version)
+      refuse("has format version ", version, ", and this program reads version ",
+             detail::checkpoint_version, ": go on from it with the silt that wrote it");
     if (size_ < whole) refuse("is truncated: ", size_, " of ", whole, " bytes are left");
     if (size_ > whole) refuse("is damaged: it has ", size_, " bytes, but was written with ", whole);
     return table_bytes;

@@ -174,7 +174,7 @@ class HistoryForce {
   double first_ = 0;    // [s] the first fluid step; 0: none yet
   std::optional<BassetHistory<>> history_;
   std::vector<ParticleId> owner_;    // id of a place in the history
-  detail::IdTable slot_of_;                  // the opposite
+  detail::IdTable slot_of_;          // the opposite
   std::vector<Vec3d> last_;          // [m/s] slip of each place, a step ago
   std::vector<std::uint32_t> slot_;  // of each particle of this step
   std::vector<char> here_;
