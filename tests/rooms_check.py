@@ -15,9 +15,9 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 # In order: each may include those before it. docs/architecture.md says what lies in each.
 ROOMS = """
-core files boundary shape contact motion search fill fluid coupling
-engine/state engine/lists engine/contact engine/spheres engine/convex engine/advance engine/checks
-engine/population engine simulation io study umbrella
+core files boundary shape contact motion search fill fluid coupling module
+engine/state engine/lists engine/contact engine/spheres engine/convex engine/stages engine/advance
+engine/checks engine/population engine simulation io study umbrella
 """.split()
 # Files that stand at the top of include/silt.
 AT_TOP = {"simulation.hpp": "simulation", "silt.hpp": "umbrella", "fluid.hpp": "umbrella"}

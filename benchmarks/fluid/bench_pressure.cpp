@@ -51,7 +51,7 @@ double median(std::vector<double> of) {
 }
 
 /// |b - A p| / |b|, by the definition.
-double residual_of(const PressureCase& a, const silt::Field& p) {
+double residual_of(const PressureCase& a, const silt::CellField& p) {
   double left = 0, whole = 0;
   const auto& g = a.grid;
   a.for_cells([&](int i, int j, int k) {
@@ -145,8 +145,8 @@ class Hypre {
     return result;
   }
 
-  silt::Field solution() const {
-    silt::Field p(case_.grid);
+  silt::CellField solution() const {
+    silt::CellField p(case_.grid);
     case_.for_cells([&](int i, int j, int k) {
       int at[3] = {i, j, k};
       HYPRE_StructVectorGetValues(x_, at, &p(i, j, k));
@@ -165,7 +165,7 @@ class Hypre {
 
 /// The largest difference of the gradients over faces of open cells, over the largest gradient: the
 /// pressure itself may be free by a constant.
-double difference(const PressureCase& of, const silt::Field& p, const silt::Field& q) {
+double difference(const PressureCase& of, const silt::CellField& p, const silt::CellField& q) {
   double most = 0, largest = 0;
   const auto face = [&](double a, double dp, double dq) {
     if (a <= 0) return;
@@ -205,7 +205,7 @@ void compare(example::Summary& summary, char name, int n, std::size_t repeats) {
   const silt::Team team(1);
   const PressureCase of = silt_test::pressure_case(name, n);
   silt::PressureSolver own(of.grid);
-  silt::Field p(of.grid);
+  silt::CellField p(of.grid);
   own.set(of.ax, of.ay, of.az, of.d, team);  // memory and open faces known, as in a run
   const Choice best = fastest(of);
   Hypre hypre(of, best.relax, best.rap, best.skip);

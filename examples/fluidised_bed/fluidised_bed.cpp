@@ -105,7 +105,7 @@ struct AsTheyLie {
 /// The law that the bed should follow.
 template <class Sim>
 auto law_of(const Sim& sim) {
-  if constexpr (Sim::has_bodies) {
+  if constexpr (Sim::of_bodies) {
     AsTheyLie law;
     const std::size_t every = std::max<std::size_t>(sim.rows() / 4000, 1);
     for (std::size_t k = 0; k < sim.rows(); k += every) {
@@ -121,7 +121,7 @@ auto law_of(const Sim& sim) {
 /// How far silt::Kernel reaches up from a grain [m], mean over the grains as they lie.
 template <class Sim>
 double reach_of(const Sim& sim, const Scene& s) {
-  if constexpr (Sim::has_bodies) {
+  if constexpr (Sim::of_bodies) {
     double sum = 0;
     for (std::size_t k = 0; k < sim.rows(); ++k) {
       const auto& grain = sim.forms()[sim.form(k)].shape;
@@ -502,7 +502,7 @@ int simulate(const Scene& s, const example::Options& options) {
   // Of the fastest gas which leaves it at rest: the bed still compacts as the gas falls.
   const double loose = falling[packed.size() - 1].height, voidage = bed.voidage(loose);
   const auto law = law_of(sim);
-  const std::string law_name = decltype(sim)::has_bodies ? "Drag law" : "Ergun";
+  const std::string law_name = decltype(sim)::of_bodies ? "Drag law" : "Ergun";
   const double measured = crossing(packed, s.weight());
   silt::CsvTable curve(options.out + "/pressure_drop.csv",
                        {"velocity [m/s]", "gas rising [Pa]", "gas falling [Pa]",
@@ -639,7 +639,7 @@ int simulate(const Scene& s, const example::Options& options) {
       "\nMinimum fluidisation at %.3f m/s; by %s %.3f m/s of the bed's layers as the kernel blurs "
       "them, %.3f m/s at its voidage, up to %.3f; Ergun's at 0.4 %.3f m/s.\nAt %.2f m/s: %.3f of "
       "the weight borne by the gas, height %.2f times that at rest.\n",
-      measured, decltype(sim)::has_bodies ? "the drag law" : "Ergun", expected, by_law, voidage,
+      measured, decltype(sim)::of_bodies ? "the drag law" : "Ergun", expected, by_law, voidage,
       s.velocity_by(silt::Ergun{}, 0.4), s.bubbling * measured, bubbling.pressure_drop / s.weight(),
       bubbling.height / loose);
   summary.print_checks();

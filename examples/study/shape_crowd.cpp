@@ -62,7 +62,7 @@ template <class S>
 class CrowdOf final : public Crowd {
   using Sim = decltype(simulation_of<S>(std::declval<Model>(), std::declval<World>(),
                                         std::vector<Grain>{}));
-  static constexpr bool bodies = Sim::has_bodies;
+  static constexpr bool bodies = Sim::of_bodies;
 
  public:
   CrowdOf(const Model& model, const World& world, const std::vector<Grain>& grains)

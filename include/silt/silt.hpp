@@ -31,8 +31,11 @@
 #include <silt/fill/particles.hpp>
 #include <silt/io/checkpoint.hpp>
 #include <silt/io/observers.hpp>
+#include <silt/io/particle_csv.hpp>
 #include <silt/io/progress.hpp>
 #include <silt/io/scene_warnings.hpp>
+#include <silt/module/body_force.hpp>
+#include <silt/module/field.hpp>
 #include <silt/search/brute_force.hpp>
 #include <silt/search/cell_grid.hpp>
 #include <silt/search/fastest_of.hpp>

@@ -18,11 +18,14 @@
 #include <silt/engine/checks/time_step.hpp>
 #include <silt/engine/contact/ask_on_lanes.hpp>
 #include <silt/engine/engine.hpp>
+#include <silt/engine/population/arrivals.hpp>
 #include <silt/engine/population/openings.hpp>
+#include <silt/engine/stages/module_stage.hpp>
 #include <silt/fill/particles.hpp>
 #include <silt/search/verlet_list.hpp>
-#include <silt/simulation/axes.hpp>
 #include <silt/simulation/energy_ledger.hpp>
+#include <silt/simulation/module_access.hpp>
+#include <silt/simulation/observing.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -41,42 +44,36 @@ namespace silt::inline SILT_TARGET {
 ///   integrator Leapfrog, SymplecticEuler, Gear                Leapfrog
 ///   rotation   NoSquish, Spiral: of bodies                    NoSquish
 ///   ledger     EnergyLedger                                   no books of the energy
+///   modules    Field<"name">, BodyForce, structs of one's own none; any number of them
 ///
 /// Lengths in m, times in s, masses in kg. Errors: InputError for values and combinations that
 /// cannot be used, SimulationError for a run that breaks a limit of `guard`; policies that do not
 /// make a simulation: a sentence at compile time (simulation/refused_simulation.hpp).
 template <class... Policies>
-class Simulation {
+class Simulation : public detail::ModuleAccess<Simulation<Policies...>> {
  public:
-  using ParticlesType = detail::pick<detail::IsParticles, void, Policies...>;
-  using ContactsType = detail::pick<detail::IsContacts, void, Policies...>;
-  using Search = detail::pick<detail::IsSearch, VerletList<>, Policies...>;
-  using Domain = detail::pick<detail::IsDomain, OpenDomain, Policies...>;
-  using Fluid = detail::pick<detail::IsFluid, NoFluid, Policies...>;
-  using Arch = typename detail::pick<detail::IsKernels, KernelsFor<DefaultArch>, Policies...>::type;
-  using Precision = detail::pick<detail::IsPrecision, Double, Policies...>;
-  using Integrator = detail::pick<detail::IsIntegrator, Leapfrog, Policies...>;
-  using Rotation = detail::pick<detail::IsRotation, NoSquish, Policies...>;
-  using ShapeType = typename ParticlesType::ShapeType;
+  using Composition = typename detail::InOrder<Policies...>::OfSimulation;
+  using ParticlesType = typename Composition::ParticlesType;
+  using ContactsType = typename Composition::UserContacts;
+  using Search = typename Composition::Search;
+  using Domain = typename Composition::Domain;
+  using Fluid = typename Composition::Fluid;
+  using Precision = typename Composition::Precision;
+  using Integrator = typename Composition::Integrator;
+  using Rotation = typename Composition::Rotation;
+  using Modules = typename Composition::Modules;
+  using ShapeType = typename Composition::Shape;
   /// Particles are rigid bodies with an orientation, of one part or several.
-  static constexpr bool has_bodies = BodyShape<ShapeType>;
+  static constexpr bool of_bodies = Composition::has_bodies;
   /// ... whose shape is no set of spheres.
-  static constexpr bool has_surfaces = SolidShape<ShapeType>;
-  static_assert(has_bodies || detail::count<detail::IsRotation, Policies...> == 0,
-                "spheres have no orientation: leave the rotation out");
-  static constexpr bool has_ledger = detail::count<detail::IsLedger, Policies...> > 0;
-  static constexpr bool rotates = ContactsType::rotates || has_bodies;
-  static constexpr detail::FromFluid from_fluid = detail::loads_of_fluid<Fluid>;
-  static constexpr bool turned_by_fluid = detail::turns(from_fluid);
-  static constexpr bool follows_fluid = detail::follows(from_fluid);
-  static_assert(rotates || !turned_by_fluid,
-                "a force of the fluid has a torque, but these spheres do not rotate: take a "
-                "contact law with friction, or leave that force out");
-  using BooksOrNot = std::conditional_t<has_ledger, detail::WithLedger<ContactsType>, ContactsType>;
-  using EngineContacts = typename detail::ContactsOf<ShapeType, BooksOrNot>::type;
-  static_assert(detail::laws_fit_lanes<EngineContacts, Arch>());
-  using Engine = detail::Engine<ShapeType, EngineContacts, Search, Domain, Arch, Precision,
-                                Integrator, Rotation, from_fluid>;
+  static constexpr bool has_surfaces = Composition::has_surfaces;
+  static constexpr bool has_ledger = Composition::has_ledger;
+  static constexpr bool rotates = Composition::rotates;
+  static constexpr bool turned_by_fluid = detail::turns(Composition::from_fluid);
+  static constexpr bool follows_fluid = detail::follows(Composition::from_fluid);
+  static_assert(
+      detail::laws_fit_lanes<typename Composition::Contacts, typename Composition::Arch>());
+  using Engine = detail::Engine<typename detail::InOrder<Policies...>::OfEngine>;
 
   static_assert(
       !(Integrator::derivatives > 0 && detail::has_safeguard<typename ContactsType::Law>),
@@ -87,11 +84,13 @@ class Simulation {
   /// bytes_per_body come once a body.
   static constexpr std::size_t bytes_per_particle = Engine::State::bytes_per_particle;
   static constexpr std::size_t bytes_per_body =
-      has_bodies ? sizeof(detail::Body) + detail::FluidLoads<from_fluid>::bytes : 0;
+      of_bodies ? sizeof(detail::Body) + detail::FluidLoads<Composition::from_fluid>::bytes +
+                      detail::ModuleColumns<Modules>::bytes
+                : 0;
   /// State of one contact [bytes]: two indices and the history of the law.
   static constexpr std::size_t bytes_per_contact =
-      2 * sizeof(std::uint32_t) +
-      detail::history_numbers<EngineContacts> * sizeof(typename Precision::PairScalar);
+      2 * sizeof(std::uint32_t) + detail::history_numbers<typename Composition::Contacts> *
+                                      sizeof(typename Precision::PairScalar);
 
   Vec3d gravity{0, 0, 0};           // [m/s2]
   std::optional<double> time_step;  // [s]; left out: a 20th of the shortest contact
@@ -103,7 +102,8 @@ class Simulation {
       : contacts_(detail::take<ContactsType>(policies...)),
         search_(detail::take_or<Search>(policies...)),
         domain_(detail::take_or<Domain>(policies...)),
-        fluid_(detail::take_or<Fluid>(policies...)) {
+        fluid_(detail::take_or<Fluid>(policies...)),
+        modules_(Modules::taken_from(policies...)) {
     if constexpr (requires { search_.check(); }) search_.check();
     add(detail::take<ParticlesType>(policies...));
   }
@@ -112,18 +112,7 @@ class Simulation {
 
   /// Adds a wall of `material`, which may move; returns its number. Pose 0 is that at time 0.
   std::size_t add_wall(Surfaces surfaces, const typename ContactsType::Material& material,
-                       Motion motion = {}) {
-    for (const auto& part : surfaces.parts)
-      detail::visit_surface(part, [](const auto& s) {
-        if constexpr (requires { s.check(); }) s.check();
-      });
-    Wall wall{std::move(surfaces.parts), contacts_.add(material), std::move(motion)};
-    if (wall.moves()) wall.pose = wall.last_pose = wall.motion(time_);
-    engine_.walls.push_back(std::move(wall));
-    engine_.lists.forget();
-    scene_changed_ = true, scene_step_ = step_;
-    return engine_.walls.size() - 1;
-  }
+                       Motion motion = {});
   /// Takes away the surfaces of wall k: a lid that opens. Its number stays taken.
   void remove_wall(std::size_t k) {
     wall_at(k).surfaces.clear();
@@ -145,13 +134,7 @@ class Simulation {
   /// Places new particles at a rate; see Inlet.
   template <Region R>
   std::size_t add_inlet(const R& region, const InletFlow& flow) {
-    if constexpr (has_bodies)
-      require(flow.form < engine_.mover.forms.size(), "InletFlow.form = ", flow.form,
-              " is none of the ", engine_.mover.forms.size(),
-              " forms of the simulation; make it with add_form before");
-    else
-      require(flow.form == 0, "InletFlow.form = ", flow.form,
-              ", but spheres have no form; leave it out");
+    detail::check_form(engine_, flow);
     scene_changed_ = true;
     return openings_.add_inlet(region, flow, time_);
   }
@@ -170,7 +153,7 @@ class Simulation {
   /// Whether several parts of a body that press on one partner share the stiffness of a contact
   /// (engine/contact/shared_contacts.hpp); true unless set. Without, a body is the stiffer the more
   /// parts it touches with.
-  void share_contacts(bool yes) requires(has_bodies && !SolidShape<ShapeType>) {
+  void share_contacts(bool yes) requires(of_bodies && !SolidShape<ShapeType>) {
     engine_.share_contacts = yes;
   }
 
@@ -192,6 +175,7 @@ class Simulation {
       if (stop) break;
       if (kicked_) engine_.drift(dt_);
       kicked_ = false;
+      modules_.update(engine_, step_ + 1, time_at(step_ + 1), dt_);
     }
     (detail::end(observers, *this), ...);
     continued_ = false;
@@ -204,76 +188,42 @@ class Simulation {
   double step_length() const { return dt_; }   // [s] in use
   /// True from a restart on until the end of the run that goes on from it.
   bool continued() const { return continued_; }
-  std::size_t size() const {
-    if constexpr (has_bodies)
-      return static_cast<std::size_t>(std::count_if(
-          bodies().begin(), bodies().end(), [](const auto& b) { return b.id != no_particle; }));
-    else
-      return engine_.particles.size() - engine_.particles.parked;
-  }
+  std::size_t size() const { return engine_.present(); }
   /// Places 0 ... rows()-1 in memory; those where id() is silt::no_particle have left.
-  std::size_t rows() const { return engine_.rows_of_particles(); }
-  ParticleId id(std::size_t k) const {
-    if constexpr (has_bodies)
-      return bodies()[known(k)].id;
-    else
-      return engine_.particles.id[known(k)];
-  }
+  std::size_t rows() const { return engine_.owners(); }
+  ParticleId id(std::size_t k) const { return engine_.owner(known(k)).id(); }
   bool is_present(std::size_t k) const { return id(k) != no_particle; }
   Vec3d position(std::size_t k) const {  // [m] of the centre of mass
-    if constexpr (has_bodies)
-      return bodies()[known(k)].centre;
-    else
-      return engine_.particles.position[known(k)].centre();
+    return engine_.owner(known(k)).centre();
   }
   double radius(std::size_t k) const {  // [m] of bodies that of the bounding sphere
-    if constexpr (has_bodies)
-      return bodies()[known(k)].radius;
-    else
-      return engine_.particles.position[known(k)].r;
+    return engine_.owner(known(k)).radius();
   }
   double mass(std::size_t k) const {  // [kg] infinite: fixed
-    double inv_m;
-    if constexpr (has_bodies)
-      inv_m = bodies()[known(k)].inv_m;
-    else
-      inv_m = engine_.particles.motion[known(k)].inv_m;
-    return inv_m > 0 ? 1 / inv_m : INFINITY;
+    return engine_.owner(known(k)).mass();
   }
   Vec3d velocity(std::size_t k) const {  // [m/s] at time()
-    if (kicked_) return engine_.mover.synchronous[known(k)].velocity;
-    if constexpr (has_bodies)
-      return bodies()[known(k)].velocity;
-    else
-      return engine_.particles.motion[known(k)].velocity();
+    const auto p = engine_.owner(known(k));
+    return kicked_ ? p.velocity_now() : p.velocity();
   }
   Vec3d angular_velocity(std::size_t k) const  // [rad/s] at time()
       requires rotates {
-    if constexpr (has_bodies) {
-      return kicked_ ? engine_.mover.synchronous[known(k)].angular_velocity
-                     : bodies()[known(k)].angular_velocity(bodies()[k].momentum);
-    } else {
-      const auto& m = engine_.particles.motion[known(k)];
-      return (kicked_ ? engine_.mover.synchronous[k].spin_velocity : m.spin_velocity()) * m.inv_r;
-    }
+    const auto p = engine_.owner(known(k));
+    return kicked_ ? p.angular_velocity_now() : p.angular_velocity();
   }
   /// Turns the frame in which the form was given to space.
-  Quaternion orientation(std::size_t k) const requires has_bodies {
-    const auto& b = bodies()[known(k)];
-    return b.orientation * conjugate(engine_.mover.forms[b.form].mass.axes);
+  Quaternion orientation(std::size_t k) const requires of_bodies {
+    return engine_.owner(known(k)).orientation();
   }
-  std::size_t form(std::size_t k) const requires has_bodies { return bodies()[known(k)].form; }
+  std::size_t form(std::size_t k) const requires of_bodies {
+    return engine_.owner(known(k)).form();
+  }
   /// Size of the particle over that of its form as it was made [-].
-  double scale(std::size_t k) const requires has_bodies { return bodies()[known(k)].scale; }
-  const std::vector<BodyForm<ShapeType>>& forms() const requires has_bodies {
+  double scale(std::size_t k) const requires of_bodies { return engine_.owner(known(k)).scale(); }
+  const std::vector<BodyForm<ShapeType>>& forms() const requires of_bodies {
     return engine_.mover.forms;
   }
-  std::size_t material(std::size_t k) const {
-    if constexpr (ContactsType::several_materials)
-      return engine_.particles.material[engine_.first_row(known(k))];
-    else
-      return 0;
-  }
+  std::size_t material(std::size_t k) const { return engine_.owner(known(k)).material(); }
   /// The present place of the particle with this id; rows() if it has left, or never was. Takes
   /// constant time, but for the first call after places have changed (a search that sorts,
   /// particles that come or go), which takes O(rows()) and must not be made by several threads at
@@ -282,18 +232,7 @@ class Simulation {
   /// Pairs of particles that touch [-]; of bodies, of their parts. O(pairs).
   std::size_t touching_pairs() const { return engine_.touching_pairs(domain_); }
   /// Where the energy is and where it went; when the simulation is not running, or in an observer.
-  EnergyBalance energy() const requires has_ledger {
-    require(step_ > 0 || kicked_,
-            "Simulation::energy: run() first, if only for 0 s: the forces at the "
-            "start are not known yet");
-    double translation = 0, rotation = 0, potentials = 0;
-    for (std::size_t k = 0; k < rows(); ++k) {
-      if (!is_present(k) || !std::isfinite(mass(k))) continue;
-      const auto part = kinetic(k);
-      translation += part.translation, rotation += part.rotation, potentials += potential(k);
-    }
-    return book_.balance(translation, rotation, potentials);
-  }
+  EnergyBalance energy() const requires has_ledger { return balance(); }
   /// The fluid and what it has done.
   Fluid& fluid() requires(Fluid::active) { return fluid_; }
   const Fluid& fluid() const requires(Fluid::active) { return fluid_; }
@@ -335,6 +274,7 @@ class Simulation {
     engine_.pair_forces(domain_, times);
     engine_.wall_forces(times);
     if constexpr (Fluid::active) couple();
+    if constexpr (Modules::push) push_modules();
     book_step(times);
     using Advance = typename Engine::Advance;
     const double kick = first_kick_ ? Integrator::first_kick * dt_ : dt_;
@@ -355,33 +295,20 @@ class Simulation {
     double translation, rotation;  // [J]
     double sum() const { return translation + rotation; }
   };
-  Kinetic kinetic(std::size_t k) const {
-    const double m = mass(k);
-    const Vec3d v = velocity(k);
-    Kinetic part{0.5 * m * dot(v, v), 0};
-    if constexpr (has_bodies) {
-      const auto& b = bodies()[k];
-      const Vec3d w = rotate(conjugate(b.orientation), angular_velocity(k));
-      part.rotation =
-          0.5 * (b.inertia.x * w.x * w.x + b.inertia.y * w.y * w.y + b.inertia.z * w.z * w.z);
-    } else if constexpr (rotates) {
-      const Vec3d w = angular_velocity(k);
-      part.rotation = 0.5 * ShapeType::inertia_factor() * m * radius(k) * radius(k) * dot(w, w);
-    }
-    return part;
-  }
-  const std::vector<detail::Body>& bodies() const requires has_bodies {
-    return engine_.mover.bodies;
-  }
+  Kinetic kinetic(std::size_t k) const;
+  EnergyBalance balance() const;
   template <class Particle, class Check>
   void check_new(std::span<const Particle> more, const Check& check) const;
-  template <class Form>
-  std::vector<std::size_t> add_forms(const std::vector<Form>& more);
   template <class Particle>
-  void add_bodies(std::span<const Particle> more, std::span<const std::size_t> numbers = {});
+  void take_in(std::span<const Particle> more, std::span<const std::size_t> numbers);
   void book_step(const detail::StepTimes& times);
   void book_leaving(std::size_t k);
   void couple();
+  void push_modules();
+  void start_fields(std::size_t from);
+  double power_of_modules() const;
+  double longest_module_step() const;
+  void check_module_rates() const;
   void renew_fluid();
   double longest_held_step(double longest) const;
   void check_held_step(double span) const;
@@ -390,7 +317,8 @@ class Simulation {
   void follow_fluid();
   double gather_for_fluid();
   double power_of_fluid() const;
-  double work_of_first_kick() const;
+  template <class Column>
+  double work_of_first_kick(const Column& force) const;
   void check_fluid() const;
   double potential(std::size_t k) const { return -mass(k) * dot(gravity_booked_, position(k)); }
   void prepare();
@@ -398,7 +326,6 @@ class Simulation {
   detail::SurfaceSpeed surface_speed(std::size_t k) const;
   std::string tips_at(double speed) const;
   double expected_speed() const;
-  detail::Meetings meetings() const;
   std::optional<detail::ShortestContact> shortest_contact(double speed) const;
   double longest_travel_step(double speed) const;
   bool is_step_too_long() const;
@@ -412,6 +339,7 @@ class Simulation {
 
   template <class Sim>
   friend class Checkpoint;
+  friend class detail::ModuleAccess<Simulation>;
   friend class detail::Openings<ShapeType>;
   struct NoBook {};
   struct NoParticles {};
@@ -426,6 +354,7 @@ class Simulation {
   Search search_;
   Domain domain_;
   [[no_unique_address]] Fluid fluid_;
+  [[no_unique_address]] detail::ModuleStage<Modules> modules_;
   [[no_unique_address]] decltype(particles_in_fluid()) in_fluid_;
   Engine engine_;
   detail::Openings<ShapeType> openings_;
@@ -438,26 +367,18 @@ class Simulation {
   /// omega dt = 0.4 of a pair's, some 1.1 of a packing's fastest motion, where 1.7 is stable.
   static constexpr double held_share_of_contact = 1;
   double checked_speed_ = 0, checked_overlap_ = 0, peak_overlap_ = 0;
-  ParticleId next_id_ = 0, next_part_ = 0;
+  detail::NextIds next_;
   bool first_kick_ = true, kicked_ = false, continued_ = false;
   bool scene_changed_ = false;   // since the last run began
   std::int64_t scene_step_ = 0;  // when particles or walls were last added
   detail::OverlapLimits overlap_limits_;
 };
 
-// The kernels' instruction set is always part of the type, so that translation units with different
-// flags do not share a name for different code.
-template <class... Args>
-requires(detail::count<detail::IsKernels, std::remove_cvref_t<Args>...> > 0) Simulation(Args&&...)
-->Simulation<std::remove_cvref_t<Args>...>;
-template <class... Args>
-requires(detail::count<detail::IsKernels, std::remove_cvref_t<Args>...> == 0) Simulation(Args&&...)
-->Simulation<std::remove_cvref_t<Args>..., KernelsFor<DefaultArch>>;
-
 }  // namespace silt
 
-#include <silt/simulation/bodies.hpp>
 #include <silt/simulation/choose_time_step.hpp>
+#include <silt/simulation/deduction.hpp>
 #include <silt/simulation/parts.hpp>
 #include <silt/simulation/refused_simulation.hpp>
 #include <silt/simulation/with_fluid.hpp>
+#include <silt/simulation/with_modules.hpp>

@@ -93,3 +93,15 @@ namespace flow_with_two_drags {
 namespace law_without_contacts {
 #include "refused/law_without_contacts.cpp"
 }
+namespace torque_without_rotation {
+#include "refused/torque_without_rotation.cpp"
+}
+namespace unknown_field {
+#include "refused/unknown_field.cpp"
+}
+namespace field_of_text {
+#include "refused/field_of_text.cpp"
+}
+namespace module_twice {
+#include "refused/module_twice.cpp"
+}

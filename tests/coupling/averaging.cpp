@@ -34,10 +34,10 @@ TEST_CASE("averaging: every mode gives the particles' volume to open cells, to r
       op.place(cloud.seen());
       CHECK(op.report().particles == cloud.position.size());
       CHECK(op.report().outside == 0);
-      const Field solids = spread(op, {cloud.volumes()})[0];
+      const CellField solids = spread(op, {cloud.volumes()})[0];
       // Each weight is normalised with some 1e-16 n of n cells.
       CHECK(near_relative(silt::total(solids), sum_of(cloud.volumes()), 2e-14));
-      const Field open = room.blocked ? room.open() : Field(room.grid, 1);
+      const CellField open = room.blocked ? room.open() : CellField(room.grid, 1);
       double least = 0, in_blocked = 0;
       for (int k = 0; k < room.grid.nz(); ++k)
         for (int j = 0; j < room.grid.ny(); ++j)
@@ -64,12 +64,12 @@ TEST_CASE("averaging: gather is the adjoint of spread, and keeps constants, in e
       Columns q(6, std::vector<double>(n));  // more than a block of fields
       for (auto& column : q)
         for (double& v : column) v = random.uniform(-1, 1);
-      std::vector<Field> f;
+      std::vector<CellField> f;
       for (std::uint64_t m = 0; m < q.size(); ++m) f.push_back(random_field(room.grid, 10 + m));
       f.back().fill(3.25);
       // What blocked cells and ghosts hold must not be seen.
       if (room.blocked) {
-        const Field open = room.open();
+        const CellField open = room.open();
         for (int i = 0; i < room.grid.nx(); ++i)
           if (open(i, 0, 0) == 0) f[0](i, 0, 0) = std::nan("");
       }
@@ -77,7 +77,7 @@ TEST_CASE("averaging: gather is the adjoint of spread, and keeps constants, in e
         f[1](-1 - m, 0, 0) = std::nan("");
         f[1](room.grid.nx() + m, 0, 0) = std::nan("");
       }
-      const std::vector<Field> spread_q = spread(op, q);
+      const std::vector<CellField> spread_q = spread(op, q);
       const Columns gathered = gather(op, f, n);
       for (std::size_t m = 0; m < q.size(); ++m) {
         double on_particles = 0, size = 0;
@@ -86,7 +86,7 @@ TEST_CASE("averaging: gather is the adjoint of spread, and keeps constants, in e
           size += std::abs(q[m][p]);
         }
         if (room.blocked && m == 0) {
-          Field clean = f[0];
+          CellField clean = f[0];
           for (int i = 0; i < room.grid.nx(); ++i)
             if (std::isnan(clean(i, 0, 0))) clean(i, 0, 0) = 0;
           CHECK(std::abs(dot(spread_q[m], clean) - on_particles) <= 1e-13 * size);
@@ -103,7 +103,7 @@ TEST_CASE("averaging: linear fields are gathered as symmetry has it, away from w
   // what is made from them are exact everywhere; stencils that are symmetric to the particle at
   // cells' centres, faces and edges.
   const Grid grid({{0, 0, 0}, {24, 24, 24}}, {24, 24, 24});
-  Field x(grid);
+  CellField x(grid);
   const auto value = [](const Vec3d& at) { return 2 * at.x - 3 * at.y + 0.5 * at.z; };
   for (int k = 0; k < 24; ++k)
     for (int j = 0; j < 24; ++j)
@@ -167,7 +167,7 @@ TEST_CASE("averaging: one thread and three give the same bits") {
 TEST_CASE(
     "averaging: particles outside are counted and have no weights; those in walls lose none") {
   const Grid grid({{0, 0, 0}, {8, 8, 8}}, {16, 16, 16}, {true, false, false});
-  Field open(grid, 1);
+  CellField open(grid, 1);
   for (int k = 0; k < 16; ++k)
     for (int j = 0; j < 16; ++j)
       for (int i = 0; i < 16; ++i) open(i, j, k) = k < 13 ? 1 : 0;
@@ -183,7 +183,7 @@ TEST_CASE(
     CHECK(op.report().outside == 2);
     const Columns ones{std::vector<double>(5, 1)};
     CHECK(near_relative(silt::total(spread(op, ones)[0]), 3, 1e-14));
-    const auto seen = gather(op, {Field(grid, 1)}, 5)[0];
+    const auto seen = gather(op, {CellField(grid, 1)}, 5)[0];
     for (const std::size_t p : {0, 2, 4}) CHECK(near_relative(seen[p], 1, 1e-14));
     for (const std::size_t p : {1, 3}) CHECK(seen[p] == 0);
   });
@@ -191,7 +191,7 @@ TEST_CASE(
   op.open(open);
   op.place(cloud.seen());
   CHECK(op.report().without_open == 1);
-  const Field at = spread(op, {{0, 0, 0, 0, 1}})[0];
+  const CellField at = spread(op, {{0, 0, 0, 0, 1}})[0];
   CHECK(at(8, 8, 12) == 1);  // below 4, 4, 7.9 the uppermost open cell
   op.place(Cloud{}.seen());
   CHECK(silt::total(spread(op, {{}})[0]) == 0);
@@ -227,19 +227,19 @@ TEST_CASE("averaging: nonsense is refused") {
   cloud.form.clear();
   op.place(cloud.seen());
   CHECK(says(refusal([&] { spread(op, {{1, 2}}); }), "2 values for 3 particles"));
-  Field wrong(other);
-  Field* const fields[]{&wrong};
+  CellField wrong(other);
+  CellField* const fields[]{&wrong};
   const std::span<const double> columns[]{cloud.radius};
   CHECK(says(refusal([&] { op.spread(columns, fields, {}); }), "not one of the operator's grid"));
   CHECK(says(refusal([&] { op.spread(columns, {}, {}); }), "1 quantities of particles but 0"));
   CHECK(says(refusal([&] { op.open(wrong); }), "not of its grid"));
-  CHECK(says(refusal([&] { op.open(Field(grid, 0)); }), "no cell of the grid is open"));
-  CHECK(says(refusal([&] { op.open(Field(grid, 2)); }), "must be in [0, 1]"));
+  CHECK(says(refusal([&] { op.open(CellField(grid, 0)); }), "no cell of the grid is open"));
+  CHECK(says(refusal([&] { op.open(CellField(grid, 2)); }), "must be in [0, 1]"));
 }
 
 TEST_CASE("averaging: what an engine cuts off is the volume above the limit of each cell") {
   const Grid grid({{0, 0, 0}, {2, 1, 1}}, {2, 1, 1});
-  Field solids(grid);
+  CellField solids(grid);
   solids(0, 0, 0) = 0.9, solids(1, 0, 0) = 0.5;
   CHECK(near_relative(silt::clipped_solids(solids, 0.3), 0.2, 1e-14));
   CHECK(silt::clipped_solids(solids, 0.05) == 0);

@@ -104,8 +104,8 @@ TEST_CASE("averaging of bodies: volume, adjointness and constants to rounding in
       op.place(cloud.seen());
       CHECK(op.report().outside == 0);
       const Columns q{cloud.volumes()};
-      const std::vector<Field> f{random_field(room.grid, 10), Field(room.grid, 3.25)};
-      const Field solids = spread(op, q)[0];
+      const std::vector<CellField> f{random_field(room.grid, 10), CellField(room.grid, 3.25)};
+      const CellField solids = spread(op, q)[0];
       CHECK(near_relative(silt::total(solids), sum_of(q[0]), 1e-13));
       const Columns seen = gather(op, f, 40);
       double on_particles = 0;
@@ -127,7 +127,7 @@ TEST_CASE(
   for (const Kernel::Form form : {Kernel::Form::Compact, Kernel::Form::Gaussian}) {
     Kernel::Averaging op({form}, grid, 1);
     op.place(one.seen());
-    const Field w = spread(op, {{1}})[0];
+    const CellField w = spread(op, {{1}})[0];
     double xx = 0, yy = 0, zz = 0, xy = 0;
     Vec3d mean{0, 0, 0};
     for (int k = 0; k < 40; ++k)
@@ -162,7 +162,7 @@ TEST_CASE(
   for (const double angle : {0.0, 0.5 * std::numbers::pi}) {
     one.orientation = {silt::rotation_about({0, 1, 0}, angle)};
     op.place(one.seen());
-    const Field w = spread(op, {{1}})[0];
+    const CellField w = spread(op, {{1}})[0];
     const double row = w(1, 2, 2) + w(3, 2, 2), column = w(2, 2, 1) + w(2, 2, 3);
     // Of an ellipsoid of semi-axis 1.4 beyond 0.5: 1 - (3 t - t^3)/2 of t = 0.5/1.4 in both.
     const double t = 0.5 / 1.4, beyond = 1 - 0.5 * t * (3 - t * t);
@@ -175,7 +175,7 @@ TEST_CASE(
   same.orientation.assign(20, {});
   Kernel::Averaging a({}, grid, 1), b({}, grid, 1);
   a.place(balls.seen()), b.place(same.seen());
-  const Field fa = spread(a, {balls.radius})[0], fb = spread(b, {balls.radius})[0];
+  const CellField fa = spread(a, {balls.radius})[0], fb = spread(b, {balls.radius})[0];
   for (int i = 0; i < 5; ++i) CHECK(fa(i, 2, 3) == fb(i, 2, 3));
 
   Unresolved::Averaging exact({}, grid, 1);

@@ -10,7 +10,7 @@ namespace {
 
 /// Residual of (s + k L) after = s before along one direction, largest of all cells; s: 1, or what
 /// is open of a cell.
-double residual(const Field& before, const Field& after, int d, double k, const Field* open) {
+double residual(const CellField& before, const CellField& after, int d, double k, const CellField* open) {
   const Grid& g = before.grid();
   const auto cell = [](int m, int n) { return (m + n) % n; };
   double worst = 0;
@@ -33,7 +33,7 @@ double residual(const Field& before, const Field& after, int d, double k, const 
   return worst;
 }
 
-Field times(Field a, const Field& b) {
+CellField times(CellField a, const CellField& b) {
   for (int k = 0; k < b.grid().nz(); ++k)
     for (int j = 0; j < b.grid().ny(); ++j)
       for (int i = 0; i < b.grid().nx(); ++i) a(i, j, k) *= b(i, j, k);
@@ -53,21 +53,21 @@ TEST_CASE("diffusion: lines are solved, with walls, wraps, blocked and cut cells
           const Grid grid({{0, 0, 0}, {1, 1, 1}}, cells, {wraps, wraps, wraps});
           const double h = 1.0 / n, k = 7;
           LineDiffusion diffusion(grid, k * h * h);
-          Field open(grid, 1);
+          CellField open(grid, 1);
           const auto share = [&](int m) -> double& {
             return open(d == 0 ? m : 0, d == 1 ? m : 0, d == 2 ? m : 0);
           };
           if (blocked) share(n - 1) = 0.1, share(0) = 0.6;
           if (blocked && n > 3) share(4) = 0, share(3) = 0.3;
           if (blocked) diffusion.open(open);
-          const Field before = random_field(grid, 3);
-          Field after = before;
-          Field* const fields[]{&after};
+          const CellField before = random_field(grid, 3);
+          CellField after = before;
+          CellField* const fields[]{&after};
           diffusion.step(fields, {});
           CHECK(residual(before, after, d, k, blocked ? &open : nullptr) <= 2e-14);
           CHECK(std::abs(dot(after, open) - dot(before, open)) <= 1e-14 * n);
-          Field same(grid, 2.5);
-          Field* const uniform[]{&same};
+          CellField same(grid, 2.5);
+          CellField* const uniform[]{&same};
           diffusion.step(uniform, {});
           for (int m = 0; m < n; ++m)
             CHECK(near_relative(same(d == 0 ? m : 0, d == 1 ? m : 0, d == 2 ? m : 0), 2.5, 1e-13));
@@ -79,18 +79,18 @@ TEST_CASE(
   for (const Room& room : rooms()) {
     CAPTURE(room.name);
     LineDiffusion diffusion(room.grid, 2);
-    const Field open = room.blocked ? room.open() : Field(room.grid, 1);
+    const CellField open = room.blocked ? room.open() : CellField(room.grid, 1);
     if (room.blocked) diffusion.open(open);
-    const Field a = random_field(room.grid, 1), b = random_field(room.grid, 2);
-    const Field a_open = times(a, open), b_open = times(b, open);  // sum s f g is the product
-    Field forward = a, back = b;
-    Field *const f[]{&forward}, *const g[]{&back};
+    const CellField a = random_field(room.grid, 1), b = random_field(room.grid, 2);
+    const CellField a_open = times(a, open), b_open = times(b, open);  // sum s f g is the product
+    CellField forward = a, back = b;
+    CellField *const f[]{&forward}, *const g[]{&back};
     diffusion.step(f, {}), diffusion.adjoint_step(g, {});
     const double size = std::sqrt(dot(a, a) * dot(b, b));
     CHECK(std::abs(dot(forward, b_open) - dot(a_open, back)) <= 1e-13 * size);
     if (room.blocked) {  // and the order matters
-      Field other = b;
-      Field* const o[]{&other};
+      CellField other = b;
+      CellField* const o[]{&other};
       diffusion.step(o, {});
       CHECK(std::abs(dot(forward, b_open) - dot(a_open, other)) > 1e-8 * size);
     }
@@ -108,7 +108,7 @@ TEST_CASE("diffusion: a point becomes a Gaussian of width b, its variance exact"
     op.place(one.seen());
     return spread(op, {{1}})[0];
   };
-  const auto variance = [&](const Field& f) {
+  const auto variance = [&](const CellField& f) {
     double sum = 0;
     for (int k = 0; k < 48; ++k)
       for (int j = 0; j < 48; ++j)

@@ -11,7 +11,7 @@ struct Spread {
   double mean, deviation, least;
 };
 /// Of the void fraction in cells farther than `margin` [m] from the sides.
-Spread void_fraction(const Field& solids, double margin) {
+Spread void_fraction(const CellField& solids, double margin) {
   const Grid& g = solids.grid();
   double sum = 0, squares = 0, count = 0, least = 1;
   const auto inner = [&](double x, double low, double high) {
@@ -62,11 +62,11 @@ double rate(const Mode& mode, double h, double dt) {
   double sum = 0;
   const int steps = 16;
   op.place(cloud.seen());
-  Field before = spread(op, volume)[0];
+  CellField before = spread(op, volume)[0];
   for (int s = 0; s < steps; ++s) {
     for (Vec3d& x : cloud.position) x += Vec3d{0.8, 0.48, 0.36} * dt;
     op.place(cloud.seen());
-    Field now = spread(op, volume)[0];
+    CellField now = spread(op, volume)[0];
     for (int k = 0; k < n; ++k)
       for (int j = 0; j < n; ++j)
         for (int i = 0; i < n; ++i) {

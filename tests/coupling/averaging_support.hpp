@@ -22,7 +22,7 @@ namespace averaging_test {
 using silt::AveragedParticles;
 using silt::Box;
 using silt::Diffusion;
-using silt::Field;
+using silt::CellField;
 using silt::Grid;
 using silt::Kernel;
 using silt::Team;
@@ -60,9 +60,9 @@ inline Cloud random_cloud(const Box& box, std::size_t n, double d, std::uint64_t
   return cloud;
 }
 
-inline Field random_field(const Grid& grid, std::uint64_t seed) {
+inline CellField random_field(const Grid& grid, std::uint64_t seed) {
   silt::Random random(seed);
-  Field f(grid);
+  CellField f(grid);
   for (int k = 0; k < grid.nz(); ++k)
     for (int j = 0; j < grid.ny(); ++j)
       for (int i = 0; i < grid.nx(); ++i) f(i, j, k) = random.uniform(-1, 1);
@@ -70,26 +70,26 @@ inline Field random_field(const Grid& grid, std::uint64_t seed) {
 }
 
 template <class Operator>
-std::vector<Field> spread(Operator& op, const Columns& q, const Team& team = {}) {
-  std::vector<Field> fields(q.size(), Field(op.grid(), 7));
-  std::vector<Field*> to;
-  for (Field& f : fields) to.push_back(&f);
+std::vector<CellField> spread(Operator& op, const Columns& q, const Team& team = {}) {
+  std::vector<CellField> fields(q.size(), CellField(op.grid(), 7));
+  std::vector<CellField*> to;
+  for (CellField& f : fields) to.push_back(&f);
   const std::vector<std::span<const double>> from(q.begin(), q.end());
   op.spread(from, to, team);
   return fields;
 }
 template <class Operator>
-Columns gather(Operator& op, const std::vector<Field>& fields, std::size_t n,
+Columns gather(Operator& op, const std::vector<CellField>& fields, std::size_t n,
                const Team& team = {}) {
   Columns values(fields.size(), std::vector<double>(n, 7));
-  std::vector<const Field*> from;
-  for (const Field& f : fields) from.push_back(&f);
+  std::vector<const CellField*> from;
+  for (const CellField& f : fields) from.push_back(&f);
   const std::vector<std::span<double>> to(values.begin(), values.end());
   op.gather(from, to, team);
   return values;
 }
 
-inline double dot(const Field& a, const Field& b) {
+inline double dot(const CellField& a, const CellField& b) {
   double sum = 0;
   for (int k = 0; k < a.grid().nz(); ++k)
     for (int j = 0; j < a.grid().ny(); ++j)
@@ -127,8 +127,8 @@ struct Room {
   bool cut = false;
 
   /// A slanted wall and a pillar; `cut`: of the wall's cells a part is open.
-  Field open() const {
-    Field cells(grid, 1);
+  CellField open() const {
+    CellField cells(grid, 1);
     for (int k = 0; k < grid.nz(); ++k)
       for (int j = 0; j < grid.ny(); ++j)
         for (int i = 0; i < grid.nx(); ++i)

@@ -35,9 +35,9 @@ void for_cells(const Grid& g, const Use& use) {
 }
 
 /// The fluid's share of cells; of less than a tenth: none.
-Field shares(const Grid& g, const Wall& wall) {
+CellField shares(const Grid& g, const Wall& wall) {
   constexpr int n = 16;
-  Field open(g);
+  CellField open(g);
   for_cells(g, [&](int i, int j, int k) {
     int in = 0;
     for_places(g, i, j, k, n, [&](const Vec3d& x) { in += wall.open(x); });
@@ -55,7 +55,7 @@ TEST_CASE("averaging: beside walls askew to the cells a uniform cloud stays unif
     const Grid grid({{0, 0, 0}, {12 * h, 4 * h, 12 * h}}, {12, 4, 12}, {false, true, false});
     for (const Wall& wall : {Wall{1, 0, 4 * h}, Wall{1, 0, 4.5 * h}, Wall{0.8, 0.6, 5 * h},
                              Wall{0.70710678, 0.70710678, 6 * h}}) {
-      const Field open = shares(grid, wall);
+      const CellField open = shares(grid, wall);
       Cloud cloud;
       for_cells(grid, [&](int i, int j, int k) {
         for_places(grid, i, j, k, 4, [&](const Vec3d& x) {
@@ -69,7 +69,7 @@ TEST_CASE("averaging: beside walls askew to the cells a uniform cloud stays unif
         typename std::decay_t<decltype(mode)>::Averaging op(mode, grid, 1);
         op.open(open);
         op.place(cloud.seen());
-        const Field got = spread(op, {amount})[0];
+        const CellField got = spread(op, {amount})[0];
         double cut = 0, whole = 0, sum2 = 0, n = 0;
         for_cells(grid, [&](int i, int j, int k) {
           if (open(i, j, k) < 0.3) return;  // a flow joins those with the next

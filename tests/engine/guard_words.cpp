@@ -157,7 +157,7 @@ TEST_CASE("guard: in a mix, two bodies that overlap are named by their numbers")
       const auto error = failure(sim, 0.01);
       auto named = error.particles;
       std::sort(named.begin(), named.end());
-      CHECK(named == std::vector<std::uint32_t>{3, 4});
+      CHECK(named == std::vector<silt::ParticleId>{3, 4});
       CHECK(has_words(error.what(), {gap < 0.5e-3 ? "added twice" : "start without overlaps"}));
     }
 }

@@ -17,7 +17,7 @@
 
 namespace flow_solver_test {
 
-using silt::Field;
+using silt::CellField;
 using silt::FlowOptions;
 using silt::FlowSolver;
 using silt::FluidProperties;
@@ -195,16 +195,16 @@ TEST_CASE("a uniform flow stays one to rounding, also where it carries a changin
     const double dt = 0.02;
     set_velocity(flow, [&](const Vec3d&) { return V; });
     silt::Random random(3);
-    Field eps(g);
+    CellField eps(g);
     for_all(g, [&](int i, int j, int k) { eps(i, j, k) = random.uniform(0.4, 0.7); });
     flow.voidage() = eps;
     flow.start();
     for (int s = 0; s < 5; ++s) {
       // eps' + dt div(eps' V) = eps, by iteration.
-      Field next = eps;
+      CellField next = eps;
       for (int pass = 0; pass < 400; ++pass) {
         next.wrap_ghosts();
-        Field better = next;
+        CellField better = next;
         for_all(g, [&](int i, int j, int k) {
           const double div = 0.5 * n *
                              (V.x * (next(i + 1, j, k) - next(i - 1, j, k)) +

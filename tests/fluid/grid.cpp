@@ -12,7 +12,7 @@ namespace grid_test {
 namespace {
 
 using silt::Box;
-using silt::Field;
+using silt::CellField;
 using silt::Grid;
 
 std::string refusal(const Box& box, const std::array<int, 3>& cells) {
@@ -43,7 +43,7 @@ TEST_CASE("grid: spacings, centres and sizes of a box with other cells in each d
 TEST_CASE("grid: every value of a field, ghosts included, has its own place; rows are aligned") {
   for (const int nx : {1, 2, 7, 8, 15, 16, 17}) {
     const Grid grid({{0, 0, 0}, {1, 1, 1}}, {nx, 2, 3});
-    Field field(grid, -1);
+    CellField field(grid, -1);
     constexpr int g = Grid::ghost;
     double next = 0;
     for (int k = -g; k < 3 + g; ++k)
@@ -67,7 +67,7 @@ TEST_CASE("grid: ghosts of periodic directions are the cells of the other side, 
   for (int which = 0; which < 8; ++which) {
     const std::array<bool, 3> periodic{(which & 1) != 0, (which & 2) != 0, (which & 4) != 0};
     const Grid grid({{0, 0, 0}, {1, 1, 1}}, n, periodic);
-    Field field(grid, -1);
+    CellField field(grid, -1);
     const auto value = [](int i, int j, int k) { return i + 10.0 * j + 100.0 * k; };
     for (int k = 0; k < n[2]; ++k)
       for (int j = 0; j < n[1]; ++j)

@@ -14,7 +14,7 @@ namespace silt_test {
 /// A linear system on a grid: coefficients and right side.
 struct PressureCase {
   silt::Grid grid;
-  silt::Field ax, ay, az, d, b;
+  silt::CellField ax, ay, az, d, b;
   explicit PressureCase(const silt::Grid& on) : grid(on), ax(on), ay(on), az(on), d(on), b(on) {}
 
   template <class Call>
@@ -26,7 +26,7 @@ struct PressureCase {
 
   /// Coefficients of the faces from weights of the cells: the mean of both sides where both are
   /// open (> 0), times area / distance.
-  void join(const silt::Field& weight) {
+  void join(const silt::CellField& weight) {
     const silt::Vec3d h = grid.h();
     const double shape[3] = {h.y * h.z / h.x, h.z * h.x / h.y, h.x * h.y / h.z};
     const auto face = [&](int c, double u, double v) {
@@ -55,7 +55,7 @@ inline PressureCase pressure_case(char name, int n) {
   std::uniform_real_distribution<double> uniform(0, 1);
   constexpr std::array<std::array<double, 4>, 3> bubbles{
       {{0.3, 0.4, 0.25, 0.12}, {0.7, 0.6, 0.35, 0.15}, {0.5, 0.2, 0.45, 0.1}}};
-  silt::Field weight(made.grid);
+  silt::CellField weight(made.grid);
   made.for_cells([&](int i, int j, int k) {
     const Vec3d x = made.grid.centre(i, j, k);
     double w = 1;

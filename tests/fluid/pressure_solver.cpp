@@ -18,7 +18,7 @@ namespace pressure_solver_test {
 
 namespace {
 
-using silt::Field;
+using silt::CellField;
 using silt::Grid;
 using silt::PressureSolution;
 using silt::PressureSolver;
@@ -28,13 +28,13 @@ using silt_test::PressureCase;
 constexpr double pi = std::numbers::pi;
 
 /// |b - A p| / |b| by the definition of A, face by face.
-double residual_of(const PressureCase& a, const Field& p) {
+double residual_of(const PressureCase& a, const CellField& p) {
   const Grid& g = a.grid;
   double left = 0, whole = 0;
   a.for_cells([&](int i, int j, int k) {
     const int at[3] = {i, j, k};
     double r = a.b(i, j, k) - a.d(i, j, k) * p(i, j, k);
-    const Field* fields[3] = {&a.ax, &a.ay, &a.az};
+    const CellField* fields[3] = {&a.ax, &a.ay, &a.az};
     for (int c = 0; c < 3; ++c) {
       const int n = g.cells()[static_cast<std::size_t>(c)];
       for (const int side : {-1, 1}) {
@@ -51,7 +51,7 @@ double residual_of(const PressureCase& a, const Field& p) {
   return std::sqrt(left / whole);
 }
 
-PressureSolution solve(const PressureCase& a, Field& p, double relative = 1e-10, int threads = 1) {
+PressureSolution solve(const PressureCase& a, CellField& p, double relative = 1e-10, int threads = 1) {
   const Team team(threads);
   PressureSolver solver(a.grid);
   solver.set(a.ax, a.ay, a.az, a.d, team);
@@ -63,7 +63,7 @@ PressureCase noisy(const Grid& grid, double contrast, double blocked, bool outle
   PressureCase made(grid);
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> uniform(0, 1);
-  Field weight(grid);
+  CellField weight(grid);
   made.for_cells([&](int i, int j, int k) {
     const double w = std::pow(contrast, -uniform(random));
     weight(i, j, k) = uniform(random) < blocked ? 0.0 : w;
@@ -119,7 +119,7 @@ double error_of(int n, bool dirichlet) {
         a.b(i, j, k) += conductance * exact(c.x, c.y, side);
       }
   });
-  Field p(a.grid);
+  CellField p(a.grid);
   const PressureSolution result = solve(a, p);
   CHECK(result.converged);
   CHECK(result.residual <= 1e-10);
@@ -147,7 +147,7 @@ TEST_CASE("pressure_solver: iterations to 1e-8 at 32^3 and 64^3, contrast 26 and
   for (const int n : {32, 64})
     for (const char name : {'C', 'B', 'D', 'P'}) {
       const PressureCase a = pressure_case(name, n);
-      Field p(a.grid);
+      CellField p(a.grid);
       const PressureSolution result = solve(a, p, 1e-8);
       CAPTURE(name);
       CAPTURE(n);
@@ -166,7 +166,7 @@ TEST_CASE("pressure_solver: 1e-10 on odd, thin and flat grids, periodic or not, 
       const Grid grid({{0, 0, 0}, {0.1 * n[0], 0.1 * n[1], 0.1 * n[2]}}, n,
                       {(periodic & 1) != 0, (periodic & 2) != 0, (periodic & 4) != 0});
       const PressureCase a = noisy(grid, 100, 0, true);
-      Field p(grid);
+      CellField p(grid);
       const PressureSolution result = solve(a, p);
       CAPTURE(n[0]);
       CAPTURE(n[1]);
@@ -183,7 +183,7 @@ TEST_CASE("pressure_solver: cells longer or flatter by 30 times need no more tha
   for (const auto& l : lengths) {
     const Grid grid({{0, 0, 0}, {l[0], l[1], l[2]}}, {24, 20, 28}, {true, false, false});
     const PressureCase a = noisy(grid, 26, 0, true);
-    Field p(grid);
+    CellField p(grid);
     const PressureSolution result = solve(a, p, 1e-8);
     CAPTURE(l[0]);
     CAPTURE(l[1]);
@@ -204,7 +204,7 @@ TEST_CASE("pressure_solver: closed and periodic boxes: means are removed, report
       a.b(i, j, k) += 0.25 - mean;
       squares += a.b(i, j, k) * a.b(i, j, k);
     });
-    Field p(grid, 5.0);  // a start with a mean
+    CellField p(grid, 5.0);  // a start with a mean
     const PressureSolution result = solve(a, p);
     CHECK(result.converged);
     const double n = static_cast<double>(grid.size());
@@ -230,8 +230,8 @@ TEST_CASE("pressure_solver: 72 % of the cells blocked at random: each pocket is 
     solver.set(a.ax, a.ay, a.az, a.d, team);
     CHECK(solver.floating_sets() > 100);
     // A right side that belongs to a known solution, which is 0 in blocked cells.
-    const Field noise = a.b;
-    Field p(grid);
+    const CellField noise = a.b;
+    CellField p(grid);
     a.b.fill(0);
     a.for_cells([&](int i, int j, int k) {
       const int y = (j + 23) % 24;
@@ -273,7 +273,7 @@ TEST_CASE("pressure_solver: faces closed at random, periodic over odd numbers") 
   for (const std::array<bool, 3>& periodic : {std::array{true, false, false}, {true, true, true}})
     for (std::uint32_t seed = 0; seed < 40; ++seed) {
       const Grid grid({{0, 0, 0}, {1, 1, 1}}, {9, 9, 8}, periodic);
-      Field a[3] = {Field(grid), Field(grid), Field(grid)}, d(grid), b(grid), p(grid);
+      CellField a[3] = {CellField(grid), CellField(grid), CellField(grid)}, d(grid), b(grid), p(grid);
       std::mt19937 random(seed);
       const auto one = [&] { return random() / 4294967296.0; };
       for (int k = 0; k < 8; ++k)
@@ -302,7 +302,7 @@ TEST_CASE("pressure_solver: two chambers, one with an outlet: only the other's m
       for (int i = 7; i < 16; ++i) a.d(i, j, k) = 0;
       for (int i = 0; i < 16; ++i) a.b(i, j, k) = 1;
     }
-  Field p(grid);
+  CellField p(grid);
   const PressureSolution result = solve(a, p);
   CHECK(result.converged);
   CHECK(result.removed == near(std::sqrt(9.0 / 16)).epsilon(1e-14));
@@ -325,7 +325,7 @@ TEST_CASE(
       const Team team(1);
       PressureSolver solver(grid);
       solver.set(a.ax, a.ay, a.az, a.d, team);
-      Field x(grid), y(grid), Mx(grid), My(grid);
+      CellField x(grid), y(grid), Mx(grid), My(grid);
       std::mt19937_64 random(11);
       std::normal_distribution<double> normal;
       a.for_cells([&](int i, int j, int k) {
@@ -351,11 +351,11 @@ TEST_CASE(
 
 TEST_CASE("pressure_solver: one, two and three threads give the same bits") {
   const auto same = [](const PressureCase& a) {
-    Field one(a.grid);
+    CellField one(a.grid);
     const PressureSolution first = solve(a, one, 1e-8);
     CHECK(first.converged);
     for (const int threads : {2, 3}) {
-      Field more(a.grid);
+      CellField more(a.grid);
       const PressureSolution other = solve(a, more, 1e-8, threads);
       CHECK(first.iterations == other.iterations);
       CHECK(first.residual == other.residual);
@@ -378,13 +378,13 @@ TEST_CASE("pressure_solver: starts from what is given, takes new coefficients, a
   const Team team(1);
   PressureSolver solver(a.grid);
   solver.set(a.ax, a.ay, a.az, a.d, team);
-  Field p(a.grid);
+  CellField p(a.grid);
   const PressureSolution first = solver.solve(a.b, p, {.relative = 1e-8}, team);
   CHECK(solver.solve(a.b, p, {.relative = 1e-8}, team).iterations == 0);
-  const Field before = p;
+  const CellField before = p;
   for (const double unit : {1e-18, 1e17}) {
     a.for_cells([&](int i, int j, int k) {
-      for (Field* f : {&a.ax, &a.ay, &a.az, &a.d}) (*f)(i, j, k) *= unit;
+      for (CellField* f : {&a.ax, &a.ay, &a.az, &a.d}) (*f)(i, j, k) *= unit;
     });
     solver.set(a.ax, a.ay, a.az, a.d, team);
     p.fill(0);
@@ -405,7 +405,7 @@ TEST_CASE("pressure_solver: starts from what is given, takes new coefficients, a
 
 TEST_CASE("pressure_solver: faces at the boundary are closed whatever stands there") {
   PressureCase a = pressure_case('B', 12);
-  Field p(a.grid), q(a.grid);
+  CellField p(a.grid), q(a.grid);
   CHECK(solve(a, p).converged);
   const double nan = std::nan("");
   for (int u = 0; u < 12; ++u)
@@ -423,13 +423,13 @@ TEST_CASE("pressure_solver: what cannot be solved is said") {
   PressureCase a = pressure_case('B', 12);
   const Team team(1);
   PressureSolver solver(a.grid);
-  Field p(a.grid);
+  CellField p(a.grid);
   CHECK(refusal([&] { solver.solve(a.b, p, {}, team); }).find("call set()") != std::string::npos);
   solver.set(a.ax, a.ay, a.az, a.d, team);
   CHECK(refusal([&] { solver.solve(p, p, {}, team); }).find("the same field") != std::string::npos);
   CHECK(refusal([&] { solver.solve(a.b, p, {.relative = 0}, team); }).find("relative = 0") !=
         std::string::npos);
-  Field other(Grid(a.grid.box(), {12, 12, 11}));
+  CellField other(Grid(a.grid.box(), {12, 12, 11}));
   CHECK(refusal([&] { solver.solve(other, p, {}, team); }).find("another grid") !=
         std::string::npos);
 
@@ -452,7 +452,7 @@ TEST_CASE("pressure_solver: what cannot be solved is said") {
   CHECK_FALSE(right.converged);
   CHECK(right.reason.find("right side") != std::string::npos);
 
-  const auto with = [&](Field& field, double value) {
+  const auto with = [&](CellField& field, double value) {
     const double kept = field(2, 3, 4);
     field(2, 3, 4) = value;
     const std::string sentence = refusal([&] { solver.set(a.ax, a.ay, a.az, a.d, team); });

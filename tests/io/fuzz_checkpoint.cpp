@@ -79,7 +79,7 @@ std::vector<double> seen(const Sim& sim) {
     if (!sim.is_present(k)) continue;
     all.push_back(static_cast<double>(sim.id(k)));
     add(sim.position(k)), add(sim.velocity(k));
-    if constexpr (std::remove_cvref_t<Sim>::has_bodies) {
+    if constexpr (std::remove_cvref_t<Sim>::of_bodies) {
       const auto q = sim.orientation(k);
       all.insert(all.end(), {q.w, q.x, q.y, q.z});
     }

@@ -36,7 +36,7 @@ Vec3d direction(Random& random) { return rotate(silt::random_orientation(random)
 
 template <class Sim>
 double energy_of(const Sim& sim) {
-  if constexpr (Sim::has_bodies) return totals(sim).energy;
+  if constexpr (Sim::of_bodies) return totals(sim).energy;
   double sum = 0;
   for (std::size_t k = 0; k < sim.rows(); ++k)
     sum += 0.5 * sim.mass(k) * dot(sim.velocity(k), sim.velocity(k));

@@ -12,9 +12,9 @@ namespace silt::inline SILT_TARGET::detail {
 /// What particles ask of a flow, in its cells.
 class CellValues {
  public:
-  using Three = std::vector<Field>;  // by direction; empty if never asked for
+  using Three = std::vector<CellField>;  // by direction; empty if never asked for
 
-  explicit CellValues(const Grid& g) : velocity(3, Field(g)), slope(velocity) {}
+  explicit CellValues(const Grid& g) : velocity(3, CellField(g)), slope(velocity) {}
 
   Three velocity;         // [m/s] the mean of both faces
   Three slope;            // [Pa/m] of the pressure
@@ -26,9 +26,9 @@ class CellValues {
   void find_velocity(const FlowSolver& flow, const Team& team) {
     for (int d = 0; d < 3; ++d) {
       const int s[3] = {d == 0, d == 1, d == 2};
-      Field& to = velocity[at(d)];
+      CellField& to = velocity[at(d)];
       for_rows(flow, team, [&](int j, int k) {
-        const Field& u = flow.velocity(d);
+        const CellField& u = flow.velocity(d);
         const double *low = u.row(j, k), *high = u.row(j + s[1], k + s[2]) + s[0];
         double* const out = to.row(j, k);
         for (int i = 0; i < flow.grid().nx(); ++i) out[i] = 0.5 * (low[i] + high[i]);
@@ -39,7 +39,7 @@ class CellValues {
   /// The mean of the slopes at both faces; beside a side or a wall, of the open one alone.
   void find_slope(FlowSolver& flow, const Team& team) {
     const Grid& g = flow.grid();
-    Field& p = flow.pressure();
+    CellField& p = flow.pressure();
     flow.fill_pressure_ghosts();
     for (int d = 0; d < 3; ++d) {
       const int s[3] = {d == 0, d == 1, d == 2};
@@ -68,7 +68,7 @@ class CellValues {
     const Grid& g = flow.grid();
     make(stress, g);
     for (int d = 0; d < 3; ++d) {
-      const Field& of = flow.stress(d);
+      const CellField& of = flow.stress(d);
       const int last = g.cells()[at(d)] - 1;
       const int s[3] = {d == 0, d == 1, d == 2};
       for_rows(flow, team, [&](int j, int k) {
@@ -87,7 +87,7 @@ class CellValues {
   }
 
   /// The exchanged force on the particles as the fluid felt it [N]; `borne` null: 0.
-  Vec3d exchanged(FlowSolver& flow, const Field* borne) const {
+  Vec3d exchanged(FlowSolver& flow, const CellField* borne) const {
     Vec3d sum{0, 0, 0};
     const Grid& g = flow.grid();
     for (int k = 0; k < g.nz(); ++k)
@@ -141,7 +141,7 @@ class CellValues {
     for_rows(flow, team, [&](int j, int k) {
       for (int i = 0; i < g.nx(); ++i)
         for (int c = 0; c < 3; ++c) {
-          const Field& u = velocity[at(c)];
+          const CellField& u = velocity[at(c)];
           double sum = 0;
           for (int d = 0; d < 3; ++d)
             sum += velocity[at(d)](i, j, k) * difference(g, u, d, i, j, k);
@@ -160,7 +160,7 @@ class CellValues {
  private:
   /// Which of the two faces of cells of a row, in one direction, are open; `faces` null: all.
   struct OpenEnds {
-    OpenEnds(const Field* faces, const int (&s)[3], int j, int k)
+    OpenEnds(const CellField* faces, const int (&s)[3], int j, int k)
         : at_low(faces ? faces->row(j, k) : nullptr),
           at_high(faces ? faces->row(j + s[1], k + s[2]) + s[0] : nullptr) {}
     bool low(int i) const { return at_low == nullptr || at_low[i] > 0; }
@@ -173,7 +173,7 @@ class CellValues {
     return d == 0 ? g.h().x : d == 1 ? g.h().y : g.h().z;
   }
   static void make(Three& field, const Grid& g) {
-    if (field.empty()) field.assign(3, Field(g));
+    if (field.empty()) field.assign(3, CellField(g));
   }
   /// The next cell that way; whether there is one.
   static bool neighbour(const Grid& g, int d, int way, int i, int j, int k, int (&n)[3]) {
@@ -186,7 +186,7 @@ class CellValues {
     return true;
   }
   /// Central; beside a side towards the inner cell.
-  static double difference(const Grid& g, const Field& u, int d, int i, int j, int k) {
+  static double difference(const Grid& g, const CellField& u, int d, int i, int j, int k) {
     double value[2] = {u(i, j, k), u(i, j, k)};
     int steps = 0;
     for (const int side : {0, 1}) {

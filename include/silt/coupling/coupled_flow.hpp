@@ -189,7 +189,7 @@ class BasicCoupledFlow {
     cells_.find_velocity(flow_, team);
     find_loads(team);
     for (auto* fields : {&cells_.velocity, &cells_.slope, &cells_.stress})
-      for (Field& f : *fields) join(f);
+      for (CellField& f : *fields) join(f);
     held_.make(flow_.grid(), held_drag().cell);
     held_.renew(flow_.grid(), cells_, in_pressure(), team);
     following_ = true;
@@ -300,7 +300,7 @@ class BasicCoupledFlow {
     if constexpr (needs_strain) cells_.find_strain(flow_, team);
     if constexpr (has_added_mass) cells_.find_convection(flow_, team);
   }
-  void join(Field& values) const {
+  void join(CellField& values) const {
     if (const auto* joined = flow_.joined_cells()) joined->average(values);
   }
   /// Cell values at the particles: all, or those that a flow step has changed.
@@ -380,7 +380,7 @@ class BasicCoupledFlow {
   std::tuple<Forces...> forces_;
   std::optional<typename Mode::Averaging> averaging_;
   int opened_ = 0;  // which of the flow's boundaries it knows
-  Field solids_;    // [m3]
+  CellField solids_;    // [m3]
   CellValues cells_;
   std::array<std::vector<double>, quantities> values_;  // of each particle, by column
   std::vector<StepResponse> response_;

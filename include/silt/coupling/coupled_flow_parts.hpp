@@ -31,7 +31,7 @@ void BasicCoupledFlow<Drag, Mode, Forces...>::check(const CoupledParticles& of, 
 template <class Drag, class Mode, class... Forces>
 void BasicCoupledFlow<Drag, Mode, Forces...>::spread_volume(const CoupledParticles& of,
                                                             CoupledStep& done, const Team& team) {
-  Field* const to[] = {&solids_};
+  CellField* const to[] = {&solids_};
   const std::span<const double> volume[] = {of.volume};
   averaging_->spread(volume, to, team);
   if (const auto* joined = flow_.joined_cells()) joined->spread(solids_);
@@ -52,10 +52,10 @@ void BasicCoupledFlow<Drag, Mode, Forces...>::spread_volume(const CoupledParticl
 
 template <class Drag, class Mode, class... Forces>
 void BasicCoupledFlow<Drag, Mode, Forces...>::gather(std::size_t n, const Team& team, bool all) {
-  std::array<const Field*, quantities> from;
+  std::array<const CellField*, quantities> from;
   std::array<std::span<double>, quantities> to;
   std::size_t count = 0;
-  const auto take = [&](Field& field, std::size_t column) {
+  const auto take = [&](CellField& field, std::size_t column) {
     join(field);
     values_[column].resize(n);
     from[count] = &field, to[count++] = values_[column];
@@ -185,10 +185,10 @@ template <class Drag, class Mode, class... Forces>
 void BasicCoupledFlow<Drag, Mode, Forces...>::spread_exchange(const CoupledParticles& of,
                                                               std::size_t n, double dt,
                                                               const Team& team) {
-  std::array<Field*, 10> to;
+  std::array<CellField*, 10> to;
   std::array<std::span<const double>, 10> from;
   std::size_t count = 0;
-  const auto take = [&](Field& field, std::size_t column) {
+  const auto take = [&](CellField& field, std::size_t column) {
     values_[column].resize(n);
     from[count] = values_[column], to[count++] = &field;
   };
@@ -226,11 +226,11 @@ void BasicCoupledFlow<Drag, Mode, Forces...>::spread_exchange(const CoupledParti
   averaging_->spread(Quantities(from.data(), count), CellFields(to.data(), count), team);
   const CellFields fields(to.data(), count);
   if (const auto* joined = flow_.joined_cells())
-    for (Field* f : fields) joined->spread(*f);
+    for (CellField* f : fields) joined->spread(*f);
   const double over = 1 / flow_.grid().cell_volume();
   CellValues::for_rows(flow_, team, [&](int j, int k) {
     const double* const open = flow_.open_row(j, k);
-    for (Field* f : fields) {
+    for (CellField* f : fields) {
       double* const row = f->row(j, k);
       for (int i = 0; i < flow_.grid().nx(); ++i)
         row[i] *= over / fluid_detail::fluid_share(open, i);
@@ -248,7 +248,7 @@ void BasicCoupledFlow<Drag, Mode, Forces...>::make_averaging(const CoupledPartic
   } else if (opened_ == flow_.boundaries()) {
     return;
   }
-  if (const Field* open = flow_.open_cells()) averaging_->open(*open, team);
+  if (const CellField* open = flow_.open_cells()) averaging_->open(*open, team);
   opened_ = flow_.boundaries();
 }
 

@@ -11,100 +11,46 @@
 #include <optional>
 #include <vector>
 
-#include <silt/core/id_table.hpp>
-#include <silt/engine/advance/body_motion.hpp>
-#include <silt/engine/advance/sphere_motion.hpp>
-#include <silt/engine/contact/shape_inertia.hpp>
-#include <silt/engine/convex/convex_pairs.hpp>
-#include <silt/engine/convex/convex_walls.hpp>
+#include <silt/engine/advance/tables.hpp>
 #include <silt/engine/lists/near_lists.hpp>
 #include <silt/engine/spheres/pair_pipeline.hpp>
-#include <silt/engine/spheres/wall_pipeline.hpp>
-#include <silt/engine/state/fluid_loads.hpp>
-#include <silt/engine/state/particle_state.hpp>
-#include <silt/engine/state/precision.hpp>
-#include <silt/shape/sphere.hpp>
+#include <silt/engine/stages_of_shape.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What contacts keep and give besides what the law says, by the shape.
-template <class ShapeType, class Contacts>
-struct ContactsOf {
-  using type = Contacts;
-};
-template <Shape ShapeType, class Contacts>
-requires(!std::is_same_v<ShapeType, Sphere>) struct ContactsOf<ShapeType, Contacts> {
-  using type = OfShape<Contacts, ShapeType>;
-};
-template <BodyShape ShapeType, class Contacts>
-struct ContactsOf<ShapeType, Contacts> {
-  using type = WithShares<Contacts>;
-};
-template <SolidShape ShapeType, class Contacts>
-struct ContactsOf<ShapeType, Contacts> {
-  using type = WithNormals<Contacts, points_of_contacts<typename ShapeType::Kinds>>;
-};
-
-/// By whether bodies have convex parts.
-template <bool Convex>
-struct WallStageOf {
-  template <class, class ContactsType, class Arch, class Scalar>
-  using type = WallPipeline<ContactsType, Arch, Scalar>;
-};
-template <>
-struct WallStageOf<true> {
-  template <class ShapeType, class ContactsType, class Arch, class>
-  using type = ConvexWalls<typename ConvexRowsOf<ShapeType>::type, ContactsType, Arch>;
-};
-
-template <bool HasBodies>
-struct MoverOf {
-  template <class ShapeType, class Contacts, class State, class Scalar, class Arch,
-            class Integrator, class, FromFluid>
-  using type = SphereMotion<ShapeType, Contacts, State, Scalar, Arch, Integrator>;
-};
-template <>
-struct MoverOf<true> {
-  template <class ShapeType, class Contacts, class State, class Scalar, class Arch,
-            class Integrator, class Rotation, FromFluid Given>
-  using type = BodyMotion<ShapeType, Contacts, State, Scalar, Arch, Integrator, Rotation, Given>;
-};
-
 /// The state of a simulation and the stages of its step, each a plain function of state. Knows the
 /// policies, but neither observers nor files nor the order of the stages: that is Simulation's.
-template <class ShapeType, class ContactsType, class Search, class Domain, class Arch,
-          class Precision, class Integrator = Leapfrog, class Rotation = NoSquish,
-          FromFluid Given = FromFluid::Nothing>
-class Engine {
+template <class Composition>
+class Engine : public Tables<Composition> {
+  using ContactsType = typename Composition::Contacts;
+  using Search = typename Composition::Search;
+  using Domain = typename Composition::Domain;
+  using Arch = typename Composition::Arch;
+  using Integrator = typename Composition::Integrator;
+
  public:
+  using ShapeType = typename Composition::Shape;
   using Contacts = ContactsType;
   using IntegratorType = Integrator;
-  using RotationType = Rotation;
+  using RotationType = typename Composition::Rotation;
   static constexpr bool rotates = ContactsType::rotates;
   static constexpr std::size_t chunks = load_chunks<ContactsType>;
   static constexpr std::size_t history = ContactsType::history;  // Reals of a contact
-  using Scalar = typename Precision::PairScalar;                 // of the work on pairs
+  using Scalar = typename Composition::Scalar;                   // of the work on pairs
   static constexpr bool predicts = Integrator::derivatives > 0;
-  static constexpr bool has_bodies = BodyShape<ShapeType>;  // rows are parts of them
-  static constexpr bool convex = SolidShape<ShapeType>;     // with narrow phases of their own
-  static_assert(!convex || std::is_same_v<Scalar, double>,
-                "Mixed precision is for spheres and bodies made of spheres; leave it out");
-  using State =
-      ParticleState<rotates, ContactsType::several_materials, Scalar, Integrator::derivatives,
-                    has_bodies, has_bodies ? FromFluid::Nothing : Given>;
+  static constexpr bool has_bodies = Composition::has_bodies;  // rows are parts of them
+  static constexpr bool convex = Composition::has_surfaces;    // with narrow phases of their own
+  using Modules = typename Composition::Modules;
+  using typename Tables<Composition>::State, typename Tables<Composition>::Mover;
+  using Tables<Composition>::particles, Tables<Composition>::mover;
   using Motion = typename State::Motion;
   using WallStage =
       typename WallStageOf<convex>::template type<ShapeType, ContactsType, Arch, Scalar>;
   using Lists = NearLists<ContactsType::history, history_in_rows<ContactsType>, Scalar, State,
                           Search, Domain, Arch, typename WallStage::Contacts>;
 
-  using Mover = typename MoverOf<has_bodies>::template type<ShapeType, ContactsType, State, Scalar,
-                                                            Arch, Integrator, Rotation, Given>;
-
-  State particles;
   std::vector<Wall> walls;
   Lists lists;
-  Mover mover;
   CoefficientTable<ContactsType> coefficients;
   double largest_speed = 0;      // [m/s] of surfaces: Pace
   double largest_share = 0;      // [1/s] largest speed over inner reach
@@ -142,7 +88,7 @@ class Engine {
                 search, step);
     if (!lists.take_renewed()) return;
     if constexpr (has_bodies)
-      if (lists.upkeep.searched_at == step) follow_bodies(domain);
+      if (lists.upkeep.searched_at == step) this->follow(domain);
     if constexpr (shares) shared_.renew(lists.pairs, particles, mover.bodies.size());
     if constexpr (convex) {
       mover.renew_convex_rows(particles);
@@ -266,14 +212,6 @@ class Engine {
     else
       return particles.smallest_radius;
   }
-  /// What a fluid does to each particle (body, or row).
-  auto& fluid_loads() {
-    if constexpr (has_bodies)
-      return mover.fluid;
-    else
-      return particles.fluid;
-  }
-  const auto& fluid_loads() const { return const_cast<Engine&>(*this).fluid_loads(); }
   /// Of contacts on particle k [N], before the loads are integrated.
   Vec3d contact_force(std::size_t k) const {
     const auto of = [&](std::size_t row) {
@@ -289,76 +227,10 @@ class Engine {
     }
   }
   const Team& team() const { return *team_; }
-  /// The number of the particle that a row is, or belongs to.
-  ParticleId id_of(std::size_t row) const {
-    if constexpr (has_bodies)
-      return mover.bodies[particles.part[row].body].id;
-    else
-      return particles.id[row];
-  }
-  /// The place of the particle with this id; rows_of_particles() if there is none.
-  std::size_t find(ParticleId wanted) const {
-    const std::size_t n = rows_of_particles();
-    if (indexed_ != particles.changes) {
-      places_.clear();
-      for (std::size_t k = 0; k < n; ++k)
-        if (const ParticleId id = id_at(k); id != no_particle)
-          places_.at(id) = static_cast<std::uint32_t>(k);
-      indexed_ = particles.changes;
-    }
-    const std::uint32_t k = wanted == no_particle ? no_place : places_.find(wanted);
-    return k == no_place ? n : k;
-  }
-  /// Of the particle at place k.
-  ParticleId id_at(std::size_t k) const {
-    if constexpr (has_bodies)
-      return mover.bodies[k].id;
-    else
-      return particles.id[k];
-  }
-  /// The row of the particle at place k, of a body that of its first part.
-  std::size_t first_row(std::size_t k) const {
-    if constexpr (has_bodies)
-      return mover.rows[mover.bodies[k].first];
-    else
-      return k;
-  }
-  /// Particles: bodies, or rows.
-  std::size_t rows_of_particles() const {
-    if constexpr (has_bodies)
-      return mover.bodies.size();
-    else
-      return particles.size();
-  }
-  /// The place of the particle that a row is, or belongs to.
-  std::size_t owner(std::size_t row) const {
-    if constexpr (has_bodies)
-      return particles.part[row].body;
-    else
-      return row;
-  }
-  /// What rotation adds to the inverse mass [1/kg] against a push along n at the surface of a row.
-  double turning([[maybe_unused]] std::size_t row, [[maybe_unused]] const Vec3d& n) const {
-    if constexpr (has_bodies)
-      return mover.turning(particles.part[row], n);
-    else
-      return 0;
-  }
-  /// Takes the particle at place k (a body, or a row) out of all contacts at once.
-  void park(std::size_t k) {
-    if constexpr (has_bodies) {
-      for (const std::uint32_t row : mover.rows_of(mover.bodies[k])) particles.park(row);
-      mover.fluid.remove(k);
-      mover.bodies[k].id = no_particle;
-    } else {
-      particles.park(k);
-    }
-  }
-
   /// Completes a restored state.
   void restored(double speed, double overlap, double share) {
     largest_speed = speed, largest_overlap = overlap, largest_share = share;
-    indexed_ = never_indexed;
+    this->forget_places();
     lists.restored();
   }
 
@@ -383,19 +255,6 @@ class Engine {
   }
 
  private:
-  /// After a search has sorted the parts and wrapped them into a periodic box.
-  void follow_bodies([[maybe_unused]] const Domain& domain) {
-    if constexpr (has_bodies) {
-      mover.follow(particles);
-      if constexpr (Domain::periodic)
-        for (Body& b : mover.bodies) {
-          const Vec3d shift = domain.wrapped(b.centre) - b.centre;
-          b.centre += shift;
-          for (const std::uint32_t row : mover.rows_of(b)) particles.part[row].image -= shift;
-        }
-    }
-  }
-
   // From here on fetching ahead has paid: more than second-level caches hold, and than one may
   // count on of a last-level cache that others use too.
   static constexpr std::size_t beyond_caches = 4 << 20;
@@ -461,9 +320,6 @@ class Engine {
   WallStage wall_pipeline_;
   struct NoShares {};
   [[no_unique_address]] std::conditional_t<shares, SharedContacts<Scalar>, NoShares> shared_;
-  static constexpr std::uint64_t never_indexed = std::numeric_limits<std::uint64_t>::max();
-  mutable std::uint64_t indexed_ = never_indexed;  // particles.changes that places_ is of
-  mutable IdTable places_;
   AlignedVector<Scalar> sums_;  // [N] load on each particle, zero between the steps
   std::vector<std::uint16_t> kinds_;
 };

@@ -59,7 +59,7 @@ using FlowSide = std::variant<NoSlip, FreeSlip, Inflow, Outflow>;
 namespace fluid_detail {
 
 /// One field a direction: of velocities and fluxes.
-using Three = std::array<Field, 3>;
+using Three = std::array<CellField, 3>;
 
 }  // namespace fluid_detail
 

@@ -15,8 +15,8 @@ namespace silt::inline SILT_TARGET::fluid_detail {
 struct CarriedTurbulence {
   explicit CarriedTurbulence(FlowState& state)
       : left(state.tendency[0]), k(state.tendency[1]), epsilon(state.tendency[2]) {}
-  Field& left;  // [-] of what is in a cell and does not flow out in the step
-  Field &k, &epsilon;
+  CellField& left;  // [-] of what is in a cell and does not flow out in the step
+  CellField &k, &epsilon;
 };
 
 /// What flows through the lower face of direction d of the cell at `i`, in units of q over m.

@@ -75,7 +75,7 @@ inline void carry(FlowState& state, double dt, const Team& team) {
 inline bool has_jumped(const FlowState& state, const Team& team) {
   double changes = 0, squares = 0;
   for (int d = 0; d < 3; ++d) {
-    const Field &now = state.flow[FlowState::at(d)], &old = state.old_flow[FlowState::at(d)];
+    const CellField &now = state.flow[FlowState::at(d)], &old = state.old_flow[FlowState::at(d)];
     const auto sum = [&](const auto& of) {
       return state.over_planes(
           team,
@@ -138,7 +138,7 @@ inline void stage(FlowState& state, const Three& q, bool second, double dt, Thre
     const std::size_t c = FlowState::at(d);
     if (state.solids) lead_slivers(state, q, d, team);
     state.for_faces(d, team, [&](int j, int k, int from, int to) {
-      const auto row = [&](const Field& f) { return f.row(j, k); };
+      const auto row = [&](const CellField& f) { return f.row(j, k); };
       const bool walled = state.solids.has_value();
       const auto of_solids = [&](const auto& field) {
         return walled ? field(*state.solids)[c].row(j, k) : nullptr;

@@ -39,7 +39,7 @@ class FlowProjection {
  public:
   explicit FlowProjection(const Grid& grid)
       : solver_(grid),
-        coefficient_{Field(grid), Field(grid), Field(grid)},
+        coefficient_{CellField(grid), CellField(grid), CellField(grid)},
         change_(grid),
         right_(grid),
         held_(grid) {}
@@ -138,7 +138,7 @@ class FlowProjection {
  private:
   /// Says which field that was given to the step is none, and where.
   [[noreturn, gnu::cold]] static void throw_no_numbers(const FlowState& state) {
-    const auto look = [&](const Field& f, const char* what) {
+    const auto look = [&](const CellField& f, const char* what) {
       const Grid& g = state.grid;
       for (int k = 0; k < g.nz(); ++k)
         for (int j = 0; j < g.ny(); ++j)
@@ -149,15 +149,15 @@ class FlowProjection {
                                ", from which no velocity follows, however short the step; look at "
                                "what sets it"));
     };
-    for (const Field& f : state.velocity) look(f, "the velocity");
+    for (const CellField& f : state.velocity) look(f, "the velocity");
     look(state.drag, "the drag K");
-    for (const Field& f : state.drag_v) look(f, "the drag's K v");
-    for (const Field& f : state.force) look(f, "the force");
+    for (const CellField& f : state.drag_v) look(f, "the drag's K v");
+    for (const CellField& f : state.force) look(f, "the force");
     if (state.response) {
       look(state.response->borne, "the pressure that particles bear");
       look(state.response->with_fluid, "the particles' answer to velocity");
       look(state.response->with_pressure, "the particles' answer to pressure");
-      for (const Field& f : state.response->flux) look(f, "the particles' flux");
+      for (const CellField& f : state.response->flux) look(f, "the particles' flux");
     }
     throw Error(
         "FlowSolver: no velocity that is a number follows, however short the step; look at the "
@@ -187,9 +187,9 @@ class FlowProjection {
   };
   void carry_particles(const FlowState& state, const Team& team) {
     const Grid& g = state.grid;
-    if (!carried_) carried_ = Three{Field(g), Field(g), Field(g)};
+    if (!carried_) carried_ = Three{CellField(g), CellField(g), CellField(g)};
     for (int d = 0; d < 3; ++d) {
-      Field& to = (*carried_)[FlowState::at(d)];
+      CellField& to = (*carried_)[FlowState::at(d)];
       to.fill(0);
       const std::ptrdiff_t s = state.stride(d);
       state.for_faces(d, team, [&](int j, int k, int from, int end) {
@@ -251,7 +251,7 @@ class FlowProjection {
 
   PressureSolver solver_;
   Three coefficient_;             // a eps e/D/h^2
-  Field change_, right_, held_;   // dp and its equation
+  CellField change_, right_, held_;   // dp and its equation
   std::optional<Three> carried_;  // [m/s] the particles' volume, with the last pressure
 };
 

@@ -110,7 +110,7 @@ class FlowSides {
 
   /// Sets the faces of component c that are given, and its ghosts. What flows in is given by its
   /// superficial velocity: beside a side the voidage `eps` is that of the cells there.
-  void fill_velocity(int c, Field& u, const Field& eps) const {
+  void fill_velocity(int c, CellField& u, const CellField& eps) const {
     u.wrap_ghosts();
     for (int e = 0; e < 3; ++e) {
       if (grid_.periodic(e)) continue;
@@ -139,7 +139,7 @@ class FlowSides {
     }
   }
   /// Ghosts of a flux through the faces of direction c, as next to them.
-  void fill_flux(int c, Field& f) const {
+  void fill_flux(int c, CellField& f) const {
     f.wrap_ghosts();
     for (int e = 0; e < 3; ++e)
       for (int end = 0; end < 2 && !grid_.periodic(e); ++end)
@@ -152,12 +152,12 @@ class FlowSides {
             e == c);
   }
   /// Ghosts of a cell field: of the next cell.
-  void fill_cells(Field& f) const {
+  void fill_cells(CellField& f) const {
     fill(f, [](int, int) { return std::optional<double>(); });
   }
   /// As fill_cells, but with value(direction, end) where an Inflow comes in.
   template <class Value>
-  void fill_carried(Field& f, const Value& value) const {
+  void fill_carried(CellField& f, const Value& value) const {
     fill_cells(f);
     for (int e = 0; e < 3; ++e)
       for (int end = 0; end < 2; ++end)
@@ -178,7 +178,7 @@ class FlowSides {
       sum += std::abs(v), squares += v * v;
     return sum > 0 ? squares / sum : 0;
   }
-  void fill_pressure(Field& p, bool change) const {
+  void fill_pressure(CellField& p, bool change) const {
     fill(p, [&](int e, int end) {
       const auto* out = std::get_if<Outflow>(&at(e, end).kind);
       return out == nullptr ? std::nullopt : std::optional(change ? 0.0 : out->pressure);
@@ -193,7 +193,7 @@ class FlowSides {
   };
   /// Values from a side outwards: 0 is the last one inside (or on it), 1 and 2 the ghosts.
   struct Line {
-    Field* data;
+    CellField* data;
     int at[3];
     int e, inner, outward;
     double& operator()(int k) const {
@@ -202,7 +202,7 @@ class FlowSides {
       return (*data)(x[0], x[1], x[2]);
     }
     /// Of the line of a face at the side: the value of the cell beside it.
-    double inner_cell(const Field& of) const {
+    double inner_cell(const CellField& of) const {
       int x[3] = {at[0], at[1], at[2]};
       x[e] = outward < 0 ? inner : inner - 1;
       return of(x[0], x[1], x[2]);
@@ -231,7 +231,7 @@ class FlowSides {
   /// Ghosts of a cell field: such that the mean on a side is what on_side(direction, end) has, or
   /// of the next cell where that is nothing.
   template <class OnSide>
-  void fill(Field& f, const OnSide& on_side) const {
+  void fill(CellField& f, const OnSide& on_side) const {
     f.wrap_ghosts();
     for (int e = 0; e < 3; ++e) {
       if (grid_.periodic(e)) continue;

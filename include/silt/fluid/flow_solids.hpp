@@ -25,7 +25,7 @@ inline double fluid_share(const double* open, int i) {
 inline Vec3d velocity_at(const Three& u, int d, int i, int j, int k) {
   double v[3];
   for (int e = 0; e < 3; ++e) {
-    const Field& of = u[static_cast<std::size_t>(e)];
+    const CellField& of = u[static_cast<std::size_t>(e)];
     if (e == d) {
       v[e] = of(i, j, k);
       continue;
@@ -75,7 +75,7 @@ struct FlowSolids {
   static constexpr double least_area = 1e-3;  // smaller ones are closed
 
   FlowSolids(const Grid& grid, const FlowBoundary& boundary, double viscosity)
-      : area{Field(grid), Field(grid), Field(grid)},
+      : area{CellField(grid), CellField(grid), CellField(grid)},
         inside{area},
         thin{area},
         drag{area},
@@ -84,13 +84,13 @@ struct FlowSolids {
         cells(grid),
         share(grid, 1) {
     for (int d = 0; d < 3; ++d) {
-      Field distance(grid);
+      CellField distance(grid);
       measure(grid, boundary, d, distance);
       find_slivers(grid, boundary, d, distance);
       find_links(grid, boundary, viscosity, d, distance);
       find_spans(grid, d);
     }
-    const auto any = [](const Field& f) {
+    const auto any = [](const CellField& f) {
       return std::any_of(f.values().begin(), f.values().end(), [](double v) { return v > 0; });
     };
     require(
@@ -118,14 +118,14 @@ struct FlowSolids {
   Three drag;      // [kg/(m3 s)]
   Three push;      // [N/m3] what goes with the walls' velocity
   Three velocity;  // [m/s] of the solid, in faces whose centres are in it
-  Field cells;     // [-] the fluid's share of cells with a face whose centre is in it; 0 of others
-  Field share;     // [-] V of cells
+  CellField cells;     // [-] the fluid's share of cells with a face whose centre is in it; 0 of others
+  CellField share;     // [-] V of cells
   std::array<std::vector<Sliver>, 3> slivers;
   JoinedCells joined;
 
   /// Copies what particles do from the next cell into cells that only slivers touch, where no
   /// particle is counted: else the fluid would find ways without drag there.
-  void fill_corners(Field& f) const {
+  void fill_corners(CellField& f) const {
     for (const auto& [to, from] : corners_) f(to[0], to[1], to[2]) = f(from[0], from[1], from[2]);
   }
 
@@ -246,7 +246,7 @@ struct FlowSolids {
   }
 
   /// Distances of centres, and areas.
-  void measure(const Grid& grid, const FlowBoundary& boundary, int d, Field& distance) {
+  void measure(const Grid& grid, const FlowBoundary& boundary, int d, CellField& distance) {
     const auto c = static_cast<std::size_t>(d);
     const int a = (d + 1) % 3, b = (d + 2) % 3;
     const double ha = along(grid.h(), a), hb = along(grid.h(), b);
@@ -272,7 +272,7 @@ struct FlowSolids {
         velocity[c](i, j, k) = along(boundary.velocity(x), d);
     });
   }
-  void find_slivers(const Grid& grid, const FlowBoundary& boundary, int d, const Field& distance) {
+  void find_slivers(const Grid& grid, const FlowBoundary& boundary, int d, const CellField& distance) {
     const auto c = static_cast<std::size_t>(d);
     const int a = (d + 1) % 3, b = (d + 2) % 3;
     const double ha = along(grid.h(), a), hb = along(grid.h(), b);
@@ -309,7 +309,7 @@ struct FlowSolids {
   }
   /// What viscosity does towards walls.
   void find_links(const Grid& grid, const FlowBoundary& boundary, double viscosity, int d,
-                  const Field& distance) {
+                  const CellField& distance) {
     const auto c = static_cast<std::size_t>(d);
     for_all(grid, [&](int i, int j, int k) {
       if (inside[c](i, j, k) == 0) return;

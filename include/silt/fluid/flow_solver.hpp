@@ -122,10 +122,10 @@ class FlowSolver {
   void set_turbulence(const MixingLength& model) { make_turbulent(model); }
   void set_turbulence(const KEpsilon& model) { make_turbulent(model); }
   /// Of a flow with KEpsilon, in cells; where 0 at the first step they get KEpsilon's of a start.
-  Field& turbulent_energy() { return equations().k; }   // [m2/s2]
-  Field& dissipation() { return equations().epsilon; }  // [m2/s3]
+  CellField& turbulent_energy() { return equations().k; }   // [m2/s2]
+  CellField& dissipation() { return equations().epsilon; }  // [m2/s3]
   /// Of a turbulent flow after a step: [Pa s] in cells, and y+ at walls.
-  const Field& eddy_viscosity() const {
+  const CellField& eddy_viscosity() const {
     check_turbulent();
     return s_.turbulence->eddy;
   }
@@ -135,17 +135,17 @@ class FlowSolver {
   }
   /// The fluid's share of cells that fluid can enter, at least 0.1, and 0 in others; null if all
   /// are whole.
-  const Field* open_cells() const { return s_.solids ? &s_.solids->cells : nullptr; }
+  const CellField* open_cells() const { return s_.solids ? &s_.solids->cells : nullptr; }
   /// Of row (j, k), for fluid_detail::fluid_share.
   const double* open_row(int j, int k) const {
     return s_.solids ? s_.solids->cells.row(j, k) : nullptr;
   }
   /// The share of each face of direction d that is open, and 1 or 0: whether its centre is in the
   /// fluid; null if all are whole.
-  const Field* open_faces(int d) const {
+  const CellField* open_faces(int d) const {
     return s_.solids ? &s_.solids->area[FlowState::at(d)] : nullptr;
   }
-  const Field* inner_faces(int d) const {
+  const CellField* inner_faces(int d) const {
     return s_.solids ? &s_.solids->inside[FlowState::at(d)] : nullptr;
   }
   /// Cells at walls that are one for particles; null if there are no walls within the box.
@@ -174,22 +174,22 @@ class FlowSolver {
 
   /// @name The state, on faces of each direction and in cells
   /// @{
-  Field& velocity(int d) {  // [m/s] interstitial
+  CellField& velocity(int d) {  // [m/s] interstitial
     s_.forget_eddies();
     return s_.velocity[FlowState::at(d)];
   }
-  const Field& velocity(int d) const { return s_.velocity[FlowState::at(d)]; }
-  Field& pressure() { return s_.pressure; }  // [Pa] of the middle of the last step
-  const Field& pressure() const { return s_.pressure; }
+  const CellField& velocity(int d) const { return s_.velocity[FlowState::at(d)]; }
+  CellField& pressure() { return s_.pressure; }  // [Pa] of the middle of the last step
+  const CellField& pressure() const { return s_.pressure; }
   /// @}
 
   /// @name What the particles do, in cells; to be set before a step, kept from step to step
   /// @{
-  Field& voidage() { return s_.voidage; }  // [-] eps at the end of the step
-  const Field& voidage() const { return s_.voidage; }
-  Field& drag() { return s_.drag; }                                    // [kg/(m3 s)] K
-  Field& drag_velocity(int d) { return s_.drag_v[FlowState::at(d)]; }  // [N/m3] K v
-  Field& force(int d) { return s_.force[FlowState::at(d)]; }           // [N/m3] s
+  CellField& voidage() { return s_.voidage; }  // [-] eps at the end of the step
+  const CellField& voidage() const { return s_.voidage; }
+  CellField& drag() { return s_.drag; }                                    // [kg/(m3 s)] K
+  CellField& drag_velocity(int d) { return s_.drag_v[FlowState::at(d)]; }  // [N/m3] K v
+  CellField& force(int d) { return s_.force[FlowState::at(d)]; }           // [N/m3] s
   /// How particles answer within the step; made by the first call.
   ParticleResponse& response() {
     if (!s_.response) s_.response.emplace(grid());
@@ -202,9 +202,9 @@ class FlowSolver {
   /// alike, as it is on the inner faces of each direction; that of walls within the box is not in
   /// it.
   void keep_stress() {
-    if (s_.stress.empty()) s_.stress.assign(3, Field(grid()));
+    if (s_.stress.empty()) s_.stress.assign(3, CellField(grid()));
   }
-  const Field& stress(int d) const { return s_.stress[FlowState::at(d)]; }
+  const CellField& stress(int d) const { return s_.stress[FlowState::at(d)]; }
 
   /// Makes the velocities as set the state from which steps go on: at rest, at first.
   void start(const Team& team = {}) {
@@ -300,13 +300,13 @@ class FlowSolver {
     done.courant = s_.courant(dt, team);
     fluid_detail::refuse_unstable(s_, dt, done.courant);
     s_.take_voidage();
-    for (Field* f : {&s_.drag, &s_.drag_v[0], &s_.drag_v[1], &s_.drag_v[2], &s_.force[0],
+    for (CellField* f : {&s_.drag, &s_.drag_v[0], &s_.drag_v[1], &s_.drag_v[2], &s_.force[0],
                      &s_.force[1], &s_.force[2]}) {
       if (s_.solids) s_.solids->fill_corners(*f);
       s_.sides.fill_cells(*f);
     }
     if (s_.response)
-      s_.response->for_each([&](Field& f) {
+      s_.response->for_each([&](CellField& f) {
         if (s_.solids) s_.solids->fill_corners(f);
         s_.sides.fill_cells(f);
       });

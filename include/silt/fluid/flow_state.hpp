@@ -45,20 +45,20 @@ struct FlowOptions {
 /// and bears of pressure and viscous stress the part V - q alone; q is left to the fluid.
 struct ParticleResponse {
   explicit ParticleResponse(const Grid& g)
-      : borne(g), with_fluid(g), with_pressure(g), flux{Field(g), Field(g), Field(g)} {}
+      : borne(g), with_fluid(g), with_pressure(g), flux{CellField(g), CellField(g), CellField(g)} {}
 
   bool bears = false;         // whether the step knows
-  Field borne;                // [-] sum w q over the cell's volume (model A)
+  CellField borne;                // [-] sum w q over the cell's volume (model A)
   bool moves = false;         // whether continuity knows (1): then, as sums over the cell's volume,
-  Field with_fluid;           // [-] w V a
-  Field with_pressure;        // [m3 s/kg] w V b
-  std::array<Field, 3> flux;  // [m/s] w V (v0 + b div tau)
+  CellField with_fluid;           // [-] w V a
+  CellField with_pressure;        // [m3 s/kg] w V b
+  std::array<CellField, 3> flux;  // [m/s] w V (v0 + b div tau)
 
   template <class Visit>
   void for_each(const Visit& visit) {
     if (bears) visit(borne);
     if (moves)
-      for (Field* f : {&with_fluid, &with_pressure, &flux[0], &flux[1], &flux[2]}) visit(*f);
+      for (CellField* f : {&with_fluid, &with_pressure, &flux[0], &flux[1], &flux[2]}) visit(*f);
   }
 };
 
@@ -117,7 +117,7 @@ struct FlowState {
     });
   }
   /// Boundary faces and ghosts of a velocity.
-  void fill_velocity(int d, Field& u) const {
+  void fill_velocity(int d, CellField& u) const {
     sides.fill_velocity(d, u, eps);
     if (!solids || grid.periodic(d)) return;
     const int n[3] = {grid.nx(), grid.ny(), grid.nz()}, a = (d + 1) % 3, b = (d + 2) % 3;
@@ -269,17 +269,17 @@ struct FlowState {
   Three flow = three(), old_flow = three(), carried = three();  // [m/s] eps u; F
   Three tendency = three();                                     // [N/m3] of the first stage
   Three weight = three();                                       // [m3 s/kg] e/D
-  std::vector<Field> stress;                                    // [N/m3] div tau, if it is kept
+  std::vector<CellField> stress;                                    // [N/m3] div tau, if it is kept
   std::optional<ParticleResponse> response;                     // if particles have one
-  Field pressure{grid};                                         // [Pa]
-  Field voidage{grid, 1}, eps{grid, 1}, old_eps{grid, 1}, older_eps{grid, 1};
-  Field mass{grid, 1}, next_mass{grid, 1};  // [-] m, m'
-  Field spread{grid};                       // [1/s] div u
-  Field drag{grid};                         // [kg/(m3 s)] K
+  CellField pressure{grid};                                         // [Pa]
+  CellField voidage{grid, 1}, eps{grid, 1}, old_eps{grid, 1}, older_eps{grid, 1};
+  CellField mass{grid, 1}, next_mass{grid, 1};  // [-] m, m'
+  CellField spread{grid};                       // [1/s] div u
+  CellField drag{grid};                         // [kg/(m3 s)] K
   Three drag_v = three(), force = three();  // [N/m3] K v, s
 
  private:
-  Three three() const { return {Field(grid), Field(grid), Field(grid)}; }
+  Three three() const { return {CellField(grid), CellField(grid), CellField(grid)}; }
 };
 
 }  // namespace fluid_detail

@@ -35,9 +35,9 @@ struct TwoEquations {
   static constexpr double least = 1e-30;  // of k and epsilon
 
   KEpsilon model;
-  Field k, epsilon, made;  // [m2/s2], [m2/s3]; P [m2/s3] at the beginning of the step
-  Field slopes;            // [-] square of slopes of a logarithm over that of their differences
-  Field kind;
+  CellField k, epsilon, made;  // [m2/s2], [m2/s3]; P [m2/s3] at the beginning of the step
+  CellField slopes;            // [-] square of slopes of a logarithm over that of their differences
+  CellField kind;
   std::array<std::array<double, 2>, 3> inflow{};  // [m2/s2] k of each side
 };
 
@@ -60,10 +60,10 @@ struct FlowTurbulence {
         eddy(grid),
         square(grid),
         distance(grid),
-        open{Field(grid, 1), Field(grid, 1), Field(grid, 1)},
+        open{CellField(grid, 1), CellField(grid, 1), CellField(grid, 1)},
         edges{open, open, open},
-        drag{Field(grid), Field(grid), Field(grid)},
-        push{Field(grid), Field(grid), Field(grid)} {}
+        drag{CellField(grid), CellField(grid), CellField(grid)},
+        push{CellField(grid), CellField(grid), CellField(grid)} {}
 
   MixingLength model;
   std::optional<TwoEquations> two;  // instead of the length
@@ -71,8 +71,8 @@ struct FlowTurbulence {
   bool found = false;               // eddies are those of the velocities as they are
   double largest = 0;               // [Pa s] eddy viscosity, at the last step
   WallUnits walls;
-  Field eddy;                  // [Pa s]
-  Field square, distance;      // [m2], [m] l^2 undamped, y; 0 in solids and beside walls
+  CellField eddy;                  // [Pa s]
+  CellField square, distance;      // [m2], [m] l^2 undamped, y; 0 in solids and beside walls
   Three open;                  // [-] faces between which eddies carry momentum: not those in walls
   std::array<Three, 3> edges;  // [-] of component d and direction e: from a face to the next
   Three drag, push;            // [kg/(m3 s)], [N/m3] of walls, beyond the laminar ones
@@ -103,7 +103,7 @@ struct FlowTurbulence {
           if (l2 == 0) continue;
           double squares = 0;  // 2 S:S
           for (int d = 0; d < 3; ++d) {
-            const Field& v = u[at(d)];
+            const CellField& v = u[at(d)];
             const double along =
                 over[d] * (v(i + (d == 0), j + (d == 1), k + (d == 2)) - v(i, j, k));
             squares += 2 * along * along;
@@ -140,7 +140,7 @@ struct FlowTurbulence {
     walls = {std::numeric_limits<double>::infinity(), 0, 0};
     std::size_t count = 0;
     for (int d = 0; d < 3; ++d) {
-      Field &D = drag[at(d)], &P = push[at(d)];
+      CellField &D = drag[at(d)], &P = push[at(d)];
       for (const WallFace& f : faces_[at(d)]) D(f.i, f.j, f.k) = P(f.i, f.j, f.k) = 0;
       for (const WallFace& f : faces_[at(d)]) {
         const double u_plus =
@@ -224,7 +224,7 @@ struct FlowTurbulence {
   }
 
   /// Difference in direction e, over two cells and halved, of component d in the middle of a cell.
-  static double slope(const Field& v, int d, int e, int i, int j, int k) {
+  static double slope(const CellField& v, int d, int e, int i, int j, int k) {
     const int a[3] = {d == 0, d == 1, d == 2}, b[3] = {e == 0, e == 1, e == 2};
     const auto pair = [&](int way) {
       const int x = i + way * b[0], y = j + way * b[1], z = k + way * b[2];
@@ -277,7 +277,7 @@ struct FlowTurbulence {
     const auto& n = grid.cells();
     const Vec3d h = grid.h();
     const double least = FlowSolids::nearest * std::min({h.x, h.y, h.z});
-    Field y(grid);
+    CellField y(grid);
     const auto for_all = [&](int before, const auto& visit) {
       for (int k = -before; k <= n[2]; ++k)
         for (int j = -before; j <= n[1]; ++j)
@@ -295,7 +295,7 @@ struct FlowTurbulence {
     });
     for (int e = 0; e < 3; ++e) {
       const int s[3] = {e == 0, e == 1, e == 2};
-      Field& share = edges[at(d)][at(e)];
+      CellField& share = edges[at(d)][at(e)];
       share.fill(0);
       for (int k = -1; k < n[2] + (d == 2); ++k)
         for (int j = -1; j < n[1] + (d == 1); ++j)
@@ -354,7 +354,7 @@ struct FlowTurbulence {
   /// True if differences around a cell would use velocities in walls.
   bool is_beside_walls(int i, int j, int k) const {
     for (int d = 0; d < 3; ++d) {
-      const Field& o = open[at(d)];
+      const CellField& o = open[at(d)];
       const int a[3] = {d == 0, d == 1, d == 2};
       for (int e = 0; e < 3; ++e)
         for (int way = -1; way <= (e == d ? 0 : 1); ++way) {

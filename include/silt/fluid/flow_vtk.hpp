@@ -27,7 +27,7 @@ inline void write_flow(const std::string& path, const FlowSolver& flow) {
     for (int j = 0; j < g.ny(); ++j)
       for (int i = 0; i < g.nx(); ++i) {
         const auto mean = [&](int d) {
-          const Field& u = flow.velocity(d);
+          const CellField& u = flow.velocity(d);
           return 0.5 * (u(i, j, k) + u(i + (d == 0), j + (d == 1), k + (d == 2)));
         };
         velocity.push_back({mean(0), mean(1), mean(2)});

@@ -109,9 +109,9 @@ class Grid {
 };
 
 /// One number a cell, or a face of one direction, in the layout of a Grid, ghosts included.
-class Field {
+class CellField {
  public:
-  explicit Field(const Grid& grid, double value = 0)
+  explicit CellField(const Grid& grid, double value = 0)
       : grid_(grid), values_(grid.storage(), value) {}
 
   const Grid& grid() const { return grid_; }

@@ -18,7 +18,7 @@ class JoinedCells {
  public:
   /// A cell whose centre is in a wall goes with the neighbour, centre in the fluid, to which it has
   /// the widest way. `area` of faces, `share` of cells: [-] what of them is in the fluid.
-  void find(const Grid& grid, const FlowBoundary& boundary, const Three& area, const Field& share) {
+  void find(const Grid& grid, const FlowBoundary& boundary, const Three& area, const CellField& share) {
     std::map<std::array<int, 3>, std::vector<Cell>> groups;  // by the cell with its centre in fluid
     const auto& n = grid.cells();
     const auto of = [&](const std::array<int, 3>& c) { return share(c[0], c[1], c[2]); };
@@ -50,7 +50,7 @@ class JoinedCells {
     for (auto& [_, group] : groups) groups_.push_back(std::move(group));
   }
   /// Amounts, in proportion to shares.
-  void spread(Field& amounts) const {
+  void spread(CellField& amounts) const {
     for (const auto& g : groups_) {
       double sum = 0, shares = 0;
       for (const auto& c : g) sum += amounts(c.at[0], c.at[1], c.at[2]), shares += c.share;
@@ -58,7 +58,7 @@ class JoinedCells {
     }
   }
   /// Values, by their mean.
-  void average(Field& values) const {
+  void average(CellField& values) const {
     for (const auto& g : groups_) {
       double sum = 0, shares = 0;
       for (const auto& c : g) sum += c.share * values(c.at[0], c.at[1], c.at[2]), shares += c.share;

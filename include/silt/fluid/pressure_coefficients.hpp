@@ -22,7 +22,7 @@ namespace silt::inline SILT_TARGET::fluid_detail {
 class PressureCoefficients {
  public:
   /// Takes and checks the fields, which must live on; sets a, d and the inverse of `level`.
-  void set(const std::array<const Field*, 4>& fields, Level& level, const Team& team) {
+  void set(const std::array<const CellField*, 4>& fields, Level& level, const Team& team) {
     fields_ = fields;
     const double largest = convert(level, team);
     if (largest > 0 && !(largest * scale_ >= 1e-3 && largest * scale_ <= 1e3)) {
@@ -41,7 +41,7 @@ class PressureCoefficients {
   }
 
   /// r of plane k of `level` = scale (b - A p); returns |b - A p|^2 of the plane.
-  double residual_plane(int k, const Field& b, const Field& p, double scale, Level& level) const {
+  double residual_plane(int k, const CellField& b, const CellField& p, double scale, Level& level) const {
     double sum = 0;
     for (int j = 0; j < grid().ny(); ++j) {
       const int low_j = level.before(1, j), high_j = level.after(1, j);
@@ -124,7 +124,7 @@ class PressureCoefficients {
         }
   }
 
-  std::array<const Field*, 4> fields_{};  // ax, ay, az, d
+  std::array<const CellField*, 4> fields_{};  // ax, ay, az, d
   std::vector<Plane> planes_;
   Openings openings_;
   Components components_;

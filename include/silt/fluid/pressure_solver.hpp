@@ -80,9 +80,9 @@ class PressureSolver {
 
   /// Takes new coefficients: of the lower faces in each direction, and of the cells. The solver
   /// reads the four fields again in solve(): they must live and stay as they are until then.
-  void set(const Field& ax, const Field& ay, const Field& az, const Field& d, const Team& team) {
+  void set(const CellField& ax, const CellField& ay, const CellField& az, const CellField& d, const Team& team) {
     is_set_ = false;
-    for (const Field* field : {&ax, &ay, &az, &d}) require_grid(*field, "coefficients");
+    for (const CellField* field : {&ax, &ay, &az, &d}) require_grid(*field, "coefficients");
     coefficients_.set({&ax, &ay, &az, &d}, multigrid_.finest(), team);
     multigrid_.coarsen(team);
     components_ = &coefficients_.components();
@@ -90,7 +90,7 @@ class PressureSolver {
   }
 
   /// Solves for p, starting from the p given. Ghosts of periodic directions are set too.
-  PressureSolution solve(const Field& b, Field& p, const PressureTolerance& until,
+  PressureSolution solve(const CellField& b, CellField& p, const PressureTolerance& until,
                          const Team& team) {
     require(is_set_, "PressureSolver: call set() with the coefficients before solve()");
     require_grid(b, "right side");
@@ -126,7 +126,7 @@ class PressureSolver {
   }
 
   /// z = M r: the preconditioner alone, for tests. r of blocked cells counts as 0.
-  void precondition(const Field& r, Field& z, const Team& team) {
+  void precondition(const CellField& r, CellField& z, const Team& team) {
     fluid_detail::Level& level = multigrid_.finest();
     for (int k = 0; k < grid_.nz(); ++k)
       for (int j = 0; j < grid_.ny(); ++j)
@@ -145,7 +145,7 @@ class PressureSolver {
     return {grid.periodic(0) && grid.nx() > 1, grid.periodic(1) && grid.ny() > 1,
             grid.periodic(2) && grid.nz() > 1};
   }
-  void require_grid(const Field& field, const char* what) const {
+  void require_grid(const CellField& field, const char* what) const {
     require(field.grid() == grid_, "PressureSolver: the ", what,
             " stand on another grid than the solver's; make both with one Grid");
   }
@@ -168,7 +168,7 @@ class PressureSolver {
   }
 
   /// b less its mean over every floating set, 0 in blocked cells; returns |b|.
-  double take_right_side(const Field& b, const Team& team) {
+  double take_right_side(const CellField& b, const Team& team) {
     const double squares = sum_planes(team, [&](int k) {
       double sum = 0;
       for (int j = 0; j < grid_.ny(); ++j) {
@@ -200,7 +200,7 @@ class PressureSolver {
   }
 
   /// Takes off the mean over every floating set, and makes blocked cells 0.
-  void remove_means(Field& v, const Team& team) {
+  void remove_means(CellField& v, const Team& team) {
     const std::size_t sets = components_->sizes.size();
     if (sets == 0 && !components_->any_blocked) return;
     set_sums_.assign(sets * plane_sums_.size(), 0.0);
@@ -228,7 +228,7 @@ class PressureSolver {
   }
 
   /// Makes p zero, in blocked cells only or everywhere.
-  void clear_cells(Field& p, bool only_blocked) const {
+  void clear_cells(CellField& p, bool only_blocked) const {
     if (only_blocked && !components_->any_blocked) return;
     for (int k = 0; k < grid_.nz(); ++k)
       for (int j = 0; j < grid_.ny(); ++j) {
@@ -241,7 +241,7 @@ class PressureSolver {
 
   /// Conjugate gradients from p on to a residual of `target`. `scale` is of the residual in float:
   /// r = scale (b - A p).
-  void iterate(Field& p, double norm, double target, const PressureTolerance& until,
+  void iterate(CellField& p, double norm, double target, const PressureTolerance& until,
                const Team& team, PressureSolution& result) {
     constexpr double drop = 1e-4;  // of the residual between two that are computed in double
     const double cells = std::sqrt(static_cast<double>(grid_.size()));
@@ -316,7 +316,7 @@ class PressureSolver {
   }
 
   /// r of the finest level = scale (b - A p); returns |b - A p|.
-  double true_residual(const Field& p, double scale, const Team& team) {
+  double true_residual(const CellField& p, double scale, const Team& team) {
     return std::sqrt(sum_planes(team, [&](int k) {
       return coefficients_.residual_plane(k, b_, p, scale, multigrid_.finest());
     }));
@@ -364,7 +364,7 @@ class PressureSolver {
     });
   }
   /// p += correction + alpha direction; correction = 0.
-  void flush(Field& p, double alpha, const Team& team) {
+  void flush(CellField& p, double alpha, const Team& team) {
     const fluid_detail::Level& level = multigrid_.finest();
     team.for_parts(plane_sums_.size(), [&](std::size_t plane) {
       const int k = static_cast<int>(plane);
@@ -387,7 +387,7 @@ class PressureSolver {
   fluid_detail::Multigrid multigrid_;
   fluid_detail::PressureCoefficients coefficients_;
   const fluid_detail::Components* components_ = nullptr;
-  Field b_;
+  CellField b_;
   fluid_detail::LevelArray<float> direction_, product_;  // of conjugate gradients
   fluid_detail::LevelArray<double> correction_;  // of p since the residual was computed in double
   std::vector<double> plane_sums_, set_sums_;

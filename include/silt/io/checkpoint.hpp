@@ -55,8 +55,8 @@ class Checkpoint {
     openings.visit(a, openings.out_count.size(), openings.placed.size());
 
     detail::visit_particles(a, e.particles, e.particles.size());
-    if constexpr (Sim::has_bodies) a.rows("bodies", e.mover.bodies, e.mover.bodies.size());
-    a.rows("synchronous", e.mover.synchronous, sim.kicked_ ? e.rows_of_particles() : 0);
+    if constexpr (Sim::of_bodies) a.rows("bodies", e.mover.bodies, e.mover.bodies.size());
+    a.rows("synchronous", e.mover.synchronous, sim.kicked_ ? e.owners() : 0);
     detail::visit_upkeep(a, e.lists.upkeep, e.lists.reference, e.lists.reference.size());
     auto pairs = e.lists.pairs.state();
     detail::visit_pairs(a, pairs);
@@ -70,8 +70,10 @@ class Checkpoint {
                    {sim.gravity_booked_.x, sim.gravity_booked_.y, sim.gravity_booked_.z});
       a.column("ledger", books, books.size());
     }
+    e.modules().for_each(
+        [&](const std::string& name, const auto& column) { a.rows(name, column, e.owners()); });
     if constexpr (Sim::Fluid::active) {
-      detail::visit_loads(a, e.fluid_loads(), e.rows_of_particles());
+      detail::visit_loads(a, e.fluid_loads(), e.owners());
       // It visits what it has as something that may change; here nothing does.
       const_cast<typename Sim::Fluid&>(sim.fluid_)
           .for_each_state([&](const std::string& name, const auto& values) {
@@ -103,13 +105,14 @@ class Checkpoint {
   /// Which programs can continue from the file: the policies that shape the state, and what
   /// contacts remember.
   static std::string signature() {
-    return text("silt state 9; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
+    return text("silt state 10; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
                 name_of<typename Sim::ContactsType>(), "; search ", name_of<typename Sim::Search>(),
                 "; domain ", name_of<typename Sim::Domain>(), "; precision ",
                 name_of<typename Sim::Precision>(), Sim::has_ledger ? "; ledger" : "",
                 Sim::Fluid::active ? text("; fluid ", name_of<typename Sim::Fluid>()) : "",
                 "; integrator ", name_of<typename Sim::Integrator>(),
-                Sim::has_bodies ? text("; rotation ", name_of<typename Sim::Rotation>()) : "",
+                Sim::of_bodies ? text("; rotation ", name_of<typename Sim::Rotation>()) : "",
+                Sim::Modules::exist ? text("; modules ", name_of<typename Sim::Modules>()) : "",
                 "; contacts keep ", Engine::history, " numbers");
   }
 
@@ -134,7 +137,7 @@ class Checkpoint {
     c.largest_speed = e.largest_speed, c.largest_overlap = e.largest_overlap;
     c.largest_share = e.largest_share, c.safeguards = e.safeguards;
     c.step = sim.step_, c.step_origin = sim.step_origin_;
-    c.next_id = sim.next_id_, c.next_part = sim.next_part_;
+    c.next_id = sim.next_.particle, c.next_part = sim.next_.part;
     c.first_kick = sim.first_kick_, c.kicked = sim.kicked_, c.scene_changed = sim.scene_changed_;
     return c;
   }
@@ -181,16 +184,17 @@ class Checkpoint {
       sim.checked_speed_ = accepted.materials ? 0 : clock_.checked_speed;
       sim.peak_overlap_ = clock_.peak_overlap, sim.checked_overlap_ = 0;
       sim.step_ = clock_.step, sim.step_origin_ = clock_.step_origin;
-      sim.next_id_ = clock_.next_id, sim.next_part_ = clock_.next_part;
+      sim.next_ = {clock_.next_id, clock_.next_part};
       sim.first_kick_ = clock_.first_kick, sim.kicked_ = clock_.kicked, sim.continued_ = true;
       sim.scene_changed_ = clock_.scene_changed;
       e.coefficients = std::move(coefficients_);
       e.safeguards = clock_.safeguards;
       e.particles = std::move(particles_);
       e.mover.synchronous = std::move(synchronous_);
-      if constexpr (Sim::has_bodies) {
+      if constexpr (Sim::of_bodies) {
         e.mover.bodies = std::move(bodies_), e.mover.rows = std::move(rows_);
         if constexpr (Sim::Fluid::active) e.mover.fluid = std::move(loads_);
+        e.mover.modules = std::move(fields_);
       }
       e.lists = std::move(lists_);
       for (std::size_t w = 0; w < e.walls.size(); ++w) {
@@ -232,10 +236,10 @@ class Checkpoint {
           Sim::ContactsType::several_materials ? coefficients_.materials : 1;
       detail::visit_particles(a, particles_, detail::CheckpointLoader::any_count);
       detail::check_particles(a, particles_, materials);
-      detail::check_ids(a, Sim::has_bodies ? "part" : "particle", particles_.id,
-                        Sim::has_bodies ? clock_.next_part : clock_.next_id);
+      detail::check_ids(a, Sim::of_bodies ? "part" : "particle", particles_.id,
+                        Sim::of_bodies ? clock_.next_part : clock_.next_id);
       std::size_t count = particles_.size();
-      if constexpr (Sim::has_bodies) {
+      if constexpr (Sim::of_bodies) {
         a.rows("bodies", bodies_, detail::CheckpointLoader::any_count);
         rows_ = detail::check_bodies(a, bodies_, particles_, e_.mover.forms);
         count = bodies_.size();
@@ -249,6 +253,11 @@ class Checkpoint {
         a.need(is_finite(velocity) && is_finite(spin), "synchronous: velocity ", velocity,
                " m/s and spin of particle ", k, " must be finite");
       }
+      fields_of_particles().resize(count);
+      fields_of_particles().for_each([&](const std::string& name, auto& column) {
+        a.rows(name, column, count);
+        detail::check_finite_rows(a, name, column);
+      });
       if constexpr (Sim::Fluid::active) {
         auto& loads = loads_of_particles();
         loads.resize(count);
@@ -259,8 +268,14 @@ class Checkpoint {
       particles_.restored(particles_.largest_radius, particles_.mean_diameter);
     }
 
+    auto& fields_of_particles() {
+      if constexpr (Sim::of_bodies)
+        return fields_;
+      else
+        return particles_.modules;
+    }
     auto& loads_of_particles() {
-      if constexpr (Sim::has_bodies)
+      if constexpr (Sim::of_bodies)
         return loads_;
       else
         return particles_.fluid;
@@ -343,6 +358,7 @@ class Checkpoint {
     std::vector<detail::Body> bodies_;
     std::vector<std::uint32_t> rows_;
     std::remove_cvref_t<decltype(std::declval<Engine&>().fluid_loads())> loads_;
+    [[no_unique_address]] std::remove_cvref_t<decltype(std::declval<Engine&>().modules())> fields_;
     typename Engine::Lists lists_;
     [[no_unique_address]] If<Sim::has_ledger, decltype(Sim::book_)> book_;
     Vec3d gravity_booked_{0, 0, 0};

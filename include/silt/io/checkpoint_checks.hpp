@@ -119,6 +119,18 @@ void check_particles(const CheckpointLoader& a, const State& p, std::size_t mate
          "mean_diameter = ", p.mean_diameter, " m, but that of the particles is ", mean, " m");
 }
 
+/// All numbers of rows are finite.
+template <class Rows>
+void check_finite_rows(const CheckpointLoader& a, const std::string& name, const Rows& rows) {
+  constexpr std::size_t numbers = sizeof(typename Rows::value_type) / sizeof(double);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const auto* const row = reinterpret_cast<const double*>(&rows[k]);
+    for (std::size_t n = 0; n < numbers; ++n)
+      a.need(std::isfinite(row[n]), name, "[", k, "] has the number ", row[n],
+             ", which must be finite");
+  }
+}
+
 /// Returns the rows of each body's parts, as BodyMotion numbers them.
 template <class State, class Forms>
 std::vector<std::uint32_t> check_bodies(const CheckpointLoader& a, const std::vector<Body>& bodies,

@@ -168,7 +168,7 @@ SceneDescription describe_scene(const Sim& sim, const Table& coefficients, const
       }
     }
   }
-  if constexpr (Sim::has_bodies) {
+  if constexpr (Sim::of_bodies) {
     is("forms", sim.forms().size());
     for (std::size_t f = 0; f < sim.forms().size(); ++f)
       describe_form(is.of(text("form ", f, ": ")), sim.forms()[f]);

@@ -147,7 +147,7 @@ void write_particles(const std::string& file, const Sim& sim, const More& more) 
   }
   std::vector<std::array<float, 4>> orientation;
   std::vector<std::uint32_t> form;
-  if constexpr (Sim::has_bodies) {
+  if constexpr (Sim::of_bodies) {
     orientation = collect([&](std::size_t k) {
       const Quaternion q = sim.orientation(k);
       return std::array<float, 4>{static_cast<float>(q.w), static_cast<float>(q.x),
@@ -156,12 +156,20 @@ void write_particles(const std::string& file, const Sim& sim, const More& more) 
     form = collect([&](std::size_t k) { return static_cast<std::uint32_t>(sim.form(k)); });
     fields.add("orientation", orientation).add("form", form);
   }
+  std::vector<std::vector<std::array<double, 3>>> vectors;
+  std::vector<std::vector<double>> numbers;
+  sim.for_each_field([&]<std::size_t Components>(const std::string& name, const auto& value) {
+    if constexpr (Components == 3)
+      fields.add(name, vectors.emplace_back(collect(value)));
+    else
+      fields.add(name, numbers.emplace_back(collect(value)));
+  });
   more(sim, fields, places);
   write_vtp_points(file, position, fields);
 }
 /// Writes the spheres that bodies consist of: radius, and the id of the body.
 template <class Sim>
-void write_parts(const std::string& file, const Sim& sim) requires(Sim::has_bodies) {
+void write_parts(const std::string& file, const Sim& sim) requires(Sim::of_bodies) {
   std::vector<Vec3d> position;
   std::vector<float> radius;
   std::vector<ParticleId> id;
@@ -266,7 +274,7 @@ class VtkSeriesObserver {
     particles_ = open("particles"), walls_ = open("walls");
     if constexpr (Sim::has_surfaces)
       parts_ = open("surfaces");
-    else if constexpr (Sim::has_bodies)
+    else if constexpr (Sim::of_bodies)
       parts_ = open("parts");
     if constexpr (Sim::Fluid::active) flow_ = open("flow");
   }
@@ -294,7 +302,7 @@ class VtkSeriesObserver {
     if constexpr (Sim::has_surfaces) {
       write_surfaces(text(folder_, '/', file("surfaces")), sim);
       parts_->add(sim.time(), file("surfaces"));
-    } else if constexpr (Sim::has_bodies) {
+    } else if constexpr (Sim::of_bodies) {
       write_parts(text(folder_, '/', file("parts")), sim);
       parts_->add(sim.time(), file("parts"));
     }

@@ -35,7 +35,7 @@ struct SceneLook {
 /// Volume of particle k [m3].
 template <class Sim>
 double volume_of(const Sim& sim, std::size_t k) {
-  if constexpr (Sim::has_bodies) {
+  if constexpr (Sim::of_bodies) {
     const double scale = sim.scale(k);
     return sim.forms()[sim.form(k)].mass.volume * scale * scale * scale;
   } else {

@@ -61,7 +61,8 @@ inline std::size_t LevelPlan::first_row(std::size_t part, std::size_t parts,
   const std::size_t from = grid.levels()[l].first_sphere,
                     to = l + 1 < count_ ? grid.levels()[l + 1].first_sphere : grid.spheres().size();
   const double share = (before - work_[l]) / std::max(work_[l + 1] - work_[l], 1e-9);
-  const auto sphere = from + static_cast<std::size_t>(share * static_cast<double>(to - from));
+  const double inside = share > 0 ? std::min(share, 1.0) : 0;  // no number where cutoffs are 0
+  const auto sphere = from + static_cast<std::size_t>(inside * static_cast<double>(to - from));
   return sphere >= grid.spheres().size() ? grid.rows() : grid.row_of(sphere);
 }
 

@@ -7,47 +7,6 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// What may meet: the particles that are there and those that inlets will still bring; the walls
-/// that have surfaces.
-template <class... Policies>
-detail::Meetings Simulation<Policies...>::meetings() const {
-  const std::size_t materials = contacts_.materials();
-  detail::Meetings all{std::vector<detail::LightestSpheres>(materials),
-                       std::vector<bool>(materials, false)};
-  const auto brings_more = [](const Inlet& inlet) {
-    return inlet.flow.total == 0 || inlet.placed < inlet.flow.total;
-  };
-  if constexpr (has_bodies) {
-    for (const auto& b : bodies()) {
-      if (b.id == no_particle) continue;
-      auto& of_material = all.spheres[material(static_cast<std::size_t>(&b - bodies().data()))];
-      if (b.inv_m > 0)
-        engine_.mover.forms[b.form].include_lightest(of_material, b.scale, 1 / b.inv_m);
-      else
-        of_material.include({b.radius, INFINITY});
-    }
-    for (const auto& inlet : openings_.inlets()) {
-      const auto& form = engine_.mover.forms.at(inlet.flow.form);
-      for (const double radius : {inlet.flow.radius.min(), inlet.flow.radius.max()}) {
-        const double scale = radius / form.radius;
-        if (brings_more(inlet))
-          form.include_lightest(all.spheres[inlet.flow.material], scale,
-                                inlet.flow.density * form.mass.volume * scale * scale * scale);
-      }
-    }
-  } else {
-    for (std::size_t k = 0; k < rows(); ++k)
-      if (is_present(k)) all.spheres[material(k)].include({radius(k), mass(k)});
-    for (const auto& inlet : openings_.inlets())
-      for (const double r : {inlet.flow.radius.min(), inlet.flow.radius.max()})
-        if (brings_more(inlet))
-          all.spheres[inlet.flow.material].include({r, inlet.flow.density * ShapeType::volume(r)});
-  }
-  for (const Wall& wall : engine_.walls)
-    if (!wall.surfaces.empty()) all.walls[wall.material] = true;
-  return all;
-}
-
 template <class... Policies>
 std::optional<detail::ShortestContact> Simulation<Policies...>::shortest_contact(
     double speed) const {
@@ -55,7 +14,8 @@ std::optional<detail::ShortestContact> Simulation<Policies...>::shortest_contact
   if constexpr (detail::HasContactTime<Law>) {
     if (!(speed > 0)) return std::nullopt;
     const detail::ShortestContactSearch<Law, Integrator> search(
-        Engine::coefficients_of(contacts_).law, meetings(), speed,
+        Engine::coefficients_of(contacts_).law,
+        detail::meetings_of(engine_, openings_.inlets(), contacts_.materials()), speed,
         detail::InertiaOf<typename Engine::Contacts>::slip_mobility());
     if (std::isfinite(search.found().time)) return search.found();
   }
@@ -99,11 +59,13 @@ double Simulation<Policies...>::expected_speed() const {
       const Box b = detail::bounds_in_space(w, s);
       include(b.min), include(b.max);
     }
-  const auto fall = [this](const Box& box) {
+  const double pushed = modules_.largest_acceleration(engine_, time_);
+  const auto fall = [this, pushed](const Box& box) {
     const auto height = [](double low, double high) { return high > low ? high - low : 0.0; };
-    return std::sqrt(2 * (std::abs(gravity.x) * height(box.min.x, box.max.x) +
-                          std::abs(gravity.y) * height(box.min.y, box.max.y) +
-                          std::abs(gravity.z) * height(box.min.z, box.max.z)));
+    const double x = height(box.min.x, box.max.x), y = height(box.min.y, box.max.y),
+                 z = height(box.min.z, box.max.z);
+    return std::sqrt(2 * (std::abs(gravity.x) * x + std::abs(gravity.y) * y +
+                          std::abs(gravity.z) * z + pushed * norm(Vec3d{x, y, z})));
   };
   speed = std::max(speed, fall(scene));
   // Of a scene that is flat, or bounded by walls aslant alone, a particle's own size is known.
@@ -135,7 +97,7 @@ double Simulation<Policies...>::chosen_time_step() const {
   require(shortest.has_value(),
           "the time step cannot be chosen: the contact law does not say how long a contact lasts; "
           "give it contact_time() (silt/contact/concept.hpp), or set Simulation::time_step [s]");
-  return std::min(shortest->time / 20, 0.5 * longest_travel_step(speed));
+  return std::min({shortest->time / 20, 0.5 * longest_travel_step(speed), longest_module_step()});
 }
 
 /// In which nothing at this speed [m/s] goes farther than guard.max_travel allows [s].

@@ -47,6 +47,7 @@ struct EnergyBalance {
   double openings;         // with particles that came, less with those that left
   double changed_gravity;  // by setting `gravity` anew
   double fluid;            // work of the fluid on particles that are not fixed
+  double modules;          // work of modules that push, likewise
   double stiffening;  // by laws that remember the tangential displacement while the stiffness grows
                       // (TangentialMemory::Displacement of Hertz' contacts, Dcdem): from nothing
 
@@ -59,7 +60,9 @@ struct EnergyBalance {
   double dissipated() const {
     return normal_damping + tangential_damping + friction + rolling_resistance;
   }
-  double supplied() const { return walls + openings + changed_gravity + fluid + stiffening; }
+  double supplied() const {
+    return walls + openings + changed_gravity + fluid + modules + stiffening;
+  }
   /// What the books cannot explain: the error of time integration, second order in the step with
   /// Leapfrog; first with SymplecticEuler, while forces act, and Gear, with damping or friction
   /// (docs/energy.md has numbers). First order are also: gravity that is set anew between runs,
@@ -100,6 +103,7 @@ class EnergyBook {
   void bring_in(double energy) { openings_ += energy; }
   void change_gravity(double energy) { changed_gravity_ += energy; }
   void fluid_worked(double energy) { of_fluid_ += energy; }
+  void modules_worked(double energy) { of_modules_ += energy; }
 
   EnergyBalance balance(double translation, double rotation, double gravity) const {
     EnergyBalance e{};
@@ -109,15 +113,16 @@ class EnergyBook {
     e.friction = friction_, e.tangential_damping = tangential_loss() - friction_;
     e.rolling_resistance = -work_.couple - (stored_.rolling - at_start_.rolling);
     e.walls = of_walls_, e.openings = openings_, e.changed_gravity = changed_gravity_;
-    e.fluid = of_fluid_, e.stiffening = work_.stiffening;
+    e.fluid = of_fluid_, e.modules = of_modules_, e.stiffening = work_.stiffening;
     e.initial = initial_, e.turned_over = work_.turned_over;
     return e;
   }
 
   // The books as numbers, for a checkpoint.
   std::vector<double> state() const {
-    std::vector<double> all{of_walls_, openings_,    changed_gravity_, initial_, last_fixed_power_,
-                            of_fluid_, since_asked_, last_power_,      damped_,  friction_};
+    std::vector<double> all{of_walls_,         openings_, changed_gravity_, initial_,
+                            last_fixed_power_, of_fluid_, since_asked_,     last_power_,
+                            damped_,           friction_, of_modules_};
     for (const auto* e : {&stored_, &at_start_, &work_}) {
       const auto values = ContactEnergy<double>::values(*e);
       all.insert(all.end(), values.begin(), values.end());
@@ -129,8 +134,8 @@ class EnergyBook {
   void restore(const std::vector<double>& all) {
     of_walls_ = all[0], openings_ = all[1], changed_gravity_ = all[2], initial_ = all[3];
     last_fixed_power_ = all[4], of_fluid_ = all[5], since_asked_ = all[6], last_power_ = all[7];
-    damped_ = all[8], friction_ = all[9];
-    std::size_t at = 10;
+    damped_ = all[8], friction_ = all[9], of_modules_ = all[10];
+    std::size_t at = 11;
     for (auto* e : {&stored_, &at_start_, &work_}) {
       std::array<double, terms> values;
       for (double& v : values) v = all[at++];
@@ -143,7 +148,7 @@ class EnergyBook {
                        {all[at + 6], all[at + 7], all[at + 8]}});
   }
   static constexpr std::size_t terms = sizeof(ContactEnergy<double>) / sizeof(double);
-  static constexpr std::size_t least_size = 10 + 3 * terms;
+  static constexpr std::size_t least_size = 11 + 3 * terms;
 
  private:
   /// What tangential forces have taken and their springs do not hold [J].
@@ -184,7 +189,7 @@ class EnergyBook {
   ContactEnergy<double> stored_ = no_energy<double>(), at_start_ = stored_, work_ = stored_;
   std::vector<Load> last_;  // of each wall
   double of_walls_ = 0, openings_ = 0, changed_gravity_ = 0, initial_ = 0, last_fixed_power_ = 0;
-  double of_fluid_ = 0;
+  double of_fluid_ = 0, of_modules_ = 0;
   double since_asked_ = 0;  // [s]
   double last_power_ = 0;   // [W] of tangential dashpots when last asked
   double damped_ = 0;       // [J] by them, integrated

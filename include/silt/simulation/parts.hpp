@@ -7,6 +7,45 @@
 
 namespace silt::inline SILT_TARGET {
 
+template <class... Policies>
+std::size_t Simulation<Policies...>::add_wall(Surfaces surfaces,
+                                              const typename ContactsType::Material& material,
+                                              Motion motion) {
+  for (const auto& part : surfaces.parts)
+    detail::visit_surface(part, [](const auto& s) {
+      if constexpr (requires { s.check(); }) s.check();
+    });
+  Wall wall{std::move(surfaces.parts), contacts_.add(material), std::move(motion)};
+  if (wall.moves()) wall.pose = wall.last_pose = wall.motion(time_);
+  engine_.walls.push_back(std::move(wall));
+  engine_.lists.forget();
+  scene_changed_ = true, scene_step_ = step_;
+  return engine_.walls.size() - 1;
+}
+
+template <class... Policies>
+EnergyBalance Simulation<Policies...>::balance() const {
+  require(step_ > 0 || kicked_,
+          "Simulation::energy: run() first, if only for 0 s: the forces at the "
+          "start are not known yet");
+  double translation = 0, rotation = 0, potentials = 0;
+  for (std::size_t k = 0; k < rows(); ++k) {
+    if (!is_present(k) || !std::isfinite(mass(k))) continue;
+    const auto part = kinetic(k);
+    translation += part.translation, rotation += part.rotation, potentials += potential(k);
+  }
+  return book_.balance(translation, rotation, potentials);
+}
+
+template <class... Policies>
+typename Simulation<Policies...>::Kinetic Simulation<Policies...>::kinetic(std::size_t k) const {
+  const double m = mass(k);
+  const Vec3d v = velocity(k);
+  Kinetic part{0.5 * m * dot(v, v), 0};
+  if constexpr (rotates) part.rotation = engine_.owner(k).rotational_energy(angular_velocity(k));
+  return part;
+}
+
 /// Refuses particles that do not fit into the scene. `check` is that of the shape.
 template <class... Policies>
 template <class Particle, class Check>
@@ -37,79 +76,45 @@ void Simulation<Policies...>::check_new(std::span<const Particle> more, const Ch
 template <class... Policies>
 std::vector<std::size_t> Simulation<Policies...>::add(const ParticlesType& more) {
   using Particle = typename ParticlesType::Particle;
-  std::vector<std::size_t> numbers;                 // of its forms
   check_new(std::span<const Particle>(more.all()),  // before anything changes
             [&](const Particle& p, std::size_t k) { more.check(p, k); });
-  if constexpr (has_bodies) {
-    numbers = add_forms(more.forms());
-    add_bodies(std::span<const Particle>(more.all()), numbers);
-  } else {
-    std::vector<std::pair<PositionRow, typename Engine::Motion>> rows;
-    for (std::size_t k = 0; k < more.size(); ++k) {
-      const auto& p = more[k];
-      typename Engine::Motion m{};
-      m.vx = p.velocity.x, m.vy = p.velocity.y, m.vz = p.velocity.z;
-      m.inv_m = p.fixed ? 0 : 1 / (p.density * ShapeType::volume(p.radius));
-      if constexpr (rotates) {
-        const Vec3d spin = p.angular_velocity * p.radius;
-        m.wx = spin.x, m.wy = spin.y, m.wz = spin.z, m.inv_r = 1 / p.radius;
-      }
-      rows.push_back({{p.position.x, p.position.y, p.position.z, p.radius}, m});
-    }
-    for (std::size_t k = 0; k < more.size(); ++k) {
-      auto& [position, motion] = rows[k];
-      if (kicked_) {
-        typename Engine::Mover::Synchronous now{motion.velocity(), {0, 0, 0}};
-        if constexpr (rotates) now.spin_velocity = motion.spin_velocity();
-        engine_.mover.synchronous.push_back(now);
-      }
-      engine_.particles.add(position, motion, next_id_++,
-                            static_cast<std::uint16_t>(more[k].material));
-      if constexpr (has_ledger)
-        if (const std::size_t last = engine_.particles.size() - 1;
-            !first_kick_ && std::isfinite(mass(last)))
-          book_.bring_in(kinetic(last).sum() + potential(last));
-    }
-    engine_.particles.measure();
-    engine_.lists.forget();
-  }
+  const auto numbers = detail::take_in_forms(engine_, more);
+  take_in(std::span<const Particle>(more.all()), numbers);
   scene_changed_ = true, scene_step_ = step_;
   return numbers;
 }
 
+/// Adds particles that have been checked; `numbers` of their forms, if they are not the engine's.
+template <class... Policies>
+template <class Particle>
+void Simulation<Policies...>::take_in(std::span<const Particle> more,
+                                      std::span<const std::size_t> numbers) {
+  const std::size_t before = rows();
+  detail::take_in(engine_, more, numbers, kicked_, next_);
+  if constexpr (has_ledger)
+    for (std::size_t k = before; k < rows() && !first_kick_; ++k)
+      if (std::isfinite(mass(k))) book_.bring_in(kinetic(k).sum() + potential(k));
+  start_fields(before);
+}
+
 template <class... Policies>
 void Simulation<Policies...>::insert(const std::vector<PlacedSphere>& spheres,
-                                     const InletFlow& flow, [[maybe_unused]] Random& random) {
+                                     const InletFlow& flow, Random& random) {
   if (spheres.empty()) return;
+  using Particle = typename ParticlesType::Particle;
   // The velocity is that of this instant; rows hold that of half a step ago.
   const double ago = first_kick_ || Integrator::first_kick != 0.5 ? 0 : 0.5 * dt_;  // [s]
   const Vec3d velocity = flow.velocity - ago * gravity;
   const std::size_t before = rows();
-  if constexpr (has_bodies) {
-    using Particle = typename ParticlesType::Particle;
-    std::vector<Particle> more;
-    for (const auto& s : spheres)
-      more.push_back({.form = flow.form,
-                      .position = s.position,
-                      .orientation = random_orientation(random),
-                      .radius = s.radius,
-                      .density = flow.density,
-                      .velocity = velocity,
-                      .material = flow.material});
-    check_new(std::span<const Particle>(more), [&](const Particle& p, std::size_t k) {
+  const auto more = detail::particles_at<Particle>(spheres, flow, velocity, random);
+  check_new(std::span<const Particle>(more), [&](const Particle& p, std::size_t k) {
+    if constexpr (requires { engine_.mover.forms; })
       ParticlesType::check(p, k, engine_.mover.forms);
-    });
-    add_bodies(std::span<const Particle>(more));
-  } else {
-    ParticlesType more;
-    for (const auto& s : spheres)
-      more.add({s.position, s.radius, flow.density, velocity, {0, 0, 0}, flow.material});
-    const bool changed = scene_changed_;
-    const std::int64_t at = scene_step_;
-    add(more);
-    scene_changed_ = changed, scene_step_ = at;  // inlets have counted from their start
-  }
-  if constexpr (has_ledger && !std::is_void_v<ParticlesType>) {
+    else
+      ParticlesType::check(p, k);
+  });
+  take_in(std::span<const Particle>(more), {});
+  if constexpr (has_ledger) {
     // ... and the ledger wants that of this instant.
     for (std::size_t k = before; k < rows() && !first_kick_; ++k)
       book_.bring_in(0.5 * mass(k) * (dot(flow.velocity, flow.velocity) - dot(velocity, velocity)));
@@ -170,7 +175,7 @@ void Simulation<Policies...>::prepare() {
     book_.change_gravity(change);
     gravity_booked_ = gravity;
   }
-  if constexpr (!has_bodies) detail::check_inertia<ShapeType>();
+  detail::check_inertia<ShapeType>();
   if (step_ > 0 || kicked_) detail::check_given(engine_, gravity, step_, time_);
   check_fluid();
   engine_.set_threads(threads);
@@ -252,6 +257,27 @@ void Simulation<Policies...>::keep_limits() {
     detail::check_inside(engine_, *guard.domain, step_, time_);
 }
 
+/// How fast the surface of particle k is at time().
+template <class... Policies>
+detail::SurfaceSpeed Simulation<Policies...>::surface_speed(std::size_t k) const {
+  if constexpr (rotates) {
+    const Vec3d w = angular_velocity(k);
+    const double tips = engine_.owner(k).tip_speed(w);
+    return {norm(velocity(k)), tips, of_bodies ? norm(w) : 0, id(k)};
+  } else {
+    return {norm(velocity(k)), 0, 0, id(k)};
+  }
+}
+
+/// The particle whose surface is the fastest at time(), for a sentence at this speed.
+template <class... Policies>
+std::string Simulation<Policies...>::tips_at(double speed) const {
+  for (std::size_t k = 0; k < rows(); ++k)
+    if (is_present(k))
+      if (const auto s = surface_speed(k); s.sum() == speed) return s.words();
+  return {};
+}
+
 /// Looks at all contacts, which takes as long as a few steps: now and then, and where the largest
 /// overlap has grown by a quarter.
 template <class... Policies>
@@ -261,6 +287,7 @@ void Simulation<Policies...>::keep_rates(double back) {
     checked_overlap_ = engine_.largest_overlap;
   else if (step_ % now_and_then != 0)
     return;
+  check_module_rates();
   if (engine_.largest_overlap > 0)
     detail::ContactRates<Engine, Domain>(engine_, domain_, back, dt_)
         .check(step_, time_, guard.max_rate);

@@ -46,8 +46,9 @@ requires(!detail::make_a_simulation<Policies...>) class Simulation<Policies...> 
       all_belong,
       "a policy given to Simulation belongs to no axis: it must be Particles, Contacts, a "
       "NeighbourSearch, a domain, a FluidCoupling, a precision, an Integrator, a rotation, "
-      "KernelsFor or EnergyLedger; the contracts are in silt/contact/, search/, boundary/, "
-      "coupling/, motion/ concept.hpp");
+      "KernelsFor, EnergyLedger or a Module; the contracts are in silt/contact/, search/, "
+      "boundary/, "
+      "coupling/, motion/, module/ concept.hpp");
 
  public:
   template <class... Args>

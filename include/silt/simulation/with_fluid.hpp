@@ -52,7 +52,7 @@ void Simulation<Policies...>::couple() {
     if (fluid_.time() < kicked_to() + clock_rounding * dt_) renew_fluid();
     if constexpr (follows_fluid) follow_fluid();
     if constexpr (has_ledger)
-      book_.fluid_worked(first_kick_ ? -work_of_first_kick()
+      book_.fluid_worked(first_kick_ ? -work_of_first_kick(engine_.fluid_loads().force)
                                      : 0.5 * dt_ * (before + power_of_fluid()));
   }
 }
@@ -94,11 +94,7 @@ void Simulation<Policies...>::change_fluid_step([[maybe_unused]] double dt) {
         } else {
           // Taken back: more than the fluid has given.
           const Vec3d back = (dt_ / dt * ahead / mass(k)) * force;  // change_step scales it
-          if constexpr (has_bodies)
-            engine_.mover.bodies[k].velocity += back;
-          else
-            engine_.particles.motion[k].vx += back.x, engine_.particles.motion[k].vy += back.y,
-                engine_.particles.motion[k].vz += back.z;
+          engine_.change_velocity(k, back);
         }
       }
     }
@@ -208,15 +204,11 @@ void Simulation<Policies...>::follow_fluid() {
     engine_.team().for_ranges(rows(), [&](std::size_t, std::size_t from, std::size_t to) {
       for (std::size_t k = from; k < to; ++k) {
         if (!is_present(k) || loads.given[k].unused == 0) continue;
-        double inv_m;
-        Vec3d v;
-        if constexpr (has_bodies)
-          inv_m = bodies()[k].inv_m, v = bodies()[k].velocity;
-        else
-          inv_m = engine_.particles.motion[k].inv_m, v = engine_.particles.motion[k].velocity();
+        const auto owner = engine_.owner(k);
+        const double inv_m = owner.inverse_mass();
         if (inv_m == 0) continue;
-        const Vec3d force =
-            fluid_.follow(loads, k, position(k), v, 1 / inv_m, engine_.contact_force(k), kick);
+        const Vec3d force = fluid_.follow(loads, k, position(k), owner.velocity(), 1 / inv_m,
+                                          engine_.contact_force(k), kick);
         loads.force[k] = detail::VectorRow::of(force);
         const Vec3d unforced = loads.unforced[k].vector() + (kick * inv_m) * force;
         loads.unforced[k] = detail::VectorRow::of(unforced);
@@ -254,14 +246,14 @@ double Simulation<Policies...>::gather_for_fluid() {
   p.place.clear();
   for (std::size_t k = 0; k < rows(); ++k)
     if (is_present(k)) p.place.push_back(k);
-  p.resize(p.place.size(), has_bodies, turned_by_fluid, follows_fluid);
-  if constexpr (has_bodies)
+  p.resize(p.place.size(), of_bodies, turned_by_fluid, follows_fluid);
+  if constexpr (of_bodies)
     while (p.forms.size() < engine_.mover.forms.size()) {
       const auto& shape = engine_.mover.forms[p.forms.size()].shape;
       if constexpr (Fluid::sees_forms) p.forms_in_flow.push_back(form_in_flow(shape));
       p.add_form(shape);
     }
-  if constexpr (!has_bodies) p.inertia_factor = ShapeType::inertia_factor();
+  if constexpr (!of_bodies) p.inertia_factor = ShapeType::inertia_factor();
   const double span = fluid_.last_step_length();
   std::array<double, Team::most_ranges> fastest{};
   engine_.team().for_ranges(p.place.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
@@ -269,18 +261,15 @@ double Simulation<Policies...>::gather_for_fluid() {
       const std::size_t k = p.place[n];
       p.position[n] = fluid_.at_the_side(position(k), radius(k)), p.mass[n] = mass(k);
       p.id[n] = id(k);
-      if constexpr (has_bodies) {
-        const auto& b = bodies()[k];
-        p.volume[n] = forms()[b.form].mass.volume * b.scale * b.scale * b.scale;
+      const auto owner = engine_.owner(k);
+      p.volume[n] = owner.volume(), p.velocity[n] = owner.velocity();
+      if constexpr (of_bodies) {
         p.radius[n] = std::cbrt(p.volume[n] * (0.75 / std::numbers::pi));
-        p.velocity[n] = b.velocity, p.orientation[n] = b.orientation, p.form[n] = b.form;
-        if constexpr (turned_by_fluid) p.spin[n] = b.angular_velocity(b.momentum);
+        p.orientation[n] = owner.principal_axes(), p.form[n] = owner.form();
       } else {
-        const auto& m = engine_.particles.motion[k];
-        p.radius[n] = radius(k), p.volume[n] = ShapeType::volume(radius(k));
-        p.velocity[n] = m.velocity();
-        if constexpr (turned_by_fluid) p.spin[n] = m.spin_velocity() * m.inv_r;
+        p.radius[n] = owner.radius();
       }
+      if constexpr (turned_by_fluid) p.spin[n] = owner.angular_velocity();
       // What has acted besides the fluid since it was asked, on average.
       const Vec3d unforced = loads.unforced[k].vector();
       const bool known = span > 0 && !std::isnan(unforced.x);
@@ -297,16 +286,17 @@ double Simulation<Policies...>::gather_for_fluid() {
   return *std::max_element(fastest.begin(), fastest.end());
 }
 
-/// [J] by which the fluid's work in leapfrog's first half kick is less than with the velocity at
-/// its end, with which the next step books it: of a sudden start half of all.
+/// [J] by which the work of forces of a fluid, or of modules, in leapfrog's first half kick is less
+/// than with the velocity at its end, with which the next step books it: of a sudden start half of
+/// all.
 template <class... Policies>
-double Simulation<Policies...>::work_of_first_kick() const {
+template <class Column>
+double Simulation<Policies...>::work_of_first_kick(const Column& forces) const {
   double work = 0;
   if constexpr (has_ledger && Integrator::first_kick == 0.5) {
-    const auto& loads = engine_.fluid_loads();
     for (std::size_t k = 0; k < rows(); ++k) {
       if (!is_present(k) || !std::isfinite(mass(k))) continue;
-      const Vec3d force = loads.force[k].vector();
+      const Vec3d force = forces[k].vector();
       // A blow is over before gravity and contacts have moved anything.
       const Vec3d a = (1 / mass(k)) * (force + 2 * engine_.contact_force(k)) + 2 * gravity;
       work += 0.125 * dt_ * dt_ * dot(force, a);
@@ -323,16 +313,9 @@ double Simulation<Policies...>::power_of_fluid() const {
     const auto& loads = engine_.fluid_loads();
     for (std::size_t k = 0; k < rows(); ++k) {
       if (!is_present(k) || !std::isfinite(mass(k))) continue;
-      Vec3d v, w{0, 0, 0};
-      if constexpr (has_bodies) {
-        v = bodies()[k].velocity, w = bodies()[k].angular_velocity(bodies()[k].momentum);
-      } else {
-        const auto& m = engine_.particles.motion[k];
-        v = m.velocity();
-        if constexpr (rotates) w = m.spin_velocity() * m.inv_r;
-      }
-      power += dot(loads.force[k].vector(), v);
-      if constexpr (turned_by_fluid) power += dot(loads.torque[k].vector(), w);
+      const auto p = engine_.owner(k);
+      power += dot(loads.force[k].vector(), p.velocity());
+      if constexpr (turned_by_fluid) power += dot(loads.torque[k].vector(), p.angular_velocity());
     }
   }
   return power;

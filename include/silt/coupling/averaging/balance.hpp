@@ -11,7 +11,7 @@
 namespace silt::inline SILT_TARGET::detail {
 
 /// Sets to 1 what is within `reach` cells, in each direction, of a cell that is not 0.
-inline void widen(Field& marks, const std::array<int, 3>& reach) {
+inline void widen(CellField& marks, const std::array<int, 3>& reach) {
   const Grid& g = marks.grid();
   const auto& n = g.cells();
   std::vector<double> line;
@@ -59,14 +59,14 @@ class Balance {
   /// maybe another grid. source_of(particles) is what Stencils::place takes; `diameter` [m] of
   /// particles. Returns b; the weights of cells are then o b.
   template <class SourceOf>
-  static Field open(Stencils& on, const Field& fine, const Field& open, double diameter,
+  static CellField open(Stencils& on, const CellField& fine, const CellField& open, double diameter,
                     const SourceOf& source_of, const Team& team) {
     on.open(open);
     Balance balance(fine, open, diameter);
     if (!balance.find_near(source_of)) return balance.b_;
     const Grid& g = open.grid();
     Stencils stencils(g);
-    Field all(g), sum(g);
+    CellField all(g), sum(g);
     balance.add_samples(true, stencils, source_of, all, team);
     for (int turn = 0; turn < turns; ++turn) {
       stencils.weigh(balance.weights());
@@ -81,7 +81,7 @@ class Balance {
   }
 
  private:
-  Balance(const Field& fine, const Field& open, double diameter)
+  Balance(const CellField& fine, const CellField& open, double diameter)
       : fine_(fine),
         open_(open),
         radius_(0.5 * diameter),
@@ -95,8 +95,8 @@ class Balance {
       for (int j = 0; j < g.ny(); ++j)
         for (int i = 0; i < g.nx(); ++i) use(i, j, k);
   }
-  Field weights() const {
-    Field w = open_;
+  CellField weights() const {
+    CellField w = open_;
     for_cells(w.grid(), [&](int i, int j, int k) { w(i, j, k) *= b_(i, j, k); });
     return w;
   }
@@ -163,20 +163,20 @@ class Balance {
   /// sum_s V_s phi_sc / seen_s of the samples, in volumes of a fine cell; of all that there would
   /// be without walls.
   template <class SourceOf>
-  void add_samples(bool all, Stencils& stencils, const SourceOf& source_of, Field& sum,
+  void add_samples(bool all, Stencils& stencils, const SourceOf& source_of, CellField& sum,
                    const Team& team) const {
     constexpr std::size_t at_once = std::size_t{1} << 17;
     const Grid &f = fine_.grid(), &g = open_.grid();
     std::vector<Vec3d> places;
     std::vector<double> amounts;
-    Field part(g);
+    CellField part(g);
     sum.fill(0);
     const auto add = [&] {
       const std::vector<double> radii(places.size(), radius_);
       const AveragedParticles samples{places, radii};
       stencils.place(places.size(), source_of(samples), team);
       const std::span<const double> from[] = {amounts};
-      Field* const to[] = {&part};
+      CellField* const to[] = {&part};
       stencils.spread(from, to, team);
       for_cells(g, [&](int i, int j, int k) { sum(i, j, k) += part(i, j, k); });
       places.clear(), amounts.clear();
@@ -202,10 +202,10 @@ class Balance {
     if (!places.empty()) add();
   }
 
-  const Field &fine_, &open_;
+  const CellField &fine_, &open_;
   double radius_;
   int samples_ = eighths;  // of a cell
-  Field b_, cells_, sampled_;
+  CellField b_, cells_, sampled_;
 };
 
 }  // namespace silt::inline SILT_TARGET::detail

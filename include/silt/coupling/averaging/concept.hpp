@@ -35,11 +35,11 @@ struct AveragedParticles {
   std::span<const AveragedForm> forms = {};      // left out: spheres
 };
 
-/// One number a particle, per quantity; one Field, per quantity.
+/// One number a particle, per quantity; one CellField, per quantity.
 using Quantities = std::span<const std::span<const double>>;
 using GatheredValues = std::span<const std::span<double>>;
-using CellFields = std::span<Field* const>;
-using ConstCellFields = std::span<const Field* const>;
+using CellFields = std::span<CellField* const>;
+using ConstCellFields = std::span<const CellField* const>;
 
 /// What place() found.
 struct AveragingReport {
@@ -54,7 +54,7 @@ struct AveragingReport {
 ///   using Averaging = ...               the operator, made from (mode, grid, diameter [m]): of the
 ///                                       largest particles, in which the mode's widths are given
 /// and the operator has
-///   void open(const Field& cells, const Team&)      the share of each cell that is open, from 0 to
+///   void open(const CellField& cells, const Team&)      the share of each cell that is open, from 0 to
 ///                                                   1; before place()
 ///   void place(const AveragedParticles&, const Team&)
 ///   void spread(Quantities, CellFields, const Team&)        their cells are set, ghosts are not
@@ -64,7 +64,7 @@ struct AveragingReport {
 template <class M>
 concept AveragingMode =
     std::constructible_from<typename M::Averaging, const M&, const Grid&, double> &&
-    requires(const M& mode, typename M::Averaging& averaging, const Field& cells,
+    requires(const M& mode, typename M::Averaging& averaging, const CellField& cells,
              const AveragedParticles& particles, Quantities q, CellFields f, ConstCellFields g,
              GatheredValues v, const Team& team) {
   mode.check();
@@ -76,7 +76,7 @@ concept AveragingMode =
 };
 
 /// Sum of a field over the grid's cells.
-inline double total(const Field& field) {
+inline double total(const CellField& field) {
   const Grid& g = field.grid();
   double sum = 0;
   for (int k = 0; k < g.nz(); ++k)
@@ -91,7 +91,7 @@ inline double total(const Field& field) {
 
 /// The solids volume [m3] by which cells exceed what a least void fraction leaves for it: what an
 /// engine that sets eps = max(1 - solids/V_cell, least) leaves out.
-inline double clipped_solids(const Field& solids, double least_void_fraction) {
+inline double clipped_solids(const CellField& solids, double least_void_fraction) {
   const Grid& g = solids.grid();
   const double most = (1 - least_void_fraction) * g.cell_volume();
   double sum = 0;

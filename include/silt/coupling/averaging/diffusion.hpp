@@ -48,7 +48,7 @@ class Diffusion::Averaging {
   const Grid& grid() const { return stencils_.grid(); }
   const AveragingReport& report() const { return stencils_.report(); }
 
-  void open(const Field& cells, const Team& team = {}) {
+  void open(const CellField& cells, const Team& team = {}) {
     const auto balance = [&](const auto& source_of) {
       balance_.assign(1,
                       detail::Balance::open(stencils_, cells, cells, diameter_, source_of, team));
@@ -89,7 +89,7 @@ class Diffusion::Averaging {
   Stencils stencils_;
   LineDiffusion diffusion_;
   FieldCopies copies_;
-  std::vector<Field> open_, balance_;  // none: all cells are open
+  std::vector<CellField> open_, balance_;  // none: all cells are open
 };
 
 static_assert(AveragingMode<Diffusion>);

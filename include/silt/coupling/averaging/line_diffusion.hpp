@@ -30,22 +30,22 @@ class LineDiffusion {
     for (std::size_t d = 0; d < 3; ++d) k_[d] = spread2 / (h[d] * h[d]);
     make(nullptr);
   }
-  void open(const Field& cells) { make(&cells); }
+  void open(const CellField& cells) { make(&cells); }
 
   void step(CellFields f, const Team& team) const {
     for_planes(team, [&](int k) {
-      for (Field* field : f) along_x(*field, k), along_y(*field, k);
+      for (CellField* field : f) along_x(*field, k), along_y(*field, k);
     });
     for_rows(team, [&](int j) {
-      for (Field* field : f) along_z(*field, j);
+      for (CellField* field : f) along_z(*field, j);
     });
   }
   void adjoint_step(CellFields f, const Team& team) const {
     for_rows(team, [&](int j) {
-      for (Field* field : f) along_z(*field, j);
+      for (CellField* field : f) along_z(*field, j);
     });
     for_planes(team, [&](int k) {
-      for (Field* field : f) along_y(*field, k), along_x(*field, k);
+      for (CellField* field : f) along_y(*field, k), along_x(*field, k);
     });
   }
 
@@ -91,7 +91,7 @@ class LineDiffusion {
     }
   }
 
-  void make(const Field* cells) {
+  void make(const CellField* cells) {
     const std::size_t row = static_cast<std::size_t>(detail::padded(grid_.nx()));
     const int n[3] = {grid_.nx(), grid_.ny(), grid_.nz()};
     for (int d = 0; d < 3; ++d) {
@@ -142,7 +142,7 @@ class LineDiffusion {
   }
 
   /// Rows in blocks: each waits for its own last result only.
-  void along_x(Field& f, int k) const {
+  void along_x(CellField& f, int k) const {
     if (grid_.nx() < 2 || k_[0] == 0) return;
     constexpr int block = 8;
     int j = 0;
@@ -150,7 +150,7 @@ class LineDiffusion {
     for (; j < grid_.ny(); ++j) rows_along_x<1>(f, j, k);
   }
   template <int Rows>
-  void rows_along_x(Field& f, int j, int k) const {
+  void rows_along_x(CellField& f, int j, int k) const {
     const Axis& a = axes_[0];
     const int n = grid_.nx();
     double* v = f.row(j, k);
@@ -183,13 +183,13 @@ class LineDiffusion {
     }
   }
 
-  void along_y(Field& f, int k) const {
+  void along_y(CellField& f, int k) const {
     if (grid_.ny() > 1)
       along_rows(
           axes_[1], grid_.ny(), [&](int j) { return f.row(j, k); },
           [&](int j) { return place(axes_[1], j, k); });
   }
-  void along_z(Field& f, int j) const {
+  void along_z(CellField& f, int j) const {
     if (grid_.nz() > 1)
       along_rows(
           axes_[2], grid_.nz(), [&](int k) { return f.row(j, k); },

@@ -9,12 +9,12 @@ namespace detail {
 
 /// Puts new_value(openness, value) into open cells, and 0 into blocked ones whatever they hold.
 template <class NewValue>
-void change_open(const Field& openness, CellFields fields, const Team& team,
+void change_open(const CellField& openness, CellFields fields, const Team& team,
                  const NewValue& new_value) {
   const Grid& g = openness.grid();
   team.for_parts(static_cast<std::size_t>(g.nz()), [&](std::size_t plane) {
     const int k = static_cast<int>(plane);
-    for (Field* field : fields)
+    for (CellField* field : fields)
       for (int j = 0; j < g.ny(); ++j) {
         double* to = field->row(j, k);
         const double* o = openness.row(j, k);
@@ -25,17 +25,17 @@ void change_open(const Field& openness, CellFields fields, const Team& team,
 
 }  // namespace detail
 
-inline void multiply_openness(const Field& openness, CellFields fields, const Team& team) {
+inline void multiply_openness(const CellField& openness, CellFields fields, const Team& team) {
   detail::change_open(openness, fields, team, [](double o, double v) { return o * v; });
 }
-inline void clear_blocked(const Field& openness, CellFields fields, const Team& team) {
+inline void clear_blocked(const CellField& openness, CellFields fields, const Team& team) {
   detail::change_open(openness, fields, team, [](double, double v) { return v; });
 }
 
 /// Copies of fields, times openness where it is given, kept from call to call.
 class FieldCopies {
  public:
-  ConstCellFields of(ConstCellFields fields, const Field* openness, const Team& team) {
+  ConstCellFields of(ConstCellFields fields, const CellField* openness, const Team& team) {
     room_for(fields.size(), fields.empty() ? nullptr : &fields[0]->grid());
     if (fields.empty()) return {};
     const Grid& g = fields[0]->grid();
@@ -59,17 +59,17 @@ class FieldCopies {
   CellFields room_for(std::size_t n, const Grid* grid) {
     if (grid && !copies_.empty() && !(copies_[0].grid() == *grid)) copies_.clear();
     if (grid && copies_.size() < n) {
-      copies_.resize(n, Field(*grid));
+      copies_.resize(n, CellField(*grid));
       constant_.clear(), all_.clear();
-      for (Field& f : copies_) constant_.push_back(&f), all_.push_back(&f);
+      for (CellField& f : copies_) constant_.push_back(&f), all_.push_back(&f);
     }
     return {all_.data(), n};
   }
 
  private:
-  std::vector<Field> copies_;
-  std::vector<const Field*> constant_;
-  std::vector<Field*> all_;
+  std::vector<CellField> copies_;
+  std::vector<const CellField*> constant_;
+  std::vector<CellField*> all_;
 };
 
 /// The operator of modes whose weights are stencils on the grid itself. Mode::Source(mode, grid,
@@ -86,7 +86,7 @@ class StencilAveraging {
   const Stencils& stencils() const { return stencils_; }
   const AveragingReport& report() const { return stencils_.report(); }
 
-  void open(const Field& cells, const Team& team = {}) {
+  void open(const CellField& cells, const Team& team = {}) {
     const auto source_of = [&](const AveragedParticles& of) {
       return typename Mode::Source(mode_, grid(), diameter_, of);
     };

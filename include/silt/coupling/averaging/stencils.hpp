@@ -44,7 +44,7 @@ class Stencils {
   /// Which part of each cell is open, from 0 to 1: weights are divided by the openness that the
   /// particle sees, sum_c w_pc openness_c. What is spread must then be multiplied by it, what is
   /// gathered before.
-  void open(const Field& openness) {
+  void open(const CellField& openness) {
     require(openness.grid() == grid_, "averaging: the field of open cells is not of its grid");
     bool any = false;
     for (int k = 0; k < grid_.nz(); ++k)
@@ -59,9 +59,9 @@ class Stencils {
     weigh(openness);
   }
   /// The same with any weights of cells instead.
-  void weigh(const Field& openness) { openness_.assign(1, openness); }
+  void weigh(const CellField& openness) { openness_.assign(1, openness); }
   /// Null: all cells are open.
-  const Field* openness() const { return openness_.empty() ? nullptr : openness_.data(); }
+  const CellField* openness() const { return openness_.empty() ? nullptr : openness_.data(); }
 
   template <class Source>
   void place(std::size_t n, const Source& source, const Team& team) {
@@ -107,7 +107,7 @@ class Stencils {
   void spread(Quantities q, CellFields f, const Team& team) const {
     detail::check_columns("spread", q, f, grid_, stencils_.size());
     if (stencils_.empty()) {
-      for (Field* field : f) field->fill(0);
+      for (CellField* field : f) field->fill(0);
       return;
     }
     Targets targets;
@@ -117,7 +117,7 @@ class Stencils {
     }
     team.for_parts(slabs_.size(), [&](std::size_t slab) {
       const int lower = slabs_.lower(slab), upper = slabs_.lower(slab + 1);
-      for (Field* field : f)
+      for (CellField* field : f)
         for (int k = lower; k < upper; ++k)
           for (int j = 0; j < grid_.ny(); ++j) std::fill_n(field->row(j, k), grid_.nx(), 0.0);
       for (const std::uint32_t p : slabs_.members(slab)) {
@@ -310,7 +310,7 @@ class Stencils {
     return found;
   }
 
-  static const double* origin(const Field& f) { return f.row(0, 0) - f.grid().index(0, 0, 0); }
+  static const double* origin(const CellField& f) { return f.row(0, 0) - f.grid().index(0, 0, 0); }
 
   /// Adds planes c ... of a stencil to those from k on.
   void add(const Stencil& s, std::size_t p, const Targets& to, int k, int c, int planes) const {
@@ -388,7 +388,7 @@ class Stencils {
   }
 
   Grid grid_;
-  std::vector<Field> openness_;  // none: all open
+  std::vector<CellField> openness_;  // none: all open
   AlignedVector<Stencil> stencils_;
   AlignedVector<double> weights_;
   std::vector<std::size_t> closed_;

@@ -98,12 +98,12 @@ class TwoGrid::Averaging {
   const Grid& coarse() const { return stencils_.grid(); }
   const AveragingReport& report() const { return stencils_.report(); }
 
-  void open(const Field& cells, const Team& team = {}) {
+  void open(const CellField& cells, const Team& team = {}) {
     require(cells.grid() == grid_, "averaging: the field of open cells is not of its grid");
     open_.clear();
-    Field seen(coarse());
-    const Field* const from[]{&cells};
-    Field* const to[]{&seen};
+    CellField seen(coarse());
+    const CellField* const from[]{&cells};
+    CellField* const to[]{&seen};
     collect(from, to, team);
     const auto balance = [&](const auto& source_of) {
       balance_.assign(1, detail::Balance::open(stencils_, cells, seen, diameter_, source_of, team));
@@ -208,8 +208,8 @@ class TwoGrid::Averaging {
   double diameter_;
   Stencils stencils_;
   std::vector<AxisTransfer> axes_;
-  std::vector<Field> open_;     // none: all are
-  std::vector<Field> balance_;  // of coarse cells, where some are not open
+  std::vector<CellField> open_;     // none: all are
+  std::vector<CellField> balance_;  // of coarse cells, where some are not open
   FieldCopies copies_;
   AlignedVector<double> planes_;
 };

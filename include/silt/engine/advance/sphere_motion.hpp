@@ -45,9 +45,13 @@ struct MovedScene {
 };
 
 /// Translation and rotation of spheres, each a particle of its own.
-template <class ShapeType, class ContactsType, class State, class Scalar, class Arch,
-          class Integrator>
+template <class Composition, class State>
 class SphereMotion {
+  using ShapeType = typename Composition::Shape;
+  using ContactsType = typename Composition::Contacts;
+  using Scalar = typename Composition::Scalar;
+  using Arch = typename Composition::Arch;
+  using Integrator = typename Composition::Integrator;
   static constexpr bool rotates = ContactsType::rotates;
   static constexpr std::size_t chunks = load_chunks<ContactsType>;
   static constexpr bool predicts = Integrator::derivatives > 0;
@@ -143,7 +147,9 @@ class SphereMotion {
                          scene.particles.derivatives.data(),
                          scene.sums,
                          scene.particles.fluid.force.data(),
-                         scene.particles.fluid.torque.data()};
+                         scene.particles.fluid.torque.data(),
+                         scene.particles.modules.forces(),
+                         scene.particles.modules.torques()};
     const double* const per_inner2 = scene.per_inner2;
     Real largest2(0), sum2(0), share2(0);
     std::size_t k = from;
@@ -187,18 +193,24 @@ class SphereMotion {
     typename State::PairMotion* pair_motion;
     typename State::HigherDerivatives* derivatives;
     Scalar* sums;
-    const VectorRow *fluid_force, *fluid_torque;
+    const VectorRow *fluid_force, *fluid_torque, *module_force, *module_torque;
   };
   using Fluid = decltype(State::fluid);
+  using Modules = typename Composition::Modules;
   /// The loads of particle k: force; torque over radius; couple.
   SILT_INLINE static Row load_of(const Constants& with, std::size_t k, std::size_t chunk) {
-    const auto load =
-        convert<double>(Row4<Arch, Scalar>::load(with.sums + (k * chunks + chunk) * 4));
+    Row load = convert<double>(Row4<Arch, Scalar>::load(with.sums + (k * chunks + chunk) * 4));
+    const auto turned_by = [&](const VectorRow* torque) {
+      return Row::load(&torque[k].x) * Row::all(inverse_radius(with.motion[k]));
+    };
     if constexpr (Fluid::any)
-      if (chunk == 0) return load + Row::load(&with.fluid_force[k].x);
+      if (chunk == 0) load = load + Row::load(&with.fluid_force[k].x);
     if constexpr (Fluid::turns)
-      if (chunk == 1)
-        return load + Row::load(&with.fluid_torque[k].x) * Row::all(inverse_radius(with.motion[k]));
+      if (chunk == 1) load = load + turned_by(with.fluid_torque);
+    if constexpr (Modules::push)
+      if (chunk == 0) load = load + Row::load(&with.module_force[k].x);
+    if constexpr (Modules::turn)
+      if (chunk == 1) load = load + turned_by(with.module_torque);
     return load;
   }
   static double inverse_radius([[maybe_unused]] const Motion& m) {

@@ -119,7 +119,7 @@ template <class EngineType, class Domain>
 class ContactRates {
  public:
   ContactRates(const EngineType& e, const Domain& domain, double back, double time_step)
-      : e_(e), back_(back), time_step_(time_step), sums_(e.rows_of_particles()) {
+      : e_(e), back_(back), time_step_(time_step), sums_(e.owners()) {
     if constexpr (EngineType::convex)
       add_convex(domain);
     else
@@ -248,7 +248,7 @@ class ContactRates {
   void add(std::size_t i, double inv_m, double both, const Vec3d& n, double turn, double turn_both,
            const Pair& pair) {
     const double r = e_.particles.position[i].r, w = inv_m + both;
-    Sums& s = sums_[e_.owner(i)];
+    Sums& s = sums_[e_.owner_of(i)];
     s.row = static_cast<std::uint32_t>(i);
     s.k.add(pair.normal.k * w, n), s.c.add(pair.normal.c * w, n);
     s.turning.k += pair.normal.k * (turn + turn_both);

@@ -120,7 +120,7 @@ struct FastestParticle {
 template <class EngineType>
 [[gnu::cold]] FastestParticle fastest_particle(const EngineType& e) {
   FastestParticle most;
-  for (std::size_t k = 0; k < e.rows_of_particles(); ++k) {
+  for (std::size_t k = 0; k < e.owners(); ++k) {
     const SurfaceSpeed s = surface_speed(e, k);
     if (s.id == no_particle || !(s.sum() > most.speed.sum())) continue;
     most.speed = s;

@@ -107,7 +107,7 @@ template <class EngineType, class Domain>
 template <class EngineType>
 Vec3d centre_of_owner(const EngineType& e, std::size_t row, double back) {
   if constexpr (EngineType::has_bodies) {
-    const Body& b = e.mover.bodies[e.owner(row)];
+    const Body& b = e.mover.bodies[e.owner_of(row)];
     return b.centre - back * b.velocity;
   } else {
     return place_before(e, row, back);
@@ -132,15 +132,15 @@ template <class EngineType, class Domain>
 template <class EngineType, class Domain>
 [[gnu::cold]] std::string behind_words(const EngineType& e, const Domain& domain, double back,
                                        const DeepContact& c) {
-  std::vector<bool> is_behind(e.rows_of_particles(), false);
+  std::vector<bool> is_behind(e.owners(), false);
   for_each_overlap(
       e, domain, back,
       [&](std::uint32_t a, std::uint32_t, std::size_t wall, bool with_wall, double overlap) {
-        if (with_wall && wall == c.wall && overlap > 1) is_behind[e.owner(a)] = true;
+        if (with_wall && wall == c.wall && overlap > 1) is_behind[e.owner_of(a)] = true;
       });
-  std::vector<bool> is_there(e.rows_of_particles(), false);
+  std::vector<bool> is_there(e.owners(), false);
   for (std::size_t k = 0; k < e.particles.size(); ++k)
-    if (!e.particles.is_parked(k)) is_there[e.owner(k)] = true;
+    if (!e.particles.is_parked(k)) is_there[e.owner_of(k)] = true;
   const auto behind = std::count(is_behind.begin(), is_behind.end(), true);
   const auto all = std::count(is_there.begin(), is_there.end(), true);
   if (behind == 0) return "; start without overlaps: move the particle or the wall";

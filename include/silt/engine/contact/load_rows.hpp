@@ -65,8 +65,8 @@ SILT_INLINE void loads_of(Block& block, std::size_t count, const StepTimes& time
   ContactCoefficients<ContactsType, Real> coefficients(table);
   for (std::size_t k = 0; k < count; k += W) {
     if (kinds != nullptr) coefficients.choose(kinds + k);
-    std::array<Scalar*, H> at;
-    for (std::size_t h = 0; h < H; ++h) at[h] = history[h] + k;
+    std::array<Scalar*, H> at{};
+    for (std::size_t h = 0; h < ContactsType::history; ++h) at[h] = history[h] + k;
     block.put_load(
         k, Kernel::load(block.template get<Real>(k), block.template get_rolling<Real>(k),
                         block.template get_radii<Real>(k), step, lag, times.ask, coefficients.law(),

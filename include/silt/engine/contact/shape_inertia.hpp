@@ -35,9 +35,11 @@ struct InertiaOf {
 /// Refuses an inertia_factor() that no sphere has: a shell's is the largest.
 template <class ShapeType>
 void check_inertia() {
-  const double f = ShapeType::inertia_factor();
-  require(f > 0 && f <= 0.667, "the shape's inertia_factor() = ", f,
-          " [-] must be in (0, 2/3]: I/(m r^2) of a solid sphere is 2/5, of a thin shell 2/3");
+  if constexpr (requires { ShapeType::inertia_factor(); }) {
+    const double f = ShapeType::inertia_factor();
+    require(f > 0 && f <= 0.667, "the shape's inertia_factor() = ", f,
+            " [-] must be in (0, 2/3]: I/(m r^2) of a solid sphere is 2/5, of a thin shell 2/3");
+  }
 }
 
 }  // namespace silt::detail

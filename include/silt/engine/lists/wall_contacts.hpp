@@ -12,27 +12,10 @@
 #include <silt/core/storage.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/engine/lists/pair_list.hpp>
+#include <silt/engine/lists/wall_candidate.hpp>
 #include <silt/engine/state/rows.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
-
-/// A sphere that is near a surface, and the slots that keep its contacts with it.
-struct WallCandidate {
-  std::uint32_t particle;
-  std::uint16_t wall, surface;        // surface of this wall
-  std::uint32_t slot;                 // its first slot
-  std::uint32_t facets, facet_count;  // where its triangles stand in the pool, if it is a mesh
-  std::uint32_t origin;               // of one kept by the pruning: its place in the outer list
-  auto key() const { return std::tie(particle, wall, surface); }
-};
-
-/// Slots of spheres that are near one and the same plane at rest.
-struct PlaneRun {
-  std::uint16_t wall;
-  Vec3d normal;          // [-] unit
-  double offset;         // [m] of the plane from the origin along the normal
-  std::size_t from, to;  // slots; `from` is the first of a whole pack
-};
 
 /// Which spheres are near which surfaces, in two stages like PairList, and H Scalars of history for
 /// each contact with a wall. A candidate has as many slots as the surface can have contacts with
@@ -86,12 +69,12 @@ class WallContacts {
     previous_.assign(previous.begin(), previous.end());
     renewed_ = true;
     team.for_ranges(rows.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
-      Found& found = found_[r];
+      WallFinds& found = found_[r];
       found.clear();
       for (std::size_t w = 0; w < walls.size(); ++w)
         for (std::size_t s = 0; s < walls[w].surfaces.size(); ++s)
           visit_surface(walls[w].surfaces[s], [&](const auto& surface) {
-            search_surface(surface, walls[w], w, s, rows, from, to, reach, found);
+            found.search(surface, walls[w], w, s, rows, from, to, reach);
           });
       std::sort(found.candidates.begin(), found.candidates.end(),
                 [](const WallCandidate& a, const WallCandidate& b) { return a.key() < b.key(); });
@@ -111,10 +94,11 @@ class WallContacts {
         c.origin = static_cast<std::uint32_t>(k);
         if (rows[c.particle].r == 0) continue;  // it has left
         const Wall& wall = walls[c.wall];
-        const Vec3d centre = in_body(wall, rows[c.particle].centre());
+        const Vec3d centre = in_wall(wall, rows[c.particle].centre());
         const double within = rows[c.particle].r + reach[c.particle] + wall_reach;
-        visit_surface(wall.surfaces[c.surface],
-                      [&](const auto& surface) { keep(surface, c, centre, within, found_[r]); });
+        visit_surface(wall.surfaces[c.surface], [&](const auto& surface) {
+          found_[r].keep(surface, c, centre, within, outer_facets_);
+        });
       }
     });
     collect(inner_, inner_facets_);
@@ -194,9 +178,6 @@ class WallContacts {
     return true;
   }
 
-  static Vec3d in_body(const Wall& wall, const Vec3d& point) {
-    return wall.moves() ? wall.pose.to_body(point) : point;
-  }
   static constexpr std::size_t slots_of(const Surface& surface) {
     return visit_surface(surface, [](const auto& s) {
       using S = std::remove_cvref_t<decltype(s)>;
@@ -206,62 +187,10 @@ class WallContacts {
   }
 
  private:
-  /// What one range of spheres or candidates gave, with a pool of triangles of its own.
-  struct Found {
-    std::vector<WallCandidate> candidates;
-    std::vector<std::uint32_t> facets, near;
-    void clear() { candidates.clear(), facets.clear(); }
-    void add(WallCandidate c, std::span<const std::uint32_t> of) {
-      c.facets = static_cast<std::uint32_t>(facets.size());
-      c.facet_count = static_cast<std::uint32_t>(of.size());
-      facets.insert(facets.end(), of.begin(), of.end());
-      candidates.push_back(c);
-    }
-  };
-
-  template <class S>
-  static void search_surface(const S& surface, const Wall& wall, std::size_t w, std::size_t s,
-                             std::span<const PositionRow> rows, std::size_t from, std::size_t to,
-                             double reach, Found& found) {
-    WallCandidate c{0, static_cast<std::uint16_t>(w), static_cast<std::uint16_t>(s), 0, 0, 0, 0};
-    for (std::size_t p = from; p < to; ++p) {
-      const Vec3d centre = in_body(wall, rows[p].centre());
-      const double within = rows[p].r + reach;
-      found.near.clear();
-      if constexpr (requires { surface.triangles_near(centre, within, found.near); }) {
-        if (!surface.bounds().grown(within).contains(centre)) continue;
-        surface.triangles_near(centre, within, found.near);
-        if (found.near.empty()) continue;
-      } else {
-        SurfacePoint point[S::max_contacts];
-        if (surface.contacts(centre, within, point) == 0) continue;
-      }
-      c.particle = static_cast<std::uint32_t>(p);
-      found.add(c, found.near);
-    }
-  }
-
-  /// Keeps the candidate if it is within reach, with those of its triangles that are.
-  template <class S>
-  void keep(const S& surface, const WallCandidate& c, const Vec3d& centre, double within,
-            Found& found) const {
-    found.near.clear();
-    if constexpr (requires { surface.triangles_near(centre, within, found.near); }) {
-      for (std::uint32_t k = c.facets; k < c.facets + c.facet_count; ++k)
-        if (surface.distance_to(outer_facets_[k], centre) < within)
-          found.near.push_back(outer_facets_[k]);
-      if (found.near.empty()) return;
-    } else {
-      SurfacePoint point[S::max_contacts];
-      if (surface.contacts(centre, within, point) == 0) return;
-    }
-    found.add(c, found.near);
-  }
-
   /// Joins what the ranges found, in their order.
   void collect(std::vector<WallCandidate>& candidates, std::vector<std::uint32_t>& facets) {
     candidates.clear(), facets.clear();
-    for (Found& found : found_) {
+    for (WallFinds& found : found_) {
       const auto offset = static_cast<std::uint32_t>(facets.size());
       for (WallCandidate c : found.candidates) c.facets += offset, candidates.push_back(c);
       facets.insert(facets.end(), found.facets.begin(), found.facets.end());
@@ -432,7 +361,7 @@ class WallContacts {
 
   std::vector<WallCandidate> outer_, inner_;
   std::vector<std::uint32_t> outer_facets_, inner_facets_;
-  std::array<Found, Team::most_ranges> found_;
+  std::array<WallFinds, Team::most_ranges> found_;
   std::vector<std::size_t> block_begin_;     // first candidate of each block
   std::vector<std::size_t> piece_begin_{0};  // first candidate of each piece at planes
   std::vector<PlaneRun> runs_;

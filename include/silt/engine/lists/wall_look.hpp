@@ -21,7 +21,7 @@ void for_each_wall_contact(const EngineType& e, double back, const Visit& visit)
   for (const auto& c : e.lists.walls.candidates()) {
     const Wall& wall = e.walls[c.wall];
     const double r = e.particles.position[c.particle].r;
-    const Vec3d centre = e.lists.walls.in_body(wall, place_before(e, c.particle, back));
+    const Vec3d centre = in_wall(wall, place_before(e, c.particle, back));
     visit_surface(wall.surfaces[c.surface], [&](const auto& surface) {
       SurfacePoint points[std::remove_cvref_t<decltype(surface)>::max_contacts];
       int count;

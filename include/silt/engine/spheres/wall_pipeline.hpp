@@ -206,7 +206,7 @@ class WallPipeline {
         const int n = touching_points(surface, walls[c.wall], c, sphere, contacts, points);
         if constexpr (S::max_contacts > 1)
           if (n == S::max_contacts &&
-              surface.has_more_contacts(Contacts::in_body(walls[c.wall], sphere.centre()), sphere.r,
+              surface.has_more_contacts(in_wall(walls[c.wall], sphere.centre()), sphere.r,
                                         contacts.facets(c)))
             s.crowded = CrowdedContact{c.particle, c.wall};
         for (int p = 0; p < n; ++p) found[count++] = {points[p], k, false};
@@ -234,7 +234,7 @@ class WallPipeline {
   static int touching_points(const S& surface, const Wall& wall, const WallCandidate& c,
                              const PositionRow& sphere, const Contacts& contacts,
                              SurfacePoint* points) {
-    const Vec3d centre = Contacts::in_body(wall, sphere.centre());
+    const Vec3d centre = in_wall(wall, sphere.centre());
     double within = sphere.r;
     if constexpr (ActsAtDistance<typename ContactsType::Law>) within += contacts.range;
     int count;

@@ -10,6 +10,7 @@
 
 #include <silt/core/storage.hpp>
 #include <silt/core/threads.hpp>
+#include <silt/engine/state/composition.hpp>
 #include <silt/engine/state/fluid_loads.hpp>
 #include <silt/engine/state/rows.hpp>
 
@@ -28,11 +29,19 @@ void gather(V& values, std::span<const std::uint32_t> order, const Team& team) {
 /// All that is known of the particles: rows, ids, and materials if there are several; the motion
 /// once more in PairScalar, if that is not double.
 /// Two rows more than particles: spheres of no radius, the partners of padding pairs.
-/// `Derivatives`: of position and of spin velocity each, that the integrator keeps. `OfBodies`:
-/// rows are parts of rigid bodies. `Given`: what a fluid does to rows.
-template <bool Rotates, bool SeveralMaterials, class PairScalar, std::size_t Derivatives,
-          bool OfBodies = false, FromFluid Given = FromFluid::Nothing>
+/// Of bodies rows are the parts; what moves has its own table then (BodyMotion).
+template <class Composition>
 class ParticleState {
+  static constexpr bool Rotates = Composition::Contacts::rotates,
+                        SeveralMaterials = Composition::several_materials,
+                        OfBodies = Composition::has_bodies;
+  using PairScalar = typename Composition::Scalar;
+  /// Of position and of spin velocity each, that the integrator keeps.
+  static constexpr std::size_t Derivatives = Composition::Integrator::derivatives;
+  static constexpr FromFluid Given = OfBodies ? FromFluid::Nothing : Composition::from_fluid;
+  using Columns =
+      ModuleColumns<std::conditional_t<OfBodies, ModuleList<>, typename Composition::Modules>>;
+
  public:
   static constexpr std::size_t derivative_rows = Derivatives * (1 + Rotates);
   /// Rows of four; the very first entry is not a number as long as they are not known.
@@ -46,7 +55,7 @@ class ParticleState {
       sizeof(PositionRow) + sizeof(Motion) + (single ? sizeof(PairMotion) : 0) +
       sizeof(ParticleId) + (SeveralMaterials ? sizeof(std::uint16_t) : 0) +
       derivative_rows * 4 * sizeof(double) + (OfBodies ? sizeof(PartRow) : 0) +
-      FluidLoads<Given>::bytes;
+      FluidLoads<Given>::bytes + Columns::bytes;
   static constexpr bool of_bodies = OfBodies, several = SeveralMaterials;
 
   AlignedVector<PositionRow> position;
@@ -56,6 +65,7 @@ class ParticleState {
   std::vector<std::uint16_t> material;
   std::vector<PartRow> part;  // of bodies
   [[no_unique_address]] FluidLoads<Given> fluid;
+  [[no_unique_address]] Columns modules;
   double largest_radius = 0;   // [m]
   double smallest_radius = 0;  // [m]
   double mean_diameter = 0;    // [m]
@@ -101,7 +111,7 @@ class ParticleState {
       derivatives.back().row[0][0] = std::numeric_limits<double>::quiet_NaN();
     }
     if constexpr (SeveralMaterials) material.push_back(of);
-    fluid.add();
+    fluid.add(), modules.add();
     pad();
     ++changes;
   }
@@ -130,7 +140,7 @@ class ParticleState {
     motion[k] = Motion{};
     if constexpr (Derivatives > 0) derivatives[k] = {};
     id[k] = no_particle;
-    fluid.remove(k);
+    fluid.remove(k), modules.remove(k);
     ++parked, ++changes;
   }
   bool is_parked(std::size_t k) const { return id[k] == no_particle; }
@@ -142,6 +152,7 @@ class ParticleState {
     if constexpr (Derivatives > 0) gather(derivatives, order, team);
     if constexpr (OfBodies) gather(part, order, team);
     fluid.for_each([&](const char*, auto& column) { gather(column, order, team); });
+    modules.for_each([&](const std::string&, auto& column) { gather(column, order, team); });
     pad();
     ++changes;
   }

@@ -8,6 +8,7 @@
 #include <silt/coupling/no_fluid.hpp>
 #include <silt/engine/state/fluid_loads.hpp>
 #include <silt/fill/particles.hpp>
+#include <silt/module/concept.hpp>
 #include <silt/motion/concept.hpp>
 #include <silt/motion/rotation.hpp>
 #include <silt/search/concept.hpp>
@@ -78,15 +79,18 @@ template <class P>
 struct IsRotation : std::bool_constant<RotationIntegrator<P>> {};
 
 template <class P>
+struct IsModule : std::bool_constant<Module<P>> {};
+
+template <class P>
 inline constexpr bool belongs_to_an_axis =
     IsParticles<P>::value || IsContacts<P>::value || IsSearch<P>::value || IsDomain<P>::value ||
     IsFluid<P>::value || IsKernels<P>::value || IsPrecision<P>::value || IsLedger<P>::value ||
-    IsIntegrator<P>::value || IsRotation<P>::value;
+    IsIntegrator<P>::value || IsRotation<P>::value || IsModule<P>::value;
 
 template <template <class> class Is, class... Policies>
 inline constexpr int count = (0 + ... + int{Is<Policies>::value});
 
-/// One of each axis at most, with particles and contacts.
+/// One of each axis at most but modules, with particles and contacts.
 template <class... Policies>
 inline constexpr bool make_a_simulation = count<IsParticles, Policies...> == 1 &&
                                           count<IsContacts, Policies...> == 1 &&
@@ -127,28 +131,6 @@ T take_or(Args&... args) {
     return take<T>(args...);
   else
     return T{};
-}
-
-// Observers: anything callable with the simulation; the members below are optional.
-
-template <class O, class Sim>
-void begin(O& observer, Sim& sim, double end_time) {
-  if constexpr (requires { observer.begin(sim, end_time); }) observer.begin(sim, end_time);
-}
-template <class O, class Sim>
-bool is_due(O& observer, const Sim& sim) {
-  if constexpr (requires { observer.is_due(sim); })
-    return observer.is_due(sim);
-  else
-    return true;
-}
-template <class O, class Sim>
-void observe(O& observer, Sim& sim) {
-  if (is_due(observer, sim)) observer(sim);
-}
-template <class O, class Sim>
-void end(O& observer, Sim& sim) {
-  if constexpr (requires { observer.end(sim); }) observer.end(sim);
 }
 
 }  // namespace detail

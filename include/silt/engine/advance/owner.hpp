@@ -1,0 +1,157 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include <silt/core/position_row.hpp>
+#include <silt/core/quaternion.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// What moves: a sphere, which owns one row, or a body, which owns those of its parts. Both answer
+/// the same questions, so that who looks at particles need not tell them apart. Velocities are
+/// those that the integrator keeps (Leapfrog: of the last half step).
+template <class Composition, class State, class Mover>
+class Owner {
+  static constexpr bool has_bodies = Composition::has_bodies;
+
+ public:
+  Owner(const State& state, const Mover& mover, std::size_t k)
+      : state_(state), mover_(mover), k_(k) {}
+
+  static std::size_t count(const State& state, const Mover& mover) {
+    if constexpr (has_bodies)
+      return mover.bodies.size();
+    else
+      return state.size();
+  }
+
+  ParticleId id() const {
+    if constexpr (has_bodies)
+      return mover_.bodies[k_].id;
+    else
+      return state_.id[k_];
+  }
+  bool is_there() const { return id() != no_particle; }
+  Vec3d centre() const {  // [m]
+    if constexpr (has_bodies)
+      return mover_.bodies[k_].centre;
+    else
+      return state_.position[k_].centre();
+  }
+  double radius() const {  // [m] of bodies that of the bounding sphere
+    if constexpr (has_bodies)
+      return mover_.bodies[k_].radius;
+    else
+      return state_.position[k_].r;
+  }
+  double inverse_mass() const {  // [1/kg]; 0: fixed
+    if constexpr (has_bodies)
+      return mover_.bodies[k_].inv_m;
+    else
+      return state_.motion[k_].inv_m;
+  }
+  double mass() const {  // [kg] infinite: fixed
+    const double inv_m = inverse_mass();
+    return inv_m > 0 ? 1 / inv_m : INFINITY;
+  }
+  Vec3d velocity() const {  // [m/s]
+    if constexpr (has_bodies)
+      return mover_.bodies[k_].velocity;
+    else
+      return state_.motion[k_].velocity();
+  }
+  Vec3d angular_velocity() const {  // [rad/s]; of spheres that do not rotate 0
+    if constexpr (has_bodies) {
+      const auto& b = mover_.bodies[k_];
+      return b.angular_velocity(b.momentum);
+    } else if constexpr (Composition::rotates) {
+      const auto& m = state_.motion[k_];
+      return m.spin_velocity() * m.inv_r;
+    } else {
+      return {0, 0, 0};
+    }
+  }
+  // The same at the whole step, as an observer finds a simulation.
+  Vec3d velocity_now() const { return mover_.synchronous[k_].velocity; }
+  Vec3d angular_velocity_now() const {
+    if constexpr (has_bodies)
+      return mover_.synchronous[k_].angular_velocity;
+    else if constexpr (Composition::rotates)
+      return mover_.synchronous[k_].spin_velocity * state_.motion[k_].inv_r;
+    else
+      return {0, 0, 0};
+  }
+  double rotational_energy(const Vec3d& w) const {  // [J] at the angular velocity w [rad/s]
+    if constexpr (has_bodies) {
+      const auto& b = mover_.bodies[k_];
+      const Vec3d v = rotate(conjugate(b.orientation), w);
+      return 0.5 * (b.inertia.x * v.x * v.x + b.inertia.y * v.y * v.y + b.inertia.z * v.z * v.z);
+    } else {
+      return 0.5 * Composition::Shape::inertia_factor() * mass() * radius() * radius() * dot(w, w);
+    }
+  }
+  /// How fast its tips are [m/s] by the angular velocity w [rad/s]; spheres have none.
+  double tip_speed([[maybe_unused]] const Vec3d& w) const {
+    if constexpr (has_bodies)
+      return mover_.bodies[k_].tip_speed(rotate(conjugate(mover_.bodies[k_].orientation), w));
+    else
+      return 0;
+  }
+  Quaternion principal_axes() const {  // to space
+    if constexpr (has_bodies)
+      return mover_.bodies[k_].orientation;
+    else
+      return {};
+  }
+  std::uint32_t form() const {
+    if constexpr (has_bodies)
+      return mover_.bodies[k_].form;
+    else
+      return 0;
+  }
+  double scale() const {  // [-] of its form
+    if constexpr (has_bodies)
+      return mover_.bodies[k_].scale;
+    else
+      return 1;
+  }
+  Quaternion orientation() const {  // turns the frame in which the form was given to space
+    if constexpr (has_bodies) {
+      const auto& b = mover_.bodies[k_];
+      return b.orientation * conjugate(mover_.forms[b.form].mass.axes);
+    } else {
+      return {};
+    }
+  }
+  /// The row of a sphere, of a body that of its first part.
+  std::size_t first_row() const {
+    if constexpr (has_bodies)
+      return mover_.rows[mover_.bodies[k_].first];
+    else
+      return k_;
+  }
+  std::size_t material() const {
+    if constexpr (Composition::several_materials)
+      return state_.material[first_row()];
+    else
+      return 0;
+  }
+  double volume() const {  // [m3]
+    if constexpr (has_bodies) {
+      const auto& b = mover_.bodies[k_];
+      return mover_.forms[b.form].mass.volume * b.scale * b.scale * b.scale;
+    } else {
+      return Composition::Shape::volume(radius());
+    }
+  }
+
+ private:
+  const State& state_;
+  const Mover& mover_;
+  std::size_t k_;
+};
+
+}  // namespace silt::detail

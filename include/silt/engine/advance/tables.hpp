@@ -1,0 +1,154 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include <silt/core/id_table.hpp>
+#include <silt/engine/advance/body_motion.hpp>
+#include <silt/engine/advance/owner.hpp>
+#include <silt/engine/advance/sphere_motion.hpp>
+#include <silt/engine/state/composition.hpp>
+#include <silt/engine/state/particle_state.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+template <bool HasBodies>
+struct MoverOf {
+  template <class Composition, class State>
+  using type = SphereMotion<Composition, State>;
+};
+template <>
+struct MoverOf<true> {
+  template <class Composition, class State>
+  using type = BodyMotion<Composition, State>;
+};
+
+/// All that is known of particles, in two tables: rows, which contacts act on, and owners, which
+/// move. Of spheres they are one; of bodies rows are the parts.
+template <class Composition>
+class Tables {
+  static constexpr bool has_bodies = Composition::has_bodies;
+  using Domain = typename Composition::Domain;
+
+ public:
+  using State = ParticleState<Composition>;
+  using Mover = typename MoverOf<has_bodies>::template type<Composition, State>;
+
+  State particles;  // rows
+  Mover mover;      // owners, if they are no rows, and how they move
+
+  /// The number of the particle that a row is, or belongs to.
+  ParticleId id_of(std::size_t row) const {
+    if constexpr (has_bodies)
+      return mover.bodies[particles.part[row].body].id;
+    else
+      return particles.id[row];
+  }
+  /// The particle (sphere or body) at place k of owners().
+  auto owner(std::size_t k) const { return Owner<Composition, State, Mover>(particles, mover, k); }
+  std::size_t owners() const { return Owner<Composition, State, Mover>::count(particles, mover); }
+  /// Particles that are there.
+  std::size_t present() const {
+    if constexpr (has_bodies)
+      return static_cast<std::size_t>(
+          std::count_if(mover.bodies.begin(), mover.bodies.end(),
+                        [](const auto& b) { return b.id != no_particle; }));
+    else
+      return particles.size() - particles.parked;
+  }
+  /// Changes the velocity of the particle at place k by dv [m/s].
+  void change_velocity(std::size_t k, const Vec3d& dv) {
+    if constexpr (has_bodies) {
+      mover.bodies[k].velocity += dv;
+    } else {
+      auto& m = particles.motion[k];
+      m.vx += dv.x, m.vy += dv.y, m.vz += dv.z;
+    }
+  }
+  /// The place of the particle with this id; owners() if there is none.
+  std::size_t find(ParticleId wanted) const {
+    const std::size_t n = owners();
+    if (indexed_ != particles.changes) {
+      places_.clear();
+      for (std::size_t k = 0; k < n; ++k)
+        if (const ParticleId id = owner(k).id(); id != no_particle)
+          places_.at(id) = static_cast<std::uint32_t>(k);
+      indexed_ = particles.changes;
+    }
+    const std::uint32_t k = wanted == no_particle ? no_place : places_.find(wanted);
+    return k == no_place ? n : k;
+  }
+  /// What modules see of the particle at place k.
+  Seen seen(std::size_t k, double time) const {
+    const auto p = owner(k);
+    return {p.id(),   p.centre(),   p.velocity(), p.angular_velocity(), p.orientation(), p.radius(),
+            p.mass(), p.material(), time};
+  }
+  /// The columns of modules, a row each owner.
+  auto& modules() {
+    if constexpr (has_bodies)
+      return mover.modules;
+    else
+      return particles.modules;
+  }
+  const auto& modules() const { return const_cast<Tables&>(*this).modules(); }
+  /// The place of the particle that a row is, or belongs to.
+  std::size_t owner_of(std::size_t row) const {
+    if constexpr (has_bodies)
+      return particles.part[row].body;
+    else
+      return row;
+  }
+  /// What a fluid does to each particle (body, or row).
+  auto& fluid_loads() {
+    if constexpr (has_bodies)
+      return mover.fluid;
+    else
+      return particles.fluid;
+  }
+  const auto& fluid_loads() const { return const_cast<Tables&>(*this).fluid_loads(); }
+  /// What rotation adds to the inverse mass [1/kg] against a push along n at the surface of a row.
+  double turning([[maybe_unused]] std::size_t row, [[maybe_unused]] const Vec3d& n) const {
+    if constexpr (has_bodies)
+      return mover.turning(particles.part[row], n);
+    else
+      return 0;
+  }
+  /// Takes the particle at place k (a body, or a row) out of all contacts at once.
+  void park(std::size_t k) {
+    if constexpr (has_bodies) {
+      for (const std::uint32_t row : mover.rows_of(mover.bodies[k])) particles.park(row);
+      mover.fluid.remove(k), mover.modules.remove(k);
+      mover.bodies[k].id = no_particle;
+    } else {
+      particles.park(k);
+    }
+  }
+
+  /// After a search has sorted the parts and wrapped them into a periodic box.
+  void follow([[maybe_unused]] const Domain& domain) {
+    if constexpr (has_bodies) {
+      mover.follow(particles);
+      if constexpr (Domain::periodic)
+        for (Body& b : mover.bodies) {
+          const Vec3d shift = domain.wrapped(b.centre) - b.centre;
+          b.centre += shift;
+          for (const std::uint32_t row : mover.rows_of(b)) particles.part[row].image -= shift;
+        }
+    }
+  }
+
+ protected:
+  /// After another state was put in place of this one.
+  void forget_places() { indexed_ = never_indexed; }
+
+ private:
+  static constexpr std::uint64_t never_indexed = std::numeric_limits<std::uint64_t>::max();
+  mutable std::uint64_t indexed_ = never_indexed;  // particles.changes that places_ is of
+  mutable IdTable places_;
+};
+
+}  // namespace silt::detail

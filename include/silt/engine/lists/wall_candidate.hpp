@@ -1,0 +1,88 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <tuple>
+#include <vector>
+
+#include <silt/boundary/wall.hpp>
+#include <silt/core/position_row.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// A sphere that is near a surface, and the slots that keep its contacts with it.
+struct WallCandidate {
+  std::uint32_t particle;
+  std::uint16_t wall, surface;        // surface of this wall
+  std::uint32_t slot;                 // its first slot
+  std::uint32_t facets, facet_count;  // where its triangles stand in the pool, if it is a mesh
+  std::uint32_t origin;               // of one kept by the pruning: its place in the outer list
+  auto key() const { return std::tie(particle, wall, surface); }
+};
+
+/// Slots of spheres that are near one and the same plane at rest.
+struct PlaneRun {
+  std::uint16_t wall;
+  Vec3d normal;          // [-] unit
+  double offset;         // [m] of the plane from the origin along the normal
+  std::size_t from, to;  // slots; `from` is the first of a whole pack
+};
+
+/// A point [m] in the coordinates of a wall.
+inline Vec3d in_wall(const Wall& wall, const Vec3d& point) {
+  return wall.moves() ? wall.pose.to_body(point) : point;
+}
+
+/// What one range of spheres or candidates gave, with a pool of triangles of its own.
+struct WallFinds {
+  std::vector<WallCandidate> candidates;
+  std::vector<std::uint32_t> facets, near;
+  void clear() { candidates.clear(), facets.clear(); }
+  void add(WallCandidate c, std::span<const std::uint32_t> of) {
+    c.facets = static_cast<std::uint32_t>(facets.size());
+    c.facet_count = static_cast<std::uint32_t>(of.size());
+    facets.insert(facets.end(), of.begin(), of.end());
+    candidates.push_back(c);
+  }
+
+  /// Adds the spheres from ... to-1 that are nearer to a surface than `reach` [m].
+  template <class S>
+  void search(const S& surface, const Wall& wall, std::size_t w, std::size_t s,
+              std::span<const PositionRow> rows, std::size_t from, std::size_t to, double reach) {
+    WallCandidate c{0, static_cast<std::uint16_t>(w), static_cast<std::uint16_t>(s), 0, 0, 0, 0};
+    for (std::size_t p = from; p < to; ++p) {
+      const Vec3d centre = in_wall(wall, rows[p].centre());
+      const double within = rows[p].r + reach;
+      near.clear();
+      if constexpr (requires { surface.triangles_near(centre, within, near); }) {
+        if (!surface.bounds().grown(within).contains(centre)) continue;
+        surface.triangles_near(centre, within, near);
+        if (near.empty()) continue;
+      } else {
+        SurfacePoint point[S::max_contacts];
+        if (surface.contacts(centre, within, point) == 0) continue;
+      }
+      c.particle = static_cast<std::uint32_t>(p);
+      add(c, near);
+    }
+  }
+
+  /// Keeps the candidate if it is within reach, with those of its triangles that are.
+  template <class S>
+  void keep(const S& surface, const WallCandidate& c, const Vec3d& centre, double within,
+            std::span<const std::uint32_t> outer_facets) {
+    near.clear();
+    if constexpr (requires { surface.triangles_near(centre, within, near); }) {
+      for (std::uint32_t k = c.facets; k < c.facets + c.facet_count; ++k)
+        if (surface.distance_to(outer_facets[k], centre) < within) near.push_back(outer_facets[k]);
+      if (near.empty()) return;
+    } else {
+      SurfacePoint point[S::max_contacts];
+      if (surface.contacts(centre, within, point) == 0) return;
+    }
+    add(c, near);
+  }
+};
+
+}  // namespace silt::detail

@@ -1,0 +1,175 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <silt/core/quaternion.hpp>
+#include <silt/core/random.hpp>
+#include <silt/engine/checks/time_step.hpp>
+#include <silt/engine/population/openings.hpp>
+#include <silt/engine/state/body.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// Takes in forms of bodies, but for those that the engine has already; returns the number of each.
+/// Forms that come together are not compared with each other, so that the first ones keep the
+/// numbers that add_form gave them. Spheres have none.
+template <class Engine, class ParticlesType>
+std::vector<std::size_t> take_in_forms(Engine& e, const ParticlesType& more) {
+  std::vector<std::size_t> numbers;
+  if constexpr (Engine::has_bodies) {
+    auto& forms = e.mover.forms;
+    const std::size_t before = forms.size();
+    for (const auto& form : more.forms()) {
+      std::size_t k = 0;
+      while (k < before && !forms[k].is(form)) ++k;
+      if (k == before) k = forms.size(), forms.push_back(form);
+      numbers.push_back(k);
+    }
+  }
+  return numbers;
+}
+
+/// What ids come next: of particles, and of the parts of bodies.
+struct NextIds {
+  ParticleId particle = 0, part = 0;
+};
+
+/// A new body of the engine's form `number`.
+template <class Form, class Particle>
+Body new_body(const Form& form, std::uint32_t number, const Particle& p) {
+  const double scale = p.radius / form.radius, volume = form.mass.volume * scale * scale * scale;
+  Body b{};
+  b.centre = p.position, b.velocity = p.velocity, b.radius = p.radius, b.scale = scale;
+  b.lever = scale * form.lever;
+  b.inv_m = p.fixed ? 0 : 1 / (p.density * volume);
+  b.inertia = p.fixed ? Vec3d{1, 1, 1}
+                      : p.density * scale * scale * scale * scale * scale * form.mass.inertia;
+  b.orientation = p.orientation * form.mass.axes;
+  const Vec3d w = rotate(conjugate(b.orientation), p.angular_velocity);
+  b.momentum = {w.x * b.inertia.x, w.y * b.inertia.y, w.z * b.inertia.z};
+  b.form = number;
+  return b;
+}
+
+/// Adds particles that have been checked, at the end of all rows; `observed`: between kick and
+/// drift of a step. Forms of bodies are numbered as those of the engine, or `numbers` has the
+/// number of each.
+template <class Engine, class Particle>
+void take_in(Engine& e, std::span<const Particle> more,
+             [[maybe_unused]] std::span<const std::size_t> numbers, bool observed, NextIds& next) {
+  auto& mover = e.mover;
+  if constexpr (Engine::has_bodies) {
+    auto first = static_cast<std::uint32_t>(mover.rows.size());
+    for (const auto& p : more) {
+      const auto number = static_cast<std::uint32_t>(numbers.empty() ? p.form : numbers[p.form]);
+      const auto& form = mover.forms[number];
+      Body b = new_body(form, number, p);
+      b.id = next.particle++, b.first = first;
+      for (std::uint32_t local = 0; local < form.parts.size(); ++local) {
+        const Vec3d c = b.centre + rotate(b.orientation, b.scale * form.parts[local].centre);
+        const double r = b.scale * form.parts[local].radius;
+        typename Engine::Motion m{};
+        m.inv_m = b.inv_m;
+        if constexpr (Engine::rotates) m.inv_r = 1 / r;
+        mover.rows.push_back(static_cast<std::uint32_t>(e.particles.size()));
+        e.particles.add({c.x, c.y, c.z, r}, m, next.part++, static_cast<std::uint16_t>(p.material));
+        e.particles.part.push_back({static_cast<std::uint32_t>(mover.bodies.size()), local});
+      }
+      first += static_cast<std::uint32_t>(form.parts.size());
+      mover.bodies.push_back(b);
+      mover.fluid.add(), mover.modules.add();
+      mover.put_in_place(e.particles, b);
+      if (observed) mover.synchronous.push_back({p.velocity, p.angular_velocity});
+    }
+  } else {
+    for (const auto& p : more) {
+      typename Engine::Motion m{};
+      m.vx = p.velocity.x, m.vy = p.velocity.y, m.vz = p.velocity.z;
+      m.inv_m = p.fixed ? 0 : 1 / (p.density * Engine::ShapeType::volume(p.radius));
+      if constexpr (Engine::rotates) {
+        const Vec3d spin = p.angular_velocity * p.radius;
+        m.wx = spin.x, m.wy = spin.y, m.wz = spin.z, m.inv_r = 1 / p.radius;
+      }
+      if (observed) {
+        typename Engine::Mover::Synchronous now{m.velocity(), {0, 0, 0}};
+        if constexpr (Engine::rotates) now.spin_velocity = m.spin_velocity();
+        mover.synchronous.push_back(now);
+      }
+      e.particles.add({p.position.x, p.position.y, p.position.z, p.radius}, m, next.particle++,
+                      static_cast<std::uint16_t>(p.material));
+    }
+  }
+  e.particles.measure();
+  e.lists.forget();
+}
+
+/// The particles that an inlet brings at these places, with `velocity` [m/s]; bodies turned at
+/// random.
+template <class Particle>
+std::vector<Particle> particles_at(const std::vector<PlacedSphere>& places, const InletFlow& flow,
+                                   const Vec3d& velocity, [[maybe_unused]] Random& random) {
+  std::vector<Particle> more;
+  for (const auto& s : places) {
+    Particle p{};
+    if constexpr (requires { p.orientation; })
+      p.form = flow.form, p.orientation = random_orientation(random);
+    p.position = s.position, p.radius = s.radius, p.density = flow.density;
+    p.velocity = velocity, p.material = flow.material;
+    more.push_back(p);
+  }
+  return more;
+}
+
+/// What may meet: the particles that are there and those that inlets will still bring; the walls
+/// that have surfaces.
+template <class Engine>
+Meetings meetings_of(const Engine& e, const std::vector<Inlet>& inlets, std::size_t materials) {
+  Meetings all{std::vector<LightestSpheres>(materials), std::vector<bool>(materials, false)};
+  for (std::size_t k = 0; k < e.owners(); ++k) {
+    const auto p = e.owner(k);
+    if (!p.is_there()) continue;
+    auto& of_material = all.spheres[p.material()];
+    if constexpr (Engine::has_bodies) {
+      if (p.inverse_mass() > 0) {
+        e.mover.forms[p.form()].include_lightest(of_material, p.scale(), p.mass());
+        continue;
+      }
+    }
+    of_material.include({p.radius(), p.mass()});
+  }
+  for (const auto& inlet : inlets) {
+    const auto& flow = inlet.flow;
+    if (flow.total > 0 && inlet.placed >= flow.total) continue;
+    for (const double r : {flow.radius.min(), flow.radius.max()}) {
+      auto& of_material = all.spheres[flow.material];
+      if constexpr (Engine::has_bodies) {
+        const auto& form = e.mover.forms.at(flow.form);
+        const double scale = r / form.radius;
+        form.include_lightest(of_material, scale,
+                              flow.density * form.mass.volume * scale * scale * scale);
+      } else {
+        of_material.include({r, flow.density * Engine::ShapeType::volume(r)});
+      }
+    }
+  }
+  for (const Wall& wall : e.walls)
+    if (!wall.surfaces.empty()) all.walls[wall.material] = true;
+  return all;
+}
+
+/// An inlet must bring a form that there is.
+template <class Engine>
+void check_form([[maybe_unused]] const Engine& e, const InletFlow& flow) {
+  if constexpr (Engine::has_bodies)
+    require(flow.form < e.mover.forms.size(), "InletFlow.form = ", flow.form, " is none of the ",
+            e.mover.forms.size(), " forms of the simulation; make it with add_form before");
+  else
+    require(flow.form == 0, "InletFlow.form = ", flow.form,
+            ", but spheres have no form; leave it out");
+}
+
+}  // namespace silt::detail

@@ -1,0 +1,243 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include <silt/core/error.hpp>
+#include <silt/core/threads.hpp>
+#include <silt/engine/state/module_columns.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// What modules do in a step: they push particles, and change their fields.
+template <class List>
+class ModuleStage;
+
+template <class... Ms>
+class ModuleStage<ModuleList<Ms...>> {
+  using List = ModuleList<Ms...>;
+
+ public:
+  std::tuple<Ms...> modules;
+
+  explicit ModuleStage(std::tuple<Ms...> all) : modules(std::move(all)) {}
+
+  template <class M>
+  M& get() {
+    return std::get<M>(modules);
+  }
+  template <class M>
+  const M& get() const {
+    return std::get<M>(modules);
+  }
+
+  /// Gives the fields of particle k, which is new, their first values.
+  template <class Columns>
+  void start(Columns& columns, const Seen& p, std::size_t k) const {
+    (start_one<Ms>(columns, p, k), ...);
+  }
+
+  /// When a step's forces are asked for.
+  struct When {
+    std::int64_t step;
+    double time;    // [s]
+    double ahead;   // [s] from the velocities that particles keep to this time
+    Vec3d gravity;  // [m/s2]
+  };
+  /// Sets what modules push each particle with. `others(k)` [N]: all else that acts on it.
+  template <class Engine, class Others>
+  void push(Engine& e, const When& when, const Others& others) const {
+    if constexpr (List::push) {
+      auto& columns = e.modules();
+      std::array<std::size_t, Team::most_ranges> bad;
+      bad.fill(none);
+      e.team().for_ranges(e.owners(), [&](std::size_t r, std::size_t from, std::size_t to) {
+        for (std::size_t k = from; k < to; ++k) {
+          Push sum{};
+          const auto owner = e.owner(k);
+          if (owner.is_there() && owner.inverse_mass() > 0) {
+            Seen p = e.seen(k, when.time);
+            sum = sum_of(columns, p, k);
+            if constexpr (asks_for_velocity)
+              if (when.ahead > 0) sum = at_whole_step(columns, p, k, when, others(k), sum);
+            if (!(is_finite(sum.force) && is_finite(sum.torque))) bad[r] = std::min(bad[r], k);
+          }
+          columns.force[k] = VectorRow::of(sum.force);
+          if constexpr (List::turn) columns.torque[k] = VectorRow::of(sum.torque);
+        }
+      });
+      if (const std::size_t k = *std::min_element(bad.begin(), bad.end()); k != none)
+        (stop_at<Ms>(e, when, k), ...);
+    }
+  }
+
+  /// Brings the fields of all particles to the end of a step of `dt` [s].
+  template <class Engine>
+  void update(Engine& e, std::int64_t step, double time, double dt) const {
+    if constexpr (List::update) {
+      auto& columns = e.modules();
+      std::array<std::size_t, Team::most_ranges> bad;
+      bad.fill(none);
+      e.team().for_ranges(e.owners(), [&](std::size_t r, std::size_t from, std::size_t to) {
+        for (std::size_t k = from; k < to; ++k) {
+          if (!e.owner(k).is_there()) continue;
+          const Seen p = e.seen(k, time);
+          if (!(update_one<Ms>(columns, p, k, dt) && ...)) bad[r] = std::min(bad[r], k);
+        }
+      });
+      if (const std::size_t k = *std::min_element(bad.begin(), bad.end()); k != none)
+        (stop_at_field<Ms>(e, step, time, k), ...);
+    }
+  }
+
+  /// The largest acceleration [m/s2] that modules give a particle now.
+  template <class Engine>
+  double largest_acceleration([[maybe_unused]] const Engine& e,
+                              [[maybe_unused]] double time) const {
+    double most = 0;
+    if constexpr (List::push)
+      for (std::size_t k = 0; k < e.owners(); ++k) {
+        const auto p = e.owner(k);
+        if (p.is_there() && p.inverse_mass() > 0)
+          most = std::max(most,
+                          p.inverse_mass() * norm(sum_of(e.modules(), e.seen(k, time), k).force));
+      }
+    return most;
+  }
+  /// The fastest that modules make a particle swing or decay [1/s], and which one.
+  struct Rate {
+    double rate = 0;
+    std::size_t particle = 0;
+  };
+  template <class Engine>
+  Rate fastest(const Engine& e, double time) const {
+    Rate most;
+    if constexpr ((SaysItsRate<Ms> || ...))
+      for (std::size_t k = 0; k < e.owners(); ++k) {
+        if (!e.owner(k).is_there()) continue;
+        const Seen p = e.seen(k, time);
+        if (const double rate = (0.0 + ... + rate_of_one<Ms>(e.modules(), p, k)); rate > most.rate)
+          most = {rate, k};
+      }
+    return most;
+  }
+
+ private:
+  static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+  static constexpr bool asks_for_velocity = ((Pushes<Ms> && needs_velocity<Ms>) || ...);
+
+  template <class M, class Columns>
+  static decltype(auto) fields_of(Columns& columns, std::size_t k) {
+    if constexpr (has_fields<M>)
+      return (columns.template of<M>()[k]);
+    else
+      return NoFields{};
+  }
+  template <class M, class Columns>
+  void start_one(Columns& columns, const Seen& p, std::size_t k) const {
+    if constexpr (has_fields<M>) {
+      auto& own = columns.template of<M>()[k];
+      if constexpr (requires(const M& m) { own = m.start(p); })
+        own = get<M>().start(p);
+      else
+        own = FieldsOf<M>{};
+    }
+  }
+  template <class M, class Columns>
+  SILT_INLINE void add_push(Push& sum, const Columns& columns, const Seen& p, std::size_t k) const {
+    if constexpr (Pushes<M>) {
+      const Push one = push_of(get<M>(), p, fields_of<M>(columns, k));
+      sum.force += one.force, sum.torque += one.torque;
+    }
+  }
+  template <class Columns>
+  Push sum_of(const Columns& columns, const Seen& p, std::size_t k) const {
+    Push sum{};
+    (add_push<Ms>(sum, columns, p, k), ...);
+    return sum;
+  }
+  /// The push for the velocity of the whole step, which the push itself changes: asked again until
+  /// both fit. `rest` [N]: of all else.
+  template <class Columns>
+  Push at_whole_step(const Columns& columns, Seen& p, std::size_t k, const When& when,
+                     const Vec3d& rest, Push sum) const {
+    constexpr int most = 6;
+    constexpr double close = 1e-10;
+    const Vec3d before = p.velocity;
+    for (int again = 0; again < most; ++again) {
+      p.velocity = before + when.ahead * ((1 / p.mass) * (rest + sum.force) + when.gravity);
+      const Push next = sum_of(columns, p, k);
+      const Vec3d change = next.force - sum.force;
+      sum = next;
+      if (dot(change, change) <= close * close * dot(next.force, next.force)) break;
+    }
+    return sum;
+  }
+  template <class M, class Columns>
+  bool update_one(Columns& columns, const Seen& p, std::size_t k, double dt) const {
+    if constexpr (Updates<M>) {
+      auto& own = columns.template of<M>()[k];
+      get<M>().update(p, own, dt);
+      return all_finite<M>(own);
+    } else {
+      return true;
+    }
+  }
+  template <class M>
+  static bool all_finite(const FieldsOf<M>& own) {
+    const auto* const numbers = reinterpret_cast<const double*>(&own);
+    return std::all_of(numbers, numbers + numbers_of_fields<M>,
+                       [](double x) { return std::isfinite(x); });
+  }
+  template <class M, class Columns>
+  double rate_of_one(const Columns& columns, const Seen& p, std::size_t k) const {
+    if constexpr (requires(const M& m) { m.rate(p); })
+      return get<M>().rate(p);
+    else if constexpr (SaysItsRate<M>)
+      return get<M>().rate(p, fields_of<M>(columns, k));
+    else
+      return 0;
+  }
+
+  /// Stops the run if it is this module whose force is not finite.
+  template <class M, class Engine>
+  void stop_at(const Engine& e, const When& when, std::size_t k) const {
+    if constexpr (Pushes<M>) {
+      const Seen p = e.seen(k, when.time);
+      const Push push = push_of(get<M>(), p, fields_of<M>(e.modules(), k));
+      if (is_finite(push.force) && is_finite(push.torque)) return;
+      throw SimulationError(
+          text("step ", when.step, ", t = ", when.time, " s: the force of the module ",
+               name_of_module<M>(), " on particle ", p.id, " at ", p.position, " m is ", push.force,
+               " N", List::turn ? text(" with a torque of ", push.torque, " N m") : "",
+               "; mend its force()"),
+          when.step, {p.id}, p.position);
+    }
+  }
+  template <class M, class Engine>
+  void stop_at_field(const Engine& e, std::int64_t step, double time, std::size_t k) const {
+    if constexpr (Updates<M>) {
+      const auto& own = e.modules().template of<M>()[k];
+      const auto* const numbers = reinterpret_cast<const double*>(&own);
+      for (std::size_t n = 0; n < numbers_of_fields<M>; ++n) {
+        if (std::isfinite(numbers[n])) continue;
+        const Seen p = e.seen(k, time);
+        throw SimulationError(
+            text("step ", step, ", t = ", time, " s: the field '",
+                 FieldNames<M>::at(n / FieldNames<M>::components), "' of the module ",
+                 name_of_module<M>(), " became ", numbers[n], " for particle ", p.id, " at ",
+                 p.position, " m; mend its update()"),
+            step, {p.id}, p.position);
+      }
+    }
+  }
+};
+
+}  // namespace silt::detail

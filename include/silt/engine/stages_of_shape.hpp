@@ -1,0 +1,44 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+// Which stages a shape's contacts go through, and what they keep.
+
+#include <silt/engine/contact/shape_inertia.hpp>
+#include <silt/engine/contact/shared_contacts.hpp>
+#include <silt/engine/convex/convex_pairs.hpp>
+#include <silt/engine/convex/convex_walls.hpp>
+#include <silt/engine/spheres/wall_pipeline.hpp>
+#include <silt/engine/state/composition.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+template <class ShapeType, class Contacts>
+struct ContactsOf {
+  using type = Contacts;
+};
+template <Shape ShapeType, class Contacts>
+requires(!std::is_same_v<ShapeType, Sphere>) struct ContactsOf<ShapeType, Contacts> {
+  using type = OfShape<Contacts, ShapeType>;
+};
+template <BodyShape ShapeType, class Contacts>
+struct ContactsOf<ShapeType, Contacts> {
+  using type = WithShares<Contacts>;
+};
+template <SolidShape ShapeType, class Contacts>
+struct ContactsOf<ShapeType, Contacts> {
+  using type = WithNormals<Contacts, points_of_contacts<typename ShapeType::Kinds>>;
+};
+
+/// By whether bodies have convex parts.
+template <bool Convex>
+struct WallStageOf {
+  template <class, class ContactsType, class Arch, class Scalar>
+  using type = WallPipeline<ContactsType, Arch, Scalar>;
+};
+template <>
+struct WallStageOf<true> {
+  template <class ShapeType, class ContactsType, class Arch, class>
+  using type = ConvexWalls<typename ConvexRowsOf<ShapeType>::type, ContactsType, Arch>;
+};
+
+}  // namespace silt::detail

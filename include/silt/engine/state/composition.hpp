@@ -1,0 +1,127 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+#include <silt/engine/state/axes.hpp>
+#include <silt/engine/state/fluid_loads.hpp>
+#include <silt/engine/state/module_columns.hpp>
+#include <silt/engine/state/precision.hpp>
+#include <silt/search/verlet_list.hpp>
+#include <silt/shape/concept.hpp>
+#include <silt/shape/sphere.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// What contacts keep and give besides what the law says, by the shape.
+template <class ShapeType, class Contacts>
+struct ContactsOf;
+
+template <class List, class... Policies>
+struct OnlyModules {
+  using type = List;
+};
+template <class... Ms, class First, class... Rest>
+struct OnlyModules<ModuleList<Ms...>, First, Rest...> {
+  using type = typename std::conditional_t<IsModule<First>::value,
+                                           OnlyModules<ModuleList<Ms..., First>, Rest...>,
+                                           OnlyModules<ModuleList<Ms...>, Rest...>>::type;
+};
+
+/// The policies of a simulation by their axes, and all that follows from which they are. Engine
+/// parts have it as their argument; what runs in lanes takes of it what changes its code alone, so
+/// that simulations share it.
+template <class... Policies>
+struct Composition {
+  using ParticlesType = pick<IsParticles, void, Policies...>;
+  using UserContacts = pick<IsContacts, void, Policies...>;
+  using Search = pick<IsSearch, VerletList<>, Policies...>;
+  using Domain = pick<IsDomain, OpenDomain, Policies...>;
+  using Fluid = pick<IsFluid, NoFluid, Policies...>;
+  using Arch = typename pick<IsKernels, KernelsFor<DefaultArch>, Policies...>::type;
+  using Precision = pick<IsPrecision, Double, Policies...>;
+  using Integrator = pick<IsIntegrator, Leapfrog, Policies...>;
+  using Rotation = pick<IsRotation, NoSquish, Policies...>;
+  using Modules = typename OnlyModules<ModuleList<>, Policies...>::type;
+  using Shape = typename ParticlesType::ShapeType;
+  using Scalar = typename Precision::PairScalar;  // of the work on pairs
+
+  static constexpr bool has_bodies = BodyShape<Shape>;     // rows are parts of rigid bodies
+  static constexpr bool has_surfaces = SolidShape<Shape>;  // ... with narrow phases of their own
+  static constexpr bool has_ledger = count<IsLedger, Policies...> > 0;
+  static constexpr bool rotates = UserContacts::rotates || has_bodies;
+  static constexpr FromFluid from_fluid = loads_of_fluid<Fluid>;
+
+  using Contacts = typename ContactsOf<
+      Shape, std::conditional_t<has_ledger, WithLedger<UserContacts>, UserContacts>>::type;
+  static constexpr bool several_materials = Contacts::several_materials;
+
+  static_assert(has_bodies || count<IsRotation, Policies...> == 0,
+                "spheres have no orientation: leave the rotation out");
+  static_assert(rotates || !turns(from_fluid),
+                "a force of the fluid has a torque, but these spheres do not rotate: take a "
+                "contact law with friction, or leave that force out");
+  static_assert(rotates || !Modules::turn,
+                "a module's force has a torque, but these spheres do not rotate: take a contact "
+                "law with friction, or let its force() return a silt::Vec3d");
+  static_assert(!has_surfaces || std::is_same_v<Scalar, double>,
+                "Mixed precision is for spheres and bodies made of spheres; leave it out");
+};
+
+/// Policies in the order of their axes, without those that are an axis' default: whichever way a
+/// user writes a simulation down, it has one composition, and its engine is compiled once.
+template <class... Ps>
+struct Policies {
+  template <class... More>
+  static Policies<Ps..., More...> with(Policies<More...>);
+  using Composed = Composition<Ps...>;
+};
+/// The policies among `Ps` that are of an axis, less its default.
+template <template <class> class Is, class Default, class... Ps>
+struct OfAxis {
+  using type = Policies<>;
+};
+template <template <class> class Is, class Default, class First, class... Rest>
+struct OfAxis<Is, Default, First, Rest...> {
+  using Own = std::conditional_t<Is<First>::value && !std::is_same_v<First, Default>,
+                                 Policies<First>, Policies<>>;
+  using type = decltype(Own::with(typename OfAxis<Is, Default, Rest...>::type{}));
+};
+template <class... Lists>
+struct PoliciesOf {
+  using type = Policies<>;
+};
+template <class First, class... Rest>
+struct PoliciesOf<First, Rest...> {
+  using type = decltype(First::with(typename PoliciesOf<Rest...>::type{}));
+};
+/// In place of a fluid, of which the engine knows what it gives alone: with other drag laws it is
+/// the same engine.
+template <FromFluid What>
+struct FluidThatGives {
+  static constexpr bool active = What != FromFluid::Nothing, turns = detail::turns(What),
+                        follows = detail::follows(What);
+};
+template <class... Ps>
+struct InOrder {
+  using Fluid = pick<IsFluid, NoFluid, Ps...>;
+  template <class OfFluid>
+  using with = typename PoliciesOf<typename OfAxis<IsParticles, void, Ps...>::type,
+                                   typename OfAxis<IsContacts, void, Ps...>::type,
+                                   typename OfAxis<IsSearch, VerletList<>, Ps...>::type,
+                                   typename OfAxis<IsDomain, OpenDomain, Ps...>::type, OfFluid,
+                                   typename OfAxis<IsPrecision, Double, Ps...>::type,
+                                   typename OfAxis<IsIntegrator, Leapfrog, Ps...>::type,
+                                   typename OfAxis<IsRotation, NoSquish, Ps...>::type,
+                                   typename OfAxis<IsLedger, void, Ps...>::type,
+                                   typename OfAxis<IsModule, void, Ps...>::type,
+                                   typename OfAxis<IsKernels, void, Ps...>::type>::type;
+  using OfSimulation = typename with<typename OfAxis<IsFluid, NoFluid, Ps...>::type>::Composed;
+  using OfEngine =
+      typename with<std::conditional_t<std::is_same_v<Fluid, NoFluid>, Policies<>,
+                                       Policies<FluidThatGives<loads_of_fluid<Fluid>>>>>::Composed;
+};
+
+}  // namespace silt::detail

@@ -1,0 +1,209 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <utility>
+
+#include <silt/core/error.hpp>
+#include <silt/core/storage.hpp>
+#include <silt/engine/state/axes.hpp>
+#include <silt/engine/state/fluid_loads.hpp>
+#include <silt/module/field.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// The module with a field of this name alone, as Field and BodyForce have it.
+template <FixedName Name, class... Ms>
+struct Named {
+  static_assert(sizeof...(Ms) > 0,
+                "this simulation has no Field of this name: give it one, as "
+                "silt::Field<\"charge\">{}");
+  using type = void;
+};
+template <class M>
+inline constexpr std::string_view name_of_only_field = [] {
+  if constexpr (
+      requires(FieldsOf<M> f) { f.value; } && requires { M::names.size(); })
+    return std::string_view(M::names[0]);
+  else
+    return std::string_view();
+}();
+template <FixedName Name, class First, class... Rest>
+struct Named<Name, First, Rest...> {
+  using type = typename std::conditional_t<name_of_only_field<First> == Name.view(),
+                                           std::type_identity<First>, Named<Name, Rest...>>::type;
+};
+
+/// The modules of a simulation, by type.
+template <class... Ms>
+struct ModuleList {
+  static constexpr std::size_t count = sizeof...(Ms);
+  static constexpr bool push = (Pushes<Ms> || ...);
+  static constexpr bool turn = (turns_particles<Ms> || ...);
+  static constexpr bool update = (Updates<Ms> || ...);
+  static constexpr bool exist = count > 0;
+  template <class M>
+  static constexpr int times = (0 + ... + int{std::is_same_v<M, Ms>});
+  static_assert(((times<Ms> == 1) && ...),
+                "two modules of one type: give each a struct, or a Field a name, of its own");
+
+  /// The modules among the policies of a simulation.
+  template <class... Args>
+  static std::tuple<Ms...> taken_from(Args&... args) {
+    return std::tuple<Ms...>{take<Ms>(args...)...};
+  }
+  /// The one whose only field has this name.
+  template <FixedName Name>
+  using named = typename Named<Name, Ms...>::type;
+};
+
+/// What a module is called in messages and files.
+template <class M>
+std::string name_of_module() {
+  const std::string_view all = __PRETTY_FUNCTION__;
+  const std::size_t from = all.find("M = ") + 4;
+  std::string name(all.substr(from, all.find_first_of(";]", from) - from));
+  if (const auto arguments = name.find('<'); arguments != name.npos) name.erase(arguments);
+  if (const auto colon = name.rfind("::"); colon != name.npos) name.erase(0, colon + 2);
+  return name;
+}
+/// Doubles in the fields of a module.
+template <class M>
+inline constexpr std::size_t numbers_of_fields = has_fields<M> ? sizeof(FieldsOf<M>) / 8 : 0;
+
+/// How the fields of a module are written: names, and how many numbers each has.
+template <class M>
+struct FieldNames {
+  static constexpr std::size_t numbers = numbers_of_fields<M>;
+  static_assert(sizeof(FieldsOf<M>) % sizeof(double) == 0 || !has_fields<M>,
+                "the Fields of a module are doubles and silt::Vec3d alone");
+  static constexpr bool given = requires { M::names.size(); };
+  static constexpr std::size_t count = [] {
+    if constexpr (given)
+      return M::names.size();
+    else
+      return numbers;
+  }();
+  static_assert(
+      count == 0 || numbers == count || numbers == 3 * count,
+      "the `names` of a module's Fields: one for each double, or, if all are vectors, one "
+      "for each vector");
+  static constexpr std::size_t components = count == 0 ? 1 : numbers / count;
+  static std::string at(std::size_t k) {
+    if constexpr (given)
+      return std::string(M::names[k]);
+    else
+      return numbers == 1 ? name_of_module<M>() : text(name_of_module<M>(), " ", k + 1);
+  }
+};
+
+/// The columns of modules, a row each of what moves (spheres or bodies): their fields, what they
+/// push with, and the flux that contacts bring. A particle that is new has fields of zeros, until
+/// its modules say how it starts.
+template <class List>
+struct ModuleColumns;
+template <class... Ms>
+struct ModuleColumns<ModuleList<Ms...>> {
+  using List = ModuleList<Ms...>;
+  static constexpr std::size_t bytes =
+      8 * (std::size_t{0} + ... + numbers_of_fields<Ms>)+(List::push + List::turn) *
+      sizeof(VectorRow);
+
+  template <class M>
+  using Column = std::conditional_t<has_fields<M>, AlignedVector<FieldsOf<M>>, NoFields>;
+  [[no_unique_address]] std::tuple<Column<Ms>...> fields;
+  AlignedVector<VectorRow> force;   // [N] of all modules, in this step
+  AlignedVector<VectorRow> torque;  // [N m]
+
+  template <class M>
+  auto& of() {
+    return std::get<index_of<M>>(fields);
+  }
+  template <class M>
+  const auto& of() const {
+    return std::get<index_of<M>>(fields);
+  }
+
+  const VectorRow* forces() const { return force.data(); }
+  const VectorRow* torques() const { return torque.data(); }
+  void add() {
+    for_each([](const std::string&, auto& column) { column.emplace_back(); });
+  }
+  void remove(std::size_t k) {
+    for_each([k](const std::string&, auto& column) { column[k] = {}; });
+  }
+  void resize(std::size_t n) {
+    for_each([n](const std::string&, auto& column) { column.resize(n); });
+  }
+  /// Calls visit.operator()<Components>(name, value) for each field; value(k) is a double or three.
+  template <class Visit>
+  void for_each_field(const Visit& visit) const {
+    (visit_fields<Ms>(visit), ...);
+  }
+  /// Calls visit(name, column) for each of them.
+  template <class Visit>
+  void for_each(const Visit& visit) {
+    visit_all(*this, visit);
+  }
+  template <class Visit>
+  void for_each(const Visit& visit) const {
+    visit_all(*this, visit);
+  }
+
+ private:
+  template <class M>
+  static constexpr std::size_t index_of = [] {
+    std::size_t at = 0, found = sizeof...(Ms);
+    ((std::is_same_v<M, Ms> ? found = std::min(found, at++) : at++), ...);
+    return found;
+  }();
+  template <class Self, class Visit>
+  static void visit_all(Self& self, const Visit& visit) {
+    [&]<std::size_t... K>(std::index_sequence<K...>) {
+      (visit_one<Ms>(std::get<K>(self.fields), K, visit), ...);
+    }
+    (std::index_sequence_for<Ms...>{});
+    if constexpr (List::push) visit(std::string("modules.force"), self.force);
+    if constexpr (List::turn) visit(std::string("modules.torque"), self.torque);
+  }
+  template <class M, class Visit>
+  void visit_fields(const Visit& visit) const {
+    if constexpr (has_fields<M>) {
+      using Names = FieldNames<M>;
+      constexpr std::size_t components = Names::components;
+      for (std::size_t n = 0; n < Names::count; ++n)
+        visit.template operator()<components>(Names::at(n), [this, n](std::size_t k) {
+          const auto* const numbers = reinterpret_cast<const double*>(&of<M>()[k]);
+          if constexpr (components == 3)
+            return std::array<double, 3>{numbers[3 * n], numbers[3 * n + 1], numbers[3 * n + 2]};
+          else
+            return numbers[n];
+        });
+    }
+  }
+  template <class M, class C, class Visit>
+  static void visit_one(C& column, std::size_t k, const Visit& visit) {
+    if constexpr (has_fields<M>) visit(text("module", k, ".fields"), column);
+  }
+};
+
+/// Of no modules: nothing.
+template <>
+struct ModuleColumns<ModuleList<>> {
+  static constexpr std::size_t bytes = 0;
+  static const VectorRow* forces() { return nullptr; }
+  static const VectorRow* torques() { return nullptr; }
+  void add() {}
+  void remove(std::size_t) {}
+  void resize(std::size_t) {}
+  template <class Visit>
+  void for_each(const Visit&) const {}
+  template <class Visit>
+  void for_each_field(const Visit&) const {}
+};
+
+}  // namespace silt::detail

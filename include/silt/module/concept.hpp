@@ -1,0 +1,148 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <concepts>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <type_traits>
+
+#include <silt/core/position_row.hpp>
+#include <silt/core/quaternion.hpp>
+#include <silt/core/vec3.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// What a module sees of one particle.
+struct Seen {
+  ParticleId id;
+  Vec3d position;          // [m] of the centre of mass
+  Vec3d velocity;          // [m/s]
+  Vec3d angular_velocity;  // [rad/s]; of spheres that do not rotate 0
+  Quaternion orientation;  // of bodies: turns the frame in which the form was given to space
+  double radius;           // [m] of bodies that of the bounding sphere
+  double mass;             // [kg] infinite: fixed
+  std::size_t material;    // [-] in the table of the contacts
+  double time;             // [s]
+};
+
+/// What a module does to a particle: at its centre of mass.
+struct Push {
+  Vec3d force{0, 0, 0};   // [N]
+  Vec3d torque{0, 0, 0};  // [N m]; needs particles that rotate
+};
+
+/// A module acts on particles, or knows more of them, beside contacts and a fluid. It is a struct
+/// that is given to a Simulation like any policy, any number of them, and has what it needs of:
+///
+///   struct Fields { double seconds = 0; };               // a number or vector per particle
+///   static constexpr std::array names{"seconds"};        // of them, in files
+///   Fields start(const Seen&) const;                     // of a particle that comes; left out:
+///                                                        // as Fields says
+///   Vec3d force(const Seen&) const;                      // [N], or a Push with a torque;
+///   Vec3d force(const Seen&, const Fields&) const;       // may use the fields
+///   double rate(const Seen&[, const Fields&]) const;     // [1/s] of the fastest swing or decay
+///                                                        // that the force makes: sqrt(k/m), c/m
+///   void update(const Seen&, Fields&, double dt) const;  // once a step of dt [s]
+///
+/// `force` is asked in each step at the particle's place then, and again until the velocity of that
+/// time, which the force changes, fits to it: twice if it does not depend on the velocity, up to
+/// seven times if it does. `static constexpr bool needs_velocity = false` asks once. `update` comes
+/// after each step, when particles have moved: positions are those of the step's end, velocities
+/// those of its middle (Leapfrog). Both are called by several threads at once, in no order: they
+/// see one particle and change its own Fields alone. Fields are plain doubles and Vec3d; they are
+/// kept in double, saved in checkpoints, sorted with the particles, and written to VTK and CSV.
+namespace detail {
+
+struct NoFields {};
+template <class M>
+struct FieldsOfModule {
+  using type = NoFields;
+};
+template <class M>
+requires requires { typename M::Fields; }
+struct FieldsOfModule<M> {
+  using type = typename M::Fields;
+};
+
+}  // namespace detail
+
+/// The fields of a module; of one without any an empty struct.
+template <class M>
+using FieldsOf = typename detail::FieldsOfModule<M>::type;
+
+namespace detail {
+
+template <class M>
+inline constexpr bool has_fields = !std::is_empty_v<FieldsOf<M>>;
+
+template <class M>
+concept AsksForForce = requires(const M& m, const Seen& p) {
+  m.force(p);
+};
+template <class M>
+concept AsksForForceWithFields = requires(const M& m, const Seen& p, const FieldsOf<M>& f) {
+  m.force(p, f);
+};
+template <class M>
+concept Pushes = AsksForForce<M> || AsksForForceWithFields<M>;
+template <class M>
+concept Updates = requires(const M& m, const Seen& p, FieldsOf<M>& f, double dt) {
+  m.update(p, f, dt);
+};
+template <class M>
+concept SaysItsRate = requires(const M& m, const Seen& p) {
+  { m.rate(p) } -> std::convertible_to<double>;
+}
+|| requires(const M& m, const Seen& p, const FieldsOf<M>& f) {
+  { m.rate(p, f) } -> std::convertible_to<double>;
+};
+template <class M>
+concept HasFlux = requires {
+  M::exchanged;
+};
+
+/// The answer of a module's force, whichever of the forms it has.
+template <class M>
+SILT_INLINE auto answer_of(const M& m, const Seen& p, const FieldsOf<M>& f) {
+  if constexpr (AsksForForceWithFields<M>)
+    return m.force(p, f);
+  else
+    return m.force(p);
+}
+template <class M>
+inline constexpr bool turns_particles = [] {
+  if constexpr (Pushes<M>)
+    return std::is_same_v<decltype(answer_of(std::declval<const M&>(), std::declval<const Seen&>(),
+                                             std::declval<const FieldsOf<M>&>())),
+                          Push>;
+  else
+    return false;
+}();
+template <class M>
+SILT_INLINE Push push_of(const M& m, const Seen& p, const FieldsOf<M>& f) {
+  if constexpr (turns_particles<M>)
+    return answer_of(m, p, f);
+  else
+    return {answer_of(m, p, f), {0, 0, 0}};
+}
+template <class M>
+inline constexpr bool needs_velocity = [] {
+  if constexpr (requires { M::needs_velocity; })
+    return bool{M::needs_velocity};
+  else
+    return true;
+}();
+
+}  // namespace detail
+
+/// A policy of the module axis: it has fields, or it pushes, and its functions take what they are
+/// called with.
+template <class M>
+concept Module = std::is_copy_constructible_v<M> &&(detail::Pushes<M> || detail::has_fields<M>)&&(
+    std::is_trivially_copyable_v<FieldsOf<M>>&& std::is_default_constructible_v<FieldsOf<M>>);
+
+}  // namespace silt

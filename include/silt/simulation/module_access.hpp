@@ -1,0 +1,64 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cstddef>
+
+#include <silt/engine/state/module_columns.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// What users read and set of the modules of a Simulation, which has these functions as its own.
+template <class Sim>
+class ModuleAccess {
+ public:
+  /// The fields of a module for particle k, to read and to set: sim.field<Residence>(k).seconds.
+  template <class M>
+  FieldsOf<M>& field(std::size_t k) {
+    return column<M>(sim())[sim().known(k)];
+  }
+  template <class M>
+  const FieldsOf<M>& field(std::size_t k) const {
+    return column<M>(sim())[sim().known(k)];
+  }
+  /// The Field of this name: sim.field<"charge">(k) = 1e-12.
+  template <FixedName Name>
+  auto& field(std::size_t k) {
+    return field<typename Sim::Modules::template named<Name>>(k).value;
+  }
+  template <FixedName Name>
+  const auto& field(std::size_t k) const {
+    return field<typename Sim::Modules::template named<Name>>(k).value;
+  }
+  /// Calls visit.operator()<Components>(name, value) for each field of each module, where value(k)
+  /// is a double, or of a vector field three of them.
+  template <class Visit>
+  void for_each_field(const Visit& visit) const {
+    sim().engine_.modules().for_each_field(visit);
+  }
+  /// A module itself, whose parameters may change between runs and in observers.
+  template <class M>
+  M& module() {
+    return sim().modules_.template get<M>();
+  }
+  template <class M>
+  const M& module() const {
+    return sim().modules_.template get<M>();
+  }
+  /// What modules push particle k with at present [N].
+  Vec3d module_force(std::size_t k) const {
+    static_assert(Sim::Modules::push, "no module of this simulation has a force");
+    return sim().engine_.modules().force[sim().known(k)].vector();
+  }
+
+ private:
+  Sim& sim() { return static_cast<Sim&>(*this); }
+  const Sim& sim() const { return static_cast<const Sim&>(*this); }
+  template <class M, class S>
+  static auto& column(S& sim) {
+    static_assert(has_fields<M>, "this module has no Fields");
+    static_assert(Sim::Modules::template times<M> == 1, "this simulation has no such module");
+    return sim.engine_.modules().template of<M>();
+  }
+};
+
+}  // namespace silt::detail

@@ -1,0 +1,79 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+// Parts of Simulation that only modules need.
+
+#include <cmath>
+#include <numbers>
+
+#include <silt/simulation.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// Gives the fields of the particles from place `from` on their first values.
+template <class... Policies>
+void Simulation<Policies...>::start_fields([[maybe_unused]] std::size_t from) {
+  if constexpr (Modules::exist)
+    for (std::size_t k = from; k < rows(); ++k) {
+      Seen p = engine_.seen(k, time_);
+      p.velocity = velocity(k);
+      if constexpr (rotates) p.angular_velocity = angular_velocity(k);
+      modules_.start(engine_.modules(), p, k);
+    }
+}
+
+/// Asks modules what they push particles with in this step.
+template <class... Policies>
+void Simulation<Policies...>::push_modules() {
+  if constexpr (Modules::push) {
+    const double before = power_of_modules();
+    const bool between = Integrator::first_kick == 0.5 && !first_kick_;
+    modules_.push(engine_, {step_, time_, between ? 0.5 * dt_ : 0, gravity}, [this](std::size_t k) {
+      Vec3d force = engine_.contact_force(k);
+      if constexpr (Fluid::active) force += engine_.fluid_loads().force[k].vector();
+      return force;
+    });
+    if constexpr (has_ledger)
+      book_.modules_worked(first_kick_ ? -work_of_first_kick(engine_.modules().force)
+                                       : 0.5 * dt_ * (before + power_of_modules()));
+  }
+}
+
+/// [W] of modules on the particles that are not fixed; for the ledger alone.
+template <class... Policies>
+double Simulation<Policies...>::power_of_modules() const {
+  double power = 0;
+  if constexpr (has_ledger && Modules::push)
+    for (std::size_t k = 0; k < rows(); ++k) {
+      const auto p = engine_.owner(k);
+      if (!p.is_there() || p.inverse_mass() == 0) continue;
+      power += dot(engine_.modules().force[k].vector(), p.velocity());
+      if constexpr (Modules::turn)
+        power += dot(engine_.modules().torque[k].vector(), p.angular_velocity());
+    }
+  return power;
+}
+
+/// The longest step [s] in which what modules push with is still resolved as contacts are, by a
+/// 20th of half a swing; none if they do not say their rate.
+template <class... Policies>
+double Simulation<Policies...>::longest_module_step() const {
+  const double rate = modules_.fastest(engine_, time_).rate;
+  return rate > 0 ? std::numbers::pi / 20 / rate : INFINITY;
+}
+
+/// Stops a run whose step does not resolve what modules push with.
+template <class... Policies>
+void Simulation<Policies...>::check_module_rates() const {
+  const auto most = modules_.fastest(engine_, time_);
+  if (most.rate * dt_ <= guard.max_rate) return;
+  const auto p = engine_.owner(most.particle);
+  throw SimulationError(text("step ", step_, ", t = ", time_, " s: the modules' rate of particle ",
+                             p.id(), " is ", most.rate, " 1/s, ", most.rate * dt_,
+                             " over the time step of ", dt_, " s, where guard.max_rate is ",
+                             guard.max_rate, "; set Simulation::time_step to less than ",
+                             detail::below(guard.max_rate / most.rate), " s"),
+                        step_, {p.id()}, p.centre());
+}
+
+}  // namespace silt
