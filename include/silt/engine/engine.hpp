@@ -200,8 +200,11 @@ class Engine : public Tables<Composition> {
   }
   /// Completes a step that was observed.
   void drift(double time_step) {
-    largest_share = mover.drift({particles, sums_.data(), lists.upkeep.per_inner2.data(), *team_},
-                                time_step, largest_share);
+    // Particles that were added since the lists were made have no reach: a search comes next.
+    const auto& reach = lists.upkeep.per_inner2;
+    const double* const per_inner2 = reach.size() < particles.size() ? nullptr : reach.data();
+    largest_share =
+        mover.drift({particles, sums_.data(), per_inner2, *team_}, time_step, largest_share);
     lists.upkeep.used += largest_share * time_step;
   }
 

@@ -96,7 +96,8 @@ void BodyMotion<Composition, State>::carry_pack(const Scene& scene, const Kick* 
     }
     if (row < convex_rows.pose.size()) convex_rows.pose[row].q = body.orientation;
     most.include(speed[lane]);
-    most.share2 = std::max(most.share2, squared[lane] * scene.per_inner2[row]);
+    if (scene.per_inner2 != nullptr)
+      most.share2 = std::max(most.share2, squared[lane] * scene.per_inner2[row]);
     if (record)
       synchronous[static_cast<std::size_t>(&body - bodies.data())] = {
           {whole[0][lane], whole[1][lane], whole[2][lane]},
