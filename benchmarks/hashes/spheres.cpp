@@ -33,7 +33,7 @@ auto several_materials() {
   all.fill({{0, 0, 0.002}, {0.02, 0.02, 0.02}},
            {.radius = 0.8e-3, .density = 2500, .count = 500, .material = contacts.add(glass)});
   all.add({.position = {0.01, 0.01, 0.03},
-           .radius = 4e-3,
+           .radius = 3e-3,
            .density = 7800,
            .velocity = {0, 0, -1},
            .material = contacts.add(steel)});
@@ -54,7 +54,7 @@ auto openings() {
   silt::Simulation sim{grains(200),
                        silt::Contacts<Law, silt::RollingEpsd>{glass, {.rolling_friction = 0.05}}};
   sim.gravity = {0, 0, -9.81};
-  sim.add_wall(silt::Cylinder{{0.01, 0.01, -0.1}, {0, 0, 0.2}, 0.016, silt::Side::Inside}, steel,
+  sim.add_wall(silt::Cylinder{{0.01, 0.01, -0.1}, {0, 0, 0.2}, 0.016, silt::Side::Inside}, glass,
                silt::rotation({0.01, 0.01, 0}, {0, 0, 1}, 5.0));
   std::vector<std::array<silt::Vec3d, 3>> plate;
   for (int k = 0; k < 4; ++k) {

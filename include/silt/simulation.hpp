@@ -271,8 +271,10 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>> {
     const detail::StepTimes times{dt_, first_kick_ ? 0 : dt_,
                                   observed || first_kick_ || step_ % detail::ledger_asks_every == 0,
                                   Integrator::lag, step_ % detail::StepTimes::areas_every == 0};
+    engine_.prepare_fluxes(modules_, time_);
     engine_.pair_forces(domain_, times);
     engine_.wall_forces(times);
+    engine_.collect_fluxes();
     if constexpr (Fluid::active) couple();
     if constexpr (Modules::push) push_modules();
     book_step(times);

@@ -44,8 +44,9 @@ class Engine : public Tables<Composition> {
   using typename Tables<Composition>::State, typename Tables<Composition>::Mover;
   using Tables<Composition>::particles, Tables<Composition>::mover;
   using Motion = typename State::Motion;
+  using Fluxes = FluxesOf<Modules, Arch, Scalar>;
   using WallStage =
-      typename WallStageOf<convex>::template type<ShapeType, ContactsType, Arch, Scalar>;
+      typename WallStageOf<convex>::template type<ShapeType, ContactsType, Arch, Scalar, Fluxes>;
   using Lists = NearLists<ContactsType::history, history_in_rows<ContactsType>, Scalar, State,
                           Search, Domain, Arch, typename WallStage::Contacts>;
 
@@ -101,24 +102,39 @@ class Engine : public Tables<Composition> {
 
   // --- forces -------------------------------------------------------------------------------
 
+  /// Before the contacts of a step, and after them: what flows through them for modules.
+  template <class Stage>
+  void prepare_fluxes([[maybe_unused]] const Stage& stage, [[maybe_unused]] double time) {
+    if constexpr (Fluxes::active)
+      fluxes_.prepare(
+          stage.modules, this->modules(), particles.size(), time,
+          [this](std::size_t row) { return this->owner_of(row); }, *team_);
+  }
+  void collect_fluxes() {
+    if constexpr (Fluxes::active)
+      fluxes_.collect(this->modules(), particles.size(),
+                      [this](std::size_t row) { return this->owner_of(row); });
+  }
+
   void pair_forces(const Domain& domain, const StepTimes& times) {
     if constexpr (convex) {
-      using Pairs = ConvexPairs<typename ConvexRowsOf<ShapeType>::type, ContactsType, Domain, Arch>;
+      using Pairs =
+          ConvexPairs<typename ConvexRowsOf<ShapeType>::type, ContactsType, Domain, Arch, Fluxes>;
       mover.convex_rows.measure_pace(particles.motion.data(), *team_);
       return take(Pairs::run({particles.position.data(), particles.motion.data(),
                               &mover.convex_rows, kinds_.data(), times},
-                             lists.pairs, coefficients, domain, sums_.data(), *team_));
+                             lists.pairs, coefficients, domain, sums_.data(), *team_, &fluxes_));
     } else {
       take(sphere_pairs(domain, times));
     }
   }
   Tally<ContactsType> sphere_pairs(const Domain& domain, const StepTimes& times) {
-    using Pipeline = PairPipeline<ContactsType, Domain, Arch, Scalar>;
+    using Pipeline = PairPipeline<ContactsType, Domain, Arch, Scalar, Fluxes>;
     const bool large = Pipeline::working_set(particles.size(), lists.pairs.size()) > beyond_caches;
-    return Pipeline::run(
-        {particles.position.data(), particles.pair_motion(), kinds_.data(),
-         particles.largest_radius, particles.smallest_radius, times, large, share_pairs(domain)},
-        lists.pairs, coefficients, domain, sums_.data(), *team_);
+    return Pipeline::run({particles.position.data(), particles.pair_motion(), kinds_.data(),
+                          particles.largest_radius, particles.smallest_radius, times, large,
+                          share_pairs(domain), &fluxes_},
+                         lists.pairs, coefficients, domain, sums_.data(), *team_);
   }
   void take(const Tally<ContactsType>& tally) {
     largest_overlap = tally.largest, contact_energy = tally.energy;
@@ -288,17 +304,19 @@ class Engine : public Tables<Composition> {
   }
   auto wall_input(const StepTimes& times) {
     using Input = typename WallStage::Input;
-    if constexpr (convex)
+    if constexpr (convex) {
+      wall_pipeline_.fluxes = &fluxes_;
       return Input{particles.position.data(), particles.motion.data(), &mover.convex_rows,
                    particles.material.data(), times};
-    else
+    } else
       return Input{particles.position.data(),
                    particles.motion.data(),
                    particles.pair_motion(),
                    particles.material.data(),
                    times,
                    parts(),
-                   share_walls()};
+                   share_walls(),
+                   &fluxes_};
   }
   const PartRow* parts() const {
     if constexpr (has_bodies)
@@ -321,6 +339,7 @@ class Engine : public Tables<Composition> {
 
   std::unique_ptr<Team> team_ = std::make_unique<Team>(1);
   WallStage wall_pipeline_;
+  [[no_unique_address]] Fluxes fluxes_;
   struct NoShares {};
   [[no_unique_address]] std::conditional_t<shares, SharedContacts<Scalar>, NoShares> shared_;
   AlignedVector<Scalar> sums_;  // [N] load on each particle, zero between the steps

@@ -32,13 +32,13 @@ struct ContactsOf<ShapeType, Contacts> {
 /// By whether bodies have convex parts.
 template <bool Convex>
 struct WallStageOf {
-  template <class, class ContactsType, class Arch, class Scalar>
-  using type = WallPipeline<ContactsType, Arch, Scalar>;
+  template <class, class ContactsType, class Arch, class Scalar, class Fluxes>
+  using type = WallPipeline<ContactsType, Arch, Scalar, Fluxes>;
 };
 template <>
 struct WallStageOf<true> {
-  template <class ShapeType, class ContactsType, class Arch, class>
-  using type = ConvexWalls<typename ConvexRowsOf<ShapeType>::type, ContactsType, Arch>;
+  template <class ShapeType, class ContactsType, class Arch, class, class Fluxes>
+  using type = ConvexWalls<typename ConvexRowsOf<ShapeType>::type, ContactsType, Arch, Fluxes>;
 };
 
 }  // namespace silt::detail

@@ -35,6 +35,17 @@ struct Push {
   Vec3d torque{0, 0, 0};  // [N m]; needs particles that rotate
 };
 
+/// What a module sees of a contact, for its flux: Real is double or a pack of lanes.
+template <class Real>
+struct Touching {
+  Vec3<Real> normal;  // [-] from the second partner to the first
+  Vec3<Real> force;   // [N] on the first
+  Real normal_force;  // [N] of it along the normal; negative where the partners attract
+  Real overlap;       // [m] > 0, of partners that touch
+  Real R_eff;         // [m]
+  Real m_eff;         // [kg]
+};
+
 /// A module acts on particles, or knows more of them, beside contacts and a fluid. It is a struct
 /// that is given to a Simulation like any policy, any number of them, and has what it needs of:
 ///
@@ -55,6 +66,20 @@ struct Push {
 /// those of its middle (Leapfrog). Both are called by several threads at once, in no order: they
 /// see one particle and change its own Fields alone. Fields are plain doubles and Vec3d; they are
 /// kept in double, saved in checkpoints, sorted with the particles, and written to VTK and CSV.
+///
+/// A number may flow between particles in contact, as heat or charge do. Then a module has:
+///
+///   static constexpr auto exchanged = &Fields::temperature;    // both ends' enter the flux
+///   template <class Real>
+///   Real flux(const Touching<Real>& c, const Real& a, const Real& b) const;  // [.../s] into the
+///                                                              // first end; the second loses it
+///   double at_wall(std::size_t wall, double time) const;       // what a wall has; left out:
+///                                                              // nothing flows at walls
+///   void update(const Seen&, Fields&, double received, double dt) const;  // in place of update:
+///                                                              // received [.../s] of all contacts
+///
+/// flux() is compiled for double and for packs of lanes, like a contact law. It is asked once a
+/// step for each contact, with the fields at the step's beginning, and summed in double.
 namespace detail {
 
 struct NoFields {};
@@ -94,15 +119,29 @@ concept Updates = requires(const M& m, const Seen& p, FieldsOf<M>& f, double dt)
   m.update(p, f, dt);
 };
 template <class M>
+concept UpdatesByFlux = requires(const M& m, const Seen& p, FieldsOf<M>& f, double dt) {
+  m.update(p, f, dt, dt);
+};
+template <class M>
+concept Exchanges = has_fields<M> && requires(FieldsOf<M>& f) {
+  { f.*M::exchanged } -> std::same_as<double&>;
+};
+template <class M, class Real>
+concept FluxOnLanes = requires(const M& m, const Touching<Real>& c, const Real& a) {
+  { m.flux(c, a, a) } -> std::convertible_to<Real>;
+};
+template <class M>
+concept HasWallEnds = requires(const M& m) {
+  { m.at_wall(std::size_t{}, double{}) } -> std::convertible_to<double>;
+};
+template <class M>
+inline constexpr bool flows_at_walls = Exchanges<M>&& HasWallEnds<M>;
+template <class M>
 concept SaysItsRate = requires(const M& m, const Seen& p) {
   { m.rate(p) } -> std::convertible_to<double>;
 }
 || requires(const M& m, const Seen& p, const FieldsOf<M>& f) {
   { m.rate(p, f) } -> std::convertible_to<double>;
-};
-template <class M>
-concept HasFlux = requires {
-  M::exchanged;
 };
 
 /// The answer of a module's force, whichever of the forms it has.

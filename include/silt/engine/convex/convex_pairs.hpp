@@ -19,7 +19,7 @@ namespace silt::inline SILT_TARGET::detail {
 /// Of two kinds the first in KindList is i, else the particle with the lower id. What a pair keeps
 /// behind the law's history: NormalMemory, whose last number, R_eff while the bodies touch, is
 /// minus a lower bound of the gap while they do not.
-template <class Rows, class ContactsType, class Domain, class Arch>
+template <class Rows, class ContactsType, class Domain, class Arch, class Fluxes = NoFluxes>
 class ConvexPairs {
   using Real = typename Lanes<Arch>::Real;
   using List = PairList<ContactsType::history, double, history_in_rows<ContactsType>>;
@@ -52,9 +52,9 @@ class ConvexPairs {
   /// Adds the load of every pair to the sums of its bodies: force, and torque about the centre.
   static Tally<ContactsType> run(const Input& in, List& list,
                                  const CoefficientTable<ContactsType>& table, const Domain& domain,
-                                 double* sums, const Team& team) {
+                                 double* sums, const Team& team, Fluxes* fluxes = nullptr) {
     return sum_over_groups<Tally<ContactsType>>(list, team, [&](std::size_t from, std::size_t to) {
-      return run_group({in, list, table, domain, sums}, from, to);
+      return run_group({in, list, table, domain, sums, fluxes}, from, to);
     });
   }
 
@@ -65,6 +65,7 @@ class ConvexPairs {
     const CoefficientTable<ContactsType>& table;
     const Domain& domain;
     double* sums;
+    Fluxes* fluxes;  // of modules, if there are any
   };
 
   /// By the kinds of i and j.
@@ -251,6 +252,8 @@ class ConvexPairs {
       loads_of<ContactsType, Arch>(c.kinematics, padded, scene.in.times, scene.table, kinds,
                                    history, tally);
     tally.end_block();
+    if constexpr (Fluxes::active)
+      scene.fluxes->pairs(c.kinematics, count, open.i + from, open.j + from);
     for (std::size_t k = 0; k < padded; k += W)
       Kept::template keep<has_area>(scene.list, place + k, std::min(W, count - k), c.history, k);
     add_loads<has_gradient<A, B>, has_area>(scene, open, from, count, c);

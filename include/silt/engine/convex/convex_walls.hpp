@@ -149,7 +149,7 @@ inline int without_seams(SolidContact* found, int count, std::span<const SolidCo
 /// Computes the loads of all contacts of convex parts with walls, fixed or moving: exact contacts
 /// of each candidate (ConvexPlanes: in lanes), then the same law over lanes as for pairs; sums what
 /// each wall bears.
-template <class Rows, class ContactsType, class Arch>
+template <class Rows, class ContactsType, class Arch, class Fluxes = NoFluxes>
 class ConvexWalls {
   using Real = typename Lanes<Arch>::Real;
   static constexpr std::size_t W = Lanes<Arch>::width;
@@ -161,6 +161,7 @@ class ConvexWalls {
       WallContacts<H, double, most_plane_contacts<typename Rows::Kinds>, most_wall_contacts>;
   static constexpr std::size_t block = Contacts::block;
   using Input = ConvexInput<Rows>;
+  Fluxes* fluxes = nullptr;  // of modules, if there are any
 
   /// Adds the loads to the sums of the bodies; sets force and torque of the walls.
   Tally<ContactsType> run(const Input& in, Contacts& contacts,
@@ -210,6 +211,10 @@ class ConvexWalls {
       loads_of<ContactsType, Arch>(s.kinematics, padded, in.times, table, s.kind, history, running);
     }
     tallies_[b] = running.end();
+    if constexpr (Fluxes::active)
+      fluxes->walls(
+          s.kinematics, s.count, [&s](std::size_t k) { return s.of[k]->particle; },
+          [&s](std::size_t k) { return std::size_t{s.of[k]->wall}; });
     tallies_[b].largest = s.largest;
     for (std::size_t k = 0; k < s.count; ++k) {
       if (s.slot[k] == Scratch::no_slot) continue;

@@ -11,6 +11,7 @@
 #include <silt/boundary/domain.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/engine/contact/coefficients.hpp>
+#include <silt/engine/contact/contact_fluxes.hpp>
 #include <silt/engine/contact/contact_kernel.hpp>
 #include <silt/engine/contact/load_rows.hpp>
 #include <silt/engine/lists/pair_list.hpp>
@@ -21,7 +22,7 @@ namespace silt::inline SILT_TARGET::detail {
 /// Computes the loads of all pairs of the inner list and adds them up: gather rows of both
 /// particles, law over lanes, rows out, sums. Blocks are small enough to stay in the first-level
 /// cache between the stages. Scalar: float or double (Precision).
-template <class ContactsType, class Domain, class Arch, class Scalar>
+template <class ContactsType, class Domain, class Arch, class Scalar, class Fluxes = NoFluxes>
 class PairPipeline {
   using Real = typename Lanes<Arch, Scalar>::Real;
   using Row = Row4<Arch, Scalar>;
@@ -43,6 +44,7 @@ class PairPipeline {
     StepTimes times;
     bool fetch_ahead;                // the working set is beyond the caches
     const Scalar* shares = nullptr;  // of each pair's force (SharedContacts), or null
+    Fluxes* fluxes = nullptr;        // of modules, if there are any
   };
 
   /// Bytes that a step of `pairs` between `particles` goes through.
@@ -95,6 +97,7 @@ class PairPipeline {
     loads_of<ContactsType, Arch>(kinematics, padded, in.times, table, kinds, history, tally,
                                  in.shares != nullptr ? in.shares + from : nullptr);
     tally.end_block();
+    if constexpr (Fluxes::active) in.fluxes->pairs(kinematics, count, first, second);
     write_rows<ContactsType, Arch>(kinematics, padded, rows);
   }
 

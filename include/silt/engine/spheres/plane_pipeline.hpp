@@ -8,6 +8,7 @@
 
 #include <silt/core/row8.hpp>
 #include <silt/engine/contact/coefficients.hpp>
+#include <silt/engine/contact/contact_fluxes.hpp>
 #include <silt/engine/contact/contact_kernel.hpp>
 #include <silt/engine/contact/load_rows.hpp>
 #include <silt/engine/lists/wall_contacts.hpp>
@@ -19,7 +20,7 @@ template <class Scalar>
 class SharedContacts;
 
 /// What contacts with walls are computed from.
-template <bool Rotates, class Scalar>
+template <bool Rotates, class Scalar, class Fluxes>
 struct WallInput {
   const PositionRow* positions;
   const MotionRow<Rotates>* motions;
@@ -29,6 +30,7 @@ struct WallInput {
   // Of bodies whose parts share their contacts; else null.
   const PartRow* parts = nullptr;
   const SharedContacts<Scalar>* sharing = nullptr;
+  Fluxes* fluxes = nullptr;  // of modules, if there are any
 };
 
 /// What spheres do to a wall.
@@ -38,7 +40,7 @@ struct WallLoad {
 
 /// Computes the loads of spheres that are near one plane at rest: everything in lanes, as for
 /// pairs. Distances are formed in double, all else in Scalar.
-template <class ContactsType, class Arch, class Scalar>
+template <class ContactsType, class Arch, class Scalar, class Fluxes>
 class PlanePipeline {
   using Real = typename Lanes<Arch, Scalar>::Real;
   using Wide = typename Lanes<Arch>::Real;
@@ -50,7 +52,7 @@ class PlanePipeline {
   static constexpr bool single = std::is_same_v<Scalar, float>;
 
  public:
-  using Input = WallInput<rotates, Scalar>;
+  using Input = WallInput<rotates, Scalar, Fluxes>;
   using Contacts = WallContacts<ContactsType::history, Scalar>;
 
   /// Adds the loads of one run to the sums of its particles and to the wall's.
@@ -103,6 +105,10 @@ class PlanePipeline {
     loads_of<ContactsType, Arch>(b.kinematics, padded, in.times, table, several ? b.kinds : nullptr,
                                  history, tally);
     tally.end_block();
+    if constexpr (Fluxes::active)
+      in.fluxes->walls(
+          b.kinematics, count, [particle](std::size_t k) { return particle[k]; },
+          [&plane](std::size_t) { return std::size_t{plane.wall}; });
     write_rows<ContactsType, Arch>(b.kinematics, padded, b.rows);
     for (std::size_t k = 0; k < count; ++k)
       add_row<Arch, chunks, false>(sums + particle[k] * row, b.rows + k * row);

@@ -45,9 +45,9 @@ inline void sum_wall_loads(std::span<Wall> walls, std::span<const WallLoad> load
 /// Computes the loads of all contacts with walls: geometry of each candidate, in double, then the
 /// same law over lanes as for pairs, rows out; sums what each wall bears. Spheres that are near
 /// planes at rest alone are the PlanePipeline's.
-template <class ContactsType, class Arch, class Scalar>
+template <class ContactsType, class Arch, class Scalar, class Fluxes = NoFluxes>
 class WallPipeline {
-  using Planes = PlanePipeline<ContactsType, Arch, Scalar>;
+  using Planes = PlanePipeline<ContactsType, Arch, Scalar, Fluxes>;
   using Motion = MotionRow<ContactsType::rotates>;
   static constexpr std::size_t W = Lanes<Arch, Scalar>::width;
   static constexpr std::size_t block = Planes::Contacts::block;
@@ -129,6 +129,10 @@ class WallPipeline {
     loads_of<ContactsType, Arch>(s.kinematics, padded, in.times, table, s.kind, history, running,
                                  in.sharing != nullptr ? s.of_force : nullptr);
     tallies_[b] = running.end();
+    if constexpr (Fluxes::active)
+      in.fluxes->walls(
+          s.kinematics, s.count, [&s](std::size_t k) { return s.place[k].particle; },
+          [&s](std::size_t k) { return std::size_t{s.place[k].wall}; });
     write_rows<ContactsType, Arch>(s.kinematics, padded, rows);
     for (std::size_t k = 0; k < s.count; ++k) {
       const auto [slot, particle, wall] = s.place[k];

@@ -182,7 +182,11 @@ class ModuleStage<ModuleList<Ms...>> {
   }
   template <class M, class Columns>
   bool update_one(Columns& columns, const Seen& p, std::size_t k, double dt) const {
-    if constexpr (Updates<M>) {
+    if constexpr (UpdatesByFlux<M>) {
+      auto& own = columns.template of<M>()[k];
+      get<M>().update(p, own, columns.template received_of<M>()[k], dt);
+      return all_finite<M>(own);
+    } else if constexpr (Updates<M>) {
       auto& own = columns.template of<M>()[k];
       get<M>().update(p, own, dt);
       return all_finite<M>(own);
@@ -223,7 +227,7 @@ class ModuleStage<ModuleList<Ms...>> {
   }
   template <class M, class Engine>
   void stop_at_field(const Engine& e, std::int64_t step, double time, std::size_t k) const {
-    if constexpr (Updates<M>) {
+    if constexpr (Updates<M> || UpdatesByFlux<M>) {
       const auto& own = e.modules().template of<M>()[k];
       const auto* const numbers = reinterpret_cast<const double*>(&own);
       for (std::size_t n = 0; n < numbers_of_fields<M>; ++n) {

@@ -44,7 +44,18 @@ struct ModuleList {
   static constexpr std::size_t count = sizeof...(Ms);
   static constexpr bool push = (Pushes<Ms> || ...);
   static constexpr bool turn = (turns_particles<Ms> || ...);
-  static constexpr bool update = (Updates<Ms> || ...);
+  static constexpr bool update = ((Updates<Ms> || UpdatesByFlux<Ms>) || ...);
+  static constexpr bool flux = (Exchanges<Ms> || ...);
+  static_assert(
+      ((Exchanges<Ms> == UpdatesByFlux<Ms>)&&...),
+      "a module with `exchanged` needs update(seen, fields, received, dt), and only such a "
+      "one has it: silt/module/concept.hpp");
+  template <class M>
+  static constexpr std::size_t index_of = [] {
+    std::size_t at = 0, found = sizeof...(Ms);
+    ((std::is_same_v<M, Ms> ? found = std::min(found, at++) : at++), ...);
+    return found;
+  }();
   static constexpr bool exist = count > 0;
   template <class M>
   static constexpr int times = (0 + ... + int{std::is_same_v<M, Ms>});
@@ -110,24 +121,33 @@ template <class... Ms>
 struct ModuleColumns<ModuleList<Ms...>> {
   using List = ModuleList<Ms...>;
   static constexpr std::size_t bytes =
-      8 * (std::size_t{0} + ... + numbers_of_fields<Ms>)+(List::push + List::turn) *
-      sizeof(VectorRow);
+      8 * (std::size_t{0} + ... + (numbers_of_fields<Ms> + Exchanges<Ms>)) +
+      (List::push + List::turn) * sizeof(VectorRow);
 
   template <class M>
   using Column = std::conditional_t<has_fields<M>, AlignedVector<FieldsOf<M>>, NoFields>;
   [[no_unique_address]] std::tuple<Column<Ms>...> fields;
-  AlignedVector<VectorRow> force;   // [N] of all modules, in this step
-  AlignedVector<VectorRow> torque;  // [N m]
+  std::array<AlignedVector<double>, sizeof...(Ms)> received;  // from contacts, of those with a flux
+  AlignedVector<VectorRow> force;                             // [N] of all modules, in this step
+  AlignedVector<VectorRow> torque;                            // [N m]
 
   template <class M>
   auto& of() {
-    return std::get<index_of<M>>(fields);
+    return std::get<List::template index_of<M>>(fields);
   }
   template <class M>
   const auto& of() const {
-    return std::get<index_of<M>>(fields);
+    return std::get<List::template index_of<M>>(fields);
   }
 
+  template <class M>
+  auto& received_of() {
+    return received[List::template index_of<M>];
+  }
+  template <class M>
+  const auto& received_of() const {
+    return received[List::template index_of<M>];
+  }
   const VectorRow* forces() const { return force.data(); }
   const VectorRow* torques() const { return torque.data(); }
   void add() {
@@ -155,16 +175,11 @@ struct ModuleColumns<ModuleList<Ms...>> {
   }
 
  private:
-  template <class M>
-  static constexpr std::size_t index_of = [] {
-    std::size_t at = 0, found = sizeof...(Ms);
-    ((std::is_same_v<M, Ms> ? found = std::min(found, at++) : at++), ...);
-    return found;
-  }();
   template <class Self, class Visit>
   static void visit_all(Self& self, const Visit& visit) {
     [&]<std::size_t... K>(std::index_sequence<K...>) {
       (visit_one<Ms>(std::get<K>(self.fields), K, visit), ...);
+      (visit_received<Ms>(self.received[K], K, visit), ...);
     }
     (std::index_sequence_for<Ms...>{});
     if constexpr (List::push) visit(std::string("modules.force"), self.force);
@@ -188,6 +203,10 @@ struct ModuleColumns<ModuleList<Ms...>> {
   template <class M, class C, class Visit>
   static void visit_one(C& column, std::size_t k, const Visit& visit) {
     if constexpr (has_fields<M>) visit(text("module", k, ".fields"), column);
+  }
+  template <class M, class C, class Visit>
+  static void visit_received(C& column, std::size_t k, const Visit& visit) {
+    if constexpr (Exchanges<M>) visit(text("module", k, ".received"), column);
   }
 };
 
