@@ -194,10 +194,11 @@ TEST_CASE("module fluxes: the same bits on any number of threads and from a chec
   silt::save_checkpoint(half, path);
   silt::load_checkpoint(again, path);
   std::filesystem::remove(path);
-  again.run(0.03);
+  again.run(0.03), half.run(0.03);  // which ends a step later than one run of both spans may
   for (std::size_t k = 0; k < one.rows(); ++k) {
     const double of_one = one.field<Conduction>(k).temperature;
     CHECK(three.field<Conduction>(three.find(one.id(k))).temperature == of_one);
-    CHECK(again.field<Conduction>(again.find(one.id(k))).temperature == of_one);
+    const double of_half = half.field<Conduction>(half.find(one.id(k))).temperature;
+    CHECK(again.field<Conduction>(again.find(one.id(k))).temperature == of_half);
   }
 }
