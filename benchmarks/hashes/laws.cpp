@@ -39,6 +39,8 @@ void hashes::laws() {
   const Soft::Material soft{.solid = {1e7, 0.25, 0.7, 0.4}, .full_radius = 1.1e-3};
   print("softened", 0.04, [&] { return bed(Contacts<Soft>{soft}, soft, EnergyLedger{}); });
   using Forces = Cohesive<HertzMindlin, VanDerWaals>;
-  const Forces::Material waals{.body = {1e7, 0.25, 0.7, 0.4}, .cohesion = {.hamaker = 1e-18}};
+  const Forces::Material waals{
+      .body = {1e7, 0.25, 0.7, 0.4},
+      .cohesion = {.hamaker = 1e-11, .closest = 1e-5, .cutoff = 1e-4}};
   print("Van der Waals", 0.03, [&] { return bed(Contacts<Forces>{waals}, waals, Mixed{}); });
 }

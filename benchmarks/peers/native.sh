@@ -11,10 +11,10 @@ lammps_flags=${LAMMPS_FLAGS:--O3 -march=native -ffast-math -DNDEBUG}
 liggghts_flags=${LIGGGHTS_FLAGS:--O3 -march=native -DNDEBUG}
 jobs=$(nproc)
 
-# sources NAME: unpacks the package's upstream sources to OUT/NAME. Its own list of sources, so that
+# sources NAME: unpacks the package's upstream sources to OUT/src_NAME. Its own list of sources, so that
 # the machine's settings stay as they are and no root is needed.
 sources() {
-  [ ! -d "$out/$1" ] || return 0
+  [ ! -d "$out/src_$1" ] || return 0
   local apt=$out/apt key=/usr/share/keyrings/debian-archive-keyring.gpg signed=
   mkdir -p "$apt/lists/partial" "$apt/cache/archives/partial"
   [ ! -e "$key" ] || signed="[signed-by=$key] "
@@ -29,19 +29,19 @@ sources() {
   local archive
   archive=$(find "$out" -maxdepth 1 -name "$1_*.orig.tar.*" | head -n 1)
   [ -n "$archive" ] || { echo "native.sh: apt-get found no sources of $1" >&2; exit 2; }
-  rm -rf "$out/$1.new"
-  mkdir "$out/$1.new"
-  tar xf "$archive" -C "$out/$1.new" --strip-components=1
-  mv "$out/$1.new" "$out/$1"
+  rm -rf "$out/new"
+  mkdir "$out/new"
+  tar xf "$archive" -C "$out/new" --strip-components=1
+  mv "$out/new" "$out/src_$1"
 }
 
 if [ ! -x "$out/lmp" ]; then
   sources lammps
-  cmake -S "$out/lammps/cmake" -B "$out/lammps/build" -G Ninja -DCMAKE_BUILD_TYPE=Release \
+  cmake -S "$out/src_lammps/cmake" -B "$out/src_lammps/build" -G Ninja -DCMAKE_BUILD_TYPE=Release \
     -DCMAKE_CXX_FLAGS_RELEASE="$lammps_flags" -DPKG_GRANULAR=on -DBUILD_MPI=on -DBUILD_OMP=off \
     -DWITH_JPEG=off -DWITH_PNG=off -DWITH_GZIP=off -DWITH_FFMPEG=off
-  cmake --build "$out/lammps/build" --target lmp
-  cp "$out/lammps/build/lmp" "$out/lmp"
+  cmake --build "$out/src_lammps/build" --target lmp
+  cp "$out/src_lammps/build/lmp" "$out/lmp"
   echo "$lammps_flags" >"$out/lmp.flags"
 fi
 
@@ -51,7 +51,7 @@ liggghts() {
   [ ! -x "$out/$name" ] || return 0
   sources liggghts
   rm -rf "$build"
-  cp -r "$out/liggghts/src" "$build"
+  cp -r "$out/src_liggghts/src" "$build"
   cd "$build"
   rm -f dump_mesh_vtk.*                                # the one file that needs VTK
   sed -i 's/numneigh > 0/numneigh != 0/' finish.cpp    # compares a pointer
