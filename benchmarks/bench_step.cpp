@@ -44,7 +44,15 @@ void run(benchmark::State& state, const ContactsType& contacts, double spread,
          Policies... policies) {
   const auto n = static_cast<std::size_t>(state.range(0));
   auto sim = settled(contacts, n, spread, policies...);
-  for (auto _ : state) sim.run(20 * sim.step_length());
+  if constexpr (decltype(sim)::has_events) {
+    double lost = 0;
+    const auto ends =
+        silt::on_contact_end([&](const silt::ContactEvent& c) { lost += c.lost_energy; });
+    for (auto _ : state) sim.run(20 * sim.step_length(), ends);
+    benchmark::DoNotOptimize(lost);
+  } else {
+    for (auto _ : state) sim.run(20 * sim.step_length());
+  }
   state.SetItemsProcessed(state.iterations() * 20 * state.range(0));
   state.counters["bytes/particle"] = static_cast<double>(sim.bytes_per_particle);
   state.counters["bytes/contact"] = static_cast<double>(sim.bytes_per_contact);
@@ -60,6 +68,9 @@ const silt::LinearSpringFriction::Material rough_spring{2000, 0.5, 0.4};
 void BM_hertz_mindlin(benchmark::State& s) { run(s, Contacts<silt::HertzMindlin>{glass}, spread); }
 void BM_hertz_mindlin_ledger(benchmark::State& s) {
   run(s, Contacts<silt::HertzMindlin>{glass}, spread, silt::EnergyLedger{});
+}
+void BM_hertz_mindlin_events(benchmark::State& s) {
+  run(s, Contacts<silt::HertzMindlin>{glass}, spread, silt::ContactEvents{});
 }
 void BM_hertz_mindlin_mixed(benchmark::State& s) {
   run(s, Contacts<silt::HertzMindlin>{glass}, spread, silt::Mixed{});
@@ -142,6 +153,7 @@ BENCHMARK(BM_hertz_mindlin_several_materials)->Arg(5000)->Unit(ms);
 BENCHMARK(BM_hertz_mindlin_rolling)->Arg(5000)->Unit(ms);
 BENCHMARK(BM_hertz_mindlin)->Arg(5000)->Arg(50000)->Unit(ms);
 BENCHMARK(BM_hertz_mindlin_ledger)->Arg(5000)->Arg(50000)->Unit(ms);
+BENCHMARK(BM_hertz_mindlin_events)->Arg(5000)->Arg(50000)->Unit(ms);
 BENCHMARK(BM_hertz_mindlin_one_size)->Arg(5000)->Unit(ms);
 BENCHMARK(BM_hertz_mindlin_no_side_walls)->Arg(5000)->Unit(ms);
 BENCHMARK(BM_hertz_mindlin_mixed)->Arg(5000)->Arg(50000)->Unit(ms);

@@ -12,7 +12,7 @@ touch "$work/file"
 refused "$work/file" --quick --out "$work/file/out"
 
 if "$drum" --quick --particles 60 --rpm 100 --out "$work/mix" >"$work/log" 2>&1; then
-  for file in summary.json drum.csv surface.csv vtk/surfaces.pvd drum.png; do
+  for file in summary.json drum.csv surface.csv impacts.csv vtk/surfaces.pvd drum.png impacts.png; do
     [ -s "$work/mix/$file" ] || fail "drum_of_shapes --quick left no $file"
   done
   grep -q '"holds": false' "$work/mix/summary.json" && fail "a check does not hold but the status is 0"

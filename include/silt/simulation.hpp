@@ -44,6 +44,7 @@ namespace silt::inline SILT_TARGET {
 ///   integrator Leapfrog, SymplecticEuler, Gear                Leapfrog
 ///   rotation   NoSquish, Spiral: of bodies                    NoSquish
 ///   ledger     EnergyLedger                                   no books of the energy
+///   events     ContactEvents                                  nobody is told of contacts
 ///   modules    Field<"name">, BodyForce, structs of one's own none; any number of them
 ///
 /// Lengths in m, times in s, masses in kg. Errors: InputError for values and combinations that
@@ -68,6 +69,7 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>> {
   /// ... whose shape is no set of spheres.
   static constexpr bool has_surfaces = Composition::has_surfaces;
   static constexpr bool has_ledger = Composition::has_ledger;
+  static constexpr bool has_events = Composition::has_events;
   static constexpr bool rotates = Composition::rotates;
   static constexpr bool turned_by_fluid = detail::turns(Composition::from_fluid);
   static constexpr bool follows_fluid = detail::follows(Composition::from_fluid);
@@ -166,10 +168,14 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>> {
     prepare();
     const std::int64_t last =
         step_ + static_cast<std::int64_t>(std::ceil(duration / dt_ * (1 - 1e-12)));
+    if constexpr (has_events) engine_.events.wanted = (detail::wants_events(observers) || ...);
     (detail::begin(observers, *this, time_ + duration), ...);
     for (;; ++step_, time_ = time_at(step_)) {
       const bool stop = step_ >= last;
-      if (!kicked_) advance(stop || (detail::is_due(observers, *this) || ...));
+      if (!kicked_) {
+        advance(stop || (detail::is_due(observers, *this) || ...));
+        if constexpr (has_events) (detail::tell(observers, engine_.events), ...);
+      }
       if (kicked_) (detail::observe(observers, *this), ...);
       if (kicked_ && sizeof...(Observers) > 0) detail::check_given(engine_, gravity, step_, time_);
       if (stop) break;
@@ -268,13 +274,12 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>> {
     if (first_kick_) engine_.start_walls(time_, dt_);
     openings_.update(engine_, *this);
     engine_.renew_lists(search_, domain_, step_, dt_);
-    const detail::StepTimes times{dt_, first_kick_ ? 0 : dt_,
-                                  observed || first_kick_ || step_ % detail::ledger_asks_every == 0,
-                                  Integrator::lag, step_ % detail::StepTimes::areas_every == 0};
+    const detail::StepTimes times = times_of_step(observed);
     engine_.prepare_fluxes(modules_, time_);
     engine_.pair_forces(domain_, times);
     engine_.wall_forces(times);
     engine_.collect_fluxes();
+    if constexpr (has_events) engine_.events.sort();
     if constexpr (Fluid::active) couple();
     if constexpr (Modules::push) push_modules();
     book_step(times);
@@ -291,6 +296,23 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>> {
     if (k >= rows()) [[unlikely]]
       detail::refuse_row(k, rows());
     return k;
+  }
+  detail::StepTimes times_of_step(bool observed) const {
+    detail::StepTimes t{.step = dt_,
+                        .worked = first_kick_ ? 0 : dt_,
+                        .ask = observed || first_kick_ || step_ % detail::ledger_asks_every == 0,
+                        .lag = Integrator::lag,
+                        .now = time_,
+                        .renew_areas = step_ % detail::StepTimes::areas_every == 0};
+    if constexpr (has_events) {
+      // Contacts come to rest in steps in which those at rest are looked at, so that no step counts
+      // twice.
+      constexpr auto every = detail::StepTimes::look_at_rest_every;
+      const std::int64_t looked = step_ - 1 - (step_ + every - 1) % every;
+      t.watched = engine_.events.wanted, t.look_at_rest = step_ % every == 0;
+      t.at_rest_from = time_at(looked - detail::StepTimes::at_rest_after);
+    }
+    return t;
   }
   Wall& wall_at(std::size_t k) { return const_cast<Wall&>(wall(k)); }
   struct Kinetic {

@@ -59,6 +59,13 @@ struct Wall {
 
 namespace detail {
 
+/// Mean velocity [m/s] over the last step, of `step` [s], of the point of a wall that is now at
+/// `place`.
+inline Vec3d mean_velocity(const Wall& wall, const Vec3d& place, double step) {
+  if (!wall.moves()) return {0, 0, 0};
+  return (place - wall.last_pose.to_space(wall.pose.to_body(place))) * (1 / step);
+}
+
 /// Calls f with the surface itself, meshes by reference.
 template <class F>
 decltype(auto) visit_surface(const Surface& surface, F&& f) {

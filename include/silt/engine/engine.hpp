@@ -60,6 +60,8 @@ class Engine : public Tables<Composition> {
   bool share_contacts = true;    // of bodies: SharedContacts
   std::uint64_t safeguards = 0;  // [-] in which a law's safeguard has acted, since the start
   EnergyOf<ContactsType, double> contact_energy = start_energy<ContactsType, double>();
+  static constexpr bool has_events = keeps_events<ContactsType>;
+  [[no_unique_address]] std::conditional_t<has_events, ContactLog, NoContactLog> events;
 
   void set_threads(int threads) {
     if (!team_ || team_->threads() != threads) team_ = std::make_unique<Team>(threads);
@@ -139,6 +141,7 @@ class Engine : public Tables<Composition> {
   void take(const Tally<ContactsType>& tally) {
     largest_overlap = tally.largest, contact_energy = tally.energy;
     safeguards += tally.safeguards;
+    if constexpr (has_events) events.clear(), note(tally.notes);
   }
 
   void wall_forces(const StepTimes& times) {
@@ -148,6 +151,7 @@ class Engine : public Tables<Composition> {
     largest_overlap = std::max(largest_overlap, tally.largest);
     contact_energy.add(tally.energy);
     safeguards += tally.safeguards;
+    if constexpr (has_events) note(tally.notes);
   }
 
   /// Power [W] of the contacts on fixed particles that move, before the loads are integrated.
@@ -274,6 +278,12 @@ class Engine : public Tables<Composition> {
   }
 
  private:
+  void note(const ContactNotes& notes) {
+    events.take(notes, [this](std::size_t row) {
+      return particles.is_parked(row) ? no_particle : this->id_of(row);
+    });
+  }
+
   // From here on fetching ahead has paid: more than second-level caches hold, and than one may
   // count on of a last-level cache that others use too.
   static constexpr std::size_t beyond_caches = 4 << 20;

@@ -109,6 +109,7 @@ class Checkpoint {
                 name_of<typename Sim::ContactsType>(), "; search ", name_of<typename Sim::Search>(),
                 "; domain ", name_of<typename Sim::Domain>(), "; precision ",
                 name_of<typename Sim::Precision>(), Sim::has_ledger ? "; ledger" : "",
+                Sim::has_events ? "; events" : "",
                 Sim::Fluid::active ? text("; fluid ", name_of<typename Sim::Fluid>()) : "",
                 "; integrator ", name_of<typename Sim::Integrator>(),
                 Sim::of_bodies ? text("; rotation ", name_of<typename Sim::Rotation>()) : "",

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <silt/core/target.hpp>
+#include <silt/engine/contact/contact_events.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -21,6 +22,14 @@ bool is_due(O& observer, const Sim& sim) {
 template <class O, class Sim>
 void observe(O& observer, Sim& sim) {
   if (is_due(observer, sim)) observer(sim);
+}
+template <class O>
+bool wants_events([[maybe_unused]] const O& observer) {
+  return requires(const ContactLog& log) { observer.tell(log); };
+}
+template <class O, class Log>
+void tell(const O& observer, const Log& log) {
+  if constexpr (requires { observer.tell(log); }) observer.tell(log);
 }
 template <class O, class Sim>
 void end(O& observer, Sim& sim) {

@@ -21,8 +21,9 @@ requires(!detail::make_a_simulation<Policies...>) class Simulation<Policies...> 
   static constexpr bool has_one_integrator = given<detail::IsIntegrator> <= 1;
   static constexpr bool has_one_rotation = given<detail::IsRotation> <= 1;
   static constexpr bool has_one_precision = given<detail::IsPrecision> <= 1;
-  static constexpr bool has_one_of_the_rest =
-      given<detail::IsKernels> <= 1 && given<detail::IsLedger> <= 1;
+  static constexpr bool has_one_of_the_rest = given<detail::IsKernels> <= 1 &&
+                                              given<detail::IsLedger> <= 1 &&
+                                              given<detail::IsContactEvents> <= 1;
   /// A law without its Contacts has the sentence about these.
   static constexpr bool all_belong =
       ((detail::belongs_to_an_axis<Policies> || (ContactLaw<Policies> && !has_contacts)) && ...);
@@ -41,12 +42,14 @@ requires(!detail::make_a_simulation<Policies...>) class Simulation<Policies...> 
   static_assert(
       has_one_precision,
       "Simulation takes one precision: Double or Mixed (silt/engine/state/precision.hpp)");
-  static_assert(has_one_of_the_rest, "Simulation takes one KernelsFor and one EnergyLedger");
+  static_assert(has_one_of_the_rest,
+                "Simulation takes one KernelsFor, one EnergyLedger and one ContactEvents");
   static_assert(
       all_belong,
       "a policy given to Simulation belongs to no axis: it must be Particles, Contacts, a "
       "NeighbourSearch, a domain, a FluidCoupling, a precision, an Integrator, a rotation, "
-      "KernelsFor, EnergyLedger or a Module; the contracts are in silt/contact/, search/, "
+      "KernelsFor, EnergyLedger, ContactEvents or a Module; the contracts are in silt/contact/, "
+      "search/, "
       "boundary/, "
       "coupling/, motion/, module/ concept.hpp");
 

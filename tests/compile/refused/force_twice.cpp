@@ -5,7 +5,6 @@
 #if defined(SILT_MENDED)
 using Fluid = silt::CoupledFlow<silt::Gidaspow, silt::Kernel, silt::VirtualMass>;
 #else
-using Fluid =
-    silt::CoupledFlow<silt::Gidaspow, silt::Kernel, silt::VirtualMass, silt::VirtualMass>;
+using Fluid = silt::CoupledFlow<silt::Gidaspow, silt::Kernel, silt::VirtualMass, silt::VirtualMass>;
 #endif
 static_assert(Fluid::has_added_mass);

@@ -16,13 +16,14 @@ struct Plain {
   }
 #if defined(SILT_MENDED)
   template <class Real>
-  static Real force(const silt::Contact<Real>& c, const Coefficients<Real>& p) {
+  static Real force(const silt::Contact<Real>& c, const Coefficients<Real>& p){
 #else
   static double force(const silt::Contact<double>& c, const Coefficients<double>& p) {
 #endif
-    return p.k * c.overlap;
-  }
-};
+      return p.k * c.overlap;
+}
+}
+;
 
 void run(silt::Particles<silt::Sphere> spheres) {
   silt::Simulation sim{std::move(spheres), silt::Contacts<Plain>{Plain::Material{1000}}};

@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// refused: Simulation takes one KernelsFor and one EnergyLedger
+// refused: Simulation takes one KernelsFor, one EnergyLedger and one ContactEvents
 #include "scene.hpp"
 
 #if defined(SILT_MENDED)

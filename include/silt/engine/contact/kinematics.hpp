@@ -51,6 +51,7 @@ struct PairLoad {
 /// packs.
 template <class ContactsType, std::size_t N, class Scalar>
 struct alignas(64) KinematicsBlock {
+  static constexpr std::size_t size = N;
   static constexpr bool Rotates = ContactsType::rotates, Rolls = ContactsType::has_rolling,
                         HasRadii = needs_radii<ContactsType>;
   static constexpr std::size_t rotating = Rotates ? N : 16, rolling = Rolls ? N : 16,

@@ -117,13 +117,14 @@ struct AreaBlock {
 
 /// As loads_of(), at the points of each contact's area: the block's loads are the sums of the
 /// points'. `renew`: the points follow what the block knows of the spread now; else only those of
-/// new contacts do.
+/// new contacts do. `gradients`: of SolidContact, or null where they are 1.
 template <class ContactsType, class Arch, class Block, std::size_t N, std::size_t H>
 SILT_INLINE void loads_at_points(
     Block& block, AreaBlock<N>& area, bool renew, std::size_t count, const StepTimes& times,
     const CoefficientTable<ContactsType>& table, const std::uint16_t* kinds,
     const std::array<double*, H>& history,
-    RunningTally<ContactsType, typename Lanes<Arch, double>::Real>& tally) {
+    RunningTally<ContactsType, typename Lanes<Arch, double>::Real>& tally,
+    [[maybe_unused]] const double* gradients = nullptr) {
   using Real = typename Lanes<Arch, double>::Real;
   using Kernel = ContactKernel<ContactsType, Real>;
   constexpr std::size_t W = Lanes<Arch, double>::width, of_one = ContactsType::point_history;
@@ -171,6 +172,23 @@ SILT_INLINE void loads_at_points(
     const auto safeguards = tally.sum.safeguards;  // of contacts, not of points
     add.template operator()<1>(), add.template operator()<2>();
     tally.sum.safeguards = safeguards;
+    if constexpr (keeps_events<ContactsType>) {
+      kin.velocity = velocity;
+      std::array<double*, ContactsType::event_numbers> kept;
+      for (std::size_t h = 0; h < kept.size(); ++h)
+        kept[h] = history[ContactsType::events_from + h] + k;
+      const auto watch = [&]<bool HasGradient>(const Real& gradient) {
+        ContactWatch<ContactsType, Real>::template step<HasGradient>(
+            kin, touches, {force, none, none}, moment, spin, kept.data(), times, k, tally.sum.notes,
+            gradient);
+      };
+      if (!ContactWatch<ContactsType, Real>::is_due(touches, kept[WatchedNumbers::begin], times)) {
+        // Nothing begins or ends, and nothing is looked at.
+      } else if (gradients != nullptr)
+        watch.template operator()<true>(load<Real>(gradients + k));
+      else
+        watch.template operator()<false>(Real(1));
+    }
     block.template put_load<Real>(k, {force, none, none});
     store(area.moment[0] + k, moment.x), store(area.moment[1] + k, moment.y);
     store(area.moment[2] + k, moment.z);

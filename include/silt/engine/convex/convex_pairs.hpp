@@ -32,6 +32,7 @@ class ConvexPairs {
   static constexpr std::size_t scan = 128, slice = 64;  // pairs of the list, contacts at a time
   static constexpr std::size_t chunks = 2, row = 4 * chunks;
   static constexpr std::size_t H = ContactsType::history, M = ContactsType::memory_from,
+                               events = numbers_before_events<ContactsType>,
                                radius = ContactsType::memory_radius;
   static_assert(load_chunks<ContactsType> == chunks,
                 "rolling resistance is of spheres and of bodies made of spheres: the shape of "
@@ -88,7 +89,7 @@ class ConvexPairs {
     RunningTally<ContactsType, Real> tally;
     ByKind near, open;
     for (; from < to; from += scan) {
-      sort_out(scene, from, std::min(scan, to - from), near, open);
+      sort_out(scene, from, std::min(scan, to - from), near, open, tally.sum);
       const bool last = from + scan >= to;
       for_all_kinds<0, 0>([&]<std::size_t A, std::size_t B>() {
         run_kinds<A, B>(scene, near.of[ByKind::at(A, B)], open.of[ByKind::at(A, B)], last, tally);
@@ -113,7 +114,7 @@ class ConvexPairs {
       constexpr Exponents E = decltype(e)::value;
       const std::size_t whole = last ? near.count : near.count / W * W;
       if (last) near.pad();
-      prove_apart<A, B, E>(scene, near, whole, open);
+      prove_apart<A, B, E>(scene, near, whole, open, tally.sum);
       near.drop(whole);
       std::size_t k = 0;
       for (; open.count - k >= slice; k += slice)
@@ -134,7 +135,7 @@ class ConvexPairs {
   /// Sorts pairs: those that touched are open; of the others those whose gap is used up and whose
   /// bounding spheres overlap are near.
   static void sort_out(const Scene& scene, std::size_t from, std::size_t count, ByKind& near,
-                       ByKind& open) {
+                       ByKind& open, Tally<ContactsType>& tally) {
     const auto difference = Row4<Arch>::of(-1, -1, -1, 1);
     const Real zero(0), step(gap_slack * scene.in.times.step);
     double* const gaps = scene.list.history(radius);
@@ -169,14 +170,15 @@ class ConvexPairs {
         if (within & bit)
           (touched & bit ? open : near).add(scene, k + lane, x, lane);
         else
-          part(scene.list, k + lane, gap[lane], touched & bit);
+          part(scene, k + lane, gap[lane], touched & bit, tally);
       }
     }
   }
 
   /// Of the near pairs those that the last normal does not prove to be apart.
   template <std::size_t A, std::size_t B, Exponents E>
-  static void prove_apart(const Scene& scene, const Some& near, std::size_t count, Some& open) {
+  static void prove_apart(const Scene& scene, const Some& near, std::size_t count, Some& open,
+                          Tally<ContactsType>& tally) {
     for (std::size_t k = 0; k < count; k += W) {
       const std::size_t valid = std::min(W, count - k);
       alignas(64) double x[3][W], gap[W];
@@ -195,14 +197,30 @@ class ConvexPairs {
               });
       for (std::size_t lane = 0; lane < valid; ++lane)
         if (gap[lane] > 0)
-          part(scene.list, near.place[k + lane], gap[lane], false);
+          part(scene, near.place[k + lane], gap[lane], false, tally);
         else
           open.add(near.place[k + lane], near.i[k + lane], near.j[k + lane], x, lane);
     }
   }
 
   /// Notes the gap [m] of a pair that does not touch; one that did loses its history.
-  static void part(List& list, std::size_t place, double gap, bool touched) {
+  static void part(const Scene& scene, std::size_t place, double gap, bool touched,
+                   [[maybe_unused]] Tally<ContactsType>& tally) {
+    List& list = scene.list;
+    if constexpr (keeps_events<ContactsType>)
+      if (touched) {
+        NotedContact note;
+        note.first = list.first()[place], note.second = list.second()[place];
+        const PositionRow &a = scene.in.positions[note.first], &b = scene.in.positions[note.second];
+        Vec3d between = a.centre() - b.centre();
+        if constexpr (Domain::periodic) between = scene.domain.shortest(between);
+        note.event.normal = between * (1 / norm(between));
+        note.event.point = a.centre() - (a.r + 0.5 * gap) * note.event.normal;
+        end_watched<ContactsType>(
+            [&](std::size_t k) -> double& { return list.history(events + k)[place]; },
+            scene.in.motions[note.first].velocity() - scene.in.motions[note.second].velocity(),
+            scene.in.times, note, tally.notes);
+      }
     if (touched) list.forget_contact(place, M);
     list.history(radius)[place] = gap > 0 ? -gap : 0;
   }
@@ -231,7 +249,9 @@ class ConvexPairs {
     const std::uint32_t* const place = open.place + from;
     Touch::template run<A, B, E>(scene.in, scene.list, open, from, count, c);
     scatter(c.history[radius], place, count, scene.list.history(radius));
-    for (std::size_t h = 0; h <= radius; ++h)  // no contacts
+    for (std::size_t h = events; h < H; ++h)
+      for (std::size_t k = 0; k < count; ++k) c.history[h][k] = scene.list.history(h)[place[k]];
+    for (std::size_t h = 0; h < H; ++h)  // no contacts
       std::fill(c.history[h] + count, c.history[h] + padded, 0.0);
     Real share(tally.sum.largest);
     for (std::size_t k = 0; k < padded; k += W)
@@ -247,11 +267,32 @@ class ConvexPairs {
     if constexpr (has_area)
       loads_at_points<ContactsType, Arch>(
           c.kinematics, c.area, !Touch::template in_lanes<A, B> || scene.in.times.renew_areas,
-          padded, scene.in.times, scene.table, kinds, history, tally);
+          padded, scene.in.times, scene.table, kinds, history, tally,
+          has_gradient<A, B> ? c.gradient : nullptr);
     else
       loads_of<ContactsType, Arch>(c.kinematics, padded, scene.in.times, scene.table, kinds,
                                    history, tally);
     tally.end_block();
+    if constexpr (keeps_events<ContactsType>) {
+      for (std::size_t h = events; h < H; ++h)
+        scatter(c.history[h], place, count, scene.list.history(h));
+      tally.sum.notes.complete([&](NotedContact& one) {
+        const std::size_t k = one.place;
+        one.first = open.i[from + k], one.second = open.j[from + k];
+        const Vec3d arm{c.arm_i[0][k], c.arm_i[1][k], c.arm_i[2][k]},
+            last{c.last[0][k], c.last[1][k], c.last[2][k]};
+        one.event.point = scene.in.positions[one.first].centre() + arm;
+        if (!one.ended) return;
+        // Apart, they may have neither normal nor point.
+        if (c.followed[k] != 0) one.event.normal = -last;
+        const double size_i = scene.in.rows->pose[one.first].least_radius,
+                     size_j = scene.in.rows->pose[one.second].least_radius;
+        if (norm(arm) == 0)
+          one.event.point += (size_i / (size_i + size_j)) * Vec3d{open.between[0][from + k],
+                                                                  open.between[1][from + k],
+                                                                  open.between[2][from + k]};
+      });
+    }
     if constexpr (Fluxes::active)
       scene.fluxes->pairs(c.kinematics, count, open.i + from, open.j + from);
     for (std::size_t k = 0; k < padded; k += W)

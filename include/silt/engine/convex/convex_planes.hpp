@@ -33,7 +33,8 @@ struct ConvexWallBlock {
   static constexpr bool has_area = ContactsType::points > 1;
   AreaBlock<has_area ? room : 1> area;
   std::size_t count = 0;
-  double largest = 0;  // [-] overlap over least radius
+  double largest = 0;                                 // [-] overlap over least radius
+  [[no_unique_address]] NotesOf<ContactsType> ended;  // contacts that are not among these
 };
 
 /// Contacts with planes at rest of convex parts that are super-ellipsoids of one kind.
@@ -41,7 +42,8 @@ template <class Rows, class ContactsType, class Contacts, class Arch>
 class ConvexPlanes {
   using Real = typename Lanes<Arch>::Real;
   using Gather = ConvexGather<Rows, Arch>;
-  static constexpr std::size_t W = Lanes<Arch>::width, radius = ContactsType::memory_radius;
+  static constexpr std::size_t W = Lanes<Arch>::width, radius = ContactsType::memory_radius,
+                               events = numbers_before_events<ContactsType>;
   template <std::size_t K>
   using KindAt = typename Rows::template KindAt<K>;
 
@@ -109,6 +111,8 @@ class ConvexPlanes {
       const Vec3d& n = contacts.slot(slot).normal;
       last_normal[0][lane] = n.x, last_normal[1][lane] = n.y, last_normal[2][lane] = n.z;
       for (std::size_t h = 0; h < ContactsType::history_kept(E > Exponents::Two); ++h)
+        to.history[h][k + lane] = lane < valid ? contacts.history(h)[slot] : 0;
+      for (std::size_t h = events; h < ContactsType::history; ++h)
         to.history[h][k + lane] = lane < valid ? contacts.history(h)[slot] : 0;
     }
     const auto at = [&](const auto& columns, std::size_t from) {

@@ -153,7 +153,8 @@ template <class Rows, class ContactsType, class Arch, class Fluxes = NoFluxes>
 class ConvexWalls {
   using Real = typename Lanes<Arch>::Real;
   static constexpr std::size_t W = Lanes<Arch>::width;
-  static constexpr std::size_t H = ContactsType::history, radius = ContactsType::memory_radius;
+  static constexpr std::size_t H = ContactsType::history, radius = ContactsType::memory_radius,
+                               events = numbers_before_events<ContactsType>;
   static constexpr std::size_t chunks = load_chunks<ContactsType>, row = 4 * chunks;
 
  public:
@@ -190,7 +191,7 @@ class ConvexWalls {
       for (const WallCandidate& c : candidates)
         if (in.motions[c.particle].inv_m != 0 && Planes::takes(walls[c.wall], c) &&
             !near.take(in, walls[c.wall], c))
-          end(contacts, c.slot);
+          end(contacts, c.slot, c, walls[c.wall], in, s);
       Planes::touch(in, near, contacts, table, walls, s);
     }
     for (const WallCandidate& c : candidates)
@@ -206,11 +207,19 @@ class ConvexWalls {
     if (has_area) {
       loads_at_points<ContactsType, Arch>(s.kinematics, s.area,
                                           !Planes::in_lanes || in.times.renew_areas, padded,
-                                          in.times, table, s.kind, history, running);
+                                          in.times, table, s.kind, history, running, s.gradient);
     } else {
       loads_of<ContactsType, Arch>(s.kinematics, padded, in.times, table, s.kind, history, running);
     }
     tallies_[b] = running.end();
+    if constexpr (keeps_events<ContactsType>) {
+      tallies_[b].notes.complete([&s](NotedContact& one) {
+        const std::size_t k = one.place;
+        one.first = s.of[k]->particle, one.event.wall = s.of[k]->wall;
+        one.event.point = {s.place[0][k], s.place[1][k], s.place[2][k]};
+      });
+      tallies_[b].notes.add(s.ended);
+    }
     if constexpr (Fluxes::active)
       fluxes->walls(
           s.kinematics, s.count, [&s](std::size_t k) { return s.of[k]->particle; },
@@ -221,6 +230,7 @@ class ConvexWalls {
       const WallCandidate& c = *s.of[k];
       for (std::size_t h = 0; h < kept; ++h)  // R_eff has been kept already
         contacts.history(h)[s.slot[k]] = s.history[h][k];
+      for (std::size_t h = events; h < H; ++h) contacts.history(h)[s.slot[k]] = s.history[h][k];
       const auto at = [&](const auto& columns) {
         return Vec3d{columns[0][k], columns[1][k], columns[2][k]};
       };
@@ -271,7 +281,7 @@ class ConvexWalls {
     for (int k = 0; k < count; ++k)
       if (own[k] == slots) own[k] = slot_of(found[k], c.slot, slots, contacts, taken, false);
     for (std::size_t p = 0; p < slots; ++p)
-      if (!taken[p]) end(contacts, c.slot + p);
+      if (!taken[p]) end(contacts, c.slot + p, c, wall, in, s);
     for (int k = 0; k < count; ++k) {
       for (std::size_t p = 0; own[k] == slots && p < slots; ++p)
         if (!taken[p]) own[k] = p, taken[p] = true;
@@ -291,9 +301,24 @@ class ConvexWalls {
     if (best < slots) taken[best] = true;
     return best;
   }
-  static void end(Contacts& contacts, std::size_t slot) {
+  static void end(Contacts& contacts, std::size_t slot, [[maybe_unused]] const WallCandidate& c,
+                  [[maybe_unused]] const Wall& wall, [[maybe_unused]] const Input& in,
+                  [[maybe_unused]] Scratch& s) {
     if (!contacts.slot(slot).touching) return;
     contacts.slot(slot).touching = false;
+    if constexpr (keeps_events<ContactsType>) {
+      NotedContact note;
+      note.first = c.particle, note.event.wall = c.wall;
+      note.event.normal = contacts.slot(slot).normal;
+      const PositionRow& p = in.positions[c.particle];
+      const Vec3d arm = -in.rows->pose[c.particle].least_radius * note.event.normal;
+      note.event.point = p.centre() + arm;
+      end_watched<ContactsType>(
+          [&](std::size_t k) -> double& { return contacts.history(events + k)[slot]; },
+          body_at_contact(in.motions[c.particle], *in.rows, c.particle).velocity_at(arm) -
+              mean_velocity(wall, note.event.point, in.times.step),
+          in.times, note, s.ended);
+    }
     for (std::size_t h = 0; h < H; ++h) contacts.history(h)[slot] = 0;
   }
 
@@ -309,8 +334,7 @@ class ConvexWalls {
     const Vec3d arm = contact.point - centre, n = contact.normal;
     Vec3d wall_velocity{0, 0, 0}, wall_spin{0, 0, 0};
     if (wall.moves()) {
-      wall_velocity = (contact.point - wall.last_pose.to_space(wall.pose.to_body(contact.point))) *
-                      (1 / in.times.step);
+      wall_velocity = mean_velocity(wall, contact.point, in.times.step);
       wall_spin = mean_angular_velocity(wall.last_pose, wall.pose, in.times.step);
     }
     const std::size_t k = s.count++;
@@ -341,6 +365,7 @@ class ConvexWalls {
     s.gradient[k] = g, s.couple[k] = contact.couple;
     const std::size_t in_use = ContactsType::history_kept(in.rows->has_area());
     for (std::size_t h = 0; h < in_use; ++h) s.history[h][k] = contacts.history(h)[slot];
+    for (std::size_t h = events; h < H; ++h) s.history[h][k] = contacts.history(h)[slot];
     s.largest = std::max(s.largest, contact.overlap / in.rows->pose[c.particle].least_radius);
   }
 

@@ -97,6 +97,12 @@ class PairPipeline {
     loads_of<ContactsType, Arch>(kinematics, padded, in.times, table, kinds, history, tally,
                                  in.shares != nullptr ? in.shares + from : nullptr);
     tally.end_block();
+    if constexpr (keeps_events<ContactsType>)
+      tally.sum.notes.complete([&](NotedContact& one) {
+        one.first = first[one.place], one.second = second[one.place];
+        const PositionRow& a = in.positions[one.first];
+        one.event.point = a.centre() - (a.r - 0.5 * one.overlap) * one.event.normal;
+      });
     if constexpr (Fluxes::active) in.fluxes->pairs(kinematics, count, first, second);
     write_rows<ContactsType, Arch>(kinematics, padded, rows);
   }

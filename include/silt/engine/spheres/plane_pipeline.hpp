@@ -105,6 +105,12 @@ class PlanePipeline {
     loads_of<ContactsType, Arch>(b.kinematics, padded, in.times, table, several ? b.kinds : nullptr,
                                  history, tally);
     tally.end_block();
+    if constexpr (keeps_events<ContactsType>)
+      tally.sum.notes.complete([&](NotedContact& one) {
+        one.first = particle[one.place], one.event.wall = plane.wall;
+        const PositionRow& p = in.positions[one.first];
+        one.event.point = p.centre() - (p.r - one.overlap) * one.event.normal;
+      });
     if constexpr (Fluxes::active)
       in.fluxes->walls(
           b.kinematics, count, [particle](std::size_t k) { return particle[k]; },

@@ -101,6 +101,7 @@ class WallPipeline {
     alignas(64) Scalar of_force[block];  // [-] share of its force (SharedContacts)
     std::size_t count;
     std::optional<CrowdedContact> crowded;
+    [[no_unique_address]] NotesOf<ContactsType> ended;  // contacts that are not among these
   };
   void run_block(const Input& in, Contacts& contacts, const CoefficientTable<ContactsType>& table,
                  std::span<const Wall> walls, Scalar* sums, std::size_t b) {
@@ -129,6 +130,13 @@ class WallPipeline {
     loads_of<ContactsType, Arch>(s.kinematics, padded, in.times, table, s.kind, history, running,
                                  in.sharing != nullptr ? s.of_force : nullptr);
     tallies_[b] = running.end();
+    if constexpr (keeps_events<ContactsType>) {
+      tallies_[b].notes.complete([&s](NotedContact& one) {
+        const auto& at = s.place[one.place];
+        one.first = at.particle, one.event.wall = at.wall, one.event.point = s.point[one.place];
+      });
+      tallies_[b].notes.add(s.ended);
+    }
     if constexpr (Fluxes::active)
       in.fluxes->walls(
           s.kinematics, s.count, [&s](std::size_t k) { return s.place[k].particle; },
@@ -189,8 +197,9 @@ class WallPipeline {
         return 0;
     });
     auto& slot = contacts.slot(c.slot);
-    if (count == 0) return end(contacts, c.slot);
-    if (slot.touching && dot(slot.normal, point.normal) < same_contact) end(contacts, c.slot);
+    if (count == 0) return end(contacts, c.slot, c, walls[c.wall], in, s);
+    if (slot.touching && dot(slot.normal, point.normal) < same_contact)
+      end(contacts, c.slot, c, walls[c.wall], in, s);
     const Vec3d last = slot.touching ? slot.normal : point.normal;
     slot = {point.normal, true};
     describe(point, last, sphere, walls[c.wall], c, c.slot, contacts, in, table, s);
@@ -224,13 +233,14 @@ class WallPipeline {
       for (; next < count && found[next].candidate == k; ++next) {
         if (found[next].seam) continue;
         const SurfacePoint& point = found[next].point;
-        const std::size_t own = slot_for(point.normal, c.slot, contacts, taken, slots);
+        const std::size_t own =
+            slot_for(point.normal, c, walls[c.wall], contacts, taken, slots, in, s);
         const Vec3d last = contacts.slot(own).touching ? contacts.slot(own).normal : point.normal;
         contacts.slot(own) = {point.normal, true};
         describe(point, last, sphere, walls[c.wall], c, own, contacts, in, table, s);
       }
       for (std::size_t p = 0; p < slots; ++p)
-        if (!taken[p]) end(contacts, c.slot + p);
+        if (!taken[p]) end(contacts, c.slot + p, c, walls[c.wall], in, s);
     }
   }
 
@@ -266,8 +276,10 @@ class WallPipeline {
 
   /// The slot whose contact had nearly this normal a step ago, else a free one: history goes on
   /// while a contact moves from facet to edge to facet.
-  static std::size_t slot_for(const Vec3d& normal, std::size_t begin, Contacts& contacts,
-                              bool* taken, std::size_t slots) {
+  static std::size_t slot_for(const Vec3d& normal, const WallCandidate& c, const Wall& wall,
+                              Contacts& contacts, bool* taken, std::size_t slots, const Input& in,
+                              Scratch& s) {
+    const std::size_t begin = c.slot;
     std::size_t best = slots;
     double nearest = same_contact;
     for (std::size_t k = 0; k < slots; ++k) {
@@ -281,16 +293,33 @@ class WallPipeline {
     for (std::size_t k = 0; best == slots && k < slots; ++k)
       if (!taken[k]) {
         best = k;  // an old contact that ended in this very step
-        end(contacts, begin + k);
+        end(contacts, begin + k, c, wall, in, s);
       }
     taken[best] = true;
     return begin + best;
   }
 
   /// Ends the contact in a slot, if there is one.
-  static void end(Contacts& contacts, std::size_t slot) {
+  static void end(Contacts& contacts, std::size_t slot, [[maybe_unused]] const WallCandidate& c,
+                  [[maybe_unused]] const Wall& wall, [[maybe_unused]] const Input& in,
+                  [[maybe_unused]] Scratch& s) {
     if (!contacts.slot(slot).touching) return;
     contacts.slot(slot).touching = false;
+    if constexpr (keeps_events<ContactsType>) {
+      NotedContact note;
+      note.first = c.particle, note.event.wall = c.wall;
+      note.event.normal = contacts.slot(slot).normal;
+      const PositionRow& p = in.positions[c.particle];
+      note.event.point = p.centre() - p.r * note.event.normal;
+      const Motion& m = in.motions[c.particle];
+      Vec3d velocity = m.velocity() - mean_velocity(wall, note.event.point, in.times.step);
+      if constexpr (rotates) velocity -= cross(m.spin_velocity(), note.event.normal);
+      end_watched<ContactsType>(
+          [&](std::size_t k) -> Scalar& {
+            return contacts.history(ContactsType::events_from + k)[slot];
+          },
+          velocity, in.times, note, s.ended);
+    }
     for (std::size_t h = 0; h < ContactsType::history; ++h) contacts.history(h)[slot] = 0;
   }
 
@@ -306,8 +335,7 @@ class WallPipeline {
     Vec3d wall_velocity{0, 0, 0}, wall_spin{0, 0, 0};
     if (wall.moves()) {
       // Mean velocity of the material point over the last step, like the spheres' own.
-      wall_velocity =
-          (contact - wall.last_pose.to_space(wall.pose.to_body(contact))) * (1 / in.times.step);
+      wall_velocity = mean_velocity(wall, contact, in.times.step);
       wall_spin = mean_angular_velocity(wall.last_pose, wall.pose, in.times.step);
       // ... of the one under the contact half a step ago, which this one was not if they slide.
       wall_velocity +=

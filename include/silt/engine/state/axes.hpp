@@ -73,6 +73,11 @@ template <class P>
 } > {};
 
 template <class P>
+    struct IsContactEvents : std::bool_constant < requires {
+  requires P::is_contact_events;
+} > {};
+
+template <class P>
 struct IsIntegrator : std::bool_constant<Integrator<P>> {};
 
 template <class P>
@@ -85,24 +90,21 @@ template <class P>
 inline constexpr bool belongs_to_an_axis =
     IsParticles<P>::value || IsContacts<P>::value || IsSearch<P>::value || IsDomain<P>::value ||
     IsFluid<P>::value || IsKernels<P>::value || IsPrecision<P>::value || IsLedger<P>::value ||
-    IsIntegrator<P>::value || IsRotation<P>::value || IsModule<P>::value;
+    IsContactEvents<P>::value || IsIntegrator<P>::value || IsRotation<P>::value ||
+    IsModule<P>::value;
 
 template <template <class> class Is, class... Policies>
 inline constexpr int count = (0 + ... + int{Is<Policies>::value});
 
 /// One of each axis at most but modules, with particles and contacts.
 template <class... Policies>
-inline constexpr bool make_a_simulation = count<IsParticles, Policies...> == 1 &&
-                                          count<IsContacts, Policies...> == 1 &&
-                                          count<IsSearch, Policies...> <= 1 &&
-                                          count<IsDomain, Policies...> <= 1 &&
-                                          count<IsFluid, Policies...> <= 1 &&
-                                          count<IsIntegrator, Policies...> <= 1 &&
-                                          count<IsRotation, Policies...> <= 1 &&
-                                          count<IsPrecision, Policies...> <= 1 &&
-                                          count<IsKernels, Policies...> <= 1 &&
-                                          count<IsLedger, Policies...> <= 1 &&
-                                          (belongs_to_an_axis<Policies> && ...);
+inline constexpr bool make_a_simulation =
+    count<IsParticles, Policies...> == 1 && count<IsContacts, Policies...> == 1 &&
+    count<IsSearch, Policies...> <= 1 && count<IsDomain, Policies...> <= 1 &&
+    count<IsFluid, Policies...> <= 1 && count<IsIntegrator, Policies...> <= 1 &&
+    count<IsRotation, Policies...> <= 1 && count<IsPrecision, Policies...> <= 1 &&
+    count<IsKernels, Policies...> <= 1 && count<IsLedger, Policies...> <= 1 &&
+    count<IsContactEvents, Policies...> <= 1 && (belongs_to_an_axis<Policies> && ...);
 
 template <template <class> class Is, class Default, class... Policies>
 struct Pick {

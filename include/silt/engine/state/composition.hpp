@@ -18,6 +18,9 @@ namespace silt::inline SILT_TARGET::detail {
 /// What contacts keep and give besides what the law says, by the shape.
 template <class ShapeType, class Contacts>
 struct ContactsOf;
+template <bool Watched, class Contacts>
+using WatchedIf = typename std::conditional_t<Watched, std::type_identity<WithEvents<Contacts>>,
+                                              std::type_identity<Contacts>>::type;
 
 template <class List, class... Policies>
 struct OnlyModules {
@@ -51,11 +54,14 @@ struct Composition {
   static constexpr bool has_bodies = BodyShape<Shape>;     // rows are parts of rigid bodies
   static constexpr bool has_surfaces = SolidShape<Shape>;  // ... with narrow phases of their own
   static constexpr bool has_ledger = count<IsLedger, Policies...> > 0;
+  static constexpr bool has_events = count<IsContactEvents, Policies...> > 0;
   static constexpr bool rotates = UserContacts::rotates || has_bodies;
   static constexpr FromFluid from_fluid = loads_of_fluid<Fluid>;
 
-  using Contacts = typename ContactsOf<
-      Shape, std::conditional_t<has_ledger, WithLedger<UserContacts>, UserContacts>>::type;
+  using Contacts =
+      WatchedIf<has_events,
+                typename ContactsOf<Shape, std::conditional_t<has_ledger, WithLedger<UserContacts>,
+                                                              UserContacts>>::type>;
   static constexpr bool several_materials = Contacts::several_materials;
 
   static_assert(has_bodies || count<IsRotation, Policies...> == 0,
@@ -116,6 +122,7 @@ struct InOrder {
                                    typename OfAxis<IsIntegrator, Leapfrog, Ps...>::type,
                                    typename OfAxis<IsRotation, NoSquish, Ps...>::type,
                                    typename OfAxis<IsLedger, void, Ps...>::type,
+                                   typename OfAxis<IsContactEvents, void, Ps...>::type,
                                    typename OfAxis<IsModule, void, Ps...>::type,
                                    typename OfAxis<IsKernels, void, Ps...>::type>::type;
   using OfSimulation = typename with<typename OfAxis<IsFluid, NoFluid, Ps...>::type>::Composed;

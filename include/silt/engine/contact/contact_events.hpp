@@ -1,0 +1,330 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <tuple>
+#include <type_traits>
+#include <vector>
+
+#include <silt/contact/concept.hpp>
+#include <silt/core/lanes.hpp>
+#include <silt/core/position_row.hpp>
+#include <silt/engine/contact/kinematics.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// Policy of a Simulation that watches each contact from its begin to its end, for
+/// on_contact_begin() and on_contact_end(); without it they cost nothing.
+///
+///   silt::Simulation sim{beads, silt::Contacts<silt::HertzMindlin>{glass}, silt::ContactEvents{}};
+///   sim.run(1.0, silt::on_contact_end([&](const silt::ContactEvent& c) { lost += c.lost_energy;
+///   }));
+///
+/// Tests: tests/engine/contact_events.cpp.
+struct ContactEvents {
+  static constexpr bool is_contact_events = true;
+};
+
+inline constexpr std::size_t no_wall = std::numeric_limits<std::size_t>::max();
+
+/// A contact of two particles, or of a particle and a wall, while the law acts between them: while
+/// they overlap, or with cohesion while they attract each other. Of bodies each pair of parts has
+/// one; of a wall each place where the particle touches one of its surfaces.
+struct ContactEvent {
+  ParticleId a = no_particle;   // of two particles the one with the lower id
+  ParticleId b = no_particle;   // no_particle: it is a wall
+  std::size_t wall = no_wall;   // the wall's number, or no_wall
+  double begin = 0, end = 0;    // [s] first step at which they touch, and at which no longer
+  Vec3d point{0, 0, 0};         // [m] where, now
+  Vec3d normal{0, 0, 0};        // [-] from b, or the wall, to a
+  double normal_speed = 0;      // [m/s] of approach, as they touched; negative: they parted
+  double tangential_speed = 0;  // [m/s] of sliding then, rotation included
+  double largest_force = 0;     // [N]; what follows is known as the contact ends
+  double lost_energy = 0;  // [J] that both had before and have no longer: minus the work of the
+                           // contact's force, mean of two steps times displacement; negative:
+                           // it brought some in (a wall that moves)
+  double duration() const { return end - begin; }  // [s]
+};
+
+namespace detail {
+
+/// Numbers that a watched contact keeps.
+struct WatchedNumbers {
+  // Two for the time, as of floats one would not do; the first is above 0 while they touch. Of the
+  // largest force [N] its square.
+  static constexpr std::size_t begin = 0, normal_speed = 2, tangential_speed = 3, largest = 4,
+                               work = 5, force = 6, couple = 9;
+};
+/// Whether the contacts' forces come with couples: rolling resistance, or an area.
+template <class ContactsType>
+inline constexpr bool gives_couples = [] {
+  if constexpr (requires { ContactsType::points; })
+    return ContactsType::points > 1;
+  else
+    return ContactsType::has_rolling;
+}();
+
+/// A Contacts type whose contacts keep, behind all else, what events tell.
+template <class ContactsType>
+struct WithEvents : ContactsType {
+  static constexpr std::size_t events_from = ContactsType::history;
+  static constexpr std::size_t event_numbers =
+      WatchedNumbers::couple + 3 * gives_couples<ContactsType>;
+  static constexpr std::size_t history = events_from + event_numbers;
+};
+template <class ContactsType>
+inline constexpr bool keeps_events = requires {
+  ContactsType::events_from;
+};
+/// Numbers that all contacts keep which are not events'.
+template <class ContactsType>
+inline constexpr std::size_t numbers_before_events = [] {
+  if constexpr (keeps_events<ContactsType>)
+    return ContactsType::events_from;
+  else
+    return ContactsType::history;
+}();
+
+/// A begin or an end as a stage of contacts notes it: rows instead of ids.
+struct NotedContact {
+  static constexpr std::uint32_t no_row = std::numeric_limits<std::uint32_t>::max();
+  ContactEvent event;
+  bool ended;
+  std::uint32_t place;  // of the contact in its block
+  double overlap;       // [m]
+  std::uint32_t first = no_row, second = no_row;
+};
+
+struct NoNotes {
+  template <class Other>
+  void add(const Other&) {}
+};
+
+/// Those of one stage, in the order of its lists.
+class ContactNotes {
+ public:
+  void add(const ContactNotes& more) {
+    noted_.insert(noted_.end(), more.noted_.begin(), more.noted_.end());
+  }
+  void add(const NotedContact& one) { noted_.push_back(one); }
+  /// One that has its rows and its point; all before it have theirs.
+  void add_complete(const NotedContact& one) { noted_.push_back(one), completed_ = noted_.size(); }
+  /// Gives those that have none rows and point: where(note).
+  template <class Where>
+  void complete(const Where& where) {
+    for (; completed_ < noted_.size(); ++completed_) where(noted_[completed_]);
+  }
+  const std::vector<NotedContact>& noted() const { return noted_; }
+
+ private:
+  std::vector<NotedContact> noted_;
+  std::size_t completed_ = 0;
+};
+template <class ContactsType>
+using NotesOf = std::conditional_t<keeps_events<ContactsType>, ContactNotes, NoNotes>;
+
+/// What a contact kept, as an event that ends now.
+template <class NumberAt>
+ContactEvent kept_event(const NumberAt& number, double now) {
+  using N = WatchedNumbers;
+  ContactEvent e;
+  e.begin = number(N::begin) + number(N::begin + 1), e.end = now;
+  e.normal_speed = number(N::normal_speed), e.tangential_speed = number(N::tangential_speed);
+  e.largest_force = std::sqrt(number(N::largest)), e.lost_energy = -number(N::work);
+  return e;
+}
+/// Ends a contact whose numbers are number(k), references, without its stage: notes it, if somebody
+/// wants to know, and forgets it. `velocity` [m/s] of a at the contact, relative to its partner.
+template <class ContactsType, class Number, class Times>
+void end_watched(const Number& number, const Vec3d& velocity, const Times& times, NotedContact note,
+                 NotesOf<ContactsType>& notes) {
+  using N = WatchedNumbers;
+  if constexpr (keeps_events<ContactsType>) {
+    if (!(number(N::begin) > 0)) return;
+    if (times.watched) {
+      const auto numbers = [&](std::size_t k) { return static_cast<double>(number(k)); };
+      ContactEvent kept = kept_event(numbers, times.now);
+      kept.lost_energy -=
+          0.5 * times.worked *
+          dot(Vec3d{numbers(N::force), numbers(N::force + 1), numbers(N::force + 2)}, velocity);
+      const Vec3d point = note.event.point, normal = note.event.normal;
+      const std::size_t wall = note.event.wall;
+      note.event = kept, note.event.point = point, note.event.normal = normal;
+      note.event.wall = wall, note.ended = true;
+      notes.add_complete(note);
+    }
+    for (std::size_t k = 0; k < ContactsType::event_numbers; ++k) number(k) = 0;
+  }
+}
+
+/// Watches packs of contacts. The work of a force is its mean over the step times the displacement,
+/// as in the energy ledger. Contacts that have lasted for some time are looked at in some steps
+/// alone (StepTimes), for all the steps between; their end is not missed.
+template <class ContactsType, class Real>
+class ContactWatch {
+  using Scalar = ScalarOf<Real>;
+  using N = WatchedNumbers;
+  static constexpr std::size_t W = sizeof(Real) / sizeof(Scalar);
+
+ public:
+  /// Whether a pack of contacts has anything to be watched in this step; `begin`: the first number
+  /// of each.
+  template <class Touching, class Times>
+  static SILT_INLINE bool is_due(const Touching& touching, const Scalar* begin,
+                                 const Times& times) {
+    const Real begun = silt::load<Real>(begin);
+    const auto known = touching || begun > Real(0);
+    return any(known && !(touching && is_at_rest(begun, times))) ||
+           (times.look_at_rest && any(known));
+  }
+
+  /// Contacts k and the following ones, after the law: `load`, which is 0 where it does not act,
+  /// and what else turns (`couple` [N m], against the angular velocity `turning` [rad/s]). `kept`:
+  /// one pointer a number, at this pack. `gradient` [-]: the kinematics have it as a factor, the
+  /// load does not (SolidContact).
+  template <bool HasGradient = false, class Touching, class Times>
+  static SILT_INLINE void step(const Kinematics<Real>& kin, const Touching& touching,
+                               const PairLoad<Real>& load, const Vec3<Real>& couple,
+                               const Vec3<Real>& turning, Scalar* const* kept, const Times& times,
+                               std::size_t k, ContactNotes& notes, const Real& gradient = Real(1)) {
+    const Real zero(0), begun = silt::load<Real>(kept[N::begin]);
+    const auto touched = begun > zero, at_rest = touching && is_at_rest(begun, times);
+    Vec3<Real> velocity = kin.velocity, turn = turning, force = load.force, moment = couple;
+    if constexpr (HasGradient) {
+      const Real per_gradient = Real(1) / gradient;
+      velocity = per_gradient * velocity, turn = per_gradient * turn;
+      force = gradient * force, moment = gradient * moment;
+    }
+    const Vec3<Real> before =
+        silt::load3<Real>(kept[N::force], kept[N::force + 1], kept[N::force + 2]);
+    Real power = dot(force, velocity), power_before = dot(before, velocity);
+    if constexpr (ContactsType::rotates) {  // the last force acted along the last normal
+      power += dot(load.twirl, kin.spin);
+      power_before -= kin.arm * dot(before, cross(kin.spin, kin.normal - kin.change));
+    }
+    const auto passed_over = at_rest && silt::Mask<Real>(!times.look_at_rest);
+    keep(kept + N::force, select(passed_over, before, force));
+    if constexpr (gives_couples<ContactsType>) {
+      const Vec3<Real> moment_before =
+          silt::load3<Real>(kept[N::couple], kept[N::couple + 1], kept[N::couple + 2]);
+      power += dot(moment, turn), power_before += dot(moment_before, turn);
+      keep(kept + N::couple, select(passed_over, moment_before, moment));
+    }
+    // Of contacts at rest the present force stands for all the steps since it was looked at.
+    const double of_rest = times.look_at_rest ? 2 * Times::look_at_rest_every : 0;
+    power = select(at_rest, Real(static_cast<Scalar>(of_rest)) * power, power + power_before);
+    power = select(power == power, power, zero);  // else the partner has left
+    const Real half(static_cast<Scalar>(0.5 * times.worked));
+    silt::store(kept[N::work], silt::load<Real>(kept[N::work]) + half * power);
+    const Real size = dot(force, force), last = silt::load<Real>(kept[N::largest]);
+    if (any(touching && size > last))
+      silt::store(kept[N::largest], select(touching, max(last, size), last));
+    const std::uint64_t began = lane_bits(touching) & ~lane_bits(touched),
+                        ended = lane_bits(touched) & ~lane_bits(touching);
+    if ((began | ended) != 0) [[unlikely]] {
+      Change change;
+      change.k = k, change.began = began, change.ended = ended;
+      if constexpr (ContactsType::rotates) velocity -= kin.arm * cross(kin.spin, kin.normal);
+      silt::store(change.normal[0], kin.normal.x), silt::store(change.normal[1], kin.normal.y);
+      silt::store(change.normal[2], kin.normal.z), silt::store(change.velocity[0], velocity.x);
+      silt::store(change.velocity[1], velocity.y), silt::store(change.velocity[2], velocity.z);
+      silt::store(change.overlap, kin.overlap);
+      note(change, kept, times, notes);
+    }
+  }
+
+ private:
+  template <class Times>
+  static SILT_INLINE auto is_at_rest(const Real& begun, const Times& times) {
+    return begun > Real(0) && begun < Real(static_cast<Scalar>(times.at_rest_from));
+  }
+
+  /// A pack in which contacts begin or end.
+  struct Change {
+    std::size_t k;               // of its first contact, in the block
+    std::uint64_t began, ended;  // lanes
+    alignas(64) Scalar normal[3][W], velocity[3][W], overlap[W];
+  };
+
+  static SILT_INLINE void keep(Scalar* const* kept, const Vec3<Real>& v) {
+    silt::store(kept[0], v.x), silt::store(kept[1], v.y), silt::store(kept[2], v.z);
+  }
+
+  template <class Times>
+  __attribute__((noinline)) static void note(const Change& change, Scalar* const* kept,
+                                             const Times& times, ContactNotes& notes) {
+    for (std::size_t lane = 0; lane < W; ++lane) {
+      const auto bit = std::uint64_t{1} << lane;
+      const bool began = (change.began & bit) != 0, ended = (change.ended & bit) != 0;
+      if (!began && !ended) continue;
+      const auto at = [lane](const Scalar(&v)[3][W]) {
+        return Vec3d{v[0][lane], v[1][lane], v[2][lane]};
+      };
+      const Vec3d normal = at(change.normal), velocity = at(change.velocity);
+      if (began) {
+        const double along = dot(velocity, normal);
+        const Scalar high = std::max(static_cast<Scalar>(times.now), smallest<Scalar>());
+        kept[N::begin][lane] = high;
+        kept[N::begin + 1][lane] = static_cast<Scalar>(times.now - static_cast<double>(high));
+        kept[N::normal_speed][lane] = static_cast<Scalar>(-along);
+        kept[N::tangential_speed][lane] = static_cast<Scalar>(norm(velocity - along * normal));
+      }
+      if (times.watched) {
+        NotedContact one;
+        one.event = kept_event([&](std::size_t m) { return static_cast<double>(kept[m][lane]); },
+                               times.now);
+        one.event.normal = normal, one.ended = ended;
+        one.place = static_cast<std::uint32_t>(change.k + lane), one.overlap = change.overlap[lane];
+        if (began) one.event.largest_force = one.event.lost_energy = 0;
+        notes.add(one);
+      }
+      if (ended)
+        for (std::size_t m = 0; m < ContactsType::event_numbers; ++m) kept[m][lane] = 0;
+    }
+  }
+};
+
+/// The events of a step, in the order of time, then of ids.
+class ContactLog {
+ public:
+  bool wanted = false;  // somebody asks
+  const std::vector<ContactEvent>& begun() const { return begun_; }
+  const std::vector<ContactEvent>& ended() const { return ended_; }
+
+  void clear() { begun_.clear(), ended_.clear(); }
+  /// `id_of` a row. A particle that has left has none, and its contacts go unsaid.
+  template <class IdOf>
+  void take(const ContactNotes& notes, const IdOf& id_of) {
+    for (const NotedContact& one : notes.noted()) {
+      ContactEvent e = one.event;
+      e.a = id_of(one.first);
+      if (e.a == no_particle) continue;
+      if (e.wall == no_wall) {
+        e.b = id_of(one.second);
+        if (e.b == no_particle) continue;
+        if (e.b < e.a) std::swap(e.a, e.b), e.normal = -e.normal;
+      }
+      (one.ended ? ended_ : begun_).push_back(e);
+    }
+  }
+  void sort() {
+    const auto key = [](const ContactEvent& e) {
+      return std::tuple(e.a, e.b, e.wall, e.begin, e.point.x, e.point.y, e.point.z);
+    };
+    for (auto* const events : {&begun_, &ended_})
+      std::sort(
+          events->begin(), events->end(),
+          [&](const ContactEvent& one, const ContactEvent& two) { return key(one) < key(two); });
+  }
+
+ private:
+  std::vector<ContactEvent> begun_, ended_;
+};
+struct NoContactLog {};
+
+}  // namespace detail
+}  // namespace silt
