@@ -248,10 +248,12 @@ int simulate(const Scene& s, const example::Options& options) {
                        "first turn were 5 % off");
   // What the drum's work goes into. A spectrum that misses contacts, or counts them twice, is off
   // by what it misses.
-  summary.check_within(
-      "lost_in_contacts_over_power", impacts.lost() / turn / power, 1, 0.15,
-      "contacts that last through the turn are not counted, and the bed's energy is "
-      "not the same at both ends of it");
+  const bool first_turn = s.turns < 2;
+  summary.check_within("lost_in_contacts_over_power", impacts.lost() / turn / power, 1,
+                       first_turn ? 0.3 : 0.1,
+                       first_turn ? "the first turn raises the bed, too: 14 % with 60 grains"
+                                  : "contacts that last through the turn are not counted: 900 "
+                                    "grains were 1.2 % off");
   // Grains that slide in a drum without friction lie level.
   summary.check_at_least("dynamic_angle_of_repose_deg", bed.angle(), 15);
   if (!options.quick && s.particles == Scene{}.particles && s.rpm == Scene{}.rpm &&
