@@ -297,28 +297,12 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>> {
       detail::refuse_row(k, rows());
     return k;
   }
-  detail::StepTimes times_of_step(bool observed) const {
-    detail::StepTimes t{.step = dt_,
-                        .worked = first_kick_ ? 0 : dt_,
-                        .ask = observed || first_kick_ || step_ % detail::ledger_asks_every == 0,
-                        .lag = Integrator::lag,
-                        .now = time_,
-                        .renew_areas = step_ % detail::StepTimes::areas_every == 0};
-    if constexpr (has_events) {
-      // Contacts come to rest in steps in which those at rest are looked at, so that no step counts
-      // twice.
-      constexpr auto every = detail::StepTimes::look_at_rest_every;
-      const std::int64_t looked = step_ - 1 - (step_ + every - 1) % every;
-      t.watched = engine_.events.wanted, t.look_at_rest = step_ % every == 0;
-      t.at_rest_from = time_at(looked - detail::StepTimes::at_rest_after);
-    }
-    return t;
-  }
   Wall& wall_at(std::size_t k) { return const_cast<Wall&>(wall(k)); }
   struct Kinetic {
     double translation, rotation;  // [J]
     double sum() const { return translation + rotation; }
   };
+  detail::StepTimes times_of_step(bool observed) const;
   Kinetic kinetic(std::size_t k) const;
   EnergyBalance balance() const;
   template <class Particle, class Check>

@@ -203,18 +203,18 @@ class BasicCoupledFlow {
     const Vec3d push = held.vector();
     Vec3d u = loads.flow[k].vector(), read{0, 0, 0};
     if (how.cell > 0) {
-      const double d = loads.given[k].unused;
+      const double d = loads.given[k].fourth;
       const detail::HeldValues& here = held_.at(x);
       u = here.velocity, read = (std::numbers::pi / 6 * d * d * d) * here.push;
     }
     const Vec3d slip = u - v, change = slip - reference.vector();
     const double tolerance2 = how.tolerance * how.tolerance;
     if (!(dot(change, change) <= tolerance2 * dot(reference.vector(), reference.vector()))) {
-      reference = {slip.x, slip.y, slip.z, loads.flow[k].unused};
-      held.unused = coefficient(loads.flow[k].unused, norm(slip), loads.given[k].unused);
+      reference = {slip.x, slip.y, slip.z, loads.flow[k].fourth};
+      held.fourth = coefficient(loads.flow[k].fourth, norm(slip), loads.given[k].fourth);
     }
     const Vec3d a = (1 / mass) * (contacts + push + read) + gravity;
-    const Vec3d exchanged = momentum_exchange(mass, held.unused, dt, a).force(u, v) + read;
+    const Vec3d exchanged = momentum_exchange(mass, held.fourth, dt, a).force(u, v) + read;
     auto& taken = loads.taken[k];
     taken.x += dt * exchanged.x, taken.y += dt * exchanged.y, taken.z += dt * exchanged.z;
     return exchanged + push;

@@ -124,7 +124,7 @@ class Engine : public Tables<Composition> {
           ConvexPairs<typename ConvexRowsOf<ShapeType>::type, ContactsType, Domain, Arch, Fluxes>;
       mover.convex_rows.measure_pace(particles.motion.data(), *team_);
       return take(Pairs::run({particles.position.data(), particles.motion.data(),
-                              &mover.convex_rows, kinds_.data(), times},
+                              &mover.convex_rows, kinds_.data(), particles.material.data(), times},
                              lists.pairs, coefficients, domain, sums_.data(), *team_, &fluxes_));
     } else {
       take(sphere_pairs(domain, times));
@@ -316,7 +316,8 @@ class Engine : public Tables<Composition> {
     using Input = typename WallStage::Input;
     if constexpr (convex) {
       wall_pipeline_.fluxes = &fluxes_;
-      return Input{particles.position.data(), particles.motion.data(), &mover.convex_rows,
+      return Input{particles.position.data(), particles.motion.data(),
+                   &mover.convex_rows,        nullptr,
                    particles.material.data(), times};
     } else
       return Input{particles.position.data(),

@@ -388,7 +388,7 @@ void check_loads(const CheckpointLoader& a, const Loads& loads) {
     for (std::size_t k = 0; k < column.size(); ++k) {
       const auto& row = column[k];
       a.need((std::isfinite(row.x + row.y + row.z) || (may_be_new && std::isnan(row.x))) &&
-                 std::isfinite(row.unused),
+                 std::isfinite(row.fourth),
              name, " of particle ", k, " must be finite");
     }
   });

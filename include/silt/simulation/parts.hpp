@@ -24,6 +24,25 @@ std::size_t Simulation<Policies...>::add_wall(Surfaces surfaces,
 }
 
 template <class... Policies>
+detail::StepTimes Simulation<Policies...>::times_of_step(bool observed) const {
+  detail::StepTimes t{.step = dt_,
+                      .worked = first_kick_ ? 0 : dt_,
+                      .ask = observed || first_kick_ || step_ % detail::ledger_asks_every == 0,
+                      .lag = Integrator::lag,
+                      .now = time_,
+                      .renew_areas = step_ % detail::StepTimes::areas_every == 0};
+  if constexpr (has_events) {
+    // Contacts come to rest in steps in which those at rest are looked at, so that no step counts
+    // twice.
+    constexpr auto every = detail::StepTimes::look_at_rest_every;
+    const std::int64_t looked = step_ - 1 - (step_ + every - 1) % every;
+    t.watched = engine_.events.wanted, t.look_at_rest = step_ % every == 0;
+    t.at_rest_from = time_at(looked - detail::StepTimes::at_rest_after);
+  }
+  return t;
+}
+
+template <class... Policies>
 EnergyBalance Simulation<Policies...>::balance() const {
   require(step_ > 0 || kicked_,
           "Simulation::energy: run() first, if only for 0 s: the forces at the "

@@ -85,7 +85,7 @@ void Simulation<Policies...>::change_fluid_step([[maybe_unused]] double dt) {
         const Vec3d force = loads.force[k].vector();
         if constexpr (follows_fluid) {
           const Vec3d drag = force - loads.held[k].vector();
-          if (loads.given[k].unused > 0)
+          if (loads.given[k].fourth > 0)
             loads.taken[k] = detail::VectorRow::of(loads.taken[k].vector() + more * drag);
           const Vec3d unforced = loads.unforced[k].vector() + (more / mass(k)) * force;
           loads.unforced[k] = detail::VectorRow::of(unforced);
@@ -180,11 +180,11 @@ void Simulation<Policies...>::renew_fluid() {
         const auto start = fluid_.start_of(n);
         const auto& drag = p.drag[n];
         loads.unforced[k] = Row::of(p.velocity[n]);
-        loads.held[k] = Row::of(start.push), loads.held[k].unused = drag.coefficient;
-        loads.flow[k] = Row::of(start.velocity), loads.flow[k].unused = start.voidage;
-        loads.reference[k] = Row::of(drag.slip), loads.reference[k].unused = drag.voidage;
+        loads.held[k] = Row::of(start.push), loads.held[k].fourth = drag.coefficient;
+        loads.flow[k] = Row::of(start.velocity), loads.flow[k].fourth = start.voidage;
+        loads.reference[k] = Row::of(drag.slip), loads.reference[k].fourth = drag.voidage;
         loads.given[k] = Row::of(span * start.drag + p.owed[n]);
-        loads.given[k].unused = start.voidage > 0 ? 2 * p.radius[n] : 0;
+        loads.given[k].fourth = start.voidage > 0 ? 2 * p.radius[n] : 0;
         loads.taken[k] = Row::of((inv_m > 0 ? -span : 0) * start.drag);
       } else {
         loads.unforced[k] = Row::of(p.velocity[n] + (span * inv_m) * p.force[n]);
@@ -203,7 +203,7 @@ void Simulation<Policies...>::follow_fluid() {
     fluid_.prepare_to_follow(engine_.team());
     engine_.team().for_ranges(rows(), [&](std::size_t, std::size_t from, std::size_t to) {
       for (std::size_t k = from; k < to; ++k) {
-        if (!is_present(k) || loads.given[k].unused == 0) continue;
+        if (!is_present(k) || loads.given[k].fourth == 0) continue;
         const auto owner = engine_.owner(k);
         const double inv_m = owner.inverse_mass();
         if (inv_m == 0) continue;
@@ -274,9 +274,9 @@ double Simulation<Policies...>::gather_for_fluid() {
       const Vec3d unforced = loads.unforced[k].vector();
       const bool known = span > 0 && !std::isnan(unforced.x);
       if constexpr (follows_fluid) {
-        const bool in_fluid = known && loads.given[k].unused > 0;
+        const bool in_fluid = known && loads.given[k].fourth > 0;
         p.owed[n] = in_fluid && std::isfinite(p.mass[n]) ? loads.taken[k].vector() : Vec3d{0, 0, 0};
-        p.drag[n] = {loads.held[k].unused, loads.reference[k].vector(), loads.reference[k].unused};
+        p.drag[n] = {loads.held[k].fourth, loads.reference[k].vector(), loads.reference[k].fourth};
       }
       p.acceleration[n] = known ? (1 / span) * (p.velocity[n] - unforced) : gravity;
       if (!std::isfinite(p.mass[n])) p.acceleration[n] = {0, 0, 0};

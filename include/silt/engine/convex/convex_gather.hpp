@@ -16,7 +16,9 @@ struct ConvexInput {
   const PositionRow* positions;
   const MotionRow<true>* motions;
   const Rows* rows;
-  const std::uint16_t* kinds;  // place in the coefficient table, if there are several materials
+  // If there are several materials: of each pair the place in the coefficient table, and the
+  // material of each row.
+  const std::uint16_t *kinds, *materials;
   StepTimes times;
 };
 

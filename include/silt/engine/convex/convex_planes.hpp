@@ -162,7 +162,7 @@ class ConvexPlanes {
       const WallCandidate& c = *near.of[k + lane];
       to.of[k + lane] = &c;
       std::size_t material = 0;
-      if constexpr (ContactsType::several_materials) material = in.kinds[c.particle];
+      if constexpr (ContactsType::several_materials) material = in.materials[c.particle];
       to.kind[k + lane] =
           static_cast<std::uint16_t>(material * table.materials + walls[c.wall].material);
       to.slot[k + lane] = lane < valid ? c.slot : Block::no_slot;

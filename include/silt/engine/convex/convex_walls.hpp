@@ -356,7 +356,7 @@ class ConvexWalls {
     }
     s.kinematics.put(k, Radii<double>{R_eff, 0});
     std::size_t material = 0;
-    if constexpr (ContactsType::several_materials) material = in.kinds[c.particle];
+    if constexpr (ContactsType::several_materials) material = in.materials[c.particle];
     s.kind[k] = static_cast<std::uint16_t>(material * table.materials + wall.material);
     s.of[k] = &c, s.slot[k] = static_cast<std::uint32_t>(slot);
     const Vec3d& x = contact.point;

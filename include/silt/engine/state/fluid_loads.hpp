@@ -22,9 +22,9 @@ constexpr bool follows(FromFluid what) {
   return what == FromFluid::FollowedForce || what == FromFluid::FollowedForceAndTorque;
 }
 
-/// A vector as a row of lanes.
+/// A vector as a row of lanes, and a fourth number that goes with it.
 struct alignas(32) VectorRow {
-  double x = 0, y = 0, z = 0, unused = 0;
+  double x = 0, y = 0, z = 0, fourth = 0;
   Vec3d vector() const { return {x, y, z}; }
   static VectorRow of(const Vec3d& v) { return {v.x, v.y, v.z, 0}; }
 };
