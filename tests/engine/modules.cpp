@@ -48,13 +48,13 @@ auto one_sphere(const Vec3d& velocity, const Modules&... modules) {
          .velocity = velocity});
   return silt::Simulation{std::move(p), silt::Contacts<silt::LinearSpring>{spring}, modules...};
 }
-const silt::HertzMindlin::Material rock{.youngs_modulus = 1e7, .poisson_ratio = 0.3};
+const silt::HertzMindlin::Material granite{.youngs_modulus = 1e7, .poisson_ratio = 0.3};
 template <class... Modules>
 auto one_ellipsoid(const Vec3d& velocity, const Modules&... modules) {
   silt::Particles<silt::SuperEllipsoid> p;
   p.add_form(silt::SuperEllipsoid{.a = 2e-3, .b = 1.5e-3, .c = 1e-3});
   p.add({.position = {0, 0, 0}, .density = 1000, .velocity = velocity});
-  return silt::Simulation{std::move(p), silt::Contacts<silt::HertzMindlin>{rock}, modules...};
+  return silt::Simulation{std::move(p), silt::Contacts<silt::HertzMindlin>{granite}, modules...};
 }
 
 /// Counts how long a particle has been in a box.
@@ -156,7 +156,7 @@ TEST_CASE("modules: a torque turns spheres and bodies by their inertia") {
   }};
   silt::Particles<silt::Sphere> p;
   p.add({.position = {0, 0, 0}, .radius = 1e-3, .density = 1000});
-  silt::Simulation ball{std::move(p), silt::Contacts<silt::HertzMindlin>{rock}, twist};
+  silt::Simulation ball{std::move(p), silt::Contacts<silt::HertzMindlin>{granite}, twist};
   ball.time_step = 5e-5;
   ball.run(0.1);
   const double I = 0.4 * ball.mass(0) * 1e-6;
@@ -177,10 +177,10 @@ TEST_CASE("modules: fields go with their particles, through sorts, checkpoints a
     Particles<Sphere> p;
     p.fill({{0, 0, 0}, {0.02, 0.02, 0.04}},
            {.radius = silt::uniform(0.8e-3, 1.2e-3), .density = 2500, .count = 600});
-    silt::Simulation sim{std::move(p), silt::Contacts<silt::HertzMindlin>{rock},
+    silt::Simulation sim{std::move(p), silt::Contacts<silt::HertzMindlin>{granite},
                          Residence{{{0, 0, 0}, {0.02, 0.02, 0.005}}},
                          silt::Field<"origin", Vec3d>{}, silt::Field<"colour">{.initial = 7}};
-    sim.add_wall(silt::box({0, 0, 0}, {0.02, 0.02, 0.05}), rock);
+    sim.add_wall(silt::box({0, 0, 0}, {0.02, 0.02, 0.05}), granite);
     sim.gravity = {0, 0, -9.81};
     sim.threads = threads;
     for (std::size_t k = 0; k < sim.rows(); ++k) {
