@@ -21,8 +21,8 @@ namespace silt::inline SILT_TARGET {
 /// on_contact_begin() and on_contact_end(); without it they cost nothing.
 ///
 ///   silt::Simulation sim{beads, silt::Contacts<silt::HertzMindlin>{glass}, silt::ContactEvents{}};
-///   sim.run(1.0, silt::on_contact_end([&](const silt::ContactEvent& c) { lost += c.lost_energy;
-///   }));
+///   sim.run(1.0, silt::on_contact_end(
+///                    [&](const silt::ContactEvent& c) { lost += c.lost_energy; }));
 ///
 /// Tests: tests/engine/contact_events.cpp.
 struct ContactEvents {
