@@ -130,6 +130,10 @@ silt::TriangleMesh paddle() {
   return silt::TriangleMesh(boundary_test::box_soup({3e-3, 7.6e-3, 1e-3}, {13e-3, 8.4e-3, 6e-3}));
 }
 
+Vec3d direction(silt::Random& random) {
+  return normalised(Vec3d{random.uniform(-1, 1), random.uniform(-1, 1), 1});
+}
+
 void check(const Watch& watch) {
   CHECK(watch.missed_pairs == 0);
   CHECK(watch.missed_walls == 0);
@@ -278,6 +282,48 @@ TEST_CASE("list_upkeep: no contact is missed across the faces of a repeating box
     sim.run(5e-3, watch);
     check(watch);
     CHECK(watch.searches.size() > 3);
+  }
+}
+
+// Catches a newcomer's pair that is in no list, or in two; reaches of older particles that forget
+// what they have moved since the search; a search for each newcomer.
+TEST_CASE("list_upkeep: single newcomers join the lists without a search, and no contact is missed") {
+  const auto rain = [](auto sim, std::size_t least_walls) {
+    sim.time_step = 2e-6, sim.threads = 1;
+    sim.guard.max_overlap = 10, sim.guard.through_meshes = true;  // they come right into others
+    Watch watch;
+    silt::Random random(5);
+    std::size_t births = 0;
+    sim.run(6e-3, watch, [&](auto& s) {
+      if (s.step() % 3 != 0 || s.step() < 30) return;
+      silt::Particles<Sphere> one;
+      // At some particle's side, from touching to just out of reach, slow or fast.
+      const auto k = static_cast<std::size_t>(random.uniform(0, static_cast<double>(s.rows())));
+      const double r = random.uniform(0.2e-3, 0.4e-3), speed = births % 5 == 0 ? 1 : 0.1;
+      const Vec3d way = direction(random);
+      one.add({.position = s.position(k) + (s.radius(k) + r * random.uniform(0.98, 1.5)) * way,
+               .radius = r,
+               .density = 2500,
+               .velocity = speed * way});
+      s.add(one), ++births;
+    });
+    check(watch);
+    CHECK(watch.touching_walls >= least_walls);
+    CHECK(births > 900);
+    MESSAGE(watch.searches.size() << " " << births << " " << watch.prunings.size());
+    CHECK(watch.searches.size() < births / 4);
+  };
+  for (const auto& search : {silt::VerletList<>{}, fixed_skin(0.4e-3)}) {
+    const silt::Contacts<silt::LinearSpring> soft{{.stiffness = 2}};
+    rain(silt::Simulation{falling(0.2, 240), soft, search,
+                          silt::PeriodicBox{{{1e-3, 1e-3, 7e-3}, {15e-3, 15e-3, 15e-3}},
+                                            {true, true, true}}},
+         0);
+    silt::Simulation sim{falling(0.2, 240), soft, search};
+    const silt::LinearSpring::Material wall{.stiffness = 2};
+    sim.add_wall(silt::box({0, 0, 0}, {16e-3, 16e-3, 20e-3}), wall);
+    sim.add_wall(paddle(), wall, silt::rotation({8e-3, 8e-3, 8e-3}, {0, 0, 1}, 60));
+    rain(std::move(sim), 1000);
   }
 }
 

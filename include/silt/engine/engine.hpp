@@ -84,11 +84,18 @@ class Engine : public Tables<Composition> {
     return table;
   }
 
+  /// Takes the rows from `first` on, which have just come, into the lists.
+  void join_lists(const Domain& domain, double time_step, std::size_t first) {
+    lists.join(scene(domain, time_step), first);
+    const auto& per_inner2 = lists.upkeep.per_inner2;
+    for (std::size_t k = first; k < per_inner2.size(); ++k) {
+      const Vec3d v = particles.motion[k].velocity();
+      largest_share = std::max(largest_share, std::sqrt(dot(v, v) * per_inner2[k]));
+    }
+  }
   /// Renews what is stale of the lists, and what follows from them.
   void renew_lists(Search& search, const Domain& domain, std::int64_t step, double time_step) {
-    lists.renew({particles, walls, domain, *team_, time_step,
-                 largest_range(coefficients, particles.largest_radius)},
-                search, step);
+    lists.renew(scene(domain, time_step), search, step);
     if (!lists.take_renewed()) return;
     if constexpr (has_bodies)
       if (lists.upkeep.searched_at == step) this->follow(domain);
@@ -278,6 +285,11 @@ class Engine : public Tables<Composition> {
   }
 
  private:
+  /// What the lists are of, now.
+  typename Lists::Scene scene(const Domain& domain, double time_step) {
+    return {particles, walls, domain, *team_, time_step,
+            largest_range(coefficients, particles.largest_radius)};
+  }
   void note(const ContactNotes& notes) {
     events.take(notes, [this](std::size_t row) {
       return particles.is_parked(row) ? no_particle : this->id_of(row);

@@ -198,7 +198,9 @@ template <class Scalar, class Pairs, class State>
 void check_pairs(const CheckpointLoader& a, const Pairs& pairs, const State& p,
                  std::size_t listed) {
   const auto left = [&](std::uint32_t row) { return p.id[row] == no_particle; };
-  const PairGroups groups(listed);
+  a.need(pairs.grouped <= listed, "pairs.grouped = ", pairs.grouped, " is more than ", listed,
+         " rows");
+  const PairGroups groups(pairs.grouped);
   std::vector<std::uint32_t> begin(listed + 1, 0);  // pairs of each row, for those given twice
   std::size_t group = 0;
   for (std::size_t k = 0; k < pairs.outer.size(); ++k) {

@@ -88,6 +88,7 @@ void visit_loads(Archive& a, Loads& loads, std::size_t particles) {
 /// Of PairList: the pairs of the outer list, which of them are in the inner one, and their history.
 template <class Archive, class Pairs>
 void visit_pairs(Archive& a, Pairs& pairs) {
+  a.number("pairs.grouped", pairs.grouped, count_number);
   if constexpr (Archive::loads) {
     const auto outer = a.template column<std::uint32_t>("pairs.outer");
     a.need(outer.size() % 2 == 0, "pairs.outer has ", outer.size(), " places, not two each");

@@ -108,8 +108,9 @@ template <class... Policies>
 template <class Particle>
 void Simulation<Policies...>::take_in(std::span<const Particle> more,
                                       std::span<const std::size_t> numbers) {
-  const std::size_t before = rows();
+  const std::size_t before = rows(), first_row = engine_.particles.size();
   detail::take_in(engine_, more, numbers, kicked_, next_);
+  engine_.join_lists(domain_, dt_, first_row);
   if constexpr (has_ledger)
     for (std::size_t k = before; k < rows() && !first_kick_; ++k)
       if (std::isfinite(mass(k))) book_.bring_in(kinetic(k).sum() + potential(k));

@@ -153,6 +153,8 @@ class WallMarks {
         most = std::max(most, largest_displacement(walls[w].pose, poses_[w], region_));
     return most;
   }
+  /// Looks at points of this region too.
+  void include(const Box& region) { region_.include(region); }
   std::span<const Pose> poses() const { return poses_; }
   const Box& region() const { return region_; }
   void restore(std::vector<Pose> poses, const Box& region) {

@@ -66,6 +66,31 @@ class NearLists {
     upkeep.pruned_at = step;
   }
 
+  /// Takes in the rows from `first` on, which have just come. A few join the lists as they stand; if
+  /// many have come since the search, or reach farther than all before, the next step searches.
+  void join(const Scene& scene, std::size_t first) {
+    const std::size_t n = scene.particles.size();
+    if (!hold_pairs() || scene.range > walls.range || n > most_with_newcomers(pairs.grouped()))
+      return forget();
+    upkeep.outer.resize(n), upkeep.inner.resize(n), upkeep.per_inner2.resize(n);
+    reference.resize(n), speeds_.resize(n);
+    Box region;
+    for (std::size_t k = first; k < n; ++k) {
+      speeds_[k] = norm(scene.particles.motion[k].velocity());
+      upkeep.outer[k] = upkeep.outer_reach(speeds_[k]);
+      reference[k] = scene.particles.position[k].centre();
+      const double most = scene.particles.position[k].r + upkeep.outer[k] + upkeep.outer_wall;
+      region.include(Box{reference[k], reference[k]}.grown(most + scene.range));
+    }
+    upkeep.set_inner(first, n, speeds_, [](std::size_t) { return 0.0; });
+    searched_walls.include(region), pruned_walls.include(region);
+    const Newcomers<State, Domain> newcomers(
+        {scene.particles, upkeep, reference.data(), scene.domain, scene.range}, first);
+    pairs.join(newcomers.pairs(scene.team), n);
+    join_walls(scene, first);
+    renewed_ = true;
+  }
+
   /// Completes lists that a checkpoint restored.
   void restored() { first_pruning_ = false, renewed_ = upkeep.pruned_at >= 0; }
 
@@ -79,6 +104,27 @@ class NearLists {
 
  private:
   static constexpr bool keeps_list = requires(Search & s) { s.finder; };
+
+  // --- newcomers ----------------------------------------------------------------------------
+
+  bool hold_pairs() const { return keeps_list && upkeep.pruned_at >= 0; }
+  /// Their pairs stand in the groups of the last rows, which one thread computes.
+  static std::size_t most_with_newcomers(std::size_t before) { return before + before / 64 + 8; }
+
+  void join_walls(const Scene& scene, std::size_t first) {
+    const std::size_t n = scene.particles.size();
+    grown_.resize(n);
+    for (std::size_t k = first; k < n; ++k) {
+      grown_[k] = scene.particles.position[k];
+      grown_[k].r += upkeep.outer[k] + scene.range / 2;
+    }
+    // As in Newcomers: walls that have moved since the search may do so again, backwards.
+    const double travel = searched_walls.travel(scene.walls);
+    walls.join(scene.walls, {grown_.data(), n}, first,
+               upkeep.outer_wall + travel + scene.range / 2);
+    walls.prune(scene.walls, scene.particles.position.data(), upkeep.inner.data(),
+                upkeep.inner_wall + scene.range, scene.team);
+  }
 
   // --- how far the lists reach --------------------------------------------------------------
 

@@ -90,6 +90,12 @@ class PairHistory {
     if (uses_more_) make_room(more_, places * more_width);
     for (auto& c : columns_) make_room(c, places);
   }
+  /// As resize(), with what there is kept.
+  void extend(std::size_t places) {
+    rows_.resize(places * width, 0);
+    if (uses_more_) more_.resize(places * more_width, 0);
+    for (auto& c : columns_) c.resize(places, 0);
+  }
   std::size_t bytes_per_place() const {
     return (width + (uses_more_ ? more_width : 0) + H - in_rows) * sizeof(Scalar);
   }

@@ -13,6 +13,7 @@
 #include <silt/core/compress.hpp>
 #include <silt/core/row4.hpp>
 #include <silt/core/threads.hpp>
+#include <silt/engine/lists/newcomers.hpp>
 #include <silt/engine/lists/pair_groups.hpp>
 #include <silt/engine/lists/pair_history.hpp>
 #include <silt/search/concept.hpp>
@@ -42,6 +43,8 @@ class PairList {
     std::size_t size() const { return to - from; }
   };
 
+  /// How many particles there were at the search.
+  std::size_t grouped() const { return grouped_; }
   std::size_t outer_size() const { return outer_.size(); }
   std::size_t size() const { return size_; }
   std::size_t padded_size() const { return origin_.size(); }
@@ -76,13 +79,37 @@ class PairList {
   void set_outer(std::span<const IndexPair> found, const State& particles, std::size_t before,
                  const Team& team) {
     archive(before, team);
-    groups_ = PairGroups(particles.size());
+    groups_ = PairGroups(particles.size()), grouped_ = particles.size();
     sort_into_groups(found, particles, team);
     cut_into_chunks();
     first_.clear(), second_.clear(), origin_.clear();
     inner_group_.clear();
     size_ = 0;
     history_.clear();
+  }
+
+  /// Takes in pairs of particles that have come since the search: at the end of their groups, which
+  /// in the inner list have gaps behind them, so that most often nothing moves. `particles`: how
+  /// many there are now.
+  void join(std::span<const NewPair> more, std::size_t particles) {
+    std::vector<std::size_t> outer_more(groups_.count(), 0), inner_more(groups_.count(), 0);
+    for (const NewPair& p : more) {
+      const std::size_t g = groups_.of(p.pair.a, p.pair.b);
+      ++outer_more[g], inner_more[g] += p.near;
+    }
+    std::vector<std::size_t> outer_end = make_way_outer(outer_more);
+    std::vector<std::size_t> inner_end = make_way_inner(inner_more, outer_more);
+    for (const NewPair& p : more) {
+      const std::size_t g = groups_.of(p.pair.a, p.pair.b), place = outer_end[g]++;
+      outer_[place] = p.pair;
+      if (!p.near) continue;
+      const std::size_t k = inner_end[g]++;
+      first_[k] = p.pair.a, second_[k] = p.pair.b;
+      origin_[k] = static_cast<std::uint32_t>(place);
+      history_.clear(k);
+    }
+    cut_into_chunks();
+    pad(particles);
   }
 
   /// Calls visit(a, b) for all outer pairs; at the same time only for pairs without a common
@@ -137,23 +164,24 @@ class PairList {
 
   /// The lists as they stand, for a checkpoint.
   struct State {
+    std::uint64_t grouped;  // particles at the search, which the groups follow from
     std::vector<IndexPair> outer;
     std::vector<std::uint32_t> origin;  // of the inner list, in the outer one
     std::array<std::vector<double>, H> history;
   };
   State state() const {
-    State s{outer_, {}, {}};
+    State s{grouped_, outer_, {}, {}};
     for_each([&](std::size_t k) {
       s.origin.push_back(origin_[k]);
       for (std::size_t h = 0; h < H; ++h) s.history[h].push_back(history_.at(h, k));
     });
     return s;
   }
-  /// `particles`: as many as there were at the search that made the lists.
+  /// `particles`: as many as the lists are of.
   void restore(const State& s, std::size_t particles) {
     history_.use_more(true);
     outer_ = s.outer;
-    groups_ = PairGroups(particles);
+    groups_ = PairGroups(s.grouped), grouped_ = s.grouped;
     outer_begin_.assign(groups_.count() + 1, 0);
     for (const auto [a, b] : outer_) ++outer_begin_[groups_.of(a, b) + 1];
     std::partial_sum(outer_begin_.begin(), outer_begin_.end(), outer_begin_.begin());
@@ -229,6 +257,59 @@ class PairList {
     for (std::size_t g = 0; g < groups_.count(); ++g)
       for (std::size_t from = outer_begin_[g]; from < outer_begin_[g + 1]; from += chunk)
         chunks_.push_back({g, from, std::min(from + chunk, outer_begin_[g + 1])});
+  }
+
+  /// Makes room for more[g] pairs at the end of each group of the outer list; returns where they
+  /// go.
+  std::vector<std::size_t> make_way_outer(std::span<const std::size_t> more) {
+    std::vector<std::size_t> end(groups_.count());
+    std::size_t shift = std::accumulate(more.begin(), more.end(), std::size_t(0));
+    outer_.resize(outer_.size() + shift);
+    outer_begin_.resize(groups_.count() + 1, 0);
+    for (std::size_t g = groups_.count(); g-- > 0;) {
+      const std::size_t from = outer_begin_[g], to = outer_begin_[g + 1];
+      outer_begin_[g + 1] += shift;
+      shift -= more[g];
+      if (shift > 0)
+        std::move_backward(outer_.begin() + static_cast<std::ptrdiff_t>(from),
+                           outer_.begin() + static_cast<std::ptrdiff_t>(to),
+                           outer_.begin() + static_cast<std::ptrdiff_t>(to + shift));
+      end[g] = to + shift;
+    }
+    return end;
+  }
+  /// The same in the inner list, whose origins follow what has moved in the outer one.
+  std::vector<std::size_t> make_way_inner(std::span<const std::size_t> more,
+                                          std::span<const std::size_t> outer_more) {
+    std::vector<Group> now(groups_.count());
+    inner_group_.resize(groups_.count());
+    std::size_t next = 0, outer_shift = 0;
+    for (std::size_t g = 0; g < groups_.count(); ++g) {
+      const std::size_t size = inner_group_[g].size();
+      now[g].from = pieces(next, padding) * padding;
+      now[g].to = now[g].from + size;
+      next = now[g].to + more[g];
+      if (outer_shift > 0)
+        for (std::size_t k = inner_group_[g].from; k < inner_group_[g].to; ++k)
+          origin_[k] += static_cast<std::uint32_t>(outer_shift);
+      outer_shift += outer_more[g], size_ += more[g];
+    }
+    const std::size_t padded = pieces(next, padding) * padding;
+    first_.resize(padded + ahead), second_.resize(padded + ahead);
+    origin_.resize(padded), history_.extend(padded);
+    std::vector<std::size_t> end(groups_.count());
+    for (std::size_t g = groups_.count(); g-- > 0;) {
+      const auto [from, to] = inner_group_[g];
+      const std::size_t shift = now[g].from - from;
+      for (std::size_t k = shift > 0 ? to : from; k-- > from;) {
+        first_[k + shift] = first_[k], second_[k + shift] = second_[k];
+        origin_[k + shift] = origin_[k];
+        history_.copy(k + shift, &history_, k);
+      }
+      end[g] = now[g].to;
+      inner_group_[g] = {now[g].from, now[g].to + more[g]};
+    }
+    return end;
   }
 
   /// Gives each chunk and group its place in the inner list by what each chunk keeps.
@@ -339,6 +420,7 @@ class PairList {
   }
 
   PairGroups groups_;
+  std::size_t grouped_ = 0;  // particles that the groups were made for
   std::vector<IndexPair> outer_;
   std::vector<std::size_t> outer_begin_;  // first outer pair of each group
   std::vector<Chunk> chunks_;

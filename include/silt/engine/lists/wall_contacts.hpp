@@ -69,17 +69,23 @@ class WallContacts {
     previous_.assign(previous.begin(), previous.end());
     renewed_ = true;
     team.for_ranges(rows.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
-      WallFinds& found = found_[r];
-      found.clear();
-      for (std::size_t w = 0; w < walls.size(); ++w)
-        for (std::size_t s = 0; s < walls[w].surfaces.size(); ++s)
-          visit_surface(walls[w].surfaces[s], [&](const auto& surface) {
-            found.search(surface, walls[w], w, s, rows, from, to, reach);
-          });
-      std::sort(found.candidates.begin(), found.candidates.end(),
-                [](const WallCandidate& a, const WallCandidate& b) { return a.key() < b.key(); });
+      found_[r].clear();
+      find(walls, rows, from, to, reach, found_[r]);
     });
     collect(outer_, outer_facets_);
+  }
+
+  /// Adds the spheres from `first` on, which have come since the search; prune() comes next.
+  void join(std::span<const Wall> walls, std::span<const PositionRow> rows, std::size_t first,
+            double reach) {
+    particles_ = static_cast<std::uint32_t>(rows.size());
+    WallFinds& found = found_[0];
+    found.clear();
+    find(walls, rows, first, rows.size(), reach, found);
+    const auto offset = static_cast<std::uint32_t>(outer_facets_.size());
+    for (WallCandidate c : found.candidates) c.facets += offset, outer_.push_back(c);
+    outer_facets_.insert(outer_facets_.end(), found.facets.begin(), found.facets.end());
+    found.clear();
   }
 
   /// Keeps of those found the ones nearer than the sphere's and the wall's reach [m] now; history
@@ -187,6 +193,18 @@ class WallContacts {
   }
 
  private:
+  /// Finds the spheres from ... to-1 nearer than `reach` [m] to a surface, by sphere.
+  static void find(std::span<const Wall> walls, std::span<const PositionRow> rows,
+                   std::size_t from, std::size_t to, double reach, WallFinds& found) {
+    for (std::size_t w = 0; w < walls.size(); ++w)
+      for (std::size_t s = 0; s < walls[w].surfaces.size(); ++s)
+        visit_surface(walls[w].surfaces[s], [&](const auto& surface) {
+          found.search(surface, walls[w], w, s, rows, from, to, reach);
+        });
+    std::sort(found.candidates.begin(), found.candidates.end(),
+              [](const WallCandidate& a, const WallCandidate& b) { return a.key() < b.key(); });
+  }
+
   /// Joins what the ranges found, in their order.
   void collect(std::vector<WallCandidate>& candidates, std::vector<std::uint32_t>& facets) {
     candidates.clear(), facets.clear();

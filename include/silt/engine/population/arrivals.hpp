@@ -104,7 +104,6 @@ void take_in(Engine& e, std::span<const Particle> more,
     }
   }
   e.particles.measure();
-  e.lists.forget();
 }
 
 /// The particles that an inlet brings at these places, with `velocity` [m/s]; bodies turned at
