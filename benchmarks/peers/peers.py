@@ -116,22 +116,27 @@ def check(summary, scene, n, ends):
     middle = {key: sorted(e[key] for e in ends.values())[len(ends) // 2]
               for key in ("coordination", "mean_overlap_over_d", "mean_height_m")}
     kinetic_middle = sorted(kinetic.values())[len(kinetic) // 2]
-    # A count of contacts that come and go is as good as its root.
-    root = max(1.0, middle["coordination"] * n / 2) ** 0.5
+    # In a bed at rest the codes part by rounding and by the order of their steps alone; in one that
+    # collapses, contacts come and go, and their count is as good as its root.
+    if ", settled," in scene:
+        contacts, overlap, level, rest = 0.002, 0.002, 0.001, 1e-6
+        reason = "0.2 % of the median of all codes: none comes or goes in a bed at rest"
+    else:
+        root = max(1.0, middle["coordination"] * n / 2) ** 0.5
+        contacts, overlap, level, rest = 0.01 + 1 / root, 0.02 + 0.5 / root, 0.05, 1e-4
+        reason = "1 or 2 % of the median of all codes, and what their number leaves open"
     for name, e in ends.items():
         at = f"{scene}, {name}: "
         summary.within(at + "spheres", e["spheres"], n, 0, "none may be lost")
         summary.within(at + "contacts a sphere", e["coordination"], middle["coordination"],
-                       0.01 * middle["coordination"] + 2 * root / n,
-                       "1 % of the median of all codes, and the root of their number")
+                       contacts * middle["coordination"], reason)
         summary.within(at + "mean overlap over d", e["mean_overlap_over_d"],
                        middle["mean_overlap_over_d"],
-                       (0.02 + 0.5 / root) * middle["mean_overlap_over_d"] + 1e-6,
-                       "2 % of the median of all codes, and what its number leaves open")
+                       overlap * middle["mean_overlap_over_d"] + 1e-6, reason)
         summary.within(at + "mean height over d", e["mean_height_m"] / DIAMETER,
-                       middle["mean_height_m"] / DIAMETER, 0.05, "a twentieth of a diameter")
+                       middle["mean_height_m"] / DIAMETER, level, "of a diameter")
         summary.within(at + "kinetic energy over weight times d", kinetic[name], kinetic_middle,
-                       0.01 * kinetic_middle + 1e-4,
+                       0.01 * kinetic_middle + rest,
                        "1 % of the median of all codes, or as good as at rest")
 
 
