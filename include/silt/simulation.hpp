@@ -26,6 +26,7 @@
 #include <silt/simulation/energy_ledger.hpp>
 #include <silt/simulation/module_access.hpp>
 #include <silt/simulation/observing.hpp>
+#include <silt/simulation/particle_edits.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -51,7 +52,8 @@ namespace silt::inline SILT_TARGET {
 /// cannot be used, SimulationError for a run that breaks a limit of `guard`; policies that do not
 /// make a simulation: a sentence at compile time (simulation/refused_simulation.hpp).
 template <class... Policies>
-class Simulation : public detail::ModuleAccess<Simulation<Policies...>> {
+class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
+                   public detail::ParticleEdits<Simulation<Policies...>> {
  public:
   using Composition = typename detail::InOrder<Policies...>::OfSimulation;
   using ParticlesType = typename Composition::ParticlesType;
@@ -348,6 +350,7 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>> {
   template <class Sim>
   friend class Checkpoint;
   friend class detail::ModuleAccess<Simulation>;
+  friend class detail::ParticleEdits<Simulation>;
   friend class detail::Openings<ShapeType>;
   struct NoBook {};
   struct NoParticles {};

@@ -87,11 +87,22 @@ class Engine : public Tables<Composition> {
   /// Takes the rows from `first` on, which have just come, into the lists.
   void join_lists(const Domain& domain, double time_step, std::size_t first) {
     lists.join(scene(domain, time_step), first);
-    const auto& per_inner2 = lists.upkeep.per_inner2;
-    for (std::size_t k = first; k < per_inner2.size(); ++k) {
-      const Vec3d v = particles.motion[k].velocity();
-      largest_share = std::max(largest_share, std::sqrt(dot(v, v) * per_inner2[k]));
+    for (std::size_t row = first; row < particles.size(); ++row) include_share(row);
+  }
+  /// Takes the particle at place k away at any time; park() alone is for just before a pruning.
+  void remove(std::size_t k, const Domain& domain, double time_step) {
+    std::vector<std::uint32_t> rows{static_cast<std::uint32_t>(k)};
+    if constexpr (has_bodies) {
+      const auto of = mover.rows_of(mover.bodies[k]);
+      rows.assign(of.begin(), of.end());
     }
+    this->park(k);
+    lists.leave(scene(domain, time_step), rows);
+  }
+  /// After the motion of the particle at place k was changed.
+  void follow_change(std::size_t k) {
+    this->follow_motion(k);
+    if constexpr (!has_bodies) include_share(k);  // bodies measure it when they drift
   }
   /// Renews what is stale of the lists, and what follows from them.
   void renew_lists(Search& search, const Domain& domain, std::int64_t step, double time_step) {
@@ -285,6 +296,12 @@ class Engine : public Tables<Composition> {
   }
 
  private:
+  void include_share(std::size_t row) {
+    const auto& per_inner2 = lists.upkeep.per_inner2;
+    if (row >= per_inner2.size()) return;  // a search comes next
+    const Vec3d v = particles.motion[row].velocity();
+    largest_share = std::max(largest_share, std::sqrt(dot(v, v) * per_inner2[row]));
+  }
   /// What the lists are of, now.
   typename Lists::Scene scene(const Domain& domain, double time_step) {
     return {particles, walls, domain, *team_, time_step,

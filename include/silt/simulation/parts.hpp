@@ -110,6 +110,7 @@ void Simulation<Policies...>::take_in(std::span<const Particle> more,
                                       std::span<const std::size_t> numbers) {
   const std::size_t before = rows(), first_row = engine_.particles.size();
   detail::take_in(engine_, more, numbers, kicked_, next_);
+  if (kicked_) engine_.start_prediction(first_row, gravity, dt_);
   engine_.join_lists(domain_, dt_, first_row);
   if constexpr (has_ledger)
     for (std::size_t k = before; k < rows() && !first_kick_; ++k)
@@ -157,9 +158,9 @@ void Simulation<Policies...>::book_step([[maybe_unused]] const detail::StepTimes
 template <class... Policies>
 void Simulation<Policies...>::book_leaving([[maybe_unused]] std::size_t k) {
   if constexpr (has_ledger) {
-    if (!std::isfinite(mass(k))) return;
-    // Rows hold the velocity of half a step ago; it falls freely.
-    const double ago = Integrator::first_kick == 0.5 ? 0.5 * dt_ : 0;  // [s]
+    if (first_kick_ || !std::isfinite(mass(k))) return;
+    // Unless it is observed, rows hold the velocity of half a step ago; it falls freely.
+    const double ago = !kicked_ && Integrator::first_kick == 0.5 ? 0.5 * dt_ : 0;  // [s]
     const Vec3d v = velocity(k), now = v + ago * gravity;
     book_.bring_in(0.5 * mass(k) * (dot(v, v) - dot(now, now)) - kinetic(k).sum() - potential(k));
   }

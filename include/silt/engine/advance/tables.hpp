@@ -68,6 +68,46 @@ class Tables {
       m.vx += dv.x, m.vy += dv.y, m.vz += dv.z;
     }
   }
+  /// Changes its angular velocity by dw [rad/s].
+  void change_angular_velocity(std::size_t k, const Vec3d& dw) requires(Composition::rotates) {
+    if constexpr (has_bodies) {
+      auto& b = mover.bodies[k];
+      const Vec3d turned = rotate(conjugate(b.orientation), dw);
+      b.momentum += {turned.x * b.inertia.x, turned.y * b.inertia.y, turned.z * b.inertia.z};
+    } else {
+      auto& m = particles.motion[k];
+      const Vec3d spin = particles.position[k].r * dw;
+      m.wx += spin.x, m.wy += spin.y, m.wz += spin.z;
+    }
+  }
+  /// Records another angular velocity [rad/s] at the whole step.
+  void set_angular_velocity_now(std::size_t k, const Vec3d& w) requires(Composition::rotates) {
+    if constexpr (has_bodies)
+      mover.synchronous[k].angular_velocity = w;
+    else
+      mover.synchronous[k].spin_velocity = particles.position[k].r * w;
+  }
+  /// After the motion of the particle at place k was changed: what follows from it.
+  void follow_motion(std::size_t k) {
+    if constexpr (has_bodies) {
+      mover.put_in_place(particles, mover.bodies[k]);
+    } else {
+      particles.renew_pair_motion(k);
+    }
+  }
+  /// Gives the rows from `first` on, which have come between the kick and drift of a step, what the
+  /// integrator predicts their next state from: free fall.
+  void start_prediction([[maybe_unused]] std::size_t first, [[maybe_unused]] const Vec3d& gravity,
+                        [[maybe_unused]] double dt) {
+    if constexpr (!has_bodies && State::derivative_rows > 0)
+      for (std::size_t k = first; k < particles.size(); ++k) {
+        particles.derivatives[k] = {};
+        if (particles.motion[k].inv_m == 0) continue;
+        auto& row = particles.derivatives[k].row[0];
+        const Vec3d half = 0.5 * dt * dt * gravity;  // Integrator: dt^2/2 times the acceleration
+        row[0] = half.x, row[1] = half.y, row[2] = half.z;
+      }
+  }
   /// The place of the particle with this id; owners() if there is none.
   std::size_t find(ParticleId wanted) const {
     const std::size_t n = owners();

@@ -91,6 +91,18 @@ class NearLists {
     renewed_ = true;
   }
 
+  /// Takes out rows that have just left.
+  void leave(const Scene& scene, std::span<const std::uint32_t> rows) {
+    if (!hold_pairs()) return;
+    pairs.leave(rows, scene.particles.size());
+    const auto is_gone = [&](const WallCandidate& c) {
+      return std::find(rows.begin(), rows.end(), c.particle) != rows.end();
+    };
+    if (std::any_of(walls.candidates().begin(), walls.candidates().end(), is_gone))
+      prune_walls(scene);
+    renewed_ = true;
+  }
+
   /// Completes lists that a checkpoint restored.
   void restored() { first_pruning_ = false, renewed_ = upkeep.pruned_at >= 0; }
 
@@ -122,6 +134,9 @@ class NearLists {
     const double travel = searched_walls.travel(scene.walls);
     walls.join(scene.walls, {grown_.data(), n}, first,
                upkeep.outer_wall + travel + scene.range / 2);
+    prune_walls(scene);
+  }
+  void prune_walls(const Scene& scene) {
     walls.prune(scene.walls, scene.particles.position.data(), upkeep.inner.data(),
                 upkeep.inner_wall + scene.range, scene.team);
   }
@@ -325,8 +340,7 @@ class NearLists {
     const std::span<const std::uint32_t> none, before(previous_);
     pairs.template prune<Arch>({grown_.data(), n}, scene.domain, first_pruning_ ? before : none,
                                scene.team);
-    walls.prune(scene.walls, rows, upkeep.inner.data(), upkeep.inner_wall + scene.range,
-                scene.team);
+    prune_walls(scene);
     pruned_walls.set(scene.walls, searched_walls.region());
     upkeep.used = 0;
     first_pruning_ = false, renewed_ = true;

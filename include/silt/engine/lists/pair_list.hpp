@@ -112,6 +112,26 @@ class PairList {
     pad(particles);
   }
 
+  /// Takes the pairs of these rows, which have left, out of the inner list; in the outer one they
+  /// are never near again. `particles`: how many rows there are.
+  void leave(std::span<const std::uint32_t> rows, std::size_t particles) {
+    const auto [least, most] = std::minmax_element(rows.begin(), rows.end());
+    const auto is_gone = [&, least = *least, most = *most](std::uint32_t row) {
+      return row >= least && row <= most && std::find(rows.begin(), rows.end(), row) != rows.end();
+    };
+    for (Group& g : inner_group_) {
+      std::size_t to = g.from;
+      for (std::size_t k = g.from; k < g.to; ++k) {
+        if (is_gone(first_[k]) || is_gone(second_[k])) continue;
+        if (to != k) move(k, to);
+        ++to;
+      }
+      size_ -= g.to - to;
+      g.to = to;
+    }
+    pad(particles);
+  }
+
   /// Calls visit(a, b) for all outer pairs; at the same time only for pairs without a common
   /// particle.
   template <class Visit>
@@ -259,6 +279,12 @@ class PairList {
         chunks_.push_back({g, from, std::min(from + chunk, outer_begin_[g + 1])});
   }
 
+  /// Moves an inner pair to another place.
+  void move(std::size_t from, std::size_t to) {
+    first_[to] = first_[from], second_[to] = second_[from], origin_[to] = origin_[from];
+    history_.copy(to, &history_, from);
+  }
+
   /// Makes room for more[g] pairs at the end of each group of the outer list; returns where they
   /// go.
   std::vector<std::size_t> make_way_outer(std::span<const std::size_t> more) {
@@ -286,7 +312,7 @@ class PairList {
     std::size_t next = 0, outer_shift = 0;
     for (std::size_t g = 0; g < groups_.count(); ++g) {
       const std::size_t size = inner_group_[g].size();
-      now[g].from = pieces(next, padding) * padding;
+      now[g].from = std::max(pieces(next, padding) * padding, inner_group_[g].from);
       now[g].to = now[g].from + size;
       next = now[g].to + more[g];
       if (outer_shift > 0)
@@ -294,18 +320,14 @@ class PairList {
           origin_[k] += static_cast<std::uint32_t>(outer_shift);
       outer_shift += outer_more[g], size_ += more[g];
     }
-    const std::size_t padded = pieces(next, padding) * padding;
+    const std::size_t padded = std::max(pieces(next, padding) * padding, origin_.size());
     first_.resize(padded + ahead), second_.resize(padded + ahead);
     origin_.resize(padded), history_.extend(padded);
     std::vector<std::size_t> end(groups_.count());
     for (std::size_t g = groups_.count(); g-- > 0;) {
       const auto [from, to] = inner_group_[g];
       const std::size_t shift = now[g].from - from;
-      for (std::size_t k = shift > 0 ? to : from; k-- > from;) {
-        first_[k + shift] = first_[k], second_[k + shift] = second_[k];
-        origin_[k + shift] = origin_[k];
-        history_.copy(k + shift, &history_, k);
-      }
+      for (std::size_t k = shift > 0 ? to : from; k-- > from;) move(k, k + shift);
       end[g] = now[g].to;
       inner_group_[g] = {now[g].from, now[g].to + more[g]};
     }
@@ -335,13 +357,16 @@ class PairList {
 
   /// Fills the gaps behind the groups. Their origin keeps the sequence ascending.
   void pad(std::size_t particles) {
-    for (const Group& g : inner_group_)
-      for (std::size_t k = g.to; k < pieces(g.to, padding) * padding; ++k) {
+    for (std::size_t g = 0; g < inner_group_.size(); ++g) {
+      const std::size_t next =
+          g + 1 < inner_group_.size() ? inner_group_[g + 1].from : origin_.size();
+      for (std::size_t k = inner_group_[g].to; k < next; ++k) {
         first_[k] = static_cast<std::uint32_t>(particles);
         second_[k] = static_cast<std::uint32_t>(particles + 1);
-        origin_[k] = origin_[g.to - 1];
+        origin_[k] = k > 0 ? origin_[k - 1] : 0;
         history_.clear(k);
       }
+    }
     std::fill(first_.end() - ahead, first_.end(), static_cast<std::uint32_t>(particles));
     std::fill(second_.end() - ahead, second_.end(), static_cast<std::uint32_t>(particles + 1));
   }

@@ -1,0 +1,267 @@
+// silt - BSD-3-Clause, see LICENSE
+// Particles that are removed, added or given another velocity in the middle of a run.
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <engine/support.hpp>
+
+#include <silt/io/checkpoint.hpp>
+#include <silt/io/observers.hpp>
+#include <silt/shape/multi_sphere.hpp>
+#include <silt/shape/super_ellipsoid.hpp>
+#include <silt/simulation/contact_check.hpp>
+
+#include "near.hpp"
+
+namespace edits_test {
+
+namespace {
+
+using namespace engine_test;
+using silt::InputError;
+using silt::ParticleId;
+
+constexpr double g = 9.81;  // [m/s2]
+
+silt::Particles<Sphere> heap(std::size_t count = 1200) {
+  silt::Particles<Sphere> p;
+  p.fill({{0, 0, 1e-3}, {20e-3, 20e-3, 40e-3}}, {.radius = silt::uniform(0.6e-3, 0.9e-3),
+                                                 .density = 2500,
+                                                 .count = count,
+                                                 .arrangement = silt::Arrangement::Lattice});
+  return p;
+}
+
+template <class... More>
+auto box_of(silt::Particles<Sphere> p, More... more) {
+  silt::Simulation sim{std::move(p), silt::Contacts<HertzMindlin>{rubber}, more...};
+  sim.gravity = {0, 0, -g};
+  sim.threads = 1;
+  sim.time_step = 1e-5;
+  sim.add_wall(silt::box({0, 0, 0}, {20e-3, 20e-3, 60e-3}), rubber);
+  return sim;
+}
+
+/// Takes particles away and brings others, one at a time, wherever they are.
+struct Stream {
+  std::int64_t every = 7;  // [steps]
+  std::size_t births = 0, gone = 0;
+  silt::Random random{3};
+
+  template <class Sim>
+  void operator()(Sim& sim) {
+    if (sim.step() % every != 0 || sim.step() == 0) return;
+    if (++births % 3 == 0) {
+      const auto k = static_cast<std::size_t>(random.uniform(0, double(sim.rows())));
+      if (sim.is_present(k)) sim.remove(sim.id(k)), ++gone;
+    }
+    silt::Particles<Sphere> one;
+    const auto site = static_cast<double>(births % 64);  // free again after 64: they fall 2 mm
+    one.add({.position = {2e-3 + 2e-3 * std::floor(site / 8), 2e-3 + 2e-3 * std::fmod(site, 8), 0.05},
+             .radius = 0.6e-3,
+             .density = 2500,
+             .velocity = {0, 0, -0.5}});
+    sim.add(one);
+  }
+};
+
+struct Searches {
+  std::int64_t last = -1;
+  std::size_t count = 0;
+  template <class Sim>
+  void operator()(const Sim& sim) {
+    const auto at = sim.engine().lists.upkeep.searched_at;
+    count += at != last, last = at;
+  }
+};
+
+}  // namespace
+
+// Catches: rows that have left but stay in contacts (their place is not a number), gaps in the
+// lists that the next newcomer is written into, searches for each.
+TEST_CASE("edits: a stream of removals and births in a heap misses no contact and seldom searches") {
+  const auto run = [](auto sim) {
+    Stream stream;
+    Searches searches;
+    silt::ContactCheck<> look;
+    sim.run(0.03, stream, look, searches);  // 3 000 steps
+    CHECK(stream.births > 400);
+    CHECK(stream.gone > 100);
+    CHECK(sim.size() == 1200 + stream.births - stream.gone);
+    CHECK(look.contacts() > 300000);
+    // 1200/64 + 8 newcomers at most go without.
+    CHECK(searches.count < stream.births / 4);
+  };
+  run(box_of(heap()));
+  run(box_of(heap(), silt::Mixed{}));
+  run(box_of(heap(), silt::EnergyLedger{}, silt::ContactEvents{}));
+}
+
+TEST_CASE("edits: the bits of a stream depend on no thread, and go on from a checkpoint") {
+  const auto run = [](int threads, bool restarts) {
+    auto sim = box_of(heap(2800));
+    sim.threads = threads;
+    Stream stream;
+    sim.run(4e-3, stream);
+    CHECK(sim.engine().lists.pairs.grouped() < sim.rows());  // amid newcomers
+    if (!restarts) {
+      sim.run(4e-3, stream);
+      return bits(sim);
+    }
+    std::string folder = (std::filesystem::temp_directory_path() / "silt_edits_XXXXXX").string();
+    REQUIRE(::mkdtemp(folder.data()) != nullptr);
+    silt::save_checkpoint(sim, folder + "/amid.silt");
+    auto other = box_of(heap(2800));
+    other.threads = threads;
+    silt::load_checkpoint(other, folder + "/amid.silt");
+    std::filesystem::remove_all(folder);
+    other.run(4e-3, stream);
+    return bits(other);
+  };
+  const auto one = run(1, false);
+  CHECK(one == run(3, false));
+  CHECK(one == run(2, true));
+}
+
+TEST_CASE("edits: a velocity that is set is that of the instant, for the path and the books") {
+  const auto run = [](auto sim, double step) {
+    sim.gravity = {0, 0, -g};
+    sim.time_step = step;
+    const Vec3d up{0.3, 0, 2};
+    sim.run(0.0101);
+    const Vec3d from = sim.position(sim.find(1));
+    const double t = sim.time();
+    const auto before = sim.energy();
+    const double kinetic = before.kinetic();
+    sim.set_velocity(1, up);
+    CHECK(norm(sim.velocity(sim.find(1)) - up) == 0);
+    CHECK(sim.energy().openings - before.openings ==
+          near(sim.energy().kinetic() - kinetic).epsilon(1e-9));
+    sim.run(0.02);
+    const double dt = sim.time() - t;
+    // A parabola, which leapfrog and Gear follow up to round-off.
+    const Vec3d to = from + dt * up + Vec3d{0, 0, -0.5 * g * dt * dt};
+    CHECK(norm(sim.position(sim.find(1)) - to) < 1e-12);
+    CHECK(norm(sim.velocity(sim.find(1)) - up - Vec3d{0, 0, -g * dt}) < 1e-12);
+    CHECK(sim.energy().residual() < 1e-9 * kinetic);
+  };
+  silt::Particles<Sphere> two;
+  two.add({.position = {0, 0, 0}, .radius = 1e-3, .density = 2500, .velocity = {1, 0, 0}});
+  two.add({.position = {1, 0, 0}, .radius = 1e-3, .density = 2500});
+  const silt::Contacts<HertzMindlin> contacts{rubber};
+  run(silt::Simulation{two, contacts, silt::EnergyLedger{}}, 1e-5);
+  run(silt::Simulation{two, contacts, silt::EnergyLedger{}, silt::Mixed{}}, 1e-5);
+  run(silt::Simulation{two, contacts, silt::EnergyLedger{}, silt::Gear{}}, 1e-5);
+}
+
+// Catches derivatives that are not known yet, in a prediction.
+TEST_CASE("edits: particles that come between the runs of Gear's integrator fall like others") {
+  silt::Particles<Sphere> first, second;
+  first.add({.position = {1, 0, 0}, .radius = 1e-3, .density = 2500});
+  second.add({.position = {0, 0, 0}, .radius = 1e-3, .density = 2500, .velocity = {1, 0, 0}});
+  silt::Simulation sim{first, silt::Contacts<HertzMindlin>{rubber}, silt::Gear{}};
+  sim.gravity = {0, 0, -g};
+  sim.time_step = 1e-5;
+  sim.run(0.01);
+  sim.add(second);
+  sim.run(0.02);
+  const std::size_t k = sim.find(1);
+  CHECK(norm(sim.position(k) - Vec3d{0.02, 0, -0.5 * g * 4e-4}) < 1e-12);
+  CHECK(norm(sim.velocity(k) - Vec3d{1, 0, -g * 0.02}) < 1e-12);
+}
+
+TEST_CASE("edits: what is set or removed in an observer acts from that instant on") {
+  silt::Particles<Sphere> three;
+  for (const double x : {-5e-3, 0.0, 5e-3})
+    three.add({.position = {x, 0, 0}, .radius = 1e-3, .density = 2500});
+  silt::Simulation sim{std::move(three), silt::Contacts<HertzMindlin>{rubber}};
+  sim.time_step = 1e-5;
+  sim.run(0.02, silt::at(silt::every(0.01), [](auto& s) {
+            if (s.step() != 1000) return;
+            s.set_velocity(0, {0.5, 0, 0});
+            s.set_angular_velocity(0, {0, 0, 7});
+            s.remove(1);  // which it would have hit
+          }));
+  CHECK(sim.size() == 2);
+  CHECK(sim.find(1) == sim.rows());
+  // Free all the way: 0.01 s at 0.5 m/s.
+  CHECK(std::abs(sim.position(sim.find(0)).x - (-5e-3 + 0.01 * 0.5)) < 1e-14);
+  CHECK(norm(sim.angular_velocity(sim.find(0)) - Vec3d{0, 0, 7}) < 1e-12);
+  CHECK(sim.peak_overlap() == 0);
+}
+
+// The same scene with a search after every edit: the same forces, summed up in another order.
+TEST_CASE("edits: bodies of balls and convex ones that join the lists move as after a search") {
+  const auto run = [](const auto& shapes, bool searches) {
+    using Particles = std::remove_cvref_t<decltype(shapes)>;
+    Particles all = shapes, more = shapes;
+    for (int k = 0; k < 256; ++k)
+      all.add({.position = {3.2e-3 * (k % 8), 3.2e-3 * (k / 8 % 8), 3.2e-3 * (k / 64) + 2e-3},
+               .density = 2500,
+               .velocity = {0, 0, -0.2}});
+    silt::Simulation sim{std::move(all), silt::Contacts<HertzMindlin>{rubber}};
+    sim.gravity = {0, 0, -g};
+    sim.threads = 1;
+    sim.time_step = 5e-6;
+    sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, rubber);
+    int births = 0;
+    Searches count;
+    sim.run(0.01, count, [&](auto& s) {
+      if (s.step() % 50 != 20) return;
+      Particles one = shapes;
+      one.add({.position = {3.2e-3 * (births % 8), 3.2e-3 * (births / 8 % 8), 15e-3},
+               .density = 2500,
+               .velocity = {0, 0, -0.5}});
+      s.add(one);
+      if (++births == 4) s.set_velocity(256, {0, 0, -1}), s.set_angular_velocity(256, {100, 0, 0});
+      if (births == 5) s.remove(20);
+      if (searches) s.engine().lists.forget();
+    });
+    CHECK(births == 40);
+    CHECK(sim.peak_overlap() > 1e-4);
+    return std::pair{bits(sim), count.count};
+  };
+  const auto same = [&](const auto& shapes) {
+    const auto [a, few] = run(shapes, false);
+    const auto [b, many] = run(shapes, true);
+    CHECK(few + 5 < many);
+    REQUIRE(a.size() == 295);
+    REQUIRE(b.size() == 295);
+    double most = 0;
+    for (std::size_t k = 0; k < a.size(); ++k)
+      for (int c = 0; c < 3; ++c)
+        most = std::max(most, std::abs(a[k].values[c] - b[k].values[c]));
+    CHECK(most < 1e-9);  // [m] round-off, grown through some impacts
+  };
+  silt::Particles<silt::MultiSphere> balls;
+  balls.add_form(silt::MultiSphere{.balls = {{{-0.6e-3, 0, 0}, 0.8e-3}, {{0.6e-3, 0, 0}, 0.8e-3}}});
+  same(balls);
+  silt::Particles<silt::SuperEllipsoid> cubes;
+  cubes.add_form(silt::SuperEllipsoid{.a = 1e-3, .b = 0.9e-3, .c = 1.1e-3, .s1 = 5, .s2 = 4});
+  same(cubes);
+}
+
+TEST_CASE("edits: a particle that is not there, and values that cannot be, are refused") {
+  auto sim = box_of(heap(10));
+  CHECK(has_words(refusal<InputError>([&] { sim.remove(10); }),
+                  {"Simulation::remove", "no particle 10"}));
+  sim.remove(3);
+  CHECK(sim.size() == 9);
+  CHECK(has_words(refusal<InputError>([&] { sim.remove(3); }), {"no particle 3", "has left"}));
+  CHECK(has_words(refusal<InputError>([&] { sim.set_velocity(3, {0, 0, 0}); }),
+                  {"Simulation::set_velocity", "no particle 3"}));
+  CHECK(has_words(refusal<InputError>([&] { sim.set_velocity(4, {0, NAN, 0}); }),
+                  {"set_velocity", "finite"}));
+  CHECK(has_words(refusal<InputError>([&] { sim.set_angular_velocity(4, {0, NAN, 0}); }),
+                  {"set_angular_velocity", "finite"}));
+  sim.run(1e-3);
+  CHECK(sim.size() == 9);
+}
+
+}  // namespace edits_test
