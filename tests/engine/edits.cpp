@@ -63,10 +63,11 @@ struct Stream {
     }
     silt::Particles<Sphere> one;
     const auto site = static_cast<double>(births % 64);  // free again after 64: they fall 2 mm
-    one.add({.position = {2e-3 + 2e-3 * std::floor(site / 8), 2e-3 + 2e-3 * std::fmod(site, 8), 0.05},
-             .radius = 0.6e-3,
-             .density = 2500,
-             .velocity = {0, 0, -0.5}});
+    one.add(
+        {.position = {2e-3 + 2e-3 * std::floor(site / 8), 2e-3 + 2e-3 * std::fmod(site, 8), 0.05},
+         .radius = 0.6e-3,
+         .density = 2500,
+         .velocity = {0, 0, -0.5}});
     sim.add(one);
   }
 };
@@ -85,7 +86,8 @@ struct Searches {
 
 // Catches: rows that have left but stay in contacts (their place is not a number), gaps in the
 // lists that the next newcomer is written into, searches for each.
-TEST_CASE("edits: a stream of removals and births in a heap misses no contact and seldom searches") {
+TEST_CASE(
+    "edits: a stream of removals and births in a heap misses no contact and seldom searches") {
   const auto run = [](auto sim) {
     Stream stream;
     Searches searches;
@@ -235,8 +237,7 @@ TEST_CASE("edits: bodies of balls and convex ones that join the lists move as af
     REQUIRE(b.size() == 295);
     double most = 0;
     for (std::size_t k = 0; k < a.size(); ++k)
-      for (int c = 0; c < 3; ++c)
-        most = std::max(most, std::abs(a[k].values[c] - b[k].values[c]));
+      for (int c = 0; c < 3; ++c) most = std::max(most, std::abs(a[k].values[c] - b[k].values[c]));
     CHECK(most < 1e-9);  // [m] round-off, grown through some impacts
   };
   silt::Particles<silt::MultiSphere> balls;
@@ -254,11 +255,17 @@ TEST_CASE("edits: a particle that is not there, and values that cannot be, are r
   sim.remove(3);
   CHECK(sim.size() == 9);
   CHECK(has_words(refusal<InputError>([&] { sim.remove(3); }), {"no particle 3", "has left"}));
-  CHECK(has_words(refusal<InputError>([&] { sim.set_velocity(3, {0, 0, 0}); }),
+  CHECK(has_words(refusal<InputError>([&] {
+                    sim.set_velocity(3, {0, 0, 0});
+                  }),
                   {"Simulation::set_velocity", "no particle 3"}));
-  CHECK(has_words(refusal<InputError>([&] { sim.set_velocity(4, {0, NAN, 0}); }),
+  CHECK(has_words(refusal<InputError>([&] {
+                    sim.set_velocity(4, {0, NAN, 0});
+                  }),
                   {"set_velocity", "finite"}));
-  CHECK(has_words(refusal<InputError>([&] { sim.set_angular_velocity(4, {0, NAN, 0}); }),
+  CHECK(has_words(refusal<InputError>([&] {
+                    sim.set_angular_velocity(4, {0, NAN, 0});
+                  }),
                   {"set_angular_velocity", "finite"}));
   sim.run(1e-3);
   CHECK(sim.size() == 9);

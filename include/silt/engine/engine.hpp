@@ -304,8 +304,8 @@ class Engine : public Tables<Composition> {
   }
   /// What the lists are of, now.
   typename Lists::Scene scene(const Domain& domain, double time_step) {
-    return {particles, walls, domain, *team_, time_step,
-            largest_range(coefficients, particles.largest_radius)};
+    return {particles, walls,     domain,
+            *team_,    time_step, largest_range(coefficients, particles.largest_radius)};
   }
   void note(const ContactNotes& notes) {
     events.take(notes, [this](std::size_t row) {

@@ -16,8 +16,8 @@ namespace silt::inline SILT_TARGET::detail {
 template <class Sim>
 class ParticleEdits {
  public:
-  /// Takes the particle with this id away, from all contacts and at once. The energy that was stored
-  /// in its contacts is among the losses of the ledger, what it had itself in `openings`.
+  /// Takes the particle with this id away, from all contacts and at once. The energy that was
+  /// stored in its contacts is among the losses of the ledger, what it had itself in `openings`.
   void remove(ParticleId id) {
     const std::size_t k = place_of(id, "remove");
     sim().book_leaving(k);

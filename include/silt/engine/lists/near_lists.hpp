@@ -66,8 +66,8 @@ class NearLists {
     upkeep.pruned_at = step;
   }
 
-  /// Takes in the rows from `first` on, which have just come. A few join the lists as they stand; if
-  /// many have come since the search, or reach farther than all before, the next step searches.
+  /// Takes in the rows from `first` on, which have just come. A few join the lists as they stand;
+  /// if many have come since the search, or reach farther than all before, the next step searches.
   void join(const Scene& scene, std::size_t first) {
     const std::size_t n = scene.particles.size();
     if (!hold_pairs() || scene.range > walls.range || n > most_with_newcomers(pairs.grouped()))

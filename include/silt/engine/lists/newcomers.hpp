@@ -24,10 +24,10 @@ struct NewPair {
 ///
 /// Let t be now and D_i the displacement of particle i since the search (ListUpkeep has the other
 /// names). A newcomer b counts its D_b from now on. A pair (i, b) is listed unless its gap is at
-/// least s_i + s_b + D_i(t). From t to a later t', particle i moves by no more than D_i(t) + D_i(t'),
-/// so that a pair that is not listed has a gap of at least s_i - D_i(t') + s_b - D_b(t') then: (1)
-/// holds for it at every pruning. It is in the inner list unless its gap is at least q_i + q_b, and
-/// what was used of the reaches before t stays charged to all: (2) holds.
+/// least s_i + s_b + D_i(t). From t to a later t', particle i moves by no more than D_i(t) +
+/// D_i(t'), so that a pair that is not listed has a gap of at least s_i - D_i(t') + s_b - D_b(t')
+/// then: (1) holds for it at every pruning. It is in the inner list unless its gap is at least q_i
+/// + q_b, and what was used of the reaches before t stays charged to all: (2) holds.
 ///
 /// One pass over the positions; what is near in x is looked at closer.
 template <class State, class Domain>
@@ -59,7 +59,8 @@ class Newcomers {
     team.for_ranges(in_.particles.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
       for (std::size_t i = from; i < to; ++i)
         if (in_.particles.position[i].r > 0)
-          for_near_in_x(i, [&](std::uint32_t k) { look(static_cast<std::uint32_t>(i), k, found[r]); });
+          for_near_in_x(i,
+                        [&](std::uint32_t k) { look(static_cast<std::uint32_t>(i), k, found[r]); });
     });
     std::vector<NewPair> all;
     for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());

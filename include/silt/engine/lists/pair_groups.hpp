@@ -5,8 +5,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include <silt/core/target.hpp>
+#include <silt/core/threads.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -75,5 +77,23 @@ class PairGroups {
   std::size_t shares_;
   double shares_a_particle_;
 };
+
+/// The sum of what run(from, to) gives for the places of every group, each on one thread; groups
+/// that share particles one after the other.
+template <class Tally, class List, class Run>
+Tally sum_over_groups(const List& list, const Team& team, const Run& run) {
+  const PairGroups& groups = list.groups();
+  std::vector<Tally> tallies(groups.count());
+  for (std::size_t p = 0; p < groups.phases(); ++p) {
+    const auto [from, to] = list.busy(groups.phase(p));
+    team.for_parts(to - from, [&, first = from](std::size_t k) {
+      const auto group = list.group(first + k);
+      tallies[first + k] = run(group.from, group.to);
+    });
+  }
+  Tally all;
+  for (const auto& tally : tallies) all.add(tally);
+  return all;
+}
 
 }  // namespace silt::detail

@@ -14,8 +14,10 @@
 #include <silt/core/row4.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/engine/lists/newcomers.hpp>
+#include <silt/engine/lists/pair_archive.hpp>
 #include <silt/engine/lists/pair_groups.hpp>
 #include <silt/engine/lists/pair_history.hpp>
+#include <silt/engine/lists/sort_into_groups.hpp>
 #include <silt/search/concept.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -78,9 +80,9 @@ class PairList {
   template <class State>
   void set_outer(std::span<const IndexPair> found, const State& particles, std::size_t before,
                  const Team& team) {
-    archive(before, team);
+    archive_.keep(*this, history_, before, team);
     groups_ = PairGroups(particles.size()), grouped_ = particles.size();
-    sort_into_groups(found, particles, team);
+    sort_into_groups(found, particles, groups_, {outer_, outer_begin_, group_}, team);
     cut_into_chunks();
     first_.clear(), second_.clear(), origin_.clear();
     inner_group_.clear();
@@ -235,43 +237,6 @@ class PairList {
     std::size_t kept = 0, begin = 0;  // in the inner list
   };
 
-  /// Sorts pairs by their group, stably, the particle with the lower id first.
-  template <class State>
-  void sort_into_groups(std::span<const IndexPair> found, const State& particles,
-                        const Team& team) {
-    const auto group_of = [&](const IndexPair& p) {
-      if constexpr (State::of_bodies)
-        if (particles.part[p.a].body == particles.part[p.b].body) return groups_.count();
-      if (particles.some_fixed && particles.motion[p.a].inv_m == 0 &&
-          particles.motion[p.b].inv_m == 0)
-        return groups_.count();
-      return groups_.of(p.a, p.b);
-    };
-    const std::size_t count = groups_.count() + 1;  // one more for those left out
-    make_room(group_, found.size());
-    std::vector<std::size_t> next(Team::most_ranges * count, 0);  // of each range and group
-    team.for_ranges(found.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
-      for (std::size_t k = from; k < to; ++k)
-        ++next[r * count + (group_[k] = static_cast<std::uint16_t>(group_of(found[k])))];
-    });
-    outer_begin_.resize(count);
-    std::size_t place = 0;
-    for (std::size_t g = 0; g < count; ++g) {
-      outer_begin_[g] = place;
-      for (std::size_t r = 0; r < Team::most_ranges; ++r)
-        place += std::exchange(next[r * count + g], place);
-    }
-    make_room(outer_, outer_begin_.back());
-    team.for_ranges(found.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
-      for (std::size_t k = from; k < to; ++k) {
-        if (group_[k] == groups_.count()) continue;
-        const auto [a, b] = found[k];
-        outer_[next[r * count + group_[k]]++] =
-            particles.id[a] < particles.id[b] ? IndexPair{a, b} : IndexPair{b, a};
-      }
-    });
-  }
-
   void cut_into_chunks() {
     chunks_.clear();
     for (std::size_t g = 0; g < groups_.count(); ++g)
@@ -408,7 +373,7 @@ class PairList {
       first_[k] = outer_[outer].a, second_[k] = outer_[outer].b;
       if constexpr (H > 0) {
         if (!previous.empty()) {
-          recall(k, previous[first_[k]], previous[second_[k]]);
+          archive_.recall(history_, k, previous[first_[k]], previous[second_[k]]);
           continue;
         }
         while (old < old_origin_.size() && old_origin_[old] < outer) ++old;
@@ -416,32 +381,6 @@ class PairList {
         history_.copy(k, carried ? &old_history_ : nullptr, old);
       }
     }
-  }
-
-  struct Archived {
-    std::uint32_t partner;
-    std::array<Scalar, H> history;
-  };
-
-  /// Sets aside the history of all touching pairs, in rows by the place of the first particle.
-  void archive(std::size_t particles, const Team& team) {
-    if constexpr (H > 0) {
-      archive_end_.assign(particles, 0);
-      for_each_inner(team,
-                     [&](std::size_t k) { archive_end_[first_[k]] += history_.remembers(k); });
-      std::uint32_t place = 0;
-      for (auto& row : archive_end_) place += std::exchange(row, place);
-      make_room(archive_, place);
-      for_each_inner(team, [&](std::size_t k) {
-        if (history_.remembers(k))
-          archive_[archive_end_[first_[k]]++] = {second_[k], history_.values(k)};
-      });
-    }
-  }
-  void recall(std::size_t k, std::uint32_t a, std::uint32_t b) {
-    history_.clear(k);
-    for (std::uint32_t s = a == 0 ? 0 : archive_end_[a - 1]; s < archive_end_[a]; ++s)
-      if (archive_[s].partner == b) history_.set(k, archive_[s].history);
   }
 
   PairGroups groups_;
@@ -456,26 +395,7 @@ class PairList {
   AlignedVector<std::uint32_t> first_, second_;
   std::vector<std::uint32_t> origin_, old_origin_;  // place in the outer list
   History history_, old_history_;
-  std::vector<std::uint32_t> archive_end_;  // of each row
-  std::vector<Archived> archive_;
+  PairArchive<H, Scalar> archive_;
 };
-
-/// The sum of what run(from, to) gives for the places of every group, each on one thread; groups
-/// that share particles one after the other.
-template <class Tally, class List, class Run>
-Tally sum_over_groups(const List& list, const Team& team, const Run& run) {
-  const PairGroups& groups = list.groups();
-  std::vector<Tally> tallies(groups.count());
-  for (std::size_t p = 0; p < groups.phases(); ++p) {
-    const auto [from, to] = list.busy(groups.phase(p));
-    team.for_parts(to - from, [&, first = from](std::size_t k) {
-      const auto group = list.group(first + k);
-      tallies[first + k] = run(group.from, group.to);
-    });
-  }
-  Tally all;
-  for (const auto& tally : tallies) all.add(tally);
-  return all;
-}
 
 }  // namespace silt::detail

@@ -194,8 +194,8 @@ class WallContacts {
 
  private:
   /// Finds the spheres from ... to-1 nearer than `reach` [m] to a surface, by sphere.
-  static void find(std::span<const Wall> walls, std::span<const PositionRow> rows,
-                   std::size_t from, std::size_t to, double reach, WallFinds& found) {
+  static void find(std::span<const Wall> walls, std::span<const PositionRow> rows, std::size_t from,
+                   std::size_t to, double reach, WallFinds& found) {
     for (std::size_t w = 0; w < walls.size(); ++w)
       for (std::size_t s = 0; s < walls[w].surfaces.size(); ++s)
         visit_surface(walls[w].surfaces[s], [&](const auto& surface) {

@@ -1,0 +1,52 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include <silt/core/storage.hpp>
+#include <silt/core/threads.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// The H numbers that pairs remember, from one list to the next, which a search makes anew: in rows
+/// by the place of the pair's first particle.
+template <std::size_t H, class Scalar>
+class PairArchive {
+ public:
+  /// Sets aside the history of all touching pairs of a list of so many particles.
+  template <class List, class History>
+  void keep(const List& list, const History& history, std::size_t particles, const Team& team) {
+    if constexpr (H > 0) {
+      end_.assign(particles, 0);
+      list.for_each_inner(team,
+                          [&](std::size_t k) { end_[list.first()[k]] += history.remembers(k); });
+      std::uint32_t place = 0;
+      for (auto& row : end_) place += std::exchange(row, place);
+      make_room(kept_, place);
+      list.for_each_inner(team, [&](std::size_t k) {
+        if (history.remembers(k))
+          kept_[end_[list.first()[k]]++] = {list.second()[k], history.values(k)};
+      });
+    }
+  }
+  /// Gives place k of a new list what the particles at places a and b of the old one remember.
+  template <class History>
+  void recall(History& history, std::size_t k, std::uint32_t a, std::uint32_t b) const {
+    history.clear(k);
+    for (std::uint32_t s = a == 0 ? 0 : end_[a - 1]; s < end_[a]; ++s)
+      if (kept_[s].partner == b) history.set(k, kept_[s].history);
+  }
+
+ private:
+  struct Kept {
+    std::uint32_t partner;
+    std::array<Scalar, H> history;
+  };
+  std::vector<std::uint32_t> end_;  // of each row
+  std::vector<Kept> kept_;
+};
+
+}  // namespace silt::detail
