@@ -233,9 +233,8 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
   }
   std::size_t material(std::size_t k) const { return engine_.owner(known(k)).material(); }
   /// The present place of the particle with this id; rows() if it has left, or never was. Takes
-  /// constant time, but for the first call after places have changed (a search that sorts,
-  /// particles that come or go), which takes O(rows()) and must not be made by several threads at
-  /// once.
+  /// constant time, but for the first call after a search has sorted, which takes O(rows()); that
+  /// one, and the first after particles have come, must not be made by several threads at once.
   std::size_t find(ParticleId wanted) const { return engine_.find(wanted); }
   /// Pairs of particles that touch [-]; of bodies, of their parts. O(pairs).
   std::size_t touching_pairs() const { return engine_.touching_pairs(domain_); }

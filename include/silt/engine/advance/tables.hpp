@@ -111,15 +111,13 @@ class Tables {
   /// The place of the particle with this id; owners() if there is none.
   std::size_t find(ParticleId wanted) const {
     const std::size_t n = owners();
-    if (indexed_ != particles.changes) {
-      places_.clear();
-      for (std::size_t k = 0; k < n; ++k)
-        if (const ParticleId id = owner(k).id(); id != no_particle)
-          places_.at(id) = static_cast<std::uint32_t>(k);
-      indexed_ = particles.changes;
-    }
+    if (indexed_ != particles.changes)
+      places_.clear(), indexed_to_ = 0, indexed_ = particles.changes;
+    for (; indexed_to_ < n; ++indexed_to_)
+      if (const ParticleId id = owner(indexed_to_).id(); id != no_particle)
+        places_.at(id) = static_cast<std::uint32_t>(indexed_to_);
     const std::uint32_t k = wanted == no_particle ? no_place : places_.find(wanted);
-    return k == no_place ? n : k;
+    return k == no_place || owner(k).id() != wanted ? n : k;  // one that has left may stand there
   }
   /// What modules see of the particle at place k.
   Seen seen(std::size_t k, double time) const {
@@ -188,6 +186,7 @@ class Tables {
  private:
   static constexpr std::uint64_t never_indexed = std::numeric_limits<std::uint64_t>::max();
   mutable std::uint64_t indexed_ = never_indexed;  // particles.changes that places_ is of
+  mutable std::size_t indexed_to_ = 0;             // owners that it has
   mutable IdTable places_;
 };
 

@@ -71,7 +71,7 @@ class ParticleState {
   double mean_diameter = 0;    // [m]
   bool some_fixed = false;     // particles of infinite mass
   std::size_t parked = 0;      // those that have left since the last search
-  std::uint64_t changes = 0;   // how often places have changed, or who is there
+  std::uint64_t changes = 0;   // how often places were given anew; who comes or leaves changes none
 
   /// The motion as the pair kernel reads it.
   const PairMotion* pair_motion() const {
@@ -113,7 +113,6 @@ class ParticleState {
     if constexpr (SeveralMaterials) material.push_back(of);
     fluid.add(), modules.add();
     pad();
-    ++changes;
   }
 
   /// Measures sizes anew after particles were added or dropped.
@@ -141,7 +140,7 @@ class ParticleState {
     if constexpr (Derivatives > 0) derivatives[k] = {};
     id[k] = no_particle;
     fluid.remove(k), modules.remove(k);
-    ++parked, ++changes;
+    ++parked;
   }
   bool is_parked(std::size_t k) const { return id[k] == no_particle; }
 
