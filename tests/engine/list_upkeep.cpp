@@ -327,4 +327,46 @@ TEST_CASE(
   }
 }
 
+// A wall sinks by less than it may since the pruning, a newcomer joins far away, and the wall comes
+// back to beyond where it was. Catches wall contacts that are chosen anew at that moment as if the
+// wall had not moved: it may go twice as far then before the next pruning.
+TEST_CASE("list_upkeep: no touch is missed of a wall that was away when a particle came or left") {
+  constexpr double speed = 0.5, dt = 1e-6;  // [m/s], [s]
+  const auto run = [&](double depth, double height, auto&& edit) {
+    silt::Particles<Sphere> p;
+    p.add({.position = {0, 0, 1e-3 + height}, .radius = 1e-3, .density = 2500});
+    for (const double x : {0.1, 0.2})
+      p.add({.position = {x, 0, 1e-3 + height + 1e-5}, .radius = 1e-3, .density = 2500});
+    silt::Simulation sim{std::move(p), silt::Contacts<HertzMindlin>{rubber}};
+    sim.time_step = dt;
+    sim.threads = 1;
+    sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, rubber, [=](double t) {
+      const double back = depth / speed;  // [s]
+      return silt::Pose{{}, {0, 0, t < back ? -speed * t : -depth + speed * (t - back)}};
+    });
+    sim.run(0);
+    const auto& upkeep = sim.engine().lists.upkeep;
+    const double q = upkeep.inner[0], Q = upkeep.inner_wall;
+    Watch watch;
+    if (depth < 1) {
+      sim.run(depth / speed);
+      edit(sim);
+      sim.run((depth + height) / speed + 20 * dt, watch);
+      CHECK(watch.touching_walls > 10);
+      CHECK(watch.missed_walls == 0);
+    }
+    return std::pair{q, Q};
+  };
+  const auto nothing = [](auto&) {};
+  const auto [q, Q] = run(1, 1e-3, nothing);
+  REQUIRE(Q > 2 * q);
+  const double depth = 0.9 * Q, height = 1.1 * (q + Q) - depth;
+  run(depth, height, [](auto& sim) {
+    silt::Particles<Sphere> one;
+    one.add({.position = {5, 0, 5}, .radius = 1e-3, .density = 2500});
+    sim.add(one);
+  });
+  run(depth, height, [](auto& sim) { sim.remove(1); });
+}
+
 }  // namespace list_upkeep_test

@@ -89,11 +89,10 @@ class Tables {
   }
   /// After the motion of the particle at place k was changed: what follows from it.
   void follow_motion(std::size_t k) {
-    if constexpr (has_bodies) {
+    if constexpr (has_bodies)
       mover.put_in_place(particles, mover.bodies[k]);
-    } else {
+    else
       particles.renew_pair_motion(k);
-    }
   }
   /// Gives the rows from `first` on, which have come between the kick and drift of a step, what the
   /// integrator predicts their next state from: free fall.

@@ -99,7 +99,7 @@ class NearLists {
       return std::find(rows.begin(), rows.end(), c.particle) != rows.end();
     };
     if (std::any_of(walls.candidates().begin(), walls.candidates().end(), is_gone))
-      prune_walls(scene);
+      prune_walls_again(scene);
     renewed_ = true;
   }
 
@@ -134,11 +134,16 @@ class NearLists {
     const double travel = searched_walls.travel(scene.walls);
     walls.join(scene.walls, {grown_.data(), n}, first,
                upkeep.outer_wall + travel + scene.range / 2);
-    prune_walls(scene);
+    prune_walls_again(scene);
   }
-  void prune_walls(const Scene& scene) {
+  void prune_walls(const Scene& scene, double travelled) {
     walls.prune(scene.walls, scene.particles.position.data(), upkeep.inner.data(),
-                upkeep.inner_wall + scene.range, scene.team);
+                upkeep.inner_wall + travelled + scene.range, scene.team);
+  }
+  /// Between two prunings. The walls' way is a displacement since the last one, so that one that
+  /// has gone some way may go it back, and as far again.
+  void prune_walls_again(const Scene& scene) {
+    prune_walls(scene, pruned_walls.travel(scene.walls));
   }
 
   // --- how far the lists reach --------------------------------------------------------------
@@ -340,7 +345,7 @@ class NearLists {
     const std::span<const std::uint32_t> none, before(previous_);
     pairs.template prune<Arch>({grown_.data(), n}, scene.domain, first_pruning_ ? before : none,
                                scene.team);
-    prune_walls(scene);
+    prune_walls(scene, 0);
     pruned_walls.set(scene.walls, searched_walls.region());
     upkeep.used = 0;
     first_pruning_ = false, renewed_ = true;

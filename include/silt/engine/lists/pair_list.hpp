@@ -74,9 +74,8 @@ class PairList {
   /// Whether the second rows of histories are in use.
   void use_more_history(bool yes) { history_.use_more(yes); }
 
-  /// Takes over newly found pairs; those of two fixed particles, or of one
-  /// body, are left out. `before`: how many
-  /// particles there were when the old list was current.
+  /// Takes over newly found pairs; those of two fixed particles, or of one body, are left out.
+  /// `before`: how many particles there were when the old list was current.
   template <class State>
   void set_outer(std::span<const IndexPair> found, const State& particles, std::size_t before,
                  const Team& team) {
