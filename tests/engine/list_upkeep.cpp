@@ -369,4 +369,59 @@ TEST_CASE("list_upkeep: no touch is missed of a wall that was away when a partic
   run(depth, height, [](auto& sim) { sim.remove(1); });
 }
 
+// With a skin of 0.4 mm spheres and walls reach 0.2 mm in the outer list, 0.04 mm in the inner one.
+// Each scene closes a gap that is just too wide for a list at the newcomer's birth, before its
+// particles have used up their reaches. Catches a term of the proof (newcomers.hpp) left out: the
+// way that the older particle, or the wall, had gone the other way; the newcomer's first drift.
+TEST_CASE("list_upkeep: no first touch of a newcomer is missed where the bounds are sharp") {
+  constexpr double r = 1e-3, v = 0.1, away = 1.5e-4, gap = 4.2e-4;  // [m], [m/s]
+  using Spheres = silt::Particles<Sphere>;
+  const auto scene = [&](const Vec3d& velocity) {
+    Spheres p;
+    p.add({.position = {0, 0, 0}, .radius = r, .density = 2500, .velocity = velocity});
+    silt::Simulation sim{std::move(p), silt::Contacts<HertzMindlin>{rubber}, fixed_skin(4e-4)};
+    sim.time_step = 2e-6;
+    sim.threads = 1;
+    return sim;
+  };
+  const auto born = [&](auto& sim, const Vec3d& place, const Vec3d& velocity) {
+    Spheres one;
+    one.add({.position = place, .radius = r, .density = 2500, .velocity = velocity});
+    sim.add(one);
+  };
+  const auto meet = [&](auto& sim, double duration) {
+    const auto searched = sim.engine().lists.upkeep.searched_at;
+    Watch watch;
+    sim.run(duration, watch);
+    CHECK(watch.touching_pairs + watch.touching_walls > 0);
+    CHECK(watch.missed_pairs == 0);
+    CHECK(watch.missed_walls == 0);
+    CHECK(sim.engine().lists.upkeep.searched_at == searched);  // else it would show nothing
+  };
+  const double closes = gap / (3 * v) + 5e-5;  // [s]
+  {
+    auto sim = scene({-2 * v, 0, 0});
+    sim.run(away / (2 * v));
+    sim.set_velocity(0, {2 * v, 0, 0});
+    born(sim, sim.position(0) + Vec3d{2 * r + gap, 0, 0}, {-v, 0, 0});
+    meet(sim, closes);
+  }
+  {
+    auto sim = scene({0, 0, 0});
+    const double back = away / (2 * v);  // [s]
+    sim.add_wall(silt::Plane{{0, 0, -1}, {0, 0, 1}}, rubber, [=](double t) {
+      return silt::Pose{{}, {0, 0, 2 * v * (t < back ? -t : t - 2 * back)}};
+    });
+    sim.run(back);
+    born(sim, {0.1, 0, -1 - away + r + gap}, {0, 0, -v});
+    meet(sim, closes);
+  }
+  {
+    auto sim = scene({0, 0, 0});
+    sim.run(1e-5);
+    born(sim, {2 * r + 0.9e-4, 0, 0}, {-50, 0, 0});  // 0.1 mm a step
+    meet(sim, 2e-6);
+  }
+}
+
 }  // namespace list_upkeep_test
