@@ -4,7 +4,8 @@
 
 A room may include itself and the rooms before it in ROOMS, never a later one. Rooms below `engine`
 are shut: only `simulation` opens them; tests and benchmarks may look in. Intrinsics stand in `core`
-alone. `rooms_check.py --self-test` shows that each of these rules can fail.
+alone. `rooms_check.py --self-test` shows that each of these rules can fail; `--draw` draws the rooms
+anew (docs/pictures/rooms.svg), which the check wants to be those of today.
 """
 
 import pathlib
@@ -19,8 +20,27 @@ core files boundary shape contact motion search fill fluid coupling module
 engine/state engine/lists engine/contact engine/spheres engine/convex engine/stages engine/advance
 engine/checks engine/population engine simulation io study umbrella
 """.split()
+# The picture: floors from the top down, each room with what lies in it.
+FLOORS = [
+    [("io", "observers, checkpoints, CSV and VTK"), ("study", "error against run time")],
+    [("simulation", "Simulation: policies, the loop, what users read and set")],
+    [("engine", "the state, and each stage of a step as a function")],
+    [("engine/population", "inlets, outlets"), ("engine/checks", "guard, time step"),
+     ("engine/advance", "integration"), ("engine/stages", "forces of modules")],
+    [("engine/spheres", "geometry of spheres, in lanes"),
+     ("engine/convex", "geometry of convex parts")],
+    [("engine/contact", "the contact stage: law, rolling, energy, events, fluxes")],
+    [("engine/lists", "who may touch soon; what contacts remember")],
+    [("engine/state", "composition, columns, rows")],
+    [("coupling", "drag, averaging"), ("module", "Field, BodyForce"), ("fluid", "flow solver")],
+    [("contact", "laws"), ("search", "NBS, grids"), ("motion", "integrators"),
+     ("fill", "particles"), ("shape", "narrow phases")],
+    [("boundary", "domains, walls, meshes"), ("files", "CSV, VTK, archives")],
+    [("core", "vectors, lanes, threads")],
+]
 # Files that stand at the top of include/silt.
 AT_TOP = {"simulation.hpp": "simulation", "silt.hpp": "umbrella", "fluid.hpp": "umbrella"}
+PICTURE = ROOT / "docs" / "pictures" / "rooms.svg"
 INTRINSICS = re.compile(r"#include <(immintrin|x86intrin|arm_neon|xsimd/)|\b_mm\d*_\w+\(")
 
 
@@ -67,6 +87,43 @@ def faults_of_user(name, text):
             for other in re.findall(r'#include [<"]silt/(engine/[^>"]+)[>"]', text)]
 
 
+def picture():
+    """The rooms as SVG: a room may include its own floor's left side and all that lies below."""
+    width, height, gap, left = 960, 46, 10, 20
+    rows, top = [], 56
+    for floor in FLOORS:
+        each = (width - 2 * left - gap * (len(floor) - 1)) / len(floor)
+        for place, (room, words) in enumerate(floor):
+            x, middle = left + place * (each + gap), left + place * (each + gap) + each / 2
+            kind = ("core" if room == "core" else "engine" if room.startswith("engine") else
+                    "face" if room in ("simulation", "io", "study") else "field")
+            rows.append(f'<rect class="{kind}" x="{x:g}" y="{top}" width="{each:g}" '
+                        f'height="{height}" rx="6"/>'
+                        f'<text class="name" x="{middle:g}" y="{top + 20}">{room}</text>'
+                        f'<text class="words" x="{middle:g}" y="{top + 36}">{words}</text>')
+        top += height + gap
+    return "\n".join([
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {top + 10}" '
+        'font-family="sans-serif">',
+        '<style>rect{stroke:#4a5568;stroke-width:1}.core{fill:#e2e8f0}.field{fill:#e6fffa}'
+        '.engine{fill:#fefcbf}.face{fill:#ebf4ff}text{text-anchor:middle;fill:#1a202c}'
+        '.name{font-size:15px;font-weight:bold}.words{font-size:12px}</style>',
+        f'<rect x="0" y="0" width="{width}" height="{top + 10}" style="fill:white;stroke:none"/>',
+        f'<text class="name" x="{width / 2:g}" y="26">The rooms of silt</text>',
+        f'<text class="words" x="{width / 2:g}" y="44">A room may include what lies below it, '
+        'never what lies above. Yellow: opened by simulation alone.</text>',
+        *rows, "</svg>", ""])
+
+
+def faults_of_picture():
+    drawn = [room for floor in FLOORS for room, _ in floor]
+    faults = [f"room {room} is in ROOMS, but not in FLOORS (tests/rooms_check.py)"
+              for room in ROOMS if room not in drawn and room != "umbrella"]
+    if not PICTURE.exists() or PICTURE.read_text() != picture():
+        faults.append(f"{PICTURE.relative_to(ROOT)} is not of these rooms: rooms_check.py --draw")
+    return faults
+
+
 def self_test():
     assert faults_of("core/vec3.hpp", "#include <silt/search/nbs.hpp>")
     assert faults_of("engine/lists/pair_list.hpp", "#include <silt/engine/checks/guard.hpp>")
@@ -83,7 +140,9 @@ def self_test():
 def main():
     if "--self-test" in sys.argv[1:]:
         return self_test()
-    faults = []
+    if "--draw" in sys.argv[1:]:
+        PICTURE.write_text(picture())
+    faults = faults_of_picture()
     include = ROOT / "include" / "silt"
     for path in sorted(include.rglob("*.hpp")):
         faults += faults_of(path.relative_to(include).as_posix(), path.read_text())

@@ -4,6 +4,7 @@
 // The state of a scene in one number: what was not meant to change a result must not change it.
 
 #include <bit>
+#include <chrono>
 #include <cstdint>
 #include <cstdio>
 
@@ -55,9 +56,26 @@ std::uint64_t hash_of(const Sim& sim) {
   return hash.value();
 }
 
-/// Runs a scene, on two threads and from a checkpoint in its middle, and prints its hash.
+/// Whether scenes are timed instead.
+inline bool timing = false;
+
+/// Prints what a step of the second half of a scene takes on one thread.
+template <class Sim>
+void print_time(const char* name, double duration, Sim sim) {
+  sim.threads = 1;
+  sim.run(duration / 2);
+  const auto first = sim.step();
+  const auto start = std::chrono::steady_clock::now();
+  sim.run(duration / 2);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  std::printf("%-28s %12.4g\n", name, took.count() / static_cast<double>(sim.step() - first));
+}
+
+/// Runs a scene, on two threads and from a checkpoint in its middle, and prints its hash; or times
+/// it.
 template <class Make>
 void print(const char* name, double duration, const Make& make) {
+  if (timing) return print_time(name, duration, make());
   auto sim = make();
   sim.threads = 1;
   sim.run(duration / 2);

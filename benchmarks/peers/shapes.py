@@ -69,7 +69,7 @@ def bodies(a):
     scene = Scene(f"{BODIES} bodies of eight balls", BODIES, max(50, int(5000 * a.work)),
                   {"contacts": 0.03, "height": 1e-4})
     if not os.path.exists(data):
-        codes.run([silt, "settle", str(BODIES), "2000" if a.quick else "20000", data + ".new"], a.out)
+        codes.run([silt, "settle", str(BODIES), "20000", data + ".new"], a.out)  # at rest: some seconds
         os.replace(data + ".new", data)
     write(form, "".join("{} {} {} {}\n".format(*ball) for ball in BODY_FORM))
 

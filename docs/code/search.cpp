@@ -43,7 +43,7 @@ auto falling(const Search& search) {
 int main() {
   // Policies of Simulation, from the usual to the special.
   auto usual = falling(silt::VerletList<>{});
-  auto wide = falling(silt::VerletList<silt::HashedGrid>{});
+  auto cells = falling(silt::VerletList<silt::CellGrid>{});
   auto direct = falling(silt::HashedGrid{});
   auto tried = falling(silt::VerletList<silt::AutoSearch>{});
   auto own = falling(silt::VerletList<MySearch>{});
@@ -58,6 +58,6 @@ int main() {
   // Is a contact missed?
   silt::ContactCheck check;
   own.run(0.02, check);
-  usual.run(0.001), wide.run(0.001), direct.run(0.001), as_in_the_paper.run(0.001);
+  usual.run(0.001), cells.run(0.001), direct.run(0.001), as_in_the_paper.run(0.001);
   return check.contacts() > 0 ? 0 : 1;
 }

@@ -37,7 +37,7 @@ namespace silt::inline SILT_TARGET {
 ///   axis       policy                                         left out
 ///   particles  Particles<Shape>                               must be given
 ///   contact    Contacts<Law, Options...>                      must be given
-///   search     VerletList<Finder>, or a finder itself         VerletList<CellGrid>, automatic skin
+///   search     VerletList<Finder>, or a finder itself         VerletList<HashedGrid>, automatic skin
 ///   domain     OpenDomain, PeriodicBox                        OpenDomain
 ///   fluid      CoupledFlow<Drag, Mode, Forces...>             NoFluid
 ///   precision  Double, Mixed                                  Double

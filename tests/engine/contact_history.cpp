@@ -124,4 +124,24 @@ TEST_CASE("contact_history: it matters in this scene, so that the cases above ca
   CHECK(difference(bits(with), bits(without)) > 1e-6);
 }
 
+// A slice that is left out, counted twice or named after another's numbers.
+TEST_CASE("contact_history: each number that a contact keeps has a name") {
+  const auto words = [](const auto& sim) {
+    using Engine = std::remove_cvref_t<decltype(sim.engine())>;
+    static_assert(Engine::memory.is_whole());
+    return Engine::memory.words();
+  };
+  CHECK(words(pile({})) == "3 of law, 3 of rolling");  // as the case above wipes out all six
+  const silt::Contacts<HertzMindlin> contacts{rubber};
+  CHECK(words(silt::Simulation{silt::Particles<Sphere>{}, contacts, silt::EnergyLedger{}}) ==
+        "3 of law, 4 of ledger");
+  CHECK(words(silt::Simulation{silt::Particles<silt::Polyhedron>{}, contacts,
+                               silt::ContactEvents{}}) ==
+        "3 of law, 4 of normal, 3 of law at point 2, 3 of law at point 3, 6 of area, 1 of "
+        "radius, 12 of events");
+  using Engine = std::remove_cvref_t<decltype(pile({}).engine())>;
+  CHECK(Engine::memory.name_of(2) == "law[2]");
+  CHECK(Engine::memory.name_of(3) == "rolling[0]");
+}
+
 }  // namespace contact_history_test

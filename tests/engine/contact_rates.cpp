@@ -7,6 +7,7 @@
 #include <silt/boundary/domain.hpp>
 #include <silt/contact/jkr.hpp>
 #include <silt/contact/linear_spring.hpp>
+#include <silt/contact/rolling/directional.hpp>
 #include <silt/contact/rolling/epsd.hpp>
 #include <silt/engine/checks/contact_rates.hpp>
 
@@ -118,6 +119,47 @@ TEST_CASE("contact_rates: resistance to rolling counts with the inertia of the s
   // k_r = 2.25 k mu^2 r^2, C = 2 eta sqrt(1.4 m r^2 k_r), over the inertia 0.4 m r^2
   const double omega = std::sqrt(2.25 * k * mu * mu / (0.4 * mass));
   CHECK(rates(sim).rate(0) == near(1e-9 * omega * (1 + eta * std::sqrt(3.5))).epsilon(1e-6));
+}
+
+// The guard stopped beds at the step that silt had chosen: it took what follows the step for a
+// dashpot.
+TEST_CASE(
+    "contact_rates: resistance that follows the step does not count, with twelve neighbours "
+    "either") {
+  const double side = 2 * std::numbers::sqrt2 * radius * (1 - 1e-4);  // of a face-centred cell
+  std::vector<Vec3d> places;
+  for (int cell = 0; cell < 27; ++cell)
+    for (const Vec3d& x :
+         {Vec3d{0, 0, 0}, Vec3d{0, 0.5, 0.5}, Vec3d{0.5, 0, 0.5}, Vec3d{0.5, 0.5, 0}})
+      places.push_back(side *
+                       (x + Vec3d{double(cell % 3), double(cell / 3 % 3), double(cell / 9)}));
+  Particles<Sphere> p;
+  for (std::size_t k = 0; k < places.size(); ++k)
+    p.add({.position = places[k],
+           .radius = radius,
+           .density = density,
+           .angular_velocity = {0, 0, 1e-6 * std::sin(static_cast<double>(k * k))}});  // [rad/s]
+  silt::Simulation sim{
+      std::move(p),
+      Contacts<silt::HertzMindlin, silt::RollingDirectional>{
+          {.youngs_modulus = 1e7, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.5},
+          {0.1}},
+      silt::PeriodicBox{{{0, 0, 0}, {3 * side, 3 * side, 3 * side}}, {true, true, true}}};
+  sim.time_step = 1e-6;
+  // Contacts pass on rotation, but keep their sum: what differs from the mean is to die.
+  const auto differences = [&] {
+    Vec3d mean{0, 0, 0};
+    for (std::size_t k = 0; k < sim.rows(); ++k)
+      mean += sim.angular_velocity(k) * (1.0 / static_cast<double>(sim.rows()));
+    double most = 0;
+    for (std::size_t k = 0; k < sim.rows(); ++k)
+      most = std::max(most, norm(sim.angular_velocity(k) - mean));
+    return most;
+  };
+  const double first = differences();
+  sim.run(300e-6);
+  CHECK(differences() < first);  // it overshoots at first, then dies
+  CHECK(rates(sim).rate(0) < 0.2);
 }
 
 TEST_CASE("contact_rates: a grain that slow plates squeeze stops the run before it trembles") {

@@ -13,7 +13,9 @@
 
 #include <silt/io/checkpoint.hpp>
 #include <silt/io/observers.hpp>
+#include <silt/shape/dilated_moments.hpp>
 #include <silt/shape/multi_sphere.hpp>
+#include <silt/shape/polyhedron.hpp>
 #include <silt/shape/super_ellipsoid.hpp>
 #include <silt/simulation/contact_check.hpp>
 
@@ -262,6 +264,147 @@ TEST_CASE("edits: bodies of balls and convex ones that join the lists move as af
   same(cubes);
 }
 
+// A body that is made another size in flight is the one that was made so: mass, inertia, radii, the
+// narrow phase's forms. Spins before and after are the same.
+TEST_CASE("edits: a particle of another radius falls and rebounds like one that was made so") {
+  const auto rebound = [](auto shapes, double made, bool gear) {
+    const auto run = [&](auto sim) {
+      sim.gravity = {0, 0, -g};
+      sim.threads = 1;
+      sim.time_step = 1e-6;
+      sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, rubber);
+      if (made == 1e-3) {
+        sim.run(1e-3);
+        sim.run(1e-3, silt::at(silt::every(0.5e-3), [](auto& s) { s.set_radius(0, 1.3e-3); }));
+      } else {
+        sim.run(2e-3);
+      }
+      CHECK(sim.radius(0) == near(1.3e-3).epsilon(1e-12));
+      sim.run(0.02);
+      CHECK(sim.peak_overlap() > 1e-3);
+      return std::array{sim.position(0), sim.velocity(0), sim.angular_velocity(0),
+                        Vec3d{sim.mass(0), sim.radius(0), 0}};
+    };
+    shapes.add({.position = {0, 0, 5e-3},
+                .radius = made,
+                .density = 2500,
+                .velocity = {0.1, 0, -0.5},
+                .angular_velocity = {0, 30, 10}});
+    const silt::Contacts<HertzMindlin> contacts{rubber};
+    if constexpr (std::is_same_v<decltype(shapes), silt::Particles<Sphere>>)
+      if (gear) return run(silt::Simulation{std::move(shapes), contacts, silt::Gear3{}});
+    return run(silt::Simulation{std::move(shapes), contacts});
+  };
+  const auto same = [&](const auto& shapes, bool gear = false) {
+    const auto changed = rebound(shapes, 1e-3, gear), made = rebound(shapes, 1.3e-3, gear);
+    for (std::size_t k = 0; k < made.size(); ++k)
+      CHECK(norm(changed[k] - made[k]) < 1e-9 * norm(made[k]) + 1e-12);
+    CHECK(made[1].z > 0.05);  // it has rebounded
+  };
+  same(silt::Particles<Sphere>{});
+  same(silt::Particles<Sphere>{}, true);
+  silt::Particles<silt::MultiSphere> balls;
+  balls.add_form(silt::MultiSphere{.balls = {{{-0.6e-3, 0, 0}, 0.8e-3}, {{0.6e-3, 0, 0}, 0.8e-3}}});
+  same(balls);
+  silt::Particles<silt::SuperEllipsoid> pills;
+  pills.add_form(silt::SuperEllipsoid{.a = 1e-3, .b = 0.9e-3, .c = 1.1e-3, .s1 = 5, .s2 = 4});
+  same(pills);
+  silt::Particles<silt::Polyhedron> cubes;
+  cubes.add_form(silt::Polyhedron::box(1e-3, 1.2e-3, 1.4e-3));
+  same(cubes);
+}
+
+TEST_CASE("edits: a grain on a floor sinks in as its weight grows, and the books are kept") {
+  silt::Particles<Sphere> p;
+  p.add({.position = {0, 0, 1e-3}, .radius = 1e-3, .density = 2500});
+  silt::Simulation sim{std::move(p), silt::Contacts<HertzMindlin>{rubber}, silt::EnergyLedger{}};
+  sim.gravity = {0, 0, -g};
+  sim.threads = 1;
+  sim.time_step = 2e-6;
+  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, rubber);
+  const auto at_rest = [&] {
+    sim.run(0.1);
+    // Hertz on a plane: 4/3 E* sqrt(r) d^(3/2) = m g; both are rubber.
+    const double r = sim.radius(0), m = 2500 * Sphere::volume(r);
+    const double E =
+        rubber.youngs_modulus / (2 * (1 - rubber.poisson_ratio * rubber.poisson_ratio));
+    CHECK(sim.mass(0) == near(m).epsilon(1e-12));
+    CHECK(r - sim.position(0).z ==
+          near(std::cbrt(std::pow(0.75 * m * g / (E * std::sqrt(r)), 2))).epsilon(1e-6));
+  };
+  at_rest();
+  // Grown by 2 % in 200 steps it stays in contact, and its centre rises.
+  sim.run(1e-3, [](auto& s) {
+    if (s.radius(0) < 1.02e-3) s.set_radius(0, s.radius(0) * (1 + 1e-4));
+  });
+  CHECK(sim.radius(0) == near(1.02e-3).epsilon(1e-3));
+  at_rest();
+  const auto e = sim.energy();
+  // What came with the mass: 6 % of m g z, and no more than rounding is amiss.
+  CHECK(std::abs(e.error()) < 1e-6 * e.openings());
+  sim.set_radius(0, 0.8e-3);
+  at_rest();
+}
+
+TEST_CASE("edits: another material acts in contacts that there are") {
+  const HertzMindlin::Material soft{
+      .youngs_modulus = 1e6, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.3};
+  HertzMindlin::Material stiff = soft;
+  stiff.youngs_modulus = 8e6;
+  const auto sunk = [&](auto shapes, std::size_t material) {
+    shapes.add({.position = {0, 0, 1e-3}, .radius = 1e-3, .density = 2500, .material = material});
+    silt::Simulation sim{std::move(shapes),
+                         silt::Contacts<HertzMindlin, silt::SeveralMaterials>{{soft, stiff}}};
+    sim.gravity = {0, 0, -g};
+    sim.threads = 1;
+    sim.time_step = 2e-6;
+    sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, stiff);
+    sim.run(0.05);
+    if (material == 0) {
+      CHECK(has_words(refusal<InputError>([&] { sim.set_material(0, 2); }),
+                      {"set_material", "material 2", "2 materials"}));
+      sim.set_material(0, 1);
+      sim.run(0.05);
+    }
+    CHECK(sim.material(0) == 1);
+    return sim.position(0).z;
+  };
+  silt::Particles<silt::MultiSphere> ball;
+  ball.add_form(silt::MultiSphere{.balls = {{{0, 0, 0}, 1e-3}}});
+  CHECK(sunk(silt::Particles<Sphere>{}, 0) ==
+        near(sunk(silt::Particles<Sphere>{}, 1)).epsilon(1e-9));
+  CHECK(sunk(ball, 0) == near(sunk(ball, 1)).epsilon(1e-9));
+}
+
+TEST_CASE("edits: sizes that change in mid-run change no bit by threads or from a checkpoint") {
+  const auto run = [](int threads, bool restarts) {
+    auto sim = box_of(heap(2800));
+    sim.threads = threads;
+    silt::Random random{9};
+    const auto abrade = [&](auto& s) {
+      const auto k = static_cast<std::size_t>(random.uniform(0, double(s.rows())));
+      s.set_radius(s.id(k), s.radius(k) * random.uniform(0.97, 1.01));
+    };
+    sim.run(4e-3, abrade);
+    if (!restarts) {
+      sim.run(4e-3, abrade);
+      return bits(sim);
+    }
+    std::string folder = (std::filesystem::temp_directory_path() / "silt_sizes_XXXXXX").string();
+    REQUIRE(::mkdtemp(folder.data()) != nullptr);
+    silt::save_checkpoint(sim, folder + "/amid.silt");
+    auto other = box_of(heap(2800));
+    other.threads = threads;
+    silt::load_checkpoint(other, folder + "/amid.silt");
+    std::filesystem::remove_all(folder);
+    other.run(4e-3, abrade);
+    return bits(other);
+  };
+  const auto one = run(1, false);
+  CHECK(one == run(3, false));
+  CHECK(one == run(2, true));
+}
+
 TEST_CASE("edits: a particle that is not there, and values that cannot be, are refused") {
   auto sim = box_of(heap(10));
   CHECK(has_words(refusal<InputError>([&] { sim.remove(10); }),
@@ -281,6 +424,15 @@ TEST_CASE("edits: a particle that is not there, and values that cannot be, are r
                     sim.set_angular_velocity(4, {0, NAN, 0});
                   }),
                   {"set_angular_velocity", "finite"}));
+  for (const double r : {0.0, -1e-3, double(NAN), double(INFINITY)})
+    CHECK(has_words(refusal<InputError>([&] { sim.set_radius(4, r); }),
+                    {"Simulation::set_radius", "finite and greater than 0"}));
+  CHECK(has_words(refusal<InputError>([&] { sim.set_radius(3, 1e-3); }), {"no particle 3"}));
+  silt::Simulation repeats{
+      heap(10), silt::Contacts<HertzMindlin>{rubber},
+      silt::PeriodicBox{{{0, 0, 0}, {20e-3, 20e-3, 60e-3}}, {true, true, false}}};
+  CHECK(has_words(refusal<InputError>([&] { repeats.set_radius(4, 4e-3); }),
+                  {"set_radius", "PeriodicBox", "3 diameters"}));
   sim.run(1e-3);
   CHECK(sim.size() == 9);
 }

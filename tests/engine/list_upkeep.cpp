@@ -327,6 +327,42 @@ TEST_CASE(
   }
 }
 
+// Catches growth that is not charged to the inner reach, the outer reach, or to what was used of
+// the inner one before.
+TEST_CASE("list_upkeep: spheres grow and shrink without a search, and no contact is missed") {
+  const auto swell = [](auto sim, std::size_t least_walls) {
+    sim.time_step = 2e-6, sim.threads = 1;
+    sim.guard.max_overlap = 10, sim.guard.through_meshes = true;
+    Watch watch;
+    silt::Random random(7);
+    std::size_t changes = 0;
+    sim.run(6e-3, watch, [&](auto& s) {
+      if (s.step() < 30) return;
+      for (int c = 0; c < 3; ++c, ++changes) {
+        const auto k = static_cast<std::size_t>(random.uniform(0, static_cast<double>(s.rows())));
+        const double r = s.radius(k) * (1 + random.uniform(-0.03, 0.03));
+        s.set_radius(s.id(k), std::clamp(r, 0.15e-3, 0.8e-3));
+      }
+    });
+    check(watch);
+    CHECK(watch.touching_walls >= least_walls);
+    CHECK(changes > 8000);
+    CHECK(watch.searches.size() < changes / 20);
+  };
+  for (const auto& search : {silt::VerletList<>{}, fixed_skin(0.4e-3)}) {
+    const silt::Contacts<silt::LinearSpring> soft{{.stiffness = 2}};
+    swell(silt::Simulation{falling(0.2, 240), soft, search,
+                           silt::PeriodicBox{{{1e-3, 1e-3, 7e-3}, {15e-3, 15e-3, 15e-3}},
+                                             {true, true, true}}},
+          0);
+    silt::Simulation sim{falling(0.2, 240), soft, search};
+    const silt::LinearSpring::Material wall{.stiffness = 2};
+    sim.add_wall(silt::box({0, 0, 0}, {16e-3, 16e-3, 20e-3}), wall);
+    sim.add_wall(paddle(), wall, silt::rotation({8e-3, 8e-3, 8e-3}, {0, 0, 1}, 60));
+    swell(std::move(sim), 1000);
+  }
+}
+
 // A wall sinks by less than it may since the pruning, a newcomer joins far away, and the wall comes
 // back to beyond where it was. Catches wall contacts that are chosen anew at that moment as if the
 // wall had not moved: it may go twice as far then before the next pruning.

@@ -86,7 +86,7 @@ struct EnergyRange {
   double start, least, most, end;  // [J]
 };
 EnergyRange energy_over_a_million_steps(const HertzMindlin::Material& m) {
-  const double dt = contact_time(m, 2) / 50;
+  const double dt = contact_time(m, 2) / 100;
   auto sim = billiards(m, dt);
   EnergyRange out{energy(sim, m), HUGE_VAL, 0, 0};
   for (int k = 0; k < 1000; ++k) {
@@ -169,17 +169,20 @@ TEST_CASE("conservation: two stacked spheres rest at the closed-form overlaps, a
   CHECK(std::abs(position_of(settling, 1).x) == 0);
 }
 
-TEST_CASE("conservation: the energy of an elastic scene stays within 0.1 % over 1e6 steps") {
-  // Leapfrog keeps the energy of a smooth force; the kinks at touch leave at most 4e-5 a collision
-  // at 50 steps (tests/physics/impact.cpp), of either sign: 1e-3 in some thousand collisions.
+TEST_CASE("conservation: the energy of an elastic scene stays within 0.05 % over 1e6 steps") {
+  // Leapfrog conserves the energy of a smooth force. The kink of the force at touch changes it by a
+  // random amount in each collision, with a standard deviation of 1.0e-6 of the scene's energy at
+  // 100 steps per contact and 5.4e-6 at 50 (computed from 60 and 120 other starts; their means do
+  // not differ from 0). Over the 5 900 collisions here that is 8e-5; the limit is six times as much,
+  // and a law that gains 1e-7 in each collision exceeds it.
   const auto range = energy_over_a_million_steps(material(1, 0));
-  CHECK(range.least > range.start * (1 - 1e-3));
-  CHECK(range.most < range.start * (1 + 1e-3));
+  CHECK(range.least > range.start * (1 - 5e-4));
+  CHECK(range.most < range.start * (1 + 5e-4));
 }
 
 TEST_CASE("conservation: with friction no energy is gained over 1e6 steps") {
   const auto range = energy_over_a_million_steps(material(1, 0.3));
-  CHECK(range.most < range.start * (1 + 1e-3));
+  CHECK(range.most < range.start * (1 + 5e-4));
   CHECK(range.end < 0.5 * range.start);  // friction took the rest
 }
 

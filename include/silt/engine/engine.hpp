@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <silt/engine/advance/tables.hpp>
+#include <silt/engine/contact/contact_memory.hpp>
 #include <silt/engine/lists/near_lists.hpp>
 #include <silt/engine/spheres/pair_pipeline.hpp>
 #include <silt/engine/stages_of_shape.hpp>
@@ -36,7 +37,9 @@ class Engine : public Tables<Composition> {
   static constexpr bool rotates = ContactsType::rotates;
   static constexpr std::size_t chunks = load_chunks<ContactsType>;
   static constexpr std::size_t history = ContactsType::history;  // Reals of a contact
-  using Scalar = typename Composition::Scalar;                   // of the work on pairs
+  static constexpr ContactMemory<ContactsType> memory{};
+  static_assert(memory.is_whole());
+  using Scalar = typename Composition::Scalar;  // of the work on pairs
   static constexpr bool predicts = Integrator::derivatives > 0;
   static constexpr bool has_bodies = Composition::has_bodies;  // rows are parts of them
   static constexpr bool convex = Composition::has_surfaces;    // with narrow phases of their own
@@ -73,15 +76,7 @@ class Engine : public Tables<Composition> {
   }
   template <class Contacts>
   static CoefficientTable<ContactsType> coefficients_of(const Contacts& contacts) {
-    const std::size_t n = contacts.materials();
-    const std::size_t of_particles = ContactsType::several_materials ? n : 1;
-    CoefficientTable<ContactsType> table{n, {}, {}};
-    for (std::size_t a = 0; a < of_particles; ++a)
-      for (std::size_t b = 0; b < n; ++b) {
-        table.law.push_back(contacts.coefficients(a, b));
-        table.rolling.push_back(contacts.rolling_coefficients(a, b));
-      }
-    return table;
+    return coefficient_table<ContactsType>(contacts);
   }
 
   /// Takes the rows from `first` on, which have just come, into the lists.
@@ -98,6 +93,18 @@ class Engine : public Tables<Composition> {
     }
     this->park(k);
     lists.leave(scene(domain, time_step), rows);
+  }
+  /// Gives the particle at place k another radius [m], of bodies that of the bounding sphere.
+  void set_radius(std::size_t k, double radius, const Domain& domain, double time_step) {
+    Tables<Composition>::set_radius(k, radius, [&](std::size_t row, double growth, double way) {
+      lists.follow_growth(scene(domain, time_step), row, growth, growth + way);
+      include_share(row);
+    });
+    if constexpr (has_bodies) lists.follow_change();
+  }
+  void set_material(std::size_t k, std::size_t material) {
+    Tables<Composition>::set_material(k, static_cast<std::uint16_t>(material));
+    lists.follow_change();
   }
   /// After the motion of the particle at place k was changed.
   void follow_change(std::size_t k) {

@@ -59,9 +59,9 @@ class Checkpoint {
     a.rows("synchronous", e.mover.synchronous, sim.kicked_ ? e.owners() : 0);
     detail::visit_upkeep(a, e.lists.upkeep, e.lists.reference, e.lists.reference.size());
     auto pairs = e.lists.pairs.state();
-    detail::visit_pairs(a, pairs);
+    detail::visit_pairs(a, pairs, Engine::memory);
     auto contacts = e.lists.walls.state();
-    detail::visit_wall_contacts(a, contacts);
+    detail::visit_wall_contacts(a, contacts, Engine::memory);
 
     std::vector<double> books;
     if constexpr (Sim::has_ledger) {
@@ -105,7 +105,7 @@ class Checkpoint {
   /// Which programs can continue from the file: the policies that shape the state, and what
   /// contacts remember.
   static std::string signature() {
-    return text("silt state 10; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
+    return text("silt state 11; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
                 name_of<typename Sim::ContactsType>(), "; search ", name_of<typename Sim::Search>(),
                 "; domain ", name_of<typename Sim::Domain>(), "; precision ",
                 name_of<typename Sim::Precision>(), Sim::has_ledger ? "; ledger" : "",
@@ -114,7 +114,7 @@ class Checkpoint {
                 "; integrator ", name_of<typename Sim::Integrator>(),
                 Sim::of_bodies ? text("; rotation ", name_of<typename Sim::Rotation>()) : "",
                 Sim::Modules::exist ? text("; modules ", name_of<typename Sim::Modules>()) : "",
-                "; contacts keep ", Engine::history, " numbers");
+                "; contacts keep ", Engine::memory.words());
   }
 
  private:
@@ -293,13 +293,12 @@ class Checkpoint {
       detail::check_walls(a, walls_, e_.walls, clock_, forgotten, accepted);
 
       typename decltype(Engine::Lists::pairs)::State pairs;
-      detail::visit_pairs(a, pairs);
-      detail::check_pairs<typename Engine::Scalar>(a, pairs, particles_, listed);
+      detail::visit_pairs(a, pairs, Engine::memory);
+      detail::check_pairs<Engine>(a, pairs, particles_, listed);
       typename decltype(Engine::Lists::walls)::State contacts;
-      detail::visit_wall_contacts(a, contacts);
+      detail::visit_wall_contacts(a, contacts, Engine::memory);
       lists_.walls.planes_apart = !Engine::State::of_bodies;
-      detail::check_wall_contacts<typename Engine::Scalar>(a, contacts, lists_.walls, e_.walls,
-                                                           listed, forgotten);
+      detail::check_wall_contacts<Engine>(a, contacts, lists_.walls, e_.walls, listed, forgotten);
       const std::vector<double> outer(upkeep.outer.begin(), upkeep.outer.end()),
           inner(upkeep.inner.begin(), upkeep.inner.end());
       upkeep.restore(outer, inner);

@@ -194,7 +194,7 @@ std::vector<std::uint32_t> check_bodies(const CheckpointLoader& a, const std::ve
 }
 
 /// `listed`: how many rows the lists are of.
-template <class Scalar, class Pairs, class State>
+template <class Engine, class Pairs, class State>
 void check_pairs(const CheckpointLoader& a, const Pairs& pairs, const State& p,
                  std::size_t listed) {
   const auto left = [&](std::uint32_t row) { return p.id[row] == no_particle; };
@@ -230,16 +230,12 @@ void check_pairs(const CheckpointLoader& a, const Pairs& pairs, const State& p,
     a.need(
         pairs.origin[k] < pairs.outer.size() && (k == 0 || pairs.origin[k - 1] < pairs.origin[k]),
         "pairs.inner[", k, "] = ", pairs.origin[k],
-        " must be a place in the outer list, after "
-        "the one before it");
-  for (std::size_t h = 0; h < pairs.history.size(); ++h)
-    for (const double x : pairs.history[h])
-      a.need(std::abs(x) <= static_cast<double>(std::numeric_limits<Scalar>::max()),
-             "pairs.history", h, " has ", x, ", beyond what contacts can hold");
+        " is no place in the outer list after the last");
+  check_memory<Engine>(a, "pairs.", pairs.history);
 }
 
 /// `forgotten`: the lists will be made anew before they are used, but for the contacts in them.
-template <class Scalar, class Contacts>
+template <class Engine, class Contacts>
 void check_wall_contacts(const CheckpointLoader& a, const typename Contacts::State& s,
                          const Contacts& contacts, std::span<const Wall> walls, std::size_t listed,
                          bool forgotten) {
@@ -285,10 +281,7 @@ void check_wall_contacts(const CheckpointLoader& a, const typename Contacts::Sta
   for (std::size_t k = 0; k < s.slots.size(); ++k)
     a.need(std::abs(norm(s.slots[k].normal) - 1) < 1e-3, "walls.slots[", 4 * k,
            "]: the normal is no unit vector");
-  for (std::size_t h = 0; h < s.history.size(); ++h)
-    for (const double x : s.history[h])
-      a.need(std::abs(x) <= static_cast<double>(std::numeric_limits<Scalar>::max()),
-             "walls.history", h, " has ", x, ", beyond what contacts can hold");
+  check_memory<Engine>(a, "walls.", s.history);
 }
 
 inline void check_walls(const CheckpointLoader& a, const WallsState& s, std::span<const Wall> walls,

@@ -86,8 +86,8 @@ void visit_loads(Archive& a, Loads& loads, std::size_t particles) {
 }
 
 /// Of PairList: the pairs of the outer list, which of them are in the inner one, and their history.
-template <class Archive, class Pairs>
-void visit_pairs(Archive& a, Pairs& pairs) {
+template <class Archive, class Pairs, class Memory>
+void visit_pairs(Archive& a, Pairs& pairs, const Memory& memory) {
   a.number("pairs.grouped", pairs.grouped, count_number);
   if constexpr (Archive::loads) {
     const auto outer = a.template column<std::uint32_t>("pairs.outer");
@@ -104,7 +104,7 @@ void visit_pairs(Archive& a, Pairs& pairs) {
     a.column("pairs.inner", pairs.origin, 0);
   }
   for (std::size_t h = 0; h < pairs.history.size(); ++h)
-    a.column(text("pairs.history", h), pairs.history[h], pairs.origin.size());
+    a.column(text("pairs.", memory.name_of(h)), pairs.history[h], pairs.origin.size());
 }
 
 template <class Archive>
@@ -131,8 +131,8 @@ void visit_candidates(Archive& a, const std::string& name, std::vector<WallCandi
 }
 
 /// Of WallContacts. `rows`: Slot by Slot, normal and then 1 where it touches.
-template <class Archive, class Contacts>
-void visit_wall_contacts(Archive& a, Contacts& s) {
+template <class Archive, class Contacts, class Memory>
+void visit_wall_contacts(Archive& a, Contacts& s, const Memory& memory) {
   visit_candidates(a, "walls.outer", s.outer), visit_candidates(a, "walls.inner", s.inner);
   constexpr std::size_t any = CheckpointLoader::any_count;
   a.column("walls.outer_facets", s.outer_facets, any);
@@ -161,7 +161,17 @@ void visit_wall_contacts(Archive& a, Contacts& s) {
     a.copied("walls.slots", std::move(slots)), a.copied("walls.features", std::move(features));
   }
   for (std::size_t h = 0; h < s.history.size(); ++h)
-    a.column(text("walls.history", h), s.history[h], s.slots.size());
+    a.column(text("walls.", memory.name_of(h)), s.history[h], s.slots.size());
+}
+
+/// What contacts remember must fit into the numbers that they remember it in.
+template <class Engine, class History>
+void check_memory(const CheckpointLoader& a, const char* of, const History& history) {
+  for (std::size_t h = 0; h < history.size(); ++h)
+    for (const double x : history[h])
+      a.need(
+          std::abs(x) <= static_cast<double>(std::numeric_limits<typename Engine::Scalar>::max()),
+          of, Engine::memory.name_of(h), " has ", x, ", beyond what contacts can hold");
 }
 
 /// Where walls are and what they bear, and where they were when the lists were made.

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include <silt/core/error.hpp>
-#include <silt/search/cell_grid.hpp>
+#include <silt/search/hashed_grid.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -18,7 +18,7 @@ namespace silt::inline SILT_TARGET {
 /// Source: L. Verlet, Phys. Rev. 159 (1967) 98.
 /// Errors: InputError for a skin that is not finite and positive.
 /// Tests:  tests/engine/list_upkeep.cpp.
-template <NeighbourSearch Finder = CellGrid>
+template <NeighbourSearch Finder = HashedGrid>
 struct VerletList {
   std::optional<double> skin = {};  // [m] > 0; left out: chosen from the motion
   bool sort = true;                 // keep particles in the order of their cells in memory

@@ -45,8 +45,53 @@ class ParticleEdits {
     if (sim().kicked_) sim().engine_.set_angular_velocity_now(k, velocity);
     changed(k, before);
   }
+  /// Gives the particle with this id another radius [m], of bodies that of the bounding sphere:
+  /// with it grows, or shrinks, all of it. Density, place, velocity and angular velocity stay, and
+  /// what its contacts remember. What that changes of its own energy is among the ledger's
+  /// `openings`, what its contacts store more or less among their losses. No contact is missed.
+  void set_radius(ParticleId id, double radius) {
+    const std::size_t k = place_of(id, "set_radius");
+    require(std::isfinite(radius) && radius > 0, "Simulation::set_radius: radius = ", radius,
+            " [m] must be finite and greater than 0");
+    if constexpr (Sim::Domain::periodic)
+      for (int d = 0; d < 3; ++d)
+        require(!sim().domain_.repeats(d) || sim().domain_.length(d) >= 6 * radius,
+                "Simulation::set_radius: the length ", sim().domain_.length(d),
+                " [m] of PeriodicBox must be at least 3 diameters of particle ", id, " of radius ",
+                radius, " m");
+    const double before = energy_of(k), smallest = sim().engine_.particles.smallest_radius;
+    sim().engine_.set_radius(k, radius, sim().domain_, sim().dt_);
+    brought_in(k, before);
+    // Lighter ones have shorter contacts, which the guard and the next run look at.
+    sim().scene_changed_ = true, sim().scene_step_ = sim().step_;
+    if (sim().engine_.particles.smallest_radius < smallest) sim().checked_speed_ = 0;
+  }
+  /// Makes the particle with this id one of another material, by its number among those of the
+  /// contacts; radius, mass and what its contacts remember stay.
+  void set_material(ParticleId id, std::size_t material) {
+    static_assert(Sim::ContactsType::several_materials,
+                  "set_material: particles are of several materials with Contacts<Law, "
+                  "SeveralMaterials> alone");
+    const std::size_t k = place_of(id, "set_material");
+    require(material < sim().contacts_.materials(), "Simulation::set_material: material ", material,
+            " is not in the table of ", sim().contacts_.materials(), " materials");
+    if (material >= sim().engine_.coefficients.materials)
+      sim().engine_.set_coefficients(sim().contacts_);
+    sim().engine_.set_material(k, material);
+    sim().scene_changed_ = true, sim().checked_speed_ = 0;
+  }
 
  private:
+  /// [J] kinetic and potential, as the ledger reckons; 0 without it.
+  double energy_of([[maybe_unused]] std::size_t k) {
+    if constexpr (Sim::has_ledger)
+      if (!sim().first_kick_ && std::isfinite(sim().mass(k)))
+        return sim().kinetic(k).sum() + sim().potential(k);
+    return 0;
+  }
+  void brought_in([[maybe_unused]] std::size_t k, [[maybe_unused]] double before) {
+    if constexpr (Sim::has_ledger) sim().book_.bring_in(energy_of(k) - before);
+  }
   Sim& sim() { return static_cast<Sim&>(*this); }
 
   std::size_t place_of(ParticleId id, const char* function) {

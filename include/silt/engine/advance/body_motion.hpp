@@ -138,7 +138,9 @@ class BodyMotion {
       if constexpr (ShapeType::Kinds::count > 1) out.kind.assign(particles.size() + 2, 0);
       out.exponents = Exponents::Ball;
       out.least_radius = std::numeric_limits<double>::infinity();
+      for_each_store([](auto& store) { store.begin_renewal(); });
       for (std::size_t r = 0; r < particles.size(); ++r) renew_row(r, particles.part[r]);
+      for_each_store([](auto& store) { store.end_renewal(); });
     }
   }
 
@@ -146,6 +148,28 @@ class BodyMotion {
   void put_in_place(State& particles, const Body& b) {
     Measured most;
     place(particles, nullptr, b, Placing::Still, 0, most);
+  }
+
+  /// See Tables::set_radius().
+  template <class Grown>
+  void set_radius(State& particles, std::size_t k, double radius, const Grown& grown) {
+    Body& b = bodies[k];
+    const double ratio = radius / b.radius, cube = ratio * ratio * ratio;
+    b.radius = radius, b.scale *= ratio, b.lever = ratio * b.lever;
+    if (b.inv_m > 0) b.inv_m /= cube, b.inertia = (cube * ratio * ratio) * b.inertia;
+    b.momentum = (b.inv_m > 0 ? cube * ratio * ratio : 1) * b.momentum;
+    for (const std::uint32_t row : rows_of(b)) {
+      const PositionRow before = particles.position[row];
+      PositionRow& now = particles.position[row];
+      const Vec3d body = b.centre + particles.part[row].image;
+      const Vec3d at = body + ratio * (before.centre() - body);
+      now = {at.x, at.y, at.z, ratio * before.r};
+      particles.motion[row].inv_m = b.inv_m;
+      if constexpr (rotates) particles.motion[row].inv_r = 1 / now.r;
+      particles.include_size(row, before.r);
+      grown(std::size_t{row}, now.r - before.r, norm(at - before.centre()));
+    }
+    put_in_place(particles, b);
   }
 
   /// After parts were sorted or dropped: brings the bodies into the order of their first parts.
@@ -185,6 +209,14 @@ class BodyMotion {
   }
 
  private:
+  /// Of those kinds that keep anything.
+  template <class Visit>
+  void for_each_store(const Visit& visit) requires convex {
+    const auto one = [&](auto& store) {
+      if constexpr (requires { store.begin_renewal(); }) visit(store);
+    };
+    std::apply([&](auto&... store) { (one(store), ...); }, convex_rows.stores);
+  }
   void renew_row(std::size_t r, const PartRow& part) requires convex {
     auto& out = convex_rows;
     const Body& b = bodies[part.body];
@@ -194,7 +226,8 @@ class BodyMotion {
           using Kind = std::decay_t<decltype(solid)>;
           using Narrow = KernelOf<Kind>;
           auto& store = std::get<ShapeType::Kinds::template index<Kind>>(out.stores);
-          if (r < out.form.size()) out.form[r].set(Narrow::row(solid, b.scale, store));
+          if (r < out.form.size())
+            out.form[r].set(Narrow::row(solid, b.scale, store, {b.form, part.local}));
           out.exponents = std::max(out.exponents, Narrow::exponents(solid));
           out.pose[r].least_radius = b.scale * Narrow::least_radius(solid);
         },
@@ -271,7 +304,12 @@ class BodyMotion {
         carry_pack(scene, kick, time, {bodies.data() + k, std::min(W, to - k)}, most);
     });
   }
+  struct Pack;
   void carry_pack(const Scene& scene, const Kick* kick, double time, std::span<Body> pack,
+                  Measured& most);
+  void kick_pack(const Scene& scene, const Kick& kick, std::span<const Body> pack, Pack& now) const;
+  void record_pack(std::span<const Body> pack, const Vec3<Real>& v, const Vec3<Real>& w);
+  void place_pack(const Scene& scene, const Pack& now, bool moved, std::span<Body> pack,
                   Measured& most);
   /// Adds what fluid and modules do to a pack of bodies to its loads.
   void add_others(std::span<const Body> pack, Real (&load)[8]) const;

@@ -87,6 +87,41 @@ class Tables {
     else
       mover.synchronous[k].spin_velocity = particles.position[k].r * w;
   }
+  /// Gives the particle at place k another radius [m], of bodies that of the bounding sphere.
+  /// Density, place, velocity and angular velocity stay. Calls grown(row, growth of its radius [m],
+  /// way of its centre [m]) for each of its rows.
+  template <class Grown>
+  void set_radius(std::size_t k, double radius, const Grown& grown) {
+    if constexpr (has_bodies) {
+      mover.set_radius(particles, k, radius, grown);
+    } else {
+      const double ratio = radius / particles.position[k].r,
+                   growth = radius - particles.position[k].r;
+      particles.position[k].r = radius;
+      auto& m = particles.motion[k];
+      m.inv_m /= ratio * ratio * ratio;
+      if constexpr (Composition::rotates) {
+        m.wx *= ratio, m.wy *= ratio, m.wz *= ratio, m.inv_r = 1 / radius;
+        if (k < mover.synchronous.size())
+          mover.synchronous[k].spin_velocity = ratio * mover.synchronous[k].spin_velocity;
+        if constexpr (State::derivative_rows > 0)
+          for (std::size_t d = State::derivative_rows / 2; d < State::derivative_rows; ++d)
+            for (double& x : particles.derivatives[k].row[d]) x *= ratio;
+      }
+      particles.renew_pair_motion(k);
+      particles.include_size(k, radius - growth);
+      grown(k, growth, 0.0);
+    }
+  }
+  void set_material(std::size_t k,
+                    std::uint16_t material) requires(Composition::several_materials) {
+    if constexpr (has_bodies) {
+      for (const std::uint32_t row : mover.rows_of(mover.bodies[k]))
+        particles.material[row] = material;
+    } else {
+      particles.material[k] = material;
+    }
+  }
   /// After the motion of the particle at place k was changed: what follows from it.
   void follow_motion(std::size_t k) {
     if constexpr (has_bodies)

@@ -21,6 +21,20 @@ struct CoefficientTable {
   std::vector<typename ContactsType::RollingCoefficients> rolling;  // materials x materials
 };
 
+/// Throws InputError where materials have no pair value.
+template <class ContactsType, class Contacts>
+CoefficientTable<ContactsType> coefficient_table(const Contacts& contacts) {
+  const std::size_t n = contacts.materials();
+  const std::size_t of_particles = ContactsType::several_materials ? n : 1;
+  CoefficientTable<ContactsType> table{n, {}, {}};
+  for (std::size_t a = 0; a < of_particles; ++a)
+    for (std::size_t b = 0; b < n; ++b) {
+      table.law.push_back(contacts.coefficients(a, b));
+      table.rolling.push_back(contacts.rolling_coefficients(a, b));
+    }
+  return table;
+}
+
 /// The largest gap [m] at which the law acts, between spheres of up to `largest_radius` [m] and
 /// with walls.
 template <class ContactsType>

@@ -45,28 +45,15 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
     (collect_one<Ms>(columns, rows, owner_of), ...);
   }
 
-  /// The fluxes of `count` contacts of a block between the rows first[k] and second[k].
-  template <class Block>
-  void pairs(const Block& block, std::size_t count, const std::uint32_t* first,
-             const std::uint32_t* second) {
+  /// The fluxes of the first `count` contacts of a block, whose loads are known. `ends`: of the
+  /// ContactStage.
+  template <class Block, class Ends>
+  void add(const Block& block, std::size_t count, const Ends& ends) {
+    if constexpr (Ends::at_wall && !(flows_at_walls<Ms> || ...)) return;
     for (std::size_t k = 0; k < count; k += W) {
       const auto c = touching(block, k);
-      if (any(c.overlap > Real(0)))
-        (pairs_of<Ms>(c, std::min(W, count - k), first + k, second + k), ...);
+      if (any(c.overlap > Real(0))) (flow_of<Ms>(c, k, std::min(W, count - k), ends), ...);
     }
-  }
-  /// The same with walls: of the rows particle(k) and the walls wall(k).
-  template <class Block, class Particle, class WallOf>
-  void walls(const Block& block, std::size_t count, const Particle& particle, const WallOf& wall) {
-    if constexpr ((flows_at_walls<Ms> || ...))
-      for (std::size_t k = 0; k < count; k += W) {
-        const auto c = touching(block, k);
-        if (any(c.overlap > Real(0)))
-          (walls_of<Ms>(
-               c, std::min(W, count - k), [&](std::size_t lane) { return particle(k + lane); },
-               [&](std::size_t lane) { return wall(k + lane); }),
-           ...);
-      }
   }
 
  private:
@@ -118,43 +105,29 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
     const auto load = block.template get_load<Real>(k);
     return {kin.normal, load.force, dot(load.force, kin.normal), kin.overlap, kin.R_eff, kin.m_eff};
   }
-  template <class M>
-  void pairs_of(const Touching<Real>& c, std::size_t valid, const std::uint32_t* first,
-                const std::uint32_t* second) {
-    if constexpr (Exchanges<M>) {
+  template <class M, class Ends>
+  void flow_of(const Touching<Real>& c, std::size_t k, std::size_t valid, const Ends& ends) {
+    if constexpr (Ends::at_wall ? flows_at_walls<M> : Exchanges<M>) {
       auto& [value, sum] = rows_of<M>();
-      alignas(64) Scalar ends[2][W] = {};
+      alignas(64) Scalar of_ends[2][W] = {};
       for (std::size_t lane = 0; lane < valid; ++lane) {
-        ends[0][lane] = static_cast<Scalar>(value[first[lane]]);
-        ends[1][lane] = static_cast<Scalar>(value[second[lane]]);
+        of_ends[0][lane] = static_cast<Scalar>(value[ends.first(k + lane)]);
+        if constexpr (Ends::at_wall)
+          of_ends[1][lane] = static_cast<Scalar>(module<M>().at_wall(ends.wall(k + lane), time_));
+        else
+          of_ends[1][lane] = static_cast<Scalar>(value[ends.second(k + lane)]);
       }
       alignas(64) Scalar flux[W];
-      ask<M>(c, ends, flux);
+      ask<M>(c, of_ends, flux);
       for (std::size_t lane = 0; lane < valid; ++lane) {
-        sum[first[lane]] += static_cast<double>(flux[lane]);
-        sum[second[lane]] -= static_cast<double>(flux[lane]);
+        sum[ends.first(k + lane)] += static_cast<double>(flux[lane]);
+        if constexpr (!Ends::at_wall) sum[ends.second(k + lane)] -= static_cast<double>(flux[lane]);
       }
     }
   }
-  template <class M, class Particle, class WallOf>
-  void walls_of(const Touching<Real>& c, std::size_t valid, const Particle& particle,
-                const WallOf& wall) {
-    if constexpr (flows_at_walls<M>) {
-      auto& [value, sum] = rows_of<M>();
-      alignas(64) Scalar ends[2][W] = {};
-      for (std::size_t lane = 0; lane < valid; ++lane) {
-        ends[0][lane] = static_cast<Scalar>(value[particle(lane)]);
-        ends[1][lane] = static_cast<Scalar>(module<M>().at_wall(wall(lane), time_));
-      }
-      alignas(64) Scalar flux[W];
-      ask<M>(c, ends, flux);
-      for (std::size_t lane = 0; lane < valid; ++lane)
-        sum[particle(lane)] += static_cast<double>(flux[lane]);
-    }
-  }
   template <class M>
-  void ask(const Touching<Real>& c, const Scalar (&ends)[2][W], Scalar (&flux)[W]) const {
-    const Real answer = module<M>().flux(c, load<Real>(ends[0]), load<Real>(ends[1]));
+  void ask(const Touching<Real>& c, const Scalar (&of_ends)[2][W], Scalar (&flux)[W]) const {
+    const Real answer = module<M>().flux(c, load<Real>(of_ends[0]), load<Real>(of_ends[1]));
     store(flux, select(c.overlap > Real(0), answer, Real(0)));
   }
 

@@ -116,60 +116,71 @@ struct ContactKernel {
       if constexpr (has_safeguard<Law>)
         tally.lanes.dashpot -= ended_by_safeguard(c, law, before, h, touching);
     }
-    if constexpr (ContactsType::has_rolling) {
-      [[maybe_unused]] constexpr std::size_t offset = ContactsType::law_history;
-      const Real twist = dot(r.angular_velocity, k.normal);
-      const RollingContact<Real> rc{k.normal,
-                                    r.angular_velocity - twist * k.normal,
-                                    twist,
-                                    k.spin,
-                                    c.overlap,
-                                    select(touching, pressing(c, law, normal_force), zero),
-                                    Law::stiffness(c, law),
-                                    k.R_eff,
-                                    r.inertia_eff,
-                                    c.turn,
-                                    time_step,
-                                    Real(static_cast<ScalarOf<Real>>(Inertia::share_of_rolling())),
-                                    unloading(c, law),
-                                    shrinking(c)};
-      const Vec3<Real> none{zero, zero, zero};
-      if constexpr (of_own_rotation<Rolling>) {
-        // Couples that are not opposite, as what is (couple) and what turns both alike (twirl).
-        const Real per_arm = Real(1) / (radii.i + radii.j);
-        const OwnRotations<Real> own{per_arm * (k.spin + radii.j * r.angular_velocity),
-                                     per_arm * (k.spin - radii.i * r.angular_velocity), radii.i,
-                                     radii.j};
-        const OwnCouples<Real> t = Rolling::torque(rc, own, rolling);
-        const Vec3<Real> twirl = select(touching, per_arm * (t.on_i + t.on_j), none);
-        out.twirl += twirl;
-        out.couple = select(touching, per_arm * (radii.j * t.on_i - radii.i * t.on_j), none);
-        if constexpr (keeps_ledger<ContactsType>)  // to first order in the step
-          tally.lanes.couple +=
-              known(Real(2) * (dot(out.couple, r.angular_velocity) + dot(twirl, k.spin)));
-      } else {
-        typename HistoryOf<Rolling, Real>::type m;
-        load_history<ContactsType::rolling_history>(m, history + offset);
-        Vec3<Real> couple;
-        if constexpr (HasHistory<Rolling>)
-          couple = Rolling::torque(rc, rolling, m);
-        else
-          couple = Rolling::torque(rc, rolling);
-        store_history<ContactsType::rolling_history>(m, touching, history + offset);
-        out.couple = select(touching, couple, none);
-        if constexpr (keeps_ledger<ContactsType>) {
-          ScalarOf<Real>* const* const kept =
-              history + offset + ContactsType::rolling_history + ContactsType::kept_couple;
-          tally.lanes.couple += known(dot(with_kept(out.couple, kept), r.angular_velocity));
-          if constexpr (requires { Rolling::stored(rc, rolling, m); })
-            if (ask) tally.lanes.rolling += select(touching, Rolling::stored(rc, rolling, m), zero);
-        }
-      }
-    }
+    if constexpr (ContactsType::has_rolling)
+      roll(k, r, c, radii, touching, normal_force, ask, law, rolling,
+           history + ContactsType::law_history, tally, out);
     return out;
   }
 
  private:
+  /// Adds the rolling model's couples. `history`: its own, and what the ledger keeps of them.
+  template <class M>
+  static SILT_INLINE void roll(const Kinematics<Real>& k, const RollingKinematics<Real>& r,
+                               const Contact<Real>& c, [[maybe_unused]] const Radii<Real>& radii,
+                               const M& touching, const Real& normal_force,
+                               [[maybe_unused]] bool ask, const LawCoefficients& law,
+                               const RollingCoefficients& rolling, ScalarOf<Real>* const* history,
+                               [[maybe_unused]] RunningTally<ContactsType, Real>& tally,
+                               PairLoad<Real>& out) {
+    const Real zero(0);
+    const Vec3<Real> none{zero, zero, zero};
+    const Real twist = dot(r.angular_velocity, k.normal);
+    const RollingContact<Real> rc{k.normal,
+                                  r.angular_velocity - twist * k.normal,
+                                  twist,
+                                  k.spin,
+                                  c.overlap,
+                                  select(touching, pressing(c, law, normal_force), zero),
+                                  Law::stiffness(c, law),
+                                  k.R_eff,
+                                  r.inertia_eff,
+                                  c.turn,
+                                  c.time_step,
+                                  Real(static_cast<ScalarOf<Real>>(Inertia::share_of_rolling())),
+                                  unloading(c, law),
+                                  shrinking(c)};
+    if constexpr (of_own_rotation<Rolling>) {
+      // Couples that are not opposite, as what is (couple) and what turns both alike (twirl).
+      const Real per_arm = Real(1) / (radii.i + radii.j);
+      const OwnRotations<Real> own{per_arm * (k.spin + radii.j * r.angular_velocity),
+                                   per_arm * (k.spin - radii.i * r.angular_velocity), radii.i,
+                                   radii.j};
+      const OwnCouples<Real> t = Rolling::torque(rc, own, rolling);
+      const Vec3<Real> twirl = select(touching, per_arm * (t.on_i + t.on_j), none);
+      out.twirl += twirl;
+      out.couple = select(touching, per_arm * (radii.j * t.on_i - radii.i * t.on_j), none);
+      if constexpr (keeps_ledger<ContactsType>)  // to first order in the step
+        tally.lanes.couple +=
+            known(Real(2) * (dot(out.couple, r.angular_velocity) + dot(twirl, k.spin)));
+    } else {
+      typename HistoryOf<Rolling, Real>::type m;
+      load_history<ContactsType::rolling_history>(m, history);
+      Vec3<Real> couple;
+      if constexpr (HasHistory<Rolling>)
+        couple = Rolling::torque(rc, rolling, m);
+      else
+        couple = Rolling::torque(rc, rolling);
+      store_history<ContactsType::rolling_history>(m, touching, history);
+      out.couple = select(touching, couple, none);
+      if constexpr (keeps_ledger<ContactsType>) {
+        ScalarOf<Real>* const* const kept =
+            history + ContactsType::rolling_history + ContactsType::kept_couple;
+        tally.lanes.couple += known(dot(with_kept(out.couple, kept), r.angular_velocity));
+        if constexpr (requires { Rolling::stored(rc, rolling, m); })
+          if (ask) tally.lanes.rolling += select(touching, Rolling::stored(rc, rolling, m), zero);
+      }
+    }
+  }
   /// Books what the forces of a pack of contacts did since the last step. The work of a force is
   /// its mean over the step times the displacement, velocity of the half step times step: the sum
   /// of all works is then what the leapfrog's kinetic energy gains. Summed up here is twice the

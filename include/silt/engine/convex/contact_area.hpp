@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include <silt/engine/contact/load_rows.hpp>
+#include <silt/engine/contact/contact_stage.hpp>
 #include <silt/shape/narrow/contact_spread.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -115,30 +115,66 @@ struct AreaBlock {
   }
 };
 
-/// As loads_of(), at the points of each contact's area: the block's loads are the sums of the
-/// points'. `renew`: the points follow what the block knows of the spread now; else only those of
-/// new contacts do. `gradients`: of SolidContact, or null where they are 1.
-template <class ContactsType, class Arch, class Block, std::size_t N, std::size_t H>
-SILT_INLINE void loads_at_points(
-    Block& block, AreaBlock<N>& area, bool renew, std::size_t count, const StepTimes& times,
-    const CoefficientTable<ContactsType>& table, const std::uint16_t* kinds,
-    const std::array<double*, H>& history,
-    RunningTally<ContactsType, typename Lanes<Arch, double>::Real>& tally,
-    [[maybe_unused]] const double* gradients = nullptr) {
-  using Real = typename Lanes<Arch, double>::Real;
-  using Kernel = ContactKernel<ContactsType, Real>;
-  constexpr std::size_t W = Lanes<Arch, double>::width, of_one = ContactsType::point_history;
-  const Real step(times.step), lag(times.lag), part(1.0 / double{area_points});
-  const Vec3<Real> none{Real(0), Real(0), Real(0)};
-  ContactCoefficients<ContactsType, Real> coefficients(table);
-  for (std::size_t k = 0; k < count; k += W) {
-    if (kinds != nullptr) coefficients.choose(kinds + k);
-    Kinematics<Real> kin = block.template get<Real>(k);
-    const auto radii = block.template get_radii<Real>(k);
-    const auto touches = kin.overlap > Real(0);
-    const Vec3<Real> spin = load3<Real>(area.spin[0] + k, area.spin[1] + k, area.spin[2] + k);
-    double* at[6];
-    for (std::size_t h = 0; h < 6; ++h) at[h] = history[ContactsType::frame_from + h] + k;
+/// How contacts act that have an area: law at its points (ContactStage). The block's loads are the
+/// sums of the points'.
+template <std::size_t N>
+struct AtAreaPoints {
+  AreaBlock<N>& area;
+  bool renew;  // points follow the spread; else only those of new contacts do
+  const double* gradients = nullptr;  // of SolidContact, or null where they are 1
+
+  template <class ContactsType, class Arch, class Block, std::size_t H>
+  SILT_INLINE void loads(
+      Block& block, std::size_t count, const StepTimes& times,
+      const CoefficientTable<ContactsType>& table, const std::uint16_t* kinds,
+      const std::array<double*, H>& history,
+      RunningTally<ContactsType, typename Lanes<Arch, double>::Real>& tally) const {
+    using Real = typename Lanes<Arch, double>::Real;
+    using Kernel = ContactKernel<ContactsType, Real>;
+    constexpr std::size_t W = Lanes<Arch, double>::width, of_one = ContactsType::point_history;
+    const Real step(times.step), lag(times.lag), part(1.0 / double{area_points});
+    const Vec3<Real> none{Real(0), Real(0), Real(0)};
+    ContactCoefficients<ContactsType, Real> coefficients(table);
+    for (std::size_t k = 0; k < count; k += W) {
+      if (kinds != nullptr) coefficients.choose(kinds + k);
+      const Kinematics<Real> kin = block.template get<Real>(k);
+      const auto radii = block.template get_radii<Real>(k);
+      const auto touches = kin.overlap > Real(0);
+      const Vec3<Real> spin = load3<Real>(area.spin[0] + k, area.spin[1] + k, area.spin[2] + k);
+      double* frame[6];
+      for (std::size_t h = 0; h < 6; ++h) frame[h] = history[ContactsType::frame_from + h] + k;
+      const auto arms = arms_of(kin, touches, step, k, frame);
+
+      Vec3<Real> force = none, moment = none;
+      const auto add = [&]<std::size_t P>() {
+        const Vec3<Real> arm = select(touches, arms[P], none);
+        Kinematics<Real> here = kin;
+        here.velocity = kin.velocity + cross(spin, arm);
+        std::array<double*, of_one + 1> own{};
+        for (std::size_t h = 0; h < of_one; ++h)
+          own[h] = history[ContactsType::history_of(P) + h] + k;
+        const Vec3<Real> f = Kernel::load(here, {}, radii, step, lag, times.ask, coefficients.law(),
+                                          coefficients.rolling(), own.data(), tally, part)
+                                 .force;
+        force += f, moment += cross(arm, f);
+      };
+      add.template operator()<0>();
+      const auto safeguards = tally.sum.safeguards;  // of contacts, not of points
+      add.template operator()<1>(), add.template operator()<2>();
+      tally.sum.safeguards = safeguards;
+      if constexpr (keeps_events<ContactsType>)
+        watch<ContactsType>(kin, touches, force, moment, spin, history, times, k, tally.sum.notes);
+      block.template put_load<Real>(k, {force, none, none});
+      store(area.moment[0] + k, moment.x), store(area.moment[1] + k, moment.y);
+      store(area.moment[2] + k, moment.z);
+    }
+  }
+
+ private:
+  /// The arms of a pack's points; keeps their frames, one pointer a component.
+  template <class Real, class Touches>
+  SILT_INLINE auto arms_of(const Kinematics<Real>& kin, const Touches& touches, const Real& step,
+                           std::size_t k, double* const* at) const {
     AreaFrame<Real> frame{load3<Real>(at[0], at[1], at[2]), load<Real>(at[3]), load<Real>(at[4]),
                           load<Real>(at[5])};
     const auto is_new = frame.is_new();
@@ -148,51 +184,34 @@ SILT_INLINE void loads_at_points(
       frame.begin(spread, kin.normal);
       frame.set_root(spread, kin.normal, is_new || Mask<Real>(renew));
     }
-    const auto arms = frame.arms(kin.normal);
-    const Vec3<Real> way = select(touches, frame.way, none);
+    const Vec3<Real> way = select(touches, frame.way, {Real(0), Real(0), Real(0)});
     store(at[0], way.x), store(at[1], way.y), store(at[2], way.z);
     store(at[3], select(touches, frame.along, Real(0)));
     store(at[4], select(touches, frame.both, Real(0)));
     store(at[5], select(touches, frame.across, Real(0)));
-
-    const Vec3<Real> velocity = kin.velocity;
-    Vec3<Real> force = none, moment = none;
-    const auto add = [&]<std::size_t P>() {
-      const Vec3<Real> arm = select(touches, arms[P], none);
-      kin.velocity = velocity + cross(spin, arm);
-      std::array<double*, of_one + 1> own{};
-      for (std::size_t h = 0; h < of_one; ++h)
-        own[h] = history[ContactsType::history_of(P) + h] + k;
-      const Vec3<Real> f = Kernel::load(kin, {}, radii, step, lag, times.ask, coefficients.law(),
-                                        coefficients.rolling(), own.data(), tally, part)
-                               .force;
-      force += f, moment += cross(arm, f);
-    };
-    add.template operator()<0>();
-    const auto safeguards = tally.sum.safeguards;  // of contacts, not of points
-    add.template operator()<1>(), add.template operator()<2>();
-    tally.sum.safeguards = safeguards;
-    if constexpr (keeps_events<ContactsType>) {
-      kin.velocity = velocity;
-      std::array<double*, ContactsType::event_numbers> kept;
-      for (std::size_t h = 0; h < kept.size(); ++h)
-        kept[h] = history[ContactsType::events_from + h] + k;
-      const auto watch = [&]<bool HasGradient>(const Real& gradient) {
-        ContactWatch<ContactsType, Real>::template step<HasGradient>(
-            kin, touches, {force, none, none}, moment, spin, kept.data(), times, k, tally.sum.notes,
-            gradient);
-      };
-      if (!ContactWatch<ContactsType, Real>::is_due(touches, kept[WatchedNumbers::begin], times)) {
-        // Nothing begins or ends, and nothing is looked at.
-      } else if (gradients != nullptr)
-        watch.template operator()<true>(load<Real>(gradients + k));
-      else
-        watch.template operator()<false>(Real(1));
-    }
-    block.template put_load<Real>(k, {force, none, none});
-    store(area.moment[0] + k, moment.x), store(area.moment[1] + k, moment.y);
-    store(area.moment[2] + k, moment.z);
+    return frame.arms(kin.normal);
   }
-}
+
+  template <class ContactsType, class Real, class Touches, std::size_t H>
+  SILT_INLINE void watch(const Kinematics<Real>& kin, const Touches& touches,
+                         const Vec3<Real>& force, const Vec3<Real>& moment, const Vec3<Real>& spin,
+                         const std::array<double*, H>& history, const StepTimes& times,
+                         std::size_t k, ContactNotes& notes) const {
+    using Watch = ContactWatch<ContactsType, Real>;
+    std::array<double*, ContactsType::event_numbers> kept;
+    for (std::size_t h = 0; h < kept.size(); ++h)
+      kept[h] = history[ContactsType::events_from + h] + k;
+    if (!Watch::is_due(touches, kept[WatchedNumbers::begin], times)) return;
+    const Vec3<Real> none{Real(0), Real(0), Real(0)};
+    const PairLoad<Real> load{force, none, none};
+    if (gradients != nullptr)
+      Watch::template step<true>(kin, touches, load, moment, spin, kept.data(), times, k, notes,
+                                 silt::load<Real>(gradients + k));
+    else
+      Watch::template step<false>(kin, touches, load, moment, spin, kept.data(), times, k, notes);
+  }
+};
+template <std::size_t N, class... More>
+AtAreaPoints(AreaBlock<N>&, More...) -> AtAreaPoints<N>;
 
 }  // namespace silt::detail

@@ -5,7 +5,8 @@
 #include <cstdint>
 #include <cstring>
 
-#include <silt/engine/contact/load_rows.hpp>
+#include <silt/core/row4.hpp>
+#include <silt/engine/contact/step_times.hpp>
 #include <silt/engine/convex/convex_rows.hpp>
 
 namespace silt::inline SILT_TARGET::detail {

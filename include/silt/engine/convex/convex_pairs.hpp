@@ -6,6 +6,7 @@
 #include <bit>
 #include <cstdint>
 
+#include <silt/engine/contact/load_rows.hpp>
 #include <silt/engine/convex/convex_touch.hpp>
 #include <silt/engine/lists/pair_list.hpp>
 
@@ -67,6 +68,32 @@ class ConvexPairs {
     const Domain& domain;
     double* sums;
     Fluxes* fluxes;  // of modules, if there are any
+  };
+
+  using Stage = ContactStage<ContactsType, Arch, double, Fluxes>;
+  /// The contacts of a slice.
+  struct Ends {
+    static constexpr bool at_wall = false;
+    const Scene& scene;
+    const Some& open;
+    const Slice& c;
+    std::size_t from;
+    std::uint32_t first(std::size_t k) const { return open.i[from + k]; }
+    std::uint32_t second(std::size_t k) const { return open.j[from + k]; }
+    void where(std::size_t k, NotedContact& note) const {
+      const auto at = [](const auto& columns, std::size_t n) {
+        return Vec3d{columns[0][n], columns[1][n], columns[2][n]};
+      };
+      const Vec3d arm = at(c.arm_i, k);
+      note.event.point = scene.in.positions[first(k)].centre() + arm;
+      if (!note.ended) return;
+      // Apart, they may have neither normal nor point.
+      if (c.followed[k] != 0) note.event.normal = -at(c.last, k);
+      if (norm(arm) > 0) return;
+      const double size_i = scene.in.rows->pose[first(k)].least_radius,
+                   size_j = scene.in.rows->pose[second(k)].least_radius;
+      note.event.point += (size_i / (size_i + size_j)) * at(open.between, from + k);
+    }
   };
 
   /// By the kinds of i and j.
@@ -264,37 +291,16 @@ class ConvexPairs {
     std::array<double*, H + 1> history{};
     for (std::size_t h = 0; h < H; ++h) history[h] = c.history[h];
     const std::uint16_t* const kinds = ContactsType::several_materials ? c.kind : nullptr;
+    const Stage stage{scene.in.times, scene.table, scene.fluxes};
+    const Ends ends{scene, open, c, from};
     if constexpr (has_area)
-      loads_at_points<ContactsType, Arch>(
-          c.kinematics, c.area, !Touch::template in_lanes<A, B> || scene.in.times.renew_areas,
-          padded, scene.in.times, scene.table, kinds, history, tally,
-          has_gradient<A, B> ? c.gradient : nullptr);
+      stage.run(c.kinematics, count, kinds, history, ends, tally,
+                AtAreaPoints{c.area, !Touch::template in_lanes<A, B> || scene.in.times.renew_areas,
+                             has_gradient<A, B> ? c.gradient : nullptr});
     else
-      loads_of<ContactsType, Arch>(c.kinematics, padded, scene.in.times, scene.table, kinds,
-                                   history, tally);
-    tally.end_block();
-    if constexpr (keeps_events<ContactsType>) {
-      for (std::size_t h = events; h < H; ++h)
-        scatter(c.history[h], place, count, scene.list.history(h));
-      tally.sum.notes.complete([&](NotedContact& one) {
-        const std::size_t k = one.place;
-        one.first = open.i[from + k], one.second = open.j[from + k];
-        const Vec3d arm{c.arm_i[0][k], c.arm_i[1][k], c.arm_i[2][k]},
-            last{c.last[0][k], c.last[1][k], c.last[2][k]};
-        one.event.point = scene.in.positions[one.first].centre() + arm;
-        if (!one.ended) return;
-        // Apart, they may have neither normal nor point.
-        if (c.followed[k] != 0) one.event.normal = -last;
-        const double size_i = scene.in.rows->pose[one.first].least_radius,
-                     size_j = scene.in.rows->pose[one.second].least_radius;
-        if (norm(arm) == 0)
-          one.event.point += (size_i / (size_i + size_j)) * Vec3d{open.between[0][from + k],
-                                                                  open.between[1][from + k],
-                                                                  open.between[2][from + k]};
-      });
-    }
-    if constexpr (Fluxes::active)
-      scene.fluxes->pairs(c.kinematics, count, open.i + from, open.j + from);
+      stage.run(c.kinematics, count, kinds, history, ends, tally, AtOnePoint<double>{});
+    for (std::size_t h = events; h < H; ++h)
+      scatter(c.history[h], place, count, scene.list.history(h));
     for (std::size_t k = 0; k < padded; k += W)
       Kept::template keep<has_area>(scene.list, place + k, std::min(W, count - k), c.history, k);
     add_loads<has_gradient<A, B>, has_area>(scene, open, from, count, c);

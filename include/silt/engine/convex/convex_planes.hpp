@@ -104,22 +104,14 @@ class ConvexPlanes {
                    const CoefficientTable<ContactsType>& table, std::span<const Wall> walls,
                    Block& to) {
     const std::size_t valid = std::min(W, near.count - k);
-    alignas(64) double kept[4][W], last_normal[3][W];
-    for (std::size_t lane = 0; lane < W; ++lane) {
-      const std::size_t slot = near.of[k + lane]->slot;
-      kept[3][lane] = contacts.history(radius)[slot];
-      const Vec3d& n = contacts.slot(slot).normal;
-      last_normal[0][lane] = n.x, last_normal[1][lane] = n.y, last_normal[2][lane] = n.z;
-      for (std::size_t h = 0; h < ContactsType::history_kept(E > Exponents::Two); ++h)
-        to.history[h][k + lane] = lane < valid ? contacts.history(h)[slot] : 0;
-      for (std::size_t h = events; h < ContactsType::history; ++h)
-        to.history[h][k + lane] = lane < valid ? contacts.history(h)[slot] : 0;
-    }
+    alignas(64) double radii[W], last_normal[3][W];
+    recall(near, k, valid, ContactsType::history_kept(E > Exponents::Two), contacts, to, radii,
+           last_normal);
     const auto at = [&](const auto& columns, std::size_t from) {
       return load3<Real>(columns[0] + from, columns[1] + from, columns[2] + from);
     };
     const Real zero(0), one(1);
-    Real R_eff = load<Real>(kept[3]);
+    Real R_eff = load<Real>(radii);
     const auto touched = R_eff > zero;
     const Vec3<Real> n = at(near.normal, k);
     const BodyAxes<Real> axes = Gather::axes_pack(in, near.row + k);
@@ -165,12 +157,38 @@ class ConvexPlanes {
       if constexpr (ContactsType::several_materials) material = in.materials[c.particle];
       to.kind[k + lane] =
           static_cast<std::uint16_t>(material * table.materials + walls[c.wall].material);
+      if (lane < valid) to.largest = std::max(to.largest, share[lane]);
+    }
+    keep(near, k, valid, touches, contacts, to);
+  }
+  /// What a pack's contacts have kept: `numbers` of their history, and what events need; R_eff [m]
+  /// and the last normals.
+  static void recall(const Near& near, std::size_t k, std::size_t valid, std::size_t numbers,
+                     Contacts& contacts, Block& to, double (&radii)[W],
+                     double (&last_normal)[3][W]) {
+    for (std::size_t lane = 0; lane < W; ++lane) {
+      const std::size_t slot = near.of[k + lane]->slot;
+      radii[lane] = contacts.history(radius)[slot];
+      const Vec3d& n = contacts.slot(slot).normal;
+      last_normal[0][lane] = n.x, last_normal[1][lane] = n.y, last_normal[2][lane] = n.z;
+      const auto recall_one = [&](std::size_t h) {
+        to.history[h][k + lane] = lane < valid ? contacts.history(h)[slot] : 0;
+      };
+      for (std::size_t h = 0; h < numbers; ++h) recall_one(h);
+      for (std::size_t h = events; h < ContactsType::history; ++h) recall_one(h);
+    }
+  }
+  /// Notes in their slots which of a pack's planes are touched, and puts lanes that only fill it up
+  /// out of reach.
+  static void keep(const Near& near, std::size_t k, std::size_t valid, const double (&touches)[W],
+                   Contacts& contacts, Block& to) {
+    for (std::size_t lane = 0; lane < W; ++lane) {
+      const WallCandidate& c = *near.of[k + lane];
       to.slot[k + lane] = lane < valid ? c.slot : Block::no_slot;
       if (lane >= valid) {
         to.kinematics.overlap[k + lane] = -1;
         continue;
       }
-      to.largest = std::max(to.largest, share[lane]);
       contacts.history(radius)[c.slot] = touches[lane];
       contacts.slot(c.slot) = {
           {near.normal[0][k + lane], near.normal[1][k + lane], near.normal[2][k + lane]},

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <silt/engine/contact/load_rows.hpp>
 #include <silt/engine/convex/contact_area.hpp>
 #include <silt/engine/convex/convex_gather.hpp>
 #include <silt/shape/narrow/solid_pairs.hpp>

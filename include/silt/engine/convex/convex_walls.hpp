@@ -182,6 +182,16 @@ class ConvexWalls {
   using Planes = ConvexPlanes<Rows, ContactsType, Contacts, Arch>;
   using Scratch = typename Planes::Block;
 
+  using Stage = ContactStage<ContactsType, Arch, double, Fluxes>;
+  struct Ends {
+    static constexpr bool at_wall = true;
+    const Scratch& s;
+    std::uint32_t first(std::size_t k) const { return s.of[k]->particle; }
+    std::size_t wall(std::size_t k) const { return s.of[k]->wall; }
+    void where(std::size_t k, NotedContact& note) const {
+      note.event.point = {s.place[0][k], s.place[1][k], s.place[2][k]};
+    }
+  };
   void run_block(const Input& in, Contacts& contacts, const CoefficientTable<ContactsType>& table,
                  std::span<const Wall> walls, double* sums, std::size_t b) {
     Scratch s;
@@ -201,29 +211,16 @@ class ConvexWalls {
     std::array<double*, H + 1> history{};
     for (std::size_t h = 0; h < H; ++h) history[h] = s.history[h];
     RunningTally<ContactsType, Real> running;
-    const std::size_t padded = pieces(s.count, W) * W;
     const bool has_area = Scratch::has_area && in.rows->has_area();
     const std::size_t kept = ContactsType::history_kept(has_area);
-    if (has_area) {
-      loads_at_points<ContactsType, Arch>(s.kinematics, s.area,
-                                          !Planes::in_lanes || in.times.renew_areas, padded,
-                                          in.times, table, s.kind, history, running, s.gradient);
-    } else {
-      loads_of<ContactsType, Arch>(s.kinematics, padded, in.times, table, s.kind, history, running);
-    }
+    const Stage stage{in.times, table, fluxes};
+    if (has_area)
+      stage.run(s.kinematics, s.count, s.kind, history, Ends{s}, running,
+                AtAreaPoints{s.area, !Planes::in_lanes || in.times.renew_areas, s.gradient});
+    else
+      stage.run(s.kinematics, s.count, s.kind, history, Ends{s}, running, AtOnePoint<double>{});
     tallies_[b] = running.end();
-    if constexpr (keeps_events<ContactsType>) {
-      tallies_[b].notes.complete([&s](NotedContact& one) {
-        const std::size_t k = one.place;
-        one.first = s.of[k]->particle, one.event.wall = s.of[k]->wall;
-        one.event.point = {s.place[0][k], s.place[1][k], s.place[2][k]};
-      });
-      tallies_[b].notes.add(s.ended);
-    }
-    if constexpr (Fluxes::active)
-      fluxes->walls(
-          s.kinematics, s.count, [&s](std::size_t k) { return s.of[k]->particle; },
-          [&s](std::size_t k) { return std::size_t{s.of[k]->wall}; });
+    if constexpr (keeps_events<ContactsType>) tallies_[b].notes.add(s.ended);
     tallies_[b].largest = s.largest;
     for (std::size_t k = 0; k < s.count; ++k) {
       if (s.slot[k] == Scratch::no_slot) continue;

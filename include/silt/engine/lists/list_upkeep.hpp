@@ -43,6 +43,20 @@ class ListUpkeep {
     double outer_time, inner_time, least_outer, most_outer, least_inner, most_inner;
   } plan{};
 
+  /// Sphere k has grown by `radius` [m], and its centre was moved so that with the growth it
+  /// reaches farther by up to `reach` [m], while D_k has that way in it: s_k loses `radius`, so
+  /// that (1) goes on to hold, and q_k loses `reach`. What was used of the q_i was so much of the
+  /// old q_k, and is more of the new one. False if too little is left of either.
+  bool charge(std::size_t k, double radius, double reach) {
+    outer[k] -= std::max(radius, 0.0);
+    if (reach <= 0) return true;
+    const double left = inner[k] - reach;
+    if (!(left > 0) || !(outer[k] > 0)) return false;
+    used *= inner[k] / left;
+    inner[k] = left, per_inner2[k] = 1 / (left * left);
+    return true;
+  }
+
   bool inner_holds(double wall_travel) const { return used < 1 && wall_travel <= inner_wall; }
 
   /// For a skin S that the user set, the largest gap of a listed pair: half of it for each sphere;

@@ -103,6 +103,19 @@ class NearLists {
     renewed_ = true;
   }
 
+  /// After row k has grown, see ListUpkeep::charge(). What has too little left of its reaches makes
+  /// the next step prune, or search.
+  void follow_growth(const Scene& scene, std::size_t k, double radius, double reach) {
+    if (!hold_pairs() || k >= upkeep.outer.size()) return;
+    if (scene.range > walls.range) return forget();
+    if (!upkeep.charge(k, radius, reach)) {
+      if (!(upkeep.outer[k] > 0)) return forget();
+      upkeep.inner[k] = upkeep.per_inner2[k] = 0, upkeep.used = 1;
+    }
+  }
+  /// After what else is known of rows has changed: what follows from the lists must follow.
+  void follow_change() { renewed_ = upkeep.pruned_at >= 0; }
+
   /// Completes lists that a checkpoint restored.
   void restored() { first_pruning_ = false, renewed_ = upkeep.pruned_at >= 0; }
 

@@ -62,6 +62,7 @@ template <class Engine, class Particle>
 void take_in(Engine& e, std::span<const Particle> more,
              [[maybe_unused]] std::span<const std::size_t> numbers, bool observed, NextIds& next) {
   auto& mover = e.mover;
+  const std::size_t first_row = e.particles.size();
   if constexpr (Engine::has_bodies) {
     auto first = static_cast<std::uint32_t>(mover.rows.size());
     for (const auto& p : more) {
@@ -103,7 +104,7 @@ void take_in(Engine& e, std::span<const Particle> more,
                       static_cast<std::uint16_t>(p.material));
     }
   }
-  e.particles.measure();
+  e.particles.measure_newcomers(first_row);
 }
 
 /// The particles that an inlet brings at these places, with `velocity` [m/s]; bodies turned at

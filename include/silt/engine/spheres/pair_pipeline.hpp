@@ -12,7 +12,7 @@
 #include <silt/core/threads.hpp>
 #include <silt/engine/contact/coefficients.hpp>
 #include <silt/engine/contact/contact_fluxes.hpp>
-#include <silt/engine/contact/contact_kernel.hpp>
+#include <silt/engine/contact/contact_stage.hpp>
 #include <silt/engine/contact/load_rows.hpp>
 #include <silt/engine/lists/pair_list.hpp>
 #include <silt/engine/state/rows.hpp>
@@ -64,6 +64,19 @@ class PairPipeline {
 
  private:
   using Block = KinematicsBlock<ContactsType, block, Scalar>;
+  using Stage = ContactStage<ContactsType, Arch, Scalar, Fluxes>;
+  /// The pairs of a block.
+  struct Ends {
+    static constexpr bool at_wall = false;
+    const PositionRow* positions;
+    const std::uint32_t *of_first, *of_second;
+    std::uint32_t first(std::size_t k) const { return of_first[k]; }
+    std::uint32_t second(std::size_t k) const { return of_second[k]; }
+    void where(std::size_t k, NotedContact& note) const {
+      const PositionRow& a = positions[of_first[k]];
+      note.event.point = a.centre() - (a.r - 0.5 * note.overlap) * note.event.normal;
+    }
+  };
 
   static Tally<ContactsType> run_group(const Input& in, List& list,
                                        const CoefficientTable<ContactsType>& table,
@@ -94,16 +107,9 @@ class PairPipeline {
     std::array<Scalar*, ContactsType::history + 1> history{};
     for (std::size_t h = 0; h < ContactsType::history; ++h) history[h] = list.history(h) + from;
     const std::uint16_t* const kinds = ContactsType::several_materials ? in.kinds + from : nullptr;
-    loads_of<ContactsType, Arch>(kinematics, padded, in.times, table, kinds, history, tally,
-                                 in.shares != nullptr ? in.shares + from : nullptr);
-    tally.end_block();
-    if constexpr (keeps_events<ContactsType>)
-      tally.sum.notes.complete([&](NotedContact& one) {
-        one.first = first[one.place], one.second = second[one.place];
-        const PositionRow& a = in.positions[one.first];
-        one.event.point = a.centre() - (a.r - 0.5 * one.overlap) * one.event.normal;
-      });
-    if constexpr (Fluxes::active) in.fluxes->pairs(kinematics, count, first, second);
+    const Stage stage{in.times, table, in.fluxes};
+    stage.run(kinematics, count, kinds, history, Ends{in.positions, first, second}, tally,
+              AtOnePoint<Scalar>{in.shares != nullptr ? in.shares + from : nullptr});
     write_rows<ContactsType, Arch>(kinematics, padded, rows);
   }
 

@@ -9,7 +9,7 @@
 #include <silt/core/row8.hpp>
 #include <silt/engine/contact/coefficients.hpp>
 #include <silt/engine/contact/contact_fluxes.hpp>
-#include <silt/engine/contact/contact_kernel.hpp>
+#include <silt/engine/contact/contact_stage.hpp>
 #include <silt/engine/contact/load_rows.hpp>
 #include <silt/engine/lists/wall_contacts.hpp>
 #include <silt/engine/state/rows.hpp>
@@ -72,6 +72,20 @@ class PlanePipeline {
   }
 
  private:
+  using Stage = ContactStage<ContactsType, Arch, Scalar, Fluxes>;
+  /// The contacts of a block.
+  struct Ends {
+    static constexpr bool at_wall = true;
+    const PositionRow* positions;
+    const std::uint32_t* particle;
+    std::uint16_t of_wall;
+    std::uint32_t first(std::size_t k) const { return particle[k]; }
+    std::size_t wall(std::size_t) const { return of_wall; }
+    void where(std::size_t k, NotedContact& note) const {
+      const PositionRow& p = positions[particle[k]];
+      note.event.point = p.centre() - (p.r - note.overlap) * note.event.normal;
+    }
+  };
   /// One block in its stages.
   struct Block {
     KinematicsBlock<ContactsType, block, Scalar> kinematics;
@@ -102,19 +116,9 @@ class PlanePipeline {
         material = in.materials[particle[std::min(k, count - 1)]];
       b.kinds[k] = static_cast<std::uint16_t>(material * table.materials + wall.material);
     }
-    loads_of<ContactsType, Arch>(b.kinematics, padded, in.times, table, several ? b.kinds : nullptr,
-                                 history, tally);
-    tally.end_block();
-    if constexpr (keeps_events<ContactsType>)
-      tally.sum.notes.complete([&](NotedContact& one) {
-        one.first = particle[one.place], one.event.wall = plane.wall;
-        const PositionRow& p = in.positions[one.first];
-        one.event.point = p.centre() - (p.r - one.overlap) * one.event.normal;
-      });
-    if constexpr (Fluxes::active)
-      in.fluxes->walls(
-          b.kinematics, count, [particle](std::size_t k) { return particle[k]; },
-          [&plane](std::size_t) { return std::size_t{plane.wall}; });
+    const Stage stage{in.times, table, in.fluxes};
+    stage.run(b.kinematics, count, several ? b.kinds : nullptr, history,
+              Ends{in.positions, particle, plane.wall}, tally, AtOnePoint<Scalar>{});
     write_rows<ContactsType, Arch>(b.kinematics, padded, b.rows);
     for (std::size_t k = 0; k < count; ++k)
       add_row<Arch, chunks, false>(sums + particle[k] * row, b.rows + k * row);

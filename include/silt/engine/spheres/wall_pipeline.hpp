@@ -103,6 +103,14 @@ class WallPipeline {
     std::optional<CrowdedContact> crowded;
     [[no_unique_address]] NotesOf<ContactsType> ended;  // contacts that are not among these
   };
+  using Stage = ContactStage<ContactsType, Arch, Scalar, Fluxes>;
+  struct Ends {
+    static constexpr bool at_wall = true;
+    const Scratch& s;
+    std::uint32_t first(std::size_t k) const { return s.place[k].particle; }
+    std::size_t wall(std::size_t k) const { return s.place[k].wall; }
+    void where(std::size_t k, NotedContact& note) const { note.event.point = s.point[k]; }
+  };
   void run_block(const Input& in, Contacts& contacts, const CoefficientTable<ContactsType>& table,
                  std::span<const Wall> walls, Scalar* sums, std::size_t b) {
     const auto candidates = contacts.block_candidates(b);
@@ -127,20 +135,11 @@ class WallPipeline {
     for (std::size_t h = 0; h < ContactsType::history; ++h) history[h] = s.history[h];
     const std::size_t padded = pieces(s.count, W) * W;
     RunningTally<ContactsType, typename Lanes<Arch, Scalar>::Real> running;
-    loads_of<ContactsType, Arch>(s.kinematics, padded, in.times, table, s.kind, history, running,
-                                 in.sharing != nullptr ? s.of_force : nullptr);
+    const Stage stage{in.times, table, in.fluxes};
+    stage.run(s.kinematics, s.count, s.kind, history, Ends{s}, running,
+              AtOnePoint<Scalar>{in.sharing != nullptr ? s.of_force : nullptr});
     tallies_[b] = running.end();
-    if constexpr (keeps_events<ContactsType>) {
-      tallies_[b].notes.complete([&s](NotedContact& one) {
-        const auto& at = s.place[one.place];
-        one.first = at.particle, one.event.wall = at.wall, one.event.point = s.point[one.place];
-      });
-      tallies_[b].notes.add(s.ended);
-    }
-    if constexpr (Fluxes::active)
-      in.fluxes->walls(
-          s.kinematics, s.count, [&s](std::size_t k) { return s.place[k].particle; },
-          [&s](std::size_t k) { return std::size_t{s.place[k].wall}; });
+    if constexpr (keeps_events<ContactsType>) tallies_[b].notes.add(s.ended);
     write_rows<ContactsType, Arch>(s.kinematics, padded, rows);
     for (std::size_t k = 0; k < s.count; ++k) {
       const auto [slot, particle, wall] = s.place[k];

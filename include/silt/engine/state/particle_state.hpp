@@ -125,6 +125,25 @@ class ParticleState {
     if (size() > 0) mean_diameter /= static_cast<double>(size());
     measure_others();
   }
+  /// The same where the rows from `first` on are new.
+  void measure_newcomers(std::size_t first) {
+    double sum = mean_diameter * static_cast<double>(first);
+    if (first == 0) largest_radius = 0, smallest_radius = std::numeric_limits<double>::infinity();
+    for (std::size_t k = first; k < size(); ++k) {
+      sum += 2 * position[k].r;
+      largest_radius = std::max(largest_radius, position[k].r);
+      smallest_radius = std::min(smallest_radius, position[k].r);
+      some_fixed |= motion[k].inv_m == 0;
+    }
+    if (size() > 0) mean_diameter = sum / static_cast<double>(size());
+  }
+  /// After the radius of row k, which was `before` [m], has changed. The largest and the smallest
+  /// are bounds until sizes are measured anew.
+  void include_size(std::size_t k, double before) {
+    largest_radius = std::max(largest_radius, position[k].r);
+    smallest_radius = std::min(smallest_radius, position[k].r);
+    mean_diameter += 2 * (position[k].r - before) / static_cast<double>(size());
+  }
   /// Completes a restored state, sizes as they were measured.
   void restored(double radius, double diameter) {
     largest_radius = radius, mean_diameter = diameter;

@@ -1,6 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <compare>
+#include <cstddef>
 #include <map>
 #include <memory>
 #include <utility>
@@ -11,7 +13,8 @@ namespace silt::inline SILT_TARGET {
 
 /// How kernels take a kind of convex part:
 ///   Row                      one in its size, as numbers that can be copied
-///   row(part, scale, store)  the same, `scale` [-] as large; what is no number is kept in `store`
+///   row(part, scale, store, which)    the same, `scale` [-] as large; what is no number is kept in
+///                            `store`, of which part it is
 ///   place(row, axes, at)     one where it stands, a ConvexSet
 ///   bound, least_radius      [m] of the smallest sphere around it about its origin, and of a large
 ///                            one inside of it
@@ -19,6 +22,12 @@ namespace silt::inline SILT_TARGET {
 ///                            Row with Reals for doubles
 template <class Kind>
 struct KernelOf;
+
+/// Which part of which form.
+struct PartOfForm {
+  std::size_t form = 0, part = 0;
+  auto operator<=>(const PartOfForm&) const = default;
+};
 
 template <>
 struct KernelOf<Ball> {
@@ -28,7 +37,7 @@ struct KernelOf<Ball> {
   template <class Real, Exponents>
   using Form = SphereForm<Real>;
 
-  static Row row(const Ball& ball, double scale, Store&) {
+  static Row row(const Ball& ball, double scale, Store&, PartOfForm = {}) {
     return sphere_form(scale * ball.radius);
   }
   static PlacedBall place(const Row& row, const BodyAxes<double>&, const Vec3d& at) {
@@ -60,7 +69,7 @@ struct KernelOf<SuperEllipsoid> {
   template <class Real, Exponents E>
   using Form = SuperForm<Real, E>;
 
-  static Row row(const SuperEllipsoid& shape, double scale, Store&) {
+  static Row row(const SuperEllipsoid& shape, double scale, Store&, PartOfForm = {}) {
     return detail::scaled_form(form_of(shape), scale);
   }
   static PlacedSuper<Row> place(const Row& row, const BodyAxes<double>& axes, const Vec3d& at) {
@@ -79,7 +88,7 @@ struct KernelOf<PolySuperEllipsoid> {
   template <class Real, Exponents E>
   using Form = PolyForm<Real, E>;
 
-  static Row row(const PolySuperEllipsoid& shape, double scale, Store&) {
+  static Row row(const PolySuperEllipsoid& shape, double scale, Store&, PartOfForm = {}) {
     return detail::scaled_form(form_of(shape), scale);
   }
   static PlacedSuper<Row> place(const Row& row, const BodyAxes<double>& axes, const Vec3d& at) {
@@ -99,12 +108,18 @@ struct KernelOf<Polyhedron> {
   struct Row {
     const Polyhedron* shape;
   };
-  /// One a size.
-  using Store = std::map<std::pair<const Polyhedron*, double>, std::unique_ptr<Polyhedron>>;
+  /// One a size of each part, as long as there are particles of that size.
+  struct Store {
+    std::map<std::pair<PartOfForm, double>, std::unique_ptr<Polyhedron>> now, before;
+    void begin_renewal() { std::swap(now, before); }
+    void end_renewal() { before.clear(); }
+  };
   static constexpr bool in_lanes = false;
 
-  static Row row(const Polyhedron& shape, double scale, Store& store) {
-    auto& kept = store[{&shape, scale}];
+  static Row row(const Polyhedron& shape, double scale, Store& store, PartOfForm part = {}) {
+    auto& kept = store.now[{part, scale}];
+    if (auto one = store.before.extract({part, scale}); !kept && one)
+      kept = std::move(one.mapped());
     if (!kept) kept = std::make_unique<Polyhedron>(shape.scaled(scale));
     return {kept.get()};
   }

@@ -1,0 +1,90 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include <silt/core/error.hpp>
+#include <silt/engine/contact/contact_energy.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// Some of the numbers that a contact remembers from step to step: whose they are.
+struct MemorySlice {
+  const char* name = "";
+  std::size_t from = 0, count = 0;
+};
+
+/// What contacts of a Contacts type remember, slice by slice, in the order in which it stands:
+///   law, rolling, ledger   of law, rolling model and energy ledger
+///   normal                 what the narrow phase of convex parts knows of the last step
+///   law at point 2, ...    of further points of a contact that has an area
+///   area                   where these points lie
+///   radius                 R_eff of convex parts; minus their gap while they are apart
+///   events                 what on_contact_end() tells
+/// All of it is 0 from the step on in which nothing touches; "radius" alone is not then.
+template <class ContactsType>
+class ContactMemory {
+ public:
+  static constexpr std::size_t size = ContactsType::history;
+
+  constexpr ContactMemory() {
+    add_point(0, {"law", "rolling", "ledger"});
+    if constexpr (requires { ContactsType::memory_radius; }) {
+      using C = ContactsType;
+      add("normal", C::memory_from, C::memory_to - C::memory_from);
+      if constexpr (C::points > 1) {
+        static_assert(C::points == 3);
+        add_point(C::history_of(1), {"law at point 2", "rolling at point 2", "ledger at point 2"});
+        add_point(C::history_of(2), {"law at point 3", "rolling at point 3", "ledger at point 3"});
+        add("area", C::frame_from, C::memory_radius - C::frame_from);
+      }
+      add("radius", C::memory_radius, 1);
+    }
+    if constexpr (requires { ContactsType::events_from; })
+      add("events", ContactsType::events_from, ContactsType::event_numbers);
+  }
+  constexpr std::span<const MemorySlice> slices() const { return {slices_.data(), count_}; }
+  /// Whether the slices follow each other and leave nothing out.
+  constexpr bool is_whole() const {
+    std::size_t next = 0;
+    for (const MemorySlice& s : slices()) {
+      if (s.from != next) return false;
+      next += s.count;
+    }
+    return next == size;
+  }
+
+  /// Number h by the name of its slice: "law[0]".
+  std::string name_of(std::size_t h) const {
+    for (const MemorySlice& s : slices())
+      if (h < s.from + s.count) return text(s.name, '[', h - s.from, ']');
+    return "";
+  }
+  /// "3 of law, 4 of ledger", or "nothing".
+  std::string words() const {
+    std::string all;
+    for (const MemorySlice& s : slices())
+      all += text(all.empty() ? "" : ", ", s.count, " of ", s.name);
+    return all.empty() ? "nothing" : all;
+  }
+
+ private:
+  constexpr void add(const char* name, std::size_t from, std::size_t count) {
+    if (count > 0) slices_[count_++] = {name, from, count};
+  }
+  constexpr void add_point(std::size_t from, const std::array<const char*, 3>& names) {
+    add(names[0], from, ContactsType::law_history);
+    add(names[1], from + ContactsType::law_history, ContactsType::rolling_history);
+    if constexpr (keeps_ledger<ContactsType>)
+      add(names[2], from + ContactsType::kept_from,
+          ContactsType::kept_couple + 3 * ContactsType::has_rolling);
+  }
+
+  std::array<MemorySlice, 14> slices_{};
+  std::size_t count_ = 0;
+};
+
+}  // namespace silt::detail
