@@ -13,6 +13,7 @@
 
 #include <silt/io/checkpoint.hpp>
 #include <silt/io/observers.hpp>
+#include <silt/module/field.hpp>
 #include <silt/shape/dilated_moments.hpp>
 #include <silt/shape/multi_sphere.hpp>
 #include <silt/shape/polyhedron.hpp>
@@ -292,7 +293,7 @@ TEST_CASE("edits: a particle of another radius falls and rebounds like one that 
                 .angular_velocity = {0, 30, 10}});
     const silt::Contacts<HertzMindlin> contacts{rubber};
     if constexpr (std::is_same_v<decltype(shapes), silt::Particles<Sphere>>)
-      if (gear) return run(silt::Simulation{std::move(shapes), contacts, silt::Gear3{}});
+      if (gear) return run(silt::Simulation{std::move(shapes), contacts, silt::Gear{}});
     return run(silt::Simulation{std::move(shapes), contacts});
   };
   const auto same = [&](const auto& shapes, bool gear = false) {
@@ -310,8 +311,69 @@ TEST_CASE("edits: a particle of another radius falls and rebounds like one that 
   pills.add_form(silt::SuperEllipsoid{.a = 1e-3, .b = 0.9e-3, .c = 1.1e-3, .s1 = 5, .s2 = 4});
   same(pills);
   silt::Particles<silt::Polyhedron> cubes;
-  cubes.add_form(silt::Polyhedron::box(1e-3, 1.2e-3, 1.4e-3));
+  std::vector<Vec3d> corners;
+  for (int k = 0; k < 8; ++k)
+    corners.push_back(
+        {k & 1 ? 0.5e-3 : -0.5e-3, k & 2 ? 0.6e-3 : -0.6e-3, k & 4 ? 0.7e-3 : -0.7e-3});
+  cubes.add_form(silt::Polyhedron::from_points(corners));
   same(cubes);
+}
+
+// Catches: mass or inertia of the form before, an id or field that is lost, rows of the form before
+// that go on touching, velocities of half a step ago taken for those of now.
+TEST_CASE("edits: a body that is given another form in flight rebounds as if it had been made so") {
+  const auto same = [](auto shapes) {
+    const auto rebound = [&](std::size_t made) {
+      auto grains = shapes;
+      grains.add({.form = made,
+                  .position = {0, 0, 5e-3},
+                  .radius = 1.2e-3,
+                  .density = 2500,
+                  .velocity = {0.1, 0, -0.5},
+                  .angular_velocity = {0, 30, 0}});  // about an axis of both forms
+      silt::Simulation sim{std::move(grains), silt::Contacts<HertzMindlin>{rubber},
+                           silt::EnergyLedger{}, silt::Field<"mark">{}};
+      sim.gravity = {0, 0, -g};
+      sim.threads = 1;
+      sim.time_step = 1e-6;
+      sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, rubber);
+      sim.template field<"mark">(0) = 7;
+      sim.run(1e-3);
+      sim.run(1e-3, silt::at(silt::every(0.5e-3), [](auto& s) {
+                if (s.step() == 1500) s.set_form(0, 1);
+              }));
+      sim.run(0.02);
+      const std::size_t k = sim.find(0);
+      REQUIRE(k < sim.rows());
+      CHECK(sim.size() == 1);
+      CHECK(sim.form(k) == 1);
+      CHECK(sim.template field<"mark">(k) == 7);
+      CHECK(sim.peak_overlap() > 1e-3);
+      CHECK(std::abs(sim.energy().residual()) < 1e-3 * sim.energy().turned_over);
+      return std::array{sim.position(k), sim.velocity(k), sim.angular_velocity(k),
+                        Vec3d{sim.mass(k), sim.radius(k), 0}};
+    };
+    const auto changed = rebound(0), made = rebound(1);
+    for (std::size_t k = 0; k < made.size(); ++k)
+      CHECK(norm(changed[k] - made[k]) < 1e-9 * norm(made[k]) + 1e-12);
+  };
+  silt::Particles<silt::MultiSphere> balls;
+  balls.add_form(silt::MultiSphere{.balls = {{{-0.6e-3, 0, 0}, 0.8e-3}, {{0.6e-3, 0, 0}, 0.8e-3}}});
+  balls.add_form(silt::MultiSphere{
+      .balls = {{{-1e-3, 0, 0}, 0.5e-3}, {{0, 0, 0}, 0.8e-3}, {{1e-3, 0, 0}, 0.5e-3}}});
+  same(balls);
+  silt::Particles<silt::SuperEllipsoid> pills;
+  pills.add_form(silt::SuperEllipsoid{.a = 1e-3, .b = 0.9e-3, .c = 1.1e-3, .s1 = 5, .s2 = 4});
+  pills.add_form(silt::SuperEllipsoid{.a = 1e-3, .b = 1e-3, .c = 0.8e-3});
+  same(pills);
+
+  silt::Simulation sim{balls, silt::Contacts<HertzMindlin>{rubber}};
+  silt::Particles<silt::MultiSphere> one = balls;
+  one.add({.position = {0, 0, 5e-3}, .density = 2500});
+  sim.add(one);
+  CHECK(has_words(refusal<InputError>([&] { sim.set_form(0, 2); }),
+                  {"Simulation::set_form", "form 2", "2 forms"}));
+  CHECK(has_words(refusal<InputError>([&] { sim.set_form(9, 1); }), {"no particle 9"}));
 }
 
 TEST_CASE("edits: a grain on a floor sinks in as its weight grows, and the books are kept") {
@@ -328,20 +390,24 @@ TEST_CASE("edits: a grain on a floor sinks in as its weight grows, and the books
     const double r = sim.radius(0), m = 2500 * Sphere::volume(r);
     const double E =
         rubber.youngs_modulus / (2 * (1 - rubber.poisson_ratio * rubber.poisson_ratio));
-    CHECK(sim.mass(0) == near(m).epsilon(1e-12));
+    CHECK(sim.mass(0) == near(m).epsilon(1e-10));  // 200 000 changes, three roundings in each
     CHECK(r - sim.position(0).z ==
           near(std::cbrt(std::pow(0.75 * m * g / (E * std::sqrt(r)), 2))).epsilon(1e-6));
   };
   at_rest();
-  // Grown by 2 % in 200 steps it stays in contact, and its centre rises.
-  sim.run(1e-3, [](auto& s) {
-    if (s.radius(0) < 1.02e-3) s.set_radius(0, s.radius(0) * (1 + 1e-4));
+  // Grown by 2 % in 0.4 s it stays at rest, and its centre rises.
+  sim.run(0.4, [](auto& s) {
+    if (s.radius(0) < 1.02e-3) s.set_radius(0, s.radius(0) * (1 + 1e-7));
   });
-  CHECK(sim.radius(0) == near(1.02e-3).epsilon(1e-3));
+  const double r = sim.radius(0), m = 2500 * Sphere::volume(r), ratio = r / 1e-3;
+  CHECK(r == near(1.02e-3).epsilon(1e-3));
   at_rest();
   const auto e = sim.energy();
-  // What came with the mass: 6 % of m g z, and no more than rounding is amiss.
-  CHECK(std::abs(e.error()) < 1e-6 * e.openings());
+  // The mass came at the height of its centre; 1 %: the overlap.
+  CHECK(e.openings == near((1 - std::pow(ratio, -4)) * m * g * r * 3 / 4).epsilon(0.01));
+  // What growth does against the contact is the one thing that no book has: the integral of m g dr;
+  // 2 %: the overlap grows too.
+  CHECK(e.residual() == near((1 - std::pow(ratio, -4)) * m * g * r / 4).epsilon(0.02));
   sim.set_radius(0, 0.8e-3);
   at_rest();
 }
@@ -353,8 +419,9 @@ TEST_CASE("edits: another material acts in contacts that there are") {
   stiff.youngs_modulus = 8e6;
   const auto sunk = [&](auto shapes, std::size_t material) {
     shapes.add({.position = {0, 0, 1e-3}, .radius = 1e-3, .density = 2500, .material = material});
-    silt::Simulation sim{std::move(shapes),
-                         silt::Contacts<HertzMindlin, silt::SeveralMaterials>{{soft, stiff}}};
+    silt::Contacts<HertzMindlin, silt::SeveralMaterials> contacts{{soft, stiff}};
+    contacts.set_pair(soft, stiff, {.restitution = 0.5, .friction = 0.3});
+    silt::Simulation sim{std::move(shapes), std::move(contacts)};
     sim.gravity = {0, 0, -g};
     sim.threads = 1;
     sim.time_step = 2e-6;

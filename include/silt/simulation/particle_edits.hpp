@@ -3,9 +3,11 @@
 
 #include <cmath>
 #include <cstddef>
+#include <span>
 
 #include <silt/core/error.hpp>
 #include <silt/core/vec3.hpp>
+#include <silt/engine/population/arrivals.hpp>
 #include <silt/fill/particles.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -47,8 +49,9 @@ class ParticleEdits {
   }
   /// Gives the particle with this id another radius [m], of bodies that of the bounding sphere:
   /// with it grows, or shrinks, all of it. Density, place, velocity and angular velocity stay, and
-  /// what its contacts remember. What that changes of its own energy is among the ledger's
-  /// `openings`, what its contacts store more or less among their losses. No contact is missed.
+  /// what its contacts remember. The change of its own energy is booked in the ledger's `openings`;
+  /// the work of growth against its contacts, the normal force times the change of the radius, is
+  /// not booked and stays in residual(). No contact is missed.
   void set_radius(ParticleId id, double radius) {
     const std::size_t k = place_of(id, "set_radius");
     require(std::isfinite(radius) && radius > 0, "Simulation::set_radius: radius = ", radius,
@@ -79,6 +82,37 @@ class ParticleEdits {
       sim().engine_.set_coefficients(sim().contacts_);
     sim().engine_.set_material(k, material);
     sim().scene_changed_ = true, sim().checked_speed_ = 0;
+  }
+  /// Gives the body with this id the shape of another of forms(), by its number; add() of particles
+  /// that have forms alone brings new ones. Centre of mass, orientation, radius of the bounding
+  /// sphere, density, velocity, angular velocity, material and fields stay; its contacts begin
+  /// anew. The change of its own energy is booked in the ledger's `openings`, what its contacts
+  /// stored counts as lost in them.
+  void set_form(ParticleId id, std::size_t form) {
+    static_assert(Sim::of_bodies, "set_form: spheres have no form; set_radius changes their size");
+    const std::size_t k = place_of(id, "set_form");
+    require(form < sim().forms().size(), "Simulation::set_form: form ", form, " is none of the ",
+            sim().forms().size(), " forms of the simulation");
+    if (form == sim().form(k)) return;
+    const double before = energy_of(k);
+    auto& e = sim().engine_;
+    const detail::Body old = e.mover.bodies[k];
+    const double volume = e.mover.forms[old.form].mass.volume * old.scale * old.scale * old.scale;
+    typename Sim::ParticlesType::Particle p{};
+    p.form = form, p.position = old.centre, p.orientation = sim().orientation(k);
+    p.radius = old.radius, p.density = old.inv_m > 0 ? 1 / (old.inv_m * volume) : 1;
+    p.velocity = old.velocity, p.angular_velocity = old.angular_velocity(old.momentum);
+    p.material = sim().material(k), p.fixed = old.inv_m == 0;
+
+    const std::size_t now = e.owners(), first_row = e.particles.size();
+    NextIds same{id, sim().next_.part};
+    take_in(e, std::span<const decltype(p)>(&p, 1), {}, sim().kicked_, same);
+    sim().next_.part = same.part;
+    e.copy_columns(k, now);
+    e.join_lists(sim().domain_, sim().dt_, first_row);
+    e.remove(k, sim().domain_, sim().dt_);
+    if constexpr (Sim::has_ledger) sim().book_.bring_in(energy_of(now) - before);
+    sim().scene_changed_ = true, sim().scene_step_ = sim().step_, sim().checked_speed_ = 0;
   }
 
  private:

@@ -200,6 +200,14 @@ class Tables {
     }
   }
 
+  /// Gives the particle at place `to` what modules and fluid know of the one at `from`, and its
+  /// velocities at the last observed step.
+  void copy_columns(std::size_t from, std::size_t to) {
+    const auto copy = [&](const auto&, auto& column) { column[to] = column[from]; };
+    modules().for_each(copy);
+    fluid_loads().for_each(copy);
+    if (to < mover.synchronous.size()) mover.synchronous[to] = mover.synchronous[from];
+  }
   /// After a search has sorted the parts and wrapped them into a periodic box.
   void follow([[maybe_unused]] const Domain& domain) {
     if constexpr (has_bodies) {
