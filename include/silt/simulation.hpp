@@ -88,8 +88,9 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
   /// bytes_per_body come once a body.
   static constexpr std::size_t bytes_per_particle = Engine::State::bytes_per_particle;
   static constexpr std::size_t bytes_per_body =
-      of_bodies ? sizeof(detail::Body) + detail::FluidLoads<Composition::from_fluid>::bytes +
-                      detail::ModuleColumns<Modules>::bytes
+      of_bodies ? sizeof(detail::Body) +
+                      detail::bytes_of_row<detail::FluidLoads<Composition::from_fluid>>() +
+                      detail::bytes_of_row<detail::ModuleColumns<Modules>>()
                 : 0;
   /// State of one contact [bytes]: two indices and the history of the law.
   static constexpr std::size_t bytes_per_contact =

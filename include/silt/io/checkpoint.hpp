@@ -70,10 +70,9 @@ class Checkpoint {
                    {sim.gravity_booked_.x, sim.gravity_booked_.y, sim.gravity_booked_.z});
       a.column("ledger", books, books.size());
     }
-    e.modules().for_each(
-        [&](const std::string& name, const auto& column) { a.rows(name, column, e.owners()); });
+    detail::visit_columns(a, e.modules(), e.owners());
     if constexpr (Sim::Fluid::active) {
-      detail::visit_loads(a, e.fluid_loads(), e.owners());
+      detail::visit_columns(a, e.fluid_loads(), e.owners());
       // It visits what it has as something that may change; here nothing does.
       const_cast<typename Sim::Fluid&>(sim.fluid_)
           .for_each_state([&](const std::string& name, const auto& values) {
@@ -254,15 +253,14 @@ class Checkpoint {
         a.need(is_finite(velocity) && is_finite(spin), "synchronous: velocity ", velocity,
                " m/s and spin of particle ", k, " must be finite");
       }
-      fields_of_particles().resize(count);
-      fields_of_particles().for_each([&](const std::string& name, auto& column) {
-        a.rows(name, column, count);
-        detail::check_finite_rows(a, name, column);
+      auto& fields = fields_of_particles();
+      detail::visit_columns(a, fields, count);
+      detail::for_each_column(fields, [&](const auto& c, auto& values) {
+        detail::check_finite_rows(a, c.name.text(), values);
       });
       if constexpr (Sim::Fluid::active) {
         auto& loads = loads_of_particles();
-        loads.resize(count);
-        detail::visit_loads(a, loads, count);
+        detail::visit_columns(a, loads, count);
         detail::check_loads(a, loads);
       }
       particles_.pad();

@@ -67,22 +67,23 @@ void visit_upkeep(Archive& a, Upkeep& u, Reference& reference, std::size_t rows)
   a.rows("lists.inner_reach", u.inner, rows);
 }
 
-/// `n` rows; loading, as many as the file has ids.
+/// The columns of a table with `n` rows; loading, as many as the first column has if n is
+/// any_count.
+template <class Archive, class Table>
+void visit_columns(Archive& a, Table& table, std::size_t n) {
+  for_each_column(table, [&](const auto& c, auto& values) {
+    if constexpr (std::is_integral_v<typename std::remove_cvref_t<decltype(c)>::Value>)
+      a.column(c.name.text(), values, n);
+    else
+      a.rows(c.name.text(), values, n);
+    if constexpr (Archive::loads) n = values.size();
+  });
+}
 template <class Archive, class State>
 void visit_particles(Archive& a, State& p, std::size_t n) {
-  a.column("id", p.id, n);
-  n = p.id.size();
-  a.rows("position", p.position, n), a.rows("motion", p.motion, n);
-  if constexpr (State::derivative_rows > 0) a.rows("derivatives", p.derivatives, n);
-  a.column("material", p.material, State::several ? n : 0);
-  if constexpr (State::of_bodies) a.rows("parts", p.part, n);
+  visit_columns(a, p, n);
   a.number("largest.radius", p.largest_radius, not_negative_number);
   a.number("mean_diameter", p.mean_diameter, not_negative_number);
-}
-
-template <class Archive, class Loads>
-void visit_loads(Archive& a, Loads& loads, std::size_t particles) {
-  loads.for_each([&](const char* name, auto& column) { a.rows(name, column, particles); });
 }
 
 /// Of PairList: the pairs of the outer list, which of them are in the inner one, and their history.

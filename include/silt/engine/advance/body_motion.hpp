@@ -194,8 +194,7 @@ class BodyMotion {
       part.body = place[part.body];
     }
     bodies.swap(sorted), synchronous.swap(recorded);
-    fluid.for_each([&](const char*, auto& column) { gather(column, order, Team()); });
-    modules.for_each([&](const std::string&, auto& column) { gather(column, order, Team()); });
+    gather_rows(fluid, order, Team()), gather_rows(modules, order, Team());
     number_rows(particles);
   }
   /// Notes the rows of each body's parts.

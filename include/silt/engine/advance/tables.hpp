@@ -193,7 +193,8 @@ class Tables {
   void park(std::size_t k) {
     if constexpr (has_bodies) {
       for (const std::uint32_t row : mover.rows_of(mover.bodies[k])) particles.park(row);
-      mover.fluid.remove(k), mover.modules.remove(k);
+      mover.fluid.leave(k);
+      park_row(mover.fluid, k), park_row(mover.modules, k);
       mover.bodies[k].id = no_particle;
     } else {
       particles.park(k);
@@ -203,9 +204,7 @@ class Tables {
   /// Gives the particle at place `to` what modules and fluid know of the one at `from`, and its
   /// velocities at the last observed step.
   void copy_columns(std::size_t from, std::size_t to) {
-    const auto copy = [&](const auto&, auto& column) { column[to] = column[from]; };
-    modules().for_each(copy);
-    fluid_loads().for_each(copy);
+    copy_row(modules(), from, to), copy_row(fluid_loads(), from, to);
     if (to < mover.synchronous.size()) mover.synchronous[to] = mover.synchronous[from];
   }
   /// After a search has sorted the parts and wrapped them into a periodic box.

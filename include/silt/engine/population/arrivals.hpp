@@ -77,12 +77,12 @@ void take_in(Engine& e, std::span<const Particle> more,
         m.inv_m = b.inv_m;
         if constexpr (Engine::rotates) m.inv_r = 1 / r;
         mover.rows.push_back(static_cast<std::uint32_t>(e.particles.size()));
-        e.particles.add({c.x, c.y, c.z, r}, m, next.part++, static_cast<std::uint16_t>(p.material));
-        e.particles.part.push_back({static_cast<std::uint32_t>(mover.bodies.size()), local});
+        e.particles.add({c.x, c.y, c.z, r}, m, next.part++, static_cast<std::uint16_t>(p.material),
+                        {static_cast<std::uint32_t>(mover.bodies.size()), local});
       }
       first += static_cast<std::uint32_t>(form.parts.size());
       mover.bodies.push_back(b);
-      mover.fluid.add(), mover.modules.add();
+      add_row(mover.fluid), add_row(mover.modules);
       mover.put_in_place(e.particles, b);
       if (observed) mover.synchronous.push_back({p.velocity, p.angular_velocity});
     }

@@ -4,11 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <span>
+#include <tuple>
 
 #include <silt/core/storage.hpp>
-#include <silt/core/threads.hpp>
 #include <silt/core/vec3.hpp>
+#include <silt/engine/state/columns.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -36,7 +36,6 @@ template <FromFluid What>
 struct FluidLoads {
   static constexpr bool any = What != FromFluid::Nothing;
   static constexpr bool turns = detail::turns(What), follows = detail::follows(What);
-  static constexpr std::size_t bytes = any ? (2 + turns + 5 * follows) * sizeof(VectorRow) : 0;
 
   AlignedVector<VectorRow> force;   // [N]
   AlignedVector<VectorRow> torque;  // [N m]
@@ -52,49 +51,37 @@ struct FluidLoads {
   AlignedVector<VectorRow> taken;  // [N s] since then, less what the step is for
   Vec3d left{0, 0, 0};             // [N s] taken by those that have left since it was last read
 
-  void add() {
-    if constexpr (any) {
-      constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-      force.push_back({}), unforced.push_back({unknown, 0, 0, 0});
-      if constexpr (turns) torque.push_back({});
-      if constexpr (follows) {
-        held.push_back({}), flow.push_back({}), given.push_back({}), taken.push_back({});
-        reference.push_back({unknown, 0, 0, 0});
-      }
-    }
+  static constexpr auto columns() {
+    constexpr VectorRow unknown{std::numeric_limits<double>::quiet_NaN(), 0, 0, 0};
+    return std::tuple_cat(
+        columns_if<any>([=] {
+          return std::tuple{
+              column<VectorRow>(
+                  "fluid.force", [](auto& t) -> auto& { return t.force; }),
+              column<VectorRow>(
+                  "fluid.unforced", [](auto& t) -> auto& { return t.unforced; }, unknown)};
+        }),
+        columns_if<turns>([] {
+          return std::tuple{column<VectorRow>(
+              "fluid.torque", [](auto& t) -> auto& { return t.torque; })};
+        }),
+        columns_if<follows>([=] {
+          return std::tuple{
+              column<VectorRow>(
+                  "fluid.held", [](auto& t) -> auto& { return t.held; }),
+              column<VectorRow>(
+                  "fluid.flow", [](auto& t) -> auto& { return t.flow; }),
+              column<VectorRow>(
+                  "fluid.reference", [](auto& t) -> auto& { return t.reference; }, unknown),
+              column<VectorRow>(
+                  "fluid.given", [](auto& t) -> auto& { return t.given; }),
+              column<VectorRow>(
+                  "fluid.taken", [](auto& t) -> auto& { return t.taken; })};
+        }));
   }
-  void remove(std::size_t k) {
-    if constexpr (any) force[k] = {};
-    if constexpr (turns) torque[k] = {};
-    if constexpr (follows) {
-      left += taken[k].vector();
-      held[k] = flow[k] = given[k] = taken[k] = {};
-    }
-  }
-  void resize(std::size_t n) {
-    if constexpr (any) force.resize(n), unforced.resize(n);
-    if constexpr (turns) torque.resize(n);
-    if constexpr (follows)
-      for (auto* column : {&held, &flow, &reference, &given, &taken}) column->resize(n);
-  }
-  /// Calls visit(name, column) for each of them.
-  template <class Visit>
-  void for_each(const Visit& visit) const {
-    if constexpr (any) visit("fluid.force", force), visit("fluid.unforced", unforced);
-    if constexpr (turns) visit("fluid.torque", torque);
-    if constexpr (follows) {
-      visit("fluid.held", held), visit("fluid.flow", flow), visit("fluid.reference", reference);
-      visit("fluid.given", given), visit("fluid.taken", taken);
-    }
-  }
-  template <class Visit>
-  void for_each(const Visit& visit) {
-    if constexpr (any) visit("fluid.force", force), visit("fluid.unforced", unforced);
-    if constexpr (turns) visit("fluid.torque", torque);
-    if constexpr (follows) {
-      visit("fluid.held", held), visit("fluid.flow", flow), visit("fluid.reference", reference);
-      visit("fluid.given", given), visit("fluid.taken", taken);
-    }
+  /// Before row k is parked.
+  void leave([[maybe_unused]] std::size_t k) {
+    if constexpr (follows) left += taken[k].vector();
   }
 };
 

@@ -11,6 +11,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/storage.hpp>
 #include <silt/engine/state/axes.hpp>
+#include <silt/engine/state/columns.hpp>
 #include <silt/engine/state/fluid_loads.hpp>
 #include <silt/module/field.hpp>
 
@@ -120,13 +121,9 @@ struct ModuleColumns;
 template <class... Ms>
 struct ModuleColumns<ModuleList<Ms...>> {
   using List = ModuleList<Ms...>;
-  static constexpr std::size_t bytes =
-      8 * (std::size_t{0} + ... + (numbers_of_fields<Ms> + Exchanges<Ms>)) +
-      (List::push + List::turn) * sizeof(VectorRow);
-
   template <class M>
-  using Column = std::conditional_t<has_fields<M>, AlignedVector<FieldsOf<M>>, NoFields>;
-  [[no_unique_address]] std::tuple<Column<Ms>...> fields;
+  using Values = std::conditional_t<has_fields<M>, AlignedVector<FieldsOf<M>>, NoFields>;
+  [[no_unique_address]] std::tuple<Values<Ms>...> fields;
   std::array<AlignedVector<double>, sizeof...(Ms)> received;  // from contacts, of those with a flux
   AlignedVector<VectorRow> force;                             // [N] of all modules, in this step
   AlignedVector<VectorRow> torque;                            // [N m]
@@ -150,41 +147,33 @@ struct ModuleColumns<ModuleList<Ms...>> {
   }
   const VectorRow* forces() const { return force.data(); }
   const VectorRow* torques() const { return torque.data(); }
-  void add() {
-    for_each([](const std::string&, auto& column) { column.emplace_back(); });
-  }
-  void remove(std::size_t k) {
-    for_each([k](const std::string&, auto& column) { column[k] = {}; });
-  }
-  void resize(std::size_t n) {
-    for_each([n](const std::string&, auto& column) { column.resize(n); });
+  static constexpr auto columns() {
+    return std::tuple_cat(columns_if<has_fields<Ms>>([] {
+                            return std::tuple{column<FieldsOf<Ms>>(
+                                {"module", List::template index_of<Ms>, ".fields"},
+                                [](auto& t) -> auto& { return t.template of<Ms>(); })};
+                          })...,
+                          columns_if<Exchanges<Ms>>([] {
+                            return std::tuple{column<double>(
+                                {"module", List::template index_of<Ms>, ".received"},
+                                [](auto& t) -> auto& { return t.template received_of<Ms>(); })};
+                          })...,
+                          columns_if<List::push>([] {
+                            return std::tuple{column<VectorRow>(
+                                "modules.force", [](auto& t) -> auto& { return t.force; })};
+                          }),
+                          columns_if<List::turn>([] {
+                            return std::tuple{column<VectorRow>(
+                                "modules.torque", [](auto& t) -> auto& { return t.torque; })};
+                          }));
   }
   /// Calls visit.operator()<Components>(name, value) for each field; value(k) is a double or three.
   template <class Visit>
   void for_each_field(const Visit& visit) const {
     (visit_fields<Ms>(visit), ...);
   }
-  /// Calls visit(name, column) for each of them.
-  template <class Visit>
-  void for_each(const Visit& visit) {
-    visit_all(*this, visit);
-  }
-  template <class Visit>
-  void for_each(const Visit& visit) const {
-    visit_all(*this, visit);
-  }
 
  private:
-  template <class Self, class Visit>
-  static void visit_all(Self& self, const Visit& visit) {
-    [&]<std::size_t... K>(std::index_sequence<K...>) {
-      (visit_one<Ms>(std::get<K>(self.fields), K, visit), ...);
-      (visit_received<Ms>(self.received[K], K, visit), ...);
-    }
-    (std::index_sequence_for<Ms...>{});
-    if constexpr (List::push) visit(std::string("modules.force"), self.force);
-    if constexpr (List::turn) visit(std::string("modules.torque"), self.torque);
-  }
   template <class M, class Visit>
   void visit_fields(const Visit& visit) const {
     if constexpr (has_fields<M>) {
@@ -200,27 +189,14 @@ struct ModuleColumns<ModuleList<Ms...>> {
         });
     }
   }
-  template <class M, class C, class Visit>
-  static void visit_one(C& column, std::size_t k, const Visit& visit) {
-    if constexpr (has_fields<M>) visit(text("module", k, ".fields"), column);
-  }
-  template <class M, class C, class Visit>
-  static void visit_received(C& column, std::size_t k, const Visit& visit) {
-    if constexpr (Exchanges<M>) visit(text("module", k, ".received"), column);
-  }
 };
 
 /// Of no modules: nothing.
 template <>
 struct ModuleColumns<ModuleList<>> {
-  static constexpr std::size_t bytes = 0;
   static const VectorRow* forces() { return nullptr; }
   static const VectorRow* torques() { return nullptr; }
-  void add() {}
-  void remove(std::size_t) {}
-  void resize(std::size_t) {}
-  template <class Visit>
-  void for_each(const Visit&) const {}
+  static constexpr std::tuple<> columns() { return {}; }
   template <class Visit>
   void for_each_field(const Visit&) const {}
 };

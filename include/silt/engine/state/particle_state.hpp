@@ -5,26 +5,18 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <tuple>
 #include <type_traits>
 #include <vector>
 
 #include <silt/core/storage.hpp>
 #include <silt/core/threads.hpp>
+#include <silt/engine/state/columns.hpp>
 #include <silt/engine/state/composition.hpp>
 #include <silt/engine/state/fluid_loads.hpp>
 #include <silt/engine/state/rows.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
-
-/// values[k] = what was values[order[k]].
-template <class V>
-void gather(V& values, std::span<const std::uint32_t> order, const Team& team) {
-  V sorted(order.size());
-  team.for_ranges(order.size(), [&](std::size_t, std::size_t from, std::size_t to) {
-    for (std::size_t k = from; k < to; ++k) sorted[k] = values[order[k]];
-  });
-  values.swap(sorted);
-}
 
 /// All that is known of the particles: rows, ids, and materials if there are several; the motion
 /// once more in PairScalar, if that is not double.
@@ -52,10 +44,8 @@ class ParticleState {
   using PairMotion = MotionRow<Rotates, PairScalar>;
   static constexpr bool single = std::is_same_v<PairScalar, float>;
   static constexpr std::size_t bytes_per_particle =
-      sizeof(PositionRow) + sizeof(Motion) + (single ? sizeof(PairMotion) : 0) +
-      sizeof(ParticleId) + (SeveralMaterials ? sizeof(std::uint16_t) : 0) +
-      derivative_rows * 4 * sizeof(double) + (OfBodies ? sizeof(PartRow) : 0) +
-      FluidLoads<Given>::bytes + Columns::bytes;
+      bytes_of_row<ParticleState>() + (single ? sizeof(PairMotion) : 0) +
+      bytes_of_row<FluidLoads<Given>>() + bytes_of_row<Columns>();
   static constexpr bool of_bodies = OfBodies, several = SeveralMaterials;
 
   AlignedVector<PositionRow> position;
@@ -102,16 +92,38 @@ class ParticleState {
 
   ParticleState() { pad(); }
 
-  void add(const PositionRow& p, const Motion& m, ParticleId new_id, std::uint16_t of) {
-    position.resize(size()), motion.resize(size());
-    position.push_back(p), motion.push_back(m);
-    id.push_back(new_id);
-    if constexpr (Derivatives > 0) {
-      derivatives.push_back({});
-      derivatives.back().row[0][0] = std::numeric_limits<double>::quiet_NaN();
-    }
-    if constexpr (SeveralMaterials) material.push_back(of);
-    fluid.add(), modules.add();
+  static constexpr auto columns() {
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    return std::tuple_cat(
+        std::tuple{column<ParticleId>(
+                       "id", [](auto& t) -> auto& { return t.id; }, no_particle, no_particle),
+                   column<PositionRow>("position", [](auto& t) -> auto& { return t.position; }, {},
+                                       {nan, nan, nan, 0}),
+                   column<Motion>(
+                       "motion", [](auto& t) -> auto& { return t.motion; })},
+        columns_if<(Derivatives > 0)>([=] {
+          return std::tuple{column<HigherDerivatives>(
+              "derivatives", [](auto& t) -> auto& { return t.derivatives; }, {{{nan}}})};
+        }),
+        columns_if<SeveralMaterials>([] {
+          return std::tuple{column<std::uint16_t>(
+              "material", [](auto& t) -> auto& { return t.material; })};
+        }),
+        columns_if<OfBodies>([] {
+          return std::tuple{column<PartRow>(
+              "parts", [](auto& t) -> auto& { return t.part; })};
+        }));
+  }
+
+  /// Of bodies `body` is what the row is a part of.
+  void add(const PositionRow& p, const Motion& m, ParticleId new_id, std::uint16_t of,
+           [[maybe_unused]] const PartRow& body = {}) {
+    const std::size_t k = size();
+    position.resize(k), motion.resize(k);
+    add_row(*this), add_row(fluid), add_row(modules);
+    id[k] = new_id, position[k] = p, motion[k] = m;
+    if constexpr (SeveralMaterials) material[k] = of;
+    if constexpr (OfBodies) part[k] = body;
     pad();
   }
 
@@ -153,24 +165,16 @@ class ParticleState {
 
   /// Takes particle k out of all contacts at once; the next search drops it.
   void park(std::size_t k) {
-    constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
-    position[k] = {nowhere, nowhere, nowhere, 0};
-    motion[k] = Motion{};
-    if constexpr (Derivatives > 0) derivatives[k] = {};
-    id[k] = no_particle;
-    fluid.remove(k), modules.remove(k);
+    fluid.leave(k);
+    park_row(*this, k), park_row(fluid, k), park_row(modules, k);
     ++parked;
   }
   bool is_parked(std::size_t k) const { return id[k] == no_particle; }
 
   /// Keeps particle order[k] in place k; particles not named are dropped.
   void reorder(std::span<const std::uint32_t> order, const Team& team) {
-    gather(position, order, team), gather(motion, order, team), gather(id, order, team);
-    if constexpr (SeveralMaterials) gather(material, order, team);
-    if constexpr (Derivatives > 0) gather(derivatives, order, team);
-    if constexpr (OfBodies) gather(part, order, team);
-    fluid.for_each([&](const char*, auto& column) { gather(column, order, team); });
-    modules.for_each([&](const std::string&, auto& column) { gather(column, order, team); });
+    gather_rows(*this, order, team), gather_rows(fluid, order, team);
+    gather_rows(modules, order, team);
     pad();
     ++changes;
   }
