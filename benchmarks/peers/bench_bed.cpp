@@ -16,6 +16,8 @@
 #include <fstream>
 #include <string>
 
+#include <silt/search/cell_grid.hpp>
+
 #include "../bed.hpp"
 
 namespace {
