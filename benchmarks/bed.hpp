@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include <silt/contact/hertz_mindlin.hpp>
+#include <silt/search/cell_grid.hpp>
 #include <silt/simulation.hpp>
 
 namespace bench {

@@ -16,8 +16,6 @@
 #include <fstream>
 #include <string>
 
-#include <silt/search/cell_grid.hpp>
-
 #include "../bed.hpp"
 
 namespace {

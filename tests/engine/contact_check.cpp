@@ -2,6 +2,7 @@
 // The check that can be switched on: it sees a search that loses contacts, and changes nothing.
 #include <engine/mixed_scene.hpp>
 
+#include <silt/search/cell_grid.hpp>
 #include <silt/simulation/contact_check.hpp>
 
 namespace contact_check_test {

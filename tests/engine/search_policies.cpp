@@ -5,6 +5,7 @@
 
 #include <silt/io/checkpoint.hpp>
 #include <silt/search/brute_force.hpp>
+#include <silt/search/cell_grid.hpp>
 #include <silt/search/fastest_of.hpp>
 #include <silt/search/hashed_grid.hpp>
 #include <silt/search/nbs.hpp>
