@@ -128,6 +128,17 @@ concept ActiveFluid =
 template <class F>
 concept FluidCoupling = detail::MeantAsFluid<F> &&(!F::active || detail::ActiveFluid<F>);
 
+/// The rows of one particle that a fluid whose drag follows it reads and changes (FluidLoads in
+/// engine/state/fluid_loads.hpp says what is in them).
+template <class Row>
+struct FollowedRow {
+  Row& held;
+  const Row& flow;
+  Row& reference;
+  const Row& given;
+  Row& taken;
+};
+
 /// A fluid whose drag is found anew in each particle step: `follows` is true, and it has
 ///   start_of(p)                       FollowStart of particle p, after advance()
 ///   lose(impulse)                     [N s] that particles which left had taken beyond their share

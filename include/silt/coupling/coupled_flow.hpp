@@ -18,6 +18,7 @@
 #include <silt/coupling/coupled_step.hpp>
 #include <silt/coupling/held_cells.hpp>
 #include <silt/coupling/particle_exchange.hpp>
+#include <silt/coupling/step_choice.hpp>
 #include <silt/fluid/concept.hpp>
 #include <silt/fluid/flow_solver.hpp>
 #include <silt/fluid/flow_vtk.hpp>
@@ -139,7 +140,12 @@ class BasicCoupledFlow {
   void prepare(const FluidScene& scene) const;
   int steps_wanted(const FluidPace& pace, const Team& team) const;
   /// Refuses a number of steps that was set and is too large for light particles in contact.
-  void check_step(double span, const FluidPace& pace) const;
+  void check_step([[maybe_unused]] double span, [[maybe_unused]] const FluidPace& pace) const {
+    if constexpr (!follows)
+      if (steps)
+        detail::check_held_step("CoupledFlow", *steps, held_answer(), span, pace,
+                                has_added_mass ? "" : ", or add FollowedDrag");
+  }
   template <class Visit>
   void for_each_state(const Visit& visit);
   void check_state(const std::string& name, std::span<const double> values) const;
@@ -186,16 +192,11 @@ class BasicCoupledFlow {
 
  private:
   using CellValues = detail::CellValues;
-  /// Fluid steps that resolve contacts, over the limit of the particles' steps, an eighth of one:
-  /// omega dt = 0.4 of a pair's, some 1.1 of a packing's fastest motion, where 1.7 is stable.
-  static constexpr double held_share_of_contact = 1;
-
   bool in_pressure() const { return exchange_.in_pressure(); }
   void tell_settings() {
     exchange_.settings = {flow_.fluid(), flow_.options().model, gravity, least_voidage};
   }
   double longest_step(double speed, const Team& team) const;
-  double longest_held_step(double longest, const FluidPace& pace) const;
   void make_averaging(const CoupledParticles& of, const Team& team);
   void spread_volume(const CoupledParticles& of, CoupledStep& done, const Team& team);
   void find_loads(const Team& team) {

@@ -9,9 +9,7 @@ namespace silt::inline SILT_TARGET {
 
 template <FlowOnGrid Flow, class Drag, class Mode, class... Forces>
 void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::prepare(const FluidScene& scene) const {
-  require(!steps || *steps >= 1, "CoupledFlow.steps = ", steps.value_or(0),
-          " particle steps a fluid step must be at least 1, or left out");
-  require(most_steps >= 1, "CoupledFlow.most_steps = ", most_steps, " must be at least 1");
+  detail::check_steps("CoupledFlow", steps, most_steps);
   const Grid& g = flow_.grid();
   const Vec3d low = g.box().min, extent = g.box().extent(), corner = scene.box.min,
               repeats = scene.box.extent();
@@ -32,8 +30,9 @@ int BasicCoupledFlow<Flow, Drag, Mode, Forces...>::steps_wanted(const FluidPace&
                                                                 const Team& team) const {
   if (steps) return *steps;
   if (clock.steps == 0) return 1;
-  const double longest = longest_held_step(longest_step(pace.speed, team), pace);
-  return static_cast<int>(std::clamp(longest / pace.step, 1.0, static_cast<double>(most_steps)));
+  double longest = longest_step(pace.speed, team);
+  if constexpr (!follows) longest = detail::longest_held_step(held_answer(), clock, longest, pace);
+  return detail::steps_in(longest, pace, most_steps);
 }
 
 /// The longest fluid step [s] for particles of that speed [m/s]; see `steps`.
@@ -43,42 +42,6 @@ double BasicCoupledFlow<Flow, Drag, Mode, Forces...>::longest_step(double speed,
   const Vec3d h = flow_.grid().h();
   const double stable = flow_.stable_step(team), least = std::min({h.x, h.y, h.z});
   return speed > 0 ? std::min(stable, 0.2 * least / speed) : stable;
-}
-
-/// Light or stiffly coupled particles in contact: what the fluid gives them is held over its step
-/// and knows only the contacts of the step before, so that a step of up to `longest` [s] must
-/// either leave the fluid's answer small or resolve the contacts.
-template <FlowOnGrid Flow, class Drag, class Mode, class... Forces>
-double BasicCoupledFlow<Flow, Drag, Mode, Forces...>::longest_held_step(
-    double longest, [[maybe_unused]] const FluidPace& pace) const {
-  if constexpr (!follows) {
-    const auto& held = held_answer();
-    const double lag = held.in_contact, small = held.most_lag * clock.last_step;
-    if (lag * longest > small)
-      if (const auto limit = pace.contact_limit())
-        return std::min(longest, std::max(small / lag, held_share_of_contact * *limit));
-  }
-  return longest;
-}
-
-template <FlowOnGrid Flow, class Drag, class Mode, class... Forces>
-void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::check_step(
-    [[maybe_unused]] double span, [[maybe_unused]] const FluidPace& pace) const {
-  if constexpr (!follows) {
-    const auto& held = held_answer();
-    if (!steps || !(held.lag > held.most_lag && held.density_ratio < 1)) return;
-    const auto limit = pace.contact_limit();
-    if (!limit || span <= held_share_of_contact * *limit) return;
-    throw Error(text(
-        "CoupledFlow.steps = ", *steps,
-        " particle steps a fluid step are too many for particles "
-        "of ",
-        held.density_ratio, " of the fluid's density: what it gives them is held for ", span,
-        " s, longer than an eighth of a contact, and would make their contacts swing; set it to "
-        "at most ",
-        static_cast<int>(held_share_of_contact * *limit / pace.step), " or leave it out",
-        has_added_mass ? "" : ", or add FollowedDrag"));
-  }
 }
 
 template <FlowOnGrid Flow, class Drag, class Mode, class... Forces>

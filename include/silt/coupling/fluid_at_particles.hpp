@@ -62,15 +62,4 @@ struct FollowStart {
   double voidage = 0;   // [-] 0: no fluid
 };
 
-/// The rows of one particle that a fluid whose drag follows it reads and changes (FluidLoads in
-/// engine/state/fluid_loads.hpp says what is in them).
-template <class Row>
-struct FollowedRow {
-  Row& held;
-  const Row& flow;
-  Row& reference;
-  const Row& given;
-  Row& taken;
-};
-
 }  // namespace silt

@@ -10,6 +10,7 @@
 #include <type_traits>
 #include <vector>
 
+#include <silt/coupling/concept.hpp>
 #include <silt/coupling/drag/concept.hpp>
 #include <silt/coupling/drag/oriented.hpp>
 #include <silt/coupling/fluid_at_particles.hpp>
@@ -97,6 +98,9 @@ class ParticleExchange {
   /// Whether particles move so much with a change of the coming step's flow that its continuity
   /// must know: explicitly such a step is not stable.
   bool moves() const { return moves_; }
+  /// [-] By how much the fluid's velocity changes for a change of the particles' in the step
+  /// before, at most of any particle, where give() is not implicit: from 1 on no step is stable.
+  double gain() const { return gain_; }
   /// Whether the pressure of the coming step, which particles leave to the fluid, matters.
   bool bears() const { return bears_; }
   /// (2). `implicit`: the fluid's step takes what moves() and bears() say; if not, the particles'
@@ -164,8 +168,6 @@ class ParticleExchange {
   double coefficient(double eps, double slip, double d) const;
   double coefficient(const CoupledParticles& of, const InFluid& here, std::size_t p) const;
   double coefficient(const InFluid& here, double slip) const;
-  /// By how much the fluid's velocity changes in a step for a change of the particles' in the one
-  /// before, if continuity knows of that a step late [-].
   double gain_of(const InFluid& here, const StepResponse& r) const {
     return (1 - here.voidage) / here.voidage *
            (r.with_fluid + here.density / here.dt * r.with_pressure);
@@ -188,6 +190,7 @@ class ParticleExchange {
   std::vector<Vec3d> others_;  // [N] of Forces, with FollowedDrag
   std::vector<FollowStart> start_;
   HeldAnswer held_answer_;
+  double gain_ = 0;  // [-]
   bool moves_ = false, bears_ = false;
 };
 

@@ -69,7 +69,8 @@ void ParticleExchange<Drag, Forces...>::find(const CoupledParticles& of, double 
     held_answer_.include(one.lag, one.density_ratio, false);
     held_answer_.in_contact = std::max(held_answer_.in_contact, one.in_contact);
   }
-  moves_ = *std::max_element(largest.begin(), largest.end()) > most_lagged_gain;
+  gain_ = *std::max_element(largest.begin(), largest.end());
+  moves_ = gain_ > most_lagged_gain;
   bears_ = in_pressure() && (moves_ || held_answer_.lag > most_lagged_share);
 }
 
