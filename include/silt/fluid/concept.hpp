@@ -72,7 +72,7 @@ concept FlowWalls = requires(const F& seen, int direction) {
 ///   walls    open_cells(), open_row(j, k), open_faces(d), inner_faces(d), joined_cells(): null
 ///            where nothing stands in the box; boundaries(): how many boundaries have been set
 ///
-/// Tests: tests/coupling/flow_of_ones_own.cpp.
+/// Tests: tests/coupling/own_coupling.cpp.
 template <class F>
 concept FlowOnGrid =
     detail::FlowFields<F> && detail::TakesDrag<F> && detail::FlowSteps<F> && detail::FlowWalls<F>;
