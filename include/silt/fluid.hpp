@@ -7,10 +7,13 @@
 #include <silt/coupling/averaging/kernel.hpp>
 #include <silt/coupling/averaging/two_grid.hpp>
 #include <silt/coupling/averaging/unresolved.hpp>
+#include <silt/coupling/cell_space.hpp>
 #include <silt/coupling/coupled_flow.hpp>
+#include <silt/coupling/coupled_mesh.hpp>
 #include <silt/coupling/drag/laws.hpp>
 #include <silt/coupling/formulas.hpp>
 #include <silt/coupling/lift/ellipsoid_torque.hpp>
+#include <silt/coupling/prescribed_flow.hpp>
 #include <silt/coupling/unsteady/history_force.hpp>
 #include <silt/fluid/boundary_of.hpp>
 #include <silt/silt.hpp>

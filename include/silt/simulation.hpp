@@ -37,14 +37,12 @@ namespace silt::inline SILT_TARGET {
 ///   axis       policy                                         left out
 ///   particles  Particles<Shape>                               must be given
 ///   contact    Contacts<Law, Options...>                      must be given
-///   search     VerletList<Finder>, or a finder itself         VerletList<HashedGrid>, automatic skin
-///   domain     OpenDomain, PeriodicBox                        OpenDomain
-///   fluid      CoupledFlow<Drag, Mode, Forces...>             NoFluid
-///   precision  Double, Mixed                                  Double
-///   kernels    KernelsFor<Arch>                               what the compile flags allow
-///   integrator Leapfrog, SymplecticEuler, Gear                Leapfrog
-///   rotation   NoSquish, Spiral: of bodies                    NoSquish
-///   ledger     EnergyLedger                                   no books of the energy
+///   search     VerletList<Finder>, or a finder itself         VerletList<HashedGrid>, automatic
+///   skin domain     OpenDomain, PeriodicBox                        OpenDomain fluid CoupledFlow,
+///   CoupledMesh, PrescribedFlow, ...  NoFluid precision  Double, Mixed Double kernels
+///   KernelsFor<Arch>                               what the compile flags allow integrator
+///   Leapfrog, SymplecticEuler, Gear                Leapfrog rotation   NoSquish, Spiral: of bodies
+///   NoSquish ledger     EnergyLedger                                   no books of the energy
 ///   events     ContactEvents                                  nobody is told of contacts
 ///   modules    Field<"name">, BodyForce, structs of one's own none; any number of them
 ///
@@ -75,6 +73,9 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
   static constexpr bool rotates = Composition::rotates;
   static constexpr bool turned_by_fluid = detail::turns(Composition::from_fluid);
   static constexpr bool follows_fluid = detail::follows(Composition::from_fluid);
+  static_assert(!follows_fluid || FollowingFluid<Fluid>,
+                "a fluid that says it follows lacks start_of(), lose(), prepare_to_follow() or "
+                "follow() (FollowingFluid, silt/coupling/concept.hpp)");
   static_assert(
       detail::laws_fit_lanes<typename Composition::Contacts, typename Composition::Arch>());
   using Engine = detail::Engine<typename detail::InOrder<Policies...>::OfEngine>;
@@ -320,8 +321,7 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
   double longest_module_step() const;
   void check_module_rates() const;
   void renew_fluid();
-  double longest_held_step(double longest) const;
-  void check_held_step(double span) const;
+  FluidPace pace_of_fluid(double speed) const;
   double kicked_to() const;
   void change_fluid_step(double dt);
   void follow_fluid();
@@ -329,7 +329,7 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
   double power_of_fluid() const;
   template <class Column>
   double work_of_first_kick(const Column& force) const;
-  void check_fluid() const;
+  void prepare_fluid();
   double potential(std::size_t k) const { return -mass(k) * dot(gravity_booked_, position(k)); }
   void prepare();
   double chosen_time_step() const;
@@ -352,11 +352,12 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
   friend class detail::ModuleAccess<Simulation>;
   friend class detail::ParticleEdits<Simulation>;
   friend class detail::Openings<ShapeType>;
+  using FluidIs = detail::FluidTraits<Fluid>;
   struct NoBook {};
   struct NoParticles {};
   static auto particles_in_fluid() {
     if constexpr (Fluid::active)
-      return typename Fluid::Particles{};
+      return typename FluidIs::Particles{};
     else
       return NoParticles{};
   }
@@ -374,9 +375,6 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
   Vec3d gravity_booked_{0, 0, 0};                 // [m/s2] that the ledger reckons with
   double time_ = 0, dt_ = 0, time_origin_ = 0;
   std::int64_t step_ = 0, step_origin_ = 0;
-  /// Fluid steps that resolve contacts, over the limit of the particles' steps, an eighth of one:
-  /// omega dt = 0.4 of a pair's, some 1.1 of a packing's fastest motion, where 1.7 is stable.
-  static constexpr double held_share_of_contact = 1;
   double checked_speed_ = 0, checked_overlap_ = 0, peak_overlap_ = 0;
   detail::NextIds next_;
   bool first_kick_ = true, kicked_ = false, continued_ = false;

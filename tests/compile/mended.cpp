@@ -105,3 +105,12 @@ namespace field_of_text {
 namespace module_twice {
 #include "refused/module_twice.cpp"
 }
+namespace fluid_active_alone {
+#include "refused/fluid_active_alone.cpp"
+}
+namespace fluid_follows_without_parts {
+#include "refused/fluid_follows_without_parts.cpp"
+}
+namespace fluid_without_advance {
+#include "refused/fluid_without_advance.cpp"
+}

@@ -61,10 +61,12 @@ TEST_CASE("CoupledFlow: policies in any order make the same fluid, bit for bit")
 TEST_CASE("CoupledFlow: what is both drag and lift is the drag where no other is given") {
   const silt::SlowEllipsoid both;
   const CoupledFlow alone{both, silt::Kernel{}, rising(), both};
-  using Slow = BasicCoupledFlow<silt::SlowEllipsoid, silt::Kernel, silt::SlowEllipsoid>;
+  using Slow =
+      BasicCoupledFlow<silt::FlowSolver, silt::SlowEllipsoid, silt::Kernel, silt::SlowEllipsoid>;
   static_assert(std::is_base_of_v<Slow, decltype(alone)>);
   const CoupledFlow lift{both, silt::Kernel{}, rising(), silt::OrientedDrag<>{}};
-  using Lift = BasicCoupledFlow<silt::OrientedDrag<>, silt::Kernel, silt::SlowEllipsoid>;
+  using Lift =
+      BasicCoupledFlow<silt::FlowSolver, silt::OrientedDrag<>, silt::Kernel, silt::SlowEllipsoid>;
   static_assert(std::is_base_of_v<Lift, decltype(lift)>);
   CHECK(alone.active);
 }

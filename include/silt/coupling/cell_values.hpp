@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include <silt/fluid/flow_solver.hpp>
+#include <silt/fluid/concept.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -23,7 +23,8 @@ class CellValues {
   Three stretch, strain;  // [1/s] rates of strain xx, yy, zz and yz, zx, xy; from find_strain()
   Three convection;       // [m/s2] u grad u; from find_convection()
 
-  void find_velocity(const FlowSolver& flow, const Team& team) {
+  template <FlowOnGrid Flow>
+  void find_velocity(const Flow& flow, const Team& team) {
     for (int d = 0; d < 3; ++d) {
       const int s[3] = {d == 0, d == 1, d == 2};
       CellField& to = velocity[at(d)];
@@ -37,7 +38,8 @@ class CellValues {
   }
 
   /// The mean of the slopes at both faces; beside a side or a wall, of the open one alone.
-  void find_slope(FlowSolver& flow, const Team& team) {
+  template <FlowOnGrid Flow>
+  void find_slope(Flow& flow, const Team& team) {
     const Grid& g = flow.grid();
     CellField& p = flow.pressure();
     flow.fill_pressure_ghosts();
@@ -64,7 +66,8 @@ class CellValues {
 
   /// div tau, the mean of both faces; beside a wall or a side that is not periodic, of the inner
   /// face alone.
-  void find_stress(const FlowSolver& flow, const Team& team) {
+  template <FlowOnGrid Flow>
+  void find_stress(const Flow& flow, const Team& team) {
     const Grid& g = flow.grid();
     make(stress, g);
     for (int d = 0; d < 3; ++d) {
@@ -87,7 +90,8 @@ class CellValues {
   }
 
   /// The exchanged force on the particles as the fluid felt it [N]; `borne` null: 0.
-  Vec3d exchanged(FlowSolver& flow, const CellField* borne) const {
+  template <FlowOnGrid Flow>
+  Vec3d exchanged(Flow& flow, const CellField* borne) const {
     Vec3d sum{0, 0, 0};
     const Grid& g = flow.grid();
     for (int k = 0; k < g.nz(); ++k)
@@ -107,7 +111,8 @@ class CellValues {
     return g.cell_volume() * sum;
   }
 
-  void find_curl(const FlowSolver& flow, const Team& team) {
+  template <FlowOnGrid Flow>
+  void find_curl(const Flow& flow, const Team& team) {
     const Grid& g = flow.grid();
     make(curl, g);
     for_rows(flow, team, [&](int j, int k) {
@@ -121,7 +126,8 @@ class CellValues {
   }
 
   /// Rates of strain [1/s]: xx, yy, zz, yz, zx, xy.
-  void find_strain(const FlowSolver& flow, const Team& team) {
+  template <FlowOnGrid Flow>
+  void find_strain(const Flow& flow, const Team& team) {
     const Grid& g = flow.grid();
     make(stretch, g), make(strain, g);
     for_rows(flow, team, [&](int j, int k) {
@@ -135,7 +141,8 @@ class CellValues {
     });
   }
 
-  void find_convection(const FlowSolver& flow, const Team& team) {
+  template <FlowOnGrid Flow>
+  void find_convection(const Flow& flow, const Team& team) {
     const Grid& g = flow.grid();
     make(convection, g);
     for_rows(flow, team, [&](int j, int k) {
@@ -150,8 +157,8 @@ class CellValues {
     });
   }
 
-  template <class Visit>
-  static void for_rows(const FlowSolver& flow, const Team& team, const Visit& visit) {
+  template <FlowOnGrid Flow, class Visit>
+  static void for_rows(const Flow& flow, const Team& team, const Visit& visit) {
     team.for_parts(static_cast<std::size_t>(flow.grid().nz()), [&](std::size_t k) {
       for (int j = 0; j < flow.grid().ny(); ++j) visit(j, static_cast<int>(k));
     });

@@ -43,12 +43,13 @@ struct FluidPolicies {
     return alone < none ? alone : first({MeantAsDrag<Policies>..., false});
   }();
   static constexpr std::size_t mode = first({AveragingMode<Policies>..., false});
-  static constexpr std::size_t flow = first({std::is_same_v<Policies, FlowSolver>..., false});
+  static constexpr std::size_t flow = first({FlowOnGrid<Policies>..., false});
 
   template <std::size_t k>
   using At = std::tuple_element_t<k, std::tuple<Policies..., NotGiven>>;
   using Drag = At<drag>;
   using Mode = At<mode>;
+  using Flow = std::conditional_t < flow<none, At<flow>, FlowSolver>;
   static constexpr bool is_force(std::size_t k) { return k != drag && k != mode && k != flow; }
   static constexpr std::size_t forces = count - (drag < none) - (mode < none) - (flow < none);
   /// The place of force number `wanted`.
@@ -68,8 +69,8 @@ template <class P, class Forces = std::make_index_sequence<P::forces>>
 struct SortedFlow;
 template <class P, std::size_t... k>
 struct SortedFlow<P, std::index_sequence<k...>> {
-  using Type =
-      BasicCoupledFlow<typename P::Drag, typename P::Mode, typename P::template At<P::force(k)>...>;
+  using Type = BasicCoupledFlow<typename P::Flow, typename P::Drag, typename P::Mode,
+                                typename P::template At<P::force(k)>...>;
   template <class Args>
   static Type make(Args&& given) {
     static_assert(P::flow < P::count, "CoupledFlow needs the flow: give one silt::FlowSolver");
@@ -84,8 +85,8 @@ inline constexpr bool is_coupled_flow = false;
 
 }  // namespace detail
 
-/// The fluid of a Simulation: a drag law, an averaging mode, a FlowSolver and further forces, in
-/// any order; what it does: BasicCoupledFlow (coupled_flow.hpp).
+/// The fluid of a Simulation: a drag law, an averaging mode, a flow (FlowSolver, or any FlowOnGrid)
+/// and further forces, in any order; what it does: BasicCoupledFlow (coupled_flow.hpp).
 ///
 ///   silt::CoupledFlow fluid{silt::Gidaspow{}, silt::Kernel{}, flow, silt::VirtualMass{}};
 ///
@@ -125,7 +126,7 @@ requires(!detail::FluidPolicies<Policies...>::fit) class CoupledFlow<Policies...
   static_assert(has_flow, "CoupledFlow needs the flow: give one silt::FlowSolver");
   static_assert(!(has_drag && fits_lanes && has_mode && has_flow),
                 "an argument of CoupledFlow is one too many, or nothing that it takes: that is one "
-                "drag law, one averaging mode, one FlowSolver, and forces, in any order "
+                "drag law, one averaging mode, one flow, and forces, in any order "
                 "(silt/coupling/fluid_force.hpp)");
 
  public:
@@ -135,10 +136,10 @@ requires(!detail::FluidPolicies<Policies...>::fit) class CoupledFlow<Policies...
 };
 
 template <class... Args>
-requires(std::is_same_v<std::remove_cvref_t<Args>, FlowSolver> || ...) CoupledFlow(Args&&...)
+requires(FlowOnGrid<std::remove_cvref_t<Args>> || ...) CoupledFlow(Args&&...)
 ->CoupledFlow<std::remove_cvref_t<Args>...>;
 template <class... Args>
-requires(!((std::is_same_v<std::remove_cvref_t<Args>, FlowSolver> ||
+requires(!((FlowOnGrid<std::remove_cvref_t<Args>> ||
             detail::is_coupled_flow<std::remove_cvref_t<Args>>) ||
            ...)) CoupledFlow(Args&&...)
 ->CoupledFlow<std::remove_cvref_t<Args>..., detail::NoFlowSolver>;

@@ -11,16 +11,6 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// What a step did.
-struct FlowStep {
-  double courant = 0;  // [-] the largest sum over directions of |u| dt / h of any cell
-  int iterations = 0;  // of the pressure solver
-  double removed = 0;  // [-] of the continuity equation's right side: what no flow could balance
-  /// [-] of a cell's volume, root of the mean square: what the pressure's tolerance has left of
-  /// this step's continuity equation.
-  double unbalanced = 0;
-};
-
 namespace fluid_detail {
 
 /// After a step with (6): the voidage of which the fluxes know.
@@ -250,9 +240,9 @@ class FlowProjection {
   }
 
   PressureSolver solver_;
-  Three coefficient_;             // a eps e/D/h^2
-  CellField change_, right_, held_;   // dp and its equation
-  std::optional<Three> carried_;  // [m/s] the particles' volume, with the last pressure
+  Three coefficient_;                // a eps e/D/h^2
+  CellField change_, right_, held_;  // dp and its equation
+  std::optional<Three> carried_;     // [m/s] the particles' volume, with the last pressure
 };
 
 }  // namespace fluid_detail

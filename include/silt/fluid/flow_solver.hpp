@@ -11,6 +11,7 @@
 #include <span>
 #include <utility>
 
+#include <silt/fluid/concept.hpp>
 #include <silt/fluid/flow_k_epsilon.hpp>
 #include <silt/fluid/flow_momentum.hpp>
 #include <silt/fluid/flow_projection.hpp>
@@ -301,7 +302,7 @@ class FlowSolver {
     fluid_detail::refuse_unstable(s_, dt, done.courant);
     s_.take_voidage();
     for (CellField* f : {&s_.drag, &s_.drag_v[0], &s_.drag_v[1], &s_.drag_v[2], &s_.force[0],
-                     &s_.force[1], &s_.force[2]}) {
+                         &s_.force[1], &s_.force[2]}) {
       if (s_.solids) s_.solids->fill_corners(*f);
       s_.sides.fill_cells(*f);
     }
@@ -358,5 +359,7 @@ class FlowSolver {
   int boundaries_ = 0;
   std::unique_ptr<fluid_detail::FlowProjection> projection_;  // knows nothing between steps
 };
+
+static_assert(FlowOnGrid<FlowSolver>);
 
 }  // namespace silt

@@ -14,53 +14,11 @@
 #include <silt/fluid/flow_rows.hpp>
 #include <silt/fluid/flow_sides.hpp>
 #include <silt/fluid/flow_solids.hpp>
+#include <silt/fluid/flow_step.hpp>
 #include <silt/fluid/flow_turbulence.hpp>
 #include <silt/fluid/grid.hpp>
 
 namespace silt::inline SILT_TARGET {
-
-/// An incompressible Newtonian fluid.
-struct FluidProperties {
-  double density = 0;                                           // [kg/m3] must be given
-  double viscosity = std::numeric_limits<double>::quiet_NaN();  // [Pa s] must be given
-};
-
-/// Volume-averaged momentum equations, with the pressure p and the force f of the particles:
-///   A           d(eps rho u)/dt + div(eps rho u u) = -eps grad p + eps div tau + f
-///   B                                              =     -grad p +     div tau + f
-///   Simplified  of the fluid alone (eps = 1); for dilute flow, solids below 1 %
-enum class MomentumModel { A, B, Simplified };
-
-struct FlowOptions {
-  MomentumModel model = MomentumModel::A;
-  double tolerance = 1e-6;    // [-] of the pressure's residual
-  int most_iterations = 200;  // [-] of the pressure solver
-};
-
-/// How the particles of a coming step answer to it, in cells, for a flow whose particles are light
-/// or stiffly coupled; see FlowSolver. At the step's end a particle of volume V has the velocity
-///
-///   v' = v0 + a u' - b (grad p' - div tau')                                                   (1)
-///
-/// and bears of pressure and viscous stress the part V - q alone; q is left to the fluid.
-struct ParticleResponse {
-  explicit ParticleResponse(const Grid& g)
-      : borne(g), with_fluid(g), with_pressure(g), flux{CellField(g), CellField(g), CellField(g)} {}
-
-  bool bears = false;         // whether the step knows
-  CellField borne;                // [-] sum w q over the cell's volume (model A)
-  bool moves = false;         // whether continuity knows (1): then, as sums over the cell's volume,
-  CellField with_fluid;           // [-] w V a
-  CellField with_pressure;        // [m3 s/kg] w V b
-  std::array<CellField, 3> flux;  // [m/s] w V (v0 + b div tau)
-
-  template <class Visit>
-  void for_each(const Visit& visit) {
-    if (bears) visit(borne);
-    if (moves)
-      for (CellField* f : {&with_fluid, &with_pressure, &flux[0], &flux[1], &flux[2]}) visit(*f);
-  }
-};
 
 namespace fluid_detail {
 
@@ -269,14 +227,14 @@ struct FlowState {
   Three flow = three(), old_flow = three(), carried = three();  // [m/s] eps u; F
   Three tendency = three();                                     // [N/m3] of the first stage
   Three weight = three();                                       // [m3 s/kg] e/D
-  std::vector<CellField> stress;                                    // [N/m3] div tau, if it is kept
+  std::vector<CellField> stress;                                // [N/m3] div tau, if it is kept
   std::optional<ParticleResponse> response;                     // if particles have one
-  CellField pressure{grid};                                         // [Pa]
+  CellField pressure{grid};                                     // [Pa]
   CellField voidage{grid, 1}, eps{grid, 1}, old_eps{grid, 1}, older_eps{grid, 1};
   CellField mass{grid, 1}, next_mass{grid, 1};  // [-] m, m'
   CellField spread{grid};                       // [1/s] div u
   CellField drag{grid};                         // [kg/(m3 s)] K
-  Three drag_v = three(), force = three();  // [N/m3] K v, s
+  Three drag_v = three(), force = three();      // [N/m3] K v, s
 
  private:
   Three three() const { return {CellField(grid), CellField(grid), CellField(grid)}; }

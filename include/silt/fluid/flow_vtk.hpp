@@ -8,7 +8,7 @@
 #include <vector>
 
 #include <silt/files/vtk.hpp>
-#include <silt/fluid/flow_solver.hpp>
+#include <silt/fluid/concept.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -16,7 +16,8 @@ namespace silt::inline SILT_TARGET {
 /// cell's faces), pressure [Pa], voidage [-], and whether fluid can enter (1, or 0 within walls).
 /// `path` should end in .vti. `vtk_series` does it in a Simulation with a fluid.
 /// Errors: FileError if the file cannot be written. Tests: tests/fluid/flow_vtk.cpp.
-inline void write_flow(const std::string& path, const FlowSolver& flow) {
+template <FlowOnGrid Flow>
+void write_flow(const std::string& path, const Flow& flow) {
   const Grid& g = flow.grid();
   const std::size_t n = g.size();
   std::vector<Vec3d> velocity;

@@ -337,12 +337,12 @@ class Checkpoint {
       } catch (const InputError& error) {
         throw FileError(text("checkpoint '", path, "' is damaged: ", error.what()));
       }
-      const double ahead = fluid_->time() - clock_.time;
-      const double most = fluid_->last_step_length() * (1 + 1e-9) + clock_.step_length;
-      a.need(fluid_->fluid_steps() == 0 || (ahead > -most && ahead < most),
+      const double ahead = fluid_->clock.time - clock_.time;
+      const double most = fluid_->clock.last_step * (1 + 1e-9) + clock_.step_length;
+      a.need(fluid_->clock.steps == 0 || (ahead > -most && ahead < most),
              "fluid.clock: the fluid "
              "is at ",
-             fluid_->time(), " s, the particles at ", clock_.time, " s");
+             fluid_->clock.time, " s, the particles at ", clock_.time, " s");
     }
 
     const Sim& sim_;

@@ -116,33 +116,6 @@ void describe_inlet(const Describer& is, const Inlet& inlet) {
   is("seed", text(flow.seed)), is("trials", flow.trials), is("interval [s]", flow.interval);
 }
 
-template <class Fluid>
-void describe_fluid(const Describer& is, const Fluid& fluid) {
-  if constexpr (requires { fluid.flow().grid(); }) {
-    const auto& flow = fluid.flow();
-    const auto& g = flow.grid();
-    describe(is.of("grid "), g.box());
-    is("density [kg/m3]", flow.fluid().density), is("viscosity [Pa s]", flow.fluid().viscosity);
-    is("momentum model", static_cast<int>(flow.options().model));
-    for (int d = 0; d < 3; ++d) {
-      const auto along = is.of(text("xyz"[d], ": "));
-      along("cells", g.cells()[static_cast<std::size_t>(d)]);
-      along("periodic", g.periodic(d) ? "yes" : "no");
-      for (const int end : {0, 1})
-        along(end == 0 ? "lower side" : "upper side",
-              flow.holds_pressure(d, end) ? "open" : "closed");
-    }
-    is("walls within the box", flow.open_cells() != nullptr ? "yes" : "no");
-    if (const auto* open = flow.open_cells()) {
-      double sum = 0;
-      for (int k = 0; k < g.nz(); ++k)
-        for (int j = 0; j < g.ny(); ++j)
-          for (int i = 0; i < g.nx(); ++i) sum += (1 + i + 1.7 * j + 2.3 * k) * (*open)(i, j, k);
-      is("checksum of the open cells", sum);
-    }
-  }
-}
-
 /// `removed[w]`: whether wall w is described as one without surfaces.
 template <class Sim, class Table, class Openings>
 SceneDescription describe_scene(const Sim& sim, const Table& coefficients, const Openings& openings,
@@ -191,7 +164,7 @@ SceneDescription describe_scene(const Sim& sim, const Table& coefficients, const
     describe(is.of(text("outlet ", k, ": ")), openings.outlets()[k].region);
   for (std::size_t k = 0; k < openings.inlets().size(); ++k)
     describe_inlet({out, Aspect::Inlet, text("inlet ", k, ": ")}, openings.inlets()[k]);
-  if constexpr (Sim::Fluid::active) describe_fluid(is.of("fluid: "), sim.fluid());
+  if constexpr (requires { sim.fluid().describe(is); }) sim.fluid().describe(is.of("fluid: "));
   return out;
 }
 

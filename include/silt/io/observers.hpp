@@ -276,7 +276,7 @@ class VtkSeriesObserver {
       parts_ = open("surfaces");
     else if constexpr (Sim::of_bodies)
       parts_ = open("parts");
-    if constexpr (Sim::Fluid::active) flow_ = open("flow");
+    if constexpr (detail::FluidTraits<typename Sim::Fluid>::is_written) flow_ = open("flow");
   }
   template <class Sim>
   bool is_due(const Sim& sim) const {
@@ -306,9 +306,10 @@ class VtkSeriesObserver {
       write_parts(text(folder_, '/', file("parts")), sim);
       parts_->add(sim.time(), file("parts"));
     }
-    if constexpr (Sim::Fluid::active) {
-      write_flow(text(folder_, '/', file("flow", ".vti")), sim.fluid().flow());
-      flow_->add(sim.time(), file("flow", ".vti"));
+    if constexpr (detail::FluidTraits<typename Sim::Fluid>::is_written) {
+      const auto name = file("flow", Sim::Fluid::file_kind);
+      sim.fluid().write(text(folder_, '/', name));
+      flow_->add(sim.time(), name);
     }
     if (sim.size() > 0 && sim.walls() > 0) {
       const auto w = wall_triangles(sim, around);

@@ -198,7 +198,7 @@ void Simulation<Policies...>::prepare() {
   }
   detail::check_inertia<ShapeType>();
   if (step_ > 0 || kicked_) detail::check_given(engine_, gravity, step_, time_);
-  check_fluid();
+  prepare_fluid();
   engine_.set_threads(threads);
   engine_.set_coefficients(contacts_);
   if (dt_ == 0 || (time_step && *time_step != dt_) || (scene_changed_ && is_step_too_long())) {

@@ -24,9 +24,25 @@ requires(!detail::make_a_simulation<Policies...>) class Simulation<Policies...> 
   static constexpr bool has_one_of_the_rest = given<detail::IsKernels> <= 1 &&
                                               given<detail::IsLedger> <= 1 &&
                                               given<detail::IsContactEvents> <= 1;
-  /// A law without its Contacts has the sentence about these.
+  /// Of what says that it is a fluid: whether it has each part of FluidCoupling.
+  template <class P, bool has>
+  static constexpr bool if_fluid = [] {
+    if constexpr (detail::MeantAsFluid<P>) return has || !P::active;
+    return true;
+  }();
+  static constexpr bool fluid_has_clock = (if_fluid<Policies, detail::HasClock<Policies>> && ...);
+  static constexpr bool fluid_prepares =
+      (if_fluid<Policies, detail::PreparesFluid<Policies>> && ...);
+  static constexpr bool fluid_paces = (if_fluid<Policies, detail::PacesFluid<Policies>> && ...);
+  static constexpr bool fluid_advances =
+      (if_fluid<Policies, detail::AdvancesFluid<Policies>> && ...);
+  static constexpr bool fluid_keeps_state =
+      (if_fluid<Policies, detail::KeepsFluidState<Policies>> && ...);
+  /// A law without its Contacts has the sentence about these, and so has a fluid without its parts.
   static constexpr bool all_belong =
-      ((detail::belongs_to_an_axis<Policies> || (ContactLaw<Policies> && !has_contacts)) && ...);
+      ((detail::belongs_to_an_axis<Policies> || detail::MeantAsFluid<Policies> ||
+        (ContactLaw<Policies> && !has_contacts)) &&
+       ...);
 
   static_assert(has_particles,
                 "Simulation needs the particles: give one silt::Particles<Shape> "
@@ -36,7 +52,24 @@ requires(!detail::make_a_simulation<Policies...>) class Simulation<Policies...> 
                 "(silt/contact/contacts.hpp; laws: silt/contact/concept.hpp)");
   static_assert(has_one_search, "Simulation takes one neighbour search (silt/search/concept.hpp)");
   static_assert(has_one_domain, "Simulation takes one domain (silt/boundary/domain.hpp)");
-  static_assert(has_one_fluid, "Simulation takes one fluid coupling (silt/coupling/no_fluid.hpp)");
+  static_assert(has_one_fluid, "Simulation takes one fluid coupling (silt/coupling/concept.hpp)");
+  static_assert(fluid_has_clock,
+                "a fluid given to Simulation (active = true) has no member `FluidClock clock` "
+                "(FluidCoupling, silt/coupling/concept.hpp)");
+  static_assert(fluid_prepares,
+                "a fluid given to Simulation has no prepare(const FluidScene&), which checks its "
+                "settings (FluidCoupling, silt/coupling/concept.hpp)");
+  static_assert(fluid_paces,
+                "a fluid given to Simulation has no steps_wanted(const FluidPace&, const Team&) "
+                "const, the particle steps of its next step (FluidCoupling, "
+                "silt/coupling/concept.hpp)");
+  static_assert(fluid_advances,
+                "a fluid given to Simulation has no advance(const CoupledParticles&, double dt, "
+                "std::span<Vec3d> force, const Team&, std::span<Vec3d> torque) (FluidCoupling, "
+                "silt/coupling/concept.hpp)");
+  static_assert(fluid_keeps_state,
+                "a fluid given to Simulation has no for_each_state(visit), for checkpoints "
+                "(FluidCoupling, silt/coupling/concept.hpp)");
   static_assert(has_one_integrator, "Simulation takes one integrator (silt/motion/concept.hpp)");
   static_assert(has_one_rotation, "Simulation takes one rotation (silt/motion/rotation.hpp)");
   static_assert(

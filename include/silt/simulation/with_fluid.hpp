@@ -14,27 +14,14 @@ namespace silt::inline SILT_TARGET {
 
 /// Refuses a fluid that does not fit to where the particles are.
 template <class... Policies>
-void Simulation<Policies...>::check_fluid() const {
+void Simulation<Policies...>::prepare_fluid() {
   if constexpr (Fluid::active) {
-    require(!fluid_.steps || *fluid_.steps >= 1, "CoupledFlow.steps = ", fluid_.steps.value_or(0),
-            " particle steps a fluid step must be at least 1, or left out");
-    require(fluid_.most_steps >= 1, "CoupledFlow.most_steps = ", fluid_.most_steps,
-            " must be at least 1");
+    FluidScene scene;
     if constexpr (Domain::periodic) {
-      const auto& g = fluid_.flow().grid();
-      const Vec3d low = g.box().min, extent = g.box().extent();
-      const double from[3] = {low.x, low.y, low.z}, length[3] = {extent.x, extent.y, extent.z};
-      const Vec3d corner = domain_.box().min;
-      const double begins[3] = {corner.x, corner.y, corner.z};
-      for (int d = 0; d < 3; ++d)
-        require(!domain_.repeats(d) ||
-                    (g.periodic(d) && std::abs(length[d] - domain_.length(d)) < 1e-9 * length[d] &&
-                     std::abs(from[d] - begins[d]) < 1e-9 * length[d]),
-                "the PeriodicBox repeats in ", "xyz"[d], " from ", begins[d], " m on, after ",
-                domain_.length(d), " m, but the flow's grid from ", from[d], " m on has ",
-                length[d], " m and is ", g.periodic(d) ? "" : "not ",
-                "periodic there; give both the same");
+      scene.box = domain_.box();
+      for (int d = 0; d < 3; ++d) scene.periodic[static_cast<std::size_t>(d)] = domain_.repeats(d);
     }
+    fluid_.prepare(scene);
   }
 }
 
@@ -42,14 +29,14 @@ void Simulation<Policies...>::check_fluid() const {
 template <class... Policies>
 void Simulation<Policies...>::couple() {
   if constexpr (Fluid::active) {
-    if (fluid_.fluid_steps() == 0) fluid_.start_at(time_);
+    if (fluid_.clock.steps == 0) fluid_.clock.time = time_;
     const double before = power_of_fluid();
     if constexpr (follows_fluid) {
       auto& left = engine_.fluid_loads().left;
       fluid_.lose(left), left = {0, 0, 0};
-      fluid_.gravity = gravity;
+      FluidIs::tell_gravity(fluid_, gravity);
     }
-    if (fluid_.time() < kicked_to() + clock_rounding * dt_) renew_fluid();
+    if (fluid_.clock.time < kicked_to() + clock_rounding * dt_) renew_fluid();
     if constexpr (follows_fluid) follow_fluid();
     if constexpr (has_ledger)
       book_.fluid_worked(first_kick_ ? -work_of_first_kick(engine_.fluid_loads().force)
@@ -71,13 +58,13 @@ double Simulation<Policies...>::kicked_to() const {
 template <class... Policies>
 void Simulation<Policies...>::change_fluid_step([[maybe_unused]] double dt) {
   if constexpr (Fluid::active) {
-    if (fluid_.fluid_steps() == 0) return;
+    if (fluid_.clock.steps == 0) return;
     if constexpr (Integrator::first_kick != 0.5) {
-      fluid_.start_at(fluid_.time() + dt -
-                      dt_);  // velocities are of whole steps, whatever those are
+      // velocities are of whole steps, whatever those are
+      fluid_.clock.time = fluid_.clock.time + dt - dt_;
     } else {
       const double more = 0.5 * (dt - dt_);  // [s] that the last force will act on
-      const double ahead = fluid_.time() - (time_ + 0.5 * dt);  // [s] of the kicks to come
+      const double ahead = fluid_.clock.time - (time_ + 0.5 * dt);  // [s] of the kicks to come
       const double kicks = std::ceil(ahead / dt - clock_rounding);
       auto& loads = engine_.fluid_loads();
       for (std::size_t k = 0; k < rows(); ++k) {
@@ -101,59 +88,23 @@ void Simulation<Policies...>::change_fluid_step([[maybe_unused]] double dt) {
   }
 }
 
-/// Light or stiffly coupled particles in contact: what the fluid gives them is held over its step
-/// and knows only the contacts of the step before, so that a step of up to `longest` [s] must
-/// either leave the fluid's answer small or resolve the contacts.
 template <class... Policies>
-double Simulation<Policies...>::longest_held_step(double longest) const {
-  if constexpr (!follows_fluid) {
-    const auto& held = fluid_.held_answer();
-    const double lag = held.in_contact, small = held.most_lag * fluid_.last_step_length();
-    if (lag * longest > small)
-      if (const auto limit = time_step_limit(checked_speed_))
-        return std::min(longest, std::max(small / lag, held_share_of_contact * *limit));
-  }
-  return longest;
-}
-
-/// The same of a number of steps that was set.
-template <class... Policies>
-void Simulation<Policies...>::check_held_step(double span) const {
-  if constexpr (!follows_fluid) {
-    const auto held = fluid_.held_answer();
-    if (!(held.lag > held.most_lag && held.density_ratio < 1)) return;
-    const auto limit = time_step_limit(checked_speed_);
-    if (!limit || span <= held_share_of_contact * *limit) return;
-    throw SimulationError(
-        text("step ", step_, ", t = ", time_, " s: CoupledFlow.steps = ", *fluid_.steps,
-             " particle steps a fluid step are too many for particles of ", held.density_ratio,
-             " of the fluid's density: what it gives them is held for ", span,
-             " s, longer than an eighth of a contact, and would make their contacts swing; set it "
-             "to "
-             "at most ",
-             static_cast<int>(held_share_of_contact * *limit / dt_), " or leave it out",
-             Fluid::has_added_mass ? "" : ", or add FollowedDrag"),
-        step_, {}, {});
-  }
+FluidPace Simulation<Policies...>::pace_of_fluid(double speed) const {
+  return {dt_, speed, [this] { return time_step_limit(checked_speed_); }};
 }
 
 template <class... Policies>
 void Simulation<Policies...>::renew_fluid() {
-  const double fastest = gather_for_fluid();
-  int steps = 1;
-  if (fluid_.steps)
-    steps = *fluid_.steps;
-  else if (fluid_.fluid_steps() > 0)
-    steps = static_cast<int>(
-        std::clamp(longest_held_step(fluid_.longest_step(fastest, engine_.team())) / dt_, 1.0,
-                   static_cast<double>(fluid_.most_steps)));
-  const double behind = kicked_to() - fluid_.time();  // [s] after a change of the time step
+  const FluidPace pace = pace_of_fluid(gather_for_fluid());
+  const int steps = fluid_.steps_wanted(pace, engine_.team());
+  const double behind = kicked_to() - fluid_.clock.time;  // [s] after a change of the time step
   double span = (first_kick_ ? steps - 1 + Integrator::first_kick : steps) * dt_;
   if (behind > clock_rounding * dt_) span += behind;
-  fluid_.gravity = gravity;
+  FluidIs::tell_gravity(fluid_, gravity);
   auto& p = in_fluid_;
   try {
     fluid_.advance(p.view(), span, p.force, engine_.team(), p.torque);
+    if constexpr (FluidIs::checks_steps) fluid_.check_step(span, pace);
   } catch (const InputError&) {
     throw;
   } catch (const FlowStepError& error) {
@@ -167,8 +118,7 @@ void Simulation<Policies...>::renew_fluid() {
     throw SimulationError(text("step ", step_, ", t = ", time_, " s: ", error.what()), step_, {},
                           {});
   }
-  if (fluid_.steps) check_held_step(span);
-  fluid_.start_at(time_ + (steps - 1 + Integrator::first_kick) * dt_);  // to the last digit
+  fluid_.clock.time = time_ + (steps - 1 + Integrator::first_kick) * dt_;  // to the last digit
   auto& loads = engine_.fluid_loads();
   engine_.team().for_ranges(p.place.size(), [&](std::size_t, std::size_t from, std::size_t to) {
     for (std::size_t n = from; n < to; ++n) {
@@ -207,7 +157,9 @@ void Simulation<Policies...>::follow_fluid() {
         const auto owner = engine_.owner(k);
         const double inv_m = owner.inverse_mass();
         if (inv_m == 0) continue;
-        const Vec3d force = fluid_.follow(loads, k, position(k), owner.velocity(), 1 / inv_m,
+        const FollowedRow<detail::VectorRow> row{loads.held[k], loads.flow[k], loads.reference[k],
+                                                 loads.given[k], loads.taken[k]};
+        const Vec3d force = fluid_.follow(row, position(k), owner.velocity(), 1 / inv_m,
                                           engine_.contact_force(k), kick);
         loads.force[k] = detail::VectorRow::of(force);
         const Vec3d unforced = loads.unforced[k].vector() + (kick * inv_m) * force;
@@ -221,7 +173,7 @@ template <class... Policies>
 Vec3d Simulation<Policies...>::due_from_fluid([[maybe_unused]] std::size_t k) const {
   if constexpr (Fluid::active) {
     const auto& loads = engine_.fluid_loads();
-    const double ahead = fluid_.time() - time_;  // [s] velocity(k) is that of time()
+    const double ahead = fluid_.clock.time - time_;  // [s] velocity(k) is that of time()
     const Vec3d force = loads.force[k].vector();
     if constexpr (follows_fluid) {
       if (!std::isfinite(mass(k))) return {0, 0, 0};
@@ -250,16 +202,20 @@ double Simulation<Policies...>::gather_for_fluid() {
   if constexpr (of_bodies)
     while (p.forms.size() < engine_.mover.forms.size()) {
       const auto& shape = engine_.mover.forms[p.forms.size()].shape;
-      if constexpr (Fluid::sees_forms) p.forms_in_flow.push_back(form_in_flow(shape));
+      if constexpr (FluidIs::sees_forms) p.forms_in_flow.push_back(form_in_flow(shape));
       p.add_form(shape);
     }
   if constexpr (!of_bodies) p.inertia_factor = ShapeType::inertia_factor();
-  const double span = fluid_.last_step_length();
+  const double span = fluid_.clock.last_step;
   std::array<double, Team::most_ranges> fastest{};
   engine_.team().for_ranges(p.place.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
     for (std::size_t n = from; n < to; ++n) {
       const std::size_t k = p.place[n];
-      p.position[n] = fluid_.at_the_side(position(k), radius(k)), p.mass[n] = mass(k);
+      if constexpr (FluidIs::has_sides)
+        p.position[n] = fluid_.at_the_side(position(k), radius(k));
+      else
+        p.position[n] = position(k);
+      p.mass[n] = mass(k);
       p.id[n] = id(k);
       const auto owner = engine_.owner(k);
       p.volume[n] = owner.volume(), p.velocity[n] = owner.velocity();

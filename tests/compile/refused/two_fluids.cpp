@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// refused: Simulation takes one fluid coupling (silt/coupling/no_fluid.hpp)
+// refused: Simulation takes one fluid coupling (silt/coupling/concept.hpp)
 #include "scene.hpp"
 
 #if defined(SILT_MENDED)

@@ -3,12 +3,11 @@
 
 #include <cmath>
 #include <concepts>
-#include <cstdint>
 #include <span>
 
-#include <silt/core/quaternion.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/coupling/averaging/averaged_form.hpp>
+#include <silt/coupling/averaging/averaged_particles.hpp>
 #include <silt/fluid/grid.hpp>
 
 /// Averaging between particles and the cells of a Grid: what every coupling mode is made of.
@@ -25,36 +24,19 @@
 /// particle's weights are normalised over its open cells.
 namespace silt::inline SILT_TARGET {
 
-/// Where the particles are, as an averaging operator sees them.
-struct AveragedParticles {
-  std::span<const Vec3d> position;  // [m] of the centre of mass
-  std::span<const double> radius;   // [m] of the sphere, or of the sphere of the body's volume
-  // Of bodies alone:
-  std::span<const Quaternion> orientation = {};  // principal axes to space
-  std::span<const std::uint32_t> form = {};      // which of `forms`; left out: all the first
-  std::span<const AveragedForm> forms = {};      // left out: spheres
-};
-
 /// One number a particle, per quantity; one CellField, per quantity.
 using Quantities = std::span<const std::span<const double>>;
 using GatheredValues = std::span<const std::span<double>>;
 using CellFields = std::span<CellField* const>;
 using ConstCellFields = std::span<const CellField* const>;
 
-/// What place() found.
-struct AveragingReport {
-  std::size_t particles = 0;
-  std::size_t outside = 0;       // not in the grid: they have no weights, gather gives 0
-  std::size_t without_open = 0;  // none of their cells is open: all goes to the nearest open cell
-  std::size_t bytes = 0;         // that the weights take
-};
-
 /// A mode is what a user sets, with
 ///   void check() const                  throws InputError, one sentence
 ///   using Averaging = ...               the operator, made from (mode, grid, diameter [m]): of the
 ///                                       largest particles, in which the mode's widths are given
 /// and the operator has
-///   void open(const CellField& cells, const Team&)      the share of each cell that is open, from 0 to
+///   void open(const CellField& cells, const Team&)      the share of each cell that is open, from
+///   0 to
 ///                                                   1; before place()
 ///   void place(const AveragedParticles&, const Team&)
 ///   void spread(Quantities, CellFields, const Team&)        their cells are set, ghosts are not

@@ -43,18 +43,29 @@ template <class P>
   P::is_domain;
 } > {};
 
+/// In place of a fluid, of which the engine knows what it gives alone: with other drag laws it is
+/// the same engine.
+template <FromFluid What>
+struct FluidThatGives {
+  static constexpr bool active = What != FromFluid::Nothing, turns = detail::turns(What),
+                        follows = detail::follows(What);
+};
+
 template <class P>
 struct IsFluid : std::bool_constant<FluidCoupling<P>> {};
+template <FromFluid What>
+struct IsFluid<FluidThatGives<What>> : std::true_type {};
 
 /// What particles are given by a fluid.
 template <class F>
 inline constexpr FromFluid loads_of_fluid = [] {
-  if constexpr (!F::active)
+  using Is = FluidTraits<F>;
+  if constexpr (!Is::active)
     return FromFluid::Nothing;
-  else if constexpr (requires { requires F::follows; })
-    return F::turns ? FromFluid::FollowedForceAndTorque : FromFluid::FollowedForce;
+  else if constexpr (Is::follows)
+    return Is::turns ? FromFluid::FollowedForceAndTorque : FromFluid::FollowedForce;
   else
-    return F::turns ? FromFluid::ForceAndTorque : FromFluid::Force;
+    return Is::turns ? FromFluid::ForceAndTorque : FromFluid::Force;
 }();
 
 template <class P>

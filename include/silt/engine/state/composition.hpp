@@ -103,13 +103,6 @@ template <class First, class... Rest>
 struct PoliciesOf<First, Rest...> {
   using type = decltype(First::with(typename PoliciesOf<Rest...>::type{}));
 };
-/// In place of a fluid, of which the engine knows what it gives alone: with other drag laws it is
-/// the same engine.
-template <FromFluid What>
-struct FluidThatGives {
-  static constexpr bool active = What != FromFluid::Nothing, turns = detail::turns(What),
-                        follows = detail::follows(What);
-};
 template <class... Ps>
 struct InOrder {
   using Fluid = pick<IsFluid, NoFluid, Ps...>;

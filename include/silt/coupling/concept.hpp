@@ -1,0 +1,184 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <array>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <type_traits>
+
+#include <silt/core/box.hpp>
+#include <silt/core/threads.hpp>
+#include <silt/core/vec3.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+struct CoupledParticles;  // coupling/particles_in_fluid.hpp
+namespace detail {
+struct ParticlesInFluid;
+}
+
+/// How far a fluid has come.
+struct FluidClock {
+  double time = 0;         // [s] up to which the fluid is known
+  std::int64_t steps = 0;  // [-] of the fluid, since the start
+  double last_step = 0;    // [s] length of the last one; 0: there was none
+
+  void count(double dt) { time += dt, ++steps, last_step = dt; }
+  /// For a checkpoint: three numbers, "fluid.clock".
+  template <class Visit>
+  void for_each_state(const Visit& visit) {
+    std::array<double, 3> all{time, static_cast<double>(steps), last_step};
+    visit("fluid.clock", std::span<double>(all));
+    time = all[0], steps = static_cast<std::int64_t>(all[1]), last_step = all[2];
+  }
+};
+
+/// The scene of a simulation, as its fluid must fit it.
+struct FluidScene {
+  std::array<bool, 3> periodic{};  // in which directions particles repeat,
+  Box box;                         // from its min to its max
+};
+
+/// What a fluid may ask about the particles before it says how long its next step is.
+struct FluidPace {
+  double step;   // [s] of the particles
+  double speed;  // [m/s] of the fastest particle
+  /// [s] the largest particle step that resolves the contacts; none if their law has no closed
+  /// form. Takes a moment.
+  std::function<std::optional<double>()> contact_limit;
+};
+
+namespace detail {
+
+/// Says that it is a fluid.
+template <class F>
+concept MeantAsFluid = requires {
+  { F::active } -> std::convertible_to<bool>;
+};
+template <class F>
+concept HasClock = requires(F& fluid) {
+  { (fluid.clock) } -> std::same_as<FluidClock&>;
+};
+template <class F>
+concept PreparesFluid = requires(F& fluid, const FluidScene& scene) {
+  fluid.prepare(scene);
+};
+template <class F>
+concept PacesFluid = requires(const F& fluid, const FluidPace& pace, const Team& team) {
+  { fluid.steps_wanted(pace, team) } -> std::convertible_to<int>;
+};
+template <class F>
+concept AdvancesFluid = requires(F& fluid, const CoupledParticles& particles, double dt,
+                                 std::span<Vec3d> loads, const Team& team) {
+  fluid.advance(particles, dt, loads, team, loads);
+};
+struct AnyVisitor {
+  template <class Values>
+  void operator()(const std::string&, Values&&) const {}
+};
+template <class F>
+concept KeepsFluidState = requires(F& fluid) {
+  fluid.for_each_state(AnyVisitor{});
+};
+template <class F>
+concept ActiveFluid =
+    HasClock<F> && PreparesFluid<F> && PacesFluid<F> && AdvancesFluid<F> && KeepsFluidState<F>;
+
+}  // namespace detail
+
+/// The coupling of particles with a fluid: NoFluid, CoupledFlow (coupled_flow.hpp), CoupledMesh
+/// (coupled_mesh.hpp), PrescribedFlow (prescribed_flow.hpp), or a struct of one's own.
+///
+/// It has `static constexpr bool active`. If that is false, nothing more is asked, and the time
+/// loop has no stage for a fluid. If it is true:
+///
+///   FluidClock clock             how far the fluid has come. advance() counts its step; the
+///                                simulation sets clock.time to its own time, to the last digit
+///   void prepare(scene)          throws InputError where its settings cannot be, or where it does
+///                                not fit the scene; at the beginning of each run
+///   int steps_wanted(pace, team) const       how many particle steps its next step is to span
+///   void advance(particles, dt, force, team, torque)
+///                                one fluid step of dt [s]: reads CoupledParticles, sets force [N],
+///                                and torque [N m] if it turns, of each particle; these are held
+///                                until the next step. Throws Error where it cannot; FlowStepError
+///                                where a shorter step would do
+///   void for_each_state(visit)   what steps go on from, for checkpoints: visit(name, values),
+///   which
+///                                may change them; values: a span of doubles, or a std::vector
+///
+/// Optional, found by detail::FluidTraits:
+///
+///   static constexpr bool turns       it has torques
+///   static constexpr bool sees_forms  it reads CoupledParticles::forms of bodies
+///   static constexpr bool follows     drag follows each particle's velocity: FollowingFluid
+///   Vec3d gravity                     [m/s2] set to the simulation's before each step
+///   Vec3d at_the_side(x, radius)      where a particle is for the fluid, whose centre has left it
+///   void check_step(span, pace)       after advance(): throws Error if the step was too long
+///   void check_state(name, values)    throws InputError for restored values that cannot be
+///   void write(path), file_kind       writes the fluid for ParaView (vtk_series); its ending
+///   void describe(is)                 is(name, value): what a checkpoint's scene must agree in
+///
+/// Results must be the same bits for any number of threads.
+/// Tests: tests/coupling/own_coupling.cpp, tests/compile/refused/fluid_*.cpp.
+template <class F>
+concept FluidCoupling = detail::MeantAsFluid<F> &&(!F::active || detail::ActiveFluid<F>);
+
+/// The rows of one particle that a fluid whose drag follows it reads and changes (FluidLoads in
+/// engine/state/fluid_loads.hpp says what is in them).
+template <class Row>
+struct FollowedRow {
+  Row& held;
+  const Row& flow;
+  Row& reference;
+  const Row& given;
+  Row& taken;
+};
+
+/// A fluid whose drag is found anew in each particle step: `follows` is true, and it has
+///   start_of(p)                       FollowStart of particle p, after advance()
+///   lose(impulse)                     [N s] that particles which left had taken beyond their share
+///   prepare_to_follow(team)           before the particles of a step
+///   follow(row, x, v, mass, contacts, dt)      the force [N] on one, and changes its FollowedRow
+/// CoupledFlow with FollowedDrag is one.
+template <class F>
+concept FollowingFluid = FluidCoupling<F> && F::active && requires(F& fluid, const Team& team) {
+  requires F::follows;
+  fluid.start_of(std::size_t{});
+  fluid.lose(Vec3d{});
+  fluid.prepare_to_follow(team);
+};
+
+namespace detail {
+
+/// The optional abilities of a fluid.
+template <class F>
+struct FluidTraits {
+  static constexpr bool active = F::active;
+  static constexpr bool turns = requires { requires F::turns; };
+  static constexpr bool follows = requires { requires F::follows; };
+  static constexpr bool sees_forms = requires { requires F::sees_forms; };
+  static constexpr bool has_sides = requires(const F& f, const Vec3d& x) { f.at_the_side(x, 1.0); };
+  static constexpr bool checks_steps = requires(const F& f, const FluidPace& pace) {
+    f.check_step(1.0, pace);
+  };
+  static constexpr bool checks_state = requires(const F& f, std::span<const double> values) {
+    f.check_state(std::string{}, values);
+  };
+  static constexpr bool is_written = requires(const F& f) {
+    f.write(std::string{});
+    std::string(F::file_kind);
+  };
+  static void tell_gravity(F& fluid, const Vec3d& gravity) {
+    if constexpr (requires { fluid.gravity = gravity; }) fluid.gravity = gravity;
+  }
+  /// A type that must be complete only where there is a fluid.
+  using Particles = std::conditional_t<active, ParticlesInFluid, F>;
+};
+
+}  // namespace detail
+}  // namespace silt

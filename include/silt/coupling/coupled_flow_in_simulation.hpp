@@ -1,0 +1,131 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+// Parts of CoupledFlow that only a Simulation asks for: FluidCoupling.
+
+#include <silt/coupling/coupled_flow.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+template <FlowOnGrid Flow, class Drag, class Mode, class... Forces>
+void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::prepare(const FluidScene& scene) const {
+  detail::check_steps("CoupledFlow", steps, most_steps);
+  const Grid& g = flow_.grid();
+  const Vec3d low = g.box().min, extent = g.box().extent(), corner = scene.box.min,
+              repeats = scene.box.extent();
+  const double from[3] = {low.x, low.y, low.z}, length[3] = {extent.x, extent.y, extent.z};
+  const double begins[3] = {corner.x, corner.y, corner.z};
+  const double after[3] = {repeats.x, repeats.y, repeats.z};
+  for (int d = 0; d < 3; ++d)
+    require(!scene.periodic[static_cast<std::size_t>(d)] ||
+                (g.periodic(d) && std::abs(length[d] - after[d]) < 1e-9 * length[d] &&
+                 std::abs(from[d] - begins[d]) < 1e-9 * length[d]),
+            "the PeriodicBox repeats in ", "xyz"[d], " from ", begins[d], " m on, after ", after[d],
+            " m, but the flow's grid from ", from[d], " m on has ", length[d], " m and is ",
+            g.periodic(d) ? "" : "not ", "periodic there; give both the same");
+}
+
+template <FlowOnGrid Flow, class Drag, class Mode, class... Forces>
+int BasicCoupledFlow<Flow, Drag, Mode, Forces...>::steps_wanted(const FluidPace& pace,
+                                                                const Team& team) const {
+  if (steps) return *steps;
+  if (clock.steps == 0) return 1;
+  double longest = longest_step(pace.speed, team);
+  if constexpr (!follows) longest = detail::longest_held_step(held_answer(), clock, longest, pace);
+  return detail::steps_in(longest, pace, most_steps);
+}
+
+/// The longest fluid step [s] for particles of that speed [m/s]; see `steps`.
+template <FlowOnGrid Flow, class Drag, class Mode, class... Forces>
+double BasicCoupledFlow<Flow, Drag, Mode, Forces...>::longest_step(double speed,
+                                                                   const Team& team) const {
+  const Vec3d h = flow_.grid().h();
+  const double stable = flow_.stable_step(team), least = std::min({h.x, h.y, h.z});
+  return speed > 0 ? std::min(stable, 0.2 * least / speed) : stable;
+}
+
+template <FlowOnGrid Flow, class Drag, class Mode, class... Forces>
+Vec3d BasicCoupledFlow<Flow, Drag, Mode, Forces...>::at_the_side(const Vec3d& centre,
+                                                                 double radius) const {
+  const Grid& g = flow_.grid();
+  const auto inside = [&](double x, double low, double high, int d) {
+    if (g.periodic(d) || x < low - radius || x > high + radius) return x;
+    const double margin = 1e-9 * (high - low);
+    return std::clamp(x, low + margin, high - margin);
+  };
+  const Vec3d &a = g.box().min, &b = g.box().max;
+  return {inside(centre.x, a.x, b.x, 0), inside(centre.y, a.y, b.y, 1),
+          inside(centre.z, a.z, b.z, 2)};
+}
+
+template <FlowOnGrid Flow, class Drag, class Mode, class... Forces>
+template <class Visit>
+void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::for_each_state(const Visit& visit) {
+  flow_.for_each_state(visit);
+  Vec3d& lost = exchange_.lost;
+  std::array<double, 8> all{clock.time,      static_cast<double>(clock.steps),
+                            clock.last_step, diameter.value_or(0),
+                            lost.x,          lost.y,
+                            lost.z,          held_answer().in_contact};
+  visit("fluid.clock", std::span<double>(all));
+  clock = {all[0], static_cast<std::int64_t>(all[1]), all[2]};
+  if (all[3] > 0) diameter = all[3];
+  lost = {all[4], all[5], all[6]}, exchange_.restore_held(all[7]), following_ = false;
+  exchange_.for_each_state(visit);
+}
+
+/// What for_each_state() has restored, part by part; that all are finite is known.
+template <FlowOnGrid Flow, class Drag, class Mode, class... Forces>
+void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::check_state(
+    const std::string& name, std::span<const double> values) const {
+  const auto not_negative = [&](std::size_t k) {
+    require(values[k] >= 0, name, "[", k, "] = ", values[k], " must be finite and not negative");
+  };
+  if (name == "fluid.clock")
+    for (const std::size_t k : {3, 7}) not_negative(k);
+  if (name == "fluid.last" && values.size() == 4) {
+    for (const std::size_t k : {0, 2, 3})
+      require(values[k] == 0 || values[k] == 1, name, "[", k, "] = ", values[k], " must be 0 or 1");
+    not_negative(1);
+  }
+  if (name == "fluid.eddy" || name.starts_with("fluid.k_epsilon"))
+    for (std::size_t k = 0; k < values.size(); ++k) not_negative(k);
+  // Ghosts are extrapolated; the last field is what was carried, which need not stay below 1.
+  if (!name.starts_with("fluid.voidage") || name == "fluid.voidage4") return;
+  const Grid& g = flow_.grid();
+  for (int k = 0; k < g.nz(); ++k)
+    for (int j = 0; j < g.ny(); ++j)
+      for (int i = 0; i < g.nx(); ++i) {
+        const double eps = values[g.index(i, j, k)];
+        require(eps > 0 && eps <= 1 + 1e-9, name, " of cell (", i, ", ", j, ", ", k, ") is ", eps,
+                " and must be above 0 and at most 1");
+      }
+}
+
+template <FlowOnGrid Flow, class Drag, class Mode, class... Forces>
+template <class Describer>
+void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::describe(const Describer& is) const {
+  const Grid& g = flow_.grid();
+  const auto grid = is.of("grid ");
+  grid("from", g.box().min), grid("to", g.box().max);
+  is("density [kg/m3]", flow_.fluid().density), is("viscosity [Pa s]", flow_.fluid().viscosity);
+  is("momentum model", static_cast<int>(flow_.options().model));
+  for (int d = 0; d < 3; ++d) {
+    const auto along = is.of(text("xyz"[d], ": "));
+    along("cells", g.cells()[static_cast<std::size_t>(d)]);
+    along("periodic", g.periodic(d) ? "yes" : "no");
+    for (const int end : {0, 1})
+      along(end == 0 ? "lower side" : "upper side",
+            flow_.holds_pressure(d, end) ? "open" : "closed");
+  }
+  is("walls within the box", flow_.open_cells() != nullptr ? "yes" : "no");
+  if (const auto* open = flow_.open_cells()) {
+    double sum = 0;
+    for (int k = 0; k < g.nz(); ++k)
+      for (int j = 0; j < g.ny(); ++j)
+        for (int i = 0; i < g.nx(); ++i) sum += (1 + i + 1.7 * j + 2.3 * k) * (*open)(i, j, k);
+    is("checksum of the open cells", sum);
+  }
+}
+
+}  // namespace silt

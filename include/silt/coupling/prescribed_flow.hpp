@@ -1,0 +1,139 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <span>
+#include <utility>
+
+#include <silt/core/error.hpp>
+#include <silt/coupling/concept.hpp>
+#include <silt/coupling/particle_exchange.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// The velocity [m/s] of a fluid at place x [m] and time t [s]; called by several threads at once.
+template <class V>
+concept VelocityField = requires(const V& velocity, const Vec3d& x, double t) {
+  { velocity(x, t) } -> std::convertible_to<Vec3d>;
+};
+
+/// Particles in a flow that is known and does not feel them: wind, a vortex, a shear. The fluid of
+/// a Simulation, without a grid.
+///
+///   silt::PrescribedFlow wind{silt::SchillerNaumann{}, {.density = 1.2, .viscosity = 1.8e-5},
+///                             [](const silt::Vec3d& x, double) { return silt::Vec3d{x.z, 0, 0};
+///                             }};
+///
+///   m dv/dt = K (u - v) + rho V (Du/Dt - g) + further forces + all else,  u = u(x, t)          (1)
+///
+/// K as the drag law says, for a voidage of 1; rho V Du/Dt is what pressure and viscous stress of
+/// the undisturbed flow do to the particle. Each particle step is a fluid step, integrated exactly
+/// for a K and u held over it (StepResponse). Du/Dt is a central difference over the step along the
+/// fluid's way; curl and strain, where a force needs them, central differences over the particle's
+/// diameter: all exact where u is linear in x and steady.
+///
+/// Valid:  dilute suspensions, whose drag does not change the flow.
+/// Errors: InputError for a density or viscosity that cannot be, and where u is not finite.
+/// Tests:  tests/coupling/prescribed_flow.cpp.
+template <VelocityField Velocity, class Drag, class... Forces>
+class PrescribedFlow {
+  using Exchange = ParticleExchange<Drag, Forces...>;
+  static_assert(!Exchange::follows,
+                "PrescribedFlow finds drag in each particle step: leave FollowedDrag out");
+
+ public:
+  static constexpr bool active = true, turns = Exchange::turns, sees_forms = Exchange::sees_forms;
+
+  PrescribedFlow(const Drag& drag, const FluidProperties& fluid, Velocity velocity,
+                 const Forces&... forces)
+      : velocity_(std::move(velocity)), exchange_(drag, forces...), fluid_(fluid) {
+    require(std::isfinite(fluid.density) && fluid.density > 0,
+            "FluidProperties.density = ", fluid.density, " kg/m3 must be given and positive");
+    require(std::isfinite(fluid.viscosity) && fluid.viscosity > 0,
+            "FluidProperties.viscosity = ", fluid.viscosity, " Pa s must be given and positive");
+  }
+  const FluidProperties& fluid() const { return fluid_; }
+  const Velocity& velocity() const { return velocity_; }
+  Vec3d gravity{0, 0, 0};  // [m/s2]; a Simulation sets its own
+  FluidClock clock;
+
+  void prepare(const FluidScene&) const {}
+  int steps_wanted(const FluidPace&, const Team&) const { return 1; }
+  void advance(const CoupledParticles& of, double dt, std::span<Vec3d> force, const Team& team = {},
+               std::span<Vec3d> torque = {}) {
+    exchange_.settings = {fluid_, MomentumModel::A, gravity};
+    exchange_.check(of, force.size(), torque.size());
+    make_room(of.velocity.size());
+    const double now = clock.time + 0.5 * dt;
+    team.for_ranges(of.velocity.size(), [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t p = from; p < to; ++p)
+        look(p, of.shape.position[p], of.shape.radius[p], now, dt);
+    });
+    for (std::size_t p = 0; p < of.velocity.size(); ++p)
+      require(is_finite(vector_of(exchange_.at.velocity, p)), "PrescribedFlow: its velocity at ",
+              of.shape.position[p], " m, t = ", now, " s is ", vector_of(exchange_.at.velocity, p),
+              " m/s, which must be finite");
+    exchange_.find(of, dt, torque, team);
+    exchange_.take(of, dt, force);
+    clock.count(dt);
+  }
+  template <class Visit>
+  void for_each_state(const Visit& visit) {
+    clock.for_each_state(visit);
+    exchange_.for_each_state(visit);
+  }
+  template <class Describer>
+  void describe(const Describer& is) const {
+    is("density [kg/m3]", fluid_.density), is("viscosity [Pa s]", fluid_.viscosity);
+  }
+
+ private:
+  void make_room(std::size_t n) {
+    FluidAtParticles& at = exchange_.at;
+    at.voidage.assign(n, 1), resize(at.velocity, n), resize(at.slope, n), resize(at.stress, n);
+    if constexpr (Exchange::needs_curl) resize(at.curl, n);
+    if constexpr (Exchange::needs_strain) resize(at.stretch, n), resize(at.strain, n);
+    if constexpr (Exchange::has_added_mass) resize(at.convection, n);
+  }
+  static void put(ParticleColumns& to, std::size_t p, const Vec3d& v) {
+    to[0][p] = v.x, to[1][p] = v.y, to[2][p] = v.z;
+  }
+  /// The fluid at particle p, at x, in the middle of a step of dt.
+  void look(std::size_t p, const Vec3d& x, double radius, double now, double dt) {
+    FluidAtParticles& at = exchange_.at;
+    const Vec3d u = velocity_(x, now);
+    const Vec3d way = 0.5 * dt * u;
+    const Vec3d ahead = velocity_(x + way, now + 0.5 * dt),
+                behind = velocity_(x - way, now - 0.5 * dt);
+    const Vec3d acceleration = (1 / dt) * (ahead - behind);  // Du/Dt
+    put(at.velocity, p, u);
+    put(at.slope, p, -fluid_.density * acceleration), put(at.stress, p, {0, 0, 0});
+    // The velocity does not change between find() and take(): this is all of Du/Dt.
+    if constexpr (Exchange::has_added_mass) put(at.convection, p, acceleration);
+    if constexpr (Exchange::needs_curl) {
+      const double over = 0.5 / radius;
+      const auto slope = [&](const Vec3d& to) {
+        return over * (Vec3d(velocity_(x + to, now)) - Vec3d(velocity_(x - to, now)));
+      };
+      const Vec3d dx = slope({radius, 0, 0}), dy = slope({0, radius, 0}),
+                  dz = slope({0, 0, radius});
+      put(at.curl, p, {dy.z - dz.y, dz.x - dx.z, dx.y - dy.x});
+      if constexpr (Exchange::needs_strain) {
+        put(at.stretch, p, {dx.x, dy.y, dz.z});
+        put(at.strain, p, {0.5 * (dy.z + dz.y), 0.5 * (dz.x + dx.z), 0.5 * (dx.y + dy.x)});
+      }
+    }
+  }
+
+  Velocity velocity_;
+  Exchange exchange_;
+  FluidProperties fluid_;
+};
+
+template <class Drag, class Velocity, class... Forces>
+PrescribedFlow(const Drag&, const FluidProperties&, Velocity, const Forces&...)
+    -> PrescribedFlow<Velocity, Drag, Forces...>;
+
+}  // namespace silt

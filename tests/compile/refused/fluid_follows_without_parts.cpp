@@ -1,0 +1,24 @@
+// silt - BSD-3-Clause, see LICENSE
+// refused: a fluid that says it follows lacks start_of(), lose(), prepare_to_follow() or follow()
+#include <silt/fluid.hpp>
+
+#include "scene.hpp"
+
+struct Wind {
+  static constexpr bool active = true;
+#if !defined(SILT_MENDED)
+  static constexpr bool follows = true;
+#endif
+  silt::FluidClock clock;
+  void prepare(const silt::FluidScene&) {}
+  int steps_wanted(const silt::FluidPace&, const silt::Team&) const { return 1; }
+  void advance(const silt::CoupledParticles&, double dt, std::span<silt::Vec3d>, const silt::Team&,
+               std::span<silt::Vec3d>) {
+    clock.count(dt);
+  }
+  template <class Visit>
+  void for_each_state(const Visit& visit) {
+    clock.for_each_state(visit);
+  }
+};
+silt::Simulation sim{beads, contacts, Wind{}};
