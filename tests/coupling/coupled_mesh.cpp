@@ -39,7 +39,7 @@ struct Layers {
 /// Fluid of those layers, each moved by what its particles do to it alone.
 struct Blobs {
   silt::FluidProperties properties;
-  std::vector<double> u[3]{{0, 0}, {0, 0}, {0, 0}}, none;
+  std::vector<double> u[3]{{0, 0}, {0, 0}, {0, 0}}, none{};
   const silt::FluidProperties& fluid() const { return properties; }
   std::span<const double> velocity(int d) const { return u[d]; }
   std::span<const double> slope(int) const { return none; }

@@ -7,6 +7,7 @@
 #include <tuple>
 #include <vector>
 
+#include <silt/core/threads.hpp>
 #include <silt/coupling/drag/oriented.hpp>
 #include <silt/coupling/particles_in_fluid.hpp>
 
