@@ -262,7 +262,7 @@ def table(scene, speed, ends, repeat):
     return lines
 
 
-def check(summary, scene, ends):
+def check(summary, scene, ends, quick):
     """That no code has lost particles, and that all have ended alike."""
     same = {name: e for name, e in ends.items() if name not in scene.apart}
     middle = {key: sorted(e[key] for e in same.values())[len(same) // 2]
@@ -272,7 +272,8 @@ def check(summary, scene, ends):
         number = next(e[key] for key in ("bodies", "particles") if key in e)
         summary.within(at + "particles", number, scene.particles, 0, "none may be lost")
         if name not in same:
-            summary.at_least(at + "contacts a particle", e["contacts"], middle["contacts"])
+            if not quick:  # some dozens of steps after the change it is still on its way
+                summary.at_least(at + "contacts a particle", e["contacts"], middle["contacts"])
             continue
         summary.within(at + "contacts a particle", e["contacts"], middle["contacts"],
                        scene.alike["contacts"] * middle["contacts"],
@@ -326,7 +327,7 @@ def main():
             lines = table(scene, speed, ends, a.repeat)
             print("\n".join(lines) + "\n", flush=True)
             text += lines + [""]
-            check(summary, scene, ends)
+            check(summary, scene, ends, a.quick)
             results.append({"case": case, "title": scene.title, "particles": scene.particles,
                             "steps": scene.steps, "skins": scene.skins, "ends": ends,
                             "speed": {name: s.as_dict() for name, s in speed.items()}})
