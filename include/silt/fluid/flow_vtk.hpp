@@ -8,7 +8,7 @@
 #include <vector>
 
 #include <silt/files/vtk.hpp>
-#include <silt/fluid/concept.hpp>
+#include <silt/fluid/flow_solver.hpp>
 
 namespace silt::inline SILT_TARGET {
 
