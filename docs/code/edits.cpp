@@ -66,7 +66,7 @@ int main() {
       "%zu grains went through the sieve and came back; books close to %.1e of %.3g J\n"
       "worn grains have %.3f of their volume\n",
       sieved, std::abs(e.residual()) / e.initial, e.initial, left);
-  return sieved > 20 && std::abs(e.residual()) < 2e-3 * e.initial &&
+  return sim.size() == all && sieved > 20 && std::abs(e.residual()) < 2e-3 * e.initial &&
                  std::abs(left - std::pow(0.99, 30)) < 1e-9
              ? 0
              : 1;
