@@ -124,6 +124,9 @@ struct ConvexTouch {
           auto memory = memory_at(out, k);
           const SolidContact c = touch_solids(i, j, memory);
           put(c, memory, k, out);
+          // The last one fills the last pack: what lanes out of contact compute must be finite.
+          if (k + 1 == count)
+            for (std::size_t more = count; more % W != 0; ++more) put(c, memory, more, out);
         });
     }
   }
