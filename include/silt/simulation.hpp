@@ -78,6 +78,8 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
                 "follow() (FollowingFluid, silt/coupling/concept.hpp)");
   static_assert(
       detail::laws_fit_lanes<typename Composition::Contacts, typename Composition::Arch>());
+  static_assert(detail::fluxes_fit_lanes<typename Composition::Arch>(
+      static_cast<const Modules*>(nullptr)));
   using Engine = detail::Engine<typename detail::InOrder<Policies...>::OfEngine>;
 
   static_assert(

@@ -105,6 +105,9 @@ namespace field_of_text {
 namespace module_twice {
 #include "refused/module_twice.cpp"
 }
+namespace flux_with_if {
+#include "refused/flux_with_if.cpp"
+}
 namespace fluid_active_alone {
 #include "refused/fluid_active_alone.cpp"
 }

@@ -1,21 +1,22 @@
 #!/usr/bin/env bash
 # silt - BSD-3-Clause, see LICENSE
 # refused.sh COMPILER SOURCE [OPTION...]: SOURCE must be refused, and the compiler's output must hold
-# the sentence that stands in its line "// refused: ...". mended.cpp shows that it compiles mended. With a
+# each sentence that stands in a line "// refused: ..." of it. mended.cpp shows that it compiles mended. With a
 # line "// in at most N lines of g++" that compiler may say no more, so that the sentence is seen.
 set -u
 compiler=$1 source=$2
 shift 2
-sentence=$(sed -n 's|^// refused: ||p' "$source")
-[ -n "$sentence" ] || { echo "$source has no line '// refused: ...'"; exit 1; }
+sentences=$(sed -n 's|^// refused: ||p' "$source")
+[ -n "$sentences" ] || { echo "$source has no line '// refused: ...'"; exit 1; }
 if out=$($compiler -std=c++20 -fsyntax-only "$@" "$source" 2>&1); then
-  echo "$source compiles, and should be refused with '$sentence'"
+  echo "$source compiles, and should be refused with '$sentences'"
   exit 1
 fi
-if ! grep -qF "$sentence" <<<"$out"; then
+while read -r sentence; do
+  grep -qF "$sentence" <<<"$out" && continue
   printf '%s\n' "'$sentence' is missing in what the compiler says:" "$out"
   exit 1
-fi
+done <<<"$sentences"
 most=$(sed -n 's|^// in at most \([0-9]*\) lines of g++$|\1|p' "$source")
 if [ -n "$most" ] && ! $compiler --version | grep -qi clang && [ "$(wc -l <<<"$out")" -gt "$most" ]; then
   printf '%s\n' "more than $most lines of the compiler for one mistake:" "$out"

@@ -158,7 +158,8 @@ class ProbeLane {
     static_assert(is_refused<T>,
                   "Real is a pack of lanes, not a double: keep results in Real, and in place of "
                   "std:: functions write silt::sqrt, silt::abs, silt::min, silt::max, "
-                  "silt::select and those of silt/core/functions.hpp and silt/core/powers.hpp");
+                  "silt::select and those of silt/core/functions.hpp and silt/core/powers.hpp "
+                  "(also found without silt::, as sqrt(x))");
     return {};
   }
   double value_;

@@ -4,6 +4,7 @@
 #include <silt/contact/contacts.hpp>
 #include <silt/core/lanes.hpp>
 #include <silt/engine/contact/contact_energy.hpp>
+#include <silt/engine/state/module_columns.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -69,6 +70,27 @@ constexpr bool laws_fit_lanes() {
     if constexpr (ContactsType::has_rolling && TorqueOnLanes<Rolling>)
       static_cast<void>(&ask_rolling_on_lanes<ContactsType>);
   }
+  return true;
+}
+
+/// Instantiates a module's flux on the probe; runs never.
+template <class M>
+void ask_flux_on_lanes(const M& m, const Touching<ProbeLane>& c, const ProbeLane& a) {
+  m.flux(c, a, a);
+}
+template <class M>
+constexpr void ask_module_on_lanes() {
+  if constexpr (Exchanges<M> && FluxOnLanes<M, double>) {
+    static_assert(FluxOnLanes<M, ProbeLane>,
+                  "a module's flux() works on one double, but not on a pack of lanes: make it a "
+                  "template of Real, as silt/module/concept.hpp says");
+    if constexpr (FluxOnLanes<M, ProbeLane>) static_cast<void>(&ask_flux_on_lanes<M>);
+  }
+}
+/// The same of the fluxes of modules.
+template <class Arch, class... Ms>
+constexpr bool fluxes_fit_lanes(const ModuleList<Ms...>*) {
+  if constexpr (!std::is_same_v<Arch, OneLane>) (ask_module_on_lanes<Ms>(), ...);
   return true;
 }
 
