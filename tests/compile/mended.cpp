@@ -105,6 +105,9 @@ namespace field_of_text {
 namespace module_twice {
 #include "refused/module_twice.cpp"
 }
+namespace module_misfits {
+#include "refused/module_misfits.cpp"
+}
 namespace flux_with_if {
 #include "refused/flux_with_if.cpp"
 }

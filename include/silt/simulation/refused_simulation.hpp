@@ -9,6 +9,27 @@
 
 namespace silt::inline SILT_TARGET {
 
+namespace detail {
+
+/// A class by itself, so that the compiler names the policy.
+template <class P, bool belongs>
+struct PolicyOfAnAxis {
+  static_assert(
+      belongs,
+      "a policy given to Simulation belongs to no axis (the lines about PolicyOfAnAxis "
+      "name its type): it must be Particles, Contacts, a NeighbourSearch, a domain, a "
+      "FluidCoupling, a precision, an Integrator, a rotation, KernelsFor, EnergyLedger, "
+      "ContactEvents or a Module; the contracts are in silt/contact/, search/, boundary/, "
+      "coupling/, motion/, module/ concept.hpp");
+  /// What looks like a module gets the sentence about its functions too.
+  static constexpr bool checked = [] {
+    if constexpr (!belongs && is_meant_as_module<P>) return ModuleFits<P>::checked;
+    return true;
+  }();
+};
+
+}  // namespace detail
+
 template <class... Policies>
 requires(!detail::make_a_simulation<Policies...>) class Simulation<Policies...> {
   template <template <class> class Is>
@@ -39,10 +60,9 @@ requires(!detail::make_a_simulation<Policies...>) class Simulation<Policies...> 
   static constexpr bool fluid_keeps_state =
       (if_fluid<Policies, detail::KeepsFluidState<Policies>> && ...);
   /// A law without its Contacts has the sentence about these, and so has a fluid without its parts.
-  static constexpr bool all_belong =
-      ((detail::belongs_to_an_axis<Policies> || detail::MeantAsFluid<Policies> ||
-        (ContactLaw<Policies> && !has_contacts)) &&
-       ...);
+  template <class P>
+  static constexpr bool belongs = detail::belongs_to_an_axis<P> || detail::MeantAsFluid<P> ||
+                                  (ContactLaw<P> && !has_contacts);
 
   static_assert(has_particles,
                 "Simulation needs the particles: give one silt::Particles<Shape> "
@@ -77,14 +97,7 @@ requires(!detail::make_a_simulation<Policies...>) class Simulation<Policies...> 
       "Simulation takes one precision: Double or Mixed (silt/engine/state/precision.hpp)");
   static_assert(has_one_of_the_rest,
                 "Simulation takes one KernelsFor, one EnergyLedger and one ContactEvents");
-  static_assert(
-      all_belong,
-      "a policy given to Simulation belongs to no axis: it must be Particles, Contacts, a "
-      "NeighbourSearch, a domain, a FluidCoupling, a precision, an Integrator, a rotation, "
-      "KernelsFor, EnergyLedger, ContactEvents or a Module; the contracts are in silt/contact/, "
-      "search/, "
-      "boundary/, "
-      "coupling/, motion/, module/ concept.hpp");
+  static_assert((detail::PolicyOfAnAxis<Policies, belongs<Policies>>::checked && ...));
 
  public:
   template <class... Args>

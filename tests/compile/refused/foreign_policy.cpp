@@ -1,5 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
 // refused: a policy given to Simulation belongs to no axis
+// refused: PolicyOfAnAxis<double
 #include "scene.hpp"
 
 #if defined(SILT_MENDED)

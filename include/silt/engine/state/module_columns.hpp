@@ -14,6 +14,7 @@
 #include <silt/engine/state/columns.hpp>
 #include <silt/engine/state/fluid_loads.hpp>
 #include <silt/module/field.hpp>
+#include <silt/module/fits.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -47,10 +48,7 @@ struct ModuleList {
   static constexpr bool turn = (turns_particles<Ms> || ...);
   static constexpr bool update = ((Updates<Ms> || UpdatesByFlux<Ms>) || ...);
   static constexpr bool flux = (Exchanges<Ms> || ...);
-  static_assert(
-      ((Exchanges<Ms> == UpdatesByFlux<Ms>)&&...),
-      "a module with `exchanged` needs update(seen, fields, received, dt), and only such a "
-      "one has it: silt/module/concept.hpp");
+  static_assert((ModuleFits<Ms>::checked && ...));
   template <class M>
   static constexpr std::size_t index_of = [] {
     std::size_t at = 0, found = sizeof...(Ms);

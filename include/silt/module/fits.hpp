@@ -1,0 +1,139 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <type_traits>
+#include <utility>
+
+#include <silt/module/concept.hpp>
+
+// Sentences for modules whose functions do not fit: silt calls what it finds, and a function of
+// another signature would never be called, without a word. Tests: tests/compile/refused/module_*.
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// Beside these names a member of M of the same name is ambiguous, whatever it is: a function,
+/// several, a template. That tells whether M has one. (Of a final M only what has an address.)
+struct NamesOfModules {
+  int force, rate, start, update, flux, at_wall, exchanged;
+};
+template <class M>
+struct BesideNames : M, NamesOfModules {};
+template <class M>
+struct MembersNamed {
+  static constexpr bool force = !requires { &BesideNames<M>::force; };
+  static constexpr bool rate = !requires { &BesideNames<M>::rate; };
+  static constexpr bool start = !requires { &BesideNames<M>::start; };
+  static constexpr bool update = !requires { &BesideNames<M>::update; };
+  static constexpr bool flux = !requires { &BesideNames<M>::flux; };
+  static constexpr bool at_wall = !requires { &BesideNames<M>::at_wall; };
+  static constexpr bool exchanged = !requires { &BesideNames<M>::exchanged; };
+};
+template <class M>
+requires std::is_final_v<M>
+struct MembersNamed<M> {
+  static constexpr bool force = requires { &M::force; };
+  static constexpr bool rate = requires { &M::rate; };
+  static constexpr bool start = requires { &M::start; };
+  static constexpr bool update = requires { &M::update; };
+  static constexpr bool flux = requires { &M::flux; };
+  static constexpr bool at_wall = requires { &M::at_wall; };
+  static constexpr bool exchanged = requires { &M::exchanged; };
+};
+/// A class that is no module for what is checked here, but has a module's functions.
+template <class P>
+inline constexpr bool is_meant_as_module = [] {
+  if constexpr (std::is_class_v<P>) return MembersNamed<P>::force || MembersNamed<P>::update;
+  return false;
+}();
+
+/// What becomes a double and nothing else.
+struct OnlyDouble {
+  template <class T>
+  requires std::same_as<T, double>
+  operator T() const;
+};
+/// Whether the members of an aggregate, down to the last, are doubles: as many as it has room for.
+template <class F>
+inline constexpr bool is_of_doubles = [] {
+  if constexpr (std::is_empty_v<F> || !std::is_aggregate_v<F>)
+    return true;
+  else if constexpr (sizeof(F) % sizeof(double) != 0)
+    return false;
+  else
+    return []<std::size_t... K>(std::index_sequence<K...>) {
+      return requires { F{(static_cast<void>(K), OnlyDouble{})...}; };
+    }
+  (std::make_index_sequence<sizeof(F) / sizeof(double)>{});
+}();
+
+template <class M>
+concept PushesWithVectors = Pushes<M> && requires(const M& m, const Seen& p, const FieldsOf<M>& f) {
+  requires std::convertible_to<decltype(answer_of(m, p, f)), Vec3d> ||
+      std::same_as<decltype(answer_of(m, p, f)), Push>;
+};
+template <class M>
+concept StartsFields = requires(const M& m, const Seen& p, FieldsOf<M>& f) {
+  f = m.start(p);
+};
+/// Takes fields that are about to go: it has them by value, or as const.
+template <class M>
+concept UpdatesACopy = requires(const M& m, const Seen& p, double dt) {
+  m.update(p, FieldsOf<M>{}, dt);
+}
+|| requires(const M& m, const Seen& p, double dt) { m.update(p, FieldsOf<M>{}, dt, dt); };
+
+/// One sentence for each function of M that does not fit.
+template <class M>
+struct ModuleFits {
+  using Named = MembersNamed<M>;
+  static_assert(
+      is_of_doubles<FieldsOf<M>>,
+      "the Fields of a module are doubles and silt::Vec3d alone: keep an int or a bool in "
+      "a double");
+  static_assert(
+      !Named::force || PushesWithVectors<M>,
+      "a module's force() does not fit: it must be `silt::Vec3d force(const silt::Seen&) "
+      "const` or `silt::Vec3d force(const silt::Seen&, const Fields&) const` (or return a "
+      "silt::Push), and public: silt/module/concept.hpp");
+  static_assert(!Named::rate || SaysItsRate<M>,
+                "a module's rate() does not fit: it must be `double rate(const silt::Seen&) const` "
+                "or `double rate(const silt::Seen&, const Fields&) const`, and public: "
+                "silt/module/concept.hpp");
+  static_assert(!Named::start || !has_fields<M> || StartsFields<M>,
+                "a module's start() does not fit: it must be `Fields start(const silt::Seen&) "
+                "const`, and public: silt/module/concept.hpp");
+  static_assert(!Named::update || Updates<M> || UpdatesByFlux<M>,
+                "a module's update() does not fit: it must be `void update(const silt::Seen&, "
+                "Fields&, double dt) const`, with `exchanged` `void update(const silt::Seen&, "
+                "Fields&, double received, double dt) const`, and public: silt/module/concept.hpp");
+  static_assert(!(Updates<M> && UpdatesByFlux<M>),
+                "a module has one update(): with `received` if it has `exchanged`, else without");
+  static_assert(!has_fields<M> || !UpdatesACopy<M>,
+                "a module's update() takes its Fields by value or as const, and so cannot change "
+                "them: write Fields&");
+  static_assert(
+      !Named::exchanged || Exchanges<M>,
+      "a module's `exchanged` must point to a double of its Fields: `static constexpr auto "
+      "exchanged = &Fields::temperature;`; a vector does not flow");
+  static_assert(!Exchanges<M> || UpdatesByFlux<M>,
+                "a module with `exchanged` needs update(seen, fields, received, dt): "
+                "silt/module/concept.hpp");
+  static_assert(Named::exchanged || !UpdatesByFlux<M>,
+                "a module whose update() takes what it `received` needs `exchanged` and flux(): "
+                "silt/module/concept.hpp");
+  static_assert(Named::flux == Named::exchanged,
+                "a module in which something flows has both `exchanged` and flux(): "
+                "silt/module/concept.hpp");
+  static_assert(!Exchanges<M> || !Named::flux || FluxOnLanes<M, double>,
+                "a module's flux() does not fit: it must be `template <class Real> Real flux(const "
+                "silt::Touching<Real>&, const Real& a, const Real& b) const`, and public: "
+                "silt/module/concept.hpp");
+  static_assert(!Named::at_wall || (HasWallEnds<M> && Named::exchanged),
+                "a module's at_wall() does not fit: it must be `double at_wall(std::size_t wall, "
+                "double time) const`, public, and beside `exchanged`: silt/module/concept.hpp");
+  static constexpr bool checked = true;
+};
+
+}  // namespace silt::detail
