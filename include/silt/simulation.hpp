@@ -167,7 +167,8 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
 
   // --- the run ------------------------------------------------------------------------------
 
-  /// Runs for `duration` [s]; each observer is called at its times with this simulation.
+  /// Runs for `duration` [s]; each observer is called at its times with this simulation
+  /// (simulation/observing.hpp).
   template <class... Observers>
   void run(double duration, Observers&&... observers) {
     require_not_negative("Simulation::run: duration", duration, "s");
@@ -182,11 +183,15 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
         advance(stop || (detail::is_due(observers, *this) || ...));
         if constexpr (has_events) (detail::tell(observers, engine_.events), ...);
       }
-      if (kicked_) (detail::observe(observers, *this), ...);
-      if (kicked_ && sizeof...(Observers) > 0) detail::check_given(engine_, gravity, step_, time_);
+      if (kicked_ && sizeof...(Observers) > 0) {
+        const bool again = std::exchange(observed_, true);
+        (detail::observe(observers, *this, again, false), ...);
+        (detail::observe(observers, *this, again, true), ...);
+        detail::check_given(engine_, gravity, step_, time_);
+      }
       if (stop) break;
       if (kicked_) engine_.drift(dt_);
-      kicked_ = false;
+      kicked_ = observed_ = false;
       modules_.update(engine_, step_ + 1, time_at(step_ + 1), dt_);
     }
     (detail::end(observers, *this), ...);
@@ -200,6 +205,8 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
   double step_length() const { return dt_; }   // [s] in use
   /// True from a restart on until the end of the run that goes on from it.
   bool continued() const { return continued_; }
+  /// Whether observers were called at this instant, in this run or the one before.
+  bool observed() const { return observed_; }
   std::size_t size() const { return engine_.present(); }
   /// Places 0 ... rows()-1 in memory; those where id() is silt::no_particle have left.
   std::size_t rows() const { return engine_.owners(); }
@@ -379,7 +386,7 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
   std::int64_t step_ = 0, step_origin_ = 0;
   double checked_speed_ = 0, checked_overlap_ = 0, peak_overlap_ = 0;
   detail::NextIds next_;
-  bool first_kick_ = true, kicked_ = false, continued_ = false;
+  bool first_kick_ = true, kicked_ = false, observed_ = false, continued_ = false;
   bool scene_changed_ = false;   // since the last run began
   std::int64_t scene_step_ = 0;  // when particles or walls were last added
   detail::OverlapLimits overlap_limits_;

@@ -170,6 +170,77 @@ TEST_CASE("observers: a run with all of them gives the bits of a run with none")
     CHECK_FALSE(file.path().string().ends_with(".partial"));
 }
 
+/// Turns a grain back: twice at one instant would be not at all.
+struct TurnBack {
+  int* times;
+  template <class Sim>
+  void operator()(Sim& sim) const {
+    ++*times;
+    sim.set_velocity(9, -sim.velocity(sim.find(9)));
+  }
+};
+
+// Catches: observers that are called at the end of one run and again at the start of the next; a
+// checkpoint of that instant without the change, which is then lost.
+TEST_CASE("observers: what they change is changed once an instant, however the run is cut") {
+  const Folder folder;
+  int edits = 0;
+  const auto edit = [&] { return silt::at(every(1e-3), TurnBack{&edits}); };
+  auto whole = scene();
+  whole.run(6e-3, edit());
+  CHECK(edits == 7);
+
+  edits = 0;
+  auto pieces = scene();
+  pieces.run(0);  // nobody looks: the next run's observers do
+  pieces.run(2e-3, edit());
+  pieces.run(0.5e-3, edit());
+  pieces.run(3.5e-3, edit());
+  CHECK(edits == 7);
+  CHECK(bits(pieces) == bits(whole));
+
+  // The checkpoint stands before the edit in the list, and has it.
+  edits = 0;
+  auto stopped = scene();
+  stopped.run(2e-3, silt::checkpoints(folder / "c", every(2e-3)), edit());
+  auto continued = scene();
+  silt::load_checkpoint(continued, folder / "c");
+  CHECK(continued.observed());
+  CHECK(bits(continued) == bits(stopped));
+  continued.run(4e-3, edit());
+  CHECK(edits == 7);
+  CHECK(bits(continued) == bits(whole));
+
+  // Saved where nobody has looked: then the next run's observers do, in both.
+  edits = 0;
+  auto unseen = scene();
+  unseen.run(2e-3);
+  save_checkpoint(unseen, folder / "c");
+  auto loaded = scene();
+  silt::load_checkpoint(loaded, folder / "c");
+  unseen.run(1e-3, edit());
+  CHECK(edits == 2);
+  loaded.run(1e-3, edit());
+  CHECK(edits == 4);
+  CHECK(bits(loaded) == bits(unseen));
+}
+
+TEST_CASE("observers: each step is seen once over two runs; a new table begins with its start") {
+  const Folder folder;
+  auto sim = scene();
+  std::vector<double> always, timed;
+  const auto table = [&](const char* name) {
+    return silt::table(folder / name, {"time [s]"}, every(50 * step),
+                       [](const auto& s) { return s.time(); });
+  };
+  sim.run(100 * step, Times{&always}, silt::at(every(50 * step), Times{&timed}), table("1.csv"));
+  sim.run(100 * step, Times{&always}, silt::at(every(50 * step), Times{&timed}), table("2.csv"));
+  CHECK(always.size() == 201);
+  CHECK(timed.size() == 5);
+  CHECK(count_of("\n", silt::detail::read_text(folder / "1.csv")) == 4);  // header, 0, 50, 100
+  CHECK(count_of("\n", silt::detail::read_text(folder / "2.csv")) == 4);  // 100, 150, 200
+}
+
 TEST_CASE("table: a row may be one number, and is one column of numbers") {
   Folder folder;
   auto sim = scene();

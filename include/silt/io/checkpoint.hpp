@@ -104,7 +104,7 @@ class Checkpoint {
   /// Which programs can continue from the file: the policies that shape the state, and what
   /// contacts remember.
   static std::string signature() {
-    return text("silt state 11; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
+    return text("silt state 12; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
                 name_of<typename Sim::ContactsType>(), "; search ", name_of<typename Sim::Search>(),
                 "; domain ", name_of<typename Sim::Domain>(), "; precision ",
                 name_of<typename Sim::Precision>(), Sim::has_ledger ? "; ledger" : "",
@@ -138,7 +138,8 @@ class Checkpoint {
     c.largest_share = e.largest_share, c.safeguards = e.safeguards;
     c.step = sim.step_, c.step_origin = sim.step_origin_;
     c.next_id = sim.next_.particle, c.next_part = sim.next_.part;
-    c.first_kick = sim.first_kick_, c.kicked = sim.kicked_, c.scene_changed = sim.scene_changed_;
+    c.first_kick = sim.first_kick_, c.kicked = sim.kicked_, c.observed = sim.observed_;
+    c.scene_changed = sim.scene_changed_;
     return c;
   }
 
@@ -186,7 +187,7 @@ class Checkpoint {
       sim.step_ = clock_.step, sim.step_origin_ = clock_.step_origin;
       sim.next_ = {clock_.next_id, clock_.next_part};
       sim.first_kick_ = clock_.first_kick, sim.kicked_ = clock_.kicked, sim.continued_ = true;
-      sim.scene_changed_ = clock_.scene_changed;
+      sim.observed_ = clock_.observed, sim.scene_changed_ = clock_.scene_changed;
       e.coefficients = std::move(coefficients_);
       e.safeguards = clock_.safeguards;
       e.particles = std::move(particles_);

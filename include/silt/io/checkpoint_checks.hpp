@@ -41,6 +41,7 @@ inline void check_clock(const CheckpointLoader& a, const ClockState& c) {
          " steps");
   a.need(!c.first_kick || (c.step == 0 && !c.kicked),
          "clock.first_kick is 1, but there was a first step");
+  a.need(!c.observed || c.kicked, "clock.observed is 1 where clock.kicked is 0");
   a.need(c.first_kick || c.kicked || c.step > 0, "clock.first_kick is 0 before the first step");
 }
 

@@ -25,7 +25,7 @@ struct ClockState {
   std::int64_t step = 0, step_origin = 0;
   std::uint64_t safeguards = 0;
   ParticleId next_id = 0, next_part = 0;
-  bool first_kick = true, kicked = false, scene_changed = false;
+  bool first_kick = true, kicked = false, observed = false, scene_changed = false;
 
   template <class Archive>
   void visit(Archive& a) {
@@ -36,6 +36,7 @@ struct ClockState {
     a.number("clock.step_origin", step_origin, count_number);
     a.number("clock.first_kick", first_kick, flag_number);
     a.number("clock.kicked", kicked, flag_number);
+    a.number("clock.observed", observed, flag_number);
     a.number("clock.scene_changed", scene_changed, flag_number);
     a.number("next_id", next_id, count_number);
     a.number("next_part", next_part, count_number);

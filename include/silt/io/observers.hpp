@@ -34,12 +34,13 @@ class Schedule {
   void mark(const Sim& sim) {
     last_ = number(sim);
   }
-  /// Due at once if it is time, but for a run that goes on from a checkpoint, which was observed
-  /// when it was saved. An observer that is given to several runs in turn goes on with its
-  /// schedule.
+  /// Due at once if it is time and observers were not called at this instant yet; of an observer
+  /// that only reads also if they were, but for a run that goes on from a checkpoint. An observer
+  /// that is given to several runs in turn goes on with its schedule.
   template <class Sim>
-  void begin(const Sim& sim) {
-    if (!begun_) last_ = number(sim) - (on_time(sim) && !sim.continued() ? 1 : 0);
+  void begin(const Sim& sim, bool only_reads = false) {
+    const bool done = only_reads ? sim.continued() : sim.observed();
+    if (!begun_) last_ = number(sim) - (on_time(sim) && !done ? 1 : 0);
     begun_ = true;
   }
 
@@ -62,15 +63,20 @@ class Schedule {
 
 inline Schedule every(double interval) { return Schedule(interval); }
 
+/// What an action does with the simulation: anything; or it only reads it, or saves it.
+enum class ActionKind { Any, Reads, Saves };
+
 /// Calls `action(simulation)` at the times of its schedule:
 ///   sim.run(1.0, silt::at(every(0.1), [&](const auto& s) { ... }));
-template <class Action>
+template <class Action, ActionKind Kind = ActionKind::Any>
 class TimedAction {
  public:
+  static constexpr bool only_reads = Kind != ActionKind::Any, saves = Kind == ActionKind::Saves;
+
   TimedAction(Schedule schedule, Action action) : schedule_(schedule), action_(std::move(action)) {}
   template <class Sim>
   void begin(const Sim& sim, double) {
-    schedule_.begin(sim);
+    schedule_.begin(sim, only_reads);
   }
   template <class Sim>
   bool is_due(const Sim& sim) const {
@@ -87,14 +93,16 @@ class TimedAction {
   Action action_;
 };
 
-template <class Action>
-TimedAction<Action> at(Schedule schedule, Action action) {
+template <ActionKind Kind = ActionKind::Any, class Action>
+TimedAction<Action, Kind> at(Schedule schedule, Action action) {
   return {schedule, std::move(action)};
 }
 
-/// Saves a checkpoint to `path` at the times of the schedule; the last one is always whole.
+/// Saves a checkpoint to `path` at the times of the schedule, after all other observers; the last
+/// one is always whole.
 inline auto checkpoints(std::string path, Schedule schedule) {
-  return at(schedule, [path = std::move(path)](const auto& sim) { save_checkpoint(sim, path); });
+  return at<ActionKind::Saves>(
+      schedule, [path = std::move(path)](const auto& sim) { save_checkpoint(sim, path); });
 }
 
 /// Appends a row of numbers to a CSV table: `row(simulation)` returns them, as an array or a
@@ -103,15 +111,16 @@ inline auto checkpoints(std::string path, Schedule schedule) {
 template <class Row>
 auto table(const std::string& path, const std::vector<std::string>& columns, Schedule schedule,
            Row row) {
-  return at(schedule, [path, columns, row = std::move(row),
-                       open = std::shared_ptr<CsvTable>()](const auto& sim) mutable {
-    const auto values = detail::row_of(row(sim));
-    if (!open)
-      open = std::make_shared<CsvTable>(
-          sim.continued() ? CsvTable::resume(path, columns, values[0] - 0.5 * sim.step_length())
-                          : CsvTable(path, columns));
-    open->add_row(std::span<const double>(values));
-  });
+  return at<ActionKind::Reads>(
+      schedule, [path, columns, row = std::move(row),
+                 open = std::shared_ptr<CsvTable>()](const auto& sim) mutable {
+        const auto values = detail::row_of(row(sim));
+        if (!open)
+          open = std::make_shared<CsvTable>(
+              sim.continued() ? CsvTable::resume(path, columns, values[0] - 0.5 * sim.step_length())
+                              : CsvTable(path, columns));
+        open->add_row(std::span<const double>(values));
+      });
 }
 
 /// Writes the particles to `file`: radius, velocity, id, material, and angular velocity if they
@@ -260,12 +269,14 @@ WallTriangles wall_triangles(const Sim& sim, const Box& around) {
 template <class More>
 class VtkSeriesObserver {
  public:
+  static constexpr bool only_reads = true;
+
   VtkSeriesObserver(std::string folder, Schedule schedule, More more)
       : folder_(std::move(folder)), schedule_(schedule), more_(std::move(more)) {}
 
   template <class Sim>
   void begin(const Sim& sim, double) {
-    schedule_.begin(sim);
+    schedule_.begin(sim, only_reads);
     if (particles_) return;  // it goes on in another run
     const double keep = sim.time() + 0.5 * sim.step_length();
     const auto open = [&](const char* name) {

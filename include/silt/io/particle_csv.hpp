@@ -66,7 +66,7 @@ void write_particle_csv(const std::string& file, const Sim& sim) {
 
 /// Writes `folder/particles_<step>.csv` at the times of the schedule.
 inline auto csv_series(std::string folder, Schedule schedule) {
-  return at(schedule, [folder = std::move(folder)](const auto& sim) {
+  return at<ActionKind::Reads>(schedule, [folder = std::move(folder)](const auto& sim) {
     const auto number = std::to_string(sim.step());
     make_folder(folder);
     write_particle_csv(

@@ -1,12 +1,30 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <type_traits>
+
 #include <silt/core/target.hpp>
 #include <silt/engine/contact/contact_events.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
 // Observers: anything callable with the simulation; the members below are optional.
+//
+// At one instant they are called in the order in which they are given, those that save it
+// (`saves`) after all others, so that a checkpoint has what the others change. An instant belongs
+// to the run that reaches it: where a run begins at an instant at which observers were called
+// before, only those that do nothing but read (`only_reads`) are called again. So a run in two
+// pieces, or one that goes on from a checkpoint, gives what it gives in one piece, whatever
+// observers change.
+
+template <class O>
+inline constexpr bool only_reads = requires {
+  requires O::only_reads;
+};
+template <class O>
+inline constexpr bool saves = requires {
+  requires O::saves;
+};
 
 template <class O, class Sim>
 void begin(O& observer, Sim& sim, double end_time) {
@@ -19,8 +37,12 @@ bool is_due(O& observer, const Sim& sim) {
   else
     return true;
 }
+/// `again`: observers were called at this instant before. `last`: it is the turn of those that
+/// save.
 template <class O, class Sim>
-void observe(O& observer, Sim& sim) {
+void observe(O& observer, Sim& sim, bool again, bool last) {
+  using Type = std::remove_cvref_t<O>;
+  if (saves<Type> != last || (again && !only_reads<Type>)) return;
   if (is_due(observer, sim)) observer(sim);
 }
 template <class O>
