@@ -46,7 +46,7 @@ class Engine : public Tables<Composition> {
   using Modules = typename Composition::Modules;
   using typename Tables<Composition>::State, typename Tables<Composition>::Mover;
   using Tables<Composition>::particles, Tables<Composition>::mover;
-  using Motion = typename State::Motion;
+  using ParticleMotion = typename State::ParticleMotion;
   using Fluxes = FluxesOf<Modules, Arch, Scalar>;
   using WallStage =
       typename WallStageOf<convex>::template type<ShapeType, ContactsType, Arch, Scalar, Fluxes>;
@@ -183,7 +183,7 @@ class Engine : public Tables<Composition> {
   double power_on_fixed() const {
     double power = 0;
     for (std::size_t k = 0; particles.some_fixed && k < particles.size(); ++k) {
-      const Motion& m = particles.motion[k];
+      const ParticleMotion& m = particles.motion[k];
       if (m.inv_m != 0 || particles.is_parked(k)) continue;
       const Scalar* const load = sums_.data() + k * 4 * chunks;
       const auto part = [&](std::size_t c) {
@@ -298,8 +298,8 @@ class Engine : public Tables<Composition> {
 
   std::size_t bytes() const {
     return particles.position.capacity() * sizeof(PositionRow) +
-           particles.motion.capacity() * sizeof(Motion) + sums_.capacity() * sizeof(Scalar) +
-           lists.bytes();
+           particles.motion.capacity() * sizeof(ParticleMotion) +
+           sums_.capacity() * sizeof(Scalar) + lists.bytes();
   }
 
  private:

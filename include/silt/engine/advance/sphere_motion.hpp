@@ -56,7 +56,7 @@ class SphereMotion {
   static constexpr std::size_t chunks = load_chunks<ContactsType>;
   static constexpr bool predicts = Integrator::derivatives > 0;
   static constexpr bool single = std::is_same_v<Scalar, float>;
-  using Motion = typename State::Motion;
+  using ParticleMotion = typename State::ParticleMotion;
   using Row = Row4<Arch>;
   using Derivatives = decltype(State::HigherDerivatives::row);
 
@@ -96,7 +96,7 @@ class SphereMotion {
     // Velocities of half a step later.
     if constexpr (!predicts && Integrator::first_kick == 0.5)
       for (std::size_t k = 0; k < particles.size(); ++k) {
-        Motion& m = particles.motion[k];
+        ParticleMotion& m = particles.motion[k];
         const Synchronous& now = synchronous[k];
         const Vec3d v = now.velocity + ratio * (m.velocity() - now.velocity);
         m.vx = v.x, m.vy = v.y, m.vz = v.z;
@@ -189,7 +189,7 @@ class SphereMotion {
     // Here because a store through a register of lanes may change any member, for all that is
     // known.
     PositionRow* position;
-    Motion* motion;
+    ParticleMotion* motion;
     typename State::PairMotion* pair_motion;
     typename State::HigherDerivatives* derivatives;
     Scalar* sums;
@@ -213,7 +213,7 @@ class SphereMotion {
       if (chunk == 1) load = load + turned_by(with.module_torque);
     return load;
   }
-  static double inverse_radius([[maybe_unused]] const Motion& m) {
+  static double inverse_radius([[maybe_unused]] const ParticleMotion& m) {
     if constexpr (rotates)
       return m.inv_r;
     else
@@ -229,7 +229,7 @@ class SphereMotion {
   }
   template <Advance How>
   Row correct_one(std::size_t k, const Constants& with) {
-    Motion& m = with.motion[k];
+    ParticleMotion& m = with.motion[k];
     Scalar* const load = with.sums + k * 4 * chunks;
     auto& rows = with.derivatives[k].row;
     const bool is_new = std::isnan(rows[0][0]);
@@ -275,7 +275,7 @@ class SphereMotion {
     return moved * Row::all(1 / dt);
   }
   /// Predicts the next state of particle k.
-  void predict_one(std::size_t k, PositionRow& position, Motion& m,
+  void predict_one(std::size_t k, PositionRow& position, ParticleMotion& m,
                    [[maybe_unused]] typename State::PairMotion* pair_motion, Derivatives& rows,
                    double dt) const {
     Row x = Row::load(&position.x), v = Row::load(&m.vx), q[4];
@@ -295,10 +295,10 @@ class SphereMotion {
   }
   template <Advance How>
   SILT_INLINE Row kick_one(std::size_t k, const Constants& with) {
-    Motion& m = with.motion[k];
+    ParticleMotion& m = with.motion[k];
     Scalar* const load = with.sums + k * 4 * chunks;
     const double inv_m = m.inv_m;
-    [[maybe_unused]] Motion before;
+    [[maybe_unused]] ParticleMotion before;
     if constexpr (How == Advance::KickAndRecord) before = m;
     const Row velocity =
         Leapfrog::kick(Row::load(&m.vx), load_of(with, k, 0), inv_m, with.gravity, with.time);
@@ -322,7 +322,8 @@ class SphereMotion {
   }
 
   /// At the whole step the velocity is the mean of the two half steps around it.
-  void record(std::size_t k, const Motion& before, const Motion& after, bool first_kick) {
+  void record(std::size_t k, const ParticleMotion& before, const ParticleMotion& after,
+              bool first_kick) {
     auto& s = synchronous[k];
     first_kick |= Integrator::first_kick != 0.5;  // velocities of whole steps
     s.velocity = first_kick ? before.velocity() : 0.5 * (before.velocity() + after.velocity());

@@ -73,7 +73,7 @@ void take_in(Engine& e, std::span<const Particle> more,
       for (std::uint32_t local = 0; local < form.parts.size(); ++local) {
         const Vec3d c = b.centre + rotate(b.orientation, b.scale * form.parts[local].centre);
         const double r = b.scale * form.parts[local].radius;
-        typename Engine::Motion m{};
+        typename Engine::ParticleMotion m{};
         m.inv_m = b.inv_m;
         if constexpr (Engine::rotates) m.inv_r = 1 / r;
         mover.rows.push_back(static_cast<std::uint32_t>(e.particles.size()));
@@ -88,7 +88,7 @@ void take_in(Engine& e, std::span<const Particle> more,
     }
   } else {
     for (const auto& p : more) {
-      typename Engine::Motion m{};
+      typename Engine::ParticleMotion m{};
       m.vx = p.velocity.x, m.vy = p.velocity.y, m.vz = p.velocity.z;
       m.inv_m = p.fixed ? 0 : 1 / (p.density * Engine::ShapeType::volume(p.radius));
       if constexpr (Engine::rotates) {

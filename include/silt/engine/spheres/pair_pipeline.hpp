@@ -26,7 +26,7 @@ template <class ContactsType, class Domain, class Arch, class Scalar, class Flux
 class PairPipeline {
   using Real = typename Lanes<Arch, Scalar>::Real;
   using Row = Row4<Arch, Scalar>;
-  using Motion = MotionRow<ContactsType::rotates, Scalar>;
+  using ParticleMotion = MotionRow<ContactsType::rotates, Scalar>;
   using List = PairList<ContactsType::history, Scalar>;
   static constexpr std::size_t W = Lanes<Arch, Scalar>::width;
   static constexpr std::size_t block = 128;
@@ -38,7 +38,7 @@ class PairPipeline {
  public:
   struct Input {
     const PositionRow* positions;
-    const Motion* motions;
+    const ParticleMotion* motions;
     const std::uint16_t* kinds;  // place in the coefficient table, if there are several materials
     double largest_radius, smallest_radius;  // [m]
     StepTimes times;
@@ -49,7 +49,7 @@ class PairPipeline {
 
   /// Bytes that a step of `pairs` between `particles` goes through.
   static constexpr std::size_t working_set(std::size_t particles, std::size_t pairs) {
-    return particles * (sizeof(PositionRow) + sizeof(Motion) + row * sizeof(Scalar)) +
+    return particles * (sizeof(PositionRow) + sizeof(ParticleMotion) + row * sizeof(Scalar)) +
            pairs * (2 * sizeof(std::uint32_t) + 2 * ContactsType::history * sizeof(Scalar));
   }
 
@@ -127,7 +127,7 @@ class PairPipeline {
   }
 
   /// Rows of motion of a pack of pairs: {v_a - v_b, 1/m_a + 1/m_b}, and sums of all else.
-  static SILT_INLINE void motion_between(const Motion* motions, const std::uint32_t* a,
+  static SILT_INLINE void motion_between(const ParticleMotion* motions, const std::uint32_t* a,
                                          const std::uint32_t* b, Real (&velocity)[4],
                                          Real (&spin)[4]) {
     read_anew(a), read_anew(b);
@@ -309,7 +309,7 @@ class PairPipeline {
     read_anew(first), read_anew(second);
     Row rows[W];
     for (std::size_t lane = 0; lane < W; ++lane) {
-      const Motion &a = in.motions[first[lane]], &b = in.motions[second[lane]];
+      const ParticleMotion &a = in.motions[first[lane]], &b = in.motions[second[lane]];
       rows[lane] = Row::all(a.inv_r) * Row::load(&a.wx) - Row::all(b.inv_r) * Row::load(&b.wx);
       out.inertia_eff[k + lane] = a.inv_m * a.inv_r * a.inv_r + b.inv_m * b.inv_r * b.inv_r;
     }

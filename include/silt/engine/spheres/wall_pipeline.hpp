@@ -48,7 +48,7 @@ inline void sum_wall_loads(std::span<Wall> walls, std::span<const WallLoad> load
 template <class ContactsType, class Arch, class Scalar, class Fluxes = NoFluxes>
 class WallPipeline {
   using Planes = PlanePipeline<ContactsType, Arch, Scalar, Fluxes>;
-  using Motion = MotionRow<ContactsType::rotates>;
+  using ParticleMotion = MotionRow<ContactsType::rotates>;
   static constexpr std::size_t W = Lanes<Arch, Scalar>::width;
   static constexpr std::size_t block = Planes::Contacts::block;
   static constexpr std::size_t chunks = load_chunks<ContactsType>;
@@ -310,7 +310,7 @@ class WallPipeline {
       note.event.normal = contacts.slot(slot).normal;
       const PositionRow& p = in.positions[c.particle];
       note.event.point = p.centre() - p.r * note.event.normal;
-      const Motion& m = in.motions[c.particle];
+      const ParticleMotion& m = in.motions[c.particle];
       Vec3d velocity = m.velocity() - mean_velocity(wall, note.event.point, in.times.step);
       if constexpr (rotates) velocity -= cross(m.spin_velocity(), note.event.normal);
       end_watched<ContactsType>(
@@ -326,7 +326,7 @@ class WallPipeline {
                        const PositionRow& sphere, const Wall& wall, const WallCandidate& c,
                        std::size_t slot, Contacts& contacts, const Input& in,
                        const CoefficientTable<ContactsType>& table, Scratch& s) {
-    const Motion& motion = in.motions[c.particle];
+    const ParticleMotion& motion = in.motions[c.particle];
     if (motion.inv_m == 0) return;  // a fixed sphere feels no wall
     const std::size_t k = s.count++;
     const Vec3d contact = sphere.centre() - point.distance * point.normal;

@@ -40,7 +40,7 @@ class ParticleState {
   struct alignas(32) HigherDerivatives {
     double row[derivative_rows == 0 ? 1 : derivative_rows][4];
   };
-  using Motion = MotionRow<Rotates>;
+  using ParticleMotion = MotionRow<Rotates>;
   using PairMotion = MotionRow<Rotates, PairScalar>;
   static constexpr bool single = std::is_same_v<PairScalar, float>;
   static constexpr std::size_t bytes_per_particle =
@@ -49,7 +49,7 @@ class ParticleState {
   static constexpr bool of_bodies = OfBodies, several = SeveralMaterials;
 
   AlignedVector<PositionRow> position;
-  AlignedVector<Motion> motion;
+  AlignedVector<ParticleMotion> motion;
   AlignedVector<HigherDerivatives> derivatives;  // if the integrator has any
   std::vector<ParticleId> id;
   std::vector<std::uint16_t> material;
@@ -99,7 +99,7 @@ class ParticleState {
                        "id", [](auto& t) -> auto& { return t.id; }, no_particle, no_particle),
                    column<PositionRow>("position", [](auto& t) -> auto& { return t.position; }, {},
                                        {nan, nan, nan, 0}),
-                   column<Motion>(
+                   column<ParticleMotion>(
                        "motion", [](auto& t) -> auto& { return t.motion; })},
         columns_if<(Derivatives > 0)>([=] {
           return std::tuple{column<HigherDerivatives>(
@@ -116,7 +116,7 @@ class ParticleState {
   }
 
   /// Of bodies `body` is what the row is a part of.
-  void add(const PositionRow& p, const Motion& m, ParticleId new_id, std::uint16_t of,
+  void add(const PositionRow& p, const ParticleMotion& m, ParticleId new_id, std::uint16_t of,
            [[maybe_unused]] const PartRow& body = {}) {
     const std::size_t k = size();
     position.resize(k), motion.resize(k);
@@ -183,7 +183,7 @@ class ParticleState {
     position.resize(size()), motion.resize(size());
     for (int k = 0; k < 2; ++k) {
       position.push_back({static_cast<double>(k), 0, 0, 0});
-      Motion m{};
+      ParticleMotion m{};
       m.inv_m = 1;
       if constexpr (Rotates) m.inv_r = 1;
       motion.push_back(m);
@@ -194,7 +194,7 @@ class ParticleState {
   AlignedVector<PairMotion> pair_motion_;  // if it differs from motion
 
   void set_pair_motion(std::size_t k) {
-    const Motion& m = motion[k];
+    const ParticleMotion& m = motion[k];
     PairMotion& p = pair_motion_[k];
     p.vx = float(m.vx), p.vy = float(m.vy), p.vz = float(m.vz), p.inv_m = float(m.inv_m);
     if constexpr (Rotates)
@@ -206,7 +206,7 @@ class ParticleState {
     for (const auto& p : rows())
       if (p.r > 0) smallest_radius = std::min(smallest_radius, p.r);
     some_fixed = std::any_of(motion.begin(), motion.begin() + static_cast<std::ptrdiff_t>(size()),
-                             [](const Motion& m) { return m.inv_m == 0; });
+                             [](const ParticleMotion& m) { return m.inv_m == 0; });
   }
 };
 
