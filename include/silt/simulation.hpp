@@ -23,6 +23,7 @@
 #include <silt/engine/stages/module_stage.hpp>
 #include <silt/fill/particles.hpp>
 #include <silt/search/verlet_list.hpp>
+#include <silt/simulation/body_readings.hpp>
 #include <silt/simulation/energy_ledger.hpp>
 #include <silt/simulation/module_access.hpp>
 #include <silt/simulation/observing.hpp>
@@ -34,24 +35,29 @@ namespace silt::inline SILT_TARGET {
 ///
 ///   silt::Simulation sim{std::move(beads), silt::Contacts<silt::HertzMindlin>{glass}};
 ///
-///   axis       policy                                         left out
-///   particles  Particles<Shape>                               must be given
-///   contact    Contacts<Law, Options...>                      must be given
-///   search     VerletList<Finder>, or a finder itself         VerletList<HashedGrid>, automatic
-///   skin domain     OpenDomain, PeriodicBox                        OpenDomain fluid CoupledFlow,
-///   CoupledMesh, PrescribedFlow, ...  NoFluid precision  Double, Mixed Double kernels
-///   KernelsFor<Arch>                               what the compile flags allow integrator
-///   Leapfrog, SymplecticEuler, Gear                Leapfrog rotation   NoSquish, Spiral: of bodies
-///   NoSquish ledger     EnergyLedger                                   no books of the energy
-///   events     ContactEvents                                  nobody is told of contacts
-///   modules    Field<"name">, BodyForce, structs of one's own none; any number of them
+// clang-format off
+///   axis        policy                                          left out
+///   particles   Particles<Shape>                                must be given
+///   contact     Contacts<Law, Options...>                       must be given
+///   search      VerletList<Finder>, or a finder itself          VerletList<HashedGrid>, automatic skin
+///   domain      OpenDomain, PeriodicBox                         OpenDomain
+///   fluid       CoupledFlow, CoupledMesh, PrescribedFlow, ...   NoFluid
+///   precision   Double, Mixed                                   Double
+///   kernels     KernelsFor<Arch>                                what the compile flags allow
+///   integrator  Leapfrog, SymplecticEuler, Gear                 Leapfrog
+///   rotation    NoSquish, Spiral: of bodies                     NoSquish
+///   ledger      EnergyLedger                                    no books of the energy
+///   events      ContactEvents                                   nobody is told of contacts
+///   modules     Field<"name">, BodyForce, structs of one's own  none; any number of them
+// clang-format on
 ///
 /// Lengths in m, times in s, masses in kg. Errors: InputError for values and combinations that
 /// cannot be used, SimulationError for a run that breaks a limit of `guard`; policies that do not
 /// make a simulation: a sentence at compile time (simulation/refused_simulation.hpp).
 template <class... Policies>
 class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
-                   public detail::ParticleEdits<Simulation<Policies...>> {
+                   public detail::ParticleEdits<Simulation<Policies...>>,
+                   public detail::BodyReadings<Simulation<Policies...>> {
  public:
   using Composition = typename detail::InOrder<Policies...>::OfSimulation;
   using ParticlesType = typename Composition::ParticlesType;
@@ -78,8 +84,8 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
                 "follow() (FollowingFluid, silt/coupling/concept.hpp)");
   static_assert(
       detail::laws_fit_lanes<typename Composition::Contacts, typename Composition::Arch>());
-  static_assert(detail::fluxes_fit_lanes<typename Composition::Arch>(
-      static_cast<const Modules*>(nullptr)));
+  static_assert(
+      detail::fluxes_fit_lanes<typename Composition::Arch>(static_cast<const Modules*>(nullptr)));
   using Engine = detail::Engine<typename detail::InOrder<Policies...>::OfEngine>;
 
   static_assert(
@@ -230,18 +236,6 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
     const auto p = engine_.owner(known(k));
     return kicked_ ? p.angular_velocity_now() : p.angular_velocity();
   }
-  /// Turns the frame in which the form was given to space.
-  Quaternion orientation(std::size_t k) const requires of_bodies {
-    return engine_.owner(known(k)).orientation();
-  }
-  std::size_t form(std::size_t k) const requires of_bodies {
-    return engine_.owner(known(k)).form();
-  }
-  /// Size of the particle over that of its form as it was made [-].
-  double scale(std::size_t k) const requires of_bodies { return engine_.owner(known(k)).scale(); }
-  const std::vector<BodyForm<ShapeType>>& forms() const requires of_bodies {
-    return engine_.mover.forms;
-  }
   std::size_t material(std::size_t k) const { return engine_.owner(known(k)).material(); }
   /// The present place of the particle with this id; rows() if it has left, or never was. Takes
   /// constant time, but for the first call after a search has sorted, which takes O(rows()); that
@@ -250,7 +244,7 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
   /// Pairs of particles that touch [-]; of bodies, of their parts. O(pairs).
   std::size_t touching_pairs() const { return engine_.touching_pairs(domain_); }
   /// Where the energy is and where it went; when the simulation is not running, or in an observer.
-  EnergyBalance energy() const requires has_ledger { return balance(); }
+  EnergyBalance energy() const { return balance(); }
   /// The fluid and what it has done.
   Fluid& fluid() requires(Fluid::active) { return fluid_; }
   const Fluid& fluid() const requires(Fluid::active) { return fluid_; }
@@ -360,6 +354,7 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
   friend class Checkpoint;
   friend class detail::ModuleAccess<Simulation>;
   friend class detail::ParticleEdits<Simulation>;
+  friend class detail::BodyReadings<Simulation>;
   friend class detail::Openings<ShapeType>;
   using FluidIs = detail::FluidTraits<Fluid>;
   struct NoBook {};

@@ -150,6 +150,14 @@ class ConvexPlanes {
     alignas(64) double touches[W], share[W];
     store(touches, R_eff);
     store(share, select(found.touches, found.overlap, zero) / thin);
+    name_partners(in, near, k, table, walls, to);
+    for (std::size_t lane = 0; lane < valid; ++lane) to.largest = std::max(to.largest, share[lane]);
+    keep(near, k, valid, touches, contacts, to);
+  }
+  /// Of which candidates a pack's contacts are, and of which materials.
+  static SILT_INLINE void name_partners(const ConvexInput<Rows>& in, const Near& near,
+                                        std::size_t k, const CoefficientTable<ContactsType>& table,
+                                        std::span<const Wall> walls, Block& to) {
     for (std::size_t lane = 0; lane < W; ++lane) {
       const WallCandidate& c = *near.of[k + lane];
       to.of[k + lane] = &c;
@@ -157,9 +165,7 @@ class ConvexPlanes {
       if constexpr (ContactsType::several_materials) material = in.materials[c.particle];
       to.kind[k + lane] =
           static_cast<std::uint16_t>(material * table.materials + walls[c.wall].material);
-      if (lane < valid) to.largest = std::max(to.largest, share[lane]);
     }
-    keep(near, k, valid, touches, contacts, to);
   }
   /// What a pack's contacts have kept: `numbers` of their history, and what events need; R_eff [m]
   /// and the last normals.
