@@ -49,7 +49,7 @@ std::uint64_t hash_of(const Sim& sim) {
   for (std::size_t w = 0; w < sim.walls(); ++w)
     hash.add(sim.wall(w).force), hash.add(sim.wall(w).torque);
   hash.add(std::uint64_t{sim.touching_pairs()}), hash.add(sim.peak_overlap());
-  if constexpr (requires { sim.energy(); }) {
+  if constexpr (Sim::has_ledger) {
     const auto e = sim.energy();
     hash.add(e.kinetic()), hash.add(e.elastic()), hash.add(e.dissipated());
   }

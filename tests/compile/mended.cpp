@@ -105,6 +105,9 @@ namespace field_of_text {
 namespace module_twice {
 #include "refused/module_twice.cpp"
 }
+namespace energy_without_ledger {
+#include "refused/energy_without_ledger.cpp"
+}
 namespace module_misfits {
 #include "refused/module_misfits.cpp"
 }

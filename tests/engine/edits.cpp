@@ -474,6 +474,39 @@ TEST_CASE("edits: sizes that change in mid-run change no bit by threads or from 
   CHECK(one == run(2, true));
 }
 
+// Catches: "start without overlaps", "added twice" long after the start.
+TEST_CASE("edits: an overlap that a change of a size has made is called so") {
+  silt::Particles<Sphere> two;
+  for (const double x : {5e-3, 7.1e-3})
+    two.add({.position = {x, 5e-3, 30e-3}, .radius = 1e-3, .density = 2500});
+  auto sim = box_of(std::move(two));
+  sim.run(1e-3);
+  const auto words = [&](auto&& run) { return refusal<silt::SimulationError>(run); };
+  const std::string grown = words([&] {
+    sim.run(1e-3, silt::at(silt::every(0.5e-3), [](auto& s) {
+              if (s.step() == 150) s.set_radius(1, 1.8e-3);
+            }));
+  });
+  CHECK(has_words(grown,
+                  {"particles 0 and 1", "Simulation::set_radius of particle 1", "smaller steps"}));
+  CHECK_FALSE(has_words(grown, {"start without overlaps"}));
+  CHECK_FALSE(has_words(grown, {"twice"}));
+
+  silt::Particles<silt::MultiSphere> balls;
+  balls.add_form(silt::MultiSphere{.balls = {{{-0.6e-3, 0, 0}, 0.8e-3}, {{0.6e-3, 0, 0}, 0.8e-3}}});
+  balls.add_form(silt::MultiSphere{
+      .balls = {{{-1e-3, 0, 0}, 0.5e-3}, {{0, 0, 0}, 0.8e-3}, {{1e-3, 0, 0}, 0.5e-3}}});
+  balls.add({.position = {0, 0, 0.9e-3}, .radius = 1.4e-3, .density = 2500});
+  silt::Simulation bodies{balls, silt::Contacts<HertzMindlin>{rubber}};
+  bodies.time_step = 1e-6;
+  bodies.guard.max_overlap = 0.05;
+  bodies.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, rubber);
+  bodies.run(1e-5);
+  bodies.set_form(0, 1);
+  CHECK(has_words(words([&] { bodies.run(1e-5); }),
+                  {"overlaps wall 0", "Simulation::set_form of particle 0"}));
+}
+
 TEST_CASE("edits: a particle that is not there, and values that cannot be, are refused") {
   auto sim = box_of(heap(10));
   CHECK(has_words(refusal<InputError>([&] { sim.remove(10); }),
@@ -481,6 +514,9 @@ TEST_CASE("edits: a particle that is not there, and values that cannot be, are r
   sim.remove(3);
   CHECK(sim.size() == 9);
   CHECK(has_words(refusal<InputError>([&] { sim.remove(3); }), {"no particle 3", "has left"}));
+  const std::string of_none = refusal<InputError>([&] { sim.remove(silt::no_particle); });
+  CHECK(has_words(of_none, {"Simulation::remove", "silt::no_particle", "wall"}));
+  CHECK_FALSE(has_words(of_none, {"18446744073709551615"}));
   CHECK(has_words(refusal<InputError>([&] {
                     sim.set_velocity(3, {0, 0, 0});
                   }),

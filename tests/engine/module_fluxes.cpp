@@ -91,6 +91,19 @@ void check_conserves(Sim sim, double rounding) {
   CHECK(exchanged > 1);
 }
 
+TEST_CASE("module fluxes: a flux that is no number is named, not the update that received it") {
+  silt::Particles<Sphere> p;
+  for (const double x : {0.0, 1.9e-3})
+    p.add({.position = {x, 0, 0}, .radius = 1e-3, .density = 2500, .fixed = true});
+  Conduction wrong = heat;
+  wrong.conductivity = NAN;
+  silt::Simulation sim{std::move(p), silt::Contacts<silt::HertzMindlin>{rock}, wrong};
+  sim.time_step = 1e-6;
+  CHECK(has_words(refusal<silt::SimulationError>([&] { sim.run(1e-4); }),
+                  {"'temperature [K]' of the module Conduction became nan", "received nan",
+                   "mend the module's flux() or at_wall()"}));
+}
+
 }  // namespace module_fluxes_test
 
 using namespace module_fluxes_test;

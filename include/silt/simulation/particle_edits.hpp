@@ -1,9 +1,13 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include <silt/core/error.hpp>
 #include <silt/core/vec3.hpp>
@@ -67,6 +71,7 @@ class ParticleEdits {
     brought_in(k, before);
     // Lighter ones have shorter contacts, which the guard and the next run look at.
     sim().scene_changed_ = true, sim().scene_step_ = sim().step_;
+    note_resized(id, "Simulation::set_radius");
     if (sim().engine_.particles.smallest_radius < smallest) sim().checked_speed_ = 0;
   }
   /// Makes the particle with this id one of another material, by its number among those of the
@@ -113,9 +118,26 @@ class ParticleEdits {
     e.remove(k, sim().domain_, sim().dt_);
     if constexpr (Sim::has_ledger) sim().book_.bring_in(energy_of(now) - before);
     sim().scene_changed_ = true, sim().scene_step_ = sim().step_, sim().checked_speed_ = 0;
+    note_resized(id, "Simulation::set_form");
+  }
+
+ protected:
+  /// Which function has given the particle with this id its size in step `now` or the one before,
+  /// after which its contacts are seen; null if none has.
+  const char* resized_by(ParticleId id, std::int64_t now) const {
+    if (now > resized_at_ + 1) return nullptr;
+    const auto found = std::find_if(resized_.begin(), resized_.end(),
+                                    [id](const auto& one) { return one.first == id; });
+    return found == resized_.end() ? nullptr : found->second;
   }
 
  private:
+  void note_resized(ParticleId id, const char* function) {
+    if (resized_at_ != sim().step_) resized_.clear();
+    resized_at_ = sim().step_, resized_.push_back({id, function});
+  }
+  std::vector<std::pair<ParticleId, const char*>> resized_;  // in step resized_at_
+  std::int64_t resized_at_ = -2;
   /// [J] kinetic and potential, as the ledger reckons; 0 without it.
   double energy_of([[maybe_unused]] std::size_t k) {
     if constexpr (Sim::has_ledger)
@@ -129,6 +151,10 @@ class ParticleEdits {
   Sim& sim() { return static_cast<Sim&>(*this); }
 
   std::size_t place_of(ParticleId id, const char* function) {
+    require(
+        id != no_particle, "Simulation::", function,
+        ": the id is silt::no_particle, which is that of places whose particle has left, and in "
+        "a ContactEvent stands for a wall");
     const std::size_t k = sim().find(id);
     require(k < sim().rows(), "Simulation::", function, ": there is no particle ", id,
             "; it has left, or never was (Simulation::find tells)");

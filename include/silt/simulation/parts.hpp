@@ -44,6 +44,9 @@ detail::StepTimes Simulation<Policies...>::times_of_step(bool observed) const {
 
 template <class... Policies>
 EnergyBalance Simulation<Policies...>::balance() const {
+  static_assert(has_ledger,
+                "energy() reads the books of a policy that is missing: give the simulation "
+                "silt::EnergyLedger{} among its policies");
   require(step_ > 0 || kicked_,
           "Simulation::energy: run() first, if only for 0 s: the forces at the "
           "start are not known yet");
@@ -53,7 +56,8 @@ EnergyBalance Simulation<Policies...>::balance() const {
     const auto part = kinetic(k);
     translation += part.translation, rotation += part.rotation, potentials += potential(k);
   }
-  return book_.balance(translation, rotation, potentials);
+  if constexpr (has_ledger) return book_.balance(translation, rotation, potentials);
+  return {};
 }
 
 template <class... Policies>
@@ -248,9 +252,11 @@ void Simulation<Policies...>::keep_limits() {
   if (engine_.largest_overlap > overlap_limits_.least(guard.max_overlap))
     detail::check_overlaps(
         engine_, domain_, step_, time_, back, guard.max_overlap, overlap_limits_,
-        step_ <= scene_step_ + (scene_step_ > 0), [this] { return is_longer_than_chosen(); },
-        [this](std::size_t k) { return detail::name_of_material(contacts_, k); },
-        [this](const Vec3d& p) { return openings_.inlet_at(p); });
+        detail::OverlapWords{
+            step_ <= scene_step_ + (scene_step_ > 0), [this] { return is_longer_than_chosen(); },
+            [this](std::size_t k) { return detail::name_of_material(contacts_, k); },
+            [this](const Vec3d& p) { return openings_.inlet_at(p); },
+            [this](ParticleId id) { return this->resized_by(id, step_); }});
   detail::check_crowded(engine_, step_, time_, back);
   const double wall_way = detail::wall_travel(engine_);
   const double speed = std::max(engine_.largest_speed, wall_way / dt_);

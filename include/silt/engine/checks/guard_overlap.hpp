@@ -155,22 +155,46 @@ template <class EngineType, class Domain>
               "particles out");
 }
 
+/// What a sentence about an overlap may say: `at_start`, that no step has been done with these
+/// particles and walls, so that the scene was given so; `longer`, whether the time step is longer
+/// than silt chooses, so that the overlap may be an error of it; `name` of a material; `inlet_at`,
+/// which inlet has a place in its region, if one has; `edit_of`, which function has changed the
+/// size of the particle with an id in this step, or null.
+template <class Longer, class Name, class InletAt, class EditOf>
+struct OverlapWords {
+  bool at_start;
+  Longer longer;
+  Name name;
+  InletAt inlet_at;
+  EditOf edit_of;
+};
+template <class... Words>
+OverlapWords(bool, Words...) -> OverlapWords<Words...>;
+
+/// The same of an overlap that a change of a size has made; empty if none has.
+template <class EditOf>
+[[gnu::cold]] std::string edit_words(const EditOf& edit_of, ParticleId a, ParticleId b) {
+  const char* const of_a = edit_of(a);
+  const char* const function = of_a != nullptr ? of_a : b == no_particle ? nullptr : edit_of(b);
+  if (function == nullptr) return {};
+  return text("; ", function, " of particle ", of_a != nullptr ? a : b,
+              " has made it: change the size in smaller steps, or move what is in its "
+              "way");
+}
+
 /// The overlaps of a step are above the least limit: names the contact that is above its own, if
-/// there is one. `longer` says whether the time step is longer than silt chooses, so that the
-/// overlap may be an error of it; `at_start`, that no step has been done with these particles and
-/// walls, so that the scene was given so; `name` says the name of a material, `inlet_at` which
-/// inlet has a place in its region, if one has.
-template <class EngineType, class Domain, class Longer, class Name, class InletAt>
+/// there is one.
+template <class EngineType, class Domain, class Words>
 [[gnu::cold]] void check_overlaps(const EngineType& e, const Domain& domain, std::int64_t step,
                                   double time, double back, double limit,
-                                  const OverlapLimits& limits, bool at_start, const Longer& longer,
-                                  const Name& name, const InletAt& inlet_at) {
+                                  const OverlapLimits& limits, const Words& words) {
+  const bool at_start = words.at_start;
   const DeepContact c = deepest_contact(e, domain, back, limit, limits);
   if (!(c.excess > 1) && !limits.empty() && e.largest_overlap <= limits.greatest(limit)) return;
   const auto advice = [&]() -> std::string {
     if (at_start) return "; start without overlaps";
     return text("; use a stiffer material",
-                longer() ? ", a lower speed or a smaller time step" : " or a lower speed",
+                words.longer() ? ", a lower speed or a smaller time step" : " or a lower speed",
                 ", or start without overlaps");
   };
   if (!(c.excess > 0.99))  // gone: parts of bodies that turn fast are not quite where they were
@@ -182,25 +206,29 @@ template <class EngineType, class Domain, class Longer, class Name, class InletA
   const bool is_common = c.limit == limit;
   const Vec3d where = place_before(e, c.a, back);
   const auto head = text("step ", step, ", t = ", time, " s: ");
-  const std::string both = name(c.material_a) + " and " + name(c.material_b);
+  const std::string both = words.name(c.material_a) + " and " + words.name(c.material_b);
   const bool is_given_so = at_start && c.overlap > 1;  // no material would bear that
   const std::optional<std::size_t> inlet =
-      c.with_wall && c.overlap > 1 ? inlet_at(centre_of_owner(e, c.a, back)) : std::nullopt;
-  const auto cause = inlet         ? text("; the region of inlet ", *inlet,
-                                          " reaches behind this wall: move the region to the side of the "
-                                                  "wall where particles are to be")
-                     : !at_start   ? advice()
-                     : c.with_wall ? behind_words(e, domain, back, c)
-                                   : twin_words(e, domain, back, c);
-  const auto tail = text(
-      limits.empty() ? e.largest_overlap : c.overlap, " of the smaller radius, above the limit ",
-      is_common ? text("guard.max_overlap = ", limit)
-                : text(c.limit, " that set_max_overlap gives to ", both),
-      cause,
-      is_common && !is_given_so ? text(". Where a heavy body may press light grains in deeper, "
-                                       "Simulation::set_max_overlap raises the limit for ",
-                                       both, " alone")
-                                : std::string());
+      c.with_wall && c.overlap > 1 ? words.inlet_at(centre_of_owner(e, c.a, back)) : std::nullopt;
+  const std::string by_edit =
+      edit_words(words.edit_of, e.id_of(c.a), c.with_wall ? no_particle : e.id_of(c.b));
+  const auto cause = !by_edit.empty() ? by_edit
+                     : inlet          ? text("; the region of inlet ", *inlet,
+                                             " reaches behind this wall: move the region to the side of the "
+                                                      "wall where particles are to be")
+                     : !at_start      ? advice()
+                     : c.with_wall    ? behind_words(e, domain, back, c)
+                                      : twin_words(e, domain, back, c);
+  const auto tail = text(limits.empty() ? e.largest_overlap : c.overlap,
+                         " of the smaller radius, above the limit ",
+                         is_common ? text("guard.max_overlap = ", limit)
+                                   : text(c.limit, " that set_max_overlap gives to ", both),
+                         cause,
+                         is_common && !is_given_so && by_edit.empty()
+                             ? text(". Where a heavy body may press light grains in deeper, "
+                                    "Simulation::set_max_overlap raises the limit for ",
+                                    both, " alone")
+                             : std::string());
   if (c.with_wall)
     throw SimulationError(text(head, "particle ", e.id_of(c.a), " at ", where, " m overlaps wall ",
                                c.wall, " by ", tail),

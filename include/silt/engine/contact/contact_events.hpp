@@ -43,10 +43,10 @@ struct ContactEvent {
   Vec3d normal{0, 0, 0};        // [-] from b, or the wall, to a
   double normal_speed = 0;      // [m/s] of approach, as they touched; negative: they parted
   double tangential_speed = 0;  // [m/s] of sliding then, rotation included
-  double largest_force = 0;     // [N]; what follows is known as the contact ends
-  double lost_energy = 0;  // [J] that both had before and have no longer: minus the work of the
-                           // contact's force, mean of two steps times displacement; negative:
-                           // it brought some in (a wall that moves)
+  double largest_force = 0;     // [N] with friction; what follows is known as the contact ends
+  double lost_energy = 0;  // [J] that the contact has dissipated: minus the work of its force on
+                           // the motion of both relative to each other, mean of two steps times
+                           // displacement. What a moving wall brings in is not in it
   double duration() const { return end - begin; }  // [s]
 };
 

@@ -233,12 +233,17 @@ class ModuleStage<ModuleList<Ms...>> {
       for (std::size_t n = 0; n < numbers_of_fields<M>; ++n) {
         if (std::isfinite(numbers[n])) continue;
         const Seen p = e.seen(k, time);
-        throw SimulationError(
-            text("step ", step, ", t = ", time, " s: the field '",
-                 FieldNames<M>::at(n / FieldNames<M>::components), "' of the module ",
-                 name_of_module<M>(), " became ", numbers[n], " for particle ", p.id, " at ",
-                 p.position, " m; mend its update()"),
-            step, {p.id}, p.position);
+        std::string mend = "; mend its update()";
+        if constexpr (UpdatesByFlux<M>)
+          if (const double received = e.modules().template received_of<M>()[k];
+              !std::isfinite(received))
+            mend = text(", as it received ", received,
+                        " from its contacts; mend the module's flux() or at_wall()");
+        throw SimulationError(text("step ", step, ", t = ", time, " s: the field '",
+                                   FieldNames<M>::at(n / FieldNames<M>::components),
+                                   "' of the module ", name_of_module<M>(), " became ", numbers[n],
+                                   " for particle ", p.id, " at ", p.position, " m", mend),
+                              step, {p.id}, p.position);
       }
     }
   }
