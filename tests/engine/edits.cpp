@@ -496,13 +496,13 @@ TEST_CASE("edits: an overlap that a change of a size has made is called so") {
   balls.add_form(silt::MultiSphere{.balls = {{{-0.6e-3, 0, 0}, 0.8e-3}, {{0.6e-3, 0, 0}, 0.8e-3}}});
   balls.add_form(silt::MultiSphere{
       .balls = {{{-1e-3, 0, 0}, 0.5e-3}, {{0, 0, 0}, 0.8e-3}, {{1e-3, 0, 0}, 0.5e-3}}});
-  balls.add({.position = {0, 0, 0.9e-3}, .radius = 1.4e-3, .density = 2500});
+  balls.add({.form = 1, .position = {0, 0, 0.77e-3}, .radius = 1.4e-3, .density = 2500});
   silt::Simulation bodies{balls, silt::Contacts<HertzMindlin>{rubber}};
   bodies.time_step = 1e-6;
-  bodies.guard.max_overlap = 0.05;
+  bodies.guard.max_overlap = 0.02;
   bodies.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, rubber);
   bodies.run(1e-5);
-  bodies.set_form(0, 1);
+  bodies.set_form(0, 0);  // thicker by 0.05 mm
   CHECK(has_words(words([&] { bodies.run(1e-5); }),
                   {"overlaps wall 0", "Simulation::set_form of particle 0"}));
 }
