@@ -190,7 +190,7 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
         if constexpr (has_events) (detail::tell(observers, engine_.events), ...);
       }
       if (kicked_ && sizeof...(Observers) > 0) {
-        const bool again = std::exchange(observed_, true);
+        [[maybe_unused]] const bool again = std::exchange(observed_, true);
         (detail::observe(observers, *this, again, false), ...);
         (detail::observe(observers, *this, again, true), ...);
         detail::check_given(engine_, gravity, step_, time_);
