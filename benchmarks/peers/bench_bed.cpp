@@ -3,8 +3,12 @@
 // The dense bed that silt, LAMMPS and LIGGGHTS are timed on, see peers.py.
 //   bench_bed settle N STEPS FILE
 //     lets a lattice of N spheres collapse in a box for STEPS, from 0 on; writes FILE
-//   bench_bed time FILE WARMUP STEPS THREADS double|mixed END
-//     runs the bed in FILE; prints one line of results; writes where it ends to END
+//   bench_bed flow FROM STEPS FILE
+//     tilts gravity by 45 degrees towards +x for STEPS, so that the settled bed in FROM flows
+//     against a side wall; writes FILE
+//   bench_bed time FILE WARMUP STEPS THREADS double|mixed END level|tilted
+//     runs the bed in FILE under gravity as it says; prints one line of results; writes where it
+//     ends to END
 //   bench_bed measure FILE
 //     contacts, mean overlap and mean height of the spheres in FILE, and how many there are
 // FILE is a data file of LAMMPS (atom style sphere). Law: Hertz, Tsuji damping, Mindlin spring with
@@ -62,14 +66,15 @@ void measure(const std::string& file) {
               height / n);
 }
 
+/// `room` [m]: of the box above the highest centre; peers lose spheres that leave it.
 template <class Sim>
-void write(const Sim& sim, const std::string& path) {
+void write(const Sim& sim, const std::string& path, double room = 0.02) {
   const double width = width_for(sim.size());
   double top = 0;
   for (std::size_t k = 0; k < sim.rows(); ++k) top = std::max(top, sim.position(k).z);
   std::string out =
       silt::text("spheres\n\n", sim.size(), " atoms\n1 atom types\n\n0 ", width, " xlo xhi\n0 ",
-                 width, " ylo yhi\n-0.01 ", top + 0.02, " zlo zhi\n\nAtoms\n\n");
+                 width, " ylo yhi\n-0.01 ", top + room, " zlo zhi\n\nAtoms\n\n");
   for (std::size_t k = 0; k < sim.rows(); ++k) {
     const auto p = sim.position(k);
     out += silt::text(k + 1, " 1 ", 2 * sim.radius(k), " 2500 ", p.x, ' ', p.y, ' ', p.z, '\n');
@@ -84,19 +89,29 @@ void write(const Sim& sim, const std::string& path) {
   file.commit();
 }
 
+const silt::Vec3d tilted{9.81 * std::sqrt(0.5), 0, -9.81 * std::sqrt(0.5)};  // [m/s2]
+
+struct Timed {
+  std::string file;
+  double warmup, steps;
+  int threads;
+  std::string end;
+  bool flows;
+};
+
 template <class Precision>
-void time(const std::string& file, double warmup, double steps, int threads, Precision precision,
-          const std::string& end) {
-  auto sim = bed(read(file), threads, precision);
-  sim.run(warmup * time_step);
+void time(const Timed& of, Precision precision) {
+  auto sim = bed(read(of.file), of.threads, precision);
+  if (of.flows) sim.gravity = tilted;
+  sim.run(of.warmup * time_step);
   const auto start = std::chrono::steady_clock::now();
-  sim.run(steps * time_step);
+  sim.run(of.steps * time_step);
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   std::printf("seconds %.6g kinetic_energy %.6g contacts %zu overlap %.4g megabytes %.4g\n",
               seconds, kinetic_energy(sim), sim.touching_pairs(), sim.largest_overlap(),
               static_cast<double>(sim.engine().bytes()) / 1e6);
-  write(sim, end);
+  write(sim, of.end);
 }
 
 int main_with(int argc, char** argv) {
@@ -107,13 +122,21 @@ int main_with(int argc, char** argv) {
     write(sim, argv[4]);
     return 0;
   }
-  if (mode == "time" && argc == 8) {
-    const double warmup = std::stod(argv[3]), steps = std::stod(argv[4]);
-    const int threads = std::stoi(argv[5]);
+  if (mode == "flow" && argc == 5) {
+    auto sim = bed(read(argv[2]), silt::default_threads(), silt::Double{});
+    sim.gravity = tilted;
+    sim.run(std::stod(argv[3]) * time_step);
+    write(sim, argv[4], 0.1);
+    return 0;
+  }
+  const std::string gravity = argc == 9 ? argv[8] : "";
+  if (mode == "time" && (gravity == "level" || gravity == "tilted")) {
+    const Timed of{argv[2], std::stod(argv[3]), std::stod(argv[4]), std::stoi(argv[5]),
+                   argv[7], gravity == "tilted"};
     if (argv[6] == std::string("mixed"))
-      time(argv[2], warmup, steps, threads, silt::Mixed{}, argv[7]);
+      time(of, silt::Mixed{});
     else
-      time(argv[2], warmup, steps, threads, silt::Double{}, argv[7]);
+      time(of, silt::Double{});
     return 0;
   }
   if (mode == "measure" && argc == 3) {
@@ -121,8 +144,8 @@ int main_with(int argc, char** argv) {
     return 0;
   }
   std::fprintf(stderr,
-               "bench_bed settle N STEPS FILE | measure FILE | "
-               "time FILE WARMUP STEPS THREADS double|mixed END\n");
+               "bench_bed settle N STEPS FILE | flow FROM STEPS FILE | measure FILE | "
+               "time FILE WARMUP STEPS THREADS double|mixed END level|tilted\n");
   return 2;
 }
 

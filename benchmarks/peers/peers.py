@@ -2,9 +2,10 @@
 # silt - BSD-3-Clause, see LICENSE
 """Times the same bed with the same contact law in LAMMPS, LIGGGHTS and silt.
 
-Two states: a settled bed, and the collapse of a loose lattice with all its list rebuilds ("filling").
+Three states: a settled bed; the collapse of a loose lattice with all its list rebuilds ("filling"); and
+the settled bed under gravity tilted by 45 degrees, which flows against a side wall ("flowing").
 silt makes the positions and velocities once; every code starts from the same file and is timed by its
-own loop clock: settled beds after 200 steps to warm up, filling from the first step on. What comes
+own loop clock: settled and flowing beds after 200 steps to warm up, filling from the first step on. What comes
 before the loop (reading, set-up, a peer's first list) and what comes after it (output) counts for no
 code. LAMMPS and LIGGGHTS run with the fastest of the --skins, each for itself in each scene; silt
 chooses its own, with its guard on. Runs are interleaved and repeated. Printed are medians in million
@@ -43,7 +44,7 @@ pair_coeff * * {LAW}
 fix x1 all wall/gran granular {LAW} xplane 0.0 {{width}}
 fix y1 all wall/gran granular {LAW} yplane 0.0 {{width}}
 fix z1 all wall/gran granular {LAW} zplane 0.0 NULL
-fix g all gravity 9.81 vector 0 0 -1
+fix g all gravity 9.81 vector {gravity}
 fix i all nve/sphere
 timestep 0.00002
 thermo 100000000
@@ -76,7 +77,7 @@ fix x2 all wall/gran model hertz tangential history primitive type 1 xplane {wid
 fix y1 all wall/gran model hertz tangential history primitive type 1 yplane 0.0
 fix y2 all wall/gran model hertz tangential history primitive type 1 yplane {width}
 fix z1 all wall/gran model hertz tangential history primitive type 1 zplane 0.0
-fix g all gravity 9.81 vector 0 0 -1
+fix g all gravity 9.81 vector {gravity}
 fix i all nve/sphere
 timestep 0.00002
 thermo 100000000
@@ -88,10 +89,10 @@ write_dump all custom {end} id x y z radius
 """
 
 
-def run_silt(program, cores, precision, folder, data, warmup, steps):
+def run_silt(program, cores, precision, folder, data, warmup, steps, tilt):
     end = os.path.join(folder, "silt.end")
     values = codes.values_of(codes.run(
-        [program, "time", data, str(warmup), str(steps), str(cores), precision, end], folder))
+        [program, "time", data, str(warmup), str(steps), str(cores), precision, end, tilt], folder))
     return values["seconds"], values["kinetic_energy"], end
 
 
@@ -110,6 +111,9 @@ DIAMETER = 4.3e-3  # [m] mean
 WEIGHT = 9.81 * 2500 * 3.14159265 / 6 * DIAMETER**3  # [N] of a sphere
 
 
+STATES = ("settled", "filling", "flowing")
+
+
 def check(summary, scene, n, ends):
     """That all codes have done the same work: a code that loses spheres or contacts is fast."""
     kinetic = {name: e["kinetic_energy_j"] / (n * WEIGHT * DIAMETER) for name, e in ends.items()}
@@ -117,7 +121,7 @@ def check(summary, scene, n, ends):
               for key in ("coordination", "mean_overlap_over_d", "mean_height_m")}
     kinetic_middle = sorted(kinetic.values())[len(kinetic) // 2]
     # In a bed at rest the codes part by rounding and by the order of their steps alone; in one that
-    # collapses, contacts come and go, and their count is as good as its root.
+    # collapses or flows, contacts come and go, and their count is as good as its root.
     if ", settled," in scene:
         contacts, overlap, level, rest = 0.002, 0.002, 0.001, 1e-6
         reason = "0.2 % of the median of all codes: none comes or goes in a bed at rest"
@@ -147,7 +151,7 @@ def plot(results, path):
         import matplotlib.pyplot as plt
     except ImportError:
         return False
-    states = [s for s in ("settled", "filling") if any(r["state"] == s for r in results)]
+    states = [s for s in STATES if any(r["state"] == s for r in results)]
     cores = sorted({r["cores"] for r in results})
     colour = {"LAMMPS, Debian": "#8a8a8a", "LIGGGHTS, Debian": "#b9a26c", "LAMMPS, native": "#4d4d4d",
               "LIGGGHTS, native": "#7a6420", "silt double": "#1f6fb2", "silt mixed": "#c1440e",
@@ -188,29 +192,42 @@ def timed(silt, start, *arguments, **values):
     return once
 
 
+def bed_of(silt, folder, n, state):
+    """The file of a bed in this state, made where it is not there."""
+    data = os.path.join(folder, f"{state}.{n}")
+    if os.path.exists(data):
+        return data
+    if state == "flowing":  # for 0.06 s: by then all of it moves
+        make = ["flow", bed_of(silt, folder, n, "settled"), "3000"]
+    else:
+        make = ["settle", str(n), "20000" if state == "settled" else "0"]
+    print(f"making {data}", flush=True)
+    codes.run([silt, *make, data + ".new"], folder)
+    os.replace(data + ".new", data)
+    return data
+
+
 def run_scene(a, folder, peers, silts, n, state, cores):
     """Times all codes on one scene: speeds, ends and skins."""
-    data = os.path.join(folder, f"{state}.{n}")
-    warmup, settle = (200, 20000) if state == "settled" else (0, 0)
-    # Filling: all of it for 5 000, the first impacts and the collapse of larger ones.
-    steps = max(50, int(a.work * (1e7 if state == "settled" else 1.25e8) / n))
     silt = silts[0][1]
-    if not os.path.exists(data):
-        print(f"making {data}", flush=True)
-        codes.run([silt, "settle", str(n), str(settle), data + ".new"], folder)
-        os.replace(data + ".new", data)
+    data = bed_of(silt, folder, n, state)
+    warmup = 0 if state == "filling" else 200
+    # Filling: all of it for 5 000, the first impacts and the collapse of larger ones.
+    steps = max(50, int(a.work * (1.25e8 if state == "filling" else 1e7) / n))
     common = dict(data=data, warmup=warmup, steps=steps)
+    gravity = "0.70710678 0 -0.70710678" if state == "flowing" else "0 0 -1"
     runs, skins = {}, {}
     for name, program, deck in peers:
-        values = dict(width=0.15 * max(1.0, n / 50000) ** 0.5, cores=cores, **common)
+        values = dict(width=0.15 * max(1.0, n / 50000) ** 0.5, cores=cores, gravity=gravity, **common)
         skin, tried = codes.fastest(a.skins, lambda one: codes.run_deck(
             program, deck, folder, skin=one * 1e-3, **values)[0])
         skins[name] = {"mm": skin, "seconds": {f"{k:g}": v for k, v in tried.items()}}
         runs[name] = timed(silt, codes.run_deck, program, deck, folder, skin=skin * 1e-3, **values)
     for label, program in silts:
         for precision in ("double", "mixed"):
-            runs[f"silt {precision}{label}"] = timed(silt, run_silt, program, cores, precision, folder,
-                                                     **common)
+            runs[f"silt {precision}{label}"] = timed(
+                silt, run_silt, program, cores, precision, folder,
+                tilt="tilted" if state == "flowing" else "level", **common)
     times, ends = codes.interleaved(runs, a.repeat)
     return steps, codes.speeds(times, n * steps), ends, skins
 
@@ -222,8 +239,7 @@ def main():
                    help="bench_bed compiled for AVX2, timed as further rows")
     p.add_argument("--repeat", type=in_range(int, 1, 1000), default=5)
     p.add_argument("--cores", type=in_range(int, 1, 4096), nargs="+", default=[1])
-    p.add_argument("--states", nargs="+", choices=["settled", "filling"],
-                   default=["settled", "filling"])
+    p.add_argument("--states", nargs="+", choices=STATES, default=STATES)
     p.add_argument("--work", type=in_range(float, 1e-6, 1e6), default=1,
                    help="multiplies the number of steps that are timed")
     p.add_argument("--skins", type=in_range(float, 1e-3, 10), nargs="+", metavar="MM",

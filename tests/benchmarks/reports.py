@@ -49,12 +49,12 @@ if name in ("lmp", "liggghts"):
         print(f"Step Atoms KinEng\n   1 {N} 1e-6\nLoop time of {seconds} on 1 procs")
     dump(re.search(r"write_dump all custom (\S+)", deck)[1], 3 if wrong == "loosens" else 4.5)
 elif name == "bench_bed":
-    if words[0] == "settle":
+    if words[0] in ("settle", "flow"):
         open(words[3], "w").write("bed")
     elif words[0] == "time":
         print("seconds 0.1 kinetic_energy 1e-6 contacts 1 overlap 0.01 megabytes 1")
         with open(words[6], "w") as f:
-            f.write("Atoms\n\n" + "".join(f"{k + 1} 1 0.0043 2500 4.5 0 0.01\n" for k in range(N)))
+            f.write(f"Atoms {words[7]}\n\n" + "".join(f"{k + 1} 1 0.0043 2500 4.5 0 0.01\n" for k in range(N)))
     else:
         rows = open(words[1]).read().split("\n")[2:-1]
         print(f"spheres {len(rows)} coordination {rows[0].split()[4]} mean_overlap_over_d 0.004 "
@@ -155,6 +155,15 @@ class Tests(unittest.TestCase):
         self.assertIn("LIGGGHTS-PUBLIC 3.8.0", found["versions"]["LIGGGHTS, Debian"])
         self.assertEqual(scene["speed"]["silt double"]["runs"], 2)
         self.assertTrue(os.path.exists(self.work + "/out/table.txt"))
+
+    def test_peers_flow_under_the_same_gravity(self):
+        found = self.summary_of("peers", "200", "--states", "flowing")
+        self.assertEqual(found["results"]["scenes"][0]["state"], "flowing")
+        for program in ("lmp", "liggghts"):
+            with open(f"{self.work}/out/{program}.in") as f:
+                self.assertIn("gravity 9.81 vector 0.70710678 0 -0.70710678\n", f.read())
+        with open(self.work + "/out/silt.end") as f:
+            self.assertIn("tilted", f.readline())
 
     def test_peers_notices_lost_spheres_and_contacts(self):
         self.assertIn("200 spheres, settled, 1 core, LAMMPS, Debian: spheres",
