@@ -44,7 +44,7 @@ pair_coeff * * {LAW}
 fix x1 all wall/gran granular {LAW} xplane 0.0 {{width}}
 fix y1 all wall/gran granular {LAW} yplane 0.0 {{width}}
 fix z1 all wall/gran granular {LAW} zplane 0.0 NULL
-fix g all gravity 9.81 vector {gravity}
+fix g all gravity 9.81 vector {{gravity}}
 fix i all nve/sphere
 timestep 0.00002
 thermo 100000000
