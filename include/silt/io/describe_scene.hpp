@@ -126,7 +126,10 @@ SceneDescription describe_scene(const Sim& sim, const Table& coefficients, const
   is("walls", sim.walls());
   Describer(out, Aspect::Inlet, "")("inlets", openings.inlets().size());
   is("outlets", openings.outlets().size());
-  if constexpr (std::remove_cvref_t<decltype(sim.domain())>::periodic) {
+  if constexpr (deforms<std::remove_cvref_t<decltype(sim.domain())>>) {
+    const Box box = sim.domain().first_box();
+    is("deforming box: from", box.min), is("deforming box: to", box.max);
+  } else if constexpr (std::remove_cvref_t<decltype(sim.domain())>::periodic) {
     const auto of = is.of("periodic box: ");
     for (int d = 0; d < 3; ++d) {
       of(text("repeats in ", "xyz"[d]), sim.domain().repeats(d) ? "yes" : "no");
