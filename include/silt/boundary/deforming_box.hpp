@@ -104,8 +104,8 @@ class DeformingBox {
   const Box& first_box() const { return first_; }
   bool repeats(int) const { return true; }
   double length(int d) const { return d == 0 ? edges_.xx : d == 1 ? edges_.yy : edges_.zz; }  // [m]
-  double volume() const { return edges_.determinant(); }                                      // [m3]
-  const Upper3& edges() const { return edges_; }  // [m] as columns
+  double volume() const { return edges_.determinant(); }  // [m3]
+  const Upper3& edges() const { return edges_; }          // [m] as columns
   const Vec3d& centre() const { return centre_; }
   const Deformation& deformation() const { return drives_; }
   /// Of the particles in the last step, from contacts and velocities.
@@ -148,9 +148,8 @@ class DeformingBox {
   }
   /// How fast lengths may shrink [1/s]: minus the least principal value of the rate of strain.
   double squeeze_rate() const {
-    const auto v = principal({rate_.xx, rate_.yy, rate_.zz, rate_.xy / 2, rate_.yz / 2,
-                              rate_.xz / 2})
-                       .values;
+    const auto v =
+        principal({rate_.xx, rate_.yy, rate_.zz, rate_.xy / 2, rate_.yz / 2, rate_.xz / 2}).values;
     return std::max(0.0, -std::min({v.x, v.y, v.z}));
   }
   /// A bound of the speed [m/s] that the box may give a particle.
@@ -184,7 +183,8 @@ class DeformingBox {
     const auto old = rate_.values(), stress = pressures();
     std::array<double, 6> rate, leap{};
     for (std::size_t k = 0; k < 6; ++k) {
-      rate[k] = all[k].stress ? servo(k, all[k], stress[k], loads.largest_overlap, dt) : all[k].rate;
+      rate[k] =
+          all[k].stress ? servo(k, all[k], stress[k], loads.largest_overlap, dt) : all[k].rate;
       if (!all[k].stress) leap[k] = rate[k] - old[k], bias_[k] = rate[k];
     }
     next = Upper3::of(rate), jump = Upper3::of(leap);
@@ -200,7 +200,7 @@ class DeformingBox {
     edges_ = step * edges_;
     step_gradient_ = seen_ = rate_ * step.inverse();
     strain_ = strain_ + Upper3{std::log(step.xx), std::log(step.yy), std::log(step.zz),
-                               dt * rate_.xy, dt * rate_.xz, dt * rate_.yz};
+                               dt * rate_.xy,     dt * rate_.xz,     dt * rate_.yz};
     straighten();
     inverse_ = {1 / edges_.xx, 1 / edges_.yy, 1 / edges_.zz};
     has_moved_ = true;
@@ -215,7 +215,8 @@ class DeformingBox {
   std::vector<double> state() const {
     std::vector<double> s{work_, mass_, has_moved_ ? 1.0 : 0.0};
     const Upper3 stress{stress_.x, stress_.y, stress_.z, stress_.xy, stress_.xz, stress_.yz};
-    for (const Upper3& m : {edges_, rate_, step_gradient_, seen_, strain_, virial_, kinetic_, stress})
+    for (const Upper3& m :
+         {edges_, rate_, step_gradient_, seen_, strain_, virial_, kinetic_, stress})
       for (const double v : m.values()) s.push_back(v);
     for (const double v : bias_) s.push_back(v);
     for (const double v : {centre_.x, centre_.y, centre_.z, 0.0, 0.0, 0.0}) s.push_back(v);
@@ -237,7 +238,8 @@ class DeformingBox {
     };
     work_ = s[0], mass_ = s[1], has_moved_ = s[2] != 0;
     Upper3 stress;
-    for (Upper3* m : {&edges_, &rate_, &step_gradient_, &seen_, &strain_, &virial_, &kinetic_, &stress})
+    for (Upper3* m :
+         {&edges_, &rate_, &step_gradient_, &seen_, &strain_, &virial_, &kinetic_, &stress})
       *m = Upper3::of(six());
     require(edges_.xx > 0 && edges_.yy > 0 && edges_.zz > 0,
             "DeformingBox: a state whose edges are not greater than 0");
@@ -301,8 +303,8 @@ class DeformingBox {
   Box first_;
   Deformation drives_;
   Vec3d centre_{0, 0, 0};
-  Upper3 edges_;                       // [m]
-  std::array<double, 3> inverse_{};    // [1/m]
+  Upper3 edges_;                        // [m]
+  std::array<double, 3> inverse_{};     // [1/m]
   Upper3 rate_, step_gradient_, seen_;  // [1/s] of the step; for its end points; for velocities now
   Upper3 strain_;
   Upper3 virial_, kinetic_;  // [J]

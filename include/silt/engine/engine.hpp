@@ -239,7 +239,8 @@ class Engine : public Tables<Composition> {
         mover.integrate({particles, sums_.data(), lists.upkeep.per_inner2.data(), *team_}, how,
                         {gravity, kick_time, time_step, first_kick});
     largest_speed = pace.largest_speed, largest_share = pace.largest_share, finite = pace.finite;
-    if (how == Advance::KickAndDrift && !deforms<Domain>) lists.upkeep.used += largest_share * time_step;
+    if (how == Advance::KickAndDrift && !deforms<Domain>)
+      lists.upkeep.used += largest_share * time_step;
   }
   /// After an observed state: the step will be `ratio` times as long.
   void change_step(double ratio) {

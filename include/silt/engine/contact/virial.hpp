@@ -30,7 +30,12 @@ class VirialLanes {
   using Scalar = ScalarOf<Real>;
 
  public:
-  SILT_INLINE void add(const Vec3<Real>& f, const Vec3<Real>& d) {
+  /// What is not a number, as a partner that has left or fills up the pack, counts as nothing.
+  SILT_INLINE void add(const Vec3<Real>& force, const Vec3<Real>& distance) {
+    const Real work = dot(force, distance);
+    const Vec3<Real> none{Real(0), Real(0), Real(0)};
+    const Vec3<Real> f = select(work == work, force, none),
+                     d = select(work == work, distance, none);
     sums_[0] += f.x * d.x, sums_[1] += f.y * d.y, sums_[2] += f.z * d.z;
     sums_[3] += f.x * d.y, sums_[4] += f.x * d.z, sums_[5] += f.y * d.z;
   }

@@ -14,12 +14,12 @@ namespace silt::inline SILT_TARGET::detail {
 /// Let F be the deformation since then, an affine map of space and of all images alike, and s <= 1
 /// a bound of how much it shrinks a distance: |F u| >= s |u|. Sphere i is at F y_i, and y_i has
 /// moved by no more than U_i, the sum over the steps of |c_i| dt/s, c_i its velocity relative to
-/// the flow. Two spheres whose centres were at least R_i + q_i + R_j + q_j apart (R: the radius, and
-/// half the law's range) then are at least s (R_i + q_i - U_i + R_j + q_j - U_j) apart, which is
-/// R_i + R_j or more if for each of them
-///   U_i/q_i + (1/s - 1) R_i/q_i <= 1.                                                          (2')
+/// the flow. Two spheres whose centres were at least R_i + q_i + R_j + q_j apart (R: the radius,
+/// and half the law's range) then are at least s (R_i + q_i - U_i + R_j + q_j - U_j) apart, which
+/// is R_i + R_j or more if for each of them
+///   U_i/q_i + (1/s - 1) R_i/q_i <= 1. (2')
 /// That is (2) of ListUpkeep for images too. Likewise the inner reaches are at most
-///   q_i <= s (s_i - D_i) - (1 - s) R_i,   D_i the displacement of y_i since the search,        (1')
+///   q_i <= s (s_i - D_i) - (1 - s) R_i,   D_i the displacement of y_i since the search, (1')
 /// in place of (1). Each step shrinks distances by no more than 1 + dt d, d < 0 the least principal
 /// value of the rate of strain, as |(I + dt L) u| >= u (I + dt L) u for unit vectors u.
 /// Tests: tests/engine/deforming_box.cpp (against brute force at every step).

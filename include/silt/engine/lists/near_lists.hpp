@@ -285,7 +285,9 @@ class NearLists {
     reach_out(scene, wall_speed);
 
     auto& find = finder_of(search);
-    const auto grown_rows = [&] { return std::span<const PositionRow>(grown_.data(), grown_.size()); };
+    const auto grown_rows = [&] {
+      return std::span<const PositionRow>(grown_.data(), grown_.size());
+    };
     const auto spheres = [&] { return SphereSet{grown_rows(), largest_grown_}; };
     bool is_found = false;
     if constexpr (requires { find.order(spheres(), 0.0, scene.domain, team, order_); })
@@ -321,25 +323,24 @@ class NearLists {
   static void check_range(const Scene& scene) {
     const double least = 4 * scene.particles.largest_radius + 2 * scene.range;
     for (int d = 0; d < 3; ++d)
-      require(!scene.domain.repeats(d) || scene.domain.length(d) >= least,
-              Domain::policy_name, ": its length ", scene.domain.length(d), " [m] must be at least ", least,
+      require(!scene.domain.repeats(d) || scene.domain.length(d) >= least, Domain::policy_name,
+              ": its length ", scene.domain.length(d), " [m] must be at least ", least,
               " m, two diameters and twice the range ", scene.range, " m of the contact law");
   }
 
   void wrap(const Scene& scene) {
     auto& position = scene.particles.position;
-    scene.team.for_ranges(scene.particles.size(),
-                          [&](std::size_t, std::size_t from, std::size_t to) {
-                            for (std::size_t k = from; k < to; ++k) {
-                              const Vec3d p = scene.domain.wrapped(position[k].centre());
-                              if constexpr (State::of_bodies)
-                                scene.particles.part[k].image += p - position[k].centre();
-                              if constexpr (flows)
-                                scene.particles.add_velocity(
-                                    k, scene.domain.carried(p - position[k].centre()));
-                              position[k] = {p.x, p.y, p.z, position[k].r};
-                            }
-                          });
+    scene.team.for_ranges(
+        scene.particles.size(), [&](std::size_t, std::size_t from, std::size_t to) {
+          for (std::size_t k = from; k < to; ++k) {
+            const Vec3d p = scene.domain.wrapped(position[k].centre());
+            if constexpr (State::of_bodies)
+              scene.particles.part[k].image += p - position[k].centre();
+            if constexpr (flows)
+              scene.particles.add_velocity(k, scene.domain.carried(p - position[k].centre()));
+            position[k] = {p.x, p.y, p.z, position[k].r};
+          }
+        });
   }
 
   Box occupied_region(const Scene& scene) const {

@@ -121,8 +121,8 @@ class PairPipeline {
     for (std::size_t k = 0; k < count; k += W) {
       alignas(Real) Scalar radii[W];
       for (std::size_t lane = 0; lane < W; ++lane)
-        radii[lane] = static_cast<Scalar>(in.positions[first[k + lane]].r +
-                                          in.positions[second[k + lane]].r);
+        radii[lane] =
+            static_cast<Scalar>(in.positions[first[k + lane]].r + in.positions[second[k + lane]].r);
       const auto kin = loads.template get<Real>(k);
       sums.add(loads.template get_load<Real>(k).force,
                (load<Real>(radii) - kin.overlap) * kin.normal);
