@@ -155,7 +155,7 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
     refuse_in_deforming_box("an inlet");
     detail::check_form(engine_, flow);
     scene_changed_ = true;
-    return openings_.add_inlet(region, flow, time_);
+    return openings_.add_inlet(region, detail::with_number(engine_, flow), time_);
   }
   std::size_t add_inlet(const Box& region, const InletFlow& flow) {
     return add_inlet<Box>(region, flow);
@@ -173,7 +173,8 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
   }
 
   /// Adds what an inlet has placed.
-  void insert(const std::vector<PlacedSphere>& spheres, const InletFlow& flow, Random& random);
+  void insert(const std::vector<PlacedSphere>& spheres, const std::vector<std::size_t>& kinds,
+              const InletFlow& flow, Random& random);
 
   /// Whether several parts of a body that press on one partner share the stiffness of a contact
   /// (engine/contact/shared_contacts.hpp); true unless set. Without, a body is the stiffer the more

@@ -128,14 +128,15 @@ void Simulation<Policies...>::take_in(std::span<const Particle> more,
 
 template <class... Policies>
 void Simulation<Policies...>::insert(const std::vector<PlacedSphere>& spheres,
-                                     const InletFlow& flow, Random& random) {
+                                     const std::vector<std::size_t>& kinds, const InletFlow& flow,
+                                     Random& random) {
   if (spheres.empty()) return;
   using Particle = typename ParticlesType::Particle;
   // The velocity is that of this instant; rows hold that of half a step ago.
   const double ago = first_kick_ || Integrator::first_kick != 0.5 ? 0 : 0.5 * dt_;  // [s]
   const Vec3d velocity = flow.velocity - ago * gravity;
   const std::size_t before = rows();
-  const auto more = detail::particles_at<Particle>(spheres, flow, velocity, random);
+  const auto more = detail::particles_at<Particle>(spheres, kinds, flow, velocity, random);
   check_new(std::span<const Particle>(more), [&](const Particle& p, std::size_t k) {
     if constexpr (requires { engine_.mover.forms; })
       ParticlesType::check(p, k, engine_.mover.forms);
@@ -192,8 +193,9 @@ void Simulation<Policies...>::prepare() {
           "particle could come out behind one unseen (guard.through_meshes = true lets them)");
     }
   for (const auto& inlet : openings_.inlets())
-    require(inlet.flow.material < contacts_.materials(),
-            "InletFlow.material = ", inlet.flow.material, " is not in the table of ",
+    for (std::size_t k = 0; k < inlet.flow.kinds(); ++k)
+      require(inlet.flow.kind(k).material < contacts_.materials(), k == 0 ? "InletFlow" : "InletShare",
+            ".material = ", inlet.flow.kind(k).material, " is not in the table of ",
             contacts_.materials(), " materials; add it to the contacts first");
   if constexpr (detail::deforms<Domain>) {
     require(!engine_.particles.some_fixed,
