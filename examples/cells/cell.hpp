@@ -92,7 +92,7 @@ void compress(Sim& sim, const Sample& s) {
     const auto& now = sim.domain().stress();
     const double off = std::max({std::abs(now.x / s.pressure - 1), std::abs(now.y / s.pressure - 1),
                                  std::abs(now.z / s.pressure - 1)});
-    if (off < 1e-3 && unrest(sim) < 1e-7) return;
+    if (off < 5e-3 && unrest(sim) < 1e-6) return;
   }
 }
 

@@ -80,6 +80,7 @@ int main(int argc, char** argv) {
     std::vector<double> numbers{0.3, 0.1, 0.03, 0.01, 3e-3, 1e-3};
     if (options.quick && !command.given("--spheres")) s.spheres = 512;
     if (options.quick) numbers = {0.3, 0.1, 0.03, 0.01};
+    silt::make_folder(options.out);
     const example::Stopwatch watch;
     example::Summary summary;
     summary.input("spheres", s.spheres), summary.input("friction", s.friction);

@@ -147,6 +147,7 @@ int main(int argc, char** argv) {
     if (options.quick && !command.given("--spheres")) s.spheres = 512;
     if (options.quick && !command.given("--inertial-number")) inertial = 1e-3;
     if (options.quick && !command.given("--strain")) strain = 0.3;
+    silt::make_folder(options.out);
     const example::Stopwatch watch;
     example::Summary summary;
     summary.input("spheres", s.spheres), summary.input("friction", s.friction);

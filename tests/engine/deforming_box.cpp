@@ -67,22 +67,22 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "deforming_box: a crowd that is moved as a whole does the same to 1e-8 after half a turn of "
-    "the images, and keeps its momentum to rounding") {
-  // Steps of 1e-5 s, a strain of 0.6: images pass each other by more than half a box length.
-  const Deformation how{.x = {.rate = -3}, .z = {.rate = 2}, .xy = {.rate = 60}};
+    "deforming_box: a crowd that is moved as a whole does the same to 1e-8 after a strain "
+    "of 0.3, and its momentum obeys dP/dt = -L P") {
+  // 500 steps; images pass each other by a third of a box length, and the box shrinks by 7 %.
+  const Deformation how{.x = {.rate = -20}, .z = {.rate = 4}, .xy = {.rate = 60}};
   std::vector<ParticleBits> first;
   for (const Vec3d& shift : {Vec3d{0, 0, 0}, Vec3d{1.3e-3, 2.9e-3, -2.2e-3}}) {
-    Sim sim = sheared(cloud(4, 1.3e-3, 0.05, shift), cube(5.2e-3, how), silt::EnergyLedger{});
+    Sim sim = sheared(cloud(4, 1.06e-3, 0.05, shift), cube(4.24e-3, how), silt::EnergyLedger{});
     sim.time_step = 1e-5, sim.threads = 1;
     sim.run(0);
     const Vec3d before = momentum(sim);
     sim.run(5e-3);
-    CHECK(sim.touching_pairs() > 60);
-    // The momentum P obeys dP/dt = -L P; with the centre of mass at rest it would stay 0.
+    CHECK(sim.touching_pairs() > 15);
+    // P_y stays, as nothing compresses y; P_z goes with 1/length.
     const auto& f = sim.domain();
     const Vec3d now = momentum(sim);
-    CHECK(now.z * f.length(2) == doctest::Approx(before.z * 5.2e-3).epsilon(1e-3));
+    CHECK(now.z * f.length(2) == doctest::Approx(before.z * 4.24e-3).epsilon(1e-3));
     CHECK(now.y == doctest::Approx(before.y).epsilon(1e-9));
     std::vector<ParticleBits> all;
     for (silt::ParticleId id = 0; id < 64; ++id) {
@@ -119,11 +119,11 @@ TEST_CASE("deforming_box: no contact is missed in 1500 steps of shear and compre
         Deformation{.x = {.rate = 20}, .y = {.rate = -40}, .z = {.rate = 15}, .xz = {.rate = 30}},
         Deformation{.x = {.stress = 500, .most_rate = 20}, .yz = {.rate = 60}}}) {
     // Slow particles: what uses up the lists is the flow.
-    Sim sim = sheared(cloud(5, 1.25e-3, 0.01), cube(6.25e-3, how), silt::EnergyLedger{});
+    Sim sim = sheared(cloud(5, 1.06e-3, 0.01), cube(5.3e-3, how), silt::EnergyLedger{});
     sim.time_step = 5e-6, sim.threads = 2;
     Watch watch;
     sim.run(7.5e-3, watch);
-    CHECK(watch.check.contacts() > 20000);
+    CHECK(watch.check.contacts() > 5000);
     CHECK(watch.prunings.size() > 10);
     CHECK(watch.searches.size() > 3);
     CHECK(2 * watch.prunings.size() < std::size_t(watch.steps));  // lists are kept meanwhile
@@ -195,7 +195,8 @@ TEST_CASE("deforming_box: what cannot be is refused in a sentence") {
           sim.add_outlet({{0, 0, 0}, {1, 1, 1}});
         }).find("an outlet") != std::string::npos);
   CHECK(says([&] {
-          sim.add_inlet(Box{{0, 0, 0}, {1, 1, 1}}, silt::InletFlow{.radius = 1e-3, .density = 1, .rate = 1});
+          sim.add_inlet(Box{{0, 0, 0}, {1, 1, 1}},
+                        silt::InletFlow{.radius = 1e-3, .density = 1, .rate = 1});
         }).find("an inlet") != std::string::npos);
   sim.gravity = {0, 0, -9.81};
   CHECK(says([&] { sim.run(0.1); }).find("gravity = 0") != std::string::npos);

@@ -3,6 +3,7 @@
 #include <engine/deforming_box.hpp>
 
 #include <silt/contact/formulas.hpp>
+#include <silt/io/observers.hpp>
 
 namespace deforming_box_test {
 namespace {

@@ -114,8 +114,12 @@ struct OccupiedPlaces {
       const Vec3d at = in_wall(wall, centre);
       return std::any_of(wall.surfaces.begin(), wall.surfaces.end(), [&](const Surface& s) {
         return visit_surface(s, [&](const auto& surface) {
-          SurfacePoint points[std::remove_cvref_t<decltype(surface)>::max_contacts];
-          return surface.contacts(at, radius + gap, points) > 0;
+          if constexpr (requires { surface.nearest_point(at); }) {
+            return std::abs(surface.nearest_point(at).distance) < radius + gap;
+          } else {
+            SurfacePoint points[std::remove_cvref_t<decltype(surface)>::max_contacts];
+            return surface.contacts(at, radius + gap, points) > 0;
+          }
         });
       });
     });
