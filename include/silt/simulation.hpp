@@ -41,7 +41,7 @@ namespace silt::inline SILT_TARGET {
 ///   particles   Particles<Shape>                                must be given
 ///   contact     Contacts<Law, Options...>                       must be given
 ///   search      VerletList<Finder>, or a finder itself          VerletList<HashedGrid>, automatic skin
-///   domain      OpenDomain, PeriodicBox                         OpenDomain
+///   domain      OpenDomain, PeriodicBox, DeformingBox           OpenDomain
 ///   fluid       CoupledFlow, CoupledMesh, PrescribedFlow, ...   NoFluid
 ///   precision   Double, Mixed                                   Double
 ///   kernels     KernelsFor<Arch>                                what the compile flags allow

@@ -87,8 +87,8 @@ void Simulation<Policies...>::check_new(std::span<const Particle> more, const Ch
               " m");
     if constexpr (Domain::periodic)
       for (int d = 0; d < 3; ++d)
-        require(!domain_.repeats(d) || domain_.length(d) >= 6 * p.radius,
-                Domain::policy_name, ": its length ", domain_.length(d),
+        require(!domain_.repeats(d) || domain_.length(d) >= 6 * p.radius, Domain::policy_name,
+                ": its length ", domain_.length(d),
                 " [m] must be at least 3 diameters of particle ", k, " of radius ", p.radius, " m");
     require(p.material < contacts_.materials() || !ContactsType::several_materials, "particle ", k,
             ": material ", p.material, " is not in the table of ", contacts_.materials(),
@@ -194,9 +194,10 @@ void Simulation<Policies...>::prepare() {
     }
   for (const auto& inlet : openings_.inlets())
     for (std::size_t k = 0; k < inlet.flow.kinds(); ++k)
-      require(inlet.flow.kind(k).material < contacts_.materials(), k == 0 ? "InletFlow" : "InletShare",
-            ".material = ", inlet.flow.kind(k).material, " is not in the table of ",
-            contacts_.materials(), " materials; add it to the contacts first");
+      require(inlet.flow.kind(k).material < contacts_.materials(),
+              k == 0 ? "InletFlow" : "InletShare", ".material = ", inlet.flow.kind(k).material,
+              " is not in the table of ", contacts_.materials(),
+              " materials; add it to the contacts first");
   if constexpr (detail::deforms<Domain>) {
     require(!engine_.particles.some_fixed,
             "DeformingBox: a fixed particle cannot follow it; leave Particle.fixed out");

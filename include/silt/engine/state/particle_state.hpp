@@ -89,7 +89,7 @@ class ParticleState {
 
   /// Changes the velocity of row k by dv [m/s]; pair_motion() follows with the next kick.
   void add_velocity(std::size_t k, const Vec3d& dv) {
-    Motion& m = motion[k];
+    auto& m = motion[k];
     m.vx += dv.x, m.vy += dv.y, m.vz += dv.z;
   }
   std::size_t size() const { return id.size(); }
