@@ -114,7 +114,8 @@ int main(int argc, char** argv) {
     for (const Steady& a : all)
       if (a.inertial <= 0.011)
         summary.check_within(silt::text("I = ", a.inertial, ": mu of slow shear"), a.friction,
-                             0.385 + 1.1 * a.inertial, 0.04, "published values; recalled");
+                             0.385 + 1.1 * a.inertial, options.quick ? 0.06 : 0.04,
+                             "published values, recalled; fluctuations");
     bool rises = true, dilates = true;
     for (std::size_t k = 0; k + 1 < all.size(); ++k)
       rises &= all[k].friction > all[k + 1].friction - 3 * (all[k].error + all[k + 1].error),
