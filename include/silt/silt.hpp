@@ -3,6 +3,7 @@
 
 #include <silt/boundary/cone.hpp>
 #include <silt/boundary/cylinder.hpp>
+#include <silt/boundary/deforming_box.hpp>
 #include <silt/boundary/domain.hpp>
 #include <silt/boundary/motion.hpp>
 #include <silt/boundary/plane.hpp>

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include <silt/boundary/deforming_box.hpp>
 #include <silt/boundary/domain.hpp>
 #include <silt/boundary/wall.hpp>
 #include <silt/contact/contacts.hpp>
@@ -40,7 +41,7 @@ namespace silt::inline SILT_TARGET {
 ///   particles   Particles<Shape>                                must be given
 ///   contact     Contacts<Law, Options...>                       must be given
 ///   search      VerletList<Finder>, or a finder itself          VerletList<HashedGrid>, automatic skin
-///   domain      OpenDomain, PeriodicBox                         OpenDomain
+///   domain      OpenDomain, PeriodicBox, DeformingBox           OpenDomain
 ///   fluid       CoupledFlow, CoupledMesh, PrescribedFlow, ...   NoFluid
 ///   precision   Double, Mixed                                   Double
 ///   kernels     KernelsFor<Arch>                                what the compile flags allow
@@ -141,16 +142,20 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
   void set_reference(std::size_t k, const Vec3d& point) { wall_at(k).reference = point; }
 
   /// Particles whose centre enters `region` leave the simulation and are counted.
-  std::size_t add_outlet(const Box& region) { return openings_.add_outlet(region); }
+  std::size_t add_outlet(const Box& region) {
+    refuse_in_deforming_box("an outlet");
+    return openings_.add_outlet(region);
+  }
   const Outlet& outlet(std::size_t k) const { return openings_.outlet(k); }
   std::size_t outlets() const { return openings_.outlets().size(); }
 
   /// Places new particles at a rate; see Inlet.
   template <Region R>
   std::size_t add_inlet(const R& region, const InletFlow& flow) {
+    refuse_in_deforming_box("an inlet");
     detail::check_form(engine_, flow);
     scene_changed_ = true;
-    return openings_.add_inlet(region, flow, time_);
+    return openings_.add_inlet(region, detail::with_number(engine_, flow), time_);
   }
   std::size_t add_inlet(const Box& region, const InletFlow& flow) {
     return add_inlet<Box>(region, flow);
@@ -161,8 +166,15 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
   /// Adds more particles now. Returns the number in forms() of each of their forms: a new one, or
   /// that of an equal form which the simulation has already; of spheres nothing.
   std::vector<std::size_t> add(const ParticlesType& more);
+  /// Deforms the box from the next step on as `how` says (DeformingBox).
+  void deform(const Deformation& how) requires(detail::deforms<Domain>) {
+    domain_.deform(how);
+    scene_changed_ = true;
+  }
+
   /// Adds what an inlet has placed.
-  void insert(const std::vector<PlacedSphere>& spheres, const InletFlow& flow, Random& random);
+  void insert(const std::vector<PlacedSphere>& spheres, const std::vector<std::size_t>& kinds,
+              const InletFlow& flow, Random& random);
 
   /// Whether several parts of a body that press on one partner share the stiffness of a contact
   /// (engine/contact/shared_contacts.hpp); true unless set. Without, a body is the stiffer the more
@@ -197,6 +209,8 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
       }
       if (stop) break;
       if (kicked_) engine_.drift(dt_);
+      if constexpr (detail::deforms<Domain>)
+        if (kicked_) engine_.move_box(domain_, dt_);
       kicked_ = observed_ = false;
       modules_.update(engine_, step_ + 1, time_at(step_ + 1), dt_);
     }
@@ -290,9 +304,12 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
     if constexpr (Modules::push) push_modules();
     book_step(times);
     using Advance = typename Engine::Advance;
+    if constexpr (detail::deforms<Domain>) engine_.kick_box(domain_, dt_, first_kick_, observed);
     const double kick = first_kick_ ? Integrator::first_kick * dt_ : dt_;
     engine_.integrate(observed ? Advance::KickAndRecord : Advance::KickAndDrift, gravity, kick, dt_,
                       first_kick_);
+    if constexpr (detail::deforms<Domain>)
+      observed ? engine_.record_flow(domain_) : engine_.move_box(domain_, dt_);
     first_kick_ = false;
     kicked_ = observed;
     keep_limits();
@@ -308,6 +325,10 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
     double translation, rotation;  // [J]
     double sum() const { return translation + rotation; }
   };
+  static void refuse_in_deforming_box(const char* what) {
+    require(!detail::deforms<Domain>, "Simulation: ", what,
+            " has no place in a DeformingBox, which has no inside and outside; take PeriodicBox");
+  }
   detail::StepTimes times_of_step(bool observed) const;
   Kinetic kinetic(std::size_t k) const;
   EnergyBalance balance() const;

@@ -6,6 +6,12 @@
 
 #include "refused/scene.hpp"
 
+namespace bodies_in_deforming_box {
+#include "refused/bodies_in_deforming_box.cpp"
+}
+namespace gear_in_deforming_box {
+#include "refused/gear_in_deforming_box.cpp"
+}
 namespace foreign_option {
 #include "refused/foreign_option.cpp"
 }

@@ -223,4 +223,65 @@ TEST_CASE("inlet: values that make no sense are refused by name") {
   CHECK(sim.size() == 0);  // none of them was added
 }
 
+TEST_CASE("inlet: does not place into walls, planes and meshes, also where they have moved") {
+  auto sim = scene();
+  // A plane askew through the mouth leaves its upper half, a mesh of two triangles a part of that.
+  const LinearSpring::Material wall{.stiffness = 10};
+  sim.add_wall(silt::Plane{{0.01, 0.01, 0.045}, {1, 0, 1}}, wall, [](double) {
+    return silt::Pose{{}, {0, 0, 0.01}};
+  });
+  sim.add_wall(silt::TriangleMesh({{{{0.015, -0.1, 0.0}, {0.015, 0.1, 0.0}, {0.015, 0.0, 0.3}}}}),
+               wall);
+  InletFlow rising = flow(40000, {0, 0, 2});
+  rising.interval = 2e-5;
+  sim.add_inlet(mouth, rising);
+  sim.run(2e-4);
+  CHECK(sim.size() > 5);
+  for (std::size_t k = 0; k < sim.rows(); ++k) {
+    const Vec3d p = sim.position(k) - 2 * sim.time() * Vec3d{0, 0, 1};  // at most that far up since
+    // Nothing has touched: all still have the velocity that they came with.
+    CHECK(sim.velocity(k) == Vec3d{0, 0, 2});
+    CHECK(p.x - 0.01 + sim.position(k).z - 0.055 > 1e-3 * std::sqrt(2.0));
+    CHECK(std::abs(p.x - 0.015) > 1e-3);
+  }
+}
+
+TEST_CASE("inlet: a mass rate of a recipe brings that mass, and the kinds by their shares") {
+  auto sim = scene();
+  InletFlow wanted = flow(0, {0, 0, -2});
+  wanted.mass_rate = 0.01;  // [kg/s]; 2000 light grains of 1 mm a second would be 0.0084
+  wanted.recipe = {{.share = 0.75, .radius = 0.5e-3, .density = 4000}};
+  const auto inlet = sim.add_inlet(mouth, wanted);
+  const double light = mass, heavy = 4 * mass / 8, mean = 0.25 * light + 0.75 * heavy;
+  CHECK(sim.inlet(inlet).flow.rate == near(0.01 / mean).epsilon(1e-12));
+  sim.run(0.2);
+  double all = 0, heavies = 0;
+  for (std::size_t k = 0; k < sim.rows(); ++k) {
+    all += sim.mass(k), heavies += sim.radius(k) < 0.8e-3;
+    CHECK(sim.mass(k) == near(sim.radius(k) < 0.8e-3 ? heavy : light).epsilon(1e-12));
+  }
+  const auto n = static_cast<double>(sim.size());
+  CHECK(sim.inlet(inlet).waiting == 0);
+  CHECK(std::abs(heavies / n - 0.75) < 4 * std::sqrt(0.75 * 0.25 / n));  // 4 standard deviations
+  CHECK(std::abs(all / (0.01 * 0.2) - 1) < 0.06);  // the same of the mass, and one insertion
+  wanted.rate = 1;
+  CHECK(has_words(refusal<InputError>([&] { sim.add_inlet(mouth, wanted); }),
+                  {"InletFlow.rate = 1", "mass_rate", "both"}));
+  wanted.rate = 0, wanted.recipe[0].share = 1.5;
+  CHECK(has_words(refusal<InputError>([&] { sim.add_inlet(mouth, wanted); }), {"shares", "1.5"}));
+  wanted.recipe[0] = {.share = 0.1, .radius = 1, .density = 1};
+  CHECK(has_words(refusal<InputError>([&] { sim.add_inlet(mouth, wanted); }), {"thinner"}));
+}
+
+TEST_CASE(
+    "outlet: sees where a particle is in a periodic box, though it has left it for a moment") {
+  silt::Particles<Sphere> p;
+  p.add({.position = {0.0199, 0.01, 0}, .radius = 0.5e-3, .density = 1000, .velocity = {1, 0, 0}});
+  auto sim = scene(p);
+  // Slow, far from all: the next search comes late; without the image the grain would pass.
+  const auto outlet = sim.add_outlet({{0, 0, -0.1}, {0.004, 0.02, 0.1}});
+  sim.run(3e-3);
+  CHECK(sim.outlet(outlet).count == 1);
+}
+
 }  // namespace openings_test

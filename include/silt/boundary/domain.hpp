@@ -23,6 +23,7 @@ class PeriodicBox {
  public:
   static constexpr bool is_domain = true;
   static constexpr bool periodic = true;
+  static constexpr const char* policy_name = "PeriodicBox";
 
   PeriodicBox(const Box& box, std::array<bool, 3> repeats) : box_(box), repeats_(repeats) {
     const auto e = box.extent();

@@ -11,6 +11,7 @@
 #include <optional>
 #include <vector>
 
+#include <silt/engine/advance/box_flow.hpp>
 #include <silt/engine/advance/tables.hpp>
 #include <silt/engine/contact/contact_memory.hpp>
 #include <silt/engine/lists/near_lists.hpp>
@@ -62,6 +63,7 @@ class Engine : public Tables<Composition> {
   bool finite = true;            // all velocities, after the last kick
   bool share_contacts = true;    // of bodies: SharedContacts
   std::uint64_t safeguards = 0;  // [-] in which a law's safeguard has acted, since the start
+  [[no_unique_address]] VirialOf<ContactsType> virial;  // of the last step
   EnergyOf<ContactsType, double> contact_energy = start_energy<ContactsType, double>();
   static constexpr bool has_events = keeps_events<ContactsType>;
   [[no_unique_address]] std::conditional_t<has_events, ContactLog, NoContactLog> events;
@@ -167,6 +169,7 @@ class Engine : public Tables<Composition> {
     largest_overlap = tally.largest, contact_energy = tally.energy;
     safeguards += tally.safeguards;
     if constexpr (has_events) events.clear(), note(tally.notes);
+    if constexpr (deforms<Domain>) virial = tally.virial;
   }
 
   void wall_forces(const StepTimes& times) {
@@ -236,7 +239,8 @@ class Engine : public Tables<Composition> {
         mover.integrate({particles, sums_.data(), lists.upkeep.per_inner2.data(), *team_}, how,
                         {gravity, kick_time, time_step, first_kick});
     largest_speed = pace.largest_speed, largest_share = pace.largest_share, finite = pace.finite;
-    if (how == Advance::KickAndDrift) lists.upkeep.used += largest_share * time_step;
+    if (how == Advance::KickAndDrift && !deforms<Domain>)
+      lists.upkeep.used += largest_share * time_step;
   }
   /// After an observed state: the step will be `ratio` times as long.
   void change_step(double ratio) {
@@ -250,7 +254,34 @@ class Engine : public Tables<Composition> {
     const double* const per_inner2 = reach.size() < particles.size() ? nullptr : reach.data();
     largest_share =
         mover.drift({particles, sums_.data(), per_inner2, *team_}, time_step, largest_share);
-    lists.upkeep.used += largest_share * time_step;
+    if constexpr (!deforms<Domain>) lists.upkeep.used += largest_share * time_step;
+  }
+
+  // --- a box that deforms -------------------------------------------------------------------
+
+  /// Gives the box the rates of the next step, and the particles what these change.
+  void kick_box(Domain& box, double time_step, bool first, bool observed) {
+    box_kick_ = box.choose_rates({virial, largest_overlap}, time_step, first);
+    add_flow(particles, box_kick_.all, box.centre(), *team_);
+    if (!observed) box_kick_ = {};
+  }
+  /// After an observed kick: what was recorded is the velocity of this instant.
+  void record_flow(const Domain& box) {
+    for (std::size_t k = 0; k < particles.size(); ++k)
+      if (!particles.is_parked(k))
+        mover.synchronous[k].velocity -=
+            box_kick_.too_much * (particles.position[k].centre() - box.centre());
+  }
+  /// After the particles have drifted for a step.
+  void move_box(Domain& box, double time_step) {
+    const auto& reach = lists.upkeep.per_inner2;
+    const auto pace =
+        pace_in_flow(particles, box, reach.size() < particles.size() ? nullptr : reach.data(),
+                     time_step, *team_);
+    box.set_kinetic(pace.kinetic, pace.mass);
+    const double s = 1 - time_step * box.squeeze_rate();
+    lists.flow.follow(box.advance(time_step), s);
+    lists.upkeep.used += pace.largest_share * time_step / lists.flow.pruned;
   }
 
   /// [m] of the smallest sphere, or of the largest one inside the thinnest convex body.
@@ -389,6 +420,8 @@ class Engine : public Tables<Composition> {
   [[no_unique_address]] Fluxes fluxes_;
   struct NoShares {};
   [[no_unique_address]] std::conditional_t<shares, SharedContacts<Scalar>, NoShares> shared_;
+  struct NoKick {};
+  [[no_unique_address]] std::conditional_t<deforms<Domain>, DeformingBox::Kick, NoKick> box_kick_{};
   AlignedVector<Scalar> sums_;  // [N] load on each particle, zero between the steps
   std::vector<std::uint16_t> kinds_;
 };

@@ -137,9 +137,10 @@ inline Box room_for_centres(const Box& bounds, double radius) {
 
 /// A random free place for one sphere wholly inside `region`, uniform among the free places; none
 /// if `trials` places were occupied, or hardly any point of the region's bounds has room inside it.
-/// For an inlet: keep the spheres near the region in a SphereGrid, insert each one that is placed.
-template <Region R>
-std::optional<Vec3d> try_place(const R& region, const SphereGrid& occupied, const Placement& sphere,
+/// For an inlet: keep the spheres near the region in a SphereGrid, insert each one that is placed;
+/// anything with its is_free() will do.
+template <Region R, class Occupied>
+std::optional<Vec3d> try_place(const R& region, const Occupied& occupied, const Placement& sphere,
                                Random& random) {
   require_positive("Placement.radius", sphere.radius, "m");
   require_not_negative("Placement.gap", sphere.gap, "m");

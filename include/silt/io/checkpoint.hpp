@@ -70,6 +70,12 @@ class Checkpoint {
                    {sim.gravity_booked_.x, sim.gravity_booked_.y, sim.gravity_booked_.z});
       a.column("ledger", books, books.size());
     }
+    std::vector<double> box;
+    if constexpr (detail::deforms<typename Sim::Domain>) {
+      box = sim.domain_.state();
+      e.lists.flow.put_state(box);
+      a.column("box", box, box.size());
+    }
     detail::visit_columns(a, e.modules(), e.owners());
     if constexpr (Sim::Fluid::active) {
       detail::visit_columns(a, e.fluid_loads(), e.owners());
@@ -167,6 +173,7 @@ class Checkpoint {
       detail::check_openings(a, openings_, sim_.openings_, clock_, accepted);
       read_particles(a);
       read_lists(a, accepted);
+      if constexpr (detail::deforms<typename Sim::Domain>) read_box(a, path);
       if constexpr (Sim::has_ledger) read_ledger(a);
       if constexpr (Sim::Fluid::active) read_fluid(a, path);
       if constexpr (chooses_search) {
@@ -206,6 +213,7 @@ class Checkpoint {
         wall.impulse = walls_.impulse[w];
       }
       openings_.put(sim.openings_, accepted.inlets, clock_.time);
+      if constexpr (detail::deforms<typename Sim::Domain>) sim.domain_ = *box_;
       if constexpr (Sim::has_ledger)
         sim.book_ = std::move(book_), sim.gravity_booked_ = gravity_booked_;
       if constexpr (Sim::Fluid::active) sim.fluid_ = std::move(*fluid_);
@@ -307,6 +315,22 @@ class Checkpoint {
       lists_.pruned_walls.restore(std::move(walls_.marks[1]), walls_.regions[1]);
     }
 
+    void read_box(const detail::CheckpointLoader& a, const std::string& path) {
+      constexpr std::size_t own = Sim::Domain::state_size;
+      const auto all = a.template column<double>("box", own + decltype(lists_.flow)::state_size);
+      box_ = sim_.domain_;
+      try {
+        box_->restore({all.begin(), all.begin() + own});
+      } catch (const InputError& error) {
+        throw FileError(text("checkpoint '", path, "' is damaged: ", error.what()));
+      }
+      lists_.flow.restore(all.data() + own);
+      const auto& flow = lists_.flow;
+      a.need(flow.map.determinant() > 0 && flow.searched > 0 && flow.searched <= 1 &&
+                 flow.pruned >= flow.searched && flow.pruned <= 1 && flow.tightest >= 0,
+             "box: the deformation since the last search is none");
+    }
+
     void read_ledger(const detail::CheckpointLoader& a) requires(Sim::has_ledger) {
       auto books = a.template column<double>("ledger");
       constexpr std::size_t least = decltype(sim_.book_)::least_size + 3;
@@ -361,6 +385,7 @@ class Checkpoint {
     typename Engine::Lists lists_;
     [[no_unique_address]] If<Sim::has_ledger, decltype(Sim::book_)> book_;
     Vec3d gravity_booked_{0, 0, 0};
+    std::optional<typename Sim::Domain> box_;  // that deforms
     std::unique_ptr<typename Sim::Fluid> fluid_;
     std::array<std::size_t, 2> choice_{};
   };

@@ -114,6 +114,14 @@ void describe_inlet(const Describer& is, const Inlet& inlet) {
   is("mean volume [m3]", flow.radius.mean_volume()), is("velocity", flow.velocity);
   is("total", flow.total), is("material", flow.material), is("form", flow.form);
   is("seed", text(flow.seed)), is("trials", flow.trials), is("interval [s]", flow.interval);
+  for (std::size_t k = 1; k < flow.kinds(); ++k) {
+    const InletShare kind = flow.kind(k);
+    is(text("share of kind ", k), kind.share), is(text("density of kind ", k), kind.density);
+    is(text("least radius of kind ", k), kind.radius.min());
+    is(text("largest radius of kind ", k), kind.radius.max());
+    is(text("mean volume of kind ", k), kind.radius.mean_volume());
+    is(text("material of kind ", k), kind.material), is(text("form of kind ", k), kind.form);
+  }
 }
 
 /// `removed[w]`: whether wall w is described as one without surfaces.
@@ -126,7 +134,10 @@ SceneDescription describe_scene(const Sim& sim, const Table& coefficients, const
   is("walls", sim.walls());
   Describer(out, Aspect::Inlet, "")("inlets", openings.inlets().size());
   is("outlets", openings.outlets().size());
-  if constexpr (std::remove_cvref_t<decltype(sim.domain())>::periodic) {
+  if constexpr (deforms<std::remove_cvref_t<decltype(sim.domain())>>) {
+    const Box box = sim.domain().first_box();
+    is("deforming box: from", box.min), is("deforming box: to", box.max);
+  } else if constexpr (std::remove_cvref_t<decltype(sim.domain())>::periodic) {
     const auto of = is.of("periodic box: ");
     for (int d = 0; d < 3; ++d) {
       of(text("repeats in ", "xyz"[d]), sim.domain().repeats(d) ? "yes" : "no");

@@ -66,8 +66,11 @@ SceneLook look_at(const Sim& sim) {
   for (std::size_t k = 0; k < sim.inlets(); ++k) {
     const auto& inlet = sim.inlet(k);
     look.centres.include(inlet.bounds), look.all.include(inlet.bounds);
-    include_radius(inlet.flow.radius.min(), inlet.flow.radius.max());
-    look.list_diameter = std::min(look.list_diameter, 2 * inlet.flow.radius.min());
+    for (std::size_t kind = 0; kind < inlet.flow.kinds(); ++kind) {
+      const auto of = inlet.flow.kind(kind);
+      include_radius(of.radius.min(), of.radius.max());
+      look.list_diameter = std::min(look.list_diameter, 2 * of.radius.min());
+    }
     look.fastest = std::max(look.fastest, norm(inlet.flow.velocity));
     look.largest_density = std::max(look.largest_density, inlet.flow.density);
   }

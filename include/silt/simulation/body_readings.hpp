@@ -8,18 +8,23 @@
 namespace silt::inline SILT_TARGET::detail {
 
 /// What users read of particles that are bodies; a Simulation has these functions as its own.
+/// (Templates, as clang 14 looks at what a member requires before Sim is complete.)
 template <class Sim>
 class BodyReadings {
  public:
   /// Turns the frame in which the form was given to space.
-  Quaternion orientation(std::size_t k) const requires(Sim::of_bodies) {
+  template <class S = Sim>
+  Quaternion orientation(std::size_t k) const requires(S::of_bodies) {
     return owner(k).orientation();
   }
-  std::size_t form(std::size_t k) const requires(Sim::of_bodies) { return owner(k).form(); }
+  template <class S = Sim>
+  std::size_t form(std::size_t k) const requires(S::of_bodies) { return owner(k).form(); }
   /// Size of the particle over that of its form as it was made [-].
-  double scale(std::size_t k) const requires(Sim::of_bodies) { return owner(k).scale(); }
+  template <class S = Sim>
+  double scale(std::size_t k) const requires(S::of_bodies) { return owner(k).scale(); }
   /// All forms, a silt::BodyForm each.
-  const auto& forms() const requires(Sim::of_bodies) { return sim().engine_.mover.forms; }
+  template <class S = Sim>
+  const auto& forms() const requires(S::of_bodies) { return sim().engine_.mover.forms; }
 
  private:
   const Sim& sim() const { return static_cast<const Sim&>(*this); }

@@ -33,6 +33,7 @@ std::optional<double> Simulation<Policies...>::time_step_limit(double speed) con
 template <class... Policies>
 double Simulation<Policies...>::expected_speed() const {
   double speed = 0, radius = 0;
+  if constexpr (detail::deforms<Domain>) speed = domain_.fastest();
   Box scene;
   // What is infinite, as planes are, bounds the scene in the directions in which it is flat.
   const auto include = [&scene](const Vec3d& p) {

@@ -31,7 +31,16 @@ class ContactCheck {
     for (std::size_t k = 0; k < sim.rows(); ++k)
       if (sim.is_present(k))
         rows_.push_back(e.particles.position[k]), places_.push_back(static_cast<std::uint32_t>(k));
-    oracle_.find({rows_, e.particles.largest_radius}, 0, sim.domain(), Team(), touching_);
+    if constexpr (detail::deforms<typename Sim::Domain>) {
+      for (auto& row : rows_) {
+        const Vec3d p = sim.domain().wrapped(row.centre());
+        row = {p.x, p.y, p.z, row.r};
+      }
+      detail::BoxImages().find(oracle_, rows_, e.particles.largest_radius, sim.domain(), Team(),
+                               touching_);
+    } else {
+      oracle_.find({rows_, e.particles.largest_radius}, 0, sim.domain(), Team(), touching_);
+    }
     listed_.clear();
     e.lists.pairs.for_each([&](std::size_t k) {
       listed_.push_back(key(e.lists.pairs.first()[k], e.lists.pairs.second()[k]));

@@ -48,6 +48,7 @@ struct EnergyBalance {
   double changed_gravity;  // by setting `gravity` anew
   double fluid;            // work of the fluid on particles that are not fixed
   double modules;          // work of modules that push, likewise
+  double box;              // work of a DeformingBox; kinetic energies are relative to its flow
   double stiffening;  // by laws that remember the tangential displacement while the stiffness grows
                       // (TangentialMemory::Displacement of Hertz' contacts, Dcdem): from nothing
 
@@ -61,7 +62,7 @@ struct EnergyBalance {
     return normal_damping + tangential_damping + friction + rolling_resistance;
   }
   double supplied() const {
-    return walls + openings + changed_gravity + fluid + modules + stiffening;
+    return walls + openings + changed_gravity + fluid + modules + box + stiffening;
   }
   /// What the books cannot explain: the error of time integration, second order in the step with
   /// Leapfrog; first with SymplecticEuler, while forces act, and Gear, with damping or friction

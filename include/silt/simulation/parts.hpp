@@ -11,6 +11,7 @@ template <class... Policies>
 std::size_t Simulation<Policies...>::add_wall(Surfaces surfaces,
                                               const typename ContactsType::Material& material,
                                               Motion motion) {
+  refuse_in_deforming_box("a wall");
   for (const auto& part : surfaces.parts)
     detail::visit_surface(part, [](const auto& s) {
       if constexpr (requires { s.check(); }) s.check();
@@ -56,14 +57,17 @@ EnergyBalance Simulation<Policies...>::balance() const {
     const auto part = kinetic(k);
     translation += part.translation, rotation += part.rotation, potentials += potential(k);
   }
-  if constexpr (has_ledger) return book_.balance(translation, rotation, potentials);
-  return {};
+  EnergyBalance balance{};
+  if constexpr (has_ledger) balance = book_.balance(translation, rotation, potentials);
+  if constexpr (has_ledger && detail::deforms<Domain>) balance.box = domain_.work();
+  return balance;
 }
 
 template <class... Policies>
 typename Simulation<Policies...>::Kinetic Simulation<Policies...>::kinetic(std::size_t k) const {
   const double m = mass(k);
-  const Vec3d v = velocity(k);
+  Vec3d v = velocity(k);
+  if constexpr (detail::deforms<Domain>) v -= domain_.flow_at(position(k));
   Kinetic part{0.5 * m * dot(v, v), 0};
   if constexpr (rotates) part.rotation = engine_.owner(k).rotational_energy(angular_velocity(k));
   return part;
@@ -83,8 +87,8 @@ void Simulation<Policies...>::check_new(std::span<const Particle> more, const Ch
               " m");
     if constexpr (Domain::periodic)
       for (int d = 0; d < 3; ++d)
-        require(!domain_.repeats(d) || domain_.length(d) >= 6 * p.radius,
-                "PeriodicBox: its length ", domain_.length(d),
+        require(!domain_.repeats(d) || domain_.length(d) >= 6 * p.radius, Domain::policy_name,
+                ": its length ", domain_.length(d),
                 " [m] must be at least 3 diameters of particle ", k, " of radius ", p.radius, " m");
     require(p.material < contacts_.materials() || !ContactsType::several_materials, "particle ", k,
             ": material ", p.material, " is not in the table of ", contacts_.materials(),
@@ -124,14 +128,15 @@ void Simulation<Policies...>::take_in(std::span<const Particle> more,
 
 template <class... Policies>
 void Simulation<Policies...>::insert(const std::vector<PlacedSphere>& spheres,
-                                     const InletFlow& flow, Random& random) {
+                                     const std::vector<std::size_t>& kinds, const InletFlow& flow,
+                                     Random& random) {
   if (spheres.empty()) return;
   using Particle = typename ParticlesType::Particle;
   // The velocity is that of this instant; rows hold that of half a step ago.
   const double ago = first_kick_ || Integrator::first_kick != 0.5 ? 0 : 0.5 * dt_;  // [s]
   const Vec3d velocity = flow.velocity - ago * gravity;
   const std::size_t before = rows();
-  const auto more = detail::particles_at<Particle>(spheres, flow, velocity, random);
+  const auto more = detail::particles_at<Particle>(spheres, kinds, flow, velocity, random);
   check_new(std::span<const Particle>(more), [&](const Particle& p, std::size_t k) {
     if constexpr (requires { engine_.mover.forms; })
       ParticlesType::check(p, k, engine_.mover.forms);
@@ -188,9 +193,18 @@ void Simulation<Policies...>::prepare() {
           "particle could come out behind one unseen (guard.through_meshes = true lets them)");
     }
   for (const auto& inlet : openings_.inlets())
-    require(inlet.flow.material < contacts_.materials(),
-            "InletFlow.material = ", inlet.flow.material, " is not in the table of ",
-            contacts_.materials(), " materials; add it to the contacts first");
+    for (std::size_t k = 0; k < inlet.flow.kinds(); ++k)
+      require(inlet.flow.kind(k).material < contacts_.materials(),
+              k == 0 ? "InletFlow" : "InletShare", ".material = ", inlet.flow.kind(k).material,
+              " is not in the table of ", contacts_.materials(),
+              " materials; add it to the contacts first");
+  if constexpr (detail::deforms<Domain>) {
+    require(!engine_.particles.some_fixed,
+            "DeformingBox: a fixed particle cannot follow it; leave Particle.fixed out");
+    require(!has_ledger || dot(gravity, gravity) == 0,
+            "EnergyLedger in a DeformingBox needs Simulation::gravity = 0: what returns on the "
+            "other side has fallen without a floor");
+  }
   require(is_finite(gravity), "Simulation::gravity = ", gravity, " [m/s2] must be finite");
   if constexpr (has_ledger) {
     double change = 0;

@@ -11,6 +11,7 @@
 #include <silt/contact/concept.hpp>
 #include <silt/core/lanes.hpp>
 #include <silt/engine/contact/contact_events.hpp>
+#include <silt/engine/contact/virial.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -114,12 +115,14 @@ struct Tally {
   std::uint64_t safeguards = 0;  // [-] contacts in which the law's safeguard began to act
   EnergyOf<ContactsType, double> energy = start_energy<ContactsType, double>();
   [[no_unique_address]] NotesOf<ContactsType> notes;  // of contacts that began or ended
+  [[no_unique_address]] VirialOf<ContactsType> virial;
 
   void add(const Tally& other) {
     largest = other.largest > largest ? other.largest : largest;
     safeguards += other.safeguards;
     energy.add(other.energy);
     notes.add(other.notes);
+    if constexpr (sums_virial<ContactsType>) virial = virial + other.virial;
   }
 };
 /// The same while it is summed up: energies lane by lane. Floats are soon added up in double.

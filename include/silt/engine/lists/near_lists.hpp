@@ -11,6 +11,8 @@
 
 #include <silt/boundary/wall.hpp>
 #include <silt/core/threads.hpp>
+#include <silt/engine/lists/box_images.hpp>
+#include <silt/engine/lists/flow_since.hpp>
 #include <silt/engine/lists/list_upkeep.hpp>
 #include <silt/engine/lists/pair_list.hpp>
 #include <silt/engine/lists/wall_contacts.hpp>
@@ -41,8 +43,12 @@ class NearLists {
   ListUpkeep upkeep;
   AlignedVector<Vec3d> reference;          // [m] positions at the last search
   WallMarks searched_walls, pruned_walls;  // poses at the last search and pruning
+  static constexpr bool flows = deforms<Domain>;
+  [[no_unique_address]] std::conditional_t<flows, FlowSince, NoFlow> flow;
 
   bool hold(std::span<const Wall> now) const {
+    if constexpr (flows)
+      if (!(upkeep.used + flow.used() < 1)) return false;
     return keeps_list && upkeep.pruned_at >= 0 && upkeep.inner_holds(pruned_walls.travel(now));
   }
   /// Makes the next step search anew, whatever has moved.
@@ -69,6 +75,7 @@ class NearLists {
   /// Takes in the rows from `first` on, which have just come. A few join the lists as they stand;
   /// if many have come since the search, or reach farther than all before, the next step searches.
   void join(const Scene& scene, std::size_t first) {
+    if constexpr (flows) return forget();
     const std::size_t n = scene.particles.size();
     if (!hold_pairs() || scene.range > walls.range || n > most_with_newcomers(pairs.grouped()))
       return forget();
@@ -107,7 +114,7 @@ class NearLists {
   /// the next step prune, or search.
   void follow_growth(const Scene& scene, std::size_t k, double radius, double reach) {
     if (!hold_pairs() || k >= upkeep.outer.size()) return;
-    if (scene.range > walls.range) return forget();
+    if (scene.range > walls.range || flows) return forget();
     if (!upkeep.charge(k, radius, reach)) {
       if (!(upkeep.outer[k] > 0)) return forget();
       upkeep.inner[k] = upkeep.per_inner2[k] = 0, upkeep.used = 1;
@@ -167,10 +174,15 @@ class NearLists {
     constexpr double passed_on = 0.75;
     const std::size_t n = scene.particles.size();
     speeds_.resize(n), anticipated_.resize(n);
+    [[maybe_unused]] double squeeze = 0;  // [1/s]
+    if constexpr (flows) squeeze = scene.domain.squeeze_rate();
     scene.team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
       for (std::size_t k = from; k < to; ++k) {
-        const Vec3d v = scene.particles.motion[k].velocity();
+        Vec3d v = scene.particles.motion[k].velocity();
+        if constexpr (flows) v -= scene.domain.flow_at(scene.particles.position[k].centre());
         anticipated_[k] = speeds_[k] = std::sqrt(dot(v, v));
+        if constexpr (flows)
+          anticipated_[k] = speeds_[k] += squeeze * (scene.particles.position[k].r + scene.range);
       }
     });
     pairs.for_each_outer(scene.team, [&](std::uint32_t a, std::uint32_t b) {
@@ -239,6 +251,10 @@ class NearLists {
     std::array<bool, Team::most_ranges> too_little{};
     scene.team.for_ranges(n, [&](std::size_t r, std::size_t from, std::size_t to) {
       too_little[r] = !upkeep.set_inner(from, to, anticipated_, [&](std::size_t k) {
+        if constexpr (flows)
+          if (!particles.is_parked(k))
+            return flow.spent(upkeep.outer[k], particles.position[k].r + scene.range / 2,
+                              reference[k], particles.position[k].centre(), scene.domain.centre());
         return particles.is_parked(k) ? 0.0 : norm(particles.position[k].centre() - reference[k]);
       });
     });
@@ -269,16 +285,27 @@ class NearLists {
     reach_out(scene, wall_speed);
 
     auto& find = finder_of(search);
-    const auto spheres = [&] { return SphereSet{{grown_.data(), grown_.size()}, largest_grown_}; };
+    const auto grown_rows = [&] {
+      return std::span<const PositionRow>(grown_.data(), grown_.size());
+    };
+    const auto spheres = [&] { return SphereSet{grown_rows(), largest_grown_}; };
     bool is_found = false;
     if constexpr (requires { find.order(spheres(), 0.0, scene.domain, team, order_); })
       if (is_to_sort(search, step)) {
-        find.order(spheres(), 0.0, scene.domain, team, order_);
+        if constexpr (flows)
+          find.order(spheres(), 0.0, OpenDomain{}, team, order_);
+        else
+          find.order(spheres(), 0.0, scene.domain, team, order_);
         apply_order(scene);
-        if constexpr (requires { find.find_ordered(0.0, scene.domain, team, found_); })
+        if constexpr (flows)
+          ;
+        else if constexpr (requires { find.find_ordered(0.0, scene.domain, team, found_); })
           find.find_ordered(0.0, scene.domain, team, found_), is_found = true;
       }
-    if (!is_found) find.find(spheres(), 0.0, scene.domain, team, found_);
+    if constexpr (flows)
+      images_.find(find, grown_rows(), largest_grown_, scene.domain, team, found_), flow.search();
+    else if (!is_found)
+      find.find(spheres(), 0.0, scene.domain, team, found_);
     pairs.set_outer(found_, particles, before, team);
     if (found_.size() > 1000000) found_ = {};  // its memory would lie idle until the next search
     const double of_walls = upkeep.outer_wall + scene.range / 2;
@@ -296,22 +323,24 @@ class NearLists {
   static void check_range(const Scene& scene) {
     const double least = 4 * scene.particles.largest_radius + 2 * scene.range;
     for (int d = 0; d < 3; ++d)
-      require(!scene.domain.repeats(d) || scene.domain.length(d) >= least,
-              "PeriodicBox: its length ", scene.domain.length(d), " [m] must be at least ", least,
+      require(!scene.domain.repeats(d) || scene.domain.length(d) >= least, Domain::policy_name,
+              ": its length ", scene.domain.length(d), " [m] must be at least ", least,
               " m, two diameters and twice the range ", scene.range, " m of the contact law");
   }
 
   void wrap(const Scene& scene) {
     auto& position = scene.particles.position;
-    scene.team.for_ranges(scene.particles.size(),
-                          [&](std::size_t, std::size_t from, std::size_t to) {
-                            for (std::size_t k = from; k < to; ++k) {
-                              const Vec3d p = scene.domain.wrapped(position[k].centre());
-                              if constexpr (State::of_bodies)
-                                scene.particles.part[k].image += p - position[k].centre();
-                              position[k] = {p.x, p.y, p.z, position[k].r};
-                            }
-                          });
+    scene.team.for_ranges(
+        scene.particles.size(), [&](std::size_t, std::size_t from, std::size_t to) {
+          for (std::size_t k = from; k < to; ++k) {
+            const Vec3d p = scene.domain.wrapped(position[k].centre());
+            if constexpr (State::of_bodies)
+              scene.particles.part[k].image += p - position[k].centre();
+            if constexpr (flows)
+              scene.particles.add_velocity(k, scene.domain.carried(p - position[k].centre()));
+            position[k] = {p.x, p.y, p.z, position[k].r};
+          }
+        });
   }
 
   Box occupied_region(const Scene& scene) const {
@@ -361,9 +390,20 @@ class NearLists {
     prune_walls(scene, 0);
     pruned_walls.set(scene.walls, searched_walls.region());
     upkeep.used = 0;
+    if constexpr (flows) flow.prune(tightest(scene));
     first_pruning_ = false, renewed_ = true;
   }
 
+  /// FlowSince::tightest
+  double tightest(const Scene& scene) const {
+    double most = 0;
+    for (std::size_t k = 0; k < scene.particles.size(); ++k)
+      if (!scene.particles.is_parked(k) && upkeep.inner[k] > 0)
+        most = std::max(most, (scene.particles.position[k].r + scene.range / 2) / upkeep.inner[k]);
+    return most;
+  }
+
+  [[no_unique_address]] std::conditional_t<flows, BoxImages, NoFlow> images_;
   std::vector<IndexPair> found_;
   std::vector<std::uint32_t> order_, previous_;
   std::vector<double> speeds_, anticipated_;  // [m/s]

@@ -110,15 +110,18 @@ void take_in(Engine& e, std::span<const Particle> more,
 /// The particles that an inlet brings at these places, with `velocity` [m/s]; bodies turned at
 /// random.
 template <class Particle>
-std::vector<Particle> particles_at(const std::vector<PlacedSphere>& places, const InletFlow& flow,
+std::vector<Particle> particles_at(const std::vector<PlacedSphere>& places,
+                                   const std::vector<std::size_t>& kinds, const InletFlow& flow,
                                    const Vec3d& velocity, [[maybe_unused]] Random& random) {
   std::vector<Particle> more;
-  for (const auto& s : places) {
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const auto& s = places[k];
+    const InletShare kind = flow.kind(kinds[k]);
     Particle p{};
     if constexpr (requires { p.orientation; })
-      p.form = flow.form, p.orientation = random_orientation(random);
-    p.position = s.position, p.radius = s.radius, p.density = flow.density;
-    p.velocity = velocity, p.material = flow.material;
+      p.form = kind.form, p.orientation = random_orientation(random);
+    p.position = s.position, p.radius = s.radius, p.density = kind.density;
+    p.velocity = velocity, p.material = kind.material;
     more.push_back(p);
   }
   return more;
@@ -144,15 +147,18 @@ Meetings meetings_of(const Engine& e, const std::vector<Inlet>& inlets, std::siz
   for (const auto& inlet : inlets) {
     const auto& flow = inlet.flow;
     if (flow.total > 0 && inlet.placed >= flow.total) continue;
-    for (const double r : {flow.radius.min(), flow.radius.max()}) {
-      auto& of_material = all.spheres[flow.material];
-      if constexpr (Engine::has_bodies) {
-        const auto& form = e.mover.forms.at(flow.form);
-        const double scale = r / form.radius;
-        form.include_lightest(of_material, scale,
-                              flow.density * form.mass.volume * scale * scale * scale);
-      } else {
-        of_material.include({r, flow.density * Engine::ShapeType::volume(r)});
+    for (std::size_t k = 0; k < flow.kinds(); ++k) {
+      const InletShare kind = flow.kind(k);
+      for (const double r : {kind.radius.min(), kind.radius.max()}) {
+        auto& of_material = all.spheres[kind.material];
+        if constexpr (Engine::has_bodies) {
+          const auto& form = e.mover.forms.at(kind.form);
+          const double scale = r / form.radius;
+          form.include_lightest(of_material, scale,
+                                kind.density * form.mass.volume * scale * scale * scale);
+        } else {
+          of_material.include({r, kind.density * Engine::ShapeType::volume(r)});
+        }
       }
     }
   }
@@ -164,12 +170,37 @@ Meetings meetings_of(const Engine& e, const std::vector<Inlet>& inlets, std::siz
 /// An inlet must bring a form that there is.
 template <class Engine>
 void check_form([[maybe_unused]] const Engine& e, const InletFlow& flow) {
-  if constexpr (Engine::has_bodies)
-    require(flow.form < e.mover.forms.size(), "InletFlow.form = ", flow.form, " is none of the ",
-            e.mover.forms.size(), " forms of the simulation; make it with add_form before");
-  else
-    require(flow.form == 0, "InletFlow.form = ", flow.form,
-            ", but spheres have no form; leave it out");
+  for (std::size_t k = 0; k < flow.kinds(); ++k) {
+    const std::size_t form = flow.kind(k).form;
+    const char* const of = k == 0 ? "InletFlow.form = " : "InletShare.form = ";
+    if constexpr (Engine::has_bodies)
+      require(form < e.mover.forms.size(), of, form, " is none of the ", e.mover.forms.size(),
+              " forms of the simulation; make it with add_form before");
+    else
+      require(form == 0, of, form, ", but spheres have no form; leave it out");
+  }
+}
+/// The flow with the number [1/s] that its mass rate is.
+template <class Engine>
+InletFlow with_number(const Engine& e, InletFlow flow) {
+  if (flow.mass_rate == 0) return flow;
+  require_positive("InletFlow.mass_rate", flow.mass_rate, "kg/s");
+  require(flow.rate == 0, "InletFlow.rate = ", flow.rate,
+          " [1/s] and InletFlow.mass_rate = ", flow.mass_rate,
+          " [kg/s] are both given; give one of them");
+  double mass = 0;  // [kg] in the mean
+  for (std::size_t k = 0; k < flow.kinds(); ++k) {
+    const InletShare kind = flow.kind(k);
+    double fill = Engine::has_bodies ? 1 : Engine::ShapeType::volume(1) / sphere_volume(1);
+    if constexpr (Engine::has_bodies) {
+      const auto& form = e.mover.forms.at(kind.form);
+      fill = form.mass.volume / sphere_volume(form.radius);
+    }
+    mass += kind.share * kind.density * fill * kind.radius.mean_volume();
+  }
+  require_positive("InletFlow: the mean mass of a particle", mass, "kg");
+  flow.rate = flow.mass_rate / mass;
+  return flow;
 }
 
 }  // namespace silt::detail

@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -11,6 +12,7 @@
 #include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/random.hpp>
+#include <silt/engine/lists/wall_candidate.hpp>
 #include <silt/fill/packing.hpp>
 #include <silt/fill/region.hpp>
 
@@ -25,19 +27,43 @@ struct Outlet {
   double mass = 0;          // [kg] left so far
 };
 
-/// What flows in at an inlet. New spheres are placed at random free places of its region, every
-/// `interval`; those that find none wait for the next time.
+/// One more kind of particles in the recipe of an inlet.
+struct InletShare {
+  double share;             // [-] of the number of particles; the inlet's own kind has the rest
+  SizeDistribution radius;  // [m]
+  double density;           // [kg/m3]
+  std::size_t material = 0, form = 0;
+};
+
+/// What flows in at an inlet. New spheres are placed at random free places of its region, where
+/// they touch neither particles nor walls, every `interval`; those that find none wait for the next
+/// time. At a `mass_rate` the number follows from the mean mass of a particle.
 struct InletFlow {
   SizeDistribution radius;   // [m] of bodies that of their bounding sphere
   double density;            // [kg/m3]
-  double rate;               // [1/s] particles a second
+  double rate = 0;           // [1/s] particles a second; or a mass_rate
   Vec3d velocity{0, 0, 0};   // [m/s]
   std::uint64_t total = 0;   // [-] stops after so many; 0: never
   std::size_t material = 0;  // [-] index in the contacts' table
   std::uint64_t seed = 1;
-  std::size_t trials = 200;  // [-] occupied places tried for one sphere
-  double interval = 0;       // [s] between insertions; 0: a diameter's time of flight
-  std::size_t form = 0;      // [-] of bodies, which have random orientations
+  std::size_t trials = 200;             // [-] occupied places tried for one sphere
+  double interval = 0;                  // [s] between insertions; 0: a diameter's time of flight
+  std::size_t form = 0;                 // [-] of bodies, which have random orientations
+  double mass_rate = 0;                 // [kg/s] in place of `rate`
+  std::vector<InletShare> recipe = {};  // other kinds of particles that come too
+
+  std::size_t kinds() const { return 1 + recipe.size(); }
+  InletShare kind(std::size_t k) const {
+    if (k > 0) return recipe[k - 1];
+    double left = 1;
+    for (const auto& other : recipe) left -= other.share;
+    return {left, radius, density, material, form};
+  }
+  double largest_radius() const {  // [m]
+    double most = radius.max();
+    for (const auto& other : recipe) most = std::max(most, other.radius.max());
+    return most;
+  }
 };
 
 struct Inlet {
@@ -77,6 +103,29 @@ void for_images(const Domain& domain, const Vec3d& p, const Visit& visit) {
   }
 }
 
+/// Where a sphere of an inlet cannot be: in others, and in walls, behind planes too.
+struct OccupiedPlaces {
+  const SphereGrid& spheres;
+  const std::vector<Wall>& walls;
+
+  bool is_free(const Vec3d& centre, double radius, double gap) const {
+    if (!spheres.is_free(centre, radius, gap)) return false;
+    return std::none_of(walls.begin(), walls.end(), [&](const Wall& wall) {
+      const Vec3d at = in_wall(wall, centre);
+      return std::any_of(wall.surfaces.begin(), wall.surfaces.end(), [&](const Surface& s) {
+        return visit_surface(s, [&](const auto& surface) {
+          if constexpr (requires { surface.nearest_point(at); }) {
+            return std::abs(surface.nearest_point(at).distance) < radius + gap;
+          } else {
+            SurfacePoint points[std::remove_cvref_t<decltype(surface)>::max_contacts];
+            return surface.contacts(at, radius + gap, points) > 0;
+          }
+        });
+      });
+    });
+  }
+};
+
 /// Inlets and outlets of a simulation.
 template <class ShapeType>
 class Openings {
@@ -92,6 +141,12 @@ class Openings {
   std::size_t add_inlet(const R& region, const InletFlow& flow, double time) {
     require_positive("InletFlow.density", flow.density, "kg/m3");
     require_positive("InletFlow.rate", flow.rate, "1/s");
+    for (std::size_t k = 1; k < flow.kinds(); ++k) {
+      require_positive("InletShare.density", flow.kind(k).density, "kg/m3");
+      require_positive("InletShare.share", flow.kind(k).share, "-");
+    }
+    require(flow.kind(0).share >= -1e-12, "InletFlow.recipe: its shares are ",
+            1 - flow.kind(0).share, " [-] together; they must be at most 1");
     require_not_negative("InletFlow.interval", flow.interval, "s");
     require(is_finite(flow.velocity), "InletFlow.velocity = ", flow.velocity,
             " [m/s] must be finite");
@@ -99,12 +154,13 @@ class Openings {
     const auto place = region_of(region);
     const Box bounds = place.bounds();
     const Vec3d e = bounds.extent();
-    require(std::min({e.x, e.y, e.z}) >= 2 * flow.radius.max(), "add_inlet: ", place.describe(),
-            " is thinner than the largest sphere of radius ", flow.radius.max(), " m");
+    require(std::min({e.x, e.y, e.z}) >= 2 * flow.largest_radius(), "add_inlet: ", place.describe(),
+            " is thinner than the largest sphere of radius ", flow.largest_radius(), " m");
     inlets_.push_back({flow, place.describe(), bounds, time, 0, 0, 0, 0, Random(flow.seed)});
-    places_.push_back([place](const SphereGrid& occupied, const Placement& sphere, Random& random) {
-      return try_place(place, occupied, sphere, random);
-    });
+    places_.push_back(
+        [place](const OccupiedPlaces& occupied, const Placement& sphere, Random& random) {
+          return try_place(place, occupied, sphere, random);
+        });
     return inlets_.size() - 1;
   }
   const Outlet& outlet(std::size_t k) const { return at("outlet", outlets_, k); }
@@ -128,15 +184,20 @@ class Openings {
   }
 
  private:
-  using Place = std::function<std::optional<Vec3d>(const SphereGrid&, const Placement&, Random&)>;
+  using Place =
+      std::function<std::optional<Vec3d>(const OccupiedPlaces&, const Placement&, Random&)>;
 
   template <class Engine, class Sim>
   void let_out(Engine& engine, Sim& sim) {
     for (std::size_t k = 0; k < sim.rows(); ++k) {
       if (!sim.is_present(k)) continue;
+      // Between searches a particle may be outside a box that repeats: its image inside counts too.
       const Vec3d p = sim.position(k);
+      Vec3d inside = p;
+      if constexpr (std::remove_cvref_t<decltype(sim.domain())>::periodic)
+        inside = sim.domain().wrapped(p);
       for (auto& o : outlets_) {
-        if (!o.region.contains(p)) continue;
+        if (!o.region.contains(p) && !o.region.contains(inside)) continue;
         ++o.count;
         if (const double m = sim.mass(k); std::isfinite(m)) o.mass += m;
         sim.book_leaving(k);
@@ -156,8 +217,8 @@ class Openings {
     if (inlet.flow.total > 0) due = std::min(due, inlet.flow.total);
     if (due <= inlet.placed) return;
     SphereGrid occupied;
-    const Box near =
-        inlet.bounds.grown(2 * std::max(engine.particles.largest_radius, inlet.flow.radius.max()));
+    const Box near = inlet.bounds.grown(
+        2 * std::max(engine.particles.largest_radius, inlet.flow.largest_radius()));
     const auto occupy = [&](const Vec3d& centre, double radius) {
       for_images(sim.domain(), centre, [&](const Vec3d& image) {
         if (near.contains(image)) occupied.insert({image, radius});
@@ -167,24 +228,36 @@ class Openings {
       if (p.r > 0) occupy(p.centre(), p.r);
     inlet.waiting = 0;
     std::vector<PlacedSphere> placed;
+    std::vector<std::size_t> kinds;
+    const OccupiedPlaces all{occupied, engine.walls};
     while (inlet.placed < due) {
-      const double radius = inlet.flow.radius.sample(inlet.random);
-      const auto centre = place(occupied, {radius, 0, inlet.flow.trials}, inlet.random);
+      const std::size_t kind = draw_kind(inlet);
+      const auto& sizes = kind == 0 ? inlet.flow.radius : inlet.flow.recipe[kind - 1].radius;
+      const double radius = sizes.sample(inlet.random);
+      const auto centre = place(all, {radius, 0, inlet.flow.trials}, inlet.random);
       if (!centre) {
         inlet.waiting = due - inlet.placed;
         break;
       }
       occupy(*centre, radius);
-      placed.push_back({*centre, radius});
+      placed.push_back({*centre, radius}), kinds.push_back(kind);
       ++inlet.placed;
     }
-    sim.insert(placed, inlet.flow, inlet.random);
+    sim.insert(placed, kinds, inlet.flow, inlet.random);
+  }
+  static std::size_t draw_kind(Inlet& inlet) {
+    const auto& recipe = inlet.flow.recipe;
+    if (recipe.empty()) return 0;
+    double u = inlet.random.uniform();
+    for (std::size_t k = 0; k < recipe.size(); ++k)
+      if ((u -= recipe[k].share) < 0) return k + 1;
+    return 0;
   }
 
   /// The time in which a sphere moves on by the largest diameter.
   static double choose_interval(const InletFlow& flow, const Vec3d& gravity) {
     if (flow.interval > 0) return flow.interval;
-    const double d = 2 * flow.radius.max();
+    const double d = 2 * flow.largest_radius();
     const double speed = std::max(norm(flow.velocity), std::sqrt(norm(gravity) * d));
     return std::max(d / std::max(speed, 1e-9), 1 / flow.rate);
   }

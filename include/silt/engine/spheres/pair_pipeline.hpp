@@ -110,7 +110,24 @@ class PairPipeline {
     const Stage stage{in.times, table, in.fluxes};
     stage.run(kinematics, count, kinds, history, Ends{in.positions, first, second}, tally,
               AtOnePoint<Scalar>{in.shares != nullptr ? in.shares + from : nullptr});
+    if constexpr (sums_virial<ContactsType>)
+      tally.sum.virial = tally.sum.virial + virial(in, first, second, padded, kinematics);
     write_rows<ContactsType, Arch>(kinematics, padded, rows);
+  }
+  /// Of a block whose loads are known.
+  static Upper3 virial(const Input& in, const std::uint32_t* first, const std::uint32_t* second,
+                       std::size_t count, const Block& loads) {
+    VirialLanes<Real> sums;
+    for (std::size_t k = 0; k < count; k += W) {
+      alignas(Real) Scalar radii[W];
+      for (std::size_t lane = 0; lane < W; ++lane)
+        radii[lane] =
+            static_cast<Scalar>(in.positions[first[k + lane]].r + in.positions[second[k + lane]].r);
+      const auto kin = loads.template get<Real>(k);
+      sums.add(loads.template get_load<Real>(k).force,
+               (load<Real>(radii) - kin.overlap) * kin.normal);
+    }
+    return sums.sum();
   }
 
   /// Adds the rows of a block to the sums of its particles. Consecutive pairs often share a
@@ -157,6 +174,9 @@ class PairPipeline {
   struct Apart {
     Vec3<Real> d;                   // [m] from the second to the first centre
     Real distance2, reach, excess;  // [m2], [m] sum of the radii, [m2] its square over distance2
+    struct None {};
+    // [m/s] of the image of the second that is meant
+    [[no_unique_address]] std::conditional_t<deforms<Domain>, Vec3<Real>, None> carried{};
   };
   static SILT_INLINE Apart distances(const Input& in, const std::uint32_t* a,
                                      const std::uint32_t* b, const Domain& domain) {
@@ -165,6 +185,7 @@ class PairPipeline {
     const auto difference = Row4<Arch>::of(-1, -1, -1, 1);
     read_anew(a), read_anew(b);
     Wide x[packs], y[packs], z[packs], squared[packs], reach[packs], excess[packs];
+    [[maybe_unused]] Wide vx[packs], vy[packs], vz[packs];
     for (std::size_t p = 0; p < packs; ++p) {
       Row4<Arch> rows[V];
       for (std::size_t lane = 0; lane < V; ++lane)
@@ -173,18 +194,33 @@ class PairPipeline {
       Wide columns[4];
       rows_to_columns<Arch>(rows, columns);
       Vec3<Wide> d{columns[0], columns[1], columns[2]};
-      if constexpr (Domain::periodic) d = domain.shortest(d);
+      if constexpr (deforms<Domain>) {
+        const Vec3<Wide> whole = d;
+        d = domain.shortest(d);
+        const Vec3<Wide> v = domain.carried(whole - d);
+        vx[p] = v.x, vy[p] = v.y, vz[p] = v.z;
+      } else if constexpr (Domain::periodic) {
+        d = domain.shortest(d);
+      }
       x[p] = d.x, y[p] = d.y, z[p] = d.z, reach[p] = columns[3];
       squared[p] = max(dot(d, d), smallest<Wide>());
       if constexpr (single) excess[p] = reach[p] * reach[p] - squared[p];
     }
+    Apart out;
     if constexpr (single)
-      return {{narrow<Arch>(x), narrow<Arch>(y), narrow<Arch>(z)},
-              max(narrow<Arch>(squared), smallest<Real>()),
-              narrow<Arch>(reach),
-              narrow<Arch>(excess)};
+      out = {{narrow<Arch>(x), narrow<Arch>(y), narrow<Arch>(z)},
+             max(narrow<Arch>(squared), smallest<Real>()),
+             narrow<Arch>(reach),
+             narrow<Arch>(excess)};
     else
-      return {{x[0], y[0], z[0]}, squared[0], reach[0], Real(0)};
+      out = {{x[0], y[0], z[0]}, squared[0], reach[0], Real(0)};
+    if constexpr (deforms<Domain>) {
+      if constexpr (single)
+        out.carried = {narrow<Arch>(vx), narrow<Arch>(vy), narrow<Arch>(vz)};
+      else
+        out.carried = {vx[0], vy[0], vz[0]};
+    }
+    return out;
   }
 
   // Between the stages of a block its kinematics hold, until they are complete:
@@ -212,6 +248,7 @@ class PairPipeline {
         kin.R_eff = load<Real>(radius);
       }
       const Apart apart = distances(in, a, b, domain);
+      if constexpr (deforms<Domain>) kin.velocity -= apart.carried;
       kin.normal = apart.d, kin.overlap = apart.excess, kin.m_eff = apart.distance2;
       kin.change.x = apart.reach;
       out.put_gathered(k, kin);

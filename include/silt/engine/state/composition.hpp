@@ -22,6 +22,10 @@ template <bool Watched, class Contacts>
 using WatchedIf = typename std::conditional_t<Watched, std::type_identity<WithEvents<Contacts>>,
                                               std::type_identity<Contacts>>::type;
 
+template <bool Summed, class Contacts>
+using WithVirialIf = typename std::conditional_t<Summed, std::type_identity<WithVirial<Contacts>>,
+                                                 std::type_identity<Contacts>>::type;
+
 template <class List, class... Policies>
 struct OnlyModules {
   using type = List;
@@ -58,10 +62,11 @@ struct Composition {
   static constexpr bool rotates = UserContacts::rotates || has_bodies;
   static constexpr FromFluid from_fluid = loads_of_fluid<Fluid>;
 
-  using Contacts =
+  using Contacts = WithVirialIf<
+      deforms<Domain>,
       WatchedIf<has_events,
                 typename ContactsOf<Shape, std::conditional_t<has_ledger, WithLedger<UserContacts>,
-                                                              UserContacts>>::type>;
+                                                              UserContacts>>::type>>;
   static constexpr bool several_materials = Contacts::several_materials;
 
   static_assert(has_bodies || count<IsRotation, Policies...> == 0,
@@ -72,6 +77,18 @@ struct Composition {
   static_assert(rotates || !Modules::turn,
                 "a module's force has a torque, but these spheres do not rotate: take a contact "
                 "law with friction, or let its force() return a silt::Vec3d");
+  static_assert(!deforms<Domain> || !has_bodies,
+                "DeformingBox is for spheres so far: bodies have no flow velocity of their parts; "
+                "take PeriodicBox, or spheres with rolling resistance");
+  static_assert(!deforms<Domain> || from_fluid == FromFluid::Nothing,
+                "DeformingBox cannot be coupled to a fluid, whose grid does not deform; take "
+                "PeriodicBox, or leave the fluid out");
+  static_assert(!deforms<Domain> || Integrator::derivatives == 0,
+                "DeformingBox changes velocities at each step, which Gear spreads over several; "
+                "take Leapfrog");
+  static_assert(!deforms<Domain> || !has_ledger || !Modules::push,
+                "EnergyLedger cannot book the work of modules in a DeformingBox, where energies "
+                "are relative to its flow; leave one of them out");
   static_assert(!has_surfaces || std::is_same_v<Scalar, double>,
                 "Mixed precision is for spheres and bodies made of spheres; leave it out");
 };

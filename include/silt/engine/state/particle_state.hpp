@@ -87,6 +87,11 @@ class ParticleState {
       if (k < pair_motion_.size()) set_pair_motion(k);
   }
 
+  /// Changes the velocity of row k by dv [m/s]; pair_motion() follows with the next kick.
+  void add_velocity(std::size_t k, const Vec3d& dv) {
+    auto& m = motion[k];
+    m.vx += dv.x, m.vy += dv.y, m.vz += dv.z;
+  }
   std::size_t size() const { return id.size(); }
   std::span<const PositionRow> rows() const { return {position.data(), size()}; }
 

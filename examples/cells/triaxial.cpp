@@ -1,0 +1,167 @@
+// silt - BSD-3-Clause, see LICENSE
+//
+// Triaxial compression: spheres in a box that repeats are compressed to a pressure, once without
+// friction between them (a dense sample) and once with it (a loose one); then one axis is shortened
+// at a constant rate while the other two keep their stress. Drawn are the ratio of stresses and the
+// volume over the axial strain, as soil mechanics draws them.
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include <silt/files/csv_table.hpp>
+
+#include "cells/cell.hpp"
+
+namespace {
+
+struct Point {
+  double strain, q_over_p, volume, lateral, fraction;  // [-] compression > 0; lateral: error
+};
+struct Test {
+  std::string name;
+  double fraction = 0, contacts = 0, unrest = 0;  // after the compression
+  double contacts_late = 0;                       // at the end
+  std::vector<Point> curve;
+
+  double peak() const {
+    double most = 0;
+    for (std::size_t k = 2; k + 2 < curve.size(); ++k) {
+      double mean = 0;
+      for (std::size_t j = k - 2; j <= k + 2; ++j) mean += curve[j].q_over_p / 5;
+      most = std::max(most, mean);
+    }
+    return most;
+  }
+  /// Mean of the last quarter.
+  template <class Of>
+  double late(const Of& of) const {
+    double sum = 0;
+    const std::size_t from = curve.size() * 3 / 4;
+    for (std::size_t k = from; k < curve.size(); ++k) sum += of(curve[k]);
+    return sum / static_cast<double>(curve.size() - from);
+  }
+};
+/// [deg] sin(phi) = 3 (q/p)/(6 + q/p) in triaxial compression.
+double angle(double q_over_p) { return std::asin(3 * q_over_p / (6 + q_over_p)) * 180 / M_PI; }
+
+Test run(const cells::Sample& s, bool dense, double inertial, double most_strain,
+         const example::Options& options) {
+  Test test;
+  test.name = dense ? "dense" : "loose";
+  std::printf("%s sample\n", test.name.c_str());
+  auto sim = cells::make_cell(s, options.threads);
+  if (!dense) cells::make_rough(sim);
+  cells::compress(sim, s);
+  cells::make_rough(sim);
+  test.fraction = cells::solid_fraction(sim), test.contacts = cells::coordination(sim);
+  test.unrest = cells::unrest(sim);
+  const silt::BoxDrive lateral{.stress = s.pressure, .most_rate = 0.02 / s.inertial_time()};
+  const double rate = inertial / s.inertial_time();
+  sim.deform({.x = lateral, .y = lateral, .z = {.rate = -rate}});
+  const silt::Upper3 from = sim.domain().strain();
+  // Each point is the mean of samples in its part of the strain.
+  constexpr int points = 100, samples = 20;
+  Point sum{};
+  int count = 0;
+  const double duration = most_strain / rate;
+  sim.run(duration,
+          silt::at(silt::every(duration / (points * samples)),
+                   [&](const auto& now) {
+                     const auto& box = now.domain();
+                     const auto& p = box.stress();
+                     const silt::Upper3 e = box.strain() - from;
+                     const double side = 0.5 * (p.x + p.y), mean = (p.z + 2 * side) / 3;
+                     sum.strain -= e.zz, sum.volume -= e.xx + e.yy + e.zz;
+                     sum.q_over_p += (p.z - side) / mean;
+                     sum.lateral += std::abs(side / s.pressure - 1);
+                     sum.fraction += cells::solid_fraction(now);
+                     if (++count < samples) return;
+                     const double all = samples;
+                     test.curve.push_back({sum.strain / all, sum.q_over_p / all, sum.volume / all,
+                                           sum.lateral / all, sum.fraction / all});
+                     sum = {}, count = 0;
+                   }),
+          silt::progress());
+  test.contacts_late = cells::coordination(sim);
+  silt::write_particles(options.out + "/" + test.name + ".vtp", sim);
+  return test;
+}
+
+void write(const std::string& out, const Test& t) {
+  silt::CsvTable table(out + "/" + t.name + ".csv",
+                       {"axial strain", "q/p", "volumetric strain", "error of the lateral stress",
+                        "solid fraction"});
+  for (const Point& p : t.curve)
+    table.add_row({p.strain, p.q_over_p, p.volume, p.lateral, p.fraction});
+}
+
+void check(example::Summary& summary, const Test& dense, const Test& loose, bool quick) {
+  for (const Test* t : {&dense, &loose}) {
+    const double late = t->late([](const Point& p) { return p.q_over_p; });
+    summary.result(t->name + ": solid fraction after the compression", t->fraction);
+    summary.result(t->name + ": contacts a particle after it", t->contacts);
+    summary.result(t->name + ": contacts a particle at the end", t->contacts_late);
+    summary.result(t->name + ": peak friction angle [deg]", angle(t->peak()));
+    summary.result(t->name + ": critical friction angle [deg]", angle(late));
+    summary.check_at_most(t->name + ": mean error of the lateral stress",
+                          t->late([](const Point& p) { return p.lateral; }), 0.02);
+  }
+  const auto ratio = [](const Point& p) { return p.q_over_p; };
+  const auto fraction = [](const Point& p) { return p.fraction; };
+  const double a = dense.late(ratio), b = loose.late(ratio);
+  // Frictionless packings of hard spheres jam at 0.64, and have 6 contacts a sphere less rattlers.
+  summary.check_within("dense: solid fraction after the compression", dense.fraction, 0.645, 0.012,
+                       "random close packing of spheres of nearly one size; recalled");
+  // Recalled of simulations of spheres with friction of 0.5 between them: Thornton, Geotechnique 50
+  // (2000) 43; Huang, Hanley, O'Sullivan and Kwok, Int. J. Numer. Anal. Methods 38 (2014) 1276.
+  summary.check_within("dense: critical friction angle [deg]", angle(a), 22, 4,
+                       "18 to 26 degrees in simulations of spheres; recalled");
+  summary.check_at_least("dense: peak over critical stress ratio", dense.peak() / a, 1.15);
+  summary.check_at_least("dense: dilates", -dense.curve.back().volume, 0.02);
+  summary.check_at_least("peak of the dense sample over that of the loose one",
+                         dense.peak() / loose.peak(), 1.15);
+  // One critical state, whatever the sample was.
+  summary.check_within("loose and dense: critical stress ratio", b, a, (quick ? 0.15 : 0.08) * a,
+                       "fluctuations of a thousand spheres");
+  summary.check_within("loose and dense: critical solid fraction", loose.late(fraction),
+                       dense.late(fraction), 0.012, "fluctuations of a thousand spheres");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  example::Command command(
+      "Triaxial compression of a dense and a loose sample of spheres at constant lateral stress",
+      example::Kind::Cases, "out/triaxial");
+  cells::Sample s;
+  double inertial = 5e-4, strain = 0.4;
+  command.add("--spheres", s.spheres, 200, 1e6, "number of spheres");
+  command.add("--friction", s.friction, 0.01, 10, "between particles [-]");
+  command.add("--pressure", s.pressure, 1, 1e9, "lateral stress [Pa]");
+  command.add("--inertial-number", inertial, 1e-6, 1e-2, "of the axial strain rate [-]");
+  command.add("--strain", strain, 0.05, 1, "axial, at the end [-]");
+  return command.run(argc, argv, [&] {
+    const auto& options = command.options;
+    if (options.quick && !command.given("--spheres")) s.spheres = 512;
+    if (options.quick && !command.given("--inertial-number")) inertial = 1e-3;
+    if (options.quick && !command.given("--strain")) strain = 0.3;
+    silt::make_folder(options.out);
+    const example::Stopwatch watch;
+    example::Summary summary;
+    summary.input("spheres", s.spheres), summary.input("friction", s.friction);
+    summary.input("pressure [Pa]", s.pressure), summary.input("inertial number", inertial);
+    const Test dense = run(s, true, inertial, strain, options);
+    const Test loose = run(s, false, inertial, strain, options);
+    write(options.out, dense), write(options.out, loose);
+    summary.result("seconds", watch.seconds());
+    check(summary, dense, loose, options.quick);
+    summary.check_at_most("inertial number", inertial, 1e-3);
+    summary.write(options.out + "/summary.json");
+    summary.print_checks();
+    example::run_script(SILT_CELLS_SCRIPT, {"triaxial", options.out});
+    return summary.all_hold() ? 0 : 1;
+  });
+}

@@ -1,0 +1,325 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include <silt/boundary/domain.hpp>
+#include <silt/core/symmetric3.hpp>
+#include <silt/core/upper3.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// What moves one component of a DeformingBox: a rate, or a stress that a servo keeps.
+struct BoxDrive {
+  double rate = 0;                 // [1/s] of strain; x, y, z: greater than 0 where it grows
+  std::optional<double> stress{};  // [Pa] x, y, z: compression > 0; xy, xz, yz: as a rate > 0 makes
+  double most_rate = 0;            // [1/s] > 0 with a stress: no faster in either direction
+};
+
+/// How a DeformingBox deforms: along its axes, and by simple shear. xy: the velocity along x grows
+/// with y, and so on. What is not named stays as it is.
+///   silt::Deformation{.z = {.rate = -0.1}, .xy = {.rate = 5}}
+struct Deformation {
+  BoxDrive x{}, y{}, z{}, xy{}, xz{}, yz{};
+
+  std::array<BoxDrive, 6> all() const { return {x, y, z, xy, xz, yz}; }
+};
+
+/// Stress [Pa] of the particles in a box: pressures on its faces, and shear stresses with the sign
+/// of the shear rate that they resist.
+struct BoxStress {
+  double x = 0, y = 0, z = 0, xy = 0, xz = 0, yz = 0;
+  double pressure() const { return (x + y + z) / 3; }
+};
+
+/// A box that repeats in all directions and deforms: compression and extension of each axis, simple
+/// shear (Lees and Edwards), each at a rate or by a servo that keeps a component of the stress.
+///
+///   silt::DeformingBox cell{{{0, 0, 0}, {0.02, 0.02, 0.02}}};
+///   sim.deform({.x = {.stress = 1e5, .most_rate = 1}, .z = {.rate = -0.01}});
+///
+/// The velocity gradient L [1/s] is upper triangular. Particles follow its changes with
+///   v += (L_new - L_old) (x - c) + dt L^2 (x - c),   c: the centre of the box              (1)
+/// so that no place of the box differs from any other (SLLOD equations). An image that is H n apart
+/// moves with L H n more, H: edges of the box; positions, contacts and wrapping use these
+/// velocities, in a form that is exact for finite steps.
+/// Servo: the rate e of a component whose target is p obeys, with the mass m of all particles,
+///   m l^2/12 de/dt = V (P - p) - m l^2/12 g (e - b),   25 db/dt = g (e - b),               (2)
+///   g = 2 sqrt(36 pressure/(largest overlap m/V l^2)): near-critical damping,
+/// between -most_rate and most_rate. It is passive: it supplies no energy but p's own.
+/// Source: A. W. Lees, S. F. Edwards, J. Phys. C 5 (1972) 1921; P. J. Daivis, B. D. Todd, J. Chem.
+///         Phys. 124 (2006) 194103 (SLLOD for all homogeneous flows); the servo is silt's own.
+/// Valid:  spheres without walls, inlets, outlets and fluid; at least three diameters long.
+/// Units:  SI.
+/// Errors: InputError for a box or a deformation that cannot be.
+/// Tests:  tests/engine/deforming_box.cpp, tests/physics/deforming_box.cpp.
+class DeformingBox {
+ public:
+  static constexpr bool is_domain = true;
+  static constexpr bool periodic = true;
+  static constexpr bool deforms = true;
+  static constexpr const char* policy_name = "DeformingBox";
+
+  explicit DeformingBox(const Box& box, const Deformation& how = {}) : first_(box) {
+    const auto e = box.extent();
+    require(is_finite(e) && e.x > 0 && e.y > 0 && e.z > 0, "DeformingBox: its lengths ", e,
+            " [m] must be finite and greater than 0");
+    centre_ = box.centre();
+    edges_ = {e.x, e.y, e.z, 0, 0, 0};
+    inverse_ = {1 / e.x, 1 / e.y, 1 / e.z};
+    deform(how);
+  }
+
+  /// Deforms from the next step on as `how` says.
+  void deform(const Deformation& how) {
+    static constexpr const char* names[6] = {"x", "y", "z", "xy", "xz", "yz"};
+    const auto all = how.all();
+    for (std::size_t k = 0; k < 6; ++k) {
+      const BoxDrive& d = all[k];
+      require(std::isfinite(d.rate), "Deformation.", names[k], ".rate = ", d.rate,
+              " [1/s] must be finite");
+      if (!d.stress) continue;
+      require(std::isfinite(*d.stress), "Deformation.", names[k], ".stress = ", *d.stress,
+              " [Pa] must be finite");
+      require(std::isfinite(d.most_rate) && d.most_rate > 0, "Deformation.", names[k],
+              ".most_rate = ", d.most_rate,
+              " [1/s] must be finite and greater than 0 where a stress is kept");
+      require(d.rate == 0, "Deformation.", names[k],
+              " has a rate and a stress; one of them follows from the other, so leave one out");
+    }
+    drives_ = how;
+  }
+
+  // --- what users read ----------------------------------------------------------------------
+
+  /// The box without its shear: the brick whose images fill space, each row of them shifted.
+  Box box() const {
+    const Vec3d half = 0.5 * Vec3d{edges_.xx, edges_.yy, edges_.zz};
+    return {centre_ - half, centre_ + half};
+  }
+  const Box& first_box() const { return first_; }
+  bool repeats(int) const { return true; }
+  double length(int d) const { return d == 0 ? edges_.xx : d == 1 ? edges_.yy : edges_.zz; }  // [m]
+  double volume() const { return edges_.determinant(); }  // [m3]
+  const Upper3& edges() const { return edges_; }          // [m] as columns
+  const Vec3d& centre() const { return centre_; }
+  const Deformation& deformation() const { return drives_; }
+  /// Of the particles in the last step, from contacts and velocities.
+  const BoxStress& stress() const { return stress_; }
+  /// Of the box [1/s].
+  const Upper3& gradient() const { return rate_; }
+  /// Since the start [-]: logarithms of the lengths' ratios, integrals of the shear rates.
+  const Upper3& strain() const { return strain_; }
+  /// Of the box on the particles since the start [J].
+  double work() const { return work_; }
+  /// The velocity [m/s] at p of the flow that the box imposes; particles have it, and their own.
+  Vec3d flow_at(const Vec3d& p) const { return seen_ * (p - centre_); }
+
+  // --- what searches and contacts need ------------------------------------------------------
+
+  /// The shortest of the images of a distance vector.
+  template <class Real>
+  Vec3<Real> shortest(Vec3<Real> d) const {
+    const Real z = turns(d.z, inverse_[2]);
+    d.z -= z * Real(edges_.zz), d.y -= z * Real(edges_.yz), d.x -= z * Real(edges_.xz);
+    const Real y = turns(d.y, inverse_[1]);
+    d.y -= y * Real(edges_.yy), d.x -= y * Real(edges_.xy);
+    d.x -= turns(d.x, inverse_[0]) * Real(edges_.xx);
+    return d;
+  }
+  /// How much faster [m/s] an image is that is so far [m] from its particle.
+  template <class Real>
+  Vec3<Real> carried(const Vec3<Real>& shift) const {
+    return step_gradient_ * shift;
+  }
+  /// The image of a point inside box().
+  Vec3d wrapped(Vec3d p) const {
+    const Vec3d low = box().min;
+    const double z = std::floor((p.z - low.z) * inverse_[2]);
+    p.z -= z * edges_.zz, p.y -= z * edges_.yz, p.x -= z * edges_.xz;
+    const double y = std::floor((p.y - low.y) * inverse_[1]);
+    p.y -= y * edges_.yy, p.x -= y * edges_.xy;
+    p.x -= std::floor((p.x - low.x) * inverse_[0]) * edges_.xx;
+    return p;
+  }
+  /// How fast lengths may shrink [1/s]: minus the least principal value of the rate of strain.
+  double squeeze_rate() const {
+    const auto v =
+        principal({rate_.xx, rate_.yy, rate_.zz, rate_.xy / 2, rate_.yz / 2, rate_.xz / 2}).values;
+    return std::max(0.0, -std::min({v.x, v.y, v.z}));
+  }
+  /// A bound of the speed [m/s] that the box may give a particle.
+  double fastest() const {
+    double most = 0;
+    const auto all = drives_.all();
+    const double arm[6] = {edges_.xx, edges_.yy, edges_.zz, edges_.yy, edges_.zz, edges_.zz};
+    for (std::size_t k = 0; k < 6; ++k)
+      most += 0.5 * arm[k] * (all[k].stress ? all[k].most_rate : std::abs(all[k].rate));
+    return most;
+  }
+
+  // --- what the engine does with it ---------------------------------------------------------
+
+  /// What the particles do in a step: sums F_a d_b over contacts [J], mass [kg], overlap over the
+  /// smaller radius [-].
+  struct Loads {
+    Upper3 virial;
+    double largest_overlap;
+  };
+  /// What (1) changes of the velocities [1/s], times the distance from the centre.
+  struct Kick {
+    Upper3 all;       // before the forces act
+    Upper3 too_much;  // of it, for velocities that are recorded at this instant
+  };
+  /// Chooses the rates of the next step, after the forces of this one are known.
+  Kick choose_rates(const Loads& loads, double dt, bool first) {
+    book(loads.virial, dt);
+    Upper3 jump{}, next{};
+    const auto all = drives_.all();
+    const auto old = rate_.values(), stress = pressures();
+    std::array<double, 6> rate, leap{};
+    for (std::size_t k = 0; k < 6; ++k) {
+      rate[k] =
+          all[k].stress ? servo(k, all[k], stress[k], loads.largest_overlap, dt) : all[k].rate;
+      if (!all[k].stress) leap[k] = rate[k] - old[k], bias_[k] = rate[k];
+    }
+    next = Upper3::of(rate), jump = Upper3::of(leap);
+    const Kick kick{next - step_gradient_, (first ? 1 : 0.5) * (next - step_gradient_ - jump)};
+    rate_ = next, seen_ = next - kick.too_much;
+    return kick;
+  }
+  /// Moves the box through a step; returns what it did to all distances.
+  Upper3 advance(double dt) {
+    const Upper3 step = Upper3::identity() + dt * rate_;
+    require(step.xx > 0.5 && step.yy > 0.5 && step.zz > 0.5,
+            "DeformingBox: it shrinks by half in one step; lower its rates or the time step");
+    edges_ = step * edges_;
+    step_gradient_ = seen_ = rate_ * step.inverse();
+    strain_ = strain_ + Upper3{std::log(step.xx), std::log(step.yy), std::log(step.zz),
+                               dt * rate_.xy,     dt * rate_.xz,     dt * rate_.yz};
+    straighten();
+    inverse_ = {1 / edges_.xx, 1 / edges_.yy, 1 / edges_.zz};
+    has_moved_ = true;
+    return step;
+  }
+  /// Of the particles, relative to the flow: sum m c_a c_b [J], in the step just done; mass [kg].
+  void set_kinetic(const Upper3& sum, double mass) { kinetic_ = sum, mass_ = mass; }
+
+  // --- for checkpoints ----------------------------------------------------------------------
+
+  static constexpr std::size_t state_size = 10 * 6 + 3 + 6 * 4;
+  std::vector<double> state() const {
+    std::vector<double> s{work_, mass_, has_moved_ ? 1.0 : 0.0};
+    const Upper3 stress{stress_.x, stress_.y, stress_.z, stress_.xy, stress_.xz, stress_.yz};
+    for (const Upper3& m :
+         {edges_, rate_, step_gradient_, seen_, strain_, virial_, kinetic_, stress})
+      for (const double v : m.values()) s.push_back(v);
+    for (const double v : bias_) s.push_back(v);
+    for (const double v : {centre_.x, centre_.y, centre_.z, 0.0, 0.0, 0.0}) s.push_back(v);
+    for (const BoxDrive& d : drives_.all())
+      for (const double v : {d.rate, d.stress ? 1.0 : 0.0, d.stress.value_or(0), d.most_rate})
+        s.push_back(v);
+    return s;
+  }
+  /// InputError if these numbers are no box's.
+  void restore(const std::vector<double>& s) {
+    require(s.size() == state_size, "DeformingBox: a state of ", s.size(), " numbers, not ",
+            state_size);
+    for (const double v : s) require(std::isfinite(v), "DeformingBox: a state with ", v);
+    std::size_t at = 3;
+    const auto six = [&] {
+      std::array<double, 6> v;
+      for (double& x : v) x = s[at++];
+      return v;
+    };
+    work_ = s[0], mass_ = s[1], has_moved_ = s[2] != 0;
+    Upper3 stress;
+    for (Upper3* m :
+         {&edges_, &rate_, &step_gradient_, &seen_, &strain_, &virial_, &kinetic_, &stress})
+      *m = Upper3::of(six());
+    require(edges_.xx > 0 && edges_.yy > 0 && edges_.zz > 0,
+            "DeformingBox: a state whose edges are not greater than 0");
+    stress_ = {stress.xx, stress.yy, stress.zz, stress.xy, stress.xz, stress.yz};
+    bias_ = six();
+    const auto c = six();
+    centre_ = {c[0], c[1], c[2]};
+    std::array<BoxDrive, 6> all;
+    for (BoxDrive& d : all) {
+      d.rate = s[at], d.most_rate = s[at + 3];
+      if (s[at + 1] != 0) d.stress = s[at + 2];
+      at += 4;
+    }
+    deform({all[0], all[1], all[2], all[3], all[4], all[5]});
+    inverse_ = {1 / edges_.xx, 1 / edges_.yy, 1 / edges_.zz};
+  }
+
+ private:
+  template <class Real>
+  static Real turns(const Real& d, double inverse) {
+    const Real big(6755399441055744.0);  // rounds to the nearest integer, in any lane width
+    return (d * Real(inverse) + big) - big;
+  }
+  /// Takes the images in rows and layers that lie nearest, so that shear has no end.
+  void straighten() {
+    const double z = std::nearbyint(edges_.yz / edges_.yy);
+    edges_.yz -= z * edges_.yy, edges_.xz -= z * edges_.xy;
+    edges_.xy -= std::nearbyint(edges_.xy / edges_.xx) * edges_.xx;
+    edges_.xz -= std::nearbyint(edges_.xz / edges_.xx) * edges_.xx;
+  }
+  /// Work since the last step, and stress.
+  void book(const Upper3& virial, double dt) {
+    if (has_moved_)
+      work_ -= dt * (0.5 * (inner(virial_, rate_) + inner(virial, step_gradient_)) +
+                     inner(kinetic_, rate_));
+    virial_ = virial;
+    const Upper3 p = (1 / volume()) * (virial_ + kinetic_);
+    stress_ = {p.xx, p.yy, p.zz, -p.xy, -p.xz, -p.yz};
+  }
+  std::array<double, 6> pressures() const {
+    return {stress_.x, stress_.y, stress_.z, -stress_.xy, -stress_.xz, -stress_.yz};
+  }
+  /// (2)
+  double servo(std::size_t k, const BoxDrive& drive, double pressure, double overlap, double dt) {
+    const double old = rate_.values()[k];
+    if (!(mass_ > 0)) return old;
+    const double l = k == 0 ? edges_.xx : k == 1 || k == 3 ? edges_.yy : edges_.zz;
+    const double inertia = mass_ * l * l / 12;  // [kg m2]
+    const double target = k < 3 ? *drive.stress : -*drive.stress;
+    const double stiffness = overlap > 0 ? 3 * std::max(stress_.pressure(), 0.0) / overlap : 0;
+    const double damping = 2 * std::sqrt(stiffness * volume() / inertia);  // [1/s]
+    const double pushed = old + dt * volume() * (pressure - target) / inertia;
+    const double rate = (pushed + dt * damping * bias_[k]) / (1 + dt * damping);
+    constexpr double slow = 25;  // inertia of what the damper is fixed to, over that of the box
+    const double share = dt * damping / slow;
+    bias_[k] = (bias_[k] + share * rate) / (1 + share);
+    bias_[k] = std::clamp(bias_[k], -drive.most_rate, drive.most_rate);
+    return std::clamp(rate, -drive.most_rate, drive.most_rate);
+  }
+
+  Box first_;
+  Deformation drives_;
+  Vec3d centre_{0, 0, 0};
+  Upper3 edges_;                        // [m]
+  std::array<double, 3> inverse_{};     // [1/m]
+  Upper3 rate_, step_gradient_, seen_;  // [1/s] of the step; for its end points; for velocities now
+  Upper3 strain_;
+  Upper3 virial_, kinetic_;  // [J]
+  BoxStress stress_;
+  std::array<double, 6> bias_{};  // [1/s]
+  double work_ = 0, mass_ = 0;    // [J], [kg]
+  bool has_moved_ = false;
+};
+
+namespace detail {
+/// Whether a domain changes its shape.
+template <class Domain>
+inline constexpr bool deforms = requires {
+  requires Domain::deforms;
+};
+}  // namespace detail
+
+}  // namespace silt
