@@ -242,6 +242,7 @@ class ConvexWalls {
       WallLoad& load = loads_[b * walls.size() + c.wall];
       load.force -= force;
       load.torque -= cross(at(s.place) - walls[c.wall].reference, force) + couple;
+      if (walls[c.wall].has_belt()) load.power += dot(force, walls[c.wall].belt.at(at(s.place), n));
     }
   }
 
@@ -313,7 +314,7 @@ class ConvexWalls {
       end_watched<ContactsType>(
           [&](std::size_t k) -> double& { return contacts.history(events + k)[slot]; },
           body_at_contact(in.motions[c.particle], *in.rows, c.particle).velocity_at(arm) -
-              mean_velocity(wall, note.event.point, in.times.step),
+              velocity_at_contact(wall, note.event.point, note.event.normal, in.times.step),
           in.times, note, s.ended);
     }
     for (std::size_t h = 0; h < H; ++h) contacts.history(h)[slot] = 0;
@@ -331,7 +332,7 @@ class ConvexWalls {
     const Vec3d arm = contact.point - centre, n = contact.normal;
     Vec3d wall_velocity{0, 0, 0}, wall_spin{0, 0, 0};
     if (wall.moves()) {
-      wall_velocity = mean_velocity(wall, contact.point, in.times.step);
+      wall_velocity = velocity_at_contact(wall, contact.point, n, in.times.step);
       wall_spin = mean_angular_velocity(wall.last_pose, wall.pose, in.times.step);
     }
     const std::size_t k = s.count++;
@@ -342,7 +343,10 @@ class ConvexWalls {
     // All that moves the overlap's rate counts `gradient` times, and so does all force.
     kin.velocity = g * (kin.velocity + (contact.couple * dot(body.spin - wall_spin, n)) * n);
     kin.overlap = contact.overlap, kin.R_eff = R_eff;
-    kin.inverse_m_eff = std::max(g * g * body.inverse_mass(arm, n, contact.couple), 1e-300);
+    double inverse_mass = body.inverse_mass(arm, n, contact.couple);
+    if (wall.is_driven())
+      inverse_mass += inverse_mass_of(wall.drive, wall.state, contact.point, n);
+    kin.inverse_m_eff = std::max(g * g * inverse_mass, 1e-300);
     kin.m_eff = 1 / kin.inverse_m_eff;
     kin.arm = 0, kin.spin = {0, 0, 0};
     kin.twist = dot(wall_spin, n);
