@@ -104,7 +104,7 @@ class Checkpoint {
   /// Which programs can continue from the file: the policies that shape the state, and what
   /// contacts remember.
   static std::string signature() {
-    return text("silt state 11; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
+    return text("silt state 12; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
                 name_of<typename Sim::ContactsType>(), "; search ", name_of<typename Sim::Search>(),
                 "; domain ", name_of<typename Sim::Domain>(), "; precision ",
                 name_of<typename Sim::Precision>(), Sim::has_ledger ? "; ledger" : "",
@@ -202,7 +202,9 @@ class Checkpoint {
         if (walls_.surfaces[w] == 0) wall.surfaces.clear();
         wall.pose = walls_.pose[w], wall.last_pose = walls_.last_pose[w];
         wall.force = walls_.force[w], wall.torque = walls_.torque[w];
-        wall.impulse = walls_.impulse[w];
+        wall.impulse = walls_.impulse[w], wall.angular_impulse = walls_.angular_impulse[w];
+        wall.reference = walls_.reference[w];
+        put_motion(wall, w, sim, accepted);
       }
       openings_.put(sim.openings_, accepted.inlets, clock_.time);
       if constexpr (Sim::has_ledger)
@@ -213,6 +215,21 @@ class Checkpoint {
     }
 
    private:
+    /// A wall that is moved in another way than in the file, which must have been accepted, goes on
+    /// from where it is: a drive is released now, a motion that was changed is changed now.
+    void put_motion(Wall& wall, std::size_t w, const Sim& sim,
+                    const AcceptedChanges& accepted) const noexcept {
+      if (wall.is_driven() && walls_.drive[w] != wall.drive.index()) {
+        wall.state = detail::released(wall.drive, wall.pose, clock_.time);
+        if (clock_.kicked && detail::is_free(wall.drive))
+          detail::push_wall(wall, sim.gravity, 0.5 * clock_.step_length, clock_.step_length, true);
+        return;
+      }
+      wall.state = walls_.state[w];
+      if (!accepted.motions || wall.is_driven() || wall.state.changed == 0) return;
+      wall.state.start = wall.pose, wall.state.since = clock_.time;
+    }
+
     void read_scene(const detail::CheckpointLoader& a, const std::string& path,
                     const AcceptedChanges& accepted) {
       coefficients_ = Engine::coefficients_of(sim_.contacts_);  // throws where a pair has no values
@@ -223,11 +240,13 @@ class Checkpoint {
         removed[w] = walls_.surfaces[w] == 0;
       const auto scene = detail::describe_scene(sim_, coefficients_, sim_.openings_, removed);
       const std::string difference = scene.difference(written, accepted);
-      require(difference.empty(), "checkpoint '", path, "' is of another scene: ", difference);
+      require(difference.empty(), "checkpoint '", path, "' is of another scene: ",
+              detail::with_wall_names(difference, e_.walls));
       walls_.visit(a, e_.walls.size());
       for (std::size_t w = 0; w < e_.walls.size(); ++w)
         a.need(walls_.surfaces[w] == 0 || walls_.surfaces[w] == e_.walls[w].surfaces.size(),
-               "wall ", w, " has ", walls_.surfaces[w], " surfaces, the scene's ",
+               detail::name_of_wall(e_.walls, w), " has ", walls_.surfaces[w],
+               " surfaces, the scene's ",
                e_.walls[w].surfaces.size());
     }
 
@@ -287,6 +306,10 @@ class Checkpoint {
       detail::check_upkeep(a, clock_, upkeep, listed, particles_.size());
       for (std::size_t k = 0; k < listed; ++k)
         a.need(is_finite(lists_.reference[k]), "lists.reference of row ", k, " must be finite");
+      // Lists that took a wall for one at rest do not fit to one that moves: they are made anew.
+      for (std::size_t w = 0; w < e_.walls.size(); ++w)
+        if (walls_.moves[w] != e_.walls[w].moves() && walls_.surfaces[w] > 0)
+          upkeep.searched_at = upkeep.pruned_at = -1;
       const bool forgotten = upkeep.searched_at < 0;
       detail::check_walls(a, walls_, e_.walls, clock_, forgotten, accepted);
 
