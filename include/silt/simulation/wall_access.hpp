@@ -30,6 +30,9 @@ class WallAccess {
     return walls[number_of(walls, which)];
   }
   std::size_t walls() const { return sim().engine().walls.size(); }
+  std::size_t wall_number(const WhichWall& which) const {
+    return number_of(sim().engine().walls, which);
+  }
   /// The number of the wall with this name.
   std::size_t find_wall(std::string_view name) const {
     return number_of(sim().engine().walls, name);
