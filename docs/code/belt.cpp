@@ -9,7 +9,7 @@
 
 int main() {
   const silt::HertzMindlin::Material rubber{
-      .youngs_modulus = 1e6, .poisson_ratio = 0.3, .restitution = 0.3, .friction = 0.6};
+      .youngs_modulus = 1e7, .poisson_ratio = 0.3, .restitution = 0.3, .friction = 0.6};
   silt::Particles<silt::Sphere> grains;
   for (int k = 0; k < 10; ++k)
     grains.add({.position = {-0.9 + 0.03 * k, 0, 0.0101}, .radius = 0.01, .density = 2500});

@@ -74,7 +74,7 @@ Momenta momenta(const Sim& sim) {
 /// A bed under a servo lid, with a free box that falls into it and a flap on a spring.
 Sim crowd(int threads) {
   silt::Particles<Sphere> p;
-  p.fill({{-0.018, -0.018, 0.002}, {0.018, 0.018, 0.03}}, {.radius = silt::uniform(1.5e-3, 2.5e-3),
+  p.fill({{-0.009, -0.018, 0.002}, {0.018, 0.018, 0.03}}, {.radius = silt::uniform(1.5e-3, 2.5e-3),
                                                            .density = 2500,
                                                            .count = 200,
                                                            .arrangement = silt::Arrangement::Random});
@@ -206,11 +206,12 @@ TEST_CASE("free walls: a plate that falls onto a sphere on the floor keeps the e
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, elastic, {.name = "floor"});
   sim.add_wall(silt::Plane{{0, 0, 0.05}, {0, 0, -1}}, elastic,
                {.name = "plate", .drive = Slide{.direction = {0, 0, 2}, .mass = 0.02}});
-  double start = 0, off = 0, lowest = 1, highest = 0;
+  sim.run(0);
+  sim.time_step = 0.4 * sim.step_length();  // the error of the step falls with its square
+  double start = sim.energy().held() + sim.energy().free_walls, off = 0, lowest = 1, highest = 0;
   sim.run(0.4, silt::at(silt::every(1e-4), [&](const Sim& s) {
     const auto e = s.energy();
     const double all = e.held() + e.free_walls + e.dissipated();
-    if (s.step() == 0) start = all;
     off = std::max(off, std::abs(all - start));
     const double z = 0.05 + s.wall("plate").state.way;
     lowest = std::min(lowest, z), highest = s.time() > 0.15 ? std::max(highest, z) : highest;

@@ -1,7 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <concepts>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <span>
@@ -94,10 +96,17 @@ struct Wall {
   WallState state;           // of the drive, or of a motion that was changed
   SurfaceVelocity belt;
   double belt_power = 0;  // [W] of the surface velocity on particles, at the last step
+  /// After set_mesh gave surface `deformed` a mesh of the same topology: how far [m] each vertex goes
+  /// in one step, in the wall's coordinates; `deforming` 2: in the step that comes, 1: in this one.
+  std::vector<Vec3d> vertex_steps;
+  std::size_t deformed = 0;
+  int deforming = 0;
   Box extent;             // [m] of the surfaces, in the wall's coordinates; may be infinite
 
   bool is_driven() const { return drive.index() != 0; }
   bool has_belt() const { return !belt.is_zero(); }
+  /// Whether surfaces have velocities of their own beside the wall's.
+  bool is_in_itself_moving() const { return has_belt() || deforming == 1; }
   /// Whether it is more than planes and the like at rest where they were given.
   bool moves() const { return static_cast<bool>(motion) || is_driven() || has_belt(); }
   /// Where its motion puts it at `time` [s]; the present pose if it has none.
@@ -221,6 +230,49 @@ inline Box extent_of(const std::vector<Surface>& surfaces) {
 inline Vec3d mean_velocity(const Wall& wall, const Vec3d& place, double step) {
   if (!wall.moves()) return {0, 0, 0};
   return (place - wall.last_pose.to_space(wall.pose.to_body(place))) * (1 / step);
+}
+
+/// Where a mesh deforms: displacement [m] in this step, in space, of the point `place` [m] on one of
+/// the triangles `facets`.
+inline Vec3d deformation_at(const Wall& wall, std::span<const std::uint32_t> facets,
+                            const Vec3d& place) {
+  const auto& mesh = *std::get<std::shared_ptr<const TriangleMesh>>(wall.surfaces[wall.deformed]);
+  const Vec3d p = wall.pose.to_body(place);
+  double least = std::numeric_limits<double>::infinity();
+  Vec3d moved{0, 0, 0};
+  for (const std::uint32_t t : facets) {
+    const double distance = mesh.distance_to(t, p);
+    if (!(distance < least)) continue;
+    least = distance;
+    const auto [i, j, k] = mesh.triangles()[t];
+    const Vec3d &a = mesh.vertices()[i], &b = mesh.vertices()[j], &c = mesh.vertices()[k];
+    const Vec3d& n = mesh.normals()[t];
+    const double at_a = std::max(dot(cross(c - b, p - b), n), 0.0),
+                 at_b = std::max(dot(cross(a - c, p - c), n), 0.0),
+                 at_c = std::max(dot(cross(b - a, p - a), n), 0.0);
+    moved = (1 / (at_a + at_b + at_c)) * (at_a * wall.vertex_steps[i] + at_b * wall.vertex_steps[j] +
+                                          at_c * wall.vertex_steps[k]);
+  }
+  return wall.pose.rotate(moved);
+}
+
+/// Velocity [m/s] of a wall's surface beside that of the wall, at a contact: of a belt, and of a mesh
+/// that deforms.
+inline Vec3d velocity_in_itself(const Wall& wall, std::size_t surface,
+                                std::span<const std::uint32_t> facets, const Vec3d& place,
+                                const Vec3d& normal, double step) {
+  Vec3d v{0, 0, 0};
+  if (wall.has_belt()) v = wall.belt.at(place, normal);
+  if (wall.deforming == 1 && wall.deformed == surface)
+    v += (1 / step) * deformation_at(wall, facets, place);
+  return v;
+}
+/// The farthest way [m] of a vertex in this step.
+inline double deformation_of(const Wall& wall) {
+  double most = 0;
+  if (wall.deforming == 1)
+    for (const Vec3d& v : wall.vertex_steps) most = std::max(most, norm(v));
+  return most;
 }
 
 /// Calls f with the surface itself, meshes by reference.

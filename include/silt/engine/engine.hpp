@@ -215,6 +215,7 @@ class Engine : public Tables<Composition> {
   /// `elapsed` [s] since the last step, 0 before the first.
   void move_walls(double time, double elapsed) {
     for (auto& wall : walls) {
+      if (wall.deforming > 0) --wall.deforming;
       if (!wall.moves()) continue;
       wall.last_pose = wall.pose;
       if (wall.is_driven())

@@ -205,6 +205,8 @@ class Checkpoint {
         wall.impulse = walls_.impulse[w], wall.angular_impulse = walls_.angular_impulse[w];
         wall.reference = walls_.reference[w];
         put_motion(wall, w, sim, accepted);
+        wall.deforming = static_cast<int>(walls_.deforming[w]), wall.deformed = walls_.deformed[w];
+        wall.vertex_steps = std::move(vertex_steps_[w]);
       }
       openings_.put(sim.openings_, accepted.inlets, clock_.time);
       if constexpr (Sim::has_ledger)
@@ -312,6 +314,11 @@ class Checkpoint {
           upkeep.searched_at = upkeep.pruned_at = -1;
       const bool forgotten = upkeep.searched_at < 0;
       detail::check_walls(a, walls_, e_.walls, clock_, forgotten, accepted);
+      auto vertex = walls_.vertex_steps.begin();
+      for (const std::uint64_t count : walls_.vertices) {
+        const auto next = vertex + static_cast<std::ptrdiff_t>(count);
+        vertex_steps_.emplace_back(vertex, next), vertex = next;
+      }
 
       typename decltype(Engine::Lists::pairs)::State pairs;
       detail::visit_pairs(a, pairs, Engine::memory);
@@ -372,6 +379,7 @@ class Checkpoint {
     const Engine& e_;
     detail::ClockState clock_;
     detail::WallsState walls_;
+    std::vector<std::vector<Vec3d>> vertex_steps_;  // of each wall
     detail::OpeningsState openings_;
     decltype(Engine::coefficients) coefficients_;
     typename Engine::State particles_;

@@ -251,7 +251,7 @@ void check_wall_contacts(const CheckpointLoader& a, const typename Contacts::Sta
       a.need(c.facet_count <= facets.size() && c.facets <= facets.size() - c.facet_count, name, "[",
              k, "] has its facets at ", c.facets, " to ", std::uint64_t{c.facets} + c.facet_count,
              " of ", facets.size());
-      if (surfaces.empty()) continue;
+      if (surfaces.empty() || forgotten) continue;
       const auto* mesh = std::get_if<std::shared_ptr<const TriangleMesh>>(&surfaces[c.surface]);
       a.need(mesh != nullptr ? c.facet_count > 0 : c.facet_count == 0, name, "[", k, "] has ",
              c.facet_count, " facets");
@@ -303,6 +303,7 @@ inline void check_walls(const CheckpointLoader& a, const WallsState& s, std::spa
                           p.rotation.y * q.rotation.y + p.rotation.z * q.rotation.z;
     return norm(p.translation - q.translation) <= 1e-9 * far + 1e-12 && std::abs(cosine) > 1 - 1e-9;
   };
+  std::size_t all_vertices = 0;
   for (std::size_t w = 0; w < walls.size(); ++w) {
     a.need(is_finite(s.pose[w]) && is_unit(s.pose[w].rotation) && is_finite(s.last_pose[w]) &&
                is_unit(s.last_pose[w].rotation),
@@ -316,6 +317,17 @@ inline void check_walls(const CheckpointLoader& a, const WallsState& s, std::spa
     a.need(s.drive[w] < std::variant_size_v<WallDrive> && s.moves[w] <= 1, name_of_wall(walls, w),
            ": its drive is number ", s.drive[w], " of ", std::variant_size_v<WallDrive>);
     check_wall_state(a, name_of_wall(walls, w), s.state[w]);
+    const auto* const mesh =
+        s.deformed[w] < walls[w].surfaces.size()
+            ? std::get_if<std::shared_ptr<const TriangleMesh>>(&walls[w].surfaces[s.deformed[w]])
+            : nullptr;
+    a.need(s.deforming[w] <= 2 && (s.vertices[w] == 0
+                                       ? s.deforming[w] == 0
+                                       : mesh != nullptr &&
+                                             s.vertices[w] == (*mesh)->vertices().size()),
+           name_of_wall(walls, w), ": walls.vertices = ", s.vertices[w],
+           " does not fit to its mesh");
+    all_vertices += s.vertices[w];
     if (walls[w].is_driven() || s.drive[w] != 0) continue;  // where its loads have brought it
     Wall then = walls[w];
     then.state = s.state[w];
@@ -327,6 +339,9 @@ inline void check_walls(const CheckpointLoader& a, const WallsState& s, std::spa
             "; build the scene that wrote it, or accept other motions: "
             "load_checkpoint(sim, path, {.motions = true})");
   }
+  a.need(all_vertices == s.vertex_steps.size(), "walls.vertex_steps has ", s.vertex_steps.size(),
+         " rows, not ", all_vertices);
+  check_finite_rows(a, "walls.vertex_steps", s.vertex_steps);
   for (const auto& marks : s.marks) {
     a.need(forgotten ? marks.size() <= walls.size() : marks.size() == walls.size(),
            "the lists know poses of ", marks.size(), " walls of ", walls.size());

@@ -183,6 +183,8 @@ struct WallsState {
   std::vector<Pose> pose, last_pose;
   std::vector<Vec3d> force, torque, reference, impulse, angular_impulse;
   std::vector<WallState> state;
+  std::vector<std::uint64_t> deforming, deformed, vertices;  // vertices: numbers of vertex_steps
+  std::vector<Vec3d> vertex_steps;
   std::array<std::vector<Pose>, 2> marks;  // at the search, at the pruning
   std::vector<Box> regions;                // of both
 
@@ -196,6 +198,9 @@ struct WallsState {
       s.force.push_back(w.force), s.torque.push_back(w.torque), s.impulse.push_back(w.impulse);
       s.reference.push_back(w.reference), s.angular_impulse.push_back(w.angular_impulse);
       s.state.push_back(w.state);
+      s.deforming.push_back(static_cast<std::uint64_t>(w.deforming));
+      s.deformed.push_back(w.deformed), s.vertices.push_back(w.vertex_steps.size());
+      s.vertex_steps.insert(s.vertex_steps.end(), w.vertex_steps.begin(), w.vertex_steps.end());
     }
     for (const auto* mark : {&lists.searched_walls, &lists.pruned_walls}) {
       s.marks[s.regions.size()].assign(mark->poses().begin(), mark->poses().end());
@@ -212,6 +217,10 @@ struct WallsState {
     a.rows("walls.angular_impulse", angular_impulse, walls);
     a.column("walls.drive", drive, walls), a.column("walls.moves", moves, walls);
     a.rows("walls.state", state, walls);
+    a.column("walls.deforming", deforming, walls), a.column("walls.deformed", deformed, walls);
+    a.column("walls.vertices", vertices, walls);
+    a.rows("walls.vertex_steps", vertex_steps,
+           Archive::loads ? CheckpointLoader::any_count : vertex_steps.size());
     constexpr bool loads = Archive::loads;
     a.rows("walls.searched", marks[0], loads ? CheckpointLoader::any_count : marks[0].size());
     a.rows("walls.pruned", marks[1], loads ? CheckpointLoader::any_count : marks[1].size());

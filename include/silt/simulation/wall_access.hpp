@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -86,6 +87,29 @@ class WallAccess {
     // It may have been an immovable plane, of which the lists know.
     if (!wall.moves() || wall.has_belt() != !velocity.is_zero()) changed(k);
     wall.belt = velocity;
+  }
+  /// Gives the wall another mesh, in its own coordinates, in place of its `surface` (0: the first).
+  /// With the same triangles between vertices that lie elsewhere, the vertices move there in the
+  /// step that comes, and contacts feel their velocity; to deform a wall, call it in every step.
+  /// With other triangles the surface is another one, at rest. Contacts keep their memory where the
+  /// normal stays nearly the same. Each call makes the next step search. A FreeBody keeps its mass.
+  void set_mesh(const WhichWall& which, TriangleMesh mesh, std::size_t surface = 0) {
+    const std::size_t k = number(which);
+    Wall& wall = all()[k];
+    require(surface < wall.surfaces.size() && is_mesh(wall.surfaces[surface]),
+            "Simulation::set_mesh: surface ", surface, " of ", wall_name(k),
+            " is no mesh; give the number of a surface that is one");
+    auto& held = std::get<std::shared_ptr<const TriangleMesh>>(wall.surfaces[surface]);
+    const bool same = held->triangles() == mesh.triangles() &&
+                      held->vertices().size() == mesh.vertices().size();
+    wall.vertex_steps.clear();
+    for (std::size_t v = 0; same && v < mesh.vertices().size(); ++v)
+      wall.vertex_steps.push_back(mesh.vertices()[v] - held->vertices()[v]);
+    wall.deforming = same && sim().dt_ > 0 ? 2 : 0, wall.deformed = surface;
+    if (!same) sim().engine_.lists.walls.forget_facets(k);
+    held = std::make_shared<const TriangleMesh>(std::move(mesh));
+    wall.extent = extent_of(wall.surfaces);
+    changed(k);
   }
   /// Kinetic energy of a free wall, and against gravity and in its spring [J], at time().
   WallEnergy wall_energy(const WhichWall& which) const {

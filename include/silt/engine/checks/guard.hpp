@@ -73,8 +73,9 @@ inline void check_pose(std::span<const Wall> walls, std::size_t number, std::int
 /// How far [m] points of a moving wall go in a step, where particles may be near them.
 template <class EngineType>
 double travel_of(const EngineType& e, const Wall& w) {
-  if (!w.moves() || e.particles.size() == 0) return 0;
-  return displacement_of(w, w.pose, w.last_pose, e.lists.searched_walls.region());
+  if (e.particles.size() == 0) return 0;
+  if (!w.moves()) return deformation_of(w);
+  return deformation_of(w) + displacement_of(w, w.pose, w.last_pose, e.lists.searched_walls.region());
 }
 /// The longest such way.
 template <class EngineType>

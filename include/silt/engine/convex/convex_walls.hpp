@@ -242,7 +242,9 @@ class ConvexWalls {
       WallLoad& load = loads_[b * walls.size() + c.wall];
       load.force -= force;
       load.torque -= cross(at(s.place) - walls[c.wall].reference, force) + couple;
-      if (walls[c.wall].has_belt()) load.power += dot(force, walls[c.wall].belt.at(at(s.place), n));
+      if (walls[c.wall].is_in_itself_moving())
+        load.power += dot(force, velocity_in_itself(walls[c.wall], c.surface, contacts.facets(c),
+                                                    at(s.place), n, in.times.step));
     }
   }
 
@@ -332,9 +334,12 @@ class ConvexWalls {
     const Vec3d arm = contact.point - centre, n = contact.normal;
     Vec3d wall_velocity{0, 0, 0}, wall_spin{0, 0, 0};
     if (wall.moves()) {
-      wall_velocity = velocity_at_contact(wall, contact.point, n, in.times.step);
+      wall_velocity = mean_velocity(wall, contact.point, in.times.step);
       wall_spin = mean_angular_velocity(wall.last_pose, wall.pose, in.times.step);
     }
+    if (wall.is_in_itself_moving())
+      wall_velocity += velocity_in_itself(wall, c.surface, contacts.facets(c), contact.point, n,
+                                          in.times.step);
     const std::size_t k = s.count++;
     const double g = contact.gradient;
     Kinematics<double> kin;

@@ -115,6 +115,14 @@ class WallContacts {
     renewed_ = false;
   }
 
+  /// The triangles of a wall are others now: nothing is found at it until the next search, while
+  /// contacts keep their memory.
+  void forget_facets(std::size_t wall) {
+    for (auto* const all : {&outer_, &inner_})
+      for (WallCandidate& c : *all)
+        if (c.wall == wall) c.facet_count = 0;
+  }
+
   /// State for a checkpoint: candidates, facets and slots as they stand.
   struct State {
     std::vector<WallCandidate> outer, inner;

@@ -28,7 +28,7 @@ inline Vec3d mean_angular_velocity(const Pose& from, const Pose& to, double time
   return axis * (angle / (sine * time_step));
 }
 
-/// As mean_velocity() [m/s], with the velocity of the surface where it has one.
+/// As mean_velocity() [m/s], with the velocity of a belt.
 inline Vec3d velocity_at_contact(const Wall& wall, const Vec3d& place, const Vec3d& normal,
                                  double step) {
   const Vec3d v = mean_velocity(wall, place, step);
@@ -108,6 +108,7 @@ class WallPipeline {
     } place[block];
     Vec3d point[block];                  // [m] where it touches
     double share[block];                 // [-] overlap over the radius
+    Vec3d in_itself[block];              // [m/s] of a surface, where it has such a velocity
     alignas(64) Scalar of_force[block];  // [-] share of its force (SharedContacts)
     std::size_t count;
     std::optional<CrowdedContact> crowded;
@@ -162,10 +163,7 @@ class WallPipeline {
       load.force += force;
       load.torque += cross(s.point[k] - walls[wall].reference, force);
       if constexpr (ContactsType::has_rolling) load.torque += {-r[8], -r[9], -r[10]};
-      if (walls[wall].has_belt()) {
-        const auto& n = s.kinematics.normal;
-        load.power -= dot(force, walls[wall].belt.at(s.point[k], {n[0][k], n[1][k], n[2][k]}));
-      }
+      if (walls[wall].is_in_itself_moving()) load.power -= dot(force, s.in_itself[k]);
       tallies_[b].largest = std::max(tallies_[b].largest, s.share[k]);
     }
   }
@@ -354,7 +352,11 @@ class WallPipeline {
       wall_velocity +=
           cross(wall_spin, in.times.lag * in.times.step * (wall_velocity - motion.velocity()) +
                                in.times.lag * point.distance * change);
-      if (wall.has_belt()) wall_velocity += wall.belt.at(contact, point.normal);
+    }
+    if (wall.is_in_itself_moving()) {
+      s.in_itself[k] = velocity_in_itself(wall, c.surface, contacts.facets(c), contact,
+                                          point.normal, in.times.step);
+      wall_velocity += s.in_itself[k];
     }
     double inverse_mass = motion.inv_m;  // [1/kg] of both
     if (wall.is_driven())
