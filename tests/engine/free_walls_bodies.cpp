@@ -12,9 +12,21 @@ namespace free_walls_bodies_test {
 
 using namespace engine_test;
 
+namespace {
+
+silt::Polyhedron block(double half_height) {
+  std::vector<Vec3d> corners;
+  for (const double x : {-1.0, 1.0})
+    for (const double y : {-1.0, 1.0})
+      for (const double z : {-half_height, half_height}) corners.push_back({x, y, z});
+  return silt::Polyhedron::from_points(corners);
+}
+
+}  // namespace
+
 TEST_CASE("free walls: momentum and angular momentum are kept when a polyhedron hits a free box") {
   silt::Particles<silt::Polyhedron> p;
-  const auto cube = p.add_form(silt::Polyhedron(silt::box_mesh({-1, -1, -1}, {1, 1, 1})));
+  const auto cube = p.add_form(block(1));
   p.add({.form = cube,
          .position = {0.05, 0.03, 0.045},
          .radius = 0.01,
@@ -49,7 +61,7 @@ TEST_CASE("free walls: momentum and angular momentum are kept when a polyhedron 
 
 TEST_CASE("belts: a cube that lies flat reaches the belt's speed with mu g") {
   silt::Particles<silt::Polyhedron> p;
-  const auto cube = p.add_form(silt::Polyhedron(silt::box_mesh({-1, -1, -0.1}, {1, 1, 0.1})));
+  const auto cube = p.add_form(block(0.1));
   const double radius = 0.01, scale = radius / std::sqrt(2.01);
   p.add({.form = cube,
          .position = {0, 0, 0.1 * scale - 2e-6},

@@ -15,15 +15,17 @@
 ///
 /// Two are controlled (servo): without mass, their speed follows the difference between the wanted
 /// load and the present one,
-///   v = gain (F - F_now)/(K dt), |v| <= max_speed                                              (1)
-/// K [N/m] is the sum of the stiffnesses of all contacts of the wall, along their normals; of a
-/// torque each times the square of its distance from the axis. A contact in which the wall moves by
-/// v dt changes its load by at most `gain` of the difference, so that (1) is stable below 2, and
-/// approaches the wanted load without overshoot below 1; the bed behind is softer than K. A wall
-/// that touches nothing moves with max_speed.
+///   v = gain (F - F_now)/(K dt + C), |v| <= max_speed                                          (1)
+/// K [N/m] is the sum of the stiffnesses of all contacts of the wall along their normals, C [N s/m]
+/// of their dashpots; of a torque each times the square of its distance from the axis. A wall that
+/// begins to move with v changes its load in the next step by (K dt + C) v, if all of its contacts
+/// are pressed along their normals, which is at most `gain` of the difference: (1) approaches the
+/// wanted load without overshoot; the bed behind is softer than K. (Without C, dashpots, whose force
+/// comes and goes at once, would make the wall swing from step to step.) A wall that touches nothing
+/// moves with max_speed.
 /// Three are free: they have a mass, and are integrated with the particles (Leapfrog).
-/// Source: (1) has the form of PFC's servo (recalled, the print was not read): gain 0.5 of the number
-///         of contacts times their mean stiffness.
+/// Source: (1) with C = 0 has the form of PFC's servo (recalled, the print was not read), with the
+///         number of contacts times their mean stiffness for K.
 /// Units:  SI. Errors: check() names type, field and value.
 /// Tests:  tests/engine/free_walls.cpp, servo.cpp.
 
@@ -107,6 +109,7 @@ struct WallState {
   Vec3d centre{}, velocity{}, velocity_now{};  // [m], [m/s] half step, step
   Vec3d momentum{}, momentum_now{};  // [kg m2/s] angular, in principal axes
   double stiffness = 0;              // [N/m] or [N m/rad] K of (1) at the last look
+  double damping = 0;                // [N s/m] or [N m s/rad] C of (1)
   double load_at_look = 0;           // [N] or [N m]
   double steps_since_look = 0;
 };

@@ -49,7 +49,7 @@ inline double servo_rate(const WallState& s, double wanted, double now, double g
                          double most_way, double time_step) {
   const double miss = wanted - now;  // [N] or [N m]
   const double rate = s.stiffness > 0
-                          ? std::clamp(gain * miss / (s.stiffness * time_step), -most, most)
+                          ? std::clamp(gain * miss / (s.stiffness * time_step + s.damping), -most, most)
                           : std::copysign(miss == 0 ? 0 : most, miss);
   // Not beyond its travel.
   return std::clamp(rate, (-most_way - s.way) / time_step, (most_way - s.way) / time_step);

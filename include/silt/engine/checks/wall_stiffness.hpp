@@ -84,7 +84,7 @@ LinearContact linear_at_wall(const EngineType& e, std::size_t w, const ContactAt
       c, table.law[own * table.materials + e.walls[w].material]);
 }
 
-/// Renews the stiffness K that a servo's speed follows from: where the load has changed by a tenth
+/// Renews stiffness and damping that a servo's speed follows from: where the load has changed by a tenth
 /// of the wanted one since the last look, else every 20 steps. With one look in 20 steps it costs a
 /// few per cent of the wall's contacts.
 template <class EngineType>
@@ -104,14 +104,15 @@ void look_at_stiffness(EngineType& e, std::size_t w) {
     s.steps_since_look += 1;
     return;
   }
-  s.steps_since_look = 0, s.load_at_look = load, s.stiffness = 0;
+  s.steps_since_look = 0, s.load_at_look = load, s.stiffness = s.damping = 0;
   for_each_contact_of_wall(e, w, [&](const ContactAtWall& c) {
     double arm2 = 1;
     if (torque != nullptr) {
       const Vec3d arm = cross(axis, c.point - torque->centre);
       arm2 = dot(arm, arm);
     }
-    s.stiffness += linear_at_wall(e, w, c, 1e-9).k * arm2;
+    const LinearContact linear = linear_at_wall(e, w, c, 1e-9);
+    s.stiffness += linear.k * arm2, s.damping += linear.c * arm2;
   });
 }
 
