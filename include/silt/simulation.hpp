@@ -374,8 +374,9 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
   detail::Openings<ShapeType> openings_;
   [[no_unique_address]] std::conditional_t<has_ledger, detail::EnergyBook, NoBook> book_;
   static constexpr double clock_rounding = 1e-3;  // [-] of a step
-  static constexpr double first_wall_kick = Integrator::derivatives > 0 ? 0.5 : Integrator::first_kick;
-  Vec3d gravity_booked_{0, 0, 0};                 // [m/s2] that the ledger reckons with
+  static constexpr double first_wall_kick =
+      Integrator::derivatives > 0 ? 0.5 : Integrator::first_kick;
+  Vec3d gravity_booked_{0, 0, 0};  // [m/s2] that the ledger reckons with
   double time_ = 0, dt_ = 0, time_origin_ = 0;
   std::int64_t step_ = 0, step_origin_ = 0;
   double checked_speed_ = 0, checked_overlap_ = 0, peak_overlap_ = 0;

@@ -79,8 +79,11 @@ TEST_CASE("finite walls: faces, edges and corners are as far as geometry says, f
 
 TEST_CASE("finite walls: what makes no surface is refused") {
   refuses<silt::InputError>([] { silt::rectangle({0, 0, 0}, {1, 0, 0}, {2, 0, 0}); }, "no area");
-  refuses<silt::InputError>([] { silt::rectangle({0, 0, 0}, {1, 0, not_a_number}, {0, 1, 0}); },
-                            "finite");
+  refuses<silt::InputError>(
+      [] {
+        silt::rectangle({0, 0, 0}, {1, 0, not_a_number}, {0, 1, 0});
+      },
+      "finite");
   refuses<silt::InputError>([] { silt::open_box({0, 0, 0}, {1, 0, 1}); }, "open_box: min");
   refuses<silt::InputError>(
       [] {
@@ -91,8 +94,11 @@ TEST_CASE("finite walls: what makes no surface is refused") {
   refuses<silt::InputError>([] { silt::disc({0, 0, 0}, {0, 0, 0}, 1); }, "disc: the axis");
   refuses<silt::InputError>([] { silt::disc({0, 0, 0}, {0, 0, 1}, -1); }, "disc: radius = -1");
   refuses<silt::InputError>([] { silt::disc({0, 0, 0}, {0, 0, 1}, 1, 2); }, "disc: facets = 2");
-  refuses<silt::InputError>([] { silt::capped_cylinder({0, 0, 1}, {0, 0, 1}, 1); },
-                            "capped_cylinder: the axis");
+  refuses<silt::InputError>(
+      [] {
+        silt::capped_cylinder({0, 0, 1}, {0, 0, 1}, 1);
+      },
+      "capped_cylinder: the axis");
 }
 
 }  // namespace finite_walls_test

@@ -65,8 +65,7 @@ Momenta momenta(const Sim& sim) {
     if (const auto* body = std::get_if<FreeBody>(&sim.wall(w).drive)) {
       const auto& s = sim.wall(w).state;
       all.linear += body->mass * s.velocity_now;
-      all.angular += body->mass * cross(s.centre, s.velocity_now) +
-                     rotate(s.turn, s.momentum_now);
+      all.angular += body->mass * cross(s.centre, s.velocity_now) + rotate(s.turn, s.momentum_now);
     }
   return all;
 }
@@ -74,10 +73,11 @@ Momenta momenta(const Sim& sim) {
 /// A bed under a servo lid, with a free box that falls into it and a flap on a spring.
 Sim crowd(int threads) {
   silt::Particles<Sphere> p;
-  p.fill({{-0.009, -0.018, 0.002}, {0.018, 0.018, 0.03}}, {.radius = silt::uniform(1.5e-3, 2.5e-3),
-                                                           .density = 2500,
-                                                           .count = 200,
-                                                           .arrangement = silt::Arrangement::Random});
+  p.fill({{-0.009, -0.018, 0.002}, {0.018, 0.018, 0.03}},
+         {.radius = silt::uniform(1.5e-3, 2.5e-3),
+          .density = 2500,
+          .count = 200,
+          .arrangement = silt::Arrangement::Random});
   auto sim = scene(std::move(p), rubber);
   sim.threads = threads;
   sim.gravity = {0, 0, -9.81};
@@ -96,9 +96,10 @@ Sim crowd(int threads) {
                                .rate = 5,
                                .stiffness = 2e-3,
                                .damping = 1e-6}});
-  sim.add_wall(silt::Plane{{0, 0, 0.045}, {0, 0, -1}}, rubber,
-               {.name = "lid",
-                .drive = silt::ServoForce{.direction = {0, 0, -1}, .force = 0.5, .max_speed = 0.2}});
+  sim.add_wall(
+      silt::Plane{{0, 0, 0.045}, {0, 0, -1}}, rubber,
+      {.name = "lid",
+       .drive = silt::ServoForce{.direction = {0, 0, -1}, .force = 0.5, .max_speed = 0.2}});
   return sim;
 }
 std::vector<double> wall_bits(const Sim& sim) {
@@ -129,21 +130,22 @@ TEST_CASE("free walls: a body in flight follows the parabola and keeps its angul
   Vec3d first{};
   double energy = 0;
   sim.run(0.4, silt::at(silt::every(0.02), [&](const Sim& s) {
-    const auto& state = s.wall("body").state;
-    const double t = s.time();
-    // Leapfrog is exact under a constant force but for rounding of 4000 steps.
-    const Vec3d wanted = t * body.velocity + 0.5 * t * t * s.gravity;
-    CHECK(norm(state.centre - wanted) < 1e-12);
-    const Vec3d now = rotate(state.turn, state.momentum_now);
-    const double all = s.wall_energy("body").sum();
-    if (s.step() == 0) first = now, energy = all;
-    CHECK(norm(now - first) < 1e-12 * norm(first));
-    // NoSquish errs by a bounded amount of second order: (7 rad/s * 1e-4 s)^2 is 5e-7.
-    CHECK(all == doctest::Approx(energy).epsilon(1e-6));
-  }));
+            const auto& state = s.wall("body").state;
+            const double t = s.time();
+            // Leapfrog is exact under a constant force but for rounding of 4000 steps.
+            const Vec3d wanted = t * body.velocity + 0.5 * t * t * s.gravity;
+            CHECK(norm(state.centre - wanted) < 1e-12);
+            const Vec3d now = rotate(state.turn, state.momentum_now);
+            const double all = s.wall_energy("body").sum();
+            if (s.step() == 0) first = now, energy = all;
+            CHECK(norm(now - first) < 1e-12 * norm(first));
+            // NoSquish errs by a bounded amount of second order: (7 rad/s * 1e-4 s)^2 is 5e-7.
+            CHECK(all == doctest::Approx(energy).epsilon(1e-6));
+          }));
 }
 
-TEST_CASE("free walls: a hinged plate swings with 2 pi sqrt(I/(m g l)), and decays by its dashpot") {
+TEST_CASE(
+    "free walls: a hinged plate swings with 2 pi sqrt(I/(m g l)), and decays by its dashpot") {
   for (const double damping : {0.0, 0.02}) {
     const double m = 0.5, l = 0.2, I = 0.03, g = 9.81, start = 0.05;
     auto sim = scene(nothing());
@@ -162,12 +164,13 @@ TEST_CASE("free walls: a hinged plate swings with 2 pi sqrt(I/(m g l)), and deca
     std::vector<double> crossings;
     double last = start, largest = 0;
     sim.run(4.9, each_step(sim, [&](const Sim& s) {
-      // Positive turns about y bring it to -x.
-      const double angle = start - s.wall("plate").state.way;
-      if (last > 0 && angle <= 0) crossings.push_back(s.time() - 2e-4 * angle / (angle - last));
-      if (crossings.size() == 4) largest = std::max(largest, angle);
-      last = angle;
-    }));
+              // Positive turns about y bring it to -x.
+              const double angle = start - s.wall("plate").state.way;
+              if (last > 0 && angle <= 0)
+                crossings.push_back(s.time() - 2e-4 * angle / (angle - last));
+              if (crossings.size() == 4) largest = std::max(largest, angle);
+              last = angle;
+            }));
     REQUIRE(crossings.size() >= 5);
     const double per = damping / (2 * I), w0 = std::sqrt(m * g * l / I);
     const double period = 2 * pi / std::sqrt(w0 * w0 - per * per) * (1 + start * start / 16);
@@ -189,8 +192,7 @@ TEST_CASE("free walls: a plate that hits a sphere parts from it as two bodies do
     auto sim = scene(one({0, 0, 0}), material);
     const double m = sim.mass(0), M = 2 * m, v = -0.5;
     sim.add_wall(silt::Plane{{0, 0, 0.011}, {0, 0, -1}}, material,
-                 {.name = "plate",
-                  .drive = Slide{.direction = {0, 0, 1}, .mass = M, .speed = v}});
+                 {.name = "plate", .drive = Slide{.direction = {0, 0, 1}, .mass = M, .speed = v}});
     sim.time_step = 2e-6;
     sim.run(0.02);
     const double of_plate = sim.wall("plate").state.rate_now, of_sphere = sim.velocity(0).z;
@@ -210,14 +212,15 @@ TEST_CASE("free walls: a plate that falls onto a sphere on the floor keeps the e
   sim.time_step = 0.4 * sim.step_length();  // the error of the step falls with its square
   double start = sim.energy().held() + sim.energy().free_walls, off = 0, lowest = 1, highest = 0;
   sim.run(0.4, silt::at(silt::every(1e-4), [&](const Sim& s) {
-    const auto e = s.energy();
-    const double all = e.held() + e.free_walls + e.dissipated();
-    off = std::max(off, std::abs(all - start));
-    const double z = 0.05 + s.wall("plate").state.way;
-    lowest = std::min(lowest, z), highest = s.time() > 0.15 ? std::max(highest, z) : highest;
-    // The ledger of the particles alone closes as well.
-    CHECK(std::abs(e.residual()) < 2e-3 * 0.02 * 9.81 * 0.03);
-  }));
+            const auto e = s.energy();
+            const double all = e.held() + e.free_walls + e.dissipated();
+            off = std::max(off, std::abs(all - start));
+            const double z = 0.05 + s.wall("plate").state.way;
+            lowest = std::min(lowest, z),
+            highest = s.time() > 0.15 ? std::max(highest, z) : highest;
+            // The ledger of the particles alone closes as well.
+            CHECK(std::abs(e.residual()) < 2e-3 * 0.02 * 9.81 * 0.03);
+          }));
   CHECK(off < 2e-3 * 0.02 * 9.81 * 0.03);  // of what it falls by
   CHECK(lowest < 0.02);                    // it did meet the sphere
   CHECK(highest > 0.03);                   // and was thrown up again
@@ -244,10 +247,10 @@ TEST_CASE("free walls: a piston on a column of springs swings with their stiffne
   std::vector<double> crossings;
   double last = 0;
   sim.run(0.2, each_step(sim, [&](const Sim& s) {
-    const double way = s.wall("piston").state.way - 2e-3 * all;  // the spheres' weight
-    if (last < 0 && way >= 0) crossings.push_back(s.time() - 2e-6 * way / (way - last));
-    last = way;
-  }));
+            const double way = s.wall("piston").state.way - 2e-3 * all;  // the spheres' weight
+            if (last < 0 && way >= 0) crossings.push_back(s.time() - 2e-6 * way / (way - last));
+            last = way;
+          }));
   REQUIRE(crossings.size() >= 5);
   // Amplitude 2 %: the period of Hertz' contacts differs by less than 1e-4; the mass by 1e-3.
   CHECK((crossings[4] - crossings[0]) / 4 == doctest::Approx(2 * pi / omega).epsilon(5e-3));
@@ -265,9 +268,9 @@ TEST_CASE("free walls: momentum and angular momentum are kept when a sphere hits
   sim.run(0.05);
   const Momenta after = momenta(sim);
   const auto& s = sim.wall("box").state;
-  CHECK(s.velocity_now.z < -0.05);                        // they have met
-  CHECK(norm(rotate(s.turn, s.momentum_now)) > 2e-5);     // and the box turns by it
-  CHECK(sim.position(0).z > sim.radius(0));               // friction acts: it is not central
+  CHECK(s.velocity_now.z < -0.05);                     // they have met
+  CHECK(norm(rotate(s.turn, s.momentum_now)) > 2e-5);  // and the box turns by it
+  CHECK(sim.position(0).z > sim.radius(0));            // friction acts: it is not central
   CHECK(norm(after.linear - before.linear) < 1e-13 * norm(before.linear));
   CHECK(norm(after.angular - before.angular) < 1e-12 * norm(before.angular));
 }
@@ -278,30 +281,32 @@ TEST_CASE("free walls: no contact with walls that move by their loads is missed"
   std::size_t touching = 0, missed = 0, renewed = 0;
   std::int64_t last = -1;
   sim.run(0.12, each_step(sim, [&](const Sim& s) {
-    const auto& e = s.engine();
-    renewed += std::exchange(last, e.lists.upkeep.pruned_at) != e.lists.upkeep.pruned_at;
-    std::vector<std::array<std::size_t, 3>> listed;  // sphere, wall, triangle
-    for (const auto& c : e.lists.walls.candidates()) {
-      if (c.facet_count == 0) listed.push_back({c.particle, c.wall, c.surface});
-      for (const auto t : e.lists.walls.facets(c)) listed.push_back({c.particle, c.wall, t});
-    }
-    std::sort(listed.begin(), listed.end());
-    const auto look = [&](std::size_t p, std::size_t w, std::size_t t) {
-      ++touching, missed += !std::binary_search(listed.begin(), listed.end(), std::array{p, w, t});
-    };
-    for (std::size_t w = 1; w < s.walls(); ++w)
-      for (std::size_t p = 0; p < s.rows(); ++p)
-        silt::detail::visit_surface(s.wall(w).surfaces[0], [&](const auto& surface) {
-          const Vec3d at = s.wall(w).pose.to_body(s.position(p));
-          silt::SurfacePoint points[4];
-          if constexpr (requires { surface.distance_to(0, at); }) {
-            for (std::uint32_t t = 0; t < surface.triangles().size(); ++t)
-              if (surface.distance_to(t, at) < s.radius(p)) look(p, w, t);
-          } else {
-            if (surface.contacts(at, s.radius(p), points) > 0) look(p, w, 0);
-          }
-        });
-  }));
+            const auto& e = s.engine();
+            renewed += std::exchange(last, e.lists.upkeep.pruned_at) != e.lists.upkeep.pruned_at;
+            std::vector<std::array<std::size_t, 3>> listed;  // sphere, wall, triangle
+            for (const auto& c : e.lists.walls.candidates()) {
+              if (c.facet_count == 0) listed.push_back({c.particle, c.wall, c.surface});
+              for (const auto t : e.lists.walls.facets(c))
+                listed.push_back({c.particle, c.wall, t});
+            }
+            std::sort(listed.begin(), listed.end());
+            const auto look = [&](std::size_t p, std::size_t w, std::size_t t) {
+              ++touching,
+                  missed += !std::binary_search(listed.begin(), listed.end(), std::array{p, w, t});
+            };
+            for (std::size_t w = 1; w < s.walls(); ++w)
+              for (std::size_t p = 0; p < s.rows(); ++p)
+                silt::detail::visit_surface(s.wall(w).surfaces[0], [&](const auto& surface) {
+                  const Vec3d at = s.wall(w).pose.to_body(s.position(p));
+                  silt::SurfacePoint points[4];
+                  if constexpr (requires { surface.distance_to(0, at); }) {
+                    for (std::uint32_t t = 0; t < surface.triangles().size(); ++t)
+                      if (surface.distance_to(t, at) < s.radius(p)) look(p, w, t);
+                  } else {
+                    if (surface.contacts(at, s.radius(p), points) > 0) look(p, w, 0);
+                  }
+                });
+          }));
   CHECK(missed == 0);
   CHECK(touching > 10000);      // a test that looks at something
   CHECK(renewed < 12000 / 10);  // and the lists live for more than ten steps
@@ -357,26 +362,28 @@ TEST_CASE("free walls: a checkpoint of another drive is refused, and accepted as
 
 TEST_CASE("servo: a lid presses a bed with its force within 1 %, and keeps it") {
   silt::Particles<Sphere> p;
-  p.fill({{-0.015, -0.015, 0.002}, {0.015, 0.015, 0.06}}, {.radius = silt::uniform(1.5e-3, 2.5e-3),
-                                                           .density = 2500,
-                                                           .count = 500,
-                                                           .arrangement = silt::Arrangement::Random});
+  p.fill({{-0.015, -0.015, 0.002}, {0.015, 0.015, 0.06}},
+         {.radius = silt::uniform(1.5e-3, 2.5e-3),
+          .density = 2500,
+          .count = 500,
+          .arrangement = silt::Arrangement::Random});
   auto sim = scene(std::move(p), rubber);
   sim.threads = 2;
   sim.gravity = {0, 0, -9.81};
   sim.add_wall(silt::box({-0.017, -0.017, 0}, {0.017, 0.017, 0.2}), rubber);
   const double force = 1;  // [N] ten times the weight of a layer
-  sim.add_wall(silt::Plane{{0, 0, 0.07}, {0, 0, -1}}, rubber,
-               {.name = "lid",
-                .drive = silt::ServoForce{.direction = {0, 0, -1}, .force = force, .max_speed = 0.2}});
+  sim.add_wall(
+      silt::Plane{{0, 0, 0.07}, {0, 0, -1}}, rubber,
+      {.name = "lid",
+       .drive = silt::ServoForce{.direction = {0, 0, -1}, .force = force, .max_speed = 0.2}});
   sim.run(0.35);
   double most = 0, least = 10 * force, fastest = 0;
   const double before = sim.wall("lid").impulse.z;
   sim.run(0.1, silt::at(silt::every(1e-4), [&](const Sim& s) {
-    const auto& lid = s.wall("lid");
-    most = std::max(most, lid.force.z), least = std::min(least, lid.force.z);
-    fastest = std::max(fastest, std::abs(lid.state.rate));
-  }));
+            const auto& lid = s.wall("lid");
+            most = std::max(most, lid.force.z), least = std::min(least, lid.force.z);
+            fastest = std::max(fastest, std::abs(lid.state.rate));
+          }));
   CHECK((sim.wall("lid").impulse.z - before) / 0.1 == doctest::Approx(force).epsilon(2e-3));
   CHECK(most < 1.01 * force);
   CHECK(least > 0.99 * force);
@@ -406,8 +413,9 @@ TEST_CASE("servo: strong dashpots and short steps do not make the lid swing") {
   sim.run(0.3);
   double most = 0, least = 10;
   sim.run(0.01, each_step(sim, [&](const Sim& s) {
-    most = std::max(most, s.wall("lid").force.z), least = std::min(least, s.wall("lid").force.z);
-  }));
+            most = std::max(most, s.wall("lid").force.z),
+            least = std::min(least, s.wall("lid").force.z);
+          }));
   CHECK(most < 3.003);
   CHECK(least > 2.997);
 }
@@ -419,10 +427,8 @@ TEST_CASE("servo: a paddle presses a fixed sphere with torque over arm") {
   auto sim = scene(std::move(p), rubber);
   sim.add_wall(silt::rectangle({0, 0, -0.02}, {0.08, 0, 0}, {0, 0, 0.04}), rubber,
                {.name = "paddle",
-                .drive = silt::ServoTorque{.centre = {0, 0, 0},
-                                           .axis = {0, 0, 1},
-                                           .torque = 0.01,
-                                           .max_rate = 1}});
+                .drive = silt::ServoTorque{
+                    .centre = {0, 0, 0}, .axis = {0, 0, 1}, .torque = 0.01, .max_rate = 1}});
   sim.set_reference("paddle", {0, 0, 0});
   sim.run(0.3);
   CHECK(sim.wall("paddle").torque.z == doctest::Approx(-0.01).epsilon(1e-3));
@@ -472,8 +478,9 @@ TEST_CASE("drives: what cannot be is refused by name") {
                                   .drive = Slide{.direction = {0, 0, 1}, .mass = 1}});
                   }),
                   {"either a motion or a drive"}));
-  CHECK(has_words(refusal<silt::InputError>(
-                      [&] { silt::free_body(silt::open_box({0, 0, 0}, {1, 1, 1}), 1000); }),
+  CHECK(has_words(refusal<silt::InputError>([&] {
+                    silt::free_body(silt::open_box({0, 0, 0}, {1, 1, 1}), 1000);
+                  }),
                   {"free_body", "not closed"}));
   CHECK(sim.walls() == 0);  // none of them left anything
 }
@@ -481,7 +488,8 @@ TEST_CASE("drives: what cannot be is refused by name") {
 TEST_CASE("free walls: one too light for its contacts stops the run, and is named") {
   silt::Particles<Sphere> p;
   for (int k = 0; k < 400; ++k)
-    p.add({.position = {0.02 * (k % 20), 0.02 * (k / 20), 0.0095}, .radius = 0.01, .density = 2500});
+    p.add(
+        {.position = {0.02 * (k % 20), 0.02 * (k / 20), 0.0095}, .radius = 0.01, .density = 2500});
   auto sim = scene(std::move(p));
   sim.gravity = {0, 0, -9.81};
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, elastic);

@@ -47,8 +47,8 @@ TEST_CASE("free walls: momentum and angular momentum are kept when a polyhedron 
     const double a = 2 * sim.radius(0) / std::sqrt(3.0);
     return Momenta{m * sim.velocity(0) + M * s.velocity_now,
                    m * cross(sim.position(0), sim.velocity(0)) +
-                       m * a * a / 6 * sim.angular_velocity(0) + M * cross(s.centre, s.velocity_now) +
-                       rotate(s.turn, s.momentum_now)};
+                       m * a * a / 6 * sim.angular_velocity(0) +
+                       M * cross(s.centre, s.velocity_now) + rotate(s.turn, s.momentum_now)};
   };
   sim.run(0);
   const Momenta before = momenta();
@@ -63,10 +63,7 @@ TEST_CASE("belts: a cube that lies flat reaches the belt's speed with mu g") {
   silt::Particles<silt::Polyhedron> p;
   const auto cube = p.add_form(block(0.1));
   const double radius = 0.01, scale = radius / std::sqrt(2.01);
-  p.add({.form = cube,
-         .position = {0, 0, 0.1 * scale - 2e-6},
-         .radius = radius,
-         .density = 2500});
+  p.add({.form = cube, .position = {0, 0, 0.1 * scale - 2e-6}, .radius = radius, .density = 2500});
   silt::Simulation sim{std::move(p), silt::Contacts<HertzMindlin>{rubber}};
   sim.threads = 1;
   sim.gravity = {0, 0, -9.81};

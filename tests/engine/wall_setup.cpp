@@ -87,7 +87,8 @@ TEST_CASE("walls: a name finds its wall, and stands in messages") {
   CHECK(has_words(refusal<silt::SimulationError>([&] { fast.run(0.05); }), {"wall 0 'piston'"}));
   // Warnings: an outlet behind a floor.
   silt::Particles<Sphere> many;
-  for (int i = 0; i < 20; ++i) many.add({.position = {0.05 * i, 0, 0.02}, .radius = 0.01, .density = 2500});
+  for (int i = 0; i < 20; ++i)
+    many.add({.position = {0.05 * i, 0, 0.02}, .radius = 0.01, .density = 2500});
   auto behind = scene(many);
   behind.add_wall(silt::box({-1, -1, 0}, {2, 1, 1}), rubber, {.name = "tank"});
   behind.add_outlet({{0, 0, -1}, {1, 1, -0.5}});
@@ -108,9 +109,9 @@ TEST_CASE("motions: one that is changed in a run begins where the wall is") {
   double largest = 0;
   Vec3d last = before.translation;
   sim.run(0.05, silt::at(silt::every(5e-6), [&](const Sim& s) {
-    const Vec3d at = s.wall("plate").pose.translation;
-    largest = std::max(largest, norm(at - last)), last = at;
-  }));
+            const Vec3d at = s.wall("plate").pose.translation;
+            largest = std::max(largest, norm(at - last)), last = at;
+          }));
   // No jump: a step at 2 pi f A, and half a period later it is where it was.
   CHECK(largest < 1.01 * 2 * boundary_test::pi * 10 * 0.001 * 1e-5);
   CHECK(norm(sim.wall("plate").pose.translation - before.translation) < 1e-6);
@@ -159,7 +160,8 @@ TEST_CASE("motions: a changed motion goes on with the same bits from a checkpoin
 TEST_CASE("belts: a sphere is taken along with mu g, and then rolls with the belt") {
   // One that slides has the acceleration mu g, and its spin grows with 5/2 mu g/r, so that it rolls
   // from v = 2/7 of the belt's speed on.
-  const double u = 0.5, mu = 0.5, g = 9.81, r = 0.01, weight = 2500 * 4.0 / 3 * boundary_test::pi * r * r * r * g;
+  const double u = 0.5, mu = 0.5, g = 9.81, r = 0.01,
+               weight = 2500 * 4.0 / 3 * boundary_test::pi * r * r * r * g;
   for (const bool is_mesh : {false, true}) {
     auto sim = scene(one({0, 0, r - rest(weight, r)}, r));
     const silt::SurfaceVelocity belt{.velocity = {u, 0, 0}};
@@ -174,7 +176,8 @@ TEST_CASE("belts: a sphere is taken along with mu g, and then rolls with the bel
     const double t = sim.time();
     // The tangential spring takes some steps to load: 1 %.
     CHECK(sim.velocity(0).x == doctest::Approx(mu * g * t).epsilon(0.01));
-    CHECK(sim.angular_velocity(0).y == doctest::Approx(-2.5 * mu * g * t * arm / (r * r)).epsilon(0.01));
+    CHECK(sim.angular_velocity(0).y ==
+          doctest::Approx(-2.5 * mu * g * t * arm / (r * r)).epsilon(0.01));
     sim.run(2 * slides);
     CHECK(sim.velocity(0).x == doctest::Approx(2.0 / 7 * u).epsilon(0.01));
     // Rolling on the belt: the contact point has the belt's speed.
@@ -192,7 +195,7 @@ TEST_CASE("belts: a block reaches the belt's speed with mu g") {
   const double u = 0.3, mu = 0.5, g = 9.81, r = 0.01;
   auto sim = scene(one({0, 0, r - rest(2500 * 4.0 / 3 * boundary_test::pi * r * r * r * g, r)}, r));
   sim.add_wall(floor_plane, rubber, {.name = "belt"});
-  sim.run(0.01);  // at rest: a plane as any other
+  sim.run(0.01);                                                // at rest: a plane as any other
   sim.set_surface_velocity("belt", {.velocity = {u, 0, 0.7}});  // its part along the normal is none
   const double from = sim.time(), takes = u / (mu * g);
   const auto hold = [](Sim& s) { s.set_angular_velocity(s.id(0), {0, 0, 0}); };
@@ -212,7 +215,8 @@ TEST_CASE("belts: a block reaches the belt's speed with mu g") {
 
 TEST_CASE("belts: a turning disc takes a sphere along the tangent at its place") {
   const double r = 0.01, w = 10;
-  auto sim = scene(one({0.1, 0, r - rest(2500 * 4.0 / 3 * boundary_test::pi * r * r * r * 9.81, r)}, r));
+  auto sim =
+      scene(one({0.1, 0, r - rest(2500 * 4.0 / 3 * boundary_test::pi * r * r * r * 9.81, r)}, r));
   sim.add_wall(silt::disc({0, 0, 0}, {0, 0, 1}, 0.3), rubber,
                {.name = "table", .surface_velocity = {.rate = {0, 0, w}}});
   sim.run(0.01);
@@ -288,7 +292,9 @@ TEST_CASE("set_mesh: a sphere on a membrane that bulges and is then cut misses n
   };
   silt::Particles<Sphere> p;
   for (int k = 0; k < 16; ++k)
-    p.add({.position = {0.02 * (k % 4) - 0.03, 0.02 * (k / 4) - 0.03, 0.011}, .radius = 0.008, .density = 2500});
+    p.add({.position = {0.02 * (k % 4) - 0.03, 0.02 * (k / 4) - 0.03, 0.011},
+           .radius = 0.008,
+           .density = 2500});
   auto sim = scene(std::move(p));
   sim.add_wall(membrane(0, 8), rubber, {.name = "membrane"});
   sim.add_wall(silt::box({-0.045, -0.045, -1}, {0.045, 0.045, 1}), rubber);
@@ -305,7 +311,8 @@ TEST_CASE("set_mesh: a sphere on a membrane that bulges and is then cut misses n
     for (std::size_t k = 0; k < s.rows(); ++k)
       for (std::uint32_t t = 0; t < mesh.triangles().size(); ++t)
         if (mesh.distance_to(t, s.position(k)) < s.radius(k))
-          ++touching, missed += !std::binary_search(listed.begin(), listed.end(), std::array{k, std::size_t{t}});
+          ++touching, missed += !std::binary_search(listed.begin(), listed.end(),
+                                                    std::array{k, std::size_t{t}});
   };
   const auto wobble = [&](Sim& s) {
     look(s);
@@ -376,9 +383,9 @@ TEST_CASE("walls: mean load, impulse and angular impulse, also as a table") {
   CHECK(rows == 11);
   CHECK(sum == doctest::Approx(-weight).epsilon(2e-3));
   std::filesystem::remove(path);
-  CHECK(has_words(refusal<InputError>(
-                      [&] { sim.run(0.1, silt::wall_series(path, "lid", silt::every(0.1))); }),
-                  {"wall 'lid' is not there"}));
+  CHECK(has_words(
+      refusal<InputError>([&] { sim.run(0.1, silt::wall_series(path, "lid", silt::every(0.1))); }),
+      {"wall 'lid' is not there"}));
 }
 
 }  // namespace wall_setup_test

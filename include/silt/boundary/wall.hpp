@@ -51,7 +51,8 @@ inline Surfaces stl_wall(const std::string& path, double scale = 1) {
 }
 
 /// A velocity that the surface of a wall has without moving, as a conveyor belt's: `velocity` +
-/// `rate` x (p - centre) at the point p, in space; of it what lies in the tangent plane of a contact.
+/// `rate` x (p - centre) at the point p, in space; of it what lies in the tangent plane of a
+/// contact.
 struct SurfaceVelocity {
   Vec3d velocity{0, 0, 0};  // [m/s]
   Vec3d rate{0, 0, 0};      // [rad/s]
@@ -96,12 +97,13 @@ struct Wall {
   WallState state;           // of the drive, or of a motion that was changed
   SurfaceVelocity belt;
   double belt_power = 0;  // [W] of the surface velocity on particles, at the last step
-  /// After set_mesh gave surface `deformed` a mesh of the same topology: how far [m] each vertex goes
-  /// in one step, in the wall's coordinates; `deforming` 2: in the step that comes, 1: in this one.
+  /// After set_mesh gave surface `deformed` a mesh of the same topology: how far [m] each vertex
+  /// goes in one step, in the wall's coordinates; `deforming` 2: in the step that comes, 1: in this
+  /// one.
   std::vector<Vec3d> vertex_steps;
   std::size_t deformed = 0;
   int deforming = 0;
-  Box extent;             // [m] of the surfaces, in the wall's coordinates; may be infinite
+  Box extent;  // [m] of the surfaces, in the wall's coordinates; may be infinite
 
   bool is_driven() const { return drive.index() != 0; }
   bool has_belt() const { return !belt.is_zero(); }
@@ -164,9 +166,9 @@ inline double reach_of(const Wall& wall) {
   double most = 0;
   if (!is_finite(b.min) || !is_finite(b.max)) return most;
   for (int corner = 0; corner < 8; ++corner) {
-    const Vec3d p = wall.pose.to_space({corner & 1 ? b.max.x : b.min.x,
-                                        corner & 2 ? b.max.y : b.min.y,
-                                        corner & 4 ? b.max.z : b.min.z});
+    const Vec3d p =
+        wall.pose.to_space({corner & 1 ? b.max.x : b.min.x, corner & 2 ? b.max.y : b.min.y,
+                            corner & 4 ? b.max.z : b.min.z});
     if (const auto* d = std::get_if<Hinge>(&wall.drive))
       most = std::max(most, norm(cross(normalised(d->axis), p - d->centre)));
     else if (std::holds_alternative<FreeBody>(wall.drive))
@@ -232,8 +234,8 @@ inline Vec3d mean_velocity(const Wall& wall, const Vec3d& place, double step) {
   return (place - wall.last_pose.to_space(wall.pose.to_body(place))) * (1 / step);
 }
 
-/// Where a mesh deforms: displacement [m] in this step, in space, of the point `place` [m] on one of
-/// the triangles `facets`.
+/// Where a mesh deforms: displacement [m] in this step, in space, of the point `place` [m] on one
+/// of the triangles `facets`.
 inline Vec3d deformation_at(const Wall& wall, std::span<const std::uint32_t> facets,
                             const Vec3d& place) {
   const auto& mesh = *std::get<std::shared_ptr<const TriangleMesh>>(wall.surfaces[wall.deformed]);
@@ -250,14 +252,15 @@ inline Vec3d deformation_at(const Wall& wall, std::span<const std::uint32_t> fac
     const double at_a = std::max(dot(cross(c - b, p - b), n), 0.0),
                  at_b = std::max(dot(cross(a - c, p - c), n), 0.0),
                  at_c = std::max(dot(cross(b - a, p - a), n), 0.0);
-    moved = (1 / (at_a + at_b + at_c)) * (at_a * wall.vertex_steps[i] + at_b * wall.vertex_steps[j] +
-                                          at_c * wall.vertex_steps[k]);
+    moved =
+        (1 / (at_a + at_b + at_c)) *
+        (at_a * wall.vertex_steps[i] + at_b * wall.vertex_steps[j] + at_c * wall.vertex_steps[k]);
   }
   return wall.pose.rotate(moved);
 }
 
-/// Velocity [m/s] of a wall's surface beside that of the wall, at a contact: of a belt, and of a mesh
-/// that deforms.
+/// Velocity [m/s] of a wall's surface beside that of the wall, at a contact: of a belt, and of a
+/// mesh that deforms.
 inline Vec3d velocity_in_itself(const Wall& wall, std::size_t surface,
                                 std::span<const std::uint32_t> facets, const Vec3d& place,
                                 const Vec3d& normal, double step) {

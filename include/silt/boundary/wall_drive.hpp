@@ -10,8 +10,8 @@
 #include <silt/boundary/motion.hpp>
 #include <silt/core/symmetric3.hpp>
 
-/// Walls that move by what acts on them: the `drive` of a wall. Each is given where the wall is when
-/// it is added, or when set_drive gives it the drive; directions, axes and points in space.
+/// Walls that move by what acts on them: the `drive` of a wall. Each is given where the wall is
+/// when it is added, or when set_drive gives it the drive; directions, axes and points in space.
 ///
 /// Two are controlled (servo): without mass, their speed follows the difference between the wanted
 /// load and the present one,
@@ -20,11 +20,11 @@
 /// of their dashpots; of a torque each times the square of its distance from the axis. A wall that
 /// begins to move with v changes its load in the next step by (K dt + C) v, if all of its contacts
 /// are pressed along their normals, which is at most `gain` of the difference: (1) approaches the
-/// wanted load without overshoot; the bed behind is softer than K. (Without C, dashpots, whose force
-/// comes and goes at once, would make the wall swing from step to step.) A wall that touches nothing
-/// moves with max_speed.
-/// Three are free: they have a mass, and are integrated with the particles (Leapfrog).
-/// Source: (1) with C = 0 has the form of PFC's servo (recalled, the print was not read), with the
+/// wanted load without overshoot; the bed behind is softer than K. (Without C, dashpots, whose
+/// force comes and goes at once, would make the wall swing from step to step.) A wall that touches
+/// nothing moves with max_speed. Three are free: they have a mass, and are integrated with the
+/// particles (Leapfrog). Source: (1) with C = 0 has the form of PFC's servo (recalled, the print
+/// was not read), with the
 ///         number of contacts times their mean stiffness for K.
 /// Units:  SI. Errors: check() names type, field and value.
 /// Tests:  tests/engine/free_walls.cpp, servo.cpp.
@@ -68,15 +68,15 @@ struct Slide {
 
 /// Turns about a fixed axis, free or with a spring and a dashpot.
 struct Hinge {
-  Vec3d centre;             // [m] a point of the axis
-  Vec3d axis;               // [-] of any length but 0
-  double inertia;           // [kg m2] about the axis
-  double mass = 0;          // [kg] for gravity
-  Vec3d centre_of_mass{};   // [m] at the start; only with a mass
-  double rate = 0;          // [rad/s] at the start
-  double torque = 0;        // [N m] that acts on the wall beside contacts and gravity
-  double stiffness = 0;     // [N m/rad] of a spring that is relaxed at the start
-  double damping = 0;       // [N m s/rad]
+  Vec3d centre;            // [m] a point of the axis
+  Vec3d axis;              // [-] of any length but 0
+  double inertia;          // [kg m2] about the axis
+  double mass = 0;         // [kg] for gravity
+  Vec3d centre_of_mass{};  // [m] at the start; only with a mass
+  double rate = 0;         // [rad/s] at the start
+  double torque = 0;       // [N m] that acts on the wall beside contacts and gravity
+  double stiffness = 0;    // [N m/rad] of a spring that is relaxed at the start
+  double damping = 0;      // [N m s/rad]
 
   void check() const;
 };
@@ -84,10 +84,10 @@ struct Hinge {
 /// A rigid body with six degrees of freedom. free_body(mesh, density) (silt/shape/mesh_body.hpp)
 /// makes one of a closed mesh.
 struct FreeBody {
-  double mass;                    // [kg]
-  Symmetric3 inertia;             // [kg m2] about `centre`, in the axes of the surfaces
-  Vec3d centre;                   // [m] of mass, in the coordinates of the surfaces
-  Vec3d velocity{0, 0, 0};        // [m/s] of the centre, at the start
+  double mass;                      // [kg]
+  Symmetric3 inertia;               // [kg m2] about `centre`, in the axes of the surfaces
+  Vec3d centre;                     // [m] of mass, in the coordinates of the surfaces
+  Vec3d velocity{0, 0, 0};          // [m/s] of the centre, at the start
   Vec3d angular_velocity{0, 0, 0};  // [rad/s] in space, at the start
 
   void check() const;
@@ -99,18 +99,18 @@ using WallDrive = std::variant<std::monostate, ServoForce, ServoTorque, Slide, H
 /// Where a driven wall is and how it moves; of a wall with a Motion that was changed on the way,
 /// from where it goes on. Numbers alone: checkpoints write it as it is.
 struct WallState {
-  Pose start;                        // when it was released, or its motion was changed
-  double since = 0;                  // [s] then
-  double changed = 0;                // 1: the motion was changed at `since`
-  double way = 0;                    // [m] or [rad] since the start
-  double rate = 0, rate_now = 0;     // [1/s] of it, at the last half step and at the step
-  Quaternion axes, turn;             // of a FreeBody: principal axes to surfaces, and to space
-  Vec3d principal{1, 1, 1};          // [kg m2]
+  Pose start;                     // when it was released, or its motion was changed
+  double since = 0;               // [s] then
+  double changed = 0;             // 1: the motion was changed at `since`
+  double way = 0;                 // [m] or [rad] since the start
+  double rate = 0, rate_now = 0;  // [1/s] of it, at the last half step and at the step
+  Quaternion axes, turn;          // of a FreeBody: principal axes to surfaces, and to space
+  Vec3d principal{1, 1, 1};       // [kg m2]
   Vec3d centre{}, velocity{}, velocity_now{};  // [m], [m/s] half step, step
-  Vec3d momentum{}, momentum_now{};  // [kg m2/s] angular, in principal axes
-  double stiffness = 0;              // [N/m] or [N m/rad] K of (1) at the last look
-  double damping = 0;                // [N s/m] or [N m s/rad] C of (1)
-  double load_at_look = 0;           // [N] or [N m]
+  Vec3d momentum{}, momentum_now{};            // [kg m2/s] angular, in principal axes
+  double stiffness = 0;                        // [N/m] or [N m/rad] K of (1) at the last look
+  double damping = 0;                          // [N s/m] or [N m s/rad] C of (1)
+  double load_at_look = 0;                     // [N] or [N m]
   double steps_since_look = 0;
 };
 static_assert(sizeof(WallState) % sizeof(double) == 0);
@@ -143,8 +143,7 @@ inline Pose pose_of(const WallDrive& drive, const WallState& s) {
   };
   const auto turned = [&](const Vec3d& centre, const Vec3d& axis) {
     const Quaternion turn = rotation_about(normalised(axis), s.way);
-    return Pose{turn * s.start.rotation,
-                centre + rotate(turn, s.start.translation - centre)};
+    return Pose{turn * s.start.rotation, centre + rotate(turn, s.start.translation - centre)};
   };
   if (const auto* d = std::get_if<ServoForce>(&drive)) return slid(d->direction);
   if (const auto* d = std::get_if<Slide>(&drive)) return slid(d->direction);

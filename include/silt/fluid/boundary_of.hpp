@@ -206,7 +206,8 @@ template <class Sim>
 FlowBoundary boundary_of_walls(const Sim& sim, Side fluid = Side::Inside) {
   std::vector<FlowWall> walls;
   for (std::size_t k = 0; k < sim.walls(); ++k)
-    walls.push_back({Surfaces(sim.wall(k).surfaces), detail::motion_seen(sim.wall(k), sim.time()), fluid});
+    walls.push_back(
+        {Surfaces(sim.wall(k).surfaces), detail::motion_seen(sim.wall(k), sim.time()), fluid});
   return boundary_of(walls, sim.time());
 }
 

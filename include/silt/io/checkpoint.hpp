@@ -242,14 +242,13 @@ class Checkpoint {
         removed[w] = walls_.surfaces[w] == 0;
       const auto scene = detail::describe_scene(sim_, coefficients_, sim_.openings_, removed);
       const std::string difference = scene.difference(written, accepted);
-      require(difference.empty(), "checkpoint '", path, "' is of another scene: ",
-              detail::with_wall_names(difference, e_.walls));
+      require(difference.empty(), "checkpoint '", path,
+              "' is of another scene: ", detail::with_wall_names(difference, e_.walls));
       walls_.visit(a, e_.walls.size());
       for (std::size_t w = 0; w < e_.walls.size(); ++w)
         a.need(walls_.surfaces[w] == 0 || walls_.surfaces[w] == e_.walls[w].surfaces.size(),
                detail::name_of_wall(e_.walls, w), " has ", walls_.surfaces[w],
-               " surfaces, the scene's ",
-               e_.walls[w].surfaces.size());
+               " surfaces, the scene's ", e_.walls[w].surfaces.size());
     }
 
     void read_particles(const detail::CheckpointLoader& a) {

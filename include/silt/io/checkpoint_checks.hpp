@@ -291,7 +291,8 @@ inline void check_wall_state(const CheckpointLoader& a, const std::string& name,
   a.need(is_unit(s.start.rotation) && is_unit(s.axes) && is_unit(s.turn) &&
              std::min({s.principal.x, s.principal.y, s.principal.z}) > 0 &&
              (s.changed == 0 || s.changed == 1),
-         name, ": walls.state has turns that are no unit quaternions, or moments of inertia that "
+         name,
+         ": walls.state has turns that are no unit quaternions, or moments of inertia that "
          "are not greater than 0");
 }
 
@@ -321,20 +322,20 @@ inline void check_walls(const CheckpointLoader& a, const WallsState& s, std::spa
         s.deformed[w] < walls[w].surfaces.size()
             ? std::get_if<std::shared_ptr<const TriangleMesh>>(&walls[w].surfaces[s.deformed[w]])
             : nullptr;
-    a.need(s.deforming[w] <= 2 && (s.vertices[w] == 0
-                                       ? s.deforming[w] == 0
-                                       : mesh != nullptr &&
-                                             s.vertices[w] == (*mesh)->vertices().size()),
-           name_of_wall(walls, w), ": walls.vertices = ", s.vertices[w],
-           " does not fit to its mesh");
+    a.need(
+        s.deforming[w] <= 2 &&
+            (s.vertices[w] == 0 ? s.deforming[w] == 0
+                                : mesh != nullptr && s.vertices[w] == (*mesh)->vertices().size()),
+        name_of_wall(walls, w), ": walls.vertices = ", s.vertices[w], " does not fit to its mesh");
     all_vertices += s.vertices[w];
     if (walls[w].is_driven() || s.drive[w] != 0) continue;  // where its loads have brought it
     Wall then = walls[w];
     then.state = s.state[w];
     const Pose scene = then.motion ? then.pose_at(c.time) : Pose{};
-    require(accepted.motions || near(s.pose[w], scene), "a checkpoint of another scene: ",
-            name_of_wall(walls, w), " was at ", s.pose[w].translation, " m, quaternion w = ", s.pose[w].rotation.w,
-            ", at t = ", c.time, " s; its motion in the scene puts it at ", scene.translation,
+    require(accepted.motions || near(s.pose[w], scene),
+            "a checkpoint of another scene: ", name_of_wall(walls, w), " was at ",
+            s.pose[w].translation, " m, quaternion w = ", s.pose[w].rotation.w, ", at t = ", c.time,
+            " s; its motion in the scene puts it at ", scene.translation,
             " m, w = ", scene.rotation.w,
             "; build the scene that wrote it, or accept other motions: "
             "load_checkpoint(sim, path, {.motions = true})");

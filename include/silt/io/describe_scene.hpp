@@ -121,8 +121,8 @@ void describe_inlet(const Describer& is, const Inlet& inlet) {
   is("seed", text(flow.seed)), is("trials", flow.trials), is("interval [s]", flow.interval);
 }
 
-/// What moves a wall. A motion is a function, which cannot be seen: where it has brought the wall is
-/// compared instead.
+/// What moves a wall. A motion is a function, which cannot be seen: where it has brought the wall
+/// is compared instead.
 inline void describe_motion(const Describer& is, const Wall& wall) {
   is("moves", wall.moves() ? "yes" : "no");
   const auto is_driven_by = [&](const char* drive) { is("is driven by", drive); };

@@ -222,7 +222,8 @@ void warn_of_gravity(const Sim& sim, const SceneLook& look, std::vector<std::str
       if (const auto* plane = std::get_if<Plane>(&surface);
           plane != nullptr && plane->unit().normal.z > 0.999 && !sim.wall(w).moves()) {
         out.push_back(name + text("pulls particles up, off the floor at z = ", plane->point.z,
-                                  " m (", sim.wall_name(w), "); give it a negative z if down is meant"));
+                                  " m (", sim.wall_name(w),
+                                  "); give it a negative z if down is meant"));
         return;
       }
 }

@@ -78,11 +78,23 @@ class WallSeriesObserver {
     const std::size_t wall =
         name_.empty() ? sim.wall_number(number_) : sim.wall_number(std::string_view(name_));
     mean_ = std::make_shared<MeanLoad>(sim, wall), number_ = wall;
-    static const std::vector<std::string> columns{
-        "time [s]",      "force x [N]",   "force y [N]",   "force z [N]",   "torque x [N m]",
-        "torque y [N m]", "torque z [N m]", "impulse x [N s]", "impulse y [N s]", "impulse z [N s]",
-        "angular impulse x [N m s]", "angular impulse y [N m s]", "angular impulse z [N m s]",
-        "x [m]", "y [m]", "z [m]", "way [m or rad]"};
+    static const std::vector<std::string> columns{"time [s]",
+                                                  "force x [N]",
+                                                  "force y [N]",
+                                                  "force z [N]",
+                                                  "torque x [N m]",
+                                                  "torque y [N m]",
+                                                  "torque z [N m]",
+                                                  "impulse x [N s]",
+                                                  "impulse y [N s]",
+                                                  "impulse z [N s]",
+                                                  "angular impulse x [N m s]",
+                                                  "angular impulse y [N m s]",
+                                                  "angular impulse z [N m s]",
+                                                  "x [m]",
+                                                  "y [m]",
+                                                  "z [m]",
+                                                  "way [m or rad]"};
     table_ = std::make_shared<CsvTable>(
         sim.continued() ? CsvTable::resume(path_, columns, sim.time() + 0.5 * sim.step_length())
                         : CsvTable(path_, columns));

@@ -166,8 +166,8 @@ void Simulation<Policies...>::book_step([[maybe_unused]] const detail::StepTimes
         if (is_present(k) && std::isfinite(mass(k))) start += kinetic(k).sum() + potential(k);
     engine_.contact_energy.worked(0.5 * times.worked);
     book_.book(engine_.contact_energy, engine_.walls, dt_,
-               engine_.power_on_fixed() - engine_.power_of_belts(),
-               first_kick_ ? &start : nullptr, times.ask);
+               engine_.power_on_fixed() - engine_.power_of_belts(), first_kick_ ? &start : nullptr,
+               times.ask);
   }
 }
 
@@ -279,11 +279,11 @@ void Simulation<Policies...>::keep_limits() {
           text("step ", step_, ", t = ", time_, " s: the time step ", dt_, " s is above its limit ",
                guard.max_time_step * shortest->time, " s at the largest speed ", checked_speed_,
                " m/s",
-               speed > engine_.largest_speed ? text(" (of ",
-                                                    detail::name_of_wall(
-                                                        engine_.walls, detail::fastest_wall(engine_)),
-                                                    ", which was slower where the step was chosen)")
-                                             : fastest.words(),
+               speed > engine_.largest_speed
+                   ? text(" (of ",
+                          detail::name_of_wall(engine_.walls, detail::fastest_wall(engine_)),
+                          ", which was slower where the step was chosen)")
+                   : fastest.words(),
                ", guard.max_time_step of the shortest contact that can happen: that ",
                detail::describe(*shortest, contacts_),
                "; set a smaller Simulation::time_step or a softer material"),

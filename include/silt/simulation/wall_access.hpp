@@ -14,10 +14,10 @@ namespace silt::inline SILT_TARGET::detail {
 
 /// A drive that turns a wall needs to know how far the wall reaches.
 inline void check_fits(const WallDrive& drive, const Box& extent) {
-  require(!std::holds_alternative<FreeBody>(drive) ||
-              (is_finite(extent.min) && is_finite(extent.max)),
-          "a FreeBody needs surfaces of finite size, as meshes, cylinders and cones; a plane is "
-          "infinite");
+  require(
+      !std::holds_alternative<FreeBody>(drive) || (is_finite(extent.min) && is_finite(extent.max)),
+      "a FreeBody needs surfaces of finite size, as meshes, cylinders and cones; a plane is "
+      "infinite");
 }
 
 /// What users read and change of walls, between runs and in observers; a Simulation has these
@@ -100,8 +100,8 @@ class WallAccess {
             "Simulation::set_mesh: surface ", surface, " of ", wall_name(k),
             " is no mesh; give the number of a surface that is one");
     auto& held = std::get<std::shared_ptr<const TriangleMesh>>(wall.surfaces[surface]);
-    const bool same = held->triangles() == mesh.triangles() &&
-                      held->vertices().size() == mesh.vertices().size();
+    const bool same =
+        held->triangles() == mesh.triangles() && held->vertices().size() == mesh.vertices().size();
     wall.vertex_steps.clear();
     for (std::size_t v = 0; same && v < mesh.vertices().size(); ++v)
       wall.vertex_steps.push_back(mesh.vertices()[v] - held->vertices()[v]);

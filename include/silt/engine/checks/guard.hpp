@@ -58,12 +58,13 @@ inline void check_pose(std::span<const Wall> walls, std::size_t number, std::int
   const Quaternion& q = wall.pose.rotation;
   const double length2 = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
   const auto stop = [&](const char* what) {
-    throw SimulationError(text("step ", step, ", t = ", time, " s: the motion of ",
-                               name_of_wall(walls, number), " gives ", what,
-                               wall.is_driven() ? "; its loads or its speed are not finite: look for "
-                                                  "particles that overlap it deeply"
-                                                : "; mend the function that was given to add_wall"),
-                          step, {}, wall.pose.translation);
+    throw SimulationError(
+        text("step ", step, ", t = ", time, " s: the motion of ", name_of_wall(walls, number),
+             " gives ", what,
+             wall.is_driven() ? "; its loads or its speed are not finite: look for "
+                                "particles that overlap it deeply"
+                              : "; mend the function that was given to add_wall"),
+        step, {}, wall.pose.translation);
   };
   if (!is_finite(wall.pose.translation) || !std::isfinite(length2))
     stop("a pose that is not finite");
@@ -75,7 +76,8 @@ template <class EngineType>
 double travel_of(const EngineType& e, const Wall& w) {
   if (e.particles.size() == 0) return 0;
   if (!w.moves()) return deformation_of(w);
-  return deformation_of(w) + displacement_of(w, w.pose, w.last_pose, e.lists.searched_walls.region());
+  return deformation_of(w) +
+         displacement_of(w, w.pose, w.last_pose, e.lists.searched_walls.region());
 }
 /// The longest such way.
 template <class EngineType>

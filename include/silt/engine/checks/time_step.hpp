@@ -13,8 +13,8 @@
 #include <silt/contact/formulas.hpp>
 #include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
-#include <silt/engine/checks/impact_damping.hpp>
 #include <silt/engine/advance/wall_motion.hpp>
+#include <silt/engine/checks/impact_damping.hpp>
 #include <silt/engine/lists/list_upkeep.hpp>
 
 namespace silt::inline SILT_TARGET::detail {

@@ -84,9 +84,9 @@ LinearContact linear_at_wall(const EngineType& e, std::size_t w, const ContactAt
       c, table.law[own * table.materials + e.walls[w].material]);
 }
 
-/// Renews stiffness and damping that a servo's speed follows from: where the load has changed by a tenth
-/// of the wanted one since the last look, else every 20 steps. With one look in 20 steps it costs a
-/// few per cent of the wall's contacts.
+/// Renews stiffness and damping that a servo's speed follows from: where the load has changed by a
+/// tenth of the wanted one since the last look, else every 20 steps. With one look in 20 steps it
+/// costs a few per cent of the wall's contacts.
 template <class EngineType>
 void look_at_stiffness(EngineType& e, std::size_t w) {
   constexpr double looks_every = 20;  // [steps] of a contact

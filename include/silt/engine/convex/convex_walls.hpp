@@ -338,8 +338,8 @@ class ConvexWalls {
       wall_spin = mean_angular_velocity(wall.last_pose, wall.pose, in.times.step);
     }
     if (wall.is_in_itself_moving())
-      wall_velocity += velocity_in_itself(wall, c.surface, contacts.facets(c), contact.point, n,
-                                          in.times.step);
+      wall_velocity +=
+          velocity_in_itself(wall, c.surface, contacts.facets(c), contact.point, n, in.times.step);
     const std::size_t k = s.count++;
     const double g = contact.gradient;
     Kinematics<double> kin;
@@ -349,8 +349,7 @@ class ConvexWalls {
     kin.velocity = g * (kin.velocity + (contact.couple * dot(body.spin - wall_spin, n)) * n);
     kin.overlap = contact.overlap, kin.R_eff = R_eff;
     double inverse_mass = body.inverse_mass(arm, n, contact.couple);
-    if (wall.is_driven())
-      inverse_mass += inverse_mass_of(wall.drive, wall.state, contact.point, n);
+    if (wall.is_driven()) inverse_mass += inverse_mass_of(wall.drive, wall.state, contact.point, n);
     kin.inverse_m_eff = std::max(g * g * inverse_mass, 1e-300);
     kin.m_eff = 1 / kin.inverse_m_eff;
     kin.arm = 0, kin.spin = {0, 0, 0};

@@ -152,8 +152,8 @@ inline double largest_displacement(const Pose& a, const Pose& b, const Box& regi
 }
 
 /// The same of the points of a wall between two of its poses. A driven wall of finite size may turn
-/// fast about itself: only its own points count, which lie within the bounds of its surfaces. Others
-/// may be infinite; of them those count that are in `region` [m].
+/// fast about itself: only its own points count, which lie within the bounds of its surfaces.
+/// Others may be infinite; of them those count that are in `region` [m].
 inline double displacement_of(const Wall& wall, const Pose& a, const Pose& b, const Box& region) {
   const Box& own = wall.extent;
   if (!wall.is_driven() || !is_finite(own.min) || !is_finite(own.max))

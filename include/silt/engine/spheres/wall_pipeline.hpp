@@ -323,7 +323,8 @@ class WallPipeline {
       const PositionRow& p = in.positions[c.particle];
       note.event.point = p.centre() - p.r * note.event.normal;
       const Motion& m = in.motions[c.particle];
-      Vec3d velocity = m.velocity() - velocity_at_contact(wall, note.event.point, note.event.normal, in.times.step);
+      Vec3d velocity = m.velocity() - velocity_at_contact(wall, note.event.point, note.event.normal,
+                                                          in.times.step);
       if constexpr (rotates) velocity -= cross(m.spin_velocity(), note.event.normal);
       end_watched<ContactsType>(
           [&](std::size_t k) -> Scalar& {
