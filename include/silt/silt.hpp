@@ -5,6 +5,7 @@
 #include <silt/boundary/cylinder.hpp>
 #include <silt/boundary/deforming_box.hpp>
 #include <silt/boundary/domain.hpp>
+#include <silt/boundary/finite_walls.hpp>
 #include <silt/boundary/motion.hpp>
 #include <silt/boundary/plane.hpp>
 #include <silt/boundary/stl.hpp>
@@ -36,6 +37,7 @@
 #include <silt/io/particle_csv.hpp>
 #include <silt/io/progress.hpp>
 #include <silt/io/scene_warnings.hpp>
+#include <silt/io/wall_series.hpp>
 #include <silt/module/body_force.hpp>
 #include <silt/module/field.hpp>
 #include <silt/search/brute_force.hpp>
@@ -45,6 +47,7 @@
 #include <silt/search/nbs.hpp>
 #include <silt/search/verlet_list.hpp>
 #include <silt/shape/fit_spheres.hpp>
+#include <silt/shape/mesh_body.hpp>
 #include <silt/shape/multi_sphere.hpp>
 #include <silt/shape/sphere.hpp>
 #include <silt/shape/super_ellipsoid.hpp>

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -29,6 +30,7 @@
 #include <silt/simulation/module_access.hpp>
 #include <silt/simulation/observing.hpp>
 #include <silt/simulation/particle_edits.hpp>
+#include <silt/simulation/wall_access.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -58,7 +60,8 @@ namespace silt::inline SILT_TARGET {
 template <class... Policies>
 class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
                    public detail::ParticleEdits<Simulation<Policies...>>,
-                   public detail::BodyReadings<Simulation<Policies...>> {
+                   public detail::BodyReadings<Simulation<Policies...>>,
+                   public detail::WallAccess<Simulation<Policies...>> {
  public:
   using Composition = typename detail::InOrder<Policies...>::OfSimulation;
   using ParticlesType = typename Composition::ParticlesType;
@@ -125,21 +128,19 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
 
   // --- the scene ----------------------------------------------------------------------------
 
-  /// Adds a wall of `material`, which may move; returns its number. Pose 0 is that at time 0.
+  /// Adds a wall of `material`, which may move; returns its number. Pose 0 is that at time 0. More
+  /// of walls: WallSetup, and WallAccess for what is read and changed.
   std::size_t add_wall(Surfaces surfaces, const typename ContactsType::Material& material,
-                       Motion motion = {});
-  /// Takes away the surfaces of wall k: a lid that opens. Its number stays taken.
-  void remove_wall(std::size_t k) {
-    wall_at(k).surfaces.clear();
-    engine_.lists.forget();
+                       WallSetup setup = {});
+  template <std::convertible_to<Motion> M>
+  std::size_t add_wall(Surfaces surfaces, const typename ContactsType::Material& material,
+                       M motion) {
+    return add_wall(std::move(surfaces), material, WallSetup{.motion = std::move(motion)});
   }
   /// Lets particles and walls of these two materials overlap by up to `limit` [-] of the smaller
   /// radius, in place of guard.max_overlap: a heavy body that hits light grains.
   void set_max_overlap(const typename ContactsType::Material& a,
                        const typename ContactsType::Material& b, double limit);
-  const Wall& wall(std::size_t k) const { return detail::at("wall", engine_.walls, k); }
-  std::size_t walls() const { return engine_.walls.size(); }
-  void set_reference(std::size_t k, const Vec3d& point) { wall_at(k).reference = point; }
 
   /// Particles whose centre enters `region` leave the simulation and are counted.
   std::size_t add_outlet(const Box& region) {
@@ -289,7 +290,7 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
  private:
   /// One step up to the kick; then either drifts at once or stops for the observers.
   void advance(bool observed) {
-    engine_.move_walls(time_);
+    engine_.move_walls(time_, first_kick_ ? 0 : dt_);
     check_walls();
     if (first_kick_) engine_.start_walls(time_, dt_);
     openings_.update(engine_, *this);
@@ -306,6 +307,7 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
     using Advance = typename Engine::Advance;
     if constexpr (detail::deforms<Domain>) engine_.kick_box(domain_, dt_, first_kick_, observed);
     const double kick = first_kick_ ? Integrator::first_kick * dt_ : dt_;
+    engine_.push_walls(gravity, first_kick_ ? first_wall_kick * dt_ : dt_, dt_, first_kick_);
     engine_.integrate(observed ? Advance::KickAndRecord : Advance::KickAndDrift, gravity, kick, dt_,
                       first_kick_);
     if constexpr (detail::deforms<Domain>)
@@ -320,7 +322,6 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
       detail::refuse_row(k, rows());
     return k;
   }
-  Wall& wall_at(std::size_t k) { return const_cast<Wall&>(wall(k)); }
   struct Kinetic {
     double translation, rotation;  // [J]
     double sum() const { return translation + rotation; }
@@ -376,6 +377,7 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
   friend class detail::ModuleAccess<Simulation>;
   friend class detail::ParticleEdits<Simulation>;
   friend class detail::BodyReadings<Simulation>;
+  friend class detail::WallAccess<Simulation>;
   friend class detail::Openings<ShapeType>;
   using FluidIs = detail::FluidTraits<Fluid>;
   struct NoBook {};
@@ -397,7 +399,9 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
   detail::Openings<ShapeType> openings_;
   [[no_unique_address]] std::conditional_t<has_ledger, detail::EnergyBook, NoBook> book_;
   static constexpr double clock_rounding = 1e-3;  // [-] of a step
-  Vec3d gravity_booked_{0, 0, 0};                 // [m/s2] that the ledger reckons with
+  static constexpr double first_wall_kick =
+      Integrator::derivatives > 0 ? 0.5 : Integrator::first_kick;
+  Vec3d gravity_booked_{0, 0, 0};  // [m/s2] that the ledger reckons with
   double time_ = 0, dt_ = 0, time_origin_ = 0;
   std::int64_t step_ = 0, step_origin_ = 0;
   double checked_speed_ = 0, checked_overlap_ = 0, peak_overlap_ = 0;

@@ -71,4 +71,12 @@ inline Motion combined(Motion first, Motion second) {
   };
 }
 
+/// `motion` that begins at the time `now` [s] as it otherwise does at 0:
+///   sim.set_motion("lid", silt::from(sim.time(), silt::translation({0, 0, -0.01})));
+inline Motion from(double now, Motion motion) {
+  require(std::isfinite(now), "from: now = ", now, " [s] must be finite");
+  require(static_cast<bool>(motion), "from: the motion is empty");
+  return [now, motion = std::move(motion)](double time) { return motion(time - now); };
+}
+
 }  // namespace silt

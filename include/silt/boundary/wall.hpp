@@ -1,7 +1,14 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
+#include <concepts>
+#include <cstdint>
+#include <limits>
 #include <memory>
+#include <span>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -12,6 +19,7 @@
 #include <silt/boundary/plane.hpp>
 #include <silt/boundary/stl.hpp>
 #include <silt/boundary/triangle_mesh.hpp>
+#include <silt/boundary/wall_drive.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -42,28 +50,232 @@ inline Surfaces stl_wall(const std::string& path, double scale = 1) {
   return TriangleMesh(read_stl(path, scale));
 }
 
-/// A wall of a simulation: surfaces, a material, a prescribed motion, and the load it bears.
+/// A velocity that the surface of a wall has without moving, as a conveyor belt's: `velocity` +
+/// `rate` x (p - centre) at the point p, in space; of it what lies in the tangent plane of a
+/// contact.
+struct SurfaceVelocity {
+  Vec3d velocity{0, 0, 0};  // [m/s]
+  Vec3d rate{0, 0, 0};      // [rad/s]
+  Vec3d centre{0, 0, 0};    // [m]
+
+  void check() const {
+    require(is_finite(velocity) && is_finite(rate) && is_finite(centre),
+            "SurfaceVelocity: velocity = ", velocity, " [m/s], rate = ", rate,
+            " [rad/s] and centre = ", centre, " [m] must be finite");
+  }
+  bool is_zero() const { return velocity == Vec3d{0, 0, 0} && rate == Vec3d{0, 0, 0}; }
+  /// [m/s] at a contact of this normal.
+  Vec3d at(const Vec3d& point, const Vec3d& normal) const {
+    const Vec3d v = velocity + cross(rate, point - centre);
+    return v - dot(v, normal) * normal;
+  }
+};
+
+/// What add_wall may be told of a wall, all of it optional:
+///   sim.add_wall(lid, steel, {.name = "lid", .drive = silt::ServoForce{...}});
+struct WallSetup {
+  std::string name = {};  // unique; stands in every message about the wall
+  Motion motion = {};     // prescribed; or
+  WallDrive drive = {};   // ... by what acts on it: ServoForce, ServoTorque, Slide, Hinge, FreeBody
+  SurfaceVelocity surface_velocity = {};
+};
+
+/// A wall of a simulation: surfaces, a material, what moves it, and the load it bears.
 struct Wall {
   std::vector<Surface> surfaces;
   std::size_t material = 0;  // in the table of the contacts
-  Motion motion;             // empty: at rest
+  Motion motion;             // prescribed; empty: none
   Pose pose{};               // now
   Pose last_pose{};          // one step ago
   Vec3d force{};             // [N] on the wall, by particles, at the last step
   Vec3d torque{};            // [N m] on the wall, about `reference`
   Vec3d reference{};         // [m] point that the torque is taken about
   Vec3d impulse{};           // [N s] force summed over time since the start
+  Vec3d angular_impulse{};   // [N m s] torque, likewise
+  std::string name;          // empty: none
+  WallDrive drive;           // what moves it, if it is not `motion`
+  WallState state;           // of the drive, or of a motion that was changed
+  SurfaceVelocity belt;
+  double belt_power = 0;  // [W] of the surface velocity on particles, at the last step
+  /// After set_mesh gave surface `deformed` a mesh of the same topology: how far [m] each vertex
+  /// goes in one step, in the wall's coordinates; `deforming` 2: in the step that comes, 1: in this
+  /// one.
+  std::vector<Vec3d> vertex_steps;
+  std::size_t deformed = 0;
+  int deforming = 0;
+  Box extent;  // [m] of the surfaces, in the wall's coordinates; may be infinite
 
-  bool moves() const { return static_cast<bool>(motion); }
+  bool is_driven() const { return drive.index() != 0; }
+  bool has_belt() const { return !belt.is_zero(); }
+  /// Whether surfaces have velocities of their own beside the wall's.
+  bool is_in_itself_moving() const { return has_belt() || deforming == 1; }
+  /// Whether it is more than planes and the like at rest where they were given.
+  bool moves() const { return static_cast<bool>(motion) || is_driven() || has_belt(); }
+  /// Where its motion puts it at `time` [s]; the present pose if it has none.
+  Pose pose_at(double time) const {
+    if (!motion) return pose;
+    if (state.changed == 0) return motion(time);
+    // The motion since then, beginning at the pose of then.
+    const Pose from = motion(state.since), to = motion(time), &held = state.start;
+    const Quaternion turn = to.rotation * conjugate(from.rotation);
+    return {turn * held.rotation,
+            to.translation + rotate(turn, held.translation - from.translation)};
+  }
+  /// Velocity [m/s] at the point `place` of a drive, at the last half step.
+  Vec3d driven_velocity(const Vec3d& place) const;
 };
 
+/// A wall by its number or its name.
+class WhichWall {
+ public:
+  template <std::integral I>
+  WhichWall(I number) : number_(static_cast<std::size_t>(number)) {}  // NOLINT: converts
+  WhichWall(const char* name) : name_(name) {}                        // NOLINT
+  WhichWall(std::string_view name) : name_(name) {}                   // NOLINT
+  WhichWall(const std::string& name) : name_(name) {}                 // NOLINT
+  bool by_name() const { return number_ == none; }
+  std::size_t number() const { return number_; }
+  std::string_view name() const { return name_; }
+
+ private:
+  static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+  std::size_t number_ = none;
+  std::string_view name_;
+};
+
+inline Vec3d Wall::driven_velocity(const Vec3d& place) const {
+  if (const auto* d = std::get_if<ServoForce>(&drive)) return state.rate * normalised(d->direction);
+  if (const auto* d = std::get_if<Slide>(&drive)) return state.rate * normalised(d->direction);
+  if (const auto* d = std::get_if<ServoTorque>(&drive))
+    return cross(state.rate * normalised(d->axis), place - d->centre);
+  if (const auto* d = std::get_if<Hinge>(&drive))
+    return cross(state.rate * normalised(d->axis), place - d->centre);
+  if (std::holds_alternative<FreeBody>(drive)) {
+    const Vec3d &l = state.momentum, &I = state.principal;
+    const Vec3d w = rotate(state.turn, {l.x / I.x, l.y / I.y, l.z / I.z});
+    return state.velocity + cross(w, place - state.centre);
+  }
+  return {0, 0, 0};
+}
+
 namespace detail {
+
+/// How far [m] a wall of finite size reaches from its centre or axis; 0 of others.
+inline double reach_of(const Wall& wall) {
+  const Box& b = wall.extent;
+  double most = 0;
+  if (!is_finite(b.min) || !is_finite(b.max)) return most;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3d p =
+        wall.pose.to_space({corner & 1 ? b.max.x : b.min.x, corner & 2 ? b.max.y : b.min.y,
+                            corner & 4 ? b.max.z : b.min.z});
+    if (const auto* d = std::get_if<Hinge>(&wall.drive))
+      most = std::max(most, norm(cross(normalised(d->axis), p - d->centre)));
+    else if (std::holds_alternative<FreeBody>(wall.drive))
+      most = std::max(most, norm(p - wall.state.centre));
+  }
+  return most;
+}
+
+/// "wall 2", or "wall 2 'lid'" if it has a name.
+[[gnu::cold]] inline std::string name_of_wall(std::span<const Wall> walls, std::size_t w) {
+  if (w >= walls.size() || walls[w].name.empty()) return text("wall ", w);
+  return text("wall ", w, " '", walls[w].name, "'");
+}
+
+[[gnu::cold]] inline std::size_t number_of(std::span<const Wall> walls, const WhichWall& which) {
+  if (!which.by_name()) {
+    at("wall", walls, which.number());
+    return which.number();
+  }
+  std::string names;
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    if (!walls[w].name.empty() && walls[w].name == which.name()) return w;
+    if (!walls[w].name.empty()) names += text(names.empty() ? "'" : ", '", walls[w].name, "'");
+  }
+  throw InputError(text("wall ", in_quotes(which.name()), " is not there; ",
+                        names.empty() ? std::string("no wall has a name: give it one with "
+                                                    "add_wall(surfaces, material, {.name = ...})")
+                                      : text("the named walls are ", names)));
+}
+
+/// Refuses a name that another wall has, or that cannot stand in a message or a file.
+[[gnu::cold]] inline void check_wall_name(std::span<const Wall> walls, std::string_view name,
+                                          std::size_t own) {
+  require(!name.empty(), "a wall's name is empty; leave it out, or give it some letters");
+  require(name.size() <= 80 && in_quotes(name).size() == name.size() + 2 &&
+              name.find_first_of("'=:") == name.npos,
+          "the wall name ", in_quotes(name),
+          " must have at most 80 printable characters without ', = and :");
+  for (std::size_t w = 0; w < walls.size(); ++w)
+    require(w == own || walls[w].name != name, "wall ", w, " has the name '", name,
+            "' already; names of walls are unique");
+}
+
+/// Bounds of all surfaces in the wall's coordinates.
+inline Box extent_of(const std::vector<Surface>& surfaces) {
+  Box all;
+  for (const auto& surface : surfaces)
+    all.include(std::visit(
+        [](const auto& s) {
+          if constexpr (requires { *s; })
+            return s->bounds();
+          else
+            return s.bounds();
+        },
+        surface));
+  return all;
+}
 
 /// Mean velocity [m/s] over the last step, of `step` [s], of the point of a wall that is now at
 /// `place`.
 inline Vec3d mean_velocity(const Wall& wall, const Vec3d& place, double step) {
   if (!wall.moves()) return {0, 0, 0};
   return (place - wall.last_pose.to_space(wall.pose.to_body(place))) * (1 / step);
+}
+
+/// Where a mesh deforms: displacement [m] in this step, in space, of the point `place` [m] on one
+/// of the triangles `facets`.
+inline Vec3d deformation_at(const Wall& wall, std::span<const std::uint32_t> facets,
+                            const Vec3d& place) {
+  const auto& mesh = *std::get<std::shared_ptr<const TriangleMesh>>(wall.surfaces[wall.deformed]);
+  const Vec3d p = wall.pose.to_body(place);
+  double least = std::numeric_limits<double>::infinity();
+  Vec3d moved{0, 0, 0};
+  for (const std::uint32_t t : facets) {
+    const double distance = mesh.distance_to(t, p);
+    if (!(distance < least)) continue;
+    least = distance;
+    const auto [i, j, k] = mesh.triangles()[t];
+    const Vec3d &a = mesh.vertices()[i], &b = mesh.vertices()[j], &c = mesh.vertices()[k];
+    const Vec3d& n = mesh.normals()[t];
+    const double at_a = std::max(dot(cross(c - b, p - b), n), 0.0),
+                 at_b = std::max(dot(cross(a - c, p - c), n), 0.0),
+                 at_c = std::max(dot(cross(b - a, p - a), n), 0.0);
+    moved =
+        (1 / (at_a + at_b + at_c)) *
+        (at_a * wall.vertex_steps[i] + at_b * wall.vertex_steps[j] + at_c * wall.vertex_steps[k]);
+  }
+  return wall.pose.rotate(moved);
+}
+
+/// Velocity [m/s] of a wall's surface beside that of the wall, at a contact: of a belt, and of a
+/// mesh that deforms.
+inline Vec3d velocity_in_itself(const Wall& wall, std::size_t surface,
+                                std::span<const std::uint32_t> facets, const Vec3d& place,
+                                const Vec3d& normal, double step) {
+  Vec3d v{0, 0, 0};
+  if (wall.has_belt()) v = wall.belt.at(place, normal);
+  if (wall.deforming == 1 && wall.deformed == surface)
+    v += (1 / step) * deformation_at(wall, facets, place);
+  return v;
+}
+/// The farthest way [m] of a vertex in this step.
+inline double deformation_of(const Wall& wall) {
+  double most = 0;
+  if (wall.deforming == 1)
+    for (const Vec3d& v : wall.vertex_steps) most = std::max(most, norm(v));
+  return most;
 }
 
 /// Calls f with the surface itself, meshes by reference.

@@ -13,6 +13,8 @@
 
 #include <silt/engine/advance/box_flow.hpp>
 #include <silt/engine/advance/tables.hpp>
+#include <silt/engine/advance/wall_motion.hpp>
+#include <silt/engine/checks/wall_stiffness.hpp>
 #include <silt/engine/contact/contact_memory.hpp>
 #include <silt/engine/lists/near_lists.hpp>
 #include <silt/engine/spheres/pair_pipeline.hpp>
@@ -199,6 +201,13 @@ class Engine : public Tables<Composition> {
     return power;
   }
 
+  /// Power [W] of surface velocities on the particles, before the loads are integrated.
+  double power_of_belts() const {
+    double power = 0;
+    for (const Wall& wall : walls) power += wall.belt_power;
+    return power;
+  }
+
   std::optional<CrowdedContact> crowded() const {
     if constexpr (convex)
       return std::nullopt;
@@ -206,19 +215,38 @@ class Engine : public Tables<Composition> {
       return walls.empty() ? std::nullopt : wall_pipeline_.crowded();
   }
 
-  void move_walls(double time) {
+  /// `elapsed` [s] since the last step, 0 before the first.
+  void move_walls(double time, double elapsed) {
     for (auto& wall : walls) {
+      if (wall.deforming > 0) --wall.deforming;
       if (!wall.moves()) continue;
       wall.last_pose = wall.pose;
-      wall.pose = wall.motion(time);
+      if (wall.is_driven())
+        drift_wall(wall, elapsed);
+      else
+        wall.pose = wall.pose_at(time);
     }
+  }
+  /// The kick of driven walls over `kick_time` [s] by the loads of this step; see push_wall().
+  void push_walls(const Vec3d& gravity, double kick_time, double time_step, bool first_kick) {
+    for (std::size_t w = 0; w < walls.size(); ++w)
+      if (walls[w].is_driven()) {
+        if (is_servo(walls[w].drive)) look_at_stiffness(*this, w);
+        push_wall(walls[w], gravity, kick_time, time_step, first_kick);
+      }
   }
   /// Before the very first step: the last pose is as if the first step had come before it too, so
   /// that walls have their velocity from the start. (Motions need not be defined before time 0.)
   void start_walls(double time, double time_step) {
     for (auto& wall : walls) {
       if (!wall.moves()) continue;
-      const Pose next = wall.motion(time + time_step);
+      if (wall.is_driven()) {
+        Wall before = wall;
+        drift_wall(before, -time_step);
+        wall.last_pose = before.pose;
+        continue;
+      }
+      const Pose next = wall.pose_at(time + time_step);
       const Quaternion back = wall.pose.rotation * conjugate(next.rotation);
       wall.last_pose = {
           back * wall.pose.rotation,
@@ -245,6 +273,7 @@ class Engine : public Tables<Composition> {
   /// After an observed state: the step will be `ratio` times as long.
   void change_step(double ratio) {
     mover.change_step(particles, ratio);
+    for (auto& wall : walls) change_wall_step(wall, ratio);
     particles.renew_pair_motion(*team_);
   }
   /// Completes a step that was observed.

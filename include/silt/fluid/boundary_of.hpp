@@ -180,12 +180,34 @@ inline FlowBoundary boundary_of(const Surfaces& surfaces, const Motion& motion =
   return boundary_of(std::vector<FlowWall>{{surfaces, motion}}, time);
 }
 
+namespace detail {
+
+/// The motion of a wall near `now` [s]; of one that a drive moves, with its present velocity.
+inline Motion motion_seen(const Wall& wall, double now) {
+  if (!wall.is_driven()) {
+    if (!wall.motion || wall.state.changed == 0) return wall.motion;
+    return [wall](double time) { return wall.pose_at(time); };
+  }
+  const Vec3d v = wall.driven_velocity({0, 0, 0});
+  const Vec3d w{dot(wall.driven_velocity({0, 1, 0}) - v, {0, 0, 1}),
+                dot(wall.driven_velocity({0, 0, 1}) - v, {1, 0, 0}),
+                dot(wall.driven_velocity({1, 0, 0}) - v, {0, 1, 0})};
+  return [pose = wall.pose, v, w, now](double time) {
+    const double rate = norm(w), dt = time - now;
+    const Quaternion turn = rate > 0 ? rotation_about(w * (1 / rate), rate * dt) : Quaternion{};
+    return Pose{turn * pose.rotation, rotate(turn, pose.translation) + dt * v};
+  };
+}
+
+}  // namespace detail
+
 /// All walls of a Simulation, as they are now; `fluid`: of its meshes, see FlowWall.
 template <class Sim>
 FlowBoundary boundary_of_walls(const Sim& sim, Side fluid = Side::Inside) {
   std::vector<FlowWall> walls;
   for (std::size_t k = 0; k < sim.walls(); ++k)
-    walls.push_back({Surfaces(sim.wall(k).surfaces), sim.wall(k).motion, fluid});
+    walls.push_back(
+        {Surfaces(sim.wall(k).surfaces), detail::motion_seen(sim.wall(k), sim.time()), fluid});
   return boundary_of(walls, sim.time());
 }
 

@@ -210,7 +210,11 @@ class Checkpoint {
         if (walls_.surfaces[w] == 0) wall.surfaces.clear();
         wall.pose = walls_.pose[w], wall.last_pose = walls_.last_pose[w];
         wall.force = walls_.force[w], wall.torque = walls_.torque[w];
-        wall.impulse = walls_.impulse[w];
+        wall.impulse = walls_.impulse[w], wall.angular_impulse = walls_.angular_impulse[w];
+        wall.reference = walls_.reference[w];
+        put_motion(wall, w, sim, accepted);
+        wall.deforming = static_cast<int>(walls_.deforming[w]), wall.deformed = walls_.deformed[w];
+        wall.vertex_steps = std::move(vertex_steps_[w]);
       }
       openings_.put(sim.openings_, accepted.inlets, clock_.time);
       if constexpr (detail::deforms<typename Sim::Domain>) sim.domain_ = *box_;
@@ -222,6 +226,21 @@ class Checkpoint {
     }
 
    private:
+    /// A wall that is moved in another way than in the file, which must have been accepted, goes on
+    /// from where it is: a drive is released now, a motion that was changed is changed now.
+    void put_motion(Wall& wall, std::size_t w, const Sim& sim,
+                    const AcceptedChanges& accepted) const noexcept {
+      if (wall.is_driven() && walls_.drive[w] != wall.drive.index()) {
+        wall.state = detail::released(wall.drive, wall.pose, clock_.time);
+        if (clock_.kicked && detail::is_free(wall.drive))
+          detail::push_wall(wall, sim.gravity, 0.5 * clock_.step_length, clock_.step_length, true);
+        return;
+      }
+      wall.state = walls_.state[w];
+      if (!accepted.motions || wall.is_driven() || wall.state.changed == 0) return;
+      wall.state.start = wall.pose, wall.state.since = clock_.time;
+    }
+
     void read_scene(const detail::CheckpointLoader& a, const std::string& path,
                     const AcceptedChanges& accepted) {
       coefficients_ = Engine::coefficients_of(sim_.contacts_);  // throws where a pair has no values
@@ -232,12 +251,13 @@ class Checkpoint {
         removed[w] = walls_.surfaces[w] == 0;
       const auto scene = detail::describe_scene(sim_, coefficients_, sim_.openings_, removed);
       const std::string difference = scene.difference(written, accepted);
-      require(difference.empty(), "checkpoint '", path, "' is of another scene: ", difference);
+      require(difference.empty(), "checkpoint '", path,
+              "' is of another scene: ", detail::with_wall_names(difference, e_.walls));
       walls_.visit(a, e_.walls.size());
       for (std::size_t w = 0; w < e_.walls.size(); ++w)
         a.need(walls_.surfaces[w] == 0 || walls_.surfaces[w] == e_.walls[w].surfaces.size(),
-               "wall ", w, " has ", walls_.surfaces[w], " surfaces, the scene's ",
-               e_.walls[w].surfaces.size());
+               detail::name_of_wall(e_.walls, w), " has ", walls_.surfaces[w],
+               " surfaces, the scene's ", e_.walls[w].surfaces.size());
     }
 
     void read_particles(const detail::CheckpointLoader& a) {
@@ -296,8 +316,17 @@ class Checkpoint {
       detail::check_upkeep(a, clock_, upkeep, listed, particles_.size());
       for (std::size_t k = 0; k < listed; ++k)
         a.need(is_finite(lists_.reference[k]), "lists.reference of row ", k, " must be finite");
+      // Lists that took a wall for one at rest do not fit to one that moves: they are made anew.
+      for (std::size_t w = 0; w < e_.walls.size(); ++w)
+        if (walls_.moves[w] != e_.walls[w].moves() && walls_.surfaces[w] > 0)
+          upkeep.searched_at = upkeep.pruned_at = -1;
       const bool forgotten = upkeep.searched_at < 0;
       detail::check_walls(a, walls_, e_.walls, clock_, forgotten, accepted);
+      auto vertex = walls_.vertex_steps.begin();
+      for (const std::uint64_t count : walls_.vertices) {
+        const auto next = vertex + static_cast<std::ptrdiff_t>(count);
+        vertex_steps_.emplace_back(vertex, next), vertex = next;
+      }
 
       typename decltype(Engine::Lists::pairs)::State pairs;
       detail::visit_pairs(a, pairs, Engine::memory);
@@ -374,6 +403,7 @@ class Checkpoint {
     const Engine& e_;
     detail::ClockState clock_;
     detail::WallsState walls_;
+    std::vector<std::vector<Vec3d>> vertex_steps_;  // of each wall
     detail::OpeningsState openings_;
     decltype(Engine::coefficients) coefficients_;
     typename Engine::State particles_;

@@ -179,8 +179,13 @@ void check_memory(const CheckpointLoader& a, const char* of, const History& hist
 /// Where walls are and what they bear, and where they were when the lists were made.
 struct WallsState {
   std::vector<std::uint64_t> surfaces;  // of each wall; 0: taken away
+  std::vector<std::uint64_t> drive;     // kind of its drive (WallDrive), 0: none
+  std::vector<std::uint64_t> moves;     // 1: lists took it for one that moves
   std::vector<Pose> pose, last_pose;
-  std::vector<Vec3d> force, torque, impulse;
+  std::vector<Vec3d> force, torque, reference, impulse, angular_impulse;
+  std::vector<WallState> state;
+  std::vector<std::uint64_t> deforming, deformed, vertices;  // vertices: numbers of vertex_steps
+  std::vector<Vec3d> vertex_steps;
   std::array<std::vector<Pose>, 2> marks;  // at the search, at the pruning
   std::vector<Box> regions;                // of both
 
@@ -190,7 +195,13 @@ struct WallsState {
     for (const auto& w : walls) {
       s.surfaces.push_back(w.surfaces.size());
       s.pose.push_back(w.pose), s.last_pose.push_back(w.last_pose);
+      s.drive.push_back(w.drive.index()), s.moves.push_back(w.moves());
       s.force.push_back(w.force), s.torque.push_back(w.torque), s.impulse.push_back(w.impulse);
+      s.reference.push_back(w.reference), s.angular_impulse.push_back(w.angular_impulse);
+      s.state.push_back(w.state);
+      s.deforming.push_back(static_cast<std::uint64_t>(w.deforming));
+      s.deformed.push_back(w.deformed), s.vertices.push_back(w.vertex_steps.size());
+      s.vertex_steps.insert(s.vertex_steps.end(), w.vertex_steps.begin(), w.vertex_steps.end());
     }
     for (const auto* mark : {&lists.searched_walls, &lists.pruned_walls}) {
       s.marks[s.regions.size()].assign(mark->poses().begin(), mark->poses().end());
@@ -203,7 +214,14 @@ struct WallsState {
     a.column("walls.surfaces", surfaces, walls);
     a.rows("walls.pose", pose, walls), a.rows("walls.last_pose", last_pose, walls);
     a.rows("walls.force", force, walls), a.rows("walls.torque", torque, walls);
-    a.rows("walls.impulse", impulse, walls);
+    a.rows("walls.impulse", impulse, walls), a.rows("walls.reference", reference, walls);
+    a.rows("walls.angular_impulse", angular_impulse, walls);
+    a.column("walls.drive", drive, walls), a.column("walls.moves", moves, walls);
+    a.rows("walls.state", state, walls);
+    a.column("walls.deforming", deforming, walls), a.column("walls.deformed", deformed, walls);
+    a.column("walls.vertices", vertices, walls);
+    a.rows("walls.vertex_steps", vertex_steps,
+           Archive::loads ? CheckpointLoader::any_count : vertex_steps.size());
     constexpr bool loads = Archive::loads;
     a.rows("walls.searched", marks[0], loads ? CheckpointLoader::any_count : marks[0].size());
     a.rows("walls.pruned", marks[1], loads ? CheckpointLoader::any_count : marks[1].size());

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <bit>
+#include <cmath>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -23,6 +25,9 @@ class Describer {
   using Aspect = SceneDescription::Aspect;
   Describer(SceneDescription& out, Aspect aspect, std::string of)
       : out_(out), aspect_(aspect), of_(std::move(of)) {}
+  void operator()(const std::string& name, const Vec3d& value, std::string_view unit) const {
+    out_.add(aspect_, of_ + name, value, unit);
+  }
   template <class Value>
   void operator()(const std::string& name, const Value& value) const {
     if constexpr (std::is_arithmetic_v<Value>)
@@ -124,6 +129,60 @@ void describe_inlet(const Describer& is, const Inlet& inlet) {
   }
 }
 
+/// What moves a wall. A motion is a function, which cannot be seen: where it has brought the wall
+/// is compared instead.
+inline void describe_motion(const Describer& is, const Wall& wall) {
+  is("moves", wall.moves() ? "yes" : "no");
+  const auto is_driven_by = [&](const char* drive) { is("is driven by", drive); };
+  const auto number = [&](const char* name, double x) {  // infinite: no limit
+    if (std::isfinite(x)) is(name, x);
+  };
+  std::visit(
+      [&](const auto& d) {
+        using Drive = std::remove_cvref_t<decltype(d)>;
+        if constexpr (requires { d.direction; }) is("direction", d.direction, "-");
+        if constexpr (requires { d.axis; }) is("axis", d.axis, "-");
+        if constexpr (requires { d.centre; }) is("centre", d.centre);
+        if constexpr (requires { d.mass; }) is("mass [kg]", d.mass);
+        if constexpr (requires { d.force; }) is("force [N]", d.force);
+        if constexpr (requires { d.torque; }) is("torque [N m]", d.torque);
+        if constexpr (requires { d.stiffness; })
+          is("stiffness of its spring", d.stiffness), is("damping of its dashpot", d.damping);
+        if constexpr (requires { d.gain; }) is("gain [-]", d.gain);
+        if constexpr (std::is_same_v<Drive, ServoForce>) {
+          is_driven_by("a servo of force"), is("largest speed [m/s]", d.max_speed);
+          number("largest travel [m]", d.max_travel);
+        } else if constexpr (std::is_same_v<Drive, ServoTorque>) {
+          is_driven_by("a servo of torque"), is("largest rate [rad/s]", d.max_rate);
+          number("largest turn [rad]", d.max_turn);
+        } else if constexpr (std::is_same_v<Drive, Slide>) {
+          is_driven_by("loads along a slide");
+        } else if constexpr (std::is_same_v<Drive, Hinge>) {
+          is_driven_by("loads about a hinge"), is("inertia [kg m2]", d.inertia);
+          is("centre of mass", d.centre_of_mass);
+        } else if constexpr (std::is_same_v<Drive, FreeBody>) {
+          is_driven_by("loads as a free body");
+          is("inertia on the diagonal", Vec3d{d.inertia.xx, d.inertia.yy, d.inertia.zz}, "kg m2");
+          is("inertia beside it", Vec3d{d.inertia.xy, d.inertia.yz, d.inertia.zx}, "kg m2");
+        }
+      },
+      wall.drive);
+  if (!wall.has_belt()) return;
+  is("surface velocity", wall.belt.velocity, "m/s"), is("its rate", wall.belt.rate, "rad/s");
+  is("its centre", wall.belt.centre);
+}
+
+/// "wall 2: " of items as messages call the wall.
+[[gnu::cold]] inline std::string with_wall_names(std::string words, std::span<const Wall> walls) {
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    const std::string plain = text("wall ", w, ": "), named = name_of_wall(walls, w) + ": ";
+    for (auto at = words.find(plain); named != plain && at != words.npos;
+         at = words.find(plain, at + named.size()))
+      words.replace(at, plain.size(), named);
+  }
+  return words;
+}
+
 /// `removed[w]`: whether wall w is described as one without surfaces.
 template <class Sim, class Table, class Openings>
 SceneDescription describe_scene(const Sim& sim, const Table& coefficients, const Openings& openings,
@@ -164,7 +223,7 @@ SceneDescription describe_scene(const Sim& sim, const Table& coefficients, const
     const std::string name = text("wall ", w, ": ");
     is(name + "surfaces", removed[w] ? std::size_t{0} : wall.surfaces.size());
     Describer(out, Aspect::Material, name)("material", wall.material);
-    Describer(out, Aspect::Motion, name)("moves", wall.moves() ? "yes" : "no");
+    describe_motion({out, Aspect::Motion, name}, wall);
     for (std::size_t s = 0; s < wall.surfaces.size() && !removed[w]; ++s)
       visit_surface(wall.surfaces[s], [&](const auto& surface) {
         describe(is.of(wall.surfaces.size() == 1 ? name : text(name, "surface ", s, ": ")),

@@ -116,7 +116,7 @@ std::string walls_before(const Sim& sim, const Box& region) {
       others += !wall.surfaces.empty();
       continue;
     }
-    names += text(count++ > 0 ? " and wall " : "wall ", w);
+    names += text(count++ > 0 ? " and " : "", sim.wall_name(w));
     parts += wall.surfaces.size();
   }
   constexpr bool repeats = Sim::Domain::periodic;  // then a single plane may be the lid of a column
@@ -222,7 +222,8 @@ void warn_of_gravity(const Sim& sim, const SceneLook& look, std::vector<std::str
       if (const auto* plane = std::get_if<Plane>(&surface);
           plane != nullptr && plane->unit().normal.z > 0.999 && !sim.wall(w).moves()) {
         out.push_back(name + text("pulls particles up, off the floor at z = ", plane->point.z,
-                                  " m (wall ", w, "); give it a negative z if down is meant"));
+                                  " m (", sim.wall_name(w),
+                                  "); give it a negative z if down is meant"));
         return;
       }
 }

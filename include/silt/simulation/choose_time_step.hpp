@@ -98,7 +98,11 @@ double Simulation<Policies...>::chosen_time_step() const {
   require(shortest.has_value(),
           "the time step cannot be chosen: the contact law does not say how long a contact lasts; "
           "give it contact_time() (silt/contact/concept.hpp), or set Simulation::time_step [s]");
-  return std::min({shortest->time / 20, 0.5 * longest_travel_step(speed), longest_module_step()});
+  double of_springs = INFINITY;
+  for (const Wall& wall : engine_.walls)
+    of_springs = std::min(of_springs, detail::spring_step(wall.drive));
+  return std::min(
+      {shortest->time / 20, 0.5 * longest_travel_step(speed), longest_module_step(), of_springs});
 }
 
 /// In which nothing at this speed [m/s] goes farther than guard.max_travel allows [s].

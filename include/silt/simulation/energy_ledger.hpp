@@ -43,7 +43,7 @@ struct EnergyBalance {
   double friction;
   double rolling_resistance;  // with twisting
   // Brought in since the start.
-  double walls;            // work of moving walls, and of fixed particles that move
+  double walls;            // work of moving walls and belts, and of fixed particles that move
   double openings;         // with particles that came, less with those that left
   double changed_gravity;  // by setting `gravity` anew
   double fluid;            // work of the fluid on particles that are not fixed
@@ -52,6 +52,10 @@ struct EnergyBalance {
   double stiffening;  // by laws that remember the tangential displacement while the stiffness grows
                       // (TangentialMemory::Displacement of Hertz' contacts, Dcdem): from nothing
 
+  /// Of walls that are free, now: kinetic, against gravity, in their springs and of their constant
+  /// forces. Not in held(): what they give to particles is in `walls`; held() + free_walls is that
+  /// of both.
+  double free_walls;
   double initial;      // all that was there at the first step
   double turned_over;  // by normal forces since then, once in and out
 
@@ -106,7 +110,8 @@ class EnergyBook {
   void fluid_worked(double energy) { of_fluid_ += energy; }
   void modules_worked(double energy) { of_modules_ += energy; }
 
-  EnergyBalance balance(double translation, double rotation, double gravity) const {
+  EnergyBalance balance(double translation, double rotation, double gravity,
+                        double free_walls) const {
     EnergyBalance e{};
     e.translation = translation, e.rotation = rotation, e.gravity = gravity;
     e.normal = stored_.normal, e.tangential = stored_.tangential, e.rolling = stored_.rolling;
@@ -115,6 +120,7 @@ class EnergyBook {
     e.rolling_resistance = -work_.couple - (stored_.rolling - at_start_.rolling);
     e.walls = of_walls_, e.openings = openings_, e.changed_gravity = changed_gravity_;
     e.fluid = of_fluid_, e.modules = of_modules_, e.stiffening = work_.stiffening;
+    e.free_walls = free_walls;
     e.initial = initial_, e.turned_over = work_.turned_over;
     return e;
   }

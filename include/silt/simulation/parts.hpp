@@ -10,18 +10,32 @@ namespace silt::inline SILT_TARGET {
 template <class... Policies>
 std::size_t Simulation<Policies...>::add_wall(Surfaces surfaces,
                                               const typename ContactsType::Material& material,
-                                              Motion motion) {
+                                              WallSetup setup) {
   refuse_in_deforming_box("a wall");
   for (const auto& part : surfaces.parts)
     detail::visit_surface(part, [](const auto& s) {
       if constexpr (requires { s.check(); }) s.check();
     });
-  Wall wall{std::move(surfaces.parts), contacts_.add(material), std::move(motion)};
-  if (wall.moves()) wall.pose = wall.last_pose = wall.motion(time_);
+  const std::size_t k = engine_.walls.size();
+  Wall wall;
+  wall.surfaces = std::move(surfaces.parts), wall.extent = detail::extent_of(wall.surfaces);
+  if (!setup.name.empty()) detail::check_wall_name(engine_.walls, setup.name, k);
+  wall.name = std::move(setup.name), wall.motion = std::move(setup.motion);
+  setup.surface_velocity.check();
+  wall.belt = setup.surface_velocity;
+  const bool is_driven = setup.drive.index() != 0;
+  require(!is_driven || !wall.motion,
+          "add_wall: a wall has either a motion or a drive (servo, slide, hinge, free body), not "
+          "both; leave one of them out");
+  detail::check_drive(setup.drive);
+  detail::check_fits(setup.drive, wall.extent);
+  wall.material = contacts_.add(material);
+  wall.pose = wall.last_pose = wall.pose_at(time_);
   engine_.walls.push_back(std::move(wall));
+  if (is_driven) this->release(k, std::move(setup.drive));
   engine_.lists.forget();
   scene_changed_ = true, scene_step_ = step_;
-  return engine_.walls.size() - 1;
+  return k;
 }
 
 template <class... Policies>
@@ -51,14 +65,15 @@ EnergyBalance Simulation<Policies...>::balance() const {
   require(step_ > 0 || kicked_,
           "Simulation::energy: run() first, if only for 0 s: the forces at the "
           "start are not known yet");
-  double translation = 0, rotation = 0, potentials = 0;
+  double translation = 0, rotation = 0, potentials = 0, walls = 0;
+  for (const Wall& wall : engine_.walls) walls += detail::energy_of(wall, gravity_booked_).sum();
   for (std::size_t k = 0; k < rows(); ++k) {
     if (!is_present(k) || !std::isfinite(mass(k))) continue;
     const auto part = kinetic(k);
     translation += part.translation, rotation += part.rotation, potentials += potential(k);
   }
   EnergyBalance balance{};
-  if constexpr (has_ledger) balance = book_.balance(translation, rotation, potentials);
+  if constexpr (has_ledger) balance = book_.balance(translation, rotation, potentials, walls);
   if constexpr (has_ledger && detail::deforms<Domain>) balance.box = domain_.work();
   return balance;
 }
@@ -159,8 +174,9 @@ void Simulation<Policies...>::book_step([[maybe_unused]] const detail::StepTimes
       for (std::size_t k = 0; k < rows(); ++k)
         if (is_present(k) && std::isfinite(mass(k))) start += kinetic(k).sum() + potential(k);
     engine_.contact_energy.worked(0.5 * times.worked);
-    book_.book(engine_.contact_energy, engine_.walls, dt_, engine_.power_on_fixed(),
-               first_kick_ ? &start : nullptr, times.ask);
+    book_.book(engine_.contact_energy, engine_.walls, dt_,
+               engine_.power_on_fixed() - engine_.power_of_belts(), first_kick_ ? &start : nullptr,
+               times.ask);
   }
 }
 
@@ -252,7 +268,7 @@ void Simulation<Policies...>::set_max_overlap(const typename ContactsType::Mater
 template <class... Policies>
 void Simulation<Policies...>::check_walls() const {
   for (std::size_t w = 0; w < engine_.walls.size(); ++w)
-    if (engine_.walls[w].moves()) detail::check_pose(engine_.walls[w], w, step_, time_);
+    if (engine_.walls[w].moves()) detail::check_pose(engine_.walls, w, step_, time_);
 }
 
 template <class... Policies>
@@ -283,9 +299,11 @@ void Simulation<Policies...>::keep_limits() {
           text("step ", step_, ", t = ", time_, " s: the time step ", dt_, " s is above its limit ",
                guard.max_time_step * shortest->time, " s at the largest speed ", checked_speed_,
                " m/s",
-               speed > engine_.largest_speed ? text(" (of wall ", detail::fastest_wall(engine_),
-                                                    ", which was slower where the step was chosen)")
-                                             : fastest.words(),
+               speed > engine_.largest_speed
+                   ? text(" (of ",
+                          detail::name_of_wall(engine_.walls, detail::fastest_wall(engine_)),
+                          ", which was slower where the step was chosen)")
+                   : fastest.words(),
                ", guard.max_time_step of the shortest contact that can happen: that ",
                detail::describe(*shortest, contacts_),
                "; set a smaller Simulation::time_step or a softer material"),
@@ -329,6 +347,7 @@ void Simulation<Policies...>::keep_rates(double back) {
   else if (step_ % now_and_then != 0)
     return;
   check_module_rates();
+  detail::check_free_walls(engine_, step_, time_, dt_, guard.max_rate);
   if (engine_.largest_overlap > 0)
     detail::ContactRates<Engine, Domain>(engine_, domain_, back, dt_)
         .check(step_, time_, guard.max_rate);

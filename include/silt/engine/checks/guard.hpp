@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <optional>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -51,13 +52,19 @@ inline std::string below(double time_step) {
 }
 
 /// A wall whose motion has given a pose that is none would act on nothing, or on other places.
-inline void check_pose(const Wall& wall, std::size_t number, std::int64_t step, double time) {
+inline void check_pose(std::span<const Wall> walls, std::size_t number, std::int64_t step,
+                       double time) {
+  const Wall& wall = walls[number];
   const Quaternion& q = wall.pose.rotation;
   const double length2 = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
   const auto stop = [&](const char* what) {
-    throw SimulationError(text("step ", step, ", t = ", time, " s: the motion of wall ", number,
-                               " gives ", what, "; mend the function that was given to add_wall"),
-                          step, {}, wall.pose.translation);
+    throw SimulationError(
+        text("step ", step, ", t = ", time, " s: the motion of ", name_of_wall(walls, number),
+             " gives ", what,
+             wall.is_driven() ? "; its loads or its speed are not finite: look for "
+                                "particles that overlap it deeply"
+                              : "; mend the function that was given to add_wall"),
+        step, {}, wall.pose.translation);
   };
   if (!is_finite(wall.pose.translation) || !std::isfinite(length2))
     stop("a pose that is not finite");
@@ -67,8 +74,10 @@ inline void check_pose(const Wall& wall, std::size_t number, std::int64_t step, 
 /// How far [m] points of a moving wall go in a step, where particles may be near them.
 template <class EngineType>
 double travel_of(const EngineType& e, const Wall& w) {
-  if (!w.moves() || e.particles.size() == 0) return 0;
-  return largest_displacement(w.pose, w.last_pose, e.lists.searched_walls.region());
+  if (e.particles.size() == 0) return 0;
+  if (!w.moves()) return deformation_of(w);
+  return deformation_of(w) +
+         displacement_of(w, w.pose, w.last_pose, e.lists.searched_walls.region());
 }
 /// The longest such way.
 template <class EngineType>
@@ -141,7 +150,7 @@ template <class EngineType>
   const Vec3d where = is_wall ? Vec3d{} : fastest.centre;
   std::vector<ParticleId> ids;
   if (!is_wall) ids.push_back(fastest.speed.id);
-  const auto who = is_wall ? text("wall ", fastest_wall(e), " moves")
+  const auto who = is_wall ? text(name_of_wall(e.walls, fastest_wall(e)), " moves")
                    : fastest.speed.is_of_tips()
                        ? text("the tips of particle ", ids[0], " at ", where, " m move")
                        : text("particle ", ids[0], " at ", where, " m moves");
@@ -175,7 +184,7 @@ void check_crowded(const EngineType& e, std::int64_t step, double time, double b
   throw SimulationError(
       text(
           "step ", step, ", t = ", time, " s: particle ", id, " at ", where,
-          " m touches the mesh of wall ", crowded->wall, " in more than ",
+          " m touches the mesh of ", name_of_wall(e.walls, crowded->wall), " in more than ",
           TriangleMesh::max_contacts,
           " places at once, and silt computes no more; give TriangleMesh a larger smooth_angle, or "
           "a coarser or flatter mesh there"),

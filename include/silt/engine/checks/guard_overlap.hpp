@@ -230,8 +230,8 @@ template <class EngineType, class Domain, class Words>
                                     both, " alone")
                              : std::string());
   if (c.with_wall)
-    throw SimulationError(text(head, "particle ", e.id_of(c.a), " at ", where, " m overlaps wall ",
-                               c.wall, " by ", tail),
+    throw SimulationError(text(head, "particle ", e.id_of(c.a), " at ", where, " m overlaps ",
+                               name_of_wall(e.walls, c.wall), " by ", tail),
                           step, {e.id_of(c.a)}, where);
   throw SimulationError(text(head, "particles ", e.id_of(c.a), " and ", e.id_of(c.b), " near ",
                              where, " m overlap by ", tail),

@@ -13,6 +13,7 @@
 #include <silt/contact/formulas.hpp>
 #include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
+#include <silt/engine/advance/wall_motion.hpp>
 #include <silt/engine/checks/impact_damping.hpp>
 #include <silt/engine/lists/list_upkeep.hpp>
 
@@ -61,6 +62,7 @@ struct LightestSpheres {
 struct Meetings {
   std::vector<LightestSpheres> spheres;
   std::vector<bool> walls;
+  std::vector<double> wall_mass;  // [kg] the least that contacts of a wall meet
 };
 
 /// True if the law has a closed form of its contact time.
@@ -110,7 +112,7 @@ class ShortestContactSearch {
           if (b.any() && (i_ != j_ || s == other || law_needs_radii<Law>))
             look(s, other, Partner::Sphere);
         if (b.fixed > 0) look(s, {b.fixed, infinite}, Partner::Fixed);
-        if (meetings.walls[j_]) look(s, {infinite, infinite}, Partner::Wall);
+        if (meetings.walls[j_]) look(s, {infinite, meetings.wall_mass[j_]}, Partner::Wall);
       }
       if (b.any() && i_ != j_ && !(a.is_of_one_density() && b.is_of_one_density())) {
         const double share =
@@ -203,7 +205,15 @@ inline Box bounds_in_space(const Wall& wall, const Surface& surface) {
 inline double speed_near(const Wall& wall, const Box& particles, double time) {
   constexpr double moment = 1e-6;  // [s] short against any motion that a simulation can follow
   if (!wall.moves() || !(particles.min.x <= particles.max.x)) return 0;
-  const double way = largest_displacement(wall.motion(time), wall.motion(time + moment), particles);
+  if (wall.is_driven()) {
+    if (const auto* d = std::get_if<ServoForce>(&wall.drive)) return d->max_speed;
+    Wall next = wall;
+    if (const auto* d = std::get_if<ServoTorque>(&wall.drive)) next.state.rate = d->max_rate;
+    drift_wall(next, moment);
+    return displacement_of(wall, wall.pose, next.pose, particles) / moment;
+  }
+  const double way =
+      largest_displacement(wall.pose_at(time), wall.pose_at(time + moment), particles);
   return std::isfinite(way) ? way / moment : 0;  // else the run will say so
 }
 

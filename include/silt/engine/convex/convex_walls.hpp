@@ -242,6 +242,9 @@ class ConvexWalls {
       WallLoad& load = loads_[b * walls.size() + c.wall];
       load.force -= force;
       load.torque -= cross(at(s.place) - walls[c.wall].reference, force) + couple;
+      if (walls[c.wall].is_in_itself_moving())
+        load.power += dot(force, velocity_in_itself(walls[c.wall], c.surface, contacts.facets(c),
+                                                    at(s.place), n, in.times.step));
     }
   }
 
@@ -313,7 +316,7 @@ class ConvexWalls {
       end_watched<ContactsType>(
           [&](std::size_t k) -> double& { return contacts.history(events + k)[slot]; },
           body_at_contact(in.motions[c.particle], *in.rows, c.particle).velocity_at(arm) -
-              mean_velocity(wall, note.event.point, in.times.step),
+              velocity_at_contact(wall, note.event.point, note.event.normal, in.times.step),
           in.times, note, s.ended);
     }
     for (std::size_t h = 0; h < H; ++h) contacts.history(h)[slot] = 0;
@@ -334,6 +337,9 @@ class ConvexWalls {
       wall_velocity = mean_velocity(wall, contact.point, in.times.step);
       wall_spin = mean_angular_velocity(wall.last_pose, wall.pose, in.times.step);
     }
+    if (wall.is_in_itself_moving())
+      wall_velocity +=
+          velocity_in_itself(wall, c.surface, contacts.facets(c), contact.point, n, in.times.step);
     const std::size_t k = s.count++;
     const double g = contact.gradient;
     Kinematics<double> kin;
@@ -342,7 +348,9 @@ class ConvexWalls {
     // All that moves the overlap's rate counts `gradient` times, and so does all force.
     kin.velocity = g * (kin.velocity + (contact.couple * dot(body.spin - wall_spin, n)) * n);
     kin.overlap = contact.overlap, kin.R_eff = R_eff;
-    kin.inverse_m_eff = std::max(g * g * body.inverse_mass(arm, n, contact.couple), 1e-300);
+    double inverse_mass = body.inverse_mass(arm, n, contact.couple);
+    if (wall.is_driven()) inverse_mass += inverse_mass_of(wall.drive, wall.state, contact.point, n);
+    kin.inverse_m_eff = std::max(g * g * inverse_mass, 1e-300);
     kin.m_eff = 1 / kin.inverse_m_eff;
     kin.arm = 0, kin.spin = {0, 0, 0};
     kin.twist = dot(wall_spin, n);

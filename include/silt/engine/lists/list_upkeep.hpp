@@ -151,6 +151,22 @@ inline double largest_displacement(const Pose& a, const Pose& b, const Box& regi
   return most;
 }
 
+/// The same of the points of a wall between two of its poses. A driven wall of finite size may turn
+/// fast about itself: only its own points count, which lie within the bounds of its surfaces.
+/// Others may be infinite; of them those count that are in `region` [m].
+inline double displacement_of(const Wall& wall, const Pose& a, const Pose& b, const Box& region) {
+  const Box& own = wall.extent;
+  if (!wall.is_driven() || !is_finite(own.min) || !is_finite(own.max))
+    return largest_displacement(a, b, region);
+  double most = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3d p{corner & 1 ? own.max.x : own.min.x, corner & 2 ? own.max.y : own.min.y,
+                  corner & 4 ? own.max.z : own.min.z};
+    most = std::max(most, norm(b.to_space(p) - a.to_space(p)));
+  }
+  return most;
+}
+
 /// Poses of all walls at one instant, to measure their motion since.
 class WallMarks {
  public:
@@ -164,7 +180,7 @@ class WallMarks {
     for (std::size_t w = 0; w < walls.size(); ++w)
       if (walls[w].moves())
         // Of the points that are in the region now: it is they that spheres there may touch.
-        most = std::max(most, largest_displacement(walls[w].pose, poses_[w], region_));
+        most = std::max(most, displacement_of(walls[w], walls[w].pose, poses_[w], region_));
     return most;
   }
   /// Looks at points of this region too.

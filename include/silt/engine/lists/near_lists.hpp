@@ -201,7 +201,7 @@ class NearLists {
     for (const auto& w : scene.walls)
       if (w.moves())
         fastest =
-            std::max(fastest, largest_displacement(w.pose, w.last_pose, region) / scene.time_step);
+            std::max(fastest, displacement_of(w, w.pose, w.last_pose, region) / scene.time_step);
     return fastest;
   }
 

@@ -115,6 +115,14 @@ class WallContacts {
     renewed_ = false;
   }
 
+  /// The triangles of a wall are others now: nothing is found at it until the next search, while
+  /// contacts keep their memory.
+  void forget_facets(std::size_t wall) {
+    for (auto* const all : {&outer_, &inner_})
+      for (WallCandidate& c : *all)
+        if (c.wall == wall) c.facet_count = 0;
+  }
+
   /// State for a checkpoint: candidates, facets and slots as they stand.
   struct State {
     std::vector<WallCandidate> outer, inner;
@@ -262,6 +270,15 @@ class WallContacts {
     others.insert(others.end(), at_planes.begin(), at_planes.end());
     inner_ = std::move(others);
   }
+  /// Of a restored state: one that was taken away, or has begun to move, since the lists were made.
+  /// They will be renewed before they are used; contacts with a plane that moves keep their memory.
+  bool is_gone_plane(std::span<const Wall> walls, const WallCandidate& c) {
+    if (walls[c.wall].surfaces.empty()) return true;
+    if (plane_at_rest(walls, c) != nullptr) return false;
+    const auto* const plane = std::get_if<Plane>(&walls[c.wall].surfaces[c.surface]);
+    if (plane != nullptr && remembers(c.slot)) slots_[c.slot] = {plane->unit().normal, true};
+    return true;
+  }
   static bool same_plane(const WallCandidate& a, const WallCandidate& b) {
     return a.wall == b.wall && a.surface == b.surface;
   }
@@ -308,12 +325,11 @@ class WallContacts {
         const WallCandidate& c = inner_[k];
         at_planes_[c.slot - first_plane_slot_] = c.particle;
         if (k == piece_begin_[p] || !same_plane(inner_[k - 1], c)) {
-          if (walls[c.wall].surfaces.empty())
-            continue;  // taken away; the lists will be renewed before they are used
+          if (is_gone_plane(walls, c)) continue;
           const Plane plane = plane_at_rest(walls, c)->unit();
           runs_.push_back({c.wall, plane.normal, dot(plane.point, plane.normal), c.slot, c.slot});
         }
-        if (!walls[c.wall].surfaces.empty()) ++runs_.back().to;
+        if (!is_gone_plane(walls, c)) ++runs_.back().to;
       }
       run_begin_.push_back(runs_.size());
     }

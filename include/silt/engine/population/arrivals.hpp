@@ -131,7 +131,8 @@ std::vector<Particle> particles_at(const std::vector<PlacedSphere>& places,
 /// that have surfaces.
 template <class Engine>
 Meetings meetings_of(const Engine& e, const std::vector<Inlet>& inlets, std::size_t materials) {
-  Meetings all{std::vector<LightestSpheres>(materials), std::vector<bool>(materials, false)};
+  Meetings all{std::vector<LightestSpheres>(materials), std::vector<bool>(materials, false),
+               std::vector<double>(materials, std::numeric_limits<double>::infinity())};
   for (std::size_t k = 0; k < e.owners(); ++k) {
     const auto p = e.owner(k);
     if (!p.is_there()) continue;
@@ -163,7 +164,12 @@ Meetings meetings_of(const Engine& e, const std::vector<Inlet>& inlets, std::siz
     }
   }
   for (const Wall& wall : e.walls)
-    if (!wall.surfaces.empty()) all.walls[wall.material] = true;
+    if (!wall.surfaces.empty()) {
+      all.walls[wall.material] = true;
+      if (!is_free(wall.drive)) continue;
+      auto& least = all.wall_mass[wall.material];
+      least = std::min(least, least_mass_of(wall.drive, wall.state, reach_of(wall)));
+    }
   return all;
 }
 

@@ -36,6 +36,7 @@ struct WallInput {
 /// What spheres do to a wall.
 struct WallLoad {
   Vec3d force{0, 0, 0}, torque{0, 0, 0};  // [N], [N m] about the wall's reference
+  double power = 0;                       // [W] of its surface velocity on particles
 };
 
 /// Computes the loads of spheres that are near one plane at rest: everything in lanes, as for

@@ -28,17 +28,27 @@ inline Vec3d mean_angular_velocity(const Pose& from, const Pose& to, double time
   return axis * (angle / (sine * time_step));
 }
 
+/// As mean_velocity() [m/s], with the velocity of a belt.
+inline Vec3d velocity_at_contact(const Wall& wall, const Vec3d& place, const Vec3d& normal,
+                                 double step) {
+  const Vec3d v = mean_velocity(wall, place, step);
+  return wall.has_belt() ? v + wall.belt.at(place, normal) : v;
+}
+
 /// Sets force and torque of the walls, and counts their impulse, by the loads of `parts` threads'
 /// work, each with one a wall.
 inline void sum_wall_loads(std::span<Wall> walls, std::span<const WallLoad> loads,
                            std::size_t parts, double time_step) {
   for (std::size_t w = 0; w < walls.size(); ++w) {
     walls[w].force = walls[w].torque = {0, 0, 0};
+    walls[w].belt_power = 0;
     for (std::size_t b = 0; b < parts; ++b) {
       walls[w].force += loads[b * walls.size() + w].force;
       walls[w].torque += loads[b * walls.size() + w].torque;
+      walls[w].belt_power += loads[b * walls.size() + w].power;
     }
     walls[w].impulse += walls[w].force * time_step;
+    walls[w].angular_impulse += walls[w].torque * time_step;
   }
 }
 
@@ -98,6 +108,7 @@ class WallPipeline {
     } place[block];
     Vec3d point[block];                  // [m] where it touches
     double share[block];                 // [-] overlap over the radius
+    Vec3d in_itself[block];              // [m/s] of a surface, where it has such a velocity
     alignas(64) Scalar of_force[block];  // [-] share of its force (SharedContacts)
     std::size_t count;
     std::optional<CrowdedContact> crowded;
@@ -152,6 +163,7 @@ class WallPipeline {
       load.force += force;
       load.torque += cross(s.point[k] - walls[wall].reference, force);
       if constexpr (ContactsType::has_rolling) load.torque += {-r[8], -r[9], -r[10]};
+      if (walls[wall].is_in_itself_moving()) load.power -= dot(force, s.in_itself[k]);
       tallies_[b].largest = std::max(tallies_[b].largest, s.share[k]);
     }
   }
@@ -311,7 +323,8 @@ class WallPipeline {
       const PositionRow& p = in.positions[c.particle];
       note.event.point = p.centre() - p.r * note.event.normal;
       const ParticleMotion& m = in.motions[c.particle];
-      Vec3d velocity = m.velocity() - mean_velocity(wall, note.event.point, in.times.step);
+      Vec3d velocity = m.velocity() - velocity_at_contact(wall, note.event.point, note.event.normal,
+                                                          in.times.step);
       if constexpr (rotates) velocity -= cross(m.spin_velocity(), note.event.normal);
       end_watched<ContactsType>(
           [&](std::size_t k) -> Scalar& {
@@ -341,6 +354,14 @@ class WallPipeline {
           cross(wall_spin, in.times.lag * in.times.step * (wall_velocity - motion.velocity()) +
                                in.times.lag * point.distance * change);
     }
+    if (wall.is_in_itself_moving()) {
+      s.in_itself[k] = velocity_in_itself(wall, c.surface, contacts.facets(c), contact,
+                                          point.normal, in.times.step);
+      wall_velocity += s.in_itself[k];
+    }
+    double inverse_mass = motion.inv_m;  // [1/kg] of both
+    if (wall.is_driven())
+      inverse_mass += inverse_mass_of(wall.drive, wall.state, contact, point.normal);
     const auto scalar = [](double x) { return static_cast<Scalar>(x); };
     const auto vector = [](const Vec3d& v) {
       return Vec3<Scalar>{static_cast<Scalar>(v.x), static_cast<Scalar>(v.y),
@@ -351,7 +372,7 @@ class WallPipeline {
     kin.velocity = vector(motion.velocity() - wall_velocity);
     kin.overlap = scalar(sphere.r - point.distance);
     kin.R_eff = scalar(sphere.r);
-    kin.m_eff = scalar(1 / motion.inv_m), kin.inverse_m_eff = scalar(motion.inv_m);
+    kin.m_eff = scalar(1 / inverse_mass), kin.inverse_m_eff = scalar(inverse_mass);
     if constexpr (rotates) {
       kin.spin = vector(motion.spin_velocity());
       kin.arm = scalar(point.distance * motion.inv_r);

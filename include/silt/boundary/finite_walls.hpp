@@ -1,0 +1,113 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <initializer_list>
+#include <numbers>
+#include <vector>
+
+#include <silt/boundary/triangle_mesh.hpp>
+
+/// Walls of finite size, as meshes: particles touch them from both sides, roll over their edges and
+/// hit their corners as those of any mesh. Those bounded by straight lines are exact. A disc and a
+/// capped cylinder are polygons of `facets` sides inscribed in the circle: their rim lies inside it
+/// by up to R (1 - cos(pi/facets)), 0.12 % of R with 64; faces are exact planes.
+/// Units: SI. Errors: InputError for values that make no surface.
+/// Tests: tests/boundary/finite_walls.cpp
+
+namespace silt::inline SILT_TARGET {
+
+namespace detail {
+
+using Triangles = std::vector<std::array<Vec3d, 3>>;
+
+inline void add_quad(Triangles& to, const Vec3d& a, const Vec3d& b, const Vec3d& c,
+                     const Vec3d& d) {
+  to.push_back({a, b, c}), to.push_back({a, c, d});
+}
+
+inline std::vector<Vec3d> polygon(const char* name, const Vec3d& centre, const Vec3d& axis,
+                                  double radius, int facets) {
+  require(is_finite(centre), name, ": centre = ", centre, " [m] must be finite");
+  const double length = norm(axis);
+  require(std::isfinite(length) && length > 0, name, ": the axis ", axis,
+          " must be finite and not zero");
+  require(std::isfinite(radius) && radius > 0, name, ": radius = ", radius,
+          " [m] must be finite and greater than 0");
+  require(facets >= 3 && facets <= 100000, name, ": facets = ", facets,
+          " [-] must be from 3 to 100000");
+  const auto [x, y] = across(axis * (1 / length));
+  std::vector<Vec3d> corners;
+  for (int k = 0; k < facets; ++k) {
+    const double angle = 2 * std::numbers::pi * k / facets;
+    corners.push_back(centre + radius * std::cos(angle) * x + radius * std::sin(angle) * y);
+  }
+  return corners;
+}
+
+}  // namespace detail
+
+/// The parallelogram at `corner` [m] with the sides `a` and `b` [m].
+inline TriangleMesh rectangle(const Vec3d& corner, const Vec3d& a, const Vec3d& b) {
+  require(is_finite(corner) && is_finite(a) && is_finite(b), "rectangle: corner = ", corner,
+          ", a = ", a, " and b = ", b, " [m] must be finite");
+  require(norm(cross(a, b)) > 1e-9 * norm(a) * norm(b), "rectangle: the sides a = ", a,
+          " and b = ", b, " [m] span no area");
+  detail::Triangles all;
+  detail::add_quad(all, corner, corner + a, corner + a + b, corner + b);
+  return TriangleMesh(all);
+}
+
+/// A face of a box.
+enum class Face { XLow, XHigh, YLow, YHigh, ZLow, ZHigh };
+
+/// The box from `min` to `max` [m] without the faces that are `open`; closed, its normals point
+/// outwards.
+inline TriangleMesh open_box(const Vec3d& min, const Vec3d& max,
+                             std::initializer_list<Face> open = {Face::ZHigh}) {
+  require(is_finite(min) && is_finite(max) && min.x < max.x && min.y < max.y && min.z < max.z,
+          "open_box: min = ", min, " [m] must be less than max = ", max, " [m] in x, y and z");
+  const auto at = [&](int corner) {
+    return Vec3d{corner & 1 ? max.x : min.x, corner & 2 ? max.y : min.y,
+                 corner & 4 ? max.z : min.z};
+  };
+  constexpr int faces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
+                               {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
+  detail::Triangles all;
+  for (int f = 0; f < 6; ++f) {
+    bool is_open = false;
+    for (const Face face : open) is_open |= static_cast<int>(face) == f;
+    if (!is_open)
+      detail::add_quad(all, at(faces[f][0]), at(faces[f][1]), at(faces[f][2]), at(faces[f][3]));
+  }
+  require(!all.empty(), "open_box: all six faces are open, so that nothing is left");
+  return TriangleMesh(all);
+}
+inline TriangleMesh box_mesh(const Vec3d& min, const Vec3d& max) { return open_box(min, max, {}); }
+
+/// A disc about `centre` [m], across `axis`.
+inline TriangleMesh disc(const Vec3d& centre, const Vec3d& axis, double radius, int facets = 64) {
+  const auto rim = detail::polygon("disc", centre, axis, radius, facets);
+  detail::Triangles all;
+  for (std::size_t k = 0; k < rim.size(); ++k)
+    all.push_back({centre, rim[k], rim[(k + 1) % rim.size()]});
+  return TriangleMesh(all);
+}
+
+/// A solid cylinder from `from` to `to` [m] with both ends; `open` leaves the end at `to` out: a
+/// bucket. Normals point outwards.
+inline TriangleMesh capped_cylinder(const Vec3d& from, const Vec3d& to, double radius,
+                                    int facets = 64, bool open = false) {
+  const auto low = detail::polygon("capped_cylinder", from, to - from, radius, facets);
+  detail::Triangles all;
+  for (std::size_t k = 0; k < low.size(); ++k) {
+    const Vec3d &a = low[k], &b = low[(k + 1) % low.size()], up = to - from;
+    detail::add_quad(all, a, b, b + up, a + up);
+    all.push_back({from, b, a});
+    if (!open) all.push_back({to, a + up, b + up});
+  }
+  return TriangleMesh(all);
+}
+
+}  // namespace silt

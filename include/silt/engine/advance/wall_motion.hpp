@@ -1,0 +1,128 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <variant>
+
+#include <silt/boundary/wall.hpp>
+#include <silt/motion/rotation.hpp>
+
+/// How walls with a drive move (boundary/wall_drive.hpp), as particles do with Leapfrog: positions
+/// at the steps, velocities half a step behind. The loads of a step are those at its positions.
+///
+///   v(t + dt/2) = [(m - c dt/2) v(t - dt/2) + dt (F + m g - k s)]/(m + c dt/2),  s += v dt (1) L(t
+///   + dt/2) = L(t - dt/2) + dt T, orientation by NoSquish                                  (2)
+///
+/// (1) of Slide; of Hinge with inertia, torque and angle. The dashpot c is implicit: stable for
+/// any. Momentum and angular momentum of particles and free walls are kept to rounding, as contact
+/// forces act in one point on both. Units: SI. Tests: tests/engine/free_walls.cpp, servo.cpp.
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// Moves a driven wall for `elapsed` [s]: pose, and what of the state goes with it.
+inline void drift_wall(Wall& wall, double elapsed) {
+  WallState& s = wall.state;
+  if (std::holds_alternative<FreeBody>(wall.drive)) {
+    s.centre += elapsed * s.velocity;
+    NoSquish::drift(s.turn, s.momentum, s.principal, elapsed);
+  } else {
+    s.way += elapsed * s.rate;
+  }
+  wall.pose = pose_of(wall.drive, s);
+}
+
+/// Torque [N m] on the wall about `point` [m].
+inline Vec3d torque_about(const Wall& wall, const Vec3d& point) {
+  return wall.torque + cross(wall.reference - point, wall.force);
+}
+
+/// One speed along a line or about an axis by (1).
+inline double kicked(double rate, double inertia, double damping, double force, double time) {
+  const double half = 0.5 * damping * time;
+  return ((inertia - half) * rate + time * force) / (inertia + half);
+}
+
+/// The speed of a servo, (1) of wall_drive.hpp.
+inline double servo_rate(const WallState& s, double wanted, double now, double gain, double most,
+                         double most_way, double time_step) {
+  const double miss = wanted - now;  // [N] or [N m]
+  const double rate =
+      s.stiffness > 0 ? std::clamp(gain * miss / (s.stiffness * time_step + s.damping), -most, most)
+                      : std::copysign(miss == 0 ? 0 : most, miss);
+  // Not beyond its travel.
+  return std::clamp(rate, (-most_way - s.way) / time_step, (most_way - s.way) / time_step);
+}
+
+/// What the loads of this step, gravity and the drive's own forces make of its velocity: over
+/// `kick_time` [s], which is shorter than the step for the first one.
+inline void push_wall(Wall& wall, const Vec3d& gravity, double kick_time, double time_step,
+                      bool first) {
+  WallState& s = wall.state;
+  const double before = s.rate;
+  if (const auto* servo = std::get_if<ServoForce>(&wall.drive)) {
+    s.rate = servo_rate(s, servo->force, -dot(wall.force, normalised(servo->direction)),
+                        servo->gain, servo->max_speed, servo->max_travel, time_step);
+  } else if (const auto* turner = std::get_if<ServoTorque>(&wall.drive)) {
+    s.rate = servo_rate(s, turner->torque,
+                        -dot(torque_about(wall, turner->centre), normalised(turner->axis)),
+                        turner->gain, turner->max_rate, turner->max_turn, time_step);
+  } else if (const auto* slide = std::get_if<Slide>(&wall.drive)) {
+    const double force = dot(wall.force + slide->mass * gravity, normalised(slide->direction)) +
+                         slide->force - slide->stiffness * s.way;
+    s.rate = kicked(s.rate, slide->mass, slide->damping, force, kick_time);
+  } else if (const auto* hinge = std::get_if<Hinge>(&wall.drive)) {
+    const Vec3d axis = normalised(hinge->axis);
+    Vec3d torque = torque_about(wall, hinge->centre);
+    if (hinge->mass > 0)
+      torque += cross(rotate(rotation_about(axis, s.way), hinge->centre_of_mass - hinge->centre),
+                      hinge->mass * gravity);
+    s.rate = kicked(s.rate, hinge->inertia, hinge->damping,
+                    dot(torque, axis) + hinge->torque - hinge->stiffness * s.way, kick_time);
+  } else if (const auto* body = std::get_if<FreeBody>(&wall.drive)) {
+    const Vec3d velocity = s.velocity, momentum = s.momentum;
+    s.velocity += kick_time * ((1 / body->mass) * wall.force + gravity);
+    s.momentum += kick_time * rotate(conjugate(s.turn), torque_about(wall, s.centre));
+    s.velocity_now = first ? velocity : 0.5 * (velocity + s.velocity);
+    s.momentum_now = first ? momentum : 0.5 * (momentum + s.momentum);
+  }
+  s.rate_now = first ? before : 0.5 * (before + s.rate);
+}
+
+/// After an observed state: the step will be `ratio` times as long.
+inline void change_wall_step(Wall& wall, double ratio) {
+  if (!is_free(wall.drive)) return;  // a servo's speed is that of the load
+  WallState& s = wall.state;
+  s.rate = s.rate_now + ratio * (s.rate - s.rate_now);
+  s.velocity = s.velocity_now + ratio * (s.velocity - s.velocity_now);
+  s.momentum = s.momentum_now + ratio * (s.momentum - s.momentum_now);
+}
+
+/// Energy of a wall with a mass at the last step [J].
+struct WallEnergy {
+  double kinetic = 0, gravity = 0, spring = 0;
+  double sum() const { return kinetic + gravity + spring; }
+};
+inline WallEnergy energy_of(const Wall& wall, const Vec3d& gravity) {
+  const WallState& s = wall.state;
+  WallEnergy e;
+  if (const auto* slide = std::get_if<Slide>(&wall.drive)) {
+    e.kinetic = 0.5 * slide->mass * s.rate_now * s.rate_now;
+    e.gravity = -slide->mass * dot(gravity, s.way * normalised(slide->direction));
+    e.spring = 0.5 * slide->stiffness * s.way * s.way - slide->force * s.way;
+  } else if (const auto* hinge = std::get_if<Hinge>(&wall.drive)) {
+    const Vec3d arm = hinge->centre_of_mass - hinge->centre;
+    e.kinetic = 0.5 * hinge->inertia * s.rate_now * s.rate_now;
+    e.gravity =
+        -hinge->mass * dot(gravity, rotate(rotation_about(normalised(hinge->axis), s.way), arm));
+    e.spring = 0.5 * hinge->stiffness * s.way * s.way - hinge->torque * s.way;
+  } else if (const auto* body = std::get_if<FreeBody>(&wall.drive)) {
+    const Vec3d &v = s.velocity_now, &l = s.momentum_now, &I = s.principal;
+    e.kinetic =
+        0.5 * (body->mass * dot(v, v) + l.x * l.x / I.x + l.y * l.y / I.y + l.z * l.z / I.z);
+    e.gravity = -body->mass * dot(gravity, s.centre);
+  }
+  return e;
+}
+
+}  // namespace silt::detail

@@ -1,0 +1,147 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <type_traits>
+
+#include <silt/engine/advance/wall_motion.hpp>
+#include <silt/engine/checks/contact_rates.hpp>
+#include <silt/engine/convex/convex_walls.hpp>
+
+/// How stiff the contacts of a driven wall are: what a servo's speed follows from, and whether a
+/// free wall is too light for the time step. Tests: tests/engine/servo.cpp, free_walls.cpp.
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// A contact of a wall, as it is looked at.
+struct ContactAtWall {
+  std::uint32_t particle;
+  Vec3d normal, point;  // [-], [m] on the wall
+  double overlap;       // [m]
+  double R_eff;         // [m]
+  double inverse_mass;  // [1/kg] of the particle along the normal
+};
+
+/// Calls visit(ContactAtWall) for the contacts of wall w in which there is an overlap.
+template <class EngineType, class Visit>
+void for_each_contact_of_wall(const EngineType& e, std::size_t w, const Visit& visit) {
+  const Wall& wall = e.walls[w];
+  for (const WallCandidate& c : e.lists.walls.candidates()) {
+    if (c.wall != w || c.surface >= wall.surfaces.size()) continue;
+    const auto& motion = e.particles.motion[c.particle];
+    if (motion.inv_m == 0) continue;
+    const Vec3d centre = e.particles.position[c.particle].centre();
+    if constexpr (EngineType::convex) {
+      SolidContact found[most_wall_contacts];
+      const auto& rows = e.mover.convex_rows;
+      const int count = contacts_with_wall(rows, c.particle, centre, wall, wall.surfaces[c.surface],
+                                           e.lists.walls.facets(c), found);
+      for (int k = 0; k < count; ++k)
+        if (found[k].overlap > 0)
+          visit(ContactAtWall{
+              c.particle, found[k].normal, found[k].point, found[k].overlap, found[k].R_eff,
+              found[k].gradient * found[k].gradient *
+                  body_at_contact(motion, rows, c.particle)
+                      .inverse_mass(found[k].point - centre, found[k].normal, found[k].couple)});
+    } else {
+      const double r = e.particles.position[c.particle].r;
+      visit_surface(wall.surfaces[c.surface], [&](const auto& surface) {
+        SurfacePoint points[std::remove_cvref_t<decltype(surface)>::max_contacts];
+        const Vec3d at = in_wall(wall, centre);
+        int count;
+        if constexpr (requires { surface.contacts(at, r, e.lists.walls.facets(c), points); })
+          count = surface.contacts(at, r, e.lists.walls.facets(c), points);
+        else
+          count = surface.contacts(at, r, points);
+        for (int k = 0; k < count; ++k) {
+          const Vec3d n = wall.pose.rotate(points[k].normal);
+          visit(ContactAtWall{c.particle, n, centre - points[k].distance * n,
+                              r - points[k].distance, r, motion.inv_m});
+        }
+      });
+    }
+  }
+}
+
+/// Stiffness and damping of such a contact along its normal, from the law itself.
+template <class EngineType>
+LinearContact linear_at_wall(const EngineType& e, std::size_t w, const ContactAtWall& at,
+                             double time_step) {
+  using ContactsType = typename EngineType::Contacts;
+  std::size_t own = 0;
+  if constexpr (ContactsType::several_materials) own = e.particles.material[at.particle];
+  const auto& table = e.coefficients;
+  const double inverse =
+      at.inverse_mass + inverse_mass_of(e.walls[w].drive, e.walls[w].state, at.point, at.normal);
+  Contact<double> c{};
+  c.normal = at.normal, c.overlap = at.overlap, c.R_eff = at.R_eff;
+  c.m_eff = 1 / inverse, c.inverse_m_eff = inverse, c.radius_i = at.R_eff, c.radius_j = 0;
+  c.time_step = time_step;
+  c.slip_mobility = InertiaOf<ContactsType>::slip_mobility();
+  return linearised<typename ContactsType::Law>(
+      c, table.law[own * table.materials + e.walls[w].material]);
+}
+
+/// Renews stiffness and damping that a servo's speed follows from: where the load has changed by a
+/// tenth of the wanted one since the last look, else every 20 steps. With one look in 20 steps it
+/// costs a few per cent of the wall's contacts.
+template <class EngineType>
+void look_at_stiffness(EngineType& e, std::size_t w) {
+  constexpr double looks_every = 20;  // [steps] of a contact
+  Wall& wall = e.walls[w];
+  WallState& s = wall.state;
+  const auto* const torque = std::get_if<ServoTorque>(&wall.drive);
+  const auto* const force = std::get_if<ServoForce>(&wall.drive);
+  const Vec3d axis = normalised(torque != nullptr ? torque->axis : force->direction);
+  const double load =
+      torque != nullptr ? dot(torque_about(wall, torque->centre), axis) : dot(wall.force, axis);
+  const double wanted = torque != nullptr ? torque->torque : force->force;
+  const bool touched = s.stiffness > 0;
+  if (touched == (load != 0) && s.steps_since_look + 1 < looks_every &&
+      std::abs(load - s.load_at_look) <= 0.1 * std::abs(wanted)) {
+    s.steps_since_look += 1;
+    return;
+  }
+  s.steps_since_look = 0, s.load_at_look = load, s.stiffness = s.damping = 0;
+  for_each_contact_of_wall(e, w, [&](const ContactAtWall& c) {
+    double arm2 = 1;
+    if (torque != nullptr) {
+      const Vec3d arm = cross(axis, c.point - torque->centre);
+      arm2 = dot(arm, arm);
+    }
+    const LinearContact linear = linear_at_wall(e, w, c, 1e-9);
+    s.stiffness += linear.k * arm2, s.damping += linear.c * arm2;
+  });
+}
+
+/// A wall that is so light against the stiffness of its contacts that the step does not resolve it:
+/// as ContactRates of particles.
+template <class EngineType>
+[[gnu::cold]] void check_free_walls(const EngineType& e, std::int64_t step, double time, double dt,
+                                    double limit) {
+  using I = typename EngineType::IntegratorType;
+  for (std::size_t w = 0; w < e.walls.size(); ++w) {
+    const Wall& wall = e.walls[w];
+    if (!is_free(wall.drive)) continue;
+    double k = 0, c = 0;
+    for_each_contact_of_wall(e, w, [&](const ContactAtWall& at) {
+      if (!(at.overlap > 0)) return;
+      const double own = inverse_mass_of(wall.drive, wall.state, at.point, at.normal);
+      const LinearContact linear = linear_at_wall(e, w, at, dt);
+      const double both = own + std::sqrt(own * at.inverse_mass);
+      k += linear.k * both, c += linear.c * both;
+    });
+    const double rate = rate_of<I>(dt * std::sqrt(k), dt * c);
+    if (rate > limit)
+      throw SimulationError(
+          text("step ", step, ", t = ", time, " s: ", name_of_wall(e.walls, w),
+               " is too light for its contacts at the time step ", dt, " s: rate ", rate,
+               ", above guard.max_rate = ", limit, "; set Simulation::time_step to less than ",
+               below(dt * limit / rate), " s, or give the wall a larger mass or inertia"),
+          step, {}, wall.pose.translation);
+  }
+}
+
+}  // namespace silt::detail

@@ -1,0 +1,132 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <silt/files/csv_table.hpp>
+#include <silt/io/observers.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// The mean load of a wall between two reads: its impulse, which is summed over every step, over
+/// the time. The force of one step says little where particles collide.
+///
+///   silt::MeanLoad lid(sim, "lid");
+///   sim.run(0.1);
+///   const auto mean = lid.read(sim);    // mean.force [N], mean.torque [N m], mean.duration [s]
+///
+/// Tests: tests/engine/wall_setup.cpp
+class MeanLoad {
+ public:
+  struct Load {
+    Vec3d force{}, torque{};  // [N], [N m] on the wall, about its reference
+    double duration = 0;      // [s]; 0: no time has passed, and the mean is not known
+  };
+
+  template <class Sim>
+  MeanLoad(const Sim& sim, const WhichWall& which) : wall_(sim.wall_number(which)) {
+    start(sim);
+  }
+  /// Since the last read, or the beginning.
+  template <class Sim>
+  Load read(const Sim& sim) {
+    const Wall& wall = sim.wall(wall_);
+    Load mean{wall.impulse - impulse_, wall.angular_impulse - angular_, sim.time() - time_};
+    if (mean.duration > 0) {
+      mean.force *= 1 / mean.duration, mean.torque *= 1 / mean.duration;
+      start(sim);
+    } else {
+      mean = {};
+    }
+    return mean;
+  }
+
+ private:
+  template <class Sim>
+  void start(const Sim& sim) {
+    const Wall& wall = sim.wall(wall_);
+    impulse_ = wall.impulse, angular_ = wall.angular_impulse, time_ = sim.time();
+    // The very first step's load counts for a step that ends at time 0.
+    if (sim.step() == 0 && impulse_ == Vec3d{0, 0, 0}) time_ -= sim.step_length();
+  }
+  std::size_t wall_;
+  Vec3d impulse_{}, angular_{};
+  double time_ = 0;
+};
+
+/// Writes how a wall fares to a CSV table: time, mean force and torque since the last row (about
+/// the wall's reference), impulse and angular impulse since the start, where its origin is, and of
+/// one that is driven along a line or about an axis how far it has come [m] or [rad].
+///
+///   sim.run(1, silt::wall_series("lid.csv", "lid", silt::every(0.01)));
+///
+/// After a restart the first row is the mean since the checkpoint.
+/// Errors: InputError for a wall that is not there; FileError.
+class WallSeriesObserver {
+ public:
+  WallSeriesObserver(std::string path, std::string name, std::size_t number, Schedule schedule)
+      : path_(std::move(path)), name_(std::move(name)), number_(number), schedule_(schedule) {}
+
+  template <class Sim>
+  void begin(const Sim& sim, double) {
+    schedule_.begin(sim);
+    if (table_) return;
+    const std::size_t wall =
+        name_.empty() ? sim.wall_number(number_) : sim.wall_number(std::string_view(name_));
+    mean_ = std::make_shared<MeanLoad>(sim, wall), number_ = wall;
+    static const std::vector<std::string> columns{"time [s]",
+                                                  "force x [N]",
+                                                  "force y [N]",
+                                                  "force z [N]",
+                                                  "torque x [N m]",
+                                                  "torque y [N m]",
+                                                  "torque z [N m]",
+                                                  "impulse x [N s]",
+                                                  "impulse y [N s]",
+                                                  "impulse z [N s]",
+                                                  "angular impulse x [N m s]",
+                                                  "angular impulse y [N m s]",
+                                                  "angular impulse z [N m s]",
+                                                  "x [m]",
+                                                  "y [m]",
+                                                  "z [m]",
+                                                  "way [m or rad]"};
+    table_ = std::make_shared<CsvTable>(
+        sim.continued() ? CsvTable::resume(path_, columns, sim.time() + 0.5 * sim.step_length())
+                        : CsvTable(path_, columns));
+  }
+  template <class Sim>
+  bool is_due(const Sim& sim) const {
+    return schedule_.is_due(sim);
+  }
+  template <class Sim>
+  void operator()(const Sim& sim) {
+    const MeanLoad::Load mean = mean_->read(sim);
+    const Wall& wall = sim.wall(number_);
+    std::vector<double> row{sim.time()};
+    for (const Vec3d& v :
+         {mean.force, mean.torque, wall.impulse, wall.angular_impulse, wall.pose.translation})
+      row.insert(row.end(), {v.x, v.y, v.z});
+    row.push_back(wall.state.way);
+    table_->add_row(std::span<const double>(row));
+    schedule_.mark(sim);
+  }
+
+ private:
+  std::string path_, name_;
+  std::size_t number_;
+  Schedule schedule_;
+  std::shared_ptr<CsvTable> table_;
+  std::shared_ptr<MeanLoad> mean_;
+};
+
+inline WallSeriesObserver wall_series(std::string path, const WhichWall& which, Schedule schedule) {
+  return {std::move(path), std::string(which.by_name() ? which.name() : ""),
+          which.by_name() ? 0 : which.number(), schedule};
+}
+
+}  // namespace silt

@@ -1,0 +1,141 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <silt/boundary/wall.hpp>
+#include <silt/engine/advance/wall_motion.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// A drive that turns a wall needs to know how far the wall reaches.
+inline void check_fits(const WallDrive& drive, const Box& extent) {
+  require(
+      !std::holds_alternative<FreeBody>(drive) || (is_finite(extent.min) && is_finite(extent.max)),
+      "a FreeBody needs surfaces of finite size, as meshes, cylinders and cones; a plane is "
+      "infinite");
+}
+
+/// What users read and change of walls, between runs and in observers; a Simulation has these
+/// functions as its own. A wall is named by its number or its name. InputError: there is no such
+/// wall, or a value that cannot be. Tests: tests/engine/wall_names.cpp, free_walls.cpp.
+template <class Sim>
+class WallAccess {
+ public:
+  const Wall& wall(const WhichWall& which) const {
+    const auto& walls = sim().engine().walls;
+    return walls[number_of(walls, which)];
+  }
+  std::size_t walls() const { return sim().engine().walls.size(); }
+  std::size_t wall_number(const WhichWall& which) const {
+    return number_of(sim().engine().walls, which);
+  }
+  /// The number of the wall with this name.
+  std::size_t find_wall(std::string_view name) const {
+    return number_of(sim().engine().walls, name);
+  }
+  /// As messages call it: "wall 2 'lid'".
+  std::string wall_name(std::size_t k) const { return name_of_wall(sim().engine().walls, k); }
+  void name_wall(const WhichWall& which, std::string name) {
+    const std::size_t k = number(which);
+    check_wall_name(all(), name, k);
+    all()[k].name = std::move(name);
+  }
+  /// Takes away the surfaces of a wall: a lid that opens. Its number and name stay taken.
+  void remove_wall(const WhichWall& which) {
+    Wall& wall = all()[number(which)];
+    wall.surfaces.clear();
+    sim().engine_.lists.forget();
+  }
+  /// The point [m] that torque and angular impulse are taken about from now on.
+  void set_reference(const WhichWall& which, const Vec3d& point) {
+    require(is_finite(point), "Simulation::set_reference: ", point, " [m] must be finite");
+    Wall& wall = all()[number(which)];
+    const Vec3d back = wall.reference - point;
+    wall.torque += cross(back, wall.force), wall.angular_impulse += cross(back, wall.impulse);
+    wall.reference = point;
+  }
+  /// Lets the wall move by `motion` from now on: from its present pose, by how `motion` goes on
+  /// from the present time. One that begins now: from(sim.time(), motion). An empty one stops it.
+  void set_motion(const WhichWall& which, Motion motion) {
+    const std::size_t k = number(which);
+    Wall& wall = all()[k];
+    const Pose pose = wall.pose;
+    wall.drive = {}, wall.state = {};
+    wall.state.start = pose, wall.state.since = sim().time_, wall.state.changed = 1;
+    wall.motion = motion ? std::move(motion) : Motion([](double) { return Pose{}; });
+    changed(k);
+  }
+  /// Lets the wall move by what acts on it from now on, from its present pose; a Motion that it had
+  /// is gone. An empty drive stops it.
+  void set_drive(const WhichWall& which, WallDrive drive) {
+    const std::size_t k = number(which);
+    if (drive.index() == 0) return set_motion(k, {});
+    check_drive(drive), check_fits(drive, all()[k].extent);
+    release(k, std::move(drive));
+    changed(k);
+  }
+  /// Lets the surface move in itself, as a belt's.
+  void set_surface_velocity(const WhichWall& which, const SurfaceVelocity& velocity) {
+    velocity.check();
+    const std::size_t k = number(which);
+    Wall& wall = all()[k];
+    // It may have been an immovable plane, of which the lists know.
+    if (!wall.moves() || wall.has_belt() != !velocity.is_zero()) changed(k);
+    wall.belt = velocity;
+  }
+  /// Gives the wall another mesh, in its own coordinates, in place of its `surface` (0: the first).
+  /// With the same triangles between vertices that lie elsewhere, the vertices move there in the
+  /// step that comes, and contacts feel their velocity; to deform a wall, call it in every step.
+  /// With other triangles the surface is another one, at rest. Contacts keep their memory where the
+  /// normal stays nearly the same. Each call makes the next step search. A FreeBody keeps its mass.
+  void set_mesh(const WhichWall& which, TriangleMesh mesh, std::size_t surface = 0) {
+    const std::size_t k = number(which);
+    Wall& wall = all()[k];
+    require(surface < wall.surfaces.size() && is_mesh(wall.surfaces[surface]),
+            "Simulation::set_mesh: surface ", surface, " of ", wall_name(k),
+            " is no mesh; give the number of a surface that is one");
+    auto& held = std::get<std::shared_ptr<const TriangleMesh>>(wall.surfaces[surface]);
+    const bool same =
+        held->triangles() == mesh.triangles() && held->vertices().size() == mesh.vertices().size();
+    wall.vertex_steps.clear();
+    for (std::size_t v = 0; same && v < mesh.vertices().size(); ++v)
+      wall.vertex_steps.push_back(mesh.vertices()[v] - held->vertices()[v]);
+    wall.deforming = same && sim().dt_ > 0 ? 2 : 0, wall.deformed = surface;
+    if (!same) sim().engine_.lists.walls.forget_facets(k);
+    held = std::make_shared<const TriangleMesh>(std::move(mesh));
+    wall.extent = extent_of(wall.surfaces);
+    changed(k);
+  }
+  /// Kinetic energy of a free wall, and against gravity and in its spring [J], at time().
+  WallEnergy wall_energy(const WhichWall& which) const {
+    return energy_of(wall(which), sim().gravity);
+  }
+
+ protected:
+  /// Gives wall k a drive; in the middle of a run it gets the half kick that others have had.
+  void release(std::size_t k, WallDrive drive) {
+    Wall& wall = all()[k];
+    wall.motion = {}, wall.drive = std::move(drive);
+    wall.state = released(wall.drive, wall.pose, sim().time_);
+    if (sim().kicked_ && is_free(wall.drive))
+      push_wall(wall, sim().gravity, 0.5 * sim().dt_, sim().dt_, true);
+  }
+
+ private:
+  Sim& sim() { return static_cast<Sim&>(*this); }
+  const Sim& sim() const { return static_cast<const Sim&>(*this); }
+  auto& all() { return sim().engine_.walls; }
+  std::size_t number(const WhichWall& which) { return number_of(all(), which); }
+  /// The lists are made anew, and the time step is held against its limit.
+  void changed(std::size_t) {
+    sim().engine_.lists.forget();
+    sim().scene_changed_ = true, sim().checked_speed_ = 0;
+  }
+};
+
+}  // namespace silt::inline SILT_TARGET::detail

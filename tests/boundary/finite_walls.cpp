@@ -1,0 +1,104 @@
+// silt - BSD-3-Clause, see LICENSE
+// Walls of finite size: areas and volumes, contacts at faces, edges and corners, refusals.
+#include <silt/boundary/finite_walls.hpp>
+
+#include "support.hpp"
+
+namespace finite_walls_test {
+
+using namespace boundary_test;
+using silt::Face;
+using silt::TriangleMesh;
+
+namespace {
+
+/// Where a sphere first touches: normal and distance of the deepest contact.
+SurfacePoint nearest(const TriangleMesh& mesh, const Vec3d& centre) {
+  return mesh.nearest_point(centre);
+}
+
+}  // namespace
+
+TEST_CASE("finite walls: areas and volumes are those of rectangle and box, exactly") {
+  CHECK(silt::rectangle({1, 2, 3}, {2, 0, 0}, {0, 0, 3}).area() == doctest::Approx(6));
+  const auto box = silt::box_mesh({-1, -2, -3}, {1, 2, 3});
+  CHECK(box.is_closed());
+  CHECK(box.volume() == doctest::Approx(48));  // positive: normals point outwards
+  CHECK(box.area() == doctest::Approx(2 * (8 + 24 + 12)));
+  const auto tub = silt::open_box({0, 0, 0}, {1, 2, 3});
+  CHECK(!tub.is_closed());
+  CHECK(tub.area() == doctest::Approx(2 * (2 + 3 + 6) - 2));
+  CHECK(tub.bounds().max.z == 3);
+  const auto duct = silt::open_box({0, 0, 0}, {1, 2, 3}, {Face::XLow, Face::XHigh});
+  CHECK(duct.area() == doctest::Approx(2 * (2 + 3)));
+}
+
+TEST_CASE("finite walls: a disc and a cylinder are polygons of so many sides") {
+  const double R = 0.5;
+  for (const int n : {6, 64}) {
+    const double polygon = 0.5 * n * R * R * std::sin(2 * pi / n);
+    const auto disc = silt::disc({1, 0, 0}, {0, 1, 1}, R, n);
+    CHECK(disc.area() == doctest::Approx(polygon));
+    const auto solid = silt::capped_cylinder({0, 0, 1}, {0, 0, 3}, R, n);
+    CHECK(solid.is_closed());
+    CHECK(solid.volume() == doctest::Approx(2 * polygon));
+    const auto bucket = silt::capped_cylinder({0, 0, 1}, {0, 0, 3}, R, n, true);
+    CHECK(!bucket.is_closed());
+    CHECK(bucket.area() == doctest::Approx(solid.area() - polygon));
+    // The rim is inside the circle by up to the sagitta.
+    double least = R;
+    for (int k = 0; k < 1000; ++k) {
+      const double phi = 2 * pi * k / 1000;
+      const Vec3d out{3 * std::cos(phi), 3 * std::sin(phi), 2};
+      least = std::min(least, 3 - nearest(solid, out).distance);
+      CHECK(3 - nearest(solid, out).distance <= R * (1 + 1e-12));
+    }
+    CHECK(least >= R * std::cos(pi / n) * (1 - 1e-12));
+  }
+}
+
+TEST_CASE("finite walls: faces, edges and corners are as far as geometry says, from both sides") {
+  const auto plate = silt::rectangle({0, 0, 0}, {2, 0, 0}, {0, 1, 0});
+  for (const double side : {1.0, -1.0}) {
+    CHECK(nearest(plate, {0.7, 0.2, side * 0.1}).distance == doctest::Approx(0.1));
+    CHECK(nearest(plate, {0.7, 0.2, side * 0.1}).normal.z == doctest::Approx(side));
+    const auto edge = nearest(plate, {2.3, 0.5, side * 0.4});
+    CHECK(edge.distance == doctest::Approx(0.5));
+    CHECK(edge.normal.x == doctest::Approx(0.6));
+    const auto corner = nearest(plate, {-0.1, -0.2, side * 0.2});
+    CHECK(corner.distance == doctest::Approx(0.3));
+    CHECK(corner.normal.z == doctest::Approx(side * 2.0 / 3));
+  }
+  // A sphere in a corner of an open box touches three faces.
+  const auto tub = silt::open_box({0, 0, 0}, {1, 1, 1});
+  std::vector<std::uint32_t> near;
+  tub.triangles_near({0.1, 0.1, 0.1}, 0.12, near);
+  SurfacePoint points[TriangleMesh::max_contacts];
+  CHECK(tub.contacts({0.1, 0.1, 0.1}, 0.12, near, points) == 3);
+}
+
+TEST_CASE("finite walls: what makes no surface is refused") {
+  refuses<silt::InputError>([] { silt::rectangle({0, 0, 0}, {1, 0, 0}, {2, 0, 0}); }, "no area");
+  refuses<silt::InputError>(
+      [] {
+        silt::rectangle({0, 0, 0}, {1, 0, not_a_number}, {0, 1, 0});
+      },
+      "finite");
+  refuses<silt::InputError>([] { silt::open_box({0, 0, 0}, {1, 0, 1}); }, "open_box: min");
+  refuses<silt::InputError>(
+      [] {
+        silt::open_box({0, 0, 0}, {1, 1, 1},
+                       {Face::XLow, Face::XHigh, Face::YLow, Face::YHigh, Face::ZLow, Face::ZHigh});
+      },
+      "all six faces are open");
+  refuses<silt::InputError>([] { silt::disc({0, 0, 0}, {0, 0, 0}, 1); }, "disc: the axis");
+  refuses<silt::InputError>([] { silt::disc({0, 0, 0}, {0, 0, 1}, -1); }, "disc: radius = -1");
+  refuses<silt::InputError>([] { silt::disc({0, 0, 0}, {0, 0, 1}, 1, 2); }, "disc: facets = 2");
+  refuses<silt::InputError>(
+      [] {
+        silt::capped_cylinder({0, 0, 1}, {0, 0, 1}, 1);
+      },
+      "capped_cylinder: the axis");
+}
+
+}  // namespace finite_walls_test
