@@ -311,7 +311,8 @@ class WallContacts {
           if (walls[c.wall].surfaces.empty())
             continue;  // taken away; the lists will be renewed before they are used
           const Plane plane = plane_at_rest(walls, c)->unit();
-          runs_.push_back({c.wall, plane.normal, dot(plane.point, plane.normal), c.slot, c.slot});
+          runs_.push_back(
+              {c.wall, c.surface, plane.normal, dot(plane.point, plane.normal), c.slot, c.slot});
         }
         if (!walls[c.wall].surfaces.empty()) ++runs_.back().to;
       }
