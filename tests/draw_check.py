@@ -54,8 +54,8 @@ rng = np.random.default_rng(1)
 VTK = {"float64": "Float64", "float32": "Float32", "uint32": "UInt32"}
 
 
-def write_vtp(path, points, triangles=(), **fields):
-    """As silt writes them: appended raw data."""
+def write_vtp(path, points, triangles=(), lines=False, **fields):
+    """As silt writes them: appended raw data. Lines: of two points each, the fields are theirs."""
     data = b""
 
     def array(name, values):
@@ -65,8 +65,11 @@ def write_vtp(path, points, triangles=(), **fields):
         return (f'<DataArray type="{VTK[str(values.dtype)]}" Name="{name}" format="appended" '
                 f'NumberOfComponents="{values[0].size}" offset="{offset}"/>')
 
-    body = "<Points>" + array("Points", np.asarray(points, float)) + "</Points><PointData>"
-    body += "".join(array(name, values) for name, values in fields.items()) + "</PointData>"
+    body = "<Points>" + array("Points", np.asarray(points, float)) + "</Points>"
+    kind = "CellData" if lines else "PointData"
+    body += f"<{kind}>" + "".join(array(name, v) for name, v in fields.items()) + f"</{kind}>"
+    if lines:
+        body += "<Lines>" + array("connectivity", np.arange(len(points), dtype=np.uint32)) + "</Lines>"
     if len(triangles):
         corners = np.asarray(triangles, np.uint32).reshape(-1)
         body += "<Polys>" + array("connectivity", corners) + "</Polys>"
@@ -205,6 +208,35 @@ kept = cut.clip_triangles(wall)
 area = np.linalg.norm(np.cross(kept[:, 1] - kept[:, 0], kept[:, 2] - kept[:, 0]), axis=1).sum() / 2
 check(abs(area - 0.75) < 1e-12 and kept[:, :, 1].min() > 0.25 - 1e-12,
       f"a wall cut at a quarter has an area of {area}, not 0.75")
+
+# Force chains: catches lines left out of a slab or drawn in another place, and pulls drawn as
+# pushes: of four contacts across the picture, two lie in the slab and press.
+with tempfile.TemporaryDirectory() as folder:
+    path, out = os.path.join(folder, "contacts.vtp"), os.path.join(folder, "chains.png")
+    ends = [[x, y, z] for y, z in ((0, 0), (0, 1), (0.5, 2), (0, 3)) for x in (0, 3)]
+    write_vtp(path, ends, lines=True, normal_force=np.array([1, 2, 3, -1], np.float32))
+    for slab, heights in (("y=-0.1,0.1", [0, 1]), ("y=0.4,0.6", [2]), (None, [0, 1, 2])):
+        lines, force = draw.pressing_lines(path, slab)
+        check(lines[:, :, 2].tolist() == [[z, z] for z in heights] and
+              force.tolist() == [z + 1 for z in heights], f"chains in {slab}: {lines}")
+    done = run("chains", path, "--slab", "y=-0.1,0.1", "--out", out)
+    check(done.returncode == 0 and os.path.getsize(out) > 1000, f"draw.py chains: {done.stderr}")
+    refused("no contacts that press", "chains", path, "--slab", "y=7,8", "--out", out)
+    refused("an axis and two places", "chains", path, "--slab", "w=7,8", "--out", out)
+
+# A layer of a grid in space: catches a thin axis taken for one of the picture, blank cells drawn.
+with tempfile.TemporaryDirectory() as folder:
+    path = os.path.join(folder, "layer.csv")
+    with open(path, "w") as file:
+        file.write("x [m],y [m],z [m],solid fraction [-],speed [m/s]\n")
+        for k in range(6):
+            file.write(f"{k % 2},0.5,{k // 2},{0.1 * k:g},{k}\n")
+    name, values, bounds = draw.read_cells(path, "speed", "solid fraction=0.15")
+    check(name == "speed [m/s]" and values.shape == (3, 2) and bounds == (-0.5, 1.5, -0.5, 2.5),
+          "a layer of a grid is not read as x and z")
+    check(np.isnan(values).sum() == 2 and values[2, 1] == 5, "cells with too little are not left out")
+    refused("a column and a number", "cells", path, "--value", "speed", "--least", "speed",
+            "--out", os.path.join(folder, "x.png"))
 
 print(f"draw.py: {failed} problems")
 sys.exit(1 if failed else 0)

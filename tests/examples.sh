@@ -15,7 +15,8 @@ refused "$work/file" --quick --out "$work/file/out"
 refused "nowhere.silt" --quick --out "$work/r" --restart "$work/nowhere.silt"
 
 if "$hopper" --quick --out "$work/quick" >"$work/log" 2>&1; then
-  for file in summary.json discharge.csv checkpoint.silt vtk/particles.pvd snapshots.png discharge.png; do
+  for file in summary.json discharge.csv checkpoint.silt vtk/particles.pvd snapshots.png discharge.png flow.csv flow.png
+    contacts_at_rest.vtp chains.png; do
     [ -s "$work/quick/$file" ] || fail "hopper --quick left no $file"
   done
   grep -q '"holds": false' "$work/quick/summary.json" && fail "a check does not hold but the status is 0"

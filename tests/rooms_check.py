@@ -18,11 +18,12 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 ROOMS = """
 core files boundary shape contact motion search fill fluid coupling module
 engine/state engine/lists engine/contact engine/spheres engine/convex engine/stages engine/advance
-engine/checks engine/population engine simulation io study umbrella
+engine/checks engine/population engine simulation measure io study umbrella
 """.split()
 # The picture: floors from the top down, each room with what lies in it.
 FLOORS = [
     [("io", "observers, checkpoints, CSV and VTK"), ("study", "error against run time")],
+    [("measure", "stress, coordination, wall loads, coarse-grained fields")],
     [("simulation", "Simulation: policies, the loop, what users read and set")],
     [("engine", "the state, and each stage of a step as a function")],
     [("engine/population", "inlets, outlets"), ("engine/checks", "guard, time step"),
@@ -96,7 +97,7 @@ def picture():
         for place, (room, words) in enumerate(floor):
             x, middle = left + place * (each + gap), left + place * (each + gap) + each / 2
             kind = ("core" if room == "core" else "engine" if room.startswith("engine") else
-                    "face" if room in ("simulation", "io", "study") else "field")
+                    "face" if room in ("simulation", "measure", "io", "study") else "field")
             rows.append(f'<rect class="{kind}" x="{x:g}" y="{top}" width="{each:g}" '
                         f'height="{height}" rx="6"/>'
                         f'<text class="name" x="{middle:g}" y="{top + 20}">{room}</text>'

@@ -125,6 +125,14 @@ double beverloo(double L, double d, double bulk_density) {
   return 4 / M_PI * 0.58 * bulk_density * free * free * std::sqrt(9.81 * free);
 }
 
+/// Cells in the plane through the middle of the hopper, from its orifice to above the filling.
+silt::CoarseGrid middle_layer(const Scene& s) {
+  const double cell = 2.5e-3, half = cell / 2, low = s.orifice_height() - 0.01,
+               high = s.funnel_top() + 1.1 * s.bulk_height();  // [m]
+  return {{{0, s.width / 2 - half, low}, {s.width, s.width / 2 + half, high}},
+          {static_cast<int>(s.width / cell), 1, static_cast<int>((high - low) / cell)}};
+}
+
 /// What is looked at every few milliseconds.
 template <class Sim>
 struct Watch {
@@ -222,6 +230,7 @@ int simulate(Scene scene, const example::Options& options) {
 
   // At rest first ...
   double fraction = 0, rest = 0;
+  bool has_chains = false;
   const double total = [&] {
     double m = 0;
     for (std::size_t k = 0; k < sim.rows(); ++k) m += sim.mass(k);
@@ -235,6 +244,24 @@ int simulate(Scene scene, const example::Options& options) {
   fraction = solid_fraction(sim, {{0.015, 0.015, scene.funnel_top() + 0.005},
                                   {scene.width - 0.015, scene.width - 0.015, bed_top}});
   rest = Watch(sim, 0).energy / (total * 9.81 * 2 * scene.r_max);
+  if (sim.time() < opening + 0.5 * scene.time_step && sim.has_contacts()) {
+    // What the grains press with: force chains, and contacts against the walls' forces. These are
+    // the weight but for what is left of the bed's bouncing, 3 % with --quick.
+    has_chains = true;
+    silt::write_contacts(options.out + "/contacts_at_rest.vtp", sim);
+    const auto z = silt::coordination(sim);
+    silt::Vec3d on_walls{0, 0, 0}, by_contacts{0, 0, 0};
+    for (std::size_t w = 0; w < sim.walls(); ++w) on_walls += sim.wall(w).force;
+    sim.for_each_contact([&](const silt::ContactSeen& c) {
+      if (c.wall != silt::no_wall) by_contacts -= c.force;
+    });
+    summary.result("coordination_number_at_rest", z.mean);
+    summary.result("coordination_number_without_rattlers", z.without_rattlers);
+    summary.check_at_most("contacts_against_wall_forces_over_weight",
+                          silt::norm(on_walls - by_contacts) / (9.81 * total), 1e-4);
+    summary.check_at_most("weight_on_walls_off_by", std::abs(-on_walls.z / (9.81 * total) - 1),
+                          0.1);
+  }
   if (sim.time() < opening + 0.5 * scene.time_step) sim.remove_wall(lid);
 
   // ... and then opened.
@@ -260,6 +287,9 @@ int simulate(Scene scene, const example::Options& options) {
                            {"time [s]", "mass below [kg]", "particles below [-]", "contacts [-]",
                             "kinetic energy [J]", "time per step [ms]"},
                            silt::every(0.005), watch);
+  // The flow in the middle layer, as means from when it has begun until half of it has gone by.
+  auto flow = silt::coarse_grained(middle_layer(scene), silt::GaussianKernel{.width = 1.5e-3},
+                                   silt::every(0.01));
   std::vector<std::string> pictures, titles;
   const auto& moments = scene.moments;
   auto series = silt::vtk_series(options.out + "/vtk", silt::every(0.02), layers);
@@ -267,7 +297,10 @@ int simulate(Scene scene, const example::Options& options) {
   for (int k = 0; sim.time() < opening + end; ++k) {
     const double next = k < 4 ? opening + moments[k] : sim.time() + 0.1;
     if (next <= sim.time()) continue;  // before the restart
-    sim.run(next - sim.time(), table, series, save, silt::progress());
+    if (k >= 1 && k < 3)
+      sim.run(next - sim.time(), table, series, save, flow, silt::progress());
+    else
+      sim.run(next - sim.time(), table, series, save, silt::progress());
     if (k < 4) {
       pictures.push_back(silt::text(options.out, "/snapshot_", moments[k], "s.vtp"));
       titles.push_back(silt::text(moments[k], " s after opening"));
@@ -334,8 +367,20 @@ int simulate(Scene scene, const example::Options& options) {
   arguments.insert(arguments.end(), {"--walls", options.out + "/outlines.vtp", "--title"});
   arguments.insert(arguments.end(), titles.begin(), titles.end());
   arguments.insert(arguments.end(), {"--out", options.out + "/snapshots.png"});
+  const std::string layer = options.out + "/flow.csv",
+                    chains = options.out + "/contacts_at_rest.vtp";
+  const bool has_flow = flow.fields().samples() > 0;
+  if (has_flow) flow.fields().write_csv(layer);
   const bool drawn =
       example::draw(arguments) &&
+      (!has_flow || example::draw({"cells", layer, "--value", "speed", "--least",
+                                   "solid fraction=0.2", "--title", "Mean speed, middle layer",
+                                   "--out", options.out + "/flow.png"})) &&
+      (!has_chains ||
+       example::draw({"chains", chains, "--slab",
+                      silt::text("y=", scene.width / 2 - 3e-3, ",", scene.width / 2 + 3e-3),
+                      "--walls", options.out + "/outlines.vtp", "--title", "Before opening",
+                      "--out", options.out + "/chains.png"})) &&
       example::draw({"curves", options.out + "/discharge.csv", "--x", "time", "--y", "mass below",
                      "--reference", silt::text("Beverloo:", theory, ",", 0), "--title", "Discharge",
                      "--out", options.out + "/discharge.png"}) &&
@@ -353,7 +398,8 @@ int simulate(Scene scene, const example::Options& options) {
   std::printf(
       "Look at: %s/%s\n         %s/vtk/particles.pvd (ParaView), %s/discharge.csv, "
       "%s/summary.json\n",
-      options.out.c_str(), drawn ? "snapshots.png, discharge.png, contacts.png" : "",
+      options.out.c_str(),
+      drawn ? "snapshots.png, flow.png, chains.png, discharge.png, contacts.png" : "",
       options.out.c_str(), options.out.c_str(), options.out.c_str());
   if (!drawn) std::printf("(no pictures: draw.py needs Python 3 with numpy and matplotlib)\n");
   return summary.all_hold() ? 0 : 1;

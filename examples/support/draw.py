@@ -6,6 +6,7 @@
   draw.py spheres surfaces.vtp --out shapes.png --colour form
   draw.py curves energy.csv --x time --y kinetic,potential --out energy.png
   draw.py cells early.csv late.csv --value voidage --out voidage.png
+  draw.py chains contacts.vtp --slab y=0.04,0.06 --out chains.png
 
 Needs numpy and matplotlib (Debian: apt-get install python3-numpy python3-matplotlib).
 A wrong argument or file ends in one sentence on stderr and exit status 2.
@@ -29,6 +30,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 from canvas import Canvas  # noqa: E402
 from matplotlib.cm import ScalarMappable  # noqa: E402
+from matplotlib.collections import LineCollection  # noqa: E402
 from matplotlib.colors import ListedColormap, Normalize, to_rgb  # noqa: E402
 from matplotlib.lines import Line2D  # noqa: E402
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator  # noqa: E402
@@ -50,8 +52,8 @@ class Refusal(Exception):
 # ------------------------------------------------------------------------------------ files
 
 
-def read_vtp(path):
-    """Points, fields by name, and triangles of a PolyData file with appended raw arrays."""
+def read_arrays(path, sections):
+    """The arrays of a PolyData file with appended raw data, by section and name."""
     try:
         with open(path, "rb") as file:
             content = file.read()
@@ -81,11 +83,24 @@ def read_vtp(path):
         return values.reshape(-1, components) if components > 1 else values
 
     arrays = {section: {a.get("Name"): array(a) for a in root.iterfind(f".//{section}/DataArray")}
-              for section in ("Points", "PointData", "Polys")}
+              for section in sections}
     if "Points" not in arrays["Points"]:
         raise foreign
+    return arrays
+
+
+def read_vtp(path):
+    """Points, fields by name, and triangles of a file of silt's."""
+    arrays = read_arrays(path, ("Points", "PointData", "Polys"))
     corners = arrays["Polys"].get("connectivity", np.empty(0, int))
     return arrays["Points"]["Points"], arrays["PointData"], corners.reshape(-1, 3)
+
+
+def read_lines(path):
+    """Lines (n, 2, 3) and their fields by name."""
+    arrays = read_arrays(path, ("Points", "CellData", "Lines"))
+    ends = arrays["Lines"].get("connectivity", np.empty(0, int)).reshape(-1, 2)
+    return arrays["Points"]["Points"][ends].astype(float).reshape(-1, 2, 3), arrays["CellData"]
 
 
 def read_csv(path):
@@ -575,27 +590,41 @@ def draw_curves(options):
 # ------------------------------------------------------------------------------------ cells
 
 
-def read_cells(path, wanted):
+def read_cells(path, wanted, least=None):
     """Name and values of a field on the cells of a plane, upwards and across, and its bounds."""
     names, rows = read_csv(path)
     name = find_name(wanted, names, "column", path)
+    if [split_unit(n)[0] for n in names[:3]] == ["x", "y", "z"]:  # a layer of a grid in space
+        thin = [c for c in range(3) if len(np.unique(rows[:, c])) == 1]
+        keep = [c for c in range(len(names)) if c not in thin[:1]]
+        names, rows = [names[c] for c in keep], rows[:, keep]
     x, y = np.unique(rows[:, 0]), np.unique(rows[:, 1])
     if len(x) < 2 or len(y) < 2 or len(x) * len(y) != len(rows):
         raise Refusal(f"file '{path}' has {len(rows)} rows for {len(x)} x {len(y)} places in its "
                       "first two columns; it must have one for each cell of a rectangle")
     values = np.empty((len(y), len(x)))
-    values[np.searchsorted(y, rows[:, 1]), np.searchsorted(x, rows[:, 0])] = \
-        rows[:, names.index(name)]
+    wanted_values = rows[:, names.index(name)].copy()
+    if least:
+        column, _, number = least.rpartition("=")
+        try:
+            low = float(number)
+        except ValueError:
+            raise Refusal(f"--least '{least}' must be a column and a number, such as "
+                          "'solid fraction=0.1'")
+        wanted_values[rows[:, names.index(find_name(column, names, "column", path))] < low] = np.nan
+        if np.isnan(wanted_values).all():
+            raise Refusal(f"file '{path}': --least '{least}' leaves no cell to draw")
+    values[np.searchsorted(y, rows[:, 1]), np.searchsorted(x, rows[:, 0])] = wanted_values
     dx, dy = (x[1] - x[0]) / 2, (y[1] - y[0]) / 2
     return name, values, (x[0] - dx, x[-1] + dx, y[0] - dy, y[-1] + dy)
 
 
 def draw_cells(options):
     titles = captions(options.title, options.files)
-    fields = [read_cells(path, options.value) for path in options.files]
+    fields = [read_cells(path, options.value, options.least) for path in options.files]
     bounds = fields[0][2]
     low, high = (parse_numbers("--range", options.range, 2) if options.range else
-                 (min(f[1].min() for f in fields), max(f[1].max() for f in fields)))
+                 (min(np.nanmin(f[1]) for f in fields), max(np.nanmax(f[1]) for f in fields)))
     norm = Normalize(low, high if high > low else low + (abs(low) or 1))
     sheet = Sheet(titles, (bounds[1] - bounds[0]) / (bounds[3] - bounds[2]))
     figure = plt.figure(figsize=(sheet.width, sheet.height))
@@ -612,6 +641,71 @@ def draw_cells(options):
                           cax=figure.add_axes(sheet.box(max((sheet.width - width) / 2, 2.2), 0.50,
                                                         width, 0.14)))
     bar.set_label(fields[0][0], fontsize=11)
+    save(figure, options.out)
+
+
+# ----------------------------------------------------------------------------------- chains
+
+
+def pressing_lines(path, slab):
+    """The lines (n, 2, 3) of contacts that press, in the slab if there is one, weakest first; and
+    their normal forces."""
+    lines, fields = read_lines(path)
+    force = fields[find_name("normal_force", list(fields), "field", path)].astype(float)
+    keep = force > 0
+    if slab:
+        axis, _, words = slab.partition("=")
+        if axis not in ("x", "y", "z"):
+            raise Refusal(f"--slab '{slab}' must be an axis and two places in metres, such as "
+                          "y=0.04,0.06")
+        low, high = parse_numbers("--slab", words, 2)
+        middle = lines[:, :, "xyz".index(axis)].mean(axis=1)
+        keep &= (middle >= low) & (middle <= high)
+    if not keep.any():
+        raise Refusal(f"file '{path}' has no contacts that press, where they are looked for")
+    order = np.argsort(force[keep])
+    return lines[keep][order], force[keep][order]
+
+
+def draw_chains(options):
+    """Contacts as lines, as thick and as dark as their normal force, the strongest on top."""
+    axes = view_axes(options.view)
+    titles = captions(options.title, options.files)
+    edges = np.empty((0, 2, 3))
+    if options.walls:
+        points, _, triangles = read_vtp(options.walls)
+        edges = wall_edges(points, triangles, axes[2])
+    beds = []
+    for path in options.files:
+        lines, force = pressing_lines(path, options.slab)
+        beds.append(((lines @ axes.T)[:, :, :2], force))
+    corners = np.concatenate([bed[0].reshape(-1, 2) for bed in beds] +
+                             [(edges.reshape(-1, 3) @ axes.T)[:, :2]])
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    margin = 0.02 * (high - low).max()
+    bounds = [low[0] - margin, high[0] + margin, low[1] - margin, high[1] + margin]
+    strong = max(np.quantile(bed[1], 0.995) for bed in beds)  # [N] of the thickest lines
+    norm = Normalize(0, strong)
+    colours = ListedColormap(plt.get_cmap("magma_r")(np.linspace(0.12, 0.9, 256)))
+    sheet = Sheet(titles, (bounds[1] - bounds[0]) / (bounds[3] - bounds[2]))
+    figure = plt.figure(figsize=(sheet.width, sheet.height))
+    for k, ((lines, force), title) in enumerate(zip(beds, titles)):
+        panel = figure.add_axes(sheet.panel(k))
+        share = np.minimum(force / strong, 1)
+        panel.add_collection(LineCollection(lines, linewidths=0.15 + 2.6 * share,
+                                            colors=colours(share), capstyle="round"))
+        panel.add_collection(LineCollection((edges @ axes.T)[:, :, :2], linewidths=0.8,
+                                            colors="0.3"))
+        panel.set(xlim=bounds[:2], ylim=bounds[2:])
+        panel.set_axis_off()
+        letters = max(6, int(sheet.panel_width * 72 / (0.55 * 12)))
+        panel.set_title(textwrap.fill(title, letters), fontsize=12, pad=6)
+    draw_scale_bar(figure, sheet, bounds[1] - bounds[0])
+    width = min(4.0, sheet.width - 2.6)
+    bar = figure.colorbar(ScalarMappable(norm, colours), orientation="horizontal", extend="max",
+                          cax=figure.add_axes(sheet.box(max((sheet.width - width) / 2, 2.2), 0.50,
+                                                        width, 0.14)))
+    bar.set_label("normal force [N]", fontsize=11)
     save(figure, options.out)
 
 
@@ -662,7 +756,17 @@ def parse(arguments):
     cells.add_argument("--range", metavar="LOW,HIGH", help="values at the ends of the colour bar")
     cells.add_argument("--title", nargs="+", metavar="T", help="a caption for each file")
     cells.add_argument("--out", required=True, metavar="PNG")
+    cells.add_argument("--least", metavar="COLUMN=VALUE", help="cells with less of it stay white")
     cells.set_defaults(draw=draw_cells)
+
+    chains = commands.add_parser("chains", help="contacts as lines, as thick as their force")
+    chains.add_argument("files", nargs="+", metavar="FILE.vtp", help="by silt::contact_series")
+    chains.add_argument("--view", choices=["front", "side", "top", "iso"], default="front")
+    chains.add_argument("--slab", metavar="y=0.04,0.06", help="only contacts between these places [m]")
+    chains.add_argument("--walls", metavar="FILE.vtp", help="a surface, drawn by its edges")
+    chains.add_argument("--title", nargs="+", metavar="T", help="a caption for each file")
+    chains.add_argument("--out", required=True, metavar="PNG")
+    chains.set_defaults(draw=draw_chains)
     # Values such as -0.1,0.1,0,1 begin like an option: join them to theirs.
     joined = []
     for argument in arguments:

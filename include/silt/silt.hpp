@@ -32,12 +32,17 @@
 #include <silt/fill/particle_file.hpp>
 #include <silt/fill/particles.hpp>
 #include <silt/io/checkpoint.hpp>
+#include <silt/io/coarse_grained.hpp>
 #include <silt/io/contact_observers.hpp>
+#include <silt/io/contact_series.hpp>
 #include <silt/io/observers.hpp>
 #include <silt/io/particle_csv.hpp>
 #include <silt/io/progress.hpp>
 #include <silt/io/scene_warnings.hpp>
 #include <silt/io/wall_series.hpp>
+#include <silt/measure/coordination.hpp>
+#include <silt/measure/stress.hpp>
+#include <silt/measure/wall_loads.hpp>
 #include <silt/module/body_force.hpp>
 #include <silt/module/field.hpp>
 #include <silt/search/brute_force.hpp>

@@ -26,6 +26,7 @@
 #include <silt/fill/particles.hpp>
 #include <silt/search/verlet_list.hpp>
 #include <silt/simulation/body_readings.hpp>
+#include <silt/simulation/contact_access.hpp>
 #include <silt/simulation/energy_ledger.hpp>
 #include <silt/simulation/module_access.hpp>
 #include <silt/simulation/observing.hpp>
@@ -58,7 +59,8 @@ namespace silt::inline SILT_TARGET {
 /// cannot be used, SimulationError for a run that breaks a limit of `guard`; policies that do not
 /// make a simulation: a sentence at compile time (simulation/refused_simulation.hpp).
 template <class... Policies>
-class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
+class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
+                   public detail::ModuleAccess<Simulation<Policies...>>,
                    public detail::ParticleEdits<Simulation<Policies...>>,
                    public detail::BodyReadings<Simulation<Policies...>>,
                    public detail::WallAccess<Simulation<Policies...>> {
@@ -114,6 +116,9 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
   std::optional<double> time_step;  // [s]; left out: a 20th of the shortest contact
   int threads = default_threads();  // results do not depend on it
   Guard guard;
+  /// Whether steps that a program's own observers see, and the last one of a run, keep their
+  /// contacts for for_each_contact(): unless set, if the program calls it anywhere.
+  bool keep_contacts = detail::asks_for_contacts<Simulation>;
 
   template <class... Args>
   explicit Simulation(Args&&... policies)
@@ -199,6 +204,8 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
     for (;; ++step_, time_ = time_at(step_)) {
       const bool stop = step_ >= last;
       if (!kicked_) {
+        record_contacts_ = (stop && keep_contacts) ||
+                           (detail::reads_contacts(observers, *this, keep_contacts) || ...);
         advance(stop || (detail::is_due(observers, *this) || ...));
         if constexpr (has_events) (detail::tell(observers, engine_.events), ...);
       }
@@ -295,7 +302,8 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
     if (first_kick_) engine_.start_walls(time_, dt_);
     openings_.update(engine_, *this);
     engine_.renew_lists(search_, domain_, step_, dt_);
-    const detail::StepTimes times = times_of_step(observed);
+    detail::StepTimes times = times_of_step(observed);
+    times.record = engine_.record.begin(record_contacts_, step_);
     engine_.prepare_fluxes(modules_, time_);
     engine_.pair_forces(domain_, times);
     engine_.wall_forces(times);
@@ -374,6 +382,7 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
 
   template <class Sim>
   friend class Checkpoint;
+  friend class detail::ContactAccess<Simulation>;
   friend class detail::ModuleAccess<Simulation>;
   friend class detail::ParticleEdits<Simulation>;
   friend class detail::BodyReadings<Simulation>;
@@ -407,6 +416,7 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
   double checked_speed_ = 0, checked_overlap_ = 0, peak_overlap_ = 0;
   detail::NextIds next_;
   bool first_kick_ = true, kicked_ = false, observed_ = false, continued_ = false;
+  bool record_contacts_ = false;  // of the present step
   bool scene_changed_ = false;   // since the last run began
   std::int64_t scene_step_ = 0;  // when particles or walls were last added
   detail::OverlapLimits overlap_limits_;

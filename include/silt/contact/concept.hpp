@@ -214,6 +214,8 @@ SILT_INLINE Aggregate<Real> broadcast(const Aggregate<double>& a) {
 ///   static Stored<Real> stored(Contact<Real>, Coefficients<Real> [, History<Real>])    for the
 ///     EnergyLedger: springs and the energy in them, after force() has had its turn; without
 ///     Stored::damping all that the tangential force takes is friction
+///   static Real attraction(Contact<Real>, Coefficients<Real>, History<Real>)    [N] >= 0, the part of
+///     the normal force that pulls, for ContactSeen::cohesion; asked on double, without velocities
 ///   static Real pressing(Contact<Real>, Coefficients<Real>, Real normal)    [N] >= 0, what presses
 ///     the bodies together, adhesion included, for rolling resistance; left out: max(normal, 0)
 template <class L>

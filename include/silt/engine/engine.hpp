@@ -64,6 +64,7 @@ class Engine : public Tables<Composition> {
   double largest_overlap = 0;    // [-] over the smaller radius, in the last step
   bool finite = true;            // all velocities, after the last kick
   bool share_contacts = true;    // of bodies: SharedContacts
+  ContactRecord record;          // of the last step, if somebody asks
   std::uint64_t safeguards = 0;  // [-] in which a law's safeguard has acted, since the start
   [[no_unique_address]] VirialOf<ContactsType> virial;  // of the last step
   EnergyOf<ContactsType, double> contact_energy = start_energy<ContactsType, double>();
@@ -338,6 +339,7 @@ class Engine : public Tables<Composition> {
   /// Completes a restored state.
   void restored(double speed, double overlap, double share) {
     largest_speed = speed, largest_overlap = overlap, largest_share = share;
+    record.forget();
     this->forget_places();
     lists.restored();
   }

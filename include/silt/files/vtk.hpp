@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/vec3.hpp>
 #include <silt/files/atomic_file.hpp>
@@ -126,11 +127,12 @@ inline void write_vtk_file(const std::string& path, std::string_view type, std::
   file.commit();
 }
 inline void write_vtp(const std::string& path, std::size_t points, std::size_t verts,
-                      std::size_t polygons, std::span<const VtkSection> sections) {
+                      std::size_t polygons, std::span<const VtkSection> sections,
+                      std::size_t lines = 0) {
   write_vtk_file(
       path, "PolyData", "",
-      text("NumberOfPoints=\"", points, "\" NumberOfVerts=\"", verts,
-           "\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"", polygons, '"'),
+      text("NumberOfPoints=\"", points, "\" NumberOfVerts=\"", verts, "\" NumberOfLines=\"", lines,
+           "\" NumberOfStrips=\"0\" NumberOfPolys=\"", polygons, '"'),
       sections);
 }
 
@@ -167,10 +169,11 @@ class VtkFields {
   }
 
   /// The arrays; InputError unless each has one entry a point.
-  std::span<const detail::VtkArray> arrays_for(const std::string& path, std::size_t points) const {
+  std::span<const detail::VtkArray> arrays_for(const std::string& path, std::size_t points,
+                                               std::string_view of = "points") const {
     for (const auto& array : arrays_)
       require(array.tuples == points, "VTK file '", path, "': field ", in_quotes(array.name),
-              " has ", array.tuples, " entries, but there are ", points, " points");
+              " has ", array.tuples, " entries, but there are ", points, " of ", of);
     return arrays_;
   }
 
@@ -216,6 +219,45 @@ inline void write_vtp_triangles(const std::string& path, std::span<const Vec3d> 
   const detail::VtkSection sections[] = {
       {"PointData", point_fields}, {"Points", places}, {"Polys", polygons}};
   detail::write_vtp(path, points.size(), 0, triangles.size(), sections);
+}
+
+/// Writes lines: points 2 k and 2 k + 1 [m] are the ends of line k, which the fields have a value
+/// for each. Coordinates are written as float, 6e-8 of the largest.
+/// Errors: InputError for an odd number of points or a field of another length; FileError if the
+/// file cannot be written.
+inline void write_vtp_lines(const std::string& path, std::span<const std::array<float, 3>> points,
+                            const VtkFields& fields = {}) {
+  const std::size_t lines = points.size() / 2;
+  require(points.size() % 2 == 0, "VTK file '", path, "': ", points.size(),
+          " points are no ends of lines, which have two each");
+  const auto line_fields = fields.arrays_for(path, lines, "lines");
+  const auto ends = detail::vtk_cell_ends(path, lines, 2);
+  std::vector<std::int32_t> own_points(points.size());
+  for (std::size_t i = 0; i < own_points.size(); ++i) own_points[i] = static_cast<std::int32_t>(i);
+  const std::array places{detail::vtk_array("Points", points)};
+  const std::array cells{
+      detail::vtk_array("connectivity", std::span<const std::int32_t>(own_points)),
+      detail::vtk_array("offsets", std::span<const std::int32_t>(ends))};
+  const detail::VtkSection sections[] = {
+      {"CellData", line_fields}, {"Points", places}, {"Lines", cells}};
+  detail::write_vtp(path, points.size(), 0, 0, sections, lines);
+}
+
+/// Writes fields of the cells of a box that is cut into nx x ny x nz equal cells, x fastest, for
+/// ParaView: `path` should end in .vti.
+/// Errors: InputError for a field of another length; FileError if the file cannot be written.
+inline void write_vti(const std::string& path, const Box& box, const std::array<int, 3>& cells,
+                      const VtkFields& fields) {
+  const auto count = static_cast<std::size_t>(cells[0]) * static_cast<std::size_t>(cells[1]) *
+                     static_cast<std::size_t>(cells[2]);
+  const Vec3d e = box.extent(), &o = box.min;
+  const detail::VtkSection sections[] = {{"CellData", fields.arrays_for(path, count, "cells")}};
+  const std::string extent = text("\"0 ", cells[0], " 0 ", cells[1], " 0 ", cells[2], '"');
+  detail::write_vtk_file(
+      path, "ImageData",
+      text(" WholeExtent=", extent, " Origin=\"", o.x, ' ', o.y, ' ', o.z, "\" Spacing=\"",
+           e.x / cells[0], ' ', e.y / cells[1], ' ', e.z / cells[2], '"'),
+      text("Extent=", extent), sections);
 }
 
 /// A time series of VTK files: `<folder>/<name>.pvd`, which ParaView opens as one animation.

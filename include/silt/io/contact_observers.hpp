@@ -12,6 +12,7 @@ namespace detail {
 template <bool Ends, class Action>
 class ContactObserver {
  public:
+  static constexpr bool reads_contacts = false;
   explicit ContactObserver(Action action) : action_(std::move(action)) {}
 
   template <class Sim>

@@ -269,7 +269,7 @@ WallTriangles wall_triangles(const Sim& sim, const Box& around) {
 template <class More>
 class VtkSeriesObserver {
  public:
-  static constexpr bool only_reads = true;
+  static constexpr bool only_reads = true, reads_contacts = false;
 
   VtkSeriesObserver(std::string folder, Schedule schedule, More more)
       : folder_(std::move(folder)), schedule_(schedule), more_(std::move(more)) {}

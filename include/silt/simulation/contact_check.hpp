@@ -24,6 +24,7 @@ namespace silt::inline SILT_TARGET {
 template <NeighbourSearch Oracle = Nbs>
 class ContactCheck {
  public:
+  static constexpr bool reads_contacts = false;
   template <class Sim>
   void operator()(const Sim& sim) {
     const auto& e = sim.engine();

@@ -37,6 +37,15 @@ bool is_due(O& observer, const Sim& sim) {
   else
     return true;
 }
+/// Whether the observer will read contacts in this step: silt's own say it, of others it is taken
+/// for granted if `others` read them at all.
+template <class O, class Sim>
+bool reads_contacts(O& observer, const Sim& sim, bool others) {
+  if constexpr (requires { O::reads_contacts; })
+    return O::reads_contacts && is_due(observer, sim);
+  else
+    return others && is_due(observer, sim);
+}
 /// `again`: observers were called at this instant before. `last`: it is the turn of those that
 /// save.
 template <class O, class Sim>

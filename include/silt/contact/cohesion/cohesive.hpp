@@ -123,17 +123,25 @@ struct Cohesive {
         "the cohesion model works on one double, but not on a pack of lanes: make attraction() a "
         "template of Real, as silt/contact/cohesion/cohesive.hpp says, or give "
         "KernelsFor<OneLane>");
-    Real attraction = select(near(c, p), Cohesion::attraction(c, p.cohesion), Real(0));
-    if constexpr (forms_at_touch) {
+    if constexpr (forms_at_touch)
       h.attached = select(c.overlap > Real(0), Real(1), select(near(c, p), h.attached, Real(0)));
-      attraction = attraction * h.attached;
-    }
+    const Real pull = attraction(c, p, h);
     if constexpr (is_frictional<Body>) {
       const Traction<Real> f = of_body(c, p, h);
-      return Traction<Real>{f.normal - attraction, f.tangential};
+      return Traction<Real>{f.normal - pull, f.tangential};
     } else {
-      return Real(of_body(c, p, h) - attraction);
+      return Real(of_body(c, p, h) - pull);
     }
+  }
+  /// What cohesion pulls with [N] >= 0, as a part of the normal force, after force().
+  template <class Real>
+  static SILT_INLINE Real attraction(const Contact<Real>& c, const Coefficients<Real>& p,
+                                     [[maybe_unused]] const History<Real>& h) {
+    const Real pull = select(near(c, p), Cohesion::attraction(c, p.cohesion), Real(0));
+    if constexpr (forms_at_touch)
+      return pull * h.attached;
+    else
+      return pull;
   }
 
   template <class Real>

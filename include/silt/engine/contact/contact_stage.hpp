@@ -9,6 +9,7 @@
 #include <silt/core/threads.hpp>
 #include <silt/engine/contact/coefficients.hpp>
 #include <silt/engine/contact/contact_kernel.hpp>
+#include <silt/engine/contact/contact_record.hpp>
 #include <silt/engine/contact/step_times.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -65,6 +66,24 @@ class WatchedPacks {
   Block before_;
 };
 
+/// Adds to a recorded contact the parts of its force that the law can tell: its tangential spring
+/// and its cohesion, of `share` [-] of it. `c` has overlap, radii and masses, but no velocities.
+template <class ContactsType, class Scalar>
+void tell_parts(const Contact<double>& c, const typename ContactsType::LawCoefficients& p,
+                Scalar* const* history, double share, RecordedContact& to) {
+  using Law = typename ContactsType::Law;
+  typename HistoryOf<Law, double>::type h;
+  if constexpr (ContactsType::law_history > 0) {
+    std::array<double, ContactsType::law_history> values;
+    for (std::size_t n = 0; n < values.size(); ++n) values[n] = static_cast<double>(*history[n]);
+    h = std::bit_cast<decltype(h)>(values);
+  }
+  if constexpr (SaysWhatItStores<Law> && is_frictional<Law>)
+    to.spring += share * stored_by<Law, double>(c, p, h).spring;
+  if constexpr (requires { Law::attraction(c, p, h); })
+    to.cohesion += share * Law::attraction(c, p, h);
+}
+
 /// How contacts act that touch in a point: law and rolling model there.
 template <class Scalar>
 struct AtOnePoint {
@@ -102,6 +121,15 @@ struct AtOnePoint {
     }
     if constexpr (keeps_events<ContactsType>)
       packs.watch(block, times, coefficients, kinds, history, tally.sum.notes);
+  }
+  /// See tell_parts(); of contact k.
+  template <class ContactsType, std::size_t H>
+  void tell(const Contact<double>& c, const typename ContactsType::LawCoefficients& p,
+            const std::array<Scalar*, H>& history, std::size_t k, RecordedContact& to) const {
+    std::array<Scalar*, H> at{};
+    for (std::size_t h = 0; h < ContactsType::law_history; ++h) at[h] = history[h] + k;
+    const bool shared = shares_contacts<ContactsType> && shares != nullptr;
+    tell_parts<ContactsType>(c, p, at.data(), shared ? static_cast<double>(shares[k]) : 1, to);
   }
 };
 
@@ -142,6 +170,82 @@ struct ContactStage {
         ends.where(k, note);
       });
     if constexpr (Fluxes::active) fluxes->add(block, count, ends);
+    if (times.record != nullptr) [[unlikely]]
+      record(block, count, kinds, history, ends, how);
+  }
+
+ private:
+  /// Hands the contacts of a block, whose loads are known, to the record: those that touch, and
+  /// those with a force at a distance.
+  template <class Block, class Ends, class How, std::size_t H>
+  __attribute__((noinline, cold)) void record(const Block& block, std::size_t count,
+                                              const std::uint16_t* kinds,
+                                              const std::array<Scalar*, H>& history,
+                                              const Ends& ends, const How& how) const {
+    using Kernel = ContactKernel<ContactsType, double>;
+    constexpr std::size_t kept = ContactsType::law_history + ContactsType::rolling_history;
+    std::array<RecordedContact, Block::size> found;
+    std::array<RecordedTurn, has_turns<Ends> ? Block::size : 1> turns;
+    std::array<double, kept * Block::size + 1> numbers;
+    std::size_t n = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+      Kinematics<double> kin = in_double(block.template get<Scalar>(k));
+      const auto load = block.template get_load<Scalar>(k);
+      RecordedContact one;
+      one.normal = kin.normal, one.overlap = kin.overlap, one.force = in_double(load.force);
+      if (!(kin.overlap > 0) && one.force == Vec3d{0, 0, 0}) continue;
+      one.first = ends.first(k), one.order = ends.order(k);
+      if constexpr (Ends::at_wall)
+        one.wall = static_cast<std::uint16_t>(ends.wall(k)), one.surface = ends.surface(k);
+      else
+        one.second = ends.second(k);
+      kin.velocity = kin.spin = {0, 0, 0};  // loads stand there
+      const auto radii = block.template get_radii<Scalar>(k);
+      const Radii<double> both{static_cast<double>(radii.i), static_cast<double>(radii.j)};
+      how.template tell<ContactsType>(Kernel::contact(kin, both, times.step, times.lag),
+                                      table.law[kinds != nullptr ? kinds[k] : 0], history, k, one);
+      if constexpr (has_turns<Ends>) {
+        turns[n] = {};
+        if constexpr (ContactsType::has_rolling) turns[n] = couples_of(kin, both, load, one);
+        if constexpr (requires { ends.finish(k, one, turns[n]); }) ends.finish(k, one, turns[n]);
+      }
+      for (std::size_t h = 0; h < kept; ++h)
+        numbers[n * kept + h] = static_cast<double>(history[h][k]);
+      found[n++] = one;
+    }
+    times.record->add({found.data(), n}, {turns.data(), has_turns<Ends> ? n : 0},
+                      {numbers.data(), kept * n});
+  }
+  template <class Ends>
+  static constexpr bool has_turns = ContactsType::has_rolling ||
+                                    requires(const Ends& ends, RecordedContact& c,
+                                             RecordedTurn& t) {
+    ends.finish(0, c, t);
+  };
+
+  /// The couples of a rolling model: what is opposite on both, and what turns both alike beyond the
+  /// moment of the tangential force.
+  template <class Load>
+  static RecordedTurn couples_of(const Kinematics<double>& kin, const Radii<double>& radii,
+                                 const Load& load, const RecordedContact& c) {
+    const Vec3d couple = in_double(load.couple);
+    RecordedTurn turn{{0, 0, 0}, couple, -couple};
+    if constexpr (of_own_rotation<typename ContactsType::Rolling>) {
+      const Vec3d more = in_double(load.twirl) - kin.arm * cross(c.force, kin.normal);
+      turn.couple_i += radii.i * more, turn.couple_j += radii.j * more;
+    }
+    return turn;
+  }
+  static Vec3d in_double(const Vec3<Scalar>& v) {
+    return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
+  }
+  static Kinematics<double> in_double(const Kinematics<Scalar>& k) {
+    Kinematics<double> out{};
+    out.normal = in_double(k.normal), out.change = in_double(k.change);
+    out.overlap = k.overlap, out.R_eff = k.R_eff, out.m_eff = k.m_eff;
+    out.inverse_m_eff = k.inverse_m_eff;
+    if constexpr (ContactsType::rotates) out.arm = k.arm, out.twist = k.twist;
+    return out;
   }
 };
 

@@ -5,7 +5,9 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What a step must know of time.
+class ContactRecord;
+
+/// What a step must know of time, and of who looks at it.
 struct StepTimes {
   double step;           // [s]
   double worked;         // of it, that forces have been at work since the last step: 0 at the first
@@ -20,6 +22,7 @@ struct StepTimes {
   static constexpr int at_rest_after = 2000, look_at_rest_every = 8;  // steps
   bool renew_areas = true;  // contacts of smooth bodies find their points anew (contact_area.hpp)
   static constexpr int areas_every = 8;  // steps
+  ContactRecord* record = nullptr;       // takes this step's contacts, if somebody asks
 };
 
 }  // namespace silt::detail

@@ -169,6 +169,17 @@ struct AtAreaPoints {
       store(area.moment[2] + k, moment.z);
     }
   }
+  /// See tell_parts(): the sum over the points.
+  template <class ContactsType, std::size_t H>
+  void tell(const Contact<double>& c, const typename ContactsType::LawCoefficients& p,
+            const std::array<double*, H>& history, std::size_t k, RecordedContact& to) const {
+    for (std::size_t point = 0; point < area_points; ++point) {
+      std::array<double*, ContactsType::point_history + 1> own{};
+      for (std::size_t h = 0; h < ContactsType::point_history; ++h)
+        own[h] = history[ContactsType::history_of(point) + h] + k;
+      tell_parts<ContactsType>(c, p, own.data(), 1.0 / double{area_points}, to);
+    }
+  }
 
  private:
   /// The arms of a pack's points; keeps their frames, one pointer a component.

@@ -78,8 +78,24 @@ class ConvexPairs {
     const Some& open;
     const Slice& c;
     std::size_t from;
+    bool gradient, area;  // which of them these contacts have
     std::uint32_t first(std::size_t k) const { return open.i[from + k]; }
     std::uint32_t second(std::size_t k) const { return open.j[from + k]; }
+    std::uint32_t order(std::size_t k) const { return open.place[from + k]; }
+    /// As add_loads().
+    void finish(std::size_t k, RecordedContact& one, RecordedTurn& turn) const {
+      const auto at = [k](const auto& columns) {
+        return Vec3d{columns[0][k], columns[1][k], columns[2][k]};
+      };
+      turn.arm = at(c.arm_i);
+      if (gradient) {
+        const double g = c.gradient[k];
+        one.force *= g, one.spring *= g, one.cohesion *= g;
+        turn.couple_i = (c.couple[k] * dot(one.force, one.normal)) * one.normal;
+      }
+      if (area) turn.couple_i += (gradient ? c.gradient[k] : 1.0) * at(c.area.moment);
+      turn.couple_j = -turn.couple_i;
+    }
     void where(std::size_t k, NotedContact& note) const {
       const auto at = [](const auto& columns, std::size_t n) {
         return Vec3d{columns[0][n], columns[1][n], columns[2][n]};
@@ -292,7 +308,7 @@ class ConvexPairs {
     for (std::size_t h = 0; h < H; ++h) history[h] = c.history[h];
     const std::uint16_t* const kinds = ContactsType::several_materials ? c.kind : nullptr;
     const Stage stage{scene.in.times, scene.table, scene.fluxes};
-    const Ends ends{scene, open, c, from};
+    const Ends ends{scene, open, c, from, has_gradient<A, B>, has_area};
     if constexpr (has_area)
       stage.run(c.kinematics, count, kinds, history, ends, tally,
                 AtAreaPoints{c.area, !Touch::template in_lanes<A, B> || scene.in.times.renew_areas,

@@ -186,8 +186,22 @@ class ConvexWalls {
   struct Ends {
     static constexpr bool at_wall = true;
     const Scratch& s;
+    bool area;  // these contacts have one
     std::uint32_t first(std::size_t k) const { return s.of[k]->particle; }
     std::size_t wall(std::size_t k) const { return s.of[k]->wall; }
+    std::uint16_t surface(std::size_t k) const { return s.of[k]->surface; }
+    std::uint32_t order(std::size_t k) const { return s.slot[k]; }
+    void finish(std::size_t k, RecordedContact& one, RecordedTurn& turn) const {
+      const auto at = [k](const auto& columns) {
+        return Vec3d{columns[0][k], columns[1][k], columns[2][k]};
+      };
+      const double g = s.gradient[k];
+      one.force *= g, one.spring *= g, one.cohesion *= g;
+      turn.arm = at(s.arm);
+      turn.couple_i = (s.couple[k] * dot(one.force, one.normal)) * one.normal;
+      if (area) turn.couple_i += g * at(s.area.moment);
+      turn.couple_j = -turn.couple_i;
+    }
     void where(std::size_t k, NotedContact& note) const {
       note.event.point = {s.place[0][k], s.place[1][k], s.place[2][k]};
     }
@@ -215,10 +229,11 @@ class ConvexWalls {
     const std::size_t kept = ContactsType::history_kept(has_area);
     const Stage stage{in.times, table, fluxes};
     if (has_area)
-      stage.run(s.kinematics, s.count, s.kind, history, Ends{s}, running,
+      stage.run(s.kinematics, s.count, s.kind, history, Ends{s, has_area}, running,
                 AtAreaPoints{s.area, !Planes::in_lanes || in.times.renew_areas, s.gradient});
     else
-      stage.run(s.kinematics, s.count, s.kind, history, Ends{s}, running, AtOnePoint<double>{});
+      stage.run(s.kinematics, s.count, s.kind, history, Ends{s, has_area}, running,
+                AtOnePoint<double>{});
     tallies_[b] = running.end();
     if constexpr (keeps_events<ContactsType>) tallies_[b].notes.add(s.ended);
     tallies_[b].largest = s.largest;

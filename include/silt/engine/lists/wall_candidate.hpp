@@ -23,7 +23,7 @@ struct WallCandidate {
 
 /// Slots of spheres that are near one and the same plane at rest.
 struct PlaneRun {
-  std::uint16_t wall;
+  std::uint16_t wall, surface;
   Vec3d normal;          // [-] unit
   double offset;         // [m] of the plane from the origin along the normal
   std::size_t from, to;  // slots; `from` is the first of a whole pack

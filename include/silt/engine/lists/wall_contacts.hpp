@@ -327,7 +327,8 @@ class WallContacts {
         if (k == piece_begin_[p] || !same_plane(inner_[k - 1], c)) {
           if (is_gone_plane(walls, c)) continue;
           const Plane plane = plane_at_rest(walls, c)->unit();
-          runs_.push_back({c.wall, plane.normal, dot(plane.point, plane.normal), c.slot, c.slot});
+          runs_.push_back(
+              {c.wall, c.surface, plane.normal, dot(plane.point, plane.normal), c.slot, c.slot});
         }
         if (!is_gone_plane(walls, c)) ++runs_.back().to;
       }

@@ -70,8 +70,10 @@ class PairPipeline {
     static constexpr bool at_wall = false;
     const PositionRow* positions;
     const std::uint32_t *of_first, *of_second;
+    std::size_t from;  // place of the first in the list
     std::uint32_t first(std::size_t k) const { return of_first[k]; }
     std::uint32_t second(std::size_t k) const { return of_second[k]; }
+    std::uint32_t order(std::size_t k) const { return static_cast<std::uint32_t>(from + k); }
     void where(std::size_t k, NotedContact& note) const {
       const PositionRow& a = positions[of_first[k]];
       note.event.point = a.centre() - (a.r - 0.5 * note.overlap) * note.event.normal;
@@ -108,7 +110,7 @@ class PairPipeline {
     for (std::size_t h = 0; h < ContactsType::history; ++h) history[h] = list.history(h) + from;
     const std::uint16_t* const kinds = ContactsType::several_materials ? in.kinds + from : nullptr;
     const Stage stage{in.times, table, in.fluxes};
-    stage.run(kinematics, count, kinds, history, Ends{in.positions, first, second}, tally,
+    stage.run(kinematics, count, kinds, history, Ends{in.positions, first, second, from}, tally,
               AtOnePoint<Scalar>{in.shares != nullptr ? in.shares + from : nullptr});
     if constexpr (sums_virial<ContactsType>)
       tally.sum.virial = tally.sum.virial + virial(in, first, second, padded, kinematics);

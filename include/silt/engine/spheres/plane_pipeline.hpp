@@ -66,7 +66,7 @@ class PlanePipeline {
       std::array<Scalar*, ContactsType::history + 1> history{};
       for (std::size_t h = 0; h < ContactsType::history; ++h)
         history[h] = contacts.history(h) + from;
-      run_block(in, plane, wall, contacts.at_planes(from), count, history, table, sums, load,
+      run_block(in, plane, wall, contacts.at_planes(from), from, count, history, table, sums, load,
                 tally);
     }
     return tally.end();
@@ -79,9 +79,12 @@ class PlanePipeline {
     static constexpr bool at_wall = true;
     const PositionRow* positions;
     const std::uint32_t* particle;
-    std::uint16_t of_wall;
+    const PlaneRun& plane;
+    std::size_t from;  // slot of the first
     std::uint32_t first(std::size_t k) const { return particle[k]; }
-    std::size_t wall(std::size_t) const { return of_wall; }
+    std::size_t wall(std::size_t) const { return plane.wall; }
+    std::uint16_t surface(std::size_t) const { return plane.surface; }
+    std::uint32_t order(std::size_t k) const { return static_cast<std::uint32_t>(from + k); }
     void where(std::size_t k, NotedContact& note) const {
       const PositionRow& p = positions[particle[k]];
       note.event.point = p.centre() - (p.r - note.overlap) * note.event.normal;
@@ -97,7 +100,8 @@ class PlanePipeline {
 
   __attribute__((flatten)) static void run_block(
       const Input& in, const PlaneRun& plane, const Wall& wall, const std::uint32_t* particle,
-      std::size_t count, const std::array<Scalar*, ContactsType::history + 1>& history,
+      std::size_t from, std::size_t count,
+      const std::array<Scalar*, ContactsType::history + 1>& history,
       const CoefficientTable<ContactsType>& table, Scalar* sums, WallLoad& load,
       RunningTally<ContactsType, Real>& tally) {
     Block b;
@@ -119,7 +123,7 @@ class PlanePipeline {
     }
     const Stage stage{in.times, table, in.fluxes};
     stage.run(b.kinematics, count, several ? b.kinds : nullptr, history,
-              Ends{in.positions, particle, plane.wall}, tally, AtOnePoint<Scalar>{});
+              Ends{in.positions, particle, plane, from}, tally, AtOnePoint<Scalar>{});
     write_rows<ContactsType, Arch>(b.kinematics, padded, b.rows);
     for (std::size_t k = 0; k < count; ++k)
       add_row<Arch, chunks, false>(sums + particle[k] * row, b.rows + k * row);

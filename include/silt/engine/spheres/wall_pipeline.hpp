@@ -104,7 +104,7 @@ class WallPipeline {
     std::uint16_t kind[block];  // place in the coefficient table
     struct Place {
       std::uint32_t slot, particle;
-      std::uint16_t wall;
+      std::uint16_t wall, surface;
     } place[block];
     Vec3d point[block];                  // [m] where it touches
     double share[block];                 // [-] overlap over the radius
@@ -120,6 +120,8 @@ class WallPipeline {
     const Scratch& s;
     std::uint32_t first(std::size_t k) const { return s.place[k].particle; }
     std::size_t wall(std::size_t k) const { return s.place[k].wall; }
+    std::uint16_t surface(std::size_t k) const { return s.place[k].surface; }
+    std::uint32_t order(std::size_t k) const { return s.place[k].slot; }
     void where(std::size_t k, NotedContact& note) const { note.event.point = s.point[k]; }
   };
   void run_block(const Input& in, Contacts& contacts, const CoefficientTable<ContactsType>& table,
@@ -153,7 +155,7 @@ class WallPipeline {
     if constexpr (keeps_events<ContactsType>) tallies_[b].notes.add(s.ended);
     write_rows<ContactsType, Arch>(s.kinematics, padded, rows);
     for (std::size_t k = 0; k < s.count; ++k) {
-      const auto [slot, particle, wall] = s.place[k];
+      const auto [slot, particle, wall, surface] = s.place[k];
       for (std::size_t h = 0; h < ContactsType::history; ++h)
         contacts.history(h)[slot] = s.history[h][k];
       const Scalar* const r = rows + k * row;
@@ -393,7 +395,7 @@ class WallPipeline {
     if constexpr (ContactsType::several_materials) material = in.materials[c.particle];
     s.kind[k] = static_cast<std::uint16_t>(material * table.materials + wall.material);
     s.point[k] = contact;
-    s.place[k] = {static_cast<std::uint32_t>(slot), c.particle, c.wall};
+    s.place[k] = {static_cast<std::uint32_t>(slot), c.particle, c.wall, c.surface};
     for (std::size_t h = 0; h < ContactsType::history; ++h)
       s.history[h][k] = contacts.history(h)[slot];
   }

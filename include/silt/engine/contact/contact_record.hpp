@@ -1,0 +1,69 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include <silt/core/vec3.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// A contact as the contact stage found it in a step that is recorded: rows instead of ids, after
+/// the law.
+struct RecordedContact {
+  static constexpr std::uint32_t no_row = std::numeric_limits<std::uint32_t>::max();
+  Vec3d normal{0, 0, 0};                          // [-] from the partner to the first
+  Vec3d force{0, 0, 0};                           // [N] on the first
+  Vec3d spring{0, 0, 0};                          // [N] of the tangential spring on the first
+  double overlap = 0;                             // [m]
+  double cohesion = 0;                            // [N] attraction, as a part of the normal force
+  std::uint32_t first = no_row, second = no_row;  // no_row: a wall
+  std::uint32_t order = 0;                        // place in the list of pairs, or slot at walls
+  std::uint16_t wall = 0, surface = 0;
+};
+/// What more is known where forces come with couples, or have arms of their own (convex parts).
+struct RecordedTurn {
+  Vec3d arm{0, 0, 0};                          // [m] from the centre of the first row
+  Vec3d couple_i{0, 0, 0}, couple_j{0, 0, 0};  // [N m] besides the moment of the force
+};
+
+/// The contacts of the last recorded step. Stages hand in what they found, block by block and from
+/// several threads; who reads puts it in order.
+class ContactRecord {
+ public:
+  static constexpr std::int64_t none = -1;
+
+  /// Before the contacts of a step; where the stages find the record, null: nobody asks.
+  ContactRecord* begin(bool wanted, std::int64_t step) {
+    if (step_ != none) contacts.clear(), turns.clear(), numbers.clear();
+    step_ = wanted ? step : none;
+    return wanted ? this : nullptr;
+  }
+  void forget() { step_ = none; }
+  bool is_of(std::int64_t step) const { return step_ == step; }
+
+  /// `more`: a turn for each of `found`, or nothing; `history`: the same count of numbers each.
+  void add(std::span<const RecordedContact> found, std::span<const RecordedTurn> more,
+           std::span<const double> history) {
+    const std::lock_guard lock(*mutex_);
+    contacts.insert(contacts.end(), found.begin(), found.end());
+    turns.insert(turns.end(), more.begin(), more.end());
+    numbers.insert(numbers.end(), history.begin(), history.end());
+  }
+
+  std::vector<RecordedContact> contacts;
+  std::vector<RecordedTurn> turns;  // of each, or empty
+  std::vector<double> numbers;      // what law and rolling model remember of each
+
+ private:
+  std::int64_t step_ = none;
+  std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();  // so that it can move
+};
+
+}  // namespace silt::detail

@@ -1,0 +1,276 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <span>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <silt/boundary/wall.hpp>
+#include <silt/core/error.hpp>
+#include <silt/engine/contact/contact_events.hpp>
+#include <silt/engine/contact/contact_record.hpp>
+#include <silt/engine/lists/wall_candidate.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+inline constexpr std::size_t no_facet = std::numeric_limits<std::size_t>::max();
+
+/// A contact as for_each_contact() shows it: of two particles, or of a particle and a wall. Of
+/// bodies each pair of parts has one; of a wall each place where the particle touches a surface.
+/// Forces are those with which the step of time() has moved the particles: of the positions at
+/// time(), and of the velocities half a step before (Leapfrog), which damping and friction need.
+struct ContactSeen {
+  ParticleId a = no_particle;          // of two particles the one with the lower id
+  ParticleId b = no_particle;          // no_particle: it is a wall
+  std::size_t place_a = 0;             // where a stands: 0 ... rows()-1
+  std::size_t place_b = 0;             // the same of b; at a wall rows()
+  std::size_t part_a = 0, part_b = 0;  // which part of a body it is
+  std::size_t wall = no_wall;          // the wall's number, or no_wall
+  std::size_t surface = 0;             // of the wall's surfaces
+  std::size_t facet =
+      no_facet;             // of a mesh: the triangle nearest to the point, the lowest of equals
+  Vec3d point{0, 0, 0};     // [m] where the force acts, beside a
+  Vec3d normal{0, 0, 0};    // [-] from b, or the wall, to a
+  Vec3d branch{0, 0, 0};    // [m] from the centre of b (the point at a wall) to that of a
+  double overlap = 0;       // [m] negative where a law acts at a distance
+  double normal_force = 0;  // [N] > 0 pushes a away from b
+  Vec3d tangential_force{0, 0, 0};             // [N] on a
+  Vec3d force{0, 0, 0};                        // [N] on a: the sum of both
+  Vec3d torque_a{0, 0, 0}, torque_b{0, 0, 0};  // [N m] about the centres of mass; b: 0 at walls
+  Vec3d couple{0, 0, 0};  // [N m] on a, besides the moment of `force` at `point`: rolling, areas
+  Vec3d spring{0, 0, 0};  // [N] of the tangential spring on a, without the dashpot
+  double cohesion = 0;    // [N] >= 0, how much of the normal force pulls, of Cohesive
+  /// What law and rolling model remember, as they have it (memory of the first point of an area).
+  /// Of two shapes in a Mix, the first named is i there.
+  std::span<const double> history;
+};
+
+namespace detail {
+
+/// Whether a program asks this type of simulation for its contacts, wherever it does: what
+/// instantiates for_each_contact() sets it before main().
+template <class Sim>
+inline bool asks_for_contacts = false;
+template <class Sim>
+struct ContactsAsked {
+  static inline const bool noted = (asks_for_contacts<Sim> = true);
+};
+
+/// Turns the record of a step into ContactSeen, in the order of ids.
+template <class Engine, class Domain>
+class ContactReader {
+ public:
+  ContactReader(const Engine& engine, const Domain& domain) : e_(engine), domain_(domain) {
+    put_in_order();
+    list_meshes();
+  }
+
+  template <class F>
+  void for_each(F&& f) const {
+    const auto& all = e_.record.contacts;
+    const std::size_t kept = all.empty() ? 0 : e_.record.numbers.size() / all.size();
+    for (const Place& at : order_) {
+      ContactSeen c = seen(all[at.index], at.index, at.swapped);
+      c.history = {e_.record.numbers.data() + kept * at.index, kept};
+      f(static_cast<const ContactSeen&>(c));
+    }
+  }
+
+ private:
+  struct Place {
+    ParticleId a, b;
+    std::uint32_t index;
+    bool swapped;
+  };
+  struct MeshCandidate {
+    std::uint32_t particle;
+    std::uint16_t wall, surface;
+    const WallCandidate* candidate;
+    auto key() const { return std::tie(particle, wall, surface); }
+  };
+
+  ParticleId id_of(std::uint32_t row) const {
+    return row == RecordedContact::no_row || e_.particles.is_parked(row) ? no_particle
+                                                                         : e_.id_of(row);
+  }
+  /// By a, b, then what is not the same of several contacts of two: buckets of ids that follow each
+  /// other, each sorted. Without contacts of particles that have left since.
+  void put_in_order() {
+    const auto& all = e_.record.contacts;
+    std::vector<Place> found;
+    found.reserve(all.size());
+    for (std::uint32_t k = 0; k < all.size(); ++k) {
+      const RecordedContact& c = all[k];
+      const ParticleId first = id_of(c.first), second = id_of(c.second);
+      const bool at_wall = c.second == RecordedContact::no_row;
+      if (first == no_particle || (!at_wall && second == no_particle)) continue;
+      const bool swapped = second < first;
+      found.push_back({swapped ? second : first, swapped ? first : second, k, swapped});
+    }
+    if (found.empty()) return;
+    const auto [low, high] = std::minmax_element(
+        found.begin(), found.end(), [](const Place& p, const Place& q) { return p.a < q.a; });
+    const ParticleId from = low->a, per_bucket = (high->a - from) / found.size() + 1;
+    std::vector<std::uint32_t> begin(found.size() + 1, 0);
+    const auto bucket = [&](const Place& p) { return (p.a - from) / per_bucket; };
+    for (const Place& p : found) ++begin[bucket(p) + 1];
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
+    order_.resize(found.size());
+    for (const Place& p : found) order_[next[bucket(p)]++] = p;
+    for (std::size_t k = 0; k + 1 < begin.size(); ++k)
+      std::sort(order_.begin() + begin[k], order_.begin() + begin[k + 1],
+                [&](const Place& p, const Place& q) { return key(p) < key(q); });
+  }
+  auto key(const Place& p) const {
+    const RecordedContact& c = e_.record.contacts[p.index];
+    return std::tuple(p.a, p.b, c.wall, c.surface, part_of(p.swapped ? c.second : c.first),
+                      part_of(p.swapped ? c.first : c.second), c.order);
+  }
+  std::uint32_t part_of([[maybe_unused]] std::uint32_t row) const {
+    if constexpr (Engine::has_bodies)
+      return row == RecordedContact::no_row ? 0 : e_.particles.part[row].local;
+    else
+      return 0;
+  }
+  std::size_t place_of(std::uint32_t row) const {
+    if constexpr (Engine::has_bodies)
+      return e_.particles.part[row].body;
+    else
+      return row;
+  }
+  /// The centre of mass of a row's particle, beside the row.
+  Vec3d centre_of(std::uint32_t row) const {
+    if constexpr (Engine::has_bodies) {
+      const auto& part = e_.particles.part[row];
+      return e_.mover.bodies[part.body].centre + part.image;
+    } else {
+      return e_.particles.position[row].centre();
+    }
+  }
+
+  /// `swapped`: the first row's particle is b.
+  ContactSeen seen(const RecordedContact& r, std::size_t index, bool swapped) const {
+    const auto& rows = e_.particles.position;
+    const PositionRow& first = rows[r.first];
+    const bool at_wall = r.second == RecordedContact::no_row;
+    RecordedTurn turn;
+    if (!e_.record.turns.empty()) turn = e_.record.turns[index];
+    // Spheres meet where the overlap is shared in proportion to the radii: the law's lever arms.
+    if constexpr (!Engine::convex) {
+      const double reach = first.r + (at_wall ? 0 : rows[r.second].r);
+      turn.arm = -(first.r * (reach - r.overlap) / reach) * r.normal;
+    }
+    const Vec3d centre = centre_of(r.first), point = first.centre() + turn.arm;
+    ContactSeen c;
+    c.overlap = r.overlap, c.cohesion = r.cohesion;
+    c.normal = r.normal, c.force = r.force, c.spring = r.spring, c.couple = turn.couple_i;
+    c.point = point;
+    c.torque_a = cross(point - centre, r.force) + turn.couple_i;
+    set_end(r.first, c.a, c.place_a, c.part_a);
+    if (at_wall) {
+      c.place_b = e_.owners(), c.branch = centre - point;
+      c.wall = r.wall, c.surface = r.surface;
+      if (!meshes_.empty()) c.facet = facet_of(r, c);
+    } else {
+      Vec3d between = rows[r.second].centre() - first.centre();
+      if constexpr (Domain::periodic) between = domain_.shortest(between);
+      const Vec3d own = centre_of(r.second);  // of which this is the image beside the first
+      const Vec3d other = first.centre() + between + (own - rows[r.second].centre());
+      c.branch = centre - other;
+      c.torque_b = cross(point - other, -r.force) + turn.couple_j;
+      set_end(r.second, c.b, c.place_b, c.part_b);
+      if (swapped) {
+        std::swap(c.a, c.b), std::swap(c.place_a, c.place_b), std::swap(c.part_a, c.part_b);
+        std::swap(c.torque_a, c.torque_b);
+        c.normal = -c.normal, c.branch = -c.branch, c.force = -c.force, c.spring = -c.spring;
+        c.couple = turn.couple_j, c.point = point + (own - other);
+      }
+    }
+    c.normal_force = dot(c.force, c.normal);
+    c.tangential_force = c.force - c.normal_force * c.normal;
+    return c;
+  }
+  void set_end(std::uint32_t row, ParticleId& id, std::size_t& place, std::size_t& part) const {
+    id = e_.id_of(row), place = place_of(row), part = part_of(row);
+  }
+
+  /// Candidates at meshes, to be found by row, wall and surface.
+  void list_meshes() {
+    const auto is_at_mesh = [&](const WallCandidate& c) {
+      const auto& surfaces = e_.walls[c.wall].surfaces;
+      return c.surface < surfaces.size() && is_mesh(surfaces[c.surface]);
+    };
+    for (const WallCandidate& c : e_.lists.walls.candidates())
+      if (is_at_mesh(c)) meshes_.push_back({c.particle, c.wall, c.surface, &c});
+    std::sort(meshes_.begin(), meshes_.end(),
+              [](const MeshCandidate& p, const MeshCandidate& q) { return p.key() < q.key(); });
+  }
+  /// Seen from a little above the point, so that it is the face that looks at the particle.
+  std::size_t facet_of(const RecordedContact& r, const ContactSeen& c) const {
+    const MeshCandidate wanted{r.first, r.wall, r.surface, nullptr};
+    const auto at = std::lower_bound(
+        meshes_.begin(), meshes_.end(), wanted,
+        [](const MeshCandidate& p, const MeshCandidate& q) { return p.key() < q.key(); });
+    if (at == meshes_.end() || at->key() != wanted.key()) return no_facet;
+    const Wall& wall = e_.walls[r.wall];
+    const auto& mesh = *std::get<std::shared_ptr<const TriangleMesh>>(wall.surfaces[r.surface]);
+    const double above = 1e-3 * e_.particles.position[r.first].r;
+    const Vec3d eye = in_wall(wall, c.point + above * c.normal);
+    std::size_t best = no_facet;
+    double least = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t t : e_.lists.walls.facets(*at->candidate)) {
+      const double distance = mesh.distance_to(t, eye);
+      if (distance < least - mesh.round_off()) least = distance, best = t;
+    }
+    return best;
+  }
+
+  const Engine& e_;
+  const Domain& domain_;
+  std::vector<Place> order_;
+  std::vector<MeshCandidate> meshes_;
+};
+
+/// What users read of the contacts of a Simulation, which has this function as its own.
+template <class Sim>
+class ContactAccess {
+ public:
+  /// Calls f(const ContactSeen&) for each contact of the step of time(), in the order of ids: in
+  /// observers, and between runs. Steps are recorded that somebody of the program's own observes,
+  /// and the last one of each run (keep_contacts). Costs O(contacts); changes nothing.
+  /// Errors: InputError where the present step was not recorded.
+  template <class F>
+  void for_each_contact(F&& f) const {
+    static_cast<void>(&ContactsAsked<Sim>::noted);
+    visit_contacts(f, "Simulation::for_each_contact");
+  }
+  /// Whether for_each_contact() can be called now.
+  bool has_contacts() const {
+    const auto& s = static_cast<const Sim&>(*this);
+    return s.kicked_ && s.engine_.record.is_of(s.step_);
+  }
+  /// Whether the present step is done and was not recorded, as before a run that goes on: observers
+  /// that read contacts are due one step later.
+  bool awaits_contacts() const { return static_cast<const Sim&>(*this).kicked_ && !has_contacts(); }
+  /// The same for observers that say themselves that they read contacts (reads_contacts).
+  template <class F>
+  void visit_contacts(F&& f, const char* who) const {
+    const auto& s = static_cast<const Sim&>(*this);
+    require(
+        has_contacts(), who, ": the contacts of step ", s.step_,
+        " were not recorded; ask in an observer or after run(), with keep_contacts = true (after "
+        "a checkpoint was loaded: after run())");
+    ContactReader(s.engine_, s.domain_).for_each(f);
+  }
+};
+
+}  // namespace detail
+}  // namespace silt
