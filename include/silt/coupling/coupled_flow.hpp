@@ -101,6 +101,8 @@ class BasicCoupledFlow {
                       const Team& team = {}, std::span<Vec3d> torque = {}) {
     const std::size_t n = particles.velocity.size();
     tell_settings();
+    if constexpr (requires { flow_.set_time(1.0, 1.0); })
+      flow_.set_time(clock.time, clock.last_step);
     exchange_.check(particles, force.size(), torque.size());
     make_averaging(particles, team);
     CoupledStep done;
