@@ -152,7 +152,13 @@ class BasicCoupledFlow {
   void for_each_state(const Visit& visit);
   void check_state(const std::string& name, std::span<const double> values) const;
   static constexpr const char* file_kind = ".vti";
-  void write(const std::string& path) const { write_flow(path, flow_); }
+  /// [m] vtk_series writes pressure_with_weight too, which equals the pressure at this place.
+  std::optional<Vec3d> weight_from;
+  void write(const std::string& path) const {
+    std::optional<FluidWeight> weight;
+    if (weight_from) weight = FluidWeight{gravity, *weight_from};
+    write_flow(path, flow_, weight);
+  }
   template <class Describer>
   void describe(const Describer& is) const;
   /// @}

@@ -52,7 +52,7 @@ struct MinimumFluidisation {
 ///         same formulas, c1 and d1. That c1 and d1 are to be fitted to the minimum fluidisation
 ///         velocity is from there; the closed form of it is silt's.
 /// Valid:  eps from 0.2 to 1; settling suspensions. Packed beds: calibrated ones alone.
-/// Tests:  tests/coupling/drag.cpp, syamlal_obrien.cpp.
+/// Tests:  tests/coupling/syamlal_obrien.cpp.
 struct SyamlalOBrien {
   double c1 = 0.8;   // [-]
   double d1 = 2.65;  // [-]
