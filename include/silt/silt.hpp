@@ -31,6 +31,7 @@
 #include <silt/fill/particles.hpp>
 #include <silt/io/checkpoint.hpp>
 #include <silt/io/contact_observers.hpp>
+#include <silt/io/failure.hpp>
 #include <silt/io/observers.hpp>
 #include <silt/io/particle_csv.hpp>
 #include <silt/io/progress.hpp>

@@ -177,6 +177,14 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
   /// (simulation/observing.hpp).
   template <class... Observers>
   void run(double duration, Observers&&... observers) {
+    detail::run_observed(
+        *this, [&] { run_steps(duration, observers...); }, [this] { return kicked_ ? 0 : dt_; },
+        observers...);
+  }
+
+ private:
+  template <class... Observers>
+  void run_steps(double duration, Observers&... observers) {
     require_not_negative("Simulation::run: duration", duration, "s");
     prepare();
     const std::int64_t last =
@@ -204,6 +212,7 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
     continued_ = false;
   }
 
+ public:
   // --- what observers and users read --------------------------------------------------------
 
   double time() const { return time_; }        // [s]
