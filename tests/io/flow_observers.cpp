@@ -242,6 +242,18 @@ TEST_CASE("with an inflow in time a restart, and any number of threads, give the
   CHECK(columns(out / "parts.csv") == columns(out / "whole.csv"));
 }
 
+TEST_CASE("a restart may have another inflow: the flow follows it") {
+  Folder out;
+  Sim first = swinging(false);
+  first.run(0.01);
+  silt::save_checkpoint(first, out / "swinging.silt");
+  Sim steady = swinging(false);
+  steady.fluid().flow().set_side(2, 0, Inflow{.velocity = {0, 0, 0.1}});
+  silt::load_checkpoint(steady, out / "swinging.silt");
+  steady.run(0.01);
+  CHECK(steady.fluid().flow().velocity(2)(2, 2, 6) == near(0.1).epsilon(1e-6));
+}
+
 TEST_CASE("what cannot be measured is refused before the first step") {
   Folder out;
   Sim sim = swinging(false);

@@ -209,6 +209,13 @@ struct WallsState {
     a.rows("walls.pruned", marks[1], loads ? CheckpointLoader::any_count : marks[1].size());
     a.rows("walls.regions", regions, 2);
   }
+  /// A wall of the scene that the file does not know.
+  void add(const Wall& wall, double time) {
+    const Pose at = wall.moves() ? wall.motion(time) : Pose{};
+    surfaces.push_back(wall.surfaces.size());
+    pose.push_back(at), last_pose.push_back(at);
+    force.push_back({0, 0, 0}), torque.push_back({0, 0, 0}), impulse.push_back({0, 0, 0});
+  }
 };
 
 struct OpeningsState {
@@ -238,11 +245,13 @@ struct OpeningsState {
     a.column("inlets.start", start, inlets, not_negative_number);
     a.column("inlets.interval", interval, inlets, not_negative_number);
   }
-  /// What inlets and outlets go on from; `anew`: inlets begin at `time` [s], as if just added.
+  /// What inlets and outlets go on from; `anew`: inlets begin at `time` [s], as if just added;
+  /// `count_anew`: outlets count from 0.
   template <class Openings>
-  void put(Openings& openings, bool anew, double time) const noexcept {
+  void put(Openings& openings, bool anew, bool count_anew, double time) const noexcept {
     std::size_t k = 0;
-    for (auto& o : openings.outlets()) o.count = out_count[k], o.mass = out_mass[k], ++k;
+    for (auto& o : openings.outlets())
+      o.count = count_anew ? 0 : out_count[k], o.mass = count_anew ? 0 : out_mass[k], ++k;
     k = 0;
     if (anew) {
       for (auto& i : openings.inlets()) {
