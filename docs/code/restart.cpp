@@ -16,8 +16,8 @@ auto scene(const silt::HertzMindlin::Material& grains, bool lid) {
   beads.fill({.min = {0, 0, 0}, .max = {0.01, 0.01, 0.04}},
              {.radius = 1e-3, .density = 2500, .count = 120});
   silt::Simulation sim{std::move(beads), silt::Contacts<silt::HertzMindlin>{grains}};
-  sim.add_wall(silt::box({0, 0, 0}, {0.01, 0.01, 0.2}), glass);
-  if (lid) sim.add_wall(silt::Plane{{0, 0, 0.06}, {0, 0, -1}}, glass);
+  sim.add_wall(silt::box({0, 0, 0}, {0.01, 0.01, 0.2}), grains);
+  if (lid) sim.add_wall(silt::Plane{{0, 0, 0.06}, {0, 0, -1}}, grains);
   sim.gravity = {0, 0, -9.81};
   return sim;
 }

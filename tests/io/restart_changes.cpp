@@ -53,7 +53,7 @@ auto built(const Scene& scene) {
                        silt::VerletList<>{}, silt::EnergyLedger{}};
   sim.gravity = {0, 0, -scene.g};
   sim.threads = 1, sim.time_step = 1e-5;
-  sim.add_wall(silt::box(scene.box.min, scene.box.max), rubber, scene.motion);
+  sim.add_wall(silt::box(scene.box.min, scene.box.max), scene.grain, scene.motion);
   for (const auto& wall : scene.more_walls) sim.add_wall(wall, rubber);
   for (const auto& outlet : scene.outlets) sim.add_outlet(outlet);
   if (scene.rate > 0)
@@ -63,11 +63,11 @@ auto built(const Scene& scene) {
 }
 using Sim = decltype(built({}));
 
-/// The bed, settled for 0.1 s, as a file.
+/// The bed, settled for 0.3 s, as a file.
 const Sim& settled(const Scene& scene = {}) {
   static Sim sim = [&] {
     Sim made = built(scene);
-    made.run(0.1);
+    made.run(0.3);
     silt::save_checkpoint(made, path);
     return made;
   }();
@@ -84,6 +84,13 @@ double weight(const Sim& sim) {
   for (std::size_t k = 0; k < sim.rows(); ++k)
     if (sim.is_present(k)) all += sim.mass(k);
   return 9.81 * all;
+}
+/// The mean force [N] of a wall on the particles upwards over the next 0.1 s: what is left of
+/// swings of the bed, m v/0.1 s with 1 mm/s at most, is 0.1 % of its weight.
+double mean_lift(Sim& sim, std::size_t wall = 0) {
+  const double before = sim.wall(wall).impulse.z;
+  sim.run(0.1);
+  return (before - sim.wall(wall).impulse.z) / 0.1;
 }
 double kinetic(const Sim& sim) { return sim.energy().translation + sim.energy().rotation; }
 double top(const Sim& sim) {
@@ -104,15 +111,14 @@ TEST_CASE("restart: another gravity bears on the walls, and its change is in the
   settled();
   Sim moon = restarted({.g = 1.62});
   const double before = restarted().energy().residual();
-  moon.run(0.1);
-  // At rest the floor bears the weight of then; the bed swells by microns and comes to rest.
-  CHECK(-moon.wall(0).force.z == near(weight(moon) * 1.62 / 9.81).epsilon(0.01));
+  moon.run(0.1);  // it swells by microns, and swings
+  CHECK(mean_lift(moon) == near(weight(moon) * 1.62 / 9.81).epsilon(0.01));
   CHECK(std::abs(moon.energy().changed_gravity) > 0);
   CHECK(std::abs(moon.energy().residual() - before) <
         0.02 * std::abs(moon.energy().changed_gravity));
   Sim none = restarted({.g = 0});
-  none.run(0.05);
-  CHECK(std::abs(none.wall(0).force.z) < 0.02 * weight(none));
+  none.run(0.1);
+  CHECK(std::abs(mean_lift(none)) < 0.01 * weight(none));
 }
 
 TEST_CASE("restart: another friction, where it is accepted: the bed slides on a tilted floor") {
@@ -158,13 +164,11 @@ TEST_CASE("restart: further walls, of the scene or added after it: their contact
   CHECK(after.add_wall(lid, rubber) == 1);
   CHECK(in_scene.walls() == 2);
   for (Sim* pressed : {&in_scene, &after}) {
-    const double rest = -sim.wall(0).force.z;
     pressed->run(0.02);
-    CHECK(pressed->wall(1).force.z > 0);
-    CHECK(-pressed->wall(0).force.z > rest);
-    // The floor bears the weight and what the lid presses.
-    CHECK(-pressed->wall(0).force.z ==
-          near(weight(*pressed) + pressed->wall(1).force.z).epsilon(0.03));
+    const double lid_before = pressed->wall(1).impulse.z, floor = mean_lift(*pressed);
+    const double on_lid = (pressed->wall(1).impulse.z - lid_before) / 0.1;
+    CHECK(on_lid > 0.05 * weight(sim));
+    CHECK(floor == near(weight(sim) + on_lid).epsilon(0.01));  // the floor bears both
   }
   CHECK(bits(in_scene) == bits(after));
   // Contacts with the walls of the file keep what they remember: nothing jumps at the sides.
@@ -204,10 +208,11 @@ TEST_CASE("restart: more particles, whose ids continue") {
   CHECK(more.size() == 67);
   for (const silt::ParticleId id : {64, 65, 66}) CHECK(more.find(id) < more.rows());
   more.run(0.1);
+  more.run(0.1);
   // They have fallen on the bed and lie there: the floor bears them too.
   CHECK(more.position(more.find(65)).z < z);
   CHECK(more.position(more.find(65)).z > top(sim));
-  CHECK(-more.wall(0).force.z == near(weight(more)).epsilon(0.02));
+  CHECK(mean_lift(more) == near(weight(more)).epsilon(0.01));
   CHECK(weight(more) > 1.04 * weight(sim));
 }
 
@@ -230,8 +235,7 @@ TEST_CASE("restart: another step, other threads, limits and observers") {
   finer.run(0.01);
   CHECK(finer.step_length() == 4e-6);
   CHECK(finer.time() == near(sim.time() + 0.01));
-  CHECK(-finer.wall(0).force.z == near(weight(finer)).epsilon(0.01));
-  CHECK(kinetic(finer) < 2 * kinetic(sim) + 1e-12);
+  CHECK(mean_lift(finer) == near(weight(finer)).epsilon(0.01));
 
   Sim limited = restarted();
   limited.guard.max_overlap = 1e-9;

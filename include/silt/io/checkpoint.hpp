@@ -306,7 +306,9 @@ class Checkpoint {
       typename decltype(Engine::Lists::walls)::State contacts;
       detail::visit_wall_contacts(a, contacts, Engine::memory);
       lists_.walls.planes_apart = !Engine::State::of_bodies;
-      detail::check_wall_contacts<Engine>(a, contacts, lists_.walls, walls, listed, forgotten);
+      // A plane that moves, or has come to rest, has its contacts in another place than the file's.
+      const bool laid_out = detail::check_wall_contacts<Engine>(
+          a, contacts, lists_.walls, walls, listed, forgotten, accepted.motions);
       const std::vector<double> outer(upkeep.outer.begin(), upkeep.outer.end()),
           inner(upkeep.inner.begin(), upkeep.inner.end());
       upkeep.restore(outer, inner);
@@ -316,7 +318,7 @@ class Checkpoint {
       lists_.pruned_walls.restore(std::move(walls_.marks[1]), walls_.regions[1]);
       for (std::size_t w = known_walls_; w < e_.walls.size(); ++w)
         walls_.add(e_.walls[w], clock_.time);
-      if (known_walls_ < e_.walls.size()) lists_.forget();
+      if (known_walls_ < e_.walls.size() || !laid_out) lists_.forget();
     }
 
     void read_ledger(const detail::CheckpointLoader& a) requires(Sim::has_ledger) {

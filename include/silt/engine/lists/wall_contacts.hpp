@@ -298,6 +298,9 @@ class WallContacts {
     for (auto& h : history_) h.assign(slots_.size(), 0);
   }
 
+  /// Its surfaces were taken away, or, at a restart, it moves since: the lists will be renewed
+  /// before they are used.
+  static bool is_other_now(const Wall& wall) { return wall.surfaces.empty() || wall.moves(); }
   /// Notes the runs, and the sphere of each slot in them.
   void lay_out_planes(std::span<const Wall> walls) {
     runs_.clear(), run_begin_.assign(1, 0);
@@ -308,12 +311,11 @@ class WallContacts {
         const WallCandidate& c = inner_[k];
         at_planes_[c.slot - first_plane_slot_] = c.particle;
         if (k == piece_begin_[p] || !same_plane(inner_[k - 1], c)) {
-          if (walls[c.wall].surfaces.empty())
-            continue;  // taken away; the lists will be renewed before they are used
+          if (is_other_now(walls[c.wall])) continue;
           const Plane plane = plane_at_rest(walls, c)->unit();
           runs_.push_back({c.wall, plane.normal, dot(plane.point, plane.normal), c.slot, c.slot});
         }
-        if (!walls[c.wall].surfaces.empty()) ++runs_.back().to;
+        if (!is_other_now(walls[c.wall])) ++runs_.back().to;
       }
       run_begin_.push_back(runs_.size());
     }
