@@ -38,7 +38,7 @@ int main() {
   for (int k = 0; k < 3; ++k)
     more.add({.position = {2e-3 + 3e-3 * k, 5e-3, 0.05}, .radius = 1e-3, .density = 2500});
   sim.add(more);  // ids 120, 121, 122
-  sim.run(0.5);
+  sim.run(0.8);
 
   double weight = 0;
   for (std::size_t k = 0; k < sim.rows(); ++k) weight += 0.5 * 9.81 * sim.mass(k);

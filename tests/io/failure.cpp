@@ -108,10 +108,11 @@ TEST_CASE("an overlap: the same error, with the particles, contacts and states t
   CHECK(error.step == alone.step);
   CHECK(error.particles == alone.particles);
   CHECK(error.position.z == alone.position.z);
-  CHECK(
-      has_words(said, {out.path, "failure.txt, particles.csv, contacts.csv, around.vtp, walls.vtp",
-                       "last_good.silt is the state at step ", "before the failure",
-                       "at_failure.silt is the state in which it failed"}));
+  CHECK(has_words(
+      said,
+      {out.path, "failure.txt, particles.csv, contacts.csv, touching.vtp, around.vtp, walls.vtp",
+       "last_good.silt is the state at step ", "before the failure",
+       "at_failure.silt is the state in which it failed"}));
   CHECK(content(out / "failure.txt").starts_with(was));
 
   // The deepest contact is the one that the error names.
@@ -127,6 +128,7 @@ TEST_CASE("an overlap: the same error, with the particles, contacts and states t
   const std::string around = content(out / "around.vtp");
   CHECK(around.find("Name=\"role\"") != std::string::npos);
   CHECK(around.find("NumberOfPoints=\"27\"") != std::string::npos);
+  CHECK(content(out / "touching.vtp").find("NumberOfPoints=\"27\"") == std::string::npos);
 
   // The last good state leads to the same failure; that in which it failed can be looked at.
   Sim again = scene(force);

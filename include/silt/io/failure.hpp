@@ -138,7 +138,7 @@ class FailureScene {
           (role_[k] != Near || around_.contains(sim_.position(k))) && near_.size() < most_near)
         near_.push_back(k);
   }
-  void write_spheres(const std::string& path) const {
+  void write_spheres(const std::string& path, const std::vector<std::size_t>& shown) const {
     std::vector<Vec3d> place;
     std::vector<float> radius;
     std::vector<ParticleId> id;
@@ -146,7 +146,7 @@ class FailureScene {
     std::vector<std::array<float, 3>> velocity;
     const auto& e = sim_.engine();
     std::vector<char> wanted(sim_.rows(), 0);
-    for (const std::size_t k : near_) wanted[k] = 1;
+    for (const std::size_t k : shown) wanted[k] = 1;
     for (std::size_t row = 0; row < e.particles.size(); ++row) {
       if (e.particles.is_parked(row) || !wanted[e.owner_of(row)]) continue;
       const std::size_t k = e.owner_of(row);
@@ -161,11 +161,12 @@ class FailureScene {
     fields.add("radius", radius).add("id", id).add("role", role).add("velocity", velocity);
     write_vtp_points(path, place, fields);
   }
-  void write_bodies(const std::string& path) const requires(Sim::has_surfaces) {
+  void write_bodies(const std::string& path, const std::vector<std::size_t>& shown) const
+      requires(Sim::has_surfaces) {
     SurfaceMesh all;
     std::vector<ParticleId> id;
     std::vector<std::uint32_t> role;
-    for (const std::size_t k : near_) {
+    for (const std::size_t k : shown) {
       const SurfaceMesh mesh = surface_of(sim_.forms()[sim_.form(k)].shape);
       const auto first = static_cast<std::uint32_t>(all.points.size());
       const Vec3d centroid = sim_.forms()[sim_.form(k)].mass.centroid;
@@ -205,8 +206,9 @@ class FailureScene {
 ///   particles.csv    the particles that the error names (the fastest, if it names none), and those
 ///                    that touch them
 ///   contacts.csv     the contacts of those named, the deepest first
-///   around.vtp       particles around, with `role`: 2 named, 1 touching them, 0 others; for
-///                    ParaView, or `draw.py spheres around.vtp --colour role --walls walls.vtp`
+///   touching.vtp     those named and those that touch them, with `role`: 2 named, 1 touching; for
+///                    ParaView, or `draw.py spheres touching.vtp --colour role`
+///   around.vtp       the same with all that lies around them, of role 0
 ///   walls.vtp        the walls around
 ///
 /// and the error is thrown again with a sentence that says where they are. Each file is whole or
@@ -285,7 +287,8 @@ class OnFailure {
     });
     attempt("particles.csv", [&](const auto& path) { scene.write_particles_csv(path); });
     attempt("contacts.csv", [&](const auto& path) { scene.write_contacts_csv(path); });
-    attempt("around.vtp", [&](const auto& path) { scene.write_around(path); });
+    attempt("touching.vtp", [&](const auto& path) { scene.write_particles_vtp(path, false); });
+    attempt("around.vtp", [&](const auto& path) { scene.write_particles_vtp(path, true); });
     if (scene.has_walls()) attempt("walls.vtp", [&](const auto& path) { scene.write_walls(path); });
     const bool finite = scene.is_finite();
     if (finite) attempt("at_failure.silt", [&](const auto& path) { save_checkpoint(sim, path); });
