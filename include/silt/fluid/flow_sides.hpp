@@ -222,6 +222,7 @@ class FlowSides {
 
  private:
   using Side = SideValues;
+  using Line = SideLine;
   const Inflow* changing(int e, int end) const {
     const auto* const in = grid_.periodic(e) ? nullptr : std::get_if<Inflow>(&at(e, end).kind);
     return in != nullptr && in->changes() ? in : nullptr;
@@ -240,23 +241,6 @@ class FlowSides {
     }
     return side.jumped(e, before, dt);
   }
-  /// Values from a side outwards: 0 is the last one inside (or on it), 1 and 2 the ghosts.
-  struct Line {
-    CellField* data;
-    int at[3];
-    int e, inner, outward;
-    double& operator()(int k) const {
-      int x[3] = {at[0], at[1], at[2]};
-      x[e] = inner + k * outward;
-      return (*data)(x[0], x[1], x[2]);
-    }
-    /// Of the line of a face at the side: the value of the cell beside it.
-    double inner_cell(const CellField& of) const {
-      int x[3] = {at[0], at[1], at[2]};
-      x[e] = outward < 0 ? inner : inner - 1;
-      return of(x[0], x[1], x[2]);
-    }
-  };
   const Side& at(int e, int end) const {
     return sides_[static_cast<std::size_t>(e)][static_cast<std::size_t>(end)];
   }
@@ -398,20 +382,10 @@ class FlowSides {
         },
         false);
     if (in.rate || in.rate_in_time) wanted = in.rate.value_or(1);
-    const char name[] = {"xyz"[e], 0};
-    const char* const which = end == 0 ? "lower" : "upper";
-    require(faces > 0, "FlowSolver: the Inflow at the ", which, " side in ", name,
-            " has no face whose centre is within its outline and in the fluid; use smaller cells, "
-            "or see that they meet");
-    if (wanted == 0 && passes == 0) return;
-    require(std::abs(passes) > 1e-6 * both_ways && wanted / passes >= 0, "FlowSolver: ", wanted,
-            " m3/s are to flow in at the ", which, " side in ", name,
-            ", but its velocities let in ", passes,
-            " m3/s, which no factor above 0 turns into that; let them point that way, or leave "
-            "them out and give the rate");
+    const double factor = inflow_factor(wanted, passes, both_ways, faces, e, end);
     for (auto& given : side.given)
-      for (double& v : given) v *= wanted / passes;
-    if (in.velocity_in_time) side.factor = wanted / passes;
+      for (double& v : given) v *= factor;
+    if (in.velocity_in_time) side.factor = factor;
     if (!in.rate_in_time) return;
     side.shape = side.given;
     renew(e, end, in, 0);

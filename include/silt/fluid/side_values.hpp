@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -39,6 +40,24 @@ struct SideValues {
   }
 };
 
+/// Values from a side outwards: 0 is the last one inside (or on it), 1 and 2 the ghosts.
+struct SideLine {
+  CellField* data;
+  int at[3];
+  int e, inner, outward;
+  double& operator()(int k) const {
+    int x[3] = {at[0], at[1], at[2]};
+    x[e] = inner + k * outward;
+    return (*data)(x[0], x[1], x[2]);
+  }
+  /// Of the line of a face at the side: the value of the cell beside it.
+  double inner_cell(const CellField& of) const {
+    int x[3] = {at[0], at[1], at[2]};
+    x[e] = outward < 0 ? inner : inner - 1;
+    return of(x[0], x[1], x[2]);
+  }
+};
+
 /// Refuses an inflow that is both constant and a function of time.
 inline void check_one_way(const Inflow& in, const char* name) {
   const Vec3d& v = in.velocity;
@@ -48,6 +67,24 @@ inline void check_one_way(const Inflow& in, const char* name) {
           " has velocity_in_time beside another velocity or rate; give one of them");
   require(!in.rate_in_time || !in.rate, "FlowSolver: the Inflow at a side in ", name,
           " has both rate and rate_in_time; give one of them");
+}
+
+/// The factor [-] of an inflow's velocities, which let in `passes` [m3/s], so that it is `wanted`.
+/// `both_ways`: what they let in and out; `faces`: how many are open, at end `end` of direction e.
+inline double inflow_factor(double wanted, double passes, double both_ways, int faces, int e,
+                            int end) {
+  const char name[] = {"xyz"[e], 0};
+  const char* const which = end == 0 ? "lower" : "upper";
+  require(faces > 0, "FlowSolver: the Inflow at the ", which, " side in ", name,
+          " has no face whose centre is within its outline and in the fluid; use smaller cells, "
+          "or see that they meet");
+  if (wanted == 0 && passes == 0) return 1;
+  require(std::abs(passes) > 1e-6 * both_ways && wanted / passes >= 0, "FlowSolver: ", wanted,
+          " m3/s are to flow in at the ", which, " side in ", name, ", but its velocities let in ",
+          passes,
+          " m3/s, which no factor above 0 turns into that; let them point that way, or leave "
+          "them out and give the rate");
+  return wanted / passes;
 }
 
 }  // namespace silt::fluid_detail

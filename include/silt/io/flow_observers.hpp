@@ -91,6 +91,11 @@ class Checked {
   Check check_;
 };
 
+/// The folder that a table stands in.
+inline void make_folder_of(const std::string& path) {
+  if (const auto slash = path.rfind('/'); slash != path.npos && slash > 0)
+    make_folder(path.substr(0, slash));
+}
 template <class Sim>
 void check_place(const Sim& sim, const char* what, const std::string& name, const Vec3d& x) {
   require(has_fluid_at(flow_of(sim), x), what, ": at ", in_quotes(name), ", ", x,
@@ -114,7 +119,8 @@ inline auto flow_probes(const std::string& path, std::vector<FlowProbe> probes, 
           std::string("velocity z [m/s]"), detail::pressure_words(output),
           std::string("voidage [-]")})
       columns.push_back(probe.name + ' ' + what);
-  const auto check = [probes](const auto& sim) {
+  const auto check = [probes, path](const auto& sim) {
+    detail::make_folder_of(path);
     for (const auto& p : probes) detail::check_place(sim, "flow_probes", p.name, p.place);
   };
   auto rows = table(path, columns, schedule, [probes, output](const auto& sim) {
@@ -151,7 +157,8 @@ inline auto pressure_taps(const std::string& path, std::vector<PressureTap> taps
                                                                            : x.z);
     return p + detail::weight_at(sim, output, x);
   };
-  const auto check = [taps, read](const auto& sim) {
+  const auto check = [taps, read, path](const auto& sim) {
+    detail::make_folder_of(path);
     for (const auto& tap : taps) {
       if (!tap.across) detail::check_place(sim, "pressure_taps", tap.name, tap.place);
       read(sim, tap);
