@@ -24,8 +24,10 @@ int main() {
   grain.add({.position = {0.01, 0.01, 0.018}, .radius = 50e-6, .density = 2500});
   silt::FlowSolver oil(silt::Grid({{0, 0, 0}, {0.02, 0.02, 0.02}}, {8, 8, 8}, {true, true, true}),
                        {.density = 900, .viscosity = 0.05});
-  silt::Simulation sim{std::move(grain), silt::Contacts<silt::HertzMindlin>{{}},
-                       silt::CoupledFlow{OwnDrag{}, silt::Kernel{}, oil}};
+  silt::Simulation sim{
+      std::move(grain),
+      silt::Contacts<silt::HertzMindlin>{{.youngs_modulus = 1e6, .poisson_ratio = 0.3}},
+      silt::CoupledFlow{OwnDrag{}, silt::Kernel{}, oil}};
   sim.gravity = {0, 0, -9.81};
   sim.time_step = 2e-6;
   sim.run(2e-3);
