@@ -141,7 +141,9 @@ class Simulation : public detail::ModuleAccess<Simulation<Policies...>>,
   void set_reference(std::size_t k, const Vec3d& point) { wall_at(k).reference = point; }
 
   /// Particles whose centre enters `region` leave the simulation and are counted.
-  std::size_t add_outlet(const Box& region) { return openings_.add_outlet(region); }
+  std::size_t add_outlet(const Box& region) {
+    return engine_.lists.forget(), openings_.add_outlet(region);  // also who rests in it leaves
+  }
   const Outlet& outlet(std::size_t k) const { return openings_.outlet(k); }
   std::size_t outlets() const { return openings_.outlets().size(); }
 

@@ -134,12 +134,13 @@ TEST_CASE("restart: another friction, where it is accepted: the bed slides on a 
     sim.run(0.05);
     return mean_velocity(sim).x;
   };
-  // Free of side walls the block falls apart or slides: faster with a fiftieth of the friction.
+  // Free of side walls the block slides with little friction, and rolls with much, at 5/7 of it and
+  // more, as it falls apart as well. Catches a friction that stays what it was.
   const double rough = slid(restarted()),
                slippery = slid(restarted({.grain = smooth}, {.materials = true}));
   const double frictionless = 9.81 * std::sin(0.3) * 0.05;
-  CHECK(slippery > 0.85 * frictionless);
-  CHECK(rough < 0.7 * frictionless);
+  CHECK(slippery > 0.9 * frictionless);
+  CHECK(rough < 0.83 * frictionless);
 }
 
 TEST_CASE("restart: another motion of a wall, where it is accepted: the floor shakes the bed") {

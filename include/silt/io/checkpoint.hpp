@@ -318,7 +318,9 @@ class Checkpoint {
       lists_.pruned_walls.restore(std::move(walls_.marks[1]), walls_.regions[1]);
       for (std::size_t w = known_walls_; w < e_.walls.size(); ++w)
         walls_.add(e_.walls[w], clock_.time);
-      if (known_walls_ < e_.walls.size() || !laid_out) lists_.forget();
+      // Those who rest in another outlet leave, too.
+      const bool outlets = accepted.outlets && !sim_.openings_.outlets().empty();
+      if (known_walls_ < e_.walls.size() || !laid_out || outlets) lists_.forget();
     }
 
     void read_ledger(const detail::CheckpointLoader& a) requires(Sim::has_ledger) {

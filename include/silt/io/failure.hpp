@@ -61,13 +61,16 @@ class FailureScene {
                "overlap [-] of the smaller radius", "approach [m/s]", "x [m]", "y [m]", "z [m]"},
               contacts_);
   }
-  /// Particles near those named, for ParaView and `draw.py spheres --colour role`: role 2 those
-  /// that the error names, 1 those that touch them, 0 others.
-  void write_around(const std::string& path) const {
+  /// Particles near those named, or only these and what touches them, for ParaView and `draw.py
+  /// spheres --colour role`: role 2 those that the error names, 1 those that touch them, 0 others.
+  void write_particles_vtp(const std::string& path, bool others) const {
+    std::vector<std::size_t> shown;
+    for (const std::size_t k : near_)
+      if (others || role_[k] != Near) shown.push_back(k);
     if constexpr (Sim::has_surfaces)
-      write_bodies(path);
+      write_bodies(path, shown);
     else
-      write_spheres(path);
+      write_spheres(path, shown);
   }
   void write_walls(const std::string& path) const {
     const auto walls = wall_triangles(sim_, around_);
