@@ -168,7 +168,7 @@ TEST_CASE("a step over its limit names no particle: the fastest is shown") {
   const Force force = [](const silt::Seen& p) {
     return p.id == 26 ? Vec3d{0, 0, 0.05} : Vec3d{0, 0, 0};
   };
-  const auto tight = [](Sim& sim) { sim.guard.max_travel = 10; };
+  const auto tight = [](Sim& sim) { sim.guard.max_travel = 10, sim.guard.max_time_step = 0.04; };
   const SimulationError alone = plain(force, tight);
   REQUIRE(std::string(alone.what()).find("above its limit") != std::string::npos);
   REQUIRE(alone.particles.empty());
