@@ -1,5 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
-// refused: observers of a flow (flow_probes, pressure_taps, flow_profile, flow_average) need a simulation
+// refused: observers of a flow (flow_probes, pressure_taps, flow_profile, flow_average) need a
+// simulation
 #include <silt/fluid.hpp>
 
 #include "scene.hpp"
