@@ -224,12 +224,14 @@ class FailureScene {
 /// Tests:  tests/io/failure.cpp.
 class OnFailure {
  public:
+  static constexpr bool only_reads = true, saves = true;  // as checkpoints(): see observing.hpp
+
   OnFailure(std::string folder, std::optional<Schedule> keep)
       : folder_(std::move(folder)), keep_(std::move(keep)) {}
 
   template <class Sim>
   void begin(const Sim& sim, double) {
-    if (keep_) keep_->begin(sim);
+    if (keep_) keep_->begin(sim, true);
     if (!good_) keep_state(sim);
   }
   template <class Sim>

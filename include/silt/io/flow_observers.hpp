@@ -70,6 +70,8 @@ double weight_at(const Sim& sim, const FlowOutput& output, const Vec3d& x) {
 template <class Observer, class Check>
 class Checked {
  public:
+  static constexpr bool only_reads = true;
+
   Checked(Observer observer, Check check)
       : observer_(std::move(observer)), check_(std::move(check)) {}
   template <class Sim>
@@ -192,7 +194,7 @@ inline auto flow_profile(const std::string& folder, const std::string& name, con
     require(some, "flow_profile '", name, "': there is no fluid on the line from ", from, " to ",
             to, " m");
   };
-  auto write = at(schedule, [=](const auto& sim) {
+  auto write = at<ActionKind::Reads>(schedule, [=](const auto& sim) {
     const auto& flow = detail::flow_of(sim);
     std::vector<std::array<double, 9>> rows;
     for (int k = 0; k < points; ++k) {
@@ -232,6 +234,8 @@ struct FlowAverageOptions {
 ///   mean.mean().velocity(i, j, k);
 class FlowAverage {
  public:
+  static constexpr bool only_reads = true;
+
   FlowAverage(std::string folder, Schedule schedule, const FlowAverageOptions& options)
       : folder_(std::move(folder)), schedule_(schedule), options_(options) {}
 
@@ -244,7 +248,7 @@ class FlowAverage {
     require(mean_.time() > 0 || options_.from < end, "flow_average '", folder_,
             "': FlowAverageOptions.from = ", options_.from, " s is not before the run's end at ",
             end, " s");
-    schedule_.begin(sim);
+    schedule_.begin(sim, true);
   }
   template <class Sim>
   bool is_due(const Sim& sim) const {
