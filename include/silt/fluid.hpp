@@ -16,4 +16,5 @@
 #include <silt/coupling/prescribed_flow.hpp>
 #include <silt/coupling/unsteady/history_force.hpp>
 #include <silt/fluid/boundary_of.hpp>
+#include <silt/io/flow_observers.hpp>
 #include <silt/silt.hpp>

@@ -35,6 +35,7 @@
 #include <silt/io/coarse_grained.hpp>
 #include <silt/io/contact_observers.hpp>
 #include <silt/io/contact_series.hpp>
+#include <silt/io/failure.hpp>
 #include <silt/io/observers.hpp>
 #include <silt/io/particle_csv.hpp>
 #include <silt/io/progress.hpp>

@@ -150,6 +150,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   /// Particles whose centre enters `region` leave the simulation and are counted.
   std::size_t add_outlet(const Box& region) {
     refuse_in_deforming_box("an outlet");
+    engine_.lists.forget();  // also who rests in it leaves
     return openings_.add_outlet(region);
   }
   const Outlet& outlet(std::size_t k) const { return openings_.outlet(k); }
@@ -195,6 +196,14 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   /// (simulation/observing.hpp).
   template <class... Observers>
   void run(double duration, Observers&&... observers) {
+    detail::run_observed(
+        *this, [&] { run_steps(duration, observers...); }, [this] { return kicked_ ? 0 : dt_; },
+        observers...);
+  }
+
+ private:
+  template <class... Observers>
+  void run_steps(double duration, Observers&... observers) {
     require_not_negative("Simulation::run: duration", duration, "s");
     prepare();
     const std::int64_t last =
@@ -226,6 +235,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     continued_ = false;
   }
 
+ public:
   // --- what observers and users read --------------------------------------------------------
 
   double time() const { return time_; }        // [s]

@@ -129,3 +129,6 @@ namespace fluid_follows_without_parts {
 namespace fluid_without_advance {
 #include "refused/fluid_without_advance.cpp"
 }
+namespace taps_without_flow {
+#include "refused/taps_without_flow.cpp"
+}

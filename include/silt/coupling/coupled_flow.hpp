@@ -101,6 +101,8 @@ class BasicCoupledFlow {
                       const Team& team = {}, std::span<Vec3d> torque = {}) {
     const std::size_t n = particles.velocity.size();
     tell_settings();
+    if constexpr (requires { flow_.set_time(1.0, 1.0); })
+      flow_.set_time(clock.time, clock.last_step);
     exchange_.check(particles, force.size(), torque.size());
     make_averaging(particles, team);
     CoupledStep done;
@@ -150,7 +152,13 @@ class BasicCoupledFlow {
   void for_each_state(const Visit& visit);
   void check_state(const std::string& name, std::span<const double> values) const;
   static constexpr const char* file_kind = ".vti";
-  void write(const std::string& path) const { write_flow(path, flow_); }
+  /// [m] vtk_series writes pressure_with_weight too, which equals the pressure at this place.
+  std::optional<Vec3d> weight_from;
+  void write(const std::string& path) const {
+    std::optional<FluidWeight> weight;
+    if (weight_from) weight = FluidWeight{gravity, *weight_from};
+    write_flow(path, flow_, weight);
+  }
   template <class Describer>
   void describe(const Describer& is) const;
   /// @}

@@ -163,5 +163,23 @@ auto row_of(Row row) {
   }
 }
 
+/// A whole table at once, which is there entirely or not at all.
+template <class Rows>
+void write_csv(const std::string& path, const std::vector<std::string>& columns, const Rows& rows) {
+  std::string all;
+  for (const auto& name : columns) all += (all.empty() ? "" : ",") + name;
+  all += '\n';
+  for (const auto& row : rows) {
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      if (k > 0) all += ',';
+      append(all, row[k]);
+    }
+    all += '\n';
+  }
+  AtomicFile out(path);
+  out.write(all);
+  out.commit();
+}
+
 }  // namespace detail
 }  // namespace silt

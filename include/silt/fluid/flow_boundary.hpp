@@ -35,9 +35,21 @@ struct FreeSlip {};
 ///            the outline, and in the fluid of a FlowBoundary: true areas; that of a disc
 ///            of radius R to h^2/(700 R^2) of it, in cells of size h (side_area.hpp)
 ///
+/// What changes with time is a function of it, which is asked once a step for the step's end:
+///
+///   velocity_in_time  of place and time; with an outline it is scaled by the patch's true area
+///   over
+///                     that of its faces, at all times the same
+///   rate_in_time      the shape is that of `velocity` or `profile`, or straight in; below 0 it
+///                     flows the other way
+///
+/// The time is FlowSolver::time(), which in a CoupledFlow is that of the simulation. Flow and
+/// pressure follow to second order in the step. A function that jumps is felt as a blow of the
+/// pressure in the step in which it does.
 /// Errors: set_side() and set_boundary(): InputError for rates that are not finite, patches without
-///         an open face, and velocities that flow the other way than the rate.
-/// Tests:  tests/fluid/inflow.cpp.
+///         an open face, velocities that flow the other way than the rate, and both a constant and
+///         a function of time. step(): InputError where a function of time is not finite.
+/// Tests:  tests/fluid/inflow.cpp, inflow_in_time.cpp.
 struct Inflow {
   Vec3d velocity{0, 0, 0};                             // [m/s]
   std::function<Vec3d(const Vec3d& place)> profile{};  // [m/s] at a place [m]; instead of velocity
@@ -47,6 +59,10 @@ struct Inflow {
   /// within a cell of the edge. Beyond it the side is a wall at rest, which a turbulent flow does
   /// not feel.
   std::function<double(const Vec3d& place)> outline{};
+  std::function<Vec3d(const Vec3d& place, double time)> velocity_in_time{};  // [m/s] of m, s
+  std::function<double(double time)> rate_in_time{};                         // [m3/s] of s
+
+  bool changes() const { return velocity_in_time || rate_in_time; }
 };
 
 /// Fluid flows out, at a given pressure.

@@ -14,6 +14,7 @@
 #include <silt/core/error.hpp>
 #include <silt/fluid/flow_boundary.hpp>
 #include <silt/fluid/side_area.hpp>
+#include <silt/fluid/side_values.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -36,16 +37,17 @@ class FlowSides {
     require(!grid_.periodic(direction), "FlowSolver: the grid is periodic in ", name,
             "; it has no sides there");
     Side& s = sides_[static_cast<std::size_t>(direction)][static_cast<std::size_t>(end)];
-    Side made{side, {}, {}};
+    Side made{side, {}, {}, {}, {}, 1};
     if (auto* const in = std::get_if<Inflow>(&made.kind)) {
       require(std::isfinite(in->rate.value_or(0)),
               "FlowSolver: Inflow.rate = ", in->rate.value_or(0), " m3/s at a side in ", name,
               " is not finite");
+      check_one_way(*in, name);
       const Vec3d& v = in->velocity;
-      if (in->rate && !in->profile && v.x == 0 && v.y == 0 && v.z == 0)
+      if ((in->rate || in->rate_in_time) && !in->profile && v.x == 0 && v.y == 0 && v.z == 0)
         (direction == 0   ? in->velocity.x
          : direction == 1 ? in->velocity.y
-                          : in->velocity.z) = (end == 0) == (*in->rate > 0) ? 1 : -1;
+                          : in->velocity.z) = (end == 0) == (in->rate.value_or(1) > 0) ? 1 : -1;
       if (in->outline) made.beyond = beyond(in->outline, direction, end);
     } else if (const auto* const out = std::get_if<Outflow>(&made.kind)) {
       require(std::isfinite(out->pressure), "FlowSolver: Outflow.pressure = ", out->pressure,
@@ -69,10 +71,43 @@ class FlowSides {
     for (int e = 0; e < 3; ++e)
       for (int end = 0; end < 2 && !grid_.periodic(e); ++end) {
         const auto* const in = std::get_if<Inflow>(&at(e, end).kind);
-        if (in == nullptr || !(in->rate || in->outline)) continue;
+        if (in == nullptr || !(in->rate || in->rate_in_time || in->outline)) continue;
         set(e, end, FlowSide(at(e, end).kind));  // unscaled
         scale(e, end, boundary, area);
       }
+  }
+
+  /// Whether an inflow is a function of time.
+  bool any_changes() const {
+    for (int e = 0; e < 3; ++e)
+      for (int end = 0; end < 2; ++end)
+        if (const auto* const in = changing(e, end); in != nullptr) return true;
+    return false;
+  }
+  double time() const { return time_; }  // [s] of what is given
+  void set_time(double time) { time_ = time; }
+  /// Gives inflows that change what they have at a time [s], `dt` [s] after that until now (0: not
+  /// known). Returns whether one has jumped: by more than a third of what it is now, and not at the
+  /// rate of the step before.
+  bool renew(double time, double dt) {
+    time_ = time;
+    bool jumped = false;
+    for (int e = 0; e < 3; ++e)
+      for (int end = 0; end < 2; ++end)
+        if (const auto* const in = changing(e, end); in != nullptr)
+          jumped = renew(e, end, *in, dt) || jumped;
+    return jumped;
+  }
+  /// [1/s] The largest velocity of an inflow that changes, over the size of a cell.
+  double changing_courant() const {
+    double most = 0;
+    for (int e = 0; e < 3; ++e)
+      for (int end = 0; end < 2; ++end)
+        if (changing(e, end) != nullptr)
+          for (int c = 0; c < 3; ++c)
+            for (const double v : at(e, end).given[static_cast<std::size_t>(c)])
+              most = std::max(most, std::abs(v) / along(grid_.h(), c));
+    return most;
   }
 
   bool open(int direction, int end) const {
@@ -186,28 +221,26 @@ class FlowSides {
   }
 
  private:
-  struct Side {
-    FlowSide kind = NoSlip{};
-    std::array<std::vector<double>, 3> given;  // velocities where each component crosses the side
-    std::vector<char> beyond;                  // 1 beyond the outline; none: there is none
-  };
-  /// Values from a side outwards: 0 is the last one inside (or on it), 1 and 2 the ghosts.
-  struct Line {
-    CellField* data;
-    int at[3];
-    int e, inner, outward;
-    double& operator()(int k) const {
-      int x[3] = {at[0], at[1], at[2]};
-      x[e] = inner + k * outward;
-      return (*data)(x[0], x[1], x[2]);
+  using Side = SideValues;
+  using Line = SideLine;
+  const Inflow* changing(int e, int end) const {
+    const auto* const in = grid_.periodic(e) ? nullptr : std::get_if<Inflow>(&at(e, end).kind);
+    return in != nullptr && in->changes() ? in : nullptr;
+  }
+  bool renew(int e, int end, const Inflow& in, double dt) {
+    Side& side = sides_[static_cast<std::size_t>(e)][static_cast<std::size_t>(end)];
+    const std::vector<double> before = side.given[static_cast<std::size_t>(e)];
+    const double rate = in.rate_in_time ? in.rate_in_time(time_) : 0;
+    require(std::isfinite(rate), "FlowSolver: Inflow.rate_in_time is ", rate,
+            " m3/s at t = ", time_, " s; it must be finite");
+    for (int c = 0; c < 3; ++c) {
+      auto& given = side.given[static_cast<std::size_t>(c)];
+      const bool by_rate = static_cast<bool>(in.rate_in_time);
+      given = by_rate ? side.shape[static_cast<std::size_t>(c)] : values(side.kind, e, end, c);
+      for (double& v : given) v *= by_rate ? rate : side.factor;
     }
-    /// Of the line of a face at the side: the value of the cell beside it.
-    double inner_cell(const CellField& of) const {
-      int x[3] = {at[0], at[1], at[2]};
-      x[e] = outward < 0 ? inner : inner - 1;
-      return of(x[0], x[1], x[2]);
-    }
-  };
+    return side.jumped(e, before, dt);
+  }
   const Side& at(int e, int end) const {
     return sides_[static_cast<std::size_t>(e)][static_cast<std::size_t>(end)];
   }
@@ -286,11 +319,16 @@ class FlowSides {
           if (in != nullptr) {
             const Vec3d x = place(line, end, c);
             const bool passed = !in->outline || in->outline(x) > 0;
-            if (passed) v = in->profile ? in->profile(x) : in->velocity;
+            if (passed)
+              v = in->velocity_in_time ? in->velocity_in_time(x, time_)
+                  : in->profile        ? in->profile(x)
+                                       : in->velocity;
           }
           const double component = along(v, c);
-          require(std::isfinite(component), "FlowSolver: a side is given the velocity ", component,
-                  " m/s; give finite numbers");
+          require(
+              std::isfinite(component), "FlowSolver: a side is given the velocity ", component,
+              in != nullptr && in->velocity_in_time ? text(" m/s at t = ", time_, " s") : " m/s",
+              "; give finite numbers");
           out.push_back(component);
         },
         false);
@@ -317,6 +355,7 @@ class FlowSides {
       return boundary ? std::min(of_patch, boundary(x)) : of_patch;
     };
     const auto flux = [&](double u, double v) {
+      if (in.velocity_in_time) return 1.0;
       return inwards * along(in.profile ? in.profile(spot(u, v)) : in.velocity, e);
     };
     const auto& n = grid_.cells();
@@ -330,33 +369,30 @@ class FlowSides {
           int face[3] = {line.at[0], line.at[1], line.at[2]};
           face[e] = end == 0 ? 0 : n[static_cast<std::size_t>(e)];
           if (const double share = area(e, face[0], face[1], face[2]); share > 0) {
-            const double one =
-                inwards * side.given[static_cast<std::size_t>(e)][k] * share * h[a] * h[b];
+            const double speed = in.velocity_in_time
+                                     ? (side.beyond.empty() || side.beyond[k] == 0 ? 1 : 0)
+                                     : inwards * side.given[static_cast<std::size_t>(e)][k];
+            const double one = speed * share * h[a] * h[b];
             passes += one, both_ways += std::abs(one);
             if (side.beyond.empty() || side.beyond[k] == 0) ++faces;
           }
-          if (in.rate) return;
+          if (in.rate || in.rate_in_time) return;
           const Vec3d x = place(line, end, 3);
           wanted += integral_inside<16>(along(x, a), along(x, b), h[a], h[b], distance, flux);
         },
         false);
-    if (in.rate) wanted = *in.rate;
-    const char name[] = {"xyz"[e], 0};
-    const char* const which = end == 0 ? "lower" : "upper";
-    require(faces > 0, "FlowSolver: the Inflow at the ", which, " side in ", name,
-            " has no face whose centre is within its outline and in the fluid; use smaller cells, "
-            "or see that they meet");
-    if (wanted == 0 && passes == 0) return;
-    require(std::abs(passes) > 1e-6 * both_ways && wanted / passes >= 0, "FlowSolver: ", wanted,
-            " m3/s are to flow in at the ", which, " side in ", name,
-            ", but its velocities let in ", passes,
-            " m3/s, which no factor above 0 turns into that; let them point that way, or leave "
-            "them out and give the rate");
+    if (in.rate || in.rate_in_time) wanted = in.rate.value_or(1);
+    const double factor = inflow_factor(wanted, passes, both_ways, faces, e, end);
     for (auto& given : side.given)
-      for (double& v : given) v *= wanted / passes;
+      for (double& v : given) v *= factor;
+    if (in.velocity_in_time) side.factor = factor;
+    if (!in.rate_in_time) return;
+    side.shape = side.given;
+    renew(e, end, in, 0);
   }
 
   Grid grid_;
+  double time_ = 0;  // [s]
   std::array<std::array<Side, 2>, 3> sides_;
 };
 

@@ -61,7 +61,7 @@ namespace silt::inline SILT_TARGET {
 /// Threads: results are the same, bit for bit, for every number of threads.
 /// Errors: InputError for sides, fluids and fields that cannot be; Error, with a sentence, where a
 ///   step cannot be made.
-/// Tests:  tests/fluid/flow_solver.cpp, tests/fluid/inflow.cpp.
+/// Tests:  tests/fluid/flow_solver.cpp, tests/fluid/inflow.cpp, tests/fluid/inflow_in_time.cpp.
 class FlowSolver {
   using FlowState = fluid_detail::FlowState;
 
@@ -119,6 +119,20 @@ class FlowSolver {
     s_.started = false, ++boundaries_;
   }
   int boundaries() const { return boundaries_; }  // that have been set
+
+  /// The time [s] that inflows which change are functions of: 0 at first, and the sum of all steps.
+  /// A CoupledFlow sets it to its own before each step. `last_step` [s]: the step that led there,
+  /// if there was one. It is not part of for_each_state(): set it after restoring a state by that.
+  double time() const { return s_.sides.time(); }
+  void set_time(double time, double last_step = 0) {
+    require(std::isfinite(time), "FlowSolver::set_time: ", time, " [s] must be finite");
+    const double off = std::abs(time - s_.sides.time());
+    if (s_.sides.any_changes() && !(off <= 1e-6 * last_step)) {
+      if (last_step > 0) s_.sides.renew(time - last_step, 0);
+      s_.sides.renew(time, last_step);
+    }
+    s_.sides.set_time(time);
+  }
   /// Makes the flow a turbulent one, of Reynolds-averaged velocities. Costs nothing unless called.
   void set_turbulence(const MixingLength& model) { make_turbulent(model); }
   void set_turbulence(const KEpsilon& model) { make_turbulent(model); }
@@ -263,7 +277,16 @@ class FlowSolver {
     const double by_flow = speeds > 0 ? 0.5 / speeds : std::numeric_limits<double>::infinity();
     const double nu = s_.fluid.viscosity / s_.fluid.density;
     const double by_eddies = s_.turbulence ? s_.eddy_rate() : 0;
-    return std::min(by_flow, 0.35 / (nu * squares + by_eddies));
+    double longest = std::min(by_flow, 0.35 / (nu * squares + by_eddies));
+    if (s_.sides.any_changes() && std::isfinite(longest)) {  // for what is about to flow in, too
+      fluid_detail::FlowSides ahead = s_.sides;
+      const auto crossed = [&](double t) {  // [-] cells in a step of `longest`
+        ahead.renew(time() + t, 0);
+        return longest * ahead.changing_courant();
+      };
+      while (crossed(longest) > 0.5 || crossed(0.5 * longest) > 0.5) longest *= 0.5;
+    }
+    return longest;
   }
 
   /// What a step goes on from, part by part: visit(name, span of doubles), which may change it.
@@ -301,6 +324,7 @@ class FlowSolver {
     done.courant = s_.courant(dt, team);
     fluid_detail::refuse_unstable(s_, dt, done.courant);
     s_.take_voidage();
+    renew_inflows(dt);
     for (CellField* f : {&s_.drag, &s_.drag_v[0], &s_.drag_v[1], &s_.drag_v[2], &s_.force[0],
                          &s_.force[1], &s_.force[2]}) {
       if (s_.solids) s_.solids->fill_corners(*f);
@@ -337,6 +361,15 @@ class FlowSolver {
   }
 
  private:
+  /// Inflows that change get what they have at the end of a step.
+  void renew_inflows(double dt) {
+    const double end = time() + dt;
+    if (s_.sides.any_changes()) {
+      s_.sides_changed = s_.sides.renew(end, dt) || s_.sides_changed;
+      if (s_.turbulence) s_.turbulence->renew_inflow(s_.sides);
+    }
+    s_.sides.set_time(end);
+  }
   template <class Model>
   void make_turbulent(const Model& model) {
     model.check();

@@ -71,8 +71,8 @@ struct FlowTurbulence {
   bool found = false;               // eddies are those of the velocities as they are
   double largest = 0;               // [Pa s] eddy viscosity, at the last step
   WallUnits walls;
-  CellField eddy;                  // [Pa s]
-  CellField square, distance;      // [m2], [m] l^2 undamped, y; 0 in solids and beside walls
+  CellField eddy;              // [Pa s]
+  CellField square, distance;  // [m2], [m] l^2 undamped, y; 0 in solids and beside walls
   Three open;                  // [-] faces between which eddies carry momentum: not those in walls
   std::array<Three, 3> edges;  // [-] of component d and direction e: from a face to the next
   Three drag, push;            // [kg/(m3 s)], [N/m3] of walls, beyond the laminar ones
@@ -156,6 +156,13 @@ struct FlowTurbulence {
     if (count > 0) walls.mean /= static_cast<double>(count);
     if (count == 0) walls = {};
   }
+  /// k of what flows in, of k-epsilon.
+  void renew_inflow(const FlowSides& sides) {
+    for (int e = 0; e < 3 && two; ++e)
+      for (int end = 0; end < 2; ++end)
+        two->inflow[at(e)][at(end)] =
+            std::max(TwoEquations::least, two->model.energy(sides.inflow_speed(e, end)));
+  }
 
  private:
   struct WallFace {
@@ -183,12 +190,9 @@ struct FlowTurbulence {
   /// Inflows, and k and epsilon where nobody has set them; `fastest` [m/s] is of the flow.
   void begin(const Grid& grid, const FlowSides& sides, double nu, double fastest) {
     const KEpsilon& m = two->model;
+    renew_inflow(sides);
     for (int e = 0; e < 3; ++e)
-      for (int end = 0; end < 2; ++end) {
-        const double speed = sides.inflow_speed(e, end);
-        two->inflow[at(e)][at(end)] = std::max(TwoEquations::least, m.energy(speed));
-        fastest = std::max(fastest, speed);
-      }
+      for (int end = 0; end < 2; ++end) fastest = std::max(fastest, sides.inflow_speed(e, end));
     const double l = m.inflow_length(), k0 = m.start_energy(fastest, nu);
     for (int k = 0; k < grid.nz(); ++k)
       for (int j = 0; j < grid.ny(); ++j)

@@ -1,27 +1,50 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-#include <array>
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include <silt/files/vtk.hpp>
+#include <silt/fluid/flow_at.hpp>
 #include <silt/fluid/flow_solver.hpp>
 
 namespace silt::inline SILT_TARGET {
 
+namespace detail {
+
+template <class Value>
+VtkArray vtk_view(const char* name, const std::vector<Value>& values) {
+  return vtk_array(name, std::span<const Value>(values));
+}
+/// Values of all cells of a grid, i fastest, as a VTK image.
+inline void write_cells(const std::string& path, const Grid& g, std::span<const VtkArray> arrays) {
+  const VtkSection sections[] = {{"CellData", arrays}};
+  const std::string extent = text("\"0 ", g.nx(), " 0 ", g.ny(), " 0 ", g.nz(), '"');
+  const Vec3d &o = g.box().min, &h = g.h();
+  write_vtk_file(path, "ImageData",
+                 text(" WholeExtent=", extent, " Origin=\"", o.x, ' ', o.y, ' ', o.z,
+                      "\" Spacing=\"", h.x, ' ', h.y, ' ', h.z, '"'),
+                 text("Extent=", extent), sections);
+}
+
+}  // namespace detail
+
 /// Writes a flow for ParaView, cell by cell: velocity [m/s] (between the particles; the mean of the
-/// cell's faces), pressure [Pa], voidage [-], and whether fluid can enter (1, or 0 within walls).
+/// cell's faces), pressure [Pa] (without the fluid's weight), voidage [-], and whether fluid can
+/// enter (1, or 0 within walls); with `weight` also pressure_with_weight [Pa].
 /// `path` should end in .vti. `vtk_series` does it in a Simulation with a fluid.
 /// Errors: FileError if the file cannot be written. Tests: tests/fluid/flow_vtk.cpp.
 template <FlowOnGrid Flow>
-void write_flow(const std::string& path, const Flow& flow) {
+void write_flow(const std::string& path, const Flow& flow,
+                const std::optional<FluidWeight>& weight = {}) {
   const Grid& g = flow.grid();
   const std::size_t n = g.size();
   std::vector<Vec3d> velocity;
-  std::vector<double> pressure, voidage;
+  std::vector<double> pressure, voidage, whole;
   std::vector<std::int32_t> open;
   velocity.reserve(n), pressure.reserve(n), voidage.reserve(n), open.reserve(n);
   for (int k = 0; k < g.nz(); ++k)
@@ -35,20 +58,15 @@ void write_flow(const std::string& path, const Flow& flow) {
         pressure.push_back(flow.pressure()(i, j, k));
         voidage.push_back(flow.voidage()(i, j, k));
         open.push_back(!flow.open_cells() || (*flow.open_cells())(i, j, k) > 0 ? 1 : 0);
+        if (weight)
+          whole.push_back(pressure.back() +
+                          weight->pressure(flow.fluid().density, g.centre(i, j, k)));
       }
-  const auto view = [](const char* name, const auto& values) {
-    using Value = typename std::decay_t<decltype(values)>::value_type;
-    return detail::vtk_array(name, std::span<const Value>(values));
-  };
-  const std::array arrays{view("velocity", velocity), view("pressure", pressure),
-                          view("voidage", voidage), view("open", open)};
-  const detail::VtkSection sections[] = {{"CellData", arrays}};
-  const std::string extent = text("\"0 ", g.nx(), " 0 ", g.ny(), " 0 ", g.nz(), '"');
-  const Vec3d &o = g.box().min, &h = g.h();
-  detail::write_vtk_file(path, "ImageData",
-                         text(" WholeExtent=", extent, " Origin=\"", o.x, ' ', o.y, ' ', o.z,
-                              "\" Spacing=\"", h.x, ' ', h.y, ' ', h.z, '"'),
-                         text("Extent=", extent), sections);
+  std::vector<detail::VtkArray> arrays{
+      detail::vtk_view("velocity", velocity), detail::vtk_view("pressure", pressure),
+      detail::vtk_view("voidage", voidage), detail::vtk_view("open", open)};
+  if (weight) arrays.push_back(detail::vtk_view("pressure_with_weight", whole));
+  detail::write_cells(path, g, arrays);
 }
 
 }  // namespace silt

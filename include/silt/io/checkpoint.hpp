@@ -4,6 +4,7 @@
 #include <memory>
 #include <new>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -46,7 +47,8 @@ class Checkpoint {
     for (const auto& w : e.walls) removed.push_back(w.surfaces.empty());
     const auto coefficients = Engine::coefficients_of(sim.contacts_);
     out.add_text("scene",
-                 detail::describe_scene(sim, coefficients, sim.openings_, removed).written());
+                 detail::describe_scene(sim, coefficients, sim.openings_, removed, removed.size())
+                     .written());
     auto clock = clock_of(sim);
     clock.visit(a);
     auto walls = detail::WallsState::of(e.walls, e.lists);
@@ -168,7 +170,8 @@ class Checkpoint {
       clock_.visit(a);
       detail::check_clock(a, clock_);
       const std::size_t inlets = sim_.openings_.inlets().size();
-      openings_.visit(a, sim_.openings_.outlets().size(),
+      const std::size_t outlets = sim_.openings_.outlets().size();
+      openings_.visit(a, accepted.outlets ? detail::CheckpointLoader::any_count : outlets,
                       accepted.inlets ? detail::CheckpointLoader::any_count : inlets);
       detail::check_openings(a, openings_, sim_.openings_, clock_, accepted);
       read_particles(a);
@@ -194,7 +197,9 @@ class Checkpoint {
       sim.step_ = clock_.step, sim.step_origin_ = clock_.step_origin;
       sim.next_ = {clock_.next_id, clock_.next_part};
       sim.first_kick_ = clock_.first_kick, sim.kicked_ = clock_.kicked, sim.continued_ = true;
-      sim.observed_ = clock_.observed, sim.scene_changed_ = clock_.scene_changed;
+      sim.observed_ = clock_.observed;
+      sim.scene_changed_ = clock_.scene_changed || known_walls_ < e.walls.size();
+      if (known_walls_ < e.walls.size()) sim.scene_step_ = sim.step_;
       e.coefficients = std::move(coefficients_);
       e.safeguards = clock_.safeguards;
       e.particles = std::move(particles_);
@@ -216,7 +221,7 @@ class Checkpoint {
         wall.deforming = static_cast<int>(walls_.deforming[w]), wall.deformed = walls_.deformed[w];
         wall.vertex_steps = std::move(vertex_steps_[w]);
       }
-      openings_.put(sim.openings_, accepted.inlets, clock_.time);
+      openings_.put(sim.openings_, accepted.inlets, accepted.outlets, clock_.time);
       if constexpr (detail::deforms<typename Sim::Domain>) sim.domain_ = *box_;
       if constexpr (Sim::has_ledger)
         sim.book_ = std::move(book_), sim.gravity_booked_ = gravity_booked_;
@@ -249,12 +254,15 @@ class Checkpoint {
       std::vector<bool> removed(e_.walls.size(), false);  // in the file, or in both
       for (std::size_t w = 0; w < std::min(removed.size(), walls_.surfaces.size()); ++w)
         removed[w] = walls_.surfaces[w] == 0;
-      const auto scene = detail::describe_scene(sim_, coefficients_, sim_.openings_, removed);
+      known_walls_ =
+          accepted.walls ? std::min(removed.size(), walls_.surfaces.size()) : removed.size();
+      const auto scene = detail::describe_scene(sim_, coefficients_, sim_.openings_, removed,
+                                                std::min(removed.size(), walls_.surfaces.size()));
       const std::string difference = scene.difference(written, accepted);
       require(difference.empty(), "checkpoint '", path,
               "' is of another scene: ", detail::with_wall_names(difference, e_.walls));
-      walls_.visit(a, e_.walls.size());
-      for (std::size_t w = 0; w < e_.walls.size(); ++w)
+      walls_.visit(a, known_walls_);
+      for (std::size_t w = 0; w < known_walls_; ++w)
         a.need(walls_.surfaces[w] == 0 || walls_.surfaces[w] == e_.walls[w].surfaces.size(),
                detail::name_of_wall(e_.walls, w), " has ", walls_.surfaces[w],
                " surfaces, the scene's ", e_.walls[w].surfaces.size());
@@ -317,11 +325,12 @@ class Checkpoint {
       for (std::size_t k = 0; k < listed; ++k)
         a.need(is_finite(lists_.reference[k]), "lists.reference of row ", k, " must be finite");
       // Lists that took a wall for one at rest do not fit to one that moves: they are made anew.
-      for (std::size_t w = 0; w < e_.walls.size(); ++w)
+      for (std::size_t w = 0; w < known_walls_; ++w)
         if (walls_.moves[w] != e_.walls[w].moves() && walls_.surfaces[w] > 0)
           upkeep.searched_at = upkeep.pruned_at = -1;
       const bool forgotten = upkeep.searched_at < 0;
-      detail::check_walls(a, walls_, e_.walls, clock_, forgotten, accepted);
+      const auto walls = std::span<const Wall>(e_.walls).first(known_walls_);
+      detail::check_walls(a, walls_, walls, clock_, forgotten, accepted);
       auto vertex = walls_.vertex_steps.begin();
       for (const std::uint64_t count : walls_.vertices) {
         const auto next = vertex + static_cast<std::ptrdiff_t>(count);
@@ -334,14 +343,21 @@ class Checkpoint {
       typename decltype(Engine::Lists::walls)::State contacts;
       detail::visit_wall_contacts(a, contacts, Engine::memory);
       lists_.walls.planes_apart = !Engine::State::of_bodies;
-      detail::check_wall_contacts<Engine>(a, contacts, lists_.walls, e_.walls, listed, forgotten);
+      // A plane that moves, or has come to rest, has its contacts in another place than the file's.
+      const bool laid_out = detail::check_wall_contacts<Engine>(
+          a, contacts, lists_.walls, walls, listed, forgotten, accepted.motions);
       const std::vector<double> outer(upkeep.outer.begin(), upkeep.outer.end()),
           inner(upkeep.inner.begin(), upkeep.inner.end());
       upkeep.restore(outer, inner);
       lists_.pairs.restore(pairs, listed);
-      lists_.walls.restore(std::move(contacts), e_.walls, listed);
+      lists_.walls.restore(std::move(contacts), walls, listed);
       lists_.searched_walls.restore(std::move(walls_.marks[0]), walls_.regions[0]);
       lists_.pruned_walls.restore(std::move(walls_.marks[1]), walls_.regions[1]);
+      for (std::size_t w = known_walls_; w < e_.walls.size(); ++w)
+        walls_.add(e_.walls[w], clock_.time), vertex_steps_.push_back(e_.walls[w].vertex_steps);
+      // Those who rest in another outlet leave, too.
+      const bool outlets = accepted.outlets && !sim_.openings_.outlets().empty();
+      if (known_walls_ < e_.walls.size() || !laid_out || outlets) lists_.forget();
     }
 
     void read_box(const detail::CheckpointLoader& a, const std::string& path) {
@@ -404,6 +420,7 @@ class Checkpoint {
     detail::ClockState clock_;
     detail::WallsState walls_;
     std::vector<std::vector<Vec3d>> vertex_steps_;  // of each wall
+    std::size_t known_walls_ = 0;  // of the scene, that the file has
     detail::OpeningsState openings_;
     decltype(Engine::coefficients) coefficients_;
     typename Engine::State particles_;

@@ -236,10 +236,11 @@ void check_pairs(const CheckpointLoader& a, const Pairs& pairs, const State& p,
 }
 
 /// `forgotten`: the lists will be made anew before they are used, but for the contacts in them.
+/// Returns whether candidates are laid out as for these walls; `other_motions`: they need not be.
 template <class Engine, class Contacts>
-void check_wall_contacts(const CheckpointLoader& a, const typename Contacts::State& s,
+bool check_wall_contacts(const CheckpointLoader& a, const typename Contacts::State& s,
                          const Contacts& contacts, std::span<const Wall> walls, std::size_t listed,
-                         bool forgotten) {
+                         bool forgotten, bool other_motions) {
   const auto check = [&](const char* name, const std::vector<WallCandidate>& all,
                          const std::vector<std::uint32_t>& facets) {
     for (std::size_t k = 0; k < all.size(); ++k) {
@@ -277,12 +278,13 @@ void check_wall_contacts(const CheckpointLoader& a, const typename Contacts::Sta
   const bool all_there = std::none_of(s.inner.begin(), s.inner.end(), [&](const auto& c) {
     return walls[c.wall].surfaces.empty();
   });
-  a.need(!all_there || forgotten || contacts.is_laid_out(s, walls),
-         "walls.inner is not laid out as contacts are");
+  const bool laid_out = !all_there || contacts.is_laid_out(s, walls);
+  a.need(laid_out || other_motions || forgotten, "walls.inner is not laid out as contacts are");
   for (std::size_t k = 0; k < s.slots.size(); ++k)
     a.need(std::abs(norm(s.slots[k].normal) - 1) < 1e-3, "walls.slots[", 4 * k,
            "]: the normal is no unit vector");
   check_memory<Engine>(a, "walls.", s.history);
+  return laid_out;
 }
 
 /// All numbers are finite, and turns and moments of inertia are such.

@@ -227,6 +227,18 @@ struct WallsState {
     a.rows("walls.pruned", marks[1], loads ? CheckpointLoader::any_count : marks[1].size());
     a.rows("walls.regions", regions, 2);
   }
+  /// A wall of the scene that the file does not know.
+  void add(const Wall& wall, double time) {
+    const Pose at = wall.motion ? wall.pose_at(time) : wall.pose;
+    surfaces.push_back(wall.surfaces.size());
+    pose.push_back(at), last_pose.push_back(at);
+    drive.push_back(wall.drive.index()), moves.push_back(wall.moves());
+    force.push_back({0, 0, 0}), torque.push_back({0, 0, 0}), impulse.push_back({0, 0, 0});
+    reference.push_back(wall.reference), angular_impulse.push_back({0, 0, 0});
+    state.push_back(wall.state);
+    deforming.push_back(static_cast<std::uint64_t>(wall.deforming));
+    deformed.push_back(wall.deformed);
+  }
 };
 
 struct OpeningsState {
@@ -256,11 +268,13 @@ struct OpeningsState {
     a.column("inlets.start", start, inlets, not_negative_number);
     a.column("inlets.interval", interval, inlets, not_negative_number);
   }
-  /// What inlets and outlets go on from; `anew`: inlets begin at `time` [s], as if just added.
+  /// What inlets and outlets go on from; `anew`: inlets begin at `time` [s], as if just added;
+  /// `count_anew`: outlets count from 0.
   template <class Openings>
-  void put(Openings& openings, bool anew, double time) const noexcept {
+  void put(Openings& openings, bool anew, bool count_anew, double time) const noexcept {
     std::size_t k = 0;
-    for (auto& o : openings.outlets()) o.count = out_count[k], o.mass = out_mass[k], ++k;
+    for (auto& o : openings.outlets())
+      o.count = count_anew ? 0 : out_count[k], o.mass = count_anew ? 0 : out_mass[k], ++k;
     k = 0;
     if (anew) {
       for (auto& i : openings.inlets()) {

@@ -183,16 +183,18 @@ inline void describe_motion(const Describer& is, const Wall& wall) {
   return words;
 }
 
-/// `removed[w]`: whether wall w is described as one without surfaces.
+/// `removed[w]`: whether wall w is described as one without surfaces. Walls from `known` on are
+/// new.
 template <class Sim, class Table, class Openings>
 SceneDescription describe_scene(const Sim& sim, const Table& coefficients, const Openings& openings,
-                                const std::vector<bool>& removed) {
+                                const std::vector<bool>& removed, std::size_t known) {
   using Aspect = SceneDescription::Aspect;
   SceneDescription out;
   const Describer is(out, Aspect::Scene, "");
-  is("walls", sim.walls());
+  Describer(out, sim.walls() > known ? Aspect::NewWall : Aspect::Scene, "")("walls", sim.walls());
   Describer(out, Aspect::Inlet, "")("inlets", openings.inlets().size());
-  is("outlets", openings.outlets().size());
+  const Describer outlet(out, Aspect::Outlet, "");
+  outlet("outlets", openings.outlets().size());
   if constexpr (deforms<std::remove_cvref_t<decltype(sim.domain())>>) {
     const Box box = sim.domain().first_box();
     is("deforming box: from", box.min), is("deforming box: to", box.max);
@@ -221,17 +223,19 @@ SceneDescription describe_scene(const Sim& sim, const Table& coefficients, const
   for (std::size_t w = 0; w < sim.walls(); ++w) {
     const Wall& wall = sim.wall(w);
     const std::string name = text("wall ", w, ": ");
-    is(name + "surfaces", removed[w] ? std::size_t{0} : wall.surfaces.size());
-    Describer(out, Aspect::Material, name)("material", wall.material);
-    describe_motion({out, Aspect::Motion, name}, wall);
+    const auto as = [&](Aspect aspect) { return w < known ? aspect : Aspect::NewWall; };
+    const Describer scene(out, as(Aspect::Scene), "");
+    scene(name + "surfaces", removed[w] ? std::size_t{0} : wall.surfaces.size());
+    Describer(out, as(Aspect::Material), name)("material", wall.material);
+    describe_motion({out, as(Aspect::Motion), name}, wall);
     for (std::size_t s = 0; s < wall.surfaces.size() && !removed[w]; ++s)
       visit_surface(wall.surfaces[s], [&](const auto& surface) {
-        describe(is.of(wall.surfaces.size() == 1 ? name : text(name, "surface ", s, ": ")),
+        describe(scene.of(wall.surfaces.size() == 1 ? name : text(name, "surface ", s, ": ")),
                  surface);
       });
   }
   for (std::size_t k = 0; k < openings.outlets().size(); ++k)
-    describe(is.of(text("outlet ", k, ": ")), openings.outlets()[k].region);
+    describe(outlet.of(text("outlet ", k, ": ")), openings.outlets()[k].region);
   for (std::size_t k = 0; k < openings.inlets().size(); ++k)
     describe_inlet({out, Aspect::Inlet, text("inlet ", k, ": ")}, openings.inlets()[k]);
   if constexpr (requires { sim.fluid().describe(is); }) sim.fluid().describe(is.of("fluid: "));

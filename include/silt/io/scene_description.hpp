@@ -30,6 +30,8 @@ struct AcceptedChanges {
   bool materials = false;  // their number and values, pair values and rolling resistance
   bool motions = false;    // of walls
   bool inlets = false;     // all of them: they begin anew, as if added at the checkpoint's time
+  bool outlets = false;    // all of them: they count from 0
+  bool walls = false;      // further ones, after those of the file: as if added by add_wall then
 };
 
 namespace detail {
@@ -42,7 +44,14 @@ namespace detail {
 class SceneDescription {
  public:
   /// Which change, if accepted, lets an item differ.
-  enum class Aspect : char { Scene = 's', Material = 'm', Motion = 'w', Inlet = 'i' };
+  enum class Aspect : char {
+    Scene = 's',
+    Material = 'm',
+    Motion = 'w',
+    Inlet = 'i',
+    Outlet = 'o',
+    NewWall = 'n'
+  };
 
   /// A number that may differ by a part of 1e-9, far above rounding and below any change made on
   /// purpose; or by `slack`, where it is a difference of larger ones.
@@ -102,7 +111,10 @@ class SceneDescription {
     bool no_change_would_do = false;
     // Where there is one more of something, its number says so, and the items of that one do not.
     for (const Item& item : items_) {
-      if (is_accepted(item.aspect, accepted)) continue;
+      if (is_accepted(item.aspect, accepted)) {
+        in_file.erase(item.name);
+        continue;
+      }
       const auto found = in_file.find(item.name);
       if (found != in_file.end() && is_same(item, found->second)) {
         in_file.erase(found);
@@ -112,6 +124,8 @@ class SceneDescription {
       would_do.materials |= item.aspect == Aspect::Material;
       would_do.motions |= item.aspect == Aspect::Motion;
       would_do.inlets |= item.aspect == Aspect::Inlet;
+      would_do.outlets |= item.aspect == Aspect::Outlet;
+      would_do.walls |= item.aspect == Aspect::NewWall;
       if (found == in_file.end()) {
         if (one_sided.empty())
           one_sided = text(item.name, " is ", shown(item.value), " in the scene alone");
@@ -130,7 +144,8 @@ class SceneDescription {
     if (no_change_would_do) return phrase;
     for (const auto& [may, word] :
          {std::pair{would_do.materials, "materials"}, std::pair{would_do.motions, "motions"},
-          std::pair{would_do.inlets, "inlets"}})
+          std::pair{would_do.inlets, "inlets"}, std::pair{would_do.outlets, "outlets"},
+          std::pair{would_do.walls, "walls"}})
       if (may)
         phrase +=
             text(", or accept other ", word, ": load_checkpoint(sim, path, {.", word, " = true})");
@@ -149,7 +164,9 @@ class SceneDescription {
   static bool is_accepted(Aspect aspect, const AcceptedChanges& accepted) {
     return (aspect == Aspect::Material && accepted.materials) ||
            (aspect == Aspect::Motion && accepted.motions) ||
-           (aspect == Aspect::Inlet && accepted.inlets);
+           (aspect == Aspect::Inlet && accepted.inlets) ||
+           (aspect == Aspect::Outlet && accepted.outlets) ||
+           (aspect == Aspect::NewWall && accepted.walls);
   }
   static bool is_same(const Item& item, std::string_view in_file) {
     if (item.value == in_file) return true;

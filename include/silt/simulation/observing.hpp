@@ -1,8 +1,11 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <concepts>
+#include <string>
 #include <type_traits>
 
+#include <silt/core/error_types.hpp>
 #include <silt/core/target.hpp>
 #include <silt/engine/contact/contact_events.hpp>
 
@@ -65,6 +68,34 @@ void tell(const O& observer, const Log& log) {
 template <class O, class Sim>
 void end(O& observer, Sim& sim) {
   if constexpr (requires { observer.end(sim); }) observer.end(sim);
+}
+
+template <class O, class Sim>
+concept SeesFailures = requires(O& observer, const Sim& sim, const SimulationError& error) {
+  { observer.failed(sim, error, 0.0) } -> std::convertible_to<std::string>;
+};
+template <class O, class Sim>
+std::string failed(O& observer, const Sim& sim, const SimulationError& error, double back) {
+  if constexpr (SeesFailures<O, Sim>) return observer.failed(sim, error, back);
+  return {};
+}
+/// Calls `steps`; where that fails, observers see it, and what they say ends the error's sentence.
+/// since_forces() [s]: for how long positions have gone on since the forces acted.
+template <class Sim, class Steps, class Since, class... Observers>
+void run_observed([[maybe_unused]] const Sim& sim, const Steps& steps,
+                  [[maybe_unused]] const Since& since_forces,
+                  [[maybe_unused]] Observers&... observers) {
+  if constexpr ((SeesFailures<Observers, Sim> || ...)) {
+    try {
+      steps();
+    } catch (const SimulationError& error) {
+      std::string words = error.what();
+      ((words += failed(observers, sim, error, since_forces())), ...);
+      throw SimulationError(words, error.step, error.particles, error.position);
+    }
+  } else {
+    steps();
+  }
 }
 
 }  // namespace silt::detail

@@ -7,5 +7,6 @@
 #include <silt/coupling/drag/ergun.hpp>
 #include <silt/coupling/drag/koch_hill.hpp>
 #include <silt/coupling/drag/lone_sphere.hpp>
+#include <silt/coupling/drag/syamlal_obrien.hpp>
 #include <silt/coupling/drag/tenneti.hpp>
 #include <silt/coupling/drag/wen_yu.hpp>

@@ -71,6 +71,7 @@ class ListUpkeep {
     constexpr double search = 150, cell = 30, prune = 15, prune_pair = 8, idle_pair = 8;  // [ns]
     constexpr double pairs = 2.2, more_pairs = 10;  // a particle; more by gap over diameter
     plan = {0, 0, 0.03 * d, 0.5 * d, 0.005 * d, 0.25 * d};
+    if (!(d > 0)) return;  // there are no spheres
     const double per = slack * time_step / d;
     const double mean = per * mean_speed, most = per * fastest;  // diameters a step
     double best = std::numeric_limits<double>::infinity();

@@ -1,0 +1,90 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include <silt/core/error.hpp>
+#include <silt/fluid/flow_boundary.hpp>
+
+namespace silt::inline SILT_TARGET::fluid_detail {
+
+/// One side of a flow's box, with the velocities that it gives. For FlowSides.
+struct SideValues {
+  FlowSide kind = NoSlip{};
+  std::array<std::vector<double>, 3> given;  // velocities where each component crosses the side
+  std::vector<char> beyond;                  // 1 beyond the outline; none: there is none
+  // Of inflows that change:
+  std::array<std::vector<double>, 3> shape;  // what 1 m3/s gives
+  std::vector<double> slope;                 // [m/s2] across the side; none: not known yet
+  double factor = 1;                         // [-] of velocities, so that areas are true
+
+  /// Whether the velocities across the side have jumped from `before` on: by more than a third of
+  /// what they are now, and not at the rate of the step before. `dt` [s] between; 0: not known.
+  bool jumped(int direction, const std::vector<double>& before, double dt) {
+    const auto& now = given[static_cast<std::size_t>(direction)];
+    std::vector<double> rate(dt > 0 ? now.size() : 0);
+    double size = 0, change = 0, old_change = 0, turn = 0;  // sums of squares
+    for (std::size_t k = 0; k < rate.size(); ++k) {
+      rate[k] = (now[k] - before[k]) / dt;
+      const double old = slope.empty() ? rate[k] : slope[k];
+      size += now[k] * now[k], change += dt * dt * rate[k] * rate[k];
+      old_change += dt * dt * old * old, turn += dt * dt * (rate[k] - old) * (rate[k] - old);
+    }
+    slope = std::move(rate);
+    return 9 * change > size && 9 * turn > std::max(change, old_change);
+  }
+};
+
+/// Values from a side outwards: 0 is the last one inside (or on it), 1 and 2 the ghosts.
+struct SideLine {
+  CellField* data;
+  int at[3];
+  int e, inner, outward;
+  double& operator()(int k) const {
+    int x[3] = {at[0], at[1], at[2]};
+    x[e] = inner + k * outward;
+    return (*data)(x[0], x[1], x[2]);
+  }
+  /// Of the line of a face at the side: the value of the cell beside it.
+  double inner_cell(const CellField& of) const {
+    int x[3] = {at[0], at[1], at[2]};
+    x[e] = outward < 0 ? inner : inner - 1;
+    return of(x[0], x[1], x[2]);
+  }
+};
+
+/// Refuses an inflow that is both constant and a function of time.
+inline void check_one_way(const Inflow& in, const char* name) {
+  const Vec3d& v = in.velocity;
+  const bool constant = in.profile || v.x != 0 || v.y != 0 || v.z != 0;
+  require(!in.velocity_in_time || !(constant || in.rate || in.rate_in_time),
+          "FlowSolver: the Inflow at a side in ", name,
+          " has velocity_in_time beside another velocity or rate; give one of them");
+  require(!in.rate_in_time || !in.rate, "FlowSolver: the Inflow at a side in ", name,
+          " has both rate and rate_in_time; give one of them");
+}
+
+/// The factor [-] of an inflow's velocities, which let in `passes` [m3/s], so that it is `wanted`.
+/// `both_ways`: what they let in and out; `faces`: how many are open, at end `end` of direction e.
+inline double inflow_factor(double wanted, double passes, double both_ways, int faces, int e,
+                            int end) {
+  const char name[] = {"xyz"[e], 0};
+  const char* const which = end == 0 ? "lower" : "upper";
+  require(faces > 0, "FlowSolver: the Inflow at the ", which, " side in ", name,
+          " has no face whose centre is within its outline and in the fluid; use smaller cells, "
+          "or see that they meet");
+  if (wanted == 0 && passes == 0) return 1;
+  require(std::abs(passes) > 1e-6 * both_ways && wanted / passes >= 0, "FlowSolver: ", wanted,
+          " m3/s are to flow in at the ", which, " side in ", name, ", but its velocities let in ",
+          passes,
+          " m3/s, which no factor above 0 turns into that; let them point that way, or leave "
+          "them out and give the rate");
+  return wanted / passes;
+}
+
+}  // namespace silt::fluid_detail

@@ -1,0 +1,317 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <exception>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <silt/files/csv_table.hpp>
+#include <silt/io/checkpoint.hpp>
+#include <silt/io/observers.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+namespace detail {
+
+/// What a failed run is looked at by: who the error names, who touches them, who is near.
+template <class Sim>
+class FailureScene {
+ public:
+  enum Role : std::uint32_t { Near = 0, Touching = 1, Named = 2 };
+
+  /// `back` [s]: positions have gone on for so long since the forces acted.
+  FailureScene(const Sim& sim, const SimulationError& error, double back)
+      : sim_(sim), role_(sim.rows(), Near) {
+    std::vector<ParticleId> ids(error.particles.begin(), error.particles.end());
+    if (ids.empty()) ids = fastest();
+    for (const ParticleId id : ids)
+      if (const std::size_t k = sim.find(id); k < sim.rows()) role_[k] = Named, named_.push_back(k);
+    find_contacts(back);
+    find_near(error.position);
+  }
+
+  void write_particles_csv(const std::string& path) const {
+    std::vector<std::vector<double>> rows;
+    for (const Role wanted : {Named, Touching})
+      for (std::size_t k = 0; k < sim_.rows(); ++k) {
+        if (!sim_.is_present(k) || role_[k] != wanted) continue;
+        const Vec3d x = sim_.position(k), v = sim_.velocity(k);
+        Vec3d w{0, 0, 0};
+        if constexpr (Sim::rotates) w = sim_.angular_velocity(k);
+        rows.push_back({static_cast<double>(sim_.id(k)), wanted == Named ? 1.0 : 0.0, x.x, x.y, x.z,
+                        v.x, v.y, v.z, w.x, w.y, w.z, sim_.radius(k), sim_.mass(k),
+                        static_cast<double>(sim_.material(k))});
+      }
+    write_csv(path,
+              {"id", "named by the error", "x [m]", "y [m]", "z [m]", "velocity x [m/s]",
+               "velocity y [m/s]", "velocity z [m/s]", "angular velocity x [rad/s]",
+               "angular velocity y [rad/s]", "angular velocity z [rad/s]", "radius [m]",
+               "mass [kg]", "material"},
+              rows);
+  }
+  void write_contacts_csv(const std::string& path) const {
+    write_csv(path,
+              {"id", "other id (-1: a wall)", "wall (-1: none)",
+               "overlap [-] of the smaller radius", "approach [m/s]", "x [m]", "y [m]", "z [m]"},
+              contacts_);
+  }
+  /// Particles near those named, or only these and what touches them, for ParaView and `draw.py
+  /// spheres --colour role`: role 2 those that the error names, 1 those that touch them, 0 others.
+  void write_particles_vtp(const std::string& path, bool others) const {
+    std::vector<std::size_t> shown;
+    for (const std::size_t k : near_)
+      if (others || role_[k] != Near) shown.push_back(k);
+    if constexpr (Sim::has_surfaces)
+      write_bodies(path, shown);
+    else
+      write_spheres(path, shown);
+  }
+  void write_walls(const std::string& path) const {
+    const auto walls = wall_triangles(sim_, around_);
+    VtkFields fields;
+    fields.add("wall", walls.wall);
+    write_vtp_triangles(path, walls.points, walls.triangles, fields);
+  }
+  bool has_walls() const { return sim_.walls() > 0 && around_.min.x <= around_.max.x; }
+  std::size_t contacts() const { return contacts_.size(); }
+  /// Whether all of the state is numbers, so that a checkpoint of it can be loaded.
+  bool is_finite() const {
+    for (std::size_t k = 0; k < sim_.rows(); ++k)
+      if (sim_.is_present(k) &&
+          !(silt::is_finite(sim_.position(k)) && silt::is_finite(sim_.velocity(k))))
+        return false;
+    return true;
+  }
+
+ private:
+  /// The error names nobody: the fastest is shown.
+  std::vector<ParticleId> fastest() const {
+    ParticleId who = no_particle;
+    double most = -1;
+    for (std::size_t k = 0; k < sim_.rows(); ++k)
+      if (sim_.is_present(k) && norm(sim_.velocity(k)) > most)
+        most = norm(sim_.velocity(k)), who = sim_.id(k);
+    return who == no_particle ? std::vector<ParticleId>{} : std::vector<ParticleId>{who};
+  }
+  void find_contacts(double back) {
+    const auto& e = sim_.engine();
+    if (e.lists.upkeep.searched_at < 0)
+      return;  // before the first search nothing is known to touch
+    for_each_overlap(
+        e, sim_.domain(), back,
+        [&](std::uint32_t a, std::uint32_t b, std::size_t wall, bool with_wall, double overlap) {
+          const std::size_t i = e.owner_of(a), j = with_wall ? i : e.owner_of(b);
+          if (!(overlap > 0) || (role_[i] != Named && role_[j] != Named)) return;
+          if (role_[i] != Named) role_[i] = Touching;
+          if (role_[j] != Named) role_[j] = Touching;
+          const Vec3d x = sim_.position(i), y = with_wall ? x : sim_.position(j);
+          Vec3d apart = x - y;
+          if constexpr (Sim::Domain::periodic) apart = sim_.domain().shortest(apart);
+          const double far = norm(apart);
+          const Vec3d v = sim_.velocity(i) - sim_.velocity(j);
+          const double approach =
+              with_wall || !(far > 0) ? norm(sim_.velocity(i)) : -dot(v, apart) / far;
+          const Vec3d middle = with_wall ? x : x - 0.5 * apart;
+          contacts_.push_back({static_cast<double>(sim_.id(i)),
+                               with_wall ? -1 : static_cast<double>(sim_.id(j)),
+                               with_wall ? static_cast<double>(wall) : -1, overlap, approach,
+                               middle.x, middle.y, middle.z});
+        });
+    std::sort(contacts_.begin(), contacts_.end(),
+              [](const auto& a, const auto& b) { return a[3] > b[3]; });
+  }
+  void find_near(const Vec3d& where) {
+    double largest = 0;
+    for (std::size_t k = 0; k < sim_.rows(); ++k)
+      if (sim_.is_present(k)) largest = std::max(largest, sim_.radius(k));
+    Box box;
+    for (const std::size_t k : named_)
+      if (silt::is_finite(sim_.position(k))) box.include(sim_.position(k));
+    if (!(box.min.x <= box.max.x) && silt::is_finite(where)) box.include(where);
+    if (!(box.min.x <= box.max.x)) return;
+    around_ = box.grown(reach * largest);
+    for (std::size_t k = 0; k < sim_.rows(); ++k)
+      if (sim_.is_present(k) && silt::is_finite(sim_.position(k)) &&
+          (role_[k] != Near || around_.contains(sim_.position(k))) && near_.size() < most_near)
+        near_.push_back(k);
+  }
+  void write_spheres(const std::string& path, const std::vector<std::size_t>& shown) const {
+    std::vector<Vec3d> place;
+    std::vector<float> radius;
+    std::vector<ParticleId> id;
+    std::vector<std::uint32_t> role;
+    std::vector<std::array<float, 3>> velocity;
+    const auto& e = sim_.engine();
+    std::vector<char> wanted(sim_.rows(), 0);
+    for (const std::size_t k : shown) wanted[k] = 1;
+    for (std::size_t row = 0; row < e.particles.size(); ++row) {
+      if (e.particles.is_parked(row) || !wanted[e.owner_of(row)]) continue;
+      const std::size_t k = e.owner_of(row);
+      const Vec3d v = sim_.velocity(k);
+      place.push_back(e.particles.position[row].centre());
+      radius.push_back(static_cast<float>(e.particles.position[row].r));
+      id.push_back(sim_.id(k)), role.push_back(role_[k]);
+      velocity.push_back(
+          {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)});
+    }
+    VtkFields fields;
+    fields.add("radius", radius).add("id", id).add("role", role).add("velocity", velocity);
+    write_vtp_points(path, place, fields);
+  }
+  void write_bodies(const std::string& path, const std::vector<std::size_t>& shown) const
+      requires(Sim::has_surfaces) {
+    SurfaceMesh all;
+    std::vector<ParticleId> id;
+    std::vector<std::uint32_t> role;
+    for (const std::size_t k : shown) {
+      const SurfaceMesh mesh = surface_of(sim_.forms()[sim_.form(k)].shape);
+      const auto first = static_cast<std::uint32_t>(all.points.size());
+      const Vec3d centroid = sim_.forms()[sim_.form(k)].mass.centroid;
+      for (const Vec3d& p : mesh.points)
+        all.points.push_back(sim_.position(k) +
+                             rotate(sim_.orientation(k), sim_.scale(k) * (p - centroid)));
+      for (const auto& t : mesh.triangles)
+        all.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+      id.insert(id.end(), mesh.points.size(), sim_.id(k));
+      role.insert(role.end(), mesh.points.size(), role_[k]);
+    }
+    VtkFields fields;
+    fields.add("id", id).add("role", role);
+    write_vtp_triangles(path, all.points, all.triangles, fields);
+  }
+
+  static constexpr double reach = 8;              // [-] of the largest radius
+  static constexpr std::size_t most_near = 2000;  // particles in the picture
+
+  const Sim& sim_;
+  std::vector<Role> role_;
+  std::vector<std::size_t> named_, near_;
+  std::vector<std::array<double, 8>> contacts_;
+  Box around_;
+};
+
+}  // namespace detail
+
+/// Keeps what is needed to see why a run failed. Where it stops with a SimulationError, `folder`
+/// has
+///
+///   failure.txt      the error's sentence, step, time and particles
+///   last_good.silt   a checkpoint of the last state that was kept: of the start of the run, or the
+///                    last one of the schedule; a run from it fails again
+///   at_failure.silt  a checkpoint of the state in which it failed, to look at; not where that has
+///                    numbers that are not finite
+///   particles.csv    the particles that the error names (the fastest, if it names none), and those
+///                    that touch them
+///   contacts.csv     the contacts of those named, the deepest first
+///   touching.vtp     those named and those that touch them, with `role`: 2 named, 1 touching; for
+///                    ParaView, or `draw.py spheres touching.vtp --colour role`
+///   around.vtp       the same with all that lies around them, of role 0
+///   walls.vtp        the walls around
+///
+/// and the error is thrown again with a sentence that says where they are. Each file is whole or
+/// not there; one that cannot be written is named in that sentence and hides nothing.
+///
+///   sim.run(1.0, silt::on_failure("failed", silt::every(0.1)));
+///
+/// Cost: that of a checkpoint at the start of the first run, and at each time of the schedule.
+/// Errors: FileError where the checkpoint of the start cannot be written.
+/// Tests:  tests/io/failure.cpp.
+class OnFailure {
+ public:
+  static constexpr bool only_reads = true, saves = true;  // as checkpoints(): see observing.hpp
+
+  OnFailure(std::string folder, std::optional<Schedule> keep)
+      : folder_(std::move(folder)), keep_(std::move(keep)) {}
+
+  template <class Sim>
+  void begin(const Sim& sim, double) {
+    if (keep_) keep_->begin(sim, true);
+    if (!good_) keep_state(sim);
+  }
+  template <class Sim>
+  bool is_due(const Sim& sim) const {
+    return keep_ && keep_->is_due(sim);
+  }
+  template <class Sim>
+  void operator()(const Sim& sim) {
+    keep_state(sim);
+    keep_->mark(sim);
+  }
+  /// Writes all that is to be seen of a failure; returns what the error's sentence shall end with.
+  template <class Sim>
+  std::string failed(const Sim& sim, const SimulationError& error, double back) noexcept {
+    try {
+      return write_all(sim, error, back);
+    } catch (...) {
+      return text(" (on_failure could write nothing to ", in_quotes(folder_), ")");
+    }
+  }
+
+ private:
+  struct State {
+    double time;  // [s]
+    std::int64_t step;
+  };
+
+  template <class Sim>
+  void keep_state(const Sim& sim) {
+    make_folder(folder_);
+    save_checkpoint(sim, folder_ + "/last_good.silt");
+    good_ = State{sim.time(), sim.step()};
+  }
+  template <class Sim>
+  std::string write_all(const Sim& sim, const SimulationError& error, double back) {
+    std::string written, lacking;
+    const auto attempt = [&](const char* name, const auto& write) {
+      try {
+        write(text(folder_, '/', name));
+        written += text(written.empty() ? "" : ", ", name);
+      } catch (const std::exception& e) {
+        lacking += text("; ", name, " could not be written: ", e.what());
+      }
+    };
+    try {
+      make_folder(folder_);
+    } catch (const std::exception& e) {
+      return text(" (on_failure could write nothing: ", e.what(), ")");
+    }
+    const detail::FailureScene<Sim> scene(sim, error, back);
+    attempt("failure.txt", [&](const std::string& path) {
+      AtomicFile out(path);
+      out.write(text(error.what(), "\nstep ", error.step, "\ntime [s] ", sim.time(),
+                     "\nparticles named:"));
+      for (const auto id : error.particles) out.write(text(' ', id));
+      out.write("\n");
+      out.commit();
+    });
+    attempt("particles.csv", [&](const auto& path) { scene.write_particles_csv(path); });
+    attempt("contacts.csv", [&](const auto& path) { scene.write_contacts_csv(path); });
+    attempt("touching.vtp", [&](const auto& path) { scene.write_particles_vtp(path, false); });
+    attempt("around.vtp", [&](const auto& path) { scene.write_particles_vtp(path, true); });
+    if (scene.has_walls()) attempt("walls.vtp", [&](const auto& path) { scene.write_walls(path); });
+    const bool finite = scene.is_finite();
+    if (finite) attempt("at_failure.silt", [&](const auto& path) { save_checkpoint(sim, path); });
+    std::string words = text(" (on_failure wrote to ", in_quotes(folder_), ": ", written);
+    if (good_)
+      words += text("; last_good.silt is the state at step ", good_->step, ", t = ", good_->time,
+                    " s, before the failure");
+    words += finite ? "; at_failure.silt is the state in which it failed"
+                    : "; the state in which it failed is not all numbers, and no checkpoint";
+    return words + lacking + ')';
+  }
+
+  std::string folder_;
+  std::optional<Schedule> keep_;
+  std::optional<State> good_;
+};
+
+inline OnFailure on_failure(std::string folder) { return {std::move(folder), std::nullopt}; }
+inline OnFailure on_failure(std::string folder, Schedule keep) { return {std::move(folder), keep}; }
+
+}  // namespace silt
