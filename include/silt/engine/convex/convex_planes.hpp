@@ -155,8 +155,9 @@ class ConvexPlanes {
     keep(near, k, valid, touches, contacts, to);
   }
   /// Of which candidates a pack's contacts are, and of which materials.
-  static SILT_INLINE void name_partners(const ConvexInput<Rows>& in, const Near& near,
-                                        std::size_t k, const CoefficientTable<ContactsType>& table,
+  static SILT_INLINE void name_partners([[maybe_unused]] const ConvexInput<Rows>& in,
+                                        const Near& near, std::size_t k,
+                                        const CoefficientTable<ContactsType>& table,
                                         std::span<const Wall> walls, Block& to) {
     for (std::size_t lane = 0; lane < W; ++lane) {
       const WallCandidate& c = *near.of[k + lane];
