@@ -111,7 +111,7 @@ TEST_CASE("stress: of a compressed box the pressure on its walls, whole and in h
   const auto z = silt::coordination(sim, {.least = 4});
   CHECK(z.without_rattlers > 5.5);  // 6 of frictionless spheres at the limit of rigidity
   CHECK(z.without_rattlers < 9);
-  CHECK(z.mean < z.without_rattlers);
+  CHECK(z.mean <= z.without_rattlers);
 }
 
 TEST_CASE("stress: of a periodic crystal that is pressed together, in closed form") {
@@ -177,7 +177,8 @@ TEST_CASE("coordination: a chain between two walls, and a rattler") {
   CHECK(alone.mean == 1);
   CHECK(alone.rattlers == 4);
   CHECK(alone.without_rattlers == 0);
-  const auto middle = silt::coordination(sim, {.region = silt::Box{{2e-3, -1, -1}, {4e-3, 1, 1}}});
+  const auto middle =
+      silt::coordination(sim, {.region = silt::Box{{2e-3, -1e-3, -1}, {4e-3, 1e-3, 1}}});
   CHECK(middle.particles == 1);
   CHECK(middle.mean == 2);
   CHECK(silt::fabric(sim).xx == near(1).epsilon(1e-12));
