@@ -25,9 +25,10 @@ TEST_CASE(
     lattice.add({.position = d * Vec3d{k % 4 + 0.5, k / 4 % 4 + 0.5, k / 16 + 0.5},
                  .radius = d / 2,
                  .density = 2500});
-  auto sim =
-      elastic_in(lattice, DeformingBox({{0, 0, 0}, {4 * d, 4 * d, 4 * d}},
-                                       {.x = {.rate = -1}, .y = {.rate = -2}, .z = {.rate = -4}}));
+  auto sim = elastic_in(
+      lattice,
+      DeformingBox({{0, 0, 0}, {4 * d, 4 * d, 4 * d}},
+                   silt::Deformation{.x = {.rate = -1}, .y = {.rate = -2}, .z = {.rate = -4}}));
   sim.time_step = 2e-6;
   sim.run(10e-3);
   const auto& box = sim.domain();

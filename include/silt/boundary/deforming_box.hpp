@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <concepts>
 #include <optional>
 #include <vector>
 
@@ -64,13 +65,17 @@ class DeformingBox {
   static constexpr bool deforms = true;
   static constexpr const char* policy_name = "DeformingBox";
 
-  explicit DeformingBox(const Box& box, const Deformation& how = {}) : first_(box) {
+  explicit DeformingBox(const Box& box) : first_(box) {
     const auto e = box.extent();
     require(is_finite(e) && e.x > 0 && e.y > 0 && e.z > 0, "DeformingBox: its lengths ", e,
             " [m] must be finite and greater than 0");
     centre_ = box.centre();
     edges_ = {e.x, e.y, e.z, 0, 0, 0};
     inverse_ = {1 / e.x, 1 / e.y, 1 / e.z};
+  }
+  /// A template, so that {{...}, {...}} is a Box and nothing else.
+  template <std::same_as<Deformation> How>
+  DeformingBox(const Box& box, const How& how) : DeformingBox(box) {
     deform(how);
   }
 

@@ -197,10 +197,12 @@ InletFlow with_number(const Engine& e, InletFlow flow) {
   double mass = 0;  // [kg] in the mean
   for (std::size_t k = 0; k < flow.kinds(); ++k) {
     const InletShare kind = flow.kind(k);
-    double fill = Engine::has_bodies ? 1 : Engine::ShapeType::volume(1) / sphere_volume(1);
+    double fill;  // [-] volume over that of the bounding sphere
     if constexpr (Engine::has_bodies) {
       const auto& form = e.mover.forms.at(kind.form);
       fill = form.mass.volume / sphere_volume(form.radius);
+    } else {
+      fill = Engine::ShapeType::volume(1) / sphere_volume(1);
     }
     mass += kind.share * kind.density * fill * kind.radius.mean_volume();
   }
