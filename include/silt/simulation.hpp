@@ -30,7 +30,9 @@
 #include <silt/simulation/energy_ledger.hpp>
 #include <silt/simulation/module_access.hpp>
 #include <silt/simulation/observing.hpp>
+#include <silt/simulation/opening_access.hpp>
 #include <silt/simulation/particle_edits.hpp>
+#include <silt/simulation/particle_readings.hpp>
 #include <silt/simulation/wall_access.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -63,6 +65,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
                    public detail::ModuleAccess<Simulation<Policies...>>,
                    public detail::ParticleEdits<Simulation<Policies...>>,
                    public detail::BodyReadings<Simulation<Policies...>>,
+                   public detail::OpeningAccess<Simulation<Policies...>>,
+                   public detail::ParticleReadings<Simulation<Policies...>>,
                    public detail::WallAccess<Simulation<Policies...>> {
  public:
   using Composition = typename detail::InOrder<Policies...>::OfSimulation;
@@ -147,29 +151,6 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   void set_max_overlap(const typename ContactsType::Material& a,
                        const typename ContactsType::Material& b, double limit);
 
-  /// Particles whose centre enters `region` leave the simulation and are counted.
-  std::size_t add_outlet(const Box& region) {
-    refuse_in_deforming_box("an outlet");
-    engine_.lists.forget();  // also who rests in it leaves
-    return openings_.add_outlet(region);
-  }
-  const Outlet& outlet(std::size_t k) const { return openings_.outlet(k); }
-  std::size_t outlets() const { return openings_.outlets().size(); }
-
-  /// Places new particles at a rate; see Inlet.
-  template <Region R>
-  std::size_t add_inlet(const R& region, const InletFlow& flow) {
-    refuse_in_deforming_box("an inlet");
-    detail::check_form(engine_, flow);
-    scene_changed_ = true;
-    return openings_.add_inlet(region, detail::with_number(engine_, flow), time_);
-  }
-  std::size_t add_inlet(const Box& region, const InletFlow& flow) {
-    return add_inlet<Box>(region, flow);
-  }
-  const Inlet& inlet(std::size_t k) const { return openings_.inlet(k); }
-  std::size_t inlets() const { return openings_.inlets().size(); }
-
   /// Adds more particles now. Returns the number in forms() of each of their forms: a new one, or
   /// that of an equal form which the simulation has already; of spheres nothing.
   std::vector<std::size_t> add(const ParticlesType& more);
@@ -245,34 +226,10 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   bool continued() const { return continued_; }
   /// Whether observers were called at this instant, in this run or the one before.
   bool observed() const { return observed_; }
-  std::size_t size() const { return engine_.present(); }
-  /// Places 0 ... rows()-1 in memory; those where id() is silt::no_particle have left.
-  std::size_t rows() const { return engine_.owners(); }
-  ParticleId id(std::size_t k) const { return engine_.owner(known(k)).id(); }
-  bool is_present(std::size_t k) const { return id(k) != no_particle; }
-  Vec3d position(std::size_t k) const {  // [m] of the centre of mass
-    return engine_.owner(known(k)).centre();
-  }
-  double radius(std::size_t k) const {  // [m] of bodies that of the bounding sphere
-    return engine_.owner(known(k)).radius();
-  }
-  double mass(std::size_t k) const {  // [kg] infinite: fixed
-    return engine_.owner(known(k)).mass();
-  }
-  Vec3d velocity(std::size_t k) const {  // [m/s] at time()
-    const auto p = engine_.owner(known(k));
-    return kicked_ ? p.velocity_now() : p.velocity();
-  }
-  Vec3d angular_velocity(std::size_t k) const  // [rad/s] at time()
-      requires rotates {
-    const auto p = engine_.owner(known(k));
-    return kicked_ ? p.angular_velocity_now() : p.angular_velocity();
-  }
-  std::size_t material(std::size_t k) const { return engine_.owner(known(k)).material(); }
-  /// The present place of the particle with this id; rows() if it has left, or never was. Takes
-  /// constant time, but for the first call after a search has sorted, which takes O(rows()); that
-  /// one, and the first after particles have come, must not be made by several threads at once.
-  std::size_t find(ParticleId wanted) const { return engine_.find(wanted); }
+  using Readings = detail::ParticleReadings<Simulation>;
+  using Readings::size, Readings::rows, Readings::id, Readings::is_present, Readings::position,
+      Readings::radius, Readings::mass, Readings::velocity, Readings::angular_velocity,
+      Readings::material, Readings::find;
   /// Pairs of particles that touch [-]; of bodies, of their parts. O(pairs).
   std::size_t touching_pairs() const { return engine_.touching_pairs(domain_); }
   /// Where the energy is and where it went; when the simulation is not running, or in an observer.
@@ -307,9 +264,9 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
  private:
   /// One step up to the kick; then either drifts at once or stops for the observers.
   void advance(bool observed) {
-    engine_.move_walls(time_, first_kick_ ? 0 : dt_);
+    detail::move_walls(engine_.walls, time_, first_kick_ ? 0 : dt_);
     check_walls();
-    if (first_kick_) engine_.start_walls(time_, dt_);
+    if (first_kick_) detail::start_walls(engine_.walls, time_, dt_);
     openings_.update(engine_, *this);
     engine_.renew_lists(search_, domain_, step_, dt_);
     detail::StepTimes times = times_of_step(observed);
@@ -344,10 +301,6 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     double translation, rotation;  // [J]
     double sum() const { return translation + rotation; }
   };
-  static void refuse_in_deforming_box(const char* what) {
-    require(!detail::deforms<Domain>, "Simulation: ", what,
-            " has no place in a DeformingBox, which has no inside and outside; take PeriodicBox");
-  }
   detail::StepTimes times_of_step(bool observed) const;
   Kinetic kinetic(std::size_t k) const;
   EnergyBalance balance() const;
@@ -396,6 +349,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   friend class detail::ModuleAccess<Simulation>;
   friend class detail::ParticleEdits<Simulation>;
   friend class detail::BodyReadings<Simulation>;
+  friend class detail::OpeningAccess<Simulation>;
+  friend class detail::ParticleReadings<Simulation>;
   friend class detail::WallAccess<Simulation>;
   friend class detail::Openings<ShapeType>;
   using FluidIs = detail::FluidTraits<Fluid>;

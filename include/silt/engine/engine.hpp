@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <silt/engine/advance/box_flow.hpp>
+#include <silt/engine/advance/power_on_fixed.hpp>
 #include <silt/engine/advance/tables.hpp>
 #include <silt/engine/advance/wall_motion.hpp>
 #include <silt/engine/checks/wall_stiffness.hpp>
@@ -187,26 +188,7 @@ class Engine : public Tables<Composition> {
 
   /// Power [W] of the contacts on fixed particles that move, before the loads are integrated.
   double power_on_fixed() const {
-    double power = 0;
-    for (std::size_t k = 0; particles.some_fixed && k < particles.size(); ++k) {
-      const ParticleMotion& m = particles.motion[k];
-      if (m.inv_m != 0 || particles.is_parked(k)) continue;
-      const Scalar* const load = sums_.data() + k * 4 * chunks;
-      const auto part = [&](std::size_t c) {
-        return Vec3d{double(load[4 * c]), double(load[4 * c + 1]), double(load[4 * c + 2])};
-      };
-      power += dot(part(0), m.velocity());
-      if constexpr (rotates) power += dot(part(1), m.spin_velocity());
-      if constexpr (ContactsType::has_rolling) power += m.inv_r * dot(part(2), m.spin_velocity());
-    }
-    return power;
-  }
-
-  /// Power [W] of surface velocities on the particles, before the loads are integrated.
-  double power_of_belts() const {
-    double power = 0;
-    for (const Wall& wall : walls) power += wall.belt_power;
-    return power;
+    return detail::power_on_fixed<ContactsType>(particles, sums_.data());
   }
 
   std::optional<CrowdedContact> crowded() const {
@@ -216,18 +198,6 @@ class Engine : public Tables<Composition> {
       return walls.empty() ? std::nullopt : wall_pipeline_.crowded();
   }
 
-  /// `elapsed` [s] since the last step, 0 before the first.
-  void move_walls(double time, double elapsed) {
-    for (auto& wall : walls) {
-      if (wall.deforming > 0) --wall.deforming;
-      if (!wall.moves()) continue;
-      wall.last_pose = wall.pose;
-      if (wall.is_driven())
-        drift_wall(wall, elapsed);
-      else
-        wall.pose = wall.pose_at(time);
-    }
-  }
   /// The kick of driven walls over `kick_time` [s] by the loads of this step; see push_wall().
   void push_walls(const Vec3d& gravity, double kick_time, double time_step, bool first_kick) {
     for (std::size_t w = 0; w < walls.size(); ++w)
@@ -236,25 +206,6 @@ class Engine : public Tables<Composition> {
         push_wall(walls[w], gravity, kick_time, time_step, first_kick);
       }
   }
-  /// Before the very first step: the last pose is as if the first step had come before it too, so
-  /// that walls have their velocity from the start. (Motions need not be defined before time 0.)
-  void start_walls(double time, double time_step) {
-    for (auto& wall : walls) {
-      if (!wall.moves()) continue;
-      if (wall.is_driven()) {
-        Wall before = wall;
-        drift_wall(before, -time_step);
-        wall.last_pose = before.pose;
-        continue;
-      }
-      const Pose next = wall.pose_at(time + time_step);
-      const Quaternion back = wall.pose.rotation * conjugate(next.rotation);
-      wall.last_pose = {
-          back * wall.pose.rotation,
-          wall.pose.translation + silt::rotate(back, wall.pose.translation - next.translation)};
-    }
-  }
-
   // --- integration --------------------------------------------------------------------------
 
   using Advance = detail::Advance;
@@ -314,6 +265,17 @@ class Engine : public Tables<Composition> {
     lists.upkeep.used += pace.largest_share * time_step / lists.flow.pruned;
   }
 
+  std::size_t touching_pairs(const Domain& domain) const {
+    std::size_t count = 0;
+    lists.pairs.for_each([&](std::size_t k) {
+      if constexpr (convex)
+        count += lists.pairs.history(ContactsType::memory_radius, k) > 0;
+      else
+        count += within_reach(particles.position[lists.pairs.first()[k]],
+                              particles.position[lists.pairs.second()[k]], 0, domain);
+    });
+    return count;
+  }
   /// [m] of the smallest sphere, or of the largest one inside the thinnest convex body.
   double least_radius() const {
     if constexpr (convex)
@@ -323,10 +285,7 @@ class Engine : public Tables<Composition> {
   }
   /// Of contacts on particle k [N], before the loads are integrated.
   Vec3d contact_force(std::size_t k) const {
-    const auto of = [&](std::size_t row) {
-      const Scalar* const load = sums_.data() + row * 4 * chunks;
-      return Vec3d{double(load[0]), double(load[1]), double(load[2])};
-    };
+    const auto of = [&](std::size_t row) { return load_part<chunks>(sums_.data(), row, 0); };
     if constexpr (has_bodies) {
       Vec3d sum{0, 0, 0};
       for (const std::uint32_t row : mover.rows_of(mover.bodies[k])) sum += of(row);
@@ -342,20 +301,6 @@ class Engine : public Tables<Composition> {
     record.forget();
     this->forget_places();
     lists.restored();
-  }
-
-  std::size_t touching_pairs(const Domain& domain) const {
-    std::size_t count = 0;
-    if constexpr (convex) {
-      lists.pairs.for_each(
-          [&](std::size_t k) { count += lists.pairs.history(ContactsType::memory_radius, k) > 0; });
-      return count;
-    }
-    lists.pairs.for_each([&](std::size_t k) {
-      count += within_reach(particles.position[lists.pairs.first()[k]],
-                            particles.position[lists.pairs.second()[k]], 0, domain);
-    });
-    return count;
   }
 
   std::size_t bytes() const {
@@ -386,18 +331,11 @@ class Engine : public Tables<Composition> {
   // count on of a last-level cache that others use too.
   static constexpr std::size_t beyond_caches = 4 << 20;
 
-  /// The energy of a contact goes with this power of the overlap: 5/2 unless the law says so.
-  static constexpr double energy_exponent = [] {
-    if constexpr (requires { ContactsType::Law::energy_exponent; })
-      return ContactsType::Law::energy_exponent;
-    else
-      return 2.5;
-  }();
   static constexpr bool shares = has_bodies && !convex;
   const Scalar* share_pairs([[maybe_unused]] const Domain& domain) {
     if constexpr (shares)
       if (share_contacts) {
-        shared_.share_pairs(lists.pairs, particles, domain, energy_exponent, *team_);
+        shared_.share_pairs(lists.pairs, particles, domain, energy_exponent<ContactsType>, *team_);
         return shared_.shares();
       }
     return nullptr;
@@ -405,7 +343,7 @@ class Engine : public Tables<Composition> {
   const SharedContacts<Scalar>* share_walls() {
     if constexpr (shares)
       if (share_contacts) {
-        shared_.share_walls(*this, energy_exponent);
+        shared_.share_walls(*this, energy_exponent<ContactsType>);
         return &shared_;
       }
     return nullptr;

@@ -11,7 +11,7 @@ template <class... Policies>
 std::size_t Simulation<Policies...>::add_wall(Surfaces surfaces,
                                               const typename ContactsType::Material& material,
                                               WallSetup setup) {
-  refuse_in_deforming_box("a wall");
+  detail::refuse_in_deforming_box<Domain>("a wall");
   for (const auto& part : surfaces.parts)
     detail::visit_surface(part, [](const auto& s) {
       if constexpr (requires { s.check(); }) s.check();
@@ -175,7 +175,7 @@ void Simulation<Policies...>::book_step([[maybe_unused]] const detail::StepTimes
         if (is_present(k) && std::isfinite(mass(k))) start += kinetic(k).sum() + potential(k);
     engine_.contact_energy.worked(0.5 * times.worked);
     book_.book(engine_.contact_energy, engine_.walls, dt_,
-               engine_.power_on_fixed() - engine_.power_of_belts(), first_kick_ ? &start : nullptr,
+               engine_.power_on_fixed() - detail::power_of_belts(engine_.walls), first_kick_ ? &start : nullptr,
                times.ask);
   }
 }

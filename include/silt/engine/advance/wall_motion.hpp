@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <variant>
 
 #include <silt/boundary/wall.hpp>
@@ -123,6 +124,46 @@ inline WallEnergy energy_of(const Wall& wall, const Vec3d& gravity) {
     e.gravity = -body->mass * dot(gravity, s.centre);
   }
   return e;
+}
+
+/// Brings walls to their places at `time` [s]; `elapsed` [s] since the last step, 0 before the
+/// first.
+inline void move_walls(std::span<Wall> walls, double time, double elapsed) {
+  for (Wall& wall : walls) {
+    if (wall.deforming > 0) --wall.deforming;
+    if (!wall.moves()) continue;
+    wall.last_pose = wall.pose;
+    if (wall.is_driven())
+      drift_wall(wall, elapsed);
+    else
+      wall.pose = wall.pose_at(time);
+  }
+}
+
+/// Before the very first step: the last pose is as if the first step had come before it too, so
+/// that walls have their velocity from the start. (Motions need not be defined before time 0.)
+inline void start_walls(std::span<Wall> walls, double time, double time_step) {
+  for (Wall& wall : walls) {
+    if (!wall.moves()) continue;
+    if (wall.is_driven()) {
+      Wall before = wall;
+      drift_wall(before, -time_step);
+      wall.last_pose = before.pose;
+      continue;
+    }
+    const Pose next = wall.pose_at(time + time_step);
+    const Quaternion back = wall.pose.rotation * conjugate(next.rotation);
+    wall.last_pose = {
+        back * wall.pose.rotation,
+        wall.pose.translation + silt::rotate(back, wall.pose.translation - next.translation)};
+  }
+}
+
+/// Power [W] of surface velocities on the particles, before the loads are integrated.
+inline double power_of_belts(std::span<const Wall> walls) {
+  double power = 0;
+  for (const Wall& wall : walls) power += wall.belt_power;
+  return power;
 }
 
 }  // namespace silt::detail

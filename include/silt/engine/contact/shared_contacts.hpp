@@ -14,6 +14,15 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
+/// The energy of a contact goes with this power of the overlap: 5/2 unless the law says so.
+template <class ContactsType>
+inline constexpr double energy_exponent = [] {
+  if constexpr (requires { ContactsType::Law::energy_exponent; })
+    return ContactsType::Law::energy_exponent;
+  else
+    return 2.5;
+}();
+
 /// How bodies of several parts share the stiffness of a contact. Where n parts of a body press on
 /// the same partner side by side, n springs would act where the material has one, and n dashpots.
 /// Here all contacts with one partner hold the energy of a single one, as deep as their deepest:

@@ -8,6 +8,7 @@
 
 #include <silt/engine/contact/load_rows.hpp>
 #include <silt/engine/convex/convex_touch.hpp>
+#include <silt/engine/convex/pair_kinds.hpp>
 #include <silt/engine/lists/pair_list.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -28,8 +29,7 @@ class ConvexPairs {
   using Kept = KeptGather<List, ContactsType, Arch>;
   using Kinds = typename Rows::Kinds;
   static constexpr std::size_t W = Lanes<Arch>::width;
-  static constexpr std::size_t kind_count = Kinds::count,
-                               pair_kinds = kind_count * (kind_count + 1) / 2;
+  using PairKinds = detail::PairKinds<Kinds::count>;
   static constexpr std::size_t scan = 128, slice = 64;  // pairs of the list, contacts at a time
   static constexpr std::size_t chunks = 2, row = 4 * chunks;
   static constexpr std::size_t H = ContactsType::history, M = ContactsType::memory_from,
@@ -114,17 +114,14 @@ class ConvexPairs {
 
   /// By the kinds of i and j.
   struct ByKind {
-    Some of[pair_kinds];
-    static constexpr std::size_t at(std::size_t a, std::size_t b) {  // a <= b
-      return a * kind_count - a * (a + 1) / 2 + b;
-    }
+    Some of[PairKinds::count];
     void add(const Scene& scene, std::size_t k, const double (&x)[3][W], std::size_t lane) {
       const std::uint32_t a = scene.list.first()[k], b = scene.list.second()[k];
       const std::size_t p = scene.in.rows->kind_of(a), q = scene.in.rows->kind_of(b);
       if (p <= q)
-        of[at(p, q)].add(static_cast<std::uint32_t>(k), a, b, x, lane);
+        of[PairKinds::at(p, q)].add(static_cast<std::uint32_t>(k), a, b, x, lane);
       else
-        of[at(q, p)].add(static_cast<std::uint32_t>(k), b, a, x, lane, -1);
+        of[PairKinds::at(q, p)].add(static_cast<std::uint32_t>(k), b, a, x, lane, -1);
     }
   };
 
@@ -134,19 +131,12 @@ class ConvexPairs {
     for (; from < to; from += scan) {
       sort_out(scene, from, std::min(scan, to - from), near, open, tally.sum);
       const bool last = from + scan >= to;
-      for_all_kinds<0, 0>([&]<std::size_t A, std::size_t B>() {
-        run_kinds<A, B>(scene, near.of[ByKind::at(A, B)], open.of[ByKind::at(A, B)], last, tally);
+      PairKinds::for_all([&]<std::size_t A, std::size_t B>() {
+        run_kinds<A, B>(scene, near.of[PairKinds::at(A, B)], open.of[PairKinds::at(A, B)], last,
+                        tally);
       });
     }
     return tally.end();
-  }
-  template <std::size_t A, std::size_t B, class Run>
-  static void for_all_kinds(const Run& run) {
-    run.template operator()<A, B>();
-    if constexpr (B + 1 < kind_count)
-      for_all_kinds<A, B + 1>(run);
-    else if constexpr (A + 1 < kind_count)
-      for_all_kinds<A + 1, A + 1>(run);
   }
   /// Runs what fills packs, or, if they are the last ones, all.
   template <std::size_t A, std::size_t B>
@@ -169,7 +159,7 @@ class ConvexPairs {
       }
       open.drop(k);
     };
-    if constexpr (kind_count == 1 && Touch::template in_lanes<A, B>)
+    if constexpr (Kinds::count == 1 && Touch::template in_lanes<A, B>)
       with_exponents(scene.in.rows->exponents, run);
     else  // not each kernel for each pair of kinds: that would be long to compile
       run(std::integral_constant<Exponents, Exponents::Any>{});
@@ -184,7 +174,7 @@ class ConvexPairs {
     double* const gaps = scene.list.history(radius);
     for (std::size_t k = from; k < from + count; k += W) {
       const std::uint32_t *const a = scene.list.first() + k, *const b = scene.list.second() + k;
-      const std::uint64_t lanes = valid_lanes(from + count - k);
+      const std::uint64_t lanes = valid_lanes<W>(from + count - k);
       const Real kept = load<Real>(gaps + k);
       const std::uint64_t touched = lane_bits(kept > zero) & lanes;
       std::uint64_t closed = 0;  // lanes that need no look
@@ -275,9 +265,6 @@ class ConvexPairs {
     const double* const pace = in.rows->pace.data();
     for (std::size_t lane = 0; lane < W; ++lane) sum[lane] = pace[a[lane]] + pace[b[lane]];
     return load<Real>(sum);
-  }
-  static std::uint64_t valid_lanes(std::size_t left) {
-    return left >= W ? (std::uint64_t{1} << W) - 1 : (std::uint64_t{1} << left) - 1;
   }
   /// The angular velocity is that at the end of a step, in which that of a free body may have been
   /// a little greater.

@@ -14,6 +14,7 @@
 #include <silt/engine/lists/box_images.hpp>
 #include <silt/engine/lists/flow_since.hpp>
 #include <silt/engine/lists/list_upkeep.hpp>
+#include <silt/engine/lists/occupied_region.hpp>
 #include <silt/engine/lists/pair_list.hpp>
 #include <silt/engine/lists/wall_contacts.hpp>
 #include <silt/engine/state/particle_state.hpp>
@@ -280,7 +281,7 @@ class NearLists {
     previous_.resize(before);
     std::iota(previous_.begin(), previous_.end(), 0u);
     if (particles.parked > 0) drop_parked(scene);
-    if constexpr (Domain::periodic) wrap(scene), check_range(scene);
+    if constexpr (Domain::periodic) wrap(scene), check_range(scene.domain, scene.particles, scene.range);
     choose_skins(scene, search, wall_speed);
     reach_out(scene, wall_speed);
 
@@ -319,15 +320,6 @@ class NearLists {
     first_pruning_ = true;
   }
 
-  /// A pair must not act through two faces of a repeating box at once.
-  static void check_range(const Scene& scene) {
-    const double least = 4 * scene.particles.largest_radius + 2 * scene.range;
-    for (int d = 0; d < 3; ++d)
-      require(!scene.domain.repeats(d) || scene.domain.length(d) >= least, Domain::policy_name,
-              ": its length ", scene.domain.length(d), " [m] must be at least ", least,
-              " m, two diameters and twice the range ", scene.range, " m of the contact law");
-  }
-
   void wrap(const Scene& scene) {
     auto& position = scene.particles.position;
     scene.team.for_ranges(
@@ -344,18 +336,7 @@ class NearLists {
   }
 
   Box occupied_region(const Scene& scene) const {
-    std::array<Box, Team::most_ranges> of;
-    scene.team.for_ranges(scene.particles.size(),
-                          [&](std::size_t r, std::size_t from, std::size_t to) {
-                            Box region;
-                            for (std::size_t k = from; k < to; ++k)
-                              if (!scene.particles.is_parked(k))
-                                region.include(scene.particles.position[k].centre());
-                            of[r] = region;
-                          });
-    Box region;
-    for (const Box& b : of) region.include(b);
-    return region;
+    return detail::occupied_region(scene.particles, scene.team);
   }
 
   void drop_parked(const Scene& scene) {

@@ -12,6 +12,7 @@
 #include <silt/core/storage.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/engine/lists/pair_list.hpp>
+#include <silt/engine/lists/planes_apart.hpp>
 #include <silt/engine/lists/wall_candidate.hpp>
 #include <silt/engine/state/rows.hpp>
 
@@ -224,51 +225,12 @@ class WallContacts {
     }
   }
 
-  static constexpr std::size_t piece_size = 256;  // candidates at planes, about
   static constexpr std::size_t padding = 16;      // the widest pack of lanes
-  /// Cosine between the normals of two planes from which on one sphere's contacts with both are
-  /// looked at together: they may be one contact.
-  static constexpr double nearly_one_plane = 0.9;
-
   std::size_t planes_from() const { return piece_begin_.front(); }
-  static const Plane* plane_at_rest(std::span<const Wall> walls, const WallCandidate& c) {
-    return walls[c.wall].moves() ? nullptr : std::get_if<Plane>(&walls[c.wall].surfaces[c.surface]);
-  }
-  /// Whether one sphere's candidates are planes at rest that touch it in places of their own.
-  static bool are_planes(std::span<const Wall> walls, std::span<const WallCandidate> of_one) {
-    for (std::size_t a = 0; a < of_one.size(); ++a) {
-      const Plane* const plane = plane_at_rest(walls, of_one[a]);
-      if (plane == nullptr) return false;
-      for (std::size_t b = 0; b < a; ++b)
-        if (dot(plane->unit().normal, plane_at_rest(walls, of_one[b])->unit().normal) >
-            nearly_one_plane)
-          return false;
-    }
-    return true;
-  }
 
   /// Brings the candidates at planes to the end, in pieces, each plane by plane.
   void part_planes(std::span<const Wall> walls) {
-    std::vector<WallCandidate> others, at_planes;
-    std::vector<std::size_t> begin{0};
-    for (std::size_t k = 0, next = 0; k < inner_.size(); k = next) {
-      while (next < inner_.size() && inner_[next].particle == inner_[k].particle) ++next;
-      const std::span<const WallCandidate> of_one{inner_.data() + k, next - k};
-      auto& to = planes_apart && are_planes(walls, of_one) ? at_planes : others;
-      to.insert(to.end(), of_one.begin(), of_one.end());
-      if (at_planes.size() >= begin.back() + piece_size) begin.push_back(at_planes.size());
-    }
-    if (begin.back() < at_planes.size()) begin.push_back(at_planes.size());
-    for (std::size_t p = 0; p + 1 < begin.size(); ++p)
-      std::stable_sort(at_planes.begin() + static_cast<std::ptrdiff_t>(begin[p]),
-                       at_planes.begin() + static_cast<std::ptrdiff_t>(begin[p + 1]),
-                       [](const WallCandidate& a, const WallCandidate& b) {
-                         return std::tie(a.wall, a.surface) < std::tie(b.wall, b.surface);
-                       });
-    piece_begin_.clear();
-    for (const std::size_t b : begin) piece_begin_.push_back(others.size() + b);
-    others.insert(others.end(), at_planes.begin(), at_planes.end());
-    inner_ = std::move(others);
+    piece_begin_ = put_planes_last(walls, planes_apart, inner_);
   }
   /// Of a restored state: one that was taken away, or has begun to move, since the lists were made.
   /// They will be renewed before they are used; contacts with a plane that moves keep their memory.

@@ -11,6 +11,7 @@
 #include <silt/engine/contact/contact_fluxes.hpp>
 #include <silt/engine/contact/contact_stage.hpp>
 #include <silt/engine/contact/load_rows.hpp>
+#include <silt/engine/contact/wall_loads.hpp>
 #include <silt/engine/lists/wall_contacts.hpp>
 #include <silt/engine/state/rows.hpp>
 
@@ -31,12 +32,6 @@ struct WallInput {
   const PartRow* parts = nullptr;
   const SharedContacts<Scalar>* sharing = nullptr;
   Fluxes* fluxes = nullptr;  // of modules, if there are any
-};
-
-/// What spheres do to a wall.
-struct WallLoad {
-  Vec3d force{0, 0, 0}, torque{0, 0, 0};  // [N], [N m] about the wall's reference
-  double power = 0;                       // [W] of its surface velocity on particles
 };
 
 /// Computes the loads of spheres that are near one plane at rest: everything in lanes, as for

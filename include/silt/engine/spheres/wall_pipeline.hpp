@@ -18,40 +18,6 @@ struct CrowdedContact {
   std::uint32_t particle, wall;
 };
 
-/// Mean angular velocity [rad/s] from one pose to the next.
-inline Vec3d mean_angular_velocity(const Pose& from, const Pose& to, double time_step) {
-  const Quaternion d = to.rotation * conjugate(from.rotation);
-  const Vec3d axis{d.x, d.y, d.z};
-  const double sine = norm(axis);
-  if (sine == 0) return {0, 0, 0};
-  const double angle = 2 * std::atan2(d.w < 0 ? -sine : sine, std::abs(d.w));
-  return axis * (angle / (sine * time_step));
-}
-
-/// As mean_velocity() [m/s], with the velocity of a belt.
-inline Vec3d velocity_at_contact(const Wall& wall, const Vec3d& place, const Vec3d& normal,
-                                 double step) {
-  const Vec3d v = mean_velocity(wall, place, step);
-  return wall.has_belt() ? v + wall.belt.at(place, normal) : v;
-}
-
-/// Sets force and torque of the walls, and counts their impulse, by the loads of `parts` threads'
-/// work, each with one a wall.
-inline void sum_wall_loads(std::span<Wall> walls, std::span<const WallLoad> loads,
-                           std::size_t parts, double time_step) {
-  for (std::size_t w = 0; w < walls.size(); ++w) {
-    walls[w].force = walls[w].torque = {0, 0, 0};
-    walls[w].belt_power = 0;
-    for (std::size_t b = 0; b < parts; ++b) {
-      walls[w].force += loads[b * walls.size() + w].force;
-      walls[w].torque += loads[b * walls.size() + w].torque;
-      walls[w].belt_power += loads[b * walls.size() + w].power;
-    }
-    walls[w].impulse += walls[w].force * time_step;
-    walls[w].angular_impulse += walls[w].torque * time_step;
-  }
-}
-
 /// Computes the loads of all contacts with walls: geometry of each candidate, in double, then the
 /// same law over lanes as for pairs, rows out; sums what each wall bears. Spheres that are near
 /// planes at rest alone are the PlanePipeline's.

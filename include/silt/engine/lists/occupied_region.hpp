@@ -1,0 +1,39 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include <silt/core/box.hpp>
+#include <silt/core/error.hpp>
+#include <silt/core/threads.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// The box around the centres of all particles that have not left.
+template <class State>
+Box occupied_region(const State& particles, const Team& team) {
+  std::array<Box, Team::most_ranges> of;
+  team.for_ranges(particles.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
+    Box region;
+    for (std::size_t k = from; k < to; ++k)
+      if (!particles.is_parked(k)) region.include(particles.position[k].centre());
+    of[r] = region;
+  });
+  Box region;
+  for (const Box& b : of) region.include(b);
+  return region;
+}
+
+/// A pair must not act through two faces of a repeating box at once. `range` [m] of the contact
+/// law. Errors: InputError.
+template <class Domain, class State>
+void check_range(const Domain& domain, const State& particles, double range) {
+  const double least = 4 * particles.largest_radius + 2 * range;
+  for (int d = 0; d < 3; ++d)
+    require(!domain.repeats(d) || domain.length(d) >= least, Domain::policy_name, ": its length ",
+            domain.length(d), " [m] must be at least ", least,
+            " m, two diameters and twice the range ", range, " m of the contact law");
+}
+
+}  // namespace silt::detail

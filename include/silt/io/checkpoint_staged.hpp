@@ -1,0 +1,302 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <silt/io/checkpoint.hpp>
+#include <silt/io/checkpoint_wall_checks.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// All that a checkpoint changes, beside the simulation: read and checked first, then put in its
+/// place by moves alone, which cannot fail.
+template <class Sim>
+class Checkpoint<Sim>::Staged {
+ public:
+  explicit Staged(const Sim& sim) : sim_(sim), e_(sim.engine_) {
+    if constexpr (Sim::has_ledger) book_ = sim.book_;
+    if constexpr (Sim::Fluid::active) fluid_ = std::make_unique<typename Sim::Fluid>(sim.fluid_);
+  }
+
+  void read(const detail::CheckpointLoader& a, const std::string& path,
+            const AcceptedChanges& accepted) {
+    read_scene(a, path, accepted);
+    clock_.visit(a);
+    detail::check_clock(a, clock_);
+    const std::size_t inlets = sim_.openings_.inlets().size();
+    const std::size_t outlets = sim_.openings_.outlets().size();
+    openings_.visit(a, accepted.outlets ? detail::CheckpointLoader::any_count : outlets,
+                    accepted.inlets ? detail::CheckpointLoader::any_count : inlets);
+    detail::check_openings(a, openings_, sim_.openings_, clock_, accepted);
+    read_particles(a);
+    read_lists(a, accepted);
+    if constexpr (detail::deforms<typename Sim::Domain>) read_box(a, path);
+    if constexpr (Sim::has_ledger) read_ledger(a);
+    if constexpr (Sim::Fluid::active) read_fluid(a, path);
+    if constexpr (chooses_search) {
+      const auto choice = a.template column<std::uint64_t>("search.choice", 2);
+      using Finder = std::remove_cvref_t<decltype(detail::finder_of(sim_.search_))>;
+      a.need(choice[0] < Finder::searches, "search.choice[0] = ", choice[0], " is none of ",
+             Finder::searches, " searches");
+      choice_ = {choice[0], choice[1]};
+    }
+  }
+
+  void put_into(Sim& sim, const AcceptedChanges& accepted) noexcept {
+    Engine& e = sim.engine_;
+    sim.time_ = clock_.time, sim.dt_ = clock_.step_length, sim.time_origin_ = clock_.time_origin;
+    // With other materials the time step's limit is another one: it is looked at anew.
+    sim.checked_speed_ = accepted.materials ? 0 : clock_.checked_speed;
+    sim.peak_overlap_ = clock_.peak_overlap, sim.checked_overlap_ = 0;
+    sim.step_ = clock_.step, sim.step_origin_ = clock_.step_origin;
+    sim.next_ = {clock_.next_id, clock_.next_part};
+    sim.first_kick_ = clock_.first_kick, sim.kicked_ = clock_.kicked, sim.continued_ = true;
+    sim.observed_ = clock_.observed;
+    sim.scene_changed_ = clock_.scene_changed || known_walls_ < e.walls.size();
+    if (known_walls_ < e.walls.size()) sim.scene_step_ = sim.step_;
+    e.coefficients = std::move(coefficients_);
+    e.safeguards = clock_.safeguards;
+    e.particles = std::move(particles_);
+    e.mover.synchronous = std::move(synchronous_);
+    if constexpr (Sim::of_bodies) {
+      e.mover.bodies = std::move(bodies_), e.mover.rows = std::move(rows_);
+      if constexpr (Sim::Fluid::active) e.mover.fluid = std::move(loads_);
+      e.mover.modules = std::move(fields_);
+    }
+    e.lists = std::move(lists_);
+    for (std::size_t w = 0; w < e.walls.size(); ++w) {
+      Wall& wall = e.walls[w];
+      if (walls_.surfaces[w] == 0) wall.surfaces.clear();
+      wall.pose = walls_.pose[w], wall.last_pose = walls_.last_pose[w];
+      wall.force = walls_.force[w], wall.torque = walls_.torque[w];
+      wall.impulse = walls_.impulse[w], wall.angular_impulse = walls_.angular_impulse[w];
+      wall.reference = walls_.reference[w];
+      put_motion(wall, w, sim, accepted);
+      wall.deforming = static_cast<int>(walls_.deforming[w]), wall.deformed = walls_.deformed[w];
+      wall.vertex_steps = std::move(vertex_steps_[w]);
+    }
+    openings_.put(sim.openings_, accepted.inlets, accepted.outlets, clock_.time);
+    if constexpr (detail::deforms<typename Sim::Domain>) sim.domain_ = *box_;
+    if constexpr (Sim::has_ledger)
+      sim.book_ = std::move(book_), sim.gravity_booked_ = gravity_booked_;
+    if constexpr (Sim::Fluid::active) sim.fluid_ = std::move(*fluid_);
+    if constexpr (chooses_search) detail::finder_of(sim.search_).keep({choice_[0], choice_[1]});
+    e.restored(clock_.largest_speed, clock_.largest_overlap, clock_.largest_share);
+  }
+
+ private:
+  /// A wall that is moved in another way than in the file, which must have been accepted, goes on
+  /// from where it is: a drive is released now, a motion that was changed is changed now.
+  void put_motion(Wall& wall, std::size_t w, const Sim& sim,
+                  const AcceptedChanges& accepted) const noexcept {
+    if (wall.is_driven() && walls_.drive[w] != wall.drive.index()) {
+      wall.state = detail::released(wall.drive, wall.pose, clock_.time);
+      if (clock_.kicked && detail::is_free(wall.drive))
+        detail::push_wall(wall, sim.gravity, 0.5 * clock_.step_length, clock_.step_length, true);
+      return;
+    }
+    wall.state = walls_.state[w];
+    if (!accepted.motions || wall.is_driven() || wall.state.changed == 0) return;
+    wall.state.start = wall.pose, wall.state.since = clock_.time;
+  }
+
+  void read_scene(const detail::CheckpointLoader& a, const std::string& path,
+                  const AcceptedChanges& accepted) {
+    coefficients_ = Engine::coefficients_of(sim_.contacts_);  // throws where a pair has no values
+    const std::string written = a.words("scene");
+    a.column("walls.surfaces", walls_.surfaces, detail::CheckpointLoader::any_count);
+    std::vector<bool> removed(e_.walls.size(), false);  // in the file, or in both
+    for (std::size_t w = 0; w < std::min(removed.size(), walls_.surfaces.size()); ++w)
+      removed[w] = walls_.surfaces[w] == 0;
+    known_walls_ =
+        accepted.walls ? std::min(removed.size(), walls_.surfaces.size()) : removed.size();
+    const auto scene = detail::describe_scene(sim_, coefficients_, sim_.openings_, removed,
+                                              std::min(removed.size(), walls_.surfaces.size()));
+    const std::string difference = scene.difference(written, accepted);
+    require(difference.empty(), "checkpoint '", path,
+            "' is of another scene: ", detail::with_wall_names(difference, e_.walls));
+    walls_.visit(a, known_walls_);
+    for (std::size_t w = 0; w < known_walls_; ++w)
+      a.need(walls_.surfaces[w] == 0 || walls_.surfaces[w] == e_.walls[w].surfaces.size(),
+             detail::name_of_wall(e_.walls, w), " has ", walls_.surfaces[w],
+             " surfaces, the scene's ", e_.walls[w].surfaces.size());
+  }
+
+  void read_particles(const detail::CheckpointLoader& a) {
+    const std::size_t materials =
+        Sim::ContactsType::several_materials ? coefficients_.materials : 1;
+    detail::visit_particles(a, particles_, detail::CheckpointLoader::any_count);
+    detail::check_particles(a, particles_, materials);
+    detail::check_ids(a, Sim::of_bodies ? "part" : "particle", particles_.id,
+                      Sim::of_bodies ? clock_.next_part : clock_.next_id);
+    std::size_t count = particles_.size();
+    if constexpr (Sim::of_bodies) {
+      a.rows("bodies", bodies_, detail::CheckpointLoader::any_count);
+      rows_ = detail::check_bodies(a, bodies_, particles_, e_.mover.forms);
+      count = bodies_.size();
+      std::vector<ParticleId> ids;
+      for (const auto& b : bodies_) ids.push_back(b.id);
+      detail::check_ids(a, "body", std::move(ids), clock_.next_id);
+    }
+    a.rows("synchronous", synchronous_, clock_.kicked ? count : 0);
+    for (std::size_t k = 0; k < synchronous_.size(); ++k) {
+      const auto& [velocity, spin] = synchronous_[k];
+      a.need(is_finite(velocity) && is_finite(spin), "synchronous: velocity ", velocity,
+             " m/s and spin of particle ", k, " must be finite");
+    }
+    auto& fields = fields_of_particles();
+    detail::visit_columns(a, fields, count);
+    detail::for_each_column(fields, [&](const auto& c, auto& values) {
+      detail::check_finite_rows(a, c.name.text(), values);
+    });
+    if constexpr (Sim::Fluid::active) {
+      auto& loads = loads_of_particles();
+      detail::visit_columns(a, loads, count);
+      detail::check_loads(a, loads);
+    }
+    particles_.pad();
+    particles_.restored(particles_.largest_radius, particles_.mean_diameter);
+  }
+
+  auto& fields_of_particles() {
+    if constexpr (Sim::of_bodies)
+      return fields_;
+    else
+      return particles_.modules;
+  }
+  auto& loads_of_particles() {
+    if constexpr (Sim::of_bodies)
+      return loads_;
+    else
+      return particles_.fluid;
+  }
+
+  void read_lists(const detail::CheckpointLoader& a, const AcceptedChanges& accepted) {
+    auto& upkeep = lists_.upkeep;
+    detail::visit_upkeep(a, upkeep, lists_.reference, detail::CheckpointLoader::any_count);
+    const std::size_t listed = lists_.reference.size();
+    detail::check_upkeep(a, clock_, upkeep, listed, particles_.size());
+    for (std::size_t k = 0; k < listed; ++k)
+      a.need(is_finite(lists_.reference[k]), "lists.reference of row ", k, " must be finite");
+    // Lists that took a wall for one at rest do not fit to one that moves: they are made anew.
+    for (std::size_t w = 0; w < known_walls_; ++w)
+      if (walls_.moves[w] != e_.walls[w].moves() && walls_.surfaces[w] > 0)
+        upkeep.searched_at = upkeep.pruned_at = -1;
+    const bool forgotten = upkeep.searched_at < 0;
+    const auto walls = std::span<const Wall>(e_.walls).first(known_walls_);
+    detail::check_walls(a, walls_, walls, clock_, forgotten, accepted);
+    auto vertex = walls_.vertex_steps.begin();
+    for (const std::uint64_t count : walls_.vertices) {
+      const auto next = vertex + static_cast<std::ptrdiff_t>(count);
+      vertex_steps_.emplace_back(vertex, next), vertex = next;
+    }
+
+    typename decltype(Engine::Lists::pairs)::State pairs;
+    detail::visit_pairs(a, pairs, Engine::memory);
+    detail::check_pairs<Engine>(a, pairs, particles_, listed);
+    typename decltype(Engine::Lists::walls)::State contacts;
+    detail::visit_wall_contacts(a, contacts, Engine::memory);
+    lists_.walls.planes_apart = !Engine::State::of_bodies;
+    // A plane that moves, or has come to rest, has its contacts in another place than the file's.
+    const bool laid_out = detail::check_wall_contacts<Engine>(a, contacts, lists_.walls, walls,
+                                                              listed, forgotten, accepted.motions);
+    const std::vector<double> outer(upkeep.outer.begin(), upkeep.outer.end()),
+        inner(upkeep.inner.begin(), upkeep.inner.end());
+    upkeep.restore(outer, inner);
+    lists_.pairs.restore(pairs, listed);
+    lists_.walls.restore(std::move(contacts), walls, listed);
+    lists_.searched_walls.restore(std::move(walls_.marks[0]), walls_.regions[0]);
+    lists_.pruned_walls.restore(std::move(walls_.marks[1]), walls_.regions[1]);
+    for (std::size_t w = known_walls_; w < e_.walls.size(); ++w)
+      walls_.add(e_.walls[w], clock_.time), vertex_steps_.push_back(e_.walls[w].vertex_steps);
+    // Those who rest in another outlet leave, too.
+    const bool outlets = accepted.outlets && !sim_.openings_.outlets().empty();
+    if (known_walls_ < e_.walls.size() || !laid_out || outlets) lists_.forget();
+  }
+
+  void read_box(const detail::CheckpointLoader& a, const std::string& path) {
+    constexpr std::size_t own = Sim::Domain::state_size;
+    const auto all = a.template column<double>("box", own + decltype(lists_.flow)::state_size);
+    box_ = sim_.domain_;
+    try {
+      box_->restore({all.begin(), all.begin() + own});
+    } catch (const InputError& error) {
+      throw FileError(text("checkpoint '", path, "' is damaged: ", error.what()));
+    }
+    lists_.flow.restore(all.data() + own);
+    const auto& flow = lists_.flow;
+    a.need(flow.map.determinant() > 0 && flow.searched > 0 && flow.searched <= 1 &&
+               flow.pruned >= flow.searched && flow.pruned <= 1 && flow.tightest >= 0,
+           "box: the deformation since the last search is none");
+  }
+
+  void read_ledger(const detail::CheckpointLoader& a) requires(Sim::has_ledger) {
+    auto books = a.template column<double>("ledger");
+    constexpr std::size_t least = decltype(sim_.book_)::least_size + 3;
+    a.need(books.size() >= least && (books.size() - least) % 9 == 0 &&
+               (books.size() - least) / 9 <= e_.walls.size(),
+           "ledger has ", books.size(), " numbers, which do not fit to ", e_.walls.size(),
+           " walls");
+    const std::size_t last = books.size() - 3;
+    gravity_booked_ = {books[last], books[last + 1], books[last + 2]};
+    books.resize(last);
+    book_.restore(books);
+  }
+
+  void read_fluid(const detail::CheckpointLoader& a,
+                  const std::string& path) requires(Sim::Fluid::active) {
+    try {
+      fluid_->for_each_state([&](const std::string& name, auto&& values) {
+        // A part that is a vector sets its own length.
+        if constexpr (std::is_same_v<std::remove_cvref_t<decltype(values)>, std::vector<double>>) {
+          values = a.template column<double>(name);
+          detail::check_fluid_part(a, name, values, *fluid_);
+        } else {
+          const auto read = a.template column<double>(name, values.size());
+          detail::check_fluid_part(a, name, read, *fluid_);
+          std::copy(read.begin(), read.end(), values.begin());
+        }
+      });
+    } catch (const InputError& error) {
+      throw FileError(text("checkpoint '", path, "' is damaged: ", error.what()));
+    }
+    const double ahead = fluid_->clock.time - clock_.time;
+    const double most = fluid_->clock.last_step * (1 + 1e-9) + clock_.step_length;
+    a.need(fluid_->clock.steps == 0 || (ahead > -most && ahead < most),
+           "fluid.clock: the fluid "
+           "is at ",
+           fluid_->clock.time, " s, the particles at ", clock_.time, " s");
+  }
+
+  const Sim& sim_;
+  const Engine& e_;
+  detail::ClockState clock_;
+  detail::WallsState walls_;
+  std::vector<std::vector<Vec3d>> vertex_steps_;  // of each wall
+  std::size_t known_walls_ = 0;                   // of the scene, that the file has
+  detail::OpeningsState openings_;
+  decltype(Engine::coefficients) coefficients_;
+  typename Engine::State particles_;
+  decltype(Engine::Mover::synchronous) synchronous_;
+  std::vector<detail::Body> bodies_;
+  std::vector<std::uint32_t> rows_;
+  std::remove_cvref_t<decltype(std::declval<Engine&>().fluid_loads())> loads_;
+  [[no_unique_address]] std::remove_cvref_t<decltype(std::declval<Engine&>().modules())> fields_;
+  typename Engine::Lists lists_;
+  [[no_unique_address]] If<Sim::has_ledger, decltype(Sim::book_)> book_;
+  Vec3d gravity_booked_{0, 0, 0};
+  std::optional<typename Sim::Domain> box_;  // that deforms
+  std::unique_ptr<typename Sim::Fluid> fluid_;
+  std::array<std::size_t, 2> choice_{};
+};
+
+}  // namespace silt

@@ -1,0 +1,47 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cstddef>
+
+#include <silt/core/position_row.hpp>
+#include <silt/core/vec3.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// What users read of particles, by their place in memory; a Simulation has these functions as its
+/// own.
+template <class Sim>
+class ParticleReadings {
+ public:
+  std::size_t size() const { return sim().engine_.present(); }
+  /// Places 0 ... rows()-1 in memory; those where id() is silt::no_particle have left.
+  std::size_t rows() const { return sim().engine_.owners(); }
+  ParticleId id(std::size_t k) const { return owner(k).id(); }
+  bool is_present(std::size_t k) const { return id(k) != no_particle; }
+  Vec3d position(std::size_t k) const { return owner(k).centre(); }  // [m] of the centre of mass
+  double radius(std::size_t k) const {
+    return owner(k).radius();
+  }  // [m] of bodies that of the bounding sphere
+  double mass(std::size_t k) const { return owner(k).mass(); }  // [kg] infinite: fixed
+  Vec3d velocity(std::size_t k) const {                         // [m/s] at time()
+    const auto p = owner(k);
+    return sim().kicked_ ? p.velocity_now() : p.velocity();
+  }
+  template <class S = Sim>
+  Vec3d angular_velocity(std::size_t k) const  // [rad/s] at time()
+      requires(S::rotates) {
+    const auto p = owner(k);
+    return sim().kicked_ ? p.angular_velocity_now() : p.angular_velocity();
+  }
+  std::size_t material(std::size_t k) const { return owner(k).material(); }
+  /// The present place of the particle with this id; rows() if it has left, or never was. Takes
+  /// constant time, but for the first call after a search has sorted, which takes O(rows()); that
+  /// one, and the first after particles have come, must not be made by several threads at once.
+  std::size_t find(ParticleId wanted) const { return sim().engine_.find(wanted); }
+
+ private:
+  const Sim& sim() const { return static_cast<const Sim&>(*this); }
+  auto owner(std::size_t k) const { return sim().engine_.owner(sim().known(k)); }
+};
+
+}  // namespace silt::detail
