@@ -46,6 +46,7 @@
 #include <silt/measure/wall_loads.hpp>
 #include <silt/module/body_force.hpp>
 #include <silt/module/field.hpp>
+#include <silt/module/heat/conduction.hpp>
 #include <silt/search/brute_force.hpp>
 #include <silt/search/cell_grid.hpp>
 #include <silt/search/fastest_of.hpp>

@@ -314,7 +314,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     engine_.renew_lists(search_, domain_, step_, dt_);
     detail::StepTimes times = times_of_step(observed);
     times.record = engine_.record.begin(record_contacts_, step_);
-    engine_.prepare_fluxes(modules_, time_);
+    engine_.prepare_fluxes(modules_, time_, looks_at_fluxes());
     engine_.pair_forces(domain_, times);
     engine_.wall_forces(times);
     engine_.collect_fluxes();
@@ -362,6 +362,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   void start_fields(std::size_t from);
   double power_of_modules() const;
   double longest_module_step() const;
+  bool looks_at_fluxes() const { return first_kick_ || step_ % 100 == 0; }
   void check_module_rates() const;
   void renew_fluid();
   FluidPace pace_of_fluid(double speed) const;

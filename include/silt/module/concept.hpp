@@ -44,6 +44,8 @@ struct Touching {
   Real overlap;       // [m] > 0, of partners that touch
   Real R_eff;         // [m]
   Real m_eff;         // [kg]
+  Real softness;      // [-] modulus E* of the contact over that of the solids: below 1 in contacts
+                      // that Softened makes softer, else 1
 };
 
 /// A module acts on particles, or knows more of them, beside contacts and a fluid. It is a struct
@@ -79,7 +81,26 @@ struct Touching {
 ///                                                              // received [.../s] of all contacts
 ///
 /// flux() is compiled for double and for packs of lanes, like a contact law. It is asked once a
-/// step for each contact, with the fields at the step's beginning, and summed in double.
+/// step for each contact, with the fields at the step's beginning, and summed in double. Beside it
+/// a module may have:
+///
+///   template <class Real> struct Coefficients { Real ...; };    // what belongs to two materials
+///   Coefficients<double> coefficients(const auto& contacts, std::size_t a, std::size_t b) const;
+///                                        // of the first and the second end, a wall's too; then
+///   flux(c, const Coefficients<Real>& p, a, b)                  // replaces flux(c, a, b)
+///   at_wall() may answer NaN: nothing flows at this wall
+///   double given_by_wall(std::size_t wall, double time) const;  // [.../s] that the wall gives in
+///                                        // all, in proportion to flux() from 1 to 0 of each of
+///                                        // its contacts; NaN: what at_wall says
+///   double rate(const Seen&, const Fields&, double slope) const;  // [1/s], slope: the sum of
+///                                        // flux() from 1 to 0 over the contacts of the particle,
+///                                        // looked at now and then; rate(const Seen&) before that
+///   Real share_of_loss(const Coefficients<Real>& p) const;      // [-] see below
+///   void check(const auto& simulation) const;                   // throws before a run
+///
+/// With share_of_loss() what friction and damping take from a contact [W] is received by its ends,
+/// this share by the first and the rest by the second, if that is a particle. It needs an
+/// EnergyLedger.
 namespace detail {
 
 struct NoFields {};
@@ -126,9 +147,45 @@ template <class M>
 concept Exchanges = has_fields<M> && requires(FieldsOf<M>& f) {
   { f.*M::exchanged } -> std::same_as<double&>;
 };
+template <class M>
+concept HasCoefficients = Exchanges<M> && requires {
+  typename M::template Coefficients<double>;
+};
+/// Of a module without Coefficients.
+template <class Real>
+struct NoCoefficients {};
+template <class M>
+struct CoefficientsOf {
+  template <class Real>
+  using type = NoCoefficients<Real>;
+};
+template <HasCoefficients M>
+struct CoefficientsOf<M> {
+  template <class Real>
+  using type = typename M::template Coefficients<Real>;
+};
+template <class M, class Real>
+SILT_INLINE auto flux_of(const M& m, const Touching<Real>& c,
+                         const typename CoefficientsOf<M>::template type<Real>& p, const Real& a,
+                         const Real& b) {
+  if constexpr (HasCoefficients<M>)
+    return m.flux(c, p, a, b);
+  else
+    return m.flux(c, a, b);
+}
 template <class M, class Real>
 concept FluxOnLanes = requires(const M& m, const Touching<Real>& c, const Real& a) {
   { m.flux(c, a, a) } -> std::convertible_to<Real>;
+}
+|| (HasCoefficients<M> && requires(const M& m, const Touching<Real>& c,
+                                   const typename CoefficientsOf<M>::template type<Real>& p,
+                                   const Real& a) {
+  { m.flux(c, p, a, a) } -> std::convertible_to<Real>;
+});
+template <class M>
+concept TakesLoss = HasCoefficients<M> &&
+    requires(const M& m, const typename CoefficientsOf<M>::template type<double>& p) {
+  { m.share_of_loss(p) } -> std::convertible_to<double>;
 };
 template <class M>
 concept HasWallEnds = requires(const M& m) {
@@ -136,6 +193,14 @@ concept HasWallEnds = requires(const M& m) {
 };
 template <class M>
 inline constexpr bool flows_at_walls = Exchanges<M>&& HasWallEnds<M>;
+template <class M>
+concept HasGivingWalls = HasWallEnds<M> && requires(const M& m) {
+  { m.given_by_wall(std::size_t{}, double{}) } -> std::convertible_to<double>;
+};
+template <class M>
+concept SaysItsFluxRate = Exchanges<M> && requires(const M& m, const Seen& p, const FieldsOf<M>& f) {
+  { m.rate(p, f, double{}) } -> std::convertible_to<double>;
+};
 template <class M>
 concept SaysItsRate = requires(const M& m, const Seen& p) {
   { m.rate(p) } -> std::convertible_to<double>;
@@ -177,6 +242,13 @@ inline constexpr bool needs_velocity = [] {
 }();
 
 }  // namespace detail
+
+/// A quantity of particles that more than one module may have: Of: the Fields that these have;
+/// member: where it is in them. As silt::Temperature.
+template <class Q>
+concept FieldQuantity = requires(typename Q::Of& fields) {
+  fields.*Q::member;
+};
 
 /// A policy of the module axis: it has fields, or it pushes, and its functions take what they are
 /// called with.

@@ -12,13 +12,14 @@ template <class Sim>
 class ModuleAccess {
  public:
   /// The fields of a module for particle k, to read and to set: sim.field<Residence>(k).seconds.
+  /// Or a quantity that some module has, whichever it is: sim.field<Temperature>(k) = 350.
   template <class M>
-  FieldsOf<M>& field(std::size_t k) {
-    return column<M>(sim())[sim().known(k)];
+  auto& field(std::size_t k) {
+    return of<M>(sim(), k);
   }
   template <class M>
-  const FieldsOf<M>& field(std::size_t k) const {
-    return column<M>(sim())[sim().known(k)];
+  const auto& field(std::size_t k) const {
+    return of<M>(sim(), k);
   }
   /// The Field of this name: sim.field<"charge">(k) = 1e-12.
   template <FixedName Name>
@@ -53,6 +54,14 @@ class ModuleAccess {
  private:
   Sim& sim() { return static_cast<Sim&>(*this); }
   const Sim& sim() const { return static_cast<const Sim&>(*this); }
+  template <class M, class S>
+  static auto& of(S& sim, std::size_t k) {
+    if constexpr (FieldQuantity<M>)
+      return column<typename Sim::Modules::template having<typename M::Of>>(sim)[sim.known(k)].*
+             M::member;
+    else
+      return column<M>(sim)[sim.known(k)];
+  }
   template <class M, class S>
   static auto& column(S& sim) {
     static_assert(has_fields<M>, "this module has no Fields");

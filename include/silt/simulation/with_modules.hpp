@@ -58,14 +58,19 @@ double Simulation<Policies...>::power_of_modules() const {
 /// 20th of half a swing; none if they do not say their rate.
 template <class... Policies>
 double Simulation<Policies...>::longest_module_step() const {
-  const double rate = modules_.fastest(engine_, time_).rate;
+  using Stage = detail::ModuleStage<Modules>;
+  const double rate = modules_.fastest(engine_, time_, Stage::OfFluxes::Estimated).rate;
   return rate > 0 ? std::numbers::pi / 20 / rate : INFINITY;
 }
 
 /// Stops a run whose step does not resolve what modules push with.
 template <class... Policies>
 void Simulation<Policies...>::check_module_rates() const {
-  const auto most = modules_.fastest(engine_, time_);
+  using OfFluxes = typename detail::ModuleStage<Modules>::OfFluxes;
+  OfFluxes measured = OfFluxes::LeftOut;
+  if constexpr (Modules::flux)
+    if (engine_.fluxes().measured()) measured = OfFluxes::Measured;
+  const auto most = modules_.fastest(engine_, time_, measured);
   if (most.rate * dt_ <= guard.max_rate) return;
   const auto p = engine_.owner(most.particle);
   throw SimulationError(text("step ", step_, ", t = ", time_, " s: the modules' rate of particle ",

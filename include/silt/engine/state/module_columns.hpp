@@ -40,6 +40,20 @@ struct Named<Name, First, Rest...> {
                                            std::type_identity<First>, Named<Name, Rest...>>::type;
 };
 
+/// The module with these Fields.
+template <class Fields, class... Ms>
+struct Having {
+  static_assert(sizeof...(Ms) > 0,
+                "no module of this simulation has this quantity: give it one that has, as "
+                "silt::HeatConduction for silt::Temperature");
+  using type = void;
+};
+template <class Fields, class First, class... Rest>
+struct Having<Fields, First, Rest...> {
+  using type = typename std::conditional_t<std::is_same_v<FieldsOf<First>, Fields>,
+                                           std::type_identity<First>, Having<Fields, Rest...>>::type;
+};
+
 /// The modules of a simulation, by type.
 template <class... Ms>
 struct ModuleList {
@@ -69,6 +83,9 @@ struct ModuleList {
   /// The one whose only field has this name.
   template <FixedName Name>
   using named = typename Named<Name, Ms...>::type;
+  /// The one with these Fields.
+  template <class Fields>
+  using having = typename Having<Fields, Ms...>::type;
 };
 
 /// What a module is called in messages and files.
