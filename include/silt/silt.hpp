@@ -47,6 +47,7 @@
 #include <silt/module/body_force.hpp>
 #include <silt/module/field.hpp>
 #include <silt/module/heat/conduction.hpp>
+#include <silt/module/heat/surroundings.hpp>
 #include <silt/search/brute_force.hpp>
 #include <silt/search/cell_grid.hpp>
 #include <silt/search/fastest_of.hpp>

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -11,7 +12,7 @@
 #include <silt/contact/hertz_mindlin.hpp>
 #include <silt/contact/linear_spring.hpp>
 #include <silt/contact/softened.hpp>
-#include <silt/module/heat/conduction.hpp>
+#include <silt/module/heat/surroundings.hpp>
 #include <silt/simulation.hpp>
 
 #include "near.hpp"
@@ -239,4 +240,59 @@ TEST_CASE("heat: a step that does not resolve conduction, and values that make n
             "wall 2 is of material 1"));
   CHECK(has(refusal([&] { silt::held_at(-3); }), "held_at: temperature"));
   CHECK(has(refusal([&] { silt::heated_by(INFINITY); }), "must be finite"));
+}
+
+// Catches losses of ended contacts that are forgotten, of walls that are given in whole, a factor 2
+// between both ends, and the same loss twice.
+TEST_CASE("heat: what friction and damping take from the motion is heat, 1e-9") {
+  silt::Particles<silt::Sphere> p;
+  p.fill({{0, 0, 0}, {0.02, 0.02, 0.02}}, {.radius = silt::uniform(0.8e-3, 1e-3), .density = density,
+                                             .count = 300});
+  const silt::HertzMindlin::Material hard{
+      .youngs_modulus = 1e7, .poisson_ratio = 0.3, .restitution = 0.6, .friction = 0.4};
+  silt::Simulation sim{std::move(p), silt::Contacts<silt::HertzMindlin>{hard},
+                       silt::PeriodicBox{{{0, 0, 0}, {0.02, 0.02, 0.02}}, {true, true, true}},
+                       silt::FrictionHeat{
+                           {.conductivity = 1.1, .heat_capacity = 840, .start_temperature = 0}},
+                       silt::EnergyLedger{}};
+  for (std::size_t k = 0; k < sim.rows(); ++k) {
+    const double phase = static_cast<double>(sim.id(k));
+    sim.set_velocity(sim.id(k), {std::sin(7 * phase), std::sin(11 * phase), std::sin(13 * phase)});
+  }
+  double booked = 0, last = 0;  // [J] now, and a step ago: heat follows in the next step
+  sim.run(0.02, [&](const auto& s) {
+    const auto e = s.energy();
+    last = std::exchange(booked, e.dissipated() + e.tangential + e.rolling - e.stiffening);
+  });
+  double heat = 0;
+  for (std::size_t k = 0; k < sim.rows(); ++k)
+    heat += sim.mass(k) * 840 * sim.field<silt::Temperature>(k);
+  CHECK(last > 0.1 * sim.energy().initial);
+  CHECK(heat == near(last).epsilon(1e-9));
+}
+
+TEST_CASE("heat: a grain in hot gas, and one that radiates, as closed forms say") {
+  const auto lone = [](const auto& heat) {
+    silt::Simulation sim{row(1), silt::Contacts<silt::HertzMindlin>{still}, heat};
+    sim.time_step = 1e-2;
+    sim.template field<silt::Temperature>(0) = 300;
+    sim.run(20);
+    return temperature(sim, 0);
+  };
+  const double C = mass * 840, pi = 3.14159265358979323846;
+  // Gas at rest: Nu = 2. Catches h of the radius, an area of pi R^2.
+  CHECK(lone(silt::Heat{glass, silt::Convection<>{.temperature = 500}}) ==
+        near(500 - 200 * std::exp(-2 * 0.026 * pi * 2 * R * 20 / C)).epsilon(1e-10));
+  // 1/T^3 = 1/T_0^3 + 3 sigma e A t/C; Euler's rule errs by half of rate dt.
+  const double slope = 3 * 5.670374419e-8 * 0.8 * 4 * pi * R * R / C;
+  const double left = std::pow(std::pow(300.0, -3) + slope * 20, -1.0 / 3);
+  CHECK(left < 290);
+  CHECK(lone(silt::Heat{glass, silt::Radiation{.emissivity = 0.8, .temperature = 0}}) ==
+        near(left).epsilon(1e-5));
+  CHECK(silt::Gunn::nusselt(0, 0.7, 1) == near(2.0));  // a lone sphere at rest
+  CHECK(silt::RanzMarshall::nusselt(100, 1, 1) == near(8.0));
+  CHECK(has(refusal([&] { lone(silt::Heat{glass, silt::Radiation{.emissivity = 2}}); }),
+            "Radiation.emissivity"));
+  CHECK(has(refusal([&] { lone(silt::Heat{glass, silt::Convection<>{.voidage = 0}}); }),
+            "Convection.voidage"));
 }
