@@ -37,5 +37,5 @@ int main() {
   std::printf("%.6f J in %.4f s, hottest grain %.2f K\n", heat, sim.time() - begin, hottest);
   // Catches a plate that gives each contact its power, heat that is lost between grains, and walls
   // that are insulated and take heat.
-  return std::abs(heat / (5 * (sim.time() - begin)) - 1) < 1e-3 ? 0 : 1;
+  return std::abs(heat / (5 * (sim.time() - begin)) - 1) < 1e-9 ? 0 : 1;
 }
