@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
-// Heat through a bed at rest, for heat.py: reads "x y z temperature" of spheres of one radius, writes
-// their temperatures after some steps. LIGGGHTS' circle, so that the same numbers are wanted.
+// Heat through a bed at rest, for heat.py: reads "x y z temperature" of spheres of one radius,
+// writes their temperatures after some steps. LIGGGHTS' circle, so that the same numbers are
+// wanted.
 //   bench_heat FILE radius density conductivity heat_capacity time_step steps OUT
 
 #include <chrono>

@@ -15,9 +15,9 @@ int main() {
 
   silt::Simulation sim{
       std::move(grains), silt::Contacts<silt::HertzMindlin>{soft},
-      silt::HeatConduction{.conductivity = 1.1,       // [W/(m K)]
-                           .heat_capacity = 840,      // [J/(kg K)]
-                           .youngs_modulus = 63e9,    // [Pa] of glass, for the real contact circle
+      silt::HeatConduction{.conductivity = 1.1,     // [W/(m K)]
+                           .heat_capacity = 840,    // [J/(kg K)]
+                           .youngs_modulus = 63e9,  // [Pa] of glass, for the real contact circle
                            .poisson_ratio = 0.25,
                            .walls = {silt::heated_by(5), silt::insulated()}}};
   sim.gravity = {0, 0, -9.81};

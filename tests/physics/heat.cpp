@@ -24,7 +24,7 @@ using silt::Vec3d;
 const double R = 1e-3, d = 0.02e-3, density = 2500;  // [m], [m], [kg/m3]
 // So soft that nothing moves while heat flows.
 const silt::HertzMindlin::Material still{
-    .youngs_modulus = 1e-6, .poisson_ratio = 0.3, .restitution = 0.9, .friction = 0.3};
+    .youngs_modulus = 1e-14, .poisson_ratio = 0.3, .restitution = 0.9, .friction = 0.3};
 const silt::HeatConduction glass{.conductivity = 1.1, .heat_capacity = 840};
 const double mass = 4.0 / 3 * 3.14159265358979323846 * R * R * R * density;  // [kg]
 
@@ -37,9 +37,7 @@ inline silt::Particles<silt::Sphere> row(std::size_t count) {
            .density = density});
   return p;
 }
-inline double end_of_row(std::size_t count) {
-  return static_cast<double>(count) * (2 * R - d) - d;
-}
+inline double end_of_row(std::size_t count) { return static_cast<double>(count) * (2 * R - d) - d; }
 template <class Sim>
 double temperature(const Sim& sim, std::size_t id) {
   return sim.template field<silt::Temperature>(sim.find(id));
@@ -75,8 +73,10 @@ using namespace heat_test;
 // capacities that are interchanged.
 TEST_CASE("heat: two spheres of unlike materials follow the exponential of Euler's steps") {
   silt::Contacts<silt::HertzMindlin, silt::SeveralMaterials> contacts{
-      {still, {.youngs_modulus = 2e-6, .poisson_ratio = 0.3, .restitution = 0.9, .friction = 0.3}}};
-  contacts.set_pair(contacts.material(0), contacts.material(1), {.restitution = 0.9, .friction = 0});
+      {still,
+       {.youngs_modulus = 2e-14, .poisson_ratio = 0.3, .restitution = 0.9, .friction = 0.3}}};
+  contacts.set_pair(contacts.material(0), contacts.material(1),
+                    {.restitution = 0.9, .friction = 0});
   silt::Particles<silt::Sphere> p;
   p.add({.position = {0, 0, 0}, .radius = R, .density = density});
   p.add({.position = {2.5 * R - d, 0, 0}, .radius = 1.5 * R, .density = density, .material = 1});
@@ -105,8 +105,8 @@ TEST_CASE("heat: a chain between a hot and a cold wall comes to resistances in s
   heat.heat_capacity = 1;  // at rest sooner
   heat.walls = {silt::held_at(400), silt::held_at([](double) { return 300.0; })};
   auto sim = chain(8, heat);
-  sim.time_step = 5e-5;
-  sim.run(2);
+  sim.time_step = 5e-3;
+  sim.run(12);
   // Between beads a = sqrt(R d/2), at walls sqrt(R d).
   const double of_wall = 1 / std::sqrt(2.0), all = 2 * of_wall + 7;
   for (std::size_t k = 0; k < 8; ++k)
@@ -149,7 +149,8 @@ TEST_CASE("heat: a wall that gives 2 W gives 2 W, in proportion to conductances"
   sim.time_step = 1e-4;
   sim.run(0.01);
   const double C = mass * 840;
-  const double got[2] = {C * (temperature(sim, 0) - 293.15), 8 * C * (temperature(sim, 1) - 293.15)};
+  const double got[2] = {C * (temperature(sim, 0) - 293.15),
+                         8 * C * (temperature(sim, 1) - 293.15)};
   CHECK(got[0] + got[1] == near(2 * 0.01).epsilon(1e-9));
   CHECK(got[1] / got[0] == near(std::sqrt(2.0)).epsilon(1e-9));  // a = sqrt(R d)
 }
@@ -175,9 +176,7 @@ TEST_CASE("heat: softened contacts conduct as their solids would under the same 
   const double full = R * std::pow(1e3, 0.4);
   CHECK(warmed(silt::Contacts<Soft>{{.solid = solid, .full_radius = full}}, 0) ==
         near(0.1 * as_is).epsilon(1e-9));
-  CHECK(has(refusal([&] {
-              warmed(silt::Contacts<silt::LinearSpring>{{.stiffness = 1e-6}}, 1);
-            }),
+  CHECK(has(refusal([&] { warmed(silt::Contacts<silt::LinearSpring>{{.stiffness = 1e-6}}, 1); }),
             "no Young's modulus"));
 }
 
@@ -195,9 +194,9 @@ TEST_CASE("heat: a simple cubic lattice conducts 2 k a over its spacing") {
                .density = density});
   silt::HeatConduction heat = glass;
   heat.heat_capacity = 1;
-  silt::Simulation sim{std::move(p), silt::Contacts<silt::HertzMindlin>{still},
-                       silt::PeriodicBox{{{0, 0, -1}, {n * step, n * step, 1}}, {true, true, false}},
-                       heat};
+  silt::Simulation sim{
+      std::move(p), silt::Contacts<silt::HertzMindlin>{still},
+      silt::PeriodicBox{{{0, 0, -1}, {n * step, n * step, 1}}, {true, true, false}}, heat};
   sim.time_step = 5e-5;
   // The first layer gets 1 W, the last loses it, by hand, each step: steady after a while.
   const double C = mass * 1;  // [J/K]
@@ -232,8 +231,8 @@ TEST_CASE("heat: a step that does not resolve conduction, and values that make n
             "2 walls"));
   CHECK(has(refusal([&] {
               auto s = chain(2, glass);
-              s.add_wall(silt::Plane{{0, 0, -1}, {0, 0, 1}}, {.youngs_modulus = 1e9,
-                                                              .poisson_ratio = 0.3});
+              s.add_wall(silt::Plane{{0, 0, -1}, {0, 0, 1}},
+                         {.youngs_modulus = 1e9, .poisson_ratio = 0.3});
               s.module<silt::HeatConduction>().walls = {{}, {}, silt::held_at(300)};
               s.run(0.1);
             }),
@@ -246,15 +245,15 @@ TEST_CASE("heat: a step that does not resolve conduction, and values that make n
 // between both ends, and the same loss twice.
 TEST_CASE("heat: what friction and damping take from the motion is heat, 1e-9") {
   silt::Particles<silt::Sphere> p;
-  p.fill({{0, 0, 0}, {0.02, 0.02, 0.02}}, {.radius = silt::uniform(0.8e-3, 1e-3), .density = density,
-                                             .count = 300});
+  p.fill({{0, 0, 0}, {0.02, 0.02, 0.02}},
+         {.radius = silt::uniform(0.8e-3, 1e-3), .density = density, .count = 300});
   const silt::HertzMindlin::Material hard{
       .youngs_modulus = 1e7, .poisson_ratio = 0.3, .restitution = 0.6, .friction = 0.4};
-  silt::Simulation sim{std::move(p), silt::Contacts<silt::HertzMindlin>{hard},
-                       silt::PeriodicBox{{{0, 0, 0}, {0.02, 0.02, 0.02}}, {true, true, true}},
-                       silt::FrictionHeat{
-                           {.conductivity = 1.1, .heat_capacity = 840, .start_temperature = 0}},
-                       silt::EnergyLedger{}};
+  silt::Simulation sim{
+      std::move(p), silt::Contacts<silt::HertzMindlin>{hard},
+      silt::PeriodicBox{{{0, 0, 0}, {0.02, 0.02, 0.02}}, {true, true, true}},
+      silt::FrictionHeat{{.conductivity = 1.1, .heat_capacity = 840, .start_temperature = 0}},
+      silt::EnergyLedger{}};
   for (std::size_t k = 0; k < sim.rows(); ++k) {
     const double phase = static_cast<double>(sim.id(k));
     sim.set_velocity(sim.id(k), {std::sin(7 * phase), std::sin(11 * phase), std::sin(13 * phase)});
@@ -286,13 +285,17 @@ TEST_CASE("heat: a grain in hot gas, and one that radiates, as closed forms say"
   // 1/T^3 = 1/T_0^3 + 3 sigma e A t/C; Euler's rule errs by half of rate dt.
   const double slope = 3 * 5.670374419e-8 * 0.8 * 4 * pi * R * R / C;
   const double left = std::pow(std::pow(300.0, -3) + slope * 20, -1.0 / 3);
-  CHECK(left < 290);
+  CHECK(left < 291);
   CHECK(lone(silt::Heat{glass, silt::Radiation{.emissivity = 0.8, .temperature = 0}}) ==
         near(left).epsilon(1e-5));
   CHECK(silt::Gunn::nusselt(0, 0.7, 1) == near(2.0));  // a lone sphere at rest
   CHECK(silt::RanzMarshall::nusselt(100, 1, 1) == near(8.0));
-  CHECK(has(refusal([&] { lone(silt::Heat{glass, silt::Radiation{.emissivity = 2}}); }),
+  CHECK(has(refusal([&] {
+              lone(silt::Heat{glass, silt::Radiation{.emissivity = 2}});
+            }),
             "Radiation.emissivity"));
-  CHECK(has(refusal([&] { lone(silt::Heat{glass, silt::Convection<>{.voidage = 0}}); }),
+  CHECK(has(refusal([&] {
+              lone(silt::Heat{glass, silt::Convection<>{.voidage = 0}});
+            }),
             "Convection.voidage"));
 }

@@ -234,8 +234,8 @@ void Simulation<Policies...>::prepare() {
   if (step_ > 0 || kicked_) detail::check_given(engine_, gravity, step_, time_);
   prepare_fluid();
   engine_.set_threads(threads);
-  engine_.set_coefficients(contacts_);
   modules_.check(*this);
+  engine_.set_coefficients(contacts_);
   engine_.set_flux_coefficients(modules_, contacts_);
   if (dt_ == 0 || (time_step && *time_step != dt_) || (scene_changed_ && is_step_too_long())) {
     const double dt = chosen_time_step();

@@ -54,11 +54,11 @@ struct HertzCircle {
 /// Tests:  tests/engine/heat.cpp, tests/physics/heat.cpp.
 template <class Circle = HertzCircle>
 struct HeatConductionBy {
-  double conductivity = 0;             // [W/(m K)] > 0
-  double heat_capacity = 0;            // [J/(kg K)] > 0
-  double youngs_modulus = 0;           // [Pa] of the real solid; 0: as contacts have it
-  double poisson_ratio = 0.3;          // [-] of the real solid
-  double start_temperature = 293.15;   // [K] of particles that come
+  double conductivity = 0;                // [W/(m K)] > 0
+  double heat_capacity = 0;               // [J/(kg K)] > 0
+  double youngs_modulus = 0;              // [Pa] of the real solid; 0: as contacts have it
+  double poisson_ratio = 0.3;             // [-] of the real solid
+  double start_temperature = 293.15;      // [K] of particles that come
   std::vector<ThermalMaterial> others{};  // of the contacts' material 1, 2, ...
   std::vector<WallHeat> walls{};          // of wall 0, 1, ...
 
@@ -70,7 +70,7 @@ struct HeatConductionBy {
   struct Coefficients {
     Real conductivity;  // [W/(m K)] harmonic mean
     Real narrower;      // [-] last factor of (2), but for Softened
-    Real share;  // [-] of the first end in heat that arises between both (FrictionHeat)
+    Real share;         // [-] of the first end in heat that arises between both (FrictionHeat)
   };
 
   Fields start(const Seen&) const { return {start_temperature}; }
@@ -123,7 +123,8 @@ struct HeatConductionBy {
             " entries, but the simulation has ", sim.walls(), " walls; give one for each at most");
     for (std::size_t k = 0; k < sim.rows(); ++k)
       require(knows(sim.material(k)), "HeatConduction: particle ", sim.id(k), " is of material ",
-              sim.material(k), ", of which `others` has no conductivity; add it there (the first "
+              sim.material(k),
+              ", of which `others` has no conductivity; add it there (the first "
               "entry is of material 1)");
     for (std::size_t w = 0; w < walls.size(); ++w)
       require(walls[w].kind() == WallHeat::Kind::Insulated || knows(sim.wall(w).material),
@@ -144,8 +145,8 @@ struct HeatConductionBy {
     require_positive(of + ".conductivity", m.conductivity, "W/(m K)");
     require_positive(of + ".heat_capacity", m.heat_capacity, "J/(kg K)");
     require_not_negative(of + ".youngs_modulus", m.youngs_modulus, "Pa");
-    require(m.poisson_ratio > -1 && m.poisson_ratio <= 0.5, of, ".poisson_ratio = ",
-            m.poisson_ratio, " [-] must be in (-1, 0.5]");
+    require(m.poisson_ratio > -1 && m.poisson_ratio <= 0.5, of,
+            ".poisson_ratio = ", m.poisson_ratio, " [-] must be in (-1, 0.5]");
   }
   template <class Law>
   static double compliance(const typename Law::Material& m) {

@@ -13,7 +13,8 @@ namespace silt::inline SILT_TARGET {
 
 /// HeatConduction, and the heat of friction and damping.
 ///
-///   silt::Simulation sim{..., silt::FrictionHeat{silt::HeatConduction{...}}, silt::EnergyLedger{}};
+///   silt::Simulation sim{..., silt::FrictionHeat{silt::HeatConduction{...}},
+///   silt::EnergyLedger{}};
 ///
 /// What contacts take from the motion, as the ledger books it, heats both ends: of unlike materials
 /// in proportion to sqrt(k c), their effusivity but for the density; what goes into a wall is gone.
@@ -99,8 +100,8 @@ struct Convection {
 /// Particles do not see each other: in a bed the surroundings' temperature must be what they see.
 /// Tests: tests/physics/heat.cpp (cooling to 0 K: 1/T^3 grows linearly).
 struct Radiation {
-  double emissivity = 0.9;      // [-] in [0, 1]
-  double temperature = 293.15;  // [K] of the surroundings
+  double emissivity = 0.9;                         // [-] in [0, 1]
+  double temperature = 293.15;                     // [K] of the surroundings
   static constexpr double sigma = 5.670374419e-8;  // [W/(m2 K4)]
 
   double watts(const Seen& p, double T, double, double) const {
@@ -121,7 +122,8 @@ struct Radiation {
 /// Module: conduction (HeatConduction, or FrictionHeat) with what surrounds the particles.
 ///
 ///   silt::Heat{silt::HeatConduction{.conductivity = 1.1, .heat_capacity = 840},
-///              silt::Convection<silt::Gunn>{.temperature = 500, .voidage = 0.4}, silt::Radiation{}}
+///              silt::Convection<silt::Gunn>{.temperature = 500, .voidage = 0.4},
+///              silt::Radiation{}}
 ///
 /// A part of one's own is a struct with watts(seen, T, capacity, dt) [W], slope(seen, T) [W/K], the
 /// change of minus the watts with T for the bound on the step, and check().
@@ -133,9 +135,7 @@ struct Heat : Base {
   void update(const Seen& p, HeatFields& f, double received, double dt) const {
     const double C = this->capacity(p);
     std::apply(
-        [&](const auto&... part) {
-          received += (0.0 + ... + part.watts(p, f.temperature, C, dt));
-        },
+        [&](const auto&... part) { received += (0.0 + ... + part.watts(p, f.temperature, C, dt)); },
         parts);
     Base::update(p, f, received, dt);
   }

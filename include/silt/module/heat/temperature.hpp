@@ -26,8 +26,8 @@ struct Temperature {
 struct ThermalMaterial {
   double conductivity = 0;    // [W/(m K)] > 0
   double heat_capacity = 0;   // [J/(kg K)] > 0
-  double youngs_modulus = 0;  // [Pa] of the real solid, where contacts are given a softer one; 0: as
-                              // contacts have it
+  double youngs_modulus = 0;  // [Pa] of the real solid, where contacts are given a softer one; 0:
+                              // as contacts have it
   double poisson_ratio = 0.3;  // [-] of the real solid
 };
 
