@@ -5,6 +5,7 @@
 #include <array>
 #include <concepts>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -88,10 +89,10 @@ struct Touching {
 ///   Coefficients<double> coefficients(const auto& contacts, std::size_t a, std::size_t b) const;
 ///                                        // of the first and the second end, a wall's too; then
 ///   flux(c, const Coefficients<Real>& p, a, b)                  // replaces flux(c, a, b)
-///   at_wall() may answer NaN: nothing flows at this wall
-///   double given_by_wall(std::size_t wall, double time) const;  // [.../s] that the wall gives in
-///                                        // all, in proportion to flux() from 1 to 0 of each of
-///                                        // its contacts; NaN: what at_wall says
+///   at_wall() may return a std::optional<double>; without a value: nothing flows at this wall
+///   std::optional<double> given_by_wall(std::size_t wall, double time) const;  // [.../s] that the
+///                                        // wall gives in all, in proportion to flux() from 1 to 0
+///                                        // of each of its contacts; none: what at_wall says
 ///   double rate(const Seen&, const Fields&, double slope) const;  // [1/s], slope: the sum of
 ///                                        // flux() from 1 to 0 over the contacts of the particle,
 ///                                        // looked at now and then; rate(const Seen&) before that
@@ -189,13 +190,13 @@ concept TakesLoss = HasCoefficients<M> &&
 };
 template <class M>
 concept HasWallEnds = requires(const M& m) {
-  { m.at_wall(std::size_t{}, double{}) } -> std::convertible_to<double>;
+  { m.at_wall(std::size_t{}, double{}) } -> std::convertible_to<std::optional<double>>;
 };
 template <class M>
 inline constexpr bool flows_at_walls = Exchanges<M>&& HasWallEnds<M>;
 template <class M>
 concept HasGivingWalls = HasWallEnds<M> && requires(const M& m) {
-  { m.given_by_wall(std::size_t{}, double{}) } -> std::convertible_to<double>;
+  { m.given_by_wall(std::size_t{}, double{}) } -> std::convertible_to<std::optional<double>>;
 };
 template <class M>
 concept SaysItsFluxRate = Exchanges<M> && requires(const M& m, const Seen& p, const FieldsOf<M>& f) {

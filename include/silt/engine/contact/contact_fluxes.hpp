@@ -2,11 +2,11 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
+#include <bit>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
+#include <optional>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -78,8 +78,8 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
   }
   bool measured() const { return measure_; }
 
-  /// The fluxes of the first `count` contacts of a block, whose loads are known. `ends`, `kinds`: of
-  /// the ContactStage; `losses` [W] of the contacts, if a module takes them.
+  /// The fluxes of the first `count` contacts of a block, whose loads are known. `ends`, `kinds`:
+  /// of the ContactStage; `losses` [W] of the contacts, if a module takes them.
   template <class ContactsType, class Block, class Ends>
   void add(const Block& block, std::size_t count, const CoefficientTable<ContactsType>& table,
            const std::uint16_t* kinds, [[maybe_unused]] const Scalar* losses, const Ends& ends) {
@@ -94,9 +94,14 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
   struct Table {
     std::vector<Coefficients<M>> of_pair{Coefficients<M>{}};
   };
+  /// Beside each other, as contacts need both at random places.
+  struct Row {
+    double value, sum;
+  };
   struct Rows {
-    AlignedVector<double> value, sum, slope, owned_slope;
-    std::vector<double> of_wall, given;          // at each wall; given: in all, or NaN
+    AlignedVector<Row> row;
+    AlignedVector<double> slope, owned_slope;
+    std::vector<std::optional<double>> of_wall, given;  // at each wall; given: in all
     std::vector<AlignedVector<double>> weights;  // of the rows at each wall that gives so much
   };
   template <class M>
@@ -145,15 +150,13 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
       static_assert(FluxOnLanes<M, Real>,
                     "a module's flux() works on one double, but not on a pack of lanes: make it a "
                     "template of Real, as silt/module/concept.hpp says");
-      AlignedVector<double>&value = rows_of<M>().value, &sum = rows_of<M>().sum;
-      value.resize(rows + 2), sum.resize(rows + 2);  // two for the pairs that fill packs up
+      AlignedVector<Row>& row = rows_of<M>().row;
+      row.resize(rows);
       const auto& own = columns.template of<M>();
       team.for_ranges(rows, [&](std::size_t, std::size_t from, std::size_t to) {
-        for (std::size_t r = from; r < to; ++r)
-          value[r] = own[owner_of(r)].*M::exchanged, sum[r] = 0;
+        for (std::size_t r = from; r < to; ++r) row[r] = {own[owner_of(r)].*M::exchanged, 0};
       });
-      for (std::size_t r = rows; r < rows + 2; ++r) value[r] = sum[r] = 0;
-      if (SaysItsFluxRate<M> && measure_) rows_of<M>().slope.assign(rows + 2, 0);
+      if (SaysItsFluxRate<M> && measure_) rows_of<M>().slope.assign(rows, 0);
       if constexpr (flows_at_walls<M>) prepare_walls<M>(rows, when);
     }
   }
@@ -162,9 +165,9 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
     Rows& all = rows_of<M>();
     all.of_wall.resize(when.walls), all.given.resize(when.walls), all.weights.resize(when.walls);
     for (std::size_t w = 0; w < when.walls; ++w) {
-      all.of_wall[w] = module<M>().at_wall(w, when.time), all.given[w] = no_number;
+      all.of_wall[w] = module<M>().at_wall(w, when.time);
       if constexpr (HasGivingWalls<M>) all.given[w] = module<M>().given_by_wall(w, when.time);
-      if (!std::isnan(all.given[w])) all.weights[w].assign(rows + 2, 0);
+      if (all.given[w]) all.weights[w].assign(rows, 0);
     }
   }
   template <class M, class Columns, class OwnerOf>
@@ -174,14 +177,14 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
       std::fill(received.begin(), received.end(), 0.0);
       Rows& all = rows_of<M>();
       for (std::size_t w = 0; w < all.given.size(); ++w) {
-        if (std::isnan(all.given[w])) continue;
+        if (!all.given[w]) continue;
         double whole = 0;
         for (std::size_t r = 0; r < rows; ++r) whole += all.weights[w][r];
         if (!(whole > 0)) continue;
         for (std::size_t r = 0; r < rows; ++r)
-          all.sum[r] += all.given[w] * (all.weights[w][r] / whole);
+          all.row[r].sum += *all.given[w] * (all.weights[w][r] / whole);
       }
-      for (std::size_t r = 0; r < rows; ++r) received[owner_of(r)] += all.sum[r];
+      for (std::size_t r = 0; r < rows; ++r) received[owner_of(r)] += all.row[r].sum;
       if (!SaysItsFluxRate<M> || !measure_) return;
       all.owned_slope.assign(received.size(), 0);
       for (std::size_t r = 0; r < rows; ++r) all.owned_slope[owner_of(r)] += all.slope[r];
@@ -199,13 +202,8 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
       const auto radii = block.template get_radii<Real>(k);
       softness = ContactsType::Law::factor(law(), radii.i, radii.j);
     }
-    return {kin.normal,
-            load.force,
-            dot(load.force, kin.normal),
-            kin.overlap,
-            kin.R_eff,
-            kin.m_eff,
-            softness};
+    return {kin.normal, load.force, dot(load.force, kin.normal), kin.overlap, kin.R_eff,
+            kin.m_eff,  softness};
   }
   template <class ContactsType, class M, class Block, class Ends>
   void add_one(const Block& block, std::size_t count, const CoefficientTable<ContactsType>& table,
@@ -228,33 +226,39 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
                const Ends& ends) {
     Rows& all = rows_of<M>();
     alignas(64) Scalar of_ends[2][W] = {}, flux[W], slope[W] = {};
-    for (std::size_t lane = 0; lane < valid; ++lane) {
-      of_ends[0][lane] = static_cast<Scalar>(all.value[ends.first(k + lane)]);
+    const std::uint64_t touch = lane_bits(c.overlap > Real(0)) & ((std::uint64_t{1} << valid) - 1);
+    const auto for_each = [touch](const auto& visit) {
+      for (std::uint64_t bits = touch; bits != 0; bits &= bits - 1)
+        visit(static_cast<std::size_t>(std::countr_zero(bits)));
+    };
+    for_each([&](std::size_t lane) {
+      of_ends[0][lane] = static_cast<Scalar>(all.row[ends.first(k + lane)].value);
       if constexpr (Ends::at_wall)
-        of_ends[1][lane] = static_cast<Scalar>(all.of_wall[ends.wall(k + lane)]);
+        of_ends[1][lane] = static_cast<Scalar>(all.of_wall[ends.wall(k + lane)].value_or(0));
       else
-        of_ends[1][lane] = static_cast<Scalar>(all.value[ends.second(k + lane)]);
-    }
+        of_ends[1][lane] = static_cast<Scalar>(all.row[ends.second(k + lane)].value);
+    });
     ask<M>(c, p, load<Real>(of_ends[0]), load<Real>(of_ends[1]), flux);
     if (measure_ || (Ends::at_wall && HasGivingWalls<M>)) ask<M>(c, p, Real(0), Real(1), slope);
-    for (std::size_t lane = 0; lane < valid; ++lane) {
+    for_each([&](std::size_t lane) {
       const auto i = ends.first(k + lane);
       if constexpr (Ends::at_wall) {
         const std::size_t w = ends.wall(k + lane);
-        if (!std::isnan(all.given[w])) {
+        if (all.given[w]) {
           all.weights[w][i] += static_cast<double>(slope[lane]);
-          continue;
+          return;
         }
-        if (std::isnan(all.of_wall[w])) continue;
+        if (!all.of_wall[w]) return;
       }
-      all.sum[i] += static_cast<double>(flux[lane]);
-      if constexpr (!Ends::at_wall) all.sum[ends.second(k + lane)] -= static_cast<double>(flux[lane]);
+      all.row[i].sum += static_cast<double>(flux[lane]);
+      if constexpr (!Ends::at_wall)
+        all.row[ends.second(k + lane)].sum -= static_cast<double>(flux[lane]);
       if (SaysItsFluxRate<M> && measure_) {
         all.slope[i] += static_cast<double>(slope[lane]);
         if constexpr (!Ends::at_wall)
           all.slope[ends.second(k + lane)] += static_cast<double>(slope[lane]);
       }
-    }
+    });
   }
   template <class M, class P>
   void ask(const Touching<Real>& c, const P& p, const Real& a, const Real& b,
@@ -267,19 +271,18 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
   void add_loss(std::size_t count, const std::uint16_t* kinds, const Scalar* losses,
                 const Ends& ends) {
     if constexpr (TakesLoss<M>) {
-      AlignedVector<double>& sum = rows_of<M>().sum;
+      AlignedVector<Row>& row = rows_of<M>().row;
       for (std::size_t k = 0; k < count; ++k) {
         const auto loss = static_cast<double>(losses[k]);
         if (loss == 0) continue;
         const double share =
             module<M>().share_of_loss(table_of<M>()[kinds == nullptr ? 0 : kinds[k]]);
-        sum[ends.first(k)] += share * loss;
-        if constexpr (!Ends::at_wall) sum[ends.second(k)] += (1 - share) * loss;
+        row[ends.first(k)].sum += share * loss;
+        if constexpr (!Ends::at_wall) row[ends.second(k)].sum += (1 - share) * loss;
       }
     }
   }
 
-  static constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
   const std::tuple<Ms...>* modules_ = nullptr;
   bool measure_ = false;
   std::tuple<Table<Ms>...> tables_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -98,10 +99,10 @@ struct HeatConductionBy {
     if (any(c.softness < Real(1))) a = a * cube_root(c.softness);
     return Real(2) * p.conductivity * a * (T_j - T_i);  // [W]
   }
-  double at_wall(std::size_t wall, double time) const {
+  std::optional<double> at_wall(std::size_t wall, double time) const {
     return of_wall(wall).value(WallHeat::Kind::HeldAt, time);
   }
-  double given_by_wall(std::size_t wall, double time) const {
+  std::optional<double> given_by_wall(std::size_t wall, double time) const {
     return of_wall(wall).value(WallHeat::Kind::HeatedBy, time);
   }
   void update(const Seen& p, Fields& f, double received, double dt) const {

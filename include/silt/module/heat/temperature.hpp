@@ -3,7 +3,7 @@
 
 #include <cmath>
 #include <functional>
-#include <limits>
+#include <optional>
 #include <utility>
 
 #include <silt/core/error.hpp>
@@ -24,10 +24,10 @@ struct Temperature {
 
 /// What a solid is for heat.
 struct ThermalMaterial {
-  double conductivity = 0;    // [W/(m K)] > 0
-  double heat_capacity = 0;   // [J/(kg K)] > 0
-  double youngs_modulus = 0;  // [Pa] of the real solid, where contacts are given a softer one; 0:
-                              // as contacts have it
+  double conductivity = 0;     // [W/(m K)] > 0
+  double heat_capacity = 0;    // [J/(kg K)] > 0
+  double youngs_modulus = 0;   // [Pa] of the real solid, where contacts are given a softer one; 0:
+                               // as contacts have it
   double poisson_ratio = 0.3;  // [-] of the real solid
 };
 
@@ -40,9 +40,10 @@ class WallHeat {
   WallHeat() = default;
   WallHeat(Kind kind, OfTime value) : kind_(kind), value_(std::move(value)) {}
   Kind kind() const { return kind_; }
-  /// [K] or [W] at a time [s]; NaN of a wall of another kind.
-  double value(Kind kind, double time) const {
-    return kind == kind_ && value_ ? value_(time) : std::numeric_limits<double>::quiet_NaN();
+  /// [K] or [W] at a time [s]; none of a wall of another kind.
+  std::optional<double> value(Kind kind, double time) const {
+    if (kind != kind_ || !value_) return std::nullopt;
+    return value_(time);
   }
 
  private:
