@@ -225,13 +225,13 @@ TEST_CASE("inlet: values that make no sense are refused by name") {
 
 TEST_CASE("inlet: does not place into walls, planes and meshes, also where they have moved") {
   auto sim = scene();
-  // A plane askew through the mouth leaves its upper half, a mesh of two triangles a part of that.
+  // A plane askew through the mouth leaves its upper half, a mesh of one triangle a part of that.
   const LinearSpring::Material wall{.stiffness = 10};
   sim.add_wall(silt::Plane{{0.01, 0.01, 0.045}, {1, 0, 1}}, wall, [](double) {
     return silt::Pose{{}, {0, 0, 0.01}};
   });
-  sim.add_wall(silt::TriangleMesh({{{{0.015, -0.1, 0.0}, {0.015, 0.1, 0.0}, {0.015, 0.0, 0.3}}}}),
-               wall);
+  const std::array<Vec3d, 3> triangle{Vec3d{0.015, -0.1, 0}, {0.015, 0.1, 0}, {0.015, 0, 0.3}};
+  sim.add_wall(silt::TriangleMesh(std::vector<std::array<Vec3d, 3>>{triangle}), wall);
   InletFlow rising = flow(40000, {0, 0, 2});
   rising.interval = 2e-5;
   sim.add_inlet(mouth, rising);

@@ -173,7 +173,7 @@ class VtkFields {
                                                std::string_view of = "points") const {
     for (const auto& array : arrays_)
       require(array.tuples == points, "VTK file '", path, "': field ", in_quotes(array.name),
-              " has ", array.tuples, " entries, but there are ", points, " of ", of);
+              " has ", array.tuples, " entries, but there are ", points, ' ', of);
     return arrays_;
   }
 

@@ -14,9 +14,10 @@
 namespace silt::inline SILT_TARGET {
 
 struct CoordinationOptions {
-  bool walls = true;          // a wall's surface that a particle touches counts as a partner
-  std::size_t least = 2;      // partners that hold a particle; with fewer it is a rattler
-  std::optional<Box> region;  // means are over the particles whose centre is in it; left out: all
+  bool walls = true;      // a wall's surface that a particle touches counts as a partner
+  std::size_t least = 2;  // partners that hold a particle; with fewer it is a rattler
+  std::optional<Box> region =
+      {};  // means are over the particles whose centre is in it; left out: all
 };
 
 /// How many partners particles touch.
