@@ -80,6 +80,12 @@ class Engine : public Tables<Composition> {
   void set_coefficients(const Contacts& contacts) {
     coefficients = coefficients_of(contacts);
   }
+  /// Likewise of what flows through contacts for modules.
+  template <class Stage, class Contacts>
+  void set_flux_coefficients([[maybe_unused]] const Stage& stage,
+                             [[maybe_unused]] const Contacts& contacts) {
+    if constexpr (Fluxes::active) fluxes_.set_coefficients(stage.modules, contacts);
+  }
   template <class Contacts>
   static CoefficientTable<ContactsType> coefficients_of(const Contacts& contacts) {
     return coefficient_table<ContactsType>(contacts);
@@ -98,6 +104,7 @@ class Engine : public Tables<Composition> {
       rows.assign(of.begin(), of.end());
     }
     this->park(k);
+    if constexpr (Fluxes::active) fluxes_.renew();
     lists.leave(scene(domain, time_step), rows);
   }
   /// Gives the particle at place k another radius [m], of bodies that of the bounding sphere.
@@ -137,10 +144,12 @@ class Engine : public Tables<Composition> {
 
   /// Before the contacts of a step, and after them: what flows through them for modules.
   template <class Stage>
-  void prepare_fluxes([[maybe_unused]] const Stage& stage, [[maybe_unused]] double time) {
-    if constexpr (Fluxes::active)
+  void prepare_fluxes([[maybe_unused]] const Stage& stage, [[maybe_unused]] double time,
+                      [[maybe_unused]] FluxLook look) {
+    if constexpr (Fluxes::active || Fluxes::wears)
       fluxes_.prepare(
-          stage.modules, this->modules(), particles.size(), time,
+          stage.modules, this->modules(), particles.size(),
+          {time, walls.size(), look != FluxLook::Hold, look == FluxLook::Measure},
           [this](std::size_t row) { return this->owner_of(row); }, *team_);
   }
   void collect_fluxes() {
@@ -148,6 +157,9 @@ class Engine : public Tables<Composition> {
       fluxes_.collect(this->modules(), particles.size(),
                       [this](std::size_t row) { return this->owner_of(row); });
   }
+
+  const Fluxes& fluxes() const { return fluxes_; }
+  Fluxes& fluxes() { return fluxes_; }
 
   void pair_forces(const Domain& domain, const StepTimes& times) {
     if constexpr (convex) {

@@ -51,8 +51,10 @@ class Checkpoint {
                      .written());
     auto clock = clock_of(sim);
     clock.visit(a);
+    if constexpr (Sim::Modules::flux) clock.visit_fluxes(a);
     auto walls = detail::WallsState::of(e.walls, e.lists);
     walls.visit(a, e.walls.size());
+    if constexpr (Sim::Modules::wear) walls.visit_wear(a, e.walls.size());
     auto openings = detail::OpeningsState::of(sim.openings_);
     openings.visit(a, openings.out_count.size(), openings.placed.size());
 
@@ -79,6 +81,7 @@ class Checkpoint {
       a.column("box", box, box.size());
     }
     detail::visit_columns(a, e.modules(), e.owners());
+    if constexpr (Sim::Modules::flux) a.copied("modules.from_walls", e.fluxes().wall_books());
     if constexpr (Sim::Fluid::active) {
       detail::visit_columns(a, e.fluid_loads(), e.owners());
       // It visits what it has as something that may change; here nothing does.
@@ -147,7 +150,7 @@ class Checkpoint {
     c.step = sim.step_, c.step_origin = sim.step_origin_;
     c.next_id = sim.next_.particle, c.next_part = sim.next_.part;
     c.first_kick = sim.first_kick_, c.kicked = sim.kicked_, c.observed = sim.observed_;
-    c.scene_changed = sim.scene_changed_;
+    c.scene_changed = sim.scene_changed_, c.flux_every = sim.flux_every_;
     return c;
   }
 

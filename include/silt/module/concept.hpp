@@ -5,6 +5,7 @@
 #include <array>
 #include <concepts>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -44,6 +45,25 @@ struct Touching {
   Real overlap;       // [m] > 0, of partners that touch
   Real R_eff;         // [m]
   Real m_eff;         // [kg]
+  Real softness;      // [-] modulus E* of the contact over that of the solids: below 1 in contacts
+                      // that Softened makes softer, else 1
+};
+
+/// A contact of a particle with a mesh wall in one step, as a module sees it that wears walls.
+struct WallRub {
+  double normal_force;      // [N] > 0: the particle presses
+  double tangential_force;  // [N] >= 0
+  double slip;              // [m/s] of the particle's surface along that of the wall, at the contact
+  double approach;          // [m/s] towards the wall; negative: away from it
+  double mass;              // [kg] of the particle
+  double duration;          // [s] that this counts for
+  bool begins;              // there was no contact here in the step before
+};
+
+/// What a wall gives to the particles of a module with a flux: heat, say.
+struct WallGiven {
+  double rate = 0;  // [.../s] at present
+  double sum = 0;   // since the start
 };
 
 /// A module acts on particles, or knows more of them, beside contacts and a fluid. It is a struct
@@ -79,7 +99,39 @@ struct Touching {
 ///                                                              // received [.../s] of all contacts
 ///
 /// flux() is compiled for double and for packs of lanes, like a contact law. It is asked once a
-/// step for each contact, with the fields at the step's beginning, and summed in double.
+/// step for each contact, with the fields at the step's beginning, and summed in double. Beside it
+/// a module may have:
+///
+///   template <class Real> struct Coefficients { Real ...; };    // what belongs to two materials
+///   Coefficients<double> coefficients(const auto& contacts, std::size_t a, std::size_t b) const;
+///                                        // of the first and the second end, a wall's too; then
+///   flux(c, const Coefficients<Real>& p, a, b)                  // replaces flux(c, a, b)
+///   at_wall() may return a std::optional<double>; without a value: nothing flows at this wall
+///   std::optional<double> given_by_wall(std::size_t wall, double time) const;  // [.../s] that the
+///                                        // wall gives in all, in proportion to flux() from 1 to 0
+///                                        // of each of its contacts; none: what at_wall says
+///   double rate(const Seen&, const Fields&, double slope) const;  // [1/s], slope: the sum of
+///                                        // flux() from 1 to 0 over the contacts of the particle,
+///                                        // looked at now and then; rate(const Seen&) before that
+///   std::size_t flux_every = 10;                                // [steps] at most, from one call of
+///                                        // flux() to the next; the flux is held between them
+///   Real share_of_loss(const Coefficients<Real>& p) const;      // [-] see below
+///   void check(const auto& simulation) const;                   // throws before a run
+///
+/// flux() is asked less often than in each step where every module with a flux has flux_every (and
+/// none has share_of_loss): as seldom as the least of them says, while the fastest rate times the
+/// time between two calls is at most 0.01. With `update` once a step this is Euler's rule of a
+/// longer step, and what one end gets the other loses as before.
+///
+/// A module that wears mesh walls has
+///
+///   double worn(const WallRub& rub, std::size_t wall) const;    // [m3] that this step takes off
+///
+/// asked for each contact with a triangle mesh, and summed for each facet (docs/wear.md).
+///
+/// With share_of_loss() what friction and damping take from a contact [W] is received by its ends,
+/// this share by the first and the rest by the second, if that is a particle. It needs an
+/// EnergyLedger.
 namespace detail {
 
 struct NoFields {};
@@ -126,16 +178,68 @@ template <class M>
 concept Exchanges = has_fields<M> && requires(FieldsOf<M>& f) {
   { f.*M::exchanged } -> std::same_as<double&>;
 };
+template <class M>
+concept HasCoefficients = Exchanges<M> && requires {
+  typename M::template Coefficients<double>;
+};
+/// Of a module without Coefficients.
+template <class Real>
+struct NoCoefficients {};
+template <class M>
+struct CoefficientsOf {
+  template <class Real>
+  using type = NoCoefficients<Real>;
+};
+template <HasCoefficients M>
+struct CoefficientsOf<M> {
+  template <class Real>
+  using type = typename M::template Coefficients<Real>;
+};
+template <class M, class Real>
+SILT_INLINE auto flux_of(const M& m, const Touching<Real>& c,
+                         const typename CoefficientsOf<M>::template type<Real>& p, const Real& a,
+                         const Real& b) {
+  if constexpr (HasCoefficients<M>)
+    return m.flux(c, p, a, b);
+  else
+    return m.flux(c, a, b);
+}
 template <class M, class Real>
 concept FluxOnLanes = requires(const M& m, const Touching<Real>& c, const Real& a) {
   { m.flux(c, a, a) } -> std::convertible_to<Real>;
+}
+|| (HasCoefficients<M> && requires(const M& m, const Touching<Real>& c,
+                                   const typename CoefficientsOf<M>::template type<Real>& p,
+                                   const Real& a) {
+  { m.flux(c, p, a, a) } -> std::convertible_to<Real>;
+});
+template <class M>
+concept TakesLoss = HasCoefficients<M> &&
+    requires(const M& m, const typename CoefficientsOf<M>::template type<double>& p) {
+  { m.share_of_loss(p) } -> std::convertible_to<double>;
 };
 template <class M>
 concept HasWallEnds = requires(const M& m) {
-  { m.at_wall(std::size_t{}, double{}) } -> std::convertible_to<double>;
+  { m.at_wall(std::size_t{}, double{}) } -> std::convertible_to<std::optional<double>>;
 };
 template <class M>
 inline constexpr bool flows_at_walls = Exchanges<M>&& HasWallEnds<M>;
+template <class M>
+concept SaysFluxSteps = Exchanges<M> && requires(const M& m) {
+  { m.flux_every } -> std::convertible_to<std::size_t>;
+};
+template <class M>
+concept WearsWalls = requires(const M& m, const WallRub& rub) {
+  { m.worn(rub, std::size_t{}) } -> std::convertible_to<double>;
+};
+template <class M>
+concept HasGivingWalls = HasWallEnds<M> && requires(const M& m) {
+  { m.given_by_wall(std::size_t{}, double{}) } -> std::convertible_to<std::optional<double>>;
+};
+template <class M>
+concept SaysItsFluxRate = Exchanges<M> && requires(const M& m, const Seen& p, const FieldsOf<M>& f) {
+  { m.rate(p, f, double{}) } -> std::convertible_to<double>;
+};
 template <class M>
 concept SaysItsRate = requires(const M& m, const Seen& p) {
   { m.rate(p) } -> std::convertible_to<double>;
@@ -178,10 +282,19 @@ inline constexpr bool needs_velocity = [] {
 
 }  // namespace detail
 
-/// A policy of the module axis: it has fields, or it pushes, and its functions take what they are
-/// called with.
+/// A quantity of particles that more than one module may have: Of: the Fields that these have;
+/// member: where it is in them. As silt::Temperature.
+template <class Q>
+concept FieldQuantity = requires(typename Q::Of& fields) {
+  fields.*Q::member;
+};
+
+/// A policy of the module axis: it has fields, pushes, or wears walls, and its functions take what
+/// they are called with.
 template <class M>
-concept Module = std::is_copy_constructible_v<M> &&(detail::Pushes<M> || detail::has_fields<M>)&&(
+concept Module =
+    std::is_copy_constructible_v<M> &&(detail::Pushes<M> || detail::has_fields<M> ||
+                                       detail::WearsWalls<M>)&&(
     std::is_trivially_copyable_v<FieldsOf<M>>&& std::is_default_constructible_v<FieldsOf<M>>);
 
 }  // namespace silt

@@ -97,7 +97,7 @@ struct ModuleFits {
       "a module's force() does not fit: it must be `silt::Vec3d force(const silt::Seen&) "
       "const` or `silt::Vec3d force(const silt::Seen&, const Fields&) const` (or return a "
       "silt::Push), and public: silt/module/concept.hpp");
-  static_assert(!Named::rate || SaysItsRate<M>,
+  static_assert(!Named::rate || SaysItsRate<M> || SaysItsFluxRate<M>,
                 "a module's rate() does not fit: it must be `double rate(const silt::Seen&) const` "
                 "or `double rate(const silt::Seen&, const Fields&) const`, and public: "
                 "silt/module/concept.hpp");

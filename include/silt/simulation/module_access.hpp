@@ -12,13 +12,14 @@ template <class Sim>
 class ModuleAccess {
  public:
   /// The fields of a module for particle k, to read and to set: sim.field<Residence>(k).seconds.
+  /// Or a quantity that some module has, whichever it is: sim.field<Temperature>(k) = 350.
   template <class M>
-  FieldsOf<M>& field(std::size_t k) {
-    return column<M>(sim())[sim().known(k)];
+  auto& field(std::size_t k) {
+    return of<M>(sim(), k);
   }
   template <class M>
-  const FieldsOf<M>& field(std::size_t k) const {
-    return column<M>(sim())[sim().known(k)];
+  const auto& field(std::size_t k) const {
+    return of<M>(sim(), k);
   }
   /// The Field of this name: sim.field<"charge">(k) = 1e-12.
   template <FixedName Name>
@@ -44,6 +45,15 @@ class ModuleAccess {
   const M& module() const {
     return sim().modules_.template get<M>();
   }
+  /// What a wall has given to the particles of a module with a flux, at present and in all: heat
+  /// [W], [J]. Negative: it has taken.
+  template <class M>
+  WallGiven given_by_wall(const WhichWall& which) const {
+    static_assert(flows_at_walls<M>, "nothing flows from walls for this module: it has no at_wall()");
+    const std::size_t w = sim().wall_number(which);
+    const auto& all = sim().engine_.fluxes().template from_walls<M>();
+    return w < all.size() ? all[w] : WallGiven{};
+  }
   /// What modules push particle k with at present [N].
   Vec3d module_force(std::size_t k) const {
     static_assert(Sim::Modules::push, "no module of this simulation has a force");
@@ -53,6 +63,14 @@ class ModuleAccess {
  private:
   Sim& sim() { return static_cast<Sim&>(*this); }
   const Sim& sim() const { return static_cast<const Sim&>(*this); }
+  template <class M, class S>
+  static auto& of(S& sim, std::size_t k) {
+    if constexpr (FieldQuantity<M>)
+      return column<typename Sim::Modules::template having<typename M::Of>>(sim)[sim.known(k)].*
+             M::member;
+    else
+      return column<M>(sim)[sim.known(k)];
+  }
   template <class M, class S>
   static auto& column(S& sim) {
     static_assert(has_fields<M>, "this module has no Fields");

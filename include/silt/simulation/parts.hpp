@@ -234,7 +234,9 @@ void Simulation<Policies...>::prepare() {
   if (step_ > 0 || kicked_) detail::check_given(engine_, gravity, step_, time_);
   prepare_fluid();
   engine_.set_threads(threads);
+  modules_.check(*this);
   engine_.set_coefficients(contacts_);
+  engine_.set_flux_coefficients(modules_, contacts_);
   if (dt_ == 0 || (time_step && *time_step != dt_) || (scene_changed_ && is_step_too_long())) {
     const double dt = chosen_time_step();
     if (kicked_ && dt_ > 0) {
@@ -288,6 +290,8 @@ void Simulation<Policies...>::keep_limits() {
             [this](const Vec3d& p) { return openings_.inlet_at(p); },
             [this](ParticleId id) { return this->resized_by(id, step_); }});
   detail::check_crowded(engine_, step_, time_, back);
+  if constexpr (Modules::flux)
+    if (engine_.fluxes().measured()) check_module_rates(), choose_flux_steps();
   const double wall_way = detail::wall_travel(engine_);
   const double speed = std::max(engine_.largest_speed, wall_way / dt_);
   if (speed > 1.05 * checked_speed_) {

@@ -75,8 +75,10 @@ constexpr bool laws_fit_lanes() {
 
 /// Instantiates a module's flux on the probe; runs never.
 template <class M>
-void ask_flux_on_lanes(const M& m, const Touching<ProbeLane>& c, const ProbeLane& a) {
-  m.flux(c, a, a);
+void ask_flux_on_lanes(const M& m, const Touching<ProbeLane>& c,
+                       const typename CoefficientsOf<M>::template type<ProbeLane>& p,
+                       const ProbeLane& a) {
+  flux_of<M, ProbeLane>(m, c, p, a, a);
 }
 template <class M>
 constexpr void ask_module_on_lanes() {

@@ -1,21 +1,37 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
+#include <bit>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <optional>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include <silt/core/lanes.hpp>
 #include <silt/core/storage.hpp>
 #include <silt/core/threads.hpp>
+#include <silt/engine/contact/coefficients.hpp>
 #include <silt/engine/state/module_columns.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
+/// What a step wants of fluxes: none but those that are held, new ones, and how fast these change.
+enum class FluxLook { Hold, Ask, Measure };
+
 /// Nothing flows between particles in contact.
 struct NoFluxes {
-  static constexpr bool active = false;
+  static constexpr bool active = false, takes_loss = false, wears = false;
+};
+
+/// Whether a contact law says how much softer than its solids a contact is (Softened).
+template <class Law>
+concept SaysSoftness = requires(const typename Law::template Coefficients<double>& p) {
+  { Law::factor(p, 1.0, 1.0) } -> std::convertible_to<double>;
 };
 
 /// The fluxes of modules between particles in contact, asked for block by block once the contacts'
@@ -31,34 +47,141 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
 
  public:
   static constexpr bool active = ModuleList<Ms...>::flux;
+  static constexpr bool takes_loss = (TakesLoss<Ms> || ...);
+  static constexpr bool wears = ModuleList<Ms...>::wear;
+  static constexpr std::size_t wearing = ModuleList<Ms...>::wearing;
 
+  /// Before a run: what belongs to each pair of materials.
+  template <class Contacts>
+  void set_coefficients(const std::tuple<Ms...>& modules, const Contacts& contacts) {
+    const std::size_t n = contacts.materials();
+    const std::size_t of_particles = Contacts::several_materials ? n : 1;
+    (make_table<Ms>(modules, contacts, of_particles, n), ...);
+  }
+  /// What a step is that begins: `ask`: fluxes are asked for, else the last ones are held;
+  /// `measure`: how fast the fields follow is wanted too.
+  struct When {
+    double time;  // [s]
+    std::size_t walls;
+    bool ask, measure;
+  };
   /// Before the contacts of a step: takes up what the rows have. `owner_of` a row.
   template <class Columns, class OwnerOf>
   void prepare(const std::tuple<Ms...>& modules, const Columns& columns, std::size_t rows,
-               double time, const OwnerOf& owner_of, const Team& team) {
-    modules_ = &modules, time_ = time;
-    (prepare_one<Ms>(columns, rows, owner_of, team), ...);
+               const When& when, const OwnerOf& owner_of, const Team& team) {
+    modules_ = &modules, measure_ = when.measure;
+    ask_ = when.ask || takes_loss || std::exchange(renew_, false);
+    if (ask_) (prepare_one<Ms>(columns, rows, when, owner_of, team), ...);
   }
   /// After them: each owner's sum over its rows.
   template <class Columns, class OwnerOf>
-  void collect(Columns& columns, std::size_t rows, const OwnerOf& owner_of) const {
-    (collect_one<Ms>(columns, rows, owner_of), ...);
+  void collect(Columns& columns, std::size_t rows, const OwnerOf& owner_of) {
+    if (ask_) (collect_one<Ms>(columns, rows, owner_of), ...);
+  }
+  /// Calls visit(number among those that wear, [m3]) for each module that wears walls.
+  template <class Visit>
+  void worn_by(const WallRub& rub, std::size_t wall, const Visit& visit) const {
+    (visit_wear<Ms>(rub, wall, visit), ...);
+  }
+  /// The next step asks for fluxes, as a particle was taken away.
+  void renew() { renew_ = true; }
+  /// Books a step of `dt` [s].
+  void book(double dt) {
+    for (Rows& all : rows_)
+      for (WallGiven& wall : all.from_walls) wall.sum += wall.rate * dt;
+  }
+  /// What walls have given to the particles of a module; to be kept in checkpoints.
+  template <class M>
+  const std::vector<WallGiven>& from_walls() const {
+    return rows_[index_of<M>].from_walls;
+  }
+  std::vector<double> wall_books() const {
+    std::vector<double> books;
+    for (const Rows& all : rows_) {
+      books.push_back(static_cast<double>(all.from_walls.size()));
+      for (const WallGiven& w : all.from_walls) books.push_back(w.rate), books.push_back(w.sum);
+    }
+    return books;
+  }
+  /// False if the numbers are not those of such books.
+  bool take_wall_books(const std::vector<double>& books, std::size_t walls) {
+    std::size_t k = 0;
+    for (Rows& all : rows_) {
+      if (k == books.size() || !(books[k] >= 0 && books[k] <= static_cast<double>(walls)))
+        return false;
+      const auto count = static_cast<std::size_t>(books[k++]);
+      if (books.size() - k < 2 * count) return false;
+      all.from_walls.resize(count);
+      for (WallGiven& w : all.from_walls) w = {books[k], books[k + 1]}, k += 2;
+    }
+    return k == books.size();
+  }
+  /// Of an owner, in a step that measured: the sum of a module's fluxes from 1 to 0.
+  template <class M>
+  double slope_of(std::size_t owner) const {
+    const auto& slopes = rows_[index_of<M>].owned_slope;
+    return owner < slopes.size() ? slopes[owner] : 0;
+  }
+  bool measured() const { return measure_; }
+  /// Steps from one call to the next, as modules have it.
+  static std::size_t most_steps(const std::tuple<Ms...>& modules) {
+    std::size_t least = takes_loss ? 1 : std::numeric_limits<std::size_t>::max();
+    ((least = std::min(least, steps_of<Ms>(modules))), ...);
+    return std::max<std::size_t>(least, 1);
   }
 
-  /// The fluxes of the first `count` contacts of a block, whose loads are known. `ends`: of the
-  /// ContactStage.
-  template <class Block, class Ends>
-  void add(const Block& block, std::size_t count, const Ends& ends) {
-    if constexpr (Ends::at_wall && !(flows_at_walls<Ms> || ...)) return;
-    for (std::size_t k = 0; k < count; k += W) {
-      const auto c = touching(block, k);
-      if (any(c.overlap > Real(0))) (flow_of<Ms>(c, k, std::min(W, count - k), ends), ...);
-    }
+  /// The fluxes of the first `count` contacts of a block, whose loads are known. `ends`, `kinds`:
+  /// of the ContactStage; `losses` [W] of the contacts, if a module takes them.
+  template <class ContactsType, class Block, class Ends>
+  void add(const Block& block, std::size_t count, const CoefficientTable<ContactsType>& table,
+           const std::uint16_t* kinds, [[maybe_unused]] const Scalar* losses, const Ends& ends) {
+    if (!ask_) return;
+    (add_one<ContactsType, Ms>(block, count, table, kinds, ends), ...);
+    if constexpr (takes_loss) (add_loss<Ms>(count, kinds, losses, ends), ...);
   }
 
  private:
+  template <class M>
+  static std::size_t steps_of(const std::tuple<Ms...>& modules) {
+    if constexpr (SaysFluxSteps<M>) return std::get<index_of<M>>(modules).flux_every;
+    return Exchanges<M> ? 1 : std::numeric_limits<std::size_t>::max();
+  }
+  template <class M, class Visit>
+  void visit_wear(const WallRub& rub, std::size_t wall, const Visit& visit) const {
+    if constexpr (WearsWalls<M>)
+      visit(ModuleList<Ms...>::template wear_index<M>, module<M>().worn(rub, wall));
+  }
+  template <class M>
+  using Coefficients = typename CoefficientsOf<M>::template type<double>;
+  template <class M>
+  struct Table {
+    std::vector<Coefficients<M>> of_pair{Coefficients<M>{}};
+  };
+  /// Beside each other, as contacts need both at random places.
+  struct Row {
+    double value, sum;
+  };
   struct Rows {
-    AlignedVector<double> value, sum;
+    AlignedVector<Row> row;
+    AlignedVector<double> slope, owned_slope;
+    std::vector<std::optional<double>> of_wall, given;  // at each wall; given: in all
+    std::vector<AlignedVector<double>> of_rows;  // of each wall: what rows get; of one that gives
+                                                 // so much in all: their shares in it
+    std::vector<WallGiven> from_walls;
+  };
+  template <class M>
+  struct Nothing {
+    explicit Nothing(const std::vector<Coefficients<M>>&) {}
+    void choose(const std::uint16_t*) {}
+    NoCoefficients<Real> operator()() const { return {}; }
+  };
+  template <class M, bool Has = HasCoefficients<M>>
+  struct LanesFor {
+    using type = Nothing<M>;
+  };
+  template <class M>
+  struct LanesFor<M, true> {
+    using type = CoefficientLanes<CoefficientsOf<M>::template type, Real>;
   };
   template <class M>
   static constexpr std::size_t index_of = ModuleList<Ms...>::template index_of<M>;
@@ -70,74 +193,174 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
   const M& module() const {
     return std::get<index_of<M>>(*modules_);
   }
+  template <class M>
+  auto& table_of() {
+    return std::get<index_of<M>>(tables_).of_pair;
+  }
 
+  template <class M, class Contacts>
+  void make_table(const std::tuple<Ms...>& modules, const Contacts& contacts, std::size_t rows,
+                  std::size_t n) {
+    if constexpr (HasCoefficients<M>) {
+      table_of<M>().clear();
+      for (std::size_t a = 0; a < rows; ++a)
+        for (std::size_t b = 0; b < n; ++b)
+          table_of<M>().push_back(std::get<index_of<M>>(modules).coefficients(contacts, a, b));
+    }
+  }
   template <class M, class Columns, class OwnerOf>
-  void prepare_one(const Columns& columns, std::size_t rows, const OwnerOf& owner_of,
-                   const Team& team) {
+  void prepare_one(const Columns& columns, std::size_t rows, const When& when,
+                   const OwnerOf& owner_of, const Team& team) {
     if constexpr (Exchanges<M>) {
       static_assert(FluxOnLanes<M, Real>,
                     "a module's flux() works on one double, but not on a pack of lanes: make it a "
                     "template of Real, as silt/module/concept.hpp says");
-      AlignedVector<double>&value = rows_of<M>().value, &sum = rows_of<M>().sum;
-      value.resize(rows + 2), sum.resize(rows + 2);  // two for the pairs that fill packs up
+      AlignedVector<Row>& row = rows_of<M>().row;
+      row.resize(rows);
       const auto& own = columns.template of<M>();
       team.for_ranges(rows, [&](std::size_t, std::size_t from, std::size_t to) {
-        for (std::size_t r = from; r < to; ++r)
-          value[r] = own[owner_of(r)].*M::exchanged, sum[r] = 0;
+        for (std::size_t r = from; r < to; ++r) row[r] = {own[owner_of(r)].*M::exchanged, 0};
       });
-      for (std::size_t r = rows; r < rows + 2; ++r) value[r] = sum[r] = 0;
+      if (SaysItsFluxRate<M> && measure_) rows_of<M>().slope.assign(rows, 0);
+      if constexpr (flows_at_walls<M>) prepare_walls<M>(rows, when);
+    }
+  }
+  template <class M>
+  void prepare_walls(std::size_t rows, const When& when) {
+    Rows& all = rows_of<M>();
+    all.of_wall.resize(when.walls), all.given.resize(when.walls), all.of_rows.resize(when.walls);
+    all.from_walls.resize(when.walls);
+    for (std::size_t w = 0; w < when.walls; ++w) {
+      all.of_wall[w] = module<M>().at_wall(w, when.time);
+      if constexpr (HasGivingWalls<M>) all.given[w] = module<M>().given_by_wall(w, when.time);
+      if (all.given[w] || all.of_wall[w]) all.of_rows[w].assign(rows, 0);
     }
   }
   template <class M, class Columns, class OwnerOf>
-  void collect_one(Columns& columns, std::size_t rows, const OwnerOf& owner_of) const {
+  void collect_one(Columns& columns, std::size_t rows, const OwnerOf& owner_of) {
     if constexpr (Exchanges<M>) {
       auto& received = columns.template received_of<M>();
       std::fill(received.begin(), received.end(), 0.0);
-      const auto& sum = rows_[index_of<M>].sum;
-      for (std::size_t r = 0; r < rows; ++r) received[owner_of(r)] += sum[r];
+      Rows& all = rows_of<M>();
+      for (std::size_t w = 0; w < all.given.size(); ++w) {
+        double& rate = all.from_walls[w].rate = 0;
+        if (!all.given[w] && !all.of_wall[w]) continue;
+        double whole = 0;
+        for (std::size_t r = 0; r < rows; ++r) whole += all.of_rows[w][r];
+        rate = whole;
+        if (!all.given[w] || !(whole > 0)) continue;
+        rate = *all.given[w];
+        for (std::size_t r = 0; r < rows; ++r)
+          all.row[r].sum += rate * (all.of_rows[w][r] / whole);
+      }
+      for (std::size_t r = 0; r < rows; ++r) received[owner_of(r)] += all.row[r].sum;
+      if (!SaysItsFluxRate<M> || !measure_) return;
+      all.owned_slope.assign(received.size(), 0);
+      for (std::size_t r = 0; r < rows; ++r) all.owned_slope[owner_of(r)] += all.slope[r];
     }
   }
 
   /// What a module sees of a pack of contacts, whose loads have taken the place of velocities.
-  template <class Block>
-  static Touching<Real> touching(const Block& block, std::size_t k) {
+  template <class ContactsType, class Block, class LawLanes>
+  static Touching<Real> touching(const Block& block, std::size_t k,
+                                 [[maybe_unused]] const LawLanes& law) {
     const auto kin = block.template get<Real>(k);
     const auto load = block.template get_load<Real>(k);
-    return {kin.normal, load.force, dot(load.force, kin.normal), kin.overlap, kin.R_eff, kin.m_eff};
+    Real softness(1);
+    if constexpr (SaysSoftness<typename ContactsType::Law>) {
+      const auto radii = block.template get_radii<Real>(k);
+      softness = ContactsType::Law::factor(law(), radii.i, radii.j);
+    }
+    return {kin.normal, load.force, dot(load.force, kin.normal), kin.overlap, kin.R_eff,
+            kin.m_eff,  softness};
   }
-  template <class M, class Ends>
-  void flow_of(const Touching<Real>& c, std::size_t k, std::size_t valid, const Ends& ends) {
+  template <class ContactsType, class M, class Block, class Ends>
+  void add_one(const Block& block, std::size_t count, const CoefficientTable<ContactsType>& table,
+               const std::uint16_t* kinds, const Ends& ends) {
     if constexpr (Ends::at_wall ? flows_at_walls<M> : Exchanges<M>) {
-      auto& [value, sum] = rows_of<M>();
-      alignas(64) Scalar of_ends[2][W] = {};
-      for (std::size_t lane = 0; lane < valid; ++lane) {
-        of_ends[0][lane] = static_cast<Scalar>(value[ends.first(k + lane)]);
-        if constexpr (Ends::at_wall)
-          of_ends[1][lane] = static_cast<Scalar>(module<M>().at_wall(ends.wall(k + lane), time_));
-        else
-          of_ends[1][lane] = static_cast<Scalar>(value[ends.second(k + lane)]);
-      }
-      alignas(64) Scalar flux[W];
-      ask<M>(c, of_ends, flux);
-      for (std::size_t lane = 0; lane < valid; ++lane) {
-        sum[ends.first(k + lane)] += static_cast<double>(flux[lane]);
-        if constexpr (!Ends::at_wall) sum[ends.second(k + lane)] -= static_cast<double>(flux[lane]);
+      CoefficientLanes<ContactsType::Law::template Coefficients, Real> law(table.law);
+      typename LanesFor<M>::type own(table_of<M>());
+      for (std::size_t k = 0; k < count; k += W) {
+        if (!any(load<Real>(block.overlap + k) > Real(0))) continue;
+        if (kinds != nullptr) {
+          own.choose(kinds + k);
+          if constexpr (SaysSoftness<typename ContactsType::Law>) law.choose(kinds + k);
+        }
+        flow_of<M>(touching<ContactsType>(block, k, law), own(), k, std::min(W, count - k), ends);
       }
     }
   }
-  template <class M>
-  void ask(const Touching<Real>& c, const Scalar (&of_ends)[2][W], Scalar (&flux)[W]) const {
-    const Real answer = module<M>().flux(c, load<Real>(of_ends[0]), load<Real>(of_ends[1]));
+  template <class M, class P, class Ends>
+  void flow_of(const Touching<Real>& c, const P& p, std::size_t k, std::size_t valid,
+               const Ends& ends) {
+    Rows& all = rows_of<M>();
+    alignas(64) Scalar of_ends[2][W] = {}, flux[W], slope[W] = {};
+    const std::uint64_t touch = lane_bits(c.overlap > Real(0)) & ((std::uint64_t{1} << valid) - 1);
+    const auto for_each = [touch](const auto& visit) {
+      for (std::uint64_t bits = touch; bits != 0; bits &= bits - 1)
+        visit(static_cast<std::size_t>(std::countr_zero(bits)));
+    };
+    for_each([&](std::size_t lane) {
+      of_ends[0][lane] = static_cast<Scalar>(all.row[ends.first(k + lane)].value);
+      if constexpr (Ends::at_wall)
+        of_ends[1][lane] = static_cast<Scalar>(all.of_wall[ends.wall(k + lane)].value_or(0));
+      else
+        of_ends[1][lane] = static_cast<Scalar>(all.row[ends.second(k + lane)].value);
+    });
+    ask<M>(c, p, load<Real>(of_ends[0]), load<Real>(of_ends[1]), flux);
+    if (measure_ || (Ends::at_wall && HasGivingWalls<M>)) ask<M>(c, p, Real(0), Real(1), slope);
+    for_each([&](std::size_t lane) {
+      const auto i = ends.first(k + lane);
+      if constexpr (Ends::at_wall) {
+        const std::size_t w = ends.wall(k + lane);
+        if (all.given[w]) {
+          all.of_rows[w][i] += static_cast<double>(slope[lane]);
+          return;
+        }
+        if (!all.of_wall[w]) return;
+        all.of_rows[w][i] += static_cast<double>(flux[lane]);
+      }
+      all.row[i].sum += static_cast<double>(flux[lane]);
+      if constexpr (!Ends::at_wall)
+        all.row[ends.second(k + lane)].sum -= static_cast<double>(flux[lane]);
+      if (SaysItsFluxRate<M> && measure_) {
+        all.slope[i] += static_cast<double>(slope[lane]);
+        if constexpr (!Ends::at_wall)
+          all.slope[ends.second(k + lane)] += static_cast<double>(slope[lane]);
+      }
+    });
+  }
+  template <class M, class P>
+  void ask(const Touching<Real>& c, const P& p, const Real& a, const Real& b,
+           Scalar (&flux)[W]) const {
+    const Real answer = flux_of<M, Real>(module<M>(), c, p, a, b);
     store(flux, select(c.overlap > Real(0), answer, Real(0)));
+  }
+  /// Contacts lose what they do to the last in the step after they end.
+  template <class M, class Ends>
+  void add_loss(std::size_t count, const std::uint16_t* kinds, const Scalar* losses,
+                const Ends& ends) {
+    if constexpr (TakesLoss<M>) {
+      AlignedVector<Row>& row = rows_of<M>().row;
+      for (std::size_t k = 0; k < count; ++k) {
+        const auto loss = static_cast<double>(losses[k]);
+        if (loss == 0) continue;
+        const double share =
+            module<M>().share_of_loss(table_of<M>()[kinds == nullptr ? 0 : kinds[k]]);
+        row[ends.first(k)].sum += share * loss;
+        if constexpr (!Ends::at_wall) row[ends.second(k)].sum += (1 - share) * loss;
+      }
+    }
   }
 
   const std::tuple<Ms...>* modules_ = nullptr;
-  double time_ = 0;  // [s]
+  bool ask_ = false, measure_ = false, renew_ = false;
+  std::tuple<Table<Ms>...> tables_;
   Rows rows_[sizeof...(Ms) > 0 ? sizeof...(Ms) : 1];
 };
 
 /// Those of a composition.
 template <class Modules, class Arch, class Scalar>
-using FluxesOf = std::conditional_t<Modules::flux, ContactFluxes<Modules, Arch, Scalar>, NoFluxes>;
+using FluxesOf = std::conditional_t<Modules::flux || Modules::wear, ContactFluxes<Modules, Arch, Scalar>, NoFluxes>;
 
 }  // namespace silt::detail

@@ -84,6 +84,34 @@ void tell_parts(const Contact<double>& c, const typename ContactsType::LawCoeffi
     to.cohesion += share * Law::attraction(c, p, h);
 }
 
+/// What friction and damping take from each contact of a block in the last step [W]: nobody asks.
+template <class Real, std::size_t N, bool Asked>
+struct ContactLosses {
+  template <class Energy>
+  SILT_INLINE void begin(Energy&) {}
+  template <class Energy>
+  SILT_INLINE void end(std::size_t, const StepTimes&, Energy&) {}
+  static const ScalarOf<Real>* data() { return nullptr; }
+};
+/// From the ledger: work on the bodies of all forces but normal springs. The elastic energy of
+/// tangential springs counts as lost while they hold it.
+template <class Real, std::size_t N>
+struct ContactLosses<Real, N, true> {
+  SILT_INLINE void begin(ContactEnergy<Real>& lanes) {
+    others_ = lanes, lanes = no_energy<Real>();
+  }
+  SILT_INLINE void end(std::size_t k, const StepTimes& times, ContactEnergy<Real>& lanes) {
+    const Real scale(times.worked > 0 ? ScalarOf<Real>(-0.5) : ScalarOf<Real>(0));
+    silt::store(of_ + k, scale * (lanes.dashpot + lanes.shear + lanes.couple));
+    others_.add(lanes), lanes = others_;
+  }
+  const ScalarOf<Real>* data() const { return of_; }
+
+ private:
+  ContactEnergy<Real> others_;
+  alignas(64) ScalarOf<Real> of_[N];
+};
+
 /// How contacts act that touch in a point: law and rolling model there.
 template <class Scalar>
 struct AtOnePoint {
@@ -91,12 +119,13 @@ struct AtOnePoint {
 
   /// Loads of the first `count` contacts (whole packs) of a block; they take the places of the
   /// kinematics.
-  template <class ContactsType, class Arch, class Block, std::size_t H>
+  template <class ContactsType, class Arch, class Block, std::size_t H, class Losses>
   SILT_INLINE void loads(
       Block& block, std::size_t count, const StepTimes& times,
       const CoefficientTable<ContactsType>& table, const std::uint16_t* kinds,
       const std::array<Scalar*, H>& history,
-      RunningTally<ContactsType, typename Lanes<Arch, Scalar>::Real>& tally) const {
+      RunningTally<ContactsType, typename Lanes<Arch, Scalar>::Real>& tally,
+      [[maybe_unused]] Losses& losses) const {
     using Real = typename Lanes<Arch, Scalar>::Real;
     using Kernel = ContactKernel<ContactsType, Real>;
     constexpr std::size_t W = Lanes<Arch, Scalar>::width;
@@ -114,10 +143,12 @@ struct AtOnePoint {
       for (std::size_t h = 0; h < ContactsType::history; ++h) at[h] = history[h] + k;
       const Real share =
           shares_contacts<ContactsType> && shares != nullptr ? load<Real>(shares + k) : Real(1);
+      losses.begin(tally.lanes);
       block.put_load(
           k, Kernel::load(block.template get<Real>(k), block.template get_rolling<Real>(k),
                           block.template get_radii<Real>(k), step, lag, times.ask,
                           coefficients.law(), coefficients.rolling(), at.data(), tally, share));
+      losses.end(k, times, tally.lanes);
     }
     if constexpr (keeps_events<ContactsType>)
       packs.watch(block, times, coefficients, kinds, history, tally.sum.notes);
@@ -156,8 +187,12 @@ struct ContactStage {
                        const std::array<Scalar*, H>& history, const Ends& ends, Tally& tally,
                        const How& how) const {
     constexpr std::size_t W = Lanes<Arch, Scalar>::width;
+    static_assert(!Fluxes::takes_loss || keeps_ledger<ContactsType>,
+                  "a module takes the heat of friction and damping, which the ledger knows: give "
+                  "the simulation a silt::EnergyLedger{}");
+    ContactLosses<Real, Block::size, Fluxes::takes_loss && keeps_ledger<ContactsType>> losses;
     how.template loads<ContactsType, Arch>(block, pieces(count, W) * W, times, table, kinds,
-                                           history, tally);
+                                           history, tally, losses);
     tally.end_block();
     if constexpr (keeps_events<ContactsType>)
       tally.sum.notes.complete([&](NotedContact& note) {
@@ -169,7 +204,8 @@ struct ContactStage {
           note.second = ends.second(k);
         ends.where(k, note);
       });
-    if constexpr (Fluxes::active) fluxes->add(block, count, ends);
+    if constexpr (Fluxes::active)
+      fluxes->add(block, count, table, kinds, losses.data(), ends);
     if (times.record != nullptr) [[unlikely]]
       record(block, count, kinds, history, ends, how);
   }

@@ -123,12 +123,13 @@ struct AtAreaPoints {
   bool renew;  // points follow the spread; else only those of new contacts do
   const double* gradients = nullptr;  // of SolidContact, or null where they are 1
 
-  template <class ContactsType, class Arch, class Block, std::size_t H>
+  template <class ContactsType, class Arch, class Block, std::size_t H, class Losses>
   SILT_INLINE void loads(
       Block& block, std::size_t count, const StepTimes& times,
       const CoefficientTable<ContactsType>& table, const std::uint16_t* kinds,
       const std::array<double*, H>& history,
-      RunningTally<ContactsType, typename Lanes<Arch, double>::Real>& tally) const {
+      RunningTally<ContactsType, typename Lanes<Arch, double>::Real>& tally,
+      [[maybe_unused]] Losses& losses) const {
     using Real = typename Lanes<Arch, double>::Real;
     using Kernel = ContactKernel<ContactsType, Real>;
     constexpr std::size_t W = Lanes<Arch, double>::width, of_one = ContactsType::point_history;
@@ -158,10 +159,12 @@ struct AtAreaPoints {
                                  .force;
         force += f, moment += cross(arm, f);
       };
+      losses.begin(tally.lanes);
       add.template operator()<0>();
       const auto safeguards = tally.sum.safeguards;  // of contacts, not of points
       add.template operator()<1>(), add.template operator()<2>();
       tally.sum.safeguards = safeguards;
+      losses.end(k, times, tally.lanes);
       if constexpr (keeps_events<ContactsType>)
         watch<ContactsType>(kin, touches, force, moment, spin, history, times, k, tally.sum.notes);
       block.template put_load<Real>(k, {force, none, none});

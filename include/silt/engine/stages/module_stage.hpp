@@ -44,6 +44,12 @@ class ModuleStage<ModuleList<Ms...>> {
     (start_one<Ms>(columns, p, k), ...);
   }
 
+  /// Before a run.
+  template <class Sim>
+  void check([[maybe_unused]] const Sim& sim) const {
+    (check_one<Ms>(sim), ...);
+  }
+
   /// When a step's forces are asked for.
   struct When {
     std::int64_t step;
@@ -111,21 +117,36 @@ class ModuleStage<ModuleList<Ms...>> {
       }
     return most;
   }
+  /// What a rate takes of the fluxes: what their modules estimate, what this step has measured.
+  enum class OfFluxes { Estimated, Measured, LeftOut };
   /// The fastest that modules make a particle swing or decay [1/s], and which one.
   struct Rate {
     double rate = 0;
     std::size_t particle = 0;
   };
   template <class Engine>
-  Rate fastest(const Engine& e, double time) const {
+  Rate fastest(const Engine& e, double time, OfFluxes of_fluxes) const {
     Rate most;
-    if constexpr ((SaysItsRate<Ms> || ...))
+    if constexpr (((SaysItsRate<Ms> || SaysItsFluxRate<Ms>) || ...))
       for (std::size_t k = 0; k < e.owners(); ++k) {
         if (!e.owner(k).is_there()) continue;
         const Seen p = e.seen(k, time);
-        if (const double rate = (0.0 + ... + rate_of_one<Ms>(e.modules(), p, k)); rate > most.rate)
+        if (const double rate = (0.0 + ... + rate_of_one<Ms>(e, p, k, of_fluxes)); rate > most.rate)
           most = {rate, k};
       }
+    return most;
+  }
+
+  /// The fastest that fluxes make a field follow [1/s], as measured in this step and as estimated.
+  template <class Engine>
+  double fastest_flux(const Engine& e, double time) const {
+    double most = 0;
+    for (std::size_t k = 0; k < e.owners(); ++k) {
+      if (!e.owner(k).is_there()) continue;
+      const Seen p = e.seen(k, time);
+      for (const OfFluxes of : {OfFluxes::Estimated, OfFluxes::Measured})
+        most = std::max({most, (Exchanges<Ms> ? rate_of_one<Ms>(e, p, k, of) : 0.0)...});
+    }
     return most;
   }
 
@@ -200,8 +221,18 @@ class ModuleStage<ModuleList<Ms...>> {
     return std::all_of(numbers, numbers + numbers_of_fields<M>,
                        [](double x) { return std::isfinite(x); });
   }
-  template <class M, class Columns>
-  double rate_of_one(const Columns& columns, const Seen& p, std::size_t k) const {
+  template <class M, class Sim>
+  void check_one([[maybe_unused]] const Sim& sim) const {
+    if constexpr (requires(const M& m) { m.check(sim); }) get<M>().check(sim);
+  }
+  template <class M, class Engine>
+  double rate_of_one(const Engine& e, const Seen& p, std::size_t k, OfFluxes of_fluxes) const {
+    const auto& columns = e.modules();
+    if constexpr (SaysItsFluxRate<M>) {
+      if (of_fluxes == OfFluxes::LeftOut) return 0;
+      if (of_fluxes == OfFluxes::Measured)
+        return get<M>().rate(p, fields_of<M>(columns, k), e.fluxes().template slope_of<M>(k));
+    }
     if constexpr (requires(const M& m) { m.rate(p); })
       return get<M>().rate(p);
     else if constexpr (SaysItsRate<M>)

@@ -40,6 +40,20 @@ struct Named<Name, First, Rest...> {
                                            std::type_identity<First>, Named<Name, Rest...>>::type;
 };
 
+/// The module with these Fields.
+template <class Fields, class... Ms>
+struct Having {
+  static_assert(sizeof...(Ms) > 0,
+                "no module of this simulation has this quantity: give it one that has, as "
+                "silt::HeatConduction for silt::Temperature");
+  using type = void;
+};
+template <class Fields, class First, class... Rest>
+struct Having<Fields, First, Rest...> {
+  using type = typename std::conditional_t<std::is_same_v<FieldsOf<First>, Fields>,
+                                           std::type_identity<First>, Having<Fields, Rest...>>::type;
+};
+
 /// The modules of a simulation, by type.
 template <class... Ms>
 struct ModuleList {
@@ -48,11 +62,20 @@ struct ModuleList {
   static constexpr bool turn = (turns_particles<Ms> || ...);
   static constexpr bool update = ((Updates<Ms> || UpdatesByFlux<Ms>) || ...);
   static constexpr bool flux = (Exchanges<Ms> || ...);
+  static constexpr bool wear = (WearsWalls<Ms> || ...);
   static_assert((ModuleFits<Ms>::checked && ...));
   template <class M>
   static constexpr std::size_t index_of = [] {
     std::size_t at = 0, found = sizeof...(Ms);
     ((std::is_same_v<M, Ms> ? found = std::min(found, at++) : at++), ...);
+    return found;
+  }();
+  /// Of those that wear walls: how many there are, and which one this is.
+  static constexpr std::size_t wearing = (std::size_t{0} + ... + std::size_t{WearsWalls<Ms>});
+  template <class M>
+  static constexpr std::size_t wear_index = [] {
+    std::size_t at = 0, found = wearing;
+    ((std::is_same_v<M, Ms> ? found = at : at += std::size_t{WearsWalls<Ms>}), ...);
     return found;
   }();
   static constexpr bool exist = count > 0;
@@ -69,6 +92,9 @@ struct ModuleList {
   /// The one whose only field has this name.
   template <FixedName Name>
   using named = typename Named<Name, Ms...>::type;
+  /// The one with these Fields.
+  template <class Fields>
+  using having = typename Having<Fields, Ms...>::type;
 };
 
 /// What a module is called in messages and files.

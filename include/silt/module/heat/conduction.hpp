@@ -1,0 +1,193 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <silt/core/functions.hpp>
+#include <silt/core/lanes.hpp>
+#include <silt/module/heat/temperature.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// The radius of the circle through which heat flows, as Hertz' theory has it: a = sqrt(R* d), of
+/// two spheres or a sphere and a plane. Of other forms R* is the effective radius with which the
+/// contact acts, so that the circle is that of the spheres which touch alike; what of flat faces is
+/// larger than that circle is left out.
+struct HertzCircle {
+  template <class Real>
+  static SILT_INLINE Real radius(const Touching<Real>& c) {  // [m]
+    return sqrt(max(c.R_eff * c.overlap, Real(0)));
+  }
+};
+
+/// Module: heat that flows through contacts, and the temperature of particles.
+///
+///   silt::Simulation sim{grains, silt::Contacts<silt::HertzMindlin>{glass},
+///                        silt::HeatConduction{.conductivity = 1.1, .heat_capacity = 840}};
+///   sim.field<silt::Temperature>(k) = 350;                                              // [K]
+///
+///   H = 2 k a,  k = 2/(1/k_i + 1/k_j)                                                        (1)
+///   a = sqrt(R* d) (E*/E*_real)^(1/3)                                                        (2)
+///   m c dT/dt = sum of H (T_j - T_i)                                                         (3)
+///
+/// (1) is the steady flow between two half spaces that touch in a circle of radius a, small against
+/// the radii; each particle has one temperature (Biot number H/(k R) small). In (2) the last factor
+/// is for contacts that are made softer than their solids, for a longer time step: at one force
+/// F = 4/3 E* a^3/R* the real circle is that much smaller. It is known by itself where the law is
+/// Softened; else give the real `youngs_modulus`. Without it, soft contacts conduct too much: 100
+/// times softer, 4.6 times. (3) is integrated by Euler's rule: the chosen step resolves it, and a
+/// run stops whose step does not (guard.max_rate against twice the sum of H over m c, the bound of
+/// the fastest decay).
+///
+/// `walls`: of wall 0, 1, ...: held_at(), heated_by() or insulated(); those not named are
+/// insulated. `others`: of the contacts' material 1, 2, ...; `conductivity` and what follows it are
+/// of material 0. Materials are counted as contacts count them, walls' after those of particles
+/// (sim.wall(k).material).
+///
+/// Source: G.K. Batchelor, R.W. O'Brien, Proc. R. Soc. Lond. A 355 (1977) 313 (1), recalled; (2)
+///         from Hertz' formulas.
+/// Valid:  a < 0.2 R, and no heat through the fluid in the gap beside the contact.
+/// Units:  SI. Shapes: all; what a is there: HertzCircle.
+/// Errors: InputError naming field, value and unit; materials and walls that are missing.
+/// Tests:  tests/engine/heat.cpp, tests/physics/heat.cpp.
+template <class Circle = HertzCircle>
+struct HeatConductionBy {
+  double conductivity = 0;                // [W/(m K)] > 0
+  double heat_capacity = 0;               // [J/(kg K)] > 0
+  double youngs_modulus = 0;              // [Pa] of the real solid; 0: as contacts have it
+  double poisson_ratio = 0.3;             // [-] of the real solid
+  double start_temperature = 293.15;      // [K] of particles that come
+  std::vector<ThermalMaterial> others{};  // of the contacts' material 1, 2, ...
+  std::vector<WallHeat> walls{};          // of wall 0, 1, ...
+  std::size_t flux_every = 10;            // [steps] at most from one look at contacts to the next
+
+  using Fields = HeatFields;
+  static constexpr std::array names{"temperature [K]"};
+  static constexpr auto exchanged = &HeatFields::temperature;
+  /// Of two materials.
+  template <class Real>
+  struct Coefficients {
+    Real conductivity;  // [W/(m K)] harmonic mean
+    Real narrower;      // [-] last factor of (2), but for Softened
+    Real share;         // [-] of the first end in heat that arises between both (FrictionHeat)
+  };
+
+  Fields start(const Seen&) const { return {start_temperature}; }
+  ThermalMaterial material(std::size_t k) const {
+    if (k > 0) return others.at(k - 1);
+    return {conductivity, heat_capacity, youngs_modulus, poisson_ratio};
+  }
+  bool knows(std::size_t material) const { return material <= others.size(); }
+
+  template <class ContactsType>
+  Coefficients<double> coefficients(const ContactsType& contacts, std::size_t a,
+                                    std::size_t b) const {
+    if (!knows(a) || !knows(b)) return {0, 1, 0.5};  // check() refuses what would be used
+    const ThermalMaterial i = material(a), j = material(b);
+    // Effusivities, but for densities, which are not known here.
+    const double of_i = std::sqrt(i.conductivity * i.heat_capacity),
+                 of_j = std::sqrt(j.conductivity * j.heat_capacity);
+    return {2 / (1 / i.conductivity + 1 / j.conductivity), narrower(contacts, a, b),
+            of_i / (of_i + of_j)};
+  }
+  template <class Real>
+  SILT_INLINE Real flux(const Touching<Real>& c, const Coefficients<Real>& p, const Real& T_i,
+                        const Real& T_j) const {
+    Real a = Circle::radius(c) * p.narrower;
+    if (any(c.softness < Real(1))) a = a * cube_root(c.softness);
+    return Real(2) * p.conductivity * a * (T_j - T_i);  // [W]
+  }
+  std::optional<double> at_wall(std::size_t wall, double time) const {
+    return of_wall(wall).value(WallHeat::Kind::HeldAt, time);
+  }
+  std::optional<double> given_by_wall(std::size_t wall, double time) const {
+    return of_wall(wall).value(WallHeat::Kind::HeatedBy, time);
+  }
+  void update(const Seen& p, Fields& f, double received, double dt) const {
+    f.temperature += received * dt / capacity(p);
+  }
+  /// [J/K]
+  double capacity(const Seen& p) const { return p.mass * material(p.material).heat_capacity; }
+  /// Before contacts are known: twelve of circles of a quarter of the radius.
+  double rate(const Seen& p) const {
+    return 12 * material(p.material).conductivity * p.radius / capacity(p);
+  }
+  double rate(const Seen& p, const Fields&, double H) const { return 2 * H / capacity(p); }
+
+  template <class Sim>
+  void check(const Sim& sim) const {
+    require(flux_every > 0, "HeatConduction.flux_every = 0 [steps] must be at least 1");
+    for (std::size_t k = 0; k <= others.size(); ++k) check_material(k);
+    require_not_negative("HeatConduction.start_temperature", start_temperature, "K");
+    require(walls.size() <= sim.walls(), "HeatConduction.walls has ", walls.size(),
+            " entries, but the simulation has ", sim.walls(), " walls; give one for each at most");
+    for (std::size_t k = 0; k < sim.rows(); ++k)
+      require(knows(sim.material(k)), "HeatConduction: particle ", sim.id(k), " is of material ",
+              sim.material(k),
+              ", of which `others` has no conductivity; add it there (the first "
+              "entry is of material 1)");
+    for (std::size_t w = 0; w < walls.size(); ++w)
+      require(walls[w].kind() == WallHeat::Kind::Insulated || knows(sim.wall(w).material),
+              "HeatConduction: wall ", w, " is of material ", sim.wall(w).material,
+              ", of which `others` has no conductivity; add it there (the first entry is of "
+              "material 1), or let the wall be insulated()");
+    for (std::size_t a = 0; a <= others.size() && a < sim.contacts().materials(); ++a)
+      narrower(sim.contacts(), a, a);
+  }
+
+ private:
+  WallHeat of_wall(std::size_t wall) const {
+    return wall < walls.size() ? walls[wall] : insulated();
+  }
+  void check_material(std::size_t k) const {
+    const ThermalMaterial m = material(k);
+    const std::string of = k == 0 ? "HeatConduction" : text("HeatConduction.others[", k - 1, "]");
+    require_positive(of + ".conductivity", m.conductivity, "W/(m K)");
+    require_positive(of + ".heat_capacity", m.heat_capacity, "J/(kg K)");
+    require_not_negative(of + ".youngs_modulus", m.youngs_modulus, "Pa");
+    require(m.poisson_ratio > -1 && m.poisson_ratio <= 0.5, of,
+            ".poisson_ratio = ", m.poisson_ratio, " [-] must be in (-1, 0.5]");
+  }
+  template <class Law>
+  static double compliance(const typename Law::Material& m) {
+    if constexpr (requires { m.solid; })
+      return compliance_of(m.solid);
+    else
+      return compliance_of(m);
+  }
+  template <class Material>
+  static double compliance_of(const Material& m) {
+    if constexpr (requires { m.youngs_modulus + m.poisson_ratio; })
+      return (1 - m.poisson_ratio * m.poisson_ratio) / m.youngs_modulus;
+    else
+      return 0;
+  }
+  /// (E*/E*_real)^(1/3) where a real modulus is given.
+  template <class ContactsType>
+  double narrower(const ContactsType& contacts, std::size_t a, std::size_t b) const {
+    using Law = typename ContactsType::Law;
+    double real = 0, used = 0;  // [1/Pa]
+    bool given = false;
+    for (const std::size_t k : {a, b}) {
+      const ThermalMaterial m = material(k);
+      const double as_used = compliance<Law>(contacts.material(k));
+      if (m.youngs_modulus > 0)
+        require(as_used > 0,
+                "HeatConduction.youngs_modulus: this contact law has no Young's modulus that it "
+                "could be compared with; leave it out");
+      given |= m.youngs_modulus > 0;
+      used += as_used;
+      real += m.youngs_modulus > 0 ? (1 - m.poisson_ratio * m.poisson_ratio) / m.youngs_modulus
+                                   : as_used;
+    }
+    return given ? std::cbrt(real / used) : 1;
+  }
+};
+
+/// With the circle of Hertz.
+using HeatConduction = HeatConductionBy<>;
+
+}  // namespace silt

@@ -1,0 +1,77 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cmath>
+#include <functional>
+#include <optional>
+#include <utility>
+
+#include <silt/core/error.hpp>
+#include <silt/module/concept.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// What modules of heat know of a particle.
+struct HeatFields {
+  double temperature = 293.15;  // [K]
+};
+
+/// The temperature of particles [K], whichever module has it: sim.field<silt::Temperature>(k).
+struct Temperature {
+  using Of = HeatFields;
+  static constexpr auto member = &HeatFields::temperature;
+};
+
+/// What a solid is for heat.
+struct ThermalMaterial {
+  double conductivity = 0;     // [W/(m K)] > 0
+  double heat_capacity = 0;    // [J/(kg K)] > 0
+  double youngs_modulus = 0;   // [Pa] of the real solid, where contacts are given a softer one; 0:
+                               // as contacts have it
+  double poisson_ratio = 0.3;  // [-] of the real solid
+};
+
+/// What a wall is for heat: one of held_at(), heated_by() and insulated().
+class WallHeat {
+ public:
+  using OfTime = std::function<double(double)>;
+  enum class Kind { Insulated, HeldAt, HeatedBy };
+
+  WallHeat() = default;
+  WallHeat(Kind kind, OfTime value) : kind_(kind), value_(std::move(value)) {}
+  Kind kind() const { return kind_; }
+  /// [K] or [W] at a time [s]; none of a wall of another kind.
+  std::optional<double> value(Kind kind, double time) const {
+    if (kind != kind_ || !value_) return std::nullopt;
+    return value_(time);
+  }
+
+ private:
+  Kind kind_ = Kind::Insulated;
+  OfTime value_;
+};
+
+/// No heat goes through the wall.
+inline WallHeat insulated() { return {}; }
+/// The wall has this temperature [K].
+inline WallHeat held_at(double temperature) {
+  require_not_negative("held_at: temperature", temperature, "K");
+  return {WallHeat::Kind::HeldAt, [temperature](double) { return temperature; }};
+}
+/// ... as a function of time [s].
+inline WallHeat held_at(WallHeat::OfTime temperature) {
+  require(bool(temperature), "held_at: the function of time is empty; give one that returns [K]");
+  return {WallHeat::Kind::HeldAt, std::move(temperature)};
+}
+/// The wall gives so much heat [W] to all that touch it together, as a plate of one temperature
+/// does that holds no heat; while nothing touches it, none. Negative: it cools.
+inline WallHeat heated_by(double power) {
+  require(std::isfinite(power), "heated_by: power = ", power, " [W] must be finite");
+  return {WallHeat::Kind::HeatedBy, [power](double) { return power; }};
+}
+inline WallHeat heated_by(WallHeat::OfTime power) {
+  require(bool(power), "heated_by: the function of time is empty; give one that returns [W]");
+  return {WallHeat::Kind::HeatedBy, std::move(power)};
+}
+
+}  // namespace silt
