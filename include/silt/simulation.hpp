@@ -14,6 +14,7 @@
 #include <silt/boundary/domain.hpp>
 #include <silt/boundary/wall.hpp>
 #include <silt/contact/contacts.hpp>
+#include <silt/coupling/heat_exchange.hpp>
 #include <silt/coupling/no_fluid.hpp>
 #include <silt/engine/checks/contact_rates.hpp>
 #include <silt/engine/checks/guard.hpp>
@@ -370,6 +371,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   void change_fluid_step(double dt);
   void follow_fluid();
   double gather_for_fluid();
+  ParticleHeat heat_in_fluid();
+  void take_heat_of_fluid();
   double power_of_fluid() const;
   template <class Column>
   double work_of_first_kick(const Column& force) const;
