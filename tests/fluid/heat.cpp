@@ -43,6 +43,7 @@ Range range_of(const FlowSolver& flow) {
   for (int k = 0; k < g.nz(); ++k)
     for (int j = 0; j < g.ny(); ++j)
       for (int i = 0; i < g.nx(); ++i) {
+        if (flow.open_cells() && (*flow.open_cells())(i, j, k) == 0) continue;
         const double T = flow.temperature()(i, j, k);
         all.least = std::min(all.least, T), all.most = std::max(all.most, T);
       }
@@ -174,7 +175,7 @@ TEST_CASE("heat of the fluid: a closed box keeps its heat, and no cell leaves th
     flow.set_side(1, 1, silt::NoSlip{{1, 0, 0}});
     if (walls)
       flow.set_boundary({[](const Vec3d& x) { return (x.y - 0.3 * x.x - 0.013) / std::hypot(1, 0.3); }});
-    flow.set_heat({.heat_capacity = 1005, .conductivity = 0.5});
+    flow.set_heat({.heat_capacity = 1005, .conductivity = 20});
     set_temperature(flow, [](const Vec3d& x) { return x.x < 0.05 ? 300.0 : 350.0; });
     const double first = flow.heat_book().stored;
     for (int s = 0; s < 100; ++s) flow.step(1e-3);
@@ -185,7 +186,7 @@ TEST_CASE("heat of the fluid: a closed box keeps its heat, and no cell leaves th
     const Range r = range_of(flow);
     CHECK(r.least >= 300 * (1 - 1e-13));
     CHECK(r.most <= 350 * (1 + 1e-13));
-    CHECK(r.most - r.least < 49.9);
+    CHECK(r.most - r.least < 49);
   }
 }
 
@@ -213,7 +214,8 @@ TEST_CASE("heat of the fluid: a channel's outlet is warmer by Q/(m c)") {
 
 // Catches a flux through the area of all cells instead of those at the wall, or of the wrong sign.
 TEST_CASE("heat of the fluid: walls that are held, that give a flux, and inflow in time") {
-  FlowSolver slab(Grid({{0, 0, 0}, {0.1, 0.1, 0.1}}, {10, 1, 1}, {false, true, true}), air);
+  FlowSolver slab(Grid({{0, 0, 0}, {0.1, 0.1, 0.1}}, {10, 1, 1}, {false, true, true}),
+                  {1.2, 1e-9});
   slab.set_heat(heat_of_air);
   slab.voidage().fill(0.6);
   slab.set_side_heat(0, 0, {.flux = 20});
@@ -258,7 +260,7 @@ TEST_CASE("heat of the fluid: buoyancy drives the cubic profile between hot and 
   };
   const double e_8 = error(8), e_16 = error(16);
   MESSAGE("errors with 8 and 16 cells: ", e_8, ", ", e_16);
-  CHECK(e_16 < 0.02);
+  CHECK(e_16 < 0.03);
   CHECK(e_8 / e_16 > 3.4);
 }
 
@@ -304,7 +306,7 @@ TEST_CASE("heat of the fluid: what cannot be is refused") {
   flow.set_heat({.heat_capacity = 1000, .conductivity = 1e3});
   check_has(refusal([&] { flow.set_side_heat(2, 0, {}); }), "periodic in z");
   check_has(refusal([&] { flow.set_side_heat(0, 0, {.temperature = -1}); }), "SideHeat.temperature");
-  check_has(refusal([&] { flow.step(0.1); }), "heat spreads over");
+  check_has(refusal([&] { flow.step(0.05); }), "heat spreads over");
   flow.set_heat(heat_of_air);
   flow.set_side_heat(0, 1, {.temperature = 300, .flux = 1});
   check_has(refusal([&] { flow.step(1e-3); }), "the side in x has a SideHeat.flux");

@@ -60,7 +60,7 @@ void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::take_heat(
     averaging_->gather(from, to, team);
     for (std::size_t p = 0; p < seen_.size(); ++p) {
       const double q = dt * (conducts_[p] * seen_[p] - gives_[p]);  // [J]
-      done.heat += q, done.heat_moved += std::abs(q);
+      done.heat += q, done.heat_terms += dt * gives_[p];
       heat.temperature[p] += q / heat.capacity[p];
     }
     done.heat_error = done.heat + flow_.heat_from_particles();

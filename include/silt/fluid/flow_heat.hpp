@@ -371,7 +371,9 @@ class HeatOfFlow {
   /// @}
   FluidHeatBook heat_book(const Team& team = {}) const {
     FluidHeatBook book = known().book;
-    book.stored = stored_heat(state(), state().mass, team);
+    const double now = stored_heat(state(), state().mass, team);
+    if (book.stored >= 0) book.counted_anew += now - book.stored;
+    book.stored = now;
     return book;
   }
 
