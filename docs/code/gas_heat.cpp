@@ -9,8 +9,8 @@
 
 #include <silt/fluid.hpp>
 
-/// Share of the way from the cold bed's temperature to that of the gas which flows in, at y transfer
-/// units into the bed and at the time s: of the gas J(y, s), of the grains 1 - J(s, y).
+/// Share of the way from the cold bed's temperature to that of the gas which flows in, at y
+/// transfer units into the bed and at the time s: of the gas J(y, s), of the grains 1 - J(s, y).
 double J(double y, double s) {
   double sum = 0;
   const int n = 1000;
@@ -30,9 +30,9 @@ int main() {
   grains.fill({{0, 0, 0}, {width, width, height}},
               {.radius = 0.5 * d, .density = 2500, .count = 600});
 
-  silt::FlowSolver air(silt::Grid({{0, 0, 0}, {width, width, height}}, {6, 6, 24},
-                                  {true, true, false}),
-                       {.density = 1.2, .viscosity = 1.8e-5});
+  silt::FlowSolver air(
+      silt::Grid({{0, 0, 0}, {width, width, height}}, {6, 6, 24}, {true, true, false}),
+      {.density = 1.2, .viscosity = 1.8e-5});
   air.set_side(2, 0, silt::Inflow{{0, 0, U}}), air.set_side(2, 1, silt::Outflow{});
   air.set_heat({.heat_capacity = 1005, .conductivity = 0.026, .start_temperature = cold});
 
@@ -40,9 +40,9 @@ int main() {
       std::move(grains), silt::Contacts<silt::HertzMindlin>{soft},
       silt::PeriodicBox{{{0, 0, 0}, {width, width, height}}, {true, true, false}},
       silt::CoupledFlow{silt::Gidaspow{}, silt::Kernel{.width = 1.5}, air},
-      silt::Heat{silt::HeatConduction{.conductivity = 1e-3, .heat_capacity = c,
-                                      .start_temperature = cold},
-                 silt::FluidConvection<silt::Gunn>{}}};
+      silt::Heat{
+          silt::HeatConduction{.conductivity = 1e-3, .heat_capacity = c, .start_temperature = cold},
+          silt::FluidConvection<silt::Gunn>{}}};
   sim.gravity = {0, 0, -9.81};
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, soft);
   sim.run(0.4);  // until they lie
@@ -57,8 +57,9 @@ int main() {
   };
   const auto before = flow.heat_book();
   const double start = sim.fluid().time();
-  sim.run(0.5, silt::flow_profile("gas_heat", "axis", {width / 2, width / 2, 0},
-                                  {width / 2, width / 2, height}, 49, silt::every(0.1)),
+  sim.run(0.5,
+          silt::flow_profile("gas_heat", "axis", {width / 2, width / 2, 0},
+                             {width / 2, width / 2, height}, 49, silt::every(0.1)),
           silt::csv_series("gas_heat", silt::every(0.1)));
   const auto after = flow.heat_book();
 

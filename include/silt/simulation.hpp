@@ -431,8 +431,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   detail::NextIds next_;
   bool first_kick_ = true, kicked_ = false, observed_ = false, continued_ = false;
   bool record_contacts_ = false;  // of the present step
-  bool scene_changed_ = false;   // since the last run began
-  std::int64_t scene_step_ = 0;  // when particles or walls were last added
+  bool scene_changed_ = false;    // since the last run began
+  std::int64_t scene_step_ = 0;   // when particles or walls were last added
   detail::OverlapLimits overlap_limits_;
 };
 

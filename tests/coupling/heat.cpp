@@ -107,8 +107,8 @@ TEST_CASE("heat exchange: a grain in a hot stream follows the exponential at any
   }
 }
 
-// Catches weights of the way back that are not those of the way there, and a fluid that gets heat of
-// another capacity.
+// Catches weights of the way back that are not those of the way there, and a fluid that gets heat
+// of another capacity.
 TEST_CASE("heat exchange: a closed box keeps its heat and comes to the mean of capacities") {
   const double L = 0.02;
   CoupledFlow fluid(silt::SchillerNaumann{}, silt::Kernel{},
@@ -129,11 +129,11 @@ TEST_CASE("heat exchange: a closed box keeps its heat and comes to the mean of c
   const double dt = flow.stable_step();
   for (int s = 0; s < 400; ++s) {
     fluid.advance(grains.view(), std::min(dt, 1e-3), grains.force);
-    if (s % 40 == 0)
-      CHECK(flow.heat_book().stored + grains.stored() == near(first).epsilon(1e-13));
+    if (s % 40 == 0) CHECK(flow.heat_book().stored + grains.stored() == near(first).epsilon(1e-13));
   }
   CHECK(fluid.closure().heat < 1e-12);
-  const auto [least, most] = std::minmax_element(grains.temperature.begin(), grains.temperature.end());
+  const auto [least, most] =
+      std::minmax_element(grains.temperature.begin(), grains.temperature.end());
   CHECK(*least == near(*most).epsilon(1e-6));
   CHECK(*least == near(first / capacity).epsilon(1e-6));
   CHECK(flow.temperature()(3, 4, 5) == near(first / capacity).epsilon(1e-6));
@@ -141,7 +141,8 @@ TEST_CASE("heat exchange: a closed box keeps its heat and comes to the mean of c
 
 // Catches an explicit exchange, which has no bound here: 1e5 relaxation times of the grains and of
 // the gas in a step.
-TEST_CASE("heat exchange: grains of no capacity are in equilibrium after a step, without overshoot") {
+TEST_CASE(
+    "heat exchange: grains of no capacity are in equilibrium after a step, without overshoot") {
   CoupledFlow fluid(silt::SchillerNaumann{}, silt::Kernel{},
                     FlowSolver(Grid({{0, 0, 0}, {0.02, 0.02, 0.02}}, {4, 4, 4}), air));
   fluid.flow().set_heat(heat_of_air);
@@ -161,8 +162,8 @@ TEST_CASE("heat exchange: grains of no capacity are in equilibrium after a step,
   CHECK(fluid.closure().heat < 1e-12);
 }
 
-// Catches any wrong factor between h, area, volume and both capacities. First the closed form itself
-// (recalled): dJ/dy = solid - gas, and d solid/ds = gas - solid.
+// Catches any wrong factor between h, area, volume and both capacities. First the closed form
+// itself (recalled): dJ/dy = solid - gas, and d solid/ds = gas - solid.
 TEST_CASE("heat exchange: hot gas through a cold bed, Schumann's temperatures") {
   const auto solid = [](double y, double s) { return 1 - J(s, y); };
   for (const double y : {0.5, 3.0})
@@ -178,8 +179,9 @@ TEST_CASE("heat exchange: hot gas through a cold bed, Schumann's temperatures") 
   const int n = 60;
   const double d = 1e-3, h = 1.1e-3, U = 0.5;
   const double eps = 1 - pi / 6 / std::pow(1.1, 3), u = U / eps, gas = eps * 1.2 * 1005;
-  CoupledFlow fluid(silt::SchillerNaumann{}, silt::Unresolved{},
-                    FlowSolver(Grid({{0, 0, 0}, {h, h, n * h}}, {1, 1, n}, {true, true, false}), air));
+  CoupledFlow fluid(
+      silt::SchillerNaumann{}, silt::Unresolved{},
+      FlowSolver(Grid({{0, 0, 0}, {h, h, n * h}}, {1, 1, n}, {true, true, false}), air));
   FlowSolver& flow = fluid.flow();
   flow.set_side(2, 0, silt::Inflow{{0, 0, U}}), flow.set_side(2, 1, silt::Outflow{});
   flow.set_heat({.heat_capacity = 1005, .conductivity = 1e-9, .start_temperature = 300});
@@ -187,8 +189,8 @@ TEST_CASE("heat exchange: hot gas through a cold bed, Schumann's temperatures") 
   Grains grains;
   const double V = pi / 6 * d * d * d, C = 20 * gas * h * h * h;
   for (int k = 0; k < n; ++k) grains.add({0.5 * h, 0.5 * h, (k + 0.5) * h}, d, 300, 1, C / V);
-  const double units = 8;                                  // of transfer in the bed
-  const double hA = units / n * 1.2 * 1005 * U * h * h;    // [W/K] of a grain
+  const double units = 8;                                // of transfer in the bed
+  const double hA = units / n * 1.2 * 1005 * U * h * h;  // [W/K] of a grain
   grains.heat.conductance = [=](std::size_t, const HeatedFluid&) { return hA; };
   const double dt = 0.4 * h / u, end = 5 * C / hA;
   const int steps = static_cast<int>(end / dt);
@@ -200,9 +202,9 @@ TEST_CASE("heat exchange: hot gas through a cold bed, Schumann's temperatures") 
     const double s = (steps * dt - (k + 0.5) * h / u) * hA / C;
     if (s < 0) continue;
     worst_gas = std::max(worst_gas, std::abs((flow.temperature()(0, 0, k) - 300) / 100 - J(y, s)));
-    worst_solid = std::max(worst_solid,
-                           std::abs((grains.temperature[static_cast<std::size_t>(k)] - 300) / 100 -
-                                    solid(y, s)));
+    worst_solid = std::max(
+        worst_solid,
+        std::abs((grains.temperature[static_cast<std::size_t>(k)] - 300) / 100 - solid(y, s)));
   }
   MESSAGE("errors of gas and grains: ", worst_gas, ", ", worst_solid);
   CHECK(worst_gas < 0.01);

@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
-// Grains of a Simulation that exchange heat with the gas of its CoupledFlow: books of both, restart,
-// threads, output; and refusals.
+// Grains of a Simulation that exchange heat with the gas of its CoupledFlow: books of both,
+// restart, threads, output; and refusals.
 #include <cmath>
 #include <cstddef>
 #include <cstdlib>
@@ -80,8 +80,8 @@ std::string first_line(const std::string& path) {
 
 }  // namespace
 
-// Catches heat that only one of the two gets, in the first, shorter fluid step too, and what contacts
-// conduct besides.
+// Catches heat that only one of the two gets, in the first, shorter fluid step too, and what
+// contacts conduct besides.
 TEST_CASE("heat in a simulation: grains and gas in a closed box keep their heat") {
   auto sim = scene();
   sim.run(1e-4);

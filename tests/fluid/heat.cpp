@@ -132,7 +132,8 @@ TEST_CASE("heat of the fluid: a slab that is suddenly heated follows erfc, secon
 // Catches fluxes that are upwind alone (order 1), and slopes that overshoot.
 TEST_CASE("heat of the fluid: a hump that is carried through the box, and a front") {
   Range of_hump, of_front;
-  const double e_64 = error_of_hump(64, false, &of_hump), e_128 = error_of_hump(128, false, &of_hump);
+  const double e_64 = error_of_hump(64, false, &of_hump),
+               e_128 = error_of_hump(128, false, &of_hump);
   MESSAGE("errors with 64 and 128 cells: ", e_64, ", ", e_128);
   CHECK(e_64 / e_128 > 3);  // minmod: second order but for the top
   CHECK(e_128 < 4e-3);
@@ -174,7 +175,8 @@ TEST_CASE("heat of the fluid: a closed box keeps its heat, and no cell leaves th
                     {1.2, 1e-4});
     flow.set_side(1, 1, silt::NoSlip{{1, 0, 0}});
     if (walls)
-      flow.set_boundary({[](const Vec3d& x) { return (x.y - 0.3 * x.x - 0.013) / std::hypot(1, 0.3); }});
+      flow.set_boundary(
+          {[](const Vec3d& x) { return (x.y - 0.3 * x.x - 0.013) / std::hypot(1, 0.3); }});
     flow.set_heat({.heat_capacity = 1005, .conductivity = 20});
     set_temperature(flow, [](const Vec3d& x) { return x.x < 0.05 ? 300.0 : 350.0; });
     const double first = flow.heat_book().stored;
@@ -214,8 +216,7 @@ TEST_CASE("heat of the fluid: a channel's outlet is warmer by Q/(m c)") {
 
 // Catches a flux through the area of all cells instead of those at the wall, or of the wrong sign.
 TEST_CASE("heat of the fluid: walls that are held, that give a flux, and inflow in time") {
-  FlowSolver slab(Grid({{0, 0, 0}, {0.1, 0.1, 0.1}}, {10, 1, 1}, {false, true, true}),
-                  {1.2, 1e-9});
+  FlowSolver slab(Grid({{0, 0, 0}, {0.1, 0.1, 0.1}}, {10, 1, 1}, {false, true, true}), {1.2, 1e-9});
   slab.set_heat(heat_of_air);
   slab.voidage().fill(0.6);
   slab.set_side_heat(0, 0, {.flux = 20});
@@ -231,7 +232,8 @@ TEST_CASE("heat of the fluid: walls that are held, that give a flux, and inflow 
   for (int s = 0; s < 200; ++s) flow.step(2e-3);
   // The inflow has what it will have at the step's end: half a step early.
   for (const int i : {5, 15})
-    CHECK(flow.temperature()(i, 0, 1) == near(300 + 50 * (0.4 + 1e-3 - 0.005 * (i + 0.5))).epsilon(1e-4));
+    CHECK(flow.temperature()(i, 0, 1) ==
+          near(300 + 50 * (0.4 + 1e-3 - 0.005 * (i + 0.5))).epsilon(1e-4));
 }
 
 // Catches a sign or a factor in the buoyancy: the profile between a hot and a cold wall.
@@ -269,7 +271,8 @@ TEST_CASE("heat of the fluid: goes on from its state, bit for bit, on any number
   const auto make = [] {
     FlowSolver flow(Grid({{0, 0, 0}, {0.06, 0.06, 0.06}}, {6, 6, 6}), {1.2, 1e-4});
     flow.set_side(2, 1, silt::NoSlip{{1, 0.3, 0}});
-    flow.set_heat({.heat_capacity = 1005, .conductivity = 0.5, .expansion = 3e-3, .gravity = {0, 0, -9}});
+    flow.set_heat(
+        {.heat_capacity = 1005, .conductivity = 0.5, .expansion = 3e-3, .gravity = {0, 0, -9}});
     flow.set_side_heat(0, 0, {.temperature = 330});
     return flow;
   };
@@ -289,7 +292,8 @@ TEST_CASE("heat of the fluid: goes on from its state, bit for bit, on any number
   CHECK(at == state.size());
   for (int s = 0; s < 10; ++s) second.step(2e-3, three);
   for (int k = 0; k < 6; ++k)
-    for (int i = 0; i < 6; ++i) CHECK(second.temperature()(i, 3, k) == whole.temperature()(i, 3, k));
+    for (int i = 0; i < 6; ++i)
+      CHECK(second.temperature()(i, 3, k) == whole.temperature()(i, 3, k));
   CHECK(second.heat_book().through_sides == whole.heat_book().through_sides);
   CHECK(whole.velocity(2)(1, 3, 3) != 0);
 }
@@ -298,14 +302,15 @@ TEST_CASE("heat of the fluid: what cannot be is refused") {
   FlowSolver flow(Grid({{0, 0, 0}, {0.01, 0.01, 0.01}}, {4, 4, 4}, {false, false, true}), air);
   check_has(refusal([&] { flow.temperature(); }), "set_heat() first");
   check_has(refusal([&] { flow.set_heat({.conductivity = 1}); }), "heat_capacity = 0 J/(kg K)");
-  check_has(refusal([&] { flow.set_heat({.heat_capacity = 1}); }), "conductivity [W/(m K)] must be");
-  check_has(refusal([&] {
-              flow.set_heat({.heat_capacity = 1, .conductivity = 1, .expansion = 1});
-            }),
-            "give the gravity too");
+  check_has(refusal([&] { flow.set_heat({.heat_capacity = 1}); }),
+            "conductivity [W/(m K)] must be");
+  check_has(
+      refusal([&] { flow.set_heat({.heat_capacity = 1, .conductivity = 1, .expansion = 1}); }),
+      "give the gravity too");
   flow.set_heat({.heat_capacity = 1000, .conductivity = 1e3});
   check_has(refusal([&] { flow.set_side_heat(2, 0, {}); }), "periodic in z");
-  check_has(refusal([&] { flow.set_side_heat(0, 0, {.temperature = -1}); }), "SideHeat.temperature");
+  check_has(refusal([&] { flow.set_side_heat(0, 0, {.temperature = -1}); }),
+            "SideHeat.temperature");
   check_has(refusal([&] { flow.step(0.05); }), "heat spreads over");
   flow.set_heat(heat_of_air);
   flow.set_side_heat(0, 1, {.temperature = 300, .flux = 1});

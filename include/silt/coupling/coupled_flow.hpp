@@ -65,9 +65,7 @@ class BasicCoupledFlow {
   /// Drag follows each particle's velocity between fluid steps.
   static constexpr bool follows = Exchange::follows;
   /// It takes CoupledParticles::heat, where the flow has heat.
-  static constexpr bool has_heat = requires(Flow& f) {
-    f.heat_exchange();
-  };
+  static constexpr bool has_heat = requires(Flow & f) { f.heat_exchange(); };
 
   BasicCoupledFlow(const Drag& drag, const Mode& mode, Flow flow, const Forces&... forces)
       : flow_(std::move(flow)),
@@ -246,7 +244,7 @@ class BasicCoupledFlow {
   CellField solids_;  // [m3]
   CellValues cells_;
   detail::HeldCells held_;
-  bool following_ = false;  // held_ is of the present flow
+  bool following_ = false;                  // held_ is of the present flow
   ParticleColumn conducts_, gives_, seen_;  // [W/K] b, [W] b T, [K] of ParticleHeat
   CoupledStep last_;
   FluidClosure closure_;

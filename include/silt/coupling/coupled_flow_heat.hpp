@@ -20,8 +20,8 @@ void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::spread_heat(
     require(flow_.heat().conductivity > 0,
             "CoupledFlow: particles exchange heat, but FluidHeat.conductivity is 0 W/(m K), of "
             "which no Nusselt number makes a transfer; give it the fluid's");
-    require(heat.temperature.size() == n && heat.capacity.size() == n, "ParticleHeat: ",
-            heat.temperature.size(), " temperatures and ", heat.capacity.size(),
+    require(heat.temperature.size() == n && heat.capacity.size() == n,
+            "ParticleHeat: ", heat.temperature.size(), " temperatures and ", heat.capacity.size(),
             " capacities for ", n, " velocities; give one each");
     conducts_.resize(n), gives_.resize(n);
     const FluidAtParticles& at = exchange_.at;

@@ -21,9 +21,9 @@ struct CoupledStep {
   double exchanged =
       0;                // [N] magnitudes of the forces on particles that the fluid has back, summed
   Vec3d owed{0, 0, 0};  // [N s] that particles had taken beyond what the fluid gave: given now
-  double heat = 0;       // [J] that the fluid has given to particles
-  double heat_terms = 0; // [J] b T dt of all particles: what heat is the small difference of
-  double heat_error = 0; // [J] heat on both sides: the sum, 0 but for rounding
+  double heat = 0;      // [J] that the fluid has given to particles
+  double heat_terms = 0;  // [J] b T dt of all particles: what heat is the small difference of
+  double heat_error = 0;  // [J] heat on both sides: the sum, 0 but for rounding
 };
 
 /// How well the books of fluid and particles close: the largest of all steps since a program began.

@@ -13,13 +13,13 @@ namespace silt::inline SILT_TARGET {
 
 /// The fluid around a particle, as its heat is concerned.
 struct HeatedFluid {
-  Vec3d slip;             // [m/s] of the fluid against the particle
-  double voidage;         // [-]
-  double density;         // [kg/m3]
-  double viscosity;       // [Pa s]
-  double heat_capacity;   // [J/(kg K)]
-  double conductivity;    // [W/(m K)]
-  double diameter;        // [m] of the particle; of bodies that of a sphere of their volume
+  Vec3d slip;            // [m/s] of the fluid against the particle
+  double voidage;        // [-]
+  double density;        // [kg/m3]
+  double viscosity;      // [Pa s]
+  double heat_capacity;  // [J/(kg K)]
+  double conductivity;   // [W/(m K)]
+  double diameter;       // [m] of the particle; of bodies that of a sphere of their volume
   double prandtl() const { return viscosity * heat_capacity / conductivity; }
   double reynolds() const { return density * norm(slip) * diameter / viscosity; }
 };

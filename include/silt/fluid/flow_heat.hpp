@@ -13,8 +13,8 @@
 /// The step of the temperature: (1) and (2) of FluidHeat.
 namespace silt::inline SILT_TARGET::fluid_detail {
 
-/// Calls visit(i, j, k, place) for the cells beside a side; place [m]: the middle of the cell's face
-/// on it.
+/// Calls visit(i, j, k, place) for the cells beside a side; place [m]: the middle of the cell's
+/// face on it.
 template <class Visit>
 void for_side_cells(const Grid& grid, int d, int end, const Visit& visit) {
   const auto& n = grid.cells();
@@ -74,10 +74,11 @@ class HeatStep {
     for_sides(s_.grid, [&](int d, int end) {
       const SideHeat& side = heat_.side(d, end);
       const char name[] = {"xyz"[d], 0};
-      require(!(side.has_flux() && (side.has_temperature() || s_.sides.through(d, end))),
-              "FlowSolver: the side in ", name,
-              " has a SideHeat.flux, which belongs to a wall without a temperature of its own; give "
-              "one of both, and of inflows and outflows the temperature");
+      require(
+          !(side.has_flux() && (side.has_temperature() || s_.sides.through(d, end))),
+          "FlowSolver: the side in ", name,
+          " has a SideHeat.flux, which belongs to a wall without a temperature of its own; give "
+          "one of both, and of inflows and outflows the temperature");
       require(!(s_.turbulence && side.has_temperature() && !s_.sides.through(d, end)),
               "FlowSolver: the wall at the side in ", name,
               " has a temperature, but in turbulent flow silt has no thermal wall function; give "
@@ -154,8 +155,7 @@ class HeatStep {
                 conducts += conducted(faces, d, i) + conducted(faces, d, i + stride_[d]);
               }
               const double holds = std::min(m[i], next[i]) * fluid_share(s_open(j, k), i);
-              all = FlowState::larger(all,
-                                      dt * std::max(out, 1.1 * conducts / capacity_) / holds);
+              all = FlowState::larger(all, dt * std::max(out, 1.1 * conducts / capacity_) / holds);
             }
           }
           return all;
@@ -180,10 +180,9 @@ class HeatStep {
       const int out = end == 0 ? -1 : 1;
       const double time = s_.sides.time();
       for_side_cells(s_.grid, d, end, [&](int i, int j, int k, const Vec3d& x) {
-        const double value =
-            side.has_temperature()
-                ? at_side(side.temperature_at, side.temperature, "temperature", x, time)
-                : heat_.of.start_temperature;
+        const double value = side.has_temperature() ? at_side(side.temperature_at, side.temperature,
+                                                              "temperature", x, time)
+                                                    : heat_.of.start_temperature;
         for (const int far : {1, 2})
           T(i + far * out * (d == 0), j + far * out * (d == 1), k + far * out * (d == 2)) = value;
       });
@@ -201,8 +200,8 @@ class HeatStep {
           const double* const F = s_.carried[FlowState::at(d)].row(j, k);
           out += over_[d] * (std::max(0.0, F[i + stride_[d]]) + std::max(0.0, -F[i]));
         }
-        left[i] = std::max(
-            0.0, 1 - dt_ * out / (mass(m, next, i, from_) * fluid_share(s_open(j, k), i)));
+        left[i] =
+            std::max(0.0, 1 - dt_ * out / (mass(m, next, i, from_) * fluid_share(s_open(j, k), i)));
       }
     });
     s_.sides.fill_cells(left_);
@@ -220,10 +219,9 @@ class HeatStep {
     });
   }
   double carried_at(int d, int j, int k, std::ptrdiff_t i) const {
-    return carried_through(
-        heat_.temperature.row(j, k), left_.row(j, k),
-        s_.solids ? s_.solids->area[FlowState::at(d)].row(j, k) : nullptr,
-        s_.carried[FlowState::at(d)].row(j, k)[i], i, stride_[d]);
+    return carried_through(heat_.temperature.row(j, k), left_.row(j, k),
+                           s_.solids ? s_.solids->area[FlowState::at(d)].row(j, k) : nullptr,
+                           s_.carried[FlowState::at(d)].row(j, k)[i], i, stride_[d]);
   }
   /// Heat that flows in and out.
   void book_sides() {
@@ -295,8 +293,7 @@ inline double stored_heat(const FlowState& state, const CellField& mass, const T
       [&](int k) {
         double all = 0;
         for (int j = 0; j < state.grid.ny(); ++j) {
-          const double *const m = mass.row(j, k),
-                              *const T = state.heat->temperature.row(j, k);
+          const double *const m = mass.row(j, k), *const T = state.heat->temperature.row(j, k);
           const double* const open = state.solids ? state.solids->cells.row(j, k) : nullptr;
           for (int i = 0; i < state.grid.nx(); ++i) all += fluid_share(open, i) * m[i] * T[i];
         }
@@ -364,9 +361,9 @@ class HeatOfFlow {
   CellField& heat_source() { return known().source; }  // [W/m3]
   /// @name What particles exchange in the coming step: sums of b and b T_p, see FluidHeat
   /// @{
-  CellField& heat_exchange() { return known().exchange; }    // [W/(m3 K)]
-  CellField& heat_of_particles() { return known().given; }   // [W/m3]
-  CellField& temperature_seen() { return known().seen; }     // [K] by them, in the last step
+  CellField& heat_exchange() { return known().exchange; }        // [W/(m3 K)]
+  CellField& heat_of_particles() { return known().given; }       // [W/m3]
+  CellField& temperature_seen() { return known().seen; }         // [K] by them, in the last step
   double heat_from_particles() const { return known().gained; }  // [J] in the last step
   /// @}
   FluidHeatBook heat_book(const Team& team = {}) const {

@@ -124,7 +124,8 @@ class FlowMean {
 
   /// The plane of cells across direction d (0, 1, 2) that is nearest to `where` [m] along it, as a
   /// table for `draw.py cells`: its two other coordinates [m], the components and length of the
-  /// mean velocity [m/s], mean pressure [Pa] and mean voidage, of a flow with heat mean temperature.
+  /// mean velocity [m/s], mean pressure [Pa] and mean voidage, of a flow with heat mean
+  /// temperature.
   void write_plane(const std::string& path, int d, double where) const {
     require(d >= 0 && d < 3, "FlowMean::write_plane: direction ", d, " is none of 0, 1, 2");
     const Vec3d low = grid().box().min, h = grid().h();
@@ -145,9 +146,14 @@ class FlowMean {
                       pressure(i, j, k), voidage(i, j, k)});
       if (hot_) rows.back().push_back(temperature(i, j, k));
     });
-    std::vector<std::string> columns{across, up, "mean velocity x [m/s]", "mean velocity y [m/s]",
-                                     "mean velocity z [m/s]", "mean speed [m/s]",
-                                     "mean pressure without weight [Pa]", "mean voidage [-]"};
+    std::vector<std::string> columns{across,
+                                     up,
+                                     "mean velocity x [m/s]",
+                                     "mean velocity y [m/s]",
+                                     "mean velocity z [m/s]",
+                                     "mean speed [m/s]",
+                                     "mean pressure without weight [Pa]",
+                                     "mean voidage [-]"};
     if (hot_) columns.push_back("mean temperature [K]");
     detail::write_csv(path, columns, rows);
   }

@@ -316,7 +316,8 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
       FluidHeatBook& book = s_.heat->book;
       std::array<double, 5> sums{book.stored, book.through_sides, book.from_particles,
                                  book.from_sources, book.counted_anew};
-      fields("fluid.temperature", s_.heat->temperature), visit("fluid.heat", std::span<double>(sums));
+      fields("fluid.temperature", s_.heat->temperature),
+          visit("fluid.heat", std::span<double>(sums));
       book = {sums[0], sums[1], sums[2], sums[3], sums[4]};
     }
     s_.started = last[0] != 0, s_.old_dt = last[1], s_.sides_changed = last[2] != 0,

@@ -28,7 +28,8 @@ namespace silt::inline SILT_TARGET {
 /// Buoyancy (Boussinesq): with `expansion` and `gravity` the fluid is pushed by
 /// -m rho expansion (T - reference_temperature) gravity; its density stays what it is.
 ///
-/// Numerics: upwind with minmod slopes: no cell leaves the range of its neighbours; then conduction,
+/// Numerics: upwind with minmod slopes: no cell leaves the range of its neighbours; then
+/// conduction,
 ///   explicit, with the harmonic mean of m on faces; then walls and particles, implicit: steady
 ///   states do not depend on the step, and no exchange is too stiff. Second order in space on
 ///   smooth fields, in time first where something conducts or exchanges. A step is made in as many
@@ -113,15 +114,15 @@ struct FlowHeat {
   }
 
   FluidHeat of;
-  CellField temperature;                         // [K]
-  CellField source;                              // [W/m3] s
-  CellField exchange, given;                     // [W/(m3 K)], [W/m3] sums of b, b T_p
-  CellField link, pull;                          // the same of walls at sides
-  CellField seen;                                // [K] what particles saw in the last step
-  std::vector<CellField> push;                   // [N/m3] force() with buoyancy; empty without
+  CellField temperature;        // [K]
+  CellField source;             // [W/m3] s
+  CellField exchange, given;    // [W/(m3 K)], [W/m3] sums of b, b T_p
+  CellField link, pull;         // the same of walls at sides
+  CellField seen;               // [K] what particles saw in the last step
+  std::vector<CellField> push;  // [N/m3] force() with buoyancy; empty without
   std::array<std::array<SideHeat, 2>, 3> sides;
-  FluidHeatBook book;                            // stored: at the end of the last step; -1: none
-  double gained = 0;                             // [J] from particles, in the last step
+  FluidHeatBook book;  // stored: at the end of the last step; -1: none
+  double gained = 0;   // [J] from particles, in the last step
 
   SideHeat& side(int d, int end) {
     return sides[static_cast<std::size_t>(d)][static_cast<std::size_t>(end)];

@@ -109,7 +109,8 @@ void check_place(const Sim& sim, const char* what, const std::string& name, cons
 }  // namespace detail
 
 /// Velocity [m/s] (between the particles), pressure [Pa] and voidage at points, a row a time, in
-/// the table `path`; with FlowOutput{.temperature = true} temperature [K] too; for `draw.py curves`.
+/// the table `path`; with FlowOutput{.temperature = true} temperature [K] too; for `draw.py
+/// curves`.
 ///
 ///   sim.run(1.0, silt::flow_probes("probes.csv", {{"axis", {0, 0, 0.1}}}, silt::every(0.01)));
 inline auto flow_probes(const std::string& path, std::vector<FlowProbe> probes, Schedule schedule,
@@ -186,7 +187,8 @@ inline auto pressure_taps(const std::string& path, std::vector<PressureTap> taps
 
 /// The flow along a line from one point to another, at so many points, both ends included: a table
 /// `folder/name_<step>.csv` a time, with distance [m], place [m], velocity [m/s], pressure [Pa] and
-/// voidage, of a flow with heat temperature [K]. Points without fluid are left out. For `draw.py curves --x distance`.
+/// voidage, of a flow with heat temperature [K]. Points without fluid are left out. For `draw.py
+/// curves --x distance`.
 inline auto flow_profile(const std::string& folder, const std::string& name, const Vec3d& from,
                          const Vec3d& to, int points, Schedule schedule,
                          const FlowOutput& output = {}) {
@@ -215,12 +217,15 @@ inline auto flow_profile(const std::string& folder, const std::string& name, con
                       here.pressure + detail::weight_at(sim, output, x), here.voidage});
       if (here.temperature) rows.back().push_back(*here.temperature);
     }
-    std::vector<std::string> columns{
-        "distance [m]",     "x [m]",
-        "y [m]",            "z [m]",
-        "velocity x [m/s]", "velocity y [m/s]",
-        "velocity z [m/s]", detail::pressure_words(output),
-        "voidage [-]"};
+    std::vector<std::string> columns{"distance [m]",
+                                     "x [m]",
+                                     "y [m]",
+                                     "z [m]",
+                                     "velocity x [m/s]",
+                                     "velocity y [m/s]",
+                                     "velocity z [m/s]",
+                                     detail::pressure_words(output),
+                                     "voidage [-]"};
     if (detail::temperature_of(flow) != nullptr) columns.push_back("temperature [K]");
     make_folder(folder);
     const auto number = std::to_string(sim.step());

@@ -18,8 +18,7 @@ namespace detail {
 
 /// A module whose particles exchange heat with the fluid, among those of a simulation.
 template <class M>
-concept HeatsInFluid = Exchanges<M> &&
-    requires(const M& m, const Seen& p, const HeatedFluid& f) {
+concept HeatsInFluid = Exchanges<M> && requires(const M& m, const Seen& p, const HeatedFluid& f) {
   { m.conductance(p, f) } -> std::convertible_to<double>;
   { m.capacity(p) } -> std::convertible_to<double>;
 };
@@ -43,9 +42,7 @@ using HeatedModule = typename FindHeated<List>::type;
 
 template <class Fluid>
 void check_heat_of_fluid(const Fluid& fluid) {
-  constexpr bool fits = requires {
-    requires Fluid::has_heat;
-  };
+  constexpr bool fits = requires { requires Fluid::has_heat; };
   static_assert(fits,
                 "FluidConvection exchanges heat with a CoupledFlow: give the simulation one, whose "
                 "flow has set_heat(); a gas of given temperature is silt::Convection");

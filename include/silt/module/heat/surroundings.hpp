@@ -44,8 +44,8 @@ struct RanzMarshall {
 ///   Nu = (7 - 10 e + 5 e^2)(1 + 0.7 Re^0.2 Pr^(1/3)) + (1.33 - 2.4 e + 1.2 e^2) Re^0.7 Pr^(1/3)
 /// with Re of the superficial velocity, e |u - v|.
 /// Source: D.J. Gunn, Int. J. Heat Mass Transfer 21 (1978) 467, not read; the formula as OpenFOAM's
-///         Gunn.C and a tutorial of MFIX (usr1.f) have it (both read), Re as in MFIX. OpenFOAM takes
-///         Re of u - v itself.
+///         Gunn.C and a tutorial of MFIX (usr1.f) have it (both read), Re as in MFIX. OpenFOAM
+///         takes Re of u - v itself.
 /// Valid:  0.35 < e <= 1, Re < 1e5.
 struct Gunn {
   static double nusselt(double Re, double Pr, double e) {
