@@ -420,7 +420,7 @@ class Checkpoint {
     detail::ClockState clock_;
     detail::WallsState walls_;
     std::vector<std::vector<Vec3d>> vertex_steps_;  // of each wall
-    std::size_t known_walls_ = 0;                   // of the scene, that the file has
+    std::size_t known_walls_ = 0;  // of the scene, that the file has
     detail::OpeningsState openings_;
     decltype(Engine::coefficients) coefficients_;
     typename Engine::State particles_;

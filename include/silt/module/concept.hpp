@@ -178,11 +178,11 @@ template <class M, class Real>
 concept FluxOnLanes = requires(const M& m, const Touching<Real>& c, const Real& a) {
   { m.flux(c, a, a) } -> std::convertible_to<Real>;
 }
-|| (HasCoefficients<M> &&
-    requires(const M& m, const Touching<Real>& c,
-             const typename CoefficientsOf<M>::template type<Real>& p, const Real& a) {
-      { m.flux(c, p, a, a) } -> std::convertible_to<Real>;
-    });
+|| (HasCoefficients<M> && requires(const M& m, const Touching<Real>& c,
+                                   const typename CoefficientsOf<M>::template type<Real>& p,
+                                   const Real& a) {
+  { m.flux(c, p, a, a) } -> std::convertible_to<Real>;
+});
 template <class M>
 concept TakesLoss = HasCoefficients<M> &&
     requires(const M& m, const typename CoefficientsOf<M>::template type<double>& p) {
@@ -199,8 +199,7 @@ concept HasGivingWalls = HasWallEnds<M> && requires(const M& m) {
   { m.given_by_wall(std::size_t{}, double{}) } -> std::convertible_to<std::optional<double>>;
 };
 template <class M>
-concept SaysItsFluxRate = Exchanges<M> &&
-    requires(const M& m, const Seen& p, const FieldsOf<M>& f) {
+concept SaysItsFluxRate = Exchanges<M> && requires(const M& m, const Seen& p, const FieldsOf<M>& f) {
   { m.rate(p, f, double{}) } -> std::convertible_to<double>;
 };
 template <class M>
