@@ -44,10 +44,12 @@
 #include <silt/measure/coordination.hpp>
 #include <silt/measure/stress.hpp>
 #include <silt/measure/wall_loads.hpp>
+#include <silt/measure/wall_wear.hpp>
 #include <silt/module/body_force.hpp>
 #include <silt/module/field.hpp>
 #include <silt/module/heat/conduction.hpp>
 #include <silt/module/heat/surroundings.hpp>
+#include <silt/module/wear.hpp>
 #include <silt/search/brute_force.hpp>
 #include <silt/search/cell_grid.hpp>
 #include <silt/search/fastest_of.hpp>

@@ -231,6 +231,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
         if (kicked_) engine_.move_box(domain_, dt_);
       kicked_ = observed_ = false;
       modules_.update(engine_, step_ + 1, time_at(step_ + 1), dt_);
+      if constexpr (Modules::flux) engine_.fluxes().book(dt_);
     }
     (detail::end(observers, *this), ...);
     continued_ = false;
@@ -311,11 +312,12 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     engine_.move_walls(time_, first_kick_ ? 0 : dt_);
     check_walls();
     if (first_kick_) engine_.start_walls(time_, dt_);
+    const std::size_t present = Modules::flux ? engine_.present() : 0;
     openings_.update(engine_, *this);
     engine_.renew_lists(search_, domain_, step_, dt_);
     detail::StepTimes times = times_of_step(observed);
     times.record = engine_.record.begin(record_contacts_, step_);
-    engine_.prepare_fluxes(modules_, time_, looks_at_fluxes());
+    engine_.prepare_fluxes(modules_, time_, look_at_fluxes(present));
     engine_.pair_forces(domain_, times);
     engine_.wall_forces(times);
     engine_.collect_fluxes();
@@ -363,7 +365,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   void start_fields(std::size_t from);
   double power_of_modules() const;
   double longest_module_step() const;
-  bool looks_at_fluxes() const { return first_kick_ || step_ % 100 == 0; }
+  detail::FluxLook look_at_fluxes(std::size_t present_before) const;
+  void choose_flux_steps();
   void check_module_rates() const;
   void renew_fluid();
   FluidPace pace_of_fluid(double speed) const;
@@ -427,6 +430,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   Vec3d gravity_booked_{0, 0, 0};  // [m/s2] that the ledger reckons with
   double time_ = 0, dt_ = 0, time_origin_ = 0;
   std::int64_t step_ = 0, step_origin_ = 0;
+  std::int64_t flux_every_ = 1;  // [steps] that modules' fluxes are held
   double checked_speed_ = 0, checked_overlap_ = 0, peak_overlap_ = 0;
   detail::NextIds next_;
   bool first_kick_ = true, kicked_ = false, observed_ = false, continued_ = false;

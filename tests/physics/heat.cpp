@@ -3,6 +3,7 @@
 // in time, walls that give, softened contacts, lattices; and refusals.
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,6 +13,7 @@
 #include <silt/contact/hertz_mindlin.hpp>
 #include <silt/contact/linear_spring.hpp>
 #include <silt/contact/softened.hpp>
+#include <silt/io/checkpoint.hpp>
 #include <silt/module/heat/surroundings.hpp>
 #include <silt/simulation.hpp>
 
@@ -25,7 +27,8 @@ const double R = 1e-3, d = 0.02e-3, density = 2500;  // [m], [m], [kg/m3]
 // So soft that nothing moves while heat flows.
 const silt::HertzMindlin::Material still{
     .youngs_modulus = 1e-14, .poisson_ratio = 0.3, .restitution = 0.9, .friction = 0.3};
-const silt::HeatConduction glass{.conductivity = 1.1, .heat_capacity = 840};
+// Asked in each step, so that Euler's steps are those of the time step.
+const silt::HeatConduction glass{.conductivity = 1.1, .heat_capacity = 840, .flux_every = 1};
 const double mass = 4.0 / 3 * 3.14159265358979323846 * R * R * R * density;  // [kg]
 
 /// A row of beads along x from 0 on, each d into the next, and into what stands at its ends.
@@ -215,6 +218,61 @@ TEST_CASE("heat: a simple cubic lattice conducts 2 k a over its spacing") {
   CHECK(k_e == near(2 * 1.1 * std::sqrt(0.5 * R * d) / step).epsilon(1e-6));
 }
 
+// Catches a flux that is held too long or too short, heat that one end gets for longer than the
+// other gives it, a choice of steps that ignores the rate.
+TEST_CASE("heat: a flux that is held for several steps is Euler's rule of their length") {
+  const auto left = [](double dt, std::size_t most, double time) {
+    silt::HeatConduction heat = glass;
+    heat.flux_every = most;
+    auto sim = chain(2, heat);
+    sim.time_step = dt;
+    sim.field<silt::Temperature>(0) = 400, sim.field<silt::Temperature>(1) = 300;
+    sim.run(time);
+    const double a = temperature(sim, 0), b = temperature(sim, 1);
+    CHECK(a + b == near(700).epsilon(1e-13));
+    return a - b;
+  };
+  const double rate = 2 * 2 * 1.1 * std::sqrt(0.5 * R * d) / (mass * 840);  // [1/s]
+  // The estimate of the rate, 12 k R/(m c) = 1.5 1/s, allows 0.01/1.5 s: of 1e-4 s all 10 steps
+  // asked for, of 2e-3 s 3.
+  CHECK(left(1e-4, 10, 1) == near(100 * std::pow(1 - rate * 1e-3, 1000)).epsilon(1e-10));
+  CHECK(left(1e-4, 4, 1) == near(100 * std::pow(1 - rate * 4e-4, 2500)).epsilon(1e-10));
+  // Each hundredth step asks anyway: after 99 comes 100, then 102, ...
+  const double r = rate * 2e-3;
+  CHECK(left(2e-3, 10, 0.6) ==
+        near(100 * std::pow(1 - 3 * r, 98) * std::pow(1 - 2 * r, 2) * std::pow(1 - r, 2))
+            .epsilon(1e-10));
+}
+
+// Catches a neighbour that goes on receiving from a particle which is no longer there.
+TEST_CASE("heat: who has left gives nothing more, and a restart in between gives the same bits") {
+  silt::HeatConduction heat = glass;
+  heat.flux_every = 10;
+  const auto make = [&] {
+    auto sim = chain(3, heat);
+    sim.time_step = 1e-4;
+    sim.field<silt::Temperature>(1) = 400;
+    sim.run(14e-4);  // fluxes of step 10 are held until 20
+    return sim;
+  };
+  auto sim = make();
+  CHECK(temperature(sim, 0) > 293.15);
+  sim.remove(1);
+  sim.run(1e-4);  // ends the step whose fluxes were known
+  const double before = temperature(sim, 0);
+  sim.run(10e-4);
+  CHECK(temperature(sim, 0) == before);
+
+  auto whole = make(), again = chain(3, heat);
+  again.time_step = 1e-4;
+  const auto path = (std::filesystem::temp_directory_path() / "silt_heat").string();
+  silt::save_checkpoint(whole, path);
+  silt::load_checkpoint(again, path);
+  std::filesystem::remove(path);
+  again.run(1e-2), whole.run(1e-2);
+  for (std::size_t k = 0; k < 3; ++k) CHECK(temperature(again, k) == temperature(whole, k));
+}
+
 TEST_CASE("heat: a step that does not resolve conduction, and values that make no sense") {
   auto sim = chain(3, {.conductivity = 400, .heat_capacity = 1e-3});
   sim.time_step = 1e-3;
@@ -223,6 +281,10 @@ TEST_CASE("heat: a step that does not resolve conduction, and values that make n
             "HeatConduction.conductivity"));
   CHECK(has(refusal([&] { chain(2, {.conductivity = 1}).run(0.1); }),
             "HeatConduction.heat_capacity"));
+  CHECK(has(refusal([&] {
+              chain(2, {.conductivity = 1, .heat_capacity = 1, .flux_every = 0}).run(0.1);
+            }),
+            "HeatConduction.flux_every"));
   CHECK(has(refusal([&] {
               auto s = chain(2, glass);
               s.module<silt::HeatConduction>().walls.resize(3);

@@ -103,6 +103,9 @@ struct Wall {
   std::vector<Vec3d> vertex_steps;
   std::size_t deformed = 0;
   int deforming = 0;
+  /// [m3] that modules have worn of each facet of its meshes, one mesh after the other, of each of
+  /// these modules; empty: nothing yet.
+  std::vector<double> worn;
   Box extent;  // [m] of the surfaces, in the wall's coordinates; may be infinite
 
   bool is_driven() const { return drive.index() != 0; }
@@ -294,6 +297,16 @@ decltype(auto) visit_surface(const Surface& surface, F&& f) {
 inline bool is_mesh(const Surface& surface) {
   return std::holds_alternative<std::shared_ptr<const TriangleMesh>>(surface);
 }
+/// Facets of the meshes among the first `surfaces` of a wall.
+inline std::size_t facets_before(const Wall& wall, std::size_t surfaces) {
+  std::size_t sum = 0;
+  for (std::size_t s = 0; s < surfaces; ++s)
+    if (const auto* const mesh =
+            std::get_if<std::shared_ptr<const TriangleMesh>>(&wall.surfaces[s]))
+      sum += (*mesh)->triangles().size();
+  return sum;
+}
+inline std::size_t facets_of(const Wall& wall) { return facets_before(wall, wall.surfaces.size()); }
 
 }  // namespace detail
 }  // namespace silt

@@ -103,6 +103,7 @@ class Engine : public Tables<Composition> {
       rows.assign(of.begin(), of.end());
     }
     this->park(k);
+    if constexpr (Fluxes::active) fluxes_.renew();
     lists.leave(scene(domain, time_step), rows);
   }
   /// Gives the particle at place k another radius [m], of bodies that of the bounding sphere.
@@ -143,10 +144,11 @@ class Engine : public Tables<Composition> {
   /// Before the contacts of a step, and after them: what flows through them for modules.
   template <class Stage>
   void prepare_fluxes([[maybe_unused]] const Stage& stage, [[maybe_unused]] double time,
-                      [[maybe_unused]] bool measure) {
-    if constexpr (Fluxes::active)
+                      [[maybe_unused]] FluxLook look) {
+    if constexpr (Fluxes::active || Fluxes::wears)
       fluxes_.prepare(
-          stage.modules, this->modules(), particles.size(), {time, walls.size(), measure},
+          stage.modules, this->modules(), particles.size(),
+          {time, walls.size(), look != FluxLook::Hold, look == FluxLook::Measure},
           [this](std::size_t row) { return this->owner_of(row); }, *team_);
   }
   void collect_fluxes() {
@@ -156,6 +158,7 @@ class Engine : public Tables<Composition> {
   }
 
   const Fluxes& fluxes() const { return fluxes_; }
+  Fluxes& fluxes() { return fluxes_; }
 
   void pair_forces(const Domain& domain, const StepTimes& times) {
     if constexpr (convex) {

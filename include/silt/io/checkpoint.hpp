@@ -51,8 +51,10 @@ class Checkpoint {
                      .written());
     auto clock = clock_of(sim);
     clock.visit(a);
+    if constexpr (Sim::Modules::flux) clock.visit_fluxes(a);
     auto walls = detail::WallsState::of(e.walls, e.lists);
     walls.visit(a, e.walls.size());
+    if constexpr (Sim::Modules::wear) walls.visit_wear(a, e.walls.size());
     auto openings = detail::OpeningsState::of(sim.openings_);
     openings.visit(a, openings.out_count.size(), openings.placed.size());
 
@@ -79,6 +81,7 @@ class Checkpoint {
       a.column("box", box, box.size());
     }
     detail::visit_columns(a, e.modules(), e.owners());
+    if constexpr (Sim::Modules::flux) a.copied("modules.from_walls", e.fluxes().wall_books());
     if constexpr (Sim::Fluid::active) {
       detail::visit_columns(a, e.fluid_loads(), e.owners());
       // It visits what it has as something that may change; here nothing does.
@@ -147,7 +150,7 @@ class Checkpoint {
     c.step = sim.step_, c.step_origin = sim.step_origin_;
     c.next_id = sim.next_.particle, c.next_part = sim.next_.part;
     c.first_kick = sim.first_kick_, c.kicked = sim.kicked_, c.observed = sim.observed_;
-    c.scene_changed = sim.scene_changed_;
+    c.scene_changed = sim.scene_changed_, c.flux_every = sim.flux_every_;
     return c;
   }
 
@@ -168,6 +171,7 @@ class Checkpoint {
               const AcceptedChanges& accepted) {
       read_scene(a, path, accepted);
       clock_.visit(a);
+      if constexpr (Sim::Modules::flux) clock_.visit_fluxes(a);
       detail::check_clock(a, clock_);
       const std::size_t inlets = sim_.openings_.inlets().size();
       const std::size_t outlets = sim_.openings_.outlets().size();
@@ -175,6 +179,13 @@ class Checkpoint {
                       accepted.inlets ? detail::CheckpointLoader::any_count : inlets);
       detail::check_openings(a, openings_, sim_.openings_, clock_, accepted);
       read_particles(a);
+      if constexpr (Sim::Modules::flux) {
+        a.column("modules.from_walls", from_walls_, detail::CheckpointLoader::any_count);
+        auto books = e_.fluxes();  // to try them
+        a.need(books.take_wall_books(from_walls_, e_.walls.size()),
+               "modules.from_walls has ", from_walls_.size(), " numbers, which do not fit to ",
+               e_.walls.size(), " walls");
+      }
       read_lists(a, accepted);
       if constexpr (detail::deforms<typename Sim::Domain>) read_box(a, path);
       if constexpr (Sim::has_ledger) read_ledger(a);
@@ -195,6 +206,7 @@ class Checkpoint {
       sim.checked_speed_ = accepted.materials ? 0 : clock_.checked_speed;
       sim.peak_overlap_ = clock_.peak_overlap, sim.checked_overlap_ = 0;
       sim.step_ = clock_.step, sim.step_origin_ = clock_.step_origin;
+      sim.flux_every_ = clock_.flux_every;
       sim.next_ = {clock_.next_id, clock_.next_part};
       sim.first_kick_ = clock_.first_kick, sim.kicked_ = clock_.kicked, sim.continued_ = true;
       sim.observed_ = clock_.observed;
@@ -220,9 +232,11 @@ class Checkpoint {
         put_motion(wall, w, sim, accepted);
         wall.deforming = static_cast<int>(walls_.deforming[w]), wall.deformed = walls_.deformed[w];
         wall.vertex_steps = std::move(vertex_steps_[w]);
+        if constexpr (Sim::Modules::wear) wall.worn = std::move(worn_[w]);
       }
       openings_.put(sim.openings_, accepted.inlets, accepted.outlets, clock_.time);
       if constexpr (detail::deforms<typename Sim::Domain>) sim.domain_ = *box_;
+      if constexpr (Sim::Modules::flux) e.fluxes().take_wall_books(from_walls_, e.walls.size());
       if constexpr (Sim::has_ledger)
         sim.book_ = std::move(book_), sim.gravity_booked_ = gravity_booked_;
       if constexpr (Sim::Fluid::active) sim.fluid_ = std::move(*fluid_);
@@ -262,6 +276,10 @@ class Checkpoint {
       require(difference.empty(), "checkpoint '", path,
               "' is of another scene: ", detail::with_wall_names(difference, e_.walls));
       walls_.visit(a, known_walls_);
+      if constexpr (Sim::Modules::wear) {
+        walls_.visit_wear(a, known_walls_);
+        worn_ = walls_.worn_of(a, e_.walls, Sim::Modules::wearing);
+      }
       for (std::size_t w = 0; w < known_walls_; ++w)
         a.need(walls_.surfaces[w] == 0 || walls_.surfaces[w] == e_.walls[w].surfaces.size(),
                detail::name_of_wall(e_.walls, w), " has ", walls_.surfaces[w],
@@ -420,6 +438,8 @@ class Checkpoint {
     detail::ClockState clock_;
     detail::WallsState walls_;
     std::vector<std::vector<Vec3d>> vertex_steps_;  // of each wall
+    std::vector<std::vector<double>> worn_;         // of each wall, where modules wear them
+    std::vector<double> from_walls_;                // where modules have fluxes
     std::size_t known_walls_ = 0;  // of the scene, that the file has
     detail::OpeningsState openings_;
     decltype(Engine::coefficients) coefficients_;

@@ -22,7 +22,7 @@ struct ClockState {
   double time = 0, step_length = 0, time_origin = 0;
   double checked_speed = 0, peak_overlap = 0;
   double largest_speed = 0, largest_overlap = 0, largest_share = 0;
-  std::int64_t step = 0, step_origin = 0;
+  std::int64_t step = 0, step_origin = 0, flux_every = 1;
   std::uint64_t safeguards = 0;
   ParticleId next_id = 0, next_part = 0;
   bool first_kick = true, kicked = false, observed = false, scene_changed = false;
@@ -46,6 +46,11 @@ struct ClockState {
     a.number("largest.speed", largest_speed, not_negative_number);
     a.number("largest.overlap", largest_overlap, not_negative_number);
     a.number("largest.share", largest_share, not_negative_number);
+  }
+  /// Where modules have fluxes.
+  template <class Archive>
+  void visit_fluxes(Archive& a) {
+    a.number("modules.flux_every", flux_every, positive_number);
   }
 };
 
@@ -186,6 +191,8 @@ struct WallsState {
   std::vector<WallState> state;
   std::vector<std::uint64_t> deforming, deformed, vertices;  // vertices: numbers of vertex_steps
   std::vector<Vec3d> vertex_steps;
+  std::vector<double> worn;                // where modules wear walls
+  std::vector<std::uint64_t> worn_numbers;  // of each wall
   std::array<std::vector<Pose>, 2> marks;  // at the search, at the pruning
   std::vector<Box> regions;                // of both
 
@@ -201,6 +208,8 @@ struct WallsState {
       s.state.push_back(w.state);
       s.deforming.push_back(static_cast<std::uint64_t>(w.deforming));
       s.deformed.push_back(w.deformed), s.vertices.push_back(w.vertex_steps.size());
+      s.worn_numbers.push_back(w.worn.size());
+      s.worn.insert(s.worn.end(), w.worn.begin(), w.worn.end());
       s.vertex_steps.insert(s.vertex_steps.end(), w.vertex_steps.begin(), w.vertex_steps.end());
     }
     for (const auto* mark : {&lists.searched_walls, &lists.pruned_walls}) {
@@ -226,6 +235,33 @@ struct WallsState {
     a.rows("walls.searched", marks[0], loads ? CheckpointLoader::any_count : marks[0].size());
     a.rows("walls.pruned", marks[1], loads ? CheckpointLoader::any_count : marks[1].size());
     a.rows("walls.regions", regions, 2);
+  }
+  /// Where modules wear walls.
+  template <class Archive>
+  void visit_wear(Archive& a, std::size_t walls) {
+    a.column("walls.worn_numbers", worn_numbers, walls);
+    a.column("walls.worn", worn, Archive::loads ? CheckpointLoader::any_count : worn.size(),
+             not_negative_number);
+  }
+  /// What was worn of each wall of a scene, which must fit to it: `modules` that wear.
+  template <class Walls>
+  std::vector<std::vector<double>> worn_of(const CheckpointLoader& a, const Walls& scene,
+                                           std::size_t modules) const {
+    std::vector<std::vector<double>> all(scene.size());
+    std::size_t from = 0;
+    for (std::size_t w = 0; w < worn_numbers.size(); ++w) {
+      const std::size_t n = worn_numbers[w];
+      a.need(n == 0 || surfaces[w] == 0 || n == facets_of(scene[w]) * modules,
+             "walls.worn_numbers[", w, "] = ", n, " are not those of the facets of ",
+             name_of_wall(scene, w));
+      a.need(n <= worn.size() - from, "walls.worn has ", worn.size(), " numbers, too few");
+      if (surfaces[w] > 0)
+        all[w].assign(worn.begin() + static_cast<std::ptrdiff_t>(from),
+                      worn.begin() + static_cast<std::ptrdiff_t>(from + n));
+      from += n;
+    }
+    a.need(from == worn.size(), "walls.worn has ", worn.size(), " numbers, not ", from);
+    return all;
   }
   /// A wall of the scene that the file does not know.
   void add(const Wall& wall, double time) {

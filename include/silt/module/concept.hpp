@@ -49,6 +49,23 @@ struct Touching {
                       // that Softened makes softer, else 1
 };
 
+/// A contact of a particle with a mesh wall in one step, as a module sees it that wears walls.
+struct WallRub {
+  double normal_force;      // [N] > 0: the particle presses
+  double tangential_force;  // [N] >= 0
+  double slip;              // [m/s] of the particle's surface along that of the wall, at the contact
+  double approach;          // [m/s] towards the wall; negative: away from it
+  double mass;              // [kg] of the particle
+  double duration;          // [s] that this counts for
+  bool begins;              // there was no contact here in the step before
+};
+
+/// What a wall gives to the particles of a module with a flux: heat, say.
+struct WallGiven {
+  double rate = 0;  // [.../s] at present
+  double sum = 0;   // since the start
+};
+
 /// A module acts on particles, or knows more of them, beside contacts and a fluid. It is a struct
 /// that is given to a Simulation like any policy, any number of them, and has what it needs of:
 ///
@@ -96,8 +113,21 @@ struct Touching {
 ///   double rate(const Seen&, const Fields&, double slope) const;  // [1/s], slope: the sum of
 ///                                        // flux() from 1 to 0 over the contacts of the particle,
 ///                                        // looked at now and then; rate(const Seen&) before that
+///   std::size_t flux_every = 10;                                // [steps] at most, from one call of
+///                                        // flux() to the next; the flux is held between them
 ///   Real share_of_loss(const Coefficients<Real>& p) const;      // [-] see below
 ///   void check(const auto& simulation) const;                   // throws before a run
+///
+/// flux() is asked less often than in each step where every module with a flux has flux_every (and
+/// none has share_of_loss): as seldom as the least of them says, while the fastest rate times the
+/// time between two calls is at most 0.01. With `update` once a step this is Euler's rule of a
+/// longer step, and what one end gets the other loses as before.
+///
+/// A module that wears mesh walls has
+///
+///   double worn(const WallRub& rub, std::size_t wall) const;    // [m3] that this step takes off
+///
+/// asked for each contact with a triangle mesh, and summed for each facet (docs/wear.md).
 ///
 /// With share_of_loss() what friction and damping take from a contact [W] is received by its ends,
 /// this share by the first and the rest by the second, if that is a particle. It needs an
@@ -195,6 +225,14 @@ concept HasWallEnds = requires(const M& m) {
 template <class M>
 inline constexpr bool flows_at_walls = Exchanges<M>&& HasWallEnds<M>;
 template <class M>
+concept SaysFluxSteps = Exchanges<M> && requires(const M& m) {
+  { m.flux_every } -> std::convertible_to<std::size_t>;
+};
+template <class M>
+concept WearsWalls = requires(const M& m, const WallRub& rub) {
+  { m.worn(rub, std::size_t{}) } -> std::convertible_to<double>;
+};
+template <class M>
 concept HasGivingWalls = HasWallEnds<M> && requires(const M& m) {
   { m.given_by_wall(std::size_t{}, double{}) } -> std::convertible_to<std::optional<double>>;
 };
@@ -251,10 +289,12 @@ concept FieldQuantity = requires(typename Q::Of& fields) {
   fields.*Q::member;
 };
 
-/// A policy of the module axis: it has fields, or it pushes, and its functions take what they are
-/// called with.
+/// A policy of the module axis: it has fields, pushes, or wears walls, and its functions take what
+/// they are called with.
 template <class M>
-concept Module = std::is_copy_constructible_v<M> &&(detail::Pushes<M> || detail::has_fields<M>)&&(
+concept Module =
+    std::is_copy_constructible_v<M> &&(detail::Pushes<M> || detail::has_fields<M> ||
+                                       detail::WearsWalls<M>)&&(
     std::is_trivially_copyable_v<FieldsOf<M>>&& std::is_default_constructible_v<FieldsOf<M>>);
 
 }  // namespace silt

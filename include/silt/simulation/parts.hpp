@@ -291,7 +291,7 @@ void Simulation<Policies...>::keep_limits() {
             [this](ParticleId id) { return this->resized_by(id, step_); }});
   detail::check_crowded(engine_, step_, time_, back);
   if constexpr (Modules::flux)
-    if (engine_.fluxes().measured()) check_module_rates();
+    if (engine_.fluxes().measured()) check_module_rates(), choose_flux_steps();
   const double wall_way = detail::wall_travel(engine_);
   const double speed = std::max(engine_.largest_speed, wall_way / dt_);
   if (speed > 1.05 * checked_speed_) {

@@ -106,7 +106,7 @@ class WallAccess {
     for (std::size_t v = 0; same && v < mesh.vertices().size(); ++v)
       wall.vertex_steps.push_back(mesh.vertices()[v] - held->vertices()[v]);
     wall.deforming = same && sim().dt_ > 0 ? 2 : 0, wall.deformed = surface;
-    if (!same) sim().engine_.lists.walls.forget_facets(k);
+    if (!same) sim().engine_.lists.walls.forget_facets(k), wall.worn.clear();
     held = std::make_shared<const TriangleMesh>(std::move(mesh));
     wall.extent = extent_of(wall.surfaces);
     changed(k);

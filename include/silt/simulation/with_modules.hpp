@@ -3,6 +3,7 @@
 
 // Parts of Simulation that only modules need.
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -61,6 +62,32 @@ double Simulation<Policies...>::longest_module_step() const {
   using Stage = detail::ModuleStage<Modules>;
   const double rate = modules_.fastest(engine_, time_, Stage::OfFluxes::Estimated).rate;
   return rate > 0 ? std::numbers::pi / 20 / rate : INFINITY;
+}
+
+/// What a step that begins wants of the fluxes through contacts. Where particles have come or left
+/// they are asked for anew, so that no particle receives what nobody gives.
+template <class... Policies>
+detail::FluxLook Simulation<Policies...>::look_at_fluxes(
+    [[maybe_unused]] std::size_t present_before) const {
+  constexpr std::int64_t measure_every = 100;  // [steps]
+  if constexpr (Modules::flux) {
+    if (first_kick_ || step_ % measure_every == 0) return detail::FluxLook::Measure;
+    if (step_ % flux_every_ == 0 || engine_.present() != present_before)
+      return detail::FluxLook::Ask;
+  }
+  return detail::FluxLook::Hold;
+}
+
+/// After fluxes were measured: how many steps they may be held from now on.
+template <class... Policies>
+void Simulation<Policies...>::choose_flux_steps() {
+  if constexpr (Modules::flux) {
+    constexpr double most_change = 0.01;  // [-] of a value in the time that its flux is held
+    const auto most = static_cast<double>(engine_.fluxes().most_steps(modules_.modules));
+    const double rate = modules_.fastest_flux(engine_, time_);
+    flux_every_ =
+        static_cast<std::int64_t>(std::clamp(most_change / std::max(rate * dt_, 1e-300), 1.0, most));
+  }
 }
 
 /// Stops a run whose step does not resolve what modules push with.

@@ -6,6 +6,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -19,9 +20,12 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
+/// What a step wants of fluxes: none but those that are held, new ones, and how fast these change.
+enum class FluxLook { Hold, Ask, Measure };
+
 /// Nothing flows between particles in contact.
 struct NoFluxes {
-  static constexpr bool active = false, takes_loss = false;
+  static constexpr bool active = false, takes_loss = false, wears = false;
 };
 
 /// Whether a contact law says how much softer than its solids a contact is (Softened).
@@ -44,6 +48,8 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
  public:
   static constexpr bool active = ModuleList<Ms...>::flux;
   static constexpr bool takes_loss = (TakesLoss<Ms> || ...);
+  static constexpr bool wears = ModuleList<Ms...>::wear;
+  static constexpr std::size_t wearing = ModuleList<Ms...>::wearing;
 
   /// Before a run: what belongs to each pair of materials.
   template <class Contacts>
@@ -52,23 +58,63 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
     const std::size_t of_particles = Contacts::several_materials ? n : 1;
     (make_table<Ms>(modules, contacts, of_particles, n), ...);
   }
-  /// What a step is that begins: `measure`: how fast the fields follow is wanted.
+  /// What a step is that begins: `ask`: fluxes are asked for, else the last ones are held;
+  /// `measure`: how fast the fields follow is wanted too.
   struct When {
     double time;  // [s]
     std::size_t walls;
-    bool measure;
+    bool ask, measure;
   };
   /// Before the contacts of a step: takes up what the rows have. `owner_of` a row.
   template <class Columns, class OwnerOf>
   void prepare(const std::tuple<Ms...>& modules, const Columns& columns, std::size_t rows,
                const When& when, const OwnerOf& owner_of, const Team& team) {
     modules_ = &modules, measure_ = when.measure;
-    (prepare_one<Ms>(columns, rows, when, owner_of, team), ...);
+    ask_ = when.ask || takes_loss || std::exchange(renew_, false);
+    if (ask_) (prepare_one<Ms>(columns, rows, when, owner_of, team), ...);
   }
   /// After them: each owner's sum over its rows.
   template <class Columns, class OwnerOf>
   void collect(Columns& columns, std::size_t rows, const OwnerOf& owner_of) {
-    (collect_one<Ms>(columns, rows, owner_of), ...);
+    if (ask_) (collect_one<Ms>(columns, rows, owner_of), ...);
+  }
+  /// Calls visit(number among those that wear, [m3]) for each module that wears walls.
+  template <class Visit>
+  void worn_by(const WallRub& rub, std::size_t wall, const Visit& visit) const {
+    (visit_wear<Ms>(rub, wall, visit), ...);
+  }
+  /// The next step asks for fluxes, as a particle was taken away.
+  void renew() { renew_ = true; }
+  /// Books a step of `dt` [s].
+  void book(double dt) {
+    for (Rows& all : rows_)
+      for (WallGiven& wall : all.from_walls) wall.sum += wall.rate * dt;
+  }
+  /// What walls have given to the particles of a module; to be kept in checkpoints.
+  template <class M>
+  const std::vector<WallGiven>& from_walls() const {
+    return rows_[index_of<M>].from_walls;
+  }
+  std::vector<double> wall_books() const {
+    std::vector<double> books;
+    for (const Rows& all : rows_) {
+      books.push_back(static_cast<double>(all.from_walls.size()));
+      for (const WallGiven& w : all.from_walls) books.push_back(w.rate), books.push_back(w.sum);
+    }
+    return books;
+  }
+  /// False if the numbers are not those of such books.
+  bool take_wall_books(const std::vector<double>& books, std::size_t walls) {
+    std::size_t k = 0;
+    for (Rows& all : rows_) {
+      if (k == books.size() || !(books[k] >= 0 && books[k] <= static_cast<double>(walls)))
+        return false;
+      const auto count = static_cast<std::size_t>(books[k++]);
+      if (books.size() - k < 2 * count) return false;
+      all.from_walls.resize(count);
+      for (WallGiven& w : all.from_walls) w = {books[k], books[k + 1]}, k += 2;
+    }
+    return k == books.size();
   }
   /// Of an owner, in a step that measured: the sum of a module's fluxes from 1 to 0.
   template <class M>
@@ -77,17 +123,34 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
     return owner < slopes.size() ? slopes[owner] : 0;
   }
   bool measured() const { return measure_; }
+  /// Steps from one call to the next, as modules have it.
+  static std::size_t most_steps(const std::tuple<Ms...>& modules) {
+    std::size_t least = takes_loss ? 1 : std::numeric_limits<std::size_t>::max();
+    ((least = std::min(least, steps_of<Ms>(modules))), ...);
+    return std::max<std::size_t>(least, 1);
+  }
 
   /// The fluxes of the first `count` contacts of a block, whose loads are known. `ends`, `kinds`:
   /// of the ContactStage; `losses` [W] of the contacts, if a module takes them.
   template <class ContactsType, class Block, class Ends>
   void add(const Block& block, std::size_t count, const CoefficientTable<ContactsType>& table,
            const std::uint16_t* kinds, [[maybe_unused]] const Scalar* losses, const Ends& ends) {
+    if (!ask_) return;
     (add_one<ContactsType, Ms>(block, count, table, kinds, ends), ...);
     if constexpr (takes_loss) (add_loss<Ms>(count, kinds, losses, ends), ...);
   }
 
  private:
+  template <class M>
+  static std::size_t steps_of(const std::tuple<Ms...>& modules) {
+    if constexpr (SaysFluxSteps<M>) return std::get<index_of<M>>(modules).flux_every;
+    return Exchanges<M> ? 1 : std::numeric_limits<std::size_t>::max();
+  }
+  template <class M, class Visit>
+  void visit_wear(const WallRub& rub, std::size_t wall, const Visit& visit) const {
+    if constexpr (WearsWalls<M>)
+      visit(ModuleList<Ms...>::template wear_index<M>, module<M>().worn(rub, wall));
+  }
   template <class M>
   using Coefficients = typename CoefficientsOf<M>::template type<double>;
   template <class M>
@@ -102,7 +165,9 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
     AlignedVector<Row> row;
     AlignedVector<double> slope, owned_slope;
     std::vector<std::optional<double>> of_wall, given;  // at each wall; given: in all
-    std::vector<AlignedVector<double>> weights;  // of the rows at each wall that gives so much
+    std::vector<AlignedVector<double>> of_rows;  // of each wall: what rows get; of one that gives
+                                                 // so much in all: their shares in it
+    std::vector<WallGiven> from_walls;
   };
   template <class M>
   struct Nothing {
@@ -163,11 +228,12 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
   template <class M>
   void prepare_walls(std::size_t rows, const When& when) {
     Rows& all = rows_of<M>();
-    all.of_wall.resize(when.walls), all.given.resize(when.walls), all.weights.resize(when.walls);
+    all.of_wall.resize(when.walls), all.given.resize(when.walls), all.of_rows.resize(when.walls);
+    all.from_walls.resize(when.walls);
     for (std::size_t w = 0; w < when.walls; ++w) {
       all.of_wall[w] = module<M>().at_wall(w, when.time);
       if constexpr (HasGivingWalls<M>) all.given[w] = module<M>().given_by_wall(w, when.time);
-      if (all.given[w]) all.weights[w].assign(rows, 0);
+      if (all.given[w] || all.of_wall[w]) all.of_rows[w].assign(rows, 0);
     }
   }
   template <class M, class Columns, class OwnerOf>
@@ -177,12 +243,15 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
       std::fill(received.begin(), received.end(), 0.0);
       Rows& all = rows_of<M>();
       for (std::size_t w = 0; w < all.given.size(); ++w) {
-        if (!all.given[w]) continue;
+        double& rate = all.from_walls[w].rate = 0;
+        if (!all.given[w] && !all.of_wall[w]) continue;
         double whole = 0;
-        for (std::size_t r = 0; r < rows; ++r) whole += all.weights[w][r];
-        if (!(whole > 0)) continue;
+        for (std::size_t r = 0; r < rows; ++r) whole += all.of_rows[w][r];
+        rate = whole;
+        if (!all.given[w] || !(whole > 0)) continue;
+        rate = *all.given[w];
         for (std::size_t r = 0; r < rows; ++r)
-          all.row[r].sum += *all.given[w] * (all.weights[w][r] / whole);
+          all.row[r].sum += rate * (all.of_rows[w][r] / whole);
       }
       for (std::size_t r = 0; r < rows; ++r) received[owner_of(r)] += all.row[r].sum;
       if (!SaysItsFluxRate<M> || !measure_) return;
@@ -245,10 +314,11 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
       if constexpr (Ends::at_wall) {
         const std::size_t w = ends.wall(k + lane);
         if (all.given[w]) {
-          all.weights[w][i] += static_cast<double>(slope[lane]);
+          all.of_rows[w][i] += static_cast<double>(slope[lane]);
           return;
         }
         if (!all.of_wall[w]) return;
+        all.of_rows[w][i] += static_cast<double>(flux[lane]);
       }
       all.row[i].sum += static_cast<double>(flux[lane]);
       if constexpr (!Ends::at_wall)
@@ -284,13 +354,13 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
   }
 
   const std::tuple<Ms...>* modules_ = nullptr;
-  bool measure_ = false;
+  bool ask_ = false, measure_ = false, renew_ = false;
   std::tuple<Table<Ms>...> tables_;
   Rows rows_[sizeof...(Ms) > 0 ? sizeof...(Ms) : 1];
 };
 
 /// Those of a composition.
 template <class Modules, class Arch, class Scalar>
-using FluxesOf = std::conditional_t<Modules::flux, ContactFluxes<Modules, Arch, Scalar>, NoFluxes>;
+using FluxesOf = std::conditional_t<Modules::flux || Modules::wear, ContactFluxes<Modules, Arch, Scalar>, NoFluxes>;
 
 }  // namespace silt::detail

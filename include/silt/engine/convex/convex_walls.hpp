@@ -171,8 +171,10 @@ class ConvexWalls {
     const std::size_t blocks = contacts.blocks();
     loads_.assign(blocks * walls.size(), {});
     tallies_.assign(blocks, {});
+    wear_.start(blocks);
     team.for_parts(blocks, [&](std::size_t b) { run_block(in, contacts, table, walls, sums, b); });
     sum_wall_loads(walls, loads_, blocks, in.times.step);
+    wear_.finish(walls);
     Tally<ContactsType> all;
     for (const auto& tally : tallies_) all.add(tally);
     return all;
@@ -180,7 +182,9 @@ class ConvexWalls {
 
  private:
   using Planes = ConvexPlanes<Rows, ContactsType, Contacts, Arch>;
-  using Scratch = typename Planes::Block;
+  struct Scratch : Planes::Block {
+    [[no_unique_address]] typename WallWear<Fluxes>::template Rubs<block> rubs;
+  };
 
   using Stage = ContactStage<ContactsType, Arch, double, Fluxes>;
   struct Ends {
@@ -257,6 +261,11 @@ class ConvexWalls {
       WallLoad& load = loads_[b * walls.size() + c.wall];
       load.force -= force;
       load.torque -= cross(at(s.place) - walls[c.wall].reference, force) + couple;
+      if constexpr (Fluxes::wears)
+        if (is_mesh(walls[c.wall].surfaces[c.surface]))
+          wear_.add(b, *fluxes, c, walls[c.wall], contacts.facets(c),
+                    {at(s.place), n, force, s.rubs.velocity[k], 1 / in.motions[c.particle].inv_m,
+                     in.rows->pose[c.particle].least_radius, in.times.worked, s.rubs.begins[k]});
       if (walls[c.wall].is_in_itself_moving())
         load.power += dot(force, velocity_in_itself(walls[c.wall], c.surface, contacts.facets(c),
                                                     at(s.place), n, in.times.step));
@@ -342,6 +351,7 @@ class ConvexWalls {
                        const Wall& wall, const WallCandidate& c, std::size_t slot, Scratch& s) {
     auto& kept = contacts.slot(slot);
     const Vec3d change = kept.touching ? contact.normal - kept.normal : Vec3d{0, 0, 0};
+    if constexpr (Fluxes::wears) s.rubs.next_begins = !kept.touching;
     kept = {contact.normal, true, contact.feature};
     double& R_eff = contacts.history(radius)[slot];  // that of the first touch
     if (!(R_eff > 0)) R_eff = contact.R_eff;
@@ -356,6 +366,7 @@ class ConvexWalls {
       wall_velocity +=
           velocity_in_itself(wall, c.surface, contacts.facets(c), contact.point, n, in.times.step);
     const std::size_t k = s.count++;
+    if constexpr (Fluxes::wears) s.rubs.put(k, c, wall, body.velocity_at(arm) - wall_velocity);
     const double g = contact.gradient;
     Kinematics<double> kin;
     kin.normal = n, kin.change = change;
@@ -406,6 +417,7 @@ class ConvexWalls {
     }
   }
 
+  [[no_unique_address]] WallWear<Fluxes> wear_;
   std::vector<WallLoad> loads_;               // by block and wall
   std::vector<Tally<ContactsType>> tallies_;  // by block
 };

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <silt/engine/contact/shared_contacts.hpp>
+#include <silt/engine/contact/wall_wear.hpp>
 #include <silt/engine/lists/wall_contacts.hpp>
 #include <silt/engine/spheres/plane_pipeline.hpp>
 
@@ -77,6 +78,7 @@ class WallPipeline {
     loads_.assign(parts * walls.size(), {});
     tallies_.assign(parts, {});
     crowded_.assign(parts, {});
+    wear_.start(blocks);
     team.for_parts(parts, [&](std::size_t b) {
       if (b < blocks) return run_block(in, contacts, table, walls, sums, b);
       for (const PlaneRun& run : contacts.runs(b - blocks))
@@ -84,6 +86,7 @@ class WallPipeline {
                                     loads_[b * walls.size() + run.wall]));
     });
     sum_wall_loads(walls, loads_, parts, in.times.step);
+    wear_.finish(walls);
     Tally<ContactsType> all;
     for (const auto& tally : tallies_) all.add(tally);
     return all;
@@ -113,6 +116,7 @@ class WallPipeline {
     std::size_t count;
     std::optional<CrowdedContact> crowded;
     [[no_unique_address]] NotesOf<ContactsType> ended;  // contacts that are not among these
+    [[no_unique_address]] typename WallWear<Fluxes>::template Rubs<block> rubs;
   };
   using Stage = ContactStage<ContactsType, Arch, Scalar, Fluxes>;
   struct Ends {
@@ -167,6 +171,12 @@ class WallPipeline {
       if constexpr (ContactsType::has_rolling) load.torque += {-r[8], -r[9], -r[10]};
       if (walls[wall].is_in_itself_moving()) load.power -= dot(force, s.in_itself[k]);
       tallies_[b].largest = std::max(tallies_[b].largest, s.share[k]);
+      if constexpr (Fluxes::wears)
+        if (const WallCandidate* const c = s.rubs.of[k])
+          wear_.add(b, *in.fluxes, *c, walls[wall], contacts.facets(*c),
+                    {s.point[k], s.kinematics.template get<Scalar>(k).normal, -force,
+                     s.rubs.velocity[k], 1 / in.motions[particle].inv_m, in.positions[particle].r,
+                     in.times.worked, s.rubs.begins[k]});
     }
   }
 
@@ -214,6 +224,7 @@ class WallPipeline {
     if (slot.touching && dot(slot.normal, point.normal) < same_contact)
       end(contacts, c.slot, c, walls[c.wall], in, s);
     const Vec3d last = slot.touching ? slot.normal : point.normal;
+    if constexpr (Fluxes::wears) s.rubs.next_begins = !slot.touching;
     slot = {point.normal, true};
     describe(point, last, sphere, walls[c.wall], c, c.slot, contacts, in, table, s);
   }
@@ -249,6 +260,7 @@ class WallPipeline {
         const std::size_t own =
             slot_for(point.normal, c, walls[c.wall], contacts, taken, slots, in, s);
         const Vec3d last = contacts.slot(own).touching ? contacts.slot(own).normal : point.normal;
+        if constexpr (Fluxes::wears) s.rubs.next_begins = !contacts.slot(own).touching;
         contacts.slot(own) = {point.normal, true};
         describe(point, last, sphere, walls[c.wall], c, own, contacts, in, table, s);
       }
@@ -361,6 +373,12 @@ class WallPipeline {
                                           point.normal, in.times.step);
       wall_velocity += s.in_itself[k];
     }
+    if constexpr (Fluxes::wears) {
+      Vec3d slip = motion.velocity() - wall_velocity;
+      if constexpr (rotates)
+        slip -= (point.distance * motion.inv_r) * cross(motion.spin_velocity(), point.normal);
+      s.rubs.put(k, c, wall, slip);
+    }
     double inverse_mass = motion.inv_m;  // [1/kg] of both
     if (wall.is_driven())
       inverse_mass += inverse_mass_of(wall.drive, wall.state, contact, point.normal);
@@ -400,6 +418,7 @@ class WallPipeline {
       s.history[h][k] = contacts.history(h)[slot];
   }
 
+  [[no_unique_address]] WallWear<Fluxes> wear_;
   std::vector<WallLoad> loads_;                         // by block and wall
   std::vector<Tally<ContactsType>> tallies_;            // by block
   std::vector<std::optional<CrowdedContact>> crowded_;  // by block

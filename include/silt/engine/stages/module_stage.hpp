@@ -137,6 +137,19 @@ class ModuleStage<ModuleList<Ms...>> {
     return most;
   }
 
+  /// The fastest that fluxes make a field follow [1/s], as measured in this step and as estimated.
+  template <class Engine>
+  double fastest_flux(const Engine& e, double time) const {
+    double most = 0;
+    for (std::size_t k = 0; k < e.owners(); ++k) {
+      if (!e.owner(k).is_there()) continue;
+      const Seen p = e.seen(k, time);
+      for (const OfFluxes of : {OfFluxes::Estimated, OfFluxes::Measured})
+        most = std::max({most, (Exchanges<Ms> ? rate_of_one<Ms>(e, p, k, of) : 0.0)...});
+    }
+    return most;
+  }
+
  private:
   static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
   static constexpr bool asks_for_velocity = ((Pushes<Ms> && needs_velocity<Ms>) || ...);

@@ -62,11 +62,20 @@ struct ModuleList {
   static constexpr bool turn = (turns_particles<Ms> || ...);
   static constexpr bool update = ((Updates<Ms> || UpdatesByFlux<Ms>) || ...);
   static constexpr bool flux = (Exchanges<Ms> || ...);
+  static constexpr bool wear = (WearsWalls<Ms> || ...);
   static_assert((ModuleFits<Ms>::checked && ...));
   template <class M>
   static constexpr std::size_t index_of = [] {
     std::size_t at = 0, found = sizeof...(Ms);
     ((std::is_same_v<M, Ms> ? found = std::min(found, at++) : at++), ...);
+    return found;
+  }();
+  /// Of those that wear walls: how many there are, and which one this is.
+  static constexpr std::size_t wearing = (std::size_t{0} + ... + std::size_t{WearsWalls<Ms>});
+  template <class M>
+  static constexpr std::size_t wear_index = [] {
+    std::size_t at = 0, found = wearing;
+    ((std::is_same_v<M, Ms> ? found = at : at += std::size_t{WearsWalls<Ms>}), ...);
     return found;
   }();
   static constexpr bool exist = count > 0;

@@ -62,6 +62,7 @@ struct HeatConductionBy {
   double start_temperature = 293.15;      // [K] of particles that come
   std::vector<ThermalMaterial> others{};  // of the contacts' material 1, 2, ...
   std::vector<WallHeat> walls{};          // of wall 0, 1, ...
+  std::size_t flux_every = 10;            // [steps] at most from one look at contacts to the next
 
   using Fields = HeatFields;
   static constexpr std::array names{"temperature [K]"};
@@ -118,6 +119,7 @@ struct HeatConductionBy {
 
   template <class Sim>
   void check(const Sim& sim) const {
+    require(flux_every > 0, "HeatConduction.flux_every = 0 [steps] must be at least 1");
     for (std::size_t k = 0; k <= others.size(); ++k) check_material(k);
     require_not_negative("HeatConduction.start_temperature", start_temperature, "K");
     require(walls.size() <= sim.walls(), "HeatConduction.walls has ", walls.size(),
