@@ -17,4 +17,5 @@
 #include <silt/coupling/unsteady/history_force.hpp>
 #include <silt/fluid/boundary_of.hpp>
 #include <silt/io/flow_observers.hpp>
+#include <silt/module/heat/fluid_convection.hpp>
 #include <silt/silt.hpp>

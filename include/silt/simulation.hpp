@@ -14,6 +14,7 @@
 #include <silt/boundary/domain.hpp>
 #include <silt/boundary/wall.hpp>
 #include <silt/contact/contacts.hpp>
+#include <silt/coupling/heat_exchange.hpp>
 #include <silt/coupling/no_fluid.hpp>
 #include <silt/engine/checks/contact_rates.hpp>
 #include <silt/engine/checks/guard.hpp>
@@ -326,6 +327,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   void change_fluid_step(double dt);
   void follow_fluid();
   double gather_for_fluid();
+  ParticleHeat heat_in_fluid();
+  void take_heat_of_fluid();
   double power_of_fluid() const;
   template <class Column>
   double work_of_first_kick(const Column& force) const;
@@ -387,8 +390,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   detail::NextIds next_;
   bool first_kick_ = true, kicked_ = false, observed_ = false, continued_ = false;
   bool record_contacts_ = false;  // of the present step
-  bool scene_changed_ = false;   // since the last run began
-  std::int64_t scene_step_ = 0;  // when particles or walls were last added
+  bool scene_changed_ = false;    // since the last run began
+  std::int64_t scene_step_ = 0;   // when particles or walls were last added
   detail::OverlapLimits overlap_limits_;
 };
 

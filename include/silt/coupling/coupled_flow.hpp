@@ -49,6 +49,7 @@ namespace silt::inline SILT_TARGET {
 /// ParticleExchange, which knows the particles, and a flow: FlowSolver, or any FlowOnGrid.
 ///
 /// Source: Z. Y. Zhou et al., J. Fluid Mech. 661 (2010) 482 (models); StepResponse.
+/// Heat, of a flow that has it: ParticleHeat.
 /// Errors: those of FlowSolver and the averaging mode; InputError for spans that do not fit.
 /// Tests:  tests/coupling/coupled_flow.cpp, simulation.cpp, light_particles.cpp,
 ///         impulsive_start.cpp.
@@ -63,6 +64,8 @@ class BasicCoupledFlow {
                         has_added_mass = Exchange::has_added_mass;
   /// Drag follows each particle's velocity between fluid steps.
   static constexpr bool follows = Exchange::follows;
+  /// It takes CoupledParticles::heat, where the flow has heat.
+  static constexpr bool has_heat = requires(Flow & f) { f.heat_exchange(); };
 
   BasicCoupledFlow(const Drag& drag, const Mode& mode, Flow flow, const Forces&... forces)
       : flow_(std::move(flow)),
@@ -117,7 +120,9 @@ class BasicCoupledFlow {
     gather(n, team, true);
     exchange_.find(particles, dt, torque, team);
     spread_exchange(particles, dt, team);
+    if (particles.heat) spread_heat(particles, dt, team);
     done.flow = flow_.step(dt, team);
+    if (particles.heat) take_heat(*particles.heat, dt, done, team);
     cells_.find_velocity(flow_, team);
     find_loads(team);
     gather(n, team, false);
@@ -223,6 +228,9 @@ class BasicCoupledFlow {
   /// Cell values at the particles: all, or those that a flow step has changed.
   void gather(std::size_t n, const Team& team, bool all);
   void spread_exchange(const CoupledParticles& of, double dt, const Team& team);
+  void share_out(CellFields fields, const Team& team);
+  void spread_heat(const CoupledParticles& of, double dt, const Team& team);
+  void take_heat(const ParticleHeat& heat, double dt, CoupledStep& done, const Team& team);
   CoupledStep finish(const CoupledStep& done, double dt) {
     clock.count(dt), last_ = done, closure_.add(done);
     return done;
@@ -236,13 +244,15 @@ class BasicCoupledFlow {
   CellField solids_;  // [m3]
   CellValues cells_;
   detail::HeldCells held_;
-  bool following_ = false;  // held_ is of the present flow
+  bool following_ = false;                  // held_ is of the present flow
+  ParticleColumn conducts_, gives_, seen_;  // [W/K] b, [W] b T, [K] of ParticleHeat
   CoupledStep last_;
   FluidClosure closure_;
 };
 
 }  // namespace silt
 
+#include <silt/coupling/coupled_flow_heat.hpp>
 #include <silt/coupling/coupled_flow_in_simulation.hpp>
 #include <silt/coupling/coupled_flow_parts.hpp>
 #include <silt/coupling/coupled_flow_policies.hpp>

@@ -118,6 +118,8 @@ void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::describe(const Describer& is
       along(end == 0 ? "lower side" : "upper side",
             flow_.holds_pressure(d, end) ? "open" : "closed");
   }
+  if constexpr (has_heat)
+    if (flow_.has_heat()) is("heat capacity of the fluid [J/(kg K)]", flow_.heat().heat_capacity);
   is("walls within the box", flow_.open_cells() != nullptr ? "yes" : "no");
   if (const auto* open = flow_.open_cells()) {
     double sum = 0;

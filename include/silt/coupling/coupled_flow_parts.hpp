@@ -82,7 +82,12 @@ void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::spread_exchange(const Couple
   take(flow_.drag(), given.coefficient);
   if (bears) take(flow_.response().borne, given.borne);
   averaging_->spread(Quantities(from.data(), count), CellFields(to.data(), count), team);
-  const CellFields fields(to.data(), count);
+  share_out(CellFields(to.data(), count), team);
+}
+
+/// What was spread over cells, as density of the fluid's part of their volume.
+template <FlowOnGrid Flow, class Drag, class Mode, class... Forces>
+void BasicCoupledFlow<Flow, Drag, Mode, Forces...>::share_out(CellFields fields, const Team& team) {
   if (const auto* joined = flow_.joined_cells())
     for (CellField* f : fields) joined->spread(*f);
   const double over = 1 / flow_.grid().cell_volume();

@@ -10,6 +10,7 @@
 #include <silt/coupling/averaging/averaged_form.hpp>
 #include <silt/coupling/averaging/averaged_particles.hpp>
 #include <silt/coupling/drag/form_in_flow.hpp>
+#include <silt/coupling/heat_exchange.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -35,6 +36,7 @@ struct CoupledParticles {
   std::span<const FormInFlow> forms = {};  // of bodies, where a force or the drag sees forms
   std::span<const ParticleId> id = {};     // that each keeps; where a force has a history
   double inertia_factor = 0.4;             // [-] I/(m r^2) of spheres
+  const ParticleHeat* heat = nullptr;      // what they exchange with a fluid that has heat
 };
 
 namespace detail {
@@ -51,7 +53,8 @@ struct ParticlesInFluid {
   std::vector<AveragedForm> forms;
   std::vector<FormInFlow> forms_in_flow;  // if asked for
   std::vector<ParticleId> id;
-  double inertia_factor = 0.4;  // [-]
+  std::vector<double> temperature, capacity;  // [K], [J/K] of modules that exchange heat with it
+  double inertia_factor = 0.4;                // [-]
 
   void resize(std::size_t n, bool bodies, bool turns, bool follows) {
     for (auto* v : {&position, &velocity, &acceleration, &force}) v->resize(n);

@@ -28,10 +28,20 @@ struct FlowValues {
   Vec3d velocity;                                           // [m/s] between the particles
   double pressure;                                          // [Pa] without the fluid's weight
   double voidage;                                           // [-]
+  std::optional<double> temperature{};                      // [K] of a flow with heat
   Vec3d superficial() const { return voidage * velocity; }  // [m/s]
 };
 
 namespace detail {
+
+/// The temperature [K] of a flow's cells; null if it has none.
+template <class Flow>
+const CellField* temperature_of(const Flow& flow) {
+  if constexpr (requires { flow.has_heat(); })
+    return flow.has_heat() ? &flow.temperature() : nullptr;
+  else
+    return nullptr;
+}
 
 /// Two neighbours of a place along one direction: the lower one and the weight of the upper.
 struct Between {
@@ -202,10 +212,13 @@ FlowValues flow_at(const Flow& flow, const Vec3d& x) {
   require(around.in_fluid(), "flow_at: at ", x,
           " m there is no fluid: it is within a wall by more than a cell");
   const Flow& seen = flow;
+  std::optional<double> temperature;
+  if (const CellField* T = detail::temperature_of(seen)) temperature = around.value(*T);
   return {{detail::velocity_in_cells(flow, 0, *at), detail::velocity_in_cells(flow, 1, *at),
            detail::velocity_in_cells(flow, 2, *at)},
           around.value(seen.pressure()),
-          std::clamp(around.value(seen.voidage()), 0.0, 1.0)};
+          std::clamp(around.value(seen.voidage()), 0.0, 1.0),
+          temperature};
 }
 
 /// The mean pressure [Pa] over the plane across direction d at `where` [m] along it, by the area

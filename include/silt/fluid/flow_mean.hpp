@@ -51,6 +51,8 @@ class FlowMean {
             take(cell.velocity[c], u, share);
           }
           take(cell.pressure, flow.pressure()(i, j, k), share);
+          if (const CellField* T = detail::temperature_of(flow))
+            take(cell.temperature, (*T)(i, j, k), share), hot_ = true;
           cell.open = !flow.open_cells() || (*flow.open_cells())(i, j, k) > 0;
         }
     density_ = flow.fluid().density;
@@ -73,10 +75,13 @@ class FlowMean {
   double pressure(int i, int j, int k) const { return at(i, j, k).pressure.mean; }  // [Pa]
   double pressure_rms(int i, int j, int k) const { return std::sqrt(at(i, j, k).pressure.square); }
   double voidage(int i, int j, int k) const { return at(i, j, k).voidage; }  // [-]
+  bool has_temperature() const { return hot_; }
+  double temperature(int i, int j, int k) const { return hot(i, j, k).mean; }  // [K]
+  double temperature_rms(int i, int j, int k) const { return std::sqrt(hot(i, j, k).square); }
 
   /// For ParaView (.vti): mean_velocity, rms_velocity, mean_superficial_velocity, mean_pressure
   /// (without the fluid's weight), rms_pressure, mean_voidage, open; and, with `weight`,
-  /// mean_pressure_with_weight.
+  /// mean_pressure_with_weight; of a flow with heat mean_temperature and rms_temperature.
   void write(const std::string& path, const std::optional<FluidWeight>& weight = {}) const {
     using Vector = std::array<double, 3>;
     const auto collect = [&](auto value) {
@@ -107,12 +112,20 @@ class FlowMean {
       });
       arrays.push_back(detail::vtk_view("mean_pressure_with_weight", whole));
     }
+    std::vector<double> T, T_rms;
+    if (hot_) {
+      T = collect([&](int i, int j, int k) { return temperature(i, j, k); });
+      T_rms = collect([&](int i, int j, int k) { return temperature_rms(i, j, k); });
+      arrays.push_back(detail::vtk_view("mean_temperature", T));
+      arrays.push_back(detail::vtk_view("rms_temperature", T_rms));
+    }
     detail::write_cells(path, grid(), arrays);
   }
 
   /// The plane of cells across direction d (0, 1, 2) that is nearest to `where` [m] along it, as a
   /// table for `draw.py cells`: its two other coordinates [m], the components and length of the
-  /// mean velocity [m/s], mean pressure [Pa] and mean voidage.
+  /// mean velocity [m/s], mean pressure [Pa] and mean voidage, of a flow with heat mean
+  /// temperature.
   void write_plane(const std::string& path, int d, double where) const {
     require(d >= 0 && d < 3, "FlowMean::write_plane: direction ", d, " is none of 0, 1, 2");
     const Vec3d low = grid().box().min, h = grid().h();
@@ -125,18 +138,24 @@ class FlowMean {
     const int n = grid().cells()[static_cast<std::size_t>(d)];
     const int plane = static_cast<int>(std::clamp(std::floor((where - from) / size), 0.0, n - 1.0));
     const char *const across = d == 0 ? "y [m]" : "x [m]", *const up = d == 2 ? "y [m]" : "z [m]";
-    std::vector<std::array<double, 8>> rows;
+    std::vector<std::vector<double>> rows;
     for_cells([&](int i, int j, int k) {
       if ((d == 0 ? i : d == 1 ? j : k) != plane) return;
       const Vec3d x = grid().centre(i, j, k), u = velocity(i, j, k);
       rows.push_back({d == 0 ? x.y : x.x, d == 2 ? x.y : x.z, u.x, u.y, u.z, norm(u),
                       pressure(i, j, k), voidage(i, j, k)});
+      if (hot_) rows.back().push_back(temperature(i, j, k));
     });
-    detail::write_csv(
-        path,
-        {across, up, "mean velocity x [m/s]", "mean velocity y [m/s]", "mean velocity z [m/s]",
-         "mean speed [m/s]", "mean pressure without weight [Pa]", "mean voidage [-]"},
-        rows);
+    std::vector<std::string> columns{across,
+                                     up,
+                                     "mean velocity x [m/s]",
+                                     "mean velocity y [m/s]",
+                                     "mean velocity z [m/s]",
+                                     "mean speed [m/s]",
+                                     "mean pressure without weight [Pa]",
+                                     "mean voidage [-]"};
+    if (hot_) columns.push_back("mean temperature [K]");
+    detail::write_csv(path, columns, rows);
   }
 
  private:
@@ -146,7 +165,7 @@ class FlowMean {
   struct Cell {
     std::array<Moments, 3> velocity;
     std::array<double, 3> superficial{};
-    Moments pressure;
+    Moments pressure, temperature;
     double voidage = 0;
     bool open = true;
   };
@@ -154,6 +173,10 @@ class FlowMean {
     const double off = value - m.mean;
     m.mean += share * off;
     m.square += share * ((1 - share) * off * off - m.square);
+  }
+  const Moments& hot(int i, int j, int k) const {
+    require(hot_, "FlowMean: the flow has no temperature; set_heat() it before it is added");
+    return at(i, j, k).temperature;
   }
   void known() const { require(time_ > 0, "FlowMean: nothing has been added yet"); }
   const Cell& at(int i, int j, int k) const {
@@ -171,6 +194,7 @@ class FlowMean {
   std::optional<Grid> grid_;
   std::vector<Cell> cells_;
   double time_ = 0, density_ = 0;  // [s], [kg/m3]
+  bool hot_ = false;               // flows with heat were added
 };
 
 }  // namespace silt

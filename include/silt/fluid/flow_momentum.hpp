@@ -170,7 +170,7 @@ inline void stage(FlowState& state, const Three& q, bool second, double dt, Thre
                        row(state.next_mass),
                        row(state.drag),
                        row(state.drag_v[c]),
-                       row(state.force[c]),
+                       row(state.pushes(d)),
                        row(state.pressure),
                        bears ? row(state.response->borne) : nullptr,
                        of_solids([](const FlowSolids& s) -> const Three& { return s.area; }),

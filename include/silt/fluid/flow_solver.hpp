@@ -12,6 +12,7 @@
 #include <utility>
 
 #include <silt/fluid/concept.hpp>
+#include <silt/fluid/flow_heat.hpp>
 #include <silt/fluid/flow_k_epsilon.hpp>
 #include <silt/fluid/flow_momentum.hpp>
 #include <silt/fluid/flow_projection.hpp>
@@ -62,8 +63,9 @@ namespace silt::inline SILT_TARGET {
 /// Errors: InputError for sides, fluids and fields that cannot be; Error, with a sentence, where a
 ///   step cannot be made.
 /// Tests:  tests/fluid/flow_solver.cpp, tests/fluid/inflow.cpp, tests/fluid/inflow_in_time.cpp.
-class FlowSolver {
+class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
   using FlowState = fluid_detail::FlowState;
+  friend class fluid_detail::HeatOfFlow<FlowSolver>;
 
  public:
   FlowSolver(const Grid& grid, const FluidProperties& fluid, const FlowOptions& options = {})
@@ -310,6 +312,14 @@ class FlowSolver {
     if (s_.turbulence) visit("fluid.eddy", std::span<double>(&s_.turbulence->largest, 1));
     if (s_.turbulence && s_.turbulence->two)
       fields("fluid.k_epsilon", s_.turbulence->two->k, s_.turbulence->two->epsilon);
+    if (s_.heat) {
+      FluidHeatBook& book = s_.heat->book;
+      std::array<double, 5> sums{book.stored, book.through_sides, book.from_particles,
+                                 book.from_sources, book.counted_anew};
+      fields("fluid.temperature", s_.heat->temperature),
+          visit("fluid.heat", std::span<double>(sums));
+      book = {sums[0], sums[1], sums[2], sums[3], sums[4]};
+    }
     s_.started = last[0] != 0, s_.old_dt = last[1], s_.sides_changed = last[2] != 0,
     s_.jumped = last[3] != 0;
   }
@@ -335,6 +345,7 @@ class FlowSolver {
         if (s_.solids) s_.solids->fill_corners(f);
         s_.sides.fill_cells(f);
       });
+    fluid_detail::push_by_heat(s_, team);
     s_.sides.fill_pressure(s_.pressure, false);
     fluid_detail::carry(s_, dt, team);
     fluid_detail::find_spread(s_, team);
@@ -342,6 +353,7 @@ class FlowSolver {
     fluid_detail::stage(s_, s_.first, true, dt, s_.next, team);
     projection_->run(s_, dt, done, team);
     fluid_detail::carry_turbulence(s_, dt, team);
+    fluid_detail::carry_heat(s_, dt, team);
     // Those of the next step, so that stable_step() knows them.
     s_.forget_eddies(), s_.find_turbulence(team);
     std::swap(s_.mass, s_.next_mass), std::swap(s_.older_eps, s_.old_eps);

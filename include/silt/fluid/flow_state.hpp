@@ -16,6 +16,7 @@
 #include <silt/fluid/flow_solids.hpp>
 #include <silt/fluid/flow_step.hpp>
 #include <silt/fluid/flow_turbulence.hpp>
+#include <silt/fluid/fluid_heat.hpp>
 #include <silt/fluid/grid.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -171,6 +172,10 @@ struct FlowState {
     }
   }
 
+  /// s of (3) in direction d, with buoyancy.
+  const CellField& pushes(int d) const {
+    return heat && !heat->push.empty() ? heat->push[at(d)] : force[at(d)];
+  }
   double divergence(const Three& f, int i, int j, int k) const {
     double sum = 0;
     for (int d = 0; d < 3; ++d) {
@@ -217,6 +222,7 @@ struct FlowState {
   std::optional<FlowSolids> solids;
   std::optional<FlowBoundary> boundary;
   std::optional<FlowTurbulence> turbulence;
+  std::optional<FlowHeat> heat;
   bool started = false;
   bool sides_changed = true;  // since the last step, or it is the first one
   /// The flow jumped in the last step: neither its fluxes nor the pressure of that blow say

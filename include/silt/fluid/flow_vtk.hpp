@@ -35,7 +35,8 @@ inline void write_cells(const std::string& path, const Grid& g, std::span<const 
 
 /// Writes a flow for ParaView, cell by cell: velocity [m/s] (between the particles; the mean of the
 /// cell's faces), pressure [Pa] (without the fluid's weight), voidage [-], and whether fluid can
-/// enter (1, or 0 within walls); with `weight` also pressure_with_weight [Pa].
+/// enter (1, or 0 within walls); with `weight` also pressure_with_weight [Pa]; of a flow with heat
+/// its temperature [K].
 /// `path` should end in .vti. `vtk_series` does it in a Simulation with a fluid.
 /// Errors: FileError if the file cannot be written. Tests: tests/fluid/flow_vtk.cpp.
 template <FlowOnGrid Flow>
@@ -44,7 +45,7 @@ void write_flow(const std::string& path, const Flow& flow,
   const Grid& g = flow.grid();
   const std::size_t n = g.size();
   std::vector<Vec3d> velocity;
-  std::vector<double> pressure, voidage, whole;
+  std::vector<double> pressure, voidage, whole, temperature;
   std::vector<std::int32_t> open;
   velocity.reserve(n), pressure.reserve(n), voidage.reserve(n), open.reserve(n);
   for (int k = 0; k < g.nz(); ++k)
@@ -58,6 +59,7 @@ void write_flow(const std::string& path, const Flow& flow,
         pressure.push_back(flow.pressure()(i, j, k));
         voidage.push_back(flow.voidage()(i, j, k));
         open.push_back(!flow.open_cells() || (*flow.open_cells())(i, j, k) > 0 ? 1 : 0);
+        if (const CellField* T = detail::temperature_of(flow)) temperature.push_back((*T)(i, j, k));
         if (weight)
           whole.push_back(pressure.back() +
                           weight->pressure(flow.fluid().density, g.centre(i, j, k)));
@@ -66,6 +68,7 @@ void write_flow(const std::string& path, const Flow& flow,
       detail::vtk_view("velocity", velocity), detail::vtk_view("pressure", pressure),
       detail::vtk_view("voidage", voidage), detail::vtk_view("open", open)};
   if (weight) arrays.push_back(detail::vtk_view("pressure_with_weight", whole));
+  if (!temperature.empty()) arrays.push_back(detail::vtk_view("temperature", temperature));
   detail::write_cells(path, g, arrays);
 }
 

@@ -24,6 +24,7 @@ namespace silt::inline SILT_TARGET {
 
 struct FlowOutput {
   std::optional<Vec3d> weight_from{};  // [m] pressures with the fluid's weight, 0 of it here
+  bool temperature = false;            // a column more of flow_probes, of a flow with heat
 };
 /// A point at which the flow is measured.
 struct FlowProbe {
@@ -108,7 +109,8 @@ void check_place(const Sim& sim, const char* what, const std::string& name, cons
 }  // namespace detail
 
 /// Velocity [m/s] (between the particles), pressure [Pa] and voidage at points, a row a time, in
-/// the table `path`; for `draw.py curves`.
+/// the table `path`; with FlowOutput{.temperature = true} temperature [K] too; for `draw.py
+/// curves`.
 ///
 ///   sim.run(1.0, silt::flow_probes("probes.csv", {{"axis", {0, 0, 0.1}}}, silt::every(0.01)));
 inline auto flow_probes(const std::string& path, std::vector<FlowProbe> probes, Schedule schedule,
@@ -121,7 +123,12 @@ inline auto flow_probes(const std::string& path, std::vector<FlowProbe> probes, 
           std::string("velocity z [m/s]"), detail::pressure_words(output),
           std::string("voidage [-]")})
       columns.push_back(probe.name + ' ' + what);
-  const auto check = [probes, path](const auto& sim) {
+  for (const auto& probe : probes)
+    if (output.temperature) columns.push_back(probe.name + " temperature [K]");
+  const auto check = [probes, path, output](const auto& sim) {
+    require(!output.temperature || detail::temperature_of(detail::flow_of(sim)) != nullptr,
+            "flow_probes '", path,
+            "': the flow has no temperature; give it one by FlowSolver::set_heat()");
     detail::make_folder_of(path);
     for (const auto& p : probes) detail::check_place(sim, "flow_probes", p.name, p.place);
   };
@@ -132,6 +139,9 @@ inline auto flow_probes(const std::string& path, std::vector<FlowProbe> probes, 
       const double pressure = at.pressure + detail::weight_at(sim, output, p.place);
       row.insert(row.end(), {at.velocity.x, at.velocity.y, at.velocity.z, pressure, at.voidage});
     }
+    for (const auto& p : probes)
+      if (output.temperature)
+        row.push_back(flow_at(detail::flow_of(sim), p.place).temperature.value());
     return row;
   });
   return detail::Checked{std::move(rows), check};
@@ -177,7 +187,8 @@ inline auto pressure_taps(const std::string& path, std::vector<PressureTap> taps
 
 /// The flow along a line from one point to another, at so many points, both ends included: a table
 /// `folder/name_<step>.csv` a time, with distance [m], place [m], velocity [m/s], pressure [Pa] and
-/// voidage. Points without fluid are left out. For `draw.py curves --x distance`.
+/// voidage, of a flow with heat temperature [K]. Points without fluid are left out. For `draw.py
+/// curves --x distance`.
 inline auto flow_profile(const std::string& folder, const std::string& name, const Vec3d& from,
                          const Vec3d& to, int points, Schedule schedule,
                          const FlowOutput& output = {}) {
@@ -196,7 +207,7 @@ inline auto flow_profile(const std::string& folder, const std::string& name, con
   };
   auto write = at<ActionKind::Reads>(schedule, [=](const auto& sim) {
     const auto& flow = detail::flow_of(sim);
-    std::vector<std::array<double, 9>> rows;
+    std::vector<std::vector<double>> rows;
     for (int k = 0; k < points; ++k) {
       const Vec3d x = place(k);
       if (!has_fluid_at(flow, x)) continue;
@@ -204,15 +215,24 @@ inline auto flow_profile(const std::string& folder, const std::string& name, con
       const Vec3d& u = here.velocity;
       rows.push_back({norm(x - from), x.x, x.y, x.z, u.x, u.y, u.z,
                       here.pressure + detail::weight_at(sim, output, x), here.voidage});
+      if (here.temperature) rows.back().push_back(*here.temperature);
     }
+    std::vector<std::string> columns{"distance [m]",
+                                     "x [m]",
+                                     "y [m]",
+                                     "z [m]",
+                                     "velocity x [m/s]",
+                                     "velocity y [m/s]",
+                                     "velocity z [m/s]",
+                                     detail::pressure_words(output),
+                                     "voidage [-]"};
+    if (detail::temperature_of(flow) != nullptr) columns.push_back("temperature [K]");
     make_folder(folder);
     const auto number = std::to_string(sim.step());
     detail::write_csv(
         text(folder, '/', name, '_', std::string(9 - std::min<std::size_t>(9, number.size()), '0'),
              number, ".csv"),
-        {"distance [m]", "x [m]", "y [m]", "z [m]", "velocity x [m/s]", "velocity y [m/s]",
-         "velocity z [m/s]", detail::pressure_words(output), "voidage [-]"},
-        rows);
+        columns, rows);
   });
   return detail::Checked{std::move(write), check};
 }

@@ -2,11 +2,14 @@
 #pragma once
 
 #include <cmath>
+#include <concepts>
 #include <functional>
 #include <numbers>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 
+#include <silt/coupling/heat_exchange.hpp>
 #include <silt/module/heat/conduction.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -28,7 +31,8 @@ struct FrictionHeat : HeatConduction {
 };
 
 /// Nusselt number of a sphere in a stream: Nu = 2 + 0.6 Re^(1/2) Pr^(1/3).
-/// Source: W.E. Ranz, W.R. Marshall, Chem. Eng. Prog. 48 (1952) 141, 173, recalled.
+/// Source: W.E. Ranz, W.R. Marshall, Chem. Eng. Prog. 48 (1952) 141, 173, not read; the formula as
+///         OpenFOAM's heat transfer models have it (read).
 /// Valid:  a lone sphere, Re < 200 (drops), in use up to some 1e4.
 struct RanzMarshall {
   static double nusselt(double Re, double Pr, double /*voidage*/) {
@@ -39,7 +43,9 @@ struct RanzMarshall {
 /// Nusselt number of spheres in a bed of voidage e:
 ///   Nu = (7 - 10 e + 5 e^2)(1 + 0.7 Re^0.2 Pr^(1/3)) + (1.33 - 2.4 e + 1.2 e^2) Re^0.7 Pr^(1/3)
 /// with Re of the superficial velocity, e |u - v|.
-/// Source: D.J. Gunn, Int. J. Heat Mass Transfer 21 (1978) 467, recalled.
+/// Source: D.J. Gunn, Int. J. Heat Mass Transfer 21 (1978) 467, not read; the formula as OpenFOAM's
+///         Gunn.C and a tutorial of MFIX (usr1.f) have it (both read), Re as in MFIX. OpenFOAM
+///         takes Re of u - v itself.
 /// Valid:  0.35 < e <= 1, Re < 1e5.
 struct Gunn {
   static double nusselt(double Re, double Pr, double e) {
@@ -119,14 +125,23 @@ struct Radiation {
   }
 };
 
+/// What exchanges heat with a fluid: a part of Heat, or a module that has capacity(seen) [J/K] too
+/// and whose `exchanged` field is the temperature.
+template <class P>
+concept HeatedByFluid = requires(const P& part, const Seen& p, const HeatedFluid& f) {
+  { part.conductance(p, f) } -> std::convertible_to<double>;
+};
+
 /// Module: conduction (HeatConduction, or FrictionHeat) with what surrounds the particles.
 ///
 ///   silt::Heat{silt::HeatConduction{.conductivity = 1.1, .heat_capacity = 840},
 ///              silt::Convection<silt::Gunn>{.temperature = 500, .voidage = 0.4},
 ///              silt::Radiation{}}
 ///
+/// With the fluid of a CoupledFlow: FluidConvection (fluid_convection.hpp).
 /// A part of one's own is a struct with watts(seen, T, capacity, dt) [W], slope(seen, T) [W/K], the
-/// change of minus the watts with T for the bound on the step, and check().
+/// change of minus the watts with T for the bound on the step, and check(). With
+/// conductance(seen, HeatedFluid) [W/K] it exchanges heat with the fluid (ParticleHeat).
 template <class Base, class... Parts>
 struct Heat : Base {
   std::tuple<Parts...> parts;
@@ -144,6 +159,16 @@ struct Heat : Base {
   }
   double rate(const Seen& p, const HeatFields& f, double H) const {
     return Base::rate(p, f, H) + slope(p, f.temperature) / this->capacity(p);
+  }
+  /// [W/K] with the fluid.
+  double conductance(const Seen& p, const HeatedFluid& f) const
+      requires(HeatedByFluid<Parts> || ...) {
+    double sum = 0;
+    const auto add = [&](const auto& part) {
+      if constexpr (HeatedByFluid<std::decay_t<decltype(part)>>) sum += part.conductance(p, f);
+    };
+    std::apply([&](const auto&... part) { (add(part), ...); }, parts);
+    return sum;
   }
   template <class Sim>
   void check(const Sim& sim) const {
