@@ -320,6 +320,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     engine_.pair_forces(domain_, times);
     engine_.wall_forces(times);
     engine_.collect_fluxes();
+    if constexpr (Modules::counts_walls)
+      if (engine_.fluxes().asked()) look_at_giving_walls();
     if constexpr (Modules::in_pairs) act_in_pairs();
     if constexpr (has_events) engine_.events.sort();
     if constexpr (Fluid::active) couple();
@@ -363,6 +365,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   void couple();
   void push_modules();
   void act_in_pairs();
+  void look_at_giving_walls();
   void count_given_by_walls();
   void start_fields(std::size_t from);
   double power_of_modules() const;

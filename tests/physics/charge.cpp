@@ -290,7 +290,7 @@ TEST_CASE("charge: grains of two materials in a box exchange charge and keep its
 
 // Catches a step that does not know how fast charges swing.
 TEST_CASE("charge: a step that does not resolve the force is refused") {
-  auto sim = scene({{0, 0, 0}, {2.5 * R, 0, 0}}, Charge{.cutoff = 10 * R, .start_charge = 4e-11});
+  auto sim = scene({{0, 0, 0}, {2.5 * R, 0, 0}}, Charge{.cutoff = 10 * R, .start_charge = 4e-10});
   sim.time_step = 1e-6;
   has(refusal([&] { sim.run(1e-4); }), "the modules' rate of particle 0 is");
   auto chosen = scene({{0, 0, 0}, {2.5 * R, 0, 0}}, Charge{.cutoff = 10 * R, .start_charge = 4e-12});

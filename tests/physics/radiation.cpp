@@ -84,10 +84,10 @@ TEST_CASE("radiation: two grey spheres come together exponentially where they di
 // Neighbours alone: T^4 falls linearly along a chain whose ends are held.
 TEST_CASE("radiation: the fourth power of the temperature is linear along a black chain") {
   auto sim = row(7, 2.5 * R, {.emissivity = 1, .gap = R});
-  sim.time_step = 0.1;
+  sim.time_step = 0.5;
   for (std::size_t k = 0; k < 7; ++k) T(sim, k) = 800;
   const auto hold = [](auto& s) { T(s, 0) = 1000, T(s, 6) = 600; };
-  sim.run(4000, hold);
+  sim.run(12000, hold);
   for (std::size_t k = 1; k < 6; ++k) {
     const double all = std::pow(1000, 4) - std::pow(600, 4);
     CHECK((std::pow(1000, 4) - std::pow(T(sim, k), 4)) / all ==
@@ -125,7 +125,7 @@ TEST_CASE("radiation: a cloud keeps its heat, and its hottest cool") {
 TEST_CASE("radiation: a sphere over a plane of 0 K cools as half of it radiates") {
   auto sim = row(1, R, {.gap = R},
                  {.point = {0, 0, -1.5 * R}, .temperature = 0, .emissivity = 0.7, .gap = R});
-  sim.time_step = 0.01;
+  sim.time_step = 0.002;  // Euler's rule errs by 7e-5
   T(sim, 0) = 1200;
   sim.run(20);
   const double k = 3 * 0.7 * sigma * 2 * pi * R * R / (mass * c);  // of 1/T^3

@@ -106,7 +106,9 @@ struct Wall {
   /// [m3] that modules have worn of each facet of its meshes, one mesh after the other, of each of
   /// these modules; empty: nothing yet.
   std::vector<double> worn;
-  std::vector<double> given;  // by it to particles, of each module that counts it; empty: nothing
+  /// Of each module, where some count what walls give: what it has given to particles, then what
+  /// it gives in this step [.../s]; empty: nothing yet.
+  std::vector<double> given;
   Box extent;  // [m] of the surfaces, in the wall's coordinates; may be infinite
 
   bool is_driven() const { return drive.index() != 0; }
