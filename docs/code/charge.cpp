@@ -13,14 +13,12 @@ int main() {
       .youngs_modulus = 1e7, .poisson_ratio = 0.25, .restitution = 0.5, .friction = 0.5};
   silt::Particles<silt::Sphere> grains;
   for (int k = 0; k < 64; ++k)
-    grains.add({.position = {k % 8 * 12 * R, k / 8 * 12 * R, 1.01 * R},
-                .radius = R,
-                .density = density});
+    grains.add(
+        {.position = {k % 8 * 12 * R, k / 8 * 12 * R, 1.01 * R}, .radius = R, .density = density});
 
-  silt::Simulation sim{
-      std::move(grains), silt::Contacts<silt::HertzMindlin>{glass},
-      silt::Charge{.cutoff = 20 * R,                     // [m]
-                   .planes = {{{0, 0, 0}, {0, 0, 1}}}}};  // grounded: images
+  silt::Simulation sim{std::move(grains), silt::Contacts<silt::HertzMindlin>{glass},
+                       silt::Charge{.cutoff = 20 * R,                      // [m]
+                                    .planes = {{{0, 0, 0}, {0, 0, 1}}}}};  // grounded: images
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, glass);
   for (std::size_t k = 0; k < sim.rows(); ++k)
     sim.field<silt::ElectricCharge>(k) = 4e-15 * static_cast<double>(sim.id(k));  // [C]
@@ -38,7 +36,8 @@ int main() {
     const double q = sim.field<silt::ElectricCharge>(k);
     const bool sticks = sim.position(k).z < 1.1 * R;
     stuck += sticks;
-    // The overlap with the plate brings the image nearer by some 1e-3; next to the limit not judged.
+    // The overlap with the plate brings the image nearer by some 1e-3; next to the limit not
+    // judged.
     wrong += std::abs(q / least - 1) > 0.02 && sticks != (q > least);
   }
   std::printf("%d of 64 grains stick, those with more than %.3g C\n", stuck, least);

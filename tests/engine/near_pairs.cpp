@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 // Modules that act between pairs within a reach: against brute force at every step, in periodic and
-// shearing boxes, through births, removals and sorting, for spheres and bodies; the same bits on any
-// number of threads and from a checkpoint; what one gets the other loses; refusals.
+// shearing boxes, through births, removals and sorting, for spheres and bodies; the same bits on
+// any number of threads and from a checkpoint; what one gets the other loses; refusals.
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -267,7 +267,8 @@ TEST_CASE("near_pairs: refusals") {
         std::string::npos);
   auto short_box = in_box();
   short_box.module<Repulsion>().length = 0.0101;
-  CHECK(refusal([&] { short_box.run(1e-3); })
-            .find("must be at least 0.0202 m, twice the reach of the module Repulsion") !=
+  CHECK(refusal([&] {
+          short_box.run(1e-3);
+        }).find("must be at least 0.0202 m, twice the reach of the module Repulsion") !=
         std::string::npos);
 }

@@ -116,9 +116,9 @@ TEST_CASE("charge: two that fly apart keep the sum of their energies, to second 
     double worst = 0;
     sim.run(0.02, [&](const auto& s) {
       const double x = silt::norm(s.position(0) - s.position(1));
-      const double kinetic = 0.5 * mass *
-                             (silt::dot(s.velocity(0), s.velocity(0)) +
-                              silt::dot(s.velocity(1), s.velocity(1)));
+      const double kinetic =
+          0.5 * mass *
+          (silt::dot(s.velocity(0), s.velocity(0)) + silt::dot(s.velocity(1), s.velocity(1)));
       worst = std::max(worst, std::abs(kinetic + potential(x) - potential(r)));
     });
     const double gained = potential(r) - potential(silt::norm(sim.position(0) - sim.position(1)));
@@ -230,8 +230,7 @@ TEST_CASE("charge: impacts on walls charge a sphere to q_inf (1 - exp(-n/n0))") 
     const double most = 2 * std::numbers::pi * eps0 * R * R * V / 5e-7, n0 = 2 * R / deepest;
     CHECK(!touches);
     CHECK(impacts > 15);
-    const double given =
-        sim.given_by_wall<TriboCharge>(0) + sim.given_by_wall<TriboCharge>(1);
+    const double given = sim.given_by_wall<TriboCharge>(0) + sim.given_by_wall<TriboCharge>(1);
     CHECK(given == near(charge_of(sim)).epsilon(1e-12));
     const double ratio = charge_of(sim) / (most * (1 - std::exp(-impacts / n0)));
     CHECK(charge_of(sim) > 0.3 * most);
@@ -293,7 +292,8 @@ TEST_CASE("charge: a step that does not resolve the force is refused") {
   auto sim = scene({{0, 0, 0}, {2.5 * R, 0, 0}}, Charge{.cutoff = 10 * R, .start_charge = 4e-10});
   sim.time_step = 1e-6;
   has(refusal([&] { sim.run(1e-4); }), "the modules' rate of particle 0 is");
-  auto chosen = scene({{0, 0, 0}, {2.5 * R, 0, 0}}, Charge{.cutoff = 10 * R, .start_charge = 4e-12});
+  auto chosen =
+      scene({{0, 0, 0}, {2.5 * R, 0, 0}}, Charge{.cutoff = 10 * R, .start_charge = 4e-12});
   chosen.run(0);
   const double rate = std::sqrt(4 * k_e * 4e-12 * 4e-12 / std::pow(2.5 * R, 3) / mass);
   CHECK(chosen.step_length() <= 1.0001 * std::numbers::pi / 20 / rate);

@@ -34,9 +34,10 @@ inline auto row(std::size_t count, double apart, const Module::Surfaces& surface
     p.add({.position = {static_cast<double>(k) * apart, 0, 0}, .radius = R, .density = density});
   silt::Simulation sim{
       std::move(p), silt::Contacts<silt::HertzMindlin>{glass},
-      Module{silt::Heat{silt::HeatConduction{.conductivity = 1, .heat_capacity = c, .flux_every = 1},
-                        plane},
-             surfaces}};
+      Module{
+          silt::Heat{silt::HeatConduction{.conductivity = 1, .heat_capacity = c, .flux_every = 1},
+                     plane},
+          surfaces}};
   return sim;
 }
 template <class Sim>
@@ -167,7 +168,8 @@ TEST_CASE("radiation: refusals") {
     CHECK_MESSAGE(all.find(part) != std::string::npos, all, " lacks ", part);
   };
   const silt::PlaneRadiation plane{.gap = R};
-  has(of({.emissivity = 0, .gap = R}, plane), "MutualRadiation.emissivity = 0 [-] must be in (0, 1]");
+  has(of({.emissivity = 0, .gap = R}, plane),
+      "MutualRadiation.emissivity = 0 [-] must be in (0, 1]");
   has(of({.gap = 0}, plane), "MutualRadiation.gap = 0 [m]");
   has(of({.gap = R, .others = {1.1}}, plane), "MutualRadiation.others[0] = 1.1 [-]");
   has(of({.gap = R}, {.temperature = -1, .gap = R}), "PlaneRadiation.temperature = -1 [K]");

@@ -145,8 +145,8 @@ class NearList {
       Vec3d inside = at;
       if constexpr (Domain::periodic) inside = domain.wrapped(at);
       // Rounding of the wrapped place must not lose a pair.
-      const double grown = (1 + 1e-9) * (reach.length + skin_) / 2 +
-                           (reach.of_surfaces ? p.radius() : 0);
+      const double grown =
+          (1 + 1e-9) * (reach.length + skin_) / 2 + (reach.of_surfaces ? p.radius() : 0);
       rows_.push_back({inside.x, inside.y, inside.z, grown});
       places_.push_back(static_cast<std::uint32_t>(k));
       largest_ = std::max(largest_, grown);

@@ -27,9 +27,9 @@ template <class M, class Domain>
 class NearPairs<M, Domain, true> {
  public:
   NearList<Domain> list;
-  AlignedVector<Vec3d> force;                // [N] on each particle
-  AlignedVector<double> flux;                // [.../s] into each
-  AlignedVector<double> stiffness, slope;    // [N/m], [.../s]: sums, of the last look that measured
+  AlignedVector<Vec3d> force;              // [N] on each particle
+  AlignedVector<double> flux;              // [.../s] into each
+  AlignedVector<double> stiffness, slope;  // [N/m], [.../s]: sums, of the last look that measured
 
   template <class Engine>
   void look(const M& module, const Engine& e, const Domain& domain, const std::vector<Seen>& seen,
@@ -100,8 +100,7 @@ class NearPairs<M, Domain, true> {
       if constexpr (Domain::periodic) d = domain.shortest(d);
       const double distance2 = dot(d, d);
       if (!list.within(distance2, a.radius, b.radius)) return;
-      of_pairs[pair] =
-          answer(Apart{d, std::sqrt(distance2)}, a, fields(e, i), b, fields(e, j));
+      of_pairs[pair] = answer(Apart{d, std::sqrt(distance2)}, a, fields(e, i), b, fields(e, j));
     });
     of_particles.assign(seen.size(), Value{});
     list.gather(e.team(), [&](std::size_t k, std::size_t pair, int sign) {

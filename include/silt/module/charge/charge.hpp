@@ -53,10 +53,10 @@ struct ConductingPlane {
 ///         finite, a plane without a normal, a box shorter than twice the cut-off.
 /// Tests:  tests/physics/charge.cpp.
 struct Charge {
-  double cutoff = 0;                       // [m] > 0, between centres
-  Vec3d field{0, 0, 0};                    // [V/m]
-  double permittivity = 1;                 // [-] relative, of the medium
-  double start_charge = 0;                 // [C] of particles that come
+  double cutoff = 0;        // [m] > 0, between centres
+  Vec3d field{0, 0, 0};     // [V/m]
+  double permittivity = 1;  // [-] relative, of the medium
+  double start_charge = 0;  // [C] of particles that come
   std::vector<ConductingPlane> planes{};
 
   static constexpr double eps0 = 8.8541878128e-12;  // [F/m] CODATA 2018
@@ -105,10 +105,10 @@ struct Charge {
     require(std::isfinite(start_charge), "Charge.start_charge = ", start_charge,
             " [C] must be finite");
     for (std::size_t k = 0; k < planes.size(); ++k)
-      require(is_finite(planes[k].point) && is_finite(planes[k].normal) &&
-                  norm(planes[k].normal) > 0,
-              "Charge.planes[", k, "]: its point ", planes[k].point, " [m] and normal ",
-              planes[k].normal, " must be finite, and the normal not 0");
+      require(
+          is_finite(planes[k].point) && is_finite(planes[k].normal) && norm(planes[k].normal) > 0,
+          "Charge.planes[", k, "]: its point ", planes[k].point, " [m] and normal ",
+          planes[k].normal, " must be finite, and the normal not 0");
   }
 };
 

@@ -22,8 +22,8 @@ namespace silt::inline SILT_TARGET {
 ///
 /// Charge passes only while the contact's area grows (the condenser model: the gap closes at the
 /// potential difference and opens without leakage). (2) is the field of both spheres' own charge
-/// where they touch; a wall is grounded and acts as a mirror. Other particles' charges and the outer
-/// field are left out of E_ij. What i gets j loses; what walls give is counted,
+/// where they touch; a wall is grounded and acts as a mirror. Other particles' charges and the
+/// outer field are left out of E_ij. What i gets j loses; what walls give is counted,
 /// sim.given_by_wall<TriboCharge>(wall) [C].
 ///
 /// A sphere that hits one wall again and again, each time with the largest overlap d, has
@@ -35,7 +35,8 @@ namespace silt::inline SILT_TARGET {
 /// Source: (1), (2), and a mirrored particle for walls: J. Kolehmainen et al., a draft of their
 ///         paper on triboelectric charging of monodisperse particles in fluidised beds
 ///         (authorea.com/users/69387/articles/82258), read in part; it adds the neighbours' charges
-///         to E_ij, which is left out here, and takes delta = 500 nm as typical. (3): from (1), (2).
+///         to E_ij, which is left out here, and takes delta = 500 nm as typical. (3): from (1),
+///         (2).
 /// Valid:  insulators with an effective work function; d small against R.
 /// Units:  SI, work functions in eV. Shapes: all; of bodies R is that of the bounding sphere, and
 ///         the area follows R* of the contact.
@@ -75,9 +76,10 @@ struct TriboCharge : Charge {
   }
   template <class Real>
   SILT_INLINE Real flux(const Touching<Real>& c, const Coefficients<Real>& p, const Real& a,
-                        const Real& b) const {  // [C/s]
+                        const Real& b) const {       // [C/s]
     const Real other = c.at_wall ? Real(0) - a : b;  // a wall's is the mirrored one
-    const Real of_charges = (a - other) * Real(static_cast<ScalarOf<Real>>(0.25 * std::numbers::inv_pi));
+    const Real of_charges =
+        (a - other) * Real(static_cast<ScalarOf<Real>>(0.25 * std::numbers::inv_pi));
     return (p.push - of_charges) * p.factor * c.R_eff * max(c.growth, Real(0));
   }
   void update(const Seen&, Fields& f, double received, double dt) const {

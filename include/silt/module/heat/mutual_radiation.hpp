@@ -21,13 +21,13 @@ namespace silt::inline SILT_TARGET {
 ///   Q_ij = sigma (T_j^4 - T_i^4)/(s_i + 1/(A_i F_ij) + s_j)                              (1)
 ///   A_i F_ij = pi R_i^2 R_j^2/r^2,   s = (1 - e)/(e A),   A = 4 pi R^2                    (2)
 ///
-/// for all pairs whose surfaces are nearer than `gap`: the network of two grey diffuse surfaces. The
-/// view factor is that of spheres far apart, F_ij = R_j^2/(4 r^2): at touch it is 17 % too small. No
-/// particle stands in the way of two others, so that the gap must end where in the bed others would:
-/// where the view factors of a particle sum up to 1. In a packing of solid fraction f with Z contacts
-/// the sum up to the distance r is about Z/16 + 3/4 f (r/R - 2): in a random packing (f = 0.6, Z = 6)
-/// a gap of 1.4 R. What of its surroundings a particle does not see through neighbours is left out;
-/// in dilute clouds add the part Radiation.
+/// for all pairs whose surfaces are nearer than `gap`: the network of two grey diffuse surfaces.
+/// The view factor is that of spheres far apart, F_ij = R_j^2/(4 r^2): at touch it is 17 % too
+/// small. No particle stands in the way of two others, so that the gap must end where in the bed
+/// others would: where the view factors of a particle sum up to 1. In a packing of solid fraction f
+/// with Z contacts the sum up to the distance r is about Z/16 + 3/4 f (r/R - 2): in a random
+/// packing (f = 0.6, Z = 6) a gap of 1.4 R. What of its surroundings a particle does not see
+/// through neighbours is left out; in dilute clouds add the part Radiation.
 ///
 /// Source: network of grey surfaces: textbooks of heat transfer, recalled. That pairs near by are
 ///         enough: quasi Monte Carlo ray tracing of pebble beds, abstract read (hplpb.com.cn,
@@ -93,8 +93,8 @@ struct MutualRadiation : Base {
 ///
 ///   Q = sigma e 2 pi R^2 (T_wall^4 - T^4)
 ///
-/// The plane is black, or large enough to seem so. Particles farther than `gap` do not see it, as others stand
-/// between. Tests: tests/physics/radiation.cpp.
+/// The plane is black, or large enough to seem so. Particles farther than `gap` do not see it, as
+/// others stand between. Tests: tests/physics/radiation.cpp.
 struct PlaneRadiation {
   Vec3d point{0, 0, 0};         // [m]
   Vec3d normal{0, 0, 1};        // [-] of any length, to the side of the particles
@@ -110,9 +110,8 @@ struct PlaneRadiation {
     require_in("PlaneRadiation.emissivity", emissivity, "-", 0, 1);
     require_not_negative("PlaneRadiation.temperature", temperature, "K");
     require_positive("PlaneRadiation.gap", gap, "m");
-    require(is_finite(point) && is_finite(normal) && norm(normal) > 0,
-            "PlaneRadiation: its point ", point, " [m] and normal ", normal,
-            " must be finite, and the normal not 0");
+    require(is_finite(point) && is_finite(normal) && norm(normal) > 0, "PlaneRadiation: its point ",
+            point, " [m] and normal ", normal, " must be finite, and the normal not 0");
   }
 
  private:
