@@ -230,7 +230,6 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
         if (kicked_) engine_.move_box(domain_, dt_);
       kicked_ = observed_ = false;
       modules_.update(engine_, step_ + 1, time_at(step_ + 1), dt_);
-      if constexpr (Modules::counts_walls) count_given_by_walls();
     }
     (detail::end(observers, *this), ...);
     continued_ = false;
@@ -320,8 +319,6 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     engine_.pair_forces(domain_, times);
     engine_.wall_forces(times);
     engine_.collect_fluxes();
-    if constexpr (Modules::counts_walls)
-      if (engine_.fluxes().asked()) look_at_giving_walls();
     if constexpr (Modules::in_pairs) act_in_pairs();
     if constexpr (has_events) engine_.events.sort();
     if constexpr (Fluid::active) couple();
@@ -365,8 +362,6 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   void couple();
   void push_modules();
   void act_in_pairs();
-  void look_at_giving_walls();
-  void count_given_by_walls();
   void start_fields(std::size_t from);
   double power_of_modules() const;
   double longest_module_step() const;

@@ -106,9 +106,6 @@ struct Wall {
   /// [m3] that modules have worn of each facet of its meshes, one mesh after the other, of each of
   /// these modules; empty: nothing yet.
   std::vector<double> worn;
-  /// Of each module, where some count what walls give: what it has given to particles, then what
-  /// it gives in this step [.../s]; empty: nothing yet.
-  std::vector<double> given;
   Box extent;  // [m] of the surfaces, in the wall's coordinates; may be infinite
 
   bool is_driven() const { return drive.index() != 0; }

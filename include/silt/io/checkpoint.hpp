@@ -55,10 +55,6 @@ class Checkpoint {
     auto walls = detail::WallsState::of(e.walls, e.lists);
     walls.visit(a, e.walls.size());
     if constexpr (Sim::Modules::wear) walls.visit_wear(a, e.walls.size());
-    if constexpr (Sim::Modules::counts_walls) {
-      walls.take_given(e.walls, 2 * Sim::Modules::count);
-      walls.visit_given(a, e.walls.size(), 2 * Sim::Modules::count);
-    }
     auto openings = detail::OpeningsState::of(sim.openings_);
     openings.visit(a, openings.out_count.size(), openings.placed.size());
 
@@ -229,12 +225,6 @@ class Checkpoint {
         wall.deforming = static_cast<int>(walls_.deforming[w]), wall.deformed = walls_.deformed[w];
         wall.vertex_steps = std::move(vertex_steps_[w]);
         if constexpr (Sim::Modules::wear) wall.worn = std::move(worn_[w]);
-        if constexpr (Sim::Modules::counts_walls) {
-          constexpr std::size_t numbers = 2 * Sim::Modules::count;
-          const double* const from = walls_.given.data() + w * numbers;
-          wall.given = w < known_walls_ ? std::vector<double>(from, from + numbers)
-                                        : std::vector<double>();
-        }
       }
       openings_.put(sim.openings_, accepted.inlets, accepted.outlets, clock_.time);
       if constexpr (detail::deforms<typename Sim::Domain>) sim.domain_ = *box_;
@@ -281,8 +271,6 @@ class Checkpoint {
         walls_.visit_wear(a, known_walls_);
         worn_ = walls_.worn_of(a, e_.walls, Sim::Modules::wearing);
       }
-      if constexpr (Sim::Modules::counts_walls)
-        walls_.visit_given(a, known_walls_, 2 * Sim::Modules::count);
       for (std::size_t w = 0; w < known_walls_; ++w)
         a.need(walls_.surfaces[w] == 0 || walls_.surfaces[w] == e_.walls[w].surfaces.size(),
                detail::name_of_wall(e_.walls, w), " has ", walls_.surfaces[w],

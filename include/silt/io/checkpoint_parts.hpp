@@ -192,7 +192,6 @@ struct WallsState {
   std::vector<std::uint64_t> deforming, deformed, vertices;  // vertices: numbers of vertex_steps
   std::vector<Vec3d> vertex_steps;
   std::vector<double> worn;                // where modules wear walls
-  std::vector<double> given;               // by each wall, of each module, where modules count it
   std::vector<std::uint64_t> worn_numbers;  // of each wall
   std::array<std::vector<Pose>, 2> marks;  // at the search, at the pruning
   std::vector<Box> regions;                // of both
@@ -243,17 +242,6 @@ struct WallsState {
     a.column("walls.worn_numbers", worn_numbers, walls);
     a.column("walls.worn", worn, Archive::loads ? CheckpointLoader::any_count : worn.size(),
              not_negative_number);
-  }
-  /// Where modules count what walls give.
-  template <class Walls>
-  void take_given(const Walls& walls, std::size_t modules) {
-    given.clear();
-    for (const auto& w : walls)
-      for (std::size_t m = 0; m < modules; ++m) given.push_back(w.given.empty() ? 0 : w.given[m]);
-  }
-  template <class Archive>
-  void visit_given(Archive& a, std::size_t walls, std::size_t modules) {
-    a.column("walls.given", given, walls * modules, finite_number);
   }
   /// What was worn of each wall of a scene, which must fit to it: `modules` that wear.
   template <class Walls>

@@ -117,8 +117,6 @@ struct WallRub {
 ///   double at_contact(const Seen&, const Fields&) const;        // what a particle has for flux(), in
 ///                                        // place of `exchanged`
 ///   static constexpr bool needs_growth = true;                  // Touching::growth is filled in
-///   static constexpr bool counts_walls = true;                  // what each wall has given is kept:
-///                                        // sim.given_by_wall<M>(wall)
 ///   double rate(const Seen&, const Fields&, double slope) const;  // [1/s], slope: the sum of
 ///                                        // flux() from 1 to 0 over the contacts of the particle,
 ///                                        // looked at now and then; rate(const Seen&) before that
@@ -260,10 +258,6 @@ concept HasContactValue = Exchanges<M> && requires(const M& m, const Seen& p, co
 template <class M>
 concept NeedsGrowth = Exchanges<M> && requires {
   requires M::needs_growth;
-};
-template <class M>
-concept CountsWalls = HasWallEnds<M> && requires {
-  requires M::counts_walls;
 };
 template <class M>
 concept SaysReach = requires(const M& m) {

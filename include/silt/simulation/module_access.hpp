@@ -3,7 +3,6 @@
 
 #include <cstddef>
 
-#include <silt/boundary/wall.hpp>
 #include <silt/engine/state/module_columns.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -45,15 +44,6 @@ class ModuleAccess {
   template <class M>
   const M& module() const {
     return sim().modules_.template get<M>();
-  }
-  /// What a wall has given to particles since the start, by number or name, in a module that counts
-  /// it: the charge [C] of TriboCharge.
-  template <class M>
-  double given_by_wall(const WhichWall& which) const {
-    static_assert(CountsWalls<M>, "this module does not count what walls give");
-    static_assert(Sim::Modules::template times<M> == 1, "this simulation has no such module");
-    const auto& given = sim().wall(which).given;
-    return given.empty() ? 0 : given[Sim::Modules::template index_of<M>];
   }
   /// What modules push particle k with at present [N].
   Vec3d module_force(std::size_t k) const {

@@ -23,29 +23,6 @@ void Simulation<Policies...>::start_fields([[maybe_unused]] std::size_t from) {
     }
 }
 
-/// What each wall gives in this step, for modules that count that.
-template <class... Policies>
-void Simulation<Policies...>::look_at_giving_walls() {
-  if constexpr (Modules::counts_walls)
-    for (std::size_t w = 0; w < engine_.walls.size(); ++w) {
-      auto& given = engine_.walls[w].given;
-      given.resize(2 * Modules::count);
-      Modules::for_each_type([&]<class M>(std::type_identity<M>) {
-        if constexpr (detail::CountsWalls<M>)
-          given[Modules::count + Modules::template index_of<M>] =
-              engine_.fluxes().template given_by<M>(w);
-      });
-    }
-}
-/// After a step, together with the fields of particles.
-template <class... Policies>
-void Simulation<Policies...>::count_given_by_walls() {
-  if constexpr (Modules::counts_walls)
-    for (Wall& wall : engine_.walls)
-      for (std::size_t m = 0; m < Modules::count && !wall.given.empty(); ++m)
-        wall.given[m] += dt_ * wall.given[Modules::count + m];
-}
-
 /// What modules do between pairs of particles within their reach.
 template <class... Policies>
 void Simulation<Policies...>::act_in_pairs() {

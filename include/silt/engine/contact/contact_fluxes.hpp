@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <numeric>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -51,7 +50,6 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
   static constexpr bool takes_loss = (TakesLoss<Ms> || ...);
   static constexpr bool wears = ModuleList<Ms...>::wear;
   static constexpr bool needs_growth = (NeedsGrowth<Ms> || ...);
-  static constexpr bool counts_walls = ModuleList<Ms...>::counts_walls;
   static constexpr std::size_t wearing = ModuleList<Ms...>::wearing;
 
   /// Before a run: what belongs to each pair of materials.
@@ -80,14 +78,6 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
   template <class Columns, class OwnerOf>
   void collect(Columns& columns, std::size_t rows, const OwnerOf& owner_of) {
     if (ask_) (collect_one<Ms>(columns, rows, owner_of), ...);
-  }
-  /// [.../s] that wall w gives in this step to what touches it.
-  template <class M>
-  double given_by(std::size_t w) const {
-    const Rows& all = rows_[index_of<M>];
-    if (w >= all.weights.size()) return 0;
-    const double sum = std::accumulate(all.weights[w].begin(), all.weights[w].end(), 0.0);
-    return all.given[w] ? (sum > 0 ? *all.given[w] : 0) : sum;
   }
   /// Calls visit(number among those that wear, [m3]) for each module that wears walls.
   template <class Visit>
@@ -219,7 +209,7 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
     for (std::size_t w = 0; w < when.walls; ++w) {
       all.of_wall[w] = module<M>().at_wall(w, when.time);
       if constexpr (HasGivingWalls<M>) all.given[w] = module<M>().given_by_wall(w, when.time);
-      if (all.given[w] || CountsWalls<M>) all.weights[w].assign(rows, 0);
+      if (all.given[w]) all.weights[w].assign(rows, 0);
     }
   }
   template <class M, class Columns, class OwnerOf>
@@ -303,7 +293,6 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
           return;
         }
         if (!all.of_wall[w]) return;
-        if constexpr (CountsWalls<M>) all.weights[w][i] += static_cast<double>(flux[lane]);
       }
       all.row[i].sum += static_cast<double>(flux[lane]);
       if constexpr (!Ends::at_wall)

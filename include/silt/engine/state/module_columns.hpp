@@ -64,7 +64,6 @@ struct ModuleList {
   static constexpr bool update = ((Updates<Ms> || UpdatesByFlux<Ms>) || ...);
   static constexpr bool flux = (Exchanges<Ms> || ...);
   static constexpr bool wear = (WearsWalls<Ms> || ...);
-  static constexpr bool counts_walls = (CountsWalls<Ms> || ...);
   static_assert((ModuleFits<Ms>::checked && ...));
   template <class M>
   static constexpr std::size_t index_of = [] {

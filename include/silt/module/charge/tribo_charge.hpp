@@ -24,7 +24,7 @@ namespace silt::inline SILT_TARGET {
 /// potential difference and opens without leakage). (2) is the field of both spheres' own charge
 /// where they touch; a wall is grounded and acts as a mirror. Other particles' charges and the
 /// outer field are left out of E_ij. What i gets j loses; what walls give is counted,
-/// sim.given_by_wall<TriboCharge>(wall) [C].
+/// sim.given_by_wall<TriboCharge>(wall).sum [C].
 ///
 /// A sphere that hits one wall again and again, each time with the largest overlap d, has
 ///   q_n = q_inf (1 - exp(-n/n0)),   q_inf = 2 pi eps R^2 V/delta,   n0 = 2 R/(alpha d)     (3)
@@ -53,7 +53,7 @@ struct TriboCharge : Charge {
   TriboCharge(Charge charge, Surfaces of) : Charge(std::move(charge)), surfaces(std::move(of)) {}
 
   static constexpr auto exchanged = &ChargeFields::charge;
-  static constexpr bool needs_growth = true, counts_walls = true;
+  static constexpr bool needs_growth = true;
   template <class Real>
   struct Coefficients {
     Real push;    // [C/m2] eps V_ij/delta, into the first end
