@@ -230,6 +230,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
         if (kicked_) engine_.move_box(domain_, dt_);
       kicked_ = observed_ = false;
       modules_.update(engine_, step_ + 1, time_at(step_ + 1), dt_);
+      if constexpr (Modules::flux) engine_.fluxes().book(dt_);
     }
     (detail::end(observers, *this), ...);
     continued_ = false;

@@ -123,16 +123,15 @@ TEST_CASE("wear: a sphere that rolls wears nothing, one that spins on the spot d
 
 // Catches wear at each step of the contact, the wrong branch of f, a factor K, sine for cosine.
 TEST_CASE("wear: an impact wears as Finnie says at angles on both sides of tan alpha = K/6") {
-  const double degree = 3.14159265358979323846 / 180, speed = 5;  // [m/s]
+  const double degree = 3.14159265358979323846 / 180, speed = 1;  // [m/s]
   for (const double alpha : {5 * degree, 15 * degree, 30 * degree, 80 * degree}) {
-    auto sim = scene<silt::Sphere>({.position = {0.1, 0, R + 1e-5},
+    auto sim = scene<silt::Sphere>({.position = {0.1, 0, R + 1e-4},
                                     .radius = R,
                                     .density = density,
                                     .velocity = {speed * std::cos(alpha), 0,
                                                  -speed * std::sin(alpha)}},
                                    smooth);
-    sim.time_step = 1e-6;
-    sim.run(2e-3);
+    sim.run(0.01);
     CHECK(sim.velocity(0).z > 0);  // it has left the plate
     const double f = std::tan(alpha) <= 2.0 / 6
                          ? std::sin(2 * alpha) - 3 * std::pow(std::sin(alpha), 2)

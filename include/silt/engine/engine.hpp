@@ -159,6 +159,7 @@ class Engine : public Tables<Composition> {
   }
 
   const Fluxes& fluxes() const { return fluxes_; }
+  Fluxes& fluxes() { return fluxes_; }
 
   void pair_forces(const Domain& domain, const StepTimes& times) {
     if constexpr (convex) {

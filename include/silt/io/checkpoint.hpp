@@ -81,6 +81,7 @@ class Checkpoint {
       a.column("box", box, box.size());
     }
     detail::visit_columns(a, e.modules(), e.owners());
+    if constexpr (Sim::Modules::flux) a.copied("modules.from_walls", e.fluxes().wall_books());
     if constexpr (Sim::Fluid::active) {
       detail::visit_columns(a, e.fluid_loads(), e.owners());
       // It visits what it has as something that may change; here nothing does.
@@ -178,6 +179,13 @@ class Checkpoint {
                       accepted.inlets ? detail::CheckpointLoader::any_count : inlets);
       detail::check_openings(a, openings_, sim_.openings_, clock_, accepted);
       read_particles(a);
+      if constexpr (Sim::Modules::flux) {
+        a.column("modules.from_walls", from_walls_, detail::CheckpointLoader::any_count);
+        auto books = e_.fluxes();  // to try them
+        a.need(books.take_wall_books(from_walls_, e_.walls.size()),
+               "modules.from_walls has ", from_walls_.size(), " numbers, which do not fit to ",
+               e_.walls.size(), " walls");
+      }
       read_lists(a, accepted);
       if constexpr (detail::deforms<typename Sim::Domain>) read_box(a, path);
       if constexpr (Sim::has_ledger) read_ledger(a);
@@ -228,6 +236,7 @@ class Checkpoint {
       }
       openings_.put(sim.openings_, accepted.inlets, accepted.outlets, clock_.time);
       if constexpr (detail::deforms<typename Sim::Domain>) sim.domain_ = *box_;
+      if constexpr (Sim::Modules::flux) e.fluxes().take_wall_books(from_walls_, e.walls.size());
       if constexpr (Sim::has_ledger)
         sim.book_ = std::move(book_), sim.gravity_booked_ = gravity_booked_;
       if constexpr (Sim::Fluid::active) sim.fluid_ = std::move(*fluid_);
@@ -430,6 +439,7 @@ class Checkpoint {
     detail::WallsState walls_;
     std::vector<std::vector<Vec3d>> vertex_steps_;  // of each wall
     std::vector<std::vector<double>> worn_;         // of each wall, where modules wear them
+    std::vector<double> from_walls_;                // where modules have fluxes
     std::size_t known_walls_ = 0;  // of the scene, that the file has
     detail::OpeningsState openings_;
     decltype(Engine::coefficients) coefficients_;

@@ -70,6 +70,12 @@ struct WallRub {
   bool begins;              // there was no contact here in the step before
 };
 
+/// What a wall gives to the particles of a module with a flux: heat, say.
+struct WallGiven {
+  double rate = 0;  // [.../s] at present
+  double sum = 0;   // since the start
+};
+
 /// A module acts on particles, or knows more of them, beside contacts and a fluid. It is a struct
 /// that is given to a Simulation like any policy, any number of them, and has what it needs of:
 ///

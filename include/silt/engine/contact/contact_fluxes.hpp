@@ -86,6 +86,37 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
   }
   /// The next step asks for fluxes, as a particle was taken away.
   void renew() { renew_ = true; }
+  /// Books a step of `dt` [s].
+  void book(double dt) {
+    for (Rows& all : rows_)
+      for (WallGiven& wall : all.from_walls) wall.sum += wall.rate * dt;
+  }
+  /// What walls have given to the particles of a module; to be kept in checkpoints.
+  template <class M>
+  const std::vector<WallGiven>& from_walls() const {
+    return rows_[index_of<M>].from_walls;
+  }
+  std::vector<double> wall_books() const {
+    std::vector<double> books;
+    for (const Rows& all : rows_) {
+      books.push_back(static_cast<double>(all.from_walls.size()));
+      for (const WallGiven& w : all.from_walls) books.push_back(w.rate), books.push_back(w.sum);
+    }
+    return books;
+  }
+  /// False if the numbers are not those of such books.
+  bool take_wall_books(const std::vector<double>& books, std::size_t walls) {
+    std::size_t k = 0;
+    for (Rows& all : rows_) {
+      if (k == books.size() || !(books[k] >= 0 && books[k] <= static_cast<double>(walls)))
+        return false;
+      const auto count = static_cast<std::size_t>(books[k++]);
+      if (books.size() - k < 2 * count) return false;
+      all.from_walls.resize(count);
+      for (WallGiven& w : all.from_walls) w = {books[k], books[k + 1]}, k += 2;
+    }
+    return k == books.size();
+  }
   /// Of an owner, in a step that measured: the sum of a module's fluxes from 1 to 0.
   template <class M>
   double slope_of(std::size_t owner) const {
@@ -138,7 +169,9 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
     AlignedVector<Row> row;
     AlignedVector<double> slope, owned_slope;
     std::vector<std::optional<double>> of_wall, given;  // at each wall; given: in all
-    std::vector<AlignedVector<double>> weights;  // of the rows at each wall that gives so much
+    std::vector<AlignedVector<double>> of_rows;  // of each wall: what rows get; of one that gives
+                                                 // so much in all: their shares in it
+    std::vector<WallGiven> from_walls;
   };
   template <class M>
   struct Nothing {
@@ -205,11 +238,12 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
   template <class M>
   void prepare_walls(std::size_t rows, const When& when) {
     Rows& all = rows_of<M>();
-    all.of_wall.resize(when.walls), all.given.resize(when.walls), all.weights.resize(when.walls);
+    all.of_wall.resize(when.walls), all.given.resize(when.walls), all.of_rows.resize(when.walls);
+    all.from_walls.resize(when.walls);
     for (std::size_t w = 0; w < when.walls; ++w) {
       all.of_wall[w] = module<M>().at_wall(w, when.time);
       if constexpr (HasGivingWalls<M>) all.given[w] = module<M>().given_by_wall(w, when.time);
-      if (all.given[w]) all.weights[w].assign(rows, 0);
+      if (all.given[w] || all.of_wall[w]) all.of_rows[w].assign(rows, 0);
     }
   }
   template <class M, class Columns, class OwnerOf>
@@ -219,12 +253,15 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
       std::fill(received.begin(), received.end(), 0.0);
       Rows& all = rows_of<M>();
       for (std::size_t w = 0; w < all.given.size(); ++w) {
-        if (!all.given[w]) continue;
+        double& rate = all.from_walls[w].rate = 0;
+        if (!all.given[w] && !all.of_wall[w]) continue;
         double whole = 0;
-        for (std::size_t r = 0; r < rows; ++r) whole += all.weights[w][r];
-        if (!(whole > 0)) continue;
+        for (std::size_t r = 0; r < rows; ++r) whole += all.of_rows[w][r];
+        rate = whole;
+        if (!all.given[w] || !(whole > 0)) continue;
+        rate = *all.given[w];
         for (std::size_t r = 0; r < rows; ++r)
-          all.row[r].sum += *all.given[w] * (all.weights[w][r] / whole);
+          all.row[r].sum += rate * (all.of_rows[w][r] / whole);
       }
       for (std::size_t r = 0; r < rows; ++r) received[owner_of(r)] += all.row[r].sum;
       if (!SaysItsFluxRate<M> || !measure_) return;
@@ -289,10 +326,11 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
       if constexpr (Ends::at_wall) {
         const std::size_t w = ends.wall(k + lane);
         if (all.given[w]) {
-          all.weights[w][i] += static_cast<double>(slope[lane]);
+          all.of_rows[w][i] += static_cast<double>(slope[lane]);
           return;
         }
         if (!all.of_wall[w]) return;
+        all.of_rows[w][i] += static_cast<double>(flux[lane]);
       }
       all.row[i].sum += static_cast<double>(flux[lane]);
       if constexpr (!Ends::at_wall)
