@@ -46,8 +46,11 @@
 #include <silt/measure/wall_loads.hpp>
 #include <silt/measure/wall_wear.hpp>
 #include <silt/module/body_force.hpp>
+#include <silt/module/charge/charge.hpp>
+#include <silt/module/charge/tribo_charge.hpp>
 #include <silt/module/field.hpp>
 #include <silt/module/heat/conduction.hpp>
+#include <silt/module/heat/mutual_radiation.hpp>
 #include <silt/module/heat/surroundings.hpp>
 #include <silt/module/wear.hpp>
 #include <silt/search/brute_force.hpp>

@@ -278,6 +278,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     engine_.pair_forces(domain_, times);
     engine_.wall_forces(times);
     engine_.collect_fluxes();
+    if constexpr (Modules::in_pairs) act_in_pairs();
     if constexpr (has_events) engine_.events.sort();
     if constexpr (Fluid::active) couple();
     if constexpr (Modules::push) push_modules();
@@ -315,6 +316,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   void book_leaving(std::size_t k);
   void couple();
   void push_modules();
+  void act_in_pairs();
   void start_fields(std::size_t from);
   double power_of_modules() const;
   double longest_module_step() const;
@@ -374,7 +376,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   Search search_;
   Domain domain_;
   [[no_unique_address]] Fluid fluid_;
-  [[no_unique_address]] detail::ModuleStage<Modules> modules_;
+  [[no_unique_address]] detail::ModuleStage<Modules, Domain> modules_;
   [[no_unique_address]] decltype(particles_in_fluid()) in_fluid_;
   Engine engine_;
   detail::Openings<ShapeType> openings_;

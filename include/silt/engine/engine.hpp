@@ -150,7 +150,8 @@ class Engine : public Tables<Composition> {
       fluxes_.prepare(
           stage.modules, this->modules(), particles.size(),
           {time, walls.size(), look != FluxLook::Hold, look == FluxLook::Measure},
-          [this](std::size_t row) { return this->owner_of(row); }, *team_);
+          [this](std::size_t row) { return this->owner_of(row); },
+          [this, time](std::size_t k) { return this->seen(k, time); }, *team_);
   }
   void collect_fluxes() {
     if constexpr (Fluxes::active)

@@ -47,6 +47,16 @@ struct Touching {
   Real m_eff;         // [kg]
   Real softness;      // [-] modulus E* of the contact over that of the solids: below 1 in contacts
                       // that Softened makes softer, else 1
+  Real growth;        // [m/s] of the overlap over the last step, from 0 on where it began in it;
+                      // negative: it shrinks. 0 unless the module says `needs_growth = true`
+  bool at_wall;       // the second partner is a wall
+};
+
+/// Two particles that are near each other, as a module sees them that acts between them.
+struct Apart {
+  Vec3d from_other;  // [m] from the centre of the second to that of the first; of periodic images
+                     // the shortest
+  double distance;   // [m] its length
 };
 
 /// A contact of a particle with a mesh wall in one step, as a module sees it that wears walls.
@@ -110,6 +120,9 @@ struct WallGiven {
 ///   std::optional<double> given_by_wall(std::size_t wall, double time) const;  // [.../s] that the
 ///                                        // wall gives in all, in proportion to flux() from 1 to 0
 ///                                        // of each of its contacts; none: what at_wall says
+///   double at_contact(const Seen&, const Fields&) const;        // what a particle has for flux(), in
+///                                        // place of `exchanged`
+///   static constexpr bool needs_growth = true;                  // Touching::growth is filled in
 ///   double rate(const Seen&, const Fields&, double slope) const;  // [1/s], slope: the sum of
 ///                                        // flux() from 1 to 0 over the contacts of the particle,
 ///                                        // looked at now and then; rate(const Seen&) before that
@@ -122,6 +135,26 @@ struct WallGiven {
 /// none has share_of_loss): as seldom as the least of them says, while the fastest rate times the
 /// time between two calls is at most 0.01. With `update` once a step this is Euler's rule of a
 /// longer step, and what one end gets the other loses as before.
+///
+/// Particles may act on each other at a distance, touching or not, within a reach between their
+/// centres, or between their surfaces (of bodies: of their bounding spheres). Then a module has:
+///
+///   double reach() const;                                       // [m] > 0 between centres; or
+///   double gap_reach() const;                                   // [m] > 0 between surfaces
+///   Vec3d pair_force(const Apart& d, const Seen& a, const Fields& of_a, const Seen& b,
+///                    const Fields& of_b) const;                 // [N] on a; b gets the opposite;
+///                                                               // or (d, a, b) without fields
+///   double pair_stiffness(d, a, of_a, b, of_b) const;           // [N/m] how fast it changes with
+///                                                               // their places, for the time step
+///   double pair_flux(d, a, of_a, b, of_b) const;                // [.../s] into a, out of b
+///   double pair_slope(d, a, of_a, b, of_b) const;               // [.../s] its change with what b
+///                                                               // has; added to the `slope` of rate
+///
+/// and is asked once a step for each pair within the reach, in no order, by several threads. Forces
+/// act at the centres of mass: one that is not along d turns no particle, and keeps no angular
+/// momentum. Velocities are those of half a step before. What pair_flux() gives is `received` by
+/// update(), together with what flows through contacts; where those fluxes are held for several
+/// steps, so is this one. The pairs come from lists of the module's own: engine/lists/near_list.hpp.
 ///
 /// A module that wears mesh walls has
 ///
@@ -225,6 +258,51 @@ concept HasWallEnds = requires(const M& m) {
 template <class M>
 inline constexpr bool flows_at_walls = Exchanges<M>&& HasWallEnds<M>;
 template <class M>
+concept HasContactValue = Exchanges<M> && requires(const M& m, const Seen& p, const FieldsOf<M>& f) {
+  { m.at_contact(p, f) } -> std::convertible_to<double>;
+};
+template <class M>
+concept NeedsGrowth = Exchanges<M> && requires {
+  requires M::needs_growth;
+};
+template <class M>
+concept SaysReach = requires(const M& m) {
+  { m.reach() } -> std::convertible_to<double>;
+};
+template <class M>
+concept SaysGapReach = requires(const M& m) {
+  { m.gap_reach() } -> std::convertible_to<double>;
+};
+template <class M>
+concept PushesPairsWithoutFields = requires(const M& m, const Apart& d, const Seen& p) {
+  { m.pair_force(d, p, p) } -> std::convertible_to<Vec3d>;
+};
+template <class M>
+concept PushesPairs = PushesPairsWithoutFields<M> ||
+    requires(const M& m, const Apart& d, const Seen& p, const FieldsOf<M>& f) {
+  { m.pair_force(d, p, f, p, f) } -> std::convertible_to<Vec3d>;
+};
+template <class M>
+concept FlowsInPairs = has_fields<M> &&
+    requires(const M& m, const Apart& d, const Seen& p, const FieldsOf<M>& f) {
+  { m.pair_flux(d, p, f, p, f) } -> std::convertible_to<double>;
+};
+template <class M>
+concept SaysPairStiffness = requires(const M& m, const Apart& d, const Seen& p,
+                                     const FieldsOf<M>& f) {
+  { m.pair_stiffness(d, p, f, p, f) } -> std::convertible_to<double>;
+};
+template <class M>
+concept SaysPairSlope = requires(const M& m, const Apart& d, const Seen& p, const FieldsOf<M>& f) {
+  { m.pair_slope(d, p, f, p, f) } -> std::convertible_to<double>;
+};
+/// Acts between particles at a distance.
+template <class M>
+concept ActsInPairs = PushesPairs<M> || FlowsInPairs<M>;
+/// Is told what it received.
+template <class M>
+concept Receives = Exchanges<M> || FlowsInPairs<M>;
+template <class M>
 concept SaysFluxSteps = Exchanges<M> && requires(const M& m) {
   { m.flux_every } -> std::convertible_to<std::size_t>;
 };
@@ -237,7 +315,7 @@ concept HasGivingWalls = HasWallEnds<M> && requires(const M& m) {
   { m.given_by_wall(std::size_t{}, double{}) } -> std::convertible_to<std::optional<double>>;
 };
 template <class M>
-concept SaysItsFluxRate = Exchanges<M> && requires(const M& m, const Seen& p, const FieldsOf<M>& f) {
+concept SaysItsFluxRate = Receives<M> && requires(const M& m, const Seen& p, const FieldsOf<M>& f) {
   { m.rate(p, f, double{}) } -> std::convertible_to<double>;
 };
 template <class M>
@@ -294,7 +372,8 @@ concept FieldQuantity = requires(typename Q::Of& fields) {
 template <class M>
 concept Module =
     std::is_copy_constructible_v<M> &&(detail::Pushes<M> || detail::has_fields<M> ||
-                                       detail::WearsWalls<M>)&&(
+                                       detail::WearsWalls<M> ||
+                                       detail::ActsInPairs<M>)&&(
     std::is_trivially_copyable_v<FieldsOf<M>>&& std::is_default_constructible_v<FieldsOf<M>>);
 
 }  // namespace silt

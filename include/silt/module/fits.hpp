@@ -16,7 +16,7 @@ namespace silt::inline SILT_TARGET::detail {
 /// Beside these names a member of M of the same name is ambiguous, whatever it is: a function,
 /// several, a template. That tells whether M has one. (Of a final M only what has an address.)
 struct NamesOfModules {
-  int force, rate, start, update, flux, at_wall, exchanged;
+  int force, rate, start, update, flux, at_wall, exchanged, pair_force, pair_flux, reach, gap_reach;
 };
 template <class M>
 struct BesideNames : M, NamesOfModules {};
@@ -29,6 +29,10 @@ struct MembersNamed {
   static constexpr bool flux = !requires { &BesideNames<M>::flux; };
   static constexpr bool at_wall = !requires { &BesideNames<M>::at_wall; };
   static constexpr bool exchanged = !requires { &BesideNames<M>::exchanged; };
+  static constexpr bool pair_force = !requires { &BesideNames<M>::pair_force; };
+  static constexpr bool pair_flux = !requires { &BesideNames<M>::pair_flux; };
+  static constexpr bool reach = !requires { &BesideNames<M>::reach; };
+  static constexpr bool gap_reach = !requires { &BesideNames<M>::gap_reach; };
 };
 template <class M>
 requires std::is_final_v<M>
@@ -40,6 +44,10 @@ struct MembersNamed<M> {
   static constexpr bool flux = requires { &M::flux; };
   static constexpr bool at_wall = requires { &M::at_wall; };
   static constexpr bool exchanged = requires { &M::exchanged; };
+  static constexpr bool pair_force = requires { &M::pair_force; };
+  static constexpr bool pair_flux = requires { &M::pair_flux; };
+  static constexpr bool reach = requires { &M::reach; };
+  static constexpr bool gap_reach = requires { &M::gap_reach; };
 };
 /// A class that is no module for what is checked here, but has a module's functions.
 template <class P>
@@ -120,9 +128,21 @@ struct ModuleFits {
   static_assert(!Exchanges<M> || UpdatesByFlux<M>,
                 "a module with `exchanged` needs update(seen, fields, received, dt): "
                 "silt/module/concept.hpp");
-  static_assert(Named::exchanged || !UpdatesByFlux<M>,
-                "a module whose update() takes what it `received` needs `exchanged` and flux(): "
+  static_assert(Named::exchanged || Named::pair_flux || !UpdatesByFlux<M>,
+                "a module whose update() takes what it `received` needs `exchanged` and flux(), or "
+                "pair_flux(): silt/module/concept.hpp");
+  static_assert(!Named::pair_force || PushesPairs<M>,
+                "a module's pair_force() does not fit: it must be `silt::Vec3d pair_force(const "
+                "silt::Apart&, const silt::Seen&, const Fields&, const silt::Seen&, const Fields&) "
+                "const`, and public: silt/module/concept.hpp");
+  static_assert(!Named::pair_flux || (FlowsInPairs<M> && UpdatesByFlux<M>),
+                "a module's pair_flux() does not fit: it must be `double pair_flux(const "
+                "silt::Apart&, const silt::Seen&, const Fields&, const silt::Seen&, const Fields&) "
+                "const`, public, and beside update(seen, fields, received, dt): "
                 "silt/module/concept.hpp");
+  static_assert(!ActsInPairs<M> || SaysReach<M> != SaysGapReach<M>,
+                "a module with pair_force() or pair_flux() needs either `double reach() const` or "
+                "`double gap_reach() const` [m]: silt/module/concept.hpp");
   static_assert(Named::flux == Named::exchanged,
                 "a module in which something flows has both `exchanged` and flux(): "
                 "silt/module/concept.hpp");

@@ -237,6 +237,7 @@ void Simulation<Policies...>::prepare() {
   modules_.check(*this);
   engine_.set_coefficients(contacts_);
   engine_.set_flux_coefficients(modules_, contacts_);
+  modules_.look_near(engine_, domain_, time_, true);
   if (dt_ == 0 || (time_step && *time_step != dt_) || (scene_changed_ && is_step_too_long())) {
     const double dt = chosen_time_step();
     if (kicked_ && dt_ > 0) {
@@ -292,6 +293,8 @@ void Simulation<Policies...>::keep_limits() {
   detail::check_crowded(engine_, step_, time_, back);
   if constexpr (Modules::flux)
     if (engine_.fluxes().measured()) check_module_rates(), choose_flux_steps();
+  if constexpr (Modules::in_pairs && !Modules::flux)
+    if (modules_.near.measured()) check_module_rates();
   const double wall_way = detail::wall_travel(engine_);
   const double speed = std::max(engine_.largest_speed, wall_way / dt_);
   if (speed > 1.05 * checked_speed_) {

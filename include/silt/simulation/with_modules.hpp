@@ -23,6 +23,18 @@ void Simulation<Policies...>::start_fields([[maybe_unused]] std::size_t from) {
     }
 }
 
+/// What modules do between pairs of particles within their reach.
+template <class... Policies>
+void Simulation<Policies...>::act_in_pairs() {
+  if constexpr (Modules::in_pairs) {
+    constexpr std::int64_t measure_every = 100;  // [steps]
+    bool asked = true, measure = first_kick_ || step_ % measure_every == 0;
+    if constexpr (Modules::flux) asked = engine_.fluxes().asked();
+    modules_.look_near(engine_, domain_, time_, measure);
+    modules_.near.receive(engine_.modules(), asked);
+  }
+}
+
 /// Asks modules what they push particles with in this step.
 template <class... Policies>
 void Simulation<Policies...>::push_modules() {
@@ -59,7 +71,7 @@ double Simulation<Policies...>::power_of_modules() const {
 /// 20th of half a swing; none if they do not say their rate.
 template <class... Policies>
 double Simulation<Policies...>::longest_module_step() const {
-  using Stage = detail::ModuleStage<Modules>;
+  using Stage = detail::ModuleStage<Modules, Domain>;
   const double rate = modules_.fastest(engine_, time_, Stage::OfFluxes::Estimated).rate;
   return rate > 0 ? std::numbers::pi / 20 / rate : INFINITY;
 }
@@ -93,10 +105,12 @@ void Simulation<Policies...>::choose_flux_steps() {
 /// Stops a run whose step does not resolve what modules push with.
 template <class... Policies>
 void Simulation<Policies...>::check_module_rates() const {
-  using OfFluxes = typename detail::ModuleStage<Modules>::OfFluxes;
+  using OfFluxes = typename detail::ModuleStage<Modules, Domain>::OfFluxes;
   OfFluxes measured = OfFluxes::LeftOut;
   if constexpr (Modules::flux)
     if (engine_.fluxes().measured()) measured = OfFluxes::Measured;
+  if constexpr (Modules::in_pairs && !Modules::flux)
+    if (modules_.near.measured()) measured = OfFluxes::Measured;
   const auto most = modules_.fastest(engine_, time_, measured);
   if (most.rate * dt_ <= guard.max_rate) return;
   const auto p = engine_.owner(most.particle);

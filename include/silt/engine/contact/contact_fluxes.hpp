@@ -25,7 +25,7 @@ enum class FluxLook { Hold, Ask, Measure };
 
 /// Nothing flows between particles in contact.
 struct NoFluxes {
-  static constexpr bool active = false, takes_loss = false, wears = false;
+  static constexpr bool active = false, takes_loss = false, wears = false, needs_growth = false;
 };
 
 /// Whether a contact law says how much softer than its solids a contact is (Softened).
@@ -49,6 +49,7 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
   static constexpr bool active = ModuleList<Ms...>::flux;
   static constexpr bool takes_loss = (TakesLoss<Ms> || ...);
   static constexpr bool wears = ModuleList<Ms...>::wear;
+  static constexpr bool needs_growth = (NeedsGrowth<Ms> || ...);
   static constexpr std::size_t wearing = ModuleList<Ms...>::wearing;
 
   /// Before a run: what belongs to each pair of materials.
@@ -65,13 +66,13 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
     std::size_t walls;
     bool ask, measure;
   };
-  /// Before the contacts of a step: takes up what the rows have. `owner_of` a row.
-  template <class Columns, class OwnerOf>
+  /// Before the contacts of a step: takes up what the rows have. `owner_of` a row; `seen`: an owner.
+  template <class Columns, class OwnerOf, class SeenOf>
   void prepare(const std::tuple<Ms...>& modules, const Columns& columns, std::size_t rows,
-               const When& when, const OwnerOf& owner_of, const Team& team) {
+               const When& when, const OwnerOf& owner_of, const SeenOf& seen, const Team& team) {
     modules_ = &modules, measure_ = when.measure;
     ask_ = when.ask || takes_loss || std::exchange(renew_, false);
-    if (ask_) (prepare_one<Ms>(columns, rows, when, owner_of, team), ...);
+    if (ask_) (prepare_one<Ms>(columns, rows, when, owner_of, seen, team), ...);
   }
   /// After them: each owner's sum over its rows.
   template <class Columns, class OwnerOf>
@@ -123,6 +124,8 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
     return owner < slopes.size() ? slopes[owner] : 0;
   }
   bool measured() const { return measure_; }
+  /// Whether this step asked for fluxes, so that what particles received is new.
+  bool asked() const { return ask_; }
   /// Steps from one call to the next, as modules have it.
   static std::size_t most_steps(const std::tuple<Ms...>& modules) {
     std::size_t least = takes_loss ? 1 : std::numeric_limits<std::size_t>::max();
@@ -131,12 +134,13 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
   }
 
   /// The fluxes of the first `count` contacts of a block, whose loads are known. `ends`, `kinds`:
-  /// of the ContactStage; `losses` [W] of the contacts, if a module takes them.
+  /// of the ContactStage; `losses` [W] of the contacts, if a module takes them; `growth`: of Touching, likewise.
   template <class ContactsType, class Block, class Ends>
   void add(const Block& block, std::size_t count, const CoefficientTable<ContactsType>& table,
-           const std::uint16_t* kinds, [[maybe_unused]] const Scalar* losses, const Ends& ends) {
+           const std::uint16_t* kinds, [[maybe_unused]] const Scalar* losses, const Scalar* growth,
+           const Ends& ends) {
     if (!ask_) return;
-    (add_one<ContactsType, Ms>(block, count, table, kinds, ends), ...);
+    (add_one<ContactsType, Ms>(block, count, table, kinds, growth, ends), ...);
     if constexpr (takes_loss) (add_loss<Ms>(count, kinds, losses, ends), ...);
   }
 
@@ -208,9 +212,9 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
           table_of<M>().push_back(std::get<index_of<M>>(modules).coefficients(contacts, a, b));
     }
   }
-  template <class M, class Columns, class OwnerOf>
+  template <class M, class Columns, class OwnerOf, class SeenOf>
   void prepare_one(const Columns& columns, std::size_t rows, const When& when,
-                   const OwnerOf& owner_of, const Team& team) {
+                   const OwnerOf& owner_of, const SeenOf& seen, const Team& team) {
     if constexpr (Exchanges<M>) {
       static_assert(FluxOnLanes<M, Real>,
                     "a module's flux() works on one double, but not on a pack of lanes: make it a "
@@ -219,7 +223,13 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
       row.resize(rows);
       const auto& own = columns.template of<M>();
       team.for_ranges(rows, [&](std::size_t, std::size_t from, std::size_t to) {
-        for (std::size_t r = from; r < to; ++r) row[r] = {own[owner_of(r)].*M::exchanged, 0};
+        for (std::size_t r = from; r < to; ++r) {
+          const std::size_t k = owner_of(r);
+          if constexpr (HasContactValue<M>)
+            row[r] = {module<M>().at_contact(seen(k), own[k]), 0};
+          else
+            row[r] = {own[k].*M::exchanged, 0};
+        }
       });
       if (SaysItsFluxRate<M> && measure_) rows_of<M>().slope.assign(rows, 0);
       if constexpr (flows_at_walls<M>) prepare_walls<M>(rows, when);
@@ -261,22 +271,23 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
   }
 
   /// What a module sees of a pack of contacts, whose loads have taken the place of velocities.
-  template <class ContactsType, class Block, class LawLanes>
-  static Touching<Real> touching(const Block& block, std::size_t k,
+  template <class ContactsType, bool AtWall, class Block, class LawLanes>
+  static Touching<Real> touching(const Block& block, std::size_t k, const Scalar* growth,
                                  [[maybe_unused]] const LawLanes& law) {
     const auto kin = block.template get<Real>(k);
-    const auto load = block.template get_load<Real>(k);
+    const auto loads = block.template get_load<Real>(k);
     Real softness(1);
     if constexpr (SaysSoftness<typename ContactsType::Law>) {
       const auto radii = block.template get_radii<Real>(k);
       softness = ContactsType::Law::factor(law(), radii.i, radii.j);
     }
-    return {kin.normal, load.force, dot(load.force, kin.normal), kin.overlap, kin.R_eff,
-            kin.m_eff,  softness};
+    return {kin.normal, loads.force, dot(loads.force, kin.normal), kin.overlap, kin.R_eff,
+            kin.m_eff,  softness,   growth == nullptr ? Real(0) : load<Real>(growth + k),
+            AtWall};
   }
   template <class ContactsType, class M, class Block, class Ends>
   void add_one(const Block& block, std::size_t count, const CoefficientTable<ContactsType>& table,
-               const std::uint16_t* kinds, const Ends& ends) {
+               const std::uint16_t* kinds, const Scalar* growth, const Ends& ends) {
     if constexpr (Ends::at_wall ? flows_at_walls<M> : Exchanges<M>) {
       CoefficientLanes<ContactsType::Law::template Coefficients, Real> law(table.law);
       typename LanesFor<M>::type own(table_of<M>());
@@ -286,7 +297,8 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
           own.choose(kinds + k);
           if constexpr (SaysSoftness<typename ContactsType::Law>) law.choose(kinds + k);
         }
-        flow_of<M>(touching<ContactsType>(block, k, law), own(), k, std::min(W, count - k), ends);
+        flow_of<M>(touching<ContactsType, Ends::at_wall>(block, k, growth, law), own(), k,
+                   std::min(W, count - k), ends);
       }
     }
   }

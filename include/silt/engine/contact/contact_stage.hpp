@@ -112,6 +112,35 @@ struct ContactLosses<Real, N, true> {
   alignas(64) ScalarOf<Real> of_[N];
 };
 
+/// How fast the overlap of each contact of a block has grown over the last step [m/s], taken before
+/// loads take the places of velocities (Touching::growth): nobody asks.
+template <class Real, std::size_t N, bool Asked>
+struct ContactGrowth {
+  template <class Block>
+  SILT_INLINE void take(const Block&, std::size_t, const StepTimes&) {}
+  static const ScalarOf<Real>* data() { return nullptr; }
+};
+/// Of one that began in the last step no more than what it has. At the first step nothing has grown.
+template <class Real, std::size_t N>
+struct ContactGrowth<Real, N, true> {
+  template <class Block>
+  SILT_INLINE void take(const Block& block, std::size_t count, const StepTimes& times) {
+    constexpr std::size_t W = sizeof(Real) / sizeof(ScalarOf<Real>);
+    const Real per_step(static_cast<ScalarOf<Real>>(1 / times.step));
+    const Real lag(static_cast<ScalarOf<Real>>(times.lag));
+    const Real was(times.worked > 0 ? ScalarOf<Real>(1) : ScalarOf<Real>(0));
+    for (std::size_t k = 0; k < count; k += W) {
+      const auto kin = block.template get<Real>(k);
+      const Real towards = -dot(kin.velocity, kin.normal - lag * kin.change);
+      silt::store(of_ + k, was * min(towards, kin.overlap * per_step));
+    }
+  }
+  const ScalarOf<Real>* data() const { return of_; }
+
+ private:
+  alignas(64) ScalarOf<Real> of_[N];
+};
+
 /// How contacts act that touch in a point: law and rolling model there.
 template <class Scalar>
 struct AtOnePoint {
@@ -191,6 +220,8 @@ struct ContactStage {
                   "a module takes the heat of friction and damping, which the ledger knows: give "
                   "the simulation a silt::EnergyLedger{}");
     ContactLosses<Real, Block::size, Fluxes::takes_loss && keeps_ledger<ContactsType>> losses;
+    ContactGrowth<Real, Block::size, Fluxes::needs_growth> growth;
+    growth.take(block, pieces(count, W) * W, times);
     how.template loads<ContactsType, Arch>(block, pieces(count, W) * W, times, table, kinds,
                                            history, tally, losses);
     tally.end_block();
@@ -205,7 +236,7 @@ struct ContactStage {
         ends.where(k, note);
       });
     if constexpr (Fluxes::active)
-      fluxes->add(block, count, table, kinds, losses.data(), ends);
+      fluxes->add(block, count, table, kinds, losses.data(), growth.data(), ends);
     if (times.record != nullptr) [[unlikely]]
       record(block, count, kinds, history, ends, how);
   }

@@ -12,20 +12,22 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/threads.hpp>
+#include <silt/engine/stages/near_stage.hpp>
 #include <silt/engine/state/module_columns.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
 /// What modules do in a step: they push particles, and change their fields.
-template <class List>
+template <class List, class Domain>
 class ModuleStage;
 
-template <class... Ms>
-class ModuleStage<ModuleList<Ms...>> {
+template <class Domain, class... Ms>
+class ModuleStage<ModuleList<Ms...>, Domain> {
   using List = ModuleList<Ms...>;
 
  public:
   std::tuple<Ms...> modules;
+  [[no_unique_address]] NearStageOf<List, Domain> near;
 
   explicit ModuleStage(std::tuple<Ms...> all) : modules(std::move(all)) {}
 
@@ -50,6 +52,13 @@ class ModuleStage<ModuleList<Ms...>> {
     (check_one<Ms>(sim), ...);
   }
 
+  /// Asks what modules do between pairs of particles within their reach.
+  template <class Engine>
+  void look_near([[maybe_unused]] const Engine& e, [[maybe_unused]] const Domain& domain,
+                 [[maybe_unused]] double time, [[maybe_unused]] bool measure) {
+    if constexpr (List::in_pairs) near.look(modules, e, domain, time, measure);
+  }
+
   /// When a step's forces are asked for.
   struct When {
     std::int64_t step;
@@ -72,7 +81,9 @@ class ModuleStage<ModuleList<Ms...>> {
             Seen p = e.seen(k, when.time);
             sum = sum_of(columns, p, k);
             if constexpr (asks_for_velocity)
-              if (when.ahead > 0) sum = at_whole_step(columns, p, k, when, others(k), sum);
+              if (when.ahead > 0)
+                sum = at_whole_step(columns, p, k, when, others(k) + near_force(k), sum);
+            sum.force += near_force(k);
             if (!(is_finite(sum.force) && is_finite(sum.torque))) bad[r] = std::min(bad[r], k);
           }
           columns.force[k] = VectorRow::of(sum.force);
@@ -112,8 +123,9 @@ class ModuleStage<ModuleList<Ms...>> {
       for (std::size_t k = 0; k < e.owners(); ++k) {
         const auto p = e.owner(k);
         if (p.is_there() && p.inverse_mass() > 0)
-          most = std::max(most,
-                          p.inverse_mass() * norm(sum_of(e.modules(), e.seen(k, time), k).force));
+          most = std::max(most, p.inverse_mass() *
+                                    norm(sum_of(e.modules(), e.seen(k, time), k).force +
+                                         near_force(k)));
       }
     return most;
   }
@@ -127,7 +139,7 @@ class ModuleStage<ModuleList<Ms...>> {
   template <class Engine>
   Rate fastest(const Engine& e, double time, OfFluxes of_fluxes) const {
     Rate most;
-    if constexpr (((SaysItsRate<Ms> || SaysItsFluxRate<Ms>) || ...))
+    if constexpr (((SaysItsRate<Ms> || SaysItsFluxRate<Ms> || SaysPairStiffness<Ms>) || ...))
       for (std::size_t k = 0; k < e.owners(); ++k) {
         if (!e.owner(k).is_there()) continue;
         const Seen p = e.seen(k, time);
@@ -145,7 +157,7 @@ class ModuleStage<ModuleList<Ms...>> {
       if (!e.owner(k).is_there()) continue;
       const Seen p = e.seen(k, time);
       for (const OfFluxes of : {OfFluxes::Estimated, OfFluxes::Measured})
-        most = std::max({most, (Exchanges<Ms> ? rate_of_one<Ms>(e, p, k, of) : 0.0)...});
+        most = std::max({most, (Exchanges<Ms> ? field_rate<Ms>(e, p, k, of) : 0.0)...});
     }
     return most;
   }
@@ -153,6 +165,14 @@ class ModuleStage<ModuleList<Ms...>> {
  private:
   static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
   static constexpr bool asks_for_velocity = ((Pushes<Ms> && needs_velocity<Ms>) || ...);
+
+  /// Of modules between pairs [N].
+  Vec3d near_force([[maybe_unused]] std::size_t k) const {
+    if constexpr (List::in_pairs)
+      return near.force(k);
+    else
+      return {0, 0, 0};
+  }
 
   template <class M, class Columns>
   static decltype(auto) fields_of(Columns& columns, std::size_t k) {
@@ -227,15 +247,32 @@ class ModuleStage<ModuleList<Ms...>> {
   }
   template <class M, class Engine>
   double rate_of_one(const Engine& e, const Seen& p, std::size_t k, OfFluxes of_fluxes) const {
+    double rate = field_rate<M>(e, p, k, of_fluxes);
+    if constexpr (SaysPairStiffness<M>)
+      if (std::isfinite(p.mass)) rate += near.template rate<M>(k, p.mass);
+    return rate;
+  }
+  /// Without forces between pairs.
+  template <class M, class Engine>
+  double field_rate(const Engine& e, const Seen& p, std::size_t k, OfFluxes of_fluxes) const {
     const auto& columns = e.modules();
     if constexpr (SaysItsFluxRate<M>) {
       if (of_fluxes == OfFluxes::LeftOut) return 0;
-      if (of_fluxes == OfFluxes::Measured)
-        return get<M>().rate(p, fields_of<M>(columns, k), e.fluxes().template slope_of<M>(k));
+      double slope = 0;
+      if constexpr (List::in_pairs) slope += near.template slope<M>(k);
+      if (of_fluxes == OfFluxes::Measured || !Exchanges<M>) {
+        if constexpr (Exchanges<M>) slope += e.fluxes().template slope_of<M>(k);
+        return get<M>().rate(p, fields_of<M>(columns, k), slope);
+      }
     }
-    if constexpr (requires(const M& m) { m.rate(p); })
-      return get<M>().rate(p);
-    else if constexpr (SaysItsRate<M>)
+    if constexpr (requires { get<M>().rate(p); }) {
+      double rate = get<M>().rate(p);
+      if constexpr (SaysItsFluxRate<M> && SaysPairSlope<M>) {
+        const auto& own = fields_of<M>(columns, k);
+        rate += get<M>().rate(p, own, near.template slope<M>(k)) - get<M>().rate(p, own, 0.0);
+      }
+      return rate;
+    } else if constexpr (SaysItsRate<M>)
       return get<M>().rate(p, fields_of<M>(columns, k));
     else
       return 0;
@@ -244,6 +281,17 @@ class ModuleStage<ModuleList<Ms...>> {
   /// Stops the run if it is this module whose force is not finite.
   template <class M, class Engine>
   void stop_at(const Engine& e, const When& when, std::size_t k) const {
+    if constexpr (PushesPairs<M>) {
+      const Vec3d& force = near.template of<M>().force[k];
+      if (!is_finite(force)) {
+        const Seen p = e.seen(k, when.time);
+        throw SimulationError(text("step ", when.step, ", t = ", when.time,
+                                   " s: the sum of pair_force() of the module ",
+                                   name_of_module<M>(), " on particle ", p.id, " at ", p.position,
+                                   " m is ", force, " N; mend its pair_force()"),
+                              when.step, {p.id}, p.position);
+      }
+    }
     if constexpr (Pushes<M>) {
       const Seen p = e.seen(k, when.time);
       const Push push = push_of(get<M>(), p, fields_of<M>(e.modules(), k));
@@ -269,7 +317,7 @@ class ModuleStage<ModuleList<Ms...>> {
           if (const double received = e.modules().template received_of<M>()[k];
               !std::isfinite(received))
             mend = text(", as it received ", received,
-                        " from its contacts; mend the module's flux() or at_wall()");
+                        " from others; mend the module's flux(), pair_flux() or at_wall()");
         throw SimulationError(text("step ", step, ", t = ", time, " s: the field '",
                                    FieldNames<M>::at(n / FieldNames<M>::components),
                                    "' of the module ", name_of_module<M>(), " became ", numbers[n],

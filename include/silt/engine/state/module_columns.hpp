@@ -58,7 +58,8 @@ struct Having<Fields, First, Rest...> {
 template <class... Ms>
 struct ModuleList {
   static constexpr std::size_t count = sizeof...(Ms);
-  static constexpr bool push = (Pushes<Ms> || ...);
+  static constexpr bool push = ((Pushes<Ms> || PushesPairs<Ms>) || ...);
+  static constexpr bool in_pairs = (ActsInPairs<Ms> || ...);
   static constexpr bool turn = (turns_particles<Ms> || ...);
   static constexpr bool update = ((Updates<Ms> || UpdatesByFlux<Ms>) || ...);
   static constexpr bool flux = (Exchanges<Ms> || ...);
@@ -84,6 +85,11 @@ struct ModuleList {
   static_assert(((times<Ms> == 1) && ...),
                 "two modules of one type: give each a struct, or a Field a name, of its own");
 
+  /// Calls visit(std::type_identity<M>{}) for each module.
+  template <class Visit>
+  static void for_each_type(const Visit& visit) {
+    (visit(std::type_identity<Ms>{}), ...);
+  }
   /// The modules among the policies of a simulation.
   template <class... Args>
   static std::tuple<Ms...> taken_from(Args&... args) {
@@ -177,7 +183,7 @@ struct ModuleColumns<ModuleList<Ms...>> {
                                 {"module", List::template index_of<Ms>, ".fields"},
                                 [](auto& t) -> auto& { return t.template of<Ms>(); })};
                           })...,
-                          columns_if<Exchanges<Ms>>([] {
+                          columns_if<Receives<Ms>>([] {
                             return std::tuple{column<double>(
                                 {"module", List::template index_of<Ms>, ".received"},
                                 [](auto& t) -> auto& { return t.template received_of<Ms>(); })};

@@ -1,0 +1,219 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <tuple>
+#include <vector>
+
+#include <silt/core/storage.hpp>
+#include <silt/engine/lists/near_list.hpp>
+#include <silt/engine/state/module_columns.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// What a module does between pairs of particles within its reach, at one instant: nothing.
+template <class M, class Domain, bool Acts = ActsInPairs<M>>
+struct NearPairs {};
+
+/// Each pair is asked once, by whichever thread; what it answers is set down for the pair, and then
+/// each particle sums over its own pairs in the order of their places. Results are the same bits on
+/// any number of threads, and what one gets the other loses to the last bit.
+template <class M, class Domain>
+class NearPairs<M, Domain, true> {
+ public:
+  NearList<Domain> list;
+  AlignedVector<Vec3d> force;              // [N] on each particle
+  AlignedVector<double> flux;              // [.../s] into each
+  AlignedVector<double> stiffness, slope;  // [N/m], [.../s]: sums, of the last look that measured
+
+  template <class Engine>
+  void look(const M& module, const Engine& e, const Domain& domain, const std::vector<Seen>& seen,
+            bool measure, const char* name) {
+    list.renew(e, domain, reach_of(module, name), name);
+    const auto ask = [&](auto& of_pairs, auto& of_particles, const auto& answer, auto sum) {
+      ask_all(e, domain, seen, of_pairs, of_particles, answer, sum);
+    };
+    using Of = FieldsOf<M>;
+    using D = const Apart&;
+    using P = const Seen&;
+    using F = const Of&;
+    if constexpr (PushesPairsWithoutFields<M>)
+      ask(
+          forces_, force, [&](D d, P a, F, P b, F) { return Vec3d(module.pair_force(d, a, b)); },
+          opposite);
+    else if constexpr (PushesPairs<M>)
+      ask(
+          forces_, force,
+          [&](D d, P a, F f, P b, F g) { return Vec3d(module.pair_force(d, a, f, b, g)); },
+          opposite);
+    if constexpr (FlowsInPairs<M>)
+      ask(
+          numbers_, flux,
+          [&](D d, P a, F f, P b, F g) { return double(module.pair_flux(d, a, f, b, g)); },
+          opposite);
+    if (!measure) return;
+    if constexpr (SaysPairStiffness<M>)
+      ask(
+          numbers_, stiffness,
+          [&](D d, P a, F f, P b, F g) { return double(module.pair_stiffness(d, a, f, b, g)); },
+          alike);
+    if constexpr (SaysPairSlope<M>)
+      ask(
+          numbers_, slope,
+          [&](D d, P a, F f, P b, F g) { return double(module.pair_slope(d, a, f, b, g)); }, alike);
+  }
+  /// Of the particle at place k, as last measured [1/s]: of two masses on a spring exact, else a
+  /// bound (Gershgorin's).
+  double rate(std::size_t k, double mass) const {
+    return k < stiffness.size() ? std::sqrt(2 * stiffness[k] / mass) : 0;
+  }
+  double slope_of(std::size_t k) const { return k < slope.size() ? slope[k] : 0; }
+
+ private:
+  static constexpr auto opposite = [](int sign, const auto& x) { return double(sign) * x; };
+  static constexpr auto alike = [](int, const auto& x) { return x; };
+
+  static typename NearList<Domain>::Reach reach_of(const M& module, const char* name) {
+    double length = 0;
+    if constexpr (SaysReach<M>)
+      length = module.reach();
+    else
+      length = module.gap_reach();
+    require_positive(text(name, SaysReach<M> ? "::reach()" : "::gap_reach()"), length, "m");
+    return {length, !SaysReach<M>};
+  }
+  template <class Engine, class Value, class Answer, class Sum>
+  void ask_all(const Engine& e, const Domain& domain, const std::vector<Seen>& seen,
+               AlignedVector<Value>& of_pairs, AlignedVector<Value>& of_particles,
+               const Answer& answer, const Sum& sum) {
+    of_pairs.resize(list.pairs());
+    list.for_each(e.team(), [&](std::size_t pair, std::size_t i, std::size_t j) {
+      of_pairs[pair] = Value{};
+      const Seen &a = seen[i], &b = seen[j];
+      if (a.id == no_particle || b.id == no_particle) return;
+      Vec3d d = a.position - b.position;
+      if constexpr (Domain::periodic) d = domain.shortest(d);
+      const double distance2 = dot(d, d);
+      if (!list.within(distance2, a.radius, b.radius)) return;
+      of_pairs[pair] = answer(Apart{d, std::sqrt(distance2)}, a, fields(e, i), b, fields(e, j));
+    });
+    of_particles.assign(seen.size(), Value{});
+    list.gather(e.team(), [&](std::size_t k, std::size_t pair, int sign) {
+      of_particles[k] += sum(sign, of_pairs[pair]);
+    });
+  }
+  template <class Engine>
+  static decltype(auto) fields(const Engine& e, std::size_t k) {
+    if constexpr (has_fields<M>)
+      return (e.modules().template of<M>()[k]);
+    else
+      return NoFields{};
+  }
+
+  AlignedVector<Vec3d> forces_;  // of each pair
+  AlignedVector<double> numbers_;
+};
+
+/// All modules that act between pairs.
+template <class List, class Domain>
+class NearStage;
+
+template <class Domain, class... Ms>
+class NearStage<ModuleList<Ms...>, Domain> {
+ public:
+  static constexpr bool active = ModuleList<Ms...>::in_pairs;
+
+  /// Asks what modules do between pairs now; `measure`: how fast that changes, too.
+  template <class Engine>
+  void look(const std::tuple<Ms...>& modules, const Engine& e, const Domain& domain, double time,
+            bool measure) {
+    seen_.resize(e.owners());
+    e.team().for_ranges(seen_.size(), [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t k = from; k < to; ++k) {
+        seen_[k].id = no_particle;
+        if (e.owner(k).is_there()) seen_[k] = e.seen(k, time);
+      }
+    });
+    (look_one<Ms>(modules, e, domain, measure), ...);
+    measured_ = measure;
+  }
+  /// Whether the last look measured.
+  bool measured() const { return measured_; }
+  /// On the particle at place k [N].
+  Vec3d force(std::size_t k) const {
+    Vec3d sum{0, 0, 0};
+    (add_force<Ms>(sum, k), ...);
+    return sum;
+  }
+  /// Adds what particles received to what came through contacts, which has just been asked for if
+  /// `asked`, or else is what was received some steps ago, this included.
+  template <class Columns>
+  void receive(Columns& columns, bool asked) const {
+    (receive_one<Ms>(columns, asked), ...);
+  }
+  template <class M>
+  double rate(std::size_t k, double mass) const {
+    if constexpr (SaysPairStiffness<M>)
+      return of<M>().rate(k, mass);
+    else
+      return 0;
+  }
+  template <class M>
+  double slope(std::size_t k) const {
+    if constexpr (SaysPairSlope<M>)
+      return of<M>().slope_of(k);
+    else
+      return 0;
+  }
+  /// Pairs in the list of a module.
+  template <class M>
+  const NearPairs<M, Domain>& of() const {
+    return std::get<ModuleList<Ms...>::template index_of<M>>(pairs_);
+  }
+
+ private:
+  template <class M, class Engine>
+  void look_one(const std::tuple<Ms...>& modules, const Engine& e, const Domain& domain,
+                bool measure) {
+    constexpr std::size_t own = ModuleList<Ms...>::template index_of<M>;
+    if constexpr (ActsInPairs<M>)
+      std::get<own>(pairs_).look(std::get<own>(modules), e, domain, seen_, measure,
+                                 name_of_module<M>().c_str());
+  }
+  template <class M>
+  void add_force(Vec3d& sum, std::size_t k) const {
+    if constexpr (PushesPairs<M>)
+      if (k < of<M>().force.size()) sum += of<M>().force[k];
+  }
+  template <class M, class Columns>
+  void receive_one(Columns& columns, bool asked) const {
+    if constexpr (FlowsInPairs<M>) {
+      auto& received = columns.template received_of<M>();
+      const auto& flux = of<M>().flux;
+      if constexpr (Exchanges<M>) {
+        if (!asked) return;
+        for (std::size_t k = 0; k < flux.size(); ++k) received[k] += flux[k];
+      } else {
+        std::copy(flux.begin(), flux.end(), received.begin());
+      }
+    }
+  }
+
+  std::tuple<NearPairs<Ms, Domain>...> pairs_;
+  std::vector<Seen> seen_;
+  bool measured_ = false;
+};
+
+/// Of modules that do not.
+struct NoNearStage {
+  static constexpr bool active = false;
+};
+template <class List, class Domain>
+using NearStageOf = std::conditional_t<List::in_pairs, NearStage<List, Domain>, NoNearStage>;
+
+}  // namespace silt::detail

@@ -1,0 +1,115 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <vector>
+
+#include <silt/core/error.hpp>
+#include <silt/module/concept.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// What modules of charge know of a particle.
+struct ChargeFields {
+  double charge = 0;  // [C]
+};
+
+/// The charge of particles [C], whichever module has it: sim.field<silt::ElectricCharge>(k).
+struct ElectricCharge {
+  using Of = ChargeFields;
+  static constexpr auto member = &ChargeFields::charge;
+};
+
+/// An infinite plane that conducts and is grounded, for image charges; at rest.
+struct ConductingPlane {
+  Vec3d point{0, 0, 0};   // [m]
+  Vec3d normal{0, 0, 1};  // [-] of any length, to the side of the particles
+};
+
+/// Module: charges in a field, Coulomb's force between particles, image charges in planes.
+///
+///   silt::Simulation sim{grains, contacts, silt::Charge{.cutoff = 2e-3}};
+///   sim.field<silt::ElectricCharge>(k) = 1e-13;                                           // [C]
+///
+///   F = q E                                                                              (1)
+///   F_ij = q_i q_j/(4 pi eps0 eps_r) (1/r^2 - 1/r_c^2) n,   r < r_c;   0 beyond          (2)
+///   F = -q^2/(16 pi eps0 eps_r d^2) n                                                    (3)
+///
+/// (2) is Coulomb's law, shifted so that it ends at the cut-off without a step; its energy is
+/// q_i q_j/(4 pi eps0 eps_r) (1/r + r/r_c^2 - 2/r_c). What is beyond the cut-off is left out: for
+/// clouds in which charges of both signs screen each other, or few grains; how large it must be,
+/// docs/charge.md. In (3), of each grounded plane by itself, d is the distance of the centre from
+/// the plane; images of other particles, and images of images between two planes, are left out.
+/// Particles are points or spheres whose charge is spread evenly; bodies have it at their centre of
+/// mass. Charges and fields do not polarise particles.
+///
+/// Source: (2) shifted force: S.D. Stoddard, J. Ford, Phys. Rev. A 8 (1973) 1504, recalled; (3):
+///         textbooks of electrostatics, recalled.
+/// Valid:  charges at rest or slow against light, no magnetic field.
+/// Units:  SI. Shapes: all, at the centre of mass.
+/// Errors: InputError for a cut-off or permittivity that is not positive, values that are not
+///         finite, a plane without a normal, a box shorter than twice the cut-off.
+/// Tests:  tests/physics/charge.cpp.
+struct Charge {
+  double cutoff = 0;        // [m] > 0, between centres
+  Vec3d field{0, 0, 0};     // [V/m]
+  double permittivity = 1;  // [-] relative, of the medium
+  double start_charge = 0;  // [C] of particles that come
+  std::vector<ConductingPlane> planes{};
+
+  static constexpr double eps0 = 8.8541878128e-12;  // [F/m] CODATA 2018
+  using Fields = ChargeFields;
+  static constexpr std::array names{"charge [C]"};
+  static constexpr bool needs_velocity = false;
+
+  Fields start(const Seen&) const { return {start_charge}; }
+  /// [N m2/C2] Coulomb's factor.
+  double factor() const { return 1 / (4 * std::numbers::pi * eps0 * permittivity); }
+
+  double reach() const { return cutoff; }
+  Vec3d pair_force(const Apart& d, const Seen&, const Fields& a, const Seen&,
+                   const Fields& b) const {
+    const double r = d.distance;
+    return factor() * a.charge * b.charge * (1 / (r * r) - 1 / (cutoff * cutoff)) / r *
+           d.from_other;
+  }
+  double pair_stiffness(const Apart& d, const Seen&, const Fields& a, const Seen&,
+                        const Fields& b) const {
+    return 2 * factor() * std::abs(a.charge * b.charge) / (d.distance * d.distance * d.distance);
+  }
+  Vec3d force(const Seen& p, const Fields& f) const {
+    Vec3d sum = f.charge * field;
+    for (const ConductingPlane& plane : planes) {
+      const Vec3d n = (1 / norm(plane.normal)) * plane.normal;
+      const double d = dot(p.position - plane.point, n);
+      if (d > 0) sum -= factor() * f.charge * f.charge / (4 * d * d) * n;
+    }
+    return sum;
+  }
+  /// Of the images: sqrt(dF/dd /m).
+  double rate(const Seen& p, const Fields& f) const {
+    double stiffness = 0;
+    for (const ConductingPlane& plane : planes) {
+      const double d = dot(p.position - plane.point, plane.normal) / norm(plane.normal);
+      if (d > 0) stiffness += factor() * f.charge * f.charge / (2 * d * d * d);
+    }
+    return std::sqrt(stiffness / p.mass);
+  }
+  template <class Sim>
+  void check(const Sim&) const {
+    require_positive("Charge.cutoff", cutoff, "m");
+    require_positive("Charge.permittivity", permittivity, "-");
+    require(is_finite(field), "Charge.field = ", field, " [V/m] must be finite");
+    require(std::isfinite(start_charge), "Charge.start_charge = ", start_charge,
+            " [C] must be finite");
+    for (std::size_t k = 0; k < planes.size(); ++k)
+      require(
+          is_finite(planes[k].point) && is_finite(planes[k].normal) && norm(planes[k].normal) > 0,
+          "Charge.planes[", k, "]: its point ", planes[k].point, " [m] and normal ",
+          planes[k].normal, " must be finite, and the normal not 0");
+  }
+};
+
+}  // namespace silt
