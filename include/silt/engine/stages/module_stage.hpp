@@ -317,7 +317,9 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
           if (const double received = e.modules().template received_of<M>()[k];
               !std::isfinite(received))
             mend = text(", as it received ", received,
-                        " from others; mend the module's flux(), pair_flux() or at_wall()");
+                        FlowsInPairs<M>
+                            ? " from others; mend the module's flux(), pair_flux() or at_wall()"
+                            : " from its contacts; mend the module's flux() or at_wall()");
         throw SimulationError(text("step ", step, ", t = ", time, " s: the field '",
                                    FieldNames<M>::at(n / FieldNames<M>::components),
                                    "' of the module ", name_of_module<M>(), " became ", numbers[n],
