@@ -103,17 +103,20 @@ inline Bed pressed_bed(double friction, double height) {
 using namespace heat_bed_test;
 
 // Catches a conductance that is wrong by a factor or an exponent, contacts that are left out or
-// count twice, heat that stays in spheres. A field of temperatures that is linear gives the least
-// upper bound of all linear ones, so the bed conducts less than the sum over its contacts says.
-TEST_CASE("heat: a random bed conducts 0.8 to 1 times what its mean field would") {
-  const Bed smooth = pressed_bed(0, 0.0445);
-  CHECK(smooth.of_walls < 1e-3);
-  CHECK(smooth.unbalanced < 1e-3);
-  CHECK(smooth.contacts > 6);
-  CHECK(smooth.conductivity < smooth.bound);
-  CHECK(smooth.conductivity > 0.8 * smooth.bound);
-  // The formula takes contacts for isotropic and spheres for apart by their diameter.
-  CHECK(smooth.bound == near(smooth.formula()).epsilon(0.1));
-  for (double h : {0.0455, 0.046, 0.0465}) pressed_bed(0, h);
-  for (double h : {0.0485, 0.05, 0.051}) pressed_bed(0.5, h);
+// count twice, heat that stays in spheres. The sum over contacts takes temperatures for linear in
+// z; the true ones dissipate least, so that it is an upper bound.
+TEST_CASE("heat: random beds conduct 0.95 to 1 times what their mean field would") {
+  const Bed smooth = pressed_bed(0, 0.0445), rough = pressed_bed(0.5, 0.0470);
+  for (const Bed& bed : {smooth, rough}) {
+    // Steady: spheres still move a little, and contacts with them.
+    CHECK(bed.of_walls < 2e-3);
+    CHECK(bed.unbalanced < 1e-3);
+    CHECK(bed.conductivity < bed.bound);
+    CHECK(bed.conductivity > 0.95 * bed.bound);
+  }
+  CHECK(smooth.contacts == near(6.9).epsilon(0.05));
+  // The formula takes contacts for isotropic, as they are without friction. With it a bed that is
+  // pressed from above alone conducts better along the pressure.
+  CHECK(smooth.bound == near(smooth.formula()).epsilon(0.03));
+  CHECK(rough.bound > 1.15 * rough.formula());
 }
