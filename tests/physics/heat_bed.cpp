@@ -24,9 +24,9 @@ const double R = 1e-3, side = 0.012, k = 1.1, hot = 400, cold = 300;  // [m], [W
 
 /// What the middle half of a bed is like.
 struct Bed {
-  double fraction, contacts, circle;     // [-], [-] a sphere, [-] mean a/R
-  double conductivity, bound;            // [W/(m K)] k_eff; the sum of H l_z^2 over the volume
-  double unbalanced, of_walls;           // [-] heat that spheres keep; that the walls differ by
+  double fraction, contacts, circle;  // [-], [-] a sphere, [-] mean a/R
+  double conductivity, bound;         // [W/(m K)] k_eff; the sum of H l_z^2 over the volume
+  double unbalanced, of_walls;        // [-] heat that spheres keep; that the walls differ by
   double formula() const { return fraction * contacts * k * circle / std::numbers::pi; }
 };
 
@@ -37,12 +37,11 @@ inline Bed pressed_bed(double friction, double height) {
   p.fill({{0, 0, 0}, {side, side, 0.1}}, {.radius = R, .density = 2500, .count = 1000});
   const silt::HertzMindlin::Material soft{
       .youngs_modulus = 5e6, .poisson_ratio = 0.25, .restitution = 0.1, .friction = friction};
-  silt::Simulation sim{
-      std::move(p), silt::Contacts<silt::HertzMindlin>{soft},
-      silt::PeriodicBox{{{0, 0, -0.01}, {side, side, 0.11}}, {true, true, false}},
-      silt::HeatConduction{.conductivity = k,
-                           .heat_capacity = 840,
-                           .walls = {silt::held_at(cold), silt::held_at(hot)}}};
+  silt::Simulation sim{std::move(p), silt::Contacts<silt::HertzMindlin>{soft},
+                       silt::PeriodicBox{{{0, 0, -0.01}, {side, side, 0.11}}, {true, true, false}},
+                       silt::HeatConduction{.conductivity = k,
+                                            .heat_capacity = 840,
+                                            .walls = {silt::held_at(cold), silt::held_at(hot)}}};
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, soft);
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, -1}}, soft, [height](double time) {
     silt::Pose pose;

@@ -182,9 +182,8 @@ class Checkpoint {
       if constexpr (Sim::Modules::flux) {
         a.column("modules.from_walls", from_walls_, detail::CheckpointLoader::any_count);
         auto books = e_.fluxes();  // to try them
-        a.need(books.take_wall_books(from_walls_, e_.walls.size()),
-               "modules.from_walls has ", from_walls_.size(), " numbers, which do not fit to ",
-               e_.walls.size(), " walls");
+        a.need(books.take_wall_books(from_walls_, e_.walls.size()), "modules.from_walls has ",
+               from_walls_.size(), " numbers, which do not fit to ", e_.walls.size(), " walls");
       }
       read_lists(a, accepted);
       if constexpr (detail::deforms<typename Sim::Domain>) read_box(a, path);
@@ -440,7 +439,7 @@ class Checkpoint {
     std::vector<std::vector<Vec3d>> vertex_steps_;  // of each wall
     std::vector<std::vector<double>> worn_;         // of each wall, where modules wear them
     std::vector<double> from_walls_;                // where modules have fluxes
-    std::size_t known_walls_ = 0;  // of the scene, that the file has
+    std::size_t known_walls_ = 0;                   // of the scene, that the file has
     detail::OpeningsState openings_;
     decltype(Engine::coefficients) coefficients_;
     typename Engine::State particles_;

@@ -39,7 +39,7 @@ struct RanzMarshall {
 /// Nusselt number of spheres in a bed of voidage e:
 ///   Nu = (7 - 10 e + 5 e^2)(1 + 0.7 Re^0.2 Pr^(1/3)) + (1.33 - 2.4 e + 1.2 e^2) Re^0.7 Pr^(1/3)
 /// with Re of the superficial velocity, e |u - v|.
-/// Source: D.J. Gunn, Int. J. Heat Mass Transfer 21 (1978) 467, recalled.
+/// Source: D.J. Gunn, Int. J. Heat Mass Transfer 21 (1978) 467, recalled; compared with the source of Kratos (ThermalDEM), which has the same.
 /// Valid:  0.35 < e <= 1, Re < 1e5.
 struct Gunn {
   static double nusselt(double Re, double Pr, double e) {
