@@ -145,7 +145,7 @@ int simulate(const Scene& s, const example::Options& options) {
                      options.out + "/drum.png"}) &&
       example::draw({"curves", options.out + "/temperatures.csv", "--x", "time", "--y",
                      "coldest,mean,hottest", "--y-label", "temperature [K]", "--title",
-                     "Grains in a drum of 400 K", "--out", options.out + "/temperatures.png"});
+                     silt::text("Grains in a drum of ", s.wall, " K"), "--out", options.out + "/temperatures.png"});
   std::printf("\n%.4g J from the wall; grains at %.2f K on the mean, deviation %.2f K.\n", given,
               end.mean, end.deviation);
   summary.print_checks();
