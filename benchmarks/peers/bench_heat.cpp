@@ -35,8 +35,9 @@ int main(int argc, char** argv) {
   // So soft that nothing moves: LIGGGHTS' bed is not integrated either.
   const silt::HertzMindlin::Material still{.youngs_modulus = 1e-9, .poisson_ratio = 0.3};
   using Heat = silt::HeatConductionBy<CutCircle>;
-  silt::Simulation sim{std::move(spheres), silt::Contacts<silt::HertzMindlin>{still},
-                       Heat{.conductivity = number(4), .heat_capacity = number(5)}};
+  silt::Simulation sim{
+      std::move(spheres), silt::Contacts<silt::HertzMindlin>{still},
+      Heat{.conductivity = number(4), .heat_capacity = number(5), .flux_every = 1}};
   sim.time_step = number(6);
   sim.threads = 1;
   for (std::size_t k = 0; k < sim.rows(); ++k)

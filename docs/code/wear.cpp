@@ -6,6 +6,7 @@
 
 #include <silt/silt.hpp>
 
+using silt::Vec3d;
 using Sliding = silt::Wear<silt::Archard>;
 using Cutting = silt::Wear<silt::Finnie>;
 
@@ -20,8 +21,8 @@ int main() {
                        Cutting{{.flow_stress = 1e9, .share_cutting = 0.5}}};
   // The chute lies in z = 0, and gravity is inclined.
   sim.gravity = {g * std::sin(slope), 0, -g * std::cos(slope)};
-  sim.add_wall(silt::TriangleMesh({{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}},
-                                   {{-1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}}),
+  sim.add_wall(silt::TriangleMesh({{Vec3d{-1, -1, 0}, Vec3d{1, -1, 0}, Vec3d{1, 1, 0}},
+                                   {Vec3d{-1, -1, 0}, Vec3d{1, 1, 0}, Vec3d{-1, 1, 0}}}),
                glass, {.name = "chute"});
   sim.run(0.3);
 

@@ -29,11 +29,11 @@ struct Scene {
   double grain = 1.5e-3;  // [m] mean radius of the grains
   double rpm = 15;        // [1/min]
   double turns = 4;
-  double wall = 400, start = 300;     // [K]
-  double conductivity = 200;          // [W/(m K)] of aluminium, as what follows
-  double heat_capacity = 900;         // [J/(kg K)]
-  double density = 2700;              // [kg/m3]
-  double modulus = 0;                 // [GPa] of the real solid; 0: contacts' own
+  double wall = 400, start = 300;      // [K]
+  double conductivity = 200;           // [W/(m K)] of aluminium, as what follows
+  double heat_capacity = 900;          // [J/(kg K)]
+  double density = 2700;               // [kg/m3]
+  double modulus = 0;                  // [GPa] of the real solid; 0: contacts' own
   static constexpr double fall = 0.4;  // [s] for the bed to come to rest
 
   double rate() const { return rpm * std::numbers::pi / 30; }  // [rad/s]
@@ -145,14 +145,14 @@ int simulate(const Scene& s, const example::Options& options) {
                      options.out + "/drum.png"}) &&
       example::draw({"curves", options.out + "/temperatures.csv", "--x", "time", "--y",
                      "coldest,mean,hottest", "--y-label", "temperature [K]", "--title",
-                     "Grains in a drum of 400 K", "--out", options.out + "/temperatures.png"});
+                     silt::text("Grains in a drum of ", s.wall, " K"), "--out", options.out + "/temperatures.png"});
   std::printf("\n%.4g J from the wall; grains at %.2f K on the mean, deviation %.2f K.\n", given,
               end.mean, end.deviation);
   summary.print_checks();
-  std::printf("Look at: %s%s/vtk (ParaView), %s/temperatures.csv, %s/summary.json\n",
-              drawn ? (options.out + "/drum.png, " + options.out + "/temperatures.png, ").c_str()
-                    : "",
-              options.out.c_str(), options.out.c_str(), options.out.c_str());
+  std::printf(
+      "Look at: %s%s/vtk (ParaView), %s/temperatures.csv, %s/summary.json\n",
+      drawn ? (options.out + "/drum.png, " + options.out + "/temperatures.png, ").c_str() : "",
+      options.out.c_str(), options.out.c_str(), options.out.c_str());
   return summary.all_hold() ? 0 : 1;
 }
 
@@ -165,7 +165,8 @@ int main(int argc, char** argv) {
   command.add("--particles", scene.particles, 50, 20000, "How many grains");
   command.add("--rpm", scene.rpm, 1, 100, "Turns of the drum a minute");
   command.add("--turns", scene.turns, 0.1, 100, "Turns of the drum");
-  command.add("--wall", scene.wall, 300, 2000, "Temperature of the drum [K]; grains begin at 300 K");
+  command.add("--wall", scene.wall, 300, 2000,
+              "Temperature of the drum [K]; grains begin at 300 K");
   command.add("--conductivity", scene.conductivity, 0.01, 1000, "Of the grains [W/(m K)]");
   command.add("--modulus", scene.modulus, 0, 1000,
               "Young's modulus of the real solid [GPa], for its contact circles; 0: as it is used");

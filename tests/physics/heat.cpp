@@ -281,10 +281,9 @@ TEST_CASE("heat: a step that does not resolve conduction, and values that make n
             "HeatConduction.conductivity"));
   CHECK(has(refusal([&] { chain(2, {.conductivity = 1}).run(0.1); }),
             "HeatConduction.heat_capacity"));
-  CHECK(has(refusal([&] {
-              chain(2, {.conductivity = 1, .heat_capacity = 1, .flux_every = 0}).run(0.1);
-            }),
-            "HeatConduction.flux_every"));
+  CHECK(has(
+      refusal([&] { chain(2, {.conductivity = 1, .heat_capacity = 1, .flux_every = 0}).run(0.1); }),
+      "HeatConduction.flux_every"));
   CHECK(has(refusal([&] {
               auto s = chain(2, glass);
               s.module<silt::HeatConduction>().walls.resize(3);

@@ -24,9 +24,9 @@ const double R = 1e-3, side = 0.012, k = 1.1, hot = 400, cold = 300;  // [m], [W
 
 /// What the middle half of a bed is like.
 struct Bed {
-  double fraction, contacts, circle;     // [-], [-] a sphere, [-] mean a/R
-  double conductivity, bound;            // [W/(m K)] k_eff; the sum of H l_z^2 over the volume
-  double unbalanced, of_walls;           // [-] heat that spheres keep; that the walls differ by
+  double fraction, contacts, circle;  // [-], [-] a sphere, [-] mean a/R
+  double conductivity, bound;         // [W/(m K)] k_eff; the sum of H l_z^2 over the volume
+  double unbalanced, of_walls;        // [-] heat that spheres keep; that the walls differ by
   double formula() const { return fraction * contacts * k * circle / std::numbers::pi; }
 };
 
@@ -37,12 +37,11 @@ inline Bed pressed_bed(double friction, double height) {
   p.fill({{0, 0, 0}, {side, side, 0.1}}, {.radius = R, .density = 2500, .count = 1000});
   const silt::HertzMindlin::Material soft{
       .youngs_modulus = 5e6, .poisson_ratio = 0.25, .restitution = 0.1, .friction = friction};
-  silt::Simulation sim{
-      std::move(p), silt::Contacts<silt::HertzMindlin>{soft},
-      silt::PeriodicBox{{{0, 0, -0.01}, {side, side, 0.11}}, {true, true, false}},
-      silt::HeatConduction{.conductivity = k,
-                           .heat_capacity = 840,
-                           .walls = {silt::held_at(cold), silt::held_at(hot)}}};
+  silt::Simulation sim{std::move(p), silt::Contacts<silt::HertzMindlin>{soft},
+                       silt::PeriodicBox{{{0, 0, -0.01}, {side, side, 0.11}}, {true, true, false}},
+                       silt::HeatConduction{.conductivity = k,
+                                            .heat_capacity = 840,
+                                            .walls = {silt::held_at(cold), silt::held_at(hot)}}};
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, soft);
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, -1}}, soft, [height](double time) {
     silt::Pose pose;
@@ -103,17 +102,20 @@ inline Bed pressed_bed(double friction, double height) {
 using namespace heat_bed_test;
 
 // Catches a conductance that is wrong by a factor or an exponent, contacts that are left out or
-// count twice, heat that stays in spheres. A field of temperatures that is linear gives the least
-// upper bound of all linear ones, so the bed conducts less than the sum over its contacts says.
-TEST_CASE("heat: a random bed conducts 0.8 to 1 times what its mean field would") {
-  const Bed smooth = pressed_bed(0, 0.0445);
-  CHECK(smooth.of_walls < 1e-3);
-  CHECK(smooth.unbalanced < 1e-3);
-  CHECK(smooth.contacts > 6);
-  CHECK(smooth.conductivity < smooth.bound);
-  CHECK(smooth.conductivity > 0.8 * smooth.bound);
-  // The formula takes contacts for isotropic and spheres for apart by their diameter.
-  CHECK(smooth.bound == near(smooth.formula()).epsilon(0.1));
-  for (double h : {0.0455, 0.046, 0.0465}) pressed_bed(0, h);
-  for (double h : {0.0485, 0.05, 0.051}) pressed_bed(0.5, h);
+// count twice, heat that stays in spheres. The sum over contacts takes temperatures for linear in
+// z; the true ones dissipate least, so that it is an upper bound.
+TEST_CASE("heat: random beds conduct 0.95 to 1 times what their mean field would") {
+  const Bed smooth = pressed_bed(0, 0.0445), rough = pressed_bed(0.5, 0.0470);
+  for (const Bed& bed : {smooth, rough}) {
+    // Steady: spheres still move a little, and contacts with them.
+    CHECK(bed.of_walls < 2e-3);
+    CHECK(bed.unbalanced < 1e-3);
+    CHECK(bed.conductivity < bed.bound);
+    CHECK(bed.conductivity > 0.95 * bed.bound);
+  }
+  CHECK(smooth.contacts == near(6.9).epsilon(0.05));
+  // The formula takes contacts for isotropic, as they are without friction. With it a bed that is
+  // pressed from above alone conducts better along the pressure.
+  CHECK(smooth.bound == near(smooth.formula()).epsilon(0.03));
+  CHECK(rough.bound > 1.15 * rough.formula());
 }

@@ -26,8 +26,8 @@ using Cutting = silt::Wear<silt::Finnie>;
 
 const double R = 1e-3, density = 2500, g = 9.81;
 const double mass = 4.0 / 3 * 3.14159265358979323846 * R * R * R * density;  // [kg]
-const silt::LinearSpringFriction::Material smooth{.stiffness = 1e3}, rough{
-    .stiffness = 1e3, .restitution = 0.5, .friction = 0.5};
+const silt::LinearSpringFriction::Material smooth{.stiffness = 1e3},
+    rough{.stiffness = 1e3, .restitution = 0.5, .friction = 0.5};
 const silt::Archard steel{.coefficient = 1e-4, .hardness = 2e9};
 const silt::Finnie ductile{
     .flow_stress = 1e9, .share_cutting = 0.5, .depth_ratio = 2, .force_ratio = 2};
@@ -89,11 +89,9 @@ TEST_CASE("wear: a sphere that slides wears k F s/H, each facet in proportion to
 // Catches the velocity of the sphere alone, and that of the wall alone.
 TEST_CASE("wear: a plate that moves under a sphere, and one that goes with it") {
   const auto worn = [](double of_plate, double of_sphere) {
-    auto sim = scene<silt::Sphere>({.position = resting(0.1),
-                                    .radius = R,
-                                    .density = density,
-                                    .velocity = {of_sphere, 0, 0}},
-                                   smooth, {.motion = silt::translation({of_plate, 0, 0})});
+    auto sim = scene<silt::Sphere>(
+        {.position = resting(0.1), .radius = R, .density = density, .velocity = {of_sphere, 0, 0}},
+        smooth, {.motion = silt::translation({of_plate, 0, 0})});
     sim.gravity = {0, 0, -g};
     sim.run(0.01);
     return silt::worn_volume<Sliding>(sim, 0);
@@ -125,12 +123,12 @@ TEST_CASE("wear: a sphere that rolls wears nothing, one that spins on the spot d
 TEST_CASE("wear: an impact wears as Finnie says at angles on both sides of tan alpha = K/6") {
   const double degree = 3.14159265358979323846 / 180, speed = 1;  // [m/s]
   for (const double alpha : {5 * degree, 15 * degree, 30 * degree, 80 * degree}) {
-    auto sim = scene<silt::Sphere>({.position = {0.1, 0, R + 1e-4},
-                                    .radius = R,
-                                    .density = density,
-                                    .velocity = {speed * std::cos(alpha), 0,
-                                                 -speed * std::sin(alpha)}},
-                                   smooth);
+    auto sim =
+        scene<silt::Sphere>({.position = {0.1, 0, R + 1e-4},
+                             .radius = R,
+                             .density = density,
+                             .velocity = {speed * std::cos(alpha), 0, -speed * std::sin(alpha)}},
+                            smooth);
     sim.run(0.01);
     CHECK(sim.velocity(0).z > 0);  // it has left the plate
     const double f = std::tan(alpha) <= 2.0 / 6

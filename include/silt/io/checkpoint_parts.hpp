@@ -191,10 +191,10 @@ struct WallsState {
   std::vector<WallState> state;
   std::vector<std::uint64_t> deforming, deformed, vertices;  // vertices: numbers of vertex_steps
   std::vector<Vec3d> vertex_steps;
-  std::vector<double> worn;                // where modules wear walls
+  std::vector<double> worn;                 // where modules wear walls
   std::vector<std::uint64_t> worn_numbers;  // of each wall
-  std::array<std::vector<Pose>, 2> marks;  // at the search, at the pruning
-  std::vector<Box> regions;                // of both
+  std::array<std::vector<Pose>, 2> marks;   // at the search, at the pruning
+  std::vector<Box> regions;                 // of both
 
   template <class Walls, class Lists>
   static WallsState of(const Walls& walls, const Lists& lists) {

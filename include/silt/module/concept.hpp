@@ -63,11 +63,11 @@ struct Apart {
 struct WallRub {
   double normal_force;      // [N] > 0: the particle presses
   double tangential_force;  // [N] >= 0
-  double slip;              // [m/s] of the particle's surface along that of the wall, at the contact
-  double approach;          // [m/s] towards the wall; negative: away from it
-  double mass;              // [kg] of the particle
-  double duration;          // [s] that this counts for
-  bool begins;              // there was no contact here in the step before
+  double slip;      // [m/s] of the particle's surface along that of the wall, at the contact
+  double approach;  // [m/s] towards the wall; negative: away from it
+  double mass;      // [kg] of the particle
+  double duration;  // [s] that this counts for
+  bool begins;      // there was no contact here in the step before
 };
 
 /// What a wall gives to the particles of a module with a flux: heat, say.
@@ -126,7 +126,8 @@ struct WallGiven {
 ///   double rate(const Seen&, const Fields&, double slope) const;  // [1/s], slope: the sum of
 ///                                        // flux() from 1 to 0 over the contacts of the particle,
 ///                                        // looked at now and then; rate(const Seen&) before that
-///   std::size_t flux_every = 10;                                // [steps] at most, from one call of
+///   std::size_t flux_every = 10;                                // [steps] at most, from one call
+///   of
 ///                                        // flux() to the next; the flux is held between them
 ///   Real share_of_loss(const Coefficients<Real>& p) const;      // [-] see below
 ///   void check(const auto& simulation) const;                   // throws before a run
@@ -241,11 +242,11 @@ template <class M, class Real>
 concept FluxOnLanes = requires(const M& m, const Touching<Real>& c, const Real& a) {
   { m.flux(c, a, a) } -> std::convertible_to<Real>;
 }
-|| (HasCoefficients<M> && requires(const M& m, const Touching<Real>& c,
-                                   const typename CoefficientsOf<M>::template type<Real>& p,
-                                   const Real& a) {
-  { m.flux(c, p, a, a) } -> std::convertible_to<Real>;
-});
+|| (HasCoefficients<M> &&
+    requires(const M& m, const Touching<Real>& c,
+             const typename CoefficientsOf<M>::template type<Real>& p, const Real& a) {
+      { m.flux(c, p, a, a) } -> std::convertible_to<Real>;
+    });
 template <class M>
 concept TakesLoss = HasCoefficients<M> &&
     requires(const M& m, const typename CoefficientsOf<M>::template type<double>& p) {

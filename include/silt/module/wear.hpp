@@ -87,7 +87,7 @@ concept WearLaw = std::copyable<L> && requires(const L& law, const WallRub& c) {
 /// Tests:  tests/physics/wear.cpp
 template <WearLaw Law>
 struct Wear {
-  Law law{};                        // of all walls but
+  Law law{};                       // of all walls but
   std::vector<Law> first_walls{};  // ... wall 0, 1, ..., as far as these are given
 
   double worn(const WallRub& c, std::size_t wall) const {

@@ -49,7 +49,8 @@ class ModuleAccess {
   /// [W], [J]. Negative: it has taken.
   template <class M>
   WallGiven given_by_wall(const WhichWall& which) const {
-    static_assert(flows_at_walls<M>, "nothing flows from walls for this module: it has no at_wall()");
+    static_assert(flows_at_walls<M>,
+                  "nothing flows from walls for this module: it has no at_wall()");
     const std::size_t w = sim().wall_number(which);
     const auto& all = sim().engine_.fluxes().template from_walls<M>();
     return w < all.size() ? all[w] : WallGiven{};

@@ -97,8 +97,8 @@ void Simulation<Policies...>::choose_flux_steps() {
     constexpr double most_change = 0.01;  // [-] of a value in the time that its flux is held
     const auto most = static_cast<double>(engine_.fluxes().most_steps(modules_.modules));
     const double rate = modules_.fastest_flux(engine_, time_);
-    flux_every_ =
-        static_cast<std::int64_t>(std::clamp(most_change / std::max(rate * dt_, 1e-300), 1.0, most));
+    flux_every_ = static_cast<std::int64_t>(
+        std::clamp(most_change / std::max(rate * dt_, 1e-300), 1.0, most));
   }
 }
 

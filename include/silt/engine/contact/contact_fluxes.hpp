@@ -260,8 +260,7 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
         rate = whole;
         if (!all.given[w] || !(whole > 0)) continue;
         rate = *all.given[w];
-        for (std::size_t r = 0; r < rows; ++r)
-          all.row[r].sum += rate * (all.of_rows[w][r] / whole);
+        for (std::size_t r = 0; r < rows; ++r) all.row[r].sum += rate * (all.of_rows[w][r] / whole);
       }
       for (std::size_t r = 0; r < rows; ++r) received[owner_of(r)] += all.row[r].sum;
       if (!SaysItsFluxRate<M> || !measure_) return;
@@ -373,6 +372,7 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
 
 /// Those of a composition.
 template <class Modules, class Arch, class Scalar>
-using FluxesOf = std::conditional_t<Modules::flux || Modules::wear, ContactFluxes<Modules, Arch, Scalar>, NoFluxes>;
+using FluxesOf = std::conditional_t<Modules::flux || Modules::wear,
+                                    ContactFluxes<Modules, Arch, Scalar>, NoFluxes>;
 
 }  // namespace silt::detail

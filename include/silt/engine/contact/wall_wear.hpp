@@ -14,8 +14,8 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The facet of a mesh that a contact at `point` [m] of this normal is at: the nearest one seen from
-/// a little above, the lowest of equals; no_facet if there are none.
+/// The facet of a mesh that a contact at `point` [m] of this normal is at: the nearest one seen
+/// from a little above, the lowest of equals; no_facet if there are none.
 inline std::size_t facet_at(const Wall& wall, const TriangleMesh& mesh,
                             std::span<const std::uint32_t> facets, const Vec3d& point,
                             const Vec3d& normal, double above) {
@@ -72,7 +72,8 @@ class WallWear<Fluxes, true> {
     const double pressed = dot(rub.force, rub.normal), away = dot(rub.velocity, rub.normal);
     if (!(pressed > 0)) return;
     const auto& mesh = *std::get<std::shared_ptr<const TriangleMesh>>(wall.surfaces[c.surface]);
-    const std::size_t facet = facet_at(wall, mesh, facets, rub.point, rub.normal, 1e-3 * rub.radius);
+    const std::size_t facet =
+        facet_at(wall, mesh, facets, rub.point, rub.normal, 1e-3 * rub.radius);
     if (facet >= mesh.triangles().size()) return;
     const WallRub seen{pressed,
                        norm(rub.force - pressed * rub.normal),
