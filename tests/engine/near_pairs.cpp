@@ -27,7 +27,7 @@ using silt::Seen;
 using silt::Vec3d;
 
 const double R = 1e-3, far = 5e-3, gap = 1.5e-3;  // [m]
-const silt::HertzMindlin::Material rubber{
+const silt::HertzMindlin::Material near_rubber{
     .youngs_modulus = 1e5, .poisson_ratio = 0.3, .restitution = 0.9, .friction = 0.3};
 
 /// Repels the more the larger both particles' own numbers are, to 0 at its reach between centres;
@@ -131,7 +131,7 @@ std::string refusal(const Call& call) {
 }
 
 inline auto in_box(double edge = 0.02) {
-  silt::Simulation sim{gas(300, edge), silt::Contacts<silt::HertzMindlin>{rubber},
+  silt::Simulation sim{gas(300, edge), silt::Contacts<silt::HertzMindlin>{near_rubber},
                        silt::PeriodicBox{{{0, 0, 0}, {edge, edge, edge}}, {true, true, true}},
                        Repulsion{}, Scent{}};
   sim.time_step = 2e-5, sim.guard.max_overlap = 1;
@@ -140,12 +140,12 @@ inline auto in_box(double edge = 0.02) {
 }
 /// With a floor, an inlet above and an outlet at one side.
 inline auto with_openings() {
-  silt::Simulation sim{gas(60, 0.014), silt::Contacts<silt::HertzMindlin>{rubber}, Repulsion{},
+  silt::Simulation sim{gas(60, 0.014), silt::Contacts<silt::HertzMindlin>{near_rubber}, Repulsion{},
                        Scent{}};
   stir(sim, 0.3);
   sim.gravity = {1, 0, -9.81};
   sim.time_step = 2e-5, sim.guard.max_overlap = 1;
-  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, rubber);
+  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, near_rubber);
   sim.add_outlet({{0.016, -1, -1}, {0.1, 1, 1}});
   sim.add_inlet(silt::Box{{0, 0, 0.016}, {0.014, 0.014, 0.02}},
                 {.radius = R, .density = 1000, .rate = 2000, .velocity = {0, 0, -0.5}});
@@ -233,7 +233,7 @@ TEST_CASE("near_pairs: the same bits on two threads and from a checkpoint") {
 
 // Catches images that move with the shear.
 TEST_CASE("near_pairs: forces in a shearing box are those of brute force") {
-  silt::Simulation sim{gas(150, 0.02), silt::Contacts<silt::HertzMindlin>{rubber},
+  silt::Simulation sim{gas(150, 0.02), silt::Contacts<silt::HertzMindlin>{near_rubber},
                        silt::DeformingBox{{{0, 0, 0}, {0.02, 0.02, 0.02}}}, Repulsion{}, Scent{}};
   sim.time_step = 2e-5, sim.guard.max_overlap = 1;
   stir(sim, 0.3);
@@ -248,7 +248,7 @@ TEST_CASE("near_pairs: bodies act as a whole, at their centres of mass") {
   silt::Particles<silt::MultiSphere> p;
   p.add_form({.balls = {{{-0.4 * R, 0, 0}, 0.8 * R}, {{0.4 * R, 0, 0}, 0.8 * R}}});
   p.fill({{0, 0, 0}, {0.02, 0.02, 0.02}}, {.radius = R, .density = 1000, .count = 150});
-  silt::Simulation sim{std::move(p), silt::Contacts<silt::HertzMindlin>{rubber},
+  silt::Simulation sim{std::move(p), silt::Contacts<silt::HertzMindlin>{near_rubber},
                        silt::PeriodicBox{{{0, 0, 0}, {0.02, 0.02, 0.02}}, {true, true, false}},
                        Repulsion{}, Scent{}};
   sim.time_step = 2e-5, sim.guard.max_overlap = 1;

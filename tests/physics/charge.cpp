@@ -83,9 +83,6 @@ inline bool has(const std::string& all, const char* part) {
   return found;
 }
 
-}  // namespace charge_test
-
-using namespace charge_test;
 
 // Catches a factor of 4 pi, a permittivity that multiplies, a force that is not shifted, one that
 // attracts where it should repel, and a cut-off between surfaces.
@@ -327,3 +324,5 @@ TEST_CASE("charge: refusals") {
   has(tribos({.work_functions = {4, 5}, .insulated = {true, true}}),
       "TriboCharge.insulated has 2 entries");
 }
+
+}  // namespace charge_test

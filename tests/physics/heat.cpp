@@ -68,9 +68,6 @@ inline bool has(const std::string& all, const char* part) {
   return found;
 }
 
-}  // namespace heat_test
-
-using namespace heat_test;
 
 // Catches a conductance of 4 k a, of k_i + k_j for the mean, of a diameter for the radius, and
 // capacities that are interchanged.
@@ -360,3 +357,5 @@ TEST_CASE("heat: a grain in hot gas, and one that radiates, as closed forms say"
             }),
             "Convection.voidage"));
 }
+
+}  // namespace heat_test

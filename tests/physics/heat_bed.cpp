@@ -97,9 +97,6 @@ inline Bed pressed_bed(double friction, double height) {
   return bed;
 }
 
-}  // namespace heat_bed_test
-
-using namespace heat_bed_test;
 
 // Catches a conductance that is wrong by a factor or an exponent, contacts that are left out or
 // count twice, heat that stays in spheres. The sum over contacts takes temperatures for linear in
@@ -119,3 +116,5 @@ TEST_CASE("heat: random beds conduct 0.95 to 1 times what their mean field would
   CHECK(smooth.bound == near(smooth.formula()).epsilon(0.03));
   CHECK(rough.bound > 1.15 * rough.formula());
 }
+
+}  // namespace heat_bed_test

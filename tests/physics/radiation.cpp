@@ -57,9 +57,6 @@ std::string refusal(const Call& call) {
   return "nothing was refused";
 }
 
-}  // namespace radiation_test
-
-using namespace radiation_test;
 
 // Catches a view factor of 1/d, of diameters, a network whose resistances are not in series, a
 // gap between centres, and heat that one end alone gets.
@@ -182,3 +179,5 @@ TEST_CASE("radiation: refusals") {
   has(of({.gap = R}, {.gap = 0}), "PlaneRadiation.gap = 0 [m]");
   has(of({.gap = R}, {.normal = {0, 0, 0}, .gap = R}), "PlaneRadiation: its point");
 }
+
+}  // namespace radiation_test

@@ -66,9 +66,6 @@ inline bool has(const std::string& all, const char* part) {
   return found;
 }
 
-}  // namespace wear_test
-
-using namespace wear_test;
 
 // Catches the way of twice a step or of one step too many, the force with its tangential part, a
 // contact that counts for both facets or for the wrong one, the number of the module.
@@ -208,3 +205,5 @@ TEST_CASE("wear: what makes no sense is refused") {
   CHECK(has(refusal([&] { sim.run(1e-4); }), "no wall of this simulation is a triangle mesh"));
   CHECK(has(refusal([&] { silt::worn_volume<Sliding>(sim, 0); }), "is no triangle mesh"));
 }
+
+}  // namespace wear_test
