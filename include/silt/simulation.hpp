@@ -138,14 +138,13 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
 
   // --- the scene ----------------------------------------------------------------------------
 
-  /// Adds a wall of `material`, which may move; returns its number. Pose 0 is that at time 0. More
-  /// of walls: WallSetup, and WallAccess for what is read and changed.
-  std::size_t add_wall(Surfaces surfaces, const typename ContactsType::Material& material,
+  /// Adds a wall of material `solid`, which may move; returns its number. Pose 0 is that at time 0.
+  /// More of walls: WallSetup, and WallAccess for what is read and changed.
+  std::size_t add_wall(Surfaces surfaces, const typename ContactsType::Material& solid,
                        WallSetup setup = {});
   template <std::convertible_to<Motion> M>
-  std::size_t add_wall(Surfaces surfaces, const typename ContactsType::Material& material,
-                       M motion) {
-    return add_wall(std::move(surfaces), material, WallSetup{.motion = std::move(motion)});
+  std::size_t add_wall(Surfaces surfaces, const typename ContactsType::Material& solid, M motion) {
+    return add_wall(std::move(surfaces), solid, WallSetup{.motion = std::move(motion)});
   }
   /// Lets particles and walls of these two materials overlap by up to `limit` [-] of the smaller
   /// radius, in place of guard.max_overlap: a heavy body that hits light grains.

@@ -32,7 +32,7 @@ std::optional<double> Simulation<Policies...>::time_step_limit(double speed) con
 /// whole scene, whichever is greater [m/s]. What inlets bring does not spin.
 template <class... Policies>
 double Simulation<Policies...>::expected_speed() const {
-  double speed = 0, radius = 0;
+  double speed = 0, largest = 0;
   if constexpr (detail::deforms<Domain>) speed = domain_.fastest();
   Box scene;
   // What is infinite, as planes are, bounds the scene in the directions in which it is flat.
@@ -46,14 +46,14 @@ double Simulation<Policies...>::expected_speed() const {
   for (std::size_t k = 0; k < rows(); ++k)
     if (is_present(k)) {
       speed = std::max(speed, surface_speed(k).sum()), include(position(k));
-      radius = std::max(radius, this->radius(k));
+      largest = std::max(largest, radius(k));
     }
   for (const auto& inlet : openings_.inlets()) {
     speed = std::max(speed, norm(inlet.flow.velocity));
     include(inlet.bounds.min), include(inlet.bounds.max);
   }
   // Walls where they may touch particles, which are more than their centres.
-  const Box near = scene.grown(radius);
+  const Box near = scene.grown(largest);
   for (const auto& w : engine_.walls) speed = std::max(speed, detail::speed_near(w, near, time_));
   for (const auto& w : engine_.walls)
     for (const auto& s : w.surfaces) {
@@ -70,7 +70,7 @@ double Simulation<Policies...>::expected_speed() const {
   };
   speed = std::max(speed, fall(scene));
   // Of a scene that is flat, or bounded by walls aslant alone, a particle's own size is known.
-  return speed > 0 ? speed : fall(scene.grown(radius));
+  return speed > 0 ? speed : fall(scene.grown(largest));
 }
 
 template <class... Policies>

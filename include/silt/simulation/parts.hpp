@@ -9,7 +9,7 @@ namespace silt::inline SILT_TARGET {
 
 template <class... Policies>
 std::size_t Simulation<Policies...>::add_wall(Surfaces surfaces,
-                                              const typename ContactsType::Material& material,
+                                              const typename ContactsType::Material& solid,
                                               WallSetup setup) {
   detail::refuse_in_deforming_box<Domain>("a wall");
   for (const auto& part : surfaces.parts)
@@ -29,7 +29,7 @@ std::size_t Simulation<Policies...>::add_wall(Surfaces surfaces,
           "both; leave one of them out");
   detail::check_drive(setup.drive);
   detail::check_fits(setup.drive, wall.extent);
-  wall.material = contacts_.add(material);
+  wall.material = contacts_.add(solid);
   wall.pose = wall.last_pose = wall.pose_at(time_);
   engine_.walls.push_back(std::move(wall));
   if (is_driven) this->release(k, std::move(setup.drive));
@@ -149,9 +149,9 @@ void Simulation<Policies...>::insert(const std::vector<PlacedSphere>& spheres,
   using Particle = typename ParticlesType::Particle;
   // The velocity is that of this instant; rows hold that of half a step ago.
   const double ago = first_kick_ || Integrator::first_kick != 0.5 ? 0 : 0.5 * dt_;  // [s]
-  const Vec3d velocity = flow.velocity - ago * gravity;
+  const Vec3d staggered = flow.velocity - ago * gravity;
   const std::size_t before = rows();
-  const auto more = detail::particles_at<Particle>(spheres, kinds, flow, velocity, random);
+  const auto more = detail::particles_at<Particle>(spheres, kinds, flow, staggered, random);
   check_new(std::span<const Particle>(more), [&](const Particle& p, std::size_t k) {
     if constexpr (requires { engine_.mover.forms; })
       ParticlesType::check(p, k, engine_.mover.forms);
@@ -162,7 +162,8 @@ void Simulation<Policies...>::insert(const std::vector<PlacedSphere>& spheres,
   if constexpr (has_ledger) {
     // ... and the ledger wants that of this instant.
     for (std::size_t k = before; k < rows() && !first_kick_; ++k)
-      book_.bring_in(0.5 * mass(k) * (dot(flow.velocity, flow.velocity) - dot(velocity, velocity)));
+      book_.bring_in(0.5 * mass(k) *
+                     (dot(flow.velocity, flow.velocity) - dot(staggered, staggered)));
   }
 }
 
@@ -175,8 +176,8 @@ void Simulation<Policies...>::book_step([[maybe_unused]] const detail::StepTimes
         if (is_present(k) && std::isfinite(mass(k))) start += kinetic(k).sum() + potential(k);
     engine_.contact_energy.worked(0.5 * times.worked);
     book_.book(engine_.contact_energy, engine_.walls, dt_,
-               engine_.power_on_fixed() - detail::power_of_belts(engine_.walls), first_kick_ ? &start : nullptr,
-               times.ask);
+               engine_.power_on_fixed() - detail::power_of_belts(engine_.walls),
+               first_kick_ ? &start : nullptr, times.ask);
   }
 }
 
@@ -257,11 +258,11 @@ void Simulation<Policies...>::set_max_overlap(const typename ContactsType::Mater
                                               const typename ContactsType::Material& b,
                                               double limit) {
   require_positive("Simulation::set_max_overlap: limit", limit, "-");
-  const auto number = [this](const auto& material) {
+  const auto number = [this](const auto& solid) {
     std::size_t k = 0;
-    while (k < contacts_.materials() && !(contacts_.material(k) == material)) ++k;
+    while (k < contacts_.materials() && !(contacts_.material(k) == solid)) ++k;
     require(k < contacts_.materials(), "Simulation::set_max_overlap: a material",
-            detail::leading_value(material), " is none of the ", contacts_.materials(),
+            detail::leading_value(solid), " is none of the ", contacts_.materials(),
             " of the contacts and the walls; give the same values, and add the wall before");
     return k;
   };
@@ -289,7 +290,7 @@ void Simulation<Policies...>::keep_limits() {
             step_ <= scene_step_ + (scene_step_ > 0), [this] { return is_longer_than_chosen(); },
             [this](std::size_t k) { return detail::name_of_material(contacts_, k); },
             [this](const Vec3d& p) { return openings_.inlet_at(p); },
-            [this](ParticleId id) { return this->resized_by(id, step_); }});
+            [this](ParticleId which) { return this->resized_by(which, step_); }});
   detail::check_crowded(engine_, step_, time_, back);
   if constexpr (Modules::flux)
     if (engine_.fluxes().measured()) check_module_rates(), choose_flux_steps();
