@@ -20,8 +20,11 @@
 #include <silt/simulation.hpp>
 
 #include "near.hpp"
+#include "refusal.hpp"
 
 namespace near_pairs_test {
+
+using silt_test::refusal;
 
 using silt::Seen;
 using silt::Vec3d;
@@ -119,15 +122,6 @@ void check_same(const A& a, const B& b) {
             a.velocity(k) == b.velocity(k) &&
             a.template field<Scent>(k).scent == b.template field<Scent>(k).scent;
   CHECK(same == a.rows());
-}
-template <class Call>
-std::string refusal(const Call& call) {
-  try {
-    call();
-  } catch (const std::exception& e) {
-    return e.what();
-  }
-  return "nothing was refused";
 }
 
 inline auto in_box(double edge = 0.02) {

@@ -13,8 +13,11 @@
 #include <silt/fluid/flow_solver.hpp>
 
 #include "near.hpp"
+#include "refusal.hpp"
 
 namespace fluid_heat_test {
+
+using silt_test::has, silt_test::refusal;
 
 using silt::FlowSolver;
 using silt::FluidProperties;
@@ -48,18 +51,6 @@ Range range_of(const FlowSolver& flow) {
         all.least = std::min(all.least, T), all.most = std::max(all.most, T);
       }
   return all;
-}
-template <class Call>
-std::string refusal(const Call& call) {
-  try {
-    call();
-  } catch (const std::exception& e) {
-    return e.what();
-  }
-  return "nothing was refused";
-}
-void check_has(const std::string& all, const char* part) {
-  CHECK_MESSAGE(all.find(part) != std::string::npos, all, " lacks ", part);
 }
 /// Stored heat less what the book says, over what has passed.
 double open_book(const FlowSolver& flow, double stored_at_first) {
@@ -300,26 +291,23 @@ TEST_CASE("heat of the fluid: goes on from its state, bit for bit, on any number
 
 TEST_CASE("heat of the fluid: what cannot be is refused") {
   FlowSolver flow(Grid({{0, 0, 0}, {0.01, 0.01, 0.01}}, {4, 4, 4}, {false, false, true}), air);
-  check_has(refusal([&] { flow.temperature(); }), "set_heat() first");
-  check_has(refusal([&] { flow.set_heat({.conductivity = 1}); }), "heat_capacity = 0 J/(kg K)");
-  check_has(refusal([&] { flow.set_heat({.heat_capacity = 1}); }),
-            "conductivity [W/(m K)] must be");
-  check_has(
-      refusal([&] { flow.set_heat({.heat_capacity = 1, .conductivity = 1, .expansion = 1}); }),
+  has(refusal([&] { flow.temperature(); }), "set_heat() first");
+  has(refusal([&] { flow.set_heat({.conductivity = 1}); }), "heat_capacity = 0 J/(kg K)");
+  has(refusal([&] { flow.set_heat({.heat_capacity = 1}); }), "conductivity [W/(m K)] must be");
+  has(refusal([&] { flow.set_heat({.heat_capacity = 1, .conductivity = 1, .expansion = 1}); }),
       "give the gravity too");
   flow.set_heat({.heat_capacity = 1000, .conductivity = 1e3});
-  check_has(refusal([&] { flow.set_side_heat(2, 0, {}); }), "periodic in z");
-  check_has(refusal([&] { flow.set_side_heat(0, 0, {.temperature = -1}); }),
-            "SideHeat.temperature");
-  check_has(refusal([&] { flow.step(0.05); }), "heat spreads over");
+  has(refusal([&] { flow.set_side_heat(2, 0, {}); }), "periodic in z");
+  has(refusal([&] { flow.set_side_heat(0, 0, {.temperature = -1}); }), "SideHeat.temperature");
+  has(refusal([&] { flow.step(0.05); }), "heat spreads over");
   flow.set_heat(heat_of_air);
   flow.set_side_heat(0, 1, {.temperature = 300, .flux = 1});
-  check_has(refusal([&] { flow.step(1e-3); }), "the side in x has a SideHeat.flux");
+  has(refusal([&] { flow.step(1e-3); }), "the side in x has a SideHeat.flux");
   flow.set_side_heat(0, 1, {.flux_at = [](const Vec3d&, double) { return NAN; }});
-  check_has(refusal([&] { flow.step(1e-3); }), "SideHeat.flux is nan");
+  has(refusal([&] { flow.step(1e-3); }), "SideHeat.flux is nan");
   flow.set_side_heat(0, 1, {.temperature = 300});
   flow.set_turbulence(silt::MixingLength{0.005});
-  check_has(refusal([&] { flow.step(1e-3); }), "no thermal wall function");
+  has(refusal([&] { flow.step(1e-3); }), "no thermal wall function");
 }
 
 }  // namespace fluid_heat_test

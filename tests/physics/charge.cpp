@@ -19,8 +19,11 @@
 #include <silt/simulation/energy_ledger.hpp>
 
 #include "near.hpp"
+#include "refusal.hpp"
 
 namespace charge_test {
+
+using silt_test::has, silt_test::refusal;
 
 using silt::Charge;
 using silt::ElectricCharge;
@@ -68,21 +71,6 @@ double charge_of(const Sim& sim) {
   for (std::size_t k = 0; k < sim.rows(); ++k) sum += sim.template field<ElectricCharge>(k);
   return sum;
 }
-template <class Call>
-std::string refusal(const Call& call) {
-  try {
-    call();
-  } catch (const std::exception& e) {
-    return e.what();
-  }
-  return "nothing was refused";
-}
-inline bool has(const std::string& all, const char* part) {
-  const bool found = all.find(part) != std::string::npos;
-  CHECK_MESSAGE(found, all, " lacks ", part);
-  return found;
-}
-
 
 // Catches a factor of 4 pi, a permittivity that multiplies, a force that is not shifted, one that
 // attracts where it should repel, and a cut-off between surfaces.
@@ -227,7 +215,8 @@ TEST_CASE("charge: impacts on walls charge a sphere to q_inf (1 - exp(-n/n0))") 
     const double most = 2 * std::numbers::pi * eps0 * R * R * V / 5e-7, n0 = 2 * R / deepest;
     CHECK(!touches);
     CHECK(impacts > 15);
-    const double given = sim.given_by_wall<TriboCharge>(0).sum + sim.given_by_wall<TriboCharge>(1).sum;
+    const double given =
+        sim.given_by_wall<TriboCharge>(0).sum + sim.given_by_wall<TriboCharge>(1).sum;
     CHECK(given == near(charge_of(sim)).epsilon(1e-12));
     const double ratio = charge_of(sim) / (most * (1 - std::exp(-impacts / n0)));
     CHECK(charge_of(sim) > 0.3 * most);

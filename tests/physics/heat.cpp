@@ -18,8 +18,11 @@
 #include <silt/simulation.hpp>
 
 #include "near.hpp"
+#include "refusal.hpp"
 
 namespace heat_test {
+
+using silt_test::has, silt_test::refusal;
 
 using silt::Vec3d;
 
@@ -52,22 +55,6 @@ inline auto chain(std::size_t count, const silt::HeatConduction& heat) {
   sim.add_wall(silt::Plane{{end_of_row(count), 0, 0}, {-1, 0, 0}}, still);
   return sim;
 }
-template <class Call>
-std::string refusal(const Call& call) {
-  try {
-    call();
-  } catch (const std::exception& e) {
-    return e.what();
-  }
-  return "nothing was refused";
-}
-inline bool has(const std::string& all, const char* part) {
-  CAPTURE(all);
-  const bool found = all.find(part) != std::string::npos;
-  CHECK_MESSAGE(found, all, " lacks ", part);
-  return found;
-}
-
 
 // Catches a conductance of 4 k a, of k_i + k_j for the mean, of a diameter for the radius, and
 // capacities that are interchanged.

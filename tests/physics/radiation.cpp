@@ -15,8 +15,11 @@
 #include <silt/simulation.hpp>
 
 #include "near.hpp"
+#include "refusal.hpp"
 
 namespace radiation_test {
+
+using silt_test::refusal;
 
 using silt::Vec3d;
 
@@ -47,16 +50,6 @@ template <class Sim>
 double& T(Sim& sim, std::size_t k) {
   return sim.template field<silt::Temperature>(sim.find(k));
 }
-template <class Call>
-std::string refusal(const Call& call) {
-  try {
-    call();
-  } catch (const std::exception& e) {
-    return e.what();
-  }
-  return "nothing was refused";
-}
-
 
 // Catches a view factor of 1/d, of diameters, a network whose resistances are not in series, a
 // gap between centres, and heat that one end alone gets.

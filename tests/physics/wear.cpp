@@ -17,8 +17,11 @@
 #include <silt/simulation.hpp>
 
 #include "near.hpp"
+#include "refusal.hpp"
 
 namespace wear_test {
+
+using silt_test::has, silt_test::refusal;
 
 using silt::Vec3d;
 using Sliding = silt::Wear<silt::Archard>;
@@ -51,21 +54,6 @@ auto scene(const typename silt::Particles<Shape>::Particle& one,
 }
 /// At rest on the plate, as gravity presses it.
 inline Vec3d resting(double x) { return {x, 0, R - mass * g / 1e3}; }
-template <class Call>
-std::string refusal(const Call& call) {
-  try {
-    call();
-  } catch (const std::exception& e) {
-    return e.what();
-  }
-  return "nothing was refused";
-}
-inline bool has(const std::string& all, const char* part) {
-  const bool found = all.find(part) != std::string::npos;
-  CHECK_MESSAGE(found, all, " lacks ", part);
-  return found;
-}
-
 
 // Catches the way of twice a step or of one step too many, the force with its tangential part, a
 // contact that counts for both facets or for the wrong one, the number of the module.

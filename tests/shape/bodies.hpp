@@ -25,16 +25,23 @@ class Random {
     return std::uniform_real_distribution<double>(low, high)(engine_);
   }
   double normal() { return normal_(engine_); }
+  // Draws in braces or one by one: compilers call arguments and operands in orders of their own.
   Vec3d direction() { return normalised(Vec3d{normal(), normal(), normal()}); }
   Vec3d in_cube(double half) {
     const double x = uniform(-half, half), y = uniform(-half, half), z = uniform(-half, half);
     return {x, y, z};
   }
-  Quaternion turn() { return rotation_about(direction(), uniform(0, 2 * pi)); }
+  Quaternion turn() {
+    const Vec3d axis = direction();
+    return rotation_about(axis, uniform(0, 2 * pi));
+  }
   /// The hull of n points at distances 0.3 to 0.5, about its centroid.
   Polyhedron hull(int n) {
     std::vector<Vec3d> points;
-    for (int k = 0; k < n; ++k) points.push_back(uniform(0.3, 0.5) * direction());
+    for (int k = 0; k < n; ++k) {
+      const double far = uniform(0.3, 0.5);
+      points.push_back(far * direction());
+    }
     return principal_shape(Polyhedron::from_points(points)).parts[0];
   }
 

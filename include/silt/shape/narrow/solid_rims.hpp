@@ -136,11 +136,12 @@ std::optional<SolidContact> rim_contact(const Rim& rim, const PlacedSuper<Form>&
     // dm = c t dphi + w dpsi, dt = -e dphi, dw = -s t dphi - m dpsi, dp = radius t dphi
     const double a = cap.radii.xx * c - rim.radius - dot(r, e), b = cap.radii.xy;
     const double d = cap.radii.xy * c - s * along_t, f = cap.radii.yy - depth;
-    // Of the right kind: deepest along the rim (a < 0), the shortest way out (f > 0).
-    const double aa = std::min(a, -1e-3 * bound), ff = std::max(f, 1e-6 * bound);
-    const double det = aa * ff - b * d;
-    const double limit = 0.2, along = det < 0 ? -(ff * along_t - b * along_w) / det : -along_t / aa,
-                 turn = det < 0 ? -(aa * along_w - d * along_t) / det : -along_w / ff;
+    // Of the right kind: the shortest way out (f > 0), and deepest along the rim with it (the
+    // curvature of the depth along the rim, m free to follow, < 0). A flat face has a > 0 there.
+    const double ff = std::max(f, 1e-6 * bound);
+    const double reduced = std::min(a - b * d / ff, -1e-3 * bound);
+    const double limit = 0.2, along = -(along_t - b * along_w / ff) / reduced,
+                 turn = -(along_w + d * along) / ff;
     const double size =
         std::max(std::abs(along) * std::max(1.0, rim.radius / bound), std::abs(turn));
     const double part = size > limit ? limit / size : 1;
