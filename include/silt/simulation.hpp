@@ -29,6 +29,7 @@
 #include <silt/simulation/body_readings.hpp>
 #include <silt/simulation/contact_access.hpp>
 #include <silt/simulation/energy_ledger.hpp>
+#include <silt/simulation/fluid_access.hpp>
 #include <silt/simulation/module_access.hpp>
 #include <silt/simulation/observing.hpp>
 #include <silt/simulation/opening_access.hpp>
@@ -66,6 +67,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
                    public detail::ModuleAccess<Simulation<Policies...>>,
                    public detail::ParticleEdits<Simulation<Policies...>>,
                    public detail::BodyReadings<Simulation<Policies...>>,
+                   public detail::FluidAccess<Simulation<Policies...>>,
                    public detail::OpeningAccess<Simulation<Policies...>>,
                    public detail::ParticleReadings<Simulation<Policies...>>,
                    public detail::WallAccess<Simulation<Policies...>> {
@@ -235,13 +237,6 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   std::size_t touching_pairs() const { return engine_.touching_pairs(domain_); }
   /// Where the energy is and where it went; when the simulation is not running, or in an observer.
   EnergyBalance energy() const { return balance(); }
-  /// The fluid and what it has done.
-  Fluid& fluid() requires(Fluid::active) { return fluid_; }
-  const Fluid& fluid() const requires(Fluid::active) { return fluid_; }
-  /// What the fluid does to particle k at present [N].
-  Vec3d fluid_force(std::size_t k) const requires(Fluid::active) {
-    return engine_.fluid_loads().force[known(k)].vector();
-  }
   /// What the fluid has given to particle k [N s] that velocity(k) does not have yet, as the flow
   /// is ahead of the particles; while they are observed, or after run().
   Vec3d due_from_fluid(std::size_t k) const;
@@ -250,10 +245,9 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   const Search& search() const { return search_; }
   Engine& engine() { return engine_; }
   const Engine& engine() const { return engine_; }
-  double largest_overlap() const {
-    return engine_.largest_overlap;
-  }                                                      // [-] of the radius, last step
-  double peak_overlap() const { return peak_overlap_; }  // [-] of the radius, since the start
+  /// [-] of the radius: in the last step, and the largest since the start.
+  double largest_overlap() const { return engine_.largest_overlap; }
+  double peak_overlap() const { return peak_overlap_; }
   /// How many contacts the law's safeguard has ended since the start [-] (Softened).
   std::uint64_t safeguarded() const requires detail::has_safeguard<typename ContactsType::Law> {
     return engine_.safeguards;
@@ -357,18 +351,18 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   friend class detail::ModuleAccess<Simulation>;
   friend class detail::ParticleEdits<Simulation>;
   friend class detail::BodyReadings<Simulation>;
+  friend class detail::FluidAccess<Simulation>;
   friend class detail::OpeningAccess<Simulation>;
   friend class detail::ParticleReadings<Simulation>;
   friend class detail::WallAccess<Simulation>;
   friend class detail::Openings<ShapeType>;
   using FluidIs = detail::FluidTraits<Fluid>;
-  struct NoBook {};
-  struct NoParticles {};
+  struct Nothing {};
   static auto particles_in_fluid() {
     if constexpr (Fluid::active)
       return typename FluidIs::Particles{};
     else
-      return NoParticles{};
+      return Nothing{};
   }
 
   ContactsType contacts_;
@@ -379,7 +373,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   [[no_unique_address]] decltype(particles_in_fluid()) in_fluid_;
   Engine engine_;
   detail::Openings<ShapeType> openings_;
-  [[no_unique_address]] std::conditional_t<has_ledger, detail::EnergyBook, NoBook> book_;
+  [[no_unique_address]] std::conditional_t<has_ledger, detail::EnergyBook, Nothing> book_;
   static constexpr double clock_rounding = 1e-3;  // [-] of a step
   static constexpr double first_wall_kick =
       Integrator::derivatives > 0 ? 0.5 : Integrator::first_kick;

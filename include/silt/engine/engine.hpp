@@ -17,6 +17,7 @@
 #include <silt/engine/advance/wall_motion.hpp>
 #include <silt/engine/checks/wall_stiffness.hpp>
 #include <silt/engine/contact/contact_memory.hpp>
+#include <silt/engine/contact/pair_kinds_of.hpp>
 #include <silt/engine/lists/near_lists.hpp>
 #include <silt/engine/spheres/pair_pipeline.hpp>
 #include <silt/engine/stages_of_shape.hpp>
@@ -135,7 +136,8 @@ class Engine : public Tables<Composition> {
       mover.renew_convex_rows(particles);
       lists.pairs.use_more_history(mover.convex_rows.has_area());
     }
-    make_kinds();
+    if constexpr (ContactsType::several_materials)
+      make_kinds(lists.pairs, particles.material, coefficients.materials, *team_, kinds_);
     sums_.resize(particles.size() * 4 * chunks, 0);  // all zero between the steps
     particles.renew_pair_motion(*team_);
   }
@@ -205,10 +207,7 @@ class Engine : public Tables<Composition> {
   }
 
   std::optional<CrowdedContact> crowded() const {
-    if constexpr (convex)
-      return std::nullopt;
-    else
-      return walls.empty() ? std::nullopt : wall_pipeline_.crowded();
+    return walls.empty() ? std::nullopt : wall_pipeline_.crowded();
   }
 
   /// The kick of driven walls over `kick_time` [s] by the loads of this step; see push_wall().
@@ -383,18 +382,6 @@ class Engine : public Tables<Composition> {
       return particles.part.data();
     else
       return nullptr;
-  }
-
-  void make_kinds() {
-    if constexpr (ContactsType::several_materials) {
-      const auto& pairs = lists.pairs;
-      kinds_.assign(pairs.padded_size(), 0);
-      pairs.for_each_inner(*team_, [&](std::size_t k) {
-        kinds_[k] = static_cast<std::uint16_t>(particles.material[pairs.first()[k]] *
-                                                   coefficients.materials +
-                                               particles.material[pairs.second()[k]]);
-      });
-    }
   }
 
   std::unique_ptr<Team> team_ = std::make_unique<Team>(1);

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 #include <silt/boundary/wall.hpp>
@@ -13,6 +14,11 @@ namespace silt::inline SILT_TARGET::detail {
 struct WallLoad {
   Vec3d force{0, 0, 0}, torque{0, 0, 0};  // [N], [N m] about the wall's reference
   double power = 0;                       // [W] of its surface velocity on particles
+};
+
+/// A sphere, by its place, and a wall.
+struct CrowdedContact {
+  std::uint32_t particle, wall;
 };
 
 /// Mean angular velocity [rad/s] from one pose to the next.

@@ -8,13 +8,13 @@
 #include <span>
 #include <vector>
 
-#include <silt/engine/convex/contacts_with_wall.hpp>
-#include <silt/engine/convex/convex_planes.hpp>
 #include <silt/engine/contact/contact_fluxes.hpp>
 #include <silt/engine/contact/contact_stage.hpp>
 #include <silt/engine/contact/load_rows.hpp>
 #include <silt/engine/contact/wall_loads.hpp>
 #include <silt/engine/contact/wall_wear.hpp>
+#include <silt/engine/convex/contacts_with_wall.hpp>
+#include <silt/engine/convex/convex_planes.hpp>
 #include <silt/engine/lists/wall_contacts.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -52,6 +52,8 @@ class ConvexWalls {
     for (const auto& tally : tallies_) all.add(tally);
     return all;
   }
+  /// Each has slots for all contacts that it can have.
+  std::optional<CrowdedContact> crowded() const { return {}; }
 
  private:
   using Planes = ConvexPlanes<Rows, ContactsType, Contacts, Arch>;

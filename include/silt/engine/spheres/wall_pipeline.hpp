@@ -8,16 +8,12 @@
 #include <vector>
 
 #include <silt/engine/contact/shared_contacts.hpp>
+#include <silt/engine/contact/wall_loads.hpp>
 #include <silt/engine/contact/wall_wear.hpp>
 #include <silt/engine/lists/wall_contacts.hpp>
 #include <silt/engine/spheres/plane_pipeline.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
-
-/// A sphere, by its place, and a wall.
-struct CrowdedContact {
-  std::uint32_t particle, wall;
-};
 
 /// Computes the loads of all contacts with walls: geometry of each candidate, in double, then the
 /// same law over lanes as for pairs, rows out; sums what each wall bears. Spheres that are near
