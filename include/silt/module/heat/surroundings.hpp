@@ -32,7 +32,7 @@ struct FrictionHeat : HeatConduction {
 
 /// Nusselt number of a sphere in a stream: Nu = 2 + 0.6 Re^(1/2) Pr^(1/3).
 /// Source: W.E. Ranz, W.R. Marshall, Chem. Eng. Prog. 48 (1952) 141, 173, not read; the formula as
-///         OpenFOAM's heat transfer models have it (read).
+///         a heat transfer model derived from OpenFOAM's has it (read).
 /// Valid:  a lone sphere, Re < 200 (drops), in use up to some 1e4.
 struct RanzMarshall {
   static double nusselt(double Re, double Pr, double /*voidage*/) {
