@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # silt - BSD-3-Clause, see LICENSE
 """Every C++ block of README.md and docs/*.md must stand, line by line, in a program that is compiled,
-and every file that they link to must exist."""
+every file that they link to must exist, and docs/validation.md must say (long) where a test is of the
+long set."""
 import glob
 import os
 import re
@@ -26,5 +27,17 @@ for page in [root + "/README.md"] + sorted(glob.glob(root + "/docs/*.md")):
         if not os.path.exists(os.path.join(os.path.dirname(page), target)):
             failed += 1
             print(f"{name}: links to {target}, which is not there")
+# A file of the long set by its name, with or without its room.
+cmake = open(root + "/tests/CMakeLists.txt").read()
+long_files = re.search(r"set\(silt_long_files([^)]*)\)", cmake)[1].split()
+for number, line in enumerate(open(root + "/docs/validation.md").read().split("\n"), 1):
+    whole = line.startswith("| (long)")
+    room = ""
+    for tests, folder, file, rest in re.findall(r"(tests/)?((?:[a-z_]+/)?)([a-z_0-9]+)\.cpp( \(long\))?", line):
+        room = folder or ("" if tests else room)
+        if line.startswith("|") and (room + file in long_files) != (whole or bool(rest)):
+            failed += 1
+            print(f"docs/validation.md:{number}: {room}{file}.cpp is"
+                  + (" not" if whole or rest else "") + " of the long set")
 print(f"{blocks} code blocks looked at, {failed} problems")
 sys.exit(1 if failed or blocks == 0 else 0)
