@@ -22,12 +22,14 @@ inline double width_for(std::size_t n) {
   return 0.15 * std::sqrt(std::max(1.0, static_cast<double>(n) / 50000));
 }
 
-/// Particles in an open box with a square floor of `width` [m].
-template <class Shape, class Precision>
-auto bed(silt::Particles<Shape> particles, double width, int threads, Precision precision) {
-  const Law::Material m{
-      .youngs_modulus = 1e6, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.4};
-  silt::Simulation sim{std::move(particles), silt::Contacts<Law>{m}, precision};
+inline constexpr Law::Material material{
+    .youngs_modulus = 1e6, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.4};
+
+/// Particles in an open box with a square floor of `width` [m], the last of its walls.
+template <class Shape, class... Policies>
+auto bed(silt::Particles<Shape> particles, double width, int threads, Policies... policies) {
+  const Law::Material& m = material;
+  silt::Simulation sim{std::move(particles), silt::Contacts<Law>{m}, std::move(policies)...};
   sim.gravity = {0, 0, -9.81};
   sim.time_step = time_step;
   sim.threads = threads;

@@ -13,7 +13,7 @@ from yade import log, polyhedra_utils
 
 def scene():
     material = PolyhedraMat()
-    material.density, material.young, material.poisson, material.frictionAngle = 2600, 1e6, 0.02, 0.6
+    material.density, material.young, material.poisson, material.frictionAngle = 2600, 1e8, 0.02, 0.6
     O.bodies.append(utils.wall(0, axis=2, sense=1, material=material))
     for i in range(6):
         for j in range(6):

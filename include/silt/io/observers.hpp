@@ -36,11 +36,12 @@ class Schedule {
   }
   /// Due at once if it is time and observers were not called at this instant yet; of an observer
   /// that only reads also if they were, but for a run that goes on from a checkpoint. An observer
-  /// that is given to several runs in turn goes on with its schedule.
+  /// that is given to several runs in turn goes on with its schedule. A run ends up to a step after
+  /// its duration: for those that only read, that is still the instant.
   template <class Sim>
   void begin(const Sim& sim, bool only_reads = false) {
     const bool done = only_reads ? sim.continued() : sim.observed();
-    if (!begun_) last_ = number(sim) - (on_time(sim) && !done ? 1 : 0);
+    if (!begun_) last_ = number(sim) - (on_time(sim, only_reads ? 1.0 : 0.5) && !done ? 1 : 0);
     begun_ = true;
   }
 
@@ -50,10 +51,11 @@ class Schedule {
     return static_cast<std::int64_t>(
         std::floor((sim.time() + 0.5 * sim.step_length()) / interval_ * (1 + 1e-12)));
   }
+  /// Whether the last instant is at most `steps` steps ago, or half a step ahead.
   template <class Sim>
-  bool on_time(const Sim& sim) const {
+  bool on_time(const Sim& sim, double steps) const {
     const double since = sim.time() - static_cast<double>(number(sim)) * interval_;
-    return std::abs(since) <= 0.5 * sim.step_length();
+    return since <= steps * (1 + 1e-9) * sim.step_length();
   }
 
   double interval_;  // [s]

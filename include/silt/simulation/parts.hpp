@@ -238,7 +238,7 @@ void Simulation<Policies...>::prepare() {
   modules_.check(*this);
   engine_.set_coefficients(contacts_);
   engine_.set_flux_coefficients(modules_, contacts_);
-  modules_.look_near(engine_, domain_, time_, true);
+  modules_.look_near(engine_, domain_, time_, true, true);
   if (dt_ == 0 || (time_step && *time_step != dt_) || (scene_changed_ && is_step_too_long())) {
     const double dt = chosen_time_step();
     if (kicked_ && dt_ > 0) {

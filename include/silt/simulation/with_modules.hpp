@@ -30,7 +30,7 @@ void Simulation<Policies...>::act_in_pairs() {
     constexpr std::int64_t measure_every = 100;  // [steps]
     bool asked = true, measure = first_kick_ || step_ % measure_every == 0;
     if constexpr (Modules::flux) asked = engine_.fluxes().asked();
-    modules_.look_near(engine_, domain_, time_, measure);
+    modules_.look_near(engine_, domain_, time_, asked, measure);
     modules_.near.receive(engine_.modules(), asked);
   }
 }

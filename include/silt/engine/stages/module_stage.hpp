@@ -55,8 +55,9 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
   /// Asks what modules do between pairs of particles within their reach.
   template <class Engine>
   void look_near([[maybe_unused]] const Engine& e, [[maybe_unused]] const Domain& domain,
-                 [[maybe_unused]] double time, [[maybe_unused]] bool measure) {
-    if constexpr (List::in_pairs) near.look(modules, e, domain, time, measure);
+                 [[maybe_unused]] double time, [[maybe_unused]] bool asked,
+                 [[maybe_unused]] bool measure) {
+    if constexpr (List::in_pairs) near.look(modules, e, domain, time, asked, measure);
   }
 
   /// When a step's forces are asked for.
@@ -123,9 +124,9 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
       for (std::size_t k = 0; k < e.owners(); ++k) {
         const auto p = e.owner(k);
         if (p.is_there() && p.inverse_mass() > 0)
-          most = std::max(most, p.inverse_mass() *
-                                    norm(sum_of(e.modules(), e.seen(k, time), k).force +
-                                         near_force(k)));
+          most =
+              std::max(most, p.inverse_mass() * norm(sum_of(e.modules(), e.seen(k, time), k).force +
+                                                     near_force(k)));
       }
     return most;
   }
@@ -285,11 +286,11 @@ class ModuleStage<ModuleList<Ms...>, Domain> {
       const Vec3d& force = near.template of<M>().force[k];
       if (!is_finite(force)) {
         const Seen p = e.seen(k, when.time);
-        throw SimulationError(text("step ", when.step, ", t = ", when.time,
-                                   " s: the sum of pair_force() of the module ",
-                                   name_of_module<M>(), " on particle ", p.id, " at ", p.position,
-                                   " m is ", force, " N; mend its pair_force()"),
-                              when.step, {p.id}, p.position);
+        throw SimulationError(
+            text("step ", when.step, ", t = ", when.time,
+                 " s: the sum of pair_force() of the module ", name_of_module<M>(), " on particle ",
+                 p.id, " at ", p.position, " m is ", force, " N; mend its pair_force()"),
+            when.step, {p.id}, p.position);
       }
     }
     if constexpr (Pushes<M>) {

@@ -128,10 +128,14 @@ class NearStage<ModuleList<Ms...>, Domain> {
  public:
   static constexpr bool active = ModuleList<Ms...>::in_pairs;
 
-  /// Asks what modules do between pairs now; `measure`: how fast that changes, too.
+  /// Asks what modules do between pairs now; `measure`: how fast that changes, too. Modules whose
+  /// flux through contacts is held, as `asked` says, are not asked: what they gave in pairs is held
+  /// with it.
   template <class Engine>
   void look(const std::tuple<Ms...>& modules, const Engine& e, const Domain& domain, double time,
-            bool measure) {
+            bool asked, bool measure) {
+    measured_ = measure;
+    if (!(wanted<Ms>(asked || measure) || ...)) return;
     seen_.resize(e.owners());
     e.team().for_ranges(seen_.size(), [&](std::size_t, std::size_t from, std::size_t to) {
       for (std::size_t k = from; k < to; ++k) {
@@ -139,8 +143,7 @@ class NearStage<ModuleList<Ms...>, Domain> {
         if (e.owner(k).is_there()) seen_[k] = e.seen(k, time);
       }
     });
-    (look_one<Ms>(modules, e, domain, measure), ...);
-    measured_ = measure;
+    (look_one<Ms>(modules, e, domain, asked || measure, measure), ...);
   }
   /// Whether the last look measured.
   bool measured() const { return measured_; }
@@ -177,13 +180,18 @@ class NearStage<ModuleList<Ms...>, Domain> {
   }
 
  private:
+  template <class M>
+  static bool wanted(bool asked) {
+    return ActsInPairs<M> && (asked || PushesPairs<M> || !Exchanges<M>);
+  }
   template <class M, class Engine>
-  void look_one(const std::tuple<Ms...>& modules, const Engine& e, const Domain& domain,
+  void look_one(const std::tuple<Ms...>& modules, const Engine& e, const Domain& domain, bool asked,
                 bool measure) {
     constexpr std::size_t own = ModuleList<Ms...>::template index_of<M>;
     if constexpr (ActsInPairs<M>)
-      std::get<own>(pairs_).look(std::get<own>(modules), e, domain, seen_, measure,
-                                 name_of_module<M>().c_str());
+      if (wanted<M>(asked))
+        std::get<own>(pairs_).look(std::get<own>(modules), e, domain, seen_, measure,
+                                   name_of_module<M>().c_str());
   }
   template <class M>
   void add_force(Vec3d& sum, std::size_t k) const {

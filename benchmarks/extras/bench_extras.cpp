@@ -1,0 +1,284 @@
+// silt - BSD-3-Clause, see LICENSE
+// What additions to a scene cost: a settled bed with and without each of them, steps taken in turn
+// on one thread. Additions that only watch must leave the motion as it is, bit by bit.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <silt/files/atomic_file.hpp>
+#include <silt/silt.hpp>
+
+#include "support/example.hpp"
+
+#include "../bed.hpp"
+
+namespace {
+
+using silt::Vec3d;
+using Spheres = silt::Particles<silt::Sphere>;
+
+constexpr double radius = 2.15e-3;  // [m] the beds' mean
+
+struct Rounds {
+  int count;        // of turns
+  double steps;     // of each turn
+  std::string out;  // folder
+};
+
+/// What a turn costs with the addition over what it costs without, and whether they moved alike.
+struct Cost {
+  double median, low, high;  // [-]
+  std::size_t apart;         // particles that are at another place
+};
+
+/// Takes turns of two simulations of the same bed; `more` is given to the runs of the second.
+template <class Plain, class Richer, class... More>
+Cost compare(Plain& plain, Richer& richer, const Rounds& rounds, More&... more) {
+  const auto turn = [&](auto& sim, auto&... observers) {
+    const example::Stopwatch clock;
+    sim.run(rounds.steps * bench::time_step, observers...);
+    return clock.seconds();
+  };
+  turn(plain), turn(richer, more...);  // to warm up
+  std::vector<double> ratios;
+  for (int k = 0; k < rounds.count; ++k) {
+    double first = k % 2 ? 0 : turn(plain);
+    const double second = turn(richer, more...);
+    if (k % 2) first = turn(plain);
+    ratios.push_back(second / first);
+  }
+  std::sort(ratios.begin(), ratios.end());
+  std::size_t apart = 0;
+  for (std::size_t k = 0; k < plain.rows(); ++k)
+    apart += plain.position(plain.find(k)) != richer.position(richer.find(k));
+  return {ratios[ratios.size() / 2], ratios[ratios.size() / 4], ratios[ratios.size() * 3 / 4],
+          apart};
+}
+
+/// A settled bed of n spheres, and the table's rows.
+class Report {
+ public:
+  Report(example::Summary& summary, std::size_t n, Rounds rounds)
+      : summary_(summary), rounds_(std::move(rounds)), n_(n) {
+    auto sim = bench::bed(bench::lattice(n), silt::default_threads(), silt::Double{});
+    sim.run(20000 * bench::time_step);
+    for (std::size_t k = 0; k < sim.rows(); ++k)
+      spheres_.add({.position = sim.position(k),
+                    .radius = sim.radius(k),
+                    .density = 2500,
+                    .velocity = sim.velocity(k)});
+  }
+  void rows() {
+    contacts();
+    events();
+    heat();
+    pairs();
+    wear();
+  }
+
+ private:
+  void contacts();
+  void events();
+  void heat();
+  void pairs();
+  void wear();
+
+  template <class... Policies>
+  auto bed(Policies... policies) const {
+    auto sim = bench::bed(spheres_, bench::width_for(n_), 1, policies...);
+    sim.run(2000 * bench::time_step);  // the springs of its contacts are not in the file
+    return sim;
+  }
+  template <class... Policies>
+  auto warm_bed(Policies... policies) const {
+    auto sim = bed(policies...);
+    silt::Random random(3);
+    for (std::size_t k = 0; k < sim.rows(); ++k)
+      sim.template field<silt::Temperature>(sim.find(k)) = random.uniform(300, 400);
+    return sim;
+  }
+  /// Has charges of 1e-12 C and of both signs: forces of some 1e-9 N, beside weights of 1e-3.
+  template <class... Policies>
+  auto charged_bed(Policies... policies) const {
+    auto sim = bed(policies...);
+    for (std::size_t k = 0; k < sim.rows(); ++k)
+      sim.template field<silt::ElectricCharge>(sim.find(k)) = k % 2 ? 1e-12 : -1e-12;
+    return sim;
+  }
+  std::string key(const std::string& name) const {
+    std::string all = silt::text(n_, "_", name);
+    std::replace(all.begin(), all.end(), ' ', '_');
+    return all;
+  }
+  void row(const std::string& name, const Cost& cost) {
+    std::printf("%8zu  %-45s %6.3f  (%.3f to %.3f)\n", n_, name.c_str(), cost.median, cost.low,
+                cost.high);
+    std::fflush(stdout);
+    summary_.result(key(name), cost.median);
+    summary_.result(key(name) + "_lower_quartile", cost.low);
+    summary_.result(key(name) + "_upper_quartile", cost.high);
+  }
+  /// The row of an addition that must not act on the motion.
+  void row_of_watcher(const std::string& name, const Cost& cost) {
+    row(name, cost);
+    summary_.check_at_most(key(name) + "_particles_that_moved_otherwise",
+                           static_cast<double>(cost.apart), 0);
+  }
+  /// The heat of all particles is what it was: what one got another lost.
+  template <class Sim>
+  void check_heat(const std::string& name, Sim& sim, double before) {
+    const auto [sum, spread] = temperatures(sim);
+    summary_.check_within(key(name) + "_heat_after_over_before", sum / before, 1, 1e-12,
+                          "sums of 10 000 fluxes a particle, each to rounding");
+    // Uniform between 300 and 400 K at first: 28.9 K.
+    summary_.check_at_most(key(name) + "_standard_deviation_k", spread, 28);
+  }
+  /// Mass times temperature of all [kg K], and the temperatures' standard deviation [K].
+  template <class Sim>
+  std::pair<double, double> temperatures(Sim& sim) const {
+    double heat = 0, sum = 0, squares = 0;
+    for (std::size_t k = 0; k < sim.rows(); ++k) {
+      const double T = sim.template field<silt::Temperature>(k);
+      heat += sim.mass(k) * T, sum += T, squares += T * T;
+    }
+    const double mean = sum / static_cast<double>(n_);
+    return {heat, std::sqrt(std::max(0.0, squares / static_cast<double>(n_) - mean * mean))};
+  }
+
+  example::Summary& summary_;
+  Rounds rounds_;
+  std::size_t n_;
+  Spheres spheres_;
+};
+
+void Report::contacts() {
+  const auto schedule = silt::every(100 * bench::time_step);
+  {
+    auto plain = bed(), richer = bed();
+    double sum = 0;  // [N]
+    auto reads = silt::at(schedule, [&](const auto& sim) {
+      sim.for_each_contact([&](const silt::ContactSeen& c) { sum += c.normal_force; });
+    });
+    row_of_watcher("contacts read every 100 steps", compare(plain, richer, rounds_, reads));
+    summary_.check_at_least(key("sum of forces read"), sum, 1e-9);
+  }
+  auto plain = bed(), richer = bed();
+  const std::string folder = rounds_.out + "/contacts";
+  auto writes = silt::contact_series(folder, schedule);
+  row_of_watcher("contacts to VTK every 100 steps", compare(plain, richer, rounds_, writes));
+  std::filesystem::remove_all(folder);
+}
+
+void Report::events() {
+  auto plain = bed();
+  {
+    auto richer = bed(silt::ContactEvents{});
+    double lost = 0;
+    auto ends = silt::on_contact_end([&](const silt::ContactEvent& c) { lost += c.lost_energy; });
+    row_of_watcher("contact events", compare(plain, richer, rounds_, ends));
+  }
+  auto again = bed();
+  auto booked = bed(silt::EnergyLedger{});
+  row_of_watcher("energy ledger", compare(again, booked, rounds_));
+}
+
+void Report::heat() {
+  const silt::HeatConduction conduction{
+      .conductivity = 1.1, .heat_capacity = 840, .youngs_modulus = 63e9, .poisson_ratio = 0.25};
+  {
+    auto plain = bed();
+    auto richer = warm_bed(conduction);
+    const double before = temperatures(richer).first;
+    row_of_watcher("heat conduction", compare(plain, richer, rounds_));
+    check_heat("heat conduction", richer, before);
+  }
+  {
+    auto plain = bed();
+    auto often = conduction;
+    often.flux_every = 1;
+    auto richer = warm_bed(often);
+    const double before = temperatures(richer).first;
+    row_of_watcher("heat conduction asked in each step", compare(plain, richer, rounds_));
+    check_heat("heat conduction asked in each step", richer, before);
+  }
+  auto plain = bed();
+  auto richer = warm_bed(silt::EnergyLedger{}, silt::FrictionHeat{conduction});
+  row_of_watcher("heat of friction too with its ledger", compare(plain, richer, rounds_));
+}
+
+void Report::pairs() {
+  {
+    auto plain = bed();
+    auto richer = warm_bed(silt::MutualRadiation{silt::HeatConduction{.conductivity = 1.1,
+                                                                      .heat_capacity = 840,
+                                                                      .youngs_modulus = 63e9,
+                                                                      .poisson_ratio = 0.25},
+                                                 {.emissivity = 0.9, .gap = 1.4 * radius}});
+    row_of_watcher("heat conduction and radiation to 1.4 radii", compare(plain, richer, rounds_));
+  }
+  for (const double reach : {3.0, 6.0}) {
+    auto plain = bed();
+    auto richer = charged_bed(silt::Charge{.cutoff = reach * radius});
+    row(silt::text("charge with a cut-off of ", reach, " radii"), compare(plain, richer, rounds_));
+  }
+}
+
+void Report::wear() {
+  const double w = bench::width_for(n_);
+  const auto on_mesh = [&](auto... policies) {
+    auto sim = bench::bed(spheres_, w, 1, policies...);
+    sim.guard.through_meshes = true;  // as a limit of the overlap was asked for that none reaches
+    sim.remove_wall(4);               // the floor
+    sim.add_wall(silt::TriangleMesh({{Vec3d{0, 0, 0}, Vec3d{w, 0, 0}, Vec3d{w, w, 0}},
+                                     {Vec3d{0, 0, 0}, Vec3d{w, w, 0}, Vec3d{0, w, 0}}}),
+                 bench::material, {.name = "floor"});
+    sim.run(2000 * bench::time_step);
+    return sim;
+  };
+  auto plain = on_mesh();
+  auto richer = on_mesh(silt::Wear<silt::Archard>{{.coefficient = 1e-4, .hardness = 2e9}});
+  row_of_watcher("wear of a floor that is a mesh", compare(plain, richer, rounds_));
+}
+
+int run(const example::Options& options, std::vector<std::size_t> sizes, std::size_t turns) {
+  silt::make_folder(options.out);
+  if (sizes.empty())
+    sizes = options.quick ? std::vector<std::size_t>{1000} : std::vector<std::size_t>{5000, 50000};
+  if (options.quick) turns = std::min<std::size_t>(turns, 3);
+  example::Summary summary;
+  std::string all;
+  for (const std::size_t n : sizes) all += silt::text(all.empty() ? "" : " ", n);
+  summary.input("spheres", all);
+  summary.input("turns", static_cast<double>(turns));
+  summary.input("quick", options.quick);
+  std::printf(
+      "%s, one thread; time of a step over that without the addition, median of %zu turns "
+      "(quartiles)\n",
+      example::processor().c_str(), turns);
+  for (const std::size_t n : sizes) {
+    // At least 1000 steps, in which contacts are read ten times.
+    const double steps = std::max(200.0, options.quick ? 200.0 : 1000 * std::ceil(5e3 / double(n)));
+    Report(summary, n, {static_cast<int>(turns), steps, options.out}).rows();
+  }
+  summary.write(options.out + "/summary.json");
+  std::printf("\n");
+  summary.print_checks();
+  std::printf("Look at: %s/summary.json\n", options.out.c_str());
+  return summary.all_hold() ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  example::Command command("What additions cost: contact data, events, heat, charge, wear",
+                           example::Kind::Study, "out/bench-extras");
+  std::vector<std::size_t> sizes;
+  std::size_t turns = 15;
+  command.add("N", sizes, 1000, 10000000, "Spheres; default 5000 50000, with --quick 1000");
+  command.add("--turns", turns, 1, 1000, "Turns with and without each addition");
+  return command.run(argc, argv, [&] { return run(command.options, sizes, turns); });
+}
