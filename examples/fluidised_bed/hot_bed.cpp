@@ -171,7 +171,7 @@ class HotBed {
     summary.check_at_most("hottest_k", hottest_, s_.hot_gas * (1 + 1e-9));
     summary.check_at_least("coldest_k", coldest_, s_.cold * (1 - 1e-9));
     summary.check_within("heat_in_while_the_outlet_is_cold_over_that_of_the_gas", while_cold_, 1,
-                         0.01, "gas comes in hot and leaves cold; a thousandth is conducted in");
+                         0.01, "gas comes in hot and leaves cold; a little is conducted in");
     summary.check_at_most("rise_of_grains_over_that_of_all_heat", rise / (all_kept() - s_.cold), 1);
     summary.check_at_least("rise_of_grains_over_that_of_a_mixed_bed", rise / (mixed() - s_.cold),
                            0.95);
