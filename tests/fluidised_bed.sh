@@ -22,6 +22,10 @@
 #                     falling one
 #   largest_pressure_drop_at_rest_over_weight
 #                     walls that do not hold the dense bed back: no overshoot
+#   (--hot) heat_balance_over_heat_in_grains, heat_from_gas_less_heat_in_grains_over_it
+#                     heat that only one side gets, or that grains get twice; inflow without its heat
+#   (--hot) mean_rise_of_grains_over_that_of_a_mixed_bed, 5 %
+#                     a heat capacity or a gas flow that is wrong; no exchange
 #   plateau_over_weight, 1 % (not with --quick, which is too short for a mean)
 #                     weight that neither gas nor floor nor walls bear
 set -u
@@ -32,6 +36,8 @@ source "$(dirname "$0")/program.sh" "$bed"
 refused "not in range" --particles 5
 refused "not in range" --bubbling 1
 refused "shape" --shape rocks
+refused "not in range" --hot --gas 900
+refused "leave --shape ellipsoid out" --hot --shape ellipsoid
 touch "$work/file"
 refused "$work/file" --quick --out "$work/file/out"
 
@@ -42,5 +48,14 @@ if "$bed" --quick --out "$work/quick" >"$work/log" 2>&1; then
   grep -q '"holds": false' "$work/quick/summary.json" && fail "a check does not hold but the status is 0"
 else
   fail "fluidised_bed --quick ended with status $?: $(tail -n 20 "$work/log")"
+fi
+
+if "$bed" --quick --hot --out "$work/hot" >"$work/log" 2>&1; then
+  for file in summary.json temperatures.csv vtk/particles.pvd temperatures.png hot_bed.png hot_gas.png; do
+    [ -s "$work/hot/$file" ] || fail "fluidised_bed --quick --hot left no $file"
+  done
+  grep -q '"holds": false' "$work/hot/summary.json" && fail "a check of --hot does not hold but the status is 0"
+else
+  fail "fluidised_bed --quick --hot ended with status $?: $(tail -n 20 "$work/log")"
 fi
 exit $failed

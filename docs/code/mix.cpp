@@ -18,7 +18,7 @@ int main() {
   using Grains = silt::Mix<silt::Sphere, silt::MultiSphere, silt::SuperEllipsoid, silt::Polyhedron,
                            silt::Compound<silt::Polyhedron>>;
   silt::Particles<Grains> grains;
-  const auto bead = grains.add_form(silt::Sphere{});
+  const auto bead = grains.add_form(silt::Sphere{}, "bead");  // a name, for messages
   const auto pill = grains.add_form(silt::SuperEllipsoid{2e-3, 2e-3, 1e-3, 6, 2});
   const auto brick = grains.add_form(silt::Polyhedron::from_points(corners(2e-3, 1.5e-3, 1e-3)));
   const auto slab = silt::Polyhedron::from_points(corners(2e-3, 0.5e-3, 1e-3));

@@ -21,6 +21,7 @@ const silt::HertzMindlin::Material steel{
 
 auto make() {
   silt::Contacts<silt::HertzMindlin, silt::SeveralMaterials> contacts{{glass, steel}};
+  contacts.add(glass, "glass"), contacts.add(steel, "steel");  // names, for messages
   contacts.set_pair(glass, steel, {.restitution = 0.7, .friction = 0.35});
 
   silt::Particles<silt::Sphere> grains;

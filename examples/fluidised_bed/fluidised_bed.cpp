@@ -10,7 +10,8 @@
 // compared with Ergun's equation at the bed's voidage. What is between them the law has by layers:
 // summed over the bed's layers, in the voidage and the flow that cells and kernel make of them.
 // Ellipsoids have the drag and the lift of how they lie in the flow, and are compared with that law
-// for the grains as they lie in the bed.
+// for the grains as they lie in the bed. With --hot the gas of the bubbling bed is hot and the
+// grains are cold (hot_bed.cpp).
 
 #include <algorithm>
 #include <array>
@@ -29,55 +30,11 @@
 #include <silt/shape/super_ellipsoid.hpp>
 #include <silt/silt.hpp>
 
+#include "scene.hpp"
 #include "support/example.hpp"
 
+namespace fluidised {
 namespace {
-
-using Law = silt::HertzMindlin;
-using silt::Vec3d;
-
-struct Scene {
-  std::size_t particles = 5000;
-  double diameter = 1e-3;     // [m] of the sphere of a grain's volume
-  double density = 2500;      // [kg/m3]
-  double cell = 1e-3;         // [m]
-  double kernel = 1.5;        // [diameters] its reach
-  int across = 16, deep = 4;  // [cells] of the slice
-  int high = 150;             // [cells] of the box, above the floor
-  double modulus = 1e6;       // [Pa] soft, for a long time step
-  double bubbling = 1.5;      // [-] times the minimum fluidisation velocity
-  double settling = 0.1;      // [s] after the last grain has fallen
-  double relaxing = 0.03;     // [s] after a step of the gas's velocity,
-  double averaging = 0.02;    // [s] and then means are taken,
-  double moving = 0.25;       // [s] longer ones where the bed does not rest,
-  double plateau = 1.0;       // [s] and where it is all borne: 0.07 m/s over 0.7 s are 1 %
-  double blowing = 1.0;       // [s] the bubbling bed; its first quarter is not measured
-  double step = 0.1;          // [m/s] of the gas's velocity; a quarter of it near fluidisation
-  double most_off = 0.02;     // [-] of minimum fluidisation from the law's
-  double at_rest = 5e-3;      // [m/s] mean speed of the grains in a bed that is not fluidised
-  std::string shape = "sphere";
-  silt::FluidProperties gas{.density = 1.2, .viscosity = 1.8e-5};
-
-  double width() const { return across * cell; }                        // [m]
-  double depth() const { return deep * cell; }                          // [m]
-  double area() const { return width() * depth(); }                     // [m2]
-  double volume() const { return silt::Sphere::volume(diameter / 2); }  // [m3] of a grain
-  /// Of all grains, less buoyancy, over the area [Pa]: what the gas bears when it bears them all.
-  double weight() const {
-    return static_cast<double>(particles) * volume() * (density - gas.density) * 9.81 / area();
-  }
-  template <class DragLaw>  // [m/s] of minimum fluidisation
-  double velocity_by(const DragLaw& law, double voidage) const {
-    return silt::minimum_fluidisation_velocity(law, voidage, diameter, density, gas.density,
-                                               gas.viscosity);
-  }
-  Law::Material material() const {
-    return {.youngs_modulus = modulus, .poisson_ratio = 0.3, .restitution = 0.9, .friction = 0.3};
-  }
-  Law::Material settling_material() const {  // as tapping packs
-    return {.youngs_modulus = modulus, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.05};
-  }
-};
 
 /// Spheres: Ergun's equation in beds, Wen and Yu's where grains are few. Bodies: the law of Hoelzer
 /// and Sommerfeld by their silhouettes, with Di Felice's voidage function.
@@ -200,64 +157,6 @@ double drop_by_layers(const DragLaw& law, const Scene& s, double R, const Profil
     drop += h * 0.5 * (below + at(resistance, f)) * U / std::pow(on_face(f), 2);
   }
   return drop;
-}
-
-/// Grains on a lattice above the floor.
-template <class Shape>
-silt::Particles<Shape> fill(const Scene& s) {
-  silt::Particles<Shape> grains;
-  double reach = s.diameter / 2;  // [m] bounding radius
-  if constexpr (silt::BodyShape<Shape>) {
-    grains.add_form(Shape{.a = 1.5, .b = 1, .c = 1});
-    const auto& form = grains.forms()[0];
-    reach = form.radius * s.diameter / 2 * std::cbrt(silt::Sphere::volume(1) / form.mass.volume);
-  }
-  silt::Random random(1);
-  const double pitch = 2.002 * reach;
-  const int nx = static_cast<int>(s.width() / pitch), ny = static_cast<int>(s.depth() / pitch);
-  for (int n = 0; n < static_cast<int>(s.particles); ++n) {
-    typename silt::Particles<Shape>::Particle p{};
-    p.position = {(n % nx + 0.5) * s.width() / nx, (n / nx % ny + 0.5) * s.depth() / ny,
-                  (n / (nx * ny) + 0.5) * pitch};
-    p.radius = reach, p.density = s.density;
-    p.velocity = {random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), 0};
-    if constexpr (silt::BodyShape<Shape>) p.orientation = silt::random_orientation(random);
-    grains.add(p);
-  }
-  return grains;
-}
-
-silt::PeriodicBox domain(const Scene& s) {
-  return {{{0, 0, 0}, {s.width(), s.depth(), s.high * s.cell}}, {false, true, false}};
-}
-constexpr int floor_and_walls = 3;
-template <class Sim>
-void add_floor_and_walls(Sim& sim, const Scene& s, const Law::Material& material) {
-  sim.gravity = {0, 0, -9.81};
-  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, material);
-  sim.add_wall(silt::Plane{{0, 0, 0}, {1, 0, 0}}, material);
-  sim.add_wall(silt::Plane{{s.width(), 0, 0}, {-1, 0, 0}}, material);
-}
-
-/// A dense bed at rest.
-template <class Shape>
-silt::Particles<Shape> settle(const Scene& s, int threads) {
-  auto grains = fill<Shape>(s);
-  silt::Particles<Shape> settled;
-  if constexpr (silt::BodyShape<Shape>) settled.add_form(grains.forms()[0].shape);
-  silt::Simulation sim{std::move(grains), silt::Contacts<Law>{s.settling_material()}, domain(s)};
-  add_floor_and_walls(sim, s, s.settling_material());
-  sim.threads = threads;
-  double top = 0;  // [m] from where the last grains fall
-  for (std::size_t k = 0; k < sim.rows(); ++k) top = std::max(top, sim.position(k).z);
-  sim.run(std::sqrt(2 * top / 9.81) + s.settling, silt::progress());
-  for (std::size_t k = 0; k < sim.rows(); ++k) {
-    typename silt::Particles<Shape>::Particle p{};
-    p.position = sim.position(k), p.radius = sim.radius(k), p.density = s.density;
-    if constexpr (silt::BodyShape<Shape>) p.orientation = sim.orientation(k);
-    settled.add(p);
-  }
-  return settled;
 }
 
 template <class Shape>
@@ -655,10 +554,12 @@ int simulate(const Scene& s, const example::Options& options) {
 }
 
 }  // namespace
+}  // namespace fluidised
 
 int main(int argc, char** argv) {
   example::Command command("A fluidised bed: pressure drop over gas velocity, then bubbles");
-  Scene scene;
+  fluidised::Scene scene;
+  bool hot = false;
   command.leave_out("--restart");
   command.add("--particles", scene.particles, 1000, 100000, "How many");
   command.add("--shape", scene.shape, {"sphere", "ellipsoid"},
@@ -667,10 +568,18 @@ int main(int argc, char** argv) {
               "Gas velocity of the bubbling bed, in minimum fluidisation velocities");
   command.add("--step", scene.step, 0.02, 0.25, "Step of the gas velocity [m/s]");
   command.add("--blowing", scene.blowing, 0.1, 20, "How long the bed bubbles [s]");
+  command.add_flag("--hot", hot, "Hot gas through the cold bubbling bed: temperatures over time");
+  command.add("--gas", scene.hot_gas, 300, 600,
+              "With --hot: temperature of the gas [K]; grains begin at 300 K");
+  command.add("--heat-capacity", scene.grain_capacity, 1, 2000,
+              "With --hot: of the grains [J/(kg K)]");
   return command.run(argc, argv, [&] {
+    silt::require(!hot || scene.shape == "sphere",
+                  "--hot is for spheres; leave --shape ellipsoid out");
+    if (hot && !command.given("--blowing")) scene.blowing = command.options.quick ? 0.3 : 1.5;
     if (command.options.quick) {
       if (!command.given("--particles")) scene.particles = 1200;
-      if (!command.given("--blowing")) scene.blowing = 0.2;
+      if (!hot && !command.given("--blowing")) scene.blowing = 0.2;
       if (!command.given("--step")) scene.step = 0.15;
       scene.across = 8, scene.deep = 4, scene.high = 64;
       scene.relaxing = 0.015, scene.averaging = 0.01, scene.plateau = 0.05;
@@ -680,8 +589,10 @@ int main(int argc, char** argv) {
       const double deep = 4 * static_cast<double>(scene.particles) / 5000;
       scene.deep = std::max(4, static_cast<int>(std::round(deep)));
     }
+    if (hot) return fluidised::blow_hot(scene, command.options);
     if (scene.shape != "sphere") scene.most_off *= 1.5;  // their law falls faster with the voidage
-    return scene.shape == "sphere" ? simulate<silt::Sphere>(scene, command.options)
-                                   : simulate<silt::SuperEllipsoid>(scene, command.options);
+    return scene.shape == "sphere"
+               ? fluidised::simulate<silt::Sphere>(scene, command.options)
+               : fluidised::simulate<silt::SuperEllipsoid>(scene, command.options);
   });
 }

@@ -31,6 +31,7 @@
 #include <silt/simulation/energy_ledger.hpp>
 #include <silt/simulation/fluid_access.hpp>
 #include <silt/simulation/module_access.hpp>
+#include <silt/simulation/name_access.hpp>
 #include <silt/simulation/observing.hpp>
 #include <silt/simulation/opening_access.hpp>
 #include <silt/simulation/particle_edits.hpp>
@@ -65,6 +66,7 @@ namespace silt::inline SILT_TARGET {
 template <class... Policies>
 class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
                    public detail::ModuleAccess<Simulation<Policies...>>,
+                   public detail::NameAccess<Simulation<Policies...>>,
                    public detail::ParticleEdits<Simulation<Policies...>>,
                    public detail::BodyReadings<Simulation<Policies...>>,
                    public detail::FluidAccess<Simulation<Policies...>>,
@@ -100,7 +102,6 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   static_assert(
       detail::fluxes_fit_lanes<typename Composition::Arch>(static_cast<const Modules*>(nullptr)));
   using Engine = detail::Engine<typename detail::InOrder<Policies...>::OfEngine>;
-
   static_assert(
       !(Integrator::derivatives > 0 && detail::has_safeguard<typename ContactsType::Law>),
       "a law with a safeguard (Softened) turns a velocity within one step, which Gear spreads over "
@@ -161,11 +162,9 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     domain_.deform(how);
     scene_changed_ = true;
   }
-
   /// Adds what an inlet has placed.
   void insert(const std::vector<PlacedSphere>& spheres, const std::vector<std::size_t>& kinds,
               const InletFlow& flow, Random& random);
-
   /// Whether several parts of a body that press on one partner share the stiffness of a contact
   /// (engine/contact/shared_contacts.hpp); true unless set. Without, a body is the stiffer the more
   /// parts it touches with.
@@ -349,6 +348,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   friend class Checkpoint;
   friend class detail::ContactAccess<Simulation>;
   friend class detail::ModuleAccess<Simulation>;
+  friend class detail::NameAccess<Simulation>;
   friend class detail::ParticleEdits<Simulation>;
   friend class detail::BodyReadings<Simulation>;
   friend class detail::FluidAccess<Simulation>;

@@ -117,6 +117,12 @@ namespace energy_without_ledger {
 namespace module_misfits {
 #include "refused/module_misfits.cpp"
 }
+namespace pair_misfits {
+#include "refused/pair_misfits.cpp"
+}
+namespace contact_misfits {
+#include "refused/contact_misfits.cpp"
+}
 namespace flux_with_if {
 #include "refused/flux_with_if.cpp"
 }

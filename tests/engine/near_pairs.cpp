@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -252,6 +253,38 @@ TEST_CASE("near_pairs: bodies act as a whole, at their centres of mass") {
   sim.run(0.01, [&](const auto& s) { pairs += check_forces(s); });
   CHECK(pairs > 500 * 500);
   CHECK(scent_of(sim) == near(before).epsilon(1e-12));
+}
+
+/// A spring between two, of a module without Fields.
+struct PairSpring {
+  double stiffness, length;  // [N/m], [m]
+  double reach() const { return 2 * length; }
+  Vec3d pair_force(const silt::Apart& d, const Seen&, const Seen&) const {
+    return (stiffness * (length - d.distance) / d.distance) * d.from_other;
+  }
+  double pair_stiffness(const silt::Apart&, const Seen&, const Seen&) const { return stiffness; }
+};
+
+// Catches a pair_stiffness() without fields that is not asked: the step is then that of contacts.
+TEST_CASE("near_pairs: a module without fields; its stiffness chooses the step, 40 a swing") {
+  const double K = 100, length = 3e-3, speed = 0.1;  // [N/m], [m], [m/s]
+  silt::Particles<silt::Sphere> p;
+  for (const double side : {-1.0, 1.0})
+    p.add({.position = {0.5 * side * length, 0, 0},
+           .radius = R,
+           .density = 1000,
+           .velocity = {side * speed, 0, 0}});
+  silt::Simulation sim{std::move(p), silt::Contacts<silt::HertzMindlin>{near_rubber},
+                       PairSpring{K, length}};
+  sim.threads = 1;
+  const double w = std::sqrt(2 * K / (1000 * silt::Sphere::volume(R)));  // [1/s]
+  sim.run(2 * std::numbers::pi / w);
+  CHECK(sim.step() == 40);
+  CHECK(sim.step_length() == near(std::numbers::pi / (20 * w)).epsilon(1e-12));
+  // Leapfrog is ahead by (w dt)^2/24 of the phase 2 pi: 6.5e-3.
+  const double apart = silt::norm(sim.position(1) - sim.position(0)) - length;
+  CHECK(std::abs(apart) < 7e-3 * 2 * speed / w);
+  CHECK(sim.velocity(1).x == near(speed).epsilon(1e-3));
 }
 
 TEST_CASE("near_pairs: refusals") {

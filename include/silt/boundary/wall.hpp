@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <concepts>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -20,6 +19,7 @@
 #include <silt/boundary/stl.hpp>
 #include <silt/boundary/triangle_mesh.hpp>
 #include <silt/boundary/wall_drive.hpp>
+#include <silt/core/names.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -128,23 +128,7 @@ struct Wall {
   Vec3d driven_velocity(const Vec3d& place) const;
 };
 
-/// A wall by its number or its name.
-class WhichWall {
- public:
-  template <std::integral I>
-  WhichWall(I number) : number_(static_cast<std::size_t>(number)) {}  // NOLINT: converts
-  WhichWall(const char* name) : name_(name) {}                        // NOLINT
-  WhichWall(std::string_view name) : name_(name) {}                   // NOLINT
-  WhichWall(const std::string& name) : name_(name) {}                 // NOLINT
-  bool by_name() const { return number_ == none; }
-  std::size_t number() const { return number_; }
-  std::string_view name() const { return name_; }
-
- private:
-  static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
-  std::size_t number_ = none;
-  std::string_view name_;
-};
+using WhichWall = NumberOrName;
 
 inline Vec3d Wall::driven_velocity(const Vec3d& place) const {
   if (const auto* d = std::get_if<ServoForce>(&drive)) return state.rate * normalised(d->direction);
@@ -180,39 +164,21 @@ inline double reach_of(const Wall& wall) {
   return most;
 }
 
+inline auto names_of_walls(std::span<const Wall> walls) {
+  return Names{"wall", walls.size(),
+               [walls](std::size_t w) -> const std::string& { return walls[w].name; },
+               "add_wall(surfaces, material, {.name = ...})"};
+}
 /// "wall 2", or "wall 2 'lid'" if it has a name.
 [[gnu::cold]] inline std::string name_of_wall(std::span<const Wall> walls, std::size_t w) {
-  if (w >= walls.size() || walls[w].name.empty()) return text("wall ", w);
-  return text("wall ", w, " '", walls[w].name, "'");
+  return names_of_walls(walls).words(w);
 }
-
 [[gnu::cold]] inline std::size_t number_of(std::span<const Wall> walls, const WhichWall& which) {
-  if (!which.by_name()) {
-    at("wall", walls, which.number());
-    return which.number();
-  }
-  std::string names;
-  for (std::size_t w = 0; w < walls.size(); ++w) {
-    if (!walls[w].name.empty() && walls[w].name == which.name()) return w;
-    if (!walls[w].name.empty()) names += text(names.empty() ? "'" : ", '", walls[w].name, "'");
-  }
-  throw InputError(text("wall ", in_quotes(which.name()), " is not there; ",
-                        names.empty() ? std::string("no wall has a name: give it one with "
-                                                    "add_wall(surfaces, material, {.name = ...})")
-                                      : text("the named walls are ", names)));
+  return names_of_walls(walls).number_of(which);
 }
-
-/// Refuses a name that another wall has, or that cannot stand in a message or a file.
 [[gnu::cold]] inline void check_wall_name(std::span<const Wall> walls, std::string_view name,
                                           std::size_t own) {
-  require(!name.empty(), "a wall's name is empty; leave it out, or give it some letters");
-  require(name.size() <= 80 && in_quotes(name).size() == name.size() + 2 &&
-              name.find_first_of("'=:") == name.npos,
-          "the wall name ", in_quotes(name),
-          " must have at most 80 printable characters without ', = and :");
-  for (std::size_t w = 0; w < walls.size(); ++w)
-    require(w == own || walls[w].name != name, "wall ", w, " has the name '", name,
-            "' already; names of walls are unique");
+  names_of_walls(walls).check(name, own);
 }
 
 /// Bounds of all surfaces in the wall's coordinates.

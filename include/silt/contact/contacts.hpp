@@ -3,11 +3,15 @@
 
 #include <initializer_list>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <silt/contact/concept.hpp>
 #include <silt/core/error.hpp>
+#include <silt/core/names.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -44,6 +48,7 @@ struct RollingOf<First, Rest...> {
 ///   silt::Contacts<silt::HertzMindlin, silt::RollingEpsd> rough{glass, {.rolling_friction = 0.1}};
 ///   silt::Contacts<silt::HertzMindlin, silt::SeveralMaterials> mixed{{glass, steel}};
 ///   mixed.set_pair(glass, steel, {.restitution = 0.6, .friction = 0.3});
+///   mixed.add(steel, "steel");                              // a name, which stands in messages
 ///
 /// Materials are told apart by their values. Without `SeveralMaterials` all particles are of the
 /// first material, and walls may be of others. Unlike materials need `set_pair` if the law has
@@ -87,18 +92,23 @@ class Contacts {
     for (const auto& m : materials) add(m);
   }
 
-  /// Index of `material`; added to the table if it is new.
-  std::size_t add(const Material& material) {
-    if constexpr (requires { Law::check(material); }) Law::check(material);
-    for (std::size_t k = 0; k < materials_.size(); ++k)
-      if (materials_[k] == material) return k;
-    materials_.push_back(material);
-    const std::size_t n = materials_.size();
-    std::vector<Entry> grown(n * n);
-    for (std::size_t a = 0; a + 1 < n; ++a)
-      for (std::size_t b = 0; b + 1 < n; ++b) grown[a * n + b] = pairs_[a * (n - 1) + b];
-    pairs_ = std::move(grown);
-    return n - 1;
+  /// Index of `material`; added to the table if it is new. With `name` it has that name from now
+  /// on, unique among materials. InputError: a name that another one has, or a second name.
+  std::size_t add(const Material& material, std::string name = {}) {
+    std::size_t k = 0;
+    while (k < materials_.size() && !(materials_[k] == material)) ++k;
+    if (!name.empty()) check_name(name, k);
+    if constexpr (requires { Law::check(material); })
+      detail::check_named("material", name, [&] { Law::check(material); });
+    if (k == materials_.size()) add_new(material);
+    if (!name.empty()) names_[k] = std::move(name);
+    return k;
+  }
+  /// Gives a material of the table a name, in place of one that it has.
+  void name_material(const WhichMaterial& which, std::string name) {
+    const std::size_t k = material_number(which);
+    names().check(name, k);
+    names_[k] = std::move(name);
   }
 
   /// Sets what belongs to the contact of two materials, in either order.
@@ -120,13 +130,25 @@ class Contacts {
   }
 
   std::size_t materials() const { return materials_.size(); }
-  const Material& material(std::size_t k) const { return detail::at("material", materials_, k); }
+  const Material& material(const WhichMaterial& which) const {
+    return materials_[material_number(which)];
+  }
+  std::size_t material_number(const WhichMaterial& which) const { return names().number_of(which); }
+  /// The index of the material with this name.
+  std::size_t find_material(std::string_view name) const { return names().number_of(name); }
+  /// As messages call it: "material 1 'steel'".
+  std::string material_name(std::size_t k) const { return names().words(k); }
+  /// The name alone; empty: none.
+  std::string_view given_name(std::size_t k) const {
+    return k < names_.size() ? std::string_view(names_[k]) : std::string_view();
+  }
 
   /// The law's coefficients for materials a and b; InputError if they have no pair value.
   LawCoefficients coefficients(std::size_t a, std::size_t b) const {
     if constexpr (detail::HasPairValues<Law>) {
       const auto& given = pairs_[a * materials_.size() + b].pair;
-      require(given || a == b, "materials ", a, " and ", b,
+      require(given || a == b, "materials ", a, detail::after_number(names_[a]), " and ", b,
+              detail::after_number(names_[b]),
               " have no pair value; call set_pair(material, material, values) on the contacts. "
               "(Materials count from 0 in the order in which the contacts and the walls got them; "
               "a wall of other values than the particles' is another material)");
@@ -156,9 +178,30 @@ class Contacts {
     std::optional<RollingPair> rolling;
   };
   Entry& entry(std::size_t i, std::size_t j) { return pairs_[i * materials_.size() + j]; }
+  void add_new(const Material& material) {
+    materials_.push_back(material), names_.emplace_back();
+    const std::size_t n = materials_.size();
+    std::vector<Entry> grown(n * n);
+    for (std::size_t a = 0; a + 1 < n; ++a)
+      for (std::size_t b = 0; b + 1 < n; ++b) grown[a * n + b] = pairs_[a * (n - 1) + b];
+    pairs_ = std::move(grown);
+  }
+  auto names() const {
+    return detail::Names{"material", materials_.size(),
+                         [this](std::size_t k) -> const std::string& { return names_[k]; },
+                         "contacts.add(material, name)"};
+  }
+  void check_name(const std::string& name, std::size_t own) const {
+    names().check(name, own);
+    if (own < materials_.size())
+      require(names_[own].empty() || names_[own] == name, material_name(own),
+              " is added again as '", name,
+              "': materials of the same values are one; give it one name, or other values");
+  }
 
   std::vector<Material> materials_;
-  std::vector<Entry> pairs_;  // n x n
+  std::vector<std::string> names_;  // of each; empty: none
+  std::vector<Entry> pairs_;        // n x n
   RollingPair default_rolling_{};
 };
 

@@ -7,9 +7,12 @@
 #include <memory>
 #include <numbers>
 #include <span>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include <silt/core/names.hpp>
 #include <silt/fill/particles.hpp>
 #include <silt/shape/concept.hpp>
 #include <silt/shape/narrow/kinds.hpp>
@@ -43,6 +46,7 @@ struct BodyForm : detail::SolidsOfForm<S> {
     double radius, lightness;
   };
   std::vector<Spot> spots;
+  std::string name;  // empty: none
 
   explicit BodyForm(S given) : shape(std::move(given)) {
     shape.check();
@@ -65,9 +69,10 @@ struct BodyForm : detail::SolidsOfForm<S> {
     for (const Ball& b : parts) radius = std::max(radius, norm(b.centre) + b.radius);
   }
 
+  bool is_copy_of(const BodyForm& b) const { return made_ == b.made_; }
   /// Whether `b` is a copy of this form, or of the same shape: they are one form then.
   bool is(const BodyForm& b) const {
-    if (made_ == b.made_) return true;
+    if (is_copy_of(b)) return true;
     if constexpr (std::equality_comparable<S>)
       return shape == b.shape;
     else
@@ -164,10 +169,15 @@ class Particles<S> {
     bool fixed = false;               // keeps its velocity whatever acts on it
   };
 
-  std::size_t add_form(S shape) {
-    forms_.emplace_back(std::move(shape));
+  /// Returns the form's number. A `name` is unique, and stands in messages.
+  std::size_t add_form(S shape, std::string name = {}) {
+    if (!name.empty()) names().check(name, forms_.size());
+    detail::check_named("form", name, [&] { forms_.emplace_back(std::move(shape)); });
+    forms_.back().name = std::move(name);
     return forms_.size() - 1;
   }
+  /// The number of the form with this name.
+  std::size_t find_form(std::string_view name) const { return names().number_of(name); }
 
   Particles& add(Particle p) {
     check(p, all_.size());
@@ -188,9 +198,9 @@ class Particles<S> {
     require(std::isfinite(p.radius) && p.radius >= 0, "particle ", number, ": radius = ", p.radius,
             " [m] must be finite and not negative");
     if constexpr (requires(const S& form) { form.has_size(); })
-      require(
-          p.radius > 0 || forms[p.form].shape.has_size(), "particle ", number,
-          ": radius = 0 [m] must be greater than 0: the form of a Sphere has no size of its own");
+      require(p.radius > 0 || forms[p.form].shape.has_size(), "particle ", number,
+              ": radius = 0 [m] must be greater than 0: the form of a Sphere",
+              detail::after_number(forms[p.form].name), " has no size of its own");
   }
 
   /// Fills a region without overlap of bounding spheres, also with those of the particles there
@@ -232,6 +242,8 @@ class Particles<S> {
   auto end() const { return all_.end(); }
 
  private:
+  auto names() const { return detail::names_in("form", forms_, "add_form(shape, name)"); }
+
   std::vector<BodyForm<S>> forms_;
   std::vector<Particle> all_;
 };

@@ -148,7 +148,7 @@ std::vector<std::uint32_t> check_bodies(const CheckpointLoader& a, const std::ve
     a.need(is_unit(b.orientation), "body ", k, ": its orientation is no unit quaternion");
     a.need(std::isfinite(b.scale) && b.scale > 0 && is_near(b.radius, b.scale * form.radius),
            "body ", k, ": radius ", b.radius, " m and scale ", b.scale, " do not fit to form ",
-           b.form, " of ", form.radius, " m");
+           b.form, after_number(form.name), " of ", form.radius, " m");
     // The widest of many normals: another rounding may find another one.
     a.need(norm(b.lever - b.scale * form.lever) <= 1e-6 * b.radius, "body ", k, ": lever ", b.lever,
            " m does not fit to its form, of ", b.scale * form.lever, " m");

@@ -133,7 +133,7 @@ class Checkpoint<Sim>::Staged {
                                               std::min(removed.size(), walls_.surfaces.size()));
     const std::string difference = scene.difference(written, accepted);
     require(difference.empty(), "checkpoint '", path,
-            "' is of another scene: ", detail::with_wall_names(difference, e_.walls));
+            "' is of another scene: ", detail::with_names(difference, sim_));
     walls_.visit(a, known_walls_);
     if constexpr (Sim::Modules::wear) {
       walls_.visit_wear(a, known_walls_);

@@ -38,6 +38,9 @@ class Describer {
   void number(const std::string& name, double value, double slack) const {
     out_.add(aspect_, of_ + name, value, slack);
   }
+  void numbered(const std::string& name, std::size_t k, std::string_view called) const {
+    out_.add_numbered(aspect_, of_ + name, k, called);
+  }
   Describer of(const std::string& more) const { return {out_, aspect_, of_ + more}; }
 
  private:
@@ -111,13 +114,27 @@ void describe_form(const Describer& is, const Form& form) {
   is.number("centroid z [m]", m.centroid.z, apart);
 }
 
-template <class Inlet>
-void describe_inlet(const Describer& is, const Inlet& inlet) {
+/// The name of a form that an inlet brings.
+template <class Sim>
+std::string_view name_of_form([[maybe_unused]] const Sim& sim, [[maybe_unused]] std::size_t form) {
+  if constexpr (Sim::of_bodies)
+    if (form < sim.forms().size()) return sim.forms()[form].name;
+  return {};
+}
+
+template <class Inlet, class Sim>
+void describe_inlet(const Describer& is, const Inlet& inlet, const Sim& sim) {
   const auto& flow = inlet.flow;
+  const auto material = [&](const std::string& name, std::size_t k) {
+    is.numbered(name, k, sim.contacts().given_name(k));
+  };
+  const auto form = [&](const std::string& name, std::size_t k) {
+    is.numbered(name, k, name_of_form(sim, k));
+  };
   is("region", inlet.region), is("density [kg/m3]", flow.density), is("rate [1/s]", flow.rate);
   is("least radius [m]", flow.radius.min()), is("largest radius [m]", flow.radius.max());
   is("mean volume [m3]", flow.radius.mean_volume()), is("velocity", flow.velocity);
-  is("total", flow.total), is("material", flow.material), is("form", flow.form);
+  is("total", flow.total), material("material", flow.material), form("form", flow.form);
   is("seed", text(flow.seed)), is("trials", flow.trials), is("interval [s]", flow.interval);
   for (std::size_t k = 1; k < flow.kinds(); ++k) {
     const InletShare kind = flow.kind(k);
@@ -125,7 +142,8 @@ void describe_inlet(const Describer& is, const Inlet& inlet) {
     is(text("least radius of kind ", k), kind.radius.min());
     is(text("largest radius of kind ", k), kind.radius.max());
     is(text("mean volume of kind ", k), kind.radius.mean_volume());
-    is(text("material of kind ", k), kind.material), is(text("form of kind ", k), kind.form);
+    material(text("material of kind ", k), kind.material);
+    form(text("form of kind ", k), kind.form);
   }
 }
 
@@ -172,14 +190,28 @@ inline void describe_motion(const Describer& is, const Wall& wall) {
   is("its centre", wall.belt.centre);
 }
 
-/// "wall 2: " of items as messages call the wall.
-[[gnu::cold]] inline std::string with_wall_names(std::string words, std::span<const Wall> walls) {
-  for (std::size_t w = 0; w < walls.size(); ++w) {
-    const std::string plain = text("wall ", w, ": "), named = name_of_wall(walls, w) + ": ";
-    for (auto at = words.find(plain); named != plain && at != words.npos;
-         at = words.find(plain, at + named.size()))
-      words.replace(at, plain.size(), named);
-  }
+/// Puts `named` in the place of each `plain`.
+[[gnu::cold]] inline void put_name(std::string& words, const std::string& plain,
+                                   const std::string& named) {
+  for (auto at = words.find(plain); named != plain && at != words.npos;
+       at = words.find(plain, at + named.size()))
+    words.replace(at, plain.size(), named);
+}
+
+/// "wall 2: ", "form 1: " and "materials 0 and 1: " of items as messages call these.
+template <class Sim>
+[[gnu::cold]] std::string with_names(std::string words, const Sim& sim) {
+  for (std::size_t w = 0; w < sim.walls(); ++w)
+    put_name(words, text("wall ", w, ": "), sim.wall_name(w) + ": ");
+  if constexpr (Sim::of_bodies)
+    for (std::size_t f = 0; f < sim.forms().size(); ++f)
+      put_name(words, text("form ", f, ": "), sim.form_name(f) + ": ");
+  const auto& contacts = sim.contacts();
+  const auto of = [&](std::size_t k) { return text(k, after_number(contacts.given_name(k))); };
+  for (std::size_t a = 0; a < contacts.materials(); ++a)
+    for (std::size_t b = 0; b < contacts.materials(); ++b)
+      put_name(words, text("materials ", a, " and ", b, ": "),
+               text("materials ", of(a), " and ", of(b), ": "));
   return words;
 }
 
@@ -226,7 +258,8 @@ SceneDescription describe_scene(const Sim& sim, const Table& coefficients, const
     const auto as = [&](Aspect aspect) { return w < known ? aspect : Aspect::NewWall; };
     const Describer scene(out, as(Aspect::Scene), "");
     scene(name + "surfaces", removed[w] ? std::size_t{0} : wall.surfaces.size());
-    Describer(out, as(Aspect::Material), name)("material", wall.material);
+    Describer(out, as(Aspect::Material), name)
+        .numbered("material", wall.material, sim.contacts().given_name(wall.material));
     describe_motion({out, as(Aspect::Motion), name}, wall);
     for (std::size_t s = 0; s < wall.surfaces.size() && !removed[w]; ++s)
       visit_surface(wall.surfaces[s], [&](const auto& surface) {
@@ -237,7 +270,7 @@ SceneDescription describe_scene(const Sim& sim, const Table& coefficients, const
   for (std::size_t k = 0; k < openings.outlets().size(); ++k)
     describe(outlet.of(text("outlet ", k, ": ")), openings.outlets()[k].region);
   for (std::size_t k = 0; k < openings.inlets().size(); ++k)
-    describe_inlet({out, Aspect::Inlet, text("inlet ", k, ": ")}, openings.inlets()[k]);
+    describe_inlet({out, Aspect::Inlet, text("inlet ", k, ": ")}, openings.inlets()[k], sim);
   if constexpr (requires { sim.fluid().describe(is); }) sim.fluid().describe(is.of("fluid: "));
   return out;
 }

@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -196,12 +197,29 @@ class FailureScene {
   Box around_;
 };
 
+/// What the numbers of walls, materials and forms in the files mean, where these have names: a line
+/// each.
+template <class Sim>
+std::string lines_of_names(const Sim& sim) {
+  std::string lines;
+  const auto add = [&](const std::string& words, std::string_view name) {
+    if (!name.empty()) lines += words + '\n';
+  };
+  for (std::size_t w = 0; w < sim.walls(); ++w) add(sim.wall_name(w), sim.wall(w).name);
+  for (std::size_t k = 0; k < sim.contacts().materials(); ++k)
+    add(sim.material_name(k), sim.contacts().given_name(k));
+  if constexpr (Sim::of_bodies)
+    for (std::size_t f = 0; f < sim.forms().size(); ++f) add(sim.form_name(f), sim.forms()[f].name);
+  return lines;
+}
+
 }  // namespace detail
 
 /// Keeps what is needed to see why a run failed. Where it stops with a SimulationError, `folder`
 /// has
 ///
-///   failure.txt      the error's sentence, step, time and particles
+///   failure.txt      the error's sentence, step, time and particles, and the names of walls,
+///                    materials and forms, whose numbers the other files have
 ///   last_good.silt   a checkpoint of the last state that was kept: of the start of the run, or the
 ///                    last one of the schedule; a run from it fails again
 ///   at_failure.silt  a checkpoint of the state in which it failed, to look at; not where that has
@@ -287,7 +305,7 @@ class OnFailure {
       out.write(text(error.what(), "\nstep ", error.step, "\ntime [s] ", sim.time(),
                      "\nparticles named:"));
       for (const auto id : error.particles) out.write(text(' ', id));
-      out.write("\n");
+      out.write("\n" + detail::lines_of_names(sim));
       out.commit();
     });
     attempt("particles.csv", [&](const auto& path) { scene.write_particles_csv(path); });

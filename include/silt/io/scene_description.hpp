@@ -15,6 +15,7 @@
 #include <vector>
 
 #include <silt/core/error.hpp>
+#include <silt/core/names.hpp>
 #include <silt/core/vec3.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -57,6 +58,12 @@ class SceneDescription {
   /// purpose; or by `slack`, where it is a difference of larger ones.
   void add(Aspect aspect, const std::string& name, double value, double slack = 0) {
     items_.push_back({aspect, name, text(value), value, std::max(slack, 1e-9 * std::abs(value))});
+  }
+  /// The number of what may have a name; sentences say the name too, the file does not.
+  void add_numbered(Aspect aspect, const std::string& name, std::size_t k,
+                    std::string_view called) {
+    add(aspect, name, static_cast<double>(k));
+    items_.back().called = after_number(called);
   }
   void add(Aspect aspect, const std::string& name, const Vec3d& v, std::string_view unit = "m") {
     const double slack = 1e-9 * norm(v);
@@ -128,7 +135,7 @@ class SceneDescription {
       would_do.walls |= item.aspect == Aspect::NewWall;
       if (found == in_file.end()) {
         if (one_sided.empty())
-          one_sided = text(item.name, " is ", shown(item.value), " in the scene alone");
+          one_sided = text(item.name, " is ", shown(item), " in the scene alone");
         continue;
       }
       if (count++ < 3) phrase += (count > 1 ? "; " : "") + difference(item, found->second);
@@ -159,6 +166,7 @@ class SceneDescription {
     Aspect aspect;
     std::string name, value;
     double number, slack;  // slack < 0: words
+    std::string called{};  // behind the value in sentences
   };
 
   static bool is_accepted(Aspect aspect, const AcceptedChanges& accepted) {
@@ -180,9 +188,10 @@ class SceneDescription {
     if (item.name.starts_with(many_points))  // a sum that says nothing to a reader
       return text("the ", item.name.substr(many_points.size()),
                   " are others in the file than in the scene");
-    return text(item.name, " is ", shown(in_file), " in the file and ", shown(item.value),
+    return text(item.name, " is ", shown(in_file), " in the file and ", shown(item),
                 " in the scene");
   }
+  static std::string shown(const Item& item) { return shown(item.value) + item.called; }
   /// Words are in quotes already.
   static std::string shown(std::string_view value) {
     const std::string safe = in_quotes(value);

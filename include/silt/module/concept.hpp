@@ -120,8 +120,8 @@ struct WallGiven {
 ///   std::optional<double> given_by_wall(std::size_t wall, double time) const;  // [.../s] that the
 ///                                        // wall gives in all, in proportion to flux() from 1 to 0
 ///                                        // of each of its contacts; none: what at_wall says
-///   double at_contact(const Seen&, const Fields&) const;        // what a particle has for flux(), in
-///                                        // place of `exchanged`
+///   double at_contact(const Seen&, const Fields&) const;        // what a particle has for
+///                                        // flux(), in place of `exchanged`
 ///   static constexpr bool needs_growth = true;                  // Touching::growth is filled in
 ///   double rate(const Seen&, const Fields&, double slope) const;  // [1/s], slope: the sum of
 ///                                        // flux() from 1 to 0 over the contacts of the particle,
@@ -146,16 +146,19 @@ struct WallGiven {
 ///                    const Fields& of_b) const;                 // [N] on a; b gets the opposite;
 ///                                                               // or (d, a, b) without fields
 ///   double pair_stiffness(d, a, of_a, b, of_b) const;           // [N/m] how fast it changes with
-///                                                               // their places, for the time step
+///                                                               // their places, for the time
+///                                                               // step; or (d, a, b)
 ///   double pair_flux(d, a, of_a, b, of_b) const;                // [.../s] into a, out of b
 ///   double pair_slope(d, a, of_a, b, of_b) const;               // [.../s] its change with what b
-///                                                               // has; added to the `slope` of rate
+///                                                               // has; added to the `slope` of
+///                                                               // rate
 ///
 /// and is asked once a step for each pair within the reach, in no order, by several threads. Forces
 /// act at the centres of mass: one that is not along d turns no particle, and keeps no angular
 /// momentum. Velocities are those of half a step before. What pair_flux() gives is `received` by
 /// update(), together with what flows through contacts; where those fluxes are held for several
-/// steps, so is this one. The pairs come from lists of the module's own: engine/lists/near_list.hpp.
+/// steps, so is this one. The pairs come from lists of the module's own:
+/// engine/lists/near_list.hpp.
 ///
 /// A module that wears mesh walls has
 ///
@@ -259,7 +262,8 @@ concept HasWallEnds = requires(const M& m) {
 template <class M>
 inline constexpr bool flows_at_walls = Exchanges<M>&& HasWallEnds<M>;
 template <class M>
-concept HasContactValue = Exchanges<M> && requires(const M& m, const Seen& p, const FieldsOf<M>& f) {
+concept HasContactValue = Exchanges<M> &&
+    requires(const M& m, const Seen& p, const FieldsOf<M>& f) {
   { m.at_contact(p, f) } -> std::convertible_to<double>;
 };
 template <class M>
@@ -289,8 +293,12 @@ concept FlowsInPairs = has_fields<M> &&
   { m.pair_flux(d, p, f, p, f) } -> std::convertible_to<double>;
 };
 template <class M>
-concept SaysPairStiffness = requires(const M& m, const Apart& d, const Seen& p,
-                                     const FieldsOf<M>& f) {
+concept SaysPairStiffnessWithoutFields = requires(const M& m, const Apart& d, const Seen& p) {
+  { m.pair_stiffness(d, p, p) } -> std::convertible_to<double>;
+};
+template <class M>
+concept SaysPairStiffness = SaysPairStiffnessWithoutFields<M> ||
+    requires(const M& m, const Apart& d, const Seen& p, const FieldsOf<M>& f) {
   { m.pair_stiffness(d, p, f, p, f) } -> std::convertible_to<double>;
 };
 template <class M>
@@ -371,10 +379,9 @@ concept FieldQuantity = requires(typename Q::Of& fields) {
 /// A policy of the module axis: it has fields, pushes, or wears walls, and its functions take what
 /// they are called with.
 template <class M>
-concept Module =
-    std::is_copy_constructible_v<M> &&(detail::Pushes<M> || detail::has_fields<M> ||
-                                       detail::WearsWalls<M> ||
-                                       detail::ActsInPairs<M>)&&(
-    std::is_trivially_copyable_v<FieldsOf<M>>&& std::is_default_constructible_v<FieldsOf<M>>);
+concept Module = std::is_copy_constructible_v<M> &&
+    (detail::Pushes<M> || detail::has_fields<M> || detail::WearsWalls<M> ||
+     detail::ActsInPairs<M>)&&(std::is_trivially_copyable_v<FieldsOf<M>>&&
+                                   std::is_default_constructible_v<FieldsOf<M>>);
 
 }  // namespace silt

@@ -16,7 +16,8 @@ namespace silt::inline SILT_TARGET::detail {
 /// Beside these names a member of M of the same name is ambiguous, whatever it is: a function,
 /// several, a template. That tells whether M has one. (Of a final M only what has an address.)
 struct NamesOfModules {
-  int force, rate, start, update, flux, at_wall, exchanged, pair_force, pair_flux, reach, gap_reach;
+  int force, rate, start, update, flux, at_wall, exchanged, at_contact, given_by_wall,
+      share_of_loss, worn, pair_force, pair_flux, pair_stiffness, pair_slope, reach, gap_reach;
 };
 template <class M>
 struct BesideNames : M, NamesOfModules {};
@@ -29,8 +30,14 @@ struct MembersNamed {
   static constexpr bool flux = !requires { &BesideNames<M>::flux; };
   static constexpr bool at_wall = !requires { &BesideNames<M>::at_wall; };
   static constexpr bool exchanged = !requires { &BesideNames<M>::exchanged; };
+  static constexpr bool at_contact = !requires { &BesideNames<M>::at_contact; };
+  static constexpr bool given_by_wall = !requires { &BesideNames<M>::given_by_wall; };
+  static constexpr bool share_of_loss = !requires { &BesideNames<M>::share_of_loss; };
+  static constexpr bool worn = !requires { &BesideNames<M>::worn; };
   static constexpr bool pair_force = !requires { &BesideNames<M>::pair_force; };
   static constexpr bool pair_flux = !requires { &BesideNames<M>::pair_flux; };
+  static constexpr bool pair_stiffness = !requires { &BesideNames<M>::pair_stiffness; };
+  static constexpr bool pair_slope = !requires { &BesideNames<M>::pair_slope; };
   static constexpr bool reach = !requires { &BesideNames<M>::reach; };
   static constexpr bool gap_reach = !requires { &BesideNames<M>::gap_reach; };
 };
@@ -44,15 +51,24 @@ struct MembersNamed<M> {
   static constexpr bool flux = requires { &M::flux; };
   static constexpr bool at_wall = requires { &M::at_wall; };
   static constexpr bool exchanged = requires { &M::exchanged; };
+  static constexpr bool at_contact = requires { &M::at_contact; };
+  static constexpr bool given_by_wall = requires { &M::given_by_wall; };
+  static constexpr bool share_of_loss = requires { &M::share_of_loss; };
+  static constexpr bool worn = requires { &M::worn; };
   static constexpr bool pair_force = requires { &M::pair_force; };
   static constexpr bool pair_flux = requires { &M::pair_flux; };
+  static constexpr bool pair_stiffness = requires { &M::pair_stiffness; };
+  static constexpr bool pair_slope = requires { &M::pair_slope; };
   static constexpr bool reach = requires { &M::reach; };
   static constexpr bool gap_reach = requires { &M::gap_reach; };
 };
 /// A class that is no module for what is checked here, but has a module's functions.
 template <class P>
 inline constexpr bool is_meant_as_module = [] {
-  if constexpr (std::is_class_v<P>) return MembersNamed<P>::force || MembersNamed<P>::update;
+  if constexpr (std::is_class_v<P>) {
+    using Named = MembersNamed<P>;
+    return Named::force || Named::update || Named::worn || Named::pair_force || Named::pair_flux;
+  }
   return false;
 }();
 
@@ -92,9 +108,51 @@ concept UpdatesACopy = requires(const M& m, const Seen& p, double dt) {
 }
 || requires(const M& m, const Seen& p, double dt) { m.update(p, FieldsOf<M>{}, dt, dt); };
 
+/// One sentence for each function of M between pairs within a reach that does not fit.
+template <class M>
+struct PairsFit {
+  using Named = MembersNamed<M>;
+  static constexpr bool in_pairs = Named::pair_force || Named::pair_flux;  // or is meant so
+
+  static_assert(!Named::pair_force || PushesPairs<M>,
+                "a module's pair_force() does not fit: it must be `silt::Vec3d pair_force(const "
+                "silt::Apart&, const silt::Seen&, const Fields&, const silt::Seen&, const Fields&) "
+                "const`, or without both Fields (it has no torque), and public: "
+                "silt/module/concept.hpp");
+  static_assert(!Named::pair_flux || FlowsInPairs<M>,
+                "a module's pair_flux() does not fit: it must be `double pair_flux(const "
+                "silt::Apart&, const silt::Seen&, const Fields&, const silt::Seen&, const Fields&) "
+                "const`, public, and in a module with Fields: silt/module/concept.hpp");
+  static_assert(!Named::pair_flux || UpdatesByFlux<M>,
+                "a module with pair_flux() needs update(seen, fields, received, dt), which is told "
+                "what a particle received: silt/module/concept.hpp");
+  static_assert(!Named::pair_stiffness || (SaysPairStiffness<M> && Named::pair_force),
+                "a module's pair_stiffness() does not fit: it must be `double pair_stiffness(const "
+                "silt::Apart&, const silt::Seen&, const Fields&, const silt::Seen&, const Fields&) "
+                "const`, or without both Fields, public, and beside pair_force(): "
+                "silt/module/concept.hpp");
+  static_assert(!Named::pair_slope || (SaysPairSlope<M> && Named::pair_flux),
+                "a module's pair_slope() does not fit: it must be `double pair_slope(const "
+                "silt::Apart&, const silt::Seen&, const Fields&, const silt::Seen&, const Fields&) "
+                "const`, public, and beside pair_flux(): silt/module/concept.hpp");
+  static_assert(!in_pairs || !Named::reach || SaysReach<M>,
+                "a module's reach() does not fit: it must be `double reach() const` [m], and "
+                "public: silt/module/concept.hpp");
+  static_assert(!in_pairs || !Named::gap_reach || SaysGapReach<M>,
+                "a module's gap_reach() does not fit: it must be `double gap_reach() const` [m], "
+                "and public: silt/module/concept.hpp");
+  static_assert(!in_pairs || Named::reach != Named::gap_reach,
+                "a module with pair_force() or pair_flux() needs either `double reach() const` or "
+                "`double gap_reach() const` [m], not both: silt/module/concept.hpp");
+  static_assert(in_pairs || !(SaysReach<M> || SaysGapReach<M>),
+                "a module with reach() or gap_reach() needs pair_force() or pair_flux(), which act "
+                "within it: silt/module/concept.hpp");
+  static constexpr bool checked = true;
+};
+
 /// One sentence for each function of M that does not fit.
 template <class M>
-struct ModuleFits {
+struct ModuleFits : PairsFit<M> {
   using Named = MembersNamed<M>;
   static_assert(
       is_of_doubles<FieldsOf<M>>,
@@ -131,18 +189,6 @@ struct ModuleFits {
   static_assert(Named::exchanged || Named::pair_flux || !UpdatesByFlux<M>,
                 "a module whose update() takes what it `received` needs `exchanged` and flux(), or "
                 "pair_flux(): silt/module/concept.hpp");
-  static_assert(!Named::pair_force || PushesPairs<M>,
-                "a module's pair_force() does not fit: it must be `silt::Vec3d pair_force(const "
-                "silt::Apart&, const silt::Seen&, const Fields&, const silt::Seen&, const Fields&) "
-                "const`, and public: silt/module/concept.hpp");
-  static_assert(!Named::pair_flux || (FlowsInPairs<M> && UpdatesByFlux<M>),
-                "a module's pair_flux() does not fit: it must be `double pair_flux(const "
-                "silt::Apart&, const silt::Seen&, const Fields&, const silt::Seen&, const Fields&) "
-                "const`, public, and beside update(seen, fields, received, dt): "
-                "silt/module/concept.hpp");
-  static_assert(!ActsInPairs<M> || SaysReach<M> != SaysGapReach<M>,
-                "a module with pair_force() or pair_flux() needs either `double reach() const` or "
-                "`double gap_reach() const` [m]: silt/module/concept.hpp");
   static_assert(Named::flux == Named::exchanged,
                 "a module in which something flows has both `exchanged` and flux(): "
                 "silt/module/concept.hpp");
@@ -153,6 +199,22 @@ struct ModuleFits {
   static_assert(!Named::at_wall || (HasWallEnds<M> && Named::exchanged),
                 "a module's at_wall() does not fit: it must be `double at_wall(std::size_t wall, "
                 "double time) const`, public, and beside `exchanged`: silt/module/concept.hpp");
+  static_assert(!Named::at_contact || HasContactValue<M>,
+                "a module's at_contact() does not fit: it must be `double at_contact(const "
+                "silt::Seen&, const Fields&) const`, public, and beside `exchanged`: "
+                "silt/module/concept.hpp");
+  static_assert(
+      !Named::given_by_wall || (HasGivingWalls<M> && Named::exchanged),
+      "a module's given_by_wall() does not fit: it must be `std::optional<double> "
+      "given_by_wall(std::size_t wall, double time) const`, public, and beside at_wall(): "
+      "silt/module/concept.hpp");
+  static_assert(!Named::share_of_loss || TakesLoss<M>,
+                "a module's share_of_loss() does not fit: it must be `template <class Real> Real "
+                "share_of_loss(const Coefficients<Real>&) const`, public, and beside `exchanged` "
+                "and Coefficients: silt/module/concept.hpp");
+  static_assert(!Named::worn || WearsWalls<M>,
+                "a module's worn() does not fit: it must be `double worn(const silt::WallRub&, "
+                "std::size_t wall) const`, and public: silt/module/concept.hpp");
   static constexpr bool checked = true;
 };
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <silt/core/error.hpp>
+#include <silt/core/names.hpp>
 #include <silt/core/vec3.hpp>
 #include <silt/engine/population/arrivals.hpp>
 #include <silt/fill/particles.hpp>
@@ -75,29 +76,32 @@ class ParticleEdits {
     if (sim().engine_.particles.smallest_radius < smallest) sim().checked_speed_ = 0;
   }
   /// Makes the particle with this id one of another material, by its number among those of the
-  /// contacts; radius, mass and what its contacts remember stay.
-  void set_material(ParticleId id, std::size_t material) {
+  /// contacts or its name; radius, mass and what its contacts remember stay.
+  void set_material(ParticleId id, const WhichMaterial& which) {
     static_assert(Sim::ContactsType::several_materials,
                   "set_material: particles are of several materials with Contacts<Law, "
                   "SeveralMaterials> alone");
     const std::size_t k = place_of(id, "set_material");
-    require(material < sim().contacts_.materials(), "Simulation::set_material: material ", material,
-            " is not in the table of ", sim().contacts_.materials(), " materials");
+    require(which.by_name() || which.number() < sim().contacts_.materials(),
+            "Simulation::set_material: material ", which.number(), " is not in the table of ",
+            sim().contacts_.materials(), " materials");
+    const std::size_t material = sim().contacts_.material_number(which);
     if (material >= sim().engine_.coefficients.materials)
       sim().engine_.set_coefficients(sim().contacts_);
     sim().engine_.set_material(k, material);
     sim().scene_changed_ = true, sim().checked_speed_ = 0;
   }
-  /// Gives the body with this id the shape of another of forms(), by its number; add() of particles
-  /// that have forms alone brings new ones. Centre of mass, orientation, radius of the bounding
-  /// sphere, density, velocity, angular velocity, material and fields stay; its contacts begin
-  /// anew. The change of its own energy is booked in the ledger's `openings`, what its contacts
-  /// stored counts as lost in them.
-  void set_form(ParticleId id, std::size_t form) {
+  /// Gives the body with this id the shape of another of forms(), by its number or its name; add()
+  /// of particles that have forms alone brings new ones. Centre of mass, orientation, radius of the
+  /// bounding sphere, density, velocity, angular velocity, material and fields stay; its contacts
+  /// begin anew. The change of its own energy is booked in the ledger's `openings`, what its
+  /// contacts stored counts as lost in them.
+  void set_form(ParticleId id, const WhichForm& which) {
     static_assert(Sim::of_bodies, "set_form: spheres have no form; set_radius changes their size");
     const std::size_t k = place_of(id, "set_form");
-    require(form < sim().forms().size(), "Simulation::set_form: form ", form, " is none of the ",
-            sim().forms().size(), " forms of the simulation");
+    require(which.by_name() || which.number() < sim().forms().size(), "Simulation::set_form: form ",
+            which.number(), " is none of the ", sim().forms().size(), " forms of the simulation");
+    const std::size_t form = sim().form_number(which);
     if (form == sim().form(k)) return;
     const double before = energy_of(k);
     auto& e = sim().engine_;

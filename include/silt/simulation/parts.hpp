@@ -108,10 +108,10 @@ void Simulation<Policies...>::check_new(std::span<const Particle> more, const Ch
     require(p.material < contacts_.materials() || !ContactsType::several_materials, "particle ", k,
             ": material ", p.material, " is not in the table of ", contacts_.materials(),
             " materials; add it to the contacts first");
-    require(ContactsType::several_materials || p.material == 0, "particle ", k, ": material ",
-            p.material,
-            " needs Contacts<Law, SeveralMaterials>; without it all particles are of the "
-            "first material");
+    if (!ContactsType::several_materials && p.material != 0)
+      throw InputError(text("particle ", k, ": ", contacts_.material_name(p.material),
+                            " needs Contacts<Law, SeveralMaterials>; without it all particles are "
+                            "of the first material"));
   }
 }
 

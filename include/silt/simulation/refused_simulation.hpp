@@ -21,12 +21,20 @@ struct PolicyOfAnAxis {
       "FluidCoupling, a precision, an Integrator, a rotation, KernelsFor, EnergyLedger, "
       "ContactEvents or a Module; the contracts are in silt/contact/, search/, boundary/, "
       "coupling/, motion/, module/ concept.hpp");
-  /// What looks like a module gets the sentence about its functions too.
-  static constexpr bool checked = [] {
-    if constexpr (!belongs && is_meant_as_module<P>) return ModuleFits<P>::checked;
-    return true;
-  }();
+  static constexpr bool checked = true;
 };
+/// What looks like a module gets the sentence about its functions too.
+template <class P, bool belongs>
+inline constexpr bool looks_like_module = [] {
+  if constexpr (!belongs) return is_meant_as_module<P>;
+  return false;
+}();
+template <class P, bool looks>
+struct FitsIfModule {
+  static constexpr bool checked = true;
+};
+template <class P>
+struct FitsIfModule<P, true> : ModuleFits<P> {};
 
 }  // namespace detail
 
@@ -97,6 +105,9 @@ requires(!detail::make_a_simulation<Policies...>) class Simulation<Policies...> 
       "Simulation takes one precision: Double or Mixed (silt/engine/state/precision.hpp)");
   static_assert(has_one_of_the_rest,
                 "Simulation takes one KernelsFor, one EnergyLedger and one ContactEvents");
+  static_assert((detail::FitsIfModule<
+                     Policies, detail::looks_like_module<Policies, belongs<Policies>>>::checked &&
+                 ...));
   static_assert((detail::PolicyOfAnAxis<Policies, belongs<Policies>>::checked && ...));
 
  public:

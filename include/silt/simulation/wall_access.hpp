@@ -22,7 +22,7 @@ inline void check_fits(const WallDrive& drive, const Box& extent) {
 
 /// What users read and change of walls, between runs and in observers; a Simulation has these
 /// functions as its own. A wall is named by its number or its name. InputError: there is no such
-/// wall, or a value that cannot be. Tests: tests/engine/wall_names.cpp, free_walls.cpp.
+/// wall, or a value that cannot be. Tests: tests/engine/wall_setup.cpp, free_walls.cpp.
 template <class Sim>
 class WallAccess {
  public:

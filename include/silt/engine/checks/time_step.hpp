@@ -162,10 +162,10 @@ std::string leading_value(const Material& m) {
     return {};
 }
 
-/// "material 1 (youngs_modulus = 2e+11 Pa)"
+/// "material 1 'steel' (youngs_modulus = 2e+11 Pa)"
 template <class ContactsType>
 std::string name_of_material(const ContactsType& contacts, std::size_t k) {
-  return text("material ", k, leading_value(contacts.material(k)));
+  return contacts.material_name(k) + leading_value(contacts.material(k));
 }
 
 /// Who makes the shortest contact, for a sentence.

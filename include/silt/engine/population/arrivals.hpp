@@ -4,8 +4,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
+#include <silt/core/names.hpp>
 #include <silt/core/quaternion.hpp>
 #include <silt/core/random.hpp>
 #include <silt/engine/checks/time_step.hpp>
@@ -14,21 +16,48 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
+/// The names that an engine's forms have after more of them have come; nothing else is changed yet.
+struct NamesToCome {
+  std::vector<std::string> of;
+
+  /// Whether a form that comes with this name may be form k: no name is another name than one.
+  bool may_be(std::size_t k, const std::string& name) const {
+    return name.empty() || of[k].empty() || of[k] == name;
+  }
+  void give(std::size_t k, const std::string& name) {
+    if (k == of.size()) of.emplace_back();
+    if (name.empty() || !of[k].empty()) return;
+    Names{"form", of.size(), [this](std::size_t f) -> const std::string& { return of[f]; },
+          "add_form(shape, name)"}
+        .check(name, k);
+    of[k] = name;
+  }
+};
+
 /// Takes in forms of bodies, but for those that the engine has already; returns the number of each.
 /// Forms that come together are not compared with each other, so that the first ones keep the
-/// numbers that add_form gave them. Spheres have none.
+/// numbers that add_form gave them; and those of two names are two. Spheres have none. InputError,
+/// and nothing has changed: a name that another form has.
 template <class Engine, class ParticlesType>
 std::vector<std::size_t> take_in_forms(Engine& e, const ParticlesType& more) {
   std::vector<std::size_t> numbers;
   if constexpr (Engine::has_bodies) {
     auto& forms = e.mover.forms;
-    const std::size_t before = forms.size();
+    NamesToCome names;
+    for (const auto& form : forms) names.of.push_back(form.name);
     for (const auto& form : more.forms()) {
+      const auto is_it = [&](std::size_t k) {
+        return forms[k].is_copy_of(form) || (names.may_be(k, form.name) && forms[k].is(form));
+      };
       std::size_t k = 0;
-      while (k < before && !forms[k].is(form)) ++k;
-      if (k == before) k = forms.size(), forms.push_back(form);
+      while (k < forms.size() && !is_it(k)) ++k;
+      if (k == forms.size()) k = names.of.size();
+      names.give(k, form.name);
       numbers.push_back(k);
     }
+    for (std::size_t f = 0; f < numbers.size(); ++f)
+      if (numbers[f] == forms.size()) forms.push_back(more.forms()[f]);
+    for (std::size_t k = 0; k < forms.size(); ++k) forms[k].name = names.of[k];
   }
   return numbers;
 }

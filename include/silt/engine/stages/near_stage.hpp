@@ -57,7 +57,11 @@ class NearPairs<M, Domain, true> {
           [&](D d, P a, F f, P b, F g) { return double(module.pair_flux(d, a, f, b, g)); },
           opposite);
     if (!measure) return;
-    if constexpr (SaysPairStiffness<M>)
+    if constexpr (SaysPairStiffnessWithoutFields<M>)
+      ask(
+          numbers_, stiffness,
+          [&](D d, P a, F, P b, F) { return double(module.pair_stiffness(d, a, b)); }, alike);
+    else if constexpr (SaysPairStiffness<M>)
       ask(
           numbers_, stiffness,
           [&](D d, P a, F f, P b, F g) { return double(module.pair_stiffness(d, a, f, b, g)); },

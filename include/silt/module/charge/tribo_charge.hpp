@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <silt/core/lanes.hpp>
+#include <silt/core/names.hpp>
 #include <silt/module/charge/charge.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -93,17 +94,19 @@ struct TriboCharge : Charge {
     require_positive("TriboCharge.transfer_distance", surfaces.transfer_distance, "m");
     require_positive("TriboCharge.area_factor", surfaces.area_factor, "-");
     for (std::size_t k = 0; k < w.size(); ++k)
-      require(std::isfinite(w[k]), "TriboCharge.work_functions[", k, "] = ", w[k],
-              " [eV] must be finite");
+      require(std::isfinite(w[k]), "TriboCharge.work_functions[", k, "]",
+              detail::after_entry(sim.contacts(), k), " = ", w[k], " [eV] must be finite");
     for (std::size_t k = 0; k < sim.rows(); ++k)
-      require(sim.material(k) < w.size(), "TriboCharge: particle ", sim.id(k), " is of material ",
-              sim.material(k), ", of which `work_functions` has no value [eV]; add it there");
+      if (!(sim.material(k) < w.size()))
+        throw InputError(text("TriboCharge: particle ", sim.id(k), " is of ",
+                              sim.material_name(sim.material(k)),
+                              ", of which `work_functions` has no value [eV]; add it there"));
     require(surfaces.insulated.size() <= sim.walls(), "TriboCharge.insulated has ",
             surfaces.insulated.size(), " entries, but the simulation has ", sim.walls(),
             " walls; give one for each at most");
     for (std::size_t k = 0; k < sim.walls(); ++k)
-      require(!at_wall(k, 0) || sim.wall(k).material < w.size(), "TriboCharge: wall ", k,
-              " is of material ", sim.wall(k).material,
+      require(!at_wall(k, 0) || sim.wall(k).material < w.size(), "TriboCharge: ", sim.wall_name(k),
+              " is of ", sim.material_name(sim.wall(k).material),
               ", of which `work_functions` has no value [eV]; add it there, or let the wall be "
               "insulated");
   }

@@ -8,6 +8,7 @@
 
 #include <silt/core/functions.hpp>
 #include <silt/core/lanes.hpp>
+#include <silt/core/names.hpp>
 #include <silt/module/heat/temperature.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -120,18 +121,20 @@ struct HeatConductionBy {
   template <class Sim>
   void check(const Sim& sim) const {
     require(flux_every > 0, "HeatConduction.flux_every = 0 [steps] must be at least 1");
-    for (std::size_t k = 0; k <= others.size(); ++k) check_material(k);
+    for (std::size_t k = 0; k <= others.size(); ++k) check_material(k, sim.contacts());
     require_not_negative("HeatConduction.start_temperature", start_temperature, "K");
     require(walls.size() <= sim.walls(), "HeatConduction.walls has ", walls.size(),
             " entries, but the simulation has ", sim.walls(), " walls; give one for each at most");
     for (std::size_t k = 0; k < sim.rows(); ++k)
-      require(knows(sim.material(k)), "HeatConduction: particle ", sim.id(k), " is of material ",
-              sim.material(k),
-              ", of which `others` has no conductivity; add it there (the first "
-              "entry is of material 1)");
+      if (!knows(sim.material(k)))
+        throw InputError(text("HeatConduction: particle ", sim.id(k), " is of ",
+                              sim.material_name(sim.material(k)),
+                              ", of which `others` has no conductivity; add it there (the first "
+                              "entry is of material 1)"));
     for (std::size_t w = 0; w < walls.size(); ++w)
       require(walls[w].kind() == WallHeat::Kind::Insulated || knows(sim.wall(w).material),
-              "HeatConduction: wall ", w, " is of material ", sim.wall(w).material,
+              "HeatConduction: ", sim.wall_name(w), " is of ",
+              sim.material_name(sim.wall(w).material),
               ", of which `others` has no conductivity; add it there (the first entry is of "
               "material 1), or let the wall be insulated()");
     for (std::size_t a = 0; a <= others.size() && a < sim.contacts().materials(); ++a)
@@ -142,9 +145,12 @@ struct HeatConductionBy {
   WallHeat of_wall(std::size_t wall) const {
     return wall < walls.size() ? walls[wall] : insulated();
   }
-  void check_material(std::size_t k) const {
+  template <class ContactsType>
+  void check_material(std::size_t k, const ContactsType& contacts) const {
     const ThermalMaterial m = material(k);
-    const std::string of = k == 0 ? "HeatConduction" : text("HeatConduction.others[", k - 1, "]");
+    const std::string of =
+        k == 0 ? "HeatConduction"
+               : text("HeatConduction.others[", k - 1, "]", detail::after_entry(contacts, k));
     require_positive(of + ".conductivity", m.conductivity, "W/(m K)");
     require_positive(of + ".heat_capacity", m.heat_capacity, "J/(kg K)");
     require_not_negative(of + ".youngs_modulus", m.youngs_modulus, "Pa");

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include <silt/core/names.hpp>
 #include <silt/module/heat/surroundings.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -68,12 +69,15 @@ struct MutualRadiation : Base {
     require_positive("MutualRadiation.gap", surfaces.gap, "m");
     check_emissivity("MutualRadiation.emissivity", surfaces.emissivity);
     for (std::size_t k = 0; k < surfaces.others.size(); ++k)
-      check_emissivity(text("MutualRadiation.others[", k, "]"), surfaces.others[k]);
+      check_emissivity(
+          text("MutualRadiation.others[", k, "]", detail::after_entry(sim.contacts(), k + 1)),
+          surfaces.others[k]);
     for (std::size_t k = 0; k < sim.rows(); ++k)
-      require(sim.material(k) <= surfaces.others.size(), "MutualRadiation: particle ", sim.id(k),
-              " is of material ", sim.material(k),
-              ", of which `others` has no emissivity; add it there (the first entry is of material "
-              "1)");
+      if (!(sim.material(k) <= surfaces.others.size()))
+        throw InputError(text(
+            "MutualRadiation: particle ", sim.id(k), " is of ", sim.material_name(sim.material(k)),
+            ", of which `others` has no emissivity; add it there (the first entry "
+            "is of material 1)"));
   }
 
  private:

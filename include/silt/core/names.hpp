@@ -1,0 +1,119 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <string_view>
+
+#include <silt/core/error.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// A wall, material or form by its number or its name.
+class NumberOrName {
+ public:
+  template <std::integral I>
+  NumberOrName(I number) : number_(static_cast<std::size_t>(number)) {}  // NOLINT: converts
+  NumberOrName(const char* name) : name_(name) {}                        // NOLINT
+  NumberOrName(std::string_view name) : name_(name) {}                   // NOLINT
+  NumberOrName(const std::string& name) : name_(name) {}                 // NOLINT
+  bool by_name() const { return number_ == none; }
+  std::size_t number() const { return number_; }
+  std::string_view name() const { return name_; }
+
+ private:
+  static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+  std::size_t number_ = none;
+  std::string_view name_;
+};
+using WhichMaterial = NumberOrName;
+using WhichForm = NumberOrName;
+
+namespace detail {
+
+/// " 'lid'", or nothing of what has no name.
+[[gnu::cold]] inline std::string after_number(std::string_view name) {
+  return name.empty() ? std::string() : text(" '", name, "'");
+}
+/// "wall 2 'lid'", or "wall 2" if it has no name.
+[[gnu::cold]] inline std::string numbered(const char* what, std::size_t k, std::string_view name) {
+  return text(what, ' ', k, after_number(name));
+}
+
+/// " (material 1 'steel')" behind the entry of a list that has one for each material; nothing of
+/// one without a name.
+template <class Contacts>
+[[gnu::cold]] std::string after_entry(const Contacts& contacts, std::size_t material) {
+  return contacts.given_name(material).empty() ? std::string()
+                                               : text(" (", contacts.material_name(material), ")");
+}
+
+/// The names of all things of one kind: what one is called ("wall"), how many there are, name(k) of
+/// each (empty: none), and which call gives one a name. Tests: tests/engine/names.cpp.
+template <class NameOf>
+struct Names {
+  const char* what;
+  std::size_t count;
+  NameOf name;
+  const char* given_by;
+
+  /// As messages call thing k.
+  [[gnu::cold]] std::string words(std::size_t k) const {
+    return numbered(what, k, k < count ? std::string_view(name(k)) : std::string_view());
+  }
+  /// InputError: there is no such thing.
+  [[gnu::cold]] std::size_t number_of(const NumberOrName& which) const {
+    if (!which.by_name()) {
+      require(which.number() < count, what, '(', which.number(), "): there ",
+              count == 1 ? "is " : "are ", count, ' ', what, count == 1 ? "" : "s",
+              ", counted from 0");
+      return which.number();
+    }
+    std::string all;
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::string_view own = name(k);
+      if (!own.empty() && own == which.name()) return k;
+      if (!own.empty()) all += text(all.empty() ? "'" : ", '", own, "'");
+    }
+    throw InputError(text(what, ' ', in_quotes(which.name()), " is not there; ",
+                          all.empty()
+                              ? text("no ", what, " has a name: give it one with ", given_by)
+                              : text("the named ", what, "s are ", all)));
+  }
+  /// Refuses a name that another one than `own` has, or that cannot stand in a message or a file.
+  [[gnu::cold]] void check(std::string_view wanted, std::size_t own) const {
+    require(!wanted.empty(), "a ", what, "'s name is empty; leave it out, or give it some letters");
+    require(wanted.size() <= 80 && in_quotes(wanted).size() == wanted.size() + 2 &&
+                wanted.find_first_of("'=:") == wanted.npos,
+            "the ", what, " name ", in_quotes(wanted),
+            " must have at most 80 printable characters without ', = and :");
+    for (std::size_t k = 0; k < count; ++k)
+      require(k == own || name(k) != wanted, what, ' ', k, " has the name '", wanted,
+              "' already; names of ", what, "s are unique");
+  }
+};
+template <class NameOf>
+Names(const char*, std::size_t, NameOf, const char*) -> Names<NameOf>;
+
+/// The names of what has a member `name`.
+template <class All>
+auto names_in(const char* what, const All& all, const char* given_by) {
+  return Names{what, all.size(),
+               [&all](std::size_t k) -> const std::string& { return all[k].name; }, given_by};
+}
+
+/// Calls check(); what it refuses is said of the thing of this name.
+template <class Check>
+void check_named(const char* what, const std::string& name, const Check& check) {
+  if (name.empty()) return check();
+  try {
+    check();
+  } catch (const InputError& e) {
+    throw InputError(text(what, " '", name, "': ", e.what()));
+  }
+}
+
+}  // namespace detail
+}  // namespace silt
