@@ -56,7 +56,7 @@ double Simulation<Policies...>::expected_speed() const {
   const Box near = scene.grown(largest);
   Vec3d period{0, 0, 0};  // that walls repeat with
   if constexpr (Domain::periodic && !detail::deforms<Domain>)
-    period = {domain_.length(0), domain_.length(1), domain_.length(2)};
+    period = detail::period_of(domain_);
   for (const auto& w : engine_.walls)
     speed = std::max(
         speed, detail::speed_near(w, detail::region_with_images(near, w, period), time_));

@@ -169,6 +169,16 @@ inline double displacement_of(const Wall& wall, const Pose& a, const Pose& b, co
   return most;
 }
 
+/// The longest way [m] of walls that move in the last step, as displacement_of(), with images.
+inline double longest_way(std::span<const Wall> walls, const Box& region, const Vec3d& period) {
+  double most = 0;
+  for (const Wall& w : walls)
+    if (w.moves())
+      most = std::max(most, displacement_of(w, w.pose, w.last_pose,
+                                            region_with_images(region, w, period)));
+  return most;
+}
+
 /// Poses of all walls at one instant, to measure their motion since.
 class WallMarks {
  public:

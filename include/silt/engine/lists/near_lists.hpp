@@ -126,10 +126,9 @@ class NearLists {
   void follow_change() { renewed_ = upkeep.pruned_at >= 0; }
 
   /// Tells of the box that walls repeat with.
-  void set_period([[maybe_unused]] const Domain& domain) {
+  void set_period([[maybe_unused]] const Domain& box) {
     if constexpr (Walls::repeats)
-      walls.period = searched_walls.period =
-          pruned_walls.period = {domain.length(0), domain.length(1), domain.length(2)};
+      walls.period = searched_walls.period = pruned_walls.period = period_of(box);
   }
 
   /// Completes lists that a checkpoint restored.
@@ -206,14 +205,7 @@ class NearLists {
                      [](const Wall& w) { return w.moves(); }))
       return -1;
     const Box region = occupied_region(scene);
-    double fastest = 0;
-    for (const auto& w : scene.walls)
-      if (w.moves())
-        fastest = std::max(fastest,
-                           displacement_of(w, w.pose, w.last_pose,
-                                           region_with_images(region, w, searched_walls.period)) /
-                               scene.time_step);
-    return fastest;
+    return longest_way(scene.walls, region, searched_walls.period) / scene.time_step;
   }
 
   void choose_skins(const Scene& scene, const Search& search, double wall_speed) {

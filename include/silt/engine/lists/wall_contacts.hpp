@@ -14,7 +14,7 @@
 #include <silt/engine/lists/pair_list.hpp>
 #include <silt/engine/lists/planes_apart.hpp>
 #include <silt/engine/lists/wall_candidate.hpp>
-#include <silt/engine/lists/wall_images.hpp>
+#include <silt/engine/lists/wall_search.hpp>
 #include <silt/engine/state/rows.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -77,15 +77,15 @@ class WallContacts {
   /// Finds all spheres nearer than `reach` [m] to a surface, or to one of its images.
   template <class Domain>
   void search(std::span<const Wall> walls, std::span<const PositionRow> rows, double reach,
-              std::span<const std::uint32_t> previous, const Domain& domain, const Team& team) {
+              std::span<const std::uint32_t> previous, [[maybe_unused]] const Domain& domain, const Team& team) {
     archive();
     particles_ = static_cast<std::uint32_t>(rows.size());
     previous_.assign(previous.begin(), previous.end());
     renewed_ = true;
-    find_images(walls, rows, reach, domain);
+    if constexpr (Repeats) images_.choose(walls, rows, reach, domain);
     team.for_ranges(rows.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
       found_[r].clear();
-      find(walls, rows, from, to, reach, found_[r]);
+      images_.find(walls, rows, {from, to, reach}, period, found_[r]);
     });
     collect(outer_, outer_facets_);
   }
@@ -93,12 +93,12 @@ class WallContacts {
   /// Adds the spheres from `first` on, which have come since the search; prune() comes next.
   template <class Domain>
   void join(std::span<const Wall> walls, std::span<const PositionRow> rows, std::size_t first,
-            double reach, const Domain& domain) {
+            double reach, [[maybe_unused]] const Domain& domain) {
     particles_ = static_cast<std::uint32_t>(rows.size());
     WallFinds& found = found_[0];
     found.clear();
-    find_images(walls, rows.subspan(first), reach, domain);
-    find(walls, rows, first, rows.size(), reach, found);
+    if constexpr (Repeats) images_.choose(walls, rows.subspan(first), reach, domain);
+    images_.find(walls, rows, {first, rows.size(), reach}, period, found);
     const auto offset = static_cast<std::uint32_t>(outer_facets_.size());
     for (WallCandidate c : found.candidates) c.facets += offset, outer_.push_back(c);
     outer_facets_.insert(outer_facets_.end(), found.facets.begin(), found.facets.end());
@@ -218,50 +218,6 @@ class WallContacts {
   }
 
  private:
-  /// Which images of each surface, one after the other, may be met by these spheres.
-  template <class Domain>
-  void find_images([[maybe_unused]] std::span<const Wall> walls,
-                   [[maybe_unused]] std::span<const PositionRow> rows,
-                   [[maybe_unused]] double reach, [[maybe_unused]] const Domain& domain) {
-    if constexpr (Repeats) {
-      Box region;
-      for (const PositionRow& p : rows)
-        region.include(Box{p.centre(), p.centre()}.grown(p.r + reach));
-      images_.clear();
-      for (const Wall& wall : walls)
-        for (const Surface& surface : wall.surfaces)
-          images_.push_back(rows.empty() ? ImageRange{}
-                                         : images_of(wall, surface, domain, region));
-    }
-  }
-  /// Finds the spheres from ... to-1 nearer than `reach` [m] to a surface, by sphere.
-  void find(std::span<const Wall> walls, std::span<const PositionRow> rows, std::size_t from,
-            std::size_t to, double reach, WallFinds& found) const {
-    [[maybe_unused]] std::size_t number = 0;  // of the surface, among all
-    for (std::size_t w = 0; w < walls.size(); ++w)
-      for (std::size_t s = 0; s < walls[w].surfaces.size(); ++s) {
-        const Surface& its = walls[w].surfaces[s];
-        const auto look = [&](const auto& seen) {
-          visit_surface(its, [&](const auto& surface) {
-            found.search(surface, walls[w], w, s, rows, from, to, reach, seen);
-          });
-        };
-        if constexpr (Repeats) {
-          const ImageRange& images = images_[number++];
-          if (!images.is_plain()) {
-            const Box bounds = bounds_in_space(walls[w], its);
-            images.for_each([&](WallImage image) {
-              look(SeenElsewhere{image, way_of(image, period), bounds});
-            });
-            continue;
-          }
-        }
-        look(SeenHere{});
-      }
-    std::sort(found.candidates.begin(), found.candidates.end(),
-              [](const WallCandidate& a, const WallCandidate& b) { return a.key() < b.key(); });
-  }
-
   /// Joins what the ranges found, in their order.
   void collect(std::vector<WallCandidate>& candidates, std::vector<std::uint32_t>& facets) {
     candidates.clear(), facets.clear();
@@ -420,7 +376,7 @@ class WallContacts {
   std::vector<WallCandidate> outer_, inner_;
   std::vector<std::uint32_t> outer_facets_, inner_facets_;
   std::array<WallFinds, Team::most_ranges> found_;
-  std::vector<ImageRange> images_;           // of each surface
+  WallSearch<Repeats> images_;
   std::vector<std::size_t> block_begin_;     // first candidate of each block
   std::vector<std::size_t> piece_begin_{0};  // first candidate of each piece at planes
   std::vector<PlaneRun> runs_;

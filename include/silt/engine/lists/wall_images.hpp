@@ -53,6 +53,12 @@ inline Vec3d way_of(WallImage image, const Vec3d& period) {
           static_cast<double>(n[2]) * period.z};
 }
 
+/// Lengths [m] of a box, 0 where it does not repeat.
+template <class Domain>
+Vec3d period_of(const Domain& domain) {
+  return {domain.length(0), domain.length(1), domain.length(2)};
+}
+
 /// The images at which particles look at a surface.
 struct ImageRange {
   std::array<std::int64_t, 3> low{0, 0, 0}, high{0, 0, 0};

@@ -50,8 +50,8 @@ void for_each_contact_of_images(const EngineType& e, std::span<const WallCandida
     for_each_contact_with(e, images[k], back, [&](const WallCandidate&, const SurfacePoint& p) {
       found.push_back({p, k, false});
     });
-  drop_seams(found, 1e-6 * e.particles.position[c.particle].r);
-  drop_smooth_seams(found, e.walls[c.wall].surfaces[c.surface]);
+  drop_image_seams(found, e.walls[c.wall].surfaces[c.surface],
+                   1e-6 * e.particles.position[c.particle].r);
   for (const Touch& t : found)
     if (!t.seam) visit(images[t.candidate], t.point);
 }

@@ -38,19 +38,30 @@ inline void drop_seams(std::span<Touch> found, double tolerance) {
     }
 }
 
-/// Of a mesh and its images, as within a mesh: facets that meet at less than its smooth angle are
-/// one surface. All of `found` are of this surface and its images.
-inline void drop_smooth_seams(std::span<Touch> found, const Surface& surface) {
+/// The same for a surface and its images, of which all of `found` are; as they are one surface, the
+/// deepest stays however little deeper it is. Facets of a mesh that meet at less than its smooth
+/// angle are one, as within the mesh.
+inline void drop_image_seams(std::span<Touch> found, const Surface& surface, double tolerance) {
   const auto* const mesh = std::get_if<std::shared_ptr<const TriangleMesh>>(&surface);
-  if (mesh == nullptr) return;
   for (std::size_t a = 0; a < found.size(); ++a)
     for (std::size_t b = 0; b < found.size() && !found[a].seam; ++b) {
+      const SurfacePoint &one = found[a].point, &other = found[b].point;
       if (found[a].candidate == found[b].candidate || found[b].seam) continue;
-      const double deeper = found[a].point.distance - found[b].point.distance;
-      if ((deeper > 0 || (deeper == 0 && b < a)) &&
-          dot(found[a].point.normal, found[b].point.normal) > (*mesh)->cos_smooth_angle())
-        found[a].seam = true;
+      if (!(one.distance > other.distance || (one.distance == other.distance && b < a))) continue;
+      found[a].seam = in_tangent_plane(one, other, tolerance) ||
+                      (mesh != nullptr &&
+                       dot(one.normal, other.normal) > (*mesh)->cos_smooth_angle());
     }
+}
+
+/// ... surface by surface, of all the places where a sphere touches its candidates.
+inline void drop_image_seams(std::span<Touch> found, std::span<const WallCandidate> candidates,
+                             std::span<const Wall> walls, double tolerance) {
+  for (std::size_t k = 0, next = 0; k < found.size(); k = next) {
+    const WallCandidate& c = candidates[found[k].candidate];
+    while (next < found.size() && same_surface(c, candidates[found[next].candidate])) ++next;
+    drop_image_seams(found.subspan(k, next - k), walls[c.wall].surfaces[c.surface], tolerance);
+  }
 }
 
 /// Which of the images of one surface is nearest to a point [m] beside a sphere.

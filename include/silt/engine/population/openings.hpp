@@ -127,8 +127,8 @@ struct OccupiedPlaces {
       bool found = false;
       const Box around = Box{centre, centre}.grown(reach);
       images_of(wall, s, domain, around).for_each([&](WallImage image) {
-        const Vec3d period{domain.length(0), domain.length(1), domain.length(2)};
-        found = found || is_touched(s, in_wall(wall, centre + way_of(image, period)), reach);
+        const Vec3d seen = centre + way_of(image, period_of(domain));
+        found = found || is_touched(s, in_wall(wall, seen), reach);
       });
       return found;
     } else {

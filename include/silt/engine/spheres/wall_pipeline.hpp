@@ -209,7 +209,11 @@ class WallPipeline {
         for (int p = 0; p < n; ++p) found[count++] = {points[p], k, false};
       });
     }
-    if (count > 1 && candidates.size() > 1) drop_seams({found.data(), count}, 1e-6 * sphere.r);
+    if (count > 1 && candidates.size() > 1) {
+      const std::span<Touch> all(found.data(), count);
+      if constexpr (Repeats) drop_image_seams(all, candidates, walls, 1e-6 * sphere.r);
+      drop_seams(all, 1e-6 * sphere.r);
+    }
     // Images of a surface have their slots in common.
     for (std::size_t k = 0, end_k = 1, next = 0; k < candidates.size(); k = end_k++) {
       const auto& c = candidates[k];
@@ -218,7 +222,6 @@ class WallPipeline {
       const std::span<const WallCandidate> images = candidates.subspan(k, end_k - k);
       const std::size_t from = next, slots = images.size() * Contacts::slots_of(surface);
       while (next < count && found[next].candidate < end_k) ++next;
-      if (Repeats && images.size() > 1) drop_smooth_seams({found.data() + from, next - from}, surface);
       bool taken[Repeats ? block : 8] = {};
       for (const Touch& touch : std::span(found.data() + from, next - from)) {
         if (touch.seam) continue;
