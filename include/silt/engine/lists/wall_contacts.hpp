@@ -77,7 +77,8 @@ class WallContacts {
   /// Finds all spheres nearer than `reach` [m] to a surface, or to one of its images.
   template <class Domain>
   void search(std::span<const Wall> walls, std::span<const PositionRow> rows, double reach,
-              std::span<const std::uint32_t> previous, [[maybe_unused]] const Domain& domain, const Team& team) {
+              std::span<const std::uint32_t> previous, [[maybe_unused]] const Domain& domain,
+              const Team& team) {
     archive();
     particles_ = static_cast<std::uint32_t>(rows.size());
     previous_.assign(previous.begin(), previous.end());
