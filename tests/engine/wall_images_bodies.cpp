@@ -28,8 +28,8 @@ auto scene(std::size_t form, const Vec3d& position, const Vec3d& velocity, const
   grains.add_form(silt::SuperEllipsoid{.a = 1e-3, .b = 0.8e-3, .c = 0.6e-3});
   grains.add_form(block(0.8e-3, 0.6e-3, 0.7e-3));         // sharp
   grains.add_form(block(0.5e-3, 0.7e-3, 0.6e-3, 0.3e-3));  // rounded
-  grains.add({.position = position,
-              .form = form,
+  grains.add({.form = form,
+              .position = position,
               .orientation = silt::rotation_about({0.6, 0, 0.8}, 0.4),
               .density = 2500,
               .velocity = velocity,
