@@ -355,7 +355,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   friend class detail::OpeningAccess<Simulation>;
   friend class detail::ParticleReadings<Simulation>;
   friend class detail::WallAccess<Simulation>;
-  friend class detail::Openings<ShapeType>;
+  friend class detail::Openings<ShapeType, Domain>;
   using FluidIs = detail::FluidTraits<Fluid>;
   struct Nothing {};
   static auto particles_in_fluid() {
@@ -372,7 +372,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   [[no_unique_address]] detail::ModuleStage<Modules, Domain> modules_;
   [[no_unique_address]] decltype(particles_in_fluid()) in_fluid_;
   Engine engine_;
-  detail::Openings<ShapeType> openings_;
+  detail::Openings<ShapeType, Domain> openings_;
   [[no_unique_address]] std::conditional_t<has_ledger, detail::EnergyBook, Nothing> book_;
   static constexpr double clock_rounding = 1e-3;  // [-] of a step
   static constexpr double first_wall_kick =

@@ -18,7 +18,8 @@ struct OpenDomain {
 
 /// A box that repeats in the directions named: what leaves on one side enters on the other.
 ///   silt::PeriodicBox{{.min = {0, 0, 0}, .max = {0.1, 0.1, 1}}, {true, true, false}}
-/// In a direction that does not repeat, `box` sets no limit.
+/// In a direction that does not repeat, `box` sets no limit. Walls repeat with it, but for planes and,
+/// across their axis, cylinders and cones around the particles (engine/lists/wall_images.hpp).
 class PeriodicBox {
  public:
   static constexpr bool is_domain = true;

@@ -54,7 +54,8 @@ class Engine : public Tables<Composition> {
   using ParticleMotion = typename State::ParticleMotion;
   using Fluxes = FluxesOf<Modules, Arch, Scalar>;
   using WallStage =
-      typename WallStageOf<convex>::template type<ShapeType, ContactsType, Arch, Scalar, Fluxes>;
+      typename WallStageOf<convex>::template type<ShapeType, ContactsType, Arch, Scalar, Fluxes,
+                                                  Domain::periodic && !deforms<Domain>>;
   using Lists = NearLists<ContactsType::history, history_in_rows<ContactsType>, Scalar, State,
                           Search, Domain, Arch, typename WallStage::Contacts>;
 

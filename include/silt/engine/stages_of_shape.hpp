@@ -29,16 +29,17 @@ struct ContactsOf<ShapeType, Contacts> {
   using type = WithNormals<Contacts, points_of_contacts<typename ShapeType::Kinds>>;
 };
 
-/// By whether bodies have convex parts.
+/// By whether bodies have convex parts. `Repeats`: walls do, with a box.
 template <bool Convex>
 struct WallStageOf {
-  template <class, class ContactsType, class Arch, class Scalar, class Fluxes>
-  using type = WallPipeline<ContactsType, Arch, Scalar, Fluxes>;
+  template <class, class ContactsType, class Arch, class Scalar, class Fluxes, bool Repeats>
+  using type = WallPipeline<ContactsType, Arch, Scalar, Fluxes, Repeats>;
 };
 template <>
 struct WallStageOf<true> {
-  template <class ShapeType, class ContactsType, class Arch, class, class Fluxes>
-  using type = ConvexWalls<typename ConvexRowsOf<ShapeType>::type, ContactsType, Arch, Fluxes>;
+  template <class ShapeType, class ContactsType, class Arch, class, class Fluxes, bool Repeats>
+  using type =
+      ConvexWalls<typename ConvexRowsOf<ShapeType>::type, ContactsType, Arch, Fluxes, Repeats>;
 };
 
 }  // namespace silt::detail

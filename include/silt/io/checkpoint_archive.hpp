@@ -67,6 +67,8 @@ class CheckpointSaver {
   void copied(const std::string& name, std::vector<T> values) {
     if constexpr (std::is_same_v<T, double>)
       out_.add(name, reals_.emplace_back(std::move(values)));
+    else if constexpr (std::is_same_v<T, std::int64_t>)
+      out_.add(name, integers_.emplace_back(std::move(values)));
     else
       out_.add(name, words_.emplace_back(std::move(values)));
   }
@@ -154,6 +156,7 @@ class CheckpointLoader {
     in_.read(name, reinterpret_cast<double*>(rows.data()), count * numbers);
   }
   std::string words(const std::string& name) const { return in_.text(name); }
+  bool has(const std::string& name) const { return in_.has(name); }
 
  private:
   const CheckpointReader& in_;

@@ -128,12 +128,20 @@ void visit_candidates(Archive& a, const std::string& name, std::vector<WallCandi
                      static_cast<std::uint16_t>(flat[k + 2]), flat[k + 3], flat[k + 4], flat[k + 5],
                      flat[k + 6]});
     }
+    if (!a.has(name + "_images")) return;
+    const auto images = a.template column<std::int64_t>(name + "_images", all.size());
+    for (std::size_t k = 0; k < all.size(); ++k) all[k].image = images[k];
   } else {
     flat.reserve(7 * all.size());
     for (const auto& c : all)
       flat.insert(flat.end(),
                   {c.particle, c.wall, c.surface, c.slot, c.facets, c.facet_count, c.origin});
     a.copied(name, std::move(flat));
+    // In a box that repeats, where there are any.
+    std::vector<std::int64_t> images;
+    for (const auto& c : all) images.push_back(c.image);
+    if (std::any_of(images.begin(), images.end(), [](std::int64_t image) { return image != 0; }))
+      a.copied(name + "_images", std::move(images));
   }
 }
 

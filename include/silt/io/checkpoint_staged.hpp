@@ -228,6 +228,7 @@ class Checkpoint<Sim>::Staged {
     upkeep.restore(outer, inner);
     lists_.pairs.restore(pairs, listed);
     lists_.walls.restore(std::move(contacts), walls, listed);
+    lists_.set_period(sim_.domain());
     lists_.searched_walls.restore(std::move(walls_.marks[0]), walls_.regions[0]);
     lists_.pruned_walls.restore(std::move(walls_.marks[1]), walls_.regions[1]);
     for (std::size_t w = known_walls_; w < e_.walls.size(); ++w)

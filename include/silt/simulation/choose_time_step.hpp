@@ -54,7 +54,12 @@ double Simulation<Policies...>::expected_speed() const {
   }
   // Walls where they may touch particles, which are more than their centres.
   const Box near = scene.grown(largest);
-  for (const auto& w : engine_.walls) speed = std::max(speed, detail::speed_near(w, near, time_));
+  Vec3d period{0, 0, 0};  // that walls repeat with
+  if constexpr (Domain::periodic && !detail::deforms<Domain>)
+    period = detail::period_of(domain_);
+  for (const auto& w : engine_.walls)
+    speed = std::max(
+        speed, detail::speed_near(w, detail::region_with_images(near, w, period), time_));
   for (const auto& w : engine_.walls)
     for (const auto& s : w.surfaces) {
       const Box b = detail::bounds_in_space(w, s);

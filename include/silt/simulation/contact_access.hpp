@@ -211,7 +211,9 @@ class ContactReader {
     for (const WallCandidate& c : e_.lists.walls.candidates())
       if (is_at_mesh(c)) meshes_.push_back({c.particle, c.wall, c.surface, &c});
     std::sort(meshes_.begin(), meshes_.end(),
-              [](const MeshCandidate& p, const MeshCandidate& q) { return p.key() < q.key(); });
+              [](const MeshCandidate& p, const MeshCandidate& q) {
+                return p.candidate->key() < q.candidate->key();
+              });
   }
   /// Seen from a little above the point, so that it is the face that looks at the particle.
   std::size_t facet_of(const RecordedContact& r, const ContactSeen& c) const {
@@ -223,12 +225,15 @@ class ContactReader {
     const Wall& wall = e_.walls[r.wall];
     const auto& mesh = *std::get<std::shared_ptr<const TriangleMesh>>(wall.surfaces[r.surface]);
     const double above = 1e-3 * e_.particles.position[r.first].r;
-    const Vec3d eye = in_wall(wall, c.point + above * c.normal);
     std::size_t best = no_facet;
     double least = std::numeric_limits<double>::infinity();
-    for (const std::uint32_t t : e_.lists.walls.facets(*at->candidate)) {
-      const double distance = mesh.distance_to(t, eye);
-      if (distance < least - mesh.round_off()) least = distance, best = t;
+    for (auto image = at; image != meshes_.end() && image->key() == wanted.key(); ++image) {
+      const Vec3d eye =
+          in_wall(wall, e_.lists.walls.seen(*image->candidate, c.point + above * c.normal));
+      for (const std::uint32_t t : e_.lists.walls.facets(*image->candidate)) {
+        const double distance = mesh.distance_to(t, eye);
+        if (distance < least - mesh.round_off()) least = distance, best = t;
+      }
     }
     return best;
   }

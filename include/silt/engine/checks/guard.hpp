@@ -77,7 +77,7 @@ double travel_of(const EngineType& e, const Wall& w) {
   if (e.particles.size() == 0) return 0;
   if (!w.moves()) return deformation_of(w);
   return deformation_of(w) +
-         displacement_of(w, w.pose, w.last_pose, e.lists.searched_walls.region());
+         displacement_of(w, w.pose, w.last_pose, e.lists.searched_walls.region_of(w));
 }
 /// The longest such way.
 template <class EngineType>

@@ -187,20 +187,6 @@ std::string describe(const ShortestContact& c, const ContactsType& contacts) {
   return words;
 }
 
-/// A surface's bounds [m] where its wall is now. One that is infinite and turned: no bounds.
-inline Box bounds_in_space(const Wall& wall, const Surface& surface) {
-  const Box b = visit_surface(surface, [](const auto& s) { return s.bounds(); });
-  if (!wall.moves()) return b;
-  const Pose& pose = wall.pose;
-  if (pose.rotation == Quaternion{}) return {b.min + pose.translation, b.max + pose.translation};
-  Box turned;
-  if (is_finite(b.min) && is_finite(b.max))
-    for (int corner = 0; corner < 8; ++corner)
-      turned.include(pose.to_space({corner & 1 ? b.max.x : b.min.x, corner & 2 ? b.max.y : b.min.y,
-                                    corner & 4 ? b.max.z : b.min.z}));
-  return turned;
-}
-
 /// The largest speed [m/s] that a wall now has where particles are. 0 where there are none.
 inline double speed_near(const Wall& wall, const Box& particles, double time) {
   constexpr double moment = 1e-6;  // [s] short against any motion that a simulation can follow

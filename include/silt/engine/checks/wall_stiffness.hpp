@@ -9,6 +9,7 @@
 #include <silt/engine/advance/wall_motion.hpp>
 #include <silt/engine/checks/contact_rates.hpp>
 #include <silt/engine/convex/convex_walls.hpp>
+#include <silt/engine/lists/wall_look.hpp>
 
 /// How stiff the contacts of a driven wall are: what a servo's speed follows from, and whether a
 /// free wall is too light for the time step. Tests: tests/engine/servo.cpp, free_walls.cpp.
@@ -28,39 +29,35 @@ struct ContactAtWall {
 template <class EngineType, class Visit>
 void for_each_contact_of_wall(const EngineType& e, std::size_t w, const Visit& visit) {
   const Wall& wall = e.walls[w];
-  for (const WallCandidate& c : e.lists.walls.candidates()) {
+  const auto& list = e.lists.walls;
+  const auto all = list.candidates();
+  for (std::size_t first = 0, next = 1; first < all.size(); first = next++) {
+    const WallCandidate& c = all[first];
+    if constexpr (std::remove_cvref_t<decltype(list)>::repeats) next = end_of_images(all, first);
     if (c.wall != w || c.surface >= wall.surfaces.size()) continue;
+    const auto images = all.subspan(first, next - first);
     const auto& motion = e.particles.motion[c.particle];
     if (motion.inv_m == 0) continue;
     const Vec3d centre = e.particles.position[c.particle].centre();
     if constexpr (EngineType::convex) {
-      SolidContact found[most_wall_contacts];
       const auto& rows = e.mover.convex_rows;
-      const int count = contacts_with_wall(rows, c.particle, centre, wall, wall.surfaces[c.surface],
-                                           e.lists.walls.facets(c), found);
-      for (int k = 0; k < count; ++k)
-        if (found[k].overlap > 0)
-          visit(ContactAtWall{
-              c.particle, found[k].normal, found[k].point, found[k].overlap, found[k].R_eff,
-              found[k].gradient * found[k].gradient *
-                  body_at_contact(motion, rows, c.particle)
-                      .inverse_mass(found[k].point - centre, found[k].normal, found[k].couple)});
+      for_each_joined(
+          rows, centre, wall, list, images, [&](const SolidContact& at, const WallCandidate& image) {
+            if (at.overlap > 0)
+              visit(ContactAtWall{c.particle, at.normal, list.seen(image, at.point), at.overlap,
+                                  at.R_eff,
+                                  at.gradient * at.gradient *
+                                      body_at_contact(motion, rows, c.particle)
+                                          .inverse_mass(at.point - centre, at.normal, at.couple)});
+          });
     } else {
       const double r = e.particles.position[c.particle].r;
-      visit_surface(wall.surfaces[c.surface], [&](const auto& surface) {
-        SurfacePoint points[std::remove_cvref_t<decltype(surface)>::max_contacts];
-        const Vec3d at = in_wall(wall, centre);
-        int count;
-        if constexpr (requires { surface.contacts(at, r, e.lists.walls.facets(c), points); })
-          count = surface.contacts(at, r, e.lists.walls.facets(c), points);
-        else
-          count = surface.contacts(at, r, points);
-        for (int k = 0; k < count; ++k) {
-          const Vec3d n = wall.pose.rotate(points[k].normal);
-          visit(ContactAtWall{c.particle, n, centre - points[k].distance * n,
-                              r - points[k].distance, r, motion.inv_m});
-        }
-      });
+      for_each_contact_of_images(
+          e, images, 0, [&](const WallCandidate& image, const SurfacePoint& point) {
+            visit(ContactAtWall{c.particle, point.normal,
+                                list.seen(image, centre) - point.distance * point.normal,
+                                r - point.distance, r, motion.inv_m});
+          });
     }
   }
 }

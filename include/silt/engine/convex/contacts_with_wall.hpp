@@ -81,6 +81,13 @@ inline void turn_into(const Pose& pose, PlacedPolyhedron& body) {
   turn = {rotate(back, turn.x), rotate(back, turn.y), rotate(back, turn.z)};
 }
 
+/// Brings a contact from the frame of a wall into space.
+inline void into_space(const Pose& pose, SolidContact& contact) {
+  contact.normal = pose.rotate(contact.normal);
+  contact.point = pose.to_space(contact.point);
+  contact.spread = turned(rotation_matrix(pose.rotation), contact.spread);
+}
+
 /// As contacts_with_wall(), of a super-ellipsoid by the kernel for its exponents; `at` [m] in the
 /// wall's frame.
 template <class Rows>
@@ -121,11 +128,7 @@ int contacts_with_wall(const Rows& rows, std::size_t row, const Vec3d& centre, c
     count =
         visit_surface(surface, [&](const auto& s) { return contacts_with(body, s, facets, out); });
   });
-  for (int k = 0; k < count && wall.moves(); ++k) {
-    out[k].normal = wall.pose.rotate(out[k].normal);
-    out[k].point = wall.pose.to_space(out[k].point);
-    out[k].spread = turned(rotation_matrix(wall.pose.rotation), out[k].spread);
-  }
+  for (int k = 0; k < count && wall.moves(); ++k) into_space(wall.pose, out[k]);
   return count;
 }
 

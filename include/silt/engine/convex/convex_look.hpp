@@ -95,21 +95,24 @@ void for_each_convex_contact(const EngineType& e, const Domain& domain, double b
         g2 * at(i).inverse_mass(contact.point, contact.normal, contact.couple),
         g2 * at(j).inverse_mass(contact.point - between, contact.normal, contact.couple)});
   });
-  for (const WallCandidate& c : e.lists.walls.candidates()) {
+  const auto all = e.lists.walls.candidates();
+  for (std::size_t first = 0, next = 1; first < all.size(); first = next++) {
+    const WallCandidate& c = all[first];
     const Wall& wall = e.walls[c.wall];
+    if constexpr (std::remove_cvref_t<decltype(e.lists.walls)>::repeats)
+      next = end_of_images(all, first);
     if (c.surface >= wall.surfaces.size() || e.particles.motion[c.particle].inv_m == 0) continue;
     const Vec3d& centre = rows.centre[c.particle];
-    SolidContact found[most_wall_contacts];
-    const int count = contacts_with_wall(rows, c.particle, centre, wall, wall.surfaces[c.surface],
-                                         e.lists.walls.facets(c), found);
-    for (int k = 0; k < count; ++k)
-      visit(SeenContact{
-          c.particle, no_place, c.wall, found[k].normal, found[k].overlap, found[k].R_eff,
-          found[k].overlap / least(c.particle),
-          found[k].gradient * found[k].gradient *
-              at(c.particle)
-                  .inverse_mass(found[k].point - centre, found[k].normal, found[k].couple),
-          0});
+    for_each_joined(rows, centre, wall, e.lists.walls, all.subspan(first, next - first),
+                    [&](const SolidContact& found, const WallCandidate&) {
+                      visit(SeenContact{
+                          c.particle, no_place, c.wall, found.normal, found.overlap, found.R_eff,
+                          found.overlap / least(c.particle),
+                          found.gradient * found.gradient *
+                              at(c.particle)
+                                  .inverse_mass(found.point - centre, found.normal, found.couple),
+                          0});
+                    });
   }
 }
 

@@ -15,14 +15,16 @@
 #include <silt/engine/contact/wall_wear.hpp>
 #include <silt/engine/convex/contacts_with_wall.hpp>
 #include <silt/engine/convex/convex_planes.hpp>
+#include <silt/engine/convex/joined_contacts.hpp>
 #include <silt/engine/lists/wall_contacts.hpp>
+#include <silt/engine/lists/wall_seams.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
 /// Computes the loads of all contacts of convex parts with walls, fixed or moving: exact contacts
 /// of each candidate (ConvexPlanes: in lanes), then the same law over lanes as for pairs; sums what
 /// each wall bears.
-template <class Rows, class ContactsType, class Arch, class Fluxes = NoFluxes>
+template <class Rows, class ContactsType, class Arch, class Fluxes = NoFluxes, bool Repeats = false>
 class ConvexWalls {
   using Real = typename Lanes<Arch>::Real;
   static constexpr std::size_t W = Lanes<Arch>::width;
@@ -31,8 +33,8 @@ class ConvexWalls {
   static constexpr std::size_t chunks = load_chunks<ContactsType>, row = 4 * chunks;
 
  public:
-  using Contacts =
-      WallContacts<H, double, most_plane_contacts<typename Rows::Kinds>, most_wall_contacts>;
+  using Contacts = WallContacts<H, double, most_plane_contacts<typename Rows::Kinds>,
+                                most_wall_contacts, Repeats>;
   static constexpr std::size_t block = Contacts::block;
   using Input = ConvexInput<Rows>;
   Fluxes* fluxes = nullptr;  // of modules, if there are any
@@ -94,12 +96,15 @@ class ConvexWalls {
       for (const WallCandidate& c : candidates)
         if (in.motions[c.particle].inv_m != 0 && Planes::takes(walls[c.wall], c) &&
             !near.take(in, walls[c.wall], c))
-          end(contacts, c.slot, c, walls[c.wall], in, s);
+          end(contacts, c.slot, {&c, 1}, walls[c.wall], in, s);
       Planes::touch(in, near, contacts, table, walls, s);
     }
-    for (const WallCandidate& c : candidates)
+    for (std::size_t k = 0, next = 1; k < candidates.size(); k = next++) {
+      const WallCandidate& c = candidates[k];
+      if constexpr (Repeats) next = end_of_images(candidates, k);
       if (in.motions[c.particle].inv_m != 0 && !Planes::takes(walls[c.wall], c))
-        touch(in, contacts, table, walls, candidates, c, s);
+        touch(in, contacts, table, walls, candidates, candidates.subspan(k, next - k), s);
+    }
     pad(s);
     std::array<double*, H + 1> history{};
     for (std::size_t h = 0; h < H; ++h) history[h] = s.history[h];
@@ -135,56 +140,89 @@ class ConvexWalls {
       sum[4] += torque.x, sum[5] += torque.y, sum[6] += torque.z;
       WallLoad& load = loads_[b * walls.size() + c.wall];
       load.force -= force;
-      load.torque -= cross(at(s.place) - walls[c.wall].reference, force) + couple;
+      const Vec3d place = contacts.seen(c, at(s.place));
+      load.torque -= cross(place - walls[c.wall].reference, force) + couple;
       if constexpr (Fluxes::wears)
         if (is_mesh(walls[c.wall].surfaces[c.surface]))
           wear_.add(b, *fluxes, c, walls[c.wall], contacts.facets(c),
-                    {at(s.place), n, force, s.rubs.velocity[k], 1 / in.motions[c.particle].inv_m,
+                    {place, n, force, s.rubs.velocity[k], 1 / in.motions[c.particle].inv_m,
                      in.rows->pose[c.particle].least_radius, in.times.worked, s.rubs.begins[k]});
       if (walls[c.wall].is_in_itself_moving())
         load.power += dot(force, velocity_in_itself(walls[c.wall], c.surface, contacts.facets(c),
-                                                    at(s.place), n, in.times.step));
+                                                    place, n, in.times.step));
     }
   }
 
   static constexpr double same_contact = 0.8;  // cosine of the largest turn in one step
 
-  /// Adds a candidate's contacts.
-  static void touch(const Input& in, Contacts& contacts,
-                    const CoefficientTable<ContactsType>& table, std::span<const Wall> walls,
-                    std::span<const WallCandidate> candidates, const WallCandidate& c, Scratch& s) {
-    SolidContact found[most_wall_contacts];
-    const Wall& wall = walls[c.wall];
-    const Surface& surface = wall.surfaces[c.surface];
-    const Vec3d centre = in.positions[c.particle].centre();
-    int count =
-        contacts_with_wall(*in.rows, c.particle, centre, wall, surface, contacts.facets(c), found);
-    if (is_round(surface) && std::any_of(found, found + count, is_rim))
+  /// The contacts with the wall, or the image of it, that a candidate is of.
+  static int contacts_of(const Input& in, const Contacts& contacts, std::span<const Wall> walls,
+                         const WallCandidate& c, SolidContact (&found)[most_wall_contacts]) {
+    return contacts_with_image(*in.rows, in.positions[c.particle].centre(), walls[c.wall], contacts,
+                               c, found);
+  }
+  /// The same without rims that are seams of other surfaces.
+  static int contacts_apart(const Input& in, const Contacts& contacts, std::span<const Wall> walls,
+                            std::span<const WallCandidate> candidates, const WallCandidate& c,
+                            SolidContact (&found)[most_wall_contacts]) {
+    int count = contacts_of(in, contacts, walls, c, found);
+    if (is_round(walls[c.wall].surfaces[c.surface]) && std::any_of(found, found + count, is_rim))
       for (const WallCandidate& other : candidates)
         if (other.particle == c.particle && &other != &c) {
           SolidContact beside[most_wall_contacts];
-          const Wall& its = walls[other.wall];
-          const int n =
-              contacts_with_wall(*in.rows, c.particle, centre, its, its.surfaces[other.surface],
-                                 contacts.facets(other), beside);
+          const int n = contacts_of(in, contacts, walls, other, beside);
           const double tolerance = 1e-6 * in.rows->pose[c.particle].least_radius;
           count = without_seams(found, count, {beside, static_cast<std::size_t>(n)}, &other < &c,
                                 tolerance);
         }
-    const std::size_t slots = Contacts::slots_of(surface);
-    bool taken[most_wall_contacts] = {};
-    std::size_t own[most_wall_contacts];
+    return count;
+  }
+
+  /// Adds the contacts with a surface and its images.
+  static void touch(const Input& in, Contacts& contacts,
+                    const CoefficientTable<ContactsType>& table, std::span<const Wall> walls,
+                    std::span<const WallCandidate> candidates,
+                    std::span<const WallCandidate> images, Scratch& s) {
+    const WallCandidate& c = images[0];
+    if (Repeats && images.size() > 1) {
+      JoinedContacts all;
+      all.join(*in.rows, in.positions[c.particle].centre(), walls[c.wall], contacts, images,
+               [&](const WallCandidate& image, auto& found) {
+                 return contacts_apart(in, contacts, walls, candidates, image, found);
+               });
+      return take<JoinedContacts::most>(in, contacts, table, walls[c.wall], images,
+                                        {all.contact, all.count},
+                                        [&](int k) -> auto& { return *all.of[k]; }, s);
+    }
+    SolidContact found[most_wall_contacts];
+    const int count = contacts_apart(in, contacts, walls, candidates, c, found);
+    take<most_wall_contacts>(in, contacts, table, walls[c.wall], images,
+                             {found, static_cast<std::size_t>(count)},
+                             [&](int) -> auto& { return c; }, s);
+  }
+  /// Finds the slots of contacts among those that the images of a surface have in common; `of(k)`
+  /// is the candidate of contact k.
+  template <std::size_t Most, class Of>
+  static void take(const Input& in, Contacts& contacts, const CoefficientTable<ContactsType>& table,
+                   const Wall& wall, std::span<const WallCandidate> images,
+                   std::span<const SolidContact> found, const Of& of, Scratch& s) {
+    const WallCandidate& c = images[0];
+    const int count = static_cast<int>(found.size());
+    const Vec3d centre = in.positions[c.particle].centre();
+    const std::size_t slots = images.size() * Contacts::slots_of(wall.surfaces[c.surface]);
+    bool taken[Most == most_wall_contacts ? Most : block] = {};
+    std::size_t own[Most];
     // First those of the same feature, then those of nearly the same normal, then the new ones.
     for (int k = 0; k < count; ++k)
       own[k] = slot_of(found[k], c.slot, slots, contacts, taken, true);
     for (int k = 0; k < count; ++k)
       if (own[k] == slots) own[k] = slot_of(found[k], c.slot, slots, contacts, taken, false);
     for (std::size_t p = 0; p < slots; ++p)
-      if (!taken[p]) end(contacts, c.slot + p, c, wall, in, s);
+      if (!taken[p]) end(contacts, c.slot + p, images, wall, in, s);
     for (int k = 0; k < count; ++k) {
       for (std::size_t p = 0; own[k] == slots && p < slots; ++p)
         if (!taken[p]) own[k] = p, taken[p] = true;
-      describe(found[k], centre, in, contacts, table, wall, c, c.slot + own[k], s);
+      describe(found[k], centre, in, contacts, table, wall, of(k), c.slot + own[k], s);
     }
   }
   static std::size_t slot_of(const SolidContact& contact, std::size_t begin, std::size_t slots,
@@ -200,22 +238,26 @@ class ConvexWalls {
     if (best < slots) taken[best] = true;
     return best;
   }
-  static void end(Contacts& contacts, std::size_t slot, [[maybe_unused]] const WallCandidate& c,
+  static void end(Contacts& contacts, std::size_t slot,
+                  [[maybe_unused]] std::span<const WallCandidate> images,
                   [[maybe_unused]] const Wall& wall, [[maybe_unused]] const Input& in,
                   [[maybe_unused]] Scratch& s) {
     if (!contacts.slot(slot).touching) return;
     contacts.slot(slot).touching = false;
     if constexpr (keeps_events<ContactsType>) {
       NotedContact note;
+      const WallCandidate& c = images[0];
       note.first = c.particle, note.event.wall = c.wall;
       note.event.normal = contacts.slot(slot).normal;
       const PositionRow& p = in.positions[c.particle];
       const Vec3d arm = -in.rows->pose[c.particle].least_radius * note.event.normal;
       note.event.point = p.centre() + arm;
+      const Vec3d on_wall =
+          contacts.seen(nearest_image(note.event.point, images, wall, contacts), note.event.point);
       end_watched<ContactsType>(
           [&](std::size_t k) -> double& { return contacts.history(events + k)[slot]; },
           body_at_contact(in.motions[c.particle], *in.rows, c.particle).velocity_at(arm) -
-              velocity_at_contact(wall, note.event.point, note.event.normal, in.times.step),
+              velocity_at_contact(wall, on_wall, note.event.normal, in.times.step),
           in.times, note, s.ended);
     }
     for (std::size_t h = 0; h < H; ++h) contacts.history(h)[slot] = 0;
@@ -232,14 +274,15 @@ class ConvexWalls {
     if (!(R_eff > 0)) R_eff = contact.R_eff;
     const auto body = body_at_contact(in.motions[c.particle], *in.rows, c.particle);
     const Vec3d arm = contact.point - centre, n = contact.normal;
+    const Vec3d on_wall = contacts.seen(c, contact.point);
     Vec3d wall_velocity{0, 0, 0}, wall_spin{0, 0, 0};
     if (wall.moves()) {
-      wall_velocity = mean_velocity(wall, contact.point, in.times.step);
+      wall_velocity = mean_velocity(wall, on_wall, in.times.step);
       wall_spin = mean_angular_velocity(wall.last_pose, wall.pose, in.times.step);
     }
     if (wall.is_in_itself_moving())
       wall_velocity +=
-          velocity_in_itself(wall, c.surface, contacts.facets(c), contact.point, n, in.times.step);
+          velocity_in_itself(wall, c.surface, contacts.facets(c), on_wall, n, in.times.step);
     const std::size_t k = s.count++;
     if constexpr (Fluxes::wears) s.rubs.put(k, c, wall, body.velocity_at(arm) - wall_velocity);
     const double g = contact.gradient;
@@ -250,7 +293,7 @@ class ConvexWalls {
     kin.velocity = g * (kin.velocity + (contact.couple * dot(body.spin - wall_spin, n)) * n);
     kin.overlap = contact.overlap, kin.R_eff = R_eff;
     double inverse_mass = body.inverse_mass(arm, n, contact.couple);
-    if (wall.is_driven()) inverse_mass += inverse_mass_of(wall.drive, wall.state, contact.point, n);
+    if (wall.is_driven()) inverse_mass += inverse_mass_of(wall.drive, wall.state, on_wall, n);
     kin.inverse_m_eff = std::max(g * g * inverse_mass, 1e-300);
     kin.m_eff = 1 / kin.inverse_m_eff;
     kin.arm = 0, kin.spin = {0, 0, 0};

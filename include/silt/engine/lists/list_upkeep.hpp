@@ -12,6 +12,7 @@
 #include <silt/boundary/wall.hpp>
 #include <silt/core/box.hpp>
 #include <silt/core/storage.hpp>
+#include <silt/engine/lists/wall_images.hpp>
 #include <silt/engine/state/rows.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -168,9 +169,20 @@ inline double displacement_of(const Wall& wall, const Pose& a, const Pose& b, co
   return most;
 }
 
+/// The longest way [m] of walls that move in the last step, as displacement_of(), with images.
+inline double longest_way(std::span<const Wall> walls, const Box& region, const Vec3d& period) {
+  double most = 0;
+  for (const Wall& w : walls)
+    if (w.moves())
+      most = std::max(most, displacement_of(w, w.pose, w.last_pose,
+                                            region_with_images(region, w, period)));
+  return most;
+}
+
 /// Poses of all walls at one instant, to measure their motion since.
 class WallMarks {
  public:
+  Vec3d period{0, 0, 0};  // [m] lengths of a box that walls repeat with, 0 where they do not
   void set(std::span<const Wall> walls, const Box& region) {
     region_ = region;
     poses_.clear();
@@ -181,13 +193,16 @@ class WallMarks {
     for (std::size_t w = 0; w < walls.size(); ++w)
       if (walls[w].moves())
         // Of the points that are in the region now: it is they that spheres there may touch.
-        most = std::max(most, displacement_of(walls[w], walls[w].pose, poses_[w], region_));
+        most = std::max(most,
+                        displacement_of(walls[w], walls[w].pose, poses_[w], region_of(walls[w])));
     return most;
   }
   /// Looks at points of this region too.
   void include(const Box& region) { region_.include(region); }
   std::span<const Pose> poses() const { return poses_; }
   const Box& region() const { return region_; }
+  /// ... with the points of a wall beyond it whose images may be met in it.
+  Box region_of(const Wall& wall) const { return region_with_images(region_, wall, period); }
   void restore(std::vector<Pose> poses, const Box& region) {
     poses_ = std::move(poses), region_ = region;
   }

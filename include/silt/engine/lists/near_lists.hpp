@@ -60,6 +60,7 @@ class NearLists {
   /// Renews what is stale.
   void renew(const Scene& scene, Search& search, std::int64_t step) {
     walls.range = scene.range, walls.planes_apart = !State::of_bodies;
+    set_period(scene.domain);
     if (hold(scene.walls)) return;
     const double wall_speed = fastest_wall(scene);
     anticipate_speeds(scene);
@@ -124,6 +125,12 @@ class NearLists {
   /// After what else is known of rows has changed: what follows from the lists must follow.
   void follow_change() { renewed_ = upkeep.pruned_at >= 0; }
 
+  /// Tells of the box that walls repeat with.
+  void set_period([[maybe_unused]] const Domain& box) {
+    if constexpr (Walls::repeats)
+      walls.period = searched_walls.period = pruned_walls.period = period_of(box);
+  }
+
   /// Completes lists that a checkpoint restored.
   void restored() { first_pruning_ = false, renewed_ = upkeep.pruned_at >= 0; }
 
@@ -154,7 +161,7 @@ class NearLists {
     // As in Newcomers: walls that have moved since the search may do so again, backwards.
     const double travel = searched_walls.travel(scene.walls);
     walls.join(scene.walls, {grown_.data(), n}, first,
-               upkeep.outer_wall + travel + scene.range / 2);
+               upkeep.outer_wall + travel + scene.range / 2, scene.domain);
     prune_walls_again(scene);
   }
   void prune_walls(const Scene& scene, double travelled) {
@@ -198,12 +205,7 @@ class NearLists {
                      [](const Wall& w) { return w.moves(); }))
       return -1;
     const Box region = occupied_region(scene);
-    double fastest = 0;
-    for (const auto& w : scene.walls)
-      if (w.moves())
-        fastest =
-            std::max(fastest, displacement_of(w, w.pose, w.last_pose, region) / scene.time_step);
-    return fastest;
+    return longest_way(scene.walls, region, searched_walls.period) / scene.time_step;
   }
 
   void choose_skins(const Scene& scene, const Search& search, double wall_speed) {
@@ -310,7 +312,8 @@ class NearLists {
     pairs.set_outer(found_, particles, before, team);
     if (found_.size() > 1000000) found_ = {};  // its memory would lie idle until the next search
     const double of_walls = upkeep.outer_wall + scene.range / 2;
-    walls.search(scene.walls, {grown_.data(), grown_.size()}, of_walls, previous_, team);
+    walls.search(scene.walls, {grown_.data(), grown_.size()}, of_walls, previous_, scene.domain,
+                 team);
 
     reference.resize(particles.size());
     team.for_ranges(particles.size(), [&](std::size_t, std::size_t from, std::size_t to) {

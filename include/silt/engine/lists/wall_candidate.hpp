@@ -8,6 +8,7 @@
 
 #include <silt/boundary/wall.hpp>
 #include <silt/core/position_row.hpp>
+#include <silt/engine/lists/wall_images.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -18,7 +19,8 @@ struct WallCandidate {
   std::uint32_t slot;                 // its first slot
   std::uint32_t facets, facet_count;  // where its triangles stand in the pool, if it is a mesh
   std::uint32_t origin;               // of one kept by the pruning: its place in the outer list
-  auto key() const { return std::tie(particle, wall, surface); }
+  WallImage image = 0;                // of the wall, in a box that repeats
+  auto key() const { return std::tie(particle, wall, surface, image); }
 };
 
 /// Slots of spheres that are near one and the same plane at rest.
@@ -46,14 +48,19 @@ struct WallFinds {
     candidates.push_back(c);
   }
 
-  /// Adds the spheres from ... to-1 that are nearer to a surface than `reach` [m].
-  template <class S>
+  /// Adds the spheres from ... to-1 that are nearer to a surface than `reach` [m], seen where
+  /// `seen` says.
+  template <class S, class Seen>
   void search(const S& surface, const Wall& wall, std::size_t w, std::size_t s,
-              std::span<const PositionRow> rows, std::size_t from, std::size_t to, double reach) {
-    WallCandidate c{0, static_cast<std::uint16_t>(w), static_cast<std::uint16_t>(s), 0, 0, 0, 0};
+              std::span<const PositionRow> rows, std::size_t from, std::size_t to, double reach,
+              const Seen& seen) {
+    WallCandidate c{0, static_cast<std::uint16_t>(w), static_cast<std::uint16_t>(s), 0, 0, 0, 0,
+                    seen.image};
     for (std::size_t p = from; p < to; ++p) {
-      const Vec3d centre = in_wall(wall, rows[p].centre());
       const double within = rows[p].r + reach;
+      const Vec3d place = seen(rows[p].centre());
+      if (!seen.may_reach(place, within)) continue;
+      const Vec3d centre = in_wall(wall, place);
       near.clear();
       if constexpr (requires { surface.triangles_near(centre, within, near); }) {
         if (!surface.bounds().grown(within).contains(centre)) continue;

@@ -14,6 +14,7 @@
 #include <silt/engine/lists/pair_list.hpp>
 #include <silt/engine/lists/planes_apart.hpp>
 #include <silt/engine/lists/wall_candidate.hpp>
+#include <silt/engine/lists/wall_search.hpp>
 #include <silt/engine/state/rows.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -24,10 +25,13 @@ namespace silt::inline SILT_TARGET::detail {
 /// time, and all candidates of a sphere stand side by side in one block. Spheres that are near
 /// planes at rest and nothing else, which most are, stand behind all others, one slot a candidate:
 /// cut into pieces that share no sphere, and in a piece plane by plane, so that lanes have the
-/// plane in common.
-template <std::size_t H, class Scalar, std::size_t PlaneSlots = 0, std::size_t OtherSlots = 0>
+/// plane in common. Where a box repeats, a candidate is of one image of the wall; the images of one
+/// surface share their slots, as a contact goes on where one image passes over into the next.
+template <std::size_t H, class Scalar, std::size_t PlaneSlots = 0, std::size_t OtherSlots = 0,
+          bool Repeats = false>
 class WallContacts {
  public:
+  static constexpr bool repeats = Repeats;  // walls, with a box
   static constexpr std::size_t block = OtherSlots > 4 ? 128 : 64;  // slots
   struct Slot {
     Vec3d normal;               // [-] at the last step
@@ -36,6 +40,14 @@ class WallContacts {
   };
   double range = 0;          // [m] gap at which the law still acts
   bool planes_apart = true;  // spheres at planes alone are the PlanePipeline's
+  Vec3d period{0, 0, 0};     // [m] lengths of a box that repeats, 0 where it does not
+
+  /// Where a candidate's wall sees a point [m] that is beside its sphere.
+  Vec3d seen([[maybe_unused]] const WallCandidate& c, const Vec3d& point) const {
+    if constexpr (Repeats)
+      if (c.image != 0) return point + way_of(c.image, period);
+    return point;
+  }
 
   std::size_t slots() const { return slots_.size(); }
   std::size_t blocks() const { return block_begin_.empty() ? 0 : block_begin_.size() - 1; }
@@ -62,27 +74,32 @@ class WallContacts {
     return at_planes_.data() + (slot - first_plane_slot_);
   }
 
-  /// Finds all spheres nearer than `reach` [m] to a surface.
+  /// Finds all spheres nearer than `reach` [m] to a surface, or to one of its images.
+  template <class Domain>
   void search(std::span<const Wall> walls, std::span<const PositionRow> rows, double reach,
-              std::span<const std::uint32_t> previous, const Team& team) {
+              std::span<const std::uint32_t> previous, [[maybe_unused]] const Domain& domain,
+              const Team& team) {
     archive();
     particles_ = static_cast<std::uint32_t>(rows.size());
     previous_.assign(previous.begin(), previous.end());
     renewed_ = true;
+    if constexpr (Repeats) images_.choose(walls, rows, reach, domain);
     team.for_ranges(rows.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
       found_[r].clear();
-      find(walls, rows, from, to, reach, found_[r]);
+      images_.find(walls, rows, {from, to, reach}, period, found_[r]);
     });
     collect(outer_, outer_facets_);
   }
 
   /// Adds the spheres from `first` on, which have come since the search; prune() comes next.
+  template <class Domain>
   void join(std::span<const Wall> walls, std::span<const PositionRow> rows, std::size_t first,
-            double reach) {
+            double reach, [[maybe_unused]] const Domain& domain) {
     particles_ = static_cast<std::uint32_t>(rows.size());
     WallFinds& found = found_[0];
     found.clear();
-    find(walls, rows, first, rows.size(), reach, found);
+    if constexpr (Repeats) images_.choose(walls, rows.subspan(first), reach, domain);
+    images_.find(walls, rows, {first, rows.size(), reach}, period, found);
     const auto offset = static_cast<std::uint32_t>(outer_facets_.size());
     for (WallCandidate c : found.candidates) c.facets += offset, outer_.push_back(c);
     outer_facets_.insert(outer_facets_.end(), found.facets.begin(), found.facets.end());
@@ -101,7 +118,7 @@ class WallContacts {
         c.origin = static_cast<std::uint32_t>(k);
         if (rows[c.particle].r == 0) continue;  // it has left
         const Wall& wall = walls[c.wall];
-        const Vec3d centre = in_wall(wall, rows[c.particle].centre());
+        const Vec3d centre = in_wall(wall, seen(c, rows[c.particle].centre()));
         const double within = rows[c.particle].r + reach[c.particle] + wall_reach;
         visit_surface(wall.surfaces[c.surface], [&](const auto& surface) {
           found_[r].keep(surface, c, centre, within, outer_facets_);
@@ -202,18 +219,6 @@ class WallContacts {
   }
 
  private:
-  /// Finds the spheres from ... to-1 nearer than `reach` [m] to a surface, by sphere.
-  static void find(std::span<const Wall> walls, std::span<const PositionRow> rows, std::size_t from,
-                   std::size_t to, double reach, WallFinds& found) {
-    for (std::size_t w = 0; w < walls.size(); ++w)
-      for (std::size_t s = 0; s < walls[w].surfaces.size(); ++s)
-        visit_surface(walls[w].surfaces[s], [&](const auto& surface) {
-          found.search(surface, walls[w], w, s, rows, from, to, reach);
-        });
-    std::sort(found.candidates.begin(), found.candidates.end(),
-              [](const WallCandidate& a, const WallCandidate& b) { return a.key() < b.key(); });
-  }
-
   /// Joins what the ranges found, in their order.
   void collect(std::vector<WallCandidate>& candidates, std::vector<std::uint32_t>& facets) {
     candidates.clear(), facets.clear();
@@ -337,17 +342,25 @@ class WallContacts {
       if (h[slot] != 0) return true;
     return false;
   }
-  /// Gives kept contacts back to their candidates.
+  /// Gives kept contacts back to their candidates: to those at all images of a surface together.
   void recall() {
-    for (const WallCandidate& c : inner_) {
+    for (std::size_t k = 0, next = 1; k < inner_.size(); k = next++) {
+      const WallCandidate& c = inner_[k];
+      std::uint32_t first = c.origin, last = c.origin + 1;  // in the outer list
+      if constexpr (Repeats) {
+        while (next < inner_.size() && same_surface(inner_[next], c)) ++next;
+        while (first > 0 && same_surface(outer_[first - 1], c)) --first;
+        while (last < outer_.size() && same_surface(outer_[last], c)) ++last;
+      }
       auto from = archive_.begin(), to = from;
       if (renewed_) {
         const std::uint32_t before = previous_.empty() ? c.particle : previous_[c.particle];
         std::tie(from, to) = std::equal_range(archive_.begin(), archive_.end(),
                                               Kept{before, c.wall, c.surface, {}, {}}, by_key);
       } else {
-        from += archived_[c.origin], to += archived_[c.origin + 1];
+        from += archived_[first], to += archived_[last];
       }
+      if constexpr (Repeats) to = from + std::min(to - from, slots_from(k, next));
       for (std::size_t s = c.slot; from != to; ++from, ++s) {
         slots_[s] = from->slot;
         for (std::size_t h = 0; h < H; ++h) history_[h][s] = from->history[h];
@@ -355,10 +368,16 @@ class WallContacts {
     }
   }
   static bool by_key(const Kept& a, const Kept& b) { return a.key() < b.key(); }
+  /// The slots of the candidates k ... next-1, which follow each other.
+  std::ptrdiff_t slots_from(std::size_t k, std::size_t next) const {
+    const std::size_t end = next < inner_.size() ? inner_[next].slot : slots_.size();
+    return static_cast<std::ptrdiff_t>(end - inner_[k].slot);
+  }
 
   std::vector<WallCandidate> outer_, inner_;
   std::vector<std::uint32_t> outer_facets_, inner_facets_;
   std::array<WallFinds, Team::most_ranges> found_;
+  WallSearch<Repeats> images_;
   std::vector<std::size_t> block_begin_;     // first candidate of each block
   std::vector<std::size_t> piece_begin_{0};  // first candidate of each piece at planes
   std::vector<PlaneRun> runs_;

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <type_traits>
+#include <vector>
 
 #include <silt/engine/lists/wall_contacts.hpp>
+#include <silt/engine/lists/wall_seams.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -14,26 +17,53 @@ Vec3d place_before(const EngineType& e, std::size_t k, double back) {
   return e.particles.position[k].centre() - back * e.particles.motion[k].velocity();
 }
 
-/// Calls visit(candidate, point) for every contact of a sphere with a wall, the spheres where they
-/// were `back` [s] ago.
+/// Calls visit(candidate, point) for every contact of a sphere with one surface of a wall, or one
+/// image of it, the spheres where they were `back` [s] ago.
+template <class EngineType, class Visit>
+void for_each_contact_with(const EngineType& e, const WallCandidate& c, double back,
+                           const Visit& visit) {
+  const Wall& wall = e.walls[c.wall];
+  const double r = e.particles.position[c.particle].r;
+  const Vec3d centre = in_wall(wall, e.lists.walls.seen(c, place_before(e, c.particle, back)));
+  visit_surface(wall.surfaces[c.surface], [&](const auto& surface) {
+    SurfacePoint points[std::remove_cvref_t<decltype(surface)>::max_contacts];
+    int count;
+    if constexpr (requires { surface.contacts(centre, r, e.lists.walls.facets(c), points); })
+      count = surface.contacts(centre, r, e.lists.walls.facets(c), points);
+    else
+      count = surface.contacts(centre, r, points);
+    for (int k = 0; k < count; ++k) {
+      if (wall.moves()) points[k].normal = wall.pose.rotate(points[k].normal);
+      visit(c, points[k]);
+    }
+  });
+}
+
+/// The same for a surface and its images, without the seams between them.
+template <class EngineType, class Visit>
+void for_each_contact_of_images(const EngineType& e, std::span<const WallCandidate> images,
+                                double back, const Visit& visit) {
+  const WallCandidate& c = images[0];
+  if (images.size() == 1) return for_each_contact_with(e, c, back, visit);
+  std::vector<Touch> found;
+  for (std::size_t k = 0; k < images.size(); ++k)
+    for_each_contact_with(e, images[k], back, [&](const WallCandidate&, const SurfacePoint& p) {
+      found.push_back({p, k, false});
+    });
+  drop_image_seams(found, e.walls[c.wall].surfaces[c.surface],
+                   1e-6 * e.particles.position[c.particle].r);
+  for (const Touch& t : found)
+    if (!t.seam) visit(images[t.candidate], t.point);
+}
+
+/// The same for all spheres and walls.
 template <class EngineType, class Visit>
 void for_each_wall_contact(const EngineType& e, double back, const Visit& visit) {
-  for (const auto& c : e.lists.walls.candidates()) {
-    const Wall& wall = e.walls[c.wall];
-    const double r = e.particles.position[c.particle].r;
-    const Vec3d centre = in_wall(wall, place_before(e, c.particle, back));
-    visit_surface(wall.surfaces[c.surface], [&](const auto& surface) {
-      SurfacePoint points[std::remove_cvref_t<decltype(surface)>::max_contacts];
-      int count;
-      if constexpr (requires { surface.contacts(centre, r, e.lists.walls.facets(c), points); })
-        count = surface.contacts(centre, r, e.lists.walls.facets(c), points);
-      else
-        count = surface.contacts(centre, r, points);
-      for (int k = 0; k < count; ++k) {
-        if (wall.moves()) points[k].normal = wall.pose.rotate(points[k].normal);
-        visit(c, points[k]);
-      }
-    });
+  const auto all = e.lists.walls.candidates();
+  for (std::size_t k = 0, next = 1; k < all.size(); k = next++) {
+    if constexpr (std::remove_cvref_t<decltype(e.lists.walls)>::repeats)
+      next = end_of_images(all, k);
+    for_each_contact_of_images(e, all.subspan(k, next - k), back, visit);
   }
 }
 

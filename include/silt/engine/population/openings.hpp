@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include <silt/boundary/deforming_box.hpp>
 #include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/random.hpp>
@@ -103,31 +104,51 @@ void for_images(const Domain& domain, const Vec3d& p, const Visit& visit) {
   }
 }
 
-/// Where a sphere of an inlet cannot be: in others, and in walls, behind planes too.
+/// Where a sphere of an inlet cannot be: in others, and in walls and their images, behind planes
+/// too.
+template <class Domain>
 struct OccupiedPlaces {
   const SphereGrid& spheres;
   const std::vector<Wall>& walls;
+  const Domain& domain;
 
   bool is_free(const Vec3d& centre, double radius, double gap) const {
     if (!spheres.is_free(centre, radius, gap)) return false;
     return std::none_of(walls.begin(), walls.end(), [&](const Wall& wall) {
-      const Vec3d at = in_wall(wall, centre);
       return std::any_of(wall.surfaces.begin(), wall.surfaces.end(), [&](const Surface& s) {
-        return visit_surface(s, [&](const auto& surface) {
-          if constexpr (requires { surface.nearest_point(at); }) {
-            return std::abs(surface.nearest_point(at).distance) < radius + gap;
-          } else {
-            SurfacePoint points[std::remove_cvref_t<decltype(surface)>::max_contacts];
-            return surface.contacts(at, radius + gap, points) > 0;
-          }
-        });
+        return is_at(wall, s, centre, radius + gap);
       });
+    });
+  }
+
+ private:
+  bool is_at(const Wall& wall, const Surface& s, const Vec3d& centre, double reach) const {
+    if constexpr (Domain::periodic && !deforms<Domain>) {
+      bool found = false;
+      const Box around = Box{centre, centre}.grown(reach);
+      images_of(wall, s, domain, around).for_each([&](WallImage image) {
+        const Vec3d seen = centre + way_of(image, period_of(domain));
+        found = found || is_touched(s, in_wall(wall, seen), reach);
+      });
+      return found;
+    } else {
+      return is_touched(s, in_wall(wall, centre), reach);
+    }
+  }
+  static bool is_touched(const Surface& s, const Vec3d& at, double reach) {
+    return visit_surface(s, [&](const auto& surface) {
+      if constexpr (requires { surface.nearest_point(at); }) {
+        return std::abs(surface.nearest_point(at).distance) < reach;
+      } else {
+        SurfacePoint points[std::remove_cvref_t<decltype(surface)>::max_contacts];
+        return surface.contacts(at, reach, points) > 0;
+      }
     });
   }
 };
 
 /// Inlets and outlets of a simulation.
-template <class ShapeType>
+template <class ShapeType, class Domain>
 class Openings {
  public:
   std::size_t add_outlet(const Box& region) {
@@ -158,7 +179,7 @@ class Openings {
             " is thinner than the largest sphere of radius ", flow.largest_radius(), " m");
     inlets_.push_back({flow, place.describe(), bounds, time, 0, 0, 0, 0, Random(flow.seed)});
     places_.push_back(
-        [place](const OccupiedPlaces& occupied, const Placement& sphere, Random& random) {
+        [place](const Occupied& occupied, const Placement& sphere, Random& random) {
           return try_place(place, occupied, sphere, random);
         });
     return inlets_.size() - 1;
@@ -184,8 +205,9 @@ class Openings {
   }
 
  private:
+  using Occupied = OccupiedPlaces<Domain>;
   using Place =
-      std::function<std::optional<Vec3d>(const OccupiedPlaces&, const Placement&, Random&)>;
+      std::function<std::optional<Vec3d>(const Occupied&, const Placement&, Random&)>;
 
   template <class Engine, class Sim>
   void let_out(Engine& engine, Sim& sim) {
@@ -229,7 +251,7 @@ class Openings {
     inlet.waiting = 0;
     std::vector<PlacedSphere> placed;
     std::vector<std::size_t> kinds;
-    const OccupiedPlaces all{occupied, engine.walls};
+    const Occupied all{occupied, engine.walls, sim.domain()};
     while (inlet.placed < due) {
       const std::size_t kind = draw_kind(inlet);
       const auto& sizes = kind == 0 ? inlet.flow.radius : inlet.flow.recipe[kind - 1].radius;

@@ -36,7 +36,7 @@ struct WallInput {
 
 /// Computes the loads of spheres that are near one plane at rest: everything in lanes, as for
 /// pairs. Distances are formed in double, all else in Scalar.
-template <class ContactsType, class Arch, class Scalar, class Fluxes>
+template <class ContactsType, class Arch, class Scalar, class Fluxes, bool Repeats = false>
 class PlanePipeline {
   using Real = typename Lanes<Arch, Scalar>::Real;
   using Wide = typename Lanes<Arch>::Real;
@@ -49,7 +49,7 @@ class PlanePipeline {
 
  public:
   using Input = WallInput<rotates, Scalar, Fluxes>;
-  using Contacts = WallContacts<ContactsType::history, Scalar>;
+  using Contacts = WallContacts<ContactsType::history, Scalar, 0, 0, Repeats>;
 
   /// Adds the loads of one run to the sums of its particles and to the wall's.
   static Tally<ContactsType> run(const Input& in, const PlaneRun& plane, const Wall& wall,

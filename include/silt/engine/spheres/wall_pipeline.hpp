@@ -11,6 +11,7 @@
 #include <silt/engine/contact/wall_loads.hpp>
 #include <silt/engine/contact/wall_wear.hpp>
 #include <silt/engine/lists/wall_contacts.hpp>
+#include <silt/engine/lists/wall_seams.hpp>
 #include <silt/engine/spheres/plane_pipeline.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -18,9 +19,10 @@ namespace silt::inline SILT_TARGET::detail {
 /// Computes the loads of all contacts with walls: geometry of each candidate, in double, then the
 /// same law over lanes as for pairs, rows out; sums what each wall bears. Spheres that are near
 /// planes at rest alone are the PlanePipeline's.
-template <class ContactsType, class Arch, class Scalar, class Fluxes = NoFluxes>
+template <class ContactsType, class Arch, class Scalar, class Fluxes = NoFluxes,
+          bool Repeats = false>
 class WallPipeline {
-  using Planes = PlanePipeline<ContactsType, Arch, Scalar, Fluxes>;
+  using Planes = PlanePipeline<ContactsType, Arch, Scalar, Fluxes, Repeats>;
   using ParticleMotion = MotionRow<ContactsType::rotates>;
   static constexpr std::size_t W = Lanes<Arch, Scalar>::width;
   static constexpr std::size_t block = Planes::Contacts::block;
@@ -71,7 +73,9 @@ class WallPipeline {
       std::uint32_t slot, particle;
       std::uint16_t wall, surface;
     } place[block];
-    Vec3d point[block];                  // [m] where it touches
+    Vec3d point[block];                  // [m] where it touches, beside the sphere
+    // ... and on the wall, of which the sphere may touch an image.
+    Vec3d on_wall[Repeats ? block : 1];
     double share[block];                 // [-] overlap over the radius
     Vec3d in_itself[block];              // [m/s] of a surface, where it has such a velocity
     alignas(64) Scalar of_force[block];  // [-] share of its force (SharedContacts)
@@ -129,14 +133,15 @@ class WallPipeline {
       const Vec3d force{-r[0], -r[1], -r[2]};
       WallLoad& load = loads_[b * walls.size() + wall];
       load.force += force;
-      load.torque += cross(s.point[k] - walls[wall].reference, force);
+      const Vec3d& on_wall = Repeats ? s.on_wall[k] : s.point[k];
+      load.torque += cross(on_wall - walls[wall].reference, force);
       if constexpr (ContactsType::has_rolling) load.torque += {-r[8], -r[9], -r[10]};
       if (walls[wall].is_in_itself_moving()) load.power -= dot(force, s.in_itself[k]);
       tallies_[b].largest = std::max(tallies_[b].largest, s.share[k]);
       if constexpr (Fluxes::wears)
         if (const WallCandidate* const c = s.rubs.of[k])
           wear_.add(b, *in.fluxes, *c, walls[wall], contacts.facets(*c),
-                    {s.point[k], s.kinematics.template get<Scalar>(k).normal, -force,
+                    {on_wall, s.kinematics.template get<Scalar>(k).normal, -force,
                      s.rubs.velocity[k], 1 / in.motions[particle].inv_m, in.positions[particle].r,
                      in.times.worked, s.rubs.begins[k]});
     }
@@ -159,13 +164,6 @@ class WallPipeline {
 
   static constexpr double same_contact = 0.8;  // cosine of the largest turn in one step
 
-  /// A place where a sphere touches a surface.
-  struct Touch {
-    SurfacePoint point;     // normal in space
-    std::size_t candidate;  // among those of the sphere
-    bool seam;              // belongs to another contact of the sphere
-  };
-
   /// All contacts of one sphere with the surfaces near it. Mostly it is one that it can touch once.
   static void touch(std::span<const WallCandidate> candidates, std::span<const Wall> walls,
                     Contacts& contacts, const Input& in,
@@ -182,9 +180,9 @@ class WallPipeline {
         return 0;
     });
     auto& slot = contacts.slot(c.slot);
-    if (count == 0) return end(contacts, c.slot, c, walls[c.wall], in, s);
+    if (count == 0) return end(contacts, c.slot, {&c, 1}, walls[c.wall], in, s);
     if (slot.touching && dot(slot.normal, point.normal) < same_contact)
-      end(contacts, c.slot, c, walls[c.wall], in, s);
+      end(contacts, c.slot, {&c, 1}, walls[c.wall], in, s);
     const Vec3d last = slot.touching ? slot.normal : point.normal;
     if constexpr (Fluxes::wears) s.rubs.next_begins = !slot.touching;
     slot = {point.normal, true};
@@ -205,29 +203,39 @@ class WallPipeline {
         const int n = touching_points(surface, walls[c.wall], c, sphere, contacts, points);
         if constexpr (S::max_contacts > 1)
           if (n == S::max_contacts &&
-              surface.has_more_contacts(in_wall(walls[c.wall], sphere.centre()), sphere.r,
-                                        contacts.facets(c)))
+              surface.has_more_contacts(in_wall(walls[c.wall], contacts.seen(c, sphere.centre())),
+                                        sphere.r, contacts.facets(c)))
             s.crowded = CrowdedContact{c.particle, c.wall};
         for (int p = 0; p < n; ++p) found[count++] = {points[p], k, false};
       });
     }
-    if (count > 1 && candidates.size() > 1) drop_seams({found.data(), count}, 1e-6 * sphere.r);
-    for (std::size_t k = 0, next = 0; k < candidates.size(); ++k) {
+    if (count > 1 && candidates.size() > 1) {
+      const std::span<Touch> all(found.data(), count);
+      if constexpr (Repeats) drop_image_seams(all, candidates, walls, 1e-6 * sphere.r);
+      drop_seams(all, 1e-6 * sphere.r);
+    }
+    // Images of a surface have their slots in common.
+    for (std::size_t k = 0, end_k = 1, next = 0; k < candidates.size(); k = end_k++) {
       const auto& c = candidates[k];
-      const std::size_t slots = Contacts::slots_of(walls[c.wall].surfaces[c.surface]);
-      bool taken[8] = {};
-      for (; next < count && found[next].candidate == k; ++next) {
-        if (found[next].seam) continue;
-        const SurfacePoint& point = found[next].point;
+      const Surface& surface = walls[c.wall].surfaces[c.surface];
+      if constexpr (Repeats) end_k = end_of_images(candidates, k);
+      const std::span<const WallCandidate> images = candidates.subspan(k, end_k - k);
+      const std::size_t from = next, slots = images.size() * Contacts::slots_of(surface);
+      while (next < count && found[next].candidate < end_k) ++next;
+      bool taken[Repeats ? block : 8] = {};
+      for (const Touch& touch : std::span(found.data() + from, next - from)) {
+        if (touch.seam) continue;
+        const SurfacePoint& point = touch.point;
         const std::size_t own =
-            slot_for(point.normal, c, walls[c.wall], contacts, taken, slots, in, s);
+            slot_for(point.normal, images, walls[c.wall], contacts, taken, slots, in, s);
         const Vec3d last = contacts.slot(own).touching ? contacts.slot(own).normal : point.normal;
         if constexpr (Fluxes::wears) s.rubs.next_begins = !contacts.slot(own).touching;
         contacts.slot(own) = {point.normal, true};
-        describe(point, last, sphere, walls[c.wall], c, own, contacts, in, table, s);
+        describe(point, last, sphere, walls[c.wall], candidates[touch.candidate], own, contacts, in,
+                 table, s);
       }
       for (std::size_t p = 0; p < slots; ++p)
-        if (!taken[p]) end(contacts, c.slot + p, c, walls[c.wall], in, s);
+        if (!taken[p]) end(contacts, c.slot + p, images, walls[c.wall], in, s);
     }
   }
 
@@ -235,7 +243,7 @@ class WallPipeline {
   static int touching_points(const S& surface, const Wall& wall, const WallCandidate& c,
                              const PositionRow& sphere, const Contacts& contacts,
                              SurfacePoint* points) {
-    const Vec3d centre = in_wall(wall, sphere.centre());
+    const Vec3d centre = in_wall(wall, contacts.seen(c, sphere.centre()));
     double within = sphere.r;
     if constexpr (ActsAtDistance<typename ContactsType::Law>) within += contacts.range;
     int count;
@@ -248,25 +256,12 @@ class WallPipeline {
     return count;
   }
 
-  /// Where two surfaces join, the rim or edge of one lies in the tangent plane of the other: it is
-  /// a seam there and no second contact.
-  static void drop_seams(std::span<Touch> found, double tolerance) {
-    for (std::size_t a = 0; a < found.size(); ++a)
-      for (std::size_t b = 0; b < found.size() && !found[a].seam; ++b) {
-        if (found[a].candidate == found[b].candidate || found[b].seam) continue;
-        const double deeper = found[a].point.distance - found[b].point.distance;
-        const bool second = deeper > tolerance || (deeper > -tolerance && b < a);
-        if (second && in_tangent_plane(found[a].point, found[b].point, tolerance))
-          found[a].seam = true;
-      }
-  }
-
   /// The slot whose contact had nearly this normal a step ago, else a free one: history goes on
   /// while a contact moves from facet to edge to facet.
-  static std::size_t slot_for(const Vec3d& normal, const WallCandidate& c, const Wall& wall,
-                              Contacts& contacts, bool* taken, std::size_t slots, const Input& in,
-                              Scratch& s) {
-    const std::size_t begin = c.slot;
+  static std::size_t slot_for(const Vec3d& normal, std::span<const WallCandidate> images,
+                              const Wall& wall, Contacts& contacts, bool* taken, std::size_t slots,
+                              const Input& in, Scratch& s) {
+    const std::size_t begin = images[0].slot;
     std::size_t best = slots;
     double nearest = same_contact;
     for (std::size_t k = 0; k < slots; ++k) {
@@ -280,27 +275,31 @@ class WallPipeline {
     for (std::size_t k = 0; best == slots && k < slots; ++k)
       if (!taken[k]) {
         best = k;  // an old contact that ended in this very step
-        end(contacts, begin + k, c, wall, in, s);
+        end(contacts, begin + k, images, wall, in, s);
       }
     taken[best] = true;
     return begin + best;
   }
 
-  /// Ends the contact in a slot, if there is one.
-  static void end(Contacts& contacts, std::size_t slot, [[maybe_unused]] const WallCandidate& c,
+  /// Ends the contact in a slot of a surface and its images, if there is one.
+  static void end(Contacts& contacts, std::size_t slot,
+                  [[maybe_unused]] std::span<const WallCandidate> images,
                   [[maybe_unused]] const Wall& wall, [[maybe_unused]] const Input& in,
                   [[maybe_unused]] Scratch& s) {
     if (!contacts.slot(slot).touching) return;
     contacts.slot(slot).touching = false;
     if constexpr (keeps_events<ContactsType>) {
       NotedContact note;
+      const WallCandidate& c = images[0];
       note.first = c.particle, note.event.wall = c.wall;
       note.event.normal = contacts.slot(slot).normal;
       const PositionRow& p = in.positions[c.particle];
       note.event.point = p.centre() - p.r * note.event.normal;
       const ParticleMotion& m = in.motions[c.particle];
-      Vec3d velocity = m.velocity() - velocity_at_contact(wall, note.event.point, note.event.normal,
-                                                          in.times.step);
+      const Vec3d on_wall =
+          contacts.seen(nearest_image(note.event.point, images, wall, contacts), note.event.point);
+      Vec3d velocity =
+          m.velocity() - velocity_at_contact(wall, on_wall, note.event.normal, in.times.step);
       if constexpr (rotates) velocity -= cross(m.spin_velocity(), note.event.normal);
       end_watched<ContactsType>(
           [&](std::size_t k) -> Scalar& {
@@ -320,10 +319,11 @@ class WallPipeline {
     const std::size_t k = s.count++;
     const Vec3d contact = sphere.centre() - point.distance * point.normal;
     const Vec3d change = point.normal - last_normal;
+    const Vec3d on_wall = contacts.seen(c, contact);
     Vec3d wall_velocity{0, 0, 0}, wall_spin{0, 0, 0};
     if (wall.moves()) {
       // Mean velocity of the material point over the last step, like the spheres' own.
-      wall_velocity = mean_velocity(wall, contact, in.times.step);
+      wall_velocity = mean_velocity(wall, on_wall, in.times.step);
       wall_spin = mean_angular_velocity(wall.last_pose, wall.pose, in.times.step);
       // ... of the one under the contact half a step ago, which this one was not if they slide.
       wall_velocity +=
@@ -331,7 +331,7 @@ class WallPipeline {
                                in.times.lag * point.distance * change);
     }
     if (wall.is_in_itself_moving()) {
-      s.in_itself[k] = velocity_in_itself(wall, c.surface, contacts.facets(c), contact,
+      s.in_itself[k] = velocity_in_itself(wall, c.surface, contacts.facets(c), on_wall,
                                           point.normal, in.times.step);
       wall_velocity += s.in_itself[k];
     }
@@ -343,7 +343,7 @@ class WallPipeline {
     }
     double inverse_mass = motion.inv_m;  // [1/kg] of both
     if (wall.is_driven())
-      inverse_mass += inverse_mass_of(wall.drive, wall.state, contact, point.normal);
+      inverse_mass += inverse_mass_of(wall.drive, wall.state, on_wall, point.normal);
     const auto scalar = [](double x) { return static_cast<Scalar>(x); };
     const auto vector = [](const Vec3d& v) {
       return Vec3<Scalar>{static_cast<Scalar>(v.x), static_cast<Scalar>(v.y),
@@ -375,6 +375,7 @@ class WallPipeline {
     if constexpr (ContactsType::several_materials) material = in.materials[c.particle];
     s.kind[k] = static_cast<std::uint16_t>(material * table.materials + wall.material);
     s.point[k] = contact;
+    if constexpr (Repeats) s.on_wall[k] = on_wall;
     s.place[k] = {static_cast<std::uint32_t>(slot), c.particle, c.wall, c.surface};
     for (std::size_t h = 0; h < ContactsType::history; ++h)
       s.history[h][k] = contacts.history(h)[slot];

@@ -118,12 +118,13 @@ class SurfaceDepth {
   SurfaceDepth(const PlacedPolyhedron& body, const TriangleMesh& mesh)
       : body_(body), mesh_(mesh), unit_(body.shape->bounding_radius()), work_(memory()) {}
 
-  void add(std::uint32_t t) {
+  /// `way` [m]: what this triangle's surface sees the body moved by.
+  void add(std::uint32_t t, const Vec3d& way = {0, 0, 0}) {
     const double over = 1 / unit_;
     auto& [polygon, cell, next, faces, low] = work_;
     polygon.clear();
     for (const auto v : mesh_.triangles()[t])
-      polygon.push_back(over * body_.pose.to_body(mesh_.vertices()[v]));
+      polygon.push_back(over * body_.pose.to_body(mesh_.vertices()[v] - way));
     if (!cut_by_bound() || !cut_by_body()) return;
     find_nearest_faces();
     Patch* const patch = patch_of(mesh_.patches()[t]);

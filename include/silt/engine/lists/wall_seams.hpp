@@ -1,0 +1,91 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <memory>
+#include <span>
+#include <type_traits>
+#include <variant>
+
+#include <silt/boundary/surface_point.hpp>
+#include <silt/boundary/wall.hpp>
+#include <silt/engine/lists/wall_candidate.hpp>
+
+/// Where surfaces join, as what spheres see of them: other surfaces, and images of the same.
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// A place where a sphere touches a surface.
+struct Touch {
+  SurfacePoint point;     // normal in space
+  std::size_t candidate;  // among those of the sphere
+  bool seam;              // belongs to another contact of the sphere
+};
+
+/// Where two surfaces join, the rim or edge of one lies in the tangent plane of the other: it is
+/// a seam there and no second contact.
+inline void drop_seams(std::span<Touch> found, double tolerance) {
+  for (std::size_t a = 0; a < found.size(); ++a)
+    for (std::size_t b = 0; b < found.size() && !found[a].seam; ++b) {
+      if (found[a].candidate == found[b].candidate || found[b].seam) continue;
+      const double deeper = found[a].point.distance - found[b].point.distance;
+      const bool second = deeper > tolerance || (deeper > -tolerance && b < a);
+      if (second && in_tangent_plane(found[a].point, found[b].point, tolerance))
+        found[a].seam = true;
+    }
+}
+
+/// The same for a surface and its images, of which all of `found` are; as they are one surface, the
+/// deepest stays however little deeper it is. Facets of a mesh that meet at less than its smooth
+/// angle are one, as within the mesh.
+inline void drop_image_seams(std::span<Touch> found, const Surface& surface, double tolerance) {
+  const auto* const mesh = std::get_if<std::shared_ptr<const TriangleMesh>>(&surface);
+  for (std::size_t a = 0; a < found.size(); ++a)
+    for (std::size_t b = 0; b < found.size() && !found[a].seam; ++b) {
+      const SurfacePoint &one = found[a].point, &other = found[b].point;
+      if (found[a].candidate == found[b].candidate || found[b].seam) continue;
+      if (!(one.distance > other.distance || (one.distance == other.distance && b < a))) continue;
+      found[a].seam = in_tangent_plane(one, other, tolerance) ||
+                      (mesh != nullptr &&
+                       dot(one.normal, other.normal) > (*mesh)->cos_smooth_angle());
+    }
+}
+
+/// ... surface by surface, of all the places where a sphere touches its candidates.
+inline void drop_image_seams(std::span<Touch> found, std::span<const WallCandidate> candidates,
+                             std::span<const Wall> walls, double tolerance) {
+  for (std::size_t k = 0, next = 0; k < found.size(); k = next) {
+    const WallCandidate& c = candidates[found[k].candidate];
+    while (next < found.size() && same_surface(c, candidates[found[next].candidate])) ++next;
+    drop_image_seams(found.subspan(k, next - k), walls[c.wall].surfaces[c.surface], tolerance);
+  }
+}
+
+/// Which of the images of one surface is nearest to a point [m] beside a sphere.
+template <class Contacts>
+const WallCandidate& nearest_image(const Vec3d& point, std::span<const WallCandidate> images,
+                                   const Wall& wall, const Contacts& contacts) {
+  constexpr double far = std::numeric_limits<double>::infinity();
+  std::size_t best = 0;
+  double least = far;
+  for (std::size_t k = 0; k < images.size() && images.size() > 1; ++k) {
+    const Vec3d at = in_wall(wall, contacts.seen(images[k], point));
+    double distance = far;
+    visit_surface(wall.surfaces[images[k].surface], [&](const auto& surface) {
+      if constexpr (requires { surface.distance_to(0u, at); }) {
+        for (const std::uint32_t t : contacts.facets(images[k]))
+          distance = std::min(distance, surface.distance_to(t, at));
+      } else {
+        SurfacePoint nearest[std::remove_cvref_t<decltype(surface)>::max_contacts];
+        if (surface.contacts(at, far, nearest) > 0) distance = std::abs(nearest[0].distance);
+      }
+    });
+    if (distance < least) least = distance, best = k;
+  }
+  return images[best];
+}
+
+}  // namespace silt::detail
