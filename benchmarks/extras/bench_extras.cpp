@@ -260,8 +260,8 @@ int run(const example::Options& options, std::vector<std::size_t> sizes, std::si
       "(quartiles)\n",
       example::processor().c_str(), turns);
   for (const std::size_t n : sizes) {
-    // At least 1000 steps, in which contacts are read ten times.
-    const double steps = std::max(200.0, options.quick ? 200.0 : 1000 * std::ceil(5e3 / double(n)));
+    // Twice a look at the contacts, or more of them.
+    const double steps = options.quick ? 200.0 : std::max(200.0, 5e6 / static_cast<double>(n));
     Report(summary, n, {static_cast<int>(turns), steps, options.out}).rows();
   }
   summary.write(options.out + "/summary.json");
