@@ -1,5 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
 // Names of materials and forms: found by name, in messages, refused where they cannot be.
+#include <array>
 #include <limits>
 
 #include <engine/support.hpp>
@@ -104,14 +105,18 @@ TEST_CASE("names of materials: equal values with names of their own are material
   CHECK(contacts.add(hard) == 1);  // by values alone: the first
   CHECK(contacts.material(2) == hard);
   CHECK(contacts.materials() == 3);
+  const auto of_pair = [&](std::size_t a, std::size_t b) {
+    const auto c = contacts.coefficients(a, b);
+    return std::array{c.twice_modulus, c.normal_damping, c.friction};
+  };
   // Pairs: those of its values, given before or after; without any, its own values.
-  CHECK(contacts.coefficients(0, 2) == contacts.coefficients(0, 1));
-  CHECK(contacts.coefficients(2, 1) == contacts.coefficients(1, 1));
+  CHECK(of_pair(0, 2) == of_pair(0, 1));
+  CHECK(of_pair(2, 1) == of_pair(1, 1));
   contacts.set_pair(hard, soft, {.restitution = 0.2, .friction = 0.1});
-  CHECK(contacts.coefficients(0, 2) == contacts.coefficients(0, 1));
+  CHECK(of_pair(0, 2) == of_pair(0, 1));
   contacts.set_pair(hard, hard, {.restitution = 0.1, .friction = 0.1});
-  CHECK(contacts.coefficients(2, 1) == contacts.coefficients(1, 1));
-  CHECK(contacts.coefficients(2, 2) == contacts.coefficients(1, 1));
+  CHECK(of_pair(2, 1) == of_pair(1, 1));
+  CHECK(of_pair(2, 2) == of_pair(1, 1));
 
   // In a simulation: each with its own heat capacity and work function, a wall of the second.
   silt::Contacts<HertzMindlin, silt::SeveralMaterials> powders{{soft}};
@@ -124,6 +129,7 @@ TEST_CASE("names of materials: equal values with names of their own are material
   // They overlap by 0.01 mm, at rest: what one gives the other gets, 2 to 1 in temperature.
   silt::Simulation sim{two_grains(1.99e-3), powders, heat};
   sim.threads = 1;
+  sim.time_step = 1e-6;
   sim.set_velocity(1, {0, 0, 0});
   sim.add_wall(silt::Plane{{0, 0, -1}, {0, 0, 1}}, soft, {.name = "floor", .material = "heavy"});
   sim.add_wall(silt::Plane{{0, 0, -1}, {0, 0, 1}}, soft, {.name = "by values"});
@@ -133,7 +139,7 @@ TEST_CASE("names of materials: equal values with names of their own are material
   sim.run(1e-4);
   const double lost = 400 - sim.field<silt::Temperature>(sim.find(0));
   CHECK(lost > 0);
-  CHECK(sim.field<silt::Temperature>(sim.find(1)) - 300 == silt_test::near(lost / 2).epsilon(1e-8));
+  CHECK(sim.field<silt::Temperature>(sim.find(1)) - 300 == doctest::Approx(lost / 2).scale(0).epsilon(1e-8));
 }
 
 TEST_CASE("names of materials: values of modules for materials that are not there are refused") {
@@ -143,6 +149,7 @@ TEST_CASE("names of materials: values of modules for materials that are not ther
     p.add({.position = {0, 0, 1e-3}, .radius = 1e-3, .density = 2500});
     silt::Simulation sim{std::move(p), equal, std::move(module)};
     sim.threads = 1;
+    sim.time_step = 1e-6;
     sim.run(0);
   };
   const silt::HeatConduction one{.conductivity = 1, .heat_capacity = 800};

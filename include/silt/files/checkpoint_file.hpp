@@ -224,9 +224,13 @@ class CheckpointReader {
     const auto rest = [&](std::string_view whole) {
       return at < whole.size() ? in_quotes(whole.substr(at), 32) : std::string("nothing more");
     };
+    const std::string lacks = only_in(signature_, expected), more = only_in(expected, signature_);
     refuse("belongs to another program: it was written by ", from(signature_), ", this program is ",
-           from(expected), "; they first differ at character ", at + 1, ", where the file has ",
-           rest(signature_), " and the program ", rest(expected));
+           from(expected),
+           lacks.empty() ? "" : "; the file has " + lacks + ", which this program lacks",
+           more.empty() ? "" : "; this program has " + more + ", which the file lacks",
+           "; they first differ at character ", at + 1, ", where the file has ", rest(signature_),
+           " and the program ", rest(expected));
   }
 
   bool has(std::string_view name) const { return find(name) != nullptr; }
@@ -270,6 +274,24 @@ class CheckpointReader {
   }
 
  private:
+  /// The parts between semicolons that `whole` has and `other` has not, in quotes; empty: none.
+  static std::string only_in(std::string_view whole, std::string_view other) {
+    const auto next = [](std::string_view& rest) {
+      const std::string_view part = rest.substr(0, rest.find(';'));
+      rest.remove_prefix(std::min(part.size() + 1, rest.size()));
+      return part.substr(std::min(part.find_first_not_of(' '), part.size()));
+    };
+    std::string all;
+    while (!whole.empty()) {
+      const std::string_view part = next(whole);
+      bool is_there = part.empty();
+      for (std::string_view rest = other; !rest.empty() && !is_there;)
+        is_there = next(rest) == part;
+      if (!is_there) all += (all.empty() ? "" : ", ") + in_quotes(part, 120);
+    }
+    return all;
+  }
+
   struct Field {
     std::string name;
     detail::CheckpointType type;

@@ -182,6 +182,20 @@ template <class EditOf>
               "way");
 }
 
+/// What the drive of a wall presses with, which may be more than the particles bear; empty without.
+[[gnu::cold]] inline std::string drive_words(const Wall& wall) {
+  const auto say = [](const char* what, double load, const char* unit) {
+    return text("; its ", what, " of ", load, " ", unit,
+                " may be more than the particles bear: lower it (F = pressure times area)");
+  };
+  if (const auto* d = std::get_if<ServoForce>(&wall.drive)) return say("ServoForce", d->force, "N");
+  if (const auto* d = std::get_if<ServoTorque>(&wall.drive))
+    return say("ServoTorque", d->torque, "N m");
+  if (const auto* d = std::get_if<Slide>(&wall.drive); d != nullptr && d->force != 0)
+    return say("Slide.force", d->force, "N");
+  return {};
+}
+
 /// The overlaps of a step are above the least limit: names the contact that is above its own, if
 /// there is one.
 template <class EngineType, class Domain, class Words>
@@ -193,7 +207,8 @@ template <class EngineType, class Domain, class Words>
   if (!(c.excess > 1) && !limits.empty() && e.largest_overlap <= limits.greatest(limit)) return;
   const auto advice = [&]() -> std::string {
     if (at_start) return "; start without overlaps";
-    return text("; use a stiffer material",
+    return text(c.with_wall ? drive_words(e.walls[c.wall]) : std::string(),
+                "; use a stiffer material",
                 words.longer() ? ", a lower speed or a smaller time step" : " or a lower speed",
                 ", or start without overlaps");
   };
