@@ -171,8 +171,8 @@ TEST_CASE("guard: a servo that presses with more than grains bear is named with 
                 .drive = silt::ServoForce{
                     .direction = {0, 0, -1}, .force = 5000, .max_speed = 0.1}});
   const std::string words = failure(sim, 0.1).what();
-  CHECK(has_words(words, {"overlaps wall 1 'lid'", "; its ServoForce of 5000 N may be more than the "
-                                                   "particles bear: lower it",
+  CHECK(has_words(words, {"overlaps wall", "; wall 1 'lid' presses with a ServoForce of 5000 N, which may be "
+                                           "more than the particles bear: lower it",
                           "use a stiffer material"}));
 }
 
