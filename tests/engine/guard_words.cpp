@@ -166,13 +166,14 @@ TEST_CASE("guard: a servo that presses with more than grains bear is named with 
   auto sim = scene({{0, 0, 1e-3}});
   sim.gravity = {0, 0, -9.81};
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, rubber);
-  sim.add_wall(silt::Plane{{0, 0, 2.1e-3}, {0, 0, -1}}, rubber,
-               {.name = "lid",
-                .drive = silt::ServoForce{
-                    .direction = {0, 0, -1}, .force = 5000, .max_speed = 0.1}});
+  sim.add_wall(
+      silt::Plane{{0, 0, 2.1e-3}, {0, 0, -1}}, rubber,
+      {.name = "lid",
+       .drive = silt::ServoForce{.direction = {0, 0, -1}, .force = 5000, .max_speed = 0.1}});
   const std::string words = failure(sim, 0.1).what();
-  CHECK(has_words(words, {"overlaps wall", "; wall 1 'lid' presses with a ServoForce of 5000 N, which may be "
-                                           "more than the particles bear: lower it",
+  CHECK(has_words(words, {"overlaps wall",
+                          "; wall 1 'lid' presses with a ServoForce of 5000 N, which may be "
+                          "more than the particles bear: lower it",
                           "use a stiffer material"}));
 }
 

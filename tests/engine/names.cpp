@@ -139,7 +139,8 @@ TEST_CASE("names of materials: equal values with names of their own are material
   sim.run(1e-4);
   const double lost = 400 - sim.field<silt::Temperature>(sim.find(0));
   CHECK(lost > 0);
-  CHECK(sim.field<silt::Temperature>(sim.find(1)) - 300 == doctest::Approx(lost / 2).scale(0).epsilon(1e-8));
+  CHECK(sim.field<silt::Temperature>(sim.find(1)) - 300 ==
+        doctest::Approx(lost / 2).scale(0).epsilon(1e-8));
 }
 
 TEST_CASE("names of materials: values of modules for materials that are not there are refused") {
@@ -160,11 +161,17 @@ TEST_CASE("names of materials: values of modules for materials that are not ther
           {"HeatConduction.others has 1 entry, of material 1 and on, but the contacts and walls "
            "have 1 material: those of equal values are one unless they have names of their own "
            "(contacts.add(material, name))"});
-  refused([&] { with(silt::MutualRadiation{one, {.gap = 1e-3, .others = {0.5, 0.5}}}); },
-          {"MutualRadiation.others has 2 entries, of material 1 and on, but the contacts and walls "
-           "have 1 material"});
-  refused([&] { with(silt::TriboCharge{silt::Charge{.cutoff = 4e-3}, {.work_functions = {4, 5}}}); },
-          {"TriboCharge.work_functions has 2 entries, but the contacts and walls have 1 material"});
+  refused(
+      [&] {
+        with(silt::MutualRadiation{one, {.gap = 1e-3, .others = {0.5, 0.5}}});
+      },
+      {"MutualRadiation.others has 2 entries, of material 1 and on, but the contacts and walls "
+       "have 1 material"});
+  refused(
+      [&] {
+        with(silt::TriboCharge{silt::Charge{.cutoff = 4e-3}, {.work_functions = {4, 5}}});
+      },
+      {"TriboCharge.work_functions has 2 entries, but the contacts and walls have 1 material"});
 }
 
 TEST_CASE("names of materials: in a simulation, which changes particles by them") {

@@ -269,8 +269,8 @@ TEST_CASE(
   const auto lone = [](auto... policies) {
     silt::Particles<Sphere> one;
     one.add({.position = {8e-3, 0, 0}, .radius = 1e-3, .density = 2500});
-    return silt::Simulation{std::move(one),
-                            silt::Contacts<silt::LinearSpring>{{.stiffness = 10}}, policies...};
+    return silt::Simulation{std::move(one), silt::Contacts<silt::LinearSpring>{{.stiffness = 10}},
+                            policies...};
   };
   auto plain = lone();
   auto booked = lone(silt::EnergyLedger{});

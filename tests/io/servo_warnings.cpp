@@ -61,8 +61,8 @@ TEST_CASE("servo_warnings: a servo that meets no load is warned of at the end of
   CHECK(warned(nothing, {0.01}).empty());
   CHECK(warned(std::monostate{}, {0.01}).empty());
   CHECK(warned(silt::Slide{.direction = {0, 0, 1}, .mass = 1e-3, .speed = 0.1}, {0.01}).empty());
-  const Sentences turns =
-      warned(ServoTorque{.centre = {0, 0, 0}, .axis = {0, 0, 1}, .torque = 1, .max_rate = 2}, {0.01});
+  const Sentences turns = warned(
+      ServoTorque{.centre = {0, 0, 0}, .axis = {0, 0, 1}, .torque = 1, .max_rate = 2}, {0.01});
   REQUIRE(turns.size() == 1);
   CHECK(has(turns[0], "its ServoTorque has moved it by 0.0"));
   CHECK(has(turns[0], "turn its axis"));
@@ -72,10 +72,11 @@ TEST_CASE("servo_warnings: a servo that meets no load is warned of at the end of
 }
 
 TEST_CASE("servo_warnings: a negative force is refused, as the direction gives the sense") {
-  CHECK(has(refusal([&] {
-              scene(ServoForce{.direction = {0, 0, -1}, .force = -5, .max_speed = 0.1});
-            }),
-            "ServoForce.force = -5 [N] must not be negative: `direction` gives the sense, turn it"));
+  CHECK(
+      has(refusal([&] {
+            scene(ServoForce{.direction = {0, 0, -1}, .force = -5, .max_speed = 0.1});
+          }),
+          "ServoForce.force = -5 [N] must not be negative: `direction` gives the sense, turn it"));
 }
 
 }  // namespace servo_warnings_test

@@ -350,8 +350,9 @@ TEST_CASE("heat: a grain in hot gas, and one that radiates, as closed forms say"
             "Convection.voidage"));
 }
 
-static_assert(silt::HeatedByFluid<silt::Heat<
-                  silt::Heat<silt::HeatConduction, silt::FluidConvection<>>, silt::Radiation>>);
+static_assert(
+    silt::HeatedByFluid<
+        silt::Heat<silt::Heat<silt::HeatConduction, silt::FluidConvection<>>, silt::Radiation>>);
 
 // Catches parts that are dropped in one order: FrictionHeat that keeps its conduction alone.
 TEST_CASE("heat: friction's heat around and inside the other modules is the same") {
@@ -395,8 +396,7 @@ TEST_CASE("heat: friction's heat around and inside the other modules is the same
   CHECK(right == impact(Heat{FrictionHeat{MutualRadiation{glass, {1, 4e-3}}}, radiates}));
   const auto without = impact(MutualRadiation{Heat{glass, radiates}, {1, 4e-3}});
   // The ledger's loss, half to each: m v^2/4 (1 - e^2) over both.
-  CHECK(right[1] - without[1] ==
-        near(0.25 * (1 - 0.2 * 0.2) / 2 / 840).epsilon(1e-2));
+  CHECK(right[1] - without[1] == near(0.25 * (1 - 0.2 * 0.2) / 2 / 840).epsilon(1e-2));
 }
 
 }  // namespace heat_test

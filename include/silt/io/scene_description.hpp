@@ -171,7 +171,7 @@ class SceneDescription {
   struct Item {
     Aspect aspect;
     std::string name, value;
-    double number, slack;  // slack < 0: words
+    double number, slack;   // slack < 0: words
     std::string called{};   // behind the value in sentences
     std::string meaning{};  // behind the name in sentences
   };

@@ -211,8 +211,7 @@ template <class EngineType, class Domain, class Words>
   if (!(c.excess > 1) && !limits.empty() && e.largest_overlap <= limits.greatest(limit)) return;
   const auto advice = [&]() -> std::string {
     if (at_start) return "; start without overlaps";
-    return text(drive_words(e.walls),
-                "; use a stiffer material",
+    return text(drive_words(e.walls), "; use a stiffer material",
                 words.longer() ? ", a lower speed or a smaller time step" : " or a lower speed",
                 ", or start without overlaps");
   };

@@ -41,9 +41,10 @@ struct ConductingPlane {
 /// q_i q_j/(4 pi eps0 eps_r) (1/r + r/r_c^2 - 2/r_c). What is beyond the cut-off is left out: for
 /// clouds in which charges of both signs screen each other, or few grains; how large it must be,
 /// docs/charge.md. In (3), of each grounded plane by itself, d is the distance of the centre from
-/// the plane and n points from the plane to it, on either side; images of other particles, and images of images between two planes, are left out.
-/// Particles are points or spheres whose charge is spread evenly; bodies have it at their centre of
-/// mass. Charges and fields do not polarise particles.
+/// the plane and n points from the plane to it, on either side; images of other particles, and
+/// images of images between two planes, are left out. Particles are points or spheres whose charge
+/// is spread evenly; bodies have it at their centre of mass. Charges and fields do not polarise
+/// particles.
 ///
 /// Source: (2) shifted force: S.D. Stoddard, J. Ford, Phys. Rev. A 8 (1973) 1504, recalled; (3):
 ///         textbooks of electrostatics, recalled.

@@ -138,8 +138,7 @@ struct HeatConductionBy {
               sim.material_name(sim.wall(w).material),
               ", of which `others` has no conductivity; add it there (the first entry is of "
               "material 1), or let the wall be insulated()");
-    for (std::size_t a = 0; a <= others.size(); ++a)
-      narrower(sim.contacts(), a, a);
+    for (std::size_t a = 0; a <= others.size(); ++a) narrower(sim.contacts(), a, a);
   }
 
  private:

@@ -135,7 +135,8 @@ concept HeatedByFluid = requires(const P& part, const Seen& p, const HeatedFluid
   { part.conductance(p, f) } -> std::convertible_to<double>;
 };
 
-/// Module: conduction (HeatConduction, FrictionHeat or MutualRadiation) with what surrounds the particles.
+/// Module: conduction (HeatConduction, FrictionHeat or MutualRadiation) with what surrounds the
+/// particles.
 ///
 ///   silt::Heat{silt::HeatConduction{.conductivity = 1.1, .heat_capacity = 840},
 ///              silt::Convection<silt::Gunn>{.temperature = 500, .voidage = 0.4},
