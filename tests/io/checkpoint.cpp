@@ -275,10 +275,10 @@ TEST_CASE(
   auto plain = lone();
   auto booked = lone(silt::EnergyLedger{});
   CHECK(has_words(refusal<FileError>([&] { load_checkpoint(booked, path); }),
-                  {"; this program has 'ledger', which the file lacks"}));
+                  {"another program: this program has 'ledger', which the file lacks"}));
   save_checkpoint(booked, path);
   CHECK(has_words(refusal<FileError>([&] { load_checkpoint(plain, path); }),
-                  {"; the file has 'ledger', which this program lacks"}));
+                  {"another program: the file has 'ledger', which this program lacks"}));
 
   const auto refused = [&](auto change) {
     auto other = mixed_scene();
