@@ -521,9 +521,9 @@ TEST_CASE("time_step: particles that speed up until the step is too long stop th
 
 TEST_CASE("time_step: where nothing moves it cannot be chosen, and the sentence says what to set") {
   auto sim = scene({{{0, 0, 0}}});
-  CHECK(
-      has_words(refusal<InputError>([&] { sim.run(1e-3); }),
-                {"the time step cannot be chosen", "nothing moves", "set Simulation::time_step"}));
+  CHECK(has_words(refusal<InputError>([&] { sim.run(1e-3); }),
+                  {"the time step cannot be chosen", "nothing moves", "set sim.gravity",
+                   "Simulation::time_step"}));
   sim.time_step = 1e-5;
   sim.run(1e-3);
   CHECK(sim.step() == 100);

@@ -162,6 +162,21 @@ TEST_CASE("guard: in a mix, two bodies that overlap are named by their numbers")
     }
 }
 
+TEST_CASE("guard: a servo that presses with more than grains bear is named with its force") {
+  auto sim = scene({{0, 0, 1e-3}});
+  sim.gravity = {0, 0, -9.81};
+  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, rubber);
+  sim.add_wall(
+      silt::Plane{{0, 0, 2.1e-3}, {0, 0, -1}}, rubber,
+      {.name = "lid",
+       .drive = silt::ServoForce{.direction = {0, 0, -1}, .force = 5000, .max_speed = 0.1}});
+  const std::string words = failure(sim, 0.1).what();
+  CHECK(has_words(words, {"overlaps wall",
+                          "; wall 1 'lid' presses with a ServoForce of 5000 N, which may be "
+                          "more than the particles bear: lower it",
+                          "use a stiffer material"}));
+}
+
 TEST_CASE("guard: a material as soft as 5 Pa is blamed itself, not the time step") {
   const HertzMindlin::Material jelly{.youngs_modulus = 5, .poisson_ratio = 0.25};
   auto sim = scene({{0, 0, 1.5e-3}, {0, 0, 1e-2}}, silt::Contacts<HertzMindlin>{jelly});

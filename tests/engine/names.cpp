@@ -1,5 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
 // Names of materials and forms: found by name, in messages, refused where they cannot be.
+#include <array>
 #include <limits>
 
 #include <engine/support.hpp>
@@ -87,13 +88,90 @@ TEST_CASE("names of materials: they find the material; those that cannot be are 
           {"material 'glass' is not there; the named materials are 'steel', 'gum'"});
   refused([&] { contacts.material(3); }, {"material(3): there are 3 materials"});
   refused([&] { contacts.add(soft, "gum"); }, {"material 2 has the name 'gum' already"});
-  refused([&] { contacts.add(hard, "iron"); },
-          {"material 1 'steel' is added again as 'iron': materials of the same values are one",
-           "give it one name, or other values"});
+  refused([&] { contacts.add(soft, "steel"); }, {"material 1 has the name 'steel' already"});
   refused([&] { contacts.name_material(0, ""); }, {"a material's name is empty"});
   refused([&] { contacts.name_material(0, "a=b"); }, {"the material name 'a=b'", "printable"});
   refused([&] { contacts.add(of(-1), "bad"); }, {"material 'bad': ", "youngs_modulus = -1"});
   CHECK(contacts.materials() == 3);
+}
+
+// Catches equal values that become one without a word, values of a pair that the second of two
+// equal materials lacks, and a wall that gets another one than it names.
+TEST_CASE("names of materials: equal values with names of their own are materials of their own") {
+  Several contacts = two_named();
+  CHECK(contacts.add(hard, "coated") == 2);
+  CHECK(contacts.add(hard, "coated") == 2);
+  CHECK(contacts.add(hard, "steel") == 1);
+  CHECK(contacts.add(hard) == 1);  // by values alone: the first
+  CHECK(contacts.material(2) == hard);
+  CHECK(contacts.materials() == 3);
+  const auto of_pair = [&](std::size_t a, std::size_t b) {
+    const auto c = contacts.coefficients(a, b);
+    return std::array{c.twice_modulus, c.normal_damping, c.friction};
+  };
+  // Pairs: those of its values, given before or after; without any, its own values.
+  CHECK(of_pair(0, 2) == of_pair(0, 1));
+  CHECK(of_pair(2, 1) == of_pair(1, 1));
+  contacts.set_pair(hard, soft, {.restitution = 0.2, .friction = 0.1});
+  CHECK(of_pair(0, 2) == of_pair(0, 1));
+  contacts.set_pair(hard, hard, {.restitution = 0.1, .friction = 0.1});
+  CHECK(of_pair(2, 1) == of_pair(1, 1));
+  CHECK(of_pair(2, 2) == of_pair(1, 1));
+
+  // In a simulation: each with its own heat capacity and work function, a wall of the second.
+  silt::Contacts<HertzMindlin, silt::SeveralMaterials> powders{{soft}};
+  powders.add(soft, "light"), powders.add(soft, "heavy");
+  const silt::HeatConduction heat{.conductivity = 1,
+                                  .heat_capacity = 800,
+                                  .start_temperature = 300,
+                                  .others = {{.conductivity = 1, .heat_capacity = 1600}},
+                                  .flux_every = 1};
+  // They overlap by 0.01 mm, at rest: what one gives the other gets, 2 to 1 in temperature.
+  silt::Simulation sim{two_grains(1.99e-3), powders, heat};
+  sim.threads = 1;
+  sim.time_step = 1e-6;
+  sim.set_velocity(1, {0, 0, 0});
+  sim.add_wall(silt::Plane{{0, 0, -1}, {0, 0, 1}}, soft, {.name = "floor", .material = "heavy"});
+  sim.add_wall(silt::Plane{{0, 0, -1}, {0, 0, 1}}, soft, {.name = "by values"});
+  CHECK(sim.wall("floor").material == 1);
+  CHECK(sim.wall("by values").material == 0);
+  sim.field<silt::Temperature>(sim.find(0)) = 400;
+  sim.run(1e-4);
+  const double lost = 400 - sim.field<silt::Temperature>(sim.find(0));
+  CHECK(lost > 0);
+  CHECK(sim.field<silt::Temperature>(sim.find(1)) - 300 ==
+        doctest::Approx(lost / 2).scale(0).epsilon(1e-8));
+}
+
+TEST_CASE("names of materials: values of modules for materials that are not there are refused") {
+  const auto with = [](auto module) {
+    silt::Contacts<HertzMindlin, silt::SeveralMaterials> equal{{soft, soft}};
+    Grains p;
+    p.add({.position = {0, 0, 1e-3}, .radius = 1e-3, .density = 2500});
+    silt::Simulation sim{std::move(p), equal, std::move(module)};
+    sim.threads = 1;
+    sim.time_step = 1e-6;
+    sim.run(0);
+  };
+  const silt::HeatConduction one{.conductivity = 1, .heat_capacity = 800};
+  auto two = one;
+  two.others = {{.conductivity = 2, .heat_capacity = 800}};
+  with(one);
+  refused([&] { with(two); },
+          {"HeatConduction.others has 1 entry, of material 1 and on, but the contacts and walls "
+           "have 1 material: those of equal values are one unless they have names of their own "
+           "(contacts.add(material, name))"});
+  refused(
+      [&] {
+        with(silt::MutualRadiation{one, {.gap = 1e-3, .others = {0.5, 0.5}}});
+      },
+      {"MutualRadiation.others has 2 entries, of material 1 and on, but the contacts and walls "
+       "have 1 material"});
+  refused(
+      [&] {
+        with(silt::TriboCharge{silt::Charge{.cutoff = 4e-3}, {.work_functions = {4, 5}}});
+      },
+      {"TriboCharge.work_functions has 2 entries, but the contacts and walls have 1 material"});
 }
 
 TEST_CASE("names of materials: in a simulation, which changes particles by them") {

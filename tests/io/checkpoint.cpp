@@ -265,6 +265,20 @@ TEST_CASE(
                   {path, "belongs to another program", "BasicLinearSpring", "BasicHertzMindlin",
                    "Rolli"}));  // its end is cut off where the compiler names enumerators
   CHECK(seen(sim) == before);
+  // One policy more or less is named, whatever stands behind it.
+  const auto lone = [](auto... policies) {
+    silt::Particles<Sphere> one;
+    one.add({.position = {8e-3, 0, 0}, .radius = 1e-3, .density = 2500});
+    return silt::Simulation{std::move(one), silt::Contacts<silt::LinearSpring>{{.stiffness = 10}},
+                            policies...};
+  };
+  auto plain = lone();
+  auto booked = lone(silt::EnergyLedger{});
+  CHECK(has_words(refusal<FileError>([&] { load_checkpoint(booked, path); }),
+                  {"another program: this program has 'ledger', which the file lacks"}));
+  save_checkpoint(booked, path);
+  CHECK(has_words(refusal<FileError>([&] { load_checkpoint(plain, path); }),
+                  {"another program: the file has 'ledger', which this program lacks"}));
 
   const auto refused = [&](auto change) {
     auto other = mixed_scene();

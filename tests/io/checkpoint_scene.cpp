@@ -106,7 +106,8 @@ TEST_CASE("checkpoint: whatever a scene has otherwise is named") {
   refused({.form = {.a = 2e-3, .b = 1.5e-3, .c = 2e-3, .s1 = 3}},
           {"form 1: exponent s1 is 2 in the file and 3 in the scene"});
   refused({.friction = 0.25},
-          {"materials 0 and 0: the law's coefficient", "is 0.2 in the file and 0.25",
+          {"materials 0 and 0: the law's coefficient 5 of 5 (friction [-]) is 0.2 in the file and "
+           "0.25",
            "accept other materials", ".materials = true"});
   refused({.pair_friction = 0.35},
           {"materials 0 and 1: the law's coefficient", "0.35 in the scene"});

@@ -490,6 +490,14 @@ TEST_CASE("inlet_warnings: what an inlet could not place, unless it catches up")
   CHECK(static_cast<double>(inlet.waiting) <= 1 + 8000 * 2e-3);
   CHECK(inlet.waiting > 0.15 * static_cast<double>(inlet.placed));
   CHECK(is_silent(late));
+  // Behind a wall nothing finds a place: that is said in place of the crowd.
+  auto behind = loose({.count = 0});
+  behind.add_wall(silt::box({0, 0, 0}, {0.02, 0.02, 0.05}), rubber, {.name = "box"});
+  behind.add_inlet(Box{{5e-3, 5e-3, 0.06}, {0.015, 0.015, 0.07}},
+                   {.radius = 1e-3, .density = 2500, .rate = 1000, .velocity = {0, 0, -1}});
+  behind.run(0.05);
+  CHECK(is_one(inlet_warnings(behind),
+               {"inlet 0 has placed none of the", "lies behind wall 0 'box'", "move it"}));
 }
 
 // --- observers ------------------------------------------------------------------------------

@@ -141,6 +141,23 @@ TEST_CASE("charge: a field, and a plane that conducts") {
   sim.run(0);
   CHECK(sim.module_force(0).x == near(-q * 1e4).epsilon(1e-14));
   CHECK(sim.module_force(0).z == near(-k_e * q * q / (4 * 9 * R * R)).epsilon(1e-14));
+  // Both sides of a plane: the normal's sign does not matter. Catches no force behind the plane,
+  // and one that pushes away from it.
+  for (const double side : {1.0, -1.0})
+    for (const double normal : {2.0, -2.0}) {
+      auto near_plane =
+          scene({{0, 0, side * 3 * R}},
+                Charge{.cutoff = R, .start_charge = q, .planes = {{{0, 0, 0}, {0, 0, normal}}}});
+      near_plane.time_step = 1e-6;
+      near_plane.run(0);
+      CHECK(near_plane.module_force(0).z ==
+            near(-side * k_e * q * q / (4 * 9 * R * R)).epsilon(1e-14));
+    }
+  // The rate too: a step that does not resolve the image's pull is refused behind the plane as
+  // well.
+  const silt::Seen behind{.position = {0, 0, -3 * R}, .mass = mass};
+  CHECK(Charge{.cutoff = R, .planes = {{}}}.rate(behind, {q}) ==
+        near(std::sqrt(k_e * q * q / (2 * 27 * R * R * R) / mass)).epsilon(1e-14));
   // Falls as if to its image: the closed form above with r = 2 d and the mass m/2 on 2 d.
   auto falls = scene({{0, 0, 40 * R}}, Charge{.cutoff = R, .start_charge = q, .planes = {{}}});
   const double d0 = 40 * R, x = 0.3;

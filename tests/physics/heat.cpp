@@ -14,6 +14,8 @@
 #include <silt/contact/linear_spring.hpp>
 #include <silt/contact/softened.hpp>
 #include <silt/io/checkpoint.hpp>
+#include <silt/module/heat/fluid_convection.hpp>
+#include <silt/module/heat/mutual_radiation.hpp>
 #include <silt/module/heat/surroundings.hpp>
 #include <silt/simulation.hpp>
 
@@ -140,6 +142,9 @@ TEST_CASE("heat: a wall that gives 2 W gives 2 W, in proportion to conductances"
                          8 * C * (temperature(sim, 1) - 293.15)};
   CHECK(got[0] + got[1] == near(2 * 0.01).epsilon(1e-9));
   CHECK(got[1] / got[0] == near(std::sqrt(2.0)).epsilon(1e-9));  // a = sqrt(R d)
+  CHECK(sim.given_by_wall<silt::Temperature>(0).sum == near(2 * 0.01).epsilon(1e-9));
+  CHECK(sim.given_by_wall<silt::HeatConduction>(0).sum ==
+        sim.given_by_wall<silt::Temperature>(0).sum);
 }
 
 // Catches an exponent of 1/2 or 2/3, a ratio upside down, and a law's own softening that is
@@ -343,6 +348,55 @@ TEST_CASE("heat: a grain in hot gas, and one that radiates, as closed forms say"
               lone(silt::Heat{glass, silt::Convection<>{.voidage = 0}});
             }),
             "Convection.voidage"));
+}
+
+static_assert(
+    silt::HeatedByFluid<
+        silt::Heat<silt::Heat<silt::HeatConduction, silt::FluidConvection<>>, silt::Radiation>>);
+
+// Catches parts that are dropped in one order: FrictionHeat that keeps its conduction alone.
+TEST_CASE("heat: friction's heat around and inside the other modules is the same") {
+  const silt::Radiation radiates{.emissivity = 0.8, .temperature = 0};
+  const auto lone = [](const auto& heat) {
+    silt::Simulation sim{row(1), silt::Contacts<silt::HertzMindlin>{still}, silt::EnergyLedger{},
+                         heat};
+    sim.time_step = 1e-3;
+    sim.template field<silt::Temperature>(0) = 1000;
+    sim.run(1);
+    return temperature(sim, 0);
+  };
+  // 1/T^3 = 1/T_0^3 + 3 sigma e A t/C; Euler's rule errs by 2 (dT/dt)^2 dt t/T = 8e-6 T.
+  const double slope = 3 * 5.670374419e-8 * 0.8 * 3 / (density * R * 840);
+  const double left = std::pow(1e-9 + slope, -1.0 / 3);
+  CHECK(left < 945);
+  CHECK(lone(silt::FrictionHeat{silt::Heat{glass, radiates}}) == near(left).epsilon(1e-5));
+  CHECK(lone(silt::Heat{silt::FrictionHeat{glass}, radiates}) == near(left).epsilon(1e-5));
+  CHECK(lone(silt::FrictionHeat{silt::MutualRadiation{silt::Heat{glass, radiates}, {1, 4e-3}}}) ==
+        near(left).epsilon(1e-5));
+
+  // Two that hit each other, and a third that is hot and near by: conduction, radiation of both
+  // kinds and the heat of the impact.
+  const silt::HertzMindlin::Material hard{
+      .youngs_modulus = 1e7, .poisson_ratio = 0.3, .restitution = 0.2, .friction = 0.3};
+  const auto impact = [&](const auto& heat) {
+    silt::Particles<silt::Sphere> p;
+    p.add({.position = {0, 0, 0}, .radius = R, .density = density, .velocity = {1, 0, 0}});
+    p.add({.position = {2.1 * R, 0, 0}, .radius = R, .density = density});
+    p.add({.position = {0, 3 * R, 0}, .radius = R, .density = density});
+    silt::Simulation sim{std::move(p), silt::Contacts<silt::HertzMindlin>{hard},
+                         silt::EnergyLedger{}, heat};
+    sim.template field<silt::Temperature>(2) = 1500;
+    sim.run(1e-3);
+    return std::vector{temperature(sim, 0), temperature(sim, 1), temperature(sim, 2)};
+  };
+  using silt::FrictionHeat, silt::Heat, silt::MutualRadiation;
+  const auto right = impact(MutualRadiation{Heat{FrictionHeat{glass}, radiates}, {1, 4e-3}});
+  CHECK(right == impact(FrictionHeat{MutualRadiation{Heat{glass, radiates}, {1, 4e-3}}}));
+  CHECK(right == impact(MutualRadiation{FrictionHeat{Heat{glass, radiates}}, {1, 4e-3}}));
+  CHECK(right == impact(Heat{FrictionHeat{MutualRadiation{glass, {1, 4e-3}}}, radiates}));
+  const auto without = impact(MutualRadiation{Heat{glass, radiates}, {1, 4e-3}});
+  // The ledger's loss, half to each: m v^2/4 (1 - e^2) over both.
+  CHECK(right[1] - without[1] == near(0.25 * (1 - 0.2 * 0.2) / 2 / 840).epsilon(1e-2));
 }
 
 }  // namespace heat_test

@@ -78,6 +78,7 @@ struct WallSetup {
   Motion motion = {};     // prescribed; or
   WallDrive drive = {};   // ... by what acts on it: ServoForce, ServoTorque, Slide, Hinge, FreeBody
   SurfaceVelocity surface_velocity = {};
+  std::string material = {};  // name of its material among those of equal values; empty: the first
 };
 
 /// A wall of a simulation: surfaces, a material, what moves it, and the load it bears.

@@ -34,7 +34,7 @@ namespace silt::inline SILT_TARGET {
 /// Presses along `direction` with a force: the wall moves along it, and does not turn.
 struct ServoForce {
   Vec3d direction;   // [-] of any length but 0
-  double force;      // [N] on the particles along `direction`; of a pressure: times the area
+  double force;      // [N] >= 0 on the particles along `direction`; of a pressure: times the area
   double max_speed;  // [m/s]
   double max_travel = std::numeric_limits<double>::infinity();  // [m] to either side of the start
   double gain = 0.25;                                           // [-] in (0, 1]
@@ -46,7 +46,7 @@ struct ServoForce {
 struct ServoTorque {
   Vec3d centre;     // [m] a point of the axis
   Vec3d axis;       // [-] of any length but 0
-  double torque;    // [N m] on the particles, by the right-hand rule
+  double torque;    // [N m] on the particles, of either sign, by the right-hand rule
   double max_rate;  // [rad/s]
   double max_turn = std::numeric_limits<double>::infinity();  // [rad] to either side of the start
   double gain = 0.25;                                         // [-] in (0, 1]
@@ -228,6 +228,8 @@ inline void check_drive(const WallDrive& drive) {
 inline void ServoForce::check() const {
   detail::require_direction("ServoForce.direction", direction);
   detail::require_number("ServoForce.force", force, "N");
+  require(force >= 0, "ServoForce.force = ", force,
+          " [N] must not be negative: `direction` gives the sense, turn it");
   require_positive("ServoForce.max_speed", max_speed, "m/s");
   detail::require_some("ServoForce.max_travel", max_travel, "m");
   detail::require_gain("ServoForce.gain", gain);

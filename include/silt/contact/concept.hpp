@@ -187,7 +187,8 @@ SILT_INLINE Aggregate<Real> broadcast(const Aggregate<double>& a) {
 
 /// A contact law: pure functions of one pair. Needs
 ///   struct Material                       what the user sets, equality comparable
-///   template <class Real> struct Coefficients    what the kernel needs of a pair: Reals only
+///   template <class Real> struct Coefficients    what the kernel needs of a pair: Reals only;
+///                                                static constexpr std::array names: for messages
 ///   static Coefficients<double> mix(const Material&, const Material& [, const Pair&])
 ///   static force(Contact<Real>, Coefficients<Real> [, History<Real>&])   in + - * / and the
 ///     functions of core/lanes.hpp: select() and no `if` on data, which is refused at compile time

@@ -50,9 +50,11 @@ struct RollingOf<First, Rest...> {
 ///   mixed.set_pair(glass, steel, {.restitution = 0.6, .friction = 0.3});
 ///   mixed.add(steel, "steel");                              // a name, which stands in messages
 ///
-/// Materials are told apart by their values. Without `SeveralMaterials` all particles are of the
-/// first material, and walls may be of others. Unlike materials need `set_pair` if the law has
-/// values that belong to a pair; what is missing is named when the simulation starts.
+/// Materials are told apart by their values and names: equal ones of other names are materials of
+/// their own, with other values in modules. A material by its values alone is the first equal one.
+/// Without `SeveralMaterials` all particles are of the first material, and walls may be of others.
+/// Materials of unlike values need `set_pair` if the law has values that belong to a pair; what is
+/// missing is named when the simulation starts.
 template <class LawType, class... Options>
 class Contacts {
  public:
@@ -92,12 +94,12 @@ class Contacts {
     for (const auto& m : materials) add(m);
   }
 
-  /// Index of `material`; added to the table if it is new. With `name` it has that name from now
-  /// on, unique among materials. InputError: a name that another one has, or a second name.
+  /// Index of `material`, the first of these values; added to the table if it is new. With `name`:
+  /// of the equal one of this name, else of the first equal one without a name, which gets it, else
+  /// of a new one. InputError: a name that a material of other values has.
   std::size_t add(const Material& material, std::string name = {}) {
-    std::size_t k = 0;
-    while (k < materials_.size() && !(materials_[k] == material)) ++k;
-    if (!name.empty()) check_name(name, k);
+    const std::size_t k = number_for(material, name);
+    if (!name.empty()) names().check(name, k);
     if constexpr (requires { Law::check(material); })
       detail::check_named("material", name, [&] { Law::check(material); });
     if (k == materials_.size()) add_new(material);
@@ -111,21 +113,21 @@ class Contacts {
     names_[k] = std::move(name);
   }
 
-  /// Sets what belongs to the contact of two materials, in either order.
+  /// Sets what belongs to the contact of two materials, in either order; of all that have these
+  /// values.
   template <class L = Law>
   Contacts& set_pair(const Material& a, const Material& b, const typename L::Pair& pair) {
     if constexpr (requires { Law::check(pair); }) Law::check(pair);
-    const std::size_t i = add(a), j = add(b);
-    entry(i, j).pair = entry(j, i).pair = pair;
+    for_equal(a, b, [&](Entry& e) { e.pair = pair; });
     return *this;
   }
 
-  /// Sets the rolling resistance between two materials, in either order.
+  /// Sets the rolling resistance between two materials, in either order; of all that have these
+  /// values.
   Contacts& set_rolling(const Material& a, const Material& b,
                         const RollingPair& rolling) requires has_rolling {
     Rolling::check(rolling);
-    const std::size_t i = add(a), j = add(b);
-    entry(i, j).rolling = entry(j, i).rolling = rolling;
+    for_equal(a, b, [&](Entry& e) { e.rolling = rolling; });
     return *this;
   }
 
@@ -147,8 +149,8 @@ class Contacts {
   LawCoefficients coefficients(std::size_t a, std::size_t b) const {
     if constexpr (detail::HasPairValues<Law>) {
       const auto& given = pairs_[a * materials_.size() + b].pair;
-      require(given || a == b, "materials ", a, detail::after_number(names_[a]), " and ", b,
-              detail::after_number(names_[b]),
+      require(given || materials_[a] == materials_[b], "materials ", a,
+              detail::after_number(names_[a]), " and ", b, detail::after_number(names_[b]),
               " have no pair value; call set_pair(material, material, values) on the contacts. "
               "(Materials count from 0 in the order in which the contacts and the walls got them; "
               "a wall of other values than the particles' is another material)");
@@ -178,25 +180,39 @@ class Contacts {
     std::optional<RollingPair> rolling;
   };
   Entry& entry(std::size_t i, std::size_t j) { return pairs_[i * materials_.size() + j]; }
-  void add_new(const Material& material) {
-    materials_.push_back(material), names_.emplace_back();
+  /// Calls f(entry) of each two materials of these values, which are added if they are new.
+  template <class F>
+  void for_equal(const Material& a, const Material& b, const F& f) {
+    add(a), add(b);
+    for (std::size_t i = 0; i < materials_.size(); ++i)
+      for (std::size_t j = 0; j < materials_.size(); ++j)
+        if (materials_[i] == a && materials_[j] == b) f(entry(i, j)), f(entry(j, i));
+  }
+  std::size_t number_for(const Material& material, std::string_view name) const {
     const std::size_t n = materials_.size();
+    std::size_t unnamed = n;
+    for (std::size_t k = n; k-- > 0;) {
+      if (!(materials_[k] == material)) continue;
+      if (!name.empty() && names_[k] == name) return k;
+      if (name.empty() || names_[k].empty()) unnamed = k;
+    }
+    return unnamed;
+  }
+  /// It has the pair values of the first one that is equal.
+  void add_new(const Material& material) {
+    const std::size_t last = materials_.size(), n = last + 1, like = number_for(material, {});
+    materials_.push_back(material), names_.emplace_back();
     std::vector<Entry> grown(n * n);
-    for (std::size_t a = 0; a + 1 < n; ++a)
-      for (std::size_t b = 0; b + 1 < n; ++b) grown[a * n + b] = pairs_[a * (n - 1) + b];
+    const auto old = [&](std::size_t k) { return k < last ? k : like; };
+    for (std::size_t a = 0; a < n; ++a)
+      for (std::size_t b = 0; b < n; ++b)
+        if (old(a) < last && old(b) < last) grown[a * n + b] = pairs_[old(a) * last + old(b)];
     pairs_ = std::move(grown);
   }
   auto names() const {
     return detail::Names{"material", materials_.size(),
                          [this](std::size_t k) -> const std::string& { return names_[k]; },
                          "contacts.add(material, name)"};
-  }
-  void check_name(const std::string& name, std::size_t own) const {
-    names().check(name, own);
-    if (own < materials_.size())
-      require(names_[own].empty() || names_[own] == name, material_name(own),
-              " is added again as '", name,
-              "': materials of the same values are one; give it one name, or other values");
   }
 
   std::vector<Material> materials_;

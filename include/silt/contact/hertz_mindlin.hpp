@@ -1,6 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <array>
+
 #include <silt/contact/concept.hpp>
 #include <silt/contact/formulas.hpp>
 #include <silt/contact/impact.hpp>
@@ -51,6 +53,8 @@ struct BasicHertzMindlin {
     Real normal_damping;   // [-] c_n / sqrt(S_n m*)
     Real shear_damping;    // [-] c_t / c_n
     Real friction;         // [-]
+    static constexpr std::array names{"2 E* [Pa]", "4 G*/E* [-]", "damping along the normal [-]",
+                                      "damping along the surface [-]", "friction [-]"};
   };
   template <class Real>
   struct History {

@@ -1,6 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <array>
+
 #include <silt/contact/concept.hpp>
 #include <silt/contact/formulas.hpp>
 #include <silt/contact/spring_slider.hpp>
@@ -37,6 +39,7 @@ struct BasicLinearSpring {
   struct Coefficients {
     Real stiffness;  // [N/m]
     Real damping;    // [-] c_n / sqrt(m* k_n)
+    static constexpr std::array names{"stiffness [N/m]", "damping [-]"};
   };
 
   static Pair like(const Material& m) { return {m.restitution}; }
@@ -95,6 +98,8 @@ struct BasicLinearSpringFriction {
     Real damping;      // [-] c_n / sqrt(m* k_n)
     Real shear_ratio;  // [-] k_t/k_n
     Real friction;     // [-]
+    static constexpr std::array names{"stiffness [N/m]", "damping [-]", "k_t/k_n [-]",
+                                      "friction [-]"};
   };
   template <class Real>
   struct History {

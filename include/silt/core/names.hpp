@@ -50,6 +50,19 @@ template <class Contacts>
                                                : text(" (", contacts.material_name(material), ")");
 }
 
+/// InputError: a list of `entries` values for the contacts' materials from `first` on has more than
+/// there are.
+template <class Contacts>
+[[gnu::cold]] void check_entries(const char* list, std::size_t entries, std::size_t first,
+                                 const Contacts& contacts) {
+  const std::size_t n = contacts.materials();
+  require(first + entries <= n, list, " has ", entries, entries == 1 ? " entry" : " entries",
+          first == 0 ? "" : ", of material 1 and on", ", but the contacts and walls have ", n,
+          n == 1 ? " material" : " materials",
+          ": those of equal values are one unless they have names of their own "
+          "(contacts.add(material, name)); leave out the rest, or name them");
+}
+
 /// The names of all things of one kind: what one is called ("wall"), how many there are, name(k) of
 /// each (empty: none), and which call gives one a name. Tests: tests/engine/names.cpp.
 template <class NameOf>

@@ -224,9 +224,18 @@ class CheckpointReader {
     const auto rest = [&](std::string_view whole) {
       return at < whole.size() ? in_quotes(whole.substr(at), 32) : std::string("nothing more");
     };
-    refuse("belongs to another program: it was written by ", from(signature_), ", this program is ",
-           from(expected), "; they first differ at character ", at + 1, ", where the file has ",
-           rest(signature_), " and the program ", rest(expected));
+    const std::string lacks = only_in(signature_, expected), more = only_in(expected, signature_);
+    const auto which = [&](const std::string& of, const char* who, const char* whom) {
+      return of.empty() ? std::string()
+                        : silt::text(who, " has ", of, ", which ", whom, " lacks; ");
+    };
+    const std::string policies =
+        lacks.empty() && more.empty()
+            ? silt::text("it was written by ", from(signature_), ", this program is ",
+                         from(expected), "; ")
+            : which(lacks, "the file", "this program") + which(more, "this program", "the file");
+    refuse("belongs to another program: ", policies, "they first differ at character ", at + 1,
+           ", where the file has ", rest(signature_), " and the program ", rest(expected));
   }
 
   bool has(std::string_view name) const { return find(name) != nullptr; }
@@ -270,6 +279,26 @@ class CheckpointReader {
   }
 
  private:
+  /// The parts between semicolons of a kind, their first word, that `whole` has and `other` has not,
+  /// in quotes; empty: none.
+  static std::string only_in(std::string_view whole, std::string_view other) {
+    const auto next = [](std::string_view& rest) {
+      const std::string_view part = rest.substr(0, rest.find(';'));
+      rest.remove_prefix(std::min(part.size() + 1, rest.size()));
+      return part.substr(std::min(part.find_first_not_of(' '), part.size()));
+    };
+    const auto kind = [](std::string_view part) { return part.substr(0, part.find(' ')); };
+    std::string all;
+    while (!whole.empty()) {
+      const std::string_view part = next(whole);
+      bool is_there = part.empty();
+      for (std::string_view rest = other; !rest.empty() && !is_there;)
+        is_there = kind(next(rest)) == kind(part);
+      if (!is_there) all += (all.empty() ? "" : ", ") + in_quotes(part, 120);
+    }
+    return all;
+  }
+
   struct Field {
     std::string name;
     detail::CheckpointType type;

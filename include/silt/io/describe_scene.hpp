@@ -41,6 +41,9 @@ class Describer {
   void numbered(const std::string& name, std::size_t k, std::string_view called) const {
     out_.add_numbered(aspect_, of_ + name, k, called);
   }
+  void explained(const std::string& name, double value, const std::string& meaning) const {
+    out_.add_explained(aspect_, of_ + name, value, meaning);
+  }
   Describer of(const std::string& more) const { return {out_, aspect_, of_ + more}; }
 
  private:
@@ -76,14 +79,20 @@ inline void describe(const Describer& is, const TriangleMesh& mesh) {
   is("corners of the triangles", std::span<const Vec3d>(corners));
 }
 
-/// Numbers of a plain aggregate of doubles, as laws have them for their kernels.
+/// Numbers of a plain aggregate of doubles, as laws have them for their kernels; what each is, if
+/// the aggregate has a static array `names`.
 template <class Aggregate>
 void describe_numbers(const Describer& is, const std::string& whose, const Aggregate& values) {
   if constexpr (!std::is_empty_v<Aggregate>) {
     constexpr std::size_t count = sizeof(Aggregate) / sizeof(double);
     const auto numbers = std::bit_cast<std::array<double, count>>(values);
-    for (std::size_t k = 0; k < count; ++k)
-      is(text(whose, " coefficient ", k + 1, " of ", count), numbers[k]);
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::string name = text(whose, " coefficient ", k + 1, " of ", count);
+      if constexpr (requires { Aggregate::names.size(); })
+        is.explained(name, numbers[k], Aggregate::names.at(k));
+      else
+        is(name, numbers[k]);
+    }
   }
 }
 

@@ -13,6 +13,7 @@
 
 #include <silt/io/progress_line.hpp>
 #include <silt/io/scene_warnings.hpp>
+#include <silt/io/servo_warnings.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -38,7 +39,7 @@ class ToldWarnings {
 
 struct ProgressOptions {
   std::FILE* out = stderr;
-  bool warnings = true;  // scene_warnings at the start, inlet_warnings at the end
+  bool warnings = true;  // scene_warnings at the start; of inlets and servos at the end
 };
 
 /// Shows on stderr how far the run is: on a terminal once a second, rewriting one line; else (a log
@@ -70,7 +71,7 @@ class Progress {
   template <class Sim>
   void end(const Sim& sim) {
     show(sim, true);
-    if (options_.warnings) warn(inlet_warnings(sim));
+    if (options_.warnings) warn(inlet_warnings(sim)), warn(servo_warnings(sim));
   }
 
  private:
@@ -134,7 +135,7 @@ class WarningsObserver {
   void operator()(const Sim&) {}
   template <class Sim>
   void end(const Sim& sim) {
-    told_.tell(inlet_warnings(sim), callback_);
+    told_.tell(inlet_warnings(sim), callback_), told_.tell(servo_warnings(sim), callback_);
   }
 
  private:

@@ -65,6 +65,12 @@ class SceneDescription {
     add(aspect, name, static_cast<double>(k));
     items_.back().called = after_number(called);
   }
+  /// A number whose name alone says little: sentences say `meaning` too, the file does not.
+  void add_explained(Aspect aspect, const std::string& name, double value,
+                     const std::string& meaning) {
+    add(aspect, name, value);
+    items_.back().meaning = text(" (", meaning, ")");
+  }
   void add(Aspect aspect, const std::string& name, const Vec3d& v, std::string_view unit = "m") {
     const double slack = 1e-9 * norm(v);
     add(aspect, text(name, " x [", unit, "]"), v.x, slack);
@@ -165,8 +171,9 @@ class SceneDescription {
   struct Item {
     Aspect aspect;
     std::string name, value;
-    double number, slack;  // slack < 0: words
-    std::string called{};  // behind the value in sentences
+    double number, slack;   // slack < 0: words
+    std::string called{};   // behind the value in sentences
+    std::string meaning{};  // behind the name in sentences
   };
 
   static bool is_accepted(Aspect aspect, const AcceptedChanges& accepted) {
@@ -188,7 +195,7 @@ class SceneDescription {
     if (item.name.starts_with(many_points))  // a sum that says nothing to a reader
       return text("the ", item.name.substr(many_points.size()),
                   " are others in the file than in the scene");
-    return text(item.name, " is ", shown(in_file), " in the file and ", shown(item),
+    return text(item.name, item.meaning, " is ", shown(in_file), " in the file and ", shown(item),
                 " in the scene");
   }
   static std::string shown(const Item& item) { return shown(item.value) + item.called; }

@@ -281,6 +281,19 @@ template <class Sim>
   return out;
 }
 
+namespace detail {
+
+/// Where an inlet that has placed nothing lies, if that is why; empty if not.
+template <class Sim>
+std::string why_nothing_came(const Sim& sim, const Inlet& inlet) {
+  if (inlet.placed > 0) return {};
+  if (const auto walls = walls_before(sim, inlet.bounds); !walls.empty())
+    return text("lies behind ", walls, " (a plane is infinite); move it to the other side");
+  return {};
+}
+
+}  // namespace detail
+
 /// What is odd after a run: inlets that fell short of their rate. Those that are late by no more
 /// than one insertion catch up by themselves.
 template <class Sim>
@@ -293,6 +306,11 @@ template <class Sim>
     if (waiting <= WarningLimits::waiting_share * static_cast<double>(due) ||
         waiting <= 1 + inlet.flow.rate * inlet.interval)
       continue;
+    if (const std::string why = detail::why_nothing_came(sim, inlet); !why.empty()) {
+      out.push_back(text("inlet ", k, " has placed none of the ", due,
+                         " particles that were due: ", inlet.region, " ", why));
+      continue;
+    }
     out.push_back(text("inlet ", k, " has placed ", inlet.placed, " of the ", due,
                        " particles that were due: ", inlet.flow.trials,
                        " random places in a row were occupied in ", inlet.region,

@@ -99,6 +99,7 @@ double Simulation<Policies...>::chosen_time_step() const {
           "Simulation::time_step [s]");
   require(speed > 0,
           "the time step cannot be chosen: nothing moves and there is no gravity; set "
+          "sim.gravity = {0, 0, -9.81} [m/s2] or a velocity, or where nothing is to move "
           "Simulation::time_step [s]");
   require(shortest.has_value(),
           "the time step cannot be chosen: the contact law does not say how long a contact lasts; "

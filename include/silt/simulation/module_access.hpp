@@ -46,14 +46,19 @@ class ModuleAccess {
     return sim().modules_.template get<M>();
   }
   /// What a wall has given to the particles of a module with a flux, at present and in all: heat
-  /// [W], [J]. Negative: it has taken.
+  /// [W], [J]. Negative: it has taken. M is the module, or a quantity that it has:
+  /// given_by_wall<Temperature>(wall).
   template <class M>
   WallGiven given_by_wall(const WhichWall& which) const {
-    static_assert(flows_at_walls<M>,
-                  "nothing flows from walls for this module: it has no at_wall()");
-    const std::size_t w = sim().wall_number(which);
-    const auto& all = sim().engine_.fluxes().template from_walls<M>();
-    return w < all.size() ? all[w] : WallGiven{};
+    if constexpr (FieldQuantity<M>) {
+      return given_by_wall<typename Sim::Modules::template having<typename M::Of>>(which);
+    } else {
+      static_assert(flows_at_walls<M>,
+                    "nothing flows from walls for this module: it has no at_wall()");
+      const std::size_t w = sim().wall_number(which);
+      const auto& all = sim().engine_.fluxes().template from_walls<M>();
+      return w < all.size() ? all[w] : WallGiven{};
+    }
   }
   /// What modules push particle k with at present [N].
   Vec3d module_force(std::size_t k) const {

@@ -29,7 +29,7 @@ std::size_t Simulation<Policies...>::add_wall(Surfaces surfaces,
           "both; leave one of them out");
   detail::check_drive(setup.drive);
   detail::check_fits(setup.drive, wall.extent);
-  wall.material = contacts_.add(solid);
+  wall.material = contacts_.add(solid, std::move(setup.material));
   wall.pose = wall.last_pose = wall.pose_at(time_);
   engine_.walls.push_back(std::move(wall));
   if (is_driven) this->release(k, std::move(setup.drive));
@@ -258,15 +258,17 @@ void Simulation<Policies...>::set_max_overlap(const typename ContactsType::Mater
                                               const typename ContactsType::Material& b,
                                               double limit) {
   require_positive("Simulation::set_max_overlap: limit", limit, "-");
-  const auto number = [this](const auto& solid) {
-    std::size_t k = 0;
-    while (k < contacts_.materials() && !(contacts_.material(k) == solid)) ++k;
-    require(k < contacts_.materials(), "Simulation::set_max_overlap: a material",
-            detail::leading_value(solid), " is none of the ", contacts_.materials(),
+  const auto equal = [this](const auto& solid) {
+    std::vector<std::size_t> all;
+    for (std::size_t k = 0; k < contacts_.materials(); ++k)
+      if (contacts_.material(k) == solid) all.push_back(k);
+    require(!all.empty(), "Simulation::set_max_overlap: a material", detail::leading_value(solid),
+            " is none of the ", contacts_.materials(),
             " of the contacts and the walls; give the same values, and add the wall before");
-    return k;
+    return all;
   };
-  overlap_limits_.set(number(a), number(b), limit);
+  for (const std::size_t i : equal(a))
+    for (const std::size_t j : equal(b)) overlap_limits_.set(i, j, limit);
 }
 
 template <class... Policies>

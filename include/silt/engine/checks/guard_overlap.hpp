@@ -182,6 +182,24 @@ template <class EditOf>
               "way");
 }
 
+/// The first wall whose drive presses with a load of its own, which may be more than the particles
+/// bear; empty without.
+[[gnu::cold]] inline std::string drive_words(std::span<const Wall> walls) {
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    const auto say = [&](const char* what, double load, const char* unit) {
+      return text("; ", name_of_wall(walls, w), " presses with a ", what, " of ", load, " ", unit,
+                  ", which may be more than the particles bear: lower it (a force is a pressure "
+                  "times the area)");
+    };
+    const WallDrive& drive = walls[w].drive;
+    if (!(norm(walls[w].force) > 0)) continue;
+    if (const auto* d = std::get_if<ServoForce>(&drive)) return say("ServoForce", d->force, "N");
+    if (const auto* d = std::get_if<ServoTorque>(&drive))
+      return say("ServoTorque", d->torque, "N m");
+  }
+  return {};
+}
+
 /// The overlaps of a step are above the least limit: names the contact that is above its own, if
 /// there is one.
 template <class EngineType, class Domain, class Words>
@@ -193,7 +211,7 @@ template <class EngineType, class Domain, class Words>
   if (!(c.excess > 1) && !limits.empty() && e.largest_overlap <= limits.greatest(limit)) return;
   const auto advice = [&]() -> std::string {
     if (at_start) return "; start without overlaps";
-    return text("; use a stiffer material",
+    return text(drive_words(e.walls), "; use a stiffer material",
                 words.longer() ? ", a lower speed or a smaller time step" : " or a lower speed",
                 ", or start without overlaps");
   };

@@ -25,7 +25,7 @@ struct ElectricCharge {
 /// An infinite plane that conducts and is grounded, for image charges; at rest.
 struct ConductingPlane {
   Vec3d point{0, 0, 0};   // [m]
-  Vec3d normal{0, 0, 1};  // [-] of any length, to the side of the particles
+  Vec3d normal{0, 0, 1};  // [-] of any length, to either side
 };
 
 /// Module: charges in a field, Coulomb's force between particles, image charges in planes.
@@ -41,9 +41,10 @@ struct ConductingPlane {
 /// q_i q_j/(4 pi eps0 eps_r) (1/r + r/r_c^2 - 2/r_c). What is beyond the cut-off is left out: for
 /// clouds in which charges of both signs screen each other, or few grains; how large it must be,
 /// docs/charge.md. In (3), of each grounded plane by itself, d is the distance of the centre from
-/// the plane; images of other particles, and images of images between two planes, are left out.
-/// Particles are points or spheres whose charge is spread evenly; bodies have it at their centre of
-/// mass. Charges and fields do not polarise particles.
+/// the plane and n points from the plane to it, on either side; images of other particles, and
+/// images of images between two planes, are left out. Particles are points or spheres whose charge
+/// is spread evenly; bodies have it at their centre of mass. Charges and fields do not polarise
+/// particles.
 ///
 /// Source: (2) shifted force: S.D. Stoddard, J. Ford, Phys. Rev. A 8 (1973) 1504, recalled; (3):
 ///         textbooks of electrostatics, recalled.
@@ -84,7 +85,7 @@ struct Charge {
     for (const ConductingPlane& plane : planes) {
       const Vec3d n = (1 / norm(plane.normal)) * plane.normal;
       const double d = dot(p.position - plane.point, n);
-      if (d > 0) sum -= factor() * f.charge * f.charge / (4 * d * d) * n;
+      if (d != 0) sum -= factor() * f.charge * f.charge / (4 * d * std::abs(d)) * n;
     }
     return sum;
   }
@@ -92,7 +93,7 @@ struct Charge {
   double rate(const Seen& p, const Fields& f) const {
     double stiffness = 0;
     for (const ConductingPlane& plane : planes) {
-      const double d = dot(p.position - plane.point, plane.normal) / norm(plane.normal);
+      const double d = std::abs(dot(p.position - plane.point, plane.normal)) / norm(plane.normal);
       if (d > 0) stiffness += factor() * f.charge * f.charge / (2 * d * d * d);
     }
     return std::sqrt(stiffness / p.mass);

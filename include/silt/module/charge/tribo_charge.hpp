@@ -96,6 +96,7 @@ struct TriboCharge : Charge {
     for (std::size_t k = 0; k < w.size(); ++k)
       require(std::isfinite(w[k]), "TriboCharge.work_functions[", k, "]",
               detail::after_entry(sim.contacts(), k), " = ", w[k], " [eV] must be finite");
+    detail::check_entries("TriboCharge.work_functions", w.size(), 0, sim.contacts());
     for (std::size_t k = 0; k < sim.rows(); ++k)
       if (!(sim.material(k) < w.size()))
         throw InputError(text("TriboCharge: particle ", sim.id(k), " is of ",

@@ -122,6 +122,7 @@ struct HeatConductionBy {
   void check(const Sim& sim) const {
     require(flux_every > 0, "HeatConduction.flux_every = 0 [steps] must be at least 1");
     for (std::size_t k = 0; k <= others.size(); ++k) check_material(k, sim.contacts());
+    detail::check_entries("HeatConduction.others", others.size(), 1, sim.contacts());
     require_not_negative("HeatConduction.start_temperature", start_temperature, "K");
     require(walls.size() <= sim.walls(), "HeatConduction.walls has ", walls.size(),
             " entries, but the simulation has ", sim.walls(), " walls; give one for each at most");
@@ -137,8 +138,7 @@ struct HeatConductionBy {
               sim.material_name(sim.wall(w).material),
               ", of which `others` has no conductivity; add it there (the first entry is of "
               "material 1), or let the wall be insulated()");
-    for (std::size_t a = 0; a <= others.size() && a < sim.contacts().materials(); ++a)
-      narrower(sim.contacts(), a, a);
+    for (std::size_t a = 0; a <= others.size(); ++a) narrower(sim.contacts(), a, a);
   }
 
  private:

@@ -72,6 +72,7 @@ struct MutualRadiation : Base {
       check_emissivity(
           text("MutualRadiation.others[", k, "]", detail::after_entry(sim.contacts(), k + 1)),
           surfaces.others[k]);
+    detail::check_entries("MutualRadiation.others", surfaces.others.size(), 1, sim.contacts());
     for (std::size_t k = 0; k < sim.rows(); ++k)
       if (!(sim.material(k) <= surfaces.others.size()))
         throw InputError(text(

@@ -22,8 +22,11 @@ namespace silt::inline SILT_TARGET {
 /// What contacts take from the motion, as the ledger books it, heats both ends: of unlike materials
 /// in proportion to sqrt(k c), their effusivity but for the density; what goes into a wall is gone.
 /// A spring's tangential elastic energy counts as heat while it is stored, and comes back.
-/// Tests: tests/physics/heat.cpp (heat gained is energy lost, 1e-9).
-struct FrictionHeat : HeatConduction {
+/// It may stand around or inside Heat and MutualRadiation: all orders are the same physics.
+/// Tests: tests/physics/heat.cpp (heat gained is energy lost, 1e-9; around Heat), radiation.cpp.
+template <class Base = HeatConduction>
+struct FrictionHeat : Base {
+  explicit FrictionHeat(Base base = {}) : Base(std::move(base)) {}
   template <class P>
   double share_of_loss(const P& p) const {
     return p.share;
@@ -132,7 +135,8 @@ concept HeatedByFluid = requires(const P& part, const Seen& p, const HeatedFluid
   { part.conductance(p, f) } -> std::convertible_to<double>;
 };
 
-/// Module: conduction (HeatConduction, or FrictionHeat) with what surrounds the particles.
+/// Module: conduction (HeatConduction, FrictionHeat or MutualRadiation) with what surrounds the
+/// particles.
 ///
 ///   silt::Heat{silt::HeatConduction{.conductivity = 1.1, .heat_capacity = 840},
 ///              silt::Convection<silt::Gunn>{.temperature = 500, .voidage = 0.4},
@@ -162,8 +166,9 @@ struct Heat : Base {
   }
   /// [W/K] with the fluid.
   double conductance(const Seen& p, const HeatedFluid& f) const
-      requires(HeatedByFluid<Parts> || ...) {
+      requires(HeatedByFluid<Base> || ... || HeatedByFluid<Parts>) {
     double sum = 0;
+    if constexpr (HeatedByFluid<Base>) sum += Base::conductance(p, f);
     const auto add = [&](const auto& part) {
       if constexpr (HeatedByFluid<std::decay_t<decltype(part)>>) sum += part.conductance(p, f);
     };
