@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # silt - BSD-3-Clause, see LICENSE
 """units_apart.py PROGRAM PLAIN_OBJECT AVX_OBJECT: PROGRAM is linked from both objects, the plain one
-first. The objects must share no function of silt but the destructors and type names of its errors, which
+first. The objects must share no function of silt but the destructors and type information of its errors, which
 must be without AVX in both; and what PLAIN_OBJECT defines must hold no
 instruction beyond SSE2 in PROGRAM: there the linker has chosen among functions of the same name."""
 import re
@@ -35,8 +35,9 @@ def with_avx(file):
     return found
 
 
-# core/error_types.hpp: one type in all units, so that its plain name is shown and any unit catches it.
-ERROR = re.compile(r"_Z(N|T[VIS]N?|TIN?)4silt\d+(Error|InputError|FileError|SimulationError|FlowStepError)"
+# core/error_types.hpp: one type in all units, so that its plain name is shown and any unit catches it. What
+# catches one refers to its type by a pointer of its own (DW.ref.), which is data.
+ERROR = re.compile(r"(DW\.ref\.)?_Z(N|T[VIS]N?|TIN?)4silt\d+(Error|InputError|FileError|SimulationError|FlowStepError)"
                    r"(D[0-2]Ev|E)$")
 
 program, plain, avx = sys.argv[1:]
