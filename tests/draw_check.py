@@ -238,5 +238,21 @@ with tempfile.TemporaryDirectory() as folder:
     refused("a column and a number", "cells", path, "--value", "speed", "--least", "speed",
             "--out", os.path.join(folder, "x.png"))
 
+# Catches numbers at a colour bar that run into each other, as 0.0025 0.0050 0.0075 did.
+figure = draw.plt.figure(figsize=(4, 1))
+bar = figure.colorbar(draw.ScalarMappable(draw.Normalize(0, 0.02)), orientation="horizontal",
+                      cax=figure.add_axes([0.05, 0.6, 0.9, 0.2]))
+
+
+def labels():
+    figure.canvas.draw()
+    boxes = [one.get_window_extent() for one in bar.ax.get_xticklabels() if one.get_text()]
+    return len(boxes), all(a.x1 < b.x0 for a, b in zip(boxes, boxes[1:]))
+
+
+check(not labels()[1], "the colour bar's numbers were to run into each other before")
+draw.tick_apart(bar, figure)
+check(labels()[0] >= 3 and labels()[1], f"numbers at a colour bar: {labels()}")
+
 print(f"draw.py: {failed} problems")
 sys.exit(1 if failed else 0)

@@ -33,7 +33,7 @@ from matplotlib.cm import ScalarMappable  # noqa: E402
 from matplotlib.collections import LineCollection  # noqa: E402
 from matplotlib.colors import ListedColormap, Normalize, to_rgb  # noqa: E402
 from matplotlib.lines import Line2D  # noqa: E402
-from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator  # noqa: E402
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator  # noqa: E402
 
 # Okabe and Ito's colours, which the colour-blind can tell apart.
 COLOURS = ["#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#555555"]
@@ -406,7 +406,20 @@ class ColourScale:
                                   orientation="horizontal", extend=self.extend)
             bar.set_label(self.label, fontsize=11)
             bar.ax.tick_params(labelsize=10)
+            tick_apart(bar, figure)
             bar.outline.set_linewidth(0.5)
+
+
+def tick_apart(bar, figure):
+    """As many numbers at a horizontal colour bar as leave a gap between each other."""
+    for most in (8, 6, 5, 4, 3, 2):
+        bar.locator = MaxNLocator(most)
+        bar.update_ticks()
+        figure.canvas.draw()
+        boxes = [label.get_window_extent() for label in bar.ax.get_xticklabels() if label.get_text()]
+        gap = 0.5 * max((box.height for box in boxes), default=0)
+        if all(a.x1 + gap < b.x0 for a, b in zip(boxes, boxes[1:])):
+            return
 
 
 def parse_numbers(option, words, count):
@@ -641,6 +654,7 @@ def draw_cells(options):
                           cax=figure.add_axes(sheet.box(max((sheet.width - width) / 2, 2.2), 0.50,
                                                         width, 0.14)))
     bar.set_label(fields[0][0], fontsize=11)
+    tick_apart(bar, figure)
     save(figure, options.out)
 
 
@@ -706,6 +720,7 @@ def draw_chains(options):
                           cax=figure.add_axes(sheet.box(max((sheet.width - width) / 2, 2.2), 0.50,
                                                         width, 0.14)))
     bar.set_label("normal force [N]", fontsize=11)
+    tick_apart(bar, figure)
     save(figure, options.out)
 
 
