@@ -34,8 +34,8 @@ bool check_wall_contacts(const CheckpointLoader& a, const typename Contacts::Sta
       a.need(c.facet_count <= facets.size() && c.facets <= facets.size() - c.facet_count, name, "[",
              k, "] has its facets at ", c.facets, " to ", std::uint64_t{c.facets} + c.facet_count,
              " of ", facets.size());
-      a.need(c.image == 0 || (Contacts::repeats && std::abs(c.image) < image_limit), name,
-             "_images[", k, "] = ", c.image, " cannot be");
+      a.need(c.image == 0 || (Contacts::repeats && -image_limit < c.image && c.image < image_limit),
+             name, "_images[", k, "] = ", c.image, " cannot be");
       if (surfaces.empty() || forgotten) continue;
       a.need(c.image == 0 || !std::holds_alternative<Plane>(surfaces[c.surface]), name, "_images[",
              k, "] = ", c.image, ", but planes do not repeat");
