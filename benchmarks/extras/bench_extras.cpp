@@ -130,12 +130,13 @@ class Report {
   }
   /// The heat of all particles is what it was: what one got another lost.
   template <class Sim>
-  void check_heat(const std::string& name, Sim& sim, double before) {
+  void check_heat(const std::string& name, Sim& sim, const std::pair<double, double>& before) {
     const auto [sum, spread] = temperatures(sim);
-    summary_.check_within(key(name) + "_heat_after_over_before", sum / before, 1, 1e-12,
+    summary_.check_within(key(name) + "_heat_after_over_before", sum / before.first, 1, 1e-12,
                           "sums of 10 000 fluxes a particle, each to rounding");
-    // Uniform between 300 and 400 K at first: 28.9 K.
-    summary_.check_at_most(key(name) + "_standard_deviation_k", spread, 28);
+    // Some 0.1 K in 16 ms: heat that does not flow leaves it as it was.
+    summary_.check_at_most(key(name) + "_spread_of_temperatures_after_over_before",
+                           spread / before.second, 1 - 1e-5);
   }
   /// Mass times temperature of all [kg K], and the temperatures' standard deviation [K].
   template <class Sim>
@@ -179,7 +180,9 @@ void Report::events() {
     auto richer = bed(silt::ContactEvents{});
     double lost = 0;
     auto ends = silt::on_contact_end([&](const silt::ContactEvent& c) { lost += c.lost_energy; });
-    row_of_watcher("contact events", compare(plain, richer, rounds_, ends));
+    // Not held to the same bits: docs/limits.md, Contact events.
+    row("contact events", compare(plain, richer, rounds_, ends));
+    summary_.check_at_least(key("energy lost in contacts that ended"), lost, 1e-15);
   }
   auto again = bed();
   auto booked = bed(silt::EnergyLedger{});
@@ -192,7 +195,7 @@ void Report::heat() {
   {
     auto plain = bed();
     auto richer = warm_bed(conduction);
-    const double before = temperatures(richer).first;
+    const auto before = temperatures(richer);
     row_of_watcher("heat conduction", compare(plain, richer, rounds_));
     check_heat("heat conduction", richer, before);
   }
@@ -201,7 +204,7 @@ void Report::heat() {
     auto often = conduction;
     often.flux_every = 1;
     auto richer = warm_bed(often);
-    const double before = temperatures(richer).first;
+    const auto before = temperatures(richer);
     row_of_watcher("heat conduction asked in each step", compare(plain, richer, rounds_));
     check_heat("heat conduction asked in each step", richer, before);
   }
