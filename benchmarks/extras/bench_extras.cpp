@@ -180,8 +180,7 @@ void Report::events() {
     auto richer = bed(silt::ContactEvents{});
     double lost = 0;
     auto ends = silt::on_contact_end([&](const silt::ContactEvent& c) { lost += c.lost_energy; });
-    // Not held to the same bits: docs/limits.md, Contact events.
-    row("contact events", compare(plain, richer, rounds_, ends));
+    row_of_watcher("contact events", compare(plain, richer, rounds_, ends));
     summary_.check_at_least(key("energy lost in contacts that ended"), lost, 1e-15);
   }
   auto again = bed();

@@ -112,11 +112,15 @@ SILT_INLINE void take_apart(__m256 v, auto& a, auto& b) {
 }
 #endif
 #if defined(__AVX512F__)
+// _mm512_unpacklo_pd(a, b), which g++ 12.2 may compile as if b were a: its pattern for vunpcklpd
+// has vmovddup as another form, which its register allocator takes where b is a known 0. Masses
+// changed by it: tests/compile/same_motion.cpp.
+SILT_INLINE __m512d even_of(__m512d a, __m512d b) { return _mm512_mask_movedup_pd(a, 0xaa, b); }
 SILT_INLINE void turn(__m512d (&v)[4]) {
   const __m512i low = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
   const __m512i high = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
-  const __m512d even01 = _mm512_unpacklo_pd(v[0], v[1]), odd01 = _mm512_unpackhi_pd(v[0], v[1]);
-  const __m512d even23 = _mm512_unpacklo_pd(v[2], v[3]), odd23 = _mm512_unpackhi_pd(v[2], v[3]);
+  const __m512d even01 = even_of(v[0], v[1]), odd01 = _mm512_unpackhi_pd(v[0], v[1]);
+  const __m512d even23 = even_of(v[2], v[3]), odd23 = _mm512_unpackhi_pd(v[2], v[3]);
   v[0] = _mm512_permutex2var_pd(even01, low, even23);
   v[1] = _mm512_permutex2var_pd(odd01, low, odd23);
   v[2] = _mm512_permutex2var_pd(even01, high, even23);
