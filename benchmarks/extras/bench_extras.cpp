@@ -134,9 +134,10 @@ class Report {
     const auto [sum, spread] = temperatures(sim);
     summary_.check_within(key(name) + "_heat_after_over_before", sum / before.first, 1, 1e-12,
                           "sums of 10 000 fluxes a particle, each to rounding");
-    // Some 0.1 K in 16 ms: heat that does not flow leaves it as it was.
+    // 1.5e-7 less in 800 steps, as grains made soft touch in small real circles; 0 if nothing
+    // flows.
     summary_.check_at_most(key(name) + "_spread_of_temperatures_after_over_before",
-                           spread / before.second, 1 - 1e-5);
+                           spread / before.second, 1 - 5e-8);
   }
   /// Mass times temperature of all [kg K], and the temperatures' standard deviation [K].
   template <class Sim>
