@@ -27,6 +27,7 @@
 #include <silt/coupling/drag/laws.hpp>
 #include <silt/coupling/drag/oriented.hpp>
 #include <silt/coupling/formulas.hpp>
+#include <silt/io/flow_observers.hpp>
 #include <silt/shape/super_ellipsoid.hpp>
 #include <silt/silt.hpp>
 
@@ -440,13 +441,21 @@ int simulate(const Scene& s, const example::Options& options) {
     write_picture(name + ".vtp", sim), bed.write_voidage(name + ".csv");
     pictures.push_back(name + ".vtp"), maps.push_back(name + ".csv"), titles.push_back(title);
   };
+  // What gauges in a side wall would read as bubbles pass, and the mean of the voidage.
+  const double floor = 0.5 * s.cell;
+  auto gauges = silt::pressure_taps(options.out + "/taps.csv",
+                                    {{"floor", {0, 0, floor}, 2},
+                                     {"middle", {0, 0, 0.5 * loose}, 2},
+                                     {"above", {0, 0, 0.9 * s.high * s.cell}, 2}},
+                                    silt::every(1e-3));
+  auto average = silt::flow_average(options.out, silt::every(5e-4));
   snapshot("at rest");
   const double begun = sim.time();
   bed.blow(s.bubbling * measured, 0.25 * s.blowing, series);
   Means bubbling;
   double highest = 0;  // [m]
   for (int k = 0; k < 3; ++k) {
-    bubbling.go_on(bed.measure(0.25 * s.blowing, series));
+    bubbling.go_on(bed.measure(0.25 * s.blowing, series, gauges, average));
     highest = std::max(highest, bed.top());
     char title[40];
     std::snprintf(title, sizeof title, "%.2f s", sim.time() - begun);
@@ -533,6 +542,12 @@ int simulate(const Scene& s, const example::Options& options) {
            silt::text("weight of the bed over its area:0,", s.weight()), "--title",
            silt::text("minimum fluidisation at ", std::round(1e3 * measured) / 1e3, " m/s"),
            "--out", options.out + "/pressure_drop.png"}) &&
+      example::draw({"curves", options.out + "/taps.csv", "--x", "time", "--y",
+                     "drop from floor to middle,drop from middle to above", "--y-label",
+                     "pressure drop [Pa]", "--title", "Between gauges, as bubbles pass", "--out",
+                     options.out + "/taps.png"}) &&
+      example::draw({"cells", options.out + "/mean_flow.csv", "--value", "mean voidage", "--title",
+                     "mean", "--out", options.out + "/mean_voidage.png"}) &&
       example::draw(grains) && example::draw(gas);
   std::printf(
       "\nMinimum fluidisation at %.3f m/s; by %s %.3f m/s of the bed's layers as the kernel blurs "
@@ -543,13 +558,14 @@ int simulate(const Scene& s, const example::Options& options) {
       bubbling.height / loose);
   summary.print_checks();
   const auto named = [&](const char* file) { return options.out + "/" + file; };
-  std::printf("Look at: %s%s (ParaView), %s, %s; %.0f s\n",
-              drawn ? (named("pressure_drop.png") + ", " + named("bed.png") + ", " +
-                       named("voidage.png") + ", ")
-                          .c_str()
-                    : "",
-              named("vtk").c_str(), named("pressure_drop.csv").c_str(),
-              named("summary.json").c_str(), watch.seconds());
+  std::printf(
+      "Look at: %s%s (ParaView), %s, %s; %.0f s\n",
+      drawn ? (named("pressure_drop.png") + ", " + named("bed.png") + ", " + named("voidage.png") +
+               ", " + named("mean_voidage.png") + ", " + named("taps.png") + ", ")
+                  .c_str()
+            : "",
+      named("vtk").c_str(), named("pressure_drop.csv").c_str(), named("summary.json").c_str(),
+      watch.seconds());
   return summary.all_hold() ? 0 : 1;
 }
 

@@ -1,26 +1,65 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <new>
 #include <vector>
+
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
 
 #include <silt/core/target.hpp>
 
 namespace silt::inline SILT_TARGET {
 
-/// Memory on cache-line boundaries, so that rows and packs of lanes never straddle two lines.
+namespace detail {
+
+/// [B] Arrays that all began at the same place of a page would meet in the same sets of a cache.
+inline std::size_t next_shift() {
+  static std::atomic<std::size_t> count{0};
+  return 320 * (count.fetch_add(1, std::memory_order_relaxed) % 12);
+}
+
+}  // namespace detail
+
+/// Memory on cache-line boundaries, so that rows and packs of lanes never straddle two lines. Large
+/// pieces are asked for in huge pages (Linux, where /sys/kernel/mm/transparent_hugepage/enabled
+/// says "madvise" or "always"): particles are looked up from all over their arrays, and with pages
+/// of 4 KiB most of these lookups would wait for the page tables too.
 template <class T>
-struct CacheAligned {
+class CacheAligned {
+ public:
   using value_type = T;
-  static constexpr std::align_val_t alignment{64};
 
   CacheAligned() = default;
   template <class U>
   CacheAligned(const CacheAligned<U>&) {}  // NOLINT: allocators convert
-  T* allocate(std::size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), alignment)); }
-  void deallocate(T* p, std::size_t) { ::operator delete(p, alignment); }
+
+  T* allocate(std::size_t n) {
+    const std::size_t bytes = n * sizeof(T);
+    if (bytes < large) return static_cast<T*>(::operator new(bytes, line));
+    const std::size_t shift = detail::next_shift();
+    const auto base =
+        static_cast<std::byte*>(::operator new (bytes + shift, std::align_val_t{page}));
+#if defined(MADV_HUGEPAGE)
+    // A hint: where it is refused, pages are small.
+    static_cast<void>(madvise(base, (bytes + shift) / page * page, MADV_HUGEPAGE));
+#endif
+    return reinterpret_cast<T*>(base + shift);
+  }
+  void deallocate(T* p, std::size_t n) {
+    if (n * sizeof(T) < large) return ::operator delete(p, line);
+    const auto address = reinterpret_cast<std::uintptr_t>(p);
+    ::operator delete (reinterpret_cast<void*>(address - address % page), std::align_val_t{page});
+  }
   friend bool operator==(CacheAligned, CacheAligned) { return true; }
+
+ private:
+  static constexpr std::align_val_t line{64};
+  static constexpr std::size_t page = 2 << 20, large = 4 << 20;  // [B]
 };
 
 template <class T>

@@ -73,12 +73,7 @@ class FailureScene {
     else
       write_spheres(path, shown);
   }
-  void write_walls(const std::string& path) const {
-    const auto walls = wall_triangles(sim_, around_);
-    VtkFields fields;
-    fields.add("wall", walls.wall);
-    write_vtp_triangles(path, walls.points, walls.triangles, fields);
-  }
+  void write_walls(const std::string& path) const { silt::write_walls(path, sim_, around_); }
   bool has_walls() const { return sim_.walls() > 0 && around_.min.x <= around_.max.x; }
   std::size_t contacts() const { return contacts_.size(); }
   /// Whether all of the state is numbers, so that a checkpoint of it can be loaded.

@@ -236,6 +236,23 @@ void write_particles(const std::string& file, const Sim& sim) {
   write_particles(file, sim, [](const auto&, auto&, const auto&) {});
 }
 
+namespace detail {
+
+/// What the particles of a simulation occupy [m].
+template <class Sim>
+Box occupied(const Sim& sim) {
+  Box around;
+  double largest = 0;  // [m]
+  for (std::size_t k = 0; k < sim.rows(); ++k)
+    if (sim.is_present(k)) {
+      around.include(sim.position(k));
+      largest = std::max(largest, sim.radius(k));
+    }
+  return around.grown(largest);
+}
+
+}  // namespace detail
+
 /// Triangles that show a wall where it is now; planes only within `around`.
 struct WallTriangles {
   std::vector<Vec3d> points;  // [m]
@@ -262,6 +279,25 @@ WallTriangles wall_triangles(const Sim& sim, const Box& around) {
           out.triangles.push_back({first + t[0], first + t[1], first + t[2]});
       });
   return out;
+}
+
+/// Writes triangles that show the walls where they are, with their numbers as the field `wall`;
+/// planes only within `around`, which is what the particles occupy unless it is given. InputError
+/// where there is nothing to write.
+template <class Sim>
+void write_walls(const std::string& file, const Sim& sim, const Box& around) {
+  require(sim.walls() > 0, "write_walls: the simulation has no walls; add one, or leave this out");
+  const WallTriangles walls = wall_triangles(sim, around);
+  VtkFields fields;
+  fields.add("wall", walls.wall);
+  write_vtp_triangles(file, walls.points, walls.triangles, fields);
+}
+template <class Sim>
+void write_walls(const std::string& file, const Sim& sim) {
+  require(sim.size() > 0,
+          "write_walls: no particles that tell how far to draw planes; give a box as "
+          "the third argument");
+  write_walls(file, sim, detail::occupied(sim));
 }
 
 /// Writes `folder/particles.pvd` and `folder/walls.pvd`, each a time series that ParaView opens; of
@@ -297,14 +333,6 @@ class VtkSeriesObserver {
   }
   template <class Sim>
   void operator()(const Sim& sim) {
-    Box around;
-    double largest = 0;  // [m]
-    for (std::size_t k = 0; k < sim.rows(); ++k)
-      if (sim.is_present(k)) {
-        around.include(sim.position(k));
-        largest = std::max(largest, sim.radius(k));
-      }
-    if (sim.size() > 0) around = around.grown(largest);
     const auto number = std::to_string(sim.step());
     const auto file = [&](const char* name, const char* kind = ".vtp") {
       return text(name, '_', std::string(9 - std::min<std::size_t>(9, number.size()), '0'), number,
@@ -325,10 +353,7 @@ class VtkSeriesObserver {
       flow_->add(sim.time(), name);
     }
     if (sim.size() > 0 && sim.walls() > 0) {
-      const auto w = wall_triangles(sim, around);
-      VtkFields fields;
-      fields.add("wall", w.wall);
-      write_vtp_triangles(text(folder_, '/', file("walls")), w.points, w.triangles, fields);
+      write_walls(text(folder_, '/', file("walls")), sim);
       walls_->add(sim.time(), file("walls"));
     }
     schedule_.mark(sim);
