@@ -80,12 +80,7 @@ EnergyBalance Simulation<Policies...>::balance() const {
 
 template <class... Policies>
 typename Simulation<Policies...>::Kinetic Simulation<Policies...>::kinetic(std::size_t k) const {
-  const double m = mass(k);
-  Vec3d v = velocity(k);
-  if constexpr (detail::deforms<Domain>) v -= domain_.flow_at(position(k));
-  Kinetic part{0.5 * m * dot(v, v), 0};
-  if constexpr (rotates) part.rotation = engine_.owner(k).rotational_energy(angular_velocity(k));
-  return part;
+  return {this->translational_energy(k), this->rotational_energy(k)};
 }
 
 /// Refuses particles that do not fit into the scene. `check` is that of the shape.
