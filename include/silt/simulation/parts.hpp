@@ -230,6 +230,7 @@ void Simulation<Policies...>::prepare() {
   if (step_ > 0 || kicked_) detail::check_given(engine_, gravity, step_, time_);
   prepare_fluid();
   engine_.set_threads(threads);
+  this->check_pairs();
   modules_.check(*this);
   engine_.set_coefficients(contacts_);
   engine_.set_flux_coefficients(modules_, contacts_);
