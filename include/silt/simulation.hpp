@@ -159,8 +159,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   std::vector<std::size_t> add(const ParticlesType& more);
   /// Deforms the box from the next step on as `how` says (DeformingBox).
   void deform(const Deformation& how) requires(detail::deforms<Domain>) {
-    domain_.deform(how);
-    scene_changed_ = true;
+    detail::refuse_tension<typename ContactsType::Law>(how);
+    domain_.deform(how), scene_changed_ = true;
   }
   /// Adds what an inlet has placed.
   void insert(const std::vector<PlacedSphere>& spheres, const std::vector<std::size_t>& kinds,

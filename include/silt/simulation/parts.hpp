@@ -204,13 +204,9 @@ void Simulation<Policies...>::prepare() {
           " [-] must be less than 1 together where there are meshes: a "
           "particle could come out behind one unseen (guard.through_meshes = true lets them)");
     }
-  for (const auto& inlet : openings_.inlets())
-    for (std::size_t k = 0; k < inlet.flow.kinds(); ++k)
-      require(inlet.flow.kind(k).material < contacts_.materials(),
-              k == 0 ? "InletFlow" : "InletShare", ".material = ", inlet.flow.kind(k).material,
-              " is not in the table of ", contacts_.materials(),
-              " materials; add it to the contacts first");
+  this->check_inlets();
   if constexpr (detail::deforms<Domain>) {
+    detail::refuse_tension<typename ContactsType::Law>(domain_.deformation());
     require(!engine_.particles.some_fixed,
             "DeformingBox: a fixed particle cannot follow it; leave Particle.fixed out");
     require(!has_ledger || dot(gravity, gravity) == 0,
