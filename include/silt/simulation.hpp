@@ -198,12 +198,11 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
         record_contacts_ = (stop && keep_contacts) ||
                            (detail::reads_contacts(observers, *this, keep_contacts) || ...);
         advance(stop || (detail::is_due(observers, *this) || ...));
-        if constexpr (has_events) (detail::tell(observers, engine_.events), ...);
+        if constexpr (has_events) detail::tell_all(*this, engine_.events, observers...);
       }
       if (kicked_ && sizeof...(Observers) > 0) {
         [[maybe_unused]] const bool again = std::exchange(observed_, true);
-        (detail::observe(observers, *this, again, false), ...);
-        (detail::observe(observers, *this, again, true), ...);
+        detail::observe_all(*this, again, observers...);
         detail::check_given(engine_, gravity, step_, time_);
       }
       if (stop) break;
