@@ -226,8 +226,8 @@ void Simulation<Policies...>::prepare() {
   if (step_ > 0 || kicked_) detail::check_given(engine_, gravity, step_, time_);
   prepare_fluid();
   engine_.set_threads(threads);
-  this->check_pairs();
   modules_.check(*this);
+  this->check_pairs();
   engine_.set_coefficients(contacts_);
   engine_.set_flux_coefficients(modules_, contacts_);
   modules_.look_near(engine_, domain_, time_, true, true);
