@@ -121,8 +121,8 @@ void observe(O& observer, Sim& sim, bool again, bool last, std::size_t number, s
   }
 }
 template <class Sim, class... Observers>
-void observe_all(Sim& sim, bool again, Observers&... observers) {
-  for (const bool last : {false, true}) {
+void observe_all([[maybe_unused]] Sim& sim, [[maybe_unused]] bool again, Observers&... observers) {
+  for ([[maybe_unused]] const bool last : {false, true}) {
     [[maybe_unused]] std::size_t number = 0;
     (observe(observers, sim, again, last, ++number, sizeof...(Observers)), ...);
   }
@@ -134,7 +134,7 @@ bool wants_events([[maybe_unused]] const O& observer) {
 template <class Sim, class Log, class... Observers>
 void tell_all([[maybe_unused]] const Sim& sim, const Log& log, const Observers&... observers) {
   [[maybe_unused]] std::size_t number = 0;
-  const auto tell = [&](const auto& observer) {
+  [[maybe_unused]] const auto tell = [&](const auto& observer) {
     ++number;
     if constexpr (requires { observer.tell(log); }) try {
         observer.tell(log);
