@@ -254,5 +254,78 @@ check(not labels()[1], "the colour bar's numbers were to run into each other bef
 draw.tick_apart(bar, figure)
 check(labels()[0] >= 3 and labels()[1], f"numbers at a colour bar: {labels()}")
 
+# A colour bar beside a scale bar: catches numbers that run into it or out of the picture, and a
+# common factor under the label. Narrow panels, long numbers, tiny values, a long label.
+with tempfile.TemporaryDirectory() as folder:
+    kept = []
+    draw.save, save = (lambda figure, path: kept.append(figure)), draw.save
+    for low, high, name in ((0, 1e-6, "stress of the contacts over that of the kinetic part [Pa]"),
+                            (292.951, 292.964, "temperature [K]"), (-1.5e7, 2.5e7, "p [Pa]"),
+                            (-0.00051, -0.00012, "v [m/s]")):
+        for across, up in ((3, 3), (2, 40), (60, 3)):
+            path = os.path.join(folder, "cells.csv")
+            with open(path, "w") as file:
+                file.write(f"x [m],z [m],{name}\n")
+                for k in range(across * up):
+                    part = k / (across * up - 1)
+                    file.write(f"{1e-3 * (k % across)},{1e-3 * (k // across)},"
+                               f"{low + part * (high - low)!r}\n")
+            draw.draw_cells(draw.parse(["cells", path, "--value", name, "--out", "none"]))
+            figure = kept.pop()
+            figure.canvas.draw()
+            boxes = [axes.get_tightbbox(figure.canvas.get_renderer()) for axes in figure.axes]
+            words = f"{name}, {across} x {up} cells"
+            check(not any(a.overlaps(b) for k, a in enumerate(boxes) for b in boxes[:k]),
+                  f"parts of a picture overlap: {words}")
+            check(boxes[-1].x1 <= figure.bbox.x1 and boxes[-1].x0 >= 0,
+                  f"a colour bar's numbers leave the picture: {words}")
+            check(not figure.axes[-1].xaxis.get_offset_text().get_visible() or
+                  not figure.axes[-1].xaxis.get_offset_text().get_text(), f"a factor: {words}")
+
+    # Curves of several files: catches rows of one file over the other's x, colours that say nothing,
+    # and units that are mixed.
+    def table(words, *rows):
+        path = os.path.join(folder, words[0])
+        os.makedirs(os.path.dirname(path), exist_ok=True)
+        with open(path, "w") as file:
+            file.write("\n".join([words[1], *(",".join(map(str, row)) for row in rows)]) + "\n")
+        return path
+
+    a = table(("loose/energy.csv", "time [s],kinetic [J],heat [J],T [K]"), (0, 3, 1, 300), (1, 2, 2, 301))
+    b = table(("dense/energy.csv", "time [s],kinetic [J],heat [J],T [K]"), (0, 5, 0, 300), (3, 4, 1, 310),
+              (4, 3, 2, 320))
+    ms = table(("c.csv", "time [ms],kinetic [J]"), (0, 1), (1, 2))
+
+    def lines(*arguments):
+        draw.draw_curves(draw.parse(["curves", *arguments, "--out", "none"]))
+        return [[(one.get_label(), one.get_color(), one.get_linestyle(), one.get_xydata().tolist())
+                 for one in panel.lines] for panel in kept.pop().axes]
+
+    [[of_a, of_b]] = lines(a, b, "--x", "time", "--y", "kinetic")
+    check(of_a[0] == "loose" and of_b[0] == "dense" and of_a[1] != of_b[1], f"legend: {of_a}, {of_b}")
+    check(of_a[3] == [[0, 3], [1, 2]] and of_b[3] == [[0, 5], [3, 4], [4, 3]], "values of two files")
+    first, second = lines(a, b, "--x", "time", "--y", "kinetic,heat,T", "--labels", "wet", "dry")
+    check([one[0] for one in first] == ["wet: kinetic", "wet: heat", "dry: kinetic", "dry: heat"] and
+          [one[0] for one in second] == ["wet", "dry"], f"legend: {first}")
+    check(first[0][1] == first[1][1] == second[0][1] != first[2][1] and first[0][2] != first[1][2],
+          "a colour a file, a style a column")
+    # A legend that hides a curve: in a picture full of lines it stands above.
+    full = table(("full.csv", "x,a,b,c"), *[(k, k % 2, 1 - k % 2, 0.5) for k in range(60)])
+    draw.draw_curves(draw.parse(["curves", full, "--x", "x", "--y", "a,b,c", "--out", "none"]))
+    [panel] = kept[-1].axes
+    kept.pop().canvas.draw()
+    check(panel.get_legend().get_window_extent().y0 >= panel.bbox.y1, "a legend hides curves")
+    [alone] = lines(a, "--x", "time", "--y", "kinetic,heat")
+    check([one[0] for one in alone] == ["kinetic", "heat"] and alone[0][1] != alone[1][1] and
+          alone[0][2] == alone[1][2] == "-", "one file: a colour a column, as before")
+    check(draw.file_words(["a/x_1.csv", "b/y.csv"]) == ["x 1", "y"], "files of different names")
+    draw.save = save
+    out = os.path.join(folder, "x.png")
+    refused("has 'time [ms]' where file", "curves", a, ms, "--x", "time", "--y", "kinetic", "--out", out)
+    refused(f"file '{ms}' has no column 'heat'", "curves", a, ms, "--x", "time", "--y", "heat", "--out", out)
+    refused("1 labels for 2 files", "curves", a, b, "--x", "time", "--y", "heat", "--labels", "q", "--out", out)
+    done = run("curves", a, b, "--x", "time", "--y", "kinetic,T", "--out", out)
+    check(done.returncode == 0 and os.path.getsize(out) > 1000, f"draw.py curves: {done.stderr}")
+
 print(f"draw.py: {failed} problems")
 sys.exit(1 if failed else 0)

@@ -45,11 +45,7 @@ int main() {
       silt::table("drum/energy.csv", {"time [s]", "kinetic energy [J]", "force on the floor [N]"},
                   silt::every(0.005),
                   [floor](const auto& s) {
-                    double energy = 0;
-                    for (std::size_t k = 0; k < s.rows(); ++k)
-                      if (s.is_present(k))
-                        energy += 0.5 * s.mass(k) * dot(s.velocity(k), s.velocity(k));
-                    return std::array<double, 3>{s.time(), energy, s.wall(floor).force.z};
+                    return std::array{s.time(), s.kinetic_energy(), s.wall(floor).force.z};
                   }),
       silt::checkpoints("drum/checkpoint.silt", silt::every(0.05)),
       silt::on_warnings([&odd](const std::string& sentence) { odd.push_back(sentence); }));

@@ -5,6 +5,7 @@
   draw.py spheres early.vtp late.vtp --out flow.png --colour velocity --view front --cut y=0.05
   draw.py spheres surfaces.vtp --out shapes.png --colour form
   draw.py curves energy.csv --x time --y kinetic,potential --out energy.png
+  draw.py curves loose/energy.csv dense/energy.csv --x time --y kinetic --out both.png
   draw.py cells early.csv late.csv --value voidage --out voidage.png
   draw.py chains contacts.vtp --slab y=0.04,0.06 --out chains.png
 
@@ -33,7 +34,8 @@ from matplotlib.cm import ScalarMappable  # noqa: E402
 from matplotlib.collections import LineCollection  # noqa: E402
 from matplotlib.colors import ListedColormap, Normalize, to_rgb  # noqa: E402
 from matplotlib.lines import Line2D  # noqa: E402
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator  # noqa: E402
+from matplotlib.ticker import (FuncFormatter, LogLocator, MaxNLocator, NullLocator,  # noqa: E402
+                               ScalarFormatter)
 
 # Okabe and Ito's colours, which the colour-blind can tell apart.
 COLOURS = ["#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#555555"]
@@ -398,16 +400,50 @@ class ColourScale:
             words = self.names or {kind: f"{kind:g}" for kind in self.kinds}
             marks = [Line2D([], [], ls="", marker="o", ms=9, color=COLOURS[k], label=words[kind])
                      for k, kind in enumerate(self.kinds)]
-            axes.legend(handles=marks, title=word if self.names is None else None, loc="center",
-                        ncol=len(marks), frameon=False, fontsize=11, title_fontsize=11,
-                        handletextpad=0.2, columnspacing=1.2)
+            for columns in range(len(marks), 0, -1):  # as many side by side as there is room for
+                legend = axes.legend(handles=marks, title=word if self.names is None else None,
+                                     loc="center", ncol=columns, frameon=False, fontsize=11,
+                                     title_fontsize=11, handletextpad=0.2, columnspacing=1.2)
+                figure.canvas.draw()
+                half = min(figure.bbox.x1 - axes.bbox.x0 - axes.bbox.width / 2,
+                           axes.bbox.width / 2 + 0.1 * figure.dpi)
+                if legend.get_window_extent().width <= 2 * half:
+                    break
         else:
-            bar = figure.colorbar(ScalarMappable(self.norm, COLOUR_MAP), cax=axes,
-                                  orientation="horizontal", extend=self.extend)
-            bar.set_label(self.label, fontsize=11)
-            bar.ax.tick_params(labelsize=10)
-            tick_apart(bar, figure)
-            bar.outline.set_linewidth(0.5)
+            axes.remove()
+            add_bar(figure, self.norm, COLOUR_MAP, self.label, box, self.extend)
+
+
+def add_bar(figure, norm, colours, label, box, extend="neither"):
+    """A horizontal colour bar in `box`, or to the right of it and shorter where what stands there
+    already (the scale bar) would run into its numbers."""
+    bar = figure.colorbar(ScalarMappable(norm, colours), cax=figure.add_axes(box),
+                          orientation="horizontal", extend=extend)
+    bar.formatter = ScalarFormatter(useOffset=False)
+    bar.set_label(label, fontsize=11)
+    bar.ax.tick_params(labelsize=10)
+    bar.outline.set_linewidth(0.5)
+    others = [axes for axes in figure.axes if axes is not bar.ax]
+    for _ in range(20):
+        tick_apart(bar, figure)
+        # A common factor stands at the label, not under the last number where the label may be.
+        factor = bar.ax.xaxis.get_offset_text()
+        if factor.get_text():
+            word, unit = split_unit(label)
+            bar.set_label(f"{word} [{factor.get_text()} {unit}]".replace(" ]", "]"), fontsize=11)
+            factor.set_visible(False)
+            figure.canvas.draw()
+        mine = bar.ax.get_tightbbox(figure.canvas.get_renderer())
+        beside = [axes.get_tightbbox(figure.canvas.get_renderer()) for axes in others]
+        beyond = max([b.x1 - mine.x0 for b in beside if b is not None and b.overlaps(mine)], default=0)
+        over = mine.x1 - figure.bbox.x1
+        left, bottom, width, height = bar.ax.get_position().bounds
+        if beyond <= 0 and over <= 0 or width < 0.1:
+            return bar
+        shift = (beyond + 4) / figure.bbox.width if beyond > 0 else 0
+        cut = shift + ((over + 4) / figure.bbox.width if over > 0 else 0)
+        bar.ax.set_position([left + shift, bottom, max(width - cut, 0.09), height])
+    return bar
 
 
 def tick_apart(bar, figure):
@@ -542,45 +578,124 @@ def label_few_decades(axis, limits):
         axis.set_minor_locator(NullLocator())
 
 
+def file_words(files):
+    """What files are called in a legend: their names, and where these are equal, their folders'."""
+    names = [os.path.splitext(os.path.basename(path))[0].replace("_", " ") for path in files]
+    if len(set(names)) == len(names):
+        return names
+    folders = [os.path.dirname(os.path.abspath(path)).split(os.sep) for path in files]
+    while all(folder and folder[-1] == folders[0][-1] for folder in folders):
+        folders = [folder[:-1] for folder in folders]
+    named = [f"{folder[-1] if folder else ''}/{name}" for folder, name in zip(folders, names)]
+    if len(set(names)) == 1:
+        named = [folder[-1] if folder else "" for folder in folders]
+    return named if len(set(named)) == len(files) else list(files)
+
+
+class Table:
+    """The columns of one file that are drawn."""
+
+    def __init__(self, path, options, label):
+        names, rows = read_csv(path)
+        self.path, self.label, self.columns = path, label, dict(zip(names, rows.T))
+
+        def find(words):
+            return [find_name(w, names, "column", path) for w in words.split(",")] if words else []
+
+        self.x_name, self.y_names, self.marks = find(options.x)[0], find(options.y), find(options.marks)
+        self.x = self.columns[self.x_name]
+
+    def compare(self, first):
+        for mine, of_first in zip([self.x_name, *self.y_names, *self.marks],
+                                  [first.x_name, *first.y_names, *first.marks]):
+            if mine != of_first:
+                raise Refusal(f"file '{self.path}' has '{mine}' where file '{first.path}' has "
+                              f"'{of_first}'; curves of one picture must have the same units")
+
+
+def read_tables(options):
+    labels = options.labels or file_words(options.files)
+    if len(labels) != len(options.files):
+        raise Refusal(f"there are {len(labels)} labels for {len(options.files)} files; give one a file")
+    tables = [Table(path, options, label) for path, label in zip(options.files, labels)]
+    for table in tables[1:]:
+        table.compare(tables[0])
+    return tables
+
+
+def draw_lines(panel, tables, names, colours, options):
+    """The columns `names` of all tables. Returns the colours: one a column of a lone table; of several
+    tables one a table, whose columns have styles of their own."""
+    used = []
+    for table in tables:
+        for style, name in zip(itertools.cycle(("-", "--", ":", "-.")), names):
+            if len(tables) == 1 or style == "-" and name == names[0]:
+                used.append(next(colours))
+            word = split_unit(name)[0]
+            label = (word if len(tables) == 1 else
+                     table.label if len(names) == 1 else f"{table.label}: {word}")
+            panel.plot(table.x, table.columns[name], lw=1.8, color=used[-1], label=label, ms=4,
+                       ls=style if len(tables) > 1 else "-",
+                       marker="o" if len(table.x) <= 25 and not options.marks else None)
+    return used
+
+
+def draw_marks(panel, tables, unit, used, options):
+    same_unit = [name for name in tables[0].marks if split_unit(name)[1] == unit]
+    for k, table in enumerate(tables):
+        for name, colour in zip(same_unit, itertools.cycle(used if len(tables) == 1 else [used[k]])):
+            panel.plot(table.x, table.columns[name], "o", color=colour, mfc="white", ms=6)
+    if same_unit:
+        panel.plot([], [], "o", color="black", mfc="white", ms=6, label=options.marks_label)
+
+
+def draw_references(panel, x, options):
+    for style, words in zip(("--", ":", "-."), options.reference or []):
+        label, _, numbers = words.rpartition(":")
+        try:
+            slope, offset = (float(n) for n in numbers.split(","))
+        except ValueError:
+            raise Refusal(f"--reference '{words}' must be label:slope,offset")
+        limits = panel.get_ylim()
+        panel.plot(x, slope * x + offset, style, color="black", lw=1.3, label=label)
+        if slope != 0:  # such a line may leave the picture, the data and levels may not
+            panel.set_ylim(limits)
+
+
+def add_legend(panel, figure):
+    """Inside, where it covers no curve; else above."""
+    legend = panel.legend(fontsize=11, frameon=True, framealpha=0.9, edgecolor="none")
+    figure.canvas.draw()
+    box = legend.get_window_extent()
+    for line in panel.lines:
+        points = panel.transData.transform(line.get_xydata().astype(float))
+        steps = np.linspace(0, 1, 20)[:, None, None]
+        along = (points[None, :-1] + steps * (points[None, 1:] - points[None, :-1])).reshape(-1, 2)
+        if len(along) and box.count_contains(along[np.isfinite(along).all(axis=1)]) > 0:
+            panel.legend(fontsize=11, frameon=False, loc="lower left", bbox_to_anchor=(0, 1),
+                         ncol=2, borderaxespad=0.2)
+            return
+
+
 def draw_curves(options):
-    names, rows = read_csv(options.file)
-    x_name = find_name(options.x, names, "column", options.file)
-    y_names = [find_name(y, names, "column", options.file) for y in options.y.split(",")]
-    marks = [find_name(y, names, "column", options.file)
-             for y in (options.marks.split(",") if options.marks else [])]
-    x = rows[:, names.index(x_name)]
+    tables = read_tables(options)
+    x_name, y_names = tables[0].x_name, tables[0].y_names
     units = list(dict.fromkeys(split_unit(name)[1] for name in y_names))
     figure, panels = plt.subplots(len(units), 1, sharex=True, squeeze=False,
                                   figsize=(7.5, 1.4 + 3.2 * len(units)), constrained_layout=True)
-    colours = iter(COLOURS * len(y_names))
+    colours = itertools.cycle(COLOURS)
     for panel, unit in zip(panels[:, 0], units):
         mine = [name for name in y_names if split_unit(name)[1] == unit]
         if "x" in options.log:
             panel.set_xscale("log")
         if "y" in options.log:
             panel.set_yscale("log")
-        used = []
-        for name in mine:
-            used.append(next(colours))
-            panel.plot(x, rows[:, names.index(name)], lw=1.8, color=used[-1],
-                       label=split_unit(name)[0], ms=4,
-                       marker="o" if len(x) <= 25 and not options.marks else None)
-        same_unit = [name for name in marks if split_unit(name)[1] == unit]
-        for name, colour in zip(same_unit, itertools.cycle(used)):
-            panel.plot(x, rows[:, names.index(name)], "o", color=colour, mfc="white", ms=6)
-        if same_unit:
-            panel.plot([], [], "o", color="black", mfc="white", ms=6, label=options.marks_label)
+        if len(tables) > 1:
+            colours = itertools.cycle(COLOURS)  # of a file in all panels
+        used = draw_lines(panel, tables, mine, colours, options)
+        draw_marks(panel, tables, unit, used, options)
         if panel is panels[0, 0]:
-            for style, words in zip(("--", ":", "-."), options.reference or []):
-                label, _, numbers = words.rpartition(":")
-                try:
-                    slope, offset = (float(n) for n in numbers.split(","))
-                except ValueError:
-                    raise Refusal(f"--reference '{words}' must be label:slope,offset")
-                limits = panel.get_ylim()
-                panel.plot(x, slope * x + offset, style, color="black", lw=1.3, label=label)
-                if slope != 0:  # such a line may leave the picture, the data and levels may not
-                    panel.set_ylim(limits)
+            draw_references(panel, np.sort(np.concatenate([table.x for table in tables])), options)
         for axis, low_high in ((panel.xaxis, panel.get_xlim()), (panel.yaxis, panel.get_ylim())):
             if axis.get_scale() == "log":
                 label_few_decades(axis, low_high)
@@ -593,7 +708,7 @@ def draw_curves(options):
         panel.tick_params(labelsize=11)
         panel.margins(x=0.01)
         if len(panel.lines) > 1:
-            panel.legend(fontsize=11, frameon=True, framealpha=0.9, edgecolor="none")
+            add_legend(panel, figure)
     panels[-1, 0].set_xlabel(x_name, fontsize=12)
     if options.title:
         figure.suptitle(round_long(options.title), fontsize=13)
@@ -650,11 +765,8 @@ def draw_cells(options):
         panel.set_title(textwrap.fill(title, letters), fontsize=12, pad=6)
     draw_scale_bar(figure, sheet, bounds[1] - bounds[0])
     width = min(4.0, sheet.width - 2.6)
-    bar = figure.colorbar(ScalarMappable(norm, COLOUR_MAP), orientation="horizontal",
-                          cax=figure.add_axes(sheet.box(max((sheet.width - width) / 2, 2.2), 0.50,
-                                                        width, 0.14)))
-    bar.set_label(fields[0][0], fontsize=11)
-    tick_apart(bar, figure)
+    add_bar(figure, norm, COLOUR_MAP, fields[0][0],
+            sheet.box(max((sheet.width - width) / 2, 2.2), 0.50, width, 0.14))
     save(figure, options.out)
 
 
@@ -716,11 +828,8 @@ def draw_chains(options):
         panel.set_title(textwrap.fill(title, letters), fontsize=12, pad=6)
     draw_scale_bar(figure, sheet, bounds[1] - bounds[0])
     width = min(4.0, sheet.width - 2.6)
-    bar = figure.colorbar(ScalarMappable(norm, colours), orientation="horizontal", extend="max",
-                          cax=figure.add_axes(sheet.box(max((sheet.width - width) / 2, 2.2), 0.50,
-                                                        width, 0.14)))
-    bar.set_label("normal force [N]", fontsize=11)
-    tick_apart(bar, figure)
+    add_bar(figure, norm, colours, "normal force [N]",
+            sheet.box(max((sheet.width - width) / 2, 2.2), 0.50, width, 0.14), "max")
     save(figure, options.out)
 
 
@@ -749,8 +858,9 @@ def parse(arguments):
     spheres.add_argument("--bounds", metavar="XMIN,XMAX,ZMIN,ZMAX",
                          help="what the picture shows, across and upwards [m]")
     spheres.set_defaults(draw=draw_spheres)
-    curves = commands.add_parser("curves", help="columns of a table over another column")
-    curves.add_argument("file", metavar="FILE.csv")
+    curves = commands.add_parser("curves", help="columns of tables over another column")
+    curves.add_argument("files", nargs="+", metavar="FILE.csv", help="several: in one picture, a colour a file")
+    curves.add_argument("--labels", nargs="+", metavar="T", help="what the files are called (their names)")
     curves.add_argument("--x", required=True, metavar="COLUMN", help="with or without its unit")
     curves.add_argument("--y", required=True, metavar="COLUMN[,COLUMN]")
     curves.add_argument("--marks", metavar="COLUMN[,COLUMN]",

@@ -159,8 +159,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   std::vector<std::size_t> add(const ParticlesType& more);
   /// Deforms the box from the next step on as `how` says (DeformingBox).
   void deform(const Deformation& how) requires(detail::deforms<Domain>) {
-    domain_.deform(how);
-    scene_changed_ = true;
+    detail::refuse_tension<typename ContactsType::Law>(how);
+    domain_.deform(how), scene_changed_ = true;
   }
   /// Adds what an inlet has placed.
   void insert(const std::vector<PlacedSphere>& spheres, const std::vector<std::size_t>& kinds,
@@ -198,12 +198,11 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
         record_contacts_ = (stop && keep_contacts) ||
                            (detail::reads_contacts(observers, *this, keep_contacts) || ...);
         advance(stop || (detail::is_due(observers, *this) || ...));
-        if constexpr (has_events) (detail::tell(observers, engine_.events), ...);
+        if constexpr (has_events) detail::tell_all(*this, engine_.events, observers...);
       }
       if (kicked_ && sizeof...(Observers) > 0) {
         [[maybe_unused]] const bool again = std::exchange(observed_, true);
-        (detail::observe(observers, *this, again, false), ...);
-        (detail::observe(observers, *this, again, true), ...);
+        detail::observe_all(*this, again, observers...);
         detail::check_given(engine_, gravity, step_, time_);
       }
       if (stop) break;

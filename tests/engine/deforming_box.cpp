@@ -6,6 +6,9 @@
 #include <filesystem>
 #include <set>
 
+#include <silt/contact/cohesion/cohesive.hpp>
+#include <silt/contact/cohesion/dmt.hpp>
+#include <silt/contact/jkr.hpp>
 #include <silt/io/checkpoint.hpp>
 
 namespace deforming_box_test {
@@ -189,6 +192,26 @@ TEST_CASE("deforming_box: what cannot be is refused in a sentence") {
           cube(1, {.xz = {.rate = 1, .stress = 2, .most_rate = 1}});
         }).find("has a rate and a stress") != std::string::npos);
   Sim sim = sheared(cloud(4, 1.3e-3), cube(5.2e-3), silt::EnergyLedger{});
+  // Catches a box that grows without end, as nothing pulls.
+  const Deformation pulled{.y = {.stress = -100, .most_rate = 1}};
+  const std::string tension = says([&] { sim.deform(pulled); });
+  CHECK(tension.find("Deformation.y.stress = -100 [Pa] is a tension") == 0);
+  CHECK(tension.find("HertzMindlin never pulls") != std::string::npos);
+  Sim from_start = sheared(cloud(4, 1.3e-3), cube(5.2e-3, pulled), silt::EnergyLedger{});
+  CHECK(says([&] { from_start.run(0.01); }) == tension);
+  sim.deform({.xy = {.stress = -100, .most_rate = 1}});  // a shear stress has a sign
+  sim.deform({});
+  silt::Simulation sticky{
+      cloud(4, 1.3e-3),
+      silt::Contacts<silt::Jkr>{
+          {.youngs_modulus = 1e6, .poisson_ratio = 0.3, .work_of_adhesion = 0.1}},
+      cube(5.2e-3)};
+  sticky.deform(pulled);
+  silt::Simulation bound{
+      cloud(4, 1.3e-3),
+      silt::Contacts<silt::Cohesive<HertzMindlin, silt::Dmt>>{{rubber, {.work_of_adhesion = 0.05}}},
+      cube(5.2e-3)};
+  bound.deform(pulled);
   CHECK(says([&] { sim.add_wall(silt::Surfaces{silt::Plane{}}, rubber); }).find("a wall") !=
         std::string::npos);
   CHECK(says([&] {

@@ -112,7 +112,11 @@ TEST_CASE("guard: a plane turned over and a wall inside the bed are told apart")
     fed.run(0.01);
     CHECK(fed.inlet(0).placed == 0);
     CHECK(fed.inlet(0).waiting > 0);
-    CHECK(has_words(fed.inlet(0).why_waiting(), {"0 particles placed", "occupied"}));
+    CHECK(
+        has_words(fed.inlet(0).why_waiting(),
+                  {"0 particles placed", "200 random places in a row were occupied: 200 by wall 0",
+                   "in or behind the wall: move it"}));
+    CHECK(lacks(fed.inlet(0).why_waiting(), {"particles (the last"}));
   }
 
   auto cuts = scene(column);

@@ -175,6 +175,65 @@ TEST_CASE("inlet: where nothing clears it particles wait, and a sentence says so
   CHECK(sim.peak_overlap() == 0);
 }
 
+// Catches a crowd that is named where a wall is in the way, and ids of particles that are not
+// there.
+TEST_CASE("inlet: why particles wait names who takes their places") {
+  const Box region{{5e-3, 5e-3, 0}, {0.01, 0.01, 5e-3}};
+  auto crowd = flow(1e6, {0, 0, 0});
+  crowd.interval = 1e-3;
+  const auto why = [&](auto& sim) {
+    const auto inlet = sim.add_inlet(region, crowd);
+    sim.run(2e-3);
+    return sim.inlet(inlet).why_waiting();
+  };
+  silt::Particles<Sphere> one;
+  one.add({.position = {0.017, 0.017, 0.05}, .radius = 1e-3, .density = 1000, .fixed = true});
+  one.add({.position = {7.5e-3, 7.5e-3, 2.5e-3}, .radius = 2.4e-3, .density = 1000, .fixed = true});
+  auto taken = scene(one);
+  CHECK(has_words(why(taken), {"by particles (the last by particle 1"}));
+  // A lid in the region: grains take what it leaves, walls the rest.
+  auto cut = scene();
+  cut.add_wall(silt::Plane{{0, 0, 2.5e-3}, {0, 0, 1}}, {.stiffness = 10}, {.name = "lid"});
+  const std::string words = why(cut);
+  CHECK(has_words(words,
+                  {"by particles (the last by particle", "by wall 0 'lid'", "lower the rate"}));
+  // The image of a particle is it too.
+  silt::Particles<Sphere> far;
+  far.add({.position = {7.5e-3 + 0.02, 7.5e-3, 2.5e-3},
+           .radius = 2.4e-3,
+           .density = 1000,
+           .fixed = true});
+  auto image = scene(far);
+  CHECK(has_words(why(image), {"the last by particle 0"}));
+  // Hardly any place of the region holds a sphere: a cylinder that lies askew.
+  auto slender = scene();
+  const Vec3d a{2e-3, 2e-3, 2e-3}, b{0.018, 0.018, 0.018};
+  const auto inlet =
+      slender.add_inlet(silt::CylinderRegion{a, b, 1e-3 + 1e-8}, flow(100, {0, 0, 1}));
+  slender.run(1e-3);
+  CHECK(has_words(slender.inlet(inlet).why_waiting(),
+                  {"hardly any point of the region has room for a sphere of radius 0.001 m"}));
+}
+
+TEST_CASE("inlet: outside the domain it is refused") {
+  auto sim = scene();
+  const Box beside{{0.021, 0, 0}, {0.03, 0.02, 0.02}};
+  CHECK(has_words(refusal<InputError>([&] {
+                    sim.add_inlet(beside, flow(1, {0, 0, 0}));
+                  }),
+                  {"add_inlet: the box from (0.021, 0, 0)", "lies outside the PeriodicBox from",
+                   "along x, which repeats"}));
+  CHECK(sim.inlets() == 0);
+  sim.add_inlet(Box{{0.015, 0, 0}, {0.025, 0.02, 0.02}}, flow(1, {0, 0, 0}));  // across the face
+  sim.add_inlet(Box{{0, 0, 2}, {0.02, 0.02, 2.1}}, flow(1, {0, 0, 0}));        // z does not repeat
+  sim.guard.domain = Box{{-1, -1, -1}, {1, 1, 1}};
+  CHECK(has_words(refusal<InputError>([&] { sim.run(0.01); }),
+                  {"inlet 1 into the box from (0, 0, 2)", "outside guard.domain from (-1, -1, -1)",
+                   "enlarge guard.domain"}));
+  sim.guard.domain = Box{{-1, -1, -1}, {1, 1, 2.099}};  // centres end a radius before its end
+  sim.run(1e-4);
+}
+
 TEST_CASE("inlet: keeps clear of spheres that reach into its region through a repeating face") {
   silt::Particles<Sphere> p;  // spheres on the faces and edges of the box, half of each outside
   for (int k = 0; k < 7; ++k) {

@@ -145,15 +145,41 @@ class Contacts {
     return k < names_.size() ? std::string_view(names_[k]) : std::string_view();
   }
 
+  /// Likewise of these two alone, by number or name.
+  template <class L = Law>
+  void set_pair_of(const WhichMaterial& a, const WhichMaterial& b, const typename L::Pair& pair) {
+    if constexpr (requires { Law::check(pair); }) Law::check(pair);
+    const std::size_t i = material_number(a), j = material_number(b);
+    entry(i, j).pair = entry(j, i).pair = pair;
+  }
+  void set_rolling_of(const WhichMaterial& a, const WhichMaterial& b,
+                      const RollingPair& rolling) requires has_rolling {
+    Rolling::check(rolling);
+    const std::size_t i = material_number(a), j = material_number(b);
+    entry(i, j).rolling = entry(j, i).rolling = rolling;
+  }
+  /// Whether materials a and b have all values that their contacts need.
+  bool has_pair(std::size_t a, std::size_t b) const {
+    if constexpr (detail::HasPairValues<Law>)
+      return pairs_[a * materials_.size() + b].pair || materials_[a] == materials_[b];
+    else
+      return true;
+  }
+  /// The sentence for two that do not.
+  [[gnu::cold]] std::string lacking_pair(std::size_t a, std::size_t b) const {
+    return text("materials ", a, detail::after_number(names_[a]), " and ", b,
+                detail::after_number(names_[b]),
+                " have no pair value; call set_pair(material, material, values) on the contacts, "
+                "or Simulation::set_pair. (Materials count from 0 in the order in which the "
+                "contacts and the walls got them; a wall of other values than the particles' is "
+                "another material)");
+  }
+
   /// The law's coefficients for materials a and b; InputError if they have no pair value.
   LawCoefficients coefficients(std::size_t a, std::size_t b) const {
     if constexpr (detail::HasPairValues<Law>) {
+      if (!has_pair(a, b)) throw InputError(lacking_pair(a, b));
       const auto& given = pairs_[a * materials_.size() + b].pair;
-      require(given || materials_[a] == materials_[b], "materials ", a,
-              detail::after_number(names_[a]), " and ", b, detail::after_number(names_[b]),
-              " have no pair value; call set_pair(material, material, values) on the contacts. "
-              "(Materials count from 0 in the order in which the contacts and the walls got them; "
-              "a wall of other values than the particles' is another material)");
       return Law::mix(materials_[a], materials_[b], given ? *given : Law::like(materials_[a]));
     } else {
       return Law::mix(materials_[a], materials_[b]);

@@ -60,7 +60,8 @@ template <class Contacts>
           first == 0 ? "" : ", of material 1 and on", ", but the contacts and walls have ", n,
           n == 1 ? " material" : " materials",
           ": those of equal values are one unless they have names of their own "
-          "(contacts.add(material, name)); leave out the rest, or name them");
+          "(contacts.add(material, name)); leave out the rest, or name them. The material of a wall "
+          "that comes later is added by contacts.add(material, name) beforehand");
 }
 
 /// The names of all things of one kind: what one is called ("wall"), how many there are, name(k) of

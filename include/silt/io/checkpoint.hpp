@@ -12,6 +12,7 @@
 
 #include <silt/files/checkpoint_file.hpp>
 #include <silt/io/checkpoint_checks.hpp>
+#include <silt/io/checkpoint_wall_heat.hpp>
 #include <silt/io/describe_scene.hpp>
 #include <silt/simulation.hpp>
 
@@ -82,6 +83,9 @@ class Checkpoint {
     }
     detail::visit_columns(a, e.modules(), e.owners());
     if constexpr (Sim::Modules::flux) a.copied("modules.from_walls", e.fluxes().wall_books());
+    detail::with_wall_heat(sim.modules_.modules, [&](const auto& module) {
+      detail::save_wall_heat(a, module.walls, sim.time_);
+    });
     if constexpr (Sim::Fluid::active) {
       detail::visit_columns(a, e.fluid_loads(), e.owners());
       // It visits what it has as something that may change; here nothing does.

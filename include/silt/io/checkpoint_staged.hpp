@@ -45,6 +45,9 @@ class Checkpoint<Sim>::Staged {
       a.need(books.take_wall_books(from_walls_, e_.walls.size()), "modules.from_walls has ",
              from_walls_.size(), " numbers, which do not fit to ", e_.walls.size(), " walls");
     }
+    detail::with_wall_heat(sim_.modules_.modules, [&](const auto& module) {
+      wall_heat_ = detail::load_wall_heat(a, sim_, module.walls, clock_.time);
+    });
     read_lists(a, accepted);
     if constexpr (detail::deforms<typename Sim::Domain>) read_box(a, path);
     if constexpr (Sim::has_ledger) read_ledger(a);
@@ -96,6 +99,8 @@ class Checkpoint<Sim>::Staged {
     openings_.put(sim.openings_, accepted.inlets, accepted.outlets, clock_.time);
     if constexpr (detail::deforms<typename Sim::Domain>) sim.domain_ = *box_;
     if constexpr (Sim::Modules::flux) e.fluxes().take_wall_books(from_walls_, e.walls.size());
+    detail::with_wall_heat(sim.modules_.modules,
+                           [this](auto& module) { module.walls = std::move(wall_heat_); });
     if constexpr (Sim::has_ledger)
       sim.book_ = std::move(book_), sim.gravity_booked_ = gravity_booked_;
     if constexpr (Sim::Fluid::active) sim.fluid_ = std::move(*fluid_);
@@ -299,6 +304,7 @@ class Checkpoint<Sim>::Staged {
   std::vector<std::vector<Vec3d>> vertex_steps_;  // of each wall
   std::vector<std::vector<double>> worn_;         // of each wall, where modules wear them
   std::vector<double> from_walls_;                // where modules have fluxes
+  WallValues<WallHeat> wall_heat_;                // where a module has it
   std::size_t known_walls_ = 0;                   // of the scene, that the file has
   detail::OpeningsState openings_;
   decltype(Engine::coefficients) coefficients_;

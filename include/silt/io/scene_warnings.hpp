@@ -312,9 +312,7 @@ template <class Sim>
       continue;
     }
     out.push_back(text("inlet ", k, " has placed ", inlet.placed, " of the ", due,
-                       " particles that were due: ", inlet.flow.trials,
-                       " random places in a row were occupied in ", inlet.region,
-                       "; lower the rate, enlarge the region, or give a velocity that clears it"));
+                       " particles that were due into ", inlet.region, ": ", inlet.why()));
   }
   return out;
 }

@@ -11,6 +11,7 @@
 #include <tuple>
 #include <type_traits>
 
+#include <silt/core/lanes.hpp>
 #include <silt/core/position_row.hpp>
 #include <silt/core/quaternion.hpp>
 #include <silt/core/vec3.hpp>

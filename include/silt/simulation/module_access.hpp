@@ -2,8 +2,11 @@
 #pragma once
 
 #include <cstddef>
+#include <utility>
 
+#include <silt/boundary/wall.hpp>
 #include <silt/engine/state/module_columns.hpp>
+#include <silt/module/heat/temperature.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -59,6 +62,21 @@ class ModuleAccess {
       const auto& all = sim().engine_.fluxes().template from_walls<M>();
       return w < all.size() ? all[w] : WallGiven{};
     }
+  }
+  /// Gives a wall another thermal condition, between runs or in observers: held_at(), heated_by()
+  /// or insulated(). It acts from the next step on, and checkpoints keep it. InputError: a wall
+  /// that is not there, or whose material the module of heat does not know.
+  void set_wall_heat(const WhichWall& which, WallHeat heat) {
+    auto& module =
+        sim().modules_.template get<typename Sim::Modules::template having<HeatFields>>();
+    static_assert(
+        requires { module.walls.of(0); },
+        "set_wall_heat: the module of heat of this simulation knows no walls; take "
+        "silt::HeatConduction, or one that adds to it");
+    const std::size_t w = sim().wall_number(which);
+    module.check_wall(sim(), w, heat);
+    module.walls.set(sim(), w, std::move(heat), "HeatConduction.walls");
+    sim().flux_every_ = 1;  // fluxes are asked for anew
   }
   /// What modules push particle k with at present [N].
   Vec3d module_force(std::size_t k) const {

@@ -27,6 +27,23 @@ class NameAccess {
   void name_material(const WhichMaterial& which, std::string name) {
     sim().contacts_.name_material(which, std::move(name));
   }
+  /// Sets what belongs to contacts of these two materials, by number or name: from the next run on,
+  /// as for a wall that came between two runs (its material: sim.wall("lid").material). Before
+  /// there is a simulation: Contacts::set_pair.
+  template <class S = Sim>
+  void set_pair(const WhichMaterial& a, const WhichMaterial& b,
+                const typename S::ContactsType::Law::Pair& pair) {
+    sim().contacts_.set_pair_of(a, b, pair);
+    contacts_changed();
+  }
+  /// The same of their rolling resistance.
+  template <class S = Sim>
+  void set_rolling(
+      const WhichMaterial& a, const WhichMaterial& b,
+      const typename S::ContactsType::RollingPair& rolling) requires(S::ContactsType::has_rolling) {
+    sim().contacts_.set_rolling_of(a, b, rolling);
+    contacts_changed();
+  }
   /// As messages call it: "form 2 'cube'".
   template <class S = Sim>
   std::string form_name(std::size_t k) const requires(S::of_bodies) {
@@ -48,7 +65,30 @@ class NameAccess {
     static_cast<S&>(*this).engine_.mover.forms[k].name = std::move(name);
   }
 
+ protected:
+  /// Before a run. InputError: two materials that may touch have no pair value.
+  void check_pairs() const {
+    const auto& contacts = sim().contacts_;
+    const std::size_t n = contacts.materials();
+    const std::size_t of_particles = Sim::ContactsType::several_materials ? n : 1;
+    for (std::size_t a = 0; a < of_particles; ++a)
+      for (std::size_t b = 0; b < n; ++b)
+        if (!contacts.has_pair(a, b))
+          throw InputError(contacts.lacking_pair(a, b) + of_walls(a) + of_walls(b));
+  }
+
  private:
+  /// The time step is held against its limit at the next run.
+  void contacts_changed() { sim().scene_changed_ = true, sim().checked_speed_ = 0; }
+  /// "; material 1 'steel' is that of wall 0 'drum' and wall 2"; nothing of one that no wall has.
+  [[gnu::cold]] std::string of_walls(std::size_t material) const {
+    std::string words;
+    for (std::size_t w = 0; w < sim().walls(); ++w)
+      if (sim().wall(w).material == material)
+        words += text(words.empty() ? text("; ", material_name(material), " is that of ") : " and ",
+                      sim().wall_name(w));
+    return words;
+  }
   Sim& sim() { return static_cast<Sim&>(*this); }
   const Sim& sim() const { return static_cast<const Sim&>(*this); }
   template <class S>

@@ -2,12 +2,19 @@
 #pragma once
 
 #include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <stdexcept>
 #include <string>
+#include <string_view>
 #include <type_traits>
+#include <typeinfo>
 
-#include <silt/core/error_types.hpp>
+#include <silt/core/error.hpp>
 #include <silt/core/target.hpp>
 #include <silt/engine/contact/contact_events.hpp>
+#include <silt/engine/state/module_columns.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -49,21 +56,95 @@ bool reads_contacts(O& observer, const Sim& sim, bool others) {
   else
     return others && is_due(observer, sim);
 }
+/// Whether an error is of this type, and of no other that derives from it.
+template <class E>
+bool is_exactly([[maybe_unused]] const std::exception& e) {
+#ifdef __GXX_RTTI
+  return typeid(e) == typeid(E);
+#else
+  return false;
+#endif
+}
+template <class... Types>
+[[gnu::cold]] void throw_if_exactly(const std::exception& e, const std::string& words) {
+  const auto one = [&]<class E>(std::type_identity<E>) {
+    if (is_exactly<E>(e)) throw E(words);
+  };
+  (one(std::type_identity<Types>{}), ...);
+}
+/// The type of an observer in words, " 'MeanLoad'"; nothing of lambdas and what holds one.
+template <class O>
+[[gnu::cold]] std::string after_observer() {
+  std::string name = name_of_module<O>();
+  const bool lambda = std::string_view(__PRETTY_FUNCTION__).find("lambda") != std::string::npos;
+  return lambda || name.find('(') != name.npos ? std::string() : text(" '", name, "'");
+}
+/// "observer 2 of 3 'Watch'".
+template <class O>
+[[gnu::cold]] std::string name_of_observer(std::size_t number, std::size_t of) {
+  return text("observer ", number, " of ", of, after_observer<O>());
+}
+/// Throws what an observer has thrown again, of the same type; its sentence says who threw, and
+/// when. What silt or the standard library do not know goes on as it is.
+[[noreturn, gnu::cold]] inline void throw_of_observer(const std::string& who, double time,
+                                                      std::int64_t step) {
+  const auto said = [&](const std::exception& e) {
+    return text(e.what(), "; thrown by ", who, " at t = ", time, " s, step ", step);
+  };
+  try {
+    throw;
+  } catch (const SimulationError& e) {
+    if (is_exactly<SimulationError>(e))
+      throw SimulationError(said(e), e.step, e.particles, e.position);
+    throw;
+  } catch (const FlowStepError& e) {
+    if (is_exactly<FlowStepError>(e)) throw FlowStepError(said(e), e.longest);
+    throw;
+  } catch (const std::exception& e) {
+    throw_if_exactly<InputError, FileError, Error, std::runtime_error, std::range_error,
+                     std::overflow_error, std::underflow_error, std::logic_error,
+                     std::invalid_argument, std::domain_error, std::length_error,
+                     std::out_of_range>(e, said(e));
+    throw;
+  }
+}
 /// `again`: observers were called at this instant before. `last`: it is the turn of those that
 /// save.
 template <class O, class Sim>
-void observe(O& observer, Sim& sim, bool again, bool last) {
+void observe(O& observer, Sim& sim, bool again, bool last, std::size_t number, std::size_t of) {
   using Type = std::remove_cvref_t<O>;
   if (saves<Type> != last || (again && !only_reads<Type>)) return;
-  if (is_due(observer, sim)) observer(sim);
+  try {
+    if (is_due(observer, sim)) observer(sim);
+  } catch (...) {
+    throw_of_observer(name_of_observer<Type>(number, of), sim.time(), sim.step());
+  }
+}
+template <class Sim, class... Observers>
+void observe_all([[maybe_unused]] Sim& sim, [[maybe_unused]] bool again, Observers&... observers) {
+  for ([[maybe_unused]] const bool last : {false, true}) {
+    [[maybe_unused]] std::size_t number = 0;
+    (observe(observers, sim, again, last, ++number, sizeof...(Observers)), ...);
+  }
 }
 template <class O>
 bool wants_events([[maybe_unused]] const O& observer) {
   return requires(const ContactLog& log) { observer.tell(log); };
 }
-template <class O, class Log>
-void tell(const O& observer, const Log& log) {
-  if constexpr (requires { observer.tell(log); }) observer.tell(log);
+template <class Sim, class Log, class... Observers>
+void tell_all([[maybe_unused]] const Sim& sim, const Log& log, const Observers&... observers) {
+  [[maybe_unused]] std::size_t number = 0;
+  [[maybe_unused]] const auto tell = [&](const auto& observer) {
+    ++number;
+    if constexpr (requires { observer.tell(log); }) try {
+        observer.tell(log);
+      } catch (...) {
+        using Type = std::remove_cvref_t<decltype(observer)>;
+        throw_of_observer(name_of_observer<Type>(number, sizeof...(Observers)), sim.time(),
+                          sim.step());
+      }
+  };
+  (tell(observers), ...);
 }
 template <class O, class Sim>
 void end(O& observer, Sim& sim) {

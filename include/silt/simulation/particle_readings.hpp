@@ -5,13 +5,14 @@
 
 #include <silt/core/position_row.hpp>
 #include <silt/core/vec3.hpp>
+#include <silt/simulation/total_readings.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
 /// What users read of particles, by their place in memory; a Simulation has these functions as its
 /// own.
 template <class Sim>
-class ParticleReadings {
+class ParticleReadings : public TotalReadings<Sim> {
  public:
   std::size_t size() const { return sim().engine_.present(); }
   /// Places 0 ... rows()-1 in memory; those where id() is silt::no_particle have left.

@@ -80,12 +80,7 @@ EnergyBalance Simulation<Policies...>::balance() const {
 
 template <class... Policies>
 typename Simulation<Policies...>::Kinetic Simulation<Policies...>::kinetic(std::size_t k) const {
-  const double m = mass(k);
-  Vec3d v = velocity(k);
-  if constexpr (detail::deforms<Domain>) v -= domain_.flow_at(position(k));
-  Kinetic part{0.5 * m * dot(v, v), 0};
-  if constexpr (rotates) part.rotation = engine_.owner(k).rotational_energy(angular_velocity(k));
-  return part;
+  return {this->translational_energy(k), this->rotational_energy(k)};
 }
 
 /// Refuses particles that do not fit into the scene. `check` is that of the shape.
@@ -209,13 +204,9 @@ void Simulation<Policies...>::prepare() {
           " [-] must be less than 1 together where there are meshes: a "
           "particle could come out behind one unseen (guard.through_meshes = true lets them)");
     }
-  for (const auto& inlet : openings_.inlets())
-    for (std::size_t k = 0; k < inlet.flow.kinds(); ++k)
-      require(inlet.flow.kind(k).material < contacts_.materials(),
-              k == 0 ? "InletFlow" : "InletShare", ".material = ", inlet.flow.kind(k).material,
-              " is not in the table of ", contacts_.materials(),
-              " materials; add it to the contacts first");
+  this->check_inlets();
   if constexpr (detail::deforms<Domain>) {
+    detail::refuse_tension<typename ContactsType::Law>(domain_.deformation());
     require(!engine_.particles.some_fixed,
             "DeformingBox: a fixed particle cannot follow it; leave Particle.fixed out");
     require(!has_ledger || dot(gravity, gravity) == 0,
@@ -236,6 +227,7 @@ void Simulation<Policies...>::prepare() {
   prepare_fluid();
   engine_.set_threads(threads);
   modules_.check(*this);
+  this->check_pairs();
   engine_.set_coefficients(contacts_);
   engine_.set_flux_coefficients(modules_, contacts_);
   modules_.look_near(engine_, domain_, time_, true, true);

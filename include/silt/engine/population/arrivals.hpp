@@ -13,6 +13,7 @@
 #include <silt/engine/checks/time_step.hpp>
 #include <silt/engine/population/openings.hpp>
 #include <silt/engine/state/body.hpp>
+#include <silt/fill/bodies.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 

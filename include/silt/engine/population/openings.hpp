@@ -9,11 +9,10 @@
 #include <string>
 #include <vector>
 
-#include <silt/boundary/deforming_box.hpp>
 #include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/random.hpp>
-#include <silt/engine/lists/wall_candidate.hpp>
+#include <silt/engine/population/occupied_places.hpp>
 #include <silt/fill/packing.hpp>
 #include <silt/fill/region.hpp>
 
@@ -77,75 +76,25 @@ struct Inlet {
   std::uint64_t waiting = 0;     // [-] due but without a free place at the last insertion
   std::uint64_t insertions = 0;  // [-] times that it placed particles
   Random random{1};
+  std::string obstacle = {};  // why the first one that waits found no place, and what helps
 
-  /// A sentence on the last insertion; empty if all that were due found a place.
+  /// A sentence on the last insertion: what takes the places, particles (some of them by id), walls
+  /// (by name), or the region itself; empty if all that were due found a place.
   std::string why_waiting() const {
     if (waiting == 0) return {};
     return text("inlet into ", region, ": ", placed, " particles placed, ", waiting,
-                " wait, because ", flow.trials,
+                " wait, because ", why());
+  }
+  /// Its second half. After a restart the reason is known from the next insertion on.
+  std::string why() const {
+    if (!obstacle.empty()) return obstacle;
+    return text(flow.trials,
                 " random places in a row were occupied; lower the rate, enlarge the region, or "
                 "give a velocity that clears it");
   }
 };
 
 namespace detail {
-
-/// Calls visit(p) with a point and its images one box further in the directions that repeat.
-template <class Domain, class Visit>
-void for_images(const Domain& domain, const Vec3d& p, const Visit& visit) {
-  if constexpr (Domain::periodic) {
-    const int nx = domain.repeats(0), ny = domain.repeats(1), nz = domain.repeats(2);
-    for (int z = -nz; z <= nz; ++z)
-      for (int y = -ny; y <= ny; ++y)
-        for (int x = -nx; x <= nx; ++x)
-          visit(p + Vec3d{x * domain.length(0), y * domain.length(1), z * domain.length(2)});
-  } else {
-    visit(p);
-  }
-}
-
-/// Where a sphere of an inlet cannot be: in others, and in walls and their images, behind planes
-/// too.
-template <class Domain>
-struct OccupiedPlaces {
-  const SphereGrid& spheres;
-  const std::vector<Wall>& walls;
-  const Domain& domain;
-
-  bool is_free(const Vec3d& centre, double radius, double gap) const {
-    if (!spheres.is_free(centre, radius, gap)) return false;
-    return std::none_of(walls.begin(), walls.end(), [&](const Wall& wall) {
-      return std::any_of(wall.surfaces.begin(), wall.surfaces.end(), [&](const Surface& s) {
-        return is_at(wall, s, centre, radius + gap);
-      });
-    });
-  }
-
- private:
-  bool is_at(const Wall& wall, const Surface& s, const Vec3d& centre, double reach) const {
-    if constexpr (Domain::periodic && !deforms<Domain>) {
-      bool found = false;
-      const Box around = Box{centre, centre}.grown(reach);
-      images_of(wall, s, domain, around).for_each([&](WallImage image) {
-        const Vec3d seen = centre + way_of(image, period_of(domain));
-        found = found || is_touched(s, in_wall(wall, seen), reach);
-      });
-      return found;
-    } else {
-      return is_touched(s, in_wall(wall, centre), reach);
-    }
-  }
-  static bool is_touched(const Surface& s, const Vec3d& at, double reach) {
-    return visit_surface(s, [&](const auto& surface) {
-      if constexpr (requires { surface.nearest_point(at); }) {
-        return std::abs(surface.nearest_point(at).distance) < reach;
-      } else {
-        SurfacePoint points[std::remove_cvref_t<decltype(surface)>::max_contacts];
-        return surface.contacts(at, reach, points) > 0;
-      }
-    });
-  }
-};
 
 /// Inlets and outlets of a simulation.
 template <class ShapeType, class Domain>
@@ -177,11 +126,10 @@ class Openings {
     const Vec3d e = bounds.extent();
     require(std::min({e.x, e.y, e.z}) >= 2 * flow.largest_radius(), "add_inlet: ", place.describe(),
             " is thinner than the largest sphere of radius ", flow.largest_radius(), " m");
-    inlets_.push_back({flow, place.describe(), bounds, time, 0, 0, 0, 0, Random(flow.seed)});
-    places_.push_back(
-        [place](const Occupied& occupied, const Placement& sphere, Random& random) {
-          return try_place(place, occupied, sphere, random);
-        });
+    inlets_.push_back({flow, place.describe(), bounds, time, 0, 0, 0, 0, Random(flow.seed), {}});
+    places_.push_back([place](const Occupied& occupied, const Placement& sphere, Random& random) {
+      return try_place(place, occupied, sphere, random);
+    });
     return inlets_.size() - 1;
   }
   const Outlet& outlet(std::size_t k) const { return at("outlet", outlets_, k); }
@@ -206,8 +154,7 @@ class Openings {
 
  private:
   using Occupied = OccupiedPlaces<Domain>;
-  using Place =
-      std::function<std::optional<Vec3d>(const Occupied&, const Placement&, Random&)>;
+  using Place = std::function<std::optional<Vec3d>(const Occupied&, const Placement&, Random&)>;
 
   template <class Engine, class Sim>
   void let_out(Engine& engine, Sim& sim) {
@@ -251,14 +198,17 @@ class Openings {
     inlet.waiting = 0;
     std::vector<PlacedSphere> placed;
     std::vector<std::size_t> kinds;
-    const Occupied all{occupied, engine.walls, sim.domain()};
+    Obstacles met;
+    const Occupied all{occupied, engine.walls, sim.domain(), met};
     while (inlet.placed < due) {
       const std::size_t kind = draw_kind(inlet);
       const auto& sizes = kind == 0 ? inlet.flow.radius : inlet.flow.recipe[kind - 1].radius;
       const double radius = sizes.sample(inlet.random);
+      met = {};
       const auto centre = place(all, {radius, 0, inlet.flow.trials}, inlet.random);
       if (!centre) {
         inlet.waiting = due - inlet.placed;
+        inlet.obstacle = why_no_place(engine, sim.domain(), met, inlet.flow.trials, radius);
         break;
       }
       occupy(*centre, radius);

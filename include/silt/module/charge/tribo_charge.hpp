@@ -10,6 +10,7 @@
 #include <silt/core/lanes.hpp>
 #include <silt/core/names.hpp>
 #include <silt/module/charge/charge.hpp>
+#include <silt/module/wall_values.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -48,7 +49,7 @@ struct TriboCharge : Charge {
     std::vector<double> work_functions{};  // [eV] of the contacts' material 0, 1, ...
     double transfer_distance = 5e-7;       // [m] delta > 0
     double area_factor = 1;                // [-] alpha > 0
-    std::vector<bool> insulated{};         // walls 0, 1, ... that exchange no charge: true
+    WallValues<bool> insulated{};  // walls that exchange no charge: {true}, or {{"lid", true}}
   } surfaces;
 
   TriboCharge(Charge charge, Surfaces of) : Charge(std::move(charge)), surfaces(std::move(of)) {}
@@ -72,8 +73,8 @@ struct TriboCharge : Charge {
     return f.charge / (p.radius * p.radius);
   }
   std::optional<double> at_wall(std::size_t wall, double) const {
-    if (wall < surfaces.insulated.size() && surfaces.insulated[wall]) return std::nullopt;
-    return 0;
+    const bool* const insulated = surfaces.insulated.of(wall);
+    return insulated != nullptr && *insulated ? std::nullopt : std::optional<double>(0);
   }
   template <class Real>
   SILT_INLINE Real flux(const Touching<Real>& c, const Coefficients<Real>& p, const Real& a,
@@ -102,9 +103,7 @@ struct TriboCharge : Charge {
         throw InputError(text("TriboCharge: particle ", sim.id(k), " is of ",
                               sim.material_name(sim.material(k)),
                               ", of which `work_functions` has no value [eV]; add it there"));
-    require(surfaces.insulated.size() <= sim.walls(), "TriboCharge.insulated has ",
-            surfaces.insulated.size(), " entries, but the simulation has ", sim.walls(),
-            " walls; give one for each at most");
+    surfaces.insulated.resolve(sim, "TriboCharge.insulated");
     for (std::size_t k = 0; k < sim.walls(); ++k)
       require(!at_wall(k, 0) || sim.wall(k).material < w.size(), "TriboCharge: ", sim.wall_name(k),
               " is of ", sim.material_name(sim.wall(k).material),

@@ -10,6 +10,7 @@
 #include <silt/core/lanes.hpp>
 #include <silt/core/names.hpp>
 #include <silt/module/heat/temperature.hpp>
+#include <silt/module/wall_values.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -43,8 +44,9 @@ struct HertzCircle {
 /// run stops whose step does not (guard.max_rate against twice the sum of H over m c, the bound of
 /// the fastest decay).
 ///
-/// `walls`: of wall 0, 1, ...: held_at(), heated_by() or insulated(); those not named are
-/// insulated. `others`: of the contacts' material 1, 2, ...; `conductivity` and what follows it are
+/// `walls`: held_at(), heated_by() or insulated(), of wall 0, 1, ... in their order, or with names:
+/// {{"drum", held_at(400)}}; the others are insulated. Simulation::set_wall_heat() changes one at
+/// any time. `others`: of the contacts' material 1, 2, ...; `conductivity` and what follows it are
 /// of material 0. Materials are counted as contacts count them, walls' after those of particles
 /// (sim.wall(k).material).
 ///
@@ -60,9 +62,9 @@ struct HeatConductionBy {
   double heat_capacity = 0;               // [J/(kg K)] > 0
   double youngs_modulus = 0;              // [Pa] of the real solid; 0: as contacts have it
   double poisson_ratio = 0.3;             // [-] of the real solid
-  double start_temperature = 293.15;      // [K] of particles that come
+  double start_temperature = 293.15;      // [K] > 0 of particles that come
   std::vector<ThermalMaterial> others{};  // of the contacts' material 1, 2, ...
-  std::vector<WallHeat> walls{};          // of wall 0, 1, ...
+  WallValues<WallHeat> walls{};           // of wall 0, 1, ..., or by their names
   std::size_t flux_every = 10;            // [steps] at most from one look at contacts to the next
 
   using Fields = HeatFields;
@@ -102,10 +104,10 @@ struct HeatConductionBy {
     return Real(2) * p.conductivity * a * (T_j - T_i);  // [W]
   }
   std::optional<double> at_wall(std::size_t wall, double time) const {
-    return of_wall(wall).value(WallHeat::Kind::HeldAt, time);
+    return of_wall(wall, WallHeat::Kind::HeldAt, time);
   }
   std::optional<double> given_by_wall(std::size_t wall, double time) const {
-    return of_wall(wall).value(WallHeat::Kind::HeatedBy, time);
+    return of_wall(wall, WallHeat::Kind::HeatedBy, time);
   }
   void update(const Seen& p, Fields& f, double received, double dt) const {
     f.temperature += received * dt / capacity(p);
@@ -123,27 +125,42 @@ struct HeatConductionBy {
     require(flux_every > 0, "HeatConduction.flux_every = 0 [steps] must be at least 1");
     for (std::size_t k = 0; k <= others.size(); ++k) check_material(k, sim.contacts());
     detail::check_entries("HeatConduction.others", others.size(), 1, sim.contacts());
-    require_not_negative("HeatConduction.start_temperature", start_temperature, "K");
-    require(walls.size() <= sim.walls(), "HeatConduction.walls has ", walls.size(),
-            " entries, but the simulation has ", sim.walls(), " walls; give one for each at most");
-    for (std::size_t k = 0; k < sim.rows(); ++k)
-      if (!knows(sim.material(k)))
-        throw InputError(text("HeatConduction: particle ", sim.id(k), " is of ",
-                              sim.material_name(sim.material(k)),
-                              ", of which `others` has no conductivity; add it there (the first "
-                              "entry is of material 1)"));
-    for (std::size_t w = 0; w < walls.size(); ++w)
-      require(walls[w].kind() == WallHeat::Kind::Insulated || knows(sim.wall(w).material),
-              "HeatConduction: ", sim.wall_name(w), " is of ",
-              sim.material_name(sim.wall(w).material),
-              ", of which `others` has no conductivity; add it there (the first entry is of "
-              "material 1), or let the wall be insulated()");
+    require_positive("HeatConduction.start_temperature", start_temperature, "K");
+    walls.resolve(sim, "HeatConduction.walls");
+    for (std::size_t k = 0; k < sim.rows(); ++k) check_particle(sim, k);
+    for (std::size_t w = 0; w < sim.walls(); ++w)
+      if (const WallHeat* const heat = walls.of(w)) check_wall(sim, w, *heat);
     for (std::size_t a = 0; a <= others.size(); ++a) narrower(sim.contacts(), a, a);
   }
 
+  /// InputError: this wall cannot have this condition.
+  template <class Sim>
+  void check_wall(const Sim& sim, std::size_t w, const WallHeat& heat) const {
+    if (heat.kind() == WallHeat::Kind::Insulated || knows(sim.wall(w).material)) return;
+    throw InputError(text("HeatConduction: ", sim.wall_name(w), " is of ",
+                          sim.material_name(sim.wall(w).material),
+                          ", of which `others` has no conductivity; add it there (the first entry "
+                          "is of material 1), or let the wall be insulated()"));
+  }
+
  private:
-  WallHeat of_wall(std::size_t wall) const {
-    return wall < walls.size() ? walls[wall] : insulated();
+  std::optional<double> of_wall(std::size_t wall, WallHeat::Kind kind, double time) const {
+    const WallHeat* const heat = walls.of(wall);
+    return heat == nullptr ? std::nullopt : heat->value(kind, time);
+  }
+  template <class Sim>
+  void check_particle(const Sim& sim, std::size_t k) const {
+    if (!sim.is_present(k)) return;
+    if (!knows(sim.material(k)))
+      throw InputError(text("HeatConduction: particle ", sim.id(k), " is of ",
+                            sim.material_name(sim.material(k)),
+                            ", of which `others` has no conductivity; add it there (the first "
+                            "entry is of material 1)"));
+    const double T = sim.template field<Temperature>(k);
+    if (!(std::isfinite(T) && T > 0))
+      throw InputError(text("HeatConduction: the temperature of particle ", sim.id(k), " is ", T,
+                            " K; it must be finite and greater than 0 (sim.field<Temperature>(k) "
+                            "sets it)"));
   }
   template <class ContactsType>
   void check_material(std::size_t k, const ContactsType& contacts) const {

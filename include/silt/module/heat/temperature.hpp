@@ -39,7 +39,12 @@ class WallHeat {
 
   WallHeat() = default;
   WallHeat(Kind kind, OfTime value) : kind_(kind), value_(std::move(value)) {}
+  /// Of a value that stays.
+  WallHeat(Kind kind, double value) : kind_(kind), value_([value](double) { return value; }) {
+    constant_ = true;
+  }
   Kind kind() const { return kind_; }
+  bool is_constant() const { return constant_; }
   /// [K] or [W] at a time [s]; none of a wall of another kind.
   std::optional<double> value(Kind kind, double time) const {
     if (kind != kind_ || !value_) return std::nullopt;
@@ -48,6 +53,7 @@ class WallHeat {
 
  private:
   Kind kind_ = Kind::Insulated;
+  bool constant_ = false;
   OfTime value_;
 };
 
@@ -56,7 +62,7 @@ inline WallHeat insulated() { return {}; }
 /// The wall has this temperature [K].
 inline WallHeat held_at(double temperature) {
   require_not_negative("held_at: temperature", temperature, "K");
-  return {WallHeat::Kind::HeldAt, [temperature](double) { return temperature; }};
+  return {WallHeat::Kind::HeldAt, temperature};
 }
 /// ... as a function of time [s].
 inline WallHeat held_at(WallHeat::OfTime temperature) {
@@ -67,7 +73,7 @@ inline WallHeat held_at(WallHeat::OfTime temperature) {
 /// does that holds no heat; while nothing touches it, none. Negative: it cools.
 inline WallHeat heated_by(double power) {
   require(std::isfinite(power), "heated_by: power = ", power, " [W] must be finite");
-  return {WallHeat::Kind::HeatedBy, [power](double) { return power; }};
+  return {WallHeat::Kind::HeatedBy, power};
 }
 inline WallHeat heated_by(WallHeat::OfTime power) {
   require(bool(power), "heated_by: the function of time is empty; give one that returns [W]");

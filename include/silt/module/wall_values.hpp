@@ -1,0 +1,117 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <initializer_list>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <silt/core/error.hpp>
+#include <silt/core/names.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// What a module is told of walls, in one of two forms: of wall 0, 1, ... in their order, or each
+/// with its wall's name or number.
+///
+///   {held_at(400), insulated()}
+///   {{"drum", held_at(400)}, {2, insulated()}}
+///
+/// Names are looked up by resolve(), before a run. Errors: InputError: a list of both forms; in
+/// resolve() a wall that is not there, with the names that are, or one that is given twice. Tests:
+/// tests/engine/wall_heat.cpp.
+template <class T>
+class WallValues {
+ public:
+  struct Entry {
+    Entry() = default;
+    template <std::same_as<T> U>                     // no name that would become a bool
+    Entry(U of_wall) : value(std::move(of_wall)) {}  // NOLINT: converts
+    Entry(const NumberOrName& wall, T of_wall)
+        : value(std::move(of_wall)),
+          given(true),
+          by_name(wall.by_name()),
+          name(wall.name()),
+          number(wall.number()) {}
+
+    T value{};
+    bool given = false, by_name = false;  // its wall
+    bool changed = false;                 // by set()
+    std::string name;
+    std::size_t number = 0;
+  };
+
+  WallValues() = default;
+  WallValues(std::initializer_list<Entry> all) : WallValues(std::vector<Entry>(all)) {}
+  explicit WallValues(std::vector<Entry> all) : entries_(std::move(all)) {
+    for (std::size_t k = 0; k < entries_.size(); ++k) {
+      require(entries_[k].given == entries_[0].given, "entry ", k, " of a list of walls' values ",
+              entries_[k].given ? "has its wall's name or number, the first one does not"
+                                : "has no wall's name or number, the first one does",
+              "; give each entry one, as {\"drum\", ...}, or none of them");
+      if (!entries_[k].given) entries_[k].number = k;
+    }
+    in_order_ = entries_.empty() || !entries_[0].given;
+  }
+
+  const std::vector<Entry>& entries() const { return entries_; }
+  /// The value of a wall; null: none is given.
+  const T* of(std::size_t wall) const {
+    if (in_order_) return wall < entries_.size() ? &entries_[wall].value : nullptr;
+    require(resolved_,
+            "a module was given values of walls by their names in the middle of a run; names are "
+            "looked up when a run begins (Simulation::set_wall_heat changes one at any time)");
+    return wall < entry_of_.size() && entry_of_[wall] > 0 ? &entries_[entry_of_[wall] - 1].value
+                                                          : nullptr;
+  }
+  /// Calls visit(wall, value) for each that set() gave.
+  template <class Visit>
+  void for_each_changed(const Visit& visit) const {
+    for (std::size_t w = 0; w < entry_of_.size(); ++w)
+      if (entry_of_[w] > 0 && entries_[entry_of_[w] - 1].changed) visit(w, *of(w));
+  }
+  /// Looks up names and checks numbers; `list`: what messages call it.
+  template <class Sim>
+  void resolve(const Sim& sim, const char* list) const {
+    require(!in_order_ || entries_.size() <= sim.walls(), list, " has ", entries_.size(),
+            " entries, but the simulation has ", sim.walls(), " walls; give one for each at most");
+    entry_of_.assign(sim.walls(), 0);
+    for (std::size_t k = 0; k < entries_.size(); ++k) {
+      std::size_t& entry = entry_of_[number_in(sim, entries_[k], list)];
+      if (entry > 0)
+        throw InputError(text(list, ": its entries ", entry - 1, " and ", k, " are both of ",
+                              sim.wall_name(number_in(sim, entries_[k], list)),
+                              "; leave one of them out"));
+      entry = k + 1;
+    }
+    resolved_ = true;
+  }
+  /// Gives wall `number` another value.
+  template <class Sim>
+  void set(const Sim& sim, std::size_t number, T value, const char* list) {
+    resolve(sim, list);
+    std::size_t& entry = entry_of_[number];
+    if (entry == 0) entries_.emplace_back(number, T{}), in_order_ = false, entry = entries_.size();
+    entries_[entry - 1].value = std::move(value), entries_[entry - 1].changed = true;
+  }
+
+ private:
+  template <class Sim>
+  static std::size_t number_in(const Sim& sim, const Entry& one, const char* list) {
+    try {
+      return one.by_name ? sim.wall_number(one.name) : sim.wall_number(one.number);
+    } catch (const InputError& error) {
+      throw InputError(text(list, ": ", error.what()));
+    }
+  }
+
+  std::vector<Entry> entries_;
+  bool in_order_ = true;
+  // Of each wall its entry, counted from 1; 0: none. Looked up before a run.
+  mutable std::vector<std::size_t> entry_of_;
+  mutable bool resolved_ = false;
+};
+
+}  // namespace silt
