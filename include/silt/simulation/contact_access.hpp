@@ -89,10 +89,11 @@ class ContactReader {
     std::uint32_t index;
     bool swapped;
   };
+  using Candidate = typename decltype(Engine::lists.walls)::Candidate;
   struct MeshCandidate {
     std::uint32_t particle;
     std::uint16_t wall, surface;
-    const WallCandidate* candidate;
+    const Candidate* candidate;
     auto key() const { return std::tie(particle, wall, surface); }
   };
 
@@ -204,11 +205,11 @@ class ContactReader {
 
   /// Candidates at meshes, to be found by row, wall and surface.
   void list_meshes() {
-    const auto is_at_mesh = [&](const WallCandidate& c) {
+    const auto is_at_mesh = [&](const Candidate& c) {
       const auto& surfaces = e_.walls[c.wall].surfaces;
       return c.surface < surfaces.size() && is_mesh(surfaces[c.surface]);
     };
-    for (const WallCandidate& c : e_.lists.walls.candidates())
+    for (const Candidate& c : e_.lists.walls.candidates())
       if (is_at_mesh(c)) meshes_.push_back({c.particle, c.wall, c.surface, &c});
     std::sort(meshes_.begin(), meshes_.end(),
               [](const MeshCandidate& p, const MeshCandidate& q) {
