@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <concepts>
 #include <string>
 #include <type_traits>
@@ -8,6 +9,7 @@
 #include <silt/core/error_types.hpp>
 #include <silt/core/target.hpp>
 #include <silt/engine/contact/contact_events.hpp>
+#include <silt/engine/contact/contact_record.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -40,14 +42,16 @@ bool is_due(O& observer, const Sim& sim) {
   else
     return true;
 }
-/// Whether the observer will read contacts in this step: silt's own say it, of others it is taken
-/// for granted if `others` read them at all.
+/// What the observer will read of contacts in this step: those that say that they read them read
+/// all, or the forces alone (`reads_forces_alone`); of others it is taken for granted if `others`
+/// read them at all.
 template <class O, class Sim>
-bool reads_contacts(O& observer, const Sim& sim, bool others) {
-  if constexpr (requires { O::reads_contacts; })
-    return O::reads_contacts && is_due(observer, sim);
-  else
-    return others && is_due(observer, sim);
+ContactsKept read_contacts(O& observer, const Sim& sim, bool others) {
+  bool reads = others;
+  if constexpr (requires { O::reads_contacts; }) reads = O::reads_contacts;
+  if (!reads || !is_due(observer, sim)) return ContactsKept::Nothing;
+  constexpr bool forces = requires { requires O::reads_forces_alone; };
+  return forces ? ContactsKept::Forces : ContactsKept::All;
 }
 /// `again`: observers were called at this instant before. `last`: it is the turn of those that
 /// save.
