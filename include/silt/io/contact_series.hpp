@@ -40,7 +40,7 @@ class ContactLines {
   template <class Sim, class Each>
   void take(const Sim& sim, const Each& each) {
     count_ = 0;
-    each([&](const ContactSeen& c) {
+    each([&](const ContactSeen& c) __attribute__((always_inline)) {
       if (count_ == normal_.size()) make_room();
       const std::size_t k = count_++;
       const Vec3d to = sim.position(c.place_a);
@@ -65,7 +65,7 @@ class ContactLines {
   static Point single(const Vec3d& v) {
     return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
   }
-  void make_room() {
+  [[gnu::cold, gnu::noinline]] void make_room() {
     const std::size_t room = std::max<std::size_t>(1024, 2 * count_);
     points_.resize(2 * room), force_.resize(room), normal_.resize(room), tangential_.resize(room);
     overlap_.resize(room), a_.resize(room), b_.resize(room), wall_.resize(room);

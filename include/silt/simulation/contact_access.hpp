@@ -198,8 +198,9 @@ class ContactReader {
     }
   }
 
-  /// `swapped`: the first row's particle is b.
-  ContactSeen seen(const RecordedForce& r, std::size_t index, bool swapped) const {
+  /// `swapped`: the first row's particle is b. Inline, so that what a caller does not read is not
+  /// computed.
+  SILT_INLINE ContactSeen seen(const RecordedForce& r, std::size_t index, bool swapped) const {
     const auto& rows = e_.particles.position;
     const PositionRow& first = rows[r.first];
     const bool at_wall = r.second == RecordedForce::no_row;
