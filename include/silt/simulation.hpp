@@ -195,8 +195,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     for (;; ++step_, time_ = time_at(step_)) {
       const bool stop = step_ >= last;
       if (!kicked_) {
-        const auto own = stop && keep_contacts ? detail::ContactsKept::All : detail::ContactsKept::Nothing;
-        kept_ = std::max({own, detail::read_contacts(observers, *this, keep_contacts)...});
+        kept_ = std::max({detail::all_contacts_if(stop && keep_contacts),
+                          detail::read_contacts(observers, *this, keep_contacts)...});
         advance(stop || (detail::is_due(observers, *this) || ...));
         if constexpr (has_events) (detail::tell(observers, engine_.events), ...);
       }
@@ -385,8 +385,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   detail::NextIds next_;
   bool first_kick_ = true, kicked_ = false, observed_ = false, continued_ = false;
   detail::ContactsKept kept_ = detail::ContactsKept::Nothing;  // of the present step
-  bool scene_changed_ = false;    // since the last run began
-  std::int64_t scene_step_ = 0;   // when particles or walls were last added
+  bool scene_changed_ = false;                                 // since the last run began
+  std::int64_t scene_step_ = 0;  // when particles or walls were last added
   detail::OverlapLimits overlap_limits_;
 };
 

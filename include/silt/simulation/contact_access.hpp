@@ -115,7 +115,7 @@ class ContactReader {
 
   ParticleId id_of(std::uint32_t row) const {
     return row == RecordedForce::no_row || e_.particles.is_parked(row) ? no_particle
-                                                                         : e_.id_of(row);
+                                                                       : e_.id_of(row);
   }
   /// By a, b, then what is not the same of several contacts of two: buckets of ids that follow each
   /// other, each sorted. Without contacts of particles that have left since.

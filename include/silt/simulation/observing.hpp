@@ -1,7 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-#include <algorithm>
 #include <concepts>
 #include <string>
 #include <type_traits>
@@ -41,6 +40,9 @@ bool is_due(O& observer, const Sim& sim) {
     return observer.is_due(sim);
   else
     return true;
+}
+constexpr ContactsKept all_contacts_if(bool wanted) {
+  return wanted ? ContactsKept::All : ContactsKept::Nothing;
 }
 /// What the observer will read of contacts in this step: those that say that they read them read
 /// all, or the forces alone (`reads_forces_alone`); of others it is taken for granted if `others`
