@@ -112,8 +112,8 @@ int main(int argc, char** argv) {
       summary.result(of + "mu", a.friction), summary.result(of + "solid fraction", a.fraction);
       summary.check_within(of + "normal stress over the one wanted", a.stress, 1, 0.02,
                            "servo, in the mean");
-      // 0 or 2 where the images' velocities are wrong. Slow shear is not even over a strain of 2: at
-      // I = 0.003 and 0.001 it is 0.87 and 1.10, of 200 samples and of 1000.
+      // 0 or 2 where the images' velocities are wrong. Slow shear is not even over a strain of 2:
+      // at I = 0.003 and 0.001 it is 0.87 and 1.10, of 200 samples and of 1000.
       summary.check_within(of + "slope of the velocity's profile over the rate", a.profile, 1,
                            0.03 + 4 * a.error_of_profile,
                            "0.03 and four standard errors of ten blocks");
