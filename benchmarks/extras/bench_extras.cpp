@@ -78,6 +78,7 @@ class Report {
     heat();
     pairs();
     wear();
+    images();
   }
 
  private:
@@ -86,6 +87,7 @@ class Report {
   void heat();
   void pairs();
   void wear();
+  void images();
 
   template <class... Policies>
   auto bed(Policies... policies) const {
@@ -245,6 +247,24 @@ void Report::wear() {
   auto plain = on_mesh();
   auto richer = on_mesh(silt::Wear<silt::Archard>{{.coefficient = 1e-4, .hardness = 2e9}});
   row_of_watcher("wear of a floor that is a mesh", compare(plain, richer, rounds_));
+}
+
+/// A floor that ends at the faces of a periodic box, so that spheres there touch its images, beside
+/// one that reaches beyond all that they touch.
+void Report::images() {
+  const double w = bench::width_for(n_);
+  const auto on_floor = [&](double more) {
+    auto sim = bench::bed(spheres_, w, 1,
+                          silt::PeriodicBox{{{0, 0, -1}, {w, w, 1}}, {true, true, false}});
+    sim.guard.through_meshes = true;  // as for wear
+    for (std::size_t wall = 0; wall < 5; ++wall) sim.remove_wall(wall);
+    sim.add_wall(silt::rectangle({-more, -more, 0}, {w + 2 * more, 0, 0}, {0, w + 2 * more, 0}),
+                 bench::material, {.name = "floor"});
+    sim.run(2000 * bench::time_step);
+    return sim;
+  };
+  auto plain = on_floor(w), richer = on_floor(0);
+  row("images of a floor that ends at periodic faces", compare(plain, richer, rounds_));
 }
 
 int run(const example::Options& options, std::vector<std::size_t> sizes, std::size_t turns) {

@@ -17,8 +17,18 @@
 namespace {
 
 struct Steady {
-  double inertial = 0, friction = 0, error = 0, fraction = 0, stress = 0, profile = 0;  // [-]
+  double inertial = 0, fraction = 0, stress = 0;  // [-]
+  double friction = 0, error = 0;                 // [-] and of its mean
+  double profile = 0, error_of_profile = 0;       // [-] slope of the velocity over the rate
 };
+/// Mean of blocks that are taken for independent, and the standard error of it.
+void mean_of(const std::vector<double>& blocks, double& mean, double& error) {
+  const auto n = static_cast<double>(blocks.size());
+  mean = error = 0;
+  for (const double b : blocks) mean += b / n;
+  for (const double b : blocks) error += std::pow(b - mean, 2) / (n * (n - 1));
+  error = std::sqrt(error);
+}
 /// mu(I) of P. Jop, Y. Forterre, O. Pouliquen, Nature 441 (2006) 727, with these constants:
 /// recalled.
 double law(double inertial, double mu_s, double mu_2, double I_0) {
@@ -36,8 +46,8 @@ Steady shear(Sim& sim, const cells::Sample& s, double inertial, double least_str
   sim.run(strain / rate, silt::progress());
   Steady out;
   out.inertial = inertial;
-  std::vector<double> blocks;  // means of the stress ratio
-  constexpr int samples = 200, parts = 10;
+  std::vector<double> ratios, slopes;  // means of the stress ratio and of the profile's slope
+  constexpr int samples = 1000, parts = 10;
   double shear = 0, stress = 0;
   int count = 0;
   double slope = 0, weight = 0;
@@ -55,14 +65,13 @@ Steady shear(Sim& sim, const cells::Sample& s, double inertial, double least_str
                        const double y = p.y - box.centre().y;
                        slope += v.x * y, weight += y * y;
                      }
-                     if (++count % (samples / parts) == 0)
-                       blocks.push_back(shear / stress), shear = stress = 0;
+                     if (++count % (samples / parts) != 0) return;
+                     ratios.push_back(shear / stress), shear = stress = 0;
+                     slopes.push_back(slope / weight / rate), slope = weight = 0;
                    }),
           silt::progress());
-  for (const double b : blocks) out.friction += b / static_cast<double>(blocks.size());
-  for (const double b : blocks) out.error += std::pow(b - out.friction, 2);
-  out.error = std::sqrt(out.error / static_cast<double>(blocks.size() * (blocks.size() - 1)));
-  out.profile = slope / weight / rate;
+  mean_of(ratios, out.friction, out.error);
+  mean_of(slopes, out.profile, out.error_of_profile);
   return out;
 }
 
@@ -103,8 +112,13 @@ int main(int argc, char** argv) {
       summary.result(of + "mu", a.friction), summary.result(of + "solid fraction", a.fraction);
       summary.check_within(of + "normal stress over the one wanted", a.stress, 1, 0.02,
                            "servo, in the mean");
-      summary.check_within(of + "slope of the velocity's profile over the rate", a.profile, 1, 0.1,
-                           "fluctuations of some hundred spheres");
+      // 0 or 2 where the images' velocities are wrong. Slow shear is not even over a strain of 2:
+      // at I = 0.003 and 0.001 it is 0.87 and 1.10, of 200 samples and of 1000.
+      summary.check_within(of + "slope of the velocity's profile over the rate", a.profile, 1,
+                           0.03 + 4 * a.error_of_profile,
+                           "0.03 and four standard errors of ten blocks");
+      if (a.inertial > 0.009)
+        summary.check_at_most(of + "standard error of this slope", a.error_of_profile, 0.06);
     }
     silt::write_particles(options.out + "/spheres.vtp", sim);
     summary.result("seconds", watch.seconds());

@@ -195,8 +195,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     for (;; ++step_, time_ = time_at(step_)) {
       const bool stop = step_ >= last;
       if (!kicked_) {
-        record_contacts_ = (stop && keep_contacts) ||
-                           (detail::reads_contacts(observers, *this, keep_contacts) || ...);
+        kept_ = std::max({detail::all_contacts_if(stop && keep_contacts),
+                          detail::read_contacts(observers, *this, keep_contacts)...});
         advance(stop || (detail::is_due(observers, *this) || ...));
         if constexpr (has_events) detail::tell_all(*this, engine_.events, observers...);
       }
@@ -264,7 +264,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     openings_.update(engine_, *this);
     engine_.renew_lists(search_, domain_, step_, dt_);
     detail::StepTimes times = times_of_step(observed);
-    times.record = engine_.record.begin(record_contacts_, step_);
+    times.record = engine_.record.begin(kept_, step_);
     engine_.prepare_fluxes(modules_, time_, look_at_fluxes(present));
     engine_.pair_forces(domain_, times);
     engine_.wall_forces(times);
@@ -383,9 +383,9 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   double checked_speed_ = 0, checked_overlap_ = 0, peak_overlap_ = 0;
   detail::NextIds next_;
   bool first_kick_ = true, kicked_ = false, observed_ = false, continued_ = false;
-  bool record_contacts_ = false;  // of the present step
-  bool scene_changed_ = false;    // since the last run began
-  std::int64_t scene_step_ = 0;   // when particles or walls were last added
+  detail::ContactsKept kept_ = detail::ContactsKept::Nothing;  // of the present step
+  bool scene_changed_ = false;                                 // since the last run began
+  std::int64_t scene_step_ = 0;  // when particles or walls were last added
   detail::OverlapLimits overlap_limits_;
 };
 

@@ -116,17 +116,18 @@ TEST_CASE("atomic_file: a full disk is a FileError with path and reason; the old
   const Folder folder;
   const std::string path = folder / "a.txt";
   write_bytes(path, "old");
-  for (const std::size_t size : {std::size_t{10}, std::size_t{1'000'000}}) {  // in commit, in write
-    fs::create_symlink("/dev/full", path + ".partial");
-    const auto sentence = refusal([&] {
-      silt::AtomicFile file(path);
-      file.write(std::string(size, 'x'));
-      file.commit();
-    });
-    CHECK(has_words(sentence, {path, "cannot be written", "No space left on device"}));
-    CHECK(silt::detail::read_file(path) == "old");
-    CHECK_FALSE(fs::is_symlink(path + ".partial"));
-  }
+  for (const silt::Flush flush : {silt::Flush::ToDisk, silt::Flush::Never})
+    for (const std::size_t size : {std::size_t{10}, std::size_t{1'000'000}}) {  // in commit, in write
+      fs::create_symlink("/dev/full", path + ".partial");
+      const auto sentence = refusal([&] {
+        silt::AtomicFile file(path, flush);
+        file.write(std::string(size, 'x'));
+        file.commit();
+      });
+      CHECK(has_words(sentence, {path, "cannot be written", "No space left on device"}));
+      CHECK(silt::detail::read_file(path) == "old");
+      CHECK_FALSE(fs::is_symlink(path + ".partial"));
+    }
 }
 
 TEST_CASE("atomic_file: a write that fails at any byte leaves the old file and no partial one") {
@@ -134,12 +135,13 @@ TEST_CASE("atomic_file: a write that fails at any byte leaves the old file and n
   const std::string path = folder / "a.txt", content(600'000, 'x');
   write_bytes(path, "old");
   for (const rlim_t limit : {0, 1, 262'144, 262'145, 599'999}) {
+    const auto flush = limit % 2 ? silt::Flush::Never : silt::Flush::ToDisk;
     const int status = in_child([&] {
       ::signal(SIGXFSZ, SIG_IGN);
       const rlimit limits{limit, limit};
       ::setrlimit(RLIMIT_FSIZE, &limits);
       const auto sentence = refusal([&] {
-        silt::AtomicFile file(path);
+        silt::AtomicFile file(path, flush);
         file.write(std::string_view(content).substr(0, 100));
         file.write(std::string_view(content).substr(100));
         file.commit();

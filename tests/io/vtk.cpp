@@ -269,13 +269,48 @@ TEST_CASE("vtk: a series refuses backward times, unusable names and foreign list
     return other.insert(other.find("<DataSet"), frame);
   };
   for (const auto& foreign :
-       {std::string("<xml/>"), good.substr(0, good.size() - 5), good + "x", std::string(),
+       {std::string("<xml/>"), good.substr(0, good.size() - 5), good + "x", std::string("\n"),
         timed("nan"), timed("-inf"), timed("inf"), timed("0.3")}) {
     write_text(series.path(), foreign);
     CHECK_THROWS_WITH_AS(silt::VtkSeries::resume(folder.path, "grains", 1),
                          doctest::Contains("grains.pvd' is not as silt writes it"),
                          silt::FileError);
     CHECK(silt::detail::read_file(series.path()) == foreign);
+  }
+}
+
+// What a power failure leaves of a file that was not flushed to the disk is no reason to refuse a run
+// that goes on.
+TEST_CASE("vtk: a list that is an empty file begins anew") {
+  const Folder folder;
+  write_text(folder / "grains.pvd", "");
+  auto series = silt::VtkSeries::resume(folder.path, "grains", 1);
+  CHECK(series.frames() == 0);
+  series.add(2, "a.vtp");
+  CHECK(silt::VtkSeries::resume(folder.path, "grains", 3).frames() == 1);
+}
+
+TEST_CASE("vtk: a frame at the time of the last one takes its place") {
+  const Folder folder;
+  silt::VtkSeries series(folder.path, "grains"), other(folder.path, "others");
+  series.add(0.1, "a.vtp"), series.add(0.2, "a_long_name.vtp"), series.add(0.2, "b.vtp");
+  other.add(0.1, "a.vtp"), other.add(0.2, "b.vtp");
+  CHECK(series.frames() == 2);
+  CHECK(silt::detail::read_file(series.path()) == silt::detail::read_file(other.path()));
+}
+
+TEST_CASE("vtk: a full disk is a FileError that names the file, which is not there") {
+  if (!fs::exists("/dev/full")) return;
+  const Folder folder;
+  const std::string path = folder / "lines.vtp";
+  const std::vector<std::array<float, 3>> ends(100'000);
+  for (const std::size_t count : {std::size_t{2}, ends.size()}) {  // in the buffer, and beyond it
+    fs::create_symlink("/dev/full", path + ".partial");
+    CHECK_THROWS_WITH_AS(silt::write_vtp_lines(path, std::span(ends).first(count)),
+                         doctest::Contains("lines.vtp' cannot be written: No space left on device"),
+                         silt::FileError);
+    CHECK_FALSE(fs::exists(path));
+    CHECK_FALSE(fs::is_symlink(path + ".partial"));
   }
 }
 

@@ -221,6 +221,77 @@ TEST_CASE("coarse_grained: means over time, a series, and files that others read
       {"CoarseOutput.samples = 0", "at least 1"}));
 }
 
+// Catches what a file before has left in arrays that are used again: a bed that settles has more
+// contacts, and one that flies apart fewer.
+TEST_CASE("contact_series: each file is, byte by byte, what write_contacts says of its step") {
+  const std::string folder = std::filesystem::temp_directory_path() / "silt_contact_files_test";
+  std::filesystem::remove_all(folder);
+  auto sim = bed();
+  std::size_t files = 0, other = 0;
+  std::vector<std::size_t> sizes;
+  const auto schedule = silt::every(2e-3);
+  auto series = silt::contact_series(folder, schedule);
+  auto compared = silt::at(schedule, [&](const auto& now) {
+    const auto frame = folder + '/' + silt::detail::file_of_step("contacts", now.step(), ".vtp");
+    if (!silt::detail::file_exists(frame)) return;  // a run's first instant, of no recorded step
+    silt::write_contacts(folder + "/alone.vtp", now);
+    const auto content = silt::detail::read_file(folder + "/alone.vtp");
+    ++files, sizes.push_back(content.size());
+    other += content != silt::detail::read_file(frame);
+  });
+  sim.run(0.05, series, compared);
+  sim.gravity = {0, 0, 100};  // [m/s2]
+  sim.run(0.02, series, compared);
+  CHECK(files > 30);
+  CHECK(other == 0);
+  CHECK(*std::max_element(sizes.begin(), sizes.end()) > sizes.front());
+  CHECK(*std::max_element(sizes.begin(), sizes.end()) > sizes.back());
+  std::filesystem::remove_all(folder);
+}
+
+namespace {
+
+/// Reads as contact_series does, in every fifth step.
+struct ForcesAlone {
+  static constexpr bool only_reads = true, reads_contacts = true, reads_forces_alone = true;
+  std::size_t steps = 0, whole = 0, refused = 0, contacts = 0;
+  double springs = 0;  // [N]
+  template <class Sim>
+  bool is_due(const Sim& sim) const {
+    return sim.step() % 5 == 0 && !sim.awaits_contacts();
+  }
+  template <class Sim>
+  void operator()(const Sim& sim) {
+    ++steps, whole += sim.has_contacts();
+    refused +=
+        !refusal<silt::InputError>([&] { sim.for_each_contact([](const auto&) {}); }).empty();
+    sim.visit_contacts(
+        [&](const silt::ContactSeen& c) {
+          ++contacts, springs += sim.has_contacts() ? 0 : norm(c.spring);
+          springs += sim.has_contacts() ? 0 : static_cast<double>(c.history.size());
+        },
+        "this test");
+  }
+};
+
+}  // namespace
+
+// Catches springs of 0 shown to who asks for them.
+TEST_CASE(
+    "contact_series: a step of which it alone wants contacts has their forces, and is refused to "
+    "who wants all of them") {
+  auto sim = bed();
+  sim.run(0.03);
+  ForcesAlone reader;
+  sim.run(1e-3, reader);
+  CHECK(reader.steps > 5);
+  CHECK(reader.contacts > 1000);
+  CHECK(reader.springs == 0);
+  CHECK(reader.whole <=
+        2);  // the first and the last step of this run are asked for by for_each_contact
+  CHECK(reader.refused == reader.steps - reader.whole);
+}
+
 TEST_CASE(
     "contact_series and contact_csv: a file each time, lines whose forces are the contacts'") {
   const std::string folder = std::filesystem::temp_directory_path() / "silt_contact_series_test";

@@ -216,16 +216,22 @@ auto lasting_view(Values&& values) {
   }
 }
 
+/// Whether a file waits for the disk. What a run needs to go on from does; of a picture's file that
+/// a power failure cuts off only the picture is lost, and waiting would cost more than writing.
+enum class Flush { ToDisk, Never };
+
 /// A file that appears complete or not at all: written as `<path>.partial`, and renamed over `path`
 /// by `commit`, after it has reached the disk. A reader of `path`, at any moment and after a kill
-/// or power failure, finds the whole old file or the whole new one.
+/// or power failure, finds the whole old file or the whole new one. With Flush::Never that holds
+/// but for power failures: those may leave a file of the last minute empty or cut off.
 /// Errors: every failed call throws FileError with the path and the system's reason, removes the
 /// partial file and leaves `path` as it was; so does the destructor without `commit`, silently.
 class AtomicFile {
  public:
-  explicit AtomicFile(std::string path)
+  explicit AtomicFile(std::string path, Flush flush = Flush::ToDisk)
       : path_(std::move(path)),
         partial_(path_ + ".partial"),
+        waits_(flush == Flush::ToDisk),
         file_(partial_, O_WRONLY | O_CREAT | O_TRUNC, path_) {}
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
@@ -247,14 +253,14 @@ class AtomicFile {
     require_open("commit");
     flush();
     or_remove([&] {
-      file_.flush_to_disk();
+      if (waits_) file_.flush_to_disk();
       file_.close();
       if (std::rename(partial_.c_str(), path_.c_str()) != 0)
         throw FileError(text("file '", path_, "' cannot be put in place (renamed from '", partial_,
                              "'): ", detail::system_reason(errno)));
     });
     open_ = false;
-    detail::flush_folder_of(path_);
+    if (waits_) detail::flush_folder_of(path_);
   }
 
  private:
@@ -283,6 +289,7 @@ class AtomicFile {
   }
 
   std::string path_, partial_;
+  bool waits_;  // for the disk
   detail::File file_;
   std::string buffer_;
   bool open_ = true;  // neither committed nor failed

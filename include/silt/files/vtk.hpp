@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <charconv>
@@ -98,10 +99,10 @@ struct VtkSection {
 };
 
 /// `type`: VTK's word for the data set; `about` and `piece`: what its element and that of its only
-/// piece say.
+/// piece say. Does not wait for the disk (Flush::Never), as no VTK file does.
 inline void write_vtk_file(const std::string& path, std::string_view type, std::string_view about,
                            std::string_view piece, std::span<const VtkSection> sections) {
-  AtomicFile file(path);
+  AtomicFile file(path, Flush::Never);
   file.write(text("<?xml version=\"1.0\"?>\n<VTKFile type=\"", type,
                   "\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<", type,
                   about, ">\n<Piece ", piece, ">\n"));
@@ -136,17 +137,34 @@ inline void write_vtp(const std::string& path, std::size_t points, std::size_t v
       sections);
 }
 
-/// stride, 2 stride, ... : where each cell's list of points ends.
-inline std::vector<std::int32_t> vtk_cell_ends(const std::string& path, std::size_t cells,
-                                               std::int32_t stride) {
+/// stride, 2 stride, ... : where each cell's list of points ends. Replaces `ends`, of which it
+/// keeps what is right.
+inline void set_vtk_cell_ends(const std::string& path, std::size_t cells, std::int32_t stride,
+                              std::vector<std::int32_t>& ends) {
   constexpr auto most = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
   require(cells <= most / static_cast<std::size_t>(stride), "VTK file '", path, "': ", cells,
           " cells are too many for its 32-bit numbers; write them as several files");
-  std::vector<std::int32_t> ends(cells);
-  std::int32_t end = 0;
-  for (auto& e : ends) e = end += stride;
+  std::size_t k = std::min(cells, ends.size());
+  ends.resize(cells);
+  for (; k < cells; ++k) ends[k] = static_cast<std::int32_t>(k + 1) * stride;
+}
+inline std::vector<std::int32_t> vtk_cell_ends(const std::string& path, std::size_t cells,
+                                               std::int32_t stride) {
+  std::vector<std::int32_t> ends;
+  set_vtk_cell_ends(path, cells, stride, ends);
   return ends;
 }
+
+/// Lines with two points of their own each; kept from file to file, it is not made again.
+struct VtkLines {
+  std::vector<std::int32_t> points, ends;
+  void set(const std::string& path, std::size_t lines) {
+    set_vtk_cell_ends(path, lines, 2, ends);
+    std::size_t k = std::min(2 * lines, points.size());
+    points.resize(2 * lines);
+    for (; k < points.size(); ++k) points[k] = static_cast<std::int32_t>(k);
+  }
+};
 
 }  // namespace detail
 
@@ -221,26 +239,32 @@ inline void write_vtp_triangles(const std::string& path, std::span<const Vec3d> 
   detail::write_vtp(path, points.size(), 0, triangles.size(), sections);
 }
 
+namespace detail {
+
+inline void write_vtp_lines(const std::string& path, std::span<const std::array<float, 3>> points,
+                            const VtkFields& fields, VtkLines& cells) {
+  const std::size_t lines = points.size() / 2;
+  require(points.size() % 2 == 0, "VTK file '", path, "': ", points.size(),
+          " points are no ends of lines, which have two each");
+  const auto line_fields = fields.arrays_for(path, lines, "lines");
+  cells.set(path, lines);
+  const std::array places{vtk_array("Points", points)};
+  const std::array numbers{vtk_array("connectivity", std::span<const std::int32_t>(cells.points)),
+                           vtk_array("offsets", std::span<const std::int32_t>(cells.ends))};
+  const VtkSection sections[] = {{"CellData", line_fields}, {"Points", places}, {"Lines", numbers}};
+  write_vtp(path, points.size(), 0, 0, sections, lines);
+}
+
+}  // namespace detail
+
 /// Writes lines: points 2 k and 2 k + 1 [m] are the ends of line k, which the fields have a value
 /// for each. Coordinates are written as float, 6e-8 of the largest.
 /// Errors: InputError for an odd number of points or a field of another length; FileError if the
 /// file cannot be written.
 inline void write_vtp_lines(const std::string& path, std::span<const std::array<float, 3>> points,
                             const VtkFields& fields = {}) {
-  const std::size_t lines = points.size() / 2;
-  require(points.size() % 2 == 0, "VTK file '", path, "': ", points.size(),
-          " points are no ends of lines, which have two each");
-  const auto line_fields = fields.arrays_for(path, lines, "lines");
-  const auto ends = detail::vtk_cell_ends(path, lines, 2);
-  std::vector<std::int32_t> own_points(points.size());
-  for (std::size_t i = 0; i < own_points.size(); ++i) own_points[i] = static_cast<std::int32_t>(i);
-  const std::array places{detail::vtk_array("Points", points)};
-  const std::array cells{
-      detail::vtk_array("connectivity", std::span<const std::int32_t>(own_points)),
-      detail::vtk_array("offsets", std::span<const std::int32_t>(ends))};
-  const detail::VtkSection sections[] = {
-      {"CellData", line_fields}, {"Points", places}, {"Lines", cells}};
-  detail::write_vtp(path, points.size(), 0, 0, sections, lines);
+  detail::VtkLines lines;
+  detail::write_vtp_lines(path, points, fields, lines);
 }
 
 /// Writes fields of the cells of a box that is cut into nx x ny x nz equal cells, x fastest, for
@@ -267,14 +291,16 @@ inline void write_vti(const std::string& path, const Box& box, const std::array<
 class VtkSeries {
  public:
   /// A new, empty series; makes the folder, and empties a list of that name.
-  VtkSeries(const std::string& folder, std::string_view name) : VtkSeries(folder, name, {}) {
+  VtkSeries(const std::string& folder, std::string_view name)
+      : VtkSeries(folder, name, NotWritten{}) {
     write();
   }
 
   /// Goes on with a series after a restart at `time` [s]: frames later than that are dropped from
-  /// the list. Where there is none it begins a new one.
+  /// the list. Where there is none, or an empty file as a power failure may leave one, it begins a
+  /// new one.
   static VtkSeries resume(const std::string& folder, std::string_view name, double time) {
-    VtkSeries series(folder, name, {});
+    VtkSeries series(folder, name, NotWritten{});
     if (detail::file_exists(series.path_)) series.read(time);
     series.write();
     return series;
@@ -289,18 +315,19 @@ class VtkSeries {
     detail::require_plain("VtkSeries: the frame's file name", file);
     require(std::isfinite(time), "VtkSeries '", path_, "': time = ", time, " [s] must be finite");
     if (!frames_.empty()) {
-      require(time >= frames_.back().time, "VtkSeries '", path_, "': time = ", time,
-              " [s] must not be before the last frame's, ", frames_.back().time, " [s]");
-      if (time == frames_.back().time) frames_.pop_back();
+      const Frame& last = frames_.back();
+      require(time >= last.time, "VtkSeries '", path_, "': time = ", time,
+              " [s] must not be before the last frame's, ", last.time, " [s]");
+      if (time == last.time) list_.resize(last.begin), frames_.pop_back();
     }
-    frames_.push_back({time, std::string(file)});
+    append(time, file);
     write();
   }
 
  private:
   struct Frame {
-    double time;  // [s]
-    std::string file;
+    double time;        // [s]
+    std::size_t begin;  // of its line in the list
   };
   static constexpr std::string_view head_ =
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" "
@@ -310,23 +337,26 @@ class VtkSeries {
   static constexpr std::string_view after_file_ = "\"/>\n";
   static constexpr std::string_view tail_ = "</Collection>\n</VTKFile>\n";
 
-  VtkSeries(const std::string& folder, std::string_view name, std::vector<Frame> frames)
-      : path_(text(folder, '/', name, ".pvd")), frames_(std::move(frames)) {
+  struct NotWritten {};
+  VtkSeries(const std::string& folder, std::string_view name, NotWritten)
+      : path_(text(folder, '/', name, ".pvd")) {
     detail::require_plain("VtkSeries: the name", name);
     make_folder(folder);
   }
 
+  void append(double time, std::string_view file) {
+    frames_.push_back({time, list_.size()});
+    list_ += text(before_time_, time, before_file_, file, after_file_);
+  }
   void write() const {
-    AtomicFile file(path_);
-    file.write(head_);
-    for (const auto& frame : frames_)
-      file.write(text(before_time_, frame.time, before_file_, frame.file, after_file_));
-    file.write(tail_);
+    AtomicFile file(path_, Flush::Never);
+    file.write(head_), file.write(list_), file.write(tail_);
     file.commit();
   }
 
   [[gnu::cold]] void read(double until) {
     const std::string content = detail::read_text(path_);
+    if (content.empty()) return;
     std::string_view rest = content;
     const auto skip = [&](std::string_view word) {
       const bool there = rest.starts_with(word);
@@ -342,22 +372,23 @@ class VtkSeries {
     expect(skip(head_));
     double last = -std::numeric_limits<double>::infinity();  // [s] frames follow in time
     while (skip(before_time_)) {
-      Frame frame{};
-      const auto number = std::from_chars(rest.data(), rest.data() + rest.size(), frame.time);
-      expect(number.ec == std::errc{} && std::isfinite(frame.time) && frame.time >= last);
-      last = frame.time;
+      double time = 0;  // [s]
+      const auto number = std::from_chars(rest.data(), rest.data() + rest.size(), time);
+      expect(number.ec == std::errc{} && std::isfinite(time) && time >= last);
+      last = time;
       rest.remove_prefix(static_cast<std::size_t>(number.ptr - rest.data()));
       expect(skip(before_file_));
-      frame.file = rest.substr(0, rest.find('"'));
-      rest.remove_prefix(frame.file.size());
-      expect(detail::is_plain(frame.file) && skip(after_file_));
-      if (frame.time <= until) frames_.push_back(std::move(frame));
+      const std::string_view file = rest.substr(0, rest.find('"'));
+      rest.remove_prefix(file.size());
+      expect(detail::is_plain(file) && skip(after_file_));
+      if (time <= until) append(time, file);
     }
     expect(skip(tail_) && rest.empty());
   }
 
   std::string path_;
   std::vector<Frame> frames_;
+  std::string list_;  // their lines
 };
 
 }  // namespace silt

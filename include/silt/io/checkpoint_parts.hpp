@@ -114,8 +114,8 @@ void visit_pairs(Archive& a, Pairs& pairs, const Memory& memory) {
     a.column(text("pairs.", memory.name_of(h)), pairs.history[h], pairs.origin.size());
 }
 
-template <class Archive>
-void visit_candidates(Archive& a, const std::string& name, std::vector<WallCandidate>& all) {
+template <class Archive, class Candidate>
+void visit_candidates(Archive& a, const std::string& name, std::vector<Candidate>& all) {
   std::vector<std::uint32_t> flat;
   if constexpr (Archive::loads) {
     flat = a.template column<std::uint32_t>(name);
@@ -124,13 +124,19 @@ void visit_candidates(Archive& a, const std::string& name, std::vector<WallCandi
     for (std::size_t k = 0; k < flat.size(); k += 7) {
       a.need(flat[k + 1] <= most && flat[k + 2] <= most, name, "[", k / 7, "] is at wall ",
              flat[k + 1], ", surface ", flat[k + 2], ", which cannot be");
-      all.push_back({flat[k], static_cast<std::uint16_t>(flat[k + 1]),
-                     static_cast<std::uint16_t>(flat[k + 2]), flat[k + 3], flat[k + 4], flat[k + 5],
-                     flat[k + 6]});
+      const auto wall = static_cast<std::uint16_t>(flat[k + 1]),
+                 surface = static_cast<std::uint16_t>(flat[k + 2]);
+      all.push_back({WallCandidate{flat[k], wall, surface, flat[k + 3], flat[k + 4], flat[k + 5],
+                                   flat[k + 6]}});
     }
     if (!a.has(name + "_images")) return;
     const auto images = a.template column<std::int64_t>(name + "_images", all.size());
-    for (std::size_t k = 0; k < all.size(); ++k) all[k].image = images[k];
+    for (std::size_t k = 0; k < all.size(); ++k)
+      if constexpr (std::is_same_v<Candidate, ImageCandidate>)
+        all[k].image = images[k];
+      else
+        a.need(images[k] == 0, name, "_images[", k, "] = ", images[k],
+               ", which is no image of a wall in this box");
   } else {
     flat.reserve(7 * all.size());
     for (const auto& c : all)
@@ -139,7 +145,7 @@ void visit_candidates(Archive& a, const std::string& name, std::vector<WallCandi
     a.copied(name, std::move(flat));
     // In a box that repeats, where there are any.
     std::vector<std::int64_t> images;
-    for (const auto& c : all) images.push_back(c.image);
+    for (const auto& c : all) images.push_back(image_of(c));
     if (std::any_of(images.begin(), images.end(), [](std::int64_t image) { return image != 0; }))
       a.copied(name + "_images", std::move(images));
   }

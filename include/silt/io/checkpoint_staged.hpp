@@ -225,6 +225,7 @@ class Checkpoint<Sim>::Staged {
     typename decltype(Engine::Lists::walls)::State contacts;
     detail::visit_wall_contacts(a, contacts, Engine::memory);
     lists_.walls.planes_apart = !Engine::State::of_bodies;
+    lists_.set_period(sim_.domain());
     // A plane that moves, or has come to rest, has its contacts in another place than the file's.
     const bool laid_out = detail::check_wall_contacts<Engine>(a, contacts, lists_.walls, walls,
                                                               listed, forgotten, accepted.motions);
@@ -233,7 +234,6 @@ class Checkpoint<Sim>::Staged {
     upkeep.restore(outer, inner);
     lists_.pairs.restore(pairs, listed);
     lists_.walls.restore(std::move(contacts), walls, listed);
-    lists_.set_period(sim_.domain());
     lists_.searched_walls.restore(std::move(walls_.marks[0]), walls_.regions[0]);
     lists_.pruned_walls.restore(std::move(walls_.marks[1]), walls_.regions[1]);
     for (std::size_t w = known_walls_; w < e_.walls.size(); ++w)

@@ -22,10 +22,10 @@ template <class Engine, class Contacts>
 bool check_wall_contacts(const CheckpointLoader& a, const typename Contacts::State& s,
                          const Contacts& contacts, std::span<const Wall> walls, std::size_t listed,
                          bool forgotten, bool other_motions) {
-  const auto check = [&](const char* name, const std::vector<WallCandidate>& all,
+  const auto check = [&](const char* name, const std::vector<typename Contacts::Candidate>& all,
                          const std::vector<std::uint32_t>& facets) {
     for (std::size_t k = 0; k < all.size(); ++k) {
-      const WallCandidate& c = all[k];
+      const auto& c = all[k];
       a.need(c.particle < listed && c.wall < walls.size(), name, "[", k, "] is of row ", c.particle,
              " of ", listed, " and wall ", c.wall, " of ", walls.size());
       const auto& surfaces = walls[c.wall].surfaces;
@@ -34,11 +34,12 @@ bool check_wall_contacts(const CheckpointLoader& a, const typename Contacts::Sta
       a.need(c.facet_count <= facets.size() && c.facets <= facets.size() - c.facet_count, name, "[",
              k, "] has its facets at ", c.facets, " to ", std::uint64_t{c.facets} + c.facet_count,
              " of ", facets.size());
-      a.need(c.image == 0 || (Contacts::repeats && -image_limit < c.image && c.image < image_limit),
-             name, "_images[", k, "] = ", c.image, " cannot be");
+      const WallImage image = image_of(c);
+      a.need(is_wall_image(image, contacts.period), name, "_images[", k, "] = ", image,
+             ", which is no image of a wall in this box");
       if (surfaces.empty() || forgotten) continue;
-      a.need(c.image == 0 || !std::holds_alternative<Plane>(surfaces[c.surface]), name, "_images[",
-             k, "] = ", c.image, ", but planes do not repeat");
+      a.need(image == 0 || !std::holds_alternative<Plane>(surfaces[c.surface]), name, "_images[", k,
+             "] = ", image, ", but planes do not repeat");
       const auto* mesh = std::get_if<std::shared_ptr<const TriangleMesh>>(&surfaces[c.surface]);
       a.need(mesh != nullptr ? c.facet_count > 0 : c.facet_count == 0, name, "[", k, "] has ",
              c.facet_count, " facets");
@@ -54,7 +55,7 @@ bool check_wall_contacts(const CheckpointLoader& a, const typename Contacts::Sta
     a.need(s.outer[k - 1].key() < s.outer[k].key(), "walls.outer[", k, "] is not in order");
   std::vector<bool> seen(s.outer.size(), false);
   for (std::size_t k = 0; k < s.inner.size(); ++k) {
-    const WallCandidate& c = s.inner[k];
+    const auto& c = s.inner[k];
     a.need(c.origin < s.outer.size() && !seen[c.origin] && s.outer[c.origin].key() == c.key(),
            "walls.inner[", k, "] is none of the outer list");
     seen[c.origin] = true;

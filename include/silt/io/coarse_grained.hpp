@@ -21,7 +21,7 @@ struct CoarseOutput {
 template <class Kernel>
 class CoarseGrained {
  public:
-  static constexpr bool reads_contacts = true;
+  static constexpr bool reads_contacts = true, reads_forces_alone = true;
   CoarseGrained(const CoarseGrid& grid, const Kernel& kernel, Schedule schedule,
                 CoarseOutput output)
       : fields_(grid, kernel), schedule_(schedule), output_(std::move(output)) {

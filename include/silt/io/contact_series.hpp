@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,31 +33,55 @@ auto recorded_contacts(const Sim& sim, const char* who) {
   return [&sim, who](const auto& f) { sim.visit_contacts(f, who); };
 }
 
-/// Writes the lines of contacts that `each` visits; `centre_of` the place of a particle's row.
-template <class Sim, class Each>
-void write_contact_lines(const std::string& file, const Sim& sim, const Each& each) {
-  std::vector<std::array<float, 3>> points, force;
-  std::vector<float> normal, tangential, overlap;
-  std::vector<std::uint64_t> a, b;
-  std::vector<std::int32_t> wall;
-  const auto single = [](const Vec3d& v) {
-    return std::array<float, 3>{static_cast<float>(v.x), static_cast<float>(v.y),
-                                static_cast<float>(v.z)};
-  };
-  each([&](const ContactSeen& c) {
-    const Vec3d to = sim.position(c.place_a);
-    points.push_back(single(to - c.branch)), points.push_back(single(to));
-    force.push_back(single(c.force)), normal.push_back(static_cast<float>(c.normal_force));
-    tangential.push_back(static_cast<float>(norm(c.tangential_force)));
-    overlap.push_back(static_cast<float>(c.overlap));
-    a.push_back(c.a), b.push_back(c.b);
-    wall.push_back(c.wall == no_wall ? -1 : static_cast<std::int32_t>(c.wall));
-  });
-  VtkFields fields;
-  fields.add("normal_force", normal).add("tangential_force", tangential).add("force", force);
-  fields.add("overlap", overlap).add("a", a).add("b", b).add("wall", wall);
-  write_vtp_lines(file, points, fields);
-}
+/// Contacts as lines for a file. Its arrays are as long as they ever had to be, and used again.
+class ContactLines {
+ public:
+  /// Takes the contacts that `each` visits. `sim` tells the places of particles.
+  template <class Sim, class Each>
+  void take(const Sim& sim, const Each& each) {
+    count_ = 0;
+    each([&](const ContactSeen& c) __attribute__((always_inline)) {
+      if (count_ == normal_.size()) make_room();
+      const std::size_t k = count_++;
+      const Vec3d to = sim.position(c.place_a);
+      points_[2 * k] = single(to - c.branch), points_[2 * k + 1] = single(to);
+      force_[k] = single(c.force), normal_[k] = static_cast<float>(c.normal_force);
+      tangential_[k] = static_cast<float>(norm(c.tangential_force));
+      overlap_[k] = static_cast<float>(c.overlap);
+      a_[k] = c.a, b_[k] = c.b;
+      wall_[k] = c.wall == no_wall ? -1 : static_cast<std::int32_t>(c.wall);
+    });
+  }
+  void write(const std::string& file) {
+    VtkFields fields;
+    fields.add("normal_force", taken(normal_)).add("tangential_force", taken(tangential_));
+    fields.add("force", taken(force_)).add("overlap", taken(overlap_));
+    fields.add("a", taken(a_)).add("b", taken(b_)).add("wall", taken(wall_));
+    write_vtp_lines(file, std::span<const Point>(points_.data(), 2 * count_), fields, cells_);
+  }
+
+ private:
+  using Point = std::array<float, 3>;
+  static Point single(const Vec3d& v) {
+    return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+  }
+  [[gnu::cold, gnu::noinline]] void make_room() {
+    const std::size_t room = std::max<std::size_t>(1024, 2 * count_);
+    points_.resize(2 * room), force_.resize(room), normal_.resize(room), tangential_.resize(room);
+    overlap_.resize(room), a_.resize(room), b_.resize(room), wall_.resize(room);
+  }
+  template <class T>
+  std::span<const T> taken(const std::vector<T>& all) const {
+    return {all.data(), count_};
+  }
+
+  std::size_t count_ = 0;
+  std::vector<Point> points_, force_;
+  std::vector<float> normal_, tangential_, overlap_;
+  std::vector<std::uint64_t> a_, b_;
+  std::vector<std::int32_t> wall_;
+  VtkLines cells_;
+};
 
 template <class Each>
 void write_contact_table(const std::string& file, const Each& each) {
@@ -74,7 +99,7 @@ void write_contact_table(const std::string& file, const Each& each) {
     add(c.overlap), add(c.normal_force), add(c.force.x), add(c.force.y), add(c.force.z);
     all.back() = '\n';
   });
-  AtomicFile out(file);
+  AtomicFile out(file, Flush::Never);
   out.write(all);
   out.commit();
 }
@@ -83,7 +108,7 @@ void write_contact_table(const std::string& file, const Each& each) {
 template <bool Table>
 class ContactSeries {
  public:
-  static constexpr bool only_reads = true, reads_contacts = true;
+  static constexpr bool only_reads = true, reads_contacts = true, reads_forces_alone = true;
   ContactSeries(std::string folder, Schedule schedule)
       : folder_(std::move(folder)), schedule_(schedule) {}
 
@@ -109,7 +134,8 @@ class ContactSeries {
     if constexpr (Table) {
       write_contact_table(text(folder_, '/', file), each);
     } else {
-      write_contact_lines(text(folder_, '/', file), sim, each);
+      lines_.take(sim, each);
+      lines_.write(text(folder_, '/', file));
       series_->add(sim.time(), file);
     }
     schedule_.mark(sim);
@@ -120,6 +146,7 @@ class ContactSeries {
   Schedule schedule_;
   bool begun_ = false;
   std::optional<VtkSeries> series_;
+  ContactLines lines_;
 };
 
 }  // namespace detail
@@ -130,7 +157,9 @@ class ContactSeries {
 /// through the side of a periodic box is drawn whole, beside a. `file` should end in .vtp.
 template <class Sim>
 void write_contacts(const std::string& file, const Sim& sim) {
-  detail::write_contact_lines(file, sim, detail::asked_contacts(sim));
+  detail::ContactLines lines;
+  lines.take(sim, detail::asked_contacts(sim));
+  lines.write(file);
 }
 /// The same as a table: ids, wall, surface and facet (-1: none), point, normal, overlap, forces.
 template <class Sim>

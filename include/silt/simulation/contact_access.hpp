@@ -76,8 +76,12 @@ class ContactReader {
   void for_each(F&& f) const {
     const auto& all = e_.record.contacts;
     const std::size_t kept = all.empty() ? 0 : e_.record.numbers.size() / all.size();
-    for (const Place& at : order_) {
+    for (std::size_t k = 0; k < order_.size(); ++k) {
+      if (k + 2 * ahead < order_.size()) fetch(&all[order_[k + 2 * ahead].index]);
+      if (k + ahead < order_.size()) fetch_rows(all[order_[k + ahead].index]);
+      const Place& at = order_[k];
       ContactSeen c = seen(all[at.index], at.index, at.swapped);
+      c.a = at.a, c.b = at.b;
       c.history = {e_.record.numbers.data() + kept * at.index, kept};
       f(static_cast<const ContactSeen&>(c));
     }
@@ -89,54 +93,92 @@ class ContactReader {
     std::uint32_t index;
     bool swapped;
   };
+  // The order of ids is not that of memory: what is read of a contact is fetched before.
+  static constexpr std::size_t ahead = 8;
+  template <class T>
+  static void fetch(const T* of) {
+    const char* const bytes = reinterpret_cast<const char*>(of);
+    for (std::size_t line = 0; line < sizeof(T); line += 64) __builtin_prefetch(bytes + line);
+    __builtin_prefetch(bytes + sizeof(T) - 1);
+  }
+  void fetch_rows(const RecordedForce& c) const {
+    fetch(&e_.particles.position[c.first]);
+    if (c.second != RecordedForce::no_row) fetch(&e_.particles.position[c.second]);
+  }
+  using Candidate = typename decltype(Engine::lists.walls)::Candidate;
   struct MeshCandidate {
     std::uint32_t particle;
     std::uint16_t wall, surface;
-    const WallCandidate* candidate;
+    const Candidate* candidate;
     auto key() const { return std::tie(particle, wall, surface); }
   };
 
   ParticleId id_of(std::uint32_t row) const {
-    return row == RecordedContact::no_row || e_.particles.is_parked(row) ? no_particle
-                                                                         : e_.id_of(row);
+    return row == RecordedForce::no_row || e_.particles.is_parked(row) ? no_particle
+                                                                       : e_.id_of(row);
   }
   /// By a, b, then what is not the same of several contacts of two: buckets of ids that follow each
   /// other, each sorted. Without contacts of particles that have left since.
   void put_in_order() {
+    const std::vector<Place> found = those_present();
+    if (found.empty()) return;
+    const auto [low, high] = std::minmax_element(
+        found.begin(), found.end(), [](const Place& p, const Place& q) { return p.a < q.a; });
+    const ParticleId from = low->a;
+    int shift = 0;  // 2^shift ids a bucket, so that there are fewer buckets than contacts
+    while ((high->a - from) >> shift >= found.size()) ++shift;
+    const std::size_t buckets = ((high->a - from) >> shift) + 1;
+    // begin[k + 1] is where bucket k goes on, and in the end where it ends.
+    std::vector<std::uint32_t> begin(buckets + 2, 0);
+    for (const Place& p : found) ++begin[((p.a - from) >> shift) + 2];
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    order_.resize(found.size());
+    for (const Place& p : found) order_[begin[((p.a - from) >> shift) + 1]++] = p;
+    for (std::size_t k = 0; k < buckets; ++k) sort(begin[k], begin[k + 1]);
+  }
+  std::vector<Place> those_present() const {
     const auto& all = e_.record.contacts;
     std::vector<Place> found;
     found.reserve(all.size());
     for (std::uint32_t k = 0; k < all.size(); ++k) {
-      const RecordedContact& c = all[k];
+      const RecordedForce& c = all[k];
       const ParticleId first = id_of(c.first), second = id_of(c.second);
-      const bool at_wall = c.second == RecordedContact::no_row;
+      const bool at_wall = c.second == RecordedForce::no_row;
       if (first == no_particle || (!at_wall && second == no_particle)) continue;
       const bool swapped = second < first;
       found.push_back({swapped ? second : first, swapped ? first : second, k, swapped});
     }
-    if (found.empty()) return;
-    const auto [low, high] = std::minmax_element(
-        found.begin(), found.end(), [](const Place& p, const Place& q) { return p.a < q.a; });
-    const ParticleId from = low->a, per_bucket = (high->a - from) / found.size() + 1;
-    std::vector<std::uint32_t> begin(found.size() + 1, 0);
-    const auto bucket = [&](const Place& p) { return (p.a - from) / per_bucket; };
-    for (const Place& p : found) ++begin[bucket(p) + 1];
-    std::partial_sum(begin.begin(), begin.end(), begin.begin());
-    std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
-    order_.resize(found.size());
-    for (const Place& p : found) order_[next[bucket(p)]++] = p;
-    for (std::size_t k = 0; k + 1 < begin.size(); ++k)
-      std::sort(order_.begin() + begin[k], order_.begin() + begin[k + 1],
-                [&](const Place& p, const Place& q) { return key(p) < key(q); });
+    return found;
   }
-  auto key(const Place& p) const {
-    const RecordedContact& c = e_.record.contacts[p.index];
-    return std::tuple(p.a, p.b, c.wall, c.surface, part_of(p.swapped ? c.second : c.first),
+  bool comes_before(const Place& p, const Place& q) const {
+    if (p.a != q.a) return p.a < q.a;
+    if (p.b != q.b) return p.b < q.b;
+    return among_two(p) < among_two(q);
+  }
+  /// Mostly some two or three, for which sorting by insertion is the fastest.
+  void sort(std::size_t from, std::size_t to) {
+    const auto before = [this](const Place& p, const Place& q) { return comes_before(p, q); };
+    if (to - from > 16) {
+      const auto at = order_.begin();
+      return std::sort(at + static_cast<std::ptrdiff_t>(from), at + static_cast<std::ptrdiff_t>(to),
+                       before);
+    }
+    for (std::size_t k = from + 1; k < to; ++k) {
+      const Place one = order_[k];
+      std::size_t at = k;
+      for (; at > from && before(one, order_[at - 1]); --at) order_[at] = order_[at - 1];
+      order_[at] = one;
+    }
+  }
+  /// What tells contacts of the same two apart.
+  auto among_two(const Place& p) const {
+    const RecordedForce& c = e_.record.contacts[p.index];
+    return std::tuple(c.wall, c.surface, part_of(p.swapped ? c.second : c.first),
                       part_of(p.swapped ? c.first : c.second), c.order);
   }
   std::uint32_t part_of([[maybe_unused]] std::uint32_t row) const {
     if constexpr (Engine::has_bodies)
-      return row == RecordedContact::no_row ? 0 : e_.particles.part[row].local;
+      return row == RecordedForce::no_row ? 0 : e_.particles.part[row].local;
     else
       return 0;
   }
@@ -156,11 +198,12 @@ class ContactReader {
     }
   }
 
-  /// `swapped`: the first row's particle is b.
-  ContactSeen seen(const RecordedContact& r, std::size_t index, bool swapped) const {
+  /// `swapped`: the first row's particle is b. Inline, so that what a caller does not read is not
+  /// computed.
+  SILT_INLINE ContactSeen seen(const RecordedForce& r, std::size_t index, bool swapped) const {
     const auto& rows = e_.particles.position;
     const PositionRow& first = rows[r.first];
-    const bool at_wall = r.second == RecordedContact::no_row;
+    const bool at_wall = r.second == RecordedForce::no_row;
     RecordedTurn turn;
     if (!e_.record.turns.empty()) turn = e_.record.turns[index];
     // Spheres meet where the overlap is shared in proportion to the radii: the law's lever arms.
@@ -170,11 +213,12 @@ class ContactReader {
     }
     const Vec3d centre = centre_of(r.first), point = first.centre() + turn.arm;
     ContactSeen c;
-    c.overlap = r.overlap, c.cohesion = r.cohesion;
-    c.normal = r.normal, c.force = r.force, c.spring = r.spring, c.couple = turn.couple_i;
+    c.overlap = r.overlap, c.normal = r.normal, c.force = r.force, c.couple = turn.couple_i;
+    if (!e_.record.parts.empty())
+      c.spring = e_.record.parts[index].spring, c.cohesion = e_.record.parts[index].cohesion;
     c.point = point;
     c.torque_a = cross(point - centre, r.force) + turn.couple_i;
-    set_end(r.first, c.a, c.place_a, c.part_a);
+    set_end(r.first, c.place_a, c.part_a);
     if (at_wall) {
       c.place_b = e_.owners(), c.branch = centre - point;
       c.wall = r.wall, c.surface = r.surface;
@@ -186,9 +230,9 @@ class ContactReader {
       const Vec3d other = first.centre() + between + (own - rows[r.second].centre());
       c.branch = centre - other;
       c.torque_b = cross(point - other, -r.force) + turn.couple_j;
-      set_end(r.second, c.b, c.place_b, c.part_b);
+      set_end(r.second, c.place_b, c.part_b);
       if (swapped) {
-        std::swap(c.a, c.b), std::swap(c.place_a, c.place_b), std::swap(c.part_a, c.part_b);
+        std::swap(c.place_a, c.place_b), std::swap(c.part_a, c.part_b);
         std::swap(c.torque_a, c.torque_b);
         c.normal = -c.normal, c.branch = -c.branch, c.force = -c.force, c.spring = -c.spring;
         c.couple = turn.couple_j, c.point = point + (own - other);
@@ -198,17 +242,17 @@ class ContactReader {
     c.tangential_force = c.force - c.normal_force * c.normal;
     return c;
   }
-  void set_end(std::uint32_t row, ParticleId& id, std::size_t& place, std::size_t& part) const {
-    id = e_.id_of(row), place = place_of(row), part = part_of(row);
+  void set_end(std::uint32_t row, std::size_t& place, std::size_t& part) const {
+    place = place_of(row), part = part_of(row);
   }
 
   /// Candidates at meshes, to be found by row, wall and surface.
   void list_meshes() {
-    const auto is_at_mesh = [&](const WallCandidate& c) {
+    const auto is_at_mesh = [&](const Candidate& c) {
       const auto& surfaces = e_.walls[c.wall].surfaces;
       return c.surface < surfaces.size() && is_mesh(surfaces[c.surface]);
     };
-    for (const WallCandidate& c : e_.lists.walls.candidates())
+    for (const Candidate& c : e_.lists.walls.candidates())
       if (is_at_mesh(c)) meshes_.push_back({c.particle, c.wall, c.surface, &c});
     std::sort(meshes_.begin(), meshes_.end(),
               [](const MeshCandidate& p, const MeshCandidate& q) {
@@ -216,7 +260,7 @@ class ContactReader {
               });
   }
   /// Seen from a little above the point, so that it is the face that looks at the particle.
-  std::size_t facet_of(const RecordedContact& r, const ContactSeen& c) const {
+  std::size_t facet_of(const RecordedForce& r, const ContactSeen& c) const {
     const MeshCandidate wanted{r.first, r.wall, r.surface, nullptr};
     const auto at = std::lower_bound(
         meshes_.begin(), meshes_.end(), wanted,
@@ -255,22 +299,32 @@ class ContactAccess {
   template <class F>
   void for_each_contact(F&& f) const {
     static_cast<void>(&ContactsAsked<Sim>::noted);
-    visit_contacts(f, "Simulation::for_each_contact");
+    visit(f, "Simulation::for_each_contact", has_contacts());
   }
   /// Whether for_each_contact() can be called now.
   bool has_contacts() const {
-    const auto& s = static_cast<const Sim&>(*this);
-    return s.kicked_ && s.engine_.record.is_of(s.step_);
+    return is_recorded() && static_cast<const Sim&>(*this).engine_.record.is_whole();
   }
   /// Whether the present step is done and was not recorded, as before a run that goes on: observers
   /// that read contacts are due one step later.
-  bool awaits_contacts() const { return static_cast<const Sim&>(*this).kicked_ && !has_contacts(); }
-  /// The same for observers that say themselves that they read contacts (reads_contacts).
+  bool awaits_contacts() const { return static_cast<const Sim&>(*this).kicked_ && !is_recorded(); }
+  /// The same for observers that say themselves that they read contacts (reads_contacts); spring,
+  /// cohesion and history are missing if none of them wants more than forces.
   template <class F>
   void visit_contacts(F&& f, const char* who) const {
+    visit(f, who, is_recorded());
+  }
+
+ private:
+  bool is_recorded() const {
+    const auto& s = static_cast<const Sim&>(*this);
+    return s.kicked_ && s.engine_.record.is_of(s.step_);
+  }
+  template <class F>
+  void visit(F&& f, const char* who, bool can) const {
     const auto& s = static_cast<const Sim&>(*this);
     require(
-        has_contacts(), who, ": the contacts of step ", s.step_,
+        can, who, ": the contacts of step ", s.step_,
         " were not recorded; ask in an observer or after run(), with keep_contacts = true (after "
         "a checkpoint was loaded: after run())");
     ContactReader(s.engine_, s.domain_).for_each(f);

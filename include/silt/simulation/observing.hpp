@@ -14,6 +14,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/target.hpp>
 #include <silt/engine/contact/contact_events.hpp>
+#include <silt/engine/contact/contact_record.hpp>
 #include <silt/engine/state/module_columns.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -47,14 +48,19 @@ bool is_due(O& observer, const Sim& sim) {
   else
     return true;
 }
-/// Whether the observer will read contacts in this step: silt's own say it, of others it is taken
-/// for granted if `others` read them at all.
+constexpr ContactsKept all_contacts_if(bool wanted) {
+  return wanted ? ContactsKept::All : ContactsKept::Nothing;
+}
+/// What the observer will read of contacts in this step: those that say that they read them read
+/// all, or the forces alone (`reads_forces_alone`); of others it is taken for granted if `others`
+/// read them at all.
 template <class O, class Sim>
-bool reads_contacts(O& observer, const Sim& sim, bool others) {
-  if constexpr (requires { O::reads_contacts; })
-    return O::reads_contacts && is_due(observer, sim);
-  else
-    return others && is_due(observer, sim);
+ContactsKept read_contacts(O& observer, const Sim& sim, bool others) {
+  bool reads = others;
+  if constexpr (requires { O::reads_contacts; }) reads = O::reads_contacts;
+  if (!reads || !is_due(observer, sim)) return ContactsKept::Nothing;
+  constexpr bool forces = requires { requires O::reads_forces_alone; };
+  return forces ? ContactsKept::Forces : ContactsKept::All;
 }
 /// Whether an error is of this type, and of no other that derives from it.
 template <class E>

@@ -32,7 +32,7 @@ void for_each_contact_of_wall(const EngineType& e, std::size_t w, const Visit& v
   const auto& list = e.lists.walls;
   const auto all = list.candidates();
   for (std::size_t first = 0, next = 1; first < all.size(); first = next++) {
-    const WallCandidate& c = all[first];
+    const auto& c = all[first];
     if constexpr (std::remove_cvref_t<decltype(list)>::repeats) next = end_of_images(all, first);
     if (c.wall != w || c.surface >= wall.surfaces.size()) continue;
     const auto images = all.subspan(first, next - first);
@@ -42,7 +42,7 @@ void for_each_contact_of_wall(const EngineType& e, std::size_t w, const Visit& v
     if constexpr (EngineType::convex) {
       const auto& rows = e.mover.convex_rows;
       for_each_joined(
-          rows, centre, wall, list, images, [&](const SolidContact& at, const WallCandidate& image) {
+          rows, centre, wall, list, images, [&](const SolidContact& at, const auto& image) {
             if (at.overlap > 0)
               visit(ContactAtWall{c.particle, at.normal, list.seen(image, at.point), at.overlap,
                                   at.R_eff,
@@ -53,7 +53,7 @@ void for_each_contact_of_wall(const EngineType& e, std::size_t w, const Visit& v
     } else {
       const double r = e.particles.position[c.particle].r;
       for_each_contact_of_images(
-          e, images, 0, [&](const WallCandidate& image, const SurfacePoint& point) {
+          e, images, 0, [&](const auto& image, const SurfacePoint& point) {
             visit(ContactAtWall{c.particle, point.normal,
                                 list.seen(image, centre) - point.distance * point.normal,
                                 r - point.distance, r, motion.inv_m});

@@ -14,19 +14,26 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
+/// What is kept of the contacts of a step: nothing; how they lie and what their forces are; or also
+/// the parts of these and what the law remembers, which take half of the memory and time.
+enum class ContactsKept { Nothing, Forces, All };
+
 /// A contact as the contact stage found it in a step that is recorded: rows instead of ids, after
-/// the law.
-struct RecordedContact {
+/// the law. Without initial values, so that room for a block costs nothing.
+struct RecordedForce {
   static constexpr std::uint32_t no_row = std::numeric_limits<std::uint32_t>::max();
-  Vec3d normal{0, 0, 0};                          // [-] from the partner to the first
-  Vec3d force{0, 0, 0};                           // [N] on the first
-  Vec3d spring{0, 0, 0};                          // [N] of the tangential spring on the first
-  double overlap = 0;                             // [m]
-  double cohesion = 0;                            // [N] attraction, as a part of the normal force
-  std::uint32_t first = no_row, second = no_row;  // no_row: a wall
-  std::uint32_t order = 0;                        // place in the list of pairs, or slot at walls
-  std::uint16_t wall = 0, surface = 0;
+  Vec3d normal;                 // [-] from the partner to the first
+  Vec3d force;                  // [N] on the first
+  double overlap;               // [m]
+  std::uint32_t first, second;  // no_row: a wall
+  std::uint32_t order;          // place in the list of pairs, or slot at walls
+  std::uint16_t wall, surface;
 };
+struct RecordedParts {
+  Vec3d spring;     // [N] of the tangential spring on the first
+  double cohesion;  // [N] attraction, as a part of the normal force
+};
+struct RecordedContact : RecordedForce, RecordedParts {};
 /// What more is known where forces come with couples, or have arms of their own (convex parts).
 struct RecordedTurn {
   Vec3d arm{0, 0, 0};                          // [m] from the centre of the first row
@@ -40,29 +47,36 @@ class ContactRecord {
   static constexpr std::int64_t none = -1;
 
   /// Before the contacts of a step; where the stages find the record, null: nobody asks.
-  ContactRecord* begin(bool wanted, std::int64_t step) {
-    if (step_ != none) contacts.clear(), turns.clear(), numbers.clear();
-    step_ = wanted ? step : none;
+  ContactRecord* begin(ContactsKept kept, std::int64_t step) {
+    if (step_ != none) contacts.clear(), parts.clear(), turns.clear(), numbers.clear();
+    const bool wanted = kept != ContactsKept::Nothing;
+    step_ = wanted ? step : none, whole_ = kept == ContactsKept::All;
     return wanted ? this : nullptr;
   }
   void forget() { step_ = none; }
   bool is_of(std::int64_t step) const { return step_ == step; }
+  /// With parts and history.
+  bool is_whole() const { return whole_; }
 
-  /// `more`: a turn for each of `found`, or nothing; `history`: the same count of numbers each.
-  void add(std::span<const RecordedContact> found, std::span<const RecordedTurn> more,
-           std::span<const double> history) {
+  /// `its`, `more`: parts and a turn for each of `found`, or nothing; `history`: the same count of
+  /// numbers each.
+  void add(std::span<const RecordedForce> found, std::span<const RecordedParts> its,
+           std::span<const RecordedTurn> more, std::span<const double> history) {
     const std::lock_guard lock(*mutex_);
     contacts.insert(contacts.end(), found.begin(), found.end());
+    parts.insert(parts.end(), its.begin(), its.end());
     turns.insert(turns.end(), more.begin(), more.end());
     numbers.insert(numbers.end(), history.begin(), history.end());
   }
 
-  std::vector<RecordedContact> contacts;
-  std::vector<RecordedTurn> turns;  // of each, or empty
-  std::vector<double> numbers;      // what law and rolling model remember of each
+  std::vector<RecordedForce> contacts;
+  std::vector<RecordedParts> parts;  // of each, or empty
+  std::vector<RecordedTurn> turns;   // of each, or empty
+  std::vector<double> numbers;       // what law and rolling model remember of each
 
  private:
   std::int64_t step_ = none;
+  bool whole_ = false;
   std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();  // so that it can move
 };
 

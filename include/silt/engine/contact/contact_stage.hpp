@@ -97,9 +97,7 @@ struct ContactLosses {
 /// tangential springs counts as lost while they hold it.
 template <class Real, std::size_t N>
 struct ContactLosses<Real, N, true> {
-  SILT_INLINE void begin(ContactEnergy<Real>& lanes) {
-    others_ = lanes, lanes = no_energy<Real>();
-  }
+  SILT_INLINE void begin(ContactEnergy<Real>& lanes) { others_ = lanes, lanes = no_energy<Real>(); }
   SILT_INLINE void end(std::size_t k, const StepTimes& times, ContactEnergy<Real>& lanes) {
     const Real scale(times.worked > 0 ? ScalarOf<Real>(-0.5) : ScalarOf<Real>(0));
     silt::store(of_ + k, scale * (lanes.dashpot + lanes.shear + lanes.couple));
@@ -120,7 +118,8 @@ struct ContactGrowth {
   SILT_INLINE void take(const Block&, std::size_t, const StepTimes&) {}
   static const ScalarOf<Real>* data() { return nullptr; }
 };
-/// Of one that began in the last step no more than what it has. At the first step nothing has grown.
+/// Of one that began in the last step no more than what it has. At the first step nothing has
+/// grown.
 template <class Real, std::size_t N>
 struct ContactGrowth<Real, N, true> {
   template <class Block>
@@ -149,12 +148,11 @@ struct AtOnePoint {
   /// Loads of the first `count` contacts (whole packs) of a block; they take the places of the
   /// kinematics.
   template <class ContactsType, class Arch, class Block, std::size_t H, class Losses>
-  SILT_INLINE void loads(
-      Block& block, std::size_t count, const StepTimes& times,
-      const CoefficientTable<ContactsType>& table, const std::uint16_t* kinds,
-      const std::array<Scalar*, H>& history,
-      RunningTally<ContactsType, typename Lanes<Arch, Scalar>::Real>& tally,
-      [[maybe_unused]] Losses& losses) const {
+  SILT_INLINE void loads(Block& block, std::size_t count, const StepTimes& times,
+                         const CoefficientTable<ContactsType>& table, const std::uint16_t* kinds,
+                         const std::array<Scalar*, H>& history,
+                         RunningTally<ContactsType, typename Lanes<Arch, Scalar>::Real>& tally,
+                         [[maybe_unused]] Losses& losses) const {
     using Real = typename Lanes<Arch, Scalar>::Real;
     using Kernel = ContactKernel<ContactsType, Real>;
     constexpr std::size_t W = Lanes<Arch, Scalar>::width;
@@ -251,17 +249,20 @@ struct ContactStage {
                                               const Ends& ends, const How& how) const {
     using Kernel = ContactKernel<ContactsType, double>;
     constexpr std::size_t kept = ContactsType::law_history + ContactsType::rolling_history;
-    std::array<RecordedContact, Block::size> found;
+    const bool whole = times.record->is_whole();
+    std::array<RecordedForce, Block::size> found;
+    std::array<RecordedParts, Block::size> parts;
     std::array<RecordedTurn, has_turns<Ends> ? Block::size : 1> turns;
     std::array<double, kept * Block::size + 1> numbers;
     std::size_t n = 0;
     for (std::size_t k = 0; k < count; ++k) {
       Kinematics<double> kin = in_double(block.template get<Scalar>(k));
       const auto load = block.template get_load<Scalar>(k);
-      RecordedContact one;
+      RecordedContact one{};
       one.normal = kin.normal, one.overlap = kin.overlap, one.force = in_double(load.force);
       if (!(kin.overlap > 0) && one.force == Vec3d{0, 0, 0}) continue;
       one.first = ends.first(k), one.order = ends.order(k);
+      one.second = RecordedContact::no_row;
       if constexpr (Ends::at_wall)
         one.wall = static_cast<std::uint16_t>(ends.wall(k)), one.surface = ends.surface(k);
       else
@@ -269,19 +270,23 @@ struct ContactStage {
       kin.velocity = kin.spin = {0, 0, 0};  // loads stand there
       const auto radii = block.template get_radii<Scalar>(k);
       const Radii<double> both{static_cast<double>(radii.i), static_cast<double>(radii.j)};
-      how.template tell<ContactsType>(Kernel::contact(kin, both, times.step, times.lag),
-                                      table.law[kinds != nullptr ? kinds[k] : 0], history, k, one);
+      if (whole)
+        how.template tell<ContactsType>(Kernel::contact(kin, both, times.step, times.lag),
+                                        table.law[kinds != nullptr ? kinds[k] : 0], history, k,
+                                        one);
       if constexpr (has_turns<Ends>) {
         turns[n] = {};
         if constexpr (ContactsType::has_rolling) turns[n] = couples_of(kin, both, load, one);
         if constexpr (requires { ends.finish(k, one, turns[n]); }) ends.finish(k, one, turns[n]);
       }
-      for (std::size_t h = 0; h < kept; ++h)
+      for (std::size_t h = 0; whole && h < kept; ++h)
         numbers[n * kept + h] = static_cast<double>(history[h][k]);
+      if (whole) parts[n] = one;
       found[n++] = one;
     }
-    times.record->add({found.data(), n}, {turns.data(), has_turns<Ends> ? n : 0},
-                      {numbers.data(), kept * n});
+    times.record->add({found.data(), n}, {parts.data(), whole ? n : 0},
+                      {turns.data(), has_turns<Ends> ? n : 0},
+                      {numbers.data(), whole ? kept * n : 0});
   }
   template <class Ends>
   static constexpr bool has_turns = ContactsType::has_rolling ||

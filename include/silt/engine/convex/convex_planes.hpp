@@ -17,7 +17,7 @@ namespace silt::inline SILT_TARGET::detail {
 
 /// Contacts of convex parts with walls in one block: those with planes first, lane by lane, in
 /// whole packs. Lanes in which nothing touches have an overlap of -1 and no history.
-template <class ContactsType, std::size_t Slots, std::size_t W>
+template <class ContactsType, class Candidate, std::size_t Slots, std::size_t W>
 struct ConvexWallBlock {
   static constexpr std::size_t room = Slots + 16;  // a pack more
   static constexpr std::uint32_t no_slot = std::numeric_limits<std::uint32_t>::max();
@@ -26,7 +26,7 @@ struct ConvexWallBlock {
   KinematicsBlock<ContactsType, room, double> kinematics;
   alignas(64) double history[ContactsType::history + 1][room];
   std::uint16_t kind[room];
-  const WallCandidate* of[room];
+  const Candidate* of[room];
   std::uint32_t slot[room];                         // no_slot: only padding
   alignas(64) double arm[3][room], place[3][room];  // [m] from the centre; in space
   double gradient[room], couple[room];              // of SolidContact
@@ -44,15 +44,16 @@ class ConvexPlanes {
   using Gather = ConvexGather<Rows, Arch>;
   static constexpr std::size_t W = Lanes<Arch>::width, radius = ContactsType::memory_radius,
                                events = numbers_before_events<ContactsType>;
+  using Candidate = typename Contacts::Candidate;
   template <std::size_t K>
   using KindAt = typename Rows::template KindAt<K>;
 
  public:
   static constexpr bool in_lanes =
       Rows::Kinds::count == 1 && KernelOf<KindAt<0>>::in_lanes && !std::is_same_v<KindAt<0>, Ball>;
-  using Block = ConvexWallBlock<ContactsType, Contacts::block, W>;
+  using Block = ConvexWallBlock<ContactsType, Candidate, Contacts::block, W>;
 
-  static bool takes(const Wall& wall, const WallCandidate& c) {
+  static bool takes(const Wall& wall, const Candidate& c) {
     return in_lanes && !wall.moves() && std::holds_alternative<Plane>(wall.surfaces[c.surface]);
   }
 
@@ -60,7 +61,7 @@ class ConvexPlanes {
   class Near {
    public:
     /// False if the candidate, whose plane is at rest, does not reach it.
-    bool take(const ConvexInput<Rows>& in, const Wall& wall, const WallCandidate& c) {
+    bool take(const ConvexInput<Rows>& in, const Wall& wall, const Candidate& c) {
       using Row = typename KernelOf<KindAt<0>>::Row;
       const Plane plane = std::get<Plane>(wall.surfaces[c.surface]).unit();
       const PositionRow& p = in.positions[c.particle];
@@ -76,7 +77,7 @@ class ConvexPlanes {
 
     std::size_t count = 0;
     std::uint32_t row[Block::room];
-    const WallCandidate* of[Block::room];
+    const Candidate* of[Block::room];
     alignas(64) double normal[3][Block::room], centre[3][Block::room], distance[Block::room];
   };
 
@@ -160,7 +161,7 @@ class ConvexPlanes {
                                         const CoefficientTable<ContactsType>& table,
                                         std::span<const Wall> walls, Block& to) {
     for (std::size_t lane = 0; lane < W; ++lane) {
-      const WallCandidate& c = *near.of[k + lane];
+      const Candidate& c = *near.of[k + lane];
       to.of[k + lane] = &c;
       std::size_t material = 0;
       if constexpr (ContactsType::several_materials) material = in.materials[c.particle];
@@ -190,7 +191,7 @@ class ConvexPlanes {
   static void keep(const Near& near, std::size_t k, std::size_t valid, const double (&touches)[W],
                    Contacts& contacts, Block& to) {
     for (std::size_t lane = 0; lane < W; ++lane) {
-      const WallCandidate& c = *near.of[k + lane];
+      const Candidate& c = *near.of[k + lane];
       to.slot[k + lane] = lane < valid ? c.slot : Block::no_slot;
       if (lane >= valid) {
         to.kinematics.overlap[k + lane] = -1;

@@ -35,6 +35,7 @@ class ConvexWalls {
  public:
   using Contacts = WallContacts<H, double, most_plane_contacts<typename Rows::Kinds>,
                                 most_wall_contacts, Repeats>;
+  using Candidate = typename Contacts::Candidate;
   static constexpr std::size_t block = Contacts::block;
   using Input = ConvexInput<Rows>;
   Fluxes* fluxes = nullptr;  // of modules, if there are any
@@ -93,14 +94,14 @@ class ConvexWalls {
     const auto candidates = contacts.block_candidates(b);
     if constexpr (Planes::in_lanes) {
       typename Planes::Near near;
-      for (const WallCandidate& c : candidates)
+      for (const Candidate& c : candidates)
         if (in.motions[c.particle].inv_m != 0 && Planes::takes(walls[c.wall], c) &&
             !near.take(in, walls[c.wall], c))
           end(contacts, c.slot, {&c, 1}, walls[c.wall], in, s);
       Planes::touch(in, near, contacts, table, walls, s);
     }
     for (std::size_t k = 0, next = 1; k < candidates.size(); k = next++) {
-      const WallCandidate& c = candidates[k];
+      const Candidate& c = candidates[k];
       if constexpr (Repeats) next = end_of_images(candidates, k);
       if (in.motions[c.particle].inv_m != 0 && !Planes::takes(walls[c.wall], c))
         touch(in, contacts, table, walls, candidates, candidates.subspan(k, next - k), s);
@@ -123,7 +124,7 @@ class ConvexWalls {
     tallies_[b].largest = s.largest;
     for (std::size_t k = 0; k < s.count; ++k) {
       if (s.slot[k] == Scratch::no_slot) continue;
-      const WallCandidate& c = *s.of[k];
+      const Candidate& c = *s.of[k];
       for (std::size_t h = 0; h < kept; ++h)  // R_eff has been kept already
         contacts.history(h)[s.slot[k]] = s.history[h][k];
       for (std::size_t h = events; h < H; ++h) contacts.history(h)[s.slot[k]] = s.history[h][k];
@@ -157,17 +158,17 @@ class ConvexWalls {
 
   /// The contacts with the wall, or the image of it, that a candidate is of.
   static int contacts_of(const Input& in, const Contacts& contacts, std::span<const Wall> walls,
-                         const WallCandidate& c, SolidContact (&found)[most_wall_contacts]) {
+                         const Candidate& c, SolidContact (&found)[most_wall_contacts]) {
     return contacts_with_image(*in.rows, in.positions[c.particle].centre(), walls[c.wall], contacts,
                                c, found);
   }
   /// The same without rims that are seams of other surfaces.
   static int contacts_apart(const Input& in, const Contacts& contacts, std::span<const Wall> walls,
-                            std::span<const WallCandidate> candidates, const WallCandidate& c,
+                            std::span<const Candidate> candidates, const Candidate& c,
                             SolidContact (&found)[most_wall_contacts]) {
     int count = contacts_of(in, contacts, walls, c, found);
     if (is_round(walls[c.wall].surfaces[c.surface]) && std::any_of(found, found + count, is_rim))
-      for (const WallCandidate& other : candidates)
+      for (const Candidate& other : candidates)
         if (other.particle == c.particle && &other != &c) {
           SolidContact beside[most_wall_contacts];
           const int n = contacts_of(in, contacts, walls, other, beside);
@@ -181,16 +182,16 @@ class ConvexWalls {
   /// Adds the contacts with a surface and its images.
   static void touch(const Input& in, Contacts& contacts,
                     const CoefficientTable<ContactsType>& table, std::span<const Wall> walls,
-                    std::span<const WallCandidate> candidates,
-                    std::span<const WallCandidate> images, Scratch& s) {
-    const WallCandidate& c = images[0];
+                    std::span<const Candidate> candidates,
+                    std::span<const Candidate> images, Scratch& s) {
+    const Candidate& c = images[0];
     if (Repeats && images.size() > 1) {
-      JoinedContacts all;
+      JoinedContacts<Candidate> all;
       all.join(*in.rows, in.positions[c.particle].centre(), walls[c.wall], contacts, images,
-               [&](const WallCandidate& image, auto& found) {
+               [&](const Candidate& image, auto& found) {
                  return contacts_apart(in, contacts, walls, candidates, image, found);
                });
-      return take<JoinedContacts::most>(in, contacts, table, walls[c.wall], images,
+      return take<JoinedContacts<Candidate>::most>(in, contacts, table, walls[c.wall], images,
                                         {all.contact, all.count},
                                         [&](int k) -> auto& { return *all.of[k]; }, s);
     }
@@ -204,9 +205,9 @@ class ConvexWalls {
   /// is the candidate of contact k.
   template <std::size_t Most, class Of>
   static void take(const Input& in, Contacts& contacts, const CoefficientTable<ContactsType>& table,
-                   const Wall& wall, std::span<const WallCandidate> images,
+                   const Wall& wall, std::span<const Candidate> images,
                    std::span<const SolidContact> found, const Of& of, Scratch& s) {
-    const WallCandidate& c = images[0];
+    const Candidate& c = images[0];
     const int count = static_cast<int>(found.size());
     const Vec3d centre = in.positions[c.particle].centre();
     const std::size_t slots = images.size() * Contacts::slots_of(wall.surfaces[c.surface]);
@@ -239,14 +240,14 @@ class ConvexWalls {
     return best;
   }
   static void end(Contacts& contacts, std::size_t slot,
-                  [[maybe_unused]] std::span<const WallCandidate> images,
+                  [[maybe_unused]] std::span<const Candidate> images,
                   [[maybe_unused]] const Wall& wall, [[maybe_unused]] const Input& in,
                   [[maybe_unused]] Scratch& s) {
     if (!contacts.slot(slot).touching) return;
     contacts.slot(slot).touching = false;
     if constexpr (keeps_events<ContactsType>) {
       NotedContact note;
-      const WallCandidate& c = images[0];
+      const Candidate& c = images[0];
       note.first = c.particle, note.event.wall = c.wall;
       note.event.normal = contacts.slot(slot).normal;
       const PositionRow& p = in.positions[c.particle];
@@ -265,7 +266,7 @@ class ConvexWalls {
 
   static void describe(const SolidContact& contact, const Vec3d& centre, const Input& in,
                        Contacts& contacts, const CoefficientTable<ContactsType>& table,
-                       const Wall& wall, const WallCandidate& c, std::size_t slot, Scratch& s) {
+                       const Wall& wall, const Candidate& c, std::size_t slot, Scratch& s) {
     auto& kept = contacts.slot(slot);
     const Vec3d change = kept.touching ? contact.normal - kept.normal : Vec3d{0, 0, 0};
     if constexpr (Fluxes::wears) s.rubs.next_begins = !kept.touching;

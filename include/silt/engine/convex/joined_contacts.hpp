@@ -21,9 +21,9 @@ namespace silt::inline SILT_TARGET::detail {
 
 /// The contacts of a row, of this centre [m], with the image of a wall that a candidate is of;
 /// points beside the row.
-template <class Rows, class List>
+template <class Rows, class List, class Candidate>
 int contacts_with_image(const Rows& rows, const Vec3d& centre, const Wall& wall, const List& list,
-                        const WallCandidate& c, SolidContact (&found)[most_wall_contacts]) {
+                        const Candidate& c, SolidContact (&found)[most_wall_contacts]) {
   const Vec3d seen = list.seen(c, centre);
   const int count = contacts_with_wall(rows, c.particle, seen, wall, wall.surfaces[c.surface],
                                        list.facets(c), found);
@@ -35,19 +35,20 @@ int contacts_with_image(const Rows& rows, const Vec3d& centre, const Wall& wall,
 /// The contacts of one convex part with a surface and its images, all beside the part. Where images
 /// join or overlap each other, a place of the part has one contact, as on one surface. Of sharp
 /// polyhedra at meshes each patch has one, whichever images it is seen in.
+template <class Candidate>
 struct JoinedContacts {
   static constexpr std::size_t most = 64;
   SolidContact contact[most];
-  const WallCandidate* of[most];
+  const Candidate* of[most];
   std::size_t count = 0;
 
   /// each(image, found): the contacts with one image.
   template <class Rows, class List, class Each>
   void join(const Rows& rows, const Vec3d& centre, const Wall& wall, const List& list,
-            std::span<const WallCandidate> images, const Each& each) {
+            std::span<const Candidate> images, const Each& each) {
     if (join_patches(rows, centre, wall, list, images)) return;
     SolidContact found[most_wall_contacts];
-    for (const WallCandidate& image : images) {
+    for (const Candidate& image : images) {
       const int n = each(image, found);
       for (int k = 0; k < n && count < most; ++k) contact[count] = found[k], of[count++] = &image;
     }
@@ -58,7 +59,7 @@ struct JoinedContacts {
   /// False if it is not a mesh, or no sharp polyhedron.
   template <class Rows, class List>
   bool join_patches(const Rows& rows, const Vec3d& centre, const Wall& wall, const List& list,
-                    std::span<const WallCandidate> images) {
+                    std::span<const Candidate> images) {
     const auto* const mesh =
         std::get_if<std::shared_ptr<const TriangleMesh>>(&wall.surfaces[images[0].surface]);
     if (mesh == nullptr) return false;
@@ -71,7 +72,7 @@ struct JoinedContacts {
         if (wall.moves()) turn_into(wall.pose, body);
         DeepestContacts deepest{contact, most_wall_contacts};
         SurfaceDepth depth(body, **mesh);
-        for (const WallCandidate& image : images) {
+        for (const Candidate& image : images) {
           const Vec3d way = in_wall(wall, list.seen(image, centre)) - at;
           for (const auto t : list.facets(image)) depth.add(t, way);
         }
@@ -127,12 +128,12 @@ struct JoinedContacts {
 };
 
 /// Calls visit(contact, image) for those of a row with the images of one surface.
-template <class Rows, class List, class Visit>
+template <class Rows, class List, class Candidate, class Visit>
 void for_each_joined(const Rows& rows, const Vec3d& centre, const Wall& wall, const List& list,
-                     std::span<const WallCandidate> images, const Visit& visit) {
+                     std::span<const Candidate> images, const Visit& visit) {
   if (images.size() > 1) {
-    JoinedContacts all;
-    all.join(rows, centre, wall, list, images, [&](const WallCandidate& image, auto& found) {
+    JoinedContacts<Candidate> all;
+    all.join(rows, centre, wall, list, images, [&](const Candidate& image, auto& found) {
       return contacts_with_image(rows, centre, wall, list, image, found);
     });
     for (std::size_t k = 0; k < all.count; ++k) visit(all.contact[k], *all.of[k]);

@@ -26,7 +26,8 @@ inline const Plane* plane_at_rest(std::span<const Wall> walls, const WallCandida
 }
 
 /// Whether one sphere's candidates are planes at rest that touch it in places of their own.
-inline bool are_planes(std::span<const Wall> walls, std::span<const WallCandidate> of_one) {
+template <class Candidate>
+bool are_planes(std::span<const Wall> walls, std::span<const Candidate> of_one) {
   for (std::size_t a = 0; a < of_one.size(); ++a) {
     const Plane* const plane = plane_at_rest(walls, of_one[a]);
     if (plane == nullptr) return false;
@@ -40,14 +41,15 @@ inline bool are_planes(std::span<const Wall> walls, std::span<const WallCandidat
 
 /// Brings the candidates at planes to the end, in pieces, each plane by plane; without `apart`
 /// there are none. Returns the first candidate of each piece, and the end.
-inline std::vector<std::size_t> put_planes_last(std::span<const Wall> walls, bool apart,
-                                                std::vector<WallCandidate>& all) {
+template <class Candidate>
+std::vector<std::size_t> put_planes_last(std::span<const Wall> walls, bool apart,
+                                         std::vector<Candidate>& all) {
   constexpr std::size_t piece_size = 256;  // candidates, about
-  std::vector<WallCandidate> others, at_planes;
+  std::vector<Candidate> others, at_planes;
   std::vector<std::size_t> begin{0};
   for (std::size_t k = 0, next = 0; k < all.size(); k = next) {
     while (next < all.size() && all[next].particle == all[k].particle) ++next;
-    const std::span<const WallCandidate> of_one{all.data() + k, next - k};
+    const std::span<const Candidate> of_one{all.data() + k, next - k};
     auto& to = apart && are_planes(walls, of_one) ? at_planes : others;
     to.insert(to.end(), of_one.begin(), of_one.end());
     if (at_planes.size() >= begin.back() + piece_size) begin.push_back(at_planes.size());

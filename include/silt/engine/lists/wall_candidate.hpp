@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <tuple>
+#include <type_traits>
 #include <vector>
 
 #include <silt/boundary/wall.hpp>
@@ -19,9 +20,15 @@ struct WallCandidate {
   std::uint32_t slot;                 // its first slot
   std::uint32_t facets, facet_count;  // where its triangles stand in the pool, if it is a mesh
   std::uint32_t origin;               // of one kept by the pruning: its place in the outer list
-  WallImage image = 0;                // of the wall, in a box that repeats
+  auto key() const { return std::tie(particle, wall, surface); }
+};
+/// ... or near an image of it, in a box that repeats. Boxes that do not have the smaller type.
+struct ImageCandidate : WallCandidate {
+  WallImage image = 0;
   auto key() const { return std::tie(particle, wall, surface, image); }
 };
+inline constexpr WallImage image_of(const WallCandidate&) { return 0; }
+inline constexpr WallImage image_of(const ImageCandidate& c) { return c.image; }
 
 /// Slots of spheres that are near one and the same plane at rest.
 struct PlaneRun {
@@ -37,11 +44,12 @@ inline Vec3d in_wall(const Wall& wall, const Vec3d& point) {
 }
 
 /// What one range of spheres or candidates gave, with a pool of triangles of its own.
+template <class Candidate>
 struct WallFinds {
-  std::vector<WallCandidate> candidates;
+  std::vector<Candidate> candidates;
   std::vector<std::uint32_t> facets, near;
   void clear() { candidates.clear(), facets.clear(); }
-  void add(WallCandidate c, std::span<const std::uint32_t> of) {
+  void add(Candidate c, std::span<const std::uint32_t> of) {
     c.facets = static_cast<std::uint32_t>(facets.size());
     c.facet_count = static_cast<std::uint32_t>(of.size());
     facets.insert(facets.end(), of.begin(), of.end());
@@ -54,8 +62,9 @@ struct WallFinds {
   void search(const S& surface, const Wall& wall, std::size_t w, std::size_t s,
               std::span<const PositionRow> rows, std::size_t from, std::size_t to, double reach,
               const Seen& seen) {
-    WallCandidate c{0, static_cast<std::uint16_t>(w), static_cast<std::uint16_t>(s), 0, 0, 0, 0,
-                    seen.image};
+    Candidate c{};
+    c.wall = static_cast<std::uint16_t>(w), c.surface = static_cast<std::uint16_t>(s);
+    if constexpr (std::is_same_v<Candidate, ImageCandidate>) c.image = seen.image;
     for (std::size_t p = from; p < to; ++p) {
       const double within = rows[p].r + reach;
       const Vec3d place = seen(rows[p].centre());
@@ -77,7 +86,7 @@ struct WallFinds {
 
   /// Keeps the candidate if it is within reach, with those of its triangles that are.
   template <class S>
-  void keep(const S& surface, const WallCandidate& c, const Vec3d& centre, double within,
+  void keep(const S& surface, const Candidate& c, const Vec3d& centre, double within,
             std::span<const std::uint32_t> outer_facets) {
     near.clear();
     if constexpr (requires { surface.triangles_near(centre, within, near); }) {

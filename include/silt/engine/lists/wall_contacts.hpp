@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 #include <tuple>
+#include <type_traits>
 #include <vector>
 
 #include <silt/boundary/wall.hpp>
@@ -32,6 +33,7 @@ template <std::size_t H, class Scalar, std::size_t PlaneSlots = 0, std::size_t O
 class WallContacts {
  public:
   static constexpr bool repeats = Repeats;  // walls, with a box
+  using Candidate = std::conditional_t<Repeats, ImageCandidate, WallCandidate>;
   static constexpr std::size_t block = OtherSlots > 4 ? 128 : 64;  // slots
   struct Slot {
     Vec3d normal;               // [-] at the last step
@@ -43,7 +45,7 @@ class WallContacts {
   Vec3d period{0, 0, 0};     // [m] lengths of a box that repeats, 0 where it does not
 
   /// Where a candidate's wall sees a point [m] that is beside its sphere.
-  Vec3d seen([[maybe_unused]] const WallCandidate& c, const Vec3d& point) const {
+  Vec3d seen([[maybe_unused]] const Candidate& c, const Vec3d& point) const {
     if constexpr (Repeats)
       if (c.image != 0) return point + way_of(c.image, period);
     return point;
@@ -51,8 +53,8 @@ class WallContacts {
 
   std::size_t slots() const { return slots_.size(); }
   std::size_t blocks() const { return block_begin_.empty() ? 0 : block_begin_.size() - 1; }
-  std::span<const WallCandidate> candidates() const { return inner_; }
-  std::span<const WallCandidate> block_candidates(std::size_t b) const {
+  std::span<const Candidate> candidates() const { return inner_; }
+  std::span<const Candidate> block_candidates(std::size_t b) const {
     return {inner_.data() + block_begin_[b], block_begin_[b + 1] - block_begin_[b]};
   }
   std::span<const std::uint32_t> facets(const WallCandidate& c) const {
@@ -96,12 +98,12 @@ class WallContacts {
   void join(std::span<const Wall> walls, std::span<const PositionRow> rows, std::size_t first,
             double reach, [[maybe_unused]] const Domain& domain) {
     particles_ = static_cast<std::uint32_t>(rows.size());
-    WallFinds& found = found_[0];
+    WallFinds<Candidate>& found = found_[0];
     found.clear();
     if constexpr (Repeats) images_.choose(walls, rows.subspan(first), reach, domain);
     images_.find(walls, rows, {first, rows.size(), reach}, period, found);
     const auto offset = static_cast<std::uint32_t>(outer_facets_.size());
-    for (WallCandidate c : found.candidates) c.facets += offset, outer_.push_back(c);
+    for (Candidate c : found.candidates) c.facets += offset, outer_.push_back(c);
     outer_facets_.insert(outer_facets_.end(), found.facets.begin(), found.facets.end());
     found.clear();
   }
@@ -114,7 +116,7 @@ class WallContacts {
     team.for_ranges(outer_.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
       found_[r].clear();
       for (std::size_t k = from; k < to; ++k) {
-        WallCandidate c = outer_[k];
+        Candidate c = outer_[k];
         c.origin = static_cast<std::uint32_t>(k);
         if (rows[c.particle].r == 0) continue;  // it has left
         const Wall& wall = walls[c.wall];
@@ -137,13 +139,13 @@ class WallContacts {
   /// contacts keep their memory.
   void forget_facets(std::size_t wall) {
     for (auto* const all : {&outer_, &inner_})
-      for (WallCandidate& c : *all)
+      for (Candidate& c : *all)
         if (c.wall == wall) c.facet_count = 0;
   }
 
   /// State for a checkpoint: candidates, facets and slots as they stand.
   struct State {
-    std::vector<WallCandidate> outer, inner;
+    std::vector<Candidate> outer, inner;
     std::vector<std::uint32_t> outer_facets, inner_facets;
     std::vector<Slot> slots;
     std::array<std::vector<double>, H> history;
@@ -181,9 +183,9 @@ class WallContacts {
     WallContacts fresh;
     fresh.planes_apart = planes_apart, fresh.inner_ = s.inner;
     std::sort(fresh.inner_.begin(), fresh.inner_.end(),
-              [](const WallCandidate& a, const WallCandidate& b) { return a.origin < b.origin; });
+              [](const Candidate& a, const Candidate& b) { return a.origin < b.origin; });
     fresh.part_planes(walls), fresh.lay_out_slots(walls);
-    const auto same = [](const WallCandidate& a, const WallCandidate& b) {
+    const auto same = [](const Candidate& a, const Candidate& b) {
       return a.key() == b.key() && a.slot == b.slot && a.origin == b.origin;
     };
     return std::equal(s.inner.begin(), s.inner.end(), fresh.inner_.begin(), same) &&
@@ -220,11 +222,11 @@ class WallContacts {
 
  private:
   /// Joins what the ranges found, in their order.
-  void collect(std::vector<WallCandidate>& candidates, std::vector<std::uint32_t>& facets) {
+  void collect(std::vector<Candidate>& candidates, std::vector<std::uint32_t>& facets) {
     candidates.clear(), facets.clear();
-    for (WallFinds& found : found_) {
+    for (WallFinds<Candidate>& found : found_) {
       const auto offset = static_cast<std::uint32_t>(facets.size());
-      for (WallCandidate c : found.candidates) c.facets += offset, candidates.push_back(c);
+      for (Candidate c : found.candidates) c.facets += offset, candidates.push_back(c);
       facets.insert(facets.end(), found.facets.begin(), found.facets.end());
       found.clear();
     }
@@ -289,7 +291,7 @@ class WallContacts {
     at_planes_.assign(slots_.size() - first_plane_slot_, particles_);
     for (std::size_t p = 0; p < plane_pieces(); ++p) {
       for (std::size_t k = piece_begin_[p]; k < piece_begin_[p + 1]; ++k) {
-        const WallCandidate& c = inner_[k];
+        const Candidate& c = inner_[k];
         at_planes_[c.slot - first_plane_slot_] = c.particle;
         if (k == piece_begin_[p] || !same_plane(inner_[k - 1], c)) {
           if (is_gone_plane(walls, c)) continue;
@@ -325,7 +327,7 @@ class WallContacts {
     }
   }
   void archive(std::size_t k) {
-    const WallCandidate& c = inner_[k];
+    const Candidate& c = inner_[k];
     std::size_t end = c.slot + 1;
     if (k < planes_from())
       end = k + 1 < planes_from() && inner_[k + 1].slot / block == c.slot / block
@@ -345,7 +347,7 @@ class WallContacts {
   /// Gives kept contacts back to their candidates: to those at all images of a surface together.
   void recall() {
     for (std::size_t k = 0, next = 1; k < inner_.size(); k = next++) {
-      const WallCandidate& c = inner_[k];
+      const Candidate& c = inner_[k];
       std::uint32_t first = c.origin, last = c.origin + 1;  // in the outer list
       if constexpr (Repeats) {
         while (next < inner_.size() && same_surface(inner_[next], c)) ++next;
@@ -374,9 +376,9 @@ class WallContacts {
     return static_cast<std::ptrdiff_t>(end - inner_[k].slot);
   }
 
-  std::vector<WallCandidate> outer_, inner_;
+  std::vector<Candidate> outer_, inner_;
   std::vector<std::uint32_t> outer_facets_, inner_facets_;
-  std::array<WallFinds, Team::most_ranges> found_;
+  std::array<WallFinds<Candidate>, Team::most_ranges> found_;
   WallSearch<Repeats> images_;
   std::vector<std::size_t> block_begin_;     // first candidate of each block
   std::vector<std::size_t> piece_begin_{0};  // first candidate of each piece at planes

@@ -53,6 +53,14 @@ inline Vec3d way_of(WallImage image, const Vec3d& period) {
           static_cast<double>(n[2]) * period.z};
 }
 
+/// Whether a number read from elsewhere is an image in a box of these lengths [m], 0 where it does
+/// not repeat.
+inline bool is_wall_image(WallImage image, const Vec3d& period) {
+  if (!(-image_limit < image && image < image_limit)) return false;
+  const auto n = lengths_of(image);
+  return (n[0] == 0 || period.x > 0) && (n[1] == 0 || period.y > 0) && (n[2] == 0 || period.z > 0);
+}
+
 /// Lengths [m] of a box, 0 where it does not repeat.
 template <class Domain>
 Vec3d period_of(const Domain& domain) {

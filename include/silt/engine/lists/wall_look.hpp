@@ -19,8 +19,8 @@ Vec3d place_before(const EngineType& e, std::size_t k, double back) {
 
 /// Calls visit(candidate, point) for every contact of a sphere with one surface of a wall, or one
 /// image of it, the spheres where they were `back` [s] ago.
-template <class EngineType, class Visit>
-void for_each_contact_with(const EngineType& e, const WallCandidate& c, double back,
+template <class EngineType, class Candidate, class Visit>
+void for_each_contact_with(const EngineType& e, const Candidate& c, double back,
                            const Visit& visit) {
   const Wall& wall = e.walls[c.wall];
   const double r = e.particles.position[c.particle].r;
@@ -40,10 +40,10 @@ void for_each_contact_with(const EngineType& e, const WallCandidate& c, double b
 }
 
 /// The same for a surface and its images, without the seams between them.
-template <class EngineType, class Visit>
-void for_each_contact_of_images(const EngineType& e, std::span<const WallCandidate> images,
-                                double back, const Visit& visit) {
-  const WallCandidate& c = images[0];
+template <class EngineType, class Candidate, class Visit>
+void for_each_contact_of_images(const EngineType& e, std::span<const Candidate> images, double back,
+                                const Visit& visit) {
+  const Candidate& c = images[0];
   if (images.size() == 1) return for_each_contact_with(e, c, back, visit);
   std::vector<Touch> found;
   for (std::size_t k = 0; k < images.size(); ++k)

@@ -55,19 +55,20 @@ inline void drop_image_seams(std::span<Touch> found, const Surface& surface, dou
 }
 
 /// ... surface by surface, of all the places where a sphere touches its candidates.
-inline void drop_image_seams(std::span<Touch> found, std::span<const WallCandidate> candidates,
-                             std::span<const Wall> walls, double tolerance) {
+template <class Candidate>
+void drop_image_seams(std::span<Touch> found, std::span<const Candidate> candidates,
+                      std::span<const Wall> walls, double tolerance) {
   for (std::size_t k = 0, next = 0; k < found.size(); k = next) {
-    const WallCandidate& c = candidates[found[k].candidate];
+    const Candidate& c = candidates[found[k].candidate];
     while (next < found.size() && same_surface(c, candidates[found[next].candidate])) ++next;
     drop_image_seams(found.subspan(k, next - k), walls[c.wall].surfaces[c.surface], tolerance);
   }
 }
 
 /// Which of the images of one surface is nearest to a point [m] beside a sphere.
-template <class Contacts>
-const WallCandidate& nearest_image(const Vec3d& point, std::span<const WallCandidate> images,
-                                   const Wall& wall, const Contacts& contacts) {
+template <class Candidate, class Contacts>
+const Candidate& nearest_image(const Vec3d& point, std::span<const Candidate> images,
+                               const Wall& wall, const Contacts& contacts) {
   constexpr double far = std::numeric_limits<double>::infinity();
   std::size_t best = 0;
   double least = far;

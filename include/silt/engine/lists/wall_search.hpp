@@ -34,8 +34,9 @@ class WallSearch {
     double reach;          // [m]
   };
   /// Adds the spheres of a range nearer than its reach to a surface, by sphere.
+  template <class Candidate>
   void find(std::span<const Wall> walls, std::span<const PositionRow> rows, const Range& range,
-            [[maybe_unused]] const Vec3d& period, WallFinds& found) const {
+            [[maybe_unused]] const Vec3d& period, WallFinds<Candidate>& found) const {
     [[maybe_unused]] std::size_t number = 0;  // of the surface, among all
     for (std::size_t w = 0; w < walls.size(); ++w)
       for (std::size_t s = 0; s < walls[w].surfaces.size(); ++s) {
@@ -58,7 +59,7 @@ class WallSearch {
         look(SeenHere{});
       }
     std::sort(found.candidates.begin(), found.candidates.end(),
-              [](const WallCandidate& a, const WallCandidate& b) { return a.key() < b.key(); });
+              [](const Candidate& a, const Candidate& b) { return a.key() < b.key(); });
   }
 
  private:

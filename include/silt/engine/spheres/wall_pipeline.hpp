@@ -33,6 +33,7 @@ class WallPipeline {
  public:
   using Input = typename Planes::Input;
   using Contacts = typename Planes::Contacts;
+  using Candidate = typename Contacts::Candidate;
 
   /// Adds the loads to the sums of the particles; sets force and torque of the walls.
   Tally<ContactsType> run(const Input& in, Contacts& contacts,
@@ -165,10 +166,10 @@ class WallPipeline {
   static constexpr double same_contact = 0.8;  // cosine of the largest turn in one step
 
   /// All contacts of one sphere with the surfaces near it. Mostly it is one that it can touch once.
-  static void touch(std::span<const WallCandidate> candidates, std::span<const Wall> walls,
+  static void touch(std::span<const Candidate> candidates, std::span<const Wall> walls,
                     Contacts& contacts, const Input& in,
                     const CoefficientTable<ContactsType>& table, Scratch& s) {
-    const WallCandidate& c = candidates[0];
+    const Candidate& c = candidates[0];
     if (candidates.size() > 1 || Contacts::slots_of(walls[c.wall].surfaces[c.surface]) > 1)
       return touch_several(candidates, walls, contacts, in, table, s);
     const PositionRow& sphere = in.positions[c.particle];
@@ -189,7 +190,7 @@ class WallPipeline {
     describe(point, last, sphere, walls[c.wall], c, c.slot, contacts, in, table, s);
   }
 
-  static void touch_several(std::span<const WallCandidate> candidates, std::span<const Wall> walls,
+  static void touch_several(std::span<const Candidate> candidates, std::span<const Wall> walls,
                             Contacts& contacts, const Input& in,
                             const CoefficientTable<ContactsType>& table, Scratch& s) {
     const PositionRow& sphere = in.positions[candidates[0].particle];
@@ -219,7 +220,7 @@ class WallPipeline {
       const auto& c = candidates[k];
       const Surface& surface = walls[c.wall].surfaces[c.surface];
       if constexpr (Repeats) end_k = end_of_images(candidates, k);
-      const std::span<const WallCandidate> images = candidates.subspan(k, end_k - k);
+      const std::span<const Candidate> images = candidates.subspan(k, end_k - k);
       const std::size_t from = next, slots = images.size() * Contacts::slots_of(surface);
       while (next < count && found[next].candidate < end_k) ++next;
       bool taken[Repeats ? block : 8] = {};
@@ -240,7 +241,7 @@ class WallPipeline {
   }
 
   template <class S>
-  static int touching_points(const S& surface, const Wall& wall, const WallCandidate& c,
+  static int touching_points(const S& surface, const Wall& wall, const Candidate& c,
                              const PositionRow& sphere, const Contacts& contacts,
                              SurfacePoint* points) {
     const Vec3d centre = in_wall(wall, contacts.seen(c, sphere.centre()));
@@ -258,7 +259,7 @@ class WallPipeline {
 
   /// The slot whose contact had nearly this normal a step ago, else a free one: history goes on
   /// while a contact moves from facet to edge to facet.
-  static std::size_t slot_for(const Vec3d& normal, std::span<const WallCandidate> images,
+  static std::size_t slot_for(const Vec3d& normal, std::span<const Candidate> images,
                               const Wall& wall, Contacts& contacts, bool* taken, std::size_t slots,
                               const Input& in, Scratch& s) {
     const std::size_t begin = images[0].slot;
@@ -283,14 +284,14 @@ class WallPipeline {
 
   /// Ends the contact in a slot of a surface and its images, if there is one.
   static void end(Contacts& contacts, std::size_t slot,
-                  [[maybe_unused]] std::span<const WallCandidate> images,
+                  [[maybe_unused]] std::span<const Candidate> images,
                   [[maybe_unused]] const Wall& wall, [[maybe_unused]] const Input& in,
                   [[maybe_unused]] Scratch& s) {
     if (!contacts.slot(slot).touching) return;
     contacts.slot(slot).touching = false;
     if constexpr (keeps_events<ContactsType>) {
       NotedContact note;
-      const WallCandidate& c = images[0];
+      const Candidate& c = images[0];
       note.first = c.particle, note.event.wall = c.wall;
       note.event.normal = contacts.slot(slot).normal;
       const PositionRow& p = in.positions[c.particle];
@@ -311,7 +312,7 @@ class WallPipeline {
   }
 
   static void describe(const SurfacePoint& point, const Vec3d& last_normal,
-                       const PositionRow& sphere, const Wall& wall, const WallCandidate& c,
+                       const PositionRow& sphere, const Wall& wall, const Candidate& c,
                        std::size_t slot, Contacts& contacts, const Input& in,
                        const CoefficientTable<ContactsType>& table, Scratch& s) {
     const ParticleMotion& motion = in.motions[c.particle];
