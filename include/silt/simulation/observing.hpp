@@ -54,8 +54,13 @@ bool reads_contacts(O& observer, const Sim& sim, bool others) {
 template <class O, class Sim>
 void observe(O& observer, Sim& sim, bool again, bool last) {
   using Type = std::remove_cvref_t<O>;
+  constexpr bool callable = !std::is_const_v<O> || std::invocable<O&, Sim&>;
+  static_assert(callable,
+                "Simulation::run: an observer that is const cannot note when it was called last; "
+                "declare it with `auto` in place of `const auto`");
   if (saves<Type> != last || (again && !only_reads<Type>)) return;
-  if (is_due(observer, sim)) observer(sim);
+  if constexpr (callable)
+    if (is_due(observer, sim)) observer(sim);
 }
 template <class O>
 bool wants_events([[maybe_unused]] const O& observer) {
