@@ -12,7 +12,8 @@ touch "$work/file"
 refused "$work/file" --quick --out "$work/file/out"
 
 if "$chute" --quick --out "$work/chute" >"$work/log" 2>&1; then
-  for file in summary.json worn.csv profile.csv angles.csv sliding.vtp impacts.vtp vtk/particles.pvd wear.png profile.png; do
+  for file in summary.json worn.csv profile.csv angles.csv sliding.vtp impacts.vtp vtk/particles.pvd wear.png
+    profile.png; do
     [ -s "$work/chute/$file" ] || fail "chute --quick left no $file"
   done
   grep -q '"holds": false' "$work/chute/summary.json" && fail "a check does not hold but the status is 0"

@@ -83,10 +83,12 @@ def profile(folder):
     panels[1].plot(place, cut, color=COLOURS[5], lw=1.8, label="silt::Wear<Finnie>")
     panels[1].plot(place, events, "o", color=COLOURS[5], mfc="white", ms=4, label="from ContactEvents")
     for panel, title in ((panels[0], "Sliding"), (panels[1], "Impacts")):
-        panel.set(title=title, xlabel="way from the upper end [m]", ylabel="depth of the floor after 100 000 t [mm]", ylim=(0, None))
-        panel.legend(fontsize=10, frameon=False)
+        panel.set(title=title, xlabel="way from the upper end [m]", ylabel="depth of the floor after 100 000 t [mm]",
+                  ylim=(0, 1.35 * panel.dataLim.y1))  # room for the legend
+        panel.legend(fontsize=10, frameon=False, loc="upper right")
     panels[2].bar(angle, share, width=4.4, color=COLOURS[5])
-    panels[2].set(title="Impacts at which angle wear", xlabel="angle to the wall [degrees]", ylabel="share of Finnie's wear [%]", xlim=(0, 90))
+    panels[2].set(title="Impacts at which angle wear", xlabel="angle to the wall [degrees]",
+                  ylabel="share of Finnie's wear [%]", xlim=(0, 90))
     for panel in panels:
         panel.grid(True, color="0.9", lw=0.8)
         panel.set_axisbelow(True)

@@ -17,7 +17,7 @@ namespace chute {
 using silt::Vec3d;
 
 struct Scene {
-  double rate = 4, batch = 12;                       // [kg/s], [kg]
+  double rate = 4, batch = 20;                       // [kg/s], [kg]
   double steep = 55, flat = 25;                      // [degrees] of the plate and of the outflow
   double width = 0.15, side = 0.08;                  // [m]
   double upper = 0.5, radius = 0.3, lower = 0.25;    // [m] along the plate, of the bend, after it
