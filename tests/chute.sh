@@ -12,7 +12,7 @@ touch "$work/file"
 refused "$work/file" --quick --out "$work/file/out"
 
 if "$chute" --quick --out "$work/chute" >"$work/log" 2>&1; then
-  for file in summary.json worn.csv profile.csv angles.csv sliding.vtp impacts.vtp vtk/particles.pvd wear.png
+  for file in summary.json worn.csv profile.csv angles.csv sliding.vtp impacts.vtp vtk/particles.pvd wear.png \
     profile.png; do
     [ -s "$work/chute/$file" ] || fail "chute --quick left no $file"
   done

@@ -90,7 +90,7 @@ struct Charges {
 
 /// How many grains of each size stick to the plate turned over, and whether those do that should.
 struct Sticking {
-  static constexpr std::size_t classes = 7;
+  static constexpr std::size_t classes = 14;
   std::array<double, classes> stick{}, held{}, all{};
   double sum = 0, judged = 0, wrong = 0;
 
