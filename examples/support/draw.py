@@ -43,7 +43,9 @@ PLAIN = "#C9A66B"  # spheres without a field
 # Without viridis's darkest end, which would hide the shading.
 COLOUR_MAP = ListedColormap(plt.get_cmap("viridis")(np.linspace(0.14, 1, 256)), "viridis from 14 %")
 DPI = 150
-UNITS = {"velocity": "m/s", "angular_velocity": "rad/s", "radius": "m"}  # of fields by silt
+# Of fields by silt.
+UNITS = {"velocity": "m/s", "angular_velocity": "rad/s", "radius": "m", "worn depth": "m",
+         "worn volume": "m3"}
 VTK_TYPES = {"Float64": "<f8", "Float32": "<f4", "Int32": "<i4", "UInt32": "<u4", "UInt64": "<u8"}
 
 

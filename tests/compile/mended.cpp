@@ -138,3 +138,6 @@ namespace fluid_without_advance {
 namespace taps_without_flow {
 #include "refused/taps_without_flow.cpp"
 }
+namespace const_observer {
+#include "refused/const_observer.cpp"
+}

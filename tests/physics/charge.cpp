@@ -168,6 +168,73 @@ TEST_CASE("charge: a field, and a plane that conducts") {
   CHECK(falls.position(0).z == near(x * d0).epsilon(2e-6));
 }
 
+// Catches images of others left out (grains float above a charged layer), with the wrong sign,
+// between pairs on different sides, and a force on one of both alone.
+TEST_CASE("charge: a plane mirrors all charges: the direct sum with images, second order energy") {
+  const double r_c = 1e5 * R;
+  silt::Random random(7);
+  std::vector<Vec3d> places{{0, 0, -3 * R}};
+  while (places.size() < 40) {
+    const Vec3d x{20 * R * random.uniform(), 20 * R * random.uniform(),
+                  (1 + 8 * random.uniform()) * R};
+    bool free = true;
+    for (const Vec3d& y : places) free = free && silt::norm(x - y) > 2.2 * R;
+    if (free) places.push_back(x);
+  }
+  const auto charge_of_id = [](std::size_t id) { return (id % 3 == 0 ? -0.7 : 1.0) * q; };
+  const auto mirrored = [](const Vec3d& x) { return Vec3d{x.x, x.y, -x.z}; };
+  std::vector<std::vector<Vec3d>> found;
+  for (const int threads : {1, 3}) {
+    auto sim = scene(places, Charge{.cutoff = r_c, .planes = {{{1, 2, 0}, {0, 0, -3}}}});
+    for (std::size_t k = 0; k < places.size(); ++k)
+      sim.field<ElectricCharge>(k) = charge_of_id(sim.id(k));
+    sim.time_step = 1e-7, sim.threads = threads;
+    sim.run(0);
+    found.emplace_back(places.size());
+    for (std::size_t k = 0; k < places.size(); ++k) found.back()[sim.id(k)] = sim.module_force(k);
+  }
+  for (std::size_t a = 0; a < places.size(); ++a) {
+    Vec3d F{0, 0, 0};
+    const auto add = [&](double charge, const Vec3d& from) {
+      const Vec3d d = places[a] - from;
+      F += k_e * charge_of_id(a) * charge / std::pow(silt::norm(d), 3) * d;
+    };
+    for (std::size_t b = 0; b < places.size(); ++b) {
+      if (b != a) add(charge_of_id(b), places[b]);
+      if (places[a].z * places[b].z > 0) add(-charge_of_id(b), mirrored(places[b]));
+    }
+    CHECK(silt::norm(found[0][a] - F) < 1e-6 * silt::norm(F));  // the shift: (r/r_c)^2 at most 1e-7
+    CHECK(found[0][a] == found[1][a]);
+  }
+  // Two of one sign that fly apart, and to the plane.
+  const auto error = [&](double step) {
+    auto sim = scene({{0, 0, 4 * R}, {3 * R, 0, 6 * R}},
+                     Charge{.cutoff = 30 * R, .start_charge = q, .planes = {{}}});
+    sim.time_step = step;
+    const auto energy = [&](const auto& s) {
+      const auto U = [&](double r) {
+        return k_e * q * q * (1 / r + r / (900 * R * R) - 2 / (30 * R));
+      };
+      const Vec3d a = s.position(0), b = s.position(1);
+      double all = U(silt::norm(a - b)) - U(silt::norm(a - mirrored(b)));
+      for (std::size_t k : {0, 1})
+        all += 0.5 * mass * silt::dot(s.velocity(k), s.velocity(k)) -
+               k_e * q * q / (4 * s.position(k).z);
+      return all;
+    };
+    double start = 0, worst = 0;
+    sim.run(4e-3, [&](const auto& s) {
+      if (s.step() == 0) start = energy(s);
+      worst = std::max(worst, std::abs(energy(s) - start));
+    });
+    CHECK(sim.position(1).x > 3.5 * R);
+    return worst / (k_e * q * q / R);
+  };
+  const double coarse = error(2e-5), fine = error(1e-5);
+  CHECK(coarse < 1e-3);
+  CHECK(coarse / fine == near(4).epsilon(0.1));
+}
+
 // How much a cut-off leaves out, in a cloud of both signs; the direct sum is the oracle.
 TEST_CASE("charge: a neutral cloud comes to its direct sum as the cut-off grows") {
   const double edge = 30 * R;

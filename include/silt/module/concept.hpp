@@ -146,6 +146,9 @@ struct WallGiven {
 ///   Vec3d pair_force(const Apart& d, const Seen& a, const Fields& of_a, const Seen& b,
 ///                    const Fields& of_b) const;                 // [N] on a; b gets the opposite;
 ///                                                               // or (d, a, b) without fields
+///   Vec3d pair_force_on_both(d, a, of_a, b, of_b) const;        // [N] beside it, on a and on b
+///                                                               // alike: a third body takes part
+///   bool pushes_both() const;                                   // whether that is asked
 ///   double pair_stiffness(d, a, of_a, b, of_b) const;           // [N/m] how fast it changes with
 ///                                                               // their places, for the time
 ///                                                               // step; or (d, a, b)
@@ -287,6 +290,12 @@ template <class M>
 concept PushesPairs = PushesPairsWithoutFields<M> ||
     requires(const M& m, const Apart& d, const Seen& p, const FieldsOf<M>& f) {
   { m.pair_force(d, p, f, p, f) } -> std::convertible_to<Vec3d>;
+};
+template <class M>
+concept PushesBoth = PushesPairs<M> &&
+    requires(const M& m, const Apart& d, const Seen& p, const FieldsOf<M>& f) {
+  { m.pair_force_on_both(d, p, f, p, f) } -> std::convertible_to<Vec3d>;
+  { m.pushes_both() } -> std::convertible_to<bool>;
 };
 template <class M>
 concept FlowsInPairs = has_fields<M> &&

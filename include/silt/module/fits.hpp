@@ -17,7 +17,8 @@ namespace silt::inline SILT_TARGET::detail {
 /// several, a template. That tells whether M has one. (Of a final M only what has an address.)
 struct NamesOfModules {
   int force, rate, start, update, flux, at_wall, exchanged, at_contact, given_by_wall,
-      share_of_loss, worn, pair_force, pair_flux, pair_stiffness, pair_slope, reach, gap_reach;
+      share_of_loss, worn, pair_force, pair_force_on_both, pair_flux, pair_stiffness, pair_slope,
+      reach, gap_reach;
 };
 template <class M>
 struct BesideNames : M, NamesOfModules {};
@@ -35,6 +36,7 @@ struct MembersNamed {
   static constexpr bool share_of_loss = !requires { &BesideNames<M>::share_of_loss; };
   static constexpr bool worn = !requires { &BesideNames<M>::worn; };
   static constexpr bool pair_force = !requires { &BesideNames<M>::pair_force; };
+  static constexpr bool pair_force_on_both = !requires { &BesideNames<M>::pair_force_on_both; };
   static constexpr bool pair_flux = !requires { &BesideNames<M>::pair_flux; };
   static constexpr bool pair_stiffness = !requires { &BesideNames<M>::pair_stiffness; };
   static constexpr bool pair_slope = !requires { &BesideNames<M>::pair_slope; };
@@ -56,6 +58,7 @@ struct MembersNamed<M> {
   static constexpr bool share_of_loss = requires { &M::share_of_loss; };
   static constexpr bool worn = requires { &M::worn; };
   static constexpr bool pair_force = requires { &M::pair_force; };
+  static constexpr bool pair_force_on_both = requires { &M::pair_force_on_both; };
   static constexpr bool pair_flux = requires { &M::pair_flux; };
   static constexpr bool pair_stiffness = requires { &M::pair_stiffness; };
   static constexpr bool pair_slope = requires { &M::pair_slope; };
@@ -119,6 +122,11 @@ struct PairsFit {
                 "silt::Apart&, const silt::Seen&, const Fields&, const silt::Seen&, const Fields&) "
                 "const`, or without both Fields (it has no torque), and public: "
                 "silt/module/concept.hpp");
+  static_assert(!Named::pair_force_on_both || PushesBoth<M>,
+                "a module's pair_force_on_both() does not fit: it must be `silt::Vec3d "
+                "pair_force_on_both(const silt::Apart&, const silt::Seen&, const Fields&, const "
+                "silt::Seen&, const Fields&) const`, public, and beside pair_force() and `bool "
+                "pushes_both() const`: silt/module/concept.hpp");
   static_assert(!Named::pair_flux || FlowsInPairs<M>,
                 "a module's pair_flux() does not fit: it must be `double pair_flux(const "
                 "silt::Apart&, const silt::Seen&, const Fields&, const silt::Seen&, const Fields&) "

@@ -119,9 +119,14 @@ template <class O>
 template <class O, class Sim>
 void observe(O& observer, Sim& sim, bool again, bool last, std::size_t number, std::size_t of) {
   using Type = std::remove_cvref_t<O>;
+  constexpr bool callable = !std::is_const_v<O> || std::invocable<O&, Sim&>;
+  static_assert(callable,
+                "Simulation::run: an observer that is const cannot note when it was called last; "
+                "declare it with `auto` in place of `const auto`");
   if (saves<Type> != last || (again && !only_reads<Type>)) return;
   try {
-    if (is_due(observer, sim)) observer(sim);
+    if constexpr (callable)
+      if (is_due(observer, sim)) observer(sim);
   } catch (...) {
     throw_of_observer(name_of_observer<Type>(number, of), sim.time(), sim.step());
   }

@@ -1,5 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
 // refused: a module's pair_force() does not fit
+// refused: a module's pair_force_on_both() does not fit
 // refused: a module's pair_flux() does not fit
 // refused: a module with pair_flux() needs update(seen, fields, received, dt)
 // refused: a module's pair_stiffness() does not fit
@@ -12,6 +13,7 @@
 // refused: PairsFit<PushesToANumber>
 // refused: PairsFit<PushesWithTorque>
 // refused: PairsFit<PushesByFields>
+// refused: PairsFit<PushesBothUnasked>
 // refused: PairsFit<FlowsByReference>
 // refused: PairsFit<FlowsWithoutFields>
 // refused: PairsFit<FlowsUnheard>
@@ -63,6 +65,11 @@ struct PushesByFields {
                          RIGHT_OR_WRONG(const, ) silt::Seen&) const {
     return {};
   }
+};
+struct PushesBothUnasked : Pushing {
+  silt::Vec3d pair_force_on_both(PAIR) const { return {}; }
+  RIGHT_OR_WRONG(
+      bool pushes_both() const { return true; }, )
 };
 struct FlowsByReference : Near {
   double pair_flux(const silt::Apart&, const silt::Seen&, RIGHT_OR_WRONG(const, ) Fields&,
@@ -120,7 +127,8 @@ struct OfFloats {
 template <class M>
 using With = silt::Simulation<silt::Particles<silt::Sphere>, silt::Contacts<silt::HertzMindlin>, M>;
 inline const bool all = With<PushesToANumber>::rotates && With<PushesWithTorque>::rotates &&
-                        With<PushesByFields>::rotates && With<FlowsByReference>::rotates &&
+                        With<PushesByFields>::rotates && With<PushesBothUnasked>::rotates &&
+                        With<FlowsByReference>::rotates &&
                         With<FlowsWithoutFields>::rotates && With<FlowsUnheard>::rotates &&
                         With<StiffByReference>::rotates && With<StiffAlone>::rotates &&
                         With<SlopeToAVector>::rotates && With<SlopeAlone>::rotates &&

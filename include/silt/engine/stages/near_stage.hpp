@@ -51,6 +51,16 @@ class NearPairs<M, Domain, true> {
           forces_, force,
           [&](D d, P a, F f, P b, F g) { return Vec3d(module.pair_force(d, a, f, b, g)); },
           opposite);
+    if constexpr (PushesBoth<M>)
+      if (module.pushes_both()) {
+        ask(
+            forces_, common_,
+            [&](D d, P a, F f, P b, F g) {
+              return Vec3d(module.pair_force_on_both(d, a, f, b, g));
+            },
+            alike);
+        for (std::size_t k = 0; k < force.size(); ++k) force[k] += common_[k];
+      }
     if constexpr (FlowsInPairs<M>)
       ask(
           numbers_, flux,
@@ -120,6 +130,7 @@ class NearPairs<M, Domain, true> {
   }
 
   AlignedVector<Vec3d> forces_;  // of each pair
+  AlignedVector<Vec3d> common_;  // [N] on each particle, of pair_force_on_both()
   AlignedVector<double> numbers_;
 };
 

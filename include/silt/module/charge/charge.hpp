@@ -41,8 +41,10 @@ struct ConductingPlane {
 /// q_i q_j/(4 pi eps0 eps_r) (1/r + r/r_c^2 - 2/r_c). What is beyond the cut-off is left out: for
 /// clouds in which charges of both signs screen each other, or few grains; how large it must be,
 /// docs/charge.md. In (3), of each grounded plane by itself, d is the distance of the centre from
-/// the plane and n points from the plane to it, on either side; images of other particles, and
-/// images of images between two planes, are left out. Particles are points or spheres whose charge
+/// the plane and n points from the plane to it, on either side. The images of others act by (2)
+/// with -q_j at j's mirrored place, for pairs on the same side within the cut-off of each other and
+/// of the image. Images of images between two planes are left out, and pairs on different sides of
+/// a plane act on each other as if it were not there. Particles are points or spheres whose charge
 /// is spread evenly; bodies have it at their centre of mass. Charges and fields do not polarise
 /// particles.
 ///
@@ -70,15 +72,36 @@ struct Charge {
   double factor() const { return 1 / (4 * std::numbers::pi * eps0 * permittivity); }
 
   double reach() const { return cutoff; }
-  Vec3d pair_force(const Apart& d, const Seen&, const Fields& a, const Seen&,
-                   const Fields& b) const {
-    const double r = d.distance;
-    return factor() * a.charge * b.charge * (1 / (r * r) - 1 / (cutoff * cutoff)) / r *
-           d.from_other;
+  /// (2) over the distance [N/m]; 0 from the cut-off on.
+  double shifted(double a, double b, double r) const {
+    return r < cutoff ? factor() * a * b * (1 / (r * r) - 1 / (cutoff * cutoff)) / r : 0;
   }
-  double pair_stiffness(const Apart& d, const Seen&, const Fields& a, const Seen&,
+  Vec3d pair_force(const Apart& d, const Seen& at, const Fields& a, const Seen& other,
+                   const Fields& b) const {
+    Vec3d sum = shifted(a.charge, b.charge, d.distance) * d.from_other;
+    for (const ConductingPlane& plane : planes)
+      if (const Mirrored m(plane, d, at, other); m.same_side)
+        sum -= shifted(a.charge, b.charge, m.distance) * m.along;
+    return sum;
+  }
+  /// Of the images what draws both to the plane, which takes the opposite.
+  Vec3d pair_force_on_both(const Apart& d, const Seen& at, const Fields& a, const Seen& other,
+                           const Fields& b) const {
+    Vec3d sum{0, 0, 0};
+    for (const ConductingPlane& plane : planes)
+      if (const Mirrored m(plane, d, at, other); m.same_side)
+        sum -= shifted(a.charge, b.charge, m.distance) * m.across;
+    return sum;
+  }
+  bool pushes_both() const { return !planes.empty(); }
+  double pair_stiffness(const Apart& d, const Seen& at, const Fields& a, const Seen& other,
                         const Fields& b) const {
-    return 2 * factor() * std::abs(a.charge * b.charge) / (d.distance * d.distance * d.distance);
+    const double k = 2 * factor() * std::abs(a.charge * b.charge);
+    double sum = k / (d.distance * d.distance * d.distance);
+    for (const ConductingPlane& plane : planes)
+      if (const Mirrored m(plane, d, at, other); m.same_side)
+        sum += k / (m.distance * m.distance * m.distance);
+    return sum;
   }
   Vec3d force(const Seen& p, const Fields& f) const {
     Vec3d sum = f.charge * field;
@@ -98,6 +121,18 @@ struct Charge {
     }
     return std::sqrt(stiffness / p.mass);
   }
+  /// From b's mirrored place to a [m], and from a's to b but for the sign of `along`.
+  struct Mirrored {
+    Vec3d along, across;
+    double distance;
+    bool same_side;
+    Mirrored(const ConductingPlane& plane, const Apart& d, const Seen& a, const Seen& b) {
+      const Vec3d n = (1 / norm(plane.normal)) * plane.normal;
+      const double up_a = dot(a.position - plane.point, n), up_b = dot(b.position - plane.point, n);
+      along = d.from_other - dot(d.from_other, n) * n, across = (up_a + up_b) * n;
+      distance = norm(along + across), same_side = up_a * up_b > 0;
+    }
+  };
   template <class Sim>
   void check(const Sim&) const {
     require_positive("Charge.cutoff", cutoff, "m");
