@@ -44,16 +44,20 @@ template <class EngineType, class Candidate, class Visit>
 void for_each_contact_of_images(const EngineType& e, std::span<const Candidate> images, double back,
                                 const Visit& visit) {
   const Candidate& c = images[0];
-  if (images.size() == 1) return for_each_contact_with(e, c, back, visit);
-  std::vector<Touch> found;
-  for (std::size_t k = 0; k < images.size(); ++k)
-    for_each_contact_with(e, images[k], back, [&](const WallCandidate&, const SurfacePoint& p) {
-      found.push_back({p, k, false});
-    });
-  drop_image_seams(found, e.walls[c.wall].surfaces[c.surface],
-                   1e-6 * e.particles.position[c.particle].r);
-  for (const Touch& t : found)
-    if (!t.seam) visit(images[t.candidate], t.point);
+  if constexpr (!std::remove_cvref_t<decltype(e.lists.walls)>::repeats) {
+    for_each_contact_with(e, c, back, visit);
+  } else {
+    if (images.size() == 1) return for_each_contact_with(e, c, back, visit);
+    std::vector<Touch> found;
+    for (std::size_t k = 0; k < images.size(); ++k)
+      for_each_contact_with(e, images[k], back, [&](const WallCandidate&, const SurfacePoint& p) {
+        found.push_back({p, k, false});
+      });
+    drop_image_seams(found, e.walls[c.wall].surfaces[c.surface],
+                     1e-6 * e.particles.position[c.particle].r);
+    for (const Touch& t : found)
+      if (!t.seam) visit(images[t.candidate], t.point);
+  }
 }
 
 /// The same for all spheres and walls.
