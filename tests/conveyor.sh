@@ -3,9 +3,11 @@
 # The transfer between two belts as a user runs it: a quick run that keeps its own checks, and what it
 # refuses. The run's checks, and a wrong result that each would catch:
 #   fed_kg_s                      a mass rate that counts the kinds of a recipe wrongly
-#   carried_off_over_fed          grains that a belt does not carry, or that are lost
+#   carried_off_over_fed          grains that a belt does not carry
+#   grains_held_and_gone_over_placed   grains that are lost, or leave twice
 #   torque_on_plate_over_weight   a hinge that turns the wrong way, about another line, without gravity
-#   power_over_kinetic_energy     a belt whose force is not that of its surface
+#   push_of_walls_over_momentum_carried_off   a belt whose force is not that of its surface; loads of
+#                                 other steps than those of the grains
 #   spilled_over_fed              holes between belts, skirts and plate
 set -u
 conveyor=$1
