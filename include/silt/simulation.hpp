@@ -163,8 +163,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     domain_.deform(how), scene_changed_ = true;
   }
   /// Adds what an inlet has placed.
-  void insert(const std::vector<PlacedSphere>& spheres, const std::vector<std::size_t>& kinds,
-              const InletFlow& flow, Random& random);
+  double insert(const std::vector<PlacedSphere>& spheres, const std::vector<std::size_t>& kinds,
+                const InletFlow& flow, Random& random);
   /// Whether several parts of a body that press on one partner share the stiffness of a contact
   /// (engine/contact/shared_contacts.hpp); true unless set. Without, a body is the stiffer the more
   /// parts it touches with.
@@ -204,6 +204,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
         [[maybe_unused]] const bool again = std::exchange(observed_, true);
         detail::observe_all(*this, again, observers...);
         detail::check_given(engine_, gravity, step_, time_);
+        if (scene_changed_) this->check_pairs();
       }
       if (stop) break;
       if (kicked_) engine_.drift(dt_);

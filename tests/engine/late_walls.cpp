@@ -70,6 +70,48 @@ TEST_CASE("late walls: a wall that is left out is not named") {
   CHECK(words.find("material 1 is that of") == std::string::npos);
 }
 
+// Walls never touch each other. Catches pair values asked for that nothing can need; and a particle
+// that becomes one of a wall's material in the middle of a run, and would collide by values that
+// nobody gave.
+TEST_CASE("late walls: two materials that only walls have need no pair value") {
+  const auto rubber = silt::HertzMindlin::Material{
+      .youngs_modulus = 5e6, .poisson_ratio = 0.3, .restitution = 0.4, .friction = 0.4};
+  silt::Contacts<silt::HertzMindlin, silt::SeveralMaterials> contacts{glass};
+  contacts.add(glass, "glass"), contacts.add(steel, "steel"), contacts.add(rubber, "rubber");
+  contacts.set_pair(glass, steel, {.restitution = 0.9, .friction = 0});
+  contacts.set_pair(glass, rubber, {.restitution = 0.5, .friction = 0});
+  silt::Particles<silt::Sphere> p;
+  p.add({.position = {0, 0, 1.5e-3}, .radius = 1e-3, .density = 2500, .velocity = {0, 0, -1}});
+  const auto scene = [&] {
+    silt::Simulation sim{p, contacts};
+    sim.add_wall(below, steel, {.name = "floor"});
+    sim.add_wall(silt::Plane{{0, 0, 0.1}, {0, 0, -1}}, rubber, {.name = "lid"});
+    return sim;
+  };
+  auto sim = scene();
+  sim.run(2e-3);
+  CHECK(sim.velocity(0).z == near(0.9).epsilon(0.02));  // as above
+
+  const auto becomes = [](auto& sim, bool known) {
+    sim.run(2e-3, [&, done = false](auto& at) mutable {
+      if (std::exchange(done, true)) return;
+      if (known) at.set_pair("steel", "rubber", {.restitution = 0.7, .friction = 0});
+      at.set_material(0, "rubber");
+    });
+  };
+  auto turned = scene();
+  CHECK(has(refusal([&] { becomes(turned, false); }),
+            "materials 1 'steel' and 2 'rubber' have no pair value"));
+  auto known = scene();
+  becomes(known, true);
+  CHECK(known.velocity(0).z == near(0.7).epsilon(0.02));
+  // Those that an inlet will bring count too.
+  auto fed = scene();
+  fed.add_inlet(silt::Box{{0, 0, 0.02}, {0.01, 0.01, 0.03}},
+                {.radius = 1e-3, .density = 2500, .rate = 1, .material = 2});
+  CHECK(has(refusal([&] { fed.run(0); }), "materials 1 'steel' and 2 'rubber' have no pair value"));
+}
+
 // Catches tables that keep the number of materials of the first run, and a list of values that is
 // held against the walls of that run.
 TEST_CASE("late walls: modules' values for a material whose wall comes after a run") {

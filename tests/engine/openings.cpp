@@ -97,6 +97,8 @@ TEST_CASE("inlet: places at its rate, without overlap, and outlets take out as m
   CHECK(sim.size() + sim.outlet(outlet).count == sim.inlet(inlet).placed);
   CHECK(sim.outlet(outlet).mass ==
         near(mass * static_cast<double>(sim.outlet(outlet).count)).epsilon(1e-9));
+  CHECK(sim.inlet(inlet).mass ==
+        near(mass * static_cast<double>(sim.inlet(inlet).placed)).epsilon(1e-9));
 }
 
 // Catches a table of ids that is older than the particles' places: after a search that sorted them,

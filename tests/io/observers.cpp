@@ -12,6 +12,7 @@
 
 #include <engine/support.hpp>
 
+#include <silt/boundary/finite_walls.hpp>
 #include <silt/io/observers.hpp>
 
 #include "near.hpp"
@@ -168,6 +169,34 @@ TEST_CASE("observers: a run with all of them gives the bits of a run with none")
   CHECK(silt::detail::read_file(folder / "progress").size() > 10);
   for (const auto& file : fs::recursive_directory_iterator(folder.path))
     CHECK_FALSE(file.path().string().ends_with(".partial"));
+}
+
+// Catches a file a frame of walls at rest, and a frame that shows a wall where it was before it
+// moved.
+TEST_CASE("vtk_series: walls are written where they look different, and are in each frame") {
+  const Folder folder;
+  silt::Particles<Sphere> p;
+  p.add({.position = {0, 0, 0.1}, .radius = 1e-3, .density = 2500, .fixed = true});
+  silt::Simulation sim{std::move(p), silt::Contacts<HertzMindlin>{rubber}};
+  sim.time_step = step;
+  sim.add_wall(silt::rectangle({0, 0, 0}, {0.01, 0, 0}, {0, 0.01, 0}), rubber);
+  const auto files = [&] {
+    int n = 0;
+    for (const auto& file : fs::directory_iterator(folder / "vtk"))
+      n += file.path().filename().string().starts_with("walls_");
+    return n;
+  };
+  auto series = silt::vtk_series(folder / "vtk", every(1e-3));
+  sim.run(5e-3, series);
+  CHECK(files() == 1);
+  sim.add_wall(silt::rectangle({0, 0, 0.02}, {0.01, 0, 0}, {0, 0.01, 0}), rubber,
+               {.motion = silt::translation({1, 0, 0})});
+  sim.run(5e-3, series);
+  CHECK(files() == 6);
+  const std::string list = silt::detail::read_file(folder / "vtk/walls.pvd");
+  CHECK(count_of("DataSet", list) == 11);
+  CHECK(count_of("file=\"walls_000000000.vtp\"", list) == 6);
+  CHECK(count_of("file=\"walls_000001000.vtp\"", list) == 1);
 }
 
 /// Turns a grain back: twice at one instant would be not at all.

@@ -293,7 +293,7 @@ struct WallsState {
 
 struct OpeningsState {
   std::vector<std::uint64_t> out_count, placed, waiting, insertions, seed, counter;
-  std::vector<double> out_mass, start, interval;
+  std::vector<double> out_mass, in_mass, start, interval;
 
   template <class Openings>
   static OpeningsState of(const Openings& openings) {
@@ -302,7 +302,7 @@ struct OpeningsState {
       s.out_count.push_back(o.count), s.out_mass.push_back(o.mass);
     for (const auto& i : openings.inlets()) {
       s.placed.push_back(i.placed), s.waiting.push_back(i.waiting);
-      s.insertions.push_back(i.insertions);
+      s.insertions.push_back(i.insertions), s.in_mass.push_back(i.mass);
       s.seed.push_back(i.random.state().seed), s.counter.push_back(i.random.state().counter);
       s.start.push_back(i.start), s.interval.push_back(i.interval);
     }
@@ -314,6 +314,7 @@ struct OpeningsState {
     a.column("outlets.mass", out_mass, outlets, not_negative_number);
     a.column("inlets.placed", placed, inlets), a.column("inlets.waiting", waiting, inlets);
     a.column("inlets.insertions", insertions, inlets);
+    a.column("inlets.mass", in_mass, inlets, not_negative_number);
     a.column("inlets.seed", seed, inlets), a.column("inlets.counter", counter, inlets);
     a.column("inlets.start", start, inlets, not_negative_number);
     a.column("inlets.interval", interval, inlets, not_negative_number);
@@ -328,13 +329,14 @@ struct OpeningsState {
     k = 0;
     if (anew) {
       for (auto& i : openings.inlets()) {
-        i.start = time, i.interval = 0, i.placed = i.waiting = i.insertions = 0;
+        i.start = time, i.interval = 0, i.placed = i.waiting = i.insertions = 0, i.mass = 0;
         i.random = Random(i.flow.seed);
       }
       return;
     }
     for (auto& i : openings.inlets()) {
       i.placed = placed[k], i.waiting = waiting[k], i.insertions = insertions[k];
+      i.mass = in_mass[k];
       i.random = Random(Random::State{seed[k], counter[k]});
       i.start = start[k], i.interval = interval[k], ++k;
     }

@@ -258,6 +258,8 @@ struct WallTriangles {
   std::vector<Vec3d> points;  // [m]
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<std::uint32_t> wall;  // number of the wall, by point
+
+  bool operator==(const WallTriangles&) const = default;
 };
 template <class Sim>
 WallTriangles wall_triangles(const Sim& sim, const Box& around) {
@@ -281,16 +283,18 @@ WallTriangles wall_triangles(const Sim& sim, const Box& around) {
   return out;
 }
 
+inline void write_walls(const std::string& file, const WallTriangles& walls) {
+  VtkFields fields;
+  fields.add("wall", walls.wall);
+  write_vtp_triangles(file, walls.points, walls.triangles, fields);
+}
 /// Writes triangles that show the walls where they are, with their numbers as the field `wall`;
 /// planes only within `around`, which is what the particles occupy unless it is given. InputError
 /// where there is nothing to write.
 template <class Sim>
 void write_walls(const std::string& file, const Sim& sim, const Box& around) {
   require(sim.walls() > 0, "write_walls: the simulation has no walls; add one, or leave this out");
-  const WallTriangles walls = wall_triangles(sim, around);
-  VtkFields fields;
-  fields.add("wall", walls.wall);
-  write_vtp_triangles(file, walls.points, walls.triangles, fields);
+  write_walls(file, wall_triangles(sim, around));
 }
 template <class Sim>
 void write_walls(const std::string& file, const Sim& sim) {
@@ -303,6 +307,7 @@ void write_walls(const std::string& file, const Sim& sim) {
 /// Writes `folder/particles.pvd` and `folder/walls.pvd`, each a time series that ParaView opens; of
 /// bodies also `folder/parts.pvd`, the spheres that they consist of, or `folder/surfaces.pvd`; with
 /// a fluid `folder/flow.pvd`.
+/// Walls that look as in the frame before are not written again: both frames show one file.
 /// `more` adds fields as in write_particles.
 template <class More>
 class VtkSeriesObserver {
@@ -353,8 +358,12 @@ class VtkSeriesObserver {
       flow_->add(sim.time(), name);
     }
     if (sim.size() > 0 && sim.walls() > 0) {
-      write_walls(text(folder_, '/', file("walls")), sim);
-      walls_->add(sim.time(), file("walls"));
+      WallTriangles now = wall_triangles(sim, detail::occupied(sim));
+      if (wall_file_.empty() || now != shown_) {
+        wall_file_ = file("walls"), shown_ = std::move(now);
+        write_walls(text(folder_, '/', wall_file_), shown_);
+      }
+      walls_->add(sim.time(), wall_file_);
     }
     schedule_.mark(sim);
   }
@@ -364,6 +373,8 @@ class VtkSeriesObserver {
   Schedule schedule_;
   More more_;
   std::optional<VtkSeries> particles_, walls_, parts_, flow_;  // parts or surfaces
+  WallTriangles shown_;                                        // of the last frame
+  std::string wall_file_;                                      // where they are
 };
 
 template <class More>

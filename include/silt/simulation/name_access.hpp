@@ -1,12 +1,15 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <silt/core/names.hpp>
+#include <silt/engine/population/openings.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -33,8 +36,14 @@ class NameAccess {
   template <class S = Sim>
   void set_pair(const WhichMaterial& a, const WhichMaterial& b,
                 const typename S::ContactsType::Law::Pair& pair) {
-    sim().contacts_.set_pair_of(a, b, pair);
+    auto& contacts = sim().contacts_;
+    const std::size_t i = material_number(a), j = material_number(b);
+    const bool lacked = !contacts.has_pair(i, j);
+    contacts.set_pair_of(i, j, pair);
     contacts_changed();
+    // Nothing has touched with it so far; in the middle of a run something may soon.
+    if (lacked && std::max(i, j) < sim().engine_.coefficients.materials)
+      sim().engine_.set_coefficients(contacts);
   }
   /// The same of their rolling resistance.
   template <class S = Sim>
@@ -66,20 +75,37 @@ class NameAccess {
   }
 
  protected:
-  /// Before a run. InputError: two materials that may touch have no pair value.
+  /// Before a run, and where an observer has changed the scene. InputError: two materials that may
+  /// touch have no pair value. Those that only walls have never do.
   void check_pairs() const {
     const auto& contacts = sim().contacts_;
     const std::size_t n = contacts.materials();
     const std::size_t of_particles = Sim::ContactsType::several_materials ? n : 1;
+    std::vector<bool> moves;  // of each material: whether particles have it, or will
     for (std::size_t a = 0; a < of_particles; ++a)
-      for (std::size_t b = 0; b < n; ++b)
-        if (!contacts.has_pair(a, b))
+      for (std::size_t b = 0; b < n; ++b) {
+        if (contacts.has_pair(a, b)) continue;
+        if (moves.empty()) moves = of_particles_to_come();
+        if (moves[a] || moves[b])
           throw InputError(contacts.lacking_pair(a, b) + of_walls(a) + of_walls(b));
+      }
   }
 
  private:
   /// The time step is held against its limit at the next run.
   void contacts_changed() { sim().scene_changed_ = true, sim().checked_speed_ = 0; }
+  std::vector<bool> of_particles_to_come() const {
+    std::vector<bool> has(sim().contacts_.materials(), false);
+    if constexpr (!Sim::ContactsType::several_materials) has[0] = true;
+    for (std::size_t k = 0; k < sim().rows(); ++k)
+      if (sim().is_present(k)) has[sim().material(k)] = true;
+    for (std::size_t k = 0; k < sim().inlets(); ++k) {
+      const InletFlow& flow = sim().inlet(k).flow;
+      for (std::size_t kind = 0; kind < flow.kinds(); ++kind)
+        if (flow.kind(kind).material < has.size()) has[flow.kind(kind).material] = true;
+    }
+    return has;
+  }
   /// "; material 1 'steel' is that of wall 0 'drum' and wall 2"; nothing of one that no wall has.
   [[gnu::cold]] std::string of_walls(std::size_t material) const {
     std::string words;

@@ -137,10 +137,10 @@ void Simulation<Policies...>::take_in(std::span<const Particle> more,
 }
 
 template <class... Policies>
-void Simulation<Policies...>::insert(const std::vector<PlacedSphere>& spheres,
-                                     const std::vector<std::size_t>& kinds, const InletFlow& flow,
-                                     Random& random) {
-  if (spheres.empty()) return;
+double Simulation<Policies...>::insert(const std::vector<PlacedSphere>& spheres,
+                                       const std::vector<std::size_t>& kinds,
+                                       const InletFlow& flow, Random& random) {
+  if (spheres.empty()) return 0;
   using Particle = typename ParticlesType::Particle;
   // The velocity is that of this instant; rows hold that of half a step ago.
   const double ago = first_kick_ || Integrator::first_kick != 0.5 ? 0 : 0.5 * dt_;  // [s]
@@ -160,6 +160,9 @@ void Simulation<Policies...>::insert(const std::vector<PlacedSphere>& spheres,
       book_.bring_in(0.5 * mass(k) *
                      (dot(flow.velocity, flow.velocity) - dot(staggered, staggered)));
   }
+  double brought = 0;  // [kg]
+  for (std::size_t k = before; k < rows(); ++k) brought += mass(k);
+  return brought;
 }
 
 template <class... Policies>

@@ -21,7 +21,8 @@ struct CoefficientTable {
   std::vector<typename ContactsType::RollingCoefficients> rolling;  // materials x materials
 };
 
-/// Throws InputError where materials have no pair value.
+/// Materials without a pair value, which nothing that touches has (NameAccess::check_pairs), stand
+/// there with the values of like ones.
 template <class ContactsType, class Contacts>
 CoefficientTable<ContactsType> coefficient_table(const Contacts& contacts) {
   const std::size_t n = contacts.materials();
@@ -29,7 +30,7 @@ CoefficientTable<ContactsType> coefficient_table(const Contacts& contacts) {
   CoefficientTable<ContactsType> table{n, {}, {}};
   for (std::size_t a = 0; a < of_particles; ++a)
     for (std::size_t b = 0; b < n; ++b) {
-      table.law.push_back(contacts.coefficients(a, b));
+      table.law.push_back(contacts.coefficients(a, contacts.has_pair(a, b) ? b : a));
       table.rolling.push_back(contacts.rolling_coefficients(a, b));
     }
   return table;

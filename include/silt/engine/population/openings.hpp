@@ -77,6 +77,7 @@ struct Inlet {
   std::uint64_t insertions = 0;  // [-] times that it placed particles
   Random random{1};
   std::string obstacle = {};  // why the first one that waits found no place, and what helps
+  double mass = 0;            // [kg] of the particles placed so far
 
   /// A sentence on the last insertion: what takes the places, particles (some of them by id), walls
   /// (by name), or the region itself; empty if all that were due found a place.
@@ -126,7 +127,7 @@ class Openings {
     const Vec3d e = bounds.extent();
     require(std::min({e.x, e.y, e.z}) >= 2 * flow.largest_radius(), "add_inlet: ", place.describe(),
             " is thinner than the largest sphere of radius ", flow.largest_radius(), " m");
-    inlets_.push_back({flow, place.describe(), bounds, time, 0, 0, 0, 0, Random(flow.seed), {}});
+    inlets_.push_back({flow, place.describe(), bounds, time, 0, 0, 0, 0, Random(flow.seed)});
     places_.push_back([place](const Occupied& occupied, const Placement& sphere, Random& random) {
       return try_place(place, occupied, sphere, random);
     });
@@ -215,7 +216,7 @@ class Openings {
       placed.push_back({*centre, radius}), kinds.push_back(kind);
       ++inlet.placed;
     }
-    sim.insert(placed, kinds, inlet.flow, inlet.random);
+    inlet.mass += sim.insert(placed, kinds, inlet.flow, inlet.random);
   }
   static std::size_t draw_kind(Inlet& inlet) {
     const auto& recipe = inlet.flow.recipe;
