@@ -19,6 +19,7 @@
 #include <limits>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <silt/boundary/domain.hpp>
@@ -205,13 +206,13 @@ class Bed {
   /// `span` [s].
   template <class... Observers>
   void blow(double U, double span, Observers&&... observers) {
-    const double from = U_;
-    for (int k = 1; k <= 10; ++k) {
-      U_ = from + (U - from) * k / 10;
-      sim_.fluid().flow().set_side(2, 0, silt::Inflow{{0, 0, U_}});
-      sim_.run(1e-3, observers...);
-    }
-    if (span > 0.01) sim_.run(span - 0.01, observers...);
+    constexpr double ramp = 0.01;  // [s]
+    const double from = std::exchange(U_, U), since = sim_.time();
+    sim_.fluid().flow().set_side(
+        2, 0, silt::Inflow{.velocity_in_time = [=](const Vec3d&, double t) {
+          return Vec3d{0, 0, std::lerp(from, U, std::clamp((t - since) / ramp, 0.0, 1.0))};
+        }});
+    sim_.run(std::max(span, ramp), observers...);
   }
   template <class... Observers>
   Means measure(double span, Observers&&... observers) {
@@ -223,7 +224,7 @@ class Bed {
              silt::at(silt::every(2e-4),
                       [&](const auto&) {
                         sum.pressure_drop += pressure_drop();
-                        sum.height += height(), sum.speed += speed();
+                        sum.height += height(), sum.speed += sim_.mean_speed();
                         n += 1;
                       }),
              observers...);
@@ -284,11 +285,6 @@ class Bed {
     for (std::size_t k = 0; k < sim_.rows(); ++k) most = std::max(most, sim_.position(k).z);
     return most;
   }
-  double speed() const {  // [m/s] mean of the grains
-    double sum = 0;
-    for (std::size_t k = 0; k < sim_.rows(); ++k) sum += norm(sim_.velocity(k));
-    return sum / static_cast<double>(sim_.rows());
-  }
   double voidage(double height) const {
     return 1 - static_cast<double>(s_.particles) * s_.volume() / (s_.area() * height);
   }
@@ -319,9 +315,7 @@ class Bed {
     return given;
   }
   double momentum() const {  // [kg m/s] upwards
-    double sum = 0;
-    for (std::size_t k = 0; k < sim_.rows(); ++k) sum += sim_.mass(k) * sim_.velocity(k).z;
-    return sum;
+    return sim_.total_mass() * sim_.mean_velocity().z;
   }
 
   const Scene& s_;

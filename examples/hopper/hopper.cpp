@@ -136,15 +136,12 @@ silt::CoarseGrid middle_layer(const Scene& s) {
 /// What is looked at every few milliseconds.
 template <class Sim>
 struct Watch {
-  double below = 0;   // [kg]
-  double energy = 0;  // [J] kinetic
+  double below = 0;  // [kg]
   std::size_t count_below = 0;
 
   Watch(const Sim& sim, double height) {
     for (std::size_t k = 0; k < sim.rows(); ++k) {
-      const double m = sim.mass(k);
-      energy += 0.5 * m * silt::dot(sim.velocity(k), sim.velocity(k));
-      if (sim.position(k).z < height) below += m, ++count_below;
+      if (sim.position(k).z < height) below += sim.mass(k), ++count_below;
     }
   }
 };
@@ -231,11 +228,7 @@ int simulate(Scene scene, const example::Options& options) {
   // At rest first ...
   double fraction = 0, rest = 0;
   bool has_chains = false;
-  const double total = [&] {
-    double m = 0;
-    for (std::size_t k = 0; k < sim.rows(); ++k) m += sim.mass(k);
-    return m;
-  }();
+  const double total = sim.total_mass();  // [kg]
   if (sim.time() < opening) {
     std::printf("filling\n");
     sim.run(opening - sim.time(), save, silt::progress());
@@ -243,7 +236,7 @@ int simulate(Scene scene, const example::Options& options) {
   const double bed_top = scene.funnel_top() + 0.55 * scene.bulk_height();
   fraction = solid_fraction(sim, {{0.015, 0.015, scene.funnel_top() + 0.005},
                                   {scene.width - 0.015, scene.width - 0.015, bed_top}});
-  rest = Watch(sim, 0).energy / (total * 9.81 * 2 * scene.r_max);
+  rest = sim.kinetic_energy() / (total * 9.81 * 2 * scene.r_max);
   if (sim.time() < opening + 0.5 * scene.time_step && sim.has_contacts()) {
     // What the grains press with: force chains, and contacts against the walls' forces. These are
     // the weight but for what is left of the bed's bouncing, 3 % with --quick.
@@ -280,8 +273,9 @@ int simulate(Scene scene, const example::Options& options) {
     last_step = s.step(), last_seconds = seconds;
     curve.time.push_back(s.time() - opening), curve.mass.push_back(w.below);
     const double time = std::round(1e9 * (s.time() - opening)) / 1e9;  // without digits of rounding
-    return std::array<double, 6>{time,     w.below,  static_cast<double>(w.count_below),
-                                 contacts, w.energy, 1e3 * per_step};
+    return std::array<double, 6>{
+        time,          w.below, static_cast<double>(w.count_below), contacts, s.kinetic_energy(),
+        1e3 * per_step};
   };
   auto table = silt::table(options.out + "/discharge.csv",
                            {"time [s]", "mass below [kg]", "particles below [-]", "contacts [-]",
