@@ -108,7 +108,8 @@ double Simulation<Policies...>::chosen_time_step() const {
   for (const Wall& wall : engine_.walls)
     of_springs = std::min(of_springs, detail::spring_step(wall.drive));
   return std::min(
-      {shortest->time / 20, 0.5 * longest_travel_step(speed), longest_module_step(), of_springs});
+      {shortest->time / 20, 0.5 * longest_travel_step(speed), longest_module_step(), of_springs,
+       this->longest_bond_step()});
 }
 
 /// In which nothing at this speed [m/s] goes farther than guard.max_travel allows [s].

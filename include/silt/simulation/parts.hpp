@@ -248,6 +248,22 @@ void Simulation<Policies...>::prepare() {
   if (guard.domain) detail::check_inside(engine_, *guard.domain, step_, time_);
 }
 
+/// Takes out the bonds that this step has overloaded: their particles may touch from now on.
+template <class... Policies>
+void Simulation<Policies...>::break_bonds() {
+  if constexpr (has_bonds) {
+    const auto gone = bonds_.take_broken();
+    if (gone.empty()) return;
+    std::vector<IndexPair> pairs;
+    for (const auto& bond : gone) {
+      engine_.particles.bonds.remove(bond.i, bond.j);
+      pairs.push_back({static_cast<std::uint32_t>(engine_.find(bond.i)),
+                       static_cast<std::uint32_t>(engine_.find(bond.j))});
+    }
+    engine_.join_pairs(domain_, dt_, pairs);
+  }
+}
+
 template <class... Policies>
 void Simulation<Policies...>::set_max_overlap(const typename ContactsType::Material& a,
                                               const typename ContactsType::Material& b,

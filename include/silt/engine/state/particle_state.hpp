@@ -9,8 +9,10 @@
 #include <type_traits>
 #include <vector>
 
+#include <silt/core/quaternion.hpp>
 #include <silt/core/storage.hpp>
 #include <silt/core/threads.hpp>
+#include <silt/engine/state/bonded_pairs.hpp>
 #include <silt/engine/state/columns.hpp>
 #include <silt/engine/state/composition.hpp>
 #include <silt/engine/state/fluid_loads.hpp>
@@ -26,7 +28,7 @@ template <class Composition>
 class ParticleState {
   static constexpr bool Rotates = Composition::Contacts::rotates,
                         SeveralMaterials = Composition::several_materials,
-                        OfBodies = Composition::has_bodies;
+                        OfBodies = Composition::has_bodies, Bonded = Composition::has_bonds;
   using PairScalar = typename Composition::Scalar;
   /// Of position and of spin velocity each, that the integrator keeps.
   static constexpr std::size_t Derivatives = Composition::Integrator::derivatives;
@@ -46,14 +48,16 @@ class ParticleState {
   static constexpr std::size_t bytes_per_particle =
       bytes_of_row<ParticleState>() + (single ? sizeof(PairMotion) : 0) +
       bytes_of_row<FluidLoads<Given>>() + bytes_of_row<Columns>();
-  static constexpr bool of_bodies = OfBodies, several = SeveralMaterials;
+  static constexpr bool of_bodies = OfBodies, several = SeveralMaterials, bonded = Bonded;
 
   AlignedVector<PositionRow> position;
   AlignedVector<ParticleMotion> motion;
   AlignedVector<HigherDerivatives> derivatives;  // if the integrator has any
   std::vector<ParticleId> id;
   std::vector<std::uint16_t> material;
-  std::vector<PartRow> part;  // of bodies
+  std::vector<PartRow> part;            // of bodies
+  std::vector<Quaternion> orientation;  // of spheres with bonds, since they came
+  [[no_unique_address]] std::conditional_t<Bonded, BondedPairs, NoPairs> bonds;
   [[no_unique_address]] FluidLoads<Given> fluid;
   [[no_unique_address]] Columns modules;
   double largest_radius = 0;   // [m]
@@ -117,6 +121,10 @@ class ParticleState {
         columns_if<OfBodies>([] {
           return std::tuple{column<PartRow>(
               "parts", [](auto& t) -> auto& { return t.part; })};
+        }),
+        columns_if<Bonded>([] {
+          return std::tuple{column<Quaternion>(
+              "orientation", [](auto& t) -> auto& { return t.orientation; })};
         }));
   }
 

@@ -1,0 +1,67 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <concepts>
+
+#include <silt/bond/strain.hpp>
+#include <silt/core/vec3.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// The two spheres that a bond is made between.
+struct BondedPair {
+  double radius_i, radius_j;  // [m]
+  double length;              // [m] of their centres apart
+  double m_eff;               // [kg] 1/(1/mi + 1/mj); a fixed one is infinite
+  double inertia_eff;         // [kg m2] the same of moments of inertia
+  double share;  // [-] in (0, 1), random and the same in every run: for scattered strengths
+};
+
+/// What a model of bonds says of one bond, or one a lane: on i, in the bond's frame.
+template <class Real>
+struct BondAnswer {
+  Vec3<Real> force, couple;            // [N], [N m] of springs: derivatives of an energy
+  Vec3<Real> rate_force, rate_couple;  // [N], [N m] of dashpots
+};
+
+/// A model of bonds, ParallelBond for instance:
+///
+///   template <class Real> struct Numbers { ... };      Reals that a bond keeps
+///   Numbers<double> numbers(const BondedPair&) const;   when it is made
+///   template <class Real> static BondAnswer<Real> answer(
+///       const BondStrain<Real>&, const Vec3<Real>& normal, const Numbers<Real>&);
+///   template <class Real> static Real load(const BondAnswer<Real>&, const Vec3<Real>& normal,
+///                                          const Numbers<Real>&);   [-] it breaks above 1
+///   static double energy(const BondStrain<double>&, const Vec3d& normal,
+///                        const Numbers<double>&);       [J] stored in the springs
+///   static BondStiffness stiffness(const Numbers<double>&);
+template <class M>
+concept BondModel = requires(const M& model, const BondedPair& pair, const BondStrain<double>& s,
+                             const Vec3d& n, const typename M::template Numbers<double>& p) {
+  { model.numbers(pair) } -> std::same_as<typename M::template Numbers<double>>;
+  { M::answer(s, n, p) } -> std::same_as<BondAnswer<double>>;
+  { M::load(M::answer(s, n, p), n, p) } -> std::convertible_to<double>;
+  { M::energy(s, n, p) } -> std::convertible_to<double>;
+  M::stiffness(p);
+};
+
+/// The largest of a bond's stiffnesses, for the time step.
+struct BondStiffness {
+  double shift;  // [N/m]
+  double turn;   // [N m]
+};
+
+/// The policy: bonds between spheres, by a model.
+///
+///   silt::Simulation sim{std::move(grains), contacts, silt::Bonds{silt::ParallelBond{...}}};
+///   silt::bond_touching(sim, 0.01 * radius);
+template <class M>
+struct Bonds {
+  static constexpr bool is_bonds = true;
+  using Model = M;
+  M model;
+};
+template <class M>
+Bonds(M) -> Bonds<M>;
+
+}  // namespace silt
