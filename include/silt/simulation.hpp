@@ -381,7 +381,9 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   Domain domain_;
   [[no_unique_address]] Fluid fluid_;
   [[no_unique_address]] detail::ModuleStage<Modules, Domain> modules_;
-  [[no_unique_address]] typename detail::BondsOf<typename Composition::Bonds, Domain>::type bonds_;
+  [[no_unique_address]]
+  typename detail::BondsOf<typename Composition::Bonds, Domain, typename Composition::Arch>::type
+      bonds_;
   [[no_unique_address]] decltype(particles_in_fluid()) in_fluid_;
   Engine engine_;
   detail::Openings<ShapeType, Domain> openings_;

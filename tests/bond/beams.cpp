@@ -21,12 +21,11 @@ auto beam(int n, double damping, const More&... more) {
   silt::Particles<silt::Sphere> p;
   for (int k = 0; k < n; ++k)
     p.add({.position = {2 * R * k, 0, 0}, .radius = R, .density = density, .fixed = k == 0});
-  silt::Simulation sim{std::move(p),
-                       silt::Contacts<silt::HertzMindlin>{{.youngs_modulus = 1e7,
-                                                           .poisson_ratio = 0.25,
-                                                           .restitution = 0.5,
-                                                           .friction = 0.5}},
-                       silt::Bonds{silt::ParallelBond{.youngs_modulus = E, .damping = damping}}, more...};
+  silt::Simulation sim{
+      std::move(p),
+      silt::Contacts<silt::HertzMindlin>{
+          {.youngs_modulus = 1e7, .poisson_ratio = 0.25, .restitution = 0.5, .friction = 0.5}},
+      silt::Bonds{silt::ParallelBond{.youngs_modulus = E, .damping = damping}}, more...};
   for (std::size_t k = 0; k + 1 < static_cast<std::size_t>(n); ++k) sim.bond(k, k + 1);
   sim.threads = 1;
   return sim;
@@ -51,8 +50,8 @@ TEST_CASE("beams: a cantilever under its own weight sinks by w L^4/(8 E I) and i
     sim.gravity = {0, 0, -g};
     sim.run(5 * T1);
     const double sinks = -sim.position(sim.find(n - 1)).z;
-    std::printf("n %d: %g, off %g, steps %ld, dt %g\n", n, sinks / deflection, sinks / deflection - 1,
-                sim.step(), sim.step_length());
+    std::printf("n %d: %g, off %g, steps %ld, dt %g\n", n, sinks / deflection,
+                sinks / deflection - 1, sim.step(), sim.step_length());
   }
 }
 }

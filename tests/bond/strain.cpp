@@ -16,7 +16,7 @@
 
 namespace bond_strain_test {
 
-using silt::BondEnd;
+using silt::BondedEnds;
 using silt::BondRest;
 using silt::BondStrain;
 using silt::Quaternion;
@@ -30,9 +30,19 @@ Quaternion turned(const Vec3d& by) {
   return angle == 0 ? Quaternion{} : silt::rotation_about((1 / angle) * by, angle);
 }
 
+struct End {
+  Vec3d centre{0, 0, 0};
+  Quaternion orientation;
+  Vec3d velocity{0, 0, 0}, angular_velocity{0, 0, 0};
+};
+BondedEnds<double> ends(const End& i, const End& j) {
+  return {i.centre - j.centre, i.velocity - j.velocity, i.orientation,
+          j.orientation,       i.angular_velocity,      j.angular_velocity};
+}
+
 /// Two ends somewhere, bonded, then strained: turned against each other by up to `turn` [rad].
 struct Scene {
-  BondEnd<double> i, j;
+  End i, j;
   BondRest<double> rest;
 
   Scene(silt::Random& random, double turn) {
@@ -45,7 +55,7 @@ struct Scene {
          any_vector(random, 1), any_vector(random, 1)};
     j = {x_j, q_j, any_vector(random, 1), any_vector(random, 1)};
   }
-  BondStrain<double> strain() const { return strain_of(rest, i.centre - j.centre, i, j); }
+  BondStrain<double> strain() const { return strain_of(rest, ends(i, j)); }
   /// The same after a time t [s].
   Scene later(double t) const {
     Scene s = *this;
@@ -120,8 +130,8 @@ TEST_CASE("bond: motion of both ends as one rigid body strains nothing, and turn
 
 TEST_CASE("bond: closed forms of a stretch, a shear, a twist and a bend") {
   BondRest<double> rest{{0, 0, -1}, {0, 0, 1}, {}, {0, 0, 1}};
-  BondEnd<double> i{{0, 0, 2}, {}, {}, {}}, j{{0, 0, 0}, {}, {}, {}};
-  const auto strain = [&] { return strain_of(rest, i.centre - j.centre, i, j); };
+  End i{.centre = {0, 0, 2}}, j;
+  const auto strain = [&] { return strain_of(rest, ends(i, j)); };
   CHECK(silt::norm(strain().shift) + silt::norm(strain().turn) == 0);
 
   i.centre = {0.01, 0, 2.02};

@@ -1,21 +1,19 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-#include <cmath>
-
 #include <silt/core/lanes.hpp>
 #include <silt/core/quaternion.hpp>
 #include <silt/core/vec3.hpp>
 
 namespace silt::inline SILT_TARGET {
 
-/// What one end of a bond is fixed to.
+/// The two spheres that a bond holds together: i against j, and how each is turned.
 template <class Real>
-struct BondEnd {
-  Vec3<Real> centre;                  // [m]
-  BasicQuaternion<Real> orientation;  // body to space
-  Vec3<Real> velocity;                // [m/s]
-  Vec3<Real> angular_velocity;        // [rad/s]
+struct BondedEnds {
+  Vec3<Real> apart;                                    // [m] x_i - x_j; in a periodic box the image
+  Vec3<Real> velocity;                                 // [m/s] v_i - v_j
+  BasicQuaternion<Real> orientation_i, orientation_j;  // body to space
+  Vec3<Real> spin_i, spin_j;                           // [rad/s]
 };
 
 /// A bond as it was made: without strain.
@@ -66,13 +64,12 @@ struct BondLoads {
   Vec3<Real> torque_i, torque_j;  // [N m] about the centres
 };
 
-/// The strain of a bond whose ends are `d` = x_i - x_j [m] apart (in a periodic box: the image).
+/// The strain of a bond.
 template <class Real>
-SILT_INLINE BondStrain<Real> strain_of(const BondRest<Real>& rest, const Vec3<Real>& d,
-                                       const BondEnd<Real>& i, const BondEnd<Real>& j) {
-  using std::sqrt;
+SILT_INLINE BondStrain<Real> strain_of(const BondRest<Real>& rest, const BondedEnds<Real>& ends) {
   const Real half(0.5), one(1);
-  BasicQuaternion<Real> r = conjugate(j.orientation) * i.orientation * conjugate(rest.turn);
+  BasicQuaternion<Real> r =
+      conjugate(ends.orientation_j) * ends.orientation_i * conjugate(rest.turn);
   // Of the two quaternions of one rotation that of the shorter way.
   const Real sign = select(r.w < Real(0), Real(-1), one);
   r = {sign * r.w, sign * r.x, sign * r.y, sign * r.z};
@@ -80,16 +77,16 @@ SILT_INLINE BondStrain<Real> strain_of(const BondRest<Real>& rest, const Vec3<Re
   const BasicQuaternion<Real> h{(one + r.w) * to_half, r.x * to_half, r.y * to_half, r.z * to_half};
   BondStrain<Real> s;
   s.r0 = r.w, s.w = r.vector();
-  s.frame = j.orientation * h;
+  s.frame = ends.orientation_j * h;
   const BasicQuaternion<Real> back = conjugate(s.frame);
-  const Vec3<Real> b_i = rotate(i.orientation, rest.arm_i), b_j = rotate(j.orientation, rest.arm_j);
-  const Vec3<Real> apart = d + b_i - b_j;
-  s.arm_i = b_i - half * apart, s.arm_j = b_j + half * apart;
-  s.shift = rotate(back, apart);
-  s.turn = Real(2.0 / 3) * (Real(4) - r.w) * s.w;
-  const Vec3<Real> spins = i.angular_velocity - j.angular_velocity;
-  const Vec3<Real> v = i.velocity + cross(i.angular_velocity, s.arm_i) - j.velocity -
-                       cross(j.angular_velocity, s.arm_j);
+  const Vec3<Real> b_i = rotate(ends.orientation_i, rest.arm_i),
+                   b_j = rotate(ends.orientation_j, rest.arm_j);
+  const Vec3<Real> gap = ends.apart + b_i - b_j;
+  s.arm_i = b_i - half * gap, s.arm_j = b_j + half * gap;
+  s.shift = rotate(back, gap);
+  s.turn = (Real(2.0 / 3) * (Real(4) - r.w)) * s.w;
+  const Vec3<Real> v = ends.velocity + cross(ends.spin_i, s.arm_i) - cross(ends.spin_j, s.arm_j);
+  const Vec3<Real> spins = ends.spin_i - ends.spin_j;
   s.shift_rate = rotate(back, v), s.turn_rate = rotate(back, spins);
   return s;
 }

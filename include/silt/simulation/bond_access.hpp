@@ -55,7 +55,7 @@ class BondAccess {
   /// Unbroken bonds [-], and those that broke since the start.
   template <class S = Sim>
   std::size_t bonds() const requires(S::has_bonds) {
-    return sim().bonds_.bonds.size();
+    return sim().bonds_.size();
   }
   template <class S = Sim>
   std::uint64_t broken_bonds() const requires(S::has_bonds) {

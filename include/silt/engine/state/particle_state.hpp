@@ -55,8 +55,8 @@ class ParticleState {
   AlignedVector<HigherDerivatives> derivatives;  // if the integrator has any
   std::vector<ParticleId> id;
   std::vector<std::uint16_t> material;
-  std::vector<PartRow> part;            // of bodies
-  std::vector<Quaternion> orientation;  // of spheres with bonds, since they came
+  std::vector<PartRow> part;              // of bodies
+  AlignedVector<Quaternion> orientation;  // of spheres with bonds, since they came
   [[no_unique_address]] std::conditional_t<Bonded, BondedPairs, NoPairs> bonds;
   [[no_unique_address]] FluidLoads<Given> fluid;
   [[no_unique_address]] Columns modules;
@@ -133,6 +133,7 @@ class ParticleState {
            [[maybe_unused]] const PartRow& body = {}) {
     const std::size_t k = size();
     position.resize(k), motion.resize(k);
+    if constexpr (Bonded) orientation.resize(k);
     add_row(*this), add_row(fluid), add_row(modules);
     id[k] = new_id, position[k] = p, motion[k] = m;
     if constexpr (SeveralMaterials) material[k] = of;
@@ -194,6 +195,7 @@ class ParticleState {
 
   void pad() {
     position.resize(size()), motion.resize(size());
+    if constexpr (Bonded) orientation.resize(size()), orientation.resize(size() + 2);
     for (int k = 0; k < 2; ++k) {
       position.push_back({static_cast<double>(k), 0, 0, 0});
       ParticleMotion m{};
