@@ -17,7 +17,7 @@ struct BondedPair {
   double share;  // [-] in (0, 1), random and the same in every run: for scattered strengths
 };
 
-/// What a model of bonds says of one bond, or one a lane: on i, in the bond's frame.
+/// What a model of bonds says of one bond, or one a lane: on i.
 template <class Real>
 struct BondAnswer {
   Vec3<Real> force, couple;            // [N], [N m] of springs: derivatives of an energy
@@ -26,23 +26,22 @@ struct BondAnswer {
 
 /// A model of bonds, ParallelBond for instance:
 ///
-///   template <class Real> struct Numbers { ... };      Reals that a bond keeps
-///   Numbers<double> numbers(const BondedPair&) const;   when it is made
-///   template <class Real> static BondAnswer<Real> answer(
-///       const BondStrain<Real>&, const Vec3<Real>& normal, const Numbers<Real>&);
-///   template <class Real> static Real load(const BondAnswer<Real>&, const Vec3<Real>& normal,
-///                                          const Numbers<Real>&);   [-] it breaks above 1
-///   static double energy(const BondStrain<double>&, const Vec3d& normal,
-///                        const Numbers<double>&);       [J] stored in the springs
-///   static BondStiffness stiffness(const Numbers<double>&);
+///   template <class Real> struct Numbers { ... };                        Reals that a bond keeps
+///   Numbers<double> numbers(const BondedPair&) const;                    when it is made
+///   template <class Real>
+///   BondAnswer<Real> answer(const BondStrain<Real>&, const Numbers<Real>&) const;
+///   template <class Real>                                                [-] it breaks above 1
+///   Real load(const BondAnswer<Real>&, const Vec3<Real>& normal, const Numbers<Real>&) const;
+///   double energy(const BondStrain<double>&, const Numbers<double>&) const;  [J] in the springs
+///   BondStiffness stiffness(const Numbers<double>&) const;
 template <class M>
 concept BondModel = requires(const M& model, const BondedPair& pair, const BondStrain<double>& s,
                              const Vec3d& n, const typename M::template Numbers<double>& p) {
   { model.numbers(pair) } -> std::same_as<typename M::template Numbers<double>>;
-  { M::answer(s, n, p) } -> std::same_as<BondAnswer<double>>;
-  { M::load(M::answer(s, n, p), n, p) } -> std::convertible_to<double>;
-  { M::energy(s, n, p) } -> std::convertible_to<double>;
-  M::stiffness(p);
+  { model.answer(s, p) } -> std::same_as<BondAnswer<double>>;
+  { model.load(model.answer(s, p), n, p) } -> std::convertible_to<double>;
+  { model.energy(s, p) } -> std::convertible_to<double>;
+  model.stiffness(p);
 };
 
 /// The largest of a bond's stiffnesses, for the time step.

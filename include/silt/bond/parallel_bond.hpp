@@ -47,12 +47,11 @@ struct ParallelBond {
 
   template <class Real>
   struct Numbers {
-    Real kn, ks, kt, kb;          // [N/m], [N m]
-    Real cn, cs, ct, cb;          // [N s/m], [N m s]
-    Real per_area;                // [1/m2]
-    Real per_bend, per_twist;     // [1/m3] R_b/I, R_b/J
-    Real per_tension, per_shear;  // [1/Pa] one over the strengths; 0: it never breaks
-    Real friction;                // [-] tan(friction_angle)
+    Real kn;            // [N/m]
+    Real radius;        // [m] R_b
+    Real cn;            // [N s/m] 2 damping sqrt(k_n m*)
+    Real turn_damping;  // [N s] 2 damping sqrt(k_n I*): times R_b/2, or R_b/sqrt(2 stiffness_ratio)
+    Real per_strength;  // [-] one over the Weibull factor of both strengths
   };
 
   void check() const {
@@ -70,57 +69,51 @@ struct ParallelBond {
   }
   Numbers<double> numbers(const BondedPair& p) const {
     const double R = radius_ratio * std::min(p.radius_i, p.radius_j);
-    const double A = std::numbers::pi * R * R, I = A * R * R / 4, J = 2 * I;
-    const double E_L = youngs_modulus / p.length, G_L = E_L / stiffness_ratio;
-    Numbers<double> n{};
-    n.kn = E_L * A, n.ks = G_L * A, n.kt = G_L * J, n.kb = E_L * I;
-    const auto dashpot = [&](double k, double m) { return 2 * damping * std::sqrt(k * m); };
-    n.cn = dashpot(n.kn, p.m_eff), n.cs = dashpot(n.ks, p.m_eff);
-    n.ct = dashpot(n.kt, p.inertia_eff), n.cb = dashpot(n.kb, p.inertia_eff);
-    n.per_area = 1 / A, n.per_bend = R / I, n.per_twist = R / J;
+    const double kn = youngs_modulus * std::numbers::pi * R * R / p.length;
     double factor = 1;
     if (weibull_modulus > 0)
       factor = std::pow(-std::log1p(-p.share), 1 / weibull_modulus) /
                std::tgamma(1 + 1 / weibull_modulus);
-    n.per_tension = 1 / (factor * tensile_strength), n.per_shear = 1 / (factor * shear_strength);
-    n.friction = std::tan(friction_angle);
-    return n;
+    return {kn, R, 2 * damping * std::sqrt(kn * p.m_eff),
+            2 * damping * std::sqrt(kn * p.inertia_eff), 1 / factor};
   }
   template <class Real>
-  static SILT_INLINE BondAnswer<Real> answer(const BondStrain<Real>& s, const Vec3<Real>& n,
-                                             const Numbers<Real>& p) {
+  SILT_INLINE BondAnswer<Real> answer(const BondStrain<Real>& s, const Numbers<Real>& p) const {
+    const Vec3<Real>& n = s.normal;
     const auto split = [&n](const Vec3<Real>& v, const Real& along, const Real& across) {
-      return -(across * v + ((along - across) * dot(v, n)) * n);
+      return -(v * across + n * ((along - across) * dot(v, n)));
     };
-    return {split(s.shift, p.kn, p.ks), split(s.turn, p.kt, p.kb), split(s.shift_rate, p.cn, p.cs),
-            split(s.turn_rate, p.ct, p.cb)};  // (2), (3)
+    const Real per(1 / stiffness_ratio), root(std::sqrt(1 / stiffness_ratio));
+    const Real kb = Real(0.25) * p.kn * p.radius * p.radius, kt = Real(2) * per * kb;
+    const Real cb = Real(0.5) * p.radius * p.turn_damping, ct = Real(std::sqrt(2.0)) * root * cb;
+    return {split(s.shift, p.kn, per * p.kn), split(s.turn, kt, kb),
+            split(s.shift_rate, p.cn, root * p.cn), split(s.turn_rate, ct, cb)};  // (2), (3)
   }
   /// (4) of the springs.
   template <class Real>
-  static SILT_INLINE Real load(const BondAnswer<Real>& a, const Vec3<Real>& n,
-                               const Numbers<Real>& p) {
-    using std::sqrt;
-    const auto parts = [&n](const Vec3<Real>& v) {
-      const Real along = dot(v, n);
-      const Vec3<Real> across = v - along * n;
-      return std::pair{along, sqrt(dot(across, across))};
+  SILT_INLINE Real load(const BondAnswer<Real>& a, const Vec3<Real>& n,
+                        const Numbers<Real>& p) const {
+    const auto across = [&n](const Vec3<Real>& v, const Real& along) {
+      const Vec3<Real> rest = v - n * along;
+      return sqrt(dot(rest, rest));
     };
-    const auto [Fn, Fs] = parts(a.force);  // on i: < 0 pulls it back
-    const auto [Mn, Ms] = parts(a.couple);
-    const Real tension = -Fn * p.per_area;
-    const Real sigma = tension + Ms * p.per_bend;
-    const Real tau = Fs * p.per_area + sqrt(Mn * Mn) * p.per_twist + tension * p.friction;
-    return max(sigma * p.per_tension, tau * p.per_shear);
+    const Real Fn = dot(a.force, n), Mn = dot(a.couple, n);  // on i: Fn < 0 pulls it back
+    const Real per_R = Real(1) / max(p.radius, smallest<Real>());
+    const Real per_area = Real(1 / std::numbers::pi) * per_R * per_R;
+    const Real per_bend = Real(4) * per_area * per_R;  // R_b/I; R_b/J is half of it
+    const Real tension = -Fn * per_area;
+    const Real sigma = tension + across(a.couple, Mn) * per_bend;
+    const Real tau = across(a.force, Fn) * per_area + abs(Mn) * (Real(0.5) * per_bend) +
+                     tension * Real(std::tan(friction_angle));
+    return max(sigma * Real(1 / tensile_strength), tau * Real(1 / shear_strength)) * p.per_strength;
   }
-  static double energy(const BondStrain<double>& s, const Vec3d& n, const Numbers<double>& p) {
-    const auto of = [&n](const Vec3d& v, double along, double across) {
-      const double a = dot(v, n);
-      return 0.5 * (along * a * a + across * (dot(v, v) - a * a));
-    };
-    return of(s.shift, p.kn, p.ks) + of(s.turn, p.kt, p.kb);
+  double energy(const BondStrain<double>& s, const Numbers<double>& p) const {
+    const auto a = answer(s, p);
+    return -0.5 * (dot(a.force, s.shift) + dot(a.couple, s.turn));
   }
-  static BondStiffness stiffness(const Numbers<double>& p) {
-    return {std::max(p.kn, p.ks), std::max(p.kt, p.kb)};
+  BondStiffness stiffness(const Numbers<double>& p) const {
+    const double ratio = std::max(1.0, 1 / stiffness_ratio);
+    return {ratio * p.kn, 0.25 * p.kn * p.radius * p.radius * std::max(1.0, 2 / stiffness_ratio)};
   }
 };
 

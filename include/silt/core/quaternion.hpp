@@ -12,7 +12,7 @@ struct BasicQuaternion {
   Real w = Real(1), x = Real(0), y = Real(0), z = Real(0);
 
   Vec3<Real> vector() const { return {x, y, z}; }
-  friend BasicQuaternion operator*(const BasicQuaternion& a, const BasicQuaternion& b) {
+  friend SILT_INLINE BasicQuaternion operator*(const BasicQuaternion& a, const BasicQuaternion& b) {
     return {a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
             a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
             a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
@@ -23,7 +23,7 @@ struct BasicQuaternion {
 using Quaternion = BasicQuaternion<double>;
 
 template <class Real>
-BasicQuaternion<Real> conjugate(const BasicQuaternion<Real>& q) {
+SILT_INLINE BasicQuaternion<Real> conjugate(const BasicQuaternion<Real>& q) {
   return {q.w, -q.x, -q.y, -q.z};
 }
 
@@ -35,7 +35,7 @@ inline Quaternion rotation_about(const Vec3d& axis, double angle) {
 
 /// `v` turned by `q`.
 template <class Real>
-Vec3<Real> rotate(const BasicQuaternion<Real>& q, const Vec3<Real>& v) {
+SILT_INLINE Vec3<Real> rotate(const BasicQuaternion<Real>& q, const Vec3<Real>& v) {
   const Vec3<Real> u = q.vector();
   const Vec3<Real> t = Real(2) * cross(u, v);
   return v + q.w * t + cross(u, t);

@@ -38,16 +38,13 @@ class BondAccess {
     const double r_i = p.radius(), r_j = q.radius(), factor = Sim::ShapeType::inertia_factor();
     const double inv_I =
         p.inverse_mass() / (factor * r_i * r_i) + q.inverse_mass() / (factor * r_j * r_j);
-    const Vec3d n = (1 / length) * d;
     const Quaternion q_i = e.particles.orientation[at_i], q_j = e.particles.orientation[at_j];
-    const double share_i = r_i / (r_i + r_j);
-    const BondRest<double> rest{rotate(conjugate(q_i), -share_i * d),
-                                rotate(conjugate(q_j), (1 - share_i) * d), conjugate(q_j) * q_i,
-                                rotate(conjugate(q_j), n)};
+    const BondRest<double> rest{rotate(conjugate(q_j), d), r_i / (r_i + r_j), conjugate(q_j) * q_i};
     auto& stage = sim().bonds_;
     Random random(stage.seed + 0x9e3779b97f4a7c15u * i + j);
     const double share = random.uniform();
-    stage.add({i, j, rest, stage.model.numbers({r_i, r_j, length, 1 / inv_m, 1 / inv_I, share})});
+    stage.add(
+        {i, j, rest, stage.model.numbers({r_i, r_j, length, 1 / inv_m, 1 / inv_I, share}), 0});
     e.particles.bonds.add(i, j);
     e.lists.forget();
     sim().scene_changed_ = true;
