@@ -18,23 +18,25 @@ using silt::Vec3d;
 using Law = silt::HertzMindlin;
 
 struct Scene {
-  double diameter = 2.5e-3;               // [m] the mean; sizes from 0.8 to 1.2 of it
-  double length = 24, width = 12;         // [diameters] inside; along the motion, across
-  double height = 12;                     // [diameters] of the sample, about
-  double travel = 4;                      // [diameters] of the lower half
-  double inertial = 3e-3;                 // [-] at the lowest stress, of a band of 10 diameters
-  double friction = 0.5;                  // [-] between particles, and on floor and lid
-  double wall_friction = 0.1;             // [-] on the walls of both halves
-  std::vector<double> stress{25e3, 50e3, 100e3};       // [Pa] on the lid, from the lowest on
-  static constexpr double density = 2600, g = 9.81;    // [kg/m3], [m/s2]
-  static constexpr double band = 10;                   // [diameters] of which `inertial` is reckoned
-  static constexpr double dense = 0.61, loose = 0.55; // [-] solid fractions, for the number of grains
-  static constexpr double smooth = 0.02, rough = 2;    // [-] friction while samples are made
+  double diameter = 2.5e-3;        // [m] the mean; sizes from 0.8 to 1.2 of it
+  double length = 24, width = 10;  // [diameters] inside; along the motion, across
+  double height = 12;              // [diameters] of the sample, about
+  double travel = 4;               // [diameters] of the lower half
+  double inertial = 4e-3;          // [-] at the lowest stress, of a band of 10 diameters
+  double stiffness = 7e4;          // [-] Young's modulus over the highest stress
+  double friction = 0.5;           // [-] between particles, and on floor and lid
+  double wall_friction = 0.1;      // [-] on the walls of both halves
+  std::vector<double> stress{25e3, 50e3, 100e3};     // [Pa] on the lid, from the lowest on
+  static constexpr double density = 2600, g = 9.81;  // [kg/m3], [m/s2]
+  static constexpr double band = 10;                 // [diameters] of which `inertial` is reckoned
+  static constexpr double dense = 0.61,
+                          loose = 0.55;  // [-] solid fractions, for the number of grains
+  static constexpr double smooth = 0.02, rough = 2;  // [-] friction while samples are made
 
-  double L() const { return length * diameter; }      // [m]
-  double W() const { return width * diameter; }       // [m]
+  double L() const { return length * diameter; }            // [m]
+  double W() const { return width * diameter; }             // [m]
   double split() const { return 0.5 * height * diameter; }  // [m] from the floor, where z = 0
-  double area() const { return L() * W(); }           // [m2]
+  double area() const { return L() * W(); }                 // [m2]
   /// [s] in which a grain under this stress moves by its diameter.
   double inertial_time(double pressure) const { return diameter * std::sqrt(density / pressure); }
   double speed() const {  // [m/s] of the lower half
@@ -48,9 +50,11 @@ struct Scene {
     const double solid = (is_dense ? dense : loose) * area() * height * diameter;
     return static_cast<std::size_t>(solid / mean_volume());
   }
-  // Overlaps of (p/E)^(2/3) of the diameter: a part in 1000 under the highest stress.
+  // Overlaps of about (stress/modulus)^(2/3) of the diameter.
   Law::Material solid(double mu) const {
-    return {.youngs_modulus = 3e4 * stress.back(), .poisson_ratio = 0.2, .restitution = 0.3,
+    return {.youngs_modulus = stiffness * stress.back(),
+            .poisson_ratio = 0.2,
+            .restitution = 0.3,
             .friction = mu};
   }
 };
@@ -119,9 +123,9 @@ inline auto make_box(const Scene& s, bool is_dense, int threads) {
   sim.add_wall(silt::TriangleMesh(Panels{}.walls(L, W, -D, D).add(-out, out, across).triangles),
                steel, {.name = "lower half"});
   sim.add_wall(silt::Plane{{0, 0, -D}, {0, 0, 1}}, grain, {.name = "floor", .material = "plate"});
-  sim.add_wall(silt::TriangleMesh(
-                   Panels{}.walls(L, W, 0, top + d).add({L, 0, 0}, out, across).triangles),
-               steel, {.name = "upper half"});
+  sim.add_wall(
+      silt::TriangleMesh(Panels{}.walls(L, W, 0, top + d).add({L, 0, 0}, out, across).triangles),
+      steel, {.name = "upper half"});
   sim.add_wall(silt::Plane{{0, 0, top}, {0, 0, -1}}, grain,
                {.name = "lid", .drive = press(s, s.stress.front()), .material = "plate"});
   return sim;
@@ -145,8 +149,8 @@ bool come_to_rest(Sim& sim, const Scene& s, double stress) {
   return false;
 }
 
-/// From now on the lid is a plate of steel under a dead weight, free to rise and fall: a servo would
-/// lag behind a sample that dilates (docs/walls.md).
+/// From now on the lid is a plate of steel under a dead weight, free to rise and fall: a servo
+/// would lag behind a sample that dilates (docs/walls.md).
 template <class Sim>
 void load_lid(Sim& sim, const Scene& s, double stress) {
   const double mass = s.lid_mass();
