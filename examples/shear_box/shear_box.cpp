@@ -133,8 +133,7 @@ double mean_overlap(const Sim& sim) {
 template <class Sim>
 double sheared_band(const Sim& sim, const Scene& s, const std::vector<Vec3d>& before, double way) {
   const double layer = 0.5 * s.diameter;
-  std::vector<double> sum(static_cast<std::size_t>(2.2 * s.height), 0.0), count = sum;
-  sum.resize(4 * sum.size()), count.resize(sum.size());
+  std::vector<double> sum(static_cast<std::size_t>(4 * s.height), 0.0), count = sum;
   for (std::size_t k = 0; k < sim.rows(); ++k) {
     const Vec3d& from = before[sim.id(k)];
     const auto at = static_cast<std::size_t>(std::max(from.z + s.split(), 0.0) / layer);
@@ -158,7 +157,7 @@ double sheared_band(const Sim& sim, const Scene& s, const std::vector<Vec3d>& be
 template <class Sim>
 class Shear {
  public:
-  Shear(Sim& sim, Test& test) : sim_(sim), test_(test), start_(height(sim)), way_(way()) {
+  Shear(Sim& sim, Test& test) : sim_(sim), test_(test), start_(height(sim)) {
     for (const char* name : {"lower half", "floor", "upper half", "lid"})
       loads_.emplace_back(sim, name);
   }
@@ -175,7 +174,7 @@ class Shear {
   Sim& sim_;
   Test& test_;
   std::vector<silt::MeanLoad> loads_;
-  double start_, way_;
+  double start_;  // [m]
 };
 
 template <class Sim>
