@@ -22,13 +22,13 @@ struct Scene {
   double length = 24, width = 10;  // [diameters] inside; along the motion, across
   double height = 12;              // [diameters] of the sample, about
   double travel = 4;               // [diameters] of the lower half
-  double inertial = 4e-3;          // [-] at the lowest stress, of a band of 10 diameters
+  double inertial = 8e-3;          // [-] at the lowest stress, of a band of 5 diameters
   double stiffness = 7e4;          // [-] Young's modulus over the highest stress
   double friction = 0.5;           // [-] between particles, and on floor and lid
   double wall_friction = 0.1;      // [-] on the walls of both halves
   std::vector<double> stress{25e3, 50e3, 100e3};     // [Pa] on the lid, from the lowest on
   static constexpr double density = 2600, g = 9.81;  // [kg/m3], [m/s2]
-  static constexpr double band = 10;                 // [diameters] of which `inertial` is reckoned
+  static constexpr double band = 5;                 // [diameters] of which `inertial` is reckoned
   static constexpr double dense = 0.61,
                           loose = 0.55;  // [-] solid fractions, for the number of grains
   static constexpr double smooth = 0.02, rough = 2;  // [-] friction while samples are made
