@@ -28,9 +28,9 @@ struct Scene {
   double wall_friction = 0.1;      // [-] on the walls of both halves
   std::vector<double> stress{25e3, 50e3, 100e3};     // [Pa] on the lid, from the lowest on
   static constexpr double density = 2600, g = 9.81;  // [kg/m3], [m/s2]
-  static constexpr double band = 5;                 // [diameters] of which `inertial` is reckoned
-  static constexpr double dense = 0.61,
-                          loose = 0.55;  // [-] solid fractions, for the number of grains
+  static constexpr double band = 5;                  // [diameters] of which `inertial` is reckoned
+  // [-] Solid fractions that make about `height` of the number of grains.
+  static constexpr double dense = 0.61, loose = 0.55;
   static constexpr double smooth = 0.02, rough = 2;  // [-] friction while samples are made
 
   double L() const { return length * diameter; }            // [m]

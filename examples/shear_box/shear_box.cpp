@@ -370,9 +370,8 @@ void check_samples(example::Summary& summary, const Scene& s, const std::vector<
   const double scatter = s.grains(true) > 3000 ? 2.5 : 4;
   summary.check_within("residual friction angle, loose against dense [deg]", b, a, scatter,
                        "fluctuations of a band of few hundred grains");
-  // Taylor: tan(phi) at the peak is tan(phi) at constant volume and the tangent of dilatancy. The
-  // rule gives too much here, as where the halves' ends push grains the residual force has a part
-  // that the peak's dilation has not.
+  // Taylor (recalled): tan(phi) at the peak is tan(phi) at constant volume and the tangent of
+  // dilatancy. The residual angle of a short box has a share of its ends, which the rule lacks.
   summary.check_within("dense: angle at the peak without the work of dilation [deg]", degrees(slip),
                        degrees(rest.slope), 6,
                        "the rule is rough; with that work 9 off, with its sign wrong 20");
