@@ -9,6 +9,7 @@
 #include <silt/contact/hertz_mindlin.hpp>
 #include <silt/io/checkpoint.hpp>
 #include <silt/io/observers.hpp>
+#include <silt/io/wall_series.hpp>
 #include <silt/shape/mesh_body.hpp>
 #include <silt/simulation.hpp>
 
@@ -418,6 +419,28 @@ TEST_CASE("servo: strong dashpots and short steps do not make the lid swing") {
           }));
   CHECK(most < 3.003);
   CHECK(least > 2.997);
+}
+
+// A sphere on a floor that rises drives the lid before it: docs/walls.md, Servo. Catches a lag of
+// another gain or stiffness, and a doc that no longer holds once the servo has none.
+TEST_CASE("servo: a lid that is moved steadily is off its force by v K dt/gain within 2 %") {
+  const double force = 10, v = 0.5, R = 0.01;  // [N], [m/s], [m]
+  auto sim = scene(one({0, 0, R - 1e-4}, R, {0, 0, v}));
+  sim.time_step = 2e-5;
+  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, elastic, silt::translation({0, 0, v}));
+  sim.add_wall(silt::Plane{{0, 0, 2 * R - 1e-4}, {0, 0, -1}}, elastic,
+               {.name = "lid",
+                .drive = silt::ServoForce{
+                    .direction = {0, 0, -1}, .force = force, .max_speed = 5, .gain = 0.25}});
+  sim.run(0.05);
+  silt::MeanLoad load(sim, "lid");
+  sim.run(0.02);
+  const double now = load.read(sim).force.z;
+  const double E = silt::effective_modulus(elastic.youngs_modulus, elastic.poisson_ratio,
+                                           elastic.youngs_modulus, elastic.poisson_ratio);
+  const double overlap = std::pow(0.75 * now / (E * std::sqrt(R)), 2.0 / 3);
+  const double K = 2 * E * std::sqrt(R * overlap);  // [N/m]; without dashpots C = 0
+  CHECK(now - force == doctest::Approx(v * K * *sim.time_step / 0.25).epsilon(0.02));
 }
 
 TEST_CASE("servo: a paddle presses a fixed sphere with torque over arm") {
