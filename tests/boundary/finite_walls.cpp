@@ -84,8 +84,8 @@ TEST_CASE("finite walls: a sphere's mesh is closed, turned outwards, and inside 
   CHECK(1 - mesh.volume() / ball == doctest::Approx(0.034).epsilon(0.02));
   double deepest = 0;
   for (std::size_t t = 0; t < mesh.triangles().size(); ++t)
-    deepest = std::max(deepest, 1 - dot(mesh.normals()[t],
-                                        mesh.vertices()[mesh.triangles()[t][0]] - centre) / R);
+    deepest = std::max(
+        deepest, 1 - dot(mesh.normals()[t], mesh.vertices()[mesh.triangles()[t][0]] - centre) / R);
   CHECK(deepest == doctest::Approx(0.018).epsilon(0.02));
 }
 
@@ -133,8 +133,11 @@ TEST_CASE("finite walls: what makes no surface is refused") {
       "capped_cylinder: the axis");
   refuses<silt::InputError>([] { silt::sphere_mesh({0, 0, 0}, 0); }, "sphere_mesh: radius = 0");
   refuses<silt::InputError>([] { silt::sphere_mesh({0, 0, 0}, 1, 0); }, "sphere_mesh: parts = 0");
-  refuses<silt::InputError>([] { silt::sphere_mesh({0, 0, std::nan("")}, 1); },
-                            "sphere_mesh: centre");
+  refuses<silt::InputError>(
+      [] {
+        silt::sphere_mesh({0, 0, std::nan("")}, 1);
+      },
+      "sphere_mesh: centre");
 }
 
 }  // namespace finite_walls_test

@@ -111,8 +111,8 @@ inline TriangleMesh capped_cylinder(const Vec3d& from, const Vec3d& to, double r
   return TriangleMesh(all);
 }
 
-/// A sphere about `centre` [m] of 20 `parts`^2 triangles: an icosahedron, each of whose edges is cut
-/// into so many parts, with all corners at `radius` [m]. Normals point outwards.
+/// A sphere about `centre` [m] of 20 `parts`^2 triangles: an icosahedron, each of whose edges is
+/// cut into so many parts, with all corners at `radius` [m]. Normals point outwards.
 inline TriangleMesh sphere_mesh(const Vec3d& centre, double radius, int parts = 4) {
   require(is_finite(centre), "sphere_mesh: centre = ", centre, " [m] must be finite");
   require(std::isfinite(radius) && radius > 0, "sphere_mesh: radius = ", radius,
@@ -122,7 +122,8 @@ inline TriangleMesh sphere_mesh(const Vec3d& centre, double radius, int parts = 
   std::vector<Vec3d> at{{0, 0, 1}};
   for (int k = 0; k < 10; ++k) {
     const double angle = std::numbers::pi / 5 * k, high = (k % 2 == 0 ? 1 : -1) / std::sqrt(5.0);
-    at.push_back({2 * std::cos(angle) / std::sqrt(5.0), 2 * std::sin(angle) / std::sqrt(5.0), high});
+    at.push_back(
+        {2 * std::cos(angle) / std::sqrt(5.0), 2 * std::sin(angle) / std::sqrt(5.0), high});
   }
   at.push_back({0, 0, -1});
   detail::Triangles all;
