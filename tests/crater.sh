@@ -6,6 +6,10 @@
 #   momentum_off_the_loads        a free body without gravity, or pushed by other loads than it tells
 #   spin_off_the_loads            torques about another point; a turn that loses angular momentum
 #   energy_off_the_books          work of the body that the ledger does not see
+#   load_at_rest_off_the_weight   a body that still sinks, or stands on the floor and the pot
+#   bed_under_the_ball_over_ball  a ball that falls through the bed
+#   exponent_of_height, exponent_of_density   a force that is constant, of inertia or of depth alone
+#   depth_over_that_by_uehara     friction that does not act
 set -u
 crater=$1
 # shellcheck source=tests/program.sh

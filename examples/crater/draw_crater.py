@@ -42,7 +42,9 @@ def cut(panel, name, colour, norm, bounds, level, pixels):
     normals /= np.linalg.norm(normals, axis=2, keepdims=True)
     canvas.draw_triangles(seen, triangles, normals, np.tile(STEEL, (len(points), 1)))
     panel.imshow(canvas.picture(), extent=bounds, interpolation="none")
-    panel.plot(bounds[:2], [level, level], color="0.25", lw=0.9, ls=(0, (5, 4)))
+    ball = 1.1 * np.abs(seen[np.unique(triangles), 0] - middle[0]).max()
+    for ends in ([bounds[0], middle[0] - ball], [middle[0] + ball, bounds[1]]):
+        panel.plot(ends, [level, level], color="0.25", lw=0.9, ls=(0, (5, 4)))
     panel.set(xlim=bounds[:2], ylim=bounds[2:])
     panel.set_axis_off()
 

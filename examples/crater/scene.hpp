@@ -22,15 +22,15 @@ using Law = silt::HertzMindlin;
 constexpr double g = 9.81;  // [m/s2]
 
 struct Scene {
-  double grain = 2e-3;                           // [m] mean diameter, of 0.8 to 1.2 of it
-  double diameter = 8;                           // [grains] of the body
-  double wide = 6, deep = 2.4;                   // [bodies] diameter of the pot, depth of the bed
-  std::vector<double> heights{0.5, 1.5, 4, 10};  // [bodies] of free fall
-  std::vector<double> densities{2700, 7800};     // [kg/m3] aluminium, steel
-  std::size_t seed = 1;                          // of the bed: another one, another packing
-  double friction = 0.5;                         // [-] between grains
-  double tilt = 30;                              // [degrees] of gravity, for the angle of repose
-  double longest = 0.5;                          // [s] of any run
+  double grain = 2e-3;                        // [m] mean diameter, of 0.8 to 1.2 of it
+  double diameter = 8;                        // [grains] of the body
+  double wide = 6, deep = 2.2;                // [bodies] diameter of the pot, depth of the bed
+  std::vector<double> heights{0.5, 1.6, 5};   // [bodies] of free fall
+  std::vector<double> densities{2700, 7800};  // [kg/m3] aluminium, steel
+  std::size_t seed = 1;                       // of the bed: another one, another packing
+  double friction = 0.5;                      // [-] between grains
+  double tilt = 30;                           // [degrees] of gravity, for the angle of repose
+  double longest = 0.5;                       // [s] of any run
   static constexpr double density = 2500, spread = 0.2;  // [kg/m3], [-]
 
   double body() const { return diameter * grain; }    // [m] diameter of the sphere
@@ -40,7 +40,7 @@ struct Scene {
     return silt::Sphere::volume(grain / 2) * (1 + spread * spread);
   }
   std::size_t grains() const {
-    const double solid = 0.6 * std::numbers::pi * pot() * pot() * bed();
+    const double solid = 0.585 * std::numbers::pi * pot() * pot() * bed();
     return static_cast<std::size_t>(solid / mean_volume());
   }
   /// Grains lose nearly all in an impact while they settle; after that they are those of glass.
@@ -62,7 +62,8 @@ struct Scene {
 
 /// What is dropped, from where, and the level [m] that it falls to.
 struct Drop {
-  double density, height, level;  // [kg/m3], [m] of free fall, [m]
+  double density, height, level;                              // [kg/m3], [m] of free fall, [m]
+  double speed() const { return std::sqrt(2 * g * height); }  // [m/s] at the level
 };
 
 /// The pot with its bed; of a drop, with the body too, just over the bed with the speed of its
