@@ -306,7 +306,7 @@ void report_drops(example::Summary& summary, const Scene& s, const Bed& bed, dou
 /// Depths. Other laws of force would give other powers: of the height 1 (a constant force) or 1/2
 /// (one that grows with depth alone), of the density 1 (inertia alone).
 void check_depths(example::Summary& summary, const Scene& s, const Bed& bed, double mu,
-                  const crater::Fit<3>& fit, std::vector<Outcome> all) {
+                  const crater::Fit<3>& fit, std::vector<Outcome> all, bool quick) {
   double sum = 0;
   for (const Outcome& o : all) {
     const double fall = o.total / s.body(), over = o.drop.density / bed.density();
@@ -316,10 +316,9 @@ void check_depths(example::Summary& summary, const Scene& s, const Bed& bed, dou
   // The same with the bed's level at the tops of its grains.
   for (Outcome& o : all) o.depth += s.grain / 2;
   const auto tops = fit_depths(s, bed, all);
-  const auto tolerance = [&](std::size_t k, double grains) {
+  const auto tolerance = [&](std::size_t k) {
     const double scatter = std::max(fit.scatter, 0.03);  // of one ball in several beds
-    return 3 * fit.error[k] * scatter / fit.scatter +
-           2 * grains * std::abs(fit.value[k] - tops.value[k]);
+    return 3 * fit.error[k] * scatter / fit.scatter + 2 * std::abs(fit.value[k] - tops.value[k]);
   };
   summary.result("exponent_of_height", fit.value[1]);
   summary.result("exponent_of_height_standard_error", fit.error[1]);
@@ -328,14 +327,14 @@ void check_depths(example::Summary& summary, const Scene& s, const Bed& bed, dou
   summary.result("exponent_of_density_standard_error", fit.error[2]);
   summary.result("exponent_of_density_from_the_tops", tops.value[2]);
   summary.result("scatter_about_the_fit", fit.scatter);
-  summary.check_within("exponent_of_height", fit.value[1], 1.0 / 3, tolerance(1, 0.5),
-                       "three standard errors, of depths that scatter by 3 % at least, and half a "
-                       "grain of the level");
-  summary.check_within("exponent_of_density", fit.value[2], 0.5, tolerance(2, 1),
-                       "likewise, and a grain of the level");
-  summary.check_within("depth_over_that_by_uehara", ratio, 1, 0.3,
-                       "the angle of repose is known to 2 degrees, which are 10 %; a ball of a few "
-                       "grains stays higher, by half a grain to one");
+  summary.check_within(
+      "exponent_of_height", fit.value[1], 1.0 / 3, tolerance(1),
+      "three standard errors, of depths that scatter by 3 % at least, and a grain of "
+      "the bed's level");
+  summary.check_within("exponent_of_density", fit.value[2], 0.5, tolerance(2), "likewise");
+  summary.check_within("depth_over_that_by_uehara", ratio, 1, quick ? 0.4 : 0.3,
+                       "the angle of repose is known to 2 degrees, which are 10 %, and the level "
+                       "to half a grain, up to 10 % of a depth; the factor 0.14 is recalled");
 }
 
 /// Katsuragi and Durian, Phys. Rev. E 87 (2013) 052208, abstract: inertia resists as in a fluid,
@@ -407,7 +406,7 @@ int simulate(const Scene& s, const example::Options& options) {
   summary.result("angle_of_repose_deg", angle);
   report_drops(summary, s, bed, mu, all);
   check_books(summary, s, bed, all);
-  check_depths(summary, s, bed, mu, fit, all);
+  check_depths(summary, s, bed, mu, fit, all, options.quick);
   check_forces(summary, s, laws, options.quick);
   summary.result("wall_time_s", whole.seconds());
   summary.write(options.out + "/summary.json");

@@ -2,7 +2,7 @@
 # silt - BSD-3-Clause, see LICENSE
 """Draws what examples/crater/crater.cpp leaves: cuts through the bed, depth over height, deceleration.
 
-  draw_crater.py FOLDER LEVEL DIAMETER    of the bed's surface and of the ball [m]
+  draw_crater.py FOLDER LEVEL DIAMETER    of the bed's surface (dashes) and of the ball [m]
 """
 import os
 import sys
@@ -22,7 +22,7 @@ STEEL = (0.60, 0.63, 0.68)
 
 
 def name_of(density, height):
-    return f"{density:.0f}_{1e3 * height:.0f}"
+    return f"{density:.0f}_{np.floor(1e3 * height + 0.5):.0f}"
 
 
 def cut(panel, name, colour, norm, bounds, level, pixels):
@@ -44,7 +44,7 @@ def cut(panel, name, colour, norm, bounds, level, pixels):
     panel.imshow(canvas.picture(), extent=bounds, interpolation="none")
     ball = 1.1 * np.abs(seen[np.unique(triangles), 0] - middle[0]).max()
     for ends in ([bounds[0], middle[0] - ball], [middle[0] + ball, bounds[1]]):
-        panel.plot(ends, [level, level], color="0.25", lw=0.9, ls=(0, (5, 4)))
+        panel.plot(ends, [level, level], color=COLOURS[5], lw=1.3, ls=(0, (5, 4)))
     panel.set(xlim=bounds[:2], ylim=bounds[2:])
     panel.set_axis_off()
 
