@@ -15,7 +15,6 @@ from canvas import Canvas  # noqa: E402
 from draw import COLOUR_MAP, COLOURS, DPI, plt  # noqa: E402
 from matplotlib.cm import ScalarMappable  # noqa: E402
 from matplotlib.colors import Normalize  # noqa: E402
-from matplotlib.ticker import FuncFormatter, NullFormatter  # noqa: E402
 
 BODY = 2  # the number of this wall
 STEEL = (0.60, 0.63, 0.68)
