@@ -149,8 +149,8 @@ bool come_to_rest(Sim& sim, const Scene& s, double stress) {
   return false;
 }
 
-/// From now on the lid is a plate of steel under a dead weight, free to rise and fall: a servo
-/// would lag behind a sample that dilates (docs/walls.md).
+/// From now on the lid is a plate of steel under a dead weight, free to rise and fall, as in the
+/// apparatus.
 template <class Sim>
 void load_lid(Sim& sim, const Scene& s, double stress) {
   const double mass = s.lid_mass();
