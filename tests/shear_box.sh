@@ -2,7 +2,7 @@
 # silt - BSD-3-Clause, see LICENSE
 # The direct shear test as a user runs it: a quick run that keeps its own checks, and what it refuses.
 # The run's checks, and a wrong result that each would catch:
-#   force of the lid over its weight        a lid that does not follow a sample which dilates (by its difference alone: 6 to 22 % off)
+#   force of the lid over its weight        a lid that lags behind a sample which dilates (servos did: 6 to 22 % off)
 #   shear forces below and above            a load of one wall that is not read: a flange, the lid
 #   ... less the momentum                   loads of other steps than those of the grains
 #   work ... over dissipated energy         forces of moving walls on other ways; losses that the ledger misses
