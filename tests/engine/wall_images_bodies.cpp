@@ -63,7 +63,7 @@ TEST_CASE(
                        stone(0.6, 0.5));
       };
       add(a, {half, half, 0}), add(b, Vec3d{half, half, 0} + way);
-      b.set_reference(0, way);
+      b.set_reference(0, a.wall(0).reference + way);
       double off = 0, load = 0, largest = 0;
       for (int piece = 0; piece < 40; ++piece) {
         a.run(1e-3), b.run(1e-3);

@@ -138,6 +138,14 @@ inline void require_gain(const char* name, double gain) {
   require(gain > 0 && gain <= 1, name, " = ", gain, " [-] must be in (0, 1]");
 }
 
+/// The point [m] that a wall's torque is about unless another is set: one of its axis, if it has
+/// one, else the origin.
+inline Vec3d turns_about(const Motion& motion, const WallDrive& drive) {
+  if (const auto* const turning = motion.target<Rotation>()) return turning->centre;
+  if (const auto* const servo = std::get_if<ServoTorque>(&drive)) return servo->centre;
+  if (const auto* const hinge = std::get_if<Hinge>(&drive)) return hinge->centre;
+  return {0, 0, 0};
+}
 inline bool is_servo(const WallDrive& drive) {
   return std::holds_alternative<ServoForce>(drive) || std::holds_alternative<ServoTorque>(drive);
 }

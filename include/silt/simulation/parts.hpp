@@ -31,6 +31,7 @@ std::size_t Simulation<Policies...>::add_wall(Surfaces surfaces,
   detail::check_fits(setup.drive, wall.extent);
   wall.material = contacts_.add(solid, std::move(setup.material));
   wall.pose = wall.last_pose = wall.pose_at(time_);
+  wall.reference = detail::turns_about(wall.motion, setup.drive);
   engine_.walls.push_back(std::move(wall));
   if (is_driven) this->release(k, std::move(setup.drive));
   engine_.lists.forget();
