@@ -72,8 +72,7 @@ class CsvTable {
       : columns_(columns), bytes_(content.size()), file_(opened(path, content)) {}
 
   static detail::File opened(const std::string& path, const std::string& content) {
-    if (const auto slash = path.rfind('/'); slash != path.npos && slash > 0)
-      make_folder(path.substr(0, slash));
+    make_folder_of(path);
     AtomicFile start(path);
     start.write(content);
     start.commit();

@@ -139,8 +139,8 @@ void Simulation<Policies...>::take_in(std::span<const Particle> more,
 
 template <class... Policies>
 double Simulation<Policies...>::insert(const std::vector<PlacedSphere>& spheres,
-                                       const std::vector<std::size_t>& kinds,
-                                       const InletFlow& flow, Random& random) {
+                                       const std::vector<std::size_t>& kinds, const InletFlow& flow,
+                                       Random& random) {
   if (spheres.empty()) return 0;
   using Particle = typename ParticlesType::Particle;
   // The velocity is that of this instant; rows hold that of half a step ago.
@@ -309,7 +309,8 @@ void Simulation<Policies...>::keep_limits() {
                    ? text(" (of ",
                           detail::name_of_wall(engine_.walls, detail::fastest_wall(engine_)),
                           ", which was slower where the step was chosen)")
-                   : fastest.words(),
+               : fastest.is_of_tips() ? fastest.words()
+                                      : text(" (of particle ", fastest.id, ')'),
                ", guard.max_time_step of the shortest contact that can happen: that ",
                detail::describe(*shortest, contacts_),
                "; set a smaller Simulation::time_step or a softer material"),
