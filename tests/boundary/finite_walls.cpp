@@ -57,6 +57,38 @@ TEST_CASE("finite walls: a disc and a cylinder are polygons of so many sides") {
   }
 }
 
+TEST_CASE("finite walls: a sphere's mesh is closed, turned outwards, and inside the sphere") {
+  const double R = 0.5, ball = 4 * pi / 3 * R * R * R;
+  const Vec3d centre{1, -2, 3};
+  // 20 facets are the regular icosahedron.
+  const double side = R / std::sin(0.4 * pi);
+  CHECK(silt::sphere_mesh(centre, R, 1).volume() ==
+        doctest::Approx(5 * (3 + std::sqrt(5.0)) / 12 * side * side * side));
+  double before = 1;  // what the volume lacks
+  for (const int parts : {1, 2, 4, 8}) {
+    const auto mesh = silt::sphere_mesh(centre, R, parts);
+    CHECK(mesh.triangles().size() == static_cast<std::size_t>(20 * parts * parts));
+    CHECK(mesh.dropped_triangles() == 0);
+    CHECK(mesh.vertices().size() == static_cast<std::size_t>(10 * parts * parts + 2));
+    CHECK(mesh.is_closed());
+    for (const Vec3d& v : mesh.vertices()) CHECK(norm(v - centre) == doctest::Approx(R));
+    for (std::size_t t = 0; t < mesh.triangles().size(); ++t)
+      CHECK(dot(mesh.normals()[t], mesh.vertices()[mesh.triangles()[t][0]] - centre) > 0.79 * R);
+    const double lacks = 1 - mesh.volume() / ball;
+    CHECK(lacks > 0);
+    if (parts > 1) CHECK(lacks < (parts == 2 ? 0.4 : 0.3) * before);  // second order
+    before = lacks;
+  }
+  // As the header says of 320 facets.
+  const auto mesh = silt::sphere_mesh(centre, R);
+  CHECK(1 - mesh.volume() / ball == doctest::Approx(0.034).epsilon(0.02));
+  double deepest = 0;
+  for (std::size_t t = 0; t < mesh.triangles().size(); ++t)
+    deepest = std::max(
+        deepest, 1 - dot(mesh.normals()[t], mesh.vertices()[mesh.triangles()[t][0]] - centre) / R);
+  CHECK(deepest == doctest::Approx(0.018).epsilon(0.02));
+}
+
 TEST_CASE("finite walls: faces, edges and corners are as far as geometry says, from both sides") {
   const auto plate = silt::rectangle({0, 0, 0}, {2, 0, 0}, {0, 1, 0});
   for (const double side : {1.0, -1.0}) {
@@ -99,6 +131,13 @@ TEST_CASE("finite walls: what makes no surface is refused") {
         silt::capped_cylinder({0, 0, 1}, {0, 0, 1}, 1);
       },
       "capped_cylinder: the axis");
+  refuses<silt::InputError>([] { silt::sphere_mesh({0, 0, 0}, 0); }, "sphere_mesh: radius = 0");
+  refuses<silt::InputError>([] { silt::sphere_mesh({0, 0, 0}, 1, 0); }, "sphere_mesh: parts = 0");
+  refuses<silt::InputError>(
+      [] {
+        silt::sphere_mesh({0, 0, std::nan("")}, 1);
+      },
+      "sphere_mesh: centre");
 }
 
 }  // namespace finite_walls_test

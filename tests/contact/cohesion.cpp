@@ -154,8 +154,9 @@ TEST_CASE("cohesive: the body acts where it touches, and friction sees its force
     if (c.overlap > 0) {
       const auto g = HertzMindlin::force(c, body, alone);
       CHECK(near_relative(f.normal, g.normal - pull, 1e-14));
-      CHECK(norm(f.tangential - g.tangential) == 0);
-      CHECK(norm(h.tangential - alone.tangential) == 0);
+      // The same expressions, which a compiler may round otherwise in another place.
+      CHECK(norm(f.tangential - g.tangential) <= 1e-14 * norm(g.tangential));
+      CHECK(norm(h.tangential - alone.tangential) <= 1e-14 * norm(alone.tangential));
       CHECK(near_relative(Dusty::pressing(c, p, f.normal), g.normal, 1e-9));  // after a subtraction
       CHECK(Dusty::stiffness(c, p) == HertzMindlin::stiffness(c, body));
     } else {

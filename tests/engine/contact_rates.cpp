@@ -191,7 +191,7 @@ TEST_CASE("contact_rates: a grain that slow plates squeeze stops the run before 
                    "guard.max_rate = 1.25", "set Simulation::time_step to less than"}));
   // Where it is lifted, the grain gets speed out of nothing, and the limit of the time step sees
   // it.
-  CHECK(has_words(squeeze(1e9), {"above its limit", "at the largest speed"}));
+  CHECK(has_words(squeeze(1e9), {"above its limit", "at the largest speed", "(of particle "}));
 }
 
 TEST_CASE("contact_rates: limits that make no sense are refused by name") {

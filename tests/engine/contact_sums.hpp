@@ -72,7 +72,7 @@ class SumCheck {
             CHECK(c.a < c.b);
             add(c.b, -c.force, c.torque_b);
           } else {
-            const Vec3d arm = c.point - sim.wall(c.wall).reference;
+            const Vec3d arm = c.wall_point - sim.wall(c.wall).reference;
             of_walls[c.wall].linear -= c.force;
             of_walls[c.wall].angular -= cross(arm, c.force) + c.couple;
             torque = std::max(torque, norm(cross(arm, c.force)));

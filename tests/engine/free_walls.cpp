@@ -9,6 +9,7 @@
 #include <silt/contact/hertz_mindlin.hpp>
 #include <silt/io/checkpoint.hpp>
 #include <silt/io/observers.hpp>
+#include <silt/io/wall_series.hpp>
 #include <silt/shape/mesh_body.hpp>
 #include <silt/simulation.hpp>
 
@@ -410,7 +411,10 @@ TEST_CASE("servo: strong dashpots and short steps do not make the lid swing") {
                {.name = "lid",
                 .drive = silt::ServoForce{.direction = {0, 0, -1}, .force = 3, .max_speed = 0.1}});
   sim.time_step = 5e-6;
-  sim.run(0.5);  // ten times the 47 ms, C/(gain K), in which the lid approaches its load
+  // The lid approaches its load in 47 ms, C/(gain K), and forgets the way there in 40 times that.
+  sim.run(0.5);
+  CHECK(sim.wall("lid").force.z == doctest::Approx(3).epsilon(0.01));
+  sim.run(8);
   double most = 0, least = 10;
   sim.run(0.01, each_step(sim, [&](const Sim& s) {
             most = std::max(most, s.wall("lid").force.z),
@@ -418,6 +422,32 @@ TEST_CASE("servo: strong dashpots and short steps do not make the lid swing") {
           }));
   CHECK(most < 3.003);
   CHECK(least > 2.997);
+}
+
+// Beds that move the lid: the mean load must be the wanted one. Catches a servo that follows the
+// difference alone, which would stay off by v (K dt + C)/gain: 10 and 30 % here.
+TEST_CASE("servo: a lid that is moved steadily keeps its mean force, 1e-3") {
+  const double force = 10, v = 0.5, R = 0.01;  // [N], [m/s], [m]
+  for (const double restitution : {1.0, 0.4}) {
+    auto material = elastic;
+    material.restitution = restitution;
+    auto sim = scene(one({0, 0, R - 1e-4}, R, {0, 0, v}), material);
+    sim.time_step = 2e-5;
+    sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, material, silt::translation({0, 0, v}));
+    sim.add_wall(silt::Plane{{0, 0, 2 * R - 1e-4}, {0, 0, -1}}, material,
+                 {.name = "lid",
+                  .drive = silt::ServoForce{
+                      .direction = {0, 0, -1}, .force = force, .max_speed = 5, .gain = 0.25}});
+    sim.run(restitution < 1 ? 1 : 0.1);
+    silt::MeanLoad load(sim, "lid");
+    sim.run(0.02);
+    CHECK(load.read(sim).force.z == doctest::Approx(force).epsilon(1e-3));
+    CHECK(sim.wall("lid").state.rate == doctest::Approx(-v).epsilon(1e-2));
+    // Stopped, the floor leaves the lid at rest with its force.
+    sim.set_motion(0, {});
+    sim.run(restitution < 1 ? 1 : 0.1);
+    CHECK(sim.wall("lid").force.z == doctest::Approx(force).epsilon(1e-3));
+  }
 }
 
 TEST_CASE("servo: a paddle presses a fixed sphere with torque over arm") {

@@ -155,7 +155,7 @@ TEST_CASE("wall_images: a grain that bounces, slides and falls off a wall does t
         sim->time_step = step;
       }
       c.add(a, {0, 0, 0}), c.add(b, way);
-      b.set_reference(0, way);
+      b.set_reference(0, a.wall(0).reference + way);
       double motion = 0, load = 0, largest = 0;
       std::size_t touching = 0;
       for (int piece = 0; piece < 400; ++piece) {

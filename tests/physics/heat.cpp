@@ -320,6 +320,42 @@ TEST_CASE("heat: what friction and damping take from the motion is heat, 1e-9") 
   CHECK(heat == near(last).epsilon(1e-9));
 }
 
+// Catches a share that forgets the densities of the solids, or gives it to the wrong end.
+TEST_CASE("heat: two unlike grains share what their impact loses by sqrt(k rho c)") {
+  const silt::HertzMindlin::Material hard{
+      .youngs_modulus = 1e7, .poisson_ratio = 0.3, .restitution = 0.6, .friction = 0};
+  auto other = hard;
+  other.youngs_modulus = 2e7;
+  const auto ratio = [&](double rho, double rho_other) {  // of the first one's heat
+    silt::Particles<silt::Sphere> p;
+    p.add({.position = {0, 0, 0}, .radius = 1e-3, .density = 2500, .velocity = {1, 0, 0}});
+    p.add({.position = {2.1e-3, 0, 0}, .radius = 1e-3, .density = 2500, .material = 1});
+    silt::Contacts<silt::HertzMindlin, silt::SeveralMaterials> contacts({hard, other});
+    contacts.set_pair(hard, other, {.restitution = 0.6, .friction = 0});
+    silt::Simulation sim{
+        std::move(p), contacts,
+        silt::FrictionHeat{silt::HeatConduction{
+            .conductivity = 1e-6,  // so that no heat flows through the contact
+            .heat_capacity = 900,
+            .start_temperature = 1,
+            .others = {{.conductivity = 4e-6, .heat_capacity = 400, .density = rho_other}},
+            .density = rho}},
+        silt::EnergyLedger{}};
+    sim.run(1e-3);
+    const double a = 900 * (sim.field<silt::Temperature>(sim.find(0)) - 1),
+                 b = 400 * (sim.field<silt::Temperature>(sim.find(1)) - 1);
+    CHECK(a + b > 0);
+    return a / (a + b);
+  };
+  const auto share = [](double a, double b) {
+    return std::sqrt(a) / (std::sqrt(a) + std::sqrt(b));
+  };
+  CHECK(ratio(0, 0) == near(share(900, 1600)).epsilon(1e-6));
+  CHECK(ratio(8000, 0) == near(share(900, 1600)).epsilon(1e-6));
+  CHECK(ratio(8000, 1000) == near(share(900 * 8000, 1600 * 1000)).epsilon(1e-6));
+  CHECK(has(refusal([&] { ratio(-1, 0); }), "HeatConduction.density = -1 [kg/m3]"));
+}
+
 TEST_CASE("heat: a grain in hot gas, and one that radiates, as closed forms say") {
   const auto lone = [](const auto& heat) {
     silt::Simulation sim{row(1), silt::Contacts<silt::HertzMindlin>{still}, heat};

@@ -12,7 +12,8 @@
 /// Walls of finite size, as meshes: particles touch them from both sides, roll over their edges and
 /// hit their corners as those of any mesh. Those bounded by straight lines are exact. A disc and a
 /// capped cylinder are polygons of `facets` sides inscribed in the circle: their rim lies inside it
-/// by up to R (1 - cos(pi/facets)), 0.12 % of R with 64; faces are exact planes.
+/// by up to R (1 - cos(pi/facets)), 0.12 % of R with 64; faces are exact planes. So does a sphere's
+/// mesh: of 320 facets by up to 1.8 % of R, and its volume is 3.4 % less than the sphere's.
 /// Units: SI. Errors: InputError for values that make no surface.
 /// Tests: tests/boundary/finite_walls.cpp
 
@@ -106,6 +107,42 @@ inline TriangleMesh capped_cylinder(const Vec3d& from, const Vec3d& to, double r
     detail::add_quad(all, a, b, b + up, a + up);
     all.push_back({from, b, a});
     if (!open) all.push_back({to, a + up, b + up});
+  }
+  return TriangleMesh(all);
+}
+
+/// A sphere about `centre` [m] of 20 `parts`^2 triangles: an icosahedron, each of whose edges is
+/// cut into so many parts, with all corners at `radius` [m]. Normals point outwards.
+inline TriangleMesh sphere_mesh(const Vec3d& centre, double radius, int parts = 4) {
+  require(is_finite(centre), "sphere_mesh: centre = ", centre, " [m] must be finite");
+  require(std::isfinite(radius) && radius > 0, "sphere_mesh: radius = ", radius,
+          " [m] must be finite and greater than 0");
+  require(parts >= 1 && parts <= 200, "sphere_mesh: parts = ", parts, " [-] must be from 1 to 200");
+  // Corners of the icosahedron: two poles and two rings of five.
+  std::vector<Vec3d> at{{0, 0, 1}};
+  for (int k = 0; k < 10; ++k) {
+    const double angle = std::numbers::pi / 5 * k, high = (k % 2 == 0 ? 1 : -1) / std::sqrt(5.0);
+    at.push_back(
+        {2 * std::cos(angle) / std::sqrt(5.0), 2 * std::sin(angle) / std::sqrt(5.0), high});
+  }
+  at.push_back({0, 0, -1});
+  detail::Triangles all;
+  const auto cut = [&](const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+    const auto corner = [&](int i, int j) {
+      const Vec3d p = a + (1.0 / parts) * (i * (b - a) + j * (c - a));
+      return centre + (radius / norm(p)) * p;
+    };
+    for (int i = 0; i < parts; ++i)
+      for (int j = 0; i + j < parts; ++j) {
+        all.push_back({corner(i, j), corner(i + 1, j), corner(i, j + 1)});
+        if (i + j + 2 <= parts)
+          all.push_back({corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)});
+      }
+  };
+  const auto ring = [&](int k) { return at[static_cast<std::size_t>(1 + (k % 10))]; };
+  for (int k = 0; k < 10; k += 2) {  // even ones are of the upper ring
+    cut(at[0], ring(k), ring(k + 2)), cut(at[11], ring(k + 3), ring(k + 1));
+    cut(ring(k + 1), ring(k + 2), ring(k)), cut(ring(k + 1), ring(k + 3), ring(k + 2));
   }
   return TriangleMesh(all);
 }

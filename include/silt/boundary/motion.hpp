@@ -34,6 +34,17 @@ inline Motion translation(const Vec3d& velocity) {
   return [=](double time) { return Pose{{}, velocity * time}; };
 }
 
+/// What rotation() makes: a wall that has it takes its torque about `centre`.
+struct Rotation {
+  Vec3d centre;  // [m]
+  Vec3d axis;    // [-] unit
+  double rate;   // [rad/s]
+  Pose operator()(double time) const {
+    const Quaternion turn = rotation_about(axis, rate * time);
+    return Pose{turn, centre - rotate(turn, centre)};
+  }
+};
+
 /// Turns about the line through `centre` [m] along `axis` (any length) with `rate` [rad/s], by the
 /// right-hand rule.
 inline Motion rotation(const Vec3d& centre, const Vec3d& axis, double rate) {
@@ -42,10 +53,7 @@ inline Motion rotation(const Vec3d& centre, const Vec3d& axis, double rate) {
   require(std::isfinite(length) && length > 0, "rotation: axis = ", axis,
           " [-] must be finite and not zero");
   require(std::isfinite(rate), "rotation: rate = ", rate, " [rad/s] must be finite");
-  return [=, unit = axis * (1 / length)](double time) {
-    const Quaternion turn = rotation_about(unit, rate * time);
-    return Pose{turn, centre - rotate(turn, centre)};
-  };
+  return Rotation{centre, axis * (1 / length), rate};
 }
 
 /// Swings by A sin(2 pi f t + phase) - A sin(phase), so that it starts from its place at time 0.

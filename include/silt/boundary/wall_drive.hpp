@@ -15,19 +15,24 @@
 ///
 /// Two are controlled (servo): without mass, their speed follows the difference between the wanted
 /// load and the present one,
-///   v = gain (F - F_now)/(K dt + C), |v| <= max_speed                                          (1)
+///   v = w + u, |v| <= max_speed,  w = gain (F - F_now)/(K dt + C),  du/dt = w/T,
+///   T = 40 (K dt + C)/(gain K)                                                               (1)
 /// K [N/m] is the sum of the stiffnesses of all contacts of the wall along their normals, C [N s/m]
 /// of their dashpots; of a torque each times the square of its distance from the axis. A wall that
 /// begins to move with v changes its load in the next step by (K dt + C) v, if all of its contacts
-/// are pressed along their normals, which is at most `gain` of the difference: (1) approaches the
-/// wanted load without overshoot; the bed behind is softer than K. (Without C, dashpots, whose
-/// force comes and goes at once, would make the wall swing from step to step.) A wall that touches
-/// nothing moves with max_speed. Three are free: they have a mass, and are integrated with the
-/// particles (Leapfrog). Source: (1) with C = 0 has the form of PFC's servo (recalled, the print
-/// was not read), with the
+/// are pressed along their normals, which is at most `gain` of the difference: w approaches the
+/// wanted load without overshoot; the bed behind is softer than K. u follows a bed that moves the
+/// wall, as one that shears does: w alone would stay off its load by v (K dt + C)/gain. On a bed of
+/// the stiffness K/n, w and u are damped by sqrt(10/n) of the critical damping. Until the load has
+/// come to 0.9 F once, F - F_now counts as a tenth of F at most in du/dt, so that a wall that lands
+/// hardly overshoots; u rests while v is at its limit, and is 0 where nothing is touched. (Without
+/// C, dashpots, whose force comes and goes at once, would make the wall swing from step to step.) A
+/// wall that touches nothing moves with max_speed. Three are free: they have a mass, and are
+/// integrated with the particles (Leapfrog). Source: (1) with C = 0 has the form of PFC's servo
+/// (recalled, the print was not read), with the
 ///         number of contacts times their mean stiffness for K.
 /// Units:  SI. Errors: check() names type, field and value.
-/// Tests:  tests/engine/free_walls.cpp, servo.cpp.
+/// Tests:  tests/engine/free_walls.cpp.
 
 namespace silt::inline SILT_TARGET {
 
@@ -112,6 +117,8 @@ struct WallState {
   double damping = 0;                          // [N s/m] or [N m s/rad] C of (1)
   double load_at_look = 0;                     // [N] or [N m]
   double steps_since_look = 0;
+  double drift = 0;       // [m/s] or [rad/s] u of (1)
+  double has_landed = 0;  // 1: the load has come near to the wanted one
 };
 static_assert(sizeof(WallState) % sizeof(double) == 0);
 
@@ -131,6 +138,14 @@ inline void require_gain(const char* name, double gain) {
   require(gain > 0 && gain <= 1, name, " = ", gain, " [-] must be in (0, 1]");
 }
 
+/// The point [m] that a wall's torque is about unless another is set: one of its axis, if it has
+/// one, else the origin.
+inline Vec3d turns_about(const Motion& motion, const WallDrive& drive) {
+  if (const auto* const turning = motion.target<Rotation>()) return turning->centre;
+  if (const auto* const servo = std::get_if<ServoTorque>(&drive)) return servo->centre;
+  if (const auto* const hinge = std::get_if<Hinge>(&drive)) return hinge->centre;
+  return {0, 0, 0};
+}
 inline bool is_servo(const WallDrive& drive) {
   return std::holds_alternative<ServoForce>(drive) || std::holds_alternative<ServoTorque>(drive);
 }

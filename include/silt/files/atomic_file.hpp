@@ -215,6 +215,11 @@ auto lasting_view(Values&& values) {
                                 : text("'", part, "': ", detail::system_reason(code))));
   }
 }
+/// The folder that a file stands in.
+inline void make_folder_of(const std::string& path) {
+  if (const auto slash = path.rfind('/'); slash != path.npos && slash > 0)
+    make_folder(path.substr(0, slash));
+}
 
 /// Whether a file waits for the disk. What a run needs to go on from does; of a picture's file that
 /// a power failure cuts off only the picture is lost, and waiting would cost more than writing.

@@ -26,6 +26,7 @@ namespace silt::inline SILT_TARGET {
 ///   silt::CsvTable energy{"out/energy.csv", {"time [s]", "kinetic [J]"}};
 ///   energy.add_row({t, e});
 ///
+/// Makes the folder that it stands in.
 /// Errors: InputError for unusable column names or a row of another length; FileError if the file
 /// cannot be written or, in `resume`, is not such a table.
 class CsvTable {
@@ -71,6 +72,7 @@ class CsvTable {
       : columns_(columns), bytes_(content.size()), file_(opened(path, content)) {}
 
   static detail::File opened(const std::string& path, const std::string& content) {
+    make_folder_of(path);
     AtomicFile start(path);
     start.write(content);
     start.commit();

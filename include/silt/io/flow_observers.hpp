@@ -94,11 +94,6 @@ class Checked {
   Check check_;
 };
 
-/// The folder that a table stands in.
-inline void make_folder_of(const std::string& path) {
-  if (const auto slash = path.rfind('/'); slash != path.npos && slash > 0)
-    make_folder(path.substr(0, slash));
-}
 template <class Sim>
 void check_place(const Sim& sim, const char* what, const std::string& name, const Vec3d& x) {
   require(has_fluid_at(flow_of(sim), x), what, ": at ", in_quotes(name), ", ", x,
@@ -129,7 +124,6 @@ inline auto flow_probes(const std::string& path, std::vector<FlowProbe> probes, 
     require(!output.temperature || detail::temperature_of(detail::flow_of(sim)) != nullptr,
             "flow_probes '", path,
             "': the flow has no temperature; give it one by FlowSolver::set_heat()");
-    detail::make_folder_of(path);
     for (const auto& p : probes) detail::check_place(sim, "flow_probes", p.name, p.place);
   };
   auto rows = table(path, columns, schedule, [probes, output](const auto& sim) {
@@ -170,7 +164,6 @@ inline auto pressure_taps(const std::string& path, std::vector<PressureTap> taps
     return p + detail::weight_at(sim, output, x);
   };
   const auto check = [taps, read, path](const auto& sim) {
-    detail::make_folder_of(path);
     for (const auto& tap : taps) {
       if (!tap.across) detail::check_place(sim, "pressure_taps", tap.name, tap.place);
       read(sim, tap);

@@ -101,10 +101,11 @@ TimedAction<Action, Kind> at(Schedule schedule, Action action) {
 }
 
 /// Saves a checkpoint to `path` at the times of the schedule, after all other observers; the last
-/// one is always whole.
+/// one is always whole. Makes the folder that it stands in.
 inline auto checkpoints(std::string path, Schedule schedule) {
-  return at<ActionKind::Saves>(
-      schedule, [path = std::move(path)](const auto& sim) { save_checkpoint(sim, path); });
+  return at<ActionKind::Saves>(schedule, [path = std::move(path)](const auto& sim) {
+    make_folder_of(path), save_checkpoint(sim, path);
+  });
 }
 
 /// Appends a row of numbers to a CSV table: `row(simulation)` returns them, as an array or a

@@ -98,7 +98,7 @@ std::vector<WallPart> ring_loads(const Sim& sim, std::size_t wall, std::size_t r
     part.area = 2 * std::numbers::pi * cylinder.radius * length / static_cast<double>(rings);
   sim.for_each_contact([&](const ContactSeen& c) {
     if (c.wall != wall || c.surface != surface) return;
-    const Vec3d point = w.moves() ? w.pose.to_body(c.point) : c.point;
+    const Vec3d point = w.moves() ? w.pose.to_body(c.wall_point) : c.wall_point;
     const double along =
         dot(point - cylinder.from, axis) / length * static_cast<double>(rings);  // [rings]
     const double last = static_cast<double>(rings - 1);

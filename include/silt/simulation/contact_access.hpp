@@ -17,6 +17,7 @@
 #include <silt/engine/contact/contact_events.hpp>
 #include <silt/engine/contact/contact_record.hpp>
 #include <silt/engine/lists/wall_candidate.hpp>
+#include <silt/engine/lists/wall_seams.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -35,12 +36,14 @@ struct ContactSeen {
   std::size_t wall = no_wall;          // the wall's number, or no_wall
   std::size_t surface = 0;             // of the wall's surfaces
   std::size_t facet =
-      no_facet;             // of a mesh: the triangle nearest to the point, the lowest of equals
-  Vec3d point{0, 0, 0};     // [m] where the force acts, beside a
-  Vec3d normal{0, 0, 0};    // [-] from b, or the wall, to a
-  Vec3d branch{0, 0, 0};    // [m] from the centre of b (the point at a wall) to that of a
-  double overlap = 0;       // [m] negative where a law acts at a distance
-  double normal_force = 0;  // [N] > 0 pushes a away from b
+      no_facet;          // of a mesh: the triangle nearest to the point, the lowest of equals
+  Vec3d point{0, 0, 0};  // [m] where the force acts, beside a
+  Vec3d wall_point{0, 0,
+                   0};    // [m] the same at a wall of which a touches an image: on the wall itself
+  Vec3d normal{0, 0, 0};  // [-] from b, or the wall, to a
+  Vec3d branch{0, 0, 0};  // [m] from the centre of b (the point at a wall) to that of a
+  double overlap = 0;     // [m] negative where a law acts at a distance
+  double normal_force = 0;                     // [N] > 0 pushes a away from b
   Vec3d tangential_force{0, 0, 0};             // [N] on a
   Vec3d force{0, 0, 0};                        // [N] on a: the sum of both
   Vec3d torque_a{0, 0, 0}, torque_b{0, 0, 0};  // [N m] about the centres of mass; b: 0 at walls
@@ -69,7 +72,7 @@ class ContactReader {
  public:
   ContactReader(const Engine& engine, const Domain& domain) : e_(engine), domain_(domain) {
     put_in_order();
-    list_meshes();
+    list_candidates();
   }
 
   template <class F>
@@ -103,10 +106,10 @@ class ContactReader {
   }
   void fetch_rows(const RecordedForce& c) const {
     fetch(&e_.particles.position[c.first]);
-    if (c.second != RecordedForce::no_row) fetch(&e_.particles.position[c.second]);
+    if (!c.at_wall()) fetch(&e_.particles.position[c.second]);
   }
   using Candidate = typename decltype(Engine::lists.walls)::Candidate;
-  struct MeshCandidate {
+  struct Listed {
     std::uint32_t particle;
     std::uint16_t wall, surface;
     const Candidate* candidate;
@@ -114,8 +117,7 @@ class ContactReader {
   };
 
   ParticleId id_of(std::uint32_t row) const {
-    return row == RecordedForce::no_row || e_.particles.is_parked(row) ? no_particle
-                                                                       : e_.id_of(row);
+    return e_.particles.is_parked(row) ? no_particle : e_.id_of(row);
   }
   /// By a, b, then what is not the same of several contacts of two: buckets of ids that follow each
   /// other, each sorted. Without contacts of particles that have left since.
@@ -142,8 +144,8 @@ class ContactReader {
     found.reserve(all.size());
     for (std::uint32_t k = 0; k < all.size(); ++k) {
       const RecordedForce& c = all[k];
-      const ParticleId first = id_of(c.first), second = id_of(c.second);
-      const bool at_wall = c.second == RecordedForce::no_row;
+      const bool at_wall = c.at_wall();
+      const ParticleId first = id_of(c.first), second = at_wall ? no_particle : id_of(c.second);
       if (first == no_particle || (!at_wall && second == no_particle)) continue;
       const bool swapped = second < first;
       found.push_back({swapped ? second : first, swapped ? first : second, k, swapped});
@@ -178,7 +180,7 @@ class ContactReader {
   }
   std::uint32_t part_of([[maybe_unused]] std::uint32_t row) const {
     if constexpr (Engine::has_bodies)
-      return row == RecordedForce::no_row ? 0 : e_.particles.part[row].local;
+      return row & RecordedForce::wall_bit ? 0 : e_.particles.part[row].local;
     else
       return 0;
   }
@@ -203,7 +205,7 @@ class ContactReader {
   SILT_INLINE ContactSeen seen(const RecordedForce& r, std::size_t index, bool swapped) const {
     const auto& rows = e_.particles.position;
     const PositionRow& first = rows[r.first];
-    const bool at_wall = r.second == RecordedForce::no_row;
+    const bool at_wall = r.at_wall();
     RecordedTurn turn;
     if (!e_.record.turns.empty()) turn = e_.record.turns[index];
     // Spheres meet where the overlap is shared in proportion to the radii: the law's lever arms.
@@ -222,7 +224,8 @@ class ContactReader {
     if (at_wall) {
       c.place_b = e_.owners(), c.branch = centre - point;
       c.wall = r.wall, c.surface = r.surface;
-      if (!meshes_.empty()) c.facet = facet_of(r, c);
+      c.wall_point = point;
+      if (!listed_.empty()) look_at_wall(r, c);
     } else {
       Vec3d between = rows[r.second].centre() - first.centre();
       if constexpr (Domain::periodic) between = domain_.shortest(between);
@@ -246,46 +249,64 @@ class ContactReader {
     place = place_of(row), part = part_of(row);
   }
 
-  /// Candidates at meshes, to be found by row, wall and surface.
-  void list_meshes() {
-    const auto is_at_mesh = [&](const Candidate& c) {
-      const auto& surfaces = e_.walls[c.wall].surfaces;
-      return c.surface < surfaces.size() && is_mesh(surfaces[c.surface]);
-    };
-    for (const Candidate& c : e_.lists.walls.candidates())
-      if (is_at_mesh(c)) meshes_.push_back({c.particle, c.wall, c.surface, &c});
-    std::sort(meshes_.begin(), meshes_.end(),
-              [](const MeshCandidate& p, const MeshCandidate& q) {
-                return p.candidate->key() < q.candidate->key();
-              });
+  static constexpr bool walls_repeat = std::remove_cvref_t<decltype(Engine::lists.walls)>::repeats;
+
+  /// Candidates at meshes, and all if walls are met by images; to be found by row, wall and
+  /// surface.
+  void list_candidates() {
+    const auto candidates = e_.lists.walls.candidates();
+    bool all = false;
+    if constexpr (walls_repeat)
+      all = std::any_of(candidates.begin(), candidates.end(),
+                        [](const Candidate& c) { return c.image != 0; });
+    for (const Candidate& c : candidates)
+      if (c.surface < e_.walls[c.wall].surfaces.size() && (all || mesh_of(c) != nullptr))
+        listed_.push_back({c.particle, c.wall, c.surface, &c});
+    std::sort(listed_.begin(), listed_.end(), [](const Listed& p, const Listed& q) {
+      return p.candidate->key() < q.candidate->key();
+    });
   }
-  /// Seen from a little above the point, so that it is the face that looks at the particle.
-  std::size_t facet_of(const RecordedForce& r, const ContactSeen& c) const {
-    const MeshCandidate wanted{r.first, r.wall, r.surface, nullptr};
-    const auto at = std::lower_bound(
-        meshes_.begin(), meshes_.end(), wanted,
-        [](const MeshCandidate& p, const MeshCandidate& q) { return p.key() < q.key(); });
-    if (at == meshes_.end() || at->key() != wanted.key()) return no_facet;
-    const Wall& wall = e_.walls[r.wall];
-    const auto& mesh = *std::get<std::shared_ptr<const TriangleMesh>>(wall.surfaces[r.surface]);
-    const double above = 1e-3 * e_.particles.position[r.first].r;
-    std::size_t best = no_facet;
-    double least = std::numeric_limits<double>::infinity();
-    for (auto image = at; image != meshes_.end() && image->key() == wanted.key(); ++image) {
-      const Vec3d eye =
-          in_wall(wall, e_.lists.walls.seen(*image->candidate, c.point + above * c.normal));
-      for (const std::uint32_t t : e_.lists.walls.facets(*image->candidate)) {
-        const double distance = mesh.distance_to(t, eye);
-        if (distance < least - mesh.round_off()) least = distance, best = t;
+  template <class Of>
+  const TriangleMesh* mesh_of(const Of& c) const {
+    const auto* const mesh =
+        std::get_if<std::shared_ptr<const TriangleMesh>>(&e_.walls[c.wall].surfaces[c.surface]);
+    return mesh != nullptr ? mesh->get() : nullptr;
+  }
+  /// Which facet is touched, and where the wall sees the point: the nearest of its images.
+  void look_at_wall(const RecordedForce& r, ContactSeen& c) const {
+    const Listed wanted{r.first, r.wall, r.surface, nullptr};
+    const auto [from, to] =
+        std::equal_range(listed_.begin(), listed_.end(), wanted,
+                         [](const Listed& p, const Listed& q) { return p.key() < q.key(); });
+    if (from == to) return;
+    const Candidate* touched = from->candidate;
+    if constexpr (walls_repeat) {
+      const std::span<const Candidate> images(touched, static_cast<std::size_t>(to - from));
+      if (const auto known = r.image()) {
+        for (const Candidate& image : images)
+          if (image.image == *known) touched = &image;
+      } else {
+        touched = &nearest_image(c.point, images, e_.walls[r.wall], e_.lists.walls);
       }
     }
-    return best;
+    c.wall_point = e_.lists.walls.seen(*touched, c.point);
+    const TriangleMesh* const mesh = mesh_of(r);
+    if (mesh == nullptr) return;
+    // Seen from a little above the point, so that it is the face that looks at the particle.
+    const double above = 1e-3 * e_.particles.position[r.first].r;
+    const Vec3d eye =
+        in_wall(e_.walls[r.wall], e_.lists.walls.seen(*touched, c.point + above * c.normal));
+    double least = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t t : e_.lists.walls.facets(*touched)) {
+      const double distance = mesh->distance_to(t, eye);
+      if (distance < least - mesh->round_off()) least = distance, c.facet = t;
+    }
   }
 
   const Engine& e_;
   const Domain& domain_;
   std::vector<Place> order_;
-  std::vector<MeshCandidate> meshes_;
+  std::vector<Listed> listed_;
 };
 
 /// What users read of the contacts of a Simulation, which has this function as its own.

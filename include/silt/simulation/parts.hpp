@@ -31,6 +31,7 @@ std::size_t Simulation<Policies...>::add_wall(Surfaces surfaces,
   detail::check_fits(setup.drive, wall.extent);
   wall.material = contacts_.add(solid, std::move(setup.material));
   wall.pose = wall.last_pose = wall.pose_at(time_);
+  wall.reference = detail::turns_about(wall.motion, setup.drive);
   engine_.walls.push_back(std::move(wall));
   if (is_driven) this->release(k, std::move(setup.drive));
   engine_.lists.forget();
@@ -138,8 +139,8 @@ void Simulation<Policies...>::take_in(std::span<const Particle> more,
 
 template <class... Policies>
 double Simulation<Policies...>::insert(const std::vector<PlacedSphere>& spheres,
-                                       const std::vector<std::size_t>& kinds,
-                                       const InletFlow& flow, Random& random) {
+                                       const std::vector<std::size_t>& kinds, const InletFlow& flow,
+                                       Random& random) {
   if (spheres.empty()) return 0;
   using Particle = typename ParticlesType::Particle;
   // The velocity is that of this instant; rows hold that of half a step ago.
@@ -324,7 +325,8 @@ void Simulation<Policies...>::keep_limits() {
                    ? text(" (of ",
                           detail::name_of_wall(engine_.walls, detail::fastest_wall(engine_)),
                           ", which was slower where the step was chosen)")
-                   : fastest.words(),
+               : fastest.is_of_tips() ? fastest.words()
+                                      : text(" (of particle ", fastest.id, ')'),
                ", guard.max_time_step of the shortest contact that can happen: that ",
                detail::describe(*shortest, contacts_),
                "; set a smaller Simulation::time_step or a softer material"),

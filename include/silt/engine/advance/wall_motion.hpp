@@ -17,7 +17,7 @@
 ///
 /// (1) of Slide; of Hinge with inertia, torque and angle. The dashpot c is implicit: stable for
 /// any. Momentum and angular momentum of particles and free walls are kept to rounding, as contact
-/// forces act in one point on both. Units: SI. Tests: tests/engine/free_walls.cpp, servo.cpp.
+/// forces act in one point on both. Units: SI. Tests: tests/engine/free_walls.cpp.
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -45,12 +45,24 @@ inline double kicked(double rate, double inertia, double damping, double force, 
 }
 
 /// The speed of a servo, (1) of wall_drive.hpp.
-inline double servo_rate(const WallState& s, double wanted, double now, double gain, double most,
+inline double servo_rate(WallState& s, double wanted, double now, double gain, double most,
                          double most_way, double time_step) {
+  constexpr double settles = 40;  // [-] T over the time in which the load approaches the wanted one
   const double miss = wanted - now;  // [N] or [N m]
-  const double rate =
-      s.stiffness > 0 ? std::clamp(gain * miss / (s.stiffness * time_step + s.damping), -most, most)
-                      : std::copysign(miss == 0 ? 0 : most, miss);
+  double rate = std::copysign(miss == 0 ? 0 : most, miss);
+  if (s.stiffness > 0) {
+    const double stiff = s.stiffness * time_step + s.damping;
+    rate = gain * miss / stiff + s.drift;
+    if (now * wanted >= 0.9 * wanted * wanted) s.has_landed = 1;
+    if (std::abs(rate) < most) {
+      const double share = s.has_landed == 1 ? 1 : std::min(1.0, 0.1 * std::abs(wanted / miss));
+      const double time = settles * stiff / (gain * s.stiffness);  // [s] T
+      s.drift += time_step / time * gain * share * miss / stiff;
+    }
+    rate = std::clamp(rate, -most, most);
+  } else {
+    s.drift = s.has_landed = 0;
+  }
   // Not beyond its travel.
   return std::clamp(rate, (-most_way - s.way) / time_step, (most_way - s.way) / time_step);
 }

@@ -12,7 +12,7 @@
 #include <silt/engine/lists/wall_look.hpp>
 
 /// How stiff the contacts of a driven wall are: what a servo's speed follows from, and whether a
-/// free wall is too light for the time step. Tests: tests/engine/servo.cpp, free_walls.cpp.
+/// free wall is too light for the time step. Tests: tests/engine/free_walls.cpp.
 
 namespace silt::inline SILT_TARGET::detail {
 

@@ -1,16 +1,16 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include <silt/core/vec3.hpp>
+#include <silt/engine/lists/wall_images.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -21,13 +21,31 @@ enum class ContactsKept { Nothing, Forces, All };
 /// A contact as the contact stage found it in a step that is recorded: rows instead of ids, after
 /// the law. Without initial values, so that room for a block costs nothing.
 struct RecordedForce {
-  static constexpr std::uint32_t no_row = std::numeric_limits<std::uint32_t>::max();
   Vec3d normal;                 // [-] from the partner to the first
   Vec3d force;                  // [N] on the first
   double overlap;               // [m]
-  std::uint32_t first, second;  // no_row: a wall
+  std::uint32_t first, second;  // rows; at a wall which image of it
   std::uint32_t order;          // place in the list of pairs, or slot at walls
   std::uint16_t wall, surface;
+
+  // An image is three numbers of ten bits: those of farther ones are not kept.
+  static constexpr std::uint32_t wall_bit = 1u << 31, far_image = wall_bit;
+  static constexpr std::int64_t most = 511;  // [-] lengths of the box
+  bool at_wall() const { return second & wall_bit; }
+  /// What stands in `second` at an image of a wall.
+  static std::uint32_t at_image(WallImage image) {
+    std::uint32_t code = 0;
+    for (const std::int64_t n : lengths_of(image)) {
+      if (n < -most || n > most) return far_image;
+      code = code << 10 | static_cast<std::uint32_t>(n + most + 1);
+    }
+    return wall_bit | code;
+  }
+  std::optional<WallImage> image() const {
+    if (second == far_image) return std::nullopt;
+    const auto n = [this](int shift) { return (second >> shift & 1023) - (most + 1); };
+    return wall_image({n(20), n(10), n(0)});
+  }
 };
 struct RecordedParts {
   Vec3d spring;     // [N] of the tangential spring on the first

@@ -262,11 +262,14 @@ struct ContactStage {
       one.normal = kin.normal, one.overlap = kin.overlap, one.force = in_double(load.force);
       if (!(kin.overlap > 0) && one.force == Vec3d{0, 0, 0}) continue;
       one.first = ends.first(k), one.order = ends.order(k);
-      one.second = RecordedContact::no_row;
-      if constexpr (Ends::at_wall)
+      if constexpr (Ends::at_wall) {
+        WallImage image = 0;
+        if constexpr (requires { ends.image(k); }) image = ends.image(k);
         one.wall = static_cast<std::uint16_t>(ends.wall(k)), one.surface = ends.surface(k);
-      else
+        one.second = RecordedForce::at_image(image);
+      } else {
         one.second = ends.second(k);
+      }
       kin.velocity = kin.spin = {0, 0, 0};  // loads stand there
       const auto radii = block.template get_radii<Scalar>(k);
       const Radii<double> both{static_cast<double>(radii.i), static_cast<double>(radii.j)};

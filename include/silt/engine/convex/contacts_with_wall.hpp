@@ -24,6 +24,17 @@ inline constexpr int most_wall_contacts = 8;
 template <class Kinds>
 inline constexpr int most_plane_contacts = Kinds::template has<Polyhedron> ? most_wall_contacts : 1;
 
+/// Which place of a surface a ball touches, by the numbers of solid_mesh_contacts.hpp: 0 for faces,
+/// which are told apart by their normals.
+template <class S>
+std::uint32_t feature_at([[maybe_unused]] const S& surface,
+                         [[maybe_unused]] const SurfacePoint& p) {
+  if constexpr (std::is_same_v<S, TriangleMesh>)
+    if (p.feature >= surface.triangles().size())
+      return static_cast<std::uint32_t>(Polyhedron::most_vertices) + p.feature;
+  return 0;
+}
+
 /// The contacts of a placed part with a surface, both in the wall's frame.
 template <class Placed, class S>
 int contacts_with(const Placed& body, const S& surface, std::span<const std::uint32_t> facets,
@@ -43,7 +54,7 @@ int contacts_with(const Placed& body, const S& surface, std::span<const std::uin
                 1,
                 0,
                 body.radius,
-                p.feature};
+                feature_at(surface, p)};
     }
     return count;
   } else {

@@ -72,6 +72,7 @@ class ConvexWalls {
     std::uint32_t first(std::size_t k) const { return s.of[k]->particle; }
     std::size_t wall(std::size_t k) const { return s.of[k]->wall; }
     std::uint16_t surface(std::size_t k) const { return s.of[k]->surface; }
+    WallImage image(std::size_t k) const { return image_of(*s.of[k]); }
     std::uint32_t order(std::size_t k) const { return s.slot[k]; }
     void finish(std::size_t k, RecordedContact& one, RecordedTurn& turn) const {
       const auto at = [k](const auto& columns) {

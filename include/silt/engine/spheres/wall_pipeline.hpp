@@ -74,9 +74,10 @@ class WallPipeline {
       std::uint32_t slot, particle;
       std::uint16_t wall, surface;
     } place[block];
-    Vec3d point[block];                  // [m] where it touches, beside the sphere
+    Vec3d point[block];  // [m] where it touches, beside the sphere
     // ... and on the wall, of which the sphere may touch an image.
     Vec3d on_wall[Repeats ? block : 1];
+    WallImage image[Repeats ? block : 1];
     double share[block];                 // [-] overlap over the radius
     Vec3d in_itself[block];              // [m/s] of a surface, where it has such a velocity
     alignas(64) Scalar of_force[block];  // [-] share of its force (SharedContacts)
@@ -92,6 +93,7 @@ class WallPipeline {
     std::uint32_t first(std::size_t k) const { return s.place[k].particle; }
     std::size_t wall(std::size_t k) const { return s.place[k].wall; }
     std::uint16_t surface(std::size_t k) const { return s.place[k].surface; }
+    WallImage image(std::size_t k) const { return Repeats ? s.image[k] : 0; }
     std::uint32_t order(std::size_t k) const { return s.place[k].slot; }
     void where(std::size_t k, NotedContact& note) const { note.event.point = s.point[k]; }
   };
@@ -376,7 +378,7 @@ class WallPipeline {
     if constexpr (ContactsType::several_materials) material = in.materials[c.particle];
     s.kind[k] = static_cast<std::uint16_t>(material * table.materials + wall.material);
     s.point[k] = contact;
-    if constexpr (Repeats) s.on_wall[k] = on_wall;
+    if constexpr (Repeats) s.on_wall[k] = on_wall, s.image[k] = image_of(c);
     s.place[k] = {static_cast<std::uint32_t>(slot), c.particle, c.wall, c.surface};
     for (std::size_t h = 0; h < ContactsType::history; ++h)
       s.history[h][k] = contacts.history(h)[slot];

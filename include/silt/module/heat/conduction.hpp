@@ -66,6 +66,7 @@ struct HeatConductionBy {
   std::vector<ThermalMaterial> others{};  // of the contacts' material 1, 2, ...
   WallValues<WallHeat> walls{};           // of wall 0, 1, ..., or by their names
   std::size_t flux_every = 10;            // [steps] at most from one look at contacts to the next
+  double density = 0;                     // [kg/m3] for FrictionHeat; 0: as its partner's
 
   using Fields = HeatFields;
   static constexpr std::array names{"temperature [K]"};
@@ -81,7 +82,7 @@ struct HeatConductionBy {
   Fields start(const Seen&) const { return {start_temperature}; }
   ThermalMaterial material(std::size_t k) const {
     if (k > 0) return others.at(k - 1);
-    return {conductivity, heat_capacity, youngs_modulus, poisson_ratio};
+    return {conductivity, heat_capacity, youngs_modulus, poisson_ratio, density};
   }
   bool knows(std::size_t material) const { return material <= others.size(); }
 
@@ -90,9 +91,10 @@ struct HeatConductionBy {
                                     std::size_t b) const {
     if (!knows(a) || !knows(b)) return {0, 1, 0.5};  // check() refuses what would be used
     const ThermalMaterial i = material(a), j = material(b);
-    // Effusivities, but for densities, which are not known here.
-    const double of_i = std::sqrt(i.conductivity * i.heat_capacity),
-                 of_j = std::sqrt(j.conductivity * j.heat_capacity);
+    // Effusivities.
+    const bool known = i.density > 0 && j.density > 0;
+    const double of_i = std::sqrt(i.conductivity * i.heat_capacity * (known ? i.density : 1)),
+                 of_j = std::sqrt(j.conductivity * j.heat_capacity * (known ? j.density : 1));
     return {2 / (1 / i.conductivity + 1 / j.conductivity), narrower(contacts, a, b),
             of_i / (of_i + of_j)};
   }
@@ -171,6 +173,7 @@ struct HeatConductionBy {
     require_positive(of + ".conductivity", m.conductivity, "W/(m K)");
     require_positive(of + ".heat_capacity", m.heat_capacity, "J/(kg K)");
     require_not_negative(of + ".youngs_modulus", m.youngs_modulus, "Pa");
+    require_not_negative(of + ".density", m.density, "kg/m3");
     require(m.poisson_ratio > -1 && m.poisson_ratio <= 0.5, of,
             ".poisson_ratio = ", m.poisson_ratio, " [-] must be in (-1, 0.5]");
   }

@@ -20,10 +20,11 @@ namespace silt::inline SILT_TARGET {
 ///   silt::EnergyLedger{}};
 ///
 /// What contacts take from the motion, as the ledger books it, heats both ends: of unlike materials
-/// in proportion to sqrt(k c), their effusivity but for the density; what goes into a wall is gone.
-/// A spring's tangential elastic energy counts as heat while it is stored, and comes back.
-/// It may stand around or inside Heat and MutualRadiation: all orders are the same physics.
-/// Tests: tests/physics/heat.cpp (heat gained is energy lost, 1e-9; around Heat), radiation.cpp.
+/// in proportion to their effusivities sqrt(k rho c), of equal densities where one of the two is
+/// not given; what goes into a wall is gone. A spring's tangential elastic energy counts as heat
+/// while it is stored, and comes back. It may stand around or inside Heat and MutualRadiation: all
+/// orders are the same physics. Tests: tests/physics/heat.cpp (heat gained is energy lost, 1e-9;
+/// around Heat), radiation.cpp.
 template <class Base = HeatConduction>
 struct FrictionHeat : Base {
   explicit FrictionHeat(Base base = {}) : Base(std::move(base)) {}

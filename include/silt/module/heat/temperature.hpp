@@ -29,6 +29,7 @@ struct ThermalMaterial {
   double youngs_modulus = 0;   // [Pa] of the real solid, where contacts are given a softer one; 0:
                                // as contacts have it
   double poisson_ratio = 0.3;  // [-] of the real solid
+  double density = 0;          // [kg/m3] of the real solid, for FrictionHeat; 0: as its partner's
 };
 
 /// What a wall is for heat: one of held_at(), heated_by() and insulated().
