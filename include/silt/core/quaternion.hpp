@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <silt/core/lanes.hpp>
 #include <silt/core/vec3.hpp>
 
 namespace silt::inline SILT_TARGET {

@@ -49,6 +49,16 @@ class BondAccess {
     e.lists.forget();
     sim().scene_changed_ = true;
   }
+  /// Whether these two are bonded.
+  template <class S = Sim>
+  bool bonded(ParticleId a, ParticleId b) const requires(S::has_bonds) {
+    return sim().engine_.particles.bonds.holds(a, b);
+  }
+  /// Calls f(const Bond<Model>&) for each unbroken bond, in the order in which they were made.
+  template <class F, class S = Sim>
+  void for_each_bond(const F& f) const requires(S::has_bonds) {
+    sim().bonds_.list.for_each_in_order(f);
+  }
   /// Unbroken bonds [-], and those that broke since the start.
   template <class S = Sim>
   std::size_t bonds() const requires(S::has_bonds) {

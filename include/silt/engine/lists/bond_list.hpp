@@ -101,6 +101,17 @@ class BondList {
         if (ids_[k].i != no_particle) visit(k);
   }
 
+  /// Calls visit(bond) for each, in the order in which they were made.
+  template <class Visit>
+  void for_each_in_order(const Visit& visit) const {
+    std::vector<Bond> all;
+    all.reserve(size_);
+    for_each([&](std::size_t k) { all.push_back(bond(k)); });
+    std::sort(all.begin(), all.end(),
+              [](const Bond& a, const Bond& b) { return a.number < b.number; });
+    for (const Bond& b : all) visit(b);
+    for (const Bond& b : waiting_) visit(b);
+  }
   /// Puts bonds in order where rows were given anew, or bonds have come or gone. `find(id)`: the
   /// row of a particle.
   template <class Find>
