@@ -141,7 +141,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
         modules_(Modules::taken_from(policies...)) {
     if constexpr (requires { search_.check(); }) search_.check();
     if constexpr (has_bonds)
-      bonds_.model = detail::take<typename Composition::Bonds>(policies...).model;
+      this->set_bond_model(detail::take<typename Composition::Bonds>(policies...).model);
     add(detail::take<ParticlesType>(policies...));
   }
 

@@ -75,6 +75,11 @@ class BondAccess {
   }
 
  protected:
+  template <class Model>
+  void set_bond_model(const Model& model) {
+    if constexpr (requires { model.check(); }) model.check();
+    sim().bonds_.model = model;
+  }
   /// [s] in which what bonds do is resolved as contacts are, by a 20th of half a swing.
   double longest_bond_step() const {
     if constexpr (Sim::has_bonds) {
