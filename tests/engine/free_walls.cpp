@@ -425,7 +425,8 @@ TEST_CASE("servo: strong dashpots and short steps do not make the lid swing") {
 }
 
 // Beds that move the lid: the mean load must be the wanted one. Catches a servo that follows the
-// difference alone, which would stay off by v (K dt + C)/gain: 10 and 30 % here.
+// difference alone, which would stay off by v (K dt + C)/gain: it bears 1.11 and 3.8 times the load
+// here.
 TEST_CASE("servo: a lid that is moved steadily keeps its mean force, 1e-3") {
   const double force = 10, v = 0.5, R = 0.01;  // [N], [m/s], [m]
   for (const double restitution : {1.0, 0.4}) {

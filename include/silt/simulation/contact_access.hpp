@@ -36,14 +36,13 @@ struct ContactSeen {
   std::size_t wall = no_wall;          // the wall's number, or no_wall
   std::size_t surface = 0;             // of the wall's surfaces
   std::size_t facet =
-      no_facet;          // of a mesh: the triangle nearest to the point, the lowest of equals
-  Vec3d point{0, 0, 0};  // [m] where the force acts, beside a
-  Vec3d wall_point{0, 0,
-                   0};    // [m] the same at a wall of which a touches an image: on the wall itself
-  Vec3d normal{0, 0, 0};  // [-] from b, or the wall, to a
-  Vec3d branch{0, 0, 0};  // [m] from the centre of b (the point at a wall) to that of a
-  double overlap = 0;     // [m] negative where a law acts at a distance
-  double normal_force = 0;                     // [N] > 0 pushes a away from b
+      no_facet;               // of a mesh: the triangle nearest to the point, the lowest of equals
+  Vec3d point{0, 0, 0};       // [m] where the force acts, beside a
+  Vec3d wall_point{0, 0, 0};  // [m] the same on the wall, of which a may touch an image
+  Vec3d normal{0, 0, 0};      // [-] from b, or the wall, to a
+  Vec3d branch{0, 0, 0};      // [m] from the centre of b (the point at a wall) to that of a
+  double overlap = 0;         // [m] negative where a law acts at a distance
+  double normal_force = 0;    // [N] > 0 pushes a away from b
   Vec3d tangential_force{0, 0, 0};             // [N] on a
   Vec3d force{0, 0, 0};                        // [N] on a: the sum of both
   Vec3d torque_a{0, 0, 0}, torque_b{0, 0, 0};  // [N m] about the centres of mass; b: 0 at walls
@@ -272,7 +271,8 @@ class ContactReader {
         std::get_if<std::shared_ptr<const TriangleMesh>>(&e_.walls[c.wall].surfaces[c.surface]);
     return mesh != nullptr ? mesh->get() : nullptr;
   }
-  /// Which facet is touched, and where the wall sees the point: the nearest of its images.
+  /// Which facet is touched, and where the wall sees the point. (The images of a wall that a
+  /// particle may touch stand side by side in the list.)
   void look_at_wall(const RecordedForce& r, ContactSeen& c) const {
     const Listed wanted{r.first, r.wall, r.surface, nullptr};
     const auto [from, to] =
@@ -281,11 +281,11 @@ class ContactReader {
     if (from == to) return;
     const Candidate* touched = from->candidate;
     if constexpr (walls_repeat) {
-      const std::span<const Candidate> images(touched, static_cast<std::size_t>(to - from));
       if (const auto known = r.image()) {
-        for (const Candidate& image : images)
-          if (image.image == *known) touched = &image;
+        for (auto image = from; image != to; ++image)
+          if (image->candidate->image == *known) touched = image->candidate;
       } else {
+        const std::span<const Candidate> images(touched, static_cast<std::size_t>(to - from));
         touched = &nearest_image(c.point, images, e_.walls[r.wall], e_.lists.walls);
       }
     }
