@@ -141,7 +141,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
         modules_(Modules::taken_from(policies...)) {
     if constexpr (requires { search_.check(); }) search_.check();
     if constexpr (has_bonds)
-      this->set_bond_model(detail::take<typename Composition::Bonds>(policies...).model);
+      this->set_bonds(detail::take<typename Composition::Bonds>(policies...));
     add(detail::take<ParticlesType>(policies...));
   }
 
@@ -276,13 +276,14 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     engine_.prepare_fluxes(modules_, time_, look_at_fluxes(present));
     engine_.pair_forces(domain_, times);
     engine_.wall_forces(times);
-    if constexpr (has_bonds) bonds_.push(engine_, domain_);
+    [[maybe_unused]] double bond_power = 0;
+    if constexpr (has_bonds) bond_power = bonds_.push(engine_, domain_, dt_);
     engine_.collect_fluxes();
     if constexpr (Modules::in_pairs) act_in_pairs();
     if constexpr (has_events) engine_.events.sort();
     if constexpr (Fluid::active) couple();
     if constexpr (Modules::push) push_modules();
-    book_step(times);
+    book_step(times, bond_power);
     using Advance = typename Engine::Advance;
     if constexpr (detail::deforms<Domain>) engine_.kick_box(domain_, dt_, first_kick_, observed);
     const double kick = first_kick_ ? Integrator::first_kick * dt_ : dt_;
@@ -313,7 +314,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   void check_new(std::span<const Particle> more, const Check& check) const;
   template <class Particle>
   void take_in(std::span<const Particle> more, std::span<const std::size_t> numbers);
-  void book_step(const detail::StepTimes& times);
+  void book_step(const detail::StepTimes& times, double bond_power);
   void book_leaving(std::size_t k);
   void couple();
   void break_bonds();
@@ -381,9 +382,11 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   Domain domain_;
   [[no_unique_address]] Fluid fluid_;
   [[no_unique_address]] detail::ModuleStage<Modules, Domain> modules_;
-  [[no_unique_address]]
+  [[no_unique_address]] mutable
   typename detail::BondsOf<typename Composition::Bonds, Domain, typename Composition::Arch>::type
       bonds_;
+  [[no_unique_address]]
+  std::conditional_t<has_bonds, std::vector<BondBreak>, Nothing> bonds_broken_;  // in this step
   [[no_unique_address]] decltype(particles_in_fluid()) in_fluid_;
   Engine engine_;
   detail::Openings<ShapeType, Domain> openings_;

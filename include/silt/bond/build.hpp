@@ -133,7 +133,9 @@ Fragments fragments(const Sim& sim) {
     while (root[k] != k) k = root[k] = root[root[k]];
     return k;
   };
-  sim.for_each_bond([&](const auto& bond) { root[top(sim.find(bond.i))] = top(sim.find(bond.j)); });
+  sim.for_each_bond([&](const auto& bond) { 
+    if (bond.b != no_particle) root[top(sim.find(bond.a))] = top(sim.find(bond.b));
+  });
   std::vector<std::size_t> by_id;
   for (std::size_t k = 0; k < sim.rows(); ++k)
     if (sim.is_present(k)) by_id.push_back(k);

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <concepts>
+#include <cstddef>
+#include <cstdint>
 
 #include <silt/bond/strain.hpp>
+#include <silt/core/position_row.hpp>
 #include <silt/core/vec3.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -50,17 +53,39 @@ struct BondStiffness {
   double turn;   // [N m]
 };
 
-/// The policy: bonds between spheres, by a model.
+/// The policy: bonds between spheres, and of spheres to walls, by a model.
 ///
 ///   silt::Simulation sim{std::move(grains), contacts, silt::Bonds{silt::ParallelBond{...}}};
-///   silt::bond_touching(sim, 0.01 * radius);
-template <class M>
+///   silt::bond_near(sim, 0.01 * radius);
+///
+/// `seed` decides which bonds are the strong ones where strengths are scattered.
+template <BondModel M>
 struct Bonds {
   static constexpr bool is_bonds = true;
   using Model = M;
   M model;
+  std::uint64_t seed = 1;
 };
 template <class M>
 Bonds(M) -> Bonds<M>;
+template <class M, class Seed>
+Bonds(M, Seed) -> Bonds<M>;
+
+/// A bond as it is now, or as it was when it broke. Of a bond to a wall, `b` is no_particle and
+/// `wall` its number; else `wall` is the largest number there is.
+struct BondSeen {
+  ParticleId a = no_particle, b = no_particle;
+  std::size_t wall = static_cast<std::size_t>(-1);
+  std::uint64_t number = 0;  // [-] bonds that were made before it
+  Vec3d from, to;            // [m] centre of b, or the place on the wall; centre of a
+  Vec3d normal;              // [-] unit, from b to a
+  Vec3d force, couple;       // [N], [N m] of its springs on a; on b the opposite
+  double load = 0;           // [-] of its strength: it breaks above 1
+  double energy = 0;         // [J] in its springs
+};
+/// A bond that has just broken; `energy` is lost.
+struct BondBreak : BondSeen {
+  double time = 0;  // [s]
+};
 
 }  // namespace silt

@@ -19,6 +19,8 @@
 
 namespace silt::inline SILT_TARGET {
 
+namespace detail {
+
 /// A bond between the particles i and j, i < j.
 template <class Model>
 struct Bond {
@@ -27,8 +29,6 @@ struct Bond {
   typename Model::template Numbers<double> numbers;
   std::uint64_t number;  // [-] the bonds that were made before it
 };
-
-namespace detail {
 
 /// Numbers of many bonds, pack by pack, so that lanes load what lies side by side.
 template <template <class> class Aggregate, std::size_t W>
@@ -68,7 +68,7 @@ class BondColumns {
 template <class Model, std::size_t W>
 class BondList {
  public:
-  using Bond = silt::Bond<Model>;
+  using Bond = detail::Bond<Model>;
   struct Group {
     std::size_t from = 0, to = 0;  // places
     std::size_t size() const { return to - from; }
@@ -113,15 +113,25 @@ class BondList {
     for (const Bond& b : waiting_) visit(b);
   }
   /// Puts bonds in order where rows were given anew, or bonds have come or gone. `find(id)`: the
-  /// row of a particle.
-  template <class Find>
-  void follow(std::size_t rows, std::uint64_t changes, const Find& find) {
-    if (waiting_.empty() && !is_stale_ && changes_ == changes && rows_ == rows) return;
+  /// row of a particle, `rows` or more if it has left; `left`: how many have since the last change
+  /// of rows. Their bonds go: gone(bond) is told.
+  template <class Find, class Gone>
+  void follow(std::size_t rows, std::uint64_t changes, std::size_t left, const Find& find,
+              const Gone& gone) {
+    if (waiting_.empty() && !is_stale_ && changes_ == changes && rows_ == rows && left_ == left)
+      return;
     std::vector<Bond> all;
     all.reserve(size_);
-    for_each([&](std::size_t k) { all.push_back(bond(k)); });
-    all.insert(all.end(), waiting_.begin(), waiting_.end());
-    waiting_.clear(), is_stale_ = false, changes_ = changes, rows_ = rows;
+    const auto take = [&](const Bond& b) {
+      if (find(b.i) < rows && find(b.j) < rows)
+        all.push_back(b);
+      else
+        gone(b);
+    };
+    for_each([&](std::size_t k) { take(bond(k)); });
+    for (const Bond& b : waiting_) take(b);
+    size_ = all.size();
+    waiting_.clear(), is_stale_ = false, changes_ = changes, rows_ = rows, left_ = left;
     groups_ = PairGroups(rows);
     lay_out(all, find);
   }
@@ -181,7 +191,7 @@ class BondList {
   std::vector<std::uint32_t> first_, second_;  // rows of the ends
   BondColumns<BondRest, W> rests_;
   BondColumns<Model::template Numbers, W> numbers_;
-  std::size_t size_ = 0, rows_ = 0;
+  std::size_t size_ = 0, rows_ = 0, left_ = 0;
   std::uint64_t changes_ = 0;
   bool is_stale_ = true;
 };

@@ -100,12 +100,13 @@ class NearLists {
     renewed_ = true;
   }
 
-  /// Takes in pairs that were left out so far, as their bonds have just broken.
-  void join_pairs(const Scene& scene, std::span<const IndexPair> broken) {
-    if (!hold_pairs()) return;
+  /// Takes in pairs that were left out so far, as their bonds have just broken, with histories
+  /// that are carried along even if the next step searches.
+  void join_pairs(const Scene& scene, std::span<const IndexPair> broken,
+                  const std::array<Scalar, H>& start) {
     std::vector<NewPair> more;
     for (const IndexPair& p : broken) more.push_back({p, true});
-    pairs.join(more, scene.particles.size());
+    pairs.join(more, scene.particles.size(), start);
     renewed_ = true;
   }
   /// Takes out rows that have just left.

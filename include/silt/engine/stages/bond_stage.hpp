@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -12,7 +13,9 @@
 #include <silt/core/lanes.hpp>
 #include <silt/core/row4.hpp>
 #include <silt/core/threads.hpp>
+#include <silt/engine/contact/contact_energy.hpp>
 #include <silt/engine/lists/bond_list.hpp>
+#include <silt/engine/stages/wall_bonds.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -25,38 +28,65 @@ class BondStage {
   using List = BondList<Model, W>;
 
  public:
-  using Bond = silt::Bond<Model>;
+  using Bond = detail::Bond<Model>;
+  using AtWalls = WallBonds<Model>;
 
   Model model;
   std::uint64_t seed = 1, made = 0, broken = 0;
   List list;
+  AtWalls at_walls;
 
-  std::size_t size() const { return list.size(); }
   void add(Bond bond) { bond.number = made++, list.add(bond); }
-
-  /// Adds what bonds do to the sums of their particles.
+  void add(typename AtWalls::Bond bond) { bond.number = made++, at_walls.all.push_back(bond); }
+  /// How many there are now.
   template <class Engine>
-  void push(Engine& e, const Domain& domain) {
-    overloaded_.clear();
-    if (size() == 0) return;
+  std::size_t size(const Engine& e) {
     follow(e);
-    const auto& groups = list.groups();
-    std::vector<std::vector<std::uint32_t>> over(groups.count());
-    for (std::size_t p = 0; p < groups.phases(); ++p) {
-      const auto [from, to] = list.busy(groups.phase(p));
-      e.team().for_parts(to - from, [&, first = from](std::size_t g) {
-        run_group(e, domain, list.group(first + g), over[first + g]);
-      });
+    return list.size() + at_walls.all.size();
+  }
+
+  /// Adds what bonds do to the sums of their particles and to walls. Returns the power of their
+  /// dashpots [W], where a ledger wants it.
+  template <class Engine>
+  double push(Engine& e, const Domain& domain, double dt) {
+    overloaded_.clear();
+    follow(e);
+    double power = 0;
+    if (list.size() > 0) {
+      const auto& groups = list.groups();
+      std::vector<Done> done(groups.count());
+      for (std::size_t p = 0; p < groups.phases(); ++p) {
+        const auto [from, to] = list.busy(groups.phase(p));
+        e.team().for_parts(to - from, [&, first = from](std::size_t g) {
+          run_group(e, domain, list.group(first + g), done[first + g]);
+        });
+      }
+      for (const Done& one : done) {
+        power += one.power;
+        for (const std::uint32_t k : one.over)
+          overloaded_.push_back({seen(e, domain, k, dt), k});
+      }
     }
-    for (const auto& part : over) overloaded_.insert(overloaded_.end(), part.begin(), part.end());
+    power += at_walls.push(e, domain, model, dt, [&](const BondSeen& what, std::size_t k) {
+      overloaded_.push_back({what, k});
+    });
+    return power;
   }
   /// Takes out the bonds that the last step has overloaded; returns them in the order in which they
   /// were made.
-  std::vector<Bond> take_broken() {
-    std::vector<Bond> gone;
-    for (const std::uint32_t k : overloaded_) gone.push_back(list.bond(k)), list.remove(k);
-    std::sort(gone.begin(), gone.end(),
-              [](const Bond& a, const Bond& b) { return a.number < b.number; });
+  std::vector<BondBreak> take_broken(double time) {
+    std::sort(overloaded_.begin(), overloaded_.end(), [](const Overloaded& a, const Overloaded& b) {
+      return a.what.number < b.what.number;
+    });
+    std::vector<BondBreak> gone;
+    for (const Overloaded& o : overloaded_) {
+      gone.push_back({o.what, time});
+      if (o.what.b == no_particle)
+        at_walls.all[o.place].i = no_particle;
+      else
+        list.remove(o.place);
+    }
+    at_walls.close_up();
     broken += gone.size(), overloaded_.clear();
     return gone;
   }
@@ -68,15 +98,31 @@ class BondStage {
       for (std::size_t k = from; k < to; k += W) turn_pack(p, k, std::min(W, to - k), dt);
     });
   }
+  /// Calls f(BondSeen) for each bond, in the order in which they were made.
+  template <class Engine, class F>
+  void visit(const Engine& e, const Domain& domain, const F& f) {
+    follow(e);
+    std::vector<std::pair<std::uint64_t, std::size_t>> order;
+    order.reserve(list.size() + at_walls.all.size());
+    list.for_each([&](std::size_t k) { order.push_back({list.bond(k).number, k}); });
+    const std::size_t walls = std::size_t{1} << 63;
+    for (std::size_t k = 0; k < at_walls.all.size(); ++k)
+      order.push_back({at_walls.all[k].number, walls | k});
+    std::sort(order.begin(), order.end());
+    for (const auto& [number, k] : order)
+      f(k >= walls ? at_walls.seen(e, domain, model, k - walls, 0) : seen(e, domain, k, 0));
+  }
   /// [J] in the springs, at the present positions.
   template <class Engine>
-  double energy(Engine& e, const Domain& domain) {
+  double energy(const Engine& e, const Domain& domain) {
     follow(e);
     double sum = 0;
     list.for_each([&](std::size_t k) {
       const Bond b = list.bond(k);
       sum += model.energy(strain_of(b.rest, ends_at(e, domain, k)), b.numbers);
     });
+    for (std::size_t k = 0; k < at_walls.all.size(); ++k)
+      sum += at_walls.energy(e, domain, model, k);
     return sum;
   }
   /// The fastest that bonds make a particle swing [1/s], and which one: a bound, as if all its
@@ -86,18 +132,21 @@ class BondStage {
     ParticleId particle = no_particle;
   };
   template <class Engine>
-  Rate fastest(Engine& e) {
+  Rate fastest(const Engine& e) {
     follow(e);
     std::vector<double> shift(e.particles.size(), 0.0), turn(e.particles.size(), 0.0);
+    const auto include = [&](std::size_t row, const BondStiffness& s, double arm) {
+      shift[row] += s.shift, turn[row] += s.turn + s.shift * arm * arm;
+    };
     list.for_each([&](std::size_t k) {
       const Bond b = list.bond(k);
       const auto s = model.stiffness(b.numbers);
-      const double length2 = dot(b.rest.apart, b.rest.apart);
-      const auto include = [&](std::uint32_t row, double arm) {
-        shift[row] += s.shift, turn[row] += s.turn + s.shift * arm * arm * length2;
-      };
-      include(list.first()[k], b.rest.share), include(list.second()[k], 1 - b.rest.share);
+      const double length = norm(b.rest.apart);
+      include(list.first()[k], s, b.rest.share * length);
+      include(list.second()[k], s, (1 - b.rest.share) * length);
     });
+    for (const auto& b : at_walls.all)
+      include(e.find(b.i), model.stiffness(b.numbers), b.rest.share * norm(b.rest.apart));
     Rate most;
     for (std::size_t k = 0; k < shift.size(); ++k) {
       const auto p = e.owner(k);
@@ -109,17 +158,31 @@ class BondStage {
     }
     return most;
   }
+  /// Puts bonds in order where rows were given anew, or bonds or particles have come or gone.
+  template <class Engine>
+  void follow(const Engine& e) {
+    list.follow(
+        e.particles.size(), e.particles.changes, e.particles.parked,
+        [&e](ParticleId id) { return static_cast<std::uint32_t>(e.find(id)); },
+        [&e](const Bond& gone) { e.particles.bonds.remove(gone.i, gone.j); });
+    at_walls.follow(e);
+  }
 
  private:
   static constexpr std::size_t block = 64;  // bonds whose loads wait in the first-level cache
   static constexpr std::size_t row = 12;    // of one: force, torques over radii, four each
   using Row = Row4<Arch>;
 
-  template <class Engine>
-  void follow(Engine& e) {
-    list.follow(e.particles.size(), e.particles.changes,
-                [&e](ParticleId id) { return static_cast<std::uint32_t>(e.find(id)); });
-  }
+  struct Overloaded {
+    BondSeen what;
+    std::size_t place;  // in its list
+  };
+  /// What a group has found.
+  struct Done {
+    std::vector<std::uint32_t> over;  // places of overloaded bonds
+    double power = 0;                 // [W] of dashpots
+  };
+
   template <class Engine>
   BondedEnds<double> ends_at(const Engine& e, const Domain& domain, std::size_t k) const {
     const std::uint32_t a = list.first()[k], b = list.second()[k];
@@ -133,6 +196,15 @@ class BondStage {
             e.particles.orientation[b],
             m.inv_r * m.spin_velocity(),
             n.inv_r * n.spin_velocity()};
+  }
+  template <class Engine>
+  BondSeen seen(const Engine& e, const Domain& domain, std::size_t k, double dt) const {
+    const Bond b = list.bond(k);
+    const auto ends = ends_at(e, domain, k);
+    BondSeen out = see_bond(model, strain_of(b.rest, ends), b.numbers, dt);
+    out.a = b.i, out.b = b.j, out.number = b.number;
+    out.to = e.particles.position[list.first()[k]].centre(), out.from = out.to - ends.apart;
+    return out;
   }
 
   /// The ends of a pack of bonds, and one over their radii [1/m].
@@ -175,29 +247,37 @@ class BondStage {
     for (std::size_t lane = 0; lane < W; ++lane) rows[lane].store(to + lane * row);
   }
   template <class Engine>
-  void run_group(Engine& e, const Domain& domain, const typename List::Group& g,
-                 std::vector<std::uint32_t>& over) {
+  void run_group(Engine& e, const Domain& domain, const typename List::Group& g, Done& done) {
     alignas(64) double loads[block * row];
+    Real power(0);
     for (std::size_t from = g.from; from < g.to; from += block) {
       const std::size_t count = std::min(block, g.to - from);
       for (std::size_t k = 0; k < count; k += W)
-        if (const auto bits = run_pack(e, domain, from + k, loads + k * row))
+        if (const auto bits = run_pack(e, domain, from + k, loads + k * row, power))
           for (std::size_t lane = 0; lane < W; ++lane)
             if (bits >> lane & 1 && from + k + lane < g.to)
-              over.push_back(static_cast<std::uint32_t>(from + k + lane));
+              done.over.push_back(static_cast<std::uint32_t>(from + k + lane));
       add_up(e, from, count, loads);
+    }
+    if constexpr (keeps_ledger<typename Engine::Contacts>) {
+      alignas(Real) double each[W];
+      silt::store(each, power);
+      for (const double one : each) done.power += one;
     }
   }
   /// Writes the loads of a pack; returns which of its bonds are overloaded.
   template <class Engine>
   __attribute__((flatten)) std::uint64_t run_pack(const Engine& e, const Domain& domain,
-                                                  std::size_t k, double* out) const {
+                                                  std::size_t k, double* out,
+                                                  [[maybe_unused]] Real& power) const {
     const Pack p = ends_of(e, domain, k);
     const auto s = strain_of(list.rests().template load<Real>(k), p.ends);
     const auto numbers = list.numbers().template load<Real>(k);
     const auto a = model.answer(s, numbers);
     const auto l = loads_of(s, a.force, a.couple, a.rate_force, a.rate_couple);
     put(l.force, out), put(l.torque_i * p.inv_r_i, out + 4), put(l.torque_j * p.inv_r_j, out + 8);
+    if constexpr (keeps_ledger<typename Engine::Contacts>)
+      power += dot(a.rate_force, s.shift_rate) + dot(a.rate_couple, s.turn_rate);
     return lane_bits(model.load(a, s.normal, numbers) > Real(1));
   }
   /// In strides, as neighbours in the list share particles (PairPipeline::add_up).
@@ -242,7 +322,7 @@ class BondStage {
     for (std::size_t lane = 0; lane < count; ++lane) rows[lane].store(&p.orientation[k + lane].w);
   }
 
-  std::vector<std::uint32_t> overloaded_;  // places in the list
+  std::vector<Overloaded> overloaded_;
 };
 
 /// The stage of a policy Bonds<Model>; without one nothing.

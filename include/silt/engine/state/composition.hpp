@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <type_traits>
 
+#include <silt/engine/contact/offset.hpp>
 #include <silt/engine/state/axes.hpp>
 #include <silt/engine/state/fluid_loads.hpp>
 #include <silt/engine/state/module_columns.hpp>
@@ -70,8 +71,10 @@ struct Composition {
   using Contacts = WithVirialIf<
       deforms<Domain>,
       WatchedIf<has_events,
-                typename ContactsOf<Shape, std::conditional_t<has_ledger, WithLedger<UserContacts>,
-                                                              UserContacts>>::type>>;
+                WithOffsetIf<has_bonds,
+                             typename ContactsOf<
+                                 Shape, std::conditional_t<has_ledger, WithLedger<UserContacts>,
+                                                           UserContacts>>::type>>>;
   static constexpr bool several_materials = Contacts::several_materials;
 
   static_assert(has_bodies || count<IsRotation, Policies...> == 0,

@@ -57,7 +57,8 @@ class ParticleState {
   std::vector<std::uint16_t> material;
   std::vector<PartRow> part;              // of bodies
   AlignedVector<Quaternion> orientation;  // of spheres with bonds, since they came
-  [[no_unique_address]] std::conditional_t<Bonded, BondedPairs, NoPairs> bonds;
+  // Follows the list of bonds, which drops those of particles that have left when it is looked at.
+  [[no_unique_address]] mutable std::conditional_t<Bonded, BondedPairs, NoPairs> bonds;
   [[no_unique_address]] FluidLoads<Given> fluid;
   [[no_unique_address]] Columns modules;
   double largest_radius = 0;   // [m]
