@@ -205,6 +205,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
                           detail::read_contacts(observers, *this, keep_contacts)...});
         advance(stop || (detail::is_due(observers, *this) || ...));
         if constexpr (has_events) detail::tell_all(*this, engine_.events, observers...);
+        if constexpr (has_bonds)
+          if (!bonds_broken_.empty()) detail::tell_all(*this, bonds_broken_, observers...);
       }
       if (kicked_ && sizeof...(Observers) > 0) {
         [[maybe_unused]] const bool again = std::exchange(observed_, true);

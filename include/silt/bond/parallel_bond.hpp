@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <silt/bond/concept.hpp>
+#include <silt/bond/scatter.hpp>
 #include <silt/core/error.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -75,12 +76,9 @@ struct ParallelBond {
   Numbers<double> numbers(const BondedPair& p) const {
     const double R = radius_ratio * std::min(p.radius_i, p.radius_j);
     const double kn = youngs_modulus * std::numbers::pi * R * R / p.length;
-    double factor = 1;
-    if (weibull_modulus > 0)
-      factor = std::pow(-std::log1p(-p.share), 1 / weibull_modulus) /
-               std::tgamma(1 + 1 / weibull_modulus);
     return {kn, R, 2 * damping * std::sqrt(kn * p.m_eff),
-            2 * damping * std::sqrt(kn * p.inertia_eff), 1 / factor};
+            2 * damping * std::sqrt(kn * p.inertia_eff),
+            1 / weibull_factor(p.share, weibull_modulus)};
   }
   template <class Real>
   SILT_INLINE BondAnswer<Real> answer(const BondStrain<Real>& s, const Numbers<Real>& p) const {
