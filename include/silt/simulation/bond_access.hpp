@@ -115,15 +115,23 @@ class BondAccess {
     const double rate = fastest_bond().rate;
     return rate > 0 ? std::numbers::pi / 20 / rate : INFINITY;
   }
-  /// Refuses a time step [s] in which a bond would gain energy: the leapfrog is stable below two
-  /// over the rate, which is a bound; the step is held to 0.4 of that.
-  void check_bond_step(double dt) const {
+  /// [s] in which bonds do not gain energy, and the particle whose bonds they are: the leapfrog is
+  /// stable below two over the rate, which is a bound; the step is held to 0.4 of that.
+  struct StableStep {
+    double time = INFINITY;
+    ParticleId particle = no_particle;
+    double rate = 0;  // [rad/s]
+  };
+  StableStep longest_stable_bond_step() const {
     const auto fastest = fastest_bond();
-    if (!(fastest.rate * dt > 0.8)) return;
-    throw InputError(text("the time step ", dt, " s is too long for the bonds of particle ",
-                          fastest.particle, ", which swing at up to ", fastest.rate,
-                          " rad/s: it must be at most ", 0.8 / fastest.rate,
-                          " s; lower Simulation::time_step, leave it out, or soften the bonds"));
+    return {fastest.rate > 0 ? 0.8 / fastest.rate : INFINITY, fastest.particle, fastest.rate};
+  }
+  void check_bond_step(double dt) const {
+    const StableStep most = longest_stable_bond_step();
+    require(!(dt > most.time), "Simulation::time_step = ", dt,
+            " [s] is too long for the bonds of particle ", most.particle,
+            ", which swings by them at up to ", most.rate, " rad/s: it must be at most ", most.time,
+            " s; lower it, leave it out, or soften the bonds");
   }
 
  private:

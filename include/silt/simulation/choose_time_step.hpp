@@ -92,6 +92,7 @@ double Simulation<Policies...>::chosen_time_step() const {
               " of the shortest contact that can happen at ", speed, " m/s", tips_at(speed),
               ": that ", detail::describe(*shortest, contacts_),
               "; lower it, leave it out, or soften the material");
+    this->check_bond_step(*time_step);
     return *time_step;
   }
   require(size() > 0 || !openings_.inlets().empty(),
@@ -124,7 +125,8 @@ template <class... Policies>
 bool Simulation<Policies...>::is_step_too_long() const {
   const double speed = expected_speed();
   const auto limit = time_step_limit(speed);
-  return (limit && dt_ > *limit) || dt_ > longest_travel_step(speed);
+  return (limit && dt_ > *limit) || dt_ > longest_travel_step(speed) ||
+         dt_ > this->longest_stable_bond_step().time;
 }
 
 /// Whether the time step is longer than the one that silt chooses for the speeds so far.

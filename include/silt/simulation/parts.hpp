@@ -249,7 +249,6 @@ void Simulation<Policies...>::prepare() {
     time_origin_ = time_, step_origin_ = step_;
     dt_ = dt;
   }
-  if (scene_changed_) this->check_bond_step(dt_);
   if (scene_changed_) checked_speed_ = 0;
   scene_changed_ = false;
   if (guard.domain) detail::check_inside(engine_, *guard.domain, step_, time_);
