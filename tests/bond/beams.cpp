@@ -37,13 +37,11 @@ using Bonded = silt::Bonds<silt::ParallelBond>;
 using Contacts = silt::Contacts<silt::HertzMindlin>;
 
 auto scene(const silt::BondedSpheres& all, const Loads& loads) {
-  silt::Simulation sim{silt::Particles<silt::Sphere>{},
-                       Contacts{{.youngs_modulus = 1e7,
-                                 .poisson_ratio = 0.25,
-                                 .restitution = 0.5,
-                                 .friction = 0.5}},
-                       Bonded{{.youngs_modulus = E, .stiffness_ratio = ratio, .damping = 0.1}},
-                       silt::BodyForce{loads}};
+  silt::Simulation sim{
+      silt::Particles<silt::Sphere>{},
+      Contacts{{.youngs_modulus = 1e7, .poisson_ratio = 0.25, .restitution = 0.5, .friction = 0.5}},
+      Bonded{{.youngs_modulus = E, .stiffness_ratio = ratio, .damping = 0.1}},
+      silt::BodyForce{loads}};
   add_bonded(sim, all);
   sim.threads = 1;
   return sim;
@@ -60,7 +58,9 @@ double period(double length) {
   const double per_length = density * silt::sphere_volume(R) / (2 * R);
   return 2 * pi * length * length / 3.516 * std::sqrt(per_length / (E * I));
 }
-double critical(double length) { return 4 * pi * density * silt::sphere_volume(R) / period(length); }
+double critical(double length) {
+  return 4 * pi * density * silt::sphere_volume(R) / period(length);
+}
 
 template <class Sim>
 Vec3d place(const Sim& sim, int id) {
@@ -133,7 +133,7 @@ TEST_CASE("beams: a column holds below Euler's load and buckles to the elastica 
   CHECK(std::abs(tip_under(0.96 * euler).z) < 1e-3 * L);
   // Columns that are sheared and compressed, too, yield a little sooner: by some (R/L)^2 of the
   // load; with n bonds by 1/n^2 of it.
-  const Elastica bent(2 * pi / 9 * 2);  // 80 degrees, 1.29 of Euler's load
+  const Elastica bent(2 * pi / 9 * 2);                    // 80 degrees, 1.29 of Euler's load
   CHECK(bent.load == near(1.293 * euler).epsilon(1e-3));  // the printed table's (recalled)
   const Vec3d tip = tip_under(bent.load);
   CHECK(tip.x / L == near(bent.x).epsilon(5e-3));
@@ -151,7 +151,8 @@ TEST_CASE("beams: a ring that is pinched by two forces, (pi/4 - 2/pi) F r^3/(E I
           ring.spheres.push_back({.position = {r * std::cos(a), r * std::sin(a), 0},
                                   .radius = R * std::sin(pi / count) / (pi / count),
                                   .density = density});
-          ring.bonds.push_back({static_cast<std::size_t>(k), static_cast<std::size_t>((k + 1) % count)});
+          ring.bonds.push_back(
+              {static_cast<std::size_t>(k), static_cast<std::size_t>((k + 1) % count)});
         }
         // Of the ring's own radius and stiffness: R_b is that of these spheres.
         const double R_b = ring.spheres[0].radius, I_b = pi * std::pow(R_b, 4) / 4,
@@ -161,9 +162,10 @@ TEST_CASE("beams: a ring that is pinched by two forces, (pi/4 - 2/pi) F r^3/(E I
             (pi / 4 - 2 / pi) * r * r * r / (E * I_b) + pi / 4 * r / (E * A_b) * (1 + ratio);
         const double F = 2e-4 * r / unit;
         const double T = period(2 * r);
-        auto sim = scene(ring, {critical(2 * r), {{0, {{-F, 0, 0}, {0, 0, 0}}},
-                                                  {static_cast<silt::ParticleId>(count / 2),
-                                                   {{F, 0, 0}, {0, 0, 0}}}}});
+        auto sim =
+            scene(ring, {critical(2 * r),
+                         {{0, {{-F, 0, 0}, {0, 0, 0}}},
+                          {static_cast<silt::ParticleId>(count / 2), {{F, 0, 0}, {0, 0, 0}}}}});
         sim.time_step = 1e-6;
         sim.run(3 * T);
         const double shrunk = 2 * r - (place(sim, 0).x - place(sim, count / 2).x);

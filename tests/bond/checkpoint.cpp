@@ -46,16 +46,19 @@ auto scene(const silt::ParallelBond& bonds = model, bool empty = false) {
                     .velocity = {0.3, 0, -1}});
   sim.add(ball);
   bond_near(sim, 0.01 * R);
-  const auto first = add_bonded(sim, silt::fibre({0.02, 0, 0.039}, {0.02, 0, 0.025}, 8,
-                                                 {.radius = R, .density = 2000}));
+  const auto first = add_bonded(
+      sim, silt::fibre({0.02, 0, 0.039}, {0.02, 0, 0.025}, 8, {.radius = R, .density = 2000}));
   sim.bond_to_wall(first, "ceiling", {0.02, 0, 0.04});
   return sim;
 }
 template <class Sim>
 std::vector<double> bits(const Sim& sim) {
   const auto e = sim.energy();
-  std::vector<double> all{sim.time(), static_cast<double>(sim.bonds()),
-                          static_cast<double>(sim.broken_bonds()), e.bond_damping, e.bond_breaking,
+  std::vector<double> all{sim.time(),
+                          static_cast<double>(sim.bonds()),
+                          static_cast<double>(sim.broken_bonds()),
+                          e.bond_damping,
+                          e.bond_breaking,
                           sim.wall("ceiling").force.z};
   for (silt::ParticleId id = 0; id < sim.rows(); ++id)
     for (const Vec3d& v : {sim.position(sim.find(id)), sim.velocity(sim.find(id)),

@@ -72,11 +72,10 @@ TEST_CASE("bonds: what the ledger cannot explain is of second order in the step"
     std::uint64_t breaks;
   };
   // 40 us: in the first swing, half of the energy is in motion still.
-  for (const Case& c : {Case{{-0.3, 0, 0}, {0, 0, 0}, 0, 2e-3, 1},
-                        Case{{-0.3, 0, 0}, {0, 0, 0}, 0.3, 2e-3, 1},
-                        Case{{0, 0, 0}, {0, 0, 300}, 0.3, 2e-3, 1},
-                        Case{{0, 0.3, 0}, {0, 0, 0}, 0.3, 2e-3, 0},
-                        Case{{-0.1, 0.1, 0}, {30, 0, 10}, 0.3, 4e-5, 0}}) {
+  for (const Case& c :
+       {Case{{-0.3, 0, 0}, {0, 0, 0}, 0, 2e-3, 1}, Case{{-0.3, 0, 0}, {0, 0, 0}, 0.3, 2e-3, 1},
+        Case{{0, 0, 0}, {0, 0, 300}, 0.3, 2e-3, 1}, Case{{0, 0.3, 0}, {0, 0, 0}, 0.3, 2e-3, 0},
+        Case{{-0.1, 0.1, 0}, {30, 0, 10}, 0.3, 4e-5, 0}}) {
     double last = 0;
     for (const double step : {5e-7, 2.5e-7}) {
       const auto sim = pair_in_motion(c.velocity, c.spin, c.damping, step, c.duration);

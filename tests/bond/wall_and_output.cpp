@@ -65,8 +65,8 @@ TEST_CASE("bonds to walls: a wall that turns takes its fibre with it, and feels 
   // It has come to turn with the wall, held by a force inwards.
   for (silt::ParticleId id = first; id < first + 3; ++id) {
     const auto k = sim.find(id);
-    CHECK(norm(sim.velocity(k)) == near(rate * std::hypot(sim.position(k).x, sim.position(k).y))
-                                       .epsilon(1e-3));
+    CHECK(norm(sim.velocity(k)) ==
+          near(rate * std::hypot(sim.position(k).x, sim.position(k).y)).epsilon(1e-3));
     CHECK(sim.angular_velocity(k).z == near(rate).epsilon(1e-3));
   }
   const auto& wall = sim.wall("disc");
@@ -148,8 +148,8 @@ TEST_CASE("bonds: write_bonds and bond_series write a line for each, with its lo
     std::stringstream whole;
     whole << in.rdbuf();
     CHECK(whole.str().find("NumberOfLines=\"4\"") != std::string::npos);
-    for (const char* name : {"normal_force", "shear_force", "twisting", "bending", "load",
-                             "energy", "\"a\"", "\"b\"", "wall", "number"})
+    for (const char* name : {"normal_force", "shear_force", "twisting", "bending", "load", "energy",
+                             "\"a\"", "\"b\"", "wall", "number"})
       CHECK(whole.str().find(name) != std::string::npos);
     ++files;
   }

@@ -133,7 +133,7 @@ Fragments fragments(const Sim& sim) {
     while (root[k] != k) k = root[k] = root[root[k]];
     return k;
   };
-  sim.for_each_bond([&](const auto& bond) { 
+  sim.for_each_bond([&](const auto& bond) {
     if (bond.b != no_particle) root[top(sim.find(bond.a))] = top(sim.find(bond.b));
   });
   std::vector<std::size_t> by_id;

@@ -19,7 +19,8 @@ namespace silt::inline SILT_TARGET {
 ///
 /// s: shift of i against j at the bond's middle (BondStrain), n along the bond, s across.
 ///
-/// Source: the contact bond of D. O. Potyondy, P. A. Cundall, Int. J. Rock Mech. Min. Sci. 41 (2004)
+/// Source: the contact bond of D. O. Potyondy, P. A. Cundall, Int. J. Rock Mech. Min. Sci. 41
+/// (2004)
 ///         1329 (recalled).
 /// Valid:  see BondStrain. Chains of it have no bending stiffness. Two spheres that roll on each
 ///         other by the angle a draw it out by R a^2.

@@ -46,10 +46,9 @@ struct ParallelBond {
   double damping = 0.1;  // [-] >= 0, ratio to critical damping
   double weibull_modulus =
       0;  // [-] both strengths are scattered by one Weibull factor of mean 1; 0: none
-  static constexpr std::array names{"Young's modulus [Pa]",     "k_n/k_s [-]",
-                                    "radius ratio [-]",         "tensile strength [Pa]",
-                                    "shear strength [Pa]",      "friction angle [rad]",
-                                    "damping ratio [-]",        "Weibull modulus [-]"};
+  static constexpr std::array names{
+      "Young's modulus [Pa]", "k_n/k_s [-]",          "radius ratio [-]",  "tensile strength [Pa]",
+      "shear strength [Pa]",  "friction angle [rad]", "damping ratio [-]", "Weibull modulus [-]"};
 
   template <class Real>
   struct Numbers {

@@ -51,8 +51,9 @@ class BondSeries {
 
   template <class Sim>
   void begin(const Sim& sim, double) {
-    static_assert(Sim::has_bonds, "bond_series needs a simulation with bonds: give it the policy "
-                                  "silt::Bonds{silt::ParallelBond{...}}");
+    static_assert(Sim::has_bonds,
+                  "bond_series needs a simulation with bonds: give it the policy "
+                  "silt::Bonds{silt::ParallelBond{...}}");
     schedule_.begin(sim, only_reads);
     if (series_) return;
     make_folder(folder_);
@@ -86,9 +87,9 @@ detail::BondObserver<Action> on_bond_break(Action action) {
 
 /// Writes the bonds as lines from centre to centre, or to the place on the wall: `normal_force` [N]
 /// (positive: it pulls its ends together), `shear_force` (its size), `twisting` and `bending`
-/// [N m] (their sizes), `load` [-] (it breaks above 1), `energy` [J], ids `a` and `b` (of a wall the
-/// largest number there is), `wall` (-1: none), `number`. A bond through the side of a periodic box
-/// is drawn whole, beside a. `file` should end in .vtp.
+/// [N m] (their sizes), `load` [-] (it breaks above 1), `energy` [J], ids `a` and `b` (of a wall
+/// the largest number there is), `wall` (-1: none), `number`. A bond through the side of a periodic
+/// box is drawn whole, beside a. `file` should end in .vtp.
 template <class Sim>
 void write_bonds(const std::string& file, const Sim& sim) {
   using Point = std::array<float, 3>;

@@ -128,8 +128,7 @@ template <class Stage>
 void describe_bonds(const Describer& is, const Stage& stage) {
   using Model = std::remove_cvref_t<decltype(stage.model)>;
   is("seed of bonds", text(stage.seed));
-  if constexpr (requires { Model::names.size(); })
-    describe_numbers(is, "the bonds'", stage.model);
+  if constexpr (requires { Model::names.size(); }) describe_numbers(is, "the bonds'", stage.model);
 }
 
 }  // namespace silt::detail

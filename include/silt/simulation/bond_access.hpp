@@ -48,13 +48,13 @@ class BondAccess {
     e.lists.forget();
     sim().scene_changed_ = true;
   }
-  /// Bonds a particle to a wall, by its number or name, at the wall's point `place` [m], which moves
-  /// with the wall. The bond is as long as the way there, its radius is by the particle's alone.
-  /// Its contact with the wall goes on acting beside it. InputError: there is no such particle or
-  /// wall, it is fixed, or `place` is its centre.
+  /// Bonds a particle to a wall, by its number or name, at the wall's point `place` [m], which
+  /// moves with the wall. The bond is as long as the way there, its radius is by the particle's
+  /// alone. Its contact with the wall goes on acting beside it. InputError: there is no such
+  /// particle or wall, it is fixed, or `place` is its centre.
   template <class S = Sim>
-  void bond_to_wall(ParticleId id, const WhichWall& which, const Vec3d& place)
-      requires(S::has_bonds) {
+  void bond_to_wall(ParticleId id, const WhichWall& which,
+                    const Vec3d& place) requires(S::has_bonds) {
     auto& e = sim().engine_;
     const auto p = end_of_bond(id);
     const std::size_t w = sim().wall_number(which);
@@ -70,7 +70,9 @@ class BondAccess {
     const Quaternion turned = conjugate(wall.pose.rotation);
     auto& stage = sim().bonds_;
     stage.add(typename std::remove_cvref_t<decltype(stage.at_walls)>::Bond{
-        id, w, wall.pose.to_body(place),
+        id,
+        w,
+        wall.pose.to_body(place),
         {rotate(turned, d), 1, turned * e.particles.orientation[e.find(id)]},
         stage.model.numbers({r, r, norm(d), p.mass(),
                              Sim::ShapeType::inertia_factor() * p.mass() * r * r,
@@ -88,8 +90,8 @@ class BondAccess {
   void for_each_bond(const F& f) const requires(S::has_bonds) {
     sim().bonds_.visit(sim().engine_, sim().domain_, f);
   }
-  /// Bonds that hold now [-], and those that broke since the start. Those of particles that left are
-  /// in neither.
+  /// Bonds that hold now [-], and those that broke since the start. Those of particles that left
+  /// are in neither.
   template <class S = Sim>
   std::size_t bonds() const requires(S::has_bonds) {
     return sim().bonds_.size(sim().engine_);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <type_traits>
 
 #include <silt/core/lanes.hpp>
 
@@ -21,9 +20,6 @@ template <class ContactsType>
 inline constexpr bool keeps_offset = requires {
   ContactsType::offset_from;
 };
-template <bool Kept, class Contacts>
-using WithOffsetIf = typename std::conditional_t<Kept, std::type_identity<WithOffset<Contacts>>,
-                                                 std::type_identity<Contacts>>::type;
 
 /// [m] above any overlap: the offset of a pair whose next overlap is to be left out.
 inline constexpr double whole_overlap = 1e30;
@@ -31,8 +27,7 @@ inline constexpr double whole_overlap = 1e30;
 /// The overlaps of a pack of pairs, less their offsets, which follow.
 template <class Real>
 SILT_INLINE Real without_offset(const Real& overlap, ScalarOf<Real>* offsets) {
-  const Real offset =
-      select(overlap > Real(0), min(silt::load<Real>(offsets), overlap), Real(0));
+  const Real offset = select(overlap > Real(0), min(silt::load<Real>(offsets), overlap), Real(0));
   silt::store(offsets, offset);
   return overlap - offset;
 }

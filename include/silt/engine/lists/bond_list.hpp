@@ -6,8 +6,9 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
+#include <deque>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include <silt/bond/concept.hpp>
@@ -120,20 +121,22 @@ class BondList {
               const Gone& gone) {
     if (waiting_.empty() && !is_stale_ && changes_ == changes && rows_ == rows && left_ == left)
       return;
-    std::vector<Bond> all;
-    all.reserve(size_);
-    const auto take = [&](const Bond& b) {
-      if (find(b.i) < rows && find(b.j) < rows)
-        all.push_back(b);
+    groups_ = PairGroups(rows);
+    std::vector<Place> order;
+    order.reserve(size_);
+    const std::size_t places = ids_.size();
+    const auto take = [&](const Bond& b, std::size_t source) {
+      const std::uint32_t i = find(b.i), j = find(b.j);
+      if (i < rows && j < rows)
+        order.push_back({static_cast<std::uint32_t>(groups_.of(i, j)), i, j,
+                         static_cast<std::uint32_t>(source)});
       else
         gone(b);
     };
-    for_each([&](std::size_t k) { take(bond(k)); });
-    for (const Bond& b : waiting_) take(b);
-    size_ = all.size();
-    waiting_.clear(), is_stale_ = false, changes_ = changes, rows_ = rows, left_ = left;
-    groups_ = PairGroups(rows);
-    lay_out(all, find);
+    for_each([&](std::size_t k) { take(bond(k), k); });
+    for (std::size_t k = 0; k < waiting_.size(); ++k) take(waiting_[k], places + k);
+    size_ = order.size(), is_stale_ = false, changes_ = changes, rows_ = rows, left_ = left;
+    lay_out(order);
   }
   std::size_t bytes() const {
     return rests_.bytes() + numbers_.bytes() + ids_.capacity() * sizeof(Ids) +
@@ -147,46 +150,46 @@ class BondList {
   };
   static constexpr Ids nobody{no_particle, no_particle, 0};
 
-  template <class Find>
-  void lay_out(const std::vector<Bond>& all, const Find& find) {
-    struct Place {
-      std::uint32_t first, second, bond, group;
-    };
-    std::vector<Place> order;
-    order.reserve(all.size());
-    std::vector<std::size_t> count(groups_.count(), 0);
-    for (const Bond& b : all) {
-      const std::uint32_t i = find(b.i), j = find(b.j);
-      const std::size_t g = groups_.of(i, j);
-      order.push_back(
-          {i, j, static_cast<std::uint32_t>(order.size()), static_cast<std::uint32_t>(g)});
-      ++count[g];
-    }
+  /// Where a bond comes from: a place of the list, or behind those one that waits; and where its
+  /// ends are.
+  struct Place {
+    std::uint32_t group, first, second, source;
+  };
+  /// Lays the bonds out anew by `order`, which is sorted here.
+  void lay_out(std::vector<Place>& order) {
     std::sort(order.begin(), order.end(), [](const Place& a, const Place& b) {
       return std::tie(a.group, a.first, a.second) < std::tie(b.group, b.first, b.second);
     });
+    std::vector<std::size_t> count(groups_.count(), 0);
+    for (const Place& p : order) ++count[p.group];
     group_.resize(groups_.count());
     std::size_t next = 0;
     for (std::size_t g = 0; g < group_.size(); ++g) {
       group_[g] = {next, next + count[g]};
       next = pieces(group_[g].to, W) * W;
     }
-    rests_.clear(next / W), numbers_.clear(next / W);
+    const std::size_t places = ids_.size();
+    BondColumns<BondRest, W> rests;
+    BondColumns<Model::template Numbers, W> numbers;
+    std::vector<Ids> ids(next, nobody);
+    rests.clear(next / W), numbers.clear(next / W);
     const auto none = static_cast<std::uint32_t>(rows_);
-    ids_.assign(next, nobody), first_.assign(next, none), second_.assign(next, none + 1);
+    first_.assign(next, none), second_.assign(next, none + 1);
     std::size_t at = 0;
     for (const Group& g : group_)
       for (std::size_t k = g.from; k < g.to; ++k) {
         const Place& p = order[at++];
-        const Bond& b = all[p.bond];
-        ids_[k] = {b.i, b.j, b.number}, first_[k] = p.first, second_[k] = p.second;
-        rests_.set(k, b.rest), numbers_.set(k, b.numbers);
+        const Bond b = p.source < places ? bond(p.source) : waiting_[p.source - places];
+        ids[k] = {b.i, b.j, b.number}, first_[k] = p.first, second_[k] = p.second;
+        rests.set(k, b.rest), numbers.set(k, b.numbers);
       }
+    rests_ = std::move(rests), numbers_ = std::move(numbers), ids_ = std::move(ids);
+    waiting_ = {};
   }
 
   PairGroups groups_;
   std::vector<Group> group_;
-  std::vector<Bond> waiting_;  // that have come since
+  std::deque<Bond> waiting_;  // that have come since
   std::vector<Ids> ids_;
   std::vector<std::uint32_t> first_, second_;  // rows of the ends
   BondColumns<BondRest, W> rests_;

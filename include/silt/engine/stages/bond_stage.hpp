@@ -63,8 +63,7 @@ class BondStage {
       }
       for (const Done& one : done) {
         power += one.power;
-        for (const std::uint32_t k : one.over)
-          overloaded_.push_back({seen(e, domain, k, dt), k});
+        for (const std::uint32_t k : one.over) overloaded_.push_back({seen(e, domain, k, dt), k});
       }
     }
     power += at_walls.push(e, domain, model, dt, [&](const BondSeen& what, std::size_t k) {
@@ -135,8 +134,8 @@ class BondStage {
   Rate fastest(const Engine& e) {
     follow(e);
     std::vector<double> shift(e.particles.size(), 0.0), turn(e.particles.size(), 0.0);
-    const auto include = [&](std::size_t row, const BondStiffness& s, double arm) {
-      shift[row] += s.shift, turn[row] += s.turn + s.shift * arm * arm;
+    const auto include = [&](std::size_t at, const BondStiffness& s, double arm) {
+      shift[at] += s.shift, turn[at] += s.turn + s.shift * arm * arm;
     };
     list.for_each([&](std::size_t k) {
       const Bond b = list.bond(k);

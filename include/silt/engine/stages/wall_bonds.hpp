@@ -13,9 +13,9 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// A bond as readers see it. `dt` [s]: the step, if it breaks now. Its force acts until the middle of
-/// the next step: what its springs give until then is not lost, and what its dashpots take is, as
-/// far as EnergyBook::bonds_damped() does not have it.
+/// A bond as readers see it. `dt` [s]: the step, if it breaks now. Its force acts until the middle
+/// of the next step: what its springs give until then is not lost, and what its dashpots take is,
+/// as far as EnergyBook::bonds_damped() does not have it.
 template <class Model>
 BondSeen see_bond(const Model& model, const BondStrain<double>& strain,
                   const typename Model::template Numbers<double>& numbers, double dt) {
@@ -23,10 +23,10 @@ BondSeen see_bond(const Model& model, const BondStrain<double>& strain,
   BondSeen out;
   out.normal = strain.normal, out.force = a.force, out.couple = a.couple;
   out.load = model.load(a, strain.normal, numbers);
-  out.energy = model.energy(strain, numbers) -
-               0.5 * dt * (dot(a.force, strain.shift_rate) + dot(a.couple, strain.turn_rate)) -
-               0.25 * dt *
-                   (dot(a.rate_force, strain.shift_rate) + dot(a.rate_couple, strain.turn_rate));
+  out.energy =
+      model.energy(strain, numbers) -
+      0.5 * dt * (dot(a.force, strain.shift_rate) + dot(a.couple, strain.turn_rate)) -
+      0.25 * dt * (dot(a.rate_force, strain.shift_rate) + dot(a.rate_couple, strain.turn_rate));
   return out;
 }
 
@@ -112,8 +112,12 @@ class WallBonds {
       const Quaternion turn = wall.pose.rotation * conjugate(wall.last_pose.rotation);
       spin = (turn.w < 0 ? -2 : 2) / dt * turn.vector();
     }
-    return {d, m.velocity() - velocity, e.particles.orientation[row], wall.pose.rotation,
-            m.inv_r * m.spin_velocity(), spin};
+    return {d,
+            m.velocity() - velocity,
+            e.particles.orientation[row],
+            wall.pose.rotation,
+            m.inv_r * m.spin_velocity(),
+            spin};
   }
   template <class Engine>
   static void add(Engine& e, std::size_t row, const Vec3d& force, const Vec3d& torque) {

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <type_traits>
 
-#include <silt/engine/contact/offset.hpp>
 #include <silt/engine/state/axes.hpp>
 #include <silt/engine/state/fluid_loads.hpp>
 #include <silt/engine/state/module_columns.hpp>
@@ -19,9 +18,15 @@ namespace silt::inline SILT_TARGET::detail {
 /// What contacts keep and give besides what the law says, by the shape.
 template <class ShapeType, class Contacts>
 struct ContactsOf;
+template <class ContactsType>
+struct WithOffset;
 template <bool Watched, class Contacts>
 using WatchedIf = typename std::conditional_t<Watched, std::type_identity<WithEvents<Contacts>>,
                                               std::type_identity<Contacts>>::type;
+
+template <bool Kept, class Contacts>
+using WithOffsetIf = typename std::conditional_t<Kept, std::type_identity<WithOffset<Contacts>>,
+                                                 std::type_identity<Contacts>>::type;
 
 template <bool Summed, class Contacts>
 using WithVirialIf = typename std::conditional_t<Summed, std::type_identity<WithVirial<Contacts>>,
