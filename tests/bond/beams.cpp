@@ -88,7 +88,9 @@ TEST_CASE("beams: a cantilever under a force at its end, F L^3/(3 E I) + F L/(G 
         const double L = 2 * R * n;
         // G A is k_s L of a bond.
         const double unit = L * L * L / (3 * E * I) + ratio * L / (E * A), F = 1e-3 * L / unit;
-        auto sim = scene(clamped(n), {critical(L), {{n, {{0, 0, F}, {0, 0, 0}}}}});
+        auto sim =
+            scene(clamped(n),
+                  {critical(L), {{static_cast<silt::ParticleId>(n), {{0, 0, F}, {0, 0, 0}}}}});
         sim.gravity = {0, 0, 0}, sim.time_step = 1e-6;
         sim.run(5 * period(L));
         return place(sim, n).z / (F * unit) - 1;
@@ -99,7 +101,8 @@ TEST_CASE("beams: a cantilever under a force at its end, F L^3/(3 E I) + F L/(G 
 TEST_CASE("beams: a rod twists by T L/(G J), and stretches by F L/(E A), exactly") {
   const int n = 10;
   const double L = 2 * R * n, T = 0.01 * E * J / ratio / L, F = 1e-3 * E * A;
-  auto sim = scene(clamped(n), {critical(L), {{n, {{F, 0, 0}, {T, 0, 0}}}}});
+  auto sim = scene(clamped(n),
+                   {critical(L), {{static_cast<silt::ParticleId>(n), {{F, 0, 0}, {T, 0, 0}}}}});
   sim.time_step = 1e-6;
   sim.run(3 * period(L));
   const auto tip = sim.orientation(sim.find(n));
@@ -122,7 +125,8 @@ TEST_CASE("beams: a column holds below Euler's load and buckles to the elastica 
   const double L = 2 * R * n;
   const auto tip_under = [&](double load) {
     const double F = load * E * I / (L * L);
-    auto sim = scene(clamped(n), {0.7 * critical(L), {{n, {{-F, 0, 0}, {0, 0, 0}}}}});
+    auto sim = scene(clamped(n), {0.7 * critical(L),
+                                  {{static_cast<silt::ParticleId>(n), {{-F, 0, 0}, {0, 0, 0}}}}});
     for (silt::ParticleId id = 1; id < sim.rows(); ++id)
       sim.set_velocity(id, {0, 0, 1e-2 * L / period(L)});
     sim.time_step = 1.5e-6;

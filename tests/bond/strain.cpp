@@ -139,7 +139,8 @@ TEST_CASE("bond: motion of both ends as one rigid body strains nothing, and turn
 
 TEST_CASE("bond: closed forms of a stretch, a shear, a twist and a bend") {
   BondRest<double> rest{{0, 0, 2}, 0.5, {}};
-  End i{.centre = {0, 0, 2}}, j;
+  End i, j;
+  i.centre = {0, 0, 2};
   const auto strain = [&] { return strain_of(rest, ends(i, j)); };
   CHECK(silt::norm(strain().shift) + silt::norm(strain().turn) == 0);
 
