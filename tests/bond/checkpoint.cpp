@@ -91,7 +91,6 @@ TEST_CASE("bonds: a run that goes on from a checkpoint gives the same bits") {
     one.run(2000 * dt), other.run(2000 * dt);
     CHECK(bits(other) == bits(one));
     CHECK(one.broken_bonds() > 20);
-    MESSAGE(one.broken_bonds() << " of " << one.bonds());
   }
   std::filesystem::remove(path);
 }

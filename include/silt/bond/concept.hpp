@@ -36,7 +36,7 @@ struct BondAnswer {
 ///   template <class Real>                                                [-] it breaks above 1
 ///   Real load(const BondAnswer<Real>&, const Vec3<Real>& normal, const Numbers<Real>&) const;
 ///   double energy(const BondStrain<double>&, const Numbers<double>&) const;  [J] in the springs
-///   BondStiffness stiffness(const Numbers<double>&) const;
+///   BondStiffness stiffest(const Numbers<double>&) const;
 template <class M>
 concept BondModel = requires(const M& model, const BondedPair& pair, const BondStrain<double>& s,
                              const Vec3d& n, const typename M::template Numbers<double>& p) {
@@ -44,7 +44,7 @@ concept BondModel = requires(const M& model, const BondedPair& pair, const BondS
   { model.answer(s, p) } -> std::same_as<BondAnswer<double>>;
   { model.load(model.answer(s, p), n, p) } -> std::convertible_to<double>;
   { model.energy(s, p) } -> std::convertible_to<double>;
-  model.stiffness(p);
+  model.stiffest(p);
 };
 
 /// The largest of a bond's stiffnesses, for the time step.

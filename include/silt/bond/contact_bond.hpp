@@ -84,7 +84,7 @@ struct ContactBond {
   double energy(const BondStrain<double>& s, const Numbers<double>& p) const {
     return -0.5 * dot(answer(s, p).force, s.shift);
   }
-  BondStiffness stiffness(const Numbers<double>&) const {
+  BondStiffness stiffest(const Numbers<double>&) const {
     return {std::max(normal_stiffness, shear_stiffness), 0};
   }
 };

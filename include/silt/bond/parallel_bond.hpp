@@ -113,7 +113,7 @@ struct ParallelBond {
     const auto a = answer(s, p);
     return -0.5 * (dot(a.force, s.shift) + dot(a.couple, s.turn));
   }
-  BondStiffness stiffness(const Numbers<double>& p) const {
+  BondStiffness stiffest(const Numbers<double>& p) const {
     const double ratio = std::max(1.0, 1 / stiffness_ratio);
     return {ratio * p.kn, 0.25 * p.kn * p.radius * p.radius * std::max(1.0, 2 / stiffness_ratio)};
   }

@@ -139,13 +139,13 @@ class BondStage {
     };
     list.for_each([&](std::size_t k) {
       const Bond b = list.bond(k);
-      const auto s = model.stiffness(b.numbers);
+      const auto s = model.stiffest(b.numbers);
       const double length = norm(b.rest.apart);
       include(list.first()[k], s, b.rest.share * length);
       include(list.second()[k], s, (1 - b.rest.share) * length);
     });
     for (const auto& b : at_walls.all)
-      include(e.find(b.i), model.stiffness(b.numbers), b.rest.share * norm(b.rest.apart));
+      include(e.find(b.i), model.stiffest(b.numbers), b.rest.share * norm(b.rest.apart));
     Rate most;
     for (std::size_t k = 0; k < shift.size(); ++k) {
       const auto p = e.owner(k);
