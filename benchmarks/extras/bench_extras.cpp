@@ -79,6 +79,7 @@ class Report {
     pairs();
     wear();
     images();
+    bonds();
   }
 
  private:
@@ -88,6 +89,7 @@ class Report {
   void pairs();
   void wear();
   void images();
+  void bonds();
 
   template <class... Policies>
   auto bed(Policies... policies) const {
@@ -265,6 +267,25 @@ void Report::images() {
   };
   auto plain = on_floor(w), richer = on_floor(0);
   row("images of a floor that ends at periodic faces", compare(plain, richer, rounds_));
+}
+
+/// Every contact of the bed is a bond in place of it; and a bed that may have bonds, but has none.
+void Report::bonds() {
+  const silt::Bonds glue{silt::ParallelBond{.youngs_modulus = 5e5}};  // for the beds' step
+  {
+    auto plain = bed();
+    auto richer = bed(glue);
+    row_of_watcher("bonds where there are none", compare(plain, richer, rounds_));
+  }
+  auto plain = bed();
+  auto richer = bed(glue);
+  const std::size_t contacts = richer.touching_pairs(), made = silt::bond_near(richer, 0);
+  row("bonds in place of all contacts", compare(plain, richer, rounds_));
+  summary_.check_within(key("bonds over contacts"),
+                        static_cast<double>(made) / static_cast<double>(contacts), 1, 1e-3,
+                        "contacts that begin or end at rounding");
+  summary_.check_at_least(key("bonds that hold"), static_cast<double>(richer.bonds()),
+                          static_cast<double>(made));
 }
 
 int run(const example::Options& options, std::vector<std::size_t> sizes, std::size_t turns) {

@@ -1,6 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <silt/bond/build.hpp>
+#include <silt/bond/contact_bond.hpp>
+#include <silt/bond/parallel_bond.hpp>
 #include <silt/boundary/cone.hpp>
 #include <silt/boundary/cylinder.hpp>
 #include <silt/boundary/deforming_box.hpp>
@@ -31,6 +34,7 @@
 #include <silt/coupling/no_fluid.hpp>
 #include <silt/fill/particle_file.hpp>
 #include <silt/fill/particles.hpp>
+#include <silt/io/bond_observers.hpp>
 #include <silt/io/checkpoint.hpp>
 #include <silt/io/coarse_grained.hpp>
 #include <silt/io/contact_observers.hpp>

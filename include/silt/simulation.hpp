@@ -23,10 +23,12 @@
 #include <silt/engine/engine.hpp>
 #include <silt/engine/population/arrivals.hpp>
 #include <silt/engine/population/openings.hpp>
+#include <silt/engine/stages/bond_stage.hpp>
 #include <silt/engine/stages/module_stage.hpp>
 #include <silt/fill/particles.hpp>
 #include <silt/search/verlet_list.hpp>
 #include <silt/simulation/body_readings.hpp>
+#include <silt/simulation/bond_access.hpp>
 #include <silt/simulation/contact_access.hpp>
 #include <silt/simulation/energy_ledger.hpp>
 #include <silt/simulation/fluid_access.hpp>
@@ -69,6 +71,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
                    public detail::NameAccess<Simulation<Policies...>>,
                    public detail::ParticleEdits<Simulation<Policies...>>,
                    public detail::BodyReadings<Simulation<Policies...>>,
+                   public detail::BondAccess<Simulation<Policies...>>,
                    public detail::FluidAccess<Simulation<Policies...>>,
                    public detail::OpeningAccess<Simulation<Policies...>>,
                    public detail::ParticleReadings<Simulation<Policies...>>,
@@ -85,6 +88,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   using Rotation = typename Composition::Rotation;
   using Modules = typename Composition::Modules;
   using ShapeType = typename Composition::Shape;
+  static constexpr bool has_bonds = Composition::has_bonds;
   /// Particles are rigid bodies with an orientation, of one part or several.
   static constexpr bool of_bodies = Composition::has_bodies;
   /// ... whose shape is no set of spheres.
@@ -136,6 +140,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
         fluid_(detail::take_or<Fluid>(policies...)),
         modules_(Modules::taken_from(policies...)) {
     if constexpr (requires { search_.check(); }) search_.check();
+    if constexpr (has_bonds)
+      this->set_bonds(detail::take<typename Composition::Bonds>(policies...));
     add(detail::take<ParticlesType>(policies...));
   }
 
@@ -199,6 +205,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
                           detail::read_contacts(observers, *this, keep_contacts)...});
         advance(stop || (detail::is_due(observers, *this) || ...));
         if constexpr (has_events) detail::tell_all(*this, engine_.events, observers...);
+        if constexpr (has_bonds)
+          if (!bonds_broken_.empty()) detail::tell_all(*this, bonds_broken_, observers...);
       }
       if (kicked_ && sizeof...(Observers) > 0) {
         [[maybe_unused]] const bool again = std::exchange(observed_, true);
@@ -208,6 +216,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
       }
       if (stop) break;
       if (kicked_) engine_.drift(dt_);
+      if constexpr (has_bonds) bonds_.turn(engine_, dt_);
       if constexpr (detail::deforms<Domain>)
         if (kicked_) engine_.move_box(domain_, dt_);
       kicked_ = observed_ = false;
@@ -269,12 +278,14 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     engine_.prepare_fluxes(modules_, time_, look_at_fluxes(present));
     engine_.pair_forces(domain_, times);
     engine_.wall_forces(times);
+    [[maybe_unused]] double bond_power = 0;
+    if constexpr (has_bonds) bond_power = bonds_.push(engine_, domain_, dt_);
     engine_.collect_fluxes();
     if constexpr (Modules::in_pairs) act_in_pairs();
     if constexpr (has_events) engine_.events.sort();
     if constexpr (Fluid::active) couple();
     if constexpr (Modules::push) push_modules();
-    book_step(times);
+    book_step(times, bond_power);
     using Advance = typename Engine::Advance;
     if constexpr (detail::deforms<Domain>) engine_.kick_box(domain_, dt_, first_kick_, observed);
     const double kick = first_kick_ ? Integrator::first_kick * dt_ : dt_;
@@ -285,6 +296,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
       observed ? engine_.record_flow(domain_) : engine_.move_box(domain_, dt_);
     first_kick_ = false;
     kicked_ = observed;
+    if constexpr (has_bonds) break_bonds();
     keep_limits();
   }
 
@@ -304,9 +316,10 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   void check_new(std::span<const Particle> more, const Check& check) const;
   template <class Particle>
   void take_in(std::span<const Particle> more, std::span<const std::size_t> numbers);
-  void book_step(const detail::StepTimes& times);
+  void book_step(const detail::StepTimes& times, double bond_power);
   void book_leaving(std::size_t k);
   void couple();
+  void break_bonds();
   void push_modules();
   void act_in_pairs();
   void start_fields(std::size_t from);
@@ -351,6 +364,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   friend class detail::NameAccess<Simulation>;
   friend class detail::ParticleEdits<Simulation>;
   friend class detail::BodyReadings<Simulation>;
+  friend class detail::BondAccess<Simulation>;
   friend class detail::FluidAccess<Simulation>;
   friend class detail::OpeningAccess<Simulation>;
   friend class detail::ParticleReadings<Simulation>;
@@ -370,6 +384,11 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   Domain domain_;
   [[no_unique_address]] Fluid fluid_;
   [[no_unique_address]] detail::ModuleStage<Modules, Domain> modules_;
+  [[no_unique_address]] mutable
+  typename detail::BondsOf<typename Composition::Bonds, Domain, typename Composition::Arch>::type
+      bonds_;
+  [[no_unique_address]]
+  std::conditional_t<has_bonds, std::vector<BondBreak>, Nothing> bonds_broken_;  // in this step
   [[no_unique_address]] decltype(particles_in_fluid()) in_fluid_;
   Engine engine_;
   detail::Openings<ShapeType, Domain> openings_;

@@ -5,6 +5,8 @@
 
 #include <engine/mixed_scene.hpp>
 
+#include <silt/bond/build.hpp>
+#include <silt/bond/parallel_bond.hpp>
 #include <silt/contact/linear_spring.hpp>
 #include <silt/fluid.hpp>
 #include <silt/io/checkpoint.hpp>
@@ -88,6 +90,32 @@ std::vector<double> seen(const Sim& sim) {
     all.push_back(static_cast<double>(sim.wall(w).surfaces.size())), add(sim.wall(w).force),
         add(sim.wall(w).impulse), add(sim.wall(w).pose.translation);
   return all;
+}
+
+/// An agglomerate that breaks on a plane, and a fibre that hangs on another one.
+auto bonded() {
+  constexpr double R = 1e-3;
+  const silt::HertzMindlin::Material glass{
+      .youngs_modulus = 1e7, .poisson_ratio = 0.25, .restitution = 0.5, .friction = 0.5};
+  silt::Simulation sim{silt::Particles<silt::Sphere>{}, silt::Contacts<silt::HertzMindlin>{glass},
+                       silt::Bonds{silt::ParallelBond{
+                           .youngs_modulus = 1e7, .tensile_strength = 5e3, .shear_strength = 5e3}},
+                       silt::EnergyLedger{}};
+  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, glass);
+  sim.add_wall(silt::Plane{{0, 0, 0.03}, {0, 0, -1}}, glass);
+  silt::Particles<silt::Sphere> ball;
+  for (int k = 0; k < 27; ++k)
+    ball.add({.position = {1.9 * R * (k % 3), 1.9 * R * (k / 3 % 3), 1.9 * R * (k / 9) + 1.2 * R},
+              .radius = R,
+              .density = 2000,
+              .velocity = {0.1, 0, -1}});
+  sim.add(ball);
+  bond_near(sim, 0.01 * R);
+  add_bonded(sim,
+             silt::fibre({0.02, 0, 0.029}, {0.02, 0, 0.021}, 5, {.radius = R, .density = 2000}));
+  sim.bond_to_wall(27, 1, {0.02, 0, 0.03});
+  sim.time_step = 1e-6, sim.threads = 1;
+  return sim;
 }
 
 /// `make` builds the scene, which is saved after `before` [s], and again in a state just begun;
@@ -183,6 +211,12 @@ TEST_CASE("fuzz: checkpoints of convex bodies of several parts") {
   all_forgeries(
       "checkpoint of convex bodies", [] { return crosses(); }, 300 * 1e-5,
       [](auto& sim) { sim.remove_wall(2); });
+}
+
+TEST_CASE("fuzz: checkpoints of bonds, between spheres and to a wall") {
+  all_forgeries(
+      "checkpoint of bonds", [] { return bonded(); }, 300 * 1e-6,
+      [](auto& sim) { sim.remove_wall(1); });
 }
 
 }  // namespace fuzz_checkpoint_test

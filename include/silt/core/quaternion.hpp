@@ -1,24 +1,32 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <silt/core/lanes.hpp>
 #include <silt/core/vec3.hpp>
 
 namespace silt::inline SILT_TARGET {
 
-/// Unit quaternion w + x i + y j + z k: a rotation that maps body axes to space axes.
-struct Quaternion {
-  double w = 1, x = 0, y = 0, z = 0;
+/// Unit quaternion w + x i + y j + z k: a rotation that maps body axes to space axes. `Real` is
+/// `double` or a SIMD batch.
+template <class Real>
+struct BasicQuaternion {
+  Real w = Real(1), x = Real(0), y = Real(0), z = Real(0);
 
-  friend Quaternion operator*(const Quaternion& a, const Quaternion& b) {
+  Vec3<Real> vector() const { return {x, y, z}; }
+  friend SILT_INLINE BasicQuaternion operator*(const BasicQuaternion& a, const BasicQuaternion& b) {
     return {a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
             a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
             a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
             a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
   }
-  friend bool operator==(const Quaternion&, const Quaternion&) = default;
+  friend bool operator==(const BasicQuaternion&, const BasicQuaternion&) = default;
 };
+using Quaternion = BasicQuaternion<double>;
 
-inline Quaternion conjugate(const Quaternion& q) { return {q.w, -q.x, -q.y, -q.z}; }
+template <class Real>
+SILT_INLINE BasicQuaternion<Real> conjugate(const BasicQuaternion<Real>& q) {
+  return {q.w, -q.x, -q.y, -q.z};
+}
 
 /// The rotation by `angle` [rad] about the unit vector `axis`.
 inline Quaternion rotation_about(const Vec3d& axis, double angle) {
@@ -27,10 +35,13 @@ inline Quaternion rotation_about(const Vec3d& axis, double angle) {
 }
 
 /// `v` turned by `q`.
-inline Vec3d rotate(const Quaternion& q, const Vec3d& v) {
-  const Vec3d u{q.x, q.y, q.z};
-  const Vec3d t = 2.0 * cross(u, v);
+template <class Real>
+SILT_INLINE Vec3<Real> rotate(const BasicQuaternion<Real>& q, const Vec3<Real>& v) {
+  const Vec3<Real> u = q.vector();
+  const Vec3<Real> t = Real(2) * cross(u, v);
   return v + q.w * t + cross(u, t);
 }
+
+inline Vec3d rotate(const Quaternion& q, const Vec3d& v) { return rotate<double>(q, v); }
 
 }  // namespace silt

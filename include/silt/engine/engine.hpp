@@ -98,6 +98,14 @@ class Engine : public Tables<Composition> {
     lists.join(scene(domain, time_step), first);
     for (std::size_t row = first; row < particles.size(); ++row) include_share(row);
   }
+  /// Takes in pairs that bonds held so far: what they overlap by now is left out of their contacts.
+  void join_pairs(const Domain& domain, double time_step, std::span<const IndexPair> pairs) {
+    std::array<Scalar, ContactsType::history> start{};
+    start[ContactsType::offset_from] = static_cast<Scalar>(whole_overlap);
+    lists.join_pairs(scene(domain, time_step), pairs, start);
+  }
+  /// Loads on the rows, 4 * chunks Scalars each, between the contacts and the integration.
+  Scalar* load_sums() { return sums_.data(); }
   /// Takes the particle at place k away at any time; park() alone is for just before a pruning.
   void remove(std::size_t k, const Domain& domain, double time_step) {
     std::vector<std::uint32_t> rows{static_cast<std::uint32_t>(k)};

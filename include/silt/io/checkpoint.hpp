@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <silt/files/checkpoint_file.hpp>
+#include <silt/io/checkpoint_bonds.hpp>
 #include <silt/io/checkpoint_checks.hpp>
 #include <silt/io/checkpoint_wall_heat.hpp>
 #include <silt/io/describe_scene.hpp>
@@ -47,9 +48,10 @@ class Checkpoint {
     std::vector<bool> removed;
     for (const auto& w : e.walls) removed.push_back(w.surfaces.empty());
     const auto coefficients = Engine::coefficients_of(sim.contacts_);
-    out.add_text("scene",
-                 detail::describe_scene(sim, coefficients, sim.openings_, removed, removed.size())
-                     .written());
+    auto scene =
+        detail::describe_scene(sim, coefficients, sim.openings_, removed, removed.size());
+    describe_bonds(sim, scene);
+    out.add_text("scene", scene.written());
     auto clock = clock_of(sim);
     clock.visit(a);
     if constexpr (Sim::Modules::flux) clock.visit_fluxes(a);
@@ -60,6 +62,11 @@ class Checkpoint {
     openings.visit(a, openings.out_count.size(), openings.placed.size());
 
     detail::visit_particles(a, e.particles, e.particles.size());
+    [[maybe_unused]] BondsState bonds;
+    if constexpr (Sim::has_bonds) {
+      sim.bonds_.follow(e);
+      bonds = BondsState::of(sim.bonds_), bonds.visit(a);
+    }
     if constexpr (Sim::of_bodies) a.rows("bodies", e.mover.bodies, e.mover.bodies.size());
     a.rows("synchronous", e.mover.synchronous, sim.kicked_ ? e.owners() : 0);
     detail::visit_upkeep(a, e.lists.upkeep, e.lists.reference, e.lists.reference.size());
@@ -119,11 +126,12 @@ class Checkpoint {
   /// Which programs can continue from the file: the policies that shape the state, and what
   /// contacts remember.
   static std::string signature() {
-    return text("silt state 14; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
+    return text("silt state 15; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
                 name_of<typename Sim::ContactsType>(), "; search ", name_of<typename Sim::Search>(),
                 "; domain ", name_of<typename Sim::Domain>(), "; precision ",
                 name_of<typename Sim::Precision>(), Sim::has_ledger ? "; ledger" : "",
                 Sim::has_events ? "; events" : "",
+                Sim::has_bonds ? text("; bonds ", name_of<typename Sim::Composition::Bonds>()) : "",
                 Sim::Fluid::active ? text("; fluid ", name_of<typename Sim::Fluid>()) : "",
                 "; integrator ", name_of<typename Sim::Integrator>(),
                 Sim::of_bodies ? text("; rotation ", name_of<typename Sim::Rotation>()) : "",
@@ -161,6 +169,14 @@ class Checkpoint {
   struct Nothing {};
   template <bool Has, class T>
   using If = std::conditional_t<Has, T, Nothing>;
+
+  using BondStage = std::remove_cvref_t<decltype(std::declval<Sim&>().bonds_)>;
+  using BondsState = detail::BondsState<BondStage>;
+  static void describe_bonds([[maybe_unused]] const Sim& sim,
+                             [[maybe_unused]] detail::SceneDescription& scene) {
+    if constexpr (Sim::has_bonds)
+      detail::describe_bonds({scene, detail::SceneDescription::Aspect::Material, ""}, sim.bonds_);
+  }
 
   class Staged;  // io/checkpoint_staged.hpp
 };

@@ -39,6 +39,12 @@ class Checkpoint<Sim>::Staged {
                     accepted.inlets ? detail::CheckpointLoader::any_count : inlets);
     detail::check_openings(a, openings_, sim_.openings_, clock_, accepted);
     read_particles(a);
+    if constexpr (Sim::has_bonds) {
+      bonds_.visit(a), bonds_.check(a, particles_, walls_.surfaces);
+      stage_ = std::make_unique<BondStage>();
+      stage_->model = sim_.bonds_.model, stage_->seed = sim_.bonds_.seed;
+      bonds_.put(*stage_, particles_);
+    }
     if constexpr (Sim::Modules::flux) {
       a.column("modules.from_walls", from_walls_, detail::CheckpointLoader::any_count);
       auto books = e_.fluxes();  // to try them
@@ -76,6 +82,7 @@ class Checkpoint<Sim>::Staged {
     if (known_walls_ < e.walls.size()) sim.scene_step_ = sim.step_;
     e.coefficients = std::move(coefficients_);
     e.safeguards = clock_.safeguards;
+    if constexpr (Sim::has_bonds) sim.bonds_ = std::move(*stage_), sim.bonds_broken_.clear();
     e.particles = std::move(particles_);
     e.mover.synchronous = std::move(synchronous_);
     if constexpr (Sim::of_bodies) {
@@ -134,8 +141,9 @@ class Checkpoint<Sim>::Staged {
       removed[w] = walls_.surfaces[w] == 0;
     known_walls_ =
         accepted.walls ? std::min(removed.size(), walls_.surfaces.size()) : removed.size();
-    const auto scene = detail::describe_scene(sim_, coefficients_, sim_.openings_, removed,
-                                              std::min(removed.size(), walls_.surfaces.size()));
+    auto scene = detail::describe_scene(sim_, coefficients_, sim_.openings_, removed,
+                                        std::min(removed.size(), walls_.surfaces.size()));
+    describe_bonds(sim_, scene);
     const std::string difference = scene.difference(written, accepted);
     require(difference.empty(), "checkpoint '", path,
             "' is of another scene: ", detail::with_names(difference, sim_));
@@ -299,6 +307,8 @@ class Checkpoint<Sim>::Staged {
 
   const Sim& sim_;
   const Engine& e_;
+  [[no_unique_address]] BondsState bonds_;
+  std::unique_ptr<BondStage> stage_;  // of bonds
   detail::ClockState clock_;
   detail::WallsState walls_;
   std::vector<std::vector<Vec3d>> vertex_steps_;  // of each wall

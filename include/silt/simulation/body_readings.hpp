@@ -12,9 +12,10 @@ namespace silt::inline SILT_TARGET::detail {
 template <class Sim>
 class BodyReadings {
  public:
-  /// Turns the frame in which the form was given to space.
+  /// Turns the frame in which the form was given to space; of spheres with bonds that in which they
+  /// came.
   template <class S = Sim>
-  Quaternion orientation(std::size_t k) const requires(S::of_bodies) {
+  Quaternion orientation(std::size_t k) const requires(S::of_bodies || S::has_bonds) {
     return owner(k).orientation();
   }
   template <class S = Sim>

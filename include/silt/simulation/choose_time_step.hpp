@@ -92,6 +92,7 @@ double Simulation<Policies...>::chosen_time_step() const {
               " of the shortest contact that can happen at ", speed, " m/s", tips_at(speed),
               ": that ", detail::describe(*shortest, contacts_),
               "; lower it, leave it out, or soften the material");
+    this->check_bond_step(*time_step);
     return *time_step;
   }
   require(size() > 0 || !openings_.inlets().empty(),
@@ -108,7 +109,8 @@ double Simulation<Policies...>::chosen_time_step() const {
   for (const Wall& wall : engine_.walls)
     of_springs = std::min(of_springs, detail::spring_step(wall.drive));
   return std::min(
-      {shortest->time / 20, 0.5 * longest_travel_step(speed), longest_module_step(), of_springs});
+      {shortest->time / 20, 0.5 * longest_travel_step(speed), longest_module_step(), of_springs,
+       this->longest_bond_step()});
 }
 
 /// In which nothing at this speed [m/s] goes farther than guard.max_travel allows [s].
@@ -123,7 +125,8 @@ template <class... Policies>
 bool Simulation<Policies...>::is_step_too_long() const {
   const double speed = expected_speed();
   const auto limit = time_step_limit(speed);
-  return (limit && dt_ > *limit) || dt_ > longest_travel_step(speed);
+  return (limit && dt_ > *limit) || dt_ > longest_travel_step(speed) ||
+         dt_ > this->longest_stable_bond_step().time;
 }
 
 /// Whether the time step is longer than the one that silt chooses for the speeds so far.

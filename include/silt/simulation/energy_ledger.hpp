@@ -32,6 +32,7 @@ struct EnergyBalance {
   double translation, rotation;        // kinetic, of particles that are not fixed
   double gravity;                      // - m g x, against the origin
   double normal, tangential, rolling;  // in the springs of contacts
+  double bonds;                        // in the springs of bonds
   // Lost since the start: none of these falls from one observation to the next by more than the
   // error of the step (residual()), but normal_damping with cohesion. Friction and rolling
   // resistance are what tangential forces (less their dashpots) and couples took and neither hold
@@ -42,6 +43,8 @@ struct EnergyBalance {
   double tangential_damping;  // of dashpots
   double friction;
   double rolling_resistance;  // with twisting
+  double bond_damping;        // of their dashpots
+  double bond_breaking;       // that bonds held when they broke
   // Brought in since the start.
   double walls;            // work of moving walls and belts, and of fixed particles that move
   double openings;         // with particles that came, less with those that left
@@ -60,10 +63,11 @@ struct EnergyBalance {
   double turned_over;  // by normal forces since then, once in and out
 
   double kinetic() const { return translation + rotation; }
-  double elastic() const { return normal + tangential + rolling; }
+  double elastic() const { return normal + tangential + rolling + bonds; }
   double held() const { return kinetic() + gravity + elastic(); }
   double dissipated() const {
-    return normal_damping + tangential_damping + friction + rolling_resistance;
+    return normal_damping + tangential_damping + friction + rolling_resistance + bond_damping +
+           bond_breaking;
   }
   double supplied() const {
     return walls + openings + changed_gravity + fluid + modules + box + stiffening;
@@ -109,6 +113,14 @@ class EnergyBook {
   void change_gravity(double energy) { changed_gravity_ += energy; }
   void fluid_worked(double energy) { of_fluid_ += energy; }
   void modules_worked(double energy) { of_modules_ += energy; }
+  void bond_broken(double energy) { bond_breaking_ += energy; }
+  /// Books the dashpots of bonds, of the power [W] that their forces have at the velocities of half
+  /// a step ago. The work of a force F_n in the leapfrog is F_n (v_n-1/2 + v_n+1/2)/2; with F_n = -c
+  /// v_n-1/2 that is P_n 3/4 + P_n-1 1/4 summed over steps, to second order in the step.
+  void bonds_damped(double power, double time_step) {
+    bond_damping_ -= time_step * (0.75 * power + 0.25 * last_bond_power_);
+    last_bond_power_ = power;
+  }
 
   EnergyBalance balance(double translation, double rotation, double gravity,
                         double free_walls) const {
@@ -118,6 +130,7 @@ class EnergyBook {
     e.normal_damping = -work_.dashpot;
     e.friction = friction_, e.tangential_damping = tangential_loss() - friction_;
     e.rolling_resistance = -work_.couple - (stored_.rolling - at_start_.rolling);
+    e.bond_damping = bond_damping_, e.bond_breaking = bond_breaking_;
     e.walls = of_walls_, e.openings = openings_, e.changed_gravity = changed_gravity_;
     e.fluid = of_fluid_, e.modules = of_modules_, e.stiffening = work_.stiffening;
     e.free_walls = free_walls;
@@ -129,7 +142,8 @@ class EnergyBook {
   std::vector<double> state() const {
     std::vector<double> all{of_walls_,         openings_, changed_gravity_, initial_,
                             last_fixed_power_, of_fluid_, since_asked_,     last_power_,
-                            damped_,           friction_, of_modules_};
+                            damped_,           friction_, of_modules_,
+                            bond_damping_,     bond_breaking_, last_bond_power_};
     for (const auto* e : {&stored_, &at_start_, &work_}) {
       const auto values = ContactEnergy<double>::values(*e);
       all.insert(all.end(), values.begin(), values.end());
@@ -142,7 +156,8 @@ class EnergyBook {
     of_walls_ = all[0], openings_ = all[1], changed_gravity_ = all[2], initial_ = all[3];
     last_fixed_power_ = all[4], of_fluid_ = all[5], since_asked_ = all[6], last_power_ = all[7];
     damped_ = all[8], friction_ = all[9], of_modules_ = all[10];
-    std::size_t at = 11;
+    bond_damping_ = all[11], bond_breaking_ = all[12], last_bond_power_ = all[13];
+    std::size_t at = 14;
     for (auto* e : {&stored_, &at_start_, &work_}) {
       std::array<double, terms> values;
       for (double& v : values) v = all[at++];
@@ -155,7 +170,7 @@ class EnergyBook {
                        {all[at + 6], all[at + 7], all[at + 8]}});
   }
   static constexpr std::size_t terms = sizeof(ContactEnergy<double>) / sizeof(double);
-  static constexpr std::size_t least_size = 11 + 3 * terms;
+  static constexpr std::size_t least_size = 14 + 3 * terms;
 
  private:
   /// What tangential forces have taken and their springs do not hold [J].
@@ -197,6 +212,8 @@ class EnergyBook {
   std::vector<Load> last_;  // of each wall
   double of_walls_ = 0, openings_ = 0, changed_gravity_ = 0, initial_ = 0, last_fixed_power_ = 0;
   double of_fluid_ = 0, of_modules_ = 0;
+  double bond_damping_ = 0, bond_breaking_ = 0;  // [J]
+  double last_bond_power_ = 0;                   // [W] of their dashpots
   double since_asked_ = 0;  // [s]
   double last_power_ = 0;   // [W] of tangential dashpots when last asked
   double damped_ = 0;       // [J] by them, integrated

@@ -142,6 +142,7 @@ template <class O>
 bool wants_events([[maybe_unused]] const O& observer) {
   return requires(const ContactLog& log) { observer.tell(log); };
 }
+/// `log`: of contacts that began or ended, or of bonds that broke.
 template <class Sim, class Log, class... Observers>
 void tell_all([[maybe_unused]] const Sim& sim, const Log& log, const Observers&... observers) {
   [[maybe_unused]] std::size_t number = 0;

@@ -75,6 +75,7 @@ EnergyBalance Simulation<Policies...>::balance() const {
   }
   EnergyBalance balance{};
   if constexpr (has_ledger) balance = book_.balance(translation, rotation, potentials, walls);
+  if constexpr (has_ledger && has_bonds) balance.bonds = this->bond_energy();
   if constexpr (has_ledger && detail::deforms<Domain>) balance.box = domain_.work();
   return balance;
 }
@@ -167,12 +168,16 @@ double Simulation<Policies...>::insert(const std::vector<PlacedSphere>& spheres,
 }
 
 template <class... Policies>
-void Simulation<Policies...>::book_step([[maybe_unused]] const detail::StepTimes& times) {
+void Simulation<Policies...>::book_step([[maybe_unused]] const detail::StepTimes& times,
+                                        [[maybe_unused]] double bond_power) {
   if constexpr (has_ledger) {
     double start = 0;
-    if (first_kick_)
+    if (first_kick_) {
       for (std::size_t k = 0; k < rows(); ++k)
         if (is_present(k) && std::isfinite(mass(k))) start += kinetic(k).sum() + potential(k);
+      if constexpr (has_bonds) start += this->bond_energy();
+    }
+    if constexpr (has_bonds) book_.bonds_damped(bond_power, times.worked);
     engine_.contact_energy.worked(0.5 * times.worked);
     book_.book(engine_.contact_energy, engine_.walls, dt_,
                engine_.power_on_fixed() - detail::power_of_belts(engine_.walls),
@@ -247,6 +252,24 @@ void Simulation<Policies...>::prepare() {
   if (scene_changed_) checked_speed_ = 0;
   scene_changed_ = false;
   if (guard.domain) detail::check_inside(engine_, *guard.domain, step_, time_);
+}
+
+/// Takes out the bonds that this step has overloaded: their particles may touch from now on.
+template <class... Policies>
+void Simulation<Policies...>::break_bonds() {
+  if constexpr (has_bonds) {
+    bonds_broken_ = bonds_.take_broken(time_);
+    if (bonds_broken_.empty()) return;
+    std::vector<IndexPair> pairs;
+    for (const BondBreak& bond : bonds_broken_) {
+      if constexpr (has_ledger) book_.bond_broken(bond.energy);
+      if (bond.b == no_particle) continue;
+      engine_.particles.bonds.remove(bond.a, bond.b);
+      pairs.push_back({static_cast<std::uint32_t>(engine_.find(bond.a)),
+                       static_cast<std::uint32_t>(engine_.find(bond.b))});
+    }
+    engine_.join_pairs(domain_, dt_, pairs);
+  }
 }
 
 template <class... Policies>

@@ -122,6 +122,8 @@ class Owner {
     if constexpr (has_bodies) {
       const auto& b = mover_.bodies[k_];
       return b.orientation * conjugate(mover_.forms[b.form].mass.axes);
+    } else if constexpr (Composition::has_bonds) {
+      return state_.orientation[k_];
     } else {
       return {};
     }

@@ -23,8 +23,10 @@ struct MemorySlice {
 ///   law at point 2, ...    of further points of a contact that has an area
 ///   area                   where these points lie
 ///   radius                 R_eff of convex parts; minus their gap while they are apart
+///   offset                 overlap that is left out, as the pair was bonded (WithOffset)
 ///   events                 what on_contact_end() tells
-/// All of it is 0 from the step on in which nothing touches; "radius" alone is not then.
+/// All of it is 0 from the step on in which nothing touches; "radius" alone is not then, nor is
+/// "offset" until the partners have parted.
 template <class ContactsType>
 class ContactMemory {
  public:
@@ -43,6 +45,8 @@ class ContactMemory {
       }
       add("radius", C::memory_radius, 1);
     }
+    if constexpr (requires { ContactsType::offset_from; })
+      add("offset", ContactsType::offset_from, 1);
     if constexpr (requires { ContactsType::events_from; })
       add("events", ContactsType::events_from, ContactsType::event_numbers);
   }
@@ -83,7 +87,7 @@ class ContactMemory {
           ContactsType::kept_couple + 3 * ContactsType::has_rolling);
   }
 
-  std::array<MemorySlice, 14> slices_{};
+  std::array<MemorySlice, 15> slices_{};
   std::size_t count_ = 0;
 };
 

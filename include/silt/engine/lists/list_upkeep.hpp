@@ -174,8 +174,8 @@ inline double longest_way(std::span<const Wall> walls, const Box& region, const 
   double most = 0;
   for (const Wall& w : walls)
     if (w.moves())
-      most = std::max(most, displacement_of(w, w.pose, w.last_pose,
-                                            region_with_images(region, w, period)));
+      most = std::max(
+          most, displacement_of(w, w.pose, w.last_pose, region_with_images(region, w, period)));
   return most;
 }
 

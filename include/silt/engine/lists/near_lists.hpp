@@ -100,6 +100,15 @@ class NearLists {
     renewed_ = true;
   }
 
+  /// Takes in pairs that were left out so far, as their bonds have just broken, with histories
+  /// that are carried along even if the next step searches.
+  void join_pairs(const Scene& scene, std::span<const IndexPair> broken,
+                  const std::array<Scalar, H>& start) {
+    std::vector<NewPair> more;
+    for (const IndexPair& p : broken) more.push_back({p, true});
+    pairs.join(more, scene.particles.size(), start);
+    renewed_ = true;
+  }
   /// Takes out rows that have just left.
   void leave(const Scene& scene, std::span<const std::uint32_t> rows) {
     if (!hold_pairs()) return;
@@ -160,8 +169,8 @@ class NearLists {
     }
     // As in Newcomers: walls that have moved since the search may do so again, backwards.
     const double travel = searched_walls.travel(scene.walls);
-    walls.join(scene.walls, {grown_.data(), n}, first,
-               upkeep.outer_wall + travel + scene.range / 2, scene.domain);
+    walls.join(scene.walls, {grown_.data(), n}, first, upkeep.outer_wall + travel + scene.range / 2,
+               scene.domain);
     prune_walls_again(scene);
   }
   void prune_walls(const Scene& scene, double travelled) {
@@ -283,7 +292,8 @@ class NearLists {
     previous_.resize(before);
     std::iota(previous_.begin(), previous_.end(), 0u);
     if (particles.parked > 0) drop_parked(scene);
-    if constexpr (Domain::periodic) wrap(scene), check_range(scene.domain, scene.particles, scene.range);
+    if constexpr (Domain::periodic)
+      wrap(scene), check_range(scene.domain, scene.particles, scene.range);
     choose_skins(scene, search, wall_speed);
     reach_out(scene, wall_speed);
 

@@ -108,6 +108,8 @@ class Newcomers {
     const State& p = in_.particles;
     if constexpr (State::of_bodies)
       if (p.part[i].body == p.part[k].body) return;
+    if constexpr (State::bonded)
+      if (p.bonds.holds(p.id[i], p.id[k])) return;
     if (p.some_fixed && p.motion[i].inv_m == 0 && p.motion[k].inv_m == 0) return;
     Vec3d d = p.position[i].centre() - p.position[k].centre();
     if constexpr (Domain::periodic) d = in_.domain.shortest(d);

@@ -91,8 +91,9 @@ class PairList {
 
   /// Takes in pairs of particles that have come since the search: at the end of their groups, which
   /// in the inner list have gaps behind them, so that most often nothing moves. `particles`: how
-  /// many there are now.
-  void join(std::span<const NewPair> more, std::size_t particles) {
+  /// many there are now. Their histories are `start`.
+  void join(std::span<const NewPair> more, std::size_t particles,
+            const std::array<Scalar, H>& start = {}) {
     std::vector<std::size_t> outer_more(groups_.count(), 0), inner_more(groups_.count(), 0);
     for (const NewPair& p : more) {
       const std::size_t g = groups_.of(p.pair.a, p.pair.b);
@@ -107,7 +108,7 @@ class PairList {
       const std::size_t k = inner_end[g]++;
       first_[k] = p.pair.a, second_[k] = p.pair.b;
       origin_[k] = static_cast<std::uint32_t>(place);
-      history_.clear(k);
+      history_.set(k, start);
     }
     cut_into_chunks();
     pad(particles);

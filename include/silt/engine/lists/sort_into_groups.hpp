@@ -21,13 +21,15 @@ struct GroupedPairs {
 };
 
 /// Sorts pairs by their group, stably, the particle with the lower id first. Pairs of two fixed
-/// particles, or of one body, are left out.
+/// particles, of one body, or of a bond, are left out.
 template <class State>
 void sort_into_groups(std::span<const IndexPair> found, const State& particles,
                       const PairGroups& groups, const GroupedPairs& out, const Team& team) {
   const auto group_of = [&](const IndexPair& p) {
     if constexpr (State::of_bodies)
       if (particles.part[p.a].body == particles.part[p.b].body) return groups.count();
+    if constexpr (State::bonded)
+      if (particles.bonds.holds(particles.id[p.a], particles.id[p.b])) return groups.count();
     if (particles.some_fixed && particles.motion[p.a].inv_m == 0 &&
         particles.motion[p.b].inv_m == 0)
       return groups.count();

@@ -232,7 +232,7 @@ class WallContacts {
     }
   }
 
-  static constexpr std::size_t padding = 16;      // the widest pack of lanes
+  static constexpr std::size_t padding = 16;  // the widest pack of lanes
   std::size_t planes_from() const { return piece_begin_.front(); }
 
   /// Brings the candidates at planes to the end, in pieces, each plane by plane.

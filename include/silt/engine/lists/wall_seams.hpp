@@ -48,9 +48,9 @@ inline void drop_image_seams(std::span<Touch> found, const Surface& surface, dou
       const SurfacePoint &one = found[a].point, &other = found[b].point;
       if (found[a].candidate == found[b].candidate || found[b].seam) continue;
       if (!(one.distance > other.distance || (one.distance == other.distance && b < a))) continue;
-      found[a].seam = in_tangent_plane(one, other, tolerance) ||
-                      (mesh != nullptr &&
-                       dot(one.normal, other.normal) > (*mesh)->cos_smooth_angle());
+      found[a].seam =
+          in_tangent_plane(one, other, tolerance) ||
+          (mesh != nullptr && dot(one.normal, other.normal) > (*mesh)->cos_smooth_angle());
     }
 }
 

@@ -13,6 +13,7 @@
 #include <silt/engine/contact/coefficients.hpp>
 #include <silt/engine/contact/contact_fluxes.hpp>
 #include <silt/engine/contact/contact_stage.hpp>
+#include <silt/engine/contact/offset.hpp>
 #include <silt/engine/contact/load_rows.hpp>
 #include <silt/engine/lists/pair_list.hpp>
 #include <silt/engine/state/rows.hpp>
@@ -105,9 +106,10 @@ class PairPipeline {
     const std::uint32_t *const first = list.first() + from, *const second = list.second() + from;
     const std::size_t padded = pieces(count, W) * W;
     gather(in, first, second, domain, padded, sums, kinematics);
-    tally.sum.largest = complete(in, first, second, padded, tally.sum.largest, kinematics);
     std::array<Scalar*, ContactsType::history + 1> history{};
     for (std::size_t h = 0; h < ContactsType::history; ++h) history[h] = list.history(h) + from;
+    tally.sum.largest =
+        complete(in, first, second, padded, history, tally.sum.largest, kinematics);
     const std::uint16_t* const kinds = ContactsType::several_materials ? in.kinds + from : nullptr;
     const Stage stage{in.times, table, in.fluxes};
     stage.run(kinematics, count, kinds, history, Ends{in.positions, first, second, from}, tally,
@@ -264,7 +266,9 @@ class PairPipeline {
 
   /// Completes the kinematics of `count` gathered pairs.
   static double complete(const Input& in, const std::uint32_t* first, const std::uint32_t* second,
-                         std::size_t count, double largest, Block& out) {
+                         std::size_t count,
+                         [[maybe_unused]] const std::array<Scalar*, ContactsType::history + 1>& history,
+                         double largest, Block& out) {
     const Real time_step(static_cast<Scalar>(in.times.step));
     for (std::size_t k = 0; k < count; k += W) {
       Kinematics<Real> kin = out.template get_gathered<Real>(k);
@@ -292,6 +296,8 @@ class PairPipeline {
         kin.overlap = excess / (reach + distance);  // their difference would cancel
       else
         kin.overlap = reach - distance;
+      if constexpr (keeps_offset<ContactsType>)
+        kin.overlap = without_offset(kin.overlap, history[ContactsType::offset_from] + k);
       // What the crosswise motion changes of the normal in a step, to second order.
       const Vec3<Real> across = kin.velocity - dot(kin.velocity, kin.normal) * kin.normal;
       kin.change = (time_step * inverse_distance) * across;

@@ -98,11 +98,16 @@ template <class P>
 struct IsModule : std::bool_constant<Module<P>> {};
 
 template <class P>
+    struct IsBonds : std::bool_constant < requires {
+  requires P::is_bonds;
+} > {};
+
+template <class P>
 inline constexpr bool belongs_to_an_axis =
     IsParticles<P>::value || IsContacts<P>::value || IsSearch<P>::value || IsDomain<P>::value ||
     IsFluid<P>::value || IsKernels<P>::value || IsPrecision<P>::value || IsLedger<P>::value ||
     IsContactEvents<P>::value || IsIntegrator<P>::value || IsRotation<P>::value ||
-    IsModule<P>::value;
+    IsModule<P>::value || IsBonds<P>::value;
 
 template <template <class> class Is, class... Policies>
 inline constexpr int count = (0 + ... + int{Is<Policies>::value});
@@ -115,7 +120,8 @@ inline constexpr bool make_a_simulation =
     count<IsFluid, Policies...> <= 1 && count<IsIntegrator, Policies...> <= 1 &&
     count<IsRotation, Policies...> <= 1 && count<IsPrecision, Policies...> <= 1 &&
     count<IsKernels, Policies...> <= 1 && count<IsLedger, Policies...> <= 1 &&
-    count<IsContactEvents, Policies...> <= 1 && (belongs_to_an_axis<Policies> && ...);
+    count<IsContactEvents, Policies...> <= 1 && count<IsBonds, Policies...> <= 1 &&
+    (belongs_to_an_axis<Policies> && ...);
 
 template <template <class> class Is, class Default, class... Policies>
 struct Pick {

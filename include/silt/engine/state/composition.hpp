@@ -18,13 +18,22 @@ namespace silt::inline SILT_TARGET::detail {
 /// What contacts keep and give besides what the law says, by the shape.
 template <class ShapeType, class Contacts>
 struct ContactsOf;
+template <class ContactsType>
+struct WithOffset;
 template <bool Watched, class Contacts>
 using WatchedIf = typename std::conditional_t<Watched, std::type_identity<WithEvents<Contacts>>,
                                               std::type_identity<Contacts>>::type;
 
+template <bool Kept, class Contacts>
+using WithOffsetIf = typename std::conditional_t<Kept, std::type_identity<WithOffset<Contacts>>,
+                                                 std::type_identity<Contacts>>::type;
+
 template <bool Summed, class Contacts>
 using WithVirialIf = typename std::conditional_t<Summed, std::type_identity<WithVirial<Contacts>>,
                                                  std::type_identity<Contacts>>::type;
+
+/// In place of Bonds.
+struct NoBonds {};
 
 template <class List, class... Policies>
 struct OnlyModules {
@@ -52,6 +61,7 @@ struct Composition {
   using Integrator = pick<IsIntegrator, Leapfrog, Policies...>;
   using Rotation = pick<IsRotation, NoSquish, Policies...>;
   using Modules = typename OnlyModules<ModuleList<>, Policies...>::type;
+  using Bonds = pick<IsBonds, NoBonds, Policies...>;
   using Shape = typename ParticlesType::ShapeType;
   using Scalar = typename Precision::PairScalar;  // of the work on pairs
 
@@ -59,14 +69,17 @@ struct Composition {
   static constexpr bool has_surfaces = SolidShape<Shape>;  // ... with narrow phases of their own
   static constexpr bool has_ledger = count<IsLedger, Policies...> > 0;
   static constexpr bool has_events = count<IsContactEvents, Policies...> > 0;
+  static constexpr bool has_bonds = count<IsBonds, Policies...> > 0;
   static constexpr bool rotates = UserContacts::rotates || has_bodies;
   static constexpr FromFluid from_fluid = loads_of_fluid<Fluid>;
 
   using Contacts = WithVirialIf<
       deforms<Domain>,
       WatchedIf<has_events,
-                typename ContactsOf<Shape, std::conditional_t<has_ledger, WithLedger<UserContacts>,
-                                                              UserContacts>>::type>>;
+                WithOffsetIf<has_bonds,
+                             typename ContactsOf<
+                                 Shape, std::conditional_t<has_ledger, WithLedger<UserContacts>,
+                                                           UserContacts>>::type>>>;
   static constexpr bool several_materials = Contacts::several_materials;
 
   static_assert(has_bodies || count<IsRotation, Policies...> == 0,
@@ -77,6 +90,13 @@ struct Composition {
   static_assert(rotates || !Modules::turn,
                 "a module's force has a torque, but these spheres do not rotate: take a contact "
                 "law with friction, or let its force() return a silt::Vec3d");
+  static_assert(!has_bonds || (rotates && !has_bodies),
+                "Bonds join spheres that rotate: take Particles<Sphere> and a contact law with "
+                "friction");
+  static_assert(!deforms<Domain> || !has_bonds,
+                "Bonds do not follow the flow of a DeformingBox; take PeriodicBox");
+  static_assert(!has_bonds || Integrator::derivatives == 0,
+                "Bonds turn particles by the velocities of half steps; take Leapfrog");
   static_assert(!deforms<Domain> || !has_bodies,
                 "DeformingBox is for spheres so far: bodies have no flow velocity of their parts; "
                 "take PeriodicBox, or spheres with rolling resistance");
@@ -134,6 +154,7 @@ struct InOrder {
                                    typename OfAxis<IsLedger, void, Ps...>::type,
                                    typename OfAxis<IsContactEvents, void, Ps...>::type,
                                    typename OfAxis<IsModule, void, Ps...>::type,
+                                   typename OfAxis<IsBonds, void, Ps...>::type,
                                    typename OfAxis<IsKernels, void, Ps...>::type>::type;
   using OfSimulation = typename with<typename OfAxis<IsFluid, NoFluid, Ps...>::type>::Composed;
   using OfEngine =

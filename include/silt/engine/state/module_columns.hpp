@@ -50,8 +50,9 @@ struct Having {
 };
 template <class Fields, class First, class... Rest>
 struct Having<Fields, First, Rest...> {
-  using type = typename std::conditional_t<std::is_same_v<FieldsOf<First>, Fields>,
-                                           std::type_identity<First>, Having<Fields, Rest...>>::type;
+  using type =
+      typename std::conditional_t<std::is_same_v<FieldsOf<First>, Fields>,
+                                  std::type_identity<First>, Having<Fields, Rest...>>::type;
 };
 
 /// The modules of a simulation, by type.

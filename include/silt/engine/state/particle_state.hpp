@@ -9,8 +9,10 @@
 #include <type_traits>
 #include <vector>
 
+#include <silt/core/quaternion.hpp>
 #include <silt/core/storage.hpp>
 #include <silt/core/threads.hpp>
+#include <silt/engine/state/bonded_pairs.hpp>
 #include <silt/engine/state/columns.hpp>
 #include <silt/engine/state/composition.hpp>
 #include <silt/engine/state/fluid_loads.hpp>
@@ -26,7 +28,7 @@ template <class Composition>
 class ParticleState {
   static constexpr bool Rotates = Composition::Contacts::rotates,
                         SeveralMaterials = Composition::several_materials,
-                        OfBodies = Composition::has_bodies;
+                        OfBodies = Composition::has_bodies, Bonded = Composition::has_bonds;
   using PairScalar = typename Composition::Scalar;
   /// Of position and of spin velocity each, that the integrator keeps.
   static constexpr std::size_t Derivatives = Composition::Integrator::derivatives;
@@ -46,14 +48,17 @@ class ParticleState {
   static constexpr std::size_t bytes_per_particle =
       bytes_of_row<ParticleState>() + (single ? sizeof(PairMotion) : 0) +
       bytes_of_row<FluidLoads<Given>>() + bytes_of_row<Columns>();
-  static constexpr bool of_bodies = OfBodies, several = SeveralMaterials;
+  static constexpr bool of_bodies = OfBodies, several = SeveralMaterials, bonded = Bonded;
 
   AlignedVector<PositionRow> position;
   AlignedVector<ParticleMotion> motion;
   AlignedVector<HigherDerivatives> derivatives;  // if the integrator has any
   std::vector<ParticleId> id;
   std::vector<std::uint16_t> material;
-  std::vector<PartRow> part;  // of bodies
+  std::vector<PartRow> part;              // of bodies
+  AlignedVector<Quaternion> orientation;  // of spheres with bonds, since they came
+  // Follows the list of bonds, which drops those of particles that have left when it is looked at.
+  [[no_unique_address]] mutable std::conditional_t<Bonded, BondedPairs, NoPairs> bonds;
   [[no_unique_address]] FluidLoads<Given> fluid;
   [[no_unique_address]] Columns modules;
   double largest_radius = 0;   // [m]
@@ -117,6 +122,10 @@ class ParticleState {
         columns_if<OfBodies>([] {
           return std::tuple{column<PartRow>(
               "parts", [](auto& t) -> auto& { return t.part; })};
+        }),
+        columns_if<Bonded>([] {
+          return std::tuple{column<Quaternion>(
+              "orientation", [](auto& t) -> auto& { return t.orientation; })};
         }));
   }
 
@@ -125,6 +134,7 @@ class ParticleState {
            [[maybe_unused]] const PartRow& body = {}) {
     const std::size_t k = size();
     position.resize(k), motion.resize(k);
+    if constexpr (Bonded) orientation.resize(k);
     add_row(*this), add_row(fluid), add_row(modules);
     id[k] = new_id, position[k] = p, motion[k] = m;
     if constexpr (SeveralMaterials) material[k] = of;
@@ -186,6 +196,7 @@ class ParticleState {
 
   void pad() {
     position.resize(size()), motion.resize(size());
+    if constexpr (Bonded) orientation.resize(size()), orientation.resize(size() + 2);
     for (int k = 0; k < 2; ++k) {
       position.push_back({static_cast<double>(k), 0, 0, 0});
       ParticleMotion m{};

@@ -1,0 +1,211 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numeric>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <silt/boundary/domain.hpp>
+#include <silt/core/error.hpp>
+#include <silt/core/quaternion.hpp>
+#include <silt/core/storage.hpp>
+#include <silt/core/threads.hpp>
+#include <silt/fill/packing.hpp>
+#include <silt/fill/particles.hpp>
+#include <silt/search/concept.hpp>
+#include <silt/search/hashed_grid.hpp>
+#include <silt/shape/sphere.hpp>
+
+/// Bonded spheres: fibres, sheets, and what lies beside each other; and what holds together of
+/// them.
+
+namespace silt::inline SILT_TARGET {
+
+/// What bonded spheres have in common; an agglomerate draws radii of its own.
+struct BondedGrain {
+  double radius = 0;         // [m]
+  double density = 0;        // [kg/m3]
+  std::size_t material = 0;  // [-] in the table of the contacts
+  Vec3d velocity{0, 0, 0};   // [m/s]
+
+  Particles<Sphere>::Particle at(const Vec3d& position) const {
+    return {.position = position,
+            .radius = radius,
+            .density = density,
+            .velocity = velocity,
+            .material = material};
+  }
+};
+
+/// Spheres and which of them are bonded, by their places.
+struct BondedSpheres {
+  std::vector<Particles<Sphere>::Particle> spheres;
+  std::vector<std::pair<std::size_t, std::size_t>> bonds;
+};
+
+/// `count` equal spheres side by side from the centre `from` to the centre `to` [m], each bonded to
+/// the next. InputError: fewer than two, or no way between.
+inline BondedSpheres fibre(const Vec3d& from, const Vec3d& to, std::size_t count,
+                           const BondedGrain& like) {
+  require(count >= 2, "fibre: count = ", count, " [-] must be at least 2");
+  const double length = norm(to - from);
+  require(std::isfinite(length) && length > 0, "fibre: from ", from, " m to ", to,
+          " m there is no way");
+  BondedSpheres all;
+  for (std::size_t k = 0; k < count; ++k) {
+    all.spheres.push_back(
+        like.at(from + (static_cast<double>(k) / static_cast<double>(count - 1)) * (to - from)));
+    if (k > 0) all.bonds.push_back({k - 1, k});
+  }
+  return all;
+}
+
+/// A sheet of `m` x `n` spheres at corner + i/(m-1) u + j/(n-1) v [m], each bonded to its four
+/// neighbours, and across both diagonals if `braced`, which shear then strains.
+inline BondedSpheres sheet(const Vec3d& corner, const Vec3d& u, const Vec3d& v, std::size_t m,
+                           std::size_t n, const BondedGrain& like, bool braced = false) {
+  require(m >= 2 && n >= 2, "sheet: ", m, " x ", n, " spheres: at least 2 x 2 are needed");
+  require(norm(cross(u, v)) > 0, "sheet: its sides ", u, " m and ", v, " m span no area");
+  BondedSpheres all;
+  const auto at = [n](std::size_t i, std::size_t j) { return i * n + j; };
+  for (std::size_t i = 0; i < m; ++i)
+    for (std::size_t j = 0; j < n; ++j) {
+      all.spheres.push_back(like.at(corner +
+                                    (static_cast<double>(i) / static_cast<double>(m - 1)) * u +
+                                    (static_cast<double>(j) / static_cast<double>(n - 1)) * v));
+      if (i > 0) all.bonds.push_back({at(i - 1, j), at(i, j)});
+      if (j > 0) all.bonds.push_back({at(i, j - 1), at(i, j)});
+      if (!braced || i == 0 || j == 0) continue;
+      all.bonds.push_back({at(i - 1, j - 1), at(i, j)});
+      all.bonds.push_back({at(i - 1, j), at(i, j - 1)});
+    }
+  return all;
+}
+
+namespace detail {
+/// Pairs of spheres, given by their centres and radii, that overlap.
+template <class Domain>
+std::vector<IndexPair> overlapping(const AlignedVector<PositionRow>& spheres,
+                                   const Domain& domain) {
+  double largest = 0;
+  for (const PositionRow& s : spheres) largest = std::max(largest, s.r);
+  std::vector<IndexPair> found;
+  HashedGrid{}.find(SphereSet{{spheres.data(), spheres.size()}, largest}, 0.0, domain, Team(1),
+                    found);
+  return found;
+}
+}  // namespace detail
+
+/// An agglomerate: spheres packed into a region (a Box, a CylinderRegion, a closed TriangleMesh by
+/// MeshRegion; silt/fill/packing.hpp), each bonded to all whose surfaces are at most `gap` [m] from
+/// its own. `like` says all but radii. InputError: none fits, or `gap` is no number.
+template <Region R>
+BondedSpheres agglomerate(const R& region, const FillRequest& request, double gap,
+                          const BondedGrain& like) {
+  require(std::isfinite(gap), "agglomerate: gap = ", gap, " [m] must be finite");
+  const FillResult packed = pack(region, request);
+  require(!packed.spheres.empty(), "agglomerate: ", packed.why_not_more);
+  BondedSpheres all;
+  AlignedVector<PositionRow> grown;
+  for (const auto& [position, radius] : packed.spheres) {
+    all.spheres.push_back(like.at(position)), all.spheres.back().radius = radius;
+    grown.push_back({position.x, position.y, position.z, std::max(radius + 0.5 * gap, 0.0)});
+  }
+  for (const auto [a, b] : detail::overlapping(grown, OpenDomain{}))
+    all.bonds.push_back(std::minmax<std::size_t>(a, b));
+  std::sort(all.bonds.begin(), all.bonds.end());
+  return all;
+}
+
+/// The same spheres and bonds elsewhere: turned about the origin, then moved by `shift` [m], flying
+/// at `velocity` [m/s].
+inline BondedSpheres placed(BondedSpheres all, const Vec3d& shift, const Quaternion& turn = {},
+                            const Vec3d& velocity = {0, 0, 0}) {
+  for (auto& p : all.spheres) p.position = rotate(turn, p.position) + shift, p.velocity = velocity;
+  return all;
+}
+
+/// Adds spheres with their bonds; returns the id of the first, which those of the others follow.
+template <class Sim>
+ParticleId add_bonded(Sim& sim, const BondedSpheres& all) {
+  Particles<Sphere> more;
+  for (const auto& p : all.spheres) more.add(p);
+  const std::size_t before = sim.rows();
+  sim.add(more);
+  const ParticleId first = sim.id(before);
+  for (const auto& [a, b] : all.bonds) sim.bond(first + a, first + b);
+  return first;
+}
+
+/// Bonds all spheres whose surfaces are at most `gap` [m] apart and not bonded yet; with
+/// `chosen(id, id)` those alone for which it is true. Returns how many bonds were made.
+template <class Sim, class Chosen>
+std::size_t bond_near(Sim& sim, double gap, const Chosen& chosen) {
+  require(std::isfinite(gap), "bond_near: gap = ", gap, " [m] must be finite");
+  AlignedVector<PositionRow> grown;
+  std::vector<std::size_t> place;
+  for (std::size_t k = 0; k < sim.rows(); ++k) {
+    if (!sim.is_present(k)) continue;
+    const Vec3d p = sim.position(k);
+    const double r = std::max(sim.radius(k) + 0.5 * gap, 0.0);
+    grown.push_back({p.x, p.y, p.z, r}), place.push_back(k);
+  }
+  std::vector<std::pair<ParticleId, ParticleId>> pairs;
+  for (const auto [a, b] : detail::overlapping(grown, sim.domain())) {
+    const ParticleId i = sim.id(place[a]), j = sim.id(place[b]);
+    if (chosen(i, j)) pairs.push_back(std::minmax(i, j));
+  }
+  std::sort(pairs.begin(), pairs.end());  // whatever the order in which they were found
+  std::size_t made = 0;
+  for (const auto& [i, j] : pairs)
+    if (!sim.bonded(i, j)) sim.bond(i, j), ++made;
+  return made;
+}
+template <class Sim>
+std::size_t bond_near(Sim& sim, double gap) {
+  return bond_near(sim, gap, [](ParticleId, ParticleId) { return true; });
+}
+
+/// What hangs together by bonds: for each place of the simulation the number of its fragment, from
+/// 0 on in the order of the lowest ids; no_fragment where nobody is.
+struct Fragments {
+  static constexpr std::size_t no_fragment = std::numeric_limits<std::size_t>::max();
+  std::vector<std::size_t> of;       // each place
+  std::vector<std::size_t> spheres;  // [-] in each fragment
+  std::vector<double> mass;          // [kg] of each; without fixed spheres
+};
+template <class Sim>
+Fragments fragments(const Sim& sim) {
+  std::vector<std::size_t> root(sim.rows());
+  std::iota(root.begin(), root.end(), std::size_t{0});
+  const auto top = [&](std::size_t k) {
+    while (root[k] != k) k = root[k] = root[root[k]];
+    return k;
+  };
+  sim.for_each_bond([&](const auto& bond) {
+    if (bond.b != no_particle) root[top(sim.find(bond.a))] = top(sim.find(bond.b));
+  });
+  std::vector<std::size_t> by_id;
+  for (std::size_t k = 0; k < sim.rows(); ++k)
+    if (sim.is_present(k)) by_id.push_back(k);
+  std::sort(by_id.begin(), by_id.end(),
+            [&](std::size_t a, std::size_t b) { return sim.id(a) < sim.id(b); });
+  Fragments all;
+  all.of.assign(sim.rows(), Fragments::no_fragment);
+  std::vector<std::size_t> number(sim.rows(), Fragments::no_fragment);
+  for (const std::size_t k : by_id) {
+    auto& mine = number[top(k)];
+    if (mine == Fragments::no_fragment)
+      mine = all.spheres.size(), all.spheres.push_back(0), all.mass.push_back(0);
+    all.of[k] = mine, ++all.spheres[mine];
+    if (std::isfinite(sim.mass(k))) all.mass[mine] += sim.mass(k);
+  }
+  return all;
+}
+
+}  // namespace silt

@@ -1,0 +1,35 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cstddef>
+
+#include <silt/core/lanes.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// A Contacts type some of whose pairs begin as they overlap already, as a bond between them has
+/// broken: what they overlapped by is left out of their contact. The offset never grows: each step
+/// it is at most the overlap, so that the contact is a usual one once they have parted, and gives
+/// no energy that its partners did not put in.
+template <class ContactsType>
+struct WithOffset : ContactsType {
+  static constexpr std::size_t offset_from = ContactsType::history;
+  static constexpr std::size_t history = offset_from + 1;
+};
+template <class ContactsType>
+inline constexpr bool keeps_offset = requires {
+  ContactsType::offset_from;
+};
+
+/// [m] above any overlap: the offset of a pair whose next overlap is to be left out.
+inline constexpr double whole_overlap = 1e30;
+
+/// The overlaps of a pack of pairs, less their offsets, which follow.
+template <class Real>
+SILT_INLINE Real without_offset(const Real& overlap, ScalarOf<Real>* offsets) {
+  const Real offset = select(overlap > Real(0), min(silt::load<Real>(offsets), overlap), Real(0));
+  silt::store(offsets, offset);
+  return overlap - offset;
+}
+
+}  // namespace silt::detail

@@ -1,0 +1,203 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <silt/bond/concept.hpp>
+#include <silt/core/lanes.hpp>
+#include <silt/core/position_row.hpp>
+#include <silt/core/storage.hpp>
+#include <silt/core/threads.hpp>
+#include <silt/engine/lists/pair_groups.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+namespace detail {
+
+/// A bond between the particles i and j, i < j.
+template <class Model>
+struct Bond {
+  ParticleId i, j;
+  BondRest<double> rest;
+  typename Model::template Numbers<double> numbers;
+  std::uint64_t number;  // [-] the bonds that were made before it
+};
+
+/// Numbers of many bonds, pack by pack, so that lanes load what lies side by side.
+template <template <class> class Aggregate, std::size_t W>
+class BondColumns {
+  static constexpr std::size_t count = sizeof(Aggregate<double>) / sizeof(double);
+
+ public:
+  /// All 0.
+  void clear(std::size_t packs) { packs_.assign(packs * count * W, 0.0); }
+  void set(std::size_t k, const Aggregate<double>& values) {
+    const auto numbers = std::bit_cast<std::array<double, count>>(values);
+    for (std::size_t c = 0; c < count; ++c) packs_[at(k, c)] = numbers[c];
+  }
+  Aggregate<double> get(std::size_t k) const {
+    std::array<double, count> numbers;
+    for (std::size_t c = 0; c < count; ++c) numbers[c] = packs_[at(k, c)];
+    return std::bit_cast<Aggregate<double>>(numbers);
+  }
+  /// Of the pack that begins at place k.
+  template <class Real>
+  SILT_INLINE Aggregate<Real> load(std::size_t k) const {
+    std::array<Real, count> numbers;
+    for (std::size_t c = 0; c < count; ++c)
+      numbers[c] = silt::load<Real>(packs_.data() + k * count + c * W);
+    return std::bit_cast<Aggregate<Real>>(numbers);
+  }
+  std::size_t bytes() const { return packs_.capacity() * sizeof(double); }
+
+ private:
+  static std::size_t at(std::size_t k, std::size_t c) { return (k / W * count + c) * W + k % W; }
+  AlignedVector<double> packs_;
+};
+
+/// The bonds of a simulation, in the order in which their stage goes through them: by groups that
+/// threads work on (PairGroups), in each by the rows of their ends. Groups begin at whole packs;
+/// gaps hold bonds of two particles that are nowhere, with numbers of 0.
+template <class Model, std::size_t W>
+class BondList {
+ public:
+  using Bond = detail::Bond<Model>;
+  struct Group {
+    std::size_t from = 0, to = 0;  // places
+    std::size_t size() const { return to - from; }
+  };
+
+  std::size_t size() const { return size_; }
+  void add(const Bond& bond) { waiting_.push_back(bond), ++size_; }
+  /// Takes the bond at a place out.
+  void remove(std::size_t place) { ids_[place] = nobody, --size_, is_stale_ = true; }
+
+  const PairGroups& groups() const { return groups_; }
+  const Group& group(std::size_t g) const { return group_[g]; }
+  PairGroups::Phase busy(PairGroups::Phase phase) const {
+    while (phase.from < phase.to && group_[phase.from].size() == 0) ++phase.from;
+    while (phase.from < phase.to && group_[phase.to - 1].size() == 0) --phase.to;
+    return phase;
+  }
+  const std::uint32_t* first() const { return first_.data(); }
+  const std::uint32_t* second() const { return second_.data(); }
+  const BondColumns<BondRest, W>& rests() const { return rests_; }
+  const BondColumns<Model::template Numbers, W>& numbers() const { return numbers_; }
+  Bond bond(std::size_t k) const {
+    return {ids_[k].i, ids_[k].j, rests_.get(k), numbers_.get(k), ids_[k].number};
+  }
+  /// Calls visit(place) for each bond, in the order of the list.
+  template <class Visit>
+  void for_each(const Visit& visit) const {
+    for (const Group& g : group_)
+      for (std::size_t k = g.from; k < g.to; ++k)
+        if (ids_[k].i != no_particle) visit(k);
+  }
+
+  /// Calls visit(bond) for each, in the order in which they were made.
+  template <class Visit>
+  void for_each_in_order(const Visit& visit) const {
+    std::vector<Bond> all;
+    all.reserve(size_);
+    for_each([&](std::size_t k) { all.push_back(bond(k)); });
+    std::sort(all.begin(), all.end(),
+              [](const Bond& a, const Bond& b) { return a.number < b.number; });
+    for (const Bond& b : all) visit(b);
+    for (const Bond& b : waiting_) visit(b);
+  }
+  /// Puts bonds in order where rows were given anew, or bonds have come or gone. `find(id)`: the
+  /// row of a particle, `rows` or more if it has left; `left`: how many have since the last change
+  /// of rows. Their bonds go: gone(bond) is told.
+  template <class Find, class Gone>
+  void follow(std::size_t rows, std::uint64_t changes, std::size_t left, const Find& find,
+              const Gone& gone) {
+    if (waiting_.empty() && !is_stale_ && changes_ == changes && rows_ == rows && left_ == left)
+      return;
+    groups_ = PairGroups(rows);
+    std::vector<Place> order;
+    order.reserve(size_);
+    const std::size_t places = ids_.size();
+    const auto take = [&](const Bond& b, std::size_t source) {
+      const std::uint32_t i = find(b.i), j = find(b.j);
+      if (i < rows && j < rows)
+        order.push_back({static_cast<std::uint32_t>(groups_.of(i, j)), i, j,
+                         static_cast<std::uint32_t>(source)});
+      else
+        gone(b);
+    };
+    for_each([&](std::size_t k) { take(bond(k), k); });
+    for (std::size_t k = 0; k < waiting_.size(); ++k) take(waiting_[k], places + k);
+    size_ = order.size(), is_stale_ = false, changes_ = changes, rows_ = rows, left_ = left;
+    lay_out(order);
+  }
+  std::size_t bytes() const {
+    return rests_.bytes() + numbers_.bytes() + ids_.capacity() * sizeof(Ids) +
+           (first_.capacity() + second_.capacity()) * sizeof(std::uint32_t);
+  }
+
+ private:
+  struct Ids {
+    ParticleId i, j;
+    std::uint64_t number;
+  };
+  static constexpr Ids nobody{no_particle, no_particle, 0};
+
+  /// Where a bond comes from: a place of the list, or behind those one that waits; and where its
+  /// ends are.
+  struct Place {
+    std::uint32_t group, first, second, source;
+  };
+  /// Lays the bonds out anew by `order`, which is sorted here.
+  void lay_out(std::vector<Place>& order) {
+    std::sort(order.begin(), order.end(), [](const Place& a, const Place& b) {
+      return std::tie(a.group, a.first, a.second) < std::tie(b.group, b.first, b.second);
+    });
+    std::vector<std::size_t> count(groups_.count(), 0);
+    for (const Place& p : order) ++count[p.group];
+    group_.resize(groups_.count());
+    std::size_t next = 0;
+    for (std::size_t g = 0; g < group_.size(); ++g) {
+      group_[g] = {next, next + count[g]};
+      next = pieces(group_[g].to, W) * W;
+    }
+    const std::size_t places = ids_.size();
+    BondColumns<BondRest, W> rests;
+    BondColumns<Model::template Numbers, W> numbers;
+    std::vector<Ids> ids(next, nobody);
+    rests.clear(next / W), numbers.clear(next / W);
+    const auto none = static_cast<std::uint32_t>(rows_);
+    first_.assign(next, none), second_.assign(next, none + 1);
+    std::size_t at = 0;
+    for (const Group& g : group_)
+      for (std::size_t k = g.from; k < g.to; ++k) {
+        const Place& p = order[at++];
+        const Bond b = p.source < places ? bond(p.source) : waiting_[p.source - places];
+        ids[k] = {b.i, b.j, b.number}, first_[k] = p.first, second_[k] = p.second;
+        rests.set(k, b.rest), numbers.set(k, b.numbers);
+      }
+    rests_ = std::move(rests), numbers_ = std::move(numbers), ids_ = std::move(ids);
+    waiting_ = {};
+  }
+
+  PairGroups groups_;
+  std::vector<Group> group_;
+  std::deque<Bond> waiting_;  // that have come since
+  std::vector<Ids> ids_;
+  std::vector<std::uint32_t> first_, second_;  // rows of the ends
+  BondColumns<BondRest, W> rests_;
+  BondColumns<Model::template Numbers, W> numbers_;
+  std::size_t size_ = 0, rows_ = 0, left_ = 0;
+  std::uint64_t changes_ = 0;
+  bool is_stale_ = true;
+};
+
+}  // namespace detail
+}  // namespace silt

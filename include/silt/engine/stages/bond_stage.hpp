@@ -1,0 +1,337 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <silt/bond/concept.hpp>
+#include <silt/core/lanes.hpp>
+#include <silt/core/row4.hpp>
+#include <silt/core/threads.hpp>
+#include <silt/engine/contact/contact_energy.hpp>
+#include <silt/engine/lists/bond_list.hpp>
+#include <silt/engine/stages/wall_bonds.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// Bonds, and their stage of a step: what they do to their ends, and which of them break. Results
+/// do not depend on threads.
+template <class Model, class Domain, class Arch>
+class BondStage {
+  using Real = typename Lanes<Arch>::Real;
+  static constexpr std::size_t W = Lanes<Arch>::width;
+  using List = BondList<Model, W>;
+
+ public:
+  using Bond = detail::Bond<Model>;
+  using AtWalls = WallBonds<Model>;
+
+  Model model;
+  std::uint64_t seed = 1, made = 0, broken = 0;
+  List list;
+  AtWalls at_walls;
+
+  void add(Bond bond) { bond.number = made++, list.add(bond); }
+  void add(typename AtWalls::Bond bond) { bond.number = made++, at_walls.all.push_back(bond); }
+  /// How many there are now.
+  template <class Engine>
+  std::size_t size(const Engine& e) {
+    follow(e);
+    return list.size() + at_walls.all.size();
+  }
+
+  /// Adds what bonds do to the sums of their particles and to walls. Returns the power of their
+  /// dashpots [W], where a ledger wants it.
+  template <class Engine>
+  double push(Engine& e, const Domain& domain, double dt) {
+    overloaded_.clear();
+    follow(e);
+    double power = 0;
+    if (list.size() > 0) {
+      const auto& groups = list.groups();
+      std::vector<Done> done(groups.count());
+      for (std::size_t p = 0; p < groups.phases(); ++p) {
+        const auto [from, to] = list.busy(groups.phase(p));
+        e.team().for_parts(to - from, [&, first = from](std::size_t g) {
+          run_group(e, domain, list.group(first + g), done[first + g]);
+        });
+      }
+      for (const Done& one : done) {
+        power += one.power;
+        for (const std::uint32_t k : one.over) overloaded_.push_back({seen(e, domain, k, dt), k});
+      }
+    }
+    power += at_walls.push(e, domain, model, dt, [&](const BondSeen& what, std::size_t k) {
+      overloaded_.push_back({what, k});
+    });
+    return power;
+  }
+  /// Takes out the bonds that the last step has overloaded; returns them in the order in which they
+  /// were made.
+  std::vector<BondBreak> take_broken(double time) {
+    std::sort(overloaded_.begin(), overloaded_.end(), [](const Overloaded& a, const Overloaded& b) {
+      return a.what.number < b.what.number;
+    });
+    std::vector<BondBreak> gone;
+    for (const Overloaded& o : overloaded_) {
+      gone.push_back({o.what, time});
+      if (o.what.b == no_particle)
+        at_walls.all[o.place].i = no_particle;
+      else
+        list.remove(o.place);
+    }
+    at_walls.close_up();
+    broken += gone.size(), overloaded_.clear();
+    return gone;
+  }
+  /// Turns the particles for a step of `dt` [s].
+  template <class Engine>
+  static void turn(Engine& e, double dt) {
+    auto& p = e.particles;
+    e.team().for_ranges(p.size(), [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t k = from; k < to; k += W) turn_pack(p, k, std::min(W, to - k), dt);
+    });
+  }
+  /// Calls f(BondSeen) for each bond, in the order in which they were made.
+  template <class Engine, class F>
+  void visit(const Engine& e, const Domain& domain, const F& f) {
+    follow(e);
+    std::vector<std::pair<std::uint64_t, std::size_t>> order;
+    order.reserve(list.size() + at_walls.all.size());
+    list.for_each([&](std::size_t k) { order.push_back({list.bond(k).number, k}); });
+    const std::size_t walls = std::size_t{1} << 63;
+    for (std::size_t k = 0; k < at_walls.all.size(); ++k)
+      order.push_back({at_walls.all[k].number, walls | k});
+    std::sort(order.begin(), order.end());
+    for (const auto& [number, k] : order)
+      f(k >= walls ? at_walls.seen(e, domain, model, k - walls, 0) : seen(e, domain, k, 0));
+  }
+  /// [J] in the springs, at the present positions.
+  template <class Engine>
+  double energy(const Engine& e, const Domain& domain) {
+    follow(e);
+    double sum = 0;
+    list.for_each([&](std::size_t k) {
+      const Bond b = list.bond(k);
+      sum += model.energy(strain_of(b.rest, ends_at(e, domain, k)), b.numbers);
+    });
+    for (std::size_t k = 0; k < at_walls.all.size(); ++k)
+      sum += at_walls.energy(e, domain, model, k);
+    return sum;
+  }
+  /// The fastest that bonds make a particle swing [1/s], and which one: a bound, as if all its
+  /// partners moved against it.
+  struct Rate {
+    double rate = 0;
+    ParticleId particle = no_particle;
+  };
+  template <class Engine>
+  Rate fastest(const Engine& e) {
+    follow(e);
+    std::vector<double> shift(e.particles.size(), 0.0), turn(e.particles.size(), 0.0);
+    const auto include = [&](std::size_t at, const BondStiffness& s, double arm) {
+      shift[at] += s.shift, turn[at] += s.turn + s.shift * arm * arm;
+    };
+    list.for_each([&](std::size_t k) {
+      const Bond b = list.bond(k);
+      const auto s = model.stiffest(b.numbers);
+      const double length = norm(b.rest.apart);
+      include(list.first()[k], s, b.rest.share * length);
+      include(list.second()[k], s, (1 - b.rest.share) * length);
+    });
+    for (const auto& b : at_walls.all)
+      include(e.find(b.i), model.stiffest(b.numbers), b.rest.share * norm(b.rest.apart));
+    Rate most;
+    for (std::size_t k = 0; k < shift.size(); ++k) {
+      const auto p = e.owner(k);
+      if (!p.is_there() || p.inverse_mass() == 0) continue;
+      const double m = p.mass(),
+                   I = Engine::ShapeType::inertia_factor() * m * p.radius() * p.radius();
+      const double rate = std::sqrt(std::max(2 * shift[k] / m, 2 * turn[k] / I));
+      if (rate > most.rate) most = {rate, p.id()};
+    }
+    return most;
+  }
+  /// Puts bonds in order where rows were given anew, or bonds or particles have come or gone.
+  template <class Engine>
+  void follow(const Engine& e) {
+    list.follow(
+        e.particles.size(), e.particles.changes, e.particles.parked,
+        [&e](ParticleId id) { return static_cast<std::uint32_t>(e.find(id)); },
+        [&e](const Bond& gone) { e.particles.bonds.remove(gone.i, gone.j); });
+    at_walls.follow(e);
+  }
+
+ private:
+  static constexpr std::size_t block = 64;  // bonds whose loads wait in the first-level cache
+  static constexpr std::size_t row = 12;    // of one: force, torques over radii, four each
+  using Row = Row4<Arch>;
+
+  struct Overloaded {
+    BondSeen what;
+    std::size_t place;  // in its list
+  };
+  /// What a group has found.
+  struct Done {
+    std::vector<std::uint32_t> over;  // places of overloaded bonds
+    double power = 0;                 // [W] of dashpots
+  };
+
+  template <class Engine>
+  BondedEnds<double> ends_at(const Engine& e, const Domain& domain, std::size_t k) const {
+    const std::uint32_t a = list.first()[k], b = list.second()[k];
+    const auto &p = e.particles.position[a], &q = e.particles.position[b];
+    const auto &m = e.particles.motion[a], &n = e.particles.motion[b];
+    Vec3d d = p.centre() - q.centre();
+    if constexpr (Domain::periodic) d = domain.shortest(d);
+    return {d,
+            m.velocity() - n.velocity(),
+            e.particles.orientation[a],
+            e.particles.orientation[b],
+            m.inv_r * m.spin_velocity(),
+            n.inv_r * n.spin_velocity()};
+  }
+  template <class Engine>
+  BondSeen seen(const Engine& e, const Domain& domain, std::size_t k, double dt) const {
+    const Bond b = list.bond(k);
+    const auto ends = ends_at(e, domain, k);
+    BondSeen out = see_bond(model, strain_of(b.rest, ends), b.numbers, dt);
+    out.a = b.i, out.b = b.j, out.number = b.number;
+    out.to = e.particles.position[list.first()[k]].centre(), out.from = out.to - ends.apart;
+    return out;
+  }
+
+  /// The ends of a pack of bonds, and one over their radii [1/m].
+  struct Pack {
+    BondedEnds<Real> ends;
+    Real inv_r_i, inv_r_j;
+  };
+  template <class Engine>
+  SILT_INLINE Pack ends_of(const Engine& e, const Domain& domain, std::size_t k) const {
+    const auto* const position = e.particles.position.data();
+    const auto* const motion = e.particles.motion.data();
+    const auto* const orientation = e.particles.orientation.data();
+    const std::uint32_t *const a = list.first() + k, *const b = list.second() + k;
+    const auto columns = [](const auto& row_of, Real(&c)[4]) {
+      Row rows[W];
+      for (std::size_t lane = 0; lane < W; ++lane) rows[lane] = row_of(lane);
+      rows_to_columns<Arch>(rows, c);
+    };
+    Pack p;
+    Real c[4];
+    columns([&](auto l) { return Row::load(&position[a[l]].x) - Row::load(&position[b[l]].x); }, c);
+    p.ends.apart = {c[0], c[1], c[2]};
+    if constexpr (Domain::periodic) p.ends.apart = domain.shortest(p.ends.apart);
+    columns([&](auto l) { return Row::load(&motion[a[l]].vx) - Row::load(&motion[b[l]].vx); }, c);
+    p.ends.velocity = {c[0], c[1], c[2]};
+    columns([&](auto l) { return Row::load(&motion[a[l]].wx); }, c);
+    p.ends.spin_i = Vec3<Real>{c[0], c[1], c[2]} * c[3], p.inv_r_i = c[3];
+    columns([&](auto l) { return Row::load(&motion[b[l]].wx); }, c);
+    p.ends.spin_j = Vec3<Real>{c[0], c[1], c[2]} * c[3], p.inv_r_j = c[3];
+    columns([&](auto l) { return Row::load(&orientation[a[l]].w); }, c);
+    p.ends.orientation_i = {c[0], c[1], c[2], c[3]};
+    columns([&](auto l) { return Row::load(&orientation[b[l]].w); }, c);
+    p.ends.orientation_j = {c[0], c[1], c[2], c[3]};
+    return p;
+  }
+  SILT_INLINE static void put(const Vec3<Real>& v, double* to) {
+    const Real columns[4] = {v.x, v.y, v.z, Real(0)};
+    Row rows[W];
+    columns_to_rows<Arch>(columns, rows);
+    for (std::size_t lane = 0; lane < W; ++lane) rows[lane].store(to + lane * row);
+  }
+  template <class Engine>
+  void run_group(Engine& e, const Domain& domain, const typename List::Group& g, Done& done) {
+    alignas(64) double loads[block * row];
+    Real power(0);
+    for (std::size_t from = g.from; from < g.to; from += block) {
+      const std::size_t count = std::min(block, g.to - from);
+      for (std::size_t k = 0; k < count; k += W)
+        if (const auto bits = run_pack(e, domain, from + k, loads + k * row, power))
+          for (std::size_t lane = 0; lane < W; ++lane)
+            if (bits >> lane & 1 && from + k + lane < g.to)
+              done.over.push_back(static_cast<std::uint32_t>(from + k + lane));
+      add_up(e, from, count, loads);
+    }
+    if constexpr (keeps_ledger<typename Engine::Contacts>) {
+      alignas(Real) double each[W];
+      silt::store(each, power);
+      for (const double one : each) done.power += one;
+    }
+  }
+  /// Writes the loads of a pack; returns which of its bonds are overloaded.
+  template <class Engine>
+  __attribute__((flatten)) std::uint64_t run_pack(const Engine& e, const Domain& domain,
+                                                  std::size_t k, double* out,
+                                                  [[maybe_unused]] Real& power) const {
+    const Pack p = ends_of(e, domain, k);
+    const auto s = strain_of(list.rests().template load<Real>(k), p.ends);
+    const auto numbers = list.numbers().template load<Real>(k);
+    const auto a = model.answer(s, numbers);
+    const auto l = loads_of(s, a.force, a.couple, a.rate_force, a.rate_couple);
+    put(l.force, out), put(l.torque_i * p.inv_r_i, out + 4), put(l.torque_j * p.inv_r_j, out + 8);
+    if constexpr (keeps_ledger<typename Engine::Contacts>)
+      power += dot(a.rate_force, s.shift_rate) + dot(a.rate_couple, s.turn_rate);
+    return lane_bits(model.load(a, s.normal, numbers) > Real(1));
+  }
+  /// In strides, as neighbours in the list share particles (PairPipeline::add_up).
+  template <class Engine>
+  void add_up(Engine& e, std::size_t from, std::size_t count, const double* loads) {
+    using Scalar = typename Engine::Scalar;
+    using SumRow = Row4<Arch, Scalar>;
+    constexpr std::size_t stride = 8;
+    Scalar* const sums = e.load_sums();
+    const std::uint32_t *const a = list.first() + from, *const b = list.second() + from;
+    const auto add = [](Scalar* sum, const Row& force, const double* torque) {
+      (SumRow::load(sum) + convert<Scalar>(force)).store(sum);
+      (SumRow::load(sum + 4) + convert<Scalar>(Row::load(torque))).store(sum + 4);
+    };
+    const Row nothing = Row::all(0);
+    for (std::size_t first = 0; first < stride; ++first)
+      for (std::size_t k = first; k < count; k += stride) {
+        const double* const l = loads + k * row;
+        const Row force = Row::load(l);
+        add(sums + a[k] * 4 * Engine::chunks, force, l + 4);
+        add(sums + b[k] * 4 * Engine::chunks, nothing - force, l + 8);
+      }
+  }
+  template <class State>
+  __attribute__((flatten)) static void turn_pack(State& p, std::size_t k, std::size_t count,
+                                                 double dt) {
+    Row rows[W];
+    Real w[4], c[4];
+    const auto at = [&](std::size_t lane) { return k + std::min(lane, count - 1); };
+    for (std::size_t lane = 0; lane < W; ++lane) rows[lane] = Row::load(&p.motion[at(lane)].wx);
+    rows_to_columns<Arch>(rows, w);
+    for (std::size_t lane = 0; lane < W; ++lane) rows[lane] = Row::load(&p.orientation[at(lane)].w);
+    rows_to_columns<Arch>(rows, c);
+    // tan of half the turn to third order: 1e-6 of it off at 0.1 rad a step.
+    const Vec3<Real> half = Vec3<Real>{w[0], w[1], w[2]} * (Real(0.5 * dt) * w[3]);
+    const Vec3<Real> t = half * (Real(1) + dot(half, half) * Real(1.0 / 3));
+    const BasicQuaternion<Real> q = BasicQuaternion<Real>{Real(1), t.x, t.y, t.z} *
+                                    BasicQuaternion<Real>{c[0], c[1], c[2], c[3]};
+    const Real per = Real(1) / sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+    const Real turned[4] = {per * q.w, per * q.x, per * q.y, per * q.z};
+    columns_to_rows<Arch>(turned, rows);
+    for (std::size_t lane = 0; lane < count; ++lane) rows[lane].store(&p.orientation[k + lane].w);
+  }
+
+  std::vector<Overloaded> overloaded_;
+};
+
+/// The stage of a policy Bonds<Model>; without one nothing.
+template <class Policy, class Domain, class Arch>
+struct BondsOf {
+  struct type {};
+};
+template <class Model, class Domain, class Arch>
+struct BondsOf<Bonds<Model>, Domain, Arch> {
+  using type = BondStage<Model, Domain, Arch>;
+};
+
+}  // namespace silt::detail

@@ -1,0 +1,134 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <silt/bond/concept.hpp>
+#include <silt/io/checkpoint_checks.hpp>
+#include <silt/io/describe_scene.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// Bonds in checkpoints: the ends of each, its rest, and the numbers that its model made of it.
+/// Tests: tests/bond/checkpoint.cpp.
+template <class Stage>
+struct BondsState {};
+template <class Stage>
+requires requires { typename Stage::Bond; }
+struct BondsState<Stage> {
+  using Bond = typename Stage::Bond;
+  using AtWall = typename Stage::AtWalls::Bond;
+  using Numbers = decltype(Bond::numbers);
+  std::vector<std::uint64_t> ids, number;  // two a bond; one a bond
+  std::vector<BondRest<double>> rest;
+  std::vector<Numbers> numbers;
+  std::vector<std::uint64_t> wall_ids, wall_number;  // particle and wall; one a bond
+  std::vector<Vec3d> wall_place;
+  std::vector<BondRest<double>> wall_rest;
+  std::vector<Numbers> wall_numbers;
+  std::uint64_t made = 0, broken = 0;
+
+  static BondsState of(const Stage& stage) {
+    BondsState s;
+    s.made = stage.made, s.broken = stage.broken;
+    stage.list.for_each_in_order([&](const Bond& b) {
+      s.ids.insert(s.ids.end(), {b.i, b.j}), s.number.push_back(b.number);
+      s.rest.push_back(b.rest), s.numbers.push_back(b.numbers);
+    });
+    for (const AtWall& b : stage.at_walls.all) {
+      s.wall_ids.insert(s.wall_ids.end(), {b.i, b.wall}), s.wall_number.push_back(b.number);
+      s.wall_place.push_back(b.place), s.wall_rest.push_back(b.rest);
+      s.wall_numbers.push_back(b.numbers);
+    }
+    return s;
+  }
+  template <class Archive>
+  void visit(Archive& a) {
+    a.number("bonds.made", made, count_number), a.number("bonds.broken", broken, count_number);
+    const auto count = [](const auto& column) {
+      return Archive::loads ? CheckpointLoader::any_count : column.size();
+    };
+    a.column("bonds.number", number, count(number));
+    a.column("bonds.ids", ids, 2 * number.size());
+    a.rows("bonds.rest", rest, number.size()), a.rows("bonds.numbers", numbers, number.size());
+    a.column("bonds.wall_number", wall_number, count(wall_number));
+    const std::size_t at_walls = wall_number.size();
+    a.column("bonds.wall_ids", wall_ids, 2 * at_walls);
+    a.rows("bonds.wall_place", wall_place, at_walls);
+    a.rows("bonds.wall_rest", wall_rest, at_walls);
+    a.rows("bonds.wall_numbers", wall_numbers, at_walls);
+  }
+  /// Refuses what cannot be; `p`: the particles of the file, `surfaces` of each of its walls.
+  template <class State>
+  void check(const CheckpointLoader& a, const State& p,
+             const std::vector<std::uint64_t>& surfaces) const {
+    std::vector<ParticleId> present;
+    for (std::size_t k = 0; k < p.size(); ++k) {
+      if (p.is_parked(k)) continue;
+      present.push_back(p.id[k]);
+      a.need(is_unit(p.orientation[k]), "orientation of row ", k, " is no unit quaternion");
+    }
+    std::sort(present.begin(), present.end());
+    const auto is_there = [&](ParticleId id) {
+      return std::binary_search(present.begin(), present.end(), id);
+    };
+    std::vector<std::pair<std::uint64_t, std::uint64_t>> pairs;
+    for (std::size_t k = 0; k < number.size(); ++k) {
+      const std::uint64_t i = ids[2 * k], j = ids[2 * k + 1];
+      a.need(i < j && is_there(i) && is_there(j), "bonds.ids[", k, "] = ", i, " and ", j,
+             " are no two particles");
+      pairs.push_back({i, j});
+      check_one(a, "bonds", k, rest[k], number[k]);
+    }
+    std::sort(pairs.begin(), pairs.end());
+    const auto twice = std::adjacent_find(pairs.begin(), pairs.end());
+    a.need(twice == pairs.end(), "two bonds are between the same particles");
+    check_finite_rows(a, "bonds.numbers", numbers);
+    for (std::size_t k = 0; k < wall_number.size(); ++k) {
+      a.need(is_there(wall_ids[2 * k]), "bonds.wall_ids: there is no particle ", wall_ids[2 * k]);
+      const std::uint64_t wall = wall_ids[2 * k + 1];
+      a.need(wall < surfaces.size() && surfaces[wall] > 0, "bonds.wall_ids: there is no wall ",
+             wall);
+      a.need(silt::is_finite(wall_place[k]), "bonds.wall_place[", k, "] must be finite");
+      check_one(a, "bonds.wall", k, wall_rest[k], wall_number[k]);
+    }
+    check_finite_rows(a, "bonds.wall_numbers", wall_numbers);
+  }
+  /// Into a stage without bonds, and the particles' table of pairs.
+  template <class State>
+  void put(Stage& stage, const State& p) const {
+    for (std::size_t k = 0; k < number.size(); ++k) {
+      stage.list.add({ids[2 * k], ids[2 * k + 1], rest[k], numbers[k], number[k]});
+      p.bonds.add(ids[2 * k], ids[2 * k + 1]);
+    }
+    for (std::size_t k = 0; k < wall_number.size(); ++k)
+      stage.at_walls.all.push_back({wall_ids[2 * k], wall_ids[2 * k + 1], wall_place[k],
+                                    wall_rest[k], wall_numbers[k], wall_number[k]});
+    stage.made = made, stage.broken = broken;
+  }
+
+ private:
+  void check_one(const CheckpointLoader& a, const char* of, std::size_t k,
+                 const BondRest<double>& r, std::uint64_t count) const {
+    a.need(silt::is_finite(r.apart) && norm(r.apart) > 0 && r.share >= 0 && r.share <= 1 &&
+               is_unit(r.turn),
+           of, ".rest[", k, "]: from ", r.apart, " m, share ", r.share, " [-], cannot be");
+    a.need(count < made, of, ".number[", k, "] = ", count, ", but ", made, " have been made");
+  }
+};
+
+/// The model's own coefficients, where it names them; they act on all bonds, made before or after.
+template <class Stage>
+void describe_bonds(const Describer& is, const Stage& stage) {
+  using Model = std::remove_cvref_t<decltype(stage.model)>;
+  is("seed of bonds", text(stage.seed));
+  if constexpr (requires { Model::names.size(); }) describe_numbers(is, "the bonds'", stage.model);
+}
+
+}  // namespace silt::detail

@@ -1,0 +1,102 @@
+// silt - BSD-3-Clause, see LICENSE
+// What builders of bonded spheres make: how many bonds between whom, where, and what is refused.
+//   pairs across a face of a periodic box are missed; a gap that counts from the centres
+#include <cmath>
+#include <numbers>
+#include <set>
+#include <utility>
+
+#include <doctest/doctest.h>
+
+#include <silt/bond/build.hpp>
+#include <silt/bond/parallel_bond.hpp>
+#include <silt/boundary/finite_walls.hpp>
+#include <silt/contact/hertz_mindlin.hpp>
+#include <silt/simulation.hpp>
+
+#include "near.hpp"
+#include "refusal.hpp"
+
+namespace bond_build_test {
+
+using silt::Vec3d;
+constexpr double R = 1e-3;
+const silt::HertzMindlin::Material glass{
+    .youngs_modulus = 1e7, .poisson_ratio = 0.25, .restitution = 0.5, .friction = 0.5};
+const silt::Bonds glue{silt::ParallelBond{.youngs_modulus = 1e7}};
+const silt::BondedGrain grain{.radius = R, .density = 2000};
+
+TEST_CASE("bonds: fibres and sheets have the spheres and bonds that they say") {
+  const auto f = silt::fibre({0, 0, 0}, {8 * R, 0, 0}, 5, grain);
+  CHECK(f.spheres.size() == 5);
+  CHECK(f.bonds.size() == 4);
+  CHECK(f.spheres[4].position.x == near(8 * R));
+  const auto s = silt::sheet({0, 0, 0}, {8 * R, 0, 0}, {0, 4 * R, 0}, 5, 3, grain);
+  CHECK(s.spheres.size() == 15);
+  CHECK(s.bonds.size() == 4 * 3 + 5 * 2);
+  const auto braced = silt::sheet({0, 0, 0}, {8 * R, 0, 0}, {0, 4 * R, 0}, 5, 3, grain, true);
+  CHECK(braced.bonds.size() == 4 * 3 + 5 * 2 + 2 * 4 * 2);
+  for (const auto& [a, b] : s.bonds)
+    CHECK(norm(s.spheres[a].position - s.spheres[b].position) == near(2 * R).epsilon(1e-12));
+}
+
+TEST_CASE("bonds: an agglomerate fills its region, and all within the gap are bonded") {
+  const auto check = [](const silt::BondedSpheres& all, double gap) {
+    std::set<std::pair<std::size_t, std::size_t>> made(all.bonds.begin(), all.bonds.end());
+    CHECK(made.size() == all.bonds.size());
+    for (std::size_t a = 0; a < all.spheres.size(); ++a)
+      for (std::size_t b = a + 1; b < all.spheres.size(); ++b) {
+        const auto &p = all.spheres[a], &q = all.spheres[b];
+        const bool near_enough = norm(p.position - q.position) - p.radius - q.radius < gap;
+        CHECK(near_enough == made.contains({a, b}));
+      }
+  };
+  const silt::FillRequest request{.radius = silt::uniform(0.8 * R, R)};
+  const auto box = agglomerate(silt::Box{{0, 0, 0}, {0.01, 0.01, 0.01}}, request, 0.5 * R, grain);
+  CHECK(box.spheres.size() > 30);
+  CHECK(box.bonds.size() > 2 * box.spheres.size());
+  check(box, 0.5 * R);
+  const auto ball = silt::sphere_mesh({0, 0, 0}, 0.008, 6);
+  const auto round = agglomerate(silt::MeshRegion(ball), request, 0.4 * R, grain);
+  check(round, 0.4 * R);
+  for (const auto& p : round.spheres) CHECK(norm(p.position) + p.radius < 0.008);
+  // Elsewhere, turned: the same distances.
+  const auto moved = placed(round, {1, 2, 3}, silt::rotation_about({0, 0, 1}, 0.5), {0, 0, -1});
+  CHECK(moved.bonds == round.bonds);
+  check(moved, 0.4 * R);
+  CHECK(moved.spheres[0].velocity.z == -1);
+  CHECK(silt_test::has(silt_test::refusal([&] {
+                         agglomerate(silt::Box{{0, 0, 0}, {R, R, R}}, request, 0, grain);
+                       }),
+                       "agglomerate: 0 of 1 spheres fitted into the box"));
+}
+
+TEST_CASE("bonds: bond_near bonds each pair once, across periodic faces too, and who is chosen") {
+  silt::Simulation sim{silt::Particles<silt::Sphere>{}, silt::Contacts<silt::HertzMindlin>{glass},
+                       silt::PeriodicBox{{{0, 0, 0}, {10 * R, 10 * R, 10 * R}}, {true, true, true}},
+                       glue};
+  silt::Particles<silt::Sphere> all;
+  for (int x = 0; x < 5; ++x)
+    for (int y = 0; y < 5; ++y)
+      for (int z = 0; z < 5; ++z)
+        all.add({.position = {(2 * x + 0.5) * R, (2 * y + 0.5) * R, (2 * z + 0.5) * R},
+                 .radius = R,
+                 .density = 2000});
+  sim.add(all);
+  const auto odd = [](silt::ParticleId a, silt::ParticleId b) { return a % 2 == 1 && b % 2 == 1; };
+  const std::size_t some = bond_near(sim, 0.01 * R, odd);
+  sim.for_each_bond([&](const silt::BondSeen& b) {
+    CHECK(odd(b.a, b.b));
+    CHECK(norm(b.to - b.from) == near(2 * R).epsilon(1e-9));  // through the face
+  });
+  CHECK(bond_near(sim, 0.01 * R) == 3 * 125 - some);
+  CHECK(bond_near(sim, 0.01 * R) == 0);
+  CHECK(sim.bonds() == 3 * 125);
+  // Held by bonds all around, it stays at rest: no bond pulls through the box.
+  sim.time_step = 1e-6;
+  sim.run(1e-4);
+  CHECK(sim.bond_energy() < 1e-25);
+  CHECK(silt::fragments(sim).spheres == std::vector<std::size_t>{125});
+}
+
+}  // namespace bond_build_test
