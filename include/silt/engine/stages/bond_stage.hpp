@@ -270,13 +270,15 @@ class BondStage {
                                                   std::size_t k, double* out,
                                                   [[maybe_unused]] Real& power) const {
     const Pack p = ends_of(e, domain, k);
-    const auto s = strain_of(list.rests().template load<Real>(k), p.ends);
-    const auto numbers = list.numbers().template load<Real>(k);
+    const auto s = list.columns().strain(k, p.ends);
+    const auto numbers = list.columns().template load_numbers<Real>(k);
     const auto a = model.answer(s, numbers);
     const auto l = loads_of(s, a.force, a.couple, a.rate_force, a.rate_couple);
     put(l.force, out), put(l.torque_i * p.inv_r_i, out + 4), put(l.torque_j * p.inv_r_j, out + 8);
     if constexpr (keeps_ledger<typename Engine::Contacts>)
       power += dot(a.rate_force, s.shift_rate) + dot(a.rate_couple, s.turn_rate);
+    if constexpr (requires { model.holds(a, s.normal, numbers); })
+      if (lane_bits(model.holds(a, s.normal, numbers)) == (std::uint64_t{1} << W) - 1) return 0;
     return lane_bits(model.load(a, s.normal, numbers) > Real(1));
   }
   /// In strides, as neighbours in the list share particles (PairPipeline::add_up).
