@@ -19,7 +19,7 @@ refused "particles" --particles many
 refused "density" --density -1
 touch "$work/file"
 refused "$work/file" --quick --out "$work/file/out"
-refused "a scene of its own" --silo --flat
+refused "leave --flat out" --silo --flat
 refused "not in range" --silo --wall-friction 2
 refused "nowhere.silt" --quick --out "$work/r" --restart "$work/nowhere.silt"
 

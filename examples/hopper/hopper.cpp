@@ -417,8 +417,10 @@ int main(int argc, char** argv) {
   command.add("--wall-friction", wall_friction, 0.05, 0.5,
               "With --silo: of grains on the wall [-]");
   return command.run(argc, argv, [&] {
-    silt::require(!round || (command.options.restart.empty() && !mixed && !scene.flat),
-                  "--silo is a scene of its own; leave --restart, --mixed and --flat out");
+    for (const char* other :
+         {"--restart", "--particles", "--density", "--flat", "--mixed", "--no-sort"})
+      silt::require(!round || !command.given(other), "--silo is a scene of its own; leave ", other,
+                    " out");
     if (round) return silo::load_walls(wall_friction, command.options);
     scene.sort = !unsorted;
     if (command.options.quick) {
