@@ -24,7 +24,7 @@ refused "not in range" --silo --wall-friction 2
 refused "nowhere.silt" --quick --out "$work/r" --restart "$work/nowhere.silt"
 
 if "$hopper" --quick --out "$work/quick" >"$work/log" 2>&1; then
-  for file in summary.json discharge.csv checkpoint.silt vtk/particles.pvd snapshots.png discharge.png flow.csv flow.png
+  for file in summary.json discharge.csv checkpoint.silt vtk/particles.pvd snapshots.png discharge.png flow.csv flow.png \
     contacts_at_rest.vtp chains.png; do
     [ -s "$work/quick/$file" ] || fail "hopper --quick left no $file"
   done
