@@ -1,0 +1,128 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+// The mixer: a vessel, a shaft with two blades whose pitch can be set, and grains of two colours.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <silt/silt.hpp>
+
+namespace mixer {
+
+using silt::Vec3d;
+using Law = silt::HertzMindlin;
+
+struct Scene {
+  std::size_t grains = 5000;
+  double grain = 3e-3;     // [m] mean radius; sizes from 0.8 to 1.2 of it
+  double radius = 80e-3;   // [m] of the vessel
+  double rpm = 60;         // [1/min] of the blade that has a fixed speed
+  double turns = 5;        // of each run, before the blades are raised
+  double pitched = 1.5;    // turns after that
+  double pitch = 45;       // [degrees] slant of the blades, which goes to 180 less it
+  double friction = 0.4;   // [-] between grains
+  double wall_friction = 0.3;                        // [-] on vessel and blades
+  double share = 1;        // [-] of the servo's torque, of the mean torque at the fixed speed
+  double gain = 1;         // [-] of the servo: the quickest, for a bed that flows
+  static constexpr double density = 1500, g = 9.81;  // [kg/m3] of the grains, [m/s2]
+  // Soft: real granules have 1000 times as much, and steps 30 times as short. What the grains do is
+  // that of stiff ones as long as overlaps stay below 1 % of a diameter, which is checked.
+  static constexpr double modulus = 2e6;  // [Pa]
+
+  double rate() const { return rpm * std::numbers::pi / 30; }   // [rad/s]
+  double turn() const { return 60 / rpm; }                      // [s]
+  double shaft() const { return 0.13 * radius; }                // [m] radius
+  double chord() const { return 0.4 * radius; }                 // [m] of a blade
+  /// [m] between blade and floor, and wall. Less than a grain's radius: an edge above its centre
+  /// would press it down, and crush it where the bed ahead holds it.
+  double gap() const { return 0.3 * grain; }
+  double height() const { return 2.2 * radius; }                // [m] of the vessel
+  double sample() const { return 6 * grain; }                   // [m] side of a sample
+  double filling() const { return 0.4; }                        // [s] until the grains have fallen
+  double slant() const { return pitch * std::numbers::pi / 180; }  // [rad]
+  /// [rad] after a share of the time in which the blades are raised; from rest to rest.
+  double slant_after(double done) const {
+    return slant() + (std::numbers::pi - 2 * slant()) * 0.5 * (1 - std::cos(std::numbers::pi * done));
+  }
+  double chute() const { return 0.6 * radius; }                 // [m] half of its side
+  static Law::Material solid(double mu) {
+    return {.youngs_modulus = modulus, .poisson_ratio = 0.25, .restitution = 0.5, .friction = mu};
+  }
+  Law::Material granules() const { return solid(friction); }
+  Law::Material steel() const { return solid(wall_friction); }
+};
+
+/// Two flat blades whose lower edges are hinges: a slant [rad] of 45 degrees lays the face back, so
+/// that grains climb it, 90 makes it upright, and at 135 it leans over them and presses them down.
+/// Their ends follow the vessel. All slants have the same triangles between other corners, which
+/// set_mesh moves.
+inline silt::TriangleMesh blades(const Scene& s, double slant) {
+  constexpr int strips = 8;
+  std::vector<std::array<Vec3d, 3>> all;
+  // Of the first blade, the ends at height k; the second is the first turned by half a turn.
+  const auto corner = [&](double side, int k, bool outer) {
+    const double along = s.chord() * k / strips, y = -along * std::cos(slant);
+    const double x = outer ? std::sqrt(std::pow(s.radius - s.gap(), 2) - y * y) : s.shaft();
+    return Vec3d{side * x, side * y, s.gap() + along * std::sin(slant)};
+  };
+  for (const double side : {1.0, -1.0})
+    for (int k = 0; k < strips; ++k) {
+      const Vec3d a = corner(side, k, false), b = corner(side, k, true);
+      const Vec3d c = corner(side, k + 1, true), d = corner(side, k + 1, false);
+      all.push_back({a, b, c}), all.push_back({a, c, d});
+    }
+  return silt::TriangleMesh(all);
+}
+
+/// Turns the blades from the time `now` [s] on.
+inline silt::Motion turning(double now, double rate) {
+  return silt::from(now, silt::rotation({0, 0, 0}, {0, 0, 1}, rate));
+}
+
+/// Vessel, shaft with blades, and grains on a grid in the chute over it.
+inline auto make_mixer(const Scene& s, int threads) {
+  silt::Particles<silt::Sphere> grains;
+  silt::Random random(11);
+  const double pitch = 2.45 * s.grain, from = s.height() + pitch, half = s.chute();
+  const int n = static_cast<int>(2 * half / pitch);
+  double top = 0;
+  for (int k = 0, left = static_cast<int>(s.grains); left > 0; ++k) {
+    const double x = -half + 2 * half / n * (k % n + 0.5), y = -half + 2 * half / n * (k / n % n + 0.5);
+    if (std::hypot(x, y) < s.shaft() + pitch / 2) continue;
+    top = from + pitch * (k / (n * n) + 1), --left;
+    grains.add({.position = {x, y, top - pitch},
+                .radius = s.grain * random.uniform(0.8, 1.2),
+                .density = Scene::density,
+                .velocity = {random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), -1}});
+  }
+  silt::Contacts<Law, silt::SeveralMaterials> contacts{s.granules()};
+  contacts.add(s.granules(), "blue"), contacts.add(s.granules(), "amber");
+  contacts.add(s.steel(), "steel");
+  silt::Simulation sim{std::move(grains), contacts, silt::EnergyLedger{}};
+  sim.threads = threads;
+  sim.gravity = {0, 0, -Scene::g};
+  sim.set_pair("blue", "amber", {.restitution = 0.5, .friction = s.friction});
+  for (const char* colour : {"blue", "amber"})
+    sim.set_pair(colour, "steel", {.restitution = 0.5, .friction = s.wall_friction});
+  sim.add_wall(silt::capped_cylinder({0, 0, 0}, {0, 0, s.height()}, s.radius, 64, true), s.steel(),
+               {.name = "vessel"});
+  sim.add_wall(silt::Surfaces({std::make_shared<const silt::TriangleMesh>(blades(s, s.slant())),
+                               std::make_shared<const silt::TriangleMesh>(silt::capped_cylinder(
+                                   {0, 0, s.gap()}, {0, 0, top}, s.shaft(), 32))}),
+               s.steel(), {.name = "blade"});
+  // A box without floor and lid guides the grains into the vessel.
+  using enum silt::Face;
+  sim.add_wall(silt::open_box({-half, -half, 0.8 * s.height()}, {half, half, top}, {ZLow, ZHigh}),
+               s.steel(), {.name = "chute"});
+  return sim;
+}
+
+}  // namespace mixer
