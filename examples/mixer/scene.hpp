@@ -1,7 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// The mixer: a vessel, a shaft with two blades whose pitch can be set, and grains of two colours.
+// The mixer: a vessel, two blades that are driven from below and can be raised, and grains of two
+// colours.
 
 #include <algorithm>
 #include <array>
@@ -39,7 +40,7 @@ struct Scene {
 
   double rate() const { return rpm * std::numbers::pi / 30; }   // [rad/s]
   double turn() const { return 60 / rpm; }                      // [s]
-  double shaft() const { return 0.13 * radius; }                // [m] radius
+  double inner() const { return 0.15 * radius; }                // [m] from the axis to the blades
   double chord() const { return 0.4 * radius; }                 // [m] of a blade
   /// [m] between blade and floor, and wall. Less than a grain's radius: an edge above its centre
   /// would press it down, and crush it where the bed ahead holds it.
@@ -70,7 +71,7 @@ inline silt::TriangleMesh blades(const Scene& s, double slant) {
   // Of the first blade, the ends at height k; the second is the first turned by half a turn.
   const auto corner = [&](double side, int k, bool outer) {
     const double along = s.chord() * k / strips, y = -along * std::cos(slant);
-    const double x = outer ? std::sqrt(std::pow(s.radius - s.gap(), 2) - y * y) : s.shaft();
+    const double x = outer ? std::sqrt(std::pow(s.radius - s.gap(), 2) - y * y) : s.inner();
     return Vec3d{side * x, side * y, s.gap() + along * std::sin(slant)};
   };
   for (const double side : {1.0, -1.0})
@@ -87,22 +88,17 @@ inline silt::Motion turning(double now, double rate) {
   return silt::from(now, silt::rotation({0, 0, 0}, {0, 0, 1}, rate));
 }
 
-/// Vessel, shaft with blades, and grains on a grid in the chute over it.
+/// Vessel, blades, and grains in the chute over it.
 inline auto make_mixer(const Scene& s, int threads) {
+  const double half = s.chute(), low = s.height();
+  const double solid = static_cast<double>(s.grains) * silt::Sphere::volume(1.03 * s.grain);
+  const double high = low + solid / (0.25 * 4 * half * half);  // a grid of mixed sizes is loose
   silt::Particles<silt::Sphere> grains;
-  silt::Random random(11);
-  const double pitch = 2.45 * s.grain, from = s.height() + pitch, half = s.chute();
-  const int n = static_cast<int>(2 * half / pitch);
-  double top = 0;
-  for (int k = 0, left = static_cast<int>(s.grains); left > 0; ++k) {
-    const double x = -half + 2 * half / n * (k % n + 0.5), y = -half + 2 * half / n * (k / n % n + 0.5);
-    if (std::hypot(x, y) < s.shaft() + pitch / 2) continue;
-    top = from + pitch * (k / (n * n) + 1), --left;
-    grains.add({.position = {x, y, top - pitch},
-                .radius = s.grain * random.uniform(0.8, 1.2),
-                .density = Scene::density,
-                .velocity = {random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), -1}});
-  }
+  grains.fill({{-half, -half, low}, {half, half, high}},
+              {.radius = silt::uniform(0.8 * s.grain, 1.2 * s.grain),
+               .density = Scene::density,
+               .count = s.grains,
+               .velocity = {0, 0, -1}});
   silt::Contacts<Law, silt::SeveralMaterials> contacts{s.granules()};
   contacts.add(s.granules(), "blue"), contacts.add(s.granules(), "amber");
   contacts.add(s.steel(), "steel");
@@ -114,13 +110,10 @@ inline auto make_mixer(const Scene& s, int threads) {
     sim.set_pair(colour, "steel", {.restitution = 0.5, .friction = s.wall_friction});
   sim.add_wall(silt::capped_cylinder({0, 0, 0}, {0, 0, s.height()}, s.radius, 64, true), s.steel(),
                {.name = "vessel"});
-  sim.add_wall(silt::Surfaces({std::make_shared<const silt::TriangleMesh>(blades(s, s.slant())),
-                               std::make_shared<const silt::TriangleMesh>(silt::capped_cylinder(
-                                   {0, 0, s.gap()}, {0, 0, top}, s.shaft(), 32))}),
-               s.steel(), {.name = "blade"});
+  sim.add_wall(blades(s, s.slant()), s.steel(), {.name = "blade"});
   // A box without floor and lid guides the grains into the vessel.
   using enum silt::Face;
-  sim.add_wall(silt::open_box({-half, -half, 0.8 * s.height()}, {half, half, top}, {ZLow, ZHigh}),
+  sim.add_wall(silt::open_box({-half, -half, 0.8 * s.height()}, {half, half, high}, {ZLow, ZHigh}),
                s.steel(), {.name = "chute"});
   return sim;
 }
