@@ -67,7 +67,7 @@ def curves(folder, torque, more):
 def bed(folder, radius):
     """Colours from above, and layers behind a cut through the axis."""
     shown = (("start", "at the start"), ("one", "after one turn"), ("mixed", "then the blades are raised"),
-             ("end", "at the end: they lean over"))
+             ("end", "at the end, upright"))
     table = np.array([to_rgb(COLOURS[0]), to_rgb(COLOURS[1])])
     width = 3.1
     tall = 1.05 * radius

@@ -15,9 +15,10 @@ namespace mixer {
 ///
 ///   M = (S0^2 - S^2)/(S0^2 - SR^2),   S0^2 = p (1 - p)                                       (1)
 ///
-/// p is the share of the first kind, by number, S^2 the variance of its share over samples: cubes of
-/// `side` [m], each weighted with its number of grains n_i. SR^2 is what S^2 is on average where N
-/// grains are dealt out at random to k samples; for n_i much less than N it is p (1 - p)/n, n = N/k:
+/// p is the share of the first kind, by number, S^2 the variance of its share over samples: cubes
+/// of `side` [m], each weighted with its number of grains n_i. SR^2 is what S^2 is on average where
+/// N grains are dealt out at random to k samples; for n_i much less than N it is p (1 - p)/n, n =
+/// N/k:
 ///
 ///   S^2 = sum n_i (p_i - p)^2/N,   SR^2 = p (1 - p) (k - 1)/(N - 1)                          (2)
 ///

@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 //
 // A bladed mixer. Grains of two colours lie side by side; two blades turn through them, at a fixed
-// speed in one run, with a fixed torque (ServoTorque) in the other. Blades that lay back are then
-// raised until they lean over the grains (set_mesh). Torque, angle and power over time, and Lacey's
+// speed in one run, with a fixed torque (ServoTorque) in the other. Blades that lie back are then
+// raised until they are upright (set_mesh). Torque, angle and power over time, and Lacey's
 // index of mixing: of the colours, and of the layers that lay over one another.
 
 #include <algorithm>
@@ -53,11 +53,11 @@ struct Kinds {
 struct Stage {
   std::string name;
   double seconds = 0, turns = 0;
-  double torque = 0, swing = 0;     // [N m] mean, and standard deviation of means over 5 ms
-  double work = 0;                  // [J] of the blade on the grains, of torque and angle
-  double booked = 0;                // [J] held more than before, and dissipated, by the ledger
-  double given = 0;                 // [J] by walls, by the ledger
-  double index = 0, layers = 0;     // [-] at the end
+  double torque = 0, swing = 0;  // [N m] mean, and standard deviation of means over 5 ms
+  double work = 0;               // [J] of the blade on the grains, of torque and angle
+  double booked = 0;             // [J] held more than before, and dissipated, by the ledger
+  double given = 0;              // [J] by walls, by the ledger
+  double index = 0, layers = 0;  // [-] at the end
   double rate() const { return turns / seconds; }  // [1/s]
 };
 
@@ -68,7 +68,7 @@ struct Run {
   double start = 0, start_layers = 0;  // [-] index of mixing
   std::array<double, 2> random{};      // its mean over random mixtures, standard error
   double samples = 0, grains_a_sample = 0;
-  double overlap = 0;                    // [-] mean, of the mean diameter
+  double overlap = 0;                          // [-] mean, of the mean diameter
   double lost = 0, mass_before = 0, mass = 0;  // grains, [kg]
 };
 
@@ -78,7 +78,12 @@ class Watch {
  public:
   static constexpr double interval = 5e-3;  // [s]
   Watch(Sim& sim, const Scene& s, const Kinds& kinds, const std::string& out)
-      : sim_(sim), s_(s), kinds_(kinds), load_(sim, "blade"), angle_(angle()), start_(sim.time()),
+      : sim_(sim),
+        s_(s),
+        kinds_(kinds),
+        load_(sim, "blade"),
+        angle_(angle()),
+        start_(sim.time()),
         table_(out, {"time [s]", "turns", "colours", "layers"}) {
     add_row();
   }
@@ -91,14 +96,18 @@ class Watch {
     double rows = 0, sum = 0, squares = 0;
     const int pieces = std::max(1, static_cast<int>(std::lround(seconds / (0.05 * s_.turn()))));
     for (int k = 0; k < pieces; ++k) {
-      sim_.run(seconds / pieces, silt::at(silt::every(interval), [&](const auto&) {
-                 const auto mean = load_.read(sim_);
-                 if (mean.duration == 0) return;
-                 const double turned = std::remainder(angle() - angle_, 2 * std::numbers::pi);
-                 angle_ += turned, turns_ += turned / (2 * std::numbers::pi);
-                 stage.work -= mean.torque.z * turned;
-                 ++rows, sum -= mean.torque.z, squares += mean.torque.z * mean.torque.z;
-               }), observers...);
+      sim_.run(seconds / pieces,
+               silt::at(silt::every(interval),
+                        [&](const auto&) {
+                          const auto mean = load_.read(sim_);
+                          if (mean.duration == 0) return;
+                          const double turned =
+                              std::remainder(angle() - angle_, 2 * std::numbers::pi);
+                          angle_ += turned, turns_ += turned / (2 * std::numbers::pi);
+                          stage.work -= mean.torque.z * turned;
+                          ++rows, sum -= mean.torque.z, squares += mean.torque.z * mean.torque.z;
+                        }),
+               observers...);
       add_row();
     }
     const auto now = sim_.energy();
@@ -108,9 +117,9 @@ class Watch {
     stage.booked = now.held() - books.held() + now.dissipated() - books.dissipated();
     stage.given = now.walls - books.walls;
     stage.index = index_, stage.layers = layers_;
-    std::printf("  %-28s torque %.4f N m +- %.1f %%, %.1f rpm, mixed %.3f, layers %.3f\n", name.c_str(),
-                stage.torque, 100 * stage.swing / stage.torque, 60 * stage.rate(), stage.index,
-                stage.layers);
+    std::printf("  %-28s torque %.4f N m +- %.1f %%, %.1f rpm, mixed %.3f, layers %.3f\n",
+                name.c_str(), stage.torque, 100 * stage.swing / stage.torque, 60 * stage.rate(),
+                stage.index, stage.layers);
     std::fflush(stdout);
     return stage;
   }
@@ -169,7 +178,7 @@ silt::ServoTorque motor(const Scene& s, double torque) {
 }
 
 /// A run from the charged mixer: at a fixed speed, or with a torque `target` [N m], and `more` for
-/// blades that lean over.
+/// upright blades.
 Run mix(const Scene& s, const std::string& file, double target, double more,
         const example::Options& options) {
   Run run{.name = target == 0 ? "speed" : "torque", .target = target, .more = more};
@@ -188,8 +197,8 @@ Run mix(const Scene& s, const std::string& file, double target, double more,
   else
     sim.set_drive("blade", motor(s, target));
   Watch watch(sim, s, kinds, options.out + "/index_" + run.name + ".csv");
-  auto series = silt::wall_series(options.out + "/blade_" + run.name + ".csv", "blade",
-                                  silt::every(10e-3));
+  auto series =
+      silt::wall_series(options.out + "/blade_" + run.name + ".csv", "blade", silt::every(10e-3));
   run.stages.push_back(watch.stage("first turn", s.turn(), series));
   if (pictures) picture(sim, kinds, options.out + "/one");
   run.stages.push_back(watch.stage("blades laid back", (s.turns - 1) * s.turn(), series));
@@ -202,10 +211,10 @@ Run mix(const Scene& s, const std::string& file, double target, double more,
   });
   run.stages.push_back(watch.stage("blades are raised", raised, series, raise));
   if (target != 0) {
-    run.stages.push_back(watch.stage("blades lean over, same torque", 0.5 * s.turn(), series));
+    run.stages.push_back(watch.stage("blades upright, same torque", 0.5 * s.turn(), series));
     sim.set_drive("blade", motor(s, more));
   }
-  run.stages.push_back(watch.stage("blades lean over", s.pitched * s.turn(), series));
+  run.stages.push_back(watch.stage("blades upright", s.pitched * s.turn(), series));
   if (pictures) picture(sim, kinds, options.out + "/end");
   run.mass = sim.total_mass();
   std::vector<Vec3d> places;
@@ -255,9 +264,9 @@ void check(example::Summary& summary, const Run& run) {
   if (run.target != 0) {
     summary.check_within(name + "torque over that of the servo, blades laid back",
                          run.stages[1].torque / run.target, 1, 0.01, "slides of the bed");
-    summary.check_within(name + "torque over that of the servo, blades lean over",
+    summary.check_within(name + "torque over that of the servo, blades upright",
                          run.stages.back().torque / run.more, 1, 0.03, "slides of the bed");
-    summary.check_at_most(name + "speed over that with more torque, blades lean over",
+    summary.check_at_most(name + "speed over that with more torque, blades upright",
                           run.stages[3].rate() / run.stages[4].rate(), 0.1);
   }
   summary.check_at_least(name + "index of colours at the end", run.stages.back().index, 0.5);
@@ -270,8 +279,10 @@ void check(example::Summary& summary, const Run& run) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  example::Command command("A bladed mixer at a fixed speed and with a fixed torque: torque, power, "
-                           "Lacey's index of mixing", example::Kind::Cases, "out/mixer");
+  example::Command command(
+      "A bladed mixer at a fixed speed and with a fixed torque: torque, power, "
+      "Lacey's index of mixing",
+      example::Kind::Cases, "out/mixer");
   Scene s;
   command.add("--grains", s.grains, 200, 100000, "how many");
   command.add("--rpm", s.rpm, 10, 120, "of the run at a fixed speed [1/min]");
@@ -279,7 +290,8 @@ int main(int argc, char** argv) {
   command.add("--raised", s.pitched, 0.2, 100, "turns of it, or their time, after that");
   command.add("--friction", s.friction, 0, 2, "between grains [-]");
   command.add("--wall-friction", s.wall_friction, 0, 2, "on vessel and blades [-]");
-  command.add("--share", s.share, 0.2, 3, "torque of the other run, of the mean at the fixed speed");
+  command.add("--share", s.share, 0.2, 3,
+              "torque of the other run, of the mean at the fixed speed");
   command.add("--gain", s.gain, 1e-3, 1, "of its servo [-]");
   return command.run(argc, argv, [&] {
     const auto& options = command.options;
@@ -308,9 +320,8 @@ int main(int argc, char** argv) {
     summary.result("seconds", watch.seconds());
     summary.write(options.out + "/summary.json");
     summary.print_checks();
-    example::run_script(SILT_MIXER_SCRIPT,
-                        {options.out, silt::text(s.radius), silt::text(runs[1].target),
-                         silt::text(runs[1].more)});
+    example::run_script(SILT_MIXER_SCRIPT, {options.out, silt::text(s.radius),
+                                            silt::text(runs[1].target), silt::text(runs[1].more)});
     return summary.all_hold() ? 0 : 1;
   });
 }

@@ -390,7 +390,8 @@ TEST_CASE("walls: mean load, impulse and angular impulse, also as a table") {
 
 // Catches an angle that forgets whole turns, that starts anew with a new motion or drive, or that
 // has the wrong sign.
-TEST_CASE("wall_series: angle of walls that turn, whole turns and all, through new motions and drives") {
+TEST_CASE(
+    "wall_series: angle of walls that turn, whole turns and all, through new motions and drives") {
   for (const double interval : {0.01, 0.09}) {  // a tenth of a turn, nine tenths
     auto sim = scene(one({0.3, 0, 0.05}, 0.01));
     const double rate = 20 * boundary_test::pi;  // [rad/s] ten turns a second
@@ -401,8 +402,9 @@ TEST_CASE("wall_series: angle of walls that turn, whole turns and all, through n
     const auto path = temporary("silt_wall_angle.csv");
     auto series = silt::wall_series(path, "blade", silt::every(interval));
     sim.run(0.45, series);
-    sim.set_drive("blade", silt::ServoTorque{
-                               .centre = {0.2, 0.1, 0}, .axis = axis, .torque = -1, .max_rate = rate});
+    sim.set_drive(
+        "blade",
+        silt::ServoTorque{.centre = {0.2, 0.1, 0}, .axis = axis, .torque = -1, .max_rate = rate});
     sim.run(0.18, series);  // touches nothing: back at its limit
     std::ifstream in(path);
     std::string line, last;

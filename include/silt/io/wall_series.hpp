@@ -151,8 +151,8 @@ class WallSeriesObserver {
          {mean.force, mean.torque, wall.impulse, wall.angular_impulse, wall.pose.translation})
       row.insert(row.end(), {v.x, v.y, v.z});
     row.push_back(wall.state.way);
-    const Vec3d angle = angle_->look(wall.pose, wall.last_pose,
-                                     (sim.time() - last_time_) / sim.step_length());
+    const Vec3d angle =
+        angle_->look(wall.pose, wall.last_pose, (sim.time() - last_time_) / sim.step_length());
     last_time_ = sim.time();
     row.insert(row.end(), {angle.x, angle.y, angle.z});
     table_->add_row(std::span<const double>(row));
