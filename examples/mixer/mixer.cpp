@@ -87,33 +87,22 @@ class Watch {
         table_(out, {"time [s]", "turns", "colours", "layers"}) {
     add_row();
   }
-  /// Runs on for `seconds`; `change` is called in every step.
+  /// Runs on for `seconds`.
   template <class... Observers>
   Stage stage(const std::string& name, double seconds, Observers&&... observers) {
     Stage stage{name};
     const auto books = sim_.energy();
-    const double from = sim_.time(), turns = turns_;
-    double rows = 0, sum = 0, squares = 0;
     const int pieces = std::max(1, static_cast<int>(std::lround(seconds / (0.05 * s_.turn()))));
     for (int k = 0; k < pieces; ++k) {
-      sim_.run(seconds / pieces,
-               silt::at(silt::every(interval),
-                        [&](const auto&) {
-                          const auto mean = load_.read(sim_);
-                          if (mean.duration == 0) return;
-                          const double turned =
-                              std::remainder(angle() - angle_, 2 * std::numbers::pi);
-                          angle_ += turned, turns_ += turned / (2 * std::numbers::pi);
-                          stage.work -= mean.torque.z * turned;
-                          ++rows, sum -= mean.torque.z, squares += mean.torque.z * mean.torque.z;
-                        }),
+      sim_.run(seconds / pieces, silt::at(silt::every(interval), [&](const auto&) { read(stage); }),
                observers...);
       add_row();
     }
+    read(stage);
     const auto now = sim_.energy();
-    stage.seconds = sim_.time() - from, stage.turns = turns_ - turns;
-    stage.torque = sum / rows;
-    stage.swing = std::sqrt(std::max(squares / rows - stage.torque * stage.torque, 0.0));
+    stage.torque /= stage.seconds;
+    stage.swing =
+        std::sqrt(std::max(stage.swing / stage.seconds - stage.torque * stage.torque, 0.0));
     stage.booked = now.held() - books.held() + now.dissipated() - books.dissipated();
     stage.given = now.walls - books.walls;
     stage.index = index_, stage.layers = layers_;
@@ -125,6 +114,17 @@ class Watch {
   }
 
  private:
+  /// Adds what was since the last look; of the torque sums over time.
+  void read(Stage& stage) {
+    const auto mean = load_.read(sim_);
+    if (mean.duration == 0) return;
+    const double turned = std::remainder(angle() - angle_, 2 * std::numbers::pi);
+    angle_ += turned, turns_ += turned / (2 * std::numbers::pi);
+    stage.seconds += mean.duration, stage.turns += turned / (2 * std::numbers::pi);
+    stage.torque -= mean.torque.z * mean.duration;
+    stage.swing += mean.torque.z * mean.torque.z * mean.duration;
+    stage.work -= mean.torque.z * turned;
+  }
   double angle() const {  // [rad] less whole turns
     const Vec3d x = sim_.wall("blade").pose.rotate({1, 0, 0});
     return std::atan2(x.y, x.x);
@@ -233,7 +233,7 @@ Run mix(const Scene& s, const std::string& file, double target, double more,
   return run;
 }
 
-void check(example::Summary& summary, const Run& run) {
+void check(example::Summary& summary, const Run& run, bool quick) {
   const std::string name = run.target == 0 ? "fixed speed: " : "fixed torque: ";
   summary.result(name + "samples", run.samples);
   summary.result(name + "grains a sample", run.grains_a_sample);
@@ -269,7 +269,8 @@ void check(example::Summary& summary, const Run& run) {
     summary.check_at_most(name + "speed over that with more torque, blades upright",
                           run.stages[3].rate() / run.stages[4].rate(), 0.1);
   }
-  summary.check_at_least(name + "index of colours at the end", run.stages.back().index, 0.5);
+  summary.check_at_least(name + "index of colours at the end", run.stages.back().index,
+                         quick ? 0.6 : 0.95);
   summary.check_at_most(name + "grains outside", run.lost, 0);
   summary.check_within(name + "mass at the end over that at the start", run.mass / run.mass_before,
                        1, 1e-14, "rounding of the sum");
@@ -316,7 +317,14 @@ int main(int argc, char** argv) {
     summary.input("friction", s.friction), summary.input("wall friction", s.wall_friction);
     summary.input("gain of the servo", s.gain);
     summary.input("torque of the servo [N m]", runs[1].target);
-    for (const Run& run : runs) check(summary, run);
+    for (const Run& run : runs) check(summary, run, options.quick);
+    // A bed that flows bears a torque that hardly depends on the speed: 1 % more at 10 % more.
+    const double speeds = runs[1].stages[1].rate() / runs[0].stages[1].rate();
+    const std::string name = "fixed torque: speed over the fixed one, blades laid back";
+    if (s.share == 1)
+      summary.check_within(name, speeds, 1, 0.25, "2 % of the torque");
+    else
+      summary.result(name, speeds);
     summary.result("seconds", watch.seconds());
     summary.write(options.out + "/summary.json");
     summary.print_checks();
