@@ -318,11 +318,11 @@ int main(int argc, char** argv) {
     summary.input("gain of the servo", s.gain);
     summary.input("torque of the servo [N m]", runs[1].target);
     for (const Run& run : runs) check(summary, run, options.quick);
-    // A bed that flows bears a torque that hardly depends on the speed: 1 % more at 10 % more.
+    // A bed that flows bears a torque that hardly depends on the speed: 1 % more at 8 % more.
     const double speeds = runs[1].stages[1].rate() / runs[0].stages[1].rate();
     const std::string name = "fixed torque: speed over the fixed one, blades laid back";
     if (s.share == 1)
-      summary.check_within(name, speeds, 1, 0.25, "2 % of the torque");
+      summary.check_within(name, speeds, 1, 0.25, "3 % of the torque");
     else
       summary.result(name, speeds);
     summary.result("seconds", watch.seconds());

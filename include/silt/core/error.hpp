@@ -98,14 +98,14 @@ template <class... Parts>
   return detail::join({parts...});
 }
 
+namespace detail {
+
 /// As text(), with numbers to six digits: for messages about what a run has computed. Those about
 /// what was given keep all digits, as 1.0000001 must not be refused as 1.
 template <class... Parts>
 [[gnu::cold]] std::string sentence(const Parts&... parts) {
-  return detail::join({parts...}, true);
+  return join({parts...}, true);
 }
-
-namespace detail {
 
 /// Length [bytes] of the printable character that `words` begins with, 0 if it has none: a control
 /// character, or bytes that are no UTF-8.

@@ -9,9 +9,9 @@
 #include <variant>
 #include <vector>
 
-#include <silt/engine/contact/wall_loads.hpp>
 #include <silt/files/csv_table.hpp>
 #include <silt/io/observers.hpp>
+#include <silt/simulation.hpp>
 
 namespace silt::inline SILT_TARGET {
 
