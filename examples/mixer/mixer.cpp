@@ -181,7 +181,8 @@ silt::ServoTorque motor(const Scene& s, double torque) {
 /// upright blades.
 Run mix(const Scene& s, const std::string& file, double target, double more,
         const example::Options& options) {
-  Run run{.name = target == 0 ? "speed" : "torque", .target = target, .more = more};
+  Run run;
+  run.name = target == 0 ? "speed" : "torque", run.target = target, run.more = more;
   std::printf("fixed %s\n", run.name.c_str());
   auto sim = mixer::make_mixer(s, options.threads);
   sim.remove_wall("chute");
