@@ -2,8 +2,8 @@
 //
 // A bladed mixer. Grains of two colours lie side by side; two blades turn through them, at a fixed
 // speed in one run, with a fixed torque (ServoTorque) in the other. Blades that lie back are then
-// raised until they are upright (set_mesh). Torque, angle and power over time, and Lacey's
-// index of mixing: of the colours, and of the layers that lay over one another.
+// raised until they are upright (set_mesh). Torque, angle and power over time, and Lacey's index of
+// mixing: of the colours, and of the layers that lay over one another.
 
 #include <algorithm>
 #include <array>
@@ -177,6 +177,25 @@ silt::ServoTorque motor(const Scene& s, double torque) {
           .gain = s.gain};
 }
 
+/// What is left at the end of a run.
+template <class Sim>
+void look_back(const Sim& sim, const Scene& s, const Kinds& kinds, Run& run) {
+  run.mass = sim.total_mass();
+  std::vector<Vec3d> places;
+  std::vector<bool> kind;
+  double overlaps = 0, contacts = 0;
+  for (std::size_t k = 0; k < sim.rows(); ++k) {
+    const Vec3d at = sim.position(k);
+    places.push_back(at), kind.push_back(kinds.right[sim.id(k)]);
+    run.lost += std::hypot(at.x, at.y) > s.radius || at.z < 0 || at.z > s.height();
+  }
+  sim.for_each_contact([&](const silt::ContactSeen& c) { overlaps += c.overlap, ++contacts; });
+  run.overlap = overlaps / contacts / (2 * s.grain);
+  run.random = mixer::index_of_random(places, kind, kinds.side, kinds.corner, 100);
+  const auto end = kinds.mixed(sim, kinds.right);
+  run.samples = end.samples(), run.grains_a_sample = end.grains_a_sample();
+}
+
 /// A run from the charged mixer: at a fixed speed, or with a torque `target` [N m], and `more` for
 /// upright blades.
 Run mix(const Scene& s, const std::string& file, double target, double more,
@@ -217,20 +236,7 @@ Run mix(const Scene& s, const std::string& file, double target, double more,
   }
   run.stages.push_back(watch.stage("blades upright", s.pitched * s.turn(), series));
   if (pictures) picture(sim, kinds, options.out + "/end");
-  run.mass = sim.total_mass();
-  std::vector<Vec3d> places;
-  std::vector<bool> kind;
-  double overlaps = 0, contacts = 0;
-  for (std::size_t k = 0; k < sim.rows(); ++k) {
-    const Vec3d at = sim.position(k);
-    places.push_back(at), kind.push_back(kinds.right[sim.id(k)]);
-    run.lost += std::hypot(at.x, at.y) > s.radius || at.z < 0 || at.z > s.height();
-  }
-  sim.for_each_contact([&](const silt::ContactSeen& c) { overlaps += c.overlap, ++contacts; });
-  run.overlap = overlaps / contacts / (2 * s.grain);
-  run.random = mixer::index_of_random(places, kind, kinds.side, kinds.corner, 100);
-  const auto end = kinds.mixed(sim, kinds.right);
-  run.samples = end.samples(), run.grains_a_sample = end.grains_a_sample();
+  look_back(sim, s, kinds, run);
   return run;
 }
 

@@ -34,8 +34,8 @@ struct Scene {
   double share = 1;            // [-] of the servo's torque, of the mean torque at the fixed speed
   double gain = 1;             // [-] of the servo: the quickest, for a bed that flows
   static constexpr double density = 1500, g = 9.81;  // [kg/m3] of the grains, [m/s2]
-  // Soft: real granules have 1000 times as much, and steps 30 times as short. What the grains do is
-  // that of stiff ones as long as overlaps stay below 1 % of a diameter, which is checked.
+  // Soft: real granules have 1000 times as much, and steps a sixteenth as long. The bed flows as
+  // one of stiff grains as long as overlaps stay below 1 % of a diameter, which is checked.
   static constexpr double modulus = 2e6;  // [Pa]
 
   double rate() const { return rpm * std::numbers::pi / 30; }  // [rad/s]
