@@ -6,7 +6,7 @@
 #   index of random mixtures                a variance of random samples that is wrong: 1/n left out is 3 % off
 #   torque times angle over energy          torque about another point, an angle that loses turns, lost energy
 #   work of the blades over energy          work of blades whose mesh moves that the ledger misses
-#   torque over that of the servo           a servo that lags behind (gain 0.25: 5 % off)
+#   torque over that of the servo           a servo that lags behind (gain 0.25: 13 % off)
 #   speed over that with more torque        a servo that does not hold a bed that bears its torque
 #   grains outside, mass, mean overlap      grains that pass walls or blades
 set -u
