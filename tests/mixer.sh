@@ -3,7 +3,7 @@
 # The bladed mixer as a user runs it: a quick run that keeps its own checks, and what it refuses.
 # The run's checks, and a wrong result that each would catch:
 #   index at the start                      samples that hold both kinds of a bed that is not mixed
-#   index of random mixtures                a variance of random samples that is wrong: 1/n left out is 3 % off
+#   index of random mixtures                a variance of random samples that is wrong: 1/n left out is 7 % off
 #   torque times angle over energy          torque about another point, an angle that loses turns, lost energy
 #   work of the blades over energy          work of blades whose mesh moves that the ledger misses
 #   torque over that of the servo           a servo that lags behind (gain 0.25: 13 % off)

@@ -262,12 +262,12 @@ void check(example::Summary& summary, const Run& run, bool quick) {
     if (t.name == "blades are raised") continue;
     if (run.target == 0)
       summary.check_within(of + "torque times angle over energy held and dissipated",
-                           t.work / t.booked, 1, 2e-3, "error of the ledger");
+                           t.work / t.booked, 1, 1e-3, "error of the ledger");
     else
       summary.result(of + "torque times angle over energy held and dissipated", t.work / t.booked);
   }
   summary.check_within(name + "work of the blades over energy held and dissipated, all",
-                       given / booked, 1, 2e-3, "error of the ledger");
+                       given / booked, 1, 1e-3, "error of the ledger");
   if (run.target != 0) {
     summary.check_within(name + "torque over that of the servo, blades laid back",
                          run.stages[1].torque / run.target, 1, 0.01, "slides of the bed");
