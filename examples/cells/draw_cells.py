@@ -31,14 +31,15 @@ def tidy(axes):
 
 
 def triaxial(folder):
-    figure, (stress, volume, fraction) = plt.subplots(1, 3, figsize=(12, 3.8),
-                                                      constrained_layout=True)
+    figure, panels = plt.subplots(2, 2, figsize=(9, 7), constrained_layout=True)
+    stress, volume, fraction, fabric = panels.flat
     for name, colour in COLOURS.items():
-        strain, ratio, compression, _, solid = table(f"{folder}/{name}.csv")
+        strain, ratio, compression, _, solid, turned = table(f"{folder}/{name}.csv")
         stress.plot(100 * strain, ratio, color=colour, label=f"{name} sample")
         volume.plot(100 * strain, -100 * compression, color=colour, label=name)
         fraction.plot(100 * strain, solid, color=colour, label=name)
-    for axes in (stress, volume, fraction):
+        fabric.plot(100 * strain, turned, color=colour, label=name)
+    for axes in panels.flat:
         axes.set(xlabel="axial strain [%]", xlim=(0, None))
         tidy(axes)
     stress.set(ylabel="deviatoric stress over mean stress q/p", ylim=(0, None))
@@ -46,6 +47,7 @@ def triaxial(folder):
     angles.set_ylabel("friction angle [degrees]")
     volume.set(ylabel="dilation [%]")
     fraction.set(ylabel="solid fraction")
+    fabric.set(ylabel="anisotropy of the contacts")
     stress.legend(frameon=False, loc="lower right")
     figure.suptitle("Triaxial compression at constant lateral stress")
     figure.savefig(f"{folder}/triaxial.png", dpi=110)

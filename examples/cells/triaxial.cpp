@@ -3,7 +3,8 @@
 // Triaxial compression: spheres in a box that repeats are compressed to a pressure, once without
 // friction between them (a dense sample) and once with it (a loose one); then one axis is shortened
 // at a constant rate while the other two keep their stress. Drawn are the ratio of stresses and the
-// volume over the axial strain, as soil mechanics draws them.
+// volume over the axial strain, as soil mechanics draws them, and how far the contacts have turned
+// to the shortened axis: the fabric.
 
 #include <algorithm>
 #include <array>
@@ -19,11 +20,13 @@ namespace {
 
 struct Point {
   double strain, q_over_p, volume, lateral, fraction;  // [-] compression > 0; lateral: error
+  double fabric;                                       // [-] its anisotropy
 };
 struct Test {
   std::string name;
   double fraction = 0, contacts = 0, unrest = 0;  // after the compression
   double contacts_late = 0;                       // at the end
+  double fabric = 0, noise = 0;  // after the compression, and what it would be of random directions
   std::vector<Point> curve;
 
   double peak() const {
@@ -33,6 +36,11 @@ struct Test {
       for (std::size_t j = k - 2; j <= k + 2; ++j) mean += curve[j].q_over_p / 5;
       most = std::max(most, mean);
     }
+    return most;
+  }
+  double turned() const {  // [-] the largest anisotropy
+    double most = 0;
+    for (const Point& p : curve) most = std::max(most, p.fabric);
     return most;
   }
   /// Mean of the last quarter.
@@ -47,6 +55,14 @@ struct Test {
 /// [deg] sin(phi) = 3 (q/p)/(6 + q/p) in triaxial compression.
 double angle(double q_over_p) { return std::asin(3 * q_over_p / (6 + q_over_p)) * 180 / M_PI; }
 
+/// Fzz - (Fxx + Fyy)/2 of the fabric F, the mean of n n^T over the contacts [-]: 0 where no
+/// direction is preferred, 1 where all contacts are along z.
+template <class Sim>
+double anisotropy(const Sim& sim) {
+  const auto fabric = silt::fabric(sim);
+  return fabric.zz - 0.5 * (fabric.xx + fabric.yy);
+}
+
 Test run(const cells::Sample& s, bool dense, double inertial, double most_strain,
          const example::Options& options) {
   Test test;
@@ -55,6 +71,9 @@ Test run(const cells::Sample& s, bool dense, double inertial, double most_strain
   auto sim = cells::make_cell(s, options.threads);
   if (!dense) cells::make_rough(sim);
   cells::compress(sim, s);
+  // One contact of random direction has a deviation of 3/2 sqrt(4/45) = 1/sqrt(5).
+  test.fabric = anisotropy(sim);
+  test.noise = 1 / std::sqrt(5.0 * static_cast<double>(sim.touching_pairs()));
   cells::make_rough(sim);
   test.fraction = cells::solid_fraction(sim), test.contacts = cells::coordination(sim);
   test.unrest = cells::unrest(sim);
@@ -67,24 +86,25 @@ Test run(const cells::Sample& s, bool dense, double inertial, double most_strain
   Point sum{};
   int count = 0;
   const double duration = most_strain / rate;
-  sim.run(duration,
-          silt::at(silt::every(duration / (points * samples)),
-                   [&](const auto& now) {
-                     const auto& box = now.domain();
-                     const auto& p = box.stress();
-                     const silt::Upper3 e = box.strain() - from;
-                     const double side = 0.5 * (p.x + p.y), mean = (p.z + 2 * side) / 3;
-                     sum.strain -= e.zz, sum.volume -= e.xx + e.yy + e.zz;
-                     sum.q_over_p += (p.z - side) / mean;
-                     sum.lateral += std::abs(side / s.pressure - 1);
-                     sum.fraction += cells::solid_fraction(now);
-                     if (++count < samples) return;
-                     const double all = samples;
-                     test.curve.push_back({sum.strain / all, sum.q_over_p / all, sum.volume / all,
-                                           sum.lateral / all, sum.fraction / all});
-                     sum = {}, count = 0;
-                   }),
-          silt::progress());
+  sim.run(
+      duration,
+      silt::at(silt::every(duration / (points * samples)),
+               [&](const auto& now) {
+                 const auto& box = now.domain();
+                 const auto& p = box.stress();
+                 const silt::Upper3 e = box.strain() - from;
+                 const double side = 0.5 * (p.x + p.y), mean = (p.z + 2 * side) / 3;
+                 sum.strain -= e.zz, sum.volume -= e.xx + e.yy + e.zz;
+                 sum.q_over_p += (p.z - side) / mean;
+                 sum.lateral += std::abs(side / s.pressure - 1);
+                 sum.fraction += cells::solid_fraction(now), sum.fabric += anisotropy(now);
+                 if (++count < samples) return;
+                 const double all = samples;
+                 test.curve.push_back({sum.strain / all, sum.q_over_p / all, sum.volume / all,
+                                       sum.lateral / all, sum.fraction / all, sum.fabric / all});
+                 sum = {}, count = 0;
+               }),
+      silt::progress());
   test.contacts_late = cells::coordination(sim);
   silt::write_particles(options.out + "/" + test.name + ".vtp", sim);
   return test;
@@ -93,9 +113,9 @@ Test run(const cells::Sample& s, bool dense, double inertial, double most_strain
 void write(const std::string& out, const Test& t) {
   silt::CsvTable table(out + "/" + t.name + ".csv",
                        {"axial strain", "q/p", "volumetric strain", "error of the lateral stress",
-                        "solid fraction"});
+                        "solid fraction", "anisotropy of the fabric"});
   for (const Point& p : t.curve)
-    table.add_row({p.strain, p.q_over_p, p.volume, p.lateral, p.fraction});
+    table.add_row({p.strain, p.q_over_p, p.volume, p.lateral, p.fraction, p.fabric});
 }
 
 void check(example::Summary& summary, const Test& dense, const Test& loose, bool quick) {
@@ -106,6 +126,14 @@ void check(example::Summary& summary, const Test& dense, const Test& loose, bool
     summary.result(t->name + ": contacts a particle at the end", t->contacts_late);
     summary.result(t->name + ": peak friction angle [deg]", angle(t->peak()));
     summary.result(t->name + ": critical friction angle [deg]", angle(late));
+    summary.result(t->name + ": anisotropy of the fabric after the compression", t->fabric);
+    summary.result(t->name + ": largest anisotropy of the fabric", t->turned());
+    summary.result(t->name + ": critical anisotropy of the fabric",
+                   t->late([](const Point& p) { return p.fabric; }));
+    summary.check_within(t->name + ": anisotropy after the compression", t->fabric, 0, 4 * t->noise,
+                         "four standard deviations of contacts of random directions");
+    summary.check_at_least(t->name + ": largest anisotropy over the scatter of random directions",
+                           t->turned() / t->noise, 5);
     summary.check_at_most(t->name + ": mean error of the lateral stress",
                           t->late([](const Point& p) { return p.lateral; }), 0.02);
   }
@@ -125,6 +153,10 @@ void check(example::Summary& summary, const Test& dense, const Test& loose, bool
                          dense.peak() / loose.peak(), 1.15);
   // One critical state, whatever the sample was.
   summary.check_within("loose and dense: critical stress ratio", b, a, (quick ? 0.15 : 0.08) * a,
+                       "fluctuations of a thousand spheres");
+  const auto fabric = [](const Point& p) { return p.fabric; };
+  summary.check_within("loose and dense: critical anisotropy of the fabric", loose.late(fabric),
+                       dense.late(fabric), quick ? 0.03 : 0.02,
                        "fluctuations of a thousand spheres");
   summary.check_within("loose and dense: critical solid fraction", loose.late(fraction),
                        dense.late(fraction), 0.012, "fluctuations of a thousand spheres");

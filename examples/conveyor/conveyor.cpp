@@ -198,15 +198,17 @@ int simulate(const Scene& s, const example::Options& options) {
                            silt::every(0.02), watch);
   auto means = silt::at(silt::every(0.005), mean);
   auto frames = silt::vtk_series(out + "/vtk", silt::every(0.05));
-  const auto run = [&](double duration) {
-    sim.run(duration, table, means, frames, silt::on_failure(out + "/failed", silt::every(0.5)),
-            silt::progress());
+  auto drive_upper = silt::wall_series(out + "/upper_belt.csv", "upper belt", silt::every(0.05));
+  auto drive_lower = silt::wall_series(out + "/lower_belt.csv", "lower belt", silt::every(0.05));
+  const auto run = [&](double duration, auto&&... more) {
+    sim.run(duration, table, means, frames, drive_upper, drive_lower,
+            silt::on_failure(out + "/failed", silt::every(0.5)), silt::progress(), more...);
   };
   run(s.steady());
   const double fed_before = sim.inlet(0).mass, off_before = sim.outlet(0).mass + sim.outlet(1).mass;
   std::vector<silt::MeanLoad> loads;
   for (std::size_t w = 0; w < sim.walls(); ++w) loads.emplace_back(sim, w);
-  run(s.measured);
+  run(s.measured, silt::contact_series(out + "/vtk", silt::every(0.05)));
 
   const double span = s.measured;  // [s]
   const double in = (sim.inlet(0).mass - fed_before) / span;
@@ -218,6 +220,9 @@ int simulate(const Scene& s, const example::Options& options) {
   const auto& plate = on[sim.wall_number("plate")];
   double push = 0;  // [N] along the lower belt, of all walls on the grains
   for (const auto& load : on) push -= load.force.y;
+  double upper_push = 0;  // [N] along the upper belt, of it and of its skirts
+  for (const char* name : {"upper belt", "upper skirt, right", "upper skirt, left", "upper back"})
+    upper_push -= on[sim.wall_number(name)].force.x;
   const double leaves_with = momentum / weight;  // [m/s]
   const double hangs = degrees / static_cast<double>(samples);
   const double weight_turns =
@@ -233,6 +238,7 @@ int simulate(const Scene& s, const example::Options& options) {
   summary.result("age_at_the_end_of_the_belts_s", age / weight);
   summary.result("upper_belt_w", -upper.force.x * s.upper);
   summary.result("lower_belt_w", -lower.force.y * s.lower);
+  summary.result("upper_belt_w_over_feed_times_speed_squared", -upper.force.x / (in * s.upper));
   summary.result("plate_hangs_at_deg", hangs);
   summary.result("grains_turn_the_plate_by_n_m", turned_by);
   summary.result("its_weight_turns_it_by_n_m", weight_turns);
@@ -257,26 +263,41 @@ int simulate(const Scene& s, const example::Options& options) {
                        "it still swings at the ends of the interval");
   summary.check_within("push_of_walls_over_momentum_carried_off", push / (off * leaves_with), 1,
                        scatter + 0.05, "what is on the belts has changed by the end");
+  summary.check_within(
+      "push_of_upper_belt_and_skirts_over_feed_times_speed", upper_push / (in * s.upper), 1,
+      scatter + 0.05,
+      "what is on the belt has changed by the end; grains come with no speed along it");
   summary.check_at_most("spilled_over_fed", sim.outlet(1).mass / sim.inlet(0).mass, 0.01);
   summary.write(out + "/summary.json");
 
   silt::write_particles(out + "/end.vtp", sim);
   silt::write_walls(out + "/walls.vtp", sim);
+  silt::write_contacts(out + "/contacts.vtp", sim);
   const bool drawn =
       example::draw({"spheres", out + "/end.vtp", "--colour", "age", "--walls", out + "/walls.vtp",
                      "--title", "Ore, by its age", "--out", out + "/transfer.png"}) &&
       example::draw({"curves", out + "/transfer.csv", "--x", "time", "--y", "fed,held,carried off",
                      "--y-label", "mass [kg]", "--title", "Mass", "--out", out + "/mass.png"}) &&
       example::draw({"curves", out + "/transfer.csv", "--x", "time", "--y", "angle of the plate",
-                     "--title", "The plate", "--out", out + "/plate.png"});
+                     "--title", "The plate", "--out", out + "/plate.png"}) &&
+      example::draw({"curves", out + "/upper_belt.csv", out + "/lower_belt.csv", "--labels",
+                     "upper belt", "lower belt", "--x", "time", "--y", "force x,force y",
+                     "--y-label", "force of the ore [N]", "--title",
+                     "Forces of the ore on the belts", "--out", out + "/belts.png"}) &&
+      example::draw({"chains", out + "/contacts.vtp", "--walls", out + "/walls.vtp", "--title",
+                     "Contact forces at the end", "--out", out + "/chains.png"});
   std::printf(
       "\n%.3g kg/s come and %.3g leave, %.3g s later; the belts need %.3g W, the plate hangs at "
       "%.3g degrees.\n",
       in, off, age / weight, power, hangs);
   summary.print_checks();
-  std::printf("Look at: %s%s/vtk (ParaView), %s/transfer.csv, %s/summary.json\n",
-              drawn ? (out + "/transfer.png, mass.png, plate.png, ").c_str() : "", out.c_str(),
-              out.c_str(), out.c_str());
+  const auto named = [&](const char* file) { return out + "/" + file; };
+  std::printf(
+      "Look at: %s%s (ParaView), %s, %s, %s\n",
+      drawn ? (named("transfer.png") + ", mass.png, plate.png, belts.png, chains.png, ").c_str()
+            : "",
+      named("vtk").c_str(), named("transfer.csv").c_str(), named("upper_belt.csv").c_str(),
+      named("summary.json").c_str());
   return summary.all_hold() ? 0 : 1;
 }
 

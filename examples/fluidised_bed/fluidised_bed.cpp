@@ -10,8 +10,8 @@
 // compared with Ergun's equation at the bed's voidage. What is between them the law has by layers:
 // summed over the bed's layers, in the voidage and the flow that cells and kernel make of them.
 // Ellipsoids have the drag and the lift of how they lie in the flow, and are compared with that law
-// for the grains as they lie in the bed. With --hot the gas of the bubbling bed is hot and the
-// grains are cold (hot_bed.cpp).
+// for the grains as they lie in the bed. --drag takes other laws for spheres (drag.hpp). With --hot
+// the gas of the bubbling bed is hot and the grains are cold (hot_bed.cpp).
 
 #include <algorithm>
 #include <array>
@@ -38,8 +38,9 @@
 namespace fluidised {
 namespace {
 
-/// Spheres: Ergun's equation in beds, Wen and Yu's where grains are few. Bodies: the law of Hoelzer
-/// and Sommerfeld by their silhouettes, with Di Felice's voidage function.
+/// Spheres: the law of --drag, without it Ergun's equation in beds, Wen and Yu's where grains are
+/// few. Bodies: the law of Hoelzer and Sommerfeld by their silhouettes, with Di Felice's voidage
+/// function.
 template <class Shape>
 auto make_fluid(const Scene& s, silt::FlowSolver flow) {
   const silt::Kernel kernel{.width = s.kernel};
@@ -47,7 +48,7 @@ auto make_fluid(const Scene& s, silt::FlowSolver flow) {
     return silt::CoupledFlow{silt::OrientedDrag<>{}, kernel, std::move(flow),
                              silt::InclinedLift<>{}};
   else
-    return silt::CoupledFlow{silt::Gidaspow{}, kernel, std::move(flow)};
+    return silt::CoupledFlow{s.drag_law(), kernel, std::move(flow)};
 }
 
 /// The mean drag of bodies that lie as some hundred of a bed do, in a flow upwards.
@@ -63,7 +64,7 @@ struct AsTheyLie {
 };
 /// The law that the bed should follow.
 template <class Sim>
-auto law_of(const Sim& sim) {
+auto law_of(const Sim& sim, const Scene& s) {
   if constexpr (Sim::of_bodies) {
     AsTheyLie law;
     const std::size_t every = std::max<std::size_t>(sim.rows() / 4000, 1);
@@ -73,7 +74,7 @@ auto law_of(const Sim& sim) {
     }
     return law;
   } else {
-    return silt::Ergun{};
+    return s.drag == "gidaspow" ? BedDrag{BedDrag::Law::Ergun} : s.drag_law();
   }
 }
 
@@ -323,6 +324,27 @@ class Bed {
   double U_ = 0;  // [m/s]
 };
 
+/// Of a mean over time, by height: pressure above that of the outlet, and the weight of the grains
+/// above over the area, which the gas bears but for walls and floor. Leaves a table at `path`, and
+/// returns the pressure less that weight in the lowest layer of cells [Pa].
+double write_heights(const std::string& path, const silt::FlowMean& mean, const Scene& s) {
+  silt::CsvTable table(path, {"height [m]", "mean pressure [Pa]",
+                              "weight of the grains above over the area [Pa]", "mean voidage [-]"});
+  double above = 0, top = 0, more = 0;  // [Pa]
+  for (int k = s.high - 1; k >= 0; --k) {
+    double p = 0, eps = 0;
+    for (int j = 0; j < s.deep; ++j)
+      for (int i = 0; i < s.across; ++i) p += mean.pressure(i, j, k), eps += mean.voidage(i, j, k);
+    p /= s.across * s.deep, eps /= s.across * s.deep;
+    if (k == s.high - 1) top = p;
+    const double half = 0.5 * s.cell * (1 - eps) * (s.density - s.gas.density) * 9.81;
+    above += half, more = p - top - above;
+    table.add_row({(k + 0.5) * s.cell, p - top, above, eps});
+    above += half;
+  }
+  return more;
+}
+
 /// Where p = a U + b U^2 through points (least squares) reaches `level`.
 double crossing(const std::vector<std::array<double, 2>>& points, double level) {
   double uu = 0, uuu = 0, u4 = 0, up = 0, uup = 0;
@@ -352,7 +374,7 @@ int simulate(const Scene& s, const example::Options& options) {
   sim.run(s.relaxing, silt::progress());
   const double filled = bed.height();
   // The dense bed breaks up somewhat later, as the walls hold it back.
-  const double guess = 1.1 * s.velocity_by(law_of(sim), bed.voidage(filled));
+  const double guess = 1.1 * s.velocity_by(law_of(sim, s), bed.voidage(filled));
 
   std::printf("gas up and down\n");
   using Means = typename decltype(bed)::Means;
@@ -395,8 +417,8 @@ int simulate(const Scene& s, const example::Options& options) {
                 " velocities leave the bed at rest; take a smaller --step");
   // Of the fastest gas which leaves it at rest: the bed still compacts as the gas falls.
   const double loose = falling[packed.size() - 1].height, voidage = bed.voidage(loose);
-  const auto law = law_of(sim);
-  const std::string law_name = decltype(sim)::of_bodies ? "Drag law" : "Ergun";
+  const auto law = law_of(sim, s);
+  const std::string law_name = s.name_of_law();
   const double measured = crossing(packed, s.weight());
   silt::CsvTable curve(options.out + "/pressure_drop.csv",
                        {"velocity [m/s]", "gas rising [Pa]", "gas falling [Pa]",
@@ -442,6 +464,12 @@ int simulate(const Scene& s, const example::Options& options) {
                                      {"middle", {0, 0, 0.5 * loose}, 2},
                                      {"above", {0, 0, 0.9 * s.high * s.cell}, 2}},
                                     silt::every(1e-3));
+  const double x = s.width() / 2, y = s.depth() / 2;  // [m] of the axis
+  auto probes = silt::flow_probes(options.out + "/probes.csv",
+                                  {{"low", {x, y, 0.4 * loose}}, {"high", {x, y, 0.8 * loose}}},
+                                  silt::every(1e-3));
+  auto profile = silt::flow_profile(options.out + "/axis", "axis", {x, y, 0},
+                                    {x, y, s.high * s.cell}, 2 * s.high + 1, silt::every(0.05));
   auto average = silt::flow_average(options.out, silt::every(5e-4));
   snapshot("at rest");
   const double begun = sim.time();
@@ -449,16 +477,19 @@ int simulate(const Scene& s, const example::Options& options) {
   Means bubbling;
   double highest = 0;  // [m]
   for (int k = 0; k < 3; ++k) {
-    bubbling.go_on(bed.measure(0.25 * s.blowing, series, gauges, average));
+    bubbling.go_on(bed.measure(0.25 * s.blowing, series, gauges, probes, profile, average));
     highest = std::max(highest, bed.top());
     char title[40];
     std::snprintf(title, sizeof title, "%.2f s", sim.time() - begun);
     snapshot(title);
   }
+  const double gas_bears_more =
+      write_heights(options.out + "/heights.csv", average.mean(), s);  // [Pa]
 
   example::Summary summary;
   summary.input("particles", static_cast<double>(s.particles));
   summary.input("shape", s.shape);
+  if (s.shape == "sphere") summary.input("drag", s.drag);
   summary.input("diameter_m", s.diameter);
   summary.input("density_kg_m3", s.density);
   summary.input("gas_density_kg_m3", s.gas.density);
@@ -502,9 +533,9 @@ int simulate(const Scene& s, const example::Options& options) {
   // bed's height; the rest is what layers lack of evenness.
   summary.check_within("minimum_fluidisation_over_the_law", measured / by_law, 1, s.most_off,
                        law_name + " at the bed's voidage at each velocity");
-  summary.check_within("minimum_fluidisation_m_s", measured, expected, 0.015 * expected,
+  summary.check_within("minimum_fluidisation_m_s", measured, expected, 1.5 * s.by_layers * expected,
                        law_name + " by the bed's layers, as the kernel blurs them");
-  summary.check_at_most("pressure_drop_at_rest_over_law_by_layers_less_1", error, 0.02);
+  summary.check_at_most("pressure_drop_at_rest_over_law_by_layers_less_1", error, 2 * s.by_layers);
   summary.check_at_least("pressure_drop_of_the_dense_bed_over_the_loose_one", above, 1.02);
   summary.check_at_least("largest_pressure_drop_at_rest_over_weight", overshoot, 1.01);
   // Not of the quick run, in which the bed's rise and fall count.
@@ -512,6 +543,13 @@ int simulate(const Scene& s, const example::Options& options) {
     summary.check_within("plateau_over_weight", plateau.borne() / s.weight(), 1, 0.01,
                          "borne by gas, floor and walls together");
   summary.check_at_least("bubbling_height_over_height_at_rest", bubbling.height / loose, 1.1);
+  // The mean pressure in the lowest layer of cells: the weight above, the momentum that grains
+  // gain, less what floor and walls bear. Half a layer of the walls is not in it, and the gas's
+  // momentum.
+  summary.check_within("mean_pressure_at_the_floor_less_weight_over_weight",
+                       gas_bears_more / s.weight(),
+                       (bubbling.momentum - bubbling.floor - bubbling.walls) / s.weight(), 0.02,
+                       "means of the flow over the same time as the loads");
   summary.check_at_most("largest_overlap", sim.peak_overlap(), sim.guard.max_overlap);
   summary.write(options.out + "/summary.json");
 
@@ -540,6 +578,13 @@ int simulate(const Scene& s, const example::Options& options) {
                      "drop from floor to middle,drop from middle to above", "--y-label",
                      "pressure drop [Pa]", "--title", "Between gauges, as bubbles pass", "--out",
                      options.out + "/taps.png"}) &&
+      example::draw({"curves", options.out + "/heights.csv", "--x", "height", "--y",
+                     "mean pressure,weight of the grains above over the area", "--y-label", "[Pa]",
+                     "--title", "Mean over time of the bubbling bed", "--out",
+                     options.out + "/heights.png"}) &&
+      example::draw({"curves", options.out + "/probes.csv", "--x", "time", "--y",
+                     "low voidage,high voidage", "--y-label", "voidage [-]", "--title",
+                     "On the axis, as bubbles pass", "--out", options.out + "/probes.png"}) &&
       example::draw({"cells", options.out + "/mean_flow.csv", "--value", "mean voidage", "--title",
                      "mean", "--out", options.out + "/mean_voidage.png"}) &&
       example::draw(grains) && example::draw(gas);
@@ -547,15 +592,15 @@ int simulate(const Scene& s, const example::Options& options) {
       "\nMinimum fluidisation at %.3f m/s; by %s %.3f m/s of the bed's layers as the kernel blurs "
       "them, %.3f m/s at its voidage, up to %.3f; Ergun's at 0.4 %.3f m/s.\nAt %.2f m/s: %.3f of "
       "the weight borne by the gas, height %.2f times that at rest.\n",
-      measured, decltype(sim)::of_bodies ? "the drag law" : "Ergun", expected, by_law, voidage,
-      s.velocity_by(silt::Ergun{}, 0.4), s.bubbling * measured, bubbling.pressure_drop / s.weight(),
-      bubbling.height / loose);
+      measured, law_name.c_str(), expected, by_law, voidage, s.velocity_by(silt::Ergun{}, 0.4),
+      s.bubbling * measured, bubbling.pressure_drop / s.weight(), bubbling.height / loose);
   summary.print_checks();
   const auto named = [&](const char* file) { return options.out + "/" + file; };
   std::printf(
       "Look at: %s%s (ParaView), %s, %s; %.0f s\n",
       drawn ? (named("pressure_drop.png") + ", " + named("bed.png") + ", " + named("voidage.png") +
-               ", " + named("mean_voidage.png") + ", " + named("taps.png") + ", ")
+               ", " + named("mean_voidage.png") + ", " + named("taps.png") + ", " +
+               named("heights.png") + ", " + named("probes.png") + ", ")
                   .c_str()
             : "",
       named("vtk").c_str(), named("pressure_drop.csv").c_str(), named("summary.json").c_str(),
@@ -574,6 +619,9 @@ int main(int argc, char** argv) {
   command.add("--particles", scene.particles, 1000, 100000, "How many");
   command.add("--shape", scene.shape, {"sphere", "ellipsoid"},
               "Spheres, or ellipsoids of their volume, half as long again as thick");
+  command.add(
+      "--drag", scene.drag, {"gidaspow", "syamlal", "own"},
+      "Of spheres: Gidaspow's law, that of Syamlal and O'Brien calibrated, or drag.hpp's own");
   command.add("--bubbling", scene.bubbling, 1.2, 5,
               "Gas velocity of the bubbling bed, in minimum fluidisation velocities");
   command.add("--step", scene.step, 0.02, 0.25, "Step of the gas velocity [m/s]");
@@ -586,6 +634,8 @@ int main(int argc, char** argv) {
   return command.run(argc, argv, [&] {
     silt::require(!hot || scene.shape == "sphere",
                   "--hot is for spheres; leave --shape ellipsoid out");
+    silt::require(!command.given("--drag") || (!hot && scene.shape == "sphere"),
+                  "--drag is for spheres in gas without heat; leave --hot and --shape out");
     if (hot && !command.given("--blowing")) scene.blowing = command.options.quick ? 0.3 : 1.5;
     if (command.options.quick) {
       if (!command.given("--particles")) scene.particles = 1200;
@@ -600,7 +650,10 @@ int main(int argc, char** argv) {
       scene.deep = std::max(4, static_cast<int>(std::round(deep)));
     }
     if (hot) return fluidised::blow_hot(scene, command.options);
-    if (scene.shape != "sphere") scene.most_off *= 1.5;  // their law falls faster with the voidage
+    // Laws that fall faster with the voidage.
+    if (scene.shape != "sphere" || scene.drag == "syamlal") scene.most_off *= 1.5;
+    // Beds of other laws are packed otherwise; with --quick layers lack up to 1.9 % of evenness.
+    if (scene.drag != "gidaspow") scene.by_layers *= 1.5;
     return scene.shape == "sphere"
                ? fluidised::simulate<silt::Sphere>(scene, command.options)
                : fluidised::simulate<silt::SuperEllipsoid>(scene, command.options);

@@ -13,6 +13,7 @@
 #include <silt/fluid/properties.hpp>
 #include <silt/silt.hpp>
 
+#include "drag.hpp"
 #include "support/example.hpp"
 
 namespace fluidised {
@@ -38,8 +39,9 @@ struct Scene {
   double blowing = 1.0;       // [s] the bubbling bed; its first quarter is not measured
   double step = 0.1;          // [m/s] of the gas's velocity; a quarter of it near fluidisation
   double most_off = 0.02;     // [-] of minimum fluidisation from the law's
+  double by_layers = 0.01;    // [-] of what the law by layers misses
   double at_rest = 5e-3;      // [m/s] mean speed of the grains in a bed that is not fluidised
-  std::string shape = "sphere";
+  std::string shape = "sphere", drag = "gidaspow";
   /// With hot gas: both begin at `cold`. Grains of glass but for their heat capacity, which is an
   /// 84th of that of glass: the bed takes a second or two to be warm, not minutes.
   double cold = 300, hot_gas = 400;               // [K]
@@ -61,6 +63,24 @@ struct Scene {
   double velocity_by(const DragLaw& law, double voidage) const {
     return silt::minimum_fluidisation_velocity(law, voidage, diameter, density, gas.density,
                                                gas.viscosity);
+  }
+  /// The drag law of spheres. That of Syamlal and O'Brien is calibrated as by a bed of these grains
+  /// that Ergun's equation describes, of voidage 0.4.
+  BedDrag drag_law() const {
+    if (drag == "own") return {BedDrag::Law::Own};
+    if (drag != "syamlal") return {BedDrag::Law::Gidaspow};
+    return {BedDrag::Law::Syamlal,
+            silt::SyamlalOBrien::calibrated({.velocity = velocity_by(silt::Ergun{}, 0.4),
+                                             .voidage = 0.4,
+                                             .diameter = diameter,
+                                             .particle_density = density,
+                                             .fluid = gas})};
+  }
+  std::string name_of_law() const {
+    return shape != "sphere"   ? "Drag law"
+           : drag == "own"     ? "Own law"
+           : drag == "syamlal" ? "Syamlal and O'Brien"
+                               : "Ergun";
   }
   Law::Material material() const {
     return {.youngs_modulus = modulus, .poisson_ratio = 0.3, .restitution = 0.9, .friction = 0.3};

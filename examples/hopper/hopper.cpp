@@ -3,7 +3,8 @@
 // Hopper discharge at the scale of D. Markauskas, A. Kaceniauskas, A. Maknickas, Information
 // Technology and Control 40 (2011) 287: 100 000 or 300 000 spheres settle in a square hopper, the
 // orifice of 40 x 40 mm opens, and they flow into an identical box below. What the paper leaves
-// open (density, Poisson ratio, sizes of the boxes) is stated here.
+// open (density, Poisson ratio, sizes of the boxes) is stated here. With --silo a round silo over a
+// cone instead, and what its walls bear (silo.cpp).
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +15,7 @@
 
 #include <silt/silt.hpp>
 
+#include "hopper/silo.hpp"
 #include "support/example.hpp"
 
 namespace {
@@ -404,13 +406,22 @@ int simulate(Scene scene, const example::Options& options) {
 int main(int argc, char** argv) {
   example::Command command("Hopper discharge of 100 000 or 300 000 spheres into a box below");
   Scene scene;
-  bool unsorted = false, mixed = false;
+  bool unsorted = false, mixed = false, round = false;
+  double wall_friction = 0.3;
   command.add("--particles", scene.particles, 1000, 10000000, "How many");
   command.add("--density", scene.density, 1, 20000, "Of the grains [kg/m3]");
   command.add_flag("--flat", scene.flat, "A flat floor around the orifice instead of a funnel");
   command.add_flag("--mixed", mixed, "The work on pairs of particles in float (silt::Mixed)");
   command.add_flag("--no-sort", unsorted, "Never bring the particles back into the order of cells");
+  command.add_flag("--silo", round, "Instead, a round silo over a cone: what its walls bear");
+  command.add("--wall-friction", wall_friction, 0.05, 0.5,
+              "With --silo: of grains on the wall [-]");
   return command.run(argc, argv, [&] {
+    for (const char* other :
+         {"--restart", "--particles", "--density", "--flat", "--mixed", "--no-sort"})
+      silt::require(!round || !command.given(other), "--silo is a scene of its own; leave ", other,
+                    " out");
+    if (round) return silo::load_walls(wall_friction, command.options);
     scene.sort = !unsorted;
     if (command.options.quick) {
       if (!command.given("--particles")) scene.particles = 10000;

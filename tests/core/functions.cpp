@@ -32,6 +32,16 @@ double lane_difference(double from, double to, const F& f) {
 
 }  // namespace
 
+TEST_CASE("text and sentence: all digits, and six") {
+  const double third = 1.0 / 3;
+  const silt::Vec3d place{0.1 + 0.2, -2e-7 / 3, 12345678};
+  CHECK(silt::text("t = ", third, " s at ", place) ==
+        "t = 0.3333333333333333 s at (0.30000000000000004, -6.666666666666667e-08, 12345678)");
+  CHECK(silt::detail::sentence("t = ", third, " s at ", place) ==
+        "t = 0.333333 s at (0.3, -6.66667e-08, 1.23457e+07)");
+  CHECK(silt::detail::sentence("step ", 12345678, ", above ", 0.3) == "step 12345678, above 0.3");
+}
+
 TEST_CASE("in_quotes: what is shown of any text is printable, and at most 60 characters of it") {
   CHECK(silt::in_quotes("") == "''");
   CHECK(silt::in_quotes("semi-axis c") == "'semi-axis c'");

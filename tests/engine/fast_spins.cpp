@@ -193,7 +193,7 @@ TEST_CASE("fast_spins: a step that the spin makes too long is refused, and the s
   CHECK(refused(0) == "");
   CHECK(has_words(refused(500 / half), {"Simulation::time_step = ", "[s] is above the limit",
                                         "of the tips of particle 0", "its velocity of 1 m/s and 48",
-                                        "m/s by its spin of 16666.6"}));
+                                        "m/s by its spin of 16666.7"}));
 }
 
 TEST_CASE("fast_spins: a needle that a blow makes spin stops a run whose step is too long then") {

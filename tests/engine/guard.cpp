@@ -80,7 +80,7 @@ TEST_CASE("guard: spheres that press into each other too far stop the run, named
   auto sim = scene({{{-1.01e-3, 0, 0}, {8, 0, 0}}, {{1.01e-3, 0, 0}}, {{0, 0, 9e-3}}});
   sim.add_wall(silt::Plane{{0, 0, -1}, {0, 0, 1}}, rubber);
   const auto error = failure(sim, 1e-2);
-  CHECK(has_words(error.what(), {silt::text("step ", sim.step(), ", t = ", sim.time(), " s"),
+  CHECK(has_words(error.what(), {silt::detail::sentence("step ", sim.step(), ", t = ", sim.time(), " s"),
                                  "particles 0 and 1", "guard.max_overlap = 0.3",
                                  "use a stiffer material or a lower speed, or start"}));
   // At the step that silt chose, no shorter one mends it.

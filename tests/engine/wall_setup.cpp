@@ -388,4 +388,37 @@ TEST_CASE("walls: mean load, impulse and angular impulse, also as a table") {
       {"wall 'lid' is not there"}));
 }
 
+// Catches an angle that forgets whole turns, that starts anew with a new motion or drive, or that
+// has the wrong sign.
+TEST_CASE(
+    "wall_series: angle of walls that turn, whole turns and all, through new motions and drives") {
+  for (const double interval : {0.01, 0.09}) {  // a tenth of a turn, nine tenths
+    auto sim = scene(one({0.3, 0, 0.05}, 0.01));
+    const double rate = 20 * boundary_test::pi;  // [rad/s] ten turns a second
+    sim.time_step = 5e-5;
+    const Vec3d axis{0, -0.6, 0.8};
+    sim.add_wall(silt::rectangle({0, 0, 1}, {0.1, 0, 0}, {0, 0.1, 0}), rubber,
+                 {.name = "blade", .motion = silt::rotation({0.2, 0.1, 0}, axis, rate)});
+    const auto path = temporary("silt_wall_angle.csv");
+    auto series = silt::wall_series(path, "blade", silt::every(interval));
+    sim.run(0.45, series);
+    sim.set_drive(
+        "blade",
+        silt::ServoTorque{.centre = {0.2, 0.1, 0}, .axis = axis, .torque = -1, .max_rate = rate});
+    sim.run(0.18, series);  // touches nothing: back at its limit
+    std::ifstream in(path);
+    std::string line, last;
+    while (std::getline(in, line)) last = line;
+    std::stringstream cells(last);
+    std::vector<double> row;
+    for (std::string cell; std::getline(cells, cell, ',');) row.push_back(std::stod(cell));
+    REQUIRE(row.size() == 20);
+    const double angle = rate * (0.45 - (row[0] - 0.45));  // [rad]
+    CHECK(row[17] == doctest::Approx(0).epsilon(1e-6));
+    CHECK(row[18] == doctest::Approx(-0.6 * angle).epsilon(1e-3));
+    CHECK(row[19] == doctest::Approx(0.8 * angle).epsilon(1e-3));
+    std::filesystem::remove(path);
+  }
+}
+
 }  // namespace wall_setup_test

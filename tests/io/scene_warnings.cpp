@@ -465,6 +465,24 @@ TEST_CASE("scene_warnings: lengths in mm") {
 
 // --- inlets ---------------------------------------------------------------------------------
 
+TEST_CASE("scene_warnings: temperatures in degrees Celsius, of particles and walls") {
+  const auto of = [](double particles, double floor, const Vec3d& gravity = earth) {
+    auto sim = boxed({}, silt::HeatConduction{.conductivity = 1,
+                                              .heat_capacity = 800,
+                                              .start_temperature = particles,
+                                              .walls = {{0, silt::held_at(floor)}}});
+    sim.gravity = gravity;
+    return scene_warnings(sim);
+  };
+  CHECK(is_one(of(20, 300), {"the coldest particle has 20 K", "in K: 20 C is 293.15 K"}));
+  CHECK(is_one(of(300, 80), {"wall 0", "has 80 K", "80 C is 353.15 K"}));
+  CHECK(of(20, 80).size() == 2);
+  CHECK(is_silent(of(293.15, 100)));
+  CHECK(is_silent(of(110, 2000)));
+  CHECK(is_silent(of(1, 2, {0, 0, -1})));  // reduced units
+  CHECK(is_silent(of(1, 2, {0, 0, 0})));
+}
+
 TEST_CASE("inlet_warnings: what an inlet could not place, unless it catches up") {
   const auto after = [](double rate, double speed, double duration) {
     auto sim = loose({.count = 0});

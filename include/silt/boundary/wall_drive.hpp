@@ -54,7 +54,7 @@ struct ServoTorque {
   double torque;    // [N m] on the particles, of either sign, by the right-hand rule
   double max_rate;  // [rad/s]
   double max_turn = std::numeric_limits<double>::infinity();  // [rad] to either side of the start
-  double gain = 0.25;                                         // [-] in (0, 1]
+  double gain = 0.25;  // [-] in (0, 1]; 1 in a bed that flows (docs/walls.md, Servo)
 
   void check() const;
 };

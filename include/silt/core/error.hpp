@@ -24,6 +24,14 @@ inline void append(std::string& out, double value) {
   out.append(buffer, end);
 }
 
+/// Appends six significant digits of it, without noughts at the end.
+[[gnu::cold]] inline void append_rounded(std::string& out, double value) {
+  char buffer[32];
+  out.append(
+      buffer,
+      std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general, 6).ptr);
+}
+
 /// One word or number of a sentence. Not a template, and neither are the functions that take it:
 /// sentences are many, and each would cost every program that includes silt compile time.
 class Part {
@@ -42,7 +50,8 @@ class Part {
   Part(unsigned long n) : Part(static_cast<unsigned long long>(n)) {}    // NOLINT
   Part(unsigned long long n) : kind_(Kind::Count), count_(n) {}          // NOLINT
 
-  [[gnu::cold]] void append_to(std::string& out) const {
+  [[gnu::cold]] void append_to(std::string& out, bool rounded = false) const {
+    const auto number = [&](double x) { rounded ? append_rounded(out, x) : append(out, x); };
     switch (kind_) {
       case Kind::Words:
         out += words_;
@@ -51,7 +60,7 @@ class Part {
         out += letter_;
         break;
       case Kind::Number:
-        append(out, number_[0]);
+        number(number_[0]);
         break;
       case Kind::Integer:
         out += std::to_string(integer_);
@@ -60,7 +69,7 @@ class Part {
         out += std::to_string(count_);
         break;
       case Kind::Vector:
-        for (int d = 0; d < 3; ++d) out += d == 0 ? "(" : ", ", append(out, number_[d]);
+        for (int d = 0; d < 3; ++d) out += d == 0 ? "(" : ", ", number(number_[d]);
         out += ')';
     }
   }
@@ -75,9 +84,9 @@ class Part {
   unsigned long long count_ = 0;
 };
 
-[[gnu::cold]] inline std::string join(std::initializer_list<Part> parts) {
+[[gnu::cold]] inline std::string join(std::initializer_list<Part> parts, bool rounded = false) {
   std::string out;
-  for (const auto& part : parts) part.append_to(out);
+  for (const auto& part : parts) part.append_to(out, rounded);
   return out;
 }
 
@@ -90,6 +99,13 @@ template <class... Parts>
 }
 
 namespace detail {
+
+/// As text(), with numbers to six digits: for messages about what a run has computed. Those about
+/// what was given keep all digits, as 1.0000001 must not be refused as 1.
+template <class... Parts>
+[[gnu::cold]] std::string sentence(const Parts&... parts) {
+  return join({parts...}, true);
+}
 
 /// Length [bytes] of the printable character that `words` begins with, 0 if it has none: a control
 /// character, or bytes that are no UTF-8.

@@ -8,12 +8,14 @@
 #include <cstdio>
 #include <limits>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include <silt/contact/concept.hpp>
 #include <silt/core/error.hpp>
 #include <silt/io/scene_look.hpp>
+#include <silt/module/heat/temperature.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -43,6 +45,8 @@ struct WarningLimits {
   /// The earth's gravity, also rounded to 10. In mm/s2 it is a thousand times that, to be told
   /// from centrifuges of some hundred g.
   static constexpr double least_g = 9.7, most_g = 10.1;  // [m/s2]
+  /// Below it are cryogenics alone, and temperatures of everyday life in degrees Celsius.
+  static constexpr double coldest = 100;  // [K]
   /// An outlet further away than so many times the size of the scene and the width of a throw.
   static constexpr double far_off = 100;  // [-]
   /// An inlet for which more than this share of what was due waits.
@@ -243,6 +247,33 @@ void warn_of_units(const Sim& sim, const SceneLook& look, std::vector<std::strin
                        " m across; give radii and all lengths in m: 1 mm is 0.001 m"));
 }
 
+/// Particles and walls as cold as if degrees Celsius were given for K.
+template <class Sim>
+void warn_of_temperatures(const Sim& sim, std::vector<std::string>& out) {
+  const auto is_odd = [](double T) { return T < WarningLimits::coldest; };
+  const auto say = [&](const std::string& what, double T) {
+    out.push_back(text(what, " has ", about(T),
+                       " K, as if it were degrees Celsius; give temperatures "
+                       "in K: ",
+                       about(T), " C is ", text(std::round(100 * (T + 273.15)) / 100), " K"));
+  };
+  if (!has_scale(sim.gravity)) return;
+  Sim::Modules::for_each_type([&]<class M>(std::type_identity<M>) {
+    if constexpr (std::is_same_v<FieldsOf<M>, HeatFields>) {
+      double coldest = WarningLimits::coldest;
+      for (std::size_t k = 0; k < sim.rows(); ++k)
+        if (sim.is_present(k)) coldest = std::min(coldest, sim.template field<M>(k).temperature);
+      if (is_odd(coldest)) say("the coldest particle", coldest);
+      if constexpr (requires(const M& m) { m.walls.entries(); })
+        for (const auto& entry : sim.template module<M>().walls.entries()) {
+          const auto T = entry.value.value(WallHeat::Kind::HeldAt, sim.time());
+          if (T && is_odd(*T))
+            say(entry.by_name ? text("wall '", entry.name, "'") : sim.wall_name(entry.number), *T);
+        }
+    }
+  });
+}
+
 /// Particles beyond the grid of the flow, on which no fluid acts.
 template <class Sim>
 void warn_of_grid(const Sim& sim, std::vector<std::string>& out) {
@@ -267,8 +298,8 @@ void warn_of_grid(const Sim& sim, std::vector<std::string>& out) {
 
 }  // namespace detail
 
-/// What is odd about a scene, before it runs: outlets, gravity, units, the flow's grid.
-/// Empty if nothing is.
+/// What is odd about a scene, before it runs: outlets, gravity, units, temperatures, the flow's
+/// grid. Empty if nothing is.
 template <class Sim>
 [[gnu::cold]] std::vector<std::string> scene_warnings(const Sim& sim) {
   std::vector<std::string> out;
@@ -277,6 +308,7 @@ template <class Sim>
     if (!detail::warn_of_outside(sim, look, k, out)) detail::warn_of_thin(sim, look, k, out);
   detail::warn_of_gravity(sim, look, out);
   detail::warn_of_units(sim, look, out);
+  detail::warn_of_temperatures(sim, out);
   detail::warn_of_grid(sim, out);
   return out;
 }

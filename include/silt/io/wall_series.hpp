@@ -1,7 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <cmath>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <variant>
@@ -9,6 +11,7 @@
 
 #include <silt/files/csv_table.hpp>
 #include <silt/io/observers.hpp>
+#include <silt/simulation.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -58,9 +61,40 @@ class MeanLoad {
   double time_ = 0;
 };
 
+namespace detail {
+
+/// How far a wall has turned [rad] in all, about each axis: the sum of its turns from one look to
+/// the next. Of a wall with a fixed axis the angle about it, whole turns included, whatever moves
+/// it. Looks may be more than half a turn apart where its rate is steady: the present one tells how
+/// many whole turns there were.
+class TurnedAngle {
+ public:
+  const Vec3d& look(const Pose& now, const Pose& step_ago, double steps_since) {
+    const Vec3d step = mean_angular_velocity(step_ago, now, 1);
+    Vec3d turn = mean_angular_velocity(last_, now, 1);  // less than half a turn
+    const double size = norm(turn), rate = norm(step);
+    if (rate > 0) {
+      const Vec3d axis = size > 1e-9 ? (1 / size) * turn : (1 / rate) * step;
+      const double angle = dot(turn, axis), whole = 2 * std::numbers::pi;
+      turn = (angle + whole * std::round((steps_since * dot(step, axis) - angle) / whole)) * axis;
+    }
+    last_ = now, sum_ += turn;
+    return sum_;
+  }
+  void start(const Pose& now) { last_ = now; }
+
+ private:
+  Pose last_{};
+  Vec3d sum_{0, 0, 0};
+};
+
+}  // namespace detail
+
 /// Writes how a wall fares to a CSV table: time, mean force and torque since the last row (about
-/// the wall's reference), impulse and angular impulse since the start, where its origin is, and of
-/// one that is driven along a line or about an axis how far it has come [m] or [rad].
+/// the wall's reference), impulse and angular impulse since the start, where its origin is, of one
+/// that is driven along a line or about an axis how far it has come [m] or [rad], and the angle by
+/// which it has turned since the first row, about each axis. The power of a wall that turns is
+/// torque times angle over time, between two rows.
 ///
 ///   sim.run(1, silt::wall_series("lid.csv", "lid", silt::every(0.01)));
 ///
@@ -78,6 +112,8 @@ class WallSeriesObserver {
     const std::size_t wall =
         name_.empty() ? sim.wall_number(number_) : sim.wall_number(std::string_view(name_));
     mean_ = std::make_shared<MeanLoad>(sim, wall), number_ = wall;
+    angle_ = std::make_shared<detail::TurnedAngle>(), last_time_ = sim.time();
+    angle_->start(sim.wall(wall).pose);
     static const std::vector<std::string> columns{"time [s]",
                                                   "force x [N]",
                                                   "force y [N]",
@@ -94,7 +130,10 @@ class WallSeriesObserver {
                                                   "x [m]",
                                                   "y [m]",
                                                   "z [m]",
-                                                  "way [m or rad]"};
+                                                  "way [m or rad]",
+                                                  "angle x [rad]",
+                                                  "angle y [rad]",
+                                                  "angle z [rad]"};
     table_ = std::make_shared<CsvTable>(
         sim.continued() ? CsvTable::resume(path_, columns, sim.time() + 0.5 * sim.step_length())
                         : CsvTable(path_, columns));
@@ -112,6 +151,10 @@ class WallSeriesObserver {
          {mean.force, mean.torque, wall.impulse, wall.angular_impulse, wall.pose.translation})
       row.insert(row.end(), {v.x, v.y, v.z});
     row.push_back(wall.state.way);
+    const Vec3d angle =
+        angle_->look(wall.pose, wall.last_pose, (sim.time() - last_time_) / sim.step_length());
+    last_time_ = sim.time();
+    row.insert(row.end(), {angle.x, angle.y, angle.z});
     table_->add_row(std::span<const double>(row));
     schedule_.mark(sim);
   }
@@ -122,6 +165,8 @@ class WallSeriesObserver {
   Schedule schedule_;
   std::shared_ptr<CsvTable> table_;
   std::shared_ptr<MeanLoad> mean_;
+  std::shared_ptr<detail::TurnedAngle> angle_;
+  double last_time_ = 0;  // [s]
 };
 
 inline WallSeriesObserver wall_series(std::string path, const WhichWall& which, Schedule schedule) {

@@ -141,11 +141,11 @@ class ContactRates {
     const std::size_t row = sums_[worst].row;
     const Vec3d where = place_before(e_, row, back_);
     throw SimulationError(
-        text("step ", step, ", t = ", time, " s: the contacts of particle ", e_.id_of(row),
-             " near ", where, " m are too stiff or too strongly damped for the time step ",
-             time_step_, " s: rate ", most, ", above guard.max_rate = ", limit,
-             "; set Simulation::time_step to less than ", below(step_for(worst, limit)),
-             " s, or soften the material"),
+        sentence("step ", step, ", t = ", time, " s: the contacts of particle ", e_.id_of(row),
+                 " near ", where, " m are too stiff or too strongly damped for the time step ",
+                 time_step_, " s: rate ", most, ", above guard.max_rate = ", limit,
+                 "; set Simulation::time_step to less than ", below(step_for(worst, limit)),
+                 " s, or soften the material"),
         step, {e_.id_of(row)}, where);
   }
   double rate(std::size_t k) const { return rate_in(k, time_step_); }

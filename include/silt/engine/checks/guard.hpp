@@ -59,11 +59,11 @@ inline void check_pose(std::span<const Wall> walls, std::size_t number, std::int
   const double length2 = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
   const auto stop = [&](const char* what) {
     throw SimulationError(
-        text("step ", step, ", t = ", time, " s: the motion of ", name_of_wall(walls, number),
-             " gives ", what,
-             wall.is_driven() ? "; its loads or its speed are not finite: look for "
-                                "particles that overlap it deeply"
-                              : "; mend the function that was given to add_wall"),
+        sentence("step ", step, ", t = ", time, " s: the motion of ", name_of_wall(walls, number),
+                 " gives ", what,
+                 wall.is_driven() ? "; its loads or its speed are not finite: look for "
+                                    "particles that overlap it deeply"
+                                  : "; mend the function that was given to add_wall"),
         step, {}, wall.pose.translation);
   };
   if (!is_finite(wall.pose.translation) || !std::isfinite(length2))
@@ -105,8 +105,8 @@ struct SurfaceSpeed {
   /// What the speed is made of, for a sentence; nothing where the spin is hardly a part of it.
   std::string words() const {
     if (!is_of_tips()) return {};
-    return text(" (of the tips of particle ", id, ": its velocity of ", centre, " m/s and ",
-                by_spin, " m/s by its spin of ", spin, " rad/s)");
+    return sentence(" (of the tips of particle ", id, ": its velocity of ", centre, " m/s and ",
+                    by_spin, " m/s by its spin of ", spin, " rad/s)");
   }
 };
 
@@ -150,20 +150,21 @@ template <class EngineType>
   const Vec3d where = is_wall ? Vec3d{} : fastest.centre;
   std::vector<ParticleId> ids;
   if (!is_wall) ids.push_back(fastest.speed.id);
-  const auto who = is_wall ? text(name_of_wall(e.walls, fastest_wall(e)), " moves")
+  const auto who = is_wall ? sentence(name_of_wall(e.walls, fastest_wall(e)), " moves")
                    : fastest.speed.is_of_tips()
-                       ? text("the tips of particle ", ids[0], " at ", where, " m move")
-                       : text("particle ", ids[0], " at ", where, " m moves");
-  throw SimulationError(text("step ", step, ", t = ", time, " s: ", who, " by ",
-                             std::max(way, wall_way), " m in a step, more than guard.max_travel = ",
-                             limit, " of the smallest radius ", e.least_radius(),
-                             " m, and may pass through others unseen; set "
-                             "Simulation::time_step to less than ",
-                             below(dt * most / std::max(way, wall_way)), " s",
-                             !is_wall && fastest.speed.is_of_tips()
-                                 ? text(", or lower the spin", fastest.speed.words())
-                                 : std::string()),
-                        step, ids, where);
+                       ? sentence("the tips of particle ", ids[0], " at ", where, " m move")
+                       : sentence("particle ", ids[0], " at ", where, " m moves");
+  throw SimulationError(
+      sentence("step ", step, ", t = ", time, " s: ", who, " by ", std::max(way, wall_way),
+               " m in a step, more than guard.max_travel = ", limit, " of the smallest radius ",
+               e.least_radius(),
+               " m, and may pass through others unseen; set "
+               "Simulation::time_step to less than ",
+               below(dt * most / std::max(way, wall_way)), " s",
+               !is_wall && fastest.speed.is_of_tips()
+                   ? sentence(", or lower the spin", fastest.speed.words())
+                   : std::string()),
+      step, ids, where);
 }
 
 /// Particles and walls that go too far in a step may pass through each other unseen.
@@ -182,7 +183,7 @@ void check_crowded(const EngineType& e, std::int64_t step, double time, double b
   const auto id = e.id_of(crowded->particle);
   const Vec3d where = place_before(e, crowded->particle, back);
   throw SimulationError(
-      text(
+      sentence(
           "step ", step, ", t = ", time, " s: particle ", id, " at ", where,
           " m touches the mesh of ", name_of_wall(e.walls, crowded->wall), " in more than ",
           TriangleMesh::max_contacts,
@@ -197,9 +198,10 @@ void check_inside(const EngineType& e, const Box& domain, std::int64_t step, dou
     const Vec3d p = e.particles.position[k].centre();
     if (domain.contains(p) || e.particles.is_parked(k)) continue;
     throw SimulationError(
-        text("step ", step, ", t = ", time, " s: particle ", e.id_of(k), " at ", p,
-             " m is outside guard.domain from ", domain.min, " to ", domain.max,
-             " m; close the walls, add an outlet where particles may leave, or enlarge the domain"),
+        sentence(
+            "step ", step, ", t = ", time, " s: particle ", e.id_of(k), " at ", p,
+            " m is outside guard.domain from ", domain.min, " to ", domain.max,
+            " m; close the walls, add an outlet where particles may leave, or enlarge the domain"),
         step, {e.id_of(k)}, p);
   }
 }

@@ -21,11 +21,12 @@ void check_spins(const EngineType& e, std::int64_t step, double time, bool short
     for (std::size_t k = 0; k < e.particles.size(); ++k)
       if (!e.particles.is_parked(k) && !is_finite(e.particles.motion[k].spin_velocity()))
         throw SimulationError(
-            text("step ", step, ", t = ", time, " s: the angular velocity of particle ", e.id_of(k),
-                 " is not finite near ", e.lists.reference[k],
-                 shorter ? " m; lower the time step, as limits of the guard are lifted, or look "
+            sentence("step ", step, ", t = ", time, " s: the angular velocity of particle ",
+                     e.id_of(k), " is not finite near ", e.lists.reference[k],
+                     shorter
+                         ? " m; lower the time step, as limits of the guard are lifted, or look "
                          : " m; look ",
-                 "at the law and the rolling model"),
+                     "at the law and the rolling model"),
             step, {e.id_of(k)}, e.lists.reference[k]);
 }
 
@@ -37,11 +38,12 @@ template <class EngineType>
     const Vec3d& where = e.lists.reference[i];
     const double r = std::min(e.particles.position[i].r, e.particles.position[j].r);
     if (norm(where - e.lists.reference[j]) < 1e-12 * r)
-      throw SimulationError(text("step ", step, ", t = ", time, " s: particles ", e.id_of(i),
-                                 " and ", e.id_of(j), " are at the same place, ", where,
-                                 " m, as of a particle that was added twice, and the direction of "
-                                 "their contact is not defined; leave one of them out"),
-                            step, {e.id_of(i), e.id_of(j)}, where);
+      throw SimulationError(
+          sentence("step ", step, ", t = ", time, " s: particles ", e.id_of(i), " and ", e.id_of(j),
+                   " are at the same place, ", where,
+                   " m, as of a particle that was added twice, and the direction of "
+                   "their contact is not defined; leave one of them out"),
+          step, {e.id_of(i), e.id_of(j)}, where);
   });
 }
 
@@ -49,17 +51,19 @@ template <class EngineType>
 template <class EngineType>
 void check_given(const EngineType& e, const Vec3d& gravity, std::int64_t step, double time) {
   const auto stop = [&](const std::string& what, std::vector<ParticleId> ids, const Vec3d& at) {
-    throw SimulationError(text("step ", step, ", t = ", time, " s: ", what,
-                               ", which must be finite; an observer, or the program between two "
-                               "runs, has set it"),
-                          step, std::move(ids), at);
+    throw SimulationError(
+        sentence("step ", step, ", t = ", time, " s: ", what,
+                 ", which must be finite; an observer, or the program between two "
+                 "runs, has set it"),
+        step, std::move(ids), at);
   };
-  if (!is_finite(gravity)) stop(text("Simulation::gravity = ", gravity, " [m/s2]"), {}, {});
+  if (!is_finite(gravity)) stop(sentence("Simulation::gravity = ", gravity, " [m/s2]"), {}, {});
   const auto look = [&](ParticleId id, const Vec3d& place, const Vec3d& velocity) {
-    if (!is_finite(place)) stop(text("the place of particle ", id, " is ", place, " m"), {id}, {});
+    if (!is_finite(place))
+      stop(sentence("the place of particle ", id, " is ", place, " m"), {id}, {});
     if (!is_finite(velocity))
-      stop(text("the velocity of particle ", id, " at ", place, " m is ", velocity, " m/s"), {id},
-           place);
+      stop(sentence("the velocity of particle ", id, " at ", place, " m is ", velocity, " m/s"),
+           {id}, place);
   };
   if constexpr (EngineType::has_bodies) {
     for (const auto& b : e.mover.bodies)
@@ -85,14 +89,14 @@ template <class EngineType>
     const auto& p = e.particles.position[k];
     if (e.particles.is_parked(k) || (is_finite(m.velocity()) && is_finite(p.centre()))) continue;
     throw SimulationError(
-        text("step ", step, ", t = ", time, " s: the velocity of particle ", e.id_of(k),
-             " is not finite near ", e.lists.reference[k], " m", mend),
+        sentence("step ", step, ", t = ", time, " s: the velocity of particle ", e.id_of(k),
+                 " is not finite near ", e.lists.reference[k], " m", mend),
         step, {e.id_of(k)}, e.lists.reference[k]);
   }
   check_spins(e, step, time, shorter);  // that of a body moves its tips
   throw SimulationError(
-      text("step ", step, ", t = ", time, " s: the squared velocities overflow", mend), step, {},
-      {});
+      sentence("step ", step, ", t = ", time, " s: the squared velocities overflow", mend), step,
+      {}, {});
 }
 
 }  // namespace silt::detail

@@ -145,14 +145,16 @@ template <class EngineType, class Domain>
   const auto all = std::count(is_there.begin(), is_there.end(), true);
   if (behind == 0) return "; start without overlaps: move the particle or the wall";
   if (behind == all)
-    return text("; ", all == 1 ? "the particle lies" : text("all ", all, " particles lie"),
-                " behind this wall: turn it over, so that the normal of a plane, or the Side of a "
-                "cylinder or cone, is that of the particles, or move it");
-  return text("; ", behind, " of ", all,
-              " particles lie behind this wall and the others in front of it: it stands inside the "
-              "bed, or a part of it is turned over (the normal of a plane and the Side of a "
-              "cylinder or cone are those of the particles); move the wall, or leave those "
-              "particles out");
+    return sentence(
+        "; ", all == 1 ? "the particle lies" : sentence("all ", all, " particles lie"),
+        " behind this wall: turn it over, so that the normal of a plane, or the Side of a "
+        "cylinder or cone, is that of the particles, or move it");
+  return sentence(
+      "; ", behind, " of ", all,
+      " particles lie behind this wall and the others in front of it: it stands inside the "
+      "bed, or a part of it is turned over (the normal of a plane and the Side of a "
+      "cylinder or cone are those of the particles); move the wall, or leave those "
+      "particles out");
 }
 
 /// What a sentence about an overlap may say: `at_start`, that no step has been done with these
@@ -177,9 +179,9 @@ template <class EditOf>
   const char* const of_a = edit_of(a);
   const char* const function = of_a != nullptr ? of_a : b == no_particle ? nullptr : edit_of(b);
   if (function == nullptr) return {};
-  return text("; ", function, " of particle ", of_a != nullptr ? a : b,
-              " has made it: change the size in smaller steps, or move what is in its "
-              "way");
+  return sentence("; ", function, " of particle ", of_a != nullptr ? a : b,
+                  " has made it: change the size in smaller steps, or move what is in its "
+                  "way");
 }
 
 /// The first wall whose drive presses with a load of its own, which may be more than the particles
@@ -187,9 +189,10 @@ template <class EditOf>
 [[gnu::cold]] inline std::string drive_words(std::span<const Wall> walls) {
   for (std::size_t w = 0; w < walls.size(); ++w) {
     const auto say = [&](const char* what, double load, const char* unit) {
-      return text("; ", name_of_wall(walls, w), " presses with a ", what, " of ", load, " ", unit,
-                  ", which may be more than the particles bear: lower it (a force is a pressure "
-                  "times the area)");
+      return sentence(
+          "; ", name_of_wall(walls, w), " presses with a ", what, " of ", load, " ", unit,
+          ", which may be more than the particles bear: lower it (a force is a pressure "
+          "times the area)");
     };
     const WallDrive& drive = walls[w].drive;
     if (!(norm(walls[w].force) > 0)) continue;
@@ -211,19 +214,20 @@ template <class EngineType, class Domain, class Words>
   if (!(c.excess > 1) && !limits.empty() && e.largest_overlap <= limits.greatest(limit)) return;
   const auto advice = [&]() -> std::string {
     if (at_start) return "; start without overlaps";
-    return text(drive_words(e.walls), "; use a stiffer material",
-                words.longer() ? ", a lower speed or a smaller time step" : " or a lower speed",
-                ", or start without overlaps");
+    return sentence(drive_words(e.walls), "; use a stiffer material",
+                    words.longer() ? ", a lower speed or a smaller time step" : " or a lower speed",
+                    ", or start without overlaps");
   };
   if (!(c.excess > 0.99))  // gone: parts of bodies that turn fast are not quite where they were
     throw SimulationError(
-        text("step ", step, ", t = ", time, " s: two particles, or one and a wall, overlapped by ",
-             e.largest_overlap, " of the smaller radius, above the limit ", limits.greatest(limit),
-             ", and have parted within the step", advice()),
+        sentence("step ", step, ", t = ", time,
+                 " s: two particles, or one and a wall, overlapped by ", e.largest_overlap,
+                 " of the smaller radius, above the limit ", limits.greatest(limit),
+                 ", and have parted within the step", advice()),
         step, {}, {});
   const bool is_common = c.limit == limit;
   const Vec3d where = place_before(e, c.a, back);
-  const auto head = text("step ", step, ", t = ", time, " s: ");
+  const auto head = sentence("step ", step, ", t = ", time, " s: ");
   const std::string both = words.name(c.material_a) + " and " + words.name(c.material_b);
   const bool is_given_so = at_start && c.overlap > 1;  // no material would bear that
   const std::optional<std::size_t> inlet =
@@ -231,28 +235,29 @@ template <class EngineType, class Domain, class Words>
   const std::string by_edit =
       edit_words(words.edit_of, e.id_of(c.a), c.with_wall ? no_particle : e.id_of(c.b));
   const auto cause = !by_edit.empty() ? by_edit
-                     : inlet          ? text("; the region of inlet ", *inlet,
-                                             " reaches behind this wall: move the region to the side of the "
-                                                      "wall where particles are to be")
-                     : !at_start      ? advice()
-                     : c.with_wall    ? behind_words(e, domain, back, c)
-                                      : twin_words(e, domain, back, c);
-  const auto tail = text(limits.empty() ? e.largest_overlap : c.overlap,
-                         " of the smaller radius, above the limit ",
-                         is_common ? text("guard.max_overlap = ", limit)
-                                   : text(c.limit, " that set_max_overlap gives to ", both),
-                         cause,
-                         is_common && !is_given_so && by_edit.empty()
-                             ? text(". Where a heavy body may press light grains in deeper, "
-                                    "Simulation::set_max_overlap raises the limit for ",
-                                    both, " alone")
-                             : std::string());
+                     : inlet
+                         ? sentence("; the region of inlet ", *inlet,
+                                    " reaches behind this wall: move the region to the side of the "
+                                    "wall where particles are to be")
+                     : !at_start   ? advice()
+                     : c.with_wall ? behind_words(e, domain, back, c)
+                                   : twin_words(e, domain, back, c);
+  const auto tail = sentence(
+      limits.empty() ? e.largest_overlap : c.overlap, " of the smaller radius, above the limit ",
+      is_common ? sentence("guard.max_overlap = ", limit)
+                : sentence(c.limit, " that set_max_overlap gives to ", both),
+      cause,
+      is_common && !is_given_so && by_edit.empty()
+          ? sentence(". Where a heavy body may press light grains in deeper, "
+                     "Simulation::set_max_overlap raises the limit for ",
+                     both, " alone")
+          : std::string());
   if (c.with_wall)
-    throw SimulationError(text(head, "particle ", e.id_of(c.a), " at ", where, " m overlaps ",
-                               name_of_wall(e.walls, c.wall), " by ", tail),
+    throw SimulationError(sentence(head, "particle ", e.id_of(c.a), " at ", where, " m overlaps ",
+                                   name_of_wall(e.walls, c.wall), " by ", tail),
                           step, {e.id_of(c.a)}, where);
-  throw SimulationError(text(head, "particles ", e.id_of(c.a), " and ", e.id_of(c.b), " near ",
-                             where, " m overlap by ", tail),
+  throw SimulationError(sentence(head, "particles ", e.id_of(c.a), " and ", e.id_of(c.b), " near ",
+                                 where, " m overlap by ", tail),
                         step, {e.id_of(c.a), e.id_of(c.b)}, where);
 }
 

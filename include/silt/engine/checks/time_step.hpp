@@ -151,9 +151,9 @@ class ShortestContactSearch {
 template <class Material>
 std::string leading_value(const Material& m) {
   if constexpr (requires { m.youngs_modulus; })
-    return text(" (youngs_modulus = ", m.youngs_modulus, " Pa)");
+    return sentence(" (youngs_modulus = ", m.youngs_modulus, " Pa)");
   else if constexpr (requires { m.stiffness; })
-    return text(" (stiffness = ", m.stiffness, " N/m)");
+    return sentence(" (stiffness = ", m.stiffness, " N/m)");
   else if constexpr (requires { m.solid; })
     return leading_value(m.solid);
   else if constexpr (requires { m.body; })
@@ -172,18 +172,18 @@ std::string name_of_material(const ContactsType& contacts, std::size_t k) {
 template <class ContactsType>
 std::string describe(const ShortestContact& c, const ContactsType& contacts) {
   const auto sphere = [&](std::size_t material, double radius) {
-    return text("radius ", radius, " m and ", name_of_material(contacts, material));
+    return sentence("radius ", radius, " m and ", name_of_material(contacts, material));
   };
-  auto words = text("of a particle of ", sphere(c.material_i, c.radius_i));
+  auto words = sentence("of a particle of ", sphere(c.material_i, c.radius_i));
   if (c.partner == ShortestContact::Partner::Wall)
-    words += text(" with a wall of ", name_of_material(contacts, c.material_j));
+    words += sentence(" with a wall of ", name_of_material(contacts, c.material_j));
   else if (c.partner == ShortestContact::Partner::Fixed)
-    words += text(" with a fixed one of ", sphere(c.material_j, c.radius_j));
+    words += sentence(" with a fixed one of ", sphere(c.material_j, c.radius_j));
   else
-    words += text(" with one of ", sphere(c.material_j, c.radius_j));
+    words += sentence(" with one of ", sphere(c.material_j, c.radius_j));
   if (c.time < c.contact)
-    words += text(", which lasts ", c.contact, " s but is so strongly damped that it counts as ",
-                  c.time, " s");
+    words += sentence(", which lasts ", c.contact,
+                      " s but is so strongly damped that it counts as ", c.time, " s");
   return words;
 }
 

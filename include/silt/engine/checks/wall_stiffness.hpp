@@ -52,12 +52,11 @@ void for_each_contact_of_wall(const EngineType& e, std::size_t w, const Visit& v
           });
     } else {
       const double r = e.particles.position[c.particle].r;
-      for_each_contact_of_images(
-          e, images, 0, [&](const auto& image, const SurfacePoint& point) {
-            visit(ContactAtWall{c.particle, point.normal,
-                                list.seen(image, centre) - point.distance * point.normal,
-                                r - point.distance, r, motion.inv_m});
-          });
+      for_each_contact_of_images(e, images, 0, [&](const auto& image, const SurfacePoint& point) {
+        visit(ContactAtWall{c.particle, point.normal,
+                            list.seen(image, centre) - point.distance * point.normal,
+                            r - point.distance, r, motion.inv_m});
+      });
     }
   }
 }
@@ -133,10 +132,10 @@ template <class EngineType>
     const double rate = rate_of<I>(dt * std::sqrt(k), dt * c);
     if (rate > limit)
       throw SimulationError(
-          text("step ", step, ", t = ", time, " s: ", name_of_wall(e.walls, w),
-               " is too light for its contacts at the time step ", dt, " s: rate ", rate,
-               ", above guard.max_rate = ", limit, "; set Simulation::time_step to less than ",
-               below(dt * limit / rate), " s, or give the wall a larger mass or inertia"),
+          sentence("step ", step, ", t = ", time, " s: ", name_of_wall(e.walls, w),
+                   " is too light for its contacts at the time step ", dt, " s: rate ", rate,
+                   ", above guard.max_rate = ", limit, "; set Simulation::time_step to less than ",
+                   below(dt * limit / rate), " s, or give the wall a larger mass or inertia"),
           step, {}, wall.pose.translation);
   }
 }

@@ -1,0 +1,13 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include "support/example.hpp"
+
+namespace silo {
+
+/// A round silo over a cone: what its walls bear at rest and while it is emptied (silo.cpp);
+/// returns the exit status.
+///   wall_friction: of grains on the wall [-]
+int load_walls(double wall_friction, const example::Options& options);
+
+}  // namespace silo
