@@ -103,7 +103,7 @@ struct ParallelBond {
     const Real Fn = dot(a.force, n), Mn = dot(a.couple, n);
     const Real sigma = Real(4) * across(a.couple, Mn) - Fn * p.radius;  // times pi R_b^3
     const Real tau = across(a.force, Fn) * p.radius + Real(2) * abs(Mn) -
-                     Fn * p.radius * Real(std::tan(friction_angle));
+                     Fn * p.radius * Real(friction_angle > 0 ? std::tan(friction_angle) : 0);
     const Real most =
         max(sigma * Real(1 / tensile_strength), tau * Real(1 / shear_strength)) * p.per_strength;
     return most <= Real(std::numbers::pi) * p.radius * p.radius * p.radius;
@@ -123,7 +123,7 @@ struct ParallelBond {
     const Real tension = -Fn * per_area;
     const Real sigma = tension + across(a.couple, Mn) * per_bend;
     const Real tau = across(a.force, Fn) * per_area + abs(Mn) * (Real(0.5) * per_bend) +
-                     tension * Real(std::tan(friction_angle));
+                     tension * Real(friction_angle > 0 ? std::tan(friction_angle) : 0);
     return max(sigma * Real(1 / tensile_strength), tau * Real(1 / shear_strength)) * p.per_strength;
   }
   double energy(const BondStrain<double>& s, const Numbers<double>& p) const {

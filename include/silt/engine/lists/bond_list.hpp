@@ -133,6 +133,7 @@ template <class Model, std::size_t W>
 class BondList {
  public:
   using Bond = detail::Bond<Model>;
+  static constexpr std::size_t ahead = 64;  // places behind the last one, for loops that look ahead
   struct Group {
     std::size_t from = 0, to = 0;  // places
     std::size_t size() const { return to - from; }
@@ -238,7 +239,7 @@ class BondList {
     std::vector<Ids> ids(next, nobody);
     columns.clear(next / W, any_turned_);
     const auto none = static_cast<std::uint32_t>(rows_);
-    first_.assign(next, none), second_.assign(next, none + 1);
+    first_.assign(next + ahead, none), second_.assign(next + ahead, none + 1);
     std::size_t at = 0;
     for (const Group& g : group_)
       for (std::size_t k = g.from; k < g.to; ++k) {
