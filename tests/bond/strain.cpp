@@ -48,7 +48,8 @@ struct Scene {
   Scene(silt::Random& random, double turn) {
     const Quaternion q_i = turned(any_vector(random, 2)), q_j = turned(any_vector(random, 2));
     const Vec3d x_i = any_vector(random, 2), x_j = any_vector(random, 2);
-    rest = {rotate(conjugate(q_j), x_i - x_j), random.uniform(0.2, 0.8), conjugate(q_j) * q_i};
+    rest = BondRest<double>::of(rotate(conjugate(q_j), x_i - x_j), random.uniform(0.2, 0.8),
+                                conjugate(q_j) * q_i);
     i = {x_i + any_vector(random, 0.3), turned(any_vector(random, turn)) * q_i,
          any_vector(random, 1), any_vector(random, 1)};
     j = {x_j, q_j, any_vector(random, 1), any_vector(random, 1)};
@@ -138,7 +139,7 @@ TEST_CASE("bond: motion of both ends as one rigid body strains nothing, and turn
 }
 
 TEST_CASE("bond: closed forms of a stretch, a shear, a twist and a bend") {
-  BondRest<double> rest{{0, 0, 2}, 0.5, {}};
+  const auto rest = BondRest<double>::of({0, 0, 2}, 0.5, {});
   End i, j;
   i.centre = {0, 0, 2};
   const auto strain = [&] { return strain_of(rest, ends(i, j)); };

@@ -37,6 +37,10 @@ struct BondAnswer {
 ///   Real load(const BondAnswer<Real>&, const Vec3<Real>& normal, const Numbers<Real>&) const;
 ///   double energy(const BondStrain<double>&, const Numbers<double>&) const;  [J] in the springs
 ///   BondStiffness stiffest(const Numbers<double>&) const;
+///
+/// Numbers are kept in single precision; all are 0 in lanes without a bond. If the model has a
+/// function holds() like load(), which says by less work which lanes hold for sure, load() is asked
+/// where it does not.
 template <class M>
 concept BondModel = requires(const M& model, const BondedPair& pair, const BondStrain<double>& s,
                              const Vec3d& n, const typename M::template Numbers<double>& p) {

@@ -91,6 +91,23 @@ struct ParallelBond {
     return {split(s.shift, p.kn, per * p.kn), split(s.turn, kt, kb),
             split(s.shift_rate, p.cn, root * p.cn), split(s.turn_rate, ct, cb)};  // (2), (3)
   }
+  /// The lanes that hold for sure, by sums of components in place of lengths: without roots and
+  /// divisions, for the many bonds that are far from their strength.
+  template <class Real>
+  SILT_INLINE auto holds(const BondAnswer<Real>& a, const Vec3<Real>& n,
+                         const Numbers<Real>& p) const {
+    const auto across = [&n](const Vec3<Real>& v, const Real& along) {
+      const Vec3<Real> rest = v - n * along;
+      return abs(rest.x) + abs(rest.y) + abs(rest.z);
+    };
+    const Real Fn = dot(a.force, n), Mn = dot(a.couple, n);
+    const Real sigma = Real(4) * across(a.couple, Mn) - Fn * p.radius;  // times pi R_b^3
+    const Real tau = across(a.force, Fn) * p.radius + Real(2) * abs(Mn) -
+                     Fn * p.radius * Real(friction_angle > 0 ? std::tan(friction_angle) : 0);
+    const Real most =
+        max(sigma * Real(1 / tensile_strength), tau * Real(1 / shear_strength)) * p.per_strength;
+    return most <= Real(std::numbers::pi) * p.radius * p.radius * p.radius;
+  }
   /// (4) of the springs.
   template <class Real>
   SILT_INLINE Real load(const BondAnswer<Real>& a, const Vec3<Real>& n,
@@ -106,7 +123,7 @@ struct ParallelBond {
     const Real tension = -Fn * per_area;
     const Real sigma = tension + across(a.couple, Mn) * per_bend;
     const Real tau = across(a.force, Fn) * per_area + abs(Mn) * (Real(0.5) * per_bend) +
-                     tension * Real(std::tan(friction_angle));
+                     tension * Real(friction_angle > 0 ? std::tan(friction_angle) : 0);
     return max(sigma * Real(1 / tensile_strength), tau * Real(1 / shear_strength)) * p.per_strength;
   }
   double energy(const BondStrain<double>& s, const Numbers<double>& p) const {

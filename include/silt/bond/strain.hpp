@@ -22,6 +22,12 @@ struct BondRest {
   Vec3<Real> apart;            // [m] x_i - x_j, in the axes of j
   Real share;                  // [-] of it that is the arm of i
   BasicQuaternion<Real> turn;  // axes of i in those of j
+  Real per_length;             // [1/m] one over the length of `apart`
+
+  static BondRest of(const Vec3<Real>& apart, const Real& share,
+                     const BasicQuaternion<Real>& turn) {
+    return {apart, share, turn, Real(1) / sqrt(dot(apart, apart))};
+  }
 };
 
 /// How a bond is strained: exactly, however far its ends turn and move together. All in space.
@@ -65,18 +71,16 @@ struct BondLoads {
   Vec3<Real> torque_i, torque_j;  // [N m] about the centres
 };
 
-/// The strain of a bond.
+/// The strain of a bond; `like_i`: j's axes as the bond was made, turned as i has turned since.
 template <class Real>
-SILT_INLINE BondStrain<Real> strain_of(const BondRest<Real>& rest, const BondedEnds<Real>& ends) {
+SILT_INLINE BondStrain<Real> strain_of(const BondRest<Real>& rest, const BondedEnds<Real>& ends,
+                                       const BasicQuaternion<Real>& like_i) {
   const Real half(0.5), one(1);
-  // i's axes where the bond was made, turned as i is now; j's are its own.
-  const BasicQuaternion<Real> like_i = ends.orientation_i * conjugate(rest.turn);
   BasicQuaternion<Real> r = like_i * conjugate(ends.orientation_j);
   // Of the two quaternions of one rotation that of the shorter way.
   const Real sign = select(r.w < Real(0), Real(-1), one);
   BondStrain<Real> s;
   s.r0 = sign * r.w, s.w = r.vector() * sign;
-  const Real length2 = max(dot(rest.apart, rest.apart), smallest<Real>());
   const Vec3<Real> of_i = rotate(like_i, rest.apart), of_j = rotate(ends.orientation_j, rest.apart);
   const Vec3<Real> b_i = of_i * -rest.share, b_j = of_j * (one - rest.share);
   const Vec3<Real> gap = ends.apart + b_i - b_j;
@@ -88,8 +92,13 @@ SILT_INLINE BondStrain<Real> strain_of(const BondRest<Real>& rest, const BondedE
   // sqrt(r) = (1 + r0, w) / sqrt(2 (1 + r0)) turns the normal of j halfway to that of i.
   const Vec3<Real> t = s.w * (one / (one + s.r0));
   const Vec3<Real> u = cross(s.w, of_j) + cross(s.w, cross(t, of_j));
-  s.normal = (of_j + u) * (one / sqrt(length2));
+  s.normal = (of_j + u) * rest.per_length;
   return s;
+}
+
+template <class Real>
+SILT_INLINE BondStrain<Real> strain_of(const BondRest<Real>& rest, const BondedEnds<Real>& ends) {
+  return strain_of(rest, ends, ends.orientation_i * conjugate(rest.turn));
 }
 
 /// The loads of a force and a couple on i that go with the strain (derivatives of an energy), and

@@ -40,7 +40,8 @@ class BondAccess {
         p.inverse_mass() / (factor * r_i * r_i) + q.inverse_mass() / (factor * r_j * r_j);
     const Quaternion q_i = e.particles.orientation[e.find(i)],
                      q_j = e.particles.orientation[e.find(j)];
-    const BondRest<double> rest{rotate(conjugate(q_j), d), r_i / (r_i + r_j), conjugate(q_j) * q_i};
+    const auto rest =
+        BondRest<double>::of(rotate(conjugate(q_j), d), r_i / (r_i + r_j), conjugate(q_j) * q_i);
     auto& stage = sim().bonds_;
     stage.add({i, j, rest,
                stage.model.numbers({r_i, r_j, length, 1 / inv_m, 1 / inv_I, share_of(i, j)}), 0});
@@ -70,10 +71,8 @@ class BondAccess {
     const Quaternion turned = conjugate(wall.pose.rotation);
     auto& stage = sim().bonds_;
     stage.add(typename std::remove_cvref_t<decltype(stage.at_walls)>::Bond{
-        id,
-        w,
-        wall.pose.to_body(place),
-        {rotate(turned, d), 1, turned * e.particles.orientation[e.find(id)]},
+        id, w, wall.pose.to_body(place),
+        BondRest<double>::of(rotate(turned, d), 1, turned * e.particles.orientation[e.find(id)]),
         stage.model.numbers({r, r, norm(d), p.mass(),
                              Sim::ShapeType::inertia_factor() * p.mass() * r * r,
                              share_of(id, no_particle - w)}),

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <deque>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -31,17 +32,18 @@ struct Bond {
   std::uint64_t number;  // [-] the bonds that were made before it
 };
 
-/// Numbers of many bonds, pack by pack, so that lanes load what lies side by side.
-template <template <class> class Aggregate, std::size_t W>
+/// Aggregates of doubles of many bonds, pack by pack, so that lanes load what lies side by side;
+/// kept as `Stored`.
+template <template <class> class Aggregate, class Stored, std::size_t W>
 class BondColumns {
   static constexpr std::size_t count = sizeof(Aggregate<double>) / sizeof(double);
 
  public:
   /// All 0.
-  void clear(std::size_t packs) { packs_.assign(packs * count * W, 0.0); }
+  void clear(std::size_t packs) { packs_.assign(packs * count * W, Stored(0)); }
   void set(std::size_t k, const Aggregate<double>& values) {
     const auto numbers = std::bit_cast<std::array<double, count>>(values);
-    for (std::size_t c = 0; c < count; ++c) packs_[at(k, c)] = numbers[c];
+    for (std::size_t c = 0; c < count; ++c) packs_[at(k, c)] = static_cast<Stored>(numbers[c]);
   }
   Aggregate<double> get(std::size_t k) const {
     std::array<double, count> numbers;
@@ -52,15 +54,76 @@ class BondColumns {
   template <class Real>
   SILT_INLINE Aggregate<Real> load(std::size_t k) const {
     std::array<Real, count> numbers;
-    for (std::size_t c = 0; c < count; ++c)
-      numbers[c] = silt::load<Real>(packs_.data() + k * count + c * W);
+    for (std::size_t c = 0; c < count; ++c) {
+      const Stored* const from = packs_.data() + k * count + c * W;
+      if constexpr (std::is_same_v<Stored, double>) {
+        numbers[c] = silt::load<Real>(from);
+      } else {
+        alignas(64) double wide[W];
+        for (std::size_t lane = 0; lane < W; ++lane) wide[lane] = from[lane];
+        numbers[c] = silt::load<Real>(wide);
+      }
+    }
     return std::bit_cast<Aggregate<Real>>(numbers);
   }
-  std::size_t bytes() const { return packs_.capacity() * sizeof(double); }
+  std::size_t bytes() const { return packs_.capacity() * sizeof(Stored); }
 
  private:
   static std::size_t at(std::size_t k, std::size_t c) { return (k / W * count + c) * W + k % W; }
-  AlignedVector<double> packs_;
+  AlignedVector<Stored> packs_;
+};
+
+/// What a bond keeps in single precision, which is that of its stiffness and strength.
+template <class Real>
+struct BondShape {
+  Real share, per_length;  // of BondRest
+};
+
+/// What is known of bonds by their places: where they rest, and their model's numbers. The turns of
+/// ends that were made apart take memory only if there are any: spheres that were bonded as they
+/// came have none.
+template <class Model, std::size_t W>
+class BondColumnsOf {
+ public:
+  using Numbers = typename Model::template Numbers<double>;
+
+  void clear(std::size_t packs, bool turned) {
+    apart_.clear(packs), shape_.clear(packs), numbers_.clear(packs);
+    turned_ = turned, turn_.clear(turned ? packs : 0);
+  }
+  void set(std::size_t k, const BondRest<double>& rest, const Numbers& numbers) {
+    apart_.set(k, rest.apart), shape_.set(k, {rest.share, rest.per_length});
+    numbers_.set(k, numbers);
+    if (turned_) turn_.set(k, rest.turn);
+  }
+  BondRest<double> rest(std::size_t k) const {
+    const auto [share, per_length] = shape_.get(k);
+    return {apart_.get(k), share, turned_ ? turn_.get(k) : Quaternion{}, per_length};
+  }
+  Numbers numbers(std::size_t k) const { return numbers_.get(k); }
+  /// The strain of the pack that begins at place k.
+  template <class Real>
+  SILT_INLINE BondStrain<Real> strain(std::size_t k, const BondedEnds<Real>& ends) const {
+    const auto [share, per_length] = shape_.template load<Real>(k);
+    const BondRest<Real> rest{apart_.template load<Real>(k), share, {}, per_length};
+    BasicQuaternion<Real> like_i = ends.orientation_i;
+    if (turned_) like_i = like_i * conjugate(turn_.template load<Real>(k));
+    return strain_of(rest, ends, like_i);
+  }
+  template <class Real>
+  SILT_INLINE auto load_numbers(std::size_t k) const {
+    return numbers_.template load<Real>(k);
+  }
+  std::size_t bytes() const {
+    return apart_.bytes() + shape_.bytes() + numbers_.bytes() + turn_.bytes();
+  }
+
+ private:
+  BondColumns<Vec3, double, W> apart_;
+  BondColumns<BondShape, float, W> shape_;
+  BondColumns<Model::template Numbers, float, W> numbers_;
+  BondColumns<BasicQuaternion, double, W> turn_;
+  bool turned_ = false;
 };
 
 /// The bonds of a simulation, in the order in which their stage goes through them: by groups that
@@ -70,13 +133,17 @@ template <class Model, std::size_t W>
 class BondList {
  public:
   using Bond = detail::Bond<Model>;
+  static constexpr std::size_t ahead = 64;  // places behind the last one, for loops that look ahead
   struct Group {
     std::size_t from = 0, to = 0;  // places
     std::size_t size() const { return to - from; }
   };
 
   std::size_t size() const { return size_; }
-  void add(const Bond& bond) { waiting_.push_back(bond), ++size_; }
+  void add(const Bond& bond) {
+    waiting_.push_back(bond), ++size_;
+    any_turned_ = any_turned_ || bond.rest.turn != Quaternion{};
+  }
   /// Takes the bond at a place out.
   void remove(std::size_t place) { ids_[place] = nobody, --size_, is_stale_ = true; }
 
@@ -89,10 +156,9 @@ class BondList {
   }
   const std::uint32_t* first() const { return first_.data(); }
   const std::uint32_t* second() const { return second_.data(); }
-  const BondColumns<BondRest, W>& rests() const { return rests_; }
-  const BondColumns<Model::template Numbers, W>& numbers() const { return numbers_; }
+  const BondColumnsOf<Model, W>& columns() const { return columns_; }
   Bond bond(std::size_t k) const {
-    return {ids_[k].i, ids_[k].j, rests_.get(k), numbers_.get(k), ids_[k].number};
+    return {ids_[k].i, ids_[k].j, columns_.rest(k), columns_.numbers(k), ids_[k].number};
   }
   /// Calls visit(place) for each bond, in the order of the list.
   template <class Visit>
@@ -139,7 +205,7 @@ class BondList {
     lay_out(order);
   }
   std::size_t bytes() const {
-    return rests_.bytes() + numbers_.bytes() + ids_.capacity() * sizeof(Ids) +
+    return columns_.bytes() + ids_.capacity() * sizeof(Ids) +
            (first_.capacity() + second_.capacity()) * sizeof(std::uint32_t);
   }
 
@@ -169,21 +235,20 @@ class BondList {
       next = pieces(group_[g].to, W) * W;
     }
     const std::size_t places = ids_.size();
-    BondColumns<BondRest, W> rests;
-    BondColumns<Model::template Numbers, W> numbers;
+    BondColumnsOf<Model, W> columns;
     std::vector<Ids> ids(next, nobody);
-    rests.clear(next / W), numbers.clear(next / W);
+    columns.clear(next / W, any_turned_);
     const auto none = static_cast<std::uint32_t>(rows_);
-    first_.assign(next, none), second_.assign(next, none + 1);
+    first_.assign(next + ahead, none), second_.assign(next + ahead, none + 1);
     std::size_t at = 0;
     for (const Group& g : group_)
       for (std::size_t k = g.from; k < g.to; ++k) {
         const Place& p = order[at++];
         const Bond b = p.source < places ? bond(p.source) : waiting_[p.source - places];
         ids[k] = {b.i, b.j, b.number}, first_[k] = p.first, second_[k] = p.second;
-        rests.set(k, b.rest), numbers.set(k, b.numbers);
+        columns.set(k, b.rest, b.numbers);
       }
-    rests_ = std::move(rests), numbers_ = std::move(numbers), ids_ = std::move(ids);
+    columns_ = std::move(columns), ids_ = std::move(ids);
     waiting_ = {};
   }
 
@@ -192,11 +257,10 @@ class BondList {
   std::deque<Bond> waiting_;  // that have come since
   std::vector<Ids> ids_;
   std::vector<std::uint32_t> first_, second_;  // rows of the ends
-  BondColumns<BondRest, W> rests_;
-  BondColumns<Model::template Numbers, W> numbers_;
+  BondColumnsOf<Model, W> columns_;
   std::size_t size_ = 0, rows_ = 0, left_ = 0;
   std::uint64_t changes_ = 0;
-  bool is_stale_ = true;
+  bool is_stale_ = true, any_turned_ = false;
 };
 
 }  // namespace detail
