@@ -1,6 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+// First, so that the compiler names the fewest files before an error in it.
+#include <silt/simulation.hpp>
+
 #include <silt/bond/build.hpp>
 #include <silt/bond/contact_bond.hpp>
 #include <silt/bond/parallel_bond.hpp>
@@ -68,6 +71,5 @@
 #include <silt/shape/multi_sphere.hpp>
 #include <silt/shape/sphere.hpp>
 #include <silt/shape/super_ellipsoid.hpp>
-#include <silt/simulation.hpp>
 #include <silt/simulation/contact_check.hpp>
 #include <silt/study/unequal_damping.hpp>
