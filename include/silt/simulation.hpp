@@ -29,6 +29,7 @@
 #include <silt/search/verlet_list.hpp>
 #include <silt/simulation/body_readings.hpp>
 #include <silt/simulation/bond_access.hpp>
+#include <silt/simulation/break_access.hpp>
 #include <silt/simulation/contact_access.hpp>
 #include <silt/simulation/energy_ledger.hpp>
 #include <silt/simulation/fluid_access.hpp>
@@ -72,6 +73,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
                    public detail::ParticleEdits<Simulation<Policies...>>,
                    public detail::BodyReadings<Simulation<Policies...>>,
                    public detail::BondAccess<Simulation<Policies...>>,
+                   public detail::BreakAccess<Simulation<Policies...>>,
                    public detail::FluidAccess<Simulation<Policies...>>,
                    public detail::OpeningAccess<Simulation<Policies...>>,
                    public detail::ParticleReadings<Simulation<Policies...>>,
@@ -89,6 +91,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   using Modules = typename Composition::Modules;
   using ShapeType = typename Composition::Shape;
   static constexpr bool has_bonds = Composition::has_bonds;
+  static constexpr bool has_breakage = Composition::has_breakage;
   /// Particles are rigid bodies with an orientation, of one part or several.
   static constexpr bool of_bodies = Composition::has_bodies;
   /// ... whose shape is no set of spheres.
@@ -207,6 +210,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
         if constexpr (has_events) detail::tell_all(*this, engine_.events, observers...);
         if constexpr (has_bonds)
           if (!bonds_broken_.empty()) detail::tell_all(*this, bonds_broken_, observers...);
+        if constexpr (has_breakage)
+          if (!broken_.empty()) detail::tell_all(*this, broken_, observers...);
       }
       if (kicked_ && sizeof...(Observers) > 0) {
         [[maybe_unused]] const bool again = std::exchange(observed_, true);
@@ -251,6 +256,9 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   const ContactsType& contacts() const { return contacts_; }
   const Domain& domain() const { return domain_; }
   const Search& search() const { return search_; }
+  const auto& breakage() const requires(has_breakage) {
+    return modules_.template get<typename Composition::Breaking>();
+  }
   Engine& engine() { return engine_; }
   const Engine& engine() const { return engine_; }
   /// [-] of the radius: in the last step, and the largest since the start.
@@ -272,12 +280,16 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     if (first_kick_) detail::start_walls(engine_.walls, time_, dt_);
     const std::size_t present = Modules::flux ? engine_.present() : 0;
     openings_.update(engine_, *this);
+    if constexpr (has_breakage) this->break_due();
     engine_.renew_lists(search_, domain_, step_, dt_);
+    if constexpr (has_breakage)
+      if (!broken_.empty()) engine_.leave_out_overlaps(newborn_from_);
     detail::StepTimes times = times_of_step(observed);
     times.record = engine_.record.begin(kept_, step_);
     engine_.prepare_fluxes(modules_, time_, look_at_fluxes(present));
     engine_.pair_forces(domain_, times);
     engine_.wall_forces(times);
+    if constexpr (has_breakage) breaks_.weigh(engine_, breakage(), time_);
     [[maybe_unused]] double bond_power = 0;
     if constexpr (has_bonds) bond_power = bonds_.push(engine_, domain_, dt_);
     engine_.collect_fluxes();
@@ -316,6 +328,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   void check_new(std::span<const Particle> more, const Check& check) const;
   template <class Particle>
   void take_in(std::span<const Particle> more, std::span<const std::size_t> numbers);
+  template <class Particle>
+  void join(std::span<const Particle> more, std::span<const std::size_t> numbers);
   void book_step(const detail::StepTimes& times, double bond_power);
   void book_leaving(std::size_t k);
   void couple();
@@ -365,6 +379,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   friend class detail::ParticleEdits<Simulation>;
   friend class detail::BodyReadings<Simulation>;
   friend class detail::BondAccess<Simulation>;
+  friend class detail::BreakAccess<Simulation>;
   friend class detail::FluidAccess<Simulation>;
   friend class detail::OpeningAccess<Simulation>;
   friend class detail::ParticleReadings<Simulation>;
@@ -389,6 +404,12 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
       bonds_;
   [[no_unique_address]]
   std::conditional_t<has_bonds, std::vector<BondBreak>, Nothing> bonds_broken_;  // in this step
+  [[no_unique_address]]
+  typename detail::BreakStageOf<typename Composition::Breaking>::type breaks_;
+  struct NoBreaks {};
+  [[no_unique_address]]
+  std::conditional_t<has_breakage, std::vector<BreakEvent>, NoBreaks> broken_;  // in this step
+  ParticleId newborn_from_ = 0;  // of rows that came then
   [[no_unique_address]] decltype(particles_in_fluid()) in_fluid_;
   Engine engine_;
   detail::Openings<ShapeType, Domain> openings_;

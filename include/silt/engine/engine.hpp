@@ -72,6 +72,8 @@ class Engine : public Tables<Composition> {
   [[no_unique_address]] VirialOf<ContactsType> virial;  // of the last step
   EnergyOf<ContactsType, double> contact_energy = start_energy<ContactsType, double>();
   static constexpr bool has_events = keeps_events<ContactsType>;
+  [[no_unique_address]] ImpactsOf<ContactsType> impacts;  // of the last step
+  double parted = 0;  // [J] likewise
   [[no_unique_address]] std::conditional_t<has_events, ContactLog, NoContactLog> events;
 
   void set_threads(int threads) {
@@ -104,18 +106,42 @@ class Engine : public Tables<Composition> {
     start[ContactsType::offset_from] = static_cast<Scalar>(whole_overlap);
     lists.join_pairs(scene(domain, time_step), pairs, start);
   }
+  /// Leaves what contacts of rows with ids from `first` on, which have just come, overlap by now out
+  /// of them. After renew_lists().
+  void leave_out_overlaps(ParticleId first) requires(Composition::has_breakage) {
+    const auto whole = static_cast<Scalar>(whole_overlap);
+    const auto is_new = [&](std::uint32_t row) { return particles.id[row] >= first; };
+    Scalar* const of_pairs = lists.pairs.history(ContactsType::offset_from);
+    const std::uint32_t *const a = lists.pairs.first(), *const b = lists.pairs.second();
+    lists.pairs.for_each([&](std::size_t k) {
+      if (is_new(a[k]) || is_new(b[k])) of_pairs[k] = whole;
+    });
+    Scalar* const of_walls = lists.walls.history(ContactsType::offset_from);
+    for (const auto& c : lists.walls.candidates())
+      if (is_new(c.particle))
+        std::fill_n(of_walls + c.slot,
+                    Lists::slots_of(walls[c.wall].surfaces[c.surface]), whole);
+  }
   /// Loads on the rows, 4 * chunks Scalars each, between the contacts and the integration.
   Scalar* load_sums() { return sums_.data(); }
   /// Takes the particle at place k away at any time; park() alone is for just before a pruning.
   void remove(std::size_t k, const Domain& domain, double time_step) {
-    std::vector<std::uint32_t> rows{static_cast<std::uint32_t>(k)};
-    if constexpr (has_bodies) {
-      const auto of = mover.rows_of(mover.bodies[k]);
-      rows.assign(of.begin(), of.end());
+    remove_all({&k, 1}, domain, time_step);
+  }
+  /// Likewise those at several places.
+  void remove_all(std::span<const std::size_t> places, const Domain& domain, double time_step) {
+    std::vector<std::uint32_t> rows;
+    for (const std::size_t k : places) {
+      if constexpr (has_bodies) {
+        const auto of = mover.rows_of(mover.bodies[k]);
+        rows.insert(rows.end(), of.begin(), of.end());
+      } else {
+        rows.push_back(static_cast<std::uint32_t>(k));
+      }
+      this->park(k);
     }
-    this->park(k);
     if constexpr (Fluxes::active) fluxes_.renew();
-    lists.leave(scene(domain, time_step), rows);
+    if (!rows.empty()) lists.leave(scene(domain, time_step), rows);
   }
   /// Gives the particle at place k another radius [m], of bodies that of the bounding sphere.
   void set_radius(std::size_t k, double radius, const Domain& domain, double time_step) {
@@ -197,6 +223,7 @@ class Engine : public Tables<Composition> {
     largest_overlap = tally.largest, contact_energy = tally.energy;
     safeguards += tally.safeguards;
     if constexpr (has_events) events.clear(), note(tally.notes);
+    if constexpr (Composition::has_breakage) impacts.add(tally.impacts), parted += tally.parted;
     if constexpr (deforms<Domain>) virial = tally.virial;
   }
 
@@ -208,6 +235,7 @@ class Engine : public Tables<Composition> {
     contact_energy.add(tally.energy);
     safeguards += tally.safeguards;
     if constexpr (has_events) note(tally.notes);
+    if constexpr (Composition::has_breakage) impacts.add(tally.impacts), parted += tally.parted;
   }
 
   /// Power [W] of the contacts on fixed particles that move, before the loads are integrated.

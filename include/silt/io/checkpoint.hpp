@@ -12,6 +12,7 @@
 
 #include <silt/files/checkpoint_file.hpp>
 #include <silt/io/checkpoint_bonds.hpp>
+#include <silt/io/checkpoint_breaks.hpp>
 #include <silt/io/checkpoint_checks.hpp>
 #include <silt/io/checkpoint_wall_heat.hpp>
 #include <silt/io/describe_scene.hpp>
@@ -50,7 +51,7 @@ class Checkpoint {
     const auto coefficients = Engine::coefficients_of(sim.contacts_);
     auto scene =
         detail::describe_scene(sim, coefficients, sim.openings_, removed, removed.size());
-    describe_bonds(sim, scene);
+    describe_bonds(sim, scene), describe_breaks(sim, scene);
     out.add_text("scene", scene.written());
     auto clock = clock_of(sim);
     clock.visit(a);
@@ -67,6 +68,8 @@ class Checkpoint {
       sim.bonds_.follow(e);
       bonds = BondsState::of(sim.bonds_), bonds.visit(a);
     }
+    [[maybe_unused]] BreaksState breaks;
+    if constexpr (Sim::has_breakage) breaks = BreaksState::of(sim.breaks_), breaks.visit(a);
     if constexpr (Sim::of_bodies) a.rows("bodies", e.mover.bodies, e.mover.bodies.size());
     a.rows("synchronous", e.mover.synchronous, sim.kicked_ ? e.owners() : 0);
     detail::visit_upkeep(a, e.lists.upkeep, e.lists.reference, e.lists.reference.size());
@@ -126,7 +129,7 @@ class Checkpoint {
   /// Which programs can continue from the file: the policies that shape the state, and what
   /// contacts remember.
   static std::string signature() {
-    return text("silt state 15; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
+    return text("silt state 16; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
                 name_of<typename Sim::ContactsType>(), "; search ", name_of<typename Sim::Search>(),
                 "; domain ", name_of<typename Sim::Domain>(), "; precision ",
                 name_of<typename Sim::Precision>(), Sim::has_ledger ? "; ledger" : "",
@@ -172,6 +175,14 @@ class Checkpoint {
 
   using BondStage = std::remove_cvref_t<decltype(std::declval<Sim&>().bonds_)>;
   using BondsState = detail::BondsState<BondStage>;
+  using BreaksState =
+      If<Sim::has_breakage, detail::BreaksState<std::remove_cvref_t<decltype(std::declval<Sim&>().breaks_)>>>;
+  static void describe_breaks([[maybe_unused]] const Sim& sim,
+                              [[maybe_unused]] detail::SceneDescription& scene) {
+    if constexpr (Sim::has_breakage)
+      detail::describe_breakage({scene, detail::SceneDescription::Aspect::Material, ""},
+                                sim.breakage());
+  }
   static void describe_bonds([[maybe_unused]] const Sim& sim,
                              [[maybe_unused]] detail::SceneDescription& scene) {
     if constexpr (Sim::has_bonds)

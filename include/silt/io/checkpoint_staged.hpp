@@ -45,6 +45,7 @@ class Checkpoint<Sim>::Staged {
       stage_->model = sim_.bonds_.model, stage_->seed = sim_.bonds_.seed;
       bonds_.put(*stage_, particles_);
     }
+    if constexpr (Sim::has_breakage) breaks_.visit(a), breaks_.check(a);
     if constexpr (Sim::Modules::flux) {
       a.column("modules.from_walls", from_walls_, detail::CheckpointLoader::any_count);
       auto books = e_.fluxes();  // to try them
@@ -83,6 +84,7 @@ class Checkpoint<Sim>::Staged {
     e.coefficients = std::move(coefficients_);
     e.safeguards = clock_.safeguards;
     if constexpr (Sim::has_bonds) sim.bonds_ = std::move(*stage_), sim.bonds_broken_.clear();
+    if constexpr (Sim::has_breakage) breaks_.put(sim.breaks_), sim.broken_.clear();
     e.particles = std::move(particles_);
     e.mover.synchronous = std::move(synchronous_);
     if constexpr (Sim::of_bodies) {
@@ -143,7 +145,7 @@ class Checkpoint<Sim>::Staged {
         accepted.walls ? std::min(removed.size(), walls_.surfaces.size()) : removed.size();
     auto scene = detail::describe_scene(sim_, coefficients_, sim_.openings_, removed,
                                         std::min(removed.size(), walls_.surfaces.size()));
-    describe_bonds(sim_, scene);
+    describe_bonds(sim_, scene), describe_breaks(sim_, scene);
     const std::string difference = scene.difference(written, accepted);
     require(difference.empty(), "checkpoint '", path,
             "' is of another scene: ", detail::with_names(difference, sim_));
@@ -308,6 +310,7 @@ class Checkpoint<Sim>::Staged {
   const Sim& sim_;
   const Engine& e_;
   [[no_unique_address]] BondsState bonds_;
+  [[no_unique_address]] BreaksState breaks_;
   std::unique_ptr<BondStage> stage_;  // of bonds
   detail::ClockState clock_;
   detail::WallsState walls_;

@@ -32,17 +32,6 @@ struct SceneLook {
   bool is_empty() const { return !(centres.min.x <= centres.max.x); }
 };
 
-/// Volume of particle k [m3].
-template <class Sim>
-double volume_of(const Sim& sim, std::size_t k) {
-  if constexpr (Sim::of_bodies) {
-    const double scale = sim.scale(k);
-    return sim.forms()[sim.form(k)].mass.volume * scale * scale * scale;
-  } else {
-    return Sim::ShapeType::volume(sim.radius(k));
-  }
-}
-
 template <class Sim>
 SceneLook look_at(const Sim& sim) {
   SceneLook look;
@@ -57,7 +46,7 @@ SceneLook look_at(const Sim& sim) {
     include_radius(sim.radius(k), sim.radius(k));
     look.fastest = std::max(look.fastest, norm(sim.velocity(k)));
     if (const double m = sim.mass(k); std::isfinite(m))
-      look.largest_density = std::max(look.largest_density, m / volume_of(sim, k));
+      look.largest_density = std::max(look.largest_density, m / sim.engine().volume_of(k));
     else
       look.some_fixed = true;
   }

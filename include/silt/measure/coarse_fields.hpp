@@ -199,7 +199,7 @@ class CoarseFields {
     const double reach2 = kernel_.reach() * kernel_.reach();
     for (std::size_t k = 0; k < sim.rows(); ++k) {
       if (!sim.is_present(k) || !std::isfinite(sim.mass(k))) continue;
-      const double m = sim.mass(k), volume = volume_of(sim, k);
+      const double m = sim.mass(k), volume = sim.engine().volume_of(k);
       const Vec3d v = sim.velocity(k), at = detail::in_domain(sim.domain(), sim.position(k));
       const Symmetric3 flux = m * outer(v);
       detail::for_each_image(sim.domain(), [&](const Vec3d& shift) {
@@ -237,16 +237,6 @@ class CoarseFields {
       });
     });
   }
-  template <class Sim>
-  static double volume_of(const Sim& sim, std::size_t k) {
-    if constexpr (Sim::of_bodies) {
-      const double scale = sim.scale(k);
-      return sim.forms()[sim.form(k)].mass.volume * scale * scale * scale;
-    } else {
-      return Sim::ShapeType::volume(sim.radius(k));
-    }
-  }
-
   CoarseGrid grid_;
   Kernel kernel_;
   std::vector<Sums> sums_;

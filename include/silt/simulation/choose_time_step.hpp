@@ -13,9 +13,10 @@ std::optional<detail::ShortestContact> Simulation<Policies...>::shortest_contact
   using Law = typename ContactsType::Law;
   if constexpr (detail::HasContactTime<Law>) {
     if (!(speed > 0)) return std::nullopt;
+    auto meetings = detail::meetings_of(engine_, openings_.inlets(), contacts_.materials());
+    if constexpr (has_breakage) this->include_fragments(meetings);
     const detail::ShortestContactSearch<Law, Integrator> search(
-        Engine::coefficients_of(contacts_).law,
-        detail::meetings_of(engine_, openings_.inlets(), contacts_.materials()), speed,
+        Engine::coefficients_of(contacts_).law, meetings, speed,
         detail::InertiaOf<typename Engine::Contacts>::slip_mobility());
     if (std::isfinite(search.found().time)) return search.found();
   }
@@ -116,7 +117,8 @@ double Simulation<Policies...>::chosen_time_step() const {
 /// In which nothing at this speed [m/s] goes farther than guard.max_travel allows [s].
 template <class... Policies>
 double Simulation<Policies...>::longest_travel_step(double speed) const {
-  const double least = engine_.least_radius();  // of convex bodies known from the first step on
+  double least = engine_.least_radius();  // of convex bodies known from the first step on
+  if constexpr (has_breakage) least = std::min(least, 0.5 * breakage().rules.dust_below);
   return least > 0 ? guard.max_travel * least / speed : INFINITY;
 }
 

@@ -45,6 +45,8 @@ struct EnergyBalance {
   double rolling_resistance;  // with twisting
   double bond_damping;        // of their dashpots
   double bond_breaking;       // that bonds held when they broke
+  double breaking;            // kinetic energy that particles had as they broke, and their
+                              // fragments have not
   // Brought in since the start.
   double walls;            // work of moving walls and belts, and of fixed particles that move
   double openings;         // with particles that came, less with those that left
@@ -52,6 +54,7 @@ struct EnergyBalance {
   double fluid;            // work of the fluid on particles that are not fixed
   double modules;          // work of modules that push, likewise
   double box;              // work of a DeformingBox; kinetic energies are relative to its flow
+  double parting;   // as fragments that overlap at birth are set apart (Breakage)
   double stiffening;  // by laws that remember the tangential displacement while the stiffness grows
                       // (TangentialMemory::Displacement of Hertz' contacts, Dcdem): from nothing
 
@@ -67,10 +70,10 @@ struct EnergyBalance {
   double held() const { return kinetic() + gravity + elastic(); }
   double dissipated() const {
     return normal_damping + tangential_damping + friction + rolling_resistance + bond_damping +
-           bond_breaking;
+           bond_breaking + breaking;
   }
   double supplied() const {
-    return walls + openings + changed_gravity + fluid + modules + box + stiffening;
+    return walls + openings + changed_gravity + fluid + modules + box + parting + stiffening;
   }
   /// What the books cannot explain: the error of time integration, second order in the step with
   /// Leapfrog; first with SymplecticEuler, while forces act, and Gear, with damping or friction
@@ -114,6 +117,9 @@ class EnergyBook {
   void fluid_worked(double energy) { of_fluid_ += energy; }
   void modules_worked(double energy) { of_modules_ += energy; }
   void bond_broken(double energy) { bond_breaking_ += energy; }
+  void broke(double energy) { breaking_ += energy; }
+  /// Of contacts that were ended from outside (EndedContacts): work of forces that are no springs.
+  void ended(const ContactEnergy<double>& work) { work_.add(work); }
   /// Books the dashpots of bonds, of the power [W] that their forces have at the velocities of half
   /// a step ago. The work of a force F_n in the leapfrog is F_n (v_n-1/2 + v_n+1/2)/2; with F_n = -c
   /// v_n-1/2 that is P_n 3/4 + P_n-1 1/4 summed over steps, to second order in the step.
@@ -131,6 +137,7 @@ class EnergyBook {
     e.friction = friction_, e.tangential_damping = tangential_loss() - friction_;
     e.rolling_resistance = -work_.couple - (stored_.rolling - at_start_.rolling);
     e.bond_damping = bond_damping_, e.bond_breaking = bond_breaking_;
+    e.breaking = breaking_;
     e.walls = of_walls_, e.openings = openings_, e.changed_gravity = changed_gravity_;
     e.fluid = of_fluid_, e.modules = of_modules_, e.stiffening = work_.stiffening;
     e.free_walls = free_walls;
@@ -143,7 +150,7 @@ class EnergyBook {
     std::vector<double> all{of_walls_,         openings_, changed_gravity_, initial_,
                             last_fixed_power_, of_fluid_, since_asked_,     last_power_,
                             damped_,           friction_, of_modules_,
-                            bond_damping_,     bond_breaking_, last_bond_power_};
+                            bond_damping_,     bond_breaking_, last_bond_power_, breaking_};
     for (const auto* e : {&stored_, &at_start_, &work_}) {
       const auto values = ContactEnergy<double>::values(*e);
       all.insert(all.end(), values.begin(), values.end());
@@ -157,7 +164,8 @@ class EnergyBook {
     last_fixed_power_ = all[4], of_fluid_ = all[5], since_asked_ = all[6], last_power_ = all[7];
     damped_ = all[8], friction_ = all[9], of_modules_ = all[10];
     bond_damping_ = all[11], bond_breaking_ = all[12], last_bond_power_ = all[13];
-    std::size_t at = 14;
+    breaking_ = all[14];
+    std::size_t at = 15;
     for (auto* e : {&stored_, &at_start_, &work_}) {
       std::array<double, terms> values;
       for (double& v : values) v = all[at++];
@@ -170,7 +178,7 @@ class EnergyBook {
                        {all[at + 6], all[at + 7], all[at + 8]}});
   }
   static constexpr std::size_t terms = sizeof(ContactEnergy<double>) / sizeof(double);
-  static constexpr std::size_t least_size = 14 + 3 * terms;
+  static constexpr std::size_t least_size = 15 + 3 * terms;
 
  private:
   /// What tangential forces have taken and their springs do not hold [J].
@@ -212,7 +220,7 @@ class EnergyBook {
   std::vector<Load> last_;  // of each wall
   double of_walls_ = 0, openings_ = 0, changed_gravity_ = 0, initial_ = 0, last_fixed_power_ = 0;
   double of_fluid_ = 0, of_modules_ = 0;
-  double bond_damping_ = 0, bond_breaking_ = 0;  // [J]
+  double breaking_ = 0, bond_damping_ = 0, bond_breaking_ = 0;  // [J]
   double last_bond_power_ = 0;                   // [W] of their dashpots
   double since_asked_ = 0;  // [s]
   double last_power_ = 0;   // [W] of tangential dashpots when last asked

@@ -47,6 +47,8 @@ detail::StepTimes Simulation<Policies...>::times_of_step(bool observed) const {
                       .lag = Integrator::lag,
                       .now = time_,
                       .renew_areas = step_ % detail::StepTimes::areas_every == 0};
+  if constexpr (has_breakage)
+    t.parting = breakage().rules.separation_speed, t.weak_from = breaks_.weak_from;
   if constexpr (has_events) {
     // Contacts come to rest in steps in which those at rest are looked at, so that no step counts
     // twice.
@@ -76,6 +78,7 @@ EnergyBalance Simulation<Policies...>::balance() const {
   EnergyBalance balance{};
   if constexpr (has_ledger) balance = book_.balance(translation, rotation, potentials, walls);
   if constexpr (has_ledger && has_bonds) balance.bonds = this->bond_energy();
+  if constexpr (has_ledger && has_breakage) balance.parting = breaks_.parted;
   if constexpr (has_ledger && detail::deforms<Domain>) balance.box = domain_.work();
   return balance;
 }
@@ -128,13 +131,23 @@ template <class... Policies>
 template <class Particle>
 void Simulation<Policies...>::take_in(std::span<const Particle> more,
                                       std::span<const std::size_t> numbers) {
+  const std::size_t before = rows();
+  join(more, numbers);
+  if constexpr (has_ledger)
+    for (std::size_t k = before; k < rows() && !first_kick_; ++k)
+      if (std::isfinite(mass(k))) book_.bring_in(kinetic(k).sum() + potential(k));
+  if constexpr (has_breakage) this->feed(before);
+}
+
+/// The same without books of mass and energy.
+template <class... Policies>
+template <class Particle>
+void Simulation<Policies...>::join(std::span<const Particle> more,
+                                   std::span<const std::size_t> numbers) {
   const std::size_t before = rows(), first_row = engine_.particles.size();
   detail::take_in(engine_, more, numbers, kicked_, next_);
   if (kicked_) engine_.start_prediction(first_row, gravity, dt_);
   engine_.join_lists(domain_, dt_, first_row);
-  if constexpr (has_ledger)
-    for (std::size_t k = before; k < rows() && !first_kick_; ++k)
-      if (std::isfinite(mass(k))) book_.bring_in(kinetic(k).sum() + potential(k));
   start_fields(before);
 }
 
@@ -187,6 +200,7 @@ void Simulation<Policies...>::book_step([[maybe_unused]] const detail::StepTimes
 
 template <class... Policies>
 void Simulation<Policies...>::book_leaving([[maybe_unused]] std::size_t k) {
+  if constexpr (has_breakage) this->note_leaving(k);
   if constexpr (has_ledger) {
     if (first_kick_ || !std::isfinite(mass(k))) return;
     // Unless it is observed, rows hold the velocity of half a step ago; it falls freely.
@@ -239,6 +253,7 @@ void Simulation<Policies...>::prepare() {
   this->check_pairs();
   engine_.set_coefficients(contacts_);
   engine_.set_flux_coefficients(modules_, contacts_);
+  if constexpr (has_breakage) this->prepare_breakage();
   modules_.look_near(engine_, domain_, time_, true, true);
   if (dt_ == 0 || (time_step && *time_step != dt_) || (scene_changed_ && is_step_too_long())) {
     const double dt = chosen_time_step();

@@ -50,6 +50,16 @@ class Tables {
   /// The particle (sphere or body) at place k of owners().
   auto owner(std::size_t k) const { return Owner<Composition, State, Mover>(particles, mover, k); }
   std::size_t owners() const { return Owner<Composition, State, Mover>::count(particles, mover); }
+  /// [m3] of the particle at place k.
+  double volume_of(std::size_t k) const {
+    const auto p = owner(k);
+    if constexpr (has_bodies) {
+      const double s = p.scale();
+      return mover.forms[p.form()].mass.volume * s * s * s;
+    } else {
+      return Composition::Shape::volume(p.radius());
+    }
+  }
   /// Particles that are there.
   std::size_t present() const {
     if constexpr (has_bodies)

@@ -11,6 +11,7 @@
 #include <silt/contact/concept.hpp>
 #include <silt/core/lanes.hpp>
 #include <silt/engine/contact/contact_events.hpp>
+#include <silt/engine/contact/impacts.hpp>
 #include <silt/engine/contact/virial.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -115,13 +116,16 @@ struct Tally {
   std::uint64_t safeguards = 0;  // [-] contacts in which the law's safeguard began to act
   EnergyOf<ContactsType, double> energy = start_energy<ContactsType, double>();
   [[no_unique_address]] NotesOf<ContactsType> notes;  // of contacts that began or ended
+  [[no_unique_address]] ImpactsOf<ContactsType> impacts;
   [[no_unique_address]] VirialOf<ContactsType> virial;
+  double parted = 0;  // [J] that offsets have given to contacts as they shrank
 
   void add(const Tally& other) {
     largest = other.largest > largest ? other.largest : largest;
     safeguards += other.safeguards;
     energy.add(other.energy);
-    notes.add(other.notes);
+    notes.add(other.notes), impacts.add(other.impacts);
+    parted += other.parted;
     if constexpr (sums_virial<ContactsType>) virial = virial + other.virial;
   }
 };

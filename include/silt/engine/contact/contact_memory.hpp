@@ -24,6 +24,7 @@ struct MemorySlice {
 ///   area                   where these points lie
 ///   radius                 R_eff of convex parts; minus their gap while they are apart
 ///   offset                 overlap that is left out, as the pair was bonded (WithOffset)
+///   impact                 of breakage: WithImpacts
 ///   events                 what on_contact_end() tells
 /// All of it is 0 from the step on in which nothing touches; "radius" alone is not then, nor is
 /// "offset" until the partners have parted.
@@ -47,6 +48,8 @@ class ContactMemory {
     }
     if constexpr (requires { ContactsType::offset_from; })
       add("offset", ContactsType::offset_from, 1);
+    if constexpr (requires { ContactsType::impact_from; })
+      add("impact", ContactsType::impact_from, 1);
     if constexpr (requires { ContactsType::events_from; })
       add("events", ContactsType::events_from, ContactsType::event_numbers);
   }
@@ -87,7 +90,7 @@ class ContactMemory {
           ContactsType::kept_couple + 3 * ContactsType::has_rolling);
   }
 
-  std::array<MemorySlice, 15> slices_{};
+  std::array<MemorySlice, 16> slices_{};
   std::size_t count_ = 0;
 };
 

@@ -10,6 +10,7 @@
 #include <silt/engine/contact/coefficients.hpp>
 #include <silt/engine/contact/contact_kernel.hpp>
 #include <silt/engine/contact/contact_record.hpp>
+#include <silt/engine/contact/offset.hpp>
 #include <silt/engine/contact/step_times.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -217,12 +218,26 @@ struct ContactStage {
     static_assert(!Fluxes::takes_loss || keeps_ledger<ContactsType>,
                   "a module takes the heat of friction and damping, which the ledger knows: give "
                   "the simulation a silt::EnergyLedger{}");
+    if constexpr (keeps_impacts<ContactsType>) {
+      if constexpr (!requires { Ends::without_offsets; })
+        leave_out_offsets(block, count, history[ContactsType::offset_from]);
+      if constexpr (!ContactsType::impacts_by_force)
+        ImpactWatch<ContactsType, Real, Block>::look(
+            block, count, kinds, history[ContactsType::impact_from], ends, tally.sum.impacts);
+    }
     ContactLosses<Real, Block::size, Fluxes::takes_loss && keeps_ledger<ContactsType>> losses;
     ContactGrowth<Real, Block::size, Fluxes::needs_growth> growth;
     growth.take(block, pieces(count, W) * W, times);
     how.template loads<ContactsType, Arch>(block, pieces(count, W) * W, times, table, kinds,
                                            history, tally, losses);
     tally.end_block();
+    if constexpr (keeps_impacts<ContactsType>) {
+      if constexpr (ContactsType::impacts_by_force)
+        ImpactWatch<ContactsType, Real, Block>::weigh(block, count, kinds,
+                                                      history[ContactsType::impact_from],
+                                                      times.weak_from, ends, tally.sum.impacts);
+      if (times.parting > 0) part(block, count, kinds, history, tally.sum);
+    }
     if constexpr (keeps_events<ContactsType>)
       tally.sum.notes.complete([&](NotedContact& note) {
         const std::size_t k = note.place;
@@ -240,6 +255,58 @@ struct ContactStage {
   }
 
  private:
+  template <class Block>
+  static SILT_INLINE void leave_out_offsets(Block& block, std::size_t count, Scalar* offsets) {
+    constexpr std::size_t W = Lanes<Arch, Scalar>::width;
+    for (std::size_t k = 0; k < count; k += W)
+      store(block.overlap + k, without_offset(load<Real>(block.overlap + k), offsets + k));
+  }
+  /// Lets the offsets of a block shrink: of contacts that store no more than 2 m* v^2 at the speed v
+  /// of parting, which then gives a pair of particles no more than that.
+  template <class Block, std::size_t H>
+  void part(const Block& block, std::size_t count, const std::uint16_t* kinds,
+            const std::array<Scalar*, H>& history, detail::Tally<ContactsType>& sum) const {
+    constexpr std::size_t W = Lanes<Arch, Scalar>::width;
+    Scalar* const offsets = history[ContactsType::offset_from];
+    for (std::size_t k = 0; k < count; k += W)
+      if (any(load<Real>(offsets + k) > Real(0))) [[unlikely]]
+        for (std::size_t lane = k; lane < std::min(k + W, count); ++lane)
+          if (offsets[lane] > 0) part_one(block, lane, kinds, history, sum);
+  }
+  template <class Block, std::size_t H>
+  __attribute__((noinline, cold)) void part_one(const Block& block, std::size_t k,
+                                                const std::uint16_t* kinds,
+                                                const std::array<Scalar*, H>& history,
+                                                detail::Tally<ContactsType>& sum) const {
+    Scalar& offset = history[ContactsType::offset_from][k];
+    const Scalar less = std::min(offset, static_cast<Scalar>(times.parting * times.step));
+    using Law = typename ContactsType::Law;
+    if constexpr (SaysWhatItStores<Law>) {
+      using Kernel = ContactKernel<ContactsType, double>;
+      Kinematics<double> kin = in_double(block.template get<Scalar>(k));
+      kin.velocity = kin.spin = {0, 0, 0};  // loads stand there
+      const auto radii = block.template get_radii<Scalar>(k);
+      typename HistoryOf<Law, double>::type h;
+      if constexpr (ContactsType::law_history > 0) {
+        std::array<double, ContactsType::law_history> values;
+        for (std::size_t n = 0; n < values.size(); ++n)
+          values[n] = static_cast<double>(history[n][k]);
+        h = std::bit_cast<decltype(h)>(values);
+      }
+      const auto stored = [&](double more) {
+        kin.overlap += more;
+        const auto c = Kernel::contact(
+            kin, {static_cast<double>(radii.i), static_cast<double>(radii.j)}, times.step,
+            times.lag);
+        return stored_by<Law, double>(c, table.law[kinds != nullptr ? kinds[k] : 0], h).normal;
+      };
+      const double before = stored(0);
+      if (before > 2 * kin.m_eff * times.parting * times.parting) return;
+      sum.parted += stored(static_cast<double>(less)) - before;
+    }
+    offset -= less;
+  }
+
   /// Hands the contacts of a block, whose loads are known, to the record: those that touch, and
   /// those with a force at a distance.
   template <class Block, class Ends, class How, std::size_t H>

@@ -61,6 +61,7 @@ class WallContacts {
     return {inner_facets_.data() + c.facets, c.facet_count};
   }
   Slot& slot(std::size_t k) { return slots_[k]; }
+  const Slot& slot(std::size_t k) const { return slots_[k]; }
   Scalar* history(std::size_t component) { return history_[component].data(); }
   Scalar history(std::size_t component, std::size_t slot) const {
     return history_[component][slot];

@@ -289,6 +289,8 @@ class WallPipeline {
                   [[maybe_unused]] std::span<const Candidate> images,
                   [[maybe_unused]] const Wall& wall, [[maybe_unused]] const Input& in,
                   [[maybe_unused]] Scratch& s) {
+    if constexpr (keeps_impacts<ContactsType>)
+      contacts.history(ContactsType::offset_from)[slot] = 0;
     if (!contacts.slot(slot).touching) return;
     contacts.slot(slot).touching = false;
     if constexpr (keeps_events<ContactsType>) {

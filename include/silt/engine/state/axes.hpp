@@ -103,6 +103,11 @@ template <class P>
 } > {};
 
 template <class P>
+    struct IsBreakage : std::bool_constant < requires {
+  requires P::is_breakage;
+} > {};
+
+template <class P>
 inline constexpr bool belongs_to_an_axis =
     IsParticles<P>::value || IsContacts<P>::value || IsSearch<P>::value || IsDomain<P>::value ||
     IsFluid<P>::value || IsKernels<P>::value || IsPrecision<P>::value || IsLedger<P>::value ||
@@ -121,6 +126,7 @@ inline constexpr bool make_a_simulation =
     count<IsRotation, Policies...> <= 1 && count<IsPrecision, Policies...> <= 1 &&
     count<IsKernels, Policies...> <= 1 && count<IsLedger, Policies...> <= 1 &&
     count<IsContactEvents, Policies...> <= 1 && count<IsBonds, Policies...> <= 1 &&
+    count<IsBreakage, Policies...> <= 1 &&
     (belongs_to_an_axis<Policies> && ...);
 
 template <template <class> class Is, class Default, class... Policies>

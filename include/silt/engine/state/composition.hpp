@@ -20,6 +20,8 @@ template <class ShapeType, class Contacts>
 struct ContactsOf;
 template <class ContactsType>
 struct WithOffset;
+template <class ContactsType, bool ByForce>
+struct WithImpacts;
 template <bool Watched, class Contacts>
 using WatchedIf = typename std::conditional_t<Watched, std::type_identity<WithEvents<Contacts>>,
                                               std::type_identity<Contacts>>::type;
@@ -28,12 +30,23 @@ template <bool Kept, class Contacts>
 using WithOffsetIf = typename std::conditional_t<Kept, std::type_identity<WithOffset<Contacts>>,
                                                  std::type_identity<Contacts>>::type;
 
+template <class Breaking, class Contacts>
+struct WithImpactsOf {
+  using type = WithImpacts<Contacts, Breaking::by_force>;
+};
+
 template <bool Summed, class Contacts>
 using WithVirialIf = typename std::conditional_t<Summed, std::type_identity<WithVirial<Contacts>>,
                                                  std::type_identity<Contacts>>::type;
 
 /// In place of Bonds.
 struct NoBonds {};
+/// In place of Breakage.
+struct NoBreakage {};
+template <class Contacts>
+struct WithImpactsOf<NoBreakage, Contacts> {
+  using type = Contacts;
+};
 
 template <class List, class... Policies>
 struct OnlyModules {
@@ -62,6 +75,7 @@ struct Composition {
   using Rotation = pick<IsRotation, NoSquish, Policies...>;
   using Modules = typename OnlyModules<ModuleList<>, Policies...>::type;
   using Bonds = pick<IsBonds, NoBonds, Policies...>;
+  using Breaking = pick<IsBreakage, NoBreakage, Policies...>;
   using Shape = typename ParticlesType::ShapeType;
   using Scalar = typename Precision::PairScalar;  // of the work on pairs
 
@@ -70,16 +84,16 @@ struct Composition {
   static constexpr bool has_ledger = count<IsLedger, Policies...> > 0;
   static constexpr bool has_events = count<IsContactEvents, Policies...> > 0;
   static constexpr bool has_bonds = count<IsBonds, Policies...> > 0;
+  static constexpr bool has_breakage = count<IsBreakage, Policies...> > 0;
   static constexpr bool rotates = UserContacts::rotates || has_bodies;
   static constexpr FromFluid from_fluid = loads_of_fluid<Fluid>;
 
-  using Contacts = WithVirialIf<
-      deforms<Domain>,
-      WatchedIf<has_events,
-                WithOffsetIf<has_bonds,
-                             typename ContactsOf<
-                                 Shape, std::conditional_t<has_ledger, WithLedger<UserContacts>,
-                                                           UserContacts>>::type>>>;
+  // Each keeps more behind what those inside it keep (contact_memory.hpp).
+  using LedgerContacts = std::conditional_t<has_ledger, WithLedger<UserContacts>, UserContacts>;
+  using ShapeContacts = typename ContactsOf<Shape, LedgerContacts>::type;
+  using OffsetContacts = WithOffsetIf<has_bonds || has_breakage, ShapeContacts>;
+  using ImpactContacts = typename WithImpactsOf<Breaking, OffsetContacts>::type;
+  using Contacts = WithVirialIf<deforms<Domain>, WatchedIf<has_events, ImpactContacts>>;
   static constexpr bool several_materials = Contacts::several_materials;
 
   static_assert(has_bodies || count<IsRotation, Policies...> == 0,
@@ -97,6 +111,8 @@ struct Composition {
                 "Bonds do not follow the flow of a DeformingBox; take PeriodicBox");
   static_assert(!has_bonds || Integrator::derivatives == 0,
                 "Bonds turn particles by the velocities of half steps; take Leapfrog");
+  static_assert(!deforms<Domain> || !has_breakage,
+                "Breakage knows no DeformingBox; take PeriodicBox");
   static_assert(!deforms<Domain> || !has_bodies,
                 "DeformingBox is for spheres so far: bodies have no flow velocity of their parts; "
                 "take PeriodicBox, or spheres with rolling resistance");

@@ -1,0 +1,138 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include <silt/breakage/fatigue.hpp>
+#include <silt/breakage/impact.hpp>
+#include <silt/core/error.hpp>
+#include <silt/core/position_row.hpp>
+#include <silt/core/vec3.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// How particles break, beside the comminution functions.
+struct BreakageRules {
+  double dust_below;                        // [m] diameter, > 0: fragments below it are dust
+  std::size_t most_fragments = 12;          // [-] of one particle; the rest of its mass is dust
+  double separation_speed = 0.1;            // [m/s] >= 0
+  std::vector<std::size_t> materials = {};  // whose particles break; none: all
+  std::uint64_t seed = 1;
+
+  bool breaks(std::size_t material) const {
+    for (const std::size_t m : materials)
+      if (m == material) return true;
+    return materials.empty();
+  }
+};
+
+/// Policy of a Simulation whose particles break: each has a strength, and where an impact loads it
+/// by more, it is replaced by fragments; those below `dust_below` are mass in a table.
+///
+///   silt::Simulation sim{std::move(feed), silt::Contacts<silt::HertzMindlin>{salt},
+///                        silt::Breakage{silt::LogLogisticStrength{...}, silt::HertzEquivalence{},
+///                                       silt::GaudinSchuhmann{...}, {.dust_below = 20e-6}}};
+///
+/// An impact is weighed as it begins, by its speed at first touch; with ForceEquivalence in each
+/// step, by the normal force of the contact, damping included. What it does not break it weakens,
+/// as `fatigue` says: once a contact. Fragments lie inside the particle that they come from and
+/// have its velocity and rotation, its momentum and angular momentum; what they overlap by at birth,
+/// with each other, neighbours and walls, is left out of their contacts, and shrinks at
+/// `separation_speed`. Until the particle would have gone its own diameter at the impact's speed,
+/// they do not break: the breakage function says what the whole impact leaves.
+///
+/// Strengths are drawn by seed and id, fragments likewise: results depend on nothing else.
+/// Source:  T. Brosh, H. Kalman, A. Levy, Particuology 12 (2014) 113, for the system of functions and
+///          the table of dust; the placing of fragments is silt's.
+/// Errors:  InputError naming field, value, unit and allowed range.
+/// Tests:   tests/breakage/.
+template <class S, class E, class B, class F = NoFatigue>
+struct Breakage {
+  static constexpr bool is_breakage = true;
+  static constexpr bool by_force = requires { requires E::by_force; };
+  using Strength = S;
+  using Equivalence = E;
+  using Sizes = B;
+  using Fatigue = F;
+
+  Strength strength;
+  Equivalence equivalence;
+  Sizes sizes;
+  Fatigue fatigue;
+  BreakageRules rules;
+
+  Breakage(S s, E e, B b, F f, BreakageRules r)
+      : strength(s), equivalence(e), sizes(b), fatigue(f), rules(std::move(r)) {}
+  Breakage(S s, E e, B b, BreakageRules r) : Breakage(s, e, b, F{}, std::move(r)) {}
+
+  /// Of each particle, as of a module.
+  struct Fields {
+    double strength = std::numeric_limits<double>::infinity();  // [N] or [J]
+    double rests_until = 0;                                     // [s] it does not break before
+  };
+  static constexpr std::array names{"strength", "rests_until"};
+
+  /// Before a run.
+  template <class Sim>
+  void check(const Sim& sim) const {
+    if constexpr (requires { strength.check(); }) strength.check();
+    if constexpr (requires { equivalence.check(); }) equivalence.check();
+    if constexpr (requires { sizes.check(); }) sizes.check();
+    if constexpr (requires { fatigue.check(); }) fatigue.check();
+    require_positive("BreakageRules.dust_below", rules.dust_below, "m");
+    require_not_negative("BreakageRules.separation_speed", rules.separation_speed, "m/s");
+    require(rules.most_fragments > 0,
+            "BreakageRules.most_fragments = 0 [-] must be at least 1; to turn all that breaks into "
+            "dust, raise dust_below");
+    for (const std::size_t m : rules.materials)
+      require(m < sim.contacts().materials(), "BreakageRules.materials names material ", m,
+              ", but the contacts have ", sim.contacts().materials());
+    if constexpr (requires { S::unit; } && requires { E::unit; })
+      static_assert(S::unit == E::unit,
+                    "Breakage compares a strength in N with a load in J, or the other way round: "
+                    "take EnergyEquivalence with strengths in J, another one with those in N");
+    double largest = 0;  // [m] diameter
+    for (std::size_t k = 0; k < sim.rows(); ++k)
+      if (sim.is_present(k)) largest = std::max(largest, 2 * sim.radius(k));
+    for (std::size_t k = 0; k < sim.inlets(); ++k)
+      largest = std::max(largest, 2 * sim.inlet(k).flow.largest_radius());
+    require(largest == 0 || rules.dust_below < largest,
+            "BreakageRules.dust_below = ", rules.dust_below,
+            " [m] is not below the diameter of the largest particle, ", largest,
+            " m: whatever broke would be dust; lower it");
+  }
+};
+template <class S, class E, class B>
+Breakage(S, E, B, BreakageRules) -> Breakage<S, E, B>;
+
+/// A particle that broke, for on_break().
+struct BreakEvent {
+  ParticleId id = no_particle;    // that it had
+  double time = 0;                // [s]
+  Vec3d position{0, 0, 0};        // [m]
+  Vec3d velocity{0, 0, 0};        // [m/s]
+  double diameter = 0, mass = 0;  // [m], [kg]
+  double strength = 0, load = 0;  // [N] or [J]
+  double speed = 0;               // [m/s] of the impact; by force 0
+  bool at_wall = false;           // it was one with a wall
+  ParticleId first = no_particle;  // id of the first fragment; the others have the next ones
+  std::size_t fragments = 0;
+  double dust = 0;  // [kg]
+};
+
+/// Where the mass of a simulation is [kg]. `fed`: all that was added or came through inlets;
+/// `present`: now in the simulation; `left`: through outlets, or removed.
+struct MassBalance {
+  double fed = 0, present = 0, left = 0, dust = 0;
+  /// What the books cannot explain: rounding.
+  double residual() const { return fed - present - left - dust; }
+};
+
+}  // namespace silt

@@ -1,0 +1,136 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include <silt/core/lanes.hpp>
+#include <silt/engine/contact/kinematics.hpp>
+#include <silt/engine/contact/step_times.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// A Contacts type whose contacts keep one number more, for breakage: by speed at touch 1 while
+/// they touch; by the largest force that force [N], minus it once a peak has been told.
+template <class ContactsType, bool ByForce>
+struct WithImpacts : ContactsType {
+  static constexpr std::size_t impact_from = ContactsType::history;
+  static constexpr std::size_t history = impact_from + 1;
+  static constexpr bool impacts_by_force = ByForce;
+};
+template <class ContactsType>
+inline constexpr bool keeps_impacts = requires {
+  ContactsType::impact_from;
+};
+
+/// A contact that particles may break by.
+struct NotedImpact {
+  static constexpr std::uint32_t no_row = std::numeric_limits<std::uint32_t>::max();
+  std::uint32_t first, second = no_row;  // rows
+  std::uint32_t wall = no_row;           // if it is one
+  std::uint32_t kind;                    // place in the coefficient table
+  double speed;                          // [m/s] of approach
+  double force;                          // [N] by force; else 0
+  double m_eff, R_eff;                   // [kg], [m]
+  Vec3d normal;                          // [-] to the first
+  bool is_peak;                          // by force: the largest one is over
+};
+
+struct NoImpacts {
+  template <class Other>
+  void add(const Other&) {}
+};
+/// Those of one stage, in the order of its lists.
+struct ImpactNotes {
+  std::vector<NotedImpact> all;
+  void add(const ImpactNotes& more) { all.insert(all.end(), more.all.begin(), more.all.end()); }
+};
+template <class ContactsType>
+using ImpactsOf = std::conditional_t<keeps_impacts<ContactsType>, ImpactNotes, NoImpacts>;
+
+/// Finds the impacts among the contacts of a block.
+template <class ContactsType, class Real, class Block>
+class ImpactWatch {
+  using Scalar = ScalarOf<Real>;
+  static constexpr std::size_t W = sizeof(Real) / sizeof(Scalar);
+
+ public:
+  /// By speed, before loads take the places of velocities: contacts that begin.
+  template <class Ends>
+  static SILT_INLINE void look(const Block& block, std::size_t count, const std::uint16_t* kinds,
+                               Scalar* kept, const Ends& ends, ImpactNotes& notes) {
+    const Real zero(0), one(1);
+    for (std::size_t k = 0; k < count; k += W) {
+      const auto touching = load<Real>(block.overlap + k) > zero;
+      const std::uint64_t now = lane_bits(touching),
+                          before = lane_bits(load<Real>(kept + k) > zero);
+      if (now == before) continue;
+      silt::store(kept + k, select(touching, one, zero));
+      for (std::uint64_t began = now & ~before; began != 0; began &= began - 1)
+        note(block, k + static_cast<std::size_t>(std::countr_zero(began)), kinds, ends, 0, false,
+             notes);
+    }
+  }
+  /// By force, after the law: contacts whose force is the largest so far and above `floor` [N], and
+  /// those whose force has fallen to half its largest.
+  template <class Ends>
+  static SILT_INLINE void weigh(const Block& block, std::size_t count, const std::uint16_t* kinds,
+                                Scalar* kept, double floor, const Ends& ends, ImpactNotes& notes) {
+    const Real zero(0), least(static_cast<Scalar>(floor));
+    for (std::size_t k = 0; k < count; k += W) {
+      const Real last = load<Real>(kept + k), overlap = load<Real>(block.overlap + k);
+      const auto touching = overlap > zero;
+      if (!any(touching || abs(last) > zero)) continue;
+      const Vec3<Real> normal = load3<Real>(block.normal[0] + k, block.normal[1] + k,
+                                            block.normal[2] + k);
+      const Real force = select(
+          touching, max(dot(block.template get_load<Real>(k).force, normal), zero), zero);
+      const Real largest = abs(last);
+      const auto rises = force > largest, falls = last > zero && force < Real(Scalar(0.5)) * last;
+      silt::store(kept + k, select(touching, select(rises, force, select(falls, -last, last)),
+                                   zero));
+      for (std::uint64_t bits = lane_bits(rises && force > least); bits != 0; bits &= bits - 1)
+        note_force(block, k, bits, force, kinds, ends, false, notes);
+      for (std::uint64_t bits = lane_bits(falls && largest > zero); bits != 0; bits &= bits - 1)
+        note_force(block, k, bits, largest, kinds, ends, true, notes);
+    }
+  }
+
+ private:
+  template <class Ends>
+  static void note_force(const Block& block, std::size_t k, std::uint64_t bits, const Real& force,
+                         const std::uint16_t* kinds, const Ends& ends, bool is_peak,
+                         ImpactNotes& notes) {
+    alignas(64) Scalar forces[W];
+    silt::store(forces, force);
+    const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
+    note(block, k + lane, kinds, ends, static_cast<double>(forces[lane]), is_peak, notes);
+  }
+  template <class Ends>
+  __attribute__((noinline)) static void note(const Block& block, std::size_t k,
+                                             const std::uint16_t* kinds, const Ends& ends,
+                                             double force, bool is_peak, ImpactNotes& notes) {
+    const auto at = [k](const auto& columns) {
+      return Vec3d{static_cast<double>(columns[0][k]), static_cast<double>(columns[1][k]),
+                   static_cast<double>(columns[2][k])};
+    };
+    NotedImpact one{};
+    one.normal = at(block.normal);
+    one.speed = force > 0 ? 0 : std::max(-dot(at(block.velocity), one.normal), 0.0);
+    one.m_eff = static_cast<double>(block.m_eff[k]);
+    one.R_eff = static_cast<double>(block.R_eff[k]);
+    one.kind = kinds != nullptr ? kinds[k] : 0, one.force = force, one.is_peak = is_peak;
+    one.first = ends.first(k);
+    if constexpr (Ends::at_wall)
+      one.wall = static_cast<std::uint32_t>(ends.wall(k));
+    else
+      one.second = ends.second(k);
+    notes.all.push_back(one);
+  }
+};
+
+}  // namespace silt::detail

@@ -1,0 +1,164 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <span>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <silt/breakage/breakage.hpp>
+#include <silt/breakage/impact_energies.hpp>
+#include <silt/breakage/size_table.hpp>
+#include <silt/contact/damped_impact.hpp>
+#include <silt/core/compensated_sum.hpp>
+#include <silt/core/random.hpp>
+#include <silt/engine/contact/impacts.hpp>
+#include <silt/fill/size_distribution.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// [m] of the sphere of the same volume [m3].
+inline double equal_volume_diameter(double volume) {
+  return std::cbrt(6 / std::numbers::pi * volume);
+}
+/// A particle that is to break before the next step.
+struct DueBreak {
+  ParticleId id;
+  double load, speed;
+  bool at_wall;
+};
+
+/// Weighs the impacts of a step against strengths; keeps what is due to break, and the tables of
+/// mass. Results do not depend on threads.
+template <class Policy>
+class BreakStage {
+ public:
+  std::vector<DueBreak> due;      // by id; saved between steps
+  SizeTable dust, left;           // fragments too small, and particles that left
+  CompensatedSum fed;             // [kg]
+  std::uint64_t broken_at_walls = 0, broken_in_pairs = 0;
+  ImpactEnergies impacts;         // since the start, by speed alone
+  double parted = 0;              // [J] that offsets have given to contacts
+  double weak_from = 0;           // [N] lower bound of the strengths, by force
+
+  /// What belongs to two materials, by the places of the coefficient table.
+  template <class Contacts>
+  void prepare(const Contacts& contacts) {
+    restitution_.clear();
+    const std::size_t n = contacts.materials(), of_particles = Contacts::several_materials ? n : 1;
+    for (std::size_t a = 0; a < of_particles; ++a)
+      for (std::size_t b = 0; b < n; ++b) restitution_.push_back(contacts.restitution(a, b));
+  }
+  /// Draws the strengths of the particles from place `from` on, which are new; of fragments
+  /// rests_until(id) [s].
+  template <class Engine, class RestsUntil>
+  void start(Engine& e, const Policy& policy, std::size_t from, const RestsUntil& rests_until) {
+    auto& fields = e.modules().template of<Policy>();
+    for (std::size_t k = from; k < e.owners(); ++k) {
+      const auto p = e.owner(k);
+      fields[k] = {};
+      if (!p.is_there() || p.inverse_mass() == 0 || !policy.rules.breaks(p.material())) continue;
+      const double rank = random_of(policy, p.id(), of_strength).open_uniform();
+      fields[k].strength =
+          policy.strength.strength(equal_volume_diameter(e.volume_of(k)), p.mass(), rank);
+      fields[k].rests_until = rests_until(p.id());
+      weak_from = std::min(weak_from, fields[k].strength);
+    }
+  }
+  /// The numbers of one particle that its own draws come from.
+  enum Draw : std::uint64_t { of_strength = 0, of_fragments = 1 };
+  static Random random_of(const Policy& policy, ParticleId id, Draw what) {
+    const std::uint64_t of_seed = Random(policy.rules.seed).bits();
+    return Random(of_seed + 0x9e3779b97f4a7c15u * (2 * id + what));
+  }
+
+  /// After the contacts of a step, at `time` [s].
+  template <class Engine>
+  void weigh(Engine& e, const Policy& policy, double time) {
+    struct Half {  // of an impact: one particle's
+      ParticleId id, other;
+      std::size_t wall, place;
+      const NotedImpact* note;
+      auto key() const { return std::tuple(id, other, wall, note->force, note->speed); }
+    };
+    std::vector<Half> all;
+    for (const NotedImpact& note : e.impacts.all) {
+      const std::size_t a = e.owner_of(note.first);
+      const std::size_t b =
+          note.second == NotedImpact::no_row ? a : e.owner_of(note.second);
+      if (a >= e.owners() || b >= e.owners()) continue;  // what fills packs up
+      const auto p = e.owner(a), q = e.owner(b);
+      if (!p.is_there() || !q.is_there()) continue;
+      const bool at_wall = note.wall != NotedImpact::no_row;
+      if (note.force == 0) impacts.add(note.m_eff, note.speed, at_wall);
+      all.push_back({p.id(), at_wall ? no_particle : q.id(), at_wall ? note.wall : 0, a, &note});
+      if (!at_wall) all.push_back({q.id(), p.id(), 0, b, &note});
+    }
+    std::sort(all.begin(), all.end(),
+              [](const Half& a, const Half& b) { return a.key() < b.key(); });
+    for (const Half& one : all) weigh_one(e, policy, *one.note, one.place, time);
+    e.impacts.all.clear();
+    parted += std::exchange(e.parted, 0);
+  }
+
+  /// By force: the least strength of all.
+  template <class Engine>
+  void measure(const Engine& e) {
+    weak_from = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < e.owners(); ++k)
+      if (e.owner(k).is_there())
+        weak_from = std::min(weak_from, e.modules().template of<Policy>()[k].strength);
+  }
+
+ private:
+  template <class Engine>
+  void weigh_one(Engine& e, const Policy& policy, const NotedImpact& note, std::size_t k,
+                 double time) {
+    auto& own = e.modules().template of<Policy>()[k];
+    if (!std::isfinite(own.strength) || time < own.rests_until) return;
+    if (note.force == 0 && note.speed == 0) return;  // they meet as they part
+    const auto p = e.owner(k);
+    const bool at_wall = note.wall != NotedImpact::no_row;
+    Impact impact{};
+    impact.diameter = equal_volume_diameter(e.volume_of(k)), impact.mass = p.mass();
+    impact.speed = note.speed, impact.m_eff = note.m_eff, impact.R_eff = note.R_eff;
+    impact.restitution = restitution_[note.kind], impact.at_wall = at_wall;
+    impact.elastic_force = std::numeric_limits<double>::quiet_NaN();
+    using Law = typename Engine::Contacts::Law;
+    if constexpr (requires { Law::impact_force(e.coefficients.law[0], 1.0, 1.0, 1.0); })
+      if (note.force == 0)
+        impact.elastic_force =
+            Law::impact_force(e.coefficients.law[note.kind], note.R_eff, note.m_eff, note.speed);
+    impact.contact_force = note.force > 0 ? note.force : std::numeric_limits<double>::quiet_NaN();
+    const double load = policy.equivalence.load(impact);
+    if (load >= own.strength) {
+      const bool is_due = !due.empty() && due.back().id == p.id();
+      if (!is_due) due.push_back({p.id(), load, note.speed, at_wall});
+      if (due.back().load < load) due.back() = {p.id(), load, note.speed, at_wall};
+    } else if (!Policy::by_force || note.is_peak) {
+      own.strength = policy.fatigue.weakened(own.strength, load);
+      weak_from = std::min(weak_from, own.strength);
+    }
+  }
+
+  std::vector<double> restitution_;  // [-] by the places of the coefficient table
+};
+
+/// The stage of a policy Breakage; without one nothing.
+template <class Policy>
+struct BreakStageOf {
+  using type = BreakStage<Policy>;
+};
+template <>
+struct BreakStageOf<NoBreakage> {
+  struct type {};
+};
+
+}  // namespace silt::detail

@@ -1,0 +1,92 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <silt/breakage/impact_energies.hpp>
+#include <silt/breakage/size_table.hpp>
+#include <silt/core/error.hpp>
+#include <silt/io/checkpoint_checks.hpp>
+#include <silt/io/describe_scene.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// Breakage in checkpoints: what is due to break, and the tables of mass and impacts. Strengths are
+/// fields of a module.
+/// Tests: tests/breakage/checkpoint.cpp.
+template <class Stage>
+struct BreaksState {
+  std::vector<std::uint64_t> due_ids, due_at_wall, broken;  // broken: at walls, in pairs
+  std::vector<double> due, fed, dust, left, impacts;        // due: load and speed of each
+
+  static BreaksState of(const Stage& stage) {
+    BreaksState s;
+    for (const DueBreak& one : stage.due) {
+      s.due_ids.push_back(one.id), s.due_at_wall.push_back(one.at_wall);
+      s.due.insert(s.due.end(), {one.load, one.speed});
+    }
+    s.broken = {stage.broken_at_walls, stage.broken_in_pairs};
+    s.fed = {stage.fed.sum(), stage.fed.rest(), stage.parted};
+    s.dust = stage.dust.state(), s.left = stage.left.state(), s.impacts = stage.impacts.state();
+    return s;
+  }
+  template <class Archive>
+  void visit(Archive& a) {
+    const auto count = [](const auto& column) {
+      return Archive::loads ? CheckpointLoader::any_count : column.size();
+    };
+    a.column("breakage.due", due_ids, count(due_ids));
+    a.column("breakage.due_at_wall", due_at_wall, due_ids.size());
+    a.column("breakage.due_loads", due, 2 * due_ids.size());
+    a.column("breakage.broken", broken, 2);
+    a.column("breakage.fed", fed, 3);
+    a.column("breakage.dust", dust, count(dust)), a.column("breakage.left", left, count(left));
+    a.column("breakage.impacts", impacts, ImpactEnergies::numbers);
+  }
+  /// Refuses what cannot be.
+  void check(const CheckpointLoader& a) const {
+    const auto all_of_mass = [](const std::vector<double>& numbers) {
+      return std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
+    };
+    for (std::size_t k = 0; k < due_ids.size(); ++k) {
+      a.need(k == 0 || due_ids[k - 1] < due_ids[k], "breakage.due is not in the order of ids");
+      a.need(due_at_wall[k] <= 1 && due[2 * k] > 0 && due[2 * k + 1] >= 0 &&
+                 std::isfinite(due[2 * k]) && std::isfinite(due[2 * k + 1]),
+             "breakage.due_loads of particle ", due_ids[k], " cannot be");
+    }
+    a.need(all_of_mass(fed) && fed[0] >= 0, "breakage.fed cannot be");
+    a.need(SizeTable::is_state(dust), "breakage.dust is no table of sizes");
+    a.need(SizeTable::is_state(left), "breakage.left is no table of sizes");
+    a.need(all_of_mass(impacts) && std::all_of(impacts.begin(), impacts.end(),
+                                               [](double x) { return x >= 0 && x < 0x1p63; }),
+           "breakage.impacts cannot be");
+  }
+  void put(Stage& stage) const {
+    stage.due.clear();
+    for (std::size_t k = 0; k < due_ids.size(); ++k)
+      stage.due.push_back({due_ids[k], due[2 * k], due[2 * k + 1], due_at_wall[k] == 1});
+    stage.broken_at_walls = broken[0], stage.broken_in_pairs = broken[1];
+    stage.fed = {fed[0], fed[1]}, stage.parted = fed[2];
+    stage.dust.restore(dust), stage.left.restore(left), stage.impacts.restore(impacts);
+  }
+};
+/// What a run goes on with: the functions and the rules.
+template <class Policy>
+void describe_breakage(const Describer& is, const Policy& policy) {
+  is("breakage: seed", text(policy.rules.seed));
+  is("breakage: dust_below", text(policy.rules.dust_below, " m"));
+  is("breakage: most_fragments", text(policy.rules.most_fragments));
+  is("breakage: separation_speed", text(policy.rules.separation_speed, " m/s"));
+  const auto numbers = [&](const char* of, const auto& function) {
+    using F = std::remove_cvref_t<decltype(function)>;
+    if constexpr (requires { F::names.size(); }) describe_numbers(is, of, function);
+  };
+  numbers("the strength's", policy.strength), numbers("the equivalence's", policy.equivalence);
+  numbers("the breakage function's", policy.sizes), numbers("the fatigue's", policy.fatigue);
+}
+
+}  // namespace silt::detail

@@ -1,0 +1,236 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <silt/breakage/breakage.hpp>
+#include <silt/breakage/fragment_sizes.hpp>
+#include <silt/breakage/placement.hpp>
+#include <silt/core/error.hpp>
+#include <silt/engine/checks/ended_contacts.hpp>
+#include <silt/engine/population/arrivals.hpp>
+#include <silt/engine/stages/break_stage.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// Breakage; a Simulation with the policy Breakage has these functions as its own.
+template <class Sim>
+class BreakAccess {
+ public:
+  /// Mass by size and time of birth of what is too small to be simulated.
+  template <class S = Sim>
+  const SizeTable& dust() const requires(S::has_breakage) {
+    return sim().breaks_.dust;
+  }
+  /// The same of particles that left: through outlets, or removed.
+  template <class S = Sim>
+  const SizeTable& left() const requires(S::has_breakage) {
+    return sim().breaks_.left;
+  }
+  template <class S = Sim>
+  MassBalance mass_balance() const requires(S::has_breakage) {
+    CompensatedSum present;
+    for (std::size_t k = 0; k < sim().rows(); ++k)
+      if (sim().is_present(k) && std::isfinite(sim().mass(k))) present.add(sim().mass(k));
+    const auto& b = sim().breaks_;
+    return {b.fed.value(), present.value(), b.left.mass(), b.dust.mass()};
+  }
+  /// How many particles broke since the start [-]: by an impact on a wall, or on each other.
+  template <class S = Sim>
+  std::uint64_t broken_at_walls() const requires(S::has_breakage) {
+    return sim().breaks_.broken_at_walls;
+  }
+  template <class S = Sim>
+  std::uint64_t broken_in_pairs() const requires(S::has_breakage) {
+    return sim().breaks_.broken_in_pairs;
+  }
+  /// Those since the start; by force none are noted.
+  template <class S = Sim>
+  const ImpactEnergies& impact_energies() const requires(S::has_breakage) {
+    return sim().breaks_.impacts;
+  }
+
+ protected:
+  /// Replaces what is due to break, before a step.
+  void break_due() {
+    auto& s = sim();
+    s.broken_.clear();
+    auto& stage = s.breaks_;
+    if (stage.due.empty()) return;
+    std::vector<Parent> parents;
+    std::vector<typename Sim::ParticlesType::Particle> fragments;
+    for (const DueBreak& one : std::exchange(stage.due, {})) {
+      const std::size_t k = s.engine_.find(one.id);
+      if (k < s.rows()) break_one(one, k, parents, fragments);
+    }
+    take_place(parents, fragments);
+  }
+
+  void prepare_breakage() {
+    auto& s = sim();
+    s.breaks_.prepare(s.contacts_);
+    s.breaks_.measure(s.engine_);
+  }
+  /// Notes the mass of the particles from place `from` on, which come from outside.
+  void feed(std::size_t from) {
+    auto& s = sim();
+    s.breaks_.start(s.engine_, s.breakage(), from, [](ParticleId) { return 0.0; });
+    for (std::size_t k = from; k < s.rows(); ++k)
+      if (std::isfinite(s.mass(k))) s.breaks_.fed.add(s.mass(k));
+  }
+  /// Adds the smallest fragments that there may be to what may meet.
+  template <class Meetings>
+  void include_fragments(Meetings& all) const {
+    const auto& s = sim();
+    const auto& rules = s.breakage().rules;
+    const double volume = sphere_volume(0.5 * rules.dust_below);
+    const auto include = [&](std::size_t material, double density) {
+      if (rules.breaks(material))
+        all.spheres[material].include({0.5 * rules.dust_below, density * volume});
+    };
+    for (std::size_t k = 0; k < s.rows(); ++k)
+      if (s.is_present(k) && std::isfinite(s.mass(k)))
+        include(s.material(k), s.mass(k) / s.engine_.volume_of(k));
+    for (const Inlet& inlet : s.openings_.inlets())
+      for (std::size_t k = 0; k < inlet.flow.kinds(); ++k)
+        include(inlet.flow.kind(k).material, inlet.flow.kind(k).density);
+  }
+  void note_leaving(std::size_t k) {
+    auto& s = sim();
+    if (std::isfinite(s.mass(k)))
+      s.breaks_.left.add(equal_volume_diameter(s.engine_.volume_of(k)), s.mass(k), 1, s.time_);
+  }
+
+ private:
+  struct Parent {
+    std::size_t place, fragments;
+    double rests_until;
+  };
+
+  /// Notes the fragments of the particle at place k, with their velocities; books dust and energy.
+  template <class Particle>
+  void break_one(const DueBreak& due, std::size_t k, std::vector<Parent>& parents,
+                 std::vector<Particle>& all) {
+    auto& s = sim();
+    auto& stage = s.breaks_;
+    const auto& policy = s.breakage();
+    const auto p = s.engine_.owner(k);
+    const auto& own = s.engine_.modules().template of<typename Sim::Composition::Breaking>()[k];
+    const double volume = s.engine_.volume_of(k), density = p.mass() / volume;
+    const Broken broken{equal_volume_diameter(volume), p.mass(), own.strength, due.load, due.speed};
+    Random random = stage.random_of(policy, due.id, stage.of_fragments);
+    const FragmentSizes sizes =
+        fragment_sizes(policy.sizes, broken, density,
+                       {policy.rules.dust_below, policy.rules.most_fragments}, random);
+    BreakEvent event{.id = due.id, .time = s.time_, .position = p.centre(),
+                     .velocity = p.velocity(), .diameter = broken.diameter, .mass = broken.mass,
+                     .strength = own.strength, .load = due.load, .speed = due.speed,
+                     .at_wall = due.at_wall, .first = s.next_.particle + all.size(),
+                     .fragments = sizes.masses.size(), .dust = sizes.dust};
+    if (event.fragments == 0) event.first = no_particle;
+    ++(due.at_wall ? stage.broken_at_walls : stage.broken_in_pairs);
+    note_dust(policy, broken, sizes.dust);
+    const double gone = add_fragments(p, sizes, density, random, all);
+    if constexpr (Sim::has_ledger) book(k, sizes.dust / broken.mass, gone);
+    // [s] in which all of the particle would have arrived
+    const double passes = due.speed > 0 ? broken.diameter / due.speed : 0;
+    parents.push_back({k, sizes.masses.size(), s.time_ + passes});
+    s.broken_.push_back(event);
+  }
+  /// Returns the kinetic energy [J] of the fragments.
+  template <class Owner, class Particle>
+  double add_fragments(const Owner& p, const FragmentSizes& sizes, double density, Random& random,
+                       std::vector<Particle>& all) const {
+    std::vector<double> radii;
+    double whole = 0;
+    for (const double m : sizes.masses)
+      radii.push_back(0.5 * equal_volume_diameter(m / density)), whole += m;
+    const auto places = place_fragments(radii, sizes.masses, p.radius(), random);
+    constexpr double factor = Sim::ShapeType::inertia_factor();
+    Vec3d w{0, 0, 0};
+    if constexpr (Sim::rotates)
+      if (!radii.empty())
+        w = shared_rotation(p, places, radii, sizes.masses, whole / p.mass());
+    double energy = 0;
+    for (std::size_t k = 0; k < radii.size(); ++k) {
+      Particle one{};
+      one.position = p.centre() + places[k], one.radius = radii[k], one.density = density;
+      one.velocity = p.velocity() + cross(w, places[k]), one.angular_velocity = w;
+      one.material = p.material();
+      energy += 0.5 * sizes.masses[k] *
+                (dot(one.velocity, one.velocity) + factor * radii[k] * radii[k] * dot(w, w));
+      all.push_back(one);
+    }
+    return energy;
+  }
+  /// Of fragments that have their share of the angular momentum; where dust takes the rest, no more
+  /// than so much of it that they have their share of the energy at most.
+  template <class Owner>
+  static Vec3d shared_rotation(const Owner& p, std::span<const Vec3d> places,
+                               std::span<const double> radii, std::span<const double> masses,
+                               double share) {
+    constexpr double factor = Sim::ShapeType::inertia_factor();
+    const Vec3d L =
+        (share * factor * p.mass() * p.radius() * p.radius()) * p.angular_velocity();
+    const Vec3d w = rotation_of_fragments(places, radii, masses, factor, L);
+    const double energy = dot(L, w), most = dot(L, p.angular_velocity());
+    return share < 1 - 1e-9 && energy > most ? std::sqrt(most / energy) * w : w;
+  }
+
+  template <class Policy>
+  void note_dust(const Policy& policy, const Broken& broken, double dust) {
+    auto& s = sim();
+    if (!(dust > 0)) return;
+    s.breaks_.dust.add(0.5 * policy.rules.dust_below, dust, 1, s.time_);
+  }
+  /// The kinetic energy of the particle at place k that its fragments do not have is lost; dust
+  /// takes its share along.
+  void book(std::size_t k, double of_dust, double of_fragments) {
+    auto& s = sim();
+    const auto kinetic = s.kinetic(k);
+    const double m = s.mass(k), share = kinetic.sum() * of_dust;
+    s.book_.broke(kinetic.sum() - share - of_fragments);
+    const double ago = Sim::Integrator::first_kick == 0.5 ? 0.5 * s.dt_ : 0;  // [s]
+    const Vec3d v = s.velocity(k), now = v + ago * s.gravity;
+    s.book_.bring_in(-share - of_dust * (s.potential(k) + 0.5 * m * (dot(now, now) - dot(v, v))));
+  }
+  /// Takes the parents out of the simulation, and their fragments in.
+  template <class Particle>
+  void take_place(const std::vector<Parent>& parents, const std::vector<Particle>& fragments) {
+    auto& s = sim();
+    auto& e = s.engine_;
+    const std::size_t from = s.rows();
+    const ParticleId first = s.next_.particle;
+    std::vector<double> rests_until;
+    std::vector<std::size_t> places;
+    for (const Parent& p : parents) {
+      rests_until.insert(rests_until.end(), p.fragments, p.rests_until);
+      places.push_back(p.place);
+    }
+    if constexpr (Sim::has_ledger && !Sim::of_bodies) {
+      std::vector<std::uint32_t> rows(places.begin(), places.end());
+      std::sort(rows.begin(), rows.end());
+      const EndedContacts ended(e, s.domain_, rows, s.dt_, s.dt_);
+      s.book_.ended(ended.work), s.book_.broke(ended.normal);
+    }
+    s.newborn_from_ = Sim::of_bodies ? s.next_.part : first;
+    s.join(std::span<const Particle>(fragments), {});
+    std::size_t k = from;
+    for (const Parent& p : parents)
+      for (std::size_t n = 0; n < p.fragments; ++n)
+        copy_row(e.modules(), p.place, k++);
+    s.breaks_.start(e, s.breakage(), from, [&](ParticleId id) { return rests_until[id - first]; });
+    e.remove_all(places, s.domain_, s.dt_);
+    s.scene_step_ = s.step_;
+  }
+
+  Sim& sim() { return static_cast<Sim&>(*this); }
+  const Sim& sim() const { return static_cast<const Sim&>(*this); }
+};
+
+}  // namespace silt::detail
