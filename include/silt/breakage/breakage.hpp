@@ -112,6 +112,8 @@ struct Breakage {
 template <class S, class E, class B>
 Breakage(S, E, B, BreakageRules) -> Breakage<S, E, B>;
 
+enum class BreakCause { Pair, Wall, Asked };  // impact on another particle, on a wall; break_particle()
+
 /// A particle that broke, for on_break().
 struct BreakEvent {
   ParticleId id = no_particle;    // that it had
@@ -120,8 +122,8 @@ struct BreakEvent {
   Vec3d velocity{0, 0, 0};        // [m/s]
   double diameter = 0, mass = 0;  // [m], [kg]
   double strength = 0, load = 0;  // [N] or [J]
-  double speed = 0;               // [m/s] of the impact; by force 0
-  bool at_wall = false;           // it was one with a wall
+  double speed = 0;               // [m/s] of the impact; by force, and asked, 0
+  BreakCause cause = BreakCause::Pair;
   ParticleId first = no_particle;  // id of the first fragment; the others have the next ones
   std::size_t fragments = 0;
   double dust = 0;  // [kg]

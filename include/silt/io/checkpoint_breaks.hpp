@@ -20,16 +20,16 @@ namespace silt::inline SILT_TARGET::detail {
 /// Tests: tests/breakage/checkpoint.cpp.
 template <class Stage>
 struct BreaksState {
-  std::vector<std::uint64_t> due_ids, due_at_wall, broken;  // broken: at walls, in pairs
+  std::vector<std::uint64_t> due_ids, due_cause, broken;
   std::vector<double> due, fed, dust, left, impacts;        // due: load and speed of each
 
   static BreaksState of(const Stage& stage) {
     BreaksState s;
     for (const DueBreak& one : stage.due) {
-      s.due_ids.push_back(one.id), s.due_at_wall.push_back(one.at_wall);
+      s.due_ids.push_back(one.id), s.due_cause.push_back(static_cast<std::uint64_t>(one.cause));
       s.due.insert(s.due.end(), {one.load, one.speed});
     }
-    s.broken = {stage.broken_at_walls, stage.broken_in_pairs};
+    s.broken.assign(stage.broken.begin(), stage.broken.end());
     s.fed = {stage.fed.sum(), stage.fed.rest(), stage.parted};
     s.dust = stage.dust.state(), s.left = stage.left.state(), s.impacts = stage.impacts.state();
     return s;
@@ -40,9 +40,9 @@ struct BreaksState {
       return Archive::loads ? CheckpointLoader::any_count : column.size();
     };
     a.column("breakage.due", due_ids, count(due_ids));
-    a.column("breakage.due_at_wall", due_at_wall, due_ids.size());
+    a.column("breakage.due_cause", due_cause, due_ids.size());
     a.column("breakage.due_loads", due, 2 * due_ids.size());
-    a.column("breakage.broken", broken, 2);
+    a.column("breakage.broken", broken, 3);
     a.column("breakage.fed", fed, 3);
     a.column("breakage.dust", dust, count(dust)), a.column("breakage.left", left, count(left));
     a.column("breakage.impacts", impacts, ImpactEnergies::numbers);
@@ -54,7 +54,7 @@ struct BreaksState {
     };
     for (std::size_t k = 0; k < due_ids.size(); ++k) {
       a.need(k == 0 || due_ids[k - 1] < due_ids[k], "breakage.due is not in the order of ids");
-      a.need(due_at_wall[k] <= 1 && due[2 * k] > 0 && due[2 * k + 1] >= 0 &&
+      a.need(due_cause[k] <= 2 && due[2 * k] > 0 && due[2 * k + 1] >= 0 &&
                  std::isfinite(due[2 * k]) && std::isfinite(due[2 * k + 1]),
              "breakage.due_loads of particle ", due_ids[k], " cannot be");
     }
@@ -68,8 +68,8 @@ struct BreaksState {
   void put(Stage& stage) const {
     stage.due.clear();
     for (std::size_t k = 0; k < due_ids.size(); ++k)
-      stage.due.push_back({due_ids[k], due[2 * k], due[2 * k + 1], due_at_wall[k] == 1});
-    stage.broken_at_walls = broken[0], stage.broken_in_pairs = broken[1];
+      stage.due.push_back({due_ids[k], due[2 * k], due[2 * k + 1], static_cast<BreakCause>(due_cause[k])});
+    std::copy(broken.begin(), broken.end(), stage.broken.begin());
     stage.fed = {fed[0], fed[1]}, stage.parted = fed[2];
     stage.dust.restore(dust), stage.left.restore(left), stage.impacts.restore(impacts);
   }

@@ -40,14 +40,28 @@ class BreakAccess {
     const auto& b = sim().breaks_;
     return {b.fed.value(), present.value(), b.left.mass(), b.dust.mass()};
   }
-  /// How many particles broke since the start [-]: by an impact on a wall, or on each other.
+  /// How many particles broke since the start [-].
   template <class S = Sim>
-  std::uint64_t broken_at_walls() const requires(S::has_breakage) {
-    return sim().breaks_.broken_at_walls;
+  std::uint64_t broken(BreakCause cause) const requires(S::has_breakage) {
+    return sim().breaks_.broken[static_cast<std::size_t>(cause)];
   }
   template <class S = Sim>
-  std::uint64_t broken_in_pairs() const requires(S::has_breakage) {
-    return sim().breaks_.broken_in_pairs;
+  std::uint64_t broken() const requires(S::has_breakage) {
+    const auto& all = sim().breaks_.broken;
+    return all[0] + all[1] + all[2];
+  }
+  /// Breaks the particle with this id before the next step, whatever its strength, as by a load that
+  /// just reaches it. InputError: there is none, or its material does not break.
+  template <class S = Sim>
+  void break_particle(ParticleId id) requires(S::has_breakage) {
+    auto& s = sim();
+    const std::size_t k = s.find(id);
+    require(k < s.rows(), "Simulation::break_particle: there is no particle ", id);
+    const double strength =
+        s.engine_.modules().template of<typename S::Composition::Breaking>()[k].strength;
+    require(std::isfinite(strength), "Simulation::break_particle: particle ", id,
+            " cannot break: it is fixed, or BreakageRules.materials leaves its material out");
+    s.breaks_.add_due({id, strength, 0, BreakCause::Asked});
   }
   /// Those since the start; by force none are noted.
   template <class S = Sim>
@@ -130,10 +144,10 @@ class BreakAccess {
     BreakEvent event{.id = due.id, .time = s.time_, .position = p.centre(),
                      .velocity = p.velocity(), .diameter = broken.diameter, .mass = broken.mass,
                      .strength = own.strength, .load = due.load, .speed = due.speed,
-                     .at_wall = due.at_wall, .first = s.next_.particle + all.size(),
+                     .cause = due.cause, .first = s.next_.particle + all.size(),
                      .fragments = sizes.masses.size(), .dust = sizes.dust};
     if (event.fragments == 0) event.first = no_particle;
-    ++(due.at_wall ? stage.broken_at_walls : stage.broken_in_pairs);
+    ++stage.broken[static_cast<std::size_t>(due.cause)];
     note_dust(policy, broken, sizes.dust);
     const double gone = add_fragments(p, sizes, density, random, all);
     if constexpr (Sim::has_ledger) book(k, sizes.dust / broken.mass, gone);

@@ -106,7 +106,7 @@ class EndedContacts {
   void add(Kinematics<double> kin, const Radii<double>& radii, const Vec3d& turn, std::size_t kind,
            const History& history) {
     const double v = dot(kin.velocity, kin.normal), half = 0.5 * dt_;
-    if constexpr (keeps_offset<C>) kin.overlap -= std::min(history(C::offset_from), kin.overlap);
+    if constexpr (keeps_offset<C>) kin.overlap -= std::clamp(history(C::offset_from), 0.0, std::max(kin.overlap, 0.0));
     if (!(kin.overlap > 0)) return;  // or a partner has left
     work.dashpot += half * history(C::kept_from) * v;
     if constexpr (is_frictional<Law>) {

@@ -24,7 +24,7 @@ struct MemorySlice {
 ///   area                   where these points lie
 ///   radius                 R_eff of convex parts; minus their gap while they are apart
 ///   offset                 overlap that is left out, as the pair was bonded (WithOffset)
-///   impact                 of breakage: WithImpacts
+///   impact                 of breakage by force: the largest one (WithImpacts)
 ///   events                 what on_contact_end() tells
 /// All of it is 0 from the step on in which nothing touches; "radius" alone is not then, nor is
 /// "offset" until the partners have parted.

@@ -223,7 +223,7 @@ struct ContactStage {
         leave_out_offsets(block, count, history[ContactsType::offset_from]);
       if constexpr (!ContactsType::impacts_by_force)
         ImpactWatch<ContactsType, Real, Block>::look(
-            block, count, kinds, history[ContactsType::impact_from], ends, tally.sum.impacts);
+            block, count, kinds, history[ContactsType::offset_from], ends, tally.sum.impacts);
     }
     ContactLosses<Real, Block::size, Fluxes::takes_loss && keeps_ledger<ContactsType>> losses;
     ContactGrowth<Real, Block::size, Fluxes::needs_growth> growth;

@@ -14,17 +14,22 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// A Contacts type whose contacts keep one number more, for breakage: by speed at touch 1 while
-/// they touch; by the largest force that force [N], minus it once a peak has been told.
+/// A Contacts type whose contacts tell what particles may break by. By speed at touch the offset
+/// (WithOffset) is -1 while they touch; by the largest force one number more is kept: that force
+/// [N], minus it once a peak has been told.
 template <class ContactsType, bool ByForce>
 struct WithImpacts : ContactsType {
+  static constexpr bool impacts_by_force = false;
+};
+template <class ContactsType>
+struct WithImpacts<ContactsType, true> : ContactsType {
   static constexpr std::size_t impact_from = ContactsType::history;
   static constexpr std::size_t history = impact_from + 1;
-  static constexpr bool impacts_by_force = ByForce;
+  static constexpr bool impacts_by_force = true;
 };
 template <class ContactsType>
 inline constexpr bool keeps_impacts = requires {
-  ContactsType::impact_from;
+  ContactsType::impacts_by_force;
 };
 
 /// A contact that particles may break by.
@@ -59,18 +64,19 @@ class ImpactWatch {
   static constexpr std::size_t W = sizeof(Real) / sizeof(Scalar);
 
  public:
-  /// By speed, before loads take the places of velocities: contacts that begin.
+  /// By speed, before loads take the places of velocities: contacts that begin. `kept`: offsets,
+  /// those of contacts that ended are 0 again (without_offset()).
   template <class Ends>
   static SILT_INLINE void look(const Block& block, std::size_t count, const std::uint16_t* kinds,
                                Scalar* kept, const Ends& ends, ImpactNotes& notes) {
-    const Real zero(0), one(1);
+    const Real zero(0), touching(-1);
     for (std::size_t k = 0; k < count; k += W) {
-      const auto touching = load<Real>(block.overlap + k) > zero;
-      const std::uint64_t now = lane_bits(touching),
-                          before = lane_bits(load<Real>(kept + k) > zero);
-      if (now == before) continue;
-      silt::store(kept + k, select(touching, one, zero));
-      for (std::uint64_t began = now & ~before; began != 0; began &= began - 1)
+      const Real before = load<Real>(kept + k);
+      const auto begins = load<Real>(block.overlap + k) > zero && before == zero;
+      if (!any(begins)) [[likely]]
+        continue;
+      silt::store(kept + k, select(begins, touching, before));
+      for (std::uint64_t began = lane_bits(begins); began != 0; began &= began - 1)
         note(block, k + static_cast<std::size_t>(std::countr_zero(began)), kinds, ends, 0, false,
              notes);
     }

@@ -25,12 +25,14 @@ inline constexpr bool keeps_offset = requires {
 /// [m] above any overlap: the offset of a pair whose next overlap is to be left out.
 inline constexpr double whole_overlap = 1e30;
 
-/// The overlaps of a pack of pairs, less their offsets, which follow.
+/// The overlaps of a pack of contacts, less their offsets, which follow. Negative ones are no
+/// offsets: they stay until the partners have parted (ImpactWatch).
 template <class Real>
 SILT_INLINE Real without_offset(const Real& overlap, ScalarOf<Real>* offsets) {
-  const Real offset = select(overlap > Real(0), min(silt::load<Real>(offsets), overlap), Real(0));
-  silt::store(offsets, offset);
-  return overlap - offset;
+  const Real zero(0), kept = silt::load<Real>(offsets);
+  const Real now = select(overlap > zero, min(kept, overlap), zero);
+  if (any(now != kept)) silt::store(offsets, now);
+  return overlap - max(now, zero);
 }
 
 }  // namespace silt::detail

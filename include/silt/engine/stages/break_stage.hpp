@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -32,7 +33,7 @@ inline double equal_volume_diameter(double volume) {
 struct DueBreak {
   ParticleId id;
   double load, speed;
-  bool at_wall;
+  BreakCause cause;
 };
 
 /// Weighs the impacts of a step against strengths; keeps what is due to break, and the tables of
@@ -43,7 +44,7 @@ class BreakStage {
   std::vector<DueBreak> due;      // by id; saved between steps
   SizeTable dust, left;           // fragments too small, and particles that left
   CompensatedSum fed;             // [kg]
-  std::uint64_t broken_at_walls = 0, broken_in_pairs = 0;
+  std::array<std::uint64_t, 3> broken{};  // since the start, by BreakCause
   ImpactEnergies impacts;         // since the start, by speed alone
   double parted = 0;              // [J] that offsets have given to contacts
   double weak_from = 0;           // [N] lower bound of the strengths, by force
@@ -108,6 +109,16 @@ class BreakStage {
     parted += std::exchange(e.parted, 0);
   }
 
+  /// A particle breaks once, by the largest load.
+  void add_due(const DueBreak& one) {
+    const auto at = std::lower_bound(due.begin(), due.end(), one.id,
+                                     [](const DueBreak& d, ParticleId id) { return d.id < id; });
+    if (at == due.end() || at->id != one.id)
+      due.insert(at, one);
+    else if (at->load < one.load)
+      *at = one;
+  }
+
   /// By force: the least strength of all.
   template <class Engine>
   void measure(const Engine& e) {
@@ -139,9 +150,7 @@ class BreakStage {
     impact.contact_force = note.force > 0 ? note.force : std::numeric_limits<double>::quiet_NaN();
     const double load = policy.equivalence.load(impact);
     if (load >= own.strength) {
-      const bool is_due = !due.empty() && due.back().id == p.id();
-      if (!is_due) due.push_back({p.id(), load, note.speed, at_wall});
-      if (due.back().load < load) due.back() = {p.id(), load, note.speed, at_wall};
+      add_due({p.id(), load, note.speed, at_wall ? BreakCause::Wall : BreakCause::Pair});
     } else if (!Policy::by_force || note.is_peak) {
       own.strength = policy.fatigue.weakened(own.strength, load);
       weak_from = std::min(weak_from, own.strength);
