@@ -16,7 +16,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 # In order: each may include those before it. docs/architecture.md says what lies in each.
 ROOMS = """
-core files boundary shape contact motion search fill bond fluid coupling module
+core files boundary shape contact motion search fill bond breakage fluid coupling module
 engine/state engine/lists engine/contact engine/spheres engine/convex engine/stages engine/advance
 engine/checks engine/population engine simulation measure io study umbrella
 """.split()
@@ -34,7 +34,7 @@ FLOORS = [
     [("engine/lists", "who may touch soon; what contacts remember")],
     [("engine/state", "composition, columns, rows")],
     [("coupling", "drag, averaging"), ("module", "Field, BodyForce"), ("fluid", "flow solver"),
-     ("bond", "models of bonds")],
+     ("bond", "models of bonds"), ("breakage", "strengths, fragments")],
     [("contact", "laws"), ("search", "NBS, grids"), ("motion", "integrators"),
      ("fill", "particles"), ("shape", "narrow phases")],
     [("boundary", "domains, walls, meshes"), ("files", "CSV, VTK, archives")],

@@ -17,6 +17,14 @@
 #include <silt/boundary/stl.hpp>
 #include <silt/boundary/triangle_mesh.hpp>
 #include <silt/boundary/wall.hpp>
+#include <silt/breakage/equivalence.hpp>
+#include <silt/breakage/fatigue.hpp>
+#include <silt/breakage/fragment_sizes.hpp>
+#include <silt/breakage/selection.hpp>
+#include <silt/breakage/size_table.hpp>
+#include <silt/breakage/sizes.hpp>
+#include <silt/breakage/strength.hpp>
+#include <silt/breakage/t10_sizes.hpp>
 #include <silt/contact/cohesion/capillary_bridge.hpp>
 #include <silt/contact/cohesion/dmt.hpp>
 #include <silt/contact/cohesion/van_der_waals.hpp>

@@ -141,3 +141,6 @@ namespace taps_without_flow {
 namespace const_observer {
 #include "refused/const_observer.cpp"
 }
+namespace strength_of_other_unit {
+#include "refused/strength_of_other_unit.cpp"
+}

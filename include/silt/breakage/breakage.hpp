@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include <silt/breakage/concept.hpp>
 #include <silt/breakage/fatigue.hpp>
 #include <silt/breakage/impact.hpp>
 #include <silt/core/error.hpp>
@@ -53,19 +54,18 @@ struct BreakageRules {
 ///          the table of dust; the placing of fragments is silt's.
 /// Errors:  InputError naming field, value, unit and allowed range.
 /// Tests:   tests/breakage/.
-template <class S, class E, class B, class F = NoFatigue>
+template <Strength S, Equivalence E, BreakageFunction B, Fatigue F = NoFatigue>
 struct Breakage {
   static constexpr bool is_breakage = true;
   static constexpr bool by_force = requires { requires E::by_force; };
-  using Strength = S;
-  using Equivalence = E;
-  using Sizes = B;
-  using Fatigue = F;
+  static_assert(same_load_unit<S, E>(),
+                "Breakage compares a strength in N with a load in J, or the other way round: take "
+                "EnergyEquivalence with strengths in J, another one with those in N");
 
-  Strength strength;
-  Equivalence equivalence;
-  Sizes sizes;
-  Fatigue fatigue;
+  S strength;
+  E equivalence;
+  B sizes;
+  F fatigue;
   BreakageRules rules;
 
   Breakage(S s, E e, B b, F f, BreakageRules r)
@@ -82,10 +82,7 @@ struct Breakage {
   /// Before a run.
   template <class Sim>
   void check(const Sim& sim) const {
-    if constexpr (requires { strength.check(); }) strength.check();
-    if constexpr (requires { equivalence.check(); }) equivalence.check();
-    if constexpr (requires { sizes.check(); }) sizes.check();
-    if constexpr (requires { fatigue.check(); }) fatigue.check();
+    strength.check(), equivalence.check(), sizes.check(), fatigue.check();
     require_positive("BreakageRules.dust_below", rules.dust_below, "m");
     require_not_negative("BreakageRules.separation_speed", rules.separation_speed, "m/s");
     require(rules.most_fragments > 0,
@@ -94,10 +91,6 @@ struct Breakage {
     for (const std::size_t m : rules.materials)
       require(m < sim.contacts().materials(), "BreakageRules.materials names material ", m,
               ", but the contacts have ", sim.contacts().materials());
-    if constexpr (requires { S::unit; } && requires { E::unit; })
-      static_assert(S::unit == E::unit,
-                    "Breakage compares a strength in N with a load in J, or the other way round: "
-                    "take EnergyEquivalence with strengths in J, another one with those in N");
     double largest = 0;  // [m] diameter
     for (std::size_t k = 0; k < sim.rows(); ++k)
       if (sim.is_present(k)) largest = std::max(largest, 2 * sim.radius(k));

@@ -1,25 +1,241 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
-#include <vector>
+
 #include <algorithm>
-#include <silt/breakage/impact.hpp>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <numbers>
+#include <numeric>
+#include <span>
+#include <vector>
+
+#include <silt/breakage/concept.hpp>
+#include <silt/breakage/size_table.hpp>
+#include <silt/core/error.hpp>
 #include <silt/core/random.hpp>
+
 namespace silt::inline SILT_TARGET {
-struct FragmentLimits { double dust_below; std::size_t most; };
-struct FragmentSizes { std::vector<double> masses; double dust; };
-template <class B>
-FragmentSizes fragment_sizes(const B& sizes, const Broken& b, double density, const FragmentLimits& limits, Random& random) {
-  FragmentSizes out{{}, b.mass};
-  const double least = density * 3.14159265358979 / 6 * limits.dust_below * limits.dust_below * limits.dust_below;
-  for (std::size_t k = 0; k < limits.most; ++k) {
-    const double m = out.dust * random.uniform(0.1, 0.5);
-    if (m < least) break;
-    out.masses.push_back(m), out.dust -= m;
+
+/// Fragments of one parent, drawn so that the mean mass in fragments below any diameter is that of
+/// the breakage function B, and the mass of each event is exact.
+///
+/// From coarse to fine, with R what is left of the parent's mass M and B_0 the share below the size
+/// that is reached (R = M, B_0 = 1 at the start):
+///   1. fragments of the sizes still to come have the mean number dK = (R/B_0) dB/m(x)       (1)
+///   2. of the next two of them the first is at K = u, the second at K = 2 - u, u uniform in
+///      (0, 1): large beside small, and each has the mean density of (1)                     (2)
+///   3. R loses their masses, B_0 becomes that at K = 2; again, until x = dust_below. The rest is
+///      dust.
+/// As R enters (1) as a factor, the mean of R stays M B_0, and with it all mean masses are exact.
+/// But a fragment cannot be heavier than R: of a pair that is, the second is cut to what is left,
+/// and sizes heavier than R are passed over in favour of finer ones. Both make fragments finer than
+/// B, by the errors below.
+///
+/// B is taken as linear in the mass within classes of 1/12 octave of the diameter.
+///
+/// Source: own.
+/// Error:  computed, largest deviation of the mean of 300 000 events from B at any x, in shares of
+///         the parent's mass, for dust_below/d of 0.1 and 0.3; statistical part up to 0.05 %:
+///           GaudinSchuhmann, k 0.5 to 0.9, exponents 0.5 to 1.5; RosinRammler of x63 = 0.3 d;
+///             T10Sizes from 10 times E50 on (the classes' linear B)                         0.16 %
+///           GaudinSchuhmann with k = 1, exponent 1; RosinRammler of x63 = 0.7 d, n = 1.5;
+///             VogelPeukertSizes of q = 0.7                                            0.2 to 0.3 %
+///           GaudinSchuhmann with k = 1, exponent 1.5; Austin; T10Sizes of twice E50   0.6 to 0.8 %
+///           GaudinSchuhmann with k = 1, exponent 2.5                                         1.7 %
+///           Austin without a fine part, coarse exponent 4                                    2.6 %
+/// Cost:   computed, one core: 1 to 30 us an event, T10Sizes 13 to 55 us.
+/// Units:  SI.
+/// Errors: InputError naming field, value, unit and allowed range. check_sizes is not called here.
+/// Tests:  tests/breakage/fragment_sizes.cpp.
+struct FragmentLimits {
+  double dust_below;      // [m] > 0: smaller ones are dust
+  std::size_t most = 12;  // [-] >= 1 an event: the largest are kept, all others are dust
+
+  void check() const {
+    require_positive("FragmentLimits.dust_below", dust_below, "m");
+    require(most >= 1, "FragmentLimits.most = ", most, " [-] must be at least 1");
   }
-  std::sort(out.masses.rbegin(), out.masses.rend());
-  (void)sizes;
+};
+
+struct FragmentSizes {
+  std::vector<double> masses;  // [kg] descending, each of a diameter of at least dust_below
+  double dust;                 // [kg] the parent's mass less that of all fragments
+  double dust_largest;         // [m] up to where the dust's sizes reach: dust_below, or more where
+                               // `most` has ended the fragments
+};
+
+namespace detail {
+
+/// How many fragments one parent has in the mean, from coarse to fine: K [1/kg] for each unit of
+/// mass, dK = dB/m.
+class FragmentNumbers {
+ public:
+  template <class Function>
+  FragmentNumbers(const Function& function, const Broken& parent, double density, double least)
+      : per_volume_(density * std::numbers::pi / 6) {
+    const double largest = function.largest(parent);
+    const double classes = std::max(std::ceil(12 * std::log2(largest / least)), 1.0);
+    require(classes <= 1e5, "fragment_sizes: dust_below = ", least,
+            " [m] is too far below the largest fragment, of ", largest, " [m]");
+    const auto count = static_cast<std::size_t>(classes);
+    for (std::size_t j = 0; j <= count; ++j) {
+      const double x = j == count ? least : largest * std::exp2(-static_cast<double>(j) / 12);
+      mass_.push_back(per_volume_ * x * x * x);
+      below_.push_back(j == 0 ? 1 : std::min(function.finer(x, parent), below_[j - 1]));
+      number_.push_back(
+          j == 0 ? 0 : number_[j - 1] + (below_[j - 1] - below_[j]) * log_ratio(j) / width(j));
+    }
+  }
+
+  double end() const { return number_.back(); }
+  double end_mass() const { return mass_.back(); }
+  /// [kg] of the fragment at the place K < end()
+  double mass(double K) const {
+    const std::size_t j = class_of(K);
+    const double part = (K - number_[j - 1]) / (number_[j] - number_[j - 1]);
+    return std::max(mass_[j - 1] * std::exp(-part * log_ratio(j)), mass_[j]);
+  }
+  double diameter(double K) const { return std::cbrt(mass(K) / per_volume_); }  // [m]
+  /// [-] share of the parent's mass after the place K < end()
+  double below(double K) const {
+    const std::size_t j = class_of(K);
+    return below_[j] + (below_[j - 1] - below_[j]) * (mass(K) - mass_[j]) / width(j);
+  }
+  /// The place K of a mass [kg] of at least end_mass().
+  double place(double m) const {
+    const auto after = std::lower_bound(mass_.begin() + 1, mass_.end() - 1, m, std::greater<>());
+    const auto j = static_cast<std::size_t>(after - mass_.begin());
+    const double part = std::clamp(std::log(mass_[j - 1] / m) / log_ratio(j), 0.0, 1.0);
+    return number_[j - 1] + part * (number_[j] - number_[j - 1]);
+  }
+
+ private:
+  double log_ratio(std::size_t j) const { return std::log(mass_[j - 1] / mass_[j]); }
+  double width(std::size_t j) const { return mass_[j - 1] - mass_[j]; }
+  std::size_t class_of(double K) const {
+    const auto after = std::upper_bound(number_.begin() + 1, number_.end() - 1, K);
+    return static_cast<std::size_t>(after - number_.begin());
+  }
+
+  double per_volume_;           // [kg/m3] of the cube of a diameter
+  std::vector<double> mass_;    // [kg] of fragments at the classes' edges, descending
+  std::vector<double> below_;   // [-] B there; within a class it is linear in the mass
+  std::vector<double> number_;  // [1/kg] K there; within a class it is linear in ln m
+};
+
+/// The fragments of one event, two by two.
+class FragmentDraw {
+ public:
+  FragmentDraw(const FragmentNumbers& numbers, double mass, std::size_t most)
+      : numbers_(numbers), left_(mass), most_(most) {}
+
+  std::vector<double> run(Random& random) {
+    std::vector<double> masses;
+    while (masses.size() < most_ && at_ < numbers_.end() && fits()) {
+      const double one = numbers_.below(at_) / left_;  // of K, for one fragment in the mean
+      const double u = random.uniform(), first = at_ + u * one, second = at_ + (2 - u) * one;
+      at_ += one;
+      if (!take(first, masses) || masses.size() == most_) break;
+      at_ += one;
+      if (!take(second, masses)) break;
+    }
+    return masses;
+  }
+  double left() const { return left_; }  // [kg] for the dust
+  /// Largest diameter [m] of the dust, if `most` has ended the fragments; else `least`.
+  double largest_left(double least) const {
+    return left_ > 0 && at_ < numbers_.end() && left_ >= numbers_.end_mass()
+               ? std::max(numbers_.diameter(at_), least)
+               : least;
+  }
+
+ private:
+  /// Passes over sizes that are heavier than all that is left; false where all are.
+  bool fits() {
+    if (numbers_.mass(at_) <= left_) return true;
+    if (left_ < numbers_.end_mass()) return false;
+    at_ = numbers_.place(left_);
+    return at_ < numbers_.end();
+  }
+  bool take(double K, std::vector<double>& masses) {
+    if (!(K < numbers_.end())) return true;
+    const double m = std::min(numbers_.mass(K), left_);
+    if (m < numbers_.end_mass()) return false;
+    masses.push_back(m), left_ -= m;
+    return left_ > 0;
+  }
+
+  const FragmentNumbers& numbers_;
+  double left_;  // [kg] R
+  std::size_t most_;
+  double at_ = 0;  // [1/kg] the place K that is reached
+};
+
+}  // namespace detail
+
+/// Fragments and dust of a parent of this density [kg/m3]. Numbers are drawn from `random` alone.
+template <BreakageFunction Function>
+FragmentSizes fragment_sizes(const Function& function, const Broken& parent, double density,
+                             const FragmentLimits& limits, Random& random) {
+  limits.check();
+  require_positive("fragment_sizes: density", density, "kg/m3");
+  require_positive("fragment_sizes: the parent's mass", parent.mass, "kg");
+  const double least = limits.dust_below;
+  if (!(function.largest(parent) > least)) return {{}, parent.mass, least};
+  const detail::FragmentNumbers numbers(function, parent, density, least);
+  detail::FragmentDraw draw(numbers, parent.mass, limits.most);
+  FragmentSizes out{draw.run(random), 0, least};
+  if (draw.left() > 0) {
+    const double kept = std::accumulate(out.masses.begin(), out.masses.end(), 0.0);
+    out.dust = std::max(parent.mass - kept, 0.0);
+    out.dust_largest = draw.largest_left(least);
+  }
   return out;
 }
-template <class B> 
-std::vector<double> dust_shares(const B&, const Broken&, double) { return {}; }
+
+/// Shares [-] of the dust's mass in the classes of diameters [edges[k], edges[k + 1]) [m], by the
+/// breakage function below dust_largest. What lies beyond the outer edges counts to the outer
+/// classes, so that the shares sum to 1.
+template <BreakageFunction Function>
+std::vector<double> dust_shares(const Function& function, const Broken& parent,
+                                const FragmentSizes& sizes, std::span<const double> edges) {
+  const auto falls = [](double edge, double next) { return !(edge < next); };
+  require(edges.size() >= 2 && std::adjacent_find(edges.begin(), edges.end(), falls) == edges.end(),
+          "dust_shares: the ", edges.size(), " edges must be two or more, and ascend");
+  const double top = sizes.dust_largest, all = function.finer(top, parent);
+  std::vector<double> shares(edges.size() - 1);
+  double before = 0;
+  for (std::size_t k = 0; k < shares.size(); ++k) {
+    const double edge = edges[k + 1];
+    const bool last = k + 1 == shares.size() || edge >= top;
+    const double below = last ? 1 : all > 0 ? function.finer(edge, parent) / all : 0;
+    shares[k] = std::max(below - before, 0.0);
+    before = std::max(below, before);
+  }
+  return shares;
 }
+
+/// Adds the dust of an event to a table, its mass class by class; the numbers are those of spheres
+/// of this density [kg/m3] and the mean diameter of a class (geometric; in the first half the
+/// edge).
+template <BreakageFunction Function>
+void add_dust(SizeTable& table, const Function& function, const Broken& parent,
+              const FragmentSizes& sizes, double density, double time) {
+  if (!(sizes.dust > 0)) return;
+  std::vector<double> edges;
+  const std::size_t last = SizeTable::class_of(sizes.dust_largest);
+  for (std::size_t k = 0; k <= last; ++k) edges.push_back(SizeTable::edge(k));
+  // The last class ends with the dust, but where that is its lower edge itself.
+  edges.push_back(std::max(sizes.dust_largest, edges.back() * (1 + 1e-12)));
+  const auto shares = dust_shares(function, parent, sizes, edges);
+  double rest = sizes.dust;  // so that the table has all of it
+  for (std::size_t k = 0; k <= last; ++k) {
+    const double mass = k == last ? rest : std::min(sizes.dust * shares[k], rest);
+    const double x = k == 0 ? 0.5 * edges[1] : std::sqrt(edges[k] * edges[k + 1]);
+    if (mass > 0) table.add(x, mass, mass / (density * std::numbers::pi / 6 * x * x * x), time);
+    rest -= mass;
+  }
+}
+
+}  // namespace silt

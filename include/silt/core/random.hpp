@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 
 #include <silt/core/error.hpp>
 
@@ -66,6 +67,11 @@ inline double normal_quantile(double p) {
   const double z = t <= 5 ? polynomial(c, t - 1.6) / polynomial(d, t - 1.6)
                           : polynomial(e, t - 5) / polynomial(f, t - 5);
   return q < 0 ? -z : z;
+}
+
+/// P(Z < z) of the standard normal law, the inverse of normal_quantile.
+inline double normal_probability_below(double z) {
+  return 0.5 * std::erfc(-z * std::numbers::sqrt2 / 2);
 }
 
 }  // namespace detail

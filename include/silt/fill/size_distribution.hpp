@@ -27,9 +27,6 @@ struct UniformSizes {
   double sample(Random& random) const { return random.uniform(min, max); }
 };
 
-inline double normal_probability_below(double z) {
-  return 0.5 * std::erfc(-z * std::numbers::sqrt2 / 2);
-}
 inline double normal_probability(double lower, double upper) {
   // from the side where the two numbers are small, so that their difference keeps its digits
   return lower > 0 ? normal_probability_below(-lower) - normal_probability_below(-upper)

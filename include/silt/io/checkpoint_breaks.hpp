@@ -59,8 +59,16 @@ struct BreaksState {
              "breakage.due_loads of particle ", due_ids[k], " cannot be");
     }
     a.need(all_of_mass(fed) && fed[0] >= 0, "breakage.fed cannot be");
-    a.need(SizeTable::is_state(dust), "breakage.dust is no table of sizes");
-    a.need(SizeTable::is_state(left), "breakage.left is no table of sizes");
+    const auto is_table = [](const std::vector<double>& numbers) {
+      try {
+        SizeTable().restore(numbers);
+        return true;
+      } catch (const InputError&) {
+        return false;
+      }
+    };
+    a.need(is_table(dust), "breakage.dust is no table of sizes");
+    a.need(is_table(left), "breakage.left is no table of sizes");
     a.need(all_of_mass(impacts) && std::all_of(impacts.begin(), impacts.end(),
                                                [](double x) { return x >= 0 && x < 0x1p63; }),
            "breakage.impacts cannot be");

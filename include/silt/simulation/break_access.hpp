@@ -148,7 +148,7 @@ class BreakAccess {
                      .fragments = sizes.masses.size(), .dust = sizes.dust};
     if (event.fragments == 0) event.first = no_particle;
     ++stage.broken[static_cast<std::size_t>(due.cause)];
-    note_dust(policy, broken, sizes.dust);
+    add_dust(stage.dust, policy.sizes, broken, sizes, density, s.time_);
     const double gone = add_fragments(p, sizes, density, random, all);
     if constexpr (Sim::has_ledger) book(k, sizes.dust / broken.mass, gone);
     // [s] in which all of the particle would have arrived
@@ -196,12 +196,6 @@ class BreakAccess {
     return share < 1 - 1e-9 && energy > most ? std::sqrt(most / energy) * w : w;
   }
 
-  template <class Policy>
-  void note_dust(const Policy& policy, const Broken& broken, double dust) {
-    auto& s = sim();
-    if (!(dust > 0)) return;
-    s.breaks_.dust.add(0.5 * policy.rules.dust_below, dust, 1, s.time_);
-  }
   /// The kinetic energy of the particle at place k that its fragments do not have is lost; dust
   /// takes its share along.
   void book(std::size_t k, double of_dust, double of_fragments) {

@@ -17,8 +17,6 @@
 #include <silt/breakage/breakage.hpp>
 #include <silt/breakage/impact_energies.hpp>
 #include <silt/breakage/size_table.hpp>
-#include <silt/contact/damped_impact.hpp>
-#include <silt/core/compensated_sum.hpp>
 #include <silt/core/random.hpp>
 #include <silt/engine/contact/impacts.hpp>
 #include <silt/fill/size_distribution.hpp>
