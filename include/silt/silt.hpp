@@ -17,6 +17,7 @@
 #include <silt/boundary/stl.hpp>
 #include <silt/boundary/triangle_mesh.hpp>
 #include <silt/boundary/wall.hpp>
+#include <silt/breakage/breakage.hpp>
 #include <silt/breakage/equivalence.hpp>
 #include <silt/breakage/fatigue.hpp>
 #include <silt/breakage/fragment_sizes.hpp>
@@ -46,6 +47,7 @@
 #include <silt/fill/particle_file.hpp>
 #include <silt/fill/particles.hpp>
 #include <silt/io/bond_observers.hpp>
+#include <silt/io/break_observers.hpp>
 #include <silt/io/checkpoint.hpp>
 #include <silt/io/coarse_grained.hpp>
 #include <silt/io/contact_observers.hpp>
