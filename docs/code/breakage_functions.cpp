@@ -21,7 +21,6 @@ silt::Impact on_steel(double diameter, double speed) {
           .m_eff = mass,
           .R_eff = diameter / 2,
           .elastic_force = silt::hertz_max_elastic_force(hertz),
-          .restitution = 1,
           .contact_force = NAN,
           .at_wall = true};
 }

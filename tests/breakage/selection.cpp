@@ -26,7 +26,7 @@ silt::Impact of_S(double d, double speed, bool at_wall) {
                                 .m_eff = at_wall ? mass : mass / 2,
                                 .speed = speed};
   return {d, mass, speed,  hertz.m_eff, hertz.R_eff, silt::hertz_max_elastic_force(hertz),
-          1, 0.0,  at_wall};
+          0.0, at_wall};
 }
 constexpr silt::LogLogisticStrength S{
     .median = 31, .at_diameter = 2e-3, .exponent = 1.6, .spread = 3};

@@ -1,26 +1,26 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <array>
 #include <cmath>
-#include <numbers>
 
 #include <silt/breakage/concept.hpp>
 #include <silt/breakage/impact.hpp>
-#include <silt/contact/formulas.hpp>
 #include <silt/core/error.hpp>
 
 namespace silt::inline SILT_TARGET {
 
 /// Equivalence functions: the load of an impact.
 ///
-///   HertzEquivalence   F = F_el r^(3/2), F_el = k_H^(2/5) (5/4 m* v^2)^(3/5)               (1)
-///                      r = e^(4/(5 pi) atan(pi/|ln e|)) or, cut at zero force, e^(2/5)      (2)
+///   HertzEquivalence   F = F_el, of Hertz k_H^(2/5) (5/4 m* v^2)^(3/5) r^(3/2)               (1)
+///                      r: largest overlap over that without damping (contact/impact.hpp)     (2)
 ///   PowerEquivalence   F = C v^p d^q                                                        (3)
 ///   EnergyEquivalence  E = m* v^2/2                                                         (4)
 ///   ForceEquivalence   F = the largest normal force of the contact
 ///
 /// (1) is the elastic part of the largest force: what the dashpot adds is left out, as it belongs
-/// to the numerical damping and not to the particle. F_el is `Impact::elastic_force`.
+/// to the numerical damping and not to the particle. F_el is `Impact::elastic_force`, which the
+/// contact law says: of laws that are not Hertz', theirs.
 ///
 /// Source: (1), (2) Hertz; closed forms of contact/impact.hpp. (3) a power law of the kind used
 ///         with measured equivalences (recalled); with p = 1.2, q = 2 it is (1) for one pair of
@@ -30,24 +30,13 @@ namespace silt::inline SILT_TARGET {
 /// Errors: InputError naming field, value, unit and allowed range.
 /// Tests:  tests/breakage/equivalence.cpp.
 struct HertzEquivalence {
-  /// How the contact law ends a damped contact, and so what its restitution means in (2): the
-  /// laws' own default is ZeroForce, which gives a load lower by 6 % at e = 0.5, 0.6 % at 0.8.
-  DampingEnd end = DampingEnd::ZeroOverlap;
   static constexpr LoadUnit unit = LoadUnit::Force;
 
-  /// r of (2) for a restitution in [0, 1]: largest overlap over that without damping.
-  double overlap_ratio(double restitution) const {
-    const double L = -std::log(restitution);
-    if (end == DampingEnd::ZeroForce) return std::exp(-0.4 * L);
-    if (!(L < 1e300)) return std::exp(-0.8);  // critical damping
-    return std::exp(-0.8 / std::numbers::pi * L * std::atan2(std::numbers::pi, L));
-  }
   double load(const Impact& impact) const {
     require(!std::isnan(impact.elastic_force),
             "HertzEquivalence: Impact.elastic_force = nan [N]: the contact law has no closed form "
             "for it; use PowerEquivalence, EnergyEquivalence or ForceEquivalence");
-    require_in("HertzEquivalence: Impact.restitution", impact.restitution, "-", 0, 1);
-    return impact.elastic_force * std::pow(overlap_ratio(impact.restitution), 1.5);
+    return impact.elastic_force;
   }
   void check() const {}
 };
@@ -57,6 +46,7 @@ struct PowerEquivalence {
   double speed_exponent = 1.2;  // [-] p > 0
   double size_exponent = 2;     // [-] q
   static constexpr LoadUnit unit = LoadUnit::Force;
+  static constexpr std::array names{"coefficient", "speed_exponent", "size_exponent"};
 
   double load(const Impact& impact) const {
     return coefficient * std::pow(impact.speed, speed_exponent) *

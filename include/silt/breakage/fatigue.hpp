@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <silt/breakage/concept.hpp>
@@ -35,6 +36,7 @@ struct NoFatigue {
 struct PowerFatigue {
   double kappa;  // [-] in [0, 1): what a load just below the strength takes
   double psi;    // [-] > 0: the larger, the less small loads take
+  static constexpr std::array names{"kappa", "psi"};
 
   double weakened(double strength, double load) const {
     return strength * (1 - kappa * std::pow(load / strength, psi));

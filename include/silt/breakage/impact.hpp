@@ -11,9 +11,8 @@ struct Impact {
   double mass;           // [kg] of the particle
   double speed;          // [m/s] >= 0, of approach along the normal, at first touch
   double m_eff, R_eff;   // [kg], [m] of the contact
-  double elastic_force;  // [N] largest force of the undamped contact with its physical modulus;
-                         // NaN if the law has no closed form
-  double restitution;    // [-] of the pair
+  double elastic_force;  // [N] largest force of the contact's spring in this impact, damping
+                         // included, with its physical modulus; NaN if the law has no closed form
   double contact_force;  // [N] largest normal force so far, where breakage goes by force; else NaN
   bool at_wall;
 };

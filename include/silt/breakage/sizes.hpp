@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <array>
 #include <cmath>
 
 #include <silt/breakage/concept.hpp>
@@ -29,6 +30,7 @@ struct GaudinSchuhmann {
   double exponent;      // [-] q > 0
   double coarsest;      // [-] in (0, 1]: largest fragment over the parent where load = strength
   double refining = 0;  // [-] >= 0: how fast the largest fragment shrinks as the load grows
+  static constexpr std::array names{"exponent", "coarsest", "refining"};
 
   double finer(double x, const Broken& parent) const {
     const double share = x / largest(parent);
@@ -51,6 +53,7 @@ struct GaudinSchuhmann {
 struct RosinRammler {
   double characteristic;  // [-] x63/d > 0
   double exponent;        // [-] n > 0
+  static constexpr std::array names{"characteristic", "exponent"};
 
   double finer(double x, const Broken& parent) const {
     const double share = x / parent.diameter;
@@ -73,6 +76,7 @@ struct Austin {
   double share;            // [-] phi in [0, 1]: of the fine part
   double coarse_exponent;  // [-] >= fine_exponent
   double fine_exponent;    // [-] > 0
+  static constexpr std::array names{"share", "coarse_exponent", "fine_exponent"};
 
   double finer(double x, const Broken& parent) const {
     const double ratio = x / parent.diameter;
@@ -94,6 +98,7 @@ struct VogelPeukertSizes {
   double per_speed;  // [s/m] c >= 0
   double exponent;   // [-] q0 > 0: q of a slow impact
   double finest;     // [m] x0 > 0, where the power law ends
+  static constexpr std::array names{"per_speed", "exponent", "finest"};
 
   double finer(double x, const Broken& parent) const {
     const double d = parent.diameter, ratio = x / d;

@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -44,6 +45,7 @@ struct LogLogisticStrength {
   double at_diameter;  // [m] d0 > 0
   double exponent;     // [-] b
   double spread;       // [-] s > 0: the larger, the narrower
+  static constexpr std::array names{"median", "at_diameter", "exponent", "spread"};
 
   double strength(double diameter, double /*mass*/, double rank) const {
     return median_at(diameter) * std::pow(rank / (1 - rank), 1 / spread);
@@ -67,6 +69,7 @@ struct WeibullStrength {
   double at_diameter;  // [m] d0 > 0
   double exponent;     // [-] b
   double modulus;      // [-] m > 0: the larger, the narrower
+  static constexpr std::array names{"scale", "at_diameter", "exponent", "modulus"};
 
   double strength(double diameter, double /*mass*/, double rank) const {
     return scale_at(diameter) * std::pow(-std::log1p(-rank), 1 / modulus);
@@ -90,6 +93,7 @@ struct LogNormalStrength {
   double at_diameter;  // [m] d0 > 0
   double exponent;     // [-] b
   double deviation;    // [-] sigma > 0, of ln F
+  static constexpr std::array names{"median", "at_diameter", "exponent", "deviation"};
 
   double strength(double diameter, double /*mass*/, double rank) const {
     return median_at(diameter) * std::exp(deviation * detail::normal_quantile(rank));
@@ -116,6 +120,7 @@ struct TavaresStrength {
   double contact_stiffness_ratio;  // [-] kp/kst >= 0, of the particle and the steel that hit it
   double largest_ratio = std::numeric_limits<double>::infinity();  // [-] Emax/E50 > 0; inf: none
   static constexpr LoadUnit unit = LoadUnit::Energy;
+  static constexpr std::array names{"infinite", "at_diameter", "exponent", "deviation", "contact_stiffness_ratio", "largest_ratio"};
 
   double strength(double diameter, double mass, double rank) const {
     const double star = std::exp(deviation * detail::normal_quantile(rank));  // E*/E50
@@ -147,6 +152,7 @@ struct VogelPeukertStrength {
   double f_mat;  // [kg/(J m)] > 0
   double least;  // [J m/kg] d W_min >= 0: no particle breaks below
   static constexpr LoadUnit unit = LoadUnit::Energy;
+  static constexpr std::array names{"f_mat", "least"};
 
   double strength(double diameter, double mass, double rank) const {
     return mass * (least - std::log1p(-rank) / f_mat) / diameter;

@@ -175,15 +175,6 @@ class Contacts {
                 "another material)");
   }
 
-  /// [-] of materials a and b, if it is a value of the law's pairs; else 1.
-  double restitution(std::size_t a, std::size_t b) const {
-    if constexpr (requires(const typename PairValues<Law>::type& p) { p.restitution; }) {
-      const auto& given = pairs_[a * materials_.size() + b].pair;
-      return given ? given->restitution : Law::like(materials_[a]).restitution;
-    } else {
-      return 1;
-    }
-  }
   /// The law's coefficients for materials a and b; InputError if they have no pair value.
   LawCoefficients coefficients(std::size_t a, std::size_t b) const {
     if constexpr (detail::HasPairValues<Law>) {

@@ -50,6 +50,11 @@ class BreakAccess {
     const auto& all = sim().breaks_.broken;
     return all[0] + all[1] + all[2];
   }
+  /// How many will break before the next step [-].
+  template <class S = Sim>
+  std::size_t breaks_due() const requires(S::has_breakage) {
+    return sim().breaks_.due.size();
+  }
   /// Breaks the particle with this id before the next step, whatever its strength, as by a load that
   /// just reaches it. InputError: there is none, or its material does not break.
   template <class S = Sim>
@@ -87,7 +92,6 @@ class BreakAccess {
 
   void prepare_breakage() {
     auto& s = sim();
-    s.breaks_.prepare(s.contacts_);
     s.breaks_.measure(s.engine_);
   }
   /// Notes the mass of the particles from place `from` on, which come from outside.

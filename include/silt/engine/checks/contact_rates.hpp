@@ -9,6 +9,7 @@
 
 #include <silt/contact/concept.hpp>
 #include <silt/engine/checks/guard.hpp>
+#include <silt/engine/contact/offset.hpp>
 #include <silt/engine/contact/shape_inertia.hpp>
 #include <silt/motion/concept.hpp>
 
@@ -183,7 +184,7 @@ class ContactRates {
 
   void add_spheres(const Domain& domain) {
     e_.lists.pairs.for_each([&](std::size_t k) {
-      add_pair(e_.lists.pairs.first()[k], e_.lists.pairs.second()[k], domain);
+      add_pair(k, domain);
     });
     for_each_wall_contact(e_, back_, [&](const WallCandidate& c, const SurfacePoint& point) {
       const double r = e_.particles.position[c.particle].r, depth = r - point.distance;
@@ -213,12 +214,13 @@ class ContactRates {
         add(c.j, b, both, c.normal, c.inverse_mass_j - b, turn_both, contact);
       });
   }
-  void add_pair(std::uint32_t i, std::uint32_t j, [[maybe_unused]] const Domain& domain) {
+  void add_pair(std::size_t k, [[maybe_unused]] const Domain& domain) {
+    const std::uint32_t i = e_.lists.pairs.first()[k], j = e_.lists.pairs.second()[k];
     const double r = e_.particles.position[i].r, q = e_.particles.position[j].r;
     const double a = e_.particles.motion[i].inv_m, b = e_.particles.motion[j].inv_m;
     Vec3d d = place_before(e_, i, back_) - place_before(e_, j, back_);
     if constexpr (Domain::periodic) d = domain.shortest(d);
-    const double distance = norm(d), depth = r + q - distance;
+    const double distance = norm(d), depth = r + q - distance - offset_of_pair(e_, k);
     if (!(depth > 0 && distance > 0 && a + b > 0)) return;
     const Vec3d n = d * (1 / distance);
     std::size_t other = 0;

@@ -12,6 +12,7 @@
 
 #include <silt/boundary/wall.hpp>
 #include <silt/core/error.hpp>
+#include <silt/engine/contact/offset.hpp>
 #include <silt/engine/convex/convex_look.hpp>
 #include <silt/engine/lists/wall_look.hpp>
 
@@ -78,7 +79,7 @@ template <class EngineType, class Domain, class Visit>
       const double r = e.particles.position[i].r, q = e.particles.position[j].r;
       Vec3d d = place_before(e, i, back) - place_before(e, j, back);
       if constexpr (Domain::periodic) d = domain.shortest(d);
-      visit(i, j, 0, false, (r + q - norm(d)) / std::min(r, q));
+      visit(i, j, 0, false, (r + q - norm(d) - offset_of_pair(e, k)) / std::min(r, q));
     });
     for_each_wall_contact(e, back, [&](const WallCandidate& c, const SurfacePoint& point) {
       visit(c.particle, 0, c.wall, true, 1 - point.distance / e.particles.position[c.particle].r);

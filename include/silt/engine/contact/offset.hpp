@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 
 #include <silt/core/lanes.hpp>
@@ -33,6 +34,16 @@ SILT_INLINE Real without_offset(const Real& overlap, ScalarOf<Real>* offsets) {
   const Real now = select(overlap > zero, min(kept, overlap), zero);
   if (any(now != kept)) silt::store(offsets, now);
   return overlap - max(now, zero);
+}
+
+/// [m] that the pair at place k of the inner list leaves out of its contact.
+template <class EngineType>
+double offset_of_pair([[maybe_unused]] const EngineType& e, [[maybe_unused]] std::size_t k) {
+  using C = typename EngineType::Contacts;
+  if constexpr (keeps_offset<C>)
+    return std::max(static_cast<double>(e.lists.pairs.history(C::offset_from, k)), 0.0);
+  else
+    return 0;
 }
 
 }  // namespace silt::detail

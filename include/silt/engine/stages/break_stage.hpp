@@ -47,14 +47,6 @@ class BreakStage {
   double parted = 0;              // [J] that offsets have given to contacts
   double weak_from = 0;           // [N] lower bound of the strengths, by force
 
-  /// What belongs to two materials, by the places of the coefficient table.
-  template <class Contacts>
-  void prepare(const Contacts& contacts) {
-    restitution_.clear();
-    const std::size_t n = contacts.materials(), of_particles = Contacts::several_materials ? n : 1;
-    for (std::size_t a = 0; a < of_particles; ++a)
-      for (std::size_t b = 0; b < n; ++b) restitution_.push_back(contacts.restitution(a, b));
-  }
   /// Draws the strengths of the particles from place `from` on, which are new; of fragments
   /// rests_until(id) [s].
   template <class Engine, class RestsUntil>
@@ -138,7 +130,7 @@ class BreakStage {
     Impact impact{};
     impact.diameter = equal_volume_diameter(e.volume_of(k)), impact.mass = p.mass();
     impact.speed = note.speed, impact.m_eff = note.m_eff, impact.R_eff = note.R_eff;
-    impact.restitution = restitution_[note.kind], impact.at_wall = at_wall;
+    impact.at_wall = at_wall;
     impact.elastic_force = std::numeric_limits<double>::quiet_NaN();
     using Law = typename Engine::Contacts::Law;
     if constexpr (requires { Law::impact_force(e.coefficients.law[0], 1.0, 1.0, 1.0); })
@@ -154,8 +146,6 @@ class BreakStage {
       weak_from = std::min(weak_from, own.strength);
     }
   }
-
-  std::vector<double> restitution_;  // [-] by the places of the coefficient table
 };
 
 /// The stage of a policy Breakage; without one nothing.
