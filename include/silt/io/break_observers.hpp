@@ -1,10 +1,16 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <array>
+#include <cmath>
+#include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include <silt/breakage/breakage.hpp>
+#include <silt/breakage/size_table.hpp>
+#include <silt/files/csv_table.hpp>
 #include <silt/io/observers.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -44,6 +50,50 @@ class BreakObserver {
 template <class Action>
 detail::BreakObserver<Action> on_break(Action action) {
   return detail::BreakObserver<Action>(std::move(action));
+}
+
+/// Appends a row to a CSV table at the times of the schedule: time [s], particles, how many broke
+/// at walls, in pairs and as asked, and the mass [kg] that is present, has left, and is dust.
+inline auto breakage_table(const std::string& path, Schedule schedule) {
+  return table(path,
+               {"time", "particles", "broken at walls", "broken in pairs", "broken as asked",
+                "present", "left", "dust"},
+               schedule, [](const auto& sim) {
+                 const auto number = [&](BreakCause cause) {
+                   return static_cast<double>(sim.broken(cause));
+                 };
+                 const MassBalance m = sim.mass_balance();
+                 return std::array{sim.time(),
+                                   static_cast<double>(sim.size()),
+                                   number(BreakCause::Wall),
+                                   number(BreakCause::Pair),
+                                   number(BreakCause::Asked),
+                                   m.present,
+                                   m.left,
+                                   m.dust};
+               });
+}
+
+/// The grains that are there by their diameters, as a table of sizes, to be merged with dust() and
+/// left().
+template <class Sim>
+SizeTable sizes_present(const Sim& sim) {
+  SizeTable all;
+  for (std::size_t k = 0; k < sim.rows(); ++k)
+    if (sim.is_present(k) && std::isfinite(sim.mass(k)))
+      all.add(2 * sim.radius(k), sim.mass(k), 1, sim.time());
+  return all;
+}
+
+/// Writes a table of sizes as CSV: of each class its edges [m], mass [kg], number, and the share of
+/// the mass that is finer than its upper edge.
+inline void write_sizes(const std::string& path, const SizeTable& sizes) {
+  CsvTable out(path, {"from", "to", "mass", "number", "finer"});
+  for (std::size_t k = 0; k < sizes.classes(); ++k) {
+    const std::array row{SizeTable::edge(k), SizeTable::edge(k + 1), sizes.mass(k), sizes.number(k),
+                         sizes.finer(SizeTable::edge(k + 1))};
+    out.add_row(std::span<const double>(row));
+  }
 }
 
 }  // namespace silt
