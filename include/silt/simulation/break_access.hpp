@@ -92,6 +92,15 @@ class BreakAccess {
 
   void prepare_breakage() {
     auto& s = sim();
+    using Law = typename Sim::ContactsType::Law;
+    using Policy = typename Sim::Composition::Breaking;
+    // Throws where the load needs what the law, or the kind of breakage, does not tell.
+    Impact probe{.diameter = 1, .mass = 1, .speed = 1, .m_eff = 1, .R_eff = 1,
+                 .elastic_force = Policy::by_force ? NAN
+                                                   : elastic_force<Law>(
+                                                         s.engine_.coefficients.law[0], 1, 1, 1),
+                 .contact_force = Policy::by_force ? 1 : NAN, .at_wall = false};
+    s.breakage().equivalence.load(probe);
     s.breaks_.measure(s.engine_);
   }
   /// Notes the mass of the particles from place `from` on, which come from outside.
@@ -238,7 +247,6 @@ class BreakAccess {
         copy_row(e.modules(), p.place, k++);
     s.breaks_.start(e, s.breakage(), from, [&](ParticleId id) { return rests_until[id - first]; });
     e.remove_all(places, s.domain_, s.dt_);
-    s.scene_step_ = s.step_;
   }
 
   Sim& sim() { return static_cast<Sim&>(*this); }

@@ -27,6 +27,19 @@ namespace silt::inline SILT_TARGET::detail {
 inline double equal_volume_diameter(double volume) {
   return std::cbrt(6 / std::numbers::pi * volume);
 }
+/// [N] that the spring of a law reaches in an impact, unsoftened; not a number if it does not say.
+template <class Law>
+double elastic_force([[maybe_unused]] const typename Law::template Coefficients<double>& p,
+                     [[maybe_unused]] double R_eff, [[maybe_unused]] double m_eff,
+                     [[maybe_unused]] double speed) {
+  if constexpr (requires { Law::physical_force(p, R_eff, m_eff, speed); })
+    return Law::physical_force(p, R_eff, m_eff, speed);
+  else if constexpr (requires { Law::impact_force(p, R_eff, m_eff, speed); })
+    return Law::impact_force(p, R_eff, m_eff, speed);
+  else
+    return std::numeric_limits<double>::quiet_NaN();
+}
+
 /// A particle that is to break before the next step.
 struct DueBreak {
   ParticleId id;
@@ -131,13 +144,12 @@ class BreakStage {
     impact.diameter = equal_volume_diameter(e.volume_of(k)), impact.mass = p.mass();
     impact.speed = note.speed, impact.m_eff = note.m_eff, impact.R_eff = note.R_eff;
     impact.at_wall = at_wall;
-    impact.elastic_force = std::numeric_limits<double>::quiet_NaN();
-    using Law = typename Engine::Contacts::Law;
-    if constexpr (requires { Law::impact_force(e.coefficients.law[0], 1.0, 1.0, 1.0); })
-      if (note.force == 0)
-        impact.elastic_force =
-            Law::impact_force(e.coefficients.law[note.kind], note.R_eff, note.m_eff, note.speed);
-    impact.contact_force = note.force > 0 ? note.force : std::numeric_limits<double>::quiet_NaN();
+    constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+    impact.elastic_force =
+        note.force > 0 ? unknown
+                       : elastic_force<typename Engine::Contacts::Law>(
+                             e.coefficients.law[note.kind], note.R_eff, note.m_eff, note.speed);
+    impact.contact_force = note.force > 0 ? note.force : unknown;
     const double load = policy.equivalence.load(impact);
     if (load >= own.strength) {
       add_due({p.id(), load, note.speed, at_wall ? BreakCause::Wall : BreakCause::Pair});

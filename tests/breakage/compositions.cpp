@@ -1,0 +1,102 @@
+// silt - BSD-3-Clause, see LICENSE
+// Breakage beside other policies: by force, softened laws in single precision, a periodic box with
+// inlet and outlet, several materials.
+#include <cmath>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <silt/boundary/triangle_mesh.hpp>
+#include <silt/contact/softened.hpp>
+
+#include "breakage/scene.hpp"
+#include "near.hpp"
+
+namespace breakage_compositions_test {
+
+using namespace breakage_scene;  // NOLINT: of this test alone
+
+TEST_CASE("breakage by force: a grain between two plates breaks as the force reaches its strength, "
+          "and weakens once a press") {
+  // Too slow for inertia: the force is Hertz' of the overlap at each plate.
+  const double R = 1e-3, E = 2e9 / (1 - 0.25 * 0.25) / 2, strength = 5;
+  const double deepest = std::pow(0.8 * strength / silt::hertz_stiffness(E, R), 2.0 / 3);
+  silt::Particles<silt::Sphere> grain;
+  grain.add({.position = {0, 0, R}, .radius = R, .density = 2165});
+  silt::Simulation sim{std::move(grain), silt::Contacts<silt::HertzMindlin>{salt},
+                       // All of one strength: so narrow is the distribution.
+                       silt::Breakage{silt::LogLogisticStrength{strength, 2 * R, 0, 1e9},
+                                      silt::ForceEquivalence{}, silt::GaudinSchuhmann{1, 0.8},
+                                      silt::PowerFatigue{.kappa = 0.1, .psi = 2},
+                                      {.dust_below = 0.5 * R}}};
+  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, salt);
+  const double presses = 1e-3;  // [s] each
+  const auto depth = [=](double t) {  // of the upper plate, twice that of each contact; it lifts off
+    const double phase = std::sin(std::numbers::pi * t / presses);
+    return 2 * deepest * (1.5 * phase * phase - 0.5);
+  };
+  sim.add_wall(silt::Plane{{0, 0, 2 * R}, {0, 0, -1}}, salt, [=](double t) {
+    return silt::Pose{{}, {0, 0, -depth(t)}};
+  });
+  sim.time_step = 2e-7;
+  std::vector<double> strengths;
+  for (int press = 0; press < 3; ++press) {
+    sim.run(presses);
+    if (sim.broken() > 0) break;
+    strengths.push_back(sim.field<std::remove_cvref_t<decltype(sim.breakage())>>(0).strength);
+  }
+  // Each press loads it by 0.8 of its first strength, at both contacts, until that is more than
+  // what is left.
+  double left = strength;
+  const silt::PowerFatigue fatigue{.kappa = 0.1, .psi = 2};
+  for (const double found : strengths) {
+    for (int contact = 0; contact < 2; ++contact) left = fatigue.weakened(left, 0.8 * strength);
+    CHECK(found == near(left).epsilon(5e-3));  // the largest force of steps, with its damping
+  }
+  CHECK(strengths.size() == 1);
+  CHECK(sim.broken(silt::BreakCause::Wall) == 1);
+}
+
+TEST_CASE("breakage: softened, in single precision, through a periodic box with inlet and outlet") {
+  using Law = silt::Softened<silt::HertzMindlin>;
+  const Law::Material soft{.solid = salt, .full_radius = 0.3e-3};
+  const Law::Material steel{.solid = {.youngs_modulus = 2e11, .poisson_ratio = 0.3,
+                                      .restitution = 0.5, .friction = 0.3}};
+  const auto run = [&](int threads) {
+    silt::Contacts<Law, silt::SeveralMaterials> contacts{{soft, steel}};
+    contacts.set_pair(soft, steel, {.restitution = 0.5, .friction = 0.3});
+    silt::Particles<silt::Sphere> balls;  // which do not break
+    for (int k = 0; k < 5; ++k)
+      balls.add({.position = {0.004 + 0.008 * k, 0.01, 0.006},
+                 .radius = 2e-3,
+                 .density = 7800,
+                 .velocity = {0.2, 0, -0.1},
+                 .material = 1});
+    silt::Simulation sim{std::move(balls), contacts, silt::Mixed{},
+                         silt::PeriodicBox{{{0, 0, 0}, {0.04, 0.02, 1}}, {true, false, false}},
+                         policy({.dust_below = 0.3e-3, .materials = {0}})};
+    sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, soft);
+    sim.add_wall(silt::Plane{{0, 0, 0}, {0, 1, 0}}, soft);
+    sim.add_wall(silt::Plane{{0, 0.02, 0}, {0, -1, 0}}, soft);
+    sim.add_inlet(silt::Box{{0, 0.002, 0.03}, {0.04, 0.018, 0.05}},
+                  {.radius = silt::uniform(0.9e-3, 1.1e-3), .density = 2165, .rate = 2e5,
+                   .velocity = {3, 0, -11}, .material = 0});
+    sim.add_outlet(silt::Box{{-1, -1, 0.06}, {1, 1, 1}});
+    // A grain that hammers a softened fragment into the floor goes in deep.
+    sim.guard.max_overlap = 0.9;
+    sim.gravity = {0, 0, -9.81}, sim.threads = threads;
+    sim.run(4e-3);
+    const auto m = sim.mass_balance();
+    CHECK(sim.broken() > 20);
+    CHECK(m.fed > m.present);
+    CHECK(std::abs(m.residual()) < 1e-12 * m.fed);
+    CHECK(sim.find(4) < sim.rows());  // all balls are there
+    std::vector<double> all{static_cast<double>(sim.broken()), m.dust};
+    for (std::size_t k = 0; k < sim.rows(); ++k)
+      if (sim.is_present(k)) all.push_back(sim.position(k).x + sim.velocity(k).z);
+    return all;
+  };
+  CHECK(run(1) == run(2));
+}
+
+}  // namespace breakage_compositions_test
