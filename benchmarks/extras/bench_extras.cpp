@@ -53,8 +53,10 @@ Cost compare(Plain& plain, Richer& richer, const Rounds& rounds, More&... more) 
   }
   std::sort(ratios.begin(), ratios.end());
   std::size_t apart = 0;
-  for (std::size_t k = 0; k < plain.rows(); ++k)
-    apart += plain.position(plain.find(k)) != richer.position(richer.find(k));
+  for (std::size_t k = 0; k < plain.rows(); ++k) {
+    const std::size_t at = richer.find(k);
+    apart += at == richer.rows() || plain.position(plain.find(k)) != richer.position(at);
+  }
   return {ratios[ratios.size() / 2], ratios[ratios.size() / 4], ratios[ratios.size() * 3 / 4],
           apart};
 }
@@ -80,6 +82,7 @@ class Report {
     wear();
     images();
     bonds();
+    breakage();
   }
 
  private:
@@ -90,6 +93,7 @@ class Report {
   void wear();
   void images();
   void bonds();
+  void breakage();
 
   template <class... Policies>
   auto bed(Policies... policies) const {
@@ -288,6 +292,44 @@ void Report::bonds() {
                           static_cast<double>(made));
 }
 
+/// A simulation that somebody looks at, who does nothing, as often as the other one is acted on.
+template <class Sim>
+struct Looked : Sim {
+  silt::Schedule schedule;
+  void run(double duration) { Sim::run(duration, silt::at(schedule, [](auto&) {})); }
+};
+
+/// A bed that may break, but does not; and one of whose grains 1 % break in 1000 steps, one by one,
+/// into up to 12 fragments each: what it costs holds the steps of all the fragments so far.
+void Report::breakage() {
+  const silt::Breakage policy{
+      silt::LogLogisticStrength{.median = 1e9, .at_diameter = 2e-3, .exponent = 0, .spread = 3},
+      silt::HertzEquivalence{},
+      silt::GaudinSchuhmann{.exponent = 1, .coarsest = 0.8},
+      {.dust_below = 0.7 * radius}};
+  {
+    auto plain = bed();
+    auto richer = bed(policy);
+    row_of_watcher("breakage where nothing breaks", compare(plain, richer, rounds_));
+  }
+  auto first = bed();
+  const auto schedule = silt::every(1e5 / static_cast<double>(n_) * bench::time_step);
+  Looked<decltype(first)> plain{std::move(first), schedule};
+  auto richer = bed(policy);
+  silt::Random random(7);
+  auto breaks = silt::at(schedule, [&](auto& sim) {
+    std::size_t k = random.index(sim.rows());
+    while (!sim.is_present(k)) k = random.index(sim.rows());
+    sim.break_particle(sim.id(k));
+  });
+  row("1 % of the grains break in 1000 steps", compare(plain, richer, rounds_, breaks));
+  const double steps = (rounds_.count + 1) * rounds_.steps;
+  summary_.check_within(key("grains that broke over asked"),
+                        static_cast<double>(richer.broken()) / (1e-5 * steps * n_), 1, 0.1,
+                        "the schedule begins anew with each turn");
+  summary_.result(key("particles after breakage"), static_cast<double>(richer.size()));
+}
+
 int run(const example::Options& options, std::vector<std::size_t> sizes, std::size_t turns) {
   silt::make_folder(options.out);
   if (sizes.empty())
@@ -318,7 +360,7 @@ int run(const example::Options& options, std::vector<std::size_t> sizes, std::si
 }  // namespace
 
 int main(int argc, char** argv) {
-  example::Command command("What additions cost: contact data, events, heat, charge, wear",
+  example::Command command("What additions cost: contact data, events, heat, charge, wear, bonds, breakage",
                            example::Kind::Study, "out/bench-extras");
   std::vector<std::size_t> sizes;
   std::size_t turns = 15;
