@@ -75,6 +75,12 @@ Bonds(M) -> Bonds<M>;
 template <class M, class Seed>
 Bonds(M, Seed) -> Bonds<M>;
 
+/// What becomes of the contact of a particle with the wall that it is bonded to.
+enum class WallContact {
+  Acts,     // beside the bond
+  Excluded  // as between bonded particles, with all of the wall, as long as the bond holds
+};
+
 /// A bond as it is now, or as it was when it broke. Of a bond to a wall, `b` is no_particle and
 /// `wall` its number; else `wall` is the largest number there is.
 struct BondSeen {

@@ -48,8 +48,7 @@ class Checkpoint {
     std::vector<bool> removed;
     for (const auto& w : e.walls) removed.push_back(w.surfaces.empty());
     const auto coefficients = Engine::coefficients_of(sim.contacts_);
-    auto scene =
-        detail::describe_scene(sim, coefficients, sim.openings_, removed, removed.size());
+    auto scene = detail::describe_scene(sim, coefficients, sim.openings_, removed, removed.size());
     describe_bonds(sim, scene);
     out.add_text("scene", scene.written());
     auto clock = clock_of(sim);
@@ -65,7 +64,7 @@ class Checkpoint {
     [[maybe_unused]] BondsState bonds;
     if constexpr (Sim::has_bonds) {
       sim.bonds_.follow(e);
-      bonds = BondsState::of(sim.bonds_), bonds.visit(a);
+      bonds = BondsState::of(sim.bonds_, e.particles.bonds), bonds.visit(a);
     }
     if constexpr (Sim::of_bodies) a.rows("bodies", e.mover.bodies, e.mover.bodies.size());
     a.rows("synchronous", e.mover.synchronous, sim.kicked_ ? e.owners() : 0);

@@ -51,11 +51,11 @@ class BondAccess {
   }
   /// Bonds a particle to a wall, by its number or name, at the wall's point `place` [m], which
   /// moves with the wall. The bond is as long as the way there, its radius is by the particle's
-  /// alone. Its contact with the wall goes on acting beside it. InputError: there is no such
-  /// particle or wall, it is fixed, or `place` is its centre.
+  /// alone. Its contact with the wall goes on acting beside it, unless it is excluded. InputError:
+  /// there is no such particle or wall, it is fixed, or `place` is its centre.
   template <class S = Sim>
-  void bond_to_wall(ParticleId id, const WhichWall& which,
-                    const Vec3d& place) requires(S::has_bonds) {
+  void bond_to_wall(ParticleId id, const WhichWall& which, const Vec3d& place,
+                    WallContact contact = WallContact::Acts) requires(S::has_bonds) {
     auto& e = sim().engine_;
     const auto p = end_of_bond(id);
     const std::size_t w = sim().wall_number(which);
@@ -76,7 +76,9 @@ class BondAccess {
         stage.model.numbers({r, r, norm(d), p.mass(),
                              Sim::ShapeType::inertia_factor() * p.mass() * r * r,
                              share_of(id, no_particle - w)}),
-        0});
+        0, contact == WallContact::Excluded});
+    if (contact == WallContact::Excluded)
+      e.particles.bonds.add(id, e.particles.bonds.id_of_wall(w)), e.lists.forget();
     sim().scene_changed_ = true;
   }
   /// Whether these two are bonded.

@@ -93,6 +93,12 @@ class WallContacts {
     collect(outer_, outer_facets_);
   }
 
+  /// Leaves out those of the last search for which `which(candidate)` is true.
+  template <class Which>
+  void leave_out(const Which& which) {
+    std::erase_if(outer_, which);
+  }
+
   /// Adds the spheres from `first` on, which have come since the search; prune() comes next.
   template <class Domain>
   void join(std::span<const Wall> walls, std::span<const PositionRow> rows, std::size_t first,
