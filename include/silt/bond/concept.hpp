@@ -51,10 +51,12 @@ concept BondModel = requires(const M& model, const BondedPair& pair, const BondS
   model.stiffest(p);
 };
 
-/// The largest of a bond's stiffnesses, for the time step.
+/// The largest of a bond's stiffnesses and dashpots, for the time step.
 struct BondStiffness {
-  double shift;  // [N/m]
-  double turn;   // [N m]
+  double shift;              // [N/m]
+  double turn;               // [N m]
+  double shift_damping = 0;  // [N s/m]
+  double turn_damping = 0;   // [N m s]
 };
 
 /// The policy: bonds between spheres, and of spheres to walls, by a model.

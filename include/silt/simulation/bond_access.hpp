@@ -113,27 +113,20 @@ class BondAccess {
     if constexpr (requires { policy.model.check(); }) policy.model.check();
     sim().bonds_.model = policy.model, sim().bonds_.seed = policy.seed;
   }
-  /// [s] in which what bonds do is resolved as contacts are, by a 20th of half a swing.
+  /// [s] in which what bonds do is resolved as contacts are, by a 20th of half a swing; and at most
+  /// 0.4 of what is stable.
   double longest_bond_step() const {
-    const double rate = fastest_bond().rate;
-    return rate > 0 ? std::numbers::pi / 20 / rate : INFINITY;
+    const auto most = fastest_bond();
+    return most.rate > 0 ? std::min(std::numbers::pi / 20 / most.rate, 0.4 * most.stable_step)
+                         : 0.4 * most.stable_step;
   }
-  /// [s] in which bonds do not gain energy, and the particle whose bonds they are: the leapfrog is
-  /// stable below two over the rate, which is a bound; the step is held to 0.4 of that.
-  struct StableStep {
-    double time = INFINITY;
-    ParticleId particle = no_particle;
-    double rate = 0;  // [rad/s]
-  };
-  StableStep longest_stable_bond_step() const {
-    const auto fastest = fastest_bond();
-    return {fastest.rate > 0 ? 0.8 / fastest.rate : INFINITY, fastest.particle, fastest.rate};
-  }
+  /// [s] in which bonds do not gain energy.
+  double longest_stable_bond_step() const { return fastest_bond().stable_step; }
   void check_bond_step(double dt) const {
-    const StableStep most = longest_stable_bond_step();
-    require(!(dt > most.time), "Simulation::time_step = ", dt,
+    const auto most = fastest_bond();
+    require(!(dt > most.stable_step), "Simulation::time_step = ", dt,
             " [s] is too long for the bonds of particle ", most.particle,
-            ", which swings by them at up to ", most.rate, " rad/s: it must be at most ", most.time,
+            ", their springs and dashpots: it must be at most ", most.stable_step,
             " s; lower it, leave it out, or soften the bonds");
   }
 
@@ -143,7 +136,7 @@ class BondAccess {
       return sim().bonds_.fastest(sim().engine_);
     } else {
       struct Rate {
-        double rate = 0;
+        double rate = 0, stable_step = INFINITY;
         ParticleId particle = no_particle;
       };
       return Rate{};
