@@ -71,7 +71,7 @@ std::string shortened(std::string sentence) {
 bool is_a_limit(const std::string& sentence) {
   for (const char* words :
        {"guard.max_overlap", "are too stiff or too strongly damped", "is above the limit",
-        "is above its limit", "more than guard.max_travel", "places at once, and silt computes"})
+        "is above its limit", "is too long for the bonds", "more than guard.max_travel", "places at once, and silt computes"})
     if (sentence.find(words) != std::string::npos) return true;
   return false;
 }
