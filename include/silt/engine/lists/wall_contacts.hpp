@@ -93,11 +93,7 @@ class WallContacts {
     collect(outer_, outer_facets_);
   }
 
-  /// Leaves out those of the last search for which `which(candidate)` is true.
-  template <class Which>
-  void leave_out(const Which& which) {
-    std::erase_if(outer_, which);
-  }
+  std::vector<Candidate>& found() { return outer_; }  // by the last search, to leave some out
 
   /// Adds the spheres from `first` on, which have come since the search; prune() comes next.
   template <class Domain>
