@@ -149,4 +149,31 @@ TEST_CASE("bonds: lists of bonded spheres that cannot be are refused, with nothi
       "is no unit quaternion"));
 }
 
+TEST_CASE("bonds: makers and bond_near refuse what cannot be, with the number") {
+  const auto refused = [](const auto& act, const char* words) {
+    const auto said = silt_test::refusal(act);
+    CAPTURE(said);
+    CHECK(silt_test::has(said, words));
+  };
+  refused([] { silt::fibre({0, 0, 0}, {0, 0, 0}, 3, grain); }, "there is no way");
+  refused([] { silt::fibre({0, 0, 0}, {NAN, 0, 0}, 3, grain); }, "there is no way");
+  refused([] { silt::sheet({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 1, 3, grain); }, "1 x 3 spheres");
+  const silt::Box box{{0, 0, 0}, {9 * R, 9 * R, 9 * R}};
+  refused([&] { silt::agglomerate(box, {.radius = R}, NAN, grain); }, "gap = nan [m]");
+  silt::Simulation sim{silt::Particles<silt::Sphere>{}, silt::Contacts<silt::HertzMindlin>{glass},
+                       glue};
+  silt::Particles<silt::Sphere> two;
+  two.add(grain.at({0, 0, 0})), two.add(grain.at({0, 0, 0}));
+  sim.add(two);
+  refused([&] { bond_near(sim, INFINITY); }, "gap = inf [m]");
+  refused([&] { sim.bond(0, 1); }, "particles 0 and 1 are at one place");
+  CHECK(sim.bonds() == 0);
+  refused(
+      [] {
+        silt::Simulation{silt::Particles<silt::Sphere>{}, silt::Contacts<silt::HertzMindlin>{glass},
+                         silt::Bonds{silt::ParallelBond{.youngs_modulus = -1}}};
+      },
+      "ParallelBond.youngs_modulus = -1 [Pa]");
+}
+
 }  // namespace bond_build_test

@@ -107,6 +107,24 @@ class BondAccess {
     return sim().bonds_.energy(sim().engine_, sim().domain_);
   }
 
+  // Without the policy: a sentence.
+  template <class S = Sim, class... Any>
+  void bond(const Any&...) requires(!S::has_bonds) {
+    needs_policy<S>();
+  }
+  template <class S = Sim, class... Any>
+  void bond_to_wall(const Any&...) requires(!S::has_bonds) {
+    needs_policy<S>();
+  }
+  template <class F, class S = Sim>
+  void for_each_bond(const F&) const requires(!S::has_bonds) {
+    needs_policy<S>();
+  }
+  template <class S = Sim>
+  std::size_t bonds() const requires(!S::has_bonds) {
+    return needs_policy<S>(), 0;
+  }
+
  protected:
   template <class Policy>
   void set_bonds(const Policy& policy) {
@@ -131,6 +149,10 @@ class BondAccess {
   }
 
  private:
+  template <class S>
+  static void needs_policy() {
+    static_assert(S::has_bonds, "give the simulation silt::Bonds{model} among its policies");
+  }
   auto fastest_bond() const {
     if constexpr (Sim::has_bonds) {
       return sim().bonds_.fastest(sim().engine_);
