@@ -49,6 +49,7 @@ int run(const example::Options& options) {
   stability::spins(table);
   stability::sticky(table);
   stability::light(table);
+  stability::bonds(table);
   stability::no_numbers(table);
   table.print_end();
   table.write_csv(options.out + "/stability.csv");

@@ -88,6 +88,7 @@ void bodies(Table& table);
 void spins(Table& table);
 void sticky(Table& table);
 void light(Table& table);
+void bonds(Table& table);
 void no_numbers(Table& table);
 
 }  // namespace stability

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -97,6 +98,82 @@ TEST_CASE("bonds: bond_near bonds each pair once, across periodic faces too, and
   sim.run(1e-4);
   CHECK(sim.bond_energy() < 1e-25);
   CHECK(silt::fragments(sim).spheres == std::vector<std::size_t>{125});
+}
+
+TEST_CASE("bonds: a sheet with a fixed rim; two fixed ones are not bonded, and nobody complains") {
+  auto net = silt::sheet({0, 0, 0}, {8 * R, 0, 0}, {0, 8 * R, 0}, 5, 5, grain);
+  for (auto& p : net.spheres)
+    p.fixed = p.position.x < R || p.position.y < R || p.position.x > 7 * R || p.position.y > 7 * R;
+  silt::Simulation sim{silt::Particles<silt::Sphere>{}, silt::Contacts<silt::HertzMindlin>{glass},
+                       glue};
+  add_bonded(sim, net);
+  CHECK(sim.bonds() == 40 - 16);
+  // The same by bond_near.
+  silt::Simulation near_ones{silt::Particles<silt::Sphere>{},
+                             silt::Contacts<silt::HertzMindlin>{glass}, glue};
+  net.bonds.clear();
+  add_bonded(near_ones, net);
+  CHECK(bond_near(near_ones, 0.01 * R) == 40 - 16);
+}
+
+TEST_CASE("bonds: pieces before anything breaks, and the largest of them") {
+  auto all = silt::fibre({0, 0, 0}, {4 * R, 0, 0}, 3, grain);
+  for (int k = 0; k < 4; ++k) all.spheres.push_back(grain.at({2 * k * R, 0, 9 * R}));
+  all.bonds.push_back({5, 6}), all.bonds.push_back({4, 3}), all.bonds.push_back({5, 3});
+  all.spheres.push_back(grain.at({0, 9 * R, 0}));  // alone
+  CHECK(silt::pieces_of(all) == 3);
+  const auto piece = silt::largest_piece(all);
+  CHECK(piece.spheres.size() == 4);
+  CHECK(piece.bonds == std::vector<std::pair<std::size_t, std::size_t>>{{2, 3}, {1, 0}, {2, 0}});
+  for (const auto& p : piece.spheres) CHECK(p.position.z == 9 * R);
+  CHECK(silt::pieces_of(piece) == 1);
+}
+
+TEST_CASE("bonds: lists of bonded spheres that cannot be are refused, with nothing added") {
+  silt::Simulation sim{silt::Particles<silt::Sphere>{}, silt::Contacts<silt::HertzMindlin>{glass},
+                       glue};
+  auto all = silt::fibre({0, 0, 0}, {4 * R, 0, 0}, 3, grain);
+  all.bonds.push_back({2, 7});
+  const char* const words =
+      "bond 2 is between the spheres 2 and 7 (counted from 0), but there are 3";
+  CHECK(silt_test::has(silt_test::refusal([&] { add_bonded(sim, all); }), words));
+  CHECK(silt_test::has(silt_test::refusal([&] { silt::pieces_of(all); }), words));
+  CHECK(silt_test::has(silt_test::refusal([&] { silt::largest_piece(all); }), words));
+  all.bonds.back() = {1, 1};
+  CHECK(silt_test::has(silt_test::refusal([&] { add_bonded(sim, all); }), "the spheres 1 and 1"));
+  CHECK(sim.size() == 0);
+  CHECK(silt_test::has(
+      silt_test::refusal([&] {
+        placed(silt::fibre({0, 0, 0}, {4 * R, 0, 0}, 3, grain), {0, 0, 0}, {1, 1, 0, 0});
+      }),
+      "is no unit quaternion"));
+}
+
+TEST_CASE("bonds: makers and bond_near refuse what cannot be, with the number") {
+  const auto refused = [](const auto& act, const char* words) {
+    const auto said = silt_test::refusal(act);
+    CAPTURE(said);
+    CHECK(silt_test::has(said, words));
+  };
+  refused([] { silt::fibre({0, 0, 0}, {0, 0, 0}, 3, grain); }, "there is no way");
+  refused([] { silt::fibre({0, 0, 0}, {NAN, 0, 0}, 3, grain); }, "there is no way");
+  refused([] { silt::sheet({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 1, 3, grain); }, "1 x 3 spheres");
+  const silt::Box box{{0, 0, 0}, {9 * R, 9 * R, 9 * R}};
+  refused([&] { silt::agglomerate(box, {.radius = R}, NAN, grain); }, "gap = nan [m]");
+  silt::Simulation sim{silt::Particles<silt::Sphere>{}, silt::Contacts<silt::HertzMindlin>{glass},
+                       glue};
+  silt::Particles<silt::Sphere> two;
+  two.add(grain.at({0, 0, 0})), two.add(grain.at({0, 0, 0}));
+  sim.add(two);
+  refused([&] { bond_near(sim, INFINITY); }, "gap = inf [m]");
+  refused([&] { sim.bond(0, 1); }, "particles 0 and 1 are at one place");
+  CHECK(sim.bonds() == 0);
+  refused(
+      [] {
+        silt::Simulation{silt::Particles<silt::Sphere>{}, silt::Contacts<silt::HertzMindlin>{glass},
+                         silt::Bonds{silt::ParallelBond{.youngs_modulus = -1}}};
+      },
+      "ParallelBond.youngs_modulus = -1 [Pa]");
 }
 
 }  // namespace bond_build_test

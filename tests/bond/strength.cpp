@@ -89,6 +89,8 @@ TEST_CASE("parallel bond: what cannot be is refused") {
   refused({.youngs_modulus = 1, .tensile_strength = 0}, "ParallelBond.tensile_strength = 0 [Pa]");
   refused({.youngs_modulus = 1, .friction_angle = 2}, "must be in [0, pi/2)");
   refused({.youngs_modulus = 1, .damping = -1}, "ParallelBond.damping = -1 [-]");
+  refused({.youngs_modulus = 1, .shear_strength = -1}, "ParallelBond.shear_strength = -1 [Pa]");
+  refused({.youngs_modulus = 1, .weibull_modulus = -1}, "ParallelBond.weibull_modulus = -1 [-]");
 }
 
 }  // namespace bond_strength_test

@@ -178,6 +178,7 @@ TEST_CASE("bonds: what cannot be bonded is refused, and steps that are too long"
   sim.bond(0, 1);
   refused([&] { sim.bond(1, 0); }, "particles 0 and 1 are bonded already");
   refused([&] { sim.bond_to_wall(0, "roof", {0, 0, -1}); }, "roof");
+  refused([&] { sim.bond_to_wall(7, "floor", {0, 0, -1}); }, "there is no particle 7");
   refused([&] { sim.bond_to_wall(2, "floor", {0, 0, -1}); }, "particle 2 is fixed");
   refused([&] { sim.bond_to_wall(0, "floor", {0, 0, 0}); }, "is the centre of particle 0");
   refused([&] { sim.bond_to_wall(0, "floor", {0, NAN, 0}); }, "must be finite");
@@ -189,6 +190,37 @@ TEST_CASE("bonds: what cannot be bonded is refused, and steps that are too long"
   sim.time_step.reset();
   sim.run(1e-3);
   CHECK(std::abs(sim.energy().residual()) < 1e-3 * sim.energy().initial);
+  // One that is added between two runs, too: a step of one's own is refused, silt's own is cut.
+  for (const bool own : {true, false}) {
+    auto soft = scene({.youngs_modulus = 1e10});
+    soft.add(p);
+    soft.set_velocity(0, {0.01, 0, 0});
+    if (own) soft.time_step = 1e-5;
+    soft.run(1e-4);
+    const double before = soft.step_length();
+    soft.bond(0, 1);
+    if (own) {
+      refused([&] { soft.run(1e-4); }, "is too long for the bonds of particle");
+    } else {
+      soft.run(1e-4);
+      CHECK(soft.step_length() < 0.1 * before);
+    }
+  }
+  // Dashpots count: what is stable without them is not with strong ones, and silt's step is
+  // shorter.
+  double steps[2];
+  for (const int strong : {0, 1}) {
+    auto damped = scene({.youngs_modulus = 1e10, .damping = strong ? 5.0 : 0.1});
+    damped.add(p);
+    damped.bond(0, 1), damped.set_velocity(0, {0.01, 0.01, 0});
+    damped.run(1e-5);
+    steps[strong] = damped.step_length();
+    CHECK(damped.energy().kinetic() + damped.energy().bonds < damped.energy().initial);
+    if (!strong) continue;
+    damped.time_step = 2 * steps[0];
+    refused([&] { damped.run(1e-3); }, "is too long for the bonds of particle");
+  }
+  CHECK(steps[1] < 0.5 * steps[0]);
   refused([] { silt::fibre({0, 0, 0}, {1, 0, 0}, 1, {}); }, "must be at least 2");
   refused([] { silt::sheet({0, 0, 0}, {1, 0, 0}, {2, 0, 0}, 3, 3, {}); }, "span no area");
 }

@@ -12,6 +12,21 @@ namespace bodies_in_deforming_box {
 namespace gear_in_deforming_box {
 #include "refused/gear_in_deforming_box.cpp"
 }
+namespace bonds_of_bodies {
+#include "refused/bonds_of_bodies.cpp"
+}
+namespace bonds_without_rotation {
+#include "refused/bonds_without_rotation.cpp"
+}
+namespace bonds_in_deforming_box {
+#include "refused/bonds_in_deforming_box.cpp"
+}
+namespace bonds_by_gear {
+#include "refused/bonds_by_gear.cpp"
+}
+namespace bond_without_policy {
+#include "refused/bond_without_policy.cpp"
+}
 namespace foreign_option {
 #include "refused/foreign_option.cpp"
 }

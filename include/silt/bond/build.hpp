@@ -122,28 +122,85 @@ BondedSpheres agglomerate(const R& region, const FillRequest& request, double ga
   return all;
 }
 
-/// The same spheres and bonds elsewhere: turned about the origin, then moved by `shift` [m], flying
-/// at `velocity` [m/s].
+namespace detail {
+/// Of each sphere, the first of those that hang together with it.
+inline std::vector<std::size_t> first_of_pieces(const BondedSpheres& all) {
+  std::vector<std::size_t> root(all.spheres.size());
+  std::iota(root.begin(), root.end(), std::size_t{0});
+  const auto top = [&root](std::size_t k) {
+    while (root[k] != k) k = root[k] = root[root[k]];
+    return k;
+  };
+  for (const auto& [a, b] : all.bonds) {
+    const std::size_t p = top(a), q = top(b);
+    root[std::max(p, q)] = std::min(p, q);
+  }
+  for (std::size_t k = 0; k < root.size(); ++k) root[k] = top(k);
+  return root;
+}
+/// InputError: a bond of a sphere that is not there, or with itself.
+inline void check_bonds(const BondedSpheres& all) {
+  for (std::size_t k = 0; k < all.bonds.size(); ++k) {
+    const auto& [a, b] = all.bonds[k];
+    require(a < all.spheres.size() && b < all.spheres.size() && a != b, "BondedSpheres: bond ", k,
+            " is between the spheres ", a, " and ", b, " (counted from 0), but there are ",
+            all.spheres.size(), "; give two places of its list of spheres");
+  }
+}
+}  // namespace detail
+
+/// How many pieces these spheres are before anything breaks. Loosely packed ones are often several.
+inline std::size_t pieces_of(const BondedSpheres& all) {
+  detail::check_bonds(all);
+  const auto root = detail::first_of_pieces(all);
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < root.size(); ++k) count += root[k] == k;
+  return count;
+}
+/// The piece with the most spheres alone, of equal ones the first.
+inline BondedSpheres largest_piece(const BondedSpheres& all) {
+  detail::check_bonds(all);
+  const auto root = detail::first_of_pieces(all);
+  std::vector<std::size_t> count(root.size(), 0), place(root.size(), 0);
+  for (const std::size_t r : root) ++count[r];
+  const auto most =
+      static_cast<std::size_t>(std::max_element(count.begin(), count.end()) - count.begin());
+  BondedSpheres piece;
+  for (std::size_t k = 0; k < root.size(); ++k)
+    if (root[k] == most) place[k] = piece.spheres.size(), piece.spheres.push_back(all.spheres[k]);
+  for (const auto& [a, b] : all.bonds)
+    if (root[a] == most) piece.bonds.push_back({place[a], place[b]});
+  return piece;
+}
+
+/// The same spheres and bonds elsewhere: turned about the origin (rotation_about(axis, angle)),
+/// then moved by `shift` [m], flying at `velocity` [m/s]. InputError: `turn` is no unit quaternion.
 inline BondedSpheres placed(BondedSpheres all, const Vec3d& shift, const Quaternion& turn = {},
                             const Vec3d& velocity = {0, 0, 0}) {
+  require(std::abs(turn.w * turn.w + dot(turn.vector(), turn.vector()) - 1) < 1e-6,
+          "placed: turn = (", turn.w, "; ", turn.vector(),
+          ") is no unit quaternion; rotation_about(axis, angle) gives one");
   for (auto& p : all.spheres) p.position = rotate(turn, p.position) + shift, p.velocity = velocity;
   return all;
 }
 
-/// Adds spheres with their bonds; returns the id of the first, which those of the others follow.
+/// Adds spheres with their bonds, but for those of two fixed ones; returns the id of the first,
+/// which those of the others follow. InputError: a bond of a sphere that is not there.
 template <class Sim>
 ParticleId add_bonded(Sim& sim, const BondedSpheres& all) {
+  detail::check_bonds(all);
   Particles<Sphere> more;
   for (const auto& p : all.spheres) more.add(p);
   const std::size_t before = sim.rows();
   sim.add(more);
   const ParticleId first = sim.id(before);
-  for (const auto& [a, b] : all.bonds) sim.bond(first + a, first + b);
+  for (const auto& [a, b] : all.bonds)
+    if (!all.spheres[a].fixed || !all.spheres[b].fixed) sim.bond(first + a, first + b);
   return first;
 }
 
-/// Bonds all spheres whose surfaces are at most `gap` [m] apart and not bonded yet; with
-/// `chosen(id, id)` those alone for which it is true. Returns how many bonds were made.
+/// Bonds all spheres whose surfaces are at most `gap` [m] apart and not bonded yet, unless both are
+/// fixed; with `chosen(id, id)` those alone for which it is true. Returns how many bonds were made.
 template <class Sim, class Chosen>
 std::size_t bond_near(Sim& sim, double gap, const Chosen& chosen) {
   require(std::isfinite(gap), "bond_near: gap = ", gap, " [m] must be finite");
@@ -162,8 +219,11 @@ std::size_t bond_near(Sim& sim, double gap, const Chosen& chosen) {
   }
   std::sort(pairs.begin(), pairs.end());  // whatever the order in which they were found
   std::size_t made = 0;
+  const auto moves = [&](ParticleId i, ParticleId j) {
+    return std::isfinite(sim.mass(sim.find(i))) || std::isfinite(sim.mass(sim.find(j)));
+  };
   for (const auto& [i, j] : pairs)
-    if (!sim.bonded(i, j)) sim.bond(i, j), ++made;
+    if (!sim.bonded(i, j) && moves(i, j)) sim.bond(i, j), ++made;
   return made;
 }
 template <class Sim>

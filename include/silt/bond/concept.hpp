@@ -51,10 +51,12 @@ concept BondModel = requires(const M& model, const BondedPair& pair, const BondS
   model.stiffest(p);
 };
 
-/// The largest of a bond's stiffnesses, for the time step.
+/// The largest of a bond's stiffnesses and dashpots, for the time step.
 struct BondStiffness {
-  double shift;  // [N/m]
-  double turn;   // [N m]
+  double shift;              // [N/m]
+  double turn;               // [N m]
+  double shift_damping = 0;  // [N s/m]
+  double turn_damping = 0;   // [N m s]
 };
 
 /// The policy: bonds between spheres, and of spheres to walls, by a model.
@@ -74,6 +76,12 @@ template <class M>
 Bonds(M) -> Bonds<M>;
 template <class M, class Seed>
 Bonds(M, Seed) -> Bonds<M>;
+
+/// What becomes of the contact of a particle with the wall that it is bonded to.
+enum class WallContact {
+  Acts,     // beside the bond
+  Excluded  // as between bonded particles, with all of the wall, as long as the bond holds
+};
 
 /// A bond as it is now, or as it was when it broke. Of a bond to a wall, `b` is no_particle and
 /// `wall` its number; else `wall` is the largest number there is.

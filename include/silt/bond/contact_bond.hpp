@@ -84,8 +84,9 @@ struct ContactBond {
   double energy(const BondStrain<double>& s, const Numbers<double>& p) const {
     return -0.5 * dot(answer(s, p).force, s.shift);
   }
-  BondStiffness stiffest(const Numbers<double>&) const {
-    return {std::max(normal_stiffness, shear_stiffness), 0};
+  BondStiffness stiffest(const Numbers<double>& p) const {
+    const double k = std::max(normal_stiffness, shear_stiffness);
+    return {k, 0, 2 * damping * p.root_mass * std::sqrt(k), 0};
   }
 };
 

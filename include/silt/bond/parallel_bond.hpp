@@ -132,7 +132,9 @@ struct ParallelBond {
   }
   BondStiffness stiffest(const Numbers<double>& p) const {
     const double ratio = std::max(1.0, 1 / stiffness_ratio);
-    return {ratio * p.kn, 0.25 * p.kn * p.radius * p.radius * std::max(1.0, 2 / stiffness_ratio)};
+    const double cb = 0.5 * p.radius * p.turn_damping;
+    return {ratio * p.kn, 0.25 * p.kn * p.radius * p.radius * std::max(1.0, 2 / stiffness_ratio),
+            std::sqrt(ratio) * p.cn, cb * std::max(1.0, std::sqrt(2 / stiffness_ratio))};
   }
 };
 

@@ -163,6 +163,7 @@ class Engine : public Tables<Composition> {
   /// Renews what is stale of the lists, and what follows from them.
   void renew_lists(Search& search, const Domain& domain, std::int64_t step, double time_step) {
     lists.renew(scene(domain, time_step), search, step);
+    if constexpr (Composition::has_bonds) begin_freed_at_walls(*this, ContactsType::offset_from);
     if (!lists.take_renewed()) return;
     if constexpr (has_bodies)
       if (lists.upkeep.searched_at == step) this->follow(domain);

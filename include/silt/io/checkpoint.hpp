@@ -49,8 +49,7 @@ class Checkpoint {
     std::vector<bool> removed;
     for (const auto& w : e.walls) removed.push_back(w.surfaces.empty());
     const auto coefficients = Engine::coefficients_of(sim.contacts_);
-    auto scene =
-        detail::describe_scene(sim, coefficients, sim.openings_, removed, removed.size());
+    auto scene = detail::describe_scene(sim, coefficients, sim.openings_, removed, removed.size());
     describe_bonds(sim, scene), describe_breaks(sim, scene);
     out.add_text("scene", scene.written());
     auto clock = clock_of(sim);
@@ -66,7 +65,7 @@ class Checkpoint {
     [[maybe_unused]] BondsState bonds;
     if constexpr (Sim::has_bonds) {
       sim.bonds_.follow(e);
-      bonds = BondsState::of(sim.bonds_), bonds.visit(a);
+      bonds = BondsState::of(sim.bonds_, e.particles.bonds), bonds.visit(a);
     }
     [[maybe_unused]] BreaksState breaks;
     if constexpr (Sim::has_breakage) breaks = BreaksState::of(sim.breaks_), breaks.visit(a);

@@ -29,12 +29,13 @@ struct BondsState<Stage> {
   std::vector<BondRest<double>> rest;
   std::vector<Numbers> numbers;
   std::vector<std::uint64_t> wall_ids, wall_number;  // particle and wall; one a bond
+  std::vector<std::uint64_t> wall_excludes, freed;   // 0 or 1 a bond; particle and wall
   std::vector<Vec3d> wall_place;
   std::vector<BondRest<double>> wall_rest;
   std::vector<Numbers> wall_numbers;
   std::uint64_t made = 0, broken = 0;
 
-  static BondsState of(const Stage& stage) {
+  static BondsState of(const Stage& stage, const BondedPairs& held) {
     BondsState s;
     s.made = stage.made, s.broken = stage.broken;
     stage.list.for_each_in_order([&](const Bond& b) {
@@ -44,8 +45,9 @@ struct BondsState<Stage> {
     for (const AtWall& b : stage.at_walls.all) {
       s.wall_ids.insert(s.wall_ids.end(), {b.i, b.wall}), s.wall_number.push_back(b.number);
       s.wall_place.push_back(b.place), s.wall_rest.push_back(b.rest);
-      s.wall_numbers.push_back(b.numbers);
+      s.wall_numbers.push_back(b.numbers), s.wall_excludes.push_back(b.excludes);
     }
+    for (const auto& [id, wall] : held.freed_at_walls) s.freed.insert(s.freed.end(), {id, wall});
     return s;
   }
   template <class Archive>
@@ -63,6 +65,8 @@ struct BondsState<Stage> {
     a.rows("bonds.wall_place", wall_place, at_walls);
     a.rows("bonds.wall_rest", wall_rest, at_walls);
     a.rows("bonds.wall_numbers", wall_numbers, at_walls);
+    a.column("bonds.wall_excludes", wall_excludes, at_walls);
+    a.column("bonds.freed_at_walls", freed, count(freed));
   }
   /// Refuses what cannot be; `p`: the particles of the file, `surfaces` of each of its walls.
   template <class State>
@@ -95,10 +99,15 @@ struct BondsState<Stage> {
       const std::uint64_t wall = wall_ids[2 * k + 1];
       a.need(wall < surfaces.size() && surfaces[wall] > 0, "bonds.wall_ids: there is no wall ",
              wall);
+      a.need(wall_excludes[k] <= 1, "bonds.wall_excludes[", k, "] must be 0 or 1");
       a.need(silt::is_finite(wall_place[k]), "bonds.wall_place[", k, "] must be finite");
       check_one(a, "bonds.wall", k, wall_rest[k], wall_number[k]);
     }
     check_finite_rows(a, "bonds.wall_numbers", wall_numbers);
+    a.need(freed.size() % 2 == 0, "bonds.freed_at_walls are no pairs");
+    for (std::size_t k = 0; k + 1 < freed.size(); k += 2)
+      a.need(is_there(freed[k]) && freed[k + 1] < surfaces.size(), "bonds.freed_at_walls[", k,
+             "]: particle ", freed[k], " and wall ", freed[k + 1], " are not there");
   }
   /// Into a stage without bonds, and the particles' table of pairs.
   template <class State>
@@ -107,9 +116,15 @@ struct BondsState<Stage> {
       stage.list.add({ids[2 * k], ids[2 * k + 1], rest[k], numbers[k], number[k]});
       p.bonds.add(ids[2 * k], ids[2 * k + 1]);
     }
-    for (std::size_t k = 0; k < wall_number.size(); ++k)
+    for (std::size_t k = 0; k < wall_number.size(); ++k) {
       stage.at_walls.all.push_back({wall_ids[2 * k], wall_ids[2 * k + 1], wall_place[k],
-                                    wall_rest[k], wall_numbers[k], wall_number[k]});
+                                    wall_rest[k], wall_numbers[k], wall_number[k],
+                                    wall_excludes[k] == 1});
+      if (wall_excludes[k] == 1)
+        p.bonds.add(wall_ids[2 * k], p.bonds.id_of_wall(wall_ids[2 * k + 1]));
+    }
+    for (std::size_t k = 0; k < freed.size(); k += 2)
+      p.bonds.freed_at_walls.push_back({freed[k], freed[k + 1]});
     stage.made = made, stage.broken = broken;
   }
 

@@ -51,11 +51,11 @@ class BondAccess {
   }
   /// Bonds a particle to a wall, by its number or name, at the wall's point `place` [m], which
   /// moves with the wall. The bond is as long as the way there, its radius is by the particle's
-  /// alone. Its contact with the wall goes on acting beside it. InputError: there is no such
-  /// particle or wall, it is fixed, or `place` is its centre.
+  /// alone. Its contact with the wall goes on acting beside it, unless it is excluded. InputError:
+  /// there is no such particle or wall, it is fixed, or `place` is its centre.
   template <class S = Sim>
-  void bond_to_wall(ParticleId id, const WhichWall& which,
-                    const Vec3d& place) requires(S::has_bonds) {
+  void bond_to_wall(ParticleId id, const WhichWall& which, const Vec3d& place,
+                    WallContact contact = WallContact::Acts) requires(S::has_bonds) {
     auto& e = sim().engine_;
     const auto p = end_of_bond(id);
     const std::size_t w = sim().wall_number(which);
@@ -76,7 +76,9 @@ class BondAccess {
         stage.model.numbers({r, r, norm(d), p.mass(),
                              Sim::ShapeType::inertia_factor() * p.mass() * r * r,
                              share_of(id, no_particle - w)}),
-        0});
+        0, contact == WallContact::Excluded});
+    if (contact == WallContact::Excluded)
+      e.particles.bonds.add(id, e.particles.bonds.id_of_wall(w)), e.lists.forget();
     sim().scene_changed_ = true;
   }
   /// Whether these two are bonded.
@@ -105,43 +107,58 @@ class BondAccess {
     return sim().bonds_.energy(sim().engine_, sim().domain_);
   }
 
+  // Without the policy: a sentence.
+  template <class S = Sim, class... Any>
+  void bond(const Any&...) requires(!S::has_bonds) {
+    needs_policy<S>();
+  }
+  template <class S = Sim, class... Any>
+  void bond_to_wall(const Any&...) requires(!S::has_bonds) {
+    needs_policy<S>();
+  }
+  template <class F, class S = Sim>
+  void for_each_bond(const F&) const requires(!S::has_bonds) {
+    needs_policy<S>();
+  }
+  template <class S = Sim>
+  std::size_t bonds() const requires(!S::has_bonds) {
+    return needs_policy<S>(), 0;
+  }
+
  protected:
   template <class Policy>
   void set_bonds(const Policy& policy) {
     if constexpr (requires { policy.model.check(); }) policy.model.check();
     sim().bonds_.model = policy.model, sim().bonds_.seed = policy.seed;
   }
-  /// [s] in which what bonds do is resolved as contacts are, by a 20th of half a swing.
+  /// [s] in which what bonds do is resolved as contacts are, by a 20th of half a swing; and at most
+  /// 0.4 of what is stable.
   double longest_bond_step() const {
-    const double rate = fastest_bond().rate;
-    return rate > 0 ? std::numbers::pi / 20 / rate : INFINITY;
+    const auto most = fastest_bond();
+    return most.rate > 0 ? std::min(std::numbers::pi / 20 / most.rate, 0.4 * most.stable_step)
+                         : 0.4 * most.stable_step;
   }
-  /// [s] in which bonds do not gain energy, and the particle whose bonds they are: the leapfrog is
-  /// stable below two over the rate, which is a bound; the step is held to 0.4 of that.
-  struct StableStep {
-    double time = INFINITY;
-    ParticleId particle = no_particle;
-    double rate = 0;  // [rad/s]
-  };
-  StableStep longest_stable_bond_step() const {
-    const auto fastest = fastest_bond();
-    return {fastest.rate > 0 ? 0.8 / fastest.rate : INFINITY, fastest.particle, fastest.rate};
-  }
+  /// [s] in which bonds do not gain energy.
+  double longest_stable_bond_step() const { return fastest_bond().stable_step; }
   void check_bond_step(double dt) const {
-    const StableStep most = longest_stable_bond_step();
-    require(!(dt > most.time), "Simulation::time_step = ", dt,
+    const auto most = fastest_bond();
+    require(!(dt > most.stable_step), "Simulation::time_step = ", dt,
             " [s] is too long for the bonds of particle ", most.particle,
-            ", which swings by them at up to ", most.rate, " rad/s: it must be at most ", most.time,
+            ", their springs and dashpots: it must be at most ", most.stable_step,
             " s; lower it, leave it out, or soften the bonds");
   }
 
  private:
+  template <class S>
+  static void needs_policy() {
+    static_assert(S::has_bonds, "give the simulation silt::Bonds{model} among its policies");
+  }
   auto fastest_bond() const {
     if constexpr (Sim::has_bonds) {
       return sim().bonds_.fastest(sim().engine_);
     } else {
       struct Rate {
-        double rate = 0;
+        double rate = 0, stable_step = INFINITY;
         ParticleId particle = no_particle;
       };
       return Rate{};

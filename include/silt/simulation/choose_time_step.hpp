@@ -128,7 +128,7 @@ bool Simulation<Policies...>::is_step_too_long() const {
   const double speed = expected_speed();
   const auto limit = time_step_limit(speed);
   return (limit && dt_ > *limit) || dt_ > longest_travel_step(speed) ||
-         dt_ > this->longest_stable_bond_step().time;
+         dt_ > this->longest_stable_bond_step();
 }
 
 /// Whether the time step is longer than the one that silt chooses for the speeds so far.

@@ -278,8 +278,16 @@ void Simulation<Policies...>::break_bonds() {
     std::vector<IndexPair> pairs;
     for (const BondBreak& bond : bonds_broken_) {
       if constexpr (has_ledger) book_.bond_broken(bond.energy);
-      if (bond.b == no_particle) continue;
-      engine_.particles.bonds.remove(bond.a, bond.b);
+      auto& held = engine_.particles.bonds;
+      if (bond.b == no_particle) {
+        if (!held.holds(bond.a, held.id_of_wall(bond.wall)) ||
+            bonds_.at_walls.exclude(bond.a, bond.wall))
+          continue;
+        held.remove(bond.a, held.id_of_wall(bond.wall)), engine_.lists.forget();
+        held.freed_at_walls.push_back({bond.a, bond.wall});
+        continue;
+      }
+      held.remove(bond.a, bond.b);
       pairs.push_back({static_cast<std::uint32_t>(engine_.find(bond.a)),
                        static_cast<std::uint32_t>(engine_.find(bond.b))});
     }

@@ -219,8 +219,6 @@ struct ContactStage {
                   "a module takes the heat of friction and damping, which the ledger knows: give "
                   "the simulation a silt::EnergyLedger{}");
     if constexpr (keeps_impacts<ContactsType>) {
-      if constexpr (!requires { Ends::without_offsets; })
-        leave_out_offsets(block, count, history[ContactsType::offset_from]);
       if constexpr (!ContactsType::impacts_by_force)
         ImpactWatch<ContactsType, Real, Block>::look(
             block, count, kinds, history[ContactsType::offset_from], ends, tally.sum.impacts);
@@ -255,12 +253,6 @@ struct ContactStage {
   }
 
  private:
-  template <class Block>
-  static SILT_INLINE void leave_out_offsets(Block& block, std::size_t count, Scalar* offsets) {
-    constexpr std::size_t W = Lanes<Arch, Scalar>::width;
-    for (std::size_t k = 0; k < count; k += W)
-      store(block.overlap + k, without_offset(load<Real>(block.overlap + k), offsets + k));
-  }
   /// Lets the offsets of a block shrink: of contacts that store no more than 2 m* v^2 at the speed v
   /// of parting, which then gives a pair of particles no more than that.
   template <class Block, std::size_t H>

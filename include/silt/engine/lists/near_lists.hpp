@@ -326,6 +326,11 @@ class NearLists {
     const double of_walls = upkeep.outer_wall + scene.range / 2;
     walls.search(scene.walls, {grown_.data(), grown_.size()}, of_walls, previous_, scene.domain,
                  team);
+    if constexpr (State::bonded)
+      std::erase_if(walls.found(),
+                    [&bonds = particles.bonds, &id = particles.id](const WallCandidate& c) {
+                      return bonds.holds(id[c.particle], bonds.id_of_wall(c.wall));
+                    });
 
     reference.resize(particles.size());
     team.for_ranges(particles.size(), [&](std::size_t, std::size_t from, std::size_t to) {

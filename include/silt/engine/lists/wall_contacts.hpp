@@ -94,6 +94,8 @@ class WallContacts {
     collect(outer_, outer_facets_);
   }
 
+  std::vector<Candidate>& found() { return outer_; }  // by the last search, to leave some out
+
   /// Adds the spheres from `first` on, which have come since the search; prune() comes next.
   template <class Domain>
   void join(std::span<const Wall> walls, std::span<const PositionRow> rows, std::size_t first,

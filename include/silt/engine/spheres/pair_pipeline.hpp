@@ -68,7 +68,7 @@ class PairPipeline {
   using Stage = ContactStage<ContactsType, Arch, Scalar, Fluxes>;
   /// The pairs of a block.
   struct Ends {
-    static constexpr bool at_wall = false, without_offsets = true;  // complete() has seen to them
+    static constexpr bool at_wall = false;
     const PositionRow* positions;
     const std::uint32_t *of_first, *of_second;
     std::size_t from;  // place of the first in the list

@@ -11,6 +11,7 @@
 #include <silt/engine/contact/contact_fluxes.hpp>
 #include <silt/engine/contact/contact_stage.hpp>
 #include <silt/engine/contact/load_rows.hpp>
+#include <silt/engine/contact/offset.hpp>
 #include <silt/engine/contact/wall_loads.hpp>
 #include <silt/engine/lists/wall_contacts.hpp>
 #include <silt/engine/state/rows.hpp>
@@ -107,8 +108,8 @@ class PlanePipeline {
       __builtin_prefetch(in.pair_motions + particle[k]);
       __builtin_prefetch(sums + particle[k] * row, 1);
     }
-    tally.sum.largest =
-        std::max(tally.sum.largest, gather(in, plane, wall.reference, particle, padded, b));
+    tally.sum.largest = std::max(tally.sum.largest,
+                                 gather(in, plane, wall.reference, particle, padded, history, b));
     const bool several = table.law.size() > 1;
     for (std::size_t k = 0; k < padded && several; ++k) {
       std::size_t material = 0;
@@ -125,8 +126,10 @@ class PlanePipeline {
     add_up(b, padded, load);
   }
 
-  static double gather(const Input& in, const PlaneRun& plane, const Vec3d& reference,
-                       const std::uint32_t* particle, std::size_t count, Block& out) {
+  static double gather(
+      const Input& in, const PlaneRun& plane, const Vec3d& reference, const std::uint32_t* particle,
+      std::size_t count,
+      [[maybe_unused]] const std::array<Scalar*, ContactsType::history + 1>& history, Block& out) {
     const Real zero(0);
     const Vec3<Real> normal{Real(static_cast<Scalar>(plane.normal.x)),
                             Real(static_cast<Scalar>(plane.normal.y)),
@@ -145,6 +148,8 @@ class PlanePipeline {
       kin.normal = normal, kin.change = {zero, zero, zero};
       kin.velocity = {velocity[0], velocity[1], velocity[2]};
       kin.overlap = select(there, overlap, Real(Scalar(-1e30)));
+      if constexpr (keeps_offset<ContactsType>)
+        kin.overlap = without_offset(kin.overlap, history[ContactsType::offset_from] + k);
       kin.R_eff = r, kin.inverse_m_eff = inv_m, kin.m_eff = Real(1) / max(inv_m, smallest<Real>());
       if constexpr (rotates) {
         kin.spin = {spin[0], spin[1], spin[2]};

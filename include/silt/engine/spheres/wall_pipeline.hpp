@@ -369,9 +369,14 @@ class WallPipeline {
                  vector(motion.spin_velocity() * motion.inv_r - wall_spin),
                  scalar(InertiaOf<ContactsType>::rolling() * sphere.r * sphere.r / motion.inv_m)});
     }
+    s.share[k] = (sphere.r - point.distance) / sphere.r;
+    if constexpr (keeps_offset<ContactsType>) {
+      Scalar& offset = contacts.history(ContactsType::offset_from)[slot];
+      offset = kin.overlap > 0 ? std::min(offset, kin.overlap) : Scalar(0);
+      kin.overlap -= std::max(offset, Scalar(0)), s.share[k] = static_cast<double>(kin.overlap) / sphere.r;
+    }
     s.kinematics.put(k, kin);
     s.kinematics.put(k, Radii<Scalar>{scalar(sphere.r), scalar(0)});
-    s.share[k] = (sphere.r - point.distance) / sphere.r;
     if constexpr (shares_contacts<ContactsType>)
       if (in.sharing != nullptr)
         s.of_force[k] = static_cast<Scalar>(

@@ -41,6 +41,7 @@ class WallBonds {
     BondRest<double> rest;  // share = 1
     typename Model::template Numbers<double> numbers;
     std::uint64_t number;
+    bool excludes;  // their contact
   };
   std::vector<Bond> all;
 
@@ -49,8 +50,16 @@ class WallBonds {
   void follow(const Engine& e) {
     if (all.empty()) return;
     for (Bond& b : all)
-      if (!(e.find(b.i) < e.owners()) || e.walls[b.wall].surfaces.empty()) b.i = no_particle;
+      if (!(e.find(b.i) < e.owners()) || e.walls[b.wall].surfaces.empty()) {
+        if (b.excludes) e.particles.bonds.remove(b.i, e.particles.bonds.id_of_wall(b.wall));
+        b.i = no_particle;
+      }
     close_up();
+  }
+  /// Whether one of the bonds of a particle and a wall excludes their contact.
+  bool exclude(ParticleId i, std::size_t wall) const {
+    return std::any_of(all.begin(), all.end(),
+                       [&](const Bond& b) { return b.excludes && b.i == i && b.wall == wall; });
   }
   void close_up() {
     std::erase_if(all, [](const Bond& b) { return b.i == no_particle; });

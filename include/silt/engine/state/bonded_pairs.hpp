@@ -12,7 +12,8 @@
 namespace silt::inline SILT_TARGET::detail {
 
 /// Which pairs of particles are bonded, by their ids: they are no contacts. A table of open
-/// addresses that is at most two thirds full, of 16 bytes a place.
+/// addresses that is at most two thirds full, of 16 bytes a place. Particles that are bonded to a
+/// wall, and are no contact with it, stand there with an id of its own, from the largest on.
 class BondedPairs {
  public:
   bool holds(ParticleId a, ParticleId b) const {
@@ -34,6 +35,11 @@ class BondedPairs {
     }
     places_[gap] = nobody, --used_;
   }
+  static ParticleId id_of_wall(std::size_t wall) { return no_particle - wall; }
+  /// Particles, with their walls, whose contacts begin now: what they overlap by at the next
+  /// pruning is left out of them.
+  std::vector<std::pair<ParticleId, std::uint64_t>> freed_at_walls;
+
   std::size_t bytes() const { return places_.capacity() * sizeof(Pair); }
 
  private:
