@@ -2,7 +2,6 @@
 #pragma once
 
 #include <numeric>
-#include <optional>
 
 #include <silt/core/random.hpp>
 #include <silt/shape/power_cells.hpp>
@@ -19,7 +18,7 @@
 ///          there are weights that give the volumes; sites at the centroids: S. P. Lloyd, IEEE
 ///          Trans. Inf. Theory 28 (1982) 129-137, in the order of F. de Goes et al., ACM Trans.
 ///          Graph. 31 (2012) 171, sec. 4.
-/// Accuracy: volumes to 1e-9 of their own and 1e-13 of the body's. Corners that cells share have
+/// Accuracy: volumes to 1e-13 of the body's. Corners that cells share have
 /// the
 ///          same numbers in all of them. Sites are drawn anew if an edge would be shorter than 1e-7
 ///          of a cell's diagonal, or a cell's convex hull would lose a corner or a face. Only if
@@ -107,14 +106,11 @@ inline PowerSites draw_sites(const Polyhedron& body, const PointsInside& inside,
   return sites;
 }
 
-/// Cells of sites that are drawn once; none if their volumes are not found, or a cell is flat.
-struct DrawnCells {
-  std::vector<Polyhedron> forms;
-  bool clean;
-};
-inline std::optional<DrawnCells> draw_cells(const Polyhedron& body, const PointsInside& inside,
-                                            const std::vector<double>& volume, Random& random,
-                                            const LaguerreOptions& options) {
+/// Cells of sites that are drawn once; none if their volumes are not found, or one is flat to
+/// rounding or not clean (CellForms) as it must be.
+inline std::optional<std::vector<Polyhedron>> draw_cells(
+    const Polyhedron& body, const PointsInside& inside, const std::vector<double>& volume,
+    Random& random, const LaguerreOptions& options, bool must_be_clean) {
   constexpr double rough = 0.03;  // [-] error of volumes that is good enough to move sites
   VolumeWeights fit(body, volume);
   PowerSites sites = draw_sites(body, inside, volume, random);
@@ -122,16 +118,18 @@ inline std::optional<DrawnCells> draw_cells(const Polyhedron& body, const Points
     if (!fit.fit(sites, rough)) return {};
     for (std::size_t i = 0; i < volume.size(); ++i) sites.at[i] = fit.cells().cells()[i].centroid;
   }
-  if (!fit.fit(sites, 1e-10)) return {};
-  DrawnCells out{{}, true};
+  if (!fit.fit(sites)) return {};
   CellForms forms(volume.size());
+  std::vector<Polyhedron> out;
   try {
-    for (std::size_t i = 0; i < volume.size(); ++i)
-      out.forms.push_back(forms.form(*fit.cells().cut(sites, i), i));
+    for (std::size_t i = 0; i < volume.size(); ++i) {
+      auto form = forms.form(*fit.cells().cut(sites, i), i, must_be_clean);
+      if (!form) return {};
+      out.push_back(*std::move(form));
+    }
   } catch (const InputError&) {  // flat to rounding
     return {};
   }
-  out.clean = forms.clean();
   return out;
 }
 
@@ -168,15 +166,14 @@ inline std::vector<Polyhedron> laguerre_cells(const Polyhedron& body,
   const auto volume = detail::volumes_of_shares(body, shares);
   if (volume.size() == 1) return {body};
   const detail::PointsInside inside(body);
-  std::optional<detail::DrawnCells> cells;
-  for (int draw = 0; draw < most_draws && !(cells && (cells->clean || draw >= clean_draws)); ++draw)
-    if (auto drawn = detail::draw_cells(body, inside, volume, random, options))
-      cells = std::move(drawn);
+  std::optional<std::vector<Polyhedron>> cells;
+  for (int draw = 0; draw < most_draws && !cells; ++draw)
+    cells = detail::draw_cells(body, inside, volume, random, options, draw < clean_draws);
   require(cells.has_value(), "laguerre_cells: ", most_draws, " draws of sites gave no ",
           volume.size(), " cells of the volumes wanted in a body of ", body.faces().size(),
           " faces and ", body.core_volume(),
           " [m3]; give fewer or less different shares, or a less flat body");
-  return std::move(cells->forms);
+  return *std::move(cells);
 }
 
 }  // namespace silt

@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <optional>
 #include <unordered_map>
 
 #include <silt/shape/narrow/clip.hpp>
@@ -140,14 +141,16 @@ class PowerCells {
 /// bit for bit, in all of them: it is known by the four cells and faces that meet in it.
 class CellForms {
  public:
-  /// Edges shorter than this part of a cell's diagonal are not clean: the hull joins corners at
-  /// 1e-9, and triangles within 1e-8 of one plane.
-  static constexpr double shortest = 1e-7;
+  /// Edges shorter than this part of a cell's diagonal are not clean: the normal of a triangle as
+  /// thin is known to 1e-11, and the hull takes 1e-10 of the diagonal for rounding.
+  static constexpr double shortest = 1e-5;
 
   explicit CellForms(std::size_t cells) : cells_(cells) {}
 
-  /// Cell i. Errors: InputError for one that is flat to rounding.
-  Polyhedron form(const ClippedBody::Graph& g, std::size_t i) {
+  /// Cell i; if it `must_be_clean`, none if it has such an edge (but for the body's own) or if the
+  /// hull has lost a corner or a face.
+  /// Errors: InputError for one that is flat to rounding.
+  std::optional<Polyhedron> form(const ClippedBody::Graph& g, std::size_t i, bool must_be_clean) {
     std::vector<Vec3d> points;
     Box box;
     for (std::size_t v = 0; v < g.size; ++v) {
@@ -156,23 +159,23 @@ class CellForms {
     }
     const double least = shortest * norm(box.extent());
     std::size_t corners = g.size;
+    bool clean = true;
     for (std::size_t v = 0; v < g.size; ++v)
-      for (std::size_t k = 0; k < 3; ++k) {
-        const std::size_t other = g.neighbour[v][k];
+      for (const std::size_t other : {g.neighbour[v][0], g.neighbour[v][1], g.neighbour[v][2]}) {
         if (other < v) continue;
         const Vec3d edge = points[other] - points[v];
         if (is_of_body(g, v) && is_of_body(g, other))
           corners -= dot(edge, edge) == 0;  // a corner of more than three edges
         else
-          clean_ &= dot(edge, edge) >= least * least;
+          clean &= dot(edge, edge) >= least * least;
       }
+    if (must_be_clean && !clean) return {};
     auto out = Polyhedron::from_points(points);
     // Of V vertices with three edges each and F faces: V - 3/2 V + F = 2.
-    clean_ &= out.vertices().size() == corners && out.faces().size() == 2 + g.size / 2;
+    clean &= out.vertices().size() == corners && out.faces().size() == 2 + g.size / 2;
+    if (must_be_clean && !clean) return {};
     return out;
   }
-  /// Whether all had edges that are long enough, and all their corners and faces are there.
-  bool clean() const { return clean_; }
 
  private:
   static bool is_of_body(const ClippedBody::Graph& g, std::size_t v) {
@@ -190,7 +193,6 @@ class CellForms {
   }
 
   std::size_t cells_;
-  bool clean_ = true;
   std::unordered_map<std::uint64_t, Vec3d> shared_;
 };
 

@@ -44,18 +44,21 @@ class VolumeWeights {
         static_cast<std::size_t>(std::max_element(wanted.begin(), wanted.end()) - wanted.begin());
   }
 
-  /// Changes weights until all volumes are right to `part` of their own, or to rounding; false if
-  /// that cannot be.
+  /// Changes weights until all volumes are right to `part` of their own; false if that cannot be.
   bool fit(PowerSites& sites, double part) {
     if (!start(sites)) return false;
     least_ = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < wanted_.size(); ++i)
       least_ = std::min({least_, 0.5 * wanted_[i], 0.5 * cells_.cells()[i].volume});
-    for (int step = 0; step < 100; ++step) {
-      if (worst(part) <= part) return true;
-      if (!step_from(sites)) return worst(part) <= std::max(part, 1e-8);
-    }
-    return false;
+    for (int step = 0; step < 100 && worst(part) > part; ++step)
+      if (!step_from(sites, 1e-9)) return false;
+    return worst(part) <= part;
+  }
+  /// To rounding: each full step squares the error.
+  bool fit(PowerSites& sites) {
+    if (!fit(sites, 1e-6)) return false;
+    for (int step = 0; step < 2 && step_from(sites, 1);) ++step;
+    return true;
   }
   PowerCells& cells() { return cells_; }
 
@@ -88,11 +91,12 @@ class VolumeWeights {
     return std::sqrt(sum);
   }
 
-  bool step_from(PowerSites& sites) {
+  /// A step, halved down to `least_part` at most; without one, all stays as it was.
+  bool step_from(PowerSites& sites, double least_part) {
     const double before = error();
     const auto delta = newton(sites);
     const auto from = sites.weight;
-    for (double part = 1; part > 1e-9; part *= 0.5) {
+    for (double part = 1; part >= least_part; part *= 0.5) {
       for (std::size_t i = 0; i < from.size(); ++i) sites.weight[i] = from[i] + part * delta[i];
       if (cells_.measure(sites, least_) && error() <= (1 - 0.5 * part) * before) return true;
     }

@@ -231,6 +231,9 @@ inline VolumeContact thickness_of(const ClippedBody::Graph& g, const PlacedPolyh
   const auto cut = CutIntegrator(g, *body.shape, cutter).result();
   if (!(cut.volume > 0)) return out;
   out.volume = cut.volume, out.area = norm(cut.area);
+  // Volume over area is a thickness as well, half of (1) or more. Of bodies that touch without
+  // overlap, as pieces of one body do, it is rounding, and their C is nothing but rounding.
+  if (!(cut.volume > 0.3 * thinnest * body.shape->bounding_radius() * out.area)) return {};
   if (!(out.area * out.area * out.area > 1e-30 * cut.volume * cut.volume)) {
     out.buried = true, out.overlap = std::cbrt(cut.volume);
     out.point = body.pose.to_space(cut.middle);
