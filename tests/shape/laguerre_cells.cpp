@@ -163,6 +163,35 @@ TEST_CASE("laguerre_cells: no two cells press on each other by more than 1e-12 o
     }
 }
 
+TEST_CASE("thickness_overlap: pieces pushed into each other by 1e-11 to 1e-6 of their size") {
+  // Their sides are slanted: an overlap of 1e-8 of their width came of rounding, and a gradient of
+  // up to 1e9. The overlap of a slab is at most the push along its normal.
+  silt::Random random(1);
+  const auto cells = laguerre_cells(box({1, 1, 1}), some_shares(12, 0.1, random), random);
+  std::vector<silt::PrincipalShape> shapes;
+  for (const auto& cell : cells) shapes.push_back(principal_shape(cell));
+  for (double push = 1e-11; push < 1e-5; push *= 10) {
+    CAPTURE(push);
+    int touching = 0;
+    double most = 0, steepest = 0;
+    for (std::size_t i = 0; i < 12; ++i)
+      for (std::size_t j = 0; j < i; ++j) {
+        silt::PlacedPolyhedron a{&shapes[i].parts[0], shapes[i].frame};
+        const silt::PlacedPolyhedron b{&shapes[j].parts[0], shapes[j].frame};
+        const double x = random.normal(), y = random.normal(), z = random.normal();
+        a.pose.position += push * normalised(Vec3d{x, y, z});
+        silt::NormalMemory<double> memory{{0, 0, 0}, 0, 0};
+        const auto contact = touch_solids(a, b, memory);
+        if (!(contact.overlap > 0)) continue;
+        ++touching;
+        most = std::max(most, contact.overlap), steepest = std::max(steepest, contact.gradient);
+      }
+    CHECK(touching > 10);
+    CHECK(most <= push * (1 + 1e-3));
+    CHECK(steepest <= 1.1);
+  }
+}
+
 TEST_CASE("laguerre_cells: cells of cells of a cell fill it as well") {
   Polyhedron body = box({1, 1, 1});
   silt::Random random(2);
