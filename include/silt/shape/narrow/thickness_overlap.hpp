@@ -117,11 +117,11 @@ class ThicknessIntegrals {
         middle_(cut.middle),
         longest_(longest_way()),
         frame_(frame_along(normalised(cut.area), longest_)) {
-    const double width = norm(longest_);
-    if (cut.volume > thin_slab * width * norm(cut.area))
+    const double wide = norm(longest_);
+    if (cut.volume > thin_slab * wide * norm(cut.area))
       integrate<false>(0);
     else
-      integrate<true>(2 * width);
+      integrate<true>(2 * wide);
   }
 
   double thickness = 0;                  // [m] delta
