@@ -62,6 +62,25 @@ std::size_t faces_by_all_planes(const std::vector<Vec3d>& p) {
 
 }  // namespace
 
+TEST_CASE("convex_hull: ends where triangles are so thin that their normals are rounding") {
+  // A corner that stood above such a triangle was added for ever.
+  const auto body = Polyhedron::from_points({
+      {-0x1p-1, -0x1p-1, 0x1p-1},
+      {-0x1p-1, -0x1p-1, 0x1.219e4638p-24},
+      {-0x1.482c6fp-30, -0x1p-1, 0x1p-1},
+      {-0x1.3f5d761a36d01p-23, -0x1p-1, 0x1.c40ce106ab62bp-25},
+      {-0x1.fcea833b6527ep-24, 0x1.b67c931498fb1p-26, 0x1.305addeaca187p-23},
+      {-0x1p-1, -0x1.9448888cddfa9p-25, 0x1p-1},
+      {-0x1p-1, -0x1.743196ec95b85p-24, 0x1.5026c6149f26ep-23},
+      {-0x1.22256de4fdcd6p-3, 0x1.e6f8054e8b6c3p-26, 0x1.395d4735f0566p-23},
+      {-0x1.fcea7e665d8ecp-24, 0x1.3d07f8f84add4p-24, 0x1.980f469e19002p-23},
+      {0x1.f2bec07adf2a9p-26, 0x1.6345a254e573ap-25, 0x1p-1},
+      {-0x1.718595cadf4cfp-25, 0x1.e71551ab30363p-24, 0x1p-1},
+      {-0x1.dbe71ac6864abp-25, 0x1.85c155b3305f5p-24, 0x1.b5ebd700baap-3},
+  });
+  CHECK(std::abs(body.core_volume() - 0.125) <= 1e-7);
+}
+
 TEST_CASE("mass_properties: box and tetrahedron to rounding, wherever they stand") {
   const double a = 1.3, b = 0.7, c = 2.1, v = a * b * c;
   const auto body = box({a, b, c});

@@ -30,7 +30,7 @@ namespace detail {
 class GrowingHull {
  public:
   GrowingHull(const std::vector<Vec3d>& points, double tolerance)
-      : points_(points), tolerance_(tolerance), highest_(points.size()) {
+      : points_(points), tolerance_(tolerance), highest_(points.size()), added_(points.size(), 0) {
     start();
     for (std::uint32_t p = next(); p != none; p = next()) add(p);
   }
@@ -70,6 +70,7 @@ class GrowingHull {
     corner[3] = farthest([&](const Vec3d& p) { return std::abs(dot(p - a, up)); });
     if (dot(points_[corner[3]] - a, up) > 0) std::swap(corner[1], corner[2]);
     const auto [i, j, k, l] = corner;
+    for (const auto p : corner) added_[p] = 1;
     for (const VertexTriple& t : {VertexTriple{i, j, k}, {i, l, j}, {j, l, k}, {k, l, i}}) push(t);
     look(0);
   }
@@ -103,18 +104,20 @@ class GrowingHull {
     }
   }
 
-  /// The point farthest outside of any triangle.
+  /// The point farthest outside of any triangle. A corner of the hull that a triangle as thin as
+  /// rounding has below it is not added again: it would be for ever.
   std::uint32_t next() const {
     std::uint32_t best = none;
     double most = tolerance_;
     for (std::uint32_t p = 0; p < points_.size(); ++p)
-      if (highest_[p].height > most) best = p, most = highest_[p].height;
+      if (highest_[p].height > most && !added_[p]) best = p, most = highest_[p].height;
     return best;
   }
 
   /// Replaces the triangles that `p` sees by a fan from their rim to `p`. Those it sees are
   /// gathered across edges from the one it stands highest over, so that the rim is one loop.
   void add(std::uint32_t p) {
+    added_[p] = 1;
     std::vector<std::uint32_t> seen{highest_[p].triangle};
     std::vector<char> is_seen(triangles_.size(), 0);
     is_seen[seen[0]] = 1;
@@ -156,6 +159,7 @@ class GrowingHull {
   std::vector<char> dropped_;
   std::vector<Vec3d> normals_;
   std::vector<Highest> highest_;                              // of each point
+  std::vector<char> added_;                                   // whether it is or was a corner
   std::unordered_map<std::uint64_t, std::uint32_t> at_edge_;  // the triangle left of an edge
 };
 

@@ -61,13 +61,36 @@ inline Symmetric3 inverse(const Symmetric3& s) {
                             xy, s.xy * s.zx - s.xx * s.yz, zx};
 }
 
-/// A way p -> q around a face with normal n at height h, a lane each: it spans a triangle with the
-/// foot h n of the middle on the face's plane, and a tetrahedron with the middle.
+/// A way p -> q around a face with normal n at height h, a lane each: it spans a triangle with a
+/// point of the face's plane, and a tetrahedron with the middle. That point is the foot h n of the
+/// middle. In slabs as thin as `thin_slab` it is on the slab's middle plane z = 0, where that meets
+/// the face's plane within `reach`: the foot on a slanted side would be as far above the slab as
+/// the slab is wide, and what is left of its square is rounding.
 template <class Real>
 struct WayAround {
   Vec3<Real> p, q, n;
   Real h;
+
+  template <bool Thin>
+  SILT_INLINE Vec3<Real> foot(const Real& reach) const {
+    const Vec3<Real> under = h * n;
+    if constexpr (!Thin) return under;
+    const Real slant = n.x * n.x + n.y * n.y, zero(0);
+    const auto on_middle = h * h < slant * reach * reach;
+    const Real scale = h / select(on_middle, slant, Real(1));
+    return {select(on_middle, scale * n.x, under.x), select(on_middle, scale * n.y, under.y),
+            select(on_middle, zero, under.z)};
+  }
+  /// [m2] twice the area of its triangle with that point.
+  template <bool Thin>
+  SILT_INLINE Real twice_area(const Vec3<Real>& foot) const {
+    if constexpr (Thin) return dot(n, cross(p - foot, q - foot));
+    return dot(n, cross(p, q));
+  }
 };
+/// [-] thickness over width. A covariance by feet errs by 1e-16 of the square of the width: by 1e-6
+/// of that of the thickness here.
+inline constexpr double thin_slab = 1e-5;
 
 template <class Real>
 double sum_of_lanes(const Real& x) {
@@ -92,19 +115,13 @@ class ThicknessIntegrals {
         body_(body),
         cutter_(cutter),
         middle_(cut.middle),
-        frame_(frame_along(normalised(cut.area), longest_way())) {
-    const Moments m = moments();
-    const double scale = 1 / m.volume;
-    mean_ = scale * m.first;
-    Symmetric3 c = scale * m.second;
-    c += -1.0 * outer(mean_);
-    inverse_ = inverse(c);
-    spread = c;
-    trace_ = inverse_.trace();
-    thickness = std::sqrt(12 / trace_);
-    add_pressure();
-    const double weight = thickness / (2 * trace_ * m.volume);
-    area = frame_ * (weight * area), moment = frame_ * (weight * moment);
+        longest_(longest_way()),
+        frame_(frame_along(normalised(cut.area), longest_)) {
+    const double wide = norm(longest_);
+    if (cut.volume > thin_slab * wide * norm(cut.area))
+      integrate<false>(0);
+    else
+      integrate<true>(2 * wide);
   }
 
   double thickness = 0;                  // [m] delta
@@ -165,13 +182,30 @@ class ThicknessIntegrals {
             load<Real>(lane[9]) - dot(n, o)};
   }
 
-  Moments moments() const {
+  template <bool Thin>
+  void integrate(double reach) {
+    const Moments m = moments<Thin>(Real(reach));
+    const double scale = 1 / m.volume;
+    mean_ = scale * m.first;
+    Symmetric3 c = scale * m.second;
+    c += -1.0 * outer(mean_);
+    inverse_ = inverse(c);
+    spread = c;
+    trace_ = inverse_.trace();
+    thickness = std::sqrt(12 / trace_);
+    add_pressure<Thin>(Real(reach));
+    const double weight = thickness / (2 * trace_ * m.volume);
+    area = frame_ * (weight * area), moment = frame_ * (weight * moment);
+  }
+
+  template <bool Thin>
+  Moments moments(const Real& reach) const {
     const Real zero(0);
     Real volume = zero, xx = zero, yy = zero, zz = zero, xy = zero, yz = zero, zx = zero;
     Vec3<Real> first{zero, zero, zero};
     for_each_way<false>([&](const WayAround<Real>& e) {
-      const Real part = dot(e.n, cross(e.p, e.q)) * e.h;
-      const Vec3<Real> foot = e.h * e.n, sum = foot + e.p + e.q;
+      const Vec3<Real> foot = e.template foot<Thin>(reach), sum = foot + e.p + e.q;
+      const Real part = e.template twice_area<Thin>(foot) * e.h;
       volume += part, first += part * sum;
       for (const Vec3<Real>& v : {sum, foot, e.p, e.q}) {
         const Vec3<Real> w = part * v;
@@ -187,13 +221,14 @@ class ThicknessIntegrals {
 
   /// Over the triangles on the cutter's faces, by four points: exact for third powers (P. C.
   /// Hammer, A. H. Stroud, Math. Tables Aids Comput. 10 (1956) 137).
-  void add_pressure() {
+  template <bool Thin>
+  void add_pressure(const Real& reach) {
     const Real zero(0), kxx(inverse_.xx), kyy(inverse_.yy), kzz(inverse_.zz), kxy(inverse_.xy),
         kyz(inverse_.yz), kzx(inverse_.zx), mx(mean_.x), my(mean_.y), mz(mean_.z), trace(trace_);
     Vec3<Real> push{zero, zero, zero}, turn{zero, zero, zero};
     for_each_way<true>([&](const WayAround<Real>& e) {
-      const Vec3<Real> foot = e.h * e.n, sum = foot + e.p + e.q;
-      const Real twice = dot(e.n, cross(e.p, e.q));
+      const Vec3<Real> foot = e.template foot<Thin>(reach), sum = foot + e.p + e.q;
+      const Real twice = e.template twice_area<Thin>(foot);
       Real pressure = zero;
       Vec3<Real> at{zero, zero, zero};  // pressure times place
       const auto add = [&](const Vec3<Real>& x, double weight) {
@@ -214,7 +249,7 @@ class ThicknessIntegrals {
   const ClippedBody::Graph& g_;
   const Polyhedron& body_;
   const Cutter& cutter_;
-  Vec3d middle_;
+  Vec3d middle_, longest_;
   RotationMatrix frame_;  // of the integrals, in the frame of the body
   Vec3d mean_{0, 0, 0};
   Symmetric3 inverse_;  // C^-1
@@ -231,6 +266,9 @@ inline VolumeContact thickness_of(const ClippedBody::Graph& g, const PlacedPolyh
   const auto cut = CutIntegrator(g, *body.shape, cutter).result();
   if (!(cut.volume > 0)) return out;
   out.volume = cut.volume, out.area = norm(cut.area);
+  // Volume over area is a thickness as well, half of (1) or more. Of bodies that touch without
+  // overlap, as pieces of one body do, it is rounding, and their C is nothing but rounding.
+  if (!(cut.volume > 0.3 * thinnest * body.shape->bounding_radius() * out.area)) return {};
   if (!(out.area * out.area * out.area > 1e-30 * cut.volume * cut.volume)) {
     out.buried = true, out.overlap = std::cbrt(cut.volume);
     out.point = body.pose.to_space(cut.middle);
