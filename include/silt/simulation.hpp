@@ -211,7 +211,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
         if constexpr (has_bonds)
           if (!bonds_broken_.empty()) detail::tell_all(*this, bonds_broken_, observers...);
         if constexpr (has_breakage)
-          if (!broken_.empty()) detail::tell_all(*this, broken_, observers...);
+          if (!breaks_.events.empty()) detail::tell_all(*this, breaks_.events, observers...);
       }
       if (kicked_ && sizeof...(Observers) > 0) {
         [[maybe_unused]] const bool again = std::exchange(observed_, true);
@@ -256,9 +256,6 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   const ContactsType& contacts() const { return contacts_; }
   const Domain& domain() const { return domain_; }
   const Search& search() const { return search_; }
-  const auto& breakage() const requires(has_breakage) {
-    return modules_.template get<typename Composition::Breaking>();
-  }
   Engine& engine() { return engine_; }
   const Engine& engine() const { return engine_; }
   /// [-] of the radius: in the last step, and the largest since the start.
@@ -283,13 +280,13 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     if constexpr (has_breakage) this->break_due();
     engine_.renew_lists(search_, domain_, step_, dt_);
     if constexpr (has_breakage)
-      if (!broken_.empty()) engine_.leave_out_overlaps(newborn_from_);
+      if (!breaks_.events.empty()) detail::leave_out_overlaps(engine_, breaks_.newborn_from);
     detail::StepTimes times = times_of_step(observed);
     times.record = engine_.record.begin(kept_, step_);
     engine_.prepare_fluxes(modules_, time_, look_at_fluxes(present));
     engine_.pair_forces(domain_, times);
     engine_.wall_forces(times);
-    if constexpr (has_breakage) breaks_.weigh(engine_, breakage(), time_);
+    if constexpr (has_breakage) breaks_.weigh(engine_, this->breakage(), time_);
     [[maybe_unused]] double bond_power = 0;
     if constexpr (has_bonds) bond_power = bonds_.push(engine_, domain_, dt_);
     engine_.collect_fluxes();
@@ -406,10 +403,6 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   std::conditional_t<has_bonds, std::vector<BondBreak>, Nothing> bonds_broken_;  // in this step
   [[no_unique_address]]
   typename detail::BreakStageOf<typename Composition::Breaking>::type breaks_;
-  struct NoBreaks {};
-  [[no_unique_address]]
-  std::conditional_t<has_breakage, std::vector<BreakEvent>, NoBreaks> broken_;  // in this step
-  ParticleId newborn_from_ = 0;  // of rows that came then
   [[no_unique_address]] decltype(particles_in_fluid()) in_fluid_;
   Engine engine_;
   detail::Openings<ShapeType, Domain> openings_;

@@ -18,6 +18,7 @@
 #include <silt/engine/checks/wall_stiffness.hpp>
 #include <silt/engine/contact/contact_memory.hpp>
 #include <silt/engine/contact/pair_kinds_of.hpp>
+#include <silt/engine/lists/begin_contacts.hpp>
 #include <silt/engine/lists/near_lists.hpp>
 #include <silt/engine/spheres/pair_pipeline.hpp>
 #include <silt/engine/stages_of_shape.hpp>
@@ -105,22 +106,6 @@ class Engine : public Tables<Composition> {
     std::array<Scalar, ContactsType::history> start{};
     start[ContactsType::offset_from] = static_cast<Scalar>(whole_overlap);
     lists.join_pairs(scene(domain, time_step), pairs, start);
-  }
-  /// Leaves what contacts of rows with ids from `first` on, which have just come, overlap by now out
-  /// of them. After renew_lists().
-  void leave_out_overlaps(ParticleId first) requires(Composition::has_breakage) {
-    const auto whole = static_cast<Scalar>(whole_overlap);
-    const auto is_new = [&](std::uint32_t row) { return particles.id[row] >= first; };
-    Scalar* const of_pairs = lists.pairs.history(ContactsType::offset_from);
-    const std::uint32_t *const a = lists.pairs.first(), *const b = lists.pairs.second();
-    lists.pairs.for_each([&](std::size_t k) {
-      if (is_new(a[k]) || is_new(b[k])) of_pairs[k] = whole;
-    });
-    Scalar* const of_walls = lists.walls.history(ContactsType::offset_from);
-    for (const auto& c : lists.walls.candidates())
-      if (is_new(c.particle))
-        std::fill_n(of_walls + c.slot,
-                    Lists::slots_of(walls[c.wall].surfaces[c.surface]), whole);
   }
   /// Loads on the rows, 4 * chunks Scalars each, between the contacts and the integration.
   Scalar* load_sums() { return sums_.data(); }

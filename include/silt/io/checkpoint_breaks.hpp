@@ -74,7 +74,7 @@ struct BreaksState {
            "breakage.impacts cannot be");
   }
   void put(Stage& stage) const {
-    stage.due.clear();
+    stage.due.clear(), stage.events.clear();
     for (std::size_t k = 0; k < due_ids.size(); ++k)
       stage.due.push_back({due_ids[k], due[2 * k], due[2 * k + 1], static_cast<BreakCause>(due_cause[k])});
     std::copy(broken.begin(), broken.end(), stage.broken.begin());

@@ -84,7 +84,7 @@ class Checkpoint<Sim>::Staged {
     e.coefficients = std::move(coefficients_);
     e.safeguards = clock_.safeguards;
     if constexpr (Sim::has_bonds) sim.bonds_ = std::move(*stage_), sim.bonds_broken_.clear();
-    if constexpr (Sim::has_breakage) breaks_.put(sim.breaks_), sim.broken_.clear();
+    if constexpr (Sim::has_breakage) breaks_.put(sim.breaks_);
     e.particles = std::move(particles_);
     e.mover.synchronous = std::move(synchronous_);
     if constexpr (Sim::of_bodies) {

@@ -22,6 +22,11 @@ namespace silt::inline SILT_TARGET::detail {
 template <class Sim>
 class BreakAccess {
  public:
+  /// The policy.
+  template <class S = Sim>
+  const auto& breakage() const requires(S::has_breakage) {
+    return sim().modules_.template get<typename S::Composition::Breaking>();
+  }
   /// Mass by size and time of birth of what is too small to be simulated.
   template <class S = Sim>
   const SizeTable& dust() const requires(S::has_breakage) {
@@ -78,7 +83,7 @@ class BreakAccess {
   /// Replaces what is due to break, before a step.
   void break_due() {
     auto& s = sim();
-    s.broken_.clear();
+    s.breaks_.events.clear();
     auto& stage = s.breaks_;
     if (stage.due.empty()) return;
     std::vector<Parent> parents;
@@ -167,7 +172,7 @@ class BreakAccess {
     // [s] in which all of the particle would have arrived
     const double passes = due.speed > 0 ? broken.diameter / due.speed : 0;
     parents.push_back({k, sizes.masses.size(), s.time_ + passes});
-    s.broken_.push_back(event);
+    stage.events.push_back(event);
   }
   /// Returns the kinetic energy [J] of the fragments.
   template <class Owner, class Particle>
@@ -239,7 +244,7 @@ class BreakAccess {
       const EndedContacts ended(e, s.domain_, rows, s.dt_, s.dt_);
       s.book_.ended(ended.work), s.book_.broke(ended.normal);
     }
-    s.newborn_from_ = Sim::of_bodies ? s.next_.part : first;
+    s.breaks_.newborn_from = Sim::of_bodies ? s.next_.part : first;
     s.join(std::span<const Particle>(fragments), {});
     std::size_t k = from;
     for (const Parent& p : parents)

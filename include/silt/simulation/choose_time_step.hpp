@@ -118,7 +118,7 @@ double Simulation<Policies...>::chosen_time_step() const {
 template <class... Policies>
 double Simulation<Policies...>::longest_travel_step(double speed) const {
   double least = engine_.least_radius();  // of convex bodies known from the first step on
-  if constexpr (has_breakage) least = std::min(least, 0.5 * breakage().rules.dust_below);
+  if constexpr (has_breakage) least = std::min(least, 0.5 * this->breakage().rules.dust_below);
   return least > 0 ? guard.max_travel * least / speed : INFINITY;
 }
 

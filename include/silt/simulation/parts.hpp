@@ -48,7 +48,7 @@ detail::StepTimes Simulation<Policies...>::times_of_step(bool observed) const {
                       .now = time_,
                       .renew_areas = step_ % detail::StepTimes::areas_every == 0};
   if constexpr (has_breakage)
-    t.parting = breakage().rules.separation_speed, t.weak_from = breaks_.weak_from;
+    t.parting = this->breakage().rules.separation_speed, t.weak_from = breaks_.weak_from;
   if constexpr (has_events) {
     // Contacts come to rest in steps in which those at rest are looked at, so that no step counts
     // twice.

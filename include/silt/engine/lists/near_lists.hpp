@@ -39,8 +39,6 @@ class NearLists {
     double range;      // [m] gap at which the law still acts, 0 for laws of touch
   };
 
-  static std::size_t slots_of(const Surface& surface) { return Walls::slots_of(surface); }
-
   PairList<H, Scalar, InRows> pairs;
   Walls walls;
   ListUpkeep upkeep;

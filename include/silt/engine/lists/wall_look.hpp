@@ -1,7 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <span>
 #include <type_traits>
@@ -70,27 +69,6 @@ void for_each_wall_contact(const EngineType& e, double back, const Visit& visit)
       next = end_of_images(all, k);
     for_each_contact_of_images(e, all.subspan(k, next - k), back, visit);
   }
-}
-
-/// Begins the contacts with walls that bonds held so far: what they overlap by now is left out of
-/// them, by their history of the number `offset`.
-template <class EngineType>
-void begin_freed_at_walls(EngineType& e, std::size_t offset) {
-  auto& walls = e.lists.walls;
-  for (const auto& [id, wall] : e.particles.bonds.freed_at_walls)
-    for (const auto& c : walls.candidates()) {
-      if (c.particle != e.find(id) || c.wall != wall) continue;
-      std::size_t slot = c.slot;
-      for_each_contact_with(e, c, 0, [&](const auto&, const SurfacePoint& p) {
-        const std::size_t end = c.slot + walls.slots_of(e.walls[c.wall].surfaces[c.surface]);
-        while (slot < end && walls.slot(slot).touching) ++slot;  // images have theirs in common
-        if (slot == end) return;
-        walls.slot(slot) = {p.normal, true};
-        walls.history(offset)[slot] = static_cast<typename EngineType::Scalar>(
-            std::max(e.particles.position[c.particle].r - p.distance, 0.0));
-      });
-    }
-  e.particles.bonds.freed_at_walls.clear();
 }
 
 }  // namespace silt::detail

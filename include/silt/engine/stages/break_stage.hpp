@@ -53,6 +53,8 @@ template <class Policy>
 class BreakStage {
  public:
   std::vector<DueBreak> due;      // by id; saved between steps
+  std::vector<BreakEvent> events;  // of this step
+  ParticleId newborn_from = 0;     // of the rows that came then
   SizeTable dust, left;           // fragments too small, and particles that left
   CompensatedSum fed;             // [kg]
   std::array<std::uint64_t, 3> broken{};  // since the start, by BreakCause
