@@ -140,11 +140,9 @@ class BreakStage {
     impact.speed = note.speed, impact.m_eff = note.m_eff, impact.R_eff = note.R_eff;
     impact.restitution = restitution_[note.kind], impact.at_wall = at_wall;
     impact.elastic_force = std::numeric_limits<double>::quiet_NaN();
-    using Law = typename Engine::Contacts::Law;
-    if constexpr (requires { Law::impact_force(e.coefficients.law[0], 1.0, 1.0, 1.0); })
-      if (note.force == 0)
-        impact.elastic_force =
-            Law::impact_force(e.coefficients.law[note.kind], note.R_eff, note.m_eff, note.speed);
+    if (note.force == 0)
+      impact.elastic_force = undamped_force<typename Engine::Contacts::Law>(
+          e.coefficients.law[note.kind], note.R_eff, note.m_eff, note.speed);
     impact.contact_force = note.force > 0 ? note.force : std::numeric_limits<double>::quiet_NaN();
     const double load = policy.equivalence.load(impact);
     if (load >= own.strength) {
@@ -153,6 +151,24 @@ class BreakStage {
       own.strength = policy.fatigue.weakened(own.strength, load);
       weak_from = std::min(weak_from, own.strength);
     }
+  }
+
+  /// Largest force [N] of the undamped impact with the physical modulus; NaN: no closed form.
+  template <class Law, class Coefficients>
+  static double undamped_force(Coefficients p, double R_eff, double m_eff, double speed) {
+    undamp(p);
+    if constexpr (requires { Law::physical_force(p, R_eff, m_eff, speed); })
+      return Law::physical_force(p, R_eff, m_eff, speed);
+    else if constexpr (requires { Law::impact_force(p, R_eff, m_eff, speed); })
+      return Law::impact_force(p, R_eff, m_eff, speed);
+    else
+      return std::numeric_limits<double>::quiet_NaN();
+  }
+  template <class Coefficients>
+  static void undamp(Coefficients& p) {
+    if constexpr (requires { p.body; }) undamp(p.body);
+    if constexpr (requires { p.normal_damping; }) p.normal_damping = 0;
+    if constexpr (requires { p.damping; }) p.damping = 0;
   }
 
   std::vector<double> restitution_;  // [-] by the places of the coefficient table
