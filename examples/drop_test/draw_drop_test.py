@@ -2,7 +2,7 @@
 # silt - BSD-3-Clause, see LICENSE
 """Draws what examples/drop_test/drop_test.cpp leaves: shares that break, fatigue, sizes, the grains.
 
-  draw_drop_test.py FOLDER DIAMETER    [m] of the grains of after.vtp
+  draw_drop_test.py FOLDER DIAMETER SPEED    [m], [m/s] of the grains of after.vtp
 """
 import os
 import sys
@@ -45,6 +45,7 @@ def shares(folder):
     for speed, colour in zip(np.unique(table[:, 0])[::-1], COLOURS[2:]):
         mine = table[table[:, 0] == speed]
         again.plot(mine[:, 1], mine[:, 3], color=colour, lw=1.3)
+        mine = mine[::-(-len(mine) // 20)]
         again.errorbar(mine[:, 1], mine[:, 2], mine[:, 4], fmt="o", ms=4, mfc="white", color=colour, capsize=2,
                        lw=0.9, label=f"{speed:.2f} m/s")
     again.plot([], [], color="0.3", lw=1.3, label="fatigue law")
@@ -56,11 +57,11 @@ def shares(folder):
     draw.save(figure, f"{folder}/drop_test.png")
 
 
-def fragments(folder, diameter):
+def fragments(folder, diameter, speed):
     figure, (curve, picture) = plt.subplots(1, 2, figsize=(12.5, 4.8))
     figure.subplots_adjust(0.07, 0.13, 0.99, 0.92, 0.08)
     table = draw.read_csv(f"{folder}/sizes.csv")[1]
-    table = table[table[:, 1] > 0]
+    table = table[table[:, 0] > 0.004 * diameter]
     curve.plot(1e3 * table[:, 0], table[:, 2], color=COLOURS[0], lw=1.3, label="breakage function")
     curve.errorbar(1e3 * table[:, 0], table[:, 1], 3 * table[:, 3], fmt="o", ms=5, mfc="white", color=COLOURS[5],
                    capsize=3, lw=0.9, label="fragments and dust, bars 3 σ")
@@ -71,12 +72,11 @@ def fragments(folder, diameter):
     curve.legend(frameon=False, loc="upper left")
     finish(curve)
 
-    # A corner of the plate from above.
+    # A corner of the plate from above: 6 by 4 grains.
     axes = draw.view_axes("top")
     points, fields, _ = draw.read_vtp(f"{folder}/after.vtp")
     places, radii = points.astype(float) @ axes.T, fields["radius"].astype(float)
-    aspect = 1.35
-    bounds = [-1.5 * diameter, (3 * 6 - 1.5) * diameter, -1.5 * diameter, (3 * 6 / aspect - 1.5) * diameter]
+    bounds = [-1.5 * diameter, 16.5 * diameter, -1.5 * diameter, 10.5 * diameter]
     seen = np.all((places[:, :2] > [bounds[0], bounds[2]]) & (places[:, :2] < [bounds[1], bounds[3]]), axis=1)
     places, radii = places[seen], radii[seen]
     colours = np.where((radii > 0.499 * diameter)[:, None], WHOLE, FRAGMENT)
@@ -84,13 +84,13 @@ def fragments(folder, diameter):
     canvas.draw_spheres(places, radii, colours)
     picture.imshow(canvas.picture(), extent=bounds, interpolation="none")
     picture.set_axis_off()
-    picture.set_title("Grains after the impact, from above: whole and broken")
+    picture.set_title(f"After an impact at {speed:.1f} m/s, from above")
     draw.save(figure, f"{folder}/sizes.png")
 
 
 if __name__ == "__main__":
     try:
         shares(sys.argv[1])
-        fragments(sys.argv[1], float(sys.argv[2]))
+        fragments(sys.argv[1], float(sys.argv[2]), float(sys.argv[3]))
     except draw.Refusal as refusal:
         sys.exit(f"draw_drop_test.py: {refusal}")

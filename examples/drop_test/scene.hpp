@@ -65,6 +65,11 @@ struct Scene {
             .contact_force = NAN,
             .at_wall = true};
   }
+  /// [s] of contact with the plate.
+  double touching(double diameter, double speed) const {
+    return silt::hertz_contact_time(silt::effective_modulus(20e9, 0.25, 210e9, 0.3), diameter / 2,
+                                    mass(diameter), speed);
+  }
   double load(double diameter, double speed) const {  // [N]
     return equivalence().load(impact(diameter, speed));
   }
