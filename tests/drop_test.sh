@@ -2,8 +2,9 @@
 # silt - BSD-3-Clause, see LICENSE
 # Grains thrown against a plate as a user runs it: a quick run that keeps its own checks, and what it
 # refuses. The run's checks, and a wrong result that each would catch:
-#   chi_square_of_shares          strengths of another scatter; below: ranks that are not independent
-#   all_broken_off_the_law        loads lowered twice by the damping (seen once: 19 sigma), or not at all
+#   loads_off_hertz               loads lowered twice by the damping, or not at all; another contact's modulus
+#   chi_square_of_shares          strengths of another scatter; below: ranks that are not drawn
+#   all_broken_off_the_law        strengths of another size
 #   sizes_off_the_breakage_function   dust in wrong classes; fragments of another parent's load
 #   mean number of impacts, share broken in the end   fatigue that acts in each step, or never
 #   mass_unexplained              dust that is counted as mass of fragments too

@@ -66,8 +66,8 @@ def fragments(folder, diameter, speed):
     curve.errorbar(1e3 * table[:, 0], table[:, 1], 3 * table[:, 3], fmt="o", ms=5, mfc="white", color=COLOURS[5],
                    capsize=3, lw=0.9, label="fragments and dust, bars 3 σ")
     curve.axvspan(curve.get_xlim()[0], 200 * diameter, color="0.94", lw=0)
-    curve.text(190 * diameter, table[:, 1].min(), "dust ", ha="right", va="bottom", color="0.4")
-    curve.set(xscale="log", yscale="log", xlim=(900 * table[0, 0], 1.1e3 * diameter), xlabel="size x [mm]",
+    curve.text(190 * diameter, 0.02, "dust ", ha="right", va="bottom", color="0.4")
+    curve.set(xscale="log", xlim=(900 * table[0, 0], 1.1e3 * diameter), ylim=(0, 1.03), xlabel="size x [mm]",
               ylabel="share of the mass finer than x", title=f"What grains of {1e3 * diameter:g} mm break into")
     curve.legend(frameon=False, loc="upper left")
     finish(curve)

@@ -80,6 +80,7 @@ struct Throw {
   double expected;  // [-] selection function
   std::size_t broken = 0;
   double dust = 0;  // [-] share of the broken grains' mass
+  double load = 0;  // [-] largest deviation from Hertz' closed form
 
   double share() const { return static_cast<double>(broken) / static_cast<double>(grains); }
   double deviation() const {  // [-] standard, of the share
@@ -145,7 +146,10 @@ Throw throw_once(const Scene& s, double diameter, double speed, std::uint64_t se
             events.push_back(b);
             dust += b.dust, lost += b.dust * b.velocity.z, mass += b.mass;
           }));
-  for (const silt::BreakEvent& b : events) out.broken += b.id < s.grains;
+  for (const silt::BreakEvent& b : events) {
+    out.broken += b.id < s.grains;
+    out.load = std::max(out.load, std::abs(b.load / s.load(diameter, speed) - 1));
+  }
   if (mass > 0) out.dust = dust / mass;
   books.add(sim, -speed * s.mass(diameter) * static_cast<double>(s.grains), lost);
   if (!picture.empty()) silt::write_particles(picture, sim);
@@ -243,12 +247,12 @@ void write_fatigue(const std::string& file, const std::vector<Again>& all) {
 constexpr double rare = 3.719;
 
 void check_shares(example::Summary& summary, const std::vector<Throw>& all) {
-  double squares = 0, off = 0, variance = 0, worst = 0;
+  double squares = 0, off = 0, variance = 0, worst = 0, load = 0;
   std::size_t beyond = 0;
   for (const Throw& t : all) {
     const auto n = static_cast<double>(t.grains);
     squares += t.off() * t.off(), worst = std::max(worst, std::abs(t.off()));
-    beyond += std::abs(t.off()) > 3;
+    beyond += std::abs(t.off()) > 3, load = std::max(load, t.load);
     off += n * (t.share() - t.expected), variance += n * t.expected * (1 - t.expected);
   }
   const auto n = static_cast<double>(all.size());
@@ -256,6 +260,7 @@ void check_shares(example::Summary& summary, const std::vector<Throw>& all) {
   summary.result("points_beyond_3_sigma", static_cast<double>(beyond));
   summary.result("points_beyond_3_sigma_expected", 0.0027 * n);
   summary.result("largest_deviation_in_sigma", worst);
+  summary.check_at_most("loads_off_hertz", load, 1e-12);
   summary.check_at_most("chi_square_of_shares", squares, drop_test::chi_square(n, rare));
   summary.check_at_least("chi_square_of_shares", squares, drop_test::chi_square(n, -rare));
   summary.check_within("all_broken_off_the_law_in_sigma", off / std::sqrt(variance), 0, rare,
