@@ -191,7 +191,7 @@ struct Again {
 Again throw_again(const Scene& s, double diameter, double speed, std::uint64_t seed, Books& books,
                   int threads) {
   Again out{speed, s.grains, {}, drop_test::broken_after(s, diameter, speed, s.again)};
-  const double gap = 0.05 * diameter;
+  const double gap = 0.02 * diameter;
   auto sim = make_simulation(s, diameter, speed, gap, seed);
   sim.threads = threads;
   const double round =

@@ -38,6 +38,10 @@ struct Scene {
     return {
         .youngs_modulus = 210e9, .poisson_ratio = 0.3, .restitution = restitution, .friction = 0.4};
   }
+  double modulus() const {  // [Pa] E* of grain and plate
+    return silt::effective_modulus(salt().youngs_modulus, salt().poisson_ratio,
+                                   steel().youngs_modulus, steel().poisson_ratio);
+  }
   double mass(double diameter) const { return density * silt::Sphere::volume(diameter / 2); }
 
   silt::LogLogisticStrength strength() const {
@@ -53,8 +57,7 @@ struct Scene {
   /// An impact on the plate, by Hertz' formulas alone.
   silt::Impact impact(double diameter, double speed) const {
     const double m = mass(diameter), R = diameter / 2;
-    const double E = silt::effective_modulus(20e9, 0.25, 210e9, 0.3);
-    const double kH = 4.0 / 3.0 * E * std::sqrt(R);  // [N/m^1.5]
+    const double kH = 4.0 / 3.0 * modulus() * std::sqrt(R);  // [N/m^1.5]
     return {.diameter = diameter,
             .mass = m,
             .speed = speed,
@@ -67,8 +70,7 @@ struct Scene {
   }
   /// [s] of contact with the plate.
   double touching(double diameter, double speed) const {
-    return silt::hertz_contact_time(silt::effective_modulus(20e9, 0.25, 210e9, 0.3), diameter / 2,
-                                    mass(diameter), speed);
+    return silt::hertz_contact_time(modulus(), diameter / 2, mass(diameter), speed);
   }
   double load(double diameter, double speed) const {  // [N]
     return equivalence().load(impact(diameter, speed));
