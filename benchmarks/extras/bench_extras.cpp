@@ -300,7 +300,7 @@ struct Looked : Sim {
 };
 
 /// A bed that may break, but does not; and one of whose grains 1 % break in 1000 steps, one by one,
-/// into up to 12 fragments each: what it costs holds the steps of all the fragments so far.
+/// into up to 100 fragments each: what it costs holds the steps of all the fragments so far.
 void Report::breakage() {
   const silt::Breakage policy{
       silt::LogLogisticStrength{.median = 1e9, .at_diameter = 2e-3, .exponent = 0, .spread = 3},

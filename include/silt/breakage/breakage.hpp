@@ -22,7 +22,7 @@ namespace silt::inline SILT_TARGET {
 /// How particles break, beside the comminution functions.
 struct BreakageRules {
   double dust_below;                        // [m] diameter, > 0: fragments below it are dust
-  std::size_t most_fragments = 12;          // [-] of one particle; the rest of its mass is dust
+  std::size_t most_fragments = 100;         // [-] of one particle; the rest of its mass is dust
   double separation_speed = 0.1;            // [m/s] >= 0
   std::vector<std::size_t> materials = {};  // whose particles break; none: all
   std::uint64_t seed = 1;
@@ -76,8 +76,9 @@ struct Breakage {
   struct Fields {
     double strength = std::numeric_limits<double>::infinity();  // [N] or [J]
     double rests_until = 0;                                     // [s] it does not break before
+    double generation = 0;  // [-] 0: not a fragment; of fragments one more than of what broke
   };
-  static constexpr std::array names{"strength", "rests_until"};
+  static constexpr std::array names{"strength", "rests_until", "generation"};
 
   /// Before a run.
   template <class Sim>
@@ -119,6 +120,7 @@ struct BreakEvent {
   BreakCause cause = BreakCause::Pair;
   ParticleId first = no_particle;  // id of the first fragment; the others have the next ones
   std::size_t fragments = 0;
+  std::size_t generation = 0;  // [-] of the particle: 0 is one that is no fragment
   double dust = 0;  // [kg]
 };
 

@@ -163,7 +163,8 @@ class BreakAccess {
                      .velocity = p.velocity(), .diameter = broken.diameter, .mass = broken.mass,
                      .strength = own.strength, .load = due.load, .speed = due.speed,
                      .cause = due.cause, .first = s.next_.particle + all.size(),
-                     .fragments = sizes.masses.size(), .dust = sizes.dust};
+                     .fragments = sizes.masses.size(), .generation = static_cast<std::size_t>(own.generation),
+                     .dust = sizes.dust};
     if (event.fragments == 0) event.first = no_particle;
     ++stage.broken[static_cast<std::size_t>(due.cause)];
     add_dust(stage.dust, policy.sizes, broken, sizes, density, s.time_);
@@ -248,8 +249,10 @@ class BreakAccess {
     s.join(std::span<const Particle>(fragments), {});
     std::size_t k = from;
     for (const Parent& p : parents)
-      for (std::size_t n = 0; n < p.fragments; ++n)
-        copy_row(e.modules(), p.place, k++);
+      for (std::size_t n = 0; n < p.fragments; ++n, ++k) {
+        copy_row(e.modules(), p.place, k);
+        ++e.modules().template of<typename Sim::Composition::Breaking>()[k].generation;
+      }
     s.breaks_.start(e, s.breakage(), from, [&](ParticleId id) { return rests_until[id - first]; });
     e.remove_all(places, s.domain_, s.dt_);
   }

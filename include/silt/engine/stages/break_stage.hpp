@@ -69,7 +69,7 @@ class BreakStage {
     auto& fields = e.modules().template of<Policy>();
     for (std::size_t k = from; k < e.owners(); ++k) {
       const auto p = e.owner(k);
-      fields[k] = {};
+      fields[k] = {.generation = fields[k].generation};
       if (!p.is_there() || p.inverse_mass() == 0 || !policy.rules.breaks(p.material())) continue;
       const double rank = random_of(policy, p.id(), of_strength).open_uniform();
       fields[k].strength =
