@@ -50,6 +50,7 @@ int run(const example::Options& options) {
   stability::sticky(table);
   stability::light(table);
   stability::bonds(table);
+  stability::breakage(table);
   stability::no_numbers(table);
   table.print_end();
   table.write_csv(options.out + "/stability.csv");

@@ -89,6 +89,7 @@ void spins(Table& table);
 void sticky(Table& table);
 void light(Table& table);
 void bonds(Table& table);
+void breakage(Table& table);
 void no_numbers(Table& table);
 
 }  // namespace stability
