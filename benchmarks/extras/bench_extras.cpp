@@ -260,8 +260,8 @@ void Report::wear() {
 void Report::images() {
   const double w = bench::width_for(n_);
   const auto on_floor = [&](double more) {
-    auto sim = bench::bed(spheres_, w, 1,
-                          silt::PeriodicBox{{{0, 0, -1}, {w, w, 1}}, {true, true, false}});
+    auto sim =
+        bench::bed(spheres_, w, 1, silt::PeriodicBox{{{0, 0, -1}, {w, w, 1}}, {true, true, false}});
     sim.guard.through_meshes = true;  // as for wear
     for (std::size_t wall = 0; wall < 5; ++wall) sim.remove_wall(wall);
     sim.add_wall(silt::rectangle({-more, -more, 0}, {w + 2 * more, 0, 0}, {0, w + 2 * more, 0}),
@@ -296,7 +296,9 @@ void Report::bonds() {
 template <class Sim>
 struct Looked : Sim {
   silt::Schedule schedule;
-  void run(double duration) { Sim::run(duration, silt::at(schedule, [](auto&) {})); }
+  void run(double duration) {
+    Sim::run(duration, silt::at(schedule, [](auto&) {}));
+  }
 };
 
 /// A bed that may break, but does not; and one of whose grains 1 % break in 1000 steps, one by one,
@@ -360,8 +362,9 @@ int run(const example::Options& options, std::vector<std::size_t> sizes, std::si
 }  // namespace
 
 int main(int argc, char** argv) {
-  example::Command command("What additions cost: contact data, events, heat, charge, wear, bonds, breakage",
-                           example::Kind::Study, "out/bench-extras");
+  example::Command command(
+      "What additions cost: contact data, events, heat, charge, wear, bonds, breakage",
+      example::Kind::Study, "out/bench-extras");
   std::vector<std::size_t> sizes;
   std::size_t turns = 15;
   command.add("N", sizes, 1000, 10000000, "Spheres; default 5000 50000, with --quick 1000");

@@ -25,9 +25,8 @@ int main() {
   sim.gravity = {0, 0, -9.81};
 
   double fastest = 0;
-  sim.run(2e-3, silt::on_break([&](const silt::BreakEvent& b) {
-            fastest = std::max(fastest, b.speed);
-          }),
+  sim.run(2e-3,
+          silt::on_break([&](const silt::BreakEvent& b) { fastest = std::max(fastest, b.speed); }),
           silt::breakage_table("breakage.csv", silt::every(1e-4)));
 
   silt::SizeTable product = silt::sizes_present(sim);

@@ -85,9 +85,9 @@ Measures corner(double speed, double modulus, double e, double strength) {
 
 /// All grains of a block that touches three walls burst in one step.
 Measures burst(int side, std::size_t fragments, double separation) {
-  auto sim = scene(1e9, 0.5, 1e6,
-                   {.dust_below = 0.1 * radius, .most_fragments = fragments,
-                    .separation_speed = separation});
+  auto sim = scene(
+      1e9, 0.5, 1e6,
+      {.dust_below = 0.1 * radius, .most_fragments = fragments, .separation_speed = separation});
   Particles<Sphere> grains;
   for (int k = 0; k < side * side * side; ++k)
     grains.add({.position = {(1 + 2 * (k % side)) * radius, (1 + 2 * (k / side % side)) * radius,
@@ -115,8 +115,8 @@ Measures burst(int side, std::size_t fragments, double separation) {
   return all;
 }
 
-/// Grains that have burst into fragments of sizes up to 1:`ratio` are pressed by a piston that comes
-/// down by a tenth of their height.
+/// Grains that have burst into fragments of sizes up to 1:`ratio` are pressed by a piston that
+/// comes down by a tenth of their height.
 Measures piston(double ratio, double modulus) {
   auto sim = scene(modulus, 0.5, 1e6, {.dust_below = 2 * radius / ratio, .most_fragments = 30});
   Particles<Sphere> grains;
@@ -159,17 +159,16 @@ void breakage(Table& table) {
       for (const double speed : {0.1, 10.0, 100.0})
         table.row(text(speed, " m/s, E = ", 1e8 * std::max(1.0, speed * speed), " Pa, e = ", e,
                        ", strength ", strength, " N"),
-                  speed > 1 ? Setting::Extreme : Setting::Tame, [&] {
-                    return corner(speed, 1e8 * std::max(1.0, speed * speed), e, strength);
-                  });
+                  speed > 1 ? Setting::Extreme : Setting::Tame,
+                  [&] { return corner(speed, 1e8 * std::max(1.0, speed * speed), e, strength); });
 
   table.scene("A block of grains in a corner bursts in one step",
               "mass is kept, nothing is faster than the parting allows");
   for (const double separation : {0.0, 0.1, 1.0})
     for (const int side : table.quick ? std::vector{4} : std::vector{4, 10})
       for (const std::size_t fragments : {10, 100})
-        table.row(text(side * side * side, " grains, up to ", fragments, " fragments each, part at ",
-                       separation, " m/s"),
+        table.row(text(side * side * side, " grains, up to ", fragments,
+                       " fragments each, part at ", separation, " m/s"),
                   Setting::Tame, [&] { return burst(side, fragments, separation); });
 
   table.scene("A piston presses what eight grains have burst into, by a tenth",

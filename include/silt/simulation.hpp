@@ -396,13 +396,11 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   Domain domain_;
   [[no_unique_address]] Fluid fluid_;
   [[no_unique_address]] detail::ModuleStage<Modules, Domain> modules_;
-  [[no_unique_address]] mutable
-  typename detail::BondsOf<typename Composition::Bonds, Domain, typename Composition::Arch>::type
-      bonds_;
-  [[no_unique_address]]
-  std::conditional_t<has_bonds, std::vector<BondBreak>, Nothing> bonds_broken_;  // in this step
-  [[no_unique_address]]
-  typename detail::BreakStageOf<typename Composition::Breaking>::type breaks_;
+  [[no_unique_address]] mutable typename detail::BondsOf<typename Composition::Bonds, Domain,
+                                                         typename Composition::Arch>::type bonds_;
+  [[no_unique_address]] std::conditional_t<has_bonds, std::vector<BondBreak>, Nothing>
+      bonds_broken_;  // in this step
+  [[no_unique_address]] typename detail::BreakStageOf<typename Composition::Breaking>::type breaks_;
   [[no_unique_address]] decltype(particles_in_fluid()) in_fluid_;
   Engine engine_;
   detail::Openings<ShapeType, Domain> openings_;

@@ -16,8 +16,9 @@ namespace breakage_compositions_test {
 
 using namespace breakage_scene;  // NOLINT: of this test alone
 
-TEST_CASE("breakage by force: a grain between two plates breaks as the force reaches its strength, "
-          "and weakens once a press") {
+TEST_CASE(
+    "breakage by force: a grain between two plates breaks as the force reaches its strength, "
+    "and weakens once a press") {
   // Too slow for inertia: the force is Hertz' of the overlap at each plate.
   const double R = 1e-3, E = 2e9 / (1 - 0.25 * 0.25) / 2, strength = 5;
   const double deepest = std::pow(0.8 * strength / silt::hertz_stiffness(E, R), 2.0 / 3);
@@ -26,15 +27,17 @@ TEST_CASE("breakage by force: a grain between two plates breaks as the force rea
   silt::Simulation sim{std::move(grain), silt::Contacts<silt::HertzMindlin>{salt},
                        // All of one strength: so narrow is the distribution.
                        silt::Breakage{silt::LogLogisticStrength{strength, 2 * R, 0, 1e9},
-                                      silt::ForceEquivalence{}, silt::GaudinSchuhmann{1, 0.8},
+                                      silt::ForceEquivalence{},
+                                      silt::GaudinSchuhmann{1, 0.8},
                                       silt::PowerFatigue{.kappa = 0.1, .psi = 2},
                                       {.dust_below = 0.5 * R}}};
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, salt);
   const double presses = 1e-3;  // [s] each
-  const auto depth = [=](double t) {  // of the upper plate, twice that of each contact; it lifts off
-    const double phase = std::sin(std::numbers::pi * t / presses);
-    return 2 * deepest * (1.5 * phase * phase - 0.5);
-  };
+  const auto depth =
+      [=](double t) {  // of the upper plate, twice that of each contact; it lifts off
+        const double phase = std::sin(std::numbers::pi * t / presses);
+        return 2 * deepest * (1.5 * phase * phase - 0.5);
+      };
   sim.add_wall(silt::Plane{{0, 0, 2 * R}, {0, 0, -1}}, salt, [=](double t) {
     return silt::Pose{{}, {0, 0, -depth(t)}};
   });
@@ -60,8 +63,8 @@ TEST_CASE("breakage by force: a grain between two plates breaks as the force rea
 TEST_CASE("breakage: softened, in single precision, through a periodic box with inlet and outlet") {
   using Law = silt::Softened<silt::HertzMindlin>;
   const Law::Material soft{.solid = salt, .full_radius = 0.3e-3};
-  const Law::Material steel{.solid = {.youngs_modulus = 2e11, .poisson_ratio = 0.3,
-                                      .restitution = 0.5, .friction = 0.3}};
+  const Law::Material steel{
+      .solid = {.youngs_modulus = 2e11, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.3}};
   const auto run = [&](int threads) {
     silt::Contacts<Law, silt::SeveralMaterials> contacts{{soft, steel}};
     contacts.set_pair(soft, steel, {.restitution = 0.5, .friction = 0.3});
@@ -79,8 +82,11 @@ TEST_CASE("breakage: softened, in single precision, through a periodic box with 
     sim.add_wall(silt::Plane{{0, 0, 0}, {0, 1, 0}}, soft);
     sim.add_wall(silt::Plane{{0, 0.02, 0}, {0, -1, 0}}, soft);
     sim.add_inlet(silt::Box{{0, 0.002, 0.03}, {0.04, 0.018, 0.05}},
-                  {.radius = silt::uniform(0.9e-3, 1.1e-3), .density = 2165, .rate = 2e5,
-                   .velocity = {3, 0, -11}, .material = 0});
+                  {.radius = silt::uniform(0.9e-3, 1.1e-3),
+                   .density = 2165,
+                   .rate = 2e5,
+                   .velocity = {3, 0, -11},
+                   .material = 0});
     sim.add_outlet(silt::Box{{-1, -1, 0.06}, {1, 1, 1}});
     // A grain that hammers a softened fragment into the floor goes in deep.
     sim.guard.max_overlap = 0.9;

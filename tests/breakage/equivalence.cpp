@@ -29,11 +29,13 @@ silt::HertzImpact on_wall(double diameter, double speed) {
 Impact impact(double diameter, double speed, double restitution = 0.6) {
   auto hertz = on_wall(diameter, speed);
   hertz.zeta = silt::damping_ratio(restitution, DampingEnd::ZeroOverlap);
-  return {diameter,    hertz.m_eff, speed, hertz.m_eff, hertz.R_eff,
-          silt::hertz_max_elastic_force(hertz), nan, true};
+  return {diameter,    hertz.m_eff, speed,
+          hertz.m_eff, hertz.R_eff, silt::hertz_max_elastic_force(hertz),
+          nan,         true};
 }
 
-TEST_CASE("HertzEquivalence: the elastic force of a damped impact, by the table of overlap ratios") {
+TEST_CASE(
+    "HertzEquivalence: the elastic force of a damped impact, by the table of overlap ratios") {
   const double table[][2] = {{1, 1},       {.95, .97990}, {.9, .95959}, {.8, .91830},
                              {.7, .87599}, {.6, .83247},  {.5, .78747}, {.4, .74060},
                              {.3, .69116}, {.2, .63779},  {.1, .57685}, {.05, .53941}};

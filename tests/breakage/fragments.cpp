@@ -43,8 +43,9 @@ TEST_CASE("breakage: placed fragments lie inside, about one centre of mass, and 
   }
 }
 
-TEST_CASE("breakage: a spinning grain in free flight becomes fragments of its mass, momentum and "
-          "angular momentum; they part without a push") {
+TEST_CASE(
+    "breakage: a spinning grain in free flight becomes fragments of its mass, momentum and "
+    "angular momentum; they part without a push") {
   // No dust: with a breakage function of coarse fragments alone the sums are those of the grain.
   silt::Particles<silt::Sphere> grain;
   grain.add({.position = {0.01, 0.02, 0.03},
@@ -61,12 +62,12 @@ TEST_CASE("breakage: a spinning grain in free flight becomes fragments of its ma
     sim.break_particle(0);
     double dust = 0;
     sim.run(2e-8, silt::on_break([&](const silt::BreakEvent& b) {
-      dust = b.dust;
-      CHECK(b.id == 0);
-      CHECK(b.cause == silt::BreakCause::Asked);
-      CHECK(b.fragments == sim.size());
-      CHECK(b.mass == near(before.mass).epsilon(1e-14));
-    }));
+              dust = b.dust;
+              CHECK(b.id == 0);
+              CHECK(b.cause == silt::BreakCause::Asked);
+              CHECK(b.fragments == sim.size());
+              CHECK(b.mass == near(before.mass).epsilon(1e-14));
+            }));
     CHECK(sim.broken() == 1);
     CHECK(sim.size() > 3);
     const Sums after = sums_of(sim);
@@ -104,7 +105,8 @@ TEST_CASE("breakage: what sets fragments apart is bounded by the speed of partin
     sim.run(0.02);
     double most = 0;
     for (std::size_t k = 0; k < sim.rows(); ++k)
-      if (sim.is_present(k) && sim.position(k).x < 0.5) most = std::max(most, norm(sim.velocity(k)));
+      if (sim.is_present(k) && sim.position(k).x < 0.5)
+        most = std::max(most, norm(sim.velocity(k)));
     // A pair gets 2 m* v^2 at most, which is 2 v for a light one at a heavy one; several push.
     CHECK(most <= 4 * speed);
     if (speed > 0) CHECK(most > 0.1 * speed);

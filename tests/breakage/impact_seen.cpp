@@ -46,13 +46,14 @@ silt::Impact seen(const typename Law::Material& material) {
   return Probe::last;
 }
 
-TEST_CASE("breakage: an impact at touch tells the spring's largest force, with the solid's modulus") {
+TEST_CASE(
+    "breakage: an impact at touch tells the spring's largest force, with the solid's modulus") {
   using Soft = silt::Softened<silt::HertzMindlin>;
   const double mass = density * silt::Sphere::volume(radius);
   for (const double e : {1.0, 0.8, 0.4}) {
-    const double hertz = silt::hertz_max_elastic_force(
-        {silt::effective_modulus(2e9, 0.25, 2e9, 0.25), radius, mass, speed,
-         silt::damping_ratio(e, silt::DampingEnd::ZeroForce)});
+    const double hertz =
+        silt::hertz_max_elastic_force({silt::effective_modulus(2e9, 0.25, 2e9, 0.25), radius, mass,
+                                       speed, silt::damping_ratio(e, silt::DampingEnd::ZeroForce)});
     const silt::HertzMindlin::Material solid{
         .youngs_modulus = 2e9, .poisson_ratio = 0.25, .restitution = e, .friction = 0.3};
     const silt::Impact plain = seen<silt::HertzMindlin>(solid);

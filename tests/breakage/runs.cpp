@@ -22,9 +22,9 @@ using silt_test::has, silt_test::refusal;
 std::vector<double> bits(const Sim& sim) {
   // Of the books what does not depend on which steps were observed.
   const auto e = sim.energy();
-  std::vector<double> all{sim.time(),          static_cast<double>(sim.broken()),
-                          sim.dust().mass(),   sim.dust().number(),
-                          e.parting,           e.breaking};
+  std::vector<double> all{sim.time(),        static_cast<double>(sim.broken()),
+                          sim.dust().mass(), sim.dust().number(),
+                          e.parting,         e.breaking};
   for (silt::ParticleId id = 0; id < 10000; ++id) {
     const std::size_t k = sim.find(id);
     if (k == sim.rows()) continue;
@@ -44,10 +44,10 @@ TEST_CASE("breakage: the books of a shower of grains close, of mass and of energ
     std::size_t told = 0;
     double dust = 0;
     sim.run(1.2e-3, silt::on_break([&](const silt::BreakEvent& b) {
-      ++told, dust += b.dust;
-      CHECK(b.load >= b.strength);
-      CHECK(b.cause != silt::BreakCause::Asked);
-    }));
+              ++told, dust += b.dust;
+              CHECK(b.load >= b.strength);
+              CHECK(b.cause != silt::BreakCause::Asked);
+            }));
     CHECK(sim.broken() == told);
     CHECK(told > 40);
     CHECK(sim.size() > 300);
@@ -66,14 +66,15 @@ TEST_CASE("breakage: the books of a shower of grains close, of mass and of energ
   }
 }
 
-TEST_CASE("breakage: the same bits for any number of threads, with observers, and after a restart") {
+TEST_CASE(
+    "breakage: the same bits for any number of threads, with observers, and after a restart") {
   const auto run = [](int threads, bool observed) {
     auto sim = shower(120);
     sim.time_step = 1.5e-7, sim.threads = threads;
     std::size_t looked = 0;
     if (observed)
       sim.run(9e-4, silt::at<silt::ActionKind::Reads>(silt::every(3.1e-6),
-                                                       [&](const auto&) { ++looked; }));
+                                                      [&](const auto&) { ++looked; }));
     else
       sim.run(9e-4);
     CHECK(sim.broken() > 30);
@@ -91,9 +92,9 @@ TEST_CASE("breakage: the same bits for any number of threads, with observers, an
   // Saved while some are due to break before the next step.
   std::size_t due = 0, saved = 0;
   first.run(4e-4, silt::at<silt::ActionKind::Saves>(silt::every(1.5e-7), [&](const auto& s) {
-    if (saved == 0 && s.time() > 2.5e-4 && s.breaks_due() > 0)
-      due = s.breaks_due(), ++saved, silt::save_checkpoint(s, file);
-  }));
+              if (saved == 0 && s.time() > 2.5e-4 && s.breaks_due() > 0)
+                due = s.breaks_due(), ++saved, silt::save_checkpoint(s, file);
+            }));
   CHECK(due > 0);
   first.run(2e-4);
   auto second = shower(120);
@@ -106,8 +107,9 @@ TEST_CASE("breakage: the same bits for any number of threads, with observers, an
 
   auto other = shower(120, policy({.dust_below = 0.3e-3, .seed = 2}));
   has(refusal([&] { silt::load_checkpoint(other, file); }), "breakage: seed");
-  auto weaker = shower(120, policy({.dust_below = 0.3e-3}, {.median = 7, .at_diameter = 2e-3,
-                                                            .exponent = 1.6, .spread = 3}));
+  auto weaker =
+      shower(120, policy({.dust_below = 0.3e-3},
+                         {.median = 7, .at_diameter = 2e-3, .exponent = 1.6, .spread = 3}));
   has(refusal([&] { silt::load_checkpoint(weaker, file); }), "the strength's");
   std::filesystem::remove_all(folder);
 }
@@ -132,9 +134,15 @@ TEST_CASE("breakage: the share that breaks at a plate is the selection function"
     const double m = 2165 * silt::sphere_volume(R);
     const double E = 2e9 / (1 - 0.25 * 0.25) / 2;
     const double zeta = silt::damping_ratio(0.5, silt::DampingEnd::ZeroForce);
-    const silt::Impact impact{.diameter = 2 * R, .mass = m, .speed = speed, .m_eff = m, .R_eff = R,
-                              .elastic_force = silt::hertz_max_elastic_force({E, R, m, speed, zeta}),
-                              .contact_force = NAN, .at_wall = true};
+    const silt::Impact impact{
+        .diameter = 2 * R,
+        .mass = m,
+        .speed = speed,
+        .m_eff = m,
+        .R_eff = R,
+        .elastic_force = silt::hertz_max_elastic_force({E, R, m, speed, zeta}),
+        .contact_force = NAN,
+        .at_wall = true};
     const double expected = silt::selection(strong, silt::HertzEquivalence{}, impact);
     CHECK(expected > 0.05);
     CHECK(expected < 0.95);

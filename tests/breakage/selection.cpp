@@ -25,7 +25,7 @@ silt::Impact of_S(double d, double speed, bool at_wall) {
                                 .R_eff = at_wall ? d / 2 : d / 4,
                                 .m_eff = at_wall ? mass : mass / 2,
                                 .speed = speed};
-  return {d, mass, speed,  hertz.m_eff, hertz.R_eff, silt::hertz_max_elastic_force(hertz),
+  return {d,   mass,   speed, hertz.m_eff, hertz.R_eff, silt::hertz_max_elastic_force(hertz),
           0.0, at_wall};
 }
 constexpr silt::LogLogisticStrength S{

@@ -13,9 +13,11 @@
 #include <silt/breakage/concept.hpp>
 #include <silt/breakage/fatigue.hpp>
 #include <silt/breakage/impact.hpp>
+#include <silt/breakage/sizes.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/position_row.hpp>
 #include <silt/core/vec3.hpp>
+#include <silt/fill/size_distribution.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -44,13 +46,14 @@ struct BreakageRules {
 /// An impact is weighed as it begins, by its speed at first touch; with ForceEquivalence in each
 /// step, by the normal force of the contact, damping included. What it does not break it weakens,
 /// as `fatigue` says: once a contact. Fragments lie inside the particle that they come from and
-/// have its velocity and rotation, its momentum and angular momentum; what they overlap by at birth,
-/// with each other, neighbours and walls, is left out of their contacts, and shrinks at
+/// have its velocity and rotation, its momentum and angular momentum; what they overlap by at
+/// birth, with each other, neighbours and walls, is left out of their contacts, and shrinks at
 /// `separation_speed`. Until the particle would have gone its own diameter at the impact's speed,
 /// they do not break: the breakage function says what the whole impact leaves.
 ///
 /// Strengths are drawn by seed and id, fragments likewise: results depend on nothing else.
-/// Source:  T. Brosh, H. Kalman, A. Levy, Particuology 12 (2014) 113, for the system of functions and
+/// Source:  T. Brosh, H. Kalman, A. Levy, Particuology 12 (2014) 113, for the system of functions
+/// and
 ///          the table of dust; the placing of fragments is silt's.
 /// Errors:  InputError naming field, value, unit and allowed range.
 /// Tests:   tests/breakage/.
@@ -101,12 +104,21 @@ struct Breakage {
             "BreakageRules.dust_below = ", rules.dust_below,
             " [m] is not below the diameter of the largest particle, ", largest,
             " m: whatever broke would be dust; lower it");
+    if (largest > 0) {
+      const double mass = 2500 * sphere_volume(largest / 2),
+                   middle = strength.strength(largest, mass, 0.5);
+      check_sizes(sizes, {largest, mass, middle, 1.5 * middle, 10});
+    }
   }
 };
 template <class S, class E, class B>
 Breakage(S, E, B, BreakageRules) -> Breakage<S, E, B>;
 
-enum class BreakCause { Pair, Wall, Asked };  // impact on another particle, on a wall; break_particle()
+enum class BreakCause {
+  Pair,
+  Wall,
+  Asked
+};  // impact on another particle, on a wall; break_particle()
 
 /// A particle that broke, for on_break().
 struct BreakEvent {
@@ -121,7 +133,7 @@ struct BreakEvent {
   ParticleId first = no_particle;  // id of the first fragment; the others have the next ones
   std::size_t fragments = 0;
   std::size_t generation = 0;  // [-] of the particle: 0 is one that is no fragment
-  double dust = 0;  // [kg]
+  double dust = 0;             // [kg]
 };
 
 /// Where the mass of a simulation is [kg]. `fed`: all that was added or came through inlets;

@@ -23,8 +23,8 @@ class ImpactEnergies {
     ++one.count, one.energy += energy;
   }
   struct Class {
-    double from, to;                  // [J]
-    std::uint64_t at_walls, in_pairs;  // [-]
+    double from, to;                    // [J]
+    std::uint64_t at_walls, in_pairs;   // [-]
     double walls_energy, pairs_energy;  // [J] their sum
   };
   /// Those from the first to the last that had an impact.

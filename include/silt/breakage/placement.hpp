@@ -45,7 +45,8 @@ inline std::vector<Vec3d> place_fragments(std::span<const double> radii,
   }
   Vec3d moment{0, 0, 0};
   double mass = 0;
-  for (std::size_t k = 0; k < places.size(); ++k) moment += masses[k] * places[k], mass += masses[k];
+  for (std::size_t k = 0; k < places.size(); ++k)
+    moment += masses[k] * places[k], mass += masses[k];
   double scale = 1;  // that brings all inside again
   for (std::size_t k = 0; k < places.size(); ++k) {
     places[k] -= (1 / mass) * moment;

@@ -120,7 +120,9 @@ struct TavaresStrength {
   double contact_stiffness_ratio;  // [-] kp/kst >= 0, of the particle and the steel that hit it
   double largest_ratio = std::numeric_limits<double>::infinity();  // [-] Emax/E50 > 0; inf: none
   static constexpr LoadUnit unit = LoadUnit::Energy;
-  static constexpr std::array names{"infinite", "at_diameter", "exponent", "deviation", "contact_stiffness_ratio", "largest_ratio"};
+  static constexpr std::array names{
+      "infinite",     "at_diameter", "exponent", "deviation", "contact_stiffness_ratio",
+      "largest_ratio"};
 
   double strength(double diameter, double mass, double rank) const {
     const double star = std::exp(deviation * detail::normal_quantile(rank));  // E*/E50

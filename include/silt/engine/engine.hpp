@@ -16,9 +16,9 @@
 #include <silt/engine/advance/tables.hpp>
 #include <silt/engine/advance/wall_motion.hpp>
 #include <silt/engine/checks/wall_stiffness.hpp>
+#include <silt/engine/contact/begin_contacts.hpp>
 #include <silt/engine/contact/contact_memory.hpp>
 #include <silt/engine/contact/pair_kinds_of.hpp>
-#include <silt/engine/lists/begin_contacts.hpp>
 #include <silt/engine/lists/near_lists.hpp>
 #include <silt/engine/spheres/pair_pipeline.hpp>
 #include <silt/engine/stages_of_shape.hpp>
@@ -74,7 +74,7 @@ class Engine : public Tables<Composition> {
   EnergyOf<ContactsType, double> contact_energy = start_energy<ContactsType, double>();
   static constexpr bool has_events = keeps_events<ContactsType>;
   [[no_unique_address]] ImpactsOf<ContactsType> impacts;  // of the last step
-  double parted = 0;  // [J] likewise
+  double parted = 0;                                      // [J] likewise
   [[no_unique_address]] std::conditional_t<has_events, ContactLog, NoContactLog> events;
 
   void set_threads(int threads) {

@@ -175,7 +175,8 @@ class Checkpoint {
   using BondStage = std::remove_cvref_t<decltype(std::declval<Sim&>().bonds_)>;
   using BondsState = detail::BondsState<BondStage>;
   using BreaksState =
-      If<Sim::has_breakage, detail::BreaksState<std::remove_cvref_t<decltype(std::declval<Sim&>().breaks_)>>>;
+      If<Sim::has_breakage,
+         detail::BreaksState<std::remove_cvref_t<decltype(std::declval<Sim&>().breaks_)>>>;
   static void describe_breaks([[maybe_unused]] const Sim& sim,
                               [[maybe_unused]] detail::SceneDescription& scene) {
     if constexpr (Sim::has_breakage)

@@ -21,7 +21,7 @@ namespace silt::inline SILT_TARGET::detail {
 template <class Stage>
 struct BreaksState {
   std::vector<std::uint64_t> due_ids, due_cause, broken;
-  std::vector<double> due, fed, dust, left, impacts;        // due: load and speed of each
+  std::vector<double> due, fed, dust, left, impacts;  // due: load and speed of each
 
   static BreaksState of(const Stage& stage) {
     BreaksState s;
@@ -76,7 +76,8 @@ struct BreaksState {
   void put(Stage& stage) const {
     stage.due.clear(), stage.events.clear();
     for (std::size_t k = 0; k < due_ids.size(); ++k)
-      stage.due.push_back({due_ids[k], due[2 * k], due[2 * k + 1], static_cast<BreakCause>(due_cause[k])});
+      stage.due.push_back(
+          {due_ids[k], due[2 * k], due[2 * k + 1], static_cast<BreakCause>(due_cause[k])});
     std::copy(broken.begin(), broken.end(), stage.broken.begin());
     stage.fed = {fed[0], fed[1]}, stage.parted = fed[2];
     stage.dust.restore(dust), stage.left.restore(left), stage.impacts.restore(impacts);

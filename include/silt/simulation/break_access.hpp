@@ -60,8 +60,8 @@ class BreakAccess {
   std::size_t breaks_due() const requires(S::has_breakage) {
     return sim().breaks_.due.size();
   }
-  /// Breaks the particle with this id before the next step, whatever its strength, as by a load that
-  /// just reaches it. InputError: there is none, or its material does not break.
+  /// Breaks the particle with this id before the next step, whatever its strength, as by a load
+  /// that just reaches it. InputError: there is none, or its material does not break.
   template <class S = Sim>
   void break_particle(ParticleId id) requires(S::has_breakage) {
     auto& s = sim();
@@ -100,11 +100,16 @@ class BreakAccess {
     using Law = typename Sim::ContactsType::Law;
     using Policy = typename Sim::Composition::Breaking;
     // Throws where the load needs what the law, or the kind of breakage, does not tell.
-    Impact probe{.diameter = 1, .mass = 1, .speed = 1, .m_eff = 1, .R_eff = 1,
-                 .elastic_force = Policy::by_force ? NAN
-                                                   : elastic_force<Law>(
-                                                         s.engine_.coefficients.law[0], 1, 1, 1),
-                 .contact_force = Policy::by_force ? 1 : NAN, .at_wall = false};
+    Impact probe{.diameter = 1,
+                 .mass = 1,
+                 .speed = 1,
+                 .m_eff = 1,
+                 .R_eff = 1,
+                 .elastic_force = Policy::by_force
+                                      ? NAN
+                                      : elastic_force<Law>(s.engine_.coefficients.law[0], 1, 1, 1),
+                 .contact_force = Policy::by_force ? 1 : NAN,
+                 .at_wall = false};
     s.breakage().equivalence.load(probe);
     s.breaks_.measure(s.engine_);
   }
@@ -159,11 +164,19 @@ class BreakAccess {
     const FragmentSizes sizes =
         fragment_sizes(policy.sizes, broken, density,
                        {policy.rules.dust_below, policy.rules.most_fragments}, random);
-    BreakEvent event{.id = due.id, .time = s.time_, .position = p.centre(),
-                     .velocity = p.velocity(), .diameter = broken.diameter, .mass = broken.mass,
-                     .strength = own.strength, .load = due.load, .speed = due.speed,
-                     .cause = due.cause, .first = s.next_.particle + all.size(),
-                     .fragments = sizes.masses.size(), .generation = static_cast<std::size_t>(own.generation),
+    BreakEvent event{.id = due.id,
+                     .time = s.time_,
+                     .position = p.centre(),
+                     .velocity = p.velocity(),
+                     .diameter = broken.diameter,
+                     .mass = broken.mass,
+                     .strength = own.strength,
+                     .load = due.load,
+                     .speed = due.speed,
+                     .cause = due.cause,
+                     .first = s.next_.particle + all.size(),
+                     .fragments = sizes.masses.size(),
+                     .generation = static_cast<std::size_t>(own.generation),
                      .dust = sizes.dust};
     if (event.fragments == 0) event.first = no_particle;
     ++stage.broken[static_cast<std::size_t>(due.cause)];
@@ -187,8 +200,7 @@ class BreakAccess {
     constexpr double factor = Sim::ShapeType::inertia_factor();
     Vec3d w{0, 0, 0};
     if constexpr (Sim::rotates)
-      if (!radii.empty())
-        w = shared_rotation(p, places, radii, sizes.masses, whole / p.mass());
+      if (!radii.empty()) w = shared_rotation(p, places, radii, sizes.masses, whole / p.mass());
     double energy = 0;
     for (std::size_t k = 0; k < radii.size(); ++k) {
       Particle one{};
@@ -208,8 +220,7 @@ class BreakAccess {
                                std::span<const double> radii, std::span<const double> masses,
                                double share) {
     constexpr double factor = Sim::ShapeType::inertia_factor();
-    const Vec3d L =
-        (share * factor * p.mass() * p.radius() * p.radius()) * p.angular_velocity();
+    const Vec3d L = (share * factor * p.mass() * p.radius() * p.radius()) * p.angular_velocity();
     const Vec3d w = rotation_of_fragments(places, radii, masses, factor, L);
     const double energy = dot(L, w), most = dot(L, p.angular_velocity());
     return share < 1 - 1e-9 && energy > most ? std::sqrt(most / energy) * w : w;

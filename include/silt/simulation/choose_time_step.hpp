@@ -56,11 +56,10 @@ double Simulation<Policies...>::expected_speed() const {
   // Walls where they may touch particles, which are more than their centres.
   const Box near = scene.grown(largest);
   Vec3d period{0, 0, 0};  // that walls repeat with
-  if constexpr (Domain::periodic && !detail::deforms<Domain>)
-    period = detail::period_of(domain_);
+  if constexpr (Domain::periodic && !detail::deforms<Domain>) period = detail::period_of(domain_);
   for (const auto& w : engine_.walls)
-    speed = std::max(
-        speed, detail::speed_near(w, detail::region_with_images(near, w, period), time_));
+    speed =
+        std::max(speed, detail::speed_near(w, detail::region_with_images(near, w, period), time_));
   for (const auto& w : engine_.walls)
     for (const auto& s : w.surfaces) {
       const Box b = detail::bounds_in_space(w, s);
@@ -109,9 +108,8 @@ double Simulation<Policies...>::chosen_time_step() const {
   double of_springs = INFINITY;
   for (const Wall& wall : engine_.walls)
     of_springs = std::min(of_springs, detail::spring_step(wall.drive));
-  return std::min(
-      {shortest->time / 20, 0.5 * longest_travel_step(speed), longest_module_step(), of_springs,
-       this->longest_bond_step()});
+  return std::min({shortest->time / 20, 0.5 * longest_travel_step(speed), longest_module_step(),
+                   of_springs, this->longest_bond_step()});
 }
 
 /// In which nothing at this speed [m/s] goes farther than guard.max_travel allows [s].

@@ -54,7 +54,7 @@ struct EnergyBalance {
   double fluid;            // work of the fluid on particles that are not fixed
   double modules;          // work of modules that push, likewise
   double box;              // work of a DeformingBox; kinetic energies are relative to its flow
-  double parting;   // as fragments that overlap at birth are set apart (Breakage)
+  double parting;          // as fragments that overlap at birth are set apart (Breakage)
   double stiffening;  // by laws that remember the tangential displacement while the stiffness grows
                       // (TangentialMemory::Displacement of Hertz' contacts, Dcdem): from nothing
 
@@ -121,8 +121,8 @@ class EnergyBook {
   /// Of contacts that were ended from outside (EndedContacts): work of forces that are no springs.
   void ended(const ContactEnergy<double>& work) { work_.add(work); }
   /// Books the dashpots of bonds, of the power [W] that their forces have at the velocities of half
-  /// a step ago. The work of a force F_n in the leapfrog is F_n (v_n-1/2 + v_n+1/2)/2; with F_n = -c
-  /// v_n-1/2 that is P_n 3/4 + P_n-1 1/4 summed over steps, to second order in the step.
+  /// a step ago. The work of a force F_n in the leapfrog is F_n (v_n-1/2 + v_n+1/2)/2; with F_n =
+  /// -c v_n-1/2 that is P_n 3/4 + P_n-1 1/4 summed over steps, to second order in the step.
   void bonds_damped(double power, double time_step) {
     bond_damping_ -= time_step * (0.75 * power + 0.25 * last_bond_power_);
     last_bond_power_ = power;
@@ -147,10 +147,10 @@ class EnergyBook {
 
   // The books as numbers, for a checkpoint.
   std::vector<double> state() const {
-    std::vector<double> all{of_walls_,         openings_, changed_gravity_, initial_,
-                            last_fixed_power_, of_fluid_, since_asked_,     last_power_,
-                            damped_,           friction_, of_modules_,
-                            bond_damping_,     bond_breaking_, last_bond_power_, breaking_};
+    std::vector<double> all{of_walls_,         openings_,        changed_gravity_, initial_,
+                            last_fixed_power_, of_fluid_,        since_asked_,     last_power_,
+                            damped_,           friction_,        of_modules_,      bond_damping_,
+                            bond_breaking_,    last_bond_power_, breaking_};
     for (const auto* e : {&stored_, &at_start_, &work_}) {
       const auto values = ContactEnergy<double>::values(*e);
       all.insert(all.end(), values.begin(), values.end());
@@ -221,11 +221,11 @@ class EnergyBook {
   double of_walls_ = 0, openings_ = 0, changed_gravity_ = 0, initial_ = 0, last_fixed_power_ = 0;
   double of_fluid_ = 0, of_modules_ = 0;
   double breaking_ = 0, bond_damping_ = 0, bond_breaking_ = 0;  // [J]
-  double last_bond_power_ = 0;                   // [W] of their dashpots
-  double since_asked_ = 0;  // [s]
-  double last_power_ = 0;   // [W] of tangential dashpots when last asked
-  double damped_ = 0;       // [J] by them, integrated
-  double friction_ = 0;     // [J]
+  double last_bond_power_ = 0;                                  // [W] of their dashpots
+  double since_asked_ = 0;                                      // [s]
+  double last_power_ = 0;  // [W] of tangential dashpots when last asked
+  double damped_ = 0;      // [J] by them, integrated
+  double friction_ = 0;    // [J]
 };
 
 }  // namespace detail

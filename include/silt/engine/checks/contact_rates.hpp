@@ -183,9 +183,7 @@ class ContactRates {
   };
 
   void add_spheres(const Domain& domain) {
-    e_.lists.pairs.for_each([&](std::size_t k) {
-      add_pair(k, domain);
-    });
+    e_.lists.pairs.for_each([&](std::size_t k) { add_pair(k, domain); });
     for_each_wall_contact(e_, back_, [&](const WallCandidate& c, const SurfacePoint& point) {
       const double r = e_.particles.position[c.particle].r, depth = r - point.distance;
       const double inv_m = e_.particles.motion[c.particle].inv_m;

@@ -19,8 +19,8 @@ namespace silt::inline SILT_TARGET::detail {
 /// What the ledger misses where spheres leave in the middle of their contacts: the energy in the
 /// normal springs half a step after the last forces, and the second half of the work of all other
 /// forces of that step. With it the books close to second order in the step, as for contacts that
-/// end by themselves. Springs along the surface need nothing: what they hold as they end is friction.
-/// Tests: tests/breakage/ledger.cpp.
+/// end by themselves. Springs along the surface need nothing: what they hold as they end is
+/// friction. Tests: tests/breakage/ledger.cpp.
 template <class EngineType, class Domain>
 class EndedContacts {
   using C = typename EngineType::Contacts;
@@ -28,8 +28,8 @@ class EndedContacts {
   using Kernel = ContactKernel<C, double>;
 
  public:
-  double normal = 0;                                     // [J] in normal springs
-  ContactEnergy<double> work = no_energy<double>();      // [J] of the other forces
+  double normal = 0;                                 // [J] in normal springs
+  ContactEnergy<double> work = no_energy<double>();  // [J] of the other forces
 
   /// Of the contacts of these rows, sorted; `since` [s]: how long ago the last forces acted on the
   /// present positions.
@@ -79,7 +79,8 @@ class EndedContacts {
     const auto& m = e_.particles.motion[c.particle];
     const double r = e_.particles.position[c.particle].r;
     // Its own slot: the only one, or that which had nearly this normal.
-    const std::size_t slots = std::remove_cvref_t<decltype(all)>::slots_of(wall.surfaces[c.surface]);
+    const std::size_t slots =
+        std::remove_cvref_t<decltype(all)>::slots_of(wall.surfaces[c.surface]);
     std::size_t slot = c.slot;
     for (std::size_t s = 0; slots > 1 && s < slots; ++s)
       if (all.slot(c.slot + s).touching && dot(all.slot(c.slot + s).normal, point.normal) > 0.8)
@@ -87,8 +88,8 @@ class EndedContacts {
     const Vec3d contact = place_before(e_, c.particle, since_) - point.distance * point.normal;
     Kinematics<double> kin{};
     kin.normal = point.normal, kin.overlap = r - point.distance;
-    kin.velocity = m.velocity() -
-                   velocity_at_contact(wall, all.seen(c, contact), point.normal, dt_);
+    kin.velocity =
+        m.velocity() - velocity_at_contact(wall, all.seen(c, contact), point.normal, dt_);
     kin.R_eff = r, kin.inverse_m_eff = m.inv_m, kin.m_eff = 1 / m.inv_m;
     Vec3d turn{0, 0, 0};
     if constexpr (C::rotates) {
@@ -106,7 +107,8 @@ class EndedContacts {
   void add(Kinematics<double> kin, const Radii<double>& radii, const Vec3d& turn, std::size_t kind,
            const History& history) {
     const double v = dot(kin.velocity, kin.normal), half = 0.5 * dt_;
-    if constexpr (keeps_offset<C>) kin.overlap -= std::clamp(history(C::offset_from), 0.0, std::max(kin.overlap, 0.0));
+    if constexpr (keeps_offset<C>)
+      kin.overlap -= std::clamp(history(C::offset_from), 0.0, std::max(kin.overlap, 0.0));
     if (!(kin.overlap > 0)) return;  // or a partner has left
     work.dashpot += half * history(C::kept_from) * v;
     if constexpr (is_frictional<Law>) {
@@ -124,9 +126,9 @@ class EndedContacts {
     }
     kin.overlap = std::max(kin.overlap - half * v, 0.0);
     kin.velocity = kin.spin = {0, 0, 0};
-    normal += stored_by<Law, double>(Kernel::contact(kin, radii, dt_, 0.5),
-                                     e_.coefficients.law[kind], h)
-                  .normal;
+    normal +=
+        stored_by<Law, double>(Kernel::contact(kin, radii, dt_, 0.5), e_.coefficients.law[kind], h)
+            .normal;
   }
   template <class History>
   static Vec3d at(const History& history, std::size_t h) {

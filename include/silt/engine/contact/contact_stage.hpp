@@ -253,8 +253,8 @@ struct ContactStage {
   }
 
  private:
-  /// Lets the offsets of a block shrink: of contacts that store no more than 2 m* v^2 at the speed v
-  /// of parting, which then gives a pair of particles no more than that.
+  /// Lets the offsets of a block shrink: of contacts that store no more than 2 m* v^2 at the speed
+  /// v of parting, which then gives a pair of particles no more than that.
   template <class Block, std::size_t H>
   void part(const Block& block, std::size_t count, const std::uint16_t* kinds,
             const std::array<Scalar*, H>& history, detail::Tally<ContactsType>& sum) const {

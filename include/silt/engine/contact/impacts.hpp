@@ -91,14 +91,14 @@ class ImpactWatch {
       const Real last = load<Real>(kept + k), overlap = load<Real>(block.overlap + k);
       const auto touching = overlap > zero;
       if (!any(touching || abs(last) > zero)) continue;
-      const Vec3<Real> normal = load3<Real>(block.normal[0] + k, block.normal[1] + k,
-                                            block.normal[2] + k);
-      const Real force = select(
-          touching, max(dot(block.template get_load<Real>(k).force, normal), zero), zero);
+      const Vec3<Real> normal =
+          load3<Real>(block.normal[0] + k, block.normal[1] + k, block.normal[2] + k);
+      const Real force =
+          select(touching, max(dot(block.template get_load<Real>(k).force, normal), zero), zero);
       const Real largest = abs(last);
       const auto rises = force > largest, falls = last > zero && force < Real(Scalar(0.5)) * last;
-      silt::store(kept + k, select(touching, select(rises, force, select(falls, -last, last)),
-                                   zero));
+      silt::store(kept + k,
+                  select(touching, select(rises, force, select(falls, -last, last)), zero));
       for (std::uint64_t bits = lane_bits(rises && force > least); bits != 0; bits &= bits - 1)
         note_force(block, k, bits, force, kinds, ends, false, notes);
       for (std::uint64_t bits = lane_bits(falls && largest > zero); bits != 0; bits &= bits - 1)

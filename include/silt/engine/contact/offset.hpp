@@ -8,11 +8,11 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// A Contacts type some of whose contacts begin with an overlap, as a bond has broken, or a particle
-/// into fragments: it is left out of the contact. The offset never grows: each step it is at most
-/// the overlap, so that the contact is a usual one once the partners have parted, and gives no
-/// energy that they did not put in. Of fragments it shrinks at StepTimes::parting: what that gives
-/// is Tally::parted.
+/// A Contacts type some of whose contacts begin with an overlap, as a bond has broken, or a
+/// particle into fragments: it is left out of the contact. The offset never grows: each step it is
+/// at most the overlap, so that the contact is a usual one once the partners have parted, and gives
+/// no energy that they did not put in. Of fragments it shrinks at StepTimes::parting: what that
+/// gives is Tally::parted.
 template <class ContactsType>
 struct WithOffset : ContactsType {
   static constexpr std::size_t offset_from = ContactsType::history;

@@ -22,8 +22,8 @@ struct StepTimes {
   static constexpr int at_rest_after = 2000, look_at_rest_every = 8;  // steps
   bool renew_areas = true;  // contacts of smooth bodies find their points anew (contact_area.hpp)
   static constexpr int areas_every = 8;  // steps
-  double parting = 0;      // [m/s] at which offsets shrink
-  double weak_from = 0;    // [N] forces up to which nothing breaks
+  double parting = 0;                    // [m/s] at which offsets shrink
+  double weak_from = 0;                  // [N] forces up to which nothing breaks
   ContactRecord* record = nullptr;       // takes this step's contacts, if somebody asks
 };
 

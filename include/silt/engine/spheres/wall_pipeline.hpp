@@ -373,7 +373,8 @@ class WallPipeline {
     if constexpr (keeps_offset<ContactsType>) {
       Scalar& offset = contacts.history(ContactsType::offset_from)[slot];
       offset = kin.overlap > 0 ? std::min(offset, kin.overlap) : Scalar(0);
-      kin.overlap -= std::max(offset, Scalar(0)), s.share[k] = static_cast<double>(kin.overlap) / sphere.r;
+      kin.overlap -= std::max(offset, Scalar(0)),
+          s.share[k] = static_cast<double>(kin.overlap) / sphere.r;
     }
     s.kinematics.put(k, kin);
     s.kinematics.put(k, Radii<Scalar>{scalar(sphere.r), scalar(0)});

@@ -52,15 +52,15 @@ struct DueBreak {
 template <class Policy>
 class BreakStage {
  public:
-  std::vector<DueBreak> due;      // by id; saved between steps
-  std::vector<BreakEvent> events;  // of this step
-  ParticleId newborn_from = 0;     // of the rows that came then
-  SizeTable dust, left;           // fragments too small, and particles that left
-  CompensatedSum fed;             // [kg]
+  std::vector<DueBreak> due;              // by id; saved between steps
+  std::vector<BreakEvent> events;         // of this step
+  ParticleId newborn_from = 0;            // of the rows that came then
+  SizeTable dust, left;                   // fragments too small, and particles that left
+  CompensatedSum fed;                     // [kg]
   std::array<std::uint64_t, 3> broken{};  // since the start, by BreakCause
-  ImpactEnergies impacts;         // since the start, by speed alone
-  double parted = 0;              // [J] that offsets have given to contacts
-  double weak_from = 0;           // [N] lower bound of the strengths, by force
+  ImpactEnergies impacts;                 // since the start, by speed alone
+  double parted = 0;                      // [J] that offsets have given to contacts
+  double weak_from = 0;                   // [N] lower bound of the strengths, by force
 
   /// Draws the strengths of the particles from place `from` on, which are new; of fragments
   /// rests_until(id) [s].
@@ -97,8 +97,7 @@ class BreakStage {
     std::vector<Half> all;
     for (const NotedImpact& note : e.impacts.all) {
       const std::size_t a = e.owner_of(note.first);
-      const std::size_t b =
-          note.second == NotedImpact::no_row ? a : e.owner_of(note.second);
+      const std::size_t b = note.second == NotedImpact::no_row ? a : e.owner_of(note.second);
       if (a >= e.owners() || b >= e.owners()) continue;  // what fills packs up
       const auto p = e.owner(a), q = e.owner(b);
       if (!p.is_there() || !q.is_there()) continue;

@@ -126,8 +126,7 @@ inline constexpr bool make_a_simulation =
     count<IsRotation, Policies...> <= 1 && count<IsPrecision, Policies...> <= 1 &&
     count<IsKernels, Policies...> <= 1 && count<IsLedger, Policies...> <= 1 &&
     count<IsContactEvents, Policies...> <= 1 && count<IsBonds, Policies...> <= 1 &&
-    count<IsBreakage, Policies...> <= 1 &&
-    (belongs_to_an_axis<Policies> && ...);
+    count<IsBreakage, Policies...> <= 1 && (belongs_to_an_axis<Policies> && ...);
 
 template <template <class> class Is, class Default, class... Policies>
 struct Pick {
