@@ -77,6 +77,7 @@
 #include <silt/search/nbs.hpp>
 #include <silt/search/verlet_list.hpp>
 #include <silt/shape/fit_spheres.hpp>
+#include <silt/shape/laguerre_cells.hpp>
 #include <silt/shape/mesh_body.hpp>
 #include <silt/shape/multi_sphere.hpp>
 #include <silt/shape/sphere.hpp>

@@ -44,6 +44,10 @@ class Checkpoint {
  public:
   static void save(const Sim& sim, const std::string& path) {
     const Engine& e = sim.engine_;
+    if constexpr (Sim::has_breakage && Sim::of_bodies)
+      require(
+          sim.broken() == 0, "checkpoint '", path,
+          "': polyhedra have broken, and their cells cannot be restored yet; nothing is written");
     CheckpointWriter out(signature());
     detail::CheckpointSaver a(out);
     std::vector<bool> removed;

@@ -26,7 +26,7 @@ namespace silt::inline SILT_TARGET {
 /// Tests:  tests/shape/polyhedron.cpp
 class Polyhedron {
  public:
-  static constexpr bool is_body = true, one_part = true;
+  static constexpr bool is_body = true, one_part = true, is_cut_into_cells = true;
   using Kinds = KindList<Polyhedron>;
   static constexpr std::size_t most_faces = 4000, most_vertices = 2 * most_faces;
   static constexpr std::size_t block = 8;  // arrays for lanes are padded to multiples of it

@@ -87,7 +87,7 @@ class BreakAccess {
     auto& stage = s.breaks_;
     if (stage.due.empty()) return;
     std::vector<Parent> parents;
-    std::vector<typename Sim::ParticlesType::Particle> fragments;
+    typename Sim::ParticlesType fragments;
     for (const DueBreak& one : std::exchange(stage.due, {})) {
       const std::size_t k = s.engine_.find(one.id);
       if (k < s.rows()) break_one(one, k, parents, fragments);
@@ -111,6 +111,11 @@ class BreakAccess {
                  .contact_force = Policy::by_force ? 1 : NAN,
                  .at_wall = false};
     s.breakage().equivalence.load(probe);
+    if constexpr (Sim::of_bodies)
+      for (std::size_t f = 0; f < s.forms().size(); ++f)
+        require(s.forms()[f].shape.radius() == 0, "Breakage: form ", f, " is dilated by ",
+                s.forms()[f].shape.radius(),
+                " [m], and dilated cells do not fill a polyhedron; give sharp ones, of radius 0");
     s.breaks_.measure(s.engine_);
   }
   /// Notes the mass of the particles from place `from` on, which come from outside.
@@ -150,9 +155,8 @@ class BreakAccess {
   };
 
   /// Notes the fragments of the particle at place k, with their velocities; books dust and energy.
-  template <class Particle>
-  void break_one(const DueBreak& due, std::size_t k, std::vector<Parent>& parents,
-                 std::vector<Particle>& all) {
+  template <class Particles>
+  void break_one(const DueBreak& due, std::size_t k, std::vector<Parent>& parents, Particles& all) {
     auto& s = sim();
     auto& stage = s.breaks_;
     const auto& policy = s.breakage();
@@ -161,9 +165,14 @@ class BreakAccess {
     const double volume = s.engine_.volume_of(k), density = p.mass() / volume;
     const Broken broken{equal_volume_diameter(volume), p.mass(), own.strength, due.load, due.speed};
     Random random = stage.random_of(policy, due.id, stage.of_fragments);
-    const FragmentSizes sizes =
+    FragmentSizes sizes =
         fragment_sizes(policy.sizes, broken, density,
                        {policy.rules.dust_below, policy.rules.most_fragments}, random);
+    const std::size_t before = all.size();
+    if constexpr (Sim::of_bodies)
+      add_cells(p, sizes, density, random, all);
+    else
+      add_spheres(p, sizes, density, random, all);
     BreakEvent event{.id = due.id,
                      .time = s.time_,
                      .position = p.centre(),
@@ -174,44 +183,74 @@ class BreakAccess {
                      .load = due.load,
                      .speed = due.speed,
                      .cause = due.cause,
-                     .first = s.next_.particle + all.size(),
+                     .first = s.next_.particle + before,
                      .fragments = sizes.masses.size(),
                      .generation = static_cast<std::size_t>(own.generation),
                      .dust = sizes.dust};
     if (event.fragments == 0) event.first = no_particle;
     ++stage.broken[static_cast<std::size_t>(due.cause)];
     add_dust(stage.dust, policy.sizes, broken, sizes, density, s.time_);
-    const double gone = add_fragments(p, sizes, density, random, all);
-    if constexpr (Sim::has_ledger) book(k, sizes.dust / broken.mass, gone);
+    if constexpr (Sim::has_ledger) book(k, sizes.dust / broken.mass);
     // [s] in which all of the particle would have arrived
     const double passes = due.speed > 0 ? broken.diameter / due.speed : 0;
     parents.push_back({k, sizes.masses.size(), s.time_ + passes});
     stage.events.push_back(event);
   }
-  /// Returns the kinetic energy [J] of the fragments.
-  template <class Owner, class Particle>
-  double add_fragments(const Owner& p, const FragmentSizes& sizes, double density, Random& random,
-                       std::vector<Particle>& all) const {
+  template <class Owner, class Particles>
+  void add_spheres(const Owner& p, const FragmentSizes& sizes, double density, Random& random,
+                   Particles& all) const {
     std::vector<double> radii;
     double whole = 0;
     for (const double m : sizes.masses)
       radii.push_back(0.5 * equal_volume_diameter(m / density)), whole += m;
     const auto places = place_fragments(radii, sizes.masses, p.radius(), random);
-    constexpr double factor = Sim::ShapeType::inertia_factor();
     Vec3d w{0, 0, 0};
     if constexpr (Sim::rotates)
       if (!radii.empty()) w = shared_rotation(p, places, radii, sizes.masses, whole / p.mass());
-    double energy = 0;
     for (std::size_t k = 0; k < radii.size(); ++k) {
-      Particle one{};
+      typename Particles::Particle one{};
       one.position = p.centre() + places[k], one.radius = radii[k], one.density = density;
       one.velocity = p.velocity() + cross(w, places[k]), one.angular_velocity = w;
       one.material = p.material();
-      energy += 0.5 * sizes.masses[k] *
-                (dot(one.velocity, one.velocity) + factor * radii[k] * radii[k] * dot(w, w));
-      all.push_back(one);
+      all.add(one);
     }
-    return energy;
+  }
+  /// Cuts a polyhedron: the cells fill it and move as it did; one of them is the dust, which gets
+  /// what rounding leaves of the mass.
+  template <class Owner, class Particles>
+  void add_cells(const Owner& p, FragmentSizes& sizes, double density, Random& random,
+                 Particles& all) const {
+    if (sizes.masses.empty()) return;
+    const auto& form = sim().engine_.mover.forms[p.form()];
+    const auto body = form.shape.scaled(p.scale());
+    std::vector<double> shares;
+    for (const double m : sizes.masses) shares.push_back(m / p.mass());
+    if (sizes.dust > 1e-8 * p.mass())
+      shares.push_back(sizes.dust / p.mass());
+    else
+      shares.front() += sizes.dust / p.mass();
+    static_assert(
+        requires { laguerre_cells(body, std::span<const double>(shares), random); },
+        "polyhedra that break are cut into cells: include "
+        "<silt/shape/laguerre_cells.hpp> before <silt/simulation.hpp>");
+    const auto cells = shares.size() == 1
+                           ? std::vector{body}
+                           : laguerre_cells(body, std::span<const double>(shares), random);
+    const Quaternion q = p.principal_axes() * conjugate(form.mass.axes);
+    const Vec3d centroid = p.scale() * form.mass.centroid;
+    double left = p.mass();
+    for (std::size_t k = 0; k < sizes.masses.size(); ++k) {
+      typename Particles::Particle one{};
+      one.form = all.add_form(cells[k]);
+      const MassProperties& mass = all.forms()[one.form].mass;
+      const Vec3d apart = rotate(q, mass.centroid - centroid);
+      one.position = p.centre() + apart, one.orientation = q, one.density = density;
+      one.velocity = p.velocity() + cross(p.angular_velocity(), apart);
+      one.angular_velocity = p.angular_velocity(), one.material = p.material();
+      all.add(one);
+      sizes.masses[k] = density * mass.volume, left -= sizes.masses[k];
+    }
+    sizes.dust = shares.size() > sizes.masses.size() ? std::max(left, 0.0) : 0;
   }
   /// Of fragments that have their share of the angular momentum; where dust takes the rest, no more
   /// than so much of it that they have their share of the energy at most.
@@ -226,20 +265,20 @@ class BreakAccess {
     return share < 1 - 1e-9 && energy > most ? std::sqrt(most / energy) * w : w;
   }
 
-  /// The kinetic energy of the particle at place k that its fragments do not have is lost; dust
-  /// takes its share along.
-  void book(std::size_t k, double of_dust, double of_fragments) {
+  /// Books the energy of the particle at place k, which breaks, as lost; dust takes its share
+  /// along.
+  void book(std::size_t k, double of_dust) {
     auto& s = sim();
     const auto kinetic = s.kinetic(k);
     const double m = s.mass(k), share = kinetic.sum() * of_dust;
-    s.book_.broke(kinetic.sum() - share - of_fragments);
+    s.book_.broke(kinetic.sum() - share);
     const double ago = Sim::Integrator::first_kick == 0.5 ? 0.5 * s.dt_ : 0;  // [s]
     const Vec3d v = s.velocity(k), now = v + ago * s.gravity;
     s.book_.bring_in(-share - of_dust * (s.potential(k) + 0.5 * m * (dot(now, now) - dot(v, v))));
   }
   /// Takes the parents out of the simulation, and their fragments in.
-  template <class Particle>
-  void take_place(const std::vector<Parent>& parents, const std::vector<Particle>& fragments) {
+  template <class Particles>
+  void take_place(const std::vector<Parent>& parents, const Particles& fragments) {
     auto& s = sim();
     auto& e = s.engine_;
     const std::size_t from = s.rows();
@@ -257,7 +296,10 @@ class BreakAccess {
       s.book_.ended(ended.work), s.book_.broke(ended.normal);
     }
     s.breaks_.newborn_from = Sim::of_bodies ? s.next_.part : first;
-    s.join(std::span<const Particle>(fragments), {});
+    const auto forms = take_in_forms(e, fragments);
+    s.join(std::span<const typename Particles::Particle>(fragments.all()), forms);
+    if constexpr (Sim::has_ledger)  // what the fragments have is not lost
+      for (std::size_t n = from; n < s.rows(); ++n) s.book_.broke(-s.kinetic(n).sum());
     std::size_t k = from;
     for (const Parent& p : parents)
       for (std::size_t n = 0; n < p.fragments; ++n, ++k) {

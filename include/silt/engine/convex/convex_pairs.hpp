@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include <silt/engine/contact/load_rows.hpp>
+#include <silt/engine/contact/offset.hpp>
 #include <silt/engine/convex/convex_touch.hpp>
 #include <silt/engine/convex/pair_kinds.hpp>
 #include <silt/engine/lists/pair_list.hpp>
@@ -34,7 +35,8 @@ class ConvexPairs {
   static constexpr std::size_t chunks = 2, row = 4 * chunks;
   static constexpr std::size_t H = ContactsType::history, M = ContactsType::memory_from,
                                events = numbers_before_events<ContactsType>,
-                               radius = ContactsType::memory_radius;
+                               radius = ContactsType::memory_radius,
+                               more = radius + 1;  // what else contacts keep
   static_assert(load_chunks<ContactsType> == chunks,
                 "rolling resistance is of spheres and of bodies made of spheres: the shape of "
                 "others resists rolling itself");
@@ -254,6 +256,7 @@ class ConvexPairs {
             scene.in.motions[note.first].velocity() - scene.in.motions[note.second].velocity(),
             scene.in.times, note, tally.notes);
       }
+    if constexpr (keeps_offset<ContactsType>) list.history(ContactsType::offset_from)[place] = 0;
     if (touched) list.forget_contact(place, M);
     list.history(radius)[place] = gap > 0 ? -gap : 0;
   }
@@ -279,7 +282,7 @@ class ConvexPairs {
     const std::uint32_t* const place = open.place + from;
     Touch::template run<A, B, E>(scene.in, scene.list, open, from, count, c);
     scatter(c.history[radius], place, count, scene.list.history(radius));
-    for (std::size_t h = events; h < H; ++h)
+    for (std::size_t h = more; h < H; ++h)
       for (std::size_t k = 0; k < count; ++k) c.history[h][k] = scene.list.history(h)[place[k]];
     for (std::size_t h = 0; h < H; ++h)  // no contacts
       std::fill(c.history[h] + count, c.history[h] + padded, 0.0);
@@ -302,7 +305,7 @@ class ConvexPairs {
                              has_gradient<A, B> ? c.gradient : nullptr});
     else
       stage.run(c.kinematics, count, kinds, history, ends, tally, AtOnePoint<double>{});
-    for (std::size_t h = events; h < H; ++h)
+    for (std::size_t h = more; h < H; ++h)
       scatter(c.history[h], place, count, scene.list.history(h));
     for (std::size_t k = 0; k < padded; k += W)
       Kept::template keep<has_area>(scene.list, place + k, std::min(W, count - k), c.history, k);
@@ -337,6 +340,8 @@ class ConvexPairs {
     const Vec3<Real> turned = step * cross(select(followed > zero, i.spin, j.spin), last);
     kin.change = select(followed != zero, n + last - turned, {zero, zero, zero});
     kin.overlap = select(touches, load<Real>(kept.overlap + k), Real(-1));
+    if constexpr (keeps_offset<ContactsType>)
+      kin.overlap = without_offset(kin.overlap, c.history[ContactsType::offset_from] + k);
     if constexpr (HasGradient) {
       // All that moves the overlap's rate counts `gradient` times, and so does all force.
       const Real g = load<Real>(c.gradient + k), couple = load<Real>(c.couple + k);

@@ -43,7 +43,7 @@ class ConvexPlanes {
   using Real = typename Lanes<Arch>::Real;
   using Gather = ConvexGather<Rows, Arch>;
   static constexpr std::size_t W = Lanes<Arch>::width, radius = ContactsType::memory_radius,
-                               events = numbers_before_events<ContactsType>;
+                               more = radius + 1;  // what else contacts keep
   using Candidate = typename Contacts::Candidate;
   template <std::size_t K>
   using KindAt = typename Rows::template KindAt<K>;
@@ -183,7 +183,7 @@ class ConvexPlanes {
         to.history[h][k + lane] = lane < valid ? contacts.history(h)[slot] : 0;
       };
       for (std::size_t h = 0; h < numbers; ++h) recall_one(h);
-      for (std::size_t h = events; h < ContactsType::history; ++h) recall_one(h);
+      for (std::size_t h = more; h < ContactsType::history; ++h) recall_one(h);
     }
   }
   /// Notes in their slots which of a pack's planes are touched, and puts lanes that only fill it up

@@ -11,6 +11,7 @@
 #include <silt/engine/contact/contact_fluxes.hpp>
 #include <silt/engine/contact/contact_stage.hpp>
 #include <silt/engine/contact/load_rows.hpp>
+#include <silt/engine/contact/offset.hpp>
 #include <silt/engine/contact/wall_loads.hpp>
 #include <silt/engine/contact/wall_wear.hpp>
 #include <silt/engine/convex/contacts_with_wall.hpp>
@@ -29,7 +30,8 @@ class ConvexWalls {
   using Real = typename Lanes<Arch>::Real;
   static constexpr std::size_t W = Lanes<Arch>::width;
   static constexpr std::size_t H = ContactsType::history, radius = ContactsType::memory_radius,
-                               events = numbers_before_events<ContactsType>;
+                               events = numbers_before_events<ContactsType>,
+                               more = radius + 1;  // what else contacts keep
   static constexpr std::size_t chunks = load_chunks<ContactsType>, row = 4 * chunks;
 
  public:
@@ -128,7 +130,7 @@ class ConvexWalls {
       const Candidate& c = *s.of[k];
       for (std::size_t h = 0; h < kept; ++h)  // R_eff has been kept already
         contacts.history(h)[s.slot[k]] = s.history[h][k];
-      for (std::size_t h = events; h < H; ++h) contacts.history(h)[s.slot[k]] = s.history[h][k];
+      for (std::size_t h = more; h < H; ++h) contacts.history(h)[s.slot[k]] = s.history[h][k];
       const auto at = [&](const auto& columns) {
         return Vec3d{columns[0][k], columns[1][k], columns[2][k]};
       };
@@ -183,8 +185,8 @@ class ConvexWalls {
   /// Adds the contacts with a surface and its images.
   static void touch(const Input& in, Contacts& contacts,
                     const CoefficientTable<ContactsType>& table, std::span<const Wall> walls,
-                    std::span<const Candidate> candidates,
-                    std::span<const Candidate> images, Scratch& s) {
+                    std::span<const Candidate> candidates, std::span<const Candidate> images,
+                    Scratch& s) {
     const Candidate& c = images[0];
     if (Repeats && images.size() > 1) {
       JoinedContacts<Candidate> all;
@@ -192,15 +194,15 @@ class ConvexWalls {
                [&](const Candidate& image, auto& found) {
                  return contacts_apart(in, contacts, walls, candidates, image, found);
                });
-      return take<JoinedContacts<Candidate>::most>(in, contacts, table, walls[c.wall], images,
-                                        {all.contact, all.count},
-                                        [&](int k) -> auto& { return *all.of[k]; }, s);
+      return take<JoinedContacts<Candidate>::most>(
+          in, contacts, table, walls[c.wall], images,
+          {all.contact, all.count}, [&](int k) -> auto& { return *all.of[k]; }, s);
     }
     SolidContact found[most_wall_contacts];
     const int count = contacts_apart(in, contacts, walls, candidates, c, found);
-    take<most_wall_contacts>(in, contacts, table, walls[c.wall], images,
-                             {found, static_cast<std::size_t>(count)},
-                             [&](int) -> auto& { return c; }, s);
+    take<most_wall_contacts>(
+        in, contacts, table, walls[c.wall], images,
+        {found, static_cast<std::size_t>(count)}, [&](int) -> auto& { return c; }, s);
   }
   /// Finds the slots of contacts among those that the images of a surface have in common; `of(k)`
   /// is the candidate of contact k.
@@ -244,6 +246,7 @@ class ConvexWalls {
                   [[maybe_unused]] std::span<const Candidate> images,
                   [[maybe_unused]] const Wall& wall, [[maybe_unused]] const Input& in,
                   [[maybe_unused]] Scratch& s) {
+    if constexpr (keeps_offset<ContactsType>) contacts.history(ContactsType::offset_from)[slot] = 0;
     if (!contacts.slot(slot).touching) return;
     contacts.slot(slot).touching = false;
     if constexpr (keeps_events<ContactsType>) {
@@ -294,6 +297,8 @@ class ConvexWalls {
     // All that moves the overlap's rate counts `gradient` times, and so does all force.
     kin.velocity = g * (kin.velocity + (contact.couple * dot(body.spin - wall_spin, n)) * n);
     kin.overlap = contact.overlap, kin.R_eff = R_eff;
+    if constexpr (keeps_offset<ContactsType>)
+      kin.overlap = without_offset(kin.overlap, &contacts.history(ContactsType::offset_from)[slot]);
     double inverse_mass = body.inverse_mass(arm, n, contact.couple);
     if (wall.is_driven()) inverse_mass += inverse_mass_of(wall.drive, wall.state, on_wall, n);
     kin.inverse_m_eff = std::max(g * g * inverse_mass, 1e-300);
@@ -316,7 +321,7 @@ class ConvexWalls {
     s.gradient[k] = g, s.couple[k] = contact.couple;
     const std::size_t in_use = ContactsType::history_kept(in.rows->has_area());
     for (std::size_t h = 0; h < in_use; ++h) s.history[h][k] = contacts.history(h)[slot];
-    for (std::size_t h = events; h < H; ++h) s.history[h][k] = contacts.history(h)[slot];
+    for (std::size_t h = more; h < H; ++h) s.history[h][k] = contacts.history(h)[slot];
     s.largest = std::max(s.largest, contact.overlap / in.rows->pose[c.particle].least_radius);
   }
 

@@ -111,8 +111,10 @@ struct Composition {
                 "Bonds do not follow the flow of a DeformingBox; take PeriodicBox");
   static_assert(!has_bonds || Integrator::derivatives == 0,
                 "Bonds turn particles by the velocities of half steps; take Leapfrog");
-  static_assert(!has_breakage || !has_bodies,
-                "Breakage is for spheres so far: bodies do not break; take Particles<Sphere>");
+  static_assert(
+      !has_breakage || !has_bodies || requires { Shape::is_cut_into_cells; },
+      "Breakage is for spheres and polyhedra: other bodies do not break; take "
+      "Particles<Sphere> or Particles<Polyhedron>");
   static_assert(!deforms<Domain> || !has_breakage,
                 "Breakage knows no DeformingBox; take PeriodicBox");
   static_assert(!deforms<Domain> || !has_bodies,
