@@ -77,9 +77,9 @@ struct Breakage {
 
   /// Of each particle, as of a module.
   struct Fields {
-    double strength = std::numeric_limits<double>::infinity();  // [N] or [J]
-    double rests_until = 0;                                     // [s] it does not break before
-    double generation = 0;  // [-] 0: not a fragment; of fragments one more than of what broke
+    double strength = 0;     // [N] or [J]; 0: it does not break
+    double rests_until = 0;  // [s] it does not break before
+    double generation = 0;   // [-] 0: not a fragment; of fragments one more than of what broke
   };
   static constexpr std::array names{"strength", "rests_until", "generation"};
 

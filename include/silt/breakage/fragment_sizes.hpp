@@ -221,6 +221,7 @@ void add_dust(SizeTable& table, const Function& function, const Broken& parent,
     if (mass > 0) table.add(x, mass, mass / (density * std::numbers::pi / 6 * x * x * x), time);
     rest -= mass;
   }
+  table.include(sizes.dust_largest);
 }
 
 }  // namespace silt

@@ -83,6 +83,7 @@ class SizeTable {
     const std::size_t bin = bin_of(time), k = class_of(diameter);
     if (k >= classes_.size()) classes_.resize(k + 1);
     classes_[k].mass.add(mass), classes_[k].number.add(number), classes_[k].in_time[bin].add(mass);
+    include(diameter);
   }
   /// Adds what another table has. Their bins must have been made with the same width.
   void merge(const SizeTable& other) {
@@ -103,6 +104,7 @@ class SizeTable {
         classes_[k].in_time[bin].add(added.classes_[k].in_time[bin]);
     }
     bins_ = std::max(bins_, added.bins_);
+    include(added.largest_);
   }
 
   /// How many classes there are up to the largest that anything was added to.
@@ -122,16 +124,21 @@ class SizeTable {
     return at(k).in_time[bin].value();
   }
 
+  /// [m] the largest diameter that was added, or that include() has told of.
+  double largest() const { return largest_; }
+  /// Tells that what was added to the last class reaches up to this diameter [m].
+  void include(double diameter) { largest_ = std::max(largest_, diameter); }
+
   /// Share of the mass [-] below the diameter x [m]; within a class it is linear in ln x, in the
-  /// first in x. 0 of an empty table.
+  /// first in x; the last class ends with largest(). 0 of an empty table.
   double finer(double x) const {
     const double all = mass();
     if (!(x > 0) || !(all > 0)) return 0;
-    if (x >= edge(classes_.size())) return 1;
+    if (x >= std::min(largest_, edge(classes_.size()))) return 1;
     const std::size_t within = class_of(x);
     CompensatedSum below;
     for (std::size_t k = 0; k < within; ++k) below.add(classes_[k].mass);
-    const double a = edge(within), b = edge(within + 1);
+    const double a = edge(within), b = end_of(within);
     below.add(mass(within) * (within == 0 ? x / b : std::log(x / a) / std::log(b / a)));
     return std::min(below.value() / all, 1.0);
   }
@@ -145,7 +152,7 @@ class SizeTable {
     double x = 0;
     for (std::size_t k = 0; k < classes_.size(); ++k) {
       if (!(mass(k) > 0)) continue;
-      const double rest = share * all - below.value(), a = edge(k), b = edge(k + 1);
+      const double rest = share * all - below.value(), a = edge(k), b = end_of(k);
       if (rest <= 0 && below.value() > 0) return x;  // the upper edge of the class before
       const double part = std::clamp(rest / mass(k), 0.0, 1.0);
       x = k == 0 ? b * part : a * std::pow(b / a, part);
@@ -158,7 +165,7 @@ class SizeTable {
   /// All of it as numbers, for checkpoints.
   std::vector<double> state() const {
     std::vector<double> out{bin_width_, static_cast<double>(bins_),
-                            static_cast<double>(classes_.size())};
+                            static_cast<double>(classes_.size()), largest_};
     for (const Class& c : classes_) {
       for (const auto* sum : {&c.mass, &c.number})
         out.push_back(sum->sum()), out.push_back(sum->rest());
@@ -171,16 +178,18 @@ class SizeTable {
     const auto wanted = [&](bool condition) {
       require(condition, "SizeTable: these ", state.size(), " numbers are no state of a SizeTable");
     };
-    wanted(state.size() >= 3 && std::isfinite(state[0]) && state[0] > 0 && state[1] >= 0 &&
+    wanted(state.size() >= 4 && std::isfinite(state[0]) && state[0] > 0 && state[1] >= 0 &&
            state[1] <= most_bins && state[2] >= 0 && state[2] <= 1e5);
     SizeTable read(state[0]);
     read.bins_ = static_cast<std::size_t>(state[1]);
     const auto count = static_cast<std::size_t>(state[2]), each = 2 * (2 + read.bins_);
     wanted(static_cast<double>(read.bins_) == state[1] && static_cast<double>(count) == state[2] &&
-           state.size() == 3 + count * each);
+           state.size() == 4 + count * each);
     wanted(std::all_of(state.begin(), state.end(), [](double x) { return std::isfinite(x); }));
     read.classes_.resize(count);
-    auto from = state.begin() + 3;
+    read.largest_ = state[3];
+    wanted(count == 0 ? state[3] == 0 : state[3] >= edge(count - 1) && state[3] <= 1e6);
+    auto from = state.begin() + 4;
     const auto next = [&] {
       const CompensatedSum sum(from[0], from[1]);
       from += 2;
@@ -200,6 +209,11 @@ class SizeTable {
     std::array<CompensatedSum, most_bins> in_time;
   };
 
+  /// [m] where class k ends: its upper edge, of the last one the largest diameter.
+  double end_of(std::size_t k) const {
+    if (k + 1 < classes_.size()) return edge(k + 1);
+    return std::clamp(largest_, edge(k) + 1e-12 * edge(k + 1), edge(k + 1));
+  }
   const Class& at(std::size_t k) const {
     require(k < classes_.size(), "SizeTable: class ", k, ": there are ", classes_.size(),
             ", counted from 0");
@@ -229,6 +243,7 @@ class SizeTable {
 
   double bin_width_;  // [s]
   std::size_t bins_ = 0;
+  double largest_ = 0;  // [m]
   std::vector<Class> classes_;
 };
 

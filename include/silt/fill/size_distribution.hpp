@@ -22,6 +22,11 @@ inline double sphere_volume(double radius) {
 
 namespace detail {
 
+/// [m] of the sphere of this volume [m3].
+inline double equal_volume_diameter(double volume) {
+  return std::cbrt(6 / std::numbers::pi * volume);
+}
+
 struct UniformSizes {
   double min, max;  // [m]
   double sample(Random& random) const { return random.uniform(min, max); }

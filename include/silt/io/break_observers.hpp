@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -10,7 +11,9 @@
 
 #include <silt/breakage/breakage.hpp>
 #include <silt/breakage/size_table.hpp>
+#include <silt/core/names.hpp>
 #include <silt/files/csv_table.hpp>
+#include <silt/fill/size_distribution.hpp>
 #include <silt/io/observers.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -74,14 +77,16 @@ inline auto breakage_table(const std::string& path, Schedule schedule) {
                });
 }
 
-/// The grains that are there by their diameters, as a table of sizes, to be merged with dust() and
-/// left().
+/// The grains that are there by their diameters (of polyhedra those of spheres of their volumes),
+/// as a table of sizes, to be merged with dust() and left(): of one material, by number or name, or
+/// of all.
 template <class Sim>
-SizeTable sizes_present(const Sim& sim) {
+SizeTable sizes_present(const Sim& sim, std::optional<WhichMaterial> of = {}) {
   SizeTable all;
+  const std::size_t wanted = of ? sim.contacts().material_number(*of) : 0;
   for (std::size_t k = 0; k < sim.rows(); ++k)
-    if (sim.is_present(k) && std::isfinite(sim.mass(k)))
-      all.add(2 * sim.radius(k), sim.mass(k), 1, sim.time());
+    if (sim.is_present(k) && std::isfinite(sim.mass(k)) && (!of || sim.material(k) == wanted))
+      all.add(detail::equal_volume_diameter(sim.engine().volume_of(k)), sim.mass(k), 1, sim.time());
   return all;
 }
 
@@ -89,7 +94,9 @@ SizeTable sizes_present(const Sim& sim) {
 /// the mass that is finer than its upper edge.
 inline void write_sizes(const std::string& path, const SizeTable& sizes) {
   CsvTable out(path, {"from", "to", "mass", "number", "finer"});
-  for (std::size_t k = 0; k < sizes.classes(); ++k) {
+  std::size_t first = 0;  // class that has any
+  while (first < sizes.classes() && sizes.number(first) == 0) ++first;
+  for (std::size_t k = first; k < sizes.classes(); ++k) {
     const std::array row{SizeTable::edge(k), SizeTable::edge(k + 1), sizes.mass(k), sizes.number(k),
                          sizes.finer(SizeTable::edge(k + 1))};
     out.add_row(std::span<const double>(row));

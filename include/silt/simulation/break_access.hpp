@@ -69,7 +69,7 @@ class BreakAccess {
     require(k < s.rows(), "Simulation::break_particle: there is no particle ", id);
     const double strength =
         s.engine_.modules().template of<typename S::Composition::Breaking>()[k].strength;
-    require(std::isfinite(strength), "Simulation::break_particle: particle ", id,
+    require(strength > 0, "Simulation::break_particle: particle ", id,
             " cannot break: it is fixed, or BreakageRules.materials leaves its material out");
     s.breaks_.add_due({id, strength, 0, BreakCause::Asked});
   }

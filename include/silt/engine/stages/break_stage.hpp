@@ -17,16 +17,13 @@
 #include <silt/breakage/breakage.hpp>
 #include <silt/breakage/impact_energies.hpp>
 #include <silt/breakage/size_table.hpp>
+#include <silt/core/error.hpp>
 #include <silt/core/random.hpp>
 #include <silt/engine/contact/impacts.hpp>
 #include <silt/fill/size_distribution.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// [m] of the sphere of the same volume [m3].
-inline double equal_volume_diameter(double volume) {
-  return std::cbrt(6 / std::numbers::pi * volume);
-}
 /// [N] that the spring of a law reaches in an impact, unsoftened; not a number if it does not say.
 template <class Law>
 double elastic_force([[maybe_unused]] const typename Law::template Coefficients<double>& p,
@@ -72,8 +69,12 @@ class BreakStage {
       fields[k] = {.generation = fields[k].generation};
       if (!p.is_there() || p.inverse_mass() == 0 || !policy.rules.breaks(p.material())) continue;
       const double rank = random_of(policy, p.id(), of_strength).open_uniform();
-      fields[k].strength =
-          policy.strength.strength(equal_volume_diameter(e.volume_of(k)), p.mass(), rank);
+      const double d = equal_volume_diameter(e.volume_of(k));
+      const double strength = policy.strength.strength(d, p.mass(), rank);
+      if (!(strength > 0)) policy.strength.check();
+      require(strength > 0, "Breakage: strength() gives ", strength, " for a particle of diameter ",
+              d, " m at rank ", rank, "; it must be greater than 0");
+      fields[k].strength = strength;
       fields[k].rests_until = rests_until(p.id());
       weak_from = std::min(weak_from, fields[k].strength);
     }
@@ -128,8 +129,9 @@ class BreakStage {
   void measure(const Engine& e) {
     weak_from = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < e.owners(); ++k)
-      if (e.owner(k).is_there())
-        weak_from = std::min(weak_from, e.modules().template of<Policy>()[k].strength);
+      if (const double own = e.modules().template of<Policy>()[k].strength;
+          own > 0 && e.owner(k).is_there())
+        weak_from = std::min(weak_from, own);
   }
 
  private:
@@ -137,7 +139,7 @@ class BreakStage {
   void weigh_one(Engine& e, const Policy& policy, const NotedImpact& note, std::size_t k,
                  double time) {
     auto& own = e.modules().template of<Policy>()[k];
-    if (!std::isfinite(own.strength) || time < own.rests_until) return;
+    if (!(own.strength > 0) || time < own.rests_until) return;
     if (note.force == 0 && note.speed == 0) return;  // they meet as they part
     const auto p = e.owner(k);
     const bool at_wall = note.wall != NotedImpact::no_row;
@@ -152,11 +154,21 @@ class BreakStage {
                              e.coefficients.law[note.kind], note.R_eff, note.m_eff, note.speed);
     impact.contact_force = note.force > 0 ? note.force : unknown;
     const double load = policy.equivalence.load(impact);
+    const auto wanted = [&](bool holds, const char* function, double gives) {
+      if (!holds) [[unlikely]]
+        throw SimulationError(
+            text("t = ", time, " s: ", function, " gives ", gives, " for particle ", p.id(),
+                 " of diameter ", impact.diameter, " m, strength ", own.strength, ", hit at ",
+                 note.speed, " m/s; mend that function"),
+            0, {p.id()}, p.centre());
+    };
+    wanted(load >= 0 && std::isfinite(load), "the equivalence's load()", load);
     if (load >= own.strength) {
       add_due({p.id(), load, note.speed, at_wall ? BreakCause::Wall : BreakCause::Pair});
     } else if (!Policy::by_force || note.is_peak) {
-      own.strength = policy.fatigue.weakened(own.strength, load);
-      weak_from = std::min(weak_from, own.strength);
+      const double remaining = policy.fatigue.weakened(own.strength, load);
+      wanted(remaining > 0 && remaining <= own.strength, "the fatigue's weakened()", remaining);
+      own.strength = remaining, weak_from = std::min(weak_from, remaining);
     }
   }
 };
