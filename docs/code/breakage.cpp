@@ -23,6 +23,8 @@ int main() {
                      {.dust_below = 0.3e-3}}};
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, salt);
   sim.gravity = {0, 0, -9.81};
+  sim.guard.max_overlap =
+      0.6;  // [-] of the radius: large fragments press small ones onto the plate
 
   double fastest = 0;
   sim.run(2e-3,
