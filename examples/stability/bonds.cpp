@@ -118,15 +118,20 @@ Measures hardly_holds(double strength, double overlap, double e) {
           {"ledger", std::abs(sim.energy().residual()) / start, 2e-3}};
 }
 
-/// A sphere on one `ratio` times as large, both of one density, swings along their bond: how long
-/// it takes, by the reduced mass.
-Measures unequal(double ratio, double stiffness) {
+/// A sphere bonded to one `ratio` times as large, without dashpots.
+auto bonded_two(double ratio, double stiffness) {
   auto sim = scene({.youngs_modulus = stiffness * modulus, .damping = 0});
   Particles<Sphere> two;
   two.add({.position = {0, 0, 0}, .radius = ratio * radius, .density = density});
   two.add({.position = {0, 0, (1 + ratio) * radius}, .radius = radius, .density = density});
   sim.add(two);
   sim.bond(0, 1);
+  return sim;
+}
+/// A sphere on one `ratio` times as large, both of one density, swings along their bond: how long
+/// it takes, by the reduced mass.
+Measures unequal(double ratio, double stiffness) {
+  auto sim = bonded_two(ratio, stiffness);
   const double length = (1 + ratio) * radius, area = std::numbers::pi * radius * radius;
   const double m = mass_of(radius, density), M = mass_of(ratio * radius, density);
   const double w = std::sqrt(stiffness * modulus * area / length * (1 / m + 1 / M)), v = 1e-3;
@@ -142,12 +147,7 @@ Measures unequal(double ratio, double stiffness) {
 }
 /// The same, hit across: it swings and bends; energy stays.
 Measures unequal_across(double ratio, double stiffness) {
-  auto sim = scene({.youngs_modulus = stiffness * modulus, .damping = 0});
-  Particles<Sphere> two;
-  two.add({.position = {0, 0, 0}, .radius = ratio * radius, .density = density});
-  two.add({.position = {0, 0, (1 + ratio) * radius}, .radius = radius, .density = density});
-  sim.add(two);
-  sim.bond(0, 1);
+  auto sim = bonded_two(ratio, stiffness);
   sim.set_velocity(1, {1e-3, 0, 0}), sim.set_angular_velocity(1, {0.5, 1, 2});
   sim.run(0);
   const double start = held(sim);

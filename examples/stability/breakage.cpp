@@ -43,6 +43,7 @@ double gained(const Sim& sim, double start) {
   const auto e = sim.energy();
   return (e.kinetic() + e.elastic() - start - e.walls - e.openings - e.parting) / start;
 }
+/// The ledger errs with the square of the step: 20 steps an impact leave up to 0.6 % at e = 0.3.
 template <class Sim>
 Measures judged(const Sim& sim, double start, double behind) {
   const auto m = sim.mass_balance();

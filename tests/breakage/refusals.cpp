@@ -42,8 +42,8 @@ TEST_CASE("breakage: rules that cannot be") {
 }
 
 TEST_CASE("breakage: functions that cannot be") {
-  has(refused(policy({.dust_below = 1e-4}, {.median = 0, .at_diameter = 1, .exponent = 1,
-                                            .spread = 3})),
+  has(refused(policy({.dust_below = 1e-4},
+                     {.median = 0, .at_diameter = 1, .exponent = 1, .spread = 3})),
       "LogLogisticStrength.median = 0");
   auto creates = policy({.dust_below = 1e-4});
   creates.sizes.coarsest = 1.2;
@@ -62,20 +62,22 @@ struct Creates {
 
 TEST_CASE("breakage: a function of one's own that creates mass, loads that nobody can tell") {
   {
-    silt::Simulation sim{grain(), silt::Contacts<silt::HertzMindlin>{salt},
-                         silt::Breakage{strong, silt::HertzEquivalence{}, Creates{},
-                                        {.dust_below = 1e-4}}};
+    silt::Simulation sim{
+        grain(), silt::Contacts<silt::HertzMindlin>{salt},
+        silt::Breakage{strong, silt::HertzEquivalence{}, Creates{}, {.dust_below = 1e-4}}};
     sim.gravity = {0, 0, -9.81};
     has(refusal([&] { sim.run(1e-6); }), "finer(");
   }
   const silt::Jkr::Material sticky{
       .youngs_modulus = 1e8, .poisson_ratio = 0.3, .work_of_adhesion = 0.01};
-  silt::Simulation sim{grain(), silt::Contacts<silt::Jkr>{sticky},
-                       silt::Breakage{strong, silt::HertzEquivalence{}, silt::GaudinSchuhmann{1, 0.8},
-                                      {.dust_below = 1e-4}}};
+  silt::Simulation sim{
+      grain(), silt::Contacts<silt::Jkr>{sticky},
+      silt::Breakage{
+          strong, silt::HertzEquivalence{}, silt::GaudinSchuhmann{1, 0.8}, {.dust_below = 1e-4}}};
   sim.gravity = {0, 0, -9.81};
   has(refusal([&] { sim.run(1e-6); }),
-      "HertzEquivalence: Impact.elastic_force = nan [N]: the contact law has no closed form for it; "
+      "HertzEquivalence: Impact.elastic_force = nan [N]: the contact law has no closed form for "
+      "it; "
       "use PowerEquivalence, EnergyEquivalence or ForceEquivalence");
 }
 

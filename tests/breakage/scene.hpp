@@ -27,6 +27,13 @@ inline Policy policy(silt::BreakageRules rules = {.dust_below = 0.3e-3},
           silt::PowerFatigue{.kappa = 0.1, .psi = 3}, std::move(rules)};
 }
 
+/// Into one or two large fragments; of some seeds the second is all that is left: no dust.
+inline Policy halving(silt::BreakageRules rules) {
+  Policy of = policy(std::move(rules));
+  of.sizes = {40, 0.95};
+  return of;
+}
+
 /// Without gravity, with the books.
 inline auto simulation(silt::Particles<silt::Sphere> grains, Policy of = policy()) {
   return silt::Simulation{std::move(grains), silt::Contacts<silt::HertzMindlin>{salt},

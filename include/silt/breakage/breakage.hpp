@@ -52,9 +52,8 @@ struct BreakageRules {
 /// they do not break: the breakage function says what the whole impact leaves.
 ///
 /// Strengths are drawn by seed and id, fragments likewise: results depend on nothing else.
-/// Source:  T. Brosh, H. Kalman, A. Levy, Particuology 12 (2014) 113, for the system of functions
-/// and
-///          the table of dust; the placing of fragments is silt's.
+/// Source:  T. Brosh, H. Kalman, A. Levy, Particuology 12 (2014) 113: the system of functions and
+///          the table of dust. The placing of fragments is silt's.
 /// Errors:  InputError naming field, value, unit and allowed range.
 /// Tests:   tests/breakage/.
 template <Strength S, Equivalence E, BreakageFunction B, Fatigue F = NoFatigue>
@@ -114,11 +113,12 @@ struct Breakage {
 template <class S, class E, class B>
 Breakage(S, E, B, BreakageRules) -> Breakage<S, E, B>;
 
+/// Why a particle broke.
 enum class BreakCause {
-  Pair,
-  Wall,
-  Asked
-};  // impact on another particle, on a wall; break_particle()
+  Pair,  // impact on another particle
+  Wall,  // impact on a wall
+  Asked  // break_particle()
+};
 
 /// A particle that broke, for on_break().
 struct BreakEvent {

@@ -134,6 +134,18 @@ constexpr std::size_t history_size() {
     return 0;
 }
 
+/// A law's history in double, from number(n), its n-th Real.
+template <class L, class Number>
+typename HistoryOf<L, double>::type history_of(const Number& number) {
+  typename HistoryOf<L, double>::type h;
+  if constexpr (HasHistory<L>) {
+    std::array<double, history_size<L>()> values;
+    for (std::size_t n = 0; n < values.size(); ++n) values[n] = static_cast<double>(number(n));
+    h = std::bit_cast<decltype(h)>(values);
+  }
+  return h;
+}
+
 /// Calls the law with or without history.
 template <class L, class Real, class C, class P, class H>
 requires HasHistory<L> SILT_INLINE auto law_force(const C& contact, const P& coefficients,
@@ -215,7 +227,8 @@ SILT_INLINE Aggregate<Real> broadcast(const Aggregate<double>& a) {
 ///   static Stored<Real> stored(Contact<Real>, Coefficients<Real> [, History<Real>])    for the
 ///     EnergyLedger: springs and the energy in them, after force() has had its turn; without
 ///     Stored::damping all that the tangential force takes is friction
-///   static Real attraction(Contact<Real>, Coefficients<Real>, History<Real>)    [N] >= 0, the part of
+///   static Real attraction(Contact<Real>, Coefficients<Real>, History<Real>)    [N] >= 0, the part
+///   of
 ///     the normal force that pulls, for ContactSeen::cohesion; asked on double, without velocities
 ///   static Real pressing(Contact<Real>, Coefficients<Real>, Real normal)    [N] >= 0, what presses
 ///     the bodies together, adhesion included, for rolling resistance; left out: max(normal, 0)

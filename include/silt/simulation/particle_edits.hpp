@@ -68,8 +68,9 @@ class ParticleEdits {
                 " [m] of PeriodicBox must be at least 3 diameters of particle ", id, " of radius ",
                 radius, " m");
     const double before = energy_of(k), smallest = sim().engine_.particles.smallest_radius;
+    const double mass = sim().mass(k);
     sim().engine_.set_radius(k, radius, sim().domain_, sim().dt_);
-    brought_in(k, before);
+    brought_in(k, before), feed_change(k, mass);
     // Lighter ones have shorter contacts, which the guard and the next run look at.
     sim().scene_changed_ = true, sim().scene_step_ = sim().step_;
     note_resized(id, "Simulation::set_radius");
@@ -103,7 +104,7 @@ class ParticleEdits {
             which.number(), " is none of the ", sim().forms().size(), " forms of the simulation");
     const std::size_t form = sim().form_number(which);
     if (form == sim().form(k)) return;
-    const double before = energy_of(k);
+    const double before = energy_of(k), mass = sim().mass(k);
     auto& e = sim().engine_;
     const detail::Body old = e.mover.bodies[k];
     const double volume = e.mover.forms[old.form].mass.volume * old.scale * old.scale * old.scale;
@@ -121,6 +122,7 @@ class ParticleEdits {
     e.join_lists(sim().domain_, sim().dt_, first_row);
     e.remove(k, sim().domain_, sim().dt_);
     if constexpr (Sim::has_ledger) sim().book_.bring_in(energy_of(now) - before);
+    feed_change(now, mass);
     sim().scene_changed_ = true, sim().scene_step_ = sim().step_, sim().checked_speed_ = 0;
     note_resized(id, "Simulation::set_form");
   }
@@ -151,6 +153,12 @@ class ParticleEdits {
   }
   void brought_in([[maybe_unused]] std::size_t k, [[maybe_unused]] double before) {
     if constexpr (Sim::has_ledger) sim().book_.bring_in(energy_of(k) - before);
+  }
+  /// What the mass of the particle at place k has grown by since it was `before` [kg] counts as
+  /// fed.
+  void feed_change([[maybe_unused]] std::size_t k, [[maybe_unused]] double before) {
+    if constexpr (Sim::has_breakage)
+      if (std::isfinite(before)) sim().breaks_.fed.add(sim().mass(k) - before);
   }
   Sim& sim() { return static_cast<Sim&>(*this); }
 

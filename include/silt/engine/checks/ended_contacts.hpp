@@ -2,8 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -20,7 +18,8 @@ namespace silt::inline SILT_TARGET::detail {
 /// normal springs half a step after the last forces, and the second half of the work of all other
 /// forces of that step. With it the books close to second order in the step, as for contacts that
 /// end by themselves. Springs along the surface need nothing: what they hold as they end is
-/// friction. Tests: tests/breakage/ledger.cpp.
+/// friction.
+/// Tests: tests/breakage/runs.cpp.
 template <class EngineType, class Domain>
 class EndedContacts {
   using C = typename EngineType::Contacts;
@@ -118,12 +117,7 @@ class EndedContacts {
     }
     if constexpr (C::has_rolling)
       work.couple += half * dot(turn, at(history, C::kept_from + C::kept_couple));
-    typename HistoryOf<Law, double>::type h;
-    if constexpr (C::law_history > 0) {
-      std::array<double, C::law_history> values;
-      for (std::size_t n = 0; n < values.size(); ++n) values[n] = history(n);
-      h = std::bit_cast<decltype(h)>(values);
-    }
+    const auto h = history_of<Law>(history);
     kin.overlap = std::max(kin.overlap - half * v, 0.0);
     kin.velocity = kin.spin = {0, 0, 0};
     normal +=

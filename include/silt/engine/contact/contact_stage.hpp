@@ -73,12 +73,7 @@ template <class ContactsType, class Scalar>
 void tell_parts(const Contact<double>& c, const typename ContactsType::LawCoefficients& p,
                 Scalar* const* history, double share, RecordedContact& to) {
   using Law = typename ContactsType::Law;
-  typename HistoryOf<Law, double>::type h;
-  if constexpr (ContactsType::law_history > 0) {
-    std::array<double, ContactsType::law_history> values;
-    for (std::size_t n = 0; n < values.size(); ++n) values[n] = static_cast<double>(*history[n]);
-    h = std::bit_cast<decltype(h)>(values);
-  }
+  const auto h = history_of<Law>([&](std::size_t n) { return *history[n]; });
   if constexpr (SaysWhatItStores<Law> && is_frictional<Law>)
     to.spring += share * stored_by<Law, double>(c, p, h).spring;
   if constexpr (requires { Law::attraction(c, p, h); })
@@ -218,11 +213,10 @@ struct ContactStage {
     static_assert(!Fluxes::takes_loss || keeps_ledger<ContactsType>,
                   "a module takes the heat of friction and damping, which the ledger knows: give "
                   "the simulation a silt::EnergyLedger{}");
-    if constexpr (keeps_impacts<ContactsType>) {
+    if constexpr (keeps_impacts<ContactsType>)
       if constexpr (!ContactsType::impacts_by_force)
         ImpactWatch<ContactsType, Real, Block>::look(
             block, count, kinds, history[ContactsType::offset_from], ends, tally.sum.impacts);
-    }
     ContactLosses<Real, Block::size, Fluxes::takes_loss && keeps_ledger<ContactsType>> losses;
     ContactGrowth<Real, Block::size, Fluxes::needs_growth> growth;
     growth.take(block, pieces(count, W) * W, times);
@@ -278,13 +272,7 @@ struct ContactStage {
       Kinematics<double> kin = in_double(block.template get<Scalar>(k));
       kin.velocity = kin.spin = {0, 0, 0};  // loads stand there
       const auto radii = block.template get_radii<Scalar>(k);
-      typename HistoryOf<Law, double>::type h;
-      if constexpr (ContactsType::law_history > 0) {
-        std::array<double, ContactsType::law_history> values;
-        for (std::size_t n = 0; n < values.size(); ++n)
-          values[n] = static_cast<double>(history[n][k]);
-        h = std::bit_cast<decltype(h)>(values);
-      }
+      const auto h = history_of<Law>([&](std::size_t n) { return history[n][k]; });
       const auto c = Kernel::contact(
           kin, {static_cast<double>(radii.i), static_cast<double>(radii.j)}, times.step, times.lag);
       const auto stored = stored_by<Law, double>(c, table.law[kinds != nullptr ? kinds[k] : 0], h);
@@ -292,7 +280,8 @@ struct ContactStage {
       // Half for the last step, half for the next, as the leapfrog reckons the work of motion.
       sum.parted += stored.force * static_cast<double>(less);
     }
-    offset -= less;
+    // One that is used up leaves a contact that goes on: it does not begin then (ImpactWatch).
+    offset = less < offset ? offset - less : Scalar(-1);
   }
 
   /// Hands the contacts of a block, whose loads are known, to the record: those that touch, and

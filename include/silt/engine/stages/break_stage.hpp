@@ -103,7 +103,7 @@ class BreakStage {
       const auto p = e.owner(a), q = e.owner(b);
       if (!p.is_there() || !q.is_there()) continue;
       const bool at_wall = note.wall != NotedImpact::no_row;
-      if (note.force == 0) impacts.add(note.m_eff, note.speed, at_wall);
+      if (note.speed > 0) impacts.add(note.m_eff, note.speed, at_wall);
       all.push_back({p.id(), at_wall ? no_particle : q.id(), at_wall ? note.wall : 0, a, &note});
       if (!at_wall) all.push_back({q.id(), p.id(), 0, b, &note});
     }
@@ -167,8 +167,9 @@ class BreakStage {
       add_due({p.id(), load, note.speed, at_wall ? BreakCause::Wall : BreakCause::Pair});
     } else if (!Policy::by_force || note.is_peak) {
       const double remaining = policy.fatigue.weakened(own.strength, load);
-      wanted(remaining > 0 && remaining <= own.strength, "the fatigue's weakened()", remaining);
-      own.strength = remaining, weak_from = std::min(weak_from, remaining);
+      wanted(remaining >= 0 && remaining <= own.strength, "the fatigue's weakened()", remaining);
+      own.strength = std::max(remaining, std::numeric_limits<double>::min());  // 0 never breaks
+      weak_from = std::min(weak_from, own.strength);
     }
   }
 };
