@@ -1,0 +1,158 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+// The comminution study's mill: a state of the jet mill that all variants begin from, and what a
+// variant costs and finds from there.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <silt/study/clock.hpp>
+
+#include "jet_mill/scene.hpp"
+
+namespace comminution_study {
+
+using jet_mill::Scene;
+
+/// Which economies a run makes, beside its search and its law.
+struct Way {
+  double cell = 0, tolerance = 0;  // [m], [-] of FollowedDrag
+  int steps = 1;                   // particle steps a fluid step; 0: chosen by silt
+  double softened = 0;             // [m] radius, R_full; 0: true moduli
+  double dust = 20e-6;             // [m]
+  double gravity = 9.81;           // [m/s2]
+
+  Scene scene(const Scene& of) const {
+    Scene s = of;
+    s.dust = dust, s.full_radius = softened;
+    return s;
+  }
+};
+
+/// The mill as it has been running for some time.
+struct State {
+  struct Grain {
+    silt::Particles<silt::Sphere>::Particle particle;
+    double strength, generation;
+  };
+  std::vector<Grain> grains;
+  silt::FlowSolver gas;
+};
+
+/// Of a run: all there is in the mill or came out of it by size, what is dust or left alone.
+struct Outcome {
+  silt::SizeTable all, product;
+  double broken = 0, grains = 0, fed = 0, safeguarded = 0;
+  double cost = 0;  // [s] of processor time for a millisecond in the mill
+  double step = 0;  // [s]
+
+  /// Largest difference of the shares finer than any size.
+  double off(const Outcome& other) const { return largest(all, other.all); }
+  double product_off(const Outcome& other) const { return largest(product, other.product); }
+
+ private:
+  static double largest(const silt::SizeTable& a, const silt::SizeTable& b) {
+    double most = 0;
+    for (std::size_t k = 1; k <= std::max(a.classes(), b.classes()); ++k) {
+      const double x = silt::SizeTable::edge(k);
+      most = std::max(most, std::abs(a.finer(x) - b.finer(x)));
+    }
+    return most;
+  }
+};
+
+/// A mill that goes on from a state, with its own search, law and economies.
+template <class L, class Search>
+auto mill_from(const State& state, const Scene& base, const Way& way, const Search& search) {
+  const Scene s = way.scene(base);
+  silt::CoupledFlow gas{silt::DiFelice{}, silt::Kernel{}, state.gas,
+                        silt::FollowedDrag{.cell = way.cell, .tolerance = way.tolerance}};
+  gas.diameter = s.feed, gas.most_steps = 400;
+  if (way.steps > 0) gas.steps = way.steps;
+  silt::Particles<silt::Sphere> grains;
+  for (const auto& g : state.grains) grains.add(g.particle);
+  silt::Simulation sim{std::move(grains), jet_mill::contacts<L>(s), std::move(gas),
+                       jet_mill::breakage(s), search};
+  jet_mill::furnish<L>(sim, s);
+  sim.threads = 1, sim.guard.max_overlap = 0.9;
+  sim.gravity = {0, 0, -way.gravity};
+  using Policy = std::remove_cvref_t<decltype(sim.breakage())>;
+  for (std::size_t k = 0; k < state.grains.size(); ++k) {
+    auto& own = sim.template field<Policy>(sim.find(k));
+    own.strength = state.grains[k].strength, own.generation = state.grains[k].generation;
+  }
+  return sim;
+}
+
+/// What a run has found.
+template <class Sim>
+Outcome outcome_of(const Sim& sim) {
+  Outcome out;
+  out.product = sim.dust(), out.product.merge(sim.left());
+  out.all = silt::sizes_present(sim), out.all.merge(out.product);
+  out.broken = static_cast<double>(sim.broken());
+  out.grains = static_cast<double>(sim.size());
+  out.fed = sim.mass_balance().fed;
+  out.safeguarded = static_cast<double>(sim.safeguarded());
+  out.step = sim.step_length();
+  return out;
+}
+
+template <class Sim>
+State state_of(const Sim& sim) {
+  using Policy = std::remove_cvref_t<decltype(sim.breakage())>;
+  State state{{}, sim.fluid().flow()};
+  for (std::size_t k = 0; k < sim.rows(); ++k)
+    if (sim.is_present(k))
+      state.grains.push_back({{.position = sim.position(k),
+                               .radius = sim.radius(k),
+                               .density = Scene::density,
+                               .velocity = sim.velocity(k),
+                               .angular_velocity = sim.angular_velocity(k)},
+                              sim.template field<Policy>(k).strength,
+                              sim.template field<Policy>(k).generation});
+  return state;
+}
+
+/// Runs on for `duration` [s]; leaves the state that it ends in, if asked for.
+template <class L, class Search>
+Outcome found(const State& from, const Scene& base, const Way& way, double duration,
+              const Search& search, State* end = nullptr) {
+  auto sim = mill_from<L>(from, base, way, search);
+  const auto clock = silt::processor_time();
+  const double start = clock.now();
+  sim.run(duration);
+  Outcome out = outcome_of(sim);
+  out.cost = (clock.now() - start) / (1e3 * duration);
+  if (end) *end = state_of(sim);
+  return out;
+}
+
+/// [s] of processor time for a millisecond in the mill, from a window of some `seconds` of
+/// computing: whole fluid steps, the first of which are not counted.
+template <class L, class Search>
+double cost_of(const State& from, const Scene& base, const Way& way, double seconds,
+               const Search& search) {
+  auto sim = mill_from<L>(from, base, way, search);
+  const auto clock = silt::processor_time();
+  sim.run(1e-12);  // to know the step
+  const double round = sim.step_length() * (way.steps > 0 ? 2.0 * way.steps : 200);  // [s]
+  sim.run(round);
+  const double start = clock.now(), from_time = sim.time();
+  while (clock.now() - start < seconds) sim.run(round);
+  return 1e-3 * (clock.now() - start) / (sim.time() - from_time);
+}
+
+/// The searches, each compiled in a file of its own: the full mesh with all 26 neighbours, one
+/// hashed grid or two, the half stencil with the proximity of edges; a Verlet list.
+enum class Search { FullMesh, HashedGrid, SubGrid, HalfStencil, VerletList };
+double direct_cost(const State& from, const Scene& base, const Way& way, double seconds,
+                   Search search);
+
+}  // namespace comminution_study
