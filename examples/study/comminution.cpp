@@ -8,7 +8,10 @@
 
 #include "study/comminution.hpp"
 
+#include <array>
+#include <cmath>
 #include <cstdio>
+#include <limits>
 #include <optional>
 
 #include <silt/files/csv_table.hpp>
@@ -23,7 +26,6 @@ using jet_mill::Law;
 
 /// Hertz and Mindlin with a dashpot made for the mean mass of the two grains, as codes have had it.
 struct MeanMassHertz : silt::HertzMindlin {
-  static constexpr bool needs_radii = true;
   template <class Real>
   static SILT_INLINE silt::Traction<Real> force(const silt::Contact<Real>& c,
                                                 const Coefficients<Real>& p, History<Real>& h) {
@@ -42,19 +44,16 @@ using WrongLaw = silt::Softened<MeanMassHertz>;
 
 struct Row {
   std::string name;
-  std::optional<double> alone, without;          // [s] a millisecond
-  std::optional<double> sizes, product, broken;  // [-] errors of all economies against all but this
+  std::optional<double> alone, without;          // [s] a millisecond: none but this, all but this
+  std::optional<double> sizes, product, broken;  // [-] all against all but this
 };
-
-double seconds_of(const studies::Setting& setting) { return setting.quick ? 0.3 : 4; }
 
 class Study {
  public:
   explicit Study(const studies::Setting& setting) : setting_(setting) {
     base_.rate = 1e-3;  // soon full
     base_.most_fragments = 400;
-    all_ = {.cell = 0.5e-3, .tolerance = 0.02, .steps = 0, .softened = 60e-6, .dust = 40e-6};
-    fine_ = all_, fine_.dust = none_.dust;
+    all_ = {.steps = 0, .softened = 60e-6, .dust = 40e-6};
   }
 
   void run(example::Summary& summary) {
@@ -65,148 +64,154 @@ class Study {
   }
 
  private:
-  static constexpr auto list = [] { return silt::VerletList<silt::HashedGrid>{}; };
-
-  void say(const std::string& what) const {
-    std::printf("%s\n", what.c_str()), std::fflush(stdout);
+  static silt::VerletList<silt::HashedGrid> list() { return {}; }
+  static void say(const std::string& what) { std::fprintf(stderr, "%s\n", what.c_str()); }
+  template <class Change>
+  static Way with(Way way, const Change& change) {
+    change(way);
+    return way;
   }
 
-  /// The mill from empty to running, with two limits of dust.
+  /// The mill from empty to running, with both limits of dust.
   void begin() {
-    const double start = setting_.quick ? 2.5e-3 : 5e-3;
-    State empty{{}, jet_mill::air(base_)};
+    const double start = setting_.quick ? 2.5e-3 : 5e-3;  // [s]
+    const State empty{{}, jet_mill::air(base_)};
     say("the mill starts");
-    found<Law>(empty, base_, all_, start, list(), &coarse_start_.emplace(empty));
-    Outcome fine = found<Law>(empty, base_, fine_, start, list(), &fine_start_.emplace(empty));
-    say(silt::text("  grains: ", coarse_start_->grains.size(), " of ", 1e6 * all_.dust,
-                   " um and more, ", fine_start_->grains.size(), " of ", 1e6 * fine_.dust, " um"));
-    (void)fine;
+    coarse_from_empty_ =
+        found<Law, false>(empty, base_, all_, start, list(), &coarse_.emplace(empty));
+    fine_from_empty_ =
+        found<Law, false>(empty, base_, with(all_, [](Way& w) { w.dust = Way{}.dust; }), start,
+                          list(), &fine_.emplace(empty));
+    say(silt::text(coarse_->grains.size(), " grains of ", 1e6 * all_.dust, " um and more, ",
+                   fine_->grains.size(), " of ", 1e6 * Way{}.dust, " um"));
   }
 
-  double slow(const Way& way, Search search, bool fine = true) const {
-    return direct_cost(fine ? *fine_start_ : *coarse_start_, base_, way, seconds_of(setting_),
-                       search);
+  double seconds() const { return setting_.quick ? 0.3 : 4; }
+  /// None but what `way` and `search` have; begins with fine grains, if they are not dust.
+  double alone(const Way& way, Search search = Search::FullMesh) const {
+    return direct_cost(way.dust == all_.dust ? *coarse_ : *fine_, base_, way, seconds(), search);
   }
-  double fast(const Way& way, bool fine = false) const {
-    return cost_of<Law>(fine ? *fine_start_ : *coarse_start_, base_, way, seconds_of(setting_),
-                        list());
+  /// All but what `way` lacks.
+  double fast(const Way& way) const {
+    const State& from = way.dust == all_.dust ? *coarse_ : *fine_;
+    return way.followed ? cost_of<Law, true>(from, base_, way, seconds(), list())
+                        : cost_of<Law, false>(from, base_, way, seconds(), list());
   }
+  Outcome found_by(const Way& way) const {
+    return way.followed ? found<Law, true>(*coarse_, base_, way, duration(), list())
+                        : found<Law, false>(*coarse_, base_, way, duration(), list());
+  }
+  double duration() const { return setting_.quick ? 2e-4 : 2e-3; }  // [s] of errors
 
   void costs() {
     say("costs");
-    none_cost_ = slow(none_, Search::FullMesh);
-    all_cost_ = fast(all_);
-    fine_cost_ = fast(fine_, true);
-    const auto with = [](Way way, auto change) { return change(way), way; };
-    const auto direct = [&](Search s) {
-      return direct_cost(*coarse_start_, base_, all_, seconds_of(setting_), s);
+    const Way none;
+    none_cost_ = alone(none), all_cost_ = fast(all_);
+    fine_cost_ = fast(with(all_, [&](Way& w) { w.dust = none.dust; }));
+    const auto add = [&](const char* name, std::optional<double> one,
+                         std::optional<double> others) {
+      rows_.push_back({name, one, others, {}, {}, {}});
+      say(name);
     };
-    rows_.push_back({"hashed grid", slow(none_, Search::HashedGrid), {}, {}, {}, {}});
-    rows_.push_back({"sub-grid for fines", slow(none_, Search::SubGrid), {}, {}, {}, {}});
-    rows_.push_back(
-        {"half stencil, edge proximity", slow(none_, Search::HalfStencil), {}, {}, {}, {}});
-    rows_.push_back({"list of neighbours (silt)",
-                     slow(none_, Search::VerletList),
-                     direct(Search::FullMesh),
-                     {},
-                     {},
-                     {}});
-    rows_.push_back({"fluid steps apart, values on cells",
-                     slow(with(none_, [&](Way& w) { w.steps = apart(), w.cell = all_.cell; }),
-                          Search::FullMesh),
-                     fast(with(all_, [](Way& w) { w.steps = 1, w.cell = 0; })),
-                     {},
-                     {},
-                     {}});
-    rows_.push_back(
-        {"lazy drag",
-         slow(with(none_, [&](Way& w) { w.tolerance = all_.tolerance; }), Search::FullMesh),
-         fast(with(all_, [](Way& w) { w.tolerance = 0; })),
-         {},
-         {},
-         {}});
-    rows_.push_back(
-        {"softened fines",
-         slow(with(none_, [&](Way& w) { w.softened = all_.softened; }), Search::FullMesh),
-         fast(with(all_, [](Way& w) { w.softened = 0; })),
-         {},
-         {},
-         {}});
-    rows_.push_back({"right dashpot",
-                     {},
-                     cost_of<WrongLaw>(*coarse_start_, base_, all_, seconds_of(setting_), list()),
-                     {},
-                     {},
-                     {}});
-    rows_.push_back(
-        {"dust",
-         slow(with(none_, [&](Way& w) { w.dust = all_.dust; }), Search::FullMesh, false),
-         fine_cost_,
-         {},
-         {},
-         {}});
+    add("hashed grid", alone(none, Search::HashedGrid), {});
+    add("sub-grid for fines", alone(none, Search::SubGrid), {});
+    add("half stencil, edge proximity", alone(none, Search::HalfStencil), {});
+    add("list of neighbours", {}, direct_cost(*coarse_, base_, all_, seconds(), Search::FullMesh));
+    add("fluid steps apart", alone(with(none, [](Way& w) { w.steps = 100; })),
+        fast(with(all_, [](Way& w) { w.steps = 1; })));
+    add("held drag", {}, fast(with(all_, [](Way& w) { w.followed = true; })));
+    add("lazy drag on cells, not held", {},
+        fast(with(all_, [](Way& w) { w.followed = true, w.cell = 0.5e-3, w.tolerance = 0.02; })));
+    add("softened fines", alone(with(none, [&](Way& w) { w.softened = all_.softened; })),
+        fast(with(all_, [](Way& w) { w.softened = 0; })));
+    add("right dashpot", {}, cost_of<WrongLaw, false>(*coarse_, base_, all_, seconds(), list()));
+    add("dust", alone(with(none, [&](Way& w) { w.dust = all_.dust; })), fine_cost_);
   }
-  int apart() const { return 100; }
 
   /// The same start, run on with all economies, and with all but one.
   void errors() {
-    const double duration = setting_.quick ? 2e-4 : 2e-3;
     say("errors: all economies");
-    const State& from = *coarse_start_;
-    all_found_ = found<Law>(from, base_, all_, duration, list());
-    const auto compare = [&](const std::string& name, const Outcome& reference) {
-      say("errors: without " + name);
+    all_found_ = found_by(all_);
+    const auto compare = [&](const std::string& name, const Outcome& one,
+                             const Outcome& reference) {
+      say("errors: " + name);
       for (Row& row : rows_)
         if (row.name == name) {
-          row.sizes = all_found_.off(reference), row.product = all_found_.product_off(reference);
-          row.broken = all_found_.broken / reference.broken - 1;
+          row.sizes = one.off(reference), row.product = one.product_off(reference);
+          row.broken = one.broken / reference.broken - 1;
         }
     };
-    Way other = all_;
-    other.gravity *= 1 + 1e-9;
     rows_.push_back({"gravity 1e-9 more (control)", {}, {}, {}, {}, {}});
-    compare(rows_.back().name, found<Law>(from, base_, other, duration, list()));
-    other = all_, other.steps = 5, other.cell = 0;
-    if (!setting_.quick)
-      compare("fluid steps apart, values on cells",
-              found<Law>(from, base_, other, duration, list()));
-    other = all_, other.tolerance = 0;
-    compare("lazy drag", found<Law>(from, base_, other, duration, list()));
-    other = all_, other.softened = 0;
-    compare("softened fines", found<Law>(from, base_, other, duration, list()));
-    compare("right dashpot", found<WrongLaw>(from, base_, all_, duration, list()));
+    compare(rows_.back().name, all_found_,
+            found_by(with(all_, [](Way& w) { w.gravity *= 1 + 1e-9; })));
+    compare("fluid steps apart", all_found_, found_by(with(all_, [](Way& w) { w.steps = 10; })));
+    const Outcome followed = found_by(with(all_, [](Way& w) { w.followed = true; }));
+    compare("held drag", all_found_, followed);
+    compare("lazy drag on cells, not held",
+            found_by(
+                with(all_, [](Way& w) { w.followed = true, w.cell = 0.5e-3, w.tolerance = 0.02; })),
+            followed);
+    compare("softened fines", all_found_, found_by(with(all_, [](Way& w) { w.softened = 0; })));
+    compare("right dashpot", all_found_,
+            found<WrongLaw, false>(*coarse_, base_, all_, duration(), list()));
+    compare("dust", coarse_from_empty_, fine_from_empty_);
   }
 
   void report(example::Summary& summary) const;
 
   studies::Setting setting_;
   Scene base_;
-  Way none_, all_, fine_;
-  std::optional<State> coarse_start_, fine_start_;
+  Way all_;
+  std::optional<State> coarse_, fine_;
   double none_cost_ = 0, all_cost_ = 0, fine_cost_ = 0;
-  Outcome all_found_;
+  Outcome coarse_from_empty_, fine_from_empty_, all_found_;
   std::vector<Row> rows_;
 };
 
 void Study::report(example::Summary& summary) const {
-  const auto cell = [](const std::optional<double>& x) {
-    return x ? silt::text(*x) : std::string("-");
-  };
-  std::printf("%-36s %12s %8s %14s %8s %10s %10s %10s\n", "economy", "alone [s/ms]", "factor",
-              "all but [s/ms]", "factor", "sizes", "product", "broken");
+  std::FILE* const out = stdout;
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  silt::make_folder(setting_.out);
+  silt::CsvTable csv(
+      setting_.out + "/factors.csv",
+      {"number", "alone [s/ms]", "factor alone", "all but this [s/ms]", "factor of leaving it out",
+       "error of sizes", "error of the product's sizes", "error of breakage"});
+  std::fprintf(out, "%-30s%10s%8s%10s%8s%9s%9s%9s\n", "economy", "alone", "factor", "all but",
+               "factor", "sizes", "product", "broken");
+  std::fprintf(out, "%-30s%10s%8s%10s%8s\n", "", "[s/ms]", "", "[s/ms]", "");
+  double number = 0;
   for (const Row& row : rows_) {
-    std::optional<double> gain, loss;
-    if (row.alone) gain = none_cost_ / *row.alone;
-    if (row.without) loss = *row.without / all_cost_;
-    std::printf("%-36s %12s %8s %14s %8s %10s %10s %10s\n", row.name.c_str(),
-                cell(row.alone).c_str(), cell(gain).c_str(), cell(row.without).c_str(),
-                cell(loss).c_str(), cell(row.sizes).c_str(), cell(row.product).c_str(),
-                cell(row.broken).c_str());
+    const double one = row.alone.value_or(none), others = row.without.value_or(none);
+    const std::array values{one,
+                            none_cost_ / one,
+                            others,
+                            others / all_cost_,
+                            row.sizes.value_or(none),
+                            row.product.value_or(none),
+                            row.broken.value_or(none)};
+    std::fprintf(out, "%-30s", row.name.c_str());
+    const int widths[] = {10, 8, 10, 8, 9, 9, 9};
+    for (std::size_t k = 0; k < values.size(); ++k)
+      std::isnan(values[k]) ? std::fprintf(out, "%*s", widths[k], "-")
+                            : std::fprintf(out, "%*.3g", widths[k], values[k]);
+    std::fprintf(out, "\n");
+    csv.add_row(
+        {++number, values[0], values[1], values[2], values[3], values[4], values[5], values[6]});
   }
-  std::printf("none %g s/ms, all but dust %g, all %g: factors %.0f and %.0f\n", none_cost_,
-              fine_cost_, all_cost_, none_cost_ / fine_cost_, none_cost_ / all_cost_);
-  summary.result("factor_without_dust", none_cost_ / fine_cost_);
-  summary.result("factor", none_cost_ / all_cost_);
+  std::fprintf(out,
+               "none: %.4g s of processor time for a millisecond in the mill; all but dust: %.3g, "
+               "%.0f times as fast; all: %.3g, %.0f times\n",
+               none_cost_, fine_cost_, none_cost_ / fine_cost_, all_cost_, none_cost_ / all_cost_);
+  summary.input("grains_fine", static_cast<double>(fine_->grains.size()));
+  summary.input("grains_coarse", static_cast<double>(coarse_->grains.size()));
+  summary.result("none_s_per_ms", none_cost_);
+  summary.result("all_but_dust_s_per_ms", fine_cost_);
+  summary.result("all_s_per_ms", all_cost_);
+  summary.check_at_least("factor_without_dust", none_cost_ / fine_cost_, 17);
+  summary.check_at_least("factor", none_cost_ / all_cost_, setting_.quick ? 17 : 1000);
+  for (const Row& row : rows_)
+    if (row.sizes && row.name != "right dashpot" && !setting_.quick)
+      summary.check_at_most("sizes_of_" + row.name, *row.sizes, 0.03);
 }
 
 void run(const studies::Setting& setting, example::Summary& summary) {

@@ -22,6 +22,7 @@ using jet_mill::Scene;
 
 /// Which economies a run makes, beside its search and its law.
 struct Way {
+  bool followed = false;           // drag found anew in each step, instead of held
   double cell = 0, tolerance = 0;  // [m], [-] of FollowedDrag
   int steps = 1;                   // particle steps a fluid step; 0: chosen by silt
   double softened = 0;             // [m] radius, R_full; 0: true moduli
@@ -68,11 +69,16 @@ struct Outcome {
 };
 
 /// A mill that goes on from a state, with its own search, law and economies.
-template <class L, class Search>
+template <class L, bool followed, class Search>
 auto mill_from(const State& state, const Scene& base, const Way& way, const Search& search) {
   const Scene s = way.scene(base);
-  silt::CoupledFlow gas{silt::DiFelice{}, silt::Kernel{}, state.gas,
-                        silt::FollowedDrag{.cell = way.cell, .tolerance = way.tolerance}};
+  auto gas = [&] {
+    if constexpr (followed)
+      return silt::CoupledFlow{silt::DiFelice{}, silt::Kernel{}, state.gas,
+                               silt::FollowedDrag{.cell = way.cell, .tolerance = way.tolerance}};
+    else
+      return silt::CoupledFlow{silt::DiFelice{}, silt::Kernel{}, state.gas};
+  }();
   gas.diameter = s.feed, gas.most_steps = 400;
   if (way.steps > 0) gas.steps = way.steps;
   silt::Particles<silt::Sphere> grains;
@@ -80,7 +86,8 @@ auto mill_from(const State& state, const Scene& base, const Way& way, const Sear
   silt::Simulation sim{std::move(grains), jet_mill::contacts<L>(s), std::move(gas),
                        jet_mill::breakage(s), search};
   jet_mill::furnish<L>(sim, s);
-  sim.threads = 1, sim.guard.max_overlap = 0.9;
+  sim.threads = 1, sim.guard.max_overlap = 0.69;
+  sim.set_max_overlap("salt", "salt", 1.9);  // fines between grains
   sim.gravity = {0, 0, -way.gravity};
   using Policy = std::remove_cvref_t<decltype(sim.breakage())>;
   for (std::size_t k = 0; k < state.grains.size(); ++k) {
@@ -104,54 +111,71 @@ Outcome outcome_of(const Sim& sim) {
   return out;
 }
 
+/// Grains that lie in others or in walls, as fragments do that have just come, are left out: what
+/// sets them apart gently is not part of a state.
 template <class Sim>
-State state_of(const Sim& sim) {
+State state_of(const Sim& sim, const Scene& s) {
   using Policy = std::remove_cvref_t<decltype(sim.breakage())>;
   State state{{}, sim.fluid().flow()};
+  std::vector<std::size_t> order;
   for (std::size_t k = 0; k < sim.rows(); ++k)
-    if (sim.is_present(k))
-      state.grains.push_back({{.position = sim.position(k),
-                               .radius = sim.radius(k),
-                               .density = Scene::density,
-                               .velocity = sim.velocity(k),
-                               .angular_velocity = sim.angular_velocity(k)},
-                              sim.template field<Policy>(k).strength,
-                              sim.template field<Policy>(k).generation});
+    if (sim.is_present(k)) order.push_back(k);
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return sim.radius(a) != sim.radius(b) ? sim.radius(a) > sim.radius(b) : sim.id(a) < sim.id(b);
+  });
+  for (const std::size_t k : order) {
+    const silt::Vec3d x = sim.position(k);
+    const double r = sim.radius(k), most = 0.02 * r;  // [m]
+    bool free = jet_mill::room(s, x) > r - most && std::hypot(x.x, x.y) + r < s.radius + most;
+    for (const auto& other : state.grains) {
+      if (!free) break;
+      free = norm(x - other.particle.position) > r + other.particle.radius - most;
+    }
+    if (!free) continue;
+    state.grains.push_back({{.position = x,
+                             .radius = r,
+                             .density = Scene::density,
+                             .velocity = sim.velocity(k),
+                             .angular_velocity = sim.angular_velocity(k)},
+                            sim.template field<Policy>(k).strength,
+                            sim.template field<Policy>(k).generation});
+  }
   return state;
 }
 
 /// Runs on for `duration` [s]; leaves the state that it ends in, if asked for.
-template <class L, class Search>
+template <class L, bool followed, class Search>
 Outcome found(const State& from, const Scene& base, const Way& way, double duration,
               const Search& search, State* end = nullptr) {
-  auto sim = mill_from<L>(from, base, way, search);
+  auto sim = mill_from<L, followed>(from, base, way, search);
   const auto clock = silt::processor_time();
   const double start = clock.now();
   sim.run(duration);
   Outcome out = outcome_of(sim);
   out.cost = (clock.now() - start) / (1e3 * duration);
-  if (end) *end = state_of(sim);
+  if (end) *end = state_of(sim, base);
   return out;
 }
 
 /// [s] of processor time for a millisecond in the mill, from a window of some `seconds` of
 /// computing: whole fluid steps, the first of which are not counted.
-template <class L, class Search>
+template <class L, bool followed, class Search>
 double cost_of(const State& from, const Scene& base, const Way& way, double seconds,
                const Search& search) {
-  auto sim = mill_from<L>(from, base, way, search);
+  auto sim = mill_from<L, followed>(from, base, way, search);
   const auto clock = silt::processor_time();
   sim.run(1e-12);  // to know the step
-  const double round = sim.step_length() * (way.steps > 0 ? 2.0 * way.steps : 200);  // [s]
-  sim.run(round);
+  const double round = sim.step_length() * (way.steps > 0 ? 2.0 * way.steps : 1000);  // [s]
+  // The first fluid steps of a start are short, if silt chooses them.
+  sim.run(way.steps > 0 ? round : 4e-5);
   const double start = clock.now(), from_time = sim.time();
   while (clock.now() - start < seconds) sim.run(round);
   return 1e-3 * (clock.now() - start) / (sim.time() - from_time);
 }
 
-/// The searches, each compiled in a file of its own: the full mesh with all 26 neighbours, one
-/// hashed grid or two, the half stencil with the proximity of edges; a Verlet list.
-enum class Search { FullMesh, HashedGrid, SubGrid, HalfStencil, VerletList };
+/// Searches that are made in each step: the full mesh with all 26 neighbours, one hashed grid, two,
+/// the half stencil with the proximity of edges. Drag that is followed: the full mesh alone.
+enum class Search { FullMesh, HashedGrid, SubGrid, HalfStencil };
 double direct_cost(const State& from, const Scene& base, const Way& way, double seconds,
                    Search search);
 

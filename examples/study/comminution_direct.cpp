@@ -61,19 +61,18 @@ class FullMesh {
 double direct_cost(const State& from, const Scene& base, const Way& way, double seconds,
                    Search search) {
   using jet_mill::Law;
+  if (way.followed) return cost_of<Law, true>(from, base, way, seconds, FullMesh{});
   switch (search) {
     case Search::FullMesh:
-      return cost_of<Law>(from, base, way, seconds, FullMesh{});
+      return cost_of<Law, false>(from, base, way, seconds, FullMesh{});
     case Search::HalfStencil:
-      return cost_of<Law>(from, base, way, seconds, silt::Nbs{});
+      return cost_of<Law, false>(from, base, way, seconds, silt::Nbs{});
     case Search::HashedGrid:
-      return cost_of<Law>(from, base, way, seconds, silt::HashedGrid{silt::one_level});
+      return cost_of<Law, false>(from, base, way, seconds, silt::HashedGrid{silt::one_level});
     case Search::SubGrid:
-      return cost_of<Law>(from, base, way, seconds, silt::HashedGrid{silt::sub_grid(0.2)});
-    case Search::VerletList:
-      break;
+      return cost_of<Law, false>(from, base, way, seconds, silt::HashedGrid{silt::sub_grid(0.2)});
   }
-  return cost_of<Law>(from, base, way, seconds, silt::HashedGrid{});
+  return 0;
 }
 
 }  // namespace comminution_study

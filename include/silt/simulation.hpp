@@ -158,10 +158,6 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   std::size_t add_wall(Surfaces surfaces, const typename ContactsType::Material& solid, M motion) {
     return add_wall(std::move(surfaces), solid, WallSetup{.motion = std::move(motion)});
   }
-  /// Lets particles and walls of these two materials overlap by up to `limit` [-] of the smaller
-  /// radius, in place of guard.max_overlap: a heavy body that hits light grains.
-  void set_max_overlap(const typename ContactsType::Material& a,
-                       const typename ContactsType::Material& b, double limit);
 
   /// Adds more particles now. Returns the number in forms() of each of their forms: a new one, or
   /// that of an equal form which the simulation has already; of spheres nothing.

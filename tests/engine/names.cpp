@@ -201,6 +201,15 @@ TEST_CASE("names of materials: overlaps, the time step and particles that do not
   low.set_max_overlap(soft, hard, 0.01);
   stopped([&] { low.run(0); }, {"above the limit 0.01 that set_max_overlap gives to material 0 "
                                 "'gum'"});
+  // By name: catches a limit that goes to another pair.
+  auto named = scene(1.95e-3);
+  named.set_max_overlap("steel", "steel", 0.01);
+  named.run(0);
+  named = scene(1.95e-3);
+  named.set_max_overlap("steel", 0, 0.01);
+  stopped([&] { named.run(0); }, {"above the limit 0.01 that set_max_overlap gives to material 0 "
+                                  "'gum'"});
+  refused([&] { named.set_max_overlap("steal", "gum", 1); }, {"'steal'"});
   auto fast = scene(3e-3);
   fast.time_step = 1;
   refused([&] { fast.run(1); }, {"of a particle of radius 0.001 m and material 1 'steel' (",

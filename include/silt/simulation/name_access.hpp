@@ -53,6 +53,29 @@ class NameAccess {
     sim().contacts_.set_rolling_of(a, b, rolling);
     contacts_changed();
   }
+  /// Lets particles and walls of these two materials, by number or name, overlap by up to `limit`
+  /// [-] of the smaller radius, in place of guard.max_overlap: a heavy body that hits light grains.
+  void set_max_overlap(const WhichMaterial& a, const WhichMaterial& b, double limit) {
+    require_positive("Simulation::set_max_overlap: limit", limit, "-");
+    sim().overlap_limits_.set(material_number(a), material_number(b), limit);
+  }
+  /// The same of all materials of these values.
+  template <class S = Sim>
+  void set_max_overlap(const typename S::ContactsType::Material& a,
+                       const typename S::ContactsType::Material& b, double limit) {
+    const auto& contacts = sim().contacts_;
+    const auto equal = [&contacts](const auto& solid) {
+      std::vector<std::size_t> all;
+      for (std::size_t k = 0; k < contacts.materials(); ++k)
+        if (contacts.material(k) == solid) all.push_back(k);
+      require(!all.empty(), "Simulation::set_max_overlap: a material", leading_value(solid),
+              " is none of the ", contacts.materials(),
+              " of the contacts and the walls; give the same values, and add the wall before");
+      return all;
+    };
+    for (const std::size_t i : equal(a))
+      for (const std::size_t j : equal(b)) set_max_overlap(i, j, limit);
+  }
   /// As messages call it: "form 2 'cube'".
   template <class S = Sim>
   std::string form_name(std::size_t k) const requires(S::of_bodies) {

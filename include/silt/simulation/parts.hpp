@@ -296,24 +296,6 @@ void Simulation<Policies...>::break_bonds() {
 }
 
 template <class... Policies>
-void Simulation<Policies...>::set_max_overlap(const typename ContactsType::Material& a,
-                                              const typename ContactsType::Material& b,
-                                              double limit) {
-  require_positive("Simulation::set_max_overlap: limit", limit, "-");
-  const auto equal = [this](const auto& solid) {
-    std::vector<std::size_t> all;
-    for (std::size_t k = 0; k < contacts_.materials(); ++k)
-      if (contacts_.material(k) == solid) all.push_back(k);
-    require(!all.empty(), "Simulation::set_max_overlap: a material", detail::leading_value(solid),
-            " is none of the ", contacts_.materials(),
-            " of the contacts and the walls; give the same values, and add the wall before");
-    return all;
-  };
-  for (const std::size_t i : equal(a))
-    for (const std::size_t j : equal(b)) overlap_limits_.set(i, j, limit);
-}
-
-template <class... Policies>
 void Simulation<Policies...>::check_walls() const {
   for (std::size_t w = 0; w < engine_.walls.size(); ++w)
     if (engine_.walls[w].moves()) detail::check_pose(engine_.walls, w, step_, time_);
