@@ -21,6 +21,13 @@
 
 namespace silt::inline SILT_TARGET {
 
+/// What silt's own time step is chosen for. One that is set (Simulation::time_step) does not
+/// change.
+enum class BreakStep {
+  SmallestPossible,  // a fragment of the diameter `dust_below`, from the start on
+  SmallestLiving     // the smallest particles that are there: it changes during the run
+};
+
 /// How particles break, beside the comminution functions.
 struct BreakageRules {
   double dust_below;                        // [m] diameter, > 0: fragments below it are dust
@@ -28,6 +35,7 @@ struct BreakageRules {
   double separation_speed = 0.1;            // [m/s] >= 0
   std::vector<std::size_t> materials = {};  // whose particles break; none: all
   std::uint64_t seed = 1;
+  BreakStep step = BreakStep::SmallestPossible;
 
   bool breaks(std::size_t material) const {
     for (const std::size_t m : materials)

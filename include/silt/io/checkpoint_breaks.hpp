@@ -22,6 +22,7 @@ template <class Stage>
 struct BreaksState {
   std::vector<std::uint64_t> due_ids, due_cause, broken;
   std::vector<double> due, fed, dust, left, impacts;  // due: load and speed of each
+  std::vector<double> sizes;                          // if the time step follows them
 
   static BreaksState of(const Stage& stage) {
     BreaksState s;
@@ -32,6 +33,7 @@ struct BreaksState {
     s.broken.assign(stage.broken.begin(), stage.broken.end());
     s.fed = {stage.fed.sum(), stage.fed.rest(), stage.parted};
     s.dust = stage.dust.state(), s.left = stage.left.state(), s.impacts = stage.impacts.state();
+    s.sizes = stage.sizes.state();
     return s;
   }
   template <class Archive>
@@ -46,6 +48,9 @@ struct BreaksState {
     a.column("breakage.fed", fed, 3);
     a.column("breakage.dust", dust, count(dust)), a.column("breakage.left", left, count(left));
     a.column("breakage.impacts", impacts, ImpactEnergies::numbers);
+    bool follows = !sizes.empty();
+    if constexpr (Archive::loads) follows = a.has("breakage.sizes");
+    if (follows) a.column("breakage.sizes", sizes, count(sizes), known_number);
   }
   /// Refuses what cannot be.
   void check(const CheckpointLoader& a) const {
@@ -72,6 +77,7 @@ struct BreaksState {
     a.need(all_of_mass(impacts) && std::all_of(impacts.begin(), impacts.end(),
                                                [](double x) { return x >= 0 && x < 0x1p63; }),
            "breakage.impacts cannot be");
+    a.need(LivingSizes::can_be(sizes), "breakage.sizes cannot be");
   }
   void put(Stage& stage) const {
     stage.due.clear(), stage.events.clear();
@@ -81,6 +87,7 @@ struct BreaksState {
     std::copy(broken.begin(), broken.end(), stage.broken.begin());
     stage.fed = {fed[0], fed[1]}, stage.parted = fed[2];
     stage.dust.restore(dust), stage.left.restore(left), stage.impacts.restore(impacts);
+    stage.sizes.restore(sizes);
   }
 };
 /// What a run goes on with: the functions and the rules.
@@ -90,6 +97,8 @@ void describe_breakage(const Describer& is, const Policy& policy) {
   is("breakage: dust_below", text(policy.rules.dust_below, " m"));
   is("breakage: most_fragments", text(policy.rules.most_fragments));
   is("breakage: separation_speed", text(policy.rules.separation_speed, " m/s"));
+  if (policy.rules.step == BreakStep::SmallestLiving)
+    is("breakage: step", "of the smallest living");
   const auto numbers = [&](const char* of, const auto& function) {
     using F = std::remove_cvref_t<decltype(function)>;
     if constexpr (requires { F::names.size(); }) describe_numbers(is, of, function);

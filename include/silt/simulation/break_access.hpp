@@ -80,19 +80,33 @@ class BreakAccess {
   }
 
  protected:
-  /// Replaces what is due to break, before a step.
-  void break_due() {
+  /// Replaces what is due to break, before a step. Returns whether the time step is to be looked at
+  /// in this step.
+  bool break_due() {
     auto& s = sim();
     s.breaks_.events.clear();
     auto& stage = s.breaks_;
-    if (stage.due.empty()) return;
+    const bool follows = follows_sizes();
+    bool looks = follows && (!stage.sizes.known() || s.step_ % LivingSizes::look_every == 0);
+    if (follows) stage.sizes.safeguards = s.engine_.safeguards;
+    if (stage.due.empty()) return looks;
     std::vector<Parent> parents;
     typename Sim::ParticlesType fragments;
     for (const DueBreak& one : std::exchange(stage.due, {})) {
       const std::size_t k = s.engine_.find(one.id);
       if (k < s.rows()) break_one(one, k, parents, fragments);
     }
+    const std::size_t from = s.rows();
     take_place(parents, fragments);
+    // How thin a cell is its mass does not tell.
+    if (follows && Sim::of_bodies) looks = true;
+    for (std::size_t k = from; follows && !looks && k < s.rows(); ++k)
+      looks = stage.sizes.is_less(s.engine_, k);
+    return looks;
+  }
+  /// Whether the time step is that of the smallest particles that are there.
+  bool follows_sizes() const {
+    return sim().breakage().rules.step == BreakStep::SmallestLiving && !sim().time_step;
   }
 
   void prepare_breakage() {
@@ -117,6 +131,7 @@ class BreakAccess {
                 s.forms()[f].shape.radius(),
                 " [m], and dilated cells do not fill a polyhedron; give sharp ones, of radius 0");
     s.breaks_.measure(s.engine_);
+    if (!follows_sizes()) s.breaks_.sizes.coming_step = 0, s.breaks_.sizes.forget();
   }
   /// Notes the mass of the particles from place `from` on, which come from outside.
   void feed(std::size_t from) {
@@ -125,9 +140,11 @@ class BreakAccess {
     for (std::size_t k = from; k < s.rows(); ++k)
       if (std::isfinite(s.mass(k))) s.breaks_.fed.add(s.mass(k));
   }
-  /// Adds the smallest fragments that there may be to what may meet.
+  /// Adds the smallest fragments that there may be to what may meet, unless the time step follows
+  /// those that are there.
   template <class Meetings>
   void include_fragments(Meetings& all) const {
+    if (follows_sizes()) return;
     const auto& s = sim();
     const auto& rules = s.breakage().rules;
     const double volume = sphere_volume(0.5 * rules.dust_below);

@@ -20,6 +20,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/random.hpp>
 #include <silt/engine/contact/impacts.hpp>
+#include <silt/engine/stages/living_sizes.hpp>
 #include <silt/fill/size_distribution.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -58,6 +59,7 @@ class BreakStage {
   ImpactEnergies impacts;                 // since the start, by speed alone
   double parted = 0;                      // [J] that offsets have given to contacts
   double weak_from = 0;                   // [N] lower bound of the strengths, by force
+  LivingSizes sizes;                      // that the time step follows
 
   /// Draws the strengths of the particles from place `from` on, which are new; of fragments
   /// rests_until(id) [s].
