@@ -140,20 +140,21 @@ void Simulation<Policies...>::change_step(double dt) {
 }
 
 /// Looks whether the step is that of the smallest particles that are there, in a step that stops
-/// between kick and drift. Where a law's safeguard has turned a contact in this very step, whose
-/// whole kick that takes, it looks again in the next one.
+/// between kick and drift: where the least or the fastest have changed. Where a law's safeguard has
+/// turned a contact in this very step, whose whole kick that takes, it looks again in the next one.
 template <class... Policies>
 void Simulation<Policies...>::follow_sizes() {
   if constexpr (has_breakage) {
     auto& sizes = breaks_.sizes;
     if (engine_.safeguards != sizes.safeguards) return sizes.forget();
-    sizes.measure(engine_, contacts_.materials());
-    const double speed = std::max({expected_speed(), checked_speed_, engine_.largest_speed});
-    const auto shortest = shortest_contact(speed);
+    const double fastest = std::max(checked_speed_, engine_.largest_speed);
+    if (!sizes.measure(engine_, contacts_.materials()) && fastest <= sizes.speed) return;
+    sizes.speed = std::max(fastest, expected_speed());
+    const auto shortest = shortest_contact(sizes.speed);
     if (!shortest) return;
-    double chosen = step_for(speed, shortest->time);
+    double chosen = step_for(sizes.speed, shortest->time);
     // The error of derivatives, which are rescaled, grows by up to the fifth power of the ratio.
-    if (Integrator::derivatives > 0) chosen = std::min(chosen, 1.5 * dt_);
+    if (Integrator::derivatives > 0 && chosen > 1.5 * dt_) chosen = 1.5 * dt_, sizes.speed = 0;
     if (dt_ > sizes.longer * chosen || dt_ < sizes.shorter * chosen) sizes.coming_step = chosen;
   }
 }

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include <silt/core/target.hpp>
@@ -23,15 +24,17 @@ class LivingSizes {
   static constexpr double longer = 1.05, shorter = 0.8;  // [-]
 
   double coming_step = 0;        // [s] from the next drift on; 0: no change
+  double speed = 0;              // [m/s] that the step was looked at for
   std::uint64_t safeguards = 0;  // [-] that had acted before this step
 
   bool known() const { return !least_.empty(); }
   void forget() { least_.clear(); }
 
-  /// Looks at all that are there; their smallest radius is exact then.
+  /// Looks at all that are there; their smallest radius is exact then. Returns whether the least
+  /// are others than before.
   template <class Engine>
-  void measure(Engine& e, std::size_t materials) {
-    least_.assign(materials, Least{});
+  bool measure(Engine& e, std::size_t materials) {
+    const auto before = std::exchange(least_, std::vector<Least>(materials));
     double smallest = std::numeric_limits<double>::infinity();  // [m]
     for (std::size_t k = 0; k < e.owners(); ++k) {
       const auto p = e.owner(k);
@@ -41,6 +44,7 @@ class LivingSizes {
     }
     if constexpr (!Engine::has_bodies)
       if (std::isfinite(smallest)) e.particles.smallest_radius = smallest;
+    return least_ != before;
   }
   /// Whether the particle at place k is less than any of its material was.
   template <class Engine>
@@ -54,18 +58,18 @@ class LivingSizes {
   // As numbers, for a checkpoint; none if nothing is known.
   std::vector<double> state() const {
     std::vector<double> all;
-    if (known()) all.push_back(coming_step);
+    if (known()) all.insert(all.end(), {coming_step, speed});
     for (const Least& l : least_) all.insert(all.end(), {l.mass, l.hertz, l.radius});
     return all;
   }
   static bool can_be(const std::vector<double>& all) {
-    return all.empty() || (all.size() % 3 == 1 && std::isfinite(all[0]) &&
+    return all.empty() || (all.size() % 3 == 2 && std::isfinite(all[0] + all[1]) &&
                            std::all_of(all.begin(), all.end(), [](double x) { return x >= 0; }));
   }
   void restore(const std::vector<double>& all) {
-    coming_step = all.empty() ? 0 : all[0];
+    coming_step = all.empty() ? 0 : all[0], speed = all.empty() ? 0 : all[1];
     least_.clear();
-    for (std::size_t at = 1; at + 3 <= all.size(); at += 3)
+    for (std::size_t at = 2; at + 3 <= all.size(); at += 3)
       least_.push_back({all[at], all[at + 1], all[at + 2]});
   }
 
@@ -75,6 +79,7 @@ class LivingSizes {
     double mass = std::numeric_limits<double>::infinity();  // [kg]
     double hertz = mass, radius = mass;                     // m^2/R [kg2/m], [m]
     static Least of(double mass, double radius) { return {mass, mass * mass / radius, radius}; }
+    bool operator==(const Least&) const = default;
     void include(const Least& one) {
       mass = std::min(mass, one.mass), hertz = std::min(hertz, one.hertz);
       radius = std::min(radius, one.radius);
