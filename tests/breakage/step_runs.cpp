@@ -65,6 +65,11 @@ TEST_CASE("step of the smallest living: the same bits for any threads, with obse
   CHECK(plain == run(3, false));
   CHECK(plain == run(2, true));
 
+  auto pieces = shower_of_living(120);
+  auto sieved = sieve();
+  for (int n = 0; n < 9; ++n) pieces.run((n + 1) * 1e-4 - pieces.time(), sieved);
+  CHECK(bits(pieces) == plain);
+
   const auto folder = std::filesystem::temp_directory_path() / "silt_breakage_step";
   std::filesystem::create_directories(folder);
   const auto file = [&](std::size_t k) { return (folder / std::to_string(k)).string(); };

@@ -30,12 +30,21 @@ class BreakAccess {
   /// Mass by size and time of birth of what is too small to be simulated.
   template <class S = Sim>
   const SizeTable& dust() const requires(S::has_breakage) {
-    return sim().breaks_.dust;
+    return sim().breaks_.dust.all;
   }
   /// The same of particles that left: through outlets, or removed.
   template <class S = Sim>
   const SizeTable& left() const requires(S::has_breakage) {
-    return sim().breaks_.left;
+    return sim().breaks_.left.all;
+  }
+  /// The same of one material, by number or name.
+  template <class S = Sim>
+  SizeTable dust(const WhichMaterial& of) const requires(S::has_breakage) {
+    return table_of(sim().breaks_.dust, of);
+  }
+  template <class S = Sim>
+  SizeTable left(const WhichMaterial& of) const requires(S::has_breakage) {
+    return table_of(sim().breaks_.left, of);
   }
   template <class S = Sim>
   MassBalance mass_balance() const requires(S::has_breakage) {
@@ -43,7 +52,7 @@ class BreakAccess {
     for (std::size_t k = 0; k < sim().rows(); ++k)
       if (sim().is_present(k) && std::isfinite(sim().mass(k))) present.add(sim().mass(k));
     const auto& b = sim().breaks_;
-    return {b.fed.value(), present.value(), b.left.mass(), b.dust.mass()};
+    return {b.fed.value(), present.value(), b.left.all.mass(), b.dust.all.mass()};
   }
   /// How many particles broke since the start [-].
   template <class S = Sim>
@@ -77,6 +86,11 @@ class BreakAccess {
   template <class S = Sim>
   const ImpactEnergies& impact_energies() const requires(S::has_breakage) {
     return sim().breaks_.impacts;
+  }
+  /// Since the program began: a checkpoint does not keep it.
+  template <class S = Sim>
+  const LargestLoad& largest_load() const requires(S::has_breakage) {
+    return sim().breaks_.largest;
   }
 
  protected:
@@ -161,11 +175,19 @@ class BreakAccess {
   }
   void note_leaving(std::size_t k) {
     auto& s = sim();
-    if (std::isfinite(s.mass(k)))
-      s.breaks_.left.add(equal_volume_diameter(s.engine_.volume_of(k)), s.mass(k), 1, s.time_);
+    if (!std::isfinite(s.mass(k))) return;
+    const double d = equal_volume_diameter(s.engine_.volume_of(k));
+    s.breaks_.left.template add<Sim::ContactsType::several_materials>(
+        s.material(k), [&](SizeTable& table) { table.add(d, s.mass(k), 1, s.time_); });
   }
 
  private:
+  template <class Tables>
+  SizeTable table_of(const Tables& tables, const WhichMaterial& of) const {
+    const std::size_t material = sim().contacts().material_number(of);
+    if constexpr (Sim::ContactsType::several_materials) return tables.of_material(material);
+    return material == 0 ? tables.all : SizeTable();  // others are walls'
+  }
   struct Parent {
     std::size_t place, fragments;
     double rests_until;
@@ -206,7 +228,9 @@ class BreakAccess {
                      .dust = sizes.dust};
     if (event.fragments == 0) event.first = no_particle;
     ++stage.broken[static_cast<std::size_t>(due.cause)];
-    add_dust(stage.dust, policy.sizes, broken, sizes, density, s.time_);
+    stage.dust.template add<Sim::ContactsType::several_materials>(
+        p.material(),
+        [&](SizeTable& table) { add_dust(table, policy.sizes, broken, sizes, density, s.time_); });
     if constexpr (Sim::has_ledger) book(k, sizes.dust / broken.mass);
     // [s] in which all of the particle would have arrived
     const double passes = due.speed > 0 ? broken.diameter / due.speed : 0;
