@@ -210,6 +210,36 @@ TEST_CASE("step of the smallest living: a safeguard's turn in the step of the ch
   }
 }
 
+TEST_CASE("step of the smallest living: safeguards that act in each step do not hold it up") {
+  // Pairs that meet one step after the other. Catches a change that waits for a step without any.
+  using Law = silt::Softened<silt::HertzMindlin>;
+  const Law::Material soft{
+      .solid = {.youngs_modulus = 1e8, .poisson_ratio = 0.25, .restitution = 0.6},
+      .full_radius = 2e-3};
+  auto hard = soft;
+  hard.full_radius = 0;
+  silt::Contacts<Law, silt::SeveralMaterials> contacts{{soft, hard}};
+  contacts.set_pair(soft, hard, {.restitution = 0.6, .friction = 0});
+  silt::Particles<silt::Sphere> grains;
+  for (int pair = 0; pair < 400; ++pair)
+    for (const double side : {-1.0, 1.0})
+      grains.add({.position = {side * (0.52e-3 + 1e-5 * pair), 2e-3 * pair, 0},
+                  .radius = 0.5e-3,
+                  .density = density,
+                  .velocity = {-side * 4, 0, 0}});
+  grains.add({.position = {0.2, 0, 0}, .radius = 3e-3, .density = density, .material = 1});
+  silt::Simulation sim{std::move(grains), contacts, breaks_when_asked(0.5e-3)};
+  sim.guard.max_overlap = 3, sim.guard.max_travel = 1;
+  sim.run(1e-9);
+  const double step = sim.step_length();
+  sim.run(100 * step);
+  sim.break_particle(800);
+  const auto before = sim.safeguarded();
+  sim.run(20 * step);
+  CHECK(sim.safeguarded() - before > 20);
+  CHECK(sim.step_length() < step);
+}
+
 TEST_CASE(
     "step of the smallest living: it holds for a small grain between a large one and a plate") {
   // The step is that of two equal small ones. Pressed by a large one, which has 27 to 3375 times

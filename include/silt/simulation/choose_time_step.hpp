@@ -141,12 +141,15 @@ void Simulation<Policies...>::change_step(double dt) {
 
 /// Looks whether the step is that of the smallest particles that are there, in a step that stops
 /// between kick and drift: where the least or the fastest have changed. Where a law's safeguard has
-/// turned a contact in this very step, whose whole kick that takes, it looks again in the next one.
+/// turned a contact in this very step, whose whole kick that takes, it looks again in the next one,
+/// a few times.
 template <class... Policies>
 void Simulation<Policies...>::follow_sizes() {
   if constexpr (has_breakage) {
     auto& sizes = breaks_.sizes;
-    if (engine_.safeguards != sizes.safeguards) return sizes.forget();
+    const bool turned = engine_.safeguards != sizes.safeguards;
+    if (turned && ++sizes.postponed <= sizes.most_postponed) return sizes.forget();
+    sizes.postponed = 0;
     const double fastest = std::max(checked_speed_, engine_.largest_speed);
     if (!sizes.measure(engine_, contacts_.materials()) && fastest <= sizes.speed) return;
     sizes.speed = std::max(fastest, expected_speed());

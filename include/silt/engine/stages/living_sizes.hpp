@@ -22,9 +22,11 @@ class LivingSizes {
   static constexpr std::int64_t look_every = 100;  // [steps]
   /// The step is chosen anew where it is so much longer or shorter than it would be chosen.
   static constexpr double longer = 1.05, shorter = 0.8;  // [-]
+  static constexpr double most_postponed = 10;           // [-]
 
   double coming_step = 0;        // [s] from the next drift on; 0: no change
   double speed = 0;              // [m/s] that the step was looked at for
+  double postponed = 0;          // [-] looks, one after the other
   std::uint64_t safeguards = 0;  // [-] that had acted before this step
 
   bool known() const { return !least_.empty(); }
@@ -58,18 +60,18 @@ class LivingSizes {
   // As numbers, for a checkpoint; none if nothing is known.
   std::vector<double> state() const {
     std::vector<double> all;
-    if (known()) all.insert(all.end(), {coming_step, speed});
+    if (known() || postponed > 0) all.insert(all.end(), {coming_step, speed, postponed});
     for (const Least& l : least_) all.insert(all.end(), {l.mass, l.hertz, l.radius});
     return all;
   }
   static bool can_be(const std::vector<double>& all) {
-    return all.empty() || (all.size() % 3 == 2 && std::isfinite(all[0] + all[1]) &&
+    return all.empty() || (all.size() % 3 == 0 && std::isfinite(all[0] + all[1] + all[2]) &&
                            std::all_of(all.begin(), all.end(), [](double x) { return x >= 0; }));
   }
   void restore(const std::vector<double>& all) {
-    coming_step = all.empty() ? 0 : all[0], speed = all.empty() ? 0 : all[1];
-    least_.clear();
-    for (std::size_t at = 2; at + 3 <= all.size(); at += 3)
+    coming_step = speed = postponed = 0, least_.clear();
+    if (!all.empty()) coming_step = all[0], speed = all[1], postponed = all[2];
+    for (std::size_t at = 3; at + 3 <= all.size(); at += 3)
       least_.push_back({all[at], all[at + 1], all[at + 2]});
   }
 
