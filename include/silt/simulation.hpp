@@ -193,10 +193,10 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   void run_steps(double duration, Observers&... observers) {
     require_not_negative("Simulation::run: duration", duration, "s");
     prepare();
-    const std::int64_t last =
-        step_ + static_cast<std::int64_t>(std::ceil(duration / dt_ * (1 - 1e-12)));
+    const double end = time_ + duration;
+    std::int64_t last = step_ + static_cast<std::int64_t>(std::ceil(duration / dt_ * (1 - 1e-12)));
     if constexpr (has_events) engine_.events.wanted = (detail::wants_events(observers) || ...);
-    (detail::begin(observers, *this, time_ + duration), ...);
+    (detail::begin(observers, *this, end), ...);
     for (;; ++step_, time_ = time_at(step_)) {
       const bool stop = step_ >= last;
       if (!kicked_) {
@@ -216,6 +216,9 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
         if (scene_changed_) this->check_pairs();
       }
       if (stop) break;
+      if constexpr (has_breakage)
+        if (kicked_ && coming_step() != dt_)
+          change_step(coming_step()), engine_.include_speeds(), last = last_step(end);
       if (kicked_) engine_.drift(dt_);
       if constexpr (has_bonds) bonds_.turn(engine_, dt_);
       if constexpr (detail::deforms<Domain>)
@@ -273,7 +276,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     if (first_kick_) detail::start_walls(engine_.walls, time_, dt_);
     const std::size_t present = Modules::flux ? engine_.present() : 0;
     openings_.update(engine_, *this);
-    if constexpr (has_breakage) this->break_due();
+    bool looks = false;  // at the time step
+    if constexpr (has_breakage) looks = this->break_due(), observed |= looks;
     engine_.renew_lists(search_, domain_, step_, dt_);
     if constexpr (has_breakage)
       if (!breaks_.events.empty()) detail::leave_out_overlaps(engine_, breaks_.newborn_from);
@@ -302,6 +306,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     first_kick_ = false;
     kicked_ = observed;
     if constexpr (has_bonds) break_bonds();
+    if (looks) follow_sizes();
     keep_limits();
   }
 
@@ -350,6 +355,13 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   double potential(std::size_t k) const { return -mass(k) * dot(gravity_booked_, position(k)); }
   void prepare();
   double chosen_time_step() const;
+  double step_for(double speed, double contact) const;
+  double coming_step() const;
+  void change_step(double dt);
+  void follow_sizes();
+  std::int64_t last_step(double end) const {  // a rounding of times is no step
+    return step_ + static_cast<std::int64_t>(std::ceil((end - time_) / dt_ - 1e-6));
+  }
   detail::SurfaceSpeed surface_speed(std::size_t k) const;
   std::string tips_at(double speed) const;
   double expected_speed() const;

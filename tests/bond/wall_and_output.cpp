@@ -132,6 +132,11 @@ TEST_CASE("bonds: particles that leave take their bonds with them") {
   sim.bond(first + 5, first);
   sim.run(1e-3);
   CHECK(silt::fragments(sim).spheres == std::vector<std::size_t>{3, 2});
+  // A loose one is a fragment of its own, but none of bonded ones.
+  more[0].position.x = -8 * R;
+  sim.add(more);
+  CHECK(silt::fragments(sim).spheres == std::vector<std::size_t>{3, 2, 1});
+  CHECK(silt::fragments(sim).bonded() == 2);
 }
 
 TEST_CASE("bonds: write_bonds and bond_series write a line for each, with its loads") {

@@ -2,12 +2,14 @@
 // Breakage beside other policies: by force, softened laws in single precision, a periodic box with
 // inlet and outlet, several materials.
 #include <cmath>
+#include <filesystem>
 #include <vector>
 
 #include <doctest/doctest.h>
 
 #include <silt/boundary/triangle_mesh.hpp>
 #include <silt/contact/softened.hpp>
+#include <silt/io/checkpoint.hpp>
 
 #include "breakage/scene.hpp"
 #include "near.hpp"
@@ -103,6 +105,55 @@ TEST_CASE("breakage: softened, in single precision, through a periodic box with 
     return all;
   };
   CHECK(run(1) == run(2));
+}
+
+TEST_CASE("breakage: tables of the materials, which add up, and a restart keeps") {
+  const auto scene = [] {
+    auto ore = salt;
+    ore.youngs_modulus = 3e9;
+    silt::Contacts<silt::HertzMindlin, silt::SeveralMaterials> contacts{{salt, ore}};
+    contacts.set_pair(salt, ore, {.restitution = 0.5, .friction = 0.3});
+    contacts.name_material(0, "salt"), contacts.name_material(1, "ore");
+    silt::Particles<silt::Sphere> grains;
+    for (std::size_t k = 0; k < 6; ++k)
+      grains.add({.position = {0.01 * static_cast<double>(k), 0, 0},
+                  .radius = 1e-3,
+                  .density = k % 2 ? 3000.0 : 2165.0,
+                  .velocity = {0, 0, 1},
+                  .material = k % 2});
+    return silt::Simulation{std::move(grains), contacts, policy({.dust_below = 0.8e-3})};
+  };
+  auto sim = scene();
+  sim.time_step = 1e-7;
+  double of_salt = 0, of_ore = 0;  // [kg]
+  for (const silt::ParticleId id : {0, 1, 2}) sim.break_particle(id);
+  sim.run(1e-6, silt::on_break(
+                    [&](const silt::BreakEvent& b) { (b.id % 2 ? of_ore : of_salt) += b.dust; }));
+  sim.remove(3), sim.remove(4), sim.remove(5);
+  CHECK(of_salt > 0);
+  CHECK(of_ore > 0);
+  const auto check = [&](const auto& of) {
+    CHECK(of.dust("salt").mass() == near(of_salt).epsilon(1e-13));
+    CHECK(of.dust("ore").mass() == near(of_ore).epsilon(1e-13));
+    CHECK(of.dust().number() == near(of.dust(0).number() + of.dust(1).number()).epsilon(1e-13));
+    CHECK(of.left("salt").mass() == near(2165 * silt::sphere_volume(1e-3)).epsilon(1e-13));
+    CHECK(of.left("ore").number() == 2);
+    CHECK(of.left().number() == 3);
+  };
+  check(sim);
+  const auto file = (std::filesystem::temp_directory_path() / "silt_breakage_tables").string();
+  silt::save_checkpoint(sim, file);
+  auto again = scene();
+  again.time_step = 1e-7;
+  silt::load_checkpoint(again, file);
+  check(again);
+  CHECK(again.left("ore").state() == sim.left("ore").state());
+  std::filesystem::remove(file);
+  // Of one material the table is that of all.
+  auto one = shower(1);
+  one.time_step = 1e-7;
+  one.break_particle(0), one.run(1e-6);
+  CHECK(one.dust(0).mass() == one.dust().mass());
 }
 
 }  // namespace breakage_compositions_test

@@ -181,6 +181,21 @@ TEST_CASE("edits: particles that come between the runs of Gear's integrator fall
   CHECK(norm(sim.velocity(k) - Vec3d{1, 0, -g * 0.02}) < 1e-12);
 }
 
+// Catches the place of one that has left, which is no number, in the check of the run: it stopped.
+TEST_CASE("edits: a particle is removed between the runs of Gear's integrator") {
+  silt::Particles<Sphere> two;
+  for (const double x : {0.0, 1.0})
+    two.add({.position = {x, 0, 0}, .radius = 1e-3, .density = 2500});
+  silt::Simulation sim{std::move(two), silt::Contacts<HertzMindlin>{rubber}, silt::Gear{}};
+  sim.gravity = {0, 0, -g};
+  sim.time_step = 1e-5;
+  sim.run(0.01);
+  sim.remove(0);
+  sim.run(0.02);
+  CHECK(sim.size() == 1);
+  CHECK(norm(sim.position(sim.find(1)) - Vec3d{1, 0, -0.5 * g * 9e-4}) < 1e-12);
+}
+
 // Catches what leaves before anything was counted, and is booked all the same.
 TEST_CASE("edits: a particle that leaves before the first step is in no book") {
   silt::Particles<Sphere> two;

@@ -232,12 +232,18 @@ std::size_t bond_near(Sim& sim, double gap) {
 }
 
 /// What hangs together by bonds: for each place of the simulation the number of its fragment, from
-/// 0 on in the order of the lowest ids; no_fragment where nobody is.
+/// 0 on in the order of the lowest ids; no_fragment where nobody is. A loose sphere is a fragment
+/// of its own.
 struct Fragments {
   static constexpr std::size_t no_fragment = std::numeric_limits<std::size_t>::max();
   std::vector<std::size_t> of;       // each place
   std::vector<std::size_t> spheres;  // [-] in each fragment
   std::vector<double> mass;          // [kg] of each; without fixed spheres
+  /// How many are of two spheres or more [-]: without loose ones, and those that only a wall holds.
+  std::size_t bonded() const {
+    return static_cast<std::size_t>(
+        std::count_if(spheres.begin(), spheres.end(), [](std::size_t n) { return n > 1; }));
+  }
 };
 template <class Sim>
 Fragments fragments(const Sim& sim) {

@@ -21,6 +21,13 @@
 
 namespace silt::inline SILT_TARGET {
 
+/// What silt's own time step is chosen for. One that is set (Simulation::time_step) does not
+/// change.
+enum class BreakStep {
+  SmallestPossible,  // a fragment of the diameter `dust_below`, from the start on
+  SmallestLiving     // the smallest particles that are there: it changes during the run
+};
+
 /// How particles break, beside the comminution functions.
 struct BreakageRules {
   double dust_below;                        // [m] diameter, > 0: fragments below it are dust
@@ -28,6 +35,7 @@ struct BreakageRules {
   double separation_speed = 0.1;            // [m/s] >= 0
   std::vector<std::size_t> materials = {};  // whose particles break; none: all
   std::uint64_t seed = 1;
+  BreakStep step = BreakStep::SmallestPossible;
 
   bool breaks(std::size_t material) const {
     for (const std::size_t m : materials)
@@ -59,6 +67,7 @@ struct BreakageRules {
 template <Strength S, Equivalence E, BreakageFunction B, Fatigue F = NoFatigue>
 struct Breakage {
   static constexpr bool is_breakage = true;
+  static constexpr LoadUnit unit = E::unit;
   static constexpr bool by_force = requires { requires E::by_force; };
   static_assert(same_load_unit<S, E>(),
                 "Breakage compares a strength in N with a load in J, or the other way round: take "
@@ -134,6 +143,14 @@ struct BreakEvent {
   std::size_t fragments = 0;
   std::size_t generation = 0;  // [-] of the particle: 0 is one that is no fragment
   double dust = 0;             // [kg]
+};
+
+/// The load that came nearest to a strength, or was above it the most.
+struct LargestLoad {
+  std::uint64_t weighed = 0;       // [-] loads so far, each of one particle
+  double share = 0;                // [-] over the strength
+  double load = 0, strength = 0;   // [N] or [J]
+  double diameter = 0, speed = 0;  // [m], [m/s]; by force the speed is 0
 };
 
 /// Where the mass of a simulation is [kg]. `fed`: all that was added or came through inlets;

@@ -247,4 +247,46 @@ class SizeTable {
   std::vector<Class> classes_;
 };
 
+/// Tables of sizes: of all, and of each material where there are several.
+struct SizeTables {
+  SizeTable all;
+  std::vector<SizeTable> of;  // by number, as far as any came
+
+  /// The table of this material; an empty one if nothing came.
+  SizeTable of_material(std::size_t material) const {
+    return material < of.size() ? of[material] : SizeTable();
+  }
+  /// Calls add(table) for each table that what is of this material belongs to.
+  template <bool SeveralMaterials, class Add>
+  void add(std::size_t material, const Add& add) {
+    add(all);
+    if constexpr (SeveralMaterials) {
+      if (of.size() <= material) of.resize(material + 1);
+      add(of[material]);
+    }
+  }
+  /// Those of the materials as numbers: of each how many, and the numbers.
+  std::vector<double> state_of_materials() const {
+    std::vector<double> out;
+    for (const SizeTable& table : of) {
+      const auto numbers = table.state();
+      out.push_back(static_cast<double>(numbers.size()));
+      out.insert(out.end(), numbers.begin(), numbers.end());
+    }
+    return out;
+  }
+  /// InputError: they are no tables.
+  void restore_of_materials(const std::vector<double>& numbers) {
+    of.clear();
+    for (std::size_t at = 0; at < numbers.size();) {
+      const double count = numbers[at++];
+      require(count >= 0 && count <= static_cast<double>(numbers.size() - at),
+              "SizeTables: the state has too few numbers");
+      const auto from = numbers.begin() + static_cast<std::ptrdiff_t>(at);
+      at += static_cast<std::size_t>(count);
+      of.emplace_back().restore({from, numbers.begin() + static_cast<std::ptrdiff_t>(at)});
+    }
+  }
+};
+
 }  // namespace silt

@@ -263,6 +263,10 @@ class Engine : public Tables<Composition> {
     for (auto& wall : walls) change_wall_step(wall, ratio);
     particles.renew_pair_motion(*team_);
   }
+  /// After velocities have changed between kick and drift, so that the lists know.
+  void include_speeds() {
+    for (std::size_t k = 0; !has_bodies && k < particles.size(); ++k) include_share(k);
+  }
   /// Completes a step that was observed.
   void drift(double time_step) {
     // Particles that were added since the lists were made have no reach: a search comes next.

@@ -17,11 +17,13 @@ namespace silt::inline SILT_TARGET::detail {
 
 /// Breakage in checkpoints: what is due to break, and the tables of mass and impacts. Strengths are
 /// fields of a module.
-/// Tests: tests/breakage/checkpoint.cpp.
+/// Tests: tests/breakage/runs.cpp, step_runs.cpp, compositions.cpp.
 template <class Stage>
 struct BreaksState {
   std::vector<std::uint64_t> due_ids, due_cause, broken;
   std::vector<double> due, fed, dust, left, impacts;  // due: load and speed of each
+  std::vector<double> sizes;                          // if the time step follows them
+  std::vector<double> dust_of, left_of;               // if there are several materials
 
   static BreaksState of(const Stage& stage) {
     BreaksState s;
@@ -31,7 +33,10 @@ struct BreaksState {
     }
     s.broken.assign(stage.broken.begin(), stage.broken.end());
     s.fed = {stage.fed.sum(), stage.fed.rest(), stage.parted};
-    s.dust = stage.dust.state(), s.left = stage.left.state(), s.impacts = stage.impacts.state();
+    s.dust = stage.dust.all.state(), s.left = stage.left.all.state();
+    s.dust_of = stage.dust.state_of_materials(), s.left_of = stage.left.state_of_materials();
+    s.impacts = stage.impacts.state();
+    s.sizes = stage.sizes.state();
     return s;
   }
   template <class Archive>
@@ -46,6 +51,14 @@ struct BreaksState {
     a.column("breakage.fed", fed, 3);
     a.column("breakage.dust", dust, count(dust)), a.column("breakage.left", left, count(left));
     a.column("breakage.impacts", impacts, ImpactEnergies::numbers);
+    const auto if_any = [&](const char* name, auto& column, const NumberRule& rule) {
+      bool any = !column.empty();
+      if constexpr (Archive::loads) any = a.has(name);
+      if (any) a.column(name, column, count(column), rule);
+    };
+    if_any("breakage.sizes", sizes, known_number);
+    if_any("breakage.dust_of", dust_of, finite_number);
+    if_any("breakage.left_of", left_of, finite_number);
   }
   /// Refuses what cannot be.
   void check(const CheckpointLoader& a) const {
@@ -69,9 +82,15 @@ struct BreaksState {
     };
     a.need(is_table(dust), "breakage.dust is no table of sizes");
     a.need(is_table(left), "breakage.left is no table of sizes");
+    for (const auto* of : {&dust_of, &left_of}) try {
+        SizeTables().restore_of_materials(*of);
+      } catch (const InputError&) {
+        a.refuse("breakage.dust_of or left_of are no tables of sizes");
+      }
     a.need(all_of_mass(impacts) && std::all_of(impacts.begin(), impacts.end(),
                                                [](double x) { return x >= 0 && x < 0x1p63; }),
            "breakage.impacts cannot be");
+    a.need(LivingSizes::can_be(sizes), "breakage.sizes cannot be");
   }
   void put(Stage& stage) const {
     stage.due.clear(), stage.events.clear();
@@ -80,7 +99,9 @@ struct BreaksState {
           {due_ids[k], due[2 * k], due[2 * k + 1], static_cast<BreakCause>(due_cause[k])});
     std::copy(broken.begin(), broken.end(), stage.broken.begin());
     stage.fed = {fed[0], fed[1]}, stage.parted = fed[2];
-    stage.dust.restore(dust), stage.left.restore(left), stage.impacts.restore(impacts);
+    stage.dust.all.restore(dust), stage.left.all.restore(left), stage.impacts.restore(impacts);
+    stage.dust.restore_of_materials(dust_of), stage.left.restore_of_materials(left_of);
+    stage.sizes.restore(sizes);
   }
 };
 /// What a run goes on with: the functions and the rules.
@@ -90,6 +111,8 @@ void describe_breakage(const Describer& is, const Policy& policy) {
   is("breakage: dust_below", text(policy.rules.dust_below, " m"));
   is("breakage: most_fragments", text(policy.rules.most_fragments));
   is("breakage: separation_speed", text(policy.rules.separation_speed, " m/s"));
+  if (policy.rules.step == BreakStep::SmallestLiving)
+    is("breakage: step", "of the smallest living");
   const auto numbers = [&](const char* of, const auto& function) {
     using F = std::remove_cvref_t<decltype(function)>;
     if constexpr (requires { F::names.size(); }) describe_numbers(is, of, function);

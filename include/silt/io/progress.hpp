@@ -11,6 +11,7 @@
 
 #include <unistd.h>
 
+#include <silt/io/break_warnings.hpp>
 #include <silt/io/progress_line.hpp>
 #include <silt/io/scene_warnings.hpp>
 #include <silt/io/servo_warnings.hpp>
@@ -71,7 +72,8 @@ class Progress {
   template <class Sim>
   void end(const Sim& sim) {
     show(sim, true);
-    if (options_.warnings) warn(inlet_warnings(sim)), warn(servo_warnings(sim));
+    if (!options_.warnings) return;
+    warn(inlet_warnings(sim)), warn(servo_warnings(sim)), warn(break_warnings(sim));
   }
 
  private:
@@ -136,6 +138,7 @@ class WarningsObserver {
   template <class Sim>
   void end(const Sim& sim) {
     told_.tell(inlet_warnings(sim), callback_), told_.tell(servo_warnings(sim), callback_);
+    told_.tell(break_warnings(sim), callback_);
   }
 
  private:

@@ -51,6 +51,9 @@ struct WarningLimits {
   static constexpr double far_off = 100;  // [-]
   /// An inlet for which more than this share of what was due waits.
   static constexpr double waiting_share = 0.1;  // [-]
+  /// Strengths of one size scatter by a factor of some 2 to each side: loads below a tenth of any
+  /// are not those of a scene in which something was to break.
+  static constexpr double far_from_breaking = 0.1;  // [-] of the strength
 };
 
 namespace detail {

@@ -30,12 +30,21 @@ class BreakAccess {
   /// Mass by size and time of birth of what is too small to be simulated.
   template <class S = Sim>
   const SizeTable& dust() const requires(S::has_breakage) {
-    return sim().breaks_.dust;
+    return sim().breaks_.dust.all;
   }
   /// The same of particles that left: through outlets, or removed.
   template <class S = Sim>
   const SizeTable& left() const requires(S::has_breakage) {
-    return sim().breaks_.left;
+    return sim().breaks_.left.all;
+  }
+  /// The same of one material, by number or name.
+  template <class S = Sim>
+  SizeTable dust(const WhichMaterial& of) const requires(S::has_breakage) {
+    return table_of(sim().breaks_.dust, of);
+  }
+  template <class S = Sim>
+  SizeTable left(const WhichMaterial& of) const requires(S::has_breakage) {
+    return table_of(sim().breaks_.left, of);
   }
   template <class S = Sim>
   MassBalance mass_balance() const requires(S::has_breakage) {
@@ -43,7 +52,7 @@ class BreakAccess {
     for (std::size_t k = 0; k < sim().rows(); ++k)
       if (sim().is_present(k) && std::isfinite(sim().mass(k))) present.add(sim().mass(k));
     const auto& b = sim().breaks_;
-    return {b.fed.value(), present.value(), b.left.mass(), b.dust.mass()};
+    return {b.fed.value(), present.value(), b.left.all.mass(), b.dust.all.mass()};
   }
   /// How many particles broke since the start [-].
   template <class S = Sim>
@@ -78,21 +87,40 @@ class BreakAccess {
   const ImpactEnergies& impact_energies() const requires(S::has_breakage) {
     return sim().breaks_.impacts;
   }
+  /// Since the program began: a checkpoint does not keep it.
+  template <class S = Sim>
+  const LargestLoad& largest_load() const requires(S::has_breakage) {
+    return sim().breaks_.largest;
+  }
 
  protected:
-  /// Replaces what is due to break, before a step.
-  void break_due() {
+  /// Replaces what is due to break, before a step. Returns whether the time step is to be looked at
+  /// in this step.
+  bool break_due() {
     auto& s = sim();
     s.breaks_.events.clear();
     auto& stage = s.breaks_;
-    if (stage.due.empty()) return;
+    const bool follows = follows_sizes();
+    bool looks = follows && (!stage.sizes.known() || s.step_ % LivingSizes::look_every == 0);
+    if (follows) stage.sizes.safeguards = s.engine_.safeguards;
+    if (stage.due.empty()) return looks;
     std::vector<Parent> parents;
     typename Sim::ParticlesType fragments;
     for (const DueBreak& one : std::exchange(stage.due, {})) {
       const std::size_t k = s.engine_.find(one.id);
       if (k < s.rows()) break_one(one, k, parents, fragments);
     }
+    const std::size_t from = s.rows();
     take_place(parents, fragments);
+    // How thin a cell is its mass does not tell.
+    if (follows && Sim::of_bodies) looks = true;
+    for (std::size_t k = from; follows && !looks && k < s.rows(); ++k)
+      looks = stage.sizes.is_less(s.engine_, k);
+    return looks;
+  }
+  /// Whether the time step is that of the smallest particles that are there.
+  bool follows_sizes() const {
+    return sim().breakage().rules.step == BreakStep::SmallestLiving && !sim().time_step;
   }
 
   void prepare_breakage() {
@@ -117,6 +145,7 @@ class BreakAccess {
                 s.forms()[f].shape.radius(),
                 " [m], and dilated cells do not fill a polyhedron; give sharp ones, of radius 0");
     s.breaks_.measure(s.engine_);
+    if (!follows_sizes()) s.breaks_.sizes.coming_step = 0, s.breaks_.sizes.forget();
   }
   /// Notes the mass of the particles from place `from` on, which come from outside.
   void feed(std::size_t from) {
@@ -125,9 +154,11 @@ class BreakAccess {
     for (std::size_t k = from; k < s.rows(); ++k)
       if (std::isfinite(s.mass(k))) s.breaks_.fed.add(s.mass(k));
   }
-  /// Adds the smallest fragments that there may be to what may meet.
+  /// Adds the smallest fragments that there may be to what may meet, unless the time step follows
+  /// those that are there.
   template <class Meetings>
   void include_fragments(Meetings& all) const {
+    if (follows_sizes()) return;
     const auto& s = sim();
     const auto& rules = s.breakage().rules;
     const double volume = sphere_volume(0.5 * rules.dust_below);
@@ -144,11 +175,19 @@ class BreakAccess {
   }
   void note_leaving(std::size_t k) {
     auto& s = sim();
-    if (std::isfinite(s.mass(k)))
-      s.breaks_.left.add(equal_volume_diameter(s.engine_.volume_of(k)), s.mass(k), 1, s.time_);
+    if (!std::isfinite(s.mass(k))) return;
+    const double d = equal_volume_diameter(s.engine_.volume_of(k));
+    s.breaks_.left.template add<Sim::ContactsType::several_materials>(
+        s.material(k), [&](SizeTable& table) { table.add(d, s.mass(k), 1, s.time_); });
   }
 
  private:
+  template <class Tables>
+  SizeTable table_of(const Tables& tables, const WhichMaterial& of) const {
+    const std::size_t material = sim().contacts().material_number(of);
+    if constexpr (Sim::ContactsType::several_materials) return tables.of_material(material);
+    return material == 0 ? tables.all : SizeTable();  // others are walls'
+  }
   struct Parent {
     std::size_t place, fragments;
     double rests_until;
@@ -189,7 +228,9 @@ class BreakAccess {
                      .dust = sizes.dust};
     if (event.fragments == 0) event.first = no_particle;
     ++stage.broken[static_cast<std::size_t>(due.cause)];
-    add_dust(stage.dust, policy.sizes, broken, sizes, density, s.time_);
+    stage.dust.template add<Sim::ContactsType::several_materials>(
+        p.material(),
+        [&](SizeTable& table) { add_dust(table, policy.sizes, broken, sizes, density, s.time_); });
     if constexpr (Sim::has_ledger) book(k, sizes.dust / broken.mass);
     // [s] in which all of the particle would have arrived
     const double passes = due.speed > 0 ? broken.diameter / due.speed : 0;

@@ -105,18 +105,69 @@ double Simulation<Policies...>::chosen_time_step() const {
   require(shortest.has_value(),
           "the time step cannot be chosen: the contact law does not say how long a contact lasts; "
           "give it contact_time() (silt/contact/concept.hpp), or set Simulation::time_step [s]");
+  return step_for(speed, shortest->time);
+}
+
+/// silt's own at this speed [m/s], where the shortest contact lasts `contact` [s].
+template <class... Policies>
+double Simulation<Policies...>::step_for(double speed, double contact) const {
   double of_springs = INFINITY;
   for (const Wall& wall : engine_.walls)
     of_springs = std::min(of_springs, detail::spring_step(wall.drive));
-  return std::min({shortest->time / 20, 0.5 * longest_travel_step(speed), longest_module_step(),
+  return std::min({contact / 20, 0.5 * longest_travel_step(speed), longest_module_step(),
                    of_springs, this->longest_bond_step()});
+}
+
+/// The step that the next drift has [s].
+template <class... Policies>
+double Simulation<Policies...>::coming_step() const {
+  if constexpr (has_breakage)
+    if (breaks_.sizes.coming_step > 0) return breaks_.sizes.coming_step;
+  return dt_;
+}
+
+/// From the next drift on steps are dt [s] long. Velocities of leapfrog, half an old step ahead of
+/// time() by the last forces, are half a new one ahead of it then: second order.
+template <class... Policies>
+void Simulation<Policies...>::change_step(double dt) {
+  if (kicked_ && dt_ > 0) {
+    if (!first_kick_) change_fluid_step(dt);
+    engine_.change_step(dt / dt_);
+  }
+  time_origin_ = time_, step_origin_ = step_;
+  dt_ = dt;
+  if constexpr (has_breakage) breaks_.sizes.coming_step = 0;
+}
+
+/// Looks whether the step is that of the smallest particles that are there, in a step that stops
+/// between kick and drift: where the least or the fastest have changed. Where a law's safeguard has
+/// turned a contact in this very step, whose whole kick that takes, it looks again in the next one,
+/// a few times.
+template <class... Policies>
+void Simulation<Policies...>::follow_sizes() {
+  if constexpr (has_breakage) {
+    auto& sizes = breaks_.sizes;
+    const bool turned = engine_.safeguards != sizes.safeguards;
+    if (turned && ++sizes.postponed <= sizes.most_postponed) return sizes.forget();
+    sizes.postponed = 0;
+    const double fastest = std::max(checked_speed_, engine_.largest_speed);
+    if (!sizes.measure(engine_, contacts_.materials()) && fastest <= sizes.speed) return;
+    sizes.speed = std::max(fastest, expected_speed());
+    const auto shortest = shortest_contact(sizes.speed);
+    if (!shortest) return;
+    double chosen = step_for(sizes.speed, shortest->time);
+    // The error of derivatives, which are rescaled, grows by up to the fifth power of the ratio.
+    if (Integrator::derivatives > 0 && chosen > 1.5 * dt_) chosen = 1.5 * dt_, sizes.speed = 0;
+    if (dt_ > sizes.longer * chosen || dt_ < sizes.shorter * chosen) sizes.coming_step = chosen;
+  }
 }
 
 /// In which nothing at this speed [m/s] goes farther than guard.max_travel allows [s].
 template <class... Policies>
 double Simulation<Policies...>::longest_travel_step(double speed) const {
   double least = engine_.least_radius();  // of convex bodies known from the first step on
-  if constexpr (has_breakage) least = std::min(least, 0.5 * this->breakage().rules.dust_below);
+  if constexpr (has_breakage)
+    if (!this->follows_sizes()) least = std::min(least, 0.5 * this->breakage().rules.dust_below);
   return least > 0 ? guard.max_travel * least / speed : INFINITY;
 }
 
@@ -125,8 +176,9 @@ template <class... Policies>
 bool Simulation<Policies...>::is_step_too_long() const {
   const double speed = expected_speed();
   const auto limit = time_step_limit(speed);
-  return (limit && dt_ > *limit) || dt_ > longest_travel_step(speed) ||
-         dt_ > this->longest_stable_bond_step();
+  const double dt = coming_step();
+  return (limit && dt > *limit) || dt > longest_travel_step(speed) ||
+         dt > this->longest_stable_bond_step();
 }
 
 /// Whether the time step is longer than the one that silt chooses for the speeds so far.

@@ -255,15 +255,8 @@ void Simulation<Policies...>::prepare() {
   engine_.set_flux_coefficients(modules_, contacts_);
   if constexpr (has_breakage) this->prepare_breakage();
   modules_.look_near(engine_, domain_, time_, true, true);
-  if (dt_ == 0 || (time_step && *time_step != dt_) || (scene_changed_ && is_step_too_long())) {
-    const double dt = chosen_time_step();
-    if (kicked_ && dt_ > 0) {
-      if (!first_kick_) change_fluid_step(dt);
-      engine_.change_step(dt / dt_);
-    }
-    time_origin_ = time_, step_origin_ = step_;
-    dt_ = dt;
-  }
+  if (dt_ == 0 || (time_step && *time_step != dt_) || (scene_changed_ && is_step_too_long()))
+    change_step(chosen_time_step());
   if (scene_changed_) checked_speed_ = 0;
   scene_changed_ = false;
   if (guard.domain) detail::check_inside(engine_, *guard.domain, step_, time_);
@@ -322,15 +315,15 @@ void Simulation<Policies...>::keep_limits() {
     if (engine_.fluxes().measured()) check_module_rates(), choose_flux_steps();
   if constexpr (Modules::in_pairs && !Modules::flux)
     if (modules_.near.measured()) check_module_rates();
-  const double wall_way = detail::wall_travel(engine_);
-  const double speed = std::max(engine_.largest_speed, wall_way / dt_);
+  const double way = detail::wall_travel(engine_), dt = coming_step();
+  const double wall_way = way * (dt / dt_), speed = std::max(engine_.largest_speed, way / dt_);
   if (speed > 1.05 * checked_speed_) {
     checked_speed_ = speed;
     const auto shortest = shortest_contact(checked_speed_);
-    if (shortest && dt_ > guard.max_time_step * shortest->time) {
+    if (shortest && dt > guard.max_time_step * shortest->time) {
       const auto fastest = detail::fastest_particle(engine_).speed;
       throw SimulationError(
-          text("step ", step_, ", t = ", time_, " s: the time step ", dt_, " s is above its limit ",
+          text("step ", step_, ", t = ", time_, " s: the time step ", dt, " s is above its limit ",
                guard.max_time_step * shortest->time, " s at the largest speed ", checked_speed_,
                " m/s",
                speed > engine_.largest_speed
@@ -345,7 +338,7 @@ void Simulation<Policies...>::keep_limits() {
           step_, {}, {});
     }
   }
-  detail::check_travel(engine_, wall_way, step_, time_, dt_, guard.max_travel);
+  detail::check_travel(engine_, wall_way, step_, time_, dt, guard.max_travel);
   keep_rates(back);
   if (guard.domain && engine_.lists.upkeep.pruned_at == step_)
     detail::check_inside(engine_, *guard.domain, step_, time_);
@@ -382,9 +375,10 @@ void Simulation<Policies...>::keep_rates(double back) {
   else if (step_ % now_and_then != 0)
     return;
   check_module_rates();
-  detail::check_free_walls(engine_, step_, time_, dt_, guard.max_rate);
+  const double dt = coming_step();
+  detail::check_free_walls(engine_, step_, time_, dt, guard.max_rate);
   if (engine_.largest_overlap > 0)
-    detail::ContactRates<Engine, Domain>(engine_, domain_, back, dt_)
+    detail::ContactRates<Engine, Domain>(engine_, domain_, back, dt)
         .check(step_, time_, guard.max_rate);
 }
 

@@ -106,9 +106,12 @@ void Simulation<Policies...>::change_fluid_step([[maybe_unused]] double dt) {
       // velocities are of whole steps, whatever those are
       fluid_.clock.time = fluid_.clock.time + dt - dt_;
     } else {
-      const double more = 0.5 * (dt - dt_);  // [s] that the last force will act on
-      const double ahead = fluid_.clock.time - (time_ + 0.5 * dt);  // [s] of the kicks to come
-      const double kicks = std::ceil(ahead / dt - clock_rounding);
+      const double more = 0.5 * (dt - dt_);        // [s] that the last force will act on
+      const auto kicks_of = [this](double step) {  // that are to come
+        return std::ceil((fluid_.clock.time - (time_ + 0.5 * step)) / step - clock_rounding);
+      };
+      const double ahead = kicks_of(dt_) * dt_ - more;  // [s] in which the force was to act
+      const double kicks = kicks_of(dt);
       auto& loads = engine_.fluid_loads();
       for (std::size_t k = 0; k < rows(); ++k) {
         if (!is_present(k) || !std::isfinite(mass(k))) continue;

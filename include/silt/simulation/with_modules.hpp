@@ -112,11 +112,12 @@ void Simulation<Policies...>::check_module_rates() const {
   if constexpr (Modules::in_pairs && !Modules::flux)
     if (modules_.near.measured()) measured = OfFluxes::Measured;
   const auto most = modules_.fastest(engine_, time_, measured);
-  if (most.rate * dt_ <= guard.max_rate) return;
+  const double dt = coming_step();
+  if (most.rate * dt <= guard.max_rate) return;
   const auto p = engine_.owner(most.particle);
   throw SimulationError(text("step ", step_, ", t = ", time_, " s: the modules' rate of particle ",
-                             p.id(), " is ", most.rate, " 1/s, ", most.rate * dt_,
-                             " over the time step of ", dt_, " s, where guard.max_rate is ",
+                             p.id(), " is ", most.rate, " 1/s, ", most.rate * dt,
+                             " over the time step of ", dt, " s, where guard.max_rate is ",
                              guard.max_rate, "; set Simulation::time_step to less than ",
                              detail::below(guard.max_rate / most.rate), " s"),
                         step_, {p.id()}, p.centre());

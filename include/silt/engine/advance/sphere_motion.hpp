@@ -251,7 +251,8 @@ class SphereMotion {
       Integrator::correct(x, v, q, acceleration, dt);
     }
     store_rows(q, 0), x.store(&with.position[k].x), v.store(&m.vx);
-    const Row moved = x - before + Integrator::displacement(v, q, with.drift);
+    Row moved = x - before + Integrator::displacement(v, q, with.drift);
+    if (std::isnan(with.position[k].x)) moved = Row::all(0);  // has left
     if constexpr (rotates) {
       Row spin = Row::load(&m.wx), p[4];
       const double push = inv_m / ShapeType::inertia_factor();

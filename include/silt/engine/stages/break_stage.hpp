@@ -20,6 +20,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/random.hpp>
 #include <silt/engine/contact/impacts.hpp>
+#include <silt/engine/stages/living_sizes.hpp>
 #include <silt/fill/size_distribution.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -52,12 +53,14 @@ class BreakStage {
   std::vector<DueBreak> due;              // by id; saved between steps
   std::vector<BreakEvent> events;         // of this step
   ParticleId newborn_from = 0;            // of the rows that came then
-  SizeTable dust, left;                   // fragments too small, and particles that left
+  SizeTables dust, left;                  // fragments too small, and particles that left
   CompensatedSum fed;                     // [kg]
   std::array<std::uint64_t, 3> broken{};  // since the start, by BreakCause
   ImpactEnergies impacts;                 // since the start, by speed alone
   double parted = 0;                      // [J] that offsets have given to contacts
   double weak_from = 0;                   // [N] lower bound of the strengths, by force
+  LivingSizes sizes;                      // that the time step follows
+  LargestLoad largest;                    // not kept by checkpoints
 
   /// Draws the strengths of the particles from place `from` on, which are new; of fragments
   /// rests_until(id) [s].
@@ -163,6 +166,10 @@ class BreakStage {
             0, {p.id()}, p.centre());
     };
     wanted(load >= 0 && std::isfinite(load), "the equivalence's load()", load);
+    ++largest.weighed;
+    if (load > largest.share * own.strength)
+      largest.share = load / own.strength, largest.load = load, largest.strength = own.strength,
+      largest.diameter = impact.diameter, largest.speed = note.speed;
     if (load >= own.strength) {
       add_due({p.id(), load, note.speed, at_wall ? BreakCause::Wall : BreakCause::Pair});
     } else if (!Policy::by_force || note.is_peak) {

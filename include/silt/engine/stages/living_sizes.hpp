@@ -1,0 +1,93 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include <silt/core/target.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// What the time step follows where particles break (BreakStep::SmallestLiving): the least of those
+/// that were there when it was looked at last. It is looked at as a smaller one is born, so that
+/// the step is shorter before that one acts, and every hundred steps, so that it grows again.
+/// Tests: tests/breakage/step.cpp.
+class LivingSizes {
+ public:
+  static constexpr std::int64_t look_every = 100;  // [steps]
+  /// The step is chosen anew where it is so much longer or shorter than it would be chosen.
+  static constexpr double longer = 1.05, shorter = 0.8;  // [-]
+  static constexpr double most_postponed = 10;           // [-]
+
+  double coming_step = 0;        // [s] from the next drift on; 0: no change
+  double speed = 0;              // [m/s] that the step was looked at for
+  double postponed = 0;          // [-] looks, one after the other
+  std::uint64_t safeguards = 0;  // [-] that had acted before this step
+
+  bool known() const { return !least_.empty(); }
+  void forget() { least_.clear(); }
+
+  /// Looks at all that are there; their smallest radius is exact then. Returns whether the least
+  /// are others than before.
+  template <class Engine>
+  bool measure(Engine& e, std::size_t materials) {
+    const auto before = std::exchange(least_, std::vector<Least>(materials));
+    double smallest = std::numeric_limits<double>::infinity();  // [m]
+    for (std::size_t k = 0; k < e.owners(); ++k) {
+      const auto p = e.owner(k);
+      if (!p.is_there()) continue;
+      smallest = std::min(smallest, p.radius());
+      if (p.inverse_mass() > 0) least_[p.material()].include(Least::of(p.mass(), p.radius()));
+    }
+    if constexpr (!Engine::has_bodies)
+      if (std::isfinite(smallest)) e.particles.smallest_radius = smallest;
+    return least_ != before;
+  }
+  /// Whether the particle at place k is less than any of its material was.
+  template <class Engine>
+  bool is_less(const Engine& e, std::size_t k) const {
+    const auto p = e.owner(k);
+    if (p.material() >= least_.size()) return true;
+    const Least &all = least_[p.material()], one = Least::of(p.mass(), p.radius());
+    return one.mass < all.mass || one.hertz < all.hertz || one.radius < all.radius;
+  }
+
+  // As numbers, for a checkpoint; none if nothing is known.
+  std::vector<double> state() const {
+    std::vector<double> all;
+    if (known() || postponed > 0) all.insert(all.end(), {coming_step, speed, postponed});
+    for (const Least& l : least_) all.insert(all.end(), {l.mass, l.hertz, l.radius});
+    return all;
+  }
+  static bool can_be(const std::vector<double>& all) {
+    return all.empty() || (all.size() % 3 == 0 && std::isfinite(all[0] + all[1] + all[2]) &&
+                           std::all_of(all.begin(), all.end(), [](double x) { return x >= 0; }));
+  }
+  void restore(const std::vector<double>& all) {
+    coming_step = speed = postponed = 0, least_.clear();
+    if (!all.empty()) coming_step = all[0], speed = all[1], postponed = all[2];
+    for (std::size_t at = 3; at + 3 <= all.size(); at += 3)
+      least_.push_back({all[at], all[at + 1], all[at + 2]});
+  }
+
+ private:
+  /// Of one material: what contact times and ways in a step depend on.
+  struct Least {
+    double mass = std::numeric_limits<double>::infinity();  // [kg]
+    double hertz = mass, radius = mass;                     // m^2/R [kg2/m], [m]
+    static Least of(double mass, double radius) { return {mass, mass * mass / radius, radius}; }
+    bool operator==(const Least&) const = default;
+    void include(const Least& one) {
+      mass = std::min(mass, one.mass), hertz = std::min(hertz, one.hertz);
+      radius = std::min(radius, one.radius);
+    }
+  };
+  std::vector<Least> least_;  // of each material
+};
+
+}  // namespace silt::detail
