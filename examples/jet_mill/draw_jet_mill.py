@@ -50,7 +50,7 @@ def mill(folder, shape):
     order = np.argsort(-fields["radius"])
     sizes = 2e3 * fields["radius"][order]
     shown = EllipseCollection(sizes, sizes, np.zeros_like(sizes), units="xy", offsets=1e3 * points[order, :2],
-                              offset_transform=grains.transData, cmap=COLOUR_MAP, lw=0.15, ec="0.2")
+                              offset_transform=grains.transData, cmap=COLOUR_MAP, lw=0)
     shown.set_array(speed[order])
     shown.set_clim(0, np.percentile(speed, 99) if len(speed) else 1)
     grains.add_collection(shown)

@@ -35,7 +35,7 @@ struct Scene {
   double strength = 0.4;                      // [N] median of grains of this size
   double dust = 40e-6;                        // [m] fragments below it are dust
   double full_radius = 60e-6;                 // [m] smaller grains are softened; 0: none
-  double restitution = 0.7, duration = 0.03;  // [-], [s]
+  double restitution = 0.7, duration = 0.02;  // [-], [s]
   std::size_t most_fragments = 100, seed = 1;
 
   static constexpr double density = 2165;  // [kg/m3]

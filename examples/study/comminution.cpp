@@ -53,7 +53,7 @@ class Study {
   explicit Study(const studies::Setting& setting) : setting_(setting) {
     base_.rate = 1e-3;  // soon full
     base_.most_fragments = 400;
-    all_ = {.steps = 0, .softened = 60e-6, .dust = 40e-6};
+    all_ = {.steps = 0, .softened = 45e-6, .dust = 40e-6};
   }
 
   void run(example::Summary& summary) {

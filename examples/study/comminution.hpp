@@ -86,8 +86,10 @@ auto mill_from(const State& state, const Scene& base, const Way& way, const Sear
   silt::Simulation sim{std::move(grains), jet_mill::contacts<L>(s), std::move(gas),
                        jet_mill::breakage(s), search};
   jet_mill::furnish<L>(sim, s);
-  sim.threads = 1, sim.guard.max_overlap = 0.69;
-  sim.set_max_overlap("salt", "salt", 1.9);  // fines between grains
+  sim.threads = 1;
+  // Softened fines between grain and wall, or between two grains.
+  sim.guard.max_overlap = 0.89, sim.guard.max_travel = 0.1;
+  sim.set_max_overlap("salt", "salt", 1.9);
   sim.gravity = {0, 0, -way.gravity};
   using Policy = std::remove_cvref_t<decltype(sim.breakage())>;
   for (std::size_t k = 0; k < state.grains.size(); ++k) {
