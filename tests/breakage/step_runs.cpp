@@ -156,4 +156,31 @@ TEST_CASE(
   }
 }
 
+TEST_CASE(
+    "step of the smallest living, tables of materials: numbers of a checkpoint that cannot be") {
+  using silt::detail::LivingSizes;
+  constexpr double inf = INFINITY;
+  CHECK(LivingSizes::can_be({}));
+  CHECK(LivingSizes::can_be({0, 3, 0, 1e-9, 1e-15, 1e-3, inf, inf, inf}));
+  CHECK(!LivingSizes::can_be({0, 3}));
+  CHECK(!LivingSizes::can_be({inf, 3, 0}));
+  CHECK(!LivingSizes::can_be({-1e-7, 3, 0}));
+  CHECK(!LivingSizes::can_be({0, 3, 0, 1e-9, -1, 1e-3}));
+  silt::SizeTables tables;
+  tables.add<true>(2, [](silt::SizeTable& t) { t.add(1e-3, 1e-6, 1, 0); });
+  auto numbers = tables.state_of_materials();
+  silt::SizeTables again;
+  again.restore_of_materials(numbers);
+  CHECK(again.of.size() == 3);
+  CHECK(again.of_material(2).mass() == 1e-6);
+  CHECK(again.of_material(7).mass() == 0);
+  for (const double count : {-1.0, 1e9, std::nan("")}) {
+    auto bad = numbers;
+    bad[0] = count;
+    has(refusal([&] { silt::SizeTables().restore_of_materials(bad); }), "SizeTable");
+  }
+  numbers.pop_back();
+  has(refusal([&] { silt::SizeTables().restore_of_materials(numbers); }), "SizeTables: the state");
+}
+
 }  // namespace breakage_step_runs_test

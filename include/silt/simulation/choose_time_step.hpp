@@ -155,9 +155,7 @@ void Simulation<Policies...>::follow_sizes() {
     sizes.speed = std::max(fastest, expected_speed());
     const auto shortest = shortest_contact(sizes.speed);
     if (!shortest) return;
-    double chosen = step_for(sizes.speed, shortest->time);
-    // The error of derivatives, which are rescaled, grows by up to the fifth power of the ratio.
-    if (Integrator::derivatives > 0 && chosen > 1.5 * dt_) chosen = 1.5 * dt_, sizes.speed = 0;
+    const double chosen = step_for(sizes.speed, shortest->time);
     if (dt_ > sizes.longer * chosen || dt_ < sizes.shorter * chosen) sizes.coming_step = chosen;
   }
 }
