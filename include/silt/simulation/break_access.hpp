@@ -234,7 +234,7 @@ class BreakAccess {
         "polyhedra that break are cut into cells: include "
         "<silt/shape/laguerre_cells.hpp> before <silt/simulation.hpp>");
     const auto cells = shares.size() == 1
-                           ? std::vector{body}
+                           ? std::vector{body.made_anew()}
                            : laguerre_cells(body, std::span<const double>(shares), random);
     const Quaternion q = p.principal_axes() * conjugate(form.mass.axes);
     const Vec3d centroid = p.scale() * form.mass.centroid;
@@ -296,7 +296,8 @@ class BreakAccess {
       s.book_.ended(ended.work), s.book_.broke(ended.normal);
     }
     s.breaks_.newborn_from = Sim::of_bodies ? s.next_.part : first;
-    const auto forms = take_in_forms(e, fragments);
+    std::vector<std::size_t> forms;
+    if constexpr (Sim::of_bodies) forms = take_in_cells(e.mover, fragments.forms());
     s.join(std::span<const typename Particles::Particle>(fragments.all()), forms);
     if constexpr (Sim::has_ledger)  // what the fragments have is not lost
       for (std::size_t n = from; n < s.rows(); ++n) s.book_.broke(-s.kinetic(n).sum());
