@@ -57,9 +57,8 @@ bool forms_fit(const Sim& sim) {
       const auto* const shape = mover.convex_rows.form_row(row)
                                     .template get<silt::KernelOf<silt::Polyhedron>::Row>()
                                     .shape;
-      if (shape->core_volume() != std::get<silt::Polyhedron>(form.solids[0].solid)
-                                      .scaled(scale)
-                                      .core_volume())
+      if (shape->core_volume() !=
+          std::get<silt::Polyhedron>(form.solids[0].solid).scaled(scale).core_volume())
         return false;
     }
   return true;
@@ -121,8 +120,7 @@ TEST_CASE("breakage: forms that come later stand before those of fragments, and 
   later.add(one(3, 0.02));
   CHECK(sim.add(later) == std::vector<std::size_t>{1, 0, 2, 3});
   CHECK(sim.forms().size() == fragments + 4);
-  for (std::size_t f = 0; f < fragments; ++f)
-    CHECK(sim.forms()[f + 4].mass.volume == volumes[f]);
+  for (std::size_t f = 0; f < fragments; ++f) CHECK(sim.forms()[f + 4].mass.volume == volumes[f]);
   sim.run(1e-7);
   CHECK(forms_fit(sim));
 
@@ -131,9 +129,9 @@ TEST_CASE("breakage: forms that come later stand before those of fragments, and 
   has(refusal([&] { sim.name_form(of_fragment, "mine"); }),
       "Simulation::name_form: form 4 is that of a fragment, and goes with it");
   has(refusal([&] {
-        sim.add_inlet({{-1, -1, -1}, {-0.9, -0.9, -0.9}},
-                      {.radius = silt::uniform(1e-3, 2e-3), .density = 1, .rate = 1,
-                       .form = of_fragment});
+        sim.add_inlet(
+            {{-1, -1, -1}, {-0.9, -0.9, -0.9}},
+            {.radius = silt::uniform(1e-3, 2e-3), .density = 1, .rate = 1, .form = of_fragment});
       }),
       "InletFlow.form = 4 is none of the 4 forms of the simulation");
   // A body may take the form of a fragment; it stays as long as one of both is there.

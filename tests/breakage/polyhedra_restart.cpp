@@ -52,9 +52,9 @@ template <class Sim>
 std::vector<double> bits(const Sim& sim) {
   // Of the books what does not depend on which steps were observed.
   const auto e = sim.energy();
-  std::vector<double> all{
-      sim.time(), static_cast<double>(sim.broken()),      sim.dust().mass(), e.parting,
-      e.breaking, static_cast<double>(sim.forms().size())};
+  std::vector<double> all{sim.time(),        static_cast<double>(sim.broken()),
+                          sim.dust().mass(), e.parting,
+                          e.breaking,        static_cast<double>(sim.forms().size())};
   const auto add = [&](const Vec3d& v) { all.insert(all.end(), {v.x, v.y, v.z}); };
   for (std::size_t k = 0; k < sim.rows(); ++k) {
     if (!sim.is_present(k)) continue;
@@ -72,7 +72,8 @@ struct Place {
   std::filesystem::path folder;
   std::string file;
   explicit Place(const char* name)
-      : folder(std::filesystem::temp_directory_path() / name), file((folder / "run.silt").string()) {
+      : folder(std::filesystem::temp_directory_path() / name),
+        file((folder / "run.silt").string()) {
     std::filesystem::create_directories(folder);
   }
   ~Place() { std::filesystem::remove_all(folder); }
@@ -88,8 +89,8 @@ TEST_CASE("breakage: polyhedra that have broken go on from a checkpoint to the l
   first.run(3e-4,
             silt::at<silt::ActionKind::Saves>(silt::every(5e-8),
                                               [&](const auto& s) {
-                                                fresh = !saved && s.breaks_due() > 0 &&
-                                                        s.broken() >= 4;
+                                                fresh =
+                                                    !saved && s.breaks_due() > 0 && s.broken() >= 4;
                                                 if (!fresh) return;
                                                 silt::save_checkpoint(s, at.file);
                                                 due = s.breaks_due(), time = s.time();
@@ -140,6 +141,46 @@ TEST_CASE("breakage: a form that was added after others broke, at a restart") {
   CHECK(bits(second) == bits(first));
 }
 
+/// Leaves a particle as it is.
+struct Whole {
+  double finer(double x, const silt::Broken& b) const { return x < b.diameter ? 0 : 1; }
+  double largest(const silt::Broken& b) const { return b.diameter; }
+  void check() const {}
+};
+
+TEST_CASE("breakage: a fragment that is all of a body in another size than its form's") {
+  const Place at("silt_breakage_polyhedra_whole");
+  const auto make = [] {
+    Stones stones;
+    stones.add_form(stone(9));
+    for (int k = 0; k < 6; ++k)
+      stones.add({.form = 0, .position = {0.01 * k, 0, 0}, .radius = 1e-3 / (3 + k), .density = 1});
+    silt::Simulation sim{
+        std::move(stones), silt::Contacts<silt::HertzMindlin>{salt}, silt::EnergyLedger{},
+        silt::Breakage{strong, silt::HertzEquivalence{}, Whole{}, {.dust_below = 1e-4}}};
+    sim.time_step = 5e-8;
+    return sim;
+  };
+  auto first = make(), second = make();
+  for (silt::ParticleId id = 0; id < 6; ++id) first.break_particle(id);
+  int whole = 0;
+  first.run(1e-7, silt::on_break([&](const silt::BreakEvent& b) { whole += b.fragments == 1; }));
+  CHECK(whole >= 4);
+  silt::save_checkpoint(first, at.file);
+  silt::load_checkpoint(second, at.file);
+  REQUIRE(second.forms().size() == first.forms().size());
+  for (std::size_t f = 1; f < first.forms().size(); ++f) {
+    const auto &a = first.forms()[f], &b = second.forms()[f];
+    CHECK(a.shape == b.shape);
+    CHECK(a.mass == b.mass);
+    CHECK(a.lever == b.lever);
+    CHECK(a.shape.core_volume() == b.shape.core_volume());
+    CHECK(a.shape.edge_turning() == b.shape.edge_turning());
+    for (std::size_t k = 0; k < a.shape.faces().size(); ++k)
+      CHECK(a.shape.faces()[k].normal == b.shape.faces()[k].normal);
+  }
+}
+
 /// Fields of a file by their names.
 fuzz::Parts::Field& field(fuzz::Parts& parts, const std::string& name) {
   for (auto& f : parts.fields)
@@ -165,17 +206,17 @@ TEST_CASE("breakage: forged cells are refused with a sentence, and nothing has c
     CHECK(bits(victim) == before);
   };
   using fuzz::set_value, fuzz::value_at;
-  const auto loop = [&](std::size_t k) { return value_at<std::uint32_t>(field(parts, "breakage.loops"), k); };
+  const auto loop = [&](std::size_t k) {
+    return value_at<std::uint32_t>(field(parts, "breakage.loops"), k);
+  };
   const auto set_loop = [](auto& p, std::size_t k, std::uint32_t v) {
     set_value(field(p, "breakage.loops"), k, v);
   };
   refused("breakage.cells has ", [](auto& p) { field(p, "breakage.cells").bytes.resize(4); });
-  refused("breakage.corners has ", [](auto& p) {
-    set_value(field(p, "breakage.cells"), 0, std::uint32_t{0xffffffff});
-  });
-  refused("breakage.face_sizes has ", [](auto& p) {
-    set_value(field(p, "breakage.cells"), 1, std::uint32_t{0xffffffff});
-  });
+  refused("breakage.corners has ",
+          [](auto& p) { set_value(field(p, "breakage.cells"), 0, std::uint32_t{0xffffffff}); });
+  refused("breakage.face_sizes has ",
+          [](auto& p) { set_value(field(p, "breakage.cells"), 1, std::uint32_t{0xffffffff}); });
   refused("breakage.loops has ", [](auto& p) {
     set_value(field(p, "breakage.face_sizes"), 0, std::uint32_t{0xffffffff});
   });
@@ -183,9 +224,8 @@ TEST_CASE("breakage: forged cells are refused with a sentence, and nothing has c
     auto& loops = field(p, "breakage.loops").bytes;
     loops += loops.substr(0, 12);
   });
-  refused("cell 0 is no convex body: Polyhedron: face 0 has 0 corners", [](auto& p) {
-    set_value(field(p, "breakage.face_sizes"), 0, std::uint32_t{0});
-  });
+  refused("cell 0 is no convex body: Polyhedron: face 0 has 0 corners",
+          [](auto& p) { set_value(field(p, "breakage.face_sizes"), 0, std::uint32_t{0}); });
   refused("cell 0 is no convex body: Polyhedron: face 0 has corner 4294967295 of ",
           [&](auto& p) { set_loop(p, 1, 0xffffffff); });
   refused("face 0 has a corner twice", [&](auto& p) { set_loop(p, 1, loop(0)); });
@@ -193,9 +233,8 @@ TEST_CASE("breakage: forged cells are refused with a sentence, and nothing has c
   refused("the same way round", [&](auto& p) {  // a face turned over
     for (std::uint32_t k = 0; k < first_face; ++k) set_loop(p, k, loop(first_face - 1 - k));
   });
-  refused("[m]; corners must be finite", [](auto& p) {
-    set_value(field(p, "breakage.corners"), 1, std::nan(""));
-  });
+  refused("[m]; corners must be finite",
+          [](auto& p) { set_value(field(p, "breakage.corners"), 1, std::nan("")); });
   refused("is no convex body: Polyhedron: ", [](auto& p) {  // a corner far away
     set_value(field(p, "breakage.corners"), 0, 1.0);
   });
@@ -210,7 +249,8 @@ TEST_CASE("breakage: forged cells are refused with a sentence, and nothing has c
       set_value(corners, k, 1.5 * value_at<double>(corners, k));
   });
   refused("body ", [](auto& p) {  // no cells: bodies have forms that are not there
-    for (const char* name : {"breakage.cells", "breakage.corners", "breakage.face_sizes", "breakage.loops"})
+    for (const char* name :
+         {"breakage.cells", "breakage.corners", "breakage.face_sizes", "breakage.loops"})
       field(p, name).bytes.clear();
   });
   fuzz::write_bytes(at.file, parts.file());

@@ -49,10 +49,10 @@ ConvexFaces ring() {
         out.vertices.push_back({size * x, size * y, z});
   for (std::uint32_t k = 0; k < 4; ++k) {
     const std::uint32_t next = (k + 1) % 4;
-    out.faces.push_back({k, next, 8 + next, 8 + k});               // outside
-    out.faces.push_back({4 + next, 4 + k, 12 + k, 12 + next});     // of the hole
-    out.faces.push_back({8 + k, 8 + next, 12 + next, 12 + k});     // above
-    out.faces.push_back({next, k, 4 + k, 4 + next});               // below
+    out.faces.push_back({k, next, 8 + next, 8 + k});            // outside
+    out.faces.push_back({4 + next, 4 + k, 12 + k, 12 + next});  // of the hole
+    out.faces.push_back({8 + k, 8 + next, 12 + next, 12 + k});  // above
+    out.faces.push_back({next, k, 4 + k, 4 + next});            // below
   }
   return out;
 }
@@ -139,9 +139,9 @@ TEST_CASE("closed_faces: closed surfaces that are not convex, flat or the right 
   body.vertices[3].z += 1e-9;  // as cells of a convex hull may be
   CHECK_NOTHROW(Polyhedron::from_faces(body));
   // A corner pushed in, all faces triangles.
-  auto octahedron = Polyhedron::from_points({{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1},
-                                             {0, 0, -1}})
-                        .convex_faces();
+  auto octahedron =
+      Polyhedron::from_points({{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}})
+          .convex_faces();
   for (Vec3d& v : octahedron.vertices)
     if (v.z > 0.5) v.z = -0.2;
   has(refused(octahedron), "so that the body is not convex");

@@ -344,7 +344,7 @@ class Checkpoint<Sim>::Staged {
   decltype(Engine::Mover::synchronous) synchronous_;
   std::vector<detail::Body> bodies_;
   [[no_unique_address]] If<has_cells, std::vector<Form>> forms_;  // where polyhedra break
-  std::size_t cells_ = 0;  // of them, the last ones
+  std::size_t cells_ = 0;                                         // of them, the last ones
   std::vector<std::uint32_t> rows_;
   std::remove_cvref_t<decltype(std::declval<Engine&>().fluid_loads())> loads_;
   [[no_unique_address]] std::remove_cvref_t<decltype(std::declval<Engine&>().modules())> fields_;

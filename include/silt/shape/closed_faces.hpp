@@ -34,9 +34,8 @@ class FaceWays {
   /// Null if no face has it.
   const Way* find(std::uint32_t from, std::uint32_t to) const {
     const Way wanted{from, to, 0};
-    const auto at =
-        std::lower_bound(ways_.begin(), ways_.end(), wanted,
-                         [](const Way& a, const Way& b) { return a.key() < b.key(); });
+    const auto at = std::lower_bound(ways_.begin(), ways_.end(), wanted,
+                                     [](const Way& a, const Way& b) { return a.key() < b.key(); });
     return at != ways_.end() && at->key() == wanted.key() ? &*at : nullptr;
   }
 
@@ -90,8 +89,7 @@ inline void check_closed(const ConvexFaces& body) {
     const auto& start = ways.all()[first];
     std::uint32_t turns = 0;
     const auto* at = &start;
-    do
-      at = ways.find(start.from, at->before), ++turns;
+    do at = ways.find(start.from, at->before), ++turns;
     while (at != &start && turns <= around[start.from]);
     require(turns == around[start.from], "Polyhedron: the faces touch in corner ", start.from,
             " alone");
