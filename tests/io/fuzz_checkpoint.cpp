@@ -5,6 +5,10 @@
 
 #include <engine/mixed_scene.hpp>
 
+#include <silt/shape/laguerre_cells.hpp>
+
+#include <breakage/scene.hpp>
+
 #include <silt/bond/build.hpp>
 #include <silt/bond/parallel_bond.hpp>
 #include <silt/contact/linear_spring.hpp>
@@ -64,6 +68,31 @@ auto crosses() {
   sim.add_wall(silt::TriangleMesh(boundary_test::box_soup({4e-3, 4e-3, 0}, {12e-3, 12e-3, 3e-3})),
                rubber, silt::vibration({0, 0, 0.1e-3}, 50));
   sim.add_wall(silt::Cylinder{{8e-3, 8e-3, -1}, {8e-3, 8e-3, 1}, 9e-3, silt::Side::Inside}, rubber);
+  return sim;
+}
+
+/// Stones that have broken on a plane, their fragments too; some are due to break.
+auto broken_stones() {
+  silt::Particles<silt::Polyhedron> stones;
+  std::vector<Vec3d> corners;
+  silt::Random random(9);
+  for (int k = 0; k < 12; ++k) {
+    const Vec3d p{random.normal(), random.normal(), random.normal()};
+    corners.push_back((1e-3 / norm(p)) * p);
+  }
+  const auto form = stones.add_form(silt::Polyhedron::from_points(corners));
+  for (int k = 0; k < 2; ++k)
+    stones.add({.form = form,
+                .position = {0.003 * k, 0, 0.0012},
+                .density = 2165,
+                .velocity = {0, 0, -12}});
+  silt::Simulation sim{
+      std::move(stones), silt::Contacts<silt::HertzMindlin>{breakage_scene::salt},
+      silt::EnergyLedger{}, breakage_scene::policy({.dust_below = 5e-4, .most_fragments = 8})};
+  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, breakage_scene::salt);
+  sim.add_wall(silt::Plane{{0, 0, 0.01}, {0, 0, -1}}, breakage_scene::salt);
+  sim.time_step = 5e-8, sim.threads = 1;
+  sim.guard.max_overlap = 0.9;
   return sim;
 }
 
@@ -217,6 +246,15 @@ TEST_CASE("fuzz: checkpoints of bonds, between spheres and to a wall") {
   all_forgeries(
       "checkpoint of bonds", [] { return bonded(); }, 300 * 1e-6,
       [](auto& sim) { sim.remove_wall(1); });
+}
+
+TEST_CASE("fuzz: checkpoints of polyhedra that have broken into cells") {
+  all_forgeries(
+      "checkpoint of cells", [] { return broken_stones(); }, 1600 * 5e-8, [](auto& sim) {
+        CHECK(sim.forms().size() > 5);
+        sim.remove_wall(1);
+        sim.break_particle(sim.id(sim.rows() - 1));
+      });
 }
 
 }  // namespace fuzz_checkpoint_test

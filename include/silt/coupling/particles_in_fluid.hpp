@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <silt/core/position_row.hpp>
@@ -52,6 +53,7 @@ struct ParticlesInFluid {
   std::vector<std::uint32_t> form;
   std::vector<AveragedForm> forms;
   std::vector<FormInFlow> forms_in_flow;  // if asked for
+  std::vector<std::uint64_t> made;        // BodyForm::made of each of the forms
   std::vector<ParticleId> id;
   std::vector<double> temperature, capacity;  // [K], [J/K] of modules that exchange heat with it
   double inertia_factor = 0.4;                // [-]
@@ -76,9 +78,13 @@ struct ParticlesInFluid {
     all.forms = forms_in_flow, all.id = id, all.inertia_factor = inertia_factor;
     return all;
   }
-  template <class Shape>
-  void add_form(const Shape& shape) {
-    forms.push_back(averaged_form(shape));
+  /// Of form f, which is known or the next one.
+  template <class Value>
+  static void put(std::vector<Value>& of_forms, std::size_t f, Value value) {
+    if (f < of_forms.size())
+      of_forms[f] = std::move(value);
+    else
+      of_forms.push_back(std::move(value));
   }
 };
 

@@ -2,9 +2,10 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <concepts>
-#include <memory>
+#include <cstdint>
 #include <numbers>
 #include <span>
 #include <string>
@@ -27,6 +28,11 @@ template <SolidShape S>
 struct SolidsOfForm<S> {
   std::vector<SolidPart<typename S::Kinds>> solids;
 };
+/// Counts the forms that a program makes.
+inline std::uint64_t next_form() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
 }  // namespace detail
 
 /// A form as the engine has it: in its principal frame, about its centroid.
@@ -69,6 +75,8 @@ struct BodyForm : detail::SolidsOfForm<S> {
     for (const Ball& b : parts) radius = std::max(radius, norm(b.centre) + b.radius);
   }
 
+  /// The same of all copies of a form and of no other form, as long as the program runs.
+  std::uint64_t made() const { return made_; }
   bool is_copy_of(const BodyForm& b) const { return made_ == b.made_; }
   /// Whether `b` is a copy of this form, or of the same shape: they are one form then.
   bool is(const BodyForm& b) const {
@@ -134,7 +142,7 @@ struct BodyForm : detail::SolidsOfForm<S> {
         part.solid);
   }
 
-  std::shared_ptr<const char> made_ = std::make_shared<const char>();  // shared by all copies
+  std::uint64_t made_ = detail::next_form();
 };
 
 /// An orientation drawn from all with equal probability.

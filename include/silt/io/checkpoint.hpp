@@ -13,6 +13,7 @@
 #include <silt/files/checkpoint_file.hpp>
 #include <silt/io/checkpoint_bonds.hpp>
 #include <silt/io/checkpoint_breaks.hpp>
+#include <silt/io/checkpoint_cells.hpp>
 #include <silt/io/checkpoint_checks.hpp>
 #include <silt/io/checkpoint_wall_heat.hpp>
 #include <silt/io/describe_scene.hpp>
@@ -44,10 +45,6 @@ class Checkpoint {
  public:
   static void save(const Sim& sim, const std::string& path) {
     const Engine& e = sim.engine_;
-    if constexpr (Sim::has_breakage && Sim::of_bodies)
-      require(
-          sim.broken() == 0, "checkpoint '", path,
-          "': polyhedra have broken, and their cells cannot be restored yet; nothing is written");
     CheckpointWriter out(signature());
     detail::CheckpointSaver a(out);
     std::vector<bool> removed;
@@ -66,6 +63,10 @@ class Checkpoint {
     openings.visit(a, openings.out_count.size(), openings.placed.size());
 
     detail::visit_particles(a, e.particles, e.particles.size());
+    [[maybe_unused]] CellsState cells;
+    if constexpr (has_cells)
+      cells = CellsState::of(std::span<const Form>(e.mover.forms).last(e.mover.cells)),
+      cells.visit(a);
     [[maybe_unused]] BondsState bonds;
     if constexpr (Sim::has_bonds) {
       sim.bonds_.follow(e);
@@ -132,7 +133,7 @@ class Checkpoint {
   /// Which programs can continue from the file: the policies that shape the state, and what
   /// contacts remember.
   static std::string signature() {
-    return text("silt state 16; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
+    return text("silt state 17; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
                 name_of<typename Sim::ContactsType>(), "; search ", name_of<typename Sim::Search>(),
                 "; domain ", name_of<typename Sim::Domain>(), "; precision ",
                 name_of<typename Sim::Precision>(), Sim::has_ledger ? "; ledger" : "",
@@ -178,6 +179,9 @@ class Checkpoint {
 
   using BondStage = std::remove_cvref_t<decltype(std::declval<Sim&>().bonds_)>;
   using BondsState = detail::BondsState<BondStage>;
+  static constexpr bool has_cells = Sim::has_breakage && Sim::of_bodies;
+  using Form = BodyForm<typename Sim::ShapeType>;
+  using CellsState = If<has_cells, detail::CellsState<Form>>;
   using BreaksState =
       If<Sim::has_breakage,
          detail::BreaksState<std::remove_cvref_t<decltype(std::declval<Sim&>().breaks_)>>>;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
@@ -89,6 +90,7 @@ class Checkpoint<Sim>::Staged {
     e.mover.synchronous = std::move(synchronous_);
     if constexpr (Sim::of_bodies) {
       e.mover.bodies = std::move(bodies_), e.mover.rows = std::move(rows_);
+      if constexpr (has_cells) e.mover.forms = std::move(forms_), e.mover.cells = cells_;
       if constexpr (Sim::Fluid::active) e.mover.fluid = std::move(loads_);
       e.mover.modules = std::move(fields_);
     }
@@ -170,7 +172,8 @@ class Checkpoint<Sim>::Staged {
     std::size_t count = particles_.size();
     if constexpr (Sim::of_bodies) {
       a.rows("bodies", bodies_, detail::CheckpointLoader::any_count);
-      rows_ = detail::check_bodies(a, bodies_, particles_, e_.mover.forms);
+      if constexpr (has_cells) read_cells(a);
+      rows_ = detail::check_bodies(a, bodies_, particles_, forms());
       count = bodies_.size();
       std::vector<ParticleId> ids;
       for (const auto& b : bodies_) ids.push_back(b.id);
@@ -196,6 +199,22 @@ class Checkpoint<Sim>::Staged {
     particles_.restored(particles_.largest_radius, particles_.mean_diameter);
   }
 
+  void read_cells(const detail::CheckpointLoader& a) requires has_cells {
+    CellsState state;
+    state.visit(a);
+    auto cells = state.forms(a);
+    const auto& now = e_.mover.forms;
+    forms_.assign(now.begin(), now.end() - static_cast<std::ptrdiff_t>(e_.mover.cells));
+    cells_ = cells.size();
+    std::move(cells.begin(), cells.end(), std::back_inserter(forms_));
+  }
+  /// Of the bodies in the file.
+  const auto& forms() const {
+    if constexpr (has_cells)
+      return forms_;
+    else
+      return e_.mover.forms;
+  }
   auto& fields_of_particles() {
     if constexpr (Sim::of_bodies)
       return fields_;
@@ -324,6 +343,8 @@ class Checkpoint<Sim>::Staged {
   typename Engine::State particles_;
   decltype(Engine::Mover::synchronous) synchronous_;
   std::vector<detail::Body> bodies_;
+  [[no_unique_address]] If<has_cells, std::vector<Form>> forms_;  // where polyhedra break
+  std::size_t cells_ = 0;                                         // of them, the last ones
   std::vector<std::uint32_t> rows_;
   std::remove_cvref_t<decltype(std::declval<Engine&>().fluid_loads())> loads_;
   [[no_unique_address]] std::remove_cvref_t<decltype(std::declval<Engine&>().modules())> fields_;

@@ -255,8 +255,9 @@ SceneDescription describe_scene(const Sim& sim, const Table& coefficients, const
     }
   }
   if constexpr (Sim::of_bodies) {
-    is("forms", sim.forms().size());
-    for (std::size_t f = 0; f < sim.forms().size(); ++f)
+    const std::size_t forms = added_forms(sim.engine().mover);
+    is("forms", forms);
+    for (std::size_t f = 0; f < forms; ++f)
       describe_form(is.of(text("form ", f, ": ")), sim.forms()[f]);
     is("bodies share the stiffness of contacts", sim.engine().share_contacts ? "yes" : "no");
   }

@@ -7,6 +7,7 @@
 
 #include <silt/core/lanes.hpp>
 #include <silt/shape/clip_graph.hpp>
+#include <silt/shape/closed_faces.hpp>
 #include <silt/shape/concept.hpp>
 #include <silt/shape/rigid_pose.hpp>
 #include <silt/shape/solid_mesh.hpp>
@@ -22,8 +23,9 @@ namespace silt::inline SILT_TARGET {
 /// cuts make of them. Units:  [m]. A face's normal points outwards, its corners turn
 /// counter-clockwise seen from there. Errors: InputError with one sentence: too few points, all in
 /// one plane (convex_hull.hpp); an open,
-///         inside-out, self-touching or concave mesh (solid_mesh.hpp); a radius below 0.
-/// Tests:  tests/shape/polyhedron.cpp
+///         inside-out, self-touching or concave mesh (solid_mesh.hpp); faces that bound no convex
+///         body (closed_faces.hpp); a radius below 0.
+/// Tests:  tests/shape/polyhedron.cpp, tests/shape/closed_faces.cpp
 class Polyhedron {
  public:
   static constexpr bool is_body = true, one_part = true, is_cut_into_cells = true;
@@ -65,6 +67,22 @@ class Polyhedron {
             " [m] out of the plane of a triangle; give convex parts, or take its convex hull");
     return Polyhedron(convex_hull(mesh.vertices()), radius);
   }
+
+  /// Corners and faces as convex_faces() gives them; they are checked (closed_faces.hpp), and must
+  /// be convex to 1e-6 of the diagonal.
+  static Polyhedron from_faces(const ConvexFaces& body, double radius = 0) {
+    detail::check_faces(body);
+    return Polyhedron(body, radius);
+  }
+  /// What from_faces() makes the same polyhedron of: equal in all its numbers to the last bit, but
+  /// for one that was scaled(), whose numbers have another rounding.
+  ConvexFaces convex_faces() const {
+    ConvexFaces out{vertices_, {}};
+    for (const Face& face : faces_) out.faces.emplace_back(loop(face).begin(), loop(face).end());
+    return out;
+  }
+  /// The same with all its numbers computed from corners and faces.
+  Polyhedron made_anew() const { return Polyhedron(convex_faces(), radius_); }
 
   /// `scale` [-] as large, about the origin.
   Polyhedron scaled(double scale) const;

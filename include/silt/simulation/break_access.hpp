@@ -13,6 +13,7 @@
 #include <silt/breakage/placement.hpp>
 #include <silt/core/error.hpp>
 #include <silt/engine/checks/ended_contacts.hpp>
+#include <silt/engine/checks/ended_solid_contacts.hpp>
 #include <silt/engine/population/arrivals.hpp>
 #include <silt/engine/stages/break_stage.hpp>
 
@@ -275,7 +276,7 @@ class BreakAccess {
         "polyhedra that break are cut into cells: include "
         "<silt/shape/laguerre_cells.hpp> before <silt/simulation.hpp>");
     const auto cells = shares.size() == 1
-                           ? std::vector{body}
+                           ? std::vector{body.made_anew()}
                            : laguerre_cells(body, std::span<const double>(shares), random);
     const Quaternion q = p.principal_axes() * conjugate(form.mass.axes);
     const Vec3d centroid = p.scale() * form.mass.centroid;
@@ -317,6 +318,27 @@ class BreakAccess {
     const Vec3d v = s.velocity(k), now = v + ago * s.gravity;
     s.book_.bring_in(-share - of_dust * (s.potential(k) + 0.5 * m * (dot(now, now) - dot(v, v))));
   }
+  /// Books what the ledger misses of the contacts of the particles at these places, which end.
+  void book_contacts(const std::vector<std::size_t>& places) {
+    auto& s = sim();
+    auto& e = s.engine_;
+    const auto book = [&s](const auto& ended) {
+      s.book_.ended(ended.work), s.book_.broke(ended.normal);
+    };
+    std::vector<std::uint32_t> rows;
+    for (const std::size_t k : places)
+      if constexpr (Sim::of_bodies)
+        rows.push_back(e.mover.rows_of(e.mover.bodies[k]).front());
+      else
+        rows.push_back(static_cast<std::uint32_t>(k));
+    std::sort(rows.begin(), rows.end());
+    if constexpr (Sim::of_bodies) {
+      e.mover.renew_convex_rows(e.particles);  // of those that came since the last step, or a file
+      book(EndedSolidContacts(e, s.domain_, rows, s.dt_));
+    } else {
+      book(EndedContacts(e, s.domain_, rows, s.dt_, s.dt_));
+    }
+  }
   /// Takes the parents out of the simulation, and their fragments in.
   template <class Particles>
   void take_place(const std::vector<Parent>& parents, const Particles& fragments) {
@@ -330,14 +352,10 @@ class BreakAccess {
       rests_until.insert(rests_until.end(), p.fragments, p.rests_until);
       places.push_back(p.place);
     }
-    if constexpr (Sim::has_ledger && !Sim::of_bodies) {
-      std::vector<std::uint32_t> rows(places.begin(), places.end());
-      std::sort(rows.begin(), rows.end());
-      const EndedContacts ended(e, s.domain_, rows, s.dt_, s.dt_);
-      s.book_.ended(ended.work), s.book_.broke(ended.normal);
-    }
+    if constexpr (Sim::has_ledger) book_contacts(places);
     s.breaks_.newborn_from = Sim::of_bodies ? s.next_.part : first;
-    const auto forms = take_in_forms(e, fragments);
+    std::vector<std::size_t> forms;
+    if constexpr (Sim::of_bodies) forms = take_in_cells(e.mover, fragments.forms());
     s.join(std::span<const typename Particles::Particle>(fragments.all()), forms);
     if constexpr (Sim::has_ledger)  // what the fragments have is not lost
       for (std::size_t n = from; n < s.rows(); ++n) s.book_.broke(-s.kinetic(n).sum());

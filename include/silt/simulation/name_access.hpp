@@ -93,8 +93,11 @@ class NameAccess {
   template <class S = Sim>
   void name_form(const WhichForm& which, std::string name) requires(S::of_bodies) {
     const std::size_t k = names<S>().number_of(which);
+    auto& mover = static_cast<S&>(*this).engine_.mover;
+    require(k < added_forms(mover), "Simulation::name_form: form ", k,
+            " is that of a fragment, and goes with it; only forms that were added have names");
     names<S>().check(name, k);
-    static_cast<S&>(*this).engine_.mover.forms[k].name = std::move(name);
+    mover.forms[k].name = std::move(name);
   }
 
  protected:

@@ -23,8 +23,9 @@ namespace silt::inline SILT_TARGET::detail {
 template <class Sim>
 class ParticleEdits {
  public:
-  /// Takes the particle with this id away, from all contacts and at once. The energy that was
-  /// stored in its contacts is among the losses of the ledger, what it had itself in `openings`.
+  /// Takes the particle with this id away, from all contacts and at once. What it had itself is in
+  /// the ledger's `openings`; of what its contacts stored, the tangential springs' share is in
+  /// `friction`, the normal springs' in residual().
   void remove(ParticleId id) {
     const std::size_t k = place_of(id, "remove");
     sim().book_leaving(k);
@@ -95,8 +96,8 @@ class ParticleEdits {
   /// Gives the body with this id the shape of another of forms(), by its number or its name; add()
   /// of particles that have forms alone brings new ones. Centre of mass, orientation, radius of the
   /// bounding sphere, density, velocity, angular velocity, material and fields stay; its contacts
-  /// begin anew. The change of its own energy is booked in the ledger's `openings`, what its
-  /// contacts stored counts as lost in them.
+  /// begin anew. The change of its own energy is booked in the ledger's `openings`; what its
+  /// contacts stored as for remove().
   void set_form(ParticleId id, const WhichForm& which) {
     static_assert(Sim::of_bodies, "set_form: spheres have no form; set_radius changes their size");
     const std::size_t k = place_of(id, "set_form");

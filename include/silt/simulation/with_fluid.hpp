@@ -281,10 +281,11 @@ double Simulation<Policies...>::gather_for_fluid() {
     if (is_present(k)) p.place.push_back(k);
   p.resize(p.place.size(), of_bodies, turned_by_fluid, follows_fluid);
   if constexpr (of_bodies)
-    while (p.forms.size() < engine_.mover.forms.size()) {
-      const auto& shape = engine_.mover.forms[p.forms.size()].shape;
-      if constexpr (FluidIs::sees_forms) p.forms_in_flow.push_back(form_in_flow(shape));
-      p.add_form(shape);
+    for (std::size_t f = 0; f < engine_.mover.forms.size(); ++f) {
+      const auto& form = engine_.mover.forms[f];
+      if (f < p.made.size() && p.made[f] == form.made()) continue;
+      if constexpr (FluidIs::sees_forms) p.put(p.forms_in_flow, f, form_in_flow(form.shape));
+      p.put(p.forms, f, averaged_form(form.shape)), p.put(p.made, f, form.made());
     }
   if constexpr (!of_bodies) p.inertia_factor = ShapeType::inertia_factor();
   const double span = fluid_.clock.last_step;

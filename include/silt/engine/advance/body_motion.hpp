@@ -51,6 +51,7 @@ class BodyMotion {
   };
   std::vector<Synchronous> synchronous;  // of the last observed step
   std::vector<BodyForm<ShapeType>> forms;
+  std::size_t cells = 0;  // of forms, the last ones: cells of what broke (cell_forms.hpp)
   std::vector<Body> bodies;
   [[no_unique_address]] FluidLoads<Composition::from_fluid> fluid;  // of each body
   using Modules = typename Composition::Modules;
@@ -226,7 +227,7 @@ class BodyMotion {
           using Narrow = KernelOf<Kind>;
           auto& store = std::get<ShapeType::Kinds::template index<Kind>>(out.stores);
           if (r < out.form.size())
-            out.form[r].set(Narrow::row(solid, b.scale, store, {b.form, part.local}));
+            out.form[r].set(Narrow::row(solid, b.scale, store, {forms[b.form].made(), part.local}));
           out.exponents = std::max(out.exponents, Narrow::exponents(solid));
           out.pose[r].least_radius = b.scale * Narrow::least_radius(solid);
         },

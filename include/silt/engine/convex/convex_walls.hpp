@@ -228,6 +228,9 @@ class ConvexWalls {
         if (!taken[p]) own[k] = p, taken[p] = true;
       describe(found[k], centre, in, contacts, table, wall, of(k), c.slot + own[k], s);
     }
+    if constexpr (keeps_offset<ContactsType>)  // what does not touch leaves nothing out
+      for (std::size_t p = 0; p < slots; ++p)
+        if (!taken[p]) contacts.history(ContactsType::offset_from)[c.slot + p] = 0;
   }
   static std::size_t slot_of(const SolidContact& contact, std::size_t begin, std::size_t slots,
                              Contacts& contacts, bool* taken, bool by_feature) {
@@ -246,7 +249,6 @@ class ConvexWalls {
                   [[maybe_unused]] std::span<const Candidate> images,
                   [[maybe_unused]] const Wall& wall, [[maybe_unused]] const Input& in,
                   [[maybe_unused]] Scratch& s) {
-    if constexpr (keeps_offset<ContactsType>) contacts.history(ContactsType::offset_from)[slot] = 0;
     if (!contacts.slot(slot).touching) return;
     contacts.slot(slot).touching = false;
     if constexpr (keeps_events<ContactsType>) {

@@ -11,6 +11,7 @@
 #include <silt/core/quaternion.hpp>
 #include <silt/core/random.hpp>
 #include <silt/engine/checks/time_step.hpp>
+#include <silt/engine/population/cell_forms.hpp>
 #include <silt/engine/population/openings.hpp>
 #include <silt/engine/state/body.hpp>
 #include <silt/fill/bodies.hpp>
@@ -35,7 +36,7 @@ struct NamesToCome {
   }
 };
 
-/// Takes in forms of bodies, but for those that the engine has already; returns the number of each.
+/// Takes in forms of bodies, but for those that were added already; returns the number of each.
 /// Forms that come together are not compared with each other, so that the first ones keep the
 /// numbers that add_form gave them; and those of two names are two. Spheres have none. InputError,
 /// and nothing has changed: a name that another form has.
@@ -44,21 +45,22 @@ std::vector<std::size_t> take_in_forms(Engine& e, const ParticlesType& more) {
   std::vector<std::size_t> numbers;
   if constexpr (Engine::has_bodies) {
     auto& forms = e.mover.forms;
+    const std::size_t known = added_forms(e.mover);
     NamesToCome names;
-    for (const auto& form : forms) names.of.push_back(form.name);
+    for (std::size_t k = 0; k < known; ++k) names.of.push_back(forms[k].name);
     for (const auto& form : more.forms()) {
       const auto is_it = [&](std::size_t k) {
         return forms[k].is_copy_of(form) || (names.may_be(k, form.name) && forms[k].is(form));
       };
       std::size_t k = 0;
-      while (k < forms.size() && !is_it(k)) ++k;
-      if (k == forms.size()) k = names.of.size();
+      while (k < known && !is_it(k)) ++k;
+      if (k == known) k = names.of.size();
       names.give(k, form.name);
       numbers.push_back(k);
     }
     for (std::size_t f = 0; f < numbers.size(); ++f)
-      if (numbers[f] == forms.size()) forms.push_back(more.forms()[f]);
-    for (std::size_t k = 0; k < forms.size(); ++k) forms[k].name = names.of[k];
+      if (numbers[f] == added_forms(e.mover)) add_form(e.mover, more.forms()[f]);
+    for (std::size_t k = 0; k < names.of.size(); ++k) forms[k].name = names.of[k];
   }
   return numbers;
 }
@@ -210,7 +212,7 @@ void check_form([[maybe_unused]] const Engine& e, const InletFlow& flow) {
     const std::size_t form = flow.kind(k).form;
     const char* const of = k == 0 ? "InletFlow.form = " : "InletShare.form = ";
     if constexpr (Engine::has_bodies)
-      require(form < e.mover.forms.size(), of, form, " is none of the ", e.mover.forms.size(),
+      require(form < added_forms(e.mover), of, form, " is none of the ", added_forms(e.mover),
               " forms of the simulation; make it with add_form before");
     else
       require(form == 0, of, form, ", but spheres have no form; leave it out");

@@ -23,7 +23,7 @@ namespace silt::inline SILT_TARGET {
 template <class Kind>
 struct KernelOf;
 
-/// Which part of which form.
+/// Which part of which form (BodyForm::made).
 struct PartOfForm {
   std::size_t form = 0, part = 0;
   auto operator<=>(const PartOfForm&) const = default;

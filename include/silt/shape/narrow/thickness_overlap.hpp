@@ -105,19 +105,26 @@ Vec3d sum_of_lanes(const Vec3<Real>& v) {
   return {sum_of_lanes(v.x), sum_of_lanes(v.y), sum_of_lanes(v.z)};
 }
 
+/// From the middle of what is left to the corner farthest from it.
+inline Vec3d longest_way(const ClippedBody::Graph& g, const Vec3d& middle) {
+  Vec3d longest{0, 0, 0};
+  for (std::size_t v = 0; v < g.size; ++v)
+    if (const Vec3d way = g.at(v) - middle; dot(way, way) > dot(longest, longest)) longest = way;
+  return longest;
+}
+
 /// (1) and (2) of what is left of a body, about its middle and along its normal.
 class ThicknessIntegrals {
  public:
-  /// `cut`: volume, vector area and middle of the same graph.
+  /// `cut`: volume, vector area and middle of the same graph; `longest`: its longest_way().
   ThicknessIntegrals(const ClippedBody::Graph& g, const Polyhedron& body, const Cutter& cutter,
-                     const CutIntegrals& cut)
+                     const CutIntegrals& cut, const Vec3d& longest)
       : g_(g),
         body_(body),
         cutter_(cutter),
         middle_(cut.middle),
-        longest_(longest_way()),
-        frame_(frame_along(normalised(cut.area), longest_)) {
-    const double wide = norm(longest_);
+        frame_(frame_along(normalised(cut.area), longest)) {
+    const double wide = norm(longest);
     if (cut.volume > thin_slab * wide * norm(cut.area))
       integrate<false>(0);
     else
@@ -130,15 +137,6 @@ class ThicknessIntegrals {
   const RotationMatrix& frame() const { return frame_; }
 
  private:
-  /// From the middle to the corner farthest from it.
-  Vec3d longest_way() const {
-    Vec3d longest{0, 0, 0};
-    for (std::size_t v = 0; v < g_.size; ++v)
-      if (const Vec3d way = g_.at(v) - middle_; dot(way, way) > dot(longest, longest))
-        longest = way;
-    return longest;
-  }
-
   using Real = Lanes<DefaultArch>::Real;
   static constexpr std::size_t width = Lanes<DefaultArch>::width;
 
@@ -249,7 +247,7 @@ class ThicknessIntegrals {
   const ClippedBody::Graph& g_;
   const Polyhedron& body_;
   const Cutter& cutter_;
-  Vec3d middle_, longest_;
+  Vec3d middle_;
   RotationMatrix frame_;  // of the integrals, in the frame of the body
   Vec3d mean_{0, 0, 0};
   Symmetric3 inverse_;  // C^-1
@@ -268,14 +266,20 @@ inline VolumeContact thickness_of(const ClippedBody::Graph& g, const PlacedPolyh
   out.volume = cut.volume, out.area = norm(cut.area);
   // Volume over area is a thickness as well, half of (1) or more. Of bodies that touch without
   // overlap, as pieces of one body do, it is rounding, and their C is nothing but rounding.
-  if (!(cut.volume > 0.3 * thinnest * body.shape->bounding_radius() * out.area)) return {};
+  const double least = 0.3 * thinnest * body.shape->bounding_radius();  // [m]
+  if (!(cut.volume > least * out.area)) return {};
+  const Vec3d longest = longest_way(g, cut.middle);
+  const double wide = norm(longest);
   if (!(out.area * out.area * out.area > 1e-30 * cut.volume * cut.volume)) {
+    if (!(cut.volume > thinnest * wide * wide * wide)) return {};
     out.buried = true, out.overlap = std::cbrt(cut.volume);
     out.point = body.pose.to_space(cut.middle);
     out.normal = dot(towards_i, towards_i) > 0 ? normalised(towards_i) : Vec3d{0, 0, 1};
     return out;
   }
-  const ThicknessIntegrals t(g, *body.shape, cutter, cut);
+  // Of bodies that share an edge or a corner alone, area and volume are both rounding.
+  if (!(out.area > least * wide)) return {};
+  const ThicknessIntegrals t(g, *body.shape, cutter, cut, longest);
   const double square = dot(t.area, t.area);
   // Too thin for numbers: corners are known to some 1e-16 of the body.
   if (!(t.thickness > thinnest * body.shape->bounding_radius() && square > 0)) return {};
