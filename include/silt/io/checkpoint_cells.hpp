@@ -9,6 +9,7 @@
 
 #include <silt/core/error.hpp>
 #include <silt/io/checkpoint_checks.hpp>
+#include <silt/shape/convex_hull.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <type_traits>
+#include <utility>
 
 #include <silt/engine/contact/contact_kernel.hpp>
 #include <silt/engine/contact/offset.hpp>
