@@ -8,13 +8,8 @@
 
 #include "study/comminution.hpp"
 
-#include <array>
-#include <cmath>
 #include <cstdio>
-#include <limits>
 #include <optional>
-
-#include <silt/files/csv_table.hpp>
 
 #include "study/studies.hpp"
 
@@ -157,6 +152,7 @@ class Study {
     compare("dust", coarse_from_empty_, fine_from_empty_);
   }
 
+  void print(std::FILE* out) const;
   void report(example::Summary& summary) const;
 
   studies::Setting setting_;
@@ -168,50 +164,52 @@ class Study {
   std::vector<Row> rows_;
 };
 
-void Study::report(example::Summary& summary) const {
-  std::FILE* const out = stdout;
-  const double none = std::numeric_limits<double>::quiet_NaN();
-  silt::make_folder(setting_.out);
-  silt::CsvTable csv(
-      setting_.out + "/factors.csv",
-      {"number", "alone [s/ms]", "factor alone", "all but this [s/ms]", "factor of leaving it out",
-       "error of sizes", "error of the product's sizes", "error of breakage"});
+/// The table, as words to `out`.
+void Study::print(std::FILE* out) const {
+  const auto column = [out](int width, const std::optional<double>& value) {
+    value ? std::fprintf(out, "%*.3g", width, *value) : std::fprintf(out, "%*s", width, "-");
+  };
   std::fprintf(out, "%-30s%10s%8s%10s%8s%9s%9s%9s\n", "economy", "alone", "factor", "all but",
                "factor", "sizes", "product", "broken");
   std::fprintf(out, "%-30s%10s%8s%10s%8s\n", "", "[s/ms]", "", "[s/ms]", "");
-  double number = 0;
   for (const Row& row : rows_) {
-    const double one = row.alone.value_or(none), others = row.without.value_or(none);
-    const std::array values{one,
-                            none_cost_ / one,
-                            others,
-                            others / all_cost_,
-                            row.sizes.value_or(none),
-                            row.product.value_or(none),
-                            row.broken.value_or(none)};
+    std::optional<double> gain, loss;
+    if (row.alone) gain = none_cost_ / *row.alone;
+    if (row.without) loss = *row.without / all_cost_;
     std::fprintf(out, "%-30s", row.name.c_str());
-    const int widths[] = {10, 8, 10, 8, 9, 9, 9};
-    for (std::size_t k = 0; k < values.size(); ++k)
-      std::isnan(values[k]) ? std::fprintf(out, "%*s", widths[k], "-")
-                            : std::fprintf(out, "%*.3g", widths[k], values[k]);
+    column(10, row.alone), column(8, gain), column(10, row.without), column(8, loss);
+    column(9, row.sizes), column(9, row.product), column(9, row.broken);
     std::fprintf(out, "\n");
-    csv.add_row(
-        {++number, values[0], values[1], values[2], values[3], values[4], values[5], values[6]});
   }
-  std::fprintf(out,
-               "none: %.4g s of processor time for a millisecond in the mill; all but dust: %.3g, "
-               "%.0f times as fast; all: %.3g, %.0f times\n",
-               none_cost_, fine_cost_, none_cost_ / fine_cost_, all_cost_, none_cost_ / all_cost_);
+  std::fprintf(
+      out,
+      "s/ms: processor time for a millisecond in the mill. None: %.4g; all but dust: %.3g, "
+      "%.0f times as fast; all: %.3g, %.0f times.\n",
+      none_cost_, fine_cost_, none_cost_ / fine_cost_, all_cost_, none_cost_ / all_cost_);
+}
+
+void Study::report(example::Summary& summary) const {
+  print(stdout);
+  silt::make_folder(setting_.out);
+  const std::string path = setting_.out + "/factors.txt";
+  std::FILE* const file = std::fopen(path.c_str(), "w");
+  silt::require(file != nullptr, "file '", path, "' cannot be written");
+  print(file);
+  std::fclose(file);
   summary.input("grains_fine", static_cast<double>(fine_->grains.size()));
   summary.input("grains_coarse", static_cast<double>(coarse_->grains.size()));
   summary.result("none_s_per_ms", none_cost_);
   summary.result("all_but_dust_s_per_ms", fine_cost_);
   summary.result("all_s_per_ms", all_cost_);
+  for (const Row& row : rows_) {
+    if (row.alone) summary.result("alone_s_per_ms: " + row.name, *row.alone);
+    if (row.without) summary.result("all_but_s_per_ms: " + row.name, *row.without);
+  }
   summary.check_at_least("factor_without_dust", none_cost_ / fine_cost_, 17);
   summary.check_at_least("factor", none_cost_ / all_cost_, setting_.quick ? 17 : 1000);
   for (const Row& row : rows_)
     if (row.sizes && row.name != "right dashpot" && !setting_.quick)
-      summary.check_at_most("sizes_of_" + row.name, *row.sizes, 0.03);
+      summary.check_at_most("sizes: " + row.name, *row.sizes, 0.03);
 }
 
 void run(const studies::Setting& setting, example::Summary& summary) {
