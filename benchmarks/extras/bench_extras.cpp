@@ -275,7 +275,7 @@ void Report::images() {
 
 /// Every contact of the bed is a bond in place of it; and a bed that may have bonds, but has none.
 void Report::bonds() {
-  const silt::Bonds glue{silt::ParallelBond{.youngs_modulus = 5e5}};  // for the beds' step
+  const silt::Bonds glue{silt::ParallelBond{.youngs_modulus = 1e5}};  // for the beds' step
   {
     auto plain = bed();
     auto richer = bed(glue);
