@@ -115,8 +115,8 @@ class Study {
     add("fluid steps apart", alone(with(none, [](Way& w) { w.steps = 100; })),
         fast(with(all_, [](Way& w) { w.steps = 1; })));
     add("held drag", {}, fast(with(all_, [](Way& w) { w.followed = true; })));
-    add("lazy drag on cells, not held", {},
-        fast(with(all_, [](Way& w) { w.followed = true, w.cell = 0.5e-3, w.tolerance = 0.02; })));
+    const auto lazy = [](Way& w) { w.followed = true, w.cell = 0.5e-3, w.tolerance = 0.02; };
+    add("lazy drag on cells, not held", alone(with(none, lazy)), fast(with(all_, lazy)));
     add("softened fines", alone(with(none, [&](Way& w) { w.softened = all_.softened; })),
         fast(with(all_, [](Way& w) { w.softened = 0; })));
     add("right dashpot", {}, cost_of<WrongLaw, false>(*coarse_, base_, all_, seconds(), list()));

@@ -49,9 +49,7 @@ struct State {
 /// Of a run: all there is in the mill or came out of it by size, what is dust or left alone.
 struct Outcome {
   silt::SizeTable all, product;
-  double broken = 0, grains = 0, fed = 0, safeguarded = 0;
-  double cost = 0;  // [s] of processor time for a millisecond in the mill
-  double step = 0;  // [s]
+  double broken = 0;  // grains
 
   /// Largest difference of the shares finer than any size.
   double off(const Outcome& other) const { return largest(all, other.all); }
@@ -106,10 +104,6 @@ Outcome outcome_of(const Sim& sim) {
   out.product = sim.dust(), out.product.merge(sim.left());
   out.all = silt::sizes_present(sim), out.all.merge(out.product);
   out.broken = static_cast<double>(sim.broken());
-  out.grains = static_cast<double>(sim.size());
-  out.fed = sim.mass_balance().fed;
-  out.safeguarded = static_cast<double>(sim.safeguarded());
-  out.step = sim.step_length();
   return out;
 }
 
@@ -152,13 +146,9 @@ template <class L, bool followed, class Search>
 Outcome found(const State& from, const Scene& base, const Way& way, double duration,
               const Search& search, State* end = nullptr) {
   auto sim = mill_from<L, followed>(from, base, way, search);
-  const auto clock = silt::processor_time();
-  const double start = clock.now();
   sim.run(duration);
-  Outcome out = outcome_of(sim);
-  out.cost = (clock.now() - start) / (1e3 * duration);
   if (end) *end = state_of(sim, base);
-  return out;
+  return outcome_of(sim);
 }
 
 /// [s] of processor time for a millisecond in the mill, from a window of some `seconds` of

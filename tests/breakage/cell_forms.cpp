@@ -8,6 +8,7 @@
 #include <silt/shape/polyhedron.hpp>
 
 #include "breakage/scene.hpp"
+#include "breakage/stones.hpp"
 #include "refusal.hpp"
 
 namespace breakage_cell_forms_test {
@@ -16,15 +17,6 @@ using namespace breakage_scene;  // NOLINT: of this test alone
 using silt_test::has, silt_test::refusal;
 using Stones = silt::Particles<silt::Polyhedron>;
 
-silt::Polyhedron stone(std::uint64_t seed) {
-  std::vector<Vec3d> corners;
-  silt::Random random(seed);
-  for (int k = 0; k < 14; ++k) {
-    const Vec3d p{random.normal(), random.normal(), random.normal()};
-    corners.push_back((1e-3 / norm(p)) * p);
-  }
-  return silt::Polyhedron::from_points(corners);
-}
 Stones::Particle one(std::size_t form, double x) {
   Stones::Particle p{};
   p.form = form, p.position = {x, 0, 0}, p.density = 2165;

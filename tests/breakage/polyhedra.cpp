@@ -10,6 +10,7 @@
 #include <silt/shape/polyhedron.hpp>
 
 #include "breakage/scene.hpp"
+#include "breakage/stones.hpp"
 #include "near.hpp"
 
 namespace breakage_polyhedra_test {
@@ -17,15 +18,6 @@ namespace breakage_polyhedra_test {
 using namespace breakage_scene;  // NOLINT: of this test alone
 using Stones = silt::Particles<silt::Polyhedron>;
 
-silt::Polyhedron stone() {
-  std::vector<Vec3d> corners;
-  silt::Random random(9);
-  for (int k = 0; k < 14; ++k) {
-    const Vec3d p{random.normal(), random.normal(), random.normal()};
-    corners.push_back((1e-3 / norm(p)) * p);
-  }
-  return silt::Polyhedron::from_points(corners);
-}
 auto simulation_of(Stones stones, Policy of) {
   return silt::Simulation{std::move(stones), silt::Contacts<silt::HertzMindlin>{salt},
                           silt::EnergyLedger{}, std::move(of)};

@@ -12,6 +12,7 @@
 #include <silt/io/checkpoint.hpp>
 
 #include "breakage/scene.hpp"
+#include "breakage/stones.hpp"
 #include "io/fuzz_support.hpp"
 #include "refusal.hpp"
 
@@ -21,15 +22,6 @@ using namespace breakage_scene;  // NOLINT: of this test alone
 using silt_test::has, silt_test::refusal;
 using Stones = silt::Particles<silt::Polyhedron>;
 
-silt::Polyhedron stone(std::uint64_t seed) {
-  std::vector<Vec3d> corners;
-  silt::Random random(seed);
-  for (int k = 0; k < 14; ++k) {
-    const Vec3d p{random.normal(), random.normal(), random.normal()};
-    corners.push_back((1e-3 / norm(p)) * p);
-  }
-  return silt::Polyhedron::from_points(corners);
-}
 /// Stones of two sizes that fall onto a plate, and others that follow.
 auto scene(int threads, std::uint64_t form_seed = 9) {
   Stones stones;

@@ -25,13 +25,7 @@ std::vector<double> bits(const Sim& sim) {
   std::vector<double> all{sim.time(),        static_cast<double>(sim.broken()),
                           sim.dust().mass(), sim.dust().number(),
                           e.parting,         e.breaking};
-  for (silt::ParticleId id = 0; id < 10000; ++id) {
-    const std::size_t k = sim.find(id);
-    if (k == sim.rows()) continue;
-    const Vec3d x = sim.position(k), v = sim.velocity(k), w = sim.angular_velocity(k);
-    all.insert(all.end(), {x.x, x.y, x.z, v.x, v.y, v.z, w.x, w.y, w.z,
-                           sim.template field<Policy>(k).strength});
-  }
+  add_particles(sim, all);
   return all;
 }
 

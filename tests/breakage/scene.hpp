@@ -1,6 +1,10 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <cstddef>
+#include <utility>
+#include <vector>
+
 #include <silt/breakage/breakage.hpp>
 #include <silt/breakage/equivalence.hpp>
 #include <silt/breakage/fatigue.hpp>
@@ -59,6 +63,17 @@ inline Sim shower(std::size_t count, Policy of = policy()) {
   sim.add_wall(silt::Plane{{0, 0, 0}, {1, 0, 0}}, salt);
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 1, 0}}, salt);
   return sim;
+}
+
+/// Adds the motion and the strength of each particle, by id.
+inline void add_particles(const Sim& sim, std::vector<double>& all) {
+  for (silt::ParticleId id = 0; id < 10000; ++id) {
+    const std::size_t k = sim.find(id);
+    if (k == sim.rows()) continue;
+    const Vec3d x = sim.position(k), v = sim.velocity(k), w = sim.angular_velocity(k);
+    all.insert(all.end(), {x.x, x.y, x.z, v.x, v.y, v.z, w.x, w.y, w.z,
+                           sim.template field<Policy>(k).strength});
+  }
 }
 
 struct Sums {
