@@ -1,0 +1,6 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+// Liquids with a free surface, by smoothed particle hydrodynamics: silt::Sph.
+
+#include <silt/sph/sph.hpp>

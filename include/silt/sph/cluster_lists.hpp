@@ -1,0 +1,304 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <silt/core/box.hpp>
+#include <silt/core/compress.hpp>
+#include <silt/core/error.hpp>
+#include <silt/core/lanes.hpp>
+#include <silt/core/storage.hpp>
+#include <silt/core/threads.hpp>
+#include <silt/sph/row.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// In which directions space repeats, and after how much [m]; 0: not.
+struct Repeats {
+  Vec3d low{0, 0, 0}, length{0, 0, 0};
+  double along(int d) const { return d == 0 ? length.x : d == 1 ? length.y : length.z; }
+  double from(int d) const { return d == 0 ? low.x : d == 1 ? low.y : low.z; }
+  Vec3d wrapped(Vec3d p) const {
+    double* const of[3] = {&p.x, &p.y, &p.z};
+    for (int d = 0; d < 3; ++d)
+      if (along(d) > 0) *of[d] -= along(d) * std::floor((*of[d] - from(d)) / along(d));
+    return p;
+  }
+};
+
+/// Particles in packs of `width` that lie close together, and for each pack the list of all that
+/// may come within the kernel's support of one of its particles. There are three kinds, each with
+/// packs of its own: liquid, which meets liquid and walls; walls, and probes (places where the
+/// liquid is looked at), which meet liquid.
+///
+/// Columns that stand upright in x and y, sorted along z, are cut into packs about as high as they
+/// are wide. A pack's lanes meet the particles of its list one by one: what lies in memory is read
+/// by all lanes at once, nothing is gathered, and sums stay in registers. Of a pack of 8 and a
+/// support of 2.8 spacings half of the lanes work on neighbours.
+/// Results depend on positions alone. Tests: tests/sph/cluster_lists.cpp, against all pairs.
+class ClusterLists {
+ public:
+  /// A place in the list: the row, and which image of it.
+  struct Entry {
+    std::uint32_t packed;
+    std::uint32_t row() const { return packed & (most - 1); }
+    std::uint32_t image() const { return packed >> bits; }
+  };
+  static constexpr int bits = 27;
+  static constexpr std::uint32_t most = 1u << bits;  // rows
+  static constexpr std::uint32_t here = 13;          // the image that is the particle itself
+  static constexpr std::uint32_t none = ~std::uint32_t{0};
+
+  std::size_t width = 8;  // particles a pack
+  double spacing = 0;     // [m] of particles
+  int dimensions = 3;     // 2: in x and z
+  Repeats repeats;
+
+  enum Kind { Liquid, Wall, Probe, Gone };
+  static constexpr int kinds = 3;
+
+  /// The order in which particles are to stand, `none` where nobody does: by kind, pack by pack.
+  template <class KindOf>
+  const std::vector<std::uint32_t>& sort(std::span<const SphRow> rows, const KindOf& kind,
+                                         const Team& team) {
+    lay_columns(rows, kind);
+    order_.clear();
+    for (Group& g : groups_) {
+      g.first_row = order_.size();
+      sort_columns(g, rows, team);
+      const std::size_t columns = g.begin.size() - 1;
+      g.start.assign(columns + 1, 0);
+      for (std::size_t c = 0; c < columns; ++c) {
+        g.start[c] = static_cast<std::uint32_t>(order_.size());
+        for (std::size_t k = g.begin[c]; k < g.begin[c + 1]; ++k) order_.push_back(g.sorted[k].row);
+        g.count[c] = static_cast<std::uint32_t>(g.begin[c + 1] - g.begin[c]);
+        while ((order_.size() - g.first_row) % width != 0) order_.push_back(none);
+      }
+      g.start[columns] = static_cast<std::uint32_t>(order_.size());
+    }
+    require(order_.size() < most, "SPH: ", order_.size(), " particles are more than ", most);
+    return order_;
+  }
+  /// The first pack of a kind; of Gone: behind the last of all.
+  std::size_t first_pack(int kind) const {
+    return (kind < kinds ? groups_[at(kind)].first_row : order_.size()) / width;
+  }
+  std::size_t packs() const { return order_.size() / width; }
+
+  /// Finds all within `reach` [m] of each pack; `rows` stand in the order of sort().
+  void find(std::span<const SphRow> rows, double reach, const Team& team) {
+    const std::size_t n = packs();
+    for (auto* const of : {&x_, &y_, &z_}) make_room(*of, rows.size() + lanes);
+    team.for_ranges(rows.size(), [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t k = from; k < to; ++k)
+        x_[k] = rows[k].x, y_[k] = rows[k].y, z_[k] = rows[k].z;
+    });
+    lists_.resize(pieces(n, packs_a_part));
+    const std::size_t liquid = first_pack(Wall);
+    team.for_parts(lists_.size(), [&](std::size_t part) {
+      List& list = lists_[part];
+      list.entries.clear(), list.begin.clear();
+      const std::size_t from = part * packs_a_part, to = std::min(n, from + packs_a_part);
+      for (std::size_t p = from; p < to; ++p) {
+        list.begin.push_back(list.entries.size());
+        find_of(groups_[Liquid], rows, p, reach, list.entries);
+        list.begin.push_back(list.entries.size());
+        if (p < liquid) find_of(groups_[Wall], rows, p, reach, list.entries);
+      }
+      list.begin.push_back(list.entries.size());
+    });
+  }
+  /// The liquid and the walls that a pack may meet.
+  std::span<const Entry> liquid(std::size_t pack) const { return of(pack, 0); }
+  std::span<const Entry> walls(std::size_t pack) const { return of(pack, 1); }
+  Vec3d shift(std::uint32_t image) const {
+    const int i = static_cast<int>(image);
+    return {(i % 3 - 1) * repeats.length.x, (i / 3 % 3 - 1) * repeats.length.y,
+            (i / 9 - 1) * repeats.length.z};
+  }
+  std::size_t bytes() const {
+    std::size_t all = order_.capacity() * sizeof(std::uint32_t);
+    for (const List& l : lists_)
+      all += l.entries.capacity() * sizeof(Entry) + l.begin.capacity() * sizeof(std::size_t);
+    return all;
+  }
+
+ private:
+  static constexpr std::size_t packs_a_part = 64, room = 2048;
+  using Real = Lanes<DefaultArch>::Real;
+  static constexpr std::size_t lanes = Lanes<DefaultArch>::width;
+  struct Key {
+    double z;
+    std::uint32_t row;
+  };
+  struct Group {
+    std::size_t first_row = 0;
+    std::vector<std::size_t> begin;    // of each column in `sorted`
+    std::vector<Key> sorted;           // along z
+    std::vector<std::uint32_t> start;  // first row of each column, in the new order
+    std::vector<std::uint32_t> count;
+  };
+  struct List {
+    std::vector<Entry> entries;
+    std::vector<std::size_t> begin;  // two a pack: liquid, walls
+  };
+
+  std::span<const Entry> of(std::size_t pack, std::size_t which) const {
+    const List& list = lists_[pack / packs_a_part];
+    const std::size_t k = 2 * (pack % packs_a_part) + which;
+    return {list.entries.data() + list.begin[k], list.begin[k + 1] - list.begin[k]};
+  }
+
+  template <class KindOf>
+  void lay_columns(std::span<const SphRow> rows, const KindOf& kind) {
+    Box all;
+    for (std::size_t k = 0; k < rows.size(); ++k)
+      if (kind(k) != Gone) all.include(rows[k].position());
+    if (!is_finite(all.min)) all = {{0, 0, 0}, {0, 0, 0}};
+    const double w = spacing * (dimensions == 2 ? std::sqrt(static_cast<double>(width))
+                                                : std::cbrt(static_cast<double>(width)));
+    for (int d = 0; d < 2; ++d) {
+      const double low = d == 0 ? all.min.x : all.min.y, high = d == 0 ? all.max.x : all.max.y;
+      const bool round = repeats.along(d) > 0;
+      low_[at(d)] = round ? repeats.from(d) : low;
+      const double length = round ? repeats.along(d) : high - low;
+      const double across = length / w;
+      require(across < 1e7, "SPH: particles are spread over ", length, " m, ", across,
+              " columns of ", w, " m; some have been thrown far off");
+      int n = std::max(1, round ? static_cast<int>(across) : static_cast<int>(across) + 1);
+      if (dimensions == 2 && d == 1) n = 1;
+      columns_[at(d)] = n;
+      size_[at(d)] = round ? length / n : w;
+    }
+    const std::size_t columns =
+        static_cast<std::size_t>(columns_[0]) * static_cast<std::size_t>(columns_[1]);
+    for (int g = 0; g < kinds; ++g) {
+      groups_[at(g)].begin.assign(columns + 1, 0);
+      groups_[at(g)].count.assign(columns, 0);
+    }
+    column_.resize(rows.size());
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      const int g = kind(k);
+      if (g == Gone) continue;
+      column_[k] = column_of(rows[k]);
+      ++groups_[at(g)].begin[column_[k] + 1];
+    }
+    for (Group& g : groups_) {
+      for (std::size_t c = 0; c < columns; ++c) g.begin[c + 1] += g.begin[c];
+      g.sorted.resize(g.begin[columns]);
+    }
+    std::array<std::vector<std::size_t>, kinds> next;
+    for (int g = 0; g < kinds; ++g) next[at(g)] = groups_[at(g)].begin;
+    for (std::size_t k = 0; k < rows.size(); ++k)
+      if (const int g = kind(k); g != Gone)
+        groups_[at(g)].sorted[next[at(g)][column_[k]]++] = {rows[k].z,
+                                                            static_cast<std::uint32_t>(k)};
+  }
+  std::size_t column_of(const SphRow& r) const {
+    const auto place = [&](double x, int d) {
+      const int n = columns_[at(d)];
+      return std::clamp(static_cast<int>((x - low_[at(d)]) / size_[at(d)]), 0, n - 1);
+    };
+    const int i = place(r.x, 0), j = columns_[1] == 1 ? 0 : place(r.y, 1);
+    return static_cast<std::size_t>(i) * static_cast<std::size_t>(columns_[1]) +
+           static_cast<std::size_t>(j);
+  }
+  static void sort_columns(Group& g, std::span<const SphRow>, const Team& team) {
+    team.for_ranges(g.begin.size() - 1, [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t c = from; c < to; ++c)
+        std::sort(
+            g.sorted.begin() + static_cast<std::ptrdiff_t>(g.begin[c]),
+            g.sorted.begin() + static_cast<std::ptrdiff_t>(g.begin[c + 1]),
+            [](const Key& a, const Key& b) { return a.z < b.z || (a.z == b.z && a.row < b.row); });
+    });
+  }
+
+  /// Adds those of a group that are near a pack.
+  void find_of(const Group& g, std::span<const SphRow> rows, std::size_t pack, double reach,
+               std::vector<Entry>& out) const {
+    Box box;
+    for (std::size_t l = 0; l < width; ++l)
+      if (const SphRow& r = rows[pack * width + l]; r.is_there()) box.include(r.position());
+    if (!is_finite(box.min)) return;
+    const int before[2] = {images(0, box.min.x - reach, box.max.x + reach).first,
+                           images(1, box.min.y - reach, box.max.y + reach).first},
+              after[2] = {images(0, box.min.x - reach, box.max.x + reach).second,
+                          images(1, box.min.y - reach, box.max.y + reach).second};
+    const auto [below, above] = images(2, box.min.z - reach, box.max.z + reach);
+    for (int a = before[0]; a <= after[0]; ++a)
+      for (int b = before[1]; b <= after[1]; ++b)
+        for (int c = below; c <= above; ++c) {
+          const Vec3d way{a * repeats.length.x, b * repeats.length.y, c * repeats.length.z};
+          const auto image = static_cast<std::uint32_t>(a + 1 + 3 * (b + 1) + 9 * (c + 1));
+          const Box seen{box.min - way, box.max - way};
+          find_in(g, seen, reach, image << bits, out);
+        }
+  }
+  /// Which images in a direction may reach into an interval.
+  std::pair<int, int> images(int d, double low, double high) const {
+    if (!(repeats.along(d) > 0)) return {0, 0};
+    return {low < repeats.from(d) ? -1 : 0, high > repeats.from(d) + repeats.along(d) ? 1 : 0};
+  }
+  void find_in(const Group& g, const Box& box, double reach, std::uint32_t image,
+               std::vector<Entry>& out) const {
+    const auto range = [&](int d, double low, double high) {
+      const int n = columns_[at(d)];
+      const double a = (low - low_[at(d)]) / size_[at(d)], b = (high - low_[at(d)]) / size_[at(d)];
+      return std::pair{static_cast<int>(std::clamp(a, 0.0, n - 1.0)),
+                       static_cast<int>(std::clamp(b, 0.0, n - 1.0))};
+    };
+    const auto [i0, i1] = range(0, box.min.x - reach, box.max.x + reach);
+    const auto [j0, j1] =
+        columns_[1] == 1 ? std::pair{0, 0} : range(1, box.min.y - reach, box.max.y + reach);
+    const double low = box.min.z - reach, high = box.max.z + reach;
+    const Vec3<Real> from{Real(box.min.x), Real(box.min.y), Real(box.min.z)},
+        to{Real(box.max.x), Real(box.max.y), Real(box.max.z)};
+    const Real within(reach * reach);
+    std::uint32_t found[room + 16], *next = found;
+    for (int i = i0; i <= i1; ++i)
+      for (int j = j0; j <= j1; ++j) {
+        const std::size_t c = static_cast<std::size_t>(i) * static_cast<std::size_t>(columns_[1]) +
+                              static_cast<std::size_t>(j);
+        const std::size_t end = g.start[c] + g.count[c];
+        std::size_t k = static_cast<std::size_t>(
+            std::lower_bound(z_.begin() + g.start[c], z_.begin() + static_cast<std::ptrdiff_t>(end),
+                             low) -
+            z_.begin());
+        for (; k < end && z_[k] <= high; k += lanes) {
+          const Real dx = outside(load_any<Real>(&x_[k]), from.x, to.x),
+                     dy = outside(load_any<Real>(&y_[k]), from.y, to.y),
+                     dz = outside(load_any<Real>(&z_[k]), from.z, to.z);
+          std::uint64_t near = lane_bits(dx * dx + dy * dy + dz * dz < within);
+          if (end - k < lanes) near &= (std::uint64_t{1} << (end - k)) - 1;
+          next = put_places<lanes>(k, near, next);
+          if (next > found + room) take(found, next, image, out), next = found;
+        }
+      }
+    take(found, next, image, out);
+  }
+  static void take(const std::uint32_t* from, const std::uint32_t* to, std::uint32_t image,
+                   std::vector<Entry>& out) {
+    for (; from != to; ++from) out.push_back({*from | image});
+  }
+  static SILT_INLINE Real outside(const Real& x, const Real& low, const Real& high) {
+    return max(max(low - x, x - high), Real(0));
+  }
+  static std::size_t at(int d) { return static_cast<std::size_t>(d); }
+
+  std::array<Group, kinds> groups_;
+  std::vector<std::size_t> column_;
+  std::array<double, 2> low_{}, size_{};
+  std::array<int, 2> columns_{};
+  std::vector<std::uint32_t> order_;
+  std::vector<List> lists_;
+  AlignedVector<double> x_, y_, z_;  // of rows
+};
+
+}  // namespace silt::detail

@@ -1,0 +1,59 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <silt/core/storage.hpp>
+#include <silt/core/threads.hpp>
+#include <silt/sph/cluster_lists.hpp>
+#include <silt/sph/pair_sums.hpp>
+#include <silt/sph/row.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// The particles of an Sph, in the order of its packs: liquid, walls, probes.
+struct SphColumns {
+  AlignedVector<SphRow> rows;
+  AlignedVector<SphRow> start;       // at the beginning of the step, or one step ago
+  std::vector<char> kind;            // ClusterLists::Kind
+  std::vector<std::uint32_t> label;  // number of the liquid's particle, of the wall's; none: nobody
+  AlignedVector<double> volume;      // [m3]
+  AlignedVector<SphRates> rates;
+
+  std::size_t size() const { return rows.size(); }
+  bool is_liquid(std::size_t k) const {
+    return kind[k] == ClusterLists::Liquid && label[k] != ClusterLists::none;
+  }
+  void add(const SphRow& row, int of_kind, std::uint32_t number) {
+    rows.push_back(row), start.push_back(row);
+    kind.push_back(static_cast<char>(of_kind)), label.push_back(number);
+  }
+  /// Brings them into an order of ClusterLists.
+  void arrange(const std::vector<std::uint32_t>& order, const Team& team) {
+    permute(rows, order, SphRow::nobody(), team), permute(start, order, SphRow::nobody(), team);
+    permute(kind, order, static_cast<char>(ClusterLists::Gone), team);
+    permute(label, order, ClusterLists::none, team);
+    make_room(volume, size()), make_room(rates, size());
+  }
+  std::size_t bytes() const {
+    return (rows.capacity() + start.capacity()) * sizeof(SphRow) + kind.capacity() +
+           label.capacity() * sizeof(std::uint32_t) + volume.capacity() * sizeof(double) +
+           rates.capacity() * sizeof(SphRates);
+  }
+
+ private:
+  template <class Column, class Value>
+  static void permute(Column& column, const std::vector<std::uint32_t>& order, const Value& nobody,
+                      const Team& team) {
+    Column next(order.size());
+    team.for_ranges(order.size(), [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t k = from; k < to; ++k)
+        next[k] = order[k] == ClusterLists::none ? nobody : column[order[k]];
+    });
+    column.swap(next);
+  }
+};
+
+}  // namespace silt::detail

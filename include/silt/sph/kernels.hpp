@@ -1,0 +1,79 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <concepts>
+#include <numbers>
+
+#include <silt/core/error.hpp>
+#include <silt/core/lanes.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// What weighs the neighbours of an SPH particle: W(r) = a w(q), q = r/h, 0 from q = 2 on.
+///
+///   static double normalisation(int dimensions, double h)   a [1/m2 or 1/m3]
+///   static Real weight(Real q)                               w [-]
+///   static Real slope(Real q)                                w'(q)/q [-], finite at q = 0
+///
+/// so that grad W = a/h^2 slope(q) r. slope() is 0 from q = 2 on, without a branch.
+/// Tests: tests/sph/kernels.cpp.
+template <class K>
+concept SphKernel = requires(double q) {
+  { K::normalisation(3, q) } -> std::same_as<double>;
+  { K::weight(q) } -> std::same_as<double>;
+  { K::slope(q) } -> std::same_as<double>;
+  requires K::is_sph_kernel;
+};
+
+namespace detail {
+inline void check_dimensions(int dimensions) {
+  require(dimensions == 2 || dimensions == 3, "SPH: ", dimensions,
+          " dimensions; it must be 2 or 3");
+}
+}  // namespace detail
+
+/// w = (1 - q/2)^4 (1 + 2 q). Particles do not clump, whatever their number of neighbours.
+/// Source: H. Wendland, Adv. Comput. Math. 4 (1995) 389, C2.
+struct WendlandC2 {
+  static constexpr bool is_sph_kernel = true;
+  static constexpr const char* policy_name = "WendlandC2";
+  static double normalisation(int dimensions, double h) {
+    detail::check_dimensions(dimensions);
+    return dimensions == 2 ? 7 / (4 * std::numbers::pi * h * h)
+                           : 21 / (16 * std::numbers::pi * h * h * h);
+  }
+  template <class Real>
+  static SILT_INLINE Real weight(const Real& q) {
+    const Real t = max(Real(1) - Real(0.5) * q, Real(0)), t2 = t * t;
+    return t2 * t2 * (Real(1) + Real(2) * q);
+  }
+  template <class Real>
+  static SILT_INLINE Real slope(const Real& q) {
+    const Real t = max(Real(1) - Real(0.5) * q, Real(0));
+    return Real(-5) * t * t * t;
+  }
+};
+
+/// w = 1 - 3/2 q^2 + 3/4 q^3 to q = 1, then (2 - q)^3/4.
+/// Source: J. J. Monaghan, J. C. Lattanzio, Astron. Astrophys. 149 (1985) 135.
+struct CubicSpline {
+  static constexpr bool is_sph_kernel = true;
+  static constexpr const char* policy_name = "CubicSpline";
+  static double normalisation(int dimensions, double h) {
+    detail::check_dimensions(dimensions);
+    return dimensions == 2 ? 10 / (7 * std::numbers::pi * h * h)
+                           : 1 / (std::numbers::pi * h * h * h);
+  }
+  template <class Real>
+  static SILT_INLINE Real weight(const Real& q) {
+    const Real far = max(Real(2) - q, Real(0)), near = max(Real(1) - q, Real(0));
+    return Real(0.25) * far * far * far - near * near * near;
+  }
+  template <class Real>
+  static SILT_INLINE Real slope(const Real& q) {
+    const Real far = max(Real(2) - q, Real(0));
+    return select(q < Real(1), Real(2.25) * q - Real(3), Real(-0.75) * far * far / max(q, Real(1)));
+  }
+};
+
+}  // namespace silt

@@ -1,0 +1,33 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <silt/core/target.hpp>
+#include <silt/core/vec3.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// What its neighbours need to know of an SPH particle: a cache line.
+struct alignas(64) SphRow {
+  double x, y, z;     // [m]
+  double vx, vy, vz;  // [m/s]
+  double density;     // [kg/m3]
+  double pressure;    // [Pa]
+
+  Vec3d position() const { return {x, y, z}; }
+  Vec3d velocity() const { return {vx, vy, vz}; }
+  void place(const Vec3d& at) { x = at.x, y = at.y, z = at.z; }
+  void move(const Vec3d& v) { vx = v.x, vy = v.y, vz = v.z; }
+
+  /// Fills a pack up: far from all others.
+  static SphRow nobody() { return {far, far, far, 0, 0, 0, 1, 0}; }
+  bool is_there() const { return x < 0.5 * far; }
+
+ private:
+  static constexpr double far = 1e30;
+};
+static_assert(sizeof(SphRow) == 64);
+
+}  // namespace silt::detail

@@ -1,0 +1,57 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <silt/core/vec3.hpp>
+#include <silt/sph/setup.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// What a probe sees of the liquid around it: sums of V W (1, r, r r) and of V W rho (1, r), with r
+/// from the probe, and of V W v.
+struct SphSeen {
+  double weight = 0, density = 0;
+  Vec3d way{0, 0, 0}, density_way{0, 0, 0}, velocity{0, 0, 0};
+  double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+
+  /// Density and velocity of a wall's particle that is `away` [m] from the probe, its mirror image:
+  /// density as a linear function through what is seen (mDBC), velocity as a mean. Where too little
+  /// is seen for a slope, that of a liquid at rest.
+  ///
+  /// Source: A. English, J. M. Dominguez, R. Vacondio, A. J. C. Crespo, P. K. Stansby, S. J. Lind,
+  ///   L. Chiapponi, M. Gomez-Gesteira, Comput. Part. Mech. 9 (2022) 1 (recalled).
+  std::pair<double, Vec3d> at(const Vec3d& away, const Liquid& liquid, const Vec3d& gravity,
+                              double h) const {
+    constexpr double nothing = 1e-6, little = 0.1;  // [-]
+    if (!(weight > nothing)) return {liquid.density, {0, 0, 0}};
+    const Vec3d centre = (1 / weight) * way, flow = (1 / weight) * velocity;
+    const double mean = density / weight;
+    const double c = liquid.sound_speed;
+    const Vec3d still = (liquid.density / (c * c)) * gravity;
+    const double rest = std::max(mean + dot(still, away - centre), liquid.density);
+    if (weight < little) return {rest, flow};
+    // Second moments about the centre, in h^2 and by weight.
+    const double s = 1 / (weight * h * h), o = 1 / (h * h);
+    const double a = xx * s - centre.x * centre.x * o, b = xy * s - centre.x * centre.y * o,
+                 d = xz * s - centre.x * centre.z * o, f = yz * s - centre.y * centre.z * o,
+                 g = zz * s - centre.z * centre.z * o;
+    const double flat = 1e-9;
+    double e = yy * s - centre.y * centre.y * o;
+    if (e < flat) e = 1;  // in 2D
+    const double A = e * g - f * f, B = d * f - b * g, C = b * f - d * e;
+    const double det = a * A + b * B + d * C;
+    constexpr double thin = 1e-4;  // of 0.01 of an even neighbourhood
+    if (!(det > thin)) return {rest, flow};
+    const Vec3d t = (s * h) * (density_way - density * centre);
+    const double E = a * g - d * d, F = b * d - a * f, G = a * e - b * b;
+    const Vec3d slope =
+        (1 / (det * h)) * Vec3d{A * t.x + B * t.y + C * t.z, B * t.x + E * t.y + F * t.z,
+                                C * t.x + F * t.y + G * t.z};
+    return {mean + dot(slope, away - centre), flow};
+  }
+};
+
+}  // namespace silt::detail

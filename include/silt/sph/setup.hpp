@@ -1,0 +1,87 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include <silt/core/box.hpp>
+#include <silt/core/error.hpp>
+#include <silt/core/vec3.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// A weakly compressible liquid: P = B ((rho/rho_0)^gamma - 1), B = c^2 rho_0/gamma. Its density
+/// changes by about (v/c)^2: c is to be at least ten times the largest velocity.
+struct Liquid {
+  double density = 0;      // [kg/m3] rho_0, where the pressure is 0
+  double sound_speed = 0;  // [m/s] c
+  double exponent = 7;     // [-] gamma
+
+  void check() const {
+    require_positive("Liquid.density", density, "kg/m3");
+    require_positive("Liquid.sound_speed", sound_speed, "m/s");
+    require(exponent >= 1 && exponent <= 10, "Liquid.exponent = ", exponent,
+            " must be in [1, 10]; liquids have 7");
+  }
+  double stiffness() const { return sound_speed * sound_speed * density / exponent; }  // [Pa] B
+  double pressure(double rho) const {
+    const double s = rho / density;
+    if (exponent == 7) {
+      const double s2 = s * s, s3 = s2 * s;
+      return stiffness() * (s3 * s3 * s - 1);
+    }
+    return stiffness() * (std::pow(s, exponent) - 1);
+  }
+  double density_at(double pressure) const {
+    return density * std::pow(1 + pressure / stiffness(), 1 / exponent);
+  }
+};
+
+/// What a liquid does at walls: it slips along them, or sticks.
+enum class Slip { None, Free };
+
+/// How finely, and where.
+struct SphSetup {
+  double spacing = 0;      // [m] of particles at the start
+  Box region;              // [m] what leaves it is taken out, and counted
+  double smoothing = 1.2;  // [-] h over the spacing's diagonal: h = smoothing sqrt(D) spacing
+  int dimensions = 3;      // 2: in x and z; a slice one spacing thick
+  std::array<bool, 3> periodic{};  // the region repeats
+  Vec3d gravity{0, 0, 0};          // [m/s2]
+  double courant = 0.2;            // [-] of the time step
+  std::optional<Slip> slip = {};   // at walls; left out: None with LaminarViscosity, else Free
+
+  double h() const { return smoothing * std::sqrt(static_cast<double>(dimensions)) * spacing; }
+  double volume() const {
+    return dimensions == 2 ? spacing * spacing : spacing * spacing * spacing;
+  }  // [m3], or [m2] in 2D
+  void check() const {
+    require_positive("SphSetup.spacing", spacing, "m");
+    const Vec3d e = region.extent();
+    require(is_finite(region.min) && is_finite(region.max) && e.x > 0 && e.y >= 0 && e.z > 0,
+            "SphSetup.region from ", region.min, " to ", region.max,
+            " [m] must be finite, its max above its min");
+    require(dimensions == 2 || dimensions == 3, "SphSetup.dimensions = ", dimensions,
+            " must be 2 or 3");
+    require(smoothing >= 0.7 && smoothing <= 2, "SphSetup.smoothing = ", smoothing,
+            " must be in [0.7, 2]; 0.8 to 1.2 are usual");
+    require(courant > 0 && courant <= 0.5, "SphSetup.courant = ", courant,
+            " must be in (0, 0.5]; 0.2 is usual");
+    require(is_finite(gravity), "SphSetup.gravity = ", gravity, " [m/s2] must be finite");
+    const double length[3] = {e.x, e.y, e.z};
+    for (std::size_t d = 0; d < 3; ++d) {
+      if (!periodic[d]) continue;
+      require(!(dimensions == 2 && d == 1), "SphSetup: in 2D nothing repeats in y");
+      const double across = length[d] / spacing;
+      require(std::abs(across - std::round(across)) < 1e-6 * across,
+              "SphSetup: the region repeats in ", "xyz"[d], " after ", length[d], " m, which is ",
+              across, " spacings; it must be a whole number of them");
+      require(length[d] > 4 * h(), "SphSetup: the region repeats in ", "xyz"[d], " after ",
+              length[d], " m, less than two supports of the kernel, ", 4 * h(),
+              " m; take a smaller spacing or a longer region");
+    }
+  }
+};
+
+}  // namespace silt

@@ -1,0 +1,152 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <cmath>
+#include <numbers>
+
+#include <silt/core/error.hpp>
+
+/// The terms that an SPH liquid may have, each a small type: viscosity, diffusion of density,
+/// shifting. Those that are left out cost nothing.
+namespace silt::inline SILT_TARGET {
+
+/// @name Viscosity: the acceleration of a by b, per mass
+/// @{
+
+/// None: what is left is that of the scheme.
+struct Inviscid {
+  static constexpr bool is_sph_viscosity = true, artificial = false, laminar = false;
+  static constexpr const char* policy_name = "Inviscid";
+  void check() const {}
+  double longest_step(double) const { return INFINITY; }
+};
+
+/// -Pi grad W, Pi = -alpha c mu/rho_ab, mu = h v_ab.r_ab/(r^2 + (0.1 h)^2) of those that approach,
+/// 0 of others: damps sound and keeps particles in order.
+///
+/// It acts as a kinematic viscosity of alpha h c/10 in 3D, alpha h c/8 in 2D, of which shear feels
+/// half, since half of all pairs recede.
+/// Source: J. J. Monaghan, J. Comput. Phys. 110 (1994) 399.
+struct ArtificialViscosity {
+  double alpha = 0.02;  // [-]
+
+  static constexpr bool is_sph_viscosity = true, artificial = true, laminar = false;
+  static constexpr const char* policy_name = "ArtificialViscosity";
+  void check() const {
+    require(std::isfinite(alpha) && alpha >= 0, "ArtificialViscosity.alpha = ", alpha,
+            " must be at least 0; 0.01 to 0.1 are usual");
+  }
+  double longest_step(double) const { return INFINITY; }
+};
+
+/// The liquid's own viscosity: 4 nu m_b r.grad W/((rho_a + rho_b)(r^2 + (0.1 h)^2)) v_ab, and an
+/// artificial one beside it where `alpha` is not 0.
+/// Source: E. Y. M. Lo, S. Shao, Appl. Ocean Res. 24 (2002) 275.
+struct LaminarViscosity {
+  double kinematic = 0;  // [m2/s]
+  double alpha = 0;      // [-] of ArtificialViscosity, beside it
+
+  static constexpr bool is_sph_viscosity = true, artificial = true, laminar = true;
+  static constexpr const char* policy_name = "LaminarViscosity";
+  void check() const {
+    require_positive("LaminarViscosity.kinematic", kinematic, "m2/s");
+    require(std::isfinite(alpha) && alpha >= 0, "LaminarViscosity.alpha = ", alpha,
+            " must be at least 0; 0.01 keeps impacts calm");
+  }
+  double longest_step(double h) const { return 0.125 * h * h / kinematic; }
+};
+/// @}
+
+/// @name Diffusion of density, among liquid particles: against noise in the pressure
+/// @{
+struct NoDiffusion {
+  static constexpr bool is_sph_diffusion = true, diffuses = false, hydrostatic = false;
+  static constexpr const char* policy_name = "NoDiffusion";
+  void check() const {}
+};
+
+/// d rho/dt = delta h c sum_b 2 (rho_a - rho_b) (r_ab.grad W)/(r^2 + (0.1 h)^2) V_b: of a liquid at
+/// rest under gravity it changes the density near the free surface.
+/// Source: D. Molteni, A. Colagrossi, Comput. Phys. Commun. 180 (2009) 861.
+struct MolteniColagrossi {
+  double delta = 0.1;  // [-]
+
+  static constexpr bool is_sph_diffusion = true, diffuses = true, hydrostatic = false;
+  static constexpr const char* policy_name = "MolteniColagrossi";
+  void check() const {
+    require(std::isfinite(delta) && delta >= 0, "MolteniColagrossi.delta = ", delta,
+            " must be at least 0; 0.1 is usual");
+  }
+};
+
+/// The same of what is beyond the hydrostatic difference: (rho_a - rho_b) - rho_0 g.r_ab/c^2, the
+/// equation of state taken as linear over the kernel.
+/// Source: G. Fourtakas, J. M. Dominguez, R. Vacondio, B. D. Rogers, Comput. Fluids 190 (2019) 346;
+///   with the sign that makes it diffuse.
+struct Fourtakas {
+  double delta = 0.1;  // [-]
+
+  static constexpr bool is_sph_diffusion = true, diffuses = true, hydrostatic = true;
+  static constexpr const char* policy_name = "Fourtakas";
+  void check() const {
+    require(std::isfinite(delta) && delta >= 0, "Fourtakas.delta = ", delta,
+            " must be at least 0; 0.1 is usual");
+  }
+};
+/// @}
+
+/// @name Shifting: particles move a little towards where there are few
+/// @{
+struct NoShifting {
+  static constexpr bool is_sph_shifting = true, shifts = false;
+  static constexpr const char* policy_name = "NoShifting";
+  void check() const {}
+};
+
+/// dr = -A h |v| dt grad C, grad C = sum_b V_b grad W. At a free surface, where
+/// div r = -sum_b V_b r.grad W is below `threshold` (1.5 in 2D, 2.75 in 3D where it is 0), there is
+/// none, and between that and 2 or 3 a share.
+/// Source: S. J. Lind, R. Xu, P. K. Stansby, B. D. Rogers, J. Comput. Phys. 231 (2012) 1499; switch
+///   as in DualSPHysics.
+struct Shifting {
+  double strength = 2, threshold = 0;  // [-] A
+
+  static constexpr bool is_sph_shifting = true, shifts = true;
+  static constexpr const char* policy_name = "Shifting";
+  void check() const {
+    require(std::isfinite(strength) && strength >= 0 && strength <= 6,
+            "Shifting.strength = ", strength, " must be in [0, 6]; 2 is usual");
+    require(threshold >= 0 && threshold < 3, "Shifting.threshold = ", threshold,
+            " must be in [0, 3); 0 chooses 1.5 in 2D and 2.75 in 3D");
+  }
+  double threshold_in(int dimensions) const {
+    return threshold > 0 ? threshold : dimensions == 2 ? 1.5 : 2.75;
+  }
+};
+/// @}
+
+/// @name Steps in time
+/// @{
+
+/// One evaluation a step: velocity and density leap over two steps, and every `restart` steps over
+/// one, so that the two do not part.
+/// Source: L. Verlet, Phys. Rev. 159 (1967) 98, as in DualSPHysics.
+struct VerletTime {
+  int restart = 40;
+  static constexpr bool is_sph_time = true, two_stages = false;
+  static constexpr const char* policy_name = "VerletTime";
+  void check() const {
+    require(restart >= 1, "VerletTime.restart = ", restart, " steps must be at least 1");
+  }
+};
+
+/// Two evaluations a step, in its middle too; second order.
+/// Source: B. Leimkuhler, C. Matthews, Molecular Dynamics, 2015, as in DualSPHysics.
+struct SymplecticTime {
+  static constexpr bool is_sph_time = true, two_stages = true;
+  static constexpr const char* policy_name = "SymplecticTime";
+  void check() const {}
+};
+/// @}
+
+}  // namespace silt

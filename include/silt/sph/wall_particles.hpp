@@ -1,0 +1,170 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <silt/boundary/motion.hpp>
+#include <silt/boundary/wall.hpp>
+#include <silt/core/error.hpp>
+#include <silt/sph/setup.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// Calls visit(x) for the centres of the lattice's cells in the region, and in `layers` more of
+/// them beyond it where it does not repeat.
+template <class Visit>
+void for_each_site(const SphSetup& setup, int layers, const Visit& visit) {
+  const double s = setup.spacing;
+  const Vec3d low = setup.region.min, e = setup.region.extent();
+  const double length[3] = {e.x, e.y, e.z};
+  int from[3], to[3];
+  for (std::size_t d = 0; d < 3; ++d) {
+    const int more = setup.periodic[d] ? 0 : layers;
+    from[d] = -more, to[d] = static_cast<int>(std::ceil(length[d] / s - 1e-6)) + more;
+  }
+  if (setup.dimensions == 2) from[1] = 0, to[1] = 1;
+  for (int i = from[0]; i < to[0]; ++i)
+    for (int j = from[1]; j < to[1]; ++j)
+      for (int k = from[2]; k < to[2]; ++k)
+        visit(Vec3d{low.x + (i + 0.5) * s, setup.dimensions == 2 ? low.y : low.y + (j + 0.5) * s,
+                    low.z + (k + 0.5) * s});
+}
+
+/// The particles of walls: sites of the lattice that are behind surfaces by less than the kernel's
+/// support, each with its mirror image in the liquid, its ghost. They move with their wall.
+class WallParticles {
+ public:
+  void add(const Surfaces& surfaces, const WallSetup& setup) {
+    for (const Surface& one : surfaces.parts)
+      visit_surface(one, [](const auto& s) {
+        if constexpr (requires { s.check(); }) s.check();
+      });
+    walls_.push_back({surfaces.parts, setup.name, setup.motion});
+    Part& wall = walls_.back();
+    if (wall.motion) wall.pose = wall.last = wall.first = wall.motion(0.0);
+    fresh_ = true;
+  }
+  bool fresh() const { return fresh_; }
+  std::size_t size() const { return particles_.size(); }
+  std::size_t walls() const { return walls_.size(); }
+
+  /// [m] from the nearest wall, negative behind it.
+  double distance(const Vec3d& x) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Part& wall : walls_) least = std::min(least, nearest(wall, x).distance);
+    return least;
+  }
+
+  void make(const SphSetup& setup) {
+    fresh_ = false;
+    particles_.clear();
+    const double support = 2 * setup.h();
+    const int layers = static_cast<int>(std::ceil(support / setup.spacing));
+    const double thick = (layers + 0.001) * setup.spacing;
+    for_each_site(setup, layers, [&](const Vec3d& x) {
+      std::size_t of = 0;
+      double least = std::numeric_limits<double>::infinity();
+      for (std::size_t w = 0; w < walls_.size(); ++w)
+        if (const double d = nearest(walls_[w], x).distance; d < least) least = d, of = w;
+      if (!(least < 1e-9 * setup.spacing) || least < -thick) return;
+      const Vec3d surface = to_surface(x, 1e-9 * setup.spacing);
+      if (norm(x - surface) > thick) return;
+      const Part& wall = walls_[of];
+      const Vec3d out = surface - x;  // towards the liquid
+      const bool flat = std::holds_alternative<Plane>(wall.surfaces[nearest_surface(wall, x)]);
+      particles_.push_back({wall.pose.to_body(x), wall.pose.to_body(x + 2 * out),
+                            flat && norm(out) > 0 ? normalised(out) : Vec3d{0, 0, 0},
+                            static_cast<std::uint32_t>(of)});
+    });
+  }
+  Vec3d place(std::size_t k) const { return in_space(particles_[k], particles_[k].at); }
+  Vec3d ghost(std::size_t k) const { return in_space(particles_[k], particles_[k].ghost); }
+  std::size_t wall_of(std::size_t k) const { return particles_[k].wall; }
+  /// [m/s] of the wall's material half way between particle and ghost.
+  Vec3d velocity(std::size_t k) const {
+    const Part& wall = walls_[particles_[k].wall];
+    if (!wall.motion) return {0, 0, 0};
+    const Vec3d at = 0.5 * (particles_[k].at + particles_[k].ghost);
+    return (1 / wall.span) * (wall.pose.to_space(at) - wall.last.to_space(at));
+  }
+  bool any_moves() const {
+    for (const Part& w : walls_)
+      if (w.motion) return true;
+    return false;
+  }
+  /// To `time` [s]; velocities are those of the `span` [s] before.
+  void move_to(double time, double span) {
+    for (Part& w : walls_)
+      if (w.motion) w.pose = w.motion(time), w.last = w.motion(time - span), w.span = span;
+  }
+
+ private:
+  struct Part {
+    std::vector<Surface> surfaces;
+    std::string name;
+    Motion motion;
+    Pose pose{}, last{}, first{};
+    double span = 1;
+  };
+  struct Particle {
+    Vec3d at, ghost;  // [m] in the wall's own coordinates
+    Vec3d normal;     // [-] of a plane, else 0
+    std::uint32_t wall;
+  };
+
+  /// A plane that slides along itself leaves its particles where they are: it has no end.
+  Vec3d in_space(const Particle& p, const Vec3d& own) const {
+    const Part& wall = walls_[p.wall];
+    const Quaternion &now = wall.pose.rotation, &then = wall.first.rotation;
+    const bool slides = now.w == then.w && now.x == then.x && now.y == then.y && now.z == then.z;
+    if (!slides || dot(p.normal, p.normal) == 0) return wall.pose.to_space(own);
+    const Vec3d way = wall.pose.translation - wall.first.translation;
+    return wall.first.to_space(own) + dot(way, p.normal) * p.normal;
+  }
+
+  static std::size_t nearest_surface(const Part& wall, const Vec3d& x) {
+    std::size_t which = 0;
+    nearest(wall, x, &which);
+    return which;
+  }
+  static SurfacePoint nearest(const Part& wall, const Vec3d& x, std::size_t* which = nullptr) {
+    constexpr double far = std::numeric_limits<double>::infinity();
+    SurfacePoint least{{0, 0, 0}, far, 0};
+    const Vec3d own = wall.pose.to_body(x);
+    for (std::size_t k = 0; k < wall.surfaces.size(); ++k)
+      visit_surface(wall.surfaces[k], [&](const auto& s) {
+        if constexpr (std::remove_cvref_t<decltype(s)>::max_contacts == 1) {
+          SurfacePoint p;
+          if (s.contacts(own, 1e300, &p) == 0 || !(p.distance < least.distance)) return;
+          least = p;
+          if (which != nullptr) *which = k;
+        }
+      });
+    least.normal = wall.pose.rotate(least.normal);
+    return least;
+  }
+  /// The nearest point that is behind no wall, by steps to one surface after the other.
+  Vec3d to_surface(Vec3d x, double enough) const {
+    for (int n = 0; n < 50; ++n) {
+      SurfacePoint deepest{{0, 0, 0}, 0, 0};
+      for (const Part& wall : walls_)
+        if (const SurfacePoint p = nearest(wall, x); p.distance < deepest.distance) deepest = p;
+      if (deepest.distance > -enough) break;
+      x -= deepest.distance * deepest.normal;
+    }
+    return x;
+  }
+
+  std::vector<Part> walls_;
+  std::vector<Particle> particles_;
+  bool fresh_ = true;
+};
+
+}  // namespace silt::detail
