@@ -14,7 +14,10 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/threads.hpp>
+#include <silt/coupling/concept.hpp>
+#include <silt/coupling/particles_in_fluid.hpp>
 #include <silt/files/vtk.hpp>
+#include <silt/sph/body_points.hpp>
 #include <silt/sph/cluster_lists.hpp>
 #include <silt/sph/columns.hpp>
 #include <silt/sph/pair_sums.hpp>
@@ -69,6 +72,7 @@ class Sph {
         diffusion_(Axes::diffusion(policies...)),
         shift_(Axes::shifting(policies...)),
         scheme_(Axes::time(policies...)) {
+    gravity = setup.gravity;
     liquid.check(), setup.check(), viscosity_.check(), diffusion_.check(), shift_.check(),
         scheme_.check();
     lists_.width = Pairs::W, lists_.spacing = setup.spacing, lists_.dimensions = setup.dimensions;
@@ -79,6 +83,51 @@ class Sph {
   }
 
   double least_density = 0.7, most_density = 1.3;  // [-] of liquid().density
+  Vec3d gravity{0, 0, 0};                          // [m/s2]; a Simulation sets its own
+
+  /// @name In a Simulation
+  /// @{
+  static constexpr bool active = true, turns = true;
+  FluidClock clock;
+  void prepare(const FluidScene& scene) const {
+    for (std::size_t d = 0; d < 3; ++d)
+      require(scene.periodic[d] == setup_.periodic[d], "Sph: its region ",
+              setup_.periodic[d] ? "repeats" : "does not repeat", " in ", "xyz"[d],
+              ", but the space of the particles ", scene.periodic[d] ? "does" : "does not",
+              "; give both the same PeriodicBox");
+  }
+  /// As many as keep the liquid stable.
+  int steps_wanted(const FluidPace& pace, const Team&) const {
+    const double longest =
+        known_ ? stable_step() : setup_.courant * setup_.h() / liquid_.sound_speed;
+    return std::max(1, static_cast<int>(longest / pace.step));
+  }
+  /// The liquid goes on by dt [s] beside spheres, in as many steps as it needs; sets what it does
+  /// to them [N], [N m], on average.
+  void advance(const CoupledParticles& of, double dt, std::span<Vec3d> force, const Team& team,
+               std::span<Vec3d> torque) {
+    require(of.forms.empty(), "Sph: only spheres can be in the liquid so far");
+    if (bodies_.set(of.shape.position, of.shape.radius, of.velocity, of.angular_velocity, setup_))
+      make_room_for_bodies();
+    const std::size_t n = bodies_.bodies.size();
+    for (double left = dt; left > 0;) {
+      const double most = longest_step(team);
+      const double one = left <= most * (1 + 1e-9) ? left : left < 2 * most ? 0.5 * left : most;
+      step(one, team);
+      left = one < left ? left - one : 0;
+      for (std::size_t b = 0; b < n; ++b) {
+        const auto& body = bodies_.bodies[b];
+        if (one == dt || left + one == dt) force[b] = torque[b] = {0, 0, 0};
+        force[b] += (one / dt) * body.force, torque[b] += (one / dt) * body.torque;
+      }
+    }
+    clock.count(dt);
+  }
+  template <class Visit>
+  void for_each_state(const Visit& visit) {
+    clock.for_each_state(visit);
+  }
+  /// @}
 
   const SphSetup& setup() const { return setup_; }
   const Liquid& liquid() const { return liquid_; }
@@ -119,7 +168,7 @@ class Sph {
   template <class Inside>
   std::size_t fill(const Inside& inside) {
     double top = -INFINITY;  // [m2/s2] largest of -g.x
-    const Vec3d g = setup_.gravity;
+    const Vec3d g = gravity;
     const double edge = 0.5 * setup_.spacing * std::sqrt(dot(g, g));
     detail::for_each_site(setup_, 0, [&](const Vec3d& x) {
       if (inside(x)) top = std::max(top, -dot(g, x) + edge);
@@ -147,10 +196,7 @@ class Sph {
   ///   courant min(h/(c + max |h v.r/(r^2 + (0.1 h)^2)|), sqrt(h/max |a|)), h^2/(8 nu)
   double longest_step(const Team& team = {}) {
     find_rates(team);
-    const double h = setup_.h();
-    double dt = h / (liquid_.sound_speed + most_.pair);
-    if (most_.acceleration > 0) dt = std::min(dt, std::sqrt(h / most_.acceleration));
-    return std::min(setup_.courant * dt, viscosity_.longest_step(h));
+    return stable_step();
   }
   void step(double dt, const Team& team = {}) {
     find_rates(team);
@@ -162,11 +208,12 @@ class Sph {
     moved_ += dt * most_.wall;
   }
 
-  double time() const { return time_; }               // [s]
-  std::int64_t steps() const { return steps_; }       // [-]
-  double last_step() const { return last_; }          // [s]
-  std::size_t size() const { return next_ - left_; }  // particles of the liquid
-  std::size_t left() const { return left_; }          // ... that have left the region
+  double time() const { return time_; }                            // [s]
+  std::int64_t steps() const { return steps_; }                    // [-]
+  double last_step() const { return last_; }                       // [s]
+  std::size_t size() const { return next_ - left_ - displaced_; }  // particles of the liquid
+  std::size_t left() const { return left_; }                       // ... that have left the region
+  std::size_t displaced() const { return displaced_; }  // ... that were where a body came
   std::size_t wall_particles() const { return walls_.size(); }
 
   /// Calls visit(number, position, velocity, density, pressure) for each particle of the liquid, in
@@ -195,15 +242,13 @@ class Sph {
     require(wall < walls_.walls(), "Sph::wall_load: there is no wall ", wall, "; there are ",
             walls_.walls());
     find_rates(team);
-    const Pairs pairs = this->pairs();
+    find_solid_rates(team);
     Vec3d force{0, 0, 0}, torque{0, 0, 0};
-    for (std::size_t p = lists_.first_pack(Lists::Wall); p < lists_.first_pack(Lists::Probe); ++p) {
-      pairs.of_wall(p, columns_.rows, columns_.volume, lists_, columns_.rates);
-      for (std::size_t k = p * Pairs::W; k < (p + 1) * Pairs::W; ++k) {
-        if (columns_.label[k] == Lists::none || walls_.wall_of(columns_.label[k]) != wall) continue;
-        const Vec3d f = particle_mass() * columns_.rates[k].acceleration;
-        force += f, torque += cross(columns_.rows[k].position() - about, f);
-      }
+    for (std::size_t k = 0; k < walls_.size(); ++k) {
+      if (walls_.wall_of(k) != wall) continue;
+      const std::size_t at = wall_row_[k];
+      const Vec3d f = particle_mass() * columns_.rates[at].acceleration;
+      force += f, torque += cross(columns_.rows[at].position() - about, f);
     }
     return {force, torque};
   }
@@ -230,28 +275,65 @@ class Sph {
   Pairs pairs() const {
     const double h = setup_.h();
     return Pairs({particle_mass(), h, Kernel::normalisation(setup_.dimensions, h),
-                  liquid_.sound_speed, liquid_.density, setup_.gravity},
+                  liquid_.sound_speed, liquid_.density, gravity},
                  viscosity_, diffusion_);
   }
 
-  void make_walls() {
-    walls_.make(setup_);
-    for (std::uint32_t k = 0; k < walls_.size(); ++k) {
+  double stable_step() const {
+    const double h = setup_.h();
+    double dt = h / (liquid_.sound_speed + most_.pair);
+    if (most_.acceleration > 0) dt = std::min(dt, std::sqrt(h / most_.acceleration));
+    return std::min(setup_.courant * dt, viscosity_.longest_step(h));
+  }
+
+  /// What is solid: particles of walls, then those of bodies.
+  std::size_t solids() const { return walls_.size() + bodies_.size(); }
+  Vec3d solid_place(std::size_t k) const {
+    return k < walls_.size() ? walls_.place(k) : bodies_.place(k - walls_.size());
+  }
+  Vec3d solid_ghost(std::size_t k) const {
+    return k < walls_.size() ? walls_.ghost(k) : bodies_.ghost(k - walls_.size());
+  }
+  Vec3d solid_velocity(std::size_t k) const {
+    return k < walls_.size() ? walls_.velocity(k) : bodies_.velocity(k - walls_.size());
+  }
+  void make_solids() {
+    if (walls_.fresh()) walls_.make(setup_);
+    for (std::size_t k = 0; k < columns_.size(); ++k)
+      if (columns_.label[k] != Lists::none && columns_.kind[k] != Lists::Liquid)
+        columns_.kind[k] = Lists::Gone, columns_.label[k] = Lists::none;
+    for (std::uint32_t k = 0; k < solids(); ++k) {
       Row r{};
       r.density = liquid_.density;
-      r.place(walls_.place(k)), columns_.add(r, Lists::Wall, k);
-      r.place(walls_.ghost(k)), columns_.add(r, Lists::Probe, k);
+      r.place(solid_place(k)), columns_.add(r, Lists::Wall, k);
+      r.place(solid_ghost(k)), columns_.add(r, Lists::Probe, k);
     }
+    made_ = true;
   }
+  /// Bodies have come or gone: takes out liquid that is where they are.
+  void make_room_for_bodies() {
+    for (std::size_t k = 0; k < columns_.size(); ++k) {
+      if (!columns_.is_liquid(k)) continue;
+      for (const auto& body : bodies_.bodies)
+        if (norm(columns_.rows[k].position() - body.centre) <
+            body.radius + displaced_within * setup_.spacing) {
+          columns_.kind[k] = Lists::Gone, columns_.label[k] = Lists::none, ++displaced_;
+          break;
+        }
+    }
+    made_ = false, stale_ = true, known_ = false;
+  }
+  static constexpr double displaced_within = 0.25;  // [-] of the spacing
   /// Brings the particles into packs, with lists that hold until one has moved half the skin.
   void renew(const Team& team) {
-    if (walls_.fresh()) make_walls();
+    if (walls_.fresh() || !made_) make_solids();
     for (std::size_t k = 0; k < columns_.size(); ++k) {
       if (!columns_.is_liquid(k)) continue;
       Row& r = columns_.rows[k];
       check(r);
       r.place(lists_.repeats.wrapped(r.position()));
-      if (is_out(r.position())) columns_.kind[k] = Lists::Gone, ++left_;
+      if (is_out(r.position()))
+        columns_.kind[k] = Lists::Gone, columns_.label[k] = Lists::none, ++left_;
     }
     columns_.arrange(lists_.sort(
                          columns_.rows,
@@ -260,7 +342,7 @@ class Sph {
                          },
                          team),
                      team);
-    wall_row_.resize(walls_.size()), probe_row_.resize(walls_.size());
+    wall_row_.resize(solids()), probe_row_.resize(solids());
     for (std::size_t k = lists_.first_pack(Lists::Wall) * Pairs::W; k < columns_.size(); ++k)
       if (columns_.label[k] != Lists::none)
         (columns_.kind[k] == Lists::Wall ? wall_row_ : probe_row_)[columns_.label[k]] =
@@ -305,7 +387,7 @@ class Sph {
         for (std::size_t k = p * W; k < (p + 1) * W; ++k) {
           if (columns_.label[k] == Lists::none) continue;
           Vec3d& a = columns_.rates[k].acceleration;
-          a += setup_.gravity;
+          a += gravity;
           m.acceleration = std::max(m.acceleration, norm(a));
           m.speed = std::max(m.speed, norm(columns_.rows[k].velocity()));
         }
@@ -331,13 +413,13 @@ class Sph {
   }
   /// To where they are at the time of these rates.
   void place_walls() {
-    most_.wall = 0;
-    if (!walls_.any_moves()) return;
-    walls_.move_to(now_, 0.1 * setup_.courant * setup_.h() / liquid_.sound_speed);
-    for (std::uint32_t k = 0; k < walls_.size(); ++k) {
-      columns_.rows[wall_row_[k]].place(walls_.place(k));
-      columns_.rows[probe_row_[k]].place(walls_.ghost(k));
-      most_.wall = std::max(most_.wall, norm(walls_.velocity(k)));
+    most_.wall = bodies_.fastest();
+    const bool move = walls_.any_moves();
+    if (move) walls_.move_to(now_, 0.1 * setup_.courant * setup_.h() / liquid_.sound_speed);
+    for (std::size_t k = move ? 0 : walls_.size(); k < solids(); ++k) {
+      columns_.rows[wall_row_[k]].place(solid_place(k));
+      columns_.rows[probe_row_[k]].place(solid_ghost(k));
+      if (k < walls_.size()) most_.wall = std::max(most_.wall, norm(walls_.velocity(k)));
     }
   }
   /// Density and velocity of walls' particles, from the liquid at their mirror images.
@@ -354,9 +436,9 @@ class Sph {
           const std::size_t at = wall_row_[columns_.label[k]];
           Row& wall = columns_.rows[at];
           const auto [density, velocity] = seen[l].at(wall.position() - columns_.rows[k].position(),
-                                                      liquid_, setup_.gravity, setup_.h());
+                                                      liquid_, gravity, setup_.h());
           wall.density = density, wall.pressure = liquid_.pressure(density);
-          wall.move(at_wall(velocity, walls_.velocity(columns_.label[k]),
+          wall.move(at_wall(velocity, solid_velocity(columns_.label[k]),
                             wall.position() - columns_.rows[k].position()));
           columns_.volume[at] = particle_mass() / density;
         }
@@ -391,17 +473,20 @@ class Sph {
     });
     moved_ += 0.5 * dt * most_.speed;
     now_ = time_ + 0.5 * dt, known_ = false;
-    find_rates(team);
+    bodies_.move(0.5 * dt);
+    find_rates(team), find_body_loads(team);
     for_liquid(team, [&](std::size_t, Row& r, const Row& start, const detail::SphRates& rate) {
       const Vec3d v = start.velocity() + dt * rate.acceleration;
       const double eps = -dt * rate.density / r.density;
       r.place(start.position() + 0.5 * dt * (start.velocity() + v) + shift_of(rate, norm(v), dt));
       r.move(v), r.density = start.density * (2 - eps) / (2 + eps);
     });
+    bodies_.move(0.5 * dt);
     moved_ += 0.5 * dt * (most_.speed + 2 * dt * most_.acceleration) + most_shift(dt);
   }
   void verlet(double dt, const Team& team) {
     const bool restart = steps_ % scheme_.restart == 0;
+    find_body_loads(team);
     const double span = restart ? dt : dt + last_;
     for_liquid(team, [&](std::size_t, Row& r, Row& start, const detail::SphRates& rate) {
       const Row from = restart ? r : start;
@@ -410,7 +495,29 @@ class Sph {
       r.place(r.position() + dt * v + 0.5 * dt * dt * a + shift_of(rate, norm(v), dt));
       r.move(from.velocity() + span * a), r.density = from.density + span * rate.density;
     });
+    bodies_.move(dt);
     moved_ += dt * (most_.speed + 0.5 * dt * most_.acceleration) + most_shift(dt);
+  }
+  /// What the liquid does to bodies: the opposite of what they do to it, pair by pair.
+  void find_body_loads(const Team& team) {
+    for (auto& b : bodies_.bodies) b.force = b.torque = {0, 0, 0};
+    if (bodies_.empty()) return;
+    find_solid_rates(team);
+    for (std::size_t k = walls_.size(); k < solids(); ++k) {
+      const std::size_t at = wall_row_[k];
+      auto& body = bodies_.bodies[bodies_.body_of(k - walls_.size())];
+      const Vec3d f = particle_mass() * columns_.rates[at].acceleration;
+      body.force += f, body.torque += cross(columns_.rows[at].position() - body.centre, f);
+    }
+  }
+  void find_solid_rates(const Team& team) {
+    const Pairs pairs = this->pairs();
+    const std::size_t first = lists_.first_pack(Lists::Wall),
+                      n = lists_.first_pack(Lists::Probe) - first;
+    team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t p = first + from; p < first + to; ++p)
+        pairs.of_wall(p, columns_.rows, columns_.volume, lists_, columns_.rates);
+    });
   }
   Vec3d shift_of([[maybe_unused]] const detail::SphRates& rate, [[maybe_unused]] double speed,
                  [[maybe_unused]] double dt) const {
@@ -438,16 +545,17 @@ class Sph {
   Shift shift_;
   Time scheme_;
   detail::WallParticles walls_;
+  detail::BodyPoints bodies_;
   Lists lists_;
   detail::SphColumns columns_;
   std::vector<std::uint32_t> wall_row_, probe_row_;
   Most most_;
   std::uint32_t next_ = 0;
-  std::size_t left_ = 0;
+  std::size_t left_ = 0, displaced_ = 0;
   double time_ = 0, now_ = 0, last_ = 0;  // [s] now_: of the rates
   double moved_ = 0;                      // [m] at most, since the lists were made
   std::int64_t steps_ = 0;
-  bool stale_ = true, known_ = false;
+  bool stale_ = true, known_ = false, made_ = false;
 };
 
 template <class... Policies>
