@@ -21,8 +21,8 @@ namespace silt::inline SILT_TARGET::detail {
 class BodyPoints {
  public:
   struct Body {
-    Vec3d centre, velocity, spin;  // [m], [m/s], [rad/s]
-    double radius;                 // [m]
+    Vec3d centre{0, 0, 0}, velocity{0, 0, 0}, spin{0, 0, 0};  // [m], [m/s], [rad/s]
+    double radius = 0;                                        // [m]
     Vec3d force{0, 0, 0}, torque{0, 0, 0};
   };
   std::vector<Body> bodies;
@@ -61,6 +61,13 @@ class BodyPoints {
     }
     if (other) make(setup);
     return other;
+  }
+
+  /// Those of a state; set() gives the rest.
+  void restore(std::span<const double> radii, const SphSetup& setup) {
+    bodies.assign(radii.size(), {});
+    for (std::size_t b = 0; b < radii.size(); ++b) bodies[b].radius = radii[b];
+    make(setup);
   }
 
  private:

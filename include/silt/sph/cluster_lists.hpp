@@ -118,6 +118,8 @@ class ClusterLists {
   /// The liquid and the walls that a pack may meet.
   std::span<const Entry> liquid(std::size_t pack) const { return of(pack, 0); }
   std::span<const Entry> walls(std::size_t pack) const { return of(pack, 1); }
+  /// Where [m] a row was when the lists were made.
+  Vec3d built(std::size_t row) const { return {x_[row], y_[row], z_[row]}; }
   Vec3d shift(std::uint32_t image) const {
     const int i = static_cast<int>(image);
     return {(i % 3 - 1) * repeats.length.x, (i / 3 % 3 - 1) * repeats.length.y,

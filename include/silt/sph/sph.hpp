@@ -123,9 +123,16 @@ class Sph {
     }
     clock.count(dt);
   }
+  /// All that the liquid goes on from, to the last bit: also where particles were when the lists
+  /// were made.
   template <class Visit>
-  void for_each_state(const Visit& visit) {
-    clock.for_each_state(visit);
+  void for_each_state(const Visit& visit);
+  template <class Describer>
+  void describe(const Describer& is) const {
+    is("density [kg/m3]", liquid_.density), is("sound speed [m/s]", liquid_.sound_speed);
+    is("spacing [m]", setup_.spacing), is("smoothing [-]", setup_.smoothing);
+    is("dimensions", static_cast<double>(setup_.dimensions));
+    is("walls", static_cast<double>(walls_.walls()));
   }
   /// @}
 
@@ -335,20 +342,37 @@ class Sph {
       if (is_out(r.position()))
         columns_.kind[k] = Lists::Gone, columns_.label[k] = Lists::none, ++left_;
     }
-    columns_.arrange(lists_.sort(
-                         columns_.rows,
-                         [this](std::size_t k) {
-                           return columns_.label[k] == Lists::none ? Lists::Gone : columns_.kind[k];
-                         },
-                         team),
-                     team);
-    wall_row_.resize(solids()), probe_row_.resize(solids());
-    for (std::size_t k = lists_.first_pack(Lists::Wall) * Pairs::W; k < columns_.size(); ++k)
-      if (columns_.label[k] != Lists::none)
-        (columns_.kind[k] == Lists::Wall ? wall_row_ : probe_row_)[columns_.label[k]] =
-            static_cast<std::uint32_t>(k);
-    lists_.find(columns_.rows, 2 * setup_.h() + skin(), team);
+    columns_.arrange(make_order(columns_.rows, team), team);
+    make_lists(columns_.rows, team, false);
     moved_ = 0, stale_ = false;
+  }
+  const std::vector<std::uint32_t>& make_order(std::span<const Row> rows, const Team& team) {
+    return lists_.sort(
+        rows,
+        [this](std::size_t k) {
+          return columns_.label[k] == Lists::none ? Lists::Gone : columns_.kind[k];
+        },
+        team);
+  }
+  /// The lists of columns that stand in order, as they were at `then`.
+  void make_lists(std::span<const Row> then, const Team& team, bool restored = true) {
+    if (restored) {
+      const auto& order = make_order(then, team);
+      require(order.size() == columns_.size(), "Sph: the particles of a state stand in no order");
+      for (std::size_t k = 0; k < order.size(); ++k)
+        require(order[k] == k || columns_.label[k] == Lists::none,
+                "Sph: the particles of a state stand in no order");
+      detail::make_room(columns_.volume, columns_.size());
+      detail::make_room(columns_.rates, columns_.size());
+    }
+    wall_row_.assign(solids(), 0), probe_row_.assign(solids(), 0);
+    for (std::size_t k = lists_.first_pack(Lists::Wall) * Pairs::W; k < columns_.size(); ++k)
+      if (const std::uint32_t label = columns_.label[k]; label != Lists::none) {
+        require(label < solids(), "Sph: a state has a solid particle ", label, " of ", solids());
+        (columns_.kind[k] == Lists::Wall ? wall_row_ : probe_row_)[label] =
+            static_cast<std::uint32_t>(k);
+      }
+    lists_.find(then, 2 * setup_.h() + skin(), team);
   }
   void check(const Row& r) const {
     const double share = r.density / liquid_.density;
@@ -562,3 +586,5 @@ template <class... Policies>
 Sph(const Liquid&, const SphSetup&, const Policies&...) -> Sph<Policies...>;
 
 }  // namespace silt
+
+#include <silt/sph/sph_state.hpp>

@@ -1,0 +1,174 @@
+// silt - BSD-3-Clause, see LICENSE
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <silt/silt.hpp>
+#include <silt/sph.hpp>
+
+namespace sph_bodies_test {
+
+using namespace silt;
+
+namespace {
+
+/// One sphere of radius 1 in a periodic box of liquid, moved by hand.
+struct Driven {
+  static constexpr double R = 1, c = 20;
+  double spacing, side;
+  Sph<ArtificialViscosity> water;
+  std::vector<Vec3d> x, v{{0, 0, 0}}, w{{0, 0, 0}}, force{{0, 0, 0}}, torque{{0, 0, 0}};
+  std::vector<double> r{R}, volume{4 * std::numbers::pi / 3}, mass{1};
+  Team team{2};
+
+  explicit Driven(int n)
+      : spacing(R / n),
+        side(6 * n * spacing),
+        water(Liquid{.density = 1000, .sound_speed = c},
+              {.spacing = spacing,
+               .region = {{0, 0, 0}, {side, side, side}},
+               .smoothing = 1.0,
+               .periodic = {true, true, true}},
+              ArtificialViscosity{.alpha = 0.05}),
+        x{{side / 2, side / 2, side / 2}} {
+    water.fill([](const Vec3d&) { return true; });
+  }
+  void go(double dt) {
+    CoupledParticles of{};
+    of.shape.position = x, of.shape.radius = r, of.velocity = v, of.volume = volume, of.mass = mass;
+    of.angular_velocity = w;
+    water.advance(of, dt, force, team, torque);
+    x[0] += dt * v[0];
+  }
+};
+
+Contacts<HertzMindlin> plastic() {
+  return Contacts<HertzMindlin>{
+      {.youngs_modulus = 1e6, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.3}};
+}
+
+auto floating(const std::string& checkpoint = {}) {
+  const double L = 0.2, spacing = 0.0125, g = 9.81;
+  Sph water{Liquid{.density = 1000, .sound_speed = 20 * std::sqrt(g * 0.1)},
+            {.spacing = spacing,
+             .region = {{0, 0, 0}, {L, L, 0.25}},
+             .smoothing = 1.0,
+             .periodic = {true, true, false}},
+            ArtificialViscosity{.alpha = 0.05}};
+  water.add_wall(Plane{{0, 0, 0}, {0, 0, 1}});
+  water.gravity = {0, 0, -g};
+  water.fill([](const Vec3d& x) { return x.z < 0.1; });
+  Particles<Sphere> balls;
+  balls.add({.position = {0.1, 0.1, 0.09}, .radius = 0.03, .density = 500});
+  balls.add({.position = {0.09, 0.1, 0.145}, .radius = 0.02, .density = 2000});
+  Simulation sim{std::move(balls), plastic(), std::move(water),
+                 PeriodicBox{{{0, 0, 0}, {L, L, 1}}, {true, true, false}}};
+  sim.gravity = {0, 0, -g};
+  sim.time_step = 2e-5;
+  if (!checkpoint.empty()) load_checkpoint(sim, checkpoint);
+  return sim;
+}
+template <class Sim>
+std::vector<double> state_of(const Sim& sim) {
+  std::vector<double> all;
+  sim.fluid().for_each([&](std::uint32_t, const Vec3d& x, const Vec3d& v, double rho, double) {
+    all.insert(all.end(), {x.x, x.y, x.z, v.x, v.y, v.z, rho});
+  });
+  for (std::size_t k = 0; k < 2; ++k)
+    for (const Vec3d& a : {sim.position(k), sim.velocity(k), sim.angular_velocity(k)})
+      all.insert(all.end(), {a.x, a.y, a.z});
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("SPH: a sphere that is pushed through the liquid carries half its volume along") {
+  // From rest at constant acceleration, 4 spacings a radius: the force is -1/2 of the displaced
+  // mass times the acceleration, after the sound of the start has gone by. 8 %: particles' size
+  // (a shell half a spacing further out would be 1.4 times as heavy), images at six radii (2 %),
+  // what friction has added by then. Forces of pressure at one side alone would be 3/2 or 0.
+  Driven d(4);
+  const double a = 0.2, dt = 0.1 * d.spacing / Driven::c;
+  double sum = 0, t = 0;
+  int count = 0;
+  Vec3d given{0, 0, 0};
+  const Vec3d before = d.water.momentum();
+  while (t < 0.9) {
+    d.v[0].z = t < 0.3 ? a * t * t / 0.6 : a * (t - 0.15);
+    d.go(dt), t += dt;
+    given += dt * d.force[0];
+    if (t > 0.5) sum += d.force[0].z, ++count;
+  }
+  const double displaced = 1000 * d.volume[0];
+  CHECK(sum / count == doctest::Approx(-0.5 * displaced * a).epsilon(0.08));
+  // What the sphere got the liquid lost.
+  CHECK(norm(d.water.momentum() - before + given) < 1e-12 * norm(given));
+}
+
+TEST_CASE("SPH: a sphere at rest in a liquid at rest feels its buoyancy") {
+  const double g = 9.81, side = 0.16;
+  Sph water{Liquid{.density = 1000, .sound_speed = 20 * std::sqrt(g * side)},
+            {.spacing = 0.01,
+             .region = {{0, 0, 0}, {side, side, 0.2}},
+             .smoothing = 1.0,
+             .periodic = {true, true, false},
+             .gravity = {0, 0, -g}},
+            ArtificialViscosity{.alpha = 0.1}};
+  water.add_wall(Plane{{0, 0, 0}, {0, 0, 1}});
+  water.fill([side](const Vec3d& x) { return x.z < side; });
+  std::vector<Vec3d> x{{0.08, 0.08, 0.08}}, v{{0, 0, 0}}, w = v, force(1), torque(1);
+  std::vector<double> r{0.04}, volume{4 * std::numbers::pi / 3 * 0.04 * 0.04 * 0.04}, mass{1};
+  CoupledParticles of{};
+  of.shape.position = x, of.shape.radius = r, of.velocity = v, of.volume = volume, of.mass = mass;
+  of.angular_velocity = w;
+  Vec3d sum{0, 0, 0};
+  double time = 0;
+  for (int n = 0; n < 60; ++n) {
+    water.advance(of, 0.01, force, 2, torque);
+    if (n >= 20) sum += 0.01 * force[0], time += 0.01;
+  }
+  // 5 %: the surface of a sphere of 4 spacings.
+  CHECK(sum.z / time == doctest::Approx(1000 * g * volume[0]).epsilon(0.05));
+  CHECK(std::abs(sum.x / time) < 0.02 * 1000 * g * volume[0]);
+  CHECK(water.displaced() > 200);
+}
+
+TEST_CASE("SPH in a Simulation: same bits with threads, and from a checkpoint on") {
+  const std::string path =
+      (std::filesystem::temp_directory_path() / "silt_sph_bodies.silt").string();
+  auto sim = floating();
+  sim.run(0.01);
+  save_checkpoint(sim, path);
+  sim.run(0.0104);
+  auto again = floating(path);
+  again.threads = 3;
+  CHECK(again.fluid().size() == sim.fluid().size());
+  again.run(0.0104);
+  CHECK(state_of(again) == state_of(sim));
+  std::filesystem::remove(path);
+}
+
+TEST_CASE("SPH: what bodies cannot be is refused") {
+  Particles<Sphere> small;
+  small.add({.position = {0.05, 0.05, 0.05}, .radius = 0.01, .density = 1000});
+  Sph water{Liquid{.density = 1000, .sound_speed = 20},
+            {.spacing = 0.01, .region = {{0, 0, 0}, {0.1, 0.1, 0.1}}}};
+  water.fill([](const Vec3d&) { return true; });
+  Simulation sim{std::move(small), plastic(), water};
+  sim.time_step = 1e-5;
+  CHECK_THROWS_WITH_AS(sim.run(1e-3), doctest::Contains("is too small for a spacing of 0.01 m"),
+                       Error);
+  Particles<Sphere> large;
+  large.add({.position = {0.05, 0.05, 0.05}, .radius = 0.02, .density = 1000});
+  Simulation round{std::move(large), plastic(), water,
+                   PeriodicBox{{{0, 0, 0}, {0.2, 0.2, 1}}, {true, true, false}}};
+  round.time_step = 1e-5;
+  CHECK_THROWS_WITH_AS(round.run(1e-3), doctest::Contains("give both the same PeriodicBox"),
+                       InputError);
+}
+
+}  // namespace sph_bodies_test
