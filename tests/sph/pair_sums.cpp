@@ -74,7 +74,9 @@ detail::SphRates plain(const Box3& box, std::size_t a, const Viscosity& viscosit
     const Vec3d v = A.velocity() - B.velocity();
     const double V = m / B.density;
     sum.density += A.density * V * dot(v, slope);
-    sum.acceleration -= (m * (A.pressure + B.pressure) / (A.density * B.density)) * slope;
+    double both = A.pressure + B.pressure;
+    if (box.packed.columns.kind[b] == ClusterLists::Wall) both = std::max(both, 0.0);
+    sum.acceleration -= (m * both / (A.density * B.density)) * slope;
     if constexpr (Viscosity::artificial) {
       const double vr = dot(v, r), mean = 0.5 * (A.density + B.density);
       if (vr < 0)

@@ -10,6 +10,7 @@
 #include <span>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 #include <silt/core/box.hpp>
 #include <silt/core/threads.hpp>
@@ -18,6 +19,7 @@
 namespace silt::inline SILT_TARGET {
 
 struct CoupledParticles;  // coupling/particles_in_fluid.hpp
+struct Wall;              // boundary/wall.hpp
 namespace detail {
 struct ParticlesInFluid;
 }
@@ -42,6 +44,8 @@ struct FluidClock {
 struct FluidScene {
   std::array<bool, 3> periodic{};  // in which directions particles repeat,
   Box box;                         // from its min to its max
+  /// The simulation's walls, which stay where they are in memory between two calls of prepare().
+  const std::vector<Wall>* walls = nullptr;
 };
 
 /// What a fluid may ask about the particles before it says how long its next step is.

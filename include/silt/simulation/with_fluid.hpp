@@ -63,6 +63,7 @@ void Simulation<Policies...>::prepare_fluid() {
       scene.box = domain_.box();
       for (int d = 0; d < 3; ++d) scene.periodic[static_cast<std::size_t>(d)] = domain_.repeats(d);
     }
+    scene.walls = &engine_.walls;
     fluid_.prepare(scene);
   }
   if constexpr (detail::heats_in_fluid<Modules>) detail::check_heat_of_fluid(fluid_);

@@ -33,6 +33,8 @@ struct SphConstants {
 ///   d rho_a/dt = rho_a sum V_b v_ab.grad W + D_a
 ///   d v_a/dt   = -sum m_b (P_a + P_b)/(rho_a rho_b) grad W + viscosity
 ///
+/// Walls and bodies push and never pull: beside them P_a + P_b is at least 0. A thin film would be
+/// drawn into a wall otherwise, as its density is known badly.
 /// Each pair is computed from both of its ends, by terms that are odd in them: momentum is kept to
 /// rounding, and threads share nothing.
 template <class Kernel, class Viscosity, class Diffusion, class Shifting, class Arch = DefaultArch>
@@ -154,7 +156,9 @@ class SphPairs {
     sums.spread = multiply_add(Vf, along, sums.spread);
     const Real mean = Real(0.5) * (a.density + Real(b.density)), wide = r2 + Real(small_);
     const Real over = Real(1) / (wide * mean);
-    Real k = -(a.pressure + Real(b.pressure)) * a.over_density;
+    Real both = a.pressure + Real(b.pressure);
+    if constexpr (!liquid) both = max(both, Real(0));
+    Real k = -both * a.over_density;
     const Real approach = along * over;  // [m4/(kg s)]
     if constexpr (Viscosity::artificial)
       k = multiply_add(Real(alpha_ * b.density), min(approach, Real(0)), k);

@@ -89,12 +89,18 @@ class Sph {
   /// @{
   static constexpr bool active = true, turns = true;
   FluidClock clock;
-  void prepare(const FluidScene& scene) const {
+  void prepare(const FluidScene& scene) {
     for (std::size_t d = 0; d < 3; ++d)
       require(scene.periodic[d] == setup_.periodic[d], "Sph: its region ",
               setup_.periodic[d] ? "repeats" : "does not repeat", " in ", "xyz"[d],
               ", but the space of the particles ", scene.periodic[d] ? "does" : "does not",
               "; give both the same PeriodicBox");
+    if (scene.walls != nullptr && !scene.walls->empty() && walls_.follow(*scene.walls)) {
+      made_ = false, stale_ = true, known_ = false;
+      take_out([this](const Vec3d& x) {
+        return walls_.distance(x) < displaced_within * setup_.spacing;
+      });
+    }
   }
   /// As many as keep the liquid stable.
   int steps_wanted(const FluidPace& pace, const Team&) const {
@@ -317,18 +323,20 @@ class Sph {
     }
     made_ = true;
   }
-  /// Bodies have come or gone: takes out liquid that is where they are.
-  void make_room_for_bodies() {
-    for (std::size_t k = 0; k < columns_.size(); ++k) {
-      if (!columns_.is_liquid(k)) continue;
-      for (const auto& body : bodies_.bodies)
-        if (norm(columns_.rows[k].position() - body.centre) <
-            body.radius + displaced_within * setup_.spacing) {
-          columns_.kind[k] = Lists::Gone, columns_.label[k] = Lists::none, ++displaced_;
-          break;
-        }
-    }
+  /// Takes out liquid that is where something solid has come.
+  template <class Inside>
+  void take_out(const Inside& inside) {
+    for (std::size_t k = 0; k < columns_.size(); ++k)
+      if (columns_.is_liquid(k) && inside(columns_.rows[k].position()))
+        columns_.kind[k] = Lists::Gone, columns_.label[k] = Lists::none, ++displaced_;
     made_ = false, stale_ = true, known_ = false;
+  }
+  void make_room_for_bodies() {
+    take_out([this](const Vec3d& x) {
+      for (const auto& body : bodies_.bodies)
+        if (norm(x - body.centre) < body.radius + displaced_within * setup_.spacing) return true;
+      return false;
+    });
   }
   static constexpr double displaced_within = 0.25;  // [-] of the spacing
   /// Brings the particles into packs, with lists that hold until one has moved half the skin.

@@ -46,10 +46,37 @@ class WallParticles {
       visit_surface(one, [](const auto& s) {
         if constexpr (requires { s.check(); }) s.check();
       });
-    walls_.push_back({surfaces.parts, setup.name, setup.motion});
-    Part& wall = walls_.back();
-    if (wall.motion) wall.pose = wall.last = wall.first = wall.motion(0.0);
+    require(setup.drive.index() == 0 && setup.surface_velocity.is_zero(), "Sph: wall ",
+            in_quotes(setup.name),
+            " has a drive or a surface velocity; a wall of the liquid may "
+            "have a motion");
+    check(surfaces.parts, setup.name);
+    walls_.push_back({surfaces.parts, setup.name, setup.motion, nullptr});
+    place(walls_.back(), 0, 1);
+    walls_.back().first = walls_.back().pose;
     fresh_ = true;
+  }
+  /// The walls of a Simulation, which it moves; they must stay where they are in memory. True if
+  /// there are others than before.
+  bool follow(const std::vector<Wall>& walls) {
+    bool same = followed_ == walls.size();
+    for (std::size_t w = 0; w < walls.size() && same; ++w)
+      same = walls_[w].of == &walls[w] && walls_[w].surfaces.size() == walls[w].surfaces.size();
+    if (same) return false;
+    require(followed_ == walls_.size(),
+            "Sph: it has walls of its own, and the Simulation has some too; add all of them to the "
+            "Simulation");
+    walls_.clear();
+    for (const Wall& w : walls) {
+      require(!w.is_driven() && !w.has_belt(), "Sph: wall ", in_quotes(w.name),
+              " has a drive or a surface velocity; walls of a liquid may have a motion");
+      check(w.surfaces, w.name);
+      walls_.push_back({w.surfaces, w.name, w.motion, &w});
+      Part& part = walls_.back();
+      part.pose = part.last = part.first = w.pose;
+    }
+    followed_ = walls.size(), fresh_ = true;
+    return true;
   }
   bool fresh() const { return fresh_; }
   std::size_t size() const { return particles_.size(); }
@@ -101,8 +128,7 @@ class WallParticles {
   }
   /// To `time` [s]; velocities are those of the `span` [s] before.
   void move_to(double time, double span) {
-    for (Part& w : walls_)
-      if (w.motion) w.pose = w.motion(time), w.last = w.motion(time - span), w.span = span;
+    for (Part& w : walls_) place(w, time, span);
   }
 
  private:
@@ -110,9 +136,25 @@ class WallParticles {
     std::vector<Surface> surfaces;
     std::string name;
     Motion motion;
+    const Wall* of;  // of a Simulation; null: its own
     Pose pose{}, last{}, first{};
     double span = 1;
   };
+  static void place(Part& w, double time, double span) {
+    if (!w.motion) return;
+    w.pose = w.of != nullptr ? w.of->pose_at(time) : w.motion(time);
+    w.last = w.of != nullptr ? w.of->pose_at(time - span) : w.motion(time - span);
+    w.span = span;
+  }
+  static void check(const std::vector<Surface>& surfaces, const std::string& name) {
+    for (const Surface& one : surfaces)
+      visit_surface(one, [&](const auto& s) {
+        if constexpr (std::is_same_v<std::remove_cvref_t<decltype(s)>, TriangleMesh>)
+          require(s.is_closed(), "Sph: the mesh of wall ", in_quotes(name),
+                  " is not closed, so that it has no side behind it; close it, or use planes, "
+                  "cylinders and cones");
+      });
+  }
   struct Particle {
     Vec3d at, ghost;  // [m] in the wall's own coordinates
     Vec3d normal;     // [-] of a plane, else 0
@@ -140,12 +182,17 @@ class WallParticles {
     const Vec3d own = wall.pose.to_body(x);
     for (std::size_t k = 0; k < wall.surfaces.size(); ++k)
       visit_surface(wall.surfaces[k], [&](const auto& s) {
-        if constexpr (std::remove_cvref_t<decltype(s)>::max_contacts == 1) {
-          SurfacePoint p;
-          if (s.contacts(own, 1e300, &p) == 0 || !(p.distance < least.distance)) return;
-          least = p;
-          if (which != nullptr) *which = k;
+        SurfacePoint p;
+        if constexpr (std::is_same_v<std::remove_cvref_t<decltype(s)>, TriangleMesh>) {
+          p = s.nearest_point(own);
+          // Free is the side that the triangles' normals point to.
+          if (s.contains(own) == (s.volume() > 0)) p.distance *= -1, p.normal = -1.0 * p.normal;
+        } else {
+          if (s.contacts(own, 1e300, &p) == 0) return;
         }
+        if (!(p.distance < least.distance)) return;
+        least = p;
+        if (which != nullptr) *which = k;
       });
     least.normal = wall.pose.rotate(least.normal);
     return least;
@@ -164,6 +211,7 @@ class WallParticles {
 
   std::vector<Part> walls_;
   std::vector<Particle> particles_;
+  std::size_t followed_ = 0;  // walls of a Simulation
   bool fresh_ = true;
 };
 
