@@ -1,0 +1,137 @@
+// silt - BSD-3-Clause, see LICENSE
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <silt/silt.hpp>
+#include <silt/sph.hpp>
+
+#include "refusal.hpp"
+
+namespace sph_walls_test {
+
+using namespace silt;
+
+namespace {
+
+constexpr double g = 9.81;
+constexpr double side = 0.1;
+
+/// A box as triangles, seen from inside.
+TriangleMesh tank() {
+  const auto corner = [](int c) {
+    return Vec3d{c & 1 ? side : 0, c & 2 ? side : 0, c & 4 ? 2 * side : 0};
+  };
+  const int faces[6][4] = {{0, 1, 3, 2}, {4, 6, 7, 5}, {0, 4, 5, 1},
+                           {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 5, 7, 3}};
+  std::vector<std::array<Vec3d, 3>> all;
+  for (const auto& f : faces) {
+    all.push_back({corner(f[0]), corner(f[1]), corner(f[2])});
+    all.push_back({corner(f[0]), corner(f[2]), corner(f[3])});
+  }
+  return TriangleMesh(all);
+}
+auto water() {
+  return Sph{Liquid{.density = 1000, .sound_speed = 20 * std::sqrt(g * side)},
+             {.spacing = 0.0125,
+              .region = {{0, 0, 0}, {side, side, 2 * side}},
+              .smoothing = 1.0,
+              .gravity = {0, 0, -g}},
+             ArtificialViscosity{.alpha = 0.05}};
+}
+const HertzMindlin::Material steel{
+    .youngs_modulus = 1e7, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.3};
+
+}  // namespace
+
+TEST_CASE("SPH: a tank of triangles holds the liquid as one of planes does") {
+  auto of_planes = water(), of_triangles = water();
+  of_planes.add_wall(box({0, 0, 0}, {side, side, 2 * side}));
+  of_triangles.add_wall(tank());
+  double height[2] = {0, 0};
+  Vec3d force[2];
+  int which = 0;
+  for (auto* const w : {&of_planes, &of_triangles}) {
+    w->fill([](const Vec3d& x) { return x.z < side; });
+    CHECK(w->size() == 512);
+    w->run(0.02);
+    w->for_each([&](std::uint32_t, const Vec3d& x, const Vec3d&, double, double) {
+      height[which] += x.z / 512;
+    });
+    force[which] = w->wall_load(0).first;
+    CHECK(w->left() == 0);
+    ++which;
+  }
+  CHECK(of_planes.wall_particles() == of_triangles.wall_particles());
+  // The same particles in the same places: what is off is rounding.
+  CHECK(height[0] == doctest::Approx(height[1]).epsilon(1e-9));
+  CHECK(norm(force[0] - force[1]) < 1e-6 * norm(force[0]));
+}
+
+TEST_CASE("SPH: a drum of the Simulation turns the liquid, loses none and bears it") {
+  const double R = 0.05, spacing = 0.005, width = 16 * spacing;
+  Sph slurry{Liquid{.density = 1400, .sound_speed = 20 * std::sqrt(g * R)},
+             {.spacing = spacing,
+              .region = {{-R - spacing, 0, -R - spacing}, {R + spacing, width, R + spacing}},
+              .smoothing = 1.0,
+              .periodic = {false, true, false},
+              .gravity = {0, 0, -g}},
+             LaminarViscosity{.kinematic = 1e-4, .alpha = 0.02}};
+  slurry.fill([&](const Vec3d& x) { return x.z < 0 && std::hypot(x.x, x.z) < R - 0.5 * spacing; });
+  Simulation drum{Particles<Sphere>{}, Contacts<HertzMindlin>{steel},
+                  PeriodicBox{{{-R, 0, -R}, {R, width, R}}, {false, true, false}},
+                  std::move(slurry)};
+  drum.gravity = {0, 0, -g};
+  drum.time_step = 1e-5;
+  drum.add_wall(Cylinder{.from = {0, -1, 0}, .to = {0, 1, 0}, .radius = R, .side = Side::Inside},
+                steel,
+                {.name = "drum", .motion = rotation({0, 0, 0}, {0, 1, 0}, 2 * std::numbers::pi)});
+  const std::size_t count = drum.fluid().size();
+  double bears = 0, torque = 0, shift = 0;
+  int looks = 0;
+  for (int k = 0; k < 30; ++k) {
+    drum.run(0.01);
+    if (k < 10) continue;
+    const auto [force, about] = drum.fluid().wall_load(0);
+    bears += force.z, torque += about.y, ++looks;
+  }
+  drum.fluid().for_each([&](std::uint32_t, const Vec3d& x, const Vec3d&, double, double) {
+    shift += x.x / static_cast<double>(count);
+  });
+  CHECK(drum.fluid().left() == 0);
+  CHECK(drum.fluid().size() == count);
+  // The mean of what still swings.
+  const double weight = static_cast<double>(count) * drum.fluid().particle_mass() * g;
+  CHECK(bears / looks == doctest::Approx(-weight).epsilon(0.05));
+  // About +y the lowest point goes to -x; the wall is held back by what it drags along.
+  CHECK(shift < -1e-4);
+  CHECK(torque / looks < 0);
+}
+
+TEST_CASE("SPH: walls that cannot be are refused") {
+  const auto has = silt_test::has;
+  using silt_test::refusal;
+  auto open = water();
+  has(refusal([&] {
+        const std::array<Vec3d, 3> one{Vec3d{0, 0, 0}, Vec3d{1, 0, 0}, Vec3d{0, 1, 0}};
+        open.add_wall(TriangleMesh({one}), {.name = "lid"});
+      }),
+      "the mesh of wall 'lid' is not closed");
+  has(refusal([&] {
+        open.add_wall(Plane{{0, 0, 0}, {0, 0, 1}},
+                      {.name = "belt", .surface_velocity = {.velocity = {1, 0, 0}}});
+      }),
+      "wall 'belt' has a drive or a surface velocity");
+  auto own = water();
+  own.add_wall(Plane{{0, 0, 0}, {0, 0, 1}});
+  own.fill([](const Vec3d& x) { return x.z < side; });
+  Simulation both{Particles<Sphere>{}, Contacts<HertzMindlin>{steel}, std::move(own)};
+  both.time_step = 1e-5;
+  both.add_wall(Plane{{0, 0, 0}, {0, 0, 1}}, steel);
+  has(refusal([&] { both.run(1e-4); }), "add all of them to the Simulation");
+}
+
+}  // namespace sph_walls_test
