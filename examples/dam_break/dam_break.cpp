@@ -160,7 +160,8 @@ void report(example::Summary& summary, const Scene& s, const Water& water, const
   compare_front(summary, front, ko, "koshizuka_oka", 0.08);
   const double off = dam_break::distance(height, measured, 0).plain;
   std::printf("Height: %.1f %% of 2 a rms off.\n", 100 * off);
-  summary.check_at_most("height_off_martin_moyce", off, 0.02);
+  // Half a spacing is a quarter of s/a; 1 % was seen of fine ones.
+  summary.check_at_most("height_off_martin_moyce", off, 0.01 + 0.25 * s.across() / Scene::a);
   double fastest = 0, grown = 0;
   for (std::size_t k = 1; k < record.T.size(); ++k) {
     if (k >= 10)
