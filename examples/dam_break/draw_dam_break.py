@@ -68,8 +68,9 @@ def snapshots(folder, width, spacing, unit):
             axes.text(length - 0.1, high - 0.1, f"T = {state[0]:.1f}", ha="right", va="top", fontsize=12)
         panels[-1, column].set_xlabel("x/a")
         box = panels[-1, column].get_position()
-        bar = figure.colorbar(ScalarMappable(scale, COLOUR_MAP), orientation="horizontal", extend="max" if most else "neither",
-                              cax=figure.add_axes([box.x0 + 0.1 * box.width, 0.065, 0.8 * box.width, 0.015]))
+        under = [box.x0 + 0.1 * box.width, 0.065, 0.8 * box.width, 0.015]
+        bar = figure.colorbar(ScalarMappable(scale, COLOUR_MAP), orientation="horizontal",
+                              extend="max" if most else "neither", cax=figure.add_axes(under))
         bar.set_label(word)
     draw.save(figure, f"{folder}/dam_break.png")
 
