@@ -16,7 +16,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 # In order: each may include those before it. docs/architecture.md says what lies in each.
 ROOMS = """
-core files boundary shape contact motion search fill bond breakage fluid coupling module
+core files boundary shape contact motion search fill bond breakage fluid coupling sph module
 engine/state engine/lists engine/contact engine/spheres engine/convex engine/stages engine/advance
 engine/checks engine/population engine simulation measure io study umbrella
 """.split()
@@ -33,15 +33,16 @@ FLOORS = [
     [("engine/contact", "the contact stage: law, rolling, energy, events, fluxes")],
     [("engine/lists", "who may touch soon; what contacts remember")],
     [("engine/state", "composition, columns, rows")],
-    [("coupling", "drag, averaging"), ("module", "Field, BodyForce"), ("fluid", "flow solver"),
-     ("bond", "models of bonds"), ("breakage", "strengths, fragments")],
+    [("coupling", "drag, averaging"), ("sph", "free surfaces"), ("module", "Field, BodyForce"),
+     ("fluid", "flow solver"), ("bond", "models of bonds"), ("breakage", "strengths, fragments")],
     [("contact", "laws"), ("search", "NBS, grids"), ("motion", "integrators"),
      ("fill", "particles"), ("shape", "narrow phases")],
     [("boundary", "domains, walls, meshes"), ("files", "CSV, VTK, archives")],
     [("core", "vectors, lanes, threads")],
 ]
 # Files that stand at the top of include/silt.
-AT_TOP = {"simulation.hpp": "simulation", "silt.hpp": "umbrella", "fluid.hpp": "umbrella"}
+AT_TOP = {"simulation.hpp": "simulation", "silt.hpp": "umbrella", "fluid.hpp": "umbrella",
+          "sph.hpp": "umbrella"}
 PICTURE = ROOT / "docs" / "pictures" / "rooms.svg"
 INTRINSICS = re.compile(r"#include <(immintrin|x86intrin|arm_neon|xsimd/)|\b_mm\d*_\w+\(")
 
