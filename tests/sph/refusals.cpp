@@ -97,6 +97,20 @@ TEST_CASE("SPH: fill, walls and runs that cannot be are refused") {
       [] {
         Sph sph{water, setup};
         sph.fill([](const Vec3d&) { return true; });
+        sph.step(none);
+      },
+      "Sph::step: dt = nan s");
+  refuses<InputError>(
+      [] {
+        Sph sph{water, setup};
+        sph.fill([](const Vec3d& x) { return x.x < 0.1; });
+        sph.fill([](const Vec3d& x) { return x.x > 0.05; });
+      },
+      "there is liquid at");
+  refuses<InputError>(
+      [] {
+        Sph sph{water, setup};
+        sph.fill([](const Vec3d&) { return true; });
         static_cast<void>(sph.wall_load(3));
       },
       "there is no wall 3");

@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -45,7 +46,8 @@ namespace silt::inline SILT_TARGET {
 /// SymplecticTime.
 ///
 /// Walls are layers of particles behind surfaces, which have the density that the liquid has at
-/// their mirror images (mDBC) and a velocity such that the liquid sticks to the surface.
+/// their mirror images (mDBC) and a velocity such that the liquid slides along the surface or, with
+/// LaminarViscosity, sticks to it (SphSetup::slip).
 ///
 /// Source: J. J. Monaghan, Rep. Prog. Phys. 68 (2005) 1703 (recalled); each term where it stands.
 /// Valid:  where speeds are below a tenth of `sound_speed`.
@@ -160,8 +162,13 @@ class Sph {
   std::size_t fill(const Inside& inside, const Start& start, const Pressure& pressure) {
     const std::uint32_t before = next_;
     const double half = 0.499 * setup_.spacing;
+    std::unordered_set<std::uint64_t> taken;  // sites
+    for (std::size_t k = 0; k < columns_.size(); ++k)
+      if (columns_.is_liquid(k)) taken.insert(site_of(columns_.rows[k].position()));
     detail::for_each_site(setup_, 0, [&](const Vec3d& x) {
       if (!inside(x) || walls_.distance(x) < half) return;
+      require(taken.count(site_of(x)) == 0, "Sph::fill: there is liquid at ", x,
+              " m already; fill each place once");
       Row r{};
       const Vec3d v = start(x);
       const double p = pressure(x);
@@ -212,6 +219,7 @@ class Sph {
     return stable_step();
   }
   void step(double dt, const Team& team = {}) {
+    require(std::isfinite(dt) && dt > 0, "Sph::step: dt = ", dt, " s must be greater than 0");
     find_rates(team);
     if constexpr (Time::two_stages)
       symplectic(dt, team);
@@ -346,7 +354,10 @@ class Sph {
       if (!columns_.is_liquid(k)) continue;
       Row& r = columns_.rows[k];
       check(r);
-      r.place(lists_.repeats.wrapped(r.position()));
+      // In the middle of a step its start goes along.
+      const Vec3d way = lists_.repeats.wrapped(r.position()) - r.position();
+      Row& start = columns_.start[k];
+      r.place(r.position() + way), start.place(start.position() + way);
       if (is_out(r.position()))
         columns_.kind[k] = Lists::Gone, columns_.label[k] = Lists::none, ++left_;
     }
@@ -358,7 +369,7 @@ class Sph {
     return lists_.sort(
         rows,
         [this](std::size_t k) {
-          return columns_.label[k] == Lists::none ? Lists::Gone : columns_.kind[k];
+          return columns_.label[k] == Lists::none ? int{Lists::Gone} : int{columns_.kind[k]};
         },
         team);
   }
@@ -395,9 +406,15 @@ class Sph {
              "a smaller spacing or a smaller SphSetup.courant"),
         steps_, {}, r.position());
   }
+  /// A number for the lattice's cell at a place.
+  std::uint64_t site_of(const Vec3d& x) const {
+    const Vec3d at = (1 / setup_.spacing) * (x - setup_.region.min);
+    const auto of = [](double a) { return static_cast<std::uint64_t>(std::floor(a) + 1e6); };
+    return of(at.x) | of(setup_.dimensions == 2 ? 0 : at.y) << 21 | of(at.z) << 42;
+  }
   bool is_out(const Vec3d& x) const {
-    const double margin = 1e-9 * setup_.spacing;
-    const Box b = setup_.region.grown(margin);
+    // What walls at its sides press into them is not out.
+    const Box b = setup_.region.grown(setup_.spacing);
     return x.x < b.min.x || x.x > b.max.x || x.z < b.min.z || x.z > b.max.z ||
            (setup_.dimensions == 3 && (x.y < b.min.y || x.y > b.max.y));
   }

@@ -73,7 +73,7 @@ class WallParticles {
       check(w.surfaces, w.name);
       walls_.push_back({w.surfaces, w.name, w.motion, &w});
       Part& part = walls_.back();
-      part.pose = part.last = part.first = w.pose;
+      part.pose = part.last = part.next = part.first = w.pose;
     }
     followed_ = walls.size(), fresh_ = true;
     return true;
@@ -119,7 +119,7 @@ class WallParticles {
     const Part& wall = walls_[particles_[k].wall];
     if (!wall.motion) return {0, 0, 0};
     const Vec3d at = 0.5 * (particles_[k].at + particles_[k].ghost);
-    return (1 / wall.span) * (wall.pose.to_space(at) - wall.last.to_space(at));
+    return (1 / wall.span) * (wall.next.to_space(at) - wall.last.to_space(at));
   }
   bool any_moves() const {
     for (const Part& w : walls_)
@@ -137,14 +137,14 @@ class WallParticles {
     std::string name;
     Motion motion;
     const Wall* of;  // of a Simulation; null: its own
-    Pose pose{}, last{}, first{};
+    Pose pose{}, last{}, next{}, first{};
     double span = 1;
   };
   static void place(Part& w, double time, double span) {
     if (!w.motion) return;
-    w.pose = w.of != nullptr ? w.of->pose_at(time) : w.motion(time);
-    w.last = w.of != nullptr ? w.of->pose_at(time - span) : w.motion(time - span);
-    w.span = span;
+    const auto at = [&w](double t) { return w.of != nullptr ? w.of->pose_at(t) : w.motion(t); };
+    const double from = std::max(time - span, 0.0);  // motions need not be known before 0
+    w.pose = at(time), w.last = at(from), w.next = at(from + span), w.span = span;
   }
   static void check(const std::vector<Surface>& surfaces, const std::string& name) {
     for (const Surface& one : surfaces)
