@@ -51,6 +51,9 @@ struct Outcome {
   silt::SizeTable all, product;
   double broken = 0;  // grains
 
+  void add(const Outcome& other) {
+    all.merge(other.all), product.merge(other.product), broken += other.broken;
+  }
   /// Largest difference of the shares finer than any size.
   double off(const Outcome& other) const { return largest(all, other.all); }
   double product_off(const Outcome& other) const { return largest(product, other.product); }
@@ -86,7 +89,7 @@ auto mill_from(const State& state, const Scene& base, const Way& way, const Sear
   jet_mill::furnish<L>(sim, s);
   sim.threads = 1;
   // Softened fines between grain and wall, or between two grains.
-  sim.guard.max_overlap = 0.89, sim.guard.max_travel = 0.1;
+  sim.guard.max_overlap = 0.86, sim.guard.max_travel = 0.13;
   sim.set_max_overlap("salt", "salt", 1.9);
   sim.gravity = {0, 0, -way.gravity};
   using Policy = std::remove_cvref_t<decltype(sim.breakage())>;
