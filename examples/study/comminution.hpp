@@ -89,7 +89,7 @@ auto mill_from(const State& state, const Scene& base, const Way& way, const Sear
   jet_mill::furnish<L>(sim, s);
   sim.threads = 1;
   // Softened fines between grain and wall, or between two grains.
-  sim.guard.max_overlap = 0.86, sim.guard.max_travel = 0.13;
+  sim.guard.max_overlap = 0.89, sim.guard.max_travel = 0.1;
   sim.set_max_overlap("salt", "salt", 1.9);
   sim.gravity = {0, 0, -way.gravity};
   using Policy = std::remove_cvref_t<decltype(sim.breakage())>;
