@@ -6,6 +6,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <deque>
 #include <tuple>
 #include <type_traits>
@@ -32,6 +33,55 @@ struct Bond {
   std::uint64_t number;  // [-] the bonds that were made before it
 };
 
+/// An aggregate of Reals from what value(number of the member) gives. Member by member: a whole one
+/// that is cast from an array would go through memory.
+template <class Aggregate, class Real, class Value>
+SILT_INLINE Aggregate members_of(const Value& value) {
+  static_assert(std::is_trivially_copyable_v<Aggregate>);
+  Aggregate out;
+  const auto set = [&](auto c) {
+    const Real member = value(c);
+    std::memcpy(reinterpret_cast<std::byte*>(&out) + c * sizeof(Real), &member, sizeof(Real));
+  };
+  [&]<std::size_t... C>(std::index_sequence<C...>) {
+    (set(std::integral_constant<std::size_t, C>{}), ...);
+  }
+  (std::make_index_sequence<sizeof(Aggregate) / sizeof(Real)>{});
+  return out;
+}
+/// The way back: to(number, member) for each member.
+template <class Real, class Aggregate, class To>
+SILT_INLINE void for_each_member(const Aggregate& of, const To& to) {
+  const auto get = [&](auto c) {
+    Real member;
+    std::memcpy(&member, reinterpret_cast<const std::byte*>(&of) + c * sizeof(Real), sizeof(Real));
+    to(c, member);
+  };
+  [&]<std::size_t... C>(std::index_sequence<C...>) {
+    (get(std::integral_constant<std::size_t, C>{}), ...);
+  }
+  (std::make_index_sequence<sizeof(Aggregate) / sizeof(Real)>{});
+}
+
+/// A pack of doubles from memory, where they are kept as `Stored`.
+template <class Real, class Stored>
+SILT_INLINE Real load_wide(const Stored* from) {
+  if constexpr (std::is_same_v<Stored, double>) {
+    return silt::load<Real>(from);
+  } else {
+#if defined(__AVX512F__)
+    if constexpr (sizeof(Real) == 64) return Real(_mm512_cvtps_pd(_mm256_load_ps(from)));
+#endif
+#if defined(__AVX__)
+    if constexpr (sizeof(Real) == 32) return Real(_mm256_cvtps_pd(_mm_load_ps(from)));
+#endif
+    constexpr std::size_t W = sizeof(Real) / sizeof(double);
+    alignas(64) double wide[W];
+    for (std::size_t lane = 0; lane < W; ++lane) wide[lane] = from[lane];
+    return silt::load<Real>(wide);
+  }
+}
+
 /// Aggregates of doubles of many bonds, pack by pack, so that lanes load what lies side by side;
 /// kept as `Stored`.
 template <template <class> class Aggregate, class Stored, std::size_t W>
@@ -53,18 +103,14 @@ class BondColumns {
   /// Of the pack that begins at place k.
   template <class Real>
   SILT_INLINE Aggregate<Real> load(std::size_t k) const {
-    std::array<Real, count> numbers;
-    for (std::size_t c = 0; c < count; ++c) {
-      const Stored* const from = packs_.data() + k * count + c * W;
-      if constexpr (std::is_same_v<Stored, double>) {
-        numbers[c] = silt::load<Real>(from);
-      } else {
-        alignas(64) double wide[W];
-        for (std::size_t lane = 0; lane < W; ++lane) wide[lane] = from[lane];
-        numbers[c] = silt::load<Real>(wide);
-      }
-    }
-    return std::bit_cast<Aggregate<Real>>(numbers);
+    return members_of<Aggregate<Real>, Real>(
+        [from = packs_.data() + k * count](auto c) { return load_wide<Real>(from + c * W); });
+  }
+  /// Asks for the pack that begins at place k.
+  SILT_INLINE void fetch(std::size_t k) const {
+    const auto* const from = reinterpret_cast<const std::byte*>(packs_.data() + k * count);
+    for (std::size_t at = 0; at < count * W * sizeof(Stored); at += 64)
+      __builtin_prefetch(from + at);
   }
   std::size_t bytes() const { return packs_.capacity() * sizeof(Stored); }
 
@@ -114,6 +160,10 @@ class BondColumnsOf {
   SILT_INLINE auto load_numbers(std::size_t k) const {
     return numbers_.template load<Real>(k);
   }
+  SILT_INLINE void fetch(std::size_t k) const {
+    apart_.fetch(k), shape_.fetch(k), numbers_.fetch(k);
+    if (turned_) turn_.fetch(k);
+  }
   std::size_t bytes() const {
     return apart_.bytes() + shape_.bytes() + numbers_.bytes() + turn_.bytes();
   }
@@ -156,6 +206,12 @@ class BondList {
   }
   const std::uint32_t* first() const { return first_.data(); }
   const std::uint32_t* second() const { return second_.data(); }
+  /// Asks for the pack that begins at place k, and for the places of ends twice as far ahead.
+  SILT_INLINE void fetch(std::size_t k) const {
+    columns_.fetch(k);
+    __builtin_prefetch(first_.data() + k + ahead);
+    __builtin_prefetch(second_.data() + k + ahead);
+  }
   const BondColumnsOf<Model, W>& columns() const { return columns_; }
   Bond bond(std::size_t k) const {
     return {ids_[k].i, ids_[k].j, columns_.rest(k), columns_.numbers(k), ids_[k].number};
