@@ -12,6 +12,7 @@
 
 #include <silt/bond/concept.hpp>
 #include <silt/core/lanes.hpp>
+#include <silt/core/members.hpp>
 #include <silt/core/row4.hpp>
 #include <silt/core/row8.hpp>
 #include <silt/core/threads.hpp>
