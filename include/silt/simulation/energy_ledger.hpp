@@ -99,7 +99,7 @@ class EnergyBook {
     stored_ = contacts;
     if (start != nullptr) {
       at_start_ = contacts;
-      initial_ = *start + contacts.normal + contacts.tangential + contacts.rolling;
+      initial_ += *start + contacts.normal + contacts.tangential + contacts.rolling;
     } else {
       work_.add(contacts);
       for (std::size_t w = 0; w < walls.size() && w < last_.size(); ++w)
@@ -113,6 +113,8 @@ class EnergyBook {
     last_fixed_power_ = fixed_power;
   }
   void bring_in(double energy) { openings_ += energy; }
+  /// Of what was there and has gone before the first forces [J].
+  void was_there(double energy) { initial_ += energy; }
   void change_gravity(double energy) { changed_gravity_ += energy; }
   void fluid_worked(double energy) { of_fluid_ += energy; }
   void modules_worked(double energy) { of_modules_ += energy; }
