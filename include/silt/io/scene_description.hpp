@@ -26,7 +26,7 @@ namespace silt::inline SILT_TARGET {
 ///
 /// The state is taken over as it is: springs of contacts keep their displacement, so that forces
 /// jump where stiffness does; the ledger counts what that gives or takes as its residual. The time
-/// step is held against its limit anew, and chosen anew where it is longer than silt's own would be.
+/// step is held against its limit anew, and chosen anew where it is longer than silt's own is.
 struct AcceptedChanges {
   bool materials = false;  // their number and values, pair values, rolling resistance; Breakage
   bool motions = false;    // of walls
