@@ -77,8 +77,8 @@ class BondStage {
   void end_of(const Engine& e, const Domain& domain, std::span<const std::uint32_t> rows,
               double dt) {
     follow(e);
-    const auto goes = [rows](std::size_t row) {
-      return std::binary_search(rows.begin(), rows.end(), static_cast<std::uint32_t>(row));
+    const auto goes = [rows](std::size_t at) {
+      return std::binary_search(rows.begin(), rows.end(), static_cast<std::uint32_t>(at));
     };
     std::vector<Ending> ending;
     list.for_each([&](std::size_t k) {
