@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include <silt/boundary/deforming_box.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/names.hpp>
 #include <silt/core/vec3.hpp>

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include <silt/boundary/deforming_box.hpp>
 #include <silt/boundary/wall.hpp>
 #include <silt/engine/advance/wall_motion.hpp>
 #include <silt/engine/checks/ended_contacts.hpp>
