@@ -3,9 +3,12 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -55,26 +58,59 @@ detail::BreakObserver<Action> on_break(Action action) {
   return detail::BreakObserver<Action>(std::move(action));
 }
 
+namespace detail {
+
+/// The columns of breakage_table().
+template <class Sim>
+std::vector<std::string> columns_of_breakage(const Sim& sim) {
+  std::vector<std::string> all{
+      "time", "particles", "broken at walls", "broken in pairs", "broken as asked", "present",
+      "left", "dust"};
+  if constexpr (Sim::ContactsType::several_materials)
+    for (std::size_t k = 0; k < sim.contacts().materials(); ++k) {
+      const std::string_view name = sim.contacts().given_name(k);
+      const std::string of = name.empty() ? text("material ", k) : std::string(name);
+      for (const char* what : {"broken of ", "present of ", "left of ", "dust of "})
+        all.push_back(what + of);
+    }
+  return all;
+}
+template <class Sim>
+std::vector<double> row_of_breakage(const Sim& sim) {
+  const auto number = [](auto count) { return static_cast<double>(count); };
+  const MassBalance m = sim.mass_balance();
+  std::vector<double> row{sim.time(),
+                          number(sim.size()),
+                          number(sim.broken(BreakCause::Wall)),
+                          number(sim.broken(BreakCause::Pair)),
+                          number(sim.broken(BreakCause::Asked)),
+                          m.present,
+                          m.left,
+                          m.dust};
+  if constexpr (Sim::ContactsType::several_materials) {
+    std::vector<CompensatedSum> present(sim.contacts().materials());
+    for (std::size_t k = 0; k < sim.rows(); ++k)
+      if (sim.is_present(k) && std::isfinite(sim.mass(k)))
+        present[sim.material(k)].add(sim.mass(k));
+    for (std::size_t k = 0; k < present.size(); ++k)
+      row.insert(row.end(), {number(sim.broken(k)), present[k].value(), sim.left(k).mass(),
+                             sim.dust(k).mass()});
+  }
+  return row;
+}
+
+}  // namespace detail
+
 /// Appends a row to a CSV table at the times of the schedule: time [s], particles, how many broke
-/// at walls, in pairs and as asked, and the mass [kg] that is present, has left, and is dust.
+/// at walls, in pairs and as asked, and the mass [kg] that is present, has left, and is dust. Where
+/// there are several materials, walls' included, then of each how many broke, and these masses.
 inline auto breakage_table(const std::string& path, Schedule schedule) {
-  return table(path,
-               {"time", "particles", "broken at walls", "broken in pairs", "broken as asked",
-                "present", "left", "dust"},
-               schedule, [](const auto& sim) {
-                 const auto number = [&](BreakCause cause) {
-                   return static_cast<double>(sim.broken(cause));
-                 };
-                 const MassBalance m = sim.mass_balance();
-                 return std::array{sim.time(),
-                                   static_cast<double>(sim.size()),
-                                   number(BreakCause::Wall),
-                                   number(BreakCause::Pair),
-                                   number(BreakCause::Asked),
-                                   m.present,
-                                   m.left,
-                                   m.dust};
-               });
+  return at<ActionKind::Reads>(
+      schedule, [path, open = std::shared_ptr<CsvTable>()](const auto& sim) mutable {
+        const std::vector<double> row = detail::row_of_breakage(sim);
+        if (!open) open = detail::open_table(path, detail::columns_of_breakage(sim), sim, row[0]);
+        open->add_row(std::span<const double>(row));
+      });
 }
 
 /// The grains that are there by their diameters (of polyhedra those of spheres of their volumes),

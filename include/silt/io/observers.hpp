@@ -108,22 +108,33 @@ inline auto checkpoints(std::string path, Schedule schedule) {
   });
 }
 
+namespace detail {
+/// A new table, but for a run that goes on from a checkpoint: that keeps the rows of times before
+/// `first`, that of the next row.
+template <class Sim>
+std::shared_ptr<CsvTable> open_table(const std::string& path,
+                                     const std::vector<std::string>& columns, const Sim& sim,
+                                     double first) {
+  return std::make_shared<CsvTable>(
+      sim.continued() ? CsvTable::resume(path, columns, first - 0.5 * sim.step_length())
+                      : CsvTable(path, columns));
+}
+}  // namespace detail
+
 /// Appends a row of numbers to a CSV table: `row(simulation)` returns them, as an array or a
 /// vector, or one number alone; the time (or the time since some event) first. A new table, but for
 /// a run that goes on from a checkpoint: that keeps the rows of earlier times.
 template <class Row>
 auto table(const std::string& path, const std::vector<std::string>& columns, Schedule schedule,
            Row row) {
-  return at<ActionKind::Reads>(
-      schedule, [path, columns, row = std::move(row),
-                 open = std::shared_ptr<CsvTable>()](const auto& sim) mutable {
-        const auto values = detail::row_of(row(sim));
-        if (!open)
-          open = std::make_shared<CsvTable>(
-              sim.continued() ? CsvTable::resume(path, columns, values[0] - 0.5 * sim.step_length())
-                              : CsvTable(path, columns));
-        open->add_row(std::span<const double>(values));
-      });
+  return at<ActionKind::Reads>(schedule,
+                               [path, columns, row = std::move(row),
+                                open = std::shared_ptr<CsvTable>()](const auto& sim) mutable {
+                                 const auto values = detail::row_of(row(sim));
+                                 if (!open)
+                                   open = detail::open_table(path, columns, sim, values[0]);
+                                 open->add_row(std::span<const double>(values));
+                               });
 }
 
 /// Writes the particles to `file`: radius, velocity, id, material, and angular velocity if they

@@ -75,22 +75,35 @@ class BondStage {
     });
     return power;
   }
-  /// Takes out the bonds that the last step has overloaded; returns them in the order in which they
-  /// were made.
-  std::vector<BondBreak> take_broken(double time) {
-    std::sort(overloaded_.begin(), overloaded_.end(), [](const Overloaded& a, const Overloaded& b) {
-      return a.what.number < b.what.number;
+  /// Takes out the bonds of particles whose rows, sorted, are to go before the next forces; `dt`
+  /// [s]: the last step, 0 before the first one.
+  template <class Engine>
+  void end_of(const Engine& e, const Domain& domain, std::span<const std::uint32_t> rows,
+              double dt) {
+    follow(e);
+    const auto goes = [rows](std::size_t at) {
+      return std::binary_search(rows.begin(), rows.end(), static_cast<std::uint32_t>(at));
+    };
+    std::vector<Ending> ending;
+    list.for_each([&](std::size_t k) {
+      if (goes(list.first()[k]) || goes(list.second()[k]))
+        ending.push_back({seen(e, domain, k, dt, BondEnds::BeforeForces), k});
     });
+    for (std::size_t k = 0; k < at_walls.all.size(); ++k)
+      if (goes(e.find(at_walls.all[k].i)))
+        ending.push_back({at_walls.seen(e, domain, model, k, dt, BondEnds::BeforeForces), k});
+    take_out(ending);
+  }
+  /// Takes out the bonds that the last step has overloaded; returns them, and those that ended
+  /// before its forces, in the order in which they were made.
+  std::vector<BondBreak> take_broken(double time) {
+    take_out(overloaded_);
+    overloaded_.clear();
     std::vector<BondBreak> gone;
-    for (const Overloaded& o : overloaded_) {
-      gone.push_back({o.what, time});
-      if (o.what.b == no_particle)
-        at_walls.all[o.place].i = no_particle;
-      else
-        list.remove(o.place);
-    }
-    at_walls.close_up();
-    broken += gone.size(), overloaded_.clear();
+    for (const BondSeen& one : std::exchange(ended_, {})) gone.push_back({one, time});
+    std::sort(gone.begin(), gone.end(),
+              [](const BondBreak& a, const BondBreak& b) { return a.number < b.number; });
+    broken += gone.size();
     return gone;
   }
   /// Turns the particles for a step of `dt` [s], from the first bond on: before, nothing depends on
@@ -183,10 +196,20 @@ class BondStage {
   static constexpr std::size_t row = 16;    // of one: force, torques over radii, four each
   using Row = Row4<Arch>;
 
-  struct Overloaded {
+  struct Ending {
     BondSeen what;
     std::size_t place;  // in its list
   };
+  void take_out(const std::vector<Ending>& all) {
+    for (const Ending& one : all) {
+      ended_.push_back(one.what);
+      if (one.what.b == no_particle)
+        at_walls.all[one.place].i = no_particle;
+      else
+        list.remove(one.place);
+    }
+    at_walls.close_up();
+  }
   /// What a group has found.
   struct Done {
     std::vector<std::uint32_t> over;  // places of overloaded bonds
@@ -208,10 +231,11 @@ class BondStage {
             n.inv_r * n.spin_velocity()};
   }
   template <class Engine>
-  BondSeen seen(const Engine& e, const Domain& domain, std::size_t k, double dt) const {
+  BondSeen seen(const Engine& e, const Domain& domain, std::size_t k, double dt,
+                BondEnds when = BondEnds::AfterForces) const {
     const Bond b = list.bond(k);
     const auto ends = ends_at(e, domain, k);
-    BondSeen out = see_bond(model, strain_of(b.rest, ends), b.numbers, dt);
+    BondSeen out = see_bond(model, strain_of(b.rest, ends), b.numbers, dt, when);
     out.a = b.i, out.b = b.j, out.number = b.number;
     out.to = e.particles.position[list.first()[k]].centre(), out.from = out.to - ends.apart;
     return out;
@@ -363,7 +387,8 @@ class BondStage {
         }
       }
   }
-  std::vector<Overloaded> overloaded_;
+  std::vector<Ending> overloaded_;
+  std::vector<BondSeen> ended_;  // since bonds were taken out last
 };
 
 /// The stage of a policy Bonds<Model>; without one nothing.
