@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -55,12 +54,12 @@ detail::BreakObserver<Action> on_break(Action action) {
   return detail::BreakObserver<Action>(std::move(action));
 }
 
-/// Appends a row to a CSV table at the times of the schedule: time [s], particles, how many broke
-/// at walls, in pairs and as asked, and the mass [kg] that is present, has left, and is dust.
+/// Appends a row to a CSV table at the times of the schedule: time, particles, how many broke so
+/// far at walls, in pairs and as asked, and the mass that is present, has left, and is dust.
 inline auto breakage_table(const std::string& path, Schedule schedule) {
   return table(path,
-               {"time", "particles", "broken at walls", "broken in pairs", "broken as asked",
-                "present", "left", "dust"},
+               {"time [s]", "particles [-]", "broken at walls [-]", "broken in pairs [-]",
+                "broken as asked [-]", "present [kg]", "left [kg]", "dust [kg]"},
                schedule, [](const auto& sim) {
                  const auto number = [&](BreakCause cause) {
                    return static_cast<double>(sim.broken(cause));
@@ -90,17 +89,36 @@ SizeTable sizes_present(const Sim& sim, std::optional<WhichMaterial> of = {}) {
   return all;
 }
 
-/// Writes a table of sizes as CSV: of each class its edges [m], mass [kg], number, and the share of
-/// the mass that is finer than its upper edge.
-inline void write_sizes(const std::string& path, const SizeTable& sizes) {
-  CsvTable out(path, {"from", "to", "mass", "number", "finer"});
-  std::size_t first = 0;  // class that has any
+namespace detail {
+
+/// The first class of a table that has any.
+inline std::size_t first_class(const SizeTable& sizes) {
+  std::size_t first = 0;
   while (first < sizes.classes() && sizes.number(first) == 0) ++first;
-  for (std::size_t k = first; k < sizes.classes(); ++k) {
-    const std::array row{SizeTable::edge(k), SizeTable::edge(k + 1), sizes.mass(k), sizes.number(k),
-                         sizes.finer(SizeTable::edge(k + 1))};
-    out.add_row(std::span<const double>(row));
-  }
+  return first;
+}
+
+}  // namespace detail
+
+/// Writes a table of sizes as CSV: of each class where it begins and ends (the last one with the
+/// largest size), mass, number, and the share of the mass that is finer than its end.
+inline void write_sizes(const std::string& path, const SizeTable& sizes) {
+  CsvTable out(path, {"from [m]", "to [m]", "mass [kg]", "number [-]", "finer [-]"});
+  for (std::size_t k = detail::first_class(sizes); k < sizes.classes(); ++k)
+    out.add_row({SizeTable::edge(k), sizes.end_of(k), sizes.mass(k), sizes.number(k),
+                 sizes.finer(sizes.end_of(k))});
+}
+
+/// Writes when what is in a table came, as CSV: a row for each interval of time and class in which
+/// mass came.
+inline void write_size_times(const std::string& path, const SizeTable& sizes) {
+  CsvTable out(path, {"time from [s]", "time to [s]", "from [m]", "to [m]", "mass [kg]"});
+  for (std::size_t bin = 0; bin < sizes.bins(); ++bin)
+    for (std::size_t k = detail::first_class(sizes); k < sizes.classes(); ++k)
+      if (const double mass = sizes.mass(k, bin); mass > 0)
+        out.add_row({static_cast<double>(bin) * sizes.bin_width(),
+                     static_cast<double>(bin + 1) * sizes.bin_width(), SizeTable::edge(k),
+                     sizes.end_of(k), mass});
 }
 
 }  // namespace silt
