@@ -181,10 +181,11 @@ TEST_CASE("breakage: counts and tables of the materials, which add up, and a res
   const auto lines = lines_of(csv);
   std::filesystem::remove(csv);
   CHECK(lines.size() >= 2);
-  CHECK(lines.front() ==
-        "time,particles,broken at walls,broken in pairs,broken as asked,present,left,dust,broken "
-        "of salt,present of salt,left of salt,dust of salt,broken of ore,present of ore,left of "
-        "ore,dust of ore");
+  CHECK(
+      lines.front() ==
+      "time [s],particles [-],broken at walls [-],broken in pairs [-],broken as asked [-],"
+      "present [kg],left [kg],dust [kg],broken of salt [-],present of salt [kg],left of salt [kg],"
+      "dust of salt [kg],broken of ore [-],present of ore [kg],left of ore [kg],dust of ore [kg]");
   const auto row = numbers_of(lines.back());
   CHECK(row.size() == 16);
   CHECK(row[8] == 2);
