@@ -234,7 +234,7 @@ void Study::report(example::Summary& summary) const {
     if (row.without) summary.result("all_but_s_per_ms: " + row.name, *row.without);
   }
   summary.check_at_least("factor_without_dust", none_cost_ / fine_cost_, 17);
-  summary.check_at_least("factor", none_cost_ / all_cost_, setting_.quick ? 17 : 300);
+  summary.check_at_least("factor", none_cost_ / all_cost_, setting_.quick ? 17 : 700);
   for (const Row& row : rows_)
     if (row.sizes) {
       summary.result("sizes_off: " + row.name, *row.sizes);
