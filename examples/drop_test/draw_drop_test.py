@@ -31,13 +31,12 @@ def shares(folder):
     for size, colour in zip(sizes, COLOURS):
         mine, line = points[points[:, 0] == size], law[law[:, 0] == size]
         once.plot(line[:, 1], line[:, 2], color=colour, lw=1.3)
-        once.errorbar(mine[:, 1], mine[:, 4], mine[:, 6], fmt="o", ms=5, mfc="white", color=colour, capsize=3,
-                      label=f"{1e3 * size:g} mm")
-    once.plot([], [], color="0.3", lw=1.3, label="selection function")
+        once.errorbar(mine[:, 1], mine[:, 4], mine[:, 6], fmt="o", ms=5, mfc="white", color=colour, capsize=3)
+        once.plot([], [], "-o", ms=5, mfc="white", color=colour, lw=1.3, label=f"{1e3 * size:g} mm")
     speeds = points[:, 1]
     once.set(xscale="log", xlim=(0.8 * speeds.min(), 1.25 * speeds.max()), ylim=(0, 1),
              xlabel="speed of the impact [m/s]", ylabel="share that breaks",
-             title=f"One impact, {points[0, 2]:.0f} grains a point, bars 3 σ")
+             title=f"One impact: points {points[0, 2]:.0f} grains, 3 σ; lines the selection function")
     draw.label_few_decades(once.xaxis, once.get_xlim())
     once.legend(frameon=False, loc="upper left")
 
@@ -47,11 +46,11 @@ def shares(folder):
         again.plot(mine[:, 1], mine[:, 3], color=colour, lw=1.3)
         mine = mine[::-(-len(mine) // 20)]
         again.errorbar(mine[:, 1], mine[:, 2], mine[:, 4], fmt="o", ms=4, mfc="white", color=colour, capsize=2,
-                       lw=0.9, label=f"{speed:.2f} m/s")
-    again.plot([], [], color="0.3", lw=1.3, label="fatigue law")
+                       lw=0.9)
+        again.plot([], [], "-o", ms=4, mfc="white", color=colour, lw=1.3, label=f"{speed:.1f} m/s")
     again.set(xlim=(0, None), ylim=(0, None), xlabel="impacts of the same grain", ylabel="share that is broken",
-              title=f"Again and again, {1e3 * sizes[0]:g} mm")
-    again.legend(frameon=False, loc="lower right", ncol=2)
+              title=f"{1e3 * sizes[0]:g} mm again and again: points with 3 σ; lines the fatigue law")
+    again.legend(frameon=False, loc="lower right")
     for panel in (once, again):
         finish(panel)
     draw.save(figure, f"{folder}/drop_test.png")

@@ -13,7 +13,11 @@ import draw  # noqa: E402
 import numpy as np  # noqa: E402
 from draw import COLOUR_MAP, COLOURS, plt  # noqa: E402
 from matplotlib.collections import EllipseCollection  # noqa: E402
+from matplotlib.colors import ListedColormap  # noqa: E402
 from matplotlib.patches import Circle  # noqa: E402
+
+LEAST = 0.12  # [mm] smaller grains are drawn as large as that: two pixels
+DARK = ListedColormap(plt.get_cmap("viridis")(np.linspace(0, 0.85, 256)), "viridis without its light end")
 
 
 def finish(panel):
@@ -48,14 +52,14 @@ def mill(folder, shape):
     speed = np.linalg.norm(fields["velocity"], axis=1)
     # The large ones below, so that all are seen.
     order = np.argsort(-fields["radius"])
-    sizes = 2e3 * fields["radius"][order]
+    sizes = np.maximum(2e3 * fields["radius"][order], LEAST)
     shown = EllipseCollection(sizes, sizes, np.zeros_like(sizes), units="xy", offsets=1e3 * points[order, :2],
-                              offset_transform=grains.transData, cmap=COLOUR_MAP, lw=0)
+                              offset_transform=grains.transData, cmap=DARK, lw=0)
     shown.set_array(speed[order])
     shown.set_clim(0, np.percentile(speed, 99) if len(speed) else 1)
     grains.add_collection(shown)
     figure.colorbar(shown, ax=grains, label="speed of the grains [m/s]", extend="max", shrink=0.85)
-    grains.set_title(f"{len(points)} grains from above")
+    grains.set_title(f"{len(points)} grains from above, those below {LEAST:g} mm drawn as {LEAST:g} mm")
     chamber(grains, *shape)
 
     rows = draw.read_csv(f"{folder}/gas.csv")[1]
@@ -81,26 +85,22 @@ def curve(panel, path, label, colour):
 
 def milling(folder):
     figure, panels = plt.subplots(2, 2, figsize=(12.5, 8.6), constrained_layout=True)
-    (over_time, rates), (sizes, energies) = panels
+    (over_time, counts), (sizes, energies) = panels
     table = draw.read_csv(f"{folder}/sizes_over_time.csv")[1]
-    for first, name, colour in ((4, "grains in the mill", COLOURS[0]), (1, "dust", COLOURS[5])):
-        t = 1e3 * table[:, 0]
-        over_time.fill_between(t, 1e6 * table[:, first], 1e6 * table[:, first + 2], color=colour, alpha=0.2, lw=0)
-        over_time.plot(t, 1e6 * table[:, first + 1], color=colour, label=f"{name}: x50, band x10 to x90")
-    over_time.set(yscale="log", xlabel="time [ms]", ylabel="size [µm]", title="Sizes by mass", xlim=(0, None))
-    over_time.set_ylim(top=3 * over_time.get_ylim()[1])
-    over_time.legend(frameon=False, loc="upper right")
+    t, ten, half, ninety = 1e3 * table[:, 0], *(1e6 * table[:, k] for k in (4, 5, 6))
+    over_time.fill_between(t, ten, ninety, color=COLOURS[0], alpha=0.2, lw=0, label="x10 to x90")
+    over_time.plot(t, half, color=COLOURS[0], label="x50")
+    over_time.set(xlabel="time [ms]", ylabel="size [µm]", title="Grains in the mill, sizes by mass", xlim=(0, None))
+    over_time.set_ylim(0, 1.25 * np.nanmax(ninety))
+    over_time.legend(frameon=False, loc="upper right", ncol=2)
 
     table = draw.read_csv(f"{folder}/breakage.csv")[1]
-    t, step = 1e3 * table[1:, 0], np.diff(table[:, 0])
-    rates.plot(t, 1e-3 * np.diff(table[:, 2]) / step, color=COLOURS[0], label="at walls")
-    rates.plot(t, 1e-3 * np.diff(table[:, 3]) / step, color=COLOURS[5], label="in pairs")
-    rates.set(xlabel="time [ms]", ylabel="grains that break in a millisecond", title="Breakage", xlim=(0, None))
-    rates.set_ylim(0, 1.25 * rates.get_ylim()[1])
-    grains = rates.twinx()
-    grains.plot(t, table[1:, 1], color="0.5", ls="--", lw=1)
-    grains.set(ylabel="grains in the mill (dashed)", ylim=(0, None))
-    rates.legend(frameon=False, loc="upper left")
+    t = 1e3 * table[:, 0]
+    counts.plot(t, table[:, 1], color="0.5", ls="--", lw=1.2, label="grains in the mill")
+    counts.plot(t, table[:, 2], color=COLOURS[0], label="broken so far at walls")
+    counts.plot(t, table[:, 3], color=COLOURS[5], label="broken so far in pairs")
+    counts.set(xlabel="time [ms]", ylabel="grains", title="Breakage", xlim=(0, None), ylim=(0, None))
+    counts.legend(frameon=False, loc="upper left")
 
     curve(sizes, f"{folder}/grains.csv", "grains in the mill", COLOURS[0])
     curve(sizes, f"{folder}/product.csv", "product: dust and what left", COLOURS[5])
@@ -109,11 +109,15 @@ def milling(folder):
     sizes.legend(frameon=False, loc="upper left")
 
     table = draw.read_csv(f"{folder}/impacts.csv")[1]
-    at = np.sqrt(table[:, 0] * table[:, 1])
+    # Classes of a factor of 2, as steps: an empty one goes down to the axis.
+    edges = np.append(table[:, 0], table[-1:, 1])
+    least = table[:, 2:4][table[:, 2:4] > 0].min(initial=np.inf)
     for first, name, colour in ((2, "at walls", COLOURS[0]), (3, "in pairs", COLOURS[5])):
-        energies.plot(at, np.where(table[:, first] > 0, table[:, first], np.nan), color=colour, label=name)
+        energies.stairs(table[:, first], edges, baseline=None, color=colour, lw=1.5, label=name)
     energies.set(xscale="log", yscale="log", xlabel="energy of the impact m* v²/2 [J]",
-                 ylabel="impacts a second, by factors of 2", title="Impacts")
+                 ylabel="impacts a second in classes of a factor of 2", title="Impacts")
+    if np.isfinite(least):
+        energies.set_ylim(bottom=0.5 * least)  # half of one impact
     energies.legend(frameon=False, loc="upper left")
     for panel in panels.flat:
         finish(panel)

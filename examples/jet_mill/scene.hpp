@@ -33,6 +33,7 @@ struct Scene {
   double feed = 0.3e-3;                       // [m] diameter of the feed, +- 10 %
   double rate = 5e-4;                         // [kg/s] of it
   double strength = 0.4;                      // [N] median of grains of this size
+  double exponent = 1.2;                      // [-] strength goes with this power of the diameter
   double dust = 40e-6;                        // [m] fragments below it are dust
   double full_radius = 60e-6;                 // [m] smaller grains are softened; 0: none
   double restitution = 0.7, duration = 0.02;  // [-], [s]
@@ -154,7 +155,7 @@ auto contacts(const Scene& s) {
 inline auto breakage(const Scene& s) {
   return silt::Breakage{
       silt::LogLogisticStrength{
-          .median = s.strength, .at_diameter = 0.3e-3, .exponent = 1.2, .spread = 3},
+          .median = s.strength, .at_diameter = 0.3e-3, .exponent = s.exponent, .spread = 3},
       silt::HertzEquivalence{},
       silt::GaudinSchuhmann{.exponent = 0.8, .coarsest = 0.8, .refining = 0.3},
       silt::PowerFatigue{.kappa = 0.1, .psi = 3},

@@ -51,6 +51,9 @@ struct Outcome {
   silt::SizeTable all, product;
   double broken = 0;  // grains
 
+  void add(const Outcome& other) {
+    all.merge(other.all), product.merge(other.product), broken += other.broken;
+  }
   /// Largest difference of the shares finer than any size.
   double off(const Outcome& other) const { return largest(all, other.all); }
   double product_off(const Outcome& other) const { return largest(product, other.product); }

@@ -381,6 +381,7 @@ class ColourScale:
         finite = values[np.isfinite(values)] if len(values) else np.zeros(1)
         low, high = limits or ((finite.min(), finite.max()) if len(finite) else (0, 1))
         self.norm = Normalize(low, high if high > low else low + (abs(low) or 1))
+        self.whole = len(finite) > 0 and bool((finite == np.round(finite)).all())
         below, above = bool((finite < low).any()), bool((finite > high).any())
         self.extend = {(0, 0): "neither", (1, 0): "min", (0, 1): "max",
                        (1, 1): "both"}[below, above]
@@ -413,12 +414,12 @@ class ColourScale:
                     break
         else:
             axes.remove()
-            add_bar(figure, self.norm, COLOUR_MAP, self.label, box, self.extend)
+            add_bar(figure, self.norm, COLOUR_MAP, self.label, box, self.extend, self.whole)
 
 
-def add_bar(figure, norm, colours, label, box, extend="neither"):
+def add_bar(figure, norm, colours, label, box, extend="neither", whole=False):
     """A horizontal colour bar in `box`, or to the right of it and shorter where what stands there
-    already (the scale bar) would run into its numbers."""
+    already (the scale bar) would run into its numbers. With `whole` numbers at whole values alone."""
     bar = figure.colorbar(ScalarMappable(norm, colours), cax=figure.add_axes(box),
                           orientation="horizontal", extend=extend)
     bar.formatter = ScalarFormatter(useOffset=False)
@@ -427,7 +428,7 @@ def add_bar(figure, norm, colours, label, box, extend="neither"):
     bar.outline.set_linewidth(0.5)
     others = [axes for axes in figure.axes if axes is not bar.ax]
     for _ in range(20):
-        tick_apart(bar, figure)
+        tick_apart(bar, figure, whole)
         # A common factor stands at the label, not under the last number where the label may be.
         factor = bar.ax.xaxis.get_offset_text()
         if factor.get_text():
@@ -448,10 +449,10 @@ def add_bar(figure, norm, colours, label, box, extend="neither"):
     return bar
 
 
-def tick_apart(bar, figure):
+def tick_apart(bar, figure, whole):
     """As many numbers at a horizontal colour bar as leave a gap between each other."""
     for most in (8, 6, 5, 4, 3, 2):
-        bar.locator = MaxNLocator(most)
+        bar.locator = MaxNLocator(most, integer=whole)
         bar.update_ticks()
         figure.canvas.draw()
         boxes = [label.get_window_extent() for label in bar.ax.get_xticklabels() if label.get_text()]

@@ -368,9 +368,11 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   std::optional<detail::ShortestContact> shortest_contact(double speed) const;
   double longest_travel_step(double speed) const;
   bool is_step_too_long() const;
+  bool is_longer_than_own() const;
   bool is_longer_than_chosen() const;
   void check_walls() const;
   void keep_limits();
+  std::string step_advice() const;
   void keep_rates(double back);
   double time_at(std::int64_t step) const {
     return time_origin_ + static_cast<double>(step - step_origin_) * dt_;
@@ -425,6 +427,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   bool first_kick_ = true, kicked_ = false, observed_ = false, continued_ = false;
   detail::ContactsKept kept_ = detail::ContactsKept::Nothing;  // of the present step
   bool scene_changed_ = false;                                 // since the last run began
+  bool laws_changed_ = false;    // by what a restart accepted, until its run begins
   std::int64_t scene_step_ = 0;  // when particles or walls were last added
   detail::OverlapLimits overlap_limits_;
 };

@@ -176,4 +176,19 @@ TEST_CASE("bonds: makers and bond_near refuse what cannot be, with the number") 
       "ParallelBond.youngs_modulus = -1 [Pa]");
 }
 
+TEST_CASE("bonds: fibres whose next but one overlap, and negative gaps, are refused") {
+  using silt_test::has;
+  // They would be contacts that push from the start.
+  const auto said = silt_test::refusal([] { silt::fibre({0, 0, 0}, {4.9 * R, 0, 0}, 6, grain); });
+  has(said, "fibre: 6 spheres of radius 0.001 m");
+  has(said, " m are 0.00098");
+  has(said, "give fewer, or a smaller radius");
+  CHECK(silt::fibre({0, 0, 0}, {5 * R, 0, 0}, 6, grain).spheres.size() == 6);
+  CHECK(silt::fibre({0, 0, 0}, {0.5 * R, 0, 0}, 2, grain).bonds.size() == 1);
+  silt::Simulation sim{silt::Particles<silt::Sphere>{}, silt::Contacts<silt::HertzMindlin>{glass},
+                       glue};
+  has(silt_test::refusal([&] { silt::bond_near(sim, -1e-6); }), "bond_near: gap = -1e-06 [m] must");
+  CHECK(silt::bond_near(sim, 0) == 0);
+}
+
 }  // namespace bond_build_test

@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 // What bonds keep over many steps: energy, momentum, angular momentum.
 //   energy drifts        couples that are no derivative of an energy; turns that are summed up
+//   turns                from before the first bond; none
 //   momentum             forces and couples that are not opposite
 #include <cmath>
 
@@ -63,6 +64,30 @@ TEST_CASE(
   CHECK(bent > 0.2);
   CHECK(norm(end.momentum - start.momentum) < 1e-11 * norm(start.momentum));
   CHECK(norm(end.angular - start.angular) < 1e-9 * norm(start.angular));
+}
+
+TEST_CASE("bonds: spheres are turned from the first bond on, which begins without strain") {
+  silt::Simulation sim{
+      silt::Particles<silt::Sphere>{},
+      silt::Contacts<silt::HertzMindlin>{
+          {.youngs_modulus = 1e7, .poisson_ratio = 0.25, .restitution = 0.5, .friction = 0.5}},
+      silt::Bonds{silt::ParallelBond{.youngs_modulus = 1e6, .damping = 0}}};
+  silt::Particles<silt::Sphere> three;
+  for (int k = 0; k < 3; ++k)
+    three.add({.position = {3 * R * k, 0, 0}, .radius = R, .density = 2000});
+  sim.add(three);
+  sim.time_step = 1e-6, sim.threads = 1;
+  const double spin = 100;  // [rad/s]
+  for (silt::ParticleId id = 0; id < 3; ++id) sim.set_angular_velocity(id, {0, 0, spin});
+  sim.run(1e-3);
+  CHECK(sim.orientation(sim.find(2)) == silt::Quaternion{});
+  sim.bond(0, 1);
+  CHECK(sim.bond_energy() == 0);
+  sim.run(2e-3);
+  // By the series of sine and cosine and their rounding, 2000 times.
+  const auto q = sim.orientation(sim.find(2));
+  CHECK(2 * std::atan2(q.z, q.w) == near(spin * 2e-3).epsilon(1e-12));
+  CHECK(sim.bond_energy() > 0);  // both ends turn: the bond is sheared
 }
 
 }  // namespace bond_drift_test

@@ -1,6 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 #include <silt/boundary/cylinder.hpp>
 
+#include <silt/core/random.hpp>
+
 #include "support.hpp"
 
 namespace cylinder_test {
@@ -79,6 +81,23 @@ TEST_CASE("cylinder: close to the axis the normal stays across it") {
     CHECK(std::abs(dot(p.normal, axis)) < 1e-14);
     CHECK(p.distance == doctest::Approx(off - 0.5).epsilon(1e-14));
   }
+}
+
+TEST_CASE("cylinder: whatever the reach, a centre is found if it is nearer, and only then") {
+  silt::Random random(5);
+  int found = 0, missed = 0;
+  for (int n = 0; n < 20000; ++n) {
+    const Vec3d at{3 * random.uniform(-1, 1), 3 * random.uniform(-1, 1), 2 * random.uniform(-1, 1)};
+    const Cylinder& wall = n % 2 ? drum : shaft;
+    const double distance = only(wall, at).distance;
+    const double near = std::max(1e-12 * std::abs(distance), 1e-15);
+    for (const double off : {-0.7, -1e-3, -near, near, 1e-3, 0.7}) {
+      const bool within = !contacts(wall, at, distance + off).empty();
+      CHECK(within == (off > 0));
+      within ? ++found : ++missed;
+    }
+  }
+  CHECK(found == missed);
 }
 
 TEST_CASE("cylinder: bounds enclose the surface tightly") {

@@ -3,6 +3,9 @@
 // inlet and outlet, several materials.
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -107,7 +110,20 @@ TEST_CASE("breakage: softened, in single precision, through a periodic box with 
   CHECK(run(1) == run(2));
 }
 
-TEST_CASE("breakage: tables of the materials, which add up, and a restart keeps") {
+std::vector<std::string> lines_of(const std::string& path) {
+  std::ifstream in(path);
+  std::vector<std::string> all;
+  for (std::string line; std::getline(in, line);) all.push_back(line);
+  return all;
+}
+std::vector<double> numbers_of(const std::string& line) {
+  std::istringstream in(line);
+  std::vector<double> all;
+  for (std::string one; std::getline(in, one, ',');) all.push_back(std::stod(one));
+  return all;
+}
+
+TEST_CASE("breakage: counts and tables of the materials, which add up, and a restart keeps") {
   const auto scene = [] {
     auto ore = salt;
     ore.youngs_modulus = 3e9;
@@ -127,12 +143,23 @@ TEST_CASE("breakage: tables of the materials, which add up, and a restart keeps"
   sim.time_step = 1e-7;
   double of_salt = 0, of_ore = 0;  // [kg]
   for (const silt::ParticleId id : {0, 1, 2}) sim.break_particle(id);
-  sim.run(1e-6, silt::on_break(
-                    [&](const silt::BreakEvent& b) { (b.id % 2 ? of_ore : of_salt) += b.dust; }));
+  const auto csv = (std::filesystem::temp_directory_path() / "silt_breakage_tables.csv").string();
+  sim.run(1e-6, silt::on_break([&](const silt::BreakEvent& b) {
+            CHECK(b.material == b.id % 2);
+            CHECK(sim.material_name(b.material) ==
+                  (b.id % 2 ? "material 1 'ore'" : "material 0 'salt'"));
+            (b.material == 1 ? of_ore : of_salt) += b.dust;
+          }));
   sim.remove(3), sim.remove(4), sim.remove(5);
   CHECK(of_salt > 0);
   CHECK(of_ore > 0);
   const auto check = [&](const auto& of) {
+    // Catches counts of all, or of the other material.
+    CHECK(of.broken("salt") == 2);
+    CHECK(of.broken("ore") == 1);
+    CHECK(of.broken(silt::BreakCause::Asked, "salt") == 2);
+    CHECK(of.broken(silt::BreakCause::Wall, "salt") == 0);
+    CHECK(of.broken() == 3);
     CHECK(of.dust("salt").mass() == near(of_salt).epsilon(1e-13));
     CHECK(of.dust("ore").mass() == near(of_ore).epsilon(1e-13));
     CHECK(of.dust().number() == near(of.dust(0).number() + of.dust(1).number()).epsilon(1e-13));
@@ -149,11 +176,29 @@ TEST_CASE("breakage: tables of the materials, which add up, and a restart keeps"
   check(again);
   CHECK(again.left("ore").state() == sim.left("ore").state());
   std::filesystem::remove(file);
+  // The table over time goes on behind a restart, with the same columns.
+  again.run(1e-6, silt::breakage_table(csv, silt::every(1e-6)));
+  const auto lines = lines_of(csv);
+  std::filesystem::remove(csv);
+  CHECK(lines.size() >= 2);
+  CHECK(
+      lines.front() ==
+      "time [s],particles [-],broken at walls [-],broken in pairs [-],broken as asked [-],"
+      "present [kg],left [kg],dust [kg],broken of salt [-],present of salt [kg],left of salt [kg],"
+      "dust of salt [kg],broken of ore [-],present of ore [kg],left of ore [kg],dust of ore [kg]");
+  const auto row = numbers_of(lines.back());
+  CHECK(row.size() == 16);
+  CHECK(row[8] == 2);
+  CHECK(row[12] == 1);
+  for (const std::size_t k : {1, 2, 3})  // of all it is the sum
+    CHECK(row[4 + k] == near(row[8 + k] + row[12 + k]).epsilon(1e-12));
+  CHECK(row[10] == near(2165 * silt::sphere_volume(1e-3)).epsilon(1e-12));
   // Of one material the table is that of all.
   auto one = shower(1);
   one.time_step = 1e-7;
   one.break_particle(0), one.run(1e-6);
   CHECK(one.dust(0).mass() == one.dust().mass());
+  CHECK(one.broken(0) == 1);
 }
 
 }  // namespace breakage_compositions_test

@@ -1,12 +1,14 @@
 // silt - BSD-3-Clause, see LICENSE
 // Tables of sizes over time: classes, sums, quantiles, intervals that double, restored states.
-//   a size in the class beside, sums that lose digits, mass that is lost as intervals merge
+//   a size in the class beside, classes read as linear in x, sums that lose digits, mass that is
+//   lost as intervals merge
 #include <cmath>
 #include <limits>
 
 #include <doctest/doctest.h>
 
 #include <silt/breakage/size_table.hpp>
+#include <silt/breakage/t10_sizes.hpp>
 #include <silt/core/random.hpp>
 
 #include "near.hpp"
@@ -54,6 +56,33 @@ TEST_CASE("SizeTable: sums of 10 million additions, to 1e-12; of grains beside a
   // 10 s in 64 intervals of 1 ms that double.
   CHECK(table.bin_width() == near(0.256).epsilon(1e-14));
   CHECK(table.bins() == 40);
+}
+
+TEST_CASE("SizeTable: finer() is exact at edges and within 2 % inside a class") {
+  const silt::T10Sizes t10{.limit = 0.677, .rate = 0.029, .unit = silt::LoadUnit::Energy};
+  const silt::Broken parent{.diameter = 5e-3, .mass = 1, .strength = 1, .load = 20, .speed = 10};
+  const auto worst = [](const auto& finer) {
+    SizeTable table;
+    double below = 0, most = 0;
+    const int parts = 20000;
+    for (int k = 0; k < parts; ++k) {
+      const double a = 5e-3 * std::exp(-6.0 * (parts - k) / parts), b = a * std::exp(6.0 / parts);
+      table.add(std::sqrt(a * b), finer(b) - below, 1, 0), below = finer(b);
+    }
+    for (std::size_t k = 20; SizeTable::edge(k) < 5e-3; ++k)
+      CHECK(table.finer(SizeTable::edge(k)) == near(finer(SizeTable::edge(k))).epsilon(5e-4));
+    for (double x = 1e-4; x < 4.9e-3; x *= 1.01) {
+      CHECK(table.finer(x) > 0.99 * finer(x));  // at the kink at d/1.2
+      most = std::max(most, table.finer(x) / finer(x) - 1);
+    }
+    return most;
+  };
+  // The kink at d/10. Linear in x it would be 1 % there, and nothing for a share that goes as x.
+  const double kink = worst([&](double x) { return t10.finer(x, parent); });
+  CHECK(kink > 0.018);
+  CHECK(kink < 0.022);
+  // (1 + (sqrt(2) - 1)/2)/2^(1/4) = 1.0150 in the middle of a class.
+  CHECK(worst([](double x) { return x / 5e-3; }) == near(0.0150).epsilon(0.03));
 }
 
 TEST_CASE("SizeTable: intervals double and keep what came when") {

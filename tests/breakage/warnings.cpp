@@ -1,5 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
-// What is said at the end of a run in which nothing came near to breaking.
+// What is said at the end of a run in which nothing came near to breaking, or all burst.
+//   grains that were asked to break are counted; one sentence a run, with other counts each
 #include <string>
 #include <vector>
 
@@ -64,6 +65,34 @@ TEST_CASE("break_warnings: energies, and forces of contacts") {
   CHECK(with(silt::EnergyEquivalence{}, 6e-5).empty());
   has(with(silt::ForceEquivalence{}, 1e4).at(0), "strengths are in N");
   CHECK(with(silt::ForceEquivalence{}, 20).empty());
+}
+
+TEST_CASE("break_warnings: most that break do so under loads far above their strengths") {
+  const silt::BreakageRules rules{.dust_below = 0.3e-3};
+  auto in_mm = strong;
+  in_mm.at_diameter = 2;
+  std::vector<std::string> told;
+  auto hear = silt::on_warnings([&](const std::string& w) { told.push_back(w); });
+  auto sim = shower(40, policy(rules, in_mm));
+  sim.time_step = 1.5e-7, sim.guard.max_overlap = 0.9;
+  for (int again = 0; again < 3; ++again) sim.run(2e-4, hear);
+  REQUIRE(told.size() == 1);
+  has(told[0], "Breakage: most grains that broke did so under more than 100 times their strength");
+  has(told[0], "strengths are in N");
+  has(told[0], "at_diameter too: 2 mm is 0.002 m");
+  // Strengths of a twentieth, and grains that are asked to break.
+  CHECK(warned(shower(40, policy({.dust_below = 1e-3}, of_median(0.4)))).empty());
+  silt::BrokenLoads broken;
+  const std::vector<silt::BreakEvent> asked(
+      20, {.strength = 1, .load = 1000, .cause = silt::BreakCause::Asked});
+  broken.add(asked);
+  CHECK_FALSE(broken.is_odd());
+  std::vector<silt::BreakEvent> hit(10, {.strength = 1, .load = 1000});
+  for (std::size_t k = 0; k < 5; ++k) hit[k].load = 99;
+  broken.add(hit);
+  CHECK_FALSE(broken.is_odd());
+  broken.add({hit.back()});
+  CHECK(broken.is_odd());
 }
 
 }  // namespace breakage_warnings_test

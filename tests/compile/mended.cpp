@@ -27,6 +27,9 @@ namespace bonds_by_gear {
 namespace bond_without_policy {
 #include "refused/bond_without_policy.cpp"
 }
+namespace break_without_policy {
+#include "refused/break_without_policy.cpp"
+}
 namespace foreign_option {
 #include "refused/foreign_option.cpp"
 }

@@ -78,6 +78,13 @@ TEST_CASE("wall law: viscous layer, logarithm, and its eddy viscosity") {
           near((WallLaw::y_plus(u + e) - WallLaw::y_plus(u - e)) / (2 * e)).epsilon(1e-6));
   }
   CHECK(WallLaw::u_plus(0) == 0);
+  // By a table between 1e-4 and 1e12, by a search beyond; 1e-10 is the search's own tolerance.
+  for (double x = 1e-9; x < 1e15; x *= 1.7) {
+    CAPTURE(x);
+    const double u = WallLaw::u_plus(x), v = WallLaw::u_plus_at(x);
+    CHECK(u * WallLaw::y_plus(u) == near(x).epsilon(1e-9));
+    CHECK(WallLaw::y_plus(v) == near(x).epsilon(1e-9));
+  }
   CHECK(WallLaw::u_plus(1) == near(1).epsilon(1e-3));  // u+ = y+
   // At y+ of some 1000 what Spalding's law adds to the logarithm's exponential is below 2 % of it.
   const double u = WallLaw::u_plus(1e3 * (2.5 * std::log(1e3) + 5.5));

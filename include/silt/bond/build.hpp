@@ -49,13 +49,19 @@ struct BondedSpheres {
 };
 
 /// `count` equal spheres side by side from the centre `from` to the centre `to` [m], each bonded to
-/// the next. InputError: fewer than two, or no way between.
+/// the next. InputError: fewer than two, no way between, or so close that spheres two apart, which
+/// no bond keeps from being a contact, overlap.
 inline BondedSpheres fibre(const Vec3d& from, const Vec3d& to, std::size_t count,
                            const BondedGrain& like) {
   require(count >= 2, "fibre: count = ", count, " [-] must be at least 2");
   const double length = norm(to - from);
   require(std::isfinite(length) && length > 0, "fibre: from ", from, " m to ", to,
           " m there is no way");
+  const double apart = length / static_cast<double>(count - 1);
+  require(count == 2 || apart >= like.radius * (1 - 1e-9), "fibre: ", count, " spheres of radius ",
+          like.radius, " m from ", from, " m to ", to, " m are ", apart,
+          " m apart, and those two apart overlap; give fewer, or a smaller radius: at least one "
+          "radius from centre to centre");
   BondedSpheres all;
   for (std::size_t k = 0; k < count; ++k) {
     all.spheres.push_back(
@@ -201,9 +207,10 @@ ParticleId add_bonded(Sim& sim, const BondedSpheres& all) {
 
 /// Bonds all spheres whose surfaces are at most `gap` [m] apart and not bonded yet, unless both are
 /// fixed; with `chosen(id, id)` those alone for which it is true. Returns how many bonds were made.
+/// InputError: `gap` is negative or no number.
 template <class Sim, class Chosen>
 std::size_t bond_near(Sim& sim, double gap, const Chosen& chosen) {
-  require(std::isfinite(gap), "bond_near: gap = ", gap, " [m] must be finite");
+  require_not_negative("bond_near: gap", gap, "m");
   AlignedVector<PositionRow> grown;
   std::vector<std::size_t> place;
   for (std::size_t k = 0; k < sim.rows(); ++k) {

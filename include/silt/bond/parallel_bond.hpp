@@ -93,6 +93,7 @@ struct ParallelBond {
   }
   /// The lanes that hold for sure, by sums of components in place of lengths: without roots and
   /// divisions, for the many bonds that are far from their strength.
+  bool holds_always() const { return std::isinf(tensile_strength) && std::isinf(shear_strength); }
   template <class Real>
   SILT_INLINE auto holds(const BondAnswer<Real>& a, const Vec3<Real>& n,
                          const Numbers<Real>& p) const {

@@ -81,18 +81,18 @@ SILT_INLINE BondStrain<Real> strain_of(const BondRest<Real>& rest, const BondedE
   const Real sign = select(r.w < Real(0), Real(-1), one);
   BondStrain<Real> s;
   s.r0 = sign * r.w, s.w = r.vector() * sign;
-  const Vec3<Real> of_i = rotate(like_i, rest.apart), of_j = rotate(ends.orientation_j, rest.apart);
-  const Vec3<Real> b_i = of_i * -rest.share, b_j = of_j * (one - rest.share);
-  const Vec3<Real> gap = ends.apart + b_i - b_j;
-  s.arm_i = b_i - gap * half, s.arm_j = b_j + gap * half;
-  s.shift = gap;
+  // Turned by r, of_j is of_j + 2 r0 w x of_j + 2 w x (w x of_j); by sqrt(r) = (1 + r0, w) /
+  // sqrt(2 (1 + r0)), which turns the normal of j halfway to that of i, it is
+  // of_j + w x of_j + w x (w x of_j) / (1 + r0).
+  const Vec3<Real> of_j = rotate(ends.orientation_j, rest.apart);
+  const Vec3<Real> once = cross(s.w, of_j), twice = cross(s.w, once);
+  const Vec3<Real> more = (once * s.r0 + twice) * Real(2);
+  s.normal = (of_j + once + twice * (one / (one + s.r0))) * rest.per_length;
+  s.shift = ends.apart - of_j - more * rest.share;
+  s.arm_i = (of_j + more) * -rest.share - s.shift * half, s.arm_j = s.arm_i + ends.apart;
   s.turn = s.w * (Real(2.0 / 3) * (Real(4) - s.r0));
   s.shift_rate = ends.velocity + cross(ends.spin_i, s.arm_i) - cross(ends.spin_j, s.arm_j);
   s.turn_rate = ends.spin_i - ends.spin_j;
-  // sqrt(r) = (1 + r0, w) / sqrt(2 (1 + r0)) turns the normal of j halfway to that of i.
-  const Vec3<Real> t = s.w * (one / (one + s.r0));
-  const Vec3<Real> u = cross(s.w, of_j) + cross(s.w, cross(t, of_j));
-  s.normal = (of_j + u) * rest.per_length;
   return s;
 }
 
@@ -108,9 +108,9 @@ SILT_INLINE BondLoads<Real> loads_of(const BondStrain<Real>& s, const Vec3<Real>
                                      const Vec3<Real>& couple, const Vec3<Real>& rate_force,
                                      const Vec3<Real>& rate_couple) {
   const Real per = Real(1) / (Real(1) + s.r0);
-  const Vec3<Real> turned =
-      (couple * (Real(4) - s.r0) + s.w * ((Real(2) * s.r0 - Real(3)) * per * dot(s.w, couple))) *
-      Real(1.0 / 3);
+  const Real third(1.0 / 3);
+  const Vec3<Real> turned = couple * (third * (Real(4) - s.r0)) +
+                            s.w * ((Real(2.0 / 3) * s.r0 - Real(1)) * per * dot(s.w, couple));
   const Vec3<Real> of_frame = cross(cross(s.shift, force), s.w) * (Real(0.5) * per);
   const Vec3<Real> F = force + rate_force, M = turned + of_frame + rate_couple;
   return {F, cross(s.arm_i, F) + M, -cross(s.arm_j, F) - M};

@@ -45,6 +45,7 @@ struct Frustum {
 
   int contacts(const Vec3d& centre, double reach, SurfacePoint* out) const {
     const Vec3d along = to - from;
+    if (is_far(centre - from, along, reach)) return 0;
     const double length = norm(along);
     const Vec3d axis = along * (1 / length);
     const Vec3d arm = centre - from;
@@ -80,6 +81,19 @@ struct Frustum {
     Vec3d direction;  // [-] unit, across the axis
     double distance;  // [m] from the axis
   };
+
+  /// True, without a root, for most centres that are farther than `reach` from a straight wall.
+  bool is_far(const Vec3d& arm, const Vec3d& along, double reach) const {
+    if (radius_from != radius_to) return false;
+    constexpr double rounding = 1e-9;
+    const double L2 = dot(along, along), z = dot(arm, along);  // [m2]
+    const double across2 = dot(arm, arm) * L2 - z * z;         // [m4]
+    const double edge = side == Side::Outside ? radius_from + reach : radius_from - reach;
+    if (!(edge > 0)) return false;
+    const double margin = rounding * dot(arm, arm) * L2;
+    return side == Side::Outside ? across2 - margin > edge * edge * L2
+                                 : across2 + margin < edge * edge * L2;
+  }
 
   /// Radial unit vector and distance of a centre `arm` from the axis' beginning. On the axis, to
   /// round-off, every direction is as good: the one nearest to the least aligned coordinate axis.

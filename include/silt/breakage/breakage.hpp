@@ -128,10 +128,13 @@ enum class BreakCause {
   Wall,  // impact on a wall
   Asked  // break_particle()
 };
+/// How many broke, by BreakCause.
+using BreakCounts = std::array<std::uint64_t, 3>;
 
 /// A particle that broke, for on_break().
 struct BreakEvent {
   ParticleId id = no_particle;    // that it had
+  std::size_t material = 0;       // Simulation::material_name() has its name
   double time = 0;                // [s]
   Vec3d position{0, 0, 0};        // [m]
   Vec3d velocity{0, 0, 0};        // [m/s]

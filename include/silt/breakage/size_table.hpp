@@ -43,7 +43,10 @@ class CompensatedSum {
 /// one width, which doubles (bins merge in pairs) whenever a time lies beyond the last.
 ///
 /// Source: the classes are those of Brosh, Kalman and Levy 2014.
-/// Valid:  sums of mass and number of 1e7 additions are right to 1e-12 (computed: 1e-15).
+/// Valid:  sums of mass and number of 1e7 additions are right to 1e-12 (computed: 1e-15). At edges
+///         finer() is as exact; within a class it is off, mostly too high: by up to 1.5 % of itself
+///         where the share goes as x, by 2 % at the kink that T10Sizes has at d/10 of parents of
+///         one size d.
 /// Units:  SI.
 /// Errors: InputError naming field, value, unit and allowed range. A restored state is taken whole
 ///         or refused whole.
@@ -126,6 +129,11 @@ class SizeTable {
 
   /// [m] the largest diameter that was added, or that include() has told of.
   double largest() const { return largest_; }
+  /// [m] where class k ends: its upper edge, of the last one the largest diameter.
+  double end_of(std::size_t k) const {
+    if (k + 1 < classes_.size()) return edge(k + 1);
+    return std::clamp(largest_, edge(k) + 1e-12 * edge(k + 1), edge(k + 1));
+  }
   /// Tells that what was added to the last class reaches up to this diameter [m].
   void include(double diameter) { largest_ = std::max(largest_, diameter); }
 
@@ -209,11 +217,6 @@ class SizeTable {
     std::array<CompensatedSum, most_bins> in_time;
   };
 
-  /// [m] where class k ends: its upper edge, of the last one the largest diameter.
-  double end_of(std::size_t k) const {
-    if (k + 1 < classes_.size()) return edge(k + 1);
-    return std::clamp(largest_, edge(k) + 1e-12 * edge(k + 1), edge(k + 1));
-  }
   const Class& at(std::size_t k) const {
     require(k < classes_.size(), "SizeTable: class ", k, ": there are ", classes_.size(),
             ", counted from 0");

@@ -31,6 +31,12 @@ struct Row8 {
     alignas(64) const Scalar values[8] = {low, low, low, low_last, high, high, high, high_last};
     return load(values);
   }
+#if defined(__AVX__)
+  /// Two rows of four, the first one low.
+  static SILT_INLINE Row8 of(const Row4<Arch, Scalar>& low, const Row4<Arch, Scalar>& high) {
+    return {detail::side_by_side(low.pack[0], high.pack[0])};
+  }
+#endif
   SILT_INLINE void store(Scalar* aligned) const { silt::store(aligned, pack); }
   friend SILT_INLINE Row8 operator+(const Row8& a, const Row8& b) { return {a.pack + b.pack}; }
   friend SILT_INLINE Row8 operator*(const Row8& a, const Row8& b) { return {a.pack * b.pack}; }

@@ -105,7 +105,7 @@ class Engine : public Tables<Composition> {
   void join_pairs(const Domain& domain, double time_step, std::span<const IndexPair> pairs) {
     std::array<Scalar, ContactsType::history> start{};
     start[ContactsType::offset_from] = static_cast<Scalar>(whole_overlap);
-    lists.join_pairs(scene(domain, time_step), pairs, start);
+    lists.join_pairs(scene(domain, time_step), pairs, start), offsets_ = true;
   }
   /// Loads on the rows, 4 * chunks Scalars each, between the contacts and the integration.
   Scalar* load_sums() { return sums_.data(); }
@@ -202,7 +202,7 @@ class Engine : public Tables<Composition> {
     const bool large = Pipeline::working_set(particles.size(), lists.pairs.size()) > beyond_caches;
     return Pipeline::run({particles.position.data(), particles.pair_motion(), kinds_.data(),
                           particles.largest_radius, particles.smallest_radius, times, large,
-                          share_pairs(domain), &fluxes_},
+                          share_pairs(domain), &fluxes_, offsets_},
                          lists.pairs, coefficients, domain, sums_.data(), *team_);
   }
   void take(const Tally<ContactsType>& tally) {
@@ -340,6 +340,7 @@ class Engine : public Tables<Composition> {
     record.forget();
     this->forget_places();
     lists.restored();
+    offsets_ |= any_offset<ContactsType>(lists.pairs);
   }
 
   std::size_t bytes() const {
@@ -420,6 +421,7 @@ class Engine : public Tables<Composition> {
   [[no_unique_address]] std::conditional_t<deforms<Domain>, DeformingBox::Kick, NoKick> box_kick_{};
   AlignedVector<Scalar> sums_;  // [N] load on each particle, zero between the steps
   std::vector<std::uint16_t> kinds_;
+  bool offsets_ = Composition::has_breakage;  // of pairs: there may be some (WithOffset)
 };
 
 }  // namespace silt::detail

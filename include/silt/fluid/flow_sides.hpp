@@ -152,24 +152,29 @@ class FlowSides {
       for (int end = 0; end < 2; ++end) {
         const Side& side = at(e, end);
         const bool free = open(e, end), slips = free || std::holds_alternative<FreeSlip>(side.kind);
-        const bool flows_in = std::holds_alternative<Inflow>(side.kind);
-        const auto& given = side.given[static_cast<std::size_t>(c)];
-        for_line(
-            e, end,
-            [&](Line line, std::size_t k) {
-              line.data = &u;
-              if (e == c) {
-                if (!free) line(0) = flows_in ? given[k] / line.inner_cell(eps) : given[k];
-                // What flows back in brings nothing along.
-                const double edge = line(0), out = end == 1 ? edge : -edge;
-                line(1) = free ? (out > 0 ? edge : 0) : 2 * edge - line(-1);
-                line(2) = line(1);
-              } else {
-                const double twice = slips ? 0 : 2 * given[k], sign = slips ? 1 : -1;
-                line(1) = twice + sign * line(0), line(2) = twice + sign * line(-1);
-              }
-            },
-            e == c);
+        const double* const given = side.given[static_cast<std::size_t>(c)].data();
+        const std::ptrdiff_t out = outwards(e, end);
+        if (e != c) {
+          if (slips)
+            for_edge(u, e, end, false,
+                     [&](double* v, std::size_t) { v[out] = v[0], v[2 * out] = v[-out]; });
+          else
+            for_edge(u, e, end, false, [&](double* v, std::size_t k) {
+              v[out] = 2 * given[k] - v[0], v[2 * out] = 2 * given[k] - v[-out];
+            });
+        } else if (free) {
+          for_edge(u, e, end, true, [&](double* v, std::size_t) {
+            // What flows back in brings nothing along.
+            v[out] = v[2 * out] = (end == 1 ? v[0] : -v[0]) > 0 ? v[0] : 0;
+          });
+        } else {
+          const bool flows_in = std::holds_alternative<Inflow>(side.kind);
+          const double* const beside = eps.values().data() - (end == 1 ? out : 0);
+          for_edge(u, e, end, true, [&](double* v, std::size_t k) {
+            v[0] = flows_in ? given[k] / beside[v - u.values().data()] : given[k];
+            v[out] = v[2 * out] = 2 * v[0] - v[-out];
+          });
+        }
       }
     }
   }
@@ -178,13 +183,8 @@ class FlowSides {
     f.wrap_ghosts();
     for (int e = 0; e < 3; ++e)
       for (int end = 0; end < 2 && !grid_.periodic(e); ++end)
-        for_line(
-            e, end,
-            [&](Line line, std::size_t) {
-              line.data = &f;
-              line(1) = line(0);
-            },
-            e == c);
+        for_edge(f, e, end, e == c,
+                 [out = outwards(e, end)](double* v, std::size_t) { v[out] = v[0]; });
   }
   /// Ghosts of a cell field: of the next cell.
   void fill_cells(CellField& f) const {
@@ -197,13 +197,10 @@ class FlowSides {
     for (int e = 0; e < 3; ++e)
       for (int end = 0; end < 2; ++end)
         if (through(e, end) && !open(e, end))
-          for_line(
-              e, end,
-              [&](Line line, std::size_t) {
-                line.data = &f;
-                line(1) = line(2) = value(e, end);
-              },
-              false);
+          for_edge(f, e, end, false,
+                   [out = outwards(e, end), given = value(e, end)](double* v, std::size_t) {
+                     v[out] = v[2 * out] = given;
+                   });
   }
   /// Mean speed across an inflow [m/s], weighted with itself.
   double inflow_speed(int e, int end) const {
@@ -244,17 +241,39 @@ class FlowSides {
   const Side& at(int e, int end) const {
     return sides_[static_cast<std::size_t>(e)][static_cast<std::size_t>(end)];
   }
-  /// Calls visit(line, k) for all values at a side, ghosts of other directions included. `faces`:
-  /// the field stands on the faces of direction e.
+  /// From a value to the next one out of the box, in a field's memory.
+  std::ptrdiff_t outwards(int e, int end) const { return end == 0 ? -stride(e) : stride(e); }
+  std::ptrdiff_t stride(int e) const {
+    return e == 0   ? 1
+           : e == 1 ? static_cast<std::ptrdiff_t>(grid_.row_stride())
+                    : static_cast<std::ptrdiff_t>(grid_.plane_stride());
+  }
+  /// Calls visit(value, k) for the last values inside, or on the side, of all lines of a field that
+  /// cross a side, ghosts of other directions included. `faces`: it stands on faces of direction e.
   template <class Visit>
-  void for_line(int e, int end, const Visit& visit, bool faces) const {
+  void for_edge(CellField& f, int e, int end, bool faces, const Visit& visit) const {
+    constexpr int g = Grid::ghost;
+    const int a = (e + 1) % 3, b = (e + 2) % 3;
+    const auto& n = grid_.cells();
+    int from[3] = {-g, -g, -g};
+    from[e] = end == 0 ? 0 : n[static_cast<std::size_t>(e)] - (faces ? 0 : 1);
+    double* row = &f(from[0], from[1], from[2]);
+    std::size_t k = 0;
+    for (int y = -g; y < n[static_cast<std::size_t>(b)] + g; ++y, row += stride(b)) {
+      double* value = row;
+      for (int x = -g; x < n[static_cast<std::size_t>(a)] + g; ++x, ++k, value += stride(a))
+        visit(value, k);
+    }
+  }
+  /// Calls visit(line, k) in the same order.
+  template <class Visit>
+  void for_line(int e, int end, const Visit& visit) const {
     constexpr int g = Grid::ghost;
     const int a = (e + 1) % 3, b = (e + 2) % 3;
     const auto& n = grid_.cells();
     std::size_t k = 0;
-    Line line{nullptr, {0, 0, 0}, e, 0, 0};
-    const int last = n[static_cast<std::size_t>(e)] - (faces ? 0 : 1);
-    line.inner = end == 0 ? 0 : last, line.outward = end == 0 ? -1 : 1;
+    Line line{{0, 0, 0}, e};
+    line.at[e] = end == 0 ? 0 : n[static_cast<std::size_t>(e)] - 1;
     for (int y = -g; y < n[static_cast<std::size_t>(b)] + g; ++y)
       for (int x = -g; x < n[static_cast<std::size_t>(a)] + g; ++x, ++k) {
         line.at[a] = x, line.at[b] = y;
@@ -271,13 +290,9 @@ class FlowSides {
       for (int end = 0; end < 2; ++end) {
         const std::optional<double> held = on_side(e, end);
         const double twice = 2 * held.value_or(0), sign = held ? -1 : 1;
-        for_line(
-            e, end,
-            [&](Line line, std::size_t) {
-              line.data = &f;
-              line(1) = line(2) = twice + sign * line(0);
-            },
-            false);
+        for_edge(f, e, end, false, [&, out = outwards(e, end)](double* v, std::size_t) {
+          v[out] = v[2 * out] = twice + sign * v[0];
+        });
       }
     }
   }
@@ -295,15 +310,12 @@ class FlowSides {
   std::vector<char> beyond(const std::function<double(const Vec3d&)>& outline, int e,
                            int end) const {
     std::vector<char> out;
-    for_line(
-        e, end,
-        [&](const Line& line, std::size_t) {
-          const Vec3d x = place(line, end, 3);
-          const double away = outline(x);
-          require(!std::isnan(away), "FlowSolver: Inflow.outline is no number at ", x, " m");
-          out.push_back(away > 0 ? 0 : 1);
-        },
-        false);
+    for_line(e, end, [&](const Line& line, std::size_t) {
+      const Vec3d x = place(line, end, 3);
+      const double away = outline(x);
+      require(!std::isnan(away), "FlowSolver: Inflow.outline is no number at ", x, " m");
+      out.push_back(away > 0 ? 0 : 1);
+    });
     return out;
   }
   /// Velocities that a side gives to component c, at all values for_line() visits.
@@ -311,27 +323,23 @@ class FlowSides {
     const auto* const wall = std::get_if<NoSlip>(&side);
     const auto* const in = std::get_if<Inflow>(&side);
     std::vector<double> out;
-    for_line(
-        e, end,
-        [&](const Line& line, std::size_t) {
-          Vec3d v{0, 0, 0};
-          if (wall != nullptr) v = wall->velocity;
-          if (in != nullptr) {
-            const Vec3d x = place(line, end, c);
-            const bool passed = !in->outline || in->outline(x) > 0;
-            if (passed)
-              v = in->velocity_in_time ? in->velocity_in_time(x, time_)
-                  : in->profile        ? in->profile(x)
-                                       : in->velocity;
-          }
-          const double component = along(v, c);
-          require(
-              std::isfinite(component), "FlowSolver: a side is given the velocity ", component,
+    for_line(e, end, [&](const Line& line, std::size_t) {
+      Vec3d v{0, 0, 0};
+      if (wall != nullptr) v = wall->velocity;
+      if (in != nullptr) {
+        const Vec3d x = place(line, end, c);
+        const bool passed = !in->outline || in->outline(x) > 0;
+        if (passed)
+          v = in->velocity_in_time ? in->velocity_in_time(x, time_)
+              : in->profile        ? in->profile(x)
+                                   : in->velocity;
+      }
+      const double component = along(v, c);
+      require(std::isfinite(component), "FlowSolver: a side is given the velocity ", component,
               in != nullptr && in->velocity_in_time ? text(" m/s at t = ", time_, " s") : " m/s",
               "; give finite numbers");
-          out.push_back(component);
-        },
-        false);
+      out.push_back(component);
+    });
     return out;
   }
   static double along(const Vec3d& v, int c) { return c == 0 ? v.x : c == 1 ? v.y : v.z; }
@@ -361,26 +369,23 @@ class FlowSides {
     const auto& n = grid_.cells();
     double passes = 0, both_ways = 0, wanted = 0;  // [m3/s]
     int faces = 0;
-    for_line(
-        e, end,
-        [&](const Line& line, std::size_t k) {
-          for (const int c : {a, b})
-            if (line.at[c] < 0 || line.at[c] >= n[static_cast<std::size_t>(c)]) return;
-          int face[3] = {line.at[0], line.at[1], line.at[2]};
-          face[e] = end == 0 ? 0 : n[static_cast<std::size_t>(e)];
-          if (const double share = area(e, face[0], face[1], face[2]); share > 0) {
-            const double speed = in.velocity_in_time
-                                     ? (side.beyond.empty() || side.beyond[k] == 0 ? 1 : 0)
-                                     : inwards * side.given[static_cast<std::size_t>(e)][k];
-            const double one = speed * share * h[a] * h[b];
-            passes += one, both_ways += std::abs(one);
-            if (side.beyond.empty() || side.beyond[k] == 0) ++faces;
-          }
-          if (in.rate || in.rate_in_time) return;
-          const Vec3d x = place(line, end, 3);
-          wanted += integral_inside<16>(along(x, a), along(x, b), h[a], h[b], distance, flux);
-        },
-        false);
+    for_line(e, end, [&](const Line& line, std::size_t k) {
+      for (const int c : {a, b})
+        if (line.at[c] < 0 || line.at[c] >= n[static_cast<std::size_t>(c)]) return;
+      int face[3] = {line.at[0], line.at[1], line.at[2]};
+      face[e] = end == 0 ? 0 : n[static_cast<std::size_t>(e)];
+      if (const double share = area(e, face[0], face[1], face[2]); share > 0) {
+        const double speed = in.velocity_in_time
+                                 ? (side.beyond.empty() || side.beyond[k] == 0 ? 1 : 0)
+                                 : inwards * side.given[static_cast<std::size_t>(e)][k];
+        const double one = speed * share * h[a] * h[b];
+        passes += one, both_ways += std::abs(one);
+        if (side.beyond.empty() || side.beyond[k] == 0) ++faces;
+      }
+      if (in.rate || in.rate_in_time) return;
+      const Vec3d x = place(line, end, 3);
+      wanted += integral_inside<16>(along(x, a), along(x, b), h[a], h[b], distance, flux);
+    });
     if (in.rate || in.rate_in_time) wanted = in.rate.value_or(1);
     const double factor = inflow_factor(wanted, passes, both_ways, faces, e, end);
     for (auto& given : side.given)

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <utility>
 
 #include <silt/core/error.hpp>
 
@@ -32,27 +35,13 @@ struct WallLaw {
   }
   /// u+ at a place with u y / nu = u+ y+ = `reynolds`.
   static double u_plus(double reynolds) {
-    if (!(reynolds > 0)) return 0;
-    // From above, where the product is convex.
-    double u = std::min(std::sqrt(reynolds), std::log(1 + reynolds) / kappa + B);
-    for (int n = 0; n < 50; ++n) {
-      const double y = y_plus(u);
-      const double change = (u * y - reynolds) / (y + u * (1 + eddy(u)));
-      u -= change;
-      if (std::abs(change) < 1e-10 * u) break;
-    }
-    return u;
+    static const Table table(searched);
+    return table.covers(reynolds) ? newton(table(reynolds), reynolds) : searched(reynolds);
   }
   /// u+ at a distance y+.
   static double u_plus_at(double distance) {
-    if (!(distance > 0)) return 0;
-    double u = std::min(distance, std::log(1 + distance) / kappa + B);  // from above, as y+ is
-    for (int n = 0; n < 50; ++n) {
-      const double change = (y_plus(u) - distance) / (1 + eddy(u));
-      u -= change;
-      if (std::abs(change) < 1e-10 * u) break;
-    }
-    return u;
+    static const Table table(searched_at);
+    return table.covers(distance) ? newton_at(table(distance), distance) : searched_at(distance);
   }
 
  private:
@@ -60,6 +49,63 @@ struct WallLaw {
     static const double value = std::exp(-kappa * B);
     return value;
   }
+  /// y+ and dy+/du+.
+  static std::pair<double, double> height(double u_plus) {
+    const double k = kappa * u_plus, e = lift() * (std::exp(k) - 1 - k - k * k / 2);
+    return {u_plus + e - lift() * k * k * k / 6, 1 + kappa * e};
+  }
+  static double newton(double u, double reynolds) {
+    const auto [y, slope] = height(u);
+    return u - (u * y - reynolds) / (y + u * slope);
+  }
+  static double newton_at(double u, double distance) {
+    const auto [y, slope] = height(u);
+    return u - (y - distance) / slope;
+  }
+  /// From above, where both are convex.
+  static double searched(double reynolds) {
+    if (!(reynolds > 0)) return 0;
+    return solved(reynolds, std::min(std::sqrt(reynolds), std::log(1 + reynolds) / kappa + B),
+                  newton);
+  }
+  static double searched_at(double distance) {
+    if (!(distance > 0)) return 0;
+    return solved(distance, std::min(distance, std::log(1 + distance) / kappa + B), newton_at);
+  }
+  template <class Newton>
+  static double solved(double of, double u, const Newton& next) {
+    for (int n = 0; n < 50; ++n) {
+      const double last = u;
+      u = next(last, of);
+      if (std::abs(u - last) < 1e-10 * u) break;
+    }
+    return u;
+  }
+
+  /// ln u+ over the logarithm of what it is searched by, cubic between 32 values a factor of e: its
+  /// error, below 1e-7, is squared by one step of Newton's.
+  class Table {
+   public:
+    explicit Table(double (*of)(double)) {
+      for (int k = 0; k < count; ++k) values_[at(k)] = std::log(of(std::exp(from + k / density)));
+    }
+    bool covers(double x) const { return x > least && x < most; }
+    double operator()(double x) const {
+      const double place = (std::log(x) - from) * density;
+      const int k = std::clamp(static_cast<int>(place), 1, count - 3);
+      const double t = place - k, *const v = &values_[at(k)];
+      // Lagrange, through four.
+      return std::exp(v[-1] * (-t * (t - 1) * (t - 2) / 6) +
+                      v[0] * ((t + 1) * (t - 1) * (t - 2) / 2) +
+                      v[1] * (-(t + 1) * t * (t - 2) / 2) + v[2] * ((t + 1) * t * (t - 1) / 6));
+    }
+
+   private:
+    static constexpr double from = -10, density = 32, least = 1e-4, most = 1e12;
+    static constexpr int count = 1216;  // to exp(28)
+    static std::size_t at(int k) { return static_cast<std::size_t>(k); }
+    std::array<double, count> values_{};
+  };
 };
 
 /// Turbulence by Prandtl's mixing length, as measured in pipes and between plates:

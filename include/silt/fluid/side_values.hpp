@@ -40,22 +40,10 @@ struct SideValues {
   }
 };
 
-/// Values from a side outwards: 0 is the last one inside (or on it), 1 and 2 the ghosts.
+/// A line of values across a side, of direction e: the cell at the side.
 struct SideLine {
-  CellField* data;
   int at[3];
-  int e, inner, outward;
-  double& operator()(int k) const {
-    int x[3] = {at[0], at[1], at[2]};
-    x[e] = inner + k * outward;
-    return (*data)(x[0], x[1], x[2]);
-  }
-  /// Of the line of a face at the side: the value of the cell beside it.
-  double inner_cell(const CellField& of) const {
-    int x[3] = {at[0], at[1], at[2]};
-    x[e] = outward < 0 ? inner : inner - 1;
-    return of(x[0], x[1], x[2]);
-  }
+  int e;
 };
 
 /// Refuses an inflow that is both constant and a function of time.

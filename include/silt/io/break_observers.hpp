@@ -3,9 +3,12 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -55,26 +58,67 @@ detail::BreakObserver<Action> on_break(Action action) {
   return detail::BreakObserver<Action>(std::move(action));
 }
 
-/// Appends a row to a CSV table at the times of the schedule: time [s], particles, how many broke
-/// at walls, in pairs and as asked, and the mass [kg] that is present, has left, and is dust.
+namespace detail {
+
+/// The columns of breakage_table().
+template <class Sim>
+std::vector<std::string> columns_of_breakage(const Sim& sim) {
+  std::vector<std::string> all{"time [s]",
+                               "particles [-]",
+                               "broken at walls [-]",
+                               "broken in pairs [-]",
+                               "broken as asked [-]",
+                               "present [kg]",
+                               "left [kg]",
+                               "dust [kg]"};
+  if constexpr (Sim::ContactsType::several_materials)
+    for (std::size_t k = 0; k < sim.contacts().materials(); ++k) {
+      const std::string_view name = sim.contacts().given_name(k);
+      const std::string of = name.empty() ? text("material ", k) : std::string(name);
+      for (const auto& [what, unit] : {std::pair{"broken of ", " [-]"},
+                                       {"present of ", " [kg]"},
+                                       {"left of ", " [kg]"},
+                                       {"dust of ", " [kg]"}})
+        all.push_back(what + of + unit);
+    }
+  return all;
+}
+template <class Sim>
+std::vector<double> row_of_breakage(const Sim& sim) {
+  const auto number = [](auto count) { return static_cast<double>(count); };
+  const MassBalance m = sim.mass_balance();
+  std::vector<double> row{sim.time(),
+                          number(sim.size()),
+                          number(sim.broken(BreakCause::Wall)),
+                          number(sim.broken(BreakCause::Pair)),
+                          number(sim.broken(BreakCause::Asked)),
+                          m.present,
+                          m.left,
+                          m.dust};
+  if constexpr (Sim::ContactsType::several_materials) {
+    std::vector<CompensatedSum> present(sim.contacts().materials());
+    for (std::size_t k = 0; k < sim.rows(); ++k)
+      if (sim.is_present(k) && std::isfinite(sim.mass(k)))
+        present[sim.material(k)].add(sim.mass(k));
+    for (std::size_t k = 0; k < present.size(); ++k)
+      row.insert(row.end(), {number(sim.broken(k)), present[k].value(), sim.left(k).mass(),
+                             sim.dust(k).mass()});
+  }
+  return row;
+}
+
+}  // namespace detail
+
+/// Appends a row to a CSV table at the times of the schedule: time, particles, how many broke so
+/// far at walls, in pairs and as asked, and the mass that is present, has left, and is dust. Where
+/// there are several materials, walls' included, then of each how many broke, and these masses.
 inline auto breakage_table(const std::string& path, Schedule schedule) {
-  return table(path,
-               {"time", "particles", "broken at walls", "broken in pairs", "broken as asked",
-                "present", "left", "dust"},
-               schedule, [](const auto& sim) {
-                 const auto number = [&](BreakCause cause) {
-                   return static_cast<double>(sim.broken(cause));
-                 };
-                 const MassBalance m = sim.mass_balance();
-                 return std::array{sim.time(),
-                                   static_cast<double>(sim.size()),
-                                   number(BreakCause::Wall),
-                                   number(BreakCause::Pair),
-                                   number(BreakCause::Asked),
-                                   m.present,
-                                   m.left,
-                                   m.dust};
-               });
+  return at<ActionKind::Reads>(
+      schedule, [path, open = std::shared_ptr<CsvTable>()](const auto& sim) mutable {
+        const std::vector<double> row = detail::row_of_breakage(sim);
+        if (!open) open = detail::open_table(path, detail::columns_of_breakage(sim), sim, row[0]);
+        open->add_row(std::span<const double>(row));
+      });
 }
 
 /// The grains that are there by their diameters (of polyhedra those of spheres of their volumes),
@@ -90,17 +134,36 @@ SizeTable sizes_present(const Sim& sim, std::optional<WhichMaterial> of = {}) {
   return all;
 }
 
-/// Writes a table of sizes as CSV: of each class its edges [m], mass [kg], number, and the share of
-/// the mass that is finer than its upper edge.
-inline void write_sizes(const std::string& path, const SizeTable& sizes) {
-  CsvTable out(path, {"from", "to", "mass", "number", "finer"});
-  std::size_t first = 0;  // class that has any
+namespace detail {
+
+/// The first class of a table that has any.
+inline std::size_t first_class(const SizeTable& sizes) {
+  std::size_t first = 0;
   while (first < sizes.classes() && sizes.number(first) == 0) ++first;
-  for (std::size_t k = first; k < sizes.classes(); ++k) {
-    const std::array row{SizeTable::edge(k), SizeTable::edge(k + 1), sizes.mass(k), sizes.number(k),
-                         sizes.finer(SizeTable::edge(k + 1))};
-    out.add_row(std::span<const double>(row));
-  }
+  return first;
+}
+
+}  // namespace detail
+
+/// Writes a table of sizes as CSV: of each class where it begins and ends (the last one with the
+/// largest size), mass, number, and the share of the mass that is finer than its end.
+inline void write_sizes(const std::string& path, const SizeTable& sizes) {
+  CsvTable out(path, {"from [m]", "to [m]", "mass [kg]", "number [-]", "finer [-]"});
+  for (std::size_t k = detail::first_class(sizes); k < sizes.classes(); ++k)
+    out.add_row({SizeTable::edge(k), sizes.end_of(k), sizes.mass(k), sizes.number(k),
+                 sizes.finer(sizes.end_of(k))});
+}
+
+/// Writes when what is in a table came, as CSV: a row for each interval of time and class in which
+/// mass came.
+inline void write_size_times(const std::string& path, const SizeTable& sizes) {
+  CsvTable out(path, {"time from [s]", "time to [s]", "from [m]", "to [m]", "mass [kg]"});
+  for (std::size_t bin = 0; bin < sizes.bins(); ++bin)
+    for (std::size_t k = detail::first_class(sizes); k < sizes.classes(); ++k)
+      if (const double mass = sizes.mass(k, bin); mass > 0)
+        out.add_row({static_cast<double>(bin) * sizes.bin_width(),
+                     static_cast<double>(bin + 1) * sizes.bin_width(), SizeTable::edge(k),
+                     sizes.end_of(k), mass});
 }
 
 }  // namespace silt

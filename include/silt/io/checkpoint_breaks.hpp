@@ -24,6 +24,7 @@ struct BreaksState {
   std::vector<double> due, fed, dust, left, impacts;  // due: load and speed of each
   std::vector<double> sizes;                          // if the time step follows them
   std::vector<double> dust_of, left_of;               // if there are several materials
+  std::vector<std::uint64_t> broken_of;               // likewise, three of each
 
   static BreaksState of(const Stage& stage) {
     BreaksState s;
@@ -37,6 +38,8 @@ struct BreaksState {
     s.dust_of = stage.dust.state_of_materials(), s.left_of = stage.left.state_of_materials();
     s.impacts = stage.impacts.state();
     s.sizes = stage.sizes.state();
+    for (const BreakCounts& of : stage.broken_of)
+      s.broken_of.insert(s.broken_of.end(), of.begin(), of.end());
     return s;
   }
   template <class Archive>
@@ -59,6 +62,9 @@ struct BreaksState {
     if_any("breakage.sizes", sizes, known_number);
     if_any("breakage.dust_of", dust_of, finite_number);
     if_any("breakage.left_of", left_of, finite_number);
+    bool counts = !broken_of.empty();
+    if constexpr (Archive::loads) counts = a.has("breakage.broken_of");
+    if (counts) a.column("breakage.broken_of", broken_of, count(broken_of));
   }
   /// Refuses what cannot be.
   void check(const CheckpointLoader& a) const {
@@ -91,6 +97,12 @@ struct BreaksState {
                                                [](double x) { return x >= 0 && x < 0x1p63; }),
            "breakage.impacts cannot be");
     a.need(LivingSizes::can_be(sizes), "breakage.sizes cannot be");
+    for (std::size_t cause = 0; cause < 3 && !broken_of.empty(); ++cause) {
+      std::uint64_t sum = 0;
+      for (std::size_t k = cause; k < broken_of.size(); k += 3) sum += broken_of[k];
+      a.need(broken_of.size() % 3 == 0 && sum == broken[cause],
+             "breakage.broken_of does not sum to breakage.broken");
+    }
   }
   void put(Stage& stage) const {
     stage.due.clear(), stage.events.clear();
@@ -102,6 +114,8 @@ struct BreaksState {
     stage.dust.all.restore(dust), stage.left.all.restore(left), stage.impacts.restore(impacts);
     stage.dust.restore_of_materials(dust_of), stage.left.restore_of_materials(left_of);
     stage.sizes.restore(sizes);
+    stage.broken_of.assign(broken_of.size() / 3, {});
+    for (std::size_t k = 0; k < broken_of.size(); ++k) stage.broken_of[k / 3][k % 3] = broken_of[k];
   }
 };
 /// What a run goes on with: the functions and the rules.

@@ -81,11 +81,15 @@ class Checkpoint<Sim>::Staged {
     sim.first_kick_ = clock_.first_kick, sim.kicked_ = clock_.kicked, sim.continued_ = true;
     sim.observed_ = clock_.observed;
     sim.scene_changed_ = clock_.scene_changed || known_walls_ < e.walls.size();
+    sim.laws_changed_ = laws_changed_;
     if (known_walls_ < e.walls.size()) sim.scene_step_ = sim.step_;
     e.coefficients = std::move(coefficients_);
     e.safeguards = clock_.safeguards;
     if constexpr (Sim::has_bonds) sim.bonds_ = std::move(*stage_), sim.bonds_broken_.clear();
-    if constexpr (Sim::has_breakage) breaks_.put(sim.breaks_);
+    if constexpr (Sim::has_breakage) {
+      breaks_.put(sim.breaks_);
+      if (laws_changed_) sim.breaks_.sizes.coming_step = 0, sim.breaks_.sizes.forget();
+    }
     e.particles = std::move(particles_);
     e.mover.synchronous = std::move(synchronous_);
     if constexpr (Sim::of_bodies) {
@@ -151,6 +155,9 @@ class Checkpoint<Sim>::Staged {
     const std::string difference = scene.difference(written, accepted);
     require(difference.empty(), "checkpoint '", path,
             "' is of another scene: ", detail::with_names(difference, sim_));
+    AcceptedChanges but_laws = accepted;
+    but_laws.materials = false;
+    laws_changed_ = accepted.materials && !scene.difference(written, but_laws).empty();
     walls_.visit(a, known_walls_);
     if constexpr (Sim::Modules::wear) {
       walls_.visit_wear(a, known_walls_);
@@ -338,6 +345,7 @@ class Checkpoint<Sim>::Staged {
   std::vector<double> from_walls_;                // where modules have fluxes
   WallValues<WallHeat> wall_heat_;                // where a module has it
   std::size_t known_walls_ = 0;                   // of the scene, that the file has
+  bool laws_changed_ = false;  // materials or rules of breakage are others than in the file
   detail::OpeningsState openings_;
   decltype(Engine::coefficients) coefficients_;
   typename Engine::State particles_;

@@ -108,23 +108,58 @@ inline auto checkpoints(std::string path, Schedule schedule) {
   });
 }
 
+namespace detail {
+/// A new table, but for a run that goes on from a checkpoint: that keeps the rows of times before
+/// `first`, that of the next row.
+template <class Sim>
+std::shared_ptr<CsvTable> open_table(const std::string& path,
+                                     const std::vector<std::string>& columns, const Sim& sim,
+                                     double first) {
+  return std::make_shared<CsvTable>(
+      sim.continued() ? CsvTable::resume(path, columns, first - 0.5 * sim.step_length())
+                      : CsvTable(path, columns));
+}
+}  // namespace detail
+
 /// Appends a row of numbers to a CSV table: `row(simulation)` returns them, as an array or a
 /// vector, or one number alone; the time (or the time since some event) first. A new table, but for
 /// a run that goes on from a checkpoint: that keeps the rows of earlier times.
 template <class Row>
 auto table(const std::string& path, const std::vector<std::string>& columns, Schedule schedule,
            Row row) {
-  return at<ActionKind::Reads>(
-      schedule, [path, columns, row = std::move(row),
-                 open = std::shared_ptr<CsvTable>()](const auto& sim) mutable {
-        const auto values = detail::row_of(row(sim));
-        if (!open)
-          open = std::make_shared<CsvTable>(
-              sim.continued() ? CsvTable::resume(path, columns, values[0] - 0.5 * sim.step_length())
-                              : CsvTable(path, columns));
-        open->add_row(std::span<const double>(values));
-      });
+  return at<ActionKind::Reads>(schedule,
+                               [path, columns, row = std::move(row),
+                                open = std::shared_ptr<CsvTable>()](const auto& sim) mutable {
+                                 const auto values = detail::row_of(row(sim));
+                                 if (!open)
+                                   open = detail::open_table(path, columns, sim, values[0]);
+                                 open->add_row(std::span<const double>(values));
+                               });
 }
+
+namespace detail {
+
+inline std::array<float, 3> in_floats(const Vec3d& v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+/// The fields of modules, which must outlast the file that they are written to.
+struct ModuleFields {
+  std::vector<std::vector<std::array<double, 3>>> vectors;
+  std::vector<std::vector<double>> numbers;
+
+  /// collect(value) gives value(place) of all that is written.
+  template <class Sim, class Collect>
+  void add_to(VtkFields& fields, const Sim& sim, const Collect& collect) {
+    sim.for_each_field([&]<std::size_t Components>(const std::string& name, const auto& value) {
+      if constexpr (Components == 3)
+        fields.add(name, vectors.emplace_back(collect(value)));
+      else
+        fields.add(name, numbers.emplace_back(collect(value)));
+    });
+  }
+};
+
+}  // namespace detail
 
 /// Writes the particles to `file`: radius, velocity, id, material, and angular velocity if they
 /// rotate; of bodies orientation (w, x, y, z) and form, and the radius is that of the bounding
@@ -140,13 +175,9 @@ void write_particles(const std::string& file, const Sim& sim, const More& more) 
     for (const auto k : places) all.push_back(value(k));
     return all;
   };
-  const auto single = [](const Vec3d& v) {
-    return std::array<float, 3>{static_cast<float>(v.x), static_cast<float>(v.y),
-                                static_cast<float>(v.z)};
-  };
   const auto position = collect([&](std::size_t k) { return sim.position(k); });
   const auto radius = collect([&](std::size_t k) { return static_cast<float>(sim.radius(k)); });
-  const auto velocity = collect([&](std::size_t k) { return single(sim.velocity(k)); });
+  const auto velocity = collect([&](std::size_t k) { return detail::in_floats(sim.velocity(k)); });
   const auto id = collect([&](std::size_t k) { return sim.id(k); });
   const auto material =
       collect([&](std::size_t k) { return static_cast<std::uint32_t>(sim.material(k)); });
@@ -154,7 +185,7 @@ void write_particles(const std::string& file, const Sim& sim, const More& more) 
   fields.add("radius", radius).add("velocity", velocity).add("id", id).add("material", material);
   std::vector<std::array<float, 3>> spin;
   if constexpr (Sim::rotates) {
-    spin = collect([&](std::size_t k) { return single(sim.angular_velocity(k)); });
+    spin = collect([&](std::size_t k) { return detail::in_floats(sim.angular_velocity(k)); });
     fields.add("angular_velocity", spin);
   }
   std::vector<std::array<float, 4>> orientation;
@@ -168,14 +199,8 @@ void write_particles(const std::string& file, const Sim& sim, const More& more) 
     form = collect([&](std::size_t k) { return static_cast<std::uint32_t>(sim.form(k)); });
     fields.add("orientation", orientation).add("form", form);
   }
-  std::vector<std::vector<std::array<double, 3>>> vectors;
-  std::vector<std::vector<double>> numbers;
-  sim.for_each_field([&]<std::size_t Components>(const std::string& name, const auto& value) {
-    if constexpr (Components == 3)
-      fields.add(name, vectors.emplace_back(collect(value)));
-    else
-      fields.add(name, numbers.emplace_back(collect(value)));
-  });
+  detail::ModuleFields of_modules;
+  of_modules.add_to(fields, sim, collect);
   more(sim, fields, places);
   write_vtp_points(file, position, fields);
 }
@@ -196,16 +221,14 @@ void write_parts(const std::string& file, const Sim& sim) requires(Sim::of_bodie
   fields.add("radius", radius).add("id", id);
   write_vtp_points(file, position, fields);
 }
-/// Writes the surfaces of bodies whose shape is no set of spheres: id, form and velocity of the
-/// body at every point; in a Mix also which of its shapes it is.
+/// Writes the surfaces of bodies whose shape is no set of spheres: id, form, velocity, material and
+/// the fields of modules of the body at every point; in a Mix also which of its shapes it is.
 template <class Sim>
 void write_surfaces(const std::string& file, const Sim& sim) requires(Sim::has_surfaces) {
   std::vector<SurfaceMesh> of_forms;
   for (const auto& form : sim.forms()) of_forms.push_back(surface_of(form.shape));
   SurfaceMesh all;
-  std::vector<ParticleId> id;
-  std::vector<std::uint32_t> form;
-  std::vector<std::array<float, 3>> velocity;
+  std::vector<std::size_t> body;  // of each point
   for (std::size_t k = 0; k < sim.rows(); ++k) {
     if (!sim.is_present(k)) continue;
     const SurfaceMesh& mesh = of_forms[sim.form(k)];
@@ -216,14 +239,23 @@ void write_surfaces(const std::string& file, const Sim& sim) requires(Sim::has_s
       all.points.push_back(sim.position(k) + rotate(turn, sim.scale(k) * (p - centroid)));
     for (const auto& t : mesh.triangles)
       all.triangles.push_back({first + t[0], first + t[1], first + t[2]});
-    const Vec3d v = sim.velocity(k);
-    id.insert(id.end(), mesh.points.size(), sim.id(k));
-    form.insert(form.end(), mesh.points.size(), static_cast<std::uint32_t>(sim.form(k)));
-    velocity.insert(velocity.end(), mesh.points.size(),
-                    {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)});
+    body.insert(body.end(), mesh.points.size(), k);
   }
+  const auto collect = [&](auto value) {
+    std::vector<decltype(value(std::size_t{}))> values;
+    values.reserve(body.size());
+    for (const std::size_t k : body) values.push_back(value(k));
+    return values;
+  };
+  const auto number = [](auto n) { return static_cast<std::uint32_t>(n); };
+  const auto id = collect([&](std::size_t k) { return sim.id(k); });
+  const auto form = collect([&](std::size_t k) { return number(sim.form(k)); });
+  const auto velocity = collect([&](std::size_t k) { return detail::in_floats(sim.velocity(k)); });
+  const auto material = collect([&](std::size_t k) { return number(sim.material(k)); });
   VtkFields fields;
-  fields.add("id", id).add("form", form).add("velocity", velocity);
+  fields.add("id", id).add("form", form).add("velocity", velocity).add("material", material);
+  detail::ModuleFields of_modules;
+  of_modules.add_to(fields, sim, collect);
   std::vector<std::uint32_t> shape;
   if constexpr (requires { sim.forms().front().shape.kind(); }) {
     for (const std::uint32_t f : form)

@@ -73,8 +73,9 @@ class Progress {
   void end(const Sim& sim) {
     show(sim, true);
     if (!options_.warnings) return;
-    warn(inlet_warnings(sim)), warn(servo_warnings(sim)), warn(break_warnings(sim));
+    warn(inlet_warnings(sim)), warn(servo_warnings(sim)), warn(break_warnings(sim, broken_));
   }
+  void tell(const std::vector<BreakEvent>& broken) const { broken_.add(broken); }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -110,6 +111,7 @@ class Progress {
   std::int64_t first_step_ = 0;
   std::uint64_t steps_ = 0;
   detail::ToldWarnings told_;
+  mutable BrokenLoads broken_;  // simulations tell their events to const observers
 };
 
 /// progress(stdout), or progress({.warnings = false}).
@@ -138,12 +140,14 @@ class WarningsObserver {
   template <class Sim>
   void end(const Sim& sim) {
     told_.tell(inlet_warnings(sim), callback_), told_.tell(servo_warnings(sim), callback_);
-    told_.tell(break_warnings(sim), callback_);
+    told_.tell(break_warnings(sim, broken_), callback_);
   }
+  void tell(const std::vector<BreakEvent>& broken) const { broken_.add(broken); }
 
  private:
   Callback callback_;
   detail::ToldWarnings told_;
+  mutable BrokenLoads broken_;
 };
 
 template <class Callback>

@@ -26,9 +26,9 @@ namespace silt::inline SILT_TARGET {
 ///
 /// The state is taken over as it is: springs of contacts keep their displacement, so that forces
 /// jump where stiffness does; the ledger counts what that gives or takes as its residual. The time
-/// step is held against its limit anew.
+/// step is held against its limit anew, and chosen anew where it is longer than silt's own is.
 struct AcceptedChanges {
-  bool materials = false;  // their number and values, pair values and rolling resistance
+  bool materials = false;  // their number and values, pair values, rolling resistance; Breakage
   bool motions = false;    // of walls
   bool inlets = false;     // all of them: they begin anew, as if added at the checkpoint's time
   bool outlets = false;    // all of them: they count from 0

@@ -54,6 +54,9 @@ struct WarningLimits {
   /// Strengths of one size scatter by a factor of some 2 to each side: loads below a tenth of any
   /// are not those of a scene in which something was to break.
   static constexpr double far_from_breaking = 0.1;  // [-] of the strength
+  /// A grain thrown at ten times the speed that breaks it has a load of 16 strengths as a force, of
+  /// 100 as an energy: where most that break have more, strengths are in other units.
+  static constexpr double far_above_breaking = 100;  // [-] of the strength
 };
 
 namespace detail {

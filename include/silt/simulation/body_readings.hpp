@@ -12,8 +12,8 @@ namespace silt::inline SILT_TARGET::detail {
 template <class Sim>
 class BodyReadings {
  public:
-  /// Turns the frame in which the form was given to space; of spheres with bonds that in which they
-  /// came.
+  /// Turns the frame in which the form was given to space; of spheres with bonds that which they
+  /// had when they came, or when the first bond of the simulation was made, if that was later.
   template <class S = Sim>
   Quaternion orientation(std::size_t k) const requires(S::of_bodies || S::has_bonds) {
     return owner(k).orientation();

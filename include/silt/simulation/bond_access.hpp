@@ -91,8 +91,8 @@ class BondAccess {
   void for_each_bond(const F& f) const requires(S::has_bonds) {
     sim().bonds_.visit(sim().engine_, sim().domain_, f);
   }
-  /// Bonds that hold now [-], and those that broke since the start. Those of particles that left
-  /// are in neither.
+  /// Bonds that hold now [-], and those that broke since the start, with a particle that broke
+  /// (Breakage) too. Those of particles that left are in neither.
   template <class S = Sim>
   std::size_t bonds() const requires(S::has_bonds) {
     return sim().bonds_.size(sim().engine_);

@@ -10,7 +10,7 @@
 
 #include <silt/breakage/breakage.hpp>
 #include <silt/breakage/fragment_sizes.hpp>
-#include <silt/breakage/placement.hpp>
+#include <silt/breakage/smallest_cell.hpp>
 #include <silt/core/error.hpp>
 #include <silt/engine/checks/ended_contacts.hpp>
 #include <silt/engine/checks/ended_solid_contacts.hpp>
@@ -65,6 +65,16 @@ class BreakAccess {
     const auto& all = sim().breaks_.broken;
     return all[0] + all[1] + all[2];
   }
+  /// Likewise of one material, by number or name.
+  template <class S = Sim>
+  std::uint64_t broken(BreakCause cause, const WhichMaterial& of) const requires(S::has_breakage) {
+    return broken_of(of)[static_cast<std::size_t>(cause)];
+  }
+  template <class S = Sim>
+  std::uint64_t broken(const WhichMaterial& of) const requires(S::has_breakage) {
+    const BreakCounts all = broken_of(of);
+    return all[0] + all[1] + all[2];
+  }
   /// How many will break before the next step [-].
   template <class S = Sim>
   std::size_t breaks_due() const requires(S::has_breakage) {
@@ -76,7 +86,9 @@ class BreakAccess {
   void break_particle(ParticleId id) requires(S::has_breakage) {
     auto& s = sim();
     const std::size_t k = s.find(id);
-    require(k < s.rows(), "Simulation::break_particle: there is no particle ", id);
+    require(k < s.rows(), "Simulation::break_particle: there is no particle ", id,
+            id < s.next_.particle ? " any more: it has broken, has left or was removed"
+                                  : "; none has had this id so far");
     const double strength =
         s.engine_.modules().template of<typename S::Composition::Breaking>()[k].strength;
     require(strength > 0, "Simulation::break_particle: particle ", id,
@@ -92,6 +104,28 @@ class BreakAccess {
   template <class S = Sim>
   const LargestLoad& largest_load() const requires(S::has_breakage) {
     return sim().breaks_.largest;
+  }
+
+  // Without the policy: a sentence.
+  template <class S = Sim, class... Any>
+  void break_particle(const Any&...) requires(!S::has_breakage) {
+    needs_policy<S>();
+  }
+  template <class S = Sim, class... Any>
+  std::uint64_t broken(const Any&...) const requires(!S::has_breakage) {
+    return needs_policy<S>(), 0;
+  }
+  template <class S = Sim, class... Any>
+  SizeTable dust(const Any&...) const requires(!S::has_breakage) {
+    return needs_policy<S>(), SizeTable();
+  }
+  template <class S = Sim, class... Any>
+  SizeTable left(const Any&...) const requires(!S::has_breakage) {
+    return needs_policy<S>(), SizeTable();
+  }
+  template <class S = Sim>
+  MassBalance mass_balance() const requires(!S::has_breakage) {
+    return needs_policy<S>(), MassBalance();
   }
 
  protected:
@@ -112,7 +146,11 @@ class BreakAccess {
       if (k < s.rows()) break_one(one, k, parents, fragments);
     }
     const std::size_t from = s.rows();
+    if constexpr (Sim::has_ledger)
+      if (s.first_kick_) s.book_.was_there(energy_of_all());
     take_place(parents, fragments);
+    if constexpr (Sim::has_ledger)
+      if (s.first_kick_) s.book_.was_there(-energy_of_all());
     // How thin a cell is its mass does not tell.
     if (follows && Sim::of_bodies) looks = true;
     for (std::size_t k = from; follows && !looks && k < s.rows(); ++k)
@@ -165,7 +203,8 @@ class BreakAccess {
     const double volume = sphere_volume(0.5 * rules.dust_below);
     const auto include = [&](std::size_t material, double density) {
       if (rules.breaks(material))
-        all.spheres[material].include({0.5 * rules.dust_below, density * volume});
+        all.spheres[material].include(
+            {0.5 * rules.dust_below, density * volume / SmallestCell::lightness_of<Sim>()});
     };
     for (std::size_t k = 0; k < s.rows(); ++k)
       if (s.is_present(k) && std::isfinite(s.mass(k)))
@@ -188,6 +227,20 @@ class BreakAccess {
     const std::size_t material = sim().contacts().material_number(of);
     if constexpr (Sim::ContactsType::several_materials) return tables.of_material(material);
     return material == 0 ? tables.all : SizeTable();  // others are walls'
+  }
+  BreakCounts broken_of(const WhichMaterial& of) const {
+    const std::size_t material = sim().contacts().material_number(of);
+    const auto& stage = sim().breaks_;
+    if constexpr (Sim::ContactsType::several_materials)
+      return material < stage.broken_of.size() ? stage.broken_of[material] : BreakCounts{};
+    return material == 0 ? stage.broken : BreakCounts{};  // others are walls'
+  }
+  template <class S>
+  static void needs_policy() {
+    static_assert(S::has_breakage,
+                  "particles of this simulation do not break: give it the policy "
+                  "silt::Breakage{strength, equivalence, sizes, fatigue, rules} beside particles "
+                  "and contacts");
   }
   struct Parent {
     std::size_t place, fragments;
@@ -214,6 +267,7 @@ class BreakAccess {
     else
       add_spheres(p, sizes, density, random, all);
     BreakEvent event{.id = due.id,
+                     .material = p.material(),
                      .time = s.time_,
                      .position = p.centre(),
                      .velocity = p.velocity(),
@@ -228,11 +282,16 @@ class BreakAccess {
                      .generation = static_cast<std::size_t>(own.generation),
                      .dust = sizes.dust};
     if (event.fragments == 0) event.first = no_particle;
-    ++stage.broken[static_cast<std::size_t>(due.cause)];
+    stage.template count<Sim::ContactsType::several_materials>(due.cause, p.material());
     stage.dust.template add<Sim::ContactsType::several_materials>(
         p.material(),
         [&](SizeTable& table) { add_dust(table, policy.sizes, broken, sizes, density, s.time_); });
-    if constexpr (Sim::has_ledger) book(k, sizes.dust / broken.mass);
+    if constexpr (Sim::has_ledger) {
+      double potential = s.potential(k);  // [J] of the dust, where the fragments leave it
+      for (std::size_t n = 0; n < sizes.masses.size(); ++n)
+        potential += sizes.masses[n] * dot(s.gravity_booked_, all.all()[before + n].position);
+      book(k, sizes.dust / broken.mass, potential);
+    }
     // [s] in which all of the particle would have arrived
     const double passes = due.speed > 0 ? broken.diameter / due.speed : 0;
     parents.push_back({k, sizes.masses.size(), s.time_ + passes});
@@ -240,98 +299,55 @@ class BreakAccess {
   }
   template <class Owner, class Particles>
   void add_spheres(const Owner& p, const FragmentSizes& sizes, double density, Random& random,
-                   Particles& all) const {
-    std::vector<double> radii;
-    double whole = 0;
-    for (const double m : sizes.masses)
-      radii.push_back(0.5 * equal_volume_diameter(m / density)), whole += m;
-    const auto places = place_fragments(radii, sizes.masses, p.radius(), random);
-    Vec3d w{0, 0, 0};
-    if constexpr (Sim::rotates)
-      if (!radii.empty()) w = shared_rotation(p, places, radii, sizes.masses, whole / p.mass());
-    for (std::size_t k = 0; k < radii.size(); ++k) {
-      typename Particles::Particle one{};
-      one.position = p.centre() + places[k], one.radius = radii[k], one.density = density;
-      one.velocity = p.velocity() + cross(w, places[k]), one.angular_velocity = w;
-      one.material = p.material();
-      all.add(one);
-    }
-  }
-  /// Cuts a polyhedron: the cells fill it and move as it did; one of them is the dust, which gets
-  /// what rounding leaves of the mass.
+                   Particles& all) const;
   template <class Owner, class Particles>
   void add_cells(const Owner& p, FragmentSizes& sizes, double density, Random& random,
-                 Particles& all) const {
-    if (sizes.masses.empty()) return;
-    const auto& form = sim().engine_.mover.forms[p.form()];
-    const auto body = form.shape.scaled(p.scale());
-    std::vector<double> shares;
-    for (const double m : sizes.masses) shares.push_back(m / p.mass());
-    if (sizes.dust > 1e-8 * p.mass())
-      shares.push_back(sizes.dust / p.mass());
-    else
-      shares.front() += sizes.dust / p.mass();
-    static_assert(
-        requires { laguerre_cells(body, std::span<const double>(shares), random); },
-        "polyhedra that break are cut into cells: include "
-        "<silt/shape/laguerre_cells.hpp> before <silt/simulation.hpp>");
-    const auto cells = shares.size() == 1
-                           ? std::vector{body.made_anew()}
-                           : laguerre_cells(body, std::span<const double>(shares), random);
-    const Quaternion q = p.principal_axes() * conjugate(form.mass.axes);
-    const Vec3d centroid = p.scale() * form.mass.centroid;
-    double left = p.mass();
-    for (std::size_t k = 0; k < sizes.masses.size(); ++k) {
-      typename Particles::Particle one{};
-      one.form = all.add_form(cells[k]);
-      const MassProperties& mass = all.forms()[one.form].mass;
-      const Vec3d apart = rotate(q, mass.centroid - centroid);
-      one.position = p.centre() + apart, one.orientation = q, one.density = density;
-      one.velocity = p.velocity() + cross(p.angular_velocity(), apart);
-      one.angular_velocity = p.angular_velocity(), one.material = p.material();
-      all.add(one);
-      sizes.masses[k] = density * mass.volume, left -= sizes.masses[k];
-    }
-    sizes.dust = shares.size() > sizes.masses.size() ? std::max(left, 0.0) : 0;
-  }
-  /// Of fragments that have their share of the angular momentum; where dust takes the rest, no more
-  /// than so much of it that they have their share of the energy at most.
+                 Particles& all) const;
   template <class Owner>
   static Vec3d shared_rotation(const Owner& p, std::span<const Vec3d> places,
                                std::span<const double> radii, std::span<const double> masses,
-                               double share) {
-    constexpr double factor = Sim::ShapeType::inertia_factor();
-    const Vec3d L = (share * factor * p.mass() * p.radius() * p.radius()) * p.angular_velocity();
-    const Vec3d w = rotation_of_fragments(places, radii, masses, factor, L);
-    const double energy = dot(L, w), most = dot(L, p.angular_velocity());
-    return share < 1 - 1e-9 && energy > most ? std::sqrt(most / energy) * w : w;
-  }
+                               double share);
 
   /// Books the energy of the particle at place k, which breaks, as lost; dust takes its share
-  /// along.
-  void book(std::size_t k, double of_dust) {
+  /// along, and its `potential` [J].
+  void book(std::size_t k, double of_dust, double potential) {
     auto& s = sim();
     const auto kinetic = s.kinetic(k);
     const double m = s.mass(k), share = kinetic.sum() * of_dust;
     s.book_.broke(kinetic.sum() - share);
-    const double ago = Sim::Integrator::first_kick == 0.5 ? 0.5 * s.dt_ : 0;  // [s]
+    const double ago =
+        !s.first_kick_ && Sim::Integrator::first_kick == 0.5 ? 0.5 * s.dt_ : 0;  // [s]
     const Vec3d v = s.velocity(k), now = v + ago * s.gravity;
-    s.book_.bring_in(-share - of_dust * (s.potential(k) + 0.5 * m * (dot(now, now) - dot(v, v))));
+    s.book_.bring_in(-share - potential - 0.5 * of_dust * m * (dot(now, now) - dot(v, v)));
   }
-  /// Books what the ledger misses of the contacts of the particles at these places, which end.
-  void book_contacts(const std::vector<std::size_t>& places) {
+  /// [J] of all particles now, kinetic, against gravity and in bonds.
+  double energy_of_all() const {
+    const auto& s = sim();
+    double sum = 0;
+    for (std::size_t k = 0; k < s.rows(); ++k)
+      if (s.is_present(k) && std::isfinite(s.mass(k))) sum += s.kinetic(k).sum() + s.potential(k);
+    if constexpr (Sim::has_bonds) sum += s.bond_energy();
+    return sum;
+  }
+  /// Of particles at these places, sorted.
+  std::vector<std::uint32_t> rows_of(const std::vector<std::size_t>& places) const {
+    std::vector<std::uint32_t> rows;
+    [[maybe_unused]] const auto& mover = sim().engine_.mover;
+    for (const std::size_t k : places)
+      if constexpr (Sim::of_bodies)
+        rows.push_back(mover.rows_of(mover.bodies[k]).front());
+      else
+        rows.push_back(static_cast<std::uint32_t>(k));
+    std::sort(rows.begin(), rows.end());
+    return rows;
+  }
+  /// Books what the ledger misses of the contacts of particles of these rows, which end.
+  void book_contacts(const std::vector<std::uint32_t>& rows) {
     auto& s = sim();
     auto& e = s.engine_;
     const auto book = [&s](const auto& ended) {
       s.book_.ended(ended.work), s.book_.broke(ended.normal);
     };
-    std::vector<std::uint32_t> rows;
-    for (const std::size_t k : places)
-      if constexpr (Sim::of_bodies)
-        rows.push_back(e.mover.rows_of(e.mover.bodies[k]).front());
-      else
-        rows.push_back(static_cast<std::uint32_t>(k));
-    std::sort(rows.begin(), rows.end());
     if constexpr (Sim::of_bodies) {
       e.mover.renew_convex_rows(e.particles);  // of those that came since the last step, or a file
       book(EndedSolidContacts(e, s.domain_, rows, s.dt_));
@@ -352,7 +368,9 @@ class BreakAccess {
       rests_until.insert(rests_until.end(), p.fragments, p.rests_until);
       places.push_back(p.place);
     }
-    if constexpr (Sim::has_ledger) book_contacts(places);
+    const auto rows = rows_of(places);
+    if constexpr (Sim::has_ledger) book_contacts(rows);
+    if constexpr (Sim::has_bonds) s.bonds_.end_of(e, s.domain_, rows, s.first_kick_ ? 0 : s.dt_);
     s.breaks_.newborn_from = Sim::of_bodies ? s.next_.part : first;
     std::vector<std::size_t> forms;
     if constexpr (Sim::of_bodies) forms = take_in_cells(e.mover, fragments.forms());
@@ -374,3 +392,5 @@ class BreakAccess {
 };
 
 }  // namespace silt::detail
+
+#include <silt/simulation/break_up.hpp>

@@ -165,7 +165,9 @@ template <class... Policies>
 double Simulation<Policies...>::longest_travel_step(double speed) const {
   double least = engine_.least_radius();  // of convex bodies known from the first step on
   if constexpr (has_breakage)
-    if (!this->follows_sizes()) least = std::min(least, 0.5 * this->breakage().rules.dust_below);
+    if (!this->follows_sizes())
+      least = std::min(
+          least, detail::SmallestCell::inner_of<Simulation>() * this->breakage().rules.dust_below);
   return least > 0 ? guard.max_travel * least / speed : INFINITY;
 }
 
@@ -177,6 +179,16 @@ bool Simulation<Policies...>::is_step_too_long() const {
   const double dt = coming_step();
   return (limit && dt > *limit) || dt > longest_travel_step(speed) ||
          dt > this->longest_stable_bond_step();
+}
+
+/// Whether the time step is longer than the one that silt would choose now, by more than what the
+/// speeds since it was chosen may have made of it.
+template <class... Policies>
+bool Simulation<Policies...>::is_longer_than_own() const {
+  constexpr double by_speeds = 1.05;  // [-]
+  const double speed = expected_speed();
+  const auto shortest = shortest_contact(speed);
+  return !time_step && shortest && dt_ > by_speeds * step_for(speed, shortest->time);
 }
 
 /// Whether the time step is longer than the one that silt chooses for the speeds so far.

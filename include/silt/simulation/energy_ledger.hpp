@@ -81,8 +81,8 @@ struct EnergyBalance {
   /// half a step of which is that from before; with friction, the change of the lever arm in half a
   /// step (some 1e-7 of the energy turned over at 1000 steps a contact), RollingOwn, and ends of
   /// contact with DampingEnd::ZeroOverlap at walls that are not planes at rest, or without a Verlet
-  /// list. Springs of contacts that a removed wall or a particle had as it left through an outlet
-  /// are in it too.
+  /// list. Normal springs are in it too of contacts that a particle had as it left through an
+  /// outlet, and of those of bodies that are removed, or whose wall is.
   double residual() const { return held() + dissipated() - supplied() - initial; }
 };
 
@@ -99,7 +99,7 @@ class EnergyBook {
     stored_ = contacts;
     if (start != nullptr) {
       at_start_ = contacts;
-      initial_ = *start + contacts.normal + contacts.tangential + contacts.rolling;
+      initial_ += *start + contacts.normal + contacts.tangential + contacts.rolling;
     } else {
       work_.add(contacts);
       for (std::size_t w = 0; w < walls.size() && w < last_.size(); ++w)
@@ -113,6 +113,8 @@ class EnergyBook {
     last_fixed_power_ = fixed_power;
   }
   void bring_in(double energy) { openings_ += energy; }
+  /// Of what was there and has gone before the first forces [J].
+  void was_there(double energy) { initial_ += energy; }
   void change_gravity(double energy) { changed_gravity_ += energy; }
   void fluid_worked(double energy) { of_fluid_ += energy; }
   void modules_worked(double energy) { of_modules_ += energy; }
@@ -120,6 +122,10 @@ class EnergyBook {
   void broke(double energy) { breaking_ += energy; }
   /// Of contacts that were ended from outside (EndedContacts): work of forces that are no springs.
   void ended(const ContactEnergy<double>& work) { work_.add(work); }
+  /// The same, of which edits have taken the normal springs away.
+  void removed(const ContactEnergy<double>& work, double springs) {
+    work_.add(work), bring_in(-springs), stored_.normal -= springs;
+  }
   /// Books the dashpots of bonds, of the power [W] that their forces have at the velocities of half
   /// a step ago. The work of a force F_n in the leapfrog is F_n (v_n-1/2 + v_n+1/2)/2; with F_n =
   /// -c v_n-1/2 that is P_n 3/4 + P_n-1 1/4 summed over steps, to second order in the step.

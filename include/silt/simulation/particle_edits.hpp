@@ -9,9 +9,11 @@
 #include <utility>
 #include <vector>
 
+#include <silt/boundary/deforming_box.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/names.hpp>
 #include <silt/core/vec3.hpp>
+#include <silt/engine/checks/ended_contacts.hpp>
 #include <silt/engine/population/arrivals.hpp>
 #include <silt/fill/particles.hpp>
 
@@ -25,10 +27,18 @@ class ParticleEdits {
  public:
   /// Takes the particle with this id away, from all contacts and at once. What it had itself is in
   /// the ledger's `openings`; of what its contacts stored, the tangential springs' share is in
-  /// `friction`, the normal springs' in residual().
+  /// `friction`, the normal springs' in `openings`, to first order in the step; of bodies in
+  /// residual().
   void remove(ParticleId id) {
     const std::size_t k = place_of(id, "remove");
     sim().book_leaving(k);
+    if constexpr (Sim::has_ledger && !Sim::of_bodies && !deforms<typename Sim::Domain>)
+      if (!sim().first_kick_) {
+        const auto row = static_cast<std::uint32_t>(k);
+        const EndedContacts ended(sim().engine_, sim().domain_, std::span(&row, 1),
+                                  sim().kicked_ ? 0 : sim().dt_, sim().dt_);
+        sim().book_.removed(ended.work, ended.normal);
+      }
     sim().engine_.remove(k, sim().domain_, sim().dt_);
   }
   /// Gives the particle with this id another velocity [m/s], that of this instant.

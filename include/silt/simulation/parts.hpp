@@ -255,14 +255,16 @@ void Simulation<Policies...>::prepare() {
   engine_.set_flux_coefficients(modules_, contacts_);
   if constexpr (has_breakage) this->prepare_breakage();
   modules_.look_near(engine_, domain_, time_, true, true);
-  if (dt_ == 0 || (time_step && *time_step != dt_) || (scene_changed_ && is_step_too_long()))
+  if (dt_ == 0 || (time_step && *time_step != dt_) || (scene_changed_ && is_step_too_long()) ||
+      (laws_changed_ && is_longer_than_own()))
     change_step(chosen_time_step());
   if (scene_changed_) checked_speed_ = 0;
-  scene_changed_ = false;
+  scene_changed_ = laws_changed_ = false;
   if (guard.domain) detail::check_inside(engine_, *guard.domain, step_, time_);
 }
 
-/// Takes out the bonds that this step has overloaded: their particles may touch from now on.
+/// Takes out the bonds that this step has overloaded: their particles may touch from now on. And
+/// those of particles that broke before it.
 template <class... Policies>
 void Simulation<Policies...>::break_bonds() {
   if constexpr (has_bonds) {
@@ -272,15 +274,20 @@ void Simulation<Policies...>::break_bonds() {
     for (const BondBreak& bond : bonds_broken_) {
       if constexpr (has_ledger) book_.bond_broken(bond.energy);
       auto& held = engine_.particles.bonds;
+      const bool has_both = !has_breakage || (find(bond.a) < rows() &&
+                                              (bond.b == no_particle || find(bond.b) < rows()));
       if (bond.b == no_particle) {
         if (!held.holds(bond.a, held.id_of_wall(bond.wall)) ||
             bonds_.at_walls.exclude(bond.a, bond.wall))
           continue;
-        held.remove(bond.a, held.id_of_wall(bond.wall)), engine_.lists.forget();
+        held.remove(bond.a, held.id_of_wall(bond.wall));
+        if (!has_both) continue;
+        engine_.lists.forget();
         held.freed_at_walls.push_back({bond.a, bond.wall});
         continue;
       }
       held.remove(bond.a, bond.b);
+      if (!has_both) continue;
       pairs.push_back({static_cast<std::uint32_t>(engine_.find(bond.a)),
                        static_cast<std::uint32_t>(engine_.find(bond.b))});
     }
@@ -333,8 +340,7 @@ void Simulation<Policies...>::keep_limits() {
                : fastest.is_of_tips() ? fastest.words()
                                       : text(" (of particle ", fastest.id, ')'),
                ", guard.max_time_step of the shortest contact that can happen: that ",
-               detail::describe(*shortest, contacts_),
-               "; set a smaller Simulation::time_step or a softer material"),
+               detail::describe(*shortest, contacts_), step_advice()),
           step_, {}, {});
     }
   }
@@ -342,6 +348,19 @@ void Simulation<Policies...>::keep_limits() {
   keep_rates(back);
   if (guard.domain && engine_.lists.upkeep.pruned_at == step_)
     detail::check_inside(engine_, *guard.domain, step_, time_);
+}
+
+/// What to do about a time step above its limit, for a sentence.
+template <class... Policies>
+std::string Simulation<Policies...>::step_advice() const {
+  std::string advice = "; ";
+  if (!time_step) {
+    advice += "silt chose the time step, for slower or heavier ones: ";
+    if constexpr (has_breakage)
+      if (!this->follows_sizes())
+        advice += "take BreakageRules.step = BreakStep::SmallestLiving, which follows them, or ";
+  }
+  return advice + "set a smaller Simulation::time_step or a softer material";
 }
 
 /// How fast the surface of particle k is at time().

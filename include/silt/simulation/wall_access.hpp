@@ -7,8 +7,10 @@
 #include <string_view>
 #include <utility>
 
+#include <silt/boundary/deforming_box.hpp>
 #include <silt/boundary/wall.hpp>
 #include <silt/engine/advance/wall_motion.hpp>
+#include <silt/engine/checks/ended_contacts.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -45,10 +47,20 @@ class WallAccess {
     check_wall_name(all(), name, k);
     all()[k].name = std::move(name);
   }
-  /// Takes away the surfaces of a wall: a lid that opens. Its number and name stay taken.
+  /// Takes away the surfaces of a wall: a lid that opens. Its number and name stay taken. What its
+  /// contacts stored is booked as by ParticleEdits::remove.
   void remove_wall(const WhichWall& which) {
-    Wall& wall = all()[number(which)];
-    wall.surfaces.clear();
+    const std::size_t k = number(which);
+    if constexpr (Sim::has_ledger && !Sim::of_bodies && !deforms<typename Sim::Domain>) {
+      auto& s = sim();
+      using Ended = EndedContacts<typename Sim::Engine, typename Sim::Domain>;
+      if (!s.first_kick_) {
+        const Ended ended(s.engine_, s.domain_, typename Ended::OfWall{k}, s.kicked_ ? 0 : s.dt_,
+                          s.dt_);
+        s.book_.removed(ended.work, ended.normal);
+      }
+    }
+    all()[k].surfaces.clear();
     sim().engine_.lists.forget();
   }
   /// The point [m] that torque and angular impulse are taken about from now on.

@@ -19,7 +19,7 @@ namespace silt::inline SILT_TARGET::detail {
 /// forces of that step. With it the books close to second order in the step, as for contacts that
 /// end by themselves. Springs along the surface need nothing: what they hold as they end is
 /// friction.
-/// Tests: tests/breakage/runs.cpp.
+/// Tests: tests/breakage/runs.cpp, tests/engine/removed_springs.cpp.
 template <class EngineType, class Domain>
 class EndedContacts {
   using C = typename EngineType::Contacts;
@@ -44,6 +44,17 @@ class EndedContacts {
     });
     for_each_wall_contact(e, since, [&](const auto& c, const SurfacePoint& point) {
       if (is_gone(c.particle)) add_wall(c, point);
+    });
+  }
+
+  /// Of all contacts of one wall.
+  struct OfWall {
+    std::size_t number;
+  };
+  EndedContacts(const EngineType& e, const Domain&, OfWall wall, double since, double dt)
+      : e_(e), since_(since), dt_(dt) {
+    for_each_wall_contact(e, since, [&](const auto& c, const SurfacePoint& point) {
+      if (c.wall == wall.number) add_wall(c, point);
     });
   }
 

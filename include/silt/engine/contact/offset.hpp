@@ -36,6 +36,15 @@ SILT_INLINE Real without_offset(const Real& overlap, ScalarOf<Real>* offsets) {
   return overlap - max(now, zero);
 }
 
+/// Whether a pair of the inner list has an offset.
+template <class ContactsType, class PairList>
+bool any_offset([[maybe_unused]] const PairList& pairs) {
+  bool any = false;
+  if constexpr (keeps_offset<ContactsType>)
+    pairs.for_each([&](std::size_t k) { any |= pairs.history(ContactsType::offset_from, k) != 0; });
+  return any;
+}
+
 /// [m] that the pair at place k of the inner list leaves out of its contact.
 template <class EngineType>
 double offset_of_pair([[maybe_unused]] const EngineType& e, [[maybe_unused]] std::size_t k) {

@@ -14,6 +14,7 @@
 
 #include <silt/bond/concept.hpp>
 #include <silt/core/lanes.hpp>
+#include <silt/core/members.hpp>
 #include <silt/core/position_row.hpp>
 #include <silt/core/storage.hpp>
 #include <silt/core/threads.hpp>
@@ -53,18 +54,14 @@ class BondColumns {
   /// Of the pack that begins at place k.
   template <class Real>
   SILT_INLINE Aggregate<Real> load(std::size_t k) const {
-    std::array<Real, count> numbers;
-    for (std::size_t c = 0; c < count; ++c) {
-      const Stored* const from = packs_.data() + k * count + c * W;
-      if constexpr (std::is_same_v<Stored, double>) {
-        numbers[c] = silt::load<Real>(from);
-      } else {
-        alignas(64) double wide[W];
-        for (std::size_t lane = 0; lane < W; ++lane) wide[lane] = from[lane];
-        numbers[c] = silt::load<Real>(wide);
-      }
-    }
-    return std::bit_cast<Aggregate<Real>>(numbers);
+    return members_of<Aggregate<Real>, Real>(
+        [from = packs_.data() + k * count](auto c) { return load_wide<Real>(from + c * W); });
+  }
+  /// Asks for the pack that begins at place k.
+  SILT_INLINE void fetch(std::size_t k) const {
+    const auto* const from = reinterpret_cast<const std::byte*>(packs_.data() + k * count);
+    for (std::size_t at = 0; at < count * W * sizeof(Stored); at += 64)
+      __builtin_prefetch(from + at);
   }
   std::size_t bytes() const { return packs_.capacity() * sizeof(Stored); }
 
@@ -114,6 +111,10 @@ class BondColumnsOf {
   SILT_INLINE auto load_numbers(std::size_t k) const {
     return numbers_.template load<Real>(k);
   }
+  SILT_INLINE void fetch(std::size_t k) const {
+    apart_.fetch(k), shape_.fetch(k), numbers_.fetch(k);
+    if (turned_) turn_.fetch(k);
+  }
   std::size_t bytes() const {
     return apart_.bytes() + shape_.bytes() + numbers_.bytes() + turn_.bytes();
   }
@@ -156,6 +157,12 @@ class BondList {
   }
   const std::uint32_t* first() const { return first_.data(); }
   const std::uint32_t* second() const { return second_.data(); }
+  /// Asks for the pack that begins at place k, and for the places of ends twice as far ahead.
+  SILT_INLINE void fetch(std::size_t k) const {
+    columns_.fetch(k);
+    __builtin_prefetch(first_.data() + k + ahead);
+    __builtin_prefetch(second_.data() + k + ahead);
+  }
   const BondColumnsOf<Model, W>& columns() const { return columns_; }
   Bond bond(std::size_t k) const {
     return {ids_[k].i, ids_[k].j, columns_.rest(k), columns_.numbers(k), ids_[k].number};

@@ -60,14 +60,15 @@ void for_each_contact_of_images(const EngineType& e, std::span<const Candidate> 
   }
 }
 
-/// The same for all spheres and walls.
+/// The same for all spheres and walls, but those that were removed since.
 template <class EngineType, class Visit>
 void for_each_wall_contact(const EngineType& e, double back, const Visit& visit) {
   const auto all = e.lists.walls.candidates();
   for (std::size_t k = 0, next = 1; k < all.size(); k = next++) {
     if constexpr (std::remove_cvref_t<decltype(e.lists.walls)>::repeats)
       next = end_of_images(all, k);
-    for_each_contact_of_images(e, all.subspan(k, next - k), back, visit);
+    if (all[k].surface < e.walls[all[k].wall].surfaces.size())
+      for_each_contact_of_images(e, all.subspan(k, next - k), back, visit);
   }
 }
 

@@ -13,8 +13,8 @@
 #include <silt/engine/contact/coefficients.hpp>
 #include <silt/engine/contact/contact_fluxes.hpp>
 #include <silt/engine/contact/contact_stage.hpp>
-#include <silt/engine/contact/offset.hpp>
 #include <silt/engine/contact/load_rows.hpp>
+#include <silt/engine/contact/offset.hpp>
 #include <silt/engine/lists/pair_list.hpp>
 #include <silt/engine/state/rows.hpp>
 
@@ -46,6 +46,7 @@ class PairPipeline {
     bool fetch_ahead;                // the working set is beyond the caches
     const Scalar* shares = nullptr;  // of each pair's force (SharedContacts), or null
     Fluxes* fluxes = nullptr;        // of modules, if there are any
+    bool offsets = true;             // some contacts may have one (WithOffset)
   };
 
   /// Bytes that a step of `pairs` between `particles` goes through.
@@ -108,8 +109,13 @@ class PairPipeline {
     gather(in, first, second, domain, padded, sums, kinematics);
     std::array<Scalar*, ContactsType::history + 1> history{};
     for (std::size_t h = 0; h < ContactsType::history; ++h) history[h] = list.history(h) + from;
-    tally.sum.largest =
-        complete(in, first, second, padded, history, tally.sum.largest, kinematics);
+    double& largest = tally.sum.largest;
+    bool plain = true;
+    if constexpr (keeps_offset<ContactsType>)
+      if (in.offsets)
+        plain = false,
+        largest = complete<true>(in, first, second, padded, history, largest, kinematics);
+    if (plain) largest = complete<false>(in, first, second, padded, history, largest, kinematics);
     const std::uint16_t* const kinds = ContactsType::several_materials ? in.kinds + from : nullptr;
     const Stage stage{in.times, table, in.fluxes};
     stage.run(kinematics, count, kinds, history, Ends{in.positions, first, second, from}, tally,
@@ -265,10 +271,11 @@ class PairPipeline {
   }
 
   /// Completes the kinematics of `count` gathered pairs.
-  static double complete(const Input& in, const std::uint32_t* first, const std::uint32_t* second,
-                         std::size_t count,
-                         [[maybe_unused]] const std::array<Scalar*, ContactsType::history + 1>& history,
-                         double largest, Block& out) {
+  template <bool Offsets>
+  static double complete(
+      const Input& in, const std::uint32_t* first, const std::uint32_t* second, std::size_t count,
+      [[maybe_unused]] const std::array<Scalar*, ContactsType::history + 1>& history,
+      double largest, Block& out) {
     const Real time_step(static_cast<Scalar>(in.times.step));
     for (std::size_t k = 0; k < count; k += W) {
       Kinematics<Real> kin = out.template get_gathered<Real>(k);
@@ -296,7 +303,7 @@ class PairPipeline {
         kin.overlap = excess / (reach + distance);  // their difference would cancel
       else
         kin.overlap = reach - distance;
-      if constexpr (keeps_offset<ContactsType>)
+      if constexpr (keeps_offset<ContactsType> && Offsets)
         kin.overlap = without_offset(kin.overlap, history[ContactsType::offset_from] + k);
       // What the crosswise motion changes of the normal in a step, to second order.
       const Vec3<Real> across = kin.velocity - dot(kin.velocity, kin.normal) * kin.normal;

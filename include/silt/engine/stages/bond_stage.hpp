@@ -6,15 +6,19 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include <silt/bond/concept.hpp>
 #include <silt/core/lanes.hpp>
+#include <silt/core/members.hpp>
 #include <silt/core/row4.hpp>
+#include <silt/core/row8.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/engine/contact/contact_energy.hpp>
 #include <silt/engine/lists/bond_list.hpp>
+#include <silt/engine/stages/turn_spheres.hpp>
 #include <silt/engine/stages/wall_bonds.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -71,31 +75,43 @@ class BondStage {
     });
     return power;
   }
-  /// Takes out the bonds that the last step has overloaded; returns them in the order in which they
-  /// were made.
-  std::vector<BondBreak> take_broken(double time) {
-    std::sort(overloaded_.begin(), overloaded_.end(), [](const Overloaded& a, const Overloaded& b) {
-      return a.what.number < b.what.number;
+  /// Takes out the bonds of particles whose rows, sorted, are to go before the next forces; `dt`
+  /// [s]: the last step, 0 before the first one.
+  template <class Engine>
+  void end_of(const Engine& e, const Domain& domain, std::span<const std::uint32_t> rows,
+              double dt) {
+    follow(e);
+    const auto goes = [rows](std::size_t at) {
+      return std::binary_search(rows.begin(), rows.end(), static_cast<std::uint32_t>(at));
+    };
+    std::vector<Ending> ending;
+    list.for_each([&](std::size_t k) {
+      if (goes(list.first()[k]) || goes(list.second()[k]))
+        ending.push_back({seen(e, domain, k, dt, BondEnds::BeforeForces), k});
     });
+    for (std::size_t k = 0; k < at_walls.all.size(); ++k)
+      if (goes(e.find(at_walls.all[k].i)))
+        ending.push_back({at_walls.seen(e, domain, model, k, dt, BondEnds::BeforeForces), k});
+    take_out(ending);
+  }
+  /// Takes out the bonds that the last step has overloaded; returns them, and those that ended
+  /// before its forces, in the order in which they were made.
+  std::vector<BondBreak> take_broken(double time) {
+    take_out(overloaded_);
+    overloaded_.clear();
     std::vector<BondBreak> gone;
-    for (const Overloaded& o : overloaded_) {
-      gone.push_back({o.what, time});
-      if (o.what.b == no_particle)
-        at_walls.all[o.place].i = no_particle;
-      else
-        list.remove(o.place);
-    }
-    at_walls.close_up();
-    broken += gone.size(), overloaded_.clear();
+    for (const BondSeen& one : std::exchange(ended_, {})) gone.push_back({one, time});
+    std::sort(gone.begin(), gone.end(),
+              [](const BondBreak& a, const BondBreak& b) { return a.number < b.number; });
+    broken += gone.size();
     return gone;
   }
-  /// Turns the particles for a step of `dt` [s].
+  /// Turns the particles for a step of `dt` [s], from the first bond on: before, nothing depends on
+  /// how they are turned.
   template <class Engine>
-  static void turn(Engine& e, double dt) {
-    auto& p = e.particles;
-    e.team().for_ranges(p.size(), [&](std::size_t, std::size_t from, std::size_t to) {
-      for (std::size_t k = from; k < to; k += W) turn_pack(p, k, std::min(W, to - k), dt);
-    });
+  void turn(Engine& e, double dt) const {
+    if (made == 0) return;
+    turn_spheres<Arch>(e.particles, dt, e.team());
   }
   /// Calls f(BondSeen) for each bond, in the order in which they were made.
   template <class Engine, class F>
@@ -176,14 +192,24 @@ class BondStage {
   }
 
  private:
-  static constexpr std::size_t block = 64;  // bonds whose loads wait in the first-level cache
-  static constexpr std::size_t row = 12;    // of one: force, torques over radii, four each
+  static constexpr std::size_t block = 16;  // bonds whose loads wait in the first-level cache
+  static constexpr std::size_t row = 16;    // of one: force, torques over radii, four each
   using Row = Row4<Arch>;
 
-  struct Overloaded {
+  struct Ending {
     BondSeen what;
     std::size_t place;  // in its list
   };
+  void take_out(const std::vector<Ending>& all) {
+    for (const Ending& one : all) {
+      ended_.push_back(one.what);
+      if (one.what.b == no_particle)
+        at_walls.all[one.place].i = no_particle;
+      else
+        list.remove(one.place);
+    }
+    at_walls.close_up();
+  }
   /// What a group has found.
   struct Done {
     std::vector<std::uint32_t> over;  // places of overloaded bonds
@@ -205,69 +231,43 @@ class BondStage {
             n.inv_r * n.spin_velocity()};
   }
   template <class Engine>
-  BondSeen seen(const Engine& e, const Domain& domain, std::size_t k, double dt) const {
+  BondSeen seen(const Engine& e, const Domain& domain, std::size_t k, double dt,
+                BondEnds when = BondEnds::AfterForces) const {
     const Bond b = list.bond(k);
     const auto ends = ends_at(e, domain, k);
-    BondSeen out = see_bond(model, strain_of(b.rest, ends), b.numbers, dt);
+    BondSeen out = see_bond(model, strain_of(b.rest, ends), b.numbers, dt, when);
     out.a = b.i, out.b = b.j, out.number = b.number;
     out.to = e.particles.position[list.first()[k]].centre(), out.from = out.to - ends.apart;
     return out;
   }
 
   /// The ends of a pack of bonds, and one over their radii [1/m].
+  template <class R>
   struct Pack {
-    BondedEnds<Real> ends;
-    Real inv_r_i, inv_r_j;
+    BondedEnds<R> ends;
+    R inv_r_i, inv_r_j;
   };
-  template <class Engine>
-  SILT_INLINE Pack ends_of(const Engine& e, const Domain& domain, std::size_t k) const {
-    const auto* const position = e.particles.position.data();
-    const auto* const motion = e.particles.motion.data();
-    const auto* const orientation = e.particles.orientation.data();
-    const std::uint32_t *const a = list.first() + k, *const b = list.second() + k;
-    const auto columns = [](const auto& row_of, Real(&c)[4]) {
-      Row rows[W];
-      for (std::size_t lane = 0; lane < W; ++lane) rows[lane] = row_of(lane);
-      rows_to_columns<Arch>(rows, c);
-    };
-    Pack p;
-    Real c[4];
-    columns([&](auto l) { return Row::load(&position[a[l]].x) - Row::load(&position[b[l]].x); }, c);
-    p.ends.apart = {c[0], c[1], c[2]};
-    if constexpr (Domain::periodic) p.ends.apart = domain.shortest(p.ends.apart);
-    columns([&](auto l) { return Row::load(&motion[a[l]].vx) - Row::load(&motion[b[l]].vx); }, c);
-    p.ends.velocity = {c[0], c[1], c[2]};
-    columns([&](auto l) { return Row::load(&motion[a[l]].wx); }, c);
-    p.ends.spin_i = Vec3<Real>{c[0], c[1], c[2]} * c[3], p.inv_r_i = c[3];
-    columns([&](auto l) { return Row::load(&motion[b[l]].wx); }, c);
-    p.ends.spin_j = Vec3<Real>{c[0], c[1], c[2]} * c[3], p.inv_r_j = c[3];
-    columns([&](auto l) { return Row::load(&orientation[a[l]].w); }, c);
-    p.ends.orientation_i = {c[0], c[1], c[2], c[3]};
-    columns([&](auto l) { return Row::load(&orientation[b[l]].w); }, c);
-    p.ends.orientation_j = {c[0], c[1], c[2], c[3]};
-    return p;
-  }
-  SILT_INLINE static void put(const Vec3<Real>& v, double* to) {
-    const Real columns[4] = {v.x, v.y, v.z, Real(0)};
-    Row rows[W];
-    columns_to_rows<Arch>(columns, rows);
-    for (std::size_t lane = 0; lane < W; ++lane) rows[lane].store(to + lane * row);
-  }
+  static constexpr std::size_t columns = sizeof(Pack<double>) / sizeof(double);
+  /// Between the stages of a block: ends in columns, loads in rows.
+  struct Block {
+    alignas(64) double ends[columns][block];
+    alignas(64) double loads[block * row];
+  };
+
   template <class Engine>
   void run_group(Engine& e, const Domain& domain, const typename List::Group& g, Done& done) {
-    alignas(64) double loads[block * row];
+    Block b;
     Real power(0);
     const bool beyond_caches = e.particles.size() > 8000;
     for (std::size_t from = g.from; from < g.to; from += block) {
       const std::size_t count = std::min(block, g.to - from);
-      for (std::size_t k = 0; k < count; k += W) {
-        if (beyond_caches) fetch(e, from + k + List::ahead);
-        if (const auto bits = run_pack(e, domain, from + k, loads + k * row, power))
+      gather(e, domain, from, count, beyond_caches, b);
+      for (std::size_t k = 0; k < count; k += W)
+        if (const auto bits = run_pack(e, from + k, k, b, power))
           for (std::size_t lane = 0; lane < W; ++lane)
             if (bits >> lane & 1 && from + k + lane < g.to)
               done.over.push_back(static_cast<std::uint32_t>(from + k + lane));
-      }
-      add_up(e, from, count, loads);
+      add_up(e, from, count, b.loads);
     }
     if constexpr (keeps_ledger<typename Engine::Contacts>) {
       alignas(Real) double each[W];
@@ -275,9 +275,53 @@ class BondStage {
       for (const double one : each) done.power += one;
     }
   }
+  /// Rows of the ends of `count` bonds, turned into lanes.
+  template <class Engine>
+  __attribute__((flatten)) void gather(Engine& e, const Domain& domain, std::size_t from,
+                                       std::size_t count, bool ahead, Block& b) const {
+    for (std::size_t k = 0; k < count; k += W) {
+      if (ahead) fetch(e, from + k + List::ahead);
+      for_each_member<Real>(
+          ends_of(e.particles, domain, from + k),
+          [&](auto c, const Real& column) { silt::store(b.ends[c] + k, column); });
+    }
+  }
+  template <class State>
+  SILT_INLINE Pack<Real> ends_of(const State& particles, const Domain& domain,
+                                 std::size_t k) const {
+    const auto* const position = particles.position.data();
+    const auto* const motion = particles.motion.data();
+    const auto* const orientation = particles.orientation.data();
+    const std::uint32_t *a = list.first() + k, *b = list.second() + k;
+    const auto turned_rows = [&](const auto& row_of, Real(&c)[4]) {
+      read_anew(a), read_anew(b);
+      Row rows[W];
+      for (std::size_t lane = 0; lane < W; ++lane) rows[lane] = row_of(lane);
+      rows_to_columns<Arch>(rows, c);
+    };
+    Pack<Real> p;
+    Real c[4];
+    turned_rows([&](auto l) { return Row::load(&position[a[l]].x) - Row::load(&position[b[l]].x); },
+                c);
+    p.ends.apart = {c[0], c[1], c[2]};
+    if constexpr (Domain::periodic) p.ends.apart = domain.shortest(p.ends.apart);
+    turned_rows([&](auto l) { return Row::load(&motion[a[l]].vx) - Row::load(&motion[b[l]].vx); },
+                c);
+    p.ends.velocity = {c[0], c[1], c[2]};
+    turned_rows([&](auto l) { return Row::load(&motion[a[l]].wx); }, c);
+    p.ends.spin_i = Vec3<Real>{c[0], c[1], c[2]} * c[3], p.inv_r_i = c[3];
+    turned_rows([&](auto l) { return Row::load(&motion[b[l]].wx); }, c);
+    p.ends.spin_j = Vec3<Real>{c[0], c[1], c[2]} * c[3], p.inv_r_j = c[3];
+    turned_rows([&](auto l) { return Row::load(&orientation[a[l]].w); }, c);
+    p.ends.orientation_i = {c[0], c[1], c[2], c[3]};
+    turned_rows([&](auto l) { return Row::load(&orientation[b[l]].w); }, c);
+    p.ends.orientation_j = {c[0], c[1], c[2], c[3]};
+    return p;
+  }
   /// Asks for the rows of a pack that comes later (PairPipeline::fetch).
   template <class Engine>
   SILT_INLINE void fetch(Engine& e, std::size_t k) const {
+    list.fetch(k);
     for (std::size_t lane = 0; lane < W; ++lane) {
       const std::size_t later = std::max(list.first()[k + lane], list.second()[k + lane]);
       __builtin_prefetch(e.particles.position.data() + later);
@@ -286,19 +330,29 @@ class BondStage {
       __builtin_prefetch(e.load_sums() + later * 4 * Engine::chunks, 1);
     }
   }
-  /// Writes the loads of a pack; returns which of its bonds are overloaded.
+  SILT_INLINE static void put(const Vec3<Real>& v, double* to) {
+    const Real turned[4] = {v.x, v.y, v.z, Real(0)};
+    Row rows[W];
+    columns_to_rows<Arch>(turned, rows);
+    for (std::size_t lane = 0; lane < W; ++lane) rows[lane].store(to + lane * row);
+  }
+  /// Writes the loads of the pack at place k of a block, which is at place `of_list` of the list;
+  /// returns which of its bonds are overloaded.
   template <class Engine>
-  __attribute__((flatten)) std::uint64_t run_pack(const Engine& e, const Domain& domain,
-                                                  std::size_t k, double* out,
-                                                  [[maybe_unused]] Real& power) const {
-    const Pack p = ends_of(e, domain, k);
-    const auto s = list.columns().strain(k, p.ends);
-    const auto numbers = list.columns().template load_numbers<Real>(k);
+  __attribute__((flatten)) std::uint64_t run_pack(const Engine&, std::size_t of_list, std::size_t k,
+                                                  Block& b, [[maybe_unused]] Real& power) const {
+    const auto p =
+        members_of<Pack<Real>, Real>([&](auto c) { return silt::load<Real>(b.ends[c] + k); });
+    const auto s = list.columns().strain(of_list, p.ends);
+    const auto numbers = list.columns().template load_numbers<Real>(of_list);
     const auto a = model.answer(s, numbers);
     const auto l = loads_of(s, a.force, a.couple, a.rate_force, a.rate_couple);
+    double* const out = b.loads + k * row;
     put(l.force, out), put(l.torque_i * p.inv_r_i, out + 4), put(l.torque_j * p.inv_r_j, out + 8);
     if constexpr (keeps_ledger<typename Engine::Contacts>)
       power += dot(a.rate_force, s.shift_rate) + dot(a.rate_couple, s.turn_rate);
+    if constexpr (requires { model.holds_always(); })
+      if (model.holds_always()) return 0;
     if constexpr (requires { model.holds(a, s.normal, numbers); })
       if (lane_bits(model.holds(a, s.normal, numbers)) == (std::uint64_t{1} << W) - 1) return 0;
     return lane_bits(model.load(a, s.normal, numbers) > Real(1));
@@ -311,50 +365,30 @@ class BondStage {
     constexpr std::size_t stride = 8;
     Scalar* const sums = e.load_sums();
     const std::uint32_t *const a = list.first() + from, *const b = list.second() + from;
-    const auto add = [](Scalar* sum, const Row& force, const double* torque) {
+    const auto add = [](Scalar* sum, const Row& force, const Row& torque) {
       (SumRow::load(sum) + convert<Scalar>(force)).store(sum);
-      (SumRow::load(sum + 4) + convert<Scalar>(Row::load(torque))).store(sum + 4);
+      (SumRow::load(sum + 4) + convert<Scalar>(torque)).store(sum + 4);
     };
-    const Row nothing = Row::all(0);
     for (std::size_t first = 0; first < stride; ++first)
       for (std::size_t k = first; k < count; k += stride) {
         const double* const l = loads + k * row;
-        const Row force = Row::load(l);
-        add(sums + a[k] * 4 * Engine::chunks, force, l + 4);
-        add(sums + b[k] * 4 * Engine::chunks, nothing - force, l + 8);
+        Scalar* const of_a = sums + a[k] * 4 * Engine::chunks;
+        Scalar* const of_b = sums + b[k] * 4 * Engine::chunks;
+        if constexpr (Engine::chunks == 2 && has_row8<Arch, double> &&
+                      std::is_same_v<Scalar, double>) {
+          using Whole = Row8<Arch, double>;
+          (Whole::load(of_a) + Whole::load(l)).store(of_a);
+          (Whole::load(of_b) + Whole::of(-1, -1, 1, 1) * Whole::of(Row::load(l), Row::load(l + 8)))
+              .store(of_b);
+        } else {
+          const Row force = Row::load(l);
+          add(of_a, force, Row::load(l + 4));
+          add(of_b, Row::all(0) - force, Row::load(l + 8));
+        }
       }
   }
-  template <class State>
-  __attribute__((flatten)) static void turn_pack(State& p, std::size_t k, std::size_t count,
-                                                 double dt) {
-    Row rows[W];
-    Real w[4], c[4];
-    const auto at = [&](std::size_t lane) { return k + std::min(lane, count - 1); };
-    for (std::size_t lane = 0; lane < W; ++lane) rows[lane] = Row::load(&p.motion[at(lane)].wx);
-    rows_to_columns<Arch>(rows, w);
-    for (std::size_t lane = 0; lane < W; ++lane) rows[lane] = Row::load(&p.orientation[at(lane)].w);
-    rows_to_columns<Arch>(rows, c);
-    // Sine and cosine of half the turn by their series: 1e-13 off at 0.1 rad, 1e-8 at 0.5 rad a
-    // step. The length that rounding changes is brought back by Newton's step towards 1.
-    const Real one(1);
-    const Vec3<Real> half = Vec3<Real>{w[0], w[1], w[2]} * (Real(0.5 * dt) * w[3]);
-    const Real a2 = dot(half, half);
-    const Real sine =
-        one - a2 * Real(1.0 / 6) * (one - a2 * Real(1.0 / 20) * (one - a2 * Real(1.0 / 42)));
-    const Real cosine =
-        one -
-        a2 * Real(0.5) *
-            (one - a2 * Real(1.0 / 12) * (one - a2 * Real(1.0 / 30) * (one - a2 * Real(1.0 / 56))));
-    const BasicQuaternion<Real> q =
-        BasicQuaternion<Real>{cosine, half.x * sine, half.y * sine, half.z * sine} *
-        BasicQuaternion<Real>{c[0], c[1], c[2], c[3]};
-    const Real per = Real(1.5) - Real(0.5) * (q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
-    const Real turned[4] = {per * q.w, per * q.x, per * q.y, per * q.z};
-    columns_to_rows<Arch>(turned, rows);
-    for (std::size_t lane = 0; lane < count; ++lane) rows[lane].store(&p.orientation[k + lane].w);
-  }
-
-  std::vector<Overloaded> overloaded_;
+  std::vector<Ending> overloaded_;
+  std::vector<BondSeen> ended_;  // since bonds were taken out last
 };
 
 /// The stage of a policy Bonds<Model>; without one nothing.

@@ -50,17 +50,18 @@ struct DueBreak {
 template <class Policy>
 class BreakStage {
  public:
-  std::vector<DueBreak> due;              // by id; saved between steps
-  std::vector<BreakEvent> events;         // of this step
-  ParticleId newborn_from = 0;            // of the rows that came then
-  SizeTables dust, left;                  // fragments too small, and particles that left
-  CompensatedSum fed;                     // [kg]
-  std::array<std::uint64_t, 3> broken{};  // since the start, by BreakCause
-  ImpactEnergies impacts;                 // since the start, by speed alone
-  double parted = 0;                      // [J] that offsets have given to contacts
-  double weak_from = 0;                   // [N] lower bound of the strengths, by force
-  LivingSizes sizes;                      // that the time step follows
-  LargestLoad largest;                    // not kept by checkpoints
+  std::vector<DueBreak> due;           // by id; saved between steps
+  std::vector<BreakEvent> events;      // of this step
+  ParticleId newborn_from = 0;         // of the rows that came then
+  SizeTables dust, left;               // fragments too small, and particles that left
+  CompensatedSum fed;                  // [kg]
+  BreakCounts broken{};                // since the start
+  std::vector<BreakCounts> broken_of;  // likewise of each material, where there are several
+  ImpactEnergies impacts;              // since the start, by speed alone
+  double parted = 0;                   // [J] that offsets have given to contacts
+  double weak_from = 0;                // [N] lower bound of the strengths, by force
+  LivingSizes sizes;                   // that the time step follows
+  LargestLoad largest;                 // not kept by checkpoints
 
   /// Draws the strengths of the particles from place `from` on, which are new; of fragments
   /// rests_until(id) [s].
@@ -125,6 +126,15 @@ class BreakStage {
       due.insert(at, one);
     else if (at->load < one.load)
       *at = one;
+  }
+
+  template <bool SeveralMaterials>
+  void count(BreakCause cause, std::size_t material) {
+    ++broken[static_cast<std::size_t>(cause)];
+    if constexpr (SeveralMaterials) {
+      if (broken_of.size() <= material) broken_of.resize(material + 1);
+      ++broken_of[material][static_cast<std::size_t>(cause)];
+    }
   }
 
   /// By force: the least strength of all.

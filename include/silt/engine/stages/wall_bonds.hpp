@@ -13,19 +13,27 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// A bond as readers see it. `dt` [s]: the step, if it breaks now. Its force acts until the middle
-/// of the next step: what its springs give until then is not lost, and what its dashpots take is,
-/// as far as EnergyBook::bonds_damped() does not have it.
+/// When a bond ends, half steps from the middle between two of them.
+enum class BondEnds : int {
+  BeforeForces = -1,  // a particle of it has gone: its force acted until half a step ago
+  AfterForces = 1     // overloaded: its force acts until the middle of the next step
+};
+
+/// A bond as readers see it. `dt` [s]: the step, if it ends now. What its springs give until its
+/// force does not act any more is not lost, and what its dashpots take is, as far as
+/// EnergyBook::bonds_damped() does not have it.
 template <class Model>
 BondSeen see_bond(const Model& model, const BondStrain<double>& strain,
-                  const typename Model::template Numbers<double>& numbers, double dt) {
+                  const typename Model::template Numbers<double>& numbers, double dt,
+                  BondEnds ends = BondEnds::AfterForces) {
   const auto a = model.answer(strain, numbers);
   BondSeen out;
   out.normal = strain.normal, out.force = a.force, out.couple = a.couple;
   out.load = model.load(a, strain.normal, numbers);
   out.energy =
       model.energy(strain, numbers) -
-      0.5 * dt * (dot(a.force, strain.shift_rate) + dot(a.couple, strain.turn_rate)) -
+      0.5 * static_cast<int>(ends) * dt *
+          (dot(a.force, strain.shift_rate) + dot(a.couple, strain.turn_rate)) -
       0.25 * dt * (dot(a.rate_force, strain.shift_rate) + dot(a.rate_couple, strain.turn_rate));
   return out;
 }
@@ -89,11 +97,11 @@ class WallBonds {
     return power;
   }
   template <class Engine, class Domain>
-  BondSeen seen(const Engine& e, const Domain& domain, const Model& model, std::size_t k,
-                double dt) const {
+  BondSeen seen(const Engine& e, const Domain& domain, const Model& model, std::size_t k, double dt,
+                BondEnds when = BondEnds::AfterForces) const {
     const Bond& b = all[k];
     const auto ends = ends_at(e, domain, b, dt);
-    BondSeen out = see_bond(model, strain_of(b.rest, ends), b.numbers, dt);
+    BondSeen out = see_bond(model, strain_of(b.rest, ends), b.numbers, dt, when);
     out.a = b.i, out.wall = b.wall, out.number = b.number;
     out.to = e.particles.position[e.find(b.i)].centre(), out.from = out.to - ends.apart;
     return out;

@@ -56,7 +56,7 @@ class ParticleState {
   std::vector<ParticleId> id;
   std::vector<std::uint16_t> material;
   std::vector<PartRow> part;              // of bodies
-  AlignedVector<Quaternion> orientation;  // of spheres with bonds, since they came
+  AlignedVector<Quaternion> orientation;  // of spheres, since they came and a bond was made
   // Follows the list of bonds, which drops those of particles that have left when it is looked at.
   [[no_unique_address]] mutable std::conditional_t<Bonded, BondedPairs, NoPairs> bonds;
   [[no_unique_address]] FluidLoads<Given> fluid;
