@@ -253,6 +253,10 @@ def labels():
 check(not labels()[1], "the colour bar's numbers were to run into each other before")
 draw.tick_apart(bar, figure)
 check(labels()[0] >= 3 and labels()[1], f"numbers at a colour bar: {labels()}")
+bar.mappable.set_clim(0, 2)  # catches 0.25, 0.5, ... of a count
+draw.tick_apart(bar, figure, whole=True)
+check(all(float(one.get_text()) == int(float(one.get_text()))
+          for one in bar.ax.get_xticklabels() if one.get_text()), "parts of whole numbers at a colour bar")
 
 # A colour bar beside a scale bar: catches numbers that run into it or out of the picture, and a
 # common factor under the label. Narrow panels, long numbers, tiny values, a long label.

@@ -449,8 +449,8 @@ def add_bar(figure, norm, colours, label, box, extend="neither", whole=False):
     return bar
 
 
-def tick_apart(bar, figure, whole):
-    """As many numbers at a horizontal colour bar as leave a gap between each other."""
+def tick_apart(bar, figure, whole=False):
+    """As many numbers at a horizontal colour bar as leave a gap between each other; whole ones."""
     for most in (8, 6, 5, 4, 3, 2):
         bar.locator = MaxNLocator(most, integer=whole)
         bar.update_ticks()
