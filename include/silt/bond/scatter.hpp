@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include <silt/core/target.hpp>
+
 namespace silt::inline SILT_TARGET {
 
 /// A factor of mean 1 for strengths, of a Weibull distribution: (-ln(1 - share))^(1/m) over

@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <vector>
 
+#include <silt/core/target.hpp>
+
 namespace silt::inline SILT_TARGET {
 
 /// How many impacts of which energy 1/2 m* v^2 [J] there were, v the speed of approach along the
