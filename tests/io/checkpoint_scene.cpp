@@ -180,14 +180,20 @@ TEST_CASE("checkpoint: other materials are taken where they are accepted, and ac
   CHECK(end_smooth != end);
 }
 
-TEST_CASE("checkpoint: with stiffer materials the time step is held against its new limit") {
+TEST_CASE("checkpoint: with stiffer materials the time step is chosen anew, or held to its limit") {
   auto settled = built({});
   settled.run(2e-3);
   save_checkpoint(settled, path);
-  auto stiff = built({.youngs_modulus = 4e10});
-  stiff.time_step.reset();  // it goes on with that of the file
-  load_checkpoint(stiff, path, {.materials = true});
-  CHECK(has_words(refusal<silt::SimulationError>([&] { stiff.run(1e-3); }),
+  const auto stiff = [](bool left_out) {
+    auto sim = built({.youngs_modulus = 4e10});
+    if (left_out) sim.time_step.reset();
+    load_checkpoint(sim, path, {.materials = true});
+    return sim;
+  };
+  auto chosen = stiff(true), given = stiff(false);
+  chosen.run(1e-5);
+  CHECK(chosen.step_length() < 0.5e-5);  // that of the file is 1e-5
+  CHECK(has_words(refusal<silt::SimulationError>([&] { given.run(1e-3); }),
                   {"the time step 1e-05 s is above its limit"}));
 }
 
