@@ -41,11 +41,6 @@ class BodyPoints {
     const Body& b = bodies[p.body];
     return b.velocity + cross(b.spin, (0.5 * (1 + p.up)) * p.at);
   }
-  double fastest() const {
-    double most = 0;
-    for (const Body& b : bodies) most = std::max(most, norm(b.velocity));
-    return most;
-  }
   void move(double dt) {
     for (Body& b : bodies) b.centre += dt * b.velocity;
   }

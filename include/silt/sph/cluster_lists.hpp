@@ -25,6 +25,13 @@ struct Repeats {
   Vec3d low{0, 0, 0}, length{0, 0, 0};
   double along(int d) const { return d == 0 ? length.x : d == 1 ? length.y : length.z; }
   double from(int d) const { return d == 0 ? low.x : d == 1 ? low.y : low.z; }
+  /// The shortest of the images of a way [m].
+  Vec3d shortest(Vec3d d) const {
+    double* const of[3] = {&d.x, &d.y, &d.z};
+    for (int k = 0; k < 3; ++k)
+      if (along(k) > 0) *of[k] -= along(k) * std::round(*of[k] / along(k));
+    return d;
+  }
   Vec3d wrapped(Vec3d p) const {
     double* const of[3] = {&p.x, &p.y, &p.z};
     for (int d = 0; d < 3; ++d)

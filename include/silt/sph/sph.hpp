@@ -104,10 +104,9 @@ class Sph {
       });
     }
   }
-  /// As many as keep the liquid stable.
+  /// As many as sound leaves; advance() takes shorter steps where more is needed.
   int steps_wanted(const FluidPace& pace, const Team&) const {
-    const double longest =
-        known_ ? stable_step() : setup_.courant * setup_.h() / liquid_.sound_speed;
+    const double longest = setup_.courant * setup_.h() / liquid_.sound_speed;
     return std::max(1, static_cast<int>(longest / pace.step));
   }
   /// The liquid goes on by dt [s] beside spheres, in as many steps as it needs; sets what it does
@@ -117,6 +116,7 @@ class Sph {
     require(of.forms.empty(), "Sph: only spheres can be in the liquid so far");
     if (bodies_.set(of.shape.position, of.shape.radius, of.velocity, of.angular_velocity, setup_))
       make_room_for_bodies();
+    known_ = false;  // of where the spheres are now, whatever was read in between
     const std::size_t n = bodies_.bodies.size();
     for (double left = dt; left > 0;) {
       const double most = longest_step(team);
@@ -226,7 +226,6 @@ class Sph {
     else
       verlet(dt, team);
     time_ += dt, now_ = time_, ++steps_, last_ = dt, known_ = false;
-    moved_ += dt * most_.wall;
   }
 
   double time() const { return time_; }                            // [s]
@@ -269,7 +268,7 @@ class Sph {
       if (walls_.wall_of(k) != wall) continue;
       const std::size_t at = wall_row_[k];
       const Vec3d f = particle_mass() * columns_.rates[at].acceleration;
-      force += f, torque += cross(columns_.rows[at].position() - about, f);
+      force += f, torque += cross(solid_place(k) - about, f);
     }
     return {force, torque};
   }
@@ -289,7 +288,7 @@ class Sph {
 
  private:
   struct Most {
-    double pair = 0, acceleration = 0, speed = 0, wall = 0;  // [m/s], [m/s2], [m/s], [m/s]
+    double pair = 0, acceleration = 0, speed = 0;  // [m/s], [m/s2], [m/s]
   };
   static constexpr double skin_share = 0.2;  // [-] of the spacing: what lists reach farther
   double skin() const { return skin_share * setup_.spacing; }
@@ -342,7 +341,9 @@ class Sph {
   void make_room_for_bodies() {
     take_out([this](const Vec3d& x) {
       for (const auto& body : bodies_.bodies)
-        if (norm(x - body.centre) < body.radius + displaced_within * setup_.spacing) return true;
+        if (norm(lists_.repeats.shortest(x - body.centre)) <
+            body.radius + displaced_within * setup_.spacing)
+          return true;
       return false;
     });
   }
@@ -351,8 +352,12 @@ class Sph {
   void renew(const Team& team) {
     if (walls_.fresh() || !made_) make_solids();
     for (std::size_t k = 0; k < columns_.size(); ++k) {
-      if (!columns_.is_liquid(k)) continue;
+      if (columns_.label[k] == Lists::none) continue;
       Row& r = columns_.rows[k];
+      if (!columns_.is_liquid(k)) {
+        r.place(lists_.repeats.wrapped(r.position()));
+        continue;
+      }
       check(r);
       // In the middle of a step its start goes along.
       const Vec3d way = lists_.repeats.wrapped(r.position()) - r.position();
@@ -422,9 +427,10 @@ class Sph {
   /// The rates where the particles are now, unless they are known.
   void find_rates(const Team& team) {
     if (known_) return;
-    if (stale_ || 2 * moved_ > skin()) renew(team);
+    if (made_ && wall_row_.size() == solids()) place_solids();
+    if (stale_ || 2 * moved_ > skin()) renew(team), place_solids();
     const Pairs pairs = this->pairs();
-    set_pressures(team), place_walls(), set_walls(pairs, team);
+    set_pressures(team), set_walls(pairs, team);
     constexpr std::size_t W = Pairs::W, per = 16;
     const std::size_t liquid = lists_.first_pack(Lists::Wall);
     std::vector<Most> most(detail::pieces(liquid, per));
@@ -442,9 +448,7 @@ class Sph {
         }
       }
     });
-    const double wall = most_.wall;
     most_ = {};
-    most_.wall = wall;
     for (const Most& m : most) {
       most_.pair = std::max(most_.pair, m.pair), most_.speed = std::max(most_.speed, m.speed);
       most_.acceleration = std::max(most_.acceleration, m.acceleration);
@@ -460,16 +464,22 @@ class Sph {
       }
     });
   }
-  /// To where they are at the time of these rates.
-  void place_walls() {
-    most_.wall = bodies_.fastest();
+  /// Walls and bodies to where they are at the time of these rates, each particle in the image
+  /// that its row is in; what they have moved counts for the lists.
+  void place_solids() {
     const bool move = walls_.any_moves();
     if (move) walls_.move_to(now_, 0.1 * setup_.courant * setup_.h() / liquid_.sound_speed);
+    double most = 0;
+    const auto place = [&](Row& r, const Vec3d& to) {
+      const Vec3d way = lists_.repeats.shortest(to - r.position());
+      most = std::max(most, norm(way));
+      r.place(r.position() + way);
+    };
     for (std::size_t k = move ? 0 : walls_.size(); k < solids(); ++k) {
-      columns_.rows[wall_row_[k]].place(solid_place(k));
-      columns_.rows[probe_row_[k]].place(solid_ghost(k));
-      if (k < walls_.size()) most_.wall = std::max(most_.wall, norm(walls_.velocity(k)));
+      place(columns_.rows[wall_row_[k]], solid_place(k));
+      place(columns_.rows[probe_row_[k]], solid_ghost(k));
     }
+    moved_ += most;
   }
   /// Density and velocity of walls' particles, from the liquid at their mirror images.
   void set_walls(const Pairs& pairs, const Team& team) {
@@ -482,13 +492,13 @@ class Sph {
         for (std::size_t l = 0; l < W; ++l) {
           const std::size_t k = p * W + l;
           if (columns_.label[k] == Lists::none) continue;
-          const std::size_t at = wall_row_[columns_.label[k]];
+          const std::uint32_t of = columns_.label[k];
+          const std::size_t at = wall_row_[of];
           Row& wall = columns_.rows[at];
-          const auto [density, velocity] = seen[l].at(wall.position() - columns_.rows[k].position(),
-                                                      liquid_, gravity, setup_.h());
+          const Vec3d away = solid_place(of) - solid_ghost(of);
+          const auto [density, velocity] = seen[l].at(away, liquid_, gravity, setup_.h());
           wall.density = density, wall.pressure = liquid_.pressure(density);
-          wall.move(at_wall(velocity, solid_velocity(columns_.label[k]),
-                            wall.position() - columns_.rows[k].position()));
+          wall.move(at_wall(velocity, solid_velocity(of), away));
           columns_.volume[at] = particle_mass() / density;
         }
       }
@@ -556,7 +566,7 @@ class Sph {
       const std::size_t at = wall_row_[k];
       auto& body = bodies_.bodies[bodies_.body_of(k - walls_.size())];
       const Vec3d f = particle_mass() * columns_.rates[at].acceleration;
-      body.force += f, body.torque += cross(columns_.rows[at].position() - body.centre, f);
+      body.force += f, body.torque += cross(solid_place(k) - body.centre, f);
     }
   }
   void find_solid_rates(const Team& team) {
