@@ -99,9 +99,7 @@ class Sph {
               "; give both the same PeriodicBox");
     if (scene.walls != nullptr && !scene.walls->empty() && walls_.follow(*scene.walls)) {
       made_ = false, stale_ = true, known_ = false;
-      take_out([this](const Vec3d& x) {
-        return walls_.distance(x) < displaced_within * setup_.spacing;
-      });
+      take_out([this](const Vec3d& x) { return walls_.distance(x) < 0; });
     }
   }
   /// As many as sound leaves; advance() takes shorter steps where more is needed.
@@ -330,7 +328,7 @@ class Sph {
     }
     made_ = true;
   }
-  /// Takes out liquid that is where something solid has come.
+  /// Takes out liquid whose centre is where something solid has come: as much as that displaces.
   template <class Inside>
   void take_out(const Inside& inside) {
     for (std::size_t k = 0; k < columns_.size(); ++k)
@@ -341,13 +339,10 @@ class Sph {
   void make_room_for_bodies() {
     take_out([this](const Vec3d& x) {
       for (const auto& body : bodies_.bodies)
-        if (norm(lists_.repeats.shortest(x - body.centre)) <
-            body.radius + displaced_within * setup_.spacing)
-          return true;
+        if (norm(lists_.repeats.shortest(x - body.centre)) < body.radius) return true;
       return false;
     });
   }
-  static constexpr double displaced_within = 0.25;  // [-] of the spacing
   /// Brings the particles into packs, with lists that hold until one has moved half the skin.
   void renew(const Team& team) {
     if (walls_.fresh() || !made_) make_solids();
