@@ -70,8 +70,8 @@ class LiquidForm {
     for (int i = 0; i < n[0]; ++i)
       for (int j = 0; j < n[1]; ++j)
         for (int k = 0; k < n[2]; ++k) {
-          const Vec3d x = mid + s * Vec3d{i - 0.5 * (n[0] - 1), j - 0.5 * (n[1] - 1),
-                                          k - 0.5 * (n[2] - 1)};
+          const Vec3d x =
+              mid + s * Vec3d{i - 0.5 * (n[0] - 1), j - 0.5 * (n[1] - 1), k - 0.5 * (n[2] - 1)};
           const double d = nearest(x).distance;
           if (!(d < -1e-9 * s)) continue;
           ++inside, deepest = std::max(deepest, -d);
@@ -81,10 +81,13 @@ class LiquidForm {
                   "Sph: in 2D, where forces are those of 1 m, a body must be a prism along y and "
                   "1 m long; one is ",
                   scale * e.y, " m long");
-          of.sites.push_back({scale * x, scale * (x + 2 * out)});
+          // In a notch the image may lie in another part: the surface itself, then.
+          const Vec3d ghost = x + 2 * out;
+          of.sites.push_back({scale * x, scale * (contains(ghost) ? x + out : ghost)});
         }
     require(deepest >= 0.9 * s, "Sph: a body of ", scale * e, " m is too thin for a spacing of ",
-            setup.spacing, " m: its thickest part must be at least 2 spacings thick; take a "
+            setup.spacing,
+            " m: its thickest part must be at least 2 spacings thick; take a "
             "smaller spacing");
     if (!flat) of.share = volume_ / (static_cast<double>(inside) * s * s * s);
     return of;

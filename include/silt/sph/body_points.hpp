@@ -130,8 +130,8 @@ class BodyPoints {
       const double* const p = points.data() + 8 * k;
       require(whole(p[7]) && p[7] < static_cast<double>(n), "Sph: point ", k,
               " of a state is of body ", p[7], " of ", n);
-      points_.push_back({{p[0], p[1], p[2]}, {p[3], p[4], p[5]}, p[6],
-                         static_cast<std::uint32_t>(p[7])});
+      points_.push_back(
+          {{p[0], p[1], p[2]}, {p[3], p[4], p[5]}, p[6], static_cast<std::uint32_t>(p[7])});
     }
   }
 
@@ -159,8 +159,7 @@ class BodyPoints {
         continue;
       }
       const auto [laid, is_new] = laid_.try_emplace(std::pair{body.form, R});
-      if (is_new)
-        laid->second = forms_[body.form]->lay(setup, R / forms_[body.form]->radius());
+      if (is_new) laid->second = forms_[body.form]->lay(setup, R / forms_[body.form]->radius());
       for (const BodySite& site : laid->second.sites)
         points_.push_back({site.at, site.ghost, laid->second.share, b});
     }
@@ -185,7 +184,7 @@ class BodyPoints {
     }
   }
 
-  std::vector<std::optional<LiquidForm>> forms_;  // of bodies; none: a sphere
+  std::vector<std::optional<LiquidForm>> forms_;                // of bodies; none: a sphere
   std::map<std::pair<std::uint32_t, double>, BodySites> laid_;  // by form and radius
   std::vector<Point> points_;
 };
