@@ -31,6 +31,7 @@ struct SphCore {
   using Diffusion = typename Axes::Diffusion;
   using Shift = typename Axes::Shift;
   using Time = typename Axes::Time;
+  using Walls = typename Axes::Walls;
   using Pairs = SphPairs<Kernel, Viscosity, Diffusion, Shift>;
   using Lists = ClusterLists;
   using Row = SphRow;
@@ -41,6 +42,7 @@ struct SphCore {
   Diffusion diffusion;
   Shift shift;
   Time scheme;
+  Walls walls;
   Vec3d gravity = setup.gravity;                   // [m/s2]
   double least_density = 0.7, most_density = 1.3;  // [-] of the liquid's
 
@@ -62,6 +64,8 @@ struct SphCore {
   void begin() {
     liquid.check(), setup.check(), viscosity.check(), diffusion.check(), shift.check(),
         scheme.check();
+    require(Walls::mirrored || !setup.slip,
+            "SphSetup.slip has no effect with DynamicWalls; leave it out, or take MirroredWalls");
     lists.width = Pairs::W, lists.spacing = setup.spacing, lists.dimensions = setup.dimensions;
     if (setup.dimensions == 2) solids.plane = setup.region.min.y;
     const Vec3d e = setup.region.extent();
@@ -113,7 +117,8 @@ struct SphCore {
     if (made && solids.have_rows()) place_solids();
     if (stale || 2 * moved > skin()) renew(team), place_solids();
     const Pairs pairs = this->pairs();
-    set_pressures(team), set_walls(pairs, team);
+    set_pressures(team);
+    if constexpr (Walls::mirrored) set_walls(pairs, team);
     constexpr std::size_t W = Pairs::W, per = 16;
     const std::size_t packs = lists.first_pack(Lists::Wall);
     std::vector<Extremes> of_parts(pieces(packs, per));
@@ -136,6 +141,7 @@ struct SphCore {
       most.pair = std::max(most.pair, m.pair), most.speed = std::max(most.speed, m.speed);
       most.acceleration = std::max(most.acceleration, m.acceleration);
     }
+    if constexpr (!Walls::mirrored) find_solid_rates(team);
     known = true;
   }
   void set_pressures(const Team& team) {
@@ -144,6 +150,8 @@ struct SphCore {
       for (std::size_t k = from; k < to; ++k) {
         Row& r = columns.rows[k];
         r.pressure = liquid.pressure(r.density), columns.volume[k] = mass / r.density;
+        if (!Walls::mirrored && columns.kind[k] == Lists::Wall && columns.label[k] != Lists::none)
+          columns.volume[k] *= solids.share(columns.label[k]);
       }
     });
   }
@@ -152,7 +160,7 @@ struct SphCore {
   void place_solids() {
     const bool move = solids.walls.any_moves();
     if (move) solids.walls.move_to(now, 0.1 * setup.courant * setup.h() / liquid.sound_speed);
-    moved += solids.move_rows(columns, lists.repeats, move);
+    moved += solids.move_rows(columns, lists.repeats, move, Walls::mirrored);
   }
   /// Density and velocity of walls' particles, from the liquid at their mirror images.
   void set_walls(const Pairs& pairs, const Team& team) {
@@ -192,10 +200,10 @@ struct SphCore {
     BodyPoints& of = solids.bodies;
     for (auto& b : of.bodies) b.force = b.torque = {0, 0, 0};
     if (of.empty()) return;
-    find_solid_rates(team);
-    const std::size_t walls = solids.walls.size();
-    for (std::size_t k = walls; k < solids.size(); ++k) {
-      auto& body = of.bodies[of.body_of(k - walls)];
+    if constexpr (Walls::mirrored) find_solid_rates(team);
+    const std::size_t first = solids.walls.size();
+    for (std::size_t k = first; k < solids.size(); ++k) {
+      auto& body = of.bodies[of.body_of(k - first)];
       const Vec3d f = solids.force_on(k, columns, particle_mass());
       Vec3d arm = solids.place(k) - body.centre;
       if (solids.plane) arm.y = 0;
@@ -219,7 +227,7 @@ struct SphCore {
   void renew(const Team& team) {
     if (solids.walls.fresh() || !made) {
       if (solids.walls.fresh()) solids.walls.make(setup);
-      solids.put_into(columns, liquid.density), made = true;
+      solids.put_into(columns, liquid.density, Walls::mirrored), made = true;
     }
     for (std::size_t k = 0; k < columns.size(); ++k) {
       if (columns.label[k] == Lists::none) continue;
@@ -302,12 +310,31 @@ struct SphCore {
           update(k, columns.rows[k], columns.start[k], columns.rates[k]);
     });
   }
+  /// The densities of walls and bodies that have their own.
+  template <class Update>
+  void for_walls(const Team& team, const Update& update) {
+    if constexpr (!Walls::mirrored) {
+      const std::size_t first = lists.first_pack(Lists::Wall) * Pairs::W,
+                        n = lists.first_pack(Lists::Probe) * Pairs::W - first;
+      team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
+        for (std::size_t k = first + from; k < first + to; ++k) {
+          if (columns.label[k] == Lists::none) continue;
+          Row& r = columns.rows[k];
+          update(r, columns.start[k], columns.rates[k].density);
+          r.density = std::max(r.density, liquid.density);
+        }
+      });
+    }
+  }
   void symplectic(double dt, const Team& team) {
     for_liquid(team, [&](std::size_t, Row& r, Row& start, const SphRates& rate) {
       start = r;
       r.place(r.position() + 0.5 * dt * r.velocity());
       r.move(r.velocity() + 0.5 * dt * rate.acceleration);
       r.density += 0.5 * dt * rate.density;
+    });
+    for_walls(team, [&](Row& r, Row& start, double rate) {
+      start.density = r.density, r.density += 0.5 * dt * rate;
     });
     moved += 0.5 * dt * most.speed;
     now = time + 0.5 * dt, known = false;
@@ -318,6 +345,10 @@ struct SphCore {
       const double eps = -dt * rate.density / r.density;
       r.place(start.position() + 0.5 * dt * (start.velocity() + v) + shift_of(rate, norm(v), dt));
       r.move(v), r.density = start.density * (2 - eps) / (2 + eps);
+    });
+    for_walls(team, [&](Row& r, const Row& start, double rate) {
+      const double eps = -dt * rate / r.density;
+      r.density = start.density * (2 - eps) / (2 + eps);
     });
     solids.bodies.move(0.5 * dt);
     moved += 0.5 * dt * (most.speed + 2 * dt * most.acceleration) + most_shift(dt);
@@ -332,6 +363,10 @@ struct SphCore {
       const Vec3d v = r.velocity(), &a = rate.acceleration;
       r.place(r.position() + dt * v + 0.5 * dt * dt * a + shift_of(rate, norm(v), dt));
       r.move(from.velocity() + span * a), r.density = from.density + span * rate.density;
+    });
+    for_walls(team, [&](Row& r, Row& start, double rate) {
+      const double from = restart ? r.density : start.density;
+      start.density = r.density, r.density = from + span * rate;
     });
     solids.bodies.move(dt);
     moved += dt * (most.speed + 0.5 * dt * most.acceleration) + most_shift(dt);

@@ -28,7 +28,7 @@ struct SphPolicies {
                 "Sph: a policy is none of those for SPH: a kernel (WendlandC2, CubicSpline), a "
                 "viscosity (ArtificialViscosity, LaminarViscosity, Inviscid), a diffusion "
                 "(Fourtakas, MolteniColagrossi, NoDiffusion), Shifting or NoShifting, "
-                "SymplecticTime or VerletTime");
+                "SymplecticTime or VerletTime, MirroredWalls or DynamicWalls");
   template <SphAxis axis>
   static constexpr int count = (0 + ... + int{SphPolicyOf<Ps, axis>});
   static_assert(count<SphAxis::Kernel> <= 1, "Sph: two kernels are given; give one");
@@ -36,6 +36,7 @@ struct SphPolicies {
   static_assert(count<SphAxis::Diffusion> <= 1, "Sph: two diffusions are given; give one");
   static_assert(count<SphAxis::Shifting> <= 1, "Sph: two ways of shifting are given; give one");
   static_assert(count<SphAxis::Time> <= 1, "Sph: two time integrations are given; give one");
+  static_assert(count<SphAxis::Walls> <= 1, "Sph: two kinds of walls are given; give one");
 
   /// That of an axis among those given.
   template <SphAxis axis, class Default, class First, class... Rest>
@@ -58,11 +59,13 @@ struct SphPolicies {
   }
   static auto shifting(const Ps&... all) { return one_of<SphAxis::Shifting>(Shifting{}, all...); }
   static auto time(const Ps&... all) { return one_of<SphAxis::Time>(SymplecticTime{}, all...); }
+  static auto walls(const Ps&... all) { return one_of<SphAxis::Walls>(MirroredWalls{}, all...); }
   using Kernel = decltype(kernel(std::declval<const Ps&>()...));
   using Viscosity = decltype(viscosity(std::declval<const Ps&>()...));
   using Diffusion = decltype(diffusion(std::declval<const Ps&>()...));
   using Shift = decltype(shifting(std::declval<const Ps&>()...));
   using Time = decltype(time(std::declval<const Ps&>()...));
+  using Walls = decltype(walls(std::declval<const Ps&>()...));
 };
 
 }  // namespace detail

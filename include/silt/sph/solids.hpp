@@ -40,8 +40,9 @@ class SphSolids {
   /// [-] of a particle's volume and mass.
   double share(std::size_t k) const { return is_wall(k) ? 1 : bodies.share(k - walls.size()); }
 
-  /// Puts them into columns in which there are none, or others.
-  void put_into(SphColumns& columns, double density) {
+  /// Puts them into columns in which there are none, or others; with probes at their mirror images,
+  /// or without.
+  void put_into(SphColumns& columns, double density, bool mirrored) {
     for (std::size_t k = 0; k < columns.size(); ++k)
       if (columns.label[k] != ClusterLists::none && columns.kind[k] != ClusterLists::Liquid)
         columns.take_out(k);
@@ -49,7 +50,7 @@ class SphSolids {
       SphRow r{};
       r.density = density;
       r.place(place(k)), columns.add(r, ClusterLists::Wall, k);
-      r.place(ghost(k)), columns.add(r, ClusterLists::Probe, k);
+      if (mirrored) r.place(ghost(k)), columns.add(r, ClusterLists::Probe, k);
     }
   }
   /// Notes the rows from `first` on in which they stand.
@@ -64,8 +65,9 @@ class SphSolids {
   }
   bool have_rows() const { return wall_row.size() == size(); }
   /// Moves their rows to where they are now, each in the image that its row is in; returns how far
-  /// the farthest went [m].
-  double move_rows(SphColumns& columns, const Repeats& repeats, bool walls_too) const {
+  /// the farthest went [m]. Without probes they have the velocity of their surface.
+  double move_rows(SphColumns& columns, const Repeats& repeats, bool walls_too,
+                   bool mirrored) const {
     double most = 0;
     const auto move = [&](SphRow& r, const Vec3d& to) {
       const Vec3d way = repeats.shortest(to - r.position());
@@ -74,7 +76,10 @@ class SphSolids {
     };
     for (std::size_t k = walls_too ? 0 : walls.size(); k < size(); ++k) {
       move(columns.rows[wall_row[k]], place(k));
-      move(columns.rows[probe_row[k]], ghost(k));
+      if (mirrored)
+        move(columns.rows[probe_row[k]], ghost(k));
+      else
+        columns.rows[wall_row[k]].move(velocity(k));
     }
     return most;
   }

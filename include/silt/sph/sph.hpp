@@ -36,12 +36,13 @@ namespace silt::inline SILT_TARGET {
 ///   water.run(1.0);
 ///
 /// Policies follow in any order: a kernel, a viscosity, a diffusion of density, Shifting or
-/// NoShifting, a time integration. Left out: WendlandC2, ArtificialViscosity, Fourtakas, Shifting,
-/// SymplecticTime.
+/// NoShifting, a time integration, a kind of walls. Left out: WendlandC2, ArtificialViscosity,
+/// Fourtakas, Shifting, SymplecticTime, MirroredWalls.
 ///
-/// Walls are layers of particles behind surfaces, which have the density that the liquid has at
-/// their mirror images (mDBC) and a velocity such that the liquid slides along the surface or, with
-/// LaminarViscosity, sticks to it (SphSetup::slip).
+/// Walls are layers of particles behind surfaces, bodies are filled with particles. With
+/// MirroredWalls these have the density that the liquid has at their mirror images (mDBC) and a
+/// velocity such that the liquid slides along the surface or, with LaminarViscosity, sticks to it
+/// (SphSetup::slip).
 ///
 /// Source: J. J. Monaghan, Rep. Prog. Phys. 68 (2005) 1703 (recalled); each term where it stands.
 /// Valid:  where speeds are below a tenth of `sound_speed`.
@@ -61,7 +62,8 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
              Axes::viscosity(policies...),
              Axes::diffusion(policies...),
              Axes::shifting(policies...),
-             Axes::time(policies...)} {
+             Axes::time(policies...),
+             Axes::walls(policies...)} {
     core().begin();
   }
 
@@ -242,7 +244,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
     require(wall < walls.walls(), "Sph::wall_load: there is no wall ", wall, "; there are ",
             walls.walls());
     core().find_rates(team);
-    core().find_solid_rates(team);
+    if constexpr (Axes::Walls::mirrored) core().find_solid_rates(team);
     Vec3d force{0, 0, 0}, torque{0, 0, 0};
     for (std::size_t k = 0; k < walls.size(); ++k) {
       if (walls.wall_of(k) != wall) continue;

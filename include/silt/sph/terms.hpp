@@ -134,6 +134,31 @@ struct Shifting {
 };
 /// @}
 
+/// @name Walls and bodies: the density of the particles in them
+/// @{
+
+/// That of the liquid at their mirror images, by a linear function; their velocity is mirrored too,
+/// so that the liquid sticks to the surface or slides along it (mDBC).
+/// Source: A. English and others, Comput. Part. Mech. 9 (2022) 1 (recalled).
+struct MirroredWalls {
+  static constexpr SphAxis sph_axis = SphAxis::Walls;
+  static constexpr bool mirrored = true;
+  static constexpr const char* policy_name = "MirroredWalls";
+  void check() const {}
+};
+
+/// Its own, which changes by the continuity equation beside the liquid, and is not below rho_0
+/// (DBC): what comes near a wall raises the density on both sides, and so is pushed back. Cheaper,
+/// and less accurate beside the wall. Their velocity is the wall's.
+/// Source: A. J. C. Crespo, M. Gomez-Gesteira, R. A. Dalrymple, CMC 5 (2007) 173 (recalled).
+struct DynamicWalls {
+  static constexpr SphAxis sph_axis = SphAxis::Walls;
+  static constexpr bool mirrored = false;
+  static constexpr const char* policy_name = "DynamicWalls";
+  void check() const {}
+};
+/// @}
+
 /// @name Steps in time
 /// @{
 
