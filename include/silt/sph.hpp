@@ -4,3 +4,4 @@
 // Liquids with a free surface, by smoothed particle hydrodynamics: silt::Sph.
 
 #include <silt/sph/sph.hpp>
+#include <silt/sph/unresolved_grains.hpp>

@@ -10,6 +10,8 @@
 #include <silt/silt.hpp>
 #include <silt/sph.hpp>
 
+#include "near.hpp"
+
 namespace sph_bodies_test {
 
 using namespace silt;
@@ -109,7 +111,7 @@ TEST_CASE("SPH: a sphere that is pushed through the liquid carries half its volu
     if (t > 0.5) sum += d.force[0].z, ++count;
   }
   const double displaced = 1000 * d.volume[0];
-  CHECK(sum / count == doctest::Approx(-0.5 * displaced * a).epsilon(0.08));
+  CHECK(sum / count == near(-0.5 * displaced * a).epsilon(0.08));
   // What the sphere got the liquid lost.
   CHECK(norm(d.water.momentum() - before + given) < 1e-12 * norm(given));
 }
@@ -175,8 +177,8 @@ double buoyancy(const Walls& walls) {  // over that of the sphere's volume
 
 TEST_CASE("SPH: a sphere at rest in a liquid at rest feels its buoyancy") {
   // 0.3 % seen; 2 %: what sound still swings after 0.2 s, on average over 0.4 s.
-  CHECK(buoyancy(MirroredWalls{}) == doctest::Approx(1).epsilon(0.02));
-  CHECK(buoyancy(DynamicWalls{}) == doctest::Approx(1).epsilon(0.02));
+  CHECK(buoyancy(MirroredWalls{}) == near(1).epsilon(0.02));
+  CHECK(buoyancy(DynamicWalls{}) == near(1).epsilon(0.02));
 }
 
 TEST_CASE("SPH in a Simulation: same bits with threads, and from a checkpoint on") {

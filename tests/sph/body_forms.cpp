@@ -8,8 +8,8 @@
 #include <silt/shape/mix.hpp>
 #include <silt/sph/body_form.hpp>
 
-#include "../near.hpp"
-#include "../refusal.hpp"
+#include "near.hpp"
+#include "refusal.hpp"
 
 namespace sph_body_forms_test {
 
@@ -41,7 +41,7 @@ TEST_CASE("SPH bodies: a brick of whole spacings is a lattice, mirrored at its f
   const LiquidForm form(brick(0.5, 0.4, 0.3));
   const BodySites of = form.lay(lattice(0.1), 1);
   CHECK(of.sites.size() == 10 * 8 * 6);  // the kernel reaches 3.5 spacings: to the middle
-  CHECK(of.share == doctest::Approx(1).epsilon(1e-9));
+  CHECK(of.share == near(1).epsilon(1e-9));
   for (const auto& site : of.sites) {
     const Vec3d in{std::abs(site.at.x), std::abs(site.at.y), std::abs(site.at.z)};
     const double depth = std::min({0.5 - in.x, 0.4 - in.y, 0.3 - in.z});
@@ -60,7 +60,7 @@ TEST_CASE("SPH bodies: of any shape the particles have the body's volume, and li
     const BodySites of = form.lay(lattice(0.1), 1);
     // All of the lattice has the volume; all lie within the kernel's reach here.
     CHECK(of.share * static_cast<double>(of.sites.size()) * 1e-3 ==
-          doctest::Approx(shape.mass_properties().volume).epsilon(1e-9));
+          near(shape.mass_properties().volume).epsilon(1e-9));
     CHECK(of.share > 0.8);  // 6 particles across, of which whole ones count at rounded corners
     CHECK(of.share < 1.1);
     double farthest = 0;

@@ -79,20 +79,22 @@ class BodyPoints {
       forms_[form].emplace(shape);
     std::erase_if(laid_, [form](const auto& laid) { return laid.first.first == form; });
   }
-  /// Takes what is in the liquid now; true if there are others than before.
-  bool set(const CoupledParticles& of, const SphSetup& setup) {
+  /// Takes what is in the liquid now, in this order; true if there are others than before.
+  bool set(const CoupledParticles& of, std::span<const std::size_t> which, const SphSetup& setup) {
     const AveragedParticles& shape = of.shape;
-    bool other = shape.position.size() != bodies.size();
-    bodies.resize(shape.position.size());
-    for (std::size_t b = 0; b < bodies.size(); ++b) {
-      Body now{shape.position[b], of.velocity[b]};
-      now.radius = now.reach = shape.radius[b];
-      if (!of.angular_velocity.empty()) now.spin = of.angular_velocity[b];
+    const std::size_t n = which.size();
+    bool other = n != bodies.size();
+    bodies.resize(n);
+    for (std::size_t b = 0; b < n; ++b) {
+      const std::size_t p = which[b];
+      Body now{shape.position[p], of.velocity[p]};
+      now.radius = now.reach = shape.radius[p];
+      if (!of.angular_velocity.empty()) now.spin = of.angular_velocity[p];
       if (!shape.form.empty()) {
-        const std::uint32_t f = shape.form[b];
+        const std::uint32_t f = shape.form[p];
         require(f < forms_.size(), "Sph: form ", f, " of a body is unknown; give take_form() each");
         if (forms_[f])
-          now.form = f, now.axes = shape.orientation[b],
+          now.form = f, now.axes = shape.orientation[p],
           now.reach = forms_[f]->reach() * now.radius / forms_[f]->radius();
       }
       other = other || !bodies[b].is(now);
@@ -102,7 +104,7 @@ class BodyPoints {
     return other;
   }
 
-  /// For a state: nine numbers a point, three a body; set() gives the rest.
+  /// For a state: eight numbers a point, two a body; set() gives the rest.
   std::vector<double> points() const {
     std::vector<double> all;
     for (const Point& p : points_)

@@ -43,7 +43,7 @@ struct Repeats {
 /// Particles in packs of `width` that lie close together, and for each pack the list of all that
 /// may come within the kernel's support of one of its particles. There are three kinds, each with
 /// packs of its own: liquid, which meets liquid and walls; walls, and probes (places where the
-/// liquid is looked at), which meet liquid.
+/// liquid is looked at), which meet liquid, and walls if asked for.
 ///
 /// Columns that stand upright in x and y, sorted along z, are cut into packs about as high as they
 /// are wide. A pack's lanes meet the particles of its list one by one: what lies in memory is read
@@ -66,6 +66,7 @@ class ClusterLists {
   std::size_t width = 8;  // particles a pack
   double spacing = 0;     // [m] of particles
   int dimensions = 3;     // 2: in x and z
+  bool probes_meet_walls = false;
   Repeats repeats;
 
   enum Kind { Liquid, Wall, Probe, Gone };
@@ -108,7 +109,7 @@ class ClusterLists {
         x_[k] = rows[k].x, y_[k] = rows[k].y, z_[k] = rows[k].z;
     });
     lists_.resize(pieces(n, packs_a_part));
-    const std::size_t liquid = first_pack(Wall);
+    const std::size_t liquid = first_pack(Wall), probes = first_pack(Probe);
     team.for_parts(lists_.size(), [&](std::size_t part) {
       List& list = lists_[part];
       list.entries.clear(), list.begin.clear();
@@ -117,7 +118,8 @@ class ClusterLists {
         list.begin.push_back(list.entries.size());
         find_of(groups_[Liquid], rows, p, reach, list.entries);
         list.begin.push_back(list.entries.size());
-        if (p < liquid) find_of(groups_[Wall], rows, p, reach, list.entries);
+        if (p < liquid || (probes_meet_walls && p >= probes))
+          find_of(groups_[Wall], rows, p, reach, list.entries);
       }
       list.begin.push_back(list.entries.size());
     });

@@ -21,6 +21,9 @@ struct SphColumns {
   std::vector<std::uint32_t> label;  // number of the liquid's particle, of the wall's; none: nobody
   AlignedVector<double> volume;      // [m3]
   AlignedVector<SphRates> rates;
+  // With UnresolvedGrains, else empty: the part [-] of the space around a particle that is liquid,
+  // the part of a particle's mass that it has, and how full its kernel is (div r over dimensions).
+  AlignedVector<double> voidage, share, fullness;
 
   std::size_t size() const { return rows.size(); }
   bool is_liquid(std::size_t k) const {
@@ -29,6 +32,7 @@ struct SphColumns {
   void add(const SphRow& row, int of_kind, std::uint32_t number) {
     rows.push_back(row), start.push_back(row);
     kind.push_back(static_cast<char>(of_kind)), label.push_back(number);
+    if (!voidage.empty()) voidage.push_back(1), share.push_back(1), fullness.push_back(0);
   }
   void take_out(std::size_t k) {
     kind[k] = static_cast<char>(ClusterLists::Gone), label[k] = ClusterLists::none;
@@ -38,11 +42,16 @@ struct SphColumns {
     permute(rows, order, SphRow::nobody(), team), permute(start, order, SphRow::nobody(), team);
     permute(kind, order, static_cast<char>(ClusterLists::Gone), team);
     permute(label, order, ClusterLists::none, team);
+    if (!voidage.empty())
+      for (auto* const of : {&voidage, &share, &fullness}) permute(*of, order, 1.0, team);
     make_room(volume, size()), make_room(rates, size());
   }
+  double share_of(std::size_t k) const { return share.empty() ? 1 : share[k]; }
+  double voidage_of(std::size_t k) const { return voidage.empty() ? 1 : voidage[k]; }
   std::size_t bytes() const {
     return (rows.capacity() + start.capacity()) * sizeof(SphRow) + kind.capacity() +
-           label.capacity() * sizeof(std::uint32_t) + volume.capacity() * sizeof(double) +
+           label.capacity() * sizeof(std::uint32_t) +
+           (volume.capacity() + 3 * voidage.capacity()) * sizeof(double) +
            rates.capacity() * sizeof(SphRates);
   }
 

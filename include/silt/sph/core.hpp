@@ -6,7 +6,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include <silt/core/error.hpp>
@@ -32,7 +34,10 @@ struct SphCore {
   using Shift = typename Axes::Shift;
   using Time = typename Axes::Time;
   using Walls = typename Axes::Walls;
-  using Pairs = SphPairs<Kernel, Viscosity, Diffusion, Shift>;
+  using Grains = typename Axes::Grains;
+  // Unresolved grains ask how full kernels are, as shifting does.
+  using Pairs =
+      SphPairs<Kernel, Viscosity, Diffusion, std::conditional_t<Grains::averaged, Shifting, Shift>>;
   using Lists = ClusterLists;
   using Row = SphRow;
 
@@ -43,6 +48,7 @@ struct SphCore {
   Shift shift;
   Time scheme;
   Walls walls;
+  typename Grains::State grains;
   Vec3d gravity = setup.gravity;                   // [m/s2]
   double least_density = 0.7, most_density = 1.3;  // [-] of the liquid's
 
@@ -57,9 +63,10 @@ struct SphCore {
   double time = 0, now = 0, last_step = 0;  // [s] now: of the rates
   double moved = 0;                         // [m] at most, since the lists were made
   std::int64_t steps = 0;
-  bool stale = true;   // lists are to be made
-  bool known = false;  // rates are those of now
-  bool made = false;   // solids are in the columns
+  bool stale = true;                    // lists are to be made
+  bool known = false;                   // rates are those of now
+  bool made = false;                    // solids are in the columns
+  std::vector<std::size_t> resolved{};  // which particles are bodies in the liquid
 
   void begin() {
     liquid.check(), setup.check(), viscosity.check(), diffusion.check(), shift.check(),
@@ -67,6 +74,7 @@ struct SphCore {
     require(Walls::mirrored || !setup.slip,
             "SphSetup.slip has no effect with DynamicWalls; leave it out, or take MirroredWalls");
     lists.width = Pairs::W, lists.spacing = setup.spacing, lists.dimensions = setup.dimensions;
+    lists.probes_meet_walls = Grains::averaged;
     if (setup.dimensions == 2) solids.plane = setup.region.min.y;
     const Vec3d e = setup.region.extent();
     lists.repeats = {
@@ -84,6 +92,39 @@ struct SphCore {
         columns.take_out(k), ++displaced;
     made = false, renewed();
   }
+  /// What is in the liquid now, as a Simulation tells it.
+  void take_particles(const CoupledParticles& of) {
+    // In the order of their ids: a Simulation sorts its rows now and then.
+    resolved.resize(of.shape.position.size());
+    std::iota(resolved.begin(), resolved.end(), std::size_t{0});
+    if (of.id.size() == resolved.size())
+      std::sort(resolved.begin(), resolved.end(),
+                [&](std::size_t a, std::size_t b) { return of.id[a] < of.id[b]; });
+    if constexpr (Grains::averaged)
+      if (!grains.pick_small(of, setup, resolved)) made = false, renewed();
+    if (solids.bodies.set(of, resolved, setup)) make_room_for_bodies();
+    known = false;  // of where all is now, whatever was read in between
+  }
+  /// Adds a share of the loads of the last step.
+  void add_loads(double part, std::span<Vec3d> force, std::span<Vec3d> torque) const {
+    const auto& bodies = solids.bodies.bodies;
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      const std::size_t p = resolved[b];
+      force[p] += part * bodies[b].force, torque[p] += part * bodies[b].torque;
+    }
+    if constexpr (Grains::averaged)
+      for (std::size_t g = 0; g < grains.number.size(); ++g)
+        force[grains.number[g]] += part * grains.force[g];
+  }
+  /// [m] Centres of grains that are not resolved.
+  std::span<const Vec3d> small_grains() const {
+    if constexpr (Grains::averaged)
+      return grains.place;
+    else
+      return {};
+  }
+  /// [kg] of the particle of a row.
+  double mass_of(std::size_t k) const { return particle_mass() * columns.share_of(k); }
   void make_room_for_bodies() {
     take_out([this](const Vec3d& x) {
       for (const auto& body : solids.bodies.bodies) {
@@ -114,9 +155,12 @@ struct SphCore {
   /// The rates where the particles are now, unless they are known.
   void find_rates(const Team& team) {
     if (known) return;
-    if (made && solids.have_rows()) place_solids();
+    if (made && solids.have_rows(small_grains().size())) place_solids();
     if (stale || 2 * moved > skin()) renew(team), place_solids();
     const Pairs pairs = this->pairs();
+    if constexpr (Grains::averaged)
+      grains.template set<Kernel>(columns, lists, solids.grain_rows(), Pairs::W, particle_mass(),
+                                  setup.h(), team);
     set_pressures(team);
     if constexpr (Walls::mirrored) set_walls(pairs, team);
     constexpr std::size_t W = Pairs::W, per = 16;
@@ -130,6 +174,10 @@ struct SphCore {
         for (std::size_t k = p * W; k < (p + 1) * W; ++k) {
           if (columns.label[k] == Lists::none) continue;
           Vec3d& a = columns.rates[k].acceleration;
+          if constexpr (Grains::averaged) {
+            a = (1 / columns.voidage[k]) * a;
+            columns.fullness[k] = columns.rates[k].divergence / setup.dimensions;
+          }
           a += gravity;
           m.acceleration = std::max(m.acceleration, norm(a));
           m.speed = std::max(m.speed, norm(columns.rows[k].velocity()));
@@ -150,6 +198,7 @@ struct SphCore {
       for (std::size_t k = from; k < to; ++k) {
         Row& r = columns.rows[k];
         r.pressure = liquid.pressure(r.density), columns.volume[k] = mass / r.density;
+        if constexpr (Grains::averaged) columns.volume[k] *= columns.share[k] / columns.voidage[k];
         if (!Walls::mirrored && columns.kind[k] == Lists::Wall && columns.label[k] != Lists::none)
           columns.volume[k] *= solids.share(columns.label[k]);
       }
@@ -160,7 +209,7 @@ struct SphCore {
   void place_solids() {
     const bool move = solids.walls.any_moves();
     if (move) solids.walls.move_to(now, 0.1 * setup.courant * setup.h() / liquid.sound_speed);
-    moved += solids.move_rows(columns, lists.repeats, move, Walls::mirrored);
+    moved += solids.move_rows(columns, lists.repeats, move, Walls::mirrored, small_grains());
   }
   /// Density and velocity of walls' particles, from the liquid at their mirror images.
   void set_walls(const Pairs& pairs, const Team& team) {
@@ -174,12 +223,15 @@ struct SphCore {
           const std::size_t k = p * W + l;
           if (columns.label[k] == Lists::none) continue;
           const std::uint32_t of = columns.label[k];
+          if (of >= solids.size()) continue;  // a grain
           const std::size_t at = solids.wall_row[of];
           Row& wall = columns.rows[at];
           const Vec3d away = solids.place(of) - solids.ghost(of);
-          const auto [density, velocity] = seen[l].at(away, liquid, gravity, setup.h());
+          const auto [density, velocity, share] =
+              seen[l].at(away, liquid, gravity, setup.h(), !solids.bodies.empty());
           wall.density = density, wall.pressure = liquid.pressure(density);
-          wall.move(at_wall(velocity, solids.velocity(of), away));
+          const Vec3d own = solids.velocity(of);
+          wall.move(own + share * (at_wall(velocity, own, away) - own));
           columns.volume[at] = solids.share(of) * particle_mass() / density;
         }
       }
@@ -227,7 +279,7 @@ struct SphCore {
   void renew(const Team& team) {
     if (solids.walls.fresh() || !made) {
       if (solids.walls.fresh()) solids.walls.make(setup);
-      solids.put_into(columns, liquid.density, Walls::mirrored), made = true;
+      solids.put_into(columns, liquid.density, Walls::mirrored, small_grains()), made = true;
     }
     for (std::size_t k = 0; k < columns.size(); ++k) {
       if (columns.label[k] == Lists::none) continue;
@@ -266,7 +318,7 @@ struct SphCore {
       make_room(columns.volume, columns.size());
       make_room(columns.rates, columns.size());
     }
-    solids.find_rows(columns, lists.first_pack(Lists::Wall) * Pairs::W);
+    solids.find_rows(columns, lists.first_pack(Lists::Wall) * Pairs::W, small_grains().size());
     lists.find(then, 2 * setup.h() + skin(), team);
   }
   void check(const Row& r) const {
@@ -310,6 +362,10 @@ struct SphCore {
           update(k, columns.rows[k], columns.start[k], columns.rates[k]);
     });
   }
+  void move_solids(double dt) {
+    solids.bodies.move(dt);
+    if constexpr (Grains::averaged) grains.move(dt);
+  }
   /// The densities of walls and bodies that have their own.
   template <class Update>
   void for_walls(const Team& team, const Update& update) {
@@ -338,10 +394,18 @@ struct SphCore {
     });
     moved += 0.5 * dt * most.speed;
     now = time + 0.5 * dt, known = false;
-    solids.bodies.move(0.5 * dt);
+    move_solids(0.5 * dt);
     find_rates(team), find_body_loads(team);
-    for_liquid(team, [&](std::size_t, Row& r, const Row& start, const SphRates& rate) {
-      const Vec3d v = start.velocity() + dt * rate.acceleration;
+    if constexpr (Grains::averaged) {
+      grains.find(columns, {liquid.density, grains.settings.viscosity}, gravity, dt, team);
+    }
+    for_liquid(team, [&]([[maybe_unused]] std::size_t k, Row& r, const Row& start,
+                         const SphRates& rate) {
+      Vec3d v = start.velocity() + dt * rate.acceleration;
+      if constexpr (Grains::averaged) {
+        const double over = dt / mass_of(k);
+        v = (1 / (1 + over * grains.coefficient[k])) * (v + over * grains.push[k]);
+      }
       const double eps = -dt * rate.density / r.density;
       r.place(start.position() + 0.5 * dt * (start.velocity() + v) + shift_of(rate, norm(v), dt));
       r.move(v), r.density = start.density * (2 - eps) / (2 + eps);
@@ -350,7 +414,9 @@ struct SphCore {
       const double eps = -dt * rate / r.density;
       r.density = start.density * (2 - eps) / (2 + eps);
     });
-    solids.bodies.move(0.5 * dt);
+    if constexpr (Grains::averaged)
+      moved += 0.5 * dt * grains.give_back(columns, particle_mass(), dt, team);
+    move_solids(0.5 * dt);
     moved += 0.5 * dt * (most.speed + 2 * dt * most.acceleration) + most_shift(dt);
   }
   void verlet(double dt, const Team& team) {
@@ -368,7 +434,7 @@ struct SphCore {
       const double from = restart ? r.density : start.density;
       start.density = r.density, r.density = from + span * rate;
     });
-    solids.bodies.move(dt);
+    move_solids(dt);
     moved += dt * (most.speed + 0.5 * dt * most.acceleration) + most_shift(dt);
   }
   Vec3d shift_of([[maybe_unused]] const SphRates& rate, [[maybe_unused]] double speed,

@@ -28,7 +28,8 @@ struct SphPolicies {
                 "Sph: a policy is none of those for SPH: a kernel (WendlandC2, CubicSpline), a "
                 "viscosity (ArtificialViscosity, LaminarViscosity, Inviscid), a diffusion "
                 "(Fourtakas, MolteniColagrossi, NoDiffusion), Shifting or NoShifting, "
-                "SymplecticTime or VerletTime, MirroredWalls or DynamicWalls");
+                "SymplecticTime or VerletTime, MirroredWalls or DynamicWalls, "
+                "UnresolvedGrains");
   template <SphAxis axis>
   static constexpr int count = (0 + ... + int{SphPolicyOf<Ps, axis>});
   static_assert(count<SphAxis::Kernel> <= 1, "Sph: two kernels are given; give one");
@@ -37,6 +38,7 @@ struct SphPolicies {
   static_assert(count<SphAxis::Shifting> <= 1, "Sph: two ways of shifting are given; give one");
   static_assert(count<SphAxis::Time> <= 1, "Sph: two time integrations are given; give one");
   static_assert(count<SphAxis::Walls> <= 1, "Sph: two kinds of walls are given; give one");
+  static_assert(count<SphAxis::Grains> <= 1, "Sph: UnresolvedGrains is given twice; give it once");
 
   /// That of an axis among those given.
   template <SphAxis axis, class Default, class First, class... Rest>
@@ -60,12 +62,16 @@ struct SphPolicies {
   static auto shifting(const Ps&... all) { return one_of<SphAxis::Shifting>(Shifting{}, all...); }
   static auto time(const Ps&... all) { return one_of<SphAxis::Time>(SymplecticTime{}, all...); }
   static auto walls(const Ps&... all) { return one_of<SphAxis::Walls>(MirroredWalls{}, all...); }
+  static auto grains(const Ps&... all) { return one_of<SphAxis::Grains>(ResolvedGrains{}, all...); }
   using Kernel = decltype(kernel(std::declval<const Ps&>()...));
   using Viscosity = decltype(viscosity(std::declval<const Ps&>()...));
   using Diffusion = decltype(diffusion(std::declval<const Ps&>()...));
   using Shift = decltype(shifting(std::declval<const Ps&>()...));
   using Time = decltype(time(std::declval<const Ps&>()...));
   using Walls = decltype(walls(std::declval<const Ps&>()...));
+  using Grains = decltype(grains(std::declval<const Ps&>()...));
+  static_assert(!Grains::averaged || Time::two_stages,
+                "Sph: UnresolvedGrains needs SymplecticTime; leave VerletTime out");
 };
 
 }  // namespace detail

@@ -13,6 +13,11 @@ namespace silt::inline SILT_TARGET::detail {
 /// What a probe sees of the liquid around it: sums of V W (1, r, r r) and of V W rho (1, r), with r
 /// from the probe, and of V W v.
 struct SphSeen {
+  struct Mirrored {
+    double density;  // [kg/m3]
+    Vec3d velocity;  // [m/s] of the liquid
+    double share;    // [-] by which that counts
+  };
   double weight = 0, density = 0;
   Vec3d way{0, 0, 0}, density_way{0, 0, 0}, velocity{0, 0, 0};
   double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
@@ -20,19 +25,25 @@ struct SphSeen {
   /// Density and velocity of a wall's particle that is `away` [m] from the probe, its mirror image:
   /// density as a linear function through what is seen (mDBC), velocity as a mean. Where too little
   /// is seen for a slope, that of a liquid at rest.
+  /// Between bodies that touch the image lies in another one and sees the liquid of another pore.
+  /// Among `bodies`, where less than half of the neighbourhood is liquid, the density is that of a
+  /// liquid at rest, and its velocity does not count; wholly it does from 0.6 on. (At a plane wall
+  /// 0.65 to 0.7 are.) Without, a packed bed in a liquid that sticks to it blows up within
+  /// milliseconds.
   ///
   /// Source: A. English, J. M. Dominguez, R. Vacondio, A. J. C. Crespo, P. K. Stansby, S. J. Lind,
   ///   L. Chiapponi, M. Gomez-Gesteira, Comput. Part. Mech. 9 (2022) 1 (recalled).
-  std::pair<double, Vec3d> at(const Vec3d& away, const Liquid& liquid, const Vec3d& gravity,
-                              double h) const {
+  Mirrored at(const Vec3d& away, const Liquid& liquid, const Vec3d& gravity, double h,
+              bool bodies) const {
     constexpr double nothing = 1e-6, little = 0.1;  // [-]
-    if (!(weight > nothing)) return {liquid.density, {0, 0, 0}};
+    if (!(weight > nothing)) return {liquid.density, {0, 0, 0}, 0};
     const Vec3d centre = (1 / weight) * way, flow = (1 / weight) * velocity;
     const double mean = density / weight;
     const double c = liquid.sound_speed;
     const Vec3d still = (liquid.density / (c * c)) * gravity;
     const double rest = std::max(mean + dot(still, away - centre), liquid.density);
-    if (weight < little) return {rest, flow};
+    const double mirrored = bodies ? std::clamp(10 * (weight - 0.5), 0.0, 1.0) : 1;
+    if (weight < little || mirrored == 0) return {rest, flow, mirrored};
     // Second moments about the centre, in h^2 and by weight.
     const double s = 1 / (weight * h * h), o = 1 / (h * h);
     const double a = xx * s - centre.x * centre.x * o, b = xy * s - centre.x * centre.y * o,
@@ -44,13 +55,13 @@ struct SphSeen {
     const double A = e * g - f * f, B = d * f - b * g, C = b * f - d * e;
     const double det = a * A + b * B + d * C;
     constexpr double thin = 1e-4;  // of 0.01 of an even neighbourhood
-    if (!(det > thin)) return {rest, flow};
+    if (!(det > thin)) return {rest, flow, mirrored};
     const Vec3d t = (s * h) * (density_way - density * centre);
     const double E = a * g - d * d, F = b * d - a * f, G = a * e - b * b;
     const Vec3d slope =
         (1 / (det * h)) * Vec3d{A * t.x + B * t.y + C * t.z, B * t.x + E * t.y + F * t.z,
                                 C * t.x + F * t.y + G * t.z};
-    return {mean + dot(slope, away - centre), flow};
+    return {rest + mirrored * (mean + dot(slope, away - centre) - rest), flow, mirrored};
   }
 };
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <silt/sph/body_points.hpp>
@@ -15,7 +16,8 @@
 namespace silt::inline SILT_TARGET::detail {
 
 /// What is solid in a liquid: the particles of walls, then those of bodies, each with a mirror
-/// image in the liquid, and the rows in which both stand.
+/// image in the liquid, and the rows in which both stand; and the rows of grains that are not
+/// resolved, which are probes alone, numbered from size() on.
 class SphSolids {
  public:
   WallParticles walls;
@@ -42,7 +44,7 @@ class SphSolids {
 
   /// Puts them into columns in which there are none, or others; with probes at their mirror images,
   /// or without.
-  void put_into(SphColumns& columns, double density, bool mirrored) {
+  void put_into(SphColumns& columns, double density, bool mirrored, std::span<const Vec3d> grains) {
     for (std::size_t k = 0; k < columns.size(); ++k)
       if (columns.label[k] != ClusterLists::none && columns.kind[k] != ClusterLists::Liquid)
         columns.take_out(k);
@@ -52,22 +54,34 @@ class SphSolids {
       r.place(place(k)), columns.add(r, ClusterLists::Wall, k);
       if (mirrored) r.place(ghost(k)), columns.add(r, ClusterLists::Probe, k);
     }
+    for (std::uint32_t p = 0; p < grains.size(); ++p) {
+      SphRow r{};
+      r.density = density;
+      r.place(grains[p]);
+      columns.add(r, ClusterLists::Probe, static_cast<std::uint32_t>(size()) + p);
+    }
   }
   /// Notes the rows from `first` on in which they stand.
-  void find_rows(const SphColumns& columns, std::size_t first) {
-    wall_row.assign(size(), 0), probe_row.assign(size(), 0);
+  void find_rows(const SphColumns& columns, std::size_t first, std::size_t grains) {
+    wall_row.assign(size(), 0), probe_row.assign(size() + grains, 0);
     for (std::size_t k = first; k < columns.size(); ++k)
       if (const std::uint32_t label = columns.label[k]; label != ClusterLists::none) {
-        require(label < size(), "Sph: a state has a solid particle ", label, " of ", size());
-        (columns.kind[k] == ClusterLists::Wall ? wall_row : probe_row)[label] =
-            static_cast<std::uint32_t>(k);
+        auto& rows = columns.kind[k] == ClusterLists::Wall ? wall_row : probe_row;
+        require(label < rows.size(), "Sph: a state has a solid particle ", label, " of ",
+                rows.size());
+        rows[label] = static_cast<std::uint32_t>(k);
       }
   }
-  bool have_rows() const { return wall_row.size() == size(); }
+  bool have_rows(std::size_t grains) const {
+    return wall_row.size() == size() && probe_row.size() == size() + grains;
+  }
+  std::span<const std::uint32_t> grain_rows() const {
+    return std::span(probe_row).subspan(std::min(size(), probe_row.size()));
+  }
   /// Moves their rows to where they are now, each in the image that its row is in; returns how far
   /// the farthest went [m]. Without probes they have the velocity of their surface.
-  double move_rows(SphColumns& columns, const Repeats& repeats, bool walls_too,
-                   bool mirrored) const {
+  double move_rows(SphColumns& columns, const Repeats& repeats, bool walls_too, bool mirrored,
+                   std::span<const Vec3d> grains) const {
     double most = 0;
     const auto move = [&](SphRow& r, const Vec3d& to) {
       const Vec3d way = repeats.shortest(to - r.position());
@@ -81,6 +95,8 @@ class SphSolids {
       else
         columns.rows[wall_row[k]].move(velocity(k));
     }
+    for (std::size_t p = 0; p < grains.size(); ++p)
+      move(columns.rows[probe_row[size() + p]], flat(grains[p]));
     return most;
   }
   /// [N] of the liquid on one, after its rates were found; `mass` [kg] of a particle.

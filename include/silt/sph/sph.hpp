@@ -63,7 +63,9 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
              Axes::diffusion(policies...),
              Axes::shifting(policies...),
              Axes::time(policies...),
-             Axes::walls(policies...)} {
+             Axes::walls(policies...),
+             typename Axes::Grains::State(Axes::grains(policies...))} {
+    Axes::grains(policies...).check();
     core().begin();
   }
 
@@ -98,20 +100,15 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   /// to them [N], [N m], on average.
   void advance(const CoupledParticles& of, double dt, std::span<Vec3d> force, const Team& team,
                std::span<Vec3d> torque) {
-    auto& bodies = core().solids.bodies;
-    if (bodies.set(of, setup())) core().make_room_for_bodies();
-    core().known = false;  // of where the bodies are now, whatever was read in between
-    const std::size_t n = bodies.bodies.size();
-    for (std::size_t b = 0; b < n; ++b) force[b] = torque[b] = {0, 0, 0};
+    core().take_particles(of);
+    std::fill(force.begin(), force.end(), Vec3d{0, 0, 0});
+    std::fill(torque.begin(), torque.end(), Vec3d{0, 0, 0});
     for (double left = dt; left > 0;) {
       const double most = longest_step(team);
       const double one = left <= most * (1 + 1e-9) ? left : left < 2 * most ? 0.5 * left : most;
       step(one, team);
       left = one < left ? left - one : 0;
-      for (std::size_t b = 0; b < n; ++b) {
-        const auto& body = bodies.bodies[b];
-        force[b] += (one / dt) * body.force, torque[b] += (one / dt) * body.torque;
-      }
+      core().add_loads(one / dt, force, torque);
     }
     clock.count(dt);
   }
@@ -124,7 +121,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
     is("density [kg/m3]", liquid().density), is("sound speed [m/s]", liquid().sound_speed);
     is("spacing [m]", setup().spacing), is("smoothing [-]", setup().smoothing);
     is("dimensions", static_cast<double>(setup().dimensions));
-    is("walls", static_cast<double>(core().solids.walls.walls()));
+    is("walls", static_cast<double>(core().solids.walls.own_walls()));
   }
   /// @}
 
@@ -228,15 +225,21 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   }
   Vec3d momentum() const {  // [kg m/s]
     Vec3d sum{0, 0, 0};
-    for_each([&](std::uint32_t, const Vec3d&, const Vec3d& v, double, double) { sum += v; });
-    return particle_mass() * sum;
+    for (std::size_t k = 0; k < core().columns.size(); ++k)
+      if (core().columns.is_liquid(k)) sum += core().mass_of(k) * core().columns.rows[k].velocity();
+    return sum;
   }
   double kinetic_energy() const {  // [J]
     double sum = 0;
-    for_each(
-        [&](std::uint32_t, const Vec3d&, const Vec3d& v, double, double) { sum += dot(v, v); });
-    return 0.5 * particle_mass() * sum;
+    for (std::size_t k = 0; k < core().columns.size(); ++k)
+      if (const Vec3d v = core().columns.rows[k].velocity(); core().columns.is_liquid(k))
+        sum += 0.5 * core().mass_of(k) * dot(v, v);
+    return sum;
   }
+  /// With UnresolvedGrains: how well the books of liquid and grains close, at most of any step, and
+  /// those of the last step.
+  const auto& closure() const requires(Axes::Grains::averaged) { return core().grains.closure; }
+  const auto& last_exchange() const requires(Axes::Grains::averaged) { return core().grains.last; }
   /// What the liquid does to a wall now: force [N] ([N/m] in 2D), torque [N m] about `about` [m].
   std::pair<Vec3d, Vec3d> wall_load(std::size_t wall, const Vec3d& about = {0, 0, 0},
                                     const Team& team = {}) {

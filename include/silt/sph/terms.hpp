@@ -159,6 +159,18 @@ struct DynamicWalls {
 };
 /// @}
 
+/// Grains that are too small to be resolved are refused. The other policy of this axis is
+/// UnresolvedGrains (unresolved_grains.hpp).
+struct ResolvedGrains {
+  static constexpr SphAxis sph_axis = SphAxis::Grains;
+  static constexpr bool averaged = false;
+  static constexpr const char* policy_name = "ResolvedGrains";
+  struct State {
+    explicit State(const ResolvedGrains&) {}
+  };
+  void check() const {}
+};
+
 /// @name Steps in time
 /// @{
 

@@ -7,7 +7,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <silt/boundary/motion.hpp>
@@ -66,6 +68,7 @@ class WallParticles {
     require(followed_ == walls_.size(),
             "Sph: it has walls of its own, and the Simulation has some too; add all of them to the "
             "Simulation");
+    const bool restored = restored_.size() == walls.size() && !walls.empty();
     walls_.clear();
     for (const Wall& w : walls) {
       require(!w.is_driven() && !w.has_belt(), "Sph: wall ", in_quotes(w.name),
@@ -75,9 +78,58 @@ class WallParticles {
       Part& part = walls_.back();
       part.pose = part.last = part.next = part.first = w.pose;
     }
-    followed_ = walls.size(), fresh_ = true;
+    followed_ = walls.size();
+    if (restored) {
+      for (std::size_t w = 0; w < walls_.size(); ++w) walls_[w].first = restored_[w];
+      restored_.clear();
+      return false;
+    }
+    fresh_ = true;
     return true;
   }
+  /// Walls of its own, not of a Simulation.
+  std::size_t own_walls() const { return walls_.size() - followed_; }
+
+  /// For a state: ten numbers a particle, and seven a wall, where it was as they were made.
+  std::pair<std::vector<double>, std::vector<double>> state() const {
+    std::pair<std::vector<double>, std::vector<double>> of;
+    for (const Particle& p : particles_) {
+      for (const Vec3d& x : {p.at, p.ghost, p.normal})
+        of.first.insert(of.first.end(), {x.x, x.y, x.z});
+      of.first.push_back(static_cast<double>(p.wall));
+    }
+    for (const Part& w : walls_) {
+      const Vec3d& x = w.first.translation;
+      const Quaternion& q = w.first.rotation;
+      of.second.insert(of.second.end(), {x.x, x.y, x.z, q.w, q.x, q.y, q.z});
+    }
+    return of;
+  }
+  /// Those of a state. Walls of a Simulation are told later, by follow().
+  void restore(std::span<const double> particles, std::span<const double> poses) {
+    const std::size_t n = particles.size() / 10, walls = poses.size() / 7;
+    require(particles.size() == 10 * n && poses.size() == 7 * walls, "Sph: a state of walls has ",
+            particles.size(), " and ", poses.size(), " numbers");
+    particles_.clear(), restored_.clear();
+    for (std::size_t k = 0; k < n; ++k) {
+      const double* const p = particles.data() + 10 * k;
+      require(p[9] == std::floor(p[9]) && p[9] >= 0 && p[9] < static_cast<double>(walls),
+              "Sph: particle ", k, " of walls of a state is of wall ", p[9], " of ", walls);
+      particles_.push_back({{p[0], p[1], p[2]},
+                            {p[3], p[4], p[5]},
+                            {p[6], p[7], p[8]},
+                            static_cast<std::uint32_t>(p[9])});
+    }
+    for (std::size_t w = 0; w < walls; ++w) {
+      const double* const p = poses.data() + 7 * w;
+      restored_.push_back({{p[3], p[4], p[5], p[6]}, {p[0], p[1], p[2]}});
+    }
+    fresh_ = false;
+    if (walls_.size() != walls || followed_ != 0) return;
+    for (std::size_t w = 0; w < walls; ++w) walls_[w].first = restored_[w];
+    restored_.clear();
+  }
+
   bool fresh() const { return fresh_; }
   std::size_t size() const { return particles_.size(); }
   std::size_t walls() const { return walls_.size(); }
@@ -211,7 +263,8 @@ class WallParticles {
 
   std::vector<Part> walls_;
   std::vector<Particle> particles_;
-  std::size_t followed_ = 0;  // walls of a Simulation
+  std::size_t followed_ = 0;    // walls of a Simulation
+  std::vector<Pose> restored_;  // of walls of a Simulation that have not been told yet
   bool fresh_ = true;
 };
 

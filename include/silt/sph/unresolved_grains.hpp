@@ -1,0 +1,353 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <span>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <silt/core/error.hpp>
+#include <silt/core/threads.hpp>
+#include <silt/coupling/coupled_step.hpp>
+#include <silt/coupling/particle_exchange.hpp>
+#include <silt/sph/cluster_lists.hpp>
+#include <silt/sph/columns.hpp>
+#include <silt/sph/setup.hpp>
+#include <silt/sph/terms.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+struct UnresolvedGrainsSetup {
+  double viscosity = 0;        // [Pa s] of the liquid, for the drag law
+  double least_voidage = 0.3;  // [-] beside a particle of the liquid; what it leaves out is counted
+  double resolved_from = 1.5;  // [-] spacings: spheres and bodies of at least this radius are
+                               // resolved by particles of their own
+  void check() const {
+    require_positive("UnresolvedGrainsSetup.viscosity", viscosity, "Pa s");
+    require(least_voidage > 0 && least_voidage < 1,
+            "UnresolvedGrainsSetup.least_voidage = ", least_voidage, " [-] must be in (0, 1)");
+    require(resolved_from >= 1.5, "UnresolvedGrainsSetup.resolved_from = ", resolved_from,
+            " spacings must be at least 1.5");
+  }
+};
+
+namespace detail {
+template <class Drag, class... Forces>
+class AveragedGrains;
+}
+
+/// Grains that are too small to be resolved by particles of the liquid: drag law and voidage, as
+/// the couplings with a mesh have them (docs/fluid.md), with particles of the liquid in the place
+/// of cells.
+///
+///   silt::Sph water{liquid, setup, silt::UnresolvedGrains{silt::DiFelice{}, {.viscosity = 1e-3}}};
+///
+/// Grain p has weights w_pa = V_a W(r_pa)/sum on the particles a of the liquid, with the liquid's
+/// own kernel. With these its volume and forces are spread to the liquid, and velocity, voidage and
+/// slope of the pressure are taken from it: what grains get the liquid gives, to rounding.
+///
+///   eps_a = V/(V + sum_p w_pa V_p),  V = m_a/rho_a                                    voidage
+///   d v_a/dt = (pairs, with volumes m/(eps rho))/eps + g - (drag and pressure on grains)/m_a
+///   F_p = V_p(-grad P + div tau) + drag(eps, slip)
+///
+/// rho is the liquid's own density. At the free surface a grain takes part by
+/// f = (n - 0.2)/0.3, from 0 to 1, with n = sum V W of liquid and walls: wholly where its centre is
+/// below the surface, not at all from some half an h above it. Its weights then have the sum f, and
+/// it feels f F.
+///
+/// Source: M. Robinson, M. Ramaioli, S. Luding, Int. J. Multiphase Flow 59 (2014) 121 (recalled),
+///   in the discrete form above, which is ours.
+/// Valid:  for grains below a spacing or so; a dense bed's drag law as said in its header.
+/// Errors: InputError for settings; Error where grains are too light for their number.
+/// Tests:  tests/sph/grains.cpp.
+template <class Drag, class... Forces>
+struct UnresolvedGrains {
+  static constexpr SphAxis sph_axis = SphAxis::Grains;
+  static constexpr bool averaged = true;
+  static constexpr const char* policy_name = "UnresolvedGrains";
+  using State = detail::AveragedGrains<Drag, Forces...>;
+
+  UnresolvedGrains(const Drag& law, const UnresolvedGrainsSetup& setup, const Forces&... more)
+      : drag(law), settings(setup), forces(more...) {}
+
+  Drag drag;
+  UnresolvedGrainsSetup settings;
+  std::tuple<Forces...> forces;
+  void check() const { settings.check(); }
+};
+
+namespace detail {
+
+/// What an Sph with UnresolvedGrains has of them: which particles they are, their weights on rows
+/// of the liquid, and the exchange.
+template <class Drag, class... Forces>
+class AveragedGrains {
+ public:
+  using Exchange = ParticleExchange<Drag, Forces...>;
+  static_assert(!Exchange::follows && !Exchange::needs_curl && !Exchange::has_added_mass &&
+                    !Exchange::has_history && !Exchange::sees_forms,
+                "UnresolvedGrains knows no derivatives of the liquid's velocity and no forms of "
+                "bodies, and holds forces over a step: leave lift, virtual mass, histories, drag "
+                "laws of forms and FollowedDrag out");
+
+  explicit AveragedGrains(const UnresolvedGrains<Drag, Forces...>& of)
+      : settings(of.settings),
+        exchange_(std::apply([&](const auto&... more) { return Exchange(of.drag, more...); },
+                             of.forces)) {}
+
+  UnresolvedGrainsSetup settings;
+  std::vector<std::size_t> number;  // among the particles that the liquid was told of
+  std::vector<Vec3d> place;         // [m] of each
+  std::vector<Vec3d> force;         // [N] of the last step
+  CoupledStep last;
+  FluidClosure closure;
+
+  /// Picks those out of `among` that are too small to be resolved and leaves the others there;
+  /// false if their number has changed.
+  bool pick_small(const CoupledParticles& of, const SphSetup& setup,
+                  std::vector<std::size_t>& among) {
+    const std::size_t before = number.size();
+    number.clear();
+    const double least = settings.resolved_from * setup.spacing;
+    const auto is_small = [&](std::size_t p) { return of.shape.radius[p] < least; };
+    std::copy_if(among.begin(), among.end(), std::back_inserter(number), is_small);
+    std::erase_if(among, is_small);
+    const auto pick = [&](const auto& all, auto& mine) {
+      mine.clear();
+      if (!all.empty())
+        for (const std::size_t p : number) mine.push_back(all[p]);
+    };
+    pick(of.shape.position, place), pick(of.shape.radius, radius_), pick(of.velocity, velocity_);
+    pick(of.volume, volume_), pick(of.mass, mass_), pick(of.acceleration, acceleration_);
+    pick(of.angular_velocity, spin_);
+    force.assign(number.size(), {0, 0, 0});
+    return number.size() == before;
+  }
+  void move(double dt) {
+    for (std::size_t p = 0; p < place.size(); ++p) place[p] += dt * velocity_[p];
+  }
+
+  /// Weights where grains and liquid are now, and the liquid's voidage; densities follow, so that
+  /// each particle keeps its mass in the same space, but for those at the free surface, which are
+  /// free to take more of it. `probe_row`: of each grain. The first time the particles of the
+  /// liquid have the mass that fits between the grains.
+  template <class Kernel>
+  void set(SphColumns& columns, const ClusterLists& lists, std::span<const std::uint32_t> probe_row,
+           std::size_t width, double mass, double h, const Team& team) {
+    find_weights<Kernel>(columns, lists, probe_row, width, mass, h, team);
+    const std::size_t rows = lists.first_pack(ClusterLists::Wall) * width;
+    turn_round(rows);
+    const bool first = columns.voidage.empty();
+    if (first)
+      for (auto* const of : {&columns.voidage, &columns.share, &columns.fullness})
+        of->assign(columns.size(), 1);
+    std::vector<double> solids(rows, 0);
+    spread(volume_, solids, team);
+    last = {};
+    for (std::size_t p = 0; p < place.size(); ++p) {
+      last.solids += part_[p] * volume_[p];
+      if (shares_[p].empty()) ++last.averaging.outside;
+    }
+    last.averaging.particles = place.size();
+    double all = 0;
+    for (std::size_t k = 0; k < rows; ++k) {
+      if (columns.label[k] == ClusterLists::none) continue;
+      SphRow& r = columns.rows[k];
+      const double whole = mass / r.density, S = solids[k];
+      double eps = first ? 1 - S / whole : 0;
+      if (!first) {
+        const double V = columns.share[k] * whole;
+        eps = V / (V + S);
+      }
+      all += S;
+      if (eps < settings.least_voidage) {
+        const double V = first ? whole : columns.share[k] * whole / eps;  // with grains
+        last.clipped += (settings.least_voidage - eps) * V;
+        eps = settings.least_voidage;
+      }
+      if (first) {
+        columns.share[k] = eps;
+      } else {
+        const double surface = std::clamp(10 * (columns.fullness[k] - 0.85), 0.0, 1.0);
+        const double factor = 1 + surface * (columns.voidage[k] / eps - 1);
+        r.density *= factor, columns.start[k].density *= factor;
+      }
+      columns.voidage[k] = eps;
+    }
+    if (last.solids > 0) last.volume_error = all / last.solids - 1;
+  }
+
+  /// How grains answer to the coming step of dt [s], and what they do to each row of the liquid:
+  /// -coefficient u' + push. `rates`: accelerations of the liquid by its own pairs and gravity g.
+  void find(const SphColumns& columns, const FluidProperties& fluid, const Vec3d& g, double dt,
+            const Team& team) {
+    const std::size_t n = place.size(), rows = begin_.empty() ? 0 : begin_.size() - 1;
+    exchange_.settings = {fluid, MomentumModel::A, g, settings.least_voidage};
+    auto& at = exchange_.at;
+    at.voidage.assign(n, 0);
+    for (auto* of : {&at.velocity, &at.slope, &at.stress}) {
+      resize(*of, n);
+      for (auto& column : *of) std::fill(column.begin(), column.end(), 0.0);
+    }
+    team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t p = from; p < to; ++p) {
+        Vec3d u{0, 0, 0}, slope{0, 0, 0};
+        for (const Share& s : shares_[p]) {
+          const SphRow& r = columns.rows[s.row];
+          const double eps = columns.voidage[s.row];
+          at.voidage[p] += s.weight * eps;
+          u += s.weight * r.velocity();
+          // Of the pressure without the liquid's own weight: what is left of -rho_bar du/dt.
+          slope -= (s.weight * eps * r.density) * (columns.rates[s.row].acceleration - g);
+        }
+        if (!shares_[p].empty()) slope -= fluid.density * g;
+        put(at.velocity, p, u), put(at.slope, p, slope);
+      }
+    });
+    const CoupledParticles of = particles();
+    exchange_.check(of, n, 0);
+    exchange_.find(of, dt, {}, team);
+    if (!(exchange_.gain() < 1))
+      throw Error(
+          text("Sph: grains are so light, or so close, that the liquid's answer to them grows ",
+               exchange_.gain(),
+               " times a step; take a shorter step, or resolve them by a finer "
+               "spacing"));
+    exchange_.give(of, dt, false);
+    coefficient.assign(rows, 0), push.assign(rows, {0, 0, 0});
+    spread(exchange_.given.coefficient, coefficient, team);
+    std::vector<double> one(n), to(rows);
+    for (std::size_t d = 0; d < 3; ++d) {
+      for (std::size_t p = 0; p < n; ++p) {
+        const Vec3d slope = vector_of(at.slope, p) + fluid.density * g;  // of the whole pressure
+        const double along[3] = {slope.x, slope.y, slope.z};
+        one[p] =
+            exchange_.given.offset[d][p] + (exchange_.is_outside(p) ? 0 : volume_[p] * along[d]);
+      }
+      std::fill(to.begin(), to.end(), 0.0);
+      spread(one, to, team);
+      for (std::size_t k = 0; k < rows; ++k)
+        (d == 0 ? push[k].x : d == 1 ? push[k].y : push[k].z) = to[k];
+    }
+  }
+  std::vector<double> coefficient;  // [kg/s] of each row
+  std::vector<Vec3d> push;          // [N]
+
+  /// After the liquid's step, in which its rows got their new velocities: the forces on grains.
+  /// Returns the largest change [m/s] of such a velocity by grains.
+  double give_back(const SphColumns& columns, double mass, double dt, const Team& team) {
+    const std::size_t n = place.size();
+    team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t p = from; p < to; ++p) {
+        Vec3d u{0, 0, 0};
+        for (const Share& s : shares_[p]) u += s.weight * columns.rows[s.row].velocity();
+        put(exchange_.at.velocity, p, u);
+      }
+    });
+    const CoupledParticles of = particles();
+    const Exchanged done = exchange_.take(of, 0, force);
+    for (std::size_t p = 0; p < n; ++p) force[p] *= part_[p];
+    Vec3d on_liquid{0, 0, 0}, on_grains{0, 0, 0};
+    double most = 0;  // [m/s2]
+    for (std::size_t k = 0; k < push.size(); ++k) {
+      if (columns.label[k] == ClusterLists::none) continue;
+      const Vec3d f = push[k] - coefficient[k] * columns.rows[k].velocity();
+      on_liquid += f, most = std::max(most, norm(f) / (columns.share[k] * mass));
+    }
+    for (const Vec3d& f : force) on_grains += f;
+    last.exchanged = done.magnitudes;
+    for (const Vec3d& f : force) last.exchanged = std::max(last.exchanged, norm(f));
+    last.momentum_error = on_grains + on_liquid;
+    closure.add(last);
+    return most * dt;
+  }
+
+ private:
+  struct Share {
+    std::uint32_t row;
+    double weight;  // [-]
+  };
+  struct Part {
+    std::uint32_t grain;
+    double weight;
+  };
+  CoupledParticles particles() const {
+    CoupledParticles of{};
+    of.shape.position = place, of.shape.radius = radius_, of.velocity = velocity_;
+    of.volume = volume_, of.mass = mass_, of.acceleration = acceleration_;
+    of.angular_velocity = spin_;
+    return of;
+  }
+  static void put(ParticleColumns& to, std::size_t p, const Vec3d& v) {
+    to[0][p] = v.x, to[1][p] = v.y, to[2][p] = v.z;
+  }
+  /// [m3/kg] Volume with the grains around it, of a particle of mass 1.
+  static double space(const SphColumns& columns, std::size_t k) {
+    return columns.share_of(k) / (columns.voidage_of(k) * columns.rows[k].density);
+  }
+  template <class Kernel>
+  void find_weights(const SphColumns& columns, const ClusterLists& lists,
+                    std::span<const std::uint32_t> probe_row, std::size_t width, double mass,
+                    double h, const Team& team) {
+    constexpr double none = 0.2, whole = 0.5;  // [-] of a kernel that is full
+    shares_.resize(place.size()), part_.resize(place.size());
+    const double normalisation = Kernel::normalisation(lists.dimensions, h);
+    team.for_ranges(place.size(), [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t p = from; p < to; ++p) {
+        auto& shares = shares_[p];
+        shares.clear();
+        const std::uint32_t row = probe_row[p];
+        const Vec3d x = columns.rows[row].position();
+        double seen = 0, full = 0;
+        const auto weight = [&](const ClusterLists::Entry entry) {  // V W
+          const std::size_t k = entry.row();
+          if (columns.label[k] == ClusterLists::none) return 0.0;
+          const Vec3d r = columns.rows[k].position() + lists.shift(entry.image()) - x;
+          return mass * space(columns, k) * normalisation * Kernel::weight(norm(r) / h);
+        };
+        for (const auto entry : lists.liquid(row / width))
+          if (const double w = weight(entry); w > 0) shares.push_back({entry.row(), w}), seen += w;
+        for (const auto entry : lists.walls(row / width)) full += weight(entry);
+        part_[p] = std::clamp((seen + full - none) / (whole - none), 0.0, 1.0);
+        // Beside walls alone there is no liquid.
+        part_[p] *= std::min(1.0, seen / (0.1 * none));
+        if (!(part_[p] > 0)) shares.clear();
+        for (Share& s : shares) s.weight /= seen;
+      }
+    });
+  }
+  /// The weights times f by rows, for each of which grains stand in their order.
+  void turn_round(std::size_t rows) {
+    begin_.assign(rows + 1, 0);
+    for (const auto& shares : shares_)
+      for (const Share& s : shares) ++begin_[s.row + 1];
+    for (std::size_t k = 0; k < rows; ++k) begin_[k + 1] += begin_[k];
+    parts_.resize(begin_[rows]);
+    std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
+    for (std::uint32_t p = 0; p < shares_.size(); ++p)
+      for (const Share& s : shares_[p]) parts_[next[s.row]++] = {p, part_[p] * s.weight};
+  }
+  void spread(std::span<const double> of, std::span<double> to, const Team& team) const {
+    team.for_ranges(to.size(), [&](std::size_t, std::size_t from, std::size_t end) {
+      for (std::size_t k = from; k < end; ++k)
+        for (std::size_t j = begin_[k]; j < begin_[k + 1]; ++j)
+          to[k] += parts_[j].weight * of[parts_[j].grain];
+    });
+  }
+
+  Exchange exchange_;
+  std::vector<Vec3d> velocity_, acceleration_, spin_;
+  std::vector<double> radius_, volume_, mass_;
+  std::vector<std::vector<Share>> shares_;  // of each grain, with a sum of 1
+  std::vector<double> part_;                // [-] f, by which it takes part
+  std::vector<std::size_t> begin_;
+  std::vector<Part> parts_;
+};
+
+}  // namespace detail
+}  // namespace silt
