@@ -21,6 +21,7 @@ struct SphColumns {
   std::vector<std::uint32_t> label;  // number of the liquid's particle, of the wall's; none: nobody
   AlignedVector<double> volume;      // [m3]
   AlignedVector<SphRates> rates;
+  AlignedVector<SphBrief> brief;  // of mixed precision
 
   std::size_t size() const { return rows.size(); }
   bool is_liquid(std::size_t k) const {
@@ -40,7 +41,7 @@ struct SphColumns {
   std::size_t bytes() const {
     return (rows.capacity() + start.capacity()) * sizeof(SphRow) + kind.capacity() +
            label.capacity() * sizeof(std::uint32_t) + volume.capacity() * sizeof(double) +
-           rates.capacity() * sizeof(SphRates);
+           rates.capacity() * sizeof(SphRates) + brief.capacity() * sizeof(SphBrief);
   }
 
  private:

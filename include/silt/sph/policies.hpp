@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include <silt/engine/state/precision.hpp>
 #include <silt/sph/kernels.hpp>
 #include <silt/sph/terms.hpp>
 
@@ -31,8 +32,12 @@ concept IsSphTime = requires {
   requires P::is_sph_time;
 };
 template <class P>
-concept SphPolicy =
-    IsSphKernel<P> || IsSphViscosity<P> || IsSphDiffusion<P> || IsSphShifting<P> || IsSphTime<P>;
+concept IsSphPrecision = requires {
+  typename P::PairScalar;
+};
+template <class P>
+concept SphPolicy = IsSphKernel<P> || IsSphViscosity<P> || IsSphDiffusion<P> || IsSphShifting<P> ||
+    IsSphTime<P> || IsSphPrecision<P>;
 
 /// The policies of an Sph by axis: what was given, or the default.
 template <class... Ps>
@@ -41,17 +46,19 @@ struct SphPolicies {
                 "Sph: a policy is none of those for SPH: a kernel (WendlandC2, CubicSpline), a "
                 "viscosity (ArtificialViscosity, LaminarViscosity, Inviscid), a diffusion "
                 "(Fourtakas, MolteniColagrossi, NoDiffusion), Shifting or NoShifting, "
-                "SymplecticTime or VerletTime");
+                "SymplecticTime or VerletTime, Double or Mixed");
   static constexpr int kernels = (0 + ... + int{IsSphKernel<Ps>}),
                        viscosities = (0 + ... + int{IsSphViscosity<Ps>}),
                        diffusions = (0 + ... + int{IsSphDiffusion<Ps>}),
                        shiftings = (0 + ... + int{IsSphShifting<Ps>}),
-                       times = (0 + ... + int{IsSphTime<Ps>});
+                       times = (0 + ... + int{IsSphTime<Ps>}),
+                       precisions = (0 + ... + int{IsSphPrecision<Ps>});
   static_assert(kernels <= 1, "Sph: two kernels are given; give one");
   static_assert(viscosities <= 1, "Sph: two viscosities are given; give one");
   static_assert(diffusions <= 1, "Sph: two diffusions are given; give one");
   static_assert(shiftings <= 1, "Sph: two ways of shifting are given; give one");
   static_assert(times <= 1, "Sph: two time integrations are given; give one");
+  static_assert(precisions <= 1, "Sph: two precisions are given; give one");
 
   template <class Default, class First, class... Rest>
   static auto first_of(const Default& otherwise, auto is, const First& first, const Rest&... rest) {
@@ -80,6 +87,10 @@ struct SphPolicies {
     template <class P>
     static constexpr bool value = IsSphShifting<P>;
   };
+  struct Precisions {
+    template <class P>
+    static constexpr bool value = IsSphPrecision<P>;
+  };
   struct Times {
     template <class P>
     static constexpr bool value = IsSphTime<P>;
@@ -91,11 +102,13 @@ struct SphPolicies {
   static auto diffusion(const Ps&... all) { return first_of(Fourtakas{}, Diffusions{}, all...); }
   static auto shifting(const Ps&... all) { return first_of(Shifting{}, Shiftings{}, all...); }
   static auto time(const Ps&... all) { return first_of(SymplecticTime{}, Times{}, all...); }
+  static auto precision(const Ps&... all) { return first_of(Double{}, Precisions{}, all...); }
   using Kernel = decltype(kernel(std::declval<const Ps&>()...));
   using Viscosity = decltype(viscosity(std::declval<const Ps&>()...));
   using Diffusion = decltype(diffusion(std::declval<const Ps&>()...));
   using Shift = decltype(shifting(std::declval<const Ps&>()...));
   using Time = decltype(time(std::declval<const Ps&>()...));
+  using Precision = decltype(precision(std::declval<const Ps&>()...));
 };
 
 }  // namespace detail

@@ -62,7 +62,8 @@ class Sph {
   using Diffusion = typename Axes::Diffusion;
   using Shift = typename Axes::Shift;
   using Time = typename Axes::Time;
-  using Pairs = detail::SphPairs<Kernel, Viscosity, Diffusion, Shift>;
+  using Pairs =
+      detail::SphPairs<Kernel, Viscosity, Diffusion, Shift, typename Axes::Precision::PairScalar>;
   using Lists = detail::ClusterLists;
   using Row = detail::SphRow;
 
@@ -294,7 +295,16 @@ class Sph {
     const double h = setup_.h();
     return Pairs({particle_mass(), h, Kernel::normalisation(setup_.dimensions, h),
                   liquid_.sound_speed, liquid_.density, gravity},
-                 viscosity_, diffusion_);
+                 viscosity_, diffusion_, lists_.extent());
+  }
+  void shorten(const Pairs& pairs, const Team& team) {
+    if constexpr (Pairs::mixed) {
+      detail::make_room(columns_.brief, columns_.size());
+      team.for_ranges(columns_.size(), [&](std::size_t, std::size_t from, std::size_t to) {
+        const auto part = [&](auto& of) { return std::span(of).subspan(from, to - from); };
+        pairs.shorten(part(columns_.rows), part(columns_.volume), part(columns_.brief));
+      });
+    }
   }
 
   double stable_step() const {
@@ -425,15 +435,15 @@ class Sph {
     if (made_ && wall_row_.size() == solids()) place_solids();
     if (stale_ || 2 * moved_ > skin()) renew(team), place_solids();
     const Pairs pairs = this->pairs();
-    set_pressures(team), set_walls(pairs, team);
+    set_pressures(team), set_walls(pairs, team), shorten(pairs, team);
     constexpr std::size_t W = Pairs::W, per = 16;
     const std::size_t liquid = lists_.first_pack(Lists::Wall);
     std::vector<Most> most(detail::pieces(liquid, per));
     team.for_parts(most.size(), [&](std::size_t part) {
       Most& m = most[part];
       for (std::size_t p = part * per; p < std::min(liquid, (part + 1) * per); ++p) {
-        m.pair = std::max(
-            m.pair, pairs.of_liquid(p, columns_.rows, columns_.volume, lists_, columns_.rates));
+        m.pair = std::max(m.pair, pairs.of_liquid(p, columns_.rows, columns_.volume, lists_,
+                                                  columns_.rates, columns_.brief));
         for (std::size_t k = p * W; k < (p + 1) * W; ++k) {
           if (columns_.label[k] == Lists::none) continue;
           Vec3d& a = columns_.rates[k].acceleration;
@@ -570,7 +580,7 @@ class Sph {
                       n = lists_.first_pack(Lists::Probe) - first;
     team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
       for (std::size_t p = first + from; p < first + to; ++p)
-        pairs.of_wall(p, columns_.rows, columns_.volume, lists_, columns_.rates);
+        pairs.of_wall(p, columns_.rows, columns_.volume, lists_, columns_.rates, columns_.brief);
     });
   }
   Vec3d shift_of([[maybe_unused]] const detail::SphRates& rate, [[maybe_unused]] double speed,
