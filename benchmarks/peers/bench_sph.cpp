@@ -188,8 +188,5 @@ int main(int argc, char** argv) {
                             : run(scene, warmup, steps, team, argv[8],
                                   silt::ArtificialViscosity{.alpha = scene.alpha}, more...);
   };
-
-  if (precision == "mixed") return with(silt::Mixed{});
-
-  return with();
+  return precision == "mixed" ? with(silt::Mixed{}) : with();
 }

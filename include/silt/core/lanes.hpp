@@ -206,21 +206,6 @@ SILT_INLINE Real multiply_add(const Real& a, const Real& b, const Real& c) {
   } else
     return a * b + c;
 }
-/// 1/x to the last digits, for 1e-300 < x < 1e300. A division of doubles in wide lanes takes longer
-/// than an estimate of 14 bits and two steps of Newton's.
-template <class Real>
-SILT_INLINE Real reciprocal_of(const Real& x) {
-#if defined(__AVX512F__)
-  if constexpr (is_batch<Real>) {
-    if constexpr (requires { requires Real::size == 8 && sizeof(ScalarOf<Real>) == 8; }) {
-      const Real y(_mm512_rcp14_pd(x)), e = xsimd::fnma(x, y, Real(1)), z = xsimd::fma(y, e, y),
-                                        f = xsimd::fnma(x, z, Real(1));
-      return xsimd::fma(z, f, z);
-    }
-  }
-#endif
-  return Real(1) / x;
-}
 /// The sum over the lanes, in their order.
 template <class Real>
 SILT_INLINE ScalarOf<Real> sum_of(const Real& a) {

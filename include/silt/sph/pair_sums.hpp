@@ -152,7 +152,7 @@ class SphPairs {
   };
   Own own_of(std::size_t pack, std::span<const SphRow> rows,
              std::span<const SphBrief> brief) const {
-    using Whole = ScalarOf<Place>;
+    using Whole = std::conditional_t<mixed, std::int32_t, double>;
     alignas(64) Whole at[3][W];
     alignas(64) Scalar of[5][W];
     const auto take = [&](const auto* r) {
@@ -177,10 +177,10 @@ class SphPairs {
   }
   template <class Whole>
   static Place load_place(const Whole* from) {
-    if constexpr (is_batch<Place> || std::is_same_v<Place, double>)
-      return load<Place>(from);
-    else
+    if constexpr (W == 1)
       return *from;
+    else
+      return Place::load_aligned(from);
   }
   template <class Whole>
   static SILT_INLINE Real apart(const Place& a, Whole b) {
@@ -215,38 +215,43 @@ class SphPairs {
   SILT_INLINE void add(const Own& a, std::span<const SphRow> rows, std::span<const double> volume,
                        std::span<const SphBrief> brief, const ClusterLists& lists,
                        std::span<const ClusterLists::Entry> entries, Totals& totals) const {
-    using Met = std::conditional_t<mixed, SphBrief, SphRow>;
-    for (std::size_t from = 0; from < entries.size(); from += mixed ? chunk : entries.size()) {
-      const std::size_t n = mixed ? std::min(chunk, entries.size() - from) : entries.size();
-      Sums part;
-      Met moved[2];
-      const Met* b = met(rows, brief, lists, entries[from], moved[0]);
-      Way next = way(a, *b);
-      for (std::size_t k = 0; k < n; ++k) {
-        const Way now = next;
-        const Met* const one = b;
-        const auto entry = entries[from + std::min(k + 1, n - 1)];
-        b = met(rows, brief, lists, entry, moved[(k + 1) % 2]);
-        next = way(a, *b);
-        if constexpr (mixed)
-          pair<liquid>(a, now, *one, one->volume, part);
-        else
-          pair<liquid>(a, now, *one, volume[entries[k].row()], part);
-      }
-      totals.add(part);
+    if constexpr (mixed) {
+      for (std::size_t k = 0; k < entries.size(); k += chunk)
+        add_some<liquid>(
+            a, brief, lists, entries.subspan(k, std::min(chunk, entries.size() - k)),
+            [&](std::size_t row) { return brief[row].volume; }, totals);
+    } else if (!entries.empty()) {
+      add_some<liquid>(
+          a, rows, lists, entries, [&](std::size_t row) { return volume[row]; }, totals);
     }
   }
-  SILT_INLINE const SphRow* met(std::span<const SphRow> rows, std::span<const SphBrief>,
-                                const ClusterLists& lists, const ClusterLists::Entry& entry,
-                                SphRow& moved) const {
+  template <bool liquid, class Other, class Volume>
+  SILT_INLINE void add_some(const Own& a, std::span<const Other> others, const ClusterLists& lists,
+                            std::span<const ClusterLists::Entry> entries, const Volume& volume,
+                            Totals& totals) const {
+    Sums part;
+    Other moved[2];
+    const Other* b = placed(others, lists, entries[0], moved[0]);
+    Way next;
+    find_way(a, *b, next);  // one pair ahead, as all else waits for its root
+    for (std::size_t k = 0, n = entries.size(); k < n; ++k) {
+      const Way now{next.x, next.y, next.z, next.square, next.f};
+      const Other* const one = b;
+      b = placed(others, lists, entries[std::min(k + 1, n - 1)], moved[(k + 1) % 2]);
+      find_way(a, *b, next);
+      pair<liquid>(a, now, *one, volume(entries[k].row()), part);
+    }
+    totals.add(part);
+  }
+  SILT_INLINE const SphRow* placed(std::span<const SphRow> rows, const ClusterLists& lists,
+                                   const ClusterLists::Entry& entry, SphRow& moved) const {
     const SphRow* const row = &rows[entry.row()];
     if (entry.image() == ClusterLists::here) return row;
     moved = *row, moved.place(row->position() + lists.shift(entry.image()));
     return &moved;
   }
-  SILT_INLINE const SphBrief* met(std::span<const SphRow>, std::span<const SphBrief> brief,
-                                  const ClusterLists& lists, const ClusterLists::Entry& entry,
-                                  SphBrief& moved) const {
+  SILT_INLINE const SphBrief* placed(std::span<const SphBrief> brief, const ClusterLists& lists,
+                                     const ClusterLists::Entry& entry, SphBrief& moved) const {
     const SphBrief* const row = &brief[entry.row()];
     if (entry.image() == ClusterLists::here) return row;
     const Vec3d way = (1 / length_) * lists.shift(entry.image());
@@ -255,27 +260,29 @@ class SphPairs {
     moved.x += whole(way.x), moved.y += whole(way.y), moved.z += whole(way.z);
     return &moved;
   }
-  /// From one particle to those of a pack: taken one pair ahead, as all else waits for the root.
+  /// From one particle to those of a pack; grad W = slope_ f r.
   struct Way {
-    Real x, y, z, square, length;
+    Real x, y, z, square, f;
   };
+  /// Fields one by one: compilers copy a structure of packs in pieces of another size, and such
+  /// loads wait for all stores.
   template <class Other>
-  SILT_INLINE Way way(const Own& a, const Other& b) const {
+  SILT_INLINE void find_way(const Own& a, const Other& b, Way& to) const {
     const Real x = apart(a.x.x, b.x), y = apart(a.x.y, b.y), z = apart(a.x.z, b.z);
     const Real square = x * x + y * y + z * z;
-    return {x, y, z, square, sqrt(square)};
+    to.x = x, to.y = y, to.z = z, to.square = square;
+    to.f = Kernel::slope(Real(sqrt(square) * Real(over_h_)));
   }
   template <bool liquid, class Other>
   SILT_INLINE void pair(const Own& a, const Way& way, const Other& b, const Scalar& volume,
                         Sums& sum) const {
-    const auto& [dx, dy, dz, r2, r] = way;
-    // grad W = slope_ f r
-    const Real f = Kernel::slope(Real(r * Real(over_h_))), Vf = Real(volume) * f;
+    const auto& [dx, dy, dz, r2, f] = way;
+    const Real Vf = Real(volume) * f;
     const Real ux = a.v.x - Real(b.vx), uy = a.v.y - Real(b.vy), uz = a.v.z - Real(b.vz);
     const Real along = ux * dx + uy * dy + uz * dz;
     sum.spread = multiply_add(Vf, along, sum.spread);
     const Real wide = r2 + Real(small_), both_rho = a.twice + Real(b.density);
-    const Real over = reciprocal_of(Real(wide * both_rho));
+    const Real over = Real(1) / (wide * both_rho);
     Real both = a.pressure + Real(b.pressure);
     if constexpr (!liquid) both = max(both, Real(0));
     // The acceleration over -slope_/rho_a
