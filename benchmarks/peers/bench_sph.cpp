@@ -142,9 +142,9 @@ int run(const Scene& scene, int warmup, int steps, const silt::Team& team, const
     });
     return all;
   };
-  const auto start = state();
   Listed listed{};
   if (std::string(file) != "-") {
+    const auto start = state();
     water.step(dt, team);
     const auto next = state();
     std::FILE* out = std::fopen(file, "w");

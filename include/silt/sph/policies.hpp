@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include <silt/engine/state/precision.hpp>
+#include <silt/core/precision.hpp>
 #include <silt/sph/kernels.hpp>
 #include <silt/sph/terms.hpp>
 
