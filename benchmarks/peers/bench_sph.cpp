@@ -23,7 +23,7 @@ using silt::Vec3d;
 /// That of LAMMPS: w = (1 + 3 s)(1 - s)^3, s = r/support = q/2.
 /// Source: L. B. Lucy, Astron. J. 82 (1977) 1013, as in LAMMPS' pair_sph_taitwater.cpp.
 struct Lucy {
-  static constexpr bool is_sph_kernel = true;
+  static constexpr auto sph_axis = silt::SphAxis::Kernel;
   static double normalisation(int dimensions, double h) {
     const double H = 2 * h, pi = std::numbers::pi;
     return dimensions == 2 ? 5 / (pi * H * H) : 105 / (16 * pi * H * H * H);
@@ -43,7 +43,8 @@ struct Lucy {
 /// LAMMPS takes the support for h: mu = H v.r/(r^2 + 0.01 H^2).
 struct LammpsViscosity {
   double alpha;  // [-] of silt's h: twice that of LAMMPS
-  static constexpr bool is_sph_viscosity = true, artificial = true, laminar = false;
+  static constexpr auto sph_axis = silt::SphAxis::Viscosity;
+  static constexpr bool artificial = true, laminar = false;
   static constexpr double softening = 0.04;  // [-] of h^2
   void check() const {}
   double longest_step(double) const { return INFINITY; }

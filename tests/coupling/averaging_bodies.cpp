@@ -67,6 +67,10 @@ TEST_CASE("body forms: points fill the body, their second moments are its own") 
   const Vec3d& a = of.axes;
   CHECK(near_relative(a.x * a.y * a.z, 1, 1e-12));
   CHECK(near_relative(std::max({a.x, a.y, a.z}) / std::min({a.x, a.y, a.z}), 4, 1e-9));
+  // Two balls that touch, centres at -1 and 1: (1 + 1/5, 1/5, 1/5). Balls moved twice had 4.2.
+  const Vec3d two = moments(averaged_form(MultiSphere{{{{-1, 0, 0}, 1}, {{1, 0, 0}, 1}}}, 4000));
+  CHECK(near_relative(std::max({two.x, two.y, two.z}), 1.2 / std::cbrt(4.0), 0.01));
+  CHECK(near_relative(two.x + two.y + two.z, 1.6 / std::cbrt(4.0), 0.01));
   // A rounded brick reaches out by its radius.
   const AveragedForm round = averaged_form(brick(1, 1, 1, 0.5), 2000);
   double farthest = 0;

@@ -144,7 +144,8 @@ TEST_CASE("SPH: what is read between steps changes no bit") {
   CHECK(state_of(read) == state_of(quiet));
 }
 
-TEST_CASE("SPH: a sphere at rest in a liquid at rest feels its buoyancy") {
+template <class Walls>
+double buoyancy(const Walls& walls) {  // over that of the sphere's volume
   const double g = 9.81, side = 0.16;
   Sph water{Liquid{.density = 1000, .sound_speed = 20 * std::sqrt(g * side)},
             {.spacing = 0.01,
@@ -152,7 +153,8 @@ TEST_CASE("SPH: a sphere at rest in a liquid at rest feels its buoyancy") {
              .smoothing = 1.0,
              .periodic = {true, true, false},
              .gravity = {0, 0, -g}},
-            ArtificialViscosity{.alpha = 0.1}};
+            ArtificialViscosity{.alpha = 0.1},
+            walls};
   water.add_wall(Plane{{0, 0, 0}, {0, 0, 1}});
   water.fill([side](const Vec3d& x) { return x.z < side; });
   std::vector<Vec3d> x{{0.08, 0.08, 0.08}}, v{{0, 0, 0}}, w = v, force(1), torque(1);
@@ -166,10 +168,15 @@ TEST_CASE("SPH: a sphere at rest in a liquid at rest feels its buoyancy") {
     water.advance(of, 0.01, force, 2, torque);
     if (n >= 20) sum += 0.01 * force[0], time += 0.01;
   }
-  // 5 %: the surface of a sphere of 4 spacings.
-  CHECK(sum.z / time == doctest::Approx(1000 * g * volume[0]).epsilon(0.05));
   CHECK(std::abs(sum.x / time) < 0.02 * 1000 * g * volume[0]);
   CHECK(water.displaced() > 200);
+  return sum.z / time / (1000 * g * volume[0]);
+}
+
+TEST_CASE("SPH: a sphere at rest in a liquid at rest feels its buoyancy") {
+  // 0.3 % seen; 2 %: what sound still swings after 0.2 s, on average over 0.4 s.
+  CHECK(buoyancy(MirroredWalls{}) == doctest::Approx(1).epsilon(0.02));
+  CHECK(buoyancy(DynamicWalls{}) == doctest::Approx(1).epsilon(0.02));
 }
 
 TEST_CASE("SPH in a Simulation: same bits with threads, and from a checkpoint on") {

@@ -119,6 +119,8 @@ concept ActiveFluid =
 ///
 ///   static constexpr bool turns       it has torques
 ///   static constexpr bool sees_forms  it reads CoupledParticles::forms of bodies
+///   void take_form(form, shape)       told each form of bodies by its number, of the type of the
+///                                     particles' shape, before the first advance() that has it
 ///   static constexpr bool follows     drag follows each particle's velocity: FollowingFluid
 ///   Vec3d gravity                     [m/s2] set to the simulation's before each step
 ///   Vec3d at_the_side(x, radius)      where a particle is for the fluid, whose centre has left it
@@ -166,6 +168,10 @@ struct FluidTraits {
   static constexpr bool turns = requires { requires F::turns; };
   static constexpr bool follows = requires { requires F::follows; };
   static constexpr bool sees_forms = requires { requires F::sees_forms; };
+  template <class Shape>
+  static constexpr bool takes_forms = requires(F& f, const Shape& shape) {
+    f.take_form(std::size_t{}, shape);
+  };
   static constexpr bool has_sides = requires(const F& f, const Vec3d& x) { f.at_the_side(x, 1.0); };
   static constexpr bool checks_steps = requires(const F& f, const FluidPace& pace) {
     f.check_step(1.0, pace);

@@ -29,7 +29,8 @@ struct SolidsOf<MultiSphere> {
   static std::vector<SolidPart<Kinds>> solids(const MultiSphere& form, const MassProperties& mass) {
     std::vector<SolidPart<Kinds>> all;
     for (const Ball& b : form.balls)
-      all.push_back({b, rotate(conjugate(mass.axes), b.centre - mass.centroid), {}});
+      all.push_back(
+          {Ball{{0, 0, 0}, b.radius}, rotate(conjugate(mass.axes), b.centre - mass.centroid), {}});
     return all;
   }
 };

@@ -286,6 +286,7 @@ double Simulation<Policies...>::gather_for_fluid() {
       const auto& form = engine_.mover.forms[f];
       if (f < p.made.size() && p.made[f] == form.made()) continue;
       if constexpr (FluidIs::sees_forms) p.put(p.forms_in_flow, f, form_in_flow(form.shape));
+      if constexpr (FluidIs::template takes_forms<ShapeType>) fluid_.take_form(f, form.shape);
       p.put(p.forms, f, averaged_form(form.shape)), p.put(p.made, f, form.made());
     }
   if constexpr (!of_bodies) p.inertia_factor = ShapeType::inertia_factor();

@@ -5,90 +5,173 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <numbers>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <silt/core/error.hpp>
+#include <silt/core/quaternion.hpp>
 #include <silt/core/vec3.hpp>
+#include <silt/coupling/particles_in_fluid.hpp>
+#include <silt/sph/body_form.hpp>
 #include <silt/sph/setup.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The particles that stand for spheres in the liquid: shells below their surface, half a spacing
-/// down and then one apart, as deep as the kernel reaches, each with its mirror image above the
-/// surface. What acts on them acts on the sphere.
+/// The particles that stand for bodies in the liquid, each with its mirror image on the other side
+/// of the surface. What acts on them acts on the body. Of a sphere: shells below its surface, half
+/// a spacing down and then one apart, as deep as the kernel reaches; of other bodies: a lattice
+/// (LiquidForm).
 class BodyPoints {
  public:
   struct Body {
     Vec3d centre{0, 0, 0}, velocity{0, 0, 0}, spin{0, 0, 0};  // [m], [m/s], [rad/s]
-    double radius = 0;                                        // [m]
+    double radius = 0;                                        // [m] of the sphere of its volume
+    Quaternion axes{};                                        // principal axes to space
+    std::uint32_t form = sphere;
+    double reach = 0;  // [m] from the centre
     Vec3d force{0, 0, 0}, torque{0, 0, 0};
+
+    bool is(const Body& b) const { return radius == b.radius && form == b.form; }
   };
+  static constexpr std::uint32_t sphere = ~std::uint32_t{0};
   std::vector<Body> bodies;
 
   std::size_t size() const { return points_.size(); }
   bool empty() const { return points_.empty(); }
   std::size_t body_of(std::size_t k) const { return points_[k].body; }
-  Vec3d place(std::size_t k) const { return bodies[points_[k].body].centre + points_[k].at; }
-  Vec3d ghost(std::size_t k) const {
-    const Point& p = points_[k];
-    return bodies[p.body].centre + p.up * p.at;
-  }
-  /// [m/s] of the sphere's surface half way between a point and its mirror image.
+  /// [-] of a particle's volume and mass.
+  double share(std::size_t k) const { return points_[k].share; }
+  Vec3d place(std::size_t k) const { return in_space(points_[k].body, points_[k].at); }
+  Vec3d ghost(std::size_t k) const { return in_space(points_[k].body, points_[k].ghost); }
+  /// [m/s] of the body's surface half way between a point and its mirror image.
   Vec3d velocity(std::size_t k) const {
     const Point& p = points_[k];
     const Body& b = bodies[p.body];
-    return b.velocity + cross(b.spin, (0.5 * (1 + p.up)) * p.at);
+    return b.velocity + cross(b.spin, 0.5 * rotate(b.axes, p.at + p.ghost));
   }
   void move(double dt) {
-    for (Body& b : bodies) b.centre += dt * b.velocity;
+    for (Body& b : bodies) {
+      b.centre += dt * b.velocity;
+      const double rate = norm(b.spin);
+      if (b.form != sphere && rate > 0)
+        b.axes = rotation_about((1 / rate) * b.spin, rate * dt) * b.axes;
+    }
+  }
+  /// Whether a place `x` from the centre of a body is in it.
+  bool holds(const Body& b, const Vec3d& x) const {
+    if (b.form == sphere) return dot(x, x) < b.radius * b.radius;
+    const LiquidForm& form = *forms_[b.form];
+    return form.contains((form.radius() / b.radius) * rotate(conjugate(b.axes), x));
   }
 
+  template <class S>
+  void take_form(std::size_t form, const S& shape) {
+    forms_.resize(std::max(forms_.size(), form + 1));
+    if constexpr (requires { shape.shape.index(); })  // a Mix
+      std::visit([&](const auto& one) { take_form(form, one); }, shape.shape);
+    else if constexpr (std::is_same_v<S, Sphere>)
+      forms_[form].reset();
+    else
+      forms_[form].emplace(shape);
+    std::erase_if(laid_, [form](const auto& laid) { return laid.first.first == form; });
+  }
   /// Takes what is in the liquid now; true if there are others than before.
-  bool set(std::span<const Vec3d> centre, std::span<const double> radius,
-           std::span<const Vec3d> velocity, std::span<const Vec3d> spin, const SphSetup& setup) {
-    bool other = centre.size() != bodies.size();
-    bodies.resize(centre.size());
+  bool set(const CoupledParticles& of, const SphSetup& setup) {
+    const AveragedParticles& shape = of.shape;
+    bool other = shape.position.size() != bodies.size();
+    bodies.resize(shape.position.size());
     for (std::size_t b = 0; b < bodies.size(); ++b) {
-      other = other || bodies[b].radius != radius[b];
-      bodies[b] = {centre[b], velocity[b], spin.empty() ? Vec3d{0, 0, 0} : spin[b], radius[b]};
+      Body now{shape.position[b], of.velocity[b]};
+      now.radius = now.reach = shape.radius[b];
+      if (!of.angular_velocity.empty()) now.spin = of.angular_velocity[b];
+      if (!shape.form.empty()) {
+        const std::uint32_t f = shape.form[b];
+        require(f < forms_.size(), "Sph: form ", f, " of a body is unknown; give take_form() each");
+        if (forms_[f])
+          now.form = f, now.axes = shape.orientation[b],
+          now.reach = forms_[f]->reach() * now.radius / forms_[f]->radius();
+      }
+      other = other || !bodies[b].is(now);
+      bodies[b] = now;
     }
     if (other) make(setup);
     return other;
   }
 
-  /// Those of a state; set() gives the rest.
-  void restore(std::span<const double> radii, const SphSetup& setup) {
-    bodies.assign(radii.size(), {});
-    for (std::size_t b = 0; b < radii.size(); ++b) bodies[b].radius = radii[b];
-    make(setup);
+  /// For a state: nine numbers a point, three a body; set() gives the rest.
+  std::vector<double> points() const {
+    std::vector<double> all;
+    for (const Point& p : points_)
+      all.insert(all.end(), {p.at.x, p.at.y, p.at.z, p.ghost.x, p.ghost.y, p.ghost.z, p.share,
+                             static_cast<double>(p.body)});
+    return all;
+  }
+  std::vector<double> kinds() const {
+    std::vector<double> all;
+    for (const Body& b : bodies) all.insert(all.end(), {b.radius, static_cast<double>(b.form)});
+    return all;
+  }
+  void restore(std::span<const double> kinds, std::span<const double> points) {
+    const std::size_t n = kinds.size() / 2, of = points.size() / 8;
+    require(kinds.size() == 2 * n && points.size() == 8 * of, "Sph: a state of bodies has ",
+            kinds.size(), " and ", points.size(), " numbers");
+    const auto whole = [](double a) { return a == std::floor(a) && a >= 0 && a < 4.3e9; };
+    bodies.assign(n, {}), points_.clear();
+    for (std::size_t b = 0; b < n; ++b) {
+      require(whole(kinds[2 * b + 1]), "Sph: body ", b, " of a state has form ", kinds[2 * b + 1]);
+      bodies[b].radius = kinds[2 * b];
+      bodies[b].form = static_cast<std::uint32_t>(kinds[2 * b + 1]);
+    }
+    for (std::size_t k = 0; k < of; ++k) {
+      const double* const p = points.data() + 8 * k;
+      require(whole(p[7]) && p[7] < static_cast<double>(n), "Sph: point ", k,
+              " of a state is of body ", p[7], " of ", n);
+      points_.push_back(
+          {{p[0], p[1], p[2]}, {p[3], p[4], p[5]}, p[6], static_cast<std::uint32_t>(p[7])});
+    }
   }
 
  private:
   struct Point {
-    Vec3d at;   // [m] from the centre
-    double up;  // [-] of the mirror image's distance over this one's
+    Vec3d at, ghost;  // [m] from the centre, in the body's frame
+    double share;     // [-]
     std::uint32_t body;
   };
+  Vec3d in_space(std::uint32_t body, const Vec3d& own) const {
+    const Body& b = bodies[body];
+    return b.centre + (b.form == sphere ? own : rotate(b.axes, own));
+  }
   void make(const SphSetup& setup) {
     points_.clear();
     const double s = setup.spacing;
     for (std::uint32_t b = 0; b < bodies.size(); ++b) {
-      const double R = bodies[b].radius;
-      require(R >= 1.5 * s, "Sph: a sphere of radius ", R, " m is too small for a spacing of ", s,
-              " m; it must be at least 1.5 spacings: take a spacing of at most ", R / 1.5, " m");
-      for (double r = R - 0.5 * s; r > 0.25 * s && r > R - 2 * setup.h(); r -= s)
-        add_shell(b, r, (2 * R - r) / r, setup);
+      const Body& body = bodies[b];
+      const double R = body.radius;
+      if (body.form == sphere) {
+        require(R >= 1.5 * s, "Sph: a sphere of radius ", R, " m is too small for a spacing of ", s,
+                " m; it must be at least 1.5 spacings: take a spacing of at most ", R / 1.5, " m");
+        for (double r = R - 0.5 * s; r > 0.25 * s && r > R - 2 * setup.h(); r -= s)
+          add_shell(b, r, (2 * R - r) / r, setup);
+        continue;
+      }
+      const auto [laid, is_new] = laid_.try_emplace(std::pair{body.form, R});
+      if (is_new) laid->second = forms_[body.form]->lay(setup, R / forms_[body.form]->radius());
+      for (const BodySite& site : laid->second.sites)
+        points_.push_back({site.at, site.ghost, laid->second.share, b});
     }
   }
   void add_shell(std::uint32_t body, double r, double up, const SphSetup& setup) {
     const double s = setup.spacing, pi = std::numbers::pi;
+    const auto add = [&](const Vec3d& at) { points_.push_back({at, up * at, 1, body}); };
     if (setup.dimensions == 2) {  // a cylinder's ring
       const int n = std::max(3, static_cast<int>(std::lround(2 * pi * r / s)));
       for (int k = 0; k < n; ++k) {
         const double angle = 2 * pi * (k + 0.5) / n;
-        points_.push_back({{r * std::cos(angle), 0, r * std::sin(angle)}, up, body});
+        add({r * std::cos(angle), 0, r * std::sin(angle)});
       }
       return;
     }
@@ -97,11 +180,12 @@ class BodyPoints {
     const double golden = pi * (3 - std::sqrt(5.0));
     for (int k = 0; k < n; ++k) {
       const double z = 1 - (2 * k + 1.0) / n, across = std::sqrt(1 - z * z), angle = golden * k;
-      points_.push_back(
-          {{r * across * std::cos(angle), r * across * std::sin(angle), r * z}, up, body});
+      add({r * across * std::cos(angle), r * across * std::sin(angle), r * z});
     }
   }
 
+  std::vector<std::optional<LiquidForm>> forms_;                // of bodies; none: a sphere
+  std::map<std::pair<std::uint32_t, double>, BodySites> laid_;  // by form and radius
   std::vector<Point> points_;
 };
 

@@ -31,6 +31,9 @@ struct SphColumns {
     rows.push_back(row), start.push_back(row);
     kind.push_back(static_cast<char>(of_kind)), label.push_back(number);
   }
+  void take_out(std::size_t k) {
+    kind[k] = static_cast<char>(ClusterLists::Gone), label[k] = ClusterLists::none;
+  }
   /// Brings them into an order of ClusterLists.
   void arrange(const std::vector<std::uint32_t>& order, const Team& team) {
     permute(rows, order, SphRow::nobody(), team), permute(start, order, SphRow::nobody(), team);

@@ -9,6 +9,9 @@
 
 namespace silt::inline SILT_TARGET {
 
+/// The axes of an Sph's policies; each policy has its own as `static constexpr SphAxis sph_axis`.
+enum class SphAxis { Kernel, Viscosity, Diffusion, Shifting, Time, Walls };
+
 /// What weighs the neighbours of an SPH particle: W(r) = a w(q), q = r/h, 0 from q = 2 on.
 ///
 ///   static double normalisation(int dimensions, double h)   a [1/m2 or 1/m3]
@@ -22,7 +25,7 @@ concept SphKernel = requires(double q) {
   { K::normalisation(3, q) } -> std::same_as<double>;
   { K::weight(q) } -> std::same_as<double>;
   { K::slope(q) } -> std::same_as<double>;
-  requires K::is_sph_kernel;
+  requires K::sph_axis == SphAxis::Kernel;
 };
 
 namespace detail {
@@ -35,7 +38,7 @@ inline void check_dimensions(int dimensions) {
 /// w = (1 - q/2)^4 (1 + 2 q). Particles do not clump, whatever their number of neighbours.
 /// Source: H. Wendland, Adv. Comput. Math. 4 (1995) 389, C2.
 struct WendlandC2 {
-  static constexpr bool is_sph_kernel = true;
+  static constexpr SphAxis sph_axis = SphAxis::Kernel;
   static constexpr const char* policy_name = "WendlandC2";
   static double normalisation(int dimensions, double h) {
     detail::check_dimensions(dimensions);
@@ -57,7 +60,7 @@ struct WendlandC2 {
 /// w = 1 - 3/2 q^2 + 3/4 q^3 to q = 1, then (2 - q)^3/4.
 /// Source: J. J. Monaghan, J. C. Lattanzio, Astron. Astrophys. 149 (1985) 135.
 struct CubicSpline {
-  static constexpr bool is_sph_kernel = true;
+  static constexpr SphAxis sph_axis = SphAxis::Kernel;
   static constexpr const char* policy_name = "CubicSpline";
   static double normalisation(int dimensions, double h) {
     detail::check_dimensions(dimensions);

@@ -17,38 +17,40 @@ namespace silt::inline SILT_TARGET {
 template <class... Policies>
 template <class Visit>
 void Sph<Policies...>::for_each_state(const Visit& visit) {
-  clock.for_each_state(visit);
   constexpr std::size_t row = 8;
-  const auto is_lane = [](std::uint32_t label) { return label == Lists::none; };
-  std::vector<double> rows, labels, built, radii;
-  for (std::size_t k = 0; k < columns_.size(); ++k) {
+  const auto is_lane = [](std::uint32_t label) { return label == Core::Lists::none; };
+  clock.for_each_state(visit);
+  Core& c = core();
+  auto& bodies = c.solids.bodies;
+  std::vector<double> rows, labels, built, kinds = bodies.kinds(), points = bodies.points();
+  for (std::size_t k = 0; k < c.columns.size(); ++k) {
     const auto put = [&](const Row& r) {
       rows.insert(rows.end(), {r.x, r.y, r.z, r.vx, r.vy, r.vz, r.density, r.pressure});
     };
-    put(columns_.rows[k]), put(columns_.start[k]);
-    labels.push_back(is_lane(columns_.label[k]) ? -1 : static_cast<double>(columns_.label[k]));
-    labels.push_back(static_cast<double>(columns_.kind[k]));
-    const Vec3d at = stale_ ? columns_.rows[k].position() : lists_.built(k);
+    put(c.columns.rows[k]), put(c.columns.start[k]);
+    labels.push_back(is_lane(c.columns.label[k]) ? -1 : static_cast<double>(c.columns.label[k]));
+    labels.push_back(static_cast<double>(c.columns.kind[k]));
+    const Vec3d at = c.stale ? c.columns.rows[k].position() : c.lists.built(k);
     built.insert(built.end(), {at.x, at.y, at.z});
   }
-  for (const auto& body : bodies_.bodies) radii.push_back(body.radius);
-  std::array<double, 9> numbers{static_cast<double>(next_),
-                                static_cast<double>(left_),
-                                static_cast<double>(displaced_),
-                                static_cast<double>(steps_),
-                                time_,
-                                last_,
-                                moved_,
-                                stale_ ? 1.0 : 0.0,
-                                made_ ? 1.0 : 0.0};
+  std::array<double, 9> numbers{static_cast<double>(c.next_number),
+                                static_cast<double>(c.left),
+                                static_cast<double>(c.displaced),
+                                static_cast<double>(c.steps),
+                                c.time,
+                                c.last_step,
+                                c.moved,
+                                c.stale ? 1.0 : 0.0,
+                                c.made ? 1.0 : 0.0};
   visit("fluid.rows", rows), visit("fluid.labels", labels), visit("fluid.built", built);
-  visit("fluid.radii", radii), visit("fluid.numbers", std::span<double>(numbers));
+  visit("fluid.bodies", kinds), visit("fluid.points", points),
+      visit("fluid.numbers", std::span<double>(numbers));
 
   const std::size_t n = labels.size() / 2;
   require(labels.size() == 2 * n && rows.size() == 2 * row * n && built.size() == 3 * n,
           "Sph: a state of ", n, " particles has ", rows.size(), " numbers of rows and ",
           built.size(), " of places");
-  columns_ = {};
+  c.columns = {};
   std::vector<Row> then(n);
   for (std::size_t k = 0; k < n; ++k) {
     const auto get = [&](std::size_t of) {
@@ -56,21 +58,22 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
       return Row{r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7]};
     };
     const double label = labels[2 * k], kind = labels[2 * k + 1];
-    require(label == std::floor(label) && label >= -1 && label < Lists::most &&
+    require(label == std::floor(label) && label >= -1 && label < Core::Lists::most &&
                 (kind == 0 || kind == 1 || kind == 2 || kind == 3),
             "Sph: particle ", k, " of a state has number ", label, " and kind ", kind);
-    columns_.add(get(0), static_cast<int>(kind),
-                 label < 0 ? Lists::none : static_cast<std::uint32_t>(label));
-    columns_.start.back() = get(1);
+    c.columns.add(get(0), static_cast<int>(kind),
+                  label < 0 ? Core::Lists::none : static_cast<std::uint32_t>(label));
+    c.columns.start.back() = get(1);
     then[k].place({built[3 * k], built[3 * k + 1], built[3 * k + 2]});
   }
-  next_ = static_cast<std::uint32_t>(numbers[0]);
-  left_ = static_cast<std::size_t>(numbers[1]), displaced_ = static_cast<std::size_t>(numbers[2]);
-  steps_ = static_cast<std::int64_t>(numbers[3]), time_ = now_ = numbers[4], last_ = numbers[5];
-  moved_ = numbers[6], stale_ = numbers[7] != 0, made_ = numbers[8] != 0, known_ = false;
-  bodies_.restore(radii, setup_);
-  if (made_ && walls_.fresh()) walls_.make(setup_);
-  if (!stale_) make_lists(then, {});
+  c.next_number = static_cast<std::uint32_t>(numbers[0]);
+  c.left = static_cast<std::size_t>(numbers[1]), c.displaced = static_cast<std::size_t>(numbers[2]);
+  c.steps = static_cast<std::int64_t>(numbers[3]), c.time = c.now = numbers[4],
+  c.last_step = numbers[5];
+  c.moved = numbers[6], c.stale = numbers[7] != 0, c.made = numbers[8] != 0, c.known = false;
+  bodies.restore(kinds, points);
+  if (c.made && c.solids.walls.fresh()) c.solids.walls.make(c.setup);
+  if (!c.stale) c.make_lists(then, {});
 }
 
 }  // namespace silt

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include <silt/core/error.hpp>
+#include <silt/sph/kernels.hpp>
 
 /// The terms that an SPH liquid may have, each a small type: viscosity, diffusion of density,
 /// shifting. Those that are left out cost nothing.
@@ -15,7 +16,8 @@ namespace silt::inline SILT_TARGET {
 
 /// None: what is left is that of the scheme.
 struct Inviscid {
-  static constexpr bool is_sph_viscosity = true, artificial = false, laminar = false;
+  static constexpr SphAxis sph_axis = SphAxis::Viscosity;
+  static constexpr bool artificial = false, laminar = false;
   static constexpr const char* policy_name = "Inviscid";
   void check() const {}
   double longest_step(double) const { return INFINITY; }
@@ -30,7 +32,8 @@ struct Inviscid {
 struct ArtificialViscosity {
   double alpha = 0.02;  // [-]
 
-  static constexpr bool is_sph_viscosity = true, artificial = true, laminar = false;
+  static constexpr SphAxis sph_axis = SphAxis::Viscosity;
+  static constexpr bool artificial = true, laminar = false;
   static constexpr const char* policy_name = "ArtificialViscosity";
   void check() const {
     require(std::isfinite(alpha) && alpha >= 0, "ArtificialViscosity.alpha = ", alpha,
@@ -46,7 +49,8 @@ struct LaminarViscosity {
   double kinematic = 0;  // [m2/s]
   double alpha = 0;      // [-] of ArtificialViscosity, beside it
 
-  static constexpr bool is_sph_viscosity = true, artificial = true, laminar = true;
+  static constexpr SphAxis sph_axis = SphAxis::Viscosity;
+  static constexpr bool artificial = true, laminar = true;
   static constexpr const char* policy_name = "LaminarViscosity";
   void check() const {
     require_positive("LaminarViscosity.kinematic", kinematic, "m2/s");
@@ -60,7 +64,8 @@ struct LaminarViscosity {
 /// @name Diffusion of density, among liquid particles: against noise in the pressure
 /// @{
 struct NoDiffusion {
-  static constexpr bool is_sph_diffusion = true, diffuses = false, hydrostatic = false;
+  static constexpr SphAxis sph_axis = SphAxis::Diffusion;
+  static constexpr bool diffuses = false, hydrostatic = false;
   static constexpr const char* policy_name = "NoDiffusion";
   void check() const {}
 };
@@ -71,7 +76,8 @@ struct NoDiffusion {
 struct MolteniColagrossi {
   double delta = 0.1;  // [-]
 
-  static constexpr bool is_sph_diffusion = true, diffuses = true, hydrostatic = false;
+  static constexpr SphAxis sph_axis = SphAxis::Diffusion;
+  static constexpr bool diffuses = true, hydrostatic = false;
   static constexpr const char* policy_name = "MolteniColagrossi";
   void check() const {
     require(std::isfinite(delta) && delta >= 0, "MolteniColagrossi.delta = ", delta,
@@ -86,7 +92,8 @@ struct MolteniColagrossi {
 struct Fourtakas {
   double delta = 0.1;  // [-]
 
-  static constexpr bool is_sph_diffusion = true, diffuses = true, hydrostatic = true;
+  static constexpr SphAxis sph_axis = SphAxis::Diffusion;
+  static constexpr bool diffuses = true, hydrostatic = true;
   static constexpr const char* policy_name = "Fourtakas";
   void check() const {
     require(std::isfinite(delta) && delta >= 0, "Fourtakas.delta = ", delta,
@@ -98,7 +105,8 @@ struct Fourtakas {
 /// @name Shifting: particles move a little towards where there are few
 /// @{
 struct NoShifting {
-  static constexpr bool is_sph_shifting = true, shifts = false;
+  static constexpr SphAxis sph_axis = SphAxis::Shifting;
+  static constexpr bool shifts = false;
   static constexpr const char* policy_name = "NoShifting";
   void check() const {}
 };
@@ -111,7 +119,8 @@ struct NoShifting {
 struct Shifting {
   double strength = 2, threshold = 0;  // [-] A
 
-  static constexpr bool is_sph_shifting = true, shifts = true;
+  static constexpr SphAxis sph_axis = SphAxis::Shifting;
+  static constexpr bool shifts = true;
   static constexpr const char* policy_name = "Shifting";
   void check() const {
     require(std::isfinite(strength) && strength >= 0 && strength <= 6,
@@ -125,6 +134,31 @@ struct Shifting {
 };
 /// @}
 
+/// @name Walls and bodies: the density of the particles in them
+/// @{
+
+/// That of the liquid at their mirror images, by a linear function; their velocity is mirrored too,
+/// so that the liquid sticks to the surface or slides along it (mDBC).
+/// Source: A. English and others, Comput. Part. Mech. 9 (2022) 1 (recalled).
+struct MirroredWalls {
+  static constexpr SphAxis sph_axis = SphAxis::Walls;
+  static constexpr bool mirrored = true;
+  static constexpr const char* policy_name = "MirroredWalls";
+  void check() const {}
+};
+
+/// Its own, which changes by the continuity equation beside the liquid, and is not below rho_0
+/// (DBC): what comes near a wall raises the density on both sides, and so is pushed back. Cheaper,
+/// and less accurate beside the wall. Their velocity is the wall's.
+/// Source: A. J. C. Crespo, M. Gomez-Gesteira, R. A. Dalrymple, CMC 5 (2007) 173 (recalled).
+struct DynamicWalls {
+  static constexpr SphAxis sph_axis = SphAxis::Walls;
+  static constexpr bool mirrored = false;
+  static constexpr const char* policy_name = "DynamicWalls";
+  void check() const {}
+};
+/// @}
+
 /// @name Steps in time
 /// @{
 
@@ -133,7 +167,8 @@ struct Shifting {
 /// Source: L. Verlet, Phys. Rev. 159 (1967) 98, as in DualSPHysics.
 struct VerletTime {
   int restart = 40;
-  static constexpr bool is_sph_time = true, two_stages = false;
+  static constexpr SphAxis sph_axis = SphAxis::Time;
+  static constexpr bool two_stages = false;
   static constexpr const char* policy_name = "VerletTime";
   void check() const {
     require(restart >= 1, "VerletTime.restart = ", restart, " steps must be at least 1");
@@ -143,7 +178,8 @@ struct VerletTime {
 /// Two evaluations a step, in its middle too; second order.
 /// Source: B. Leimkuhler, C. Matthews, Molecular Dynamics, 2015, as in DualSPHysics.
 struct SymplecticTime {
-  static constexpr bool is_sph_time = true, two_stages = true;
+  static constexpr SphAxis sph_axis = SphAxis::Time;
+  static constexpr bool two_stages = true;
   static constexpr const char* policy_name = "SymplecticTime";
   void check() const {}
 };

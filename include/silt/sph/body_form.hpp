@@ -1,0 +1,154 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numbers>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
+#include <silt/boundary/mesh_inside.hpp>
+#include <silt/boundary/triangle_mesh.hpp>
+#include <silt/core/error.hpp>
+#include <silt/core/quaternion.hpp>
+#include <silt/shape/surface_mesh.hpp>
+#include <silt/sph/setup.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// A particle of a body in the body's own frame, and its mirror image on the other side of the
+/// surface [m].
+struct BodySite {
+  Vec3d at, ghost;
+};
+
+/// The particles of a body, each with the same `share` [-] of a particle's volume.
+struct BodySites {
+  std::vector<BodySite> sites;
+  double share = 1;
+};
+
+/// What a liquid knows of the form of a body, in its principal frame, about its centroid [m]: the
+/// surfaces of its parts.
+///
+/// Accuracy: curved surfaces are taken as triangles, 24 by 24 on each side of the box around a
+/// part: 0.1 % of an ellipsoid's radius.
+class LiquidForm {
+ public:
+  template <class S>
+  explicit LiquidForm(const S& shape) {
+    const MassProperties mass = shape.mass_properties();
+    volume_ = mass.volume;
+    for (const auto& part : SolidsOf<S>::solids(shape, mass))
+      std::visit([&](const auto& solid) { add(solid, part.centre, part.axes); }, part.solid);
+  }
+
+  double radius() const { return std::cbrt(0.75 * volume_ / std::numbers::pi); }  // of that volume
+  double reach() const { return reach_; }  // [m] from the centroid
+  bool contains(const Vec3d& x) const {
+    return dot(x, x) <= reach_ * reach_ && nearest(x).distance < 0;
+  }
+
+  /// The particles of a body that is `scale` times as large: on a lattice of the liquid's spacing,
+  /// laid so that the faces of the box around the body lie half a spacing beyond the outermost
+  /// where that can be, as deep below the surface as the kernel reaches. Their share is such that
+  /// the lattice's volume is the body's.
+  BodySites lay(const SphSetup& setup, double scale) const {
+    const double s = setup.spacing / scale, deep = 2 * setup.h() / scale;
+    const bool flat = setup.dimensions == 2;
+    const auto count = [s](double length) {
+      return std::max(1, static_cast<int>(std::lround(length / s)));
+    };
+    const Vec3d e = box_.extent(), mid = 0.5 * (box_.min + box_.max);
+    const int n[3] = {count(e.x) + 2, flat ? 1 : count(e.y) + 2, count(e.z) + 2};
+    BodySites of;
+    std::size_t inside = 0;
+    double deepest = 0;
+    for (int i = 0; i < n[0]; ++i)
+      for (int j = 0; j < n[1]; ++j)
+        for (int k = 0; k < n[2]; ++k) {
+          const Vec3d x =
+              mid + s * Vec3d{i - 0.5 * (n[0] - 1), j - 0.5 * (n[1] - 1), k - 0.5 * (n[2] - 1)};
+          const double d = nearest(x).distance;
+          if (!(d < -1e-9 * s)) continue;
+          ++inside, deepest = std::max(deepest, -d);
+          const Vec3d out = to_surface(x, 1e-9 * s) - x;
+          if (norm(out) > deep) continue;
+          require(!flat || std::abs(out.y) < 1e-6 * s,
+                  "Sph: in 2D, where forces are those of 1 m, a body must be a prism along y and "
+                  "1 m long; one is ",
+                  scale * e.y, " m long");
+          // In a notch the image may lie in another part: the surface itself, then.
+          const Vec3d ghost = x + 2 * out;
+          of.sites.push_back({scale * x, scale * (contains(ghost) ? x + out : ghost)});
+        }
+    require(deepest >= 0.9 * s, "Sph: a body of ", scale * e, " m is too thin for a spacing of ",
+            setup.spacing,
+            " m: its thickest part must be at least 2 spacings thick; take a "
+            "smaller spacing");
+    if (!flat) of.share = volume_ / (static_cast<double>(inside) * s * s * s);
+    return of;
+  }
+
+ private:
+  struct Part {
+    TriangleMesh surface;
+    Vec3d centre;
+    Quaternion axes;
+  };
+  struct Nearest {
+    double distance;  // [m] negative inside
+    Vec3d point;
+  };
+
+  template <class Solid>
+  void add(const Solid& solid, const Vec3d& centre, const Quaternion& axes) {
+    const SurfaceMesh mesh = [&] {
+      if constexpr (std::is_same_v<Solid, Ball>) {
+        SurfaceMesh ball = surface_of(SuperEllipsoid{solid.radius, solid.radius, solid.radius}, 24);
+        for (Vec3d& p : ball.points) p += solid.centre;
+        return ball;
+      } else {
+        return surface_of(solid, 24);
+      }
+    }();
+    std::vector<std::array<Vec3d, 3>> soup;
+    for (const auto& t : mesh.triangles)
+      soup.push_back({mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]});
+    for (const Vec3d& p : mesh.points) {
+      const Vec3d x = centre + rotate(axes, p);
+      box_.include(x), reach_ = std::max(reach_, norm(x));
+    }
+    parts_.push_back({TriangleMesh(soup), centre, axes});
+  }
+  /// Of the union of all parts; inside, of the part in which x lies deepest.
+  Nearest nearest(const Vec3d& x) const {
+    Nearest least{std::numeric_limits<double>::infinity(), x};
+    for (const Part& part : parts_) {
+      const Vec3d own = rotate(conjugate(part.axes), x - part.centre);
+      const SurfacePoint p = part.surface.nearest_point(own);
+      const double d = part.surface.contains(own) ? -p.distance : p.distance;
+      if (d < least.distance)
+        least = {d, part.centre + rotate(part.axes, own - p.distance * p.normal)};
+    }
+    return least;
+  }
+  /// The nearest point that is in no part, by steps to the surface of one after the other.
+  Vec3d to_surface(Vec3d x, double enough) const {
+    for (int n = 0; n < 50; ++n) {
+      const Nearest p = nearest(x);
+      if (p.distance > -enough) break;
+      x = p.point;
+    }
+    return x;
+  }
+
+  std::vector<Part> parts_;
+  Box box_;
+  double volume_ = 0, reach_ = 0;  // [m3], [m]
+};
+
+}  // namespace silt::detail

@@ -1,0 +1,406 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <silt/core/error.hpp>
+#include <silt/core/threads.hpp>
+#include <silt/sph/cluster_lists.hpp>
+#include <silt/sph/columns.hpp>
+#include <silt/sph/pair_sums.hpp>
+#include <silt/sph/policies.hpp>
+#include <silt/sph/setup.hpp>
+#include <silt/sph/solids.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// The inside of an Sph: particles, what is solid, lists, and a step. `Axes` has the policies.
+///
+///   find_rates()   lists, pressures, walls and the sums over pairs, where particles are now
+///   step()         one step by the policy of time integration
+template <class Axes>
+struct SphCore {
+  using Kernel = typename Axes::Kernel;
+  using Viscosity = typename Axes::Viscosity;
+  using Diffusion = typename Axes::Diffusion;
+  using Shift = typename Axes::Shift;
+  using Time = typename Axes::Time;
+  using Walls = typename Axes::Walls;
+  using Pairs = SphPairs<Kernel, Viscosity, Diffusion, Shift, typename Axes::PairScalar>;
+  using Lists = ClusterLists;
+  using Row = SphRow;
+
+  Liquid liquid;
+  SphSetup setup;
+  Viscosity viscosity;
+  Diffusion diffusion;
+  Shift shift;
+  Time scheme;
+  Walls walls;
+  Vec3d gravity = setup.gravity;                   // [m/s2]
+  double least_density = 0.7, most_density = 1.3;  // [-] of the liquid's
+
+  SphSolids solids{};
+  Lists lists{};
+  SphColumns columns{};
+  struct Extremes {
+    double pair = 0, acceleration = 0, speed = 0;  // [m/s], [m/s2], [m/s]
+  } most{};
+  std::uint32_t next_number = 0;
+  std::size_t left = 0, displaced = 0;
+  double time = 0, now = 0, last_step = 0;  // [s] now: of the rates
+  double moved = 0;                         // [m] at most, since the lists were made
+  std::int64_t steps = 0;
+  bool stale = true;   // lists are to be made
+  bool known = false;  // rates are those of now
+  bool made = false;   // solids are in the columns
+
+  void begin() {
+    liquid.check(), setup.check(), viscosity.check(), diffusion.check(), shift.check(),
+        scheme.check();
+    require(Walls::mirrored || !setup.slip,
+            "SphSetup.slip has no effect with DynamicWalls; leave it out, or take MirroredWalls");
+    lists.width = Pairs::W, lists.spacing = setup.spacing, lists.dimensions = setup.dimensions;
+    if (setup.dimensions == 2) solids.plane = setup.region.min.y;
+    const Vec3d e = setup.region.extent();
+    lists.repeats = {
+        setup.region.min,
+        {setup.periodic[0] ? e.x : 0, setup.periodic[1] ? e.y : 0, setup.periodic[2] ? e.z : 0}};
+  }
+  double particle_mass() const { return liquid.density * setup.volume(); }  // [kg]; 2D: [kg/m]
+  /// Solids or liquid have come or gone.
+  void renewed() { stale = true, known = false; }
+  /// Takes out liquid whose centre is where something solid has come: as much as that displaces.
+  template <class Inside>
+  void take_out(const Inside& inside) {
+    for (std::size_t k = 0; k < columns.size(); ++k)
+      if (columns.is_liquid(k) && inside(columns.rows[k].position()))
+        columns.take_out(k), ++displaced;
+    made = false, renewed();
+  }
+  void make_room_for_bodies() {
+    take_out([this](const Vec3d& x) {
+      for (const auto& body : solids.bodies.bodies) {
+        const Vec3d arm = lists.repeats.shortest(x - body.centre);
+        if (dot(arm, arm) < body.reach * body.reach && solids.bodies.holds(body, arm)) return true;
+      }
+      return false;
+    });
+  }
+
+  /// @name What a step goes by
+  /// @{
+  static constexpr double skin_share = 0.2;  // [-] of the spacing: what lists reach farther
+  double skin() const { return skin_share * setup.spacing; }
+  Pairs pairs() const {
+    const double h = setup.h();
+    return Pairs({particle_mass(), h, Kernel::normalisation(setup.dimensions, h),
+                  liquid.sound_speed, liquid.density, gravity},
+                 viscosity, diffusion, lists.extent());
+  }
+  void shorten(const Pairs& pairs, const Team& team) {
+    if constexpr (Pairs::mixed) {
+      make_room(columns.brief, columns.size());
+      team.for_ranges(columns.size(), [&](std::size_t, std::size_t from, std::size_t to) {
+        const auto part = [&](auto& of) { return std::span(of).subspan(from, to - from); };
+        pairs.shorten(part(columns.rows), part(columns.volume), part(columns.brief));
+      });
+    }
+  }
+  double stable_step() const {
+    const double h = setup.h();
+    double dt = h / (liquid.sound_speed + most.pair);
+    if (most.acceleration > 0) dt = std::min(dt, std::sqrt(h / most.acceleration));
+    return std::min(setup.courant * dt, viscosity.longest_step(h));
+  }
+
+  /// The rates where the particles are now, unless they are known.
+  void find_rates(const Team& team) {
+    if (known) return;
+    if (made && solids.have_rows()) place_solids();
+    if (stale || 2 * moved > skin()) renew(team), place_solids();
+    const Pairs pairs = this->pairs();
+    set_pressures(team);
+    if constexpr (Walls::mirrored) set_walls(pairs, team);
+    shorten(pairs, team);
+    constexpr std::size_t W = Pairs::W, per = 16;
+    const std::size_t packs = lists.first_pack(Lists::Wall);
+    std::vector<Extremes> of_parts(pieces(packs, per));
+    team.for_parts(of_parts.size(), [&](std::size_t part) {
+      Extremes& m = of_parts[part];
+      for (std::size_t p = part * per; p < std::min(packs, (part + 1) * per); ++p) {
+        m.pair = std::max(m.pair, pairs.of_liquid(p, columns.rows, columns.volume, lists,
+                                                  columns.rates, columns.brief));
+        for (std::size_t k = p * W; k < (p + 1) * W; ++k) {
+          if (columns.label[k] == Lists::none) continue;
+          Vec3d& a = columns.rates[k].acceleration;
+          a += gravity;
+          m.acceleration = std::max(m.acceleration, norm(a));
+          m.speed = std::max(m.speed, norm(columns.rows[k].velocity()));
+        }
+      }
+    });
+    most = {};
+    for (const Extremes& m : of_parts) {
+      most.pair = std::max(most.pair, m.pair), most.speed = std::max(most.speed, m.speed);
+      most.acceleration = std::max(most.acceleration, m.acceleration);
+    }
+    if constexpr (!Walls::mirrored) find_solid_rates(team);
+    known = true;
+  }
+  void set_pressures(const Team& team) {
+    const double mass = particle_mass();
+    team.for_ranges(columns.size(), [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t k = from; k < to; ++k) {
+        Row& r = columns.rows[k];
+        r.pressure = liquid.pressure(r.density), columns.volume[k] = mass / r.density;
+        if (!Walls::mirrored && columns.kind[k] == Lists::Wall && columns.label[k] != Lists::none)
+          columns.volume[k] *= solids.share(columns.label[k]);
+      }
+    });
+  }
+  /// Walls and bodies to where they are at the time of these rates; what they have moved counts for
+  /// the lists.
+  void place_solids() {
+    const bool move = solids.walls.any_moves();
+    if (move) solids.walls.move_to(now, 0.1 * setup.courant * setup.h() / liquid.sound_speed);
+    moved += solids.move_rows(columns, lists.repeats, move, Walls::mirrored);
+  }
+  /// Density and velocity of walls' particles, from the liquid at their mirror images.
+  void set_walls(const Pairs& pairs, const Team& team) {
+    constexpr std::size_t W = Pairs::W;
+    const std::size_t first = lists.first_pack(Lists::Probe), n = lists.packs() - first;
+    team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t p = first + from; p < first + to; ++p) {
+        std::array<SphSeen, W> seen;
+        pairs.look(p, columns.rows, columns.volume, lists, seen);
+        for (std::size_t l = 0; l < W; ++l) {
+          const std::size_t k = p * W + l;
+          if (columns.label[k] == Lists::none) continue;
+          const std::uint32_t of = columns.label[k];
+          const std::size_t at = solids.wall_row[of];
+          Row& wall = columns.rows[at];
+          const Vec3d away = solids.place(of) - solids.ghost(of);
+          const auto [density, velocity] = seen[l].at(away, liquid, gravity, setup.h());
+          wall.density = density, wall.pressure = liquid.pressure(density);
+          wall.move(at_wall(velocity, solids.velocity(of), away));
+          columns.volume[at] = solids.share(of) * particle_mass() / density;
+        }
+      }
+    });
+  }
+
+  /// The velocity of a wall's particle, `away` from its mirror image: such that on the surface
+  /// between them the liquid goes with the wall, or along it.
+  Vec3d at_wall(const Vec3d& seen, const Vec3d& wall, const Vec3d& away) const {
+    if (setup.slip.value_or(Viscosity::laminar ? Slip::None : Slip::Free) == Slip::None)
+      return 2 * wall - seen;
+    const double across = dot(seen - wall, away) / dot(away, away);
+    return across * across >= 0 ? seen - 2 * across * away : seen;
+  }
+
+  /// What the liquid does to bodies: the opposite of what they do to it, pair by pair.
+  void find_body_loads(const Team& team) {
+    BodyPoints& of = solids.bodies;
+    for (auto& b : of.bodies) b.force = b.torque = {0, 0, 0};
+    if (of.empty()) return;
+    if constexpr (Walls::mirrored) find_solid_rates(team);
+    const std::size_t first = solids.walls.size();
+    for (std::size_t k = first; k < solids.size(); ++k) {
+      auto& body = of.bodies[of.body_of(k - first)];
+      const Vec3d f = solids.force_on(k, columns, particle_mass());
+      Vec3d arm = solids.place(k) - body.centre;
+      if (solids.plane) arm.y = 0;
+      body.force += f, body.torque += cross(arm, f);
+    }
+  }
+  void find_solid_rates(const Team& team) {
+    const Pairs pairs = this->pairs();
+    const std::size_t first = lists.first_pack(Lists::Wall),
+                      n = lists.first_pack(Lists::Probe) - first;
+    team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t p = first + from; p < first + to; ++p)
+        pairs.of_wall(p, columns.rows, columns.volume, lists, columns.rates, columns.brief);
+    });
+  }
+  /// @}
+
+  /// @name Lists
+  /// @{
+  /// Brings the particles into packs, with lists that hold until one has moved half the skin.
+  void renew(const Team& team) {
+    if (solids.walls.fresh() || !made) {
+      if (solids.walls.fresh()) solids.walls.make(setup);
+      solids.put_into(columns, liquid.density, Walls::mirrored), made = true;
+    }
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      if (columns.label[k] == Lists::none) continue;
+      Row& r = columns.rows[k];
+      if (!columns.is_liquid(k)) {
+        r.place(lists.repeats.wrapped(r.position()));
+        continue;
+      }
+      check(r);
+      // In the middle of a step its start goes along.
+      const Vec3d way = lists.repeats.wrapped(r.position()) - r.position();
+      Row& start = columns.start[k];
+      r.place(r.position() + way), start.place(start.position() + way);
+      if (is_out(r.position())) columns.take_out(k), ++left;
+    }
+    columns.arrange(make_order(columns.rows, team), team);
+    make_lists(columns.rows, team, false);
+    moved = 0, stale = false;
+  }
+  const std::vector<std::uint32_t>& make_order(std::span<const Row> rows, const Team& team) {
+    return lists.sort(
+        rows,
+        [this](std::size_t k) {
+          return columns.label[k] == Lists::none ? int{Lists::Gone} : int{columns.kind[k]};
+        },
+        team);
+  }
+  /// The lists of columns that stand in order, as they were at `then`.
+  void make_lists(std::span<const Row> then, const Team& team, bool restored = true) {
+    if (restored) {
+      const auto& order = make_order(then, team);
+      require(order.size() == columns.size(), "Sph: the particles of a state stand in no order");
+      for (std::size_t k = 0; k < order.size(); ++k)
+        require(order[k] == k || columns.label[k] == Lists::none,
+                "Sph: the particles of a state stand in no order");
+      make_room(columns.volume, columns.size());
+      make_room(columns.rates, columns.size());
+    }
+    solids.find_rows(columns, lists.first_pack(Lists::Wall) * Pairs::W);
+    lists.find(then, 2 * setup.h() + skin(), team);
+  }
+  void check(const Row& r) const {
+    const double share = r.density / liquid.density;
+    if (is_finite(r.position()) && is_finite(r.velocity()) && share >= least_density &&
+        share <= most_density)
+      return;
+    throw SimulationError(
+        text("step ", steps, ", t = ", time, " s: the liquid at ", r.position(), " m has density ",
+             r.density, " kg/m3 and velocity ", r.velocity(), " m/s, beyond ", least_density,
+             " to ", most_density, " of ", liquid.density,
+             " kg/m3; take a larger Liquid.sound_speed (at least ten times the largest velocity), "
+             "a smaller spacing or a smaller SphSetup.courant"),
+        steps, {}, r.position());
+  }
+  bool is_out(const Vec3d& x) const {
+    // What walls at its sides press into them is not out.
+    const Box b = setup.region.grown(setup.spacing);
+    return x.x < b.min.x || x.x > b.max.x || x.z < b.min.z || x.z > b.max.z ||
+           (setup.dimensions == 3 && (x.y < b.min.y || x.y > b.max.y));
+  }
+
+  /// @}
+
+  /// @name A step
+  /// @{
+  void step(double dt, const Team& team) {
+    find_rates(team);
+    if constexpr (Time::two_stages)
+      symplectic(dt, team);
+    else
+      verlet(dt, team);
+    time += dt, now = time, ++steps, last_step = dt, known = false;
+  }
+  template <class Update>
+  void for_liquid(const Team& team, const Update& update) {
+    const std::size_t n = lists.first_pack(Lists::Wall) * Pairs::W;
+    team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t k = from; k < to; ++k)
+        if (columns.label[k] != Lists::none)
+          update(k, columns.rows[k], columns.start[k], columns.rates[k]);
+    });
+  }
+  /// The densities of walls and bodies that have their own.
+  template <class Update>
+  void for_walls(const Team& team, const Update& update) {
+    if constexpr (!Walls::mirrored) {
+      const std::size_t first = lists.first_pack(Lists::Wall) * Pairs::W,
+                        n = lists.first_pack(Lists::Probe) * Pairs::W - first;
+      team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
+        for (std::size_t k = first + from; k < first + to; ++k) {
+          if (columns.label[k] == Lists::none) continue;
+          Row& r = columns.rows[k];
+          update(r, columns.start[k], columns.rates[k].density);
+          r.density = std::max(r.density, liquid.density);
+        }
+      });
+    }
+  }
+  void symplectic(double dt, const Team& team) {
+    for_liquid(team, [&](std::size_t, Row& r, Row& start, const SphRates& rate) {
+      start = r;
+      r.place(r.position() + 0.5 * dt * r.velocity());
+      r.move(r.velocity() + 0.5 * dt * rate.acceleration);
+      r.density += 0.5 * dt * rate.density;
+    });
+    for_walls(team, [&](Row& r, Row& start, double rate) {
+      start.density = r.density, r.density += 0.5 * dt * rate;
+    });
+    moved += 0.5 * dt * most.speed;
+    now = time + 0.5 * dt, known = false;
+    solids.bodies.move(0.5 * dt);
+    find_rates(team), find_body_loads(team);
+    for_liquid(team, [&](std::size_t, Row& r, const Row& start, const SphRates& rate) {
+      const Vec3d v = start.velocity() + dt * rate.acceleration;
+      const double eps = -dt * rate.density / r.density;
+      r.place(start.position() + 0.5 * dt * (start.velocity() + v) + shift_of(rate, norm(v), dt));
+      r.move(v), r.density = start.density * (2 - eps) / (2 + eps);
+    });
+    for_walls(team, [&](Row& r, const Row& start, double rate) {
+      const double eps = -dt * rate / r.density;
+      r.density = start.density * (2 - eps) / (2 + eps);
+    });
+    solids.bodies.move(0.5 * dt);
+    moved += 0.5 * dt * (most.speed + 2 * dt * most.acceleration) + most_shift(dt);
+  }
+  void verlet(double dt, const Team& team) {
+    const bool restart = steps % scheme.restart == 0;
+    find_body_loads(team);
+    const double span = restart ? dt : dt + last_step;
+    for_liquid(team, [&](std::size_t, Row& r, Row& start, const SphRates& rate) {
+      const Row from = restart ? r : start;
+      start = r;
+      const Vec3d v = r.velocity(), &a = rate.acceleration;
+      r.place(r.position() + dt * v + 0.5 * dt * dt * a + shift_of(rate, norm(v), dt));
+      r.move(from.velocity() + span * a), r.density = from.density + span * rate.density;
+    });
+    for_walls(team, [&](Row& r, Row& start, double rate) {
+      const double from = restart ? r.density : start.density;
+      start.density = r.density, r.density = from + span * rate;
+    });
+    solids.bodies.move(dt);
+    moved += dt * (most.speed + 0.5 * dt * most.acceleration) + most_shift(dt);
+  }
+  Vec3d shift_of([[maybe_unused]] const SphRates& rate, [[maybe_unused]] double speed,
+                 [[maybe_unused]] double dt) const {
+    if constexpr (Shift::shifts) {
+      const double full = setup.dimensions, none = shift.threshold_in(setup.dimensions);
+      const double share = std::clamp((rate.divergence - none) / (full - none), 0.0, 1.0);
+      const Vec3d way = (-shift.strength * setup.h() * speed * dt * share) * rate.slope;
+      const double length = norm(way), longest = longest_shift * setup.spacing;
+      return length > longest ? (longest / length) * way : way;
+    }
+    return {0, 0, 0};
+  }
+  static constexpr double longest_shift = 0.05;  // [-] of the spacing, in a step
+  double most_shift(double dt) const {           // [m] of any; h grad C is below 1
+    if constexpr (Shift::shifts)
+      return std::min(longest_shift * setup.spacing,
+                      shift.strength * (most.speed + dt * most.acceleration) * dt);
+    return 0;
+  }
+
+  /// @}
+};
+
+}  // namespace silt::detail
