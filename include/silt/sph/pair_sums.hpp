@@ -80,6 +80,7 @@ class SphPairs {
     }
     const double h = c.h / length_, sound = c.sound / speed_;
     const double mass = c.mass / (density_ * volume_);
+    own_rest_ = Scalar(rest_ / density_), over_mass_ = Scalar(1 / mass);
     weight_ = c.normalisation, h_ = c.h, over_h_ = Scalar(1 / h);
     small_ = Scalar(sph_softening<Viscosity>() * h * h);
     slope_ = volume_ * c.normalisation / (c.h * c.h);
@@ -166,7 +167,7 @@ class SphPairs {
       take(brief.data() + pack * W);
     else
       take(rows.data() + pack * W);
-    const Real density = load<Real>(of[3]), rest(Scalar(rest_ / density_));
+    const Real density = load<Real>(of[3]), rest(own_rest_);
     return {{load_place(at[0]), load_place(at[1]), load_place(at[2])},
             load3<Real>(of[0], of[1], of[2]),
             density,
@@ -278,6 +279,9 @@ class SphPairs {
                         Sums& sum) const {
     const auto& [dx, dy, dz, r2, f] = way;
     const Real Vf = Real(volume) * f;
+    // m f/m: what is solid may stand for less than a particle's volume.
+    [[maybe_unused]] Real mf = f;
+    if constexpr (!liquid) mf = Real((b.density + own_rest_) * volume * over_mass_) * f;
     const Real ux = a.v.x - Real(b.vx), uy = a.v.y - Real(b.vy), uz = a.v.z - Real(b.vz);
     const Real along = ux * dx + uy * dy + uz * dz;
     sum.spread = multiply_add(Vf, along, sum.spread);
@@ -288,13 +292,14 @@ class SphPairs {
     // The acceleration over -slope_/rho_a
     Real k = both * Vf;
     const Real approach = along * over;
-    if constexpr (Viscosity::artificial) k = multiply_add(a.damping, f * min(approach, Real(0)), k);
+    if constexpr (Viscosity::artificial)
+      k = multiply_add(a.damping, mf * min(approach, Real(0)), k);
     sum.push.x = multiply_add(k, dx, sum.push.x);
     sum.push.y = multiply_add(k, dy, sum.push.y);
     sum.push.z = multiply_add(k, dz, sum.push.z);
     sum.fastest = max(sum.fastest, abs(approach * both_rho));
     if constexpr (Viscosity::laminar) {
-      const Real drag = a.drag * (r2 * over * f);
+      const Real drag = a.drag * (r2 * over * mf);
       sum.push.x = multiply_add(drag, ux, sum.push.x);
       sum.push.y = multiply_add(drag, uy, sum.push.y);
       sum.push.z = multiply_add(drag, uz, sum.push.z);
@@ -381,6 +386,7 @@ class SphPairs {
   Vec3d middle_{0, 0, 0};
   double h_ = 0, weight_ = 0, slope_ = 0, delta_ = 0;
   Scalar over_h_ = 0, small_ = 0, damping_ = 0, drag_ = 0;
+  Scalar own_rest_ = 0, over_mass_ = 0;  // rest_ and the reciprocal of a mass, in units
   Vec3<Scalar> hydrostatic_{0, 0, 0};
 };
 
