@@ -38,7 +38,7 @@ sources() {
 if [ ! -x "$out/lmp" ]; then
   sources lammps
   cmake -S "$out/src_lammps/cmake" -B "$out/src_lammps/build" -G Ninja -DCMAKE_BUILD_TYPE=Release \
-    -DCMAKE_CXX_FLAGS_RELEASE="$lammps_flags" -DPKG_GRANULAR=on -DBUILD_MPI=on -DBUILD_OMP=off \
+    -DCMAKE_CXX_FLAGS_RELEASE="$lammps_flags" -DPKG_GRANULAR=on -DPKG_SPH=on -DBUILD_MPI=on -DBUILD_OMP=off \
     -DWITH_JPEG=off -DWITH_PNG=off -DWITH_GZIP=off -DWITH_FFMPEG=off
   cmake --build "$out/src_lammps/build" --target lmp
   cp "$out/src_lammps/build/lmp" "$out/lmp"

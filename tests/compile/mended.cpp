@@ -3,6 +3,7 @@
 // mistake that the others are refused for.
 #define SILT_MENDED
 #include <silt/fluid.hpp>
+#include <silt/sph.hpp>
 
 #include "refused/scene.hpp"
 
@@ -161,4 +162,7 @@ namespace const_observer {
 }
 namespace strength_of_other_unit {
 #include "refused/strength_of_other_unit.cpp"
+}
+namespace sph_twice {
+#include "refused/sph_twice.cpp"
 }

@@ -102,7 +102,7 @@ requires(!detail::make_a_simulation<Policies...>) class Simulation<Policies...> 
   static_assert(has_one_rotation, "Simulation takes one rotation (silt/motion/rotation.hpp)");
   static_assert(
       has_one_precision,
-      "Simulation takes one precision: Double or Mixed (silt/engine/state/precision.hpp)");
+      "Simulation takes one precision: Double or Mixed (silt/core/precision.hpp)");
   static_assert(has_one_of_the_rest,
                 "Simulation takes one KernelsFor, one EnergyLedger and one ContactEvents");
   static_assert((detail::FitsIfModule<

@@ -127,6 +127,8 @@ class ClusterLists {
   /// The liquid and the walls that a pack may meet.
   std::span<const Entry> liquid(std::size_t pack) const { return of(pack, 0); }
   std::span<const Entry> walls(std::size_t pack) const { return of(pack, 1); }
+  /// Where particles were when they were sorted.
+  const Box& extent() const { return extent_; }
   /// Where [m] a row was when the lists were made.
   Vec3d built(std::size_t row) const { return {x_[row], y_[row], z_[row]}; }
   Vec3d shift(std::uint32_t image) const {
@@ -173,6 +175,7 @@ class ClusterLists {
     for (std::size_t k = 0; k < rows.size(); ++k)
       if (kind(k) != Gone) all.include(rows[k].position());
     if (!is_finite(all.min)) all = {{0, 0, 0}, {0, 0, 0}};
+    extent_ = all;
     const double w = spacing * (dimensions == 2 ? std::sqrt(static_cast<double>(width))
                                                 : std::cbrt(static_cast<double>(width)));
     for (int d = 0; d < 2; ++d) {
@@ -304,6 +307,7 @@ class ClusterLists {
   static std::size_t at(int d) { return static_cast<std::size_t>(d); }
 
   std::array<Group, kinds> groups_;
+  Box extent_{{0, 0, 0}, {0, 0, 0}};
   std::vector<std::size_t> column_;
   std::array<double, 2> low_{}, size_{};
   std::array<int, 2> columns_{};

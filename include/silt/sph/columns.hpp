@@ -24,6 +24,7 @@ struct SphColumns {
   // With UnresolvedGrains, else empty: the part [-] of the space around a particle that is liquid,
   // the part of a particle's mass that it has, and how full its kernel is (div r over dimensions).
   AlignedVector<double> voidage, share, fullness;
+  AlignedVector<SphBrief> brief;  // of mixed precision
 
   std::size_t size() const { return rows.size(); }
   bool is_liquid(std::size_t k) const {
@@ -52,7 +53,7 @@ struct SphColumns {
     return (rows.capacity() + start.capacity()) * sizeof(SphRow) + kind.capacity() +
            label.capacity() * sizeof(std::uint32_t) +
            (volume.capacity() + 3 * voidage.capacity()) * sizeof(double) +
-           rates.capacity() * sizeof(SphRates);
+           rates.capacity() * sizeof(SphRates) + brief.capacity() * sizeof(SphBrief);
   }
 
  private:

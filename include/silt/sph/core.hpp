@@ -37,7 +37,8 @@ struct SphCore {
   using Grains = typename Axes::Grains;
   // Unresolved grains ask how full kernels are, as shifting does.
   using Pairs =
-      SphPairs<Kernel, Viscosity, Diffusion, std::conditional_t<Grains::averaged, Shifting, Shift>>;
+      SphPairs<Kernel, Viscosity, Diffusion, std::conditional_t<Grains::averaged, Shifting, Shift>,
+               typename Axes::PairScalar>;
   using Lists = ClusterLists;
   using Row = SphRow;
 
@@ -143,7 +144,16 @@ struct SphCore {
     const double h = setup.h();
     return Pairs({particle_mass(), h, Kernel::normalisation(setup.dimensions, h),
                   liquid.sound_speed, liquid.density, gravity},
-                 viscosity, diffusion);
+                 viscosity, diffusion, lists.extent());
+  }
+  void shorten(const Pairs& pairs, const Team& team) {
+    if constexpr (Pairs::mixed) {
+      make_room(columns.brief, columns.size());
+      team.for_ranges(columns.size(), [&](std::size_t, std::size_t from, std::size_t to) {
+        const auto part = [&](auto& of) { return std::span(of).subspan(from, to - from); };
+        pairs.shorten(part(columns.rows), part(columns.volume), part(columns.brief));
+      });
+    }
   }
   double stable_step() const {
     const double h = setup.h();
@@ -163,14 +173,15 @@ struct SphCore {
                                   setup.h(), team);
     set_pressures(team);
     if constexpr (Walls::mirrored) set_walls(pairs, team);
+    shorten(pairs, team);
     constexpr std::size_t W = Pairs::W, per = 16;
     const std::size_t packs = lists.first_pack(Lists::Wall);
     std::vector<Extremes> of_parts(pieces(packs, per));
     team.for_parts(of_parts.size(), [&](std::size_t part) {
       Extremes& m = of_parts[part];
       for (std::size_t p = part * per; p < std::min(packs, (part + 1) * per); ++p) {
-        m.pair = std::max(m.pair,
-                          pairs.of_liquid(p, columns.rows, columns.volume, lists, columns.rates));
+        m.pair = std::max(m.pair, pairs.of_liquid(p, columns.rows, columns.volume, lists,
+                                                  columns.rates, columns.brief));
         for (std::size_t k = p * W; k < (p + 1) * W; ++k) {
           if (columns.label[k] == Lists::none) continue;
           Vec3d& a = columns.rates[k].acceleration;
@@ -268,7 +279,7 @@ struct SphCore {
                       n = lists.first_pack(Lists::Probe) - first;
     team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
       for (std::size_t p = first + from; p < first + to; ++p)
-        pairs.of_wall(p, columns.rows, columns.volume, lists, columns.rates);
+        pairs.of_wall(p, columns.rows, columns.volume, lists, columns.rates, columns.brief);
     });
   }
   /// @}

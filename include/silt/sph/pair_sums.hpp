@@ -1,11 +1,15 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <span>
+#include <type_traits>
 
+#include <silt/core/box.hpp>
 #include <silt/core/lanes.hpp>
 #include <silt/sph/cluster_lists.hpp>
 #include <silt/sph/row.hpp>
@@ -28,6 +32,22 @@ struct SphConstants {
   Vec3d gravity;                  // [m/s2]
 };
 
+/// [-] of h^2, beside r^2 in the terms of viscosity and diffusion: 0.01, or what a viscosity has.
+template <class Viscosity>
+constexpr double sph_softening() {
+  if constexpr (requires { Viscosity::softening; })
+    return Viscosity::softening;
+  else
+    return 0.01;
+}
+
+/// Particles a pack: one a lane. Of floats no more than 8, as lists of larger packs hold more that
+/// is beyond the support than wider lanes gain.
+template <class Scalar, class Arch>
+constexpr std::size_t sph_width() {
+  return std::min(Lanes<Arch, Scalar>::width, std::size_t{8});
+}
+
 /// The sums over pairs of an SPH liquid (Sph says which), of a pack of particles at a time:
 ///
 ///   d rho_a/dt = rho_a sum V_b v_ab.grad W + D_a
@@ -37,68 +57,304 @@ struct SphConstants {
 /// drawn into a wall otherwise, as its density is known badly.
 /// Each pair is computed from both of its ends, by terms that are odd in them: momentum is kept to
 /// rounding, and threads share nothing.
-template <class Kernel, class Viscosity, class Diffusion, class Shifting, class Arch = DefaultArch>
+///
+/// `Scalar` = float: pairs in float, of rows that shorten() has made (SphBrief): places are whole
+/// numbers, so that ways are exact; velocities, densities and pressures are in units of c and
+/// rho_0. Sums of `chunk` pairs are floats, their sums doubles.
+template <class Kernel, class Viscosity, class Diffusion, class Shifting, class Scalar = double,
+          class Arch = DefaultArch>
 class SphPairs {
  public:
-  using Real = typename Lanes<Arch, double>::Real;
-  static constexpr std::size_t W = Lanes<Arch, double>::width;
+  static constexpr bool mixed = std::is_same_v<Scalar, float>;
+  static constexpr std::size_t W = sph_width<Scalar, Arch>();
+  using Real = typename PackOf<W, Scalar>::type;
 
-  SphPairs(const SphConstants& c, const Viscosity& viscosity, const Diffusion& diffusion)
-      : constants_(c) {
-    slope_ = c.normalisation / (c.h * c.h), over_h_ = 1 / c.h, small_ = 0.01 * c.h * c.h;
-    if constexpr (Viscosity::artificial) alpha_ = viscosity.alpha * c.sound * c.h;
-    if constexpr (Viscosity::laminar) twice_nu_ = 2 * viscosity.kinematic;
-    if constexpr (Diffusion::diffuses) delta_ = 2 * diffusion.delta * c.h * c.sound;
-    hydrostatic_ = (-c.density / (c.sound * c.sound)) * c.gravity;
+  /// `extent` has all particles that there are.
+  SphPairs(const SphConstants& c, const Viscosity& viscosity, const Diffusion& diffusion,
+           const Box& extent = {}) {
+    if constexpr (mixed) {
+      const Vec3d e = extent.extent();
+      length_ = (std::max({e.x, e.y, e.z}) + 16 * c.h) / SphBrief::most;
+      middle_ = 0.5 * (extent.min + extent.max);
+      speed_ = c.sound, density_ = rest_ = c.density, volume_ = c.mass / c.density;
+    }
+    const double h = c.h / length_, sound = c.sound / speed_;
+    const double mass = c.mass / (density_ * volume_);
+    own_rest_ = Scalar(rest_ / density_), over_mass_ = Scalar(1 / mass);
+    weight_ = c.normalisation, h_ = c.h, over_h_ = Scalar(1 / h);
+    small_ = Scalar(sph_softening<Viscosity>() * h * h);
+    slope_ = volume_ * c.normalisation / (c.h * c.h);
+    if constexpr (Viscosity::artificial) damping_ = Scalar(-2 * viscosity.alpha * mass * sound * h);
+    if constexpr (Viscosity::laminar)
+      drag_ = Scalar(-4 * viscosity.kinematic / (length_ * speed_) * mass);
+    if constexpr (Diffusion::diffuses) delta_ = 2 * diffusion.delta * c.h * c.sound * density_;
+    const double still = -c.density / (c.sound * c.sound) * length_ / density_;
+    const Vec3d& g = c.gravity;
+    hydrostatic_ = {Scalar(still * g.x), Scalar(still * g.y), Scalar(still * g.z)};
+  }
+
+  /// Of mixed precision: what pairs see of the particles, for the functions that follow.
+  void shorten(std::span<const SphRow> rows, std::span<const double> volume,
+               std::span<SphBrief> out) const {
+    const double place = 1 / length_, speed = 1 / speed_, density = 1 / density_,
+                 pressure = 1 / (density_ * speed_ * speed_), room = 1 / volume_;
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      const SphRow& r = rows[k];
+      const Vec3d at = place * (r.position() - middle_);
+      const auto whole = [](double x) { return static_cast<std::int32_t>(std::nearbyint(x)); };
+      const double V = room * volume[k];
+      SphBrief& b = out[k];
+      if (r.is_there())
+        b.x = whole(at.x), b.y = whole(at.y), b.z = whole(at.z);
+      else
+        b.x = b.y = b.z = SphBrief::most;
+      b.vx = Scalar(speed * r.vx), b.vy = Scalar(speed * r.vy), b.vz = Scalar(speed * r.vz);
+      b.density = Scalar(density * (r.density - rest_)), b.pressure = Scalar(pressure * r.pressure);
+      b.volume = Scalar(V);
+    }
   }
 
   /// Sets the rates of a pack; returns the largest |h v.r/(r^2 + (0.1 h)^2)| [m/s].
   double of_liquid(std::size_t pack, std::span<const SphRow> rows, std::span<const double> volume,
-                   const ClusterLists& lists, std::span<SphRates> out) const {
-    const Own own(rows.data() + pack * W);
-    Sums sums;
-    add<true>(own, rows, volume, lists, lists.liquid(pack), sums);
-    add<false>(own, rows, volume, lists, lists.walls(pack), sums);
-    return put(own, sums, out.data() + pack * W);
+                   const ClusterLists& lists, std::span<SphRates> out,
+                   std::span<const SphBrief> brief = {}) const {
+    const Own own = own_of(pack, rows, brief);
+    Totals totals;
+    add<true>(own, rows, volume, brief, lists, lists.liquid(pack), totals);
+    add<false>(own, rows, volume, brief, lists, lists.walls(pack), totals);
+    return put(rows.data() + pack * W, totals, out.data() + pack * W);
   }
   /// The same of particles of walls, which feel the liquid alone.
   double of_wall(std::size_t pack, std::span<const SphRow> rows, std::span<const double> volume,
-                 const ClusterLists& lists, std::span<SphRates> out) const {
-    const Own own(rows.data() + pack * W);
-    Sums sums;
-    add<false>(own, rows, volume, lists, lists.liquid(pack), sums);
-    return put(own, sums, out.data() + pack * W);
+                 const ClusterLists& lists, std::span<SphRates> out,
+                 std::span<const SphBrief> brief = {}) const {
+    const Own own = own_of(pack, rows, brief);
+    Totals totals;
+    add<false>(own, rows, volume, brief, lists, lists.liquid(pack), totals);
+    return put(rows.data() + pack * W, totals, out.data() + pack * W);
   }
 
-  /// What each probe of a pack sees.
+  /// What each probe of a pack sees, in double.
   void look(std::size_t pack, std::span<const SphRow> rows, std::span<const double> volume,
             const ClusterLists& lists, std::span<SphSeen> out) const {
-    const Own own(rows.data() + pack * W);
-    const Real zero(0);
-    Real n = zero, rho = zero, xx = zero, xy = zero, xz = zero, yy = zero, yz = zero, zz = zero;
-    Vec3<Real> way{zero, zero, zero}, rho_way = way, flow = way;
-    for (const auto entry : lists.liquid(pack)) {
+    for (std::size_t l = 0; l < W; l += probes)
+      look(rows.data() + pack * W + l, rows, volume, lists, lists.liquid(pack), out.data() + l);
+  }
+
+ private:
+  static constexpr std::size_t chunk = 128, sums = 9;
+  using Place = std::conditional_t<
+      mixed, typename PackOf<W, std::conditional_t<mixed, std::int32_t, double>>::type, Real>;
+
+  struct Own {
+    Vec3<Place> x;
+    Vec3<Real> v;
+    Real density, twice, pressure, damping, drag;  // twice: with the other's density, their sum
+  };
+  Own own_of(std::size_t pack, std::span<const SphRow> rows,
+             std::span<const SphBrief> brief) const {
+    using Whole = std::conditional_t<mixed, std::int32_t, double>;
+    alignas(64) Whole at[3][W];
+    alignas(64) Scalar of[5][W];
+    const auto take = [&](const auto* r) {
+      for (std::size_t l = 0; l < W; ++l) {
+        at[0][l] = r[l].x, at[1][l] = r[l].y, at[2][l] = r[l].z;
+        of[0][l] = r[l].vx, of[1][l] = r[l].vy, of[2][l] = r[l].vz;
+        of[3][l] = r[l].density, of[4][l] = r[l].pressure;
+      }
+    };
+    if constexpr (mixed)
+      take(brief.data() + pack * W);
+    else
+      take(rows.data() + pack * W);
+    const Real density = load<Real>(of[3]), rest(own_rest_);
+    return {{load_place(at[0]), load_place(at[1]), load_place(at[2])},
+            load3<Real>(of[0], of[1], of[2]),
+            density,
+            density + rest + rest,
+            load<Real>(of[4]),
+            Real(damping_) * (density + rest),
+            Real(drag_) * (density + rest)};
+  }
+  template <class Whole>
+  static Place load_place(const Whole* from) {
+    if constexpr (W == 1)
+      return *from;
+    else
+      return Place::load_aligned(from);
+  }
+  template <class Whole>
+  static SILT_INLINE Real apart(const Place& a, Whole b) {
+    if constexpr (!mixed)
+      return a - Real(b);
+    else if constexpr (W == 1)
+      return static_cast<float>(a - b);
+    else
+      return xsimd::to_float(a - Place(b));
+  }
+  struct Sums {
+    Vec3<Real> push{Real(0), Real(0), Real(0)}, slope{Real(0), Real(0), Real(0)};
+    Real spread = Real(0), diffusion = Real(0), divergence = Real(0), fastest = Real(0);
+  };
+  struct alignas(64) Totals {
+    double of[sums][W] = {};
+    double fastest = 0;
+    void add(const Sums& s) {
+      const Real all[sums] = {s.push.x,  s.push.y,  s.push.z,  s.spread,    s.diffusion,
+                              s.slope.x, s.slope.y, s.slope.z, s.divergence};
+      alignas(64) Scalar values[W];
+      for (std::size_t k = 0; k < sums; ++k) {
+        store(values, all[k]);
+        for (std::size_t l = 0; l < W; ++l) of[k][l] += double{values[l]};
+      }
+      store(values, s.fastest);
+      for (std::size_t l = 0; l < W; ++l) fastest = std::max(fastest, double{values[l]});
+    }
+  };
+
+  template <bool liquid>
+  SILT_INLINE void add(const Own& a, std::span<const SphRow> rows, std::span<const double> volume,
+                       std::span<const SphBrief> brief, const ClusterLists& lists,
+                       std::span<const ClusterLists::Entry> entries, Totals& totals) const {
+    if constexpr (mixed) {
+      for (std::size_t k = 0; k < entries.size(); k += chunk)
+        add_some<liquid>(
+            a, brief, lists, entries.subspan(k, std::min(chunk, entries.size() - k)),
+            [&](std::size_t row) { return brief[row].volume; }, totals);
+    } else if (!entries.empty()) {
+      add_some<liquid>(
+          a, rows, lists, entries, [&](std::size_t row) { return volume[row]; }, totals);
+    }
+  }
+  template <bool liquid, class Other, class Volume>
+  SILT_INLINE void add_some(const Own& a, std::span<const Other> others, const ClusterLists& lists,
+                            std::span<const ClusterLists::Entry> entries, const Volume& volume,
+                            Totals& totals) const {
+    Sums part;
+    Other moved[2];
+    const Other* b = placed(others, lists, entries[0], moved[0]);
+    Way next;
+    find_way(a, *b, next);  // one pair ahead, as all else waits for its root
+    for (std::size_t k = 0, n = entries.size(); k < n; ++k) {
+      const Way now{next.x, next.y, next.z, next.square, next.f};
+      const Other* const one = b;
+      b = placed(others, lists, entries[std::min(k + 1, n - 1)], moved[(k + 1) % 2]);
+      find_way(a, *b, next);
+      pair<liquid>(a, now, *one, volume(entries[k].row()), part);
+    }
+    totals.add(part);
+  }
+  SILT_INLINE const SphRow* placed(std::span<const SphRow> rows, const ClusterLists& lists,
+                                   const ClusterLists::Entry& entry, SphRow& moved) const {
+    const SphRow* const row = &rows[entry.row()];
+    if (entry.image() == ClusterLists::here) return row;
+    moved = *row, moved.place(row->position() + lists.shift(entry.image()));
+    return &moved;
+  }
+  SILT_INLINE const SphBrief* placed(std::span<const SphBrief> brief, const ClusterLists& lists,
+                                     const ClusterLists::Entry& entry, SphBrief& moved) const {
+    const SphBrief* const row = &brief[entry.row()];
+    if (entry.image() == ClusterLists::here) return row;
+    const Vec3d way = (1 / length_) * lists.shift(entry.image());
+    const auto whole = [](double x) { return static_cast<std::int32_t>(std::nearbyint(x)); };
+    moved = *row;
+    moved.x += whole(way.x), moved.y += whole(way.y), moved.z += whole(way.z);
+    return &moved;
+  }
+  /// From one particle to those of a pack; grad W = slope_ f r.
+  struct Way {
+    Real x, y, z, square, f;
+  };
+  /// Fields one by one: compilers copy a structure of packs in pieces of another size, and such
+  /// loads wait for all stores.
+  template <class Other>
+  SILT_INLINE void find_way(const Own& a, const Other& b, Way& to) const {
+    const Real x = apart(a.x.x, b.x), y = apart(a.x.y, b.y), z = apart(a.x.z, b.z);
+    const Real square = x * x + y * y + z * z;
+    to.x = x, to.y = y, to.z = z, to.square = square;
+    to.f = Kernel::slope(Real(sqrt(square) * Real(over_h_)));
+  }
+  template <bool liquid, class Other>
+  SILT_INLINE void pair(const Own& a, const Way& way, const Other& b, const Scalar& volume,
+                        Sums& sum) const {
+    const auto& [dx, dy, dz, r2, f] = way;
+    const Real Vf = Real(volume) * f;
+    // m f/m: what is solid may stand for less than a particle's volume.
+    [[maybe_unused]] Real mf = f;
+    if constexpr (!liquid) mf = Real((b.density + own_rest_) * volume * over_mass_) * f;
+    const Real ux = a.v.x - Real(b.vx), uy = a.v.y - Real(b.vy), uz = a.v.z - Real(b.vz);
+    const Real along = ux * dx + uy * dy + uz * dz;
+    sum.spread = multiply_add(Vf, along, sum.spread);
+    const Real wide = r2 + Real(small_), both_rho = a.twice + Real(b.density);
+    const Real over = Real(1) / (wide * both_rho);
+    Real both = a.pressure + Real(b.pressure);
+    if constexpr (!liquid) both = max(both, Real(0));
+    // The acceleration over -slope_/rho_a
+    Real k = both * Vf;
+    const Real approach = along * over;
+    if constexpr (Viscosity::artificial)
+      k = multiply_add(a.damping, mf * min(approach, Real(0)), k);
+    sum.push.x = multiply_add(k, dx, sum.push.x);
+    sum.push.y = multiply_add(k, dy, sum.push.y);
+    sum.push.z = multiply_add(k, dz, sum.push.z);
+    sum.fastest = max(sum.fastest, abs(approach * both_rho));
+    if constexpr (Viscosity::laminar) {
+      const Real drag = a.drag * (r2 * over * mf);
+      sum.push.x = multiply_add(drag, ux, sum.push.x);
+      sum.push.y = multiply_add(drag, uy, sum.push.y);
+      sum.push.z = multiply_add(drag, uz, sum.push.z);
+    }
+    if constexpr (Diffusion::diffuses && liquid) {
+      Real difference = a.density - Real(b.density);
+      if constexpr (Diffusion::hydrostatic)
+        difference +=
+            dx * Real(hydrostatic_.x) + dy * Real(hydrostatic_.y) + dz * Real(hydrostatic_.z);
+      sum.diffusion = multiply_add(difference * r2 * both_rho, over * Vf, sum.diffusion);
+    }
+    if constexpr (Shifting::shifts) {
+      sum.slope.x = multiply_add(Vf, dx, sum.slope.x);
+      sum.slope.y = multiply_add(Vf, dy, sum.slope.y);
+      sum.slope.z = multiply_add(Vf, dz, sum.slope.z);
+      sum.divergence = multiply_add(Vf, r2, sum.divergence);
+    }
+  }
+
+  static constexpr std::size_t probes = std::min(W, Lanes<Arch>::width);
+  using Probes = typename PackOf<probes>::type;
+  void look(const SphRow* own, std::span<const SphRow> rows, std::span<const double> volume,
+            const ClusterLists& lists, std::span<const ClusterLists::Entry> entries,
+            SphSeen* out) const {
+    alignas(64) double place[3][probes];
+    for (std::size_t l = 0; l < probes; ++l)
+      place[0][l] = own[l].x, place[1][l] = own[l].y, place[2][l] = own[l].z;
+    const auto here = load3<Probes>(place[0], place[1], place[2]);
+    const Probes zero(0);
+    Probes n = zero, rho = zero, xx = zero, xy = zero, xz = zero, yy = zero, yz = zero, zz = zero;
+    Vec3<Probes> way{zero, zero, zero}, rho_way = way, flow = way;
+    for (const auto entry : entries) {
       const SphRow& b = rows[entry.row()];
       Vec3d at{b.x, b.y, b.z};
       if (entry.image() != ClusterLists::here) at += lists.shift(entry.image());
-      const Real dx = Real(at.x) - own.x.x, dy = Real(at.y) - own.x.y, dz = Real(at.z) - own.x.z;
-      const Real r2 = dx * dx + dy * dy + dz * dz;
-      const Real w = Real(volume[entry.row()] * constants_.normalisation) *
-                     Kernel::weight(sqrt(r2) * Real(over_h_));
-      const Real wx = w * dx, wy = w * dy, wz = w * dz, d(b.density);
+      const Probes dx = Probes(at.x) - here.x, dy = Probes(at.y) - here.y,
+                   dz = Probes(at.z) - here.z;
+      const Probes r2 = dx * dx + dy * dy + dz * dz;
+      const Probes w =
+          Probes(volume[entry.row()] * weight_) * Kernel::weight(sqrt(r2) * Probes(1 / h_));
+      const Probes wx = w * dx, wy = w * dy, wz = w * dz, d(b.density);
       n += w, way.x += wx, way.y += wy, way.z += wz;
       rho = multiply_add(w, d, rho), rho_way.x = multiply_add(wx, d, rho_way.x);
       rho_way.y = multiply_add(wy, d, rho_way.y), rho_way.z = multiply_add(wz, d, rho_way.z);
       xx = multiply_add(wx, dx, xx), xy = multiply_add(wx, dy, xy), xz = multiply_add(wx, dz, xz);
       yy = multiply_add(wy, dy, yy), yz = multiply_add(wy, dz, yz), zz = multiply_add(wz, dz, zz);
-      flow.x = multiply_add(w, Real(b.vx), flow.x), flow.y = multiply_add(w, Real(b.vy), flow.y);
-      flow.z = multiply_add(w, Real(b.vz), flow.z);
+      flow.x = multiply_add(w, Probes(b.vx), flow.x),
+      flow.y = multiply_add(w, Probes(b.vy), flow.y);
+      flow.z = multiply_add(w, Probes(b.vz), flow.z);
     }
-    alignas(64) double of[17][W];
-    const Real all[17] = {n,  rho, way.x, way.y, way.z, rho_way.x, rho_way.y, rho_way.z, xx,
-                          xy, xz,  yy,    yz,    zz,    flow.x,    flow.y,    flow.z};
+    alignas(64) double of[17][probes];
+    const Probes all[17] = {n,  rho, way.x, way.y, way.z, rho_way.x, rho_way.y, rho_way.z, xx,
+                            xy, xz,  yy,    yz,    zz,    flow.x,    flow.y,    flow.z};
     for (int c = 0; c < 17; ++c) store(of[c], all[c]);
-    for (std::size_t l = 0; l < W; ++l)
+    for (std::size_t l = 0; l < probes; ++l)
       out[l] = {of[0][l],
                 of[1][l],
                 {of[2][l], of[3][l], of[4][l]},
@@ -112,101 +368,26 @@ class SphPairs {
                 of[13][l]};
   }
 
- private:
-  struct Own {
-    Vec3<Real> x, v;
-    Real density, pressure, over_density;
-    explicit Own(const SphRow* rows) {
-      alignas(64) double of[8][W];
-      for (std::size_t l = 0; l < W; ++l) {
-        const SphRow& r = rows[l];
-        const double values[8] = {r.x, r.y, r.z, r.vx, r.vy, r.vz, r.density, r.pressure};
-        for (int c = 0; c < 8; ++c) of[c][l] = values[c];
-      }
-      x = load3<Real>(of[0], of[1], of[2]), v = load3<Real>(of[3], of[4], of[5]);
-      density = load<Real>(of[6]), pressure = load<Real>(of[7]);
-      over_density = Real(1) / density;
+  double put(const SphRow* rows, const Totals& t, SphRates* out) const {
+    for (std::size_t l = 0; l < W; ++l) {
+      const double rho = rows[l].density,
+                   push = -slope_ * length_ * speed_ * speed_ * density_ / rho,
+                   slope = slope_ * length_;
+      out[l] = {{push * t.of[0][l], push * t.of[1][l], push * t.of[2][l]},
+                slope * speed_ * rho * t.of[3][l] + slope_ * delta_ * t.of[4][l],
+                {slope * t.of[5][l], slope * t.of[6][l], slope * t.of[7][l]},
+                -slope * length_ * t.of[8][l]};
     }
-  };
-  struct Sums {
-    Vec3<Real> push{Real(0), Real(0), Real(0)}, slope{Real(0), Real(0), Real(0)};
-    Real spread = Real(0), diffusion = Real(0), divergence = Real(0), fastest = Real(0);
-  };
-
-  template <bool liquid>
-  SILT_INLINE void add(const Own& a, std::span<const SphRow> rows, std::span<const double> volume,
-                       const ClusterLists& lists, std::span<const ClusterLists::Entry> entries,
-                       Sums& sums) const {
-    for (const auto entry : entries) {
-      const SphRow& b = rows[entry.row()];
-      Vec3d at{b.x, b.y, b.z};
-      if (entry.image() != ClusterLists::here) at += lists.shift(entry.image());
-      pair<liquid>(a, b, at, volume[entry.row()], sums);
-    }
-  }
-  template <bool liquid>
-  SILT_INLINE void pair(const Own& a, const SphRow& b, const Vec3d& at, double volume,
-                        Sums& sums) const {
-    const Real dx = a.x.x - Real(at.x), dy = a.x.y - Real(at.y), dz = a.x.z - Real(at.z);
-    const Real r2 = dx * dx + dy * dy + dz * dz;
-    // grad W = f r, V f
-    const Real Vf = Real(volume * slope_) * Kernel::slope(sqrt(r2) * Real(over_h_));
-    const Real ux = a.v.x - Real(b.vx), uy = a.v.y - Real(b.vy), uz = a.v.z - Real(b.vz);
-    const Real along = ux * dx + uy * dy + uz * dz;
-    sums.spread = multiply_add(Vf, along, sums.spread);
-    const Real mean = Real(0.5) * (a.density + Real(b.density)), wide = r2 + Real(small_);
-    const Real over = Real(1) / (wide * mean);
-    Real both = a.pressure + Real(b.pressure);
-    if constexpr (!liquid) both = max(both, Real(0));
-    Real k = -both * a.over_density;
-    const Real approach = along * over;  // [m4/(kg s)]
-    if constexpr (Viscosity::artificial)
-      k = multiply_add(Real(alpha_ * b.density), min(approach, Real(0)), k);
-    k = k * Vf;
-    sums.push.x = multiply_add(k, dx, sums.push.x);
-    sums.push.y = multiply_add(k, dy, sums.push.y);
-    sums.push.z = multiply_add(k, dz, sums.push.z);
-    sums.fastest = max(sums.fastest, abs(approach * mean));
-    if constexpr (Viscosity::laminar) {
-      const Real drag = Real(twice_nu_ * b.density) * r2 * over * Vf;
-      sums.push.x = multiply_add(drag, ux, sums.push.x);
-      sums.push.y = multiply_add(drag, uy, sums.push.y);
-      sums.push.z = multiply_add(drag, uz, sums.push.z);
-    }
-    if constexpr (Diffusion::diffuses && liquid) {
-      Real difference = a.density - Real(b.density);
-      if constexpr (Diffusion::hydrostatic)
-        difference +=
-            dx * Real(hydrostatic_.x) + dy * Real(hydrostatic_.y) + dz * Real(hydrostatic_.z);
-      sums.diffusion = multiply_add(difference * r2 * mean, over * Vf, sums.diffusion);
-    }
-    if constexpr (Shifting::shifts) {
-      sums.slope.x = multiply_add(Vf, dx, sums.slope.x);
-      sums.slope.y = multiply_add(Vf, dy, sums.slope.y);
-      sums.slope.z = multiply_add(Vf, dz, sums.slope.z);
-      sums.divergence -= Vf * r2;
-    }
+    return t.fastest * h_ * speed_ / length_;
   }
 
-  double put(const Own& own, const Sums& s, SphRates* out) const {
-    alignas(64) double of[8][W];
-    Real rate = own.density * s.spread;
-    if constexpr (Diffusion::diffuses) rate += Real(delta_) * s.diffusion;
-    store(of[0], s.push.x), store(of[1], s.push.y), store(of[2], s.push.z), store(of[3], rate);
-    store(of[4], s.slope.x), store(of[5], s.slope.y), store(of[6], s.slope.z);
-    store(of[7], s.divergence);
-    for (std::size_t l = 0; l < W; ++l)
-      out[l] = {{of[0][l], of[1][l], of[2][l]}, of[3][l], {of[4][l], of[5][l], of[6][l]}, of[7][l]};
-    store(of[0], s.fastest);
-    double most = 0;
-    for (std::size_t l = 0; l < W; ++l) most = std::max(most, of[0][l]);
-    return most * constants_.h;
-  }
-
-  SphConstants constants_;
-  double slope_ = 0, over_h_ = 0, small_ = 0;
-  double alpha_ = 0, twice_nu_ = 0, delta_ = 0;
-  Vec3d hydrostatic_{0, 0, 0};
+  // Units of the sums: [m], [m/s], [kg/m3], [m3]; rest_ [kg/m3]: from which densities count.
+  double length_ = 1, speed_ = 1, density_ = 1, volume_ = 1, rest_ = 0;
+  Vec3d middle_{0, 0, 0};
+  double h_ = 0, weight_ = 0, slope_ = 0, delta_ = 0;
+  Scalar over_h_ = 0, small_ = 0, damping_ = 0, drag_ = 0;
+  Scalar own_rest_ = 0, over_mass_ = 0;  // rest_ and the reciprocal of a mass, in units
+  Vec3<Scalar> hydrostatic_{0, 0, 0};
 };
 
 }  // namespace silt::detail

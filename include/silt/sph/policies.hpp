@@ -2,8 +2,10 @@
 #pragma once
 
 #include <concepts>
+#include <type_traits>
 #include <utility>
 
+#include <silt/core/precision.hpp>
 #include <silt/sph/kernels.hpp>
 #include <silt/sph/terms.hpp>
 
@@ -20,15 +22,20 @@ template <class P>
 concept SphPolicy = requires {
   { P::sph_axis } -> std::convertible_to<SphAxis>;
 };
+/// Those of a Simulation too (core/precision.hpp), which know no axis of Sph.
+template <class P>
+concept SphPrecision = requires {
+  typename P::PairScalar;
+};
 
 /// The policies of an Sph by axis: what was given, or the default.
 template <class... Ps>
 struct SphPolicies {
-  static_assert((SphPolicy<Ps> && ...),
+  static_assert(((SphPolicy<Ps> || SphPrecision<Ps>)&&...),
                 "Sph: a policy is none of those for SPH: a kernel (WendlandC2, CubicSpline), a "
                 "viscosity (ArtificialViscosity, LaminarViscosity, Inviscid), a diffusion "
                 "(Fourtakas, MolteniColagrossi, NoDiffusion), Shifting or NoShifting, "
-                "SymplecticTime or VerletTime, MirroredWalls or DynamicWalls, "
+                "SymplecticTime or VerletTime, MirroredWalls or DynamicWalls, Double or Mixed, "
                 "UnresolvedGrains");
   template <SphAxis axis>
   static constexpr int count = (0 + ... + int{SphPolicyOf<Ps, axis>});
@@ -39,6 +46,7 @@ struct SphPolicies {
   static_assert(count<SphAxis::Time> <= 1, "Sph: two time integrations are given; give one");
   static_assert(count<SphAxis::Walls> <= 1, "Sph: two kinds of walls are given; give one");
   static_assert(count<SphAxis::Grains> <= 1, "Sph: UnresolvedGrains is given twice; give it once");
+  static_assert((0 + ... + int{SphPrecision<Ps>}) <= 1, "Sph: two precisions are given; give one");
 
   /// That of an axis among those given.
   template <SphAxis axis, class Default, class First, class... Rest>
@@ -72,6 +80,8 @@ struct SphPolicies {
   using Grains = decltype(grains(std::declval<const Ps&>()...));
   static_assert(!Grains::averaged || Time::two_stages,
                 "Sph: UnresolvedGrains needs SymplecticTime; leave VerletTime out");
+  /// float where Mixed is given.
+  using PairScalar = std::conditional_t<(false || ... || std::is_same_v<Ps, Mixed>), float, double>;
 };
 
 }  // namespace detail

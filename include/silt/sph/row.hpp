@@ -30,4 +30,12 @@ struct alignas(64) SphRow {
 };
 static_assert(sizeof(SphRow) == 64);
 
+/// The same of mixed precision: places are whole numbers of a small length, from the middle of all
+/// (SphPairs::shorten).
+struct SphBrief {
+  std::int32_t x, y, z;
+  float vx, vy, vz, density, pressure, volume;
+  static constexpr std::int32_t most = 1 << 30;  // particles are within half of it
+};
+
 }  // namespace silt::detail

@@ -8,7 +8,7 @@
 #include <silt/engine/state/axes.hpp>
 #include <silt/engine/state/fluid_loads.hpp>
 #include <silt/engine/state/module_columns.hpp>
-#include <silt/engine/state/precision.hpp>
+#include <silt/core/precision.hpp>
 #include <silt/search/verlet_list.hpp>
 #include <silt/shape/concept.hpp>
 #include <silt/shape/sphere.hpp>

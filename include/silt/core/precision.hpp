@@ -5,7 +5,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// The precision axis of a Simulation: everything in double.
+/// The precision axis of a Simulation and of an Sph: everything in double.
 struct Double {
   using PairScalar = double;
 };
