@@ -145,9 +145,9 @@ class Calibration {
   struct Point {
     std::string kind;
     Vector u;
-    std::vector<std::size_t> runs;  // numbers of those that ended well
+    std::vector<std::size_t> runs = {};  // numbers of those that ended well
     std::size_t failures = 0;
-    std::vector<double> means;                              // of the outputs
+    std::vector<double> means = {};                         // of the outputs
     double chi2 = std::numeric_limits<double>::infinity();  // of the means
   };
 

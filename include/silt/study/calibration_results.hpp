@@ -19,7 +19,7 @@ struct CalibrationResult {
     std::string name;
     double recommended;        // the most probable value
     double low, median, high;  // shortest interval that holds `credible` of the posterior; middle
-    double weight;             // [-] share in the sensitivity of all targets, over their errors
+    double weight;  // [-] total Sobol' index, mean of all targets, over the sum of all parameters'
   };
   struct Target {
     std::string name;
@@ -31,8 +31,8 @@ struct CalibrationResult {
   };
   /// chi^2 by the surrogate over two parameters (or one: y is empty), all others as recommended.
   struct Surface {
-    std::size_t first = 0, second = 0;  // numbers of the parameters
-    std::vector<double> x, y, chi2;     // chi2[i * y.size() + j]
+    std::size_t first = 0, second = 0;              // numbers of the parameters
+    std::vector<double> x = {}, y = {}, chi2 = {};  // chi2[i * y.size() + j]
   };
   std::vector<Parameter> parameters;
   std::vector<Target> targets;

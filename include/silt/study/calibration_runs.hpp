@@ -45,11 +45,11 @@ struct CalibrationTarget {
 /// One run of the scene.
 struct CalibrationRun {
   std::size_t point = 0, repeat = 0;  // counted from 0
-  std::string kind;                   // design, filling, proposal or confirmation
-  std::vector<double> parameters, outputs;
-  double chi2 = 0;      // [-] of this run alone
-  double seconds = 0;   // [s] that it took
-  std::string failure;  // why it failed; then there are no outputs
+  std::string kind = {};              // design, filling, proposal or confirmation
+  std::vector<double> parameters = {}, outputs = {};
+  double chi2 = 0;           // [-] of this run alone
+  double seconds = 0;        // [s] that it took
+  std::string failure = {};  // why it failed; then there are no outputs
   bool failed() const { return !failure.empty(); }
 };
 

@@ -63,8 +63,8 @@ inline void fill_parameters(CalibrationResult& r, const std::vector<CalibrationP
   }
 }
 
-/// Targets as the surrogates see them, and the weights of the parameters: total Sobol' indices
-/// times the variance of each target over that of its measurement.
+/// Targets as the surrogates see them, and the weights of the parameters: their total Sobol'
+/// indices summed over the targets.
 inline void fill_targets(CalibrationResult& r, const std::vector<CalibrationTarget>& given,
                          const Surrogate& model, const Eigen::VectorXd& recommended,
                          const std::vector<double>& confirmed) {
@@ -84,8 +84,7 @@ inline void fill_targets(CalibrationResult& r, const std::vector<CalibrationTarg
         {indices.first.begin(), indices.first.end()},
         {indices.total.begin(), indices.total.end()}};
     for (std::size_t k = 0; k < r.parameters.size(); ++k) {
-      const double weight = target.total[k] * indices.variance / (given[t].error * given[t].error);
-      r.parameters[k].weight += weight, whole += weight;
+      r.parameters[k].weight += target.total[k], whole += target.total[k];
     }
     const double now = confirmed.empty() ? seen.mean : confirmed[t];
     r.chi2 += std::pow((now - given[t].measured) / given[t].error, 2);
