@@ -132,7 +132,7 @@ def draw_targets(panel, result):
     reach = 1.15 * max(abs(limit) for limit in panel.get_xlim())
     panel.set(xlim=(-max(reach, 2.2), max(reach, 2.2)), ylim=(-0.7, len(targets) - 0.3),
               xlabel="(computed − measured) / error [-]")
-    panel.set_yticks(range(len(targets)), [f"{short(t['name'])}\n{t['measured']:g} ± {t['error']:g}"
+    panel.set_yticks(range(len(targets)), [f"{short(t['name'])}\n{t['measured']:.4g} ± {t['error']:g}"
                                            for t in targets[::-1]], fontsize=9)
     panel.set_title("Targets at the recommended values", fontsize=11)
     panel.legend(handles=[Line2D([], [], color=COLOURS[0], marker="s", ms=5, lw=1.5, label="surrogate"),

@@ -228,6 +228,10 @@ class GaussianProcess {
     if (!(scale_ > 0)) scale_ = 1;
     values_ = (data.means.array() - middle_) / scale_;
     scatter_ = data.scatter / (scale_ * scale_);
+    // Repeats that all but agree tell of no noise that would matter; their likelihood, with a least
+    // noise that is a share of the process, would make the process itself small.
+    if (scatter_ <= 1e-6 * (repeats_.sum() - static_cast<double>(n)))
+      repeats_.setOnes(), scatter_ = 0;
     trends_.resize(n, d + 1);
     for (Eigen::Index i = 0; i < n; ++i) trends_.row(i) = trend(points_.row(i).transpose());
   }
