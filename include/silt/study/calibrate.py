@@ -98,8 +98,8 @@ def draw_pair(panel, result, runs, sample, surface):
     label(panel.xaxis, a)
     label(panel.yaxis, b)
     bar = panel.figure.colorbar(filled, ax=panel, pad=0.02)
-    bar.set_ticks([t for t in np.arange(-3, 20) if levels[0] <= t <= levels[-1]])
-    bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{10 ** v:g}"))
+    bar.set_ticks([t for t in range(-3, 20) if levels[0] <= t <= levels[-1]])
+    bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{10.0 ** v:g}"))
     bar.ax.set_title("χ²", fontsize=10)
 
 
@@ -113,6 +113,7 @@ def draw_line(panel, result, runs, sample, surface):
     panel.axvspan(to_axis(a, a["low"]), to_axis(a, a["high"]), color=REGION, alpha=0.25)
     panel.axvline(to_axis(a, a["recommended"]), color=BEST, lw=1.8)
     panel.set_yscale("log")
+    panel.set_ylim(bottom=1e-2)
     panel.set_ylabel("χ² [-]")
     label(panel.xaxis, a)
 
