@@ -16,6 +16,7 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/random.hpp>
+#include <silt/study/calibration_options.hpp>
 #include <silt/study/calibration_results.hpp>
 #include <silt/study/calibration_runs.hpp>
 #include <silt/study/calibration_summary.hpp>
@@ -23,21 +24,6 @@
 #include <silt/study/study_files.hpp>
 
 namespace silt::inline SILT_TARGET {
-
-/// How a calibration goes about it.
-struct CalibrationOptions {
-  std::string folder = {};   // of its files, from which it goes on; empty: none
-  std::size_t design = 0;    // [-] points to begin with; 0: 4 for each parameter and 2
-  std::size_t budget = 60;   // [-] runs of the scene, of all kinds together
-  std::size_t repeats = 1;   // [-] runs at a point, with other seeds
-  std::uint64_t seed = 1;    // of everything random
-  double least_gain = 0.01;  // [-] stop where less of chi^2, or of 1 if that is more, is expected
-  std::size_t patience = 5;  // [-] stop after as many proposals without such a gain; 0: never
-  bool confirm = true;       // run the scene at the recommended values
-  double credible = 0.95;    // [-] level of the intervals
-  /// Called after each run that this program has made.
-  std::function<void(const CalibrationRun&)> watch = {};
-};
 
 /// Finds parameters of a scene with which it gives what was measured.
 ///
@@ -76,12 +62,14 @@ class Calibration {
         parameters_(std::move(parameters)),
         targets_(std::move(targets)) {
     if (options_.design == 0) options_.design = 4 * parameters_.size() + 2;
-    check();
+    detail::check_calibration(options_, parameters_, targets_);
   }
 
   const CalibrationResult& run(const Scene& scene) {
     require(scene != nullptr, "Calibration::run: there is no scene");
-    detail::CalibrationJournal journal(options_.folder, parameters_, targets_, settings());
+    detail::CalibrationJournal journal(
+        options_.folder, parameters_, targets_,
+        detail::calibration_settings(options_, parameters_, targets_));
     result_ = {}, points_.clear(), models_.clear(), searched_ = 0;
     scene_ = &scene, journal_ = &journal;
     Random random(options_.seed);
@@ -150,57 +138,6 @@ class Calibration {
     std::vector<double> means = {};                         // of the outputs
     double chi2 = std::numeric_limits<double>::infinity();  // of the means
   };
-
-  void check() const {
-    require(!parameters_.empty(), "Calibration: there are no parameters to find");
-    require(!targets_.empty(), "Calibration: there are no targets to reach");
-    std::vector<std::string> names;
-    for (const auto& p : parameters_) {
-      require(std::isfinite(p.least) && std::isfinite(p.most) && p.least < p.most,
-              "Calibration: parameter '", p.name, "' has bounds ", p.least, " and ", p.most,
-              "; the first must be less than the second");
-      require(!p.logarithmic || p.least > 0, "Calibration: parameter '", p.name,
-              "' is logarithmic, so that its bound least = ", p.least, " must be above 0");
-      names.push_back(p.name);
-    }
-    for (const auto& t : targets_) {
-      require(std::isfinite(t.measured), "Calibration: target '", t.name,
-              "': measured = ", t.measured, " must be finite");
-      require(std::isfinite(t.error) && t.error > 0, "Calibration: target '", t.name,
-              "': error = ", t.error,
-              ", the standard deviation of what was measured, must be "
-              "finite and greater than 0");
-      names.push_back(t.name);
-    }
-    for (const auto& name : names) {
-      require(!name.empty() && name.find_first_of("\n\r") == name.npos,
-              "Calibration: each parameter and target needs a name, in one line");
-      require(std::count(names.begin(), names.end(), name) == 1,
-              "Calibration: two parameters or targets are named '", name, "'");
-    }
-    require(options_.repeats > 0, "CalibrationOptions.repeats = 0 [-] must be at least 1");
-    require(options_.design >= parameters_.size() + 3,
-            "CalibrationOptions.design = ", options_.design, " [-] must be at least ",
-            parameters_.size() + 3, " for ", parameters_.size(), " parameters");
-    const std::size_t least = (options_.design + (options_.confirm ? 1 : 0)) * options_.repeats;
-    require(options_.budget >= least, "CalibrationOptions.budget = ", options_.budget,
-            " [-] is less than the ", least, " runs of the design",
-            options_.confirm ? " and the confirmation" : "");
-    require_in("CalibrationOptions.credible", options_.credible, "-", 0.01, 0.9999);
-    require_not_negative("CalibrationOptions.least_gain", options_.least_gain, "-");
-  }
-
-  /// What runs depend on, as text: a folder of other settings is refused.
-  std::string settings() const {
-    std::string out = text("runs of silt::Calibration, design ", options_.design, ", repeats ",
-                           options_.repeats, ", seed ", options_.seed, '\n');
-    for (const auto& p : parameters_)
-      out += text("parameter ", p.name, ", from ", p.least, " to ", p.most,
-                  p.logarithmic ? ", logarithmic\n" : "\n");
-    for (const auto& t : targets_)
-      out += text("target ", t.name, ", measured ", t.measured, ", error ", t.error, '\n');
-    return out;
-  }
 
   /// The next run that an earlier program has made; null if there is none.
   const CalibrationRun* recorded() const {
