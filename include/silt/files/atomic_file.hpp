@@ -2,6 +2,7 @@
 #pragma once
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -82,6 +83,9 @@ class File {
       to += got, offset += static_cast<std::uint64_t>(got), bytes -= static_cast<std::size_t>(got);
     }
   }
+
+  /// False if another program has locked it; the lock ends with the file or the program.
+  bool lock() { return ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0; }
 
   void truncate(std::uint64_t bytes) {
     if (::ftruncate(descriptor_, static_cast<off_t>(bytes)) != 0) fail("cannot be shortened");

@@ -94,9 +94,11 @@ inline std::string study_script() {
   return here.substr(0, here.rfind('/') + 1) + "pareto.py";
 }
 
-/// Draws `folder`/pareto.png from `folder`/summary.json; false if no Python could.
-inline bool draw_study(const std::string& folder, const std::string& script = study_script()) {
-  std::remove((folder + "/pareto.png").c_str());  // of an earlier study: not of these numbers
+/// Draws `folder`/pareto.png from `folder`/summary.json, or what another script does; false if no
+/// Python could.
+inline bool draw_study(const std::string& folder, const std::string& script = study_script(),
+                       const std::string& picture = "pareto.png") {
+  std::remove((folder + "/" + picture).c_str());  // of an earlier study: not of these numbers
   std::fflush(stdout);
   for (const char* python : {"python3", "/usr/bin/python3"})
     if (std::system(
