@@ -11,6 +11,7 @@
 
 #include "ball_mill/dry.hpp"
 #include "ball_mill/scene.hpp"
+#include "ball_mill/wet.hpp"
 #include "support/example.hpp"
 
 namespace {
@@ -157,7 +158,9 @@ int main(int argc, char** argv) {
       example::Kind::Cases, "out/ball_mill");
   Scene s;
   double length = 1e3 * s.length;
-  bool real = false, do_scan = false;
+  Slurry slurry;
+  double spacing = 1e3 * slurry.spacing, seconds = 12;
+  bool real = false, do_scan = false, is_wet = false;
   std::size_t seeds = 2;
   command.add("--case", s.name, {"300", "400", "500"}, "Outer diameter of the drum [mm]");
   command.add("--length", length, 50, 300, "Of the drum [mm], which the paper does not give");
@@ -170,6 +173,13 @@ int main(int argc, char** argv) {
   command.add("--seed", s.seed, 1, 1000000, "Of the places where balls are put in");
   command.add_flag("--scan", do_scan, "The three drums over restitution and friction");
   command.add("--seeds", seeds, 1, 100, "Of the scan");
+  command.add_flag("--wet", is_wet, "With slurry by SPH in half of the drum");
+  command.add("--spacing", spacing, 2, 11, "Of the slurry's particles [mm]");
+  command.add("--seconds", seconds, 0.02, 100,
+              "Of the wet run [s]; the last two thirds are measured");
+  command.add("--sound", slurry.sound, 5, 100, "Its speed of sound [m/s], ten times its fastest");
+  command.add("--alpha", slurry.alpha, 0, 1, "Its artificial viscosity");
+  command.add("--smoothing", slurry.smoothing, 0.7, 2, "Smoothing length over sqrt(3) spacings");
   return command.run(argc, argv, [&] {
     const auto& options = command.options;
     s.length = 1e-3 * length;
@@ -178,10 +188,21 @@ int main(int argc, char** argv) {
       if (!command.given("--turns")) s.turns = 1;
       if (!command.given("--before")) s.before = 0.5;
       if (!command.given("--seeds")) seeds = 1;
+      if (!command.given("--spacing")) spacing = s.name == "500" ? 8 : s.name == "400" ? 6.5 : 4.9;
+      if (!command.given("--seconds")) seconds = 0.06;
+      if (!command.given("--sound")) slurry.sound = 10;
+      if (!command.given("--smoothing")) slurry.smoothing = 0.8;
     }
     silt::require(!s.periodic || s.length >= 3 * make_up,
                   "ball_mill: --periodic needs a --length of ",
                   "at least 105 mm, three diameters of the largest ball");
+    slurry.spacing = 1e-3 * spacing;
+    if (is_wet) {
+      silt::require(!s.periodic && !do_scan,
+                    "ball_mill: --wet goes with end walls and one case; leave out --periodic and "
+                    "--scan");
+      return run_wet(s, slurry, seconds, options);
+    }
     return do_scan ? scan(s, seeds, options) : run_case(s, options);
   });
 }

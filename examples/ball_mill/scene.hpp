@@ -19,6 +19,7 @@
 #include <silt/silt.hpp>
 
 #include "ball_mill/charge.hpp"
+#include "ball_mill/drum.hpp"
 
 namespace ball_mill {
 
@@ -26,19 +27,17 @@ using silt::Vec3d;
 using Law = silt::HertzMindlin;
 
 struct Scene {
-  std::string name = "500";      // of the case
-  double length = 0.1;           // [m] along the axis, which the paper does not give
-  bool periodic = false;         // along the axis, without end walls
-  double restitution = 0.39;     // [-] the paper's pair is for its own law
-  double friction = 0.5;         // [-]
-  double modulus = 1e8;          // [Pa] as in the paper; of steel 2.1e11
+  std::string name = "500";  // of the case
+  double length = 0.1;       // [m] along the axis, which the paper does not give
+  bool periodic = false;     // along the axis, without end walls
+  double restitution = 0.3;  // [-] this and the friction: where --scan comes nearest; those of the
+  double friction = 0.2;     // [-] paper, 0.39 and 0.496, belong to its own law
+  double modulus = 1e8;      // [Pa] as in the paper; of steel 2.1e11
   double before = 1, turns = 2;  // [-] turns of the drum before it is filmed, and while it is
   std::size_t frames = 100;      // [-]
   std::size_t seed = 1;          // of the places and the order in which balls are put in
   static constexpr double poisson_ratio = 0.29;
-  static constexpr int lifters = 8;
-  static constexpr double lifter = 5e-3;  // [m] height, and width, which the paper does not give
-  static constexpr double pixel = 1e-3;   // [m]
+  static constexpr double pixel = 1e-3;  // [m]
 
   const Mill& drum() const { return mill(name); }
   double radius() const { return drum().radius; }                                 // [m]
@@ -51,40 +50,6 @@ struct Scene {
             .friction = friction};
   }
 };
-
-/// The lifters: bars along the axis that stand out of the shell by their height, and are as wide;
-/// as far behind it, so that no seam is open. They reach beyond both ends.
-inline silt::TriangleMesh lifters(double radius, double length) {
-  const double h = Scene::lifter;
-  const auto bar =
-      silt::box_mesh({radius - h, -length, -0.5 * h}, {radius + h, 2 * length, 0.5 * h});
-  std::vector<std::array<Vec3d, 3>> all;
-  for (int k = 0; k < Scene::lifters; ++k) {
-    const double turn = 2 * std::numbers::pi * (k + 0.5) / Scene::lifters;
-    const double c = std::cos(turn), s = std::sin(turn);
-    for (const auto& triangle : bar.triangles()) {
-      std::array<Vec3d, 3> corners;
-      for (std::size_t m = 0; m < 3; ++m) {
-        const Vec3d at = bar.vertices()[triangle[m]];
-        corners[m] = {c * at.x - s * at.z, at.y, s * at.x + c * at.z};
-      }
-      all.push_back(corners);
-    }
-  }
-  return silt::TriangleMesh(all);
-}
-
-/// Shell, lifters and end walls are one wall, which turns: its torque is the drum's.
-inline silt::Surfaces drum_surfaces(double radius, double length, bool ends) {
-  std::vector<silt::Surface> parts = silt::Surfaces(lifters(radius, length)).parts;
-  parts.emplace_back(
-      silt::Cylinder{{0, -length, 0}, {0, 2 * length, 0}, radius, silt::Side::Inside});
-  if (ends) {
-    parts.emplace_back(silt::Plane{{0, 0, 0}, {0, 1, 0}});
-    parts.emplace_back(silt::Plane{{0, length, 0}, {0, -1, 0}});
-  }
-  return silt::Surfaces(std::move(parts));
-}
 
 /// Seen along y the drum turns clockwise, so that the bed is high on the left as in the paper.
 inline silt::Motion turning(double now, double rate) {
@@ -127,7 +92,7 @@ template <class IsFree>
 silt::Particles<silt::Sphere> batch(const Scene& s, std::vector<double>& sizes,
                                     silt::Random& random, const IsFree& is_free) {
   silt::Particles<silt::Sphere> out;
-  const double pitch = 1.03 * make_up, reach = s.radius() - Scene::lifter - 0.52 * make_up;
+  const double pitch = 1.03 * make_up, reach = s.radius() - lifter_size - 0.52 * make_up;
   const int layers = std::max(1, static_cast<int>(s.length / pitch));
   const int across = static_cast<int>(2 * reach / pitch) + 1;
   for (int z = 0; z * pitch < reach; ++z)

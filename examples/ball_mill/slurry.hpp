@@ -29,9 +29,9 @@ struct Slurry {
 
 /// Distance [m] of a point from the lifters, of which one is at half a pitch from the x axis.
 inline double from_lifters(const Scene& s, const Vec3d& x) {
-  const double pitch = 2 * std::numbers::pi / Scene::lifters;
+  const double pitch = 2 * std::numbers::pi / lifter_count;
   const double turn = std::remainder(std::atan2(x.z, x.x) - 0.5 * pitch, pitch);
-  const double r = std::hypot(x.x, x.z), h = Scene::lifter;
+  const double r = std::hypot(x.x, x.z), h = lifter_size;
   const double below = s.radius() - h - r * std::cos(turn);
   const double beside = std::abs(r * std::sin(turn)) - 0.5 * h;
   return below > 0 && beside > 0 ? std::hypot(below, beside) : std::max(below, beside);
