@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -53,7 +54,7 @@ void check(example::Summary& summary, const Scene& s, const DryRun& run, bool qu
                        "none is left out");
   summary.check_within(
       "steel_over_volume_of_the_drum",
-      run.mass / steel_density / (3.14159265358979 * s.radius() * s.radius() * s.length), filling,
+      run.mass / steel_density / (std::numbers::pi * s.radius() * s.radius() * s.length), filling,
       0.004, "whole balls");
   summary.check_within("work_of_the_drum_over_energy_held_and_dissipated", run.work / run.booked, 1,
                        1e-3, "error of the ledger, and of torque times angle");
@@ -188,9 +189,9 @@ int main(int argc, char** argv) {
       if (!command.given("--turns")) s.turns = 1;
       if (!command.given("--before")) s.before = 0.5;
       if (!command.given("--seeds")) seeds = 1;
-      if (!command.given("--spacing")) spacing = s.name == "500" ? 8 : s.name == "400" ? 6.5 : 4.9;
+      if (!command.given("--spacing"))
+        spacing = s.name == "500" ? 7.5 : s.name == "400" ? 6.5 : 4.9;
       if (!command.given("--seconds")) seconds = 0.06;
-      if (!command.given("--sound")) slurry.sound = 10;
       if (!command.given("--smoothing")) slurry.smoothing = 0.8;
     }
     silt::require(!s.periodic || s.length >= 3 * make_up,

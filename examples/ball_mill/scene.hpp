@@ -122,8 +122,11 @@ auto filled_mill(const Scene& s, int threads, const Policies&... policies) {
                        threads, policies...);
   const double fall = 1.2 * std::sqrt(2 * s.radius() / gravity);  // [s]
   const auto is_free = [&](const Vec3d& x, double radius) {
-    for (std::size_t k = 0; k < sim.rows(); ++k)
-      if (norm(sim.position(k) - x) < 1.001 * (sim.radius(k) + radius)) return false;
+    for (std::size_t k = 0; k < sim.rows(); ++k) {
+      Vec3d way = sim.position(k) - x;
+      if (s.periodic) way.y -= s.length * std::round(way.y / s.length);
+      if (norm(way) < 1.001 * (sim.radius(k) + radius)) return false;
+    }
     return true;
   };
   while (!sizes.empty()) {

@@ -54,9 +54,16 @@ class SlurryPlaces {
     const auto count = static_cast<std::size_t>(std::lround(steps));
     silt::require(count > 0 && count <= heights.size(), "ball_mill: a slurry of ", count,
                   " particles does not fit into the drum");
+    // The layer to which there are about as many.
     std::nth_element(heights.begin(), heights.begin() + static_cast<std::ptrdiff_t>(count) - 1,
                      heights.end());
-    level_ = heights[count - 1] + 0.25 * a;
+    const double last = heights[count - 1];
+    const auto up_to = [&](double z) {
+      return std::count_if(heights.begin(), heights.end(), [&](double h) { return h < z; });
+    };
+    const auto with = static_cast<double>(up_to(last + 0.25 * a)),
+               without = static_cast<double>(up_to(last - 0.25 * a));
+    level_ = last + (with - steps < steps - without ? 0.25 : -0.75) * a;
   }
   bool operator()(const Vec3d& x) const { return x.z < level_ && is_free(x); }
   double level() const { return level_; }  // [m]
