@@ -86,6 +86,7 @@ void look(Sim& sim, WetRun& run) {
 template <class Dry>
 auto wet_mill(const Scene& s, const Slurry& slurry, const Dry& dry, int threads) {
   auto water = make_slurry(s, slurry);
+  water.least_density = 0.4;  // of drops that balls throw: none is near them
   water.fill(SlurryPlaces(s, slurry, dry));
   silt::Particles<silt::Sphere> balls;
   for (std::size_t k = 0; k < dry.rows(); ++k)
