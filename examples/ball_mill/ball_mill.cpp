@@ -174,7 +174,7 @@ int main(int argc, char** argv) {
   command.add("--seed", s.seed, 1, 1000000, "Of the places where balls are put in");
   command.add_flag("--scan", do_scan, "The three drums over restitution and friction");
   command.add("--seeds", seeds, 1, 100, "Of the scan");
-  command.add_flag("--wet", is_wet, "With slurry by SPH in half of the drum");
+  command.add_flag("--wet", is_wet, "With slurry by SPH; not ready, see docs/ball_mill.md");
   command.add("--spacing", spacing, 2, 11, "Of the slurry's particles [mm]");
   command.add("--seconds", seconds, 0.02, 100,
               "Of the wet run [s]; the last two thirds are measured");
