@@ -19,6 +19,7 @@
 
 #include "support/bed_profile.hpp"
 #include "support/example.hpp"
+#include "support/impact_spectrum.hpp"
 
 namespace {
 
@@ -123,34 +124,7 @@ void write_outline(const Scene& s, const std::string& path) {
   silt::write_vtp_triangles(path, points, triangles);
 }
 
-/// How often contacts lose how much energy: what a mill's grinding is computed from. Classes of a
-/// quarter of a decade.
-class ImpactSpectrum {
- public:
-  void add(const silt::ContactEvent& impact) {
-    if (!(impact.lost_energy > 0)) return;
-    const double place = 4 * (std::log10(impact.lost_energy) - first_decade);
-    const auto k = static_cast<std::size_t>(std::clamp(place, 0.0, classes - 1.0));
-    ++count_[impact.wall != silt::no_wall][k];
-    lost_ += impact.lost_energy;
-  }
-  double lost() const { return lost_; }  // [J]
-  /// Rates a grain, of `grains` over `duration` [s].
-  void write(const std::string& path, double grains, double duration) const {
-    silt::CsvTable table(path, {"lost energy [J]", "between grains [1/s]", "at the drum [1/s]"});
-    for (std::size_t k = 0; k < classes; ++k)
-      if (count_[0][k] + count_[1][k] > 0)
-        table.add_row({std::pow(10.0, first_decade + (static_cast<double>(k) + 0.5) / 4),
-                       count_[0][k] / (grains * duration), count_[1][k] / (grains * duration)});
-  }
-
- private:
-  static constexpr double first_decade = -15;  // 1e-15 J and less
-  static constexpr std::size_t classes = 4 * 12;
-  std::array<double, classes> count_[2] = {};  // between grains, at the drum
-  double lost_ = 0;
-};
-
+using example::ImpactSpectrum;
 using example::Occupancy;
 
 template <class Sim>

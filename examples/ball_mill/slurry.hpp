@@ -1,0 +1,102 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+// The wet mill: slurry by SPH in the pores of the balls and around them.
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include <silt/measure/polynomial_fit.hpp>
+#include <silt/sph.hpp>
+
+#include "ball_mill/scene.hpp"
+
+namespace ball_mill {
+
+struct Slurry {
+  double spacing = 5e-3;                       // [m] of the particles, as in the paper
+  double density = 1400, viscosity = 0.01134;  // [kg/m3], [Pa s]
+  double share = 0.2;      // [-] of the drum's volume: what balls leave of the half that is filled
+  double sound = 15;       // [m/s] ten times the largest velocity
+  double alpha = 0.02;     // [-] artificial viscosity, for stability
+  double smoothing = 1.0;  // [-] h over sqrt(3) spacings
+  double kinematic() const { return viscosity / density; }  // [m2/s]
+};
+
+/// Distance [m] of a point from the lifters, of which one is at half a pitch from the x axis.
+inline double from_lifters(const Scene& s, const Vec3d& x) {
+  const double pitch = 2 * std::numbers::pi / lifter_count;
+  const double turn = std::remainder(std::atan2(x.z, x.x) - 0.5 * pitch, pitch);
+  const double r = std::hypot(x.x, x.z), h = lifter_size;
+  const double below = s.radius() - h - r * std::cos(turn);
+  const double beside = std::abs(r * std::sin(turn)) - 0.5 * h;
+  return below > 0 && beside > 0 ? std::hypot(below, beside) : std::max(below, beside);
+}
+
+/// The lattice's places in the free space of the drum and outside the balls: those that are lowest,
+/// as many as the slurry's volume needs. inside(x) for Sph::fill.
+class SlurryPlaces {
+ public:
+  template <class Sim>
+  SlurryPlaces(const Scene& s, const Slurry& slurry, const Sim& dry) : s_(s), slurry_(slurry) {
+    for (std::size_t k = 0; k < dry.rows(); ++k) balls_.push_back({dry.position(k), dry.radius(k)});
+    const double a = slurry.spacing, R = s.radius();
+    std::vector<double> heights;
+    for (double z = -R + 0.5 * a; z < R; z += a)
+      for (double x = -R + 0.5 * a; x < R; x += a)
+        for (double y = 0.5 * a; y < s.length; y += a)
+          if (is_free({x, y, z})) heights.push_back(z);
+    const double steps = slurry.share * std::numbers::pi * R * R * s.length / (a * a * a);
+    const auto count = static_cast<std::size_t>(std::lround(steps));
+    silt::require(count > 0 && count <= heights.size(), "ball_mill: a slurry of ", count,
+                  " particles does not fit into the drum");
+    // The layer to which there are about as many.
+    std::nth_element(heights.begin(), heights.begin() + static_cast<std::ptrdiff_t>(count) - 1,
+                     heights.end());
+    const double last = heights[count - 1];
+    const auto up_to = [&](double z) {
+      return std::count_if(heights.begin(), heights.end(), [&](double h) { return h < z; });
+    };
+    const auto with = static_cast<double>(up_to(last + 0.25 * a)),
+               without = static_cast<double>(up_to(last - 0.25 * a));
+    level_ = last + (with - steps < steps - without ? 0.25 : -0.75) * a;
+  }
+  bool operator()(const Vec3d& x) const { return x.z < level_ && is_free(x); }
+  double level() const { return level_; }  // [m]
+
+ private:
+  struct Ball {
+    Vec3d centre;
+    double radius;
+  };
+  bool is_free(const Vec3d& x) const {
+    const double half = 0.499 * slurry_.spacing;
+    if (std::hypot(x.x, x.z) > s_.radius() - half || x.y > s_.length - half || x.y < half ||
+        from_lifters(s_, x) < half)
+      return false;
+    for (const Ball& b : balls_)
+      if (norm(x - b.centre) < b.radius) return false;
+    return true;
+  }
+  Scene s_;
+  Slurry slurry_;
+  std::vector<Ball> balls_;
+  double level_ = 0;
+};
+
+inline auto make_slurry(const Scene& s, const Slurry& slurry) {
+  const double R = s.radius();
+  return silt::Sph{silt::Liquid{.density = slurry.density, .sound_speed = slurry.sound},
+                   {.spacing = slurry.spacing,
+                    .region = {{-R, 0, -R}, {R, s.length, R}},
+                    .smoothing = slurry.smoothing,
+                    .gravity = {0, 0, -gravity}},
+                   silt::LaminarViscosity{.kinematic = slurry.kinematic(), .alpha = slurry.alpha},
+                   silt::VerletTime{}};
+}
+
+}  // namespace ball_mill

@@ -1,0 +1,220 @@
+// silt - BSD-3-Clause, see LICENSE
+
+#include "ball_mill/wet.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+namespace ball_mill {
+namespace {
+
+/// The highest slurry over each place along x, in the middle of the drum, frame by frame.
+class Heights {
+ public:
+  Heights(const Scene& s, const Slurry& slurry)
+      : radius_(s.radius()),
+        middle_(0.5 * s.length),
+        width_(slurry.spacing),
+        of_(static_cast<std::size_t>(std::ceil(2 * radius_ / width_))) {}
+  template <class Water>
+  void add_frame(const Water& water) {
+    constexpr double none = -std::numeric_limits<double>::infinity();
+    std::vector<double> highest(of_.size(), none);
+    water.for_each([&](std::uint32_t, const Vec3d& x, const Vec3d&, double, double) {
+      const auto k = static_cast<std::ptrdiff_t>(std::floor((x.x + radius_) / width_));
+      if (std::abs(x.y - middle_) > 0.75 * width_ || k < 0 ||
+          k >= static_cast<std::ptrdiff_t>(of_.size()))
+        return;
+      auto& high = highest[static_cast<std::size_t>(k)];
+      high = std::max(high, x.z + 0.5 * width_);
+    });
+    for (std::size_t k = 0; k < of_.size(); ++k)
+      if (highest[k] > none) of_[k].push_back(highest[k]);
+  }
+  /// Of each place the heights from the median to the third quartile, as in the paper: without
+  /// drops in the air, and without gaps that balls leave.
+  void clean(std::vector<double>& x, std::vector<double>& z) const {
+    for (std::size_t k = 0; k < of_.size(); ++k) {
+      auto all = of_[k];
+      std::sort(all.begin(), all.end());
+      for (std::size_t n = all.size() / 2; 4 * n < 3 * all.size(); ++n)
+        x.push_back(-radius_ + (static_cast<double>(k) + 0.5) * width_), z.push_back(all[n]);
+    }
+  }
+
+ private:
+  double radius_, middle_, width_;
+  std::vector<std::vector<double>> of_;
+};
+
+struct WetRun {
+  double by_balls = 0, by_slurry = 0, lever = 0;  // [N m] means of the drum's torque, of the weight
+  double samples = 0;
+  double fastest = 0, off = 0;  // [m/s] of 99.9 %; [-] share whose density is off by 5 %
+  double inside_balls = 0;      // [-] largest share of the slurry
+};
+
+/// Speeds, densities, and the slurry that has gone into balls.
+template <class Sim>
+void look(Sim& sim, WetRun& run) {
+  std::vector<double> speeds;
+  std::size_t inside = 0, off = 0;
+  const double rest = sim.fluid().liquid().density;
+  sim.fluid().for_each([&](std::uint32_t, const Vec3d& x, const Vec3d& v, double rho, double) {
+    speeds.push_back(norm(v));
+    off += std::abs(rho / rest - 1) > 0.05;
+    for (std::size_t k = 0; k < sim.rows(); ++k)
+      if (norm(x - sim.position(k)) < sim.radius(k)) {
+        ++inside;
+        break;
+      }
+  });
+  const double n = static_cast<double>(speeds.size());
+  const auto most = static_cast<std::ptrdiff_t>(0.999 * n);
+  std::nth_element(speeds.begin(), speeds.begin() + most, speeds.end());
+  run.fastest = std::max(run.fastest, speeds[static_cast<std::size_t>(most)]);
+  run.off = std::max(run.off, static_cast<double>(off) / n);
+  run.inside_balls = std::max(run.inside_balls, static_cast<double>(inside) / n);
+}
+
+/// The settled balls, in slurry that stands between and over them.
+template <class Dry>
+auto wet_mill(const Scene& s, const Slurry& slurry, const Dry& dry, int threads) {
+  auto water = make_slurry(s, slurry);
+  water.least_density = 0.4;  // of drops that balls throw: none is near them
+  water.fill(SlurryPlaces(s, slurry, dry));
+  silt::Particles<silt::Sphere> balls;
+  for (std::size_t k = 0; k < dry.rows(); ++k)
+    balls.add({.position = dry.position(k), .radius = dry.radius(k), .density = steel_density});
+  auto sim = make_mill(s, std::move(balls), threads, std::move(water));
+  // So that a whole number of steps makes nearly the longest one of the slurry.
+  const double longest =
+      0.9 * 0.2 * slurry.smoothing * std::sqrt(3.0) * slurry.spacing / slurry.sound;
+  sim.time_step = longest / std::ceil(longest / dry.step_length());
+  return sim;
+}
+
+template <class Sim>
+WetRun turn(Sim& sim, const Scene& s, double seconds, Heights& heights, const std::string& out) {
+  sim.set_motion("drum", turning(sim.time(), s.rate()));
+  silt::CsvTable table(out + "/torque.csv",
+                       {"time [s]", "torque by balls [N m]", "torque by slurry [N m]",
+                        "moment of the weight [N m]", "kinetic energy of balls [J]"});
+  WetRun run;
+  silt::MeanLoad load(sim, "drum");
+  constexpr int parts = 60;
+  for (int k = 1; k <= parts; ++k) {
+    sim.run(seconds / parts);
+    const auto mean = load.read(sim);
+    const double by_slurry = -sim.fluid().wall_load(0).second.y;
+    double lever = 0;  // [N m]
+    for (std::size_t b = 0; b < sim.rows(); ++b) lever -= sim.mass(b) * gravity * sim.position(b).x;
+    sim.fluid().for_each([&](std::uint32_t, const Vec3d& x, const Vec3d&, double, double) {
+      lever -= sim.fluid().particle_mass() * gravity * x.x;
+    });
+    table.add_row({sim.time(), -mean.torque.y, by_slurry, lever, sim.kinetic_energy()});
+    look(sim, run);
+    if (3 * k <= parts) continue;  // the first third is not measured
+    heights.add_frame(sim.fluid());
+    run.by_balls -= mean.torque.y, run.by_slurry += by_slurry, run.lever += lever, ++run.samples;
+    std::printf("\r%3d %%", 100 * k / parts), std::fflush(stdout);
+  }
+  std::printf("\r");
+  for (double* sum : {&run.by_balls, &run.by_slurry, &run.lever}) *sum /= run.samples;
+  return run;
+}
+
+silt::PolynomialFit<2> fit_surface(const Heights& heights, const std::string& out) {
+  std::vector<double> x, z;
+  heights.clean(x, z);
+  const auto fit = silt::fit_polynomial<2>(x, z);
+  silt::CsvTable points(out + "/highest.csv", {"x [m]", "height [m]"});
+  for (std::size_t k = 0; k < x.size(); ++k) points.add_row({x[k], z[k]});
+  silt::CsvTable curve(out + "/surface.csv",
+                       {"x [m]", "height [m]", "95 % of the curve [m]", "95 % of the points [m]"});
+  const auto [least, most] = std::minmax_element(x.begin(), x.end());
+  for (int k = 0; k <= 100; ++k) {
+    const double at = *least + (*most - *least) * k / 100;
+    curve.add_row({at, fit.at(at), fit.band_of_curve(at), fit.band_of_points(at)});
+  }
+  return fit;
+}
+
+}  // namespace
+
+int run_wet(const Scene& s, const Slurry& slurry, double seconds, const example::Options& options) {
+  const example::Stopwatch watch;
+  silt::make_folder(options.out);
+  const auto dry = filled_mill(s, options.threads);
+  auto sim = wet_mill(s, slurry, dry, options.threads);
+  const double particles = static_cast<double>(sim.fluid().size());
+  std::printf("%zu balls and %.0f particles of slurry in the %s mm drum\n", sim.size(), particles,
+              s.name.c_str());
+  std::fflush(stdout);
+  Heights heights(s, slurry);
+  const example::Stopwatch turning_watch;
+  const WetRun run = turn(sim, s, seconds, heights, options.out);
+  const double cost = turning_watch.seconds();
+  const auto fit = fit_surface(heights, options.out);
+  sim.fluid().write(options.out + "/slurry.vtp");
+  silt::write_particles(options.out + "/end.vtp", sim);
+  silt::write_walls(options.out + "/drum.vtp", sim);
+
+  example::Summary summary;
+  summary.input("case", s.name), summary.input("length_m", s.length);
+  summary.input("spacing_m", slurry.spacing), summary.input("sound_speed_m_s", slurry.sound);
+  summary.input("slurry_density_kg_m3", slurry.density);
+  summary.input("slurry_viscosity_pa_s", slurry.viscosity);
+  summary.input("artificial_viscosity", slurry.alpha);
+  summary.input("smoothing", slurry.smoothing);
+  summary.input("restitution", s.restitution), summary.input("friction", s.friction);
+  summary.input("seconds", seconds), summary.input("threads", options.threads * 1.0);
+  summary.result("slurry_particles", particles);
+  summary.result("wall_particles", static_cast<double>(sim.fluid().wall_particles()));
+  summary.result("torque_by_balls_n_m", run.by_balls);
+  summary.result("torque_by_slurry_n_m", run.by_slurry);
+  summary.result("power_w", (run.by_balls + run.by_slurry) * s.rate());
+  summary.result("torque_over_moment_of_the_weight", (run.by_balls + run.by_slurry) / run.lever);
+  const auto b = fit.coefficients();
+  summary.result("surface_height_in_the_middle_m", b[0]), summary.result("surface_slope", b[1]);
+  summary.result("surface_curvature_1_m", 2 * b[2]);
+  summary.result("surface_band_of_points_m", fit.band_of_points(0));
+  summary.result("surface_band_of_curve_m", fit.band_of_curve(0));
+  const double steps = static_cast<double>(sim.fluid().steps());
+  summary.result("slurry_steps", steps), summary.result("seconds_a_simulated_one", cost / seconds);
+  summary.result("ms_a_slurry_step", 1e3 * cost / steps);
+  summary.check_within("slurry_over_volume_of_the_drum",
+                       particles * std::pow(slurry.spacing, 3) /
+                           (std::numbers::pi * s.radius() * s.radius() * s.length),
+                       slurry.share, slurry.spacing / (std::numbers::pi * s.radius()),
+                       "half a layer of the lattice");
+  summary.check_at_most("share_that_left_or_was_displaced",
+                        1 - static_cast<double>(sim.fluid().size()) / particles, 0.01);
+  summary.check_at_most("share_inside_balls", run.inside_balls, 0.1);
+  summary.check_at_most("share_whose_density_is_off_by_5_percent", run.off, 0.02);
+  summary.check_at_most("speed_of_999_in_1000_over_sound", run.fastest / slurry.sound, 0.15);
+  if (seconds >= 1)
+    summary.check_within("torque_over_moment_of_the_weight",
+                         (run.by_balls + run.by_slurry) / run.lever, 1, 0.1,
+                         "the slurry's torque is read at instants");
+  summary.result("wall_time_s", watch.seconds());
+  summary.write(options.out + "/summary.json");
+  const bool drawn = example::run_script(
+      SILT_BALL_MILL_SCRIPT,
+      {"wet", options.out, silt::text(s.radius()), silt::text(slurry.spacing), s.name});
+  std::printf(
+      "Slurry surface: z = %.4f %+.3f x %+.2f x^2 [m]; 95 %% of the points within %.4f m.\n", b[0],
+      b[1], b[2], fit.band_of_points(0));
+  summary.print_checks();
+  std::printf("Look at: %s%s/slurry.vtp, surface.csv, torque.csv, summary.json; %.0f s\n",
+              drawn ? (options.out + "/wet.png, ").c_str() : "", options.out.c_str(),
+              watch.seconds());
+  return summary.all_hold() ? 0 : 1;
+}
+
+}  // namespace ball_mill
