@@ -24,7 +24,8 @@ struct SphColumns {
   // With UnresolvedGrains, else empty: the part [-] of the space around a particle that is liquid,
   // the part of a particle's mass that it has, and how full its kernel is (div r over dimensions).
   AlignedVector<double> voidage, share, fullness;
-  AlignedVector<SphBrief> brief;  // of mixed precision
+  AlignedVector<SphBrief> brief;    // of mixed precision
+  AlignedVector<SphStress> stress;  // with SpsTurbulence
 
   std::size_t size() const { return rows.size(); }
   bool is_liquid(std::size_t k) const {
@@ -53,7 +54,8 @@ struct SphColumns {
     return (rows.capacity() + start.capacity()) * sizeof(SphRow) + kind.capacity() +
            label.capacity() * sizeof(std::uint32_t) +
            (volume.capacity() + 3 * voidage.capacity()) * sizeof(double) +
-           rates.capacity() * sizeof(SphRates) + brief.capacity() * sizeof(SphBrief);
+           rates.capacity() * sizeof(SphRates) + brief.capacity() * sizeof(SphBrief) +
+           stress.capacity() * sizeof(SphStress);
   }
 
  private:

@@ -19,6 +19,7 @@
 #include <silt/sph/policies.hpp>
 #include <silt/sph/setup.hpp>
 #include <silt/sph/solids.hpp>
+#include <silt/sph/turbulence.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -38,7 +39,8 @@ struct SphCore {
   // Unresolved grains ask how full kernels are, as shifting does.
   using Pairs =
       SphPairs<Kernel, Viscosity, Diffusion, std::conditional_t<Grains::averaged, Shifting, Shift>,
-               typename Axes::PairScalar>;
+               typename Axes::PairScalar, Grains::averaged>;
+  static constexpr bool turbulent = requires { requires Viscosity::turbulent; };
   using Lists = ClusterLists;
   using Row = SphRow;
 
@@ -174,6 +176,7 @@ struct SphCore {
     set_pressures(team);
     if constexpr (Walls::mirrored) set_walls(pairs, team);
     shorten(pairs, team);
+    find_stresses(team);
     constexpr std::size_t W = Pairs::W, per = 16;
     const std::size_t packs = lists.first_pack(Lists::Wall);
     std::vector<Extremes> of_parts(pieces(packs, per));
@@ -182,6 +185,9 @@ struct SphCore {
       for (std::size_t p = part * per; p < std::min(packs, (part + 1) * per); ++p) {
         m.pair = std::max(m.pair, pairs.of_liquid(p, columns.rows, columns.volume, lists,
                                                   columns.rates, columns.brief));
+        if constexpr (turbulent)
+          sps().accelerate(p, W, columns.rows, columns.volume, columns.stress, lists, columns.rates,
+                           true);
         for (std::size_t k = p * W; k < (p + 1) * W; ++k) {
           if (columns.label[k] == Lists::none) continue;
           Vec3d& a = columns.rates[k].acceleration;
@@ -214,6 +220,24 @@ struct SphCore {
           columns.volume[k] *= solids.share(columns.label[k]);
       }
     });
+  }
+  SpsSums<Kernel> sps() const requires turbulent {
+    const double h = setup.h();
+    return {{particle_mass(), h, Kernel::normalisation(setup.dimensions, h), liquid.sound_speed,
+             liquid.density, gravity},
+            setup.spacing,
+            viscosity};
+  }
+  void find_stresses([[maybe_unused]] const Team& team) {
+    if constexpr (turbulent) {
+      columns.stress.assign(columns.size(), {});
+      const SpsSums<Kernel> sums = sps();
+      team.for_ranges(
+          lists.first_pack(Lists::Wall), [&](std::size_t, std::size_t from, std::size_t to) {
+            for (std::size_t p = from; p < to; ++p)
+              sums.stresses(p, Pairs::W, columns.rows, columns.volume, lists, columns.stress);
+          });
+    }
   }
   /// Walls and bodies to where they are at the time of these rates; what they have moved counts for
   /// the lists.
@@ -278,8 +302,12 @@ struct SphCore {
     const std::size_t first = lists.first_pack(Lists::Wall),
                       n = lists.first_pack(Lists::Probe) - first;
     team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
-      for (std::size_t p = first + from; p < first + to; ++p)
+      for (std::size_t p = first + from; p < first + to; ++p) {
         pairs.of_wall(p, columns.rows, columns.volume, lists, columns.rates, columns.brief);
+        if constexpr (turbulent)
+          sps().accelerate(p, Pairs::W, columns.rows, columns.volume, columns.stress, lists,
+                           columns.rates, false);
+      }
     });
   }
   /// @}

@@ -61,8 +61,10 @@ constexpr std::size_t sph_width() {
 /// `Scalar` = float: pairs in float, of rows that shorten() has made (SphBrief): places are whole
 /// numbers, so that ways are exact; velocities, densities and pressures are in units of c and
 /// rho_0. Sums of `chunk` pairs are floats, their sums doubles.
+///
+/// `own_masses`: particles of the liquid have less than a particle's mass, by their volumes.
 template <class Kernel, class Viscosity, class Diffusion, class Shifting, class Scalar = double,
-          class Arch = DefaultArch>
+          bool own_masses = false, class Arch = DefaultArch>
 class SphPairs {
  public:
   static constexpr bool mixed = std::is_same_v<Scalar, float>;
@@ -281,7 +283,8 @@ class SphPairs {
     const Real Vf = Real(volume) * f;
     // m f/m: what is solid may stand for less than a particle's volume.
     [[maybe_unused]] Real mf = f;
-    if constexpr (!liquid) mf = Real((b.density + own_rest_) * volume * over_mass_) * f;
+    if constexpr (!liquid || own_masses)
+      mf = Real((b.density + own_rest_) * volume * over_mass_) * f;
     const Real ux = a.v.x - Real(b.vx), uy = a.v.y - Real(b.vy), uz = a.v.z - Real(b.vz);
     const Real along = ux * dx + uy * dy + uz * dz;
     sum.spread = multiply_add(Vf, along, sum.spread);

@@ -31,12 +31,13 @@ concept SphPrecision = requires {
 /// The policies of an Sph by axis: what was given, or the default.
 template <class... Ps>
 struct SphPolicies {
-  static_assert(((SphPolicy<Ps> || SphPrecision<Ps>)&&...),
-                "Sph: a policy is none of those for SPH: a kernel (WendlandC2, CubicSpline), a "
-                "viscosity (ArtificialViscosity, LaminarViscosity, Inviscid), a diffusion "
-                "(Fourtakas, MolteniColagrossi, NoDiffusion), Shifting or NoShifting, "
-                "SymplecticTime or VerletTime, MirroredWalls or DynamicWalls, Double or Mixed, "
-                "UnresolvedGrains");
+  static_assert(
+      ((SphPolicy<Ps> || SphPrecision<Ps>)&&...),
+      "Sph: a policy is none of those for SPH: a kernel (WendlandC2, CubicSpline), a "
+      "viscosity (ArtificialViscosity, LaminarViscosity, SpsTurbulence, Inviscid), a diffusion "
+      "(Fourtakas, MolteniColagrossi, NoDiffusion), Shifting or NoShifting, "
+      "SymplecticTime or VerletTime, MirroredWalls or DynamicWalls, Double or Mixed, "
+      "UnresolvedGrains");
   template <SphAxis axis>
   static constexpr int count = (0 + ... + int{SphPolicyOf<Ps, axis>});
   static_assert(count<SphAxis::Kernel> <= 1, "Sph: two kernels are given; give one");

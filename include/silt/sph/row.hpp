@@ -30,6 +30,11 @@ struct alignas(64) SphRow {
 };
 static_assert(sizeof(SphRow) == 64);
 
+/// tau/rho [m2/s2] of a particle, symmetric: of turbulence.
+struct alignas(64) SphStress {
+  double xx = 0, yy = 0, zz = 0, yz = 0, zx = 0, xy = 0;
+};
+
 /// The same of mixed precision: places are whole numbers of a small length, from the middle of all
 /// (SphPairs::shorten).
 struct SphBrief {

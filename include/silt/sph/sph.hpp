@@ -223,6 +223,12 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
         visit(core().columns.label[k], r.position(), r.velocity(), r.density,
               liquid().pressure(r.density));
   }
+  double mass() const {  // [kg] of all; [kg/m] in 2D
+    double sum = 0;
+    for (std::size_t k = 0; k < core().columns.size(); ++k)
+      if (core().columns.is_liquid(k)) sum += core().mass_of(k);
+    return sum;
+  }
   Vec3d momentum() const {  // [kg m/s]
     Vec3d sum{0, 0, 0};
     for (std::size_t k = 0; k < core().columns.size(); ++k)
