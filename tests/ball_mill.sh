@@ -10,6 +10,12 @@
 #   balls_outside                       balls that pass shell, lifters or ends
 #   mean_overlap_over_mean_diameter     a modulus in other units
 #   angle_of_repose                     a line through the shoulder, or of the other side
+# and of a wet one:
+#   slurry_over_volume_of_the_drum      slurry in balls or walls, or a level that is off
+#   share_that_left_or_was_displaced    slurry that passes the drum, or is deleted where balls are
+#   share_inside_balls                  balls that the slurry does not see
+#   share_whose_density_is_off          pores that blow up; a speed of sound that is too small
+#   speed_of_999_in_1000_over_sound     slurry that is shot out between balls
 set -u
 ball_mill=$1
 # shellcheck source=tests/program.sh
@@ -35,4 +41,5 @@ dry="torque.csv impacts.csv surface.csv heat.pgm end.vtp mill.png curves.png"
 run dry "$dry" --case 300
 run ends "$dry" --case 400 --periodic --length 120
 run scan scan.csv --scan
+run wet "torque.csv surface.csv highest.csv slurry.vtp end.vtp wet.png" --wet
 exit $failed

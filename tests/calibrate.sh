@@ -16,8 +16,8 @@ touch "$work/file"
 refused "$work/file" bounce --quick --out "$work/file/out"
 
 names=$("$calibrate" --help | sed -n 's/^  \([a-z_-]*\)  *.*/\1/p')
-[ "$(echo "$names" | wc -w)" -ge 2 ] || fail "calibrate --help lists only: $names"
-for name in bounce heap; do
+[ "$(echo "$names" | wc -w)" -ge 3 ] || fail "calibrate --help lists only: $names"
+for name in bounce heap ball_mill; do
   out=$work/$name
   if "$calibrate" "$name" --quick --out "$out" >"$work/log" 2>&1; then
     for file in summary.json table.txt calibration.csv calibration.json posterior.csv calibration.png settings.txt; do

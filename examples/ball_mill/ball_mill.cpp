@@ -174,7 +174,8 @@ int main(int argc, char** argv) {
   command.add("--seed", s.seed, 1, 1000000, "Of the places where balls are put in");
   command.add_flag("--scan", do_scan, "The three drums over restitution and friction");
   command.add("--seeds", seeds, 1, 100, "Of the scan");
-  command.add_flag("--wet", is_wet, "With slurry by SPH; not ready, see docs/ball_mill.md");
+  command.add_flag("--wet", is_wet,
+                   "With slurry between the balls, by SPH; limits: docs/ball_mill.md");
   command.add("--spacing", spacing, 2, 11, "Of the slurry's particles [mm]");
   command.add("--seconds", seconds, 0.02, 100,
               "Of the wet run [s]; the last two thirds are measured");
@@ -191,8 +192,7 @@ int main(int argc, char** argv) {
       if (!command.given("--seeds")) seeds = 1;
       if (!command.given("--spacing"))
         spacing = s.name == "500" ? 7.5 : s.name == "400" ? 6.5 : 4.9;
-      if (!command.given("--seconds")) seconds = 0.06;
-      if (!command.given("--smoothing")) slurry.smoothing = 0.8;
+      if (!command.given("--seconds")) seconds = 0.2;
     }
     silt::require(!s.periodic || s.length >= 3 * make_up,
                   "ball_mill: --periodic needs a --length of ",

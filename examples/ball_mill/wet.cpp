@@ -86,17 +86,31 @@ void look(Sim& sim, WetRun& run) {
 template <class Dry>
 auto wet_mill(const Scene& s, const Slurry& slurry, const Dry& dry, int threads) {
   auto water = make_slurry(s, slurry);
-  water.least_density = 0.4;  // of drops that balls throw: none is near them
+  // A particle that leaves all others loses, by the continuity equation, what these add to the
+  // kernel's sum, up to 0.8 of its density, and gets it back where it falls in. And balls that
+  // approach squeeze what is between them.
+  water.least_density = 0.1, water.most_density = 1.5;
   water.fill(SlurryPlaces(s, slurry, dry));
   silt::Particles<silt::Sphere> balls;
   for (std::size_t k = 0; k < dry.rows(); ++k)
     balls.add({.position = dry.position(k), .radius = dry.radius(k), .density = steel_density});
   auto sim = make_mill(s, std::move(balls), threads, std::move(water));
-  // So that a whole number of steps makes nearly the longest one of the slurry.
+  // So that a whole number of steps makes nearly the longest one of the slurry, less what its
+  // velocities take of it.
   const double longest =
-      0.9 * 0.2 * slurry.smoothing * std::sqrt(3.0) * slurry.spacing / slurry.sound;
+      0.85 * 0.2 * slurry.smoothing * std::sqrt(3.0) * slurry.spacing / slurry.sound;
   sim.time_step = longest / std::ceil(longest / dry.step_length());
   return sim;
+}
+
+/// [N m] the drum's mean torque with balls alone, over the same time.
+template <class Sim>
+double dry_torque(Sim& sim, const Scene& s, double seconds) {
+  sim.set_motion("drum", turning(sim.time(), s.rate()));
+  sim.run(seconds / 3);
+  silt::MeanLoad load(sim, "drum");
+  sim.run(seconds * 2 / 3);
+  return -load.read(sim).torque.y;
 }
 
 template <class Sim>
@@ -119,10 +133,10 @@ WetRun turn(Sim& sim, const Scene& s, double seconds, Heights& heights, const st
     });
     table.add_row({sim.time(), -mean.torque.y, by_slurry, lever, sim.kinetic_energy()});
     look(sim, run);
+    std::printf("\r%3d %%", 100 * k / parts), std::fflush(stdout);
     if (3 * k <= parts) continue;  // the first third is not measured
     heights.add_frame(sim.fluid());
     run.by_balls -= mean.torque.y, run.by_slurry += by_slurry, run.lever += lever, ++run.samples;
-    std::printf("\r%3d %%", 100 * k / parts), std::fflush(stdout);
   }
   std::printf("\r");
   for (double* sum : {&run.by_balls, &run.by_slurry, &run.lever}) *sum /= run.samples;
@@ -150,7 +164,7 @@ silt::PolynomialFit<2> fit_surface(const Heights& heights, const std::string& ou
 int run_wet(const Scene& s, const Slurry& slurry, double seconds, const example::Options& options) {
   const example::Stopwatch watch;
   silt::make_folder(options.out);
-  const auto dry = filled_mill(s, options.threads);
+  auto dry = filled_mill(s, options.threads);
   auto sim = wet_mill(s, slurry, dry, options.threads);
   const double particles = static_cast<double>(sim.fluid().size());
   std::printf("%zu balls and %.0f particles of slurry in the %s mm drum\n", sim.size(), particles,
@@ -160,6 +174,7 @@ int run_wet(const Scene& s, const Slurry& slurry, double seconds, const example:
   const example::Stopwatch turning_watch;
   const WetRun run = turn(sim, s, seconds, heights, options.out);
   const double cost = turning_watch.seconds();
+  const double dry_power = dry_torque(dry, s, seconds) * s.rate();  // [W]
   const auto fit = fit_surface(heights, options.out);
   sim.fluid().write(options.out + "/slurry.vtp");
   silt::write_particles(options.out + "/end.vtp", sim);
@@ -179,6 +194,7 @@ int run_wet(const Scene& s, const Slurry& slurry, double seconds, const example:
   summary.result("torque_by_balls_n_m", run.by_balls);
   summary.result("torque_by_slurry_n_m", run.by_slurry);
   summary.result("power_w", (run.by_balls + run.by_slurry) * s.rate());
+  summary.result("power_of_balls_alone_w", dry_power);
   summary.result("torque_over_moment_of_the_weight", (run.by_balls + run.by_slurry) / run.lever);
   const auto b = fit.coefficients();
   summary.result("surface_height_in_the_middle_m", b[0]), summary.result("surface_slope", b[1]);
@@ -207,6 +223,8 @@ int run_wet(const Scene& s, const Slurry& slurry, double seconds, const example:
   const bool drawn = example::run_script(
       SILT_BALL_MILL_SCRIPT,
       {"wet", options.out, silt::text(s.radius()), silt::text(slurry.spacing), s.name});
+  std::printf("Power %.1f W, of that by the slurry %.1f W; of balls alone %.1f W.\n",
+              (run.by_balls + run.by_slurry) * s.rate(), run.by_slurry * s.rate(), dry_power);
   std::printf(
       "Slurry surface: z = %.4f %+.3f x %+.2f x^2 [m]; 95 %% of the points within %.4f m.\n", b[0],
       b[1], b[2], fit.band_of_points(0));

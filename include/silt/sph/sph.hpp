@@ -82,9 +82,9 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
               setup().periodic[d] ? "repeats" : "does not repeat", " in ", "xyz"[d],
               ", but the space of the particles ", scene.periodic[d] ? "does" : "does not",
               "; give both the same PeriodicBox");
-    auto& walls = core().solids.walls;
-    if (scene.walls != nullptr && !scene.walls->empty() && walls.follow(*scene.walls))
-      core().take_out([&walls](const Vec3d& x) { return walls.distance(x) < 0; });
+    auto& solid = core().solids.walls;
+    if (scene.walls != nullptr && !scene.walls->empty() && solid.follow(*scene.walls))
+      core().take_out([&solid](const Vec3d& x) { return solid.distance(x) < 0; });
   }
   /// Bodies of other shapes than spheres: the form of number `form`.
   template <class Shape>
@@ -104,8 +104,10 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
     std::fill(force.begin(), force.end(), Vec3d{0, 0, 0});
     std::fill(torque.begin(), torque.end(), Vec3d{0, 0, 0});
     for (double left = dt; left > 0;) {
-      const double most = longest_step(team);
-      const double one = left <= most * (1 + 1e-9) ? left : left < 2 * most ? 0.5 * left : most;
+      const double longest = longest_step(team);
+      const double one = left <= longest * (1 + 1e-9) ? left
+                         : left < 2 * longest         ? 0.5 * left
+                                                      : longest;
       step(one, team);
       left = one < left ? left - one : 0;
       core().add_loads(one / dt, force, torque);
@@ -188,8 +190,8 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
             " s must be at least 0");
     const double end = core().time + duration;
     while (core().time < end - 1e-12 * duration) {
-      const double left = end - core().time, most = longest_step(team);
-      step(left < 2 * most ? (left <= most ? left : 0.5 * left) : most, team);
+      const double remains = end - core().time, longest = longest_step(team);
+      step(remains < 2 * longest ? (remains <= longest ? remains : 0.5 * remains) : longest, team);
     }
     core().time = core().now = end;
   }
@@ -249,16 +251,16 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   /// What the liquid does to a wall now: force [N] ([N/m] in 2D), torque [N m] about `about` [m].
   std::pair<Vec3d, Vec3d> wall_load(std::size_t wall, const Vec3d& about = {0, 0, 0},
                                     const Team& team = {}) {
-    const auto& walls = core().solids.walls;
-    require(wall < walls.walls(), "Sph::wall_load: there is no wall ", wall, "; there are ",
-            walls.walls());
+    const auto& solid = core().solids.walls;
+    require(wall < solid.walls(), "Sph::wall_load: there is no wall ", wall, "; there are ",
+            solid.walls());
     core().find_rates(team);
     if constexpr (Axes::Walls::mirrored) core().find_solid_rates(team);
     Vec3d force{0, 0, 0}, torque{0, 0, 0};
-    for (std::size_t k = 0; k < walls.size(); ++k) {
-      if (walls.wall_of(k) != wall) continue;
+    for (std::size_t k = 0; k < solid.size(); ++k) {
+      if (solid.wall_of(k) != wall) continue;
       const Vec3d f = core().solids.force_on(k, core().columns, particle_mass());
-      force += f, torque += cross(walls.place(k) - about, f);
+      force += f, torque += cross(solid.place(k) - about, f);
     }
     return {force, torque};
   }
