@@ -42,15 +42,14 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
                                 c.moved,
                                 c.stale ? 1.0 : 0.0,
                                 c.made ? 1.0 : 0.0};
-  auto [walls, poses] = c.solids.walls.state();
-  std::vector<double> grains, shares;
-  for (const Vec3d& x : c.small_grains()) grains.insert(grains.end(), {x.x, x.y, x.z});
+  auto [solid, poses] = c.solids.walls.state();
+  std::vector<double> small, shares;
+  for (const Vec3d& x : c.small_grains()) small.insert(small.end(), {x.x, x.y, x.z});
   for (std::size_t k = 0; k < c.columns.voidage.size(); ++k)
     shares.insert(shares.end(), {c.columns.voidage[k], c.columns.share[k], c.columns.fullness[k]});
-  if constexpr (Axes::Grains::averaged)
-    visit("fluid.grains", grains), visit("fluid.shares", shares);
+  if constexpr (Axes::Grains::averaged) visit("fluid.grains", small), visit("fluid.shares", shares);
   visit("fluid.rows", rows), visit("fluid.labels", labels), visit("fluid.built", built);
-  visit("fluid.walls", walls), visit("fluid.poses", poses);
+  visit("fluid.walls", solid), visit("fluid.poses", poses);
   visit("fluid.bodies", kinds), visit("fluid.points", points),
       visit("fluid.numbers", std::span<double>(numbers));
 
@@ -58,8 +57,8 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
   require(labels.size() == 2 * n && rows.size() == 2 * row * n && built.size() == 3 * n,
           "Sph: a state of ", n, " particles has ", rows.size(), " numbers of rows and ",
           built.size(), " of places");
-  require(grains.size() % 3 == 0 && (shares.empty() || shares.size() == 3 * n), "Sph: a state of ",
-          n, " particles has ", grains.size(), " numbers of grains and ", shares.size(),
+  require(small.size() % 3 == 0 && (shares.empty() || shares.size() == 3 * n), "Sph: a state of ",
+          n, " particles has ", small.size(), " numbers of grains and ", shares.size(),
           " of shares");
   c.columns = {};
   std::vector<Row> then(n);
@@ -83,8 +82,8 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
   }
   if constexpr (Axes::Grains::averaged) {
     c.grains.place.clear();
-    for (std::size_t k = 0; k < grains.size(); k += 3)
-      c.grains.place.push_back({grains[k], grains[k + 1], grains[k + 2]});
+    for (std::size_t k = 0; k < small.size(); k += 3)
+      c.grains.place.push_back({small[k], small[k + 1], small[k + 2]});
     c.grains.number.resize(c.grains.place.size());
   }
   c.next_number = static_cast<std::uint32_t>(numbers[0]);
@@ -93,7 +92,7 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
   c.last_step = numbers[5];
   c.moved = numbers[6], c.stale = numbers[7] != 0, c.made = numbers[8] != 0, c.known = false;
   bodies.restore(kinds, points);
-  if (c.made) c.solids.walls.restore(walls, poses);
+  if (c.made) c.solids.walls.restore(solid, poses);
   if (!c.stale) c.make_lists(then, {});
 }
 
