@@ -95,6 +95,13 @@ TEST_CASE("SPH: fill, walls and runs that cannot be are refused") {
       "duration = -1 s");
   refuses<InputError>(
       [] {
+        Sph sph{Liquid{.density = 1000, .sound_speed = 3}, setup};
+        sph.gravity = {0, 0, -9.81};
+        sph.fill([](const Vec3d&) { return true; });
+      },
+      "Liquid.sound_speed = 3 m/s is too low for it");
+  refuses<InputError>(
+      [] {
         Sph sph{water, setup};
         sph.fill([](const Vec3d&) { return true; });
         sph.step(none);

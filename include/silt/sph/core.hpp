@@ -370,7 +370,8 @@ struct SphCore {
              r.density, " kg/m3 and velocity ", r.velocity(), " m/s, beyond ", least_density,
              " to ", most_density, " of ", liquid.density,
              " kg/m3; take a larger Liquid.sound_speed (at least ten times the largest velocity), "
-             "a smaller spacing or a smaller SphSetup.courant"),
+             "a smaller spacing or a smaller SphSetup.courant; for a drop that has flown off "
+             "alone, whose density no neighbour holds, a lower Sph::least_density"),
         steps, {}, r.position());
   }
   bool is_out(const Vec3d& x) const {

@@ -157,6 +157,12 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
       const double p = pressure(x);
       require(is_finite(v) && std::isfinite(p), "Sph::fill: at ", x, " m velocity ", v,
               " m/s and pressure ", p, " Pa must be finite");
+      const double rise = p / (liquid().density * liquid().sound_speed * liquid().sound_speed);
+      require(rise < 0.05, "Sph::fill: at ", x, " m the pressure of ", p,
+              " Pa raises the density by about ", 100 * rise,
+              " %, as Liquid.sound_speed = ", liquid().sound_speed,
+              " m/s is too low for it; take at least ", 10 * std::sqrt(2 * p / liquid().density),
+              " m/s, ten times the speed that such a pressure gives");
       r.place(x), r.move(v), r.density = liquid().density_at(p);
       core().columns.add(r, Core::Lists::Liquid, core().next_number++);
     });
