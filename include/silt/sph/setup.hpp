@@ -50,7 +50,7 @@ struct SphSetup {
   std::array<bool, 3> periodic{};  // the region repeats
   Vec3d gravity{0, 0, 0};          // [m/s2]
   double courant = 0.2;            // [-] of the time step
-  std::optional<Slip> slip = {};   // at walls; left out: None with LaminarViscosity, else Free
+  std::optional<Slip> slip = {};   // at walls; left out: None with a viscosity of its own
 
   double h() const { return smoothing * std::sqrt(static_cast<double>(dimensions)) * spacing; }
   double volume() const {
