@@ -70,9 +70,9 @@ std::vector<double> state_of(const Sim& sim) {
 
 TEST_CASE("SPH: a box of half the liquid's density floats half immersed, in 2D") {
   // 0.2 by 0.1 m, in the middle of still water, 8 spacings high: from then on it moves by less than
-  // a sixth of a spacing, 2 % of its height (0.7 % seen), the error of where its surface is. Without
-  // the pressure on its sides and bottom it would sink by 0.1 m in 0.2 s; points of which one layer
-  // more or less counted would shift it by 6 mm.
+  // a sixth of a spacing, 2 % of its height (0.7 % seen), the error of where its surface is.
+  // Without the pressure on its sides and bottom it would sink by 0.1 m in 0.2 s; points of which
+  // one layer more or less counted would shift it by 6 mm.
   const double s = 0.0125, width = 0.6, depth = 0.2;
   Sph water{Liquid{.density = 1000, .sound_speed = 20 * std::sqrt(g * depth)},
             {.spacing = s, .region = {{0, 0, 0}, {width, 0, 0.4}}, .dimensions = 2}};
