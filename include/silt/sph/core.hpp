@@ -18,7 +18,9 @@
 #include <silt/sph/pair_sums.hpp>
 #include <silt/sph/policies.hpp>
 #include <silt/sph/setup.hpp>
+#include <silt/sph/solid_sums.hpp>
 #include <silt/sph/solids.hpp>
+#include <silt/sph/time_step.hpp>
 #include <silt/sph/turbulence.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -174,7 +176,7 @@ struct SphCore {
       grains.template set<Kernel>(columns, lists, solids.grain_rows(), Pairs::W, particle_mass(),
                                   setup.h(), team);
     set_pressures(team);
-    if constexpr (Walls::mirrored) set_walls(pairs, team);
+    if constexpr (Walls::mirrored) sph_mirror(*this, pairs, team);
     shorten(pairs, team);
     find_stresses(team);
     constexpr std::size_t W = Pairs::W, per = 16;
@@ -206,7 +208,7 @@ struct SphCore {
       most.pair = std::max(most.pair, m.pair), most.speed = std::max(most.speed, m.speed);
       most.acceleration = std::max(most.acceleration, m.acceleration);
     }
-    if constexpr (!Walls::mirrored) find_solid_rates(team);
+    if constexpr (!Walls::mirrored) sph_solid_rates(*this, team);
     known = true;
   }
   void set_pressures(const Team& team) {
@@ -245,70 +247,6 @@ struct SphCore {
     const bool move = solids.walls.any_moves();
     if (move) solids.walls.move_to(now, 0.1 * setup.courant * setup.h() / liquid.sound_speed);
     moved += solids.move_rows(columns, lists.repeats, move, Walls::mirrored, small_grains());
-  }
-  /// Density and velocity of walls' particles, from the liquid at their mirror images.
-  void set_walls(const Pairs& pairs, const Team& team) {
-    constexpr std::size_t W = Pairs::W;
-    const std::size_t first = lists.first_pack(Lists::Probe), n = lists.packs() - first;
-    team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
-      for (std::size_t p = first + from; p < first + to; ++p) {
-        std::array<SphSeen, W> seen;
-        pairs.look(p, columns.rows, columns.volume, lists, seen);
-        for (std::size_t l = 0; l < W; ++l) {
-          const std::size_t k = p * W + l;
-          if (columns.label[k] == Lists::none) continue;
-          const std::uint32_t of = columns.label[k];
-          if (of >= solids.size()) continue;  // a grain
-          const std::size_t at = solids.wall_row[of];
-          Row& wall = columns.rows[at];
-          const Vec3d away = solids.place(of) - solids.ghost(of);
-          const auto [density, velocity, share] =
-              seen[l].at(away, liquid, gravity, setup.h(), !solids.bodies.empty());
-          wall.density = density, wall.pressure = liquid.pressure(density);
-          const Vec3d own = solids.velocity(of);
-          wall.move(own + share * (at_wall(velocity, own, away) - own));
-          columns.volume[at] = solids.share(of) * particle_mass() / density;
-        }
-      }
-    });
-  }
-
-  /// The velocity of a wall's particle, `away` from its mirror image: such that on the surface
-  /// between them the liquid goes with the wall, or along it.
-  Vec3d at_wall(const Vec3d& seen, const Vec3d& wall, const Vec3d& away) const {
-    if (setup.slip.value_or(Viscosity::laminar ? Slip::None : Slip::Free) == Slip::None)
-      return 2 * wall - seen;
-    const double across = dot(seen - wall, away) / dot(away, away);
-    return across * across >= 0 ? seen - 2 * across * away : seen;
-  }
-
-  /// What the liquid does to bodies: the opposite of what they do to it, pair by pair.
-  void find_body_loads(const Team& team) {
-    BodyPoints& of = solids.bodies;
-    for (auto& b : of.bodies) b.force = b.torque = {0, 0, 0};
-    if (of.empty()) return;
-    if constexpr (Walls::mirrored) find_solid_rates(team);
-    const std::size_t first = solids.walls.size();
-    for (std::size_t k = first; k < solids.size(); ++k) {
-      auto& body = of.bodies[of.body_of(k - first)];
-      const Vec3d f = solids.force_on(k, columns, particle_mass());
-      Vec3d arm = solids.place(k) - body.centre;
-      if (solids.plane) arm.y = 0;
-      body.force += f, body.torque += cross(arm, f);
-    }
-  }
-  void find_solid_rates(const Team& team) {
-    const Pairs pairs = this->pairs();
-    const std::size_t first = lists.first_pack(Lists::Wall),
-                      n = lists.first_pack(Lists::Probe) - first;
-    team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
-      for (std::size_t p = first + from; p < first + to; ++p) {
-        pairs.of_wall(p, columns.rows, columns.volume, lists, columns.rates, columns.brief);
-        if constexpr (turbulent)
-          sps().accelerate(p, Pairs::W, columns.rows, columns.volume, columns.stress, lists,
-                           columns.rates, false);
-      }
-    });
   }
   /// @}
 
@@ -380,123 +318,17 @@ struct SphCore {
     return x.x < b.min.x || x.x > b.max.x || x.z < b.min.z || x.z > b.max.z ||
            (setup.dimensions == 3 && (x.y < b.min.y || x.y > b.max.y));
   }
-
   /// @}
 
-  /// @name A step
-  /// @{
+  /// One step, by the policy of time integration.
   void step(double dt, const Team& team) {
     find_rates(team);
     if constexpr (Time::two_stages)
-      symplectic(dt, team);
+      SphStep(*this, dt, team).symplectic();
     else
-      verlet(dt, team);
+      SphStep(*this, dt, team).verlet();
     time += dt, now = time, ++steps, last_step = dt, known = false;
   }
-  template <class Update>
-  void for_liquid(const Team& team, const Update& update) {
-    const std::size_t n = lists.first_pack(Lists::Wall) * Pairs::W;
-    team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
-      for (std::size_t k = from; k < to; ++k)
-        if (columns.label[k] != Lists::none)
-          update(k, columns.rows[k], columns.start[k], columns.rates[k]);
-    });
-  }
-  void move_solids(double dt) {
-    solids.bodies.move(dt);
-    if constexpr (Grains::averaged) grains.move(dt);
-  }
-  /// The densities of walls and bodies that have their own.
-  template <class Update>
-  void for_walls(const Team& team, const Update& update) {
-    if constexpr (!Walls::mirrored) {
-      const std::size_t first = lists.first_pack(Lists::Wall) * Pairs::W,
-                        n = lists.first_pack(Lists::Probe) * Pairs::W - first;
-      team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
-        for (std::size_t k = first + from; k < first + to; ++k) {
-          if (columns.label[k] == Lists::none) continue;
-          Row& r = columns.rows[k];
-          update(r, columns.start[k], columns.rates[k].density);
-          r.density = std::max(r.density, liquid.density);
-        }
-      });
-    }
-  }
-  void symplectic(double dt, const Team& team) {
-    for_liquid(team, [&](std::size_t, Row& r, Row& start, const SphRates& rate) {
-      start = r;
-      r.place(r.position() + 0.5 * dt * r.velocity());
-      r.move(r.velocity() + 0.5 * dt * rate.acceleration);
-      r.density += 0.5 * dt * rate.density;
-    });
-    for_walls(team, [&](Row& r, Row& start, double rate) {
-      start.density = r.density, r.density += 0.5 * dt * rate;
-    });
-    moved += 0.5 * dt * most.speed;
-    now = time + 0.5 * dt, known = false;
-    move_solids(0.5 * dt);
-    find_rates(team), find_body_loads(team);
-    if constexpr (Grains::averaged) {
-      grains.find(columns, {liquid.density, grains.settings.viscosity}, gravity, dt, team);
-    }
-    for_liquid(team, [&]([[maybe_unused]] std::size_t k, Row& r, const Row& start,
-                         const SphRates& rate) {
-      Vec3d v = start.velocity() + dt * rate.acceleration;
-      if constexpr (Grains::averaged) {
-        const double over = dt / mass_of(k);
-        v = (1 / (1 + over * grains.coefficient[k])) * (v + over * grains.push[k]);
-      }
-      const double eps = -dt * rate.density / r.density;
-      r.place(start.position() + 0.5 * dt * (start.velocity() + v) + shift_of(rate, norm(v), dt));
-      r.move(v), r.density = start.density * (2 - eps) / (2 + eps);
-    });
-    for_walls(team, [&](Row& r, const Row& start, double rate) {
-      const double eps = -dt * rate / r.density;
-      r.density = start.density * (2 - eps) / (2 + eps);
-    });
-    if constexpr (Grains::averaged)
-      moved += 0.5 * dt * grains.give_back(columns, particle_mass(), dt, team);
-    move_solids(0.5 * dt);
-    moved += 0.5 * dt * (most.speed + 2 * dt * most.acceleration) + most_shift(dt);
-  }
-  void verlet(double dt, const Team& team) {
-    const bool restart = steps % scheme.restart == 0;
-    find_body_loads(team);
-    const double span = restart ? dt : dt + last_step;
-    for_liquid(team, [&](std::size_t, Row& r, Row& start, const SphRates& rate) {
-      const Row from = restart ? r : start;
-      start = r;
-      const Vec3d v = r.velocity(), &a = rate.acceleration;
-      r.place(r.position() + dt * v + 0.5 * dt * dt * a + shift_of(rate, norm(v), dt));
-      r.move(from.velocity() + span * a), r.density = from.density + span * rate.density;
-    });
-    for_walls(team, [&](Row& r, Row& start, double rate) {
-      const double from = restart ? r.density : start.density;
-      start.density = r.density, r.density = from + span * rate;
-    });
-    move_solids(dt);
-    moved += dt * (most.speed + 0.5 * dt * most.acceleration) + most_shift(dt);
-  }
-  Vec3d shift_of([[maybe_unused]] const SphRates& rate, [[maybe_unused]] double speed,
-                 [[maybe_unused]] double dt) const {
-    if constexpr (Shift::shifts) {
-      const double full = setup.dimensions, none = shift.threshold_in(setup.dimensions);
-      const double share = std::clamp((rate.divergence - none) / (full - none), 0.0, 1.0);
-      const Vec3d way = (-shift.strength * setup.h() * speed * dt * share) * rate.slope;
-      const double length = norm(way), longest = longest_shift * setup.spacing;
-      return length > longest ? (longest / length) * way : way;
-    }
-    return {0, 0, 0};
-  }
-  static constexpr double longest_shift = 0.05;  // [-] of the spacing, in a step
-  double most_shift(double dt) const {           // [m] of any; h grad C is below 1
-    if constexpr (Shift::shifts)
-      return std::min(longest_shift * setup.spacing,
-                      shift.strength * (most.speed + dt * most.acceleration) * dt);
-    return 0;
-  }
-
-  /// @}
 };
 
 }  // namespace silt::detail

@@ -261,7 +261,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
     require(wall < solid.walls(), "Sph::wall_load: there is no wall ", wall, "; there are ",
             solid.walls());
     core().find_rates(team);
-    if constexpr (Axes::Walls::mirrored) core().find_solid_rates(team);
+    if constexpr (Axes::Walls::mirrored) detail::sph_solid_rates(core(), team);
     Vec3d force{0, 0, 0}, torque{0, 0, 0};
     for (std::size_t k = 0; k < solid.size(); ++k) {
       if (solid.wall_of(k) != wall) continue;

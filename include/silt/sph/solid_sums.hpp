@@ -1,0 +1,95 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include <silt/core/threads.hpp>
+#include <silt/core/vec3.hpp>
+#include <silt/sph/body_points.hpp>
+#include <silt/sph/seen.hpp>
+#include <silt/sph/setup.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// What an SphCore's walls and bodies take from the liquid, and what it does to them.
+/// @{
+
+/// The velocity of a wall's particle, `away` from its mirror image, where the liquid is `seen` to
+/// move: such that on the surface between them the liquid goes with the wall, or along it.
+inline Vec3d sph_velocity_at_wall(const Vec3d& seen, const Vec3d& wall, const Vec3d& away,
+                                  Slip slip) {
+  if (slip == Slip::None) return 2 * wall - seen;
+  const double across = dot(seen - wall, away) / dot(away, away);
+  return across * across >= 0 ? seen - 2 * across * away : seen;
+}
+
+/// Density and velocity of walls' particles, from the liquid at their mirror images.
+template <class Core>
+void sph_mirror(Core& core, const typename Core::Pairs& pairs, const Team& team) {
+  constexpr std::size_t W = Core::Pairs::W;
+  using Lists = typename Core::Lists;
+  auto& columns = core.columns;
+  const auto& solids = core.solids;
+  const Slip slip = core.setup.slip.value_or(Core::Viscosity::laminar ? Slip::None : Slip::Free);
+  const std::size_t first = core.lists.first_pack(Lists::Probe), n = core.lists.packs() - first;
+  team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
+    for (std::size_t p = first + from; p < first + to; ++p) {
+      std::array<SphSeen, W> seen;
+      pairs.look(p, columns.rows, columns.volume, core.lists, seen);
+      for (std::size_t l = 0; l < W; ++l) {
+        const std::uint32_t of = columns.label[p * W + l];
+        if (of == Lists::none || of >= solids.size()) continue;  // the latter: a grain
+        const std::size_t at = solids.wall_row[of];
+        auto& wall = columns.rows[at];
+        const Vec3d away = solids.place(of) - solids.ghost(of);
+        const auto [density, velocity, share] =
+            seen[l].at(away, core.liquid, core.gravity, core.setup.h(), !solids.bodies.empty());
+        wall.density = density, wall.pressure = core.liquid.pressure(density);
+        const Vec3d own = solids.velocity(of);
+        wall.move(own + share * (sph_velocity_at_wall(velocity, own, away, slip) - own));
+        columns.volume[at] = solids.share(of) * core.particle_mass() / density;
+      }
+    }
+  });
+}
+
+/// The sums over the liquid beside each particle of walls and bodies.
+template <class Core>
+void sph_solid_rates(Core& core, const Team& team) {
+  using Lists = typename Core::Lists;
+  const auto pairs = core.pairs();
+  auto& of = core.columns;
+  const std::size_t first = core.lists.first_pack(Lists::Wall),
+                    n = core.lists.first_pack(Lists::Probe) - first;
+  team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
+    for (std::size_t p = first + from; p < first + to; ++p) {
+      pairs.of_wall(p, of.rows, of.volume, core.lists, of.rates, of.brief);
+      if constexpr (Core::turbulent)
+        core.sps().accelerate(p, Core::Pairs::W, of.rows, of.volume, of.stress, core.lists,
+                              of.rates, false);
+    }
+  });
+}
+
+/// What the liquid does to bodies: the opposite of what they do to it, pair by pair.
+template <class Core>
+void sph_body_loads(Core& core, const Team& team) {
+  auto& solids = core.solids;
+  BodyPoints& of = solids.bodies;
+  for (auto& b : of.bodies) b.force = b.torque = {0, 0, 0};
+  if (of.empty()) return;
+  if constexpr (Core::Walls::mirrored) sph_solid_rates(core, team);
+  const std::size_t first = solids.walls.size();
+  for (std::size_t k = first; k < solids.size(); ++k) {
+    auto& body = of.bodies[of.body_of(k - first)];
+    const Vec3d f = solids.force_on(k, core.columns, core.particle_mass());
+    Vec3d arm = solids.place(k) - body.centre;
+    if (solids.plane) arm.y = 0;
+    body.force += f, body.torque += cross(arm, f);
+  }
+}
+/// @}
+
+}  // namespace silt::detail

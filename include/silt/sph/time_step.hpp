@@ -1,0 +1,142 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+
+#include <silt/core/threads.hpp>
+#include <silt/core/vec3.hpp>
+#include <silt/sph/pair_sums.hpp>
+#include <silt/sph/row.hpp>
+#include <silt/sph/solid_sums.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// Takes what an SphCore knows dt [s] further: liquid, walls with densities of their own, bodies.
+/// The rates are those of the start.
+template <class Core>
+class SphStep {
+  using Row = SphRow;
+  using Lists = typename Core::Lists;
+
+ public:
+  SphStep(Core& core, double dt, const Team& team) : core_(core), dt_(dt), team_(team) {}
+
+  void symplectic() {
+    for_liquid([this](std::size_t, Row& r, Row& start, const SphRates& rate) {
+      start = r;
+      r.place(r.position() + 0.5 * dt_ * r.velocity());
+      r.move(r.velocity() + 0.5 * dt_ * rate.acceleration);
+      r.density += 0.5 * dt_ * rate.density;
+    });
+    for_walls([this](Row& r, Row& start, double rate) {
+      start.density = r.density, r.density += 0.5 * dt_ * rate;
+    });
+    core_.moved += 0.5 * dt_ * core_.most.speed;
+    core_.now = core_.time + 0.5 * dt_, core_.known = false;
+    move_solids(0.5 * dt_);
+    core_.find_rates(team_), sph_body_loads(core_, team_);
+    if constexpr (averaged)
+      core_.grains.find(core_.columns, {core_.liquid.density, core_.grains.settings.viscosity},
+                        core_.gravity, dt_, team_);
+    for_liquid(
+        [this]([[maybe_unused]] std::size_t k, Row& r, const Row& start, const SphRates& rate) {
+          Vec3d v = start.velocity() + dt_ * rate.acceleration;
+          if constexpr (averaged) {
+            const double over = dt_ / core_.mass_of(k);
+            v = (1 / (1 + over * core_.grains.coefficient[k])) * (v + over * core_.grains.push[k]);
+          }
+          const double eps = -dt_ * rate.density / r.density;
+          r.place(start.position() + 0.5 * dt_ * (start.velocity() + v) + shift_of(rate, norm(v)));
+          r.move(v), r.density = start.density * (2 - eps) / (2 + eps);
+        });
+    for_walls([this](Row& r, const Row& start, double rate) {
+      const double eps = -dt_ * rate / r.density;
+      r.density = start.density * (2 - eps) / (2 + eps);
+    });
+    if constexpr (averaged)
+      core_.moved +=
+          0.5 * dt_ * core_.grains.give_back(core_.columns, core_.particle_mass(), dt_, team_);
+    move_solids(0.5 * dt_);
+    core_.moved +=
+        0.5 * dt_ * (core_.most.speed + 2 * dt_ * core_.most.acceleration) + most_shift();
+  }
+
+  void verlet() {
+    const bool restart = core_.steps % core_.scheme.restart == 0;
+    sph_body_loads(core_, team_);
+    const double span = restart ? dt_ : dt_ + core_.last_step;
+    for_liquid([&](std::size_t, Row& r, Row& start, const SphRates& rate) {
+      const Row from = restart ? r : start;
+      start = r;
+      const Vec3d v = r.velocity(), &a = rate.acceleration;
+      r.place(r.position() + dt_ * v + 0.5 * dt_ * dt_ * a + shift_of(rate, norm(v)));
+      r.move(from.velocity() + span * a), r.density = from.density + span * rate.density;
+    });
+    for_walls([&](Row& r, Row& start, double rate) {
+      const double from = restart ? r.density : start.density;
+      start.density = r.density, r.density = from + span * rate;
+    });
+    move_solids(dt_);
+    core_.moved += dt_ * (core_.most.speed + 0.5 * dt_ * core_.most.acceleration) + most_shift();
+  }
+
+ private:
+  static constexpr bool averaged = Core::Grains::averaged;
+  static constexpr double longest_shift = 0.05;  // [-] of the spacing
+
+  /// update(row, its particle, that at the start, rates) of each particle of the liquid.
+  template <class Update>
+  void for_liquid(const Update& update) {
+    auto& of = core_.columns;
+    const std::size_t n = core_.lists.first_pack(Lists::Wall) * Core::Pairs::W;
+    team_.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t k = from; k < to; ++k)
+        if (of.label[k] != Lists::none) update(k, of.rows[k], of.start[k], of.rates[k]);
+    });
+  }
+  /// The densities of walls and bodies that have their own.
+  template <class Update>
+  void for_walls(const Update& update) {
+    if constexpr (!Core::Walls::mirrored) {
+      auto& of = core_.columns;
+      const std::size_t first = core_.lists.first_pack(Lists::Wall) * Core::Pairs::W,
+                        n = core_.lists.first_pack(Lists::Probe) * Core::Pairs::W - first;
+      team_.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
+        for (std::size_t k = first + from; k < first + to; ++k) {
+          if (of.label[k] == Lists::none) continue;
+          update(of.rows[k], of.start[k], of.rates[k].density);
+          of.rows[k].density = std::max(of.rows[k].density, core_.liquid.density);
+        }
+      });
+    }
+  }
+  void move_solids(double dt) {
+    core_.solids.bodies.move(dt);
+    if constexpr (averaged) core_.grains.move(dt);
+  }
+  Vec3d shift_of([[maybe_unused]] const SphRates& rate, [[maybe_unused]] double speed) const {
+    if constexpr (Core::Shift::shifts) {
+      const SphSetup& setup = core_.setup;
+      const double full = setup.dimensions, none = core_.shift.threshold_in(setup.dimensions);
+      const double share = std::clamp((rate.divergence - none) / (full - none), 0.0, 1.0);
+      const Vec3d way = (-core_.shift.strength * setup.h() * speed * dt_ * share) * rate.slope;
+      const double length = norm(way), longest = longest_shift * setup.spacing;
+      return length > longest ? (longest / length) * way : way;
+    }
+    return {0, 0, 0};
+  }
+  double most_shift() const {  // [m] of any; h grad C is below 1
+    if constexpr (Core::Shift::shifts)
+      return std::min(
+          longest_shift * core_.setup.spacing,
+          core_.shift.strength * (core_.most.speed + dt_ * core_.most.acceleration) * dt_);
+    return 0;
+  }
+
+  Core& core_;
+  const double dt_;
+  const Team& team_;
+};
+
+}  // namespace silt::detail
