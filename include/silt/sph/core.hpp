@@ -15,6 +15,7 @@
 #include <silt/core/threads.hpp>
 #include <silt/sph/cluster_lists.hpp>
 #include <silt/sph/columns.hpp>
+#include <silt/sph/ledger.hpp>
 #include <silt/sph/pair_sums.hpp>
 #include <silt/sph/policies.hpp>
 #include <silt/sph/setup.hpp>
@@ -38,6 +39,7 @@ struct SphCore {
   using Time = typename Axes::Time;
   using Walls = typename Axes::Walls;
   using Grains = typename Axes::Grains;
+  using Book = SphBookOf<Axes::ledger>;
   // Unresolved grains ask how full kernels are, as shifting does.
   using Pairs =
       SphPairs<Kernel, Viscosity, Diffusion, std::conditional_t<Grains::averaged, Shifting, Shift>,
@@ -71,6 +73,7 @@ struct SphCore {
   bool stale = true;                    // lists are to be made
   bool known = false;                   // rates are those of now
   bool made = false;                    // solids are in the columns
+  [[no_unique_address]] Book book{};
   std::vector<std::size_t> resolved{};  // which particles are bodies in the liquid
 
   void begin() {
@@ -94,7 +97,7 @@ struct SphCore {
   void take_out(const Inside& inside) {
     for (std::size_t k = 0; k < columns.size(); ++k)
       if (columns.is_liquid(k) && inside(columns.rows[k].position()))
-        columns.take_out(k), ++displaced;
+        sph_goes(*this, k, true), columns.take_out(k), ++displaced;
     made = false, renewed();
   }
   /// What is in the liquid now, as a Simulation tells it.
@@ -144,12 +147,12 @@ struct SphCore {
   /// @{
   static constexpr double skin_share = 0.2;  // [-] of the spacing: what lists reach farther
   double skin() const { return skin_share * setup.spacing; }
-  Pairs pairs() const {
+  SphConstants constants() const {
     const double h = setup.h();
-    return Pairs({particle_mass(), h, Kernel::normalisation(setup.dimensions, h),
-                  liquid.sound_speed, liquid.density, gravity},
-                 viscosity, diffusion, lists.extent());
+    return {particle_mass(), h, Kernel::normalisation(setup.dimensions, h), liquid.sound_speed,
+            liquid.density,  gravity};
   }
+  Pairs pairs() const { return Pairs(constants(), viscosity, diffusion, lists.extent()); }
   void shorten(const Pairs& pairs, const Team& team) {
     if constexpr (Pairs::mixed) {
       make_room(columns.brief, columns.size());
@@ -169,12 +172,15 @@ struct SphCore {
   /// The rates where the particles are now, unless they are known.
   void find_rates(const Team& team) {
     if (known) return;
+    sph_follow_gravity(*this);
     if (made && solids.have_rows(small_grains().size())) place_solids();
     if (stale || 2 * moved > skin()) renew(team), place_solids();
     const Pairs pairs = this->pairs();
     if constexpr (Grains::averaged)
-      grains.template set<Kernel>(columns, lists, solids.grain_rows(), Pairs::W, particle_mass(),
-                                  setup.h(), team);
+      sph_book_voidage(*this, [&] {
+        grains.template set<Kernel>(columns, lists, solids.grain_rows(), Pairs::W, particle_mass(),
+                                    setup.h(), team);
+      });
     set_pressures(team);
     if constexpr (Walls::mirrored) sph_mirror(*this, pairs, team);
     shorten(pairs, team);
@@ -224,11 +230,7 @@ struct SphCore {
     });
   }
   SpsSums<Kernel> sps() const requires turbulent {
-    const double h = setup.h();
-    return {{particle_mass(), h, Kernel::normalisation(setup.dimensions, h), liquid.sound_speed,
-             liquid.density, gravity},
-            setup.spacing,
-            viscosity};
+    return {constants(), setup.spacing, viscosity};
   }
   void find_stresses([[maybe_unused]] const Team& team) {
     if constexpr (turbulent) {
@@ -270,7 +272,8 @@ struct SphCore {
       const Vec3d way = lists.repeats.wrapped(r.position()) - r.position();
       Row& start = columns.start[k];
       r.place(r.position() + way), start.place(start.position() + way);
-      if (is_out(r.position())) columns.take_out(k), ++left;
+      sph_goes_round(*this, k, way);
+      if (is_out(r.position())) sph_goes(*this, k, false), columns.take_out(k), ++left;
     }
     columns.arrange(make_order(columns.rows, team), team);
     make_lists(columns.rows, team, false);
@@ -323,6 +326,7 @@ struct SphCore {
   /// One step, by the policy of time integration.
   void step(double dt, const Team& team) {
     find_rates(team);
+    sph_begin_book(*this);
     if constexpr (Time::two_stages)
       SphStep(*this, dt, team).symplectic();
     else

@@ -165,6 +165,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
               " m/s, ten times the speed that such a pressure gives");
       r.place(x), r.move(v), r.density = liquid().density_at(p);
       core().columns.add(r, Core::Lists::Liquid, core().next_number++);
+      detail::sph_comes(core(), core().columns.size() - 1);
     });
     require(
         core().next_number > before, "Sph::fill: no place of the lattice of ", setup().spacing,
@@ -249,6 +250,13 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
       if (const Vec3d v = core().columns.rows[k].velocity(); core().columns.is_liquid(k))
         sum += 0.5 * core().mass_of(k) * dot(v, v);
     return sum;
+  }
+  /// With an EnergyLedger: where the energy is and where it went since the first step.
+  LiquidBalance energy() const {
+    static_assert(Axes::ledger,
+                  "energy() reads the books of a policy that is missing: give the Sph "
+                  "silt::EnergyLedger{} among its policies");
+    return detail::sph_balance(core());
   }
   /// With UnresolvedGrains: how well the books of liquid and grains close, at most of any step, and
   /// those of the last step.

@@ -53,6 +53,12 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
   visit("fluid.bodies", kinds), visit("fluid.points", points),
       visit("fluid.numbers", std::span<double>(numbers));
 
+  if constexpr (Axes::ledger) {
+    const auto book = c.book.state();
+    std::vector<double> books(book.begin(), book.end());
+    visit("fluid.ledger", books), c.book.restore(books);
+  }
+
   const std::size_t n = labels.size() / 2;
   require(labels.size() == 2 * n && rows.size() == 2 * row * n && built.size() == 3 * n,
           "Sph: a state of ", n, " particles has ", rows.size(), " numbers of rows and ",

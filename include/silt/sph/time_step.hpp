@@ -6,6 +6,7 @@
 
 #include <silt/core/threads.hpp>
 #include <silt/core/vec3.hpp>
+#include <silt/sph/ledger.hpp>
 #include <silt/sph/pair_sums.hpp>
 #include <silt/sph/row.hpp>
 #include <silt/sph/solid_sums.hpp>
@@ -36,6 +37,7 @@ class SphStep {
     core_.now = core_.time + 0.5 * dt_, core_.known = false;
     move_solids(0.5 * dt_);
     core_.find_rates(team_), sph_body_loads(core_, team_);
+    sph_book_middle(core_, dt_, team_);
     if constexpr (averaged)
       core_.grains.find(core_.columns, {core_.liquid.density, core_.grains.settings.viscosity},
                         core_.gravity, dt_, team_);
@@ -57,6 +59,8 @@ class SphStep {
     if constexpr (averaged)
       core_.moved +=
           0.5 * dt_ * core_.grains.give_back(core_.columns, core_.particle_mass(), dt_, team_);
+    book_shifts(core_.columns.rows);
+    if constexpr (averaged) sph_book_grains(core_, dt_);
     move_solids(0.5 * dt_);
     core_.moved +=
         0.5 * dt_ * (core_.most.speed + 2 * dt_ * core_.most.acceleration) + most_shift();
@@ -65,6 +69,7 @@ class SphStep {
   void verlet() {
     const bool restart = core_.steps % core_.scheme.restart == 0;
     sph_body_loads(core_, team_);
+    sph_book_start(core_, dt_, team_);
     const double span = restart ? dt_ : dt_ + core_.last_step;
     for_liquid([&](std::size_t, Row& r, Row& start, const SphRates& rate) {
       const Row from = restart ? r : start;
@@ -77,6 +82,7 @@ class SphStep {
       const double from = restart ? r.density : start.density;
       start.density = r.density, r.density = from + span * rate;
     });
+    book_shifts(core_.columns.start);
     move_solids(dt_);
     core_.moved += dt_ * (core_.most.speed + 0.5 * dt_ * core_.most.acceleration) + most_shift();
   }
@@ -125,6 +131,13 @@ class SphStep {
       return length > longest ? (longest / length) * way : way;
     }
     return {0, 0, 0};
+  }
+  /// Of shifts by the speeds of these rows.
+  void book_shifts([[maybe_unused]] const AlignedVector<Row>& of) {
+    if constexpr (Core::Book::kept)
+      sph_book_shifts(core_, [&](std::size_t k) {
+        return shift_of(core_.columns.rates[k], norm(of[k].velocity()));
+      });
   }
   double most_shift() const {  // [m] of any; h grad C is below 1
     if constexpr (Core::Shift::shifts)

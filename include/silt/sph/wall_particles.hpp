@@ -168,11 +168,10 @@ class WallParticles {
   std::size_t wall_of(std::size_t k) const { return particles_[k].wall; }
   /// [m/s] of the wall's material half way between particle and ghost.
   Vec3d velocity(std::size_t k) const {
-    const Part& wall = walls_[particles_[k].wall];
-    if (!wall.motion) return {0, 0, 0};
-    const Vec3d at = 0.5 * (particles_[k].at + particles_[k].ghost);
-    return (1 / wall.span) * (wall.next.to_space(at) - wall.last.to_space(at));
+    return velocity_of(particles_[k], 0.5 * (particles_[k].at + particles_[k].ghost));
   }
+  /// ... at the particle.
+  Vec3d own_velocity(std::size_t k) const { return velocity_of(particles_[k], particles_[k].at); }
   bool any_moves() const {
     for (const Part& w : walls_)
       if (w.motion) return true;
@@ -213,6 +212,11 @@ class WallParticles {
     std::uint32_t wall;
   };
 
+  Vec3d velocity_of(const Particle& p, const Vec3d& own) const {
+    const Part& wall = walls_[p.wall];
+    if (!wall.motion) return {0, 0, 0};
+    return (1 / wall.span) * (wall.next.to_space(own) - wall.last.to_space(own));
+  }
   /// A plane that slides along itself leaves its particles where they are: it has no end.
   Vec3d in_space(const Particle& p, const Vec3d& own) const {
     const Part& wall = walls_[p.wall];
