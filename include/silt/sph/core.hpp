@@ -6,15 +6,18 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 #include <span>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <silt/core/error.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/sph/cluster_lists.hpp>
 #include <silt/sph/columns.hpp>
+#include <silt/sph/driven_walls.hpp>
 #include <silt/sph/ledger.hpp>
 #include <silt/sph/pair_sums.hpp>
 #include <silt/sph/policies.hpp>
@@ -60,6 +63,8 @@ struct SphCore {
   double least_density = 0.7, most_density = 1.3;  // [-] of the liquid's
 
   SphSolids solids{};
+  // Of a Simulation's walls: held until the next advance(), and of the last step.
+  std::vector<LiquidOnWall> on_walls{}, in_step{};
   Lists lists{};
   SphColumns columns{};
   struct Extremes {
@@ -111,10 +116,13 @@ struct SphCore {
     if constexpr (Grains::averaged)
       if (!grains.pick_small(of, setup, resolved)) made = false, renewed();
     if (solids.bodies.set(of, resolved, setup)) make_room_for_bodies();
+    solids.walls.take_drives(time), on_walls.assign(solids.walls.walls(), {});
     known = false;  // of where all is now, whatever was read in between
   }
   /// Adds a share of the loads of the last step.
-  void add_loads(double part, std::span<Vec3d> force, std::span<Vec3d> torque) const {
+  void add_loads(double part, std::span<Vec3d> force, std::span<Vec3d> torque) {
+    for (std::size_t w = 0; w < std::min(on_walls.size(), in_step.size()); ++w)
+      on_walls[w].add(part, in_step[w]);
     const auto& bodies = solids.bodies.bodies;
     for (std::size_t b = 0; b < bodies.size(); ++b) {
       const std::size_t p = resolved[b];
@@ -123,6 +131,14 @@ struct SphCore {
     if constexpr (Grains::averaged)
       for (std::size_t g = 0; g < grains.number.size(); ++g)
         force[grains.number[g]] += part * grains.force[g];
+  }
+  /// [s] as driven walls leave it, by the last advance(); number of the wall.
+  std::pair<double, std::size_t> longest_hold() const {
+    std::pair<double, std::size_t> least{std::numeric_limits<double>::infinity(), 0};
+    for (std::size_t w = 0; w < std::min(on_walls.size(), solids.walls.walls()); ++w)
+      if (solids.walls.is_driven(w))
+        least = std::min(least, {detail::longest_hold(solids.walls.wall(w), on_walls[w]), w});
+    return least;
   }
   /// [m] Centres of grains that are not resolved.
   std::span<const Vec3d> small_grains() const {

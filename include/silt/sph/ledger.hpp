@@ -30,8 +30,9 @@ struct LiquidBalance {
   // Brought in since the start.
   double walls;     // work of walls: that move, turn, or are belts
   double bodies;    // work of bodies in the liquid, which they lose
-  double mirrored;  // by what walls and bodies have of the liquid at their mirror images, beside
-                    // that work; with DynamicWalls: what their particles gave of their own
+  double at_walls, at_bodies;  // beside that work, by the pressures and velocities that their
+                               // particles have of the liquid at their mirror images; with
+                               // DynamicWalls: what their particles gave of their own
   double grains;    // by UnresolvedGrains: drag, pressure and what their voidage changes
   double openings;  // with particles that came, less with those that left
   double changed_gravity;  // by setting `gravity` anew
@@ -39,10 +40,11 @@ struct LiquidBalance {
   double initial;      // all that was there at the first step
 
   double held() const { return kinetic + gravity + elastic; }
+  double mirrored() const { return at_walls + at_bodies; }
   double viscosity() const { return artificial + laminar + turbulent; }
   double dissipated() const { return viscosity() + diffusion + shifting + displaced; }
   double supplied() const {
-    return walls + bodies + mirrored + grains + openings + changed_gravity + going_round;
+    return walls + bodies + mirrored() + grains + openings + changed_gravity + going_round;
   }
   /// What the books cannot explain: the error of time integration, second order in the step. With
   /// Mixed also that of floats, some 1e-6 of what the channels exchange.
@@ -109,7 +111,8 @@ LiquidBalance sph_balance(const Core& core) {
   const auto& n = core.book.now;
   e.artificial = -n.worked.artificial, e.laminar = -n.worked.laminar;
   e.turbulent = -n.worked.turbulent, e.diffusion = -n.worked.diffusion;
-  e.walls = n.worked.walls, e.bodies = n.worked.bodies, e.mirrored = n.worked.mirrored;
+  e.walls = n.worked.walls, e.bodies = n.worked.bodies;
+  e.at_walls = n.worked.at_walls, e.at_bodies = n.worked.at_bodies;
   e.grains = n.worked.grains, e.shifting = n.shifting, e.displaced = n.displaced;
   e.openings = n.openings, e.changed_gravity = n.changed_gravity, e.going_round = n.going_round;
   e.initial = n.started != 0 ? n.initial : e.held();

@@ -16,19 +16,20 @@ namespace silt::inline SILT_TARGET::detail {
 /// [W] What acts on an SPH liquid gives it, kinetic and elastic; of its viscosities below 0.
 struct SphPowers {
   double artificial = 0, laminar = 0, turbulent = 0, diffusion = 0;
-  double walls = 0, bodies = 0, mirrored = 0, grains = 0;
+  double walls = 0, bodies = 0, at_walls = 0, at_bodies = 0, grains = 0;
 
   void add(double times, const SphPowers& p) {
     artificial += times * p.artificial, laminar += times * p.laminar;
     turbulent += times * p.turbulent, diffusion += times * p.diffusion;
     walls += times * p.walls, bodies += times * p.bodies;
-    mirrored += times * p.mirrored, grains += times * p.grains;
+    at_walls += times * p.at_walls, at_bodies += times * p.at_bodies;
+    grains += times * p.grains;
   }
   double sum() const {
-    return artificial + laminar + turbulent + diffusion + walls + bodies + mirrored + grains;
+    return artificial + laminar + turbulent + diffusion + walls + bodies + at_walls + at_bodies +
+           grains;
   }
-  static constexpr std::size_t terms = 8;
-};
+  };
 
 /// The powers of the forces of SphPairs, of a pack of particles at a time, in double. Of pairs of
 /// liquid, f the force on a:
@@ -40,7 +41,7 @@ struct SphPowers {
 ///
 ///   work        f.u
 ///   viscosity   f.(v_a - u)
-///   mirrored    pressure's f.(v_a - u) + m_a P_a/rho_a (V_b (v_a - v_b).grad W)
+///   mirrored    pressure's f.(v_a - u) + V_a P_a V_b (v_a - v_b).grad W
 ///
 /// The last would be 0 if v_b - u were u - v_a across the surface and P_b = P_a.
 template <class Kernel, class Viscosity, class Diffusion, class Arch = DefaultArch>
@@ -71,18 +72,19 @@ class SphPowerSums {
     for (std::size_t l = 0; l < width; l += lanes) {
       const std::size_t row = pack * width + l, n = std::min(lanes, width - l);
       const Sums s = sums(row, n, rows, volume, surfaces, first, lists, pack);
-      const Real all[count] = {s.artificial, s.laminar,  s.diffusion, s.walls,
-                               s.bodies,     s.mirrored, s.stored};
+      const Real all[count] = {s.artificial, s.laminar, s.diffusion, s.walls,
+                               s.bodies,     s.at_walls, s.at_bodies};
       alignas(64) double of[count][lanes];
       for (std::size_t c = 0; c < count; ++c) store(of[c], all[c]);
       for (std::size_t k = 0; k < n; ++k) {
         const SphRow& a = rows[row + k];
         if (!a.is_there()) continue;
-        const double force = slope_ * volume[row + k], mass = mass_of(row + k);
+        const double force = slope_ * volume[row + k];
         to.artificial += force * of[0][k], to.laminar += force * of[1][k];
-        to.diffusion += mass * a.pressure / (a.density * a.density) * slope_ * delta_ * of[2][k];
+        to.diffusion +=
+            slope_ * delta_ * mass_of(row + k) * a.pressure / (a.density * a.density) * of[2][k];
         to.walls += force * of[3][k], to.bodies += force * of[4][k];
-        to.mirrored += force * of[5][k] + mass / a.density * slope_ * of[6][k];
+        to.at_walls += force * of[5][k], to.at_bodies += force * of[6][k];
       }
     }
   }
@@ -91,7 +93,7 @@ class SphPowerSums {
   static constexpr std::size_t count = 7;
   struct Sums {
     Real artificial = Real(0), laminar = Real(0), diffusion = Real(0), walls = Real(0),
-         bodies = Real(0), mirrored = Real(0), stored = Real(0);
+         bodies = Real(0), at_walls = Real(0), at_bodies = Real(0);
   };
   Sums sums(std::size_t row, std::size_t n, std::span<const SphRow> rows,
             std::span<const double> volume, std::span<const Surface> surfaces, std::size_t first,
@@ -137,8 +139,7 @@ class SphPowerSums {
         const Real d_w = dx * wx + dy * wy + dz * wz;
         const Real d_u = dx * Real(u.x) + dy * Real(u.y) + dz * Real(u.z);
         const Real push = -max(P + Real(b.pressure), Real(0)) * Vf;
-        s.mirrored = multiply_add(push, d_w, s.mirrored);
-        s.stored = multiply_add(P * Vf, along, s.stored);
+        const Real mirrored = push * d_w + P * Vf * along;
         Real work = push * d_u;
         if constexpr (Viscosity::artificial) {
           s.artificial = multiply_add(artificial, d_w, s.artificial);
@@ -148,7 +149,10 @@ class SphPowerSums {
           s.laminar = multiply_add(laminar, ux * wx + uy * wy + uz * wz, s.laminar);
           work = multiply_add(laminar, ux * Real(u.x) + uy * Real(u.y) + uz * Real(u.z), work);
         }
-        s.walls += Real(1 - of_b.of_body) * work, s.bodies += Real(of_b.of_body) * work;
+        const Real body = Real(of_b.of_body), wall = Real(1 - of_b.of_body);
+        s.walls = multiply_add(wall, work, s.walls), s.bodies = multiply_add(body, work, s.bodies);
+        s.at_walls = multiply_add(wall, mirrored, s.at_walls);
+        s.at_bodies = multiply_add(body, mirrored, s.at_bodies);
       }
     };
     for (const auto& entry : lists.liquid(pack)) meet(entry, std::false_type{});
