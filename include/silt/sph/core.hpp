@@ -24,6 +24,7 @@
 #include <silt/sph/setup.hpp>
 #include <silt/sph/solid_sums.hpp>
 #include <silt/sph/solids.hpp>
+#include <silt/sph/start_check.hpp>
 #include <silt/sph/time_step.hpp>
 #include <silt/sph/turbulence.hpp>
 
@@ -75,9 +76,9 @@ struct SphCore {
   double time = 0, now = 0, last_step = 0;  // [s] now: of the rates
   double moved = 0;                         // [m] at most, since the lists were made
   std::int64_t steps = 0;
-  bool stale = true;                    // lists are to be made
-  bool known = false;                   // rates are those of now
-  bool made = false;                    // solids are in the columns
+  bool stale = true;   // lists are to be made
+  bool known = false;  // rates are those of now
+  bool made = false;   // solids are in the columns
   [[no_unique_address]] Book book{};
   std::vector<std::size_t> resolved{};  // which particles are bodies in the liquid
 
@@ -165,7 +166,7 @@ struct SphCore {
   double skin() const { return skin_share * setup.spacing; }
   SphConstants constants() const {
     const double h = setup.h();
-    return {particle_mass(), h, Kernel::normalisation(setup.dimensions, h), liquid.sound_speed,
+    return {particle_mass(), h,      Kernel::normalisation(setup.dimensions, h), liquid.sound_speed,
             liquid.density,  gravity};
   }
   Pairs pairs() const { return Pairs(constants(), viscosity, diffusion, lists.extent()); }
@@ -245,9 +246,7 @@ struct SphCore {
       }
     });
   }
-  SpsSums<Kernel> sps() const requires turbulent {
-    return {constants(), setup.spacing, viscosity};
-  }
+  SpsSums<Kernel> sps() const requires turbulent { return {constants(), setup.spacing, viscosity}; }
   void find_stresses([[maybe_unused]] const Team& team) {
     if constexpr (turbulent) {
       columns.stress.assign(columns.size(), {});
@@ -342,6 +341,7 @@ struct SphCore {
   /// One step, by the policy of time integration.
   void step(double dt, const Team& team) {
     find_rates(team);
+    if (steps == 0) sph_check_sound(*this);
     sph_begin_book(*this);
     if constexpr (Time::two_stages)
       SphStep(*this, dt, team).symplectic();

@@ -96,9 +96,8 @@ struct DrivenMotion {
   Vec3d centre_at(double time) const { return centre + (time - since) * velocity; }
   Pose at(double time) const {
     const double rate = norm(spin);
-    const Quaternion turn = rate > 0
-                                ? rotation_about((1 / rate) * spin, rate * (time - since))
-                                : Quaternion{};
+    const Quaternion turn =
+        rate > 0 ? rotation_about((1 / rate) * spin, rate * (time - since)) : Quaternion{};
     return {turn * from.rotation, centre_at(time) + rotate(turn, from.translation - centre)};
   }
 };

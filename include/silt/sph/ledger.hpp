@@ -28,14 +28,14 @@ struct LiquidBalance {
   double shifting;                        // of `gravity`; may be below 0
   double displaced;                       // with particles where bodies or walls came
   // Brought in since the start.
-  double walls;     // work of walls: that move, turn, or are belts
-  double bodies;    // work of bodies in the liquid, which they lose
+  double walls;                // work of walls: that move, turn, or are belts
+  double bodies;               // work of bodies in the liquid, which they lose
   double at_walls, at_bodies;  // beside that work, by the pressures and velocities that their
                                // particles have of the liquid at their mirror images; with
                                // DynamicWalls: what their particles gave of their own
-  double grains;    // by UnresolvedGrains: drag, pressure and what their voidage changes
-  double openings;  // with particles that came, less with those that left
-  double changed_gravity;  // by setting `gravity` anew
+  double grains;               // by UnresolvedGrains: drag, pressure and what their voidage changes
+  double openings;             // with particles that came, less with those that left
+  double changed_gravity;      // by setting `gravity` anew
   double going_round;  // by gravity, of what has left a region that repeats and come in again
   double initial;      // all that was there at the first step
 
@@ -163,16 +163,15 @@ double sph_elastic(const Core& core) {
   const bool middle = core.now > core.time;
   for (std::size_t k = 0; k < core.columns.size(); ++k)
     if (core.columns.is_liquid(k))
-      sum += core.mass_of(k) *
-             core.liquid.elastic_energy(middle ? core.columns.start[k].density
-                                               : core.columns.rows[k].density);
+      sum += core.mass_of(k) * core.liquid.elastic_energy(middle ? core.columns.start[k].density
+                                                                 : core.columns.rows[k].density);
   return sum;
 }
 /// [W] with the rates that were found just now.
 template <class Core>
 SphPowers sph_powers(Core& core, const Team& team) {
-  using Sums = SphPowerSums<typename Core::Kernel, typename Core::Viscosity,
-                            typename Core::Diffusion>;
+  using Sums =
+      SphPowerSums<typename Core::Kernel, typename Core::Viscosity, typename Core::Diffusion>;
   using Lists = typename Core::Lists;
   constexpr std::size_t W = Core::Pairs::W, per = 16;
   auto& of = core.columns;
@@ -215,9 +214,8 @@ SphPowers sph_powers(Core& core, const Team& team) {
     for (std::size_t k = 0; k < first; ++k) {
       if (of.label[k] == Lists::none) continue;
       const SphRow& r = of.rows[k];
-      pairs += core.mass_of(k) *
-               (dot(r.velocity(), of.rates[k].acceleration - core.gravity) +
-                r.pressure / (r.density * r.density) * of.rates[k].density);
+      pairs += core.mass_of(k) * (dot(r.velocity(), of.rates[k].acceleration - core.gravity) +
+                                  r.pressure / (r.density * r.density) * of.rates[k].density);
     }
     all.grains = pairs - all.sum();
   }

@@ -29,7 +29,7 @@ struct SphPowers {
     return artificial + laminar + turbulent + diffusion + walls + bodies + at_walls + at_bodies +
            grains;
   }
-  };
+};
 
 /// The powers of the forces of SphPairs, of a pack of particles at a time, in double. Of pairs of
 /// liquid, f the force on a:
@@ -72,7 +72,7 @@ class SphPowerSums {
     for (std::size_t l = 0; l < width; l += lanes) {
       const std::size_t row = pack * width + l, n = std::min(lanes, width - l);
       const Sums s = sums(row, n, rows, volume, surfaces, first, lists, pack);
-      const Real all[count] = {s.artificial, s.laminar, s.diffusion, s.walls,
+      const Real all[count] = {s.artificial, s.laminar,  s.diffusion, s.walls,
                                s.bodies,     s.at_walls, s.at_bodies};
       alignas(64) double of[count][lanes];
       for (std::size_t c = 0; c < count; ++c) store(of[c], all[c]);
@@ -112,15 +112,14 @@ class SphPowerSums {
       const Vec3d at = b.position() + lists.shift(entry.image());
       const Real dx = x.x - Real(at.x), dy = x.y - Real(at.y), dz = x.z - Real(at.z);
       const Real r2 = dx * dx + dy * dy + dz * dz;
-      const Real Vf = Real(volume[entry.row()]) *
-                      Kernel::slope(Real(sqrt(r2) * Real(over_h_)));
+      const Real Vf = Real(volume[entry.row()]) * Kernel::slope(Real(sqrt(r2) * Real(over_h_)));
       const Real mf = Real(b.density) * Vf;
       const Real ux = v.x - Real(b.vx), uy = v.y - Real(b.vy), uz = v.z - Real(b.vz);
       const Real along = ux * dx + uy * dy + uz * dz;
       const Real wide = r2 + Real(small_);
       const Real over = rho * mf / (wide * (rho + Real(b.density)));
       const Real artificial = Real(damping_) * min(along, Real(0)) * over;  // force over d
-      const Real laminar = Real(drag_) * r2 * over;                        // over u
+      const Real laminar = Real(drag_) * r2 * over;                         // over u
       if constexpr (!decltype(solid)::value) {
         if constexpr (Viscosity::artificial)
           s.artificial = multiply_add(Real(0.5) * artificial, along, s.artificial);

@@ -93,8 +93,8 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   }
   /// As many as sound and light walls leave; advance() takes shorter steps where more is needed.
   int steps_wanted(const FluidPace& pace, const Team&) const {
-    const double longest = std::min(setup().courant * setup().h() / liquid().sound_speed,
-                                    core().longest_hold().first);
+    const double longest =
+        std::min(setup().courant * setup().h() / liquid().sound_speed, core().longest_hold().first);
     return std::max(1, static_cast<int>(longest / pace.step));
   }
   /// The liquid goes on by dt [s] beside bodies, in as many steps as it needs; sets what it does
