@@ -531,9 +531,9 @@ TEST_CASE("time_step: where nothing moves it cannot be chosen, and the sentence 
 }
 
 TEST_CASE("time_step: where all particles are fixed that is said") {
-  Particles<Sphere> still;
+  silt::Particles<silt::Sphere> still;
   still.add({.position = {0, 0, 0}, .radius = 1e-3, .density = 2500, .fixed = true});
-  Simulation sim{std::move(still), Contacts<HertzMindlin>{rubber}};
+  silt::Simulation sim{std::move(still), silt::Contacts<HertzMindlin>{rubber}};
   sim.gravity = {0, 0, -9.81};
   CHECK(has_words(
       refusal<InputError>([&] { sim.run(1e-3); }),
