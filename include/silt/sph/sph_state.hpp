@@ -68,8 +68,8 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
     c.on_walls[w] = std::bit_cast<detail::LiquidOnWall>(load);
   }
   if constexpr (Axes::ledger) {
-    const auto book = c.book.state();
-    std::vector<double> books(book.begin(), book.end());
+    const auto kept = c.book.state();
+    std::vector<double> books(kept.begin(), kept.end());
     visit("fluid.ledger", books), c.book.restore(books);
   }
 
