@@ -55,8 +55,8 @@ double error_between_plates(int n, bool moving, const Policies&... policies) {
                  .dimensions = 2,
                  .periodic = {true, false, false},
                  .gravity = {moving ? 0 : 8 * nu * U / (H * H), 0, 0}};
-  Sph oil{Liquid{.density = 1000, .sound_speed = 20 * U}, setup, LaminarViscosity{.kinematic = nu},
-          NoDiffusion{}, policies...};
+  Sph oil{Liquid{.density = 1000, .sound_speed = 20 * U}, setup,
+          LaminarViscosity{.kinematic = nu, .alpha = 0}, NoDiffusion{}, policies...};
   oil.add_wall(Plane{{0, 0, 0}, {0, 0, 1}});
   WallSetup lid;
   if (moving) lid.motion = [U](double t) { return Pose{{}, {U * t, 0, 0}}; };

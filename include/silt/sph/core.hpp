@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <numeric>
 #include <span>
+#include <string>
 #include <type_traits>
 #include <vector>
 
@@ -255,7 +256,7 @@ struct SphCore {
   /// Brings the particles into packs, with lists that hold until one has moved half the skin.
   void renew(const Team& team) {
     if (solids.walls.fresh() || !made) {
-      if (solids.walls.fresh()) solids.walls.make(setup);
+      if (solids.walls.fresh()) solids.walls.make(setup), solids.thin = {};
       solids.put_into(columns, liquid.density, Walls::mirrored, small_grains()), made = true;
     }
     for (std::size_t k = 0; k < columns.size(); ++k) {
@@ -272,6 +273,8 @@ struct SphCore {
       r.place(r.position() + way), start.place(start.position() + way);
       if (is_out(r.position())) columns.take_out(k), ++left;
     }
+    if (!solids.thin.known()) solids.thin.find(solids.walls, setup);
+    solids.thin.check(solids.walls, columns, lists.repeats, setup, steps, time);
     columns.arrange(make_order(columns.rows, team), team);
     make_lists(columns.rows, team, false);
     moved = 0, stale = false;
@@ -303,14 +306,31 @@ struct SphCore {
     if (is_finite(r.position()) && is_finite(r.velocity()) && share >= least_density &&
         share <= most_density)
       return;
-    throw SimulationError(
-        text("step ", steps, ", t = ", time, " s: the liquid at ", r.position(), " m has density ",
-             r.density, " kg/m3 and velocity ", r.velocity(), " m/s, beyond ", least_density,
-             " to ", most_density, " of ", liquid.density,
-             " kg/m3; take a larger Liquid.sound_speed (at least ten times the largest velocity), "
-             "a smaller spacing or a smaller SphSetup.courant; for a drop that has flown off "
-             "alone, whose density no neighbour holds, a lower Sph::least_density"),
-        steps, {}, r.position());
+    throw SimulationError(what_is_wrong(r), steps, {}, r.position());
+  }
+  std::string what_is_wrong(const Row& r) const {
+    const Vec3d x = r.position();
+    const double c = liquid.sound_speed, speed = norm(r.velocity());
+    const std::string what = text("step ", steps, ", t = ", time, " s: the liquid at ", x, " m"),
+                      is = text(" density ", r.density, " kg/m3 and velocity ", r.velocity(),
+                                " m/s");
+    if (is_finite(x) && solids.walls.walls() > 0)
+      if (const auto wall = solids.walls.nearest(x); wall.distance < -0.1 * setup.spacing)
+        return text(what, " has gone through wall ", in_quotes(solids.walls.name(wall.wall)),
+                    " by ", -wall.distance, " m, with", is,
+                    "; take a smaller spacing, a larger alpha of the viscosity (0.1), or a slower "
+                    "wall");
+    const std::string beyond = text(what, " has", is, ", beyond ", least_density, " to ",
+                                    most_density, " of ", liquid.density, " kg/m3; ");
+    if (speed > 0.2 * c)
+      return text(beyond, "that is ", speed / c, " of Liquid.sound_speed = ", c,
+                  " m/s, of which speeds may be a tenth; if the scene is as fast as that, take a "
+                  "larger Liquid.sound_speed, ",
+                  10 * speed, " m/s, else a larger alpha of the viscosity (0.1)");
+    return text(beyond,
+                "take a smaller spacing, a larger alpha of the viscosity (0.1) or a smaller "
+                "SphSetup.courant; for a drop that has flown off alone, whose density no neighbour "
+                "holds, a lower Sph::least_density");
   }
   bool is_out(const Vec3d& x) const {
     // What walls at its sides press into them is not out.
