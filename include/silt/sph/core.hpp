@@ -87,6 +87,11 @@ struct SphCore {
         setup.region.min,
         {setup.periodic[0] ? e.x : 0, setup.periodic[1] ? e.y : 0, setup.periodic[2] ? e.z : 0}};
   }
+  /// [m/s2] The gravity that pressure bears at rest: along directions that repeat it drives a flow.
+  Vec3d weight() const {
+    return {setup.periodic[0] ? 0 : gravity.x, setup.periodic[1] ? 0 : gravity.y,
+            setup.periodic[2] ? 0 : gravity.z};
+  }
   double particle_mass() const { return liquid.density * setup.volume(); }  // [kg]; 2D: [kg/m]
   /// Solids or liquid have come or gone.
   void renewed() { stale = true, known = false; }
@@ -148,7 +153,7 @@ struct SphCore {
   Pairs pairs() const {
     const double h = setup.h();
     return Pairs({particle_mass(), h, Kernel::normalisation(setup.dimensions, h),
-                  liquid.sound_speed, liquid.density, gravity},
+                  liquid.sound_speed, liquid.density, weight()},
                  viscosity, diffusion, lists.extent());
   }
   void shorten(const Pairs& pairs, const Team& team) {
@@ -227,7 +232,7 @@ struct SphCore {
   SpsSums<Kernel> sps() const requires turbulent {
     const double h = setup.h();
     return {{particle_mass(), h, Kernel::normalisation(setup.dimensions, h), liquid.sound_speed,
-             liquid.density, gravity},
+             liquid.density, weight()},
             setup.spacing,
             viscosity};
   }

@@ -177,12 +177,12 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
     if (!core().solids.bodies.empty()) core().make_room_for_bodies();
     return core().next_number - before;
   }
-  /// At rest, with the pressure of a liquid at rest under gravity that reaches up to where
-  /// inside(x) ends.
+  /// At rest, with the pressure of a liquid at rest under gravity, as far as directions do not
+  /// repeat, that reaches up to where inside(x) ends.
   template <class Inside>
   std::size_t fill(const Inside& inside) {
     double top = -INFINITY;  // [m2/s2] largest of -g.x
-    const Vec3d g = gravity;
+    const Vec3d g = core().weight();
     const double edge = 0.5 * setup().spacing * std::sqrt(dot(g, g));
     detail::for_each_site(setup(), 0, [&](const Vec3d& x) {
       if (inside(x)) top = std::max(top, -dot(g, x) + edge);
