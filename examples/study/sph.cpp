@@ -50,6 +50,26 @@ void draw(const silt::Study& study, const std::vector<double>& at, const std::st
     std::printf("Look at %s.png.\n", path.c_str());
 }
 
+/// How much too fast the wave is, beside half of the lattice's shear modulus over the pressure.
+void draw_periods(const silt::Study& study, const std::string& path) {
+  std::string table = "smoothing [-],Wendland [%],... by G/(2 P) [%],cubic spline [%]";
+  for (const auto& row : study.results().rows) {
+    if (!row.name.starts_with("Wendland, ") || row.failed()) continue;
+    const std::string smoothing = row.name.substr(10);
+    const auto* const other = row_of(study, "cubic spline, " + smoothing);
+    if (other == nullptr) continue;
+    table += '\n' + smoothing +
+             silt::text(',', -row.note("period")->value, ',', 0.5 * row.note("lattice G/P")->value,
+                        ',', -other->note("period")->value);
+  }
+  silt::detail::write_whole(path + ".csv", table + "\n");
+  if (example::draw({"curves", path + ".csv", "--x", "smoothing", "--y",
+                     "Wendland,... by G/(2 P),cubic spline", "--y-label",
+                     "frequency too high by [%]", "--title",
+                     "SPH: a standing wave over the smoothing", "--out", path + ".png"}))
+    std::printf("Look at %s.png.\n", path.c_str());
+}
+
 silt::Study part(const std::string& name, const sph::Variants& variants,
                  const studies::Setting& setting, const std::string& folder,
                  example::Summary& summary) {
@@ -87,17 +107,7 @@ void run(const studies::Setting& wanted, example::Summary& summary) {
 
   const auto kernel =
       part("SPH: kernel and smoothing", sph::kernels(fine, quick), setting, "kernel", summary);
-  for (const char* const name : {"Wendland", "cubic spline"}) {
-    std::vector<double> smoothing;
-    for (const auto& row : kernel.results().rows) {
-      const bool own = row.name.starts_with(name);
-      smoothing.push_back(own ? std::stod(row.name.substr(row.name.find(',') + 1)) : -1);
-    }
-    draw(kernel, smoothing, "smoothing",
-         {"pressure at rest", "flow between plates", "axes of the drop", "period of the wave",
-          "wave lost a period"},
-         silt::text("SPH: errors over the smoothing, ", name), setting.out + "/" + name[0], "y");
-  }
+  draw_periods(kernel, setting.out + "/period");
   // A lattice that is stiff carries waves too fast.
   summary.check_at_least("period_at_smoothing_0.9_over_1.2",
                          error_of(kernel, "Wendland, 0.9", "period of the wave") /
