@@ -198,6 +198,12 @@ TEST_CASE("SPH: walls that liquid sees through are refused, once it is on both s
         sph.fill(low), sph.run(1e-3);
       },
       "wall 'sheet' near ");
+  // A bar on the floor, as thin, is let pass: round its edges liquid sees liquid anyway.
+  Sph bar{water, setup};
+  bar.gravity = {0, 0, -9.81};
+  bar.add_wall(Plane{{0, 0, 0}, {0, 0, 1}});
+  bar.add_wall(block({0.09, -0.1, -0.05}, {0.11, 0.1, 0.02}));
+  bar.fill(low), bar.run(1e-3);
   // Through the corner of a step liquid sees liquid too.
   Sph step{water, setup};
   step.gravity = {0, 0, -9.81};

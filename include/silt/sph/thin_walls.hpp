@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numbers>
 #include <string>
 #include <unordered_set>
 #include <vector>
@@ -32,7 +33,9 @@ class ThinWalls {
       for (double t = deep + 0.1 * s; t < least; t += 0.1 * s) {
         const WallParticles::Nearest there = walls.nearest(surface + t * way);
         if (!(there.distance > 0)) continue;
-        if (dot(there.normal, here.normal) < opposite)
+        const Vec3d middle = surface + 0.5 * t * way;
+        if (dot(there.normal, here.normal) < opposite &&
+            is_far_from_edges(walls, middle, way, setup))
           places_.push_back({walls.to_wall(walls.wall_of(k), surface - 0.5 * s * way),
                              walls.to_wall(walls.wall_of(k), surface + (t + 0.5 * s) * way), t,
                              walls.wall_of(k)});
@@ -76,6 +79,20 @@ class ThinWalls {
     }
   }
 
+  /// Whether the wall goes on to all sides as far as the kernel reaches.
+  static bool is_far_from_edges(const WallParticles& walls, const Vec3d& middle,
+                                const Vec3d& across, const SphSetup& setup) {
+    const Vec3d any = std::abs(across.y) < 0.9 ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0};
+    const Vec3d one = normalised(cross(across, any)), other = cross(across, one);
+    constexpr int directions = 8;
+    for (int k = 0; k < directions; ++k) {
+      const double angle = 2 * std::numbers::pi * k / directions;
+      Vec3d along = std::cos(angle) * one + std::sin(angle) * other;
+      if (setup.dimensions == 2) along.y = 0;
+      if (walls.distance(middle + 2 * setup.h() * along) > 0) return false;
+    }
+    return true;
+  }
   bool known() const { return known_; }
 
  private:
