@@ -120,9 +120,10 @@ void run(const studies::Setting& wanted, example::Summary& summary) {
                         error_of(time, "symplectic, 0.2", "axes of the drop"), quick ? 4 : 1.5);
   const auto diffusion =
       part("SPH: diffusion", sph::diffusions(fine, quick), setting, "diffusion", summary);
-  summary.check_at_least("pressure_by_Molteni_over_Fourtakas",
-                         error_of(diffusion, "Molteni, 0.1", "pressure at rest") /
-                             error_of(diffusion, "Fourtakas, 0.1", "pressure at rest"),
+  // Molteni's changes the liquid near its surface for ever.
+  summary.check_at_least("speed_at_rest_by_Molteni_over_Fourtakas",
+                         error_of(diffusion, "Molteni, 0.1", "speed at rest") /
+                             error_of(diffusion, "Fourtakas, 0.1", "speed at rest"),
                          1);
   const auto shifting =
       part("SPH: shifting", sph::shifts(fine, quick), setting, "shifting", summary);

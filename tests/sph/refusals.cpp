@@ -64,6 +64,9 @@ TEST_CASE("SPH: settings that cannot be are refused by name") {
                       "Shifting.strength = 50");
   refuses<InputError>([] { Sph(water, setup, VerletTime{.restart = 0}); },
                       "VerletTime.restart = 0");
+  SphSetup longer = setup;
+  longer.courant = 0.3;
+  refuses<InputError>([&] { Sph(water, longer, VerletTime{}); }, "too long for VerletTime");
 }
 
 TEST_CASE("SPH: fill, walls and runs that cannot be are refused") {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numbers>
 #include <numeric>
 #include <span>
 #include <string>
@@ -68,6 +69,7 @@ struct SphCore {
   std::size_t left = 0, displaced = 0;
   double time = 0, now = 0, last_step = 0;  // [s] now: of the rates
   double moved = 0;                         // [m] at most, since the lists were made
+  double exchange = INFINITY;               // [s] longest_exchange() of the last step
   std::int64_t steps = 0;
   bool stale = true;                    // lists are to be made
   bool known = false;                   // rates are those of now
@@ -79,6 +81,9 @@ struct SphCore {
         scheme.check();
     require(Walls::mirrored || !setup.slip,
             "SphSetup.slip has no effect with DynamicWalls; leave it out, or take MirroredWalls");
+    require(Time::two_stages || setup.courant <= 0.2, "SphSetup.courant = ", setup.courant,
+            " is too long for VerletTime, which is unstable from 0.22 on; take at most 0.2, or "
+            "SymplecticTime");
     lists.width = Pairs::W, lists.spacing = setup.spacing, lists.dimensions = setup.dimensions;
     lists.probes_meet_walls = Grains::averaged;
     if (setup.dimensions == 2) solids.plane = setup.region.min.y;
@@ -114,7 +119,20 @@ struct SphCore {
     if constexpr (Grains::averaged)
       if (!grains.pick_small(of, setup, resolved)) made = false, renewed();
     if (solids.bodies.set(of, resolved, setup)) make_room_for_bodies();
+    exchange = longest_exchange(of);
     known = false;  // of where all is now, whatever was read in between
+  }
+  /// [s] for which what the liquid does to bodies may be held. A body that is pushed on radiates
+  /// sound, which halts it at a rate of rho c A/m, A = 4/3 pi R^2 or in 2D pi R: over a longer time
+  /// a light one would be thrown back, faster each time.
+  double longest_exchange(const CoupledParticles& of) const {
+    double longest = INFINITY;
+    for (const std::size_t p : resolved) {
+      const double R = of.shape.radius[p], pi = std::numbers::pi,
+                   area = setup.dimensions == 2 ? pi * R : 4 * pi / 3 * R * R;
+      longest = std::min(longest, of.mass[p] / (liquid.density * liquid.sound_speed * area));
+    }
+    return longest;
   }
   /// Adds a share of the loads of the last step.
   void add_loads(double part, std::span<Vec3d> force, std::span<Vec3d> torque) const {

@@ -94,9 +94,10 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   void take_form(std::size_t form, const Shape& shape) {
     core().solids.bodies.take_form(form, shape);
   }
-  /// As many as sound leaves; advance() takes shorter steps where more is needed.
+  /// As many as sound and light bodies leave; advance() takes shorter steps where more is needed.
   int steps_wanted(const FluidPace& pace, const Team&) const {
-    const double longest = setup().courant * setup().h() / liquid().sound_speed;
+    const double longest =
+        std::min(setup().courant * setup().h() / liquid().sound_speed, core().exchange);
     return std::max(1, static_cast<int>(longest / pace.step));
   }
   /// The liquid goes on by dt [s] beside bodies, in as many steps as it needs; sets what it does
