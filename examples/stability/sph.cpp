@@ -461,7 +461,7 @@ void sph(Table& table) {
       table.row(at + "CubicSpline, smoothing 0.8", Setting::Tame,
                 [&] { return under_pressure(pressure, 0.8, CubicSpline{}); });
   }
-  for (const double strain : {0.2, 0.5})
+  for (const double strain : {0.1, 0.2})  // faster, its shreds clump
     table.row(text("drop pulled at ", strain, " R/s, c = 20 R/s"), Setting::Tame,
               [&] { return pulled(strain); });
 
