@@ -32,7 +32,7 @@ auto box(const Drag& drag, double spacing, double side, const Vec3d& gravity, do
              .periodic = {true, true, true},
              .gravity = gravity},
             UnresolvedGrains{drag, {.viscosity = mu}},
-            LaminarViscosity{.kinematic = mu / rho}};
+            LaminarViscosity{.kinematic = mu / rho, .alpha = 0}};
   water.fill([](const Vec3d&) { return true; },
              [](const Vec3d&) {
                return Vec3d{0, 0, 0};
