@@ -26,7 +26,8 @@ struct LiquidBalance {
   double artificial, laminar, turbulent;  // by viscosities, at walls and bodies too
   double diffusion;                       // of density: of `elastic`; may be below 0
   double shifting;                        // of `gravity`; may be below 0
-  double displaced;                       // with particles where bodies or walls came
+  double tension;    // of `elastic`, that particles with few neighbours do not bear
+  double displaced;  // with particles where bodies or walls came
   // Brought in since the start.
   double walls;                // work of walls: that move, turn, or are belts
   double bodies;               // work of bodies in the liquid, which they lose
@@ -42,7 +43,7 @@ struct LiquidBalance {
   double held() const { return kinetic + gravity + elastic; }
   double mirrored() const { return at_walls + at_bodies; }
   double viscosity() const { return artificial + laminar + turbulent; }
-  double dissipated() const { return viscosity() + diffusion + shifting + displaced; }
+  double dissipated() const { return viscosity() + diffusion + shifting + tension + displaced; }
   double supplied() const {
     return walls + bodies + mirrored() + grains + openings + changed_gravity + going_round;
   }
@@ -63,10 +64,12 @@ struct SphBook {
     SphPowers worked;       // [J] since the start
     SphPowers power, last;  // [W] of the last evaluation, and of the one before (VerletTime)
     double last_step = 0;   // [s] between the two
-    double shifting = 0, displaced = 0, openings = 0, changed_gravity = 0, going_round = 0;
+    double shifting = 0, tension = 0, displaced = 0, openings = 0, changed_gravity = 0,
+           going_round = 0;
     double initial = 0, started = 0;
     Vec3d gravity{0, 0, 0};  // [m/s2] that they reckon with
   } now;
+  std::vector<double> unheld;  // [kg/m3] densities of rows, before tension was taken away
 
   bool started() const { return now.started != 0; }
   using State = std::array<double, sizeof(Numbers) / sizeof(double)>;
@@ -113,7 +116,8 @@ LiquidBalance sph_balance(const Core& core) {
   e.turbulent = -n.worked.turbulent, e.diffusion = -n.worked.diffusion;
   e.walls = n.worked.walls, e.bodies = n.worked.bodies;
   e.at_walls = n.worked.at_walls, e.at_bodies = n.worked.at_bodies;
-  e.grains = n.worked.grains, e.shifting = n.shifting, e.displaced = n.displaced;
+  e.grains = n.worked.grains, e.shifting = n.shifting, e.tension = n.tension,
+  e.displaced = n.displaced;
   e.openings = n.openings, e.changed_gravity = n.changed_gravity, e.going_round = n.going_round;
   e.initial = n.started != 0 ? n.initial : e.held();
   return e;
@@ -233,7 +237,10 @@ void sph_begin_book(Core& core) {
 /// The powers in the middle of a step of dt [s].
 template <class Core>
 void sph_book_middle(Core& core, double dt, const Team& team) {
-  if constexpr (Core::Book::kept) core.book.now.worked.add(dt, sph_powers(core, team));
+  if constexpr (Core::Book::kept) {
+    core.book.unheld.assign(core.columns.size(), core.liquid.density);  // rows may stand anew
+    core.book.now.worked.add(dt, sph_powers(core, team));
+  }
 }
 /// ... at its start, and before it: to second order (Adams and Bashforth's).
 template <class Core>
@@ -269,6 +276,18 @@ void sph_book_grains(Core& core, double dt) {
       core.book.now.worked.grains +=
           core.mass_of(k) * dot(more, 0.5 * (with + without) - 0.5 * dt * core.gravity);
     }
+  }
+}
+/// After a step: what its particles have lost as they bore no tension.
+template <class Core>
+void sph_book_tension(Core& core) {
+  if constexpr (Core::Book::kept) {
+    auto& of = core.columns;
+    for (std::size_t k = 0; k < of.size(); ++k)
+      if (of.is_liquid(k) && core.book.unheld[k] != of.rows[k].density)
+        core.book.now.tension +=
+            core.mass_of(k) * (core.liquid.elastic_energy(core.book.unheld[k]) -
+                               core.liquid.elastic_energy(of.rows[k].density));
   }
 }
 /// shift_of(k) [m]: by which a particle was shifted.

@@ -33,10 +33,10 @@ void sph_check_sound(const Core& core) {
     low = {std::min(low.x, x.x), std::min(low.y, x.y), std::min(low.z, x.z)};
     high = {std::max(high.x, x.x), std::max(high.y, x.y), std::max(high.z, x.z)};
   }
-  const std::array<double, 3> g{core.gravity.x, core.gravity.y, core.gravity.z},
+  const std::array<double, 3> g{core.weight().x, core.weight().y, core.weight().z},
       height{high.x - low.x, high.y - low.y, high.z - low.z};
   for (std::size_t d = 0; d < 3; ++d)
-    if (!core.setup.periodic[d] && height[d] > 0)
+    if (height[d] > 0)
       check(std::sqrt(2 * std::abs(g[d]) * height[d]), "a fall through the liquid's height of ",
             height[d], " m");
   double fastest = 0;
