@@ -15,6 +15,8 @@
 #include <silt/core/threads.hpp>
 #include <silt/sph/cluster_lists.hpp>
 #include <silt/sph/columns.hpp>
+#include <silt/sph/opening_sums.hpp>
+#include <silt/sph/openings.hpp>
 #include <silt/sph/pair_sums.hpp>
 #include <silt/sph/policies.hpp>
 #include <silt/sph/setup.hpp>
@@ -58,6 +60,7 @@ struct SphCore {
   double least_density = 0.7, most_density = 1.3;  // [-] of the liquid's
 
   SphSolids solids{};
+  SphOpenings openings{};
   Lists lists{};
   SphColumns columns{};
   struct Extremes {
@@ -176,6 +179,7 @@ struct SphCore {
       grains.template set<Kernel>(columns, lists, solids.grain_rows(), Pairs::W, particle_mass(),
                                   setup.h(), team);
     set_pressures(team);
+    if (!openings.empty()) sph_set_buffers(*this, team);
     if constexpr (Walls::mirrored) sph_mirror(*this, pairs, team);
     shorten(pairs, team);
     find_stresses(team);
@@ -192,6 +196,8 @@ struct SphCore {
                            true);
         for (std::size_t k = p * W; k < (p + 1) * W; ++k) {
           if (columns.label[k] == Lists::none) continue;
+          m.speed = std::max(m.speed, norm(columns.rows[k].velocity()));
+          if (columns.is_of_opening(k)) continue;  // what they are pushed by does not count
           Vec3d& a = columns.rates[k].acceleration;
           if constexpr (Grains::averaged) {
             a = (1 / columns.voidage[k]) * a;
@@ -199,7 +205,6 @@ struct SphCore {
           }
           a += gravity;
           m.acceleration = std::max(m.acceleration, norm(a));
-          m.speed = std::max(m.speed, norm(columns.rows[k].velocity()));
         }
       }
     });
@@ -255,9 +260,13 @@ struct SphCore {
   /// Brings the particles into packs, with lists that hold until one has moved half the skin.
   void renew(const Team& team) {
     if (solids.walls.fresh() || !made) {
-      if (solids.walls.fresh()) solids.walls.make(setup);
+      if (solids.walls.fresh())
+        solids.walls.make(setup, [this](const Vec3d& x) { return openings.hold(x); });
       solids.put_into(columns, liquid.density, Walls::mirrored, small_grains()), made = true;
     }
+    if (!openings.empty())
+      openings.put_into(columns, gravity, liquid.density,
+                        [this](const Vec3d& x) { return solids.walls.distance(x); });
     for (std::size_t k = 0; k < columns.size(); ++k) {
       if (columns.label[k] == Lists::none) continue;
       Row& r = columns.rows[k];
@@ -296,6 +305,7 @@ struct SphCore {
       make_room(columns.rates, columns.size());
     }
     solids.find_rows(columns, lists.first_pack(Lists::Wall) * Pairs::W, small_grains().size());
+    openings.find_rows(columns);
     lists.find(then, 2 * setup.h() + skin(), team);
   }
   void check(const Row& r) const {
@@ -328,6 +338,9 @@ struct SphCore {
     else
       SphStep(*this, dt, team).verlet();
     time += dt, now = time, ++steps, last_step = dt, known = false;
+    if (!openings.empty() && openings.pass(columns, lists.first_pack(Lists::Wall) * Pairs::W,
+                                           particle_mass(), next_number, team))
+      renewed();
   }
 };
 

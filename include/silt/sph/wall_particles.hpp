@@ -141,7 +141,9 @@ class WallParticles {
     return least;
   }
 
-  void make(const SphSetup& setup) {
+  /// Where hold(x) is true there are none.
+  template <class Hold>
+  void make(const SphSetup& setup, const Hold& hold) {
     fresh_ = false;
     particles_.clear();
     const double support = 2 * setup.h();
@@ -154,7 +156,7 @@ class WallParticles {
         if (const double d = nearest(walls_[w], x).distance; d < least) least = d, of = w;
       if (!(least < 1e-9 * setup.spacing) || least < -thick) return;
       const Vec3d surface = to_surface(x, 1e-9 * setup.spacing);
-      if (norm(x - surface) > thick) return;
+      if (norm(x - surface) > thick || hold(x)) return;
       const Part& wall = walls_[of];
       const Vec3d out = surface - x;  // towards the liquid
       const bool flat = std::holds_alternative<Plane>(wall.surfaces[nearest_surface(wall, x)]);
