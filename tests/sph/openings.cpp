@@ -37,8 +37,7 @@ auto stream(double spacing, int dimensions, const OpeningSetup& out, const Polic
              .region = {{0, 0, 0}, {L, width, 1}},
              .smoothing = dimensions == 3 ? 0.8 : 1.2,
              .dimensions = dimensions,
-             .periodic = {false, dimensions == 3, false},
-             .slip = Slip::Free},
+             .periodic = {false, dimensions == 3, false}},
             policies...};
   water.add_wall(Plane{{0, 0, 0}, {0, 0, 1}});
   water.add_wall(Plane{{0, 0, 1}, {0, 0, -1}});
@@ -435,18 +434,18 @@ auto river(const std::string& checkpoint, const Policies&... policies) {
   const double s = 0.0125, D = 0.1, U = 0.3;
   Sph water{Liquid{.density = 1000, .sound_speed = 20},
             {.spacing = s,
-             .region = {{0, 0, 0}, {0.3, 0.1, 0.2}},
+             .region = {{0, 0, 0}, {0.3, 0.2, 0.2}},
              .smoothing = 0.8,
              .periodic = {false, true, false}},
             ArtificialViscosity{.alpha = 0.05},
             policies...};
   water.add_inlet(
-      {.corner = {0, 0, 0}, .edge = {0, 0.1, 0}, .second_edge = {0, 0, D}, .into = {1, 0, 0}},
+      {.corner = {0, 0, 0}, .edge = {0, 0.2, 0}, .second_edge = {0, 0, D}, .into = {1, 0, 0}},
       {.name = "in", .velocity = [=](const Vec3d&, double t) {
          return Vec3d{U + t, 0, 0};
        }});
   water.add_outlet(
-      {.corner = {0.3, 0, 0}, .edge = {0, 0.1, 0}, .second_edge = {0, 0, 0.2}, .into = {-1, 0, 0}},
+      {.corner = {0.3, 0, 0}, .edge = {0, 0.2, 0}, .second_edge = {0, 0, 0.2}, .into = {-1, 0, 0}},
       {.name = "out", .pressure = Hydrostatic{D}});
   water.gravity = {0, 0, -g};
   water.fill([=](const Vec3d& x) { return x.z < D; },
@@ -455,11 +454,11 @@ auto river(const std::string& checkpoint, const Policies&... policies) {
              },
              [=](const Vec3d& x) { return 1000 * g * (D - x.z); });
   Particles<Sphere> balls;
-  balls.add({.position = {0.1, 0.05, 0.095}, .radius = 0.025, .density = 500});
+  balls.add({.position = {0.1, 0.1, 0.095}, .radius = 0.025, .density = 500});
   const HertzMindlin::Material cork{
       .youngs_modulus = 1e6, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.3};
   Simulation sim{std::move(balls), Contacts<HertzMindlin>{cork}, std::move(water),
-                 PeriodicBox{{{-1, 0, 0}, {1, 0.1, 1}}, {false, true, false}}};
+                 PeriodicBox{{{-1, 0, 0}, {1, 0.2, 1}}, {false, true, false}}};
   sim.add_wall(Plane{{0, 0, 0}, {0, 0, 1}}, cork);
   sim.gravity = {0, 0, -g};
   sim.time_step = 2e-5;

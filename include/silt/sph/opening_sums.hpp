@@ -29,12 +29,12 @@ struct SphSeenFlow : SphSeen {
   bool sees() const { return weight > 1e-6; }
   /// [m/s] of the liquid where the probe is, by a linear function; where too little is seen for
   /// slopes, the mean.
-  Vec3d flow(double h) const {
+  Vec3d flow(double h, const Vec3d& away = {0, 0, 0}) const {
     const Vec3d mean = (1 / weight) * velocity;
     if (weight < 0.1) return mean;
     const Fit of = fit(h);
     if (!of.known()) return mean;
-    const Vec3d off = -of.centre;
+    const Vec3d off = away - of.centre;
     return mean + Vec3d{dot(of.slope(x_way, velocity.x), off),
                         dot(of.slope(y_way, velocity.y), off),
                         dot(of.slope(z_way, velocity.z), off)};
@@ -87,7 +87,7 @@ void sph_set_buffers(Core& core, const Team& team) {
       r.move(one.velocity_at(x - core.openings.seen(one, x).front * one.normal, core.now,
                              core.liquid));
     else if (seen[slot].sees())
-      r.move(seen[slot].flow(core.setup.h()));
+      r.move(seen[slot].flow(core.setup.h(), FOOT*(x - core.openings.seen(one, x).front * one.normal - columns.rows[probes[slot]].position())));
     if (one.setup.pressure.given()) {
       r.density = core.liquid.density_at(one.pressure_at(x, core.now, core.liquid, core.gravity));
     } else {

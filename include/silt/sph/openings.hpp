@@ -123,9 +123,10 @@ class SphOpenings {
   const One& of(const SphColumns& columns, std::uint32_t row) const {
     return all_[opening_of(columns.label[row])];
   }
-  /// Where the probe of a particle stands.
+  /// Where the probe of a particle stands: at its mirror image, but near the opening.
   Vec3d image(const One& one, const Vec3d& x) const {
-    return x - 2 * std::min(seen(one, x).front, 0.0) * one.normal;
+    const double front = seen(one, x).front;
+    return x + (std::clamp(-front, 0.0, NEAR * spacing_) - front) * one.normal;
   }
   /// Buffers go on for dt [s], straight ahead; those of the step's start are kept.
   void move(SphColumns& columns, double dt, bool start) const {
