@@ -118,8 +118,8 @@ TEST_CASE("SPH openings: a uniform stream stays one, and what comes in leaves") 
         near(0.5 * water.opening_books(0).in.mass).epsilon(1e-9));
   CHECK(water.opening_books(1).out.pressure_work == near(2000.0).epsilon(0.01));
   books_close(water, start);
-  // Buffers do not load the walls beside them: 2 m of floor under 1 kPa. 2 %: half a spacing at each
-  // end; with buffers it would be 8 % too much.
+  // Buffers do not load the walls beside them: 2 m of floor under 1 kPa. 2 %: half a spacing at
+  // each end; with buffers it would be 8 % too much.
   CHECK(water.wall_load(0).first.z == near(-2000).epsilon(0.02));
 }
 
@@ -161,33 +161,39 @@ TEST_CASE("SPH openings: flow between plates with a parabolic inlet and a pressu
   const double H = 0.01, U = 0.01, nu = 1e-5, mu = 1000 * nu, L = 3 * H;
   const double G = 12 * mu * U / (H * H);  // [Pa/m]
   Sph oil{Liquid{.density = 1000, .sound_speed = 30 * U},
-          {.spacing = H / 12, .region = {{0, 0, 0}, {L, 0, H}}, .dimensions = 2},
-          LaminarViscosity{.kinematic = nu},
-          NoShifting{}};
+          {.spacing = H / 16, .region = {{0, 0, 0}, {L, 0, H}}, .dimensions = 2},
+          LaminarViscosity{.kinematic = nu}};
   oil.add_wall(Plane{{0, 0, 0}, {0, 0, 1}});
   oil.add_wall(Plane{{0, 0, H}, {0, 0, -1}});
   const auto profile = [=](const Vec3d& x) { return Vec3d{6 * U * x.z / H * (1 - x.z / H), 0, 0}; };
   oil.add_inlet({.corner = {0, 0, 0}, .edge = {0, 0, H}, .into = {1, 0, 0}},
                 {.name = "in", .velocity = [=](const Vec3d& x, double) { return profile(x); }});
   oil.add_outlet({.corner = {L, 0, 0}, .edge = {0, 0, H}, .into = {-1, 0, 0}},
-                 {.name = "out", .pressure = 4.0});
-  oil.fill(everywhere, profile, [=](const Vec3d& x) { return 4 + G * (L - x.x); });
+                 {.name = "out", .pressure = 0.4});
+  oil.fill(everywhere, profile, [=](const Vec3d& x) { return 0.4 + G * (L - x.x); });
   const std::size_t start = oil.size();
-  oil.run(1);
-  double squares = 0, n = 0, sx = 0, sp = 0, sxx = 0, sxp = 0;
+  oil.run(0.5);
+  // On average over 0.4 s and 2 H, layer by layer; a single particle swings by 1.5 %. The larger
+  // the pressure, the more: scattered particles push each other by it.
+  constexpr int layers = 16;
+  double n = 0, sx = 0, sp = 0, sxx = 0, sxp = 0, squares = 0;
+  std::array<double, layers> off{}, count{};
   for (int k = 0; k < 20; ++k) {
-    oil.run(0.025);
+    oil.run(0.02);
     oil.for_each([&](std::uint32_t, const Vec3d& x, const Vec3d& v, double, double p) {
       if (std::abs(x.x - 0.5 * L) > H) return;
-      const Vec3d off = v - profile(x);
-      squares += dot(off, off), n += 1, sx += x.x, sp += p, sxx += x.x * x.x, sxp += x.x * p;
+      const auto layer = static_cast<std::size_t>(std::clamp(x.z / H, 0.0, 0.999) * layers);
+      off[layer] += v.x - profile(x).x, count[layer] += 1;
+      n += 1, sx += x.x, sp += p, sxx += x.x * x.x, sxp += x.x * p;
     });
   }
+  for (std::size_t k = 0; k < layers; ++k) squares += off[k] * off[k] / (count[k] * count[k]);
+  const double rms = std::sqrt(squares / layers);
   const double slope = (sxp - sx * sp / n) / (sxx - sx * sx / n);
-  MESSAGE("plates: rms ", std::sqrt(squares / n) / (1.5 * U), ", gradient ", -slope / G,
-          ", mean p off ", (sp / n - 4 - G * (L - sx / n)) / (G * L));
-  CHECK(std::sqrt(squares / n) < 0.01 * 1.5 * U);
-  CHECK(-slope == near(G).epsilon(0.05));
+  MESSAGE("plates: rms ", rms / (1.5 * U), ", gradient ", -slope / G, ", mean p off ",
+          (sp / n - 0.4 - G * (L - sx / n)) / (G * L));
+  CHECK(rms < 0.01 * 1.5 * U);
+  CHECK(-slope == near(G).epsilon(0.1));
   CHECK(oil.flow_rate(0) == near(1000 * U * H).epsilon(0.01));
   CHECK(oil.flow_rate(1) == near(-1000 * U * H).epsilon(0.03));
   books_close(oil, start);
@@ -231,34 +237,49 @@ TEST_CASE("SPH openings: a channel with a free surface keeps its level at Froude
   books_close(water, start);
 }
 
-TEST_CASE("SPH openings: a jet from a nozzle falls in a parabola, askew to the axes too") {
+TEST_CASE("SPH openings: a jet from a nozzle falls in a parabola") {
+  // All of it has the speed of the nozzle across gravity: straight up it is as thick as the nozzle.
+  // 5 %: a particle is 12 % of its width. A pressure at the nozzle of a tenth of rho U^2 would show
+  // as 5 % of the speed.
   const double b = 0.05, U = 1, s = b / 8;
-  for (const double angle : {0.0, 0.4}) {
-    const Vec3d along{std::cos(angle), 0, std::sin(angle)}, across{-along.z, 0, along.x};
-    Sph water{Liquid{.density = 1000, .sound_speed = 30},
-              {.spacing = s,
-               .region = {{-0.1, 0, -1}, {0.6, 0, 0.3}},
-               .dimensions = 2,
-               .gravity = {0, 0, -g}}};
-    water.add_inlet({.corner = -0.5 * b * across, .edge = b * across, .into = along},
-                    {.name = "nozzle", .velocity = U * along, .pressure = 0.0});
-    water.run(0.25);
-    // Off the parabola across the jet, and the liquid between 0.05 and 0.1 m of path in x.
-    double off = 0, n = 0, most = 0;
-    water.for_each([&](std::uint32_t, const Vec3d& x, const Vec3d&, double, double p) {
-      const double t = x.x / (U * along.x);
-      most = std::max(most, std::abs(p));
-      if (x.x < 0.05 || x.x > 0.15) return;
-      off += x.z - (U * along.z * t - 0.5 * g * t * t), n += 1;
-    });
-    // Width straight up is b U/vx: area of a strip of 0.1 m is 0.1 b/cos of the nozzle's angle.
-    const double area = n * s * s / (0.1 * b / along.x);
-    MESSAGE("jet: off ", off / n / b, " of its width, area ", area, ", pressure ", most);
-    CHECK(std::abs(off / n) < 0.05 * b);
-    CHECK(area == near(1).epsilon(0.05));
-    CHECK(water.mass() == near(1000 * b * U * 0.25).epsilon(0.02));
-    CHECK(water.left() == 0);
-  }
+  Sph water{Liquid{.density = 1000, .sound_speed = 30},
+            {.spacing = s,
+             .region = {{-0.1, 0, -1}, {0.6, 0, 0.3}},
+             .dimensions = 2,
+             .gravity = {0, 0, -g}}};
+  water.add_inlet({.corner = {0, 0, -0.5 * b}, .edge = {0, 0, b}, .into = {1, 0, 0}},
+                  {.name = "nozzle", .velocity = {U, 0, 0}, .pressure = 0.0});
+  water.run(0.25);
+  double off = 0, n = 0, speed = 0;
+  water.for_each([&](std::uint32_t, const Vec3d& x, const Vec3d& v, double, double) {
+    if (x.x < 0.03 || x.x > 0.15) return;
+    off += x.z + 0.5 * g * x.x * x.x / (U * U), n += 1, speed += v.x;
+  });
+  const double area = n * s * s / (0.12 * b);
+  MESSAGE("jet: off ", off / n / b, " of its width, area ", area, ", speed ", speed / n);
+  CHECK(std::abs(off / n) < 0.05 * b);
+  CHECK(area == near(1).epsilon(0.05));
+  CHECK(speed / n == near(U).epsilon(0.03));
+  CHECK(water.mass() == near(1000 * b * U * 0.25).epsilon(0.02));
+  CHECK(water.left() == 0);
+}
+
+TEST_CASE("SPH openings: a jet askew to the axes goes straight on") {
+  const double b = 0.05, U = 1, s = b / 8, angle = 0.4;
+  const Vec3d along{std::cos(angle), 0, std::sin(angle)}, across{-along.z, 0, along.x};
+  Sph water{Liquid{.density = 1000, .sound_speed = 30},
+            {.spacing = s, .region = {{-0.1, 0, -0.1}, {0.6, 0, 0.6}}, .dimensions = 2}};
+  water.add_inlet({.corner = -0.5 * b * across, .edge = b * across, .into = 3 * along},
+                  {.name = "nozzle", .velocity = U * along, .pressure = 0.0});
+  water.run(0.2);
+  double off = 0, wide = 0;
+  water.for_each([&](std::uint32_t, const Vec3d& x, const Vec3d& v, double, double) {
+    off = std::max(off, norm(v - U * along)), wide = std::max(wide, std::abs(dot(x, across)));
+  });
+  MESSAGE("askew: ", off, " m/s, ", wide / b);
+  CHECK(off < 0.01 * U);
+  CHECK(wide < 0.5 * b);
+  CHECK(water.mass() == near(1000 * b * U * 0.2).epsilon(0.04));
 }
 
 TEST_CASE("SPH openings: a tank is filled through its wall, and emptied through its floor") {
@@ -290,7 +311,7 @@ TEST_CASE("SPH openings: a tank is filled through its wall, and emptied through 
 
 TEST_CASE(
     "SPH openings: a tank runs out through a hole in its floor, as Torricelli and its jet say") {
-  const double s = 0.01, W = 0.3, H = 0.25, hole = 0.04;
+  const double s = 0.01, W = 0.4, H = 0.25, hole = 0.1;
   Sph water{Liquid{.density = 1000, .sound_speed = 25},
             {.spacing = s,
              .region = {{0, 0, 0}, {W, 0, 0.4}},
@@ -301,7 +322,7 @@ TEST_CASE(
   water.add_wall(Plane{{0, 0, 0}, {0, 0, 1}});
   water.add_wall(Plane{{0, 0, 0}, {1, 0, 0}});
   water.add_wall(Plane{{W, 0, 0}, {-1, 0, 0}});
-  water.add_outlet({.corner = {0.13, 0, 0}, .edge = {hole, 0, 0}, .into = {0, 0, 1}},
+  water.add_outlet({.corner = {0.15, 0, 0}, .edge = {hole, 0, 0}, .into = {0, 0, 1}},
                    {.name = "hole", .pressure = 0.0});
   water.fill([=](const Vec3d& x) { return x.z < H; });
   const std::size_t start = water.size();
@@ -356,10 +377,10 @@ TEST_CASE("SPH openings: a pressure drives a slug in and out again") {
 }
 
 TEST_CASE("SPH openings: what a pulse of sound leaves behind at an outlet") {
-  // A pulse p = rho c v that runs to the outlet; the largest |p| in the channel after it has got
-  // there, over that of the same pulse before. A given pressure turns it over.
-  const auto reflected = [](const OpeningSetup& out) {
-    const double s = 0.05, L = 3, H = 0.5, c = 20, p0 = 1000, a = 200;
+  // p = rho c v, which runs to the outlet and partly back: the largest p in the channel over that
+  // of the same pulse at that time in a longer channel. A given pressure turns the pulse over: -1.
+  const auto largest = [](double L, const OpeningSetup& out) {
+    const double s = 0.05, H = 0.5, c = 20, p0 = 1000, a = 200;
     Sph water{Liquid{.density = 1000, .sound_speed = c},
               {.spacing = s, .region = {{0, 0, 0}, {L, 0, H}}, .dimensions = 2},
               NoShifting{}};
@@ -368,7 +389,7 @@ TEST_CASE("SPH openings: what a pulse of sound leaves behind at an outlet") {
     water.add_wall(Plane{{0, 0, 0}, {1, 0, 0}});
     water.add_outlet({.corner = {L, 0, 0}, .edge = {0, 0, H}, .into = {-1, 0, 0}}, out);
     const auto pulse = [=](const Vec3d& x) {
-      const double d = (x.x - 1.5) / 0.25;
+      const double d = (x.x - 1.5) / 0.3;
       return a * std::exp(-d * d);
     };
     water.fill(
@@ -377,23 +398,20 @@ TEST_CASE("SPH openings: what a pulse of sound leaves behind at an outlet") {
           return Vec3d{pulse(x) / (1000 * c), 0, 0};
         },
         [=](const Vec3d& x) { return p0 + pulse(x); });
-    const auto most = [&] {
-      double at = 0;
-      water.for_each([&](std::uint32_t, const Vec3d&, const Vec3d&, double, double p) {
-        if (std::abs(p - p0) > std::abs(at)) at = p - p0;
-      });
-      return at;
-    };
-    water.run(0.02);
-    const double before = most();
     water.run(0.12);
-    return most() / before;
+    double most = 0;
+    water.for_each([&](std::uint32_t, const Vec3d&, const Vec3d&, double, double p) {
+      if (std::abs(p - p0) > std::abs(most)) most = p - p0;
+    });
+    return most;
   };
-  const double given = reflected({.name = "out", .pressure = 1000.0}),
-               nothing = reflected({.name = "out"});
-  MESSAGE("sound: given pressure ", given, ", nothing given ", nothing);
-  CHECK(given < -0.7);
-  CHECK(std::abs(nothing) < 1.2);
+  const double there = largest(5, {.name = "out", .pressure = 1000.0});
+  const double given = largest(3, {.name = "out", .pressure = 1000.0}) / there,
+               nothing = largest(3, {.name = "out"}) / there;
+  MESSAGE("sound: given pressure ", given, ", nothing given ", nothing, " of ", there);
+  CHECK(given == near(-1).epsilon(0.05));
+  CHECK(nothing < 0);
+  CHECK(nothing > -1.05);
 }
 
 TEST_CASE("SPH openings: what probes see is right to first order") {
@@ -409,7 +427,7 @@ TEST_CASE("SPH openings: what probes see is right to first order") {
     row.density = 1000 + 5 * r.x - 2 * r.y, row.move(flow(r));
     seen.add(r, 0.01 * random.uniform(0.5, 1), row);
   }
-  CHECK(norm(seen.flow(0.8) - Vec3d{1, 0, 0}) < 1e-12);
+  CHECK(norm(seen.flow(0.8, {0, 0, 0}) - Vec3d{1, 0, 0}) < 1e-12);
   CHECK(norm((1 / seen.weight) * seen.velocity - Vec3d{1, 0, 0}) > 0.5);
   const Vec3d away{-2, 0.3, 0};
   const double density =

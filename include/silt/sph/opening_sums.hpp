@@ -27,9 +27,9 @@ struct SphSeenFlow : SphSeen {
     x_way += of.vx * wr, y_way += of.vy * wr, z_way += of.vz * wr;
   }
   bool sees() const { return weight > 1e-6; }
-  /// [m/s] of the liquid where the probe is, by a linear function; where too little is seen for
-  /// slopes, the mean.
-  Vec3d flow(double h, const Vec3d& away = {0, 0, 0}) const {
+  /// [m/s] of the liquid `away` [m] from the probe, by a linear function; where too little is seen
+  /// for slopes, the mean.
+  Vec3d flow(double h, const Vec3d& away) const {
     const Vec3d mean = (1 / weight) * velocity;
     if (weight < 0.1) return mean;
     const Fit of = fit(h);
@@ -82,12 +82,11 @@ void sph_set_buffers(Core& core, const Team& team) {
     const std::size_t k = rows[slot];
     const SphOpening& one = core.openings.of(columns, rows[slot]);
     SphRow& r = columns.rows[k];
-    const Vec3d x = r.position();
+    const Vec3d x = r.position(), foot = x - core.openings.seen(one, x).front * one.normal;
     if (one.setup.velocity.given())
-      r.move(one.velocity_at(x - core.openings.seen(one, x).front * one.normal, core.now,
-                             core.liquid));
+      r.move(one.velocity_at(foot, core.now, core.liquid));
     else if (seen[slot].sees())
-      r.move(seen[slot].flow(core.setup.h(), FOOT*(x - core.openings.seen(one, x).front * one.normal - columns.rows[probes[slot]].position())));
+      r.move(seen[slot].flow(core.setup.h(), foot - columns.rows[probes[slot]].position()));
     if (one.setup.pressure.given()) {
       r.density = core.liquid.density_at(one.pressure_at(x, core.now, core.liquid, core.gravity));
     } else {

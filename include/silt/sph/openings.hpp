@@ -29,12 +29,13 @@ namespace silt::inline SILT_TARGET::detail {
 /// end. Both happen at every opening, whichever way it is meant to flow.
 ///
 /// Source: A. Tafuni, J. M. Dominguez, R. Vacondio, A. J. C. Crespo, Comput. Methods Appl. Mech.
-///   Eng. 342 (2018) 604 (recalled); here velocities are extrapolated by an even function.
+///   Eng. 342 (2018) 604 (recalled); here velocities are those on the opening, for all its depth.
 /// Tests:  tests/sph/openings.cpp, openings_flows.cpp.
 class SphOpenings {
  public:
   static constexpr std::size_t most = 30;
   static constexpr double late = 0.1;  // [-] of the spacing: how far particles go on as they were
+  static constexpr double nearest = 1.5;  // [-] of the spacing: probes are no farther in front
 
   using One = SphOpening;
   using Seen = One::Seen;
@@ -123,10 +124,11 @@ class SphOpenings {
   const One& of(const SphColumns& columns, std::uint32_t row) const {
     return all_[opening_of(columns.label[row])];
   }
-  /// Where the probe of a particle stands: at its mirror image, but near the opening.
+  /// Where the probe of a particle stands: at its mirror image, but near the opening. (Flow that
+  /// converges towards a hole is slow at images of the far end; half as much ran out of one.)
   Vec3d image(const One& one, const Vec3d& x) const {
     const double front = seen(one, x).front;
-    return x + (std::clamp(-front, 0.0, NEAR * spacing_) - front) * one.normal;
+    return x + (std::clamp(-front, 0.0, nearest * spacing_) - front) * one.normal;
   }
   /// Buffers go on for dt [s], straight ahead; those of the step's start are kept.
   void move(SphColumns& columns, double dt, bool start) const {
