@@ -44,9 +44,12 @@ class SphOpenings {
   std::size_t size() const { return all_.size(); }
   const One& operator[](std::size_t k) const { return all_[k]; }
   double depth() const { return layers_ * spacing_; }  // [m]
-  /// Particles that have come through them, that have left.
-  std::size_t came() const { return count(&OpeningBooks::in); }
-  std::size_t went() const { return count(&OpeningBooks::out); }
+  /// Particles of the liquid that have left through them.
+  std::size_t went() const {
+    std::size_t sum = 0;
+    for (const One& one : all_) sum += one.books.out.particles;
+    return sum;
+  }
 
   std::size_t add(One one, const SphSetup& sph, const Liquid& liquid, const Repeats& repeats) {
     spacing_ = sph.spacing, repeats_ = repeats;
@@ -169,12 +172,19 @@ class SphOpenings {
   }
   /// @}
 
+  /// visit(row, opening) of the particles of buffers.
+  template <class Visit>
+  static void for_each(const SphColumns& columns, const Visit& visit) {
+    for (std::size_t k = 0; k < columns.size(); ++k)
+      if (columns.kind[k] == ClusterLists::Liquid && columns.is_of_opening(k))
+        visit(columns.rows[k], opening_of(columns.label[k]));
+  }
   /// [kg/s] that flows in through one now: that of its buffer, over its depth.
   double flow_rate(const SphColumns& columns, std::size_t which, double mass) const {
     double sum = 0;
-    for (const std::uint32_t k : row_)
-      if (opening_of(columns.label[k]) == which)
-        sum += dot(columns.rows[k].velocity(), all_[which].normal);
+    for_each(columns, [&](const SphRow& r, std::size_t opening) {
+      if (opening == which) sum += dot(r.velocity(), all_[which].normal);
+    });
     return mass * sum / depth();
   }
 
@@ -288,11 +298,6 @@ class SphOpenings {
     const Vec3d v = r.velocity();
     ++to.particles, to.mass += mass, to.momentum += mass * v;
     to.kinetic_energy += 0.5 * mass * dot(v, v), to.pressure_work += mass * r.pressure / r.density;
-  }
-  std::size_t count(OpeningFlow OpeningBooks::*which) const {
-    std::size_t sum = 0;
-    for (const One& one : all_) sum += (one.books.*which).particles;
-    return sum;
   }
 
   std::vector<One> all_;

@@ -244,11 +244,9 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   /// buffers, which are no part of the liquid.
   template <class Visit>
   void for_each_buffer(const Visit& visit) const {
-    for (const std::uint32_t k : core().openings.rows())
-      if (core().columns.is_of_opening(k))
-        if (const Row& r = core().columns.rows[k]; true)
-          visit(core().openings.opening_of(core().columns.label[k]), r.position(), r.velocity(),
-                r.density, r.pressure);
+    detail::SphOpenings::for_each(core().columns, [&](const Row& r, std::size_t opening) {
+      visit(opening, r.position(), r.velocity(), r.density, liquid().pressure(r.density));
+    });
   }
   std::size_t left() const { return core().left; }            // ... that have left the region
   std::size_t displaced() const { return core().displaced; }  // ... that were where a body came
