@@ -51,6 +51,7 @@ int run(const example::Options& options) {
   stability::light(table);
   stability::bonds(table);
   stability::breakage(table);
+  stability::sph(table);
   stability::no_numbers(table);
   table.print_end();
   table.write_csv(options.out + "/stability.csv");

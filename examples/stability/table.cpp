@@ -66,12 +66,14 @@ std::string shortened(std::string sentence) {
 }
 
 /// Whether a limit of the guard stopped a scene: of overlap, rate, time step, travel, or places on
-/// a mesh. What is not among them - a number that is none, an argument that is refused - is a
-/// mistake in the scene or in silt, and no way for an extreme scene to end.
+/// a mesh; of a liquid's density. What is not among them - a number that is none, an argument that
+/// is refused - is a mistake in the scene or in silt, and no way for an extreme scene to end.
 bool is_a_limit(const std::string& sentence) {
-  for (const char* words : {"guard.max_overlap", "are too stiff or too strongly damped",
-                            "is above the limit", "is above its limit", "is too long for the bonds",
-                            "more than guard.max_travel", "places at once, and silt computes"})
+  for (const char* words :
+       {"guard.max_overlap", "are too stiff or too strongly damped", "is above the limit",
+        "is above its limit", "is too long for the bonds", "more than guard.max_travel",
+        "places at once, and silt computes", "of Liquid.sound_speed = ", "has gone through wall ",
+        "take a smaller spacing, a larger alpha"})
     if (sentence.find(words) != std::string::npos) return true;
   return false;
 }

@@ -90,6 +90,7 @@ void sticky(Table& table);
 void light(Table& table);
 void bonds(Table& table);
 void breakage(Table& table);
+void sph(Table& table);
 void no_numbers(Table& table);
 
 }  // namespace stability

@@ -1,9 +1,13 @@
 // silt - BSD-3-Clause, see LICENSE
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
+#include <silt/silt.hpp>
 #include <silt/sph.hpp>
 
 #include "refusal.hpp"
@@ -60,6 +64,9 @@ TEST_CASE("SPH: settings that cannot be are refused by name") {
                       "Shifting.strength = 50");
   refuses<InputError>([] { Sph(water, setup, VerletTime{.restart = 0}); },
                       "VerletTime.restart = 0");
+  SphSetup longer = setup;
+  longer.courant = 0.3;
+  refuses<InputError>([&] { Sph(water, longer, VerletTime{}); }, "too long for VerletTime");
 }
 
 TEST_CASE("SPH: fill, walls and runs that cannot be are refused") {
@@ -135,7 +142,153 @@ TEST_CASE("SPH: a liquid that is too fast for its sound stops with a sentence") 
                  [](const Vec3d&) { return 0.0; });
         sph.run(0.01);
       },
-      "take a larger Liquid.sound_speed");
+      "take a larger Liquid.sound_speed, ");
+}
+
+namespace {
+
+/// A box as triangles, free outside.
+TriangleMesh block(const Vec3d& low, const Vec3d& high) {
+  const auto corner = [&](int c) {
+    return Vec3d{c & 1 ? high.x : low.x, c & 2 ? high.y : low.y, c & 4 ? high.z : low.z};
+  };
+  const int faces[6][4] = {{0, 1, 3, 2}, {4, 6, 7, 5}, {0, 4, 5, 1},
+                           {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 5, 7, 3}};
+  std::vector<std::array<Vec3d, 3>> all;
+  for (const auto& f : faces) {
+    all.push_back({corner(f[0]), corner(f[2]), corner(f[1])});
+    all.push_back({corner(f[0]), corner(f[3]), corner(f[2])});
+  }
+  return TriangleMesh(all);
+}
+/// A tank 0.2 m wide with a baffle of that thickness [spacings] in its middle; h = 1.7 spacings.
+auto with_baffle(double thickness) {
+  Sph sph{water, setup};
+  sph.gravity = {0, 0, -9.81};
+  const double half = 0.5 * thickness * setup.spacing;
+  sph.add_wall(Plane{{0, 0, 0}, {0, 0, 1}}, {.name = "floor"});
+  sph.add_wall(Plane{{0, 0, 0}, {1, 0, 0}}), sph.add_wall(Plane{{0.2, 0, 0}, {-1, 0, 0}});
+  sph.add_wall(block({0.1 - half, -0.1, -0.05}, {0.1 + half, 0.1, 0.15}), {.name = "baffle"});
+  return sph;
+}
+bool low(const Vec3d& x) { return x.z < 0.1; }
+
+}  // namespace
+
+TEST_CASE("SPH: walls that liquid sees through are refused, once it is on both sides") {
+  const char* const words = "wall 'baffle' is ";
+  for (const double thickness : {1.0, 2.0}) {
+    refuses<SimulationError>(
+        [thickness] {
+          auto sph = with_baffle(thickness);
+          sph.fill(low), sph.run(1e-3);
+        },
+        words);
+    // On one side alone it may be thin, until the liquid has come round it.
+    auto dry = with_baffle(thickness);
+    dry.fill([](const Vec3d& x) { return low(x) && x.x < 0.1; });
+    dry.run(1e-3);
+    dry.fill([](const Vec3d& x) { return low(x) && x.x > 0.1; });
+    silt_test::has(silt_test::refusal([&] { dry.run(1e-3); }), words);
+  }
+  auto thick = with_baffle(4);
+  thick.fill(low), thick.run(1e-3);
+  // Between sites of the lattice it has no particles at all.
+  refuses<InputError>(
+      [] {
+        Sph sph{water, setup};
+        sph.add_wall(block({0.101, -0.1, -0.1}, {0.104, 0.1, 0.3}), {.name = "sheet"});
+        sph.fill(low), sph.run(1e-3);
+      },
+      "wall 'sheet' near ");
+  // A bar on the floor, as thin, is let pass: round its edges liquid sees liquid anyway.
+  Sph bar{water, setup};
+  bar.gravity = {0, 0, -9.81};
+  bar.add_wall(Plane{{0, 0, 0}, {0, 0, 1}});
+  bar.add_wall(block({0.09, -0.1, -0.05}, {0.11, 0.1, 0.02}));
+  bar.fill(low), bar.run(1e-3);
+  // Through the corner of a step liquid sees liquid too.
+  Sph step{water, setup};
+  step.gravity = {0, 0, -9.81};
+  step.add_wall(block({-0.5, -0.1, -0.5}, {0.1, 0.1, 0.05}));
+  step.add_wall(Plane{{0, 0, 0}, {0, 0, 1}}), step.add_wall(Plane{{0, 0, 0}, {1, 0, 0}});
+  step.add_wall(Plane{{0.2, 0, 0}, {-1, 0, 0}});
+  step.fill(low), step.run(1e-3);
+}
+
+TEST_CASE(
+    "SPH: a lattice that loses a row at walls is refused where that is a tenth of the liquid") {
+  const auto filled = [](double width, double from, double depth) {
+    SphSetup narrow = setup;
+    narrow.region = {{from, 0, 0}, {0.2, 0, 0.2}};
+    Sph sph{water, narrow};
+    sph.add_wall(Plane{{0, 0, 0}, {0, 0, 1}}, {.name = "floor"});
+    sph.add_wall(Plane{{0, 0, 0}, {1, 0, 0}}, {.name = "wall"});
+    sph.add_wall(Plane{{width, 0, 0}, {-1, 0, 0}}, {.name = "far wall"});
+    sph.fill([depth](const Vec3d& x) { return x.z < depth; });
+  };
+  filled(0.05, 0, 0.1);
+  filled(0.196, 0, 0.1);  // 19 rows of 19.6
+  refuses<InputError>([&] { filled(0.049, 0, 0.1); }, "leave 18.3");
+  refuses<InputError>([&] { filled(0.049, 0, 0.1); }, "wall 'far wall' at x = 0.049 m");
+  refuses<InputError>([&] { filled(0.06, -0.003, 0.1); }, "% empty");
+  // Beside walls of a Simulation liquid may be pressed together too.
+  refuses<InputError>(
+      [] {
+        Sph sph{water, setup};
+        sph.fill([](const Vec3d& x) { return x.z < 0.03; });
+        Simulation sim{
+            Particles<Sphere>{},
+            Contacts<HertzMindlin>{
+                {.youngs_modulus = 1e7, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.3}},
+            std::move(sph)};
+        sim.add_wall(Plane{{0, 0, 0.0045}, {0, 0, 1}}, sim.contacts().material(0),
+                     {.name = "floor"});
+        sim.time_step = 1e-5;
+        sim.run(1e-4);
+      },
+      "% too few room");
+}
+
+TEST_CASE("SPH: liquid that is put where bodies of the Simulation are is taken out and counted") {
+  Particles<Sphere> balls;
+  balls.add({.position = {0.1, 0, 0.1}, .radius = 0.03, .density = 1000});
+  Sph sph{water, setup};
+  sph.fill([](const Vec3d& x) { return x.z < 0.1; });
+  const std::size_t half = sph.size();
+  Simulation sim{
+      std::move(balls),
+      Contacts<HertzMindlin>{
+          {.youngs_modulus = 1e7, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.3}},
+      std::move(sph)};
+  sim.time_step = 1e-5;
+  sim.run(1e-4);
+  const std::size_t first = sim.fluid().displaced();
+  CHECK(first == 16);  // of half a circle of 3 spacings, by hand
+  const std::size_t more = sim.fluid().fill([](const Vec3d& x) { return x.z > 0.1; });
+  CHECK(sim.fluid().displaced() == 2 * first);
+  CHECK(sim.fluid().size() == half + more - 2 * first);
+  sim.run(1e-4);
+  CHECK(sim.fluid().displaced() == 2 * first);
+}
+
+TEST_CASE("SPH: liquid behind a wall names it, a drop alone its density") {
+  const auto shot = [](const Vec3d& from, const Vec3d& velocity, double least) {
+    return [=] {
+      Sph sph{water, setup, Inviscid{}};
+      sph.add_wall(Plane{{0, 0, 0.1}, {0, 0, 1}}, {.name = "floor"});
+      sph.fill([&](const Vec3d& x) { return norm(x - from) < 0.008; },
+               [&](const Vec3d&) { return velocity; }, [](const Vec3d&) { return 0.0; });
+      sph.least_density = least;
+      for (int k = 0; k < 100; ++k) sph.step(2e-4);
+    };
+  };
+  // Steps that are too long for a speed, by hand: the wall's layers are crossed.
+  refuses<SimulationError>(shot({0.1, 0, 0.11}, {0, 0, -100}, 0.999),
+                           "gone through wall 'floor' by ");
+  refuses<SimulationError>(shot({0.1, 0, 0.15}, {0, 0, 5}, 1.01),
+                           "take a larger Liquid.sound_speed, 50 ");
+  refuses<SimulationError>(shot({0.1, 0, 0.15}, {0, 0, 0.1}, 1.01), "a drop that has flown off");
 }
 
 }  // namespace sph_refusals_test

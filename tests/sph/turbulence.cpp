@@ -142,7 +142,7 @@ TEST_CASE("SPH turbulence: between plates the flow is that of the mixing length 
              .dimensions = 2,
              .periodic = {true, false, false},
              .gravity = {a, 0, 0}},
-            SpsTurbulence{.kinematic = nu, .smagorinsky = 1, .isotropic = 0},
+            SpsTurbulence{.kinematic = nu, .alpha = 0, .smagorinsky = 1, .isotropic = 0},
             NoDiffusion{}};
   water.add_wall(Plane{{0, 0, 0}, {0, 0, 1}});
   water.add_wall(Plane{{0, 0, H}, {0, 0, -1}});

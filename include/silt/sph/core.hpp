@@ -6,8 +6,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numbers>
 #include <numeric>
 #include <span>
+#include <string>
 #include <type_traits>
 #include <vector>
 
@@ -22,6 +24,7 @@
 #include <silt/sph/setup.hpp>
 #include <silt/sph/solid_sums.hpp>
 #include <silt/sph/solids.hpp>
+#include <silt/sph/surface_slope.hpp>
 #include <silt/sph/time_step.hpp>
 #include <silt/sph/turbulence.hpp>
 
@@ -59,6 +62,7 @@ struct SphCore {
   Vec3d gravity = setup.gravity;                   // [m/s2]
   double least_density = 0.7, most_density = 1.3;  // [-] of the liquid's
 
+  SphSurfaceSlope<Kernel> surface_slope{};
   SphSolids solids{};
   SphOpenings openings{};
   Lists lists{};
@@ -70,6 +74,7 @@ struct SphCore {
   std::size_t left = 0, displaced = 0;
   double time = 0, now = 0, last_step = 0;  // [s] now: of the rates
   double moved = 0;                         // [m] at most, since the lists were made
+  double exchange = INFINITY;               // [s] longest_exchange() of the last step
   std::int64_t steps = 0;
   bool stale = true;                    // lists are to be made
   bool known = false;                   // rates are those of now
@@ -81,6 +86,10 @@ struct SphCore {
         scheme.check();
     require(Walls::mirrored || !setup.slip,
             "SphSetup.slip has no effect with DynamicWalls; leave it out, or take MirroredWalls");
+    if constexpr (Shift::shifts) surface_slope = SphSurfaceSlope<Kernel>(setup);
+    require(Time::two_stages || setup.courant <= 0.2, "SphSetup.courant = ", setup.courant,
+            " is too long for VerletTime, which is unstable from 0.22 on; take at most 0.2, or "
+            "SymplecticTime");
     lists.width = Pairs::W, lists.spacing = setup.spacing, lists.dimensions = setup.dimensions;
     lists.probes_meet_walls = Grains::averaged;
     if (setup.dimensions == 2) solids.plane = setup.region.min.y;
@@ -88,6 +97,11 @@ struct SphCore {
     lists.repeats = {
         setup.region.min,
         {setup.periodic[0] ? e.x : 0, setup.periodic[1] ? e.y : 0, setup.periodic[2] ? e.z : 0}};
+  }
+  /// [m/s2] The gravity that pressure bears at rest: along directions that repeat it drives a flow.
+  Vec3d weight() const {
+    return {setup.periodic[0] ? 0 : gravity.x, setup.periodic[1] ? 0 : gravity.y,
+            setup.periodic[2] ? 0 : gravity.z};
   }
   double particle_mass() const { return liquid.density * setup.volume(); }  // [kg]; 2D: [kg/m]
   /// Solids or liquid have come or gone.
@@ -111,7 +125,20 @@ struct SphCore {
     if constexpr (Grains::averaged)
       if (!grains.pick_small(of, setup, resolved)) made = false, renewed();
     if (solids.bodies.set(of, resolved, setup)) make_room_for_bodies();
+    exchange = longest_exchange(of);
     known = false;  // of where all is now, whatever was read in between
+  }
+  /// [s] for which what the liquid does to bodies may be held. A body that is pushed on radiates
+  /// sound, which halts it at a rate of rho c A/m, A = 4/3 pi R^2 or in 2D pi R: over a longer time
+  /// a light one would be thrown back, faster each time.
+  double longest_exchange(const CoupledParticles& of) const {
+    double longest = INFINITY;
+    for (const std::size_t p : resolved) {
+      const double R = of.shape.radius[p], pi = std::numbers::pi,
+                   area = setup.dimensions == 2 ? pi * R : 4 * pi / 3 * R * R;
+      longest = std::min(longest, of.mass[p] / (liquid.density * liquid.sound_speed * area));
+    }
+    return longest;
   }
   /// Adds a share of the loads of the last step.
   void add_loads(double part, std::span<Vec3d> force, std::span<Vec3d> torque) const {
@@ -150,7 +177,7 @@ struct SphCore {
   Pairs pairs() const {
     const double h = setup.h();
     return Pairs({particle_mass(), h, Kernel::normalisation(setup.dimensions, h),
-                  liquid.sound_speed, liquid.density, gravity},
+                  liquid.sound_speed, liquid.density, weight()},
                  viscosity, diffusion, lists.extent());
   }
   void shorten(const Pairs& pairs, const Team& team) {
@@ -231,7 +258,7 @@ struct SphCore {
   SpsSums<Kernel> sps() const requires turbulent {
     const double h = setup.h();
     return {{particle_mass(), h, Kernel::normalisation(setup.dimensions, h), liquid.sound_speed,
-             liquid.density, gravity},
+             liquid.density, weight()},
             setup.spacing,
             viscosity};
   }
@@ -261,7 +288,8 @@ struct SphCore {
   void renew(const Team& team) {
     if (solids.walls.fresh() || !made) {
       if (solids.walls.fresh())
-        solids.walls.make(setup, [this](const Vec3d& x) { return openings.hold(x); });
+        solids.walls.make(setup, [this](const Vec3d& x) { return openings.hold(x); }),
+            solids.thin = {};
       solids.put_into(columns, liquid.density, Walls::mirrored, small_grains()), made = true;
     }
     if (!openings.empty())
@@ -281,6 +309,8 @@ struct SphCore {
       r.place(r.position() + way), start.place(start.position() + way);
       if (is_out(r.position())) columns.take_out(k), ++left;
     }
+    if (!solids.thin.known()) solids.thin.find(solids.walls, setup);
+    solids.thin.check(solids.walls, columns, lists.repeats, setup, steps, time);
     columns.arrange(make_order(columns.rows, team), team);
     make_lists(columns.rows, team, false);
     moved = 0, stale = false;
@@ -313,14 +343,31 @@ struct SphCore {
     if (is_finite(r.position()) && is_finite(r.velocity()) && share >= least_density &&
         share <= most_density)
       return;
-    throw SimulationError(
-        text("step ", steps, ", t = ", time, " s: the liquid at ", r.position(), " m has density ",
-             r.density, " kg/m3 and velocity ", r.velocity(), " m/s, beyond ", least_density,
-             " to ", most_density, " of ", liquid.density,
-             " kg/m3; take a larger Liquid.sound_speed (at least ten times the largest velocity), "
-             "a smaller spacing or a smaller SphSetup.courant; for a drop that has flown off "
-             "alone, whose density no neighbour holds, a lower Sph::least_density"),
-        steps, {}, r.position());
+    throw SimulationError(what_is_wrong(r), steps, {}, r.position());
+  }
+  std::string what_is_wrong(const Row& r) const {
+    const Vec3d x = r.position();
+    const double c = liquid.sound_speed, speed = norm(r.velocity());
+    const std::string what = text("step ", steps, ", t = ", time, " s: the liquid at ", x, " m"),
+                      is = text(" density ", r.density, " kg/m3 and velocity ", r.velocity(),
+                                " m/s");
+    if (is_finite(x) && solids.walls.walls() > 0)
+      if (const auto wall = solids.walls.nearest(x); wall.distance < -0.1 * setup.spacing)
+        return text(what, " has gone through wall ", in_quotes(solids.walls.name(wall.wall)),
+                    " by ", -wall.distance, " m, with", is,
+                    "; take a smaller spacing, a larger alpha of the viscosity (0.1), or a slower "
+                    "wall");
+    const std::string beyond = text(what, " has", is, ", beyond ", least_density, " to ",
+                                    most_density, " of ", liquid.density, " kg/m3; ");
+    if (speed > 0.2 * c)
+      return text(beyond, "that is ", speed / c, " of Liquid.sound_speed = ", c,
+                  " m/s, of which speeds may be a tenth; if the scene is as fast as that, take a "
+                  "larger Liquid.sound_speed, ",
+                  10 * speed, " m/s, else a larger alpha of the viscosity (0.1)");
+    return text(beyond,
+                "take a smaller spacing, a larger alpha of the viscosity (0.1) or a smaller "
+                "SphSetup.courant; for a drop that has flown off alone, whose density no neighbour "
+                "holds, a lower Sph::least_density");
   }
   bool is_out(const Vec3d& x) const {
     // What walls at its sides press into them is not out.

@@ -45,7 +45,7 @@ enum class Slip { None, Free };
 struct SphSetup {
   double spacing = 0;      // [m] of particles at the start
   Box region;              // [m] what leaves it is taken out, and counted
-  double smoothing = 1.2;  // [-] h over the spacing's diagonal: h = smoothing sqrt(D) spacing
+  double smoothing = 1.2;  // [-] h = smoothing sqrt(D) spacing; in 2D not 0.9 to 1 (docs/sph.md)
   int dimensions = 3;      // 2: in x and z; a slice one spacing thick
   std::array<bool, 3> periodic{};  // the region repeats
   Vec3d gravity{0, 0, 0};          // [m/s2]

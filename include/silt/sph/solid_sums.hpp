@@ -45,7 +45,7 @@ void sph_mirror(Core& core, const typename Core::Pairs& pairs, const Team& team)
         auto& wall = columns.rows[at];
         const Vec3d away = solids.place(of) - solids.ghost(of);
         const auto [density, velocity, share] =
-            seen[l].at(away, core.liquid, core.gravity, core.setup.h(), !solids.bodies.empty());
+            seen[l].at(away, core.liquid, core.weight(), core.setup.h(), !solids.bodies.empty());
         wall.density = density, wall.pressure = core.liquid.pressure(density);
         const Vec3d own = solids.velocity(of);
         wall.move(own + share * (sph_velocity_at_wall(velocity, own, away, slip) - own));

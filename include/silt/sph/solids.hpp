@@ -11,6 +11,7 @@
 #include <silt/sph/body_points.hpp>
 #include <silt/sph/cluster_lists.hpp>
 #include <silt/sph/columns.hpp>
+#include <silt/sph/thin_walls.hpp>
 #include <silt/sph/wall_particles.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -21,6 +22,7 @@ namespace silt::inline SILT_TARGET::detail {
 class SphSolids {
  public:
   WallParticles walls;
+  ThinWalls thin;
   BodyPoints bodies;
   std::vector<std::uint32_t> wall_row, probe_row;
   std::optional<double> plane;  // [m] y of a liquid in 2D: all stays in it, to the last bit

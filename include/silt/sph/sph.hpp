@@ -17,6 +17,7 @@
 #include <silt/coupling/particles_in_fluid.hpp>
 #include <silt/files/vtk.hpp>
 #include <silt/sph/core.hpp>
+#include <silt/sph/lattice_fit.hpp>
 #include <silt/sph/policies.hpp>
 #include <silt/sph/setup.hpp>
 
@@ -83,17 +84,20 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
               ", but the space of the particles ", scene.periodic[d] ? "does" : "does not",
               "; give both the same PeriodicBox");
     auto& solid = core().solids.walls;
-    if (scene.walls != nullptr && !scene.walls->empty() && solid.follow(*scene.walls))
+    if (scene.walls != nullptr && !scene.walls->empty() && solid.follow(*scene.walls)) {
       core().take_out([&solid](const Vec3d& x) { return solid.distance(x) < 0; });
+      if (core().steps == 0) detail::refuse_misfit(solid, places(0), setup());
+    }
   }
   /// Bodies of other shapes than spheres: the form of number `form`.
   template <class Shape>
   void take_form(std::size_t form, const Shape& shape) {
     core().solids.bodies.take_form(form, shape);
   }
-  /// As many as sound leaves; advance() takes shorter steps where more is needed.
+  /// As many as sound and light bodies leave; advance() takes shorter steps where more is needed.
   int steps_wanted(const FluidPace& pace, const Team&) const {
-    const double longest = setup().courant * setup().h() / liquid().sound_speed;
+    const double longest =
+        std::min(setup().courant * setup().h() / liquid().sound_speed, core().exchange);
     return std::max(1, static_cast<int>(longest / pace.step));
   }
   /// The liquid goes on by dt [s] beside bodies, in as many steps as it needs; sets what it does
@@ -151,7 +155,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   }
   /// Puts liquid on the lattice where inside(x) holds and no wall is nearer than half a spacing;
   /// start(x) gives its velocity [m/s], pressure(x) its pressure [Pa]. Returns how many particles
-  /// came.
+  /// came. Those in bodies of the Simulation are taken out, and counted by displaced().
   template <class Inside, class Start, class Pressure>
   std::size_t fill(const Inside& inside, const Start& start, const Pressure& pressure) {
     const std::uint32_t before = core().next_number;
@@ -180,15 +184,17 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
     require(
         core().next_number > before, "Sph::fill: no place of the lattice of ", setup().spacing,
         " m is inside; see that the region and the walls leave room, or take a smaller spacing");
+    if (core().steps == 0) detail::refuse_misfit(core().solids.walls, places(before), setup());
     core().renewed();
+    if (!core().solids.bodies.empty()) core().make_room_for_bodies();
     return core().next_number - before;
   }
-  /// At rest, with the pressure of a liquid at rest under gravity that reaches up to where
-  /// inside(x) ends.
+  /// At rest, with the pressure of a liquid at rest under gravity, as far as directions do not
+  /// repeat, that reaches up to where inside(x) ends.
   template <class Inside>
   std::size_t fill(const Inside& inside) {
     double top = -INFINITY;  // [m2/s2] largest of -g.x
-    const Vec3d g = gravity;
+    const Vec3d g = core().weight();
     const double edge = 0.5 * setup().spacing * std::sqrt(dot(g, g));
     detail::for_each_site(setup(), 0, [&](const Vec3d& x) {
       if (inside(x)) top = std::max(top, -dot(g, x) + edge);
@@ -338,6 +344,14 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   }
   Core& core() { return *this; }
   const Core& core() const { return *this; }
+  /// Of the liquid from number `first` on.
+  std::vector<Vec3d> places(std::uint32_t first) const {
+    std::vector<Vec3d> all;
+    for (std::size_t k = 0; k < core().columns.size(); ++k)
+      if (core().columns.is_liquid(k) && core().columns.label[k] >= first)
+        all.push_back(core().columns.rows[k].position());
+    return all;
+  }
   /// A number for the lattice's cell at a place.
   std::uint64_t site_of(const Vec3d& x) const {
     const Vec3d at = (1 / setup().spacing) * (x - setup().region.min);

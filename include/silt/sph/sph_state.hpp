@@ -33,15 +33,16 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
     const Vec3d at = c.stale ? c.columns.rows[k].position() : c.lists.built(k);
     built.insert(built.end(), {at.x, at.y, at.z});
   }
-  std::array<double, 9> numbers{static_cast<double>(c.next_number),
-                                static_cast<double>(c.left),
-                                static_cast<double>(c.displaced),
-                                static_cast<double>(c.steps),
-                                c.time,
-                                c.last_step,
-                                c.moved,
-                                c.stale ? 1.0 : 0.0,
-                                c.made ? 1.0 : 0.0};
+  std::array<double, 10> numbers{static_cast<double>(c.next_number),
+                                 static_cast<double>(c.left),
+                                 static_cast<double>(c.displaced),
+                                 static_cast<double>(c.steps),
+                                 c.time,
+                                 c.last_step,
+                                 c.moved,
+                                 c.stale ? 1.0 : 0.0,
+                                 c.made ? 1.0 : 0.0,
+                                 c.exchange};
   auto [solid, poses] = c.solids.walls.state();
   std::vector<double> small, shares;
   for (const Vec3d& x : c.small_grains()) small.insert(small.end(), {x.x, x.y, x.z});
@@ -94,6 +95,7 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
   c.steps = static_cast<std::int64_t>(numbers[3]), c.time = c.now = numbers[4],
   c.last_step = numbers[5];
   c.moved = numbers[6], c.stale = numbers[7] != 0, c.made = numbers[8] != 0, c.known = false;
+  c.exchange = numbers[9];
   bodies.restore(kinds, points);
   if (c.made) c.solids.walls.restore(solid, poses);
   if (!c.stale) c.make_lists(then, {});

@@ -47,7 +47,7 @@ struct ArtificialViscosity {
 /// Source: E. Y. M. Lo, S. Shao, Appl. Ocean Res. 24 (2002) 275.
 struct LaminarViscosity {
   double kinematic = 0;  // [m2/s]
-  double alpha = 0;      // [-] of ArtificialViscosity, beside it
+  double alpha = 0.02;   // [-] of ArtificialViscosity, beside it
 
   static constexpr SphAxis sph_axis = SphAxis::Viscosity;
   static constexpr bool artificial = true, laminar = true;

@@ -28,7 +28,7 @@ namespace silt::inline SILT_TARGET {
 /// Tests:  tests/sph/turbulence.cpp.
 struct SpsTurbulence {
   double kinematic = 0;       // [m2/s] of the liquid
-  double alpha = 0;           // [-] of ArtificialViscosity, beside it
+  double alpha = 0.02;        // [-] of ArtificialViscosity, beside it
   double smagorinsky = 0.12;  // [-] C_s
   double isotropic = 0.0066;  // [-] C_I
 

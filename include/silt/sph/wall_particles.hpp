@@ -79,6 +79,7 @@ class WallParticles {
       part.pose = part.last = part.next = part.first = w.pose;
     }
     followed_ = walls.size();
+    find_belts();
     if (restored) {
       for (std::size_t w = 0; w < walls_.size(); ++w) walls_[w].first = restored_[w];
       restored_.clear();
@@ -125,6 +126,7 @@ class WallParticles {
       restored_.push_back({{p[3], p[4], p[5], p[6]}, {p[0], p[1], p[2]}});
     }
     fresh_ = false;
+    find_belts();
     if (walls_.size() != walls || followed_ != 0) return;
     for (std::size_t w = 0; w < walls; ++w) walls_[w].first = restored_[w];
     restored_.clear();
@@ -135,35 +137,62 @@ class WallParticles {
   std::size_t walls() const { return walls_.size(); }
 
   /// [m] from the nearest wall, negative behind it.
-  double distance(const Vec3d& x) const {
-    double least = std::numeric_limits<double>::infinity();
-    for (const Part& wall : walls_) least = std::min(least, nearest(wall, x).distance);
+  double distance(const Vec3d& x) const { return nearest(x).distance; }
+  struct Nearest {
+    double distance = std::numeric_limits<double>::infinity();  // [m]
+    Vec3d normal{0, 0, 0};                                      // [-] towards the free side
+    std::size_t wall = 0;
+  };
+  /// The wall of the least distance: where x is behind several, that in which it lies deepest.
+  enum class Which { All, AtRest };
+  Nearest nearest(const Vec3d& x, Which which = Which::All) const {
+    Nearest least;
+    for (std::size_t w = 0; w < walls_.size(); ++w) {
+      if (which == Which::AtRest && walls_[w].motion) continue;
+      if (const SurfacePoint p = nearest(walls_[w], x); p.distance < least.distance)
+        least = {p.distance, p.normal, w};
+    }
     return least;
   }
+  const std::string& name(std::size_t wall) const { return walls_[wall].name; }
+  /// A place from space to a wall's own coordinates, and back.
+  Vec3d to_wall(std::size_t wall, const Vec3d& x) const { return walls_[wall].pose.to_body(x); }
+  Vec3d to_space(std::size_t wall, const Vec3d& x) const { return walls_[wall].pose.to_space(x); }
+  /// Calls visit(name, point, normal) for each plane of the walls, where it is now.
+  template <class Visit>
+  void for_each_plane(const Visit& visit) const {
+    for (const Part& wall : walls_)
+      for (const Surface& one : wall.surfaces)
+        if (const auto* const plane = std::get_if<Plane>(&one))
+          visit(wall.name, wall.pose.to_space(plane->point),
+                normalised(wall.pose.rotate(plane->normal)));
+  }
 
-  /// Where hold(x) is true there are none.
+  /// What is behind a wall at rest is of that wall, whatever moves there: where a piston draws back
+  /// the floor goes on. Where hold(x) is true there are none.
   template <class Hold>
   void make(const SphSetup& setup, const Hold& hold) {
     fresh_ = false;
     particles_.clear();
-    const double support = 2 * setup.h();
+    const double support = 2 * setup.h(), enough = 1e-9 * setup.spacing;
     const int layers = static_cast<int>(std::ceil(support / setup.spacing));
     const double thick = (layers + 0.001) * setup.spacing;
     for_each_site(setup, layers, [&](const Vec3d& x) {
-      std::size_t of = 0;
-      double least = std::numeric_limits<double>::infinity();
-      for (std::size_t w = 0; w < walls_.size(); ++w)
-        if (const double d = nearest(walls_[w], x).distance; d < least) least = d, of = w;
-      if (!(least < 1e-9 * setup.spacing) || least < -thick) return;
-      const Vec3d surface = to_surface(x, 1e-9 * setup.spacing);
+      const Nearest rest = nearest(x, Which::AtRest), all = nearest(x);
+      const bool at_rest = rest.distance < enough;
+      const Nearest& least = at_rest ? rest : all;
+      if (!(least.distance < enough) || least.distance < -thick) return;
+      const Vec3d surface = to_surface(x, enough, at_rest ? Which::AtRest : Which::All);
       if (norm(x - surface) > thick || hold(x)) return;
-      const Part& wall = walls_[of];
+      const Part& wall = walls_[least.wall];
       const Vec3d out = surface - x;  // towards the liquid
       const bool flat = std::holds_alternative<Plane>(wall.surfaces[nearest_surface(wall, x)]);
       particles_.push_back({wall.pose.to_body(x), wall.pose.to_body(x + 2 * out),
                             flat && norm(out) > 0 ? normalised(out) : Vec3d{0, 0, 0},
-                            static_cast<std::uint32_t>(of)});
+                            static_cast<std::uint32_t>(least.wall)});
     });
+    refuse_what_has_none(setup);
+    find_belts();
   }
   Vec3d place(std::size_t k) const { return in_space(particles_[k], particles_[k].at); }
   Vec3d ghost(std::size_t k) const { return in_space(particles_[k], particles_[k].ghost); }
@@ -186,6 +215,24 @@ class WallParticles {
   }
 
  private:
+  /// A wall that stands in free space and between whose surfaces no site of the lattice lies.
+  void refuse_what_has_none(const SphSetup& setup) const {
+    std::vector<char> has(walls_.size(), 0);
+    for (const Particle& p : particles_) has[p.wall] = 1;
+    if (std::all_of(has.begin(), has.end(), [](char h) { return h != 0; })) return;
+    const double s = setup.spacing;
+    for_each_site(setup, 0, [&](const Vec3d& x) {
+      const Nearest here = nearest(x);
+      if (here.distance < 0 || here.distance > s || has[here.wall] != 0) return;
+      for (std::size_t w = 0; w < walls_.size(); ++w)
+        if (w != here.wall && nearest(walls_[w], x).distance < here.distance + 1e-6 * s) return;
+      throw InputError(text("Sph: wall ", in_quotes(walls_[here.wall].name), " near ", x,
+                            " m is thinner than a spacing of ", s,
+                            " m and has no particles, so that liquid passes through it; make it "
+                            "thicker than 2 h = ",
+                            2 * setup.h(), " m, or take a smaller spacing"));
+    });
+  }
   struct Part {
     std::vector<Surface> surfaces;
     std::string name;
@@ -193,6 +240,7 @@ class WallParticles {
     const Wall* of;  // of a Simulation; null: its own
     Pose pose{}, last{}, next{}, first{};
     double span = 1;
+    bool is_belt = true;
   };
   static void place(Part& w, double time, double span) {
     if (!w.motion) return;
@@ -219,10 +267,37 @@ class WallParticles {
   Vec3d in_space(const Particle& p, const Vec3d& own) const {
     const Part& wall = walls_[p.wall];
     const Quaternion &now = wall.pose.rotation, &then = wall.first.rotation;
-    const bool slides = now.w == then.w && now.x == then.x && now.y == then.y && now.z == then.z;
-    if (!slides || dot(p.normal, p.normal) == 0) return wall.pose.to_space(own);
+    const bool turned = now.w != then.w || now.x != then.x || now.y != then.y || now.z != then.z;
+    if (turned || !wall.is_belt || dot(p.normal, p.normal) == 0) return wall.pose.to_space(own);
     const Vec3d way = wall.pose.translation - wall.first.translation;
     return wall.first.to_space(own) + dot(way, p.normal) * p.normal;
+  }
+  /// Walls of parallel planes alone may slide along themselves; but of a tank that is shaken as a
+  /// whole - others go the same way - particles go along, or it would be open at its edges.
+  void find_belts() {
+    const auto across = [](const Surface& one) {
+      const auto* const plane = std::get_if<Plane>(&one);
+      return plane == nullptr ? Vec3d{0, 0, 0} : normalised(plane->normal);
+    };
+    for (Part& w : walls_) {
+      w.is_belt = true;
+      for (const Part& other : walls_)
+        if (goes_with(w, other))
+          for (const Surface& a : w.surfaces)
+            for (const Surface& b : other.surfaces)
+              if (std::abs(dot(across(a), across(b))) < 1 - 1e-9) w.is_belt = false;
+    }
+  }
+  static bool goes_with(const Part& a, const Part& b) {
+    if (&a == &b) return true;
+    if (!a.motion || !b.motion) return false;
+    // Whether two functions are the same, their values tell.
+    const auto at = [](const Part& w, double t) {
+      return w.of != nullptr ? w.of->pose_at(t) : w.motion(t);
+    };
+    for (const double t : {0.0, 0.0123, 0.217})
+      if (!(at(a, t) == at(b, t))) return false;
+    return true;
   }
 
   static std::size_t nearest_surface(const Part& wall, const Vec3d& x) {
@@ -252,11 +327,9 @@ class WallParticles {
     return least;
   }
   /// The nearest point that is behind no wall, by steps to one surface after the other.
-  Vec3d to_surface(Vec3d x, double enough) const {
+  Vec3d to_surface(Vec3d x, double enough, Which which) const {
     for (int n = 0; n < 50; ++n) {
-      SurfacePoint deepest{{0, 0, 0}, 0, 0};
-      for (const Part& wall : walls_)
-        if (const SurfacePoint p = nearest(wall, x); p.distance < deepest.distance) deepest = p;
+      const Nearest deepest = nearest(x, which);
       if (deepest.distance > -enough) break;
       x -= deepest.distance * deepest.normal;
     }

@@ -1,0 +1,28 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "study/studies.hpp"
+
+/// The parts of the study of SPH, in files of their own, as each policy is a liquid to compile.
+namespace studies::sph {
+
+struct Variant {
+  std::string name;
+  silt::Study::Variant run;
+};
+using Variants = std::vector<Variant>;
+
+// `fine`: particles a length over the coarsest; quick: fewer variants.
+Variants resolutions(bool quick);
+Variants kernels(double fine, bool quick);
+Variants time_steps(double fine, bool quick);
+Variants diffusions(double fine, bool quick);
+Variants shifts(double fine, bool quick);
+Variants sounds(double fine, bool quick);
+/// A floating box that is let go, by the grains' step over the liquid's.
+silt::Study::Variant box_with_step(double of_liquid, bool quick);
+
+}  // namespace studies::sph

@@ -1,0 +1,68 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <silt/core/error.hpp>
+#include <silt/sph/setup.hpp>
+#include <silt/sph/wall_particles.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// Refuses liquid whose lattice does not fit plane walls along the axes: its first row is to be
+/// half a spacing from them. Where it is not, a gap is left, or liquid is pressed together, and
+/// over `most` of the volume along an axis is too much. Walls that the liquid does not touch, by
+/// less than half of a row, do not count.
+inline void refuse_misfit(const WallParticles& walls, std::span<const Vec3d> liquid,
+                          const SphSetup& setup) {
+  constexpr double most = 0.1;  // [-]
+  const double s = setup.spacing;
+  struct Side {
+    std::string name;
+    double off = 0, at = 0;  // [m] of the first row from half a spacing, and where the wall is
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    if (liquid.empty() || (axis == 1 && setup.dimensions == 2)) continue;
+    const auto along = [axis](const Vec3d& x) { return axis == 0 ? x.x : axis == 1 ? x.y : x.z; };
+    std::vector<Side> sides;
+    double rows = 1;
+    walls.for_each_plane([&](const std::string& name, const Vec3d& point, const Vec3d& normal) {
+      const double sign = along(normal);
+      if (std::abs(sign) < 1 - 1e-9) return;
+      const auto distance = [&](const Vec3d& x) { return (along(x) - along(point)) / sign; };
+      double nearest = std::numeric_limits<double>::infinity(), farthest = -nearest;
+      for (const Vec3d& x : liquid)
+        nearest = std::min(nearest, distance(x)), farthest = std::max(farthest, distance(x));
+      const double layers = std::round((farthest - nearest) / s) + 1;
+      const auto first = std::count_if(liquid.begin(), liquid.end(), [&](const Vec3d& x) {
+        return distance(x) < nearest + 0.5 * s;
+      });
+      if (nearest < 0 || nearest > 1.5 * s ||
+          2 * static_cast<double>(first) * layers < static_cast<double>(liquid.size()))
+        return;
+      sides.push_back({name, nearest - 0.5 * s, along(point)}), rows = std::max(rows, layers);
+    });
+    double off = 0;
+    const Side* worst = nullptr;
+    for (const Side& side : sides) {
+      off += side.off;
+      if (worst == nullptr || std::abs(side.off) > std::abs(worst->off)) worst = &side;
+    }
+    if (worst == nullptr || std::abs(off) <= most * (rows * s + off)) continue;
+    throw InputError(
+        text("Sph: the first row of the liquid is ", (worst->off + 0.5 * s) / s,
+             " spacings from wall ", in_quotes(worst->name), " at ", "xyz"[axis], " = ", worst->at,
+             " m, not half a spacing, so that its ", rows, " rows along ", "xyz"[axis], " leave ",
+             100 * std::abs(off) / (rows * s + off), off > 0 ? " % empty" : " % too few room",
+             "; lay SphSetup.region.min a whole number of spacings from the wall, and take a "
+             "spacing that divides the distance of walls that face each other"));
+  }
+}
+
+}  // namespace silt::detail
