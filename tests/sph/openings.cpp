@@ -29,21 +29,21 @@ TEST_CASE("SPH openings: a uniform stream stays one, and what comes in leaves") 
   // as waves of rho c v = 20 kPa per m/s.
   auto water = stream(0.05, 2, {.name = "out", .pressure = 1000.0});
   const std::size_t start = water.size();
-  water.run(1);
+  water.run(0.6);
   const auto [v, p] = unrest(water);
   MESSAGE("uniform: ", v, " m/s, ", p, " Pa");
   CHECK(v < 0.005);
   CHECK(p < 5);
   // 20 a row, a row each 0.05 s.
-  CHECK(water.opening_books(0).in.particles == 400);
+  CHECK(water.opening_books(0).in.particles == 240);
   CHECK(water.opening_books(0).out.particles == 0);
-  CHECK(water.opening_books(1).out.particles == 400);
+  CHECK(water.opening_books(1).out.particles == 240);
   CHECK(water.flow_rate(0) == near(1000).epsilon(1e-9));
   CHECK(water.flow_rate(1) == near(-1000).epsilon(1e-3));
   CHECK(water.opening_books(0).in.momentum.x == near(water.opening_books(0).in.mass).epsilon(1e-9));
   CHECK(water.opening_books(0).in.kinetic_energy ==
         near(0.5 * water.opening_books(0).in.mass).epsilon(1e-9));
-  CHECK(water.opening_books(1).out.pressure_work == near(1000.0).epsilon(0.01));
+  CHECK(water.opening_books(1).out.pressure_work == near(600.0).epsilon(0.01));
   books_close(water, start);
   // Buffers do not load the walls beside them: 2 m of floor under 1 kPa. 2 %: half a spacing at
   // each end; with buffers it would be 8 % too much.
@@ -144,7 +144,7 @@ TEST_CASE("SPH openings: what probes see is right to first order") {
     const Vec3d r{random.uniform(0.1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
     detail::SphRow row{};
     row.density = 1000 + 5 * r.x - 2 * r.y, row.move(flow(r));
-    seen.add(r, 0.01 * random.uniform(0.5, 1), row);
+    seen.add(r, 0.02 * random.uniform(0.5, 1), row);
   }
   CHECK(norm(seen.flow(0.8, {0, 0, 0}) - Vec3d{1, 0, 0}) < 1e-12);
   CHECK(norm((1 / seen.weight) * seen.velocity - Vec3d{1, 0, 0}) > 0.5);
