@@ -12,7 +12,6 @@ int main() {
   silt::Sph water{silt::Liquid{.density = 1000, .sound_speed = 15 * std::sqrt(g * depth)},
                   {.spacing = 0.01,
                    .region = {{0, 0, 0}, {length, 0, 2 * depth}},
-                   .smoothing = 1.0,
                    .dimensions = 2,
                    .gravity = {0, 0, -g}},
                   silt::ArtificialViscosity{.alpha = 0.05},

@@ -99,7 +99,6 @@ TEST_CASE("SPH openings: a channel with a free surface keeps its level at Froude
   Sph water{Liquid{.density = 1000, .sound_speed = 15 * std::sqrt(g * D)},
             {.spacing = D / 10,
              .region = {{0, 0, 0}, {L, 0, 2 * D}},
-             .smoothing = 1.0,
              .dimensions = 2,
              .gravity = {0, 0, -g}},
             ArtificialViscosity{.alpha = 0.05},
@@ -135,13 +134,10 @@ TEST_CASE("SPH openings: a channel with a free surface keeps its level at Froude
 TEST_CASE("SPH openings: a tank is filled through its wall, and emptied through its floor") {
   // Filled from nothing: the mass is Q t to a row of particles, and lies at rest in the end.
   const double s = 0.01, W = 0.2, U = 0.5;
-  Sph water{Liquid{.density = 1000, .sound_speed = 25},
-            {.spacing = s,
-             .region = {{0, 0, 0}, {W, 0, 0.4}},
-             .smoothing = 1.0,
-             .dimensions = 2,
-             .gravity = {0, 0, -g}},
-            ArtificialViscosity{.alpha = 0.1}};
+  Sph water{
+      Liquid{.density = 1000, .sound_speed = 25},
+      {.spacing = s, .region = {{0, 0, 0}, {W, 0, 0.4}}, .dimensions = 2, .gravity = {0, 0, -g}},
+      ArtificialViscosity{.alpha = 0.1}};
   water.add_wall(Plane{{0, 0, 0}, {0, 0, 1}});
   water.add_wall(Plane{{0, 0, 0}, {1, 0, 0}});
   water.add_wall(Plane{{W, 0, 0}, {-1, 0, 0}});
@@ -162,13 +158,10 @@ TEST_CASE("SPH openings: a tank is filled through its wall, and emptied through 
 TEST_CASE(
     "SPH openings: a tank runs out through a hole in its floor, as Torricelli and its jet say") {
   const double s = 0.01, W = 0.4, H = 0.25, hole = 0.1;
-  Sph water{Liquid{.density = 1000, .sound_speed = 25},
-            {.spacing = s,
-             .region = {{0, 0, 0}, {W, 0, 0.4}},
-             .smoothing = 1.0,
-             .dimensions = 2,
-             .gravity = {0, 0, -g}},
-            ArtificialViscosity{.alpha = 0.05}};
+  Sph water{
+      Liquid{.density = 1000, .sound_speed = 25},
+      {.spacing = s, .region = {{0, 0, 0}, {W, 0, 0.4}}, .dimensions = 2, .gravity = {0, 0, -g}},
+      ArtificialViscosity{.alpha = 0.05}};
   water.add_wall(Plane{{0, 0, 0}, {0, 0, 1}});
   water.add_wall(Plane{{0, 0, 0}, {1, 0, 0}});
   water.add_wall(Plane{{W, 0, 0}, {-1, 0, 0}});
