@@ -256,6 +256,10 @@ TEST_CASE("SPH openings: two that overlap, or that come late, or with small grai
   CHECK_THROWS_WITH_AS(sand.add_outlet(at),
                        doctest::Contains("openings and UnresolvedGrains do not go together"),
                        InputError);
+  Sph books{liquid, setup, EnergyLedger{}};
+  CHECK_THROWS_WITH_AS(books.add_outlet(at),
+                       doctest::Contains("openings and an EnergyLedger do not go together"),
+                       InputError);
 }
 
 }  // namespace sph_openings_test
