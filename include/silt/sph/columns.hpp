@@ -19,7 +19,9 @@ struct SphColumns {
   AlignedVector<SphRow> start;       // at the beginning of the step, or one step ago
   std::vector<char> kind;            // ClusterLists::Kind
   std::vector<std::uint32_t> label;  // number of the liquid's particle, of the wall's; none: nobody
-  AlignedVector<double> volume;      // [m3]
+  /// Labels from here on: a particle of an opening's buffer (of kind Liquid), or its probe.
+  static constexpr std::uint32_t of_openings = 1u << 31;
+  AlignedVector<double> volume;  // [m3]
   AlignedVector<SphRates> rates;
   // With UnresolvedGrains, else empty: the part [-] of the space around a particle that is liquid,
   // the part of a particle's mass that it has, and how full its kernel is (div r over dimensions).
@@ -29,7 +31,10 @@ struct SphColumns {
 
   std::size_t size() const { return rows.size(); }
   bool is_liquid(std::size_t k) const {
-    return kind[k] == ClusterLists::Liquid && label[k] != ClusterLists::none;
+    return kind[k] == ClusterLists::Liquid && label[k] < of_openings;
+  }
+  bool is_of_opening(std::size_t k) const {
+    return label[k] >= of_openings && label[k] != ClusterLists::none;
   }
   void add(const SphRow& row, int of_kind, std::uint32_t number) {
     rows.push_back(row), start.push_back(row);

@@ -21,6 +21,8 @@
 #include <silt/sph/columns.hpp>
 #include <silt/sph/driven_walls.hpp>
 #include <silt/sph/ledger.hpp>
+#include <silt/sph/opening_sums.hpp>
+#include <silt/sph/openings.hpp>
 #include <silt/sph/pair_sums.hpp>
 #include <silt/sph/policies.hpp>
 #include <silt/sph/setup.hpp>
@@ -68,6 +70,7 @@ struct SphCore {
 
   SphSurfaceSlope<Kernel> surface_slope{};
   SphSolids solids{};
+  SphOpenings openings{};
   // Of a Simulation's walls: held until the next advance(), and of the last step.
   std::vector<LiquidOnWall> on_walls{}, in_step{};
   Lists lists{};
@@ -227,6 +230,7 @@ struct SphCore {
                                     setup.h(), team);
       });
     set_pressures(team);
+    if (!openings.empty()) sph_set_buffers(*this, team);
     if constexpr (Walls::mirrored) sph_mirror(*this, pairs, team);
     shorten(pairs, team);
     find_stresses(team);
@@ -243,6 +247,8 @@ struct SphCore {
                            true);
         for (std::size_t k = p * W; k < (p + 1) * W; ++k) {
           if (columns.label[k] == Lists::none) continue;
+          m.speed = std::max(m.speed, norm(columns.rows[k].velocity()));
+          if (columns.is_of_opening(k)) continue;  // what they are pushed by does not count
           Vec3d& a = columns.rates[k].acceleration;
           if constexpr (Grains::averaged) {
             a = (1 / columns.voidage[k]) * a;
@@ -250,7 +256,6 @@ struct SphCore {
           }
           a += gravity;
           m.acceleration = std::max(m.acceleration, norm(a));
-          m.speed = std::max(m.speed, norm(columns.rows[k].velocity()));
         }
       }
     });
@@ -300,9 +305,14 @@ struct SphCore {
   /// Brings the particles into packs, with lists that hold until one has moved half the skin.
   void renew(const Team& team) {
     if (solids.walls.fresh() || !made) {
-      if (solids.walls.fresh()) solids.walls.make(setup), solids.thin = {};
+      if (solids.walls.fresh())
+        solids.walls.make(setup, [this](const Vec3d& x) { return openings.hold(x); }),
+            solids.thin = {};
       solids.put_into(columns, liquid.density, Walls::mirrored, small_grains()), made = true;
     }
+    if (!openings.empty())
+      openings.put_into(columns, gravity, liquid.density,
+                        [this](const Vec3d& x) { return solids.walls.distance(x); });
     for (std::size_t k = 0; k < columns.size(); ++k) {
       if (columns.label[k] == Lists::none) continue;
       Row& r = columns.rows[k];
@@ -344,6 +354,7 @@ struct SphCore {
       make_room(columns.rates, columns.size());
     }
     solids.find_rows(columns, lists.first_pack(Lists::Wall) * Pairs::W, small_grains().size());
+    openings.find_rows(columns);
     lists.find(then, 2 * setup.h() + skin(), team);
   }
   void check(const Row& r) const {
@@ -396,6 +407,9 @@ struct SphCore {
     else
       SphStep(*this, dt, team).verlet();
     time += dt, now = time, ++steps, last_step = dt, known = false;
+    if (!openings.empty() && openings.pass(columns, lists.first_pack(Lists::Wall) * Pairs::W,
+                                           particle_mass(), next_number, team))
+      renewed();
   }
 };
 

@@ -22,6 +22,37 @@ struct SphSeen {
   Vec3d way{0, 0, 0}, density_way{0, 0, 0}, velocity{0, 0, 0};
   double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
 
+  /// The linear function through what is seen, by least squares with weights V W: of a quantity f
+  /// with the sums of V W f r and V W f the slope is slope(those), the value at `centre` the
+  /// mean.
+  struct Fit {
+    Vec3d centre;
+    double A, B, C, E, F, G, det, s, h;
+    bool known() const {
+      constexpr double thin = 1e-4;  // of 0.01 of an even neighbourhood
+      return det > thin;
+    }
+    Vec3d slope(const Vec3d& of_way, double sum) const {
+      const Vec3d t = (s * h) * (of_way - sum * centre);
+      return (1 / (det * h)) * Vec3d{A * t.x + B * t.y + C * t.z, B * t.x + E * t.y + F * t.z,
+                                     C * t.x + F * t.y + G * t.z};
+    }
+  };
+  Fit fit(double h_) const {
+    const Vec3d centre = (1 / weight) * way;
+    // Second moments about the centre, in h^2 and by weight.
+    const double s = 1 / (weight * h_ * h_), o = 1 / (h_ * h_);
+    const double a = xx * s - centre.x * centre.x * o, b = xy * s - centre.x * centre.y * o,
+                 d = xz * s - centre.x * centre.z * o, f = yz * s - centre.y * centre.z * o,
+                 g = zz * s - centre.z * centre.z * o;
+    const double flat = 1e-9;
+    double e = yy * s - centre.y * centre.y * o;
+    if (e < flat) e = 1;  // in 2D
+    const double A = e * g - f * f, B = d * f - b * g, C = b * f - d * e;
+    const double det = a * A + b * B + d * C;
+    return {centre, A, B, C, a * g - d * d, b * d - a * f, a * e - b * b, det, s, h_};
+  }
+
   /// Density and velocity of a wall's particle that is `away` [m] from the probe, its mirror image:
   /// density as a linear function through what is seen (mDBC), velocity as a mean. Where too little
   /// is seen for a slope, that of a liquid at rest: below 0.4 of a neighbourhood, in part up to
@@ -46,23 +77,9 @@ struct SphSeen {
     const double mirrored = bodies ? std::clamp(10 * (weight - 0.5), 0.0, 1.0) : 1;
     const double sloped = std::min(mirrored, std::clamp(5 * (weight - 0.4), 0.0, 1.0));
     if (weight < little || sloped == 0) return {rest, flow, mirrored};
-    // Second moments about the centre, in h^2 and by weight.
-    const double s = 1 / (weight * h * h), o = 1 / (h * h);
-    const double a = xx * s - centre.x * centre.x * o, b = xy * s - centre.x * centre.y * o,
-                 d = xz * s - centre.x * centre.z * o, f = yz * s - centre.y * centre.z * o,
-                 g = zz * s - centre.z * centre.z * o;
-    const double flat = 1e-9;
-    double e = yy * s - centre.y * centre.y * o;
-    if (e < flat) e = 1;  // in 2D
-    const double A = e * g - f * f, B = d * f - b * g, C = b * f - d * e;
-    const double det = a * A + b * B + d * C;
-    constexpr double thin = 1e-4;  // of 0.01 of an even neighbourhood
-    if (!(det > thin)) return {rest, flow, mirrored};
-    const Vec3d t = (s * h) * (density_way - density * centre);
-    const double E = a * g - d * d, F = b * d - a * f, G = a * e - b * b;
-    const Vec3d slope =
-        (1 / (det * h)) * Vec3d{A * t.x + B * t.y + C * t.z, B * t.x + E * t.y + F * t.z,
-                                C * t.x + F * t.y + G * t.z};
+    const Fit fit = this->fit(h);
+    if (!fit.known()) return {rest, flow, mirrored};
+    const Vec3d slope = fit.slope(density_way, density);
     return {rest + sloped * (mean + dot(slope, away - centre) - rest), flow, mirrored};
   }
 };

@@ -73,7 +73,7 @@ class SphSolids {
   void find_rows(const SphColumns& columns, std::size_t first, std::size_t grains) {
     wall_row.assign(size(), 0), probe_row.assign(size() + grains, 0);
     for (std::size_t k = first; k < columns.size(); ++k)
-      if (const std::uint32_t label = columns.label[k]; label != ClusterLists::none) {
+      if (const std::uint32_t label = columns.label[k]; label < SphColumns::of_openings) {
         auto& rows = columns.kind[k] == ClusterLists::Wall ? wall_row : probe_row;
         require(label < rows.size(), "Sph: a state has a solid particle ", label, " of ",
                 rows.size());

@@ -138,6 +138,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
     is("spacing [m]", setup().spacing), is("smoothing [-]", setup().smoothing);
     is("dimensions", static_cast<double>(setup().dimensions));
     is("walls", static_cast<double>(core().solids.walls.own_walls()));
+    if (openings() > 0) is("openings", static_cast<double>(openings()));
   }
   /// @}
 
@@ -152,6 +153,16 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
             "is put into them");
     core().solids.walls.add(surfaces, setup);
   }
+  /// A place through which liquid comes in, or leaves; after walls, before any fill(). Returns its
+  /// number. An inlet has a velocity or a pressure, an outlet what is given; what is left out is
+  /// that of the liquid at mirror images in front of the opening. Where the flow turns, an inlet
+  /// lets out and an outlet lets in.
+  std::size_t add_inlet(const Opening& opening, const OpeningSetup& setup) {
+    return add_opening(opening, setup, true);
+  }
+  std::size_t add_outlet(const Opening& opening, const OpeningSetup& setup = {}) {
+    return add_opening(opening, setup, false);
+  }
   /// Puts liquid on the lattice where inside(x) holds and no wall is nearer than half a spacing;
   /// start(x) gives its velocity [m/s], pressure(x) its pressure [Pa]. Returns how many particles
   /// came. Those in bodies of the Simulation are taken out, and counted by displaced().
@@ -163,7 +174,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
     for (std::size_t k = 0; k < core().columns.size(); ++k)
       if (core().columns.is_liquid(k)) taken.insert(site_of(core().columns.rows[k].position()));
     detail::for_each_site(setup(), 0, [&](const Vec3d& x) {
-      if (!inside(x) || core().solids.walls.distance(x) < half) return;
+      if (!inside(x) || core().solids.walls.distance(x) < half || core().openings.hold(x)) return;
       require(taken.count(site_of(x)) == 0, "Sph::fill: there is liquid at ", x,
               " m already; fill each place once");
       Row r{};
@@ -233,7 +244,26 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   std::int64_t steps() const { return core().steps; }    // [-]
   double last_step() const { return core().last_step; }  // [s]
   std::size_t size() const {                             // particles of the liquid
-    return core().next_number - core().left - core().displaced;
+    return core().next_number - core().left - core().displaced - core().openings.went();
+  }
+  std::size_t openings() const { return core().openings.size(); }
+  /// What has come through an opening since the start.
+  const OpeningBooks& opening_books(std::size_t which) const {
+    check_opening("opening_books", which);
+    return core().openings[which].books;
+  }
+  /// [kg/s] that comes in through an opening now, [kg/(m s)] in 2D; negative: leaves. After a step.
+  double flow_rate(std::size_t which) const {
+    check_opening("flow_rate", which);
+    return core().openings.flow_rate(core().columns, which, particle_mass());
+  }
+  /// Calls visit(opening, position, velocity, density, pressure) for the particles of the openings'
+  /// buffers, which are no part of the liquid.
+  template <class Visit>
+  void for_each_buffer(const Visit& visit) const {
+    detail::SphOpenings::for_each(core().columns, [&](const Row& r, std::size_t opening) {
+      visit(opening, r.position(), r.velocity(), r.density, liquid().pressure(r.density));
+    });
   }
   std::size_t left() const { return core().left; }            // ... that have left the region
   std::size_t displaced() const { return core().displaced; }  // ... that were where a body came
@@ -285,13 +315,18 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
     require(wall < solid.walls(), "Sph::wall_load: there is no wall ", wall, "; there are ",
             solid.walls());
     core().find_rates(team);
-    if constexpr (Axes::Walls::mirrored) detail::sph_solid_rates(core(), team);
+    const bool open = openings() > 0;
+    if (open)
+      detail::sph_without_buffers(core(), team, [&] { detail::sph_solid_rates(core(), team); });
+    else if constexpr (Axes::Walls::mirrored)
+      detail::sph_solid_rates(core(), team);
     Vec3d force{0, 0, 0}, torque{0, 0, 0};
     for (std::size_t k = 0; k < solid.size(); ++k) {
       if (solid.wall_of(k) != wall) continue;
       const Vec3d f = core().solids.force_on(k, core().columns, particle_mass());
       force += f, torque += cross(solid.place(k) - about, f);
     }
+    if (open && !Axes::Walls::mirrored) detail::sph_solid_rates(core(), team);  // as they were
     return {force, torque};
   }
   /// The liquid as points for ParaView (.vtp).
@@ -309,6 +344,25 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   std::size_t bytes() const { return core().lists.bytes() + core().columns.bytes(); }
 
  private:
+  std::size_t add_opening(const Opening& opening, const OpeningSetup& setup_of, bool inlet) {
+    require(core().next_number == 0 && core().steps == 0,
+            "Sph: ", inlet ? "add_inlet" : "add_outlet",
+            "() comes after fill(); add openings first, so that no liquid is put behind them");
+    require(!Core::Book::kept,
+            "Sph: openings and an EnergyLedger do not go together so far; leave the ledger out, "
+            "opening_books() has the energy that came and left");
+    require(!Axes::Grains::averaged,
+            "Sph: openings and UnresolvedGrains do not go together so far; leave one out");
+    const std::size_t which =
+        core().openings.add({.opening = opening, .setup = setup_of, .inlet = inlet}, setup(),
+                            liquid(), core().lists.repeats);
+    core().renewed();
+    return which;
+  }
+  void check_opening(const char* call, std::size_t which) const {
+    require(which < openings(), "Sph::", call, ": there is no opening ", which, "; there are ",
+            openings());
+  }
   Core& core() { return *this; }
   const Core& core() const { return *this; }
   /// Of the liquid from number `first` on.

@@ -51,6 +51,8 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
     shares.insert(shares.end(), {c.columns.voidage[k], c.columns.share[k], c.columns.fullness[k]});
   if constexpr (Axes::Grains::averaged) visit("fluid.grains", small), visit("fluid.shares", shares);
   visit("fluid.rows", rows), visit("fluid.labels", labels), visit("fluid.built", built);
+  std::vector<double> openings_of = c.openings.state();
+  if (!c.openings.empty()) visit("fluid.openings", openings_of);
   visit("fluid.walls", solid), visit("fluid.poses", poses);
   visit("fluid.bodies", kinds), visit("fluid.points", points),
       visit("fluid.numbers", std::span<double>(numbers));
@@ -89,7 +91,7 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
       return Row{r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7]};
     };
     const double label = labels[2 * k], kind = labels[2 * k + 1];
-    require(label == std::floor(label) && label >= -1 && label < Core::Lists::most &&
+    require(label == std::floor(label) && label >= -1 && label < Core::Lists::none &&
                 (kind == 0 || kind == 1 || kind == 2 || kind == 3),
             "Sph: particle ", k, " of a state has number ", label, " and kind ", kind);
     c.columns.add(get(0), static_cast<int>(kind),
@@ -107,6 +109,7 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
       c.grains.place.push_back({small[k], small[k + 1], small[k + 2]});
     c.grains.number.resize(c.grains.place.size());
   }
+  c.openings.restore(openings_of);
   c.next_number = static_cast<std::uint32_t>(numbers[0]);
   c.left = static_cast<std::size_t>(numbers[1]), c.displaced = static_cast<std::size_t>(numbers[2]);
   c.steps = static_cast<std::int64_t>(numbers[3]), c.time = c.now = numbers[4],

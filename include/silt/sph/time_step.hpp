@@ -33,6 +33,7 @@ class SphStep {
     for_walls([this](Row& r, Row& start, double rate) {
       start.density = r.density, r.density += 0.5 * dt_ * rate;
     });
+    core_.openings.move(core_.columns, 0.5 * dt_, true);
     core_.moved += 0.5 * dt_ * core_.most.speed;
     core_.now = core_.time + 0.5 * dt_, core_.known = false;
     move_solids(0.5 * dt_);
@@ -55,6 +56,7 @@ class SphStep {
       const double eps = -dt_ * rate / r.density;
       r.density = start.density * (2 - eps) / (2 + eps);
     });
+    core_.openings.move(core_.columns, 0.5 * dt_, false);
     if constexpr (averaged)
       core_.moved +=
           0.5 * dt_ * core_.grains.give_back(core_.columns, core_.particle_mass(), dt_, team_);
@@ -83,6 +85,7 @@ class SphStep {
       start.density = r.density, r.density = from + span * rate;
     });
     book_shifts(core_.columns.start), sph_book_tension(core_);
+    core_.openings.move(core_.columns, dt_, true);
     move_solids(dt_);
     core_.moved += dt_ * (core_.most.speed + 0.5 * dt_ * core_.most.acceleration) + most_shift();
   }
@@ -109,7 +112,7 @@ class SphStep {
     const std::size_t n = core_.lists.first_pack(Lists::Wall) * Core::Pairs::W;
     team_.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
       for (std::size_t k = from; k < to; ++k)
-        if (of.label[k] != Lists::none) update(k, of.rows[k], of.start[k], of.rates[k]);
+        if (of.label[k] < SphColumns::of_openings) update(k, of.rows[k], of.start[k], of.rates[k]);
     });
   }
   /// The densities of walls and bodies that have their own.

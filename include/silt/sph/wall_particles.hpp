@@ -171,8 +171,9 @@ class WallParticles {
   }
 
   /// What is behind a wall at rest is of that wall, whatever moves there: where a piston draws back
-  /// the floor goes on.
-  void make(const SphSetup& setup) {
+  /// the floor goes on. Where hold(x) is true there are none.
+  template <class Hold>
+  void make(const SphSetup& setup, const Hold& hold) {
     fresh_ = false;
     particles_.clear();
     const double support = 2 * setup.h(), enough = 1e-9 * setup.spacing;
@@ -184,7 +185,7 @@ class WallParticles {
       const Nearest& least = at_rest ? rest : all;
       if (!(least.distance < enough) || least.distance < -thick) return;
       const Vec3d surface = to_surface(x, enough, at_rest ? Which::AtRest : Which::All);
-      if (norm(x - surface) > thick) return;
+      if (norm(x - surface) > thick || hold(x)) return;
       const Part& wall = walls_[least.wall];
       const Vec3d out = surface - x;  // towards the liquid
       const bool flat = std::holds_alternative<Plane>(wall.surfaces[nearest_surface(wall, x)]);

@@ -1,0 +1,310 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <silt/core/error.hpp>
+#include <silt/core/threads.hpp>
+#include <silt/sph/cluster_lists.hpp>
+#include <silt/sph/columns.hpp>
+#include <silt/sph/opening_layout.hpp>
+#include <silt/sph/setup.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// The openings of an Sph, with layers of particles behind each, as deep as the kernel reaches:
+/// its buffer. The liquid meets them as liquid. Their velocity and pressure are prescribed, or
+/// those of the liquid at their mirror images (probes) in front of the opening.
+///
+/// One that comes to the front becomes liquid, and one more begins at the far end, straight behind
+/// it. Liquid that goes through the opening becomes a particle of the buffer, which ends at the far
+/// end. Both happen at every opening, whichever way it is meant to flow.
+///
+/// Source: A. Tafuni, J. M. Dominguez, R. Vacondio, A. J. C. Crespo, Comput. Methods Appl. Mech.
+///   Eng. 342 (2018) 604 (recalled); here velocities are those on the opening, for all its depth.
+/// Tests:  tests/sph/openings.cpp, openings_flows.cpp.
+class SphOpenings {
+ public:
+  static constexpr std::size_t most = 30;
+  static constexpr double late = 0.1;  // [-] of the spacing: how far particles go on as they were
+  static constexpr double nearest = 1.5;  // [-] of the spacing: probes are no farther in front
+
+  using One = SphOpening;
+  using Seen = One::Seen;
+
+  bool empty() const { return all_.empty(); }
+  std::size_t size() const { return all_.size(); }
+  const One& operator[](std::size_t k) const { return all_[k]; }
+  double depth() const { return layers_ * spacing_; }  // [m]
+  /// Particles of the liquid that have left through them.
+  std::size_t went() const {
+    std::size_t sum = 0;
+    for (const One& one : all_) sum += one.books.out.particles;
+    return sum;
+  }
+
+  std::size_t add(One one, const SphSetup& sph, const Liquid& liquid, const Repeats& repeats) {
+    spacing_ = sph.spacing, repeats_ = repeats;
+    layers_ = std::ceil(2 * sph.h() / sph.spacing + 0.5);
+    require(all_.size() < most, "Sph: more than ", most, " openings");
+    one.lay_out(sph), one.check(liquid);
+    for (const One& other : all_)
+      require(!meet(one, other) && !meet(other, one), "Sph: ", one.called(), " and ",
+              other.called(), " overlap, with the ", depth(),
+              " m behind each that their buffers take; move them apart");
+    all_.push_back(std::move(one));
+    return all_.size() - 1;
+  }
+
+  Seen seen(const One& one, const Vec3d& x) const {
+    const Vec3d way = repeats_.shortest(x - one.middle);
+    return {dot(way, one.normal), {dot(way, one.along[0]), dot(way, one.along[1])}};
+  }
+  /// Whether a place is where walls and liquid of the start leave room for a buffer.
+  bool hold(const Vec3d& x) const {
+    for (const One& one : all_)
+      if (const Seen at = seen(one, x); at.front < 0.499 * spacing_ &&
+                                        at.front > -depth() - 0.25 * spacing_ &&
+                                        one.within(at, 0.25 * spacing_))
+        return true;
+    return false;
+  }
+
+  /// @name Rows
+  /// @{
+
+  /// Before the particles are brought into an order: their numbers, and their probes.
+  template <class Distance>
+  void put_into(SphColumns& columns, const Vec3d& gravity, double density,
+                const Distance& from_walls) {
+    if (!filled_) fill(columns, gravity, density, from_walls), filled_ = true;
+    const std::size_t n = columns.size();
+    std::uint32_t slot = 0;
+    for (std::size_t k = 0; k < n; ++k) {
+      if (!columns.is_of_opening(k)) continue;
+      if (columns.kind[k] != ClusterLists::Liquid) {
+        columns.take_out(k);
+        continue;
+      }
+      const std::size_t of = opening_of(columns.label[k]);
+      require(slot < slots, "Sph: more than ", slots, " particles are in buffers of openings");
+      columns.label[k] = label(of, slot++);
+      SphRow probe{};
+      probe.density = density;
+      probe.place(image(all_[of], columns.rows[k].position()));
+      columns.add(probe, ClusterLists::Probe, columns.label[k]);
+    }
+  }
+  /// After that: the rows in which they stand.
+  void find_rows(const SphColumns& columns) {
+    if (empty()) return;
+    row_.clear(), probe_.clear();
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      if (!columns.is_of_opening(k)) continue;
+      require(opening_of(columns.label[k]) < size(), "Sph: a state has an opening ",
+              opening_of(columns.label[k]), " of ", size());
+      auto& rows = columns.kind[k] == ClusterLists::Liquid ? row_ : probe_;
+      const std::size_t slot = columns.label[k] & (slots - 1);
+      if (rows.size() <= slot) rows.resize(slot + 1, ClusterLists::none);
+      rows[slot] = static_cast<std::uint32_t>(k);
+    }
+    require(row_.size() == probe_.size() &&
+                std::find(row_.begin(), row_.end(), ClusterLists::none) == row_.end() &&
+                std::find(probe_.begin(), probe_.end(), ClusterLists::none) == probe_.end(),
+            "Sph: the buffers of a state's openings lack particles");
+  }
+  std::span<const std::uint32_t> rows() const { return row_; }
+  std::span<const std::uint32_t> probes() const { return probe_; }
+  static std::size_t opening_of(std::uint32_t of) { return (of - SphColumns::of_openings) / slots; }
+  const One& of(const SphColumns& columns, std::uint32_t row) const {
+    return all_[opening_of(columns.label[row])];
+  }
+  /// Where the probe of a particle stands: at its mirror image, but near the opening. (Flow that
+  /// converges towards a hole is slow at images of the far end; half as much ran out of one.)
+  Vec3d image(const One& one, const Vec3d& x) const {
+    const double front = seen(one, x).front;
+    return x + (std::clamp(-front, 0.0, nearest * spacing_) - front) * one.normal;
+  }
+  /// Buffers go on for dt [s], straight ahead; those of the step's start are kept.
+  void move(SphColumns& columns, double dt, bool start) const {
+    for (const std::uint32_t k : row_) {
+      SphRow& r = columns.rows[k];
+      if (start) columns.start[k] = r;
+      const Vec3d& n = of(columns, k).normal;
+      r.place(r.position() + dt * dot(r.velocity(), n) * n);
+    }
+  }
+  /// At a step's end: who has come through an opening. True if rows have come or gone. `number`:
+  /// the next of the liquid; `mass` [kg] of a particle.
+  bool pass(SphColumns& columns, std::size_t liquid, double mass, std::uint32_t& number,
+            const Team& team) {
+    if (!is_due(columns, liquid, team)) return false;
+    bool changed = false;
+    for (std::size_t k = 0; k < liquid; ++k) {
+      if (columns.label[k] == ClusterLists::none) continue;
+      if (columns.is_of_opening(k)) {
+        const std::size_t o = opening_of(columns.label[k]);
+        One& one = all_[o];
+        const double front = seen(one, columns.rows[k].position()).front;
+        if (front < -depth() * (1 + 1e-9)) columns.take_out(k), changed = true;
+        if (front < 0 || columns.label[k] == ClusterLists::none) continue;
+        book(one.books.in, columns.rows[k], mass);
+        require(number < SphColumns::of_openings, "Sph: more than ", SphColumns::of_openings,
+                " particles have been liquid");
+        columns.label[k] = number++;
+        SphRow behind = columns.rows[k];
+        behind.place(behind.position() - depth() * one.normal);
+        columns.add(behind, ClusterLists::Liquid, label(o, 0)), changed = true;
+      } else if (const std::size_t o = through(columns.rows[k].position(), 0); o < size()) {
+        book(all_[o].books.out, columns.rows[k], mass);
+        columns.label[k] = label(o, 0), changed = true;
+      }
+    }
+    return changed;
+  }
+  /// @}
+
+  /// visit(row, opening) of the particles of buffers.
+  template <class Visit>
+  static void for_each(const SphColumns& columns, const Visit& visit) {
+    for (std::size_t k = 0; k < columns.size(); ++k)
+      if (columns.kind[k] == ClusterLists::Liquid && columns.is_of_opening(k))
+        visit(columns.rows[k], opening_of(columns.label[k]));
+  }
+  /// [kg/s] that flows in through one now: that of its buffer, over its depth.
+  double flow_rate(const SphColumns& columns, std::size_t which, double mass) const {
+    double sum = 0;
+    for_each(columns, [&](const SphRow& r, std::size_t opening) {
+      if (opening == which) sum += dot(r.velocity(), all_[which].normal);
+    });
+    return mass * sum / depth();
+  }
+
+  /// For a state: whether buffers are there, and the books.
+  std::vector<double> state() const {
+    std::vector<double> all{filled_ ? 1.0 : 0.0};
+    for (const One& one : all_)
+      for (const OpeningFlow* const f : {&one.books.in, &one.books.out}) {
+        const Vec3d& p = f->momentum;
+        all.insert(all.end(), {static_cast<double>(f->particles), f->mass, p.x, p.y, p.z,
+                               f->kinetic_energy, f->pressure_work});
+      }
+    return all;
+  }
+  void restore(std::span<const double> all) {
+    require(all.size() == 1 + 14 * size(), "Sph: a state has ", (all.size() - 1) / 14,
+            " openings, but there are ", size());
+    filled_ = all[0] != 0;
+    std::size_t k = 1;
+    for (One& one : all_)
+      for (OpeningFlow* const f : {&one.books.in, &one.books.out}) {
+        const double* const p = all.data() + k;
+        *f = {static_cast<std::size_t>(p[0]), p[1], {p[2], p[3], p[4]}, p[5], p[6]};
+        k += 7;
+      }
+  }
+
+ private:
+  static constexpr std::uint32_t slots = 1u << 26;  // particles of buffers
+  static std::uint32_t label(std::size_t opening, std::uint32_t slot) {
+    return SphColumns::of_openings + static_cast<std::uint32_t>(opening) * slots + slot;
+  }
+
+  /// Whether a site of one's buffer is in the other's.
+  bool meet(const One& one, const One& other) const {
+    bool yes = false;
+    one.for_each_site(spacing_, [&](std::size_t, std::size_t, const Vec3d& face) {
+      for (int layer = 0; layer < static_cast<int>(layers_); ++layer) {
+        const Seen at = seen(other, face - (layer + 0.5) * spacing_ * one.normal);
+        yes = yes || (at.front < 0 && at.front > -depth() && other.within(at, -0.25 * spacing_));
+      }
+    });
+    return yes;
+  }
+  /// The first particles: of an inlet all below its surface, of an outlet those that have liquid
+  /// right in front of them.
+  template <class Distance>
+  void fill(SphColumns& columns, const Vec3d& gravity, double density, const Distance& from_walls) {
+    const double g = norm(gravity);
+    const Vec3d up = g > 0 ? (-1 / g) * gravity : Vec3d{0, 0, 1};
+    for (std::size_t o = 0; o < size(); ++o) {
+      const One& one = all_[o];
+      std::vector<char> wet(one.sites[0] * one.sites[1], one.inlet);
+      const auto site = [&](const Seen& at, std::size_t e) {
+        const double k = std::floor((at.along[e] + 0.5 * one.length[e]) / spacing_);
+        return static_cast<std::size_t>(std::clamp(k, 0.0, static_cast<double>(one.sites[e] - 1)));
+      };
+      if (!one.inlet)
+        for (std::size_t k = 0; k < columns.size(); ++k) {
+          if (!columns.is_liquid(k)) continue;
+          const Seen at = seen(one, columns.rows[k].position());
+          if (at.front > 0 && at.front < 1.01 * spacing_ && one.within(at, 0))
+            wet[site(at, 0) * one.sites[1] + site(at, 1)] = 1;
+        }
+      one.for_each_site(spacing_, [&](std::size_t i, std::size_t j, const Vec3d& face) {
+        const Vec3d front = face + 0.5 * spacing_ * one.normal;
+        require(from_walls(front) > 0.499 * spacing_, "Sph: in front of ", one.called(), " at ",
+                front,
+                " m there is a wall, or one nearer than half a spacing; keep the opening's "
+                "edges a whole number of spacings from walls, and its `into` on the free side");
+        if (!wet[i * one.sites[1] + j]) return;
+        if (one.setup.surface && dot(face, up) > *one.setup.surface) return;
+        SphRow r{};
+        r.density = density;
+        for (int layer = 0; layer < static_cast<int>(layers_); ++layer) {
+          r.place(face - (layer + 0.5) * spacing_ * one.normal);
+          columns.add(r, ClusterLists::Liquid, label(o, 0));
+        }
+      });
+    }
+  }
+  /// Which opening's buffer a place of liquid is in, by more than `by` [m]; size(): none.
+  std::size_t through(const Vec3d& x, double by) const {
+    for (std::size_t o = 0; o < size(); ++o)
+      if (const Seen at = seen(all_[o], x);
+          at.front < -by && at.front > -depth() && all_[o].within(at, 0.5 * spacing_))
+        return o;
+    return size();
+  }
+  /// Whether one has gone on for too long as what it was.
+  bool is_due(const SphColumns& columns, std::size_t liquid, const Team& team) const {
+    std::atomic<bool> due{false};
+    const double by = late * spacing_;
+    team.for_ranges(liquid, [&](std::size_t, std::size_t from, std::size_t to) {
+      bool any = false;
+      for (std::size_t k = from; k < to && !any; ++k) {
+        if (columns.label[k] == ClusterLists::none) continue;
+        const Vec3d x = columns.rows[k].position();
+        if (columns.is_of_opening(k)) {
+          const double front = seen(all_[opening_of(columns.label[k])], x).front;
+          any = front > by || front < -depth() - by;
+        } else {
+          any = through(x, by) < size();
+        }
+      }
+      if (any) due = true;
+    });
+    return due;
+  }
+  static void book(OpeningFlow& to, const SphRow& r, double mass) {
+    const Vec3d v = r.velocity();
+    ++to.particles, to.mass += mass, to.momentum += mass * v;
+    to.kinetic_energy += 0.5 * mass * dot(v, v), to.pressure_work += mass * r.pressure / r.density;
+  }
+
+  std::vector<One> all_;
+  std::vector<std::uint32_t> row_, probe_;
+  double spacing_ = 0, layers_ = 0;
+  Repeats repeats_{};
+  bool filled_ = false;
+};
+
+}  // namespace silt::detail
