@@ -38,9 +38,11 @@ struct SphCore {
   using Time = typename Axes::Time;
   using Walls = typename Axes::Walls;
   using Grains = typename Axes::Grains;
-  // Unresolved grains ask how full kernels are, as shifting does.
+  using Volume = typename Axes::Volume;
+  // Unresolved grains and volumes ask how full kernels are, as shifting does.
+  static constexpr bool asks_fullness = Grains::averaged || Volume::restores;
   using Pairs =
-      SphPairs<Kernel, Viscosity, Diffusion, std::conditional_t<Grains::averaged, Shifting, Shift>,
+      SphPairs<Kernel, Viscosity, Diffusion, std::conditional_t<asks_fullness, Shifting, Shift>,
                typename Axes::PairScalar, Grains::averaged>;
   static constexpr bool turbulent = requires { requires Viscosity::turbulent; };
   using Lists = ClusterLists;
@@ -54,6 +56,7 @@ struct SphCore {
   Time scheme;
   Walls walls;
   typename Grains::State grains;
+  Volume keeper;
   Vec3d gravity = setup.gravity;                   // [m/s2]
   double least_density = 0.7, most_density = 1.3;  // [-] of the liquid's
 
@@ -66,6 +69,7 @@ struct SphCore {
   std::uint32_t next_number = 0;
   std::size_t left = 0, displaced = 0;
   double time = 0, now = 0, last_step = 0;  // [s] now: of the rates
+  double full = 0;                          // [-] div r of a lattice
   double moved = 0;                         // [m] at most, since the lists were made
   std::int64_t steps = 0;
   bool stale = true;                    // lists are to be made
@@ -75,9 +79,10 @@ struct SphCore {
 
   void begin() {
     liquid.check(), setup.check(), viscosity.check(), diffusion.check(), shift.check(),
-        scheme.check();
+        scheme.check(), keeper.check();
     require(Walls::mirrored || !setup.slip,
             "SphSetup.slip has no effect with DynamicWalls; leave it out, or take MirroredWalls");
+    full = divergence_of_lattice();
     lists.width = Pairs::W, lists.spacing = setup.spacing, lists.dimensions = setup.dimensions;
     lists.probes_meet_walls = Grains::averaged;
     if (setup.dimensions == 2) solids.plane = setup.region.min.y;
@@ -85,6 +90,19 @@ struct SphCore {
     lists.repeats = {
         setup.region.min,
         {setup.periodic[0] ? e.x : 0, setup.periodic[1] ? e.y : 0, setup.periodic[2] ? e.z : 0}};
+  }
+  /// [-] -sum V r.grad W on the lattice of the spacing: 2 or 3, but for the kernel's width.
+  double divergence_of_lattice() const {
+    const double s = setup.spacing, h = setup.h();
+    const int n = static_cast<int>(2 * h / s) + 1, across = setup.dimensions == 2 ? 0 : n;
+    double sum = 0;
+    for (int i = -n; i <= n; ++i)
+      for (int j = -across; j <= across; ++j)
+        for (int k = -n; k <= n; ++k) {
+          const double q = std::sqrt(i * i + j * j + k * k) * s / h;
+          sum -= Kernel::slope(q) * q * q;
+        }
+    return sum * setup.volume() * Kernel::normalisation(setup.dimensions, h);
   }
   double particle_mass() const { return liquid.density * setup.volume(); }  // [kg]; 2D: [kg/m]
   /// Solids or liquid have come or gone.
@@ -196,6 +214,11 @@ struct SphCore {
           if constexpr (Grains::averaged) {
             a = (1 / columns.voidage[k]) * a;
             columns.fullness[k] = columns.rates[k].divergence / setup.dimensions;
+          }
+          if constexpr (Volume::restores) {
+            SphRates& of = columns.rates[k];
+            of.density += columns.rows[k].density * keeper.growth(of.slope, of.divergence / full,
+                                                                  setup.h(), liquid.sound_speed);
           }
           a += gravity;
           m.acceleration = std::max(m.acceleration, norm(a));

@@ -64,7 +64,8 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
              Axes::shifting(policies...),
              Axes::time(policies...),
              Axes::walls(policies...),
-             typename Axes::Grains::State(Axes::grains(policies...))} {
+             typename Axes::Grains::State(Axes::grains(policies...)),
+             Axes::volume(policies...)} {
     Axes::grains(policies...).check();
     core().begin();
   }
