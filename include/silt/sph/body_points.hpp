@@ -61,6 +61,15 @@ class BodyPoints {
         b.axes = rotation_about((1 / rate) * b.spin, rate * dt) * b.axes;
     }
   }
+  /// Calls visit(k) for points of which one goes as far as any: of a sphere, which is not turned,
+  /// the first one.
+  template <class Visit>
+  void for_those_that_go_farthest(const Visit& visit) const {
+    for (std::size_t k = 0; k < points_.size(); ++k)
+      if (bodies[points_[k].body].form != sphere || k == 0 ||
+          points_[k - 1].body != points_[k].body)
+        visit(k);
+  }
   /// Whether a place `x` from the centre of a body is in it.
   bool holds(const Body& b, const Vec3d& x) const {
     if (b.form == sphere) return dot(x, x) < b.radius * b.radius;
@@ -156,16 +165,8 @@ class BodyPoints {
       if (body.form == sphere) {
         require(R >= 1.5 * s, "Sph: a sphere of radius ", R, " m is too small for a spacing of ", s,
                 " m; it must be at least 1.5 spacings: take a spacing of at most ", R / 1.5, " m");
-        const std::size_t first = points_.size();
-        double in = R;
         for (double r = R - 0.5 * s; r > 0.25 * s && r > R - 2 * setup.h(); r -= s)
-          add_shell(b, r, (2 * R - r) / r, setup), in = std::max(0.0, r - 0.5 * s);
-        // So that the room of its particles is that of the shells.
-        const double room = setup.dimensions == 2
-                                ? std::numbers::pi * (R * R - in * in)
-                                : 4 * std::numbers::pi / 3 * (R * R * R - in * in * in);
-        const double share = room / (static_cast<double>(points_.size() - first) * setup.volume());
-        for (std::size_t k = first; k < points_.size(); ++k) points_[k].share = share;
+          add_shell(b, r, (2 * R - r) / r, setup);
         continue;
       }
       const auto [laid, is_new] = laid_.try_emplace(std::pair{body.form, R});

@@ -70,7 +70,7 @@ struct SphCore {
   std::size_t left = 0, displaced = 0;
   double time = 0, now = 0, last_step = 0;  // [s] now: of the rates
   double full = 0;                          // [-] div r of a lattice
-  double moved = 0;                         // [m] at most, since the lists were made
+  double moved = 0;                         // [m] liquid, at most, since the lists were made
   std::int64_t steps = 0;
   bool stale = true;                    // lists are to be made
   bool known = false;                   // rates are those of now
@@ -187,8 +187,14 @@ struct SphCore {
   /// The rates where the particles are now, unless they are known.
   void find_rates(const Team& team) {
     if (known) return;
-    if (made && solids.have_rows(small_grains().size())) place_solids();
-    if (stale || 2 * moved > skin()) renew(team), place_solids();
+    const bool stand = made && solids.have_rows(small_grains().size());
+    bool renews = stale || 2 * moved > skin();
+    if (stand) {
+      move_walls();
+      renews = renews || moved + solids.way(lists, Walls::mirrored, small_grains()) > skin();
+      place_solids(renews, team);
+    }
+    if (renews) renew(team), move_walls(), place_solids(true, team);
     const Pairs pairs = this->pairs();
     if constexpr (Grains::averaged)
       grains.template set<Kernel>(columns, lists, solids.grain_rows(), Pairs::W, particle_mass(),
@@ -217,8 +223,9 @@ struct SphCore {
           }
           if constexpr (Volume::restores) {
             SphRates& of = columns.rates[k];
-            of.density += columns.rows[k].density * keeper.growth(of.slope, of.divergence / full,
-                                                                  setup.h(), liquid.sound_speed);
+            const double rho = columns.rows[k].density;
+            of.density += rho * keeper.growth(of.slope, of.divergence / full, rho / liquid.density,
+                                              setup.h(), liquid.sound_speed);
           }
           a += gravity;
           m.acceleration = std::max(m.acceleration, norm(a));
@@ -264,12 +271,15 @@ struct SphCore {
           });
     }
   }
-  /// Walls and bodies to where they are at the time of these rates; what they have moved counts for
-  /// the lists.
-  void place_solids() {
-    const bool move = solids.walls.any_moves();
-    if (move) solids.walls.move_to(now, 0.1 * setup.courant * setup.h() / liquid.sound_speed);
-    moved += solids.move_rows(columns, lists.repeats, move, Walls::mirrored, small_grains());
+  /// Walls to where they are at the time of these rates.
+  void move_walls() {
+    if (solids.walls.any_moves())
+      solids.walls.move_to(now, 0.1 * setup.courant * setup.h() / liquid.sound_speed);
+  }
+  /// Rows of walls and bodies to where these are: those that may meet liquid, or all.
+  void place_solids(bool all, const Team& team) {
+    solids.move_rows(columns, lists, solids.walls.any_moves(), Walls::mirrored, small_grains(), all,
+                     team);
   }
   /// @}
 
@@ -297,6 +307,7 @@ struct SphCore {
     }
     columns.arrange(make_order(columns.rows, team), team);
     make_lists(columns.rows, team, false);
+    solids.walls.note_pose();
     moved = 0, stale = false;
   }
   const std::vector<std::uint32_t>& make_order(std::span<const Row> rows, const Team& team) {

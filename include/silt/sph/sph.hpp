@@ -92,9 +92,10 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   void take_form(std::size_t form, const Shape& shape) {
     core().solids.bodies.take_form(form, shape);
   }
-  /// As many as sound leaves; advance() takes shorter steps where more is needed.
+  /// As many as sound leaves, and speeds of pairs up to a quarter of it: a step that is only just
+  /// too long for them would be halved. advance() takes shorter steps where more is needed.
   int steps_wanted(const FluidPace& pace, const Team&) const {
-    const double longest = setup().courant * setup().h() / liquid().sound_speed;
+    const double longest = setup().courant * setup().h() / (1.25 * liquid().sound_speed);
     return std::max(1, static_cast<int>(longest / pace.step));
   }
   /// The liquid goes on by dt [s] beside bodies, in as many steps as it needs; sets what it does

@@ -31,7 +31,10 @@ struct DriftingVolume {
 /// n is 1 where volumes V = m/rho, of liquid and of what is solid, fill space. At a free surface,
 /// by how far neighbours stand on one side alone, and of drops f is 0:
 ///
-///   f = (2 - 10 h |sum V_b grad W|) (5 n_a - 2.5), each from 0 to 1
+///   f = (2 - 10 h |sum V_b grad W|) (5 n_a - 2.5) 1000 (rho_a/rho_0 - 1), each from 0 to 1
+///
+/// The last factor leaves alone what is under no pressure: liquid that stands too far apart is not
+/// drawn together, but sinks by its weight. With a tension it breaks up into clumps.
 ///
 /// Source: ours.
 /// Valid:  with MirroredWalls; DynamicWalls keep the liquid off whatever its volume.
@@ -46,11 +49,12 @@ struct RestoredVolume {
     require(std::isfinite(rate) && rate > 0 && rate <= 0.2, "RestoredVolume.rate = ", rate,
             " must be in (0, 0.2]; 0.02 is usual");
   }
-  /// [1/s] of the density; `slope` [1/m] = sum V grad W, `full` n.
-  double growth(const Vec3d& slope, double full, double h, double sound) const {
+  /// [1/s] of the density, which is `rho` of that at rest; `slope` [1/m] = sum V grad W, `full` n.
+  double growth(const Vec3d& slope, double full, double rho, double h, double sound) const {
     const double surface = std::clamp(2 - 10 * h * norm(slope), 0.0, 1.0);
     const double drop = std::clamp(5 * full - 2.5, 0.0, 1.0);
-    return rate * sound / h * (full - 1) * surface * drop;
+    const double pressed = std::clamp(1000 * (rho - 1), 0.0, 1.0);
+    return rate * sound / h * (full - 1) * surface * drop * pressed;
   }
 };
 /// @}
