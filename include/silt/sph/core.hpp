@@ -20,6 +20,7 @@
 #include <silt/sph/setup.hpp>
 #include <silt/sph/solid_sums.hpp>
 #include <silt/sph/solids.hpp>
+#include <silt/sph/surface_slope.hpp>
 #include <silt/sph/time_step.hpp>
 #include <silt/sph/turbulence.hpp>
 
@@ -60,6 +61,7 @@ struct SphCore {
   Vec3d gravity = setup.gravity;                   // [m/s2]
   double least_density = 0.7, most_density = 1.3;  // [-] of the liquid's
 
+  SphSurfaceSlope<Kernel> surface_slope{};
   SphSolids solids{};
   Lists lists{};
   SphColumns columns{};
@@ -83,6 +85,7 @@ struct SphCore {
     require(Walls::mirrored || !setup.slip,
             "SphSetup.slip has no effect with DynamicWalls; leave it out, or take MirroredWalls");
     full = divergence_of_lattice();
+    if constexpr (Shift::shifts) surface_slope = SphSurfaceSlope<Kernel>(setup);
     lists.width = Pairs::W, lists.spacing = setup.spacing, lists.dimensions = setup.dimensions;
     lists.probes_meet_walls = Grains::averaged;
     if (setup.dimensions == 2) solids.plane = setup.region.min.y;

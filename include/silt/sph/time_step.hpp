@@ -120,9 +120,12 @@ class SphStep {
       const SphSetup& setup = core_.setup;
       const double full = setup.dimensions, none = core_.shift.threshold_in(setup.dimensions);
       const double share = std::clamp((rate.divergence - none) / (full - none), 0.0, 1.0);
-      const Vec3d way = (-core_.shift.strength * setup.h() * speed * dt_ * share) * rate.slope;
-      const double length = norm(way), longest = longest_shift * setup.spacing;
-      return length > longest ? (longest / length) * way : way;
+      const double steep = setup.h() * norm(rate.slope),
+                   uneven = steep - core_.surface_slope(rate.divergence / full);
+      if (!(uneven > 0)) return {0, 0, 0};
+      const double length = std::min(core_.shift.strength * speed * dt_ * share * uneven,
+                                     longest_shift * setup.spacing);
+      return (-length * setup.h() / steep) * rate.slope;
     }
     return {0, 0, 0};
   }
