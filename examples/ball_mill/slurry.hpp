@@ -97,7 +97,8 @@ inline auto make_slurry(const Scene& s, const Slurry& slurry) {
                     .gravity = {0, 0, -gravity}},
                    silt::LaminarViscosity{.kinematic = slurry.kinematic(), .alpha = slurry.alpha},
                    silt::VerletTime{},
-                   silt::DynamicWalls{},
+                   silt::MirroredWalls{},
+                   silt::RestoredVolume{},
                    silt::Mixed{}};
 }
 

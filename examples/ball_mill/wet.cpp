@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "ball_mill/pores.hpp"
+
 namespace ball_mill {
 namespace {
 
@@ -95,10 +97,9 @@ auto wet_mill(const Scene& s, const Slurry& slurry, const Dry& dry, int threads)
   for (std::size_t k = 0; k < dry.rows(); ++k)
     balls.add({.position = dry.position(k), .radius = dry.radius(k), .density = steel_density});
   auto sim = make_mill(s, std::move(balls), threads, std::move(water));
-  // So that a whole number of steps makes nearly the longest one of the slurry, less what its
-  // velocities take of it.
-  const double longest =
-      0.85 * 0.2 * slurry.smoothing * std::sqrt(3.0) * slurry.spacing / slurry.sound;
+  // So that a whole number of steps makes the slurry's (Sph::steps_wanted).
+  const auto& setup = sim.fluid().setup();
+  const double longest = (1 - 1e-9) * setup.courant * setup.h() / (1.25 * slurry.sound);
   sim.time_step = longest / std::ceil(longest / dry.step_length());
   return sim;
 }
@@ -114,7 +115,8 @@ double dry_torque(Sim& sim, const Scene& s, double seconds) {
 }
 
 template <class Sim>
-WetRun turn(Sim& sim, const Scene& s, double seconds, Heights& heights, const std::string& out) {
+WetRun turn(Sim& sim, const Scene& s, double seconds, Heights& heights, PoreFill& pores,
+            const std::string& out) {
   sim.set_motion("drum", turning(sim.time(), s.rate()));
   silt::CsvTable table(out + "/torque.csv",
                        {"time [s]", "torque by balls [N m]", "torque by slurry [N m]",
@@ -135,7 +137,7 @@ WetRun turn(Sim& sim, const Scene& s, double seconds, Heights& heights, const st
     look(sim, run);
     std::printf("\r%3d %%", 100 * k / parts), std::fflush(stdout);
     if (3 * k <= parts) continue;  // the first third is not measured
-    heights.add_frame(sim.fluid());
+    heights.add_frame(sim.fluid()), pores.add_frame(sim);
     run.by_balls -= mean.torque.y, run.by_slurry += by_slurry, run.lever += lever, ++run.samples;
   }
   std::printf("\r");
@@ -172,10 +174,17 @@ int run_wet(const Scene& s, const Slurry& slurry, double seconds, const example:
   std::fflush(stdout);
   Heights heights(s, slurry);
   const example::Stopwatch turning_watch;
-  const WetRun run = turn(sim, s, seconds, heights, options.out);
+  PoreFill pores(s, slurry.spacing);
+  const WetRun run = turn(sim, s, seconds, heights, pores, options.out);
   const double cost = turning_watch.seconds();
   const double dry_power = dry_torque(dry, s, seconds) * s.rate();  // [W]
   const auto fit = fit_surface(heights, options.out);
+  const auto filled = pores.below([&](double x) { return fit.at(x); });
+  silt::CsvTable cells(options.out + "/pores.csv",
+                       {"x [m]", "z [m]", "free of balls [-]", "slurry [-]"});
+  pores.for_each([&](double x, double z, double room, double wet) {
+    cells.add_row({x, z, room, wet});
+  });
   sim.fluid().write(options.out + "/slurry.vtp");
   silt::write_particles(options.out + "/end.vtp", sim);
   silt::write_walls(options.out + "/drum.vtp", sim);
@@ -201,6 +210,9 @@ int run_wet(const Scene& s, const Slurry& slurry, double seconds, const example:
   summary.result("surface_curvature_1_m", 2 * b[2]);
   summary.result("surface_band_of_points_m", fit.band_of_points(0));
   summary.result("surface_band_of_curve_m", fit.band_of_curve(0));
+  summary.result("slurry_over_room_between_balls_below_the_surface", filled.bed);
+  summary.result("slurry_over_room_in_the_pool", filled.pool);
+  summary.result("share_of_the_slurry_where_balls_are_dense", filled.in_bed);
   const double steps = static_cast<double>(sim.fluid().steps());
   summary.result("slurry_steps", steps), summary.result("seconds_a_simulated_one", cost / seconds);
   summary.result("ms_a_slurry_step", 1e3 * cost / steps);

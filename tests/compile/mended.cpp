@@ -166,3 +166,6 @@ namespace strength_of_other_unit {
 namespace sph_twice {
 #include "refused/sph_twice.cpp"
 }
+namespace sph_volume {
+#include "refused/sph_volume.cpp"
+}

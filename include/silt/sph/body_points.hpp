@@ -66,6 +66,15 @@ class BodyPoints {
         b.axes = rotation_about((1 / rate) * b.spin, rate * dt) * b.axes;
     }
   }
+  /// Calls visit(k) for points of which one goes as far as any: of a sphere, which is not turned,
+  /// the first one.
+  template <class Visit>
+  void for_those_that_go_farthest(const Visit& visit) const {
+    for (std::size_t k = 0; k < points_.size(); ++k)
+      if (bodies[points_[k].body].form != sphere || k == 0 ||
+          points_[k - 1].body != points_[k].body)
+        visit(k);
+  }
   /// Whether a place `x` from the centre of a body is in it.
   bool holds(const Body& b, const Vec3d& x) const {
     if (b.form == sphere) return dot(x, x) < b.radius * b.radius;

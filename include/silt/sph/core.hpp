@@ -49,9 +49,11 @@ struct SphCore {
   using Walls = typename Axes::Walls;
   using Grains = typename Axes::Grains;
   using Book = SphBookOf<Axes::ledger>;
-  // Unresolved grains ask how full kernels are, as shifting does.
+  using Volume = typename Axes::Volume;
+  // Unresolved grains and volumes ask how full kernels are, as shifting does.
+  static constexpr bool asks_fullness = Grains::averaged || Volume::restores;
   using Pairs =
-      SphPairs<Kernel, Viscosity, Diffusion, std::conditional_t<Grains::averaged, Shifting, Shift>,
+      SphPairs<Kernel, Viscosity, Diffusion, std::conditional_t<asks_fullness, Shifting, Shift>,
                typename Axes::PairScalar, Grains::averaged>;
   static constexpr bool turbulent = requires { requires Viscosity::turbulent; };
   using Lists = ClusterLists;
@@ -65,6 +67,7 @@ struct SphCore {
   Time scheme;
   Walls walls;
   typename Grains::State grains;
+  Volume keeper;
   Vec3d gravity = setup.gravity;                   // [m/s2]
   double least_density = 0.7, most_density = 1.3;  // [-] of the liquid's
 
@@ -81,7 +84,8 @@ struct SphCore {
   std::uint32_t next_number = 0;
   std::size_t left = 0, displaced = 0;
   double time = 0, now = 0, last_step = 0;  // [s] now: of the rates
-  double moved = 0;                         // [m] at most, since the lists were made
+  double full = 0;                          // [-] div r of a lattice
+  double moved = 0;                         // [m] liquid, at most, since the lists were made
   double exchange = INFINITY;               // [s] longest_exchange() of the last step
   std::int64_t steps = 0;
   bool stale = true;   // lists are to be made
@@ -92,10 +96,11 @@ struct SphCore {
 
   void begin() {
     liquid.check(), setup.check(), viscosity.check(), diffusion.check(), shift.check(),
-        scheme.check();
+        scheme.check(), keeper.check();
     require(Walls::mirrored || !setup.slip,
             "SphSetup.slip has no effect with DynamicWalls; leave it out, or take MirroredWalls");
-    if constexpr (Shift::shifts) surface_slope = SphSurfaceSlope<Kernel>(setup);
+    full = divergence_of_lattice();
+    if constexpr (Shift::shifts) surface_slope = SphSurfaceSlope<Kernel>(setup.dimensions);
     require(Time::two_stages || setup.courant <= 0.2, "SphSetup.courant = ", setup.courant,
             " is too long for VerletTime, which is unstable from 0.22 on; take at most 0.2, or "
             "SymplecticTime");
@@ -111,6 +116,19 @@ struct SphCore {
   Vec3d weight() const {
     return {setup.periodic[0] ? 0 : gravity.x, setup.periodic[1] ? 0 : gravity.y,
             setup.periodic[2] ? 0 : gravity.z};
+  }
+  /// [-] -sum V r.grad W on the lattice of the spacing: 2 or 3, but for the kernel's width.
+  double divergence_of_lattice() const {
+    const double s = setup.spacing, h = setup.h();
+    const int n = static_cast<int>(2 * h / s) + 1, across = setup.dimensions == 2 ? 0 : n;
+    double sum = 0;
+    for (int i = -n; i <= n; ++i)
+      for (int j = -across; j <= across; ++j)
+        for (int k = -n; k <= n; ++k) {
+          const double q = std::sqrt(i * i + j * j + k * k) * s / h;
+          sum -= Kernel::slope(q) * q * q;
+        }
+    return sum * setup.volume() * Kernel::normalisation(setup.dimensions, h);
   }
   double particle_mass() const { return liquid.density * setup.volume(); }  // [kg]; 2D: [kg/m]
   /// Solids or liquid have come or gone.
@@ -221,8 +239,14 @@ struct SphCore {
   void find_rates(const Team& team) {
     if (known) return;
     sph_follow_gravity(*this);
-    if (made && solids.have_rows(small_grains().size())) place_solids();
-    if (stale || 2 * moved > skin()) renew(team), place_solids();
+    const bool stand = made && solids.have_rows(small_grains().size());
+    bool renews = stale || 2 * moved > skin();
+    if (stand) {
+      move_walls();
+      renews = renews || moved + solids.way(lists, Walls::mirrored, small_grains()) > skin();
+      place_solids(renews, team);
+    }
+    if (renews) renew(team), move_walls(), place_solids(true, team);
     const Pairs pairs = this->pairs();
     if constexpr (Grains::averaged)
       sph_book_voidage(*this, [&] {
@@ -253,6 +277,12 @@ struct SphCore {
           if constexpr (Grains::averaged) {
             a = (1 / columns.voidage[k]) * a;
             columns.fullness[k] = columns.rates[k].divergence / setup.dimensions;
+          }
+          if constexpr (Volume::restores) {
+            SphRates& of = columns.rates[k];
+            const double rho = columns.rows[k].density;
+            of.density += rho * keeper.growth(of.slope, of.divergence / full, rho / liquid.density,
+                                              setup.h(), liquid.sound_speed);
           }
           a += gravity;
           m.acceleration = std::max(m.acceleration, norm(a));
@@ -291,12 +321,15 @@ struct SphCore {
           });
     }
   }
-  /// Walls and bodies to where they are at the time of these rates; what they have moved counts for
-  /// the lists.
-  void place_solids() {
-    const bool move = solids.walls.any_moves();
-    if (move) solids.walls.move_to(now, 0.1 * setup.courant * setup.h() / liquid.sound_speed);
-    moved += solids.move_rows(columns, lists.repeats, move, Walls::mirrored, small_grains());
+  /// Walls to where they are at the time of these rates.
+  void move_walls() {
+    if (solids.walls.any_moves())
+      solids.walls.move_to(now, 0.1 * setup.courant * setup.h() / liquid.sound_speed);
+  }
+  /// Rows of walls and bodies to where these are: those that may meet liquid, or all.
+  void place_solids(bool all, const Team& team) {
+    solids.move_rows(columns, lists, solids.walls.any_moves(), Walls::mirrored, small_grains(), all,
+                     team);
   }
   /// @}
 
@@ -332,6 +365,7 @@ struct SphCore {
     solids.thin.check(solids.walls, columns, lists.repeats, setup, steps, time);
     columns.arrange(make_order(columns.rows, team), team);
     make_lists(columns.rows, team, false);
+    solids.walls.note_pose();
     moved = 0, stale = false;
   }
   const std::vector<std::uint32_t>& make_order(std::span<const Row> rows, const Team& team) {

@@ -10,7 +10,7 @@
 namespace silt::inline SILT_TARGET {
 
 /// The axes of an Sph's policies; each policy has its own as `static constexpr SphAxis sph_axis`.
-enum class SphAxis { Kernel, Viscosity, Diffusion, Shifting, Time, Walls, Grains };
+enum class SphAxis { Kernel, Viscosity, Diffusion, Shifting, Time, Walls, Grains, Volume };
 
 /// What weighs the neighbours of an SPH particle: W(r) = a w(q), q = r/h, 0 from q = 2 on.
 ///

@@ -9,6 +9,7 @@
 #include <silt/core/precision.hpp>
 #include <silt/sph/kernels.hpp>
 #include <silt/sph/terms.hpp>
+#include <silt/sph/volume.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -43,7 +44,7 @@ struct SphPolicies {
       "viscosity (ArtificialViscosity, LaminarViscosity, SpsTurbulence, Inviscid), a diffusion "
       "(Fourtakas, MolteniColagrossi, NoDiffusion), Shifting or NoShifting, "
       "SymplecticTime or VerletTime, MirroredWalls or DynamicWalls, Double or Mixed, "
-      "UnresolvedGrains, EnergyLedger");
+      "UnresolvedGrains, RestoredVolume or DriftingVolume, EnergyLedger");
   template <SphAxis axis>
   static constexpr int count = (0 + ... + int{SphPolicyOf<Ps, axis>});
   static_assert(count<SphAxis::Kernel> <= 1, "Sph: two kernels are given; give one");
@@ -53,6 +54,7 @@ struct SphPolicies {
   static_assert(count<SphAxis::Time> <= 1, "Sph: two time integrations are given; give one");
   static_assert(count<SphAxis::Walls> <= 1, "Sph: two kinds of walls are given; give one");
   static_assert(count<SphAxis::Grains> <= 1, "Sph: UnresolvedGrains is given twice; give it once");
+  static_assert(count<SphAxis::Volume> <= 1, "Sph: two ways of keeping volume are given; give one");
   static_assert((0 + ... + int{SphPrecision<Ps>}) <= 1, "Sph: two precisions are given; give one");
   static_assert((0 + ... + int{SphLedger<Ps>}) <= 1,
                 "Sph: EnergyLedger is given twice; give it once");
@@ -81,6 +83,7 @@ struct SphPolicies {
   static auto time(const Ps&... all) { return one_of<SphAxis::Time>(SymplecticTime{}, all...); }
   static auto walls(const Ps&... all) { return one_of<SphAxis::Walls>(MirroredWalls{}, all...); }
   static auto grains(const Ps&... all) { return one_of<SphAxis::Grains>(ResolvedGrains{}, all...); }
+  static auto volume(const Ps&... all) { return one_of<SphAxis::Volume>(DriftingVolume{}, all...); }
   using Kernel = decltype(kernel(std::declval<const Ps&>()...));
   using Viscosity = decltype(viscosity(std::declval<const Ps&>()...));
   using Diffusion = decltype(diffusion(std::declval<const Ps&>()...));
@@ -88,8 +91,13 @@ struct SphPolicies {
   using Time = decltype(time(std::declval<const Ps&>()...));
   using Walls = decltype(walls(std::declval<const Ps&>()...));
   using Grains = decltype(grains(std::declval<const Ps&>()...));
+  using Volume = decltype(volume(std::declval<const Ps&>()...));
   static_assert(!Grains::averaged || Time::two_stages,
                 "Sph: UnresolvedGrains needs SymplecticTime; leave VerletTime out");
+  static_assert(!Grains::averaged || !Volume::restores,
+                "Sph: UnresolvedGrains keep volume by the voidage; leave RestoredVolume out");
+  static_assert(!(ledger && Volume::restores),
+                "Sph: EnergyLedger has no books of RestoredVolume; leave one of them out");
   /// float where Mixed is given.
   using PairScalar = std::conditional_t<(false || ... || std::is_same_v<Ps, Mixed>), float, double>;
 };

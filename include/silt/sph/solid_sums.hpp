@@ -38,14 +38,17 @@ void sph_mirror(Core& core, const typename Core::Pairs& pairs, const Team& team)
   const std::size_t first = core.lists.first_pack(Lists::Probe), n = core.lists.packs() - first;
   team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
     for (std::size_t p = first + from; p < first + to; ++p) {
-      std::array<SphSeen, W> seen;
-      pairs.look(p, columns.rows, columns.volume, core.lists, seen);
+      std::array<SphSeen, W> seen{};
+      if (!core.lists.liquid(p).empty())
+        pairs.look(p, columns.rows, columns.volume, core.lists, seen);
       for (std::size_t l = 0; l < W; ++l) {
         const std::uint32_t of = columns.label[p * W + l];
         if (of == Lists::none || of >= solids.size()) continue;  // the latter: a grain
         const std::size_t at = solids.wall_row[of];
+        if (core.lists.liquid(at / W).empty()) continue;  // far from all liquid
         auto& wall = columns.rows[at];
-        const Vec3d away = solids.place(of) - solids.ghost(of);
+        const Vec3d away =
+            core.lists.repeats.shortest(wall.position() - columns.rows[p * W + l].position());
         const auto [density, velocity, share] =
             seen[l].at(away, core.liquid, core.weight(), core.setup.h(), !solids.bodies.empty());
         wall.density = density, wall.pressure = core.liquid.pressure(density);

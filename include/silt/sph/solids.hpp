@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include <silt/core/threads.hpp>
 #include <silt/sph/body_points.hpp>
 #include <silt/sph/cluster_lists.hpp>
 #include <silt/sph/columns.hpp>
@@ -86,26 +87,46 @@ class SphSolids {
   std::span<const std::uint32_t> grain_rows() const {
     return std::span(probe_row).subspan(std::min(size(), probe_row.size()));
   }
-  /// Moves their rows to where they are now, each in the image that its row is in; returns how far
-  /// the farthest went [m]. Without probes they have the velocity of their surface.
-  double move_rows(SphColumns& columns, const Repeats& repeats, bool walls_too, bool mirrored,
-                   std::span<const Vec3d> grains) const {
-    double most = 0;
-    const auto move = [&](SphRow& r, const Vec3d& to) {
-      const Vec3d way = repeats.shortest(to - r.position());
-      most = std::max(most, norm(way));
-      r.place(r.position() + way);
+  /// [m] How far the farthest of them is from where it was when the lists were made.
+  double way(const ClusterLists& lists, bool mirrored, std::span<const Vec3d> grains) const {
+    double most = walls.way();
+    const auto add = [&](std::uint32_t row, const Vec3d& now) {
+      most = std::max(most, norm(lists.repeats.shortest(now - lists.built(row))));
     };
-    for (std::size_t k = walls_too ? 0 : walls.size(); k < size(); ++k) {
-      move(columns.rows[wall_row[k]], place(k));
-      if (mirrored)
-        move(columns.rows[probe_row[k]], ghost(k));
-      else
-        columns.rows[wall_row[k]].move(velocity(k));
-    }
-    for (std::size_t p = 0; p < grains.size(); ++p)
-      move(columns.rows[probe_row[size() + p]], flat(grains[p]));
+    bodies.for_those_that_go_farthest([&](std::size_t body) {
+      const std::size_t k = walls.size() + body;
+      add(wall_row[k], place(k));
+      if (mirrored) add(probe_row[k], ghost(k));
+    });
+    for (std::size_t p = 0; p < grains.size(); ++p) add(probe_row[size() + p], flat(grains[p]));
     return most;
+  }
+  /// Moves their rows to where they are now, each in the image that its row is in: those that may
+  /// meet liquid by the lists, or all. Without probes they have the velocity of their surface.
+  void move_rows(SphColumns& columns, const ClusterLists& lists, bool walls_too, bool mirrored,
+                 std::span<const Vec3d> grains, bool all, const Team& team) const {
+    const auto move = [&](SphRow& r, const Vec3d& to) {
+      r.place(r.position() + lists.repeats.shortest(to - r.position()));
+    };
+    const std::size_t first = lists.first_pack(ClusterLists::Wall), n = lists.packs() - first;
+    team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t p = first + from; p < first + to; ++p) {
+        if (!all && lists.liquid(p).empty()) continue;
+        for (std::size_t row = p * lists.width; row < (p + 1) * lists.width; ++row) {
+          const std::uint32_t k = columns.label[row];
+          if (k >= SphColumns::of_openings || (!walls_too && k < walls.size())) continue;
+          SphRow& r = columns.rows[row];
+          if (k >= size()) {
+            move(r, flat(grains[k - size()]));
+          } else if (columns.kind[row] == ClusterLists::Probe) {
+            move(r, ghost(k));
+          } else {
+            move(r, place(k));
+            if (!mirrored) r.move(velocity(k));
+          }
+        }
+      }
+    });
   }
   /// [N] of the liquid on one, after its rates were found; `mass` [kg] of a particle.
   Vec3d force_on(std::size_t k, const SphColumns& columns, double mass) const {

@@ -65,7 +65,8 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
              Axes::shifting(policies...),
              Axes::time(policies...),
              Axes::walls(policies...),
-             typename Axes::Grains::State(Axes::grains(policies...))} {
+             typename Axes::Grains::State(Axes::grains(policies...)),
+             Axes::volume(policies...)} {
     Axes::grains(policies...).check();
     core().begin();
   }
@@ -94,10 +95,11 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   void take_form(std::size_t form, const Shape& shape) {
     core().solids.bodies.take_form(form, shape);
   }
-  /// As many as sound, light bodies and light walls leave; advance() takes shorter steps where more
-  /// is needed.
+  /// As many as sound, light bodies and light walls leave, and speeds of pairs up to a quarter of
+  /// that of sound: a step that is only just too long for them would be halved. advance() takes
+  /// shorter steps where more is needed.
   int steps_wanted(const FluidPace& pace, const Team&) const {
-    const double longest = std::min({setup().courant * setup().h() / liquid().sound_speed,
+    const double longest = std::min({setup().courant * setup().h() / (1.25 * liquid().sound_speed),
                                      core().exchange, core().longest_hold().first});
     return std::max(1, static_cast<int>(longest / pace.step));
   }

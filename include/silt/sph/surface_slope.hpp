@@ -7,8 +7,6 @@
 #include <cstddef>
 #include <numbers>
 
-#include <silt/sph/setup.hpp>
-
 namespace silt::inline SILT_TARGET::detail {
 
 /// The slope of C = sum V W that a flat free surface makes, h |grad C|, over how full a kernel
@@ -22,8 +20,7 @@ template <class Kernel>
 class SphSurfaceSlope {
  public:
   SphSurfaceSlope() = default;
-  explicit SphSurfaceSlope(const SphSetup& setup) : inside_(of_lattice(setup)) {
-    const int dimensions = setup.dimensions;
+  explicit SphSurfaceSlope(int dimensions) {
     constexpr std::size_t n = 400;  // planes from the kernel's edge inwards
     constexpr double step = 2.0 / n;
     double beyond = 0, before = 0, full = 1, slope = 0;
@@ -38,10 +35,9 @@ class SphSurfaceSlope {
     }
     for (; at < points; ++at) slope_[at] = slope;
   }
-  /// [-] h |grad C| where the kernel is `full`: 1 inside and 1/2 at the surface, a little less on a
-  /// lattice.
+  /// [-] h |grad C| where the kernel is `full`: 1 inside, 1/2 at the surface.
   double operator()(double full) const {
-    const double place = std::clamp((1 - full / inside_) * 2 * (points - 1), 0.0, points - 1.0);
+    const double place = std::clamp((1 - full) * 2 * (points - 1), 0.0, points - 1.0);
     const auto k = std::min(static_cast<std::size_t>(place), points - 2);
     const double share = place - static_cast<double>(k);
     return (1 - share) * slope_[k] + share * slope_[k + 1];
@@ -63,22 +59,7 @@ class SphSurfaceSlope {
     return sum * step / 3 * Kernel::normalisation(dimensions, 1);
   }
 
-  /// -sum V r.grad W/D of a particle with all of its neighbours on the lattice.
-  static double of_lattice(const SphSetup& setup) {
-    const double h = setup.h() / setup.spacing;
-    const int n = static_cast<int>(2 * h), m = setup.dimensions == 2 ? 0 : n;
-    double sum = 0;
-    for (int i = -n; i <= n; ++i)
-      for (int j = -m; j <= m; ++j)
-        for (int k = -n; k <= n; ++k) {
-          const double square = i * i + j * j + k * k;
-          sum -= square * Kernel::slope(std::sqrt(square) / h);
-        }
-    return sum * Kernel::normalisation(setup.dimensions, h) / (h * h * setup.dimensions);
-  }
-
   std::array<double, points> slope_{};
-  double inside_ = 1;
 };
 
 }  // namespace silt::detail

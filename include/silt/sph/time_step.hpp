@@ -141,7 +141,7 @@ class SphStep {
       const double full = setup.dimensions, none = core_.shift.threshold_in(setup.dimensions);
       const double share = std::clamp((rate.divergence - none) / (full - none), 0.0, 1.0);
       const double steep = setup.h() * norm(rate.slope),
-                   uneven = steep - core_.surface_slope(rate.divergence / full);
+                   uneven = steep - core_.surface_slope(rate.divergence / core_.full);
       if (!(uneven > 0)) return {0, 0, 0};
       const double length = std::min(core_.shift.strength * speed * dt_ * share * uneven,
                                      longest_shift * setup.spacing);

@@ -78,22 +78,41 @@ class WallParticles {
       check(w.surfaces, w.name);
       walls_.push_back({w.surfaces, w.name, {}, {}, &w});
       Part& part = walls_.back();
-      part.pose = part.last = part.next = part.first = w.pose;
+      part.pose = part.last = part.next = part.first = part.listed = w.pose;
     }
     followed_ = walls.size();
     find_belts();
     if (restored) {
-      for (std::size_t w = 0; w < walls_.size(); ++w) walls_[w].first = restored_[w];
-      restored_.clear();
+      take_restored();
       return false;
     }
     fresh_ = true;
     return true;
   }
+  /// The lists were made with walls where they are now.
+  void note_pose() {
+    for (Part& w : walls_) w.listed = w.pose;
+  }
+  /// [m] How far no particle has gone beyond since then: as far as a corner of the box around those
+  /// of its wall.
+  double way() const {
+    double most = 0;
+    for (std::size_t w = 0; w < boxes_.size() && w < walls_.size(); ++w) {
+      const Part& of = walls_[w];
+      if (!of.motion || !is_finite(boxes_[w].min)) continue;
+      for (int c = 0; c < 8; ++c) {
+        const Vec3d &a = boxes_[w].min, &b = boxes_[w].max;
+        const Vec3d x{c & 1 ? b.x : a.x, c & 2 ? b.y : a.y, c & 4 ? b.z : a.z};
+        most = std::max(most, norm(of.pose.to_space(x) - of.listed.to_space(x)));
+      }
+    }
+    return most;
+  }
   /// Walls of its own, not of a Simulation.
   std::size_t own_walls() const { return walls_.size() - followed_; }
 
-  /// For a state: ten numbers a particle, and seven a wall, where it was as they were made.
+  /// For a state: ten numbers a particle, and fourteen a wall, where it was as they were made, and
+  /// the lists.
   std::pair<std::vector<double>, std::vector<double>> state() const {
     std::pair<std::vector<double>, std::vector<double>> of;
     for (const Particle& p : particles_) {
@@ -101,17 +120,18 @@ class WallParticles {
         of.first.insert(of.first.end(), {x.x, x.y, x.z});
       of.first.push_back(static_cast<double>(p.wall));
     }
-    for (const Part& w : walls_) {
-      const Vec3d& x = w.first.translation;
-      const Quaternion& q = w.first.rotation;
-      of.second.insert(of.second.end(), {x.x, x.y, x.z, q.w, q.x, q.y, q.z});
-    }
+    for (const Part& w : walls_)
+      for (const Pose& pose : {w.first, w.listed}) {
+        const Vec3d& x = pose.translation;
+        const Quaternion& q = pose.rotation;
+        of.second.insert(of.second.end(), {x.x, x.y, x.z, q.w, q.x, q.y, q.z});
+      }
     return of;
   }
   /// Those of a state. Walls of a Simulation are told later, by follow().
   void restore(std::span<const double> particles, std::span<const double> poses) {
-    const std::size_t n = particles.size() / 10, walls = poses.size() / 7;
-    require(particles.size() == 10 * n && poses.size() == 7 * walls, "Sph: a state of walls has ",
+    const std::size_t n = particles.size() / 10, walls = poses.size() / 14;
+    require(particles.size() == 10 * n && poses.size() == 14 * walls, "Sph: a state of walls has ",
             particles.size(), " and ", poses.size(), " numbers");
     particles_.clear(), restored_.clear();
     for (std::size_t k = 0; k < n; ++k) {
@@ -124,14 +144,15 @@ class WallParticles {
                             static_cast<std::uint32_t>(p[9])});
     }
     for (std::size_t w = 0; w < walls; ++w) {
-      const double* const p = poses.data() + 7 * w;
-      restored_.push_back({{p[3], p[4], p[5], p[6]}, {p[0], p[1], p[2]}});
+      const auto pose = [&](std::size_t k) {
+        const double* const p = poses.data() + 14 * w + 7 * k;
+        return Pose{{p[3], p[4], p[5], p[6]}, {p[0], p[1], p[2]}};
+      };
+      restored_.push_back({pose(0), pose(1)});
     }
     fresh_ = false;
     find_belts();
-    if (walls_.size() != walls || followed_ != 0) return;
-    for (std::size_t w = 0; w < walls; ++w) walls_[w].first = restored_[w];
-    restored_.clear();
+    if (walls_.size() == walls && followed_ == 0) take_restored();
   }
 
   bool fresh() const { return fresh_; }
@@ -195,6 +216,7 @@ class WallParticles {
     });
     refuse_what_has_none(setup);
     find_belts();
+    find_boxes();
   }
   Vec3d place(std::size_t k) const { return in_space(particles_[k], particles_[k].at); }
   Vec3d ghost(std::size_t k) const { return in_space(particles_[k], particles_[k].ghost); }
@@ -262,7 +284,7 @@ class WallParticles {
     SurfaceVelocity belt;
     const Wall* of;  // of a Simulation; null: its own
     DrivenMotion driven{};
-    Pose pose{}, last{}, next{}, first{};
+    Pose pose{}, last{}, next{}, first{}, listed{};
     double span = 1;
     bool is_belt = true;
 
@@ -272,6 +294,17 @@ class WallParticles {
                            : static_cast<bool>(motion);
     }
   };
+  void find_boxes() {
+    boxes_.assign(walls_.size(), Box{});
+    for (const Particle& p : particles_)
+      boxes_[p.wall].include(p.at), boxes_[p.wall].include(p.ghost);
+  }
+  void take_restored() {
+    for (std::size_t w = 0; w < walls_.size(); ++w)
+      walls_[w].first = restored_[w].first, walls_[w].listed = restored_[w].second;
+    restored_.clear();
+    find_boxes();
+  }
   static void place(Part& w, double time, double span) {
     if (!w.moves()) return;
     const auto at = [&w](double t) {
@@ -385,8 +418,10 @@ class WallParticles {
 
   std::vector<Part> walls_;
   std::vector<Particle> particles_;
-  std::size_t followed_ = 0;    // walls of a Simulation
-  std::vector<Pose> restored_;  // of walls of a Simulation that have not been told yet
+  std::vector<Box> boxes_;    // around those of each wall, with their images
+  std::size_t followed_ = 0;  // walls of a Simulation
+  std::vector<std::pair<Pose, Pose>>
+      restored_;  // first and listed, of walls of a Simulation that have not been told yet
   bool fresh_ = true;
 };
 

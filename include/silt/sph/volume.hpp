@@ -1,0 +1,62 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include <silt/core/error.hpp>
+#include <silt/core/vec3.hpp>
+#include <silt/sph/kernels.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// @name Volume: whether densities are kept to the room that particles take
+/// @{
+
+/// Densities follow the continuity equation alone.
+struct DriftingVolume {
+  static constexpr SphAxis sph_axis = SphAxis::Volume;
+  static constexpr bool restores = false;
+  static constexpr const char* policy_name = "DriftingVolume";
+  void check() const {}
+};
+
+/// Densities go back to those of the room that particles take. The continuity equation alone
+/// forgets it where a liquid breaks up and joins again: drops have the density of the liquid as
+/// they fall in, and stay too far apart. A liquid that was poured into a packed bed takes a third
+/// more room there than it has.
+///
+///   d rho_a/dt = ... + rate c/h rho_a (n_a - 1) f,  n_a = -sum V_b r.grad W over that of a lattice
+///
+/// n is 1 where volumes V = m/rho, of liquid and of what is solid, fill space. At a free surface,
+/// by how far neighbours stand on one side alone, and of drops f is 0:
+///
+///   f = (2 - 10 h |sum V_b grad W|) (5 n_a - 2.5) 1000 (rho_a/rho_0 - 1), each from 0 to 1
+///
+/// The last factor leaves alone what is under no pressure: liquid that stands too far apart is not
+/// drawn together, but sinks by its weight. With a tension it breaks up into clumps.
+///
+/// Source: ours.
+/// Valid:  with MirroredWalls; DynamicWalls keep the liquid off whatever its volume.
+/// Tests:  tests/sph/volume.cpp.
+struct RestoredVolume {
+  double rate = 0.02;  // [-]
+
+  static constexpr SphAxis sph_axis = SphAxis::Volume;
+  static constexpr bool restores = true;
+  static constexpr const char* policy_name = "RestoredVolume";
+  void check() const {
+    require(std::isfinite(rate) && rate > 0 && rate <= 0.2, "RestoredVolume.rate = ", rate,
+            " must be in (0, 0.2]; 0.02 is usual");
+  }
+  /// [1/s] of the density, which is `rho` of that at rest; `slope` [1/m] = sum V grad W, `full` n.
+  double growth(const Vec3d& slope, double full, double rho, double h, double sound) const {
+    const double surface = std::clamp(2 - 10 * h * norm(slope), 0.0, 1.0);
+    const double drop = std::clamp(5 * full - 2.5, 0.0, 1.0);
+    const double pressed = std::clamp(1000 * (rho - 1), 0.0, 1.0);
+    return rate * sound / h * (full - 1) * surface * drop * pressed;
+  }
+};
+/// @}
+
+}  // namespace silt
