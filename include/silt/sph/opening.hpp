@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <variant>
 
@@ -56,15 +57,15 @@ class OpeningPressure : public OpeningValue<double> {
   using OpeningValue<double>::OpeningValue;
   OpeningPressure(const Hydrostatic& of) : hydrostatic(of) {}  // NOLINT: it is one
   bool given() const { return hydrostatic || OpeningValue<double>::given(); }
-  std::optional<Hydrostatic> hydrostatic;
+  std::optional<Hydrostatic> hydrostatic{};
 };
 
 /// What is prescribed at an opening. What is left out follows from the liquid in front of it.
 struct OpeningSetup {
-  std::string name;
-  OpeningValue<Vec3d> velocity;   // [m/s]; a function is asked for places on the opening
-  OpeningPressure pressure;       // [Pa]
-  std::optional<double> surface;  // [m] height, against gravity, above which no liquid comes
+  std::string name{};
+  OpeningValue<Vec3d> velocity{};   // [m/s]; a function is asked for places on the opening
+  OpeningPressure pressure{};       // [Pa]
+  std::optional<double> surface{};  // [m] height, against gravity, above which no liquid comes
 };
 
 /// What has come through an opening into the liquid, or out of it, since the start.
