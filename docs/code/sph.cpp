@@ -15,7 +15,6 @@ int main() {
   silt::Sph water{silt::Liquid{.density = 1000, .sound_speed = 10 * fastest},
                   {.spacing = 0.01,
                    .region = {{-0.03, 0, -0.03}, {0.63, 0, 0.8}},
-                   .smoothing = 1.0,
                    .dimensions = 2,
                    .gravity = {0, 0, -g}},
                   silt::ArtificialViscosity{.alpha = 0.1}};  // for the impact

@@ -12,7 +12,7 @@
 int main() {
   const double side = 0.12, depth = 0.06, spacing = 0.006, g = 9.81;  // [m], [m/s2]
   silt::Sph water{silt::Liquid{.density = 1000, .sound_speed = 15},
-                  {.spacing = spacing, .region = {{0, 0, 0}, {side, side, 0.12}}, .smoothing = 0.8},
+                  {.spacing = spacing, .region = {{0, 0, 0}, {side, side, 0.12}}, .smoothing = 0.9},
                   silt::ArtificialViscosity{.alpha = 0.1},
                   silt::UnresolvedGrains{silt::DiFelice{}, {.viscosity = 1e-3}}};
   water.gravity = {0, 0, -g};

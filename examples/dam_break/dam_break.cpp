@@ -46,7 +46,6 @@ auto make_water(const Scene& s) {
   silt::Sph water{silt::Liquid{.density = 1000, .sound_speed = s.sound * s.fall()},
                   {.spacing = s.across(),
                    .region = {{-more, 0, -more}, {length + more, breadth, Scene::height * a}},
-                   .smoothing = 1.0,
                    .dimensions = s.three_dimensional ? 3 : 2,
                    .periodic = {false, s.three_dimensional, false},
                    .gravity = {0, 0, -Scene::g}},
@@ -72,7 +71,7 @@ Look look_at(const Water& water, double start) {
                c = water.liquid().sound_speed;
   water.for_each([&](std::uint32_t, const Vec3d& x, const Vec3d& v, double rho, double) {
     out.front = std::max(out.front, x.x + half);
-    if (x.x < 2 * half) out.height = std::max(out.height, x.z + half);
+    if (x.x < 4 * half) out.height = std::max(out.height, x.z + half);
     const double s = rho / rest;
     out.potential += Scene::g * x.z, out.kinetic += 0.5 * dot(v, v);
     // The integral of P d rho/rho^2 from rho_0.

@@ -80,9 +80,10 @@ TEST_CASE("guard: spheres that press into each other too far stop the run, named
   auto sim = scene({{{-1.01e-3, 0, 0}, {8, 0, 0}}, {{1.01e-3, 0, 0}}, {{0, 0, 9e-3}}});
   sim.add_wall(silt::Plane{{0, 0, -1}, {0, 0, 1}}, rubber);
   const auto error = failure(sim, 1e-2);
-  CHECK(has_words(error.what(), {silt::detail::sentence("step ", sim.step(), ", t = ", sim.time(), " s"),
-                                 "particles 0 and 1", "guard.max_overlap = 0.3",
-                                 "use a stiffer material or a lower speed, or start"}));
+  CHECK(has_words(
+      error.what(),
+      {silt::detail::sentence("step ", sim.step(), ", t = ", sim.time(), " s"), "particles 0 and 1",
+       "guard.max_overlap = 0.3", "use a stiffer material or a lower speed, or start"}));
   // At the step that silt chose, no shorter one mends it.
   CHECK(std::string(error.what()).find("smaller time step") == std::string::npos);
   CHECK(error.step == sim.step());
@@ -527,6 +528,16 @@ TEST_CASE("time_step: where nothing moves it cannot be chosen, and the sentence 
   sim.time_step = 1e-5;
   sim.run(1e-3);
   CHECK(sim.step() == 100);
+}
+
+TEST_CASE("time_step: where all particles are fixed that is said") {
+  silt::Particles<silt::Sphere> still;
+  still.add({.position = {0, 0, 0}, .radius = 1e-3, .density = 2500, .fixed = true});
+  silt::Simulation sim{std::move(still), silt::Contacts<HertzMindlin>{rubber}};
+  sim.gravity = {0, 0, -9.81};
+  CHECK(has_words(
+      refusal<InputError>([&] { sim.run(1e-3); }),
+      {"the time step cannot be chosen", "all particles are fixed", "Simulation::time_step"}));
 }
 
 TEST_CASE("time_step: with several materials what walls alone are made of does not shorten it") {

@@ -64,4 +64,19 @@ TEST_CASE("progress_line: how well the books of a fluid close") {
         "exchanged, continuity by 1.4e-09 of a cell, no room for 0.015 of the solids");
 }
 
+TEST_CASE("progress_line: a liquid's particles are counted beside the others") {
+  CHECK(progress_line(0.1, 1, 1000, 10, 3, 0, 0, 5000).find("3 particles, 5000 of liquid  ") !=
+        std::string::npos);
+}
+
+TEST_CASE("closure_line: of a liquid of particles nothing is said of cells") {
+  struct {
+    double volume = 1e-16, momentum = 2e-16, continuity = 0, clipped = 0;
+  } books;
+  CHECK(silt::closure_line(books).find(", continuity by 0 of a cell, no room") !=
+        std::string::npos);
+  CHECK(silt::closure_line(books, false).find("exchanged, no room for 0 of the solids") !=
+        std::string::npos);
+}
+
 }  // namespace progress_line_test

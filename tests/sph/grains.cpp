@@ -214,7 +214,9 @@ TEST_CASE("SPH with unresolved grains: grains that fall in raise the liquid by t
   auto sim = settling(false);
   sim.run(0.6);
   CHECK(sim.fluid().size() == 800);
-  CHECK(sim.fluid().closure().momentum < 1e-12);
+  // Rounding, times what coefficient times velocity is over the drag that is left of it: some 1e4
+  // for a grain that sinks at its terminal velocity.
+  CHECK(sim.fluid().closure().momentum < 1e-11);
   // Where the liquid's centre is if it fills what the grains leave from the floor up: by 400 slices
   // of the height, each grain as a slab of its diameter. 2 %: the level's own error is a fifth of a
   // spacing. Without their volume it would stay at half of the depth, 19 % lower.

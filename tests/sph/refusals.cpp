@@ -130,6 +130,21 @@ TEST_CASE("SPH: fill, walls and runs that cannot be are refused") {
       "there is no wall 3");
 }
 
+TEST_CASE("SPH: sound that is too slow for what the scene has is refused at the first step") {
+  const auto run = [](double height, double fastest) {
+    SphSetup tall = setup;
+    tall.gravity = {0, 0, -9.81}, tall.region.max.z = 1;
+    Sph sph{water, tall};
+    sph.add_wall(Plane{{0, 0, 0}, {0, 0, 1}}, {.motion = translation({fastest, 0, 0})});
+    sph.fill([&](const Vec3d& x) { return x.z < height; });
+    sph.step(1e-5);
+  };
+  run(0.5, 0);  // 6.4 times
+  refuses<InputError>([&] { run(0.9, 0); }, "m/s, so that the liquid would be compressed by 4.");
+  refuses<InputError>([&] { run(0.9, 0); }, "a fall through the liquid's height of 0.89");
+  refuses<InputError>([&] { run(0.2, 4.1); }, "times the speed of a wall, 4.");
+}
+
 TEST_CASE("SPH: a liquid that is too fast for its sound stops with a sentence") {
   // Two halves that meet at twice the sound's speed.
   refuses<SimulationError>(

@@ -108,6 +108,10 @@ struct Wall {
   /// these modules; empty: nothing yet.
   std::vector<double> worn;
   Box extent;  // [m] of the surfaces, in the wall's coordinates; may be infinite
+  /// Of a driven wall in a liquid (Sph), beside `force` and `torque`: load [N], [N m] about the
+  /// drive's centre, and what a servo's speed follows from (sph/driven_walls.hpp).
+  Vec3d liquid_force{}, liquid_torque{};
+  double liquid_stiffness = 0, liquid_damping = 0;  // [N/m], [N s/m]; of a torque times arms squared
 
   bool is_driven() const { return drive.index() != 0; }
   bool has_belt() const { return !belt.is_zero(); }

@@ -126,6 +126,8 @@ concept ActiveFluid =
 ///   Vec3d at_the_side(x, radius)      where a particle is for the fluid, whose centre has left it
 ///   void check_step(span, pace)       after advance(): throws Error if the step was too long
 ///   void check_state(name, values)    throws InputError for restored values that cannot be
+///   load_on_driven(w)                 its load on wall w of the scene, which is driven, and how
+///                                     stiff it is for a servo: LiquidOnWall, sph/driven_walls.hpp
 ///   void write(path), file_kind       writes the fluid for ParaView (vtk_series); its ending
 ///   void describe(is)                 is(name, value): what a checkpoint's scene must agree in
 ///
@@ -173,6 +175,7 @@ struct FluidTraits {
     f.take_form(std::size_t{}, shape);
   };
   static constexpr bool has_sides = requires(const F& f, const Vec3d& x) { f.at_the_side(x, 1.0); };
+  static constexpr bool pushes_walls = requires(const F& f) { f.load_on_driven(std::size_t{}); };
   static constexpr bool checks_steps = requires(const F& f, const FluidPace& pace) {
     f.check_step(1.0, pace);
   };

@@ -58,6 +58,7 @@ class Progress {
     start_ = shown_ = Clock::now();
     start_time_ = sim.time(), end_time_ = end_time, first_step_ = sim.step();
     steps_ = 0;
+    if constexpr (of_liquid<Sim>) first_of_liquid_ = sim.fluid().steps();
     if (options_.warnings) warn(scene_warnings(sim));
   }
   template <class Sim>
@@ -92,23 +93,38 @@ class Progress {
   void show(const Sim& sim, bool last) {
     steps_ += static_cast<std::uint64_t>(sim.step() - first_step_) * sim.size();
     first_step_ = sim.step();
+    std::size_t liquid = 0;
+    if constexpr (of_liquid<Sim>) {
+      liquid = sim.fluid().size();
+      steps_ += static_cast<std::uint64_t>(sim.fluid().steps() - first_of_liquid_) * liquid;
+      first_of_liquid_ = sim.fluid().steps();
+    }
     const auto line = progress_line(sim.time(), end_time_, steps_, seconds_since(start_),
-                                    sim.size(), sim.peak_overlap(), start_time_);
+                                    sim.size(), sim.peak_overlap(), start_time_, liquid);
     if (terminal_)
       std::fprintf(options_.out, "\r%-120s%s", line.c_str(), last ? "\n" : "");
     else
       std::fprintf(options_.out, "%s\n", line.c_str());
     if constexpr (requires { sim.fluid().closure(); })
-      if (last) std::fprintf(options_.out, "%s\n", closure_line(sim.fluid().closure()).c_str());
+      if (last)
+        std::fprintf(options_.out, "%s\n",
+                     closure_line(sim.fluid().closure(), !of_liquid<Sim>).c_str());
     std::fflush(options_.out);
     shown_ = Clock::now();
   }
+
+  /// The fluid is particles too (Sph).
+  template <class Sim>
+  static constexpr bool of_liquid = requires(const Sim& sim) {
+    sim.fluid().wall_particles();
+    sim.fluid().steps();
+  };
 
   ProgressOptions options_;
   bool terminal_;
   Clock::time_point start_, shown_;
   double start_time_ = 0, end_time_ = 0;
-  std::int64_t first_step_ = 0;
+  std::int64_t first_step_ = 0, first_of_liquid_ = 0;
   std::uint64_t steps_ = 0;
   detail::ToldWarnings told_;
   mutable BrokenLoads broken_;  // simulations tell their events to const observers

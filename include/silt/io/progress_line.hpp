@@ -54,11 +54,12 @@ namespace detail {
 ///   of radius  2 min 05 s left                                                     (all one line)
 ///
 /// `particle_steps` and `wall_seconds` [s] count from `start_time` [s], which is that of the
-/// restart in a continued run; `largest_overlap_ratio` [-] is overlap over radius.
+/// restart in a continued run; `largest_overlap_ratio` [-] is overlap over radius; `liquid`: how
+/// many particles an Sph has beside them, "100 particles, 5000 of liquid".
 [[gnu::cold]] inline std::string progress_line(double time, double end_time,
                                                std::uint64_t particle_steps, double wall_seconds,
                                                std::size_t particles, double largest_overlap_ratio,
-                                               double start_time = 0) {
+                                               double start_time = 0, std::size_t liquid = 0) {
   const bool done = time >= end_time;
   const double done_part = done ? 1 : std::max(0.0, time / end_time);
   // As many decimals as show a thousandth of the whole run.
@@ -68,6 +69,7 @@ namespace detail {
   std::string line =
       text("t = ", detail::fixed(time, decimals), " of ", detail::fixed(end_time, decimals), " s (",
            detail::fixed(std::floor(100 * done_part + 1e-9), 0), " %)  ", particles, " particles");
+  if (liquid > 0) line += text(", ", liquid, " of liquid");
   if (particle_steps > 0 && wall_seconds > 0)
     line += text("  ", detail::with_prefix(static_cast<double>(particle_steps) / wall_seconds),
                  "particle-steps/s");
@@ -84,17 +86,19 @@ namespace detail {
 ///   fluid, at most of any step: volume of solids off by 2.2e-16, momentum by 3.1e-16 of what is
 ///   exchanged, continuity by 1.4e-9 of a cell, no room for 0 of the solids            (all one
 ///   line)
+///
+/// Of a liquid of particles (`cells` false) without continuity, which they have by themselves.
 template <class Closure>
-[[gnu::cold]] std::string closure_line(const Closure& most) {
+[[gnu::cold]] std::string closure_line(const Closure& most, bool cells = true) {
   const auto number = [](double value) {
     char buffer[32];
     std::snprintf(buffer, sizeof buffer, "%.2g", value);
     return std::string(buffer);
   };
   return text("fluid, at most of any step: volume of solids off by ", number(most.volume),
-              ", momentum by ", number(most.momentum), " of what is exchanged, continuity by ",
-              number(most.continuity), " of a cell, no room for ", number(most.clipped),
-              " of the solids");
+              ", momentum by ", number(most.momentum), " of what is exchanged",
+              cells ? text(", continuity by ", number(most.continuity), " of a cell") : "",
+              ", no room for ", number(most.clipped), " of the solids");
 }
 
 }  // namespace silt

@@ -37,6 +37,7 @@ inline bool never_met_its_load(const Wall& wall, double time) {
   const double free_way = servo.most * (time - wall.state.since);
   const double way = std::copysign(1.0, servo.wanted) * wall.state.way;
   return servo.wanted != 0 && time > wall.state.since && norm(wall.force) == 0 &&
+         norm(wall.liquid_force) == 0 &&
          way >= 0.99 * std::min(free_way, servo.most_way);
 }
 

@@ -98,6 +98,13 @@ double Simulation<Policies...>::chosen_time_step() const {
   require(size() > 0 || !openings_.inlets().empty(),
           "the time step cannot be chosen: there are no particles; add some, or an inlet, or set "
           "Simulation::time_step [s]");
+  bool all_fixed = openings_.inlets().empty();
+  for (std::size_t k = 0; k < rows() && all_fixed; ++k)
+    all_fixed = !is_present(k) || !std::isfinite(mass(k));
+  require(
+      !all_fixed,
+      "the time step cannot be chosen: all particles are fixed, so that none has a contact that "
+      "it must resolve; add one that is free, or set Simulation::time_step [s]");
   require(speed > 0,
           "the time step cannot be chosen: nothing moves and there is no gravity; set "
           "sim.gravity = {0, 0, -9.81} [m/s2] or a velocity, or where nothing is to move "

@@ -8,23 +8,10 @@
 #include <vector>
 
 #include <silt/boundary/wall.hpp>
+#include <silt/core/ledger.hpp>
 #include <silt/engine/contact/contact_energy.hpp>
 
 namespace silt::inline SILT_TARGET {
-
-/// Policy of a Simulation that keeps books of its energy, read by `energy()`; without it they cost
-/// nothing.
-///
-///   silt::Simulation sim{beads, silt::Contacts<silt::HertzMindlin>{glass}, silt::EnergyLedger{}};
-///   sim.run(1.0);
-///   const silt::EnergyBalance e = sim.energy();
-///
-/// Every law of silt can be asked what it stores (silt/contact/concept.hpp: stored()); one of your
-/// own must say so too.
-/// Tests: tests/study/energy_ledger.cpp.
-struct EnergyLedger {
-  static constexpr bool is_ledger = true;
-};
 
 /// Where the energy is, and where it went since the first step [J].
 struct EnergyBalance {

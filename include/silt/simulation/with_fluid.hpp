@@ -82,6 +82,13 @@ void Simulation<Policies...>::couple() {
     }
     if (fluid_.clock.time < kicked_to() + clock_rounding * dt_) renew_fluid();
     if constexpr (follows_fluid) follow_fluid();
+    if constexpr (FluidIs::pushes_walls)
+      for (std::size_t w = 0; w < engine_.walls.size(); ++w) {
+        Wall& wall = engine_.walls[w];
+        const auto load = fluid_.load_on_driven(w);
+        wall.liquid_force = load.force, wall.liquid_torque = load.torque;
+        wall.liquid_stiffness = load.stiffness, wall.liquid_damping = load.damping;
+      }
     if constexpr (has_ledger)
       book_.fluid_worked(first_kick_ ? -work_of_first_kick(engine_.fluid_loads().force)
                                      : 0.5 * dt_ * (before + power_of_fluid()));

@@ -53,6 +53,11 @@ class BodyPoints {
     const Body& b = bodies[p.body];
     return b.velocity + cross(b.spin, 0.5 * rotate(b.axes, p.at + p.ghost));
   }
+  /// [m/s] of the point itself.
+  Vec3d own_velocity(std::size_t k) const {
+    const Body& b = bodies[points_[k].body];
+    return b.velocity + cross(b.spin, place(k) - b.centre);
+  }
   void move(double dt) {
     for (Body& b : bodies) {
       b.centre += dt * b.velocity;

@@ -6,22 +6,28 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <numeric>
 #include <span>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <silt/core/error.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/sph/cluster_lists.hpp>
 #include <silt/sph/columns.hpp>
+#include <silt/sph/driven_walls.hpp>
+#include <silt/sph/ledger.hpp>
 #include <silt/sph/pair_sums.hpp>
 #include <silt/sph/policies.hpp>
 #include <silt/sph/setup.hpp>
 #include <silt/sph/solid_sums.hpp>
 #include <silt/sph/solids.hpp>
+#include <silt/sph/start_check.hpp>
+#include <silt/sph/surface_slope.hpp>
 #include <silt/sph/time_step.hpp>
 #include <silt/sph/turbulence.hpp>
 
@@ -40,6 +46,7 @@ struct SphCore {
   using Time = typename Axes::Time;
   using Walls = typename Axes::Walls;
   using Grains = typename Axes::Grains;
+  using Book = SphBookOf<Axes::ledger>;
   // Unresolved grains ask how full kernels are, as shifting does.
   using Pairs =
       SphPairs<Kernel, Viscosity, Diffusion, std::conditional_t<Grains::averaged, Shifting, Shift>,
@@ -59,7 +66,10 @@ struct SphCore {
   Vec3d gravity = setup.gravity;                   // [m/s2]
   double least_density = 0.7, most_density = 1.3;  // [-] of the liquid's
 
+  SphSurfaceSlope<Kernel> surface_slope{};
   SphSolids solids{};
+  // Of a Simulation's walls: held until the next advance(), and of the last step.
+  std::vector<LiquidOnWall> on_walls{}, in_step{};
   Lists lists{};
   SphColumns columns{};
   struct Extremes {
@@ -71,9 +81,10 @@ struct SphCore {
   double moved = 0;                         // [m] at most, since the lists were made
   double exchange = INFINITY;               // [s] longest_exchange() of the last step
   std::int64_t steps = 0;
-  bool stale = true;                    // lists are to be made
-  bool known = false;                   // rates are those of now
-  bool made = false;                    // solids are in the columns
+  bool stale = true;   // lists are to be made
+  bool known = false;  // rates are those of now
+  bool made = false;   // solids are in the columns
+  [[no_unique_address]] Book book{};
   std::vector<std::size_t> resolved{};  // which particles are bodies in the liquid
 
   void begin() {
@@ -81,6 +92,7 @@ struct SphCore {
         scheme.check();
     require(Walls::mirrored || !setup.slip,
             "SphSetup.slip has no effect with DynamicWalls; leave it out, or take MirroredWalls");
+    if constexpr (Shift::shifts) surface_slope = SphSurfaceSlope<Kernel>(setup);
     require(Time::two_stages || setup.courant <= 0.2, "SphSetup.courant = ", setup.courant,
             " is too long for VerletTime, which is unstable from 0.22 on; take at most 0.2, or "
             "SymplecticTime");
@@ -105,7 +117,7 @@ struct SphCore {
   void take_out(const Inside& inside) {
     for (std::size_t k = 0; k < columns.size(); ++k)
       if (columns.is_liquid(k) && inside(columns.rows[k].position()))
-        columns.take_out(k), ++displaced;
+        sph_goes(*this, k, true), columns.take_out(k), ++displaced;
     made = false, renewed();
   }
   /// What is in the liquid now, as a Simulation tells it.
@@ -119,6 +131,7 @@ struct SphCore {
     if constexpr (Grains::averaged)
       if (!grains.pick_small(of, setup, resolved)) made = false, renewed();
     if (solids.bodies.set(of, resolved, setup)) make_room_for_bodies();
+    solids.walls.take_drives(time), on_walls.assign(solids.walls.walls(), {});
     exchange = longest_exchange(of);
     known = false;  // of where all is now, whatever was read in between
   }
@@ -135,7 +148,9 @@ struct SphCore {
     return longest;
   }
   /// Adds a share of the loads of the last step.
-  void add_loads(double part, std::span<Vec3d> force, std::span<Vec3d> torque) const {
+  void add_loads(double part, std::span<Vec3d> force, std::span<Vec3d> torque) {
+    for (std::size_t w = 0; w < std::min(on_walls.size(), in_step.size()); ++w)
+      on_walls[w].add(part, in_step[w]);
     const auto& bodies = solids.bodies.bodies;
     for (std::size_t b = 0; b < bodies.size(); ++b) {
       const std::size_t p = resolved[b];
@@ -144,6 +159,14 @@ struct SphCore {
     if constexpr (Grains::averaged)
       for (std::size_t g = 0; g < grains.number.size(); ++g)
         force[grains.number[g]] += part * grains.force[g];
+  }
+  /// [s] as driven walls leave it, by the last advance(); number of the wall.
+  std::pair<double, std::size_t> longest_hold() const {
+    std::pair<double, std::size_t> least{std::numeric_limits<double>::infinity(), 0};
+    for (std::size_t w = 0; w < std::min(on_walls.size(), solids.walls.walls()); ++w)
+      if (solids.walls.is_driven(w))
+        least = std::min(least, {detail::longest_hold(solids.walls.wall(w), on_walls[w]), w});
+    return least;
   }
   /// [m] Centres of grains that are not resolved.
   std::span<const Vec3d> small_grains() const {
@@ -168,12 +191,13 @@ struct SphCore {
   /// @{
   static constexpr double skin_share = 0.2;  // [-] of the spacing: what lists reach farther
   double skin() const { return skin_share * setup.spacing; }
-  Pairs pairs() const {
+  SphConstants constants() const {
     const double h = setup.h();
-    return Pairs({particle_mass(), h, Kernel::normalisation(setup.dimensions, h),
-                  liquid.sound_speed, liquid.density, weight()},
-                 viscosity, diffusion, lists.extent());
+    return {
+        particle_mass(), h,       Kernel::normalisation(setup.dimensions, h), liquid.sound_speed,
+        liquid.density,  weight()};
   }
+  Pairs pairs() const { return Pairs(constants(), viscosity, diffusion, lists.extent()); }
   void shorten(const Pairs& pairs, const Team& team) {
     if constexpr (Pairs::mixed) {
       make_room(columns.brief, columns.size());
@@ -193,12 +217,15 @@ struct SphCore {
   /// The rates where the particles are now, unless they are known.
   void find_rates(const Team& team) {
     if (known) return;
+    sph_follow_gravity(*this);
     if (made && solids.have_rows(small_grains().size())) place_solids();
     if (stale || 2 * moved > skin()) renew(team), place_solids();
     const Pairs pairs = this->pairs();
     if constexpr (Grains::averaged)
-      grains.template set<Kernel>(columns, lists, solids.grain_rows(), Pairs::W, particle_mass(),
-                                  setup.h(), team);
+      sph_book_voidage(*this, [&] {
+        grains.template set<Kernel>(columns, lists, solids.grain_rows(), Pairs::W, particle_mass(),
+                                    setup.h(), team);
+      });
     set_pressures(team);
     if constexpr (Walls::mirrored) sph_mirror(*this, pairs, team);
     shorten(pairs, team);
@@ -247,13 +274,7 @@ struct SphCore {
       }
     });
   }
-  SpsSums<Kernel> sps() const requires turbulent {
-    const double h = setup.h();
-    return {{particle_mass(), h, Kernel::normalisation(setup.dimensions, h), liquid.sound_speed,
-             liquid.density, weight()},
-            setup.spacing,
-            viscosity};
-  }
+  SpsSums<Kernel> sps() const requires turbulent { return {constants(), setup.spacing, viscosity}; }
   void find_stresses([[maybe_unused]] const Team& team) {
     if constexpr (turbulent) {
       columns.stress.assign(columns.size(), {});
@@ -294,7 +315,8 @@ struct SphCore {
       const Vec3d way = lists.repeats.wrapped(r.position()) - r.position();
       Row& start = columns.start[k];
       r.place(r.position() + way), start.place(start.position() + way);
-      if (is_out(r.position())) columns.take_out(k), ++left;
+      sph_goes_round(*this, k, way);
+      if (is_out(r.position())) sph_goes(*this, k, false), columns.take_out(k), ++left;
     }
     if (!solids.thin.known()) solids.thin.find(solids.walls, setup);
     solids.thin.check(solids.walls, columns, lists.repeats, setup, steps, time);
@@ -366,6 +388,9 @@ struct SphCore {
   /// One step, by the policy of time integration.
   void step(double dt, const Team& team) {
     find_rates(team);
+    if (steps == 0) sph_check_sound(*this);
+    sph_begin_book(*this);
+    if constexpr (Book::kept) book.unheld.assign(columns.size(), liquid.density);
     if constexpr (Time::two_stages)
       SphStep(*this, dt, team).symplectic();
     else

@@ -5,6 +5,7 @@
 #include <type_traits>
 #include <utility>
 
+#include <silt/core/ledger.hpp>
 #include <silt/core/precision.hpp>
 #include <silt/sph/kernels.hpp>
 #include <silt/sph/terms.hpp>
@@ -28,16 +29,21 @@ concept SphPrecision = requires {
   typename P::PairScalar;
 };
 
+template <class P>
+concept SphLedger = requires {
+  requires P::is_ledger;
+};
+
 /// The policies of an Sph by axis: what was given, or the default.
 template <class... Ps>
 struct SphPolicies {
   static_assert(
-      ((SphPolicy<Ps> || SphPrecision<Ps>)&&...),
+      ((SphPolicy<Ps> || SphPrecision<Ps> || SphLedger<Ps>)&&...),
       "Sph: a policy is none of those for SPH: a kernel (WendlandC2, CubicSpline), a "
       "viscosity (ArtificialViscosity, LaminarViscosity, SpsTurbulence, Inviscid), a diffusion "
       "(Fourtakas, MolteniColagrossi, NoDiffusion), Shifting or NoShifting, "
       "SymplecticTime or VerletTime, MirroredWalls or DynamicWalls, Double or Mixed, "
-      "UnresolvedGrains");
+      "UnresolvedGrains, EnergyLedger");
   template <SphAxis axis>
   static constexpr int count = (0 + ... + int{SphPolicyOf<Ps, axis>});
   static_assert(count<SphAxis::Kernel> <= 1, "Sph: two kernels are given; give one");
@@ -48,6 +54,9 @@ struct SphPolicies {
   static_assert(count<SphAxis::Walls> <= 1, "Sph: two kinds of walls are given; give one");
   static_assert(count<SphAxis::Grains> <= 1, "Sph: UnresolvedGrains is given twice; give it once");
   static_assert((0 + ... + int{SphPrecision<Ps>}) <= 1, "Sph: two precisions are given; give one");
+  static_assert((0 + ... + int{SphLedger<Ps>}) <= 1,
+                "Sph: EnergyLedger is given twice; give it once");
+  static constexpr bool ledger = (false || ... || SphLedger<Ps>);
 
   /// That of an axis among those given.
   template <SphAxis axis, class Default, class First, class... Rest>

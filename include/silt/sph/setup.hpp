@@ -33,6 +33,13 @@ struct Liquid {
     }
     return stiffness() * (std::pow(s, exponent) - 1);
   }
+  /// [J/kg] integral of P/rho^2 from rho_0 on: what compression stores.
+  double elastic_energy(double rho) const {
+    // P/rho^2 d rho = B/rho_0 (s^(gamma - 2) - s^-2) d s; powers less 1, which would cancel.
+    const double l = std::log1p((rho - density) / density), n = exponent - 1;
+    const double rise = n > 0 ? std::expm1(n * l) / n : l;
+    return stiffness() / density * (rise + std::expm1(-l));
+  }
   double density_at(double pressure) const {
     return density * std::pow(1 + pressure / stiffness(), 1 / exponent);
   }

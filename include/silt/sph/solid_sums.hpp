@@ -4,10 +4,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include <silt/core/threads.hpp>
 #include <silt/core/vec3.hpp>
 #include <silt/sph/body_points.hpp>
+#include <silt/sph/driven_walls.hpp>
 #include <silt/sph/seen.hpp>
 #include <silt/sph/setup.hpp>
 
@@ -73,14 +75,45 @@ void sph_solid_rates(Core& core, const Team& team) {
   });
 }
 
+/// What the liquid does to driven walls, after their rates were found.
+template <class Core>
+void sph_driven_loads(const Core& core, std::span<LiquidOnWall> loads) {
+  const auto& walls = core.solids.walls;
+  const SphSetup& setup = core.setup;
+  const double c = core.liquid.sound_speed, area = setup.volume() / setup.spacing;
+  const double damping = core.liquid.density * c * area;  // [N s/m] of a particle
+  for (std::size_t k = 0; k < walls.size(); ++k) {
+    const std::size_t w = walls.wall_of(k);
+    if (!walls.is_driven(w)) continue;
+    const Vec3d f = core.solids.force_on(k, core.columns, core.particle_mass());
+    if (dot(f, f) == 0) continue;  // dry
+    LiquidOnWall& load = loads[w];
+    Vec3d arm = core.solids.place(k) - walls.driven(w).centre_at(core.now);
+    if (core.solids.plane) arm.y = 0;
+    load.force += f, load.torque += cross(arm, f);
+    if (!(walls.depth(k) < setup.spacing)) continue;
+    const Vec3d out = core.solids.ghost(k) - core.solids.place(k);
+    if (!(norm(out) > 0)) continue;
+    const Vec3d n = normalised(out), t = cross(arm, n);
+    const double along = way_of_drive(walls.wall(w).drive, arm, n);
+    load.damping += damping * along * along;
+    load.stiffness += damping * c / setup.h() * along * along;
+    load.along += damping * Vec3d{n.x * n.x, n.y * n.y, n.z * n.z};
+    load.around += damping * Vec3d{t.x * t.x, t.y * t.y, t.z * t.z};
+  }
+}
+
 /// What the liquid does to bodies: the opposite of what they do to it, pair by pair.
 template <class Core>
 void sph_body_loads(Core& core, const Team& team) {
   auto& solids = core.solids;
   BodyPoints& of = solids.bodies;
   for (auto& b : of.bodies) b.force = b.torque = {0, 0, 0};
-  if (of.empty()) return;
+  const bool driven = solids.walls.any_driven();
+  if (of.empty() && !driven) return;
   if constexpr (Core::Walls::mirrored) sph_solid_rates(core, team);
+  core.in_step.assign(driven ? solids.walls.walls() : 0, {});
+  if (driven) sph_driven_loads(core, core.in_step);
   const std::size_t first = solids.walls.size();
   for (std::size_t k = first; k < solids.size(); ++k) {
     auto& body = of.bodies[of.body_of(k - first)];

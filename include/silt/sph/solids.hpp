@@ -41,6 +41,12 @@ class SphSolids {
     if (plane) v.y = 0;
     return v;
   }
+  /// [m/s] of the particle itself, as the solid turns: with a force on it, the power.
+  Vec3d own_velocity(std::size_t k) const {
+    Vec3d v = is_wall(k) ? walls.own_velocity(k) : bodies.own_velocity(k - walls.size());
+    if (plane) v.y = 0;
+    return v;
+  }
   /// [-] of a particle's volume and mass.
   double share(std::size_t k) const { return is_wall(k) ? 1 : bodies.share(k - walls.size()); }
 

@@ -94,16 +94,22 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   void take_form(std::size_t form, const Shape& shape) {
     core().solids.bodies.take_form(form, shape);
   }
-  /// As many as sound and light bodies leave; advance() takes shorter steps where more is needed.
+  /// As many as sound, light bodies and light walls leave; advance() takes shorter steps where more
+  /// is needed.
   int steps_wanted(const FluidPace& pace, const Team&) const {
-    const double longest =
-        std::min(setup().courant * setup().h() / liquid().sound_speed, core().exchange);
+    const double longest = std::min({setup().courant * setup().h() / liquid().sound_speed,
+                                     core().exchange, core().longest_hold().first});
     return std::max(1, static_cast<int>(longest / pace.step));
   }
   /// The liquid goes on by dt [s] beside bodies, in as many steps as it needs; sets what it does
   /// to them [N], [N m], on average.
   void advance(const CoupledParticles& of, double dt, std::span<Vec3d> force, const Team& team,
                std::span<Vec3d> torque) {
+    if (const auto [longest, w] = core().longest_hold(); dt > 2 * longest)
+      throw Error(text("wall ", w, " ", in_quotes(core().solids.walls.wall(w).name),
+                       " is too light beside the liquid for steps of ", dt,
+                       " s; set Simulation::time_step to less than ", longest,
+                       " s, or give the wall a larger mass or inertia"));
     core().take_particles(of);
     std::fill(force.begin(), force.end(), Vec3d{0, 0, 0});
     std::fill(torque.begin(), torque.end(), Vec3d{0, 0, 0});
@@ -117,6 +123,10 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
       core().add_loads(one / dt, force, torque);
     }
     clock.count(dt);
+  }
+  /// What it does to a driven wall of the Simulation until the next advance().
+  detail::LiquidOnWall load_on_driven(std::size_t wall) const {
+    return wall < core().on_walls.size() ? core().on_walls[wall] : detail::LiquidOnWall{};
   }
   /// All that the liquid goes on from, to the last bit: also where particles were when the lists
   /// were made.
@@ -169,6 +179,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
               " m/s, ten times the speed that such a pressure gives");
       r.place(x), r.move(v), r.density = liquid().density_at(p);
       core().columns.add(r, Core::Lists::Liquid, core().next_number++);
+      detail::sph_comes(core(), core().columns.size() - 1);
     });
     require(
         core().next_number > before, "Sph::fill: no place of the lattice of ", setup().spacing,
@@ -255,6 +266,13 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
       if (const Vec3d v = core().columns.rows[k].velocity(); core().columns.is_liquid(k))
         sum += 0.5 * core().mass_of(k) * dot(v, v);
     return sum;
+  }
+  /// With an EnergyLedger: where the energy is and where it went since the first step.
+  LiquidBalance energy() const {
+    static_assert(Axes::ledger,
+                  "energy() reads the books of a policy that is missing: give the Sph "
+                  "silt::EnergyLedger{} among its policies");
+    return detail::sph_balance(core());
   }
   /// With UnresolvedGrains: how well the books of liquid and grains close, at most of any step, and
   /// those of the last step.

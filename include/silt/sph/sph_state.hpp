@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <span>
@@ -53,6 +54,25 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
   visit("fluid.walls", solid), visit("fluid.poses", poses);
   visit("fluid.bodies", kinds), visit("fluid.points", points),
       visit("fluid.numbers", std::span<double>(numbers));
+
+  std::vector<double> loads;
+  for (const detail::LiquidOnWall& l : c.on_walls)
+    for (const double x : std::bit_cast<std::array<double, detail::LiquidOnWall::numbers>>(l))
+      loads.push_back(x);
+  visit("fluid.wall_loads", loads);
+  std::array<double, detail::LiquidOnWall::numbers> load;
+  require(loads.size() % load.size() == 0, "Sph: a state has ", loads.size(),
+          " numbers of loads on walls");
+  c.on_walls.resize(loads.size() / load.size());
+  for (std::size_t w = 0; w < c.on_walls.size(); ++w) {
+    std::copy_n(loads.data() + w * load.size(), load.size(), load.begin());
+    c.on_walls[w] = std::bit_cast<detail::LiquidOnWall>(load);
+  }
+  if constexpr (Axes::ledger) {
+    const auto kept = c.book.state();
+    std::vector<double> books(kept.begin(), kept.end());
+    visit("fluid.ledger", books), c.book.restore(books);
+  }
 
   const std::size_t n = labels.size() / 2;
   require(labels.size() == 2 * n && rows.size() == 2 * row * n && built.size() == 3 * n,

@@ -6,6 +6,7 @@
 
 #include <silt/core/threads.hpp>
 #include <silt/core/vec3.hpp>
+#include <silt/sph/ledger.hpp>
 #include <silt/sph/pair_sums.hpp>
 #include <silt/sph/row.hpp>
 #include <silt/sph/solid_sums.hpp>
@@ -23,11 +24,11 @@ class SphStep {
   SphStep(Core& core, double dt, const Team& team) : core_(core), dt_(dt), team_(team) {}
 
   void symplectic() {
-    for_liquid([this](std::size_t, Row& r, Row& start, const SphRates& rate) {
+    for_liquid([this](std::size_t k, Row& r, Row& start, const SphRates& rate) {
       start = r;
       r.place(r.position() + 0.5 * dt_ * r.velocity());
       r.move(r.velocity() + 0.5 * dt_ * rate.acceleration);
-      r.density = held(r.density + 0.5 * dt_ * rate.density, rate);
+      r.density = held(r.density + 0.5 * dt_ * rate.density, rate, k);
     });
     for_walls([this](Row& r, Row& start, double rate) {
       start.density = r.density, r.density += 0.5 * dt_ * rate;
@@ -36,20 +37,20 @@ class SphStep {
     core_.now = core_.time + 0.5 * dt_, core_.known = false;
     move_solids(0.5 * dt_);
     core_.find_rates(team_), sph_body_loads(core_, team_);
+    sph_book_middle(core_, dt_, team_);
     if constexpr (averaged)
       core_.grains.find(core_.columns, {core_.liquid.density, core_.grains.settings.viscosity},
                         core_.gravity, dt_, team_);
-    for_liquid(
-        [this]([[maybe_unused]] std::size_t k, Row& r, const Row& start, const SphRates& rate) {
-          Vec3d v = start.velocity() + dt_ * rate.acceleration;
-          if constexpr (averaged) {
-            const double over = dt_ / core_.mass_of(k);
-            v = (1 / (1 + over * core_.grains.coefficient[k])) * (v + over * core_.grains.push[k]);
-          }
-          const double eps = -dt_ * rate.density / r.density;
-          r.place(start.position() + 0.5 * dt_ * (start.velocity() + v) + shift_of(rate, norm(v)));
-          r.move(v), r.density = held(start.density * (2 - eps) / (2 + eps), rate);
-        });
+    for_liquid([this](std::size_t k, Row& r, const Row& start, const SphRates& rate) {
+      Vec3d v = start.velocity() + dt_ * rate.acceleration;
+      if constexpr (averaged) {
+        const double over = dt_ / core_.mass_of(k);
+        v = (1 / (1 + over * core_.grains.coefficient[k])) * (v + over * core_.grains.push[k]);
+      }
+      const double eps = -dt_ * rate.density / r.density;
+      r.place(start.position() + 0.5 * dt_ * (start.velocity() + v) + shift_of(rate, norm(v)));
+      r.move(v), r.density = held(start.density * (2 - eps) / (2 + eps), rate, k);
+    });
     for_walls([this](Row& r, const Row& start, double rate) {
       const double eps = -dt_ * rate / r.density;
       r.density = start.density * (2 - eps) / (2 + eps);
@@ -57,6 +58,8 @@ class SphStep {
     if constexpr (averaged)
       core_.moved +=
           0.5 * dt_ * core_.grains.give_back(core_.columns, core_.particle_mass(), dt_, team_);
+    book_shifts(core_.columns.rows), sph_book_tension(core_);
+    if constexpr (averaged) sph_book_grains(core_, dt_);
     move_solids(0.5 * dt_);
     core_.moved +=
         0.5 * dt_ * (core_.most.speed + 2 * dt_ * core_.most.acceleration) + most_shift();
@@ -65,19 +68,21 @@ class SphStep {
   void verlet() {
     const bool restart = core_.steps % core_.scheme.restart == 0;
     sph_body_loads(core_, team_);
+    sph_book_start(core_, dt_, team_);
     const double span = restart ? dt_ : dt_ + core_.last_step;
-    for_liquid([&](std::size_t, Row& r, Row& start, const SphRates& rate) {
+    for_liquid([&](std::size_t k, Row& r, Row& start, const SphRates& rate) {
       const Row from = restart ? r : start;
       start = r;
       const Vec3d v = r.velocity(), &a = rate.acceleration;
       r.place(r.position() + dt_ * v + 0.5 * dt_ * dt_ * a + shift_of(rate, norm(v)));
       r.move(from.velocity() + span * a);
-      r.density = held(from.density + span * rate.density, rate);
+      r.density = held(from.density + span * rate.density, rate, k);
     });
     for_walls([&](Row& r, Row& start, double rate) {
       const double from = restart ? r.density : start.density;
       start.density = r.density, r.density = from + span * rate;
     });
+    book_shifts(core_.columns.start), sph_book_tension(core_);
     move_solids(dt_);
     core_.moved += dt_ * (core_.most.speed + 0.5 * dt_ * core_.most.acceleration) + most_shift();
   }
@@ -89,7 +94,9 @@ class SphStep {
   /// A particle with few neighbours bears no tension: its density, which they alone tell, would run
   /// away, in spray to less than nothing. Where div r is below 0.4 of that inside, of which a flat
   /// surface has more than half; it is known with Shifting alone.
-  double held(double density, [[maybe_unused]] const SphRates& rate) const {
+  double held(double density, [[maybe_unused]] const SphRates& rate,
+              [[maybe_unused]] std::size_t k) const {
+    if constexpr (Core::Book::kept) core_.book.unheld[k] = density;
     if constexpr (Core::Shift::shifts || averaged)
       if (rate.divergence < 0.4 * core_.setup.dimensions)
         return std::max(density, core_.liquid.density);
@@ -130,11 +137,21 @@ class SphStep {
       const SphSetup& setup = core_.setup;
       const double full = setup.dimensions, none = core_.shift.threshold_in(setup.dimensions);
       const double share = std::clamp((rate.divergence - none) / (full - none), 0.0, 1.0);
-      const Vec3d way = (-core_.shift.strength * setup.h() * speed * dt_ * share) * rate.slope;
-      const double length = norm(way), longest = longest_shift * setup.spacing;
-      return length > longest ? (longest / length) * way : way;
+      const double steep = setup.h() * norm(rate.slope),
+                   uneven = steep - core_.surface_slope(rate.divergence / full);
+      if (!(uneven > 0)) return {0, 0, 0};
+      const double length = std::min(core_.shift.strength * speed * dt_ * share * uneven,
+                                     longest_shift * setup.spacing);
+      return (-length * setup.h() / steep) * rate.slope;
     }
     return {0, 0, 0};
+  }
+  /// Of shifts by the speeds of these rows.
+  void book_shifts([[maybe_unused]] const AlignedVector<Row>& of) {
+    if constexpr (Core::Book::kept)
+      sph_book_shifts(core_, [&](std::size_t k) {
+        return shift_of(core_.columns.rates[k], norm(of[k].velocity()));
+      });
   }
   double most_shift() const {  // [m] of any; h grad C is below 1
     if constexpr (Core::Shift::shifts)

@@ -15,6 +15,7 @@
 #include <silt/boundary/motion.hpp>
 #include <silt/boundary/wall.hpp>
 #include <silt/core/error.hpp>
+#include <silt/sph/driven_walls.hpp>
 #include <silt/sph/setup.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -48,12 +49,12 @@ class WallParticles {
       visit_surface(one, [](const auto& s) {
         if constexpr (requires { s.check(); }) s.check();
       });
-    require(setup.drive.index() == 0 && setup.surface_velocity.is_zero(), "Sph: wall ",
-            in_quotes(setup.name),
-            " has a drive or a surface velocity; a wall of the liquid may "
-            "have a motion");
+    require(setup.drive.index() == 0, "Sph: wall ", in_quotes(setup.name),
+            " has a drive, which a liquid alone does not move; add the wall to a Simulation that "
+            "has the Sph as its fluid, or give it a motion");
     check(surfaces.parts, setup.name);
-    walls_.push_back({surfaces.parts, setup.name, setup.motion, nullptr});
+    setup.surface_velocity.check();
+    walls_.push_back({surfaces.parts, setup.name, setup.motion, setup.surface_velocity, nullptr});
     place(walls_.back(), 0, 1);
     walls_.back().first = walls_.back().pose;
     fresh_ = true;
@@ -64,6 +65,9 @@ class WallParticles {
     bool same = followed_ == walls.size();
     for (std::size_t w = 0; w < walls.size() && same; ++w)
       same = walls_[w].of == &walls[w] && walls_[w].surfaces.size() == walls[w].surfaces.size();
+    for (const Wall& w : walls)
+      require(w.deforming == 0, "Sph: the mesh of wall ", in_quotes(w.name),
+              " deforms (set_mesh); walls of a liquid are rigid: move it by a motion or a drive");
     if (same) return false;
     require(followed_ == walls_.size(),
             "Sph: it has walls of its own, and the Simulation has some too; add all of them to the "
@@ -71,10 +75,8 @@ class WallParticles {
     const bool restored = restored_.size() == walls.size() && !walls.empty();
     walls_.clear();
     for (const Wall& w : walls) {
-      require(!w.is_driven() && !w.has_belt(), "Sph: wall ", in_quotes(w.name),
-              " has a drive or a surface velocity; walls of a liquid may have a motion");
       check(w.surfaces, w.name);
-      walls_.push_back({w.surfaces, w.name, w.motion, &w});
+      walls_.push_back({w.surfaces, w.name, {}, {}, &w});
       Part& part = walls_.back();
       part.pose = part.last = part.next = part.first = w.pose;
     }
@@ -148,7 +150,7 @@ class WallParticles {
   Nearest nearest(const Vec3d& x, Which which = Which::All) const {
     Nearest least;
     for (std::size_t w = 0; w < walls_.size(); ++w) {
-      if (which == Which::AtRest && walls_[w].motion) continue;
+      if (which == Which::AtRest && walls_[w].moves()) continue;
       if (const SurfacePoint p = nearest(walls_[w], x); p.distance < least.distance)
         least = {p.distance, p.normal, w};
     }
@@ -198,16 +200,36 @@ class WallParticles {
   std::size_t wall_of(std::size_t k) const { return particles_[k].wall; }
   /// [m/s] of the wall's material half way between particle and ghost.
   Vec3d velocity(std::size_t k) const {
-    const Part& wall = walls_[particles_[k].wall];
-    if (!wall.motion) return {0, 0, 0};
     const Vec3d at = 0.5 * (particles_[k].at + particles_[k].ghost);
-    return (1 / wall.span) * (wall.next.to_space(at) - wall.last.to_space(at));
+    return velocity_of(particles_[k], at) + belt_velocity(k);
   }
+  /// ... at the particle.
+  Vec3d own_velocity(std::size_t k) const {
+    return velocity_of(particles_[k], particles_[k].at) + belt_velocity(k);
+  }
+  /// [m] of the surface in front of a particle.
+  double depth(std::size_t k) const { return 0.5 * norm(particles_[k].ghost - particles_[k].at); }
   bool any_moves() const {
     for (const Part& w : walls_)
-      if (w.motion) return true;
+      if (w.moves()) return true;
     return false;
   }
+  /// @name Walls of a Simulation that have a drive
+  /// @{
+  bool is_driven(std::size_t wall) const { return walls_[wall].is_driven(); }
+  bool any_driven() const {
+    for (std::size_t w = 0; w < walls_.size(); ++w)
+      if (is_driven(w)) return true;
+    return false;
+  }
+  /// They go on from where they are, with their present velocities.
+  void take_drives(double time) {
+    for (std::size_t w = 0; w < walls_.size(); ++w)
+      if (is_driven(w)) walls_[w].driven = DrivenMotion::of(*walls_[w].of, time);
+  }
+  const Wall& wall(std::size_t w) const { return *walls_[w].of; }
+  const DrivenMotion& driven(std::size_t w) const { return walls_[w].driven; }
+  /// @}
   /// To `time` [s]; velocities are those of the `span` [s] before.
   void move_to(double time, double span) {
     for (Part& w : walls_) place(w, time, span);
@@ -235,15 +257,26 @@ class WallParticles {
   struct Part {
     std::vector<Surface> surfaces;
     std::string name;
-    Motion motion;
+    Motion motion;  // of its own
+    SurfaceVelocity belt;
     const Wall* of;  // of a Simulation; null: its own
+    DrivenMotion driven{};
     Pose pose{}, last{}, next{}, first{};
     double span = 1;
     bool is_belt = true;
+
+    bool is_driven() const { return of != nullptr && of->is_driven(); }
+    bool moves() const {
+      return of != nullptr ? static_cast<bool>(of->motion) || is_driven()
+                           : static_cast<bool>(motion);
+    }
   };
   static void place(Part& w, double time, double span) {
-    if (!w.motion) return;
-    const auto at = [&w](double t) { return w.of != nullptr ? w.of->pose_at(t) : w.motion(t); };
+    if (!w.moves()) return;
+    const auto at = [&w](double t) {
+      if (w.of == nullptr) return w.motion(t);
+      return w.of->is_driven() ? w.driven.at(t) : w.of->pose_at(t);
+    };
     const double from = std::max(time - span, 0.0);  // motions need not be known before 0
     w.pose = at(time), w.last = at(from), w.next = at(from + span), w.span = span;
   }
@@ -262,6 +295,19 @@ class WallParticles {
     std::uint32_t wall;
   };
 
+  Vec3d velocity_of(const Particle& p, const Vec3d& own) const {
+    const Part& wall = walls_[p.wall];
+    if (!wall.moves()) return {0, 0, 0};
+    return (1 / wall.span) * (wall.next.to_space(own) - wall.last.to_space(own));
+  }
+  /// [m/s] of a belt, along the surface.
+  Vec3d belt_velocity(std::size_t k) const {
+    const Part& wall = walls_[particles_[k].wall];
+    const SurfaceVelocity& belt = wall.of != nullptr ? wall.of->belt : wall.belt;
+    if (belt.is_zero()) return {0, 0, 0};
+    const Vec3d x = place(k), out = ghost(k) - x;
+    return belt.at(x + 0.5 * out, norm(out) > 0 ? normalised(out) : Vec3d{0, 0, 0});
+  }
   /// A plane that slides along itself leaves its particles where they are: it has no end.
   Vec3d in_space(const Particle& p, const Vec3d& own) const {
     const Part& wall = walls_[p.wall];
@@ -289,7 +335,8 @@ class WallParticles {
   }
   static bool goes_with(const Part& a, const Part& b) {
     if (&a == &b) return true;
-    if (!a.motion || !b.motion) return false;
+    const auto prescribed = [](const Part& w) { return w.moves() && !w.is_driven(); };
+    if (!prescribed(a) || !prescribed(b)) return false;
     // Whether two functions are the same, their values tell.
     const auto at = [](const Part& w, double t) {
       return w.of != nullptr ? w.of->pose_at(t) : w.motion(t);

@@ -38,6 +38,11 @@ inline Vec3d torque_about(const Wall& wall, const Vec3d& point) {
   return wall.torque + cross(wall.reference - point, wall.force);
 }
 
+/// ... about the centre of its drive, `point`, with that of a liquid.
+inline Vec3d torque_on_drive(const Wall& wall, const Vec3d& point) {
+  return torque_about(wall, point) + wall.liquid_torque;
+}
+
 /// One speed along a line or about an axis by (1).
 inline double kicked(double rate, double inertia, double damping, double force, double time) {
   const double half = 0.5 * damping * time;
@@ -74,19 +79,20 @@ inline void push_wall(Wall& wall, const Vec3d& gravity, double kick_time, double
   WallState& s = wall.state;
   const double before = s.rate;
   if (const auto* servo = std::get_if<ServoForce>(&wall.drive)) {
-    s.rate = servo_rate(s, servo->force, -dot(wall.force, normalised(servo->direction)),
+    s.rate = servo_rate(s, servo->force, -dot(wall.force + wall.liquid_force, normalised(servo->direction)),
                         servo->gain, servo->max_speed, servo->max_travel, time_step);
   } else if (const auto* turner = std::get_if<ServoTorque>(&wall.drive)) {
     s.rate = servo_rate(s, turner->torque,
-                        -dot(torque_about(wall, turner->centre), normalised(turner->axis)),
+                        -dot(torque_on_drive(wall, turner->centre), normalised(turner->axis)),
                         turner->gain, turner->max_rate, turner->max_turn, time_step);
   } else if (const auto* slide = std::get_if<Slide>(&wall.drive)) {
-    const double force = dot(wall.force + slide->mass * gravity, normalised(slide->direction)) +
+    const double force = dot(wall.force + wall.liquid_force + slide->mass * gravity,
+                             normalised(slide->direction)) +
                          slide->force - slide->stiffness * s.way;
     s.rate = kicked(s.rate, slide->mass, slide->damping, force, kick_time);
   } else if (const auto* hinge = std::get_if<Hinge>(&wall.drive)) {
     const Vec3d axis = normalised(hinge->axis);
-    Vec3d torque = torque_about(wall, hinge->centre);
+    Vec3d torque = torque_on_drive(wall, hinge->centre);
     if (hinge->mass > 0)
       torque += cross(rotate(rotation_about(axis, s.way), hinge->centre_of_mass - hinge->centre),
                       hinge->mass * gravity);
@@ -94,8 +100,8 @@ inline void push_wall(Wall& wall, const Vec3d& gravity, double kick_time, double
                     dot(torque, axis) + hinge->torque - hinge->stiffness * s.way, kick_time);
   } else if (const auto* body = std::get_if<FreeBody>(&wall.drive)) {
     const Vec3d velocity = s.velocity, momentum = s.momentum;
-    s.velocity += kick_time * ((1 / body->mass) * wall.force + gravity);
-    s.momentum += kick_time * rotate(conjugate(s.turn), torque_about(wall, s.centre));
+    s.velocity += kick_time * ((1 / body->mass) * (wall.force + wall.liquid_force) + gravity);
+    s.momentum += kick_time * rotate(conjugate(s.turn), torque_on_drive(wall, s.centre));
     s.velocity_now = first ? velocity : 0.5 * (velocity + s.velocity);
     s.momentum_now = first ? momentum : 0.5 * (momentum + s.momentum);
   }

@@ -92,7 +92,8 @@ void look_at_stiffness(EngineType& e, std::size_t w) {
   const auto* const force = std::get_if<ServoForce>(&wall.drive);
   const Vec3d axis = normalised(torque != nullptr ? torque->axis : force->direction);
   const double load =
-      torque != nullptr ? dot(torque_about(wall, torque->centre), axis) : dot(wall.force, axis);
+      torque != nullptr ? dot(torque_on_drive(wall, torque->centre), axis)
+                        : dot(wall.force + wall.liquid_force, axis);
   const double wanted = torque != nullptr ? torque->torque : force->force;
   const bool touched = s.stiffness > 0;
   if (touched == (load != 0) && s.steps_since_look + 1 < looks_every &&
@@ -100,7 +101,8 @@ void look_at_stiffness(EngineType& e, std::size_t w) {
     s.steps_since_look += 1;
     return;
   }
-  s.steps_since_look = 0, s.load_at_look = load, s.stiffness = s.damping = 0;
+  s.steps_since_look = 0, s.load_at_look = load;
+  s.stiffness = wall.liquid_stiffness, s.damping = wall.liquid_damping;
   for_each_contact_of_wall(e, w, [&](const ContactAtWall& c) {
     double arm2 = 1;
     if (torque != nullptr) {

@@ -1,0 +1,166 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <type_traits>
+
+#include <silt/core/lanes.hpp>
+#include <silt/sph/cluster_lists.hpp>
+#include <silt/sph/pair_sums.hpp>
+#include <silt/sph/row.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// [W] What acts on an SPH liquid gives it, kinetic and elastic; of its viscosities below 0.
+struct SphPowers {
+  double artificial = 0, laminar = 0, turbulent = 0, diffusion = 0;
+  double walls = 0, bodies = 0, at_walls = 0, at_bodies = 0, grains = 0;
+
+  void add(double times, const SphPowers& p) {
+    artificial += times * p.artificial, laminar += times * p.laminar;
+    turbulent += times * p.turbulent, diffusion += times * p.diffusion;
+    walls += times * p.walls, bodies += times * p.bodies;
+    at_walls += times * p.at_walls, at_bodies += times * p.at_bodies;
+    grains += times * p.grains;
+  }
+  double sum() const {
+    return artificial + laminar + turbulent + diffusion + walls + bodies + at_walls + at_bodies +
+           grains;
+  }
+};
+
+/// The powers of the forces of SphPairs, of a pack of particles at a time, in double. Of pairs of
+/// liquid, f the force on a:
+///
+///   viscosity   f.(v_a - v_b)/2          what both lose
+///   pressure    nothing: what compression takes motion gives
+///
+/// Of a and a particle b of something solid that moves with u, whose velocity in the sums is v_b:
+///
+///   work        f.u
+///   viscosity   f.(v_a - u)
+///   mirrored    pressure's f.(v_a - u) + V_a P_a V_b (v_a - v_b).grad W
+///
+/// The last would be 0 if v_b - u were u - v_a across the surface and P_b = P_a.
+template <class Kernel, class Viscosity, class Diffusion, class Arch = DefaultArch>
+class SphPowerSums {
+ public:
+  using Real = typename Lanes<Arch>::Real;
+  static constexpr std::size_t lanes = Lanes<Arch>::width;
+  /// Of a row of something solid.
+  struct Surface {
+    Vec3d velocity{0, 0, 0};  // [m/s] u
+    double of_body = 0;       // 1: a body's, 0: a wall's
+  };
+
+  SphPowerSums(const SphConstants& c, const Viscosity& viscosity, const Diffusion& diffusion)
+      : slope_(c.normalisation / (c.h * c.h)), over_h_(1 / c.h) {
+    small_ = sph_softening<Viscosity>() * c.h * c.h;
+    if constexpr (Viscosity::artificial) damping_ = 2 * viscosity.alpha * c.sound * c.h;
+    if constexpr (Viscosity::laminar) drag_ = 4 * viscosity.kinematic;
+    if constexpr (Diffusion::diffuses) delta_ = 2 * diffusion.delta * c.h * c.sound;
+    still_ = (-c.density / (c.sound * c.sound)) * c.gravity;
+  }
+
+  /// Adds those of a pack of `width`; `mass_of(k)` [kg]; `surfaces` of the rows from `first` on.
+  template <class MassOf>
+  void add(std::size_t pack, std::size_t width, std::span<const SphRow> rows,
+           std::span<const double> volume, std::span<const Surface> surfaces, std::size_t first,
+           const ClusterLists& lists, const MassOf& mass_of, SphPowers& to) const {
+    for (std::size_t l = 0; l < width; l += lanes) {
+      const std::size_t row = pack * width + l, n = std::min(lanes, width - l);
+      const Sums s = sums(row, n, rows, volume, surfaces, first, lists, pack);
+      const Real all[count] = {s.artificial, s.laminar,  s.diffusion, s.walls,
+                               s.bodies,     s.at_walls, s.at_bodies};
+      alignas(64) double of[count][lanes];
+      for (std::size_t c = 0; c < count; ++c) store(of[c], all[c]);
+      for (std::size_t k = 0; k < n; ++k) {
+        const SphRow& a = rows[row + k];
+        if (!a.is_there()) continue;
+        const double force = slope_ * volume[row + k];
+        to.artificial += force * of[0][k], to.laminar += force * of[1][k];
+        to.diffusion +=
+            slope_ * delta_ * mass_of(row + k) * a.pressure / (a.density * a.density) * of[2][k];
+        to.walls += force * of[3][k], to.bodies += force * of[4][k];
+        to.at_walls += force * of[5][k], to.at_bodies += force * of[6][k];
+      }
+    }
+  }
+
+ private:
+  static constexpr std::size_t count = 7;
+  struct Sums {
+    Real artificial = Real(0), laminar = Real(0), diffusion = Real(0), walls = Real(0),
+         bodies = Real(0), at_walls = Real(0), at_bodies = Real(0);
+  };
+  Sums sums(std::size_t row, std::size_t n, std::span<const SphRow> rows,
+            std::span<const double> volume, std::span<const Surface> surfaces, std::size_t first,
+            const ClusterLists& lists, std::size_t pack) const {
+    alignas(64) double of[8][lanes];
+    for (std::size_t l = 0; l < lanes; ++l) {
+      const SphRow& r = rows[row + std::min(l, n - 1)];
+      const double values[8] = {r.x, r.y, r.z, r.vx, r.vy, r.vz, r.density, r.pressure};
+      for (std::size_t c = 0; c < 8; ++c) of[c][l] = values[c];
+    }
+    const auto x = load3<Real>(of[0], of[1], of[2]), v = load3<Real>(of[3], of[4], of[5]);
+    const Real rho = load<Real>(of[6]), P = load<Real>(of[7]);
+    Sums s;
+    const auto meet = [&](const ClusterLists::Entry& entry, auto solid) {
+      const SphRow& b = rows[entry.row()];
+      const Vec3d at = b.position() + lists.shift(entry.image());
+      const Real dx = x.x - Real(at.x), dy = x.y - Real(at.y), dz = x.z - Real(at.z);
+      const Real r2 = dx * dx + dy * dy + dz * dz;
+      const Real Vf = Real(volume[entry.row()]) * Kernel::slope(Real(sqrt(r2) * Real(over_h_)));
+      const Real mf = Real(b.density) * Vf;
+      const Real ux = v.x - Real(b.vx), uy = v.y - Real(b.vy), uz = v.z - Real(b.vz);
+      const Real along = ux * dx + uy * dy + uz * dz;
+      const Real wide = r2 + Real(small_);
+      const Real over = rho * mf / (wide * (rho + Real(b.density)));
+      const Real artificial = Real(damping_) * min(along, Real(0)) * over;  // force over d
+      const Real laminar = Real(drag_) * r2 * over;                         // over u
+      if constexpr (!decltype(solid)::value) {
+        if constexpr (Viscosity::artificial)
+          s.artificial = multiply_add(Real(0.5) * artificial, along, s.artificial);
+        if constexpr (Viscosity::laminar)
+          s.laminar = multiply_add(Real(0.5) * laminar, ux * ux + uy * uy + uz * uz, s.laminar);
+        if constexpr (Diffusion::diffuses) {
+          Real difference = rho - Real(b.density);
+          if constexpr (Diffusion::hydrostatic)
+            difference += dx * Real(still_.x) + dy * Real(still_.y) + dz * Real(still_.z);
+          s.diffusion = multiply_add(difference * r2 / wide, Vf, s.diffusion);
+        }
+      } else {
+        const Surface& of_b = surfaces[entry.row() - first];
+        const Vec3d& u = of_b.velocity;
+        const Real wx = v.x - Real(u.x), wy = v.y - Real(u.y), wz = v.z - Real(u.z);
+        const Real d_w = dx * wx + dy * wy + dz * wz;
+        const Real d_u = dx * Real(u.x) + dy * Real(u.y) + dz * Real(u.z);
+        const Real push = -max(P + Real(b.pressure), Real(0)) * Vf;
+        const Real mirrored = push * d_w + P * Vf * along;
+        Real work = push * d_u;
+        if constexpr (Viscosity::artificial) {
+          s.artificial = multiply_add(artificial, d_w, s.artificial);
+          work = multiply_add(artificial, d_u, work);
+        }
+        if constexpr (Viscosity::laminar) {
+          s.laminar = multiply_add(laminar, ux * wx + uy * wy + uz * wz, s.laminar);
+          work = multiply_add(laminar, ux * Real(u.x) + uy * Real(u.y) + uz * Real(u.z), work);
+        }
+        const Real body = Real(of_b.of_body), wall = Real(1 - of_b.of_body);
+        s.walls = multiply_add(wall, work, s.walls), s.bodies = multiply_add(body, work, s.bodies);
+        s.at_walls = multiply_add(wall, mirrored, s.at_walls);
+        s.at_bodies = multiply_add(body, mirrored, s.at_bodies);
+      }
+    };
+    for (const auto& entry : lists.liquid(pack)) meet(entry, std::false_type{});
+    for (const auto& entry : lists.walls(pack)) meet(entry, std::true_type{});
+    return s;
+  }
+
+  double slope_, over_h_, small_ = 0, damping_ = 0, drag_ = 0, delta_ = 0;
+  Vec3d still_;
+};
+
+}  // namespace silt::detail

@@ -1,0 +1,48 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include <silt/core/error.hpp>
+#include <silt/core/vec3.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// At the first step: whether sound is fast enough for a fall through the height that the liquid
+/// has and for the walls as they move now. What it will do besides is not known here.
+template <class Core>
+void sph_check_sound(const Core& core) {
+  constexpr double least = 5;  // [-]; 10 are advised
+  const double c = core.liquid.sound_speed;
+  const auto check = [&](double speed, const auto&... of) {
+    require(c >= least * speed, "Sph: Liquid.sound_speed = ", c, " m/s is ", c / speed,
+            " times the speed of ", of..., ", ", speed,
+            " m/s, so that the liquid would be compressed by ", 100 * speed * speed / (c * c),
+            " %; take ten times that speed, ", 10 * speed, " m/s");
+  };
+  constexpr double far = std::numeric_limits<double>::infinity();
+  Vec3d low{far, far, far}, high{-far, -far, -far};
+  const auto& of = core.columns;
+  for (std::size_t k = 0; k < of.size(); ++k) {
+    if (!of.is_liquid(k)) continue;
+    const Vec3d x = of.rows[k].position();
+    low = {std::min(low.x, x.x), std::min(low.y, x.y), std::min(low.z, x.z)};
+    high = {std::max(high.x, x.x), std::max(high.y, x.y), std::max(high.z, x.z)};
+  }
+  const std::array<double, 3> g{core.weight().x, core.weight().y, core.weight().z},
+      height{high.x - low.x, high.y - low.y, high.z - low.z};
+  for (std::size_t d = 0; d < 3; ++d)
+    if (height[d] > 0)
+      check(std::sqrt(2 * std::abs(g[d]) * height[d]), "a fall through the liquid's height of ",
+            height[d], " m");
+  double fastest = 0;
+  for (std::size_t k = 0; k < core.solids.walls.size(); ++k)
+    fastest = std::max(fastest, norm(core.solids.velocity(k)));
+  if (fastest > 0) check(fastest, "a wall");
+}
+
+}  // namespace silt::detail

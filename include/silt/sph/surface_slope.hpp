@@ -1,0 +1,84 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+#include <silt/sph/setup.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// The slope of C = sum V W that a flat free surface makes, h |grad C|, over how full a kernel
+/// below it is, -sum V r.grad W/D. Shifting takes it out of grad C: what is left comes from uneven
+/// particles. Without, all near a surface are shifted outwards, and the liquid rises.
+///
+/// At the distance y below the surface, with the plane's share p(y) = integral of W over z = y:
+///
+///   |grad C| = p(y),  -sum V r.grad W = D C(y) - y p(y),  C(y) = 1 - integral of p from y on
+template <class Kernel>
+class SphSurfaceSlope {
+ public:
+  SphSurfaceSlope() = default;
+  explicit SphSurfaceSlope(const SphSetup& setup) : inside_(of_lattice(setup)) {
+    const int dimensions = setup.dimensions;
+    constexpr std::size_t n = 400;  // planes from the kernel's edge inwards
+    constexpr double step = 2.0 / n;
+    double beyond = 0, before = 0, full = 1, slope = 0;
+    std::size_t at = 0;
+    for (std::size_t k = 1; k <= n; ++k) {
+      const double y = 2 - static_cast<double>(k) * step, p = of_plane(y, dimensions);
+      beyond += 0.5 * step * (p + before), before = p;
+      const double less = 1 - beyond - y * p / dimensions;
+      for (; at < points && fullness(at) >= less; ++at)
+        slope_[at] = slope + (p - slope) * (full - fullness(at)) / (full - less);
+      full = less, slope = p;
+    }
+    for (; at < points; ++at) slope_[at] = slope;
+  }
+  /// [-] h |grad C| where the kernel is `full`: 1 inside and 1/2 at the surface, a little less on a
+  /// lattice.
+  double operator()(double full) const {
+    const double place = std::clamp((1 - full / inside_) * 2 * (points - 1), 0.0, points - 1.0);
+    const auto k = std::min(static_cast<std::size_t>(place), points - 2);
+    const double share = place - static_cast<double>(k);
+    return (1 - share) * slope_[k] + share * slope_[k + 1];
+  }
+
+ private:
+  static constexpr std::size_t points = 65;
+  static double fullness(std::size_t k) { return 1 - 0.5 * static_cast<double>(k) / (points - 1); }
+  /// h times the integral of W over a plane at y h (2D: a line), by Simpson's rule.
+  static double of_plane(double y, int dimensions) {
+    constexpr int n = 64;
+    const double half = std::sqrt(std::max(4 - y * y, 0.0)), step = half / n;
+    double sum = 0;
+    for (int k = 0; k <= n; ++k) {
+      const double x = k * step, w = Kernel::weight(std::sqrt(y * y + x * x));
+      const double around = dimensions == 2 ? 2 : 2 * std::numbers::pi * x;
+      sum += (k == 0 || k == n ? 1 : k % 2 == 1 ? 4 : 2) * around * w;
+    }
+    return sum * step / 3 * Kernel::normalisation(dimensions, 1);
+  }
+
+  /// -sum V r.grad W/D of a particle with all of its neighbours on the lattice.
+  static double of_lattice(const SphSetup& setup) {
+    const double h = setup.h() / setup.spacing;
+    const int n = static_cast<int>(2 * h), m = setup.dimensions == 2 ? 0 : n;
+    double sum = 0;
+    for (int i = -n; i <= n; ++i)
+      for (int j = -m; j <= m; ++j)
+        for (int k = -n; k <= n; ++k) {
+          const double square = i * i + j * j + k * k;
+          sum -= square * Kernel::slope(std::sqrt(square) / h);
+        }
+    return sum * Kernel::normalisation(setup.dimensions, h) / (h * h * setup.dimensions);
+  }
+
+  std::array<double, points> slope_{};
+  double inside_ = 1;
+};
+
+}  // namespace silt::detail
