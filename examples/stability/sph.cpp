@@ -246,9 +246,10 @@ Measures piston(double speed, double way) {
           {"speed over c", fastest / c, 3 * std::max(speed, 0.15)}};
 }
 
-/// 64 particles at rest on a floor: how they are after so many steps.
+/// 64 particles at rest on a floor: how they are after so many steps; `most`: error of the
+/// pressure.
 template <class... Policies>
-Measures at_rest(std::int64_t steps, const Policies&... policies) {
+Measures at_rest(std::int64_t steps, double most, const Policies&... policies) {
   const double s = 0.01, H = 8 * s, c = 10 * std::sqrt(2 * g * H);
   Sph water{Liquid{.density = rho, .sound_speed = c},
             {.spacing = s,
@@ -277,7 +278,7 @@ Measures at_rest(std::int64_t steps, const Policies&... policies) {
   return {{"behind the floor, in spacings", seen.behind, shallow},
           {"lost", seen.lost, 0},
           {"height", std::abs(height() / before - 1), 0.03},
-          {"pressure", std::sqrt(squares / static_cast<double>(water.size())), 0.03},
+          {"pressure", std::sqrt(squares / static_cast<double>(water.size())), most},
           {"speed over sqrt(g H)", seen.fastest / std::sqrt(g * H), 0.01}};
 }
 
@@ -438,16 +439,17 @@ void sph(Table& table) {
 
   const std::int64_t many = quick ? 10'000 : 1'000'000, some = quick ? 10'000 : 100'000;
   table.scene("SPH: 64 particles at rest on a floor for many steps",
-              "speeds below a hundredth of sqrt(g H), pressure and height within 3 %");
-  table.row(text(many, " steps"), Setting::Tame, [&] { return at_rest(many); });
+              "speeds below a hundredth of sqrt(g H), pressure and height within 3 % (5 % without "
+              "diffusion)");
+  table.row(text(many, " steps"), Setting::Tame, [&] { return at_rest(many, 0.03); });
   table.row(text(some, " steps, VerletTime"), Setting::Tame,
-            [&] { return at_rest(some, VerletTime{}); });
+            [&] { return at_rest(some, 0.03, VerletTime{}); });
   table.row(text(some, " steps, NoShifting"), Setting::Tame,
-            [&] { return at_rest(some, NoShifting{}); });
+            [&] { return at_rest(some, 0.03, NoShifting{}); });
   table.row(text(some, " steps, NoDiffusion"), Setting::Tame,
-            [&] { return at_rest(some, NoDiffusion{}); });
+            [&] { return at_rest(some, 0.05, NoDiffusion{}); });
   table.row(text(some, " steps, laminar, 1e-6 m2/s"), Setting::Tame,
-            [&] { return at_rest(some, water_like); });
+            [&] { return at_rest(some, 0.03, water_like); });
 
   table.scene("SPH: a liquid under pressure and tension, stirred, and a drop that is pulled apart",
               "no neighbours nearer than half a spacing, no energy gained");

@@ -164,7 +164,7 @@ struct SphCore {
     for (const std::size_t p : resolved) {
       const double R = of.shape.radius[p], pi = std::numbers::pi,
                    area = setup.dimensions == 2 ? pi * R : 4 * pi / 3 * R * R;
-      longest = std::min(longest, of.mass[p] / (liquid.density * liquid.sound_speed * area));
+      longest = std::min(longest, 0.5 * of.mass[p] / (liquid.density * liquid.sound_speed * area));
     }
     return longest;
   }
