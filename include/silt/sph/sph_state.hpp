@@ -43,7 +43,7 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
                                  c.moved,
                                  c.stale ? 1.0 : 0.0,
                                  c.made ? 1.0 : 0.0,
-                                 c.exchange};
+                                 std::isfinite(c.exchange) ? c.exchange : 0};
   auto [solid, poses] = c.solids.walls.state();
   std::vector<double> small, shares;
   for (const Vec3d& x : c.small_grains()) small.insert(small.end(), {x.x, x.y, x.z});
@@ -115,7 +115,7 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
   c.steps = static_cast<std::int64_t>(numbers[3]), c.time = c.now = numbers[4],
   c.last_step = numbers[5];
   c.moved = numbers[6], c.stale = numbers[7] != 0, c.made = numbers[8] != 0, c.known = false;
-  c.exchange = numbers[9];
+  c.exchange = numbers[9] > 0 ? numbers[9] : INFINITY;  // 0: no free body
   bodies.restore(kinds, points);
   if (c.made) c.solids.walls.restore(solid, poses);
   if (!c.stale) c.make_lists(then, {});
