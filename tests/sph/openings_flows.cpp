@@ -57,7 +57,7 @@ TEST_CASE("SPH openings: flow between plates with a parabolic inlet and a pressu
   const double G = 12 * mu * U / (H * H);  // [Pa/m]
   Sph oil{Liquid{.density = 1000, .sound_speed = 30 * U},
           {.spacing = H / 16, .region = {{0, 0, 0}, {L, 0, H}}, .dimensions = 2},
-          LaminarViscosity{.kinematic = nu}};
+          LaminarViscosity{.kinematic = nu, .alpha = 0}};
   oil.add_wall(Plane{{0, 0, 0}, {0, 0, 1}});
   oil.add_wall(Plane{{0, 0, H}, {0, 0, -1}});
   const auto profile = [=](const Vec3d& x) { return Vec3d{6 * U * x.z / H * (1 - x.z / H), 0, 0}; };

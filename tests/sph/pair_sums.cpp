@@ -238,7 +238,7 @@ TEST_CASE("SPH: viscosity of a shear flow is the liquid's to some 2 %") {
   for (auto& r : c.rows)
     if (r.is_there()) r.density = density, r.pressure = 0, r.move({std::cos(k * r.z), 0, 0});
   for (std::size_t m = 0; m < c.size(); ++m) c.volume[m] = box.mass / density;
-  const Pairs pairs(box.constants<WendlandC2>(), {.kinematic = nu}, {});
+  const Pairs pairs(box.constants<WendlandC2>(), {.kinematic = nu, .alpha = 0}, {});
   double along = 0, of = 0;
   for (std::size_t p = 0; p < box.packed.lists.packs(); ++p)
     pairs.of_liquid(p, c.rows, c.volume, box.packed.lists, c.rates);
