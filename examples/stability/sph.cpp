@@ -59,7 +59,7 @@ Measures shaken(bool quick, double amplitude, const Policies&... policies) {
   Sph water{Liquid{.density = rho, .sound_speed = 10 * std::sqrt(2 * g * 0.3)},
             {.spacing = s,
              .region = {{-0.3, 0, -0.1}, {0.8, 0, 2}},
-             .smoothing = 1.0,
+
              .dimensions = 2,
              .gravity = {0, 0, -g}},
             policies...};
@@ -87,7 +87,7 @@ template <class... Policies>
 Measures jet(int wide, const Policies&... policies) {
   const double s = 0.01, v = 1, length = 30 * s;
   Sph water{Liquid{.density = rho, .sound_speed = 10 * v},
-            {.spacing = s, .region = {{-4, 0, -0.1}, {4, 0, 4}}, .smoothing = 1.0, .dimensions = 2},
+            {.spacing = s, .region = {{-4, 0, -0.1}, {4, 0, 4}}, .dimensions = 2},
             policies...};
   water.add_wall(Plane{{0, 0, 0}, {0, 0, 1}}, {.name = "floor"});
   water.fill([=](const Vec3d& x) { return x.x > 0 && x.x < wide * s && x.z < length; },
@@ -120,7 +120,7 @@ Measures jet(int wide, const Policies&... policies) {
 Measures with_block(bool quick, double density, double alpha) {
   const double s = quick ? 0.02 : 0.01, L = 0.48, d = 0.2, a = 0.16, b = 0.08;
   Sph water{Liquid{.density = rho, .sound_speed = 10 * std::sqrt(2 * g * d)},
-            {.spacing = s, .region = {{0, 0, 0}, {L, 0, 1}}, .smoothing = 1.0, .dimensions = 2},
+            {.spacing = s, .region = {{0, 0, 0}, {L, 0, 1}}, .dimensions = 2},
             ArtificialViscosity{.alpha = alpha}};
   water.gravity = {0, 0, -g};
   std::vector<Vec3d> corners;
@@ -174,7 +174,7 @@ Measures thrown(double density) {
   Sph water{Liquid{.density = rho, .sound_speed = c},
             {.spacing = s,
              .region = {{0, 0, 0}, {L, 0, L}},
-             .smoothing = 1.0,
+
              .dimensions = 2,
              .periodic = {true, false, true}},
             ArtificialViscosity{.alpha = 0.1}};
@@ -222,7 +222,7 @@ Measures piston(double speed, double way) {
   Sph water{Liquid{.density = rho, .sound_speed = c},
             {.spacing = s,
              .region = {{-0.3, 0, -0.1}, {L, 0, 3}},
-             .smoothing = 1.0,
+
              .dimensions = 2,
              .gravity = {0, 0, -g}},
             ArtificialViscosity{.alpha = 0.1}};
@@ -254,7 +254,7 @@ Measures at_rest(std::int64_t steps, double most, const Policies&... policies) {
   Sph water{Liquid{.density = rho, .sound_speed = c},
             {.spacing = s,
              .region = {{0, 0, 0}, {8 * s, 0, 2 * H}},
-             .smoothing = 1.0,
+
              .dimensions = 2,
              .periodic = {true, false, false},
              .gravity = {0, 0, -g}},
@@ -361,7 +361,7 @@ Measures stiff(double sound) {
   Sph water{Liquid{.density = rho, .sound_speed = sound * fall},
             {.spacing = s,
              .region = {{0, 0, 0}, {1, 0, 0.4}},
-             .smoothing = 1.0,
+
              .dimensions = 2,
              .gravity = {0, 0, -g}}};
   water.add_wall(Plane{{0, 0, 0}, {0, 0, 1}}, {.name = "floor"});

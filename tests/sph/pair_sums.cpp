@@ -74,9 +74,10 @@ detail::SphRates plain(const Box3& box, std::size_t a, const Viscosity& viscosit
     const Vec3d slope = (norm_a / (h * h) * Kernel::slope(std::sqrt(r2) / h)) * r;
     const Vec3d v = A.velocity() - B.velocity();
     const double V = m / B.density;
-    sum.density += A.density * V * dot(v, slope);
-    double both = A.pressure + B.pressure;
-    if (box.packed.columns.kind[b] == ClusterLists::Wall) both = std::max(both, 0.0);
+    double both = A.pressure + B.pressure, growth = A.density * V * dot(v, slope);
+    if (box.packed.columns.kind[b] == ClusterLists::Wall && both < 0)
+      both = 0, growth = std::max(growth, 0.0);
+    sum.density += growth;
     sum.acceleration -= (m * both / (A.density * B.density)) * slope;
     if constexpr (Viscosity::artificial) {
       const double vr = dot(v, r), mean = 0.5 * (A.density + B.density);

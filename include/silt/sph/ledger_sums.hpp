@@ -137,8 +137,9 @@ class SphPowerSums {
         const Real wx = v.x - Real(u.x), wy = v.y - Real(u.y), wz = v.z - Real(u.z);
         const Real d_w = dx * wx + dy * wy + dz * wz;
         const Real d_u = dx * Real(u.x) + dy * Real(u.y) + dz * Real(u.z);
-        const Real push = -max(P + Real(b.pressure), Real(0)) * Vf;
-        const Real mirrored = push * d_w + P * Vf * along;
+        const Real both = P + Real(b.pressure), push = -max(both, Real(0)) * Vf;
+        const Real parting = select(both < Real(0), min(along, Real(0)), along);
+        const Real mirrored = push * d_w + P * Vf * parting;
         Real work = push * d_u;
         if constexpr (Viscosity::artificial) {
           s.artificial = multiply_add(artificial, d_w, s.artificial);

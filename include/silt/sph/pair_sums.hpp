@@ -54,7 +54,9 @@ constexpr std::size_t sph_width() {
 ///   d v_a/dt   = -sum m_b (P_a + P_b)/(rho_a rho_b) grad W + viscosity
 ///
 /// Walls and bodies push and never pull: beside them P_a + P_b is at least 0. A thin film would be
-/// drawn into a wall otherwise, as its density is known badly.
+/// drawn into a wall otherwise, as its density is known badly. Where a pull is left out, so is what
+/// parting from the wall takes from the density: liquid would store the energy of a tension that
+/// nothing has worked for, and thin films blew up by it.
 /// Each pair is computed from both of its ends, by terms that are odd in them: momentum is kept to
 /// rounding, and threads share nothing.
 ///
@@ -287,11 +289,15 @@ class SphPairs {
       mf = Real((b.density + own_rest_) * volume * over_mass_) * f;
     const Real ux = a.v.x - Real(b.vx), uy = a.v.y - Real(b.vy), uz = a.v.z - Real(b.vz);
     const Real along = ux * dx + uy * dy + uz * dz;
-    sum.spread = multiply_add(Vf, along, sum.spread);
     const Real wide = r2 + Real(small_), both_rho = a.twice + Real(b.density);
     const Real over = Real(1) / (wide * both_rho);
     Real both = a.pressure + Real(b.pressure);
-    if constexpr (!liquid) both = max(both, Real(0));
+    if constexpr (liquid) {
+      sum.spread = multiply_add(Vf, along, sum.spread);
+    } else {
+      sum.spread = multiply_add(Vf, select(both < Real(0), min(along, Real(0)), along), sum.spread);
+      both = max(both, Real(0));
+    }
     // The acceleration over -slope_/rho_a
     Real k = both * Vf;
     const Real approach = along * over;
