@@ -17,7 +17,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 # In order: each may include those before it. docs/architecture.md says what lies in each.
 ROOMS = """
 core files boundary shape contact motion search fill bond breakage fluid coupling sph module
-engine/state engine/lists engine/contact engine/spheres engine/convex engine/stages engine/advance
+engine/state engine/ranks engine/lists engine/contact engine/spheres engine/convex engine/stages engine/advance
 engine/checks engine/population engine simulation measure io study umbrella
 """.split()
 # The picture: floors from the top down, each room with what lies in it.
@@ -31,7 +31,8 @@ FLOORS = [
     [("engine/spheres", "geometry of spheres, in lanes"),
      ("engine/convex", "geometry of convex parts")],
     [("engine/contact", "the contact stage: law, rolling, energy, events, fluxes")],
-    [("engine/lists", "who may touch soon; what contacts remember")],
+    [("engine/lists", "who may touch soon; what contacts remember"),
+     ("engine/ranks", "who owns what, ghosts, migration")],
     [("engine/state", "composition, columns, rows")],
     [("coupling", "drag, averaging"), ("sph", "free surfaces"), ("module", "Field, BodyForce"),
      ("fluid", "flow solver"), ("bond", "models of bonds"), ("breakage", "strengths, fragments")],

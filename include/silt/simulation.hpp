@@ -92,6 +92,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   using ShapeType = typename Composition::Shape;
   static constexpr bool has_bonds = Composition::has_bonds;
   static constexpr bool has_breakage = Composition::has_breakage;
+  static constexpr bool has_ranks = Composition::has_ranks;
   /// Particles are rigid bodies with an orientation, of one part or several.
   static constexpr bool of_bodies = Composition::has_bodies;
   /// ... whose shape is no set of spheres.
@@ -143,6 +144,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
         fluid_(detail::take_or<Fluid>(policies...)),
         modules_(Modules::taken_from(policies...)) {
     if constexpr (requires { search_.check(); }) search_.check();
+    if constexpr (has_ranks)
+      engine_.ranks.set(detail::take<typename Composition::Ranks>(policies...));
     if constexpr (has_bonds)
       this->set_bonds(detail::take<typename Composition::Bonds>(policies...));
     add(detail::take<ParticlesType>(policies...));
@@ -278,6 +281,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     openings_.update(engine_, *this);
     bool looks = false;  // at the time step
     if constexpr (has_breakage) looks = this->break_due(), observed |= looks;
+    if constexpr (has_ranks) engine_.refresh_ghosts();
     engine_.renew_lists(search_, domain_, step_, dt_);
     if constexpr (has_breakage)
       if (!breaks_.events.empty()) detail::leave_out_overlaps(engine_, breaks_.newborn_from);
@@ -286,6 +290,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     engine_.prepare_fluxes(modules_, time_, look_at_fluxes(present));
     engine_.pair_forces(domain_, times);
     engine_.wall_forces(times);
+    if constexpr (has_ranks)
+      if (observed) engine_.share_wall_loads();
     if constexpr (has_breakage) breaks_.weigh(engine_, this->breakage(), time_);
     [[maybe_unused]] double bond_power = 0;
     if constexpr (has_bonds) bond_power = bonds_.push(engine_, domain_, dt_);
@@ -365,6 +371,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   detail::SurfaceSpeed surface_speed(std::size_t k) const;
   std::string tips_at(double speed) const;
   double expected_speed() const;
+  void share_scene();
   std::optional<detail::ShortestContact> shortest_contact(double speed) const;
   double longest_travel_step(double speed) const;
   bool is_step_too_long() const;
@@ -427,6 +434,15 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   bool first_kick_ = true, kicked_ = false, observed_ = false, continued_ = false;
   detail::ContactsKept kept_ = detail::ContactsKept::Nothing;  // of the present step
   bool scene_changed_ = false;                                 // since the last run began
+  struct SceneSize {
+    Box region;                    // [m] of centres
+    double speed = 0, radius = 0;  // [m/s] of surfaces, [m] the largest
+  };
+  struct RanksScene {
+    SceneSize size;
+    detail::Meetings meetings;
+  };
+  [[no_unique_address]] std::conditional_t<has_ranks, RanksScene, Nothing> ranks_scene_;
   bool laws_changed_ = false;    // by what a restart accepted, until its run begins
   std::int64_t scene_step_ = 0;  // when particles or walls were last added
   detail::OverlapLimits overlap_limits_;

@@ -47,6 +47,7 @@ class Engine : public Tables<Composition> {
   static_assert(memory.is_whole());
   using Scalar = typename Composition::Scalar;  // of the work on pairs
   static constexpr bool predicts = Integrator::derivatives > 0;
+  static constexpr bool of_ranks = Composition::has_ranks;
   static constexpr bool has_bodies = Composition::has_bodies;  // rows are parts of them
   static constexpr bool convex = Composition::has_surfaces;    // with narrow phases of their own
   using Modules = typename Composition::Modules;
@@ -61,6 +62,7 @@ class Engine : public Tables<Composition> {
                           Search, Domain, Arch, typename WallStage::Contacts>;
 
   std::vector<Wall> walls;
+  [[no_unique_address]] RankStage<typename Composition::Ranks> ranks;
   Lists lists;
   CoefficientTable<ContactsType> coefficients;
   double largest_speed = 0;      // [m/s] of surfaces: Pace
@@ -224,6 +226,9 @@ class Engine : public Tables<Composition> {
     if constexpr (Composition::has_breakage) impacts.add(tally.impacts), parted += tally.parted;
   }
 
+  /// Makes force, torque and impulses of walls those of all ranks' particles (collective).
+  void share_wall_loads() requires(of_ranks) { ranks.share_loads(walls); }
+
   /// Power [W] of the contacts on fixed particles that move, before the loads are integrated.
   double power_on_fixed() const {
     return detail::power_on_fixed<ContactsType>(particles, sums_.data());
@@ -250,13 +255,31 @@ class Engine : public Tables<Composition> {
   /// then).
   void integrate(Advance how, const Vec3d& gravity, double kick_time, double time_step,
                  bool first_kick) {
+    if constexpr (of_ranks) forget_loads_of_ghosts();
     const auto pace =
         mover.integrate({particles, sums_.data(), lists.upkeep.per_inner2.data(), *team_}, how,
                         {gravity, kick_time, time_step, first_kick});
     largest_speed = pace.largest_speed, largest_share = pace.largest_share, finite = pace.finite;
+    if constexpr (of_ranks) agree();
     if (how == Advance::KickAndDrift && !deforms<Domain>)
       lists.upkeep.used += largest_share * time_step;
   }
+  /// What all ranks must know of the last step (collective), or of what was changed since.
+  void agree() requires(of_ranks) {
+    own_speed_ = largest_speed;
+    std::array<double, 4> most{largest_speed, largest_share, largest_overlap,
+                               lists.upkeep.searched_at < 0 ? 1.0 : 0.0};
+    ranks.max_of(most);
+    largest_speed = most[0], largest_share = most[1], largest_overlap = most[2];
+    if (most[3] > 0) lists.forget();
+  }
+  /// Whether the fastest particle of all is of this rank.
+  bool has_fastest() const {
+    if constexpr (of_ranks) return own_speed_ == largest_speed;
+    return true;
+  }
+  /// Gives the ghosts the places and motions that they have on their own ranks (collective).
+  void refresh_ghosts() requires(of_ranks) { ranks.refresh(particles); }
   /// After an observed state: the step will be `ratio` times as long.
   void change_step(double ratio) {
     mover.change_step(particles, ratio);
@@ -274,6 +297,7 @@ class Engine : public Tables<Composition> {
     const double* const per_inner2 = reach.size() < particles.size() ? nullptr : reach.data();
     largest_share =
         mover.drift({particles, sums_.data(), per_inner2, *team_}, time_step, largest_share);
+    if constexpr (of_ranks) agree();
     if constexpr (!deforms<Domain>) lists.upkeep.used += largest_share * time_step;
   }
 
@@ -359,7 +383,14 @@ class Engine : public Tables<Composition> {
   /// What the lists are of, now.
   typename Lists::Scene scene(const Domain& domain, double time_step) {
     return {particles, walls,     domain,
-            *team_,    time_step, largest_range(coefficients, particles.largest_radius)};
+            *team_,    time_step, largest_range(coefficients, particles.largest_radius),
+            ranks};
+  }
+  /// They are kicked on their own ranks.
+  void forget_loads_of_ghosts() {
+    std::fill(sums_.begin() + static_cast<std::ptrdiff_t>(particles.owned() * 4 * chunks),
+              sums_.begin() + static_cast<std::ptrdiff_t>(particles.size() * 4 * chunks),
+              Scalar(0));
   }
   void note(const ContactNotes& notes) {
     events.take(notes, [this](std::size_t row) {
@@ -419,6 +450,8 @@ class Engine : public Tables<Composition> {
   [[no_unique_address]] std::conditional_t<shares, SharedContacts<Scalar>, NoShares> shared_;
   struct NoKick {};
   [[no_unique_address]] std::conditional_t<deforms<Domain>, DeformingBox::Kick, NoKick> box_kick_{};
+  struct NoSpeed {};
+  [[no_unique_address]] std::conditional_t<of_ranks, double, NoSpeed> own_speed_{};  // [m/s]
   AlignedVector<Scalar> sums_;  // [N] load on each particle, zero between the steps
   std::vector<std::uint16_t> kinds_;
   bool offsets_ = Composition::has_breakage;  // of pairs: there may be some (WithOffset)

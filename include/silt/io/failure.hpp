@@ -146,7 +146,7 @@ class FailureScene {
     const auto& e = sim_.engine();
     std::vector<char> wanted(sim_.rows(), 0);
     for (const std::size_t k : shown) wanted[k] = 1;
-    for (std::size_t row = 0; row < e.particles.size(); ++row) {
+    for (std::size_t row = 0; row < e.particles.owned(); ++row) {
       if (e.particles.is_parked(row) || !wanted[e.owner_of(row)]) continue;
       const std::size_t k = e.owner_of(row);
       const Vec3d v = sim_.velocity(k);

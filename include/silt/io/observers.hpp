@@ -211,7 +211,7 @@ void write_parts(const std::string& file, const Sim& sim) requires(Sim::of_bodie
   std::vector<float> radius;
   std::vector<ParticleId> id;
   const auto& e = sim.engine();
-  for (std::size_t row = 0; row < e.particles.size(); ++row) {
+  for (std::size_t row = 0; row < e.particles.owned(); ++row) {
     if (e.particles.is_parked(row)) continue;
     position.push_back(e.particles.position[row].centre());
     radius.push_back(static_cast<float>(e.particles.position[row].r));

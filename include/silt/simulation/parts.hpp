@@ -24,6 +24,8 @@ std::size_t Simulation<Policies...>::add_wall(Surfaces surfaces,
   setup.surface_velocity.check();
   wall.belt = setup.surface_velocity;
   const bool is_driven = setup.drive.index() != 0;
+  require(!has_ranks || !is_driven,
+          "add_wall: a wall with a drive does not go with Ranks so far; give it a motion");
   require(!is_driven || !wall.motion,
           "add_wall: a wall has either a motion or a drive (servo, slide, hinge, free body), not "
           "both; leave one of them out");
@@ -145,7 +147,18 @@ template <class Particle>
 void Simulation<Policies...>::join(std::span<const Particle> more,
                                    std::span<const std::size_t> numbers) {
   const std::size_t before = rows(), first_row = engine_.particles.size();
-  detail::take_in(engine_, more, numbers, kicked_, next_);
+  if constexpr (has_ranks) {
+    require(step_ == 0 && !kicked_,
+            "Simulation::add: on many ranks particles cannot be added once a run has begun; add "
+            "all before");
+    const auto [from, end] = engine_.ranks.share_of(more.size());
+    auto next = next_;
+    next.particle += from;
+    detail::take_in(engine_, more.subspan(from, end - from), numbers, kicked_, next);
+    next_.particle += more.size(), engine_.ranks.count(more.size());
+  } else {
+    detail::take_in(engine_, more, numbers, kicked_, next_);
+  }
   if (kicked_) engine_.start_prediction(first_row, gravity, dt_);
   engine_.join_lists(domain_, dt_, first_row);
   start_fields(before);
@@ -249,6 +262,7 @@ void Simulation<Policies...>::prepare() {
   if (step_ > 0 || kicked_) detail::check_given(engine_, gravity, step_, time_);
   prepare_fluid();
   engine_.set_threads(threads);
+  if constexpr (has_ranks) share_scene();
   modules_.check(*this);
   this->check_pairs();
   engine_.set_coefficients(contacts_);
@@ -327,7 +341,8 @@ void Simulation<Policies...>::keep_limits() {
   if (speed > 1.05 * checked_speed_) {
     checked_speed_ = speed;
     const auto shortest = shortest_contact(checked_speed_);
-    if (shortest && dt > guard.max_time_step * shortest->time) {
+    if (shortest && (speed > engine_.largest_speed || engine_.has_fastest()) &&
+        dt > guard.max_time_step * shortest->time) {
       const auto fastest = detail::fastest_particle(engine_).speed;
       throw SimulationError(
           text("step ", step_, ", t = ", time_, " s: the time step ", dt, " s is above its limit ",
@@ -344,7 +359,8 @@ void Simulation<Policies...>::keep_limits() {
           step_, {}, {});
     }
   }
-  detail::check_travel(engine_, wall_way, step_, time_, dt, guard.max_travel);
+  if (engine_.has_fastest())
+    detail::check_travel(engine_, wall_way, step_, time_, dt, guard.max_travel);
   keep_rates(back);
   if (guard.domain && engine_.lists.upkeep.pruned_at == step_)
     detail::check_inside(engine_, *guard.domain, step_, time_);

@@ -25,7 +25,7 @@ class Owner {
     if constexpr (has_bodies)
       return mover.bodies.size();
     else
-      return state.size();
+      return state.owned();
   }
 
   ParticleId id() const {

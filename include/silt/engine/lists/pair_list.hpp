@@ -37,6 +37,8 @@ class PairList {
   using History = PairHistory<H, Scalar, InRows>;
 
  public:
+  using Memory = std::array<Scalar, H>;  // of one pair
+  using Brought = typename PairArchive<H, Scalar>::Brought;
   static constexpr std::size_t padding = 16;  // the widest pack of lanes
   static constexpr std::size_t ahead = 128;   // places
 
@@ -88,6 +90,11 @@ class PairList {
     size_ = 0;
     history_.clear();
   }
+
+  /// What pairs of particles remember that came with the last search, by the places before it.
+  void take_in(std::span<const Brought> more) { archive_.add(more); }
+  bool remembers(std::size_t place) const { return history_.remembers(place); }
+  Memory memory(std::size_t place) const { return history_.values(place); }
 
   /// Takes in pairs of particles that have come since the search: at the end of their groups, which
   /// in the inner list have gaps behind them, so that most often nothing moves. `particles`: how

@@ -1,0 +1,273 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <limits>
+#include <optional>
+#include <span>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include <silt/core/box.hpp>
+#include <silt/core/position_row.hpp>
+#include <silt/engine/ranks/packed.hpp>
+#include <silt/parallel/ranks.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// What passes between a rank and another at each step: rows of its own that the other has as
+/// ghosts, and its ghosts that the other owns.
+struct RankNeighbour {
+  int rank;
+  std::vector<std::uint32_t> send;   // own rows
+  std::uint32_t first = 0, end = 0;  // ghost rows
+};
+
+/// What has been counted since the start, of this rank.
+struct RankCounts {
+  std::uint64_t searches = 0, migrated = 0;  // rows that came from other ranks
+  std::uint64_t messages = 0, bytes = 0;     // sent at the steps and at searches
+};
+
+/// The engine's part in a run on many ranks: who owns which particle, which ghosts go where, and
+/// what all must agree on. Every function that says so is collective: all ranks call it at the same
+/// place of the program.
+///
+/// A rank owns the particles in its part of the space, as the decomposition says at each search. Of
+/// others' it has ghosts behind its own rows: all those that its own may touch before the next
+/// search. A pair of an own particle and a ghost is computed on both ranks, from the same numbers
+/// and in the same orientation (by ids), so that both remember the same.
+template <class Policy>
+class RankStage {
+ public:
+  static constexpr bool active = true;
+  std::vector<RankNeighbour> neighbours;  // in the order of ranks
+  RankCounts counts;
+
+  void set(Policy policy) { policy_ = std::move(policy); }
+  Policy& policy() { return *policy_; }
+  int rank() const { return policy_->comm.rank(); }
+  int size() const { return policy_->comm.size(); }
+  /// The part of `all` things that this rank takes, before anybody owns them: first and end.
+  std::pair<std::size_t, std::size_t> share_of(std::size_t all) const {
+    const auto r = static_cast<std::size_t>(rank()), n = static_cast<std::size_t>(size());
+    return {all * r / n, all * (r + 1) / n};
+  }
+
+  // --- what all agree on (collective) -------------------------------------------------------
+
+  /// The largest of each number.
+  void max_of(std::span<double> values) { policy_->comm.max_of(values); }
+  double max_of(double value) {
+    max_of({&value, 1});
+    return value;
+  }
+  bool any(bool is) { return max_of(is ? 1.0 : 0.0) > 0; }
+  bool all(bool is) { return !any(!is); }
+  /// The sum of each number, added in the order of ranks.
+  void sum_of(std::span<double> values) {
+    const auto all = gather(policy_->comm, std::span<const double>(values));
+    std::fill(values.begin(), values.end(), 0.0);
+    for (int r = 0; r < all.ranks(); ++r)
+      for (std::size_t k = 0; k < values.size(); ++k) values[k] += all[r][k];
+  }
+  /// The largest and lightest of all.
+  template <class Meetings>
+  Meetings union_of_meetings(Meetings own) {
+    using Spheres = typename decltype(own.spheres)::value_type;
+    const auto all = gather(policy_->comm, std::span<const Spheres>(own.spheres));
+    for (auto& of : own.spheres) of = {};
+    for (int r = 0; r < all.ranks(); ++r)
+      for (std::size_t m = 0; m < own.spheres.size(); ++m) own.spheres[m].include_all(all[r][m]);
+    return own;
+  }
+  Box union_of(const Box& box) {
+    std::array<double, 6> ends{-box.min.x, -box.min.y, -box.min.z, box.max.x, box.max.y, box.max.z};
+    max_of(ends);
+    return {{-ends[0], -ends[1], -ends[2]}, {ends[3], ends[4], ends[5]}};
+  }
+  /// The sizes of all particles, on each rank.
+  template <class State>
+  void measure(State& particles) {
+    std::array<double, 3> most{particles.largest_radius, -particles.smallest_radius,
+                               particles.some_fixed ? 1.0 : 0.0};
+    if (particles.owned() == 0) most = {0, -std::numeric_limits<double>::infinity(), 0};
+    std::array<double, 2> sums{
+        particles.mean_diameter * static_cast<double>(particles.owned() - particles.parked),
+        static_cast<double>(particles.owned() - particles.parked)};
+    max_of(most), sum_of(sums);
+    particles.largest_radius = most[0], particles.smallest_radius = std::min(-most[1], most[0]);
+    particles.some_fixed = most[2] > 0;
+    particles.mean_diameter = sums[1] > 0 ? sums[0] / sums[1] : 0;
+    present_ = static_cast<std::size_t>(sums[1]);
+  }
+  /// Particles of all ranks, when they were measured last.
+  std::size_t present() const { return present_; }
+  void count(std::size_t more) { present_ += more; }
+
+  // --- at each step (collective) ------------------------------------------------------------
+
+  /// Gives the ghosts the places and motions that they have on their own ranks.
+  template <class State>
+  void refresh(State& particles) {
+    struct Row {
+      PositionRow position;
+      typename State::ParticleMotion motion;
+    };
+    exchange<Row>(
+        [&](std::uint32_t k) {
+          return Row{particles.position[k], particles.motion[k]};
+        },
+        [&](std::uint32_t k, const Row& row) {
+          particles.position[k] = row.position, particles.motion[k] = row.motion;
+          particles.renew_pair_motion(k);
+        });
+  }
+  /// Likewise the numbers of a column.
+  template <class Column>
+  void share(Column& column) {
+    exchange<double>([&](std::uint32_t k) { return column[k]; },
+                     [&](std::uint32_t k, double value) { column[k] = value; });
+  }
+
+  /// Makes the loads of walls, which are those of own particles, the loads of all ranks' particles.
+  template <class Walls>
+  void share_loads(Walls& walls) {
+    shared_.resize(walls.size()), own_.resize(walls.size());
+    std::vector<double> numbers;
+    for (std::size_t w = 0; w < walls.size(); ++w) {
+      own_[w].impulse += walls[w].impulse - shared_[w].impulse;
+      own_[w].angular += walls[w].angular_impulse - shared_[w].angular;
+      for (const Vec3d& v : {walls[w].force, walls[w].torque, own_[w].impulse, own_[w].angular})
+        numbers.insert(numbers.end(), {v.x, v.y, v.z});
+      numbers.push_back(walls[w].belt_power);
+    }
+    sum_of(numbers);
+    const double* next = numbers.data();
+    for (std::size_t w = 0; w < walls.size(); ++w) {
+      for (Vec3d* v :
+           {&walls[w].force, &walls[w].torque, &walls[w].impulse, &walls[w].angular_impulse})
+        *v = {next[0], next[1], next[2]}, next += 3;
+      walls[w].belt_power = *next++;
+      shared_[w] = {walls[w].impulse, walls[w].angular_impulse};
+    }
+  }
+
+  // --- at a search (collective) -------------------------------------------------------------
+
+  /// The rank that each of the own rows goes to; -1 those that have left.
+  template <class State>
+  std::vector<int> choose_ranks(const State& particles, std::span<const double> weights) {
+    std::vector<Vec3d> points;
+    std::vector<double> of;
+    for (std::size_t k = 0; k < particles.owned(); ++k) {
+      if (particles.is_parked(k)) continue;
+      points.push_back(particles.position[k].centre());
+      of.push_back(weights[k]);
+    }
+    const auto chosen = policy_->decomposition.partition(policy_->comm, points, of);
+    std::vector<int> to(particles.owned(), -1);
+    for (std::size_t k = 0, next = 0; k < to.size(); ++k)
+      if (!particles.is_parked(k)) to[k] = chosen[next++];
+    return to;
+  }
+
+  /// What comes from each rank for what goes to each.
+  std::vector<Arrival> pass(std::vector<Packed>& out) {
+    std::vector<Outgoing> messages;
+    for (std::size_t r = 0; r < out.size(); ++r)
+      if (const auto bytes = out[r].bytes(); !bytes.empty()) {
+        ++counts.messages, counts.bytes += bytes.size();
+        messages.push_back({static_cast<int>(r), bytes});
+      }
+    return deliver(policy_->comm, messages);
+  }
+
+  /// Which own rows each rank must have as ghosts: those that may touch one of its own, of spheres
+  /// that are grown by how far they reach.
+  template <class Domain>
+  std::vector<std::vector<std::uint32_t>> choose_ghosts(std::span<const PositionRow> grown,
+                                                        const Domain& domain) {
+    Box own;
+    double largest = 0;
+    for (const PositionRow& p : grown) own.include(p.centre()), largest = std::max(largest, p.r);
+    const std::array<double, 7> part{own.min.x, own.min.y, own.min.z, own.max.x,
+                                     own.max.y, own.max.z, largest};
+    const auto parts = gather(policy_->comm, std::span<const double>(part));
+    std::vector<std::vector<std::uint32_t>> to(static_cast<std::size_t>(size()));
+    for (int r = 0; r < size(); ++r) {
+      const auto other = parts[r];
+      if (r == rank() || !(other[0] <= other[3])) continue;  // it has no particles
+      const Vec3d centre{(other[0] + other[3]) / 2, (other[1] + other[4]) / 2,
+                         (other[2] + other[5]) / 2},
+          half{(other[3] - other[0]) / 2, (other[4] - other[1]) / 2, (other[5] - other[2]) / 2};
+      for (std::uint32_t k = 0; k < grown.size(); ++k) {
+        Vec3d d = grown[k].centre() - centre;
+        if constexpr (Domain::periodic) d = domain.shortest(d);
+        const Vec3d out{std::max(std::abs(d.x) - half.x, 0.0),
+                        std::max(std::abs(d.y) - half.y, 0.0),
+                        std::max(std::abs(d.z) - half.z, 0.0)};
+        const double reach = grown[k].r + other[6];
+        if (dot(out, out) < (1 + 1e-12) * reach * reach)
+          to[static_cast<std::size_t>(r)].push_back(k);
+      }
+    }
+    return to;
+  }
+
+ private:
+  template <class Row, class Get, class Set>
+  void exchange(const Get& get, const Set& set) {
+    if (neighbours.empty()) return;
+    out_.resize(neighbours.size()), in_.resize(neighbours.size());
+    sends_.clear(), receives_.clear();
+    for (std::size_t n = 0; n < neighbours.size(); ++n) {
+      const RankNeighbour& other = neighbours[n];
+      out_[n].resize(other.send.size() * sizeof(Row));
+      std::byte* next = out_[n].data();
+      for (const std::uint32_t k : other.send) {
+        const Row row = get(k);
+        std::memcpy(next, &row, sizeof(Row)), next += sizeof(Row);
+      }
+      in_[n].resize((other.end - other.first) * sizeof(Row));
+      if (!out_[n].empty()) {
+        sends_.push_back({other.rank, out_[n]});
+        ++counts.messages, counts.bytes += out_[n].size();
+      }
+      if (!in_[n].empty()) receives_.push_back({other.rank, in_[n]});
+    }
+    policy_->comm.exchange(sends_, receives_).wait();
+    for (std::size_t n = 0; n < neighbours.size(); ++n) {
+      const std::byte* next = in_[n].data();
+      for (std::uint32_t k = neighbours[n].first; k < neighbours[n].end; ++k) {
+        Row row;
+        std::memcpy(&row, next, sizeof(Row)), next += sizeof(Row);
+        set(k, row);
+      }
+    }
+  }
+
+  struct Impulses {
+    Vec3d impulse{0, 0, 0}, angular{0, 0, 0};  // [N s], [N m s]
+  };
+  std::optional<Policy> policy_;
+  std::vector<Impulses> own_, shared_;  // of walls: by own particles; by all, when last shared
+  std::size_t present_ = 0;
+  std::vector<std::vector<std::byte>> out_, in_;
+  std::vector<Outgoing> sends_;
+  std::vector<Incoming> receives_;
+};
+
+template <>
+class RankStage<NoRanks> {
+ public:
+  static constexpr bool active = false;
+};
+
+}  // namespace silt::detail
