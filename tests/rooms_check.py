@@ -16,7 +16,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 # In order: each may include those before it. docs/architecture.md says what lies in each.
 ROOMS = """
-core files boundary shape contact motion search fill bond breakage fluid coupling sph module
+core files parallel boundary shape contact motion search fill bond breakage fluid coupling sph module
 engine/state engine/ranks engine/lists engine/contact engine/spheres engine/convex engine/stages engine/advance
 engine/checks engine/population engine simulation measure io study umbrella
 """.split()
@@ -38,12 +38,13 @@ FLOORS = [
      ("fluid", "flow solver"), ("bond", "models of bonds"), ("breakage", "strengths, fragments")],
     [("contact", "laws"), ("search", "NBS, grids"), ("motion", "integrators"),
      ("fill", "particles"), ("shape", "narrow phases")],
-    [("boundary", "domains, walls, meshes"), ("files", "CSV, VTK, archives")],
+    [("boundary", "domains, walls, meshes"), ("parallel", "ranks and what moves bytes between them"),
+     ("files", "CSV, VTK, archives")],
     [("core", "vectors, lanes, threads")],
 ]
 # Files that stand at the top of include/silt.
 AT_TOP = {"simulation.hpp": "simulation", "silt.hpp": "umbrella", "fluid.hpp": "umbrella",
-          "sph.hpp": "umbrella"}
+          "sph.hpp": "umbrella", "mpi.hpp": "umbrella"}
 PICTURE = ROOT / "docs" / "pictures" / "rooms.svg"
 INTRINSICS = re.compile(r"#include <(immintrin|x86intrin|arm_neon|xsimd/)|\b_mm\d*_\w+\(")
 

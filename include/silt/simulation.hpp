@@ -214,8 +214,14 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
       }
       if (kicked_ && sizeof...(Observers) > 0) {
         [[maybe_unused]] const bool again = std::exchange(observed_, true);
-        detail::observe_all(*this, again, observers...);
-        detail::check_given(engine_, gravity, step_, time_);
+        const auto observe = [&] {
+          detail::observe_all(*this, again, observers...);
+          detail::check_given(engine_, gravity, step_, time_);
+        };
+        if constexpr (has_ranks)
+          engine_.ranks.together("observers", observe);
+        else
+          observe();
         if (scene_changed_) this->check_pairs();
       }
       if (stop) break;
@@ -285,13 +291,28 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     engine_.renew_lists(search_, domain_, step_, dt_);
     if constexpr (has_breakage)
       if (!breaks_.events.empty()) detail::leave_out_overlaps(engine_, breaks_.newborn_from);
+    const auto act = [&] {
+      forces(observed, present);
+      first_kick_ = false;
+      kicked_ = observed;
+      if constexpr (has_bonds) break_bonds();
+      if (looks) follow_sizes();
+      keep_limits();
+    };
+    if constexpr (has_ranks) {
+      engine_.together("a step", dt_, observed, act);
+      peak_overlap_ = std::max(peak_overlap_, engine_.largest_overlap);
+    } else {
+      act();
+    }
+  }
+  /// The forces of a step, and the integration.
+  void forces(bool observed, [[maybe_unused]] std::size_t present) {
     detail::StepTimes times = times_of_step(observed);
     times.record = engine_.record.begin(kept_, step_);
     engine_.prepare_fluxes(modules_, time_, look_at_fluxes(present));
     engine_.pair_forces(domain_, times);
     engine_.wall_forces(times);
-    if constexpr (has_ranks)
-      if (observed) engine_.share_wall_loads();
     if constexpr (has_breakage) breaks_.weigh(engine_, this->breakage(), time_);
     [[maybe_unused]] double bond_power = 0;
     if constexpr (has_bonds) bond_power = bonds_.push(engine_, domain_, dt_);
@@ -309,11 +330,6 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
                       first_kick_);
     if constexpr (detail::deforms<Domain>)
       observed ? engine_.record_flow(domain_) : engine_.move_box(domain_, dt_);
-    first_kick_ = false;
-    kicked_ = observed;
-    if constexpr (has_bonds) break_bonds();
-    if (looks) follow_sizes();
-    keep_limits();
   }
 
   std::size_t known(std::size_t k) const {

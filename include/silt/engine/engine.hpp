@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <exception>
 #include <limits>
 #include <memory>
 #include <numeric>
@@ -226,9 +227,6 @@ class Engine : public Tables<Composition> {
     if constexpr (Composition::has_breakage) impacts.add(tally.impacts), parted += tally.parted;
   }
 
-  /// Makes force, torque and impulses of walls those of all ranks' particles (collective).
-  void share_wall_loads() requires(of_ranks) { ranks.share_loads(walls); }
-
   /// Power [W] of the contacts on fixed particles that move, before the loads are integrated.
   double power_on_fixed() const {
     return detail::power_on_fixed<ContactsType>(particles, sums_.data());
@@ -260,23 +258,32 @@ class Engine : public Tables<Composition> {
         mover.integrate({particles, sums_.data(), lists.upkeep.per_inner2.data(), *team_}, how,
                         {gravity, kick_time, time_step, first_kick});
     largest_speed = pace.largest_speed, largest_share = pace.largest_share, finite = pace.finite;
-    if constexpr (of_ranks) agree();
-    if (how == Advance::KickAndDrift && !deforms<Domain>)
+    if (how == Advance::KickAndDrift && !deforms<Domain> && !of_ranks)
       lists.upkeep.used += largest_share * time_step;
   }
-  /// What all ranks must know of the last step (collective), or of what was changed since.
-  void agree() requires(of_ranks) {
-    own_speed_ = largest_speed;
+  /// Does a step's work; then all ranks know of each other's speeds and overlaps, or throw what one
+  /// has thrown (collective).
+  template <class Work>
+  void together(const char* call, double time_step, bool observed,
+                const Work& work) requires(of_ranks) {
+    std::exception_ptr error;
+    try {
+      work();
+    } catch (...) {
+      error = std::current_exception();
+    }
+    agree(call, error);
+    if (observed)
+      ranks.share_loads(walls);
+    else
+      lists.upkeep.used += largest_share * time_step;
+  }
+  void agree(const char* call, const std::exception_ptr& error = nullptr) requires(of_ranks) {
     std::array<double, 4> most{largest_speed, largest_share, largest_overlap,
                                lists.upkeep.searched_at < 0 ? 1.0 : 0.0};
-    ranks.max_of(most);
+    silt::agree(ranks.comm(), call, error, most);
     largest_speed = most[0], largest_share = most[1], largest_overlap = most[2];
     if (most[3] > 0) lists.forget();
-  }
-  /// Whether the fastest particle of all is of this rank.
-  bool has_fastest() const {
-    if constexpr (of_ranks) return own_speed_ == largest_speed;
-    return true;
   }
   /// Gives the ghosts the places and motions that they have on their own ranks (collective).
   void refresh_ghosts() requires(of_ranks) { ranks.refresh(particles); }
@@ -297,7 +304,7 @@ class Engine : public Tables<Composition> {
     const double* const per_inner2 = reach.size() < particles.size() ? nullptr : reach.data();
     largest_share =
         mover.drift({particles, sums_.data(), per_inner2, *team_}, time_step, largest_share);
-    if constexpr (of_ranks) agree();
+    if constexpr (of_ranks) agree("a drift");
     if constexpr (!deforms<Domain>) lists.upkeep.used += largest_share * time_step;
   }
 
@@ -450,8 +457,6 @@ class Engine : public Tables<Composition> {
   [[no_unique_address]] std::conditional_t<shares, SharedContacts<Scalar>, NoShares> shared_;
   struct NoKick {};
   [[no_unique_address]] std::conditional_t<deforms<Domain>, DeformingBox::Kick, NoKick> box_kick_{};
-  struct NoSpeed {};
-  [[no_unique_address]] std::conditional_t<of_ranks, double, NoSpeed> own_speed_{};  // [m/s]
   AlignedVector<Scalar> sums_;  // [N] load on each particle, zero between the steps
   std::vector<std::uint16_t> kinds_;
   bool offsets_ = Composition::has_breakage;  // of pairs: there may be some (WithOffset)

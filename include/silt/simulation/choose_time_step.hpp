@@ -102,7 +102,7 @@ void Simulation<Policies...>::share_scene() {
     ranks_scene_ = {{ranks.union_of(own.region), ranks.max_of(own.speed), ranks.max_of(own.radius)},
                     ranks.union_of_meetings(
                         detail::meetings_of(engine_, openings_.inlets(), contacts_.materials()))};
-    engine_.agree();
+    engine_.agree("the start of a run");
   }
 }
 

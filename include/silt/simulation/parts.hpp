@@ -341,8 +341,7 @@ void Simulation<Policies...>::keep_limits() {
   if (speed > 1.05 * checked_speed_) {
     checked_speed_ = speed;
     const auto shortest = shortest_contact(checked_speed_);
-    if (shortest && (speed > engine_.largest_speed || engine_.has_fastest()) &&
-        dt > guard.max_time_step * shortest->time) {
+    if (shortest && dt > guard.max_time_step * shortest->time) {
       const auto fastest = detail::fastest_particle(engine_).speed;
       throw SimulationError(
           text("step ", step_, ", t = ", time_, " s: the time step ", dt, " s is above its limit ",
@@ -359,8 +358,7 @@ void Simulation<Policies...>::keep_limits() {
           step_, {}, {});
     }
   }
-  if (engine_.has_fastest())
-    detail::check_travel(engine_, wall_way, step_, time_, dt, guard.max_travel);
+  detail::check_travel(engine_, wall_way, step_, time_, dt, guard.max_travel);
   keep_rates(back);
   if (guard.domain && engine_.lists.upkeep.pruned_at == step_)
     detail::check_inside(engine_, *guard.domain, step_, time_);

@@ -17,6 +17,7 @@
 #include <silt/core/box.hpp>
 #include <silt/core/position_row.hpp>
 #include <silt/engine/ranks/packed.hpp>
+#include <silt/parallel/agree.hpp>
 #include <silt/parallel/ranks.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -51,7 +52,12 @@ class RankStage {
   RankCounts counts;
 
   void set(Policy policy) { policy_ = std::move(policy); }
-  Policy& policy() { return *policy_; }
+  const auto& comm() const { return policy_->comm; }
+  /// Does what ranks do by themselves; all throw what one has thrown (collective).
+  template <class Work>
+  void together(const char* call, const Work& work) {
+    silt::together(policy_->comm, call, work);
+  }
   int rank() const { return policy_->comm.rank(); }
   int size() const { return policy_->comm.size(); }
   /// The part of `all` things that this rank takes, before anybody owns them: first and end.
