@@ -22,6 +22,7 @@ struct WanderingSlabs {
   double from, to;  // [m]
   bool move = true;
   int searches = 0;
+  static constexpr bool by_place = false;
 
   template <class Comm>
   std::vector<int> partition(const Comm& comm, std::span<const silt::Vec3d> points,

@@ -19,6 +19,11 @@ using Ranks = silt::Ranks<silt::ThreadComm, WanderingSlabs>;
 const Law::Material glass{
     .youngs_modulus = 5e6, .poisson_ratio = 0.3, .restitution = 0.6, .friction = 0.4};
 
+/// Planes that move at each search.
+Ranks ranks(const silt::ThreadComm& comm) {
+  return Ranks{comm, {0, 0.11}, {.above = 1, .each = 0, .per_moved = 0}};
+}
+
 /// Spheres that fall into a trough and roll to one side.
 template <class... Policies>
 auto trough(silt::Particles<silt::Sphere> beads, bool ends, Policies... policies) {
@@ -63,7 +68,7 @@ TEST_CASE("ranks: a scene with friction is that of one process, while cuts move 
     Seen many;
     std::uint64_t migrated = 0;
     silt::run_on_ranks(n, [&](const silt::ThreadComm& comm) {
-      auto sim = trough(silt_test::cloud(12, 4, 3), true, Ranks{comm, {0, 0.11}});
+      auto sim = trough(silt_test::cloud(12, 4, 3), true, ranks(comm));
       CHECK(sim.size() == 144);
       sim.run(0.03);
       CHECK(sim.size() == 144);
@@ -86,9 +91,8 @@ TEST_CASE("ranks: likewise in a ring, whose first and last rank are neighbours")
   run(one, 0.03, false, ring);
   for (const int n : {2, 3}) {
     Seen many;
-    silt::run_on_ranks(n, [&](const silt::ThreadComm& comm) {
-      run(many, 0.03, false, ring, Ranks{comm, {0, 0.11}});
-    });
+    silt::run_on_ranks(
+        n, [&](const silt::ThreadComm& comm) { run(many, 0.03, false, ring, ranks(comm)); });
     CAPTURE(n);
     const auto [place, velocity] = many.off(one);
     CHECK(place < 1e-12);
@@ -98,13 +102,11 @@ TEST_CASE("ranks: likewise in a ring, whose first and last rank are neighbours")
 
 TEST_CASE("ranks: the same number of ranks gives the same bits, whatever the threads") {
   Seen first;
-  silt::run_on_ranks(3, [&](const silt::ThreadComm& comm) {
-    run(first, 0.02, true, Ranks{comm, {0, 0.11}});
-  });
+  silt::run_on_ranks(3, [&](const silt::ThreadComm& comm) { run(first, 0.02, true, ranks(comm)); });
   for (const int threads : {1, 2}) {
     Seen again;
     silt::run_on_ranks(3, [&](const silt::ThreadComm& comm) {
-      auto sim = trough(silt_test::cloud(12, 4, 3), true, Ranks{comm, {0, 0.11}});
+      auto sim = trough(silt_test::cloud(12, 4, 3), true, ranks(comm));
       sim.threads = threads;
       sim.run(0.02);
       again.add(sim);
@@ -117,7 +119,7 @@ TEST_CASE("ranks: both sides of a cut remember the same of each contact, to the 
   std::mutex mutex;
   std::map<std::array<silt::ParticleId, 2>, std::vector<std::array<double, 3>>> of_pair;
   silt::run_on_ranks(3, [&](const silt::ThreadComm& comm) {
-    auto sim = trough(silt_test::cloud(12, 4, 3), true, Ranks{comm, {0, 0.11}});
+    auto sim = trough(silt_test::cloud(12, 4, 3), true, ranks(comm));
     sim.run(0.025);
     const auto& e = sim.engine();
     const std::lock_guard lock(mutex);
@@ -140,7 +142,7 @@ TEST_CASE("ranks: loads on walls are those of all particles") {
   auto one = trough(silt_test::cloud(12, 4, 3), true);
   one.run(0.02), one.run(0.01);
   silt::run_on_ranks(3, [&](const silt::ThreadComm& comm) {
-    auto sim = trough(silt_test::cloud(12, 4, 3), true, Ranks{comm, {0, 0.11}});
+    auto sim = trough(silt_test::cloud(12, 4, 3), true, ranks(comm));
     sim.run(0.02), sim.run(0.01);
     for (std::size_t w = 0; w < 5; ++w) {
       CHECK(norm(sim.wall(w).force - one.wall(w).force) < 1e-8 * norm(one.wall(0).force));
@@ -157,7 +159,7 @@ TEST_CASE("ranks: ranks without particles, and more ranks than particles") {
   one.add(sim);
   Seen many;
   silt::run_on_ranks(8, [&](const silt::ThreadComm& comm) {
-    auto part = trough(three(), true, Ranks{comm, {0, 0.11}});
+    auto part = trough(three(), true, ranks(comm));
     part.run(0.03);
     many.add(part);
     CHECK(part.step() == sim.step());
@@ -168,17 +170,17 @@ TEST_CASE("ranks: ranks without particles, and more ranks than particles") {
 TEST_CASE("ranks: what one rank throws, all throw; with the sentence of that rank") {
   std::atomic<int> told{0};
   CHECK_THROWS_WITH(
-      silt::run_on_ranks(
-          3,
-          [&](const silt::ThreadComm& comm) {
-            auto sim = trough(silt_test::cloud(12, 4, 3), true, Ranks{comm, {0, 0.11}});
-            try {
-              sim.run(0.03, Stop{comm.rank()});
-            } catch (const silt::Error& e) {
-              told += std::string(e.what()).find("rank 1 of 3: the disc is full") == 0;
-              throw;
-            }
-          }),
+      silt::run_on_ranks(3,
+                         [&](const silt::ThreadComm& comm) {
+                           auto sim = trough(silt_test::cloud(12, 4, 3), true, ranks(comm));
+                           try {
+                             sim.run(0.03, Stop{comm.rank()});
+                           } catch (const silt::Error& e) {
+                             told +=
+                                 std::string(e.what()).find("rank 1 of 3: the disc is full") == 0;
+                             throw;
+                           }
+                         }),
       doctest::Contains("rank 1 of 3: the disc is full"));
   CHECK(told == 3);
 }
@@ -189,7 +191,7 @@ TEST_CASE("ranks: a limit that is broken on one rank ends the run on all") {
     auto beads = silt_test::cloud(12, 1, 1);
     beads.add({.position = {0.1, 0.02, 0.02}, .radius = 0.003, .density = 2500});
     beads.add({.position = {0.1031, 0.02, 0.02}, .radius = 0.003, .density = 2500});
-    auto sim = trough(std::move(beads), true, Ranks{comm, {0, 0.11}});
+    auto sim = trough(std::move(beads), true, ranks(comm));
     try {
       sim.run(0.01);
     } catch (const silt::SimulationError& e) {
@@ -203,7 +205,7 @@ TEST_CASE("ranks: a limit that is broken on one rank ends the run on all") {
 
 TEST_CASE("ranks: what is not done on many ranks yet is refused") {
   silt::run_on_ranks(2, [&](const silt::ThreadComm& comm) {
-    auto sim = trough(silt_test::cloud(12, 1, 1), true, Ranks{comm, {0, 0.11}});
+    auto sim = trough(silt_test::cloud(12, 1, 1), true, ranks(comm));
     sim.run(0.001);
     CHECK_THROWS_WITH(sim.add(silt_test::cloud(1, 1, 1)),
                       doctest::Contains("cannot be added once a run has begun"));
