@@ -313,6 +313,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     engine_.prepare_fluxes(modules_, time_, look_at_fluxes(present));
     engine_.pair_forces(domain_, times);
     engine_.wall_forces(times);
+    if constexpr (has_ranks) engine_.ghost_forces(domain_, times);
     if constexpr (has_breakage) breaks_.weigh(engine_, this->breakage(), time_);
     [[maybe_unused]] double bond_power = 0;
     if constexpr (has_bonds) bond_power = bonds_.push(engine_, domain_, dt_);

@@ -123,27 +123,27 @@ class RankStage {
 
   // --- at each step (collective) ------------------------------------------------------------
 
-  /// Gives the ghosts the places and motions that they have on their own ranks.
+  /// Gives the ghosts the places and motions that they have on their own ranks: the first call
+  /// sends, the second receives.
   template <class State>
-  void refresh(State& particles) {
-    struct Row {
-      PositionRow position;
-      typename State::ParticleMotion motion;
-    };
-    exchange<Row>(
-        [&](std::uint32_t k) {
-          return Row{particles.position[k], particles.motion[k]};
-        },
-        [&](std::uint32_t k, const Row& row) {
-          particles.position[k] = row.position, particles.motion[k] = row.motion;
-          particles.renew_pair_motion(k);
-        });
+  void begin_refresh(const State& particles) {
+    begin<RefreshRow<State>>([&](std::uint32_t k) {
+      return RefreshRow<State>{particles.position[k], particles.motion[k]};
+    });
+  }
+  template <class State>
+  void finish_refresh(State& particles) {
+    if (!under_way_) return;
+    finish<RefreshRow<State>>([&](std::uint32_t k, const RefreshRow<State>& row) {
+      particles.position[k] = row.position, particles.motion[k] = row.motion;
+      particles.renew_pair_motion(k);
+    });
   }
   /// Likewise the numbers of a column.
   template <class Column>
   void share(Column& column) {
-    exchange<double>([&](std::uint32_t k) { return column[k]; },
-                     [&](std::uint32_t k, double value) { column[k] = value; });
+    begin<double>([&](std::uint32_t k) { return column[k]; });
+    if (under_way_) finish<double>([&](std::uint32_t k, double value) { column[k] = value; });
   }
 
   /// Makes the loads of walls, which are those of own particles, the loads of all ranks' particles.
@@ -205,6 +205,49 @@ class RankStage {
     return to;
   }
 
+  /// Whether a particle that comes to this place [m] is this rank's; of those before the first
+  /// search, or where places say nothing, each rank takes a part of what comes.
+  bool takes(const Vec3d& place, std::size_t k, std::size_t of) const {
+    using Parts = decltype(Policy::parts);
+    if constexpr (Parts::by_place)
+      if (counts.partitions > 0) return policy_->parts.rank_of(place) == rank();
+    const auto [from, end] = share_of(of);
+    return k >= from && k < end;
+  }
+  /// All ranks' particles whose centre, or an image of it, is in a region (collective).
+  template <class State, class Domain>
+  std::vector<PositionRow> all_in(const Box& region, const State& particles,
+                                  const Domain& domain) const {
+    std::vector<PositionRow> own;
+    for (const PositionRow& p : particles.rows()) {
+      bool is_in = false;
+      for_images(domain, p.centre(), [&](const Vec3d& image) { is_in |= region.contains(image); });
+      if (p.r > 0 && is_in) own.push_back(p);
+    }
+    return gather(policy_->comm, std::span<const PositionRow>(own)).values;
+  }
+  /// Makes what own particles have added to outlets what all ranks' have (collective).
+  template <class Outlets>
+  void share_left(Outlets& outlets, const Outlets& before) {
+    std::vector<double> left;
+    for (std::size_t k = 0; k < outlets.size(); ++k)
+      left.push_back(static_cast<double>(outlets[k].count - before[k].count)),
+          left.push_back(outlets[k].mass - before[k].mass);
+    sum_of(left);
+    for (std::size_t k = 0; k < outlets.size(); ++k) {
+      const auto count = static_cast<std::uint64_t>(left[2 * k]);
+      outlets[k].count = before[k].count + count;
+      outlets[k].mass = before[k].mass + left[2 * k + 1];
+      present_ -= count;
+    }
+  }
+  /// So many rows have come in front of the ghosts.
+  void make_way(std::size_t more) {
+    for (RankNeighbour& other : neighbours)
+      other.first += static_cast<std::uint32_t>(more),
+          other.end += static_cast<std::uint32_t>(more);
+  }
+
   /// What comes from each rank for what goes to each.
   std::vector<Arrival> pass(std::vector<Packed>& out) {
     std::vector<Outgoing> messages;
@@ -249,11 +292,19 @@ class RankStage {
   }
 
  private:
-  template <class Row, class Get, class Set>
-  void exchange(const Get& get, const Set& set) {
+  template <class State>
+  struct RefreshRow {
+    PositionRow position;
+    typename State::ParticleMotion motion;
+  };
+
+  /// Sends a row each of what others have as ghosts.
+  template <class Row, class Get>
+  void begin(const Get& get) {
     if (neighbours.empty()) return;
     out_.resize(neighbours.size()), in_.resize(neighbours.size());
-    sends_.clear(), receives_.clear();
+    std::vector<Outgoing> sends;
+    std::vector<Incoming> receives;
     for (std::size_t n = 0; n < neighbours.size(); ++n) {
       const RankNeighbour& other = neighbours[n];
       out_[n].resize(other.send.size() * sizeof(Row));
@@ -264,12 +315,18 @@ class RankStage {
       }
       in_[n].resize((other.end - other.first) * sizeof(Row));
       if (!out_[n].empty()) {
-        sends_.push_back({other.rank, out_[n]});
+        sends.push_back({other.rank, out_[n]});
         ++counts.messages, counts.bytes += out_[n].size();
       }
-      if (!in_[n].empty()) receives_.push_back({other.rank, in_[n]});
+      if (!in_[n].empty()) receives.push_back({other.rank, in_[n]});
     }
-    policy_->comm.exchange(sends_, receives_).wait();
+    under_way_.emplace(policy_->comm.exchange(sends, receives));
+  }
+  /// Takes in those of the own ghosts.
+  template <class Row, class Set>
+  void finish(const Set& set) {
+    under_way_->wait();
+    under_way_.reset();
     for (std::size_t n = 0; n < neighbours.size(); ++n) {
       const std::byte* next = in_[n].data();
       for (std::uint32_t k = neighbours[n].first; k < neighbours[n].end; ++k) {
@@ -287,9 +344,10 @@ class RankStage {
   std::vector<Impulses> own_, shared_;  // of walls: by own particles; by all, when last shared
   std::size_t present_ = 0;
   std::int64_t last_step_ = 0;  // in which ranks were chosen
+  using Exchange = decltype(std::declval<const decltype(Policy::comm)&>().exchange(
+      std::span<const Outgoing>(), std::span<const Incoming>()));
+  std::optional<Exchange> under_way_;
   std::vector<std::vector<std::byte>> out_, in_;
-  std::vector<Outgoing> sends_;
-  std::vector<Incoming> receives_;
 };
 
 template <>
