@@ -286,7 +286,7 @@ class Engine : public Tables<Composition> {
     if (how == Advance::KickAndDrift && !deforms<Domain> && !of_ranks)
       lists.upkeep.used += largest_share * time_step;
   }
-  /// Does a step's work; then all ranks know of each other's speeds and overlaps, or throw what one
+  /// Does a step's work, which observers see on all ranks or on none; then all ranks know of each other's speeds and overlaps, or throw what one
   /// has thrown (collective).
   template <class Work>
   void together(const char* call, double time_step, bool observed,
@@ -360,9 +360,12 @@ class Engine : public Tables<Composition> {
     lists.upkeep.used += pace.largest_share * time_step / lists.flow.pruned;
   }
 
+  /// Of pairs of two ranks those whose first particle is of this one.
   std::size_t touching_pairs(const Domain& domain) const {
     std::size_t count = 0;
     lists.pairs.for_each([&](std::size_t k) {
+      if constexpr (of_ranks)
+        if (lists.pairs.first()[k] >= particles.owned()) return;
       if constexpr (convex)
         count += lists.pairs.history(ContactsType::memory_radius, k) > 0;
       else

@@ -59,9 +59,11 @@ class RankStage {
   const auto& comm() const { return policy_->comm; }
   /// Does what ranks do by themselves; all throw what one has thrown (collective).
   template <class Work>
-  void together(const char* call, const Work& work) {
+  void together(const char* call, const Work& work) const {
     silt::together(policy_->comm, call, work);
   }
+  /// Where ranks meet before they talk: those that have failed say so here, and all throw it.
+  void meet(const char* call) const { silt::agree(policy_->comm, call); }
   int rank() const { return policy_->comm.rank(); }
   int size() const { return policy_->comm.size(); }
   /// The part of `all` things that this rank takes, before anybody owns them: first and end.
@@ -73,15 +75,15 @@ class RankStage {
   // --- what all agree on (collective) -------------------------------------------------------
 
   /// The largest of each number.
-  void max_of(std::span<double> values) { policy_->comm.max_of(values); }
-  double max_of(double value) {
+  void max_of(std::span<double> values) const { policy_->comm.max_of(values); }
+  double max_of(double value) const {
     max_of({&value, 1});
     return value;
   }
-  bool any(bool is) { return max_of(is ? 1.0 : 0.0) > 0; }
-  bool all(bool is) { return !any(!is); }
+  bool any(bool is) const { return max_of(is ? 1.0 : 0.0) > 0; }
+  bool all(bool is) const { return !any(!is); }
   /// The sum of each number, added in the order of ranks.
-  void sum_of(std::span<double> values) {
+  void sum_of(std::span<double> values) const {
     const auto all = gather(policy_->comm, std::span<const double>(values));
     std::fill(values.begin(), values.end(), 0.0);
     for (int r = 0; r < all.ranks(); ++r)
@@ -97,7 +99,7 @@ class RankStage {
       for (std::size_t m = 0; m < own.spheres.size(); ++m) own.spheres[m].include_all(all[r][m]);
     return own;
   }
-  Box union_of(const Box& box) {
+  Box union_of(const Box& box) const {
     std::array<double, 6> ends{-box.min.x, -box.min.y, -box.min.z, box.max.x, box.max.y, box.max.z};
     max_of(ends);
     return {{-ends[0], -ends[1], -ends[2]}, {ends[3], ends[4], ends[5]}};
