@@ -60,7 +60,7 @@ class Engine : public Tables<Composition> {
       typename WallStageOf<convex>::template type<ShapeType, ContactsType, Arch, Scalar, Fluxes,
                                                   Domain::periodic && !deforms<Domain>>;
   using Lists = NearLists<ContactsType::history, history_in_rows<ContactsType>, Scalar, State,
-                          Search, Domain, Arch, typename WallStage::Contacts>;
+                          Search, Domain, Arch, typename WallStage::Contacts, Mover>;
 
   std::vector<Wall> walls;
   [[no_unique_address]] RankStage<typename Composition::Ranks> ranks;
@@ -154,10 +154,16 @@ class Engine : public Tables<Composition> {
     if constexpr (Composition::has_bonds) begin_freed_at_walls(*this, ContactsType::offset_from);
     if (!lists.take_renewed()) return;
     if constexpr (has_bodies)
-      if (lists.upkeep.searched_at == step) this->follow(domain);
+      if (lists.upkeep.searched_at == step) {
+        this->follow(domain);
+        if constexpr (of_ranks) follow_bodies(ranks.neighbours, particles);
+      }
     if constexpr (shares) shared_.renew(lists.pairs, particles, mover.bodies.size());
     if constexpr (convex) {
-      mover.renew_convex_rows(particles);
+      if constexpr (of_ranks) agree_on_mean();
+      mover.renew_convex_rows(particles, [this](std::span<double> most) {
+        if constexpr (of_ranks) ranks.max_of(most);
+      });
       lists.pairs.use_more_history(mover.convex_rows.has_area());
     }
     if constexpr (ContactsType::several_materials)
@@ -192,7 +198,7 @@ class Engine : public Tables<Composition> {
     if constexpr (convex) {
       using Pairs =
           ConvexPairs<typename ConvexRowsOf<ShapeType>::type, ContactsType, Domain, Arch, Fluxes>;
-      mover.convex_rows.measure_pace(particles.motion.data(), *team_);
+      mover.convex_rows.measure_pace(particles.motion.data(), *team_, has_agreed_mean());
       return take(Pairs::run({particles.position.data(), particles.motion.data(),
                               &mover.convex_rows, kinds_.data(), particles.material.data(), times},
                              lists.pairs, coefficients, domain, sums_.data(), *team_, &fluxes_));
@@ -286,7 +292,7 @@ class Engine : public Tables<Composition> {
     if (most[3] > 0) lists.forget();
   }
   /// Gives the ghosts the places and motions that they have on their own ranks (collective).
-  void refresh_ghosts() requires(of_ranks) { ranks.refresh(particles); }
+  void refresh_ghosts() requires(of_ranks) { ranks.refresh(particles, mover); }
   /// After an observed state: the step will be `ratio` times as long.
   void change_step(double ratio) {
     mover.change_step(particles, ratio);
@@ -391,7 +397,24 @@ class Engine : public Tables<Composition> {
   typename Lists::Scene scene(const Domain& domain, double time_step) {
     return {particles, walls,     domain,
             *team_,    time_step, largest_range(coefficients, particles.largest_radius),
-            ranks};
+            ranks,     mover};
+  }
+  /// On one rank that of the step is as good, and what one process takes.
+  bool has_agreed_mean() const {
+    if constexpr (of_ranks)
+      return ranks.size() > 1;
+    else
+      return false;
+  }
+  /// The mean velocity [m/s] of all ranks' rows (collective).
+  void agree_on_mean() requires(of_ranks&& convex) {
+    std::array<double, 4> sum{0, 0, 0, static_cast<double>(particles.owned())};
+    for (std::size_t k = 0; k < particles.owned(); ++k) {
+      const Vec3d v = particles.motion[k].velocity();
+      sum[0] += v.x, sum[1] += v.y, sum[2] += v.z;
+    }
+    ranks.sum_of(sum);
+    mover.convex_rows.agreed_mean = Vec3d{sum[0], sum[1], sum[2]} * (1 / std::max(sum[3], 1.0));
   }
   /// They are kicked on their own ranks.
   void forget_loads_of_ghosts() {

@@ -153,9 +153,10 @@ void Simulation<Policies...>::join(std::span<const Particle> more,
             "all before");
     const auto [from, end] = engine_.ranks.share_of(more.size());
     auto next = next_;
-    next.particle += from;
+    next.particle += from, next.part += detail::rows_to_come(engine_, more.first(from), numbers);
     detail::take_in(engine_, more.subspan(from, end - from), numbers, kicked_, next);
     next_.particle += more.size(), engine_.ranks.count(more.size());
+    next_.part += detail::rows_to_come(engine_, more, numbers);
   } else {
     detail::take_in(engine_, more, numbers, kicked_, next_);
   }

@@ -70,6 +70,20 @@ struct NextIds {
   ParticleId particle = 0, part = 0;
 };
 
+/// How many rows these particles will have: a sphere one, a body one a part.
+template <class Engine, class Particle>
+std::size_t rows_to_come(const Engine& e, std::span<const Particle> more,
+                         [[maybe_unused]] std::span<const std::size_t> numbers) {
+  if constexpr (Engine::has_bodies) {
+    std::size_t rows = 0;
+    for (const auto& p : more)
+      rows += e.mover.forms[numbers.empty() ? p.form : numbers[p.form]].parts.size();
+    return rows;
+  } else {
+    return more.size();
+  }
+}
+
 /// A new body of the engine's form `number`.
 template <class Form, class Particle>
 Body new_body(const Form& form, std::uint32_t number, const Particle& p) {

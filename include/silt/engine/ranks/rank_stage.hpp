@@ -17,6 +17,7 @@
 #include <silt/core/box.hpp>
 #include <silt/core/position_row.hpp>
 #include <silt/engine/ranks/packed.hpp>
+#include <silt/engine/ranks/rank_bodies.hpp>
 #include <silt/parallel/agree.hpp>
 #include <silt/parallel/ranks.hpp>
 
@@ -28,6 +29,9 @@ struct RankNeighbour {
   int rank;
   std::vector<std::uint32_t> send;   // own rows
   std::uint32_t first = 0, end = 0;  // ghost rows
+  // Of bodies: the same of them, whose parts the rows are.
+  std::vector<std::uint32_t> send_bodies{};
+  std::uint32_t first_body = 0, end_body = 0;
 };
 
 /// What has been counted since the start, of this rank.
@@ -104,14 +108,14 @@ class RankStage {
     std::array<double, 3> most{particles.largest_radius, -particles.smallest_radius,
                                particles.some_fixed ? 1.0 : 0.0};
     if (particles.owned() == 0) most = {0, -std::numeric_limits<double>::infinity(), 0};
-    std::array<double, 2> sums{
-        particles.mean_diameter * static_cast<double>(particles.owned() - particles.parked),
-        static_cast<double>(particles.owned() - particles.parked)};
+    const auto rows = static_cast<double>(particles.owned() - particles.parked);
+    std::array<double, 3> sums{particles.mean_diameter * rows, rows,
+                               static_cast<double>(present_in(particles))};
     max_of(most), sum_of(sums);
     particles.largest_radius = most[0], particles.smallest_radius = std::min(-most[1], most[0]);
     particles.some_fixed = most[2] > 0;
     particles.mean_diameter = sums[1] > 0 ? sums[0] / sums[1] : 0;
-    present_ = static_cast<std::size_t>(sums[1]);
+    present_ = static_cast<std::size_t>(sums[2]);
   }
   /// Particles of all ranks, when they were measured last.
   std::size_t present() const { return present_; }
@@ -120,26 +124,23 @@ class RankStage {
   // --- at each step (collective) ------------------------------------------------------------
 
   /// Gives the ghosts the places and motions that they have on their own ranks.
-  template <class State>
-  void refresh(State& particles) {
-    struct Row {
-      PositionRow position;
-      typename State::ParticleMotion motion;
-    };
-    exchange<Row>(
-        [&](std::uint32_t k) {
-          return Row{particles.position[k], particles.motion[k]};
-        },
-        [&](std::uint32_t k, const Row& row) {
-          particles.position[k] = row.position, particles.motion[k] = row.motion;
-          particles.renew_pair_motion(k);
-        });
+  template <class State, class Mover>
+  void refresh(State& particles, [[maybe_unused]] Mover& mover) {
+    const auto rows = rows_of<RowState<State, Mover>>(
+        [&](std::uint32_t k) { return RowState<State, Mover>::of(particles, mover, k); },
+        [&](std::uint32_t k, const auto& row) { row.give(particles, mover, k); });
+    if constexpr (State::of_bodies)
+      exchange(rows, bodies_of<BodyState>(
+                         [&](std::uint32_t k) { return BodyState::of(mover.bodies[k]); },
+                         [&](std::uint32_t k, const BodyState& b) { b.give(mover.bodies[k]); }));
+    else
+      exchange(rows);
   }
   /// Likewise the numbers of a column.
   template <class Column>
   void share(Column& column) {
-    exchange<double>([&](std::uint32_t k) { return column[k]; },
-                     [&](std::uint32_t k, double value) { column[k] = value; });
+    exchange(rows_of<double>([&](std::uint32_t k) { return column[k]; },
+                             [&](std::uint32_t k, double value) { column[k] = value; }));
   }
 
   /// Makes the loads of walls, which are those of own particles, the loads of all ranks' particles.
@@ -167,20 +168,15 @@ class RankStage {
 
   // --- at a search (collective) -------------------------------------------------------------
 
-  /// The rank that each of the own rows goes to; -1 those that have left.
-  template <class State>
-  std::vector<int> choose_ranks(const State& particles, std::span<const double> weights) {
-    std::vector<Vec3d> points;
-    std::vector<double> of;
-    for (std::size_t k = 0; k < particles.owned(); ++k) {
-      if (particles.is_parked(k)) continue;
-      points.push_back(particles.position[k].centre());
-      of.push_back(weights[k]);
-    }
-    const auto chosen = policy_->decomposition.partition(policy_->comm, points, of);
+  /// The rank that each of the own rows goes to; -1 those that have left. Bodies go as a whole.
+  template <class State, class Mover>
+  std::vector<int> choose_ranks(const State& particles, const Mover& mover,
+                                std::span<const double> weights) {
+    const OwnParticles<State, Mover> own(particles, mover, weights);
+    const auto chosen = policy_->decomposition.partition(policy_->comm, own.points, own.weights);
     std::vector<int> to(particles.owned(), -1);
-    for (std::size_t k = 0, next = 0; k < to.size(); ++k)
-      if (!particles.is_parked(k)) to[k] = chosen[next++];
+    for (std::size_t k = 0; k < to.size(); ++k)
+      if (!particles.is_parked(k)) to[k] = chosen[own.place_of(k)];
     return to;
   }
 
@@ -228,20 +224,50 @@ class RankStage {
   }
 
  private:
-  template <class Row, class Get, class Set>
-  void exchange(const Get& get, const Set& set) {
+  /// What is sent of each row of a kind (rows, or bodies) and set in the ghost of it.
+  template <class Value, bool OfBodies, class Get, class Set>
+  struct Passed {
+    static constexpr std::size_t bytes = sizeof(Value);
+    Get get;
+    Set set;
+    static const auto& sent(const RankNeighbour& n) { return OfBodies ? n.send_bodies : n.send; }
+    static std::uint32_t first(const RankNeighbour& n) { return OfBodies ? n.first_body : n.first; }
+    static std::uint32_t end(const RankNeighbour& n) { return OfBodies ? n.end_body : n.end; }
+    void put(const RankNeighbour& n, std::byte*& to) const {
+      for (const std::uint32_t k : sent(n)) {
+        const Value value = get(k);
+        std::memcpy(to, &value, bytes), to += bytes;
+      }
+    }
+    void take(const RankNeighbour& n, const std::byte*& from) const {
+      for (std::uint32_t k = first(n); k < end(n); ++k) {
+        Value value;
+        std::memcpy(&value, from, bytes), from += bytes;
+        set(k, value);
+      }
+    }
+  };
+  template <class Value, class Get, class Set>
+  static auto rows_of(Get get, Set set) {
+    return Passed<Value, false, Get, Set>{get, set};
+  }
+  template <class Value, class Get, class Set>
+  static auto bodies_of(Get get, Set set) {
+    return Passed<Value, true, Get, Set>{get, set};
+  }
+
+  /// One message to each neighbour, and one from it.
+  template <class... Passed>
+  void exchange(const Passed&... passed) {
     if (neighbours.empty()) return;
     out_.resize(neighbours.size()), in_.resize(neighbours.size());
     sends_.clear(), receives_.clear();
     for (std::size_t n = 0; n < neighbours.size(); ++n) {
       const RankNeighbour& other = neighbours[n];
-      out_[n].resize(other.send.size() * sizeof(Row));
-      std::byte* next = out_[n].data();
-      for (const std::uint32_t k : other.send) {
-        const Row row = get(k);
-        std::memcpy(next, &row, sizeof(Row)), next += sizeof(Row);
-      }
-      in_[n].resize((other.end - other.first) * sizeof(Row));
+      out_[n].resize((... + (passed.sent(other).size() * passed.bytes)));
+      std::byte* to = out_[n].data();
+      (passed.put(other, to), ...);
+      in_[n].resize((... + ((passed.end(other) - passed.first(other)) * passed.bytes)));
       if (!out_[n].empty()) {
         sends_.push_back({other.rank, out_[n]});
         ++counts.messages, counts.bytes += out_[n].size();
@@ -250,12 +276,8 @@ class RankStage {
     }
     policy_->comm.exchange(sends_, receives_).wait();
     for (std::size_t n = 0; n < neighbours.size(); ++n) {
-      const std::byte* next = in_[n].data();
-      for (std::uint32_t k = neighbours[n].first; k < neighbours[n].end; ++k) {
-        Row row;
-        std::memcpy(&row, next, sizeof(Row)), next += sizeof(Row);
-        set(k, row);
-      }
+      const std::byte* from = in_[n].data();
+      (passed.take(neighbours[n], from), ...);
     }
   }
 
