@@ -1,30 +1,39 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-#include <span>
+#include <concepts>
 #include <utility>
-#include <vector>
 
-#include <silt/core/vec3.hpp>
-#include <silt/parallel/comm.hpp>
+#include <silt/parallel/decomposition/bisection.hpp>
+#include <silt/parallel/decomposition/rebalance.hpp>
 
 namespace silt::inline SILT_TARGET {
 
-/// The policy that spreads a simulation over ranks: who they are, and how the space is shared.
+/// The policy that spreads a simulation over ranks: who they are, how they share the space, and
+/// when they share it anew.
 ///
-///   silt::Simulation sim{std::move(beads), silt::Contacts<Law>{glass}, silt::Ranks{comm,
-///   silt::Bisection{}}};
+///   silt::Simulation sim{std::move(beads), silt::Contacts<Law>{glass},
+///                        silt::Ranks{MPI_COMM_WORLD, silt::Bisection{}}};  // silt/mpi.hpp
 ///
-/// Every rank runs the same program: it makes the same particles, walls and calls of run(). A
-/// decomposition has partition(comm, points, weights), the rank of each point (collective).
-template <Communicator Comm, class Decomposition>
+/// Every rank runs the same program: it makes the same particles, walls and calls of run(). Each
+/// has a part of the particles then, of which rows() and all that takes a place in memory speak.
+template <Communicator Comm, Decomposition<Comm> Parts = Bisection>
 struct Ranks {
   static constexpr bool is_ranks = true;
   Comm comm;
-  Decomposition decomposition;
+  Parts parts;
+  Rebalance rebalance;
 
-  Ranks(Comm ranks, Decomposition how = {})
-      : comm(std::move(ranks)), decomposition(std::move(how)) {}
+  template <class C>
+  requires std::constructible_from<Comm, const C&>
+  explicit Ranks(const C& ranks, Parts how = {}, Rebalance when = {})
+      : comm(ranks), parts(std::move(how)), rebalance(when) {}
 };
+template <Communicator C>
+Ranks(const C&) -> Ranks<C>;
+template <Communicator C, class Parts>
+Ranks(const C&, Parts) -> Ranks<C, Parts>;
+template <Communicator C, class Parts>
+Ranks(const C&, Parts, Rebalance) -> Ranks<C, Parts>;
 
 }  // namespace silt

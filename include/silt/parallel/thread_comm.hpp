@@ -43,7 +43,8 @@ class ThreadHub {
     const std::size_t side = round % 2;
     own.given[side].assign(given.begin(), given.end());
     own.calls[side] = call;
-    for (auto& other : seats_) other.awake.notify_one();
+    if (std::all_of(seats_.begin(), seats_.end(), [&](auto& s) { return s.rounds >= round; }))
+      for (auto& other : seats_) other.awake.notify_one();
     wait(lock, rank, call, [&](int r) { return seat(r).rounds < round; });
     for (const auto& other : seats_)
       if (std::string_view(other.calls[side]) != call) fail(out_of_step(side));

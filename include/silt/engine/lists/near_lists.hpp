@@ -300,7 +300,7 @@ class NearLists {
     previous_.resize(before);
     std::iota(previous_.begin(), previous_.end(), 0u);
     if constexpr (State::of_ranks)
-      change_ranks(scene);
+      change_ranks(scene, step);
     else if (particles.parked > 0)
       drop_parked(scene);
     if constexpr (Domain::periodic) {
@@ -380,13 +380,13 @@ class NearLists {
   auto rows_of(const Scene& scene) {
     return typename Change::Rows{scene.particles, scene.mover, previous_, anticipated_, scene.team};
   }
-  void change_ranks(const Scene& scene) {
+  void change_ranks(const Scene& scene, std::int64_t step) {
     if constexpr (Domain::periodic) {
       wrap(scene);
       if constexpr (State::of_bodies) scene.mover.wrap(scene.particles, scene.domain);
     }
     walls.set_aside();
-    change_.move(scene.ranks, rows_of(scene), pairs, walls);
+    change_.move(scene.ranks, rows_of(scene), pairs, walls, step);
   }
   void add_ghosts(const Scene& scene) {
     const std::size_t owned = scene.particles.size();

@@ -48,11 +48,12 @@ class RankChange {
 
   /// Passes the own rows on to the ranks that are to have them (collective). The ghosts go.
   template <class Stage>
-  void move(Stage& ranks, const Rows& rows, const Pairs& pairs, const Walls& walls) {
+  void move(Stage& ranks, const Rows& rows, const Pairs& pairs, const Walls& walls,
+            std::int64_t step) {
     State& particles = rows.particles;
     const std::size_t owned = particles.owned(), before = particles.size();
     weigh(pairs, owned);
-    const std::vector<int> to = ranks.choose_ranks(particles, rows.mover, weights_);
+    const std::vector<int> to = ranks.choose_ranks(particles, rows.mover, weights_, step);
     const auto goes = [&](std::size_t k) { return to[k] >= 0 && to[k] != ranks.rank(); };
     next_place_ = static_cast<std::uint32_t>(before);
     places_.clear(), pairs_.clear(), walls_.clear();

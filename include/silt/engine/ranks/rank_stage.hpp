@@ -8,8 +8,10 @@
 #include <cstdint>
 #include <initializer_list>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <span>
+#include <type_traits>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -36,8 +38,10 @@ struct RankNeighbour {
 
 /// What has been counted since the start, of this rank.
 struct RankCounts {
-  std::uint64_t searches = 0, migrated = 0;  // rows that came from other ranks
-  std::uint64_t messages = 0, bytes = 0;     // sent at the steps and at searches
+  std::uint64_t searches = 0, partitions = 0;
+  std::uint64_t migrated = 0;             // rows that came from other ranks
+  std::uint64_t messages = 0, bytes = 0;  // sent at the steps and at searches
+  Load load;                              // of all ranks, at the last search, before it
 };
 
 /// The engine's part in a run on many ranks: who owns which particle, which ghosts go where, and
@@ -169,11 +173,30 @@ class RankStage {
   // --- at a search (collective) -------------------------------------------------------------
 
   /// The rank that each of the own rows goes to; -1 those that have left. Bodies go as a whole.
+  /// `weights`: the work that each row makes in a step.
   template <class State, class Mover>
   std::vector<int> choose_ranks(const State& particles, const Mover& mover,
-                                std::span<const double> weights) {
+                                std::span<const double> weights, std::int64_t step) {
+    auto& parts = policy_->parts;
     const OwnParticles<State, Mover> own(particles, mover, weights);
-    const auto chosen = policy_->decomposition.partition(policy_->comm, own.points, own.weights);
+    const std::vector<Vec3d>& points = own.points;
+    const std::vector<double>& work = own.weights;
+    counts.load = load_of(policy_->comm, std::accumulate(work.begin(), work.end(), 0.0));
+    const bool first = counts.partitions == 0;
+    const double mean_points = static_cast<double>(present_) / size();
+    std::vector<int> chosen;
+    if (policy_->rebalance.due(counts.load, step - last_step_, mean_points) || first) {
+      chosen = parts.partition(policy_->comm, points, work);
+      double sent = 0;
+      for (const int r : chosen) sent += r != rank();
+      policy_->rebalance.parted(static_cast<std::int64_t>(first ? mean_points / 10 : max_of(sent)));
+      ++counts.partitions;
+    } else if constexpr (std::remove_cvref_t<decltype(parts)>::by_place) {
+      for (const Vec3d& p : points) chosen.push_back(parts.rank_of(p));
+    } else {
+      chosen.assign(points.size(), rank());
+    }
+    last_step_ = step;
     std::vector<int> to(particles.owned(), -1);
     for (std::size_t k = 0; k < to.size(); ++k)
       if (!particles.is_parked(k)) to[k] = chosen[own.place_of(k)];
@@ -287,6 +310,7 @@ class RankStage {
   std::optional<Policy> policy_;
   std::vector<Impulses> own_, shared_;  // of walls: by own particles; by all, when last shared
   std::size_t present_ = 0;
+  std::int64_t last_step_ = 0;  // in which ranks were chosen
   std::vector<std::vector<std::byte>> out_, in_;
   std::vector<Outgoing> sends_;
   std::vector<Incoming> receives_;
