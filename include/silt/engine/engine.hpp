@@ -60,7 +60,7 @@ class Engine : public Tables<Composition> {
       typename WallStageOf<convex>::template type<ShapeType, ContactsType, Arch, Scalar, Fluxes,
                                                   Domain::periodic && !deforms<Domain>>;
   using Lists = NearLists<ContactsType::history, history_in_rows<ContactsType>, Scalar, State,
-                          Search, Domain, Arch, typename WallStage::Contacts>;
+                          Search, Domain, Arch, typename WallStage::Contacts, Mover>;
 
   std::vector<Wall> walls;
   [[no_unique_address]] RankStage<typename Composition::Ranks> ranks;
@@ -163,15 +163,21 @@ class Engine : public Tables<Composition> {
   /// Renews what is stale of the lists, and what follows from them.
   void renew_lists(Search& search, const Domain& domain, std::int64_t step, double time_step) {
     if constexpr (of_ranks)
-      if (!lists.hold(walls)) ranks.finish_refresh(particles);
+      if (!lists.hold(walls)) ranks.finish_refresh(particles, mover);
     lists.renew(scene(domain, time_step), search, step);
     if constexpr (Composition::has_bonds) begin_freed_at_walls(*this, ContactsType::offset_from);
     if (!lists.take_renewed()) return;
     if constexpr (has_bodies)
-      if (lists.upkeep.searched_at == step) this->follow(domain);
+      if (lists.upkeep.searched_at == step) {
+        this->follow(domain);
+        if constexpr (of_ranks) follow_bodies(ranks.neighbours, particles);
+      }
     if constexpr (shares) shared_.renew(lists.pairs, particles, mover.bodies.size());
     if constexpr (convex) {
-      mover.renew_convex_rows(particles);
+      if constexpr (of_ranks) agree_on_mean();
+      mover.renew_convex_rows(particles, [this](std::span<double> most) {
+        if constexpr (of_ranks) ranks.max_of(most);
+      });
       lists.pairs.use_more_history(mover.convex_rows.has_area());
     }
     if constexpr (ContactsType::several_materials)
@@ -203,21 +209,25 @@ class Engine : public Tables<Composition> {
   Fluxes& fluxes() { return fluxes_; }
 
   void pair_forces(const Domain& domain, const StepTimes& times) {
+    if constexpr (of_ranks && !apart) ranks.finish_refresh(particles, mover);
     if constexpr (convex) {
       using Pairs =
           ConvexPairs<typename ConvexRowsOf<ShapeType>::type, ContactsType, Domain, Arch, Fluxes>;
-      mover.convex_rows.measure_pace(particles.motion.data(), *team_);
+      mover.convex_rows.measure_pace(particles.motion.data(), *team_, has_agreed_mean());
       return take(Pairs::run({particles.position.data(), particles.motion.data(),
                               &mover.convex_rows, kinds_.data(), particles.material.data(), times},
                              lists.pairs, coefficients, domain, sums_.data(), *team_, &fluxes_));
     } else {
-      take(sphere_pairs < of_ranks ? PairsOf::Own : PairsOf::All > (domain, times));
+      constexpr PairsOf first = apart ? PairsOf::Own : PairsOf::All;
+      take(sphere_pairs<first>(domain, times));
     }
   }
-  /// The same of pairs with ghosts, when these have come.
+  /// The same of spheres' pairs with ghosts, when these have come.
   void ghost_forces(const Domain& domain, const StepTimes& times) requires(of_ranks) {
-    ranks.finish_refresh(particles);
-    if (particles.ghosts > 0) include(sphere_pairs<PairsOf::Ghosts>(domain, times));
+    if constexpr (apart) {
+      ranks.finish_refresh(particles, mover);
+      if (particles.ghosts > 0) include(sphere_pairs<PairsOf::Ghosts>(domain, times));
+    }
   }
   template <PairsOf Which>
   Tally<ContactsType> sphere_pairs(const Domain& domain, const StepTimes& times) {
@@ -286,8 +296,8 @@ class Engine : public Tables<Composition> {
     if (how == Advance::KickAndDrift && !deforms<Domain> && !of_ranks)
       lists.upkeep.used += largest_share * time_step;
   }
-  /// Does a step's work, which observers see on all ranks or on none; then all ranks know of each other's speeds and overlaps, or throw what one
-  /// has thrown (collective).
+  /// Does a step's work, which observers see on all ranks or on none; then all ranks know of each
+  /// other's speeds and overlaps, or throw what one has thrown (collective).
   template <class Work>
   void together(const char* call, double time_step, bool observed,
                 const Work& work) requires(of_ranks) {
@@ -311,7 +321,7 @@ class Engine : public Tables<Composition> {
     if (most[3] > 0) lists.forget();
   }
   /// Begins to give the ghosts the places and motions that they have on their own ranks.
-  void refresh_ghosts() requires(of_ranks) { ranks.begin_refresh(particles); }
+  void refresh_ghosts() requires(of_ranks) { ranks.begin_refresh(particles, mover); }
   /// After an observed state: the step will be `ratio` times as long.
   void change_step(double ratio) {
     mover.change_step(particles, ratio);
@@ -419,7 +429,24 @@ class Engine : public Tables<Composition> {
   typename Lists::Scene scene(const Domain& domain, double time_step) {
     return {particles, walls,     domain,
             *team_,    time_step, largest_range(coefficients, particles.largest_radius),
-            ranks};
+            ranks,     mover};
+  }
+  /// On one rank that of the step is as good, and what one process takes.
+  bool has_agreed_mean() const {
+    if constexpr (of_ranks)
+      return ranks.size() > 1;
+    else
+      return false;
+  }
+  /// The mean velocity [m/s] of all ranks' rows (collective).
+  void agree_on_mean() requires(of_ranks&& convex) {
+    std::array<double, 4> sum{0, 0, 0, static_cast<double>(particles.owned())};
+    for (std::size_t k = 0; k < particles.owned(); ++k) {
+      const Vec3d v = particles.motion[k].velocity();
+      sum[0] += v.x, sum[1] += v.y, sum[2] += v.z;
+    }
+    ranks.sum_of(sum);
+    mover.convex_rows.agreed_mean = Vec3d{sum[0], sum[1], sum[2]} * (1 / std::max(sum[3], 1.0));
   }
   /// They are kicked on their own ranks.
   void forget_loads_of_ghosts() {
@@ -437,6 +464,8 @@ class Engine : public Tables<Composition> {
   // count on of a last-level cache that others use too.
   static constexpr std::size_t beyond_caches = 4 << 20;
 
+  // Pairs with ghosts come behind the others; what bodies share of contacts needs them all.
+  static constexpr bool apart = of_ranks && !has_bodies;
   static constexpr bool shares = has_bodies && !convex;
   const Scalar* share_pairs([[maybe_unused]] const Domain& domain) {
     if constexpr (shares)

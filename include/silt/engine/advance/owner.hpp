@@ -23,7 +23,7 @@ class Owner {
 
   static std::size_t count(const State& state, const Mover& mover) {
     if constexpr (has_bodies)
-      return mover.bodies.size();
+      return mover.owned();
     else
       return state.owned();
   }

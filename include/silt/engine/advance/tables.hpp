@@ -63,9 +63,9 @@ class Tables {
   /// Particles that are there.
   std::size_t present() const {
     if constexpr (has_bodies)
-      return static_cast<std::size_t>(
-          std::count_if(mover.bodies.begin(), mover.bodies.end(),
-                        [](const auto& b) { return b.id != no_particle; }));
+      return static_cast<std::size_t>(std::count_if(
+          mover.bodies.begin(), mover.bodies.begin() + static_cast<std::ptrdiff_t>(mover.owned()),
+          [](const auto& b) { return b.id != no_particle; }));
     else
       return particles.owned() - particles.parked;
   }
@@ -221,12 +221,7 @@ class Tables {
   void follow([[maybe_unused]] const Domain& domain) {
     if constexpr (has_bodies) {
       mover.follow(particles);
-      if constexpr (Domain::periodic)
-        for (Body& b : mover.bodies) {
-          const Vec3d shift = domain.wrapped(b.centre) - b.centre;
-          b.centre += shift;
-          for (const std::uint32_t row : mover.rows_of(b)) particles.part[row].image -= shift;
-        }
+      if constexpr (Domain::periodic) mover.wrap(particles, domain);
     }
   }
 

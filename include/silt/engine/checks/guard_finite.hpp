@@ -66,8 +66,8 @@ void check_given(const EngineType& e, const Vec3d& gravity, std::int64_t step, d
            {id}, place);
   };
   if constexpr (EngineType::has_bodies) {
-    for (const auto& b : e.mover.bodies)
-      if (b.id != no_particle) look(b.id, b.centre, b.velocity);
+    for (std::size_t k = 0; k < e.owners(); ++k)
+      if (const auto b = e.owner(k); b.is_there()) look(b.id(), b.centre(), b.velocity());
   } else {
     for (std::size_t k = 0; k < e.particles.owned(); ++k)
       if (!e.particles.is_parked(k))

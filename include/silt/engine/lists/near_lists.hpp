@@ -27,7 +27,7 @@ namespace silt::inline SILT_TARGET::detail {
 /// far (ListUpkeep), search, order of the particles in memory, pruning. Every loop over particles
 /// or pairs is shared between threads, none of which changes a result.
 template <std::size_t H, HistoryRows InRows, class Scalar, class State, class Search, class Domain,
-          class Arch, class Walls>
+          class Arch, class Walls, class Mover>
 class NearLists {
  public:
   /// What the lists are of.
@@ -39,6 +39,7 @@ class NearLists {
     double time_step;  // [s]
     double range;      // [m] gap at which the law still acts, 0 for laws of touch
     RankStage<typename State::Ranks>& ranks;
+    Mover& mover;
   };
 
   PairList<H, Scalar, InRows> pairs;
@@ -377,10 +378,13 @@ class NearLists {
   // --- ranks --------------------------------------------------------------------------------
 
   auto rows_of(const Scene& scene) {
-    return typename Change::Rows{scene.particles, previous_, anticipated_, scene.team};
+    return typename Change::Rows{scene.particles, scene.mover, previous_, anticipated_, scene.team};
   }
   void change_ranks(const Scene& scene, std::int64_t step) {
-    if constexpr (Domain::periodic) wrap(scene);
+    if constexpr (Domain::periodic) {
+      wrap(scene);
+      if constexpr (State::of_bodies) scene.mover.wrap(scene.particles, scene.domain);
+    }
     walls.set_aside();
     change_.move(scene.ranks, rows_of(scene), pairs, walls, step);
   }
@@ -442,7 +446,7 @@ class NearLists {
     return most;
   }
 
-  using Change = RankChange<State, PairList<H, Scalar, InRows>, Walls>;
+  using Change = RankChange<State, Mover, PairList<H, Scalar, InRows>, Walls>;
   struct NoChange {};
   [[no_unique_address]] std::conditional_t<State::of_ranks, Change, NoChange> change_;
   [[no_unique_address]] std::conditional_t<flows, BoxImages, NoFlow> images_;

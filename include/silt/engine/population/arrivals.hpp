@@ -70,6 +70,20 @@ struct NextIds {
   ParticleId particle = 0, part = 0;
 };
 
+/// How many rows these particles will have: a sphere one, a body one a part.
+template <class Engine, class Particle>
+std::size_t rows_to_come(const Engine& e, std::span<const Particle> more,
+                         [[maybe_unused]] std::span<const std::size_t> numbers) {
+  if constexpr (Engine::has_bodies) {
+    std::size_t rows = 0;
+    for (const auto& p : more)
+      rows += e.mover.forms[numbers.empty() ? p.form : numbers[p.form]].parts.size();
+    return rows;
+  } else {
+    return more.size();
+  }
+}
+
 /// A new body of the engine's form `number`.
 template <class Form, class Particle>
 Body new_body(const Form& form, std::uint32_t number, const Particle& p) {
@@ -145,16 +159,27 @@ void take_in_own(Engine& e, std::span<const Particle> more, std::span<const std:
                  bool observed, NextIds& next, [[maybe_unused]] const Domain& domain) {
   auto& p = e.particles;
   const std::size_t before = p.owned();
-  for (std::size_t k = 0; k < more.size(); ++k) {
-    Vec3d place = more[k].position;
-    if constexpr (Domain::periodic) place = domain.wrapped(place);
-    if (e.ranks.takes(place, k, more.size()))
-      take_in(e, more.subspan(k, 1), numbers, observed, next);
-    else
-      ++next.particle;
-    p.largest_radius = std::max(p.largest_radius, more[k].radius);
-    p.smallest_radius = std::min(p.smallest_radius, more[k].radius);
-    p.some_fixed |= more[k].fixed;
+  if constexpr (Engine::has_bodies) {
+    require(
+        e.ranks.counts.searches == 0,
+        "bodies cannot come once a run on many ranks has begun; add all before, or take spheres");
+    const auto [from, end] = e.ranks.share_of(more.size());
+    auto own = next;
+    own.particle += from, own.part += rows_to_come(e, more.first(from), numbers);
+    take_in(e, more.subspan(from, end - from), numbers, observed, own);
+    next.particle += more.size(), next.part += rows_to_come(e, more, numbers);
+  } else {
+    for (std::size_t k = 0; k < more.size(); ++k) {
+      Vec3d place = more[k].position;
+      if constexpr (Domain::periodic) place = domain.wrapped(place);
+      if (e.ranks.takes(place, k, more.size()))
+        take_in(e, more.subspan(k, 1), numbers, observed, next);
+      else
+        ++next.particle;
+      p.largest_radius = std::max(p.largest_radius, more[k].radius);
+      p.smallest_radius = std::min(p.smallest_radius, more[k].radius);
+      p.some_fixed |= more[k].fixed;
+    }
   }
   e.ranks.count(more.size());
   e.join_own(p.owned() - before);

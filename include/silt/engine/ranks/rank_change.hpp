@@ -24,7 +24,7 @@ namespace silt::inline SILT_TARGET::detail {
 /// What contacts remember is kept by the places that their particles had before the search
 /// (PairArchive, WallContacts). A particle that was not known here before gets such a place too,
 /// behind all others, and what it brings is put there.
-template <class State, class Pairs, class Walls>
+template <class State, class Mover, class Pairs, class Walls>
 class RankChange {
   using Memory = typename Pairs::Memory;
   struct PairMemory {
@@ -40,6 +40,7 @@ class RankChange {
   /// the speed that is expected of it [m/s].
   struct Rows {
     State& particles;
+    Mover& mover;
     std::vector<std::uint32_t>& previous;
     std::vector<double>& anticipated;
     const Team& team;
@@ -52,7 +53,7 @@ class RankChange {
     State& particles = rows.particles;
     const std::size_t owned = particles.owned(), before = particles.size();
     weigh(pairs, owned);
-    const std::vector<int> to = ranks.choose_ranks(particles, weights_, step);
+    const std::vector<int> to = ranks.choose_ranks(particles, rows.mover, weights_, step);
     const auto goes = [&](std::size_t k) { return to[k] >= 0 && to[k] != ranks.rank(); };
     next_place_ = static_cast<std::uint32_t>(before);
     places_.clear(), pairs_.clear(), walls_.clear();
@@ -83,13 +84,16 @@ class RankChange {
   void add_ghosts(Stage& ranks, const Rows& rows, std::span<const PositionRow> grown,
                   const Domain& domain, Reaches& reaches) {
     State& particles = rows.particles;
-    auto to = ranks.choose_ghosts(grown, domain);
+    auto to = choose_ghosts(ranks, rows, grown, domain);
     std::vector<Packed> out(to.size());
-    for (std::size_t r = 0; r < to.size(); ++r)
+    for (std::size_t r = 0; r < to.size(); ++r) {
+      if constexpr (State::of_bodies)
+        if (!to[r].empty()) pack_bodies(particles, rows.mover, to[r], out[r]);
       for (const std::uint32_t k : to[r]) {
         pack_row(particles, k, out[r]), pack_row(particles.modules, k, out[r]);
         out[r].put(reaches[k]);
       }
+    }
     ranks.neighbours.clear();
     const std::size_t owned = particles.size();
     particles.take_off_pads();
@@ -97,13 +101,16 @@ class RankChange {
     auto came = arrivals.begin();
     for (std::size_t r = 0; r < to.size(); ++r) {
       RankNeighbour other{static_cast<int>(r), std::move(to[r]), row_count(particles), 0};
-      if (came != arrivals.end() && came->rank == other.rank)
-        for (Unpacked from((came++)->bytes); !from.done();) {
-          unpack_row(particles, from), unpack_row(particles.modules, from);
+      if (came != arrivals.end() && came->rank == other.rank) {
+        Unpacked from((came++)->bytes);
+        const auto bodies = unpack_bodies(rows, from);
+        while (!from.done()) {
+          unpack_one(particles, bodies, from);
           reaches.push_back(from.get<double>());
           rows.previous.push_back(place_of(particles.id.back()));
           rows.anticipated.push_back(0);
         }
+      }
       other.end = row_count(particles);
       if (!other.send.empty() || other.end > other.first)
         ranks.neighbours.push_back(std::move(other));
@@ -141,6 +148,39 @@ class RankChange {
     return known != places_.end() ? known->second : next_place_++;
   }
 
+  struct NoBodies {};
+  static auto unpack_bodies([[maybe_unused]] const Rows& rows, [[maybe_unused]] Unpacked& from) {
+    if constexpr (State::of_bodies)
+      return BodiesThatCome<Mover>(rows.mover, from);
+    else
+      return NoBodies{};
+  }
+  template <class Bodies>
+  static void unpack_one(State& particles, [[maybe_unused]] const Bodies& bodies, Unpacked& from) {
+    unpack_row(particles, from), unpack_row(particles.modules, from);
+    if constexpr (State::of_bodies)
+      particles.part.back().body = bodies.place_of(particles.part.back().body);
+  }
+
+  /// RankStage::choose_ghosts; of bodies all parts. These are looked at where the body has them,
+  /// not wrapped into a periodic box: those that hang out of it would be far from the others.
+  template <class Stage, class Domain>
+  static auto choose_ghosts(Stage& ranks, const Rows& rows, std::span<const PositionRow> grown,
+                            const Domain& domain) {
+    if constexpr (State::of_bodies) {
+      std::vector<PositionRow> in_body(grown.begin(), grown.end());
+      for (std::size_t k = 0; k < in_body.size(); ++k) {
+        const Vec3d at = grown[k].centre() - rows.particles.part[k].image;
+        in_body[k] = {at.x, at.y, at.z, grown[k].r};
+      }
+      auto to = ranks.choose_ghosts(std::span<const PositionRow>(in_body), domain);
+      for (auto& some : to) take_whole_bodies(rows.particles, rows.mover, some);
+      return to;
+    } else {
+      return ranks.choose_ghosts(grown, domain);
+    }
+  }
+
   /// The work of each own row: one, and one a pair; half of it where both are of this rank.
   void weigh(const Pairs& pairs, std::size_t owned) {
     weights_.assign(owned, 1);
@@ -171,6 +211,7 @@ class RankChange {
     });
     for (std::size_t r = 0; r < out.size(); ++r) {
       if (leave[r].empty()) continue;
+      if constexpr (State::of_bodies) pack_bodies(particles, rows.mover, leave[r], out[r]);
       out[r].put(leave[r].size());
       for (const std::uint32_t k : leave[r]) {
         pack_row(particles, k, out[r]), pack_row(particles.modules, k, out[r]);
@@ -190,8 +231,9 @@ class RankChange {
     State& particles = rows.particles;
     const std::size_t first = particles.size();
     Unpacked from(bytes);
+    const auto bodies = unpack_bodies(rows, from);
     for (auto n = from.get<std::size_t>(); n > 0; --n, ++migrated) {
-      unpack_row(particles, from), unpack_row(particles.modules, from);
+      unpack_one(particles, bodies, from);
       rows.anticipated.push_back(from.get<double>());
       rows.previous.push_back(place_of(particles.id.back()));
     }

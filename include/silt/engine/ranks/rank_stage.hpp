@@ -19,6 +19,7 @@
 #include <silt/core/box.hpp>
 #include <silt/core/position_row.hpp>
 #include <silt/engine/ranks/packed.hpp>
+#include <silt/engine/ranks/rank_bodies.hpp>
 #include <silt/parallel/agree.hpp>
 #include <silt/parallel/ranks.hpp>
 
@@ -30,6 +31,9 @@ struct RankNeighbour {
   int rank;
   std::vector<std::uint32_t> send;   // own rows
   std::uint32_t first = 0, end = 0;  // ghost rows
+  // Of bodies: the same of them, whose parts the rows are.
+  std::vector<std::uint32_t> send_bodies{};
+  std::uint32_t first_body = 0, end_body = 0;
 };
 
 /// What has been counted since the start, of this rank.
@@ -110,14 +114,14 @@ class RankStage {
     std::array<double, 3> most{particles.largest_radius, -particles.smallest_radius,
                                particles.some_fixed ? 1.0 : 0.0};
     if (particles.owned() == 0) most = {0, -std::numeric_limits<double>::infinity(), 0};
-    std::array<double, 2> sums{
-        particles.mean_diameter * static_cast<double>(particles.owned() - particles.parked),
-        static_cast<double>(particles.owned() - particles.parked)};
+    const auto rows = static_cast<double>(particles.owned() - particles.parked);
+    std::array<double, 3> sums{particles.mean_diameter * rows, rows,
+                               static_cast<double>(present_in(particles))};
     max_of(most), sum_of(sums);
     particles.largest_radius = most[0], particles.smallest_radius = std::min(-most[1], most[0]);
     particles.some_fixed = most[2] > 0;
     particles.mean_diameter = sums[1] > 0 ? sums[0] / sums[1] : 0;
-    present_ = static_cast<std::size_t>(sums[1]);
+    present_ = static_cast<std::size_t>(sums[2]);
   }
   /// Particles of all ranks, when they were measured last.
   std::size_t present() const { return present_; }
@@ -127,25 +131,22 @@ class RankStage {
 
   /// Gives the ghosts the places and motions that they have on their own ranks: the first call
   /// sends, the second receives.
-  template <class State>
-  void begin_refresh(const State& particles) {
-    begin<RefreshRow<State>>([&](std::uint32_t k) {
-      return RefreshRow<State>{particles.position[k], particles.motion[k]};
-    });
+  template <class State, class Mover>
+  void begin_refresh(State& particles, Mover& mover) {
+    with_refreshed(particles, mover, [this](const auto&... passed) { begin(passed...); });
   }
-  template <class State>
-  void finish_refresh(State& particles) {
-    if (!under_way_) return;
-    finish<RefreshRow<State>>([&](std::uint32_t k, const RefreshRow<State>& row) {
-      particles.position[k] = row.position, particles.motion[k] = row.motion;
-      particles.renew_pair_motion(k);
-    });
+  template <class State, class Mover>
+  void finish_refresh(State& particles, Mover& mover) {
+    if (under_way_)
+      with_refreshed(particles, mover, [this](const auto&... passed) { finish(passed...); });
   }
   /// Likewise the numbers of a column.
   template <class Column>
   void share(Column& column) {
-    begin<double>([&](std::uint32_t k) { return column[k]; });
-    if (under_way_) finish<double>([&](std::uint32_t k, double value) { column[k] = value; });
+    const auto passed = rows_of<double>([&](std::uint32_t k) { return column[k]; },
+                                        [&](std::uint32_t k, double value) { column[k] = value; });
+    begin(passed);
+    if (under_way_) finish(passed);
   }
 
   /// Makes the loads of walls, which are those of own particles, the loads of all ranks' particles.
@@ -173,18 +174,15 @@ class RankStage {
 
   // --- at a search (collective) -------------------------------------------------------------
 
-  /// The rank that each of the own rows goes to; -1 those that have left. `weights`: the work that
-  /// each makes in a step.
-  template <class State>
-  std::vector<int> choose_ranks(const State& particles, std::span<const double> weights,
-                                std::int64_t step) {
+  /// The rank that each of the own rows goes to; -1 those that have left. Bodies go as a whole.
+  /// `weights`: the work that each row makes in a step.
+  template <class State, class Mover>
+  std::vector<int> choose_ranks(const State& particles, const Mover& mover,
+                                std::span<const double> weights, std::int64_t step) {
     auto& parts = policy_->parts;
-    std::vector<Vec3d> points;
-    std::vector<double> work;
-    for (std::size_t k = 0; k < particles.owned(); ++k) {
-      if (particles.is_parked(k)) continue;
-      points.push_back(particles.position[k].centre()), work.push_back(weights[k]);
-    }
+    const OwnParticles<State, Mover> own(particles, mover, weights);
+    const std::vector<Vec3d>& points = own.points;
+    const std::vector<double>& work = own.weights;
     counts.load = load_of(policy_->comm, std::accumulate(work.begin(), work.end(), 0.0));
     const bool first = counts.partitions == 0;
     const double mean_points = static_cast<double>(present_) / size();
@@ -202,8 +200,8 @@ class RankStage {
     }
     last_step_ = step;
     std::vector<int> to(particles.owned(), -1);
-    for (std::size_t k = 0, next = 0; k < to.size(); ++k)
-      if (!particles.is_parked(k)) to[k] = chosen[next++];
+    for (std::size_t k = 0; k < to.size(); ++k)
+      if (!particles.is_parked(k)) to[k] = chosen[own.place_of(k)];
     return to;
   }
 
@@ -294,28 +292,64 @@ class RankStage {
   }
 
  private:
-  template <class State>
-  struct RefreshRow {
-    PositionRow position;
-    typename State::ParticleMotion motion;
+  /// What is sent of each row of a kind (rows, or bodies) and set in the ghost of it.
+  template <class Value, bool OfBodies, class Get, class Set>
+  struct Passed {
+    static constexpr std::size_t bytes = sizeof(Value);
+    Get get;
+    Set set;
+    static const auto& sent(const RankNeighbour& n) { return OfBodies ? n.send_bodies : n.send; }
+    static std::uint32_t first(const RankNeighbour& n) { return OfBodies ? n.first_body : n.first; }
+    static std::uint32_t end(const RankNeighbour& n) { return OfBodies ? n.end_body : n.end; }
+    void put(const RankNeighbour& n, std::byte*& to) const {
+      for (const std::uint32_t k : sent(n)) {
+        const Value value = get(k);
+        std::memcpy(to, &value, bytes), to += bytes;
+      }
+    }
+    void take(const RankNeighbour& n, const std::byte*& from) const {
+      for (std::uint32_t k = first(n); k < end(n); ++k) {
+        Value value;
+        std::memcpy(&value, from, bytes), from += bytes;
+        set(k, value);
+      }
+    }
   };
+  template <class Value, class Get, class Set>
+  static auto rows_of(Get get, Set set) {
+    return Passed<Value, false, Get, Set>{get, set};
+  }
+  template <class Value, class Get, class Set>
+  static auto bodies_of(Get get, Set set) {
+    return Passed<Value, true, Get, Set>{get, set};
+  }
 
-  /// Sends a row each of what others have as ghosts.
-  template <class Row, class Get>
-  void begin(const Get& get) {
+  template <class State, class Mover, class Visit>
+  static void with_refreshed(State& particles, [[maybe_unused]] Mover& mover, const Visit& visit) {
+    const auto rows = rows_of<RowState<State, Mover>>(
+        [&](std::uint32_t k) { return RowState<State, Mover>::of(particles, mover, k); },
+        [&](std::uint32_t k, const auto& row) { row.give(particles, mover, k); });
+    if constexpr (State::of_bodies)
+      visit(rows, bodies_of<BodyState>(
+                      [&](std::uint32_t k) { return BodyState::of(mover.bodies[k]); },
+                      [&](std::uint32_t k, const BodyState& b) { b.give(mover.bodies[k]); }));
+    else
+      visit(rows);
+  }
+
+  /// Sends one message to each neighbour.
+  template <class... Passed>
+  void begin(const Passed&... passed) {
     if (neighbours.empty()) return;
     out_.resize(neighbours.size()), in_.resize(neighbours.size());
     std::vector<Outgoing> sends;
     std::vector<Incoming> receives;
     for (std::size_t n = 0; n < neighbours.size(); ++n) {
       const RankNeighbour& other = neighbours[n];
-      out_[n].resize(other.send.size() * sizeof(Row));
-      std::byte* next = out_[n].data();
-      for (const std::uint32_t k : other.send) {
-        const Row row = get(k);
-        std::memcpy(next, &row, sizeof(Row)), next += sizeof(Row);
-      }
-      in_[n].resize((other.end - other.first) * sizeof(Row));
+      out_[n].resize((... + (passed.sent(other).size() * passed.bytes)));
+      std::byte* to = out_[n].data();
+      (passed.put(other, to), ...);
+      in_[n].resize((... + ((passed.end(other) - passed.first(other)) * passed.bytes)));
       if (!out_[n].empty()) {
         sends.push_back({other.rank, out_[n]});
         ++counts.messages, counts.bytes += out_[n].size();
@@ -325,17 +359,13 @@ class RankStage {
     under_way_.emplace(policy_->comm.exchange(sends, receives));
   }
   /// Takes in those of the own ghosts.
-  template <class Row, class Set>
-  void finish(const Set& set) {
+  template <class... Passed>
+  void finish(const Passed&... passed) {
     under_way_->wait();
     under_way_.reset();
     for (std::size_t n = 0; n < neighbours.size(); ++n) {
-      const std::byte* next = in_[n].data();
-      for (std::uint32_t k = neighbours[n].first; k < neighbours[n].end; ++k) {
-        Row row;
-        std::memcpy(&row, next, sizeof(Row)), next += sizeof(Row);
-        set(k, row);
-      }
+      const std::byte* from = in_[n].data();
+      (passed.take(neighbours[n], from), ...);
     }
   }
 

@@ -131,10 +131,6 @@ struct Composition {
   static_assert(!deforms<Domain> || !has_ledger || !Modules::push,
                 "EnergyLedger cannot book the work of modules in a DeformingBox, where energies "
                 "are relative to its flow; leave one of them out");
-  static_assert(
-      !has_ranks || !has_bodies,
-      "Ranks is for spheres so far: bodies do not pass from rank to rank; leave Ranks out, "
-      "or take Particles<Sphere>");
   static_assert(!has_ranks || std::is_same_v<Fluid, NoFluid> || !FluidTraits<Fluid>::active,
                 "Ranks cannot be coupled to a fluid so far: each rank would need the flow of all; "
                 "leave one of them out");
