@@ -133,12 +133,12 @@ class RankStage {
   /// sends, the second receives.
   template <class State, class Mover>
   void begin_refresh(State& particles, Mover& mover) {
-    with_refreshed(particles, mover, [this](const auto&... passed) { begin(passed...); });
+    with_refreshed(particles, mover, [this](const auto&... passed) { this->begin(passed...); });
   }
   template <class State, class Mover>
   void finish_refresh(State& particles, Mover& mover) {
     if (under_way_)
-      with_refreshed(particles, mover, [this](const auto&... passed) { finish(passed...); });
+      with_refreshed(particles, mover, [this](const auto&... passed) { this->finish(passed...); });
   }
   /// Likewise the numbers of a column.
   template <class Column>
