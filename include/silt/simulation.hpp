@@ -146,8 +146,13 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
         fluid_(detail::take_or<Fluid>(policies...)),
         modules_(Modules::taken_from(policies...)) {
     if constexpr (requires { search_.check(); }) search_.check();
-    if constexpr (has_ranks)
-      engine_.ranks.set(detail::take<typename Composition::Ranks>(policies...));
+    if constexpr (has_ranks) {
+      auto& ranks = detail::take<typename Composition::Ranks>(policies...);
+      if constexpr (std::copy_constructible<typename Composition::Ranks>)
+        engine_.ranks.set(ranks);
+      else
+        engine_.ranks.set(std::move(ranks));
+    }
     if constexpr (has_bonds)
       this->set_bonds(detail::take<typename Composition::Bonds>(policies...));
     add(detail::take<ParticlesType>(policies...));

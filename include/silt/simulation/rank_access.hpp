@@ -1,13 +1,29 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
+#include <vector>
 
 #include <silt/core/vec3.hpp>
+#include <silt/parallel/comm.hpp>
 
-namespace silt::inline SILT_TARGET::detail {
+namespace silt::inline SILT_TARGET {
+
+/// What a rank has and does.
+struct RankLoad {
+  std::uint64_t particles = 0, ghosts = 0;  // [-] its own; others', that they may touch
+  std::uint64_t contacts = 0;               // [-] pairs that touch, each on one rank
+  double work = 0;             // [-] one a particle and one a listed pair; with a ghost half a one
+  std::uint64_t migrated = 0;  // [-] particles that came from other ranks, since the start
+  std::uint64_t messages = 0, bytes = 0;       // [-], [bytes] sent since the start
+  std::uint64_t searches = 0, partitions = 0;  // [-] since the start
+};
+
+namespace detail {
 
 /// What a scene needs to know of the ranks that it runs on; a Simulation has these functions as its
 /// own. Without Ranks there is one rank, and sums are what they are given.
@@ -50,6 +66,30 @@ class RankAccess {
     if constexpr (Sim::has_ranks)
       sim().engine().ranks.meet("a sum over ranks"), sim().engine().ranks.sum_of(own);
   }
+  /// What each rank has, by its number (collective). Work that is not even is time lost: all wait
+  /// for the rank that has most.
+  std::vector<RankLoad> rank_loads() const {
+    RankLoad own;
+    const auto& e = sim().engine();
+    const std::size_t rows = e.particles.owned();
+    own.particles = e.present(), own.work = static_cast<double>(rows);
+    std::size_t with_ghosts = 0;
+    e.lists.pairs.for_each([&](std::size_t k) {
+      with_ghosts += std::max(e.lists.pairs.first()[k], e.lists.pairs.second()[k]) >= rows;
+    });
+    own.work += static_cast<double>(e.lists.pairs.size()) - 0.5 * static_cast<double>(with_ghosts);
+    own.contacts = e.touching_pairs(sim().domain());
+    if constexpr (Sim::has_ranks) {
+      const auto& counts = e.ranks.counts;
+      own.ghosts = e.particles.ghosts;
+      own.migrated = counts.migrated, own.messages = counts.messages, own.bytes = counts.bytes;
+      own.searches = counts.searches, own.partitions = counts.partitions;
+      e.ranks.meet("a look at the loads");
+      return gather_each(e.ranks.comm(), own);
+    } else {
+      return {own};
+    }
+  }
   /// The largest that a rank has (collective).
   double largest_over_ranks(double own) const {
     if constexpr (Sim::has_ranks) {
@@ -82,4 +122,5 @@ void on_all_ranks([[maybe_unused]] const Sim& sim, [[maybe_unused]] const char* 
     work();
 }
 
-}  // namespace silt::detail
+}  // namespace detail
+}  // namespace silt
