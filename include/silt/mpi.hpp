@@ -9,5 +9,6 @@
 #include <silt/parallel/decomposition/slabs.hpp>
 #include <silt/parallel/mpi_comm.hpp>
 #if __has_include(<zoltan.h>)
+#include <silt/parallel/decomposition/hypergraph.hpp>
 #include <silt/parallel/decomposition/rcb.hpp>
 #endif
