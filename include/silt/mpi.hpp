@@ -10,6 +10,7 @@
 #include <silt/parallel/mpi_comm.hpp>
 #include <silt/parallel/ranks.hpp>
 #if __has_include(<zoltan.h>)
+#include <silt/parallel/decomposition/hypergraph.hpp>
 #include <silt/parallel/decomposition/rcb.hpp>
 #endif
 
