@@ -39,6 +39,7 @@
 #include <silt/simulation/opening_access.hpp>
 #include <silt/simulation/particle_edits.hpp>
 #include <silt/simulation/particle_readings.hpp>
+#include <silt/simulation/rank_access.hpp>
 #include <silt/simulation/wall_access.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -77,6 +78,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
                    public detail::FluidAccess<Simulation<Policies...>>,
                    public detail::OpeningAccess<Simulation<Policies...>>,
                    public detail::ParticleReadings<Simulation<Policies...>>,
+                   public detail::RankAccess<Simulation<Policies...>>,
                    public detail::WallAccess<Simulation<Policies...>> {
  public:
   using Composition = typename detail::InOrder<Policies...>::OfSimulation;
@@ -144,8 +146,13 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
         fluid_(detail::take_or<Fluid>(policies...)),
         modules_(Modules::taken_from(policies...)) {
     if constexpr (requires { search_.check(); }) search_.check();
-    if constexpr (has_ranks)
-      engine_.ranks.set(detail::take<typename Composition::Ranks>(policies...));
+    if constexpr (has_ranks) {
+      auto& ranks = detail::take<typename Composition::Ranks>(policies...);
+      if constexpr (std::copy_constructible<typename Composition::Ranks>)
+        engine_.ranks.set(ranks);
+      else
+        engine_.ranks.set(std::move(ranks));
+    }
     if constexpr (has_bonds)
       this->set_bonds(detail::take<typename Composition::Bonds>(policies...));
     add(detail::take<ParticlesType>(policies...));
@@ -199,7 +206,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     const double end = time_ + duration;
     std::int64_t last = step_ + static_cast<std::int64_t>(std::ceil(duration / dt_ * (1 - 1e-12)));
     if constexpr (has_events) engine_.events.wanted = (detail::wants_events(observers) || ...);
-    (detail::begin(observers, *this, end), ...);
+    detail::on_all_ranks(*this, "the start of observers",
+                         [&] { (detail::begin(observers, *this, end), ...); });
     for (;; ++step_, time_ = time_at(step_)) {
       const bool stop = step_ >= last;
       if (!kicked_) {
@@ -212,6 +220,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
         if constexpr (has_breakage)
           if (!breaks_.events.empty()) detail::tell_all(*this, breaks_.events, observers...);
       }
+      if constexpr (has_ranks) (detail::watch(observers, *this), ...);
       if (kicked_ && sizeof...(Observers) > 0) {
         [[maybe_unused]] const bool again = std::exchange(observed_, true);
         const auto observe = [&] {
@@ -236,7 +245,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
       modules_.update(engine_, step_ + 1, time_at(step_ + 1), dt_);
       if constexpr (Modules::flux) engine_.fluxes().book(dt_);
     }
-    (detail::end(observers, *this), ...);
+    detail::on_all_ranks(*this, "the end of observers",
+                         [&] { (detail::end(observers, *this), ...); });
     continued_ = false;
   }
 
@@ -254,8 +264,14 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   using Readings::size, Readings::rows, Readings::id, Readings::is_present, Readings::position,
       Readings::radius, Readings::mass, Readings::velocity, Readings::angular_velocity,
       Readings::material, Readings::find;
-  /// Pairs of particles that touch [-]; of bodies, of their parts. O(pairs).
-  std::size_t touching_pairs() const { return engine_.touching_pairs(domain_); }
+  /// Pairs of particles that touch [-]; of bodies, of their parts. O(pairs); on many ranks
+  /// collective (RankAccess).
+  std::size_t touching_pairs() const {
+    const std::size_t own = engine_.touching_pairs(domain_);
+    if constexpr (has_ranks)
+      return static_cast<std::size_t>(this->sum_over_ranks(static_cast<double>(own)));
+    return own;
+  }
   /// Where the energy is and where it went; when the simulation is not running, or in an observer.
   EnergyBalance energy() const { return balance(); }
   /// What the fluid has given to particle k [N s] that velocity(k) does not have yet, as the flow
@@ -300,7 +316,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
       keep_limits();
     };
     if constexpr (has_ranks) {
-      engine_.together("a step", dt_, observed, act);
+      engine_.together(observed ? "a step that observers see" : "a step", dt_, observed, act);
       peak_overlap_ = std::max(peak_overlap_, engine_.largest_overlap);
     } else {
       act();
@@ -313,6 +329,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     engine_.prepare_fluxes(modules_, time_, look_at_fluxes(present));
     engine_.pair_forces(domain_, times);
     engine_.wall_forces(times);
+    if constexpr (has_ranks) engine_.ghost_forces(domain_, times);
     if constexpr (has_breakage) breaks_.weigh(engine_, this->breakage(), time_);
     [[maybe_unused]] double bond_power = 0;
     if constexpr (has_bonds) bond_power = bonds_.push(engine_, domain_, dt_);

@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// What mpi.sh runs on several ranks: each word is a case. Those that must end well say "fine" on
+// What ranks.sh runs on several ranks: each word is a case. Those that must end well say "fine" on
 // rank 0.
 
 #include <csignal>

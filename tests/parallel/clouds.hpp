@@ -80,11 +80,11 @@ std::vector<double> work_of(const C& comm, const Cloud& own, const std::vector<i
 /// and the same again, also where other ranks have the points. Returns the work of each rank.
 template <silt::Communicator C, class D>
 std::vector<double> parted(const C& comm, D& parts, const Cloud& all) {
-  const D fresh_parts = [&] {
+  [[maybe_unused]] const auto before = [&] {
     if constexpr (std::copy_constructible<D>)
       return parts;
     else
-      return D{};
+      return 0;
   }();
   const auto own = own_part(comm, all);
   const auto owner = parts.partition(comm, own.points, own.weights);
@@ -94,13 +94,18 @@ std::vector<double> parted(const C& comm, D& parts, const Cloud& all) {
     for (std::size_t k = 0; k < owner.size(); ++k)
       expect(parts.rank_of(own.points[k]) == owner[k], "rank_of says what partition says");
   if constexpr (std::copy_constructible<D>) {
-    auto again = fresh_parts;
+    auto again = before;
     expect(again.partition(comm, own.points, own.weights) == owner, "the same again");
-    auto elsewhere = fresh_parts;
+    auto elsewhere = before;
     const auto gathered = own_part(comm, all, comm.size() - 1);
     (void)elsewhere.partition(comm, gathered.points, gathered.weights);
     for (std::size_t k = 0; k < owner.size(); ++k)
       expect(elsewhere.rank_of(own.points[k]) == owner[k], "wherever the points were before");
+  } else {
+    D first{}, second{};
+    expect(first.partition(comm, own.points, own.weights) ==
+               second.partition(comm, own.points, own.weights),
+           "the same twice");
   }
   // All ranks know the same parts.
   for (std::size_t k = 0; k < 50; ++k) {
@@ -184,7 +189,10 @@ void ends_on_every_cloud(const C& comm, const Make& make) {
   expect(largest(check(same, "100 points at one place")) == 100, "one rank has them all");
   Cloud two = same;
   for (std::size_t k = 0; k < 60; ++k) two.points[k].y = 0.7;
-  expect(comm.size() == 1 || largest(check(two, "points at two places")) == 60, "two places");
+  const double most = largest(check(two, "points at two places"));
+  // Zoltan divides even points at one place, but a place tells one rank: there all may go to one.
+  if constexpr (std::copy_constructible<decltype(make())>)
+    expect(most == (comm.size() == 1 ? 100 : 60), "two places");
   Cloud heavy = bed(200, false);
   heavy.weights[17] = 1e12;
   check(heavy, "one point with nearly all weight");

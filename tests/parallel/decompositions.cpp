@@ -116,6 +116,33 @@ TEST_CASE("moving slabs: planes move when a slab's work has changed by more than
       "StaticSlabs.box from (0, 0, 0) to (inf, 1, 1) [m] must be finite along the axis");
 }
 
+TEST_CASE(
+    "bisection: points that hardly move stay with their ranks, also where sides are as long") {
+  silt::run_on_ranks(8, [](const ThreadComm& comm) {
+    const auto cube = [](double stretch) {
+      auto cloud = silt_test::bed(4000, false);
+      for (std::size_t k = 0; k < cloud.points.size(); ++k)
+        cloud.points[k] = {silt_test::number(5 * k), silt_test::number(5 * k + 1),
+                           stretch * silt_test::number(5 * k + 2)};
+      return cloud;
+    };
+    silt::Bisection parts;
+    const auto moved = [&](double stretch) {
+      const auto before = parts;
+      const auto own = silt_test::own_part(comm, cube(stretch));
+      const auto owner = parts.partition(comm, own.points, own.weights);
+      std::int64_t changed = 0;
+      for (std::size_t k = 0; k < owner.size(); ++k)
+        changed += owner[k] != before.rank_of(own.points[k]);
+      comm.sum_of({&changed, 1});
+      return changed;
+    };
+    moved(0.99);
+    for (const double stretch : {1.01, 0.99, 1.05}) CHECK(moved(stretch) < 400);
+    CHECK(moved(1.6) > 400);  // now that side is longer by more than a quarter
+  });
+}
+
 TEST_CASE("bisection: parts of a long box are cut across its long side") {
   silt::run_on_ranks(4, [](const ThreadComm& comm) {
     auto parts = silt::Bisection{};

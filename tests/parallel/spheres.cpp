@@ -6,6 +6,7 @@
 
 #include <silt/contact/hertz_mindlin.hpp>
 
+#include "near.hpp"
 #include "rank_scenes.hpp"
 #include "refusal.hpp"
 
@@ -203,13 +204,56 @@ TEST_CASE("ranks: a limit that is broken on one rank ends the run on all") {
   CHECK(told == 3);
 }
 
-TEST_CASE("ranks: what is not done on many ranks yet is refused") {
-  silt::run_on_ranks(2, [&](const silt::ThreadComm& comm) {
-    auto sim = trough(silt_test::cloud(12, 1, 1), true, ranks(comm));
-    sim.run(0.001);
-    CHECK_THROWS_WITH(sim.add(silt_test::cloud(1, 1, 1)),
-                      doctest::Contains("cannot be added once a run has begun"));
+// An inlet that draws other places on each rank, or does not see the others' particles, gives other
+// particles; an outlet that counts its own rank's alone other books.
+TEST_CASE("ranks: inlets and outlets, and their books, are those of one process") {
+  const auto scene = [](Seen& seen, auto... policies) {
+    auto sim = trough(silt_test::cloud(12, 4, 1), true, policies...);
+    sim.add_inlet(silt::Box{{0.01, 0.005, 0.05}, {0.1, 0.035, 0.07}},
+                  {.radius = silt::uniform(0.002, 0.003),
+                   .density = 2500,
+                   .rate = 3000,
+                   .velocity = {0, 0, -0.5}});
+    sim.add_outlet({{0.08, 0, 0}, {0.2, 0.02, 0.02}});
+    sim.run(0.03);
+    seen.add(sim);
+    CHECK(sim.size() == 48 + sim.inlet(0).placed - sim.outlet(0).count);
+    CHECK(sim.outlet(0).count > 3);
+    return std::array{static_cast<double>(sim.inlet(0).placed), sim.inlet(0).mass,
+                      static_cast<double>(sim.outlet(0).count), sim.outlet(0).mass};
+  };
+  Seen one, many;
+  const auto books = scene(one);
+  CHECK(books[0] > 60);
+  silt::run_on_ranks(3, [&](const silt::ThreadComm& comm) {
+    const auto of_rank = scene(many, ranks(comm));
+    for (std::size_t k = 0; k < 4; ++k) CHECK(of_rank[k] == near(books[k]).epsilon(1e-12));
   });
+  CHECK(many.off(one)[0] < 1e-12);
+}
+
+TEST_CASE("ranks: particles that come between two runs are those of one process") {
+  const auto scene = [](Seen& seen, auto... policies) {
+    auto sim = trough(silt_test::cloud(12, 4, 2), true, policies...);
+    sim.run(0.01);
+    auto more = silt_test::cloud(8, 3, 1);
+    silt::Particles<silt::Sphere> above;
+    for (auto p : more.all()) p.position.z += 0.03, above.add(p);
+    sim.add(above);
+    CHECK(sim.size() == 96 + 24);
+    sim.run(0.02);
+    CHECK(sim.size() == 96 + 24);
+    seen.add(sim);
+  };
+  Seen one, many;
+  scene(one);
+  silt::run_on_ranks(3, [&](const silt::ThreadComm& comm) { scene(many, ranks(comm)); });
+  CHECK(many.off(one)[0] < 1e-12);
+  Seen by_place;
+  silt::run_on_ranks(3, [&](const silt::ThreadComm& comm) {
+    scene(by_place, silt::Ranks{comm, silt::Bisection{}});
+  });
+  CHECK(by_place.off(one)[0] < 1e-12);
 }
 
 }  // namespace

@@ -99,6 +99,18 @@ class Engine : public Tables<Composition> {
     return coefficient_table<ContactsType>(contacts);
   }
 
+  /// Brings the last `more` rows, which have just come, in front of the ghosts. The next step
+  /// searches.
+  void join_own(std::size_t more) requires(of_ranks) {
+    const std::size_t own = particles.owned() - more, ghosts = particles.ghosts;
+    std::vector<std::uint32_t> order(particles.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::rotate(order.begin() + static_cast<std::ptrdiff_t>(own),
+                order.end() - static_cast<std::ptrdiff_t>(more), order.end());
+    if (more > 0 && ghosts > 0) particles.reorder(order, *team_);
+    lists.pairs.make_way(own, more), ranks.make_way(more);
+    lists.forget();
+  }
   /// Takes the rows from `first` on, which have just come, into the lists.
   void join_lists(const Domain& domain, double time_step, std::size_t first) {
     lists.join(scene(domain, time_step), first);
@@ -150,6 +162,8 @@ class Engine : public Tables<Composition> {
   }
   /// Renews what is stale of the lists, and what follows from them.
   void renew_lists(Search& search, const Domain& domain, std::int64_t step, double time_step) {
+    if constexpr (of_ranks)
+      if (!lists.hold(walls)) ranks.finish_refresh(particles, mover);
     lists.renew(scene(domain, time_step), search, step);
     if constexpr (Composition::has_bonds) begin_freed_at_walls(*this, ContactsType::offset_from);
     if (!lists.take_renewed()) return;
@@ -193,6 +207,7 @@ class Engine : public Tables<Composition> {
   Fluxes& fluxes() { return fluxes_; }
 
   void pair_forces(const Domain& domain, const StepTimes& times) {
+    if constexpr (of_ranks && !apart) ranks.finish_refresh(particles, mover);
     if constexpr (convex) {
       using Pairs =
           ConvexPairs<typename ConvexRowsOf<ShapeType>::type, ContactsType, Domain, Arch, Fluxes>;
@@ -201,16 +216,26 @@ class Engine : public Tables<Composition> {
                               &mover.convex_rows, kinds_.data(), particles.material.data(), times},
                              lists.pairs, coefficients, domain, sums_.data(), *team_, &fluxes_));
     } else {
-      take(sphere_pairs(domain, times));
+      constexpr PairsOf first = apart ? PairsOf::Own : PairsOf::All;
+      take(sphere_pairs<first>(domain, times));
     }
   }
+  /// The same of spheres' pairs with ghosts, when these have come.
+  void ghost_forces(const Domain& domain, const StepTimes& times) requires(of_ranks) {
+    if constexpr (apart) {
+      ranks.finish_refresh(particles, mover);
+      if (particles.ghosts > 0) include(sphere_pairs<PairsOf::Ghosts>(domain, times));
+    }
+  }
+  template <PairsOf Which>
   Tally<ContactsType> sphere_pairs(const Domain& domain, const StepTimes& times) {
     using Pipeline = PairPipeline<ContactsType, Domain, Arch, Scalar, Fluxes>;
     const bool large = Pipeline::working_set(particles.size(), lists.pairs.size()) > beyond_caches;
-    return Pipeline::run({particles.position.data(), particles.pair_motion(), kinds_.data(),
-                          particles.largest_radius, particles.smallest_radius, times, large,
-                          share_pairs(domain), &fluxes_, offsets_},
-                         lists.pairs, coefficients, domain, sums_.data(), *team_);
+    return Pipeline::template run<Which>(
+        {particles.position.data(), particles.pair_motion(), kinds_.data(),
+         particles.largest_radius, particles.smallest_radius, times, large, share_pairs(domain),
+         &fluxes_, offsets_},
+        lists.pairs, coefficients, domain, sums_.data(), *team_);
   }
   void take(const Tally<ContactsType>& tally) {
     largest_overlap = tally.largest, contact_energy = tally.energy;
@@ -222,8 +247,12 @@ class Engine : public Tables<Composition> {
 
   void wall_forces(const StepTimes& times) {
     if (walls.empty()) return;
-    const auto tally = wall_pipeline_.run(wall_input(times), lists.walls, coefficients, walls,
-                                          sums_.data(), *team_);
+    include(wall_pipeline_.run(wall_input(times), lists.walls, coefficients, walls, sums_.data(),
+                               *team_));
+  }
+  /// Adds what is known of more contacts.
+  template <class MoreTally>
+  void include(const MoreTally& tally) {
     largest_overlap = std::max(largest_overlap, tally.largest);
     contact_energy.add(tally.energy);
     safeguards += tally.safeguards;
@@ -265,8 +294,8 @@ class Engine : public Tables<Composition> {
     if (how == Advance::KickAndDrift && !deforms<Domain> && !of_ranks)
       lists.upkeep.used += largest_share * time_step;
   }
-  /// Does a step's work; then all ranks know of each other's speeds and overlaps, or throw what one
-  /// has thrown (collective).
+  /// Does a step's work, which observers see on all ranks or on none; then all ranks know of each
+  /// other's speeds and overlaps, or throw what one has thrown (collective).
   template <class Work>
   void together(const char* call, double time_step, bool observed,
                 const Work& work) requires(of_ranks) {
@@ -289,8 +318,8 @@ class Engine : public Tables<Composition> {
     largest_speed = most[0], largest_share = most[1], largest_overlap = most[2];
     if (most[3] > 0) lists.forget();
   }
-  /// Gives the ghosts the places and motions that they have on their own ranks (collective).
-  void refresh_ghosts() requires(of_ranks) { ranks.refresh(particles, mover); }
+  /// Begins to give the ghosts the places and motions that they have on their own ranks.
+  void refresh_ghosts() requires(of_ranks) { ranks.begin_refresh(particles, mover); }
   /// After an observed state: the step will be `ratio` times as long.
   void change_step(double ratio) {
     mover.change_step(particles, ratio);
@@ -339,9 +368,12 @@ class Engine : public Tables<Composition> {
     lists.upkeep.used += pace.largest_share * time_step / lists.flow.pruned;
   }
 
+  /// Of pairs of two ranks those whose first particle is of this one.
   std::size_t touching_pairs(const Domain& domain) const {
     std::size_t count = 0;
     lists.pairs.for_each([&](std::size_t k) {
+      if constexpr (of_ranks)
+        if (lists.pairs.first()[k] >= particles.owned()) return;
       if constexpr (convex)
         count += lists.pairs.history(ContactsType::memory_radius, k) > 0;
       else
@@ -420,6 +452,8 @@ class Engine : public Tables<Composition> {
   // count on of a last-level cache that others use too.
   static constexpr std::size_t beyond_caches = 4 << 20;
 
+  // Pairs with ghosts come behind the others; what bodies share of contacts needs them all.
+  static constexpr bool apart = of_ranks && !has_bodies;
   static constexpr bool shares = has_bodies && !convex;
   const Scalar* share_pairs([[maybe_unused]] const Domain& domain) {
     if constexpr (shares)

@@ -23,6 +23,13 @@ inline std::string& last_agreed() {
   return sentence;
 }
 
+/// Whether the error under way on this thread is one that all ranks have thrown together: it need
+/// not be told again on its way out of what is nested, as where an observer takes a sum.
+inline bool& is_agreed() {
+  static thread_local bool yes = false;
+  return yes;
+}
+
 /// An error as bytes, so that another rank can throw it as the same type.
 struct ErrorMessage {
   enum class Kind : char { None, Plain, Input, File, Simulation, FlowStep, Memory };
@@ -124,7 +131,7 @@ template <Communicator C>
   for (int r = 0; r < all.ranks(); ++r) {
     const auto first = ErrorMessage::unpacked(all[r]);
     if (first.kind == ErrorMessage::Kind::None) continue;
-    last_agreed() = first.sentence;
+    last_agreed() = first.sentence, is_agreed() = true;
     first.raise(first.sentence);
   }
 }
@@ -139,7 +146,7 @@ template <Communicator C>
                 std::string_view(all[r].data(), all[r].size()), "'");
   who = text("the ranks are out of step: ", who,
              "; every rank must make the same calls in the same order");
-  last_agreed() = who;
+  last_agreed() = who, is_agreed() = true;
   throw Error(who);
 }
 
@@ -150,7 +157,8 @@ template <Communicator C>
 /// sentence; or, where ranks are at different calls, a sentence about that. `maxima` (at most
 /// most_agreed numbers, the same count on all ranks) become the largest of all ranks on the way;
 /// there is one message, of one length, whatever the call, so that a rank that has failed can meet
-/// the others at the next agree(), wherever that is.
+/// the others at the next agree(), wherever that is. An error that all have thrown at an agree()
+/// inside is thrown on without a message.
 template <Communicator C>
 void agree(const C& comm, std::string_view call, const std::exception_ptr& error = nullptr,
            std::span<double> maxima = {}) {
@@ -158,6 +166,8 @@ void agree(const C& comm, std::string_view call, const std::exception_ptr& error
     if (error) std::rethrow_exception(error);
     return;
   }
+  if (error && detail::is_agreed()) std::rethrow_exception(error);
+  detail::is_agreed() = false;
   require(maxima.size() <= most_agreed, "agree(", call, "): ", maxima.size(),
           " numbers; there is room for ", most_agreed);
   std::array<double, most_agreed + 3> told{};
@@ -171,10 +181,11 @@ void agree(const C& comm, std::string_view call, const std::exception_ptr& error
   std::copy_n(told.begin() + 3, maxima.size(), maxima.begin());
 }
 
-/// Collective: runs f() on each rank. If it throws on any, all throw the same; f must not talk to
-/// other ranks.
+/// Collective: runs f() on each rank. If it throws on any, all throw the same. Where f itself talks
+/// to other ranks, it does so behind an agree(), at which a rank that has failed meets the others.
 template <Communicator C, class F>
 void together(const C& comm, std::string_view call, const F& f) {
+  detail::is_agreed() = false;
   std::exception_ptr error;
   try {
     f();

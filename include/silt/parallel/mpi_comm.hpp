@@ -339,8 +339,9 @@ class Mpi {
   /// Tells what has failed, and ends all ranks.
   [[noreturn]] static void fail(std::string_view sentence) {
     const bool by_all = !detail::last_agreed().empty() && sentence == detail::last_agreed();
-    // Of an error that all ranks throw rank 0 tells; the others wait until it has.
-    if (!by_all || words().starts_with("rank 0 "))
+    // Of an error that all ranks throw rank 0 tells; the others wait until it has. After the end of
+    // MPI they cannot.
+    if (!by_all || !own() || own()->rank == 0)
       std::fprintf(stderr, "silt: %s%s%.*s\n", by_all ? "" : words().c_str(), by_all ? "" : ": ",
                    static_cast<int>(sentence.size()), sentence.data());
     std::fflush(stderr);

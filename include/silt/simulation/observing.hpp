@@ -48,6 +48,12 @@ bool is_due(O& observer, const Sim& sim) {
   else
     return true;
 }
+/// On many ranks, where observers are due everywhere or nowhere: what one that goes by the clock
+/// does after each step, on its own rank alone. It calls nothing that is collective.
+template <class O, class Sim>
+void watch(O& observer, const Sim& sim) {
+  if constexpr (requires { observer.watch(sim); }) observer.watch(sim);
+}
 constexpr ContactsKept all_contacts_if(bool wanted) {
   return wanted ? ContactsKept::All : ContactsKept::Nothing;
 }

@@ -148,20 +148,13 @@ void Simulation<Policies...>::join(std::span<const Particle> more,
                                    std::span<const std::size_t> numbers) {
   const std::size_t before = rows(), first_row = engine_.particles.size();
   if constexpr (has_ranks) {
-    require(step_ == 0 && !kicked_,
-            "Simulation::add: on many ranks particles cannot be added once a run has begun; add "
-            "all before");
-    const auto [from, end] = engine_.ranks.share_of(more.size());
-    auto next = next_;
-    next.particle += from, next.part += detail::rows_to_come(engine_, more.first(from), numbers);
-    detail::take_in(engine_, more.subspan(from, end - from), numbers, kicked_, next);
-    next_.particle += more.size(), engine_.ranks.count(more.size());
-    next_.part += detail::rows_to_come(engine_, more, numbers);
+    detail::take_in_own(engine_, more, numbers, kicked_, next_, domain_);
+    if (kicked_) engine_.start_prediction(before, gravity, dt_);
   } else {
     detail::take_in(engine_, more, numbers, kicked_, next_);
+    if (kicked_) engine_.start_prediction(first_row, gravity, dt_);
+    engine_.join_lists(domain_, dt_, first_row);
   }
-  if (kicked_) engine_.start_prediction(first_row, gravity, dt_);
-  engine_.join_lists(domain_, dt_, first_row);
   start_fields(before);
 }
 
@@ -190,7 +183,10 @@ double Simulation<Policies...>::insert(const std::vector<PlacedSphere>& spheres,
                      (dot(flow.velocity, flow.velocity) - dot(staggered, staggered)));
   }
   double brought = 0;  // [kg]
-  for (std::size_t k = before; k < rows(); ++k) brought += mass(k);
+  if constexpr (has_ranks)
+    for (const Particle& p : more) brought += p.density * ShapeType::volume(p.radius);
+  else
+    for (std::size_t k = before; k < rows(); ++k) brought += mass(k);
   return brought;
 }
 

@@ -82,7 +82,8 @@ class PairList {
   void set_outer(std::span<const IndexPair> found, const State& particles, std::size_t before,
                  const Team& team) {
     archive_.keep(*this, history_, before, team);
-    groups_ = PairGroups(particles.size()), grouped_ = particles.size();
+    groups_ = PairGroups(particles.owned(), particles.size() - particles.owned());
+    grouped_ = particles.size();
     sort_into_groups(found, particles, groups_, {outer_, outer_begin_, group_}, team);
     cut_into_chunks();
     first_.clear(), second_.clear(), origin_.clear();
@@ -96,6 +97,13 @@ class PairList {
   bool remembers(std::size_t place) const { return history_.remembers(place); }
   Memory memory(std::size_t place) const { return history_.values(place); }
 
+  /// After so many rows have come in front of the ghosts, the rows from `first` on: what is known of
+  /// pairs stays with them until the next search.
+  void make_way(std::size_t first, std::size_t more) {
+    for (auto* rows : {&first_, &second_})
+      for (auto& row : *rows)
+        if (row >= first) row += static_cast<std::uint32_t>(more);
+  }
   /// Takes in pairs of particles that have come since the search: at the end of their groups, which
   /// in the inner list have gaps behind them, so that most often nothing moves. `particles`: how
   /// many there are now. Their histories are `start`.

@@ -153,6 +153,38 @@ void take_in(Engine& e, std::span<const Particle> more,
   e.particles.measure_newcomers(first_row);
 }
 
+/// The same on many ranks, of which each takes its own; all count all.
+template <class Engine, class Particle, class Domain>
+void take_in_own(Engine& e, std::span<const Particle> more, std::span<const std::size_t> numbers,
+                 bool observed, NextIds& next, [[maybe_unused]] const Domain& domain) {
+  auto& p = e.particles;
+  const std::size_t before = p.owned();
+  if constexpr (Engine::has_bodies) {
+    require(
+        e.ranks.counts.searches == 0,
+        "bodies cannot come once a run on many ranks has begun; add all before, or take spheres");
+    const auto [from, end] = e.ranks.share_of(more.size());
+    auto own = next;
+    own.particle += from, own.part += rows_to_come(e, more.first(from), numbers);
+    take_in(e, more.subspan(from, end - from), numbers, observed, own);
+    next.particle += more.size(), next.part += rows_to_come(e, more, numbers);
+  } else {
+    for (std::size_t k = 0; k < more.size(); ++k) {
+      Vec3d place = more[k].position;
+      if constexpr (Domain::periodic) place = domain.wrapped(place);
+      if (e.ranks.takes(place, k, more.size()))
+        take_in(e, more.subspan(k, 1), numbers, observed, next);
+      else
+        ++next.particle;
+      p.largest_radius = std::max(p.largest_radius, more[k].radius);
+      p.smallest_radius = std::min(p.smallest_radius, more[k].radius);
+      p.some_fixed |= more[k].fixed;
+    }
+  }
+  e.ranks.count(more.size());
+  e.join_own(p.owned() - before);
+}
+
 /// The particles that an inlet brings at these places, with `velocity` [m/s]; bodies turned at
 /// random.
 template <class Particle>

@@ -63,9 +63,11 @@ class RankStage {
   const auto& comm() const { return policy_->comm; }
   /// Does what ranks do by themselves; all throw what one has thrown (collective).
   template <class Work>
-  void together(const char* call, const Work& work) {
+  void together(const char* call, const Work& work) const {
     silt::together(policy_->comm, call, work);
   }
+  /// Where ranks meet before they talk: those that have failed say so here, and all throw it.
+  void meet(const char* call) const { silt::agree(policy_->comm, call); }
   int rank() const { return policy_->comm.rank(); }
   int size() const { return policy_->comm.size(); }
   /// The part of `all` things that this rank takes, before anybody owns them: first and end.
@@ -77,15 +79,15 @@ class RankStage {
   // --- what all agree on (collective) -------------------------------------------------------
 
   /// The largest of each number.
-  void max_of(std::span<double> values) { policy_->comm.max_of(values); }
-  double max_of(double value) {
+  void max_of(std::span<double> values) const { policy_->comm.max_of(values); }
+  double max_of(double value) const {
     max_of({&value, 1});
     return value;
   }
-  bool any(bool is) { return max_of(is ? 1.0 : 0.0) > 0; }
-  bool all(bool is) { return !any(!is); }
+  bool any(bool is) const { return max_of(is ? 1.0 : 0.0) > 0; }
+  bool all(bool is) const { return !any(!is); }
   /// The sum of each number, added in the order of ranks.
-  void sum_of(std::span<double> values) {
+  void sum_of(std::span<double> values) const {
     const auto all = gather(policy_->comm, std::span<const double>(values));
     std::fill(values.begin(), values.end(), 0.0);
     for (int r = 0; r < all.ranks(); ++r)
@@ -101,7 +103,7 @@ class RankStage {
       for (std::size_t m = 0; m < own.spheres.size(); ++m) own.spheres[m].include_all(all[r][m]);
     return own;
   }
-  Box union_of(const Box& box) {
+  Box union_of(const Box& box) const {
     std::array<double, 6> ends{-box.min.x, -box.min.y, -box.min.z, box.max.x, box.max.y, box.max.z};
     max_of(ends);
     return {{-ends[0], -ends[1], -ends[2]}, {ends[3], ends[4], ends[5]}};
@@ -127,24 +129,24 @@ class RankStage {
 
   // --- at each step (collective) ------------------------------------------------------------
 
-  /// Gives the ghosts the places and motions that they have on their own ranks.
+  /// Gives the ghosts the places and motions that they have on their own ranks: the first call
+  /// sends, the second receives.
   template <class State, class Mover>
-  void refresh(State& particles, [[maybe_unused]] Mover& mover) {
-    const auto rows = rows_of<RowState<State, Mover>>(
-        [&](std::uint32_t k) { return RowState<State, Mover>::of(particles, mover, k); },
-        [&](std::uint32_t k, const auto& row) { row.give(particles, mover, k); });
-    if constexpr (State::of_bodies)
-      exchange(rows, bodies_of<BodyState>(
-                         [&](std::uint32_t k) { return BodyState::of(mover.bodies[k]); },
-                         [&](std::uint32_t k, const BodyState& b) { b.give(mover.bodies[k]); }));
-    else
-      exchange(rows);
+  void begin_refresh(State& particles, Mover& mover) {
+    with_refreshed(particles, mover, [this](const auto&... passed) { this->begin(passed...); });
+  }
+  template <class State, class Mover>
+  void finish_refresh(State& particles, Mover& mover) {
+    if (under_way_)
+      with_refreshed(particles, mover, [this](const auto&... passed) { this->finish(passed...); });
   }
   /// Likewise the numbers of a column.
   template <class Column>
   void share(Column& column) {
-    exchange(rows_of<double>([&](std::uint32_t k) { return column[k]; },
-                             [&](std::uint32_t k, double value) { column[k] = value; }));
+    const auto passed = rows_of<double>([&](std::uint32_t k) { return column[k]; },
+                                        [&](std::uint32_t k, double value) { column[k] = value; });
+    begin(passed);
+    if (under_way_) finish(passed);
   }
 
   /// Makes the loads of walls, which are those of own particles, the loads of all ranks' particles.
@@ -201,6 +203,49 @@ class RankStage {
     for (std::size_t k = 0; k < to.size(); ++k)
       if (!particles.is_parked(k)) to[k] = chosen[own.place_of(k)];
     return to;
+  }
+
+  /// Whether a particle that comes to this place [m] is this rank's; of those before the first
+  /// search, or where places say nothing, each rank takes a part of what comes.
+  bool takes(const Vec3d& place, std::size_t k, std::size_t of) const {
+    using Parts = decltype(Policy::parts);
+    if constexpr (Parts::by_place)
+      if (counts.partitions > 0) return policy_->parts.rank_of(place) == rank();
+    const auto [from, end] = share_of(of);
+    return k >= from && k < end;
+  }
+  /// All ranks' particles whose centre, or an image of it, is in a region (collective).
+  template <class State, class Domain>
+  std::vector<PositionRow> all_in(const Box& region, const State& particles,
+                                  const Domain& domain) const {
+    std::vector<PositionRow> own;
+    for (const PositionRow& p : particles.rows()) {
+      bool is_in = false;
+      for_images(domain, p.centre(), [&](const Vec3d& image) { is_in |= region.contains(image); });
+      if (p.r > 0 && is_in) own.push_back(p);
+    }
+    return gather(policy_->comm, std::span<const PositionRow>(own)).values;
+  }
+  /// Makes what own particles have added to outlets what all ranks' have (collective).
+  template <class Outlets>
+  void share_left(Outlets& outlets, const Outlets& before) {
+    std::vector<double> left;
+    for (std::size_t k = 0; k < outlets.size(); ++k)
+      left.push_back(static_cast<double>(outlets[k].count - before[k].count)),
+          left.push_back(outlets[k].mass - before[k].mass);
+    sum_of(left);
+    for (std::size_t k = 0; k < outlets.size(); ++k) {
+      const auto count = static_cast<std::uint64_t>(left[2 * k]);
+      outlets[k].count = before[k].count + count;
+      outlets[k].mass = before[k].mass + left[2 * k + 1];
+      present_ -= count;
+    }
+  }
+  /// So many rows have come in front of the ghosts.
+  void make_way(std::size_t more) {
+    for (RankNeighbour& other : neighbours)
+      other.first += static_cast<std::uint32_t>(more),
+          other.end += static_cast<std::uint32_t>(more);
   }
 
   /// What comes from each rank for what goes to each.
@@ -279,12 +324,26 @@ class RankStage {
     return Passed<Value, true, Get, Set>{get, set};
   }
 
-  /// One message to each neighbour, and one from it.
+  template <class State, class Mover, class Visit>
+  static void with_refreshed(State& particles, [[maybe_unused]] Mover& mover, const Visit& visit) {
+    const auto rows = rows_of<RowState<State, Mover>>(
+        [&](std::uint32_t k) { return RowState<State, Mover>::of(particles, mover, k); },
+        [&](std::uint32_t k, const auto& row) { row.give(particles, mover, k); });
+    if constexpr (State::of_bodies)
+      visit(rows, bodies_of<BodyState>(
+                      [&](std::uint32_t k) { return BodyState::of(mover.bodies[k]); },
+                      [&](std::uint32_t k, const BodyState& b) { b.give(mover.bodies[k]); }));
+    else
+      visit(rows);
+  }
+
+  /// Sends one message to each neighbour.
   template <class... Passed>
-  void exchange(const Passed&... passed) {
+  void begin(const Passed&... passed) {
     if (neighbours.empty()) return;
     out_.resize(neighbours.size()), in_.resize(neighbours.size());
-    sends_.clear(), receives_.clear();
+    std::vector<Outgoing> sends;
+    std::vector<Incoming> receives;
     for (std::size_t n = 0; n < neighbours.size(); ++n) {
       const RankNeighbour& other = neighbours[n];
       out_[n].resize((... + (passed.sent(other).size() * passed.bytes)));
@@ -292,12 +351,18 @@ class RankStage {
       (passed.put(other, to), ...);
       in_[n].resize((... + ((passed.end(other) - passed.first(other)) * passed.bytes)));
       if (!out_[n].empty()) {
-        sends_.push_back({other.rank, out_[n]});
+        sends.push_back({other.rank, out_[n]});
         ++counts.messages, counts.bytes += out_[n].size();
       }
-      if (!in_[n].empty()) receives_.push_back({other.rank, in_[n]});
+      if (!in_[n].empty()) receives.push_back({other.rank, in_[n]});
     }
-    policy_->comm.exchange(sends_, receives_).wait();
+    under_way_.emplace(policy_->comm.exchange(sends, receives));
+  }
+  /// Takes in those of the own ghosts.
+  template <class... Passed>
+  void finish(const Passed&... passed) {
+    under_way_->wait();
+    under_way_.reset();
     for (std::size_t n = 0; n < neighbours.size(); ++n) {
       const std::byte* from = in_[n].data();
       (passed.take(neighbours[n], from), ...);
@@ -311,9 +376,10 @@ class RankStage {
   std::vector<Impulses> own_, shared_;  // of walls: by own particles; by all, when last shared
   std::size_t present_ = 0;
   std::int64_t last_step_ = 0;  // in which ranks were chosen
+  using Exchange = decltype(std::declval<const decltype(Policy::comm)&>().exchange(
+      std::span<const Outgoing>(), std::span<const Incoming>()));
+  std::optional<Exchange> under_way_;
   std::vector<std::vector<std::byte>> out_, in_;
-  std::vector<Outgoing> sends_;
-  std::vector<Incoming> receives_;
 };
 
 template <>

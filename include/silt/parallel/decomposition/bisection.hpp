@@ -28,7 +28,7 @@ struct Bisection {
   std::vector<int> partition(const C& comm, std::span<const Vec3d> points,
                              std::span<const double> weights) {
     const detail::WholeWeights whole(comm, points, weights);
-    nodes.clear();
+    const auto before = std::exchange(nodes, {});  // which node divides which ranks never changes
     // Nodes of one level at a time: ranks first ... first + ranks - 1, all of these points.
     struct Part {
       int first, ranks;
@@ -61,8 +61,9 @@ struct Bisection {
       std::vector<detail::Cut> cuts;
       for (std::size_t g = 0; g < divided.size(); ++g) {
         const auto& part = divided[g];
-        const int axis = longest(boxes[g]);
-        nodes[first_node + g].axis = axis;
+        const std::size_t node = first_node + g;
+        const int axis = axis_for(boxes[g], node < before.size() ? before[node].axis : -1);
+        nodes[node].axis = axis;
         groups.emplace_back(points, whole.weights, part.members, axis);
         cuts.push_back(
             {g, detail::share_of(part.weight, part.ranks / 2, part.ranks), axis, boxes[g]});
@@ -118,9 +119,14 @@ struct Bisection {
     return boxes;
   }
 
-  static int longest(const Box& box) {
+  /// The longest side, but the one before as long as that is nearly as long: parts that turn are
+  /// parts whose points all move.
+  static int axis_for(const Box& box, int before) {
     const auto e = box.extent();
-    return e.x >= e.y && e.x >= e.z ? 0 : e.y >= e.z ? 1 : 2;
+    const std::array<double, 3> side{e.x, e.y, e.z};
+    const int axis = e.x >= e.y && e.x >= e.z ? 0 : e.y >= e.z ? 1 : 2;
+    const auto at = [&](int d) { return side[static_cast<std::size_t>(d)]; };
+    return before >= 0 && 1.25 * at(before) >= at(axis) ? before : axis;
   }
 };
 static_assert(Decomposition<Bisection, NoRanks>);
