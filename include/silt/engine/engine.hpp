@@ -109,6 +109,11 @@ class Engine : public Tables<Composition> {
                 order.end() - static_cast<std::ptrdiff_t>(more), order.end());
     if (more > 0 && ghosts > 0) particles.reorder(order, *team_);
     lists.pairs.make_way(own, more), ranks.make_way(more);
+    if constexpr (has_bodies)
+      if (more > 0 && ghosts > 0) {
+        mover.follow(particles), follow_bodies(ranks.neighbours, particles);
+        if (!mover.synchronous.empty()) mover.synchronous.resize(mover.owned());
+      }
     lists.forget();
   }
   /// Takes the rows from `first` on, which have just come, into the lists.

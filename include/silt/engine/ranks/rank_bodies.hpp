@@ -184,8 +184,8 @@ void agree_on_convex_rows(Stage& ranks, const State& particles, Mover& mover) {
   constexpr double none = -std::numeric_limits<double>::infinity();
   std::array<double, 6> most{
       none, none, none, none, static_cast<double>(rows.exponents), -rows.least_radius};
-  if (particles.size() > 0) {
-    const Body& b = mover.bodies[particles.part[0].body];
+  if (!mover.bodies.empty()) {
+    const Body& b = mover.bodies.front();
     const auto form = static_cast<double>(b.form);
     // A rank with several forms says so by numbers that no form has.
     most[0] = rows.one_form() ? form : -none, most[1] = rows.one_form() ? -form : -none;
