@@ -190,7 +190,7 @@ double Simulation<Policies...>::insert(const std::vector<PlacedSphere>& spheres,
   }
   double brought = 0;  // [kg]
   if constexpr (has_ranks)
-    for (const Particle& p : more) brought += p.density * ShapeType::volume(p.radius);
+    for (const Particle& p : more) brought += detail::mass_to_come(engine_, p);
   else
     for (std::size_t k = before; k < rows(); ++k) brought += mass(k);
   return brought;
