@@ -117,7 +117,7 @@ void hypergraph(const silt::MpiComm& comm) {
           what, parts.cells.size(), imbalance, largest_cell, static_cast<long>(copies),
           static_cast<long>(boxes), static_cast<long>(layers));
     expect(imbalance <= parts.tolerance + largest_cell, silt::text(what, ": work ", imbalance));
-    if (comm.size() > 2) expect(copies < layers, "fewer ghosts than between layers");
+    if (comm.size() > 3) expect(copies < layers, "fewer ghosts than between layers");
   };
   check(silt_test::bed(20000, false), "a bed");
   check(silt_test::bed(20000, true), "a bed with weights");
