@@ -60,6 +60,12 @@ class BodyMotion {
   [[no_unique_address]] ModuleColumns<Modules> modules;  // of each body
   std::vector<std::uint32_t> rows;  // of the parts of each body, as its form counts them
   static constexpr bool convex = SolidShape<ShapeType>;
+  static constexpr bool has_levers = [] {
+    if constexpr (convex)
+      return !ShapeType::one_part;
+    else
+      return false;
+  }();
   [[no_unique_address]] typename ConvexRowsOf<ShapeType>::type convex_rows;
 
   /// Bodies of one part that is at their centre move in lanes.

@@ -90,25 +90,25 @@ struct RowState {
   }
 };
 template <class State, class Mover>
-requires(Mover::convex) struct RowState<State, Mover> {
+requires(Mover::has_levers) struct RowState<State, Mover> {
   PositionRow position;
   typename State::ParticleMotion motion;
   Quaternion q;      // PoseRow
-  Quaternion lever;  // LeverRow, if there are any
+  Quaternion lever;  // LeverRow
   Vec3d offset;
 
   static RowState of(const State& particles, const Mover& mover, std::uint32_t k) {
     RowState row{particles.position[k], particles.motion[k], {}, {}, {0, 0, 0}};
     const auto& convex = mover.convex_rows;
-    if (k < convex.pose.size()) row.q = convex.pose[k].q;
-    if (k < convex.lever.size()) row.lever = convex.lever[k].q, row.offset = convex.lever[k].offset;
+    if (k < convex.pose.size())
+      row.q = convex.pose[k].q, row.lever = convex.lever[k].q, row.offset = convex.lever[k].offset;
     return row;
   }
   void give(State& particles, Mover& mover, std::uint32_t k) const {
     particles.position[k] = position, particles.motion[k] = motion;
     auto& convex = mover.convex_rows;
-    if (k < convex.pose.size()) convex.pose[k].q = q;
-    if (k < convex.lever.size()) convex.lever[k].q = lever, convex.lever[k].offset = offset;
+    if (k < convex.pose.size())
+      convex.pose[k].q = q, convex.lever[k].q = lever, convex.lever[k].offset = offset;
   }
 };
 /// What ghosts get of a body at each step.
@@ -117,9 +117,18 @@ struct BodyState {
   Quaternion orientation;
   Vec3d momentum;
 
-  static BodyState of(const Body& b) { return {b.centre, b.velocity, b.orientation, b.momentum}; }
-  void give(Body& b) const {
+  template <class Mover>
+  static BodyState of(const Mover& mover, std::uint32_t k) {
+    const Body& b = mover.bodies[k];
+    return {b.centre, b.velocity, b.orientation, b.momentum};
+  }
+  template <class Mover>
+  void give(Mover& mover, std::uint32_t k) const {
+    Body& b = mover.bodies[k];
     b.centre = centre, b.velocity = velocity, b.orientation = orientation, b.momentum = momentum;
+    if constexpr (Mover::convex && !Mover::has_levers)  // PoseRow of its only part
+      if (const std::uint32_t row = mover.rows_of(b)[0]; row < mover.convex_rows.pose.size())
+        mover.convex_rows.pose[row].q = orientation;
   }
 };
 

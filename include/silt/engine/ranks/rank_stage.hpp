@@ -336,9 +336,9 @@ class RankStage {
         [&](std::uint32_t k) { return RowState<State, Mover>::of(particles, mover, k); },
         [&](std::uint32_t k, const auto& row) { row.give(particles, mover, k); });
     if constexpr (State::of_bodies)
-      visit(rows, bodies_of<BodyState>(
-                      [&](std::uint32_t k) { return BodyState::of(mover.bodies[k]); },
-                      [&](std::uint32_t k, const BodyState& b) { b.give(mover.bodies[k]); }));
+      visit(rows,
+            bodies_of<BodyState>([&](std::uint32_t k) { return BodyState::of(mover, k); },
+                                 [&](std::uint32_t k, const BodyState& b) { b.give(mover, k); }));
     else
       visit(rows);
   }
