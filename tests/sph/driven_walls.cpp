@@ -15,6 +15,7 @@
 #include <silt/sph.hpp>
 
 #include "near.hpp"
+#include "sph/floating.hpp"
 
 namespace sph_driven_walls_test {
 
@@ -61,10 +62,7 @@ auto cell(const WallDrive& drive, double step, const std::string& checkpoint = {
 }
 template <class Sim>
 std::vector<double> state_of(const Sim& sim) {
-  std::vector<double> all;
-  sim.fluid().for_each([&](std::uint32_t, const Vec3d& x, const Vec3d& v, double rho, double) {
-    all.insert(all.end(), {x.x, x.y, x.z, v.x, v.y, v.z, rho});
-  });
+  std::vector<double> all = sph_test::state_of(sim, 0);
   const Pose& pose = sim.wall(3).pose;
   all.insert(all.end(), {pose.translation.x, pose.translation.z, sim.wall(3).state.rate});
   const LiquidBalance e = sim.fluid().energy();
