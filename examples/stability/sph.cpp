@@ -154,8 +154,6 @@ Measures with_block(bool quick, double density, double alpha) {
   double gained = 0;
   for (int k = 0; k < (quick ? 40 : 100); ++k) {
     sim.run(0.04);
-    // The last film under a block that comes to lie on the floor is no liquid any more.
-    if (sim.position(0).z - b / 2 < 2 * s) continue;
     gained = std::max(gained, (energy() - before) / std::max(scale, m * g * d));
   }
   const double in_the_end = (energy() - before) / std::max(scale, m * g * d);
