@@ -265,7 +265,7 @@ struct SphCore {
       Extremes& m = of_parts[part];
       for (std::size_t p = part * per; p < std::min(packs, (part + 1) * per); ++p) {
         m.pair = std::max(m.pair, pairs.of_liquid(p, columns.rows, columns.volume, lists,
-                                                  columns.rates, columns.brief));
+                                                  columns.rates, columns.brief, columns.sticking));
         if constexpr (turbulent)
           sps().accelerate(p, W, columns.rows, columns.volume, columns.stress, lists, columns.rates,
                            true);

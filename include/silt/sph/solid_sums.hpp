@@ -36,6 +36,7 @@ void sph_mirror(Core& core, const typename Core::Pairs& pairs, const Team& team)
   const auto& solids = core.solids;
   const Slip slip = core.setup.slip.value_or(Core::Viscosity::laminar ? Slip::None : Slip::Free);
   const std::size_t first = core.lists.first_pack(Lists::Probe), n = core.lists.packs() - first;
+  if (slip == Slip::None) columns.sticking.resize(columns.size(), Vec3d{0, 0, 0});
   team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
     for (std::size_t p = first + from; p < first + to; ++p) {
       std::array<SphSeen, W> seen{};
@@ -49,12 +50,16 @@ void sph_mirror(Core& core, const typename Core::Pairs& pairs, const Team& team)
         auto& wall = columns.rows[at];
         const Vec3d away =
             core.lists.repeats.shortest(wall.position() - columns.rows[p * W + l].position());
-        const auto [density, velocity, share] =
+        const SphSeen::Mirrored image =
             seen[l].at(away, core.liquid, core.weight(), core.setup.h(), !solids.bodies.empty());
-        wall.density = density, wall.pressure = core.liquid.pressure(density);
+        wall.density = image.density, wall.pressure = core.liquid.pressure(image.density);
         const Vec3d own = solids.velocity(of);
-        wall.move(own + share * (sph_velocity_at_wall(velocity, own, away, slip) - own));
-        columns.volume[at] = solids.share(of) * core.particle_mass() / density;
+        const auto at_wall = [&](Slip how) {
+          return own + image.share * (sph_velocity_at_wall(image.velocity, own, away, how) - own);
+        };
+        wall.move(at_wall(slip));
+        if (slip == Slip::None) columns.sticking[at] = wall.velocity() - at_wall(Slip::Free);
+        columns.volume[at] = solids.share(of) * core.particle_mass() / image.density;
       }
     }
   });
