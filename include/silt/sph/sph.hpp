@@ -331,6 +331,11 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
       const Vec3d f = core().solids.force_on(k, core().columns, particle_mass());
       force += f, torque += cross(solid.place(k) - about, f);
     }
+    core().gaps.find(core(), team);
+    for (const auto& push : core().gaps.pushes())
+      if (push.wall == wall)
+        force -= push.force,
+            torque -= cross(core().solids.bodies.place(push.point) - about, push.force);
     if (open && !Axes::Walls::mirrored) detail::sph_solid_rates(core(), team);  // as they were
     return {force, torque};
   }
