@@ -20,6 +20,7 @@
 #include <silt/sph/cluster_lists.hpp>
 #include <silt/sph/columns.hpp>
 #include <silt/sph/driven_walls.hpp>
+#include <silt/sph/dry_gaps.hpp>
 #include <silt/sph/ledger.hpp>
 #include <silt/sph/opening_sums.hpp>
 #include <silt/sph/openings.hpp>
@@ -74,6 +75,7 @@ struct SphCore {
   SphSurfaceSlope<Kernel> surface_slope{};
   SphSolids solids{};
   SphOpenings openings{};
+  DryGaps<Kernel> gaps{};
   // Of a Simulation's walls: held until the next advance(), and of the last step.
   std::vector<LiquidOnWall> on_walls{}, in_step{};
   Lists lists{};

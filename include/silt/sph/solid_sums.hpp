@@ -109,6 +109,13 @@ void sph_driven_loads(const Core& core, std::span<LiquidOnWall> loads) {
     load.along += damping * Vec3d{n.x * n.x, n.y * n.y, n.z * n.z};
     load.around += damping * Vec3d{t.x * t.x, t.y * t.y, t.z * t.z};
   }
+  for (const auto& push : core.gaps.pushes()) {
+    if (!walls.is_driven(push.wall)) continue;
+    Vec3d arm =
+        core.solids.place(walls.size() + push.point) - walls.driven(push.wall).centre_at(core.now);
+    if (core.solids.plane) arm.y = 0;
+    loads[push.wall].force -= push.force, loads[push.wall].torque -= cross(arm, push.force);
+  }
 }
 
 /// What the liquid does to bodies: the opposite of what they do to it, pair by pair.
@@ -120,6 +127,7 @@ void sph_body_loads(Core& core, const Team& team) {
   const bool driven = solids.walls.any_driven();
   if (of.empty() && !driven) return;
   if constexpr (Core::Walls::mirrored) sph_solid_rates(core, team);
+  core.gaps.find(core, team);
   core.in_step.assign(driven ? solids.walls.walls() : 0, {});
   if (driven) sph_driven_loads(core, core.in_step);
   const std::size_t first = solids.walls.size();
@@ -129,6 +137,12 @@ void sph_body_loads(Core& core, const Team& team) {
     Vec3d arm = solids.place(k) - body.centre;
     if (solids.plane) arm.y = 0;
     body.force += f, body.torque += cross(arm, f);
+  }
+  for (const auto& push : core.gaps.pushes()) {
+    auto& body = of.bodies[of.body_of(push.point)];
+    Vec3d arm = of.place(push.point) - body.centre;
+    if (solids.plane) arm.y = 0;
+    body.force += push.force, body.torque += cross(arm, push.force);
   }
 }
 /// @}
