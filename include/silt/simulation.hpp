@@ -153,6 +153,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
         engine_.ranks.set(ranks);
       else
         engine_.ranks.set(std::move(ranks));
+      threads = std::max(threads / engine_.ranks.comm().on_this_machine(), 1);
     }
     if constexpr (has_bonds)
       this->set_bonds(detail::take<typename Composition::Bonds>(policies...));
