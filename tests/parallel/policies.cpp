@@ -27,6 +27,38 @@ std::array<double, 2> off_on_ranks(const Scene& scene) {
   return many.off(one);
 }
 
+// The first and the last rank are neighbours; parts by place, of which each takes in what comes.
+TEST_CASE("ranks: a ring; a decomposition by place, and particles that come") {
+  using Law = silt::HertzMindlin;
+  const Law::Material glass{
+      .youngs_modulus = 5e6, .poisson_ratio = 0.3, .restitution = 0.6, .friction = 0.4};
+  const silt::PeriodicBox ring{{{0, 0, 0}, {0.11, 0.04, 1}}, {true, false, false}};
+  const auto scene = [&](Seen& seen, auto... ranks) {
+    silt::Simulation sim{silt_test::cloud(12, 4, 2), silt::Contacts<Law>{glass}, ring, ranks...};
+    sim.gravity = {1, 0, -9.81};
+    sim.threads = 1;
+    sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, glass);
+    sim.add_wall(silt::Plane{{0, 0, 0}, {0, 1, 0}}, glass);
+    sim.add_wall(silt::Plane{{0, 0.04, 0}, {0, -1, 0}}, glass);
+    sim.run(0.01);
+    const auto more = silt_test::cloud(8, 3, 1);
+    silt::Particles<silt::Sphere> above;
+    for (auto p : more.all()) p.position.z += 0.03, above.add(p);
+    sim.add(above);
+    sim.run(0.02);
+    seen.add(sim);
+  };
+  const auto [place, velocity] = off_on_ranks(scene);
+  CHECK(place < 1e-12);
+  CHECK(velocity < 1e-10);
+  Seen one, by_place;
+  scene(one);
+  silt::run_on_ranks(4, [&](const silt::ThreadComm& comm) {
+    scene(by_place, silt::Ranks{comm, silt::Bisection{}});
+  });
+  CHECK(by_place.off(one)[0] < 1e-12);
+}
+
 // What a law remembers in float and of rolling, and of the triangles of a mesh that moves, goes
 // with the particles. Sums of floats in another order differ by 1e-7 of the forces.
 TEST_CASE("ranks: two materials, rolling, Mixed, a box that repeats, a paddle of triangles") {

@@ -27,24 +27,20 @@ Ranks ranks(const silt::ThreadComm& comm) {
 
 /// Spheres that fall into a trough and roll to one side.
 template <class... Policies>
-auto trough(silt::Particles<silt::Sphere> beads, bool ends, Policies... policies) {
+auto trough(silt::Particles<silt::Sphere> beads, Policies... policies) {
   silt::Simulation sim{std::move(beads), silt::Contacts<Law>{glass}, std::move(policies)...};
   sim.gravity = {1, 0, -9.81};
   sim.threads = 1;
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, glass);
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 1, 0}}, glass);
   sim.add_wall(silt::Plane{{0, 0.04, 0}, {0, -1, 0}}, glass);
-  if (ends) {
-    sim.add_wall(silt::Plane{{0, 0, 0}, {1, 0, 0}}, glass);
-    sim.add_wall(silt::Plane{{0.11, 0, 0}, {-1, 0, 0}}, glass);
-  }
+  sim.add_wall(silt::Plane{{0, 0, 0}, {1, 0, 0}}, glass);
+  sim.add_wall(silt::Plane{{0.11, 0, 0}, {-1, 0, 0}}, glass);
   return sim;
 }
-const silt::PeriodicBox ring{{{0, 0, 0}, {0.11, 0.04, 1}}, {true, false, false}};
-
 template <class... Policies>
-void run(Seen& seen, double time, bool ends, Policies... policies) {
-  auto sim = trough(silt_test::cloud(12, 4, 3), ends, policies...);
+void run(Seen& seen, double time, Policies... policies) {
+  auto sim = trough(silt_test::cloud(12, 4, 3), policies...);
   sim.run(time);
   seen.add(sim);
 }
@@ -64,12 +60,12 @@ struct Stop {
 // such contacts to 1e-13: a missing contact is 1e-3.
 TEST_CASE("ranks: a scene with friction is that of one process, while cuts move through contacts") {
   Seen one;
-  run(one, 0.03, true);
+  run(one, 0.03);
   for (const int n : {1, 2, 3, 5}) {
     Seen many;
     std::uint64_t migrated = 0;
     silt::run_on_ranks(n, [&](const silt::ThreadComm& comm) {
-      auto sim = trough(silt_test::cloud(12, 4, 3), true, ranks(comm));
+      auto sim = trough(silt_test::cloud(12, 4, 3), ranks(comm));
       CHECK(sim.size() == 144);
       sim.run(0.03);
       CHECK(sim.size() == 144);
@@ -87,27 +83,13 @@ TEST_CASE("ranks: a scene with friction is that of one process, while cuts move 
   }
 }
 
-TEST_CASE("ranks: likewise in a ring, whose first and last rank are neighbours") {
-  Seen one;
-  run(one, 0.03, false, ring);
-  for (const int n : {2, 3}) {
-    Seen many;
-    silt::run_on_ranks(
-        n, [&](const silt::ThreadComm& comm) { run(many, 0.03, false, ring, ranks(comm)); });
-    CAPTURE(n);
-    const auto [place, velocity] = many.off(one);
-    CHECK(place < 1e-12);
-    CHECK(velocity < 1e-10);
-  }
-}
-
 TEST_CASE("ranks: the same number of ranks gives the same bits, whatever the threads") {
   Seen first;
-  silt::run_on_ranks(3, [&](const silt::ThreadComm& comm) { run(first, 0.02, true, ranks(comm)); });
+  silt::run_on_ranks(3, [&](const silt::ThreadComm& comm) { run(first, 0.02, ranks(comm)); });
   for (const int threads : {1, 2}) {
     Seen again;
     silt::run_on_ranks(3, [&](const silt::ThreadComm& comm) {
-      auto sim = trough(silt_test::cloud(12, 4, 3), true, ranks(comm));
+      auto sim = trough(silt_test::cloud(12, 4, 3), ranks(comm));
       sim.threads = threads;
       sim.run(0.02);
       again.add(sim);
@@ -120,7 +102,7 @@ TEST_CASE("ranks: both sides of a cut remember the same of each contact, to the 
   std::mutex mutex;
   std::map<std::array<silt::ParticleId, 2>, std::vector<std::array<double, 3>>> of_pair;
   silt::run_on_ranks(3, [&](const silt::ThreadComm& comm) {
-    auto sim = trough(silt_test::cloud(12, 4, 3), true, ranks(comm));
+    auto sim = trough(silt_test::cloud(12, 4, 3), ranks(comm));
     sim.run(0.025);
     const auto& e = sim.engine();
     const std::lock_guard lock(mutex);
@@ -140,10 +122,10 @@ TEST_CASE("ranks: both sides of a cut remember the same of each contact, to the 
 }
 
 TEST_CASE("ranks: loads on walls are those of all particles") {
-  auto one = trough(silt_test::cloud(12, 4, 3), true);
+  auto one = trough(silt_test::cloud(12, 4, 3));
   one.run(0.02), one.run(0.01);
   silt::run_on_ranks(3, [&](const silt::ThreadComm& comm) {
-    auto sim = trough(silt_test::cloud(12, 4, 3), true, ranks(comm));
+    auto sim = trough(silt_test::cloud(12, 4, 3), ranks(comm));
     sim.run(0.02), sim.run(0.01);
     for (std::size_t w = 0; w < 5; ++w) {
       CHECK(norm(sim.wall(w).force - one.wall(w).force) < 1e-8 * norm(one.wall(0).force));
@@ -155,12 +137,12 @@ TEST_CASE("ranks: loads on walls are those of all particles") {
 TEST_CASE("ranks: ranks without particles, and more ranks than particles") {
   const auto three = [] { return silt_test::cloud(3, 1, 1); };
   Seen one;
-  auto sim = trough(three(), true);
+  auto sim = trough(three());
   sim.run(0.03);
   one.add(sim);
   Seen many;
   silt::run_on_ranks(8, [&](const silt::ThreadComm& comm) {
-    auto part = trough(three(), true, ranks(comm));
+    auto part = trough(three(), ranks(comm));
     part.run(0.03);
     many.add(part);
     CHECK(part.step() == sim.step());
@@ -170,19 +152,18 @@ TEST_CASE("ranks: ranks without particles, and more ranks than particles") {
 
 TEST_CASE("ranks: what one rank throws, all throw; with the sentence of that rank") {
   std::atomic<int> told{0};
-  CHECK_THROWS_WITH(
-      silt::run_on_ranks(3,
-                         [&](const silt::ThreadComm& comm) {
-                           auto sim = trough(silt_test::cloud(12, 4, 3), true, ranks(comm));
-                           try {
-                             sim.run(0.03, Stop{comm.rank()});
-                           } catch (const silt::Error& e) {
-                             told +=
-                                 std::string(e.what()).find("rank 1 of 3: the disc is full") == 0;
-                             throw;
-                           }
-                         }),
-      doctest::Contains("rank 1 of 3: the disc is full"));
+  CHECK_THROWS_WITH(silt::run_on_ranks(3,
+                                       [&](const silt::ThreadComm& comm) {
+                                         auto sim = trough(silt_test::cloud(12, 4, 3), ranks(comm));
+                                         try {
+                                           sim.run(0.03, Stop{comm.rank()});
+                                         } catch (const silt::Error& e) {
+                                           told += std::string(e.what()).find(
+                                                       "rank 1 of 3: the disc is full") == 0;
+                                           throw;
+                                         }
+                                       }),
+                    doctest::Contains("rank 1 of 3: the disc is full"));
   CHECK(told == 3);
 }
 
@@ -192,7 +173,7 @@ TEST_CASE("ranks: a limit that is broken on one rank ends the run on all") {
     auto beads = silt_test::cloud(12, 1, 1);
     beads.add({.position = {0.1, 0.02, 0.02}, .radius = 0.003, .density = 2500});
     beads.add({.position = {0.1031, 0.02, 0.02}, .radius = 0.003, .density = 2500});
-    auto sim = trough(std::move(beads), true, ranks(comm));
+    auto sim = trough(std::move(beads), ranks(comm));
     try {
       sim.run(0.01);
     } catch (const silt::SimulationError& e) {
@@ -208,7 +189,7 @@ TEST_CASE("ranks: a limit that is broken on one rank ends the run on all") {
 // particles; an outlet that counts its own rank's alone other books.
 TEST_CASE("ranks: inlets and outlets, and their books, are those of one process") {
   const auto scene = [](Seen& seen, auto... policies) {
-    auto sim = trough(silt_test::cloud(12, 4, 1), true, policies...);
+    auto sim = trough(silt_test::cloud(12, 4, 1), policies...);
     sim.add_inlet(silt::Box{{0.01, 0.005, 0.05}, {0.1, 0.035, 0.07}},
                   {.radius = silt::uniform(0.002, 0.003),
                    .density = 2500,
@@ -234,7 +215,7 @@ TEST_CASE("ranks: inlets and outlets, and their books, are those of one process"
 
 TEST_CASE("ranks: what is not done on many ranks yet is refused") {
   silt::run_on_ranks(2, [&](const silt::ThreadComm& comm) {
-    auto sim = trough(silt_test::cloud(12, 1, 1), true, ranks(comm));
+    auto sim = trough(silt_test::cloud(12, 1, 1), ranks(comm));
     CHECK_THROWS_WITH(sim.remove(0), doctest::Contains("cannot be changed on many ranks so far"));
     CHECK_THROWS_WITH(sim.add_wall(silt::box({0, 0, 0.05}, {0.01, 0.01, 0.06}), glass,
                                    {.drive = silt::FreeBody{.mass = 1, .inertia = {1, 1, 1}}}),
@@ -244,7 +225,7 @@ TEST_CASE("ranks: what is not done on many ranks yet is refused") {
 
 TEST_CASE("ranks: particles that come between two runs are those of one process") {
   const auto scene = [](Seen& seen, auto... policies) {
-    auto sim = trough(silt_test::cloud(12, 4, 2), true, policies...);
+    auto sim = trough(silt_test::cloud(12, 4, 2), policies...);
     sim.run(0.01);
     auto more = silt_test::cloud(8, 3, 1);
     silt::Particles<silt::Sphere> above;
@@ -259,11 +240,6 @@ TEST_CASE("ranks: particles that come between two runs are those of one process"
   scene(one);
   silt::run_on_ranks(3, [&](const silt::ThreadComm& comm) { scene(many, ranks(comm)); });
   CHECK(many.off(one)[0] < 1e-12);
-  Seen by_place;
-  silt::run_on_ranks(3, [&](const silt::ThreadComm& comm) {
-    scene(by_place, silt::Ranks{comm, silt::Bisection{}});
-  });
-  CHECK(by_place.off(one)[0] < 1e-12);
 }
 
 }  // namespace
