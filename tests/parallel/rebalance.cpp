@@ -109,14 +109,14 @@ std::array<double, 2> emptied(int ranks, D parts, Rebalance when) {
 TEST_CASE(
     "rebalance: a hopper that empties stays within 5 % in time average; static slabs do not") {
   for (const int ranks : {4, 8}) {
-    const auto [imbalance, partitions] = emptied(ranks, silt::Bisection{}, {});
-    const auto [fixed, once] = emptied(ranks, silt::StaticSlabs{.axis = 2}, {.above = 1e9});
-    INFO(ranks, " ranks: imbalance ", imbalance, " with ", partitions,
-         " decompositions of 399; static slabs ", fixed);
-    CHECK(imbalance < 1.05);
-    CHECK(partitions < 200);
-    CHECK(once == 1);
-    CHECK(fixed > 1.5);
+    const auto moving = emptied(ranks, silt::Bisection{}, {});
+    const auto fixed = emptied(ranks, silt::StaticSlabs{.axis = 2}, {.above = 1e9});
+    INFO(ranks, " ranks: imbalance ", moving[0], " with ", moving[1],
+         " decompositions of 399; static slabs ", fixed[0]);
+    CHECK(moving[0] < 1.05);
+    CHECK(moving[1] < 200);
+    CHECK(fixed[0] > 1.5);
+    CHECK(fixed[1] == 1);
   }
   // Where moving is dear there are fewer decompositions, and more imbalance.
   const auto cheap = emptied(8, silt::Bisection{}, {}),

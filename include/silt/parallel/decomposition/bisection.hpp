@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-#include <silt/parallel/decomposition/select.hpp>
+#include <silt/parallel/decomposition/find_cuts.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -68,7 +68,7 @@ struct Bisection {
         cuts.push_back(
             {g, detail::share_of(part.weight, part.ranks / 2, part.ranks), axis, boxes[g]});
       }
-      detail::place_cuts(comm, groups, cuts);
+      detail::find_cuts(comm, groups, cuts);
       for (std::size_t g = 0; g < divided.size(); ++g) {
         auto& part = divided[g];
         auto& node = nodes[first_node + g];

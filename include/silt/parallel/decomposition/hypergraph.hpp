@@ -19,13 +19,13 @@ struct WorkCell {
 };
 
 /// Cells of `side` [m] that cover a box.
-struct CoarseGrid {
+struct WorkGrid {
   Vec3d origin{0, 0, 0};
   double side = 0;  // [m]
   std::array<std::int64_t, 3> cells{0, 0, 0};
 
-  CoarseGrid() = default;
-  CoarseGrid(const Box& box, double cell) : origin(box.min), side(cell) {
+  WorkGrid() = default;
+  WorkGrid(const Box& box, double cell) : origin(box.min), side(cell) {
     const auto e = box.extent();
     const std::array<double, 3> extent{e.x, e.y, e.z};
     for (std::size_t d = 0; d < 3; ++d)
@@ -158,7 +158,7 @@ struct Hypergraph {
   /// Weight of ghosts beside that of points that move [-]; with 1 and more Zoltan begins nearly
   /// anew.
   double ghosts_a_move = 0.1;
-  detail::CoarseGrid grid = {};
+  detail::WorkGrid grid = {};
   std::vector<detail::WorkCell> cells = {};  // by id, each with its rank
   detail::ZoltanHandle zoltan = {};
   int ranks = 0;  // that it divides between
@@ -211,7 +211,7 @@ struct Hypergraph {
   }
 
   /// Who has the cell around a place; where there is none, the nearest cell with points.
-  static int rank_in(const detail::CoarseGrid& grid, const std::vector<detail::WorkCell>& cells,
+  static int rank_in(const detail::WorkGrid& grid, const std::vector<detail::WorkCell>& cells,
                      const Vec3d& place) {
     if (cells.empty()) return 0;
     const auto c = grid.at(place);

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-#include <silt/parallel/decomposition/select.hpp>
+#include <silt/parallel/decomposition/find_cuts.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -120,7 +120,7 @@ struct MovingSlabs {
       std::vector<detail::Cut> cuts;
       for (int r = 1; r < ranks; ++r)
         cuts.push_back({0, detail::share_of(whole.total, r, ranks), axis, whole.box});
-      detail::place_cuts(comm, {&group, 1}, cuts);
+      detail::find_cuts(comm, {&group, 1}, cuts);
       for (std::size_t r = 0; r < cuts.size(); ++r) slabs.cuts[r] = cuts[r].cut;
     }
     shares = now(comm, points, whole);

@@ -59,8 +59,8 @@ struct SortedGroup {
 };
 
 /// Where to cut group `group`, whose points of all ranks lie in `box`, along `axis`, so that the
-/// weight before the cut comes nearest to `target`. select() fills in the rest: points at `cut` or
-/// before it lie on the left.
+/// weight before the cut comes nearest to `target`. find_cuts() fills in the rest: points at `cut`
+/// or before it lie on the left.
 struct Cut {
   std::size_t group;
   std::int64_t target;
@@ -90,7 +90,7 @@ struct CutSearch {
 /// has one point or its end is the cut; a few messages each. Keys are whole numbers: it ends after
 /// at most three times 64 bits, whatever the points are, and is exact.
 template <Communicator C>
-void place_cuts(const C& comm, std::span<const SortedGroup> groups, std::span<Cut> cuts) {
+void find_cuts(const C& comm, std::span<const SortedGroup> groups, std::span<Cut> cuts) {
   const std::size_t bins =
       std::clamp<std::size_t>(4096 / std::max<std::size_t>(1, cuts.size()), 16, 256);
   std::vector<CutSearch> searches;
