@@ -232,6 +232,16 @@ TEST_CASE("ranks: inlets and outlets, and their books, are those of one process"
   CHECK(many.off(one)[0] < 1e-12);
 }
 
+TEST_CASE("ranks: what is not done on many ranks yet is refused") {
+  silt::run_on_ranks(2, [&](const silt::ThreadComm& comm) {
+    auto sim = trough(silt_test::cloud(12, 1, 1), true, ranks(comm));
+    CHECK_THROWS_WITH(sim.remove(0), doctest::Contains("cannot be changed on many ranks so far"));
+    CHECK_THROWS_WITH(sim.add_wall(silt::box({0, 0, 0.05}, {0.01, 0.01, 0.06}), glass,
+                                   {.drive = silt::FreeBody{.mass = 1, .inertia = {1, 1, 1}}}),
+                      doctest::Contains("a wall with a drive does not go with Ranks"));
+  });
+}
+
 TEST_CASE("ranks: particles that come between two runs are those of one process") {
   const auto scene = [](Seen& seen, auto... policies) {
     auto sim = trough(silt_test::cloud(12, 4, 2), true, policies...);

@@ -319,7 +319,7 @@ class Engine : public Tables<Composition> {
   void agree(const char* call, const std::exception_ptr& error = nullptr) requires(of_ranks) {
     std::array<double, 4> most{largest_speed, largest_share, largest_overlap,
                                lists.upkeep.searched_at < 0 ? 1.0 : 0.0};
-    silt::agree(ranks.comm(), call, error, most);
+    ranks.agree(call, error, most);
     largest_speed = most[0], largest_share = most[1], largest_overlap = most[2];
     if (most[3] > 0) lists.forget();
   }
