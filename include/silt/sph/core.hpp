@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <numbers>
 #include <numeric>
 #include <span>
 #include <string>
@@ -21,7 +20,9 @@
 #include <silt/sph/columns.hpp>
 #include <silt/sph/driven_walls.hpp>
 #include <silt/sph/dry_gaps.hpp>
+#include <silt/sph/lattice_sites.hpp>
 #include <silt/sph/ledger.hpp>
+#include <silt/sph/liquid_check.hpp>
 #include <silt/sph/opening_sums.hpp>
 #include <silt/sph/openings.hpp>
 #include <silt/sph/pair_sums.hpp>
@@ -88,7 +89,7 @@ struct SphCore {
   double time = 0, now = 0, last_step = 0;  // [s] now: of the rates
   double full = 0;                          // [-] div r of a lattice
   double moved = 0;                         // [m] liquid, at most, since the lists were made
-  double exchange = INFINITY;               // [s] longest_exchange() of the last step
+  double exchange = INFINITY;               // [s] sph_longest_exchange() of the last step
   std::int64_t steps = 0;
   bool stale = true;   // lists are to be made
   bool known = false;  // rates are those of now
@@ -101,7 +102,7 @@ struct SphCore {
         scheme.check(), keeper.check();
     require(Walls::mirrored || !setup.slip,
             "SphSetup.slip has no effect with DynamicWalls; leave it out, or take MirroredWalls");
-    full = divergence_of_lattice();
+    full = sph_divergence_of_lattice<Kernel>(setup);
     if constexpr (Shift::shifts) surface_slope = SphSurfaceSlope<Kernel>(setup.dimensions);
     require(Time::two_stages || setup.courant <= 0.2, "SphSetup.courant = ", setup.courant,
             " is too long for VerletTime, which is unstable from 0.22 on; take at most 0.2, or "
@@ -118,19 +119,6 @@ struct SphCore {
   Vec3d weight() const {
     return {setup.periodic[0] ? 0 : gravity.x, setup.periodic[1] ? 0 : gravity.y,
             setup.periodic[2] ? 0 : gravity.z};
-  }
-  /// [-] -sum V r.grad W on the lattice of the spacing: 2 or 3, but for the kernel's width.
-  double divergence_of_lattice() const {
-    const double s = setup.spacing, h = setup.h();
-    const int n = static_cast<int>(2 * h / s) + 1, across = setup.dimensions == 2 ? 0 : n;
-    double sum = 0;
-    for (int i = -n; i <= n; ++i)
-      for (int j = -across; j <= across; ++j)
-        for (int k = -n; k <= n; ++k) {
-          const double q = std::sqrt(i * i + j * j + k * k) * s / h;
-          sum -= Kernel::slope(q) * q * q;
-        }
-    return sum * setup.volume() * Kernel::normalisation(setup.dimensions, h);
   }
   double particle_mass() const { return liquid.density * setup.volume(); }  // [kg]; 2D: [kg/m]
   /// Solids or liquid have come or gone.
@@ -155,20 +143,8 @@ struct SphCore {
       if (!grains.pick_small(of, setup, resolved)) made = false, renewed();
     if (solids.bodies.set(of, resolved, setup)) make_room_for_bodies();
     solids.walls.take_drives(time), on_walls.assign(solids.walls.walls(), {});
-    exchange = longest_exchange(of);
+    exchange = sph_longest_exchange(*this, of);
     known = false;  // of where all is now, whatever was read in between
-  }
-  /// [s] for which what the liquid does to bodies may be held. A body that is pushed on radiates
-  /// sound, which halts it at a rate of rho c A/m, A = 4/3 pi R^2 or in 2D pi R: over a longer time
-  /// a light one would be thrown back, faster each time.
-  double longest_exchange(const CoupledParticles& of) const {
-    double longest = INFINITY;
-    for (const std::size_t p : resolved) {
-      const double R = of.shape.radius[p], pi = std::numbers::pi,
-                   area = setup.dimensions == 2 ? pi * R : 4 * pi / 3 * R * R;
-      longest = std::min(longest, 0.5 * of.mass[p] / (liquid.density * liquid.sound_speed * area));
-    }
-    return longest;
   }
   /// Adds a share of the loads of the last step.
   void add_loads(double part, std::span<Vec3d> force, std::span<Vec3d> torque) {
@@ -355,13 +331,13 @@ struct SphCore {
         r.place(lists.repeats.wrapped(r.position()));
         continue;
       }
-      check(r);
+      sph_check(*this, r);
       // In the middle of a step its start goes along.
       const Vec3d way = lists.repeats.wrapped(r.position()) - r.position();
       Row& start = columns.start[k];
       r.place(r.position() + way), start.place(start.position() + way);
       sph_goes_round(*this, k, way);
-      if (is_out(r.position())) sph_goes(*this, k, false), columns.take_out(k), ++left;
+      if (sph_is_out(*this, r.position())) sph_goes(*this, k, false), columns.take_out(k), ++left;
     }
     if (!solids.thin.known()) solids.thin.find(solids.walls, setup);
     solids.thin.check(solids.walls, columns, lists.repeats, setup, steps, time);
@@ -392,43 +368,6 @@ struct SphCore {
     solids.find_rows(columns, lists.first_pack(Lists::Wall) * Pairs::W, small_grains().size());
     openings.find_rows(columns);
     lists.find(then, 2 * setup.h() + skin(), team);
-  }
-  void check(const Row& r) const {
-    const double share = r.density / liquid.density;
-    if (is_finite(r.position()) && is_finite(r.velocity()) && share >= least_density &&
-        share <= most_density)
-      return;
-    throw SimulationError(what_is_wrong(r), steps, {}, r.position());
-  }
-  std::string what_is_wrong(const Row& r) const {
-    const Vec3d x = r.position();
-    const double c = liquid.sound_speed, speed = norm(r.velocity());
-    const std::string what = text("step ", steps, ", t = ", time, " s: the liquid at ", x, " m"),
-                      is = text(" density ", r.density, " kg/m3 and velocity ", r.velocity(),
-                                " m/s");
-    if (is_finite(x) && solids.walls.walls() > 0)
-      if (const auto wall = solids.walls.nearest(x); wall.distance < -0.1 * setup.spacing)
-        return text(what, " has gone through wall ", in_quotes(solids.walls.name(wall.wall)),
-                    " by ", -wall.distance, " m, with", is,
-                    "; take a smaller spacing, a larger alpha of the viscosity (0.1), or a slower "
-                    "wall");
-    const std::string beyond = text(what, " has", is, ", beyond ", least_density, " to ",
-                                    most_density, " of ", liquid.density, " kg/m3; ");
-    if (speed > 0.2 * c)
-      return text(beyond, "that is ", speed / c, " of Liquid.sound_speed = ", c,
-                  " m/s, of which speeds may be a tenth; if the scene is as fast as that, take a "
-                  "larger Liquid.sound_speed, ",
-                  10 * speed, " m/s, else a larger alpha of the viscosity (0.1)");
-    return text(beyond,
-                "take a smaller spacing, a larger alpha of the viscosity (0.1) or a smaller "
-                "SphSetup.courant; for a drop that has flown off alone, whose density no neighbour "
-                "holds, a lower Sph::least_density");
-  }
-  bool is_out(const Vec3d& x) const {
-    // What walls at its sides press into them is not out.
-    const Box b = setup.region.grown(setup.spacing);
-    return x.x < b.min.x || x.x > b.max.x || x.z < b.min.z || x.z > b.max.z ||
-           (setup.dimensions == 3 && (x.y < b.min.y || x.y > b.max.y));
   }
   /// @}
 

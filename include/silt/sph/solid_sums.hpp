@@ -1,13 +1,17 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numbers>
 #include <span>
 
 #include <silt/core/threads.hpp>
 #include <silt/core/vec3.hpp>
+#include <silt/coupling/particles_in_fluid.hpp>
 #include <silt/sph/body_points.hpp>
 #include <silt/sph/driven_walls.hpp>
 #include <silt/sph/seen.hpp>
@@ -116,6 +120,21 @@ void sph_driven_loads(const Core& core, std::span<LiquidOnWall> loads) {
     if (core.solids.plane) arm.y = 0;
     loads[push.wall].force -= push.force, loads[push.wall].torque -= cross(arm, push.force);
   }
+}
+
+/// [s] for which what the liquid does to bodies may be held. A body that is pushed on radiates
+/// sound, which halts it at a rate of rho c A/m, A = 4/3 pi R^2 or in 2D pi R: over a longer time
+/// a light one would be thrown back, faster each time.
+template <class Core>
+double sph_longest_exchange(const Core& core, const CoupledParticles& of) {
+  double longest = INFINITY;
+  for (const std::size_t p : core.resolved) {
+    const double R = of.shape.radius[p], pi = std::numbers::pi,
+                 area = core.setup.dimensions == 2 ? pi * R : 4 * pi / 3 * R * R;
+    longest = std::min(longest,
+                       0.5 * of.mass[p] / (core.liquid.density * core.liquid.sound_speed * area));
+  }
+  return longest;
 }
 
 /// What the liquid does to bodies: the opposite of what they do to it, pair by pair.

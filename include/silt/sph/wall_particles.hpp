@@ -16,33 +16,17 @@
 #include <silt/boundary/wall.hpp>
 #include <silt/core/error.hpp>
 #include <silt/sph/driven_walls.hpp>
+#include <silt/sph/lattice_sites.hpp>
 #include <silt/sph/setup.hpp>
+#include <silt/sph/wall_part.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
-
-/// Calls visit(x) for the centres of the lattice's cells in the region, and in `layers` more of
-/// them beyond it where it does not repeat.
-template <class Visit>
-void for_each_site(const SphSetup& setup, int layers, const Visit& visit) {
-  const double s = setup.spacing;
-  const Vec3d low = setup.region.min, e = setup.region.extent();
-  const double length[3] = {e.x, e.y, e.z};
-  int from[3], to[3];
-  for (std::size_t d = 0; d < 3; ++d) {
-    const int more = setup.periodic[d] ? 0 : layers;
-    from[d] = -more, to[d] = static_cast<int>(std::ceil(length[d] / s - 1e-6)) + more;
-  }
-  if (setup.dimensions == 2) from[1] = 0, to[1] = 1;
-  for (int i = from[0]; i < to[0]; ++i)
-    for (int j = from[1]; j < to[1]; ++j)
-      for (int k = from[2]; k < to[2]; ++k)
-        visit(Vec3d{low.x + (i + 0.5) * s, setup.dimensions == 2 ? low.y : low.y + (j + 0.5) * s,
-                    low.z + (k + 0.5) * s});
-}
 
 /// The particles of walls: sites of the lattice that are behind surfaces by less than the kernel's
 /// support, each with its mirror image in the liquid, its ghost. They move with their wall.
 class WallParticles {
+  using Part = WallPart;
+
  public:
   void add(const Surfaces& surfaces, const WallSetup& setup) {
     for (const Surface& one : surfaces.parts)
@@ -52,10 +36,11 @@ class WallParticles {
     require(setup.drive.index() == 0, "Sph: wall ", in_quotes(setup.name),
             " has a drive, which a liquid alone does not move; add the wall to a Simulation that "
             "has the Sph as its fluid, or give it a motion");
-    check(surfaces.parts, setup.name);
+    const Part part{surfaces.parts, setup.name, setup.motion, setup.surface_velocity, nullptr};
+    part.check();
     setup.surface_velocity.check();
-    walls_.push_back({surfaces.parts, setup.name, setup.motion, setup.surface_velocity, nullptr});
-    place(walls_.back(), 0, 1);
+    walls_.push_back(part);
+    walls_.back().move_to(0, 1);
     walls_.back().first = walls_.back().pose;
     fresh_ = true;
   }
@@ -75,9 +60,9 @@ class WallParticles {
     const bool restored = restored_.size() == walls.size() && !walls.empty();
     walls_.clear();
     for (const Wall& w : walls) {
-      check(w.surfaces, w.name);
       walls_.push_back({w.surfaces, w.name, {}, {}, &w});
       Part& part = walls_.back();
+      part.check();
       part.pose = part.last = part.next = part.first = part.listed = w.pose;
     }
     followed_ = walls.size();
@@ -172,7 +157,7 @@ class WallParticles {
     Nearest least;
     for (std::size_t w = 0; w < walls_.size(); ++w) {
       if (which == Which::AtRest && walls_[w].moves()) continue;
-      if (const SurfacePoint p = nearest(walls_[w], x); p.distance < least.distance)
+      if (const SurfacePoint p = walls_[w].nearest(x); p.distance < least.distance)
         least = {p.distance, p.normal, w};
     }
     return least;
@@ -209,7 +194,7 @@ class WallParticles {
       if (norm(x - surface) > thick || hold(x)) return;
       const Part& wall = walls_[least.wall];
       const Vec3d out = surface - x;  // towards the liquid
-      const bool flat = std::holds_alternative<Plane>(wall.surfaces[nearest_surface(wall, x)]);
+      const bool flat = std::holds_alternative<Plane>(wall.surfaces[wall.nearest_surface(x)]);
       particles_.push_back({wall.pose.to_body(x), wall.pose.to_body(x + 2 * out),
                             flat && norm(out) > 0 ? normalised(out) : Vec3d{0, 0, 0},
                             static_cast<std::uint32_t>(least.wall)});
@@ -255,7 +240,7 @@ class WallParticles {
   /// @}
   /// To `time` [s]; velocities are those of the `span` [s] before.
   void move_to(double time, double span) {
-    for (Part& w : walls_) place(w, time, span);
+    for (Part& w : walls_) w.move_to(time, span);
   }
 
  private:
@@ -269,7 +254,7 @@ class WallParticles {
       const Nearest here = nearest(x);
       if (here.distance < 0 || here.distance > s || has[here.wall] != 0) return;
       for (std::size_t w = 0; w < walls_.size(); ++w)
-        if (w != here.wall && nearest(walls_[w], x).distance < here.distance + 1e-6 * s) return;
+        if (w != here.wall && walls_[w].nearest(x).distance < here.distance + 1e-6 * s) return;
       throw InputError(text("Sph: wall ", in_quotes(walls_[here.wall].name), " near ", x,
                             " m is thinner than a spacing of ", s,
                             " m and has no particles, so that liquid passes through it; make it "
@@ -277,23 +262,6 @@ class WallParticles {
                             2 * setup.h(), " m, or take a smaller spacing"));
     });
   }
-  struct Part {
-    std::vector<Surface> surfaces;
-    std::string name;
-    Motion motion;  // of its own
-    SurfaceVelocity belt;
-    const Wall* of;  // of a Simulation; null: its own
-    DrivenMotion driven{};
-    Pose pose{}, last{}, next{}, first{}, listed{};
-    double span = 1;
-    bool is_belt = true;
-
-    bool is_driven() const { return of != nullptr && of->is_driven(); }
-    bool moves() const {
-      return of != nullptr ? static_cast<bool>(of->motion) || is_driven()
-                           : static_cast<bool>(motion);
-    }
-  };
   void find_boxes() {
     boxes_.assign(walls_.size(), Box{});
     for (const Particle& p : particles_)
@@ -304,24 +272,6 @@ class WallParticles {
       walls_[w].first = restored_[w].first, walls_[w].listed = restored_[w].second;
     restored_.clear();
     find_boxes();
-  }
-  static void place(Part& w, double time, double span) {
-    if (!w.moves()) return;
-    const auto at = [&w](double t) {
-      if (w.of == nullptr) return w.motion(t);
-      return w.of->is_driven() ? w.driven.at(t) : w.of->pose_at(t);
-    };
-    const double from = std::max(time - span, 0.0);  // motions need not be known before 0
-    w.pose = at(time), w.last = at(from), w.next = at(from + span), w.span = span;
-  }
-  static void check(const std::vector<Surface>& surfaces, const std::string& name) {
-    for (const Surface& one : surfaces)
-      visit_surface(one, [&](const auto& s) {
-        if constexpr (std::is_same_v<std::remove_cvref_t<decltype(s)>, TriangleMesh>)
-          require(s.is_closed(), "Sph: the mesh of wall ", in_quotes(name),
-                  " is not closed, so that it has no side behind it; close it, or use planes, "
-                  "cylinders and cones");
-      });
   }
   struct Particle {
     Vec3d at, ghost;  // [m] in the wall's own coordinates
@@ -380,32 +330,6 @@ class WallParticles {
     return true;
   }
 
-  static std::size_t nearest_surface(const Part& wall, const Vec3d& x) {
-    std::size_t which = 0;
-    nearest(wall, x, &which);
-    return which;
-  }
-  static SurfacePoint nearest(const Part& wall, const Vec3d& x, std::size_t* which = nullptr) {
-    constexpr double far = std::numeric_limits<double>::infinity();
-    SurfacePoint least{{0, 0, 0}, far, 0};
-    const Vec3d own = wall.pose.to_body(x);
-    for (std::size_t k = 0; k < wall.surfaces.size(); ++k)
-      visit_surface(wall.surfaces[k], [&](const auto& s) {
-        SurfacePoint p;
-        if constexpr (std::is_same_v<std::remove_cvref_t<decltype(s)>, TriangleMesh>) {
-          p = s.nearest_point(own);
-          // Free is the side that the triangles' normals point to.
-          if (s.contains(own) == (s.volume() > 0)) p.distance *= -1, p.normal = -1.0 * p.normal;
-        } else {
-          if (s.contacts(own, 1e300, &p) == 0) return;
-        }
-        if (!(p.distance < least.distance)) return;
-        least = p;
-        if (which != nullptr) *which = k;
-      });
-    least.normal = wall.pose.rotate(least.normal);
-    return least;
-  }
   /// The nearest point that is behind no wall, by steps to one surface after the other.
   Vec3d to_surface(Vec3d x, double enough, Which which) const {
     for (int n = 0; n < 50; ++n) {
