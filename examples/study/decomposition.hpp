@@ -13,12 +13,12 @@
 #include <variant>
 #include <vector>
 
+#include <silt/core/threads.hpp>
+#include <silt/core/vec3.hpp>
 #include <silt/parallel/decomposition/bisection.hpp>
 #include <silt/parallel/decomposition/rebalance.hpp>
 #include <silt/parallel/decomposition/slabs.hpp>
 #include <silt/parallel/thread_comm.hpp>
-#include <silt/core/threads.hpp>
-#include <silt/core/vec3.hpp>
 
 /// What the ranks of a run would have to do, counted in a run of one process: at each search of its
 /// list a decomposition gets the places of all particles and the work that each makes, as the
@@ -27,18 +27,19 @@ namespace decomposition_study {
 
 /// The particles at a search, and the pairs that it has found.
 struct Search {
-  double time = 0;          // [s] after opening
-  std::int64_t steps = 0;   // [-] since the search before
-  std::vector<std::size_t> number;       // of each row its particle's, which stays
-  std::vector<silt::Vec3d> place;        // [m]
-  std::vector<double> work;              // [-] one, and half of each listed pair
-  std::vector<double> grown;             // [m] radius and how far the list reaches
+  double time = 0;                  // [s] after opening
+  std::int64_t steps = 0;           // [-] since the search before
+  std::vector<std::size_t> number;  // of each row its particle's, which stays
+  std::vector<silt::Vec3d> place;   // [m]
+  std::vector<double> work;         // [-] one, and half of each listed pair
+  std::vector<double> grown;        // [m] radius and how far the list reaches
   struct Pair {
     std::uint32_t a, b;
     bool touches;
   };
-  std::vector<Pair> pairs;                                       // that are computed at each step
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> nearby;  // that may be before the next search
+  std::vector<Pair> pairs;  // that are computed at each step
+  std::vector<std::pair<std::uint32_t, std::uint32_t>>
+      nearby;  // that may be before the next search
 
   template <class Sim>
   Search(const Sim& sim, double opening, std::int64_t since)
@@ -58,9 +59,8 @@ struct Search {
       const auto d = e.particles.position[a].centre() - e.particles.position[b].centre();
       pairs.push_back({a, b, dot(d, d) < reach * reach});
     });
-    list.for_each_outer(silt::Team(1), [&](std::uint32_t a, std::uint32_t b) {
-      nearby.emplace_back(a, b);
-    });
+    list.for_each_outer(silt::Team(1),
+                        [&](std::uint32_t a, std::uint32_t b) { nearby.emplace_back(a, b); });
   }
 };
 
@@ -83,12 +83,12 @@ class Division {
 
   std::string name;
   int ranks;
-  std::vector<RankCount> now;                      // after the last search
-  double imbalance = 1;                            // [-] largest over mean work, likewise
-  double partitions = 0, migrated = 0;             // since the start
-  double worst_end = 1;                            // [-] imbalance at the end of a decomposition
-  double missing_ghosts = 0, lost_particles = 0;   // none, if all is right
-  double partition_cost = 0;                       // in units of work, by what Rebalance supposes
+  std::vector<RankCount> now;                     // after the last search
+  double imbalance = 1;                           // [-] largest over mean work, likewise
+  double partitions = 0, migrated = 0;            // since the start
+  double worst_end = 1;                           // [-] imbalance at the end of a decomposition
+  double missing_ghosts = 0, lost_particles = 0;  // none, if all is right
+  double partition_cost = 0;                      // in units of work, by what Rebalance supposes
 
   template <class How>
   Division(std::string what, int of_ranks, const How& parts)
@@ -96,7 +96,8 @@ class Division {
         ranks(of_ranks),
         stays_(std::is_same_v<How, silt::StaticSlabs>),
         parts_(static_cast<std::size_t>(of_ranks), Parts(parts)) {
-    silt::require(ranks <= most_ranks, "a division between ", ranks, " ranks: at most ", most_ranks);
+    silt::require(ranks <= most_ranks, "a division between ", ranks, " ranks: at most ",
+                  most_ranks);
   }
 
   /// Decides as the ranks would at this search, and counts what they have then.
@@ -244,11 +245,11 @@ struct Timed {
 struct Recorded {
   std::vector<double> times;  // [s] after opening
   std::vector<Timed> timed;
-  std::vector<Division> divisions;                        // as they are at the end
+  std::vector<Division> divisions;                         // as they are at the end
   std::vector<std::vector<std::vector<RankCount>>> ranks;  // of each search and division
-  std::vector<std::vector<double>> imbalance;             // likewise
+  std::vector<std::vector<double>> imbalance;              // likewise
   std::vector<double> moments;                             // [s] of the paper's pictures
-  double particles = 0, layer = 0;  // [-]; ghosts around a part, in mean distances of particles
+  double particles = 0, layer = 0;    // [-]; ghosts around a part, in mean distances of particles
   double ghost = 0, ghost_bytes = 0;  // [s], [bytes] of one at each step
 };
 

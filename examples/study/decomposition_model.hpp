@@ -87,8 +87,8 @@ inline double step_time(const Costs& costs, const Network& net, const std::vecto
   return slowest;
 }
 
-/// A rank in the middle of many in a settled bed, a cube of `owners` particles: 26 neighbours, and a
-/// layer of ghosts all around that is `layer` particles thick.
+/// A rank in the middle of many in a settled bed, a cube of `owners` particles: 26 neighbours, and
+/// a layer of ghosts all around that is `layer` particles thick.
 struct WeakRank {
   double owners, pairs_of_one, layer, imbalance, steps;
 
