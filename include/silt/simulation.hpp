@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <concepts>
 #include <cstdint>
@@ -272,7 +273,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
       return static_cast<std::size_t>(this->sum_over_ranks(static_cast<double>(own)));
     return own;
   }
-  /// Where the energy is and where it went; when the simulation is not running, or in an observer.
+  /// Where the energy is and where it went; when the simulation is not running, or in an observer
+  /// (collective).
   EnergyBalance energy() const { return balance(); }
   /// What the fluid has given to particle k [N s] that velocity(k) does not have yet, as the flow
   /// is ahead of the particles; while they are observed, or after run().

@@ -3,6 +3,7 @@
 // mistake that the others are refused for.
 #define SILT_MENDED
 #include <silt/fluid.hpp>
+#include <silt/ranks.hpp>
 #include <silt/sph.hpp>
 
 #include "refused/scene.hpp"
@@ -30,6 +31,12 @@ namespace bond_without_policy {
 }
 namespace break_without_policy {
 #include "refused/break_without_policy.cpp"
+}
+namespace ranks_with_events {
+#include "refused/ranks_with_events.cpp"
+}
+namespace ranks_with_fluid {
+#include "refused/ranks_with_fluid.cpp"
 }
 namespace foreign_option {
 #include "refused/foreign_option.cpp"

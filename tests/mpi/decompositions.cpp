@@ -71,6 +71,101 @@ void rcb(const silt::MpiComm& comm) {
       "Rcb.tolerance = 0.5 [-] must be finite and at least 1");
 }
 
+/// How many points must be copied to other ranks, if each reaches as far as `reach`.
+template <class D>
+std::int64_t ghosts(const silt::MpiComm& comm, const D& parts, const silt_test::Cloud& cloud,
+                    double reach) {
+  std::int64_t copies = 0;
+  const auto own = silt_test::own_part(comm, cloud);
+  for (const auto& p : own.points) {
+    std::vector<int> others;
+    for (const double x : {-reach, 0.0, reach})
+      for (const double y : {-reach, 0.0, reach})
+        for (const double z : {-reach, 0.0, reach})
+          others.push_back(parts.rank_of(p + silt::Vec3d{x, y, z}));
+    std::sort(others.begin(), others.end());
+    others.erase(std::unique(others.begin(), others.end()), others.end());
+    copies += static_cast<std::int64_t>(others.size()) - 1;
+  }
+  comm.sum_of({&copies, 1});
+  return copies;
+}
+
+void hypergraph(const silt::MpiComm& comm) {
+  const auto make = [] { return silt::Hypergraph{}; };
+  silt_test::ends_on_every_cloud(comm, make);
+  silt_test::refuses_wrong_input(comm, make);
+  const auto check = [&](const silt_test::Cloud& cloud, const char* what) {
+    silt::Hypergraph parts;
+    silt::Bisection own;
+    silt::StaticSlabs slabs{.axis = 2};
+    const auto work = silt_test::parted(comm, parts, cloud);
+    silt_test::parted(comm, own, cloud);
+    silt_test::parted(comm, slabs, cloud);
+    const double reach = 0.5 * parts.grid.side, mean = silt_test::mean(work);
+    const auto copies = ghosts(comm, parts, cloud, reach), boxes = ghosts(comm, own, cloud, reach),
+               layers = ghosts(comm, slabs, cloud, reach);
+    std::int64_t most = 0, all = 0;
+    for (const auto& c : parts.cells) most = std::max(most, c.work), all += c.work;
+    const double largest_cell =
+        static_cast<double>(most) / static_cast<double>(all) * static_cast<double>(comm.size());
+    const double imbalance = silt_test::largest(work) / mean;
+    if (comm.rank() == 0)
+      std::printf(
+          "%s: %zu cells, largest over mean work %.4f (largest cell %.4f); ghosts %ld, Bisection "
+          "%ld, slabs %ld\n",
+          what, parts.cells.size(), imbalance, largest_cell, static_cast<long>(copies),
+          static_cast<long>(boxes), static_cast<long>(layers));
+    expect(imbalance <= parts.tolerance + largest_cell, silt::text(what, ": work ", imbalance));
+    if (comm.size() > 3) expect(copies < layers, "fewer ghosts than between layers");
+  };
+  check(silt_test::bed(20000, false), "a bed");
+  check(silt_test::bed(20000, true), "a bed with weights");
+  check(silt_test::lattice(24), "a lattice");
+  // What has hardly moved stays; where one rank's work grows it gives some away, and little else
+  // moves.
+  auto cloud = silt_test::bed(20000, false);
+  silt::Hypergraph parts;
+  const auto mine = silt_test::own_part(comm, cloud);
+  (void)parts.partition(comm, mine.points, mine.weights);
+  const auto moved = [&](double weight) {
+    silt_test::Cloud own;
+    for (const auto& p : cloud.points)
+      if (parts.rank_of(p) == comm.rank()) {
+        own.points.push_back(p + silt::Vec3d{1e-5, 0, 0});
+        own.weights.push_back(comm.rank() == 0 ? weight : 1);
+      }
+    const auto owner = parts.partition(comm, own.points, own.weights);
+    std::int64_t changed = 0;
+    for (const int r : owner) changed += r != comm.rank();
+    comm.sum_of({&changed, 1});
+    const auto work = silt_test::work_of(comm, own, owner);
+    const double imbalance = silt_test::largest(work) / silt_test::mean(work);
+    if (comm.rank() == 0)
+      std::printf("moved where rank 0 has %.1f times the work: %ld of 20000, imbalance %.4f\n",
+                  weight, static_cast<long>(changed), imbalance);
+    expect(imbalance < 1.1, "balance after a change");
+    return changed;
+  };
+  expect(moved(1) < 200, "few points move");
+  expect(comm.size() == 1 || (moved(1.5) > 200 && moved(1) < 8000), "some points move");
+  expect(silt::Hypergraph{}.rank_of({1, 2, 3}) == 0, "before there were points");
+  // Places where no point was: outside, and above the bed.
+  for (const silt::Vec3d p : {silt::Vec3d{-1, 5, 0}, {1, 1, 1}, {0, 0, -7}, {0.05, 0.01, 0.0499}})
+    for (const int r : silt::gather_each(comm, parts.rank_of(p)))
+      expect(r == parts.rank_of(p) && r >= 0 && r < comm.size(), "a place without points");
+  using silt_test::expect_words;
+  using silt_test::said;
+  expect_words(said([&] { silt::Hypergraph{.cell = -1}.partition(comm, {}, {}); }),
+               "Hypergraph.cell = -1 [m] must be finite and not negative");
+  expect_words(said([&] { silt::Hypergraph{.cells_a_rank = 0}.partition(comm, {}, {}); }),
+               "Hypergraph.cells_a_rank = 0 [-] must be finite and at least 1");
+  expect_words(said([&] { silt::Hypergraph{.tolerance = 0}.partition(comm, {}, {}); }),
+               "Hypergraph.tolerance = 0 [-] must be finite and at least 1");
+  expect_words(said([&] { silt::Hypergraph{.ghosts_a_move = 0}.partition(comm, {}, {}); }),
+               "Hypergraph.ghosts_a_move = 0 [-] must be finite and greater than 0");
+}
+
 #endif
 
 }  // namespace
@@ -80,6 +175,7 @@ int main(int argc, char** argv) {
   without_zoltan(mpi.comm());
 #if __has_include(<zoltan.h>)
   rcb(mpi.comm());
+  hypergraph(mpi.comm());
 #else
   if (mpi.rank() == 0) std::puts("without Zoltan");
 #endif

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include <silt/contact/hertz_mindlin.hpp>
-#include <silt/parallel/ranks.hpp>
+#include <silt/ranks.hpp>
 #include <silt/parallel/thread_comm.hpp>
 #include <silt/simulation.hpp>
 

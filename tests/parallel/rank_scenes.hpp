@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include <silt/parallel/ranks.hpp>
+#include <silt/ranks.hpp>
 #include <silt/parallel/thread_comm.hpp>
 #include <silt/simulation.hpp>
 

@@ -1,9 +1,12 @@
 // silt - BSD-3-Clause, see LICENSE
 #include <doctest/doctest.h>
 
+#include <silt/parallel/decomposition/bisection.hpp>
 #include <silt/parallel/decomposition/rebalance.hpp>
+#include <silt/parallel/decomposition/slabs.hpp>
 #include <silt/parallel/thread_comm.hpp>
 
+#include "clouds.hpp"
 #include "near.hpp"
 #include "refusal.hpp"
 
@@ -52,6 +55,76 @@ TEST_CASE("rebalance: wrong settings are refused") {
   has(refusal([] { Rebalance{.each = -1}.due({}, 1, 1); }),
       "Rebalance.each = -1 [-] must be finite");
   has(refusal([] { Rebalance{.per_moved = NAN}.due({}, 1, 1); }), "Rebalance.per_moved = nan");
+}
+
+/// A bed that runs out through a hole: each point falls from its height through the floor to a box
+/// below, one after the other. In the bed and in the box a point has more contacts than as it
+/// falls.
+silt_test::Cloud hopper(std::size_t n, double t) {
+  silt_test::Cloud c;
+  for (std::uint64_t k = 0; k < n; ++k) {
+    const double begins = static_cast<double>(k) / static_cast<double>(n);
+    const double fallen = std::max(0.0, t - begins), z = 0.3 + 0.2 * begins - 2 * fallen * fallen;
+    const double floor = 0.1 * begins;
+    c.points.push_back(
+        {0.1 * silt_test::number(2 * k), 0.1 * silt_test::number(2 * k + 1), std::max(z, floor)});
+    c.weights.push_back(z > floor && fallen > 0 ? 1 : 4);
+  }
+  return c;
+}
+
+/// Mean imbalance of a hopper that empties in 400 looks of 200 steps, and the decompositions that
+/// it took.
+template <class D>
+std::array<double, 2> emptied(int ranks, D parts, Rebalance when) {
+  std::array<double, 2> told{};
+  silt::run_on_ranks(ranks, [&](const silt::ThreadComm& comm) {
+    D own_parts = parts;
+    Rebalance own_when = when;
+    const std::size_t n = 2000;
+    const int looks = 400, steps = 200;
+    double sum = 0, partitions = 0;
+    for (int look = 0; look < looks; ++look) {
+      const auto cloud = hopper(n, 1.5 * look / looks);
+      silt_test::Cloud own;
+      for (std::size_t k = 0; k < n; ++k)
+        if (own_parts.rank_of(cloud.points[k]) == comm.rank())
+          own.points.push_back(cloud.points[k]), own.weights.push_back(cloud.weights[k]);
+      const auto load =
+          silt::load_of(comm, std::accumulate(own.weights.begin(), own.weights.end(), 0.0));
+      if (look > 0) sum += load.imbalance();
+      if (!own_when.due(load, steps, static_cast<double>(n) / comm.size()) && look > 0) continue;
+      const auto owner = own_parts.partition(comm, own.points, own.weights);
+      double sent[] = {0};
+      for (const int r : owner) sent[0] += r != comm.rank();
+      comm.max_of(sent);
+      own_when.parted(static_cast<std::int64_t>(sent[0]));
+      ++partitions;
+    }
+    if (comm.rank() == 0) told = {sum / (looks - 1), partitions};
+  });
+  return told;
+}
+
+TEST_CASE(
+    "rebalance: a hopper that empties stays within 5 % in time average; static slabs do not") {
+  for (const int ranks : {4, 8}) {
+    const auto [imbalance, partitions] = emptied(ranks, silt::Bisection{}, {});
+    const auto [fixed, once] = emptied(ranks, silt::StaticSlabs{.axis = 2}, {.above = 1e9});
+    INFO(ranks, " ranks: imbalance ", imbalance, " with ", partitions,
+         " decompositions of 399; static slabs ", fixed);
+    CHECK(imbalance < 1.05);
+    CHECK(partitions < 200);
+    CHECK(once == 1);
+    CHECK(fixed > 1.5);
+  }
+  // Where moving is dear there are fewer decompositions, and more imbalance.
+  const auto cheap = emptied(8, silt::Bisection{}, {}),
+             dear = emptied(8, silt::Bisection{}, {.per_moved = 3000});
+  CHECK(dear[1] < 0.5 * cheap[1]);
+  CHECK(dear[0] > cheap[0]);
+  // To the bit the same again.
+  CHECK(emptied(8, silt::Bisection{}, {}) == cheap);
 }
 
 }  // namespace

@@ -109,6 +109,11 @@ class Engine : public Tables<Composition> {
                 order.end() - static_cast<std::ptrdiff_t>(more), order.end());
     if (more > 0 && ghosts > 0) particles.reorder(order, *team_);
     lists.pairs.make_way(own, more), ranks.make_way(more);
+    if constexpr (has_bodies)
+      if (more > 0 && ghosts > 0) {
+        mover.follow(particles), follow_bodies(ranks.neighbours, particles);
+        if (!mover.synchronous.empty()) mover.synchronous.resize(mover.owned());
+      }
     lists.forget();
   }
   /// Takes the rows from `first` on, which have just come, into the lists.
@@ -174,10 +179,8 @@ class Engine : public Tables<Composition> {
       }
     if constexpr (shares) shared_.renew(lists.pairs, particles, mover.bodies.size());
     if constexpr (convex) {
-      if constexpr (of_ranks) agree_on_mean();
-      mover.renew_convex_rows(particles, [this](std::span<double> most) {
-        if constexpr (of_ranks) ranks.max_of(most);
-      });
+      mover.renew_convex_rows(particles);
+      if constexpr (of_ranks) agree_on_convex_rows(ranks, particles, mover);
       lists.pairs.use_more_history(mover.convex_rows.has_area());
     }
     if constexpr (ContactsType::several_materials)
@@ -316,7 +319,7 @@ class Engine : public Tables<Composition> {
   void agree(const char* call, const std::exception_ptr& error = nullptr) requires(of_ranks) {
     std::array<double, 4> most{largest_speed, largest_share, largest_overlap,
                                lists.upkeep.searched_at < 0 ? 1.0 : 0.0};
-    silt::agree(ranks.comm(), call, error, most);
+    ranks.agree(call, error, most);
     largest_speed = most[0], largest_share = most[1], largest_overlap = most[2];
     if (most[3] > 0) lists.forget();
   }
@@ -437,16 +440,6 @@ class Engine : public Tables<Composition> {
       return ranks.size() > 1;
     else
       return false;
-  }
-  /// The mean velocity [m/s] of all ranks' rows (collective).
-  void agree_on_mean() requires(of_ranks&& convex) {
-    std::array<double, 4> sum{0, 0, 0, static_cast<double>(particles.owned())};
-    for (std::size_t k = 0; k < particles.owned(); ++k) {
-      const Vec3d v = particles.motion[k].velocity();
-      sum[0] += v.x, sum[1] += v.y, sum[2] += v.z;
-    }
-    ranks.sum_of(sum);
-    mover.convex_rows.agreed_mean = Vec3d{sum[0], sum[1], sum[2]} * (1 / std::max(sum[3], 1.0));
   }
   /// They are kicked on their own ranks.
   void forget_loads_of_ghosts() {

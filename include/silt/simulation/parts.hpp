@@ -78,10 +78,16 @@ EnergyBalance Simulation<Policies...>::balance() const {
     translation += part.translation, rotation += part.rotation, potentials += potential(k);
   }
   EnergyBalance balance{};
-  if constexpr (has_ledger) balance = book_.balance(translation, rotation, potentials, walls);
+  if constexpr (has_ledger)
+    balance = book_.balance(translation, rotation, potentials, walls, this->rank() == 0);
   if constexpr (has_ledger && has_bonds) balance.bonds = this->bond_energy();
   if constexpr (has_ledger && has_breakage) balance.parting = breaks_.parted;
   if constexpr (has_ledger && detail::deforms<Domain>) balance.box = domain_.work();
+  if constexpr (has_ranks) {
+    auto numbers = std::bit_cast<std::array<double, sizeof balance / sizeof(double)>>(balance);
+    this->sum_over_ranks(std::span<double>(numbers));
+    balance = std::bit_cast<EnergyBalance>(numbers);
+  }
   return balance;
 }
 
@@ -184,7 +190,7 @@ double Simulation<Policies...>::insert(const std::vector<PlacedSphere>& spheres,
   }
   double brought = 0;  // [kg]
   if constexpr (has_ranks)
-    for (const Particle& p : more) brought += p.density * ShapeType::volume(p.radius);
+    for (const Particle& p : more) brought += detail::mass_to_come(engine_, p);
   else
     for (std::size_t k = before; k < rows(); ++k) brought += mass(k);
   return brought;
@@ -204,7 +210,8 @@ void Simulation<Policies...>::book_step([[maybe_unused]] const detail::StepTimes
     engine_.contact_energy.worked(0.5 * times.worked);
     book_.book(engine_.contact_energy, engine_.walls, dt_,
                engine_.power_on_fixed() - detail::power_of_belts(engine_.walls),
-               first_kick_ ? &start : nullptr, times.ask);
+               first_kick_ ? &start : nullptr, times.ask,
+               [this](std::span<double> numbers) { this->sum_over_ranks(numbers); });
   }
 }
 

@@ -47,6 +47,14 @@ class BodyPoints {
   double share(std::size_t k) const { return points_[k].share; }
   Vec3d place(std::size_t k) const { return in_space(points_[k].body, points_[k].at); }
   Vec3d ghost(std::size_t k) const { return in_space(points_[k].body, points_[k].ghost); }
+  /// ... in the body's own frame, and a direction of that in space.
+  const Vec3d& in_body(std::size_t k) const { return points_[k].at; }
+  Vec3d turned(std::size_t k, const Vec3d& own) const {
+    const Body& b = bodies[points_[k].body];
+    return b.form == sphere ? own : rotate(b.axes, own);
+  }
+  /// Another one where there are other points than before; above 0.
+  std::uint64_t version() const { return version_; }
   /// [m/s] of the body's surface half way between a point and its mirror image.
   Vec3d velocity(std::size_t k) const {
     const Point& p = points_[k];
@@ -136,7 +144,7 @@ class BodyPoints {
     require(kinds.size() == 2 * n && points.size() == 8 * of, "Sph: a state of bodies has ",
             kinds.size(), " and ", points.size(), " numbers");
     const auto whole = [](double a) { return a == std::floor(a) && a >= 0 && a < 4.3e9; };
-    bodies.assign(n, {}), points_.clear();
+    bodies.assign(n, {}), points_.clear(), ++version_;
     for (std::size_t b = 0; b < n; ++b) {
       require(whole(kinds[2 * b + 1]), "Sph: body ", b, " of a state has form ", kinds[2 * b + 1]);
       bodies[b].radius = kinds[2 * b];
@@ -162,7 +170,7 @@ class BodyPoints {
     return b.centre + (b.form == sphere ? own : rotate(b.axes, own));
   }
   void make(const SphSetup& setup) {
-    points_.clear();
+    points_.clear(), ++version_;
     const double s = setup.spacing;
     for (std::uint32_t b = 0; b < bodies.size(); ++b) {
       const Body& body = bodies[b];
@@ -203,6 +211,7 @@ class BodyPoints {
   std::vector<std::optional<LiquidForm>> forms_;                // of bodies; none: a sphere
   std::map<std::pair<std::uint32_t, double>, BodySites> laid_;  // by form and radius
   std::vector<Point> points_;
+  std::uint64_t version_ = 1;
 };
 
 }  // namespace silt::detail

@@ -20,6 +20,7 @@
 #include <silt/sph/cluster_lists.hpp>
 #include <silt/sph/columns.hpp>
 #include <silt/sph/driven_walls.hpp>
+#include <silt/sph/dry_gaps.hpp>
 #include <silt/sph/ledger.hpp>
 #include <silt/sph/opening_sums.hpp>
 #include <silt/sph/openings.hpp>
@@ -74,6 +75,7 @@ struct SphCore {
   SphSurfaceSlope<Kernel> surface_slope{};
   SphSolids solids{};
   SphOpenings openings{};
+  DryGaps<Kernel> gaps{};
   // Of a Simulation's walls: held until the next advance(), and of the last step.
   std::vector<LiquidOnWall> on_walls{}, in_step{};
   Lists lists{};
@@ -265,7 +267,7 @@ struct SphCore {
       Extremes& m = of_parts[part];
       for (std::size_t p = part * per; p < std::min(packs, (part + 1) * per); ++p) {
         m.pair = std::max(m.pair, pairs.of_liquid(p, columns.rows, columns.volume, lists,
-                                                  columns.rates, columns.brief));
+                                                  columns.rates, columns.brief, columns.sticking));
         if constexpr (turbulent)
           sps().accelerate(p, W, columns.rows, columns.volume, columns.stress, lists, columns.rates,
                            true);

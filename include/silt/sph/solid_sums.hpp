@@ -36,6 +36,7 @@ void sph_mirror(Core& core, const typename Core::Pairs& pairs, const Team& team)
   const auto& solids = core.solids;
   const Slip slip = core.setup.slip.value_or(Core::Viscosity::laminar ? Slip::None : Slip::Free);
   const std::size_t first = core.lists.first_pack(Lists::Probe), n = core.lists.packs() - first;
+  if (slip == Slip::None) columns.sticking.resize(columns.size(), Vec3d{0, 0, 0});
   team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
     for (std::size_t p = first + from; p < first + to; ++p) {
       std::array<SphSeen, W> seen{};
@@ -49,12 +50,16 @@ void sph_mirror(Core& core, const typename Core::Pairs& pairs, const Team& team)
         auto& wall = columns.rows[at];
         const Vec3d away =
             core.lists.repeats.shortest(wall.position() - columns.rows[p * W + l].position());
-        const auto [density, velocity, share] =
+        const SphSeen::Mirrored image =
             seen[l].at(away, core.liquid, core.weight(), core.setup.h(), !solids.bodies.empty());
-        wall.density = density, wall.pressure = core.liquid.pressure(density);
+        wall.density = image.density, wall.pressure = core.liquid.pressure(image.density);
         const Vec3d own = solids.velocity(of);
-        wall.move(own + share * (sph_velocity_at_wall(velocity, own, away, slip) - own));
-        columns.volume[at] = solids.share(of) * core.particle_mass() / density;
+        const auto at_wall = [&](Slip how) {
+          return own + image.share * (sph_velocity_at_wall(image.velocity, own, away, how) - own);
+        };
+        wall.move(at_wall(slip));
+        if (slip == Slip::None) columns.sticking[at] = wall.velocity() - at_wall(Slip::Free);
+        columns.volume[at] = solids.share(of) * core.particle_mass() / image.density;
       }
     }
   });
@@ -104,6 +109,13 @@ void sph_driven_loads(const Core& core, std::span<LiquidOnWall> loads) {
     load.along += damping * Vec3d{n.x * n.x, n.y * n.y, n.z * n.z};
     load.around += damping * Vec3d{t.x * t.x, t.y * t.y, t.z * t.z};
   }
+  for (const auto& push : core.gaps.pushes()) {
+    if (!walls.is_driven(push.wall)) continue;
+    Vec3d arm =
+        core.solids.place(walls.size() + push.point) - walls.driven(push.wall).centre_at(core.now);
+    if (core.solids.plane) arm.y = 0;
+    loads[push.wall].force -= push.force, loads[push.wall].torque -= cross(arm, push.force);
+  }
 }
 
 /// What the liquid does to bodies: the opposite of what they do to it, pair by pair.
@@ -115,6 +127,7 @@ void sph_body_loads(Core& core, const Team& team) {
   const bool driven = solids.walls.any_driven();
   if (of.empty() && !driven) return;
   if constexpr (Core::Walls::mirrored) sph_solid_rates(core, team);
+  core.gaps.find(core, team);
   core.in_step.assign(driven ? solids.walls.walls() : 0, {});
   if (driven) sph_driven_loads(core, core.in_step);
   const std::size_t first = solids.walls.size();
@@ -124,6 +137,12 @@ void sph_body_loads(Core& core, const Team& team) {
     Vec3d arm = solids.place(k) - body.centre;
     if (solids.plane) arm.y = 0;
     body.force += f, body.torque += cross(arm, f);
+  }
+  for (const auto& push : core.gaps.pushes()) {
+    auto& body = of.bodies[of.body_of(push.point)];
+    Vec3d arm = of.place(push.point) - body.centre;
+    if (solids.plane) arm.y = 0;
+    body.force += push.force, body.torque += cross(arm, push.force);
   }
 }
 /// @}

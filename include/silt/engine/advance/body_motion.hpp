@@ -60,6 +60,12 @@ class BodyMotion {
   [[no_unique_address]] ModuleColumns<Modules> modules;  // of each body
   std::vector<std::uint32_t> rows;  // of the parts of each body, as its form counts them
   static constexpr bool convex = SolidShape<ShapeType>;
+  static constexpr bool has_levers = [] {
+    if constexpr (convex)
+      return !ShapeType::one_part;
+    else
+      return false;
+  }();
   [[no_unique_address]] typename ConvexRowsOf<ShapeType>::type convex_rows;
 
   /// Bodies of one part that is at their centre move in lanes.
@@ -133,9 +139,8 @@ class BodyMotion {
   }
 
   /// Of convex parts: their poses and forms as the narrow phases read them, after the rows have
-  /// changed. `agree` makes the numbers of it the largest of all ranks.
-  template <class Agree>
-  void renew_convex_rows(const State& particles, [[maybe_unused]] const Agree& agree) {
+  /// changed.
+  void renew_convex_rows(const State& particles) {
     if constexpr (convex) {
       auto& out = convex_rows;
       const auto same = [&](const Body& b) {
@@ -152,7 +157,6 @@ class BodyMotion {
       for_each_store([](auto& store) { store.begin_renewal(); });
       for (std::size_t r = 0; r < particles.size(); ++r) renew_row(r, particles.part[r]);
       for_each_store([](auto& store) { store.end_renewal(); });
-      if constexpr (State::of_ranks) agree_on_rows(particles, one, agree);
     }
   }
 
@@ -240,9 +244,6 @@ class BodyMotion {
       convex_rows.lever[r].q = b.orientation, convex_rows.lever[r].offset = arm;
     }
   }
-  /// The same kernels on all ranks.
-  template <class Agree>
-  void agree_on_rows(const State& particles, bool one, const Agree& agree) requires convex;
   struct Measured {
     double speed = 0, share2 = 0, sum = 0;  // [m/s] Body::speed, [1/s2], [m/s]
     void include(double of_body) { sum += of_body, speed = std::max(speed, of_body); }

@@ -46,26 +46,4 @@ void BodyMotion<Composition, State>::number_rows(const State& particles) {
         static_cast<std::uint32_t>(r);
 }
 
-template <class Composition, class State>
-template <class Agree>
-void BodyMotion<Composition, State>::agree_on_rows(const State& particles, bool one,
-                                                   const Agree& agree) requires convex {
-  auto& rows_now = convex_rows;
-  constexpr double none = -std::numeric_limits<double>::infinity();
-  std::array<double, 6> most{
-      none, none, none, none, static_cast<double>(rows_now.exponents), -rows_now.least_radius};
-  if (!bodies.empty()) {
-    // A rank with several forms says so by numbers that none has.
-    const auto form = static_cast<double>(bodies.front().form);
-    most[0] = one ? form : -none, most[1] = one ? -form : -none;
-    most[2] = bodies.front().scale, most[3] = -bodies.front().scale;
-  }
-  agree(std::span<double>(most));
-  rows_now.exponents = static_cast<Exponents>(static_cast<int>(most[4]));
-  rows_now.least_radius = -most[5];
-  if (one && !(most[0] == -most[1] && most[2] == -most[3]) && particles.size() > 0)
-    rows_now.form.assign(particles.size(),
-                         typename decltype(rows_now.form)::value_type(rows_now.form.front()));
-}
-
 }  // namespace silt::detail

@@ -17,7 +17,7 @@
 #include <silt/engine/lists/occupied_region.hpp>
 #include <silt/engine/lists/pair_list.hpp>
 #include <silt/engine/lists/wall_contacts.hpp>
-#include <silt/engine/ranks/rank_change.hpp>
+#include <silt/engine/ranks/no_ranks.hpp>
 #include <silt/engine/state/particle_state.hpp>
 #include <silt/search/verlet_list.hpp>
 

@@ -122,6 +122,7 @@ Tally sum_over_groups(const List& list, const Team& team, const Run& run) {
     team.for_parts(to - from, [&, start = from](std::size_t k) {
       const auto group = list.group(start + k);
       tallies[start + k] = run(group.from, group.to);
+      if (p >= groups.own_phases()) tallies[start + k].halve_energy();
     });
   }
   Tally all;

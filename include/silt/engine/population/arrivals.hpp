@@ -1,8 +1,10 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -70,17 +72,27 @@ struct NextIds {
   ParticleId particle = 0, part = 0;
 };
 
-/// How many rows these particles will have: a sphere one, a body one a part.
-template <class Engine, class Particle>
-std::size_t rows_to_come(const Engine& e, std::span<const Particle> more,
-                         [[maybe_unused]] std::span<const std::size_t> numbers) {
+/// Calls visit(radius [m]) for each row that a particle will have: of a body one a part.
+template <class Engine, class Particle, class Visit>
+void for_rows_to_come([[maybe_unused]] const Engine& e, const Particle& p,
+                      [[maybe_unused]] std::span<const std::size_t> numbers, const Visit& visit) {
   if constexpr (Engine::has_bodies) {
-    std::size_t rows = 0;
-    for (const auto& p : more)
-      rows += e.mover.forms[numbers.empty() ? p.form : numbers[p.form]].parts.size();
-    return rows;
+    const auto& form = e.mover.forms[numbers.empty() ? p.form : numbers[p.form]];
+    for (const auto& part : form.parts) visit(p.radius / form.radius * part.radius);
   } else {
-    return more.size();
+    visit(p.radius);
+  }
+}
+
+/// [kg] of a particle that comes, whose form is numbered as those of the engine.
+template <class Engine, class Particle>
+double mass_to_come([[maybe_unused]] const Engine& e, const Particle& p) {
+  if constexpr (Engine::has_bodies) {
+    const auto& form = e.mover.forms[p.form];
+    const double scale = p.radius / form.radius;
+    return p.density * form.mass.volume * scale * scale * scale;
+  } else {
+    return p.density * Engine::ShapeType::volume(p.radius);
   }
 }
 
@@ -159,28 +171,28 @@ void take_in_own(Engine& e, std::span<const Particle> more, std::span<const std:
                  bool observed, NextIds& next, [[maybe_unused]] const Domain& domain) {
   auto& p = e.particles;
   const std::size_t before = p.owned();
-  if constexpr (Engine::has_bodies) {
-    require(
-        e.ranks.counts.searches == 0,
-        "bodies cannot come once a run on many ranks has begun; add all before, or take spheres");
-    const auto [from, end] = e.ranks.share_of(more.size());
-    auto own = next;
-    own.particle += from, own.part += rows_to_come(e, more.first(from), numbers);
-    take_in(e, more.subspan(from, end - from), numbers, observed, own);
-    next.particle += more.size(), next.part += rows_to_come(e, more, numbers);
-  } else {
-    for (std::size_t k = 0; k < more.size(); ++k) {
-      Vec3d place = more[k].position;
-      if constexpr (Domain::periodic) place = domain.wrapped(place);
-      if (e.ranks.takes(place, k, more.size()))
-        take_in(e, more.subspan(k, 1), numbers, observed, next);
-      else
-        ++next.particle;
-      p.largest_radius = std::max(p.largest_radius, more[k].radius);
-      p.smallest_radius = std::min(p.smallest_radius, more[k].radius);
-      p.some_fixed |= more[k].fixed;
-    }
+  // Newcomers stand behind the ghosts for now, and so do their velocities.
+  if constexpr (Engine::has_bodies)
+    if (observed) e.mover.synchronous.resize(e.mover.bodies.size());
+  // A rank that has none so far knows of sizes what all have agreed on, which stays.
+  const bool none = e.ranks.present() == 0;
+  double largest = none ? 0 : p.largest_radius,
+         smallest = none ? std::numeric_limits<double>::infinity() : p.smallest_radius;
+  for (std::size_t k = 0; k < more.size(); ++k) {
+    Vec3d place = more[k].position;
+    if constexpr (Domain::periodic) place = domain.wrapped(place);
+    const bool takes = e.ranks.takes(place, k, more.size());
+    for_rows_to_come(e, more[k], numbers, [&](double radius) {
+      largest = std::max(largest, radius), smallest = std::min(smallest, radius);
+      if (Engine::has_bodies && !takes) ++next.part;
+    });
+    p.some_fixed |= more[k].fixed;
+    if (takes)
+      take_in(e, more.subspan(k, 1), numbers, observed, next);
+    else
+      ++next.particle;
   }
+  if (!more.empty()) p.largest_radius = largest, p.smallest_radius = smallest;
   e.ranks.count(more.size());
   e.join_own(p.owned() - before);
 }

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
+#include <type_traits>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -87,25 +90,25 @@ struct RowState {
   }
 };
 template <class State, class Mover>
-requires(Mover::convex) struct RowState<State, Mover> {
+requires(Mover::has_levers) struct RowState<State, Mover> {
   PositionRow position;
   typename State::ParticleMotion motion;
   Quaternion q;      // PoseRow
-  Quaternion lever;  // LeverRow, if there are any
+  Quaternion lever;  // LeverRow
   Vec3d offset;
 
   static RowState of(const State& particles, const Mover& mover, std::uint32_t k) {
     RowState row{particles.position[k], particles.motion[k], {}, {}, {0, 0, 0}};
     const auto& convex = mover.convex_rows;
-    if (k < convex.pose.size()) row.q = convex.pose[k].q;
-    if (k < convex.lever.size()) row.lever = convex.lever[k].q, row.offset = convex.lever[k].offset;
+    if (k < convex.pose.size())
+      row.q = convex.pose[k].q, row.lever = convex.lever[k].q, row.offset = convex.lever[k].offset;
     return row;
   }
   void give(State& particles, Mover& mover, std::uint32_t k) const {
     particles.position[k] = position, particles.motion[k] = motion;
     auto& convex = mover.convex_rows;
-    if (k < convex.pose.size()) convex.pose[k].q = q;
-    if (k < convex.lever.size()) convex.lever[k].q = lever, convex.lever[k].offset = offset;
+    if (k < convex.pose.size())
+      convex.pose[k].q = q, convex.lever[k].q = lever, convex.lever[k].offset = offset;
   }
 };
 /// What ghosts get of a body at each step.
@@ -114,9 +117,18 @@ struct BodyState {
   Quaternion orientation;
   Vec3d momentum;
 
-  static BodyState of(const Body& b) { return {b.centre, b.velocity, b.orientation, b.momentum}; }
-  void give(Body& b) const {
+  template <class Mover>
+  static BodyState of(const Mover& mover, std::uint32_t k) {
+    const Body& b = mover.bodies[k];
+    return {b.centre, b.velocity, b.orientation, b.momentum};
+  }
+  template <class Mover>
+  void give(Mover& mover, std::uint32_t k) const {
+    Body& b = mover.bodies[k];
     b.centre = centre, b.velocity = velocity, b.orientation = orientation, b.momentum = momentum;
+    if constexpr (Mover::convex && !Mover::has_levers)  // PoseRow of its only part
+      if (const std::uint32_t row = mover.rows_of(b)[0]; row < mover.convex_rows.pose.size())
+        mover.convex_rows.pose[row].q = orientation;
   }
 };
 
@@ -171,6 +183,39 @@ class BodiesThatCome {
  private:
   std::unordered_map<std::uint32_t, std::uint32_t> places_;  // by those on the rank they come from
 };
+
+/// What kernels of convex parts read of all rows is what all ranks agree on (collective), so that
+/// two ranks find the same of a pair that both have: the most general exponents; the mean velocity
+/// that speeds are relative to; whether all have one form.
+template <class Stage, class State, class Mover>
+void agree_on_convex_rows(Stage& ranks, const State& particles, Mover& mover) {
+  auto& rows = mover.convex_rows;
+  constexpr double none = -std::numeric_limits<double>::infinity();
+  std::array<double, 6> most{
+      none, none, none, none, static_cast<double>(rows.exponents), -rows.least_radius};
+  if (!mover.bodies.empty()) {
+    const Body& b = mover.bodies.front();
+    const auto form = static_cast<double>(b.form);
+    // A rank with several forms says so by numbers that no form has.
+    most[0] = rows.one_form() ? form : -none, most[1] = rows.one_form() ? -form : -none;
+    most[2] = b.scale, most[3] = -b.scale;
+  }
+  ranks.max_of(most);
+  rows.exponents =
+      static_cast<std::remove_reference_t<decltype(rows.exponents)>>(static_cast<int>(most[4]));
+  rows.least_radius = -most[5];
+  if (rows.one_form() && (most[0] != -most[1] || most[2] != -most[3])) {
+    const auto form = rows.form.front();
+    rows.form.assign(particles.size(), form);
+  }
+  std::array<double, 4> sum{0, 0, 0, static_cast<double>(particles.owned())};
+  for (std::size_t k = 0; k < particles.owned(); ++k) {
+    const Vec3d v = particles.motion[k].velocity();
+    sum[0] += v.x, sum[1] += v.y, sum[2] += v.z;
+  }
+  ranks.sum_of(sum);
+  rows.agreed_mean = Vec3d{sum[0], sum[1], sum[2]} * (1 / std::max(sum[3], 1.0));
+}
 
 /// After a search: which bodies pass at each step with the rows that do.
 template <class Neighbours, class State>

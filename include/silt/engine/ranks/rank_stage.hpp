@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <initializer_list>
 #include <limits>
 #include <numeric>
@@ -19,6 +20,7 @@
 #include <silt/core/box.hpp>
 #include <silt/core/position_row.hpp>
 #include <silt/engine/ranks/packed.hpp>
+#include <silt/engine/ranks/no_ranks.hpp>
 #include <silt/engine/ranks/rank_bodies.hpp>
 #include <silt/parallel/agree.hpp>
 #include <silt/parallel/ranks.hpp>
@@ -68,6 +70,10 @@ class RankStage {
   }
   /// Where ranks meet before they talk: those that have failed say so here, and all throw it.
   void meet(const char* call) const { silt::agree(policy_->comm, call); }
+  /// ... with an error of this one, or none, and numbers that become the largest of all.
+  void agree(const char* call, const std::exception_ptr& error, std::span<double> most) const {
+    silt::agree(policy_->comm, call, error, most);
+  }
   int rank() const { return policy_->comm.rank(); }
   int size() const { return policy_->comm.size(); }
   /// The part of `all` things that this rank takes, before anybody owns them: first and end.
@@ -330,9 +336,9 @@ class RankStage {
         [&](std::uint32_t k) { return RowState<State, Mover>::of(particles, mover, k); },
         [&](std::uint32_t k, const auto& row) { row.give(particles, mover, k); });
     if constexpr (State::of_bodies)
-      visit(rows, bodies_of<BodyState>(
-                      [&](std::uint32_t k) { return BodyState::of(mover.bodies[k]); },
-                      [&](std::uint32_t k, const BodyState& b) { b.give(mover.bodies[k]); }));
+      visit(rows,
+            bodies_of<BodyState>([&](std::uint32_t k) { return BodyState::of(mover, k); },
+                                 [&](std::uint32_t k, const BodyState& b) { b.give(mover, k); }));
     else
       visit(rows);
   }
@@ -380,12 +386,6 @@ class RankStage {
       std::span<const Outgoing>(), std::span<const Incoming>()));
   std::optional<Exchange> under_way_;
   std::vector<std::vector<std::byte>> out_, in_;
-};
-
-template <>
-class RankStage<NoRanks> {
- public:
-  static constexpr bool active = false;
 };
 
 }  // namespace silt::detail

@@ -134,9 +134,9 @@ struct Composition {
   static_assert(!has_ranks || std::is_same_v<Fluid, NoFluid> || !FluidTraits<Fluid>::active,
                 "Ranks cannot be coupled to a fluid so far: each rank would need the flow of all; "
                 "leave one of them out");
-  static_assert(!has_ranks || !(has_ledger || has_events || has_bonds || has_breakage),
-                "Ranks does not go with EnergyLedger, ContactEvents, Bonds or Breakage so far: "
-                "their books and tables are of one process; leave one of them out");
+  static_assert(!has_ranks || !(has_events || has_bonds || has_breakage),
+                "Ranks does not go with ContactEvents, Bonds or Breakage so far: their tables are "
+                "of one process; leave one of them out");
   static_assert(!has_ranks || !(Modules::flux || Modules::in_pairs),
                 "Ranks does not go with modules that act between particles so far, as these have "
                 "no memory of the other rank's particles; leave one of them out");

@@ -68,7 +68,7 @@ struct Bisection {
         cuts.push_back(
             {g, detail::share_of(part.weight, part.ranks / 2, part.ranks), axis, boxes[g]});
       }
-      detail::select(comm, groups, cuts);
+      detail::place_cuts(comm, groups, cuts);
       for (std::size_t g = 0; g < divided.size(); ++g) {
         auto& part = divided[g];
         auto& node = nodes[first_node + g];

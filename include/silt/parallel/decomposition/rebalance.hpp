@@ -24,7 +24,7 @@ namespace silt::inline SILT_TARGET {
 /// Tests:  tests/parallel/rebalance.cpp.
 struct Rebalance {
   double above = 1.05;    // [-] largest over mean work up to which nothing is done
-  double each = 5;        // cost of a decomposition for each point of a rank
+  double each = 20;       // cost of a decomposition for each point of a rank
   double per_moved = 50;  // cost of each point that is sent to another rank
   double lost = 0;        // since the last decomposition
   double moved = -1;      // points that a rank sent then, the largest number; -1: none yet

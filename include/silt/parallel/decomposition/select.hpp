@@ -90,7 +90,7 @@ struct CutSearch {
 /// has one point or its end is the cut; a few messages each. Keys are whole numbers: it ends after
 /// at most three times 64 bits, whatever the points are, and is exact.
 template <Communicator C>
-void select(const C& comm, std::span<const SortedGroup> groups, std::span<Cut> cuts) {
+void place_cuts(const C& comm, std::span<const SortedGroup> groups, std::span<Cut> cuts) {
   const std::size_t bins =
       std::clamp<std::size_t>(4096 / std::max<std::size_t>(1, cuts.size()), 16, 256);
   std::vector<CutSearch> searches;

@@ -120,7 +120,7 @@ struct MovingSlabs {
       std::vector<detail::Cut> cuts;
       for (int r = 1; r < ranks; ++r)
         cuts.push_back({0, detail::share_of(whole.total, r, ranks), axis, whole.box});
-      detail::select(comm, {&group, 1}, cuts);
+      detail::place_cuts(comm, {&group, 1}, cuts);
       for (std::size_t r = 0; r < cuts.size(); ++r) slabs.cuts[r] = cuts[r].cut;
     }
     shares = now(comm, points, whole);
