@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include <silt/ranks.hpp>
 #include <silt/silt.hpp>
 
 #include "hopper/scene.hpp"
@@ -25,10 +26,10 @@ namespace decomposition_study {
 
 namespace {
 
-std::vector<Division> divisions(const hopper::Scene& scene) {
+std::vector<Division> divisions(const hopper::Scene& scene, const std::vector<int>& numbers) {
   const silt::Box all{{0, 0, 0}, {scene.width, scene.width, scene.funnel_top() + scene.room()}};
   std::vector<Division> some;
-  for (const int ranks : {2, 4, 8, 16, 48}) {
+  for (const int ranks : numbers) {
     some.emplace_back("static_z", ranks, silt::StaticSlabs{.axis = 2, .box = all});
     some.emplace_back("static_x", ranks, silt::StaticSlabs{.axis = 0, .box = all});
     some.emplace_back("moving", ranks, silt::MovingSlabs{.axis = 2, .percent = 2});
@@ -107,7 +108,9 @@ class Looker {
 void run(const studies::Setting& setting, example::Summary& summary) {
   hopper::Scene scene;
   Recorded recorded;
+  std::vector<int> numbers{2, 4, 8, 16, 48};
   if (setting.quick) {
+    numbers.pop_back();
     scene.particles = 10000, scene.width = 0.05, scene.orifice = 0.025;
     const double moments[4] = {0.1, 0.25, 0.35, 0.65};
     std::copy(moments, moments + 4, scene.moments);
@@ -122,7 +125,7 @@ void run(const studies::Setting& setting, example::Summary& summary) {
   const double rest = sim.kinetic_energy() / (sim.total_mass() * 9.81 * 2 * scene.r_max);
   sim.remove_wall(hopper::lid);
 
-  recorded.divisions = divisions(scene);
+  recorded.divisions = divisions(scene, numbers);
   recorded.particles = static_cast<double>(scene.particles);
   recorded.moments.assign(scene.moments, scene.moments + 4);
   const auto clock = silt::processor_time().now;

@@ -86,6 +86,7 @@ class Division {
   std::vector<RankCount> now;                     // after the last search
   double imbalance = 1;                           // [-] largest over mean work, likewise
   double partitions = 0, migrated = 0;            // since the start
+  double worst_start = 1;                         // [-] imbalance right after a decomposition
   double worst_end = 1;                           // [-] imbalance at the end of a decomposition
   double missing_ghosts = 0, lost_particles = 0;  // none, if all is right
   double partition_cost = 0;                      // in units of work, by what Rebalance supposes
@@ -115,8 +116,9 @@ class Division {
       const double steps = static_cast<double>(s.steps);
       average_ += steps * (imbalance + load.imbalance()) / 2, steps_ += steps;
     }
+    const bool parts_anew = first || (!stays_ && when_.due(load, s.steps, mean_points));
     std::vector<int> after(n);
-    if (first || (!stays_ && when_.due(load, s.steps, mean_points))) {
+    if (parts_anew) {
       after = partition(s, before);
       std::vector<double> sent(parts_.size(), 0);
       for (std::size_t k = 0; k < n; ++k)
@@ -136,6 +138,7 @@ class Division {
     owner_.resize(n);
     for (std::size_t k = 0; k < n; ++k) owner_[s.number[k]] = after[k];
     imbalance = load_by(after, s).imbalance();
+    if (parts_anew && !stays_) worst_start = std::max(worst_start, imbalance);
     count(s, after);
   }
   /// [-] in time average: between two searches from what it was after the first to what it had
