@@ -144,7 +144,6 @@ class Division {
   /// [-] in time average: between two searches from what it was after the first to what it had
   /// become before the second.
   double mean_imbalance() const { return steps_ > 0 ? average_ / steps_ : 1; }
-  double steps() const { return steps_; }
 
  private:
   std::vector<int> partition(const Search& s, const std::vector<int>& before) {

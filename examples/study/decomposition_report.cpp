@@ -209,7 +209,9 @@ void report(const studies::Setting& setting, const Recorded& recorded, example::
     if (on.name == "bisection" && on.ranks >= 4 && on.ranks <= 16) {
       // A rank of the quick run has some hundred particles, too few for the goals of the full one.
       if (setting.quick) {
-        const double slabs = recorded.divisions[d - 3].mean_imbalance();  // static_z
+        const auto slabs = std::find_if(
+            recorded.divisions.begin(), recorded.divisions.end(),
+            [&](const Division& o) { return o.name == "static_z" && o.ranks == on.ranks; });
         summary.check_at_most("imbalance_over_that_of_static_slabs_" + name, mean.imbalance / slabs,
                               0.8);
       } else {
