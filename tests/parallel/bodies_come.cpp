@@ -6,6 +6,8 @@
 #include "body_scenes.hpp"
 #include "near.hpp"
 
+namespace parallel_bodies_come_test {
+
 namespace {
 
 using silt_test::Seen;
@@ -127,3 +129,5 @@ TEST_CASE("ranks: more ranks than bodies, and ranks without any") {
 }
 
 }  // namespace
+
+}  // namespace parallel_bodies_come_test

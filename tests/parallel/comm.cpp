@@ -9,6 +9,8 @@
 #include "comm_checks.hpp"
 #include "refusal.hpp"
 
+namespace parallel_comm_test {
+
 namespace {
 
 using silt_test::has;
@@ -152,3 +154,5 @@ TEST_CASE("comm: ranks that wait too long, make different calls or abort get a s
 }
 
 }  // namespace
+
+}  // namespace parallel_comm_test

@@ -7,6 +7,8 @@
 
 #include "clouds.hpp"
 
+namespace parallel_decompositions_test {
+
 namespace {
 
 using silt::ThreadComm;
@@ -160,3 +162,5 @@ TEST_CASE("bisection: parts of a long box are cut across its long side") {
 }
 
 }  // namespace
+
+}  // namespace parallel_decompositions_test

@@ -8,6 +8,8 @@
 
 #include "rank_scenes.hpp"
 
+namespace parallel_ledger_test {
+
 namespace {
 
 using silt_test::Seen;
@@ -57,3 +59,5 @@ TEST_CASE("ranks: the books of energy are those of one process") {
 }
 
 }  // namespace
+
+}  // namespace parallel_ledger_test

@@ -6,6 +6,8 @@
 
 #include "body_scenes.hpp"
 
+namespace parallel_mixes_test {
+
 namespace {
 
 using Shape = silt::Mix<silt::Sphere, silt::MultiSphere, silt::SuperEllipsoid, silt::Polyhedron,
@@ -44,3 +46,5 @@ TEST_CASE("ranks: a dense cloud of all shapes together loses nobody and keeps it
 }
 
 }  // namespace
+
+}  // namespace parallel_mixes_test

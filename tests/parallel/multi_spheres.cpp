@@ -3,6 +3,8 @@
 
 #include "body_scenes.hpp"
 
+namespace parallel_multi_spheres_test {
+
 namespace {
 
 using Shape = silt::MultiSphere;
@@ -32,3 +34,5 @@ TEST_CASE("ranks: a dense cloud of multi-spheres loses nobody and keeps its mome
 }
 
 }  // namespace
+
+}  // namespace parallel_multi_spheres_test

@@ -10,6 +10,8 @@
 
 #include "rank_scenes.hpp"
 
+namespace parallel_policies_test {
+
 namespace {
 
 using silt::Vec3d;
@@ -136,3 +138,5 @@ TEST_CASE("ranks: Gear, a field and a force that reads it") {
 }
 
 }  // namespace
+
+}  // namespace parallel_policies_test

@@ -3,6 +3,8 @@
 
 #include "body_scenes.hpp"
 
+namespace parallel_polyhedra_test {
+
 namespace {
 
 using Shape = silt::Polyhedron;
@@ -33,3 +35,5 @@ TEST_CASE("ranks: a dense cloud of polyhedra loses nobody and keeps its momentum
 }
 
 }  // namespace
+
+}  // namespace parallel_polyhedra_test

@@ -17,6 +17,8 @@
 #include "rank_scene.hpp"
 #include "refusal.hpp"
 
+namespace parallel_rank_output_test {
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -235,3 +237,5 @@ TEST_CASE("rank output: progress and warnings come from rank 0 alone") {
 }
 
 }  // namespace
+
+}  // namespace parallel_rank_output_test

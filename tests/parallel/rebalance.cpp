@@ -10,6 +10,8 @@
 #include "near.hpp"
 #include "refusal.hpp"
 
+namespace parallel_rebalance_test {
+
 namespace {
 
 using silt::Load;
@@ -128,3 +130,5 @@ TEST_CASE(
 }
 
 }  // namespace
+
+}  // namespace parallel_rebalance_test

@@ -10,6 +10,8 @@
 #include "rank_scenes.hpp"
 #include "refusal.hpp"
 
+namespace parallel_spheres_test {
+
 namespace {
 
 using silt_test::Seen;
@@ -243,3 +245,5 @@ TEST_CASE("ranks: particles that come between two runs are those of one process"
 }
 
 }  // namespace
+
+}  // namespace parallel_spheres_test

@@ -3,6 +3,8 @@
 
 #include "body_scenes.hpp"
 
+namespace parallel_super_ellipsoids_test {
+
 namespace {
 
 using Shape = silt::SuperEllipsoid;
@@ -29,3 +31,5 @@ TEST_CASE("ranks: a dense cloud of super-ellipsoids loses nobody and keeps its m
 }
 
 }  // namespace
+
+}  // namespace parallel_super_ellipsoids_test
