@@ -113,6 +113,12 @@ struct ErrorMessage {
   }
 };
 
+/// Whether all ranks have thrown this error together already; observers add words at its end.
+[[gnu::cold]] inline bool is_told(const std::exception_ptr& error) {
+  return error && is_agreed() && !last_agreed().empty() &&
+         ErrorMessage::of(error).sentence.starts_with(last_agreed());
+}
+
 /// A name as a whole number below 2^32, which a double holds.
 inline double number_of_name(std::string_view name) {
   std::uint32_t hash = 2166136261u;
@@ -166,7 +172,7 @@ void agree(const C& comm, std::string_view call, const std::exception_ptr& error
     if (error) std::rethrow_exception(error);
     return;
   }
-  if (error && detail::is_agreed()) std::rethrow_exception(error);
+  if (error && detail::is_told(error)) std::rethrow_exception(error);
   detail::is_agreed() = false;
   require(maxima.size() <= most_agreed, "agree(", call, "): ", maxima.size(),
           " numbers; there is room for ", most_agreed);
