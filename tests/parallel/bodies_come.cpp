@@ -64,7 +64,7 @@ TEST_CASE("ranks: bodies that come and leave, fixed ones and two materials are a
                    .rate = 1500,
                    .velocity = {0, 0, -0.5},
                    .form = 1});
-    sim.add_outlet({{0.034, -1, -1}, {0.3, 1, 1}});
+    sim.add_outlet({{0.0305, -1, -1}, {0.3, 1, 1}});
     sim.run(0.01);
     sim.add(grains({4, 2, 1}, 0.022));
     CHECK(sim.size() == 12 + 8 + sim.inlet(0).placed - sim.outlet(0).count);
@@ -76,8 +76,8 @@ TEST_CASE("ranks: bodies that come and leave, fixed ones and two materials are a
   };
   Seen one;
   const auto books = run(one, [](const auto&) {});
-  CHECK(books[0] > 12);
-  CHECK(books[2] > 2);
+  CHECK(books[0] > 5);
+  CHECK(books[2] > 1);
   for (const int n : {2, 3}) {
     CAPTURE(n);
     Seen many;
@@ -95,7 +95,7 @@ TEST_CASE("ranks: bodies that come and leave, fixed ones and two materials are a
 #endif
     CHECK(off[0] < 1e-12);
     CHECK(off[1] < 1e-10);
-    CHECK(copies.pairs > 20);
+    CHECK(copies.pairs > 3);
     CHECK(copies.unlike + copies.alone + copies.ghost_pairs == 0);
   }
 }
