@@ -20,6 +20,7 @@ namespace rank_scene {
 /// Slabs across x of equal width, whatever is in them.
 struct Slabs {
   double from = 0, to = 0.055;  // [m]
+  static constexpr bool by_place = false;
   template <class Comm>
   std::vector<int> partition(const Comm& comm, std::span<const silt::Vec3d> points,
                              std::span<const double>) const {
