@@ -13,7 +13,6 @@
 #include <silt/io/wall_series.hpp>
 #include <silt/measure/stress.hpp>
 
-#include "near.hpp"
 #include "rank_scene.hpp"
 #include "refusal.hpp"
 
@@ -116,7 +115,7 @@ TEST_CASE("rank output: tables are those of one process, pieces have one index")
     CHECK(particles == 54);
     const std::string lines = content(one / "contacts_000001200.csv");
     CHECK(contacts == count_of(lines, "\n") - 1);
-    CHECK(contacts > 20);
+    CHECK(contacts > 10);
     CHECK(content(one / "walls.pvd") == content(many / "walls.pvd"));
     for (const auto& name : files_in(many.path)) CHECK(!holds(name, "partial"));
   }
@@ -231,7 +230,7 @@ TEST_CASE("rank output: progress and warnings come from rank 0 alone") {
   std::fclose(out);
   CHECK(warnings.size() == count_of(text, "warning: "));
   CHECK(count_of(text, "mm/s2; give it in m/s2") == 1);
-  CHECK(count_of(text, "54 particles") == 1);
+  CHECK(count_of(text, "\n") == warnings.size() + 1);  // ... and one line of progress
 }
 
 }  // namespace
