@@ -3,6 +3,7 @@
 // mistake that the others are refused for.
 #define SILT_MENDED
 #include <silt/fluid.hpp>
+#include <silt/measure/coordination.hpp>
 #include <silt/ranks.hpp>
 #include <silt/sph.hpp>
 
@@ -136,6 +137,9 @@ namespace field_of_text {
 }
 namespace module_twice {
 #include "refused/module_twice.cpp"
+}
+namespace coordination_on_ranks {
+#include "refused/coordination_on_ranks.cpp"
 }
 namespace energy_without_ledger {
 #include "refused/energy_without_ledger.cpp"

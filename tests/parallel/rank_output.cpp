@@ -13,7 +13,6 @@
 #include <silt/io/wall_series.hpp>
 #include <silt/measure/stress.hpp>
 
-#include "near.hpp"
 #include "rank_scene.hpp"
 #include "refusal.hpp"
 

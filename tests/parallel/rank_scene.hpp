@@ -10,8 +10,8 @@
 #include <vector>
 
 #include <silt/contact/hertz_mindlin.hpp>
-#include <silt/ranks.hpp>
 #include <silt/parallel/thread_comm.hpp>
+#include <silt/ranks.hpp>
 #include <silt/simulation.hpp>
 
 /// A bed that falls, touches walls and rubs, for one process and for ranks.
@@ -63,6 +63,19 @@ void with_bed(const Options& how, const Use& use, More... more) {
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 1, 0}}, glass);
   sim.add_wall(silt::Plane{{0, 0.027, 0}, {0, -1, 0}}, glass);
   use(sim);
+}
+
+/// Divides the space anew at every search.
+inline auto eager(const silt::ThreadComm& comm) {
+  return silt::Ranks{comm, silt::Bisection{},
+                     silt::Rebalance{.above = 1, .each = 0, .per_moved = 0}};
+}
+/// On so many ranks; 0: without Ranks.
+template <class Use>
+void on(int ranks, const Options& how, const Use& use) {
+  if (ranks == 0) return with_bed(how, use);
+  silt::run_on_ranks(
+      ranks, [&](const silt::ThreadComm& comm) { with_bed(how, use, eager(comm)); }, 30);
 }
 
 /// A folder of the test's own, removed with all in it.

@@ -108,7 +108,7 @@ class Engine : public Tables<Composition> {
     std::rotate(order.begin() + static_cast<std::ptrdiff_t>(own),
                 order.end() - static_cast<std::ptrdiff_t>(more), order.end());
     if (more > 0 && ghosts > 0) particles.reorder(order, *team_);
-    lists.pairs.make_way(own, more), ranks.make_way(more);
+    lists.pairs.make_way(own, more, particles.size()), ranks.make_way(more);
     if constexpr (has_bodies)
       if (more > 0 && ghosts > 0) {
         mover.follow(particles), follow_bodies(ranks.neighbours, particles);

@@ -53,6 +53,19 @@ void write_in_pieces(const Sim& sim, const std::string& path, const VtkFields& f
   });
 }
 
+/// What each rank says, joined, on all ranks.
+template <class Sim>
+std::string words_of_ranks(const Sim& sim, const std::string& own, const char* between) {
+  const auto& ranks = sim.engine().ranks;
+  ranks.meet("words of ranks");
+  const auto all = gather(ranks.comm(), std::span<const char>(own));
+  std::string words;
+  for (int r = 0; r < all.ranks(); ++r)
+    if (!all[r].empty())
+      words += text(words.empty() ? "" : between, std::string_view(all[r].data(), all[r].size()));
+  return words;
+}
+
 /// A line of a table, and what it is sorted by.
 struct SortedLine {
   std::uint64_t by, then;

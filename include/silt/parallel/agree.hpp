@@ -7,6 +7,7 @@
 #include <new>
 #include <string>
 
+#include <silt/parallel/agreed.hpp>
 #include <silt/parallel/comm.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -15,20 +16,6 @@ namespace silt::inline SILT_TARGET {
 inline constexpr std::size_t most_agreed = 29;
 
 namespace detail {
-
-/// The sentence of the last error that all ranks have agreed on, on this thread: it names its rank,
-/// and is told once.
-inline std::string& last_agreed() {
-  static thread_local std::string sentence;
-  return sentence;
-}
-
-/// Whether the error under way on this thread is one that all ranks have thrown together: it need
-/// not be told again on its way out of what is nested, as where an observer takes a sum.
-inline bool& is_agreed() {
-  static thread_local bool yes = false;
-  return yes;
-}
 
 /// An error as bytes, so that another rank can throw it as the same type.
 struct ErrorMessage {

@@ -118,6 +118,23 @@ class WallContacts {
     std::stable_sort(archive_.begin(), archive_.end(), by_key);
   }
 
+  /// Makes lists of nothing but these contacts, for the next search to go on from.
+  void remember(std::vector<Kept> contacts, std::span<const Wall> walls, std::size_t particles) {
+    particles_ = static_cast<std::uint32_t>(particles);
+    std::stable_sort(contacts.begin(), contacts.end(), by_key);
+    outer_.clear(), outer_facets_.clear(), inner_facets_.clear();
+    for (const Kept& c : contacts) {
+      const auto k = static_cast<std::uint32_t>(outer_.size());
+      const Candidate next{WallCandidate{c.particle, c.wall, c.surface, 0, 0, 0, k}};
+      if (k == 0 || !same_surface(outer_.back(), next)) outer_.push_back(next);
+    }
+    inner_ = outer_;
+    archive_ = std::move(contacts), previous_.clear(), renewed_ = true;
+    part_planes(walls), lay_out_slots(walls), lay_out_planes(walls);
+    recall();
+    renewed_ = false;
+  }
+
   std::vector<Candidate>& found() { return outer_; }  // by the last search, to leave some out
 
   /// Adds the spheres from `first` on, which have come since the search; prune() comes next.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
@@ -177,6 +178,38 @@ class RankStage {
       shared_[w] = {walls[w].impulse, walls[w].angular_impulse};
     }
   }
+
+  // --- what a checkpoint keeps --------------------------------------------------------------
+
+  struct Impulses {
+    Vec3d impulse{0, 0, 0}, angular{0, 0, 0};  // [N s], [N m s]
+  };
+  struct State {
+    std::vector<Impulses> own, shared;  // of walls: by own particles; by all, when last shared
+    std::size_t present = 0;
+    std::int64_t last_step = 0;
+    double lost = 0, moved = -1;  // Rebalance
+  };
+  State state(std::size_t walls) const {
+    State s{own_, shared_, present_, last_step_, policy_->rebalance.lost, policy_->rebalance.moved};
+    s.own.resize(walls), s.shared.resize(walls);
+    return s;
+  }
+  void restore(State s) {
+    own_ = std::move(s.own), shared_ = std::move(s.shared), present_ = s.present;
+    last_step_ = s.last_step, policy_->rebalance.lost = s.lost, policy_->rebalance.moved = s.moved;
+  }
+  using PartsType = std::remove_cvref_t<decltype(std::declval<Policy&>().parts)>;
+  /// Whether the decomposition tells what it remembers, by for_each_state(visit).
+  template <class Visit>
+  static constexpr bool tells_parts = std::copyable<PartsType>&& requires(PartsType& parts,
+                                                                          Visit& visit) {
+    parts.for_each_state(visit);
+  };
+  const PartsType& parts() const { return policy_->parts; }
+  void set_parts(PartsType parts) { policy_->parts = std::move(parts); }
+  /// Divides the space anew at the next search.
+  void part_anew() { counts.partitions = 0; }
 
   // --- at a search (collective) -------------------------------------------------------------
 
@@ -375,9 +408,6 @@ class RankStage {
     }
   }
 
-  struct Impulses {
-    Vec3d impulse{0, 0, 0}, angular{0, 0, 0};  // [N s], [N m s]
-  };
   std::optional<Policy> policy_;
   std::vector<Impulses> own_, shared_;  // of walls: by own particles; by all, when last shared
   std::size_t present_ = 0;

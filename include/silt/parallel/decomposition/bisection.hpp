@@ -98,6 +98,10 @@ struct Bisection {
     }
     return ~k;
   }
+  template <class Visit>
+  void for_each_state(Visit& visit) {
+    visit(nodes);
+  }
 
  private:
   /// Collective: the box around each part's points; empty where there are none.

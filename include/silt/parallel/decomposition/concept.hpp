@@ -27,6 +27,10 @@ namespace silt::inline SILT_TARGET {
 ///   which
 ///                                      partition has returned for a point there
 ///
+/// A policy may have for_each_state(visit), which calls visit(value) for each number, or vector of
+/// numbers, that it remembers of the partition before: checkpoints keep these then, and a run that
+/// goes on from one on as many ranks has the same bits. Without it the space is divided anew.
+///
 /// The result depends on points, weights and what the policy remembers of the partition before, not
 /// on clocks or on the order of messages: the bits repeat.
 template <class D, class C>

@@ -75,6 +75,10 @@ struct StaticSlabs {
 
   int rank_of(const Vec3d& place) const { return slabs.rank_of(place); }
   std::vector<double> planes() const { return slabs.planes(); }
+  template <class Visit>
+  void for_each_state(Visit& visit) {
+    visit(box), visit(slabs.axis), visit(slabs.cuts);
+  }
 
  private:
   double along(const Vec3d& p) const { return axis == 0 ? p.x : axis == 1 ? p.y : p.z; }
@@ -129,6 +133,10 @@ struct MovingSlabs {
 
   int rank_of(const Vec3d& place) const { return slabs.rank_of(place); }
   std::vector<double> planes() const { return slabs.planes(); }
+  template <class Visit>
+  void for_each_state(Visit& visit) {
+    visit(slabs.axis), visit(slabs.cuts), visit(shares);
+  }
 
  private:
   /// Collective: each slab's share of the work.
