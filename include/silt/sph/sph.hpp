@@ -393,11 +393,11 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   }
   /// A particle's place beside its site of the lattice: the same in every fill.
   Vec3d scattered(const Vec3d& site) const {
-    const double most = setup().scatter * setup().spacing;
-    if (!(most > 0)) return site;
+    const double farthest = setup().scatter * setup().spacing;
+    if (!(farthest > 0)) return site;
     Random random(site_of(site) + 1);
-    const double x = random.uniform(-most, most), y = random.uniform(-most, most),
-                 z = random.uniform(-most, most);
+    const double x = random.uniform(-farthest, farthest), y = random.uniform(-farthest, farthest),
+                 z = random.uniform(-farthest, farthest);
     return site + Vec3d{x, setup().dimensions == 2 ? 0 : y, z};
   }
   /// A number for the lattice's cell at a place.
