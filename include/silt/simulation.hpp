@@ -290,6 +290,9 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   double peak_overlap() const { return peak_overlap_; }
   /// How many contacts the law's safeguard has ended since the start [-] (Softened).
   std::uint64_t safeguarded() const requires detail::has_safeguard<typename ContactsType::Law> {
+    static_assert(!has_ranks,
+                  "safeguarded() counts on one process alone: a contact between two "
+                  "ranks would count twice; leave Ranks out");
     return engine_.safeguards;
   }
   /// The largest time step that guard allows at `speed` [m/s] of the fastest points of particles

@@ -53,6 +53,23 @@ class ZoltanHandle {
   void set(const char* parameter, const std::string& value) const {
     check_zoltan(Zoltan_Set_Param(get(), parameter, value.c_str()), parameter);
   }
+  /// Collective: divides what the callbacks tell of; calls moved(own object, part) for each that
+  /// goes to another part, if Zoltan is to list them (RETURN_LISTS).
+  template <class Moved>
+  void partition(const Moved& moved) const {
+    int changes = 0, ids = 0, locals = 0, imports = 0, exports = 0;
+    ZOLTAN_ID_PTR import_ids = nullptr, import_locals = nullptr, export_ids = nullptr,
+                  export_locals = nullptr;
+    int *import_ranks = nullptr, *import_parts = nullptr, *export_ranks = nullptr,
+        *export_parts = nullptr;
+    check_zoltan(Zoltan_LB_Partition(get(), &changes, &ids, &locals, &imports, &import_ids,
+                                     &import_locals, &import_ranks, &import_parts, &exports,
+                                     &export_ids, &export_locals, &export_ranks, &export_parts),
+                 "Zoltan_LB_Partition");
+    for (int k = 0; k < exports; ++k) moved(export_locals[k], export_parts[k]);
+    Zoltan_LB_Free_Part(&import_ids, &import_locals, &import_ranks, &import_parts);
+    Zoltan_LB_Free_Part(&export_ids, &export_locals, &export_ranks, &export_parts);
+  }
 
  private:
   std::unique_ptr<Zoltan_Struct, DestroyZoltan> zoltan_;

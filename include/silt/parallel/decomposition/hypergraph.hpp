@@ -318,19 +318,7 @@ struct Hypergraph {
     Zoltan_Set_HG_CS_Fn(z, detail::ZoltanCells::edges, &own);
     Zoltan_Set_HG_Size_Edge_Wts_Fn(z, detail::ZoltanCells::edge_count, &own);
     Zoltan_Set_HG_Edge_Wts_Fn(z, detail::ZoltanCells::edge_weights, &own);
-    int changes = 0, ids = 0, locals = 0, imports = 0, exports = 0;
-    ZOLTAN_ID_PTR import_ids = nullptr, import_locals = nullptr, export_ids = nullptr,
-                  export_locals = nullptr;
-    int *import_ranks = nullptr, *import_parts = nullptr, *export_ranks = nullptr,
-        *export_parts = nullptr;
-    detail::check_zoltan(
-        Zoltan_LB_Partition(z, &changes, &ids, &locals, &imports, &import_ids, &import_locals,
-                            &import_ranks, &import_parts, &exports, &export_ids, &export_locals,
-                            &export_ranks, &export_parts),
-        "Zoltan_LB_Partition");
-    for (int k = 0; k < exports; ++k) own.cells[export_locals[k]].rank = export_parts[k];
-    Zoltan_LB_Free_Part(&import_ids, &import_locals, &import_ranks, &import_parts);
-    Zoltan_LB_Free_Part(&export_ids, &export_locals, &export_ranks, &export_parts);
+    zoltan.partition([&](unsigned k, int part) { own.cells[k].rank = part; });
     return own.cells;
   }
 };
