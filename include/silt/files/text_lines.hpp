@@ -64,6 +64,11 @@ class TextLines {
     line_ = words_ = remark_ = {};
     return false;
   }
+  /// Leaves out the next line, whatever it holds.
+  void skip() {
+    rest_.remove_prefix(std::min(rest_.size(), std::min(rest_.find('\n'), rest_.size()) + 1));
+    ++number_;
+  }
   /// next(), or a refusal that says what is missing.
   void need(std::string_view what) {
     if (!next())
