@@ -176,7 +176,7 @@ TEST_CASE("ranks: a free wall that is too light for the contacts on all ranks is
     sim.gravity = {0, 0, -9.81}, sim.threads = 1;
     sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, glass);
     sim.add_wall(silt::Plane{{0, 0, 0.019}, {0, 0, -1}}, glass,
-                 {.name = "foil", .drive = silt::Slide{.direction = {0, 0, 1}, .mass = 0.1}});
+                 {.name = "foil", .drive = silt::Slide{.direction = {0, 0, 1}, .mass = 0.5}});
     try {
       sim.run(0.01);
     } catch (const silt::SimulationError& e) {
