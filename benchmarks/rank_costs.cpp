@@ -95,7 +95,7 @@ int main() {
     return (cost.time[0] + cost.time[1] - search.time[0] - search.time[1]) / unit;
   };
   std::printf("Bisection: %.3g a point\n", more(cost_of({.bisects = true}, true)) / 50000);
-  for (const double shift : {0.004, 0.02}) {
+  for (const double shift : {0.02, 0.04}) {
     const auto cost = cost_of({.shift = shift}, true);
     std::printf("%.0f particles that pass in a search: %.3g each\n", cost.moved,
                 more(cost) / cost.moved);
