@@ -17,32 +17,16 @@
 #include <silt/core/error.hpp>
 #include <silt/sph/driven_walls.hpp>
 #include <silt/sph/setup.hpp>
+#include <silt/sph/sites.hpp>
+#include <silt/sph/wall_part.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
-
-/// Calls visit(x) for the centres of the lattice's cells in the region, and in `layers` more of
-/// them beyond it where it does not repeat.
-template <class Visit>
-void for_each_site(const SphSetup& setup, int layers, const Visit& visit) {
-  const double s = setup.spacing;
-  const Vec3d low = setup.region.min, e = setup.region.extent();
-  const double length[3] = {e.x, e.y, e.z};
-  int from[3], to[3];
-  for (std::size_t d = 0; d < 3; ++d) {
-    const int more = setup.periodic[d] ? 0 : layers;
-    from[d] = -more, to[d] = static_cast<int>(std::ceil(length[d] / s - 1e-6)) + more;
-  }
-  if (setup.dimensions == 2) from[1] = 0, to[1] = 1;
-  for (int i = from[0]; i < to[0]; ++i)
-    for (int j = from[1]; j < to[1]; ++j)
-      for (int k = from[2]; k < to[2]; ++k)
-        visit(Vec3d{low.x + (i + 0.5) * s, setup.dimensions == 2 ? low.y : low.y + (j + 0.5) * s,
-                    low.z + (k + 0.5) * s});
-}
 
 /// The particles of walls: sites of the lattice that are behind surfaces by less than the kernel's
 /// support, each with its mirror image in the liquid, its ghost. They move with their wall.
 class WallParticles {
+  using Part = WallPart;
+
  public:
   void add(const Surfaces& surfaces, const WallSetup& setup) {
     for (const Surface& one : surfaces.parts)
@@ -55,7 +39,7 @@ class WallParticles {
     check(surfaces.parts, setup.name);
     setup.surface_velocity.check();
     walls_.push_back({surfaces.parts, setup.name, setup.motion, setup.surface_velocity, nullptr});
-    place(walls_.back(), 0, 1);
+    walls_.back().place(0, 1);
     walls_.back().first = walls_.back().pose;
     fresh_ = true;
   }
@@ -96,17 +80,15 @@ class WallParticles {
   /// [m] How far no particle has gone beyond since then: as far as a corner of the box around those
   /// of its wall.
   double way() const {
-    double most = 0;
-    for (std::size_t w = 0; w < boxes_.size() && w < walls_.size(); ++w) {
-      const Part& of = walls_[w];
-      if (!of.motion || !is_finite(boxes_[w].min)) continue;
-      for (int c = 0; c < 8; ++c) {
-        const Vec3d &a = boxes_[w].min, &b = boxes_[w].max;
-        const Vec3d x{c & 1 ? b.x : a.x, c & 2 ? b.y : a.y, c & 4 ? b.z : a.z};
-        most = std::max(most, norm(of.pose.to_space(x) - of.listed.to_space(x)));
-      }
-    }
-    return most;
+    return most_at_corners([](const Part& of, const Vec3d& x) {
+      return norm(of.pose.to_space(x) - of.listed.to_space(x));
+    });
+  }
+  /// [m/s] that none is faster than.
+  double fastest() const {
+    return most_at_corners([](const Part& of, const Vec3d& x) {
+      return norm(of.next.to_space(x) - of.last.to_space(x)) / of.span;
+    });
   }
   /// Walls of its own, not of a Simulation.
   std::size_t own_walls() const { return walls_.size() - followed_; }
@@ -172,7 +154,7 @@ class WallParticles {
     Nearest least;
     for (std::size_t w = 0; w < walls_.size(); ++w) {
       if (which == Which::AtRest && walls_[w].moves()) continue;
-      if (const SurfacePoint p = nearest(walls_[w], x); p.distance < least.distance)
+      if (const SurfacePoint p = walls_[w].nearest(x); p.distance < least.distance)
         least = {p.distance, p.normal, w};
     }
     return least;
@@ -209,7 +191,7 @@ class WallParticles {
       if (norm(x - surface) > thick || hold(x)) return;
       const Part& wall = walls_[least.wall];
       const Vec3d out = surface - x;  // towards the liquid
-      const bool flat = std::holds_alternative<Plane>(wall.surfaces[nearest_surface(wall, x)]);
+      const bool flat = std::holds_alternative<Plane>(wall.surfaces[wall.nearest_surface(x)]);
       particles_.push_back({wall.pose.to_body(x), wall.pose.to_body(x + 2 * out),
                             flat && norm(out) > 0 ? normalised(out) : Vec3d{0, 0, 0},
                             static_cast<std::uint32_t>(least.wall)});
@@ -218,17 +200,29 @@ class WallParticles {
     find_belts();
     find_boxes();
   }
+  /// [m] In the wall's own coordinates.
+  const Vec3d& own_place(std::size_t k) const { return particles_[k].at; }
+  const Vec3d& own_ghost(std::size_t k) const { return particles_[k].ghost; }
+  /// Whether a particle goes as its wall does: it is no belt.
+  bool goes_along(std::size_t k) const {
+    const Part& wall = walls_[particles_[k].wall];
+    const SurfaceVelocity& belt = wall.of != nullptr ? wall.of->belt : wall.belt;
+    return belt.is_zero() &&
+           (!wall.is_belt || dot(particles_[k].normal, particles_[k].normal) == 0);
+  }
   Vec3d place(std::size_t k) const { return in_space(particles_[k], particles_[k].at); }
   Vec3d ghost(std::size_t k) const { return in_space(particles_[k], particles_[k].ghost); }
   std::size_t wall_of(std::size_t k) const { return particles_[k].wall; }
   /// [m/s] of the wall's material half way between particle and ghost.
   Vec3d velocity(std::size_t k) const {
     const Vec3d at = 0.5 * (particles_[k].at + particles_[k].ghost);
-    return velocity_of(particles_[k], at) + belt_velocity(k);
+    return velocity_of(particles_[k].wall, at) + belt_velocity(k);
   }
+  /// [m/s] at a place in a wall's own coordinates.
+  Vec3d velocity_of(std::size_t w, const Vec3d& own) const { return walls_[w].velocity(own); }
   /// ... at the particle.
   Vec3d own_velocity(std::size_t k) const {
-    return velocity_of(particles_[k], particles_[k].at) + belt_velocity(k);
+    return velocity_of(particles_[k].wall, particles_[k].at) + belt_velocity(k);
   }
   /// [m] of the surface in front of a particle.
   double depth(std::size_t k) const { return 0.5 * norm(particles_[k].ghost - particles_[k].at); }
@@ -255,10 +249,23 @@ class WallParticles {
   /// @}
   /// To `time` [s]; velocities are those of the `span` [s] before.
   void move_to(double time, double span) {
-    for (Part& w : walls_) place(w, time, span);
+    for (Part& w : walls_) w.place(time, span);
   }
 
  private:
+  template <class Of>
+  double most_at_corners(const Of& of) const {
+    double most = 0;
+    for (std::size_t w = 0; w < boxes_.size() && w < walls_.size(); ++w) {
+      if (!walls_[w].moves() || !is_finite(boxes_[w].min)) continue;
+      for (int c = 0; c < 8; ++c) {
+        const Vec3d &a = boxes_[w].min, &b = boxes_[w].max;
+        most = std::max(most,
+                        of(walls_[w], {c & 1 ? b.x : a.x, c & 2 ? b.y : a.y, c & 4 ? b.z : a.z}));
+      }
+    }
+    return most;
+  }
   /// A wall that stands in free space and between whose surfaces no site of the lattice lies.
   void refuse_what_has_none(const SphSetup& setup) const {
     std::vector<char> has(walls_.size(), 0);
@@ -269,7 +276,7 @@ class WallParticles {
       const Nearest here = nearest(x);
       if (here.distance < 0 || here.distance > s || has[here.wall] != 0) return;
       for (std::size_t w = 0; w < walls_.size(); ++w)
-        if (w != here.wall && nearest(walls_[w], x).distance < here.distance + 1e-6 * s) return;
+        if (w != here.wall && walls_[w].nearest(x).distance < here.distance + 1e-6 * s) return;
       throw InputError(text("Sph: wall ", in_quotes(walls_[here.wall].name), " near ", x,
                             " m is thinner than a spacing of ", s,
                             " m and has no particles, so that liquid passes through it; make it "
@@ -277,23 +284,6 @@ class WallParticles {
                             2 * setup.h(), " m, or take a smaller spacing"));
     });
   }
-  struct Part {
-    std::vector<Surface> surfaces;
-    std::string name;
-    Motion motion;  // of its own
-    SurfaceVelocity belt;
-    const Wall* of;  // of a Simulation; null: its own
-    DrivenMotion driven{};
-    Pose pose{}, last{}, next{}, first{}, listed{};
-    double span = 1;
-    bool is_belt = true;
-
-    bool is_driven() const { return of != nullptr && of->is_driven(); }
-    bool moves() const {
-      return of != nullptr ? static_cast<bool>(of->motion) || is_driven()
-                           : static_cast<bool>(motion);
-    }
-  };
   void find_boxes() {
     boxes_.assign(walls_.size(), Box{});
     for (const Particle& p : particles_)
@@ -304,15 +294,6 @@ class WallParticles {
       walls_[w].first = restored_[w].first, walls_[w].listed = restored_[w].second;
     restored_.clear();
     find_boxes();
-  }
-  static void place(Part& w, double time, double span) {
-    if (!w.moves()) return;
-    const auto at = [&w](double t) {
-      if (w.of == nullptr) return w.motion(t);
-      return w.of->is_driven() ? w.driven.at(t) : w.of->pose_at(t);
-    };
-    const double from = std::max(time - span, 0.0);  // motions need not be known before 0
-    w.pose = at(time), w.last = at(from), w.next = at(from + span), w.span = span;
   }
   static void check(const std::vector<Surface>& surfaces, const std::string& name) {
     for (const Surface& one : surfaces)
@@ -329,11 +310,6 @@ class WallParticles {
     std::uint32_t wall;
   };
 
-  Vec3d velocity_of(const Particle& p, const Vec3d& own) const {
-    const Part& wall = walls_[p.wall];
-    if (!wall.moves()) return {0, 0, 0};
-    return (1 / wall.span) * (wall.next.to_space(own) - wall.last.to_space(own));
-  }
   /// [m/s] of a belt, along the surface.
   Vec3d belt_velocity(std::size_t k) const {
     const Part& wall = walls_[particles_[k].wall];
@@ -380,32 +356,6 @@ class WallParticles {
     return true;
   }
 
-  static std::size_t nearest_surface(const Part& wall, const Vec3d& x) {
-    std::size_t which = 0;
-    nearest(wall, x, &which);
-    return which;
-  }
-  static SurfacePoint nearest(const Part& wall, const Vec3d& x, std::size_t* which = nullptr) {
-    constexpr double far = std::numeric_limits<double>::infinity();
-    SurfacePoint least{{0, 0, 0}, far, 0};
-    const Vec3d own = wall.pose.to_body(x);
-    for (std::size_t k = 0; k < wall.surfaces.size(); ++k)
-      visit_surface(wall.surfaces[k], [&](const auto& s) {
-        SurfacePoint p;
-        if constexpr (std::is_same_v<std::remove_cvref_t<decltype(s)>, TriangleMesh>) {
-          p = s.nearest_point(own);
-          // Free is the side that the triangles' normals point to.
-          if (s.contains(own) == (s.volume() > 0)) p.distance *= -1, p.normal = -1.0 * p.normal;
-        } else {
-          if (s.contacts(own, 1e300, &p) == 0) return;
-        }
-        if (!(p.distance < least.distance)) return;
-        least = p;
-        if (which != nullptr) *which = k;
-      });
-    least.normal = wall.pose.rotate(least.normal);
-    return least;
-  }
   /// The nearest point that is behind no wall, by steps to one surface after the other.
   Vec3d to_surface(Vec3d x, double enough, Which which) const {
     for (int n = 0; n < 50; ++n) {

@@ -1,0 +1,76 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include <silt/boundary/motion.hpp>
+#include <silt/boundary/wall.hpp>
+#include <silt/sph/driven_walls.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// A wall of a liquid: its own, or one that a Simulation moves.
+struct WallPart {
+  std::vector<Surface> surfaces;
+  std::string name;
+  Motion motion;  // of its own
+  SurfaceVelocity belt;
+  const Wall* of;  // of a Simulation; null: its own
+  DrivenMotion driven{};
+  Pose pose{}, last{}, next{}, first{}, listed{};
+  double span = 1;
+  bool is_belt = true;
+
+  bool is_driven() const { return of != nullptr && of->is_driven(); }
+  bool moves() const {
+    return of != nullptr ? static_cast<bool>(of->motion) || is_driven() : static_cast<bool>(motion);
+  }
+  /// To `time` [s]; velocities are those of the `span` [s] before.
+  void place(double time, double over) {
+    if (!moves()) return;
+    const auto at = [this](double t) {
+      if (of == nullptr) return motion(t);
+      return is_driven() ? driven.at(t) : of->pose_at(t);
+    };
+    const double from = std::max(time - over, 0.0);  // motions need not be known before 0
+    pose = at(time), last = at(from), next = at(from + over), span = over;
+  }
+  /// [m/s] at a place in its own coordinates.
+  Vec3d velocity(const Vec3d& own) const {
+    if (!moves()) return {0, 0, 0};
+    return (1 / span) * (next.to_space(own) - last.to_space(own));
+  }
+  std::size_t nearest_surface(const Vec3d& x) const {
+    std::size_t which = 0;
+    nearest(x, &which);
+    return which;
+  }
+  SurfacePoint nearest(const Vec3d& x, std::size_t* which = nullptr) const {
+    constexpr double far = std::numeric_limits<double>::infinity();
+    SurfacePoint least{{0, 0, 0}, far, 0};
+    const Vec3d own = pose.to_body(x);
+    for (std::size_t k = 0; k < surfaces.size(); ++k)
+      visit_surface(surfaces[k], [&](const auto& s) {
+        SurfacePoint p;
+        if constexpr (std::is_same_v<std::remove_cvref_t<decltype(s)>, TriangleMesh>) {
+          p = s.nearest_point(own);
+          // Free is the side that the triangles' normals point to.
+          if (s.contains(own) == (s.volume() > 0)) p.distance *= -1, p.normal = -1.0 * p.normal;
+        } else {
+          if (s.contacts(own, 1e300, &p) == 0) return;
+        }
+        if (!(p.distance < least.distance)) return;
+        least = p;
+        if (which != nullptr) *which = k;
+      });
+    least.normal = pose.rotate(least.normal);
+    return least;
+  }
+};
+
+}  // namespace silt::detail
