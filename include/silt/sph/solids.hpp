@@ -57,16 +57,22 @@ class SphSolids {
   /// body and of walls one is always there, by which it is known how far they have gone.
   template <class IsNear>
   void put_into(SphColumns& columns, double density, bool mirrored, std::span<const Vec3d> grains,
-                const Repeats& repeats, const IsNear& is_near) {
+                const Repeats& repeats, const IsNear& is_near, const Team& team) {
     for (std::size_t k = 0; k < columns.size(); ++k)
       if (columns.label[k] < SphColumns::of_openings && columns.kind[k] != ClusterLists::Liquid)
         columns.take_out(k);
+    places_.resize(size()), needed_.resize(size());
+    team.for_ranges(size(), [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t k = from; k < to; ++k) {
+        places_[k] = repeats.wrapped(place(k));
+        needed_[k] = is_near(places_[k]) || tells_way(k);
+      }
+    });
     SphRow r{};
     r.density = density;
     for (std::uint32_t k = 0; k < size(); ++k) {
-      const Vec3d x = repeats.wrapped(place(k));
-      if (!is_near(x) && !tells_way(k)) continue;
-      r.place(x), columns.add(r, ClusterLists::Wall, k);
+      if (needed_[k] == 0) continue;
+      r.place(places_[k]), columns.add(r, ClusterLists::Wall, k);
       if (mirrored) r.place(repeats.wrapped(ghost(k))), columns.add(r, ClusterLists::Probe, k);
     }
     for (std::uint32_t p = 0; p < grains.size(); ++p) {
@@ -179,6 +185,8 @@ class SphSolids {
     return x;
   }
   SolidFrames frames_;
+  std::vector<Vec3d> places_;
+  std::vector<char> needed_;
   std::size_t first_row_ = 0;
 };
 

@@ -120,6 +120,7 @@ void sph_wrap_liquid(Core& core) {
     if (of.label[k] == ClusterLists::none) continue;
     SphRow& r = of.rows[k];
     if (!of.is_liquid(k)) {
+      if (sph_chooses_solids<Core> && of.label[k] < SphColumns::of_openings) continue;  // put anew
       r.place(repeats.wrapped(r.position()));
       continue;
     }
@@ -150,12 +151,12 @@ void sph_renew(Core& core, const Team& team) {
   const double of_walls = solids.walls.fastest(), mean = std::max(of_liquid, 0.5 * of_walls);
   const auto put = [&](const auto& is_near) {
     solids.put_into(of, core.liquid.density, Core::Walls::mirrored, core.small_grains(),
-                    core.lists.repeats, is_near);
+                    core.lists.repeats, is_near, team);
   };
   if constexpr (sph_chooses_solids<Core>) {
     double most = of_walls;
-    for (std::size_t k = 0; k < solids.bodies.size(); ++k)
-      most = std::max(most, solids.bodies.fastest(k));
+    solids.bodies.for_those_that_go_farthest(
+        [&](std::size_t k) { most = std::max(most, solids.bodies.fastest(k)); });
     const double reach =
         2 * core.setup.h() + sph_slack(core, fastest, mean) + sph_slack(core, most, mean);
     core.near.find(of, core.lists.repeats, reach, core.setup.spacing, core.setup.dimensions == 2,
