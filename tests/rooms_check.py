@@ -16,8 +16,8 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 # In order: each may include those before it. docs/architecture.md says what lies in each.
 ROOMS = """
-core files boundary shape contact motion search fill bond breakage fluid coupling sph module
-engine/state engine/lists engine/contact engine/spheres engine/convex engine/stages engine/advance
+core files parallel boundary shape contact motion search fill bond breakage fluid coupling sph module
+engine/state engine/ranks engine/lists engine/contact engine/spheres engine/convex engine/stages engine/advance
 engine/checks engine/population engine simulation measure io study umbrella
 """.split()
 # The picture: floors from the top down, each room with what lies in it.
@@ -31,18 +31,20 @@ FLOORS = [
     [("engine/spheres", "geometry of spheres, in lanes"),
      ("engine/convex", "geometry of convex parts")],
     [("engine/contact", "the contact stage: law, rolling, energy, events, fluxes")],
-    [("engine/lists", "who may touch soon; what contacts remember")],
+    [("engine/lists", "who may touch soon; what contacts remember"),
+     ("engine/ranks", "who owns what, ghosts, migration")],
     [("engine/state", "composition, columns, rows")],
     [("coupling", "drag, averaging"), ("sph", "free surfaces"), ("module", "Field, BodyForce"),
      ("fluid", "flow solver"), ("bond", "models of bonds"), ("breakage", "strengths, fragments")],
     [("contact", "laws"), ("search", "NBS, grids"), ("motion", "integrators"),
      ("fill", "particles"), ("shape", "narrow phases")],
-    [("boundary", "domains, walls, meshes"), ("files", "CSV, VTK, archives")],
+    [("boundary", "domains, walls, meshes"), ("parallel", "ranks and what moves bytes between them"),
+     ("files", "CSV, VTK, archives")],
     [("core", "vectors, lanes, threads")],
 ]
 # Files that stand at the top of include/silt.
 AT_TOP = {"simulation.hpp": "simulation", "silt.hpp": "umbrella", "fluid.hpp": "umbrella",
-          "sph.hpp": "umbrella"}
+          "sph.hpp": "umbrella", "ranks.hpp": "umbrella", "mpi.hpp": "umbrella"}
 PICTURE = ROOT / "docs" / "pictures" / "rooms.svg"
 INTRINSICS = re.compile(r"#include <(immintrin|x86intrin|arm_neon|xsimd/)|\b_mm\d*_\w+\(")
 

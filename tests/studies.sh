@@ -11,6 +11,9 @@ refused "no study 'nonsense'" nonsense
 refused "nonsense" skin --nonsense
 refused "threads" skin --threads 2
 refused "not in range" skin --repeats 0
+refused "not in range" decomposition --particles 10
+refused "repeats" decomposition --repeats 2
+refused "particles" skin --particles 2000
 touch "$work/file"
 refused "$work/file" stiffness --quick --out "$work/file/out"
 

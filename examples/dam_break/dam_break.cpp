@@ -177,8 +177,8 @@ void report(example::Summary& summary, const Scene& s, const Water& water, const
                        end.energy() / record.looks.front().energy(), 1,
                        0.003 + 0.8 * s.across() / Scene::a * std::max(1.0, s.alpha / 0.02),
                        "artificial viscosity, in proportion to alpha h");
-  // What walls that mirror the liquid bring in as the sound of the start meets them.
-  summary.check_at_most("energy_that_came_from_nothing", grown, 4e-3);
+  // Seen: 2e-7 at the most; 2.4e-3 where liquid that parts from a wall loses density.
+  summary.check_at_most("energy_that_came_from_nothing", grown, 1e-3);
   summary.check_at_most("largest_change_of_density", record.most(&Look::density), 0.05);
   summary.check_at_most("largest_speed_over_sound", record.most(&Look::speed), 0.15);
   summary.check_at_most("particles_that_left", static_cast<double>(water.left()), 0);

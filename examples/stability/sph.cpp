@@ -59,7 +59,6 @@ Measures shaken(bool quick, double amplitude, const Policies&... policies) {
   Sph water{Liquid{.density = rho, .sound_speed = 10 * std::sqrt(2 * g * 0.3)},
             {.spacing = s,
              .region = {{-0.3, 0, -0.1}, {0.8, 0, 2}},
-
              .dimensions = 2,
              .gravity = {0, 0, -g}},
             policies...};
@@ -82,23 +81,27 @@ Measures shaken(bool quick, double amplitude, const Policies&... policies) {
 }
 
 /// A jet of some particles' width hits a plane at a tenth of c: the plane takes its momentum, and
-/// the liquid runs off along it.
+/// the liquid runs off along it. It comes from beyond the plane's reach: one that is let go within
+/// it has 5 % of its energy at once from the walls, as it is there without the pressure of that.
 template <class... Policies>
 Measures jet(int wide, const Policies&... policies) {
-  const double s = 0.01, v = 1, length = 30 * s;
+  const double s = 0.01, v = 1, length = 30 * s, away = 4 * s;
   Sph water{Liquid{.density = rho, .sound_speed = 10 * v},
             {.spacing = s, .region = {{-4, 0, -0.1}, {4, 0, 4}}, .dimensions = 2},
             policies...};
   water.add_wall(Plane{{0, 0, 0}, {0, 0, 1}}, {.name = "floor"});
-  water.fill([=](const Vec3d& x) { return x.x > 0 && x.x < wide * s && x.z < length; },
-             [=](const Vec3d&) {
-               return Vec3d{0, 0, -v};
-             },
-             [](const Vec3d&) { return 0.0; });
+  water.fill(
+      [=](const Vec3d& x) {
+        return x.x > 0 && x.x < wide * s && x.z > away && x.z < away + length;
+      },
+      [=](const Vec3d&) {
+        return Vec3d{0, 0, -v};
+      },
+      [](const Vec3d&) { return 0.0; });
   water.least_density = 0.5;  // of drops alone
   const double before = look(water, -4, 8).energy, momentum = norm(water.momentum());
   double gained = 0, fastest = 0, behind = 0;
-  while (water.time() < 1.2 * length / v) {
+  while (water.time() < (away + 1.2 * length) / v) {
     water.run(0.02 * length / v);
     const Seen seen = look(water, -4, 8);
     gained = std::max(gained, seen.energy / before - 1);
@@ -151,8 +154,6 @@ Measures with_block(bool quick, double density, double alpha) {
   double gained = 0;
   for (int k = 0; k < (quick ? 40 : 100); ++k) {
     sim.run(0.04);
-    // The last film under a block that comes to lie on the floor is no liquid any more.
-    if (sim.position(0).z - b / 2 < 2 * s) continue;
     gained = std::max(gained, (energy() - before) / std::max(scale, m * g * d));
   }
   const double in_the_end = (energy() - before) / std::max(scale, m * g * d);
@@ -174,7 +175,6 @@ Measures thrown(double density) {
   Sph water{Liquid{.density = rho, .sound_speed = c},
             {.spacing = s,
              .region = {{0, 0, 0}, {L, 0, L}},
-
              .dimensions = 2,
              .periodic = {true, false, true}},
             ArtificialViscosity{.alpha = 0.1}};
@@ -222,7 +222,6 @@ Measures piston(double speed, double way) {
   Sph water{Liquid{.density = rho, .sound_speed = c},
             {.spacing = s,
              .region = {{-0.3, 0, -0.1}, {L, 0, 3}},
-
              .dimensions = 2,
              .gravity = {0, 0, -g}},
             ArtificialViscosity{.alpha = 0.1}};
@@ -254,7 +253,6 @@ Measures at_rest(std::int64_t steps, double most, const Policies&... policies) {
   Sph water{Liquid{.density = rho, .sound_speed = c},
             {.spacing = s,
              .region = {{0, 0, 0}, {8 * s, 0, 2 * H}},
-
              .dimensions = 2,
              .periodic = {true, false, false},
              .gravity = {0, 0, -g}},
@@ -358,12 +356,9 @@ Measures pulled(double strain, const Policies&... policies) {
 /// A column that collapses, with a speed of sound of so many times that of a fall of its height.
 Measures stiff(double sound) {
   const double s = 0.01, H = 0.2, fall = std::sqrt(2 * g * H);
-  Sph water{Liquid{.density = rho, .sound_speed = sound * fall},
-            {.spacing = s,
-             .region = {{0, 0, 0}, {1, 0, 0.4}},
-
-             .dimensions = 2,
-             .gravity = {0, 0, -g}}};
+  Sph water{
+      Liquid{.density = rho, .sound_speed = sound * fall},
+      {.spacing = s, .region = {{0, 0, 0}, {1, 0, 0.4}}, .dimensions = 2, .gravity = {0, 0, -g}}};
   water.add_wall(Plane{{0, 0, 0}, {0, 0, 1}}, {.name = "floor"});
   water.add_wall(Plane{{0, 0, 0}, {1, 0, 0}}, {.name = "wall"});
   water.fill([=](const Vec3d& x) { return x.x < 0.1 && x.z < H; });
@@ -408,8 +403,9 @@ void sph(Table& table) {
   for (const int wide : {1, 2, 3, 4, 8}) {
     if (quick && wide == 3) continue;
     const std::string by = text(wide, wide == 1 ? " particle" : " particles", " wide, ");
-    table.row(by + "alpha = 0.1", Setting::Tame,
-              [&] { return jet(wide, ArtificialViscosity{.alpha = 0.1}); });
+    for (const double alpha : {0.02, 0.1})
+      table.row(by + text("alpha = ", alpha), Setting::Tame,
+                [&] { return jet(wide, ArtificialViscosity{.alpha = alpha}); });
     table.row(by + "alpha = 0.1, DynamicWalls", Setting::Tame,
               [&] { return jet(wide, ArtificialViscosity{.alpha = 0.1}, DynamicWalls{}); });
   }

@@ -19,6 +19,10 @@ struct Setting {
   std::string out;      // folder of its results
   bool quick;           // a smaller one of the same physics
   std::size_t repeats;  // rounds
+  // Of `decomposition` alone:
+  std::size_t particles = 0;  // 0: as the study has it
+  double latency = 2e-6;      // [s] of a message
+  double bandwidth = 10e9;    // [bytes/s]
 };
 
 /// Runs a study, shows on a terminal how far it is, and writes what it found into a folder of

@@ -20,14 +20,13 @@ std::string usage() {
   return out + "study NAME --help lists the options.\n";
 }
 
-int run(const studies::Entry& study, const example::Options& options, std::size_t repeats) {
+int run(const studies::Entry& study, const studies::Setting& setting) {
   const example::Stopwatch clock;
-  const studies::Setting setting{options.out, options.quick, repeats};
   silt::make_folder(setting.out);
   example::Summary summary;
   summary.input("study", study.name);
   summary.input("quick", setting.quick);
-  summary.input("repeats", static_cast<double>(repeats));
+  summary.input("repeats", static_cast<double>(setting.repeats));
   study.function(setting, summary);
   summary.result("wall_time_s", clock.seconds());
   summary.write(setting.out + "/summary.json");
@@ -55,9 +54,22 @@ int main(int argc, char** argv) {
   example::Command command(study->about, example::Kind::Study);
   command.options.out = "out/study/" + name;
   std::size_t repeats = 5;
-  command.add("--repeats", repeats, 1, 1000, "Rounds; a cost is the median of theirs");
+  studies::Setting setting{};
+  double microseconds = 1e6 * setting.latency, gigabytes = 1e-9 * setting.bandwidth;
+  if (name != "decomposition") {
+    command.add("--repeats", repeats, 1, 1000, "Rounds; a cost is the median of theirs");
+  } else {  // one run, in which nothing is repeated
+    repeats = 1;
+    command.add("--particles", setting.particles, 1000, 10000000, "How many (100 000)");
+    command.add("--latency", microseconds, 0, 1e6, "Of a message between ranks [us]");
+    command.add("--bandwidth", gigabytes, 1e-6, 1e6, "Between ranks [GB/s]");
+  }
   return command.run(argc - 1, argv + 1, [&] {
-    if (command.options.quick && !command.given("--repeats")) repeats = 2;
-    return run(*study, command.options, repeats);
+    if (command.options.quick && name != "decomposition" && !command.given("--repeats"))
+      repeats = 2;
+    setting.out = command.options.out, setting.quick = command.options.quick;
+    setting.repeats = repeats;
+    setting.latency = 1e-6 * microseconds, setting.bandwidth = 1e9 * gigabytes;
+    return run(*study, setting);
   });
 }

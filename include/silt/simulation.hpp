@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <concepts>
 #include <cstdint>
@@ -39,6 +40,7 @@
 #include <silt/simulation/opening_access.hpp>
 #include <silt/simulation/particle_edits.hpp>
 #include <silt/simulation/particle_readings.hpp>
+#include <silt/simulation/rank_access.hpp>
 #include <silt/simulation/wall_access.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -77,6 +79,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
                    public detail::FluidAccess<Simulation<Policies...>>,
                    public detail::OpeningAccess<Simulation<Policies...>>,
                    public detail::ParticleReadings<Simulation<Policies...>>,
+                   public detail::RankAccess<Simulation<Policies...>>,
                    public detail::WallAccess<Simulation<Policies...>> {
  public:
   using Composition = typename detail::InOrder<Policies...>::OfSimulation;
@@ -92,6 +95,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   using ShapeType = typename Composition::Shape;
   static constexpr bool has_bonds = Composition::has_bonds;
   static constexpr bool has_breakage = Composition::has_breakage;
+  static constexpr bool has_ranks = Composition::has_ranks;
   /// Particles are rigid bodies with an orientation, of one part or several.
   static constexpr bool of_bodies = Composition::has_bodies;
   /// ... whose shape is no set of spheres.
@@ -143,6 +147,14 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
         fluid_(detail::take_or<Fluid>(policies...)),
         modules_(Modules::taken_from(policies...)) {
     if constexpr (requires { search_.check(); }) search_.check();
+    if constexpr (has_ranks) {
+      auto& ranks = detail::take<typename Composition::Ranks>(policies...);
+      if constexpr (std::copy_constructible<typename Composition::Ranks>)
+        engine_.ranks.set(ranks);
+      else
+        engine_.ranks.set(std::move(ranks));
+      threads = std::max(threads / engine_.ranks.comm().on_this_machine(), 1);
+    }
     if constexpr (has_bonds)
       this->set_bonds(detail::take<typename Composition::Bonds>(policies...));
     add(detail::take<ParticlesType>(policies...));
@@ -196,7 +208,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     const double end = time_ + duration;
     std::int64_t last = step_ + static_cast<std::int64_t>(std::ceil(duration / dt_ * (1 - 1e-12)));
     if constexpr (has_events) engine_.events.wanted = (detail::wants_events(observers) || ...);
-    (detail::begin(observers, *this, end), ...);
+    detail::on_all_ranks(*this, "the start of observers",
+                         [&] { (detail::begin(observers, *this, end), ...); });
     for (;; ++step_, time_ = time_at(step_)) {
       const bool stop = step_ >= last;
       if (!kicked_) {
@@ -209,10 +222,17 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
         if constexpr (has_breakage)
           if (!breaks_.events.empty()) detail::tell_all(*this, breaks_.events, observers...);
       }
+      if constexpr (has_ranks) (detail::watch(observers, *this), ...);
       if (kicked_ && sizeof...(Observers) > 0) {
         [[maybe_unused]] const bool again = std::exchange(observed_, true);
-        detail::observe_all(*this, again, observers...);
-        detail::check_given(engine_, gravity, step_, time_);
+        const auto observe = [&] {
+          detail::observe_all(*this, again, observers...);
+          detail::check_given(engine_, gravity, step_, time_);
+        };
+        if constexpr (has_ranks)
+          engine_.ranks.together("observers", observe);
+        else
+          observe();
         if (scene_changed_) this->check_pairs();
       }
       if (stop) break;
@@ -227,7 +247,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
       modules_.update(engine_, step_ + 1, time_at(step_ + 1), dt_);
       if constexpr (Modules::flux) engine_.fluxes().book(dt_);
     }
-    (detail::end(observers, *this), ...);
+    detail::on_all_ranks(*this, "the end of observers",
+                         [&] { (detail::end(observers, *this), ...); });
     continued_ = false;
   }
 
@@ -245,9 +266,16 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   using Readings::size, Readings::rows, Readings::id, Readings::is_present, Readings::position,
       Readings::radius, Readings::mass, Readings::velocity, Readings::angular_velocity,
       Readings::material, Readings::find;
-  /// Pairs of particles that touch [-]; of bodies, of their parts. O(pairs).
-  std::size_t touching_pairs() const { return engine_.touching_pairs(domain_); }
-  /// Where the energy is and where it went; when the simulation is not running, or in an observer.
+  /// Pairs of particles that touch [-]; of bodies, of their parts. O(pairs); on many ranks
+  /// collective (RankAccess).
+  std::size_t touching_pairs() const {
+    const std::size_t own = engine_.touching_pairs(domain_);
+    if constexpr (has_ranks)
+      return static_cast<std::size_t>(this->sum_over_ranks(static_cast<double>(own)));
+    return own;
+  }
+  /// Where the energy is and where it went; when the simulation is not running, or in an observer
+  /// (collective).
   EnergyBalance energy() const { return balance(); }
   /// What the fluid has given to particle k [N s] that velocity(k) does not have yet, as the flow
   /// is ahead of the particles; while they are observed, or after run().
@@ -262,6 +290,9 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   double peak_overlap() const { return peak_overlap_; }
   /// How many contacts the law's safeguard has ended since the start [-] (Softened).
   std::uint64_t safeguarded() const requires detail::has_safeguard<typename ContactsType::Law> {
+    static_assert(!has_ranks,
+                  "safeguarded() counts on one process alone: a contact between two "
+                  "ranks would count twice; leave Ranks out");
     return engine_.safeguards;
   }
   /// The largest time step that guard allows at `speed` [m/s] of the fastest points of particles
@@ -278,14 +309,33 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     openings_.update(engine_, *this);
     bool looks = false;  // at the time step
     if constexpr (has_breakage) looks = this->break_due(), observed |= looks;
+    if constexpr (has_ranks) engine_.refresh_ghosts();
     engine_.renew_lists(search_, domain_, step_, dt_);
     if constexpr (has_breakage)
       if (!breaks_.events.empty()) detail::leave_out_overlaps(engine_, breaks_.newborn_from);
+    const auto act = [&] {
+      forces(observed, present);
+      first_kick_ = false;
+      kicked_ = observed;
+      if constexpr (has_bonds) break_bonds();
+      if (looks) follow_sizes();
+      keep_limits();
+    };
+    if constexpr (has_ranks) {
+      engine_.together(observed ? "a step that observers see" : "a step", dt_, observed, act);
+      peak_overlap_ = std::max(peak_overlap_, engine_.largest_overlap);
+    } else {
+      act();
+    }
+  }
+  /// The forces of a step, and the integration.
+  void forces(bool observed, [[maybe_unused]] std::size_t present) {
     detail::StepTimes times = times_of_step(observed);
     times.record = engine_.record.begin(kept_, step_);
     engine_.prepare_fluxes(modules_, time_, look_at_fluxes(present));
     engine_.pair_forces(domain_, times);
     engine_.wall_forces(times);
+    if constexpr (has_ranks) engine_.ghost_forces(domain_, times);
     if constexpr (has_breakage) breaks_.weigh(engine_, this->breakage(), time_);
     [[maybe_unused]] double bond_power = 0;
     if constexpr (has_bonds) bond_power = bonds_.push(engine_, domain_, dt_);
@@ -303,11 +353,6 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
                       first_kick_);
     if constexpr (detail::deforms<Domain>)
       observed ? engine_.record_flow(domain_) : engine_.move_box(domain_, dt_);
-    first_kick_ = false;
-    kicked_ = observed;
-    if constexpr (has_bonds) break_bonds();
-    if (looks) follow_sizes();
-    keep_limits();
   }
 
   std::size_t known(std::size_t k) const {
@@ -365,6 +410,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   detail::SurfaceSpeed surface_speed(std::size_t k) const;
   std::string tips_at(double speed) const;
   double expected_speed() const;
+  void share_scene();
   std::optional<detail::ShortestContact> shortest_contact(double speed) const;
   double longest_travel_step(double speed) const;
   bool is_step_too_long() const;
@@ -427,6 +473,15 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   bool first_kick_ = true, kicked_ = false, observed_ = false, continued_ = false;
   detail::ContactsKept kept_ = detail::ContactsKept::Nothing;  // of the present step
   bool scene_changed_ = false;                                 // since the last run began
+  struct SceneSize {
+    Box region;                    // [m] of centres
+    double speed = 0, radius = 0;  // [m/s] of surfaces, [m] the largest
+  };
+  struct RanksScene {
+    SceneSize size;
+    detail::Meetings meetings;
+  };
+  [[no_unique_address]] std::conditional_t<has_ranks, RanksScene, Nothing> ranks_scene_;
   bool laws_changed_ = false;    // by what a restart accepted, until its run begins
   std::int64_t scene_step_ = 0;  // when particles or walls were last added
   detail::OverlapLimits overlap_limits_;

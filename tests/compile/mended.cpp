@@ -3,6 +3,8 @@
 // mistake that the others are refused for.
 #define SILT_MENDED
 #include <silt/fluid.hpp>
+#include <silt/measure/coordination.hpp>
+#include <silt/ranks.hpp>
 #include <silt/sph.hpp>
 
 #include "refused/scene.hpp"
@@ -30,6 +32,12 @@ namespace bond_without_policy {
 }
 namespace break_without_policy {
 #include "refused/break_without_policy.cpp"
+}
+namespace ranks_with_events {
+#include "refused/ranks_with_events.cpp"
+}
+namespace ranks_with_fluid {
+#include "refused/ranks_with_fluid.cpp"
 }
 namespace foreign_option {
 #include "refused/foreign_option.cpp"
@@ -129,6 +137,9 @@ namespace field_of_text {
 }
 namespace module_twice {
 #include "refused/module_twice.cpp"
+}
+namespace coordination_on_ranks {
+#include "refused/coordination_on_ranks.cpp"
 }
 namespace energy_without_ledger {
 #include "refused/energy_without_ledger.cpp"

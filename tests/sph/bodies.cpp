@@ -11,6 +11,7 @@
 #include <silt/sph.hpp>
 
 #include "near.hpp"
+#include "sph/floating.hpp"
 
 namespace sph_bodies_test {
 
@@ -53,42 +54,16 @@ struct Driven {
   }
 };
 
-Contacts<HertzMindlin> plastic() {
-  return Contacts<HertzMindlin>{
-      {.youngs_modulus = 1e6, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.3}};
-}
-
-auto floating(const std::string& checkpoint = {}) {
-  const double L = 0.2, spacing = 0.0125, g = 9.81;
-  Sph water{Liquid{.density = 1000, .sound_speed = 20 * std::sqrt(g * 0.1)},
-            {.spacing = spacing,
-             .region = {{0, 0, 0}, {L, L, 0.25}},
-             .smoothing = 1.0,
-             .periodic = {true, true, false}},
-            ArtificialViscosity{.alpha = 0.05}};
-  water.add_wall(Plane{{0, 0, 0}, {0, 0, 1}});
-  water.gravity = {0, 0, -g};
-  water.fill([](const Vec3d& x) { return x.z < 0.1; });
+/// A light ball that is half in the liquid, and a heavy one above it.
+auto two_balls(const std::string& checkpoint = {}) {
   Particles<Sphere> balls;
   balls.add({.position = {0.1, 0.1, 0.09}, .radius = 0.03, .density = 500});
   balls.add({.position = {0.09, 0.1, 0.145}, .radius = 0.02, .density = 2000});
-  Simulation sim{std::move(balls), plastic(), std::move(water),
-                 PeriodicBox{{{0, 0, 0}, {L, L, 1}}, {true, true, false}}};
-  sim.gravity = {0, 0, -g};
-  sim.time_step = 2e-5;
-  if (!checkpoint.empty()) load_checkpoint(sim, checkpoint);
-  return sim;
+  return sph_test::floating(std::move(balls), 0.2, checkpoint);
 }
 template <class Sim>
 std::vector<double> state_of(const Sim& sim) {
-  std::vector<double> all;
-  sim.fluid().for_each([&](std::uint32_t, const Vec3d& x, const Vec3d& v, double rho, double) {
-    all.insert(all.end(), {x.x, x.y, x.z, v.x, v.y, v.z, rho});
-  });
-  for (std::size_t k = 0; k < 2; ++k)
-    for (const Vec3d& a : {sim.position(k), sim.velocity(k), sim.angular_velocity(k)})
-      all.insert(all.end(), {a.x, a.y, a.z});
-  return all;
+  return sph_test::state_of(sim, 2);
 }
 
 }  // namespace
@@ -138,7 +113,7 @@ TEST_CASE("SPH: a sphere that crosses a side of a box that repeats is pushed as 
 }
 
 TEST_CASE("SPH: what is read between steps changes no bit") {
-  auto quiet = floating(), read = floating();
+  auto quiet = two_balls(), read = two_balls();
   for (int k = 0; k < 5; ++k) {
     quiet.run(4e-4), read.run(4e-4);
     CHECK(std::isfinite(read.fluid().wall_load(0).first.z));
@@ -184,11 +159,11 @@ TEST_CASE("SPH: a sphere at rest in a liquid at rest feels its buoyancy") {
 TEST_CASE("SPH in a Simulation: same bits with threads, and from a checkpoint on") {
   const std::string path =
       (std::filesystem::temp_directory_path() / "silt_sph_bodies.silt").string();
-  auto sim = floating();
+  auto sim = two_balls();
   sim.run(0.01);
   save_checkpoint(sim, path);
   sim.run(0.0104);
-  auto again = floating(path);
+  auto again = two_balls(path);
   again.threads = 3;
   CHECK(again.fluid().size() == sim.fluid().size());
   again.run(0.0104);
@@ -202,13 +177,13 @@ TEST_CASE("SPH: what bodies cannot be is refused") {
   Sph water{Liquid{.density = 1000, .sound_speed = 20},
             {.spacing = 0.01, .region = {{0, 0, 0}, {0.1, 0.1, 0.1}}}};
   water.fill([](const Vec3d&) { return true; });
-  Simulation sim{std::move(small), plastic(), water};
+  Simulation sim{std::move(small), Contacts<HertzMindlin>{sph_test::plastic}, water};
   sim.time_step = 1e-5;
   CHECK_THROWS_WITH_AS(sim.run(1e-3), doctest::Contains("is too small for a spacing of 0.01 m"),
                        Error);
   Particles<Sphere> large;
   large.add({.position = {0.05, 0.05, 0.05}, .radius = 0.02, .density = 1000});
-  Simulation round{std::move(large), plastic(), water,
+  Simulation round{std::move(large), Contacts<HertzMindlin>{sph_test::plastic}, water,
                    PeriodicBox{{{0, 0, 0}, {0.2, 0.2, 1}}, {true, true, false}}};
   round.time_step = 1e-5;
   CHECK_THROWS_WITH_AS(round.run(1e-3), doctest::Contains("give both the same PeriodicBox"),

@@ -10,6 +10,8 @@
 #include <silt/silt.hpp>
 #include <silt/sph.hpp>
 
+#include "sph/floating.hpp"
+
 namespace sph_body_shapes_test {
 
 using namespace silt;
@@ -18,10 +20,6 @@ namespace {
 
 constexpr double g = 9.81;
 
-Contacts<HertzMindlin> wood() {
-  return Contacts<HertzMindlin>{
-      {.youngs_modulus = 1e6, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.3}};
-}
 Polyhedron brick(double a, double b, double c) {  // half lengths
   std::vector<Vec3d> corners;
   for (const double x : {-a, a})
@@ -31,39 +29,17 @@ Polyhedron brick(double a, double b, double c) {  // half lengths
 }
 /// A tank of liquid with a ball, a brick and an ellipsoid in it.
 auto raft(const std::string& checkpoint = {}) {
-  const double L = 0.35, spacing = 0.0125;
-  Sph water{Liquid{.density = 1000, .sound_speed = 20 * std::sqrt(g * 0.1)},
-            {.spacing = spacing,
-             .region = {{0, 0, 0}, {L, L, 0.25}},
-             .smoothing = 1.0,
-             .periodic = {true, true, false}},
-            ArtificialViscosity{.alpha = 0.05}};
-  water.add_wall(Plane{{0, 0, 0}, {0, 0, 1}});
-  water.gravity = {0, 0, -g};
-  water.fill([](const Vec3d& x) { return x.z < 0.1; });
   Particles<Mix<Sphere, SuperEllipsoid, Polyhedron>> bodies;
   const auto ball = bodies.add_form(Sphere{}), block = bodies.add_form(brick(0.04, 0.03, 0.025)),
              egg = bodies.add_form(SuperEllipsoid{0.04, 0.03, 0.03});
   bodies.add({.form = ball, .position = {0.15, 0.15, 0.09}, .radius = 0.025, .density = 500});
   bodies.add({.form = block, .position = {0.05, 0.06, 0.1}, .density = 500});
   bodies.add({.form = egg, .position = {0.05, 0.15, 0.06}, .density = 2000});
-  Simulation sim{std::move(bodies), wood(), std::move(water),
-                 PeriodicBox{{{0, 0, 0}, {L, L, 1}}, {true, true, false}}};
-  sim.gravity = {0, 0, -g};
-  sim.time_step = 2e-5;
-  if (!checkpoint.empty()) load_checkpoint(sim, checkpoint);
-  return sim;
+  return sph_test::floating(std::move(bodies), 0.35, checkpoint);
 }
 template <class Sim>
 std::vector<double> state_of(const Sim& sim) {
-  std::vector<double> all;
-  sim.fluid().for_each([&](std::uint32_t, const Vec3d& x, const Vec3d& v, double rho, double) {
-    all.insert(all.end(), {x.x, x.y, x.z, v.x, v.y, v.z, rho});
-  });
-  for (std::size_t k = 0; k < 3; ++k)
-    for (const Vec3d& a : {sim.position(k), sim.velocity(k), sim.angular_velocity(k)})
-      all.insert(all.end(), {a.x, a.y, a.z});
-  return all;
+  return sph_test::state_of(sim, 3);
 }
 
 }  // namespace
@@ -86,7 +62,7 @@ TEST_CASE("SPH: a box of half the liquid's density floats half immersed, in 2D")
   water.fill([depth](const Vec3d& x) {
     return x.z < depth && !(std::abs(x.x - 0.3) < 0.1 && x.z > depth - 0.05);
   });
-  Simulation sim{std::move(boxes), wood(), std::move(water)};
+  Simulation sim{std::move(boxes), Contacts<HertzMindlin>{sph_test::plastic}, std::move(water)};
   sim.gravity = {0, 0, -g};
   sim.time_step = 1e-4;
   double off = 0;

@@ -14,6 +14,7 @@
 
 #include "near.hpp"
 #include "refusal.hpp"
+#include "sph/floating.hpp"
 
 namespace sph_grains_test {
 
@@ -164,8 +165,7 @@ TEST_CASE("SPH with unresolved grains: liquid above and in a bed at rest stays a
 }
 
 namespace {
-const HertzMindlin::Material plastic{
-    .youngs_modulus = 1e6, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.3};
+using sph_test::plastic;
 auto settling(bool ball, const std::string& checkpoint = {}) {
   const double side = 0.1, depth = 0.08, s = 0.01;
   Sph water{Liquid{.density = rho, .sound_speed = 20 * std::sqrt(g * depth)},
@@ -186,11 +186,8 @@ auto settling(bool ball, const std::string& checkpoint = {}) {
                   .density = 2500});
   if (ball)
     sand.add({.position = {0.05, 0.05, 0.05}, .radius = 0.016, .density = 900});  // resolved
-  Simulation sim{
-      std::move(sand),
-      Contacts<HertzMindlin>{
-          {.youngs_modulus = 1e6, .poisson_ratio = 0.3, .restitution = 0.5, .friction = 0.3}},
-      std::move(water), PeriodicBox{{{0, 0, 0}, {side, side, 1}}, {true, true, false}}};
+  Simulation sim{std::move(sand), Contacts<HertzMindlin>{plastic}, std::move(water),
+                 PeriodicBox{{{0, 0, 0}, {side, side, 1}}, {true, true, false}}};
   sim.gravity = {0, 0, -g};
   sim.time_step = 4e-5;
   sim.add_wall(Plane{{0, 0, 0}, {0, 0, 1}}, plastic, {.name = "floor"});
@@ -199,14 +196,7 @@ auto settling(bool ball, const std::string& checkpoint = {}) {
 }
 template <class Sim>
 std::vector<double> state_of(const Sim& sim) {
-  std::vector<double> all;
-  sim.fluid().for_each([&](std::uint32_t, const Vec3d& x, const Vec3d& v, double d, double) {
-    all.insert(all.end(), {x.x, x.y, x.z, v.x, v.y, v.z, d});
-  });
-  for (std::size_t k = 0; k < 401; ++k)
-    for (const Vec3d& a : {sim.position(k), sim.velocity(k)})
-      all.insert(all.end(), {a.x, a.y, a.z});
-  return all;
+  return sph_test::state_of(sim, 401);
 }
 }  // namespace
 

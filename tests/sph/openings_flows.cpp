@@ -151,7 +151,10 @@ TEST_CASE("SPH openings: a tank is filled through its wall, and emptied through 
     centre += 2 * x.z / static_cast<double>(water.size());
   });
   const double level = 0.04 * U * 1 / W;
-  MESSAGE("filled: ", water.mass() / (1000 * level * W), " of Q t, level ", centre / level);
+  MESSAGE("filled: ", water.mass() / (1000 * level * W), " of Q t, level ", centre / level,
+          ", lost ", water.left());
+  // The wall below the opening has two spacings: some particles get behind it at its edge.
+  CHECK(water.left() <= 4);
   CHECK(water.mass() == near(1000 * level * W).epsilon(0.03));
   CHECK(centre == near(level).epsilon(0.05));
   books_close(water, 0);

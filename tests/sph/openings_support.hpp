@@ -77,7 +77,8 @@ std::vector<double> bits(const Water& water) {
 template <class Water>
 void books_close(const Water& water, std::size_t start) {
   std::size_t in = 0, out = 0, seen = 0;
-  double mass = static_cast<double>(start) * water.particle_mass();
+  double mass =
+      (static_cast<double>(start) - static_cast<double>(water.left())) * water.particle_mass();
   for (std::size_t o = 0; o < water.openings(); ++o) {
     const OpeningBooks& b = water.opening_books(o);
     in += b.in.particles, out += b.out.particles, mass += b.mass();

@@ -20,6 +20,7 @@ struct Box3 {
   double h, mass;
   int dimensions;
   std::vector<double> volume;
+  std::vector<Vec3d> sticking;  // of walls: not seen by the density
 
   Box3(int dims, double off, double smoothing, std::size_t width, int walls = 0)
       : dimensions(dims) {
@@ -42,8 +43,11 @@ struct Box3 {
       ++k;
     }
     packed.arrange(2 * h + 0.1 * spacing);
-    for (std::size_t m = 0; m < packed.columns.size(); ++m)
+    for (std::size_t m = 0; m < packed.columns.size(); ++m) {
       packed.columns.volume[m] = mass / packed.columns.rows[m].density;
+      sticking.push_back({random.uniform(-1, 1), dims == 2 ? 0 : random.uniform(-1, 1),
+                          random.uniform(-1, 1)});
+    }
   }
   template <class Kernel>
   detail::SphConstants constants(const Vec3d& gravity = {0, 0, 0}) const {
@@ -75,8 +79,10 @@ detail::SphRates plain(const Box3& box, std::size_t a, const Viscosity& viscosit
     const Vec3d v = A.velocity() - B.velocity();
     const double V = m / B.density;
     double both = A.pressure + B.pressure, growth = A.density * V * dot(v, slope);
-    if (box.packed.columns.kind[b] == ClusterLists::Wall && both < 0)
-      both = 0, growth = std::max(growth, 0.0);
+    if (box.packed.columns.kind[b] == ClusterLists::Wall) {
+      growth += A.density * V * dot(box.sticking[b], slope);
+      if (both < 0) both = 0, growth = std::max(growth, 0.0);
+    }
     sum.density += growth;
     sum.acceleration -= (m * both / (A.density * B.density)) * slope;
     if constexpr (Viscosity::artificial) {
@@ -114,7 +120,7 @@ void compare(int dimensions, const Viscosity& viscosity, const Diffusion& diffus
   c.brief.resize(c.size());
   if constexpr (Pairs::mixed) pairs.shorten(c.rows, c.volume, c.brief);
   for (std::size_t p = 0; p < liquid; ++p)
-    pairs.of_liquid(p, c.rows, c.volume, box.packed.lists, c.rates, c.brief);
+    pairs.of_liquid(p, c.rows, c.volume, box.packed.lists, c.rates, c.brief, box.sticking);
   double worst = 0, largest = 0, worst_rate = 0, largest_rate = 0;
   for (std::size_t a = 0; a < liquid * Pairs::W; a += 13) {
     if (!box.packed.is_there(a)) continue;

@@ -47,6 +47,7 @@ TEST_CASE("SPH: settings that cannot be are refused by name") {
   refuses<InputError>(made([](auto&, auto& s) { s.smoothing = 5; }), "SphSetup.smoothing = 5");
   refuses<InputError>(made([](auto&, auto& s) { s.courant = 2; }), "SphSetup.courant = 2");
   refuses<InputError>(made([](auto&, auto& s) { s.gravity.x = none; }), "SphSetup.gravity");
+  refuses<InputError>(made([](auto&, auto& s) { s.scatter = 0.5; }), "SphSetup.scatter = 0.5");
   refuses<InputError>(made([](auto&, auto& s) { s.periodic[0] = true, s.region.max.x = 0.205; }),
                       "must be a whole number of them");
   refuses<InputError>(made([](auto&, auto& s) { s.periodic[0] = true, s.region.max.x = 0.05; }),
@@ -62,6 +63,10 @@ TEST_CASE("SPH: settings that cannot be are refused by name") {
                       "MolteniColagrossi.delta");
   refuses<InputError>([] { Sph(water, setup, Shifting{.strength = 50}); },
                       "Shifting.strength = 50");
+  refuses<InputError>([] { Sph(water, setup, ShiftingByFastest{.strength = 50}); },
+                      "ShiftingByFastest.strength = 50");
+  refuses<InputError>([] { Sph(water, setup, ShiftingByFastest{.threshold = 4}); },
+                      "ShiftingByFastest.threshold = 4");
   refuses<InputError>([] { Sph(water, setup, VerletTime{.restart = 0}); },
                       "VerletTime.restart = 0");
   SphSetup longer = setup;

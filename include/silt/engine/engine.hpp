@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <exception>
 #include <limits>
 #include <memory>
 #include <numeric>
@@ -47,6 +48,7 @@ class Engine : public Tables<Composition> {
   static_assert(memory.is_whole());
   using Scalar = typename Composition::Scalar;  // of the work on pairs
   static constexpr bool predicts = Integrator::derivatives > 0;
+  static constexpr bool of_ranks = Composition::has_ranks;
   static constexpr bool has_bodies = Composition::has_bodies;  // rows are parts of them
   static constexpr bool convex = Composition::has_surfaces;    // with narrow phases of their own
   using Modules = typename Composition::Modules;
@@ -58,9 +60,10 @@ class Engine : public Tables<Composition> {
       typename WallStageOf<convex>::template type<ShapeType, ContactsType, Arch, Scalar, Fluxes,
                                                   Domain::periodic && !deforms<Domain>>;
   using Lists = NearLists<ContactsType::history, history_in_rows<ContactsType>, Scalar, State,
-                          Search, Domain, Arch, typename WallStage::Contacts>;
+                          Search, Domain, Arch, typename WallStage::Contacts, Mover>;
 
   std::vector<Wall> walls;
+  [[no_unique_address]] RankStage<typename Composition::Ranks> ranks;
   Lists lists;
   CoefficientTable<ContactsType> coefficients;
   double largest_speed = 0;      // [m/s] of surfaces: Pace
@@ -96,6 +99,23 @@ class Engine : public Tables<Composition> {
     return coefficient_table<ContactsType>(contacts);
   }
 
+  /// Brings the last `more` rows, which have just come, in front of the ghosts. The next step
+  /// searches.
+  void join_own(std::size_t more) requires(of_ranks) {
+    const std::size_t own = particles.owned() - more, ghosts = particles.ghosts;
+    std::vector<std::uint32_t> order(particles.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::rotate(order.begin() + static_cast<std::ptrdiff_t>(own),
+                order.end() - static_cast<std::ptrdiff_t>(more), order.end());
+    if (more > 0 && ghosts > 0) particles.reorder(order, *team_);
+    lists.pairs.make_way(own, more, particles.size()), ranks.make_way(more);
+    if constexpr (has_bodies)
+      if (more > 0 && ghosts > 0) {
+        mover.follow(particles), follow_bodies(ranks.neighbours, particles);
+        if (!mover.synchronous.empty()) mover.synchronous.resize(mover.owned());
+      }
+    lists.forget();
+  }
   /// Takes the rows from `first` on, which have just come, into the lists.
   void join_lists(const Domain& domain, double time_step, std::size_t first) {
     lists.join(scene(domain, time_step), first);
@@ -147,14 +167,20 @@ class Engine : public Tables<Composition> {
   }
   /// Renews what is stale of the lists, and what follows from them.
   void renew_lists(Search& search, const Domain& domain, std::int64_t step, double time_step) {
+    if constexpr (of_ranks)
+      if (!lists.hold(walls)) ranks.finish_refresh(particles, mover);
     lists.renew(scene(domain, time_step), search, step);
     if constexpr (Composition::has_bonds) begin_freed_at_walls(*this, ContactsType::offset_from);
     if (!lists.take_renewed()) return;
     if constexpr (has_bodies)
-      if (lists.upkeep.searched_at == step) this->follow(domain);
+      if (lists.upkeep.searched_at == step) {
+        this->follow(domain);
+        if constexpr (of_ranks) follow_bodies(ranks.neighbours, particles);
+      }
     if constexpr (shares) shared_.renew(lists.pairs, particles, mover.bodies.size());
     if constexpr (convex) {
       mover.renew_convex_rows(particles);
+      if constexpr (of_ranks) agree_on_convex_rows(ranks, particles, mover);
       lists.pairs.use_more_history(mover.convex_rows.has_area());
     }
     if constexpr (ContactsType::several_materials)
@@ -186,24 +212,35 @@ class Engine : public Tables<Composition> {
   Fluxes& fluxes() { return fluxes_; }
 
   void pair_forces(const Domain& domain, const StepTimes& times) {
+    if constexpr (of_ranks && !apart) ranks.finish_refresh(particles, mover);
     if constexpr (convex) {
       using Pairs =
           ConvexPairs<typename ConvexRowsOf<ShapeType>::type, ContactsType, Domain, Arch, Fluxes>;
-      mover.convex_rows.measure_pace(particles.motion.data(), *team_);
+      mover.convex_rows.measure_pace(particles.motion.data(), *team_, has_agreed_mean());
       return take(Pairs::run({particles.position.data(), particles.motion.data(),
                               &mover.convex_rows, kinds_.data(), particles.material.data(), times},
                              lists.pairs, coefficients, domain, sums_.data(), *team_, &fluxes_));
     } else {
-      take(sphere_pairs(domain, times));
+      constexpr PairsOf first = apart ? PairsOf::Own : PairsOf::All;
+      take(sphere_pairs<first>(domain, times));
     }
   }
+  /// The same of spheres' pairs with ghosts, when these have come.
+  void ghost_forces(const Domain& domain, const StepTimes& times) requires(of_ranks) {
+    if constexpr (apart) {
+      ranks.finish_refresh(particles, mover);
+      if (particles.ghosts > 0) include(sphere_pairs<PairsOf::Ghosts>(domain, times));
+    }
+  }
+  template <PairsOf Which>
   Tally<ContactsType> sphere_pairs(const Domain& domain, const StepTimes& times) {
     using Pipeline = PairPipeline<ContactsType, Domain, Arch, Scalar, Fluxes>;
     const bool large = Pipeline::working_set(particles.size(), lists.pairs.size()) > beyond_caches;
-    return Pipeline::run({particles.position.data(), particles.pair_motion(), kinds_.data(),
-                          particles.largest_radius, particles.smallest_radius, times, large,
-                          share_pairs(domain), &fluxes_, offsets_},
-                         lists.pairs, coefficients, domain, sums_.data(), *team_);
+    return Pipeline::template run<Which>(
+        {particles.position.data(), particles.pair_motion(), kinds_.data(),
+         particles.largest_radius, particles.smallest_radius, times, large, share_pairs(domain),
+         &fluxes_, offsets_},
+        lists.pairs, coefficients, domain, sums_.data(), *team_);
   }
   void take(const Tally<ContactsType>& tally) {
     largest_overlap = tally.largest, contact_energy = tally.energy;
@@ -215,8 +252,12 @@ class Engine : public Tables<Composition> {
 
   void wall_forces(const StepTimes& times) {
     if (walls.empty()) return;
-    const auto tally = wall_pipeline_.run(wall_input(times), lists.walls, coefficients, walls,
-                                          sums_.data(), *team_);
+    include(wall_pipeline_.run(wall_input(times), lists.walls, coefficients, walls, sums_.data(),
+                               *team_));
+  }
+  /// Adds what is known of more contacts.
+  template <class MoreTally>
+  void include(const MoreTally& tally) {
     largest_overlap = std::max(largest_overlap, tally.largest);
     contact_energy.add(tally.energy);
     safeguards += tally.safeguards;
@@ -250,13 +291,40 @@ class Engine : public Tables<Composition> {
   /// then).
   void integrate(Advance how, const Vec3d& gravity, double kick_time, double time_step,
                  bool first_kick) {
+    if constexpr (of_ranks) forget_loads_of_ghosts();
     const auto pace =
         mover.integrate({particles, sums_.data(), lists.upkeep.per_inner2.data(), *team_}, how,
                         {gravity, kick_time, time_step, first_kick});
     largest_speed = pace.largest_speed, largest_share = pace.largest_share, finite = pace.finite;
-    if (how == Advance::KickAndDrift && !deforms<Domain>)
+    if (how == Advance::KickAndDrift && !deforms<Domain> && !of_ranks)
       lists.upkeep.used += largest_share * time_step;
   }
+  /// Does a step's work, which observers see on all ranks or on none; then all ranks know of each
+  /// other's speeds and overlaps, or throw what one has thrown (collective).
+  template <class Work>
+  void together(const char* call, double time_step, bool observed,
+                const Work& work) requires(of_ranks) {
+    std::exception_ptr error;
+    try {
+      work();
+    } catch (...) {
+      error = std::current_exception();
+    }
+    agree(call, error);
+    if (observed)
+      ranks.share_loads(walls);
+    else
+      lists.upkeep.used += largest_share * time_step;
+  }
+  void agree(const char* call, const std::exception_ptr& error = nullptr) requires(of_ranks) {
+    std::array<double, 4> most{largest_speed, largest_share, largest_overlap,
+                               lists.upkeep.searched_at < 0 ? 1.0 : 0.0};
+    ranks.agree(call, error, most);
+    largest_speed = most[0], largest_share = most[1], largest_overlap = most[2];
+    if (most[3] > 0) lists.forget();
+  }
+  /// Begins to give the ghosts the places and motions that they have on their own ranks.
+  void refresh_ghosts() requires(of_ranks) { ranks.begin_refresh(particles, mover); }
   /// After an observed state: the step will be `ratio` times as long.
   void change_step(double ratio) {
     mover.change_step(particles, ratio);
@@ -274,6 +342,7 @@ class Engine : public Tables<Composition> {
     const double* const per_inner2 = reach.size() < particles.size() ? nullptr : reach.data();
     largest_share =
         mover.drift({particles, sums_.data(), per_inner2, *team_}, time_step, largest_share);
+    if constexpr (of_ranks) agree("a drift");
     if constexpr (!deforms<Domain>) lists.upkeep.used += largest_share * time_step;
   }
 
@@ -304,9 +373,12 @@ class Engine : public Tables<Composition> {
     lists.upkeep.used += pace.largest_share * time_step / lists.flow.pruned;
   }
 
+  /// Of pairs of two ranks those whose first particle is of this one.
   std::size_t touching_pairs(const Domain& domain) const {
     std::size_t count = 0;
     lists.pairs.for_each([&](std::size_t k) {
+      if constexpr (of_ranks)
+        if (lists.pairs.first()[k] >= particles.owned()) return;
       if constexpr (convex)
         count += lists.pairs.history(ContactsType::memory_radius, k) > 0;
       else
@@ -359,7 +431,21 @@ class Engine : public Tables<Composition> {
   /// What the lists are of, now.
   typename Lists::Scene scene(const Domain& domain, double time_step) {
     return {particles, walls,     domain,
-            *team_,    time_step, largest_range(coefficients, particles.largest_radius)};
+            *team_,    time_step, largest_range(coefficients, particles.largest_radius),
+            ranks,     mover};
+  }
+  /// On one rank that of the step is as good, and what one process takes.
+  bool has_agreed_mean() const {
+    if constexpr (of_ranks)
+      return ranks.size() > 1;
+    else
+      return false;
+  }
+  /// They are kicked on their own ranks.
+  void forget_loads_of_ghosts() {
+    std::fill(sums_.begin() + static_cast<std::ptrdiff_t>(particles.owned() * 4 * chunks),
+              sums_.begin() + static_cast<std::ptrdiff_t>(particles.size() * 4 * chunks),
+              Scalar(0));
   }
   void note(const ContactNotes& notes) {
     events.take(notes, [this](std::size_t row) {
@@ -371,6 +457,8 @@ class Engine : public Tables<Composition> {
   // count on of a last-level cache that others use too.
   static constexpr std::size_t beyond_caches = 4 << 20;
 
+  // Pairs with ghosts come behind the others; what bodies share of contacts needs them all.
+  static constexpr bool apart = of_ranks && !has_bodies;
   static constexpr bool shares = has_bodies && !convex;
   const Scalar* share_pairs([[maybe_unused]] const Domain& domain) {
     if constexpr (shares)

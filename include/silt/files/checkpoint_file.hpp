@@ -96,6 +96,12 @@ inline constexpr std::uint32_t checkpoint_version = 2;  // 2: ids of 64 bits
 inline constexpr std::size_t checkpoint_start = 32;  // [bytes] before the table
 inline constexpr std::size_t checkpoint_most_table = std::size_t{1} << 20;  // [bytes]
 
+/// What tells a file from others: how long it is, and the checksum at its end.
+struct CheckpointStamp {
+  std::uint64_t bytes = 0, sum = 0;
+  bool operator==(const CheckpointStamp&) const = default;
+};
+
 template <class T>
 void append_bytes(std::string& out, T value) {
   char bytes[sizeof(T)];
@@ -129,9 +135,10 @@ class CheckpointWriter {
                std::string(content)});
   }
 
-  void commit(const std::string& path) const {
+  detail::CheckpointStamp commit(const std::string& path) const {
     AtomicFile file(path);
     detail::Crc64 crc;
+    std::uint64_t all = sizeof(std::uint64_t);
     const auto write = [&](const void* data, std::size_t bytes) {
       constexpr char zeros[8] = {};
       crc.add(data, bytes);
@@ -139,6 +146,7 @@ class CheckpointWriter {
       const std::size_t padding = detail::padded_to_8(bytes) - bytes;
       crc.add(zeros, padding);
       file.write(zeros, padding);
+      all += bytes + padding;
     };
     const std::string head = start_and_table();
     write(head.data(), head.size());
@@ -146,6 +154,7 @@ class CheckpointWriter {
     const std::uint64_t sum = crc.value();
     file.write(&sum, sizeof sum);
     file.commit();
+    return {all, sum};
   }
 
  private:
@@ -207,6 +216,11 @@ class CheckpointReader {
   }
 
   const std::string& signature() const { return signature_; }
+  detail::CheckpointStamp stamp() const {
+    detail::CheckpointStamp s{size_, 0};
+    file_.read_at(size_ - sizeof s.sum, &s.sum, sizeof s.sum);
+    return s;
+  }
 
   /// FileError, naming both signatures and where they part, unless the file's is `expected`.
   void require_signature(std::string_view expected) const {

@@ -186,6 +186,7 @@ class VtkFields {
     return *this;
   }
 
+  std::span<const detail::VtkArray> arrays() const { return arrays_; }
   /// The arrays; InputError unless each has one entry a point.
   std::span<const detail::VtkArray> arrays_for(const std::string& path, std::size_t points,
                                                std::string_view of = "points") const {
@@ -215,6 +216,34 @@ inline void write_vtp_points(const std::string& path, std::span<const Vec3d> pos
   const detail::VtkSection sections[] = {
       {"PointData", point_fields}, {"Points", points}, {"Verts", verts}};
   detail::write_vtp(path, n, n, 0, sections);
+}
+
+/// What the pieces of an index have besides fields: where these stand, and the type of points.
+struct VtkPieces {
+  std::string_view fields_of = "PPointData";  // or PCellData
+  std::string_view points = "Float64";
+};
+/// Writes the index of files that are the pieces of one picture, for ParaView: `path` should end in
+/// .pvtp, `files` are their places as seen from its folder, and `fields` those that each has.
+/// Errors: InputError for a name that cannot be written; FileError if the file cannot.
+inline void write_vtp_index(const std::string& path, std::span<const std::string> files,
+                            const VtkFields& fields, const VtkPieces& layout = {}) {
+  AtomicFile file(path, Flush::Never);
+  file.write(
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"PPolyData\" version=\"1.0\" "
+      "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PPolyData GhostLevel=\"0\">\n");
+  file.write(text('<', layout.fields_of, ">\n"));
+  for (const auto& array : fields.arrays())
+    file.write(text("<PDataArray type=\"", array.type, "\" Name=\"", array.name,
+                    "\" NumberOfComponents=\"", array.components, "\"/>\n"));
+  file.write(text("</", layout.fields_of, ">\n<PPoints>\n<PDataArray type=\"", layout.points,
+                  "\" Name=\"Points\" NumberOfComponents=\"3\"/>\n</PPoints>\n"));
+  for (const std::string& piece : files) {
+    detail::require_plain("write_vtp_index: the name of a piece", piece);
+    file.write(text("<Piece Source=\"", piece, "\"/>\n"));
+  }
+  file.write("</PPolyData>\n</VTKFile>\n");
+  file.commit();
 }
 
 /// Writes a surface: `triangles` names three of the `points` [m] each.

@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <new>
 #include <optional>
@@ -15,6 +16,7 @@
 #include <silt/io/checkpoint_breaks.hpp>
 #include <silt/io/checkpoint_cells.hpp>
 #include <silt/io/checkpoint_checks.hpp>
+#include <silt/io/checkpoint_ranks.hpp>
 #include <silt/io/checkpoint_wall_heat.hpp>
 #include <silt/io/describe_scene.hpp>
 #include <silt/simulation.hpp>
@@ -27,6 +29,11 @@ namespace silt::inline SILT_TARGET {
 ///
 ///   silt::save_checkpoint(sim, "run.silt");
 ///   silt::load_checkpoint(sim, "run.silt");    // sim: the same scene, built by the same program
+///
+/// On many ranks both are collective, and the file is an index with a folder of blocks beside it
+/// (io/checkpoint_ranks.hpp). As many ranks go on with the same bits; another number of them, or a
+/// program without Ranks, goes on with the same particles and all that their contacts remember. So
+/// do many ranks from the file of one process.
 ///
 /// Walls, materials, limits and gravity come from the program; the state replaces all particles.
 /// The file describes the scene that wrote it (io/describe_scene.hpp): where the scene differs, the
@@ -42,8 +49,49 @@ class Checkpoint {
     detail::finder_of(s).choice();
   };
 
+ private:
+  class Staged;  // io/checkpoint_staged.hpp
+  class Merged;  // io/checkpoint_merged.hpp
+
  public:
   static void save(const Sim& sim, const std::string& path) {
+    if constexpr (Sim::has_ranks)
+      save_blocks(sim, path);
+    else
+      write(sim, path);
+  }
+
+  static void load(Sim& sim, const std::string& path, const AcceptedChanges& accepted = {}) {
+    std::unique_ptr<Staged> staged;
+    detail::on_all_ranks(sim, "load_checkpoint", [&] {
+      try {
+        staged = read(sim, path, accepted);
+      } catch (const std::bad_alloc&) {
+        throw FileError(text("checkpoint '", path, "' does not fit into memory"));
+      }
+    });
+    staged->put_into(sim, accepted);
+  }
+
+  /// Which programs can continue from the file: the policies that shape the state, and what
+  /// contacts remember.
+  static std::string signature() {
+    return text("silt state 17; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
+                name_of<typename Sim::ContactsType>(), "; search ", name_of<typename Sim::Search>(),
+                "; domain ", name_of<typename Sim::Domain>(), "; precision ",
+                name_of<typename Sim::Precision>(), Sim::has_ledger ? "; ledger" : "",
+                Sim::has_events ? "; events" : "",
+                Sim::has_bonds ? text("; bonds ", name_of<typename Sim::Composition::Bonds>()) : "",
+                Sim::Fluid::active ? text("; fluid ", name_of<typename Sim::Fluid>()) : "",
+                "; integrator ", name_of<typename Sim::Integrator>(),
+                Sim::of_bodies ? text("; rotation ", name_of<typename Sim::Rotation>()) : "",
+                Sim::Modules::exist ? text("; modules ", name_of<typename Sim::Modules>()) : "",
+                "; contacts keep ", Engine::memory.words());
+  }
+
+ private:
+  /// All of a process, or of a rank.
+  static detail::CheckpointStamp write(const Sim& sim, const std::string& path) {
     const Engine& e = sim.engine_;
     CheckpointWriter out(signature());
     detail::CheckpointSaver a(out);
@@ -63,6 +111,8 @@ class Checkpoint {
     openings.visit(a, openings.out_count.size(), openings.placed.size());
 
     detail::visit_particles(a, e.particles, e.particles.size());
+    [[maybe_unused]] detail::BlockState block;
+    if constexpr (Sim::has_ranks) block = detail::BlockState::of_engine(e), block.visit(a);
     [[maybe_unused]] CellsState cells;
     if constexpr (has_cells)
       cells = CellsState::of(std::span<const Form>(e.mover.forms).last(e.mover.cells)),
@@ -95,7 +145,9 @@ class Checkpoint {
       e.lists.flow.put_state(box);
       a.column("box", box, box.size());
     }
-    detail::visit_columns(a, e.modules(), e.owners());
+    std::size_t owners = e.particles.size();  // with ghosts
+    if constexpr (Sim::of_bodies) owners = e.mover.bodies.size();
+    detail::visit_columns(a, e.modules(), owners);
     if constexpr (Sim::Modules::flux) a.copied("modules.from_walls", e.fluxes().wall_books());
     detail::with_wall_heat(sim.modules_.modules, [&](const auto& module) {
       detail::save_wall_heat(a, module.walls, sim.time_);
@@ -114,39 +166,87 @@ class Checkpoint {
       search = {choice.finder, choice.spheres};
       a.column("search.choice", search, 2);
     }
-    out.commit(path);
+    return out.commit(path);
   }
 
-  static void load(Sim& sim, const std::string& path, const AcceptedChanges& accepted = {}) {
-    try {
-      const CheckpointReader in(path);
-      in.require_signature(signature());
-      const detail::CheckpointLoader a(in, path);
-      Staged staged(sim);
-      staged.read(a, path, accepted);
-      staged.put_into(sim, accepted);
-    } catch (const std::bad_alloc&) {
-      throw FileError(text("checkpoint '", path, "' does not fit into memory"));
+  /// Collective.
+  static void save_blocks(const Sim& sim, const std::string& path) requires(Sim::has_ranks) {
+    const auto& ranks = sim.engine_.ranks;
+    const auto rank = static_cast<std::size_t>(ranks.rank());
+    detail::CheckpointIndex index;
+    detail::on_all_ranks(sim, "save_checkpoint", [&] {
+      if (rank > 0) return;
+      make_folder(index.folder(path));
+      index.blocks = index.new_blocks(path, sim.step_);
+    });
+    const auto name = ranks.comm().gather_bytes(std::as_bytes(std::span(index.blocks)));
+    index.blocks.assign(reinterpret_cast<const char*>(name.values.data()), name.values.size());
+    detail::CheckpointStamp own;
+    detail::on_all_ranks(sim, "blocks of a checkpoint",
+                         [&] { own = write(sim, index.block(path, rank)); });
+    struct Block {
+      std::uint64_t bytes, sum, owned, safeguards;
+    };
+    const auto blocks = gather_each(
+        ranks.comm(), Block{own.bytes, own.sum, sim.engine_.present(), sim.engine_.safeguards});
+    detail::on_all_ranks(sim, "the index of a checkpoint", [&] {
+      if (rank > 0) return;
+      for (const Block& b : blocks) {
+        index.bytes.push_back(b.bytes), index.sums.push_back(b.sum);
+        index.owned.push_back(b.owned), index.safeguards.push_back(b.safeguards);
+        index.present += b.owned;
+      }
+      index.step = sim.step_;
+      index.write(path, signature());
+      index.remove_others(path);
+    });
+  }
+
+  static std::unique_ptr<Staged> read(const Sim& sim, const std::string& path,
+                                      const AcceptedChanges& accepted) {
+    const auto read_whole = [&](const CheckpointReader& in, const std::string& name) {
+      auto staged = std::make_unique<Staged>(sim);
+      staged->read(detail::CheckpointLoader(in, name), name, accepted);
+      return staged;
+    };
+    const CheckpointReader in(path);
+    in.require_signature(signature());
+    const bool is_index = in.has(detail::CheckpointIndex::mark);
+    if (!is_index && !Sim::has_ranks) return read_whole(in, path);
+    detail::CheckpointIndex index;
+    if (is_index) index = detail::CheckpointIndex::read(in);
+    const auto ranks = static_cast<std::size_t>(sim.ranks());
+    const auto rank = static_cast<std::size_t>(sim.rank());
+    if (Sim::has_ranks && is_index && index.size() == ranks)
+      return read_whole(index.open(path, rank), index.block(path, rank));
+
+    if constexpr (has_rows_alone) {
+      Merged merged(sim, accepted);
+      if (!is_index) {
+        const std::size_t all = merged.count(in);
+        merged.take(in, path, all * rank / ranks, all * (rank + 1) / ranks);
+        return merged.finish(path, all, merged.safeguards());
+      }
+      const std::size_t all = index.present;
+      const std::size_t from = all * rank / ranks, to = all * (rank + 1) / ranks;
+      std::size_t before = 0;
+      for (std::size_t b = 0; b < index.size(); before += index.owned[b], ++b) {
+        const std::size_t first = std::max(from, before),
+                          end = std::min(to, before + index.owned[b]);
+        if (first >= end && b > 0) continue;  // the first one tells of the scene
+        merged.take(index.open(path, b), index.block(path, b), first - before,
+                    std::max(first, end) - before);
+      }
+      return merged.finish(path, all, index.safeguards_of_all());
+    } else {
+      throw InputError(
+          text("checkpoint '", path, "' is of ", is_index ? index.size() : 1,
+               " ranks, and this run has ", ranks,
+               ": a scene with bodies, bonds, breakage, a fluid, an energy ledger or fluxes "
+               "through contacts goes on on as many ranks as before; start as many"));
     }
   }
 
-  /// Which programs can continue from the file: the policies that shape the state, and what
-  /// contacts remember.
-  static std::string signature() {
-    return text("silt state 17; particles ", name_of<typename Sim::ShapeType>(), "; contacts ",
-                name_of<typename Sim::ContactsType>(), "; search ", name_of<typename Sim::Search>(),
-                "; domain ", name_of<typename Sim::Domain>(), "; precision ",
-                name_of<typename Sim::Precision>(), Sim::has_ledger ? "; ledger" : "",
-                Sim::has_events ? "; events" : "",
-                Sim::has_bonds ? text("; bonds ", name_of<typename Sim::Composition::Bonds>()) : "",
-                Sim::Fluid::active ? text("; fluid ", name_of<typename Sim::Fluid>()) : "",
-                "; integrator ", name_of<typename Sim::Integrator>(),
-                Sim::of_bodies ? text("; rotation ", name_of<typename Sim::Rotation>()) : "",
-                Sim::Modules::exist ? text("; modules ", name_of<typename Sim::Modules>()) : "",
-                "; contacts keep ", Engine::memory.words());
-  }
-
- private:
   template <class T>
   static std::string name_of() {
     const std::string_view all = __PRETTY_FUNCTION__;
@@ -173,6 +273,12 @@ class Checkpoint {
     return c;
   }
 
+  /// Whether all of the state is in rows and contacts, or is known to each rank, so that it can be
+  /// put together from blocks.
+  static constexpr bool has_rows_alone =
+      !Sim::of_bodies && !Sim::has_bonds && !Sim::has_breakage && !Sim::has_ledger &&
+      !Sim::Modules::flux && !Sim::Fluid::active && !detail::deforms<typename Sim::Domain>;
+
   struct Nothing {};
   template <bool Has, class T>
   using If = std::conditional_t<Has, T, Nothing>;
@@ -196,8 +302,6 @@ class Checkpoint {
     if constexpr (Sim::has_bonds)
       detail::describe_bonds({scene, detail::SceneDescription::Aspect::Material, ""}, sim.bonds_);
   }
-
-  class Staged;  // io/checkpoint_staged.hpp
 };
 
 template <class Sim>
@@ -211,4 +315,7 @@ void load_checkpoint(Sim& sim, const std::string& path, const AcceptedChanges& a
 
 }  // namespace silt
 
+// clang-format off
 #include <silt/io/checkpoint_staged.hpp>
+#include <silt/io/checkpoint_merged.hpp>
+// clang-format on

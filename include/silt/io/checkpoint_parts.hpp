@@ -96,6 +96,12 @@ void visit_particles(Archive& a, State& p, std::size_t n) {
 template <class Archive, class Pairs, class Memory>
 void visit_pairs(Archive& a, Pairs& pairs, const Memory& memory) {
   a.number("pairs.grouped", pairs.grouped, count_number);
+  bool has_ghosts = pairs.owned < pairs.grouped;
+  if constexpr (Archive::loads) has_ghosts = a.has("pairs.owned");
+  if (has_ghosts)
+    a.number("pairs.owned", pairs.owned, count_number);
+  else
+    pairs.owned = pairs.grouped;
   if constexpr (Archive::loads) {
     const auto outer = a.template column<std::uint32_t>("pairs.outer");
     a.need(outer.size() % 2 == 0, "pairs.outer has ", outer.size(), " places, not two each");

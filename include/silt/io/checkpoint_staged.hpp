@@ -22,6 +22,19 @@ namespace silt::inline SILT_TARGET {
 /// place by moves alone, which cannot fail.
 template <class Sim>
 class Checkpoint<Sim>::Staged {
+  static auto parts_of() {
+    if constexpr (Sim::has_ranks) {
+      using Ranks = std::remove_cvref_t<decltype(std::declval<Engine&>().ranks)>;
+      if constexpr (Ranks::template tells_parts<detail::BytesIn>)
+        return std::type_identity<typename Ranks::PartsType>{};
+      else
+        return std::type_identity<Nothing>{};
+    } else {
+      return std::type_identity<Nothing>{};
+    }
+  }
+  using Parts = typename decltype(parts_of())::type;
+
  public:
   explicit Staged(const Sim& sim) : sim_(sim), e_(sim.engine_) {
     if constexpr (Sim::has_ledger) book_ = sim.book_;
@@ -120,10 +133,22 @@ class Checkpoint<Sim>::Staged {
       sim.book_ = std::move(book_), sim.gravity_booked_ = gravity_booked_;
     if constexpr (Sim::Fluid::active) sim.fluid_ = std::move(*fluid_);
     if constexpr (chooses_search) detail::finder_of(sim.search_).keep({choice_[0], choice_[1]});
+    if constexpr (Sim::has_ranks) {
+      block_.put(e.ranks);
+      if constexpr (Sim::of_bodies)
+        e.mover.ghosts = e.mover.bodies.size() - block_.owners,
+        follow_bodies(e.ranks.neighbours, e.particles);
+      if (parts_)
+        e.ranks.set_parts(std::move(*parts_));
+      else
+        e.ranks.part_anew();
+    }
     e.restored(clock_.largest_speed, clock_.largest_overlap, clock_.largest_share);
   }
 
  private:
+  friend class Merged;
+
   /// A wall that is moved in another way than in the file, which must have been accepted, goes on
   /// from where it is: a drive is released now, a motion that was changed is changed now.
   void put_motion(Wall& wall, std::size_t w, const Sim& sim,
@@ -173,7 +198,12 @@ class Checkpoint<Sim>::Staged {
     const std::size_t materials =
         Sim::ContactsType::several_materials ? coefficients_.materials : 1;
     detail::visit_particles(a, particles_, detail::CheckpointLoader::any_count);
-    detail::check_particles(a, particles_, materials);
+    const bool is_block = detail::BlockState::is_in(a);
+    if (is_block) {
+      block_.visit(a), block_.check(a, particles_.size(), walls_.surfaces.size());
+      if constexpr (Sim::has_ranks) read_parts(a);
+    }
+    detail::check_particles(a, particles_, materials, !is_block);
     detail::check_ids(a, Sim::of_bodies ? "part" : "particle", particles_.id,
                       Sim::of_bodies ? clock_.next_part : clock_.next_id);
     std::size_t count = particles_.size();
@@ -186,7 +216,7 @@ class Checkpoint<Sim>::Staged {
       for (const auto& b : bodies_) ids.push_back(b.id);
       detail::check_ids(a, "body", std::move(ids), clock_.next_id);
     }
-    a.rows("synchronous", synchronous_, clock_.kicked ? count : 0);
+    a.rows("synchronous", synchronous_, !clock_.kicked ? 0 : is_block ? block_.owners : count);
     for (std::size_t k = 0; k < synchronous_.size(); ++k) {
       const auto& [velocity, spin] = synchronous_[k];
       a.need(is_finite(velocity) && is_finite(spin), "synchronous: velocity ", velocity,
@@ -203,8 +233,23 @@ class Checkpoint<Sim>::Staged {
       detail::check_loads(a, loads);
     }
     particles_.pad();
+    if constexpr (Sim::has_ranks) particles_.ghosts = block_.ghosts;
     particles_.restored(particles_.largest_radius, particles_.mean_diameter);
+    if (is_block)
+      particles_.smallest_radius = block_.smallest_radius,
+      particles_.some_fixed = block_.some_fixed;
   }
+  /// What a decomposition remembers, if it tells.
+  void read_parts(const detail::CheckpointLoader& a) requires(Sim::has_ranks) {
+    using Ranks = std::remove_cvref_t<decltype(e_.ranks)>;
+    if constexpr (Ranks::template tells_parts<detail::BytesIn>) {
+      parts_ = e_.ranks.parts();
+      detail::BytesIn in{a, block_.parts};
+      parts_->for_each_state(in);
+    }
+  }
+  /// The space is to be divided anew.
+  void forget_parts() { parts_.reset(); }
 
   void read_cells(const detail::CheckpointLoader& a) requires has_cells {
     CellsState state;
@@ -255,9 +300,12 @@ class Checkpoint<Sim>::Staged {
       vertex_steps_.emplace_back(vertex, next), vertex = next;
     }
 
+    // Particles that came in front of the ghosts have moved the rows of pairs since the search.
+    const bool moved = detail::BlockState::is_in(a) && forgotten;
+    const std::size_t paired = moved ? particles_.size() : listed;
     typename decltype(Engine::Lists::pairs)::State pairs;
     detail::visit_pairs(a, pairs, Engine::memory);
-    detail::check_pairs<Engine>(a, pairs, particles_, listed);
+    detail::check_pairs<Engine>(a, pairs, particles_, paired);
     typename decltype(Engine::Lists::walls)::State contacts;
     detail::visit_wall_contacts(a, contacts, Engine::memory);
     lists_.walls.planes_apart = !Engine::State::of_bodies;
@@ -268,7 +316,7 @@ class Checkpoint<Sim>::Staged {
     const std::vector<double> outer(upkeep.outer.begin(), upkeep.outer.end()),
         inner(upkeep.inner.begin(), upkeep.inner.end());
     upkeep.restore(outer, inner);
-    lists_.pairs.restore(pairs, listed);
+    lists_.pairs.restore(pairs, paired);
     lists_.walls.restore(std::move(contacts), walls, listed);
     lists_.searched_walls.restore(std::move(walls_.marks[0]), walls_.regions[0]);
     lists_.pruned_walls.restore(std::move(walls_.marks[1]), walls_.regions[1]);
@@ -340,6 +388,8 @@ class Checkpoint<Sim>::Staged {
   std::unique_ptr<BondStage> stage_;  // of bonds
   detail::ClockState clock_;
   detail::WallsState walls_;
+  detail::BlockState block_;  // of a run on many ranks
+  std::optional<Parts> parts_;
   std::vector<std::vector<Vec3d>> vertex_steps_;  // of each wall
   std::vector<std::vector<double>> worn_;         // of each wall, where modules wear them
   std::vector<double> from_walls_;                // where modules have fluxes

@@ -52,12 +52,15 @@ class ContactLines {
       wall_[k] = c.wall == no_wall ? -1 : static_cast<std::int32_t>(c.wall);
     });
   }
-  void write(const std::string& file) {
+  template <class Sim>
+  void write(const Sim& sim, const std::string& file) {
     VtkFields fields;
     fields.add("normal_force", taken(normal_)).add("tangential_force", taken(tangential_));
     fields.add("force", taken(force_)).add("overlap", taken(overlap_));
     fields.add("a", taken(a_)).add("b", taken(b_)).add("wall", taken(wall_));
-    write_vtp_lines(file, std::span<const Point>(points_.data(), 2 * count_), fields, cells_);
+    write_in_pieces(sim, file, fields, {"PCellData", "Float32"}, [&](const auto& path) {
+      write_vtp_lines(path, std::span<const Point>(points_.data(), 2 * count_), fields, cells_);
+    });
   }
 
  private:
@@ -83,11 +86,13 @@ class ContactLines {
   VtkLines cells_;
 };
 
-template <class Each>
-void write_contact_table(const std::string& file, const Each& each) {
-  std::string all =
+template <class Sim, class Each>
+void write_contact_table(const Sim& sim, const std::string& file, const Each& each) {
+  const std::string_view header =
       "a,b,wall,surface,facet,x [m],y [m],z [m],normal x [-],normal y [-],normal z [-],overlap "
       "[m],normal force [N],force x [N],force y [N],force z [N]\n";
+  std::vector<SortedLine> lines;
+  std::string all;
   const auto add = [&](double value) { detail::append(all, value), all += ','; };
   each([&](const ContactSeen& c) {
     all += std::to_string(c.a) + ',';
@@ -98,10 +103,16 @@ void write_contact_table(const std::string& file, const Each& each) {
     for (const Vec3d& v : {c.point, c.normal}) add(v.x), add(v.y), add(v.z);
     add(c.overlap), add(c.normal_force), add(c.force.x), add(c.force.y), add(c.force.z);
     all.back() = '\n';
+    lines.push_back({c.a, c.b, std::exchange(all, {})});
   });
-  AtomicFile out(file, Flush::Never);
-  out.write(all);
-  out.commit();
+  if constexpr (Sim::has_ranks) lines = gather_lines(sim, std::move(lines));
+  on_all_ranks(sim, "a table of contacts", [&] {
+    if (sim.rank() != 0) return;
+    AtomicFile out(file, Flush::Never);
+    out.write(header);
+    for (const auto& line : lines) out.write(line.words);
+    out.commit();
+  });
 }
 
 /// `Table`: contacts as CSV files instead of lines.
@@ -117,6 +128,7 @@ class ContactSeries {
     schedule_.begin(sim, only_reads);
     if (begun_) return;
     begun_ = true;
+    if (sim.rank() != 0) return;
     make_folder(folder_);
     if constexpr (!Table)
       series_ = sim.continued()
@@ -132,11 +144,11 @@ class ContactSeries {
     const auto file = file_of_step("contacts", sim.step(), Table ? ".csv" : ".vtp");
     const auto each = recorded_contacts(sim, Table ? "contact_csv" : "contact_series");
     if constexpr (Table) {
-      write_contact_table(text(folder_, '/', file), each);
+      write_contact_table(sim, text(folder_, '/', file), each);
     } else {
       lines_.take(sim, each);
-      lines_.write(text(folder_, '/', file));
-      series_->add(sim.time(), file);
+      lines_.write(sim, text(folder_, '/', file));
+      if (series_) series_->add(sim.time(), listed_file(sim, file));
     }
     schedule_.mark(sim);
   }
@@ -159,12 +171,12 @@ template <class Sim>
 void write_contacts(const std::string& file, const Sim& sim) {
   detail::ContactLines lines;
   lines.take(sim, detail::asked_contacts(sim));
-  lines.write(file);
+  lines.write(sim, file);
 }
 /// The same as a table: ids, wall, surface and facet (-1: none), point, normal, overlap, forces.
 template <class Sim>
 void write_contact_csv(const std::string& file, const Sim& sim) {
-  detail::write_contact_table(file, detail::asked_contacts(sim));
+  detail::write_contact_table(sim, file, detail::asked_contacts(sim));
 }
 
 /// Writes `folder/contacts.pvd`, a time series of lines as in write_contacts(): force chains, in

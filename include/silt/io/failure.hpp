@@ -15,6 +15,7 @@
 #include <silt/files/csv_table.hpp>
 #include <silt/io/checkpoint.hpp>
 #include <silt/io/observers.hpp>
+#include <silt/parallel/agreed.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -73,9 +74,12 @@ class FailureScene {
     else
       write_spheres(path, shown);
   }
-  void write_walls(const std::string& path) const { silt::write_walls(path, sim_, around_); }
+  void write_walls(const std::string& path) const {
+    silt::write_walls(path, wall_triangles(sim_, around_));
+  }
   bool has_walls() const { return sim_.walls() > 0 && around_.min.x <= around_.max.x; }
   std::size_t contacts() const { return contacts_.size(); }
+  bool has_named() const { return !named_.empty(); }
   /// Whether all of the state is numbers, so that a checkpoint of it can be loaded.
   bool is_finite() const {
     for (std::size_t k = 0; k < sim_.rows(); ++k)
@@ -103,19 +107,25 @@ class FailureScene {
         e, sim_.domain(), back,
         [&](std::uint32_t a, std::uint32_t b, std::size_t wall, bool with_wall, double overlap) {
           const std::size_t i = e.owner_of(a), j = with_wall ? i : e.owner_of(b);
-          if (!(overlap > 0) || (role_[i] != Named && role_[j] != Named)) return;
-          if (role_[i] != Named) role_[i] = Touching;
-          if (role_[j] != Named) role_[j] = Touching;
-          const Vec3d x = sim_.position(i), y = with_wall ? x : sim_.position(j);
+          const auto is_named = [&](std::size_t k) {
+            return k < role_.size() && role_[k] == Named;
+          };
+          if (!(overlap > 0) || !(is_named(i) || is_named(j))) return;
+          for (const std::size_t k : {i, j})  // not those of other ranks
+            if (k < role_.size() && role_[k] != Named) role_[k] = Touching;
+          const auto velocity = [&](std::size_t k) {
+            return k < role_.size() ? sim_.velocity(k) : e.owner(k).velocity();
+          };
+          const Vec3d x = e.owner(i).centre(), y = with_wall ? x : e.owner(j).centre();
           Vec3d apart = x - y;
           if constexpr (Sim::Domain::periodic) apart = sim_.domain().shortest(apart);
           const double far = norm(apart);
-          const Vec3d v = sim_.velocity(i) - sim_.velocity(j);
+          const Vec3d v = velocity(i) - velocity(j);
           const double approach =
-              with_wall || !(far > 0) ? norm(sim_.velocity(i)) : -dot(v, apart) / far;
+              with_wall || !(far > 0) ? norm(velocity(i)) : -dot(v, apart) / far;
           const Vec3d middle = with_wall ? x : x - 0.5 * apart;
-          contacts_.push_back({static_cast<double>(sim_.id(i)),
-                               with_wall ? -1 : static_cast<double>(sim_.id(j)),
+          contacts_.push_back({static_cast<double>(e.owner(i).id()),
+                               with_wall ? -1 : static_cast<double>(e.owner(j).id()),
                                with_wall ? static_cast<double>(wall) : -1, overlap, approach,
                                middle.x, middle.y, middle.z});
         });
@@ -146,7 +156,7 @@ class FailureScene {
     const auto& e = sim_.engine();
     std::vector<char> wanted(sim_.rows(), 0);
     for (const std::size_t k : shown) wanted[k] = 1;
-    for (std::size_t row = 0; row < e.particles.size(); ++row) {
+    for (std::size_t row = 0; row < e.particles.owned(); ++row) {
       if (e.particles.is_parked(row) || !wanted[e.owner_of(row)]) continue;
       const std::size_t k = e.owner_of(row);
       const Vec3d v = sim_.velocity(k);
@@ -228,7 +238,9 @@ std::string lines_of_names(const Sim& sim) {
 ///   walls.vtp        the walls around
 ///
 /// and the error is thrown again with a sentence that says where they are. Each file is whole or
-/// not there; one that cannot be written is named in that sentence and hides nothing.
+/// not there; one that cannot be written is named in that sentence and hides nothing. On several
+/// ranks the checkpoints are of all, rank 0 writes failure.txt, and each rank that has particles
+/// which the error names writes the other files, of what it has: particles_r2.csv.
 ///
 ///   sim.run(1.0, silt::on_failure("failed", silt::every(0.1)));
 ///
@@ -274,7 +286,7 @@ class OnFailure {
 
   template <class Sim>
   void keep_state(const Sim& sim) {
-    make_folder(folder_);
+    detail::on_all_ranks(sim, "the folder of on_failure", [&] { make_folder(folder_); });
     save_checkpoint(sim, folder_ + "/last_good.silt");
     good_ = State{sim.time(), sim.step()};
   }
@@ -284,9 +296,11 @@ class OnFailure {
     const auto attempt = [&](const char* name, const auto& write) {
       try {
         write(text(folder_, '/', name));
-        written += text(written.empty() ? "" : ", ", name);
+        const bool is_of_all = std::string_view(name) == "at_failure.silt";
+        if (!is_of_all || sim.rank() == 0) written += text(written.empty() ? "" : ", ", name);
       } catch (const std::exception& e) {
-        lacking += text("; ", name, " could not be written: ", e.what());
+        if (!detail::is_agreed() || sim.rank() == 0)
+          lacking += text("; ", name, " could not be written: ", e.what());
       }
     };
     try {
@@ -294,22 +308,35 @@ class OnFailure {
     } catch (const std::exception& e) {
       return text(" (on_failure could write nothing: ", e.what(), ")");
     }
-    const detail::FailureScene<Sim> scene(sim, error, back);
-    attempt("failure.txt", [&](const std::string& path) {
-      AtomicFile out(path);
-      out.write(text(error.what(), "\nstep ", error.step, "\ntime [s] ", sim.time(),
-                     "\nparticles named:"));
-      for (const auto id : error.particles) out.write(text(' ', id));
-      out.write("\n" + detail::lines_of_names(sim));
-      out.commit();
-    });
-    attempt("particles.csv", [&](const auto& path) { scene.write_particles_csv(path); });
-    attempt("contacts.csv", [&](const auto& path) { scene.write_contacts_csv(path); });
-    attempt("touching.vtp", [&](const auto& path) { scene.write_particles_vtp(path, false); });
-    attempt("around.vtp", [&](const auto& path) { scene.write_particles_vtp(path, true); });
-    if (scene.has_walls()) attempt("walls.vtp", [&](const auto& path) { scene.write_walls(path); });
-    const bool finite = scene.is_finite();
+    std::optional<detail::FailureScene<Sim>> seen;
+    detail::on_all_ranks(sim, "a look at a failure", [&] { seen.emplace(sim, error, back); });
+    const auto& scene = *seen;
+    const std::string of_rank = sim.ranks() > 1 ? text("_r", sim.rank()) : "";
+    const bool shows = sim.ranks() == 1 || scene.has_named();
+    const auto attempt_own = [&](const std::string& name, const auto& write) {
+      if (shows) attempt(detail::before_ending(name, of_rank).c_str(), write);
+    };
+    if (sim.rank() == 0)
+      attempt("failure.txt", [&](const std::string& path) {
+        AtomicFile out(path);
+        out.write(text(error.what(), "\nstep ", error.step, "\ntime [s] ", sim.time(),
+                       "\nparticles named:"));
+        for (const auto id : error.particles) out.write(text(' ', id));
+        out.write("\n" + detail::lines_of_names(sim));
+        out.commit();
+      });
+    attempt_own("particles.csv", [&](const auto& path) { scene.write_particles_csv(path); });
+    attempt_own("contacts.csv", [&](const auto& path) { scene.write_contacts_csv(path); });
+    attempt_own("touching.vtp", [&](const auto& path) { scene.write_particles_vtp(path, false); });
+    attempt_own("around.vtp", [&](const auto& path) { scene.write_particles_vtp(path, true); });
+    if (scene.has_walls())
+      attempt_own("walls.vtp", [&](const auto& path) { scene.write_walls(path); });
+    const bool finite = sim.largest_over_ranks(scene.is_finite() ? 0 : 1) == 0;
     if (finite) attempt("at_failure.silt", [&](const auto& path) { save_checkpoint(sim, path); });
+    if constexpr (Sim::has_ranks) {
+      written = detail::words_of_ranks(sim, written, ", ");
+      lacking = detail::words_of_ranks(sim, lacking, "");
+    }
     std::string words = text(" (on_failure wrote to ", in_quotes(folder_), ": ", written);
     if (good_)
       words += text("; last_good.silt is the state at step ", good_->step, ", t = ", good_->time,

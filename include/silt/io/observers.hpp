@@ -16,6 +16,7 @@
 #include <silt/files/vtk.hpp>
 #include <silt/io/checkpoint.hpp>
 #include <silt/io/progress.hpp>
+#include <silt/io/rank_files.hpp>
 #include <silt/shape/surface_mesh.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -104,7 +105,8 @@ TimedAction<Action, Kind> at(Schedule schedule, Action action) {
 /// one is always whole. Makes the folder that it stands in.
 inline auto checkpoints(std::string path, Schedule schedule) {
   return at<ActionKind::Saves>(schedule, [path = std::move(path)](const auto& sim) {
-    make_folder_of(path), save_checkpoint(sim, path);
+    detail::on_all_ranks(sim, "the folder of checkpoints", [&] { make_folder_of(path); });
+    save_checkpoint(sim, path);
   });
 }
 
@@ -123,7 +125,9 @@ std::shared_ptr<CsvTable> open_table(const std::string& path,
 
 /// Appends a row of numbers to a CSV table: `row(simulation)` returns them, as an array or a
 /// vector, or one number alone; the time (or the time since some event) first. A new table, but for
-/// a run that goes on from a checkpoint: that keeps the rows of earlier times.
+/// a run that goes on from a checkpoint: that keeps the rows of earlier times. On many ranks each
+/// calls row(simulation), which must give equal numbers on all, as the sums of a Simulation are;
+/// rank 0 writes.
 template <class Row>
 auto table(const std::string& path, const std::vector<std::string>& columns, Schedule schedule,
            Row row) {
@@ -131,6 +135,7 @@ auto table(const std::string& path, const std::vector<std::string>& columns, Sch
                                [path, columns, row = std::move(row),
                                 open = std::shared_ptr<CsvTable>()](const auto& sim) mutable {
                                  const auto values = detail::row_of(row(sim));
+                                 if (sim.rank() != 0) return;
                                  if (!open)
                                    open = detail::open_table(path, columns, sim, values[0]);
                                  open->add_row(std::span<const double>(values));
@@ -164,6 +169,8 @@ struct ModuleFields {
 /// Writes the particles to `file`: radius, velocity, id, material, and angular velocity if they
 /// rotate; of bodies orientation (w, x, y, z) and form, and the radius is that of the bounding
 /// sphere. `more(sim, fields, places)` may add fields: one value for each of the places.
+/// On several ranks each writes its own as `file` with "_r0", "_r1" ... before its ending, and rank
+/// 0 the index that ParaView opens: out/bed.pvtp for out/bed.vtp (collective).
 template <class Sim, class More>
 void write_particles(const std::string& file, const Sim& sim, const More& more) {
   std::vector<std::size_t> places;
@@ -201,8 +208,9 @@ void write_particles(const std::string& file, const Sim& sim, const More& more) 
   }
   detail::ModuleFields of_modules;
   of_modules.add_to(fields, sim, collect);
-  more(sim, fields, places);
-  write_vtp_points(file, position, fields);
+  detail::on_all_ranks(sim, "fields of particles", [&] { more(sim, fields, places); });
+  detail::write_in_pieces(sim, file, fields, {},
+                          [&](const auto& path) { write_vtp_points(path, position, fields); });
 }
 /// Writes the spheres that bodies consist of: radius, and the id of the body.
 template <class Sim>
@@ -211,7 +219,7 @@ void write_parts(const std::string& file, const Sim& sim) requires(Sim::of_bodie
   std::vector<float> radius;
   std::vector<ParticleId> id;
   const auto& e = sim.engine();
-  for (std::size_t row = 0; row < e.particles.size(); ++row) {
+  for (std::size_t row = 0; row < e.particles.owned(); ++row) {
     if (e.particles.is_parked(row)) continue;
     position.push_back(e.particles.position[row].centre());
     radius.push_back(static_cast<float>(e.particles.position[row].r));
@@ -219,7 +227,8 @@ void write_parts(const std::string& file, const Sim& sim) requires(Sim::of_bodie
   }
   VtkFields fields;
   fields.add("radius", radius).add("id", id);
-  write_vtp_points(file, position, fields);
+  detail::write_in_pieces(sim, file, fields, {},
+                          [&](const auto& path) { write_vtp_points(path, position, fields); });
 }
 /// Writes the surfaces of bodies whose shape is no set of spheres: id, form, velocity, material and
 /// the fields of modules of the body at every point; in a Mix also which of its shapes it is.
@@ -262,7 +271,9 @@ void write_surfaces(const std::string& file, const Sim& sim) requires(Sim::has_s
       shape.push_back(static_cast<std::uint32_t>(sim.forms()[f].shape.kind()));
     fields.add("shape", shape);
   }
-  write_vtp_triangles(file, all.points, all.triangles, fields);
+  detail::write_in_pieces(sim, file, fields, {}, [&](const auto& path) {
+    write_vtp_triangles(path, all.points, all.triangles, fields);
+  });
 }
 template <class Sim>
 void write_particles(const std::string& file, const Sim& sim) {
@@ -271,7 +282,7 @@ void write_particles(const std::string& file, const Sim& sim) {
 
 namespace detail {
 
-/// What the particles of a simulation occupy [m].
+/// What the particles of a simulation, of all ranks, occupy [m] (collective).
 template <class Sim>
 Box occupied(const Sim& sim) {
   Box around;
@@ -281,6 +292,11 @@ Box occupied(const Sim& sim) {
       around.include(sim.position(k));
       largest = std::max(largest, sim.radius(k));
     }
+  if constexpr (Sim::has_ranks) {
+    sim.engine().ranks.meet("the region of particles");
+    around = sim.engine().ranks.union_of(around);
+    largest = sim.engine().ranks.max_of(largest);
+  }
   return around.grown(largest);
 }
 
@@ -327,7 +343,9 @@ inline void write_walls(const std::string& file, const WallTriangles& walls) {
 template <class Sim>
 void write_walls(const std::string& file, const Sim& sim, const Box& around) {
   require(sim.walls() > 0, "write_walls: the simulation has no walls; add one, or leave this out");
-  write_walls(file, wall_triangles(sim, around));
+  detail::on_all_ranks(sim, "a file of walls", [&] {
+    if (sim.rank() == 0) write_walls(file, wall_triangles(sim, around));
+  });
 }
 template <class Sim>
 void write_walls(const std::string& file, const Sim& sim) {
@@ -341,6 +359,9 @@ void write_walls(const std::string& file, const Sim& sim) {
 /// bodies also `folder/parts.pvd`, the spheres that they consist of, or `folder/surfaces.pvd`; with
 /// a fluid `folder/flow.pvd`.
 /// Walls that look as in the frame before are not written again: both frames show one file.
+/// On several ranks a frame of particles is one file a rank and their index, as write_particles()
+/// writes them, and the series lists the index: ParaView opens the same `.pvd`. Rank 0 writes the
+/// rest.
 /// `more` adds fields as in write_particles.
 template <class More>
 class VtkSeriesObserver {
@@ -353,7 +374,7 @@ class VtkSeriesObserver {
   template <class Sim>
   void begin(const Sim& sim, double) {
     schedule_.begin(sim, only_reads);
-    if (particles_) return;  // it goes on in another run
+    if (std::exchange(begun_, true) || sim.rank() != 0) return;  // it goes on in another run
     const double keep = sim.time() + 0.5 * sim.step_length();
     const auto open = [&](const char* name) {
       return sim.continued() ? VtkSeries::resume(folder_, name, keep) : VtkSeries(folder_, name);
@@ -376,36 +397,45 @@ class VtkSeriesObserver {
       return text(name, '_', std::string(9 - std::min<std::size_t>(9, number.size()), '0'), number,
                   kind);
     };
+    const auto list = [&](std::optional<VtkSeries>& series, const std::string& name) {
+      if (sim.rank() == 0) series->add(sim.time(), detail::listed_file(sim, name));
+    };
     write_particles(text(folder_, '/', file("particles")), sim, more_);
-    particles_->add(sim.time(), file("particles"));
+    list(particles_, file("particles"));
     if constexpr (Sim::has_surfaces) {
       write_surfaces(text(folder_, '/', file("surfaces")), sim);
-      parts_->add(sim.time(), file("surfaces"));
+      list(parts_, file("surfaces"));
     } else if constexpr (Sim::of_bodies) {
       write_parts(text(folder_, '/', file("parts")), sim);
-      parts_->add(sim.time(), file("parts"));
+      list(parts_, file("parts"));
     }
     if constexpr (detail::FluidTraits<typename Sim::Fluid>::is_written) {
       const auto name = file("flow", Sim::Fluid::file_kind);
       sim.fluid().write(text(folder_, '/', name));
       flow_->add(sim.time(), name);
     }
-    if (sim.size() > 0 && sim.walls() > 0) {
-      WallTriangles now = wall_triangles(sim, detail::occupied(sim));
-      if (wall_file_.empty() || now != shown_) {
-        wall_file_ = file("walls"), shown_ = std::move(now);
-        write_walls(text(folder_, '/', wall_file_), shown_);
-      }
-      walls_->add(sim.time(), wall_file_);
-    }
+    if (sim.size() > 0 && sim.walls() > 0) write_walls_once(sim, file("walls"));
     schedule_.mark(sim);
   }
 
  private:
+  template <class Sim>
+  void write_walls_once(const Sim& sim, const std::string& file) {
+    const Box around = detail::occupied(sim);
+    if (sim.rank() != 0) return;
+    WallTriangles now = wall_triangles(sim, around);
+    if (wall_file_.empty() || now != shown_) {
+      wall_file_ = file, shown_ = std::move(now);
+      write_walls(text(folder_, '/', wall_file_), shown_);
+    }
+    walls_->add(sim.time(), wall_file_);
+  }
+
   std::string folder_;
   Schedule schedule_;
   More more_;
-  std::optional<VtkSeries> particles_, walls_, parts_, flow_;  // parts or surfaces
+  bool begun_ = false;
+  std::optional<VtkSeries> particles_, walls_, parts_, flow_;  // parts or surfaces; of rank 0
   WallTriangles shown_;                                        // of the last frame
   std::string wall_file_;                                      // where they are
 };

@@ -12,7 +12,8 @@ namespace silt::inline SILT_TARGET {
 
 /// Writes the particles that are there as a CSV file, a line each in the order of their ids: id, x,
 /// y, z [m], velocity [m/s], radius [m], material, angular velocity [rad/s] if they rotate, and the
-/// fields of modules. A file that is there is replaced as a whole.
+/// fields of modules. A file that is there is replaced as a whole. On many ranks rank 0 writes
+/// those of all, whose lines it must have room for (collective).
 template <class Sim>
 void write_particle_csv(const std::string& file, const Sim& sim) {
   std::vector<std::string> columns{"id", "x", "y", "z"};
@@ -28,22 +29,12 @@ void write_particle_csv(const std::string& file, const Sim& sim) {
     else
       columns.push_back(name);
   });
-  std::vector<std::pair<ParticleId, std::size_t>> places;
-  for (std::size_t k = 0; k < sim.rows(); ++k)
-    if (sim.is_present(k)) places.push_back({sim.id(k), k});
-  std::sort(places.begin(), places.end());
-
-  std::string all;
-  for (const auto& name : columns) {
-    if (!all.empty()) all += ',';
-    all += name;
-  }
+  std::vector<detail::SortedLine> lines;
   std::vector<double> row;
   const auto add = [&row](const Vec3d& v) { row.insert(row.end(), {v.x, v.y, v.z}); };
-  for (const auto& [id, place] : places) {
-    const std::size_t k = place;
-    all += '\n';
-    all += std::to_string(id);
+  for (std::size_t k = 0; k < sim.rows(); ++k) {
+    if (!sim.is_present(k)) continue;
+    std::string line = std::to_string(sim.id(k));
     row.clear();
     add(sim.position(k)), add(sim.velocity(k));
     row.insert(row.end(), {sim.radius(k), static_cast<double>(sim.material(k))});
@@ -56,19 +47,25 @@ void write_particle_csv(const std::string& file, const Sim& sim) {
         row.push_back(value(k));
       }
     });
-    for (const double number : row) all += ',', detail::append(all, number);
+    for (const double number : row) line += ',', detail::append(line, number);
+    lines.push_back({sim.id(k), 0, std::move(line)});
   }
-  all += '\n';
-  AtomicFile out(file);
-  out.write(all);
-  out.commit();
+  lines = detail::gather_lines(sim, std::move(lines));
+  detail::on_all_ranks(sim, "a table of particles", [&] {
+    if (sim.rank() != 0) return;
+    AtomicFile out(file);
+    for (std::size_t c = 0; c < columns.size(); ++c) out.write((c > 0 ? "," : "") + columns[c]);
+    for (const auto& line : lines) out.write('\n' + line.words);
+    out.write("\n");
+    out.commit();
+  });
 }
 
 /// Writes `folder/particles_<step>.csv` at the times of the schedule.
 inline auto csv_series(std::string folder, Schedule schedule) {
   return at<ActionKind::Reads>(schedule, [folder = std::move(folder)](const auto& sim) {
     const auto number = std::to_string(sim.step());
-    make_folder(folder);
+    detail::on_all_ranks(sim, "the folder of a table", [&] { make_folder(folder); });
     write_particle_csv(
         text(folder, "/particles_", std::string(9 - std::min<std::size_t>(9, number.size()), '0'),
              number, ".csv"),

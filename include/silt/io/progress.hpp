@@ -46,7 +46,7 @@ struct ProgressOptions {
 /// Shows on stderr how far the run is: on a terminal once a second, rewriting one line; else (a log
 /// file) a line every ten seconds. Of a fluid, how well its books with the particles close, at the
 /// end. Before that, and at the end, what is odd about the scene (io/scene_warnings.hpp), a line
-/// each that begins with "warning: ".
+/// each that begins with "warning: ". On many ranks rank 0 prints, for all.
 class Progress {
  public:
   explicit Progress(const ProgressOptions& options)
@@ -59,12 +59,17 @@ class Progress {
     start_time_ = sim.time(), end_time_ = end_time, first_step_ = sim.step();
     steps_ = 0;
     if constexpr (of_liquid<Sim>) first_of_liquid_ = sim.fluid().steps();
+    first_rank_ = sim.rank() == 0;
     if (options_.warnings) warn(scene_warnings(sim));
+  }
+  /// On many ranks, where nobody is due by a clock: rank 0 prints between the steps.
+  template <class Sim>
+  void watch(const Sim& sim) {
+    if (first_rank_ && is_time(sim)) show(sim, false);
   }
   template <class Sim>
   bool is_due(const Sim& sim) const {
-    // The clock is only looked at now and then: at most every 16 steps.
-    return sim.step() % 16 == 0 && seconds_since(shown_) >= (terminal_ ? 1 : 10);
+    return !Sim::has_ranks && is_time(sim);
   }
   template <class Sim>
   void operator()(const Sim& sim) {
@@ -72,7 +77,7 @@ class Progress {
   }
   template <class Sim>
   void end(const Sim& sim) {
-    show(sim, true);
+    if (first_rank_) show(sim, true);
     if (!options_.warnings) return;
     warn(inlet_warnings(sim)), warn(servo_warnings(sim)), warn(break_warnings(sim, broken_));
   }
@@ -80,10 +85,16 @@ class Progress {
 
  private:
   using Clock = std::chrono::steady_clock;
+  /// The clock is only looked at now and then: at most every 16 steps.
+  template <class Sim>
+  bool is_time(const Sim& sim) const {
+    return sim.step() % 16 == 0 && seconds_since(shown_) >= (terminal_ ? 1 : 10);
+  }
   static double seconds_since(Clock::time_point t) {
     return std::chrono::duration<double>(Clock::now() - t).count();
   }
   void warn(const std::vector<std::string>& warnings) {
+    if (!first_rank_) return;
     told_.tell(warnings, [this](const std::string& sentence) {
       std::fprintf(options_.out, "warning: %s\n", sentence.c_str());
     });
@@ -126,6 +137,7 @@ class Progress {
   double start_time_ = 0, end_time_ = 0;
   std::int64_t first_step_ = 0, first_of_liquid_ = 0;
   std::uint64_t steps_ = 0;
+  bool first_rank_ = true;
   detail::ToldWarnings told_;
   mutable BrokenLoads broken_;  // simulations tell their events to const observers
 };
@@ -134,8 +146,8 @@ class Progress {
 inline Progress progress(const ProgressOptions& options) { return Progress(options); }
 inline Progress progress(std::FILE* out = stderr) { return Progress(out); }
 
-/// Hands the same warnings to `callback(sentence)` and prints nothing. It may throw: the run then
-/// ends there, before its first step.
+/// Hands the same warnings to `callback(sentence)` and prints nothing; on many ranks on rank 0. It
+/// may throw: the run then ends there, before its first step.
 ///   sim.run(1.0, silt::on_warnings([&](const std::string& w) { log << w << '\n'; }),
 ///           silt::progress({.warnings = false}));
 template <class Callback>
@@ -145,7 +157,7 @@ class WarningsObserver {
 
   template <class Sim>
   void begin(const Sim& sim, double) {
-    told_.tell(scene_warnings(sim), callback_);
+    tell(sim, scene_warnings(sim));
   }
   template <class Sim>
   bool is_due(const Sim&) const {
@@ -155,12 +167,17 @@ class WarningsObserver {
   void operator()(const Sim&) {}
   template <class Sim>
   void end(const Sim& sim) {
-    told_.tell(inlet_warnings(sim), callback_), told_.tell(servo_warnings(sim), callback_);
-    told_.tell(break_warnings(sim, broken_), callback_);
+    tell(sim, inlet_warnings(sim)), tell(sim, servo_warnings(sim));
+    tell(sim, break_warnings(sim, broken_));
   }
   void tell(const std::vector<BreakEvent>& broken) const { broken_.add(broken); }
 
  private:
+  template <class Sim>
+  void tell(const Sim& sim, const std::vector<std::string>& warnings) {
+    if (sim.rank() == 0) told_.tell(warnings, callback_);
+  }
+
   Callback callback_;
   detail::ToldWarnings told_;
   mutable BrokenLoads broken_;

@@ -29,6 +29,18 @@ struct SceneLook {
   bool some_fixed = false;     // particles that nothing moves
   bool walls_move = false;
 
+  /// Adds the particles of other ranks (collective).
+  template <class Sim>
+  void include_ranks(const Sim& sim) {
+    particles = static_cast<std::size_t>(sim.sum_over_ranks(static_cast<double>(particles)));
+    centres = sim.engine().ranks.union_of(centres);
+    smallest_radius = -sim.largest_over_ranks(-smallest_radius);
+    largest_radius = sim.largest_over_ranks(largest_radius);
+    list_diameter = -sim.largest_over_ranks(-list_diameter);
+    largest_density = sim.largest_over_ranks(largest_density);
+    fastest = sim.largest_over_ranks(fastest);
+    some_fixed = sim.largest_over_ranks(some_fixed ? 1 : 0) > 0;
+  }
   bool is_empty() const { return !(centres.min.x <= centres.max.x); }
 };
 
@@ -51,6 +63,7 @@ SceneLook look_at(const Sim& sim) {
       look.some_fixed = true;
   }
   if (look.particles > 0) look.list_diameter = sim.engine().particles.mean_diameter;
+  if constexpr (Sim::has_ranks) look.include_ranks(sim);
   look.all = look.centres.grown(look.largest_radius);
   for (std::size_t k = 0; k < sim.inlets(); ++k) {
     const auto& inlet = sim.inlet(k);

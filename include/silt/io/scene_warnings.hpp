@@ -269,6 +269,7 @@ void warn_of_temperatures(const Sim& sim, std::vector<std::string>& out) {
       double coldest = WarningLimits::coldest;
       for (std::size_t k = 0; k < sim.rows(); ++k)
         if (sim.is_present(k)) coldest = std::min(coldest, sim.template field<M>(k).temperature);
+      coldest = -sim.largest_over_ranks(-coldest);
       if (is_odd(coldest)) say("the coldest particle", coldest);
       if constexpr (requires(const M& m) { m.walls.entries(); })
         for (const auto& entry : sim.template module<M>().walls.entries()) {
@@ -305,7 +306,7 @@ void warn_of_grid(const Sim& sim, std::vector<std::string>& out) {
 }  // namespace detail
 
 /// What is odd about a scene, before it runs: outlets, gravity, units, temperatures, the flow's
-/// grid. Empty if nothing is.
+/// grid. Empty if nothing is. On many ranks equal on each, and collective (RankAccess).
 template <class Sim>
 [[gnu::cold]] std::vector<std::string> scene_warnings(const Sim& sim) {
   std::vector<std::string> out;

@@ -108,7 +108,7 @@ class WallSeriesObserver {
   template <class Sim>
   void begin(const Sim& sim, double) {
     schedule_.begin(sim);
-    if (table_) return;
+    if (mean_ && (table_ || sim.rank() != 0)) return;
     const std::size_t wall =
         name_.empty() ? sim.wall_number(number_) : sim.wall_number(std::string_view(name_));
     mean_ = std::make_shared<MeanLoad>(sim, wall), number_ = wall;
@@ -134,6 +134,7 @@ class WallSeriesObserver {
                                                   "angle x [rad]",
                                                   "angle y [rad]",
                                                   "angle z [rad]"};
+    if (sim.rank() != 0) return;
     table_ = std::make_shared<CsvTable>(
         sim.continued() ? CsvTable::resume(path_, columns, sim.time() + 0.5 * sim.step_length())
                         : CsvTable(path_, columns));
@@ -155,7 +156,7 @@ class WallSeriesObserver {
         angle_->look(wall.pose, wall.last_pose, (sim.time() - last_time_) / sim.step_length());
     last_time_ = sim.time();
     row.insert(row.end(), {angle.x, angle.y, angle.z});
-    table_->add_row(std::span<const double>(row));
+    if (table_) table_->add_row(std::span<const double>(row));
     schedule_.mark(sim);
   }
 

@@ -195,6 +195,7 @@ class CoarseFields {
 
   template <class Sim>
   void add_particles(const Sim& sim) {
+    detail::need_one_process<Sim>();
     ++samples_;
     const double reach2 = kernel_.reach() * kernel_.reach();
     for (std::size_t k = 0; k < sim.rows(); ++k) {

@@ -1,10 +1,12 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <silt/core/box.hpp>
@@ -38,6 +40,7 @@ Coordination coordination(const Sim& sim, const CoordinationOptions& options = {
   struct Pair {
     std::size_t a, b;
   };
+  detail::need_one_process<Sim>();
   const std::size_t n = sim.rows();
   std::vector<Pair> pairs;
   Coordination out;
@@ -83,16 +86,19 @@ Coordination coordination(const Sim& sim, const CoordinationOptions& options = {
 
 /// The fabric tensor of the contacts between particles: the mean of n n^T over their normals [-],
 /// of trace 1; 1/3 of the unit tensor where no direction is preferred. `region`: contacts whose
-/// point is in it.
+/// point is in it. On many ranks collective (RankAccess).
 template <class Sim>
 Symmetric3 fabric(const Sim& sim, const std::optional<Box>& region = {}) {
   Symmetric3 sum;
-  std::size_t count = 0;
+  double count = 0;
   sim.for_each_contact([&](const ContactSeen& c) {
     if (c.wall != no_wall || (region && !region->contains(c.point))) return;
     sum += outer(c.normal), ++count;
   });
-  return count > 0 ? (1 / static_cast<double>(count)) * sum : sum;
+  std::array<double, 7> all{sum.xx, sum.yy, sum.zz, sum.xy, sum.yz, sum.zx, count};
+  sim.sum_over_ranks(std::span<double>(all));
+  sum = {all[0], all[1], all[2], all[3], all[4], all[5]}, count = all[6];
+  return count > 0 ? (1 / count) * sum : sum;
 }
 
 }  // namespace silt

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -56,6 +57,13 @@ Vec3d in_domain([[maybe_unused]] const Domain& domain, const Vec3d& point) {
     return point;
 }
 
+template <class Sim>
+void sum_over_ranks(const Sim& sim, Tensor3& t) {
+  std::array<double, 9> all{t.xx, t.xy, t.xz, t.yx, t.yy, t.yz, t.zx, t.zy, t.zz};
+  sim.sum_over_ranks(std::span<double>(all));
+  t = {all[0], all[1], all[2], all[3], all[4], all[5], all[6], all[7], all[8]};
+}
+
 }  // namespace detail
 
 /// The stress [Pa] in a region, compression positive.
@@ -79,6 +87,7 @@ struct Stress {
 /// volume of a field whose divergence is the force on each particle, at its centre (Goldhirsch,
 /// Granular Matter 12 (2010) 239, with a step in place of a smooth kernel; recalled): in a column
 /// at rest contact_zz is the mean over the region's height of the weight above, over its area.
+/// On many ranks collective (RankAccess).
 /// Errors: InputError for a region without volume.
 /// Tests:  tests/measure/measures.cpp (column, compressed box, colliding gas).
 template <class Sim>
@@ -105,9 +114,11 @@ Stress stress(const Sim& sim, const Box& region) {
     moving.emplace_back(m, sim.velocity(k));
     mass += m, out.velocity += m * moving.back().second;
   }
+  mass = sim.sum_over_ranks(mass), out.velocity = sim.sum_over_ranks(out.velocity);
   if (mass > 0) out.velocity *= 1 / mass;
   for (const auto& [m, v] : moving)
     out.kinetic += (m / volume) * dyad(v - out.velocity, v - out.velocity);
+  for (Tensor3* part : {&out.contact, &out.kinetic}) detail::sum_over_ranks(sim, *part);
   out.density = mass / volume;
   return out;
 }
@@ -120,6 +131,7 @@ struct ContactLoad {
 /// By place; also of fixed particles, which nothing else tells: the force on an obstacle.
 template <class Sim>
 std::vector<ContactLoad> contact_loads(const Sim& sim) {
+  detail::need_one_process<Sim>();
   std::vector<ContactLoad> all(sim.rows());
   sim.for_each_contact([&](const ContactSeen& c) {
     const auto add = [&](std::size_t k, const Vec3d& force, const Vec3d& torque) {

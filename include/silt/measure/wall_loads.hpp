@@ -36,6 +36,7 @@ struct WallPart {
 /// is no mesh.
 template <class Sim>
 std::vector<WallPart> facet_loads(const Sim& sim, std::size_t wall, std::size_t surface = 0) {
+  detail::need_one_process<Sim>();
   const auto& surfaces = sim.wall(wall).surfaces;
   require(surface < surfaces.size() && detail::is_mesh(surfaces[surface]), "facet_loads: surface ",
           surface, " of wall ", wall, " is no triangle mesh; of a cylinder take ring_loads");
@@ -85,6 +86,7 @@ void write_facet_loads(const std::string& path, const Sim& sim, std::size_t wall
 template <class Sim>
 std::vector<WallPart> ring_loads(const Sim& sim, std::size_t wall, std::size_t rings,
                                  std::size_t surface = 0) {
+  detail::need_one_process<Sim>();
   const Wall& w = sim.wall(wall);
   require(surface < w.surfaces.size() && std::holds_alternative<Cylinder>(w.surfaces[surface]),
           "ring_loads: surface ", surface, " of wall ", wall,

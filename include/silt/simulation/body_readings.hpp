@@ -19,14 +19,20 @@ class BodyReadings {
     return owner(k).orientation();
   }
   template <class S = Sim>
-  std::size_t form(std::size_t k) const requires(S::of_bodies) { return owner(k).form(); }
+  std::size_t form(std::size_t k) const requires(S::of_bodies) {
+    return owner(k).form();
+  }
   /// Size of the particle over that of its form as it was made [-].
   template <class S = Sim>
-  double scale(std::size_t k) const requires(S::of_bodies) { return owner(k).scale(); }
+  double scale(std::size_t k) const requires(S::of_bodies) {
+    return owner(k).scale();
+  }
   /// All forms, a silt::BodyForm each: those that were added, then those of fragments of polyhedra,
   /// whose numbers are given again as fragments go.
   template <class S = Sim>
-  const auto& forms() const requires(S::of_bodies) { return sim().engine_.mover.forms; }
+  const auto& forms() const requires(S::of_bodies) {
+    return sim().engine_.mover.forms;
+  }
 
  private:
   const Sim& sim() const { return static_cast<const Sim&>(*this); }

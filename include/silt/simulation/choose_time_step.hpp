@@ -13,7 +13,12 @@ std::optional<detail::ShortestContact> Simulation<Policies...>::shortest_contact
   using Law = typename ContactsType::Law;
   if constexpr (detail::HasContactTime<Law>) {
     if (!(speed > 0)) return std::nullopt;
-    auto meetings = detail::meetings_of(engine_, openings_.inlets(), contacts_.materials());
+    auto meetings = [&] {
+      if constexpr (has_ranks)
+        return ranks_scene_.meetings;
+      else
+        return detail::meetings_of(engine_, openings_.inlets(), contacts_.materials());
+    }();
     if constexpr (has_breakage) this->include_fragments(meetings);
     const detail::ShortestContactSearch<Law, Integrator> search(
         Engine::coefficients_of(contacts_).law, meetings, speed,
@@ -36,6 +41,10 @@ double Simulation<Policies...>::expected_speed() const {
   double speed = 0, largest = 0;
   if constexpr (detail::deforms<Domain>) speed = domain_.fastest();
   Box scene;
+  if constexpr (has_ranks) {
+    const SceneSize& all = ranks_scene_.size;
+    speed = all.speed, largest = all.radius, scene = all.region;
+  }
   // What is infinite, as planes are, bounds the scene in the directions in which it is flat.
   const auto include = [&scene](const Vec3d& p) {
     const auto widen = [](double& low, double& high, double x) {
@@ -44,7 +53,7 @@ double Simulation<Policies...>::expected_speed() const {
     widen(scene.min.x, scene.max.x, p.x), widen(scene.min.y, scene.max.y, p.y);
     widen(scene.min.z, scene.max.z, p.z);
   };
-  for (std::size_t k = 0; k < rows(); ++k)
+  for (std::size_t k = 0; k < rows() && !has_ranks; ++k)
     if (is_present(k)) {
       speed = std::max(speed, surface_speed(k).sum()), include(position(k));
       largest = std::max(largest, radius(k));
@@ -78,6 +87,25 @@ double Simulation<Policies...>::expected_speed() const {
   return speed > 0 ? speed : fall(scene.grown(largest));
 }
 
+/// What the time step follows from, of the particles of all ranks (collective).
+template <class... Policies>
+void Simulation<Policies...>::share_scene() {
+  if constexpr (has_ranks) {
+    auto& ranks = engine_.ranks;
+    ranks.measure(engine_.particles);
+    SceneSize own;
+    for (std::size_t k = 0; k < rows(); ++k)
+      if (is_present(k)) {
+        own.speed = std::max(own.speed, surface_speed(k).sum());
+        own.region.include(position(k)), own.radius = std::max(own.radius, radius(k));
+      }
+    ranks_scene_ = {{ranks.union_of(own.region), ranks.max_of(own.speed), ranks.max_of(own.radius)},
+                    ranks.union_of_meetings(
+                        detail::meetings_of(engine_, openings_.inlets(), contacts_.materials()))};
+    engine_.agree("the start of a run");
+  }
+}
+
 template <class... Policies>
 double Simulation<Policies...>::chosen_time_step() const {
   const double speed = expected_speed();
@@ -98,7 +126,7 @@ double Simulation<Policies...>::chosen_time_step() const {
   require(size() > 0 || !openings_.inlets().empty(),
           "the time step cannot be chosen: there are no particles; add some, or an inlet, or set "
           "Simulation::time_step [s]");
-  bool all_fixed = openings_.inlets().empty();
+  bool all_fixed = openings_.inlets().empty() && !has_ranks;
   for (std::size_t k = 0; k < rows() && all_fixed; ++k)
     all_fixed = !is_present(k) || !std::isfinite(mass(k));
   require(

@@ -147,6 +147,8 @@ class ContactReader {
       const ParticleId first = id_of(c.first), second = at_wall ? no_particle : id_of(c.second);
       if (first == no_particle || (!at_wall && second == no_particle)) continue;
       const bool swapped = second < first;
+      if constexpr (Engine::of_ranks)  // of two ranks the one that owns the lower id has it
+        if ((swapped ? c.second : c.first) >= e_.particles.owned()) continue;
       found.push_back({swapped ? second : first, swapped ? first : second, k, swapped});
     }
     return found;
@@ -316,6 +318,8 @@ class ContactAccess {
   /// Calls f(const ContactSeen&) for each contact of the step of time(), in the order of ids: in
   /// observers, and between runs. Steps are recorded that somebody of the program's own observes,
   /// and the last one of each run (keep_contacts). Costs O(contacts); changes nothing.
+  /// On many ranks each contact is visited on the rank that owns a; where another one owns b,
+  /// place_b is no place of this rank.
   /// Errors: InputError where the present step was not recorded.
   template <class F>
   void for_each_contact(F&& f) const {

@@ -80,9 +80,10 @@ class EnergyBook {
  public:
   /// Books one step after its forces are known. `start`: what the particles have at the first one,
   /// kinetic and against gravity; `fixed_power` [W]: of contacts on fixed particles that move;
-  /// `asked`: contacts have said what they store.
+  /// `asked`: contacts have said what they store; sum(numbers): over all ranks.
+  template <class Sum>
   void book(const ContactEnergy<double>& contacts, std::span<const Wall> walls, double time_step,
-            double fixed_power, const double* start, bool asked) {
+            double fixed_power, const double* start, bool asked, const Sum& sum) {
     stored_ = contacts;
     if (start != nullptr) {
       at_start_ = contacts;
@@ -94,7 +95,7 @@ class EnergyBook {
       of_walls_ -= 0.5 * time_step * (last_fixed_power_ + fixed_power);
       since_asked_ += time_step;
     }
-    if (asked) tell_apart();
+    if (asked) tell_apart(sum);
     last_.clear();
     for (const auto& wall : walls) last_.push_back({wall.force, wall.torque, wall.reference});
     last_fixed_power_ = fixed_power;
@@ -121,13 +122,15 @@ class EnergyBook {
     last_bond_power_ = power;
   }
 
-  EnergyBalance balance(double translation, double rotation, double gravity,
-                        double free_walls) const {
+  /// On many ranks of this one, so that the balances of all add up; `tells`: it is the one that
+  /// tells what is known of all together.
+  EnergyBalance balance(double translation, double rotation, double gravity, double free_walls,
+                        bool tells) const {
     EnergyBalance e{};
     e.translation = translation, e.rotation = rotation, e.gravity = gravity;
     e.normal = stored_.normal, e.tangential = stored_.tangential, e.rolling = stored_.rolling;
     e.normal_damping = -work_.dashpot;
-    e.friction = friction_, e.tangential_damping = tangential_loss() - friction_;
+    e.friction = tells ? friction_ : 0, e.tangential_damping = tangential_loss() - e.friction;
     e.rolling_resistance = -work_.couple - (stored_.rolling - at_start_.rolling);
     e.bond_damping = bond_damping_, e.bond_breaking = bond_breaking_;
     e.breaking = breaking_;
@@ -181,10 +184,13 @@ class EnergyBook {
   /// The loss of dashpots is their power, which is known of some steps, integrated over time;
   /// friction is the rest of the loss, the largest that it has been: the integral errs to both
   /// sides, and friction gives nothing back. So neither part falls while the loss grows.
-  void tell_apart() {
-    damped_ += 0.5 * since_asked_ * (last_power_ + stored_.shear_damping);
-    last_power_ = stored_.shear_damping, since_asked_ = 0;
-    friction_ = std::max(friction_, tangential_loss() - damped_);
+  template <class Sum>
+  void tell_apart(const Sum& sum) {
+    std::array<double, 2> of{stored_.shear_damping, tangential_loss()};
+    sum(of);
+    damped_ += 0.5 * since_asked_ * (last_power_ + of[0]);
+    last_power_ = of[0], since_asked_ = 0;
+    friction_ = std::max(friction_, of[1] - damped_);
   }
 
   struct Load {

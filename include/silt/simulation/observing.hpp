@@ -16,6 +16,7 @@
 #include <silt/engine/contact/contact_events.hpp>
 #include <silt/engine/contact/contact_record.hpp>
 #include <silt/engine/state/module_columns.hpp>
+#include <silt/parallel/agreed.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -47,6 +48,12 @@ bool is_due(O& observer, const Sim& sim) {
     return observer.is_due(sim);
   else
     return true;
+}
+/// On many ranks, where observers are due everywhere or nowhere: what one that goes by the clock
+/// does after each step, on its own rank alone. It calls nothing that is collective.
+template <class O, class Sim>
+void watch(O& observer, const Sim& sim) {
+  if constexpr (requires { observer.watch(sim); }) observer.watch(sim);
 }
 constexpr ContactsKept all_contacts_if(bool wanted) {
   return wanted ? ContactsKept::All : ContactsKept::Nothing;
@@ -95,7 +102,12 @@ template <class O>
 [[noreturn, gnu::cold]] inline void throw_of_observer(const std::string& who, double time,
                                                       std::int64_t step) {
   const auto said = [&](const std::exception& e) {
-    return text(e.what(), "; thrown by ", who, " at t = ", time, " s, step ", step);
+    std::string words = text(e.what(), "; thrown by ", who, " at t = ", time, " s, step ", step);
+    if (is_agreed() && last_agreed() == e.what()) {  // on all ranks: it keeps one sentence
+      if (last_agreed().find("; thrown by observer ") != std::string::npos) return last_agreed();
+      last_agreed() = words;
+    }
+    return words;
   };
   try {
     throw;
@@ -184,6 +196,7 @@ void run_observed([[maybe_unused]] const Sim& sim, const Steps& steps,
     } catch (const SimulationError& error) {
       std::string words = error.what();
       ((words += failed(observers, sim, error, since_forces())), ...);
+      if (last_agreed() == error.what()) last_agreed() = words;  // it is that of all ranks
       throw SimulationError(words, error.step, error.particles, error.position);
     }
   } else {

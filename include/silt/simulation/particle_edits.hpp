@@ -178,6 +178,10 @@ class ParticleEdits {
         id != no_particle, "Simulation::", function,
         ": the id is silt::no_particle, which is that of places whose particle has left, and in "
         "a ContactEvent stands for a wall");
+    require(
+        !Sim::has_ranks, "Simulation::", function,
+        ": single particles cannot be changed on many ranks so far; leave Ranks out, or set what "
+        "they are before they are added");
     const std::size_t k = sim().find(id);
     require(k < sim().rows(), "Simulation::", function, ": there is no particle ", id,
             "; it has left, or never was (Simulation::find tells)");

@@ -14,7 +14,12 @@ namespace silt::inline SILT_TARGET::detail {
 template <class Sim>
 class ParticleReadings : public TotalReadings<Sim> {
  public:
-  std::size_t size() const { return sim().engine_.present(); }
+  std::size_t size() const {
+    if constexpr (Sim::has_ranks)
+      return sim().engine_.ranks.present();
+    else
+      return sim().engine_.present();
+  }
   /// Places 0 ... rows()-1 in memory; those where id() is silt::no_particle have left.
   std::size_t rows() const { return sim().engine_.owners(); }
   ParticleId id(std::size_t k) const { return owner(k).id(); }

@@ -24,6 +24,8 @@ std::size_t Simulation<Policies...>::add_wall(Surfaces surfaces,
   setup.surface_velocity.check();
   wall.belt = setup.surface_velocity;
   const bool is_driven = setup.drive.index() != 0;
+  require(!has_ranks || !is_driven,
+          "add_wall: a wall with a drive does not go with Ranks so far; give it a motion");
   require(!is_driven || !wall.motion,
           "add_wall: a wall has either a motion or a drive (servo, slide, hinge, free body), not "
           "both; leave one of them out");
@@ -76,10 +78,16 @@ EnergyBalance Simulation<Policies...>::balance() const {
     translation += part.translation, rotation += part.rotation, potentials += potential(k);
   }
   EnergyBalance balance{};
-  if constexpr (has_ledger) balance = book_.balance(translation, rotation, potentials, walls);
+  if constexpr (has_ledger)
+    balance = book_.balance(translation, rotation, potentials, walls, this->rank() == 0);
   if constexpr (has_ledger && has_bonds) balance.bonds = this->bond_energy();
   if constexpr (has_ledger && has_breakage) balance.parting = breaks_.parted;
   if constexpr (has_ledger && detail::deforms<Domain>) balance.box = domain_.work();
+  if constexpr (has_ranks) {
+    auto numbers = std::bit_cast<std::array<double, sizeof balance / sizeof(double)>>(balance);
+    this->sum_over_ranks(std::span<double>(numbers));
+    balance = std::bit_cast<EnergyBalance>(numbers);
+  }
   return balance;
 }
 
@@ -145,9 +153,14 @@ template <class Particle>
 void Simulation<Policies...>::join(std::span<const Particle> more,
                                    std::span<const std::size_t> numbers) {
   const std::size_t before = rows(), first_row = engine_.particles.size();
-  detail::take_in(engine_, more, numbers, kicked_, next_);
-  if (kicked_) engine_.start_prediction(first_row, gravity, dt_);
-  engine_.join_lists(domain_, dt_, first_row);
+  if constexpr (has_ranks) {
+    detail::take_in_own(engine_, more, numbers, kicked_, next_, domain_);
+    if (kicked_) engine_.start_prediction(before, gravity, dt_);
+  } else {
+    detail::take_in(engine_, more, numbers, kicked_, next_);
+    if (kicked_) engine_.start_prediction(first_row, gravity, dt_);
+    engine_.join_lists(domain_, dt_, first_row);
+  }
   start_fields(before);
 }
 
@@ -176,7 +189,10 @@ double Simulation<Policies...>::insert(const std::vector<PlacedSphere>& spheres,
                      (dot(flow.velocity, flow.velocity) - dot(staggered, staggered)));
   }
   double brought = 0;  // [kg]
-  for (std::size_t k = before; k < rows(); ++k) brought += mass(k);
+  if constexpr (has_ranks)
+    for (const Particle& p : more) brought += detail::mass_to_come(engine_, p);
+  else
+    for (std::size_t k = before; k < rows(); ++k) brought += mass(k);
   return brought;
 }
 
@@ -194,7 +210,8 @@ void Simulation<Policies...>::book_step([[maybe_unused]] const detail::StepTimes
     engine_.contact_energy.worked(0.5 * times.worked);
     book_.book(engine_.contact_energy, engine_.walls, dt_,
                engine_.power_on_fixed() - detail::power_of_belts(engine_.walls),
-               first_kick_ ? &start : nullptr, times.ask);
+               first_kick_ ? &start : nullptr, times.ask,
+               [this](std::span<double> numbers) { this->sum_over_ranks(numbers); });
   }
 }
 
@@ -249,6 +266,7 @@ void Simulation<Policies...>::prepare() {
   if (step_ > 0 || kicked_) detail::check_given(engine_, gravity, step_, time_);
   prepare_fluid();
   engine_.set_threads(threads);
+  if constexpr (has_ranks) share_scene();
   modules_.check(*this);
   this->check_pairs();
   engine_.set_coefficients(contacts_);

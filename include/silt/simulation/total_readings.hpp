@@ -14,7 +14,9 @@ namespace silt::inline SILT_TARGET::detail {
 
 /// Sums and means over all particles that are there and not fixed; a Simulation has these functions
 /// as its own, between runs and in observers, for the instant time(). Each takes O(rows). Means of
-/// no particles: InputError. Tests: tests/engine/total_readings.cpp.
+/// no particles: InputError. On many ranks the particles of all ranks are meant; the functions are
+/// collective then (RankAccess), but for those of one particle. Tests:
+/// tests/engine/total_readings.cpp.
 template <class Sim>
 class TotalReadings {
  public:
@@ -48,13 +50,13 @@ class TotalReadings {
   Vec3d centre_of_mass() const {
     Vec3d sum{0, 0, 0};
     for_each([&](std::size_t k) { sum += sim().mass(k) * sim().position(k); });
-    return (1 / mass_for("centre_of_mass")) * sum;
+    return (1 / mass_for("centre_of_mass")) * sim().sum_over_ranks(sum);
   }
   /// [m/s] velocity of the centre of mass.
   Vec3d mean_velocity() const {
     Vec3d sum{0, 0, 0};
     for_each([&](std::size_t k) { sum += sim().mass(k) * sim().velocity(k); });
-    return (1 / mass_for("mean_velocity")) * sum;
+    return (1 / mass_for("mean_velocity")) * sim().sum_over_ranks(sum);
   }
   /// [m/s] of centres, each particle counted alike.
   double mean_speed() const {
@@ -65,7 +67,7 @@ class TotalReadings {
   double largest_speed() const {  // [m/s] of centres; of no particles 0
     double most = 0;
     for_each([&](std::size_t k) { most = std::max(most, norm(sim().velocity(k))); });
-    return most;
+    return sim().largest_over_ranks(most);
   }
   /// [K] weighted by heat capacities: the temperature to which they would come by themselves.
   template <class S = Sim>
@@ -76,6 +78,7 @@ class TotalReadings {
       const double C = module.capacity(sim().engine().seen(k, sim().time()));
       heat += C * sim().template field<Temperature>(k), capacity += C;
     });
+    heat = sim().sum_over_ranks(heat), capacity = sim().sum_over_ranks(capacity);
     need(capacity > 0, "mean_temperature");
     return heat / capacity;
   }
@@ -92,7 +95,7 @@ class TotalReadings {
   double sum_of(const Value& value) const {
     double sum = 0;
     for_each([&](std::size_t k) { sum += value(k); });
-    return sum;
+    return sim().sum_over_ranks(sum);
   }
   double mass_for(const char* function) const {
     const double mass = total_mass();

@@ -52,6 +52,13 @@ class BodyPoints {
   const Vec3d& own_ghost(std::size_t k) const { return points_[k].ghost; }
   Vec3d place(std::size_t k) const { return in_space(points_[k].body, points_[k].at); }
   Vec3d ghost(std::size_t k) const { return in_space(points_[k].body, points_[k].ghost); }
+  /// A direction of the body's frame in space.
+  Vec3d turned(std::size_t k, const Vec3d& own) const {
+    const Body& b = bodies[points_[k].body];
+    return b.form == sphere ? own : rotate(b.axes, own);
+  }
+  /// Another one where there are other points than before; above 0.
+  std::uint64_t version() const { return version_; }
   /// [m/s] of the body's surface half way between a point and its mirror image.
   Vec3d velocity(std::size_t k) const {
     const Point& p = points_[k];
@@ -150,7 +157,7 @@ class BodyPoints {
     require(kinds.size() == 2 * n && points.size() == 8 * of, "Sph: a state of bodies has ",
             kinds.size(), " and ", points.size(), " numbers");
     const auto whole = [](double a) { return a == std::floor(a) && a >= 0 && a < 4.3e9; };
-    bodies.assign(n, {}), points_.clear();
+    bodies.assign(n, {}), points_.clear(), ++version_;
     for (std::size_t b = 0; b < n; ++b) {
       require(whole(kinds[2 * b + 1]), "Sph: body ", b, " of a state has form ", kinds[2 * b + 1]);
       bodies[b].radius = kinds[2 * b];
@@ -177,7 +184,7 @@ class BodyPoints {
     return b.centre + (b.form == sphere ? own : rotate(b.axes, own));
   }
   void make(const SphSetup& setup) {
-    points_.clear();
+    points_.clear(), ++version_;
     const double s = setup.spacing;
     for (std::uint32_t b = 0; b < bodies.size(); ++b) {
       const Body& body = bodies[b];
@@ -225,6 +232,7 @@ class BodyPoints {
   std::map<std::pair<std::uint32_t, double>, BodySites> laid_;  // by form and radius
   std::vector<Point> points_;                                   // body by body
   std::vector<std::size_t> begin_{0};
+  std::uint64_t version_ = 1;
 };
 
 }  // namespace silt::detail

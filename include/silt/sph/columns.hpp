@@ -7,6 +7,7 @@
 
 #include <silt/core/storage.hpp>
 #include <silt/core/threads.hpp>
+#include <silt/core/vec3.hpp>
 #include <silt/sph/cluster_lists.hpp>
 #include <silt/sph/pair_sums.hpp>
 #include <silt/sph/row.hpp>
@@ -22,6 +23,9 @@ struct SphColumns {
   /// Labels from here on: a particle of an opening's buffer (of kind Liquid), or its probe.
   static constexpr std::uint32_t of_openings = 1u << 31;
   AlignedVector<double> volume;  // [m3]
+  // [m/s] Of walls and bodies that liquid sticks to, else empty: the part of a row's velocity that
+  // friction alone meets (SphPairs).
+  AlignedVector<Vec3d> sticking;
   AlignedVector<SphRates> rates;
   // With UnresolvedGrains, else empty: the part [-] of the space around a particle that is liquid,
   // the part of a particle's mass that it has, and how full its kernel is (div r over dimensions).
@@ -59,8 +63,8 @@ struct SphColumns {
     return (rows.capacity() + start.capacity()) * sizeof(SphRow) + kind.capacity() +
            label.capacity() * sizeof(std::uint32_t) +
            (volume.capacity() + 3 * voidage.capacity()) * sizeof(double) +
-           rates.capacity() * sizeof(SphRates) + brief.capacity() * sizeof(SphBrief) +
-           stress.capacity() * sizeof(SphStress);
+           (sticking.capacity() * sizeof(Vec3d)) + rates.capacity() * sizeof(SphRates) +
+           brief.capacity() * sizeof(SphBrief) + stress.capacity() * sizeof(SphStress);
   }
 
  private:

@@ -2,15 +2,12 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <numbers>
 #include <numeric>
 #include <span>
-#include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -20,7 +17,10 @@
 #include <silt/sph/cluster_lists.hpp>
 #include <silt/sph/columns.hpp>
 #include <silt/sph/driven_walls.hpp>
+#include <silt/sph/dry_gaps.hpp>
+#include <silt/sph/lattice_sites.hpp>
 #include <silt/sph/ledger.hpp>
+#include <silt/sph/liquid_check.hpp>
 #include <silt/sph/opening_sums.hpp>
 #include <silt/sph/openings.hpp>
 #include <silt/sph/pair_sums.hpp>
@@ -78,6 +78,7 @@ struct SphCore {
   SphSurfaceSlope<Kernel> surface_slope{};
   SphSolids solids{};
   SphOpenings openings{};
+  DryGaps<Kernel> gaps{};
   // Of a Simulation's walls: held until the next advance(), and of the last step.
   std::vector<LiquidOnWall> on_walls{}, in_step{};
   Lists lists{};
@@ -91,7 +92,7 @@ struct SphCore {
   std::size_t left = 0, displaced = 0;
   double time = 0, now = 0, last_step = 0;  // [s] now: of the rates
   double full = 0;                          // [-] div r of a lattice
-  double exchange = INFINITY;               // [s] longest_exchange() of the last step
+  double exchange = INFINITY;               // [s] sph_longest_exchange() of the last step
   std::int64_t steps = 0;
   bool stale = true;   // lists are to be made
   bool fresh = true;   // they are new: rows of solids have no values yet
@@ -105,7 +106,7 @@ struct SphCore {
         scheme.check(), keeper.check();
     require(Walls::mirrored || !setup.slip,
             "SphSetup.slip has no effect with DynamicWalls; leave it out, or take MirroredWalls");
-    full = divergence_of_lattice();
+    full = sph_divergence_of_lattice<Kernel>(setup);
     if constexpr (Shift::shifts) surface_slope = SphSurfaceSlope<Kernel>(setup.dimensions);
     require(Time::two_stages || setup.courant <= 0.2, "SphSetup.courant = ", setup.courant,
             " is too long for VerletTime, which is unstable from 0.22 on; take at most 0.2, or "
@@ -122,19 +123,6 @@ struct SphCore {
   Vec3d weight() const {
     return {setup.periodic[0] ? 0 : gravity.x, setup.periodic[1] ? 0 : gravity.y,
             setup.periodic[2] ? 0 : gravity.z};
-  }
-  /// [-] -sum V r.grad W on the lattice of the spacing: 2 or 3, but for the kernel's width.
-  double divergence_of_lattice() const {
-    const double s = setup.spacing, h = setup.h();
-    const int n = static_cast<int>(2 * h / s) + 1, across = setup.dimensions == 2 ? 0 : n;
-    double sum = 0;
-    for (int i = -n; i <= n; ++i)
-      for (int j = -across; j <= across; ++j)
-        for (int k = -n; k <= n; ++k) {
-          const double q = std::sqrt(i * i + j * j + k * k) * s / h;
-          sum -= Kernel::slope(q) * q * q;
-        }
-    return sum * setup.volume() * Kernel::normalisation(setup.dimensions, h);
   }
   double particle_mass() const { return liquid.density * setup.volume(); }  // [kg]; 2D: [kg/m]
   /// Solids or liquid have come or gone.
@@ -159,20 +147,8 @@ struct SphCore {
       if (!grains.pick_small(of, setup, resolved)) made = false, renewed();
     if (solids.bodies.set(of, resolved, setup)) make_room_for_bodies();
     solids.walls.take_drives(time), on_walls.assign(solids.walls.walls(), {});
-    exchange = longest_exchange(of);
+    exchange = sph_longest_exchange(*this, of);
     known = false;  // of where all is now, whatever was read in between
-  }
-  /// [s] for which what the liquid does to bodies may be held. A body that is pushed on radiates
-  /// sound, which halts it at a rate of rho c A/m, A = 4/3 pi R^2 or in 2D pi R: over a longer time
-  /// a light one would be thrown back, faster each time.
-  double longest_exchange(const CoupledParticles& of) const {
-    double longest = INFINITY;
-    for (const std::size_t p : resolved) {
-      const double R = of.shape.radius[p], pi = std::numbers::pi,
-                   area = setup.dimensions == 2 ? pi * R : 4 * pi / 3 * R * R;
-      longest = std::min(longest, 0.5 * of.mass[p] / (liquid.density * liquid.sound_speed * area));
-    }
-    return longest;
   }
   /// Adds a share of the loads of the last step.
   void add_loads(double part, std::span<Vec3d> force, std::span<Vec3d> torque) {
@@ -279,7 +255,7 @@ struct SphCore {
       Extremes& m = of_parts[part];
       for (std::size_t p = part * per; p < std::min(packs, (part + 1) * per); ++p) {
         m.pair = std::max(m.pair, pairs.of_liquid(p, columns.rows, columns.volume, lists,
-                                                  columns.rates, columns.brief));
+                                                  columns.rates, columns.brief, columns.sticking));
         if constexpr (turbulent)
           sps().accelerate(p, W, columns.rows, columns.volume, columns.stress, lists, columns.rates,
                            true);
@@ -347,23 +323,6 @@ struct SphCore {
   void place_solids(bool all, const Team& team) {
     solids.move_rows(columns, lists, solids.walls.any_moves(), Walls::mirrored, small_grains(), all,
                      team);
-  }
-  /// @}
-
-  /// @name What may go wrong
-  /// @{
-  void check(const Row& r) const {
-    const double share = r.density / liquid.density;
-    if (is_finite(r.position()) && is_finite(r.velocity()) && share >= least_density &&
-        share <= most_density)
-      return;
-    throw SimulationError(sph_what_is_wrong(*this, r), steps, {}, r.position());
-  }
-  bool is_out(const Vec3d& x) const {
-    // What walls at its sides press into them is not out.
-    const Box b = setup.region.grown(setup.spacing);
-    return x.x < b.min.x || x.x > b.max.x || x.z < b.min.z || x.z > b.max.z ||
-           (setup.dimensions == 3 && (x.y < b.min.y || x.y > b.max.y));
   }
   /// @}
 

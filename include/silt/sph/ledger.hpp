@@ -181,10 +181,13 @@ SphPowers sph_powers(Core& core, const Team& team) {
   auto& of = core.columns;
   const std::size_t packs = core.lists.first_pack(Lists::Wall), first = packs * W;
   std::vector<typename Sums::Surface> surfaces(of.size() - first);
-  for (std::size_t k = 0; k < core.solids.size(); ++k)
-    if (core.solids.has_row(k))
-      surfaces[core.solids.wall_row[k] - first] = {core.solids.own_velocity(k),
-                                                   core.solids.is_wall(k) ? 0.0 : 1.0};
+  for (std::size_t k = 0; k < core.solids.size(); ++k) {
+    if (!core.solids.has_row(k)) continue;
+    const std::size_t row = core.solids.wall_row[k];
+    surfaces[row - first] = {core.solids.own_velocity(k),
+                             of.sticking.empty() ? Vec3d{0, 0, 0} : of.sticking[row],
+                             core.solids.is_wall(k) ? 0.0 : 1.0};
+  }
   const Sums sums(core.constants(), core.viscosity, core.diffusion);
   std::vector<SphPowers> parts((packs + per - 1) / per);
   team.for_parts(parts.size(), [&](std::size_t part) {

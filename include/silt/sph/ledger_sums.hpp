@@ -41,7 +41,7 @@ struct SphPowers {
 ///
 ///   work        f.u
 ///   viscosity   f.(v_a - u)
-///   mirrored    pressure's f.(v_a - u) + V_a P_a V_b (v_a - v_b).grad W
+///   mirrored    pressure's f.(v_a - u) + V_a P_a V_b (v_a - v_b).grad W, v_b without `sticking`
 ///
 /// The last would be 0 if v_b - u were u - v_a across the surface and P_b = P_a.
 template <class Kernel, class Viscosity, class Diffusion, class Arch = DefaultArch>
@@ -52,6 +52,7 @@ class SphPowerSums {
   /// Of a row of something solid.
   struct Surface {
     Vec3d velocity{0, 0, 0};  // [m/s] u
+    Vec3d sticking{0, 0, 0};  // [m/s] of v_b, which the density does not see
     double of_body = 0;       // 1: a body's, 0: a wall's
   };
 
@@ -138,7 +139,9 @@ class SphPowerSums {
         const Real d_w = dx * wx + dy * wy + dz * wz;
         const Real d_u = dx * Real(u.x) + dy * Real(u.y) + dz * Real(u.z);
         const Real both = P + Real(b.pressure), push = -max(both, Real(0)) * Vf;
-        const Real parting = select(both < Real(0), min(along, Real(0)), along);
+        const Vec3d& stuck = of_b.sticking;
+        const Real slipping = along + dx * Real(stuck.x) + dy * Real(stuck.y) + dz * Real(stuck.z);
+        const Real parting = select(both < Real(0), min(slipping, Real(0)), slipping);
         const Real mirrored = push * d_w + P * Vf * parting;
         Real work = push * d_u;
         if constexpr (Viscosity::artificial) {

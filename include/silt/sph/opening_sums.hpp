@@ -9,6 +9,7 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/threads.hpp>
+#include <silt/sph/liquid_check.hpp>
 #include <silt/sph/openings.hpp>
 #include <silt/sph/seen.hpp>
 
@@ -93,7 +94,7 @@ void sph_set_buffers(Core& core, const Team& team) {
       const Vec3d away = x - columns.rows[probes[slot]].position();
       r.density = seen[slot].at(away, core.liquid, core.gravity, core.setup.h(), false).density;
     }
-    core.check(r);
+    sph_check(core, r);
     r.pressure = core.liquid.pressure(r.density);
     columns.volume[k] = core.particle_mass() / r.density;
   }

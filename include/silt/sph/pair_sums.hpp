@@ -58,6 +58,10 @@ constexpr std::size_t sph_width() {
 /// drawn into a wall otherwise, as its density is known badly. Where a pull is left out, so is what
 /// parting from the wall takes from the density: liquid would store the energy of a tension that
 /// nothing has worked for, and thin films blew up by it.
+/// The density sees liquid slip along walls that it sticks to: without their `sticking`, the part
+/// of v_b that is for viscosities alone. Mirrored so that it sticks, v along a wall and v across it
+/// would not be those of one flow, whose divergence is 0: where liquid leaves a wall its density
+/// fell, and particles got through.
 /// Each pair is computed from both of its ends, by terms that are odd in them: momentum is kept to
 /// rounding, and threads share nothing.
 ///
@@ -122,11 +126,12 @@ class SphPairs {
   /// Sets the rates of a pack; returns the largest |h v.r/(r^2 + (0.1 h)^2)| [m/s].
   double of_liquid(std::size_t pack, std::span<const SphRow> rows, std::span<const double> volume,
                    const ClusterLists& lists, std::span<SphRates> out,
-                   std::span<const SphBrief> brief = {}) const {
+                   std::span<const SphBrief> brief = {},
+                   std::span<const Vec3d> sticking = {}) const {
     const Own own = own_of(pack, rows, brief);
     Totals totals;
-    add<true>(own, rows, volume, brief, lists, lists.liquid(pack), totals);
-    add<false>(own, rows, volume, brief, lists, lists.walls(pack), totals);
+    add<true>(own, rows, volume, brief, {}, lists, lists.liquid(pack), totals);
+    add<false>(own, rows, volume, brief, sticking, lists, lists.walls(pack), totals);
     return put(rows.data() + pack * W, totals, out.data() + pack * W);
   }
   /// The same of particles of walls, which feel the liquid alone.
@@ -135,7 +140,7 @@ class SphPairs {
                  std::span<const SphBrief> brief = {}) const {
     const Own own = own_of(pack, rows, brief);
     Totals totals;
-    add<false>(own, rows, volume, brief, lists, lists.liquid(pack), totals);
+    add<false>(own, rows, volume, brief, {}, lists, lists.liquid(pack), totals);
     return put(rows.data() + pack * W, totals, out.data() + pack * W);
   }
 
@@ -232,20 +237,22 @@ class SphPairs {
 
   template <bool liquid>
   SILT_INLINE void add(const Own& a, std::span<const SphRow> rows, std::span<const double> volume,
-                       std::span<const SphBrief> brief, const ClusterLists& lists,
-                       std::span<const ClusterLists::Entry> entries, Totals& totals) const {
+                       std::span<const SphBrief> brief, std::span<const Vec3d> sticking,
+                       const ClusterLists& lists, std::span<const ClusterLists::Entry> entries,
+                       Totals& totals) const {
     if constexpr (mixed) {
       for (std::size_t k = 0; k < entries.size(); k += chunk)
         add_some<liquid>(
-            a, brief, lists, entries.subspan(k, std::min(chunk, entries.size() - k)),
+            a, brief, sticking, lists, entries.subspan(k, std::min(chunk, entries.size() - k)),
             [&](std::size_t row) { return brief[row].volume; }, totals);
     } else if (!entries.empty()) {
       add_some<liquid>(
-          a, rows, lists, entries, [&](std::size_t row) { return volume[row]; }, totals);
+          a, rows, sticking, lists, entries, [&](std::size_t row) { return volume[row]; }, totals);
     }
   }
   template <bool liquid, class Other, class Volume>
-  SILT_INLINE void add_some(const Own& a, std::span<const Other> others, const ClusterLists& lists,
+  SILT_INLINE void add_some(const Own& a, std::span<const Other> others,
+                            std::span<const Vec3d> sticking, const ClusterLists& lists,
                             std::span<const ClusterLists::Entry> entries, const Volume& volume,
                             Totals& totals) const {
     Sums part;
@@ -258,7 +265,15 @@ class SphPairs {
       const Other* const one = b;
       b = placed(others, lists, entries[std::min(k + 1, n - 1)], moved[(k + 1) % 2]);
       find_way(a, *b, next);
-      pair<liquid>(a, now, *one, volume(entries[k].row()), part);
+      const std::size_t row = entries[k].row();
+      Vec3<Scalar> stuck{0, 0, 0};
+      if constexpr (!liquid) {
+        if (!sticking.empty()) {
+          const Vec3d v = (1 / speed_) * sticking[row];
+          stuck = {Scalar(v.x), Scalar(v.y), Scalar(v.z)};
+        }
+      }
+      pair<liquid>(a, now, *one, volume(row), stuck, part);
     }
     totals.add(part);
   }
@@ -294,7 +309,7 @@ class SphPairs {
   }
   template <bool liquid, class Other>
   SILT_INLINE void pair(const Own& a, const Way& way, const Other& b, const Scalar& volume,
-                        Sums& sum) const {
+                        [[maybe_unused]] const Vec3<Scalar>& stuck, Sums& sum) const {
     const auto& [dx, dy, dz, r2, f] = way;
     const Real Vf = Real(volume) * f;
     // m f/m: what is solid may stand for less than a particle's volume.
@@ -309,7 +324,9 @@ class SphPairs {
     if constexpr (liquid) {
       sum.spread = multiply_add(Vf, along, sum.spread);
     } else {
-      sum.spread = multiply_add(Vf, select(both < Real(0), min(along, Real(0)), along), sum.spread);
+      const Real slipping = along + dx * Real(stuck.x) + dy * Real(stuck.y) + dz * Real(stuck.z);
+      const Real parting = select(both < Real(0), min(slipping, Real(0)), slipping);
+      sum.spread = multiply_add(Vf, parting, sum.spread);
       both = max(both, Real(0));
     }
     // The acceleration over -slope_/rho_a

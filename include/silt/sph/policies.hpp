@@ -42,7 +42,7 @@ struct SphPolicies {
       ((SphPolicy<Ps> || SphPrecision<Ps> || SphLedger<Ps>)&&...),
       "Sph: a policy is none of those for SPH: a kernel (WendlandC2, CubicSpline), a "
       "viscosity (ArtificialViscosity, LaminarViscosity, SpsTurbulence, Inviscid), a diffusion "
-      "(Fourtakas, MolteniColagrossi, NoDiffusion), Shifting or NoShifting, "
+      "(Fourtakas, MolteniColagrossi, NoDiffusion), Shifting, ShiftingByFastest or NoShifting, "
       "SymplecticTime or VerletTime, MirroredWalls or DynamicWalls, Double or Mixed, "
       "UnresolvedGrains, RestoredVolume or DriftingVolume, EnergyLedger");
   template <SphAxis axis>

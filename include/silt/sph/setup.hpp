@@ -58,6 +58,8 @@ struct SphSetup {
   Vec3d gravity{0, 0, 0};          // [m/s2]
   double courant = 0.2;            // [-] of the time step
   std::optional<Slip> slip = {};   // at walls; left out: None with a viscosity of its own
+  double scatter =
+      0;  // [-] of the spacing: how far from the lattice fill() puts particles, at most
 
   double h() const { return smoothing * std::sqrt(static_cast<double>(dimensions)) * spacing; }
   double volume() const {
@@ -75,6 +77,8 @@ struct SphSetup {
             " must be in [0.7, 2]; 0.8 to 1.2 are usual");
     require(courant > 0 && courant <= 0.5, "SphSetup.courant = ", courant,
             " must be in (0, 0.5]; 0.2 is usual");
+    require(scatter >= 0 && scatter <= 0.3, "SphSetup.scatter = ", scatter,
+            " must be in [0, 0.3] of the spacing; 0.2 breaks a lattice up");
     require(is_finite(gravity), "SphSetup.gravity = ", gravity, " [m/s2] must be finite");
     const double length[3] = {e.x, e.y, e.z};
     for (std::size_t d = 0; d < 3; ++d) {

@@ -1,13 +1,17 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numbers>
 #include <span>
 
 #include <silt/core/threads.hpp>
 #include <silt/core/vec3.hpp>
+#include <silt/coupling/particles_in_fluid.hpp>
 #include <silt/sph/body_points.hpp>
 #include <silt/sph/driven_walls.hpp>
 #include <silt/sph/seen.hpp>
@@ -36,6 +40,7 @@ void sph_mirror(Core& core, const typename Core::Pairs& pairs, const Team& team)
   const auto& solids = core.solids;
   const Slip slip = core.setup.slip.value_or(Core::Viscosity::laminar ? Slip::None : Slip::Free);
   const std::size_t first = core.lists.first_pack(Lists::Probe), n = core.lists.packs() - first;
+  if (slip == Slip::None) columns.sticking.resize(columns.size(), Vec3d{0, 0, 0});
   team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
     for (std::size_t p = first + from; p < first + to; ++p) {
       std::array<SphSeen, W> seen{};
@@ -49,12 +54,16 @@ void sph_mirror(Core& core, const typename Core::Pairs& pairs, const Team& team)
         auto& wall = columns.rows[at];
         const Vec3d away =
             core.lists.repeats.shortest(wall.position() - columns.rows[p * W + l].position());
-        const auto [density, velocity, share] =
+        const SphSeen::Mirrored image =
             seen[l].at(away, core.liquid, core.weight(), core.setup.h(), !solids.bodies.empty());
-        wall.density = density, wall.pressure = core.liquid.pressure(density);
+        wall.density = image.density, wall.pressure = core.liquid.pressure(image.density);
         const Vec3d own = solids.velocity(of, p * W + l);
-        wall.move(own + share * (sph_velocity_at_wall(velocity, own, away, slip) - own));
-        columns.volume[at] = solids.share(of) * core.particle_mass() / density;
+        const auto at_wall = [&](Slip how) {
+          return own + image.share * (sph_velocity_at_wall(image.velocity, own, away, how) - own);
+        };
+        wall.move(at_wall(slip));
+        if (slip == Slip::None) columns.sticking[at] = wall.velocity() - at_wall(Slip::Free);
+        columns.volume[at] = solids.share(of) * core.particle_mass() / image.density;
       }
     }
   });
@@ -111,6 +120,28 @@ void sph_driven_loads(const Core& core, std::span<LiquidOnWall> loads) {
     load.along += damping * Vec3d{n.x * n.x, n.y * n.y, n.z * n.z};
     load.around += damping * Vec3d{t.x * t.x, t.y * t.y, t.z * t.z};
   }
+  for (const auto& push : core.gaps.pushes()) {
+    if (!walls.is_driven(push.wall)) continue;
+    Vec3d arm =
+        core.solids.place(walls.size() + push.point) - walls.driven(push.wall).centre_at(core.now);
+    if (core.solids.plane) arm.y = 0;
+    loads[push.wall].force -= push.force, loads[push.wall].torque -= cross(arm, push.force);
+  }
+}
+
+/// [s] for which what the liquid does to bodies may be held. A body that is pushed on radiates
+/// sound, which halts it at a rate of rho c A/m, A = 4/3 pi R^2 or in 2D pi R: over a longer time
+/// a light one would be thrown back, faster each time.
+template <class Core>
+double sph_longest_exchange(const Core& core, const CoupledParticles& of) {
+  double longest = INFINITY;
+  for (const std::size_t p : core.resolved) {
+    const double R = of.shape.radius[p], pi = std::numbers::pi,
+                 area = core.setup.dimensions == 2 ? pi * R : 4 * pi / 3 * R * R;
+    longest = std::min(longest,
+                       0.5 * of.mass[p] / (core.liquid.density * core.liquid.sound_speed * area));
+  }
+  return longest;
 }
 
 /// What the liquid does to bodies: the opposite of what they do to it, pair by pair.
@@ -131,6 +162,7 @@ void sph_body_loads(Core& core, const Team& team) {
           return true;
       return false;
     });
+  core.gaps.find(core, team);
   core.in_step.assign(driven ? solids.walls.walls() : 0, {});
   if (driven) sph_driven_loads(core, core.in_step);
   const std::vector<std::size_t>& begin = of.begin();
@@ -146,6 +178,12 @@ void sph_body_loads(Core& core, const Team& team) {
       }
     }
   });
+  for (const auto& push : core.gaps.pushes()) {
+    auto& body = of.bodies[of.body_of(push.point)];
+    Vec3d arm = of.place(push.point) - body.centre;
+    if (solids.plane) arm.y = 0;
+    body.force += push.force, body.torque += cross(arm, push.force);
+  }
 }
 /// @}
 

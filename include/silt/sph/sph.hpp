@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <silt/core/error.hpp>
+#include <silt/core/random.hpp>
 #include <silt/core/threads.hpp>
 #include <silt/coupling/concept.hpp>
 #include <silt/coupling/particles_in_fluid.hpp>
@@ -36,9 +37,9 @@ namespace silt::inline SILT_TARGET {
 ///   water.fill([](const silt::Vec3d& x) { return x.z < 0.3; });
 ///   water.run(1.0);
 ///
-/// Policies follow in any order: a kernel, a viscosity, a diffusion of density, Shifting or
-/// NoShifting, a time integration, a kind of walls. Left out: WendlandC2, ArtificialViscosity,
-/// Fourtakas, Shifting, SymplecticTime, MirroredWalls.
+/// Policies follow in any order: a kernel, a viscosity, a diffusion of density, Shifting,
+/// ShiftingByFastest or NoShifting, a time integration, a kind of walls. Left out: WendlandC2,
+/// ArtificialViscosity, Fourtakas, Shifting, SymplecticTime, MirroredWalls.
 ///
 /// Walls are layers of particles behind surfaces, bodies are filled with particles. With
 /// MirroredWalls these have the density that the liquid has at their mirror images (mDBC) and a
@@ -177,11 +178,13 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
     std::unordered_set<std::uint64_t> taken;  // sites
     for (std::size_t k = 0; k < core().columns.size(); ++k)
       if (core().columns.is_liquid(k)) taken.insert(site_of(core().columns.rows[k].position()));
-    detail::for_each_site(setup(), 0, [&](const Vec3d& x) {
-      if (!inside(x) || core().solids.walls.distance(x) < half || core().openings.hold(x)) return;
-      require(taken.count(site_of(x)) == 0, "Sph::fill: there is liquid at ", x,
+    detail::for_each_site(setup(), 0, [&](const Vec3d& site) {
+      if (!inside(site) || core().solids.walls.distance(site) < half || core().openings.hold(site))
+        return;
+      require(taken.count(site_of(site)) == 0, "Sph::fill: there is liquid at ", site,
               " m already; fill each place once");
       Row r{};
+      const Vec3d x = scattered(site);
       const Vec3d v = start(x);
       const double p = pressure(x);
       require(is_finite(v) && std::isfinite(p), "Sph::fill: at ", x, " m velocity ", v,
@@ -330,6 +333,11 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
       const Vec3d f = core().solids.force_on(k, core().columns, particle_mass());
       force += f, torque += cross(solid.place(k) - about, f);
     }
+    core().gaps.find(core(), team);
+    for (const auto& push : core().gaps.pushes())
+      if (push.wall == wall)
+        force -= push.force,
+            torque -= cross(core().solids.bodies.place(push.point) - about, push.force);
     if (open && !Axes::Walls::mirrored) detail::sph_solid_rates(core(), team);  // as they were
     return {force, torque};
   }
@@ -369,13 +377,30 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   }
   Core& core() { return *this; }
   const Core& core() const { return *this; }
-  /// Of the liquid from number `first` on.
+  /// Of the liquid from number `first` on, before it has moved: those of the lattice.
   std::vector<Vec3d> places(std::uint32_t first) const {
     std::vector<Vec3d> all;
     for (std::size_t k = 0; k < core().columns.size(); ++k)
       if (core().columns.is_liquid(k) && core().columns.label[k] >= first)
-        all.push_back(core().columns.rows[k].position());
+        all.push_back(unscattered(core().columns.rows[k].position()));
     return all;
+  }
+  Vec3d unscattered(const Vec3d& x) const {
+    if (!(setup().scatter > 0)) return x;
+    const double s = setup().spacing;
+    const Vec3d at = (1 / s) * (x - setup().region.min);
+    const auto middle = [s](double a) { return s * (std::floor(a) + 0.5); };
+    return setup().region.min +
+           Vec3d{middle(at.x), setup().dimensions == 2 ? 0 : middle(at.y), middle(at.z)};
+  }
+  /// A particle's place beside its site of the lattice: the same in every fill.
+  Vec3d scattered(const Vec3d& site) const {
+    const double farthest = setup().scatter * setup().spacing;
+    if (!(farthest > 0)) return site;
+    Random random(site_of(site) + 1);
+    const double x = random.uniform(-farthest, farthest), y = random.uniform(-farthest, farthest),
+                 z = random.uniform(-farthest, farthest);
+    return site + Vec3d{x, setup().dimensions == 2 ? 0 : y, z};
   }
   /// A number for the lattice's cell at a place.
   std::uint64_t site_of(const Vec3d& x) const {

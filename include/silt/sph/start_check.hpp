@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <string>
 
 #include <silt/core/error.hpp>
 #include <silt/core/vec3.hpp>
@@ -45,34 +44,6 @@ void sph_check_sound(const Core& core) {
   for (std::size_t k = 0; k < core.solids.walls.size(); ++k)
     fastest = std::max(fastest, norm(core.solids.velocity(k)));
   if (fastest > 0) check(fastest, "a wall");
-}
-
-/// Of a particle of the liquid that cannot go on: where and why, and what to change.
-template <class Core>
-std::string sph_what_is_wrong(const Core& core, const SphRow& r) {
-  const Vec3d x = r.position();
-  const double c = core.liquid.sound_speed, speed = norm(r.velocity());
-  const std::string what = text("step ", core.steps, ", t = ", core.time, " s: the liquid at ", x,
-                                " m"),
-                    is = text(" density ", r.density, " kg/m3 and velocity ", r.velocity(), " m/s");
-  const auto& walls = core.solids.walls;
-  if (is_finite(x) && walls.walls() > 0)
-    if (const auto wall = walls.nearest(x); wall.distance < -0.1 * core.setup.spacing)
-      return text(what, " has gone through wall ", in_quotes(walls.name(wall.wall)), " by ",
-                  -wall.distance, " m, with", is,
-                  "; take a smaller spacing, a larger alpha of the viscosity (0.1), or a slower "
-                  "wall");
-  const std::string beyond = text(what, " has", is, ", beyond ", core.least_density, " to ",
-                                  core.most_density, " of ", core.liquid.density, " kg/m3; ");
-  if (speed > 0.2 * c)
-    return text(beyond, "that is ", speed / c, " of Liquid.sound_speed = ", c,
-                " m/s, of which speeds may be a tenth; if the scene is as fast as that, take a "
-                "larger Liquid.sound_speed, ",
-                10 * speed, " m/s, else a larger alpha of the viscosity (0.1)");
-  return text(beyond,
-              "take a smaller spacing, a larger alpha of the viscosity (0.1) or a smaller "
-              "SphSetup.courant; for a drop that has flown off alone, whose density no neighbour "
-              "holds, a lower Sph::least_density");
 }
 
 }  // namespace silt::detail

@@ -42,6 +42,12 @@ class SphSurfaceSlope {
     const double share = place - static_cast<double>(k);
     return (1 - share) * slope_[k] + share * slope_[k + 1];
   }
+  /// The same, 0 inside: a kernel that is nearly full lacks what it does as particles are uneven.
+  /// Of a liquid that fills its space; a wave or a floating body is as well off without.
+  double beyond_inside(double full) const {
+    constexpr double inside = 0.97, surface = 0.92;
+    return std::clamp((inside - full) / (inside - surface), 0.0, 1.0) * (*this)(full);
+  }
 
  private:
   static constexpr std::size_t points = 65;

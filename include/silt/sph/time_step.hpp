@@ -134,8 +134,10 @@ class SphStep {
       const SphSetup& setup = core_.setup;
       const double full = setup.dimensions, none = core_.shift.threshold_in(setup.dimensions);
       const double share = std::clamp((rate.divergence - none) / (full - none), 0.0, 1.0);
-      const double steep = setup.h() * norm(rate.slope),
-                   uneven = steep - core_.surface_slope(rate.divergence / core_.full);
+      const double steep = setup.h() * norm(rate.slope), filled = rate.divergence / core_.full;
+      double uneven = steep - core_.surface_slope(filled);
+      if constexpr (Core::Shift::by_fastest)
+        speed = core_.most.speed, uneven = steep - core_.surface_slope.beyond_inside(filled);
       if (!(uneven > 0)) return {0, 0, 0};
       const double length = std::min(core_.shift.strength * speed * dt_ * share * uneven,
                                      longest_shift * setup.spacing);

@@ -15,6 +15,7 @@
 #include <silt/sph/cluster_lists.hpp>
 #include <silt/sph/columns.hpp>
 #include <silt/sph/ledger.hpp>
+#include <silt/sph/liquid_check.hpp>
 #include <silt/sph/near_liquid.hpp>
 #include <silt/sph/row.hpp>
 
@@ -124,13 +125,13 @@ void sph_wrap_liquid(Core& core) {
       r.place(repeats.wrapped(r.position()));
       continue;
     }
-    core.check(r);
+    sph_check(core, r);
     // In the middle of a step its start goes along.
     const Vec3d way = repeats.wrapped(r.position()) - r.position();
     SphRow& start = of.start[k];
     r.place(r.position() + way), start.place(start.position() + way);
     sph_goes_round(core, k, way);
-    if (core.is_out(r.position())) sph_goes(core, k, false), of.take_out(k), ++core.left;
+    if (sph_is_out(core, r.position())) sph_goes(core, k, false), of.take_out(k), ++core.left;
   }
 }
 /// Brings the particles into packs, with lists.

@@ -10,11 +10,12 @@
 
 #include <silt/boundary/motion.hpp>
 #include <silt/boundary/wall.hpp>
+#include <silt/core/error.hpp>
 #include <silt/sph/driven_walls.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// A wall of a liquid: its own, or one that a Simulation moves.
+/// A wall as particles follow it: its surfaces, where they are and how they move.
 struct WallPart {
   std::vector<Surface> surfaces;
   std::string name;
@@ -30,15 +31,25 @@ struct WallPart {
   bool moves() const {
     return of != nullptr ? static_cast<bool>(of->motion) || is_driven() : static_cast<bool>(motion);
   }
-  /// To `time` [s]; velocities are those of the `span` [s] before.
-  void place(double time, double over) {
+  /// Closed meshes alone have a side behind them.
+  void check() const {
+    for (const Surface& one : surfaces)
+      visit_surface(one, [&](const auto& s) {
+        if constexpr (std::is_same_v<std::remove_cvref_t<decltype(s)>, TriangleMesh>)
+          require(s.is_closed(), "Sph: the mesh of wall ", in_quotes(name),
+                  " is not closed, so that it has no side behind it; close it, or use planes, "
+                  "cylinders and cones");
+      });
+  }
+  /// To `time` [s]; velocities are those of `before` [s] until then.
+  void move_to(double time, double before) {
     if (!moves()) return;
     const auto at = [this](double t) {
       if (of == nullptr) return motion(t);
-      return is_driven() ? driven.at(t) : of->pose_at(t);
+      return of->is_driven() ? driven.at(t) : of->pose_at(t);
     };
-    const double from = std::max(time - over, 0.0);  // motions need not be known before 0
-    pose = at(time), last = at(from), next = at(from + over), span = over;
+    const double from = std::max(time - before, 0.0);  // motions need not be known before 0
+    pose = at(time), last = at(from), next = at(from + before), span = before;
   }
   /// [m/s] at a place in its own coordinates.
   Vec3d velocity(const Vec3d& own) const {
@@ -50,6 +61,7 @@ struct WallPart {
     nearest(x, &which);
     return which;
   }
+  /// The nearest of the surfaces to a place in space: distance and normal of that, which one.
   SurfacePoint nearest(const Vec3d& x, std::size_t* which = nullptr) const {
     constexpr double far = std::numeric_limits<double>::infinity();
     SurfacePoint least{{0, 0, 0}, far, 0};

@@ -16,8 +16,8 @@
 #include <silt/boundary/wall.hpp>
 #include <silt/core/error.hpp>
 #include <silt/sph/driven_walls.hpp>
+#include <silt/sph/lattice_sites.hpp>
 #include <silt/sph/setup.hpp>
-#include <silt/sph/sites.hpp>
 #include <silt/sph/wall_part.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
@@ -36,10 +36,11 @@ class WallParticles {
     require(setup.drive.index() == 0, "Sph: wall ", in_quotes(setup.name),
             " has a drive, which a liquid alone does not move; add the wall to a Simulation that "
             "has the Sph as its fluid, or give it a motion");
-    check(surfaces.parts, setup.name);
+    const Part part{surfaces.parts, setup.name, setup.motion, setup.surface_velocity, nullptr};
+    part.check();
     setup.surface_velocity.check();
-    walls_.push_back({surfaces.parts, setup.name, setup.motion, setup.surface_velocity, nullptr});
-    walls_.back().place(0, 1);
+    walls_.push_back(part);
+    walls_.back().move_to(0, 1);
     walls_.back().first = walls_.back().pose;
     fresh_ = true;
   }
@@ -59,9 +60,9 @@ class WallParticles {
     const bool restored = restored_.size() == walls.size() && !walls.empty();
     walls_.clear();
     for (const Wall& w : walls) {
-      check(w.surfaces, w.name);
       walls_.push_back({w.surfaces, w.name, {}, {}, &w});
       Part& part = walls_.back();
+      part.check();
       part.pose = part.last = part.next = part.first = part.listed = w.pose;
     }
     followed_ = walls.size();
@@ -249,7 +250,7 @@ class WallParticles {
   /// @}
   /// To `time` [s]; velocities are those of the `span` [s] before.
   void move_to(double time, double span) {
-    for (Part& w : walls_) w.place(time, span);
+    for (Part& w : walls_) w.move_to(time, span);
   }
 
  private:
@@ -294,15 +295,6 @@ class WallParticles {
       walls_[w].first = restored_[w].first, walls_[w].listed = restored_[w].second;
     restored_.clear();
     find_boxes();
-  }
-  static void check(const std::vector<Surface>& surfaces, const std::string& name) {
-    for (const Surface& one : surfaces)
-      visit_surface(one, [&](const auto& s) {
-        if constexpr (std::is_same_v<std::remove_cvref_t<decltype(s)>, TriangleMesh>)
-          require(s.is_closed(), "Sph: the mesh of wall ", in_quotes(name),
-                  " is not closed, so that it has no side behind it; close it, or use planes, "
-                  "cylinders and cones");
-      });
   }
   struct Particle {
     Vec3d at, ghost;  // [m] in the wall's own coordinates

@@ -53,11 +53,19 @@ class BodyMotion {
   std::vector<BodyForm<ShapeType>> forms;
   std::size_t cells = 0;  // of forms, the last ones: cells of what broke (cell_forms.hpp)
   std::vector<Body> bodies;
+  // The last of them, which are other ranks' (ParticleState::ghosts).
+  [[no_unique_address]] std::conditional_t<State::of_ranks, std::size_t, NoGhosts> ghosts{};
   [[no_unique_address]] FluidLoads<Composition::from_fluid> fluid;  // of each body
   using Modules = typename Composition::Modules;
   [[no_unique_address]] ModuleColumns<Modules> modules;  // of each body
   std::vector<std::uint32_t> rows;  // of the parts of each body, as its form counts them
   static constexpr bool convex = SolidShape<ShapeType>;
+  static constexpr bool has_levers = [] {
+    if constexpr (convex)
+      return !ShapeType::one_part;
+    else
+      return false;
+  }();
   [[no_unique_address]] typename ConvexRowsOf<ShapeType>::type convex_rows;
 
   /// Bodies of one part that is at their centre move in lanes.
@@ -68,6 +76,13 @@ class BodyMotion {
       return false;
   }();
 
+  /// The first bodies, which are this rank's own; all, where there is but one.
+  std::size_t owned() const {
+    if constexpr (State::of_ranks)
+      return bodies.size() - ghosts;
+    else
+      return bodies.size();
+  }
   std::span<const std::uint32_t> rows_of(const Body& b) const {
     return {rows.data() + b.first, forms[b.form].parts.size()};
   }
@@ -84,13 +99,13 @@ class BodyMotion {
 
   Pace integrate(const Scene& scene, Advance how, const Kick& kick) {
     if constexpr (in_lanes) {
-      if (how != Advance::KickAndDrift) synchronous.resize(bodies.size());
+      if (how != Advance::KickAndDrift) synchronous.resize(owned());
       return carry(scene, &kick, how == Advance::KickAndDrift ? kick.drift : 0);
     }
     if (how == Advance::KickAndDrift)
       return over_bodies(
           scene, [&](Body& b) { push(scene, b, kick); }, kick.drift);
-    synchronous.resize(bodies.size());
+    synchronous.resize(owned());
     return over_bodies(scene, [&](Body& b, Measured& most) {
       const Vec3d velocity = b.velocity, momentum = b.momentum;
       push(scene, b, kick);
@@ -112,7 +127,7 @@ class BodyMotion {
   /// After an observed state: the step will be `ratio` times as long.
   void change_step(State& particles, double ratio) {
     if (Integrator::first_kick != 0.5) return;
-    for (std::size_t k = 0; k < bodies.size(); ++k) {
+    for (std::size_t k = 0; k < owned(); ++k) {
       Body& b = bodies[k];
       const Vec3d w = synchronous[k].angular_velocity;
       const Vec3d turned = rotate(conjugate(b.orientation), w);
@@ -174,38 +189,17 @@ class BodyMotion {
   }
 
   /// After parts were sorted or dropped: brings the bodies into the order of their first parts.
-  void follow(State& particles) {
-    std::vector<std::uint32_t> place(bodies.size(), no_place);
-    std::vector<Body> sorted;
-    std::vector<Synchronous> recorded;
-    std::vector<std::uint32_t> order;
-    std::uint32_t next = 0;
-    sorted.reserve(bodies.size());
-    for (std::size_t r = 0; r < particles.size(); ++r) {
-      auto& part = particles.part[r];
-      if (place[part.body] == no_place) {
-        place[part.body] = static_cast<std::uint32_t>(sorted.size());
-        sorted.push_back(bodies[part.body]);
-        order.push_back(part.body);
-        if (!synchronous.empty() && part.body < synchronous.size())
-          recorded.push_back(synchronous[part.body]);
-        sorted.back().first = next;
-        next += static_cast<std::uint32_t>(forms[sorted.back().form].parts.size());
-      }
-      part.body = place[part.body];
-    }
-    bodies.swap(sorted), synchronous.swap(recorded);
-    gather_rows(fluid, order, Team()), gather_rows(modules, order, Team());
-    number_rows(particles);
-  }
+  void follow(State& particles);
   /// Notes the rows of each body's parts.
-  void number_rows(const State& particles) {
-    std::size_t count = 0;
-    for (const Body& b : bodies) count += forms[b.form].parts.size();
-    rows.assign(count, no_place);
-    for (std::size_t r = 0; r < particles.size(); ++r)
-      rows[bodies[particles.part[r].body].first + particles.part[r].local] =
-          static_cast<std::uint32_t>(r);
+  void number_rows(const State& particles);
+  /// Wraps the bodies into a periodic box; their parts stay where they are.
+  template <class Domain>
+  void wrap(State& particles, const Domain& domain) {
+    for (Body& b : bodies) {
+      const Vec3d shift = domain.wrapped(b.centre) - b.centre;
+      b.centre += shift;
+      for (const std::uint32_t row : rows_of(b)) particles.part[row].image -= shift;
+    }
   }
 
  private:
@@ -285,9 +279,8 @@ class BodyMotion {
   template <class Range>
   Pace over_ranges(const Scene& scene, const Range& range) {
     std::array<Measured, Team::most_ranges> of{};
-    scene.team.for_ranges(bodies.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
-      range(from, to, of[r]);
-    });
+    scene.team.for_ranges(
+        owned(), [&](std::size_t r, std::size_t from, std::size_t to) { range(from, to, of[r]); });
     Measured all;
     for (const Measured& m : of) {
       all.speed = std::max(all.speed, m.speed), all.share2 = std::max(all.share2, m.share2);
@@ -387,3 +380,4 @@ class BodyMotion {
 }  // namespace silt::detail
 
 #include <silt/engine/advance/body_lanes.hpp>
+#include <silt/engine/advance/body_rows.hpp>

@@ -23,9 +23,9 @@ class Owner {
 
   static std::size_t count(const State& state, const Mover& mover) {
     if constexpr (has_bodies)
-      return mover.bodies.size();
+      return mover.owned();
     else
-      return state.size();
+      return state.owned();
   }
 
   ParticleId id() const {

@@ -21,7 +21,7 @@ template <class ContactsType, class State, class Scalar>
 double power_on_fixed(const State& particles, const Scalar* sums) {
   constexpr std::size_t chunks = load_chunks<ContactsType>;
   double power = 0;
-  for (std::size_t k = 0; particles.some_fixed && k < particles.size(); ++k) {
+  for (std::size_t k = 0; particles.some_fixed && k < particles.owned(); ++k) {
     const auto& m = particles.motion[k];
     if (m.inv_m != 0 || particles.is_parked(k)) continue;
     const auto part = [&](std::size_t c) { return load_part<chunks>(sums, k, c); };

@@ -70,7 +70,7 @@ class SphereMotion {
   std::vector<Synchronous> synchronous;  // of the last observed step
 
   Pace integrate(const Scene& scene, Advance how, const Kick& kick) {
-    const std::size_t n = scene.particles.size();
+    const std::size_t n = scene.particles.owned();
     if (how == Advance::KickAndRecord) synchronous.resize(n);
     std::array<double, Team::most_ranges> fastest{}, check{}, share{};
     scene.team.for_ranges(n, [&](std::size_t r, std::size_t from, std::size_t to) {
@@ -86,7 +86,7 @@ class SphereMotion {
 
   /// After an observed state: the step will be `ratio` times as long.
   void change_step(State& particles, double ratio) {
-    for (std::size_t k = 0; predicts && k < particles.size(); ++k) {
+    for (std::size_t k = 0; predicts && k < particles.owned(); ++k) {
       auto& rows = particles.derivatives[k].row;
       for (std::size_t d = 0; d < State::derivative_rows; ++d) {
         const double order = static_cast<double>(d < Integrator::derivatives ? d + 2 : d - 3);
@@ -95,7 +95,7 @@ class SphereMotion {
     }
     // Velocities of half a step later.
     if constexpr (!predicts && Integrator::first_kick == 0.5)
-      for (std::size_t k = 0; k < particles.size(); ++k) {
+      for (std::size_t k = 0; k < particles.owned(); ++k) {
         ParticleMotion& m = particles.motion[k];
         const Synchronous& now = synchronous[k];
         const Vec3d v = now.velocity + ratio * (m.velocity() - now.velocity);
@@ -111,7 +111,7 @@ class SphereMotion {
   double drift(const Scene& scene, double time_step, double share) const {
     const Row time = Row::of(time_step, time_step, time_step, 0);
     State& particles = scene.particles;
-    scene.team.for_ranges(particles.size(), [&](std::size_t, std::size_t from, std::size_t to) {
+    scene.team.for_ranges(particles.owned(), [&](std::size_t, std::size_t from, std::size_t to) {
       for (std::size_t k = from; k < to; ++k)
         if constexpr (predicts)
           predict_one(k, particles.position[k], particles.motion[k], particles.pair_rows(),

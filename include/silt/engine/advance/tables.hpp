@@ -63,11 +63,11 @@ class Tables {
   /// Particles that are there.
   std::size_t present() const {
     if constexpr (has_bodies)
-      return static_cast<std::size_t>(
-          std::count_if(mover.bodies.begin(), mover.bodies.end(),
-                        [](const auto& b) { return b.id != no_particle; }));
+      return static_cast<std::size_t>(std::count_if(
+          mover.bodies.begin(), mover.bodies.begin() + static_cast<std::ptrdiff_t>(mover.owned()),
+          [](const auto& b) { return b.id != no_particle; }));
     else
-      return particles.size() - particles.parked;
+      return particles.owned() - particles.parked;
   }
   /// Changes the velocity of the particle at place k by dv [m/s].
   void change_velocity(std::size_t k, const Vec3d& dv) {
@@ -144,7 +144,7 @@ class Tables {
   void start_prediction([[maybe_unused]] std::size_t first, [[maybe_unused]] const Vec3d& gravity,
                         [[maybe_unused]] double dt) {
     if constexpr (!has_bodies && State::derivative_rows > 0)
-      for (std::size_t k = first; k < particles.size(); ++k) {
+      for (std::size_t k = first; k < particles.owned(); ++k) {
         particles.derivatives[k] = {};
         if (particles.motion[k].inv_m == 0) continue;
         auto& row = particles.derivatives[k].row[0];
@@ -221,12 +221,7 @@ class Tables {
   void follow([[maybe_unused]] const Domain& domain) {
     if constexpr (has_bodies) {
       mover.follow(particles);
-      if constexpr (Domain::periodic)
-        for (Body& b : mover.bodies) {
-          const Vec3d shift = domain.wrapped(b.centre) - b.centre;
-          b.centre += shift;
-          for (const std::uint32_t row : mover.rows_of(b)) particles.part[row].image -= shift;
-        }
+      if constexpr (Domain::periodic) mover.wrap(particles, domain);
     }
   }
 

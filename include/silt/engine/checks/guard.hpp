@@ -74,7 +74,7 @@ inline void check_pose(std::span<const Wall> walls, std::size_t number, std::int
 /// How far [m] points of a moving wall go in a step, where particles may be near them.
 template <class EngineType>
 double travel_of(const EngineType& e, const Wall& w) {
-  if (e.particles.size() == 0) return 0;
+  if (e.particles.size() == 0 && !EngineType::of_ranks) return 0;
   if (!w.moves()) return deformation_of(w);
   return deformation_of(w) +
          displacement_of(w, w.pose, w.last_pose, e.lists.searched_walls.region_of(w));
@@ -194,7 +194,7 @@ void check_crowded(const EngineType& e, std::int64_t step, double time, double b
 
 template <class EngineType>
 void check_inside(const EngineType& e, const Box& domain, std::int64_t step, double time) {
-  for (std::size_t k = 0; k < e.particles.size(); ++k) {
+  for (std::size_t k = 0; k < e.particles.owned(); ++k) {
     const Vec3d p = e.particles.position[k].centre();
     if (domain.contains(p) || e.particles.is_parked(k)) continue;
     throw SimulationError(

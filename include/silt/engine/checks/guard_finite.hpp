@@ -18,7 +18,7 @@ namespace silt::inline SILT_TARGET::detail {
 template <class EngineType>
 void check_spins(const EngineType& e, std::int64_t step, double time, bool shorter) {
   if constexpr (EngineType::rotates)
-    for (std::size_t k = 0; k < e.particles.size(); ++k)
+    for (std::size_t k = 0; k < e.particles.owned(); ++k)
       if (!e.particles.is_parked(k) && !is_finite(e.particles.motion[k].spin_velocity()))
         throw SimulationError(
             sentence("step ", step, ", t = ", time, " s: the angular velocity of particle ",
@@ -66,10 +66,10 @@ void check_given(const EngineType& e, const Vec3d& gravity, std::int64_t step, d
            {id}, place);
   };
   if constexpr (EngineType::has_bodies) {
-    for (const auto& b : e.mover.bodies)
-      if (b.id != no_particle) look(b.id, b.centre, b.velocity);
+    for (std::size_t k = 0; k < e.owners(); ++k)
+      if (const auto b = e.owner(k); b.is_there()) look(b.id(), b.centre(), b.velocity());
   } else {
-    for (std::size_t k = 0; k < e.particles.size(); ++k)
+    for (std::size_t k = 0; k < e.particles.owned(); ++k)
       if (!e.particles.is_parked(k))
         look(e.id_of(k), e.particles.position[k].centre(), e.particles.motion[k].velocity());
   }
@@ -84,7 +84,7 @@ template <class EngineType>
                               "for overlapping particles at the start"
                             : "; look at gravity and at the forces and laws that you gave, and for "
                               "overlapping particles at the start";
-  for (std::size_t k = 0; k < e.particles.size(); ++k) {
+  for (std::size_t k = 0; k < e.particles.owned(); ++k) {
     const auto& m = e.particles.motion[k];
     const auto& p = e.particles.position[k];
     if (e.particles.is_parked(k) || (is_finite(m.velocity()) && is_finite(p.centre()))) continue;

@@ -140,7 +140,7 @@ template <class EngineType, class Domain>
         if (with_wall && wall == c.wall && overlap > 1) is_behind[e.owner_of(a)] = true;
       });
   std::vector<bool> is_there(e.owners(), false);
-  for (std::size_t k = 0; k < e.particles.size(); ++k)
+  for (std::size_t k = 0; k < e.particles.owned(); ++k)
     if (!e.particles.is_parked(k)) is_there[e.owner_of(k)] = true;
   const auto behind = std::count(is_behind.begin(), is_behind.end(), true);
   const auto all = std::count(is_there.begin(), is_there.end(), true);

@@ -53,6 +53,14 @@ struct LightestSpheres {
     least_density = std::min(least_density, density);
     most_density = std::max(most_density, density);
   }
+  /// Those of both.
+  void include_all(const LightestSpheres& more) {
+    for (const One& s : more.extremes())
+      if (more.any()) include(s);
+    fixed = std::max(fixed, more.fixed);
+    least_density = std::min(least_density, more.least_density);
+    most_density = std::max(most_density, more.most_density);
+  }
   bool any() const { return std::isfinite(of_hertz.mass); }
   bool is_of_one_density() const { return most_density <= (1 + 1e-9) * least_density; }
   static double hertz(const One& s) { return s.mass * s.mass / s.radius; }

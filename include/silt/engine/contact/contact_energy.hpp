@@ -37,6 +37,11 @@ struct ContactEnergy {
     for (std::size_t k = 0; k < all.size(); ++k) all[k] += sum(others[k]);
     *this = std::bit_cast<ContactEnergy>(all);
   }
+  void halve() {
+    auto all = values(*this);
+    for (Real& one : all) one *= Real(0.5);
+    *this = std::bit_cast<ContactEnergy>(all);
+  }
   /// From sums of forces times velocities [W], as the kernel has them, to work.
   void worked(const Real& half_time) {
     dashpot *= half_time, shear *= half_time, couple *= half_time, turned_over *= half_time;
@@ -96,6 +101,7 @@ inline constexpr bool shares_contacts = requires {
 
 /// Stands for the energy where there is no ledger.
 struct NoEnergy {
+  void halve() {}
   template <class Other>
   void add(const Other&) {}
 };
@@ -120,6 +126,8 @@ struct Tally {
   [[no_unique_address]] VirialOf<ContactsType> virial;
   double parted = 0;  // [J] that offsets have given to contacts as they shrank
 
+  /// Of contacts with ghosts, which another rank counts too.
+  void halve_energy() { energy.halve(), parted *= 0.5; }
   void add(const Tally& other) {
     largest = other.largest > largest ? other.largest : largest;
     safeguards += other.safeguards;

@@ -64,7 +64,7 @@ class SharedContacts {
       std::sort(entries_.begin() + begin_[b], entries_.begin() + begin_[b + 1]);
       for (std::uint32_t from = begin_[b], to = from; from < begin_[b + 1]; from = to) {
         while (to < begin_[b + 1] && entries_[to].partner == entries_[from].partner) ++to;
-        if (to - from > 1) groups_.push_back({from, to});
+        if (to - from > 1) groups_.push_back({from, to}), set_order(list, particles, from, to);
       }
     }
   }
@@ -144,6 +144,20 @@ class SharedContacts {
   }
 
  private:
+  /// Two ranks that both have a group add its strengths in the same order: that of the parts' ids.
+  template <class List, class State>
+  void set_order([[maybe_unused]] const List& list, [[maybe_unused]] const State& particles,
+                 [[maybe_unused]] std::uint32_t from, [[maybe_unused]] std::uint32_t to) {
+    if constexpr (State::of_ranks) {
+      if (particles.ghosts == 0) return;  // as in one process
+      const auto ids = [&](const Entry& e) {
+        return std::pair{particles.id[list.first()[e.place]], particles.id[list.second()[e.place]]};
+      };
+      std::sort(entries_.begin() + from, entries_.begin() + to,
+                [&](const Entry& a, const Entry& b) { return ids(a) < ids(b); });
+    }
+  }
+
   static constexpr double power = 10;  // p
   struct Entry {
     std::uint32_t partner, place;

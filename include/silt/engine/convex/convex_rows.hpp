@@ -127,11 +127,13 @@ struct ConvexRows<KindList<Kind...>, OnePart> {
   Exponents exponents = Exponents::Ball;  // the most general of any
   double least_radius = 0;                // [m] of the largest sphere inside of any, the least
   std::tuple<typename KernelOf<Kind>::Store...> stores;
+  Vec3d agreed_mean{0, 0, 0};  // [m/s] of many ranks' bodies, when the rows were renewed
 
   /// How fast any point of a row's bounding sphere, turning with it, moves relative to the mean of
   /// all: the sum of two rows' bounds how fast they close. Relative to the mean, as a heap that
-  /// falls does not close; of each alone, as pairs are many more than bodies.
-  void measure_pace(const MotionRow<true>* motions, const Team& team) {
+  /// falls does not close; of each alone, as pairs are many more than bodies. On many ranks the
+  /// mean is the one that they have agreed on, so that all find the same of a pair.
+  void measure_pace(const MotionRow<true>* motions, const Team& team, bool agreed = false) {
     const std::size_t n = pose.size();
     pace.resize(n);
     std::array<Vec3d, Team::most_ranges> sum{};
@@ -143,6 +145,7 @@ struct ConvexRows<KindList<Kind...>, OnePart> {
     Vec3d mean{0, 0, 0};
     for (const Vec3d& s : sum) mean += s;
     mean = mean * (1 / static_cast<double>(n));
+    if (agreed) mean = agreed_mean;
     team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
       for (std::size_t k = from; k < to; ++k) {
         const auto& m = motions[k];  // the spin velocity is that at the bounding sphere

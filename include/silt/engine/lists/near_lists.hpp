@@ -17,6 +17,7 @@
 #include <silt/engine/lists/occupied_region.hpp>
 #include <silt/engine/lists/pair_list.hpp>
 #include <silt/engine/lists/wall_contacts.hpp>
+#include <silt/engine/ranks/no_ranks.hpp>
 #include <silt/engine/state/particle_state.hpp>
 #include <silt/search/verlet_list.hpp>
 
@@ -26,7 +27,7 @@ namespace silt::inline SILT_TARGET::detail {
 /// far (ListUpkeep), search, order of the particles in memory, pruning. Every loop over particles
 /// or pairs is shared between threads, none of which changes a result.
 template <std::size_t H, HistoryRows InRows, class Scalar, class State, class Search, class Domain,
-          class Arch, class Walls>
+          class Arch, class Walls, class Mover>
 class NearLists {
  public:
   /// What the lists are of.
@@ -37,6 +38,8 @@ class NearLists {
     const Team& team;
     double time_step;  // [s]
     double range;      // [m] gap at which the law still acts, 0 for laws of touch
+    RankStage<typename State::Ranks>& ranks;
+    Mover& mover;
   };
 
   PairList<H, Scalar, InRows> pairs;
@@ -70,6 +73,7 @@ class NearLists {
       anticipate_speeds(scene);  // with the new neighbours
       choose_inner(scene, wall_speed);
     }
+    if constexpr (State::of_ranks) scene.ranks.share(upkeep.inner);
     prune(scene);
     upkeep.pruned_at = step;
   }
@@ -77,7 +81,7 @@ class NearLists {
   /// Takes in the rows from `first` on, which have just come. A few join the lists as they stand;
   /// if many have come since the search, or reach farther than all before, the next step searches.
   void join(const Scene& scene, std::size_t first) {
-    if constexpr (flows) return forget();
+    if constexpr (flows || State::of_ranks) return forget();
     const std::size_t n = scene.particles.size();
     if (!hold_pairs() || scene.range > walls.range || n > most_with_newcomers(pairs.grouped()))
       return forget();
@@ -226,10 +230,12 @@ class NearLists {
             for (std::size_t k = from; k < to; ++k)
               sum[r] += anticipated_[k], most[r] = std::max(most[r], anticipated_[k]);
           });
-      const auto n = static_cast<double>(std::max<std::size_t>(anticipated_.size(), 1));
-      upkeep.choose_skins(
-          scene.particles.mean_diameter, std::accumulate(sum.begin(), sum.end(), 0.0) / n,
-          std::max(wall_speed, *std::max_element(most.begin(), most.end())), scene.time_step);
+      double fastest = *std::max_element(most.begin(), most.end());
+      std::array<double, 2> all{std::accumulate(sum.begin(), sum.end(), 0.0),
+                                static_cast<double>(anticipated_.size())};
+      if constexpr (State::of_ranks) fastest = scene.ranks.max_of(fastest), scene.ranks.sum_of(all);
+      upkeep.choose_skins(scene.particles.mean_diameter, all[0] / std::max(all[1], 1.0),
+                          std::max(wall_speed, fastest), scene.time_step);
     }
   }
 
@@ -261,7 +267,7 @@ class NearLists {
       return false;
     }
     std::array<bool, Team::most_ranges> too_little{};
-    scene.team.for_ranges(n, [&](std::size_t r, std::size_t from, std::size_t to) {
+    scene.team.for_ranges(particles.owned(), [&](std::size_t r, std::size_t from, std::size_t to) {
       too_little[r] = !upkeep.set_inner(from, to, anticipated_, [&](std::size_t k) {
         if constexpr (flows)
           if (!particles.is_parked(k))
@@ -270,8 +276,10 @@ class NearLists {
         return particles.is_parked(k) ? 0.0 : norm(particles.position[k].centre() - reference[k]);
       });
     });
-    return upkeep.set_inner_wall(wall_speed, searched_walls.travel(scene.walls)) &&
-           std::none_of(too_little.begin(), too_little.end(), [](bool is) { return is; });
+    const bool fit = upkeep.set_inner_wall(wall_speed, searched_walls.travel(scene.walls)) &&
+                     std::none_of(too_little.begin(), too_little.end(), [](bool is) { return is; });
+    if constexpr (State::of_ranks) return scene.ranks.all(fit);
+    return fit;
   }
 
   // --- search -------------------------------------------------------------------------------
@@ -288,12 +296,17 @@ class NearLists {
   void find_pairs(const Scene& scene, Search& search, double wall_speed, std::int64_t step) {
     State& particles = scene.particles;
     const Team& team = scene.team;
-    const std::size_t before = particles.size();
+    std::size_t before = particles.size();
     previous_.resize(before);
     std::iota(previous_.begin(), previous_.end(), 0u);
-    if (particles.parked > 0) drop_parked(scene);
-    if constexpr (Domain::periodic)
-      wrap(scene), check_range(scene.domain, scene.particles, scene.range);
+    if constexpr (State::of_ranks)
+      change_ranks(scene, step);
+    else if (particles.parked > 0)
+      drop_parked(scene);
+    if constexpr (Domain::periodic) {
+      if constexpr (!State::of_ranks) wrap(scene);
+      check_range(scene.domain, scene.particles, scene.range);
+    }
     choose_skins(scene, search, wall_speed);
     reach_out(scene, wall_speed);
 
@@ -310,20 +323,23 @@ class NearLists {
         else
           find.order(spheres(), 0.0, scene.domain, team, order_);
         apply_order(scene);
-        if constexpr (flows)
+        if constexpr (flows || State::of_ranks)
           ;
         else if constexpr (requires { find.find_ordered(0.0, scene.domain, team, found_); })
           find.find_ordered(0.0, scene.domain, team, found_), is_found = true;
       }
+    if constexpr (State::of_ranks) add_ghosts(scene), before = change_.places();
     if constexpr (flows)
       images_.find(find, grown_rows(), largest_grown_, scene.domain, team, found_), flow.search();
     else if (!is_found)
       find.find(spheres(), 0.0, scene.domain, team, found_);
     pairs.set_outer(found_, particles, before, team);
+    if constexpr (State::of_ranks) pairs.take_in(change_.pairs_brought(rows_of(scene)));
     if (found_.size() > 1000000) found_ = {};  // its memory would lie idle until the next search
     const double of_walls = upkeep.outer_wall + scene.range / 2;
-    walls.search(scene.walls, {grown_.data(), grown_.size()}, of_walls, previous_, scene.domain,
-                 team);
+    walls.search(scene.walls, {grown_.data(), particles.owned()}, of_walls, previous_, scene.domain,
+                 team, particles.size());
+    if constexpr (State::of_ranks) walls.take_in(change_.walls_brought());
     if constexpr (State::bonded)
       std::erase_if(walls.found(),
                     [&bonds = particles.bonds, &id = particles.id](const WallCandidate& c) {
@@ -354,7 +370,35 @@ class NearLists {
   }
 
   Box occupied_region(const Scene& scene) const {
-    return detail::occupied_region(scene.particles, scene.team);
+    const Box region = detail::occupied_region(scene.particles, scene.team);
+    if constexpr (State::of_ranks) return scene.ranks.union_of(region);
+    return region;
+  }
+
+  // --- ranks --------------------------------------------------------------------------------
+
+  auto rows_of(const Scene& scene) {
+    return typename Change::Rows{scene.particles, scene.mover, previous_, anticipated_, scene.team};
+  }
+  void change_ranks(const Scene& scene, std::int64_t step) {
+    if constexpr (Domain::periodic) {
+      wrap(scene);
+      if constexpr (State::of_bodies) scene.mover.wrap(scene.particles, scene.domain);
+    }
+    walls.set_aside();
+    change_.move(scene.ranks, rows_of(scene), pairs, walls, step);
+  }
+  void add_ghosts(const Scene& scene) {
+    const std::size_t owned = scene.particles.size();
+    change_.add_ghosts(scene.ranks, rows_of(scene), {grown_.data(), owned}, scene.domain,
+                       upkeep.outer);
+    grown_.resize(scene.particles.size());
+    for (std::size_t k = owned; k < grown_.size(); ++k) {
+      grown_[k] = scene.particles.position[k];
+      grown_[k].r += upkeep.outer[k] + scene.range / 2;
+    }
+    for (const PositionRow& p : grown_) largest_grown_ = std::max(largest_grown_, p.r);
+    largest_grown_ = scene.ranks.max_of(largest_grown_);
   }
 
   void drop_parked(const Scene& scene) {
@@ -402,6 +446,9 @@ class NearLists {
     return most;
   }
 
+  using Change = RankChange<State, Mover, PairList<H, Scalar, InRows>, Walls>;
+  struct NoChange {};
+  [[no_unique_address]] std::conditional_t<State::of_ranks, Change, NoChange> change_;
   [[no_unique_address]] std::conditional_t<flows, BoxImages, NoFlow> images_;
   std::vector<IndexPair> found_;
   std::vector<std::uint32_t> order_, previous_;

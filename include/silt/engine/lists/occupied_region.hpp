@@ -14,7 +14,7 @@ namespace silt::inline SILT_TARGET::detail {
 template <class State>
 Box occupied_region(const State& particles, const Team& team) {
   std::array<Box, Team::most_ranges> of;
-  team.for_ranges(particles.size(), [&](std::size_t r, std::size_t from, std::size_t to) {
+  team.for_ranges(particles.owned(), [&](std::size_t r, std::size_t from, std::size_t to) {
     Box region;
     for (std::size_t k = from; k < to; ++k)
       if (!particles.is_parked(k)) region.include(particles.position[k].centre());

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstdint>
+#include <numeric>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -30,6 +32,28 @@ class PairArchive {
         if (history.remembers(k))
           kept_[end_[list.first()[k]]++] = {list.second()[k], history.values(k)};
       });
+    }
+  }
+  /// What a pair remembers that was in no list here, by the old places of its particles.
+  struct Brought {
+    std::uint32_t a, b;
+    std::array<Scalar, H> history;
+  };
+  void add(std::span<const Brought> more) {
+    if constexpr (H > 0) {
+      if (more.empty()) return;
+      std::vector<std::uint32_t> begin(end_.size() + 1, 0);
+      for (std::size_t a = 0; a < end_.size(); ++a)
+        begin[a + 1] = end_[a] - (a == 0 ? 0 : end_[a - 1]);
+      for (const Brought& m : more) ++begin[m.a + 1];
+      std::partial_sum(begin.begin(), begin.end(), begin.begin());
+      std::vector<Kept> all(begin.back());
+      for (std::size_t a = 0; a < end_.size(); ++a)
+        for (std::uint32_t s = a == 0 ? 0 : end_[a - 1]; s < end_[a]; ++s)
+          all[begin[a]++] = kept_[s];
+      for (const Brought& m : more) all[begin[m.a]++] = {m.b, m.history};
+      kept_.swap(all);
+      end_.assign(begin.begin(), begin.end() - 1);
     }
   }
   /// Gives place k of a new list what the particles at places a and b of the old one remember.

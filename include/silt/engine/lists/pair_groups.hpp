@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include <silt/core/target.hpp>
@@ -20,25 +21,40 @@ namespace silt::inline SILT_TARGET::detail {
 /// as in the rounds of a tournament, where all meet all (circle method). Shares are numbered such
 /// that neighbours meet in the first two rounds: if particles are sorted, other rounds are empty or
 /// small.
+///
+/// Particles behind the first `particles`, if there are any, are ghosts: of other ranks. Their
+/// shares meet those of the particles in phases of their own, behind all others; two ghosts make no
+/// pair.
 class PairGroups {
  public:
-  explicit PairGroups(std::size_t particles = 0)
+  explicit PairGroups(std::size_t particles = 0, std::size_t ghosts = 0)
       : shares_(shares_for(particles)),
         shares_a_particle_(static_cast<double>(shares_) /
-                           static_cast<double>(std::max<std::size_t>(particles, 1))) {}
+                           static_cast<double>(std::max<std::size_t>(particles, 1))) {
+    if (ghosts == 0) return;
+    first_ghost_ = particles, ghost_shares_ = shares_for(ghosts);
+    shares_a_ghost_ = static_cast<double>(ghost_shares_) / static_cast<double>(ghosts);
+  }
 
   struct Phase {
     std::size_t from, to;  // groups
   };
-  std::size_t count() const { return shares_ + (shares_ - 1) * (shares_ / 2); }
-  std::size_t phases() const { return shares_; }
+  std::size_t count() const { return own_count() + ghost_phases() * ghost_shares_; }
+  std::size_t phases() const { return shares_ + ghost_phases(); }
+  /// Phases without ghosts come first.
+  std::size_t own_phases() const { return shares_; }
   Phase phase(std::size_t k) const {
+    if (k >= shares_) {
+      const std::size_t first = own_count() + (k - shares_) * ghost_shares_;
+      return {first, first + ghost_shares_};
+    }
     if (k == 0) return {0, shares_};
     const std::size_t first = shares_ + (k - 1) * (shares_ / 2);
     return {first, first + shares_ / 2};
   }
 
   std::size_t of(std::uint32_t a, std::uint32_t b) const {
+    if (std::max(a, b) >= first_ghost_) return with_ghost(std::min(a, b), std::max(a, b));
     const std::size_t s = share(a), t = share(b);
     return s == t ? s : meeting(s, t);
   }
@@ -52,6 +68,17 @@ class PairGroups {
     return wanted < 2 ? 1 : std::min<std::size_t>(static_cast<std::size_t>(wanted) / 2 * 2, 64);
   }
 
+  std::size_t own_count() const { return shares_ + (shares_ - 1) * (shares_ / 2); }
+  std::size_t ghost_phases() const {
+    return ghost_shares_ == 0 ? 0 : std::max(shares_, ghost_shares_);
+  }
+  /// In ghost phase k share s meets ghost share t where s + t = k, modulo the number of phases.
+  std::size_t with_ghost(std::uint32_t particle, std::uint32_t ghost) const {
+    const auto behind = static_cast<double>(ghost - first_ghost_);
+    const std::size_t t =
+        std::min(static_cast<std::size_t>(behind * shares_a_ghost_), ghost_shares_ - 1);
+    return own_count() + (share(particle) + t) % ghost_phases() * ghost_shares_ + t;
+  }
   std::size_t share(std::uint32_t particle) const {
     return std::min(static_cast<std::size_t>(particle * shares_a_particle_), shares_ - 1);
   }
@@ -74,21 +101,28 @@ class PairGroups {
     return phase(round + 1).from + place;
   }
 
-  std::size_t shares_;
-  double shares_a_particle_;
+  std::size_t shares_, ghost_shares_ = 0;
+  double shares_a_particle_, shares_a_ghost_ = 0;
+  std::size_t first_ghost_ = std::numeric_limits<std::size_t>::max();
 };
+
+/// Which pairs: all, those of two own particles, or those with a ghost.
+enum class PairsOf { All, Own, Ghosts };
 
 /// The sum of what run(from, to) gives for the places of every group, each on one thread; groups
 /// that share particles one after the other.
-template <class Tally, class List, class Run>
+template <class Tally, PairsOf Which = PairsOf::All, class List, class Run>
 Tally sum_over_groups(const List& list, const Team& team, const Run& run) {
   const PairGroups& groups = list.groups();
   std::vector<Tally> tallies(groups.count());
-  for (std::size_t p = 0; p < groups.phases(); ++p) {
+  const std::size_t first = Which == PairsOf::Ghosts ? groups.own_phases() : 0,
+                    end = Which == PairsOf::Own ? groups.own_phases() : groups.phases();
+  for (std::size_t p = first; p < end; ++p) {
     const auto [from, to] = list.busy(groups.phase(p));
-    team.for_parts(to - from, [&, first = from](std::size_t k) {
-      const auto group = list.group(first + k);
-      tallies[first + k] = run(group.from, group.to);
+    team.for_parts(to - from, [&, start = from](std::size_t k) {
+      const auto group = list.group(start + k);
+      tallies[start + k] = run(group.from, group.to);
+      if (p >= groups.own_phases()) tallies[start + k].halve_energy();
     });
   }
   Tally all;

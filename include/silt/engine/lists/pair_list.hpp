@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -37,6 +38,8 @@ class PairList {
   using History = PairHistory<H, Scalar, InRows>;
 
  public:
+  using Memory = std::array<Scalar, H>;  // of one pair
+  using Brought = typename PairArchive<H, Scalar>::Brought;
   static constexpr std::size_t padding = 16;  // the widest pack of lanes
   static constexpr std::size_t ahead = 128;   // places
 
@@ -80,7 +83,8 @@ class PairList {
   void set_outer(std::span<const IndexPair> found, const State& particles, std::size_t before,
                  const Team& team) {
     archive_.keep(*this, history_, before, team);
-    groups_ = PairGroups(particles.size()), grouped_ = particles.size();
+    groups_ = PairGroups(particles.owned(), particles.size() - particles.owned());
+    grouped_ = particles.size(), owned_ = particles.owned();
     sort_into_groups(found, particles, groups_, {outer_, outer_begin_, group_}, team);
     cut_into_chunks();
     first_.clear(), second_.clear(), origin_.clear();
@@ -89,6 +93,23 @@ class PairList {
     history_.clear();
   }
 
+  /// What pairs of particles remember that came with the last search, by the places before it.
+  void take_in(std::span<const Brought> more) { archive_.add(more); }
+  bool remembers(std::size_t place) const { return history_.remembers(place); }
+  Memory memory(std::size_t place) const { return history_.values(place); }
+
+  /// After so many rows have come in front of the ghosts, the rows from `first` on: what is known
+  /// of pairs stays with them until the next search. `particles`: how many there are now.
+  void make_way(std::size_t first, std::size_t more, std::size_t particles) {
+    std::vector<Brought> known;
+    const auto moved = [&](std::uint32_t row) {
+      return row >= first ? row + static_cast<std::uint32_t>(more) : row;
+    };
+    for_each([&](std::size_t k) {
+      if (remembers(k)) known.push_back({moved(first_[k]), moved(second_[k]), memory(k)});
+    });
+    restore(state_of(known, particles), particles);
+  }
   /// Takes in pairs of particles that have come since the search: at the end of their groups, which
   /// in the inner list have gaps behind them, so that most often nothing moves. `particles`: how
   /// many there are now. Their histories are `start`.
@@ -187,23 +208,41 @@ class PairList {
   /// The lists as they stand, for a checkpoint.
   struct State {
     std::uint64_t grouped;  // particles at the search, which the groups follow from
+    std::uint64_t owned;    // of them; the others are ghosts
     std::vector<IndexPair> outer;
     std::vector<std::uint32_t> origin;  // of the inner list, in the outer one
     std::array<std::vector<double>, H> history;
   };
   State state() const {
-    State s{grouped_, outer_, {}, {}};
+    State s{grouped_, owned_, outer_, {}, {}};
     for_each([&](std::size_t k) {
       s.origin.push_back(origin_[k]);
       for (std::size_t h = 0; h < H; ++h) s.history[h].push_back(history_.at(h, k));
     });
     return s;
   }
+  /// Lists of nothing but pairs that remember something, for the next search to go on from.
+  static State state_of(std::span<const Brought> pairs, std::size_t particles) {
+    const PairGroups groups(particles);
+    std::vector<std::uint32_t> order(pairs.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t p, std::uint32_t q) {
+      return groups.of(pairs[p].a, pairs[p].b) < groups.of(pairs[q].a, pairs[q].b);
+    });
+    State s{particles, particles, {}, {}, {}};
+    for (const std::uint32_t k : order) {
+      s.origin.push_back(static_cast<std::uint32_t>(s.outer.size()));
+      s.outer.push_back({pairs[k].a, pairs[k].b});
+      for (std::size_t h = 0; h < H; ++h)
+        s.history[h].push_back(static_cast<double>(pairs[k].history[h]));
+    }
+    return s;
+  }
   /// `particles`: as many as the lists are of.
   void restore(const State& s, std::size_t particles) {
     history_.use_more(true);
     outer_ = s.outer;
-    groups_ = PairGroups(s.grouped), grouped_ = s.grouped;
+    groups_ = PairGroups(s.owned, s.grouped - s.owned), grouped_ = s.grouped, owned_ = s.owned;
     outer_begin_.assign(groups_.count() + 1, 0);
     for (const auto [a, b] : outer_) ++outer_begin_[groups_.of(a, b) + 1];
     std::partial_sum(outer_begin_.begin(), outer_begin_.end(), outer_begin_.begin());
@@ -384,7 +423,7 @@ class PairList {
   }
 
   PairGroups groups_;
-  std::size_t grouped_ = 0;  // particles that the groups were made for
+  std::size_t grouped_ = 0, owned_ = 0;  // particles that the groups were made for
   std::vector<IndexPair> outer_;
   std::vector<std::size_t> outer_begin_;  // first outer pair of each group
   std::vector<Chunk> chunks_;

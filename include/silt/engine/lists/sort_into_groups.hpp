@@ -1,6 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -28,6 +29,8 @@ void sort_into_groups(std::span<const IndexPair> found, const State& particles,
   const auto group_of = [&](const IndexPair& p) {
     if constexpr (State::of_bodies)
       if (particles.part[p.a].body == particles.part[p.b].body) return groups.count();
+    if constexpr (State::of_ranks)
+      if (std::min(p.a, p.b) >= particles.owned()) return groups.count();
     if constexpr (State::bonded)
       if (particles.bonds.holds(particles.id[p.a], particles.id[p.b])) return groups.count();
     if (particles.some_fixed && particles.motion[p.a].inv_m == 0 &&

@@ -40,6 +40,14 @@ class WallContacts {
     bool touching;              // or within the law's range
     std::uint32_t feature = 0;  // of SolidContact
   };
+  /// What a contact keeps while the lists are made anew.
+  struct Kept {
+    std::uint32_t particle;
+    std::uint16_t wall, surface;
+    Slot slot;
+    std::array<Scalar, H> history;
+    auto key() const { return std::tie(particle, wall, surface); }
+  };
   double range = 0;          // [m] gap at which the law still acts
   bool planes_apart = true;  // spheres at planes alone are the PlanePipeline's
   Vec3d period{0, 0, 0};     // [m] lengths of a box that repeats, 0 where it does not
@@ -77,13 +85,14 @@ class WallContacts {
     return at_planes_.data() + (slot - first_plane_slot_);
   }
 
-  /// Finds all spheres nearer than `reach` [m] to a surface, or to one of its images.
+  /// Finds all spheres nearer than `reach` [m] to a surface, or to one of its images. `nobody`: the
+  /// row of a sphere that is not there.
   template <class Domain>
   void search(std::span<const Wall> walls, std::span<const PositionRow> rows, double reach,
               std::span<const std::uint32_t> previous, [[maybe_unused]] const Domain& domain,
-              const Team& team) {
+              const Team& team, std::size_t nobody) {
     archive();
-    particles_ = static_cast<std::uint32_t>(rows.size());
+    particles_ = static_cast<std::uint32_t>(nobody);
     previous_.assign(previous.begin(), previous.end());
     renewed_ = true;
     if constexpr (Repeats) images_.choose(walls, rows, reach, domain);
@@ -92,6 +101,38 @@ class WallContacts {
       images_.find(walls, rows, {from, to, reach}, period, found_[r]);
     });
     collect(outer_, outer_facets_);
+  }
+
+  /// Sets aside what contacts remember; kept_of() has it then, of the particle at a place.
+  void set_aside() { archive(); }
+  std::span<const Kept> kept_of(std::uint32_t particle) const {
+    const auto before = [](const Kept& kept, std::uint32_t k) { return kept.particle < k; };
+    const auto from = std::lower_bound(archive_.begin(), archive_.end(), particle, before);
+    return {from, std::lower_bound(from, archive_.end(), particle + 1, before)};
+  }
+  /// Takes in what contacts of particles remember that came with the last search, by their places
+  /// before it.
+  void take_in(std::span<const Kept> brought) {
+    if (brought.empty()) return;
+    archive_.insert(archive_.end(), brought.begin(), brought.end());
+    std::stable_sort(archive_.begin(), archive_.end(), by_key);
+  }
+
+  /// Makes lists of nothing but these contacts, for the next search to go on from.
+  void remember(std::vector<Kept> contacts, std::span<const Wall> walls, std::size_t particles) {
+    particles_ = static_cast<std::uint32_t>(particles);
+    std::stable_sort(contacts.begin(), contacts.end(), by_key);
+    outer_.clear(), outer_facets_.clear(), inner_facets_.clear();
+    for (const Kept& c : contacts) {
+      const auto k = static_cast<std::uint32_t>(outer_.size());
+      const Candidate next{WallCandidate{c.particle, c.wall, c.surface, 0, 0, 0, k}};
+      if (k == 0 || !same_surface(outer_.back(), next)) outer_.push_back(next);
+    }
+    inner_ = outer_;
+    archive_ = std::move(contacts), previous_.clear(), renewed_ = true;
+    part_planes(walls), lay_out_slots(walls), lay_out_planes(walls);
+    recall();
+    renewed_ = false;
   }
 
   std::vector<Candidate>& found() { return outer_; }  // by the last search, to leave some out
@@ -307,14 +348,6 @@ class WallContacts {
       run_begin_.push_back(runs_.size());
     }
   }
-
-  struct Kept {
-    std::uint32_t particle;
-    std::uint16_t wall, surface;
-    Slot slot;
-    std::array<Scalar, H> history;
-    auto key() const { return std::tie(particle, wall, surface); }
-  };
 
   /// Sets aside all touching contacts, in the order of the outer list: by particle, wall, surface.
   void archive() {

@@ -1,8 +1,10 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -69,6 +71,30 @@ std::vector<std::size_t> take_in_forms(Engine& e, const ParticlesType& more) {
 struct NextIds {
   ParticleId particle = 0, part = 0;
 };
+
+/// Calls visit(radius [m]) for each row that a particle will have: of a body one a part.
+template <class Engine, class Particle, class Visit>
+void for_rows_to_come([[maybe_unused]] const Engine& e, const Particle& p,
+                      [[maybe_unused]] std::span<const std::size_t> numbers, const Visit& visit) {
+  if constexpr (Engine::has_bodies) {
+    const auto& form = e.mover.forms[numbers.empty() ? p.form : numbers[p.form]];
+    for (const auto& part : form.parts) visit(p.radius / form.radius * part.radius);
+  } else {
+    visit(p.radius);
+  }
+}
+
+/// [kg] of a particle that comes, whose form is numbered as those of the engine.
+template <class Engine, class Particle>
+double mass_to_come([[maybe_unused]] const Engine& e, const Particle& p) {
+  if constexpr (Engine::has_bodies) {
+    const auto& form = e.mover.forms[p.form];
+    const double scale = p.radius / form.radius;
+    return p.density * form.mass.volume * scale * scale * scale;
+  } else {
+    return p.density * Engine::ShapeType::volume(p.radius);
+  }
+}
 
 /// A new body of the engine's form `number`.
 template <class Form, class Particle>
@@ -137,6 +163,38 @@ void take_in(Engine& e, std::span<const Particle> more,
     }
   }
   e.particles.measure_newcomers(first_row);
+}
+
+/// The same on many ranks, of which each takes its own; all count all.
+template <class Engine, class Particle, class Domain>
+void take_in_own(Engine& e, std::span<const Particle> more, std::span<const std::size_t> numbers,
+                 bool observed, NextIds& next, [[maybe_unused]] const Domain& domain) {
+  auto& p = e.particles;
+  const std::size_t before = p.owned();
+  // Newcomers stand behind the ghosts for now, and so do their velocities.
+  if constexpr (Engine::has_bodies)
+    if (observed) e.mover.synchronous.resize(e.mover.bodies.size());
+  // A rank that has none so far knows of sizes what all have agreed on, which stays.
+  const bool none = e.ranks.present() == 0;
+  double largest = none ? 0 : p.largest_radius,
+         smallest = none ? std::numeric_limits<double>::infinity() : p.smallest_radius;
+  for (std::size_t k = 0; k < more.size(); ++k) {
+    Vec3d place = more[k].position;
+    if constexpr (Domain::periodic) place = domain.wrapped(place);
+    const bool takes = e.ranks.takes(place, k, more.size());
+    for_rows_to_come(e, more[k], numbers, [&](double radius) {
+      largest = std::max(largest, radius), smallest = std::min(smallest, radius);
+      if (Engine::has_bodies && !takes) ++next.part;
+    });
+    p.some_fixed |= more[k].fixed;
+    if (takes)
+      take_in(e, more.subspan(k, 1), numbers, observed, next);
+    else
+      ++next.particle;
+  }
+  if (!more.empty()) p.largest_radius = largest, p.smallest_radius = smallest;
+  e.ranks.count(more.size());
+  e.join_own(p.owned() - before);
 }
 
 /// The particles that an inlet brings at these places, with `velocity` [m/s]; bodies turned at

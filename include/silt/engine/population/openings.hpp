@@ -159,6 +159,16 @@ class Openings {
 
   template <class Engine, class Sim>
   void let_out(Engine& engine, Sim& sim) {
+    if constexpr (Engine::of_ranks) {
+      const std::vector<Outlet> before = outlets_;
+      let_out_own(engine, sim);
+      engine.ranks.share_left(outlets_, before);
+    } else {
+      let_out_own(engine, sim);
+    }
+  }
+  template <class Engine, class Sim>
+  void let_out_own(Engine& engine, Sim& sim) {
     for (std::size_t k = 0; k < sim.rows(); ++k) {
       if (!sim.is_present(k)) continue;
       // Between searches a particle may be outside a box that repeats: its image inside counts too.
@@ -194,8 +204,13 @@ class Openings {
         if (near.contains(image)) occupied.insert({image, radius});
       });
     };
-    for (const auto& p : engine.particles.rows())
-      if (p.r > 0) occupy(p.centre(), p.r);
+    if constexpr (Engine::of_ranks) {
+      for (const auto& p : engine.ranks.all_in(near, engine.particles, sim.domain()))
+        occupy(p.centre(), p.r);
+    } else {
+      for (const auto& p : engine.particles.rows())
+        if (p.r > 0) occupy(p.centre(), p.r);
+    }
     inlet.waiting = 0;
     std::vector<PlacedSphere> placed;
     std::vector<std::size_t> kinds;

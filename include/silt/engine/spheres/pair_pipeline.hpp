@@ -56,12 +56,14 @@ class PairPipeline {
   }
 
   /// Adds the load of every pair to the sums of its particles.
+  template <PairsOf Which = PairsOf::All>
   static Tally<ContactsType> run(const Input& in, List& list,
                                  const CoefficientTable<ContactsType>& table, const Domain& domain,
                                  Scalar* sums, const Team& team) {
-    return sum_over_groups<Tally<ContactsType>>(list, team, [&](std::size_t from, std::size_t to) {
-      return run_group(in, list, table, domain, from, to, sums);
-    });
+    return sum_over_groups<Tally<ContactsType>, Which>(
+        list, team, [&](std::size_t from, std::size_t to) {
+          return run_group(in, list, table, domain, from, to, sums);
+        });
   }
 
  private:

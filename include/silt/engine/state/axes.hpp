@@ -11,6 +11,7 @@
 #include <silt/module/concept.hpp>
 #include <silt/motion/concept.hpp>
 #include <silt/motion/rotation.hpp>
+#include <silt/parallel/comm.hpp>
 #include <silt/search/concept.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -108,11 +109,18 @@ template <class P>
 } > {};
 
 template <class P>
+    struct IsRanks : std::bool_constant < requires {
+  requires P::is_ranks;
+} > {};
+template <>
+struct IsRanks<NoRanks> : std::true_type {};
+
+template <class P>
 inline constexpr bool belongs_to_an_axis =
     IsParticles<P>::value || IsContacts<P>::value || IsSearch<P>::value || IsDomain<P>::value ||
     IsFluid<P>::value || IsKernels<P>::value || IsPrecision<P>::value || IsLedger<P>::value ||
     IsContactEvents<P>::value || IsIntegrator<P>::value || IsRotation<P>::value ||
-    IsModule<P>::value || IsBonds<P>::value;
+    IsModule<P>::value || IsBonds<P>::value || IsRanks<P>::value;
 
 template <template <class> class Is, class... Policies>
 inline constexpr int count = (0 + ... + int{Is<Policies>::value});
@@ -126,7 +134,8 @@ inline constexpr bool make_a_simulation =
     count<IsRotation, Policies...> <= 1 && count<IsPrecision, Policies...> <= 1 &&
     count<IsKernels, Policies...> <= 1 && count<IsLedger, Policies...> <= 1 &&
     count<IsContactEvents, Policies...> <= 1 && count<IsBonds, Policies...> <= 1 &&
-    count<IsBreakage, Policies...> <= 1 && (belongs_to_an_axis<Policies> && ...);
+    count<IsBreakage, Policies...> <= 1 && count<IsRanks, Policies...> <= 1 &&
+    (belongs_to_an_axis<Policies> && ...);
 
 template <template <class> class Is, class Default, class... Policies>
 struct Pick {

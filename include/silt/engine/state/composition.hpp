@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <type_traits>
 
+#include <silt/core/precision.hpp>
 #include <silt/engine/state/axes.hpp>
 #include <silt/engine/state/fluid_loads.hpp>
 #include <silt/engine/state/module_columns.hpp>
-#include <silt/core/precision.hpp>
 #include <silt/search/verlet_list.hpp>
 #include <silt/shape/concept.hpp>
 #include <silt/shape/sphere.hpp>
@@ -76,6 +76,7 @@ struct Composition {
   using Modules = typename OnlyModules<ModuleList<>, Policies...>::type;
   using Bonds = pick<IsBonds, NoBonds, Policies...>;
   using Breaking = pick<IsBreakage, NoBreakage, Policies...>;
+  using Ranks = pick<IsRanks, NoRanks, Policies...>;
   using Shape = typename ParticlesType::ShapeType;
   using Scalar = typename Precision::PairScalar;  // of the work on pairs
 
@@ -85,6 +86,7 @@ struct Composition {
   static constexpr bool has_events = count<IsContactEvents, Policies...> > 0;
   static constexpr bool has_bonds = count<IsBonds, Policies...> > 0;
   static constexpr bool has_breakage = count<IsBreakage, Policies...> > 0;
+  static constexpr bool has_ranks = !std::is_same_v<Ranks, NoRanks>;
   static constexpr bool rotates = UserContacts::rotates || has_bodies;
   static constexpr FromFluid from_fluid = loads_of_fluid<Fluid>;
 
@@ -129,6 +131,17 @@ struct Composition {
   static_assert(!deforms<Domain> || !has_ledger || !Modules::push,
                 "EnergyLedger cannot book the work of modules in a DeformingBox, where energies "
                 "are relative to its flow; leave one of them out");
+  static_assert(!has_ranks || std::is_same_v<Fluid, NoFluid> || !FluidTraits<Fluid>::active,
+                "Ranks cannot be coupled to a fluid so far: each rank would need the flow of all; "
+                "leave one of them out");
+  static_assert(!has_ranks || !(has_events || has_bonds || has_breakage),
+                "Ranks does not go with ContactEvents, Bonds or Breakage so far: their tables are "
+                "of one process; leave one of them out");
+  static_assert(!has_ranks || !(Modules::flux || Modules::in_pairs),
+                "Ranks does not go with modules that act between particles so far, as these have "
+                "no memory of the other rank's particles; leave one of them out");
+  static_assert(!has_ranks || !deforms<Domain>,
+                "Ranks does not go with a DeformingBox so far; take PeriodicBox");
   static_assert(!has_surfaces || std::is_same_v<Scalar, double>,
                 "Mixed precision is for spheres and bodies made of spheres; leave it out");
 };
@@ -175,6 +188,7 @@ struct InOrder {
                                    typename OfAxis<IsContactEvents, void, Ps...>::type,
                                    typename OfAxis<IsModule, void, Ps...>::type,
                                    typename OfAxis<IsBonds, void, Ps...>::type,
+                                   typename OfAxis<IsRanks, NoRanks, Ps...>::type,
                                    typename OfAxis<IsKernels, void, Ps...>::type>::type;
   using OfSimulation = typename with<typename OfAxis<IsFluid, NoFluid, Ps...>::type>::Composed;
   using OfEngine =

@@ -20,6 +20,8 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
+struct NoGhosts {};
+
 /// All that is known of the particles: rows, ids, and materials if there are several; the motion
 /// once more in PairScalar, if that is not double.
 /// Two rows more than particles: spheres of no radius, the partners of padding pairs.
@@ -49,6 +51,8 @@ class ParticleState {
       bytes_of_row<ParticleState>() + (single ? sizeof(PairMotion) : 0) +
       bytes_of_row<FluidLoads<Given>>() + bytes_of_row<Columns>();
   static constexpr bool of_bodies = OfBodies, several = SeveralMaterials, bonded = Bonded;
+  static constexpr bool of_ranks = Composition::has_ranks;
+  using Ranks = typename Composition::Ranks;
 
   AlignedVector<PositionRow> position;
   AlignedVector<ParticleMotion> motion;
@@ -66,7 +70,9 @@ class ParticleState {
   double mean_diameter = 0;    // [m]
   bool some_fixed = false;     // particles of infinite mass
   std::size_t parked = 0;      // those that have left since the last search
-  std::uint64_t changes = 0;   // how often places were given anew; who comes or leaves changes none
+  // The last rows, which are other ranks': they act on those before them, and do not move here.
+  [[no_unique_address]] std::conditional_t<of_ranks, std::size_t, NoGhosts> ghosts{};
+  std::uint64_t changes = 0;  // how often places were given anew; who comes or leaves changes none
 
   /// The motion as the pair kernel reads it.
   const PairMotion* pair_motion() const {
@@ -98,7 +104,14 @@ class ParticleState {
     m.vx += dv.x, m.vy += dv.y, m.vz += dv.z;
   }
   std::size_t size() const { return id.size(); }
-  std::span<const PositionRow> rows() const { return {position.data(), size()}; }
+  /// The first rows, which are this rank's own; all, where there is but one.
+  std::size_t owned() const {
+    if constexpr (of_ranks)
+      return size() - ghosts;
+    else
+      return size();
+  }
+  std::span<const PositionRow> rows() const { return {position.data(), owned()}; }
 
   ParticleState() { pad(); }
 
@@ -149,7 +162,7 @@ class ParticleState {
       largest_radius = std::max(largest_radius, p.r);
       mean_diameter += 2 * p.r;
     }
-    if (size() > 0) mean_diameter /= static_cast<double>(size());
+    if (owned() > 0) mean_diameter /= static_cast<double>(owned());
     measure_others();
   }
   /// The same where the rows from `first` on are new.
@@ -194,6 +207,11 @@ class ParticleState {
     ++changes;
   }
 
+  /// Before rows are put behind the last one column by column; pad() then.
+  void take_off_pads() {
+    position.resize(size()), motion.resize(size());
+    if constexpr (Bonded) orientation.resize(size());
+  }
   void pad() {
     position.resize(size()), motion.resize(size());
     if constexpr (Bonded) orientation.resize(size()), orientation.resize(size() + 2);
@@ -221,7 +239,7 @@ class ParticleState {
     smallest_radius = largest_radius;
     for (const auto& p : rows())
       if (p.r > 0) smallest_radius = std::min(smallest_radius, p.r);
-    some_fixed = std::any_of(motion.begin(), motion.begin() + static_cast<std::ptrdiff_t>(size()),
+    some_fixed = std::any_of(motion.begin(), motion.begin() + static_cast<std::ptrdiff_t>(owned()),
                              [](const ParticleMotion& m) { return m.inv_m == 0; });
   }
 };

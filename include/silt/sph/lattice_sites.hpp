@@ -4,10 +4,14 @@
 #include <cmath>
 #include <cstddef>
 
+#include <silt/core/box.hpp>
 #include <silt/core/vec3.hpp>
 #include <silt/sph/setup.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
+
+/// The lattice on which an Sph puts particles.
+/// @{
 
 /// Calls visit(x) for the centres of the lattice's cells in the region, and in `layers` more of
 /// them beyond it where it does not repeat.
@@ -28,5 +32,21 @@ void for_each_site(const SphSetup& setup, int layers, const Visit& visit) {
         visit(Vec3d{low.x + (i + 0.5) * s, setup.dimensions == 2 ? low.y : low.y + (j + 0.5) * s,
                     low.z + (k + 0.5) * s});
 }
+
+/// [-] -sum V r.grad W on the lattice of the spacing: 2 or 3, but for the kernel's width.
+template <class Kernel>
+double sph_divergence_of_lattice(const SphSetup& setup) {
+  const double s = setup.spacing, h = setup.h();
+  const int n = static_cast<int>(2 * h / s) + 1, across = setup.dimensions == 2 ? 0 : n;
+  double sum = 0;
+  for (int i = -n; i <= n; ++i)
+    for (int j = -across; j <= across; ++j)
+      for (int k = -n; k <= n; ++k) {
+        const double q = std::sqrt(i * i + j * j + k * k) * s / h;
+        sum -= Kernel::slope(q) * q * q;
+      }
+  return sum * setup.volume() * Kernel::normalisation(setup.dimensions, h);
+}
+/// @}
 
 }  // namespace silt::detail

@@ -1,0 +1,108 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "study/decomposition.hpp"
+
+namespace decomposition_study {
+
+/// What a step costs on one rank:
+///
+///   t = c_pair pairs + c_owner owners + c_ghost ghosts + c_search (owners + ghosts)/steps
+///       + latency (messages + ceil(log2 ranks)) + bytes/bandwidth
+///
+/// The slowest rank makes the time of all. `steps`: from one search to the next. The logarithm is
+/// the agreement of all ranks that ends each step. Messages are taken to be waited for, while silt
+/// computes its inner pairs meanwhile.
+struct Costs {
+  double pair = 0, owner = 0, search = 0, ghost = 0;  // [s]
+  double scatter = 0;  // [-] rms of what the fit leaves of a step's time, over the mean
+
+  double of(double pairs, double owners, double ghosts, double steps) const {
+    return pair * pairs + owner * owners + ghost * ghosts + search * (owners + ghosts) / steps;
+  }
+};
+
+struct Network {
+  std::string name;
+  double latency, bandwidth;  // [s], [bytes/s]; 0 and infinite: none
+};
+
+/// The three costs of one process by least squares. Steps that took longer than twice the scatter
+/// are left out at a second fit: other programs took the caches then.
+inline Costs fit(const std::vector<Timed>& all) {
+  const auto solve = [](const std::vector<Timed>& some) {
+    double m[3][4] = {};
+    for (const Timed& t : some) {
+      const double x[3] = {t.pairs, t.owners, t.owners / t.steps};
+      for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) m[i][j] += x[i] * x[j];
+        m[i][3] += x[i] * t.seconds;
+      }
+    }
+    for (int i = 0; i < 3; ++i)
+      for (int r = 0; r < 3; ++r)
+        if (r != i) {
+          const double f = m[r][i] / m[i][i];
+          for (int c = i; c < 4; ++c) m[r][c] -= f * m[i][c];
+        }
+    Costs costs{m[0][3] / m[0][0], m[1][3] / m[1][1], m[2][3] / m[2][2], 0, 0};
+    double square = 0, mean = 0;
+    for (const Timed& t : some) {
+      const double left = t.seconds - costs.of(t.pairs, t.owners, 0, t.steps);
+      square += left * left, mean += t.seconds;
+    }
+    const double count = static_cast<double>(some.size());
+    costs.scatter = std::sqrt(square / count) / (mean / count);
+    return costs;
+  };
+  const Costs rough = solve(all);
+  double mean = 0;
+  for (const Timed& t : all) mean += t.seconds / static_cast<double>(all.size());
+  std::vector<Timed> calm;
+  for (const Timed& t : all)
+    if (std::abs(t.seconds - rough.of(t.pairs, t.owners, 0, t.steps)) < 2 * rough.scatter * mean)
+      calm.push_back(t);
+  return solve(calm);
+}
+
+/// Of an agreement of all ranks.
+inline double rounds_of(double ranks) { return std::ceil(std::log2(ranks)); }
+
+/// [s] of a step of the slowest rank.
+inline double step_time(const Costs& costs, const Network& net, const std::vector<RankCount>& ranks,
+                        double steps, double bytes_of_ghost) {
+  const double rounds = rounds_of(static_cast<double>(ranks.size()));
+  double slowest = 0;
+  for (const RankCount& r : ranks)
+    slowest = std::max(slowest, costs.of(r.pairs, r.particles, r.ghosts, steps) +
+                                    net.latency * (r.messages + rounds) +
+                                    bytes_of_ghost * std::max(r.sent, r.ghosts) / net.bandwidth);
+  return slowest;
+}
+
+/// A rank in the middle of many in a settled bed, a cube of `owners` particles: 26 neighbours, and
+/// a layer of ghosts all around that is `layer` particles thick.
+struct WeakRank {
+  double owners, pairs_of_one, layer, imbalance, steps;
+
+  double side() const { return std::cbrt(owners); }
+  double ghosts() const { return std::pow(side() + 2 * layer, 3) - owners; }
+  /// [s] of a step; alone it has neither ghosts nor messages.
+  double step_time(const Costs& costs, const Network& net, double ranks, double bytes) const {
+    if (ranks == 1) return costs.of(pairs_of_one * owners, owners, 0, steps);
+    // Through a plane go, for each particle in it, half of its own pairs: their mean |cos|. Each is
+    // computed on both sides.
+    const double across = 6 * side() * side() * pairs_of_one / 2;
+    return imbalance * costs.of(pairs_of_one * owners + across / 2, owners, ghosts(), steps) +
+           net.latency * (26 + rounds_of(ranks)) + bytes * ghosts() / net.bandwidth;
+  }
+};
+
+}  // namespace decomposition_study

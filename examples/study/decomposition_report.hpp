@@ -1,0 +1,12 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include "study/decomposition.hpp"
+#include "study/studies.hpp"
+
+namespace decomposition_study {
+
+/// Writes tables and pictures of what a run has counted, and what the model makes of it.
+void report(const studies::Setting& setting, const Recorded& recorded, example::Summary& summary);
+
+}  // namespace decomposition_study

@@ -1,0 +1,49 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+// BodyMotion: how bodies follow the rows of their parts.
+
+#include <silt/engine/advance/body_motion.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+template <class Composition, class State>
+void BodyMotion<Composition, State>::follow(State& particles) {
+  std::vector<std::uint32_t> place(bodies.size(), no_place);
+  std::vector<Body> sorted;
+  std::vector<Synchronous> recorded;
+  std::vector<std::uint32_t> order;
+  std::uint32_t next = 0;
+  [[maybe_unused]] std::size_t own = 0;  // of this rank, whose rows are the first
+  sorted.reserve(bodies.size());
+  for (std::size_t r = 0; r < particles.size(); ++r) {
+    auto& part = particles.part[r];
+    if (place[part.body] == no_place) {
+      place[part.body] = static_cast<std::uint32_t>(sorted.size());
+      sorted.push_back(bodies[part.body]);
+      order.push_back(part.body);
+      if (!synchronous.empty() && part.body < synchronous.size())
+        recorded.push_back(synchronous[part.body]);
+      sorted.back().first = next;
+      next += static_cast<std::uint32_t>(forms[sorted.back().form].parts.size());
+    }
+    part.body = place[part.body];
+    if (r + 1 == particles.owned()) own = sorted.size();
+  }
+  if constexpr (State::of_ranks) ghosts = sorted.size() - own;
+  bodies.swap(sorted), synchronous.swap(recorded);
+  gather_rows(fluid, order, Team()), gather_rows(modules, order, Team());
+  number_rows(particles);
+}
+
+template <class Composition, class State>
+void BodyMotion<Composition, State>::number_rows(const State& particles) {
+  std::size_t count = 0;
+  for (const Body& b : bodies) count += forms[b.form].parts.size();
+  rows.assign(count, no_place);
+  for (std::size_t r = 0; r < particles.size(); ++r)
+    rows[bodies[particles.part[r].body].first + particles.part[r].local] =
+        static_cast<std::uint32_t>(r);
+}
+
+}  // namespace silt::detail

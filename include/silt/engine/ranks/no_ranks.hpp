@@ -1,0 +1,21 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <silt/parallel/comm.hpp>
+
+// What simulations on one process see of ranks; the rest comes with silt/ranks.hpp.
+
+namespace silt::inline SILT_TARGET::detail {
+
+template <class Policy>
+class RankStage;  // rank_stage.hpp
+template <class State, class Mover, class Pairs, class Walls>
+class RankChange;  // rank_change.hpp
+
+template <>
+class RankStage<NoRanks> {
+ public:
+  static constexpr bool active = false;
+};
+
+}  // namespace silt::detail

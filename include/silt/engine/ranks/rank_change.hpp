@@ -1,0 +1,254 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <span>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include <silt/core/threads.hpp>
+#include <silt/engine/ranks/packed.hpp>
+#include <silt/engine/ranks/rank_stage.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// What a search on many ranks does with rows before and after it looks for pairs: particles pass
+/// over to the ranks that own their places, with all that their contacts remember; then come the
+/// ghosts.
+///
+/// What contacts remember is kept by the places that their particles had before the search
+/// (PairArchive, WallContacts). A particle that was not known here before gets such a place too,
+/// behind all others, and what it brings is put there.
+template <class State, class Mover, class Pairs, class Walls>
+class RankChange {
+  using Memory = typename Pairs::Memory;
+  struct PairMemory {
+    ParticleId a, b;  // a < b
+    Memory values;
+  };
+
+ public:
+  using BroughtPair = typename Pairs::Brought;
+  using BroughtWall = typename Walls::Kept;
+
+  /// Rows that each row of a scene has besides its columns: where it was before the search, and
+  /// the speed that is expected of it [m/s].
+  struct Rows {
+    State& particles;
+    Mover& mover;
+    std::vector<std::uint32_t>& previous;
+    std::vector<double>& anticipated;
+    const Team& team;
+  };
+
+  /// Passes the own rows on to the ranks that are to have them (collective). The ghosts go.
+  template <class Stage>
+  void move(Stage& ranks, const Rows& rows, const Pairs& pairs, const Walls& walls,
+            std::int64_t step) {
+    State& particles = rows.particles;
+    const std::size_t owned = particles.owned(), before = particles.size();
+    weigh(pairs, owned);
+    const std::vector<int> to = ranks.choose_ranks(particles, rows.mover, weights_, step);
+    const auto goes = [&](std::size_t k) { return to[k] >= 0 && to[k] != ranks.rank(); };
+    next_place_ = static_cast<std::uint32_t>(before);
+    places_.clear(), pairs_.clear(), walls_.clear();
+    for (std::size_t k = 0; k < before; ++k)
+      if (k >= owned || goes(k)) places_[particles.id[k]] = static_cast<std::uint32_t>(k);
+
+    std::vector<Packed> out(static_cast<std::size_t>(ranks.size()));
+    pack(rows, to, goes, pairs, walls, out);
+    std::vector<std::uint32_t> stay;
+    for (std::uint32_t k = 0; k < owned; ++k)
+      if (to[k] == ranks.rank()) stay.push_back(k);
+    particles.ghosts = 0;
+    if (stay.size() != before) {
+      particles.reorder(stay, rows.team);
+      gather(rows.previous, stay, rows.team), gather(rows.anticipated, stay, rows.team);
+    }
+    particles.parked = 0;
+    particles.take_off_pads();
+    for (const Arrival& came : ranks.pass(out)) unpack(came.bytes, rows, ranks.counts.migrated);
+    particles.pad();
+    particles.measure();
+    ranks.measure(particles);
+    ++ranks.counts.searches;
+  }
+
+  /// Brings the ghosts, behind the own rows, with how far each reaches [m] (collective).
+  template <class Stage, class Domain, class Reaches>
+  void add_ghosts(Stage& ranks, const Rows& rows, std::span<const PositionRow> grown,
+                  const Domain& domain, Reaches& reaches) {
+    State& particles = rows.particles;
+    auto to = choose_ghosts(ranks, rows, grown, domain);
+    std::vector<Packed> out(to.size());
+    for (std::size_t r = 0; r < to.size(); ++r) {
+      if constexpr (State::of_bodies)
+        if (!to[r].empty()) pack_bodies(particles, rows.mover, to[r], out[r]);
+      for (const std::uint32_t k : to[r]) {
+        pack_row(particles, k, out[r]), pack_row(particles.modules, k, out[r]);
+        out[r].put(reaches[k]);
+      }
+    }
+    ranks.neighbours.clear();
+    const std::size_t owned = particles.size();
+    particles.take_off_pads();
+    const std::vector<Arrival> arrivals = ranks.pass(out);
+    auto came = arrivals.begin();
+    for (std::size_t r = 0; r < to.size(); ++r) {
+      RankNeighbour other{static_cast<int>(r), std::move(to[r]), row_count(particles), 0};
+      if (came != arrivals.end() && came->rank == other.rank) {
+        Unpacked from((came++)->bytes);
+        const auto bodies = unpack_bodies(rows, from);
+        while (!from.done()) {
+          unpack_one(particles, bodies, from);
+          reaches.push_back(from.get<double>());
+          rows.previous.push_back(place_of(particles.id.back()));
+          rows.anticipated.push_back(0);
+        }
+      }
+      other.end = row_count(particles);
+      if (!other.send.empty() || other.end > other.first)
+        ranks.neighbours.push_back(std::move(other));
+    }
+    particles.ghosts = particles.size() - owned;
+    particles.pad();
+    ++particles.changes;
+  }
+
+  /// How many places there were before the search, with those of newcomers.
+  std::size_t places() const { return next_place_; }
+  /// What pairs of newcomers remember, by those places.
+  std::vector<BroughtPair> pairs_brought(const Rows& rows) const {
+    std::unordered_map<ParticleId, std::uint32_t> place;
+    for (const PairMemory& m : pairs_) place[m.a] = place[m.b] = no_place;
+    if (!place.empty())
+      for (std::size_t k = 0; k < rows.particles.size(); ++k)
+        if (const auto found = place.find(rows.particles.id[k]); found != place.end())
+          found->second = rows.previous[k];
+    std::vector<BroughtPair> brought;
+    for (const PairMemory& m : pairs_) {
+      const std::uint32_t a = place[m.a], b = place[m.b];
+      if (a != no_place && b != no_place) brought.push_back({a, b, m.values});
+    }
+    return brought;
+  }
+  const std::vector<BroughtWall>& walls_brought() const { return walls_; }
+
+ private:
+  static std::uint32_t row_count(const State& particles) {
+    return static_cast<std::uint32_t>(particles.size());
+  }
+  std::uint32_t place_of(ParticleId id) {
+    const auto known = places_.find(id);
+    return known != places_.end() ? known->second : next_place_++;
+  }
+
+  struct NoBodies {};
+  static auto unpack_bodies([[maybe_unused]] const Rows& rows, [[maybe_unused]] Unpacked& from) {
+    if constexpr (State::of_bodies)
+      return BodiesThatCome<Mover>(rows.mover, from);
+    else
+      return NoBodies{};
+  }
+  template <class Bodies>
+  static void unpack_one(State& particles, [[maybe_unused]] const Bodies& bodies, Unpacked& from) {
+    unpack_row(particles, from), unpack_row(particles.modules, from);
+    if constexpr (State::of_bodies)
+      particles.part.back().body = bodies.place_of(particles.part.back().body);
+  }
+
+  /// RankStage::choose_ghosts; of bodies all parts. These are looked at where the body has them,
+  /// not wrapped into a periodic box: those that hang out of it would be far from the others.
+  template <class Stage, class Domain>
+  static auto choose_ghosts(Stage& ranks, const Rows& rows, std::span<const PositionRow> grown,
+                            const Domain& domain) {
+    if constexpr (State::of_bodies) {
+      std::vector<PositionRow> in_body(grown.begin(), grown.end());
+      for (std::size_t k = 0; k < in_body.size(); ++k) {
+        const Vec3d at = grown[k].centre() - rows.particles.part[k].image;
+        in_body[k] = {at.x, at.y, at.z, grown[k].r};
+      }
+      auto to = ranks.choose_ghosts(std::span<const PositionRow>(in_body), domain);
+      for (auto& some : to) take_whole_bodies(rows.particles, rows.mover, some);
+      return to;
+    } else {
+      return ranks.choose_ghosts(grown, domain);
+    }
+  }
+
+  /// The work of each own row: one, and one a pair; half of it where both are of this rank.
+  void weigh(const Pairs& pairs, std::size_t owned) {
+    weights_.assign(owned, 1);
+    pairs.for_each([&](std::size_t k) {
+      const std::uint32_t a = pairs.first()[k], b = pairs.second()[k];
+      if (a < owned) weights_[a] += 0.5;
+      if (b < owned) weights_[b] += 0.5;
+    });
+  }
+
+  /// For each rank: its rows, what their pairs remember, and what they remember of walls.
+  template <class Goes>
+  void pack(const Rows& rows, std::span<const int> to, const Goes& goes, const Pairs& pairs,
+            const Walls& walls, std::vector<Packed>& out) const {
+    const State& particles = rows.particles;
+    std::vector<std::vector<std::uint32_t>> leave(out.size());
+    std::vector<std::vector<std::size_t>> known(out.size());
+    std::size_t leaving = 0;
+    for (std::uint32_t k = 0; k < to.size(); ++k)
+      if (goes(k)) leave[static_cast<std::size_t>(to[k])].push_back(k), ++leaving;
+    if (leaving == 0) return;
+    pairs.for_each([&](std::size_t k) {
+      if (!pairs.remembers(k)) return;
+      int last = -1;
+      for (const std::uint32_t end : {pairs.first()[k], pairs.second()[k]})
+        if (end < to.size() && goes(end) && to[end] != last)
+          known[static_cast<std::size_t>(last = to[end])].push_back(k);
+    });
+    for (std::size_t r = 0; r < out.size(); ++r) {
+      if (leave[r].empty()) continue;
+      if constexpr (State::of_bodies) pack_bodies(particles, rows.mover, leave[r], out[r]);
+      out[r].put(leave[r].size());
+      for (const std::uint32_t k : leave[r]) {
+        pack_row(particles, k, out[r]), pack_row(particles.modules, k, out[r]);
+        out[r].put(rows.anticipated[k]);
+      }
+      out[r].put(known[r].size());
+      for (const std::size_t k : known[r])
+        out[r].put(PairMemory{particles.id[pairs.first()[k]], particles.id[pairs.second()[k]],
+                              pairs.memory(k)});
+      for (std::uint32_t n = 0; n < leave[r].size(); ++n)
+        for (BroughtWall contact : walls.kept_of(leave[r][n]))
+          contact.particle = n, out[r].put(contact);  // its place in this message
+    }
+  }
+
+  void unpack(std::span<const std::byte> bytes, const Rows& rows, std::uint64_t& migrated) {
+    State& particles = rows.particles;
+    const std::size_t first = particles.size();
+    Unpacked from(bytes);
+    const auto bodies = unpack_bodies(rows, from);
+    for (auto n = from.get<std::size_t>(); n > 0; --n, ++migrated) {
+      unpack_one(particles, bodies, from);
+      rows.anticipated.push_back(from.get<double>());
+      rows.previous.push_back(place_of(particles.id.back()));
+    }
+    for (auto n = from.get<std::size_t>(); n > 0; --n) pairs_.push_back(from.get<PairMemory>());
+    while (!from.done()) {
+      walls_.push_back(from.get<BroughtWall>());
+      walls_.back().particle = rows.previous[first + walls_.back().particle];
+    }
+  }
+
+  std::unordered_map<ParticleId, std::uint32_t> places_;  // of ghosts and of what went
+  std::uint32_t next_place_ = 0;
+  std::vector<double> weights_;
+  std::vector<PairMemory> pairs_;
+  std::vector<BroughtWall> walls_;
+};
+
+}  // namespace silt::detail

@@ -1,0 +1,421 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <initializer_list>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <type_traits>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include <silt/core/box.hpp>
+#include <silt/core/position_row.hpp>
+#include <silt/engine/ranks/packed.hpp>
+#include <silt/engine/ranks/no_ranks.hpp>
+#include <silt/engine/ranks/rank_bodies.hpp>
+#include <silt/parallel/agree.hpp>
+#include <silt/parallel/ranks.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// What passes between a rank and another at each step: rows of its own that the other has as
+/// ghosts, and its ghosts that the other owns.
+struct RankNeighbour {
+  int rank;
+  std::vector<std::uint32_t> send;   // own rows
+  std::uint32_t first = 0, end = 0;  // ghost rows
+  // Of bodies: the same of them, whose parts the rows are.
+  std::vector<std::uint32_t> send_bodies{};
+  std::uint32_t first_body = 0, end_body = 0;
+};
+
+/// What has been counted since the start, of this rank.
+struct RankCounts {
+  std::uint64_t searches = 0, partitions = 0;
+  std::uint64_t migrated = 0;             // rows that came from other ranks
+  std::uint64_t messages = 0, bytes = 0;  // sent at the steps and at searches
+  Load load;                              // of all ranks, at the last search, before it
+};
+
+/// The engine's part in a run on many ranks: who owns which particle, which ghosts go where, and
+/// what all must agree on. Every function that says so is collective: all ranks call it at the same
+/// place of the program.
+///
+/// A rank owns the particles in its part of the space, as the decomposition says at each search. Of
+/// others' it has ghosts behind its own rows: all those that its own may touch before the next
+/// search. A pair of an own particle and a ghost is computed on both ranks, from the same numbers
+/// and in the same orientation (by ids), so that both remember the same.
+template <class Policy>
+class RankStage {
+ public:
+  static constexpr bool active = true;
+  std::vector<RankNeighbour> neighbours;  // in the order of ranks
+  RankCounts counts;
+
+  void set(Policy policy) { policy_ = std::move(policy); }
+  const auto& comm() const { return policy_->comm; }
+  /// Does what ranks do by themselves; all throw what one has thrown (collective).
+  template <class Work>
+  void together(const char* call, const Work& work) const {
+    silt::together(policy_->comm, call, work);
+  }
+  /// Where ranks meet before they talk: those that have failed say so here, and all throw it.
+  void meet(const char* call) const { silt::agree(policy_->comm, call); }
+  /// ... with an error of this one, or none, and numbers that become the largest of all.
+  void agree(const char* call, const std::exception_ptr& error, std::span<double> most) const {
+    silt::agree(policy_->comm, call, error, most);
+  }
+  int rank() const { return policy_->comm.rank(); }
+  int size() const { return policy_->comm.size(); }
+  /// The part of `all` things that this rank takes, before anybody owns them: first and end.
+  std::pair<std::size_t, std::size_t> share_of(std::size_t all) const {
+    const auto r = static_cast<std::size_t>(rank()), n = static_cast<std::size_t>(size());
+    return {all * r / n, all * (r + 1) / n};
+  }
+
+  // --- what all agree on (collective) -------------------------------------------------------
+
+  /// The largest of each number.
+  void max_of(std::span<double> values) const { policy_->comm.max_of(values); }
+  double max_of(double value) const {
+    max_of({&value, 1});
+    return value;
+  }
+  bool any(bool is) const { return max_of(is ? 1.0 : 0.0) > 0; }
+  bool all(bool is) const { return !any(!is); }
+  /// The sum of each number, added in the order of ranks.
+  void sum_of(std::span<double> values) const {
+    const auto all = gather(policy_->comm, std::span<const double>(values));
+    std::fill(values.begin(), values.end(), 0.0);
+    for (int r = 0; r < all.ranks(); ++r)
+      for (std::size_t k = 0; k < values.size(); ++k) values[k] += all[r][k];
+  }
+  /// The largest and lightest of all.
+  template <class Meetings>
+  Meetings union_of_meetings(Meetings own) {
+    using Spheres = typename decltype(own.spheres)::value_type;
+    const auto all = gather(policy_->comm, std::span<const Spheres>(own.spheres));
+    for (auto& of : own.spheres) of = {};
+    for (int r = 0; r < all.ranks(); ++r)
+      for (std::size_t m = 0; m < own.spheres.size(); ++m) own.spheres[m].include_all(all[r][m]);
+    return own;
+  }
+  Box union_of(const Box& box) const {
+    std::array<double, 6> ends{-box.min.x, -box.min.y, -box.min.z, box.max.x, box.max.y, box.max.z};
+    max_of(ends);
+    return {{-ends[0], -ends[1], -ends[2]}, {ends[3], ends[4], ends[5]}};
+  }
+  /// The sizes of all particles, on each rank.
+  template <class State>
+  void measure(State& particles) {
+    std::array<double, 3> most{particles.largest_radius, -particles.smallest_radius,
+                               particles.some_fixed ? 1.0 : 0.0};
+    if (particles.owned() == 0) most = {0, -std::numeric_limits<double>::infinity(), 0};
+    const auto rows = static_cast<double>(particles.owned() - particles.parked);
+    std::array<double, 3> sums{particles.mean_diameter * rows, rows,
+                               static_cast<double>(present_in(particles))};
+    max_of(most), sum_of(sums);
+    particles.largest_radius = most[0], particles.smallest_radius = std::min(-most[1], most[0]);
+    particles.some_fixed = most[2] > 0;
+    particles.mean_diameter = sums[1] > 0 ? sums[0] / sums[1] : 0;
+    present_ = static_cast<std::size_t>(sums[2]);
+  }
+  /// Particles of all ranks, when they were measured last.
+  std::size_t present() const { return present_; }
+  void count(std::size_t more) { present_ += more; }
+
+  // --- at each step (collective) ------------------------------------------------------------
+
+  /// Gives the ghosts the places and motions that they have on their own ranks: the first call
+  /// sends, the second receives.
+  template <class State, class Mover>
+  void begin_refresh(State& particles, Mover& mover) {
+    with_refreshed(particles, mover, [this](const auto&... passed) { this->begin(passed...); });
+  }
+  template <class State, class Mover>
+  void finish_refresh(State& particles, Mover& mover) {
+    if (under_way_)
+      with_refreshed(particles, mover, [this](const auto&... passed) { this->finish(passed...); });
+  }
+  /// Likewise the numbers of a column.
+  template <class Column>
+  void share(Column& column) {
+    const auto passed = rows_of<double>([&](std::uint32_t k) { return column[k]; },
+                                        [&](std::uint32_t k, double value) { column[k] = value; });
+    begin(passed);
+    if (under_way_) finish(passed);
+  }
+
+  /// Makes the loads of walls, which are those of own particles, the loads of all ranks' particles.
+  template <class Walls>
+  void share_loads(Walls& walls) {
+    shared_.resize(walls.size()), own_.resize(walls.size());
+    std::vector<double> numbers;
+    for (std::size_t w = 0; w < walls.size(); ++w) {
+      own_[w].impulse += walls[w].impulse - shared_[w].impulse;
+      own_[w].angular += walls[w].angular_impulse - shared_[w].angular;
+      for (const Vec3d& v : {walls[w].force, walls[w].torque, own_[w].impulse, own_[w].angular})
+        numbers.insert(numbers.end(), {v.x, v.y, v.z});
+      numbers.push_back(walls[w].belt_power);
+    }
+    sum_of(numbers);
+    const double* next = numbers.data();
+    for (std::size_t w = 0; w < walls.size(); ++w) {
+      for (Vec3d* v :
+           {&walls[w].force, &walls[w].torque, &walls[w].impulse, &walls[w].angular_impulse})
+        *v = {next[0], next[1], next[2]}, next += 3;
+      walls[w].belt_power = *next++;
+      shared_[w] = {walls[w].impulse, walls[w].angular_impulse};
+    }
+  }
+
+  // --- what a checkpoint keeps --------------------------------------------------------------
+
+  struct Impulses {
+    Vec3d impulse{0, 0, 0}, angular{0, 0, 0};  // [N s], [N m s]
+  };
+  struct State {
+    std::vector<Impulses> own, shared;  // of walls: by own particles; by all, when last shared
+    std::size_t present = 0;
+    std::int64_t last_step = 0;
+    double lost = 0, moved = -1;  // Rebalance
+  };
+  State state(std::size_t walls) const {
+    State s{own_, shared_, present_, last_step_, policy_->rebalance.lost, policy_->rebalance.moved};
+    s.own.resize(walls), s.shared.resize(walls);
+    return s;
+  }
+  void restore(State s) {
+    own_ = std::move(s.own), shared_ = std::move(s.shared), present_ = s.present;
+    last_step_ = s.last_step, policy_->rebalance.lost = s.lost, policy_->rebalance.moved = s.moved;
+  }
+  using PartsType = std::remove_cvref_t<decltype(std::declval<Policy&>().parts)>;
+  /// Whether the decomposition tells what it remembers, by for_each_state(visit).
+  template <class Visit>
+  static constexpr bool tells_parts = std::copyable<PartsType>&& requires(PartsType& parts,
+                                                                          Visit& visit) {
+    parts.for_each_state(visit);
+  };
+  const PartsType& parts() const { return policy_->parts; }
+  void set_parts(PartsType parts) { policy_->parts = std::move(parts); }
+  /// Divides the space anew at the next search.
+  void part_anew() { counts.partitions = 0; }
+
+  // --- at a search (collective) -------------------------------------------------------------
+
+  /// The rank that each of the own rows goes to; -1 those that have left. Bodies go as a whole.
+  /// `weights`: the work that each row makes in a step.
+  template <class State, class Mover>
+  std::vector<int> choose_ranks(const State& particles, const Mover& mover,
+                                std::span<const double> weights, std::int64_t step) {
+    auto& parts = policy_->parts;
+    const OwnParticles<State, Mover> own(particles, mover, weights);
+    const std::vector<Vec3d>& points = own.points;
+    const std::vector<double>& work = own.weights;
+    counts.load = load_of(policy_->comm, std::accumulate(work.begin(), work.end(), 0.0));
+    const bool first = counts.partitions == 0;
+    const double mean_points = static_cast<double>(present_) / size();
+    std::vector<int> chosen;
+    if (policy_->rebalance.due(counts.load, step - last_step_, mean_points) || first) {
+      chosen = parts.partition(policy_->comm, points, work);
+      double sent = 0;
+      for (const int r : chosen) sent += r != rank();
+      policy_->rebalance.parted(static_cast<std::int64_t>(first ? mean_points / 10 : max_of(sent)));
+      ++counts.partitions;
+    } else if constexpr (std::remove_cvref_t<decltype(parts)>::by_place) {
+      for (const Vec3d& p : points) chosen.push_back(parts.rank_of(p));
+    } else {
+      chosen.assign(points.size(), rank());
+    }
+    last_step_ = step;
+    std::vector<int> to(particles.owned(), -1);
+    for (std::size_t k = 0; k < to.size(); ++k)
+      if (!particles.is_parked(k)) to[k] = chosen[own.place_of(k)];
+    return to;
+  }
+
+  /// Whether a particle that comes to this place [m] is this rank's; of those before the first
+  /// search, or where places say nothing, each rank takes a part of what comes.
+  bool takes(const Vec3d& place, std::size_t k, std::size_t of) const {
+    using Parts = decltype(Policy::parts);
+    if constexpr (Parts::by_place)
+      if (counts.partitions > 0) return policy_->parts.rank_of(place) == rank();
+    const auto [from, end] = share_of(of);
+    return k >= from && k < end;
+  }
+  /// All ranks' particles whose centre, or an image of it, is in a region (collective).
+  template <class State, class Domain>
+  std::vector<PositionRow> all_in(const Box& region, const State& particles,
+                                  const Domain& domain) const {
+    std::vector<PositionRow> own;
+    for (const PositionRow& p : particles.rows()) {
+      bool is_in = false;
+      for_images(domain, p.centre(), [&](const Vec3d& image) { is_in |= region.contains(image); });
+      if (p.r > 0 && is_in) own.push_back(p);
+    }
+    return gather(policy_->comm, std::span<const PositionRow>(own)).values;
+  }
+  /// Makes what own particles have added to outlets what all ranks' have (collective).
+  template <class Outlets>
+  void share_left(Outlets& outlets, const Outlets& before) {
+    std::vector<double> left;
+    for (std::size_t k = 0; k < outlets.size(); ++k)
+      left.push_back(static_cast<double>(outlets[k].count - before[k].count)),
+          left.push_back(outlets[k].mass - before[k].mass);
+    sum_of(left);
+    for (std::size_t k = 0; k < outlets.size(); ++k) {
+      const auto count = static_cast<std::uint64_t>(left[2 * k]);
+      outlets[k].count = before[k].count + count;
+      outlets[k].mass = before[k].mass + left[2 * k + 1];
+      present_ -= count;
+    }
+  }
+  /// So many rows have come in front of the ghosts.
+  void make_way(std::size_t more) {
+    for (RankNeighbour& other : neighbours)
+      other.first += static_cast<std::uint32_t>(more),
+          other.end += static_cast<std::uint32_t>(more);
+  }
+
+  /// What comes from each rank for what goes to each.
+  std::vector<Arrival> pass(std::vector<Packed>& out) {
+    std::vector<Outgoing> messages;
+    for (std::size_t r = 0; r < out.size(); ++r)
+      if (const auto bytes = out[r].bytes(); !bytes.empty()) {
+        ++counts.messages, counts.bytes += bytes.size();
+        messages.push_back({static_cast<int>(r), bytes});
+      }
+    return deliver(policy_->comm, messages);
+  }
+
+  /// Which own rows each rank must have as ghosts: those that may touch one of its own, of spheres
+  /// that are grown by how far they reach.
+  template <class Domain>
+  std::vector<std::vector<std::uint32_t>> choose_ghosts(std::span<const PositionRow> grown,
+                                                        const Domain& domain) {
+    Box own;
+    double largest = 0;
+    for (const PositionRow& p : grown) own.include(p.centre()), largest = std::max(largest, p.r);
+    const std::array<double, 7> part{own.min.x, own.min.y, own.min.z, own.max.x,
+                                     own.max.y, own.max.z, largest};
+    const auto parts = gather(policy_->comm, std::span<const double>(part));
+    std::vector<std::vector<std::uint32_t>> to(static_cast<std::size_t>(size()));
+    for (int r = 0; r < size(); ++r) {
+      const auto other = parts[r];
+      if (r == rank() || !(other[0] <= other[3])) continue;  // it has no particles
+      const Vec3d centre{(other[0] + other[3]) / 2, (other[1] + other[4]) / 2,
+                         (other[2] + other[5]) / 2},
+          half{(other[3] - other[0]) / 2, (other[4] - other[1]) / 2, (other[5] - other[2]) / 2};
+      for (std::uint32_t k = 0; k < grown.size(); ++k) {
+        Vec3d d = grown[k].centre() - centre;
+        if constexpr (Domain::periodic) d = domain.shortest(d);
+        const Vec3d out{std::max(std::abs(d.x) - half.x, 0.0),
+                        std::max(std::abs(d.y) - half.y, 0.0),
+                        std::max(std::abs(d.z) - half.z, 0.0)};
+        const double reach = grown[k].r + other[6];
+        if (dot(out, out) < (1 + 1e-12) * reach * reach)
+          to[static_cast<std::size_t>(r)].push_back(k);
+      }
+    }
+    return to;
+  }
+
+ private:
+  /// What is sent of each row of a kind (rows, or bodies) and set in the ghost of it.
+  template <class Value, bool OfBodies, class Get, class Set>
+  struct Passed {
+    static constexpr std::size_t bytes = sizeof(Value);
+    Get get;
+    Set set;
+    static const auto& sent(const RankNeighbour& n) { return OfBodies ? n.send_bodies : n.send; }
+    static std::uint32_t first(const RankNeighbour& n) { return OfBodies ? n.first_body : n.first; }
+    static std::uint32_t end(const RankNeighbour& n) { return OfBodies ? n.end_body : n.end; }
+    void put(const RankNeighbour& n, std::byte*& to) const {
+      for (const std::uint32_t k : sent(n)) {
+        const Value value = get(k);
+        std::memcpy(to, &value, bytes), to += bytes;
+      }
+    }
+    void take(const RankNeighbour& n, const std::byte*& from) const {
+      for (std::uint32_t k = first(n); k < end(n); ++k) {
+        Value value;
+        std::memcpy(&value, from, bytes), from += bytes;
+        set(k, value);
+      }
+    }
+  };
+  template <class Value, class Get, class Set>
+  static auto rows_of(Get get, Set set) {
+    return Passed<Value, false, Get, Set>{get, set};
+  }
+  template <class Value, class Get, class Set>
+  static auto bodies_of(Get get, Set set) {
+    return Passed<Value, true, Get, Set>{get, set};
+  }
+
+  template <class State, class Mover, class Visit>
+  static void with_refreshed(State& particles, [[maybe_unused]] Mover& mover, const Visit& visit) {
+    const auto rows = rows_of<RowState<State, Mover>>(
+        [&](std::uint32_t k) { return RowState<State, Mover>::of(particles, mover, k); },
+        [&](std::uint32_t k, const auto& row) { row.give(particles, mover, k); });
+    if constexpr (State::of_bodies)
+      visit(rows,
+            bodies_of<BodyState>([&](std::uint32_t k) { return BodyState::of(mover, k); },
+                                 [&](std::uint32_t k, const BodyState& b) { b.give(mover, k); }));
+    else
+      visit(rows);
+  }
+
+  /// Sends one message to each neighbour.
+  template <class... Passed>
+  void begin(const Passed&... passed) {
+    if (neighbours.empty()) return;
+    out_.resize(neighbours.size()), in_.resize(neighbours.size());
+    std::vector<Outgoing> sends;
+    std::vector<Incoming> receives;
+    for (std::size_t n = 0; n < neighbours.size(); ++n) {
+      const RankNeighbour& other = neighbours[n];
+      out_[n].resize((... + (passed.sent(other).size() * passed.bytes)));
+      std::byte* to = out_[n].data();
+      (passed.put(other, to), ...);
+      in_[n].resize((... + ((passed.end(other) - passed.first(other)) * passed.bytes)));
+      if (!out_[n].empty()) {
+        sends.push_back({other.rank, out_[n]});
+        ++counts.messages, counts.bytes += out_[n].size();
+      }
+      if (!in_[n].empty()) receives.push_back({other.rank, in_[n]});
+    }
+    under_way_.emplace(policy_->comm.exchange(sends, receives));
+  }
+  /// Takes in those of the own ghosts.
+  template <class... Passed>
+  void finish(const Passed&... passed) {
+    under_way_->wait();
+    under_way_.reset();
+    for (std::size_t n = 0; n < neighbours.size(); ++n) {
+      const std::byte* from = in_[n].data();
+      (passed.take(neighbours[n], from), ...);
+    }
+  }
+
+  std::optional<Policy> policy_;
+  std::vector<Impulses> own_, shared_;  // of walls: by own particles; by all, when last shared
+  std::size_t present_ = 0;
+  std::int64_t last_step_ = 0;  // in which ranks were chosen
+  using Exchange = decltype(std::declval<const decltype(Policy::comm)&>().exchange(
+      std::span<const Outgoing>(), std::span<const Incoming>()));
+  std::optional<Exchange> under_way_;
+  std::vector<std::vector<std::byte>> out_, in_;
+};
+
+}  // namespace silt::detail

@@ -1,0 +1,189 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include <silt/io/checkpoint.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// The state of a run that goes on on another number of ranks, put together from blocks: rows of
+/// this rank, all that their contacts remember, and as ghosts those whom these contacts are with.
+/// Lists have nothing but such contacts, and the next search goes on from them: it passes particles
+/// on to the ranks that are to have them.
+template <class Sim>
+class Checkpoint<Sim>::Merged {
+  using State = typename Engine::State;
+  using Pairs = decltype(Engine::Lists::pairs);
+  using Walls = decltype(Engine::Lists::walls);
+  static constexpr std::uint32_t no_row = no_place;
+
+ public:
+  Merged(const Sim& sim, const AcceptedChanges& accepted) : sim_(sim), accepted_(accepted) {
+    own_.take_off_pads(), others_.take_off_pads();
+  }
+
+  /// Takes of a block the particles from number `from` to `to`, of those that it has itself.
+  void take(const CheckpointReader& in, const std::string& name, std::size_t from, std::size_t to) {
+    auto block = std::make_unique<Staged>(sim_);
+    block->read(detail::CheckpointLoader(in, name), name, accepted_);
+    take_rows(*block, from, to);
+    take_pairs(*block);
+    take_walls(*block);
+    if (!first_) first_ = std::move(block);
+  }
+  /// How many particles there are in the file of one process.
+  static std::size_t count(const CheckpointReader& in) {
+    const auto ids = in.get<ParticleId>("id");
+    return ids.size() - static_cast<std::size_t>(std::count(ids.begin(), ids.end(), no_particle));
+  }
+  std::uint64_t safeguards() const { return first_->clock_.safeguards; }  // of the first block
+
+  /// `all`: particles of all blocks; `safeguards`: of all.
+  std::unique_ptr<Staged> finish(const std::string& path, std::size_t all,
+                                 std::uint64_t safeguards) {
+    Staged& s = *first_;
+    const std::size_t owned = own_.size();
+    const typename Pairs::State pairs = put_pairs(path);
+    const std::size_t ghosts = own_.size() - owned, rows = own_.size();
+    put_rows(s, ghosts);
+    put_lists(s, pairs, rows);
+    const bool is_first = sim_.rank() == 0;
+    s.clock_.safeguards = is_first ? safeguards : 0;
+    s.block_.rank = static_cast<std::uint64_t>(sim_.rank());
+    s.block_.of = static_cast<std::uint64_t>(sim_.ranks());
+    s.block_.present = all;
+    s.block_.counts.assign(6, 0);
+    s.block_.counts[5] = static_cast<std::uint64_t>(s.clock_.step);
+    s.block_.balance = {0, -1};
+    s.block_.neighbours.clear(), s.block_.sent.clear(), s.block_.impulses.clear();
+    for (std::size_t w = 0; w < s.walls_.impulse.size(); ++w) {
+      const Vec3d &impulse = s.walls_.impulse[w], &angular = s.walls_.angular_impulse[w];
+      const double own = is_first ? 1 : 0;
+      s.block_.impulses.insert(s.block_.impulses.end(),
+                               {own * impulse, own * angular, impulse, angular});
+    }
+    s.forget_parts();
+    return std::move(first_);
+  }
+
+ private:
+  struct PairMemory {
+    ParticleId a, b;  // a < b
+    typename Pairs::Memory values;
+    bool has_a;  // as a row of its own, the block that it is from
+  };
+
+  static void append_row(State& to, State& from, std::size_t k) {
+    detail::for_each_column(to,
+                            [&](const auto& c, auto& values) { values.push_back(c.at(from)[k]); });
+    detail::for_each_column(
+        to.modules, [&](const auto& c, auto& values) { values.push_back(c.at(from.modules)[k]); });
+  }
+  void take_rows(Staged& block, std::size_t from, std::size_t to) {
+    State& p = block.particles_;
+    row_.assign(p.size(), no_row);
+    std::size_t number = 0;
+    for (std::size_t k = 0; k < p.size() - block.block_.ghosts; ++k) {
+      if (p.is_parked(k)) continue;
+      if (number >= from && number < to) {
+        row_[k] = static_cast<std::uint32_t>(own_.size());
+        append_row(own_, p, k);
+        if (!block.synchronous_.empty()) synchronous_.push_back(block.synchronous_[k]);
+      }
+      ++number;
+    }
+  }
+  void take_pairs(Staged& block) {
+    State& p = block.particles_;
+    const Pairs& pairs = block.lists_.pairs;
+    pairs.for_each([&](std::size_t k) {
+      const std::uint32_t a = pairs.first()[k], b = pairs.second()[k];
+      if (!pairs.remembers(k) || (row_[a] == no_row && row_[b] == no_row)) return;
+      if (p.is_parked(a) || p.is_parked(b)) return;
+      pairs_.push_back({p.id[a], p.id[b], pairs.memory(k), row_[a] != no_row});
+      for (const std::uint32_t end : {a, b})
+        if (row_[end] == no_row && other_.try_emplace(p.id[end], others_.size()).second)
+          append_row(others_, p, end);
+    });
+  }
+  void take_walls(Staged& block) {
+    Walls& walls = block.lists_.walls;
+    walls.set_aside();
+    for (std::uint32_t k = 0; k < row_.size(); ++k)
+      if (row_[k] != no_row)
+        for (auto contact : walls.kept_of(k)) {
+          if (block.walls_.surfaces[contact.wall] == 0) continue;
+          contact.particle = row_[k], walls_.push_back(contact);
+        }
+  }
+
+  /// The pairs of contacts, by rows; others' rows that they need come behind the own ones.
+  typename Pairs::State put_pairs(const std::string& path) {
+    std::unordered_map<ParticleId, std::uint32_t> place;
+    for (std::uint32_t k = 0; k < own_.size(); ++k) place[own_.id[k]] = k;
+    const auto is_own = [&, owned = own_.size()](ParticleId id) {
+      const auto found = place.find(id);
+      return found != place.end() && found->second < owned;
+    };
+    std::erase_if(pairs_, [&](const PairMemory& m) { return !m.has_a && is_own(m.a); });
+    const auto row_of = [&](ParticleId id) {
+      const auto [found, is_new] = place.try_emplace(id, static_cast<std::uint32_t>(own_.size()));
+      if (is_new) {
+        if (!Sim::has_ranks)
+          throw FileError(text("checkpoint '", path, "' is damaged: particle ", id,
+                               ", which touches others, is in none of its blocks"));
+        append_row(own_, others_, other_.at(id));
+      }
+      return found->second;
+    };
+    std::vector<typename Pairs::Brought> all;
+    for (const PairMemory& m : pairs_) {
+      const std::uint32_t a = row_of(m.a), b = row_of(m.b);
+      all.push_back({a, b, m.values});
+    }
+    return Pairs::state_of(all, own_.size());
+  }
+  void put_rows(Staged& s, [[maybe_unused]] std::size_t ghosts) {
+    const State& before = s.particles_;
+    const double largest = before.largest_radius, mean = before.mean_diameter;
+    const double smallest = before.smallest_radius;
+    const bool some_fixed = before.some_fixed;
+    if constexpr (Sim::has_ranks) own_.ghosts = ghosts;
+    own_.pad();
+    own_.restored(largest, mean);
+    own_.smallest_radius = smallest, own_.some_fixed = some_fixed;
+    s.particles_ = std::move(own_);
+    s.synchronous_ = std::move(synchronous_);
+    s.block_.ghosts = ghosts;
+  }
+  void put_lists(Staged& s, const typename Pairs::State& pairs, std::size_t rows) {
+    const std::vector<double> none(rows, 0);
+    auto& lists = s.lists_;
+    lists.reference.assign(rows, Vec3d{0, 0, 0});
+    lists.upkeep.restore(none, none);
+    lists.pairs.restore(pairs, rows);
+    lists.walls.remember(std::move(walls_), sim_.engine_.walls, rows);
+    lists.forget();
+  }
+
+  const Sim& sim_;
+  const AcceptedChanges& accepted_;
+  std::unique_ptr<Staged> first_;  // whose walls, clock and openings are those of all
+  State own_, others_;             // without pads
+  decltype(Engine::Mover::synchronous) synchronous_;
+  std::unordered_map<ParticleId, std::size_t> other_;  // rows of others_
+  std::vector<std::uint32_t> row_;                     // of the block's rows
+  std::vector<PairMemory> pairs_;
+  std::vector<typename Walls::Kept> walls_;
+};
+
+}  // namespace silt

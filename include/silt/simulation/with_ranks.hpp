@@ -1,0 +1,8 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+// Parts of Simulation on many ranks; silt/ranks.hpp has them.
+
+#include <silt/engine/ranks/rank_change.hpp>
+#include <silt/engine/ranks/rank_stage.hpp>
+#include <silt/simulation.hpp>

@@ -1,0 +1,61 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <string>
+
+#include <silt/core/box.hpp>
+#include <silt/core/error.hpp>
+#include <silt/core/vec3.hpp>
+#include <silt/sph/row.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// Whether an SphCore's liquid is still one.
+/// @{
+
+/// The sentence: where, what, and what to change.
+template <class Core>
+std::string sph_what_is_wrong(const Core& core, const SphRow& r) {
+  const Vec3d x = r.position();
+  const double c = core.liquid.sound_speed, speed = norm(r.velocity());
+  const std::string what = text("step ", core.steps, ", t = ", core.time, " s: the liquid at ", x,
+                                " m"),
+                    is = text(" density ", r.density, " kg/m3 and velocity ", r.velocity(), " m/s");
+  if (is_finite(x) && core.solids.walls.walls() > 0)
+    if (const auto wall = core.solids.walls.nearest(x); wall.distance < -0.1 * core.setup.spacing)
+      return text(what, " has gone through wall ", in_quotes(core.solids.walls.name(wall.wall)),
+                  " by ", -wall.distance, " m, with", is,
+                  "; take a smaller spacing, a larger alpha of the viscosity (0.1), or a slower "
+                  "wall");
+  const std::string beyond = text(what, " has", is, ", beyond ", core.least_density, " to ",
+                                  core.most_density, " of ", core.liquid.density, " kg/m3; ");
+  if (speed > 0.2 * c)
+    return text(beyond, "that is ", speed / c, " of Liquid.sound_speed = ", c,
+                " m/s, of which speeds may be a tenth; if the scene is as fast as that, take a "
+                "larger Liquid.sound_speed, ",
+                10 * speed, " m/s, else a larger alpha of the viscosity (0.1)");
+  return text(beyond,
+              "take a smaller spacing, a larger alpha of the viscosity (0.1) or a smaller "
+              "SphSetup.courant; for a drop that has flown off alone, whose density no neighbour "
+              "holds, a lower Sph::least_density");
+}
+/// Stops the run where a particle of the liquid has gone out of its bounds.
+template <class Core>
+void sph_check(const Core& core, const SphRow& r) {
+  const double share = r.density / core.liquid.density;
+  if (is_finite(r.position()) && is_finite(r.velocity()) && share >= core.least_density &&
+      share <= core.most_density)
+    return;
+  throw SimulationError(sph_what_is_wrong(core, r), core.steps, {}, r.position());
+}
+/// Whether a place lies beyond the region.
+template <class Core>
+bool sph_is_out(const Core& core, const Vec3d& x) {
+  // What walls at its sides press into them is not out.
+  const Box b = core.setup.region.grown(core.setup.spacing);
+  return x.x < b.min.x || x.x > b.max.x || x.z < b.min.z || x.z > b.max.z ||
+         (core.setup.dimensions == 3 && (x.y < b.min.y || x.y > b.max.y));
+}
+/// @}
+
+}  // namespace silt::detail
