@@ -45,8 +45,8 @@ struct Box3 {
     packed.arrange(2 * h + 0.1 * spacing);
     for (std::size_t m = 0; m < packed.columns.size(); ++m) {
       packed.columns.volume[m] = mass / packed.columns.rows[m].density;
-      sticking.push_back({random.uniform(-1, 1), dims == 2 ? 0 : random.uniform(-1, 1),
-                          random.uniform(-1, 1)});
+      sticking.push_back(
+          {random.uniform(-1, 1), dims == 2 ? 0 : random.uniform(-1, 1), random.uniform(-1, 1)});
     }
   }
   template <class Kernel>

@@ -108,9 +108,7 @@ struct SphCore {
             "SphSetup.slip has no effect with DynamicWalls; leave it out, or take MirroredWalls");
     full = sph_divergence_of_lattice<Kernel>(setup);
     if constexpr (Shift::shifts) surface_slope = SphSurfaceSlope<Kernel>(setup.dimensions);
-    require(Time::two_stages || setup.courant <= 0.2, "SphSetup.courant = ", setup.courant,
-            " is too long for VerletTime, which is unstable from 0.22 on; take at most 0.2, or "
-            "SymplecticTime");
+    if constexpr (!Time::two_stages) check_verlet();
     lists.width = Pairs::W, lists.spacing = setup.spacing, lists.dimensions = setup.dimensions;
     lists.probes_meet_walls = Grains::averaged;
     if (setup.dimensions == 2) solids.plane = setup.region.min.y;
@@ -118,6 +116,19 @@ struct SphCore {
     lists.repeats = {
         setup.region.min,
         {setup.periodic[0] ? e.x : 0, setup.periodic[1] ? e.y : 0, setup.periodic[2] ? e.z : 0}};
+  }
+  void check_verlet() const requires(!Time::two_stages) {
+    require(setup.courant <= 0.2, "SphSetup.courant = ", setup.courant,
+            " is too long for VerletTime, which was tried up to 0.2; take at most that, or "
+            "SymplecticTime");
+    const double longest = Time::longest / setup.courant;
+    require(scheme.restart <= longest, "VerletTime.restart = ", scheme.restart,
+            " steps at SphSetup.courant = ", setup.courant,
+            " let odd and even steps part; take at most ", static_cast<int>(longest),
+            ", or leave it out for 5");
+    require(Diffusion::diffuses || !std::is_same_v<Viscosity, Inviscid>,
+            "Sph: VerletTime with Inviscid and NoDiffusion has nothing that damps, and gains "
+            "energy; take SymplecticTime, or Fourtakas");
   }
   /// [m/s2] The gravity that pressure bears at rest: along directions that repeat it drives a flow.
   Vec3d weight() const {

@@ -196,15 +196,20 @@ struct ResolvedGrains {
 /// @{
 
 /// One evaluation a step: velocity and density leap over two steps, and every `restart` steps over
-/// one, so that the two do not part.
-/// Source: L. Verlet, Phys. Rev. 159 (1967) 98, as in DualSPHysics.
+/// one. What the odd steps and the even ones differ by grows in between, as damping acts on it with
+/// the wrong sign: by diffusion alone as e^(7 delta c t/h), 7 = 2 int |W'|/r dV h^2 of WendlandC2,
+/// which is e^(7 delta courant restart) from one restart to the next. DualSPHysics restarts after
+/// 40 steps, which is too long here (docs/sph.md).
+/// Source: L. Verlet, Phys. Rev. 159 (1967) 98, as in DualSPHysics but for `restart`.
 struct VerletTime {
-  int restart = 40;
+  int restart = 5;
+  static constexpr double longest = 1.5;  // [-] restart * SphSetup.courant
   static constexpr SphAxis sph_axis = SphAxis::Time;
   static constexpr bool two_stages = false;
   static constexpr const char* policy_name = "VerletTime";
   void check() const {
-    require(restart >= 1, "VerletTime.restart = ", restart, " steps must be at least 1");
+    require(restart >= 2, "VerletTime.restart = ", restart,
+            " steps must be at least 2, as 1 is Euler's method; 5 is usual");
   }
 };
 
