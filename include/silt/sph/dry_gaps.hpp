@@ -57,7 +57,8 @@ class DryGaps {
       const std::size_t b = of.body_of(k), from = k;
       while (k < of.size() && of.body_of(k) == b) ++k;
       const auto& body = of.bodies[b];
-      if (core.solids.walls.distance(body.centre) > body.reach + reach) continue;
+      if (!is_wet(core, from, k) || core.solids.walls.distance(body.centre) > body.reach + reach)
+        continue;
       const std::size_t first = sites_.size();
       for (std::size_t p = from; p < k; ++p) {
         const Vec3d surface = 0.5 * (of.place(p) + of.ghost(p));
@@ -100,6 +101,15 @@ class DryGaps {
       }
     }
   }
+  /// Whether liquid is near any of a body's points, by the lists.
+  template <class Core>
+  static bool is_wet(const Core& core, std::size_t from, std::size_t to) {
+    for (std::size_t k = core.solids.walls.size() + from; k < core.solids.walls.size() + to; ++k)
+      if (core.solids.has_row(k) &&
+          !core.lists.liquid(core.solids.wall_row[k] / core.lists.width).empty())
+        return true;
+    return false;
+  }
   template <class Core>
   void look(const Core& core, std::size_t first, const Team& team) {
     const double h = core.setup.h(), a = Kernel::normalisation(core.setup.dimensions, h);
@@ -114,9 +124,10 @@ class DryGaps {
                     place = core.solids.bodies.place(s.point);
         for (const auto entry : core.lists.liquid(row / core.lists.width)) {
           const auto& b = core.columns.rows[entry.row()];
-          const Vec3d r = here - b.position() - core.lists.shift(entry.image());
+          Vec3d r = here - b.position();
+          if (entry.image() != ClusterLists::here) r -= core.lists.shift(entry.image());
+          if (dot(r, r) >= 4 * h * h) continue;
           const double q = norm(r) / h, V = core.columns.volume[entry.row()];
-          if (q >= 2) continue;
           s.slope += a / (h * h) * V * Kernel::slope(q) * r;
           const double w = a * V * Kernel::weight(q);
           s.weight += w, s.level += w * (b.pressure - dot(rho_g, place - r));
