@@ -85,7 +85,7 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
           " of shares");
   c.columns = {};
   std::vector<Row> then(n);
-  std::vector<double> slack(n);
+  std::vector<double> slacks(n);
   for (std::size_t k = 0; k < n; ++k) {
     const auto get = [&](std::size_t of) {
       const double* const r = rows.data() + row * (2 * k + of);
@@ -98,7 +98,7 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
     c.columns.add(get(0), static_cast<int>(kind),
                   label < 0 ? Core::Lists::none : static_cast<std::uint32_t>(label));
     c.columns.start.back() = get(1);
-    then[k].place({built[4 * k], built[4 * k + 1], built[4 * k + 2]}), slack[k] = built[4 * k + 3];
+    then[k].place({built[4 * k], built[4 * k + 1], built[4 * k + 2]}), slacks[k] = built[4 * k + 3];
   }
   for (std::size_t k = 0; k < shares.size(); k += 3) {
     c.columns.voidage.push_back(shares[k]), c.columns.share.push_back(shares[k + 1]);
@@ -119,7 +119,7 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
   c.exchange = numbers[9] > 0 ? numbers[9] : INFINITY;  // 0: no free body
   bodies.restore(kinds, points);
   if (c.made) c.solids.walls.restore(solid, poses);
-  if (!c.stale) sph_restore_lists(c, then, slack);
+  if (!c.stale) sph_restore_lists(c, then, slacks);
 }
 
 }  // namespace silt
