@@ -13,7 +13,7 @@ from .names import AXES, find_name, same, split_unit, unit_of
 from .sources import GRID, LINES, MESH, POINTS, SURFACE, Grid, Source
 
 __all__ = ["Frame", "Grid", "POINTS", "SURFACE", "LINES", "GRID", "MESH"]
-OF_KIND = {POINTS: "points", SURFACE: "points of a surface", LINES: "lines", GRID: "cells",
+OF_KIND = {POINTS: "particles", SURFACE: "points of a surface", LINES: "lines", GRID: "cells",
            MESH: "cells of a mesh"}  # fmt: skip
 
 

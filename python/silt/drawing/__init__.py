@@ -15,7 +15,7 @@ if needs.missing("numpy", "matplotlib"):
     raise ImportError(needs.sentence("silt.drawing", needs.missing("numpy", "matplotlib")))
 
 from ..errors import Error  # noqa: E402
-from .bodies import Bed  # noqa: E402
+from .bodies import Bed, pressing  # noqa: E402
 from .canvas import LIGHT, Canvas  # noqa: E402
 from .scene import draw  # noqa: E402
 from .style import (COLOUR_MAP, COLOURS, DPI, captions, label_few_decades, plt, save,  # noqa: E402
@@ -23,4 +23,4 @@ from .style import (COLOUR_MAP, COLOURS, DPI, captions, label_few_decades, plt, 
 from .view import Cut, view_axes, wall_edges  # noqa: E402
 
 __all__ = ["Bed", "Canvas", "COLOUR_MAP", "COLOURS", "Cut", "DPI", "Error", "LIGHT", "captions", "draw",
-           "label_few_decades", "plt", "save", "tick_apart", "view_axes", "wall_edges"]  # fmt: skip
+           "label_few_decades", "plt", "pressing", "save", "tick_apart", "view_axes", "wall_edges"]  # fmt: skip

@@ -82,10 +82,11 @@ def captions(titles: Optional[Sequence[str]], files: Sequence[str],
     return [name.replace("_", " ") for name in names] if len(files) > 1 else [""]
 
 
-def save(figure, path: str) -> None:
+def save(figure, path: str, dpi: int = DPI) -> None:
+    """Writes a picture (.png); it is whole or not there."""
     partial = path + ".partial"
     try:
-        figure.savefig(partial, format="png", dpi=DPI, facecolor="white")
+        figure.savefig(partial, format="png", dpi=dpi, facecolor="white")
         os.replace(partial, path)
     except OSError as error:
         if os.path.exists(partial):
