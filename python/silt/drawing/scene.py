@@ -364,11 +364,12 @@ def paint(canvas: Canvas, layers: Layers, scales: dict[str, ColourScale], option
         canvas.draw_spheres(balls, np.full(len(balls), layers.rod), colours[which])
     if len(layers.cells):
         canvas.draw_flat(layers.cells, scales["flow"].colours(layers.flow))
-    if options.walls_as == "solid":
+    style = options.walls_as or ("behind" if bed is not None or len(layers.bonds) else "edges")
+    if style == "solid":
         canvas.draw_solid_walls(layers.walls)
-    elif options.walls_as == "glass":
+    elif style == "glass":
         canvas.draw_glass_walls(layers.walls)
-    elif options.walls_as == "behind":
+    elif style == "behind":
         canvas.draw_walls(layers.walls)
     canvas.draw_lines(layers.edges)
 
@@ -460,8 +461,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--perspective", nargs="?", type=float, const=30.0, metavar="DEGREES",
                         help="seen from nearby, under this angle (30), instead of parallel")
     parser.add_argument("--walls", metavar="FILE", help="a surface (of a series walls.pvd beside it), or none")
-    parser.add_argument("--walls-as", choices=["behind", "solid", "glass", "edges"], default="behind",
-                        help="walls hide no bodies (behind), hide them (solid), veil them (glass), or are lines")
+    parser.add_argument("--walls-as", choices=["behind", "solid", "glass", "edges"],
+                        help="walls hide no bodies (behind), hide them (solid), veil them (glass), or are lines "
+                        "(behind; of contacts alone edges)")
     parser.add_argument("--contacts", metavar="FILE", help="force chains over the bodies, as thick as their force")
     parser.add_argument("--bonds", metavar="FILE", help="bonds as rods")
     parser.add_argument("--bond-colour", metavar="FIELD", help="a field of the bonds, as load")
