@@ -12,7 +12,7 @@ void write_run(const std::string& folder, double gravity) {
   const silt::HertzMindlin::Material glass{
       .youngs_modulus = 1e7, .poisson_ratio = 0.25, .restitution = 0.6, .friction = 0.4};
   silt::Particles<silt::Sphere> beads;
-  beads.fill({.min = {0, 0, 0}, .max = {0.02, 0.012, 0.03}},
+  beads.fill({.min = {0, 0, 0.006}, .max = {0.02, 0.012, 0.036}},
              {.radius = silt::uniform(0.9e-3, 1.2e-3), .density = 2500, .count = 120, .seed = 3});
   const silt::HeatConduction heat{.conductivity = 200, .heat_capacity = 500};
   silt::Simulation sim{std::move(beads), silt::Contacts<silt::HertzMindlin>{glass},

@@ -109,7 +109,7 @@ class Compare(Refuses, unittest.TestCase):
             self.raises("have no series, tables or summaries", silt.compare, empty, empty)
         self.refused("must not be negative", "compare", path("grains"), path("again"), "--tolerance", -1)
         self.refused("cannot be read", "compare", path("grains", "energy.csv"), path("no.csv"))
-        self.refused("has 3 frames and B has 2" if False else "A has", "compare", path("grains", "particles.pvd"),
+        self.refused("A has 3 frames and B has 2", "compare", path("grains", "particles.pvd"),
                      path("parts", "particles.pvd"))
 
 
@@ -117,7 +117,7 @@ class Info(Refuses, unittest.TestCase):
     def test_what_is_in_files(self):
         for arguments, words in (
                 (("grains", "particles.pvd"), ["3 frames, t = 0 to 0.04", "120 particles", "velocity [m/s]", "3 components",
-                                               "temperature [K]", "300 to 419" if False else "temperature"]),
+                                               "temperature [K]"]),
                 (("pieces", "particles.pvd"), ["27 particles", "by 3 ranks"]),
                 (("grains", "contacts.pvd"), ["contacts", "normal_force [N]"]),
                 (("grains", "bonds.pvd"), ["bonds", "load [-]"]),

@@ -58,12 +58,12 @@ class Bed:
     `places` (n, 3), `radii` (n,) (0 of surfaces), `values` (n,) of the colour's field and its
     `label`; of surfaces `triangles` (m, 3) that face the viewer, and `normals` (m, 3, 3) of their
     corners. `cuts`: half spaces that are kept, whole bodies by their middles.
-    `eye`: of the viewer [m], in perspective.
+    `eye`: of the viewer [m], in perspective. `radius` [m]: of points without one, see radii_of().
     """
 
     def __init__(self, frame: Union[Frame, str], colour: Optional[str], axes: np.ndarray,
                  cuts: Union[Cut, Sequence[Cut], None] = None, more: Optional[Frame] = None,
-                 eye: Optional[np.ndarray] = None) -> None:
+                 eye: Optional[np.ndarray] = None, radius: Optional[float] = None) -> None:
         frame = read(frame) if isinstance(frame, str) else frame
         self.cuts = [] if cuts is None else [cuts] if isinstance(cuts, Cut) else list(cuts)
         if frame.kind not in (POINTS, SURFACE):
@@ -80,7 +80,7 @@ class Bed:
                 self.triangles = frame.triangles
             self._take_surfaces(points, frame, eye)
             return
-        radii = frame["radius"].astype(float) if len(frame) or "radius" in frame else np.empty(0)
+        radii = radii_of(frame, radius)
         kept = np.isfinite(points).all(axis=1) & (radii > 0)
         for cut in self.cuts:
             kept &= cut.beyond(points) >= 0
@@ -124,6 +124,23 @@ class Bed:
             return self.places[np.unique(self.triangles)]
         r = self.radii[:, None] * [1, 1, 0]
         return np.concatenate([self.places - r, self.places + r])
+
+
+def radii_of(frame: Frame, radius: Optional[float] = None) -> np.ndarray:
+    """(n,) [m]: the field radius; of points without one (a liquid of Sph) `radius`, or half of the median
+    distance of a point to the nearest other."""
+    if radius is None and ("radius" in frame or len(frame) == 0):
+        return frame["radius"].astype(float) if "radius" in frame else np.empty(0)
+    if radius is None:
+        points = frame.points[np.isfinite(frame.points).all(axis=1)].astype(float)
+        nearest = []
+        for k in range(0, len(points), max(1, len(points) // 100)):
+            away = ((points - points[k]) ** 2).sum(axis=1)
+            nearest.append(away[away > 0].min(initial=np.inf))
+        radius = 0.5 * float(np.sqrt(np.median(nearest))) if len(nearest) else 0.0
+        if not math.isfinite(radius):
+            raise Error(f"file '{frame.path}' has no field 'radius'; say how large its points are by --radius")
+    return np.full(len(frame), radius)
 
 
 def in_cuts(points: np.ndarray, cuts: Sequence[Cut]) -> np.ndarray:

@@ -18,10 +18,10 @@ from ..frame import Frame
 from ..series import Series
 from ..series import open as open_series
 from ..series import read
-from ..sources import GRID, LINES, POINTS, SURFACE
+from ..sources import GRID, POINTS, SURFACE
 from .bodies import Bed, in_cuts, pressing, tubes, values_of
 from .canvas import Canvas
-from .style import (CHAINS, COLOUR_MAPS, DPI, PLAIN, ColourScale, Normalize, Sheet, add_bar, captions,
+from .style import (CHAINS, COLOUR_MAPS, DPI, ColourScale, Normalize, Sheet, add_bar, captions,
                     draw_scale_bar, parse_numbers, plt, save, to_rgb)
 from .view import Cut, view_axes, wall_edges
 
@@ -182,7 +182,8 @@ class Scene:
         out = Layers()
         if frame.kind in (POINTS, SURFACE):
             body, more = true_shape(frame)
-            out.bed = Bed(body, self.options.colour, self.axes, self.within, more, self.eye)
+            out.bed = Bed(body, self.options.colour, self.axes, self.within, more, self.eye,
+                          self.options.radius)
         elif frame.kind == GRID:
             self._take_flow(out, frame, self.options.colour)
         elif "bending" in frame:
@@ -212,7 +213,9 @@ class Scene:
         if frame.kind != SURFACE:
             raise Error(f"file '{frame.path}' has no triangles; --walls takes a file of walls")
         points = frame.points.astype(float)
-        edges, walls = wall_edges(points, frame.triangles, self.axes[2]), frame.corners.astype(float)
+        eye = None if self.eye is None else self.eye @ self.axes
+        edges = wall_edges(points, frame.triangles, self.axes[2], eye)
+        walls = frame.corners.astype(float)
         for cut in self.cuts:
             edges, walls = cut.clip(edges), cut.clip_triangles(walls)
         out.edges, out.walls = edges @ self.axes.T, walls @ self.axes.T
@@ -252,11 +255,10 @@ class Scene:
         panels, extent = [self.layers(k, n) for k, n in shots], Extent()
         for layers in panels:
             extent.take(layers)
-        if self.options.perspective is not None:  # which faces are seen depends on the eye
+        if self.options.perspective is not None:  # which faces and outlines are seen depends on it
             camera = Camera(extent, self.options)
             self.eye = camera.eye
-            if any(layers.bed is not None and layers.bed.has_surfaces for layers in panels):
-                panels = [self.layers(k, n) for k, n in shots]
+            panels = [self.layers(k, n) for k, n in shots]
             for layers in panels:
                 extent.fit(layers, camera)
         return panels, extent
@@ -451,6 +453,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--colour", "--color", metavar="FIELD",
                         help="a field (of a vector its length), velocity.z, or x, y, z")
     parser.add_argument("--names", metavar="WORD,WORD", help="what the values 0, 1, ... of the field mean")
+    parser.add_argument("--radius", type=float, metavar="R",
+                        help="of points whose file has none, as a liquid [m] (half of the distance of neighbours)")
     parser.add_argument("--range", metavar="LOW,HIGH", help="values at the ends of the colour bar")
     parser.add_argument("--map", choices=sorted(COLOUR_MAPS), default="viridis",
                         help="colours; all are safe for the colour-blind (viridis)")

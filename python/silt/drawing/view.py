@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 import re
+from typing import Optional
 
 import numpy as np
 
@@ -84,8 +85,10 @@ class Cut:
         return np.concatenate(parts)
 
 
-def wall_edges(points: np.ndarray, triangles: np.ndarray, viewer: np.ndarray) -> np.ndarray:
-    """Segments (n, 2, 3): borders, edges where facets differ by over 20 degrees, and outlines."""
+def wall_edges(points: np.ndarray, triangles: np.ndarray, viewer: np.ndarray,
+               eye: Optional[np.ndarray] = None) -> np.ndarray:
+    """Segments (n, 2, 3): borders, edges where facets differ by over 20 degrees, and outlines, as seen
+    from the direction `viewer`, or in perspective from the place `eye` [m]."""
     if len(triangles) == 0:
         return np.empty((0, 2, 3))
     # Facets from STL files share places but not points: weld them.
@@ -110,7 +113,12 @@ def wall_edges(points: np.ndarray, triangles: np.ndarray, viewer: np.ndarray) ->
     n0, n1 = normals[facet[pair]], normals[facet[pair + 1]]
     # Facets may be listed with either orientation: compare the planes, not the sides.
     bent = np.abs((n0 * n1).sum(axis=1)) < math.cos(math.radians(20))
-    facing0, facing1 = n0 @ viewer, n1 @ viewer
+    if eye is None:
+        facing0, facing1 = n0 @ viewer, n1 @ viewer
+    else:
+        to_eye = eye - corners[edges[pair, 0]]
+        to_eye /= np.maximum(np.linalg.norm(to_eye, axis=1, keepdims=True), 1e-300)
+        facing0, facing1 = (n0 * to_eye).sum(axis=1), (n1 * to_eye).sum(axis=1)
     outline = (facing0 * facing1 < 0) & (np.minimum(abs(facing0), abs(facing1)) > 1e-6) & \
         ((n0 * n1).sum(axis=1) > 0)
     shown[~shown] = bent | outline
