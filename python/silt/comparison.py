@@ -7,6 +7,7 @@ import argparse
 import glob
 import math
 import os
+import re
 from dataclasses import dataclass
 from typing import Iterable, Optional, Sequence
 
@@ -67,11 +68,12 @@ class Sum:
             both = a.dtype.kind in "iub" and b.dtype.kind in "iub"  # exact, ids of 64 bits too
             x, y = a.astype(float), b.astype(float)
             with np.errstate(invalid="ignore"):
-                apart = np.abs(np.where(a == b, 0.0, x - y)) if both else np.abs(x - y)
+                apart = np.abs(x - y)
             if both:
-                apart = np.where((a != b) & (apart == 0), 1.0, apart)
-            apart = np.where((x == y) | np.isnan(x) & np.isnan(y), 0.0, apart)
-            apart[np.isnan(apart)] = math.inf  # only one is a number
+                apart = np.where(a == b, 0.0, np.maximum(apart, 1.0))
+            else:
+                apart = np.where((x == y) | np.isnan(x) & np.isnan(y), 0.0, apart)
+                apart[np.isnan(apart)] = math.inf  # only one is a number
             finite = np.r_[np.abs(x[np.isfinite(x)]), np.abs(y[np.isfinite(y)])]
             largest_value = float(finite.max()) if len(finite) else 0.0
         self.scale = max(self.scale, largest_value)
@@ -146,7 +148,7 @@ def _shared(a: str, b: str) -> list[str]:
         for ending in VTK:  # that no series lists and that are no pieces of ranks
             for f in glob.glob(os.path.join(glob.escape(folder), "**", "*" + ending), recursive=True):
                 name = os.path.relpath(f, folder)
-                if name not in listed and "_r" not in os.path.basename(name):
+                if name not in listed and not re.search(r"_r\d+\.vt.$", name):
                     names.add(name)
         return {n for n in names if not n.endswith("series.json")}
 
@@ -207,12 +209,12 @@ def _frames(a: Frame, b: Frame, name: str, sums: dict[str, Sum], choice: Choice)
 
 def _order(a: Frame, b: Frame, name: str, when: str):
     """How values of both go together: two orders (None: as they stand), and words for number k."""
-    keys = next((keys for keys in (("id",), ("number",), ("a", "b", "wall")) if all(k in a and k in b for k in keys)), None)
+    known = (("id",), ("number",), ("a", "b", "wall"))
+    keys = next((keys for keys in known if all(k in a and k in b for k in keys)), None)
     if len(a) != len(b):
         raise Error(f"{name}, {when}A has {len(a)} {a.kind} and B has {len(b)}")
     if keys is None:
-        unit = "cell" if a.kind == "grid" else "value"
-        return None, None, lambda k: f"{unit} {k}" if a.kind != "grid" else f"layer {k} of cells along x"
+        return None, None, lambda k: f"layer {k} of cells along x" if a.kind == "grid" else f"value {k}"
     orders = [np.lexsort([frame[k] for k in reversed(keys)]) for frame in (a, b)]
     sorted_keys = [[frame[k][order] for k in keys] for frame, order in zip((a, b), orders)]
     for key, x, y in zip(keys, *sorted_keys):
@@ -270,8 +272,8 @@ def show(found: Iterable[Difference], tolerance: float, absolute: float) -> str:
         if one.file != file:
             file = one.file
             rows.append((one.file + ":",))
-        rows.append(("FAIL" if one.exceeds(tolerance, absolute) else "", label(one.name, one.unit), f"{one.largest:.3g}",
-                     f"{one.rms:.3g}", f"{one.relative:.2g}", str(one.count), one.where))
+        rows.append(("FAIL" if one.exceeds(tolerance, absolute) else "", label(one.name, one.unit),
+                     f"{one.largest:.3g}", f"{one.rms:.3g}", f"{one.relative:.2g}", str(one.count), one.where))
     wide = [max(len(row[k]) for row in rows if len(row) > 1) for k in range(7)]
     return "\n".join(row[0] if len(row) == 1 else
                      "  ".join(cell.rjust(w) if 2 <= k <= 5 else cell.ljust(w)
@@ -288,8 +290,8 @@ def run(options: argparse.Namespace) -> int:
     beyond = [one for one in found if one.exceeds(options.tolerance, options.absolute)]
     if beyond:
         worst = max(beyond, key=lambda one: one.relative)
-        print(f"{len(beyond)} of {len(found)} differ by more than the tolerance, {options.tolerance:g} of their largest value; "
-              f"the most {worst.name}, by {worst.relative:.2g}")
+        print(f"{len(beyond)} of {len(found)} differ by more than the tolerance, {options.tolerance:g} of their largest "
+              f"value; the most {worst.name}, by {worst.relative:.2g}")
         return 1
     print(f"all {len(found)} agree within {options.tolerance:g} of their largest values"
           if any(one.largest > 0 for one in found) else f"all {len(found)} are equal")

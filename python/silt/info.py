@@ -61,7 +61,8 @@ def _rows(rows: list[tuple[str, ...]]) -> str:
 def _series(series: Series) -> str:
     times = series.times
     span = f"t = {times[0]:g} to {times[-1]:g} s" if len(series) > 1 else f"t = {times[0]:g} s"
-    return f"{series.path}: {len(series)} frame{'s' if len(series) > 1 else ''}, {span}\nthe last, " + _frame(series[-1])
+    frames = f"{len(series)} frame{'s' if len(series) > 1 else ''}"
+    return f"{series.path}: {frames}, {span}\nthe last, " + _frame(series[-1])
 
 
 def _frame(frame: Frame) -> str:
@@ -100,13 +101,15 @@ def _table(path: str) -> str:
 def _summary(path: str) -> str:
     read = summary(path)
     held = sum(bool(check.get("holds")) for check in read.checks)
-    lines = [f"{path}: {len(read.inputs)} inputs, {len(read.results)} results, {held} of {len(read.checks)} checks hold"]
+    lines = [f"{path}: {len(read.inputs)} inputs, {len(read.results)} results, {held} of {len(read.checks)} checks "
+             "hold"]
     if read.results:
         lines.append(_rows([(name, f"{value:.6g}" if isinstance(value, float) else str(value)[:60])
                             for name, value in read.results.items()]))
     for check in read.checks:
         if not check.get("holds"):
-            lines.append(f"  FAIL {check.get('name')}: {check.get('value')} must be {check.get('must_be')} {check.get('limit')}")
+            lines.append(f"  FAIL {check.get('name')}: {check.get('value')} must be {check.get('must_be')} "
+                         f"{check.get('limit')}")
     return "\n".join(lines)
 
 

@@ -48,6 +48,9 @@ class VtkFile:
         self.path = path
         head, self._data_at, self._base64 = self._read_head()
         root = self._parse(head)
+        if not self.is_whole:
+            raise Error(f"file '{path}' is cut off before its end; the run that wrote it was killed, or the disk "
+                        "was full")
         self.kind = root.get("type", "")
         data_set = root.find(self.kind)
         if root.tag != "VTKFile" or data_set is None:
@@ -79,6 +82,10 @@ class VtkFile:
         """The XML before the appended data, and where this begins."""
         try:
             with open(self.path, "rb") as file:
+                size = file.seek(0, os.SEEK_END)
+                file.seek(max(0, size - 100))
+                self.is_whole = file.read().rstrip().endswith(b"</VTKFile>")
+                file.seek(0)
                 content = b""
                 while APPENDED not in content:
                     block = file.read(1 << 16)

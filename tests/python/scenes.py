@@ -1,6 +1,8 @@
 # silt - BSD-3-Clause, see LICENSE
 """What the tests of the Python package share: the folder that scenes.cpp wrote, and ways to look."""
 
+import contextlib
+import io
 import os
 import subprocess
 import sys
@@ -14,6 +16,16 @@ def path(*parts):
 
 
 def run(*arguments):
+    """`silt ARGUMENTS` without a start of Python, which takes longest."""
+    from silt import command
+
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        status = command.run([str(a) for a in arguments])
+    return subprocess.CompletedProcess(arguments, status, out.getvalue(), err.getvalue())
+
+
+def run_apart(*arguments):
     """`silt ARGUMENTS` as a user runs it."""
     return subprocess.run([sys.executable, os.path.join(PACKAGE, "silt"), *map(str, arguments)],
                           capture_output=True, text=True)

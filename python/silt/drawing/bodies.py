@@ -165,7 +165,7 @@ def tubes(lines: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
     from .canvas import expand
 
     length = np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1)
-    counts = np.ceil(length / (0.4 * radius)).astype(int) + 1
+    counts = np.ceil(length / (0.25 * radius)).astype(int) + 1
     which, place = expand(counts)
     part = (place / np.maximum(counts[which] - 1, 1))[:, None]
     return lines[which, 0] + part * (lines[which, 1] - lines[which, 0]), which

@@ -47,6 +47,7 @@ class Canvas:
         self.depth = np.full((self.height, self.width), -np.inf, np.float32)
         self.image = np.ones((self.height, self.width, 3), np.float32)
         self.eye = None if eye is None else np.asarray(eye, float)
+        self.slack = 0.004 * self.width
         self.reach = 0.0 if self.eye is None else self.eye[2] - plane  # [m] from the eye to the plane
 
     def to_pixels(self, projected: np.ndarray) -> np.ndarray:
@@ -70,6 +71,7 @@ class Canvas:
         if len(seen) == 0:
             return
         near, far = np.percentile(self.depth.reshape(-1)[seen[::1 + len(seen) // 100_000]], [99, 1])
+        self.slack = 0.25 * float(np.median(radii)) * self.scale
         fade = max(near - far, 12 * float(np.median(radii)) * self.scale)
         colours = np.asarray(colours, np.float32)
         for some in np.array_split(seen, 1 + len(seen) // 1_000_000):
@@ -328,9 +330,10 @@ class Canvas:
         self.image[seen] = np.clip(WALL * shade[:, None], 0, 1)
 
     def draw_glass_walls(self, corners: np.ndarray) -> None:
-        """Walls as draw_walls() has them, and the nearest of those that nothing hides as a veil."""
+        """Walls as draw_walls() has them, and the nearest of those that nothing hides as a veil. Bodies
+        overlap walls that they press on: what stands out by up to `slack` is veiled, too."""
         self.draw_walls(corners)
-        front = self.depth.copy()
+        front = self.depth - np.float32(self.slack)
         owner = self.front_triangles(self.to_pixels(corners), front)
         seen = owner >= 0
         tint = 0.75 * WALL * self._wall_shades(corners)[owner[seen]][:, None] ** 3

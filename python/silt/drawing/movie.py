@@ -57,10 +57,11 @@ class Movie:
     def _write_gif(self) -> None:
         from PIL import Image
 
-        frames = []
+        frames = []  # palettes by coverage, so that white is white; Floyd and Steinberg between colours
         for name in sorted(glob.glob(os.path.join(self.folder, "*.png"))):
             with Image.open(name) as image:
-                frames.append(image.convert("RGB").quantize(255))
+                full = image.convert("RGB")
+                frames.append(full.quantize(palette=full.quantize(255, method=1), dither=3))
         partial = self.path + ".partial"
         try:
             frames[0].save(partial, format="GIF", save_all=True, append_images=frames[1:], loop=0,

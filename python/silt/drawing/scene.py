@@ -26,6 +26,7 @@ from .style import (CHAINS, COLOUR_MAPS, DPI, ColourScale, Normalize, Sheet, add
 from .view import Cut, view_axes, wall_edges
 
 PALE = 0.62  # how far bodies fade to white behind contacts
+BALL = 0.5  # of their radius that spheres have where bonds are drawn between them
 ROD = "#8A8F98"  # bonds without a field
 
 
@@ -229,7 +230,7 @@ class Scene:
         values, out.load_label = values_of(frame, colour)
         out.bonds, out.load = frame.lines[keep] @ self.axes.T, values[keep]
         length = np.linalg.norm(out.bonds[:, 1] - out.bonds[:, 0], axis=1)
-        out.rod = self.options.bond_radius or (0.16 * float(np.median(length)) if len(length) else 0)
+        out.rod = self.options.bond_radius or (0.12 * float(np.median(length)) if len(length) else 0)
 
     def _take_flow(self, out: Layers, frame: Frame, colour: Optional[str] = None) -> None:
         if frame.kind != GRID:
@@ -345,7 +346,6 @@ class Scene:
                 panels = [self.layers(k, m) for k, m in shots(n)]
                 figure = self.figure(panels, extent, [f"{title}, {time}" if title else time for title in given])
                 movie.add(figure)
-                plt.close(figure)
 
 
 def paint(canvas: Canvas, layers: Layers, scales: dict[str, ColourScale], options: argparse.Namespace) -> None:
@@ -358,7 +358,8 @@ def paint(canvas: Canvas, layers: Layers, scales: dict[str, ColourScale], option
         if bed.has_surfaces:
             canvas.draw_triangles(bed.places, bed.triangles, bed.normals, colours)
         else:
-            canvas.draw_spheres(bed.places, bed.radii, colours)
+            shown = BALL if len(layers.bonds) else 1.0
+            canvas.draw_spheres(bed.places, shown * bed.radii, colours)
     if len(layers.bonds):
         balls, which = tubes(layers.bonds, layers.rod)
         colours = scales["bonds"].colours(layers.load) if scales["bonds"].label else \

@@ -88,6 +88,7 @@ def save(figure, path: str, dpi: int = DPI) -> None:
     try:
         figure.savefig(partial, format="png", dpi=dpi, facecolor="white")
         os.replace(partial, path)
+        plt.close(figure)
     except OSError as error:
         if os.path.exists(partial):
             os.remove(partial)
