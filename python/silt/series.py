@@ -135,7 +135,7 @@ def open(path: Union[Path, Sequence[Path]]) -> Series:  # noqa: A001  (as gzip.o
     if ending in VTK:
         return _of_files([name], name)
     if ending == ".csv":
-        raise Error(f"file '{name}' is a table: read it by silt.table")
+        raise Error(f"file '{name}' is a table: read it by silt.table, draw it by `silt curves`")
     if ending == ".json":
         raise Error(f"file '{name}' is a summary: read it by silt.summary")
     if ending == ".silt":
