@@ -53,6 +53,8 @@ namespace silt::inline SILT_TARGET {
 /// Errors: those of FlowSolver and the averaging mode; InputError for spans that do not fit.
 /// Tests:  tests/coupling/coupled_flow.cpp, simulation.cpp, light_particles.cpp,
 ///         impulsive_start.cpp.
+/// Valid:  particles that the flow does not resolve; drag laws and modes as their own blocks say.
+/// Units:  SI.
 template <FlowOnGrid Flow, class Drag, class Mode, class... Forces>
 class BasicCoupledFlow {
  public:

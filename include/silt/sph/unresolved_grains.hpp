@@ -65,6 +65,7 @@ class AveragedGrains;
 /// Valid:  for grains below a spacing or so; a dense bed's drag law as said in its header.
 /// Errors: InputError for settings; Error where grains are too light for their number.
 /// Tests:  tests/sph/grains.cpp.
+/// Units:  SI.
 template <class Drag, class... Forces>
 struct UnresolvedGrains {
   static constexpr SphAxis sph_axis = SphAxis::Grains;

@@ -22,6 +22,10 @@ struct ShapeInFlow {
 /// Drag of a lone body: F = (pi/8) rho C_D d^2 |W| W, Re = rho d |W|/mu. A law gives C_D Re/24, the
 /// drag over Stokes' drag of the sphere, which is finite at Re = 0:
 ///   template <class Real> Real over_stokes(const ShapeInFlow<Real>&, const Real& Re) const
+///
+/// Units:  SI; numbers of shape, Re and the result [-]. Shapes: Real = double, float or a batch.
+/// Errors: none.
+/// Tests:  tests/coupling/non_spherical.cpp.
 template <class L>
 concept LoneBodyLaw = requires(const L& law, const ShapeInFlow<double>& shape, const double& Re) {
   { law.over_stokes(shape, Re) } -> std::same_as<double>;
@@ -183,6 +187,8 @@ inline Real with_di_felice(const Law& law, const ShapeInFlow<Real>& shape, const
 
 /// One body in one orientation as a drag law: NonSpherical{Ganser(), shape} with Di Felice's
 /// voidage function, NonSpherical<Ganser, Beetstra>{{}, shape} scaled from that of a sphere law.
+/// Source: as its laws.
+/// Valid:  as its laws; one orientation for all particles.
 template <class Law, class SphereLaw = void>
 struct NonSpherical {
   Law law;
