@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # silt - BSD-3-Clause, see LICENSE
-"""Every C++ block of README.md and docs/*.md must stand, line by line, in a program that is compiled,
-every file that they link to must exist, and docs/validation.md must say (long) where a test is of the
-long set."""
+"""Every C++ block of README.md, CONTRIBUTING.md and docs/*.md must stand, line by line, in a program that is compiled,
+every file that they link to must exist, docs/index.md must name every page, and docs/validation.md must
+say (long) where a test is of the long set."""
 import glob
 import os
 import re
@@ -13,7 +13,7 @@ programs = glob.glob(root + "/examples/*/*.cpp") + glob.glob(root + "/docs/code/
 sources = {p: "\n".join(line.rstrip() for line in open(p)) for p in programs}
 failed = 0
 blocks = 0
-for page in [root + "/README.md"] + sorted(glob.glob(root + "/docs/*.md")):
+for page in [root + "/README.md", root + "/CONTRIBUTING.md"] + sorted(glob.glob(root + "/docs/*.md")):
     content = open(page).read()
     name = os.path.relpath(page, root)
     for block in re.findall(r"```cpp\n(.*?)```", content, re.S):
@@ -27,6 +27,11 @@ for page in [root + "/README.md"] + sorted(glob.glob(root + "/docs/*.md")):
         if not os.path.exists(os.path.join(os.path.dirname(page), target)):
             failed += 1
             print(f"{name}: links to {target}, which is not there")
+index = open(root + "/docs/index.md").read().split("## By component")[1]
+for page in sorted(glob.glob(root + "/docs/*.md")):
+    if f"]({os.path.basename(page)})" not in index:
+        failed += 1
+        print(f"docs/index.md, 'By component', does not name {os.path.basename(page)}")
 # A file of the long set by its name, with or without its room.
 cmake = open(root + "/tests/CMakeLists.txt").read()
 long_files = re.search(r"set\(silt_long_files([^)]*)\)", cmake)[1].split()

@@ -15,7 +15,7 @@ FIELD = re.compile(r"^(Sources?|Valid|Units|Shapes|Errors?|Tests?|Threads|Cost|D
 def plain(text):
     """Text in which only `code` is special."""
     parts = re.split(r"(`[^`]*`)", text)
-    return "".join(p if p.startswith("`") and len(p) > 1 else re.sub(r"([<>&\\@#$%*_|\[\]\"])", r"\\\1", p)
+    return "".join(p if p.startswith("`") and len(p) > 1 else re.sub(r"([<>&\\@#$%*|\[\]\"])", r"\\\1", p)
                    for p in parts)
 
 

@@ -88,14 +88,14 @@ def _split_template(text):
     return text
 
 
-TYPE = re.compile(r"^(?:enum\s+)?(?:class|struct|union|enum)\b\s*(?:alignas\([^)]*\)\s*)?(?:\[\[\w+\]\]\s*)?([A-Za-z_]\w*)(\s*<.*>)?")
+TYPE = re.compile(r"^(?:enum\s+)?(?:class|struct|union|enum)\b\s*([A-Za-z_]\w*)(\s*<.*>)?")
 
 
 def _named(text):
     """(kind, name) of a declaration; (None, None) for what declares nothing of its own."""
     text = _split_template(re.sub(r"\s+", " ", text).strip())
     text = re.sub(r"^(?:public|private|protected)\s*:\s*", "", text)
-    text = re.sub(r"\[\[[^\]]*\]\]\s*", "", text)
+    text = re.sub(r"\[\[[^\]]*\]\]\s*|\balignas\((?:[^()]|\([^()]*\))*\)\s*", "", text)
     if not text or re.match(r"(static_assert|friend|using namespace|extern|SILT_\w+\()", text):
         return None, None
     if found := re.match(r"using (\w+) =", text):
@@ -120,7 +120,7 @@ def _named(text):
             return None, None
         return "function", found[1]
     if found := re.search(r"(\w+(?:\s*,\s*\w+)*)\s*$", head):
-        if re.search(r"::\s*\w+\s*$", head) and " " not in head.strip():
+        if re.search(r"::\s*\w+\s*$", head):
             return None, None
         return "variable", found[1]
     return None, None
@@ -131,7 +131,7 @@ def read(path):
     source = path.read_text()
     code, comments = _blank(source)
     header = path.relative_to(INCLUDE.parent).as_posix()
-    found, scopes = [], []
+    found, scopes, rows = [], [], source.split("\n")
     starts = [0]
     for at, letter in enumerate(code):
         if letter == "\n":
@@ -146,6 +146,8 @@ def read(path):
 
     def doc_above(line):
         lines = []
+        while line > 1 and rows[line - 2].startswith("#"):
+            line -= 1  # a condition between the comment and what it tells of
         while (comment := comments.get(line - 1)) and comment[1] and not comment[0].startswith("/// @"):
             line -= 1
             lines.append(comment[0])
@@ -233,7 +235,8 @@ def read(path):
             else:
                 kind, _ = _named(text)
                 body = _split_template(text)
-                if TYPE.match(re.sub(r"\[\[[^\]]*\]\]\s*", "", body)) and "(" not in re.sub(r"alignas\([^)]*\)", "", body).split(":")[0] and "=" not in body:
+                bare = re.sub(r"\[\[[^\]]*\]\]\s*|\balignas\((?:[^()]|\([^()]*\))*\)\s*", "", body)
+                if TYPE.match(bare) and "(" not in bare.split(":")[0] and "=" not in body:
                     one = declare(begin, at)
                     is_enum = body.startswith("enum")
                     parent = scopes[-1] if scopes else None

@@ -72,6 +72,7 @@ struct Finnie {
   }
 };
 
+/// A law of wear: `double volume(const WallRub&) const` [m3] of one contact in one step.
 template <class L>
 concept WearLaw = std::copyable<L> && requires(const L& law, const WallRub& c) {
   { law.volume(c) } -> std::convertible_to<double>;

@@ -47,6 +47,7 @@ struct Leapfrog {
   }
 };
 
+/// Its positions are those of velocity Verlet.
 using VelocityVerlet = Leapfrog;
 
 /// As Leapfrog, but velocities count as those of whole steps from the first one on, which is kicked

@@ -22,6 +22,7 @@
 
 namespace silt::inline SILT_TARGET {
 
+/// Settings of UnresolvedGrains.
 struct UnresolvedGrainsSetup {
   double viscosity = 0;        // [Pa s] of the liquid, for the drag law
   double least_voidage = 0.3;  // [-] beside a particle of the liquid; what it leaves out is counted

@@ -107,6 +107,7 @@ struct BasicGanser {
   }
 };
 using Ganser = BasicGanser<true>;
+/// BasicGanser for isometric bodies, and with the area seen along the flow.
 using GanserInFlow = BasicGanser<false>;
 
 /// Slow flow, by sphericity and the area seen along the flow:
@@ -161,6 +162,7 @@ struct BasicHoelzerSommerfeld {
   }
 };
 using HoelzerSommerfeld = BasicHoelzerSommerfeld<false>;
+/// The full form, and the one that takes the crosswise sphericity twice.
 using HoelzerSommerfeldSimplified = BasicHoelzerSommerfeld<true>;
 
 static_assert(LoneBodyLaw<HaiderLevenspiel> && LoneBodyLaw<Ganser> && LoneBodyLaw<GanserInFlow> &&
