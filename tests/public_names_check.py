@@ -36,14 +36,11 @@ def names_in_docs():
 
 
 def self_test():
-    import tempfile
-    with tempfile.TemporaryDirectory(dir=headers.INCLUDE) as folder:
-        path = pathlib.Path(folder) / "probe.hpp"
-        path.write_text("#pragma once\nnamespace silt::inline SILT_TARGET {\n/// Told.\nstruct Told {\n  int x;\n};\n"
+    read = headers.read(headers.INCLUDE / "probe.hpp",
+                        "#pragma once\nnamespace silt::inline SILT_TARGET {\n/// Told.\nstruct Told {\n  int x;\n};\n"
                         "struct Untold {};\ninline int untold(int x) {\n  return x;\n}\nusing Other = int;  // an alias\n"
                         "namespace detail {\nstruct Hidden {};\n}  // namespace detail\n"
                         "enum class Mood { Good };\n/// A function.\nint told(double);\nint told(int);\n}  // namespace silt\n")
-        read = headers.read(path)
     assert [d.name for d in undocumented(read, set())] == ["Untold", "untold", "Mood"], undocumented(read, set())
     assert [d.name for d in undocumented(read, {"Mood"})] == ["Untold", "untold"]
 

@@ -126,9 +126,9 @@ def _named(text):
     return None, None
 
 
-def read(path):
-    """All declarations of one header at namespace scope, with their members."""
-    source = path.read_text()
+def read(path, source=None):
+    """All declarations of one header at namespace scope, with their members; of `source` if given."""
+    source = path.read_text() if source is None else source
     code, comments = _blank(source)
     header = path.relative_to(INCLUDE.parent).as_posix()
     found, scopes, rows = [], [], source.split("\n")
