@@ -20,7 +20,7 @@ def plain(text):
 
 
 def block(lines, indent):
-    out, inside = [], False
+    out, inside, blanks = [], False, 0
     for text in lines:
         formula = re.match(r"^ {2,}\S", text)
         field = FIELD.match(text)
@@ -30,16 +30,20 @@ def block(lines, indent):
         elif not text.strip():
             block.in_field = False
         if formula and not continues:
+            if inside:
+                out += [""] * blanks
+            blanks = 0
             if not inside:
-                out.append("@verbatim")
+                out.append("@code{.unparsed}")
                 inside = True
             out.append(text)
             continue
         if inside:
             if not text.strip():
-                out.append(text)
+                blanks += 1
                 continue
-            out.append("@endverbatim")
+            out.append("@endcode")
+            blanks = 0
             inside = False
         if re.match(r"^@(name|\{|\})", text):
             out.append(text)
@@ -48,7 +52,7 @@ def block(lines, indent):
         else:
             out.append(plain(text.strip()))
     if inside:
-        out.append("@endverbatim")
+        out.append("@endcode")
     block.in_field = False
     return [f"{indent}/// {text}".rstrip() for text in out]
 
