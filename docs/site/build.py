@@ -5,7 +5,8 @@
 It opens from the disk, without a server and without network. Pages are README.md, CHANGELOG.md,
 CONTRIBUTING.md and docs/*.md; one page for each policy, made from its header (policies.py); and the
 sources that pages link to, with line numbers. The sidebar is the section "By component" of docs/index.md.
-Every link and anchor is checked; a broken one ends the build with status 1 and its name.
+Every link and anchor is checked; a broken one ends the build with status 1 and its name. Without the Python
+modules that it needs the status is 77.
 """
 
 import argparse
@@ -24,7 +25,9 @@ try:
     import pygments.lexers
     import pygments.token
 except ImportError as missing:
-    sys.exit(f"silt: the site needs the Python module {missing.name}: apt-get install python3-markdown-it python3-pygments")
+    print(f"silt: the site needs the Python module {missing.name}: apt-get install python3-markdown-it python3-pygments",
+          file=sys.stderr)
+    sys.exit(77)
 
 import headers
 import policies
