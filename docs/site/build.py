@@ -346,33 +346,56 @@ class Site:
 
     def block_markdown(self, text):
         """Markdown of a doc block: lines that are set in are formulas or code."""
-        rows, inside = [], False
+        rows, kind = [], None  # of the block that is open: "" or "cpp"
         for line in text.split("\n"):
-            formula = re.match(r"^ {2,}\S", line)
-            if formula and not inside:
-                rows += ["", "```cpp" if "silt::" in line or re.match(r"^ +(static|struct|template|void|double)\b", line) else "```"]
-                inside = True
-            if inside and not formula and line.strip():
-                rows += ["```", ""]
-                inside = False
-            rows.append(line if inside else line.replace("<", "&lt;") if "`" not in line else line)
-        if inside:
+            if not re.match(r"^ {2,}\S", line):
+                if kind is not None and line.strip():
+                    rows += ["```", ""]
+                    kind = None
+                elif kind is not None:  # a blank line ends a block; another may follow
+                    rows += ["```"]
+                    kind = None
+                rows.append(line if "`" in line else line.replace("<", "&lt;"))
+                continue
+            if kind is None:
+                code = "silt::" in line or re.match(r"^ +(static|struct|template|void|double|flow|sim|water)\b", line)
+                kind = "cpp" if code else ""
+                rows += ["", "```" + kind]
+            rows.append(line)
+        if kind is not None:
             rows.append("```")
-        # Blank lines at the end of a block belong behind it.
-        return re.sub(r"\n+```(?=\n|$)", lambda m: "\n```", "\n".join(rows))
+        return "\n".join(rows)
+
+    @staticmethod
+    def declarators(text):
+        """[(name, default, type)] of a declaration such as `double a = 1, b{2}`."""
+        parts, depth, start = [], 0, 0
+        for at, letter in enumerate(text):
+            depth += (letter in "<({[") - (letter in ">)}]")
+            if letter == "," and depth == 0:
+                parts.append(text[start:at].strip())
+                start = at + 1
+        parts.append(text[start:].strip())
+        out, kind = [], ""
+        for k, part in enumerate(parts):
+            found = re.match(r"(?:mutable )?(.*?)\s*\b(\w+)\s*(?:=\s*(.*)|(\{.*\}))?$", part, re.S)
+            if not found:
+                return [(part, "", "")]
+            kind = found[1].strip() if k == 0 else kind
+            out.append((found[2], (found[3] or found[4] or "").strip(), kind))
+        return out
 
     def members_table(self, owner, title):
         rows = []
         for m in owner.members:
             if m.kind != "variable" or not m.public or m.text.startswith(("static", "constexpr", "using")) or "detail::" in m.text:
                 continue
-            found = re.match(r"(?:mutable )?(.*?)\s*\b(" + re.escape(m.name).replace(r",\ ", r"\s*(?:=[^,]*)?,\s*") + r")\s*(?:=\s*(.*)|(\{.*\}))?$", m.text, re.S)
-            kind = found[1] if found else ""
-            value = ((found[3] or found[4] or "") if found else "").strip()
             words = m.beside or " ".join(m.comment.split())
             unit = re.match(r"\[([^\]]+)\][,;]?\s*(.*)", words)
-            rows.append(f"| `{m.name}` | {unit[1] if unit else ''} | {'`' + value.replace('|', chr(92) + '|') + '`' if value not in ('', '{}') else ('' if value == '' else 'none')} "
-                        f"| {(unit[2] if unit else words).replace('|', chr(92) + '|').replace('<', '&lt;')} | `{kind.replace('|', chr(92) + '|')}` |")
+            for name, value, kind in self.declarators(m.text):
+                row = [f"`{name}`", unit[1] if unit else "", "none" if value == "{}" else f"`{value}`" if value else "",
+                       (unit[2] if unit else words).replace("<", "&lt;"), f"`{kind}`"]
+                rows.append("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |")
         if not rows:
             return ""
         return f"\n## {title}\n\n| member | unit | default | meaning | type |\n|---|---|---|---|---|\n" + "\n".join(rows) + "\n"
@@ -389,6 +412,8 @@ class Site:
         crumb = (f'<p class="crumb"><a href="../policies.html#{slug(policy.axis)}">{policy.axis}</a> &middot; explained in '
                  f'<a href="../{page}">{html.escape(self.titles.get(page, page))}</a> &middot; header '
                  f'<a href="../{source}#L{line}"><code>&lt;{header}&gt;</code></a></p>\n')
+        if policy.group:
+            text.append(f"*{policy.group}*\n")
         text.append(self.block_markdown(policy.body))
         order = [f for f in ("Valid", "Units", "Shapes", "Source", "Deviations", "Numerics", "Memory", "Cost", "Errors", "Tests")
                  if policy.field(f)]
@@ -448,7 +473,8 @@ class Site:
             for p in self.policies:
                 if p.axis == axis:
                     summary = p.summary.replace("|", "\\|").replace("<", "&lt;")
-                    rows.append(f"| [`{p.name}`]({self.address_of(p)}) | {summary} |\n")
+                    group = f"*{p.group.split(':')[0]}.* " if p.group else ""
+                    rows.append(f"| [`{p.name}`]({self.address_of(p)}) | {group}{summary} |\n")
         body, title, sections = self.render_policy("".join(rows), "policies.html")
         self.write("policies.html", "Policies", body, sections)
         for axis, (what, _, _) in policies.AXES.items():
@@ -459,6 +485,9 @@ class Site:
 
     def build(self):
         if self.out.exists():
+            others = [c.name for c in self.out.iterdir() if c.name != "api"]
+            if others and not (self.out / "assets" / "search_index.js").exists():
+                sys.exit(f"silt: {self.out} holds other files than the site's, as '{others[0]}'; name an empty folder")
             for child in self.out.iterdir():
                 if child.name != "api":
                     shutil.rmtree(child) if child.is_dir() else child.unlink()

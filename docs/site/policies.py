@@ -163,6 +163,7 @@ class Policy:
     body: str  # of the block, without its fields
     fields: dict
     shared: dict  # fields that stand in a block above several policies of the header
+    group: str = ""  # of several policies in one header: what stands behind `@name`
     aliases: list = field(default_factory=list)  # declarations `using Name = ...`
 
     @property
@@ -274,8 +275,19 @@ def all_policies():
                     family = doc
                 body, fields = split_block(doc)
                 aliases = [d for d in declarations if d.kind == "alias" and re.search(rf"= {name}\b", d.text)]
-                found.append(Policy(axis, page, one, _summary(name, body, doc is family), body, fields, shared, aliases))
+                found.append(Policy(axis, page, one, _summary(name, body, doc is family), body, fields, shared,
+                                    _group(path, one.line), aliases))
     return found
+
+
+def _group(path, line):
+    """What the group of a declaration is called: `/// @name ...` above it that no `/// @}` has ended."""
+    for text in reversed(path.read_text().split("\n")[:line - 1]):
+        if text.startswith("/// @}"):
+            return ""
+        if text.startswith("/// @name "):
+            return text[len("/// @name "):].strip()
+    return ""
 
 
 def _summary(name, body, of_family):
