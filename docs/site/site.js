@@ -10,45 +10,55 @@
     return plain(query).split(/[^\p{L}\p{N}_:.+-]+/u).filter((w) => w.length > 0);
   }
 
-  // All words must occur; those in headings count most, then whole words, then how often they occur.
+  // Lower case, with the parts of CamelCase names as words too.
+  const spread = (text) => plain(text.replace(/([a-z0-9])([A-Z])/g, "$1 $2") + " " + text);
+  let entries = null;
+  function all() {
+    entries = entries || SILT_INDEX.map(([page, heading, address, text, kind]) => ({
+      page, heading, address, text, kind, low: {page: spread(page), heading: spread(heading), text: spread(text)}}));
+    return entries;
+  }
+  const start = "(?<![\\p{L}\\p{N}])";
+  const escape = (w) => w.replace(/[.*+?^${}()|[\]\\]/g, "\\$&");
+
+  // All words must occur at the beginning of a word; whole words and those in headings count most, then how often they occur.
   function look(query) {
     const wanted = words(query);
     if (!wanted.length) return [];
+    const at_start = wanted.map((w) => new RegExp(start + escape(w), "gu"));
+    const whole = wanted.map((w) => new RegExp(start + escape(w) + "s?(?![\\p{L}\\p{N}])", "u"));
+    const phrase = wanted.length > 1 ? new RegExp(start + wanted.map(escape).join("[^\\p{L}\\p{N}]+"), "u") : null;
     const hits = [];
-    for (const [page, heading, address, text, kind] of SILT_INDEX) {
-      const low = {page: plain(page), heading: plain(heading), text: plain(text)};
-      let score = kind === "policy" ? 4 : kind === "log" ? -12 : 0;
-      for (const w of wanted) {
+    for (const entry of all()) {
+      const {low, kind} = entry;
+      let score = kind === "policy" ? 4 : kind === "log" ? -12 : 0, missing = false;
+      wanted.forEach((w, k) => {
         let own = 0;
-        if (low.heading === w) own += 60;
-        else if (low.heading.split(/[^\p{L}\p{N}_]+/u).includes(w)) own += 30;
-        else if (low.heading.includes(w)) own += 18;
-        if (low.page.includes(w)) own += 12;
-        let at = low.text.indexOf(w), times = 0;
-        for (; at >= 0 && times < 6; at = low.text.indexOf(w, at + w.length)) ++times;
-        own += 2 * times;
-        if (own === 0) { score = -1e9; break; }
+        if (low.heading.split(" ")[0] === w && plain(entry.heading) === w) own += 60;
+        else if (whole[k].test(low.heading)) own += 30;
+        else if (low.heading.match(at_start[k])) own += 18;
+        if (low.page.match(at_start[k])) own += 12;
+        const times = (low.text.match(at_start[k]) || []).length;
+        own += 2 * Math.min(times, 6) + (whole[k].test(low.text) ? 6 : 0);
+        if (own === 0) missing = true;
         score += own;
-      }
-      if (wanted.length > 1) {
-        const phrase = wanted.join(" ");
-        if (low.heading.includes(phrase)) score += 40;
-        if (low.text.includes(phrase)) score += 15;
-      }
-      if (score > -1e8) hits.push({page, heading, address, text, score});
+      });
+      if (missing) continue;
+      if (phrase && phrase.test(low.heading)) score += 40;
+      if (phrase && phrase.test(low.text)) score += 15;
+      hits.push({...entry, score});
     }
     return hits.sort((a, b) => b.score - a.score);
   }
 
   function marked(text, wanted) {
-    const alternatives = wanted.map((w) => w.replace(/[.*+?^${}()|[\]\\]/g, "\\$&")).join("|");
-    return text.split(new RegExp("(" + alternatives + ")", "gi"))
+    const alternatives = wanted.map(escape).join("|");
+    return text.split(new RegExp("((?<![\\p{L}\\p{N}])(?:" + alternatives + "))", "giu"))
         .map((part, k) => (k % 2 ? "<mark>" + escaped(part) + "</mark>" : escaped(part))).join("");
   }
 
   function shown(hit, wanted) {
-    const low = plain(hit.text);
-    let at = Math.min(...wanted.map((w) => low.indexOf(w)).filter((k) => k >= 0).concat([1e9]));
+    let at = Math.min(...wanted.map((w) => hit.text.search(new RegExp(start + escape(w), "iu"))).filter((k) => k >= 0), 1e9);
     at = at === 1e9 ? 0 : Math.max(0, at - 70);
     if (at > 0) at = hit.text.indexOf(" ", at) + 1;
     const piece = (at > 0 ? "... " : "") + hit.text.slice(at, at + 210) + (hit.text.length > at + 210 ? " ..." : "");
