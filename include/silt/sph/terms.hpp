@@ -135,6 +135,20 @@ struct NoShifting {
   void check() const {}
 };
 
+namespace detail {
+/// What Shifting and ShiftingByFastest have in common.
+template <class Policy>
+void check_shifting(const Policy& of) {
+  require(std::isfinite(of.strength) && of.strength >= 0 && of.strength <= 6, Policy::policy_name,
+          ".strength = ", of.strength, " must be in [0, 6]; ", Policy{}.strength, " is usual");
+  require(of.threshold >= 0 && of.threshold < 3, Policy::policy_name, ".threshold = ", of.threshold,
+          " must be in [0, 3); 0 chooses 1.5 in 2D and 2.75 in 3D");
+}
+inline double shifting_threshold(double threshold, int dimensions) {
+  return threshold > 0 ? threshold : dimensions == 2 ? 1.5 : 2.75;
+}
+}  // namespace detail
+
 /// dr = -A h |v| dt grad C, grad C = sum_b V_b grad W. At a free surface, where
 /// div r = -sum_b V_b r.grad W is below `threshold` (1.5 in 2D, 2.75 in 3D where it is 0), there is
 /// none, and between that and 2 or 3 a share.
@@ -148,14 +162,9 @@ struct Shifting {
   static constexpr SphAxis sph_axis = SphAxis::Shifting;
   static constexpr bool shifts = true, by_fastest = false;
   static constexpr const char* policy_name = "Shifting";
-  void check() const {
-    require(std::isfinite(strength) && strength >= 0 && strength <= 6,
-            "Shifting.strength = ", strength, " must be in [0, 6]; 2 is usual");
-    require(threshold >= 0 && threshold < 3, "Shifting.threshold = ", threshold,
-            " must be in [0, 3); 0 chooses 1.5 in 2D and 2.75 in 3D");
-  }
+  void check() const { detail::check_shifting(*this); }
   double threshold_in(int dimensions) const {
-    return threshold > 0 ? threshold : dimensions == 2 ? 1.5 : 2.75;
+    return detail::shifting_threshold(threshold, dimensions);
   }
 };
 
@@ -171,14 +180,9 @@ struct ShiftingByFastest {
   static constexpr SphAxis sph_axis = SphAxis::Shifting;
   static constexpr bool shifts = true, by_fastest = true;
   static constexpr const char* policy_name = "ShiftingByFastest";
-  void check() const {
-    require(std::isfinite(strength) && strength >= 0 && strength <= 6,
-            "ShiftingByFastest.strength = ", strength, " must be in [0, 6]; 4 is usual");
-    require(threshold >= 0 && threshold < 3, "ShiftingByFastest.threshold = ", threshold,
-            " must be in [0, 3); 0 chooses 1.5 in 2D and 2.75 in 3D");
-  }
+  void check() const { detail::check_shifting(*this); }
   double threshold_in(int dimensions) const {
-    return Shifting{0, threshold}.threshold_in(dimensions);
+    return detail::shifting_threshold(threshold, dimensions);
   }
 };
 /// @}
@@ -231,17 +235,23 @@ struct ResolvedGrains {
 /// @{
 
 /// One evaluation a step: velocity and density leap over two steps, and every `restart` steps over
-/// one, so that the two do not part.
-/// Source: L. Verlet, Phys. Rev. 159 (1967) 98, as in DualSPHysics.
-/// Valid:  Courant numbers up to 0.1.
-/// Tests:  tests/sph/flows.cpp.
+/// one. What the odd steps and the even ones differ by grows in between, as damping acts on it with
+/// the wrong sign: by diffusion alone as e^(7 delta c t/h), 7 = 2 int |W'|/r dV h^2 of WendlandC2,
+/// which is e^(7 delta courant restart) from one restart to the next. DualSPHysics restarts after
+/// 40 steps, which is too long here (docs/sph.md).
+/// Source: L. Verlet, Phys. Rev. 159 (1967) 98, as in DualSPHysics but for `restart`.
+/// Valid:  `courant` up to 0.2, restart * courant up to 1.5, and some damping: not Inviscid with
+///         NoDiffusion.
+/// Tests:  tests/sph/flows.cpp, tests/sph/refusals.cpp.
 struct VerletTime {
-  int restart = 40;
+  int restart = 5;
+  static constexpr double longest = 1.5;  // [-] restart * SphSetup.courant
   static constexpr SphAxis sph_axis = SphAxis::Time;
   static constexpr bool two_stages = false;
   static constexpr const char* policy_name = "VerletTime";
   void check() const {
-    require(restart >= 1, "VerletTime.restart = ", restart, " steps must be at least 1");
+    require(restart >= 2, "VerletTime.restart = ", restart,
+            " steps must be at least 2, as 1 is Euler's method; 5 is usual");
   }
 };
 
