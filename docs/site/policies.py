@@ -293,9 +293,14 @@ def _group(path, line):
 def _summary(name, body, of_family):
     """The first sentence, or of a family the line of its table that begins with the name."""
     if of_family and (line := re.search(rf"^ +{name}  +(\S.*?)(?:  +\(\d+\))?$", body, re.M)):
-        return " ".join(line[1].split())
-    first = " ".join(body.split("\n\n")[0].split())
-    return re.split(r"(?<=\.)\s", first)[0]
+        return re.sub(r" {2,}", "; ", line[1])
+    words = []
+    for text in body.split("\n"):
+        if not text.strip() or re.match(r"^ {2,}\S", text):
+            break
+        words.append(text.strip())
+    first = re.split(r"(?<=\.)\s", " ".join(words))[0]
+    return first if first.endswith(".") or not first else first.rstrip(":,") + " ..."
 
 
 def asserted():
