@@ -230,6 +230,7 @@ inline auto flow_profile(const std::string& folder, const std::string& name, con
   return detail::Checked{std::move(write), check};
 }
 
+/// Options of flow_average().
 struct FlowAverageOptions {
   double from = 0;                      // [s] of the simulation, from which on states count
   FlowOutput output{};                  // with the fluid's weight or without

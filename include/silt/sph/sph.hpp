@@ -51,6 +51,7 @@ namespace silt::inline SILT_TARGET {
 /// Errors: InputError for settings that cannot be; SimulationError where a density leaves
 ///         `least_density` to `most_density`, or a number is none.
 /// Tests:  tests/sph/.
+/// Units:  SI; in 2D per metre of depth.
 template <class... Policies>
 class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   using Axes = detail::SphPolicies<Policies...>;

@@ -22,6 +22,7 @@
 
 namespace silt::inline SILT_TARGET {
 
+/// Settings of UnresolvedGrains.
 struct UnresolvedGrainsSetup {
   double viscosity = 0;        // [Pa s] of the liquid, for the drag law
   double least_voidage = 0.3;  // [-] beside a particle of the liquid; what it leaves out is counted
@@ -65,6 +66,7 @@ class AveragedGrains;
 /// Valid:  for grains below a spacing or so; a dense bed's drag law as said in its header.
 /// Errors: InputError for settings; Error where grains are too light for their number.
 /// Tests:  tests/sph/grains.cpp.
+/// Units:  SI.
 template <class Drag, class... Forces>
 struct UnresolvedGrains {
   static constexpr SphAxis sph_axis = SphAxis::Grains;
