@@ -25,6 +25,8 @@ namespace silt::inline SILT_TARGET {
 /// Units:  work in units of the weights, of one step.
 /// Errors: InputError for above < 1 or costs that are negative.
 /// Tests:  tests/parallel/rebalance.cpp.
+/// Source: silt's own.
+/// Valid:  every decomposition that can be made anew.
 struct Rebalance {
   double above = 1.05;    // [-] largest over mean work up to which nothing is done
   double each = 20;       // cost of a decomposition for each point of a rank
