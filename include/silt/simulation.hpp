@@ -305,7 +305,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     detail::move_walls(engine_.walls, time_, first_kick_ ? 0 : dt_);
     check_walls();
     if (first_kick_) detail::start_walls(engine_.walls, time_, dt_);
-    const std::size_t present = Modules::flux ? engine_.present() : 0;
+    std::size_t present = 0;
+    if constexpr (Modules::flux) present = present_for_fluxes();
     openings_.update(engine_, *this);
     bool looks = false;  // at the time step
     if constexpr (has_breakage) looks = this->break_due(), observed |= looks;
@@ -324,6 +325,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     if constexpr (has_ranks) {
       engine_.together(observed ? "a step that observers see" : "a step", dt_, observed, act);
       peak_overlap_ = std::max(peak_overlap_, engine_.largest_overlap);
+      if constexpr (Modules::flux)
+        if (engine_.fluxes().measured()) choose_flux_steps();
     } else {
       act();
     }
@@ -382,6 +385,10 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   void start_fields(std::size_t from);
   double power_of_modules() const;
   double longest_module_step() const;
+  std::size_t present_for_fluxes() const {
+    if constexpr (has_ranks) return engine_.ranks.present();
+    return engine_.present();
+  }
   detail::FluxLook look_at_fluxes(std::size_t present_before) const;
   void choose_flux_steps();
   void check_module_rates() const;
@@ -411,6 +418,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   std::string tips_at(double speed) const;
   double expected_speed() const;
   void share_scene();
+  void share_modules();
   std::optional<detail::ShortestContact> shortest_contact(double speed) const;
   double longest_travel_step(double speed) const;
   bool is_step_too_long() const;
@@ -476,6 +484,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   struct SceneSize {
     Box region;                    // [m] of centres
     double speed = 0, radius = 0;  // [m/s] of surfaces, [m] the largest
+    double pushed = 0, rate = 0;   // [m/s2], [1/s] by modules
   };
   struct RanksScene {
     SceneSize size;

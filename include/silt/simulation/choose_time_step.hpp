@@ -74,7 +74,11 @@ double Simulation<Policies...>::expected_speed() const {
       const Box b = detail::bounds_in_space(w, s);
       include(b.min), include(b.max);
     }
-  const double pushed = modules_.largest_acceleration(engine_, time_);
+  double pushed = 0;
+  if constexpr (has_ranks)
+    pushed = ranks_scene_.size.pushed;
+  else
+    pushed = modules_.largest_acceleration(engine_, time_);
   const auto fall = [this, pushed](const Box& box) {
     const auto height = [](double low, double high) { return high > low ? high - low : 0.0; };
     const double x = height(box.min.x, box.max.x), y = height(box.min.y, box.max.y),
@@ -103,6 +107,21 @@ void Simulation<Policies...>::share_scene() {
                     ranks.union_of_meetings(
                         detail::meetings_of(engine_, openings_.inlets(), contacts_.materials()))};
     engine_.agree("the start of a run");
+  }
+}
+
+/// Likewise of what modules do to the particles of all ranks (collective).
+template <class... Policies>
+void Simulation<Policies...>::share_modules() {
+  if constexpr (has_ranks && Modules::exist) {
+    using Stage = detail::ModuleStage<Modules, Domain>;
+    std::array<double, 2> most{0, 0};
+    detail::on_all_ranks(*this, "the pushes and rates of modules", [&] {
+      most = {modules_.largest_acceleration(engine_, time_),
+              modules_.fastest(engine_, time_, Stage::OfFluxes::Estimated).rate};
+    });
+    engine_.ranks.max_of(most);
+    ranks_scene_.size.pushed = most[0], ranks_scene_.size.rate = most[1];
   }
 }
 

@@ -267,7 +267,8 @@ void Simulation<Policies...>::prepare() {
   prepare_fluid();
   engine_.set_threads(threads);
   if constexpr (has_ranks) share_scene();
-  modules_.check(*this);
+  detail::on_all_ranks(*this, "the check of modules", [&] { modules_.check(*this); });
+  if constexpr (has_ranks) share_modules();
   this->check_pairs();
   engine_.set_coefficients(contacts_);
   engine_.set_flux_coefficients(modules_, contacts_);
@@ -337,7 +338,10 @@ void Simulation<Policies...>::keep_limits() {
             [this](ParticleId which) { return this->resized_by(which, step_); }});
   detail::check_crowded(engine_, step_, time_, back);
   if constexpr (Modules::flux)
-    if (engine_.fluxes().measured()) check_module_rates(), choose_flux_steps();
+    if (engine_.fluxes().measured()) {
+      check_module_rates();
+      if constexpr (!has_ranks) choose_flux_steps();  // on ranks when all have come so far
+    }
   if constexpr (Modules::in_pairs && !Modules::flux)
     if (modules_.near.measured()) check_module_rates();
   const double way = detail::wall_travel(engine_), dt = coming_step();

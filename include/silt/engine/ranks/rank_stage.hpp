@@ -20,8 +20,8 @@
 
 #include <silt/core/box.hpp>
 #include <silt/core/position_row.hpp>
-#include <silt/engine/ranks/packed.hpp>
 #include <silt/engine/ranks/no_ranks.hpp>
+#include <silt/engine/ranks/packed.hpp>
 #include <silt/engine/ranks/rank_bodies.hpp>
 #include <silt/parallel/agree.hpp>
 #include <silt/parallel/ranks.hpp>
@@ -369,11 +369,28 @@ class RankStage {
         [&](std::uint32_t k) { return RowState<State, Mover>::of(particles, mover, k); },
         [&](std::uint32_t k, const auto& row) { row.give(particles, mover, k); });
     if constexpr (State::of_bodies)
-      visit(rows,
-            bodies_of<BodyState>([&](std::uint32_t k) { return BodyState::of(mover, k); },
-                                 [&](std::uint32_t k, const BodyState& b) { b.give(mover, k); }));
+      with_fields<true>(
+          mover.modules, visit, rows,
+          bodies_of<BodyState>([&](std::uint32_t k) { return BodyState::of(mover, k); },
+                               [&](std::uint32_t k, const BodyState& b) { b.give(mover, k); }));
     else
-      visit(rows);
+      with_fields<false>(particles.modules, visit, rows);
+  }
+  /// ... and with what fluxes of modules read, if there are any; of bodies, or rows.
+  template <bool OfBodies, class Columns, class Visit, class... Passed>
+  static void with_fields([[maybe_unused]] Columns& columns, const Visit& visit,
+                          const Passed&... passed) {
+    using Fields = typename Columns::ForFlux;
+    if constexpr (std::tuple_size_v < Fields >> 0) {
+      const auto get = [&](std::uint32_t k) { return columns.for_flux(k); };
+      const auto set = [&](std::uint32_t k, const Fields& f) { columns.set_for_flux(k, f); };
+      if constexpr (OfBodies)
+        visit(passed..., bodies_of<Fields>(get, set));
+      else
+        visit(passed..., rows_of<Fields>(get, set));
+    } else {
+      visit(passed...);
+    }
   }
 
   /// Sends one message to each neighbour.
