@@ -216,7 +216,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
         kept_ = std::max({detail::all_contacts_if(stop && keep_contacts),
                           detail::read_contacts(observers, *this, keep_contacts)...});
         advance(stop || (detail::is_due(observers, *this) || ...));
-        if constexpr (has_events) detail::tell_all(*this, engine_.events, observers...);
+        if constexpr (has_events) detail::tell_of_rank(*this, engine_.events, observers...);
         if constexpr (has_bonds)
           if (!bonds_broken_.empty()) detail::tell_all(*this, bonds_broken_, observers...);
         if constexpr (has_breakage)

@@ -469,9 +469,13 @@ class Engine : public Tables<Composition> {
               Scalar(0));
   }
   void note(const ContactNotes& notes) {
-    events.take(notes, [this](std::size_t row) {
+    const auto id_of = [this](std::size_t row) {
       return particles.is_parked(row) ? no_particle : this->id_of(row);
-    });
+    };
+    if constexpr (of_ranks)
+      events.take(notes, id_of, [this](std::size_t row) { return row < particles.owned(); });
+    else
+      events.take(notes, id_of);
   }
 
   // From here on fetching ahead has paid: more than second-level caches hold, and than one may

@@ -61,19 +61,38 @@ class RankStage {
   static constexpr bool active = true;
   std::vector<RankNeighbour> neighbours;  // in the order of ranks
   RankCounts counts;
+  // What this rank has thrown between two meetings, where others do not wait for it: it goes on,
+  // and says so when it meets them next.
+  mutable std::exception_ptr failed;
 
   void set(Policy policy) { policy_ = std::move(policy); }
   const auto& comm() const { return policy_->comm; }
   /// Does what ranks do by themselves; all throw what one has thrown (collective).
   template <class Work>
   void together(const char* call, const Work& work) const {
-    silt::together(policy_->comm, call, work);
+    silt::together(policy_->comm, call, [&] {
+      if (failed) std::rethrow_exception(std::exchange(failed, nullptr));
+      work();
+    });
   }
   /// Where ranks meet before they talk: those that have failed say so here, and all throw it.
-  void meet(const char* call) const { silt::agree(policy_->comm, call); }
+  void meet(const char* call) const {
+    silt::agree(policy_->comm, call, std::exchange(failed, nullptr));
+  }
   /// ... with an error of this one, or none, and numbers that become the largest of all.
   void agree(const char* call, const std::exception_ptr& error, std::span<double> most) const {
-    silt::agree(policy_->comm, call, error, most);
+    const std::exception_ptr before = std::exchange(failed, nullptr);
+    silt::agree(policy_->comm, call, before ? before : error, most);
+  }
+  /// Does what no other rank takes part in.
+  template <class Work>
+  void alone(const Work& work) const {
+    if (size() == 1) return work();
+    try {
+      work();
+    } catch (...) {
+      if (!failed) failed = std::current_exception();
+    }
   }
   int rank() const { return policy_->comm.rank(); }
   int size() const { return policy_->comm.size(); }
