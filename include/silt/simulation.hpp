@@ -220,7 +220,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
         kept_ = std::max({detail::all_contacts_if(stop && keep_contacts),
                           detail::read_contacts(observers, *this, keep_contacts)...});
         advance(stop || (detail::is_due(observers, *this) || ...));
-        if constexpr (has_events) detail::tell_all(*this, engine_.events, observers...);
+        if constexpr (has_events) detail::tell_of_rank(*this, engine_.events, observers...);
         if constexpr (has_bonds)
           if (!bonds_broken_.empty()) detail::tell_all(*this, bonds_broken_, observers...);
         if constexpr (has_breakage)
@@ -329,6 +329,10 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   void start_fields(std::size_t from);
   double power_of_modules() const;
   double longest_module_step() const;
+  std::size_t present_for_fluxes() const {
+    if constexpr (has_ranks) return engine_.ranks.present();
+    return engine_.present();
+  }
   detail::FluxLook look_at_fluxes(std::size_t present_before) const;
   void choose_flux_steps();
   void check_module_rates() const;

@@ -209,22 +209,39 @@ class Engine : public Tables<Composition> {
                       [[maybe_unused]] FluxLook look) {
     if constexpr (Fluxes::active || Fluxes::wears)
       fluxes_.prepare(
-          stage.modules, this->modules(), particles.size(),
+          stage.modules, this->modules(), particles.owned(),
           {time, walls.size(), look != FluxLook::Hold, look == FluxLook::Measure},
           [this](std::size_t row) { return this->owner_of(row); },
           [this, time](std::size_t k) { return this->seen(k, time); }, *team_);
   }
   void collect_fluxes() {
+    if constexpr (Fluxes::active) {
+      const auto owner_of = [this](std::size_t row) { return this->owner_of(row); };
+      if constexpr (of_ranks)
+        fluxes_.collect(this->modules(), particles.owned(), owner_of, [this](double own) {
+          ranks.meet("what a wall gives");
+          ranks.sum_of({&own, 1});
+          return own;
+        });
+      else
+        fluxes_.collect(this->modules(), particles.size(), owner_of, nullptr);
+    }
+  }
+  /// When the ghosts have come: what flows to and from them.
+  void prepare_ghost_fluxes([[maybe_unused]] double time) requires(of_ranks) {
     if constexpr (Fluxes::active)
-      fluxes_.collect(this->modules(), particles.size(),
-                      [this](std::size_t row) { return this->owner_of(row); });
+      fluxes_.prepare_ghosts(
+          this->modules(), particles.owned(), particles.size(),
+          [this](std::size_t row) { return this->owner_of(row); },
+          [this, time](std::size_t k) { return this->seen(k, time); }, *team_);
   }
 
   const Fluxes& fluxes() const { return fluxes_; }
   Fluxes& fluxes() { return fluxes_; }
 
   void pair_forces(const Domain& domain, const StepTimes& times) {
-    if constexpr (of_ranks && !apart) ranks.finish_refresh(particles, mover);
+    if constexpr (of_ranks && !apart)
+      ranks.finish_refresh(particles, mover), prepare_ghost_fluxes(times.now);
     if constexpr (convex) {
       using Pairs =
           ConvexPairs<typename ConvexRowsOf<ShapeType>::type, ContactsType, Domain, Arch, Fluxes>;
@@ -241,6 +258,7 @@ class Engine : public Tables<Composition> {
   void ghost_forces(const Domain& domain, const StepTimes& times) requires(of_ranks) {
     if constexpr (apart) {
       ranks.finish_refresh(particles, mover);
+      prepare_ghost_fluxes(times.now);
       if (particles.ghosts > 0) include(sphere_pairs<PairsOf::Ghosts>(domain, times));
     }
   }
@@ -343,11 +361,14 @@ class Engine : public Tables<Composition> {
     if (!observed) lists.upkeep.used += largest_share * time_step;
   }
   void agree(const char* call, const std::exception_ptr& error = nullptr) requires(of_ranks) {
-    std::array<double, 4> most{largest_speed, largest_share, largest_overlap,
-                               lists.upkeep.searched_at < 0 ? 1.0 : 0.0};
+    std::array<double, 5> most{largest_speed, largest_share, largest_overlap,
+                               lists.upkeep.searched_at < 0 ? 1.0 : 0.0, 0.0};
+    if constexpr (Fluxes::active) most[4] = fluxes_.is_to_renew() ? 1.0 : 0.0;
     ranks.agree(call, error, most);
     largest_speed = most[0], largest_share = most[1], largest_overlap = most[2];
     if (most[3] > 0) lists.forget();
+    if constexpr (Fluxes::active)
+      if (most[4] > 0) fluxes_.renew();
   }
   /// Begins to give the ghosts the places and motions that they have on their own ranks.
   void refresh_ghosts() requires(of_ranks) { ranks.begin_refresh(particles, mover); }
@@ -479,9 +500,13 @@ class Engine : public Tables<Composition> {
               Scalar(0));
   }
   void note(const ContactNotes& notes) {
-    events.take(notes, [this](std::size_t row) {
+    const auto id_of = [this](std::size_t row) {
       return particles.is_parked(row) ? no_particle : this->id_of(row);
-    });
+    };
+    if constexpr (of_ranks)
+      events.take(notes, id_of, [this](std::size_t row) { return row < particles.owned(); });
+    else
+      events.take(notes, id_of);
   }
 
   // From here on fetching ahead has paid: more than second-level caches hold, and than one may

@@ -352,7 +352,10 @@ void Simulation<Policies...>::keep_limits() {
             [this](ParticleId which) { return this->resized_by(which, step_); }});
   detail::check_crowded(engine_, step_, time_, back);
   if constexpr (Modules::flux)
-    if (engine_.fluxes().measured()) check_module_rates(), choose_flux_steps();
+    if (engine_.fluxes().measured()) {
+      check_module_rates();
+      if constexpr (!has_ranks) choose_flux_steps();  // on ranks when all have come so far
+    }
   if constexpr (Modules::in_pairs && !Modules::flux)
     if (modules_.near.measured()) check_module_rates();
   const double way = detail::wall_travel(engine_), dt = coming_step();

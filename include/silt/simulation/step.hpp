@@ -13,7 +13,8 @@ void Simulation<Policies...>::advance(bool observed) {
   detail::move_walls(engine_.walls, time_, first_kick_ ? 0 : dt_);
   check_walls();
   if (first_kick_) detail::start_walls(engine_.walls, time_, dt_);
-  const std::size_t present = Modules::flux ? engine_.present() : 0;
+  std::size_t present = 0;
+  if constexpr (Modules::flux) present = present_for_fluxes();
   bool looks = false;  // at the time step
   const auto renew = [&] {
     openings_.update(engine_, *this);
@@ -37,6 +38,8 @@ void Simulation<Policies...>::advance(bool observed) {
     engine_.together(observed ? "a step that observers see" : "a step", dt_, observed,
                      [&] { renew(), act(); });
     peak_overlap_ = std::max(peak_overlap_, engine_.largest_overlap);
+    if constexpr (Modules::flux)
+      if (engine_.fluxes().measured()) choose_flux_steps();
     engine_.push_walls(gravity, first ? first_wall_kick * dt_ : dt_, dt_, first);
     keep_rates_of_walls();
     if constexpr (has_ledger && !of_bodies)  // EndedContacts of edits

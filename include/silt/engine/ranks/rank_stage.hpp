@@ -75,6 +75,7 @@ class RankStage {
   /// they do something together next, or in the next step.
   template <class Work>
   void until_later(const Work& work) const {
+    if (size() == 1) return work();
     try {
       work();
     } catch (...) {
@@ -99,10 +100,13 @@ class RankStage {
     return all;
   }
   /// Where ranks meet before they talk: those that have failed say so here, and all throw it.
-  void meet(const char* call) const { silt::agree(policy_->comm, call); }
+  void meet(const char* call) const {
+    silt::agree(policy_->comm, call, std::exchange(late_, nullptr));
+  }
   /// ... with an error of this one, or none, and numbers that become the largest of all.
   void agree(const char* call, const std::exception_ptr& error, std::span<double> most) const {
-    silt::agree(policy_->comm, call, error, most);
+    const std::exception_ptr before = std::exchange(late_, nullptr);
+    silt::agree(policy_->comm, call, before ? before : error, most);
   }
   int rank() const { return policy_->comm.rank(); }
   int size() const { return policy_->comm.size(); }
@@ -420,11 +424,28 @@ class RankStage {
         [&](std::uint32_t k) { return RowState<State, Mover>::of(particles, mover, k); },
         [&](std::uint32_t k, const auto& row) { row.give(particles, mover, k); });
     if constexpr (State::of_bodies)
-      visit(rows,
-            bodies_of<BodyState>([&](std::uint32_t k) { return BodyState::of(mover, k); },
-                                 [&](std::uint32_t k, const BodyState& b) { b.give(mover, k); }));
+      with_fields<true>(
+          mover.modules, visit, rows,
+          bodies_of<BodyState>([&](std::uint32_t k) { return BodyState::of(mover, k); },
+                               [&](std::uint32_t k, const BodyState& b) { b.give(mover, k); }));
     else
-      visit(rows);
+      with_fields<false>(particles.modules, visit, rows);
+  }
+  /// ... and with what fluxes of modules read, if there are any; of bodies, or rows.
+  template <bool OfBodies, class Columns, class Visit, class... Passed>
+  static void with_fields([[maybe_unused]] Columns& columns, const Visit& visit,
+                          const Passed&... passed) {
+    using Fields = typename Columns::ForFlux;
+    if constexpr (std::tuple_size_v < Fields >> 0) {
+      const auto get = [&](std::uint32_t k) { return columns.for_flux(k); };
+      const auto set = [&](std::uint32_t k, const Fields& f) { columns.set_for_flux(k, f); };
+      if constexpr (OfBodies)
+        visit(passed..., bodies_of<Fields>(get, set));
+      else
+        visit(passed..., rows_of<Fields>(get, set));
+    } else {
+      visit(passed...);
+    }
   }
 
   /// Sends one message to each neighbour.
@@ -460,7 +481,7 @@ class RankStage {
   }
 
   std::optional<Policy> policy_;
-  mutable std::exception_ptr late_;             // until_later()
+  mutable std::exception_ptr late_;     // until_later()
   std::vector<Impulses> own_, shared_;  // of walls: by own particles; by all, when last shared
   std::size_t present_ = 0;
   std::int64_t last_step_ = 0;  // in which ranks were chosen
