@@ -41,6 +41,7 @@
 #include <silt/simulation/particle_edits.hpp>
 #include <silt/simulation/particle_readings.hpp>
 #include <silt/simulation/rank_access.hpp>
+#include <silt/simulation/rank_edits.hpp>
 #include <silt/simulation/wall_access.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -208,8 +209,11 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     const double end = time_ + duration;
     std::int64_t last = step_ + static_cast<std::int64_t>(std::ceil(duration / dt_ * (1 - 1e-12)));
     if constexpr (has_events) engine_.events.wanted = (detail::wants_events(observers) || ...);
-    detail::on_all_ranks(*this, "the start of observers",
-                         [&] { (detail::begin(observers, *this, end), ...); });
+    const auto begin = [&] { (detail::begin(observers, *this, end), ...); };
+    if constexpr (has_ranks)
+      this->share_edits("the start of observers", begin);
+    else
+      begin();
     for (;; ++step_, time_ = time_at(step_)) {
       const bool stop = step_ >= last;
       if (!kicked_) {
@@ -222,7 +226,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
         if constexpr (has_breakage)
           if (!breaks_.events.empty()) detail::tell_all(*this, breaks_.events, observers...);
       }
-      if constexpr (has_ranks) (detail::watch(observers, *this), ...);
+      if constexpr (has_ranks)
+        engine_.ranks.until_later([&] { (detail::watch(observers, *this), ...); });
       if (kicked_ && sizeof...(Observers) > 0) {
         [[maybe_unused]] const bool again = std::exchange(observed_, true);
         const auto observe = [&] {
@@ -230,7 +235,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
           detail::check_given(engine_, gravity, step_, time_);
         };
         if constexpr (has_ranks)
-          engine_.ranks.together("observers", observe);
+          this->share_edits("observers", observe);
         else
           observe();
         if (scene_changed_) this->check_pairs();
@@ -341,6 +346,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   void prepare_fluid();
   double potential(std::size_t k) const { return -mass(k) * dot(gravity_booked_, position(k)); }
   void prepare();
+  void check_start();
+  void begin_run();
   double chosen_time_step() const;
   double step_for(double speed, double contact) const;
   double coming_step() const;
@@ -362,6 +369,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   void keep_limits();
   std::string step_advice() const;
   void keep_rates(double back);
+  void keep_rates_of_walls();
   double time_at(std::int64_t step) const {
     return time_origin_ + static_cast<double>(step - step_origin_) * dt_;
   }
@@ -416,12 +424,15 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   detail::ContactsKept kept_ = detail::ContactsKept::Nothing;  // of the present step
   bool scene_changed_ = false;                                 // since the last run began
   struct SceneSize {
-    Box region;                    // [m] of centres
-    double speed = 0, radius = 0;  // [m/s] of surfaces, [m] the largest
+    Box region;                                // [m] of centres
+    double speed = 0, radius = 0;              // [m/s] of surfaces, [m] the largest
+    double acceleration = 0, module_rate = 0;  // [m/s2], [1/s] by modules, the largest
   };
   struct RanksScene {
     SceneSize size;
     detail::Meetings meetings;
+    double checked_overlap = 0;  // [-] of all ranks, when free walls were last looked at
+    detail::RankEdits edits;
   };
   [[no_unique_address]] std::conditional_t<has_ranks, RanksScene, Nothing> ranks_scene_;
   bool laws_changed_ = false;    // by what a restart accepted, until its run begins

@@ -2,11 +2,13 @@
 // Writes one of each kind of file that silt has into a folder, for the tests of the Python package.
 // What the tests compare with comes by another way: tables of the same step, closed forms.
 //
+// The last three, which take a minute to compile, with SILT_LONG_SCENES alone.
+//
 //   grains/   spheres with bonds and temperatures in a box; one is taken out half way
 //   again/    the same run again; other/: with another gravity
+//   flow/     cells with fields of closed form
 //   shapes/   a mix by its surfaces; parts/: bodies of several spheres
 //   pieces/   spheres on three ranks; whole/: the same on one
-//   flow/     cells with fields of closed form
 //   failed/   what a run leaves that fails
 
 #include "scenes.hpp"
@@ -56,7 +58,10 @@ int main(int argc, char** argv) {
   try {
     const std::string folder = argv[1];
     silt::make_folder(folder);
-    write_grains(folder), write_shapes(folder), write_pieces(folder), write_cells(folder + "/flow");
+    write_grains(folder), write_cells(folder + "/flow");
+#ifdef SILT_LONG_SCENES
+    write_shapes(folder), write_pieces(folder);
+#endif
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

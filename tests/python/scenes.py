@@ -2,6 +2,7 @@
 """What the tests of the Python package share: the folder that scenes.cpp wrote, and ways to look."""
 
 import contextlib
+import functools
 import io
 import os
 import subprocess
@@ -13,6 +14,23 @@ FOLDER = os.environ.get("SILT_SCENES", "")  # or set by python_check.py
 
 def path(*parts):
     return os.path.join(FOLDER, *parts)
+
+
+def has(name):
+    """Whether the program wrote this: some scenes are of the long tests."""
+    return os.path.isdir(path(name))
+
+
+def needs(name):
+    """Decorator of tests that read a scene of the long tests."""
+    def wrap(test):
+        @functools.wraps(test)
+        def wrapped(self):
+            if not has(name):
+                self.skipTest(f"{name}/ is of the long tests")
+            test(self)
+        return wrapped
+    return wrap
 
 
 def run(*arguments):

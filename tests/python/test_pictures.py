@@ -15,7 +15,7 @@ import matplotlib.image
 import numpy as np
 import silt
 from matplotlib.colors import to_rgb
-from scenes import Refuses, path, run, run_apart
+from scenes import Refuses, has, needs, path, run, run_apart
 from silt import drawing
 from silt.command import parse
 from silt.drawing import Canvas, Cut, view_axes
@@ -262,6 +262,7 @@ class Drawn(Refuses, unittest.TestCase):
         grey = self.draw(path("grains", "particles.pvd"))
         self.assertGreater(np.abs(grey[:100, :100] - 1).max(), 0.5, "no scale bar")
 
+    @needs("shapes")
     def test_true_shapes(self):
         """Of bodies their surfaces or parts are drawn, with fields of the file of particles by id. Catches
         bounding spheres, which cover more, and fields that go to other bodies."""
@@ -366,12 +367,13 @@ class Drawn(Refuses, unittest.TestCase):
 
     def test_walls_beside_a_series(self):
         for arguments, name in (((), "grains"), (("--walls", "none"), None),
-                                (("--walls", path("parts", "walls.pvd")), "parts")):
+                                (("--walls", path("other", "walls.pvd")), "other")):
             count = len(silt.open(path(name, "walls.pvd"))[-1].triangles) if name else 0
             _, [layers] = figure_of(path("grains", "particles.pvd"), *arguments)
             self.assertEqual(len(layers.walls), count, arguments)
             self.assertEqual(count > 0, name is not None)
 
+    @needs("pieces")
     def test_pieces_of_ranks(self):
         _, [whole] = figure_of(path("whole"), "--colour", "velocity")
         _, [pieces] = figure_of(path("pieces"), "--colour", "velocity")
@@ -409,7 +411,9 @@ class Drawn(Refuses, unittest.TestCase):
         self.refused("must be an angle from 1 to 120", "draw", path("grains"), "--perspective", 170, "-o", self.out)
         self.refused("2 titles for 1 files", "draw", path("grains"), "--title", "a", "b", "-o", self.out)
         self.refused("at least 1", "draw", path("grains"), "--every", 0, "-o", self.out)
-        self.refused("--names", "draw", path("shapes"), "--colour", "form", "--names", "a", "-o", self.out)
+        if has("shapes"):
+            self.refused("--names", "draw", path("shapes"), "--colour", "form", "--names", "a", "-o", self.out)
+        self.refused("--names", "draw", path("grains"), "--colour", "radius", "--names", "a", "-o", self.out)
         self.refused("must be 2 numbers", "draw", path("grains"), "--range", "1", "-o", self.out)
         self.raises("has no option 'color_map'", drawing.draw, path("grains"), out=self.out, color_map="x")
 

@@ -14,13 +14,16 @@ void Simulation<Policies...>::advance(bool observed) {
   check_walls();
   if (first_kick_) detail::start_walls(engine_.walls, time_, dt_);
   const std::size_t present = Modules::flux ? engine_.present() : 0;
-  openings_.update(engine_, *this);
   bool looks = false;  // at the time step
-  if constexpr (has_breakage) looks = this->break_due(), observed |= looks;
-  if constexpr (has_ranks) engine_.refresh_ghosts();
-  engine_.renew_lists(search_, domain_, step_, dt_);
-  if constexpr (has_breakage)
-    if (!breaks_.events.empty()) detail::leave_out_overlaps(engine_, breaks_.newborn_from);
+  const auto renew = [&] {
+    openings_.update(engine_, *this);
+    if constexpr (has_breakage) looks = this->break_due(), observed |= looks;
+    if constexpr (has_ranks)  // neighbours wait for the ghosts, whatever has failed
+      engine_.refresh_ghosts(), engine_.ranks.throw_late();
+    engine_.renew_lists(search_, domain_, step_, dt_);
+    if constexpr (has_breakage)
+      if (!breaks_.events.empty()) detail::leave_out_overlaps(engine_, breaks_.newborn_from);
+  };
   const auto act = [&] {
     forces(observed, present);
     first_kick_ = false;
@@ -30,10 +33,16 @@ void Simulation<Policies...>::advance(bool observed) {
     keep_limits();
   };
   if constexpr (has_ranks) {
-    engine_.together(observed ? "a step that observers see" : "a step", dt_, observed, act);
+    const bool first = first_kick_;
+    engine_.together(observed ? "a step that observers see" : "a step", dt_, observed,
+                     [&] { renew(), act(); });
     peak_overlap_ = std::max(peak_overlap_, engine_.largest_overlap);
+    engine_.push_walls(gravity, first ? first_wall_kick * dt_ : dt_, dt_, first);
+    keep_rates_of_walls();
+    if constexpr (has_ledger && !of_bodies)  // EndedContacts of edits
+      if (observed) engine_.refresh_ghosts_now();
   } else {
-    act();
+    renew(), act();
   }
 }
 
@@ -58,7 +67,10 @@ void Simulation<Policies...>::forces(bool observed, [[maybe_unused]] std::size_t
   using Advance = typename Engine::Advance;
   if constexpr (detail::deforms<Domain>) engine_.kick_box(domain_, dt_, first_kick_, observed);
   const double kick = first_kick_ ? Integrator::first_kick * dt_ : dt_;
-  engine_.push_walls(gravity, first_kick_ ? first_wall_kick * dt_ : dt_, dt_, first_kick_);
+  if constexpr (has_ranks)
+    engine_.look_at_servos();  // they are pushed when the loads of all ranks are known
+  else
+    engine_.push_walls(gravity, first_kick_ ? first_wall_kick * dt_ : dt_, dt_, first_kick_);
   engine_.integrate(observed ? Advance::KickAndRecord : Advance::KickAndDrift, gravity, kick, dt_,
                     first_kick_);
   if constexpr (detail::deforms<Domain>)
@@ -73,7 +85,11 @@ void Simulation<Policies...>::finish_step() {
   if constexpr (detail::deforms<Domain>)
     if (kicked_) engine_.move_box(domain_, dt_);
   kicked_ = observed_ = false;
-  modules_.update(engine_, step_ + 1, time_at(step_ + 1), dt_);
+  const auto update = [this] { modules_.update(engine_, step_ + 1, time_at(step_ + 1), dt_); };
+  if constexpr (has_ranks)
+    engine_.ranks.until_later(update);
+  else
+    update();
   if constexpr (Modules::flux) engine_.fluxes().book(dt_);
 }
 
