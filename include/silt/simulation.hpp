@@ -218,7 +218,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
         advance(stop || (detail::is_due(observers, *this) || ...));
         if constexpr (has_events) detail::tell_of_rank(*this, engine_.events, observers...);
         if constexpr (has_bonds)
-          if (!bonds_broken_.empty()) detail::tell_all(*this, bonds_broken_, observers...);
+          if (!bonds_broken_.empty()) detail::tell_of_rank(*this, bonds_broken_, observers...);
         if constexpr (has_breakage)
           if (!breaks_.events.empty()) detail::tell_all(*this, breaks_.events, observers...);
       }
@@ -311,14 +311,19 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     bool looks = false;  // at the time step
     if constexpr (has_breakage) looks = this->break_due(), observed |= looks;
     if constexpr (has_ranks) engine_.refresh_ghosts();
-    engine_.renew_lists(search_, domain_, step_, dt_);
+    if constexpr (has_ranks && has_bonds) {
+      detail::RankBonds at_search(bonds_, engine_);
+      engine_.renew_lists(search_, domain_, step_, dt_);
+    } else {
+      engine_.renew_lists(search_, domain_, step_, dt_);
+    }
     if constexpr (has_breakage)
       if (!breaks_.events.empty()) detail::leave_out_overlaps(engine_, breaks_.newborn_from);
     const auto act = [&] {
       forces(observed, present);
       first_kick_ = false;
       kicked_ = observed;
-      if constexpr (has_bonds) break_bonds();
+      if constexpr (has_bonds && !has_ranks) break_bonds();
       if (looks) follow_sizes();
       keep_limits();
     };
@@ -327,6 +332,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
       peak_overlap_ = std::max(peak_overlap_, engine_.largest_overlap);
       if constexpr (Modules::flux)
         if (engine_.fluxes().measured()) choose_flux_steps();
+      if constexpr (has_bonds) break_bonds_of_ranks();
     } else {
       act();
     }
@@ -342,6 +348,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     if constexpr (has_breakage) breaks_.weigh(engine_, this->breakage(), time_);
     [[maybe_unused]] double bond_power = 0;
     if constexpr (has_bonds) bond_power = bonds_.push(engine_, domain_, dt_);
+    if constexpr (has_bonds && has_ranks) engine_.bonds_break = bonds_.any_overloaded();
     engine_.collect_fluxes();
     if constexpr (Modules::in_pairs) act_in_pairs();
     if constexpr (has_events) engine_.events.sort();
@@ -380,6 +387,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   void book_leaving(std::size_t k);
   void couple();
   void break_bonds();
+  void break_bonds_of_ranks();
   void push_modules();
   void act_in_pairs();
   void start_fields(std::size_t from);
@@ -489,6 +497,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   struct RanksScene {
     SceneSize size;
     detail::Meetings meetings;
+    double bond_rate = 0, bond_step = INFINITY;  // [1/s], [s] BondStage::Rate
+    ParticleId bonded = no_particle;
   };
   [[no_unique_address]] std::conditional_t<has_ranks, RanksScene, Nothing> ranks_scene_;
   bool laws_changed_ = false;    // by what a restart accepted, until its run begins
