@@ -222,7 +222,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
         advance(stop || (detail::is_due(observers, *this) || ...));
         if constexpr (has_events) detail::tell_of_rank(*this, engine_.events, observers...);
         if constexpr (has_bonds)
-          if (!bonds_broken_.empty()) detail::tell_all(*this, bonds_broken_, observers...);
+          if (!bonds_broken_.empty()) detail::tell_of_rank(*this, bonds_broken_, observers...);
         if constexpr (has_breakage)
           if (!breaks_.events.empty()) detail::tell_all(*this, breaks_.events, observers...);
       }
@@ -324,6 +324,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   void book_leaving(std::size_t k);
   void couple();
   void break_bonds();
+  void break_bonds_of_ranks();
   void push_modules();
   void act_in_pairs();
   void start_fields(std::size_t from);
@@ -437,6 +438,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     detail::Meetings meetings;
     double checked_overlap = 0;  // [-] of all ranks, when free walls were last looked at
     detail::RankEdits edits;
+    double bond_rate = 0, bond_step = INFINITY;  // [1/s], [s] BondStage::Rate
+    ParticleId bonded = no_particle;
   };
   [[no_unique_address]] std::conditional_t<has_ranks, RanksScene, Nothing> ranks_scene_;
   bool laws_changed_ = false;    // by what a restart accepted, until its run begins

@@ -200,7 +200,7 @@ TEST_CASE("ranks: a module of one's own, with a value at contacts, growth and sl
 TEST_CASE("ranks: a step that does not resolve the heat of one rank is refused by all") {
   std::atomic<int> told{0};
   auto quick = heat;
-  quick.conductivity = 1e5;
+  quick.conductivity = 1e7;
   CHECK_THROWS_AS(silt::run_on_ranks(3,
                                      [&](const silt::ThreadComm& comm) {
                                        auto sim = trough(quick, ranks(comm));

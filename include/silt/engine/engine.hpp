@@ -10,6 +10,7 @@
 #include <memory>
 #include <numeric>
 #include <optional>
+#include <unordered_map>
 #include <vector>
 
 #include <silt/engine/advance/box_flow.hpp>
@@ -80,6 +81,11 @@ class Engine : public Tables<Composition> {
   double parted = 0;                                      // [J] likewise
   [[no_unique_address]] std::conditional_t<has_events, ContactLog, NoContactLog> events;
 
+  struct NoBreaks {};
+  /// On many ranks whether bonds break in this step, on any of them.
+  [[no_unique_address]] std::conditional_t<of_ranks && Composition::has_bonds, bool, NoBreaks>
+      bonds_break{};
+
   void set_threads(int threads) {
     if (!team_ || team_->threads() != threads) team_ = std::make_unique<Team>(threads);
   }
@@ -126,6 +132,21 @@ class Engine : public Tables<Composition> {
     std::array<Scalar, ContactsType::history> start{};
     start[ContactsType::offset_from] = static_cast<Scalar>(whole_overlap);
     lists.join_pairs(scene(domain, time_step), pairs, start), offsets_ = true;
+  }
+  /// The row of a sphere, its own or a ghost's; as many as there are rows where there is none.
+  std::size_t row_of(ParticleId id) const {
+    const std::size_t k = this->find(id);
+    if constexpr (of_ranks) {
+      if (k < this->owners()) return k;
+      if (ghosts_of_ != particles.changes) {
+        ghost_rows_.clear(), ghosts_of_ = particles.changes;
+        for (std::size_t row = particles.owned(); row < particles.size(); ++row)
+          ghost_rows_[particles.id[row]] = row;
+      }
+      const auto found = ghost_rows_.find(id);
+      return found == ghost_rows_.end() ? particles.size() : found->second;
+    }
+    return k;
   }
   /// Loads on the rows, 4 * chunks Scalars each, between the contacts and the integration.
   Scalar* load_sums() { return sums_.data(); }
@@ -361,10 +382,16 @@ class Engine : public Tables<Composition> {
     if (!observed) lists.upkeep.used += largest_share * time_step;
   }
   void agree(const char* call, const std::exception_ptr& error = nullptr) requires(of_ranks) {
-    std::array<double, 5> most{largest_speed, largest_share, largest_overlap,
-                               lists.upkeep.searched_at < 0 ? 1.0 : 0.0, 0.0};
+    std::array<double, 6> most{largest_speed,
+                               largest_share,
+                               largest_overlap,
+                               lists.upkeep.searched_at < 0 ? 1.0 : 0.0,
+                               0.0,
+                               0.0};
     if constexpr (Fluxes::active) most[4] = fluxes_.is_to_renew() ? 1.0 : 0.0;
+    if constexpr (Composition::has_bonds) most[5] = bonds_break ? 1.0 : 0.0;
     ranks.agree(call, error, most);
+    if constexpr (Composition::has_bonds) bonds_break = most[5] > 0;
     largest_speed = most[0], largest_share = most[1], largest_overlap = most[2];
     if (most[3] > 0) lists.forget();
     if constexpr (Fluxes::active)
@@ -463,6 +490,7 @@ class Engine : public Tables<Composition> {
     largest_speed = speed, largest_overlap = overlap, largest_share = share;
     record.forget();
     this->forget_places();
+    if constexpr (of_ranks) ghosts_of_ = std::numeric_limits<std::uint64_t>::max();
     lists.restored();
     offsets_ |= any_offset<ContactsType>(lists.pairs);
   }
@@ -561,6 +589,11 @@ class Engine : public Tables<Composition> {
   [[no_unique_address]] Fluxes fluxes_;
   struct NoShares {};
   [[no_unique_address]] std::conditional_t<shares, SharedContacts<Scalar>, NoShares> shared_;
+  struct NoRows {};
+  [[no_unique_address]] mutable std::conditional_t<
+      of_ranks, std::unordered_map<ParticleId, std::size_t>, NoRows>
+      ghost_rows_;
+  [[no_unique_address]] mutable std::conditional_t<of_ranks, std::uint64_t, NoGhosts> ghosts_of_{};
   struct NoKick {};
   [[no_unique_address]] std::conditional_t<deforms<Domain>, DeformingBox::Kick, NoKick> box_kick_{};
   AlignedVector<Scalar> sums_;  // [N] load on each particle, zero between the steps

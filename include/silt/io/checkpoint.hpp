@@ -119,6 +119,7 @@ class Checkpoint {
       cells.visit(a);
     [[maybe_unused]] BondsState bonds;
     if constexpr (Sim::has_bonds) {
+      sim.need_no_fresh_bonds("save_checkpoint");
       sim.bonds_.follow(e);
       bonds = BondsState::of(sim.bonds_, e.particles.bonds), bonds.visit(a);
     }

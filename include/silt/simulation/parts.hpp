@@ -78,7 +78,7 @@ EnergyBalance Simulation<Policies...>::balance() const {
   EnergyBalance balance{};
   if constexpr (has_ledger)
     balance = book_.balance(translation, rotation, potentials, walls, this->rank() == 0);
-  if constexpr (has_ledger && has_bonds) balance.bonds = this->bond_energy();
+  if constexpr (has_ledger && has_bonds) balance.bonds = this->own_bond_energy();
   if constexpr (has_ledger && has_breakage) balance.parting = breaks_.parted;
   if constexpr (has_ledger && detail::deforms<Domain>) balance.box = domain_.work();
   if constexpr (has_ranks) {
@@ -202,7 +202,7 @@ void Simulation<Policies...>::book_step([[maybe_unused]] const detail::StepTimes
     if (first_kick_) {
       for (std::size_t k = 0; k < rows(); ++k)
         if (is_present(k) && std::isfinite(mass(k))) start += kinetic(k).sum() + potential(k);
-      if constexpr (has_bonds) start += this->bond_energy();
+      if constexpr (has_bonds) start += this->own_bond_energy();
     }
     if constexpr (has_bonds) book_.bonds_damped(bond_power, times.worked);
     engine_.contact_energy.worked(0.5 * times.worked);
@@ -230,6 +230,7 @@ void Simulation<Policies...>::prepare() {
   if constexpr (has_ranks) {
     this->share_edits("the start of a run", [this] { check_start(), modules_.check(*this); });
     share_scene();
+    if constexpr (has_bonds) this->share_bonds();
     engine_.ranks.together("the time step of a run", [this] { begin_run(); });
   } else {
     check_start();
@@ -325,6 +326,39 @@ void Simulation<Policies...>::break_bonds() {
                        static_cast<std::uint32_t>(engine_.find(bond.b))});
     }
     engine_.join_pairs(domain_, dt_, pairs);
+  }
+}
+
+/// The same on many ranks, after the step in which any of them has overloaded bonds: all take out
+/// what they have of them (collective).
+template <class... Policies>
+void Simulation<Policies...>::break_bonds_of_ranks() {
+  if constexpr (has_bonds && has_ranks) {
+    bonds_broken_.clear();
+    if (!engine_.bonds_break) return;
+    auto& held = engine_.particles.bonds;
+    std::vector<IndexPair> pairs;
+    bool freed = false;
+    bonds_broken_ = bonds_.take_broken(engine_, time_, [&](const auto& bond) {
+      if (bond.b == no_particle) {
+        if (!held.holds(bond.a, held.id_of_wall(bond.wall)) ||
+            bonds_.at_walls.exclude(bond.a, bond.wall))
+          return;
+        held.remove(bond.a, held.id_of_wall(bond.wall));
+        held.freed_at_walls.push_back({bond.a, bond.wall}), freed = true;
+        return;
+      }
+      if (!held.holds(bond.a, bond.b)) return;  // of other ranks
+      held.remove(bond.a, bond.b);
+      const auto row_of = [&](ParticleId id) {
+        return static_cast<std::uint32_t>(engine_.row_of(id));
+      };
+      pairs.push_back({row_of(bond.a), row_of(bond.b)});
+    });
+    for ([[maybe_unused]] const BondBreak& bond : bonds_broken_)
+      if constexpr (has_ledger) book_.bond_broken(bond.energy);
+    engine_.join_pairs(domain_, dt_, pairs);
+    if (engine_.ranks.any(freed)) engine_.lists.forget();
   }
 }
 

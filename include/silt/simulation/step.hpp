@@ -21,7 +21,12 @@ void Simulation<Policies...>::advance(bool observed) {
     if constexpr (has_breakage) looks = this->break_due(), observed |= looks;
     if constexpr (has_ranks)  // neighbours wait for the ghosts, whatever has failed
       engine_.refresh_ghosts(), engine_.ranks.throw_late();
-    engine_.renew_lists(search_, domain_, step_, dt_);
+    if constexpr (has_ranks && has_bonds) {
+      detail::RankBonds at_search(bonds_, engine_);
+      engine_.renew_lists(search_, domain_, step_, dt_);
+    } else {
+      engine_.renew_lists(search_, domain_, step_, dt_);
+    }
     if constexpr (has_breakage)
       if (!breaks_.events.empty()) detail::leave_out_overlaps(engine_, breaks_.newborn_from);
   };
@@ -29,7 +34,7 @@ void Simulation<Policies...>::advance(bool observed) {
     forces(observed, present);
     first_kick_ = false;
     kicked_ = observed;
-    if constexpr (has_bonds) break_bonds();
+    if constexpr (has_bonds && !has_ranks) break_bonds();
     if (looks) follow_sizes();
     keep_limits();
   };
@@ -40,6 +45,7 @@ void Simulation<Policies...>::advance(bool observed) {
     peak_overlap_ = std::max(peak_overlap_, engine_.largest_overlap);
     if constexpr (Modules::flux)
       if (engine_.fluxes().measured()) choose_flux_steps();
+    if constexpr (has_bonds) break_bonds_of_ranks();
     engine_.push_walls(gravity, first ? first_wall_kick * dt_ : dt_, dt_, first);
     keep_rates_of_walls();
     if constexpr (has_ledger && !of_bodies)  // EndedContacts of edits
@@ -61,6 +67,7 @@ void Simulation<Policies...>::forces(bool observed, [[maybe_unused]] std::size_t
   if constexpr (has_breakage) breaks_.weigh(engine_, this->breakage(), time_);
   [[maybe_unused]] double bond_power = 0;
   if constexpr (has_bonds) bond_power = bonds_.push(engine_, domain_, dt_);
+  if constexpr (has_bonds && has_ranks) engine_.bonds_break = bonds_.any_overloaded();
   engine_.collect_fluxes();
   if constexpr (Modules::in_pairs) act_in_pairs();
   if constexpr (has_events) engine_.events.sort();

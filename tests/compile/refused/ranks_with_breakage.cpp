@@ -1,5 +1,5 @@
 // silt - BSD-3-Clause, see LICENSE
-// refused: Ranks does not go with Bonds or Breakage so far
+// refused: Ranks does not go with Breakage so far
 #include "scene.hpp"
 
 #include <silt/ranks.hpp>

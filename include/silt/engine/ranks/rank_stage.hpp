@@ -48,6 +48,17 @@ struct RankCounts {
   Load load;                              // of all ranks, at the last search, before it
 };
 
+/// What bonds do at a search, for RankChange, which knows no model of them (RankBonds).
+class BondsAtSearch {
+ public:
+  virtual ~BondsAtSearch() = default;
+  /// Before particles pass on: own row k goes to rank to[k]; -1: it has left.
+  virtual void leave(std::span<const int> to) = 0;
+  /// Afterwards: passes on their bonds. Returns for each rank own rows that it must have as ghosts
+  /// (collective).
+  virtual std::vector<std::vector<std::uint32_t>> pass() = 0;
+};
+
 /// The engine's part in a run on many ranks: who owns which particle, which ghosts go where, and
 /// what all must agree on. Every function that says so is collective: all ranks call it at the same
 /// place of the program.
@@ -63,6 +74,7 @@ class RankStage {
   std::vector<RankNeighbour> neighbours;  // in the order of ranks
   RankCounts counts;
   std::vector<std::array<double, 2>> of_servos;  // of walls [N/m], [N s/m]: look_at_servos()
+  BondsAtSearch* bonds = nullptr;                // while lists are renewed, if there are bonds
 
   void set(Policy policy) { policy_ = std::move(policy); }
   const auto& comm() const { return policy_->comm; }

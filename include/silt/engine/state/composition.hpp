@@ -134,9 +134,9 @@ struct Composition {
   static_assert(!has_ranks || std::is_same_v<Fluid, NoFluid> || !FluidTraits<Fluid>::active,
                 "Ranks cannot be coupled to a fluid so far: each rank would need the flow of all; "
                 "leave one of them out");
-  static_assert(!has_ranks || !(has_bonds || has_breakage),
-                "Ranks does not go with Bonds or Breakage so far: their tables are of one "
-                "process; leave one of them out");
+  static_assert(!has_ranks || !has_breakage,
+                "Ranks does not go with Breakage so far: its tables are of one process; leave one "
+                "of them out");
   static_assert(!has_ranks || !Modules::in_pairs,
                 "Ranks does not go with modules that act between particles at a distance so far, "
                 "as these know the particles of one rank alone; leave one of them out");
