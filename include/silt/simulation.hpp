@@ -41,6 +41,7 @@
 #include <silt/simulation/particle_edits.hpp>
 #include <silt/simulation/particle_readings.hpp>
 #include <silt/simulation/rank_access.hpp>
+#include <silt/simulation/rank_edits.hpp>
 #include <silt/simulation/wall_access.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -208,21 +209,25 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     const double end = time_ + duration;
     std::int64_t last = step_ + static_cast<std::int64_t>(std::ceil(duration / dt_ * (1 - 1e-12)));
     if constexpr (has_events) engine_.events.wanted = (detail::wants_events(observers) || ...);
-    detail::on_all_ranks(*this, "the start of observers",
-                         [&] { (detail::begin(observers, *this, end), ...); });
+    const auto begin = [&] { (detail::begin(observers, *this, end), ...); };
+    if constexpr (has_ranks)
+      this->share_edits("the start of observers", begin);
+    else
+      begin();
     for (;; ++step_, time_ = time_at(step_)) {
       const bool stop = step_ >= last;
       if (!kicked_) {
         kept_ = std::max({detail::all_contacts_if(stop && keep_contacts),
                           detail::read_contacts(observers, *this, keep_contacts)...});
         advance(stop || (detail::is_due(observers, *this) || ...));
-        if constexpr (has_events) detail::tell_all(*this, engine_.events, observers...);
+        if constexpr (has_events) detail::tell_of_rank(*this, engine_.events, observers...);
         if constexpr (has_bonds)
-          if (!bonds_broken_.empty()) detail::tell_all(*this, bonds_broken_, observers...);
+          if (!bonds_broken_.empty()) detail::tell_of_rank(*this, bonds_broken_, observers...);
         if constexpr (has_breakage)
           if (!breaks_.events.empty()) detail::tell_all(*this, breaks_.events, observers...);
       }
-      if constexpr (has_ranks) (detail::watch(observers, *this), ...);
+      if constexpr (has_ranks)
+        engine_.ranks.until_later([&] { (detail::watch(observers, *this), ...); });
       if (kicked_ && sizeof...(Observers) > 0) {
         [[maybe_unused]] const bool again = std::exchange(observed_, true);
         const auto observe = [&] {
@@ -230,7 +235,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
           detail::check_given(engine_, gravity, step_, time_);
         };
         if constexpr (has_ranks)
-          engine_.ranks.together("observers", observe);
+          this->share_edits("observers", observe);
         else
           observe();
         if (scene_changed_) this->check_pairs();
@@ -319,11 +324,16 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   void book_leaving(std::size_t k);
   void couple();
   void break_bonds();
+  void break_bonds_of_ranks();
   void push_modules();
   void act_in_pairs();
   void start_fields(std::size_t from);
   double power_of_modules() const;
   double longest_module_step() const;
+  std::size_t present_for_fluxes() const {
+    if constexpr (has_ranks) return engine_.ranks.present();
+    return engine_.present();
+  }
   detail::FluxLook look_at_fluxes(std::size_t present_before) const;
   void choose_flux_steps();
   void check_module_rates() const;
@@ -341,6 +351,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   void prepare_fluid();
   double potential(std::size_t k) const { return -mass(k) * dot(gravity_booked_, position(k)); }
   void prepare();
+  void check_start();
+  void begin_run();
   double chosen_time_step() const;
   double step_for(double speed, double contact) const;
   double coming_step() const;
@@ -362,6 +374,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   void keep_limits();
   std::string step_advice() const;
   void keep_rates(double back);
+  void keep_rates_of_walls();
   double time_at(std::int64_t step) const {
     return time_origin_ + static_cast<double>(step - step_origin_) * dt_;
   }
@@ -416,12 +429,17 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   detail::ContactsKept kept_ = detail::ContactsKept::Nothing;  // of the present step
   bool scene_changed_ = false;                                 // since the last run began
   struct SceneSize {
-    Box region;                    // [m] of centres
-    double speed = 0, radius = 0;  // [m/s] of surfaces, [m] the largest
+    Box region;                                // [m] of centres
+    double speed = 0, radius = 0;              // [m/s] of surfaces, [m] the largest
+    double acceleration = 0, module_rate = 0;  // [m/s2], [1/s] by modules, the largest
   };
   struct RanksScene {
     SceneSize size;
     detail::Meetings meetings;
+    double checked_overlap = 0;  // [-] of all ranks, when free walls were last looked at
+    detail::RankEdits edits;
+    double bond_rate = 0, bond_step = INFINITY;  // [1/s], [s] BondStage::Rate
+    ParticleId bonded = no_particle;
   };
   [[no_unique_address]] std::conditional_t<has_ranks, RanksScene, Nothing> ranks_scene_;
   bool laws_changed_ = false;    // by what a restart accepted, until its run begins

@@ -33,8 +33,14 @@ namespace bond_without_policy {
 namespace break_without_policy {
 #include "refused/break_without_policy.cpp"
 }
-namespace ranks_with_events {
-#include "refused/ranks_with_events.cpp"
+namespace ranks_with_breakage {
+#include "refused/ranks_with_breakage.cpp"
+}
+namespace ranks_with_far_forces {
+#include "refused/ranks_with_far_forces.cpp"
+}
+namespace ranks_with_bonds_removed {
+#include "refused/ranks_with_bonds_removed.cpp"
 }
 namespace ranks_with_fluid {
 #include "refused/ranks_with_fluid.cpp"

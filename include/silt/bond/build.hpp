@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -197,13 +198,51 @@ ParticleId add_bonded(Sim& sim, const BondedSpheres& all) {
   detail::check_bonds(all);
   Particles<Sphere> more;
   for (const auto& p : all.spheres) more.add(p);
-  const std::size_t before = sim.rows();
+  const ParticleId first = sim.coming_id();
   sim.add(more);
-  const ParticleId first = sim.id(before);
+  std::vector<std::pair<ParticleId, ParticleId>> pairs;
   for (const auto& [a, b] : all.bonds)
-    if (!all.spheres[a].fixed || !all.spheres[b].fixed) sim.bond(first + a, first + b);
+    if (!all.spheres[a].fixed || !all.spheres[b].fixed) pairs.push_back({first + a, first + b});
+  sim.bond_all(pairs);
   return first;
 }
+
+namespace detail {
+struct SphereSeen {
+  ParticleId id;
+  Vec3d position;       // [m]
+  double radius, mass;  // [m], [kg]
+  bool fixed;
+};
+/// The spheres that are there, of all ranks (collective).
+template <class Sim>
+std::vector<SphereSeen> all_spheres(const Sim& sim) {
+  std::vector<SphereSeen> all;
+  for (std::size_t k = 0; k < sim.rows(); ++k)
+    if (sim.is_present(k))
+      all.push_back(
+          {sim.id(k), sim.position(k), sim.radius(k), sim.mass(k), !std::isfinite(sim.mass(k))});
+  if constexpr (Sim::has_ranks) {
+    sim.engine().ranks.meet("all spheres");
+    all = gather(sim.engine().ranks.comm(), std::span<const SphereSeen>(all)).values;
+  }
+  return all;
+}
+/// Whether each of these pairs is bonded, on any rank (collective).
+template <class Sim, class Pair>
+std::vector<bool> bonded_of_ranks(const Sim& sim, const std::vector<Pair>& pairs) {
+  std::vector<double> is(pairs.size(), 0);
+  for (std::size_t k = 0; k < pairs.size(); ++k)
+    is[k] = sim.engine().particles.bonds.holds(pairs[k].i, pairs[k].j) ? 1 : 0;
+  if constexpr (Sim::has_ranks) {
+    sim.engine().ranks.meet("pairs that are bonded");
+    sim.engine().ranks.max_of(std::span<double>(is));
+  }
+  std::vector<bool> bonded;
+  for (const double one : is) bonded.push_back(one > 0);
+  return bonded;
+}
+}  // namespace detail
 
 /// Bonds all spheres whose surfaces are at most `gap` [m] apart and not bonded yet, unless both are
 /// fixed; with `chosen(id, id)` those alone for which it is true. Returns how many bonds were made.
@@ -211,27 +250,30 @@ ParticleId add_bonded(Sim& sim, const BondedSpheres& all) {
 template <class Sim, class Chosen>
 std::size_t bond_near(Sim& sim, double gap, const Chosen& chosen) {
   require_not_negative("bond_near: gap", gap, "m");
+  const auto all = detail::all_spheres(sim);
   AlignedVector<PositionRow> grown;
-  std::vector<std::size_t> place;
-  for (std::size_t k = 0; k < sim.rows(); ++k) {
-    if (!sim.is_present(k)) continue;
-    const Vec3d p = sim.position(k);
-    const double r = std::max(sim.radius(k) + 0.5 * gap, 0.0);
-    grown.push_back({p.x, p.y, p.z, r}), place.push_back(k);
+  for (const auto& p : all) {
+    const double r = std::max(p.radius + 0.5 * gap, 0.0);
+    grown.push_back({p.position.x, p.position.y, p.position.z, r});
   }
-  std::vector<std::pair<ParticleId, ParticleId>> pairs;
+  struct Pair {
+    ParticleId i, j;
+    bool moves;
+    auto operator<=>(const Pair&) const = default;
+  };
+  std::vector<Pair> pairs;
   for (const auto [a, b] : detail::overlapping(grown, sim.domain())) {
-    const ParticleId i = sim.id(place[a]), j = sim.id(place[b]);
-    if (chosen(i, j)) pairs.push_back(std::minmax(i, j));
+    const auto [i, j] = std::minmax(all[a].id, all[b].id);
+    if (chosen(i, j)) pairs.push_back({i, j, !all[a].fixed || !all[b].fixed});
   }
   std::sort(pairs.begin(), pairs.end());  // whatever the order in which they were found
-  std::size_t made = 0;
-  const auto moves = [&](ParticleId i, ParticleId j) {
-    return std::isfinite(sim.mass(sim.find(i))) || std::isfinite(sim.mass(sim.find(j)));
-  };
-  for (const auto& [i, j] : pairs)
-    if (!sim.bonded(i, j) && moves(i, j)) sim.bond(i, j), ++made;
-  return made;
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  std::vector<std::pair<ParticleId, ParticleId>> wanted;
+  const auto bonded = detail::bonded_of_ranks(sim, pairs);
+  for (std::size_t k = 0; k < pairs.size(); ++k)
+    if (!bonded[k] && pairs[k].moves) wanted.push_back({pairs[k].i, pairs[k].j});
+  sim.bond_all(wanted);
+  return wanted.size();
 }
 template <class Sim>
 std::size_t bond_near(Sim& sim, double gap) {
@@ -240,7 +282,7 @@ std::size_t bond_near(Sim& sim, double gap) {
 
 /// What hangs together by bonds: for each place of the simulation the number of its fragment, from
 /// 0 on in the order of the lowest ids; no_fragment where nobody is. A loose sphere is a fragment
-/// of its own.
+/// of its own. On many ranks numbers, sizes and masses are of all ranks' (collective).
 struct Fragments {
   static constexpr std::size_t no_fragment = std::numeric_limits<std::size_t>::max();
   std::vector<std::size_t> of;       // each place
@@ -254,30 +296,42 @@ struct Fragments {
 };
 template <class Sim>
 Fragments fragments(const Sim& sim) {
-  std::vector<std::size_t> root(sim.rows());
+  // Of all ranks, by ids.
+  auto spheres = detail::all_spheres(sim);
+  std::sort(spheres.begin(), spheres.end(),
+            [](const auto& a, const auto& b) { return a.id < b.id; });
+  const auto place_of = [&](ParticleId id) {
+    return static_cast<std::size_t>(
+        std::lower_bound(spheres.begin(), spheres.end(), id,
+                         [](const auto& p, ParticleId wanted) { return p.id < wanted; }) -
+        spheres.begin());
+  };
+  std::vector<std::size_t> root(spheres.size());
   std::iota(root.begin(), root.end(), std::size_t{0});
   const auto top = [&](std::size_t k) {
     while (root[k] != k) k = root[k] = root[root[k]];
     return k;
   };
+  std::vector<std::array<ParticleId, 2>> bonds;
   sim.for_each_bond([&](const auto& bond) {
-    if (bond.b != no_particle) root[top(sim.find(bond.a))] = top(sim.find(bond.b));
+    if (bond.b != no_particle) bonds.push_back({bond.a, bond.b});
   });
-  std::vector<std::size_t> by_id;
-  for (std::size_t k = 0; k < sim.rows(); ++k)
-    if (sim.is_present(k)) by_id.push_back(k);
-  std::sort(by_id.begin(), by_id.end(),
-            [&](std::size_t a, std::size_t b) { return sim.id(a) < sim.id(b); });
+  if constexpr (Sim::has_ranks)
+    bonds =
+        gather(sim.engine().ranks.comm(), std::span<const std::array<ParticleId, 2>>(bonds)).values;
+  for (const auto& [a, b] : bonds) root[top(place_of(a))] = top(place_of(b));
   Fragments all;
   all.of.assign(sim.rows(), Fragments::no_fragment);
-  std::vector<std::size_t> number(sim.rows(), Fragments::no_fragment);
-  for (const std::size_t k : by_id) {
-    auto& mine = number[top(k)];
+  std::vector<std::size_t> number(spheres.size(), Fragments::no_fragment);
+  for (std::size_t p = 0; p < spheres.size(); ++p) {
+    auto& mine = number[top(p)];
     if (mine == Fragments::no_fragment)
       mine = all.spheres.size(), all.spheres.push_back(0), all.mass.push_back(0);
-    all.of[k] = mine, ++all.spheres[mine];
-    if (std::isfinite(sim.mass(k))) all.mass[mine] += sim.mass(k);
+    ++all.spheres[mine];
+    if (!spheres[p].fixed) all.mass[mine] += spheres[p].mass;
   }
+  for (std::size_t k = 0; k < sim.rows(); ++k)
+    if (sim.is_present(k)) all.of[k] = number[top(place_of(sim.id(k)))];
   return all;
 }
 

@@ -10,6 +10,7 @@
 #include <memory>
 #include <numeric>
 #include <optional>
+#include <unordered_map>
 #include <vector>
 
 #include <silt/engine/advance/box_flow.hpp>
@@ -80,6 +81,11 @@ class Engine : public Tables<Composition> {
   double parted = 0;                                      // [J] likewise
   [[no_unique_address]] std::conditional_t<has_events, ContactLog, NoContactLog> events;
 
+  struct NoBreaks {};
+  /// On many ranks whether bonds break in this step, on any of them.
+  [[no_unique_address]] std::conditional_t<of_ranks && Composition::has_bonds, bool, NoBreaks>
+      bonds_break{};
+
   void set_threads(int threads) {
     if (!team_ || team_->threads() != threads) team_ = std::make_unique<Team>(threads);
   }
@@ -127,6 +133,21 @@ class Engine : public Tables<Composition> {
     start[ContactsType::offset_from] = static_cast<Scalar>(whole_overlap);
     lists.join_pairs(scene(domain, time_step), pairs, start), offsets_ = true;
   }
+  /// The row of a sphere, its own or a ghost's; as many as there are rows where there is none.
+  std::size_t row_of(ParticleId id) const {
+    const std::size_t k = this->find(id);
+    if constexpr (of_ranks) {
+      if (k < this->owners()) return k;
+      if (ghosts_of_ != particles.changes) {
+        ghost_rows_.clear(), ghosts_of_ = particles.changes;
+        for (std::size_t row = particles.owned(); row < particles.size(); ++row)
+          ghost_rows_[particles.id[row]] = row;
+      }
+      const auto found = ghost_rows_.find(id);
+      return found == ghost_rows_.end() ? particles.size() : found->second;
+    }
+    return k;
+  }
   /// Loads on the rows, 4 * chunks Scalars each, between the contacts and the integration.
   Scalar* load_sums() { return sums_.data(); }
   /// Takes the particle at place k away at any time; park() alone is for just before a pruning.
@@ -147,6 +168,17 @@ class Engine : public Tables<Composition> {
     }
     if constexpr (Fluxes::active) fluxes_.renew();
     if (!rows.empty()) lists.leave(scene(domain, time_step), rows);
+  }
+  /// Takes ghosts out of all contacts whose particles, by their ids, are gone on their own ranks.
+  template <class IsGone>
+  void park_ghosts(const IsGone& is_gone) requires(of_ranks) {
+    const std::size_t parked = particles.parked;
+    std::size_t end = particles.size();
+    if constexpr (has_bodies) end = mover.bodies.size();
+    for (std::size_t k = this->owners(); k < end; ++k)
+      if (const ParticleId id = this->owner(k).id(); id != no_particle && is_gone(id))
+        this->park(k);
+    particles.parked = parked;  // which counts own ones
   }
   /// Gives the particle at place k another radius [m], of bodies that of the bounding sphere.
   void set_radius(std::size_t k, double radius, const Domain& domain, double time_step) {
@@ -180,7 +212,8 @@ class Engine : public Tables<Composition> {
     if constexpr (shares) shared_.renew(lists.pairs, particles, mover.bodies.size());
     if constexpr (convex) {
       mover.renew_convex_rows(particles);
-      if constexpr (of_ranks) agree_on_convex_rows(ranks, particles, mover);
+      if constexpr (of_ranks)
+        ranks.meet("a look at bodies"), agree_on_convex_rows(ranks, particles, mover);
       lists.pairs.use_more_history(mover.convex_rows.has_area());
     }
     if constexpr (ContactsType::several_materials)
@@ -197,22 +230,39 @@ class Engine : public Tables<Composition> {
                       [[maybe_unused]] FluxLook look) {
     if constexpr (Fluxes::active || Fluxes::wears)
       fluxes_.prepare(
-          stage.modules, this->modules(), particles.size(),
+          stage.modules, this->modules(), particles.owned(),
           {time, walls.size(), look != FluxLook::Hold, look == FluxLook::Measure},
           [this](std::size_t row) { return this->owner_of(row); },
           [this, time](std::size_t k) { return this->seen(k, time); }, *team_);
   }
   void collect_fluxes() {
+    if constexpr (Fluxes::active) {
+      const auto owner_of = [this](std::size_t row) { return this->owner_of(row); };
+      if constexpr (of_ranks)
+        fluxes_.collect(this->modules(), particles.owned(), owner_of, [this](double own) {
+          ranks.meet("what a wall gives");
+          ranks.sum_of({&own, 1});
+          return own;
+        });
+      else
+        fluxes_.collect(this->modules(), particles.size(), owner_of, nullptr);
+    }
+  }
+  /// When the ghosts have come: what flows to and from them.
+  void prepare_ghost_fluxes([[maybe_unused]] double time) requires(of_ranks) {
     if constexpr (Fluxes::active)
-      fluxes_.collect(this->modules(), particles.size(),
-                      [this](std::size_t row) { return this->owner_of(row); });
+      fluxes_.prepare_ghosts(
+          this->modules(), particles.owned(), particles.size(),
+          [this](std::size_t row) { return this->owner_of(row); },
+          [this, time](std::size_t k) { return this->seen(k, time); }, *team_);
   }
 
   const Fluxes& fluxes() const { return fluxes_; }
   Fluxes& fluxes() { return fluxes_; }
 
   void pair_forces(const Domain& domain, const StepTimes& times) {
-    if constexpr (of_ranks && !apart) ranks.finish_refresh(particles, mover);
+    if constexpr (of_ranks && !apart)
+      ranks.finish_refresh(particles, mover), prepare_ghost_fluxes(times.now);
     if constexpr (convex) {
       using Pairs =
           ConvexPairs<typename ConvexRowsOf<ShapeType>::type, ContactsType, Domain, Arch, Fluxes>;
@@ -229,6 +279,7 @@ class Engine : public Tables<Composition> {
   void ghost_forces(const Domain& domain, const StepTimes& times) requires(of_ranks) {
     if constexpr (apart) {
       ranks.finish_refresh(particles, mover);
+      prepare_ghost_fluxes(times.now);
       if (particles.ghosts > 0) include(sphere_pairs<PairsOf::Ghosts>(domain, times));
     }
   }
@@ -274,12 +325,28 @@ class Engine : public Tables<Composition> {
     return walls.empty() ? std::nullopt : wall_pipeline_.crowded();
   }
 
-  /// The kick of driven walls over `kick_time` [s] by the loads of this step; see push_wall().
+  /// The kick of driven walls over `kick_time` [s] by the loads of this step; see push_wall(). On
+  /// many ranks by those of all, when these are known.
   void push_walls(const Vec3d& gravity, double kick_time, double time_step, bool first_kick) {
     for (std::size_t w = 0; w < walls.size(); ++w)
       if (walls[w].is_driven()) {
-        if (is_servo(walls[w].drive)) look_at_stiffness(*this, w);
+        if (is_servo(walls[w].drive))
+          look_at_stiffness(walls[w], [&](const LinearContact& of_liquid) {
+            if constexpr (of_ranks)
+              return LinearContact{ranks.of_servos[w][0], ranks.of_servos[w][1]};
+            else
+              return linear_of_servo(*this, w, of_liquid);
+          });
         push_wall(walls[w], gravity, kick_time, time_step, first_kick);
+      }
+  }
+  /// Before particles move on: what push_walls() will need of the contacts of this rank.
+  void look_at_servos() requires(of_ranks) {
+    ranks.of_servos.assign(walls.size(), {});
+    for (std::size_t w = 0; w < walls.size(); ++w)
+      if (is_servo(walls[w].drive)) {
+        const LinearContact own = linear_of_servo(*this, w);
+        ranks.of_servos[w] = {own.k, own.c};
       }
   }
   // --- integration --------------------------------------------------------------------------
@@ -299,10 +366,10 @@ class Engine : public Tables<Composition> {
     if (how == Advance::KickAndDrift && !deforms<Domain> && !of_ranks)
       lists.upkeep.used += largest_share * time_step;
   }
-  /// Does a step's work, which observers see on all ranks or on none; then all ranks know of each
-  /// other's speeds and overlaps, or throw what one has thrown (collective).
+  /// Does a step's work, which may find that observers see it, on all ranks or on none; then all
+  /// know of each other's speeds and overlaps, or throw what one has thrown (collective).
   template <class Work>
-  void together(const char* call, double time_step, bool observed,
+  void together(const char* call, double time_step, const bool& observed,
                 const Work& work) requires(of_ranks) {
     std::exception_ptr error;
     try {
@@ -311,20 +378,32 @@ class Engine : public Tables<Composition> {
       error = std::current_exception();
     }
     agree(call, error);
-    if (observed)
-      ranks.share_loads(walls);
-    else
-      lists.upkeep.used += largest_share * time_step;
+    ranks.share_loads(walls, observed);
+    if (!observed) lists.upkeep.used += largest_share * time_step;
   }
   void agree(const char* call, const std::exception_ptr& error = nullptr) requires(of_ranks) {
-    std::array<double, 4> most{largest_speed, largest_share, largest_overlap,
-                               lists.upkeep.searched_at < 0 ? 1.0 : 0.0};
+    std::array<double, 6> most{largest_speed,
+                               largest_share,
+                               largest_overlap,
+                               lists.upkeep.searched_at < 0 ? 1.0 : 0.0,
+                               0.0,
+                               0.0};
+    if constexpr (Fluxes::active) most[4] = fluxes_.is_to_renew() ? 1.0 : 0.0;
+    if constexpr (Composition::has_bonds) most[5] = bonds_break ? 1.0 : 0.0;
     ranks.agree(call, error, most);
+    if constexpr (Composition::has_bonds) bonds_break = most[5] > 0;
     largest_speed = most[0], largest_share = most[1], largest_overlap = most[2];
     if (most[3] > 0) lists.forget();
+    if constexpr (Fluxes::active)
+      if (most[4] > 0) fluxes_.renew();
   }
   /// Begins to give the ghosts the places and motions that they have on their own ranks.
   void refresh_ghosts() requires(of_ranks) { ranks.begin_refresh(particles, mover); }
+  /// ... and ends: between kick and drift of a step that is observed, where ghosts are a kick
+  /// behind.
+  void refresh_ghosts_now() requires(of_ranks) {
+    refresh_ghosts(), ranks.finish_refresh(particles, mover);
+  }
   /// After an observed state: the step will be `ratio` times as long.
   void change_step(double ratio) {
     mover.change_step(particles, ratio);
@@ -411,6 +490,7 @@ class Engine : public Tables<Composition> {
     largest_speed = speed, largest_overlap = overlap, largest_share = share;
     record.forget();
     this->forget_places();
+    if constexpr (of_ranks) ghosts_of_ = std::numeric_limits<std::uint64_t>::max();
     lists.restored();
     offsets_ |= any_offset<ContactsType>(lists.pairs);
   }
@@ -448,9 +528,13 @@ class Engine : public Tables<Composition> {
               Scalar(0));
   }
   void note(const ContactNotes& notes) {
-    events.take(notes, [this](std::size_t row) {
+    const auto id_of = [this](std::size_t row) {
       return particles.is_parked(row) ? no_particle : this->id_of(row);
-    });
+    };
+    if constexpr (of_ranks)
+      events.take(notes, id_of, [this](std::size_t row) { return row < particles.owned(); });
+    else
+      events.take(notes, id_of);
   }
 
   // From here on fetching ahead has paid: more than second-level caches hold, and than one may
@@ -505,6 +589,11 @@ class Engine : public Tables<Composition> {
   [[no_unique_address]] Fluxes fluxes_;
   struct NoShares {};
   [[no_unique_address]] std::conditional_t<shares, SharedContacts<Scalar>, NoShares> shared_;
+  struct NoRows {};
+  [[no_unique_address]] mutable std::conditional_t<
+      of_ranks, std::unordered_map<ParticleId, std::size_t>, NoRows>
+      ghost_rows_;
+  [[no_unique_address]] mutable std::conditional_t<of_ranks, std::uint64_t, NoGhosts> ghosts_of_{};
   struct NoKick {};
   [[no_unique_address]] std::conditional_t<deforms<Domain>, DeformingBox::Kick, NoKick> box_kick_{};
   AlignedVector<Scalar> sums_;  // [N] load on each particle, zero between the steps

@@ -14,6 +14,7 @@
 #include <silt/files/vtk.hpp>
 #include <silt/io/contact_series.hpp>
 #include <silt/io/observers.hpp>
+#include <silt/io/rank_files.hpp>
 
 namespace silt::inline SILT_TARGET {
 namespace detail {
@@ -55,7 +56,9 @@ class BondSeries {
                   "bond_series needs a simulation with bonds: give it the policy "
                   "silt::Bonds{silt::ParallelBond{...}}");
     schedule_.begin(sim, only_reads);
-    if (series_) return;
+    if (begun_) return;
+    begun_ = true;
+    if (sim.rank() != 0) return;
     make_folder(folder_);
     series_ = sim.continued()
                   ? VtkSeries::resume(folder_, "bonds", sim.time() + 0.5 * sim.step_length())
@@ -71,6 +74,7 @@ class BondSeries {
  private:
   std::string folder_;
   Schedule schedule_;
+  bool begun_ = false;
   std::optional<VtkSeries> series_;
 };
 
@@ -122,10 +126,12 @@ void write_bonds(const std::string& file, const Sim& sim) {
   fields.add("wall", std::span<const std::int32_t>(wall));
   fields.add("number", std::span<const std::uint64_t>(number));
   detail::VtkLines cells;
-  write_vtp_lines(file, std::span<const Point>(points), fields, cells);
+  detail::write_in_pieces(sim, file, fields, {"PCellData", "Float32"}, [&](const auto& path) {
+    write_vtp_lines(path, std::span<const Point>(points), fields, cells);
+  });
 }
 
-/// Writes `folder/bonds.pvd`, a time series of lines as in write_bonds(), for ParaView or draw.py.
+/// Writes `folder/bonds.pvd`, a time series of lines as in write_bonds(), for ParaView or `silt draw`.
 ///   sim.run(1.0, silt::bond_series("out", silt::every(0.01)));
 inline detail::BondSeries bond_series(std::string folder, Schedule schedule) {
   return {std::move(folder), schedule};
@@ -135,7 +141,7 @@ template <class Sim>
 void detail::BondSeries::operator()(const Sim& sim) {
   const auto file = file_of_step("bonds", sim.step(), ".vtp");
   write_bonds(text(folder_, '/', file), sim);
-  series_->add(sim.time(), file);
+  if (series_) series_->add(sim.time(), listed_file(sim, file));
   schedule_.mark(sim);
 }
 

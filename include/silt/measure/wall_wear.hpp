@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <numeric>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -32,6 +33,7 @@ const TriangleMesh& worn_mesh(const Sim& sim, const WhichWall& which, std::size_
 /// What a module M has worn of each triangle [m3] since the start, or since set_mesh gave the wall
 /// other triangles, in the order of TriangleMesh::triangles(). A contact at an edge or a corner
 /// counts for the triangle of the lowest number that has it.
+/// On many ranks by the particles of all (collective).
 /// Errors: InputError where the surface is no mesh.
 template <class M, class Sim>
 std::vector<double> worn_volumes(const Sim& sim, const WhichWall& which, std::size_t surface = 0) {
@@ -40,11 +42,12 @@ std::vector<double> worn_volumes(const Sim& sim, const WhichWall& which, std::si
   const TriangleMesh& mesh = detail::worn_mesh(sim, which, surface);
   const Wall& wall = sim.wall(which);
   std::vector<double> volumes(mesh.triangles().size(), 0);
-  if (wall.worn.empty()) return volumes;
+  if (wall.worn.empty() && !Sim::has_ranks) return volumes;
   const std::size_t first = detail::facets_before(wall, surface);
-  for (std::size_t t = 0; t < volumes.size(); ++t)
+  for (std::size_t t = 0; t < volumes.size() && !wall.worn.empty(); ++t)
     volumes[t] =
         wall.worn[(first + t) * Sim::Modules::wearing + Sim::Modules::template wear_index<M>];
+  sim.sum_over_ranks(std::span<double>(volumes));
   return volumes;
 }
 /// Their sum [m3].
@@ -79,7 +82,9 @@ void write_wear(const std::string& path, const Sim& sim, const WhichWall& which,
   }
   VtkFields fields;
   fields.add("worn volume", volume).add("worn depth", depth);
-  write_vtp_triangles(path, points, triangles, fields);
+  detail::on_all_ranks(sim, "write_wear", [&] {
+    if (sim.rank() == 0) write_vtp_triangles(path, points, triangles, fields);
+  });
 }
 
 }  // namespace silt

@@ -5,7 +5,11 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <span>
 #include <string>
+#include <type_traits>
+#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include <silt/core/error.hpp>
@@ -20,34 +24,59 @@ template <class Sim>
 class BondAccess {
  public:
   /// Bonds the particles with these ids, as they are now: without strain. They are no contact as
-  /// long as the bond holds. InputError: one is not there, both are fixed, or they are bonded.
+  /// long as the bond holds. InputError: one is not there, both are fixed, or they are bonded. On
+  /// many ranks collective, as all that follows; bond_all() then takes less time.
   template <class S = Sim>
   void bond(ParticleId a, ParticleId b) requires(S::has_bonds) {
-    auto& e = sim().engine_;
-    require(a != b, "Simulation::bond: particle ", a, " cannot be bonded to itself");
-    const ParticleId i = std::min(a, b), j = std::max(a, b);
-    const auto p = end_of_bond(i), q = end_of_bond(j);
-    const double inv_m = p.inverse_mass() + q.inverse_mass();
-    require(inv_m > 0, "Simulation::bond: particles ", i, " and ", j, " are both fixed");
-    Vec3d d = p.centre() - q.centre();
-    if constexpr (Sim::Domain::periodic) d = sim().domain_.shortest(d);
-    const double length = norm(d);
-    require(length > 0, "Simulation::bond: particles ", i, " and ", j, " are at one place");
-    require(!e.particles.bonds.holds(i, j), "Simulation::bond: particles ", i, " and ", j,
-            " are bonded already");
-    const double r_i = p.radius(), r_j = q.radius(), factor = Sim::ShapeType::inertia_factor();
-    const double inv_I =
-        p.inverse_mass() / (factor * r_i * r_i) + q.inverse_mass() / (factor * r_j * r_j);
-    const Quaternion q_i = e.particles.orientation[e.find(i)],
-                     q_j = e.particles.orientation[e.find(j)];
-    const auto rest =
-        BondRest<double>::of(rotate(conjugate(q_j), d), r_i / (r_i + r_j), conjugate(q_j) * q_i);
-    auto& stage = sim().bonds_;
-    stage.add({i, j, rest,
-               stage.model.numbers({r_i, r_j, length, 1 / inv_m, 1 / inv_I, share_of(i, j)}), 0});
-    e.particles.bonds.add(i, j);
-    e.lists.forget();
-    sim().scene_changed_ = true;
+    if constexpr (S::has_ranks) {
+      bond_all(std::vector<std::pair<ParticleId, ParticleId>>{{a, b}});
+    } else {
+      auto& e = sim().engine_;
+      require(a != b, "Simulation::bond: particle ", a, " cannot be bonded to itself");
+      const ParticleId i = std::min(a, b), j = std::max(a, b);
+      const BondEnd p = end_of_bond(i), q = end_of_bond(j);
+      add_bond(i, j, p, q, true);
+      e.lists.forget();
+      sim().scene_changed_ = true;
+    }
+  }
+  /// Likewise several pairs.
+  template <class S = Sim>
+  void bond_all(const std::vector<std::pair<ParticleId, ParticleId>>& pairs) requires(
+      S::has_bonds) {
+    if constexpr (!S::has_ranks) {
+      for (const auto& [a, b] : pairs) bond(a, b);
+    } else {
+      if (pairs.empty()) return;
+      auto& e = sim().engine_;
+      std::vector<std::pair<ParticleId, ParticleId>> sorted;
+      for (const auto& [a, b] : pairs) sorted.push_back(std::minmax(a, b));
+      const std::unordered_map<ParticleId, BondEnd> ends = ends_of_ranks(sorted);
+      const auto end_of = [&](ParticleId id) {
+        const auto found = ends.find(id);
+        require(found != ends.end(), "Simulation::bond: there is no particle ", id);
+        return found->second;
+      };
+      e.ranks.together("bonds that are made", [&] {
+        std::vector<std::pair<ParticleId, ParticleId>> seen = sorted;
+        std::sort(seen.begin(), seen.end());
+        const auto twice = std::adjacent_find(seen.begin(), seen.end());
+        if (twice != seen.end())
+          throw InputError(text("Simulation::bond: particles ", twice->first, " and ",
+                                twice->second, " are to be bonded twice"));
+        for (const auto& [i, j] : sorted) {
+          require(i != j, "Simulation::bond: particle ", i, " cannot be bonded to itself");
+          check_ends(i, j, end_of(i), end_of(j));
+        }
+      });
+      for (const auto& [i, j] : sorted) {
+        const BondEnd &p = ends.at(i), &q = ends.at(j);
+        add_bond(i, j, p, q, e.find(i) < e.owners() || e.find(j) < e.owners());
+      }
+      sim().bonds_.fresh = e.ranks.size() > 1;
+      e.lists.forget();
+      sim().scene_changed_ = true;
+    }
   }
   /// Bonds a particle to a wall, by its number or name, at the wall's point `place` [m], which
   /// moves with the wall. The bond is as long as the way there, its radius is by the particle's
@@ -57,45 +86,65 @@ class BondAccess {
   void bond_to_wall(ParticleId id, const WhichWall& which, const Vec3d& place,
                     WallContact contact = WallContact::Acts) requires(S::has_bonds) {
     auto& e = sim().engine_;
-    const auto p = end_of_bond(id);
+    const BondEnd p = [&] {
+      if constexpr (S::has_ranks) {
+        const auto ends = ends_of_ranks(std::vector<std::pair<ParticleId, ParticleId>>{{id, id}});
+        require(!ends.empty(), "Simulation::bond: there is no particle ", id);
+        return ends.begin()->second;
+      } else {
+        return end_of_bond(id);
+      }
+    }();
     const std::size_t w = sim().wall_number(which);
     const Wall& wall = e.walls[w];
     require(!wall.surfaces.empty(), "Simulation::bond_to_wall: ", sim().wall_name(w),
             " has been removed");
-    require(p.inverse_mass() > 0, "Simulation::bond_to_wall: particle ", id, " is fixed");
+    require(p.inverse_mass > 0, "Simulation::bond_to_wall: particle ", id, " is fixed");
     require(is_finite(place), "Simulation::bond_to_wall: place = ", place, " [m] must be finite");
-    const Vec3d d = p.centre() - place;
+    const Vec3d d = p.centre - place;
     require(norm(d) > 0, "Simulation::bond_to_wall: place = ", place,
             " [m] is the centre of particle ", id, "; give a point of the wall");
-    const double r = p.radius();
+    const double r = p.radius;
     const Quaternion turned = conjugate(wall.pose.rotation);
     auto& stage = sim().bonds_;
-    stage.add(typename std::remove_cvref_t<decltype(stage.at_walls)>::Bond{
-        id, w, wall.pose.to_body(place),
-        BondRest<double>::of(rotate(turned, d), 1, turned * e.particles.orientation[e.find(id)]),
-        stage.model.numbers({r, r, norm(d), p.mass(),
-                             Sim::ShapeType::inertia_factor() * p.mass() * r * r,
-                             share_of(id, no_particle - w)}),
-        0, contact == WallContact::Excluded});
-    if (contact == WallContact::Excluded)
-      e.particles.bonds.add(id, e.particles.bonds.id_of_wall(w)), e.lists.forget();
+    if (!S::has_ranks || e.find(id) < e.owners()) {
+      stage.add(typename std::remove_cvref_t<decltype(stage.at_walls)>::Bond{
+          id, w, wall.pose.to_body(place),
+          BondRest<double>::of(rotate(turned, d), 1, turned * p.orientation),
+          stage.model.numbers({r, r, norm(d), p.mass,
+                               Sim::ShapeType::inertia_factor() * p.mass * r * r,
+                               share_of(id, no_particle - w)}),
+          0, contact == WallContact::Excluded});
+      if (contact == WallContact::Excluded)
+        e.particles.bonds.add(id, e.particles.bonds.id_of_wall(w));
+    } else {
+      stage.count();
+    }
+    if (contact == WallContact::Excluded) e.lists.forget();
     sim().scene_changed_ = true;
   }
   /// Whether these two are bonded.
   template <class S = Sim>
   bool bonded(ParticleId a, ParticleId b) const requires(S::has_bonds) {
-    return sim().engine_.particles.bonds.holds(a, b);
+    const bool here = sim().engine_.particles.bonds.holds(a, b);
+    return sim().largest_over_ranks(here ? 1 : 0) > 0;
   }
-  /// Calls f(const BondSeen&) for each bond, in the order in which they were made.
+  /// Calls f(const BondSeen&) for each bond, in the order in which they were made. On many ranks
+  /// each visits those whose end of the lower id it has (not collective); bonds that have just been
+  /// made are known there after the next step.
   template <class F, class S = Sim>
   void for_each_bond(const F& f) const requires(S::has_bonds) {
+    need_no_fresh_bonds("for_each_bond");
     sim().bonds_.visit(sim().engine_, sim().domain_, f);
   }
   /// Bonds that hold now [-], and those that broke since the start, with a particle that broke
   /// (Breakage) too. Those of particles that left are in neither.
   template <class S = Sim>
   std::size_t bonds() const requires(S::has_bonds) {
-    return sim().bonds_.size(sim().engine_);
+    const std::size_t own = sim().bonds_.size(sim().engine_);
+    if constexpr (S::has_ranks)
+      return static_cast<std::size_t>(sim().sum_over_ranks(static_cast<double>(own)));
+    return own;
   }
   template <class S = Sim>
   std::uint64_t broken_bonds() const requires(S::has_bonds) {
@@ -104,12 +153,21 @@ class BondAccess {
   /// [J] in the springs of all bonds now.
   template <class S = Sim>
   double bond_energy() const requires(S::has_bonds) {
-    return sim().bonds_.energy(sim().engine_, sim().domain_);
+    return sim().sum_over_ranks(own_bond_energy());
+  }
+  /// The id that the next particle gets which comes.
+  template <class S = Sim>
+  ParticleId coming_id() const requires(S::has_bonds) {
+    return sim().next_.particle;
   }
 
   // Without the policy: a sentence.
   template <class S = Sim, class... Any>
   void bond(const Any&...) requires(!S::has_bonds) {
+    needs_policy<S>();
+  }
+  template <class S = Sim, class... Any>
+  void bond_all(const Any&...) requires(!S::has_bonds) {
     needs_policy<S>();
   }
   template <class S = Sim, class... Any>
@@ -130,6 +188,28 @@ class BondAccess {
   void set_bonds(const Policy& policy) {
     if constexpr (requires { policy.model.check(); }) policy.model.check();
     sim().bonds_.model = policy.model, sim().bonds_.seed = policy.seed;
+  }
+  /// [J] of the bonds that count for this rank.
+  double own_bond_energy() const {
+    need_no_fresh_bonds("bond_energy");
+    return sim().bonds_.energy(sim().engine_, sim().domain_);
+  }
+  void need_no_fresh_bonds(const char* what) const {
+    require(!sim().bonds_.fresh, "Simulation::", what,
+            ": bonds were made whose ends may be on two ranks; run() first, if only for 0 s");
+  }
+  /// What the time step follows from, of the bonds of all ranks (collective).
+  template <class S = Sim>
+  void share_bonds() requires(S::has_ranks) {
+    auto own = sim().bonds_.fastest(sim().engine_);
+    for (const auto& one : gather_each(sim().engine_.ranks.comm(), own)) {
+      own.rate = std::max(own.rate, one.rate);
+      if (one.stable_step < own.stable_step ||
+          (one.stable_step == own.stable_step && one.particle < own.particle))
+        own.stable_step = one.stable_step, own.particle = one.particle;
+    }
+    auto& all = sim().ranks_scene_;
+    all.bond_rate = own.rate, all.bond_step = own.stable_step, all.bonded = own.particle;
   }
   /// [s] in which what bonds do is resolved as contacts are, by a 20th of half a swing; and at most
   /// 0.4 of what is stable.
@@ -154,7 +234,11 @@ class BondAccess {
     static_assert(S::has_bonds, "give the simulation silt::Bonds{model} among its policies");
   }
   auto fastest_bond() const {
-    if constexpr (Sim::has_bonds) {
+    if constexpr (Sim::has_bonds && Sim::has_ranks) {
+      using Rate = decltype(sim().bonds_.fastest(sim().engine_));
+      const auto& all = sim().ranks_scene_;
+      return Rate{all.bond_rate, all.bond_step, all.bonded};
+    } else if constexpr (Sim::has_bonds) {
       return sim().bonds_.fastest(sim().engine_);
     } else {
       struct Rate {
@@ -164,11 +248,74 @@ class BondAccess {
       return Rate{};
     }
   }
-  auto end_of_bond(ParticleId id) const {
+  /// What a bond is made of.
+  struct BondEnd {
+    Vec3d centre;                       // [m]
+    double radius, inverse_mass, mass;  // [m], [1/kg], [kg]
+    Quaternion orientation;
+  };
+  BondEnd end_at(std::size_t k) const {
+    const auto& e = sim().engine_;
+    const auto p = e.owner(k);
+    return {p.centre(), p.radius(), p.inverse_mass(), p.mass(), e.particles.orientation[k]};
+  }
+  BondEnd end_of_bond(ParticleId id) const {
     const auto& e = sim().engine_;
     const std::size_t k = e.find(id);
     require(k < e.owners(), "Simulation::bond: there is no particle ", id);
-    return e.owner(k);
+    return end_at(k);
+  }
+  /// Of the particles of these pairs, wherever they are (collective).
+  std::unordered_map<ParticleId, BondEnd> ends_of_ranks(
+      const std::vector<std::pair<ParticleId, ParticleId>>& pairs) const {
+    struct Known {
+      ParticleId id;
+      BondEnd end;
+    };
+    const auto& e = sim().engine_;
+    std::unordered_map<ParticleId, BondEnd> all;
+    std::vector<Known> own;
+    for (const auto& pair : pairs)
+      for (const ParticleId id : {pair.first, pair.second})
+        if (const std::size_t k = e.find(id);
+            k < e.owners() && all.try_emplace(id, end_at(k)).second)
+          own.push_back({id, end_at(k)});
+    e.ranks.meet("ends of bonds");
+    for (const Known& one : gather(e.ranks.comm(), std::span<const Known>(own)).values)
+      all.try_emplace(one.id, one.end);
+    return all;
+  }
+  void check_ends(ParticleId i, ParticleId j, const BondEnd& p, const BondEnd& q) const {
+    require(p.inverse_mass + q.inverse_mass > 0, "Simulation::bond: particles ", i, " and ", j,
+            " are both fixed");
+    require(norm(way(p, q)) > 0, "Simulation::bond: particles ", i, " and ", j,
+            " are at one place");
+    require(!sim().engine_.particles.bonds.holds(i, j), "Simulation::bond: particles ", i, " and ",
+            j, " are bonded already");
+  }
+  Vec3d way(const BondEnd& p, const BondEnd& q) const {
+    Vec3d d = p.centre - q.centre;
+    if constexpr (Sim::Domain::periodic) d = sim().domain_.shortest(d);
+    return d;
+  }
+  /// `here`: one of the ends is of this rank; else it is counted alone.
+  void add_bond(ParticleId i, ParticleId j, const BondEnd& p, const BondEnd& q, bool here) {
+    auto& e = sim().engine_;
+    auto& stage = sim().bonds_;
+    if (!here) return stage.count();
+    check_ends(i, j, p, q);
+    const double inv_m = p.inverse_mass + q.inverse_mass;
+    const Vec3d d = way(p, q);
+    const double length = norm(d);
+    const double r_i = p.radius, r_j = q.radius, factor = Sim::ShapeType::inertia_factor();
+    const double inv_I =
+        p.inverse_mass / (factor * r_i * r_i) + q.inverse_mass / (factor * r_j * r_j);
+    const Quaternion q_i = p.orientation, q_j = q.orientation;
+    const auto rest =
+        BondRest<double>::of(rotate(conjugate(q_j), d), r_i / (r_i + r_j), conjugate(q_j) * q_i);
+    stage.add({i, j, rest,
+               stage.model.numbers({r_i, r_j, length, 1 / inv_m, 1 / inv_I, share_of(i, j)}), 0});
+    e.particles.bonds.add(i, j);
   }
   /// [-] in (0, 1), by the seed and the ends alone.
   double share_of(ParticleId i, ParticleId j) const {

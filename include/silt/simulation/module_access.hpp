@@ -1,7 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <span>
 #include <utility>
 
 #include <silt/boundary/wall.hpp>
@@ -50,7 +52,7 @@ class ModuleAccess {
   }
   /// What a wall has given to the particles of a module with a flux, at present and in all: heat
   /// [W], [J]. Negative: it has taken. M is the module, or a quantity that it has:
-  /// given_by_wall<Temperature>(wall).
+  /// given_by_wall<Temperature>(wall). On many ranks by the wall to all particles (collective).
   template <class M>
   WallGiven given_by_wall(const WhichWall& which) const {
     if constexpr (FieldQuantity<M>) {
@@ -60,7 +62,13 @@ class ModuleAccess {
                     "nothing flows from walls for this module: it has no at_wall()");
       const std::size_t w = sim().wall_number(which);
       const auto& all = sim().engine_.fluxes().template from_walls<M>();
-      return w < all.size() ? all[w] : WallGiven{};
+      WallGiven given = w < all.size() ? all[w] : WallGiven{};
+      if constexpr (Sim::has_ranks) {
+        std::array<double, 2> both{given.rate, given.sum};
+        sim().sum_over_ranks(std::span<double>(both));
+        given.rate = both[0], given.sum = both[1];
+      }
+      return given;
     }
   }
   /// Gives a wall another thermal condition, between runs or in observers: held_at(), heated_by()

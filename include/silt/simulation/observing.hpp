@@ -170,6 +170,14 @@ void tell_all([[maybe_unused]] const Sim& sim, const Log& log, const Observers&.
   };
   (tell(observers), ...);
 }
+/// The same of what each rank tells for itself: what is thrown there, all ranks throw soon after.
+template <class Sim, class Log, class... Observers>
+void tell_of_rank(const Sim& sim, const Log& log, const Observers&... observers) {
+  if constexpr (Sim::has_ranks)
+    sim.engine().ranks.until_later([&] { tell_all(sim, log, observers...); });
+  else
+    tell_all(sim, log, observers...);
+}
 template <class O, class Sim>
 void end(O& observer, Sim& sim) {
   if constexpr (requires { observer.end(sim); }) observer.end(sim);

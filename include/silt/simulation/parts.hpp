@@ -24,8 +24,6 @@ std::size_t Simulation<Policies...>::add_wall(Surfaces surfaces,
   setup.surface_velocity.check();
   wall.belt = setup.surface_velocity;
   const bool is_driven = setup.drive.index() != 0;
-  require(!has_ranks || !is_driven,
-          "add_wall: a wall with a drive does not go with Ranks so far; give it a motion");
   require(!is_driven || !wall.motion,
           "add_wall: a wall has either a motion or a drive (servo, slide, hinge, free body), not "
           "both; leave one of them out");
@@ -80,7 +78,7 @@ EnergyBalance Simulation<Policies...>::balance() const {
   EnergyBalance balance{};
   if constexpr (has_ledger)
     balance = book_.balance(translation, rotation, potentials, walls, this->rank() == 0);
-  if constexpr (has_ledger && has_bonds) balance.bonds = this->bond_energy();
+  if constexpr (has_ledger && has_bonds) balance.bonds = this->own_bond_energy();
   if constexpr (has_ledger && has_breakage) balance.parting = breaks_.parted;
   if constexpr (has_ledger && detail::deforms<Domain>) balance.box = domain_.work();
   if constexpr (has_ranks) {
@@ -204,7 +202,7 @@ void Simulation<Policies...>::book_step([[maybe_unused]] const detail::StepTimes
     if (first_kick_) {
       for (std::size_t k = 0; k < rows(); ++k)
         if (is_present(k) && std::isfinite(mass(k))) start += kinetic(k).sum() + potential(k);
-      if constexpr (has_bonds) start += this->bond_energy();
+      if constexpr (has_bonds) start += this->own_bond_energy();
     }
     if constexpr (has_bonds) book_.bonds_damped(bond_power, times.worked);
     engine_.contact_energy.worked(0.5 * times.worked);
@@ -229,6 +227,21 @@ void Simulation<Policies...>::book_leaving([[maybe_unused]] std::size_t k) {
 
 template <class... Policies>
 void Simulation<Policies...>::prepare() {
+  if constexpr (has_ranks) {
+    this->share_edits("the start of a run", [this] { check_start(), modules_.check(*this); });
+    share_scene();
+    if constexpr (has_bonds) this->share_bonds();
+    engine_.ranks.together("the time step of a run", [this] { begin_run(); });
+  } else {
+    check_start();
+    modules_.check(*this);
+    begin_run();
+  }
+}
+
+/// What a run is given.
+template <class... Policies>
+void Simulation<Policies...>::check_start() {
   require_positive("Guard.max_overlap", guard.max_overlap, "-");
   require_positive("Guard.max_time_step", guard.max_time_step, "-");
   require_positive("Guard.max_travel", guard.max_travel, "-");
@@ -266,8 +279,11 @@ void Simulation<Policies...>::prepare() {
   if (step_ > 0 || kicked_) detail::check_given(engine_, gravity, step_, time_);
   prepare_fluid();
   engine_.set_threads(threads);
-  if constexpr (has_ranks) share_scene();
-  modules_.check(*this);
+}
+
+/// What follows from the scene, on many ranks from that of all.
+template <class... Policies>
+void Simulation<Policies...>::begin_run() {
   this->check_pairs();
   engine_.set_coefficients(contacts_);
   engine_.set_flux_coefficients(modules_, contacts_);
@@ -313,6 +329,39 @@ void Simulation<Policies...>::break_bonds() {
   }
 }
 
+/// The same on many ranks, after the step in which any of them has overloaded bonds: all take out
+/// what they have of them (collective).
+template <class... Policies>
+void Simulation<Policies...>::break_bonds_of_ranks() {
+  if constexpr (has_bonds && has_ranks) {
+    bonds_broken_.clear();
+    if (!engine_.bonds_break) return;
+    auto& held = engine_.particles.bonds;
+    std::vector<IndexPair> pairs;
+    bool freed = false;
+    bonds_broken_ = bonds_.take_broken(engine_, time_, [&](const auto& bond) {
+      if (bond.b == no_particle) {
+        if (!held.holds(bond.a, held.id_of_wall(bond.wall)) ||
+            bonds_.at_walls.exclude(bond.a, bond.wall))
+          return;
+        held.remove(bond.a, held.id_of_wall(bond.wall));
+        held.freed_at_walls.push_back({bond.a, bond.wall}), freed = true;
+        return;
+      }
+      if (!held.holds(bond.a, bond.b)) return;  // of other ranks
+      held.remove(bond.a, bond.b);
+      const auto row_of = [&](ParticleId id) {
+        return static_cast<std::uint32_t>(engine_.row_of(id));
+      };
+      pairs.push_back({row_of(bond.a), row_of(bond.b)});
+    });
+    for ([[maybe_unused]] const BondBreak& bond : bonds_broken_)
+      if constexpr (has_ledger) book_.bond_broken(bond.energy);
+    engine_.join_pairs(domain_, dt_, pairs);
+    if (engine_.ranks.any(freed)) engine_.lists.forget();
+  }
+}
+
 template <class... Policies>
 void Simulation<Policies...>::check_walls() const {
   for (std::size_t w = 0; w < engine_.walls.size(); ++w)
@@ -337,7 +386,10 @@ void Simulation<Policies...>::keep_limits() {
             [this](ParticleId which) { return this->resized_by(which, step_); }});
   detail::check_crowded(engine_, step_, time_, back);
   if constexpr (Modules::flux)
-    if (engine_.fluxes().measured()) check_module_rates(), choose_flux_steps();
+    if (engine_.fluxes().measured()) {
+      check_module_rates();
+      if constexpr (!has_ranks) choose_flux_steps();  // on ranks when all have come so far
+    }
   if constexpr (Modules::in_pairs && !Modules::flux)
     if (modules_.near.measured()) check_module_rates();
   const double way = detail::wall_travel(engine_), dt = coming_step();
@@ -406,17 +458,32 @@ std::string Simulation<Policies...>::tips_at(double speed) const {
 /// overlap has grown by a quarter.
 template <class... Policies>
 void Simulation<Policies...>::keep_rates(double back) {
-  constexpr std::int64_t now_and_then = 1000;  // [steps]
   if (engine_.largest_overlap > 1.25 * checked_overlap_)
     checked_overlap_ = engine_.largest_overlap;
-  else if (step_ % now_and_then != 0)
+  else if (step_ % detail::looks_at_rates_every != 0)
     return;
   check_module_rates();
   const double dt = coming_step();
-  detail::check_free_walls(engine_, step_, time_, dt, guard.max_rate);
+  if constexpr (!has_ranks) detail::check_free_walls(engine_, step_, time_, dt, guard.max_rate);
   if (engine_.largest_overlap > 0)
     detail::ContactRates<Engine, Domain>(engine_, domain_, back, dt)
         .check(step_, time_, guard.max_rate);
+}
+
+/// The same of free walls on many ranks (collective).
+template <class... Policies>
+void Simulation<Policies...>::keep_rates_of_walls() {
+  if constexpr (has_ranks) {
+    const double overlap = engine_.largest_overlap;
+    double& checked = ranks_scene_.checked_overlap;
+    if (overlap > 1.25 * checked)
+      checked = overlap;
+    else if (step_ % detail::looks_at_rates_every != 0)
+      return;
+    if (std::any_of(engine_.walls.begin(), engine_.walls.end(),
+                    [](const Wall& wall) { return detail::is_free(wall.drive); }))
+      detail::check_free_walls_together(engine_, step_, time_, coming_step(), guard.max_rate);
+  }
 }
 
 }  // namespace silt

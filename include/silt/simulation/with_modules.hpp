@@ -72,7 +72,11 @@ double Simulation<Policies...>::power_of_modules() const {
 template <class... Policies>
 double Simulation<Policies...>::longest_module_step() const {
   using Stage = detail::ModuleStage<Modules, Domain>;
-  const double rate = modules_.fastest(engine_, time_, Stage::OfFluxes::Estimated).rate;
+  double rate;
+  if constexpr (has_ranks)
+    rate = ranks_scene_.size.module_rate;
+  else
+    rate = modules_.fastest(engine_, time_, Stage::OfFluxes::Estimated).rate;
   return rate > 0 ? std::numbers::pi / 20 / rate : INFINITY;
 }
 
@@ -84,19 +88,20 @@ detail::FluxLook Simulation<Policies...>::look_at_fluxes(
   constexpr std::int64_t measure_every = 100;  // [steps]
   if constexpr (Modules::flux) {
     if (first_kick_ || step_ % measure_every == 0) return detail::FluxLook::Measure;
-    if (step_ % flux_every_ == 0 || engine_.present() != present_before)
+    if (step_ % flux_every_ == 0 || present_for_fluxes() != present_before)
       return detail::FluxLook::Ask;
   }
   return detail::FluxLook::Hold;
 }
 
-/// After fluxes were measured: how many steps they may be held from now on.
+/// After fluxes were measured: how many steps they may be held from now on (collective).
 template <class... Policies>
 void Simulation<Policies...>::choose_flux_steps() {
   if constexpr (Modules::flux) {
     constexpr double most_change = 0.01;  // [-] of a value in the time that its flux is held
     const auto most = static_cast<double>(engine_.fluxes().most_steps(modules_.modules));
-    const double rate = modules_.fastest_flux(engine_, time_);
+    double rate = modules_.fastest_flux(engine_, time_);
+    if constexpr (has_ranks) rate = engine_.ranks.max_of(rate);
     flux_every_ = static_cast<std::int64_t>(
         std::clamp(most_change / std::max(rate * dt_, 1e-300), 1.0, most));
   }

@@ -3,6 +3,7 @@
 
 // Parts of Simulation on many ranks; silt/ranks.hpp has them.
 
+#include <silt/engine/ranks/rank_bonds.hpp>
 #include <silt/engine/ranks/rank_change.hpp>
 #include <silt/engine/ranks/rank_stage.hpp>
 #include <silt/simulation.hpp>

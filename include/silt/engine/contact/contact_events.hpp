@@ -25,6 +25,10 @@ namespace silt::inline SILT_TARGET {
 ///                    [&](const silt::ContactEvent& c) { lost += c.lost_energy; }));
 ///
 /// Tests: tests/engine/contact_events.cpp.
+/// Source: none.
+/// Valid:  every contact that lasts at least one step.
+/// Units:  SI.
+/// Errors: does not compile with Ranks.
 struct ContactEvents {
   static constexpr bool is_contact_events = true;
 };
@@ -299,6 +303,12 @@ class ContactLog {
   /// `id_of` a row. A particle that has left has none, and its contacts go unsaid.
   template <class IdOf>
   void take(const ContactNotes& notes, const IdOf& id_of) {
+    take(notes, id_of, [](std::uint32_t) { return true; });
+  }
+  /// Those of which the partner with the lower id is in a row that `tells`: of two ranks that have
+  /// a contact one.
+  template <class IdOf, class Tells>
+  void take(const ContactNotes& notes, const IdOf& id_of, const Tells& tells) {
     for (const NotedContact& one : notes.noted()) {
       ContactEvent e = one.event;
       e.a = id_of(one.first);
@@ -306,6 +316,7 @@ class ContactLog {
       if (e.wall == no_wall) {
         e.b = id_of(one.second);
         if (e.b == no_particle) continue;
+        if (!tells(e.b < e.a ? one.second : one.first)) continue;
         if (e.b < e.a) std::swap(e.a, e.b), e.normal = -e.normal;
       }
       (one.ended ? ended_ : begun_).push_back(e);

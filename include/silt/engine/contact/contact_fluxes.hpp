@@ -66,7 +66,8 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
     std::size_t walls;
     bool ask, measure;
   };
-  /// Before the contacts of a step: takes up what the rows have. `owner_of` a row; `seen`: an owner.
+  /// Before the contacts of a step: takes up what the rows have. `owner_of` a row; `seen`: an
+  /// owner.
   template <class Columns, class OwnerOf, class SeenOf>
   void prepare(const std::tuple<Ms...>& modules, const Columns& columns, std::size_t rows,
                const When& when, const OwnerOf& owner_of, const SeenOf& seen, const Team& team) {
@@ -74,10 +75,18 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
     ask_ = when.ask || takes_loss || std::exchange(renew_, false);
     if (ask_) (prepare_one<Ms>(columns, rows, when, owner_of, seen, team), ...);
   }
-  /// After them: each owner's sum over its rows.
-  template <class Columns, class OwnerOf>
-  void collect(Columns& columns, std::size_t rows, const OwnerOf& owner_of) {
-    if (ask_) (collect_one<Ms>(columns, rows, owner_of), ...);
+  /// On many ranks prepare() is for the own rows. When ghosts have what they have on their own
+  /// ranks: the same for these, the rows from `first` on.
+  template <class Columns, class OwnerOf, class SeenOf>
+  void prepare_ghosts(const Columns& columns, std::size_t first, std::size_t rows,
+                      const OwnerOf& owner_of, const SeenOf& seen, const Team& team) {
+    if (ask_) (prepare_one_of_ghosts<Ms>(columns, first, rows, owner_of, seen, team), ...);
+  }
+  /// After them: each owner's sum over its rows. `all`: the sum over ranks of a number; of one
+  /// process none.
+  template <class Columns, class OwnerOf, class All>
+  void collect(Columns& columns, std::size_t rows, const OwnerOf& owner_of, const All& all) {
+    if (ask_) (collect_one<Ms>(columns, rows, owner_of, all), ...);
   }
   /// Calls visit(number among those that wear, [m3]) for each module that wears walls.
   template <class Visit>
@@ -86,6 +95,7 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
   }
   /// The next step asks for fluxes, as a particle was taken away.
   void renew() { renew_ = true; }
+  bool is_to_renew() const { return renew_; }
   /// Books a step of `dt` [s].
   void book(double dt) {
     for (Rows& all : rows_)
@@ -134,7 +144,8 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
   }
 
   /// The fluxes of the first `count` contacts of a block, whose loads are known. `ends`, `kinds`:
-  /// of the ContactStage; `losses` [W] of the contacts, if a module takes them; `growth`: of Touching, likewise.
+  /// of the ContactStage; `losses` [W] of the contacts, if a module takes them; `growth`: of
+  /// Touching, likewise.
   template <class ContactsType, class Block, class Ends>
   void add(const Block& block, std::size_t count, const CoefficientTable<ContactsType>& table,
            const std::uint16_t* kinds, [[maybe_unused]] const Scalar* losses, const Scalar* growth,
@@ -219,20 +230,34 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
       static_assert(FluxOnLanes<M, Real>,
                     "a module's flux() works on one double, but not on a pack of lanes: make it a "
                     "template of Real, as silt/module/concept.hpp says");
-      AlignedVector<Row>& row = rows_of<M>().row;
-      row.resize(rows);
-      const auto& own = columns.template of<M>();
-      team.for_ranges(rows, [&](std::size_t, std::size_t from, std::size_t to) {
-        for (std::size_t r = from; r < to; ++r) {
-          const std::size_t k = owner_of(r);
-          if constexpr (HasContactValue<M>)
-            row[r] = {module<M>().at_contact(seen(k), own[k]), 0};
-          else
-            row[r] = {own[k].*M::exchanged, 0};
-        }
-      });
+      set_values<M>(columns, 0, rows, owner_of, seen, team);
       if (SaysItsFluxRate<M> && measure_) rows_of<M>().slope.assign(rows, 0);
       if constexpr (flows_at_walls<M>) prepare_walls<M>(rows, when);
+    }
+  }
+  /// Of the rows from `first` on, behind those that are there.
+  template <class M, class Columns, class OwnerOf, class SeenOf>
+  void set_values(const Columns& columns, std::size_t first, std::size_t rows,
+                  const OwnerOf& owner_of, const SeenOf& seen, const Team& team) {
+    AlignedVector<Row>& row = rows_of<M>().row;
+    row.resize(rows);
+    const auto& own = columns.template of<M>();
+    team.for_ranges(rows - first, [&](std::size_t, std::size_t from, std::size_t to) {
+      for (std::size_t r = first + from; r < first + to; ++r) {
+        const std::size_t k = owner_of(r);
+        if constexpr (HasContactValue<M>)
+          row[r] = {module<M>().at_contact(seen(k), own[k]), 0};
+        else
+          row[r] = {own[k].*M::exchanged, 0};
+      }
+    });
+  }
+  template <class M, class Columns, class OwnerOf, class SeenOf>
+  void prepare_one_of_ghosts(const Columns& columns, std::size_t first, std::size_t rows,
+                             const OwnerOf& owner_of, const SeenOf& seen, const Team& team) {
+    if constexpr (Exchanges<M>) {
+      set_values<M>(columns, first, rows, owner_of, seen, team);
+      if (SaysItsFluxRate<M> && measure_) rows_of<M>().slope.resize(rows, 0);
     }
   }
   template <class M>
@@ -246,8 +271,9 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
       if (all.given[w] || all.of_wall[w]) all.of_rows[w].assign(rows, 0);
     }
   }
-  template <class M, class Columns, class OwnerOf>
-  void collect_one(Columns& columns, std::size_t rows, const OwnerOf& owner_of) {
+  template <class M, class Columns, class OwnerOf, class All>
+  void collect_one(Columns& columns, std::size_t rows, const OwnerOf& owner_of,
+                   [[maybe_unused]] const All& all_of) {
     if constexpr (Exchanges<M>) {
       auto& received = columns.template received_of<M>();
       std::fill(received.begin(), received.end(), 0.0);
@@ -258,9 +284,13 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
         double whole = 0;
         for (std::size_t r = 0; r < rows; ++r) whole += all.of_rows[w][r];
         rate = whole;
-        if (!all.given[w] || !(whole > 0)) continue;
+        if (!all.given[w]) continue;
+        if constexpr (!std::is_null_pointer_v<All>) whole = all_of(whole);
+        if (!(whole > 0)) continue;
+        [[maybe_unused]] const double own = rate;
         rate = *all.given[w];
         for (std::size_t r = 0; r < rows; ++r) all.row[r].sum += rate * (all.of_rows[w][r] / whole);
+        if constexpr (!std::is_null_pointer_v<All>) rate *= own / whole;  // of this rank's
       }
       for (std::size_t r = 0; r < rows; ++r) received[owner_of(r)] += all.row[r].sum;
       if (!SaysItsFluxRate<M> || !measure_) return;
@@ -280,8 +310,14 @@ class ContactFluxes<ModuleList<Ms...>, Arch, Scalar> {
       const auto radii = block.template get_radii<Real>(k);
       softness = ContactsType::Law::factor(law(), radii.i, radii.j);
     }
-    return {kin.normal, loads.force, dot(loads.force, kin.normal), kin.overlap, kin.R_eff,
-            kin.m_eff,  softness,   growth == nullptr ? Real(0) : load<Real>(growth + k),
+    return {kin.normal,
+            loads.force,
+            dot(loads.force, kin.normal),
+            kin.overlap,
+            kin.R_eff,
+            kin.m_eff,
+            softness,
+            growth == nullptr ? Real(0) : load<Real>(growth + k),
             AtWall};
   }
   template <class ContactsType, class M, class Block, class Ends>

@@ -141,6 +141,19 @@ class BondList {
   };
 
   std::size_t size() const { return size_; }
+  /// A bond as it is kept, but for its place.
+  static Bond as_kept(Bond b) {
+    const auto single = [](const auto& values) {
+      using Numbers = std::remove_cvref_t<decltype(values)>;
+      auto numbers = std::bit_cast<std::array<double, sizeof(Numbers) / sizeof(double)>>(values);
+      for (double& x : numbers) x = static_cast<double>(static_cast<float>(x));
+      return std::bit_cast<Numbers>(numbers);
+    };
+    b.numbers = single(b.numbers);
+    b.rest.share = static_cast<double>(static_cast<float>(b.rest.share));
+    b.rest.per_length = static_cast<double>(static_cast<float>(b.rest.per_length));
+    return b;
+  }
   void add(const Bond& bond) {
     waiting_.push_back(bond), ++size_;
     any_turned_ = any_turned_ || bond.rest.turn != Quaternion{};
@@ -175,6 +188,12 @@ class BondList {
         if (ids_[k].i != no_particle) visit(k);
   }
 
+  /// Calls visit(bond) for each, those too that have come since, in no order.
+  template <class Visit>
+  void for_each_bond(const Visit& visit) const {
+    for_each([&](std::size_t k) { visit(bond(k)); });
+    for (const Bond& b : waiting_) visit(b);
+  }
   /// Calls visit(bond) for each, in the order in which they were made.
   template <class Visit>
   void for_each_in_order(const Visit& visit) const {
@@ -188,19 +207,20 @@ class BondList {
   }
   /// Puts bonds in order where rows were given anew, or bonds have come or gone. `find(id)`: the
   /// row of a particle, `rows` or more if it has left; `left`: how many have since the last change
-  /// of rows. Their bonds go: gone(bond) is told.
+  /// of rows. Their bonds go: gone(bond) is told. So do those of two ghosts, the rows behind the
+  /// `owned` ones.
   template <class Find, class Gone>
-  void follow(std::size_t rows, std::uint64_t changes, std::size_t left, const Find& find,
-              const Gone& gone) {
+  void follow(std::size_t rows, std::size_t owned, std::uint64_t changes, std::size_t left,
+              const Find& find, const Gone& gone) {
     if (waiting_.empty() && !is_stale_ && changes_ == changes && rows_ == rows && left_ == left)
       return;
-    groups_ = PairGroups(rows);
+    groups_ = PairGroups(owned, rows - owned);
     std::vector<Place> order;
     order.reserve(size_);
     const std::size_t places = ids_.size();
     const auto take = [&](const Bond& b, std::size_t source) {
       const std::uint32_t i = find(b.i), j = find(b.j);
-      if (i < rows && j < rows)
+      if (i < rows && j < rows && std::min(i, j) < owned)
         order.push_back({static_cast<std::uint32_t>(groups_.of(i, j)), i, j,
                          static_cast<std::uint32_t>(source)});
       else

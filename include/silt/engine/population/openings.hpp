@@ -66,6 +66,7 @@ struct InletFlow {
   }
 };
 
+/// An inlet and what it has done: Simulation::inlet().
 struct Inlet {
   InletFlow flow;
   std::string region;            // in words
@@ -163,6 +164,9 @@ class Openings {
       const std::vector<Outlet> before = outlets_;
       let_out_own(engine, sim);
       engine.ranks.share_left(outlets_, before);
+      if constexpr (Sim::has_bonds)  // others have bonds and ghosts of those that have left
+        for (std::size_t k = 0; k < outlets_.size() && engine.ranks.size() > 1; ++k)
+          if (outlets_[k].count != before[k].count) engine.lists.forget();
     } else {
       let_out_own(engine, sim);
     }

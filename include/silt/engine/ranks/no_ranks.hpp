@@ -11,6 +11,8 @@ template <class Policy>
 class RankStage;  // rank_stage.hpp
 template <class State, class Mover, class Pairs, class Walls>
 class RankChange;  // rank_change.hpp
+template <class Stage, class Engine>
+class RankBonds;  // rank_bonds.hpp
 
 template <>
 class RankStage<NoRanks> {

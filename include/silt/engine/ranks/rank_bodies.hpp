@@ -111,6 +111,21 @@ requires(Mover::has_levers) struct RowState<State, Mover> {
       convex.pose[k].q = q, convex.lever[k].q = lever, convex.lever[k].offset = offset;
   }
 };
+template <class State, class Mover>
+requires(State::bonded) struct RowState<State, Mover> {
+  PositionRow position;
+  typename State::ParticleMotion motion;
+  Quaternion orientation;
+
+  static RowState of(const State& particles, const Mover&, std::uint32_t k) {
+    return {particles.position[k], particles.motion[k], particles.orientation[k]};
+  }
+  void give(State& particles, Mover&, std::uint32_t k) const {
+    particles.position[k] = position, particles.motion[k] = motion;
+    particles.orientation[k] = orientation;
+    particles.renew_pair_motion(k);
+  }
+};
 /// What ghosts get of a body at each step.
 struct BodyState {
   Vec3d centre, velocity;

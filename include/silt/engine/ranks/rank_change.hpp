@@ -54,6 +54,7 @@ class RankChange {
     const std::size_t owned = particles.owned(), before = particles.size();
     weigh(pairs, owned);
     const std::vector<int> to = ranks.choose_ranks(particles, rows.mover, weights_, step);
+    if constexpr (State::bonded) ranks.bonds->leave(to);
     const auto goes = [&](std::size_t k) { return to[k] >= 0 && to[k] != ranks.rank(); };
     next_place_ = static_cast<std::uint32_t>(before);
     places_.clear(), pairs_.clear(), walls_.clear();
@@ -85,6 +86,14 @@ class RankChange {
                   const Domain& domain, Reaches& reaches) {
     State& particles = rows.particles;
     auto to = choose_ghosts(ranks, rows, grown, domain);
+    if constexpr (State::bonded) {
+      const auto wanted = ranks.bonds->pass();
+      for (std::size_t r = 0; r < to.size(); ++r) {
+        to[r].insert(to[r].end(), wanted[r].begin(), wanted[r].end());
+        std::sort(to[r].begin(), to[r].end());
+        to[r].erase(std::unique(to[r].begin(), to[r].end()), to[r].end());
+      }
+    }
     std::vector<Packed> out(to.size());
     for (std::size_t r = 0; r < to.size(); ++r) {
       if constexpr (State::of_bodies)

@@ -18,10 +18,11 @@
 #include <utility>
 #include <vector>
 
+#include <silt/boundary/wall_drive.hpp>
 #include <silt/core/box.hpp>
 #include <silt/core/position_row.hpp>
-#include <silt/engine/ranks/packed.hpp>
 #include <silt/engine/ranks/no_ranks.hpp>
+#include <silt/engine/ranks/packed.hpp>
 #include <silt/engine/ranks/rank_bodies.hpp>
 #include <silt/parallel/agree.hpp>
 #include <silt/parallel/ranks.hpp>
@@ -47,6 +48,17 @@ struct RankCounts {
   Load load;                              // of all ranks, at the last search, before it
 };
 
+/// What bonds do at a search, for RankChange, which knows no model of them (RankBonds).
+class BondsAtSearch {
+ public:
+  virtual ~BondsAtSearch() = default;
+  /// Before particles pass on: own row k goes to rank to[k]; -1: it has left.
+  virtual void leave(std::span<const int> to) = 0;
+  /// Afterwards: passes on their bonds. Returns for each rank own rows that it must have as ghosts
+  /// (collective).
+  virtual std::vector<std::vector<std::uint32_t>> pass() = 0;
+};
+
 /// The engine's part in a run on many ranks: who owns which particle, which ghosts go where, and
 /// what all must agree on. Every function that says so is collective: all ranks call it at the same
 /// place of the program.
@@ -61,19 +73,52 @@ class RankStage {
   static constexpr bool active = true;
   std::vector<RankNeighbour> neighbours;  // in the order of ranks
   RankCounts counts;
+  std::vector<std::array<double, 2>> of_servos;  // of walls [N/m], [N s/m]: look_at_servos()
+  BondsAtSearch* bonds = nullptr;                // while lists are renewed, if there are bonds
 
   void set(Policy policy) { policy_ = std::move(policy); }
   const auto& comm() const { return policy_->comm; }
   /// Does what ranks do by themselves; all throw what one has thrown (collective).
   template <class Work>
   void together(const char* call, const Work& work) const {
-    silt::together(policy_->comm, call, work);
+    silt::together(policy_->comm, call, [&] { throw_late(), work(); });
+  }
+  /// What a rank does by itself where all go on without meeting: what it throws is thrown where
+  /// they do something together next, or in the next step.
+  template <class Work>
+  void until_later(const Work& work) const {
+    if (size() == 1) return work();
+    try {
+      work();
+    } catch (...) {
+      if (!late_) late_ = std::current_exception();
+    }
+  }
+  void throw_late() const {
+    if (late_) std::rethrow_exception(std::exchange(late_, nullptr));
+  }
+  /// ... with numbers most() of each rank after that, which become the largest of all.
+  template <class Work, class Most>
+  auto together(const char* call, const Work& work, const Most& most) const {
+    is_agreed() = false;
+    std::exception_ptr error;
+    try {
+      throw_late(), work();
+    } catch (...) {
+      error = std::current_exception();
+    }
+    auto all = most();
+    silt::agree(policy_->comm, call, error, all);
+    return all;
   }
   /// Where ranks meet before they talk: those that have failed say so here, and all throw it.
-  void meet(const char* call) const { silt::agree(policy_->comm, call); }
+  void meet(const char* call) const {
+    silt::agree(policy_->comm, call, std::exchange(late_, nullptr));
+  }
   /// ... with an error of this one, or none, and numbers that become the largest of all.
   void agree(const char* call, const std::exception_ptr& error, std::span<double> most) const {
-    silt::agree(policy_->comm, call, error, most);
+    const std::exception_ptr before = std::exchange(late_, nullptr);
+    silt::agree(policy_->comm, call, before ? before : error, most);
   }
   int rank() const { return policy_->comm.rank(); }
   int size() const { return policy_->comm.size(); }
@@ -95,6 +140,7 @@ class RankStage {
   bool all(bool is) const { return !any(!is); }
   /// The sum of each number, added in the order of ranks.
   void sum_of(std::span<double> values) const {
+    if (size() == 1) return;
     const auto all = gather(policy_->comm, std::span<const double>(values));
     std::fill(values.begin(), values.end(), 0.0);
     for (int r = 0; r < all.ranks(); ++r)
@@ -156,27 +202,44 @@ class RankStage {
     if (under_way_) finish(passed);
   }
 
-  /// Makes the loads of walls, which are those of own particles, the loads of all ranks' particles.
+  /// Makes the loads of walls, which are those of own particles, the loads of all ranks' particles;
+  /// unless for `all`, of walls with a drive alone, which need them at each step, and without their
+  /// impulses. One message, or none.
   template <class Walls>
-  void share_loads(Walls& walls) {
+  void share_loads(Walls& walls, bool all) {
+    if (size() == 1) return;
     shared_.resize(walls.size()), own_.resize(walls.size());
-    std::vector<double> numbers;
-    for (std::size_t w = 0; w < walls.size(); ++w) {
+    const auto for_each_number = [&](const auto& number) {
+      for (std::size_t w = 0; w < walls.size(); ++w) {
+        auto& wall = walls[w];
+        if (!all && !wall.is_driven()) continue;
+        const auto vector = [&](Vec3d& v) { number(v.x), number(v.y), number(v.z); };
+        vector(wall.force), vector(wall.torque);
+        if (is_servo(wall.drive)) number(of_servos[w][0]), number(of_servos[w][1]);
+        if (!all) continue;
+        vector(wall.impulse), vector(wall.angular_impulse), number(wall.belt_power);
+      }
+    };
+    for (std::size_t w = 0; all && w < walls.size(); ++w) {
       own_[w].impulse += walls[w].impulse - shared_[w].impulse;
       own_[w].angular += walls[w].angular_impulse - shared_[w].angular;
-      for (const Vec3d& v : {walls[w].force, walls[w].torque, own_[w].impulse, own_[w].angular})
-        numbers.insert(numbers.end(), {v.x, v.y, v.z});
-      numbers.push_back(walls[w].belt_power);
+      walls[w].impulse = own_[w].impulse, walls[w].angular_impulse = own_[w].angular;
     }
+    std::vector<double> numbers;
+    for_each_number([&](double x) { numbers.push_back(x); });
+    if (numbers.empty()) return;
     sum_of(numbers);
     const double* next = numbers.data();
-    for (std::size_t w = 0; w < walls.size(); ++w) {
-      for (Vec3d* v :
-           {&walls[w].force, &walls[w].torque, &walls[w].impulse, &walls[w].angular_impulse})
-        *v = {next[0], next[1], next[2]}, next += 3;
-      walls[w].belt_power = *next++;
+    for_each_number([&](double& x) { x = *next++; });
+    for (std::size_t w = 0; all && w < walls.size(); ++w)
       shared_[w] = {walls[w].impulse, walls[w].angular_impulse};
-    }
+  }
+  /// After the point that the loads of wall w are taken about has moved: by `back` [m] to the one
+  /// before.
+  void move_reference(std::size_t w, const Vec3d& back) {
+    if (w >= own_.size()) return;
+    own_[w].angular += cross(back, own_[w].impulse);
+    shared_[w].angular += cross(back, shared_[w].impulse);
   }
 
   // --- what a checkpoint keeps --------------------------------------------------------------
@@ -226,16 +289,20 @@ class RankStage {
     const bool first = counts.partitions == 0;
     const double mean_points = static_cast<double>(present_) / size();
     std::vector<int> chosen;
-    if (policy_->rebalance.due(counts.load, step - last_step_, mean_points) || first) {
+    const bool is_due =
+        policy_->rebalance.due(counts.load, step - last_step_, mean_points) || first;
+    if (is_due)
       chosen = parts.partition(policy_->comm, points, work);
+    else if constexpr (std::remove_cvref_t<decltype(parts)>::by_place)
+      for (const Vec3d& p : points) chosen.push_back(parts.rank_of(p));
+    else
+      chosen.assign(points.size(), rank());
+    meet("a decomposition");
+    if (is_due) {
       double sent = 0;
       for (const int r : chosen) sent += r != rank();
       policy_->rebalance.parted(static_cast<std::int64_t>(first ? mean_points / 10 : max_of(sent)));
       ++counts.partitions;
-    } else if constexpr (std::remove_cvref_t<decltype(parts)>::by_place) {
-      for (const Vec3d& p : points) chosen.push_back(parts.rank_of(p));
-    } else {
-      chosen.assign(points.size(), rank());
     }
     last_step_ = step;
     std::vector<int> to(particles.owned(), -1);
@@ -369,11 +436,28 @@ class RankStage {
         [&](std::uint32_t k) { return RowState<State, Mover>::of(particles, mover, k); },
         [&](std::uint32_t k, const auto& row) { row.give(particles, mover, k); });
     if constexpr (State::of_bodies)
-      visit(rows,
-            bodies_of<BodyState>([&](std::uint32_t k) { return BodyState::of(mover, k); },
-                                 [&](std::uint32_t k, const BodyState& b) { b.give(mover, k); }));
+      with_fields<true>(
+          mover.modules, visit, rows,
+          bodies_of<BodyState>([&](std::uint32_t k) { return BodyState::of(mover, k); },
+                               [&](std::uint32_t k, const BodyState& b) { b.give(mover, k); }));
     else
-      visit(rows);
+      with_fields<false>(particles.modules, visit, rows);
+  }
+  /// ... and with what fluxes of modules read, if there are any; of bodies, or rows.
+  template <bool OfBodies, class Columns, class Visit, class... Passed>
+  static void with_fields([[maybe_unused]] Columns& columns, const Visit& visit,
+                          const Passed&... passed) {
+    using Fields = typename Columns::ForFlux;
+    if constexpr (std::tuple_size_v < Fields >> 0) {
+      const auto get = [&](std::uint32_t k) { return columns.for_flux(k); };
+      const auto set = [&](std::uint32_t k, const Fields& f) { columns.set_for_flux(k, f); };
+      if constexpr (OfBodies)
+        visit(passed..., bodies_of<Fields>(get, set));
+      else
+        visit(passed..., rows_of<Fields>(get, set));
+    } else {
+      visit(passed...);
+    }
   }
 
   /// Sends one message to each neighbour.
@@ -409,6 +493,7 @@ class RankStage {
   }
 
   std::optional<Policy> policy_;
+  mutable std::exception_ptr late_;     // until_later()
   std::vector<Impulses> own_, shared_;  // of walls: by own particles; by all, when last shared
   std::size_t present_ = 0;
   std::int64_t last_step_ = 0;  // in which ranks were chosen

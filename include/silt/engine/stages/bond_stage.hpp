@@ -20,6 +20,7 @@
 #include <silt/engine/lists/bond_list.hpp>
 #include <silt/engine/stages/turn_spheres.hpp>
 #include <silt/engine/stages/wall_bonds.hpp>
+#include <silt/parallel/comm.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -37,15 +38,23 @@ class BondStage {
 
   Model model;
   std::uint64_t seed = 1, made = 0, broken = 0;
+  bool fresh = false;  // on many ranks: some were made whose other ends are no ghosts yet
   List list;
   AtWalls at_walls;
 
   void add(Bond bond) { bond.number = made++, list.add(bond); }
   void add(typename AtWalls::Bond bond) { bond.number = made++, at_walls.all.push_back(bond); }
+  /// One that other ranks have.
+  void count() { ++made; }
   /// How many there are now.
   template <class Engine>
   std::size_t size(const Engine& e) {
     follow(e);
+    if constexpr (Engine::of_ranks) {
+      std::size_t own = at_walls.all.size();
+      list.for_each_bond([&](const Bond& b) { own += e.find(b.i) < e.owners(); });
+      return own;
+    }
     return list.size() + at_walls.all.size();
   }
 
@@ -54,6 +63,7 @@ class BondStage {
   template <class Engine>
   double push(Engine& e, const Domain& domain, double dt) {
     overloaded_.clear();
+    if constexpr (Engine::of_ranks) fresh = false;
     follow(e);
     double power = 0;
     if (list.size() > 0) {
@@ -63,11 +73,14 @@ class BondStage {
         const auto [from, to] = list.busy(groups.phase(p));
         e.team().for_parts(to - from, [&, first = from](std::size_t g) {
           run_group(e, domain, list.group(first + g), done[first + g]);
+          if constexpr (Engine::of_ranks)  // another rank has these too
+            if (p >= groups.own_phases()) done[first + g].power *= 0.5;
         });
       }
       for (const Done& one : done) {
         power += one.power;
-        for (const std::uint32_t k : one.over) overloaded_.push_back({seen(e, domain, k, dt), k});
+        for (const std::uint32_t k : one.over)
+          if (tells(e, k)) overloaded_.push_back({seen(e, domain, k, dt), k});
       }
     }
     power += at_walls.push(e, domain, model, dt, [&](const BondSeen& what, std::size_t k) {
@@ -106,6 +119,30 @@ class BondStage {
     broken += gone.size();
     return gone;
   }
+  bool any_overloaded() const { return !overloaded_.empty(); }
+  /// Likewise on many ranks (collective): each rank takes out what it has of all that any has
+  /// found, and returns those of which it has the first end; told(bond) hears of all.
+  template <class Engine, class Told>
+  std::vector<BondBreak> take_broken(Engine& e, double time, const Told& told) {
+    std::vector<BrokenBond> own;
+    for (const Ending& one : overloaded_)
+      own.push_back({one.what.number, one.what.a, one.what.b, one.what.wall});
+    auto all = silt::gather(e.ranks.comm(), std::span<const BrokenBond>(own)).values;
+    std::sort(all.begin(), all.end(),
+              [](const BrokenBond& a, const BrokenBond& b) { return a.number < b.number; });
+    list.for_each([&](std::size_t k) {
+      const std::uint64_t number = list.bond(k).number;
+      if (!tells(e, k) && std::binary_search(all.begin(), all.end(), BrokenBond{number},
+                                             [](const BrokenBond& a, const BrokenBond& b) {
+                                               return a.number < b.number;
+                                             }))
+        list.remove(k);
+    });
+    auto gone = take_broken(time);
+    broken += all.size() - gone.size();
+    for (const BrokenBond& b : all) told(b);
+    return gone;
+  }
   /// Turns the particles for a step of `dt` [s], from the first bond on: before, nothing depends on
   /// how they are turned.
   template <class Engine>
@@ -119,7 +156,9 @@ class BondStage {
     follow(e);
     std::vector<std::pair<std::uint64_t, std::size_t>> order;
     order.reserve(list.size() + at_walls.all.size());
-    list.for_each([&](std::size_t k) { order.push_back({list.bond(k).number, k}); });
+    list.for_each([&](std::size_t k) {
+      if (tells(e, k)) order.push_back({list.bond(k).number, k});
+    });
     const std::size_t walls = std::size_t{1} << 63;
     for (std::size_t k = 0; k < at_walls.all.size(); ++k)
       order.push_back({at_walls.all[k].number, walls | k});
@@ -133,6 +172,7 @@ class BondStage {
     follow(e);
     double sum = 0;
     list.for_each([&](std::size_t k) {
+      if (!tells(e, k)) return;
       const Bond b = list.bond(k);
       sum += model.energy(strain_of(b.rest, ends_at(e, domain, k)), b.numbers);
     });
@@ -157,17 +197,25 @@ class BondStage {
       all[at].shift_damping += s.shift_damping;
       all[at].turn_damping += s.turn_damping + s.shift_damping * arm * arm;
     };
-    list.for_each([&](std::size_t k) {
-      const Bond b = list.bond(k);
+    const auto include_bond = [&](const Bond& b, std::size_t i, std::size_t j) {
       const auto s = model.stiffest(b.numbers);
       const double length = norm(b.rest.apart);
-      include(list.first()[k], s, b.rest.share * length);
-      include(list.second()[k], s, (1 - b.rest.share) * length);
-    });
+      if (i < all.size()) include(i, s, b.rest.share * length);
+      if (j < all.size()) include(j, s, (1 - b.rest.share) * length);
+    };
+    if (Engine::of_ranks && fresh)
+      list.for_each_in_order([&](const Bond& b) {
+        const std::size_t i = e.find(b.i), j = e.find(b.j);
+        include_bond(list.as_kept(b), i < e.owners() ? i : all.size(),
+                     j < e.owners() ? j : all.size());
+      });
+    else
+      list.for_each(
+          [&](std::size_t k) { include_bond(list.bond(k), list.first()[k], list.second()[k]); });
     for (const auto& b : at_walls.all)
       include(e.find(b.i), model.stiffest(b.numbers), b.rest.share * norm(b.rest.apart));
     Rate most;
-    for (std::size_t k = 0; k < all.size(); ++k) {
+    for (std::size_t k = 0; k < e.owners(); ++k) {
       const auto p = e.owner(k);
       if (!p.is_there() || p.inverse_mass() == 0) continue;
       const double m = p.mass(),
@@ -184,14 +232,29 @@ class BondStage {
   /// Puts bonds in order where rows were given anew, or bonds or particles have come or gone.
   template <class Engine>
   void follow(const Engine& e) {
+    if constexpr (Engine::of_ranks)
+      if (fresh) return at_walls.follow(e);  // until the next step has searched
     list.follow(
-        e.particles.size(), e.particles.changes, e.particles.parked,
-        [&e](ParticleId id) { return static_cast<std::uint32_t>(e.find(id)); },
+        e.particles.size(), e.particles.owned(), e.particles.changes, e.particles.parked,
+        [&e](ParticleId id) { return static_cast<std::uint32_t>(e.row_of(id)); },
         [&e](const Bond& gone) { e.particles.bonds.remove(gone.i, gone.j); });
     at_walls.follow(e);
   }
 
+  /// What ranks tell each other of a bond that breaks.
+  struct BrokenBond {
+    std::uint64_t number = 0;
+    ParticleId a = no_particle, b = no_particle;
+    std::size_t wall = 0;
+  };
+
  private:
+  /// On many ranks a bond counts for that which has its first end.
+  template <class Engine>
+  bool tells([[maybe_unused]] const Engine& e, [[maybe_unused]] std::size_t k) const {
+    if constexpr (Engine::of_ranks) return list.first()[k] < e.particles.owned();
+    return true;
+  }
   static constexpr std::size_t block = 16;  // bonds whose loads wait in the first-level cache
   static constexpr std::size_t row = 16;    // of one: force, torques over radii, four each
   using Row = Row4<Arch>;

@@ -134,12 +134,12 @@ struct Composition {
   static_assert(!has_ranks || std::is_same_v<Fluid, NoFluid> || !FluidTraits<Fluid>::active,
                 "Ranks cannot be coupled to a fluid so far: each rank would need the flow of all; "
                 "leave one of them out");
-  static_assert(!has_ranks || !(has_events || has_bonds || has_breakage),
-                "Ranks does not go with ContactEvents, Bonds or Breakage so far: their tables are "
-                "of one process; leave one of them out");
-  static_assert(!has_ranks || !(Modules::flux || Modules::in_pairs),
-                "Ranks does not go with modules that act between particles so far, as these have "
-                "no memory of the other rank's particles; leave one of them out");
+  static_assert(!has_ranks || !has_breakage,
+                "Ranks does not go with Breakage so far: its tables are of one process; leave one "
+                "of them out");
+  static_assert(!has_ranks || !Modules::in_pairs,
+                "Ranks does not go with modules that act between particles at a distance so far, "
+                "as these know the particles of one rank alone; leave one of them out");
   static_assert(!has_ranks || !deforms<Domain>,
                 "Ranks does not go with a DeformingBox so far; take PeriodicBox");
   static_assert(!has_surfaces || std::is_same_v<Scalar, double>,

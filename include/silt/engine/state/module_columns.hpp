@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstring>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -204,7 +205,41 @@ struct ModuleColumns<ModuleList<Ms...>> {
     (visit_fields<Ms>(visit), ...);
   }
 
+  /// What a flux reads of the fields, which ghosts get at each step: one number of a module that
+  /// says which, all of one that computes from them what it has at contacts.
+  template <class M>
+  static constexpr std::size_t numbers_for_flux = !Exchanges<M>        ? 0
+                                                  : HasContactValue<M> ? numbers_of_fields<M>
+                                                                       : 1;
+  using ForFlux = std::array<double, (std::size_t{0} + ... + numbers_for_flux<Ms>)>;
+  ForFlux for_flux(std::size_t k) const {
+    ForFlux numbers;
+    double* next = numbers.data();
+    (give_for_flux<Ms>(k, next), ...);
+    return numbers;
+  }
+  void set_for_flux(std::size_t k, const ForFlux& numbers) {
+    const double* next = numbers.data();
+    (take_for_flux<Ms>(k, next), ...);
+  }
+
  private:
+  template <class M>
+  void give_for_flux([[maybe_unused]] std::size_t k, double*& to) const {
+    if constexpr (HasContactValue<M>)
+      std::memcpy(to, &of<M>()[k], sizeof(FieldsOf<M>));
+    else if constexpr (Exchanges<M>)
+      *to = of<M>()[k].*M::exchanged;
+    to += numbers_for_flux<M>;
+  }
+  template <class M>
+  void take_for_flux([[maybe_unused]] std::size_t k, const double*& from) {
+    if constexpr (HasContactValue<M>)
+      std::memcpy(&of<M>()[k], from, sizeof(FieldsOf<M>));
+    else if constexpr (Exchanges<M>)
+      of<M>()[k].*M::exchanged = *from;
+    from += numbers_for_flux<M>;
+  }
   template <class M, class Visit>
   void visit_fields(const Visit& visit) const {
     if constexpr (has_fields<M>) {
@@ -225,6 +260,7 @@ struct ModuleColumns<ModuleList<Ms...>> {
 /// Of no modules: nothing.
 template <>
 struct ModuleColumns<ModuleList<>> {
+  using ForFlux = std::array<double, 0>;
   static const VectorRow* forces() { return nullptr; }
   static const VectorRow* torques() { return nullptr; }
   static constexpr std::tuple<> columns() { return {}; }
