@@ -1,9 +1,11 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <span>
+#include <string_view>
 
 #include <silt/core/eigen.hpp>
 #include <silt/core/error.hpp>
