@@ -44,7 +44,8 @@ FLOORS = [
 ]
 # Files that stand at the top of include/silt.
 AT_TOP = {"simulation.hpp": "simulation", "silt.hpp": "umbrella", "fluid.hpp": "umbrella",
-          "sph.hpp": "umbrella", "ranks.hpp": "umbrella", "mpi.hpp": "umbrella"}
+          "sph.hpp": "umbrella", "ranks.hpp": "umbrella", "mpi.hpp": "umbrella",
+          "precompiled.hpp": "umbrella", "precompiled_fluid.hpp": "umbrella"}
 PICTURE = ROOT / "docs" / "pictures" / "rooms.svg"
 INTRINSICS = re.compile(r"#include <(immintrin|x86intrin|arm_neon|xsimd/)|\b_mm\d*_\w+\(")
 
@@ -114,9 +115,9 @@ def picture():
         '.engine{fill:#fefcbf}.face{fill:#ebf4ff}text{text-anchor:middle;fill:#1a202c}'
         '.name{font-size:15px;font-weight:bold}.words{font-size:12px}</style>',
         f'<rect x="0" y="0" width="{width}" height="{top + 10}" style="fill:white;stroke:none"/>',
-        f'<text class="name" x="{width / 2:g}" y="26">The rooms of silt</text>',
-        f'<text class="words" x="{width / 2:g}" y="44">A room may include what lies below it, '
-        'never what lies above. Yellow: opened by simulation alone.</text>',
+        f'<text class="name" x="{width / 2:g}" y="26">The directories of silt</text>',
+        f'<text class="words" x="{width / 2:g}" y="44">A directory may include those below it, '
+        'never those above. Yellow: included by simulation alone.</text>',
         *rows, "</svg>", ""])
 
 

@@ -37,4 +37,9 @@ int main(int argc, char** argv) {
                   std::size_t{loads[r].particles}, std::size_t{loads[r].contacts},
                   std::size_t{loads[r].ghosts});
   }
+
+  for (std::size_t k = 0; k < sim.rows(); ++k)  // own particles, as many as each rank likes
+    if (sim.is_present(k) && sim.position(k).z > 0.04) sim.remove(sim.id(k));
+  sim.set_velocity(17, {0, 0, 0.1});  // every rank calls it, one has particle 17
+  sim.run(0.01);
 }

@@ -8,15 +8,17 @@
 import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-import needs  # noqa: E402,F401
-import draw  # noqa: E402
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python"))
+from silt import needs  # noqa: E402
+
+needs.or_exit()
 import numpy as np  # noqa: E402
-from canvas import Canvas  # noqa: E402
-from draw import COLOURS, COLOUR_MAP, DPI, plt  # noqa: E402
 from matplotlib.cm import ScalarMappable  # noqa: E402
 from matplotlib.collections import EllipseCollection  # noqa: E402
 from matplotlib.colors import Normalize  # noqa: E402
+import silt  # noqa: E402
+from silt import drawing as draw  # noqa: E402
+from silt.drawing import COLOURS, COLOUR_MAP, DPI, Canvas, plt  # noqa: E402
 
 LIFTERS, HEIGHT = 8, 5  # [mm]
 
@@ -26,7 +28,7 @@ def read_grey(path):
     with open(path, "rb") as file:
         kind, size, most, data = file.read().split(b"\n", 3)
     if kind != b"P5" or most != b"255":
-        raise draw.Refusal(f"file '{path}' is no PGM file of bytes")
+        raise silt.Error(f"file '{path}' is no PGM file of bytes")
     columns, rows = map(int, size.split())
     return np.frombuffer(data, np.uint8).reshape(rows, columns)[::-1] / 255
 
@@ -50,7 +52,7 @@ def outline(panel, radius, lifters=None):
 
 def phase(folder):
     """How far the lifters of drum.vtp have turned from where they began [rad]."""
-    points, _, _ = draw.read_vtp(f"{folder}/drum.vtp")
+    points = silt.read(f"{folder}/drum.vtp").points
     angles = np.arctan2(points[:, 2], points[:, 0])
     pitch = 2 * np.pi / LIFTERS
     return np.angle(np.exp(1j * LIFTERS * (angles - 0.5 * pitch)).mean()) / LIFTERS
@@ -73,7 +75,7 @@ def mill(folder, radius, angle, recorded, case):
     shown = heat.imshow(100 * share, origin="lower", extent=[-side, -side + share.shape[1], -side,
                                                               -side + share.shape[0]], cmap="Greys_r", vmin=0, vmax=100)
     figure.colorbar(shown, ax=heat, label="frames in which a ball is there [%]", shrink=0.85)
-    rows = draw.read_csv(f"{folder}/surface.csv")[1]
+    rows = silt.table(f"{folder}/surface.csv").rows
     x, z, used, line = 1e3 * rows[:, 0], 1e3 * rows[:, 1], rows[:, 2] > 0, 1e3 * rows[:, 3]
     heat.plot(x[~used], z[~used], ".", ms=3, color=COLOURS[4], label="highest pixel of a column")
     heat.plot(x[used], z[used], ".", ms=3, color=COLOURS[1], label="... from 60 mm beside the highest on")
@@ -96,14 +98,14 @@ def finish(panel):
 
 def curves(folder):
     figure, (power, impacts) = plt.subplots(1, 2, figsize=(12.6, 4.6), constrained_layout=True)
-    rows = draw.read_csv(f"{folder}/torque.csv")[1]
+    rows = silt.table(f"{folder}/torque.csv").rows
     power.plot(rows[:, 1], rows[:, 3], color=COLOURS[0], lw=1.1, label="of the drum: torque times speed")
     power.plot(rows[:, 1], rows[:, 4], color=COLOURS[1], lw=1.1, label="dissipated, by the ledger")
     power.axhline(np.mean(rows[:, 3]), color="0.4", lw=1, ls="--", label=f"mean {np.mean(rows[:, 3]):.1f} W")
     power.set(xlabel="turns of the drum", ylabel="power [W]", title="Power", ylim=(0, None), xlim=(0, rows[-1, 1]))
     power.legend(frameon=False, fontsize=9.5, loc="lower right")
     finish(power)
-    rows = draw.read_csv(f"{folder}/impacts.csv")[1]
+    rows = silt.table(f"{folder}/impacts.csv").rows
     for column, name, colour in ((1, "between balls", COLOURS[0]), (2, "at the drum", COLOURS[5])):
         seen = rows[:, column] > 0
         impacts.plot(rows[seen, 0], rows[seen, column], "-o", ms=3.5, lw=1.2, color=colour, label=name)
@@ -117,10 +119,12 @@ def curves(folder):
 def wet(folder, radius, spacing, case):
     figure, (slurry, surface) = plt.subplots(1, 2, figsize=(12.6, 5.6), constrained_layout=True)
     side = 1e3 * radius
-    points, fields, _ = draw.read_vtp(f"{folder}/slurry.vtp")
+    drops_at = silt.read(f"{folder}/slurry.vtp")
+    points = drops_at.points
     middle = 0.5 * (points[:, 1].min() + points[:, 1].max())
-    speed = np.linalg.norm(fields[draw.find_name("velocity", list(fields), "field", "slurry.vtp")], axis=1)
-    spheres, balls_at, _ = draw.read_vtp(f"{folder}/end.vtp")
+    speed = drops_at["|velocity|"]
+    balls_at = silt.read(f"{folder}/end.vtp")
+    spheres = balls_at.points
     away = np.abs(spheres[:, 1] - middle)
     cut = np.sqrt(np.maximum(balls_at["radius"] ** 2 - away ** 2, 0))
     cut = np.where(away < balls_at["radius"], cut, 0)
@@ -139,10 +143,10 @@ def wet(folder, radius, spacing, case):
     figure.colorbar(drops, ax=slurry, label="speed of the slurry [m/s]", shrink=0.85, extend="max")
     outline(slurry, side, phase(folder))
     slurry.set_title(f"Slurry and cut balls in the middle, {case} mm drum")
-    rows = draw.read_csv(f"{folder}/highest.csv")[1]
+    rows = silt.table(f"{folder}/highest.csv").rows
     surface.plot(1e3 * rows[:, 0], 1e3 * rows[:, 1], ".", ms=2, color=COLOURS[4], alpha=0.5,
                  label="highest slurry of a column, median to third quartile")
-    fit = 1e3 * draw.read_csv(f"{folder}/surface.csv")[1]
+    fit = 1e3 * silt.table(f"{folder}/surface.csv").rows
     surface.fill_between(fit[:, 0], fit[:, 1] - fit[:, 3], fit[:, 1] + fit[:, 3], color=COLOURS[1], alpha=0.3, lw=0,
                          label="95 % of the points")
     surface.plot(fit[:, 0], fit[:, 1], color=COLOURS[5], lw=2, label="quadratic")
@@ -159,5 +163,5 @@ if __name__ == "__main__":
             curves(sys.argv[2])
         else:
             wet(sys.argv[2], float(sys.argv[3]), float(sys.argv[4]), sys.argv[5])
-    except draw.Refusal as refusal:
+    except silt.Error as refusal:
         sys.exit(f"draw_ball_mill.py: {refusal}")

@@ -8,13 +8,16 @@ import csv
 import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-import needs  # noqa: E402,F401
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python"))
+from silt import needs  # noqa: E402
+
+needs.or_exit()
 import matplotlib  # noqa: E402
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
-from draw import COLOUR_MAP, read_vtp  # noqa: E402
+import silt  # noqa: E402
+from silt.drawing import COLOUR_MAP  # noqa: E402
 
 MODELS = ["simplified", "traditional"]
 COLOURS = ["#0072B2", "#D55E00"]
@@ -31,8 +34,8 @@ def table(path):
 
 
 def rope(axes, path, case, title, most):
-    points, fields, _ = read_vtp(path)
-    speed = np.linalg.norm(fields["velocity"], axis=1)
+    particles = silt.read(path)
+    speed, points = particles["|velocity|"], particles.points
     x, y = points[:, 0] / D, points[:, 1] / D
     across, up = (x, y) if case == "hv" else (y, x)
     shown = axes.scatter(across, up, c=speed, s=3, lw=0, cmap=COLOUR_MAP, vmin=0, vmax=most)

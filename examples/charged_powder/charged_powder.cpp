@@ -104,7 +104,7 @@ Sticking run(Sim& sim, const Scene& s, const std::string& out, Charges& charges)
 }
 
 bool draw(const Scene& s, const std::string& out) {
-  return example::draw({"spheres", out + "/early.vtp", out + "/charged.vtp", out + "/turned.vtp",
+  return example::draw({"draw", out + "/early.vtp", out + "/charged.vtp", out + "/turned.vtp",
                         "--colour", "charge [fC]", "--view", "top", "--title",
                         silt::text("Shaken for ", s.early(), " s"),
                         silt::text("Shaken for ", s.shaken, " s"), "Stick to the plate turned over",

@@ -7,14 +7,16 @@
 import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-import needs  # noqa: E402,F401
-import draw  # noqa: E402
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python"))
+from silt import needs  # noqa: E402
+
+needs.or_exit()
 import numpy as np  # noqa: E402
-from canvas import LIGHT, Canvas  # noqa: E402
-from draw import COLOURS, DPI, plt  # noqa: E402
 from matplotlib.cm import ScalarMappable  # noqa: E402
 from matplotlib.colors import LinearSegmentedColormap, Normalize  # noqa: E402
+import silt  # noqa: E402
+from silt import drawing as draw  # noqa: E402
+from silt.drawing import COLOURS, DPI, LIGHT, Canvas, plt  # noqa: E402
 
 WORN = LinearSegmentedColormap.from_list("worn", ["#C9CED6", "#E8C07A", "#D9772B", "#A3221F", "#4A0D18"])
 
@@ -31,7 +33,8 @@ def view():
 def wear(folder, scale):
     axes = view()
     grains = draw.Bed(f"{folder}/flow.vtp", "velocity", axes, None)
-    points, _, triangles = draw.read_vtp(f"{folder}/sliding.vtp")
+    worn = silt.read(f"{folder}/sliding.vtp")
+    points, triangles = worn.points, worn.triangles
     edges = draw.wall_edges(points, triangles, axes[2])
     seen = points @ axes.T
     low, high = seen[:, :2].min(axis=0), seen[:, :2].max(axis=0)
@@ -73,9 +76,9 @@ def wear(folder, scale):
 
 
 def profile(folder):
-    _, rows = draw.read_csv(f"{folder}/profile.csv")
+    rows = silt.table(f"{folder}/profile.csv").rows
     place, slid, contacts, block, cut, events = rows.T
-    angle, share = draw.read_csv(f"{folder}/angles.csv")[1].T
+    angle, share = silt.table(f"{folder}/angles.csv").rows.T
     figure, panels = plt.subplots(1, 3, figsize=(13, 4), constrained_layout=True)
     panels[0].plot(place, slid, color=COLOURS[0], lw=1.8, label="silt::Wear<Archard>")
     panels[0].plot(place, contacts, "o", color=COLOURS[0], mfc="white", ms=4, label="from contacts read every 0.5 ms")
@@ -100,5 +103,5 @@ if __name__ == "__main__":
     try:
         wear(sys.argv[1], float(sys.argv[2]))
         profile(sys.argv[1])
-    except draw.Refusal as refusal:
+    except silt.Error as refusal:
         sys.exit(f"draw_chute.py: {refusal}")

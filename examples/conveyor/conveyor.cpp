@@ -274,7 +274,7 @@ int simulate(const Scene& s, const example::Options& options) {
   silt::write_walls(out + "/walls.vtp", sim);
   silt::write_contacts(out + "/contacts.vtp", sim);
   const bool drawn =
-      example::draw({"spheres", out + "/end.vtp", "--colour", "age", "--walls", out + "/walls.vtp",
+      example::draw({"draw", out + "/end.vtp", "--colour", "age", "--walls", out + "/walls.vtp",
                      "--title", "Ore, by its age", "--out", out + "/transfer.png"}) &&
       example::draw({"curves", out + "/transfer.csv", "--x", "time", "--y", "fed,held,carried off",
                      "--y-label", "mass [kg]", "--title", "Mass", "--out", out + "/mass.png"}) &&
@@ -284,7 +284,7 @@ int simulate(const Scene& s, const example::Options& options) {
                      "upper belt", "lower belt", "--x", "time", "--y", "force x,force y",
                      "--y-label", "force of the ore [N]", "--title",
                      "Forces of the ore on the belts", "--out", out + "/belts.png"}) &&
-      example::draw({"chains", out + "/contacts.vtp", "--walls", out + "/walls.vtp", "--title",
+      example::draw({"draw", out + "/contacts.vtp", "--walls", out + "/walls.vtp", "--title",
                      "Contact forces at the end", "--out", out + "/chains.png"});
   std::printf(
       "\n%.3g kg/s come and %.3g leave, %.3g s later; the belts need %.3g W, the plate hangs at "

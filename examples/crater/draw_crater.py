@@ -7,14 +7,16 @@
 import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-import needs  # noqa: E402,F401
-import draw  # noqa: E402
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python"))
+from silt import needs  # noqa: E402
+
+needs.or_exit()
 import numpy as np  # noqa: E402
-from canvas import Canvas  # noqa: E402
-from draw import COLOUR_MAP, COLOURS, DPI, plt  # noqa: E402
 from matplotlib.cm import ScalarMappable  # noqa: E402
 from matplotlib.colors import Normalize  # noqa: E402
+import silt  # noqa: E402
+from silt import drawing as draw  # noqa: E402
+from silt.drawing import COLOURS, COLOUR_MAP, DPI, Canvas, plt  # noqa: E402
 
 BODY = 2  # the number of this wall
 STEEL = (0.60, 0.63, 0.68)
@@ -30,8 +32,8 @@ def cut(panel, name, colour, norm, bounds, level, pixels):
     grains = draw.Bed(f"{name}.vtp", colour, axes, draw.Cut("y=0", axes))
     canvas = Canvas(bounds, pixels)
     canvas.draw_spheres(grains.places, grains.radii, COLOUR_MAP(norm(grains.values))[:, :3])
-    points, fields, triangles = draw.read_vtp(f"{name}_walls.vtp")
-    triangles = triangles[fields["wall"][triangles[:, 0]] == BODY]
+    walls = silt.read(f"{name}_walls.vtp")
+    points, triangles = walls.points, walls.wall(BODY)
     seen = points @ axes.T
     middle = seen[np.unique(triangles)].mean(axis=0)
     corners = seen[triangles]
@@ -61,7 +63,7 @@ def bar_below(figure, panel, norm, label, extend):
 def cuts(folder, level, size, drops):
     light, heavy = drops[:, 0].min(), drops[:, 0].max()
     low, high = drops[:, 1].min(), drops[:, 1].max()
-    points, _, _ = draw.read_vtp(f"{folder}/early.vtp")
+    points = silt.read(f"{folder}/early.vtp").points
     wide = np.hypot(points[:, 0], points[:, 1]).max()
     bounds = [-1.05 * wide, 1.05 * wide, -0.02 * level, level + 0.9 * size]
     width = 6.2
@@ -72,8 +74,8 @@ def cuts(folder, level, size, drops):
     pixels = round(width * DPI)
 
     ends = [(panels[0, 1], heavy, high), (panels[1, 0], light, low), (panels[1, 1], heavy, low)]
-    moved = [draw.read_vtp(f"{folder}/{name_of(d, h)}.vtp")[1]["moved [m]"] for _, d, h in ends]
-    speeds = np.linalg.norm(draw.read_vtp(f"{folder}/early.vtp")[1]["velocity"], axis=1)
+    moved = [silt.read(f"{folder}/{name_of(d, h)}.vtp")["moved"] for _, d, h in ends]
+    speeds = silt.read(f"{folder}/early.vtp")["|velocity|"]
     norm = Normalize(0, float(f"{np.percentile(speeds, 99):.1g}"))
     cut(panels[0, 0], f"{folder}/early", "velocity", norm, bounds, level, pixels)
     panels[0, 0].set_title(f"{heavy:.0f} kg/m\u00b3 from {1e3 * high:.0f} mm, at half its speed", fontsize=13)
@@ -99,7 +101,7 @@ def curves(folder, drops):
         depth.plot(1e3 * mine[:, 2], 1e3 * mine[:, 5], color=colour, lw=1.4)
         depth.plot(1e3 * mine[:, 2], 1e3 * mine[:, 4], color=colour, lw=1.2, ls="--")
         for n, height in enumerate(mine[:, 1]):
-            time, _, fast, gees = draw.read_csv(f"{folder}/{name_of(density, height)}.csv")[1].T
+            time, _, fast, gees = silt.table(f"{folder}/{name_of(density, height)}.csv").rows.T
             words = f"{density:.0f} kg/m\u00b3, {1e3 * height:.0f} mm"
             speed.plot(1e3 * time, fast, color=colour, lw=1.3, ls=styles[n % 4], label=words)
             if density == densities[-1]:
@@ -127,8 +129,8 @@ def curves(folder, drops):
 if __name__ == "__main__":
     try:
         where = sys.argv[1]
-        table = draw.read_csv(f"{where}/depths.csv")[1]
+        table = silt.table(f"{where}/depths.csv").rows
         cuts(where, float(sys.argv[2]), float(sys.argv[3]), table)
         curves(where, table)
-    except draw.Refusal as refusal:
+    except silt.Error as refusal:
         sys.exit(f"draw_crater.py: {refusal}")

@@ -7,16 +7,18 @@
 """
 import os
 import sys
-import xml.etree.ElementTree as ElementTree
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-import needs  # noqa: E402,F401
-import draw  # noqa: E402
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python"))
+from silt import needs  # noqa: E402
+
+needs.or_exit()
 import numpy as np  # noqa: E402
-from draw import COLOURS, COLOUR_MAP, plt  # noqa: E402
 from matplotlib.cm import ScalarMappable  # noqa: E402
 from matplotlib.collections import EllipseCollection  # noqa: E402
 from matplotlib.colors import Normalize  # noqa: E402
+import silt  # noqa: E402
+from silt import drawing as draw  # noqa: E402
+from silt.drawing import COLOURS, COLOUR_MAP, plt  # noqa: E402
 
 TIMES = (1.0, 2.0, 3.0, 4.0)  # T
 DENSITY, GRAVITY = 1000, 9.81
@@ -24,21 +26,19 @@ DENSITY, GRAVITY = 1000, 9.81
 
 def frames(folder, unit):
     """Files of the series by T."""
-    root = ElementTree.parse(f"{folder}/vtk/liquid.pvd").getroot()
-    return [(float(d.get("timestep")) / unit, f"{folder}/vtk/{d.get('file')}") for d in root.iter("DataSet")]
+    series = silt.open(f"{folder}/vtk/liquid.pvd")
+    return list(zip(series.times / unit, series.files))
 
 
 def liquid(path, spacing):
     """Places (n, 2), speeds, pressures; in 3D of the layer in the middle."""
-    points, fields, _ = draw.read_vtp(path)
-    points = points.astype(float)
+    frame = silt.read(path)
+    points = frame.points
     low, high = points[:, 1].min(), points[:, 1].max()
     seen = np.ones(len(points), bool)
     if high > low:
         seen = np.abs(points[:, 1] - 0.5 * (low + high)) < 0.6 * spacing
-    velocity = fields[draw.find_name("velocity", list(fields), "field", path)].astype(float)
-    pressure = fields[draw.find_name("pressure", list(fields), "field", path)].astype(float)
-    return points[seen][:, [0, 2]], np.linalg.norm(velocity[seen], axis=1), pressure[seen]
+    return points[seen][:, [0, 2]], frame["|velocity|"][seen], frame["pressure"][seen]
 
 
 def snapshots(folder, width, spacing, unit):
@@ -83,10 +83,9 @@ def tidy(axes):
 
 
 def curves(folder, late):
-    names, table = draw.read_csv(f"{folder}/dam_break.csv")
-    column = {name.split(" [")[0]: table[:, k] for k, name in enumerate(names)}
+    column = silt.table(f"{folder}/dam_break.csv")
     T = column["T"]
-    marks = {name: draw.read_csv(f"{folder}/{name}.csv")[1] for name in
+    marks = {name: silt.table(f"{folder}/{name}.csv").rows for name in
              ("front_martin_moyce", "front_koshizuka_oka", "height_martin_moyce")}
     figure, (front, height, energy) = plt.subplots(1, 3, figsize=(14, 4.6), constrained_layout=True)
     front.plot(T, column["front"], color=COLOURS[0], label="silt")
@@ -114,5 +113,5 @@ if __name__ == "__main__":
     try:
         snapshots(sys.argv[1], *map(float, sys.argv[2:5]))
         curves(sys.argv[1], float(sys.argv[5]))
-    except draw.Refusal as refusal:
+    except silt.Error as refusal:
         sys.exit(f"draw_dam_break.py: {refusal}")

@@ -7,12 +7,14 @@
 import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-import needs  # noqa: E402,F401
-import draw  # noqa: E402
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python"))
+from silt import needs  # noqa: E402
+
+needs.or_exit()
 import numpy as np  # noqa: E402
-from canvas import Canvas  # noqa: E402
-from draw import COLOURS, DPI, plt  # noqa: E402
+import silt  # noqa: E402
+from silt import drawing as draw  # noqa: E402
+from silt.drawing import COLOURS, DPI, Canvas, plt  # noqa: E402
 
 WHOLE, FRAGMENT = (0.62, 0.66, 0.72), (0.84, 0.45, 0.10)
 
@@ -25,8 +27,8 @@ def finish(panel):
 
 def shares(folder):
     figure, (once, again) = plt.subplots(1, 2, figsize=(12.5, 4.8), constrained_layout=True)
-    points = draw.read_csv(f"{folder}/drop_test.csv")[1]
-    law = draw.read_csv(f"{folder}/drop_test_law.csv")[1]
+    points = silt.table(f"{folder}/drop_test.csv").rows
+    law = silt.table(f"{folder}/drop_test_law.csv").rows
     sizes = np.unique(points[:, 0])[::-1]
     for size, colour in zip(sizes, COLOURS):
         mine, line = points[points[:, 0] == size], law[law[:, 0] == size]
@@ -40,7 +42,7 @@ def shares(folder):
     draw.label_few_decades(once.xaxis, once.get_xlim())
     once.legend(frameon=False, loc="upper left")
 
-    table = draw.read_csv(f"{folder}/fatigue.csv")[1]
+    table = silt.table(f"{folder}/fatigue.csv").rows
     for speed, colour in zip(np.unique(table[:, 0])[::-1], COLOURS[2:]):
         mine = table[table[:, 0] == speed]
         again.plot(mine[:, 1], mine[:, 3], color=colour, lw=1.3)
@@ -59,7 +61,7 @@ def shares(folder):
 def fragments(folder, diameter, speed):
     figure, (curve, picture) = plt.subplots(1, 2, figsize=(12.5, 4.8))
     figure.subplots_adjust(0.07, 0.13, 0.99, 0.92, 0.08)
-    table = draw.read_csv(f"{folder}/sizes.csv")[1]
+    table = silt.table(f"{folder}/sizes.csv").rows
     table = table[table[:, 0] > 0.004 * diameter]
     curve.plot(1e3 * table[:, 0], table[:, 2], color=COLOURS[0], lw=1.3, label="breakage function")
     curve.errorbar(1e3 * table[:, 0], table[:, 1], 3 * table[:, 3], fmt="o", ms=5, mfc="white", color=COLOURS[5],
@@ -73,8 +75,8 @@ def fragments(folder, diameter, speed):
 
     # A corner of the plate from above: 6 by 4 grains.
     axes = draw.view_axes("top")
-    points, fields, _ = draw.read_vtp(f"{folder}/after.vtp")
-    places, radii = points.astype(float) @ axes.T, fields["radius"].astype(float)
+    grains = silt.read(f"{folder}/after.vtp")
+    places, radii = grains.points @ axes.T, grains["radius"].astype(float)
     bounds = [-1.5 * diameter, 16.5 * diameter, -1.5 * diameter, 10.5 * diameter]
     seen = np.all((places[:, :2] > [bounds[0], bounds[2]]) & (places[:, :2] < [bounds[1], bounds[3]]), axis=1)
     places, radii = places[seen], radii[seen]
@@ -91,5 +93,5 @@ if __name__ == "__main__":
     try:
         shares(sys.argv[1])
         fragments(sys.argv[1], float(sys.argv[2]), float(sys.argv[3]))
-    except draw.Refusal as refusal:
+    except silt.Error as refusal:
         sys.exit(f"draw_drop_test.py: {refusal}")

@@ -236,7 +236,7 @@ int simulate(const Scene& s, const example::Options& options) {
                          "the run of docs/shapes.md; a drum's angle is good to some 2 degrees");
   summary.write(options.out + "/summary.json");
   const bool drawn =
-      example::draw({"spheres", options.out + "/end.vtp", "--colour", "shape", "--walls",
+      example::draw({"draw", options.out + "/end.vtp", "--colour", "shape", "--walls",
                      options.out + "/drum.vtp", "--names", "spheres,super-ellipsoids,cubes",
                      "--title", silt::text(s.rpm, " rpm"), "--out", options.out + "/drum.png"}) &&
       example::draw({"curves", options.out + "/impacts.csv", "--x", "lost energy", "--y",

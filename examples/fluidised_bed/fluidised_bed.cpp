@@ -553,7 +553,7 @@ int simulate(const Scene& s, const example::Options& options) {
   summary.check_at_most("largest_overlap", sim.peak_overlap(), sim.guard.max_overlap);
   summary.write(options.out + "/summary.json");
 
-  std::vector<std::string> grains{"spheres"}, gas{"cells"};
+  std::vector<std::string> grains{"draw"}, gas{"cells"};
   grains.insert(grains.end(), pictures.begin(), pictures.end());
   const std::string bounds = silt::text("0,", s.width(), ",0,", s.high * s.cell);
   const std::string fast = silt::text("0,", std::round(5 * s.bubbling * measured) / 10);

@@ -240,7 +240,7 @@ void add_inputs(example::Summary& summary, const Scene& s, double U, int threads
 /// The pictures of a run whose tables are there; whether they could be drawn.
 bool draw_hot(const Scene& s, const std::string& out, const Pictures& pictures, double U) {
   const std::string range = silt::text(s.cold, ",", s.hot_gas);
-  std::vector<std::string> grains{"spheres"}, gas{"cells"};
+  std::vector<std::string> grains{"draw"}, gas{"cells"};
   grains.insert(grains.end(), pictures.grains.begin(), pictures.grains.end());
   gas.insert(gas.end(), pictures.gas.begin(), pictures.gas.end());
   grains.insert(grains.end(), {"--colour", "temperature", "--range", range, "--bounds",

@@ -291,7 +291,7 @@ int simulate(const Scene& s, const example::Options& options, Sim sim) {
   check_slopes(summary, s, options.quick, heap.angle(), run_out / aspect);
   summary.write(options.out + "/summary.json");
   const bool mixed = s.shapes == "mix";
-  std::vector<std::string> picture{"spheres", before, after, "--colour", mixed ? "shape" : "id"};
+  std::vector<std::string> picture{"draw", before, after, "--colour", mixed ? "shape" : "id"};
   if (mixed)
     picture.insert(picture.end(), {"--names", "spheres,multi-spheres,super-ellipsoids,cubes"});
   else

@@ -140,7 +140,7 @@ int simulate(const Scene& s, const example::Options& options) {
   summary.check_at_least("mean_rise_k", end.mean - s.start, 0.1);
   summary.write(options.out + "/summary.json");
   const bool drawn =
-      example::draw({"spheres", options.out + "/end.vtp", "--colour", "temperature", "--title",
+      example::draw({"draw", options.out + "/end.vtp", "--colour", "temperature", "--title",
                      silt::text(s.turns, " turns at ", s.rpm, " rpm"), "--out",
                      options.out + "/drum.png"}) &&
       example::draw({"curves", options.out + "/temperatures.csv", "--x", "time", "--y",

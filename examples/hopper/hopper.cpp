@@ -260,7 +260,7 @@ int simulate(Scene scene, const example::Options& options) {
   if (!scene.flat) summary.check_at_least("discharged_share", out / total, 0.99);
   summary.write(options.out + "/summary.json");
 
-  std::vector<std::string> arguments{"spheres"};
+  std::vector<std::string> arguments{"draw"};
   arguments.insert(arguments.end(), pictures.begin(), pictures.end());
   for (const char* a : {"--colour", "layer", "--view", "front", "--cut"}) arguments.push_back(a);
   arguments.push_back(silt::text("y=", scene.width / 2));
@@ -277,7 +277,7 @@ int simulate(Scene scene, const example::Options& options) {
                                    "solid fraction=0.2", "--title", "Mean speed, middle layer",
                                    "--out", options.out + "/flow.png"})) &&
       (!has_chains ||
-       example::draw({"chains", chains, "--slab",
+       example::draw({"draw", chains, "--slab",
                       silt::text("y=", scene.width / 2 - 3e-3, ",", scene.width / 2 + 3e-3),
                       "--walls", options.out + "/outlines.vtp", "--title", "Before opening",
                       "--out", options.out + "/chains.png"})) &&
@@ -301,7 +301,7 @@ int simulate(Scene scene, const example::Options& options) {
       options.out.c_str(),
       drawn ? "snapshots.png, flow.png, chains.png, discharge.png, contacts.png" : "",
       options.out.c_str(), options.out.c_str(), options.out.c_str());
-  if (!drawn) std::printf("(no pictures: draw.py needs Python 3 with numpy and matplotlib)\n");
+  if (!drawn) std::printf("(no pictures: they need Python 3 with numpy and matplotlib)\n");
   return summary.all_hold() ? 0 : 1;
 }
 

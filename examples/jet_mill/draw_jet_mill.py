@@ -7,14 +7,17 @@
 import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-import needs  # noqa: E402,F401
-import draw  # noqa: E402
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python"))
+from silt import needs  # noqa: E402
+
+needs.or_exit()
 import numpy as np  # noqa: E402
-from draw import COLOUR_MAP, COLOURS, plt  # noqa: E402
 from matplotlib.collections import EllipseCollection  # noqa: E402
 from matplotlib.colors import ListedColormap  # noqa: E402
 from matplotlib.patches import Circle  # noqa: E402
+import silt  # noqa: E402
+from silt import drawing as draw  # noqa: E402
+from silt.drawing import COLOURS, COLOUR_MAP, plt  # noqa: E402
 
 LEAST = 0.12  # [mm] smaller grains are drawn as large as that: two pixels
 DARK = ListedColormap(plt.get_cmap("viridis")(np.linspace(0, 0.85, 256)), "viridis without its light end")
@@ -48,11 +51,11 @@ def chamber(panel, radius, outlet, post, nozzle, offset):
 
 def mill(folder, shape):
     figure, (grains, gas) = plt.subplots(1, 2, figsize=(13, 5.9), constrained_layout=True)
-    points, fields, _ = draw.read_vtp(f"{folder}/end.vtp")
-    speed = np.linalg.norm(fields["velocity"], axis=1)
+    bed = silt.read(f"{folder}/end.vtp")
+    points, speed = bed.points, bed["|velocity|"]
     # The large ones below, so that all are seen.
-    order = np.argsort(-fields["radius"])
-    sizes = np.maximum(2e3 * fields["radius"][order], LEAST)
+    order = np.argsort(-bed["radius"])
+    sizes = np.maximum(2e3 * bed["radius"][order], LEAST)
     shown = EllipseCollection(sizes, sizes, np.zeros_like(sizes), units="xy", offsets=1e3 * points[order, :2],
                               offset_transform=grains.transData, cmap=DARK, lw=0)
     shown.set_array(speed[order])
@@ -62,7 +65,7 @@ def mill(folder, shape):
     grains.set_title(f"{len(points)} grains from above, those below {LEAST:g} mm drawn as {LEAST:g} mm")
     chamber(grains, *shape)
 
-    rows = draw.read_csv(f"{folder}/gas.csv")[1]
+    rows = silt.table(f"{folder}/gas.csv").rows
     xs, ys = np.unique(rows[:, 0]), np.unique(rows[:, 1])
     u, v, w = (np.full((len(ys), len(xs)), np.nan) for _ in range(3))
     at = np.searchsorted(ys, rows[:, 1]), np.searchsorted(xs, rows[:, 0])
@@ -77,7 +80,7 @@ def mill(folder, shape):
 
 
 def curve(panel, path, label, colour):
-    table = draw.read_csv(path)[1]
+    table = silt.table(path).rows
     if len(table):
         panel.plot(1e6 * np.append(table[0, 0], table[:, 1]), np.append(0, table[:, 4]), "-o", ms=3, color=colour,
                    label=label)
@@ -86,7 +89,7 @@ def curve(panel, path, label, colour):
 def milling(folder):
     figure, panels = plt.subplots(2, 2, figsize=(12.5, 8.6), constrained_layout=True)
     (over_time, counts), (sizes, energies) = panels
-    table = draw.read_csv(f"{folder}/sizes_over_time.csv")[1]
+    table = silt.table(f"{folder}/sizes_over_time.csv").rows
     t, ten, half, ninety = 1e3 * table[:, 0], *(1e6 * table[:, k] for k in (4, 5, 6))
     over_time.fill_between(t, ten, ninety, color=COLOURS[0], alpha=0.2, lw=0, label="x10 to x90")
     over_time.plot(t, half, color=COLOURS[0], label="x50")
@@ -94,7 +97,7 @@ def milling(folder):
     over_time.set_ylim(0, 1.25 * np.nanmax(ninety))
     over_time.legend(frameon=False, loc="upper right", ncol=2)
 
-    table = draw.read_csv(f"{folder}/breakage.csv")[1]
+    table = silt.table(f"{folder}/breakage.csv").rows
     t = 1e3 * table[:, 0]
     counts.plot(t, table[:, 1], color="0.5", ls="--", lw=1.2, label="grains in the mill")
     counts.plot(t, table[:, 2], color=COLOURS[0], label="broken so far at walls")
@@ -108,7 +111,7 @@ def milling(folder):
               title="Sizes at the end")
     sizes.legend(frameon=False, loc="upper left")
 
-    table = draw.read_csv(f"{folder}/impacts.csv")[1]
+    table = silt.table(f"{folder}/impacts.csv").rows
     # Classes of a factor of 2, as steps: an empty one goes down to the axis.
     edges = np.append(table[:, 0], table[-1:, 1])
     least = table[:, 2:4][table[:, 2:4] > 0].min(initial=np.inf)

@@ -7,14 +7,16 @@
 import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-import needs  # noqa: E402,F401
-import draw  # noqa: E402
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python"))
+from silt import needs  # noqa: E402
+
+needs.or_exit()
 import numpy as np  # noqa: E402
-from canvas import Canvas  # noqa: E402
-from draw import COLOURS, DPI, plt  # noqa: E402
 from matplotlib.colors import to_rgb  # noqa: E402
 from matplotlib.lines import Line2D  # noqa: E402
+import silt  # noqa: E402
+from silt import drawing as draw  # noqa: E402
+from silt.drawing import COLOURS, DPI, Canvas, plt  # noqa: E402
 
 RUNS = (("speed", "fixed speed", COLOURS[0]), ("torque", "fixed torque", COLOURS[5]))
 SMOOTH = 5  # rows
@@ -23,10 +25,8 @@ BLADE = 1  # the number of the wall
 
 def blade(folder, run):
     """Time [s], torque [N m], speed [1/min] and power [W] on the grains, means over SMOOTH rows."""
-    path = f"{folder}/blade_{run}.csv"
-    names, rows = draw.read_csv(path)
-    time, torque, angle = (rows[:, names.index(draw.find_name(name, names, "column", path))]
-                           for name in ("time", "torque z", "angle z"))
+    table = silt.table(f"{folder}/blade_{run}.csv")
+    time, torque, angle = table["time"], table["torque z"], table["angle z"]
     keep = slice(0, None, SMOOTH)
     work = np.concatenate(([0], np.cumsum(-torque[1:] * np.diff(angle))))[keep]
     twist = np.concatenate(([0], np.cumsum(-torque[1:] * np.diff(time))))[keep]
@@ -43,7 +43,7 @@ def curves(folder, torque, more):
         load.plot(time, load_now, color=colour, lw=1.3, label=name)
         speed.plot(time, speed_now, color=colour, lw=1.3)
         power.plot(time, power_now, color=colour, lw=1.3)
-        _, rows = draw.read_csv(f"{folder}/index_{run}.csv")
+        rows = silt.table(f"{folder}/index_{run}.csv").rows
         index.plot(rows[:, 1], rows[:, 2], color=colour, lw=1.7, label=f"{name}: colours, side by side")
         index.plot(rows[:, 1], rows[:, 3], color=colour, lw=1.4, ls="--", label=f"{name}: layers")
     for value in (torque, more):
@@ -75,8 +75,8 @@ def bed(folder, radius):
                                   height_ratios=(1, 0.5 * tall / radius))
     figure.subplots_adjust(0.01, 0.07, 0.99, 0.93, 0.03, 0.06)
     for (above, section), (name, title) in zip(panels.T, shown):
-        points, fields, triangles = draw.read_vtp(f"{folder}/{name}_walls.vtp")
-        blades = triangles[fields["wall"][triangles[:, 0]] == BLADE]
+        walls = silt.read(f"{folder}/{name}_walls.vtp")
+        points, blades = walls.points, walls.wall(BLADE)
         for panel, view, colour, cut, bounds in (
                 (above, "top", "colour", None, [-1.04 * radius, 1.04 * radius] * 2),
                 (section, "front", "layer", "y=0", [-1.04 * radius, 1.04 * radius, -0.04 * radius, tall])):
@@ -107,5 +107,5 @@ if __name__ == "__main__":
     try:
         curves(sys.argv[1], float(sys.argv[3]), float(sys.argv[4]))
         bed(sys.argv[1], float(sys.argv[2]))
-    except draw.Refusal as refusal:
+    except silt.Error as refusal:
         sys.exit(f"draw_mixer.py: {refusal}")

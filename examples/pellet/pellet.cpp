@@ -230,7 +230,7 @@ int simulate(const Scene& s, const example::Options& options) {
     summary.check_at_most("bonds_broken", static_cast<double>(sim.broken_bonds()), 0);
   summary.write(options.out + "/summary.json");
   const bool drawn =
-      example::draw({"spheres", options.out + "/end.vtp", "--walls", options.out + "/walls.vtp",
+      example::draw({"draw", options.out + "/end.vtp", "--walls", options.out + "/walls.vtp",
                      "--colour", "piece over pellet", "--title",
                      silt::text("After ", s.turns, " turns, coloured by the mass of the piece"),
                      "--out", options.out + "/drum.png"}) &&

@@ -213,7 +213,7 @@ int simulate(const Scene& s, const example::Options& options) {
                                     list(zaki_columns), "--marks", list(measured_columns),
                                     "--y-label", "settling velocity over the terminal one [-]",
                                     "--out", options.out + "/settling.png"}) &&
-                     example::draw({"spheres", picture, "--colour", "velocity", "--title",
+                     example::draw({"draw", picture, "--colour", "velocity", "--title",
                                     "a fifth of solids", "--out", options.out + "/column.png"});
   summary.print_checks();
   std::printf(

@@ -7,29 +7,31 @@
 import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-import needs  # noqa: E402,F401
-import draw  # noqa: E402
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python"))
+from silt import needs  # noqa: E402
+
+needs.or_exit()
 import numpy as np  # noqa: E402
-from canvas import Canvas  # noqa: E402
-from draw import DPI, plt  # noqa: E402
 from matplotlib.cm import ScalarMappable  # noqa: E402
 from matplotlib.collections import LineCollection  # noqa: E402
 from matplotlib.colors import ListedColormap, Normalize  # noqa: E402
+import silt  # noqa: E402
+from silt import drawing as draw  # noqa: E402
+from silt.drawing import DPI, Canvas, plt  # noqa: E402
 
 SHADES = {"dense": ("#7FB8DA", "#2E86C1", "#0B3C5D"), "loose": ("#F5B183", "#DD6B20", "#8A3208")}
 
 
 def tests(folder):
     """Rows of tests.csv, with name, shade and curve of each."""
-    _, rows = draw.read_csv(f"{folder}/tests.csv")
+    rows = silt.table(f"{folder}/tests.csv").rows
     seen = {"dense": 0, "loose": 0}
     for row in rows:
         name = "dense" if row[0] else "loose"
         shades = SHADES[name]
         shade = shades[min(seen[name], len(shades) - 1)]
         seen[name] += 1
-        yield name, shade, row, draw.read_csv(f"{folder}/{name}_{row[1]:g}kPa.csv")[1]
+        yield name, shade, row, silt.table(f"{folder}/{name}_{row[1]:g}kPa.csv").rows
 
 
 def curves(folder):
@@ -100,7 +102,8 @@ def box(folder, L, W, split, travel, above):
     panels[0].imshow(canvas.picture(), extent=bounds, aspect="equal", interpolation="none")
     panels[0].set_title("Grains, cut in the middle", fontsize=13)
 
-    lines, force = draw.pressing_lines(f"{folder}/contacts.vtp", f"y={W / 3},{2 * W / 3}")
+    thirds = [draw.Cut(f"y>{W / 3}", axes), draw.Cut(f"y<{2 * W / 3}", axes)]
+    lines, force = draw.pressing(silt.read(f"{folder}/contacts.vtp"), thirds)
     strong = np.quantile(force, 0.995)
     forces, chains = Normalize(0, strong), ListedColormap(plt.get_cmap("magma_r")(np.linspace(0.12, 0.9, 256)))
     share = np.minimum(force / strong, 1)
@@ -127,5 +130,5 @@ if __name__ == "__main__":
     try:
         curves(sys.argv[1])
         box(sys.argv[1], *(float(n) for n in sys.argv[2:7]))
-    except draw.Refusal as refusal:
+    except silt.Error as refusal:
         sys.exit(f"draw_shear_box.py: {refusal}")

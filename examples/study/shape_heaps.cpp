@@ -242,7 +242,7 @@ void roll(const Cases& cases, const Cubes& cubes, const Setting& setting,
   const std::string spheres_seen = setting.out + "/heap_spheres.vtp";
   const double shown = std::isfinite(by_heap) ? by_heap : coefficients.back();
   heap_of(sphere_with(shown), heap_size(setting), 1, spheres_seen);
-  example::draw({"spheres", cubes_seen, spheres_seen, "--view", "front", "--title", "cubes",
+  example::draw({"draw", cubes_seen, spheres_seen, "--view", "front", "--title", "cubes",
                  silt::text("spheres, mu_r = ", std::round(1000 * shown) / 1000), "--out",
                  setting.out + "/heaps.png"});
   if (example::draw({"curves", path, "--x", "rolling friction", "--y", "heap,drum", "--reference",

@@ -155,7 +155,7 @@ std::string processor() {
 }
 
 bool draw(const std::vector<std::string>& arguments) {
-  return run_script(SILT_DRAW_SCRIPT, arguments);
+  return run_script(SILT_PYTHON_PACKAGE, arguments);
 }
 
 bool run_script(const std::string& script, const std::vector<std::string>& arguments) {

@@ -97,7 +97,7 @@ class Summary {
 /// benchmarks/report.py has it.
 std::string processor();
 
-/// Runs draw.py with these arguments; false if there is no Python with numpy and matplotlib.
+/// Runs `silt draw`, `silt curves` or `silt cells` (docs/python.md) with these arguments; false if there is no Python with numpy and matplotlib.
 bool draw(const std::vector<std::string>& arguments);
 /// Runs a Python script of the example's own in the same way.
 bool run_script(const std::string& script, const std::vector<std::string>& arguments);

@@ -1,19 +1,18 @@
 # silt - BSD-3-Clause, see LICENSE
-"""Sheets of panels in the style of support/draw.py, and where their data come from."""
+"""Sheets of panels in the style of silt's pictures, and where their data come from."""
 
 import csv
 import os
 import sys
 
 here = os.path.dirname(os.path.abspath(__file__))
-sys.path.insert(0, os.path.join(here, "..", "support"))
+sys.path.insert(0, os.path.join(here, "..", "..", "python"))
+from silt import needs  # noqa: E402
 
-import needs  # noqa: E402,F401
+needs.or_exit()
 import numpy as np  # noqa: E402
-import draw as support  # noqa: E402
-from draw import COLOURS, Refusal, find_name, plt, read_csv, save  # noqa: E402,F401
-
-support.DPI = 100  # the pictures stand in the docs
+from silt import Error, table  # noqa: E402
+from silt.drawing import COLOURS, plt, save  # noqa: E402,F401
 
 
 class Folder:
@@ -22,13 +21,12 @@ class Folder:
     def __init__(self, path):
         self.path = path
 
-    def columns(self, table, *wanted):
-        file = os.path.join(self.path, table + ".csv")
-        names, rows = read_csv(file)
-        return [rows[:, names.index(find_name(w, names, "column", file))] for w in wanted]
+    def columns(self, name, *wanted):
+        read = table(os.path.join(self.path, name + ".csv"))
+        return [read[w] for w in wanted]
 
     def save(self, figure, name):
-        save(figure, os.path.join(self.path, name + ".png"))
+        save(figure, os.path.join(self.path, name + ".png"), 100)  # dpi: the pictures stand in the docs
         plt.close(figure)
 
 
@@ -38,7 +36,7 @@ def published(figure, series):
         points = [(float(r[2]), float(r[3])) for r in csv.reader(file)
                   if r[0] == figure and r[1] == series]
     if not points:
-        raise Refusal(f"file '{path}' has no points of '{figure}', '{series}'")
+        raise Error(f"file '{path}' has no points of '{figure}', '{series}'")
     return np.array(points).T
 
 

@@ -11,7 +11,7 @@ stderr and exit status 2.
 
 import sys
 
-from panels import COLOURS, Folder, Refusal, legend, line, name_axes, points, sheet, silt
+from panels import COLOURS, Error, Folder, legend, line, name_axes, points, sheet, silt
 import numpy as np
 
 KHARAZ = "Kharaz 2001"
@@ -326,7 +326,7 @@ def main():
         return 2
     try:
         draw_all(Folder(sys.argv[1]))
-    except Refusal as refusal:
+    except Error as refusal:
         sys.stderr.write(f"pictures.py: {refusal}\n")
         return 2
     return 0

@@ -19,3 +19,7 @@
 #include <silt/io/flow_observers.hpp>
 #include <silt/module/heat/fluid_convection.hpp>
 #include <silt/silt.hpp>
+
+#ifdef SILT_PRECOMPILED
+#include <silt/precompiled_fluid.hpp>
+#endif

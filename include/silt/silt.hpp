@@ -86,3 +86,8 @@
 #include <silt/shape/super_ellipsoid.hpp>
 #include <silt/simulation/contact_check.hpp>
 #include <silt/study/unequal_damping.hpp>
+
+// With CMake's silt::precompiled: simulations that are compiled in that library.
+#ifdef SILT_PRECOMPILED
+#include <silt/precompiled.hpp>
+#endif

@@ -41,6 +41,7 @@
 #include <silt/simulation/particle_edits.hpp>
 #include <silt/simulation/particle_readings.hpp>
 #include <silt/simulation/rank_access.hpp>
+#include <silt/simulation/rank_edits.hpp>
 #include <silt/simulation/wall_access.hpp>
 
 namespace silt::inline SILT_TARGET {
@@ -208,8 +209,11 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
     const double end = time_ + duration;
     std::int64_t last = step_ + static_cast<std::int64_t>(std::ceil(duration / dt_ * (1 - 1e-12)));
     if constexpr (has_events) engine_.events.wanted = (detail::wants_events(observers) || ...);
-    detail::on_all_ranks(*this, "the start of observers",
-                         [&] { (detail::begin(observers, *this, end), ...); });
+    const auto begin = [&] { (detail::begin(observers, *this, end), ...); };
+    if constexpr (has_ranks)
+      this->share_edits("the start of observers", begin);
+    else
+      begin();
     for (;; ++step_, time_ = time_at(step_)) {
       const bool stop = step_ >= last;
       if (!kicked_) {
@@ -222,7 +226,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
         if constexpr (has_breakage)
           if (!breaks_.events.empty()) detail::tell_all(*this, breaks_.events, observers...);
       }
-      if constexpr (has_ranks) (detail::watch(observers, *this), ...);
+      if constexpr (has_ranks)
+        engine_.ranks.until_later([&] { (detail::watch(observers, *this), ...); });
       if (kicked_ && sizeof...(Observers) > 0) {
         [[maybe_unused]] const bool again = std::exchange(observed_, true);
         const auto observe = [&] {
@@ -230,7 +235,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
           detail::check_given(engine_, gravity, step_, time_);
         };
         if constexpr (has_ranks)
-          engine_.ranks.together("observers", observe);
+          this->share_edits("observers", observe);
         else
           observe();
         if (scene_changed_) this->check_pairs();
@@ -239,13 +244,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
       if constexpr (has_breakage)
         if (kicked_ && coming_step() != dt_)
           change_step(coming_step()), engine_.include_speeds(), last = last_step(end);
-      if (kicked_) engine_.drift(dt_);
-      if constexpr (has_bonds) bonds_.turn(engine_, dt_);
-      if constexpr (detail::deforms<Domain>)
-        if (kicked_) engine_.move_box(domain_, dt_);
-      kicked_ = observed_ = false;
-      modules_.update(engine_, step_ + 1, time_at(step_ + 1), dt_);
-      if constexpr (Modules::flux) engine_.fluxes().book(dt_);
+      finish_step();
     }
     detail::on_all_ranks(*this, "the end of observers",
                          [&] { (detail::end(observers, *this), ...); });
@@ -300,71 +299,9 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   std::optional<double> time_step_limit(double speed) const;
 
  private:
-  /// One step up to the kick; then either drifts at once or stops for the observers.
-  void advance(bool observed) {
-    detail::move_walls(engine_.walls, time_, first_kick_ ? 0 : dt_);
-    check_walls();
-    if (first_kick_) detail::start_walls(engine_.walls, time_, dt_);
-    std::size_t present = 0;
-    if constexpr (Modules::flux) present = present_for_fluxes();
-    openings_.update(engine_, *this);
-    bool looks = false;  // at the time step
-    if constexpr (has_breakage) looks = this->break_due(), observed |= looks;
-    if constexpr (has_ranks) engine_.refresh_ghosts();
-    if constexpr (has_ranks && has_bonds) {
-      detail::RankBonds at_search(bonds_, engine_);
-      engine_.renew_lists(search_, domain_, step_, dt_);
-    } else {
-      engine_.renew_lists(search_, domain_, step_, dt_);
-    }
-    if constexpr (has_breakage)
-      if (!breaks_.events.empty()) detail::leave_out_overlaps(engine_, breaks_.newborn_from);
-    const auto act = [&] {
-      forces(observed, present);
-      first_kick_ = false;
-      kicked_ = observed;
-      if constexpr (has_bonds && !has_ranks) break_bonds();
-      if (looks) follow_sizes();
-      keep_limits();
-    };
-    if constexpr (has_ranks) {
-      engine_.together(observed ? "a step that observers see" : "a step", dt_, observed, act);
-      peak_overlap_ = std::max(peak_overlap_, engine_.largest_overlap);
-      if constexpr (Modules::flux)
-        if (engine_.fluxes().measured()) choose_flux_steps();
-      if constexpr (has_bonds) break_bonds_of_ranks();
-    } else {
-      act();
-    }
-  }
-  /// The forces of a step, and the integration.
-  void forces(bool observed, [[maybe_unused]] std::size_t present) {
-    detail::StepTimes times = times_of_step(observed);
-    times.record = engine_.record.begin(kept_, step_);
-    engine_.prepare_fluxes(modules_, time_, look_at_fluxes(present));
-    engine_.pair_forces(domain_, times);
-    engine_.wall_forces(times);
-    if constexpr (has_ranks) engine_.ghost_forces(domain_, times);
-    if constexpr (has_breakage) breaks_.weigh(engine_, this->breakage(), time_);
-    [[maybe_unused]] double bond_power = 0;
-    if constexpr (has_bonds) bond_power = bonds_.push(engine_, domain_, dt_);
-    if constexpr (has_bonds && has_ranks) engine_.bonds_break = bonds_.any_overloaded();
-    engine_.collect_fluxes();
-    if constexpr (Modules::in_pairs) act_in_pairs();
-    if constexpr (has_events) engine_.events.sort();
-    if constexpr (Fluid::active) couple();
-    if constexpr (Modules::push) push_modules();
-    book_step(times, bond_power);
-    using Advance = typename Engine::Advance;
-    if constexpr (detail::deforms<Domain>) engine_.kick_box(domain_, dt_, first_kick_, observed);
-    const double kick = first_kick_ ? Integrator::first_kick * dt_ : dt_;
-    engine_.push_walls(gravity, first_kick_ ? first_wall_kick * dt_ : dt_, dt_, first_kick_);
-    engine_.integrate(observed ? Advance::KickAndRecord : Advance::KickAndDrift, gravity, kick, dt_,
-                      first_kick_);
-    if constexpr (detail::deforms<Domain>)
-      observed ? engine_.record_flow(domain_) : engine_.move_box(domain_, dt_);
-  }
-
+  void advance(bool observed);
+  void forces(bool observed, std::size_t present);
+  void finish_step();
   std::size_t known(std::size_t k) const {
     if (k >= rows()) [[unlikely]]
       detail::refuse_row(k, rows());
@@ -414,6 +351,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   void prepare_fluid();
   double potential(std::size_t k) const { return -mass(k) * dot(gravity_booked_, position(k)); }
   void prepare();
+  void check_start();
+  void begin_run();
   double chosen_time_step() const;
   double step_for(double speed, double contact) const;
   double coming_step() const;
@@ -426,7 +365,6 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   std::string tips_at(double speed) const;
   double expected_speed() const;
   void share_scene();
-  void share_modules();
   std::optional<detail::ShortestContact> shortest_contact(double speed) const;
   double longest_travel_step(double speed) const;
   bool is_step_too_long() const;
@@ -436,6 +374,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   void keep_limits();
   std::string step_advice() const;
   void keep_rates(double back);
+  void keep_rates_of_walls();
   double time_at(std::int64_t step) const {
     return time_origin_ + static_cast<double>(step - step_origin_) * dt_;
   }
@@ -490,15 +429,17 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   detail::ContactsKept kept_ = detail::ContactsKept::Nothing;  // of the present step
   bool scene_changed_ = false;                                 // since the last run began
   struct SceneSize {
-    Box region;                    // [m] of centres
-    double speed = 0, radius = 0;  // [m/s] of surfaces, [m] the largest
-    double pushed = 0, rate = 0;   // [m/s2], [1/s] by modules
+    Box region;                                // [m] of centres
+    double speed = 0, radius = 0;              // [m/s] of surfaces, [m] the largest
+    double acceleration = 0, module_rate = 0;  // [m/s2], [1/s] by modules, the largest
   };
   struct RanksScene {
     SceneSize size;
     detail::Meetings meetings;
     double bond_rate = 0, bond_step = INFINITY;  // [1/s], [s] BondStage::Rate
     ParticleId bonded = no_particle;
+    double checked_overlap = 0;  // [-] of all ranks, when free walls were last looked at
+    detail::RankEdits edits;
   };
   [[no_unique_address]] std::conditional_t<has_ranks, RanksScene, Nothing> ranks_scene_;
   bool laws_changed_ = false;    // by what a restart accepted, until its run begins
@@ -512,5 +453,6 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
 #include <silt/simulation/deduction.hpp>
 #include <silt/simulation/parts.hpp>
 #include <silt/simulation/refused_simulation.hpp>
+#include <silt/simulation/step.hpp>
 #include <silt/simulation/with_fluid.hpp>
 #include <silt/simulation/with_modules.hpp>

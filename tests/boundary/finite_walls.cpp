@@ -140,4 +140,24 @@ TEST_CASE("finite walls: what makes no surface is refused") {
       "sphere_mesh: centre");
 }
 
+TEST_CASE("finite walls: a mesh's nearest point within a reach is the nearest of all, or none") {
+  const auto drum = silt::capped_cylinder({0, 0, -1}, {0, 0, 1}, 0.7, 24);
+  int found = 0, none = 0;
+  for (int i = -6; i <= 6; ++i)
+    for (int j = -6; j <= 6; ++j)
+      for (int k = -6; k <= 6; ++k) {
+        const Vec3d x{0.17 * i, 0.19 * j + 0.01, 0.23 * k};
+        const SurfacePoint all = drum.nearest_point(x);
+        for (const double reach : {0.1, 0.3, 1.0}) {
+          if (std::abs(all.distance - reach) < 1e-6) continue;
+          const auto near = drum.nearest_point(x, reach);
+          CHECK(near.has_value() == (all.distance < reach));
+          near ? ++found : ++none;
+          if (near) CHECK(near->distance == doctest::Approx(all.distance));
+        }
+      }
+  CHECK(found > 1000);
+  CHECK(none > 1000);
+}
+
 }  // namespace finite_walls_test

@@ -13,7 +13,7 @@
 #include <silt/io/particle_csv.hpp>
 #include <silt/mpi.hpp>
 
-#include "../parallel/rank_scene.hpp"
+#include "../parallel/rank_scenes.hpp"
 
 namespace {
 
@@ -35,9 +35,9 @@ int main(int argc, char** argv) {
   const double end = std::stod(argv[2]);
   const auto run = [&](auto& sim) { go_on(sim, folder, end); };
   if (argc > 3) {
-    rank_scene::with_bed({}, run);
+    silt_test::with_bed({}, run);
     return 0;
   }
   silt::Mpi mpi(argc, argv);
-  rank_scene::with_bed({}, run, silt::Ranks{mpi.comm(), silt::Bisection{}});
+  silt_test::with_bed({}, run, silt::Ranks{mpi.comm(), silt::Bisection{}});
 }

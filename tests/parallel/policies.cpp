@@ -137,6 +137,27 @@ TEST_CASE("ranks: Gear, a field and a force that reads it") {
   CHECK(velocity < 1e-10);
 }
 
+// Catches: ranks that choose steps of their own, as each knows its own particles' forces alone.
+TEST_CASE("ranks: where a module pushes on one rank alone, all take the step of one process") {
+  using Law = silt::HertzMindlin;
+  const Law::Material glass{
+      .youngs_modulus = 5e6, .poisson_ratio = 0.3, .restitution = 0.6, .friction = 0.4};
+  const auto step_of = [&](auto... ranks) {
+    silt::Simulation sim{silt_test::cloud(12, 4, 1), silt::Contacts<Law>{glass},
+                         silt::BodyForce{[](const silt::Seen& p) {
+                           return Vec3d{p.position.x > 0.09 ? 0.05 : 0.0, 0, 0};
+                         }},
+                         ranks...};
+    sim.threads = 1;
+    sim.run(0);
+    return sim.step_length();
+  };
+  const double one = step_of();
+  silt::run_on_ranks(3, [&](const silt::ThreadComm& comm) {
+    CHECK(step_of(silt::Ranks{comm, silt_test::WanderingSlabs{0, 0.11}}) == one);
+  });
+}
+
 }  // namespace
 
 }  // namespace parallel_policies_test

@@ -11,13 +11,12 @@
 
 #include <silt/io/observers.hpp>
 
-#include "rank_scene.hpp"
 #include "rank_scenes.hpp"
 
 namespace {
 
 namespace fs = std::filesystem;
-using namespace rank_scene;
+using namespace silt_test;
 using silt::load_checkpoint;
 
 TEST_CASE("rank kills: a process that is killed a hundred times loses no state that was saved") {

@@ -13,7 +13,7 @@
 #include <silt/io/wall_series.hpp>
 #include <silt/measure/stress.hpp>
 
-#include "rank_scene.hpp"
+#include "rank_scenes.hpp"
 #include "refusal.hpp"
 
 namespace parallel_rank_output_test {
@@ -21,7 +21,7 @@ namespace parallel_rank_output_test {
 namespace {
 
 namespace fs = std::filesystem;
-using namespace rank_scene;
+using namespace silt_test;
 using silt_test::refusal;
 
 bool holds(const std::string& all, const std::string& part) { return all.find(part) != all.npos; }
@@ -91,7 +91,7 @@ TEST_CASE("rank output: tables are those of one process, pieces have one index")
     const Folder many;
     silt::run_on_ranks(n, [&](const silt::ThreadComm& comm) {
       with_bed(
-          {}, [&](auto& sim) { write_all(sim, many.path); }, Ranks{comm});
+          {}, [&](auto& sim) { write_all(sim, many.path); }, bed_slabs(comm));
     });
     for (const char* name :
          {"table.csv", "floor.csv", "particles_000001200.csv", "contacts_000001200.csv"})
@@ -134,7 +134,7 @@ TEST_CASE("rank output: a rank without particles writes a piece with all arrays"
           CHECK(sim.size() == 9);
           CHECK(sim.ranks() == 8);
         },
-        Ranks{comm});
+        bed_slabs(comm));
   });
   const std::string empty = content(many / "particles_000000100_r7.vtp");
   CHECK(points_of(many / "particles_000000100_r7.vtp") == 0);
@@ -158,7 +158,7 @@ TEST_CASE(
           const std::lock_guard lock(mutex);
           seen.push_back(own);
         },
-        Ranks{comm});
+        bed_slabs(comm));
   });
   REQUIRE(seen.size() == 3);
   CHECK(seen[0] == seen[1]);
@@ -186,7 +186,7 @@ TEST_CASE(
                 const std::lock_guard lock(mutex);
                 ++told;
               },
-              Ranks{comm});
+              bed_slabs(comm));
         },
         10);
     CHECK(told == 3);
@@ -208,7 +208,7 @@ TEST_CASE("rank output: a file that rank 0 cannot write is told on all ranks") {
               CHECK(holds(words, "is a file"));
               CHECK_NOTHROW(sim.run(0.001));
             },
-            Ranks{comm});
+            bed_slabs(comm));
       },
       10);
 }
@@ -224,7 +224,7 @@ TEST_CASE("rank output: progress and warnings come from rank 0 alone") {
           sim.run(0.0002, silt::progress({.out = out}),
                   silt::on_warnings([&](const std::string& w) { warnings.push_back(w); }));
         },
-        Ranks{comm});
+        bed_slabs(comm));
   });
   std::rewind(out);
   std::string text(4096, '\0');

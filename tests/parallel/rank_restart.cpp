@@ -12,14 +12,13 @@
 #include <silt/io/observers.hpp>
 #include <silt/parallel/decomposition/slabs.hpp>
 
-#include "rank_scene.hpp"
 #include "rank_scenes.hpp"
 #include "refusal.hpp"
 
 namespace {
 
 namespace fs = std::filesystem;
-using namespace rank_scene;
+using namespace silt_test;
 using silt::load_checkpoint;
 using silt::save_checkpoint;
 using silt_test::has;

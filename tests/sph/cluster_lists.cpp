@@ -1,8 +1,10 @@
 // silt - BSD-3-Clause, see LICENSE
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <map>
 #include <utility>
+#include <vector>
 
 #include "support.hpp"
 
@@ -74,6 +76,79 @@ TEST_CASE("SPH lists: every pair within reach is listed once, under its own imag
         // Of one that is alone there is no more than what is near; packs list some beyond.
         if (width == 1) CHECK(listed == wanted);
       }
+}
+
+TEST_CASE(
+    "SPH lists: with slack they have every pair that comes near before a particle left its own") {
+  for (const bool repeats : {false, true}) {
+    CAPTURE(repeats);
+    const double reach = 0.14;
+    Packed p = scattered(3, repeats, 8, 5);
+    p.arrange(reach);
+    // A few go far, most do not; each goes as far as it may, towards a common place.
+    std::vector<double> slack(p.columns.size());
+    for (std::size_t k = 0; k < slack.size(); ++k) slack[k] = k % 9 == 0 ? 0.04 : 0.004;
+    p.lists.find(p.columns.rows, reach, silt::Team(1), slack);
+    std::vector<Vec3d> moved(slack.size());
+    for (std::size_t k = 0; k < slack.size(); ++k) {
+      const Vec3d x = p.columns.rows[k].position(), way = Vec3d{0.5, 0.5, 0.5} - x;
+      moved[k] = x + (0.999 * slack[k] / (norm(way) + 1e-9)) * way;
+      if (!p.is_there(k)) continue;
+      CHECK(p.lists.hold(k, moved[k]));
+      CHECK(!p.lists.hold(k, x + (1.001 * slack[k] / norm(way)) * way));
+    }
+    std::size_t wanted = 0, missing = 0, beyond = 0;
+    for (std::size_t pack = 0; pack < p.lists.first_pack(ClusterLists::Wall); ++pack)
+      for (std::size_t a = pack * 8; a < (pack + 1) * 8; ++a) {
+        if (!p.is_there(a)) continue;
+        std::map<std::size_t, int> seen;
+        for (const auto of : {p.lists.liquid(pack), p.lists.walls(pack)})
+          for (const auto e : of) ++seen[e.row()];
+        for (std::size_t b = 0; b < slack.size(); ++b) {
+          if (!p.is_there(b) || p.columns.kind[b] == ClusterLists::Probe) continue;
+          const Vec3d d = p.lists.repeats.shortest(moved[a] - moved[b]),
+                      before = way(p.columns.rows[a], p.columns.rows[b], p.lists.repeats);
+          if (!(norm(d) < reach)) continue;
+          ++wanted, missing += seen.count(b) == 0, beyond += norm(before) > reach;
+        }
+      }
+    CHECK(missing == 0);
+    CHECK(wanted > 5000);
+    CHECK(beyond > 100);  // that lists without slack would not have
+  }
+}
+
+TEST_CASE("SPH: places near liquid are found, and those farther than a cell beyond are not") {
+  for (const int dimensions : {2, 3})
+    for (const bool repeats : {false, true}) {
+      CAPTURE(dimensions);
+      CAPTURE(repeats);
+      Packed p = scattered(dimensions, repeats, 8, 11);
+      // Few of them, or all places would be near.
+      for (std::size_t k = 0; k < p.columns.size(); ++k)
+        if (k % (dimensions == 2 ? 40 : 10) != 0) p.columns.take_out(k);
+      const double reach = 0.09, cell = 0.5 * 0.05;
+      silt::detail::NearLiquid near;
+      near.find(p.columns, p.lists.repeats, reach, 0.05, dimensions == 2, silt::Team(2));
+      silt::Random random(2);
+      std::size_t wrong = 0, yes = 0, no = 0;
+      for (int n = 0; n < 3000; ++n) {
+        const double low = repeats ? 0 : -0.5, high = repeats ? 1 : 1.5;
+        const Vec3d x{random.uniform(low, high), dimensions == 2 ? 0 : random.uniform(low, high),
+                      random.uniform(low, high)};
+        double least = 1e300;
+        for (std::size_t k = 0; k < p.columns.size(); ++k)
+          if (p.columns.kind[k] == ClusterLists::Liquid)
+            least =
+                std::min(least, norm(p.lists.repeats.shortest(x - p.columns.rows[k].position())));
+        const bool is_near = near(x);
+        wrong += least < reach && !is_near, wrong += is_near && least > reach + 2 * 1.74 * cell;
+        yes += is_near, no += !is_near;
+      }
+      CHECK(wrong == 0);
+      CHECK(yes > 100);
+      CHECK(no > 100);
+    }
 }
 
 TEST_CASE("SPH lists: the order is the same for every number of threads") {

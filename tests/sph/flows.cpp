@@ -221,7 +221,7 @@ TEST_CASE("SPH: a uniform flow through a box that repeats stays one") {
              .region = {{0, 0, 0}, {0.4, 0, 0.4}},
              .dimensions = 2,
              .periodic = {true, false, true}},
-            Inviscid{},
+            ArtificialViscosity{.alpha = 0.1},
             NoDiffusion{},
             NoShifting{},
             time};

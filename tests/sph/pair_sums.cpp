@@ -45,8 +45,8 @@ struct Box3 {
     packed.arrange(2 * h + 0.1 * spacing);
     for (std::size_t m = 0; m < packed.columns.size(); ++m) {
       packed.columns.volume[m] = mass / packed.columns.rows[m].density;
-      sticking.push_back({random.uniform(-1, 1), dims == 2 ? 0 : random.uniform(-1, 1),
-                          random.uniform(-1, 1)});
+      sticking.push_back(
+          {random.uniform(-1, 1), dims == 2 ? 0 : random.uniform(-1, 1), random.uniform(-1, 1)});
     }
   }
   template <class Kernel>
@@ -156,6 +156,65 @@ TEST_CASE("SPH sums in mixed precision: as the formulas stand, to 5e-6 of the la
     compare<CubicSpline, float>(dimensions, LaminarViscosity{.kinematic = 1e-3, .alpha = 0.02},
                                 MolteniColagrossi{}, 5e-6);
     compare<WendlandC2, float>(dimensions, Inviscid{}, NoDiffusion{}, 5e-6);
+  }
+}
+
+namespace {
+
+/// What a pack's probes see of the liquid, against all particles one by one; `close`: of what each
+/// sum would be were all its parts of one sign.
+template <class Scalar>
+void compare_probes(int dimensions, double close) {
+  using Pairs = detail::SphPairs<WendlandC2, Inviscid, NoDiffusion, Shifting, Scalar>;
+  Box3 box(dimensions, 0.2, 1.0, Pairs::W, 3);
+  auto& c = box.packed.columns;
+  const Pairs pairs(box.constants<WendlandC2>(), {}, {}, box.packed.lists.extent());
+  c.brief.resize(c.size());
+  if constexpr (Pairs::mixed) pairs.shorten(c.rows, c.volume, c.brief);
+  const double h = box.h, norm_w = WendlandC2::normalisation(dimensions, h);
+  double worst = 0;
+  int well_seen = 0;
+  // Packs of walls look at the liquid as probes do.
+  const std::size_t first = box.packed.lists.first_pack(ClusterLists::Wall);
+  for (std::size_t p = first; p < std::min(first + 20, box.packed.lists.packs()); ++p) {
+    std::array<detail::SphSeen, Pairs::W> seen{};
+    pairs.look(p, c.rows, c.volume, box.packed.lists, seen, c.brief);
+    for (std::size_t l = 0; l < Pairs::W; ++l) {
+      const std::size_t a = p * Pairs::W + l;
+      if (!box.packed.is_there(a)) continue;
+      detail::SphSeen want;
+      box.for_neighbours(a, [&](std::size_t b, const Vec3d& away) {
+        if (c.kind[b] != ClusterLists::Liquid) return;
+        const SphRow& B = c.rows[b];
+        const Vec3d r = -1.0 * away;
+        const double w = c.volume[b] * norm_w * WendlandC2::weight(norm(r) / h), d = w * B.density;
+        want.weight += w, want.density += d, want.way += w * r, want.density_way += d * r;
+        want.velocity += w * B.velocity();
+        want.xx += w * r.x * r.x, want.xy += w * r.x * r.y, want.xz += w * r.x * r.z;
+        want.yy += w * r.y * r.y, want.yz += w * r.y * r.z, want.zz += w * r.z * r.z;
+      });
+      const detail::SphSeen& s = seen[l];
+      for (const double off :
+           {s.weight - want.weight, (s.density - want.density) / density,
+            norm(s.way - want.way) / h, norm(s.density_way - want.density_way) / (density * h),
+            norm(s.velocity - want.velocity), (s.xx - want.xx) / (h * h),
+            (s.xy - want.xy) / (h * h), (s.xz - want.xz) / (h * h), (s.yy - want.yy) / (h * h),
+            (s.yz - want.yz) / (h * h), (s.zz - want.zz) / (h * h)})
+        worst = std::max(worst, std::abs(off));
+      well_seen += want.weight > 0.3;
+    }
+  }
+  CHECK(worst < close);
+  CHECK(well_seen > 5);
+  if (Pairs::mixed) CHECK(worst > 1e-10);
+}
+
+}  // namespace
+
+TEST_CASE("SPH probes: what they see is as the formulas stand, in double and in mixed precision") {
+  for (const int dimensions : {2, 3}) {
+    compare_probes<double>(dimensions, 1e-12);
+    compare_probes<float>(dimensions, 1e-6);  // some ten digits of float
   }
 }
 

@@ -67,8 +67,12 @@ TEST_CASE("SPH: settings that cannot be are refused by name") {
                       "ShiftingByFastest.strength = 50");
   refuses<InputError>([] { Sph(water, setup, ShiftingByFastest{.threshold = 4}); },
                       "ShiftingByFastest.threshold = 4");
-  refuses<InputError>([] { Sph(water, setup, VerletTime{.restart = 0}); },
-                      "VerletTime.restart = 0");
+  refuses<InputError>([] { Sph(water, setup, VerletTime{.restart = 1}); },
+                      "VerletTime.restart = 1");
+  refuses<InputError>([] { Sph(water, setup, VerletTime{.restart = 8}); },
+                      "VerletTime.restart = 8 steps at SphSetup.courant = 0.2");
+  refuses<InputError>([] { Sph(water, setup, VerletTime{}, Inviscid{}, NoDiffusion{}); },
+                      "VerletTime with Inviscid and NoDiffusion");
   SphSetup longer = setup;
   longer.courant = 0.3;
   refuses<InputError>([&] { Sph(water, longer, VerletTime{}); }, "too long for VerletTime");

@@ -65,6 +65,12 @@ struct BondStiffness {
 ///   silt::bond_near(sim, 0.01 * radius);
 ///
 /// `seed` decides which bonds are the strong ones where strengths are scattered.
+///
+/// Source: as its model.
+/// Valid:  spheres, not in a DeformingBox, with an integrator of kicks and drifts.
+/// Units:  SI.
+/// Errors: InputError of its model; with other shapes and policies it does not compile.
+/// Tests:  tests/bond/build.cpp, tests/bond/checkpoint.cpp.
 template <BondModel M>
 struct Bonds {
   static constexpr bool is_bonds = true;

@@ -11,6 +11,11 @@
 namespace silt::inline SILT_TARGET {
 
 /// Space without periodic directions (default): costs nothing.
+/// Source: none.
+/// Valid:  every scene.
+/// Units:  [m].
+/// Errors: none.
+/// Tests:  tests/search/searches.cpp.
 struct OpenDomain {
   static constexpr bool is_domain = true;
   static constexpr bool periodic = false;
@@ -18,8 +23,15 @@ struct OpenDomain {
 
 /// A box that repeats in the directions named: what leaves on one side enters on the other.
 ///   silt::PeriodicBox{{.min = {0, 0, 0}, .max = {0.1, 0.1, 1}}, {true, true, false}}
-/// In a direction that does not repeat, `box` sets no limit. Walls repeat with it, but for planes and,
-/// across their axis, cylinders and cones around the particles (engine/lists/wall_images.hpp).
+/// In a direction that does not repeat, `box` sets no limit. Walls repeat with it, but for planes
+/// and, across their axis, cylinders and cones around the particles (engine/lists/wall_images.hpp).
+///
+/// Source: none: the nearest of the images.
+/// Valid:  at least three diameters of the largest particle long in each direction that repeats.
+/// Units:  [m].
+/// Errors: InputError for a box without such a direction, for a length that is not positive, or is
+///         too short for a particle.
+/// Tests:  tests/search/searches.cpp, tests/engine/wall_images.cpp.
 class PeriodicBox {
  public:
   static constexpr bool is_domain = true;

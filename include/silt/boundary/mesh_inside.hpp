@@ -72,16 +72,21 @@ inline double TriangleMesh::turns_by_solid_angle(const Vec3d& point) const {
 
 inline SurfacePoint TriangleMesh::nearest_point(const Vec3d& centre) const {
   const Vec3d arm = centre - vertices_[triangles_.front().front()];
-  double reach = std::sqrt(dot(arm, arm)) * (1 + 1e-9) + 2 * tolerance_;
-  std::optional<Nearest> best;
-  tree_.for_each_nearer(centre, reach, [&](std::uint32_t t) {
-    const auto found = nearest(t, centre, reach + tolerance_);
-    if (!found || (best && !(found->point.distance < best->point.distance))) return;
-    best = found, reach = found->point.distance;
-  });
+  const auto best = nearest_point(centre, std::sqrt(dot(arm, arm)) * (1 + 1e-9) + 2 * tolerance_);
   require(best.has_value(), "TriangleMesh: no triangle is nearest to ", centre,
           " [m]; the place must be finite");
-  return best->point;
+  return *best;
+}
+
+inline std::optional<SurfacePoint> TriangleMesh::nearest_point(const Vec3d& centre,
+                                                               double reach) const {
+  std::optional<SurfacePoint> best;
+  tree_.for_each_nearer(centre, reach, [&](std::uint32_t t) {
+    const auto found = nearest(t, centre, reach + tolerance_);
+    if (!found || (best && !(found->point.distance < best->distance))) return;
+    best = found->point, reach = found->point.distance;
+  });
+  return best;
 }
 
 }  // namespace silt

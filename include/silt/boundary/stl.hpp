@@ -24,6 +24,7 @@
 
 namespace silt::inline SILT_TARGET {
 
+/// How write_stl() writes: binary, or text.
 enum class StlFormat { Binary, Ascii };
 
 namespace detail {

@@ -72,6 +72,8 @@ class TriangleMesh {
 
   /// Where the surface comes nearest to `centre`, however far that is.
   SurfacePoint nearest_point(const Vec3d& centre) const;
+  /// ... if that is nearer than `reach`; up to a rounding beyond it, it may be found too.
+  std::optional<SurfacePoint> nearest_point(const Vec3d& centre, double reach) const;
 
   /// `candidates`: any numbers in ascending order that include all triangles with distance < reach.
   /// The feature of a contact is a triangle's number, or the number of triangles + an edge's, or

@@ -133,6 +133,7 @@ struct Wall {
   Vec3d driven_velocity(const Vec3d& place) const;
 };
 
+/// A wall, by its number or its name.
 using WhichWall = NumberOrName;
 
 inline Vec3d Wall::driven_velocity(const Vec3d& place) const {

@@ -64,6 +64,8 @@ struct BreakageRules {
 ///          the table of dust. The placing of fragments is silt's.
 /// Errors:  InputError naming field, value, unit and allowed range.
 /// Tests:   tests/breakage/.
+/// Valid:   spheres and polyhedra, not in a DeformingBox.
+/// Units:   SI; strengths and loads [N] or [J], as the load says.
 template <Strength S, Equivalence E, BreakageFunction B, Fatigue F = NoFatigue>
 struct Breakage {
   static constexpr bool is_breakage = true;

@@ -56,6 +56,7 @@ struct FragmentLimits {
   }
 };
 
+/// What fragment_sizes() draws for one event.
 struct FragmentSizes {
   std::vector<double> masses;  // [kg] descending, each of a diameter of at least dust_below
   double dust;                 // [kg] the parent's mass less that of all fragments

@@ -49,6 +49,7 @@ inline double jkr_pull_off(const AdhesivePair& pair) {
   check(pair);
   return 1.5 * std::numbers::pi * pair.work_of_adhesion * pair.R_eff;
 }
+/// The same [N] of stiff spheres (DMT), 2 pi w R*.
 inline double dmt_pull_off(const AdhesivePair& pair) { return 4.0 / 3.0 * jkr_pull_off(pair); }
 
 /// Overlap [m] <= 0 at which bodies pulled apart let go: -3/4 (pi^2 w^2 R*/E*^2)^(1/3). The pull is
@@ -65,6 +66,7 @@ inline double jkr_radius_at_rest(const AdhesivePair& pair) {
   return std::cbrt(4.5 * std::numbers::pi * pair.work_of_adhesion * pair.R_eff * pair.R_eff /
                    pair.E_eff);
 }
+/// Overlap [m] at which the force of a JKR contact is 0, without load.
 inline double jkr_overlap_at_rest(const AdhesivePair& pair) {
   const double a = jkr_radius_at_rest(pair);
   return a * a / (3 * pair.R_eff);

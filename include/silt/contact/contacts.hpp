@@ -247,6 +247,7 @@ class Contacts {
   RollingPair default_rolling_{};
 };
 
+/// True for Contacts<...>.
 template <class T>
 inline constexpr bool is_contacts = false;
 template <class Law, class... Options>

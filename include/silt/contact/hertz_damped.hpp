@@ -16,6 +16,12 @@ namespace silt::inline SILT_TARGET {
 ///   HuntCrossley    c_n = alpha k_H d^(3/2)     alpha [s/m]  never pulls; e from alpha v alone
 ///   LinearDashpot   c_n = c                     c [N s/m]    as in many codes; it jumps at touch
 /// dissipation_for() of contact/damped_impact.hpp finds the number for a restitution at a speed.
+///
+/// Source: as HertzDamped, whose parameter each of them is.
+/// Valid:  as HertzMindlin.
+/// Units:  SI; of `dissipation` as above.
+/// Errors: HertzDamped throws InputError naming field, value, unit and allowed range.
+/// Tests:  tests/contact/hertz_damped.cpp.
 struct KuwabaraKono {
   static constexpr std::string_view unit = "s";
   static constexpr double exponent = 0.5;  // of the overlap

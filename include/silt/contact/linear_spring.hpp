@@ -77,6 +77,11 @@ struct BasicLinearSpring {
 };
 
 /// As BasicLinearSpring, with a tangential spring and Coulomb friction.
+/// Source: equation (2) of BasicLinearSpring, P. A. Cundall, O. D. L. Strack 1979.
+/// Valid:  as BasicLinearSpring; spheres and bodies.
+/// Units:  SI. Shapes: Real = double or batch, lane = pair. History: 3 Reals [m].
+/// Errors: InputError naming field, value, unit and allowed range.
+/// Tests:  tests/contact/linear_spring.cpp, tests/physics/impact.cpp.
 template <DampingEnd End = DampingEnd::ZeroForce>
 struct BasicLinearSpringFriction {
   static constexpr double energy_exponent = 2;  // of the overlap

@@ -70,6 +70,7 @@ struct PackOf<1, Scalar> {
   using type = Scalar;
 };
 
+/// True for a pack of lanes, false for one number.
 template <class Real>
 inline constexpr bool is_batch = !std::is_floating_point_v<Real>;
 
@@ -167,6 +168,7 @@ inline Real load(const ScalarOf<Real>* aligned) {
   else
     return *aligned;
 }
+/// Writes a pack, or one number, to aligned memory; as load().
 template <class Real>
 inline void store(ScalarOf<Real>* aligned, const Real& x) {
   if constexpr (is_batch<Real>)
@@ -174,6 +176,7 @@ inline void store(ScalarOf<Real>* aligned, const Real& x) {
   else
     *aligned = x;
 }
+/// A vector a lane, of three columns.
 template <class Real>
 inline Vec3<Real> load3(const ScalarOf<Real>* x, const ScalarOf<Real>* y, const ScalarOf<Real>* z) {
   return {load<Real>(x), load<Real>(y), load<Real>(z)};

@@ -16,6 +16,10 @@ namespace silt::inline SILT_TARGET {
 /// Every law of silt can be asked what it stores (silt/contact/concept.hpp: stored()); one of your
 /// own must say so too.
 /// Tests: tests/study/energy_ledger.cpp, tests/sph/ledger.cpp.
+/// Source: none: a sum of works and of what laws say that they store.
+/// Valid:  laws, bonds and modules that say what they store.
+/// Units:  [J].
+/// Errors: does not compile with a law that does not say what it stores.
 struct EnergyLedger {
   static constexpr bool is_ledger = true;
 };

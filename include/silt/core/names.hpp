@@ -28,7 +28,9 @@ class NumberOrName {
   std::size_t number_ = none;
   std::string_view name_;
 };
+/// A material, by its number or its name.
 using WhichMaterial = NumberOrName;
+/// A form, likewise.
 using WhichForm = NumberOrName;
 
 namespace detail {

@@ -6,6 +6,11 @@
 namespace silt::inline SILT_TARGET {
 
 /// The precision axis of a Simulation and of an Sph: everything in double.
+/// Source: none.
+/// Valid:  every scene.
+/// Units:  none.
+/// Errors: none.
+/// Tests:  tests/engine/precision.cpp.
 struct Double {
   using PairScalar = double;
 };
@@ -16,6 +21,10 @@ struct Double {
 /// floats. Limits: a tangential spring that grows by less than 6e-8 of itself a step stays as it
 /// is; forces below 1e-19 N count as zero where their direction matters. Tests:
 /// tests/engine/precision.cpp.
+/// Source: none.
+/// Valid:  spheres and bodies of spheres, and Sph; convex bodies take Double.
+/// Units:  none.
+/// Errors: none.
 struct Mixed {
   using PairScalar = float;
 };

@@ -23,6 +23,7 @@ struct BasicQuaternion {
 };
 using Quaternion = BasicQuaternion<double>;
 
+/// The turn back.
 template <class Real>
 SILT_INLINE BasicQuaternion<Real> conjugate(const BasicQuaternion<Real>& q) {
   return {q.w, -q.x, -q.y, -q.z};

@@ -62,6 +62,7 @@ class CacheAligned {
   static constexpr std::size_t page = 2 << 20, large = 4 << 20;  // [B]
 };
 
+/// A vector whose memory begins at a line of the cache.
 template <class T>
 using AlignedVector = std::vector<T, CacheAligned<T>>;
 

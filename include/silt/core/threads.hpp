@@ -51,29 +51,17 @@ class Team {
     for_parts(ranges, [&](std::size_t r) { body(r, n * r / ranges, n * (r + 1) / ranges); });
   }
 
-  /// Calls body(part) for part = 0 ... parts-1. Not to be called from within a body.
+  /// Calls body(part) for part = 0 ... parts-1. Not to be called from within a body. One call of a
+  /// part is compiled, for one thread and for many alike: compilers spend most of their time on
+  /// bodies.
   template <class Body>
   void for_parts(std::size_t parts, const Body& body) const {
-    if (workers_.empty() || parts <= 1) {
-      for (std::size_t part = 0; part < parts; ++part) body(part);
-      return;
-    }
-    SILT_ASSERT(parts < limit);
-    call_.store([](const void* b, std::size_t part) { (*static_cast<const Body*>(b))(part); },
-                std::memory_order_relaxed);
-    body_.store(&body, std::memory_order_relaxed);
-    done_.store(0, std::memory_order_relaxed);
-    const std::uint64_t loop = (loop_.load(std::memory_order_relaxed) + 1) % loops;
-    const std::size_t n = shares_.size();
-    for (std::size_t t = 0; t < n; ++t)
-      shares_[t].left.store(Left{loop, parts * t / n, parts * (t + 1) / n}.packed());
-    loop_.store(loop);
-    loop_.notify_all();
-    take_parts(0);
-    wait(done_, [parts](std::size_t done) { return done == parts; });
+    run(parts, &body,
+        [](const void* b, std::size_t part) { (*static_cast<const Body*>(b))(part); });
   }
 
  private:
+  using Call = void (*)(const void*, std::size_t);
   static constexpr std::uint64_t limit = 1u << 20, loops = 1u << 24, stop = ~std::uint64_t{0};
 
   /// What is left of a thread's share: loop and parts from ... to-1, in 24 + 20 + 20 bits.
@@ -88,6 +76,25 @@ class Team {
   struct alignas(64) Share {
     std::atomic<std::uint64_t> left{0};
   };
+
+  void run(std::size_t parts, const void* body, Call call) const {
+    if (workers_.empty() || parts <= 1) {
+      for (std::size_t part = 0; part < parts; ++part) call(body, part);
+      return;
+    }
+    SILT_ASSERT(parts < limit);
+    call_.store(call, std::memory_order_relaxed);
+    body_.store(body, std::memory_order_relaxed);
+    done_.store(0, std::memory_order_relaxed);
+    const std::uint64_t loop = (loop_.load(std::memory_order_relaxed) + 1) % loops;
+    const std::size_t n = shares_.size();
+    for (std::size_t t = 0; t < n; ++t)
+      shares_[t].left.store(Left{loop, parts * t / n, parts * (t + 1) / n}.packed());
+    loop_.store(loop);
+    loop_.notify_all();
+    take_parts(0);
+    wait(done_, [parts](std::size_t done) { return done == parts; });
+  }
 
   static int checked(int threads) {
     require(threads >= 1 && threads <= 4096, "threads = ", threads, " must be in [1, 4096]");
@@ -136,7 +143,6 @@ class Team {
     for (T now = value.load(); !ready(now); now = value.load()) value.wait(now);
   }
 
-  using Call = void (*)(const void*, std::size_t);
   mutable std::atomic<std::uint64_t> loop_{0};
   mutable std::atomic<std::size_t> done_{0};
   mutable std::atomic<Call> call_{nullptr};

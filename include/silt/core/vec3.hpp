@@ -41,6 +41,7 @@ constexpr Real dot(const Vec3<Real>& a, const Vec3<Real>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
+/// The cross product.
 template <class Real>
 constexpr Vec3<Real> cross(const Vec3<Real>& a, const Vec3<Real>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
@@ -51,6 +52,7 @@ inline double norm(const Vec3d& a) { return std::sqrt(dot(a, a)); }
 /// The unit vector along `a`; `a` must not be zero.
 inline Vec3d normalised(const Vec3d& a) { return a * (1.0 / norm(a)); }
 
+/// True if all three components are finite.
 inline bool is_finite(const Vec3d& a) {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
 }

@@ -25,9 +25,9 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// What CoupledFlow is, of policies in this order; CoupledFlow itself takes them in any
-/// (coupled_flow_policies.hpp). Particles and a flow, each of which feels the other, unresolved or
-/// by two grids, a kernel or diffusion: the fluid of a Simulation, or of a loop of one's own.
+/// Particles and a flow, each of which feels the other, unresolved or by two grids, a kernel or
+/// diffusion: the fluid of a Simulation, or of a loop of one's own. CoupledFlow takes its policies
+/// in any order (coupled_flow_policies.hpp), and is this type then.
 ///
 ///   silt::FlowSolver flow(grid, air, {.model = silt::MomentumModel::A});
 ///   silt::Simulation sim{std::move(grains), silt::Contacts<silt::HertzMindlin>{glass},
@@ -48,11 +48,13 @@ namespace silt::inline SILT_TARGET {
 /// Particles beyond the grid feel no fluid. It is an averaging mode, which knows the cells, a
 /// ParticleExchange, which knows the particles, and a flow: FlowSolver, or any FlowOnGrid.
 ///
-/// Source: Z. Y. Zhou et al., J. Fluid Mech. 661 (2010) 482 (models); StepResponse.
 /// Heat, of a flow that has it: ParticleHeat.
+/// Source: Z. Y. Zhou et al., J. Fluid Mech. 661 (2010) 482 (models); StepResponse.
 /// Errors: those of FlowSolver and the averaging mode; InputError for spans that do not fit.
 /// Tests:  tests/coupling/coupled_flow.cpp, simulation.cpp, light_particles.cpp,
 ///         impulsive_start.cpp.
+/// Valid:  particles that the flow does not resolve; drag laws and modes as their own blocks say.
+/// Units:  SI.
 template <FlowOnGrid Flow, class Drag, class Mode, class... Forces>
 class BasicCoupledFlow {
  public:

@@ -55,6 +55,9 @@ concept MeshFlow = requires(F& flow, const F& seen, const CellLoads& loads, doub
 ///
 /// Errors: InputError for settings; Error, with a sentence, for particles that are too light.
 /// Tests:  tests/coupling/coupled_mesh.cpp; docs/code/own_mesh.cpp.
+/// Source: as CoupledFlow.
+/// Valid:  particles heavier than (1 - eps)/eps of the fluid.
+/// Units:  SI.
 template <CellSpace Space, MeshFlow Flow, class Drag, class... Forces>
 class CoupledMesh {
   using Exchange = ParticleExchange<Drag, Forces...>;

@@ -12,10 +12,13 @@ namespace silt::inline SILT_TARGET {
 
 /// Numbers of particles, one each; of vectors by direction.
 using ParticleColumn = std::vector<double>;
+/// Vectors of particles, a column for each direction.
 using ParticleColumns = std::array<ParticleColumn, 3>;
+/// The vector of particle p.
 inline Vec3d vector_of(const ParticleColumns& of, std::size_t p) {
   return {of[0][p], of[1][p], of[2][p]};
 }
+/// Makes all three columns n long.
 inline void resize(ParticleColumns& columns, std::size_t n) {
   for (ParticleColumn& c : columns) c.resize(n);
 }

@@ -54,6 +54,11 @@ concept FluidForce = requires(const F& f, const InFluid& at) {
 || F::follows_velocity;
 
 /// Lift in a shear (SaffmanMei).
+/// Source: as SaffmanMei (coupling/lift/saffman_mei.hpp).
+/// Valid:  as SaffmanMei.
+/// Units:  SI.
+/// Errors: none.
+/// Tests:  tests/coupling/lift.cpp, tests/coupling/simulation.cpp.
 struct ShearLift {
   static constexpr bool needs_curl = true;
   Vec3d force_on(const InFluid& p) const {
@@ -62,6 +67,11 @@ struct ShearLift {
 };
 
 /// Lift by spin (OesterleBuiDinh).
+/// Source: as OesterleBuiDinh (coupling/lift/magnus.hpp).
+/// Valid:  as OesterleBuiDinh.
+/// Units:  SI.
+/// Errors: none.
+/// Tests:  tests/coupling/lift.cpp, tests/coupling/simulation.cpp.
 struct SpinLift {
   static constexpr bool needs_curl = true;
   Vec3d force_on(const InFluid& p) const {
@@ -73,6 +83,11 @@ struct SpinLift {
 /// The fluid's torque against relative spin (rotational_torque), integrated exactly over the step
 /// with its coefficient held: T = (I/dt)(1 - exp(-C dt/I)) Omega with C Omega the torque now. It
 /// limits no step.
+/// Source: as rotational_torque() (coupling/lift/magnus.hpp).
+/// Valid:  as OesterleBuiDinh.
+/// Units:  SI.
+/// Errors: none.
+/// Tests:  tests/coupling/lift.cpp, tests/coupling/simulation.cpp.
 struct SpinTorque {
   static constexpr bool needs_curl = true;
   Vec3d torque_on(const InFluid& p) const {
@@ -90,6 +105,10 @@ struct SpinTorque {
 /// and Du/Dt of the same step: stable for light particles, and exact where a flow starts suddenly.
 /// Not with FollowedDrag, which knows no mass but the particle's: that does not compile.
 /// Source: unsteady/forces.hpp.
+/// Valid:  spheres, `coefficient` 0.5; other bodies with one of theirs.
+/// Units:  SI.
+/// Errors: does not compile with FollowedDrag.
+/// Tests:  tests/coupling/simulation.cpp, tests/coupling/impulsive_start.cpp.
 struct VirtualMass {
   double coefficient = 0.5;  // [-] of a sphere
   double added_mass(const InFluid& p) const { return coefficient * p.density * p.volume; }

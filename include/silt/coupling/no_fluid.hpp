@@ -6,6 +6,11 @@
 namespace silt::inline SILT_TARGET {
 
 /// No fluid around the particles (default).
+/// Source: none.
+/// Valid:  every scene.
+/// Units:  none.
+/// Errors: none.
+/// Tests:  tests/coupling/own_coupling.cpp.
 struct NoFluid {
   static constexpr bool active = false;
 };

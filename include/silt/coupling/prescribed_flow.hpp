@@ -37,6 +37,8 @@ concept VelocityField = requires(const V& velocity, const Vec3d& x, double t) {
 /// Valid:  dilute suspensions, whose drag does not change the flow.
 /// Errors: InputError for a density or viscosity that cannot be, and where u is not finite.
 /// Tests:  tests/coupling/prescribed_flow.cpp.
+/// Source: M. R. Maxey, J. J. Riley, Phys. Fluids 26 (1983) 883 (force of the undisturbed flow).
+/// Units:  SI.
 template <VelocityField Velocity, class Drag, class... Forces>
 class PrescribedFlow {
   using Exchange = ParticleExchange<Drag, Forces...>;

@@ -144,7 +144,9 @@ class Engine : public Tables<Composition> {
           ghost_rows_[particles.id[row]] = row;
       }
       const auto found = ghost_rows_.find(id);
-      return found == ghost_rows_.end() ? particles.size() : found->second;
+      // One that was removed stands there until the next search.
+      if (found == ghost_rows_.end() || particles.id[found->second] != id) return particles.size();
+      return found->second;
     }
     return k;
   }
@@ -168,6 +170,17 @@ class Engine : public Tables<Composition> {
     }
     if constexpr (Fluxes::active) fluxes_.renew();
     if (!rows.empty()) lists.leave(scene(domain, time_step), rows);
+  }
+  /// Takes ghosts out of all contacts whose particles, by their ids, are gone on their own ranks.
+  template <class IsGone>
+  void park_ghosts(const IsGone& is_gone) requires(of_ranks) {
+    const std::size_t parked = particles.parked;
+    std::size_t end = particles.size();
+    if constexpr (has_bodies) end = mover.bodies.size();
+    for (std::size_t k = this->owners(); k < end; ++k)
+      if (const ParticleId id = this->owner(k).id(); id != no_particle && is_gone(id))
+        this->park(k);
+    particles.parked = parked;  // which counts own ones
   }
   /// Gives the particle at place k another radius [m], of bodies that of the bounding sphere.
   void set_radius(std::size_t k, double radius, const Domain& domain, double time_step) {
@@ -201,7 +214,8 @@ class Engine : public Tables<Composition> {
     if constexpr (shares) shared_.renew(lists.pairs, particles, mover.bodies.size());
     if constexpr (convex) {
       mover.renew_convex_rows(particles);
-      if constexpr (of_ranks) agree_on_convex_rows(ranks, particles, mover);
+      if constexpr (of_ranks)
+        ranks.meet("a look at bodies"), agree_on_convex_rows(ranks, particles, mover);
       lists.pairs.use_more_history(mover.convex_rows.has_area());
     }
     if constexpr (ContactsType::several_materials)
@@ -313,12 +327,28 @@ class Engine : public Tables<Composition> {
     return walls.empty() ? std::nullopt : wall_pipeline_.crowded();
   }
 
-  /// The kick of driven walls over `kick_time` [s] by the loads of this step; see push_wall().
+  /// The kick of driven walls over `kick_time` [s] by the loads of this step; see push_wall(). On
+  /// many ranks by those of all, when these are known.
   void push_walls(const Vec3d& gravity, double kick_time, double time_step, bool first_kick) {
     for (std::size_t w = 0; w < walls.size(); ++w)
       if (walls[w].is_driven()) {
-        if (is_servo(walls[w].drive)) look_at_stiffness(*this, w);
+        if (is_servo(walls[w].drive))
+          look_at_stiffness(walls[w], [&](const LinearContact& of_liquid) {
+            if constexpr (of_ranks)
+              return LinearContact{ranks.of_servos[w][0], ranks.of_servos[w][1]};
+            else
+              return linear_of_servo(*this, w, of_liquid);
+          });
         push_wall(walls[w], gravity, kick_time, time_step, first_kick);
+      }
+  }
+  /// Before particles move on: what push_walls() will need of the contacts of this rank.
+  void look_at_servos() requires(of_ranks) {
+    ranks.of_servos.assign(walls.size(), {});
+    for (std::size_t w = 0; w < walls.size(); ++w)
+      if (is_servo(walls[w].drive)) {
+        const LinearContact own = linear_of_servo(*this, w);
+        ranks.of_servos[w] = {own.k, own.c};
       }
   }
   // --- integration --------------------------------------------------------------------------
@@ -338,10 +368,10 @@ class Engine : public Tables<Composition> {
     if (how == Advance::KickAndDrift && !deforms<Domain> && !of_ranks)
       lists.upkeep.used += largest_share * time_step;
   }
-  /// Does a step's work, which observers see on all ranks or on none; then all ranks know of each
-  /// other's speeds and overlaps, or throw what one has thrown (collective).
+  /// Does a step's work, which may find that observers see it, on all ranks or on none; then all
+  /// know of each other's speeds and overlaps, or throw what one has thrown (collective).
   template <class Work>
-  void together(const char* call, double time_step, bool observed,
+  void together(const char* call, double time_step, const bool& observed,
                 const Work& work) requires(of_ranks) {
     std::exception_ptr error;
     try {
@@ -350,10 +380,8 @@ class Engine : public Tables<Composition> {
       error = std::current_exception();
     }
     agree(call, error);
-    if (observed)
-      ranks.share_loads(walls);
-    else
-      lists.upkeep.used += largest_share * time_step;
+    ranks.share_loads(walls, observed);
+    if (!observed) lists.upkeep.used += largest_share * time_step;
   }
   void agree(const char* call, const std::exception_ptr& error = nullptr) requires(of_ranks) {
     std::array<double, 6> most{largest_speed,
@@ -373,6 +401,11 @@ class Engine : public Tables<Composition> {
   }
   /// Begins to give the ghosts the places and motions that they have on their own ranks.
   void refresh_ghosts() requires(of_ranks) { ranks.begin_refresh(particles, mover); }
+  /// ... and ends: between kick and drift of a step that is observed, where ghosts are a kick
+  /// behind.
+  void refresh_ghosts_now() requires(of_ranks) {
+    refresh_ghosts(), ranks.finish_refresh(particles, mover);
+  }
   /// After an observed state: the step will be `ratio` times as long.
   void change_step(double ratio) {
     mover.change_step(particles, ratio);

@@ -18,6 +18,7 @@
 
 namespace silt::inline SILT_TARGET {
 
+/// A sphere that pack() has placed.
 struct PlacedSphere {
   Vec3d position;  // [m]
   double radius;   // [m]
@@ -195,6 +196,7 @@ struct FillRequest {
   std::size_t trials = 10000;  // [-] Random: failed trials before it stops
 };
 
+/// What pack() has placed of what was asked for.
 struct FillResult {
   std::vector<PlacedSphere> spheres;
   std::size_t requested = 0;  // [-] spheres asked for (drawn, if a solid volume was given)

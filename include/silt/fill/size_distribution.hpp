@@ -172,6 +172,7 @@ inline SizeDistribution log_normal(double median, double geometric_standard_devi
 /// Whether fractions count spheres, or their mass (all of one density).
 enum class By { Number, Mass };
 
+/// A radius and its share, of table().
 struct SizeClass {
   double radius;    // [m]
   double fraction;  // [-]

@@ -70,6 +70,7 @@ struct Outflow {
   double pressure = 0;  // [Pa]
 };
 
+/// What a side of the flow's box is.
 using FlowSide = std::variant<NoSlip, FreeSlip, Inflow, Outflow>;
 
 namespace fluid_detail {

@@ -123,7 +123,7 @@ class FlowMean {
   }
 
   /// The plane of cells across direction d (0, 1, 2) that is nearest to `where` [m] along it, as a
-  /// table for `draw.py cells`: its two other coordinates [m], the components and length of the
+  /// table for `silt cells`: its two other coordinates [m], the components and length of the
   /// mean velocity [m/s], mean pressure [Pa] and mean voidage, of a flow with heat mean
   /// temperature.
   void write_plane(const std::string& path, int d, double where) const {

@@ -8,6 +8,7 @@
 
 namespace silt::inline SILT_TARGET {
 
+/// Options of a FlowSolver.
 struct FlowOptions {
   MomentumModel model = MomentumModel::A;
   double tolerance = 1e-6;    // [-] of the pressure's residual

@@ -38,6 +38,8 @@ namespace silt::inline SILT_TARGET {
 /// Valid:  flows with Re high enough for a logarithmic layer; over-produces k where flow stagnates.
 ///   kappa of its constants is 0.43, that of WallLaw 0.4.
 /// Tests:  tests/fluid/k_epsilon.cpp
+/// Units:  SI.
+/// Errors: InputError naming field, value, unit and allowed range.
 struct KEpsilon {
   double width = 0;         // [m] diameter of the pipe, distance of the plates
   double intensity = 0.05;  // [-] of what flows in: root of 2/3 k over the mean velocity

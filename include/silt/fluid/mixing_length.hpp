@@ -124,6 +124,8 @@ struct WallLaw {
 ///   sure where y+ of the first cells is below some 40 (FlowSolver::wall_units()): there friction
 ///   is up to 13 % too high, and 35 % along walls askew to the cells.
 /// Tests:  tests/fluid/turbulence.cpp
+/// Units:  SI.
+/// Errors: InputError naming field, value, unit and allowed range.
 struct MixingLength {
   double half_width = 0;  // [m] R: radius of the pipe, half the distance of the plates
 

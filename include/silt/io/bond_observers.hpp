@@ -131,7 +131,7 @@ void write_bonds(const std::string& file, const Sim& sim) {
   });
 }
 
-/// Writes `folder/bonds.pvd`, a time series of lines as in write_bonds(), for ParaView or draw.py.
+/// Writes `folder/bonds.pvd`, a time series of lines as in write_bonds(), for ParaView or `silt draw`.
 ///   sim.run(1.0, silt::bond_series("out", silt::every(0.01)));
 inline detail::BondSeries bond_series(std::string folder, Schedule schedule) {
   return {std::move(folder), schedule};

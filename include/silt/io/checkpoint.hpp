@@ -55,8 +55,8 @@ class Checkpoint {
 
  public:
   static void save(const Sim& sim, const std::string& path) {
-    if constexpr (Sim::has_ranks)
-      save_blocks(sim, path);
+    if constexpr (Sim::has_ranks)  // what users have changed of it is known to all ranks then
+      const_cast<Sim&>(sim).share_edits(), save_blocks(sim, path);
     else
       write(sim, path);
   }
@@ -224,7 +224,7 @@ class Checkpoint {
     if constexpr (has_rows_alone) {
       Merged merged(sim, accepted);
       if (!is_index) {
-        const std::size_t all = merged.count(in);
+        const std::size_t all = merged.count(in, path);
         merged.take(in, path, all * rank / ranks, all * (rank + 1) / ranks);
         return merged.finish(path, all, merged.safeguards());
       }
@@ -234,7 +234,10 @@ class Checkpoint {
       for (std::size_t b = 0; b < index.size(); before += index.owned[b], ++b) {
         const std::size_t first = std::max(from, before),
                           end = std::min(to, before + index.owned[b]);
-        if (first >= end && b > 0) continue;  // the first one tells of the scene
+        if (first >= end && b > 0) {  // the first one tells of the scene
+          if (rank == 0) merged.take_books(index.open(path, b), index.block(path, b));
+          continue;
+        }
         merged.take(index.open(path, b), index.block(path, b), first - before,
                     std::max(first, end) - before);
       }
@@ -243,8 +246,8 @@ class Checkpoint {
       throw InputError(
           text("checkpoint '", path, "' is of ", is_index ? index.size() : 1,
                " ranks, and this run has ", ranks,
-               ": a scene with bodies, bonds, breakage, a fluid, an energy ledger or fluxes "
-               "through contacts goes on on as many ranks as before; start as many"));
+               ": a scene with bonds, breakage, a fluid or fluxes through contacts goes on on "
+               "as many ranks as before; start as many"));
     }
   }
 
@@ -276,9 +279,9 @@ class Checkpoint {
 
   /// Whether all of the state is in rows and contacts, or is known to each rank, so that it can be
   /// put together from blocks.
-  static constexpr bool has_rows_alone =
-      !Sim::of_bodies && !Sim::has_bonds && !Sim::has_breakage && !Sim::has_ledger &&
-      !Sim::Modules::flux && !Sim::Fluid::active && !detail::deforms<typename Sim::Domain>;
+  static constexpr bool has_rows_alone = !Sim::has_bonds && !Sim::has_breakage &&
+                                         !Sim::Modules::flux && !Sim::Fluid::active &&
+                                         !detail::deforms<typename Sim::Domain>;
 
   struct Nothing {};
   template <bool Has, class T>

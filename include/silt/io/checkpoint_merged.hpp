@@ -35,15 +35,36 @@ class Checkpoint<Sim>::Merged {
   void take(const CheckpointReader& in, const std::string& name, std::size_t from, std::size_t to) {
     auto block = std::make_unique<Staged>(sim_);
     block->read(detail::CheckpointLoader(in, name), name, accepted_);
-    take_rows(*block, from, to);
+    if constexpr (Sim::of_bodies)
+      take_bodies(*block, from, to);
+    else
+      take_rows(*block, from, to);
     take_pairs(*block);
     take_walls(*block);
+    if constexpr (Sim::has_ledger) books_.push_back(block->book_);
     if (!first_) first_ = std::move(block);
   }
+  /// Takes nothing but the books of a block.
+  void take_books([[maybe_unused]] const CheckpointReader& in,
+                  [[maybe_unused]] const std::string& name) {
+    if constexpr (Sim::has_ledger) {
+      Staged block(sim_);
+      block.read_ledger(detail::CheckpointLoader(in, name));
+      books_.push_back(block.book_);
+    }
+  }
   /// How many particles there are in the file of one process.
-  static std::size_t count(const CheckpointReader& in) {
-    const auto ids = in.get<ParticleId>("id");
-    return ids.size() - static_cast<std::size_t>(std::count(ids.begin(), ids.end(), no_particle));
+  std::size_t count(const CheckpointReader& in, [[maybe_unused]] const std::string& name) const {
+    if constexpr (Sim::of_bodies) {
+      std::vector<detail::Body> bodies;
+      detail::CheckpointLoader(in, name).rows("bodies", bodies,
+                                              detail::CheckpointLoader::any_count);
+      return static_cast<std::size_t>(std::count_if(
+          bodies.begin(), bodies.end(), [](const auto& b) { return b.id != no_particle; }));
+    } else {
+      const auto ids = in.get<ParticleId>("id");
+      return ids.size() - static_cast<std::size_t>(std::count(ids.begin(), ids.end(), no_particle));
+    }
   }
   std::uint64_t safeguards() const { return first_->clock_.safeguards; }  // of the first block
 
@@ -52,9 +73,12 @@ class Checkpoint<Sim>::Merged {
                                  std::uint64_t safeguards) {
     Staged& s = *first_;
     const std::size_t owned = own_.size();
+    if constexpr (Sim::of_bodies) s.block_.owners = own_bodies_.bodies.size();
     const typename Pairs::State pairs = put_pairs(path);
     const std::size_t ghosts = own_.size() - owned, rows = own_.size();
+    if constexpr (Sim::of_bodies) put_bodies(s);
     put_rows(s, ghosts);
+    if constexpr (Sim::has_ledger) put_books(s);
     put_lists(s, pairs, rows);
     const bool is_first = sim_.rank() == 0;
     s.clock_.safeguards = is_first ? safeguards : 0;
@@ -102,6 +126,59 @@ class Checkpoint<Sim>::Merged {
       ++number;
     }
   }
+  /// Bodies and what modules know of each; rows of the state beside them have their places.
+  struct Bodies {
+    std::vector<detail::Body> bodies;
+    [[no_unique_address]] std::remove_cvref_t<decltype(std::declval<Engine&>().modules())> fields;
+
+    std::uint32_t add(const detail::Body& body, auto& from, std::size_t k) {
+      bodies.push_back(body);
+      detail::for_each_column(
+          fields, [&](const auto& c, auto& values) { values.push_back(c.at(from)[k]); });
+      return static_cast<std::uint32_t>(bodies.size() - 1);
+    }
+  };
+  void take_bodies(Staged& block, std::size_t from, std::size_t to) {
+    State& p = block.particles_;
+    row_.assign(p.size(), no_row);
+    const std::size_t ghosts = block.block_.ghosts;
+    const std::size_t own = ghosts > 0 ? block.block_.owners : block.bodies_.size();
+    std::vector<std::uint32_t> place(block.bodies_.size(), no_place);
+    std::size_t number = 0;
+    for (std::size_t k = 0; k < own; ++k) {
+      if (block.bodies_[k].id == no_particle) continue;
+      if (number >= from && number < to) {
+        place[k] = own_bodies_.add(block.bodies_[k], block.fields_, k);
+        if (!block.synchronous_.empty()) synchronous_.push_back(block.synchronous_[k]);
+      }
+      ++number;
+    }
+    for (std::size_t k = 0; k < p.size() - ghosts; ++k)
+      if (const std::uint32_t body = place[p.part[k].body]; body != no_place) {
+        row_[k] = static_cast<std::uint32_t>(own_.size());
+        append_row(own_, p, k);
+        own_.part.back().body = body;
+      }
+  }
+  /// Keeps another rank's particle, of which this is a row.
+  void keep_other(Staged& block, std::uint32_t row) {
+    State& p = block.particles_;
+    if (other_.count(p.id[row]) > 0) return;
+    const auto keep = [&](std::uint32_t k) {
+      other_[p.id[k]] = others_.size();
+      append_row(others_, p, k);
+    };
+    if constexpr (Sim::of_bodies) {
+      const std::uint32_t of = p.part[row].body;
+      const detail::Body& b = block.bodies_[of];
+      const std::uint32_t body = other_bodies_.add(b, block.fields_, of);
+      first_row_.push_back(others_.size());
+      for (std::size_t k = 0; k < sim_.engine().mover.forms[b.form].parts.size(); ++k)
+        keep(block.rows_[b.first + k]), others_.part.back().body = body;
+    } else {
+      keep(row);
+    }
+  }
   void take_pairs(Staged& block) {
     State& p = block.particles_;
     const Pairs& pairs = block.lists_.pairs;
@@ -111,8 +188,7 @@ class Checkpoint<Sim>::Merged {
       if (p.is_parked(a) || p.is_parked(b)) return;
       pairs_.push_back({p.id[a], p.id[b], pairs.memory(k), row_[a] != no_row});
       for (const std::uint32_t end : {a, b})
-        if (row_[end] == no_row && other_.try_emplace(p.id[end], others_.size()).second)
-          append_row(others_, p, end);
+        if (row_[end] == no_row) keep_other(block, end);
     });
   }
   void take_walls(Staged& block) {
@@ -135,15 +211,26 @@ class Checkpoint<Sim>::Merged {
       return found != place.end() && found->second < owned;
     };
     std::erase_if(pairs_, [&](const PairMemory& m) { return !m.has_a && is_own(m.a); });
+    const auto append = [&](std::size_t row) {
+      place[others_.id[row]] = static_cast<std::uint32_t>(own_.size());
+      append_row(own_, others_, row);
+    };
     const auto row_of = [&](ParticleId id) {
-      const auto [found, is_new] = place.try_emplace(id, static_cast<std::uint32_t>(own_.size()));
-      if (is_new) {
-        if (!Sim::has_ranks)
-          throw FileError(text("checkpoint '", path, "' is damaged: particle ", id,
-                               ", which touches others, is in none of its blocks"));
-        append_row(own_, others_, other_.at(id));
+      if (const auto found = place.find(id); found != place.end()) return found->second;
+      if (!Sim::has_ranks)
+        throw FileError(text("checkpoint '", path, "' is damaged: particle ", id,
+                             ", which touches others, is in none of its blocks"));
+      const std::size_t row = other_.at(id);
+      if constexpr (Sim::of_bodies) {
+        const std::uint32_t of = others_.part[row].body;
+        const detail::Body& b = other_bodies_.bodies[of];
+        const std::uint32_t body = own_bodies_.add(b, other_bodies_.fields, of);
+        for (std::size_t k = 0; k < sim_.engine().mover.forms[b.form].parts.size(); ++k)
+          append(first_row_[of] + k), own_.part.back().body = body;
+      } else {
+        append(row);
       }
-      return found->second;
+      return place.at(id);
     };
     std::vector<typename Pairs::Brought> all;
     for (const PairMemory& m : pairs_) {
@@ -165,6 +252,24 @@ class Checkpoint<Sim>::Merged {
     s.synchronous_ = std::move(synchronous_);
     s.block_.ghosts = ghosts;
   }
+  /// Bodies, and which rows are their parts.
+  void put_bodies(Staged& s) {
+    const auto& forms = sim_.engine().mover.forms;
+    std::uint32_t first = 0;
+    for (detail::Body& b : own_bodies_.bodies)
+      b.first = first, first += static_cast<std::uint32_t>(forms[b.form].parts.size());
+    s.rows_.assign(own_.size(), no_place);
+    for (std::uint32_t k = 0; k < own_.size(); ++k)
+      s.rows_[own_bodies_.bodies[own_.part[k].body].first + own_.part[k].local] = k;
+    s.bodies_ = std::move(own_bodies_.bodies), s.fields_ = std::move(own_bodies_.fields);
+  }
+  /// The first rank has the sums of all ranks' books, the others what all know.
+  void put_books(Staged& s) {
+    s.book_ = books_.front();
+    if (sim_.rank() > 0) s.book_.forget_own();
+    for (std::size_t k = 1; k < books_.size() && sim_.rank() == 0; ++k)
+      s.book_.add_own_of(books_[k]);
+  }
   void put_lists(Staged& s, const typename Pairs::State& pairs, std::size_t rows) {
     const std::vector<double> none(rows, 0);
     auto& lists = s.lists_;
@@ -181,7 +286,10 @@ class Checkpoint<Sim>::Merged {
   State own_, others_;             // without pads
   decltype(Engine::Mover::synchronous) synchronous_;
   std::unordered_map<ParticleId, std::size_t> other_;  // rows of others_
-  std::vector<std::uint32_t> row_;                     // of the block's rows
+  [[no_unique_address]] If<Sim::of_bodies, Bodies> own_bodies_, other_bodies_;
+  std::vector<std::size_t> first_row_;  // in others_, of other_bodies_
+  std::vector<If<Sim::has_ledger, decltype(Sim::book_)>> books_;
+  std::vector<std::uint32_t> row_;  // of the block's rows
   std::vector<PairMemory> pairs_;
   std::vector<typename Walls::Kept> walls_;
 };

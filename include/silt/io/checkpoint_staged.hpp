@@ -138,12 +138,9 @@ class Checkpoint<Sim>::Staged {
       if constexpr (Sim::of_bodies)
         e.mover.ghosts = e.mover.bodies.size() - block_.owners,
         follow_bodies(e.ranks.neighbours, e.particles);
-      if constexpr (std::is_same_v<Parts, Nothing>)
-        e.ranks.part_anew();
-      else if (parts_)
-        e.ranks.set_parts(std::move(*parts_));
-      else
-        e.ranks.part_anew();
+      if (!parts_) e.ranks.part_anew();
+      if constexpr (!std::is_same_v<Parts, Nothing>)
+        if (parts_) e.ranks.set_parts(std::move(*parts_));
     }
     e.restored(clock_.largest_speed, clock_.largest_overlap, clock_.largest_share);
   }

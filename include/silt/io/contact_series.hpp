@@ -180,7 +180,7 @@ void write_contact_csv(const std::string& file, const Sim& sim) {
 }
 
 /// Writes `folder/contacts.pvd`, a time series of lines as in write_contacts(): force chains, in
-/// ParaView with the filter Tube, or by draw.py.
+/// ParaView with the filter Tube, or by `silt draw` (docs/python.md).
 ///   sim.run(1.0, silt::contact_series("out", silt::every(0.01)));
 inline detail::ContactSeries<false> contact_series(std::string folder, Schedule schedule) {
   return {std::move(folder), schedule};

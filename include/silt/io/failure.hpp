@@ -63,8 +63,8 @@ class FailureScene {
                "overlap [-] of the smaller radius", "approach [m/s]", "x [m]", "y [m]", "z [m]"},
               contacts_);
   }
-  /// Particles near those named, or only these and what touches them, for ParaView and `draw.py
-  /// spheres --colour role`: role 2 those that the error names, 1 those that touch them, 0 others.
+  /// Particles near those named, or only these and what touches them, for ParaView and `silt
+  /// draw --colour role`: role 2 those that the error names, 1 those that touch them, 0 others.
   void write_particles_vtp(const std::string& path, bool others) const {
     std::vector<std::size_t> shown;
     for (const std::size_t k : near_)
@@ -233,7 +233,7 @@ std::string lines_of_names(const Sim& sim) {
 ///                    that touch them
 ///   contacts.csv     the contacts of those named, the deepest first
 ///   touching.vtp     those named and those that touch them, with `role`: 2 named, 1 touching; for
-///                    ParaView, or `draw.py spheres touching.vtp --colour role`
+///                    ParaView, or `silt draw touching.vtp --colour role`
 ///   around.vtp       the same with all that lies around them, of role 0
 ///   walls.vtp        the walls around
 ///

@@ -104,7 +104,7 @@ void check_place(const Sim& sim, const char* what, const std::string& name, cons
 }  // namespace detail
 
 /// Velocity [m/s] (between the particles), pressure [Pa] and voidage at points, a row a time, in
-/// the table `path`; with FlowOutput{.temperature = true} temperature [K] too; for `draw.py
+/// the table `path`; with FlowOutput{.temperature = true} temperature [K] too; for `silt
 /// curves`.
 ///
 ///   sim.run(1.0, silt::flow_probes("probes.csv", {{"axis", {0, 0, 0.1}}}, silt::every(0.01)));
@@ -180,7 +180,7 @@ inline auto pressure_taps(const std::string& path, std::vector<PressureTap> taps
 
 /// The flow along a line from one point to another, at so many points, both ends included: a table
 /// `folder/name_<step>.csv` a time, with distance [m], place [m], velocity [m/s], pressure [Pa] and
-/// voidage, of a flow with heat temperature [K]. Points without fluid are left out. For `draw.py
+/// voidage, of a flow with heat temperature [K]. Points without fluid are left out. For `silt
 /// curves --x distance`.
 inline auto flow_profile(const std::string& folder, const std::string& name, const Vec3d& from,
                          const Vec3d& to, int points, Schedule schedule,
@@ -230,6 +230,7 @@ inline auto flow_profile(const std::string& folder, const std::string& name, con
   return detail::Checked{std::move(write), check};
 }
 
+/// Options of flow_average().
 struct FlowAverageOptions {
   double from = 0;                      // [s] of the simulation, from which on states count
   FlowOutput output{};                  // with the fluid's weight or without
@@ -239,7 +240,7 @@ struct FlowAverageOptions {
 
 /// Means of a flow over time. At its times it takes the flow as it is then for the time since the
 /// last; at the end of a run it writes `folder/mean_flow.vti` for ParaView, and a plane of it as
-/// `folder/mean_flow.csv` for `draw.py cells`. Given to several runs in turn it goes on; a restart
+/// `folder/mean_flow.csv` for `silt cells`. Given to several runs in turn it goes on; a restart
 /// begins anew.
 ///
 ///   auto mean = silt::flow_average("out", silt::every(1e-3), {.from = 0.5});

@@ -310,6 +310,7 @@ struct WallTriangles {
 
   bool operator==(const WallTriangles&) const = default;
 };
+/// The walls of a simulation as triangles; those without an end are cut to the box [m].
 template <class Sim>
 WallTriangles wall_triangles(const Sim& sim, const Box& around) {
   WallTriangles out;

@@ -38,6 +38,7 @@ class ToldWarnings {
 
 }  // namespace detail
 
+/// Options of progress().
 struct ProgressOptions {
   std::FILE* out = stderr;
   bool warnings = true;  // scene_warnings at the start; of inlets and servos at the end

@@ -15,6 +15,7 @@
 
 namespace silt::inline SILT_TARGET {
 
+/// Options of coordination().
 struct CoordinationOptions {
   bool walls = true;      // a wall's surface that a particle touches counts as a partner
   std::size_t least = 2;  // partners that hold a particle; with fewer it is a rattler

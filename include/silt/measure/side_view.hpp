@@ -116,6 +116,7 @@ inline Picture smoothed(const Picture& picture, std::size_t n) {
   return out;
 }
 
+/// Options of repose_line().
 struct ReposeOptions {
   double level = 0.5;      // [-] of the frames in which a pixel of the bed is covered
   double smooth = 5e-3;    // [m] half the side of the squares that the bed is smoothed over

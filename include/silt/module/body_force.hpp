@@ -17,6 +17,11 @@ namespace silt::inline SILT_TARGET {
 ///
 /// The function returns a Vec3d [N], or a Push with a torque. What else a module may say (rate(),
 /// update()) needs a struct: silt/module/concept.hpp. Tests: tests/engine/modules.cpp.
+///
+/// Source: none.
+/// Valid:  forces that change little within a time step.
+/// Units:  [N], [N m].
+/// Errors: what the function returns must be a Vec3d or a Push, or it does not compile.
 template <class Function, class Own = void>
 struct BodyForce;
 

@@ -20,6 +20,10 @@ struct FixedName {
 ///   sim.field<"charge">(k) = 1e-12;
 ///
 /// T: double or Vec3d. Tests: tests/engine/modules.cpp.
+/// Source: none.
+/// Valid:  every shape.
+/// Units:  the user's own.
+/// Errors: T other than double or Vec3d does not compile; an unknown name does not either.
 template <FixedName Name, class T = double>
 struct Field {
   static_assert(std::is_same_v<T, double> || std::is_same_v<T, Vec3d>,

@@ -22,6 +22,8 @@ namespace silt::inline SILT_TARGET {
 ///         with the hardness apart.
 /// Valid:  steady sliding of rough surfaces; k is measured, 1e-8 to 1e-2.
 /// Tests:  tests/physics/wear.cpp (a sphere that slides, exact).
+/// Units:  SI.
+/// Errors: InputError naming field, value, unit and allowed range.
 struct Archard {
   double coefficient = 0;  // [-] k > 0
   double hardness = 0;     // [Pa] H > 0 of the softer surface, the wall
@@ -48,6 +50,8 @@ struct Archard {
 /// Valid:  hard sharp grains on ductile metals, alpha < 45 degrees; at 90 degrees it gives nothing,
 ///         where metals wear a third of the most.
 /// Tests:  tests/physics/wear.cpp (V at angles on both sides of the border).
+/// Units:  SI.
+/// Errors: InputError naming field, value, unit and allowed range.
 struct Finnie {
   double flow_stress = 0;    // [Pa] p > 0
   double share_cutting = 1;  // [-] c of the grains that cut; 0.5 is usual for many
@@ -68,6 +72,7 @@ struct Finnie {
   }
 };
 
+/// A law of wear: `double volume(const WallRub&) const` [m3] of one contact in one step.
 template <class L>
 concept WearLaw = std::copyable<L> && requires(const L& law, const WallRub& c) {
   { law.volume(c) } -> std::convertible_to<double>;
@@ -85,6 +90,9 @@ concept WearLaw = std::copyable<L> && requires(const L& law, const WallRub& c) {
 /// and may have check(words).
 /// Errors: InputError naming the value; where no wall is a mesh.
 /// Tests:  tests/physics/wear.cpp
+/// Source: as its law.
+/// Valid:  walls that are triangle meshes and keep their form.
+/// Units:  [m3].
 template <WearLaw Law>
 struct Wear {
   Law law{};                       // of all walls but

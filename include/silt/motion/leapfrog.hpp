@@ -17,6 +17,8 @@ namespace silt::inline SILT_TARGET {
 /// Units:  SI. Shapes: one particle a call; rows of four whose last entry stays as it is.
 /// Errors: none.
 /// Tests:  tests/physics/conservation.cpp.
+/// Valid:  steps that resolve a contact; from dt c/m* = 2.4 on impacts gain energy
+///         (motion/concept.hpp).
 struct Leapfrog {
   static constexpr bool is_integrator = true;
   static constexpr std::size_t derivatives = 0;
@@ -45,12 +47,17 @@ struct Leapfrog {
   }
 };
 
+/// Its positions are those of velocity Verlet.
 using VelocityVerlet = Leapfrog;
 
 /// As Leapfrog, but velocities count as those of whole steps from the first one on, which is kicked
 /// by a whole step: semi-implicit Euler, first order. Positions are those of a leapfrog that began
 /// with another velocity, by half a step; energies stay as near.
 /// Tests: tests/physics/integrators.cpp.
+/// Source: as Leapfrog.
+/// Valid:  as Leapfrog.
+/// Units:  SI.
+/// Errors: none.
 struct SymplecticEuler : Leapfrog {
   static constexpr double first_kick = 1, lag = 0.5;
 };

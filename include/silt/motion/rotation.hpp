@@ -27,6 +27,10 @@ concept RotationIntegrator = requires(Quaternion q, Vec3d momentum, const Vec3d 
 /// and reversible; energy errs by a bounded amount, the angular momentum in space and the length of
 /// q not at all.
 /// Source: T. F. Miller et al., J. Chem. Phys. 116 (2002) 8649 (NO_SQUISH).
+/// Valid:  bodies of any shape and any turn within a step.
+/// Units:  SI; angular momentum [kg m2/s] in body axes.
+/// Errors: none.
+/// Tests:  tests/physics/rotation.cpp.
 struct NoSquish {
   static constexpr bool is_rotation = true;
 
@@ -101,6 +105,10 @@ struct NoSquish {
 /// same step; but the energy of a free body slowly drifts. For scenes that dissipate.
 /// Source: C. A. del Valle et al., Comput. Phys. Commun. 297 (2024) 109077 (SPIRAL, leapfrog form).
 ///         Recalled, the print was not read; tests/physics/rotation.cpp has its order.
+/// Valid:  as NoSquish; where energy is lost anyway.
+/// Units:  SI; angular momentum [kg m2/s] in body axes.
+/// Errors: none.
+/// Tests:  tests/physics/rotation.cpp.
 struct Spiral {
   static constexpr bool is_rotation = true;
 

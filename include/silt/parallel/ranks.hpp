@@ -17,6 +17,12 @@ namespace silt::inline SILT_TARGET {
 ///
 /// Every rank runs the same program: it makes the same particles, walls and calls of run(). Each
 /// has a part of the particles then, of which rows() and all that takes a place in memory speak.
+///
+/// Source: none; the decomposition has its own.
+/// Valid:  what docs/ranks.md lists; the rest is refused at compile time, or as the run starts.
+/// Units:  none.
+/// Errors: Error on all ranks alike, with the sentence of the rank that failed.
+/// Tests:  tests/parallel/policies.cpp, tests/parallel/spheres.cpp, tests/mpi/ranks.cpp.
 template <Communicator Comm, Decomposition<Comm> Parts = Bisection>
 struct Ranks {
   static constexpr bool is_ranks = true;

@@ -10,6 +10,8 @@ namespace silt::inline SILT_TARGET {
 ///
 /// Shapes: none. Units: SI. Errors: InputError for a sphere without a finite place or size.
 /// Tests: tests/search/searches.cpp.
+/// Source: none: the definition of a pair within reach.
+/// Valid:  every scene; for tests and small numbers of spheres.
 struct BruteForce {
   template <class Domain>
   void find(const SphereSet& spheres, double reach, const Domain& domain, const Team& team,

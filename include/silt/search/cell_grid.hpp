@@ -23,8 +23,8 @@ namespace silt::inline SILT_TARGET {
 /// nearly empty domains it stays right but slows down.
 /// Source: M. P. Allen, D. J. Tildesley, Computer Simulation of Liquids, 2nd ed., section 5.3.
 /// Shapes: none. Units: SI. Errors: InputError for a sphere without a finite place or size.
-/// Tests: tests/search/searches.cpp (pair sets identical to BruteForce),
-/// tests/search/cell_grid.cpp.
+/// Tests: tests/search/searches.cpp (pair sets identical to BruteForce).
+/// Valid:  spheres of any sizes; fast where sizes are similar and the domain is not nearly empty.
 class CellGrid {
  public:
   template <class Domain>

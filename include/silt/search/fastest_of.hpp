@@ -84,6 +84,8 @@ inline void sort_pairs(std::vector<IndexPair>& pairs, std::size_t spheres, const
 /// do not depend on the choice, to the last bit, only the time that they take does.
 /// Shapes: none. Units: SI. Errors: those of the searches.
 /// Tests:  tests/search/fastest_of.cpp.
+/// Source: silt's own.
+/// Valid:  every scene for which its searches are valid.
 template <NeighbourSearch... Finders>
 class FastestOf {
   static_assert(sizeof...(Finders) > 0, "FastestOf needs one search at least");

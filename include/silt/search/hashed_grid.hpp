@@ -33,6 +33,7 @@ namespace silt::inline SILT_TARGET {
 /// Shapes: none. Units: SI. Errors: InputError for levels that cannot be, and for a sphere without
 ///         a finite place or size.
 /// Tests:  tests/search/searches.cpp (pair sets identical to BruteForce), tests/search/levels.cpp.
+/// Source: of levels and sub-grids: Levels (search/levels.hpp); the search along rows is silt's.
 class HashedGrid {
  public:
   HashedGrid() = default;

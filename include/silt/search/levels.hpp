@@ -38,7 +38,9 @@ struct Levels {
     require(most >= 1 && most <= 64, "Levels.most = ", most, " must be in [1, 64]");
   }
 };
+/// One grid for all sizes.
 inline constexpr Levels one_level{.ratio = {}, .most = 1};
+/// One more grid for fines, of cells `ratio` [-] as wide as those of the coarse.
 constexpr Levels sub_grid(double ratio) { return {.ratio = ratio, .most = 2}; }
 
 namespace detail {

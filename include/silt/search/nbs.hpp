@@ -28,6 +28,7 @@ namespace silt::inline SILT_TARGET {
 /// soon as its contacts are known; here all are found at one instant. Shapes: none. Units: SI.
 /// Errors: InputError for a sphere without a finite place or size. Tests: tests/search/searches.cpp
 /// (pair sets identical to BruteForce).
+/// Valid:  spheres of any sizes; fast where sizes are similar.
 class Nbs {
  public:
   template <class Domain>

@@ -18,6 +18,8 @@ namespace silt::inline SILT_TARGET {
 /// Source: L. Verlet, Phys. Rev. 159 (1967) 98.
 /// Errors: InputError for a skin that is not finite and positive.
 /// Tests:  tests/engine/list_upkeep.cpp.
+/// Valid:  every scene; a skin only changes the time that a run takes.
+/// Units:  [m].
 template <NeighbourSearch Finder = HashedGrid>
 struct VerletList {
   std::optional<double> skin = {};  // [m] > 0; left out: chosen from the motion

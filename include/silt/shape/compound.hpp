@@ -22,6 +22,9 @@ namespace silt::inline SILT_TARGET {
 /// inertia).
 /// Errors: check() throws InputError: no parts, or what a part's own check() says.
 /// Tests: tests/shape/compound.cpp
+/// Source: none: contacts are those of the parts.
+/// Valid:  as its parts; parts may overlap.
+/// Units:  SI.
 template <SolidShape S>
 struct Compound {
   static constexpr bool is_body = true, one_part = false;

@@ -34,6 +34,7 @@
 
 namespace silt::inline SILT_TARGET {
 
+/// Options of laguerre_cells().
 struct LaguerreOptions {
   int rounding = 2;  // [-] times that sites move to the centroids of their cells
 };

@@ -75,6 +75,10 @@ struct KindsAmong<KindList<First, Rest...>, Shapes...> {
 /// Parts of MultiSpheres in a mix do not share the stiffness of a contact
 /// (engine/contact/shared_contacts.hpp).
 /// Tests: tests/engine/mix.cpp
+/// Source: none: each pair of shapes has its own narrow phase.
+/// Valid:  as its shapes.
+/// Units:  SI.
+/// Errors: InputError of the shapes' own check().
 template <class... Shapes>
 struct Mix {
   static constexpr bool is_body = true;

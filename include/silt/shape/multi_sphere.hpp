@@ -28,6 +28,10 @@ namespace silt::inline SILT_TARGET {
 ///         than 4e10 radii from the origin, balls so far apart (some 1e5 radii) that the moment
 ///         about their line is lost in rounding.
 /// Tests: tests/shape/multi_sphere.cpp, tests/shape/translation.cpp, tests/engine/bodies.cpp.
+/// Source: volume and inertia of the union: shape/union_of_balls.hpp; the shared stiffness
+///         is silt's own.
+/// Valid:  spheres that touch or overlap; sums over contacts beside those of one smooth surface:
+///         docs/shapes.md.
 struct MultiSphere {
   static constexpr bool is_body = true;
 

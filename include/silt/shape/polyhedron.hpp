@@ -26,6 +26,8 @@ namespace silt::inline SILT_TARGET {
 ///         inside-out, self-touching or concave mesh (solid_mesh.hpp); faces that bound no convex
 ///         body (closed_faces.hpp); a radius below 0.
 /// Tests:  tests/shape/polyhedron.cpp, tests/shape/closed_faces.cpp
+/// Source: Steiner's formulas for the dilated body; hulls: shape/convex_hull.hpp; overlaps and
+///         normals: shape/narrow/solid_pairs.hpp.
 class Polyhedron {
  public:
   static constexpr bool is_body = true, one_part = true, is_cut_into_cells = true;

@@ -21,6 +21,7 @@ struct RotationMatrix {
   SILT_INLINE Vec3d back(const Vec3d& v) const { return {dot(x, v), dot(y, v), dot(z, v)}; }
 };
 
+/// The matrix of a turn.
 inline RotationMatrix rotation_matrix(const Quaternion& q) {
   const double xx = q.x * q.x, yy = q.y * q.y, zz = q.z * q.z;
   const double xy = q.x * q.y, xz = q.x * q.z, yz = q.y * q.z;
@@ -35,6 +36,7 @@ inline Symmetric3 turned(const RotationMatrix& r, const Symmetric3& s) {
   return tensor_along(r.x, r.y, r.z, s);
 }
 
+/// Where a body is and how it lies.
 struct RigidPose {
   Vec3d position{0, 0, 0};  // [m] of the body's origin
   RotationMatrix turn;      // body to space

@@ -8,6 +8,11 @@
 namespace silt::inline SILT_TARGET {
 
 /// A solid sphere.
+/// Source: geometry; I = 2/5 m r^2.
+/// Valid:  solid spheres of any radii.
+/// Units:  [m], [m3].
+/// Errors: Particles::add and fill throw InputError for a radius that is not positive.
+/// Tests:  tests/fill/packing.cpp, tests/physics/impact.cpp, tests/physics/conservation.cpp.
 struct Sphere {
   static constexpr double volume(double radius) {
     return 4.0 / 3.0 * std::numbers::pi * radius * radius * radius;

@@ -74,11 +74,12 @@ double Simulation<Policies...>::expected_speed() const {
       const Box b = detail::bounds_in_space(w, s);
       include(b.min), include(b.max);
     }
-  double pushed = 0;
-  if constexpr (has_ranks)
-    pushed = ranks_scene_.size.pushed;
-  else
-    pushed = modules_.largest_acceleration(engine_, time_);
+  const double pushed = [this] {
+    if constexpr (has_ranks)
+      return ranks_scene_.size.acceleration;
+    else
+      return modules_.largest_acceleration(engine_, time_);
+  }();
   const auto fall = [this, pushed](const Box& box) {
     const auto height = [](double low, double high) { return high > low ? high - low : 0.0; };
     const double x = height(box.min.x, box.max.x), y = height(box.min.y, box.max.y),
@@ -98,30 +99,22 @@ void Simulation<Policies...>::share_scene() {
     auto& ranks = engine_.ranks;
     ranks.measure(engine_.particles);
     SceneSize own;
-    for (std::size_t k = 0; k < rows(); ++k)
-      if (is_present(k)) {
-        own.speed = std::max(own.speed, surface_speed(k).sum());
-        own.region.include(position(k)), own.radius = std::max(own.radius, radius(k));
-      }
-    ranks_scene_ = {{ranks.union_of(own.region), ranks.max_of(own.speed), ranks.max_of(own.radius)},
-                    ranks.union_of_meetings(
-                        detail::meetings_of(engine_, openings_.inlets(), contacts_.materials()))};
-    engine_.agree("the start of a run");
-  }
-}
-
-/// Likewise of what modules do to the particles of all ranks (collective).
-template <class... Policies>
-void Simulation<Policies...>::share_modules() {
-  if constexpr (has_ranks && Modules::exist) {
-    using Stage = detail::ModuleStage<Modules, Domain>;
-    std::array<double, 2> most{0, 0};
-    detail::on_all_ranks(*this, "the pushes and rates of modules", [&] {
-      most = {modules_.largest_acceleration(engine_, time_),
-              modules_.fastest(engine_, time_, Stage::OfFluxes::Estimated).rate};
+    ranks.together("a look at the scene", [&] {
+      for (std::size_t k = 0; k < rows(); ++k)
+        if (is_present(k)) {
+          own.speed = std::max(own.speed, surface_speed(k).sum());
+          own.region.include(position(k)), own.radius = std::max(own.radius, radius(k));
+        }
+      using Stage = detail::ModuleStage<Modules, Domain>;
+      own.acceleration = modules_.largest_acceleration(engine_, time_);
+      own.module_rate = modules_.fastest(engine_, time_, Stage::OfFluxes::Estimated).rate;
     });
-    engine_.ranks.max_of(most);
-    ranks_scene_.size.pushed = most[0], ranks_scene_.size.rate = most[1];
+    std::array<double, 4> most{own.speed, own.radius, own.acceleration, own.module_rate};
+    ranks.max_of(most);
+    ranks_scene_.size = {ranks.union_of(own.region), most[0], most[1], most[2], most[3]};
+    ranks_scene_.meetings = ranks.union_of_meetings(
+        detail::meetings_of(engine_, openings_.inlets(), contacts_.materials()));
+    engine_.agree("the start of a run");
   }
 }
 

@@ -173,6 +173,27 @@ class EnergyBook {
                        {all[at + 3], all[at + 4], all[at + 5]},
                        {all[at + 6], all[at + 7], all[at + 8]}});
   }
+  /// Of many ranks' books, where another number of ranks goes on: each has what all know, and of
+  /// what ranks add up one may have the sum.
+  void forget_own() {
+    EnergyBook all;
+    all.last_ = last_;
+    for (Load& load : all.last_) load.force = load.torque = {0, 0, 0};
+    all.since_asked_ = since_asked_, all.last_power_ = last_power_;
+    all.damped_ = damped_, all.friction_ = friction_;
+    *this = all;
+  }
+  void add_own_of(const EnergyBook& other) {
+    stored_.add(other.stored_), at_start_.add(other.at_start_), work_.add(other.work_);
+    for (std::size_t w = 0; w < last_.size() && w < other.last_.size(); ++w)
+      last_[w].force += other.last_[w].force, last_[w].torque += other.last_[w].torque;
+    of_walls_ += other.of_walls_, openings_ += other.openings_;
+    changed_gravity_ += other.changed_gravity_, initial_ += other.initial_;
+    last_fixed_power_ += other.last_fixed_power_;
+    of_fluid_ += other.of_fluid_, of_modules_ += other.of_modules_;
+    breaking_ += other.breaking_, bond_damping_ += other.bond_damping_;
+    bond_breaking_ += other.bond_breaking_, last_bond_power_ += other.last_bond_power_;
+  }
   static constexpr std::size_t terms = sizeof(ContactEnergy<double>) / sizeof(double);
   static constexpr std::size_t least_size = 15 + 3 * terms;
 

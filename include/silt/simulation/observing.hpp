@@ -174,7 +174,7 @@ void tell_all([[maybe_unused]] const Sim& sim, const Log& log, const Observers&.
 template <class Sim, class Log, class... Observers>
 void tell_of_rank(const Sim& sim, const Log& log, const Observers&... observers) {
   if constexpr (Sim::has_ranks)
-    sim.engine().ranks.alone([&] { tell_all(sim, log, observers...); });
+    sim.engine().ranks.until_later([&] { tell_all(sim, log, observers...); });
   else
     tell_all(sim, log, observers...);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -16,12 +17,19 @@
 #include <silt/engine/checks/ended_contacts.hpp>
 #include <silt/engine/population/arrivals.hpp>
 #include <silt/fill/particles.hpp>
+#include <silt/parallel/comm.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
 /// What users change of single particles, between runs and in observers; a Simulation has these
 /// functions as its own. None of them makes the next step search: the lists stay right.
 /// InputError: there is no such particle, or a value that cannot be.
+///
+/// On many ranks a call acts on the rank that owns the particle, and does nothing on others: all
+/// may make it, or the owner alone, as in a loop over its own rows. Other ranks know of it when the
+/// observers of the step, or what stands before a run, have ended (share_edits); then an id that no
+/// rank has is refused. Sizes, materials and what is removed make the next step search there.
+/// Tests: tests/parallel/edits.cpp.
 template <class Sim>
 class ParticleEdits {
  public:
@@ -31,20 +39,25 @@ class ParticleEdits {
   /// residual().
   void remove(ParticleId id) {
     const std::size_t k = place_of(id, "remove");
+    if (is_elsewhere(k)) return;
     sim().book_leaving(k);
+    if constexpr (Sim::has_ranks) note_rows(), sim().ranks_scene_.edits.removed.push_back(id);
     if constexpr (Sim::has_ledger && !Sim::of_bodies && !deforms<typename Sim::Domain>)
       if (!sim().first_kick_) {
         const auto row = static_cast<std::uint32_t>(k);
         const EndedContacts ended(sim().engine_, sim().domain_, std::span(&row, 1),
                                   sim().kicked_ ? 0 : sim().dt_, sim().dt_);
         sim().book_.removed(ended.work, ended.normal);
+        if constexpr (Sim::has_ranks) note_ended(row);
       }
     sim().engine_.remove(k, sim().domain_, sim().dt_);
+    if constexpr (Sim::has_ranks) sim().engine_.lists.forget();
   }
   /// Gives the particle with this id another velocity [m/s], that of this instant.
   void set_velocity(ParticleId id, const Vec3d& velocity) {
-    const std::size_t k = place_of(id, "set_velocity");
     require(is_finite(velocity), "Simulation::set_velocity: ", velocity, " [m/s] must be finite");
+    const std::size_t k = place_of(id, "set_velocity");
+    if (is_elsewhere(k)) return;
     const auto before = sim().kinetic(k);
     const Vec3d change = velocity - sim().velocity(k);
     sim().engine_.change_velocity(k, change);
@@ -54,9 +67,10 @@ class ParticleEdits {
   /// The same of its angular velocity [rad/s].
   void set_angular_velocity(ParticleId id, const Vec3d& velocity) {
     static_assert(Sim::rotates, "set_angular_velocity: no policy makes these particles rotate");
-    const std::size_t k = place_of(id, "set_angular_velocity");
     require(is_finite(velocity), "Simulation::set_angular_velocity: ", velocity,
             " [rad/s] must be finite");
+    const std::size_t k = place_of(id, "set_angular_velocity");
+    if (is_elsewhere(k)) return;
     const auto before = sim().kinetic(k);
     const Vec3d change = velocity - sim().angular_velocity(k);
     sim().engine_.change_angular_velocity(k, change);
@@ -69,7 +83,6 @@ class ParticleEdits {
   /// the work of growth against its contacts, the normal force times the change of the radius, is
   /// not booked and stays in residual(). No contact is missed.
   void set_radius(ParticleId id, double radius) {
-    const std::size_t k = place_of(id, "set_radius");
     require(std::isfinite(radius) && radius > 0, "Simulation::set_radius: radius = ", radius,
             " [m] must be finite and greater than 0");
     if constexpr (Sim::Domain::periodic)
@@ -78,10 +91,13 @@ class ParticleEdits {
                 "Simulation::set_radius: the length ", sim().domain_.length(d),
                 " [m] of PeriodicBox must be at least 3 diameters of particle ", id, " of radius ",
                 radius, " m");
+    const std::size_t k = place_of(id, "set_radius");
+    if (is_elsewhere(k)) return;
     const double before = energy_of(k), smallest = sim().engine_.particles.smallest_radius;
     const double mass = sim().mass(k);
     sim().engine_.set_radius(k, radius, sim().domain_, sim().dt_);
     brought_in(k, before), feed_change(k, mass);
+    if constexpr (Sim::has_ranks) note_rows(), sim().engine_.lists.forget();
     // Lighter ones have shorter contacts, which the guard and the next run look at.
     sim().scene_changed_ = true, sim().scene_step_ = sim().step_;
     note_resized(id, "Simulation::set_radius");
@@ -93,14 +109,16 @@ class ParticleEdits {
     static_assert(Sim::ContactsType::several_materials,
                   "set_material: particles are of several materials with Contacts<Law, "
                   "SeveralMaterials> alone");
-    const std::size_t k = place_of(id, "set_material");
     require(which.by_name() || which.number() < sim().contacts_.materials(),
             "Simulation::set_material: material ", which.number(), " is not in the table of ",
             sim().contacts_.materials(), " materials");
     const std::size_t material = sim().contacts_.material_number(which);
+    const std::size_t k = place_of(id, "set_material");
+    if (is_elsewhere(k)) return;
     if (material >= sim().engine_.coefficients.materials)
       sim().engine_.set_coefficients(sim().contacts_);
     sim().engine_.set_material(k, material);
+    if constexpr (Sim::has_ranks) note_rows(), sim().engine_.lists.forget();
     sim().scene_changed_ = true, sim().checked_speed_ = 0;
   }
   /// Gives the body with this id the shape of another of forms(), by its number or its name; add()
@@ -110,6 +128,9 @@ class ParticleEdits {
   /// contacts stored as for remove().
   void set_form(ParticleId id, const WhichForm& which) {
     static_assert(Sim::of_bodies, "set_form: spheres have no form; set_radius changes their size");
+    require(!Sim::has_ranks,
+            "Simulation::set_form: bodies cannot be given another form on many ranks so far; leave "
+            "Ranks out, or remove the body and add one of the other form");
     const std::size_t k = place_of(id, "set_form");
     require(which.by_name() || which.number() < sim().forms().size(), "Simulation::set_form: form ",
             which.number(), " is none of the ", sim().forms().size(), " forms of the simulation");
@@ -138,7 +159,38 @@ class ParticleEdits {
     note_resized(id, "Simulation::set_form");
   }
 
+  /// On many ranks: what any of them has changed of its particles becomes known to all, so that
+  /// size() counts anew, and others' contacts with what was removed are gone (collective). Comes by
+  /// itself after observers, before runs, and before a checkpoint is written.
+  void share_edits() {
+    if constexpr (Sim::has_ranks) share_edits("changes of particles", [] {});
+  }
+
  protected:
+  /// ... after work() of each rank.
+  template <class Work>
+  void share_edits(const char* call, const Work& work) {
+    auto& s = sim();
+    auto& e = s.engine_;
+    auto& edits = s.ranks_scene_.edits;
+    const auto any = e.ranks.together(call, work, [&] {
+      const auto flag = [](bool is) { return is ? 1.0 : 0.0; };
+      return std::array<double, 5>{flag(!edits.missed.empty()), flag(edits.rows),
+                                   flag(!edits.removed.empty()), flag(s.scene_changed_),
+                                   flag(s.checked_speed_ == 0)};
+    });
+    if (any[3] > 0) s.scene_changed_ = true;
+    if (any[4] > 0) s.checked_speed_ = 0;
+    if (any[0] > 0) refuse_unknown(edits);
+    if (any[2] > 0) remove_from_others(edits);
+    if (any[1] > 0) {
+      e.particles.measure(), e.ranks.measure(e.particles);
+      if (e.coefficients.materials < s.contacts_.materials()) e.set_coefficients(s.contacts_);
+      e.lists.forget();
+      s.scene_step_ = s.step_;
+    }
+    edits = {};
+  }
   /// Which function has given the particle with this id its size in step `now` or the one before,
   /// after which its contacts are seen; null if none has.
   const char* resized_by(ParticleId id, std::int64_t now) const {
@@ -173,16 +225,77 @@ class ParticleEdits {
   }
   Sim& sim() { return static_cast<Sim&>(*this); }
 
+  /// Whether it is no own particle of this rank.
+  bool is_elsewhere([[maybe_unused]] std::size_t k) {
+    if constexpr (Sim::has_ranks)
+      return k >= sim().rows();
+    else
+      return false;
+  }
+  void note_rows() {
+    if constexpr (Sim::has_ranks) sim().ranks_scene_.edits.rows = true;
+  }
+  /// Of the contacts of an own sphere, which is being removed, with other ranks'.
+  template <class Row>
+  void note_ended(Row row) {
+    auto& s = sim();
+    const auto& e = s.engine_;
+    const auto& pairs = e.lists.pairs;
+    using Ended = EndedContacts<typename Sim::Engine, typename Sim::Domain>;
+    pairs.for_each([&](std::size_t k) {
+      const std::uint32_t a = pairs.first()[k], b = pairs.second()[k], other = a == row ? b : a;
+      if ((a != row && b != row) || other < e.particles.owned()) return;
+      const Ended one(e, s.domain_, typename Ended::OfPair{k}, s.kicked_ ? 0 : s.dt_, s.dt_);
+      s.ranks_scene_.edits.ended.push_back(
+          {e.particles.id[row], e.particles.id[other], one.work, one.normal});
+    });
+  }
+  /// Collective: all ids that ranks give, sorted.
+  std::vector<ParticleId> all_of(const std::vector<ParticleId>& own) {
+    auto all = gather(sim().engine_.ranks.comm(), std::span<const ParticleId>(own)).values;
+    std::sort(all.begin(), all.end());
+    return all;
+  }
+  /// Collective: an id that a rank does not have must be that of another one.
+  template <class Edits>
+  void refuse_unknown(Edits& edits) {
+    const auto found = all_of(edits.found);
+    const auto missed = std::exchange(edits.missed, {});
+    edits.found.clear();
+    sim().engine_.ranks.together("changes of particles by their ids", [&] {
+      for (const auto& [id, function] : missed)
+        require(std::binary_search(found.begin(), found.end(), id), "Simulation::", function,
+                ": there is no particle ", id,
+                " on any rank; it has left, or never was (Simulation::find tells its own rank)");
+    });
+  }
+  /// Collective: takes what was removed out of the ghosts. A contact of two particles that two
+  /// ranks have removed is booked by that of the lower id.
+  template <class Edits>
+  void remove_from_others(const Edits& edits) {
+    auto& e = sim().engine_;
+    const auto gone = all_of(edits.removed);
+    if constexpr (Sim::has_ledger)
+      for (const auto& c : edits.ended)
+        if (c.own < c.other || !std::binary_search(gone.begin(), gone.end(), c.other))
+          sim().book_.removed(c.work, c.normal);
+    e.park_ghosts([&](ParticleId id) { return std::binary_search(gone.begin(), gone.end(), id); });
+  }
+
   std::size_t place_of(ParticleId id, const char* function) {
     require(
         id != no_particle, "Simulation::", function,
         ": the id is silt::no_particle, which is that of places whose particle has left, and in "
         "a ContactEvent stands for a wall");
-    require(
-        !Sim::has_ranks, "Simulation::", function,
-        ": single particles cannot be changed on many ranks so far; leave Ranks out, or set what "
-        "they are before they are added");
     const std::size_t k = sim().find(id);
+    if constexpr (Sim::has_ranks) {
+      auto& edits = sim().ranks_scene_.edits;
+      if (k < sim().rows())
+        edits.found.push_back(id);
+      else
+        edits.missed.push_back({id, function});
+      return k;
+    }
     require(k < sim().rows(), "Simulation::", function, ": there is no particle ", id,
             "; it has left, or never was (Simulation::find tells)");
     return k;

@@ -24,8 +24,6 @@ std::size_t Simulation<Policies...>::add_wall(Surfaces surfaces,
   setup.surface_velocity.check();
   wall.belt = setup.surface_velocity;
   const bool is_driven = setup.drive.index() != 0;
-  require(!has_ranks || !is_driven,
-          "add_wall: a wall with a drive does not go with Ranks so far; give it a motion");
   require(!is_driven || !wall.motion,
           "add_wall: a wall has either a motion or a drive (servo, slide, hinge, free body), not "
           "both; leave one of them out");
@@ -229,6 +227,21 @@ void Simulation<Policies...>::book_leaving([[maybe_unused]] std::size_t k) {
 
 template <class... Policies>
 void Simulation<Policies...>::prepare() {
+  if constexpr (has_ranks) {
+    this->share_edits("the start of a run", [this] { check_start(), modules_.check(*this); });
+    share_scene();
+    if constexpr (has_bonds) this->share_bonds();
+    engine_.ranks.together("the time step of a run", [this] { begin_run(); });
+  } else {
+    check_start();
+    modules_.check(*this);
+    begin_run();
+  }
+}
+
+/// What a run is given.
+template <class... Policies>
+void Simulation<Policies...>::check_start() {
   require_positive("Guard.max_overlap", guard.max_overlap, "-");
   require_positive("Guard.max_time_step", guard.max_time_step, "-");
   require_positive("Guard.max_travel", guard.max_travel, "-");
@@ -266,10 +279,11 @@ void Simulation<Policies...>::prepare() {
   if (step_ > 0 || kicked_) detail::check_given(engine_, gravity, step_, time_);
   prepare_fluid();
   engine_.set_threads(threads);
-  if constexpr (has_ranks) share_scene();
-  if constexpr (has_ranks && has_bonds) this->share_bonds();
-  detail::on_all_ranks(*this, "the check of modules", [&] { modules_.check(*this); });
-  if constexpr (has_ranks) share_modules();
+}
+
+/// What follows from the scene, on many ranks from that of all.
+template <class... Policies>
+void Simulation<Policies...>::begin_run() {
   this->check_pairs();
   engine_.set_coefficients(contacts_);
   engine_.set_flux_coefficients(modules_, contacts_);
@@ -444,17 +458,32 @@ std::string Simulation<Policies...>::tips_at(double speed) const {
 /// overlap has grown by a quarter.
 template <class... Policies>
 void Simulation<Policies...>::keep_rates(double back) {
-  constexpr std::int64_t now_and_then = 1000;  // [steps]
   if (engine_.largest_overlap > 1.25 * checked_overlap_)
     checked_overlap_ = engine_.largest_overlap;
-  else if (step_ % now_and_then != 0)
+  else if (step_ % detail::looks_at_rates_every != 0)
     return;
   check_module_rates();
   const double dt = coming_step();
-  detail::check_free_walls(engine_, step_, time_, dt, guard.max_rate);
+  if constexpr (!has_ranks) detail::check_free_walls(engine_, step_, time_, dt, guard.max_rate);
   if (engine_.largest_overlap > 0)
     detail::ContactRates<Engine, Domain>(engine_, domain_, back, dt)
         .check(step_, time_, guard.max_rate);
+}
+
+/// The same of free walls on many ranks (collective).
+template <class... Policies>
+void Simulation<Policies...>::keep_rates_of_walls() {
+  if constexpr (has_ranks) {
+    const double overlap = engine_.largest_overlap;
+    double& checked = ranks_scene_.checked_overlap;
+    if (overlap > 1.25 * checked)
+      checked = overlap;
+    else if (step_ % detail::looks_at_rates_every != 0)
+      return;
+    if (std::any_of(engine_.walls.begin(), engine_.walls.end(),
+                    [](const Wall& wall) { return detail::is_free(wall.drive); }))
+      detail::check_free_walls_together(engine_, step_, time_, coming_step(), guard.max_rate);
+  }
 }
 
 }  // namespace silt

@@ -100,9 +100,8 @@ requires(!detail::make_a_simulation<Policies...>) class Simulation<Policies...> 
                 "(FluidCoupling, silt/coupling/concept.hpp)");
   static_assert(has_one_integrator, "Simulation takes one integrator (silt/motion/concept.hpp)");
   static_assert(has_one_rotation, "Simulation takes one rotation (silt/motion/rotation.hpp)");
-  static_assert(
-      has_one_precision,
-      "Simulation takes one precision: Double or Mixed (silt/core/precision.hpp)");
+  static_assert(has_one_precision,
+                "Simulation takes one precision: Double or Mixed (silt/core/precision.hpp)");
   static_assert(has_one_of_the_rest,
                 "Simulation takes one KernelsFor, one EnergyLedger and one ContactEvents");
   static_assert((detail::FitsIfModule<

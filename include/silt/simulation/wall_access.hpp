@@ -66,8 +66,10 @@ class WallAccess {
   /// The point [m] that torque and angular impulse are taken about from now on.
   void set_reference(const WhichWall& which, const Vec3d& point) {
     require(is_finite(point), "Simulation::set_reference: ", point, " [m] must be finite");
-    Wall& wall = all()[number(which)];
+    const std::size_t k = number(which);
+    Wall& wall = all()[k];
     const Vec3d back = wall.reference - point;
+    if constexpr (Sim::has_ranks) sim().engine_.ranks.move_reference(k, back);
     wall.torque += cross(back, wall.force), wall.angular_impulse += cross(back, wall.impulse);
     wall.reference = point;
   }

@@ -72,9 +72,9 @@ double Simulation<Policies...>::power_of_modules() const {
 template <class... Policies>
 double Simulation<Policies...>::longest_module_step() const {
   using Stage = detail::ModuleStage<Modules, Domain>;
-  double rate = 0;
+  double rate;
   if constexpr (has_ranks)
-    rate = ranks_scene_.size.rate;
+    rate = ranks_scene_.size.module_rate;
   else
     rate = modules_.fastest(engine_, time_, Stage::OfFluxes::Estimated).rate;
   return rate > 0 ? std::numbers::pi / 20 / rate : INFINITY;

@@ -43,12 +43,16 @@ class BodyPoints {
   std::size_t size() const { return points_.size(); }
   bool empty() const { return points_.empty(); }
   std::size_t body_of(std::size_t k) const { return points_[k].body; }
+  /// The first point of each body, and behind the last.
+  const std::vector<std::size_t>& begin() const { return begin_; }
   /// [-] of a particle's volume and mass.
   double share(std::size_t k) const { return points_[k].share; }
+  /// [m] From the centre, in the body's frame.
+  const Vec3d& own_place(std::size_t k) const { return points_[k].at; }
+  const Vec3d& own_ghost(std::size_t k) const { return points_[k].ghost; }
   Vec3d place(std::size_t k) const { return in_space(points_[k].body, points_[k].at); }
   Vec3d ghost(std::size_t k) const { return in_space(points_[k].body, points_[k].ghost); }
-  /// ... in the body's own frame, and a direction of that in space.
-  const Vec3d& in_body(std::size_t k) const { return points_[k].at; }
+  /// A direction of the body's frame in space.
   Vec3d turned(std::size_t k, const Vec3d& own) const {
     const Body& b = bodies[points_[k].body];
     return b.form == sphere ? own : rotate(b.axes, own);
@@ -79,9 +83,18 @@ class BodyPoints {
   template <class Visit>
   void for_those_that_go_farthest(const Visit& visit) const {
     for (std::size_t k = 0; k < points_.size(); ++k)
-      if (bodies[points_[k].body].form != sphere || k == 0 ||
-          points_[k - 1].body != points_[k].body)
-        visit(k);
+      if (tells_way(k)) visit(k);
+  }
+  bool tells_way(std::size_t k) const {
+    return bodies[points_[k].body].form != sphere || k == 0 ||
+           points_[k - 1].body != points_[k].body;
+  }
+  /// [m/s] of a point, at most.
+  double fastest(std::size_t k) const {
+    const Point& p = points_[k];
+    const Body& b = bodies[p.body];
+    const double arm = b.form == sphere ? 0 : std::max(norm(p.at), norm(p.ghost));
+    return norm(b.velocity) + norm(b.spin) * arm;
   }
   /// Whether a place `x` from the centre of a body is in it.
   bool holds(const Body& b, const Vec3d& x) const {
@@ -157,6 +170,7 @@ class BodyPoints {
       points_.push_back(
           {{p[0], p[1], p[2]}, {p[3], p[4], p[5]}, p[6], static_cast<std::uint32_t>(p[7])});
     }
+    find_begin();
   }
 
  private:
@@ -187,6 +201,12 @@ class BodyPoints {
       for (const BodySite& site : laid->second.sites)
         points_.push_back({site.at, site.ghost, laid->second.share, b});
     }
+    find_begin();
+  }
+  void find_begin() {
+    begin_.assign(bodies.size() + 1, 0);
+    for (const Point& p : points_) ++begin_[p.body + 1];
+    for (std::size_t b = 0; b < bodies.size(); ++b) begin_[b + 1] += begin_[b];
   }
   void add_shell(std::uint32_t body, double r, double up, const SphSetup& setup) {
     const double s = setup.spacing, pi = std::numbers::pi;
@@ -210,7 +230,8 @@ class BodyPoints {
 
   std::vector<std::optional<LiquidForm>> forms_;                // of bodies; none: a sphere
   std::map<std::pair<std::uint32_t, double>, BodySites> laid_;  // by form and radius
-  std::vector<Point> points_;
+  std::vector<Point> points_;                                   // body by body
+  std::vector<std::size_t> begin_{0};
   std::uint64_t version_ = 1;
 };
 

@@ -100,14 +100,25 @@ class ClusterLists {
   }
   std::size_t packs() const { return order_.size() / width; }
 
-  /// Finds all within `reach` [m] of each pack; `rows` stand in the order of sort().
-  void find(std::span<const SphRow> rows, double reach, const Team& team) {
+  /// Finds all within `reach` [m] of each pack; `rows` stand in the order of sort(). With `slack`
+  /// [m] of each row: all that come so near before one of them has gone farther than its slack.
+  void find(std::span<const SphRow> rows, double reach, const Team& team,
+            std::span<const double> slack = {}) {
     const std::size_t n = packs();
-    for (auto* const of : {&x_, &y_, &z_}) make_room(*of, rows.size() + lanes);
+    for (auto* const of : {&x_, &y_, &z_, &slack_}) make_room(*of, rows.size() + lanes);
     team.for_ranges(rows.size(), [&](std::size_t, std::size_t from, std::size_t to) {
       for (std::size_t k = from; k < to; ++k)
-        x_[k] = rows[k].x, y_[k] = rows[k].y, z_[k] = rows[k].z;
+        x_[k] = rows[k].x, y_[k] = rows[k].y, z_[k] = rows[k].z,
+        slack_[k] = slack.empty() ? 0 : slack[k];
     });
+    for (Group& g : groups_) {
+      g.slack.assign(g.count.size(), 0), g.most_slack = 0;
+      for (std::size_t c = 0; c < g.count.size(); ++c) {
+        for (std::size_t k = g.start[c]; k < g.start[c] + g.count[c]; ++k)
+          g.slack[c] = std::max(g.slack[c], slack_[k]);
+        g.most_slack = std::max(g.most_slack, g.slack[c]);
+      }
+    }
     lists_.resize(pieces(n, packs_a_part));
     const std::size_t liquid = first_pack(Wall), probes = first_pack(Probe);
     team.for_parts(lists_.size(), [&](std::size_t part) {
@@ -131,6 +142,12 @@ class ClusterLists {
   const Box& extent() const { return extent_; }
   /// Where [m] a row was when the lists were made.
   Vec3d built(std::size_t row) const { return {x_[row], y_[row], z_[row]}; }
+  double slack(std::size_t row) const { return slack_[row]; }  // [m]
+  /// Whether the lists hold as far as a row is concerned that is at `now`.
+  bool hold(std::size_t row, const Vec3d& now) const {
+    const Vec3d way = now - built(row);
+    return dot(way, way) <= slack_[row] * slack_[row];
+  }
   Vec3d shift(std::uint32_t image) const {
     const int i = static_cast<int>(image);
     return {(i % 3 - 1) * repeats.length.x, (i / 3 % 3 - 1) * repeats.length.y,
@@ -157,6 +174,8 @@ class ClusterLists {
     std::vector<Key> sorted;           // along z
     std::vector<std::uint32_t> start;  // first row of each column, in the new order
     std::vector<std::uint32_t> count;
+    std::vector<double> slack;  // [m] of each column, the largest
+    double most_slack = 0;
   };
   struct List {
     std::vector<Entry> entries;
@@ -238,9 +257,13 @@ class ClusterLists {
   void find_of(const Group& g, std::span<const SphRow> rows, std::size_t pack, double reach,
                std::vector<Entry>& out) const {
     Box box;
+    double slack = 0;
     for (std::size_t l = 0; l < width; ++l)
-      if (const SphRow& r = rows[pack * width + l]; r.is_there()) box.include(r.position());
+      if (const SphRow& r = rows[pack * width + l]; r.is_there())
+        box.include(r.position()), slack = std::max(slack, slack_[pack * width + l]);
     if (!is_finite(box.min)) return;
+    const double own = reach + slack;
+    reach = own + g.most_slack;
     const int before[2] = {images(0, box.min.x - reach, box.max.x + reach).first,
                            images(1, box.min.y - reach, box.max.y + reach).first},
               after[2] = {images(0, box.min.x - reach, box.max.x + reach).second,
@@ -252,7 +275,7 @@ class ClusterLists {
           const Vec3d way{a * repeats.length.x, b * repeats.length.y, c * repeats.length.z};
           const auto image = static_cast<std::uint32_t>(a + 1 + 3 * (b + 1) + 9 * (c + 1));
           const Box seen{box.min - way, box.max - way};
-          find_in(g, seen, reach, image << bits, out);
+          find_in(g, seen, own, image << bits, out);
         }
   }
   /// Which images in a direction may reach into an interval.
@@ -260,26 +283,37 @@ class ClusterLists {
     if (!(repeats.along(d) > 0)) return {0, 0};
     return {low < repeats.from(d) ? -1 : 0, high > repeats.from(d) + repeats.along(d) ? 1 : 0};
   }
-  void find_in(const Group& g, const Box& box, double reach, std::uint32_t image,
+  /// `own` [m]: the reach of the pack, to which that of each other adds its slack.
+  void find_in(const Group& g, const Box& box, double own, std::uint32_t image,
                std::vector<Entry>& out) const {
+    const double reach = own + g.most_slack;
     const auto range = [&](int d, double low, double high) {
       const int n = columns_[at(d)];
       const double a = (low - low_[at(d)]) / size_[at(d)], b = (high - low_[at(d)]) / size_[at(d)];
       return std::pair{static_cast<int>(std::clamp(a, 0.0, n - 1.0)),
                        static_cast<int>(std::clamp(b, 0.0, n - 1.0))};
     };
+    // [m] from the box to a column, a hair less: columns were told apart by rounded numbers.
+    const auto beside = [&](int d, int k, double low, double high) {
+      if (columns_[at(d)] == 1) return 0.0;
+      const double from = low_[at(d)] + k * size_[at(d)];
+      return std::max(0.0, std::max(low - from - size_[at(d)], from - high) - 1e-6 * size_[at(d)]);
+    };
     const auto [i0, i1] = range(0, box.min.x - reach, box.max.x + reach);
     const auto [j0, j1] =
         columns_[1] == 1 ? std::pair{0, 0} : range(1, box.min.y - reach, box.max.y + reach);
-    const double low = box.min.z - reach, high = box.max.z + reach;
     const Vec3<Real> from{Real(box.min.x), Real(box.min.y), Real(box.min.z)},
         to{Real(box.max.x), Real(box.max.y), Real(box.max.z)};
-    const Real within(reach * reach);
     std::uint32_t found[room + 16], *next = found;
     for (int i = i0; i <= i1; ++i)
       for (int j = j0; j <= j1; ++j) {
         const std::size_t c = static_cast<std::size_t>(i) * static_cast<std::size_t>(columns_[1]) +
                               static_cast<std::size_t>(j);
+        if (g.count[c] == 0) continue;
+        const double x = beside(0, i, box.min.x, box.max.x), y = beside(1, j, box.min.y, box.max.y),
+                     far = own + g.slack[c], left = far * far - x * x - y * y;
+        if (!(left > 0)) continue;
+        const double up = std::sqrt(left) * (1 + 1e-9), low = box.min.z - up, high = box.max.z + up;
         const std::size_t end = g.start[c] + g.count[c];
         std::size_t k = static_cast<std::size_t>(
             std::lower_bound(z_.begin() + g.start[c], z_.begin() + static_cast<std::ptrdiff_t>(end),
@@ -289,7 +323,8 @@ class ClusterLists {
           const Real dx = outside(load_any<Real>(&x_[k]), from.x, to.x),
                      dy = outside(load_any<Real>(&y_[k]), from.y, to.y),
                      dz = outside(load_any<Real>(&z_[k]), from.z, to.z);
-          std::uint64_t near = lane_bits(dx * dx + dy * dy + dz * dz < within);
+          const Real within = Real(own) + load_any<Real>(&slack_[k]);
+          std::uint64_t near = lane_bits(dx * dx + dy * dy + dz * dz < within * within);
           if (end - k < lanes) near &= (std::uint64_t{1} << (end - k)) - 1;
           next = put_places<lanes>(k, near, next);
           if (next > found + room) take(found, next, image, out), next = found;
@@ -313,7 +348,7 @@ class ClusterLists {
   std::array<int, 2> columns_{};
   std::vector<std::uint32_t> order_;
   std::vector<List> lists_;
-  AlignedVector<double> x_, y_, z_;  // of rows
+  AlignedVector<double> x_, y_, z_, slack_;  // of rows
 };
 
 }  // namespace silt::detail

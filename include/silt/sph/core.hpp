@@ -2,14 +2,12 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <numeric>
 #include <span>
-#include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -34,6 +32,7 @@
 #include <silt/sph/surface_slope.hpp>
 #include <silt/sph/time_step.hpp>
 #include <silt/sph/turbulence.hpp>
+#include <silt/sph/upkeep.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 
@@ -60,6 +59,9 @@ struct SphCore {
   static constexpr bool turbulent = requires { requires Viscosity::turbulent; };
   using Lists = ClusterLists;
   using Row = SphRow;
+  struct Always {
+    bool operator()(std::size_t) const { return true; }
+  };
 
   Liquid liquid;
   SphSetup setup;
@@ -81,6 +83,8 @@ struct SphCore {
   std::vector<LiquidOnWall> on_walls{}, in_step{};
   Lists lists{};
   SphColumns columns{};
+  NearLiquid near{};
+  std::vector<double> slack{};  // [m] of each row, for the lists
   struct Extremes {
     double pair = 0, acceleration = 0, speed = 0;  // [m/s], [m/s2], [m/s]
   } most{};
@@ -88,10 +92,10 @@ struct SphCore {
   std::size_t left = 0, displaced = 0;
   double time = 0, now = 0, last_step = 0;  // [s] now: of the rates
   double full = 0;                          // [-] div r of a lattice
-  double moved = 0;                         // [m] liquid, at most, since the lists were made
   double exchange = INFINITY;               // [s] sph_longest_exchange() of the last step
   std::int64_t steps = 0;
   bool stale = true;   // lists are to be made
+  bool fresh = true;   // they are new: rows of solids have no values yet
   bool known = false;  // rates are those of now
   bool made = false;   // solids are in the columns
   [[no_unique_address]] Book book{};
@@ -104,9 +108,7 @@ struct SphCore {
             "SphSetup.slip has no effect with DynamicWalls; leave it out, or take MirroredWalls");
     full = sph_divergence_of_lattice<Kernel>(setup);
     if constexpr (Shift::shifts) surface_slope = SphSurfaceSlope<Kernel>(setup.dimensions);
-    require(Time::two_stages || setup.courant <= 0.2, "SphSetup.courant = ", setup.courant,
-            " is too long for VerletTime, which is unstable from 0.22 on; take at most 0.2, or "
-            "SymplecticTime");
+    if constexpr (!Time::two_stages) check_verlet();
     lists.width = Pairs::W, lists.spacing = setup.spacing, lists.dimensions = setup.dimensions;
     lists.probes_meet_walls = Grains::averaged;
     if (setup.dimensions == 2) solids.plane = setup.region.min.y;
@@ -114,6 +116,19 @@ struct SphCore {
     lists.repeats = {
         setup.region.min,
         {setup.periodic[0] ? e.x : 0, setup.periodic[1] ? e.y : 0, setup.periodic[2] ? e.z : 0}};
+  }
+  void check_verlet() const requires(!Time::two_stages) {
+    require(setup.courant <= 0.2, "SphSetup.courant = ", setup.courant,
+            " is too long for VerletTime, which was tried up to 0.2; take at most that, or "
+            "SymplecticTime");
+    const double longest = Time::longest / setup.courant;
+    require(scheme.restart <= longest, "VerletTime.restart = ", scheme.restart,
+            " steps at SphSetup.courant = ", setup.courant,
+            " let odd and even steps part; take at most ", static_cast<int>(longest),
+            ", or leave it out for 5");
+    require(Diffusion::diffuses || !std::is_same_v<Viscosity, Inviscid>,
+            "Sph: VerletTime with Inviscid and NoDiffusion has nothing that damps, and gains "
+            "energy; take SymplecticTime, or Fourtakas");
   }
   /// [m/s2] The gravity that pressure bears at rest: along directions that repeat it drives a flow.
   Vec3d weight() const {
@@ -188,8 +203,6 @@ struct SphCore {
 
   /// @name What a step goes by
   /// @{
-  static constexpr double skin_share = 0.2;  // [-] of the spacing: what lists reach farther
-  double skin() const { return skin_share * setup.spacing; }
   SphConstants constants() const {
     const double h = setup.h();
     return {
@@ -197,12 +210,21 @@ struct SphCore {
         liquid.density,  weight()};
   }
   Pairs pairs() const { return Pairs(constants(), viscosity, diffusion, lists.extent()); }
-  void shorten(const Pairs& pairs, const Team& team) {
+  /// In mixed precision: what pairs see of rows, all or those of some packs.
+  void shorten(const Pairs& pairs, const Team& team) { shorten(pairs, 0, lists.packs(), team); }
+  template <class Seen = Always>
+  void shorten([[maybe_unused]] const Pairs& pairs, [[maybe_unused]] std::size_t first,
+               [[maybe_unused]] std::size_t last, [[maybe_unused]] const Team& team,
+               [[maybe_unused]] const Seen& is_seen = {}) {
     if constexpr (Pairs::mixed) {
+      constexpr std::size_t W = Pairs::W;
       make_room(columns.brief, columns.size());
-      team.for_ranges(columns.size(), [&](std::size_t, std::size_t from, std::size_t to) {
-        const auto part = [&](auto& of) { return std::span(of).subspan(from, to - from); };
-        pairs.shorten(part(columns.rows), part(columns.volume), part(columns.brief));
+      team.for_ranges(last - first, [&](std::size_t, std::size_t from, std::size_t to) {
+        for (std::size_t p = first + from; p < first + to; ++p) {
+          const auto part = [&](auto& of) { return std::span(of).subspan(p * W, W); };
+          if (is_seen(p))
+            pairs.shorten(part(columns.rows), part(columns.volume), part(columns.brief));
+        }
       });
     }
   }
@@ -218,13 +240,10 @@ struct SphCore {
     if (known) return;
     sph_follow_gravity(*this);
     const bool stand = made && solids.have_rows(small_grains().size());
-    bool renews = stale || 2 * moved > skin();
-    if (stand) {
-      move_walls();
-      renews = renews || moved + solids.way(lists, Walls::mirrored, small_grains()) > skin();
-      place_solids(renews, team);
-    }
-    if (renews) renew(team), move_walls(), place_solids(true, team);
+    bool renews = stale;
+    if (stand) move_walls(), renews = renews || !sph_lists_hold(*this, team);
+    if (stand && (!renews || !sph_chooses_solids<SphCore>)) place_solids(renews, team);
+    if (renews) sph_renew(*this, team), move_walls(), place_solids(true, team);
     const Pairs pairs = this->pairs();
     if constexpr (Grains::averaged)
       sph_book_voidage(*this, [&] {
@@ -233,8 +252,12 @@ struct SphCore {
       });
     set_pressures(team);
     if (!openings.empty()) sph_set_buffers(*this, team);
+    const std::size_t liquid_packs = lists.first_pack(Lists::Wall);
+    shorten(pairs, 0, liquid_packs, team);
     if constexpr (Walls::mirrored) sph_mirror(*this, pairs, team);
-    shorten(pairs, team);
+    shorten(pairs, liquid_packs, lists.first_pack(Lists::Probe), team,
+            [&](std::size_t p) { return fresh || !lists.liquid(p).empty(); });
+    fresh = false;
     find_stresses(team);
     constexpr std::size_t W = Pairs::W, per = 16;
     const std::size_t packs = lists.first_pack(Lists::Wall);
@@ -277,7 +300,10 @@ struct SphCore {
   }
   void set_pressures(const Team& team) {
     const double mass = particle_mass();
-    team.for_ranges(columns.size(), [&](std::size_t, std::size_t from, std::size_t to) {
+    // Mirrored walls take theirs from the liquid.
+    const bool all = fresh || !Walls::mirrored || Grains::averaged;
+    const std::size_t n = all ? columns.size() : lists.first_pack(Lists::Wall) * Pairs::W;
+    team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
       for (std::size_t k = from; k < to; ++k) {
         Row& r = columns.rows[k];
         r.pressure = liquid.pressure(r.density), columns.volume[k] = mass / r.density;
@@ -308,66 +334,6 @@ struct SphCore {
   void place_solids(bool all, const Team& team) {
     solids.move_rows(columns, lists, solids.walls.any_moves(), Walls::mirrored, small_grains(), all,
                      team);
-  }
-  /// @}
-
-  /// @name Lists
-  /// @{
-  /// Brings the particles into packs, with lists that hold until one has moved half the skin.
-  void renew(const Team& team) {
-    if (solids.walls.fresh() || !made) {
-      if (solids.walls.fresh())
-        solids.walls.make(setup, [this](const Vec3d& x) { return openings.hold(x); }),
-            solids.thin = {};
-      solids.put_into(columns, liquid.density, Walls::mirrored, small_grains()), made = true;
-    }
-    if (!openings.empty())
-      openings.put_into(columns, gravity, liquid.density,
-                        [this](const Vec3d& x) { return solids.walls.distance(x); });
-    for (std::size_t k = 0; k < columns.size(); ++k) {
-      if (columns.label[k] == Lists::none) continue;
-      Row& r = columns.rows[k];
-      if (!columns.is_liquid(k)) {
-        r.place(lists.repeats.wrapped(r.position()));
-        continue;
-      }
-      sph_check(*this, r);
-      // In the middle of a step its start goes along.
-      const Vec3d way = lists.repeats.wrapped(r.position()) - r.position();
-      Row& start = columns.start[k];
-      r.place(r.position() + way), start.place(start.position() + way);
-      sph_goes_round(*this, k, way);
-      if (sph_is_out(*this, r.position())) sph_goes(*this, k, false), columns.take_out(k), ++left;
-    }
-    if (!solids.thin.known()) solids.thin.find(solids.walls, setup);
-    solids.thin.check(solids.walls, columns, lists.repeats, setup, steps, time);
-    columns.arrange(make_order(columns.rows, team), team);
-    make_lists(columns.rows, team, false);
-    solids.walls.note_pose();
-    moved = 0, stale = false;
-  }
-  const std::vector<std::uint32_t>& make_order(std::span<const Row> rows, const Team& team) {
-    return lists.sort(
-        rows,
-        [this](std::size_t k) {
-          return columns.label[k] == Lists::none ? int{Lists::Gone} : int{columns.kind[k]};
-        },
-        team);
-  }
-  /// The lists of columns that stand in order, as they were at `then`.
-  void make_lists(std::span<const Row> then, const Team& team, bool restored = true) {
-    if (restored) {
-      const auto& order = make_order(then, team);
-      require(order.size() == columns.size(), "Sph: the particles of a state stand in no order");
-      for (std::size_t k = 0; k < order.size(); ++k)
-        require(order[k] == k || columns.label[k] == Lists::none,
-                "Sph: the particles of a state stand in no order");
-      make_room(columns.volume, columns.size());
-      make_room(columns.rates, columns.size());
-    }
-    solids.find_rows(columns, lists.first_pack(Lists::Wall) * Pairs::W, small_grains().size());
-    openings.find_rows(columns);
-    lists.find(then, 2 * setup.h() + skin(), team);
   }
   /// @}
 

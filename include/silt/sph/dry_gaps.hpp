@@ -57,7 +57,8 @@ class DryGaps {
       const std::size_t b = of.body_of(k), from = k;
       while (k < of.size() && of.body_of(k) == b) ++k;
       const auto& body = of.bodies[b];
-      if (core.solids.walls.distance(body.centre) > body.reach + reach) continue;
+      if (!is_wet(core, from, k) || core.solids.walls.distance(body.centre) > body.reach + reach)
+        continue;
       const std::size_t first = sites_.size();
       for (std::size_t p = from; p < k; ++p) {
         const Vec3d surface = 0.5 * (of.place(p) + of.ghost(p));
@@ -94,11 +95,20 @@ class DryGaps {
           continue;
         }
         for (std::size_t b = from; b < to; ++b) {
-          const Vec3d r = of.in_body(k) - of.in_body(b);
+          const Vec3d r = of.own_place(k) - of.own_place(b);
           own_[k] += a * V * of.share(b) * Kernel::slope(norm(r) / h) * r;
         }
       }
     }
+  }
+  /// Whether liquid is near any of a body's points, by the lists.
+  template <class Core>
+  static bool is_wet(const Core& core, std::size_t from, std::size_t to) {
+    for (std::size_t k = core.solids.walls.size() + from; k < core.solids.walls.size() + to; ++k)
+      if (core.solids.has_row(k) &&
+          !core.lists.liquid(core.solids.wall_row[k] / core.lists.width).empty())
+        return true;
+    return false;
   }
   template <class Core>
   void look(const Core& core, std::size_t first, const Team& team) {
@@ -108,14 +118,16 @@ class DryGaps {
     team.for_ranges(sites_.size() - first, [&](std::size_t, std::size_t from, std::size_t to) {
       for (std::size_t n = first + from; n < first + to; ++n) {
         Site& s = sites_[n];
+        if (!core.solids.has_row(walls + s.point)) continue;  // no liquid is near
         const std::size_t row = core.solids.wall_row[walls + s.point];
         const Vec3d here = core.columns.rows[row].position(),
                     place = core.solids.bodies.place(s.point);
         for (const auto entry : core.lists.liquid(row / core.lists.width)) {
           const auto& b = core.columns.rows[entry.row()];
-          const Vec3d r = here - b.position() - core.lists.shift(entry.image());
+          Vec3d r = here - b.position();
+          if (entry.image() != ClusterLists::here) r -= core.lists.shift(entry.image());
+          if (dot(r, r) >= 4 * h * h) continue;
           const double q = norm(r) / h, V = core.columns.volume[entry.row()];
-          if (q >= 2) continue;
           s.slope += a / (h * h) * V * Kernel::slope(q) * r;
           const double w = a * V * Kernel::weight(q);
           s.weight += w, s.level += w * (b.pressure - dot(rho_g, place - r));

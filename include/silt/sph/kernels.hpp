@@ -20,6 +20,9 @@ enum class SphAxis { Kernel, Viscosity, Diffusion, Shifting, Time, Walls, Grains
 ///
 /// so that grad W = a/h^2 slope(q) r. slope() is 0 from q = 2 on, without a branch.
 /// Tests: tests/sph/kernels.cpp.
+/// Valid:  2D and 3D.
+/// Units:  q and w [-], h [m].
+/// Errors: InputError for other numbers of dimensions.
 template <class K>
 concept SphKernel = requires(double q) {
   { K::normalisation(3, q) } -> std::same_as<double>;

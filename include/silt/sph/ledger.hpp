@@ -182,6 +182,7 @@ SphPowers sph_powers(Core& core, const Team& team) {
   const std::size_t packs = core.lists.first_pack(Lists::Wall), first = packs * W;
   std::vector<typename Sums::Surface> surfaces(of.size() - first);
   for (std::size_t k = 0; k < core.solids.size(); ++k) {
+    if (!core.solids.has_row(k)) continue;
     const std::size_t row = core.solids.wall_row[k];
     surfaces[row - first] = {core.solids.own_velocity(k),
                              of.sticking.empty() ? Vec3d{0, 0, 0} : of.sticking[row],
@@ -209,6 +210,7 @@ SphPowers sph_powers(Core& core, const Team& team) {
       if (of.label[k] != Lists::none)
         all.turbulent += core.mass_of(k) * dot(of.rows[k].velocity(), by[k].acceleration);
     for (std::size_t k = 0; k < core.solids.size(); ++k) {
+      if (!core.solids.has_row(k)) continue;
       const std::size_t row = core.solids.wall_row[k];
       const double work = -core.solids.share(k) * core.particle_mass() *
                           dot(surfaces[row - first].velocity, by[row].acceleration);

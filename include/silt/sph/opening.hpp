@@ -52,6 +52,7 @@ class OpeningValue {
 struct Hydrostatic {
   double surface = 0;  // [m] its height, against gravity
 };
+/// Pressure at an opening of an Sph: [Pa], a function of place and time, or Hydrostatic.
 class OpeningPressure : public OpeningValue<double> {
  public:
   using OpeningValue<double>::OpeningValue;

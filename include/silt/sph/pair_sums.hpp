@@ -144,15 +144,28 @@ class SphPairs {
     return put(rows.data() + pack * W, totals, out.data() + pack * W);
   }
 
-  /// What each probe of a pack sees, in double.
+  /// What each probe of a pack sees (probe_sums.hpp).
   void look(std::size_t pack, std::span<const SphRow> rows, std::span<const double> volume,
-            const ClusterLists& lists, std::span<SphSeen> out) const {
-    const SphProbes<Kernel, W, Arch> probes{weight_, h_};
-    probes.look(pack, rows, volume, lists, out);
+            const ClusterLists& lists, std::span<SphSeen> out,
+            std::span<const SphBrief> brief = {}) const {
+    const auto entries = lists.liquid(pack);
+    if constexpr (mixed) {
+      SphBrief own[W];
+      shorten(rows.subspan(pack * W, W), volume.subspan(pack * W, W), own);
+      SphProbes<Kernel, float, W>::look(
+          own, brief, [&](std::size_t row) { return brief[row].volume; }, lists, entries,
+          {length_, speed_, rest_, density_, volume_ * weight_, h_}, out.data());
+    } else {
+      for (std::size_t l = 0; l < W; l += probes)
+        SphProbes<Kernel, double, probes>::look(
+            rows.data() + pack * W + l, rows, [&](std::size_t row) { return volume[row]; }, lists,
+            entries, {1, 1, 0, 1, weight_, h_}, out.data() + l);
+    }
   }
 
  private:
   static constexpr std::size_t chunk = 128, sums = 9;
+  static constexpr std::size_t probes = std::min(W, Lanes<Arch>::width);
   using Place = std::conditional_t<
       mixed, typename PackOf<W, std::conditional_t<mixed, std::int32_t, double>>::type, Real>;
 

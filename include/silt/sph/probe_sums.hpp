@@ -2,8 +2,11 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <span>
+#include <type_traits>
 
 #include <silt/core/lanes.hpp>
 #include <silt/sph/cluster_lists.hpp>
@@ -12,65 +15,110 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What the probes of packs of W see of an SPH liquid, in double.
-template <class Kernel, std::size_t W, class Arch>
+/// What probes see of the liquid, `width` of them at a time, one a lane: the sums of SphSeen.
+/// `Scalar` = float: of rows that SphPairs::shorten() has made; sums of `chunk` are floats, all
+/// else double.
+template <class Kernel, class Scalar, std::size_t width>
 struct SphProbes {
-  double normalisation, h;  // [1/m2] or [1/m3], [m] of the kernel
+  using Real = typename PackOf<width, Scalar>::type;
+  static constexpr bool mixed = std::is_same_v<Scalar, float>;
+  using Whole = std::conditional_t<mixed, std::int32_t, double>;
+  using Place = std::conditional_t<mixed, typename PackOf<width, Whole>::type, Real>;
+  using Row = std::conditional_t<mixed, SphBrief, SphRow>;
+  static constexpr std::size_t chunk = 128, sums = 17;
 
-  void look(std::size_t pack, std::span<const SphRow> rows, std::span<const double> volume,
-            const ClusterLists& lists, std::span<SphSeen> out) const {
-    for (std::size_t l = 0; l < W; l += probes)
-      look(rows.data() + pack * W + l, rows, volume, lists, lists.liquid(pack), out.data() + l);
+  /// What the rows' numbers are in, and the weight of their volumes; rows' densities are without
+  /// `rest` [kg/m3].
+  struct Units {
+    double length, speed, rest, density, weight, h;
+  };
+
+  template <class Volume>
+  static void look(const Row* own, std::span<const Row> rows, const Volume& volume,
+                   const ClusterLists& lists, std::span<const ClusterLists::Entry> entries,
+                   const Units& in, SphSeen* out) {
+    alignas(64) Whole place[3][width];
+    for (std::size_t l = 0; l < width; ++l)
+      place[0][l] = own[l].x, place[1][l] = own[l].y, place[2][l] = own[l].z;
+    const Place here[3] = {load_place(place[0]), load_place(place[1]), load_place(place[2])};
+    const Scalar over_h = Scalar(in.length / in.h);
+    alignas(64) double all[sums][width] = {};
+    const std::size_t part = mixed ? chunk : std::max(entries.size(), std::size_t{1});
+    for (std::size_t k = 0; k < entries.size(); k += part)
+      add(here, rows, volume, lists, entries.subspan(k, std::min(part, entries.size() - k)), in,
+          over_h, all);
+    put(all, in, out);
   }
 
  private:
-  static constexpr std::size_t probes = std::min(W, Lanes<Arch>::width);
-  using Probes = typename PackOf<probes>::type;
-  void look(const SphRow* own, std::span<const SphRow> rows, std::span<const double> volume,
-            const ClusterLists& lists, std::span<const ClusterLists::Entry> entries,
-            SphSeen* out) const {
-    alignas(64) double place[3][probes];
-    for (std::size_t l = 0; l < probes; ++l)
-      place[0][l] = own[l].x, place[1][l] = own[l].y, place[2][l] = own[l].z;
-    const auto here = load3<Probes>(place[0], place[1], place[2]);
-    const Probes zero(0);
-    Probes n = zero, rho = zero, xx = zero, xy = zero, xz = zero, yy = zero, yz = zero, zz = zero;
-    Vec3<Probes> way{zero, zero, zero}, rho_way = way, flow = way;
+  static Place load_place(const Whole* from) {
+    if constexpr (width == 1)
+      return *from;
+    else
+      return Place::load_aligned(from);
+  }
+  static SILT_INLINE Real apart(Whole b, const Place& a) {
+    if constexpr (!mixed)
+      return Real(b) - a;
+    else if constexpr (width == 1)
+      return static_cast<float>(b - a);
+    else
+      return xsimd::to_float(Place(b) - a);
+  }
+  template <class Volume>
+  static SILT_INLINE void add(const Place (&here)[3], std::span<const Row> rows,
+                              const Volume& volume, const ClusterLists& lists,
+                              std::span<const ClusterLists::Entry> entries, const Units& in,
+                              Scalar over_h, double (&all)[sums][width]) {
+    const Real zero(0);
+    Real n = zero, rho = zero, xx = zero, xy = zero, xz = zero, yy = zero, yz = zero, zz = zero;
+    Real x = zero, y = zero, z = zero, rx = zero, ry = zero, rz = zero, u = zero, v = zero,
+         w = zero;
     for (const auto entry : entries) {
-      const SphRow& b = rows[entry.row()];
-      Vec3d at{b.x, b.y, b.z};
-      if (entry.image() != ClusterLists::here) at += lists.shift(entry.image());
-      const Probes dx = Probes(at.x) - here.x, dy = Probes(at.y) - here.y,
-                   dz = Probes(at.z) - here.z;
-      const Probes r2 = dx * dx + dy * dy + dz * dz;
-      const Probes w =
-          Probes(volume[entry.row()] * normalisation) * Kernel::weight(sqrt(r2) * Probes(1 / h));
-      const Probes wx = w * dx, wy = w * dy, wz = w * dz, d(b.density);
-      n += w, way.x += wx, way.y += wy, way.z += wz;
-      rho = multiply_add(w, d, rho), rho_way.x = multiply_add(wx, d, rho_way.x);
-      rho_way.y = multiply_add(wy, d, rho_way.y), rho_way.z = multiply_add(wz, d, rho_way.z);
+      const Row& b = rows[entry.row()];
+      Whole bx = b.x, by = b.y, bz = b.z;
+      if (entry.image() != ClusterLists::here) {
+        const Vec3d way = (1 / in.length) * lists.shift(entry.image());
+        bx += whole(way.x), by += whole(way.y), bz += whole(way.z);
+      }
+      const Real dx = apart(bx, here[0]), dy = apart(by, here[1]), dz = apart(bz, here[2]);
+      const Real r2 = dx * dx + dy * dy + dz * dz;
+      const Real of = Real(volume(entry.row())) * Kernel::weight(Real(sqrt(r2) * Real(over_h)));
+      const Real wx = of * dx, wy = of * dy, wz = of * dz, d(b.density);
+      n += of, x += wx, y += wy, z += wz;
+      rho = multiply_add(of, d, rho), rx = multiply_add(wx, d, rx);
+      ry = multiply_add(wy, d, ry), rz = multiply_add(wz, d, rz);
       xx = multiply_add(wx, dx, xx), xy = multiply_add(wx, dy, xy), xz = multiply_add(wx, dz, xz);
       yy = multiply_add(wy, dy, yy), yz = multiply_add(wy, dz, yz), zz = multiply_add(wz, dz, zz);
-      flow.x = multiply_add(w, Probes(b.vx), flow.x),
-      flow.y = multiply_add(w, Probes(b.vy), flow.y);
-      flow.z = multiply_add(w, Probes(b.vz), flow.z);
+      u = multiply_add(of, Real(b.vx), u), v = multiply_add(of, Real(b.vy), v);
+      w = multiply_add(of, Real(b.vz), w);
     }
-    alignas(64) double of[17][probes];
-    const Probes all[17] = {n,  rho, way.x, way.y, way.z, rho_way.x, rho_way.y, rho_way.z, xx,
-                            xy, xz,  yy,    yz,    zz,    flow.x,    flow.y,    flow.z};
-    for (int c = 0; c < 17; ++c) store(of[c], all[c]);
-    for (std::size_t l = 0; l < probes; ++l)
-      out[l] = {of[0][l],
-                of[1][l],
-                {of[2][l], of[3][l], of[4][l]},
-                {of[5][l], of[6][l], of[7][l]},
-                {of[14][l], of[15][l], of[16][l]},
-                of[8][l],
-                of[9][l],
-                of[10][l],
-                of[11][l],
-                of[12][l],
-                of[13][l]};
+    const Real parts[sums] = {n, rho, x, y, z, rx, ry, rz, xx, xy, xz, yy, yz, zz, u, v, w};
+    alignas(64) Scalar values[width];
+    for (std::size_t c = 0; c < sums; ++c) {
+      store(values, parts[c]);
+      for (std::size_t l = 0; l < width; ++l) all[c][l] += double{values[l]};
+    }
+  }
+  static Whole whole(double x) {
+    if constexpr (mixed)
+      return static_cast<Whole>(std::nearbyint(x));
+    else
+      return x;
+  }
+  static void put(const double (&of)[sums][width], const Units& in, SphSeen* out) {
+    const double w = in.weight, x = w * in.length, xx = x * in.length, d = w * in.density,
+                 dx = d * in.length, u = w * in.speed;
+    for (std::size_t l = 0; l < width; ++l) {
+      SphSeen& s = out[l];
+      s.weight = w * of[0][l];
+      s.way = {x * of[2][l], x * of[3][l], x * of[4][l]};
+      s.density = d * of[1][l] + in.rest * s.weight;
+      s.density_way = Vec3d{dx * of[5][l], dx * of[6][l], dx * of[7][l]} + in.rest * s.way;
+      s.xx = xx * of[8][l], s.xy = xx * of[9][l], s.xz = xx * of[10][l];
+      s.yy = xx * of[11][l], s.yz = xx * of[12][l], s.zz = xx * of[13][l];
+      s.velocity = {u * of[14][l], u * of[15][l], u * of[16][l]};
+    }
   }
 };
 

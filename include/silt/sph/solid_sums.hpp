@@ -45,7 +45,7 @@ void sph_mirror(Core& core, const typename Core::Pairs& pairs, const Team& team)
     for (std::size_t p = first + from; p < first + to; ++p) {
       std::array<SphSeen, W> seen{};
       if (!core.lists.liquid(p).empty())
-        pairs.look(p, columns.rows, columns.volume, core.lists, seen);
+        pairs.look(p, columns.rows, columns.volume, core.lists, seen, columns.brief);
       for (std::size_t l = 0; l < W; ++l) {
         const std::uint32_t of = columns.label[p * W + l];
         if (of == Lists::none || of >= solids.size()) continue;  // the latter: a grain
@@ -57,7 +57,7 @@ void sph_mirror(Core& core, const typename Core::Pairs& pairs, const Team& team)
         const SphSeen::Mirrored image =
             seen[l].at(away, core.liquid, core.weight(), core.setup.h(), !solids.bodies.empty());
         wall.density = image.density, wall.pressure = core.liquid.pressure(image.density);
-        const Vec3d own = solids.velocity(of);
+        const Vec3d own = solids.velocity(of, p * W + l);
         const auto at_wall = [&](Slip how) {
           return own + image.share * (sph_velocity_at_wall(image.velocity, own, away, how) - own);
         };
@@ -69,9 +69,10 @@ void sph_mirror(Core& core, const typename Core::Pairs& pairs, const Team& team)
   });
 }
 
-/// The sums over the liquid beside each particle of walls and bodies.
-template <class Core>
-void sph_solid_rates(Core& core, const Team& team) {
+/// The sums over the liquid beside each particle of walls and bodies: of packs for which
+/// is_asked(pack) holds.
+template <class Core, class IsAsked>
+void sph_solid_rates(Core& core, const Team& team, const IsAsked& is_asked) {
   using Lists = typename Core::Lists;
   const auto pairs = core.pairs();
   auto& of = core.columns;
@@ -79,12 +80,18 @@ void sph_solid_rates(Core& core, const Team& team) {
                     n = core.lists.first_pack(Lists::Probe) - first;
   team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
     for (std::size_t p = first + from; p < first + to; ++p) {
+      if (!is_asked(p)) continue;
       pairs.of_wall(p, of.rows, of.volume, core.lists, of.rates, of.brief);
       if constexpr (Core::turbulent)
         core.sps().accelerate(p, Core::Pairs::W, of.rows, of.volume, of.stress, core.lists,
                               of.rates, false);
     }
   });
+}
+
+template <class Core>
+void sph_solid_rates(Core& core, const Team& team) {
+  sph_solid_rates(core, team, [](std::size_t) { return true; });
 }
 
 /// What the liquid does to driven walls, after their rates were found.
@@ -145,18 +152,32 @@ void sph_body_loads(Core& core, const Team& team) {
   for (auto& b : of.bodies) b.force = b.torque = {0, 0, 0};
   const bool driven = solids.walls.any_driven();
   if (of.empty() && !driven) return;
-  if constexpr (Core::Walls::mirrored) sph_solid_rates(core, team);
+  const std::size_t first = solids.walls.size();
+  if constexpr (Core::Walls::mirrored)
+    sph_solid_rates(core, team, [&](std::size_t pack) {  // prescribed walls do not ask
+      constexpr std::size_t W = Core::Pairs::W;
+      for (std::size_t row = pack * W; row < (pack + 1) * W; ++row)
+        if (const std::uint32_t k = core.columns.label[row];
+            k != Core::Lists::none && (driven || k >= first))
+          return true;
+      return false;
+    });
   core.gaps.find(core, team);
   core.in_step.assign(driven ? solids.walls.walls() : 0, {});
   if (driven) sph_driven_loads(core, core.in_step);
-  const std::size_t first = solids.walls.size();
-  for (std::size_t k = first; k < solids.size(); ++k) {
-    auto& body = of.bodies[of.body_of(k - first)];
-    const Vec3d f = solids.force_on(k, core.columns, core.particle_mass());
-    Vec3d arm = solids.place(k) - body.centre;
-    if (solids.plane) arm.y = 0;
-    body.force += f, body.torque += cross(arm, f);
-  }
+  const std::vector<std::size_t>& begin = of.begin();
+  team.for_ranges(of.bodies.size(), [&](std::size_t, std::size_t from, std::size_t to) {
+    for (std::size_t b = from; b < to; ++b) {
+      auto& body = of.bodies[b];
+      for (std::size_t k = first + begin[b]; k < first + begin[b + 1]; ++k) {
+        if (!solids.has_row(k)) continue;
+        const Vec3d f = solids.force_on(k, core.columns, core.particle_mass());
+        Vec3d arm = solids.place(k) - body.centre;
+        if (solids.plane) arm.y = 0;
+        body.force += f, body.torque += cross(arm, f);
+      }
+    }
+  });
   for (const auto& push : core.gaps.pushes()) {
     auto& body = of.bodies[of.body_of(push.point)];
     Vec3d arm = of.place(push.point) - body.centre;

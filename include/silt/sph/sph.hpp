@@ -51,6 +51,7 @@ namespace silt::inline SILT_TARGET {
 /// Errors: InputError for settings that cannot be; SimulationError where a density leaves
 ///         `least_density` to `most_density`, or a number is none.
 /// Tests:  tests/sph/.
+/// Units:  SI; in 2D per metre of depth.
 template <class... Policies>
 class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   using Axes = detail::SphPolicies<Policies...>;
@@ -96,12 +97,14 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   void take_form(std::size_t form, const Shape& shape) {
     core().solids.bodies.take_form(form, shape);
   }
-  /// As many as sound, light bodies and light walls leave, and speeds of pairs up to a quarter of
-  /// that of sound: a step that is only just too long for them would be halved. advance() takes
-  /// shorter steps where more is needed.
+  /// As many as sound, the pairs of the last step, light bodies and light walls leave: a step that
+  /// is only just too long would be halved. advance() takes shorter steps where more is needed.
   int steps_wanted(const FluidPace& pace, const Team&) const {
-    const double longest = std::min({setup().courant * setup().h() / (1.25 * liquid().sound_speed),
-                                     core().exchange, core().longest_hold().first});
+    const double c = liquid().sound_speed;
+    const double pairs =
+        core().steps == 0 ? 0.25 * c : std::max(0.05 * c, 1.1 * core().most.pair);  // [m/s]
+    const double longest = std::min({setup().courant * setup().h() / (c + pairs), core().exchange,
+                                     core().longest_hold().first});
     return std::max(1, static_cast<int>(longest / pace.step));
   }
   /// The liquid goes on by dt [s] beside bodies, in as many steps as it needs; sets what it does

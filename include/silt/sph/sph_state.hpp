@@ -32,7 +32,7 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
     labels.push_back(is_lane(c.columns.label[k]) ? -1 : static_cast<double>(c.columns.label[k]));
     labels.push_back(static_cast<double>(c.columns.kind[k]));
     const Vec3d at = c.stale ? c.columns.rows[k].position() : c.lists.built(k);
-    built.insert(built.end(), {at.x, at.y, at.z});
+    built.insert(built.end(), {at.x, at.y, at.z, c.stale ? 0 : c.lists.slack(k)});
   }
   std::array<double, 10> numbers{static_cast<double>(c.next_number),
                                  static_cast<double>(c.left),
@@ -40,7 +40,7 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
                                  static_cast<double>(c.steps),
                                  c.time,
                                  c.last_step,
-                                 c.moved,
+                                 c.most.pair,
                                  c.stale ? 1.0 : 0.0,
                                  c.made ? 1.0 : 0.0,
                                  std::isfinite(c.exchange) ? c.exchange : 0};
@@ -77,7 +77,7 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
   }
 
   const std::size_t n = labels.size() / 2;
-  require(labels.size() == 2 * n && rows.size() == 2 * row * n && built.size() == 3 * n,
+  require(labels.size() == 2 * n && rows.size() == 2 * row * n && built.size() == 4 * n,
           "Sph: a state of ", n, " particles has ", rows.size(), " numbers of rows and ",
           built.size(), " of places");
   require(small.size() % 3 == 0 && (shares.empty() || shares.size() == 3 * n), "Sph: a state of ",
@@ -85,6 +85,7 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
           " of shares");
   c.columns = {};
   std::vector<Row> then(n);
+  std::vector<double> slacks(n);
   for (std::size_t k = 0; k < n; ++k) {
     const auto get = [&](std::size_t of) {
       const double* const r = rows.data() + row * (2 * k + of);
@@ -97,7 +98,7 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
     c.columns.add(get(0), static_cast<int>(kind),
                   label < 0 ? Core::Lists::none : static_cast<std::uint32_t>(label));
     c.columns.start.back() = get(1);
-    then[k].place({built[3 * k], built[3 * k + 1], built[3 * k + 2]});
+    then[k].place({built[4 * k], built[4 * k + 1], built[4 * k + 2]}), slacks[k] = built[4 * k + 3];
   }
   for (std::size_t k = 0; k < shares.size(); k += 3) {
     c.columns.voidage.push_back(shares[k]), c.columns.share.push_back(shares[k + 1]);
@@ -114,11 +115,11 @@ void Sph<Policies...>::for_each_state(const Visit& visit) {
   c.left = static_cast<std::size_t>(numbers[1]), c.displaced = static_cast<std::size_t>(numbers[2]);
   c.steps = static_cast<std::int64_t>(numbers[3]), c.time = c.now = numbers[4],
   c.last_step = numbers[5];
-  c.moved = numbers[6], c.stale = numbers[7] != 0, c.made = numbers[8] != 0, c.known = false;
+  c.most.pair = numbers[6], c.stale = numbers[7] != 0, c.made = numbers[8] != 0, c.known = false;
   c.exchange = numbers[9] > 0 ? numbers[9] : INFINITY;  // 0: no free body
   bodies.restore(kinds, points);
   if (c.made) c.solids.walls.restore(solid, poses);
-  if (!c.stale) c.make_lists(then, {});
+  if (!c.stale) sph_restore_lists(c, then, slacks);
 }
 
 }  // namespace silt

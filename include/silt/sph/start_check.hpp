@@ -9,6 +9,7 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/vec3.hpp>
+#include <silt/sph/row.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
 

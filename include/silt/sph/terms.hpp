@@ -9,12 +9,18 @@
 
 /// The terms that an SPH liquid may have, each a small type: viscosity, diffusion of density,
 /// shifting. Those that are left out cost nothing.
+///
+/// Units:  SI.
+/// Errors: check() throws InputError naming field, value and allowed range.
 namespace silt::inline SILT_TARGET {
 
 /// @name Viscosity: the acceleration of a by b, per mass
 /// @{
 
 /// None: what is left is that of the scheme.
+/// Source: none.
+/// Valid:  liquids whose own viscosity does not matter, for short runs: nothing damps sound.
+/// Tests:  tests/sph/flows.cpp, tests/sph/pair_sums.cpp.
 struct Inviscid {
   static constexpr SphAxis sph_axis = SphAxis::Viscosity;
   static constexpr bool artificial = false, laminar = false;
@@ -29,6 +35,8 @@ struct Inviscid {
 /// It acts as a kinematic viscosity of alpha h c/10 in 3D, alpha h c/8 in 2D, of which shear feels
 /// half, since half of all pairs recede.
 /// Source: J. J. Monaghan, J. Comput. Phys. 110 (1994) 399.
+/// Valid:  alpha of 0.01 to 0.1; flows in which the viscosity that it acts as does not matter.
+/// Tests:  tests/sph/pair_sums.cpp, tests/sph/waves.cpp.
 struct ArtificialViscosity {
   double alpha = 0.02;  // [-]
 
@@ -45,6 +53,8 @@ struct ArtificialViscosity {
 /// The liquid's own viscosity: 4 nu m_b r.grad W/((rho_a + rho_b)(r^2 + (0.1 h)^2)) v_ab, and an
 /// artificial one beside it where `alpha` is not 0.
 /// Source: E. Y. M. Lo, S. Shao, Appl. Ocean Res. 24 (2002) 275.
+/// Valid:  flows that the spacing resolves.
+/// Tests:  tests/sph/taylor_green.cpp, tests/sph/flows.cpp, tests/sph/stokes_sphere.cpp.
 struct LaminarViscosity {
   double kinematic = 0;  // [m2/s]
   double alpha = 0.02;   // [-] of ArtificialViscosity, beside it
@@ -63,6 +73,11 @@ struct LaminarViscosity {
 
 /// @name Diffusion of density, among liquid particles: against noise in the pressure
 /// @{
+
+/// None: noise in the pressure stays.
+/// Source: none.
+/// Valid:  short runs and comparison.
+/// Tests:  tests/sph/pair_sums.cpp, tests/sph/elliptic_drop.cpp.
 struct NoDiffusion {
   static constexpr SphAxis sph_axis = SphAxis::Diffusion;
   static constexpr bool diffuses = false, hydrostatic = false;
@@ -73,6 +88,8 @@ struct NoDiffusion {
 /// d rho/dt = delta h c sum_b 2 (rho_a - rho_b) (r_ab.grad W)/(r^2 + (0.1 h)^2) V_b: of a liquid at
 /// rest under gravity it changes the density near the free surface.
 /// Source: D. Molteni, A. Colagrossi, Comput. Phys. Commun. 180 (2009) 861.
+/// Valid:  without gravity, or where the layer at the free surface does not matter.
+/// Tests:  tests/sph/pair_sums.cpp.
 struct MolteniColagrossi {
   double delta = 0.1;  // [-]
 
@@ -89,6 +106,8 @@ struct MolteniColagrossi {
 /// equation of state taken as linear over the kernel.
 /// Source: G. Fourtakas, J. M. Dominguez, R. Vacondio, B. D. Rogers, Comput. Fluids 190 (2019) 346;
 ///   with the sign that makes it diffuse.
+/// Valid:  with and without gravity.
+/// Tests:  tests/sph/pair_sums.cpp, tests/sph/flows.cpp.
 struct Fourtakas {
   double delta = 0.1;  // [-]
 
@@ -104,6 +123,11 @@ struct Fourtakas {
 
 /// @name Shifting: particles move a little towards where there are few
 /// @{
+
+/// None: particles move with the liquid's velocity.
+/// Source: none.
+/// Valid:  violent flows with a free surface.
+/// Tests:  tests/sph/flows.cpp, tests/sph/elliptic_drop.cpp.
 struct NoShifting {
   static constexpr SphAxis sph_axis = SphAxis::Shifting;
   static constexpr bool shifts = false;
@@ -111,25 +135,36 @@ struct NoShifting {
   void check() const {}
 };
 
+namespace detail {
+/// What Shifting and ShiftingByFastest have in common.
+template <class Policy>
+void check_shifting(const Policy& of) {
+  require(std::isfinite(of.strength) && of.strength >= 0 && of.strength <= 6, Policy::policy_name,
+          ".strength = ", of.strength, " must be in [0, 6]; ", Policy{}.strength, " is usual");
+  require(of.threshold >= 0 && of.threshold < 3, Policy::policy_name, ".threshold = ", of.threshold,
+          " must be in [0, 3); 0 chooses 1.5 in 2D and 2.75 in 3D");
+}
+inline double shifting_threshold(double threshold, int dimensions) {
+  return threshold > 0 ? threshold : dimensions == 2 ? 1.5 : 2.75;
+}
+}  // namespace detail
+
 /// dr = -A h |v| dt grad C, grad C = sum_b V_b grad W. At a free surface, where
 /// div r = -sum_b V_b r.grad W is below `threshold` (1.5 in 2D, 2.75 in 3D where it is 0), there is
 /// none, and between that and 2 or 3 a share.
 /// Source: S. J. Lind, R. Xu, P. K. Stansby, B. D. Rogers, J. Comput. Phys. 231 (2012) 1499; switch
 ///   as in DualSPHysics.
+/// Valid:  flows with and without a free surface.
+/// Tests:  tests/sph/taylor_green.cpp, tests/sph/refusals.cpp.
 struct Shifting {
   double strength = 2, threshold = 0;  // [-] A
 
   static constexpr SphAxis sph_axis = SphAxis::Shifting;
   static constexpr bool shifts = true, by_fastest = false;
   static constexpr const char* policy_name = "Shifting";
-  void check() const {
-    require(std::isfinite(strength) && strength >= 0 && strength <= 6,
-            "Shifting.strength = ", strength, " must be in [0, 6]; 2 is usual");
-    require(threshold >= 0 && threshold < 3, "Shifting.threshold = ", threshold,
-            " must be in [0, 3); 0 chooses 1.5 in 2D and 2.75 in 3D");
-  }
+  void check() const { detail::check_shifting(*this); }
   double threshold_in(int dimensions) const {
-    return threshold > 0 ? threshold : dimensions == 2 ? 1.5 : 2.75;
+    return detail::shifting_threshold(threshold, dimensions);
   }
 };
 
@@ -137,20 +172,17 @@ struct Shifting {
 /// space. Where a flow stagnates |v| is 0, and the stretching that leaves particles uneven largest.
 /// Source: P. N. Sun, A. Colagrossi, S. Marrone, A. M. Zhang, Comput. Methods Appl. Mech. Eng. 315
 ///   (2017) 25 (recalled), whose Ma CFL (2 h)^2 is A = 4; without its term against pairing.
+/// Valid:  liquids that fill their space.
+/// Tests:  tests/sph/taylor_green.cpp, tests/sph/refusals.cpp.
 struct ShiftingByFastest {
   double strength = 4, threshold = 0;  // [-] as of Shifting
 
   static constexpr SphAxis sph_axis = SphAxis::Shifting;
   static constexpr bool shifts = true, by_fastest = true;
   static constexpr const char* policy_name = "ShiftingByFastest";
-  void check() const {
-    require(std::isfinite(strength) && strength >= 0 && strength <= 6,
-            "ShiftingByFastest.strength = ", strength, " must be in [0, 6]; 4 is usual");
-    require(threshold >= 0 && threshold < 3, "ShiftingByFastest.threshold = ", threshold,
-            " must be in [0, 3); 0 chooses 1.5 in 2D and 2.75 in 3D");
-  }
+  void check() const { detail::check_shifting(*this); }
   double threshold_in(int dimensions) const {
-    return Shifting{0, threshold}.threshold_in(dimensions);
+    return detail::shifting_threshold(threshold, dimensions);
   }
 };
 /// @}
@@ -161,6 +193,8 @@ struct ShiftingByFastest {
 /// That of the liquid at their mirror images, by a linear function; their velocity is mirrored too,
 /// so that the liquid sticks to the surface or slides along it (mDBC).
 /// Source: A. English and others, Comput. Part. Mech. 9 (2022) 1 (recalled).
+/// Valid:  walls of any form, of which particles of the liquid see a side.
+/// Tests:  tests/sph/walls.cpp, tests/sph/bodies.cpp.
 struct MirroredWalls {
   static constexpr SphAxis sph_axis = SphAxis::Walls;
   static constexpr bool mirrored = true;
@@ -172,6 +206,8 @@ struct MirroredWalls {
 /// (DBC): what comes near a wall raises the density on both sides, and so is pushed back. Cheaper,
 /// and less accurate beside the wall. Their velocity is the wall's.
 /// Source: A. J. C. Crespo, M. Gomez-Gesteira, R. A. Dalrymple, CMC 5 (2007) 173 (recalled).
+/// Valid:  where the pressure beside the wall does not matter.
+/// Tests:  tests/sph/bodies.cpp, tests/sph/flows.cpp.
 struct DynamicWalls {
   static constexpr SphAxis sph_axis = SphAxis::Walls;
   static constexpr bool mirrored = false;
@@ -182,6 +218,9 @@ struct DynamicWalls {
 
 /// Grains that are too small to be resolved are refused. The other policy of this axis is
 /// UnresolvedGrains (unresolved_grains.hpp).
+/// Source: none.
+/// Valid:  bodies of at least 1.5 spacings.
+/// Tests:  tests/sph/bodies.cpp, tests/sph/grains.cpp.
 struct ResolvedGrains {
   static constexpr SphAxis sph_axis = SphAxis::Grains;
   static constexpr bool averaged = false;
@@ -196,20 +235,30 @@ struct ResolvedGrains {
 /// @{
 
 /// One evaluation a step: velocity and density leap over two steps, and every `restart` steps over
-/// one, so that the two do not part.
-/// Source: L. Verlet, Phys. Rev. 159 (1967) 98, as in DualSPHysics.
+/// one. What the odd steps and the even ones differ by grows in between, as damping acts on it with
+/// the wrong sign: by diffusion alone as e^(7 delta c t/h), 7 = 2 int |W'|/r dV h^2 of WendlandC2,
+/// which is e^(7 delta courant restart) from one restart to the next. DualSPHysics restarts after
+/// 40 steps, which is too long here (docs/sph.md).
+/// Source: L. Verlet, Phys. Rev. 159 (1967) 98, as in DualSPHysics but for `restart`.
+/// Valid:  `courant` up to 0.2, restart * courant up to 1.5, and some damping: not Inviscid with
+///         NoDiffusion.
+/// Tests:  tests/sph/flows.cpp, tests/sph/refusals.cpp.
 struct VerletTime {
-  int restart = 40;
+  int restart = 5;
+  static constexpr double longest = 1.5;  // [-] restart * SphSetup.courant
   static constexpr SphAxis sph_axis = SphAxis::Time;
   static constexpr bool two_stages = false;
   static constexpr const char* policy_name = "VerletTime";
   void check() const {
-    require(restart >= 1, "VerletTime.restart = ", restart, " steps must be at least 1");
+    require(restart >= 2, "VerletTime.restart = ", restart,
+            " steps must be at least 2, as 1 is Euler's method; 5 is usual");
   }
 };
 
 /// Two evaluations a step, in its middle too; second order.
 /// Source: B. Leimkuhler, C. Matthews, Molecular Dynamics, 2015, as in DualSPHysics.
+/// Valid:  Courant numbers up to that of SphSetup.
+/// Tests:  tests/sph/flows.cpp.
 struct SymplecticTime {
   static constexpr SphAxis sph_axis = SphAxis::Time;
   static constexpr bool two_stages = true;

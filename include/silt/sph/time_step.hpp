@@ -34,7 +34,6 @@ class SphStep {
       start.density = r.density, r.density += 0.5 * dt_ * rate;
     });
     core_.openings.move(core_.columns, 0.5 * dt_, true);
-    core_.moved += 0.5 * dt_ * core_.most.speed;
     core_.now = core_.time + 0.5 * dt_, core_.known = false;
     move_solids(0.5 * dt_);
     core_.find_rates(team_), sph_body_loads(core_, team_);
@@ -57,14 +56,10 @@ class SphStep {
       r.density = start.density * (2 - eps) / (2 + eps);
     });
     core_.openings.move(core_.columns, 0.5 * dt_, false);
-    if constexpr (averaged)
-      core_.moved +=
-          0.5 * dt_ * core_.grains.give_back(core_.columns, core_.particle_mass(), dt_, team_);
+    if constexpr (averaged) core_.grains.give_back(core_.columns, team_);
     book_shifts(core_.columns.rows), sph_book_tension(core_);
     if constexpr (averaged) sph_book_grains(core_, dt_);
     move_solids(0.5 * dt_);
-    core_.moved +=
-        0.5 * dt_ * (core_.most.speed + 2 * dt_ * core_.most.acceleration) + most_shift();
   }
 
   void verlet() {
@@ -87,7 +82,6 @@ class SphStep {
     book_shifts(core_.columns.start), sph_book_tension(core_);
     core_.openings.move(core_.columns, dt_, true);
     move_solids(dt_);
-    core_.moved += dt_ * (core_.most.speed + 0.5 * dt_ * core_.most.acceleration) + most_shift();
   }
 
  private:
@@ -157,13 +151,6 @@ class SphStep {
       sph_book_shifts(core_, [&](std::size_t k) {
         return shift_of(core_.columns.rates[k], norm(of[k].velocity()));
       });
-  }
-  double most_shift() const {  // [m] of any; h grad C is below 1
-    if constexpr (Core::Shift::shifts)
-      return std::min(
-          longest_shift * core_.setup.spacing,
-          core_.shift.strength * (core_.most.speed + dt_ * core_.most.acceleration) * dt_);
-    return 0;
   }
 
   Core& core_;

@@ -26,6 +26,9 @@ namespace silt::inline SILT_TARGET {
 ///
 /// Source: R. A. Dalrymple, B. D. Rogers, Coast. Eng. 53 (2006) 141, constants of it (recalled).
 /// Tests:  tests/sph/turbulence.cpp.
+/// Valid:  as LaminarViscosity, where eddies are larger than a spacing.
+/// Units:  SI.
+/// Errors: InputError naming field, value, unit and allowed range.
 struct SpsTurbulence {
   double kinematic = 0;       // [m2/s] of the liquid
   double alpha = 0.02;        // [-] of ArtificialViscosity, beside it

@@ -22,6 +22,7 @@
 
 namespace silt::inline SILT_TARGET {
 
+/// Settings of UnresolvedGrains.
 struct UnresolvedGrainsSetup {
   double viscosity = 0;        // [Pa s] of the liquid, for the drag law
   double least_voidage = 0.3;  // [-] beside a particle of the liquid; what it leaves out is counted
@@ -65,6 +66,7 @@ class AveragedGrains;
 /// Valid:  for grains below a spacing or so; a dense bed's drag law as said in its header.
 /// Errors: InputError for settings; Error where grains are too light for their number.
 /// Tests:  tests/sph/grains.cpp.
+/// Units:  SI.
 template <class Drag, class... Forces>
 struct UnresolvedGrains {
   static constexpr SphAxis sph_axis = SphAxis::Grains;
@@ -239,8 +241,7 @@ class AveragedGrains {
   std::vector<Vec3d> push;          // [N]
 
   /// After the liquid's step, in which its rows got their new velocities: the forces on grains.
-  /// Returns the largest change [m/s] of such a velocity by grains.
-  double give_back(const SphColumns& columns, double mass, double dt, const Team& team) {
+  void give_back(const SphColumns& columns, const Team& team) {
     const std::size_t n = place.size();
     team.for_ranges(n, [&](std::size_t, std::size_t from, std::size_t to) {
       for (std::size_t p = from; p < to; ++p) {
@@ -253,19 +254,20 @@ class AveragedGrains {
     const Exchanged done = exchange_.take(of, 0, force);
     for (std::size_t p = 0; p < n; ++p) force[p] *= part_[p];
     Vec3d on_liquid{0, 0, 0}, on_grains{0, 0, 0};
-    double most = 0;  // [m/s2]
     for (std::size_t k = 0; k < push.size(); ++k) {
       if (columns.label[k] == ClusterLists::none) continue;
       const Vec3d f = push[k] - coefficient[k] * columns.rows[k].velocity();
-      on_liquid += f, most = std::max(most, norm(f) / (columns.share[k] * mass));
+      on_liquid += f;
     }
     for (const Vec3d& f : force) on_grains += f;
     last.exchanged = done.magnitudes;
     for (const Vec3d& f : force) last.exchanged = std::max(last.exchanged, norm(f));
     last.momentum_error = on_grains + on_liquid;
     closure.add(last);
-    return most * dt;
   }
+
+  /// [m/s] of a grain, as far as it is known.
+  double speed(std::size_t p) const { return p < velocity_.size() ? norm(velocity_[p]) : 0; }
 
  private:
   struct Share {

@@ -14,6 +14,11 @@ namespace silt::inline SILT_TARGET {
 /// @{
 
 /// Densities follow the continuity equation alone.
+/// Source: none: the continuity equation of Sph.
+/// Valid:  liquids that do not break up and join again.
+/// Units:  none.
+/// Errors: none.
+/// Tests:  tests/sph/volume.cpp.
 struct DriftingVolume {
   static constexpr SphAxis sph_axis = SphAxis::Volume;
   static constexpr bool restores = false;
@@ -39,6 +44,8 @@ struct DriftingVolume {
 /// Source: ours.
 /// Valid:  with MirroredWalls; DynamicWalls keep the liquid off whatever its volume.
 /// Tests:  tests/sph/volume.cpp.
+/// Units:  SI.
+/// Errors: InputError naming field, value and allowed range.
 struct RestoredVolume {
   double rate = 0.02;  // [-]
 

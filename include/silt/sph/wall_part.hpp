@@ -31,11 +31,13 @@ struct WallPart {
   bool moves() const {
     return of != nullptr ? static_cast<bool>(of->motion) || is_driven() : static_cast<bool>(motion);
   }
+  template <class S>
+  static constexpr bool is_mesh = std::is_same_v<std::remove_cvref_t<S>, TriangleMesh>;
   /// Closed meshes alone have a side behind them.
   void check() const {
     for (const Surface& one : surfaces)
       visit_surface(one, [&](const auto& s) {
-        if constexpr (std::is_same_v<std::remove_cvref_t<decltype(s)>, TriangleMesh>)
+        if constexpr (is_mesh<decltype(s)>)
           require(s.is_closed(), "Sph: the mesh of wall ", in_quotes(name),
                   " is not closed, so that it has no side behind it; close it, or use planes, "
                   "cylinders and cones");
@@ -51,6 +53,11 @@ struct WallPart {
     const double from = std::max(time - before, 0.0);  // motions need not be known before 0
     pose = at(time), last = at(from), next = at(from + before), span = before;
   }
+  /// [m/s] at a place in its own coordinates.
+  Vec3d velocity(const Vec3d& own) const {
+    if (!moves()) return {0, 0, 0};
+    return (1 / span) * (next.to_space(own) - last.to_space(own));
+  }
   std::size_t nearest_surface(const Vec3d& x) const {
     std::size_t which = 0;
     nearest(x, &which);
@@ -61,19 +68,32 @@ struct WallPart {
     constexpr double far = std::numeric_limits<double>::infinity();
     SurfacePoint least{{0, 0, 0}, far, 0};
     const Vec3d own = pose.to_body(x);
+    const auto take = [&](const SurfacePoint& p, std::size_t k) {
+      if (!(p.distance < least.distance)) return;
+      least = p;
+      if (which != nullptr) *which = k;
+    };
     for (std::size_t k = 0; k < surfaces.size(); ++k)
       visit_surface(surfaces[k], [&](const auto& s) {
         SurfacePoint p;
-        if constexpr (std::is_same_v<std::remove_cvref_t<decltype(s)>, TriangleMesh>) {
-          p = s.nearest_point(own);
+        if constexpr (!is_mesh<decltype(s)>)
+          if (s.contacts(own, 1e300, &p) != 0) take(p, k);
+      });
+    // Meshes last: of those the search ends at what is nearer already.
+    for (std::size_t k = 0; k < surfaces.size(); ++k)
+      visit_surface(surfaces[k], [&](const auto& s) {
+        if constexpr (is_mesh<decltype(s)>) {
           // Free is the side that the triangles' normals point to.
-          if (s.contains(own) == (s.volume() > 0)) p.distance *= -1, p.normal = -1.0 * p.normal;
-        } else {
-          if (s.contacts(own, 1e300, &p) == 0) return;
+          if (s.contains(own) == (s.volume() > 0)) {
+            SurfacePoint p = s.nearest_point(own);
+            p.distance *= -1, p.normal = -1.0 * p.normal;
+            take(p, k);
+          } else if (least.distance == far) {
+            take(s.nearest_point(own), k);
+          } else if (least.distance > 0) {
+            if (const auto p = s.nearest_point(own, least.distance)) take(*p, k);
+          }
         }
-        if (!(p.distance < least.distance)) return;
-        least = p;
-        if (which != nullptr) *which = k;
       });
     least.normal = pose.rotate(least.normal);
     return least;

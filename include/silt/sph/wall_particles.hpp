@@ -81,17 +81,15 @@ class WallParticles {
   /// [m] How far no particle has gone beyond since then: as far as a corner of the box around those
   /// of its wall.
   double way() const {
-    double most = 0;
-    for (std::size_t w = 0; w < boxes_.size() && w < walls_.size(); ++w) {
-      const Part& of = walls_[w];
-      if (!of.motion || !is_finite(boxes_[w].min)) continue;
-      for (int c = 0; c < 8; ++c) {
-        const Vec3d &a = boxes_[w].min, &b = boxes_[w].max;
-        const Vec3d x{c & 1 ? b.x : a.x, c & 2 ? b.y : a.y, c & 4 ? b.z : a.z};
-        most = std::max(most, norm(of.pose.to_space(x) - of.listed.to_space(x)));
-      }
-    }
-    return most;
+    return most_at_corners([](const Part& of, const Vec3d& x) {
+      return norm(of.pose.to_space(x) - of.listed.to_space(x));
+    });
+  }
+  /// [m/s] that none is faster than.
+  double fastest() const {
+    return most_at_corners([](const Part& of, const Vec3d& x) {
+      return norm(of.next.to_space(x) - of.last.to_space(x)) / of.span;
+    });
   }
   /// Walls of its own, not of a Simulation.
   std::size_t own_walls() const { return walls_.size() - followed_; }
@@ -203,17 +201,29 @@ class WallParticles {
     find_belts();
     find_boxes();
   }
+  /// [m] In the wall's own coordinates.
+  const Vec3d& own_place(std::size_t k) const { return particles_[k].at; }
+  const Vec3d& own_ghost(std::size_t k) const { return particles_[k].ghost; }
+  /// Whether a particle goes as its wall does: it is no belt.
+  bool goes_along(std::size_t k) const {
+    const Part& wall = walls_[particles_[k].wall];
+    const SurfaceVelocity& belt = wall.of != nullptr ? wall.of->belt : wall.belt;
+    return belt.is_zero() &&
+           (!wall.is_belt || dot(particles_[k].normal, particles_[k].normal) == 0);
+  }
   Vec3d place(std::size_t k) const { return in_space(particles_[k], particles_[k].at); }
   Vec3d ghost(std::size_t k) const { return in_space(particles_[k], particles_[k].ghost); }
   std::size_t wall_of(std::size_t k) const { return particles_[k].wall; }
   /// [m/s] of the wall's material half way between particle and ghost.
   Vec3d velocity(std::size_t k) const {
     const Vec3d at = 0.5 * (particles_[k].at + particles_[k].ghost);
-    return velocity_of(particles_[k], at) + belt_velocity(k);
+    return velocity_of(particles_[k].wall, at) + belt_velocity(k);
   }
+  /// [m/s] at a place in a wall's own coordinates.
+  Vec3d velocity_of(std::size_t w, const Vec3d& own) const { return walls_[w].velocity(own); }
   /// ... at the particle.
   Vec3d own_velocity(std::size_t k) const {
-    return velocity_of(particles_[k], particles_[k].at) + belt_velocity(k);
+    return velocity_of(particles_[k].wall, particles_[k].at) + belt_velocity(k);
   }
   /// [m] of the surface in front of a particle.
   double depth(std::size_t k) const { return 0.5 * norm(particles_[k].ghost - particles_[k].at); }
@@ -244,6 +254,19 @@ class WallParticles {
   }
 
  private:
+  template <class Of>
+  double most_at_corners(const Of& of) const {
+    double most = 0;
+    for (std::size_t w = 0; w < boxes_.size() && w < walls_.size(); ++w) {
+      if (!walls_[w].moves() || !is_finite(boxes_[w].min)) continue;
+      for (int c = 0; c < 8; ++c) {
+        const Vec3d &a = boxes_[w].min, &b = boxes_[w].max;
+        most = std::max(most,
+                        of(walls_[w], {c & 1 ? b.x : a.x, c & 2 ? b.y : a.y, c & 4 ? b.z : a.z}));
+      }
+    }
+    return most;
+  }
   /// A wall that stands in free space and between whose surfaces no site of the lattice lies.
   void refuse_what_has_none(const SphSetup& setup) const {
     std::vector<char> has(walls_.size(), 0);
@@ -279,11 +302,6 @@ class WallParticles {
     std::uint32_t wall;
   };
 
-  Vec3d velocity_of(const Particle& p, const Vec3d& own) const {
-    const Part& wall = walls_[p.wall];
-    if (!wall.moves()) return {0, 0, 0};
-    return (1 / wall.span) * (wall.next.to_space(own) - wall.last.to_space(own));
-  }
   /// [m/s] of a belt, along the surface.
   Vec3d belt_velocity(std::size_t k) const {
     const Part& wall = walls_[particles_[k].wall];

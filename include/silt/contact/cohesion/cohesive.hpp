@@ -59,6 +59,8 @@ struct PairOf<Body> {
 /// for
 ///         what forms at touch.
 /// Tests:  tests/contact/cohesion.cpp, tests/physics/cohesion.cpp.
+/// Valid:  as the body's law and the cohesion model.
+/// Errors: InputError of the body's law and of the cohesion model.
 template <class Body, class Cohesion>
 struct Cohesive {
   static_assert(ContactLaw<Body>,

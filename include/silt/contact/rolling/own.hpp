@@ -19,6 +19,7 @@ namespace silt::inline SILT_TARGET {
 /// Units:  SI. Shapes: Real = double or batch, lane = pair. History: none.
 /// Errors: InputError naming field, value, unit and allowed range.
 /// Tests:  tests/contact/rolling_models.cpp, tests/physics/rolling_models.cpp.
+/// Valid:  spheres, to compare with codes that have this model.
 struct RollingOwn {
   static constexpr bool is_rolling_model = true;
   static constexpr bool of_own_rotation = true;

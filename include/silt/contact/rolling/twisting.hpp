@@ -68,6 +68,12 @@ struct Twisting {
 /// Two rolling models at once, mostly one against rolling and one against twisting:
 ///   silt::Contacts<silt::HertzMindlin, silt::Both<silt::RollingEpsd, silt::Twisting>> contacts{
 ///       glass, {{.rolling_friction = 0.1}, {.twisting_friction = 0.4}}};
+///
+/// Source: none: the couples of both are added.
+/// Valid:  as its two models.
+/// Units:  SI. History: those of both.
+/// Errors: those of both; RollingOwn is refused at compile time.
+/// Tests:  tests/contact/rolling_models.cpp, tests/physics/rolling_models.cpp.
 template <class First, class Second>
 struct Both {
   static_assert(RollingModel<First> && RollingModel<Second>,

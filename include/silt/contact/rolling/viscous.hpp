@@ -19,6 +19,7 @@ namespace silt::inline SILT_TARGET {
 /// Units:  SI. Shapes: Real = double or batch, lane = pair. History: none.
 /// Errors: InputError naming field, value, unit and allowed range.
 /// Tests:  tests/contact/rolling_models.cpp, tests/physics/rolling_models.cpp.
+/// Valid:  spheres that roll; nothing is held at rest.
 struct RollingViscous {
   static constexpr bool is_rolling_model = true;
   struct Pair {

@@ -26,8 +26,11 @@ namespace silt::inline SILT_TARGET {
 
 /// One number a particle, per quantity; one CellField, per quantity.
 using Quantities = std::span<const std::span<const double>>;
+/// What gather() writes: one number a particle, per quantity.
 using GatheredValues = std::span<const std::span<double>>;
+/// Fields that spread() sets.
 using CellFields = std::span<CellField* const>;
+/// Fields that gather() reads.
 using ConstCellFields = std::span<const CellField* const>;
 
 /// A mode is what a user sets, with

@@ -22,6 +22,8 @@ namespace silt::inline SILT_TARGET {
 /// Errors: check(): InputError for a width outside (0, 1000] or steps outside [1, 1000]; place():
 ///         for bodies with Share::Exact.
 /// Tests:  tests/coupling/averaging.cpp, averaging_diffusion.cpp.
+/// Valid:  cells of any size; bodies with Share::Hat.
+/// Units:  lengths in diameters of the largest particles.
 struct Diffusion {
   enum class Share { Hat, Exact };
   double width = 6;  // [diameters] b

@@ -30,6 +30,8 @@ namespace silt::inline SILT_TARGET {
 /// Source: H. Ma et al., Powder Technol. 412 (2022) 117972 (2), and (3) as exponent -g(x)^2/(2
 /// k^2), k = s/r; (1) is of our own. Errors: check(): InputError for a width below 0.1 or above 100
 /// diameters. Tests:  tests/coupling/averaging.cpp, averaging_noise.cpp, averaging_bodies.cpp.
+/// Valid:  cells of any size.
+/// Units:  lengths in diameters of the largest particles.
 struct Kernel {
   enum class Form { Compact, Gaussian };
   Form form = Form::Compact;

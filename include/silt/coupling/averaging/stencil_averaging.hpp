@@ -25,9 +25,11 @@ void change_open(const CellField& openness, CellFields fields, const Team& team,
 
 }  // namespace detail
 
+/// Multiplies fields by the share of each cell that is open; 0 where it is blocked.
 inline void multiply_openness(const CellField& openness, CellFields fields, const Team& team) {
   detail::change_open(openness, fields, team, [](double o, double v) { return o * v; });
 }
+/// Sets fields to 0 in blocked cells.
 inline void clear_blocked(const CellField& openness, CellFields fields, const Team& team) {
   detail::change_open(openness, fields, team, [](double, double v) { return v; });
 }

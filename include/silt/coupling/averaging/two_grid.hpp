@@ -21,6 +21,8 @@ namespace silt::inline SILT_TARGET {
 /// (or share) and transfer together, normalised over the particle's open cells.
 /// Source: H. Ma et al., Powder Technol. 412 (2022) 117972. Errors: check(): InputError for a cell
 /// outside [1, 100]; place(): for bodies with Share::Exact. Tests: tests/coupling/averaging.cpp.
+/// Valid:  cells that are not larger than particles.
+/// Units:  lengths in diameters of the largest particles.
 struct TwoGrid {
   enum class Share { Hat, Exact };
   enum class Transfer { Linear, Constant };

@@ -19,6 +19,8 @@ namespace silt::inline SILT_TARGET {
 /// Source: H. Ma et al., Powder Technol. 412 (2022) 117972; the overlap is of our own. Errors:
 /// check(): InputError for fewer than 1 or more than 1e6 points; place(): for bodies with
 /// Share::Exact. Tests: tests/coupling/averaging.cpp, averaging_overlap.cpp, averaging_bodies.cpp.
+/// Valid:  cells larger than particles; Share::Exact: spheres in cells of any size.
+/// Units:  lengths in diameters of the largest particles.
 struct Unresolved {
   enum class Share { Centre, Satellites, Exact };
   Share share = Share::Exact;

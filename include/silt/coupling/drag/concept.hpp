@@ -27,6 +27,10 @@ namespace silt::inline SILT_TARGET {
 /// lane a particle: no `if` on its value, but select(); power() and others of core/powers.hpp and
 /// core/functions.hpp. Valid for 0 < eps <= 1 and Re >= 0, finite at Re = 0. CoupledFlow refuses at
 /// compile time what is not right for packs (core/probe.hpp).
+///
+/// Units:  SI; eps, Re and Fhat [-]. Shapes: Real = double, float or a batch, lane = particle.
+/// Errors: none.
+/// Tests:  tests/coupling/drag.cpp.
 template <class L>
 concept DragLaw = requires(const L& law, const double& eps, const float& eps_of_float) {
   { law.normalised(eps, eps) } -> std::same_as<double>;

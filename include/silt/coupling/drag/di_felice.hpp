@@ -43,6 +43,7 @@ struct DiFelice {
 /// Di Felice's form fitted to lattice-Boltzmann results of packings:
 ///   chi = 2.65 (eps + 1) - (5.3 - 3.5 eps) eps^2 exp(-(1.5 - log10 Re)^2/2)
 /// Source: L. W. Rong, K. J. Dong, A. B. Yu, Chem. Eng. Sci. 99 (2013) 44.
+/// Valid:  packings of spheres, eps and Re as DiFelice; the print's range was not read.
 struct Rong {
   template <class Real>
   Real normalised(const Real& eps, const Real& Re) const {

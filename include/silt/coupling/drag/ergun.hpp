@@ -19,6 +19,7 @@ struct Ergun {
 
 /// Ergun where eps < 0.8, Wen-Yu elsewhere. It jumps there: at Re = 100 from 17.8 to 10.3.
 /// Source: D. Gidaspow, Multiphase Flow and Fluidization (1994), ch. 2.
+/// Valid:  as Ergun and WenYu; not where its jump at eps = 0.8 matters.
 struct Gidaspow {
   template <class Real>
   Real normalised(const Real& eps, const Real& Re) const {
@@ -30,6 +31,7 @@ struct Gidaspow {
 /// Gidaspow's law without its jump: (1 - b) Ergun + b Wen-Yu,
 ///   b = atan(262.5 (0.2 - (1 - eps)))/pi + 1/2
 /// Source: L. Huilin, D. Gidaspow, Chem. Eng. Sci. 58 (2003) 3777.
+/// Valid:  as Ergun and WenYu.
 struct HuilinGidaspow {
   template <class Real>
   Real normalised(const Real& eps, const Real& Re) const {

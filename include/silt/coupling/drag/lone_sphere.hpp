@@ -17,6 +17,8 @@ inline Real schiller_naumann(const Real& Re) {
 }
 
 /// Stokes' drag of a lone sphere, K = 3 pi mu d whatever the fluid fraction.
+/// Source: G. G. Stokes, Trans. Camb. Phil. Soc. 9 (1851) 8 (recalled).
+/// Valid:  lone spheres, Re << 1.
 struct Stokes {
   template <class Real>
   Real normalised(const Real& eps, const Real&) const {
@@ -26,6 +28,8 @@ struct Stokes {
 
 /// A lone sphere at any slip: F = (pi/8) rho C_D d^2 |W| W with C_D of schiller_naumann() at
 /// rho |W| d/mu = Re/eps, whatever the fluid fraction.
+/// Source: as schiller_naumann().
+/// Valid:  lone spheres; below Re = 1000 its fit, above Newton's constant.
 struct SchillerNaumann {
   template <class Real>
   Real normalised(const Real& eps, const Real& Re) const {

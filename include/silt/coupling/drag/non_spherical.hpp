@@ -22,6 +22,10 @@ struct ShapeInFlow {
 /// Drag of a lone body: F = (pi/8) rho C_D d^2 |W| W, Re = rho d |W|/mu. A law gives C_D Re/24, the
 /// drag over Stokes' drag of the sphere, which is finite at Re = 0:
 ///   template <class Real> Real over_stokes(const ShapeInFlow<Real>&, const Real& Re) const
+///
+/// Units:  SI; numbers of shape, Re and the result [-]. Shapes: Real = double, float or a batch.
+/// Errors: none.
+/// Tests:  tests/coupling/non_spherical.cpp.
 template <class L>
 concept LoneBodyLaw = requires(const L& law, const ShapeInFlow<double>& shape, const double& Re) {
   { law.over_stokes(shape, Re) } -> std::same_as<double>;
@@ -103,6 +107,7 @@ struct BasicGanser {
   }
 };
 using Ganser = BasicGanser<true>;
+/// BasicGanser for isometric bodies, and with the area seen along the flow.
 using GanserInFlow = BasicGanser<false>;
 
 /// Slow flow, by sphericity and the area seen along the flow:
@@ -157,6 +162,7 @@ struct BasicHoelzerSommerfeld {
   }
 };
 using HoelzerSommerfeld = BasicHoelzerSommerfeld<false>;
+/// The full form, and the one that takes the crosswise sphericity twice.
 using HoelzerSommerfeldSimplified = BasicHoelzerSommerfeld<true>;
 
 static_assert(LoneBodyLaw<HaiderLevenspiel> && LoneBodyLaw<Ganser> && LoneBodyLaw<GanserInFlow> &&
@@ -183,6 +189,8 @@ inline Real with_di_felice(const Law& law, const ShapeInFlow<Real>& shape, const
 
 /// One body in one orientation as a drag law: NonSpherical{Ganser(), shape} with Di Felice's
 /// voidage function, NonSpherical<Ganser, Beetstra>{{}, shape} scaled from that of a sphere law.
+/// Source: as its laws.
+/// Valid:  as its laws; one orientation for all particles.
 template <class Law, class SphereLaw = void>
 struct NonSpherical {
   Law law;

@@ -29,6 +29,10 @@ namespace silt::inline SILT_TARGET {
 
 /// A drag law that sees the particle: Fhat [-] of drag/concept.hpp, at Re = eps rho |W| d/mu. With
 /// `void check_form(const FormInFlow*) const`, which throws, it refuses forms; nullptr: spheres.
+///
+/// Units:  SI; Fhat and Re [-].
+/// Errors: InputError of check_form() for forms that a law does not know.
+/// Tests:  tests/coupling/oriented.cpp.
 template <class L>
 concept OrientedDragLaw = requires(const L& law, const InFluid& at, const double& Re) {
   { law.normalised(at, Re) } -> std::same_as<double>;
@@ -125,6 +129,8 @@ struct SlowEllipsoid {
 
 /// Drag of one of the four bodies of Zastawny et al., with (1). Below Re = 0.1, where the fit ends,
 /// C_D Re stays as it is there. What of the coefficients is verified: drag/zastawny.hpp.
+/// Source: as Zastawny (coupling/drag/zastawny.hpp).
+/// Valid:  as Zastawny: 0.1 < Re < 300, its four bodies.
 struct ZastawnyDrag {
   Zastawny fit;
   static constexpr bool sees_forms = true;
@@ -133,6 +139,8 @@ struct ZastawnyDrag {
 };
 
 /// Their lift and pitching torque, the latter for a lone body: neither changes with the voidage.
+/// Source: as Zastawny (coupling/drag/zastawny.hpp).
+/// Valid:  as Zastawny: 0.1 < Re < 300, its four bodies.
 struct ZastawnyLift {
   Zastawny fit;
   static constexpr bool sees_forms = true;

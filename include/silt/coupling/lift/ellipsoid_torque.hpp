@@ -23,8 +23,11 @@ namespace silt::inline SILT_TARGET {
 ///
 /// Bodies other than ellipsoids are taken as the one with their moments and volume, spheres as
 /// such. Source: G. B. Jeffery, Proc. R. Soc. Lond. A 102 (1922) 161. Valid:  (1) for slow flow
-/// around the body, rho d^2 |e|/mu << 1. Lone bodies. Tests:  tests/coupling/ellipsoid_torque.cpp
+/// around the body, rho d^2 |e|/mu << 1. Lone bodies. Tests:  tests/coupling/oriented.cpp
 /// (period of the orbit).
+///
+/// Units:  SI.
+/// Errors: none.
 struct EllipsoidTorque {
   static constexpr bool sees_forms = true, needs_strain = true;
 

@@ -40,6 +40,7 @@ namespace silt::inline SILT_TARGET {
 ///         shorter (leapfrog's first kick is half a step): say how many steps of particles they
 ///         have (CoupledFlow.steps), and what those are (time_step).
 /// Tests:  tests/coupling/history_force.cpp.
+/// Units:  SI.
 class HistoryForce {
  public:
   static constexpr bool has_history = true;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 
 #include <silt/core/id_table.hpp>
 #include <silt/engine/advance/body_motion.hpp>
@@ -233,7 +234,8 @@ class Tables {
   static constexpr std::uint64_t never_indexed = std::numeric_limits<std::uint64_t>::max();
   mutable std::uint64_t indexed_ = never_indexed;  // particles.changes that places_ is of
   mutable std::size_t indexed_to_ = 0;             // owners that it has
-  mutable IdTable places_;
+  // Of ids of all ranks one has few.
+  mutable std::conditional_t<Composition::has_ranks, IdHash, IdTable> places_;
 };
 
 }  // namespace silt::detail

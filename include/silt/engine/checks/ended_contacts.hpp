@@ -30,8 +30,8 @@ class EndedContacts {
   double normal = 0;                                 // [J] in normal springs
   ContactEnergy<double> work = no_energy<double>();  // [J] of the other forces
 
-  /// Of the contacts of these rows, sorted; `since` [s]: how long ago the last forces acted on the
-  /// present positions.
+  /// Of the contacts of these rows, sorted, but for those with ghosts; `since` [s]: how long ago
+  /// the last forces acted on the present positions.
   EndedContacts(const EngineType& e, const Domain& domain, std::span<const std::uint32_t> rows,
                 double since, double dt)
       : e_(e), since_(since), dt_(dt) {
@@ -40,6 +40,8 @@ class EndedContacts {
     };
     const auto& pairs = e.lists.pairs;
     pairs.for_each([&](std::size_t k) {
+      if constexpr (EngineType::of_ranks)
+        if (std::max(pairs.first()[k], pairs.second()[k]) >= e.particles.owned()) return;
       if (is_gone(pairs.first()[k]) || is_gone(pairs.second()[k])) add_pair(k, domain);
     });
     for_each_wall_contact(e, since, [&](const auto& c, const SurfacePoint& point) {
@@ -47,6 +49,14 @@ class EndedContacts {
     });
   }
 
+  /// Of one pair.
+  struct OfPair {
+    std::size_t number;
+  };
+  EndedContacts(const EngineType& e, const Domain& domain, OfPair pair, double since, double dt)
+      : e_(e), since_(since), dt_(dt) {
+    add_pair(pair.number, domain);
+  }
   /// Of all contacts of one wall.
   struct OfWall {
     std::size_t number;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 #include <silt/engine/advance/wall_motion.hpp>
 #include <silt/engine/checks/contact_rates.hpp>
@@ -15,6 +16,8 @@
 /// free wall is too light for the time step. Tests: tests/engine/free_walls.cpp.
 
 namespace silt::inline SILT_TARGET::detail {
+
+inline constexpr std::int64_t looks_at_rates_every = 1000;  // [steps]
 
 /// A contact of a wall, as it is looked at.
 struct ContactAtWall {
@@ -80,20 +83,37 @@ LinearContact linear_at_wall(const EngineType& e, std::size_t w, const ContactAt
       c, table.law[own * table.materials + e.walls[w].material]);
 }
 
+/// Stiffness and damping of the contacts of wall w along the direction, or about the axis, of its
+/// servo.
+template <class EngineType>
+LinearContact linear_of_servo(const EngineType& e, std::size_t w, LinearContact sum = {}) {
+  const Wall& wall = e.walls[w];
+  const auto* const torque = std::get_if<ServoTorque>(&wall.drive);
+  const Vec3d axis = torque != nullptr ? normalised(torque->axis) : Vec3d{};
+  for_each_contact_of_wall(e, w, [&](const ContactAtWall& c) {
+    double arm2 = 1;
+    if (torque != nullptr) {
+      const Vec3d arm = cross(axis, c.point - torque->centre);
+      arm2 = dot(arm, arm);
+    }
+    const LinearContact linear = linear_at_wall(e, w, c, 1e-9);
+    sum.k += linear.k * arm2, sum.c += linear.c * arm2;
+  });
+  return sum;
+}
+
 /// Renews stiffness and damping that a servo's speed follows from: where the load has changed by a
 /// tenth of the wanted one since the last look, else every 20 steps. With one look in 20 steps it
-/// costs a few per cent of the wall's contacts.
-template <class EngineType>
-void look_at_stiffness(EngineType& e, std::size_t w) {
+/// costs a few per cent of the wall's contacts. linear(those of a liquid): of all contacts with it.
+template <class Linear>
+void look_at_stiffness(Wall& wall, const Linear& linear) {
   constexpr double looks_every = 20;  // [steps] of a contact
-  Wall& wall = e.walls[w];
   WallState& s = wall.state;
   const auto* const torque = std::get_if<ServoTorque>(&wall.drive);
   const auto* const force = std::get_if<ServoForce>(&wall.drive);
   const Vec3d axis = normalised(torque != nullptr ? torque->axis : force->direction);
-  const double load =
-      torque != nullptr ? dot(torque_on_drive(wall, torque->centre), axis)
-                        : dot(wall.force + wall.liquid_force, axis);
+  const double load = torque != nullptr ? dot(torque_on_drive(wall, torque->centre), axis)
+                                        : dot(wall.force + wall.liquid_force, axis);
   const double wanted = torque != nullptr ? torque->torque : force->force;
   const bool touched = s.stiffness > 0;
   if (touched == (load != 0) && s.steps_since_look + 1 < looks_every &&
@@ -102,44 +122,68 @@ void look_at_stiffness(EngineType& e, std::size_t w) {
     return;
   }
   s.steps_since_look = 0, s.load_at_look = load;
-  s.stiffness = wall.liquid_stiffness, s.damping = wall.liquid_damping;
-  for_each_contact_of_wall(e, w, [&](const ContactAtWall& c) {
-    double arm2 = 1;
-    if (torque != nullptr) {
-      const Vec3d arm = cross(axis, c.point - torque->centre);
-      arm2 = dot(arm, arm);
-    }
-    const LinearContact linear = linear_at_wall(e, w, c, 1e-9);
-    s.stiffness += linear.k * arm2, s.damping += linear.c * arm2;
-  });
+  const LinearContact all = linear({wall.liquid_stiffness, wall.liquid_damping});
+  s.stiffness = all.k, s.damping = all.c;
 }
 
-/// A wall that is so light against the stiffness of its contacts that the step does not resolve it:
-/// as ContactRates of particles.
+/// Of a wall with a mass: what the frequencies of its contacts follow from.
+struct FreeWallRates {
+  double k = 0, c = 0;  // [1/s2], [1/s]
+};
+template <class EngineType>
+FreeWallRates rates_of_free_wall(const EngineType& e, std::size_t w, double dt) {
+  const Wall& wall = e.walls[w];
+  FreeWallRates all;
+  for_each_contact_of_wall(e, w, [&](const ContactAtWall& at) {
+    if (!(at.overlap > 0)) return;
+    const double own = inverse_mass_of(wall.drive, wall.state, at.point, at.normal);
+    const LinearContact linear = linear_at_wall(e, w, at, dt);
+    const double both = own + std::sqrt(own * at.inverse_mass);
+    all.k += linear.k * both, all.c += linear.c * both;
+  });
+  return all;
+}
+
+/// Refuses a wall that is so light against the stiffness of its contacts that the step does not
+/// resolve it: as ContactRates of particles.
+template <class EngineType>
+[[gnu::cold]] void check_free_wall(const EngineType& e, std::size_t w, const FreeWallRates& of,
+                                   std::int64_t step, double time, double dt, double limit) {
+  const double rate = rate_of<typename EngineType::IntegratorType>(dt * std::sqrt(of.k), dt * of.c);
+  if (rate > limit)
+    throw SimulationError(
+        sentence("step ", step, ", t = ", time, " s: ", name_of_wall(e.walls, w),
+                 " is too light for its contacts at the time step ", dt, " s: rate ", rate,
+                 ", above guard.max_rate = ", limit, "; set Simulation::time_step to less than ",
+                 below(dt * limit / rate), " s, or give the wall a larger mass or inertia"),
+        step, {}, e.walls[w].pose.translation);
+}
 template <class EngineType>
 [[gnu::cold]] void check_free_walls(const EngineType& e, std::int64_t step, double time, double dt,
                                     double limit) {
-  using I = typename EngineType::IntegratorType;
-  for (std::size_t w = 0; w < e.walls.size(); ++w) {
-    const Wall& wall = e.walls[w];
-    if (!is_free(wall.drive)) continue;
-    double k = 0, c = 0;
-    for_each_contact_of_wall(e, w, [&](const ContactAtWall& at) {
-      if (!(at.overlap > 0)) return;
-      const double own = inverse_mass_of(wall.drive, wall.state, at.point, at.normal);
-      const LinearContact linear = linear_at_wall(e, w, at, dt);
-      const double both = own + std::sqrt(own * at.inverse_mass);
-      k += linear.k * both, c += linear.c * both;
-    });
-    const double rate = rate_of<I>(dt * std::sqrt(k), dt * c);
-    if (rate > limit)
-      throw SimulationError(
-          sentence("step ", step, ", t = ", time, " s: ", name_of_wall(e.walls, w),
-                   " is too light for its contacts at the time step ", dt, " s: rate ", rate,
-                   ", above guard.max_rate = ", limit, "; set Simulation::time_step to less than ",
-                   below(dt * limit / rate), " s, or give the wall a larger mass or inertia"),
-          step, {}, wall.pose.translation);
-  }
+  for (std::size_t w = 0; w < e.walls.size(); ++w)
+    if (is_free(e.walls[w].drive))
+      check_free_wall(e, w, rates_of_free_wall(e, w, dt), step, time, dt, limit);
+}
+
+/// The same of the contacts on all ranks (collective).
+template <class EngineType>
+[[gnu::cold]] void check_free_walls_together(const EngineType& e, std::int64_t step, double time,
+                                             double dt, double limit) {
+  std::vector<double> rates(2 * e.walls.size());
+  e.ranks.together("the rates of free walls", [&] {
+    for (std::size_t w = 0; w < e.walls.size(); ++w)
+      if (is_free(e.walls[w].drive)) {
+        const FreeWallRates own = rates_of_free_wall(e, w, dt);
+        rates[2 * w] = own.k, rates[2 * w + 1] = own.c;
+      }
+  });
+  e.ranks.sum_of(rates);
+  e.ranks.together("the limit of free walls", [&] {
+    for (std::size_t w = 0; w < e.walls.size(); ++w)
+      if (is_free(e.walls[w].drive))
+        check_free_wall(e, w, {rates[2 * w], rates[2 * w + 1]}, step, time, dt, limit);
+  });
 }
 
 }  // namespace silt::detail

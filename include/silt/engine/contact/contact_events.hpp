@@ -25,6 +25,10 @@ namespace silt::inline SILT_TARGET {
 ///                    [&](const silt::ContactEvent& c) { lost += c.lost_energy; }));
 ///
 /// Tests: tests/engine/contact_events.cpp.
+/// Source: none.
+/// Valid:  every contact that lasts at least one step.
+/// Units:  SI.
+/// Errors: does not compile with Ranks.
 struct ContactEvents {
   static constexpr bool is_contact_events = true;
 };

@@ -328,7 +328,8 @@ class NearLists {
         else if constexpr (requires { find.find_ordered(0.0, scene.domain, team, found_); })
           find.find_ordered(0.0, scene.domain, team, found_), is_found = true;
       }
-    if constexpr (State::of_ranks) add_ghosts(scene), before = change_.places();
+    if constexpr (State::of_ranks)
+      scene.ranks.meet("the order of a search"), add_ghosts(scene), before = change_.places();
     if constexpr (flows)
       images_.find(find, grown_rows(), largest_grown_, scene.domain, team, found_), flow.search();
     else if (!is_found)
@@ -346,6 +347,7 @@ class NearLists {
                       return bonds.holds(id[c.particle], bonds.id_of_wall(c.wall));
                     });
 
+    if constexpr (State::of_ranks) scene.ranks.meet("a search");
     reference.resize(particles.size());
     team.for_ranges(particles.size(), [&](std::size_t, std::size_t from, std::size_t to) {
       for (std::size_t k = from; k < to; ++k) reference[k] = particles.position[k].centre();
@@ -385,6 +387,7 @@ class NearLists {
       wrap(scene);
       if constexpr (State::of_bodies) scene.mover.wrap(scene.particles, scene.domain);
     }
+    scene.ranks.meet("the start of a search");
     walls.set_aside();
     change_.move(scene.ranks, rows_of(scene), pairs, walls, step);
   }

@@ -66,6 +66,7 @@ struct InletFlow {
   }
 };
 
+/// An inlet and what it has done: Simulation::inlet().
 struct Inlet {
   InletFlow flow;
   std::string region;            // in words

@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include <silt/boundary/wall_drive.hpp>
 #include <silt/core/box.hpp>
 #include <silt/core/position_row.hpp>
 #include <silt/engine/ranks/no_ranks.hpp>
@@ -72,39 +73,52 @@ class RankStage {
   static constexpr bool active = true;
   std::vector<RankNeighbour> neighbours;  // in the order of ranks
   RankCounts counts;
-  BondsAtSearch* bonds = nullptr;  // while lists are renewed, if there are bonds
-  // What this rank has thrown between two meetings, where others do not wait for it: it goes on,
-  // and says so when it meets them next.
-  mutable std::exception_ptr failed;
+  BondsAtSearch* bonds = nullptr;                // while lists are renewed, if there are bonds
+  std::vector<std::array<double, 2>> of_servos;  // of walls [N/m], [N s/m]: look_at_servos()
 
   void set(Policy policy) { policy_ = std::move(policy); }
   const auto& comm() const { return policy_->comm; }
   /// Does what ranks do by themselves; all throw what one has thrown (collective).
   template <class Work>
   void together(const char* call, const Work& work) const {
-    silt::together(policy_->comm, call, [&] {
-      if (failed) std::rethrow_exception(std::exchange(failed, nullptr));
-      work();
-    });
+    silt::together(policy_->comm, call, [&] { throw_late(), work(); });
   }
-  /// Where ranks meet before they talk: those that have failed say so here, and all throw it.
-  void meet(const char* call) const {
-    silt::agree(policy_->comm, call, std::exchange(failed, nullptr));
-  }
-  /// ... with an error of this one, or none, and numbers that become the largest of all.
-  void agree(const char* call, const std::exception_ptr& error, std::span<double> most) const {
-    const std::exception_ptr before = std::exchange(failed, nullptr);
-    silt::agree(policy_->comm, call, before ? before : error, most);
-  }
-  /// Does what no other rank takes part in.
+  /// What a rank does by itself where all go on without meeting: what it throws is thrown where
+  /// they do something together next, or in the next step.
   template <class Work>
-  void alone(const Work& work) const {
+  void until_later(const Work& work) const {
     if (size() == 1) return work();
     try {
       work();
     } catch (...) {
-      if (!failed) failed = std::current_exception();
+      if (!late_) late_ = std::current_exception();
     }
+  }
+  void throw_late() const {
+    if (late_) std::rethrow_exception(std::exchange(late_, nullptr));
+  }
+  /// ... with numbers most() of each rank after that, which become the largest of all.
+  template <class Work, class Most>
+  auto together(const char* call, const Work& work, const Most& most) const {
+    is_agreed() = false;
+    std::exception_ptr error;
+    try {
+      throw_late(), work();
+    } catch (...) {
+      error = std::current_exception();
+    }
+    auto all = most();
+    silt::agree(policy_->comm, call, error, all);
+    return all;
+  }
+  /// Where ranks meet before they talk: those that have failed say so here, and all throw it.
+  void meet(const char* call) const {
+    silt::agree(policy_->comm, call, std::exchange(late_, nullptr));
+  }
+  /// ... with an error of this one, or none, and numbers that become the largest of all.
+  void agree(const char* call, const std::exception_ptr& error, std::span<double> most) const {
+    const std::exception_ptr before = std::exchange(late_, nullptr);
+    silt::agree(policy_->comm, call, before ? before : error, most);
   }
   int rank() const { return policy_->comm.rank(); }
   int size() const { return policy_->comm.size(); }
@@ -126,6 +140,7 @@ class RankStage {
   bool all(bool is) const { return !any(!is); }
   /// The sum of each number, added in the order of ranks.
   void sum_of(std::span<double> values) const {
+    if (size() == 1) return;
     const auto all = gather(policy_->comm, std::span<const double>(values));
     std::fill(values.begin(), values.end(), 0.0);
     for (int r = 0; r < all.ranks(); ++r)
@@ -187,27 +202,44 @@ class RankStage {
     if (under_way_) finish(passed);
   }
 
-  /// Makes the loads of walls, which are those of own particles, the loads of all ranks' particles.
+  /// Makes the loads of walls, which are those of own particles, the loads of all ranks' particles;
+  /// unless for `all`, of walls with a drive alone, which need them at each step, and without their
+  /// impulses. One message, or none.
   template <class Walls>
-  void share_loads(Walls& walls) {
+  void share_loads(Walls& walls, bool all) {
+    if (size() == 1) return;
     shared_.resize(walls.size()), own_.resize(walls.size());
-    std::vector<double> numbers;
-    for (std::size_t w = 0; w < walls.size(); ++w) {
+    const auto for_each_number = [&](const auto& number) {
+      for (std::size_t w = 0; w < walls.size(); ++w) {
+        auto& wall = walls[w];
+        if (!all && !wall.is_driven()) continue;
+        const auto vector = [&](Vec3d& v) { number(v.x), number(v.y), number(v.z); };
+        vector(wall.force), vector(wall.torque);
+        if (is_servo(wall.drive)) number(of_servos[w][0]), number(of_servos[w][1]);
+        if (!all) continue;
+        vector(wall.impulse), vector(wall.angular_impulse), number(wall.belt_power);
+      }
+    };
+    for (std::size_t w = 0; all && w < walls.size(); ++w) {
       own_[w].impulse += walls[w].impulse - shared_[w].impulse;
       own_[w].angular += walls[w].angular_impulse - shared_[w].angular;
-      for (const Vec3d& v : {walls[w].force, walls[w].torque, own_[w].impulse, own_[w].angular})
-        numbers.insert(numbers.end(), {v.x, v.y, v.z});
-      numbers.push_back(walls[w].belt_power);
+      walls[w].impulse = own_[w].impulse, walls[w].angular_impulse = own_[w].angular;
     }
+    std::vector<double> numbers;
+    for_each_number([&](double x) { numbers.push_back(x); });
+    if (numbers.empty()) return;
     sum_of(numbers);
     const double* next = numbers.data();
-    for (std::size_t w = 0; w < walls.size(); ++w) {
-      for (Vec3d* v :
-           {&walls[w].force, &walls[w].torque, &walls[w].impulse, &walls[w].angular_impulse})
-        *v = {next[0], next[1], next[2]}, next += 3;
-      walls[w].belt_power = *next++;
+    for_each_number([&](double& x) { x = *next++; });
+    for (std::size_t w = 0; all && w < walls.size(); ++w)
       shared_[w] = {walls[w].impulse, walls[w].angular_impulse};
-    }
+  }
+  /// After the point that the loads of wall w are taken about has moved: by `back` [m] to the one
+  /// before.
+  void move_reference(std::size_t w, const Vec3d& back) {
+    if (w >= own_.size()) return;
+    own_[w].angular += cross(back, own_[w].impulse);
+    shared_[w].angular += cross(back, shared_[w].impulse);
   }
 
   // --- what a checkpoint keeps --------------------------------------------------------------
@@ -257,16 +289,20 @@ class RankStage {
     const bool first = counts.partitions == 0;
     const double mean_points = static_cast<double>(present_) / size();
     std::vector<int> chosen;
-    if (policy_->rebalance.due(counts.load, step - last_step_, mean_points) || first) {
+    const bool is_due =
+        policy_->rebalance.due(counts.load, step - last_step_, mean_points) || first;
+    if (is_due)
       chosen = parts.partition(policy_->comm, points, work);
+    else if constexpr (std::remove_cvref_t<decltype(parts)>::by_place)
+      for (const Vec3d& p : points) chosen.push_back(parts.rank_of(p));
+    else
+      chosen.assign(points.size(), rank());
+    meet("a decomposition");
+    if (is_due) {
       double sent = 0;
       for (const int r : chosen) sent += r != rank();
       policy_->rebalance.parted(static_cast<std::int64_t>(first ? mean_points / 10 : max_of(sent)));
       ++counts.partitions;
-    } else if constexpr (std::remove_cvref_t<decltype(parts)>::by_place) {
-      for (const Vec3d& p : points) chosen.push_back(parts.rank_of(p));
-    } else {
-      chosen.assign(points.size(), rank());
     }
     last_step_ = step;
     std::vector<int> to(particles.owned(), -1);
@@ -457,6 +493,7 @@ class RankStage {
   }
 
   std::optional<Policy> policy_;
+  mutable std::exception_ptr late_;     // until_later()
   std::vector<Impulses> own_, shared_;  // of walls: by own particles; by all, when last shared
   std::size_t present_ = 0;
   std::int64_t last_step_ = 0;  // in which ranks were chosen

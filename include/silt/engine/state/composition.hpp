@@ -153,6 +153,7 @@ struct Policies {
   template <class... More>
   static Policies<Ps..., More...> with(Policies<More...>);
   using Composed = Composition<Ps...>;
+  static constexpr std::size_t number = sizeof...(Ps);
 };
 /// The policies among `Ps` that are of an axis, less its default.
 template <template <class> class Is, class Default, class... Ps>
@@ -190,7 +191,8 @@ struct InOrder {
                                    typename OfAxis<IsBonds, void, Ps...>::type,
                                    typename OfAxis<IsRanks, NoRanks, Ps...>::type,
                                    typename OfAxis<IsKernels, void, Ps...>::type>::type;
-  using OfSimulation = typename with<typename OfAxis<IsFluid, NoFluid, Ps...>::type>::Composed;
+  using All = with<typename OfAxis<IsFluid, NoFluid, Ps...>::type>;
+  using OfSimulation = typename All::Composed;
   using OfEngine =
       typename with<std::conditional_t<std::is_same_v<Fluid, NoFluid>, Policies<>,
                                        Policies<FluidThatGives<loads_of_fluid<Fluid>>>>>::Composed;

@@ -187,7 +187,8 @@ class ParticleState {
   /// Completes a restored state, sizes as they were measured.
   void restored(double radius, double diameter) {
     largest_radius = radius, mean_diameter = diameter;
-    parked = static_cast<std::size_t>(std::count(id.begin(), id.end(), no_particle));
+    parked = static_cast<std::size_t>(
+        std::count(id.begin(), id.begin() + static_cast<std::ptrdiff_t>(owned()), no_particle));
     measure_others();
   }
 

@@ -55,7 +55,7 @@ struct HertzCircle {
 /// Valid:  a < 0.2 R, and no heat through the fluid in the gap beside the contact.
 /// Units:  SI. Shapes: all; what a is there: HertzCircle.
 /// Errors: InputError naming field, value and unit; materials and walls that are missing.
-/// Tests:  tests/engine/heat.cpp, tests/physics/heat.cpp.
+/// Tests:  tests/engine/wall_heat.cpp, tests/physics/heat.cpp.
 template <class Circle = HertzCircle>
 struct HeatConductionBy {
   double conductivity = 0;                // [W/(m K)] > 0

@@ -25,6 +25,9 @@ namespace silt::inline SILT_TARGET {
 /// bodies d is the diameter of a sphere of their volume, and the surface that of this sphere.
 ///
 /// Source: as RanzMarshall and Gunn. Tests: tests/coupling/heat.cpp, heat_simulation.cpp.
+/// Valid:  as its Nusselt number.
+/// Units:  SI.
+/// Errors: does not compile without a CoupledFlow; InputError where its flow has no heat.
 template <class Nusselt = Gunn>
 struct FluidConvection {
   /// [W/K]

@@ -100,6 +100,10 @@ struct MutualRadiation : Base {
 ///
 /// The plane is black, or large enough to seem so. Particles farther than `gap` do not see it, as
 /// others stand between. Tests: tests/physics/radiation.cpp.
+/// Source: Stefan and Boltzmann's law; view factor 1/2 of a sphere and an infinite plane.
+/// Valid:  planes large against the particles, particles within `gap` that nothing hides.
+/// Units:  SI.
+/// Errors: InputError naming field, value, unit and allowed range.
 struct PlaneRadiation {
   Vec3d point{0, 0, 0};         // [m]
   Vec3d normal{0, 0, 1};        // [-] of any length, to the side of the particles

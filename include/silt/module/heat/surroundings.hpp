@@ -25,6 +25,11 @@ namespace silt::inline SILT_TARGET {
 /// while it is stored, and comes back. It may stand around or inside Heat and MutualRadiation: all
 /// orders are the same physics. Tests: tests/physics/heat.cpp (heat gained is energy lost, 1e-9;
 /// around Heat), radiation.cpp.
+///
+/// Source: none: the ledger's dissipation.
+/// Valid:  with an EnergyLedger.
+/// Units:  SI.
+/// Errors: does not compile without an EnergyLedger.
 template <class Base = HeatConduction>
 struct FrictionHeat : Base {
   explicit FrictionHeat(Base base = {}) : Base(std::move(base)) {}
@@ -38,6 +43,9 @@ struct FrictionHeat : Base {
 /// Source: W.E. Ranz, W.R. Marshall, Chem. Eng. Prog. 48 (1952) 141, 173, not read; the formula as
 ///         a heat transfer model derived from OpenFOAM's has it (read).
 /// Valid:  a lone sphere, Re < 200 (drops), in use up to some 1e4.
+/// Units:  [-].
+/// Errors: none.
+/// Tests:  tests/physics/heat.cpp, tests/coupling/heat.cpp.
 struct RanzMarshall {
   static double nusselt(double Re, double Pr, double /*voidage*/) {
     return 2 + 0.6 * std::sqrt(Re) * std::cbrt(Pr);
@@ -51,6 +59,9 @@ struct RanzMarshall {
 ///         Gunn.C and a tutorial of MFIX (usr1.f) have it (both read), Re as in MFIX. OpenFOAM
 ///         takes Re of u - v itself.
 /// Valid:  0.35 < e <= 1, Re < 1e5.
+/// Units:  [-].
+/// Errors: none.
+/// Tests:  tests/physics/heat.cpp, tests/coupling/heat.cpp.
 struct Gunn {
   static double nusselt(double Re, double Pr, double e) {
     const double third = std::cbrt(Pr);
@@ -67,6 +78,10 @@ struct Gunn {
 /// A step takes the exact exponential for a gas that stays as it is, so that small particles need
 /// no shorter step. Bodies have the surface of their bounding sphere.
 /// Tests: tests/physics/heat.cpp (a grain in hot gas, Nu = 2 at rest).
+/// Source: as its Nusselt number.
+/// Valid:  as its Nusselt number; a gas that the particles do not change.
+/// Units:  SI.
+/// Errors: InputError naming field, value, unit and allowed range.
 template <class Nusselt = RanzMarshall>
 struct Convection {
   double temperature = 293.15;  // [K]
@@ -109,6 +124,10 @@ struct Convection {
 ///   Q = sigma emissivity 4 pi R^2 (T_surroundings^4 - T^4).
 /// Particles do not see each other: in a bed the surroundings' temperature must be what they see.
 /// Tests: tests/physics/heat.cpp (cooling to 0 K: 1/T^3 grows linearly).
+/// Source: Stefan and Boltzmann's law.
+/// Valid:  grey particles that do not see each other, small against their surroundings.
+/// Units:  SI.
+/// Errors: InputError naming field, value, unit and allowed range.
 struct Radiation {
   double emissivity = 0.9;                         // [-] in [0, 1]
   double temperature = 293.15;                     // [K] of the surroundings
@@ -147,6 +166,11 @@ concept HeatedByFluid = requires(const P& part, const Seen& p, const HeatedFluid
 /// A part of one's own is a struct with watts(seen, T, capacity, dt) [W], slope(seen, T) [W/K], the
 /// change of minus the watts with T for the bound on the step, and check(). With
 /// conductance(seen, HeatedFluid) [W/K] it exchanges heat with the fluid (ParticleHeat).
+/// Source: as its parts.
+/// Valid:  as its parts.
+/// Units:  SI.
+/// Errors: InputError of its parts.
+/// Tests:  tests/physics/heat.cpp, tests/coupling/heat_simulation.cpp.
 template <class Base, class... Parts>
 struct Heat : Base {
   std::tuple<Parts...> parts;

@@ -13,6 +13,9 @@ namespace silt::inline SILT_TARGET {
 /// Source: Berger, Bokhari, IEEE Transactions on Computers C-36 (1987) 570-580 (recalled), with
 ///         weights and with sides for any number of ranks.
 /// Tests:  tests/parallel/decompositions.cpp (work within 1.14 of one point's weight of the mean).
+/// Valid:  any number of ranks and any place of the points.
+/// Units:  [m]; work in units of the weights.
+/// Errors: none.
 struct Bisection {
   /// Points at `cut` or before it along the axis belong to `left`. Children are nodes, or ~rank.
   struct Node {

@@ -151,6 +151,8 @@ struct ZoltanCells {
 ///         for repartitioning (recalled); Zoltan of Trilinos 13.2, LB_METHOD = HYPERGRAPH.
 /// Errors: InputError for settings out of range, Error if Zoltan fails.
 /// Tests:  tests/mpi/decompositions.cpp (work, ghosts beside Bisection's).
+/// Valid:  where a cell is at least as wide as contacts reach, and Zoltan is installed.
+/// Units:  [m]; work in units of the weights.
 struct Hypergraph {
   double cell = 0;  // [m] side of the cells; 0: some cells_a_rank of them with points a rank
   double cells_a_rank = 100;

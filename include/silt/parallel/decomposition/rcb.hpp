@@ -55,6 +55,8 @@ struct ZoltanPoints {
 ///         90-97 (recalled); Zoltan of Trilinos 13.2, LB_METHOD = RCB.
 /// Errors: InputError for a tolerance below 1, Error if Zoltan fails.
 /// Tests:  tests/mpi/decompositions.cpp (work beside Bisection's).
+/// Valid:  as Bisection, where Zoltan is installed.
+/// Units:  [m]; work in units of the weights.
 struct Rcb {
   double tolerance = 1.002;  // [-] largest over mean work at which Zoltan stops to refine its cuts
   detail::ZoltanHandle zoltan = {};

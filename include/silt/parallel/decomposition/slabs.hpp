@@ -47,6 +47,9 @@ inline void check_axis(const char* policy, int axis) {
 ///
 /// Errors: InputError for an axis other than 0, 1, 2 or a box that is not finite.
 /// Tests:  tests/parallel/decompositions.cpp.
+/// Source: none.
+/// Valid:  material that stays where it is along the axis.
+/// Units:  [m].
 struct StaticSlabs {
   int axis = 2;  // 0, 1 or 2: across x, y or z
   Box box = {};  // [m]
@@ -95,6 +98,8 @@ static_assert(Decomposition<StaticSlabs, NoRanks>);
 ///         is that of a slab's share, in percent of the mean share.
 /// Errors: InputError for an axis other than 0, 1, 2 or a percentage that is negative.
 /// Tests:  tests/parallel/decompositions.cpp (work within one point's weight of the mean).
+/// Valid:  material whose extent along the axis is much larger than the ranks' ghosts.
+/// Units:  [m]; work in units of the weights.
 struct MovingSlabs {
   int axis = 2;        // 0, 1 or 2: across x, y or z
   double percent = 5;  // [%] change of a slab's work that moves the planes

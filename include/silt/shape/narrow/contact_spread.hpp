@@ -34,6 +34,7 @@ struct Spread {
     return {a.xx + b.xx, a.yy + b.yy, a.zz + b.zz, a.xy + b.xy, a.yz + b.yz, a.zx + b.zx};
   }
 };
+/// The same numbers as a symmetric tensor.
 inline Symmetric3 symmetric(const Spread<double>& s) {
   return {s.xx, s.yy, s.zz, s.xy, s.yz, s.zx};
 }

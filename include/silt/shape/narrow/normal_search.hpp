@@ -36,6 +36,7 @@ struct Depth {
   Cap<Real> i, j;
 };
 
+/// F(m) along the direction m, with its slope and curvature.
 template <class FormI, class FormJ, class Real = typename FormI::Real>
 SILT_INLINE Depth<Real> depth_along(const PosedPair<FormI, FormJ>& pair, const Vec3<Real>& m) {
   Depth<Real> D;
@@ -67,6 +68,7 @@ struct NormalStep {
   Mask<Real> by_i;      // it is i whose point is the more certain
 };
 
+/// Newton's step towards the direction of least F.
 template <class Real>
 SILT_INLINE NormalStep<Real> newton_step(const Depth<Real>& D) {
   const auto& H = D.hess;

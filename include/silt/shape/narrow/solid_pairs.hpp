@@ -241,6 +241,7 @@ double least_gap_of(const A& i, const B& j, const NormalMemory<double>& memory) 
   return std::max(by_spheres, detail::gap_towards(i, j, m));
 }
 
+/// The contact of two convex parts of any two kinds; `memory` is the direction found last.
 inline SolidContact touch_solids(const PlacedBall& i, const PlacedBall& j,
                                  NormalMemory<double>& memory) {
   const Vec3d between = j.position - i.position;

@@ -118,6 +118,7 @@ inline PolyForm<double> form_of(const PolySuperEllipsoid& shape) {
   return form;
 }
 
+/// A sphere as a form of the search.
 inline SphereForm<double> sphere_form(double radius) { return {radius, radius}; }
 
 /// Which kernel a super-ellipsoid of these exponents may use.
@@ -142,6 +143,7 @@ inline To one_lane(const From& from, std::size_t lane) {
   std::memcpy(static_cast<void*>(&to), one, sizeof to);
   return to;
 }
+/// Sets one lane of an aggregate of packs.
 template <class To, class From>
 inline void set_lane(To& to, const From& from, std::size_t lane) {
   constexpr std::size_t n = sizeof(From) / sizeof(double), W = sizeof(To) / sizeof(From);
@@ -152,6 +154,7 @@ inline void set_lane(To& to, const From& from, std::size_t lane) {
   for (std::size_t k = 0; k < n; ++k) all[k * W + lane] = one[k];
   std::memcpy(static_cast<void*>(&to), all, sizeof to);
 }
+/// The same numbers in all lanes.
 template <class To, class From>
 inline To in_all_lanes(const From& from) {
   To to;

@@ -50,6 +50,7 @@ struct NormalMemory {
   Real R_eff = Real(0);                             // [m] of the first touch; 0 while apart
 };
 
+/// A contact of two super-ellipsoids, one a lane.
 template <class Real>
 struct BodyContact {
   Mask<Real> touches;

@@ -1,0 +1,6 @@
+// silt - BSD-3-Clause, see LICENSE
+// Simulations of silt::precompiled.
+
+#include <silt/precompiled.hpp>
+
+SILT_PRECOMPILED_SPHERES(SILT_INSTANTIATE_SIMULATION)

@@ -1,0 +1,106 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+// A time step of Simulation, stage by stage (docs/architecture.md says where each stage stands).
+
+#include <silt/simulation.hpp>
+
+namespace silt::inline SILT_TARGET {
+
+/// One step up to the kick; then either drifts at once or stops for the observers.
+template <class... Policies>
+void Simulation<Policies...>::advance(bool observed) {
+  detail::move_walls(engine_.walls, time_, first_kick_ ? 0 : dt_);
+  check_walls();
+  if (first_kick_) detail::start_walls(engine_.walls, time_, dt_);
+  std::size_t present = 0;
+  if constexpr (Modules::flux) present = present_for_fluxes();
+  bool looks = false;  // at the time step
+  const auto renew = [&] {
+    openings_.update(engine_, *this);
+    if constexpr (has_breakage) looks = this->break_due(), observed |= looks;
+    if constexpr (has_ranks)  // neighbours wait for the ghosts, whatever has failed
+      engine_.refresh_ghosts(), engine_.ranks.throw_late();
+    if constexpr (has_ranks && has_bonds) {
+      detail::RankBonds at_search(bonds_, engine_);
+      engine_.renew_lists(search_, domain_, step_, dt_);
+    } else {
+      engine_.renew_lists(search_, domain_, step_, dt_);
+    }
+    if constexpr (has_breakage)
+      if (!breaks_.events.empty()) detail::leave_out_overlaps(engine_, breaks_.newborn_from);
+  };
+  const auto act = [&] {
+    forces(observed, present);
+    first_kick_ = false;
+    kicked_ = observed;
+    if constexpr (has_bonds && !has_ranks) break_bonds();
+    if (looks) follow_sizes();
+    keep_limits();
+  };
+  if constexpr (has_ranks) {
+    const bool first = first_kick_;
+    engine_.together(observed ? "a step that observers see" : "a step", dt_, observed,
+                     [&] { renew(), act(); });
+    peak_overlap_ = std::max(peak_overlap_, engine_.largest_overlap);
+    if constexpr (Modules::flux)
+      if (engine_.fluxes().measured()) choose_flux_steps();
+    if constexpr (has_bonds) break_bonds_of_ranks();
+    engine_.push_walls(gravity, first ? first_wall_kick * dt_ : dt_, dt_, first);
+    keep_rates_of_walls();
+    if constexpr (has_ledger && !of_bodies)  // EndedContacts of edits
+      if (observed) engine_.refresh_ghosts_now();
+  } else {
+    renew(), act();
+  }
+}
+
+/// The forces of a step, and the integration.
+template <class... Policies>
+void Simulation<Policies...>::forces(bool observed, [[maybe_unused]] std::size_t present) {
+  detail::StepTimes times = times_of_step(observed);
+  times.record = engine_.record.begin(kept_, step_);
+  engine_.prepare_fluxes(modules_, time_, look_at_fluxes(present));
+  engine_.pair_forces(domain_, times);
+  engine_.wall_forces(times);
+  if constexpr (has_ranks) engine_.ghost_forces(domain_, times);
+  if constexpr (has_breakage) breaks_.weigh(engine_, this->breakage(), time_);
+  [[maybe_unused]] double bond_power = 0;
+  if constexpr (has_bonds) bond_power = bonds_.push(engine_, domain_, dt_);
+  if constexpr (has_bonds && has_ranks) engine_.bonds_break = bonds_.any_overloaded();
+  engine_.collect_fluxes();
+  if constexpr (Modules::in_pairs) act_in_pairs();
+  if constexpr (has_events) engine_.events.sort();
+  if constexpr (Fluid::active) couple();
+  if constexpr (Modules::push) push_modules();
+  book_step(times, bond_power);
+  using Advance = typename Engine::Advance;
+  if constexpr (detail::deforms<Domain>) engine_.kick_box(domain_, dt_, first_kick_, observed);
+  const double kick = first_kick_ ? Integrator::first_kick * dt_ : dt_;
+  if constexpr (has_ranks)
+    engine_.look_at_servos();  // they are pushed when the loads of all ranks are known
+  else
+    engine_.push_walls(gravity, first_kick_ ? first_wall_kick * dt_ : dt_, dt_, first_kick_);
+  engine_.integrate(observed ? Advance::KickAndRecord : Advance::KickAndDrift, gravity, kick, dt_,
+                    first_kick_);
+  if constexpr (detail::deforms<Domain>)
+    observed ? engine_.record_flow(domain_) : engine_.move_box(domain_, dt_);
+}
+
+/// What is left of a step when observers have seen it: the drift, and what follows the motion.
+template <class... Policies>
+void Simulation<Policies...>::finish_step() {
+  if (kicked_) engine_.drift(dt_);
+  if constexpr (has_bonds) bonds_.turn(engine_, dt_);
+  if constexpr (detail::deforms<Domain>)
+    if (kicked_) engine_.move_box(domain_, dt_);
+  kicked_ = observed_ = false;
+  const auto update = [this] { modules_.update(engine_, step_ + 1, time_at(step_ + 1), dt_); };
+  if constexpr (has_ranks)
+    engine_.ranks.until_later(update);
+  else
+    update();
+  if constexpr (Modules::flux) engine_.fluxes().book(dt_);
+}
+
+}  // namespace silt

@@ -1,0 +1,514 @@
+# silt - BSD-3-Clause, see LICENSE
+"""`silt draw`: particles, bodies, walls, contacts, bonds and slices of flows, in one picture or a movie."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+import textwrap
+from dataclasses import dataclass, field
+from typing import Optional, Sequence
+
+import numpy as np
+from matplotlib.collections import LineCollection
+
+from ..errors import Error
+from ..frame import Frame
+from ..series import Series
+from ..series import open as open_series
+from ..series import read
+from ..sources import GRID, POINTS, SURFACE
+from .bodies import Bed, in_cuts, pressing, tubes, values_of
+from .canvas import Canvas
+from .style import (CHAINS, COLOUR_MAPS, DPI, ColourScale, Normalize, Sheet, add_bar, captions,
+                    draw_scale_bar, parse_numbers, plt, save, to_rgb)
+from .view import Cut, view_axes, wall_edges
+
+PALE = 0.62  # how far bodies fade to white behind contacts
+BALL = 0.5  # of their radius that spheres have where bonds are drawn between them
+ROD = "#8A8F98"  # bonds without a field
+
+
+@dataclass
+class Layers:
+    """What one panel shows; places in view coordinates [m]."""
+
+    bed: Optional[Bed] = None
+    edges: np.ndarray = field(default_factory=lambda: np.empty((0, 2, 3)))
+    walls: np.ndarray = field(default_factory=lambda: np.empty((0, 3, 3)))
+    contacts: np.ndarray = field(default_factory=lambda: np.empty((0, 2, 3)))
+    forces: np.ndarray = field(default_factory=lambda: np.empty(0))
+    bonds: np.ndarray = field(default_factory=lambda: np.empty((0, 2, 3)))
+    load: np.ndarray = field(default_factory=lambda: np.empty(0))
+    load_label: str = ""
+    rod: float = 0  # [m] radius of bonds
+    cells: np.ndarray = field(default_factory=lambda: np.empty((0, 3, 3)))
+    flow: np.ndarray = field(default_factory=lambda: np.empty(0))  # of each triangle of cells
+    flow_label: str = ""
+
+    def places(self) -> np.ndarray:
+        """View coordinates (n, 3) that the picture must hold."""
+        parts = [self.edges, self.contacts, self.bonds, self.cells]
+        if self.bed is not None:
+            parts.append(self.bed.corners())
+        return np.concatenate([part.reshape(-1, 3) for part in parts])
+
+
+@dataclass
+class Extent:
+    """What all panels together span: view coordinates, and values of each colour bar."""
+
+    low: np.ndarray = field(default_factory=lambda: np.full(3, np.inf))
+    high: np.ndarray = field(default_factory=lambda: np.full(3, -np.inf))
+    values: list[np.ndarray] = field(default_factory=list)
+    loads: list[np.ndarray] = field(default_factory=list)
+    flows: list[np.ndarray] = field(default_factory=list)
+    strong: float = 0  # [N] of the thickest contacts
+    flat: Optional[tuple[np.ndarray, np.ndarray]] = None  # [m] in perspective: what the picture must hold
+
+    def fit(self, layers: Layers, camera: "Camera") -> None:
+        """Takes what a panel spans in perspective."""
+        seen = camera.flat(layers.places())
+        if len(seen):
+            low, high = self.flat or (np.full(2, np.inf), np.full(2, -np.inf))
+            self.flat = np.minimum(low, seen.min(axis=0)), np.maximum(high, seen.max(axis=0))
+
+    def take(self, layers: Layers) -> None:
+        places = layers.places()
+        if len(places):
+            self.low = np.minimum(self.low, places.min(axis=0))
+            self.high = np.maximum(self.high, places.max(axis=0))
+        if layers.bed is not None:
+            self.values.append(brief(layers.bed.values))
+        self.loads.append(brief(layers.load))
+        self.flows.append(brief(layers.flow))
+        if len(layers.forces):
+            self.strong = max(self.strong, float(np.quantile(layers.forces, 0.995)))
+
+
+def brief(values: np.ndarray) -> np.ndarray:
+    """Of many values as many as a colour bar depends on."""
+    if values.dtype.kind in "iu":
+        return np.unique(values)[:1000]
+    finite = values[np.isfinite(values)]
+    if len(finite) == 0:
+        return np.empty(0)
+    return np.r_[finite.min(), finite.max(), finite[finite != np.round(finite)][:1]]
+
+
+class Camera:
+    """How the picture is seen: `bounds` (left, right, bottom, top) [m], `eye` in perspective."""
+
+    def __init__(self, extent: Extent, options: argparse.Namespace) -> None:
+        if not np.isfinite(extent.low).all():
+            raise Error("there is nothing to draw: no bodies, contacts or cells are left, and there are no walls")
+        low, high = extent.low, extent.high
+        self.eye: Optional[np.ndarray] = None
+        self.plane = float(high[2])
+        if options.perspective is not None:
+            if not 1 <= options.perspective <= 120:
+                raise Error(f"--perspective {options.perspective:g} must be an angle from 1 to 120 degrees")
+            half = 0.5 * max(high[0] - low[0], high[1] - low[1], 1e-30)
+            reach = half / math.tan(math.radians(options.perspective) / 2)
+            self.eye = np.array([*(low + high)[:2] / 2, self.plane + reach])
+            low, high = (end if extent.flat is None else extent.flat[k] for k, end in enumerate((low, high)))
+        margin = 0.02 * max(high[0] - low[0], high[1] - low[1])
+        self.bounds = (parse_numbers("--bounds", options.bounds, 4) if options.bounds else
+                       [low[0] - margin, high[0] + margin, low[1] - margin, high[1] + margin])
+        if self.bounds[1] <= self.bounds[0] or self.bounds[3] <= self.bounds[2]:
+            raise Error("there is nothing to draw: all that is left lies in one place")
+
+    def canvas(self, width: int) -> Canvas:
+        return Canvas(self.bounds, width, self.eye, self.plane)
+
+    def flat(self, places: np.ndarray) -> np.ndarray:
+        """Where places in view coordinates stand in the picture [m]."""
+        if self.eye is None:
+            return places[..., :2]
+        shrink = (self.eye[2] - self.plane) / np.maximum(self.eye[2] - places[..., 2], 1e-30)
+        return self.eye[:2] + (places[..., :2] - self.eye[:2]) * shrink[..., None]
+
+
+class Scene:
+    """Files and options of one picture. `shots` are its panels: a frame and the file it is of."""
+
+    def __init__(self, options: argparse.Namespace) -> None:
+        self.options = options
+        self.axes = view_axes(options.view)
+        self.cuts = [Cut(words, self.axes) for words in options.cut or []]
+        self.within = list(self.cuts)
+        if options.slab:
+            self.within += slab_cuts(options.slab, self.axes)
+        self.series = [open_series(name) for name in options.files]
+        self.beside: dict[str, Optional[Series]] = {}
+        for layer in ("walls", "contacts", "bonds", "flow"):
+            name = getattr(options, layer)
+            self.beside[layer] = open_series(name) if name and name != "none" else None
+        self.found = [self._walls_beside(s) for s in self.series] if options.walls is None else \
+            [None] * len(self.series)
+        self.eye: Optional[np.ndarray] = None
+
+    def _walls_beside(self, series: Series) -> Optional[Series]:
+        """Of a .pvd list walls.pvd beside it, if that has walls."""
+        folder, name = os.path.split(series.path)
+        if not name.endswith(".pvd"):
+            return None
+        path = os.path.join(folder, "walls.pvd")
+        walls = open_series(path) if name != "walls.pvd" and os.path.exists(path) else None
+        return walls if walls is not None and len(walls) else None
+
+    def shots(self) -> list[tuple[int, int]]:
+        """Series and frame of each panel: those of --time or --frame, else the last of each."""
+        chosen = []
+        for k, series in enumerate(self.series):
+            if self.options.time:
+                numbers = [series.number_at(time) for time in self.options.time]
+            elif self.options.frame:
+                for n in self.options.frame:
+                    if not -len(series) <= n < len(series):
+                        raise Error(f"series '{series.path}' has {len(series)} frames, no number {n}")
+                numbers = [n % len(series) for n in self.options.frame]
+            else:
+                if len(series) == 0:
+                    raise Error(f"series '{series.path}' has no frames yet")
+                numbers = [len(series) - 1]
+            chosen += [(k, n) for n in numbers]
+        return chosen
+
+    # ---------------------------------------------------------------------------- layers
+
+    def layers(self, k: int, n: int) -> Layers:
+        frame = self.series[k][n]
+        out = Layers()
+        if frame.kind in (POINTS, SURFACE):
+            body, more = true_shape(frame)
+            out.bed = Bed(body, self.options.colour, self.axes, self.within, more, self.eye,
+                          self.options.radius)
+        elif frame.kind == GRID:
+            self._take_flow(out, frame, self.options.colour)
+        elif "bending" in frame:
+            self._take_bonds(out, frame, self.options.colour or "load")
+        elif "normal_force" in frame:
+            self._take_contacts(out, frame)
+        else:
+            raise Error(f"file '{frame.path}' has {frame.kind} with the fields {', '.join(frame.fields) or 'none'}, "
+                        "which are neither particles, bodies, contacts, bonds nor cells of a grid")
+        walls = self.beside["walls"] or self.found[k]
+        if walls is not None and self.options.walls != "none":
+            self._take_walls(out, self._companion(walls, frame))
+        for layer, take in (("contacts", self._take_contacts), ("flow", self._take_flow)):
+            series = self.beside[layer]
+            if series is not None:
+                take(out, self._companion(series, frame))
+        if self.beside["bonds"] is not None:
+            self._take_bonds(out, self._companion(self.beside["bonds"], frame), self.options.bond_colour)
+        return out
+
+    @staticmethod
+    def _companion(series: Series, frame: Frame) -> Frame:
+        """The frame of another series at the same time."""
+        return series[-1] if len(series) == 1 or not math.isfinite(frame.time) else series.at(frame.time)
+
+    def _take_walls(self, out: Layers, frame: Frame) -> None:
+        if frame.kind != SURFACE:
+            raise Error(f"file '{frame.path}' has no triangles; --walls takes a file of walls")
+        points = frame.points.astype(float)
+        eye = None if self.eye is None else self.eye @ self.axes
+        edges = wall_edges(points, frame.triangles, self.axes[2], eye)
+        walls = frame.corners.astype(float)
+        for cut in self.cuts:
+            edges, walls = cut.clip(edges), cut.clip_triangles(walls)
+        out.edges, out.walls = edges @ self.axes.T, walls @ self.axes.T
+
+    def _take_contacts(self, out: Layers, frame: Frame) -> None:
+        lines, out.forces = pressing(frame, self.within)
+        out.contacts = lines @ self.axes.T
+
+    def _take_bonds(self, out: Layers, frame: Frame, colour: Optional[str]) -> None:
+        keep = in_cuts(frame.position, self.within)
+        values, out.load_label = values_of(frame, colour)
+        out.bonds, out.load = frame.lines[keep] @ self.axes.T, values[keep]
+        length = np.linalg.norm(out.bonds[:, 1] - out.bonds[:, 0], axis=1)
+        out.rod = self.options.bond_radius or (0.12 * float(np.median(length)) if len(length) else 0)
+
+    def _take_flow(self, out: Layers, frame: Frame, colour: Optional[str] = None) -> None:
+        if frame.kind != GRID:
+            raise Error(f"file '{frame.path}' has no grid of cells; slices are drawn of .vti files")
+        colour = colour or self.options.flow_colour or next(
+            (name for name in ("velocity", "mean_velocity") if name in frame), None) or \
+            (frame.fields[0] if frame.fields else None)
+        corners, values, out.flow_label = slice_of(frame, self.options.slice, colour, self.axes)
+        out.cells, out.flow = corners @ self.axes.T, values
+
+    # --------------------------------------------------------------------------- picture
+
+    def draw_picture(self, out: str) -> None:
+        shots = self.shots()
+        panels, extent = self._load(shots)
+        files = [self.series[k].files[n] for k, n in shots]
+        if len(set(len(s) for s in self.series)) == 1 and len(self.series[0]) == 1:
+            files = [os.fspath(f) for f in self.options.files]  # as the user knows them
+        titles = captions(self.options.title, files, [self.series[k].times[n] for k, n in shots])
+        save(self.figure(panels, extent, titles), out)
+
+    def _load(self, shots: Sequence[tuple[int, int]]) -> tuple[list[Layers], Extent]:
+        panels, extent = [self.layers(k, n) for k, n in shots], Extent()
+        for layers in panels:
+            extent.take(layers)
+        if self.options.perspective is not None:  # which faces and outlines are seen depends on it
+            camera = Camera(extent, self.options)
+            self.eye = camera.eye
+            panels = [self.layers(k, n) for k, n in shots]
+            for layers in panels:
+                extent.fit(layers, camera)
+        return panels, extent
+
+    def figure(self, panels: Sequence[Layers], extent: Extent, titles: Sequence[str]):
+        """The sheet of all panels, with its colour bars."""
+        options, camera = self.options, Camera(extent, self.options)
+        limits = parse_numbers("--range", options.range, 2) if options.range else None
+        colour_map = COLOUR_MAPS[options.map]
+        names = options.names.split(",") if options.names else None
+        beds = [layers.bed for layers in panels if layers.bed is not None]
+        scales: dict[str, ColourScale] = {}
+
+        def scale(key: str, parts: list[np.ndarray], words: str, own_limits, own_map, own_names=None) -> None:
+            values = np.concatenate(parts) if parts else np.empty(0)
+            scales[key] = ColourScale(values, words, own_limits, own_names, own_map)
+
+        scale("bed", extent.values, beds[0].label if beds else "", limits if beds else None, colour_map, names)
+        words = next((layers.flow_label for layers in panels if layers.flow_label), "")
+        flow_limits = parse_numbers("--flow-range", options.flow_range, 2) if options.flow_range else \
+            None if beds else limits
+        scale("flow", extent.flows, words, flow_limits, COLOUR_MAPS["cividis"] if beds and beds[0].label else colour_map)
+        words = next((layers.load_label for layers in panels if layers.load_label), "")
+        scale("bonds", extent.loads, words, None if beds else limits, COLOUR_MAPS["magma"] if beds else colour_map)
+        forces = Normalize(0, extent.strong or 1)
+
+        bounds = camera.bounds
+        bars = [s for s in scales.values() if s.label] + ([None] if extent.strong > 0 else [])
+        sheet = Sheet(titles, (bounds[1] - bounds[0]) / (bounds[3] - bounds[2]), len(bars))
+        figure = plt.figure(figsize=(sheet.width, sheet.height))
+        for k, (layers, title) in enumerate(zip(panels, titles)):
+            canvas = camera.canvas(max(1, round(sheet.panel_width * DPI)))
+            paint(canvas, layers, scales, options)
+            panel = figure.add_axes(sheet.panel(k))
+            panel.imshow(canvas.picture(), interpolation="none", aspect="auto", extent=bounds)
+            if len(layers.contacts):
+                share = np.minimum(layers.forces / forces.vmax, 1)
+                panel.add_collection(LineCollection(camera.flat(layers.contacts), linewidths=0.15 + 2.6 * share,
+                                                    colors=CHAINS(share), capstyle="round"))
+            panel.set(xlim=bounds[:2], ylim=bounds[2:])
+            panel.set_axis_off()
+            letters = max(6, int(sheet.panel_width * 72 / (0.55 * 12)))  # that fit over a panel
+            panel.set_title(textwrap.fill(title, letters), fontsize=12, pad=6)
+        if camera.eye is None:
+            draw_scale_bar(figure, sheet, bounds[1] - bounds[0])
+        for k, bar in enumerate(bars):
+            place = sheet.bar(k, len(bars), bar is not None and bar.kinds is not None)
+            if bar is None:
+                add_bar(figure, forces, CHAINS, "normal force [N]", place, "max")
+            else:
+                bar.add_to(figure, place)
+        return figure
+
+    # ----------------------------------------------------------------------------- movie
+
+    def draw_movie(self, out: str) -> None:
+        """Every frame of the first series (each --every-th); panels of others at the same times."""
+        from .movie import Movie
+
+        numbers = range(0, len(self.series[0]), self.options.every)
+        if len(numbers) == 0:
+            raise Error(f"series '{self.series[0].path}' has no frames yet")
+        times = self.series[0].times[list(numbers)]
+
+        def shots(n: int) -> list[tuple[int, int]]:
+            return [(0, n)] + [(k, s.number_at(self.series[0].times[n])) for k, s in enumerate(self.series[1:], 1)]
+
+        extent = Extent()
+        for n in numbers:
+            for k, m in shots(n):
+                extent.take(self.layers(k, m))
+        if self.options.perspective is not None:
+            camera = Camera(extent, self.options)
+            self.eye = camera.eye
+            for n in numbers:
+                for k, m in shots(n):
+                    extent.fit(self.layers(k, m), camera)
+        words = captions(None, [self.series[0].files[n] for n in numbers], times)
+        given = self.options.title or [""] * len(self.series)
+        if len(given) != len(self.series):
+            raise Error(f"there are {len(given)} titles for {len(self.series)} files; give one a file")
+        with Movie(out, self.options.fps) as movie:
+            for n, time in zip(numbers, words):
+                panels = [self.layers(k, m) for k, m in shots(n)]
+                figure = self.figure(panels, extent, [f"{title}, {time}" if title else time for title in given])
+                movie.add(figure)
+
+
+def paint(canvas: Canvas, layers: Layers, scales: dict[str, ColourScale], options: argparse.Namespace) -> None:
+    """Bodies, bonds, slices and walls onto a canvas; contacts come over it."""
+    bed = layers.bed
+    if bed is not None:
+        colours = scales["bed"].colours(bed.values)
+        if len(layers.contacts):
+            colours = colours + PALE * (1 - colours)
+        if bed.has_surfaces:
+            canvas.draw_triangles(bed.places, bed.triangles, bed.normals, colours)
+        else:
+            shown = BALL if len(layers.bonds) else 1.0
+            canvas.draw_spheres(bed.places, shown * bed.radii, colours)
+    if len(layers.bonds):
+        balls, which = tubes(layers.bonds, layers.rod)
+        colours = scales["bonds"].colours(layers.load) if scales["bonds"].label else \
+            np.tile(to_rgb(ROD), (len(layers.bonds), 1))
+        canvas.draw_spheres(balls, np.full(len(balls), layers.rod), colours[which])
+    if len(layers.cells):
+        canvas.draw_flat(layers.cells, scales["flow"].colours(layers.flow))
+    style = options.walls_as or ("behind" if bed is not None or len(layers.bonds) else "edges")
+    if style == "solid":
+        canvas.draw_solid_walls(layers.walls)
+    elif style == "glass":
+        canvas.draw_glass_walls(layers.walls)
+    elif style == "behind":
+        canvas.draw_walls(layers.walls)
+    canvas.draw_lines(layers.edges)
+
+
+def true_shape(frame: Frame) -> tuple[Frame, Optional[Frame]]:
+    """Of a file of bodies by their bounding spheres that of their surfaces or parts of the same step,
+    where it stands beside it; and the file that has the fields of whole bodies, or None."""
+    folder, name = os.path.split(frame.path)
+
+    def beside(word: str, other: str) -> Optional[Frame]:
+        path = os.path.join(folder, name.replace(word, other, 1))
+        if not name.startswith(word) or not os.path.exists(path):
+            return None
+        found = read(path)
+        found.time, found.step = frame.time, frame.step
+        return found
+
+    if frame.kind == POINTS and "orientation" in frame:
+        for word in ("surfaces_", "parts_"):
+            shape = beside("particles_", word)
+            if shape is not None:
+                return shape, frame
+    for word in ("surfaces_", "parts_"):
+        whole = beside(word, "particles_")
+        if whole is not None:
+            return frame, whole
+    return frame, None
+
+
+def slab_cuts(words: str, axes: np.ndarray) -> list[Cut]:
+    """'y=0.04,0.06' as two half spaces."""
+    axis, _, places = words.partition("=")
+    if axis not in ("x", "y", "z"):
+        raise Error(f"--slab '{words}' must be an axis and two places in metres, such as y=0.04,0.06")
+    low, high = parse_numbers("--slab", places, 2)
+    return [Cut(f"{axis}>{low!r}", axes), Cut(f"{axis}<{high!r}", axes)]
+
+
+def slice_of(frame: Frame, words: Optional[str], colour: str, axes: np.ndarray):
+    """The cells at a plane as triangles (n, 3, 3) [m], their values (n,), and what these are. `words`:
+    'y=0.05'; without, the middle of the direction that is seen most end-on. Closed cells are left out."""
+    grid = frame.grid
+    if words is None:
+        axis = int(np.argmax(np.abs(axes[2])))
+        place = grid.origin[axis] + 0.5 * grid.cells[axis] * grid.spacing[axis]
+    else:
+        name, _, number = words.partition("=")
+        try:
+            axis, place = ("x", "y", "z").index(name), float(number)
+        except ValueError:
+            raise Error(f"--slice '{words}' must be an axis and a place in metres, such as y=0.05") from None
+    layer = math.floor((place - grid.origin[axis]) / grid.spacing[axis])
+    if place == grid.origin[axis] + grid.cells[axis] * grid.spacing[axis]:
+        layer -= 1
+    if not 0 <= layer < grid.cells[axis]:
+        ends = grid.edges(axis)
+        raise Error(f"--slice: the plane {'xyz'[axis]} = {place:g} m is not in the grid of '{frame.path}', which "
+                    f"goes from {ends[0]:g} to {ends[-1]:g} m")
+    values, label = values_of(frame, colour)
+    values = np.take(values, layer, axis=axis)
+    shown = np.isfinite(values)
+    if "open" in frame:
+        shown &= np.take(frame["open"], layer, axis=axis) > 0
+    u, v = [a for a in range(3) if a != axis]
+    corner = np.full((grid.cells[u] + 1, grid.cells[v] + 1, 3), place)
+    corner[..., u], corner[..., v] = np.meshgrid(grid.edges(u), grid.edges(v), indexing="ij")
+    p, q, r, s = corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:], corner[:-1, 1:]
+    halves = np.stack([np.stack([p, q, r], axis=2), np.stack([p, r, s], axis=2)], axis=2)
+    return halves[shown].reshape(-1, 3, 3), np.repeat(values[shown], 2), label
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `silt draw`."""
+    parser.add_argument("files", nargs="+", metavar="FILE",
+                        help="a series (.pvd), a folder that has one, or a file (.vtp, .pvtp, .vti): particles, bodies, "
+                        "contacts, bonds or a flow; several side by side")
+    parser.add_argument("-o", "--out", required=True, metavar="PNG",
+                        help="the picture; .gif or .mp4, or frames as out_%%04d.png: a movie of the series")
+    parser.add_argument("--colour", "--color", metavar="FIELD",
+                        help="a field (of a vector its length), velocity.z, or x, y, z")
+    parser.add_argument("--names", metavar="WORD,WORD", help="what the values 0, 1, ... of the field mean")
+    parser.add_argument("--radius", type=float, metavar="R",
+                        help="of points whose file has none, as a liquid [m] (half of the distance of neighbours)")
+    parser.add_argument("--range", metavar="LOW,HIGH", help="values at the ends of the colour bar")
+    parser.add_argument("--map", choices=sorted(COLOUR_MAPS), default="viridis",
+                        help="colours; all are safe for the colour-blind (viridis)")
+    parser.add_argument("--time", nargs="+", type=float, metavar="T", help="frames nearest to these times [s] (the last)")
+    parser.add_argument("--frame", nargs="+", type=int, metavar="N", help="frames by number, from 0; -1 is the last")
+    parser.add_argument("--view", default="front", metavar="VIEW",
+                        help="front, back, side, left, top, bottom, iso, or two angles in degrees: -35,25")
+    parser.add_argument("--perspective", nargs="?", type=float, const=30.0, metavar="DEGREES",
+                        help="seen from nearby, under this angle (30), instead of parallel")
+    parser.add_argument("--walls", metavar="FILE", help="a surface (of a series walls.pvd beside it), or none")
+    parser.add_argument("--walls-as", choices=["behind", "solid", "glass", "edges"],
+                        help="walls hide no bodies (behind), hide them (solid), veil them (glass), or are lines "
+                        "(behind; of contacts alone edges)")
+    parser.add_argument("--contacts", metavar="FILE", help="force chains over the bodies, as thick as their force")
+    parser.add_argument("--bonds", metavar="FILE", help="bonds as rods")
+    parser.add_argument("--bond-colour", metavar="FIELD", help="a field of the bonds, as load")
+    parser.add_argument("--bond-radius", type=float, metavar="R", help="of the rods [m]")
+    parser.add_argument("--flow", metavar="FILE", help="a slice of a flow (.vti, .pvd)")
+    parser.add_argument("--flow-colour", metavar="FIELD", help="its field (velocity)")
+    parser.add_argument("--flow-range", metavar="LOW,HIGH", help="values at the ends of its colour bar")
+    parser.add_argument("--slice", metavar="y=0.05", help="where the slice is [m] (the middle, across the view)")
+    parser.add_argument("--cut", action="append", metavar="y=0.05",
+                        help="leave out the half in front of this place [m]; y>0.05 and y<0.05 keep that side; may be repeated")
+    parser.add_argument("--slab", metavar="y=0.04,0.06", help="only bodies and contacts between these places [m]")
+    parser.add_argument("--title", nargs="+", metavar="T", help="a caption for each panel (its time, if it is of a series)")
+    parser.add_argument("--bounds", metavar="XMIN,XMAX,ZMIN,ZMAX", help="what the picture shows, across and upwards [m]")
+    parser.add_argument("--every", type=int, default=1, metavar="N", help="of a movie, each N-th frame")
+    parser.add_argument("--fps", type=float, default=10, metavar="N", help="of a movie, frames a second (10)")
+
+
+def run(options: argparse.Namespace) -> None:
+    """Draws what the arguments say."""
+    from .movie import is_movie
+
+    if options.every < 1 or not options.fps > 0:
+        raise Error(f"--every {options.every} must be at least 1, and --fps {options.fps:g} above 0")
+    scene = Scene(options)
+    if is_movie(options.out):
+        scene.draw_movie(options.out)
+    else:
+        scene.draw_picture(options.out)
+
+
+def draw(*files: str, out: str, **options) -> None:
+    """`silt draw` from Python: files and the options by name, with '_' for '-'.
+
+        silt.drawing.draw("out/vtk/particles.pvd", out="bed.png", colour="velocity", cut=["y=0.05"])
+    """
+    parser = argparse.ArgumentParser()
+    add_options(parser)
+    known = parser.parse_args([*files, "--out", out])
+    for name, value in options.items():
+        if not hasattr(known, name):
+            raise Error(f"silt.drawing.draw has no option '{name}'; see python3 -m silt draw --help")
+        setattr(known, name, value)
+    run(known)

@@ -1,0 +1,147 @@
+# silt - BSD-3-Clause, see LICENSE
+"""`silt compare` and `silt info`."""
+
+import json
+import os
+import shutil
+import tempfile
+import unittest
+
+import numpy as np
+import silt
+from scenes import Refuses, has, needs, path, run, run_apart
+from test_readers import write_vtp
+
+
+class Compare(Refuses, unittest.TestCase):
+    def test_the_same_run_twice_is_equal(self):
+        done = run_apart("compare", path("grains"), path("again"))
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertRegex(done.stdout, r"all \d+ are equal")
+        for name in ("particles.pvd", "contacts.pvd", "bonds.pvd", "walls.pvd", "energy.csv"):
+            self.assertIn(name + ":", done.stdout)
+
+    def test_another_gravity_differs_where_it_must(self):
+        done = run_apart("compare", path("grains", "particles.pvd"), path("other", "particles.pvd"))
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("FAIL  velocity [m/s]", done.stdout)
+        found = {one.name: one for one in silt.compare(path("grains", "particles.pvd"), path("other", "particles.pvd"))}
+        a, b = (silt.open(path(name, "particles.pvd")) for name in ("grains", "other"))
+        apart = [np.abs(x["velocity"][x.find(y.ids)].astype(float) - y["velocity"]) for x, y in zip(a, b)]
+        self.assertEqual(found["velocity"].largest, max(d.max() for d in apart))
+        self.assertAlmostEqual(found["velocity"].rms, np.sqrt(np.mean(np.concatenate(apart) ** 2)), delta=1e-12)
+        self.assertEqual(found["velocity"].unit, "m/s")
+        self.assertRegex(found["velocity"].where, r"t = 0\.0\d+ s, particle \d+")
+        self.assertEqual(found["radius"].largest, 0)
+        wide = 1.01 * max(one.relative for one in found.values())
+        self.assertEqual(run("compare", path("grains", "particles.pvd"), path("other", "particles.pvd"),
+                             "--tolerance", wide).returncode, 0)
+        only = run("compare", path("grains", "particles.pvd"), path("other", "particles.pvd"), "--fields", "radius,id")
+        self.assertEqual(only.returncode, 0)
+        self.assertIn("all 2 are equal", only.stdout)
+
+    @needs("pieces")
+    def test_ranks_are_matched_by_id(self):
+        done = run("compare", path("whole", "particles.pvd"), path("pieces", "particles.pvd"), "--tolerance", 1e-6)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+    def test_one_value_that_differs_is_found(self):
+        """Catches differences that cancel, of another particle, nan taken for equal."""
+        with tempfile.TemporaryDirectory() as folder:
+            a, b = (os.path.join(folder, name + ".vtp") for name in "ab")
+            ids = np.array([7, 3, 9], np.uint64)
+            mass = np.array([1.0, 2.0, 4.0])
+            write_vtp(a, np.zeros((3, 3)), {"id": ids, "mass [kg]": mass})
+            order = [2, 0, 1]
+            write_vtp(b, np.zeros((3, 3)), {"id": ids[order], "mass [kg]": (mass + [0, 0.5, 0])[order]})
+            found = {one.name: one for one in silt.compare(a, b)}["mass"]
+            self.assertEqual((found.largest, found.scale, found.relative, found.where), (0.5, 4, 0.125, "particle 3"))
+            self.assertTrue(found.exceeds(0.12) and not found.exceeds(0.13) and not found.exceeds(0, 0.5))
+            write_vtp(b, np.zeros((3, 3)), {"id": ids, "mass [kg]": np.array([1, np.nan, 4])})
+            self.assertEqual(silt.compare(a, b)[-1].largest, np.inf)
+            self.assertEqual(run("compare", a, b, "--tolerance", 1e9).returncode, 1)
+            write_vtp(a, np.zeros((3, 3)), {"id": ids, "mass [kg]": np.array([1, np.nan, 4])})
+            self.assertEqual(silt.compare(a, b)[-1].largest, 0)
+            big = np.array([2**63, 2**63 + 1], np.uint64)  # beyond what a double tells apart
+            write_vtp(a, np.zeros((2, 3)), {"n": big})
+            write_vtp(b, np.zeros((2, 3)), {"n": big + np.uint64(1)})
+            self.assertGreaterEqual(silt.compare(a, b, ["n"])[0].largest, 1)
+            write_vtp(b, np.zeros((3, 3)), {"id": ids + np.uint64(1), "mass [kg]": mass})
+            write_vtp(a, np.zeros((3, 3)), {"id": ids, "mass [kg]": mass})
+            self.raises("other particles: id 3 in A where B has 4", silt.compare, a, b)
+            write_vtp(b, np.zeros((3, 3)), {"id": ids, "heat": mass})
+            self.raises("the field 'heat' is in one of them alone", silt.compare, a, b)
+            write_vtp(b, np.zeros((2, 3)), {"id": ids[:2], "mass [kg]": mass[:2]})
+            self.raises("A has 3 points and B has 2", silt.compare, a, b)
+
+    def test_tables_and_summaries(self):
+        with tempfile.TemporaryDirectory() as folder:
+            def csv(name, content):
+                with open(os.path.join(folder, name), "w") as file:
+                    file.write(content)
+                return os.path.join(folder, name)
+
+            a = csv("a.csv", "id,x [m]\n1,0.5\n2,0.25\n")
+            b = csv("b.csv", "id,x [m]\n2,0.25\n1,0.75\n")
+            found = silt.compare(a, b)[-1]
+            self.assertEqual((found.name, found.unit, found.largest, found.relative), ("x", "m", 0.25, 1 / 3))
+            self.raises("A has 2 rows and B has 1", silt.compare, a, csv("c.csv", "id,x [m]\n1,1\n"))
+            self.raises("is in one of them alone", silt.compare, a, csv("c.csv", "id,y [m]\n1,1\n2,2\n"))
+            self.raises("there is no field or column 'z'", silt.compare, a, b, ["z"])
+
+            def summary(name, value, seconds):
+                with open(os.path.join(folder, name), "w") as file:
+                    json.dump({"results": {"mass [kg]": value, "seconds": seconds}, "checks": []}, file)
+                return os.path.join(folder, name)
+
+            one, two = summary("a.json", 2.0, 10), summary("b.json", 2.0, 12)
+            self.assertEqual(run("compare", one, two).returncode, 1)
+            done = run("compare", one, two, "--ignore", "seconds")
+            self.assertEqual((done.returncode, "all 1 are equal" in done.stdout), (0, True), done.stdout)
+            self.raises("are of different kinds", silt.compare, a, one)
+
+    def test_folders(self):
+        with tempfile.TemporaryDirectory() as folder:
+            shutil.copytree(path("grains"), os.path.join(folder, "a"))
+            os.remove(os.path.join(folder, "a", "energy.csv"))
+            self.raises("has 'energy.csv'", silt.compare, os.path.join(folder, "a"), path("grains"))
+            self.raises("is a folder; compare two folders or two files", silt.compare, folder, path("grains", "energy.csv"))
+            empty = tempfile.mkdtemp(dir=folder)
+            self.raises("have no series, tables or summaries", silt.compare, empty, empty)
+        self.refused("must not be negative", "compare", path("grains"), path("again"), "--tolerance", -1)
+        self.refused("cannot be read", "compare", path("grains", "energy.csv"), path("no.csv"))
+        self.raises("A has 3 frames and B has 1", silt.compare, path("grains", "particles.pvd"),
+                    silt.open(path("grains", "particles.pvd")).files[0])
+
+
+class Info(Refuses, unittest.TestCase):
+    def test_what_is_in_files(self):
+        for arguments, words in (
+                (("grains", "particles.pvd"), ["3 frames, t = 0 to 0.0", "120 particles", "velocity [m/s]", "3 components",
+                                               "temperature [K]"]),
+                (("pieces", "particles.pvd"), ["27 particles", "by 3 ranks"]),
+                (("grains", "contacts.pvd"), ["contacts", "normal_force [N]"]),
+                (("grains", "bonds.pvd"), ["bonds", "load [-]"]),
+                (("grains", "walls.pvd"), ["points of a surface with", "wall"]),
+                (("shapes", "surfaces.pvd"), ["of 18 bodies"]),
+                (("flow", "flow.pvd"), ["60 cells, 4 x 3 x 5 of 0.001 x 0.002 x 0.001 m", "pressure [Pa]"]),
+                (("grains", "energy.csv"), ["a table of 5 rows", "kinetic energy [J]"]),
+                (("failed", "failure.txt"), ["particles named:"]),
+                (("failed",), ["particles.csv: 1 rows", "last_good.silt: a checkpoint", "failure.txt:"]),
+                (("grains",), ["particles.pvd: 3 frames", "energy.csv: 5 rows", "half.silt: a checkpoint"])):
+            if not has(arguments[0]):
+                continue
+            done = run("info", path(*arguments))
+            self.assertEqual((done.returncode, done.stderr), (0, ""), arguments)
+            for word in words:
+                self.assertIn(word, done.stdout, arguments)
+        self.refused("cannot be read", "info", path("nothing"))
+
+    def test_ranges_are_those_of_the_file(self):
+        words = run("info", path("flow", "flow.pvd")).stdout
+        pressure = silt.open(path("flow", "flow.pvd"))[-1]["pressure"]
+        self.assertIn(f"{pressure.min():.6g} to {pressure.max():.6g}", words)
+
+
+if __name__ == "__main__":
+    unittest.main()
