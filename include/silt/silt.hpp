@@ -14,6 +14,7 @@
 #include <silt/boundary/finite_walls.hpp>
 #include <silt/boundary/motion.hpp>
 #include <silt/boundary/plane.hpp>
+#include <silt/boundary/mesh_file.hpp>
 #include <silt/boundary/stl.hpp>
 #include <silt/boundary/triangle_mesh.hpp>
 #include <silt/boundary/wall.hpp>
@@ -45,6 +46,7 @@
 #include <silt/contact/softened.hpp>
 #include <silt/coupling/no_fluid.hpp>
 #include <silt/fill/particle_file.hpp>
+#include <silt/fill/particle_formats.hpp>
 #include <silt/fill/particles.hpp>
 #include <silt/io/bond_observers.hpp>
 #include <silt/io/break_observers.hpp>

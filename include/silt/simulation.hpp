@@ -436,10 +436,10 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   struct RanksScene {
     SceneSize size;
     detail::Meetings meetings;
-    double bond_rate = 0, bond_step = INFINITY;  // [1/s], [s] BondStage::Rate
-    ParticleId bonded = no_particle;
     double checked_overlap = 0;  // [-] of all ranks, when free walls were last looked at
     detail::RankEdits edits;
+    double bond_rate = 0, bond_step = INFINITY;  // [1/s], [s] BondStage::Rate
+    ParticleId bonded = no_particle;
   };
   [[no_unique_address]] std::conditional_t<has_ranks, RanksScene, Nothing> ranks_scene_;
   bool laws_changed_ = false;    // by what a restart accepted, until its run begins

@@ -4,10 +4,12 @@
 
 #include <io/fuzz_support.hpp>
 
+#include <silt/boundary/mesh_file.hpp>
 #include <silt/boundary/stl.hpp>
 #include <silt/files/csv_table.hpp>
 #include <silt/files/vtk.hpp>
 #include <silt/fill/particle_file.hpp>
+#include <silt/fill/particle_formats.hpp>
 #include <silt/shape/multi_sphere.hpp>
 
 namespace fuzz_readers_test {
@@ -79,6 +81,60 @@ TEST_CASE("fuzz: particle files") {
                       std::all_of(t.radius.begin(), t.radius.end(), positive) &&
                       std::all_of(t.density.begin(), t.density.end(), positive);
              });
+}
+
+TEST_CASE("fuzz: mesh files, OBJ, PLY and VTP") {
+  const Folder folder;
+  const std::vector<Vec3d> points{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  const std::vector<std::array<std::uint32_t, 3>> faces{{0, 1, 2}, {0, 1, 3}};
+  silt::write_vtp_triangles(folder / "seed.vtp", points, faces);
+  const std::string head =
+      "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+      "property list uchar int vertex_indices\nend_header\n";
+  const auto good = [](const std::string& path) {
+    const auto triangles = silt::read_mesh(path);
+    return !triangles.empty() && std::all_of(triangles.begin(), triangles.end(), [](const auto& t) {
+      return silt::is_finite(t[0]) && silt::is_finite(t[1]) && silt::is_finite(t[2]);
+    });
+  };
+  all_inputs(
+      "read_mesh (VTP)",
+      {silt::detail::read_file(folder / "seed.vtp"),
+       "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"3\" NumberOfPolys=\"1\">"
+       "<Points><DataArray type=\"Float32\" format=\"ascii\">0 0 0 1 0 0 0 1 0</DataArray>"
+       "</Points><Polys><DataArray type=\"Int32\" Name=\"connectivity\">0 1 2</DataArray>"
+       "<DataArray type=\"Int32\" Name=\"offsets\">3</DataArray></Polys></Piece></PolyData>"
+       "</VTKFile>"},
+      good, "input.vtp");
+  all_inputs("read_mesh (PLY)",
+             {"ply\nformat ascii 1.0\n" + head + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+              "ply\nformat binary_little_endian 1.0\n" + head + std::string(36, '\0') + '\3' +
+                  std::string(12, '\0')},
+             good, "input.ply");
+  all_inputs("read_mesh (OBJ)",
+             {"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0.5\nf 1/1 2//1 3/1/1 4\nf -1 -2 \\\n -3\n"}, good,
+             "input.obj");
+}
+
+TEST_CASE("fuzz: particle files of other codes") {
+  const auto good = [](const std::string& path) {
+    const auto t = silt::read_particles(path);
+    const auto fits = [&](const auto& column) {
+      return column.empty() || column.size() == t.size();
+    };
+    return t.size() > 0 && t.radius.size() == t.size() && fits(t.density) && fits(t.velocity) &&
+           fits(t.angular_velocity) && fits(t.material) && is_finite(t.position);
+  };
+  all_inputs("read_particles (LAMMPS)",
+             {"ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS xy xz yz pp pp pp\n"
+              "0 1 0\n0 1 0.5\n0 1 0\nITEM: ATOMS id type xs ys zs radius vx vy vz\n"
+              "1 1 0 0.5 1 0.25 1 2 3\n",
+              "title\n2 atoms\n0 1 xlo xhi\n\nAtoms # sphere\n\n1 1 0.5 2500 0 0 0\n"
+              "2 1 0.5 2500 0 0 1 0 0 0\n\nVelocities\n\n1 1 2 3 4 5 6\n"},
+             good);
+  all_inputs("read_particles (Yade)",
+             {"#format x_y_z_r\n0\t0\t0\t1\n1 2 3 0.5\n", "#format x_y_z_r_matId\n1 2 3 .5 1\n"},
+             good);
 }
 
 TEST_CASE("fuzz: multi-spheres") {

@@ -14,9 +14,9 @@
 
 #include <silt/boundary/cone.hpp>
 #include <silt/boundary/cylinder.hpp>
+#include <silt/boundary/mesh_file.hpp>
 #include <silt/boundary/motion.hpp>
 #include <silt/boundary/plane.hpp>
-#include <silt/boundary/stl.hpp>
 #include <silt/boundary/triangle_mesh.hpp>
 #include <silt/boundary/wall_drive.hpp>
 #include <silt/core/names.hpp>
@@ -48,6 +48,11 @@ inline Surfaces box(const Vec3d& min, const Vec3d& max) {
 /// mm).
 inline Surfaces stl_wall(const std::string& path, double scale = 1) {
   return TriangleMesh(read_stl(path, scale));
+}
+
+/// Likewise of an STL, OBJ, PLY or VTP file, which is recognised by its content or its name.
+inline Surfaces mesh_wall(const std::string& path, double scale = 1) {
+  return TriangleMesh(read_mesh(path, scale));
 }
 
 /// A velocity that the surface of a wall has without moving, as a conveyor belt's: `velocity` +
@@ -111,7 +116,8 @@ struct Wall {
   /// Of a driven wall in a liquid (Sph), beside `force` and `torque`: load [N], [N m] about the
   /// drive's centre, and what a servo's speed follows from (sph/driven_walls.hpp).
   Vec3d liquid_force{}, liquid_torque{};
-  double liquid_stiffness = 0, liquid_damping = 0;  // [N/m], [N s/m]; of a torque times arms squared
+  double liquid_stiffness = 0,
+         liquid_damping = 0;  // [N/m], [N s/m]; of a torque times arms squared
 
   bool is_driven() const { return drive.index() != 0; }
   bool has_belt() const { return !belt.is_zero(); }

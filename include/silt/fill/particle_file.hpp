@@ -3,17 +3,16 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <vector>
 
 #include <silt/core/error.hpp>
 #include <silt/core/vec3.hpp>
 #include <silt/files/atomic_file.hpp>
+#include <silt/files/text_lines.hpp>
 
 namespace silt::inline SILT_TARGET {
 
@@ -81,8 +80,6 @@ class ParticleReader {
     throw FileError(text("file '", path_, "', line ", line_number_, ": ", parts...));
   }
 
-  static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
-
   /// The next line that holds more than white space and comment.
   bool next_line(std::string_view& line) {
     while (!rest_.empty()) {
@@ -94,12 +91,6 @@ class ParticleReader {
       if (!line.empty()) return true;
     }
     return false;
-  }
-
-  static std::string_view trimmed(std::string_view s) {
-    while (!s.empty() && is_blank(s.front())) s.remove_prefix(1);
-    while (!s.empty() && is_blank(s.back())) s.remove_suffix(1);
-    return s;
   }
 
   /// Takes the next value off `line`, which becomes null after the last one; then false.
@@ -155,13 +146,7 @@ class ParticleReader {
 
   double number(Column column, std::string_view value) const {
     double x = 0;
-    const char* const end = value.data() + value.size();
-    const bool plus = value.size() > 1 && value[0] == '+' && value[1] != '-';
-    const auto [stop, error] = std::from_chars(value.data() + (plus ? 1 : 0), end, x);
-    if (error == std::errc::result_out_of_range)
-      refuse(column, value, "is outside the range of double numbers");
-    if (error != std::errc() || stop != end) refuse(column, value, "is not a number");
-    if (!std::isfinite(x)) refuse(column, value, "is not finite");
+    if (const auto why = why_no_number(value, x); !why.empty()) refuse(column, value, why);
     if ((column == Radius || column == Diameter || column == Density) && !(x > 0))
       refuse(column, value, "must be greater than 0");
     if (column == Material && !(x >= 0 && x < 4294967296.0 && x == std::floor(x)))

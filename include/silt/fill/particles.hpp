@@ -9,7 +9,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/quaternion.hpp>
 #include <silt/fill/packing.hpp>
-#include <silt/fill/particle_file.hpp>
+#include <silt/fill/particle_formats.hpp>
 #include <silt/fill/region.hpp>
 #include <silt/shape/sphere.hpp>
 
@@ -108,10 +108,13 @@ class Particles {
   }
   Particles& fill(const Box& region, const Fill& f) { return fill<Box>(region, f); }
 
-  /// Adds the particles of a text table (fill/particle_file.hpp). What the table leaves out is
-  /// taken from `rest`: density [kg/m3] and material.
-  Particles& read(const std::string& path, double density = 0, std::size_t material = 0) {
-    const ParticleTable table = read_particle_file(path);
+  /// Adds the particles of a file: a table with a header line, a dump or data file of LAMMPS or
+  /// LIGGGHTS, or Yade's text, recognised by its content (fill/particle_formats.hpp).
+  ///   grains.read("dump.granular", {.density = 2500, .timestep = 100000});
+  Particles& read(const std::string& path, const ParticleFile& how) {
+    const ParticleTable table = read_particles(path, how);
+    const double density = how.density;
+    const std::size_t material = how.material;
     require(!table.density.empty() || density > 0, "particle file '", path,
             "' has no column density; give Particles::read a density [kg/m3] greater than 0");
     const std::size_t before = all_.size();
@@ -126,6 +129,9 @@ class Particles {
       throw InputError(text("particle file '", path, "': ", e.what()));
     }
     return *this;
+  }
+  Particles& read(const std::string& path, double density = 0, std::size_t material = 0) {
+    return read(path, ParticleFile{.density = density, .material = material});
   }
 
   std::size_t size() const { return all_.size(); }

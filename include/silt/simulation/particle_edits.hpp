@@ -38,6 +38,9 @@ class ParticleEdits {
   /// `friction`, the normal springs' in `openings`, to first order in the step; of bodies in
   /// residual().
   void remove(ParticleId id) {
+    static_assert(!Sim::has_ranks || !(Sim::has_bonds || Sim::has_events),
+                  "remove() on many ranks does not go with Bonds or ContactEvents so far: let an "
+                  "outlet take the particle, or leave one of them out");
     const std::size_t k = place_of(id, "remove");
     if (is_elsewhere(k)) return;
     sim().book_leaving(k);

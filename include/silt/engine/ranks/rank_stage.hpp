@@ -73,8 +73,8 @@ class RankStage {
   static constexpr bool active = true;
   std::vector<RankNeighbour> neighbours;  // in the order of ranks
   RankCounts counts;
-  BondsAtSearch* bonds = nullptr;                // while lists are renewed, if there are bonds
   std::vector<std::array<double, 2>> of_servos;  // of walls [N/m], [N s/m]: look_at_servos()
+  BondsAtSearch* bonds = nullptr;                // while lists are renewed, if there are bonds
 
   void set(Policy policy) { policy_ = std::move(policy); }
   const auto& comm() const { return policy_->comm; }

@@ -1,0 +1,65 @@
+// silt - BSD-3-Clause, see LICENSE
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <silt/core/error.hpp>
+#include <silt/core/vec3.hpp>
+
+namespace silt::inline SILT_TARGET::detail {
+
+/// A surface as OBJ, PLY and VTP files have it: points, and faces that name them.
+struct Polygons {
+  std::string file;                  // what messages begin with
+  std::vector<Vec3d> points;         // in the file's unit
+  std::vector<std::size_t> corners;  // numbers of points from 0, face after face
+  std::vector<std::size_t> ends;     // where those of each face end
+  std::vector<std::size_t> lines;    // that each face stands in; empty: unknown
+
+  std::string face(std::size_t f) const {
+    return lines.empty() ? text(file, ", face ", f + 1, " of ", ends.size())
+                         : text(file, ", line ", lines[f], ": the face");
+  }
+};
+
+/// Polygons as fans of triangles from their first corners; points times `scale` [m].
+/// Errors: FileError for no faces, a face of fewer than three corners, one that names a point that
+/// is not there, a point of a face that is not finite, and a polygon whose fan would fold back.
+inline std::vector<std::array<Vec3d, 3>> fanned(const Polygons& p, double scale) {
+  if (p.ends.empty())
+    throw FileError(text(p.file, " holds no faces; a surface needs triangles or polygons"));
+  std::vector<std::array<Vec3d, 3>> triangles;
+  std::size_t begin = 0;
+  for (std::size_t f = 0; f < p.ends.size(); begin = p.ends[f++]) {
+    const std::size_t corners = p.ends[f] - begin;
+    if (corners < 3)
+      throw FileError(
+          text(p.face(f), " has ", corners, " corners; a face needs at least 3, remove it"));
+    for (std::size_t k = begin; k < p.ends[f]; ++k) {
+      if (p.corners[k] >= p.points.size())
+        throw FileError(text(p.face(f), " names point ", p.corners[k] + 1, ", but there are only ",
+                             p.points.size(), ", counted from 1"));
+      const Vec3d& corner = p.points[p.corners[k]];
+      if (!is_finite(scale * corner))
+        throw FileError(text(p.face(f), " has the corner ", corner, ", times scale = ", scale,
+                             "; coordinates must be finite"));
+    }
+    const auto at = [&](std::size_t k) { return scale * p.points[p.corners[begin + k]]; };
+    Vec3d whole{0, 0, 0};
+    for (std::size_t k = 2; k < corners; ++k) {
+      triangles.push_back({at(0), at(k - 1), at(k)});
+      whole += cross(at(k - 1) - at(0), at(k) - at(0));
+    }
+    // Of a concave polygon some triangle of the fan turns the other way round.
+    for (std::size_t k = 2; k < corners && corners > 3; ++k)
+      if (dot(cross(at(k - 1) - at(0), at(k) - at(0)), whole) < -1e-6 * dot(whole, whole))
+        throw FileError(text(p.face(f), " is a concave polygon of ", corners,
+                             " corners; let the program that wrote it export triangles"));
+  }
+  return triangles;
+}
+
+}  // namespace silt::inline SILT_TARGET::detail
