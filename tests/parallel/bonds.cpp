@@ -20,7 +20,6 @@
 #include <silt/io/bond_observers.hpp>
 #include <silt/io/checkpoint.hpp>
 
-#include "rank_scene.hpp"
 #include "rank_scenes.hpp"
 
 namespace parallel_bonds_test {
@@ -275,11 +274,11 @@ TEST_CASE("ranks: bonds of a particle that leaves through an outlet go with it, 
 }
 
 TEST_CASE("ranks: a restart on as many ranks goes on with the same bits; bonds are pieces of VTK") {
-  const rank_scene::Folder folder;
+  const silt_test::Folder folder;
   Seen through, again;
   const auto scene = [&](const silt::ThreadComm& comm) {
     silt::Simulation sim{silt::Particles<silt::Sphere>{}, silt::Contacts<Law>{glass},
-                         silt::Bonds{brittle}, rank_scene::eager(comm)};
+                         silt::Bonds{brittle}, silt_test::eager(comm)};
     sim.gravity = {0, 0, -9.81};
     sim.threads = 1;
     sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, glass);
