@@ -35,5 +35,7 @@ headers=$(cd "$dir" && find silt -name '*.hpp' | sort)
 has() { printf '#if !__has_include(<%s>)\n#error\n#endif\n' "$1" | $compiler -fsyntax-only $options -x c++ - 2>/dev/null; }
 has mpi.h || headers=$(grep -v -E "silt/mpi.hpp|parallel/(mpi_comm|zoltan|decomposition/(rcb|hypergraph))" <<<"$headers")
 has zoltan.h || headers=$(grep -v -E "parallel/(zoltan|decomposition/(rcb|hypergraph))" <<<"$headers")
+has Eigen/Dense || has eigen3/Eigen/Dense ||
+  headers=$(grep -v -E "silt/eigen.hpp|core/eigen|study/(calibrat|gaussian_process|minimise)" <<<"$headers")
 [ "$(printf '%s\n' "$headers" | wc -l)" -ge 50 ] || { echo "only few headers found in $dir"; exit 1; }
 printf '%s\n' "$headers" | xargs -P "$(nproc)" -I{} bash -c 'alone {}'

@@ -34,8 +34,10 @@ class PlyFile {
     for (const Element& e : elements_) {
       const bool vertices = e.name == "vertex", faces = e.name == "face";
       element_ = &e;
+      label_ = text("a value of element '", e.name, "'");
       for (row_ = 0; row_ < e.count; ++row_) {
-        if (!binary_) lines_.need(text("element '", e.name, "' ", row_ + 1, " of ", e.count));
+        if (!binary_ && !lines_.next())
+          lines_.need(text("element '", e.name, "' ", row_ + 1, " of ", e.count));
         if (vertices) out_.points.push_back({});
         for (const Property& p : e.properties) read_property(p, vertices, faces);
         if (!binary_ && !lines_.words().empty())
@@ -183,7 +185,7 @@ class PlyFile {
   }
 
   double value(NumberType type) {
-    if (!binary_) return lines_.real(text("a value of element '", element_->name, "'"));
+    if (!binary_) return lines_.real(label_);
     const std::size_t bytes = size_of(type);
     if (content_.size() - at_ < bytes)
       fail("the file ends after ", content_.size(), " bytes; it is cut short");
@@ -203,6 +205,7 @@ class PlyFile {
   bool binary_ = false;
   std::vector<Element> elements_;
   const Element* element_ = nullptr;
+  std::string label_;  // of its values
   std::uint64_t row_ = 0;
   std::size_t at_ = 0;  // [bytes] of the next value
   Polygons out_;

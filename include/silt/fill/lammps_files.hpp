@@ -52,7 +52,8 @@ class LammpsDump {
       first = frames++ == 0 ? frame.step : first, last = frame.step;
       if (!timestep || frame.step == *timestep) chosen = frame;
       for (std::uint64_t k = 0; k < frame.atoms; ++k)
-        lines_.need(text("atom ", k + 1, " of ", frame.atoms, " of time step ", frame.step));
+        if (!lines_.next())  // words are made at the end alone: files are long
+          lines_.need(text("atom ", k + 1, " of ", frame.atoms, " of time step ", frame.step));
     }
     if (!chosen)
       throw FileError(text(lines_.file(), " has no frame of time step ", *timestep, "; it has ",
@@ -152,6 +153,8 @@ class LammpsDump {
     for (int c = 0; c < columns; ++c)
       if (const auto at = where[static_cast<std::size_t>(c)]; at < none)
         kept[at] = static_cast<Column>(c);
+    std::vector<std::string> labels;
+    for (const auto name : names) labels.push_back(text("column ", in_quotes(name)));
     std::array<double, columns> row{};
     for (std::uint64_t k = 0; k < frame.atoms; ++k) {
       lines_.need("an atom");
@@ -163,11 +166,11 @@ class LammpsDump {
         if (c == columns) {
           if (lines_.word().empty()) lines_.fail("column ", in_quotes(names[n]), " is missing");
         } else if (c == Radius || c == Diameter || c == Density || c == Mass) {
-          row[c] = positive(lines_, text("column '", names[n], "'"));
+          row[c] = positive(lines_, labels[n]);
         } else if (c == Type) {
           table.material.push_back(material_of_type(lines_));
         } else {
-          row[c] = lines_.real(text("column '", names[n], "'"));
+          row[c] = lines_.real(labels[n]);
         }
       }
       if (!lines_.words().empty())
