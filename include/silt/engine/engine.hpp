@@ -144,7 +144,9 @@ class Engine : public Tables<Composition> {
           ghost_rows_[particles.id[row]] = row;
       }
       const auto found = ghost_rows_.find(id);
-      return found == ghost_rows_.end() ? particles.size() : found->second;
+      // One that was removed stands there until the next search.
+      if (found == ghost_rows_.end() || particles.id[found->second] != id) return particles.size();
+      return found->second;
     }
     return k;
   }

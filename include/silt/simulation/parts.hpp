@@ -350,8 +350,8 @@ void Simulation<Policies...>::break_bonds_of_ranks() {
       }
       if (!held.holds(bond.a, bond.b)) return;  // of other ranks
       held.remove(bond.a, bond.b);
-      const auto row_of = [&](ParticleId id) {
-        return static_cast<std::uint32_t>(engine_.row_of(id));
+      const auto row_of = [&](ParticleId which) {
+        return static_cast<std::uint32_t>(engine_.row_of(which));
       };
       pairs.push_back({row_of(bond.a), row_of(bond.b)});
     });

@@ -157,7 +157,7 @@ inline double shifting_threshold(double threshold, int dimensions) {
 /// Valid:  flows with and without a free surface.
 /// Tests:  tests/sph/taylor_green.cpp, tests/sph/refusals.cpp.
 struct Shifting {
-  double strength = 2, threshold = 0;  // [-] A
+  double strength = 2, threshold = 0;  // [-] A; of div r, 0: as said above
 
   static constexpr SphAxis sph_axis = SphAxis::Shifting;
   static constexpr bool shifts = true, by_fastest = false;
