@@ -52,6 +52,8 @@ def make_parser(pictures: bool) -> Parser:
                          help="differences up to this are allowed besides, in the field's unit (0)")
     compare.add_argument("--fields", metavar="NAME,NAME", help="only these fields or columns")
     compare.add_argument("--ignore", metavar="NAME,NAME", help="leave out these fields, columns or numbers")
+    compare.add_argument("--common", action="store_true",
+                         help="compare only times, particles, rows, fields and files that both have, and say what is left out")
     compare.set_defaults(run=_compare)
     info.add_argument("files", nargs="+", metavar="FILE")
     info.set_defaults(run=_info)

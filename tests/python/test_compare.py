@@ -114,6 +114,68 @@ class Compare(Refuses, unittest.TestCase):
                     silt.open(path("grains", "particles.pvd")).files[0])
 
 
+    def test_runs_of_different_length(self):
+        """--common: times, rows and files of both, and words for the rest. Catches frames paired by
+        number: every second frame of a copy must be equal."""
+        with tempfile.TemporaryDirectory() as folder:
+            a, b = (os.path.join(folder, name) for name in "ab")
+            for name in (a, b):
+                shutil.copytree(path("grains"), name)
+            with open(os.path.join(b, "particles.pvd")) as file:
+                lines = [line for line in file if 'timestep="0"' not in line]
+            with open(os.path.join(b, "particles.pvd"), "w") as file:
+                file.writelines(lines)
+            with open(os.path.join(b, "energy.csv")) as file:
+                rows = file.readlines()
+            with open(os.path.join(b, "energy.csv"), "w") as file:
+                file.writelines(rows[:1] + rows[2:])
+            os.remove(os.path.join(b, "walls.pvd"))
+            for name in os.listdir(b):
+                if name.startswith("walls_"):
+                    os.remove(os.path.join(b, name))
+            self.refused("A has 3 frames and B has 2; --common", "compare", os.path.join(a, "particles.pvd"),
+                         os.path.join(b, "particles.pvd"))
+            done = run("compare", a, b)
+            self.assertEqual(done.returncode, 2)
+            for words in ("A has 3 frames and B has 2", "A has 5 rows and B has 4", "has 'walls.pvd'"):
+                self.assertIn(words, done.stderr, "folders must go on after the first file")
+            self.assertEqual((done.stderr.count("\n"), done.stderr.count("--common")), (1, 1))
+            self.assertIn("bonds.pvd:", done.stdout)
+            done = run("compare", a, b, "--common")
+            self.assertEqual((done.returncode, done.stderr), (0, ""), done.stdout)
+            for words in ("are equal", "left out: particles.pvd: 1 of 3 frames of A and 0 of 2 of B",
+                          "energy.csv: 1 of 5 rows of A and 0 of 4", "left out: the files ", "walls.pvd"):
+                self.assertIn(words, done.stdout)
+            one, two = (os.path.join(folder, name + ".vtp") for name in "ab")
+            ids, mass = np.array([7, 3, 9], np.uint64), np.array([1.0, 2.0, 4.0])
+            write_vtp(one, np.zeros((3, 3)), {"id": ids, "mass [kg]": mass})
+            write_vtp(two, np.zeros((2, 3)), {"id": ids[1:], "mass [kg]": mass[1:] + [0, 1], "heat": mass[1:]})
+            done = run("compare", one, two, "--common")
+            self.assertEqual(done.returncode, 1)
+            self.assertIn("1 of 3 particles of A and 0 of 2 of B", done.stdout)
+            self.assertIn("the fields heat", done.stdout)
+            found = {d.name: d for d in silt.compare(one, two, common=True)}["mass"]
+            self.assertEqual((found.largest, found.where, found.count), (1, "particle 9", 2))
+            write_vtp(two, np.zeros((2, 3)), {"mass [kg]": mass[1:]})
+            write_vtp(one, np.zeros((3, 3)), {"mass [kg]": mass})
+            self.raises("A has 3 points and B has 2", silt.compare, one, two, common=True)
+
+    def test_objects_instead_of_paths(self):
+        name, other = path("grains", "particles.pvd"), path("other", "particles.pvd")
+        a, b = silt.open(name), silt.open(other)
+        self.assertEqual(silt.compare(a, b), silt.compare(name, other))
+        self.assertEqual(silt.compare(a[1:], b[1:])[0].largest, silt.compare(name, b)[0].largest)
+        self.assertTrue(all(one.largest == 0 for one in silt.compare(a[::2], name, common=True)))
+        self.raises("A has 2 frames and B has 3; --common (in Python common=True)", silt.compare, a[::2], name)
+        self.assertEqual(silt.compare(a[-1], a[-1])[0].largest, 0)
+        self.assertGreater(silt.compare(a[0], a[-1], ["position"])[0].largest, 0)
+        energy = silt.table(path("grains", "energy.csv"))
+        self.assertEqual(silt.compare(energy, path("grains", "energy.csv"))[0].largest, 0)
+        self.raises("'%s' is a Series" % name, silt.compare, a, energy)
+        self.raises("takes paths, Series", silt.compare, 3, a)
+        self.raises("no time or step in common", silt.compare, a[:1], a[1:], common=True)
+
+
 class Info(Refuses, unittest.TestCase):
     def test_what_is_in_files(self):
         for arguments, words in (
