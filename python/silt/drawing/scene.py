@@ -21,11 +21,12 @@ from ..series import read
 from ..sources import GRID, POINTS, SURFACE
 from .bodies import Bed, in_cuts, pressing, tubes, values_of
 from .canvas import Canvas
-from .style import (CHAINS, COLOUR_MAPS, DPI, ColourScale, Normalize, Sheet, add_bar, captions,
+from .style import (CHAINS, COLOUR_MAPS, COLOURS, DPI, ColourScale, Normalize, Sheet, add_bar, captions,
                     draw_scale_bar, parse_numbers, plt, save, to_rgb)
 from .view import Cut, view_axes, wall_edges
 
 PALE = 0.62  # how far bodies fade to white behind contacts
+SAMPLE = 1001  # values that are kept of a panel
 BALL = 0.5  # of their radius that spheres have where bonds are drawn between them
 ROD = "#8A8F98"  # bonds without a field
 
@@ -88,13 +89,17 @@ class Extent:
 
 
 def brief(values: np.ndarray) -> np.ndarray:
-    """Of many values as many as a colour bar depends on."""
-    if values.dtype.kind in "iu":
-        return np.unique(values)[:1000]
-    finite = values[np.isfinite(values)]
-    if len(finite) == 0:
-        return np.empty(0)
-    return np.r_[finite.min(), finite.max(), finite[finite != np.round(finite)][:1]]
+    """Of many values as many as a colour bar depends on: each of few whole numbers, else the extremes
+    and what lies at equal portions between."""
+    finite = values if values.dtype.kind in "iu" else values[np.isfinite(values)]
+    broken = finite[finite != np.round(finite)][:1]
+    if len(broken) == 0:
+        kinds = np.unique(finite)
+        if len(kinds) <= len(COLOURS):
+            return kinds
+    if len(finite) <= SAMPLE:
+        return finite
+    return np.r_[np.sort(finite)[np.linspace(0, len(finite) - 1, SAMPLE).round().astype(int)], broken]
 
 
 class Camera:

@@ -39,6 +39,7 @@ COLOUR_MAPS = {"viridis": COLOUR_MAP, "cividis": plt.get_cmap("cividis"), "magma
                "signed": _part("RdBu_r", 0.06, 0.94), "grey": _part("Greys", 0.2, 0.95)}  # fmt: skip
 CHAINS = _part("magma_r", 0.12, 0.9)
 DPI = 150
+FEW = 200  # values: of fewer, one may be the 99th percentile
 
 
 def round_long(words: str) -> str:
@@ -95,36 +96,66 @@ def save(figure, path: str, dpi: int = DPI) -> None:
         raise Error(f"file '{path}' cannot be written: {error.strerror}")
 
 
+def usual(finite: np.ndarray) -> tuple[float, float]:
+    """The ends of a colour bar: the extremes; in place of one that is farther than 3 times the range of
+    the 1st to 99th percentile beyond these, the percentile."""
+    if len(finite) == 0:
+        return 0, 1
+    low, high = float(finite.min()), float(finite.max())
+    if len(finite) < FEW:
+        return low, high
+    first, last = float(np.quantile(finite, 0.01)), float(np.quantile(finite, 0.99))
+    far = 3 * (last - first)
+    if far <= 0:
+        return low, high
+    return (first if first - low > far else low), (last if high - last > far else high)
+
+
 class ColourScale:
     """Colours of values: one for each of a few whole numbers, else a continuous map."""
 
     def __init__(self, values: np.ndarray, label: str, limits: Optional[Sequence[float]] = None,
                  names: Optional[Sequence[str]] = None, colour_map: Colormap = COLOUR_MAP) -> None:
         self.label, self.map, self.names = label, colour_map, names
-        self.kinds = None
-        if label and np.issubdtype(values.dtype, np.integer) and limits is None:
-            kinds = np.unique(values)
-            self.kinds = kinds if 0 < len(kinds) <= len(COLOURS) else None
-        if names is not None and len(values) > 0 and (
-                self.kinds is None or self.kinds.max() >= len(names)):
-            raise Error("--names gives words for the whole numbers 0, 1, ... of the field of "
-                        f"--colour, at most {len(COLOURS)}: there are {len(names)} words, and "
-                        + ("no such field" if self.kinds is None else
-                           f"the values {', '.join(map(str, self.kinds))}"))
         finite = values[np.isfinite(values)] if len(values) else np.zeros(1)
-        low, high = limits or ((finite.min(), finite.max()) if len(finite) else (0, 1))
-        self.norm = Normalize(low, high if high > low else low + (abs(low) or 1))
         self.whole = len(finite) > 0 and bool((finite == np.round(finite)).all())
+        self.kinds = None
+        # Doubles with a unit are measured, not counted: 300 K and 310 K are ends of a bar.
+        counted = np.issubdtype(values.dtype, np.integer) or names is not None or not split_unit(label)[1]
+        if label and self.whole and counted and limits is None and len(values) > 0:
+            kinds = np.unique(finite)
+            self.kinds = kinds if len(kinds) <= len(COLOURS) else None
+        if names is not None and len(values) > 0:
+            self._check_names(names, finite, limits)
+        low, high = limits or usual(finite)
+        self.norm = Normalize(low, high if high > low else low + (abs(low) or 1))
         below, above = bool((finite < low).any()), bool((finite > high).any())
         self.extend = {(0, 0): "neither", (1, 0): "min", (0, 1): "max",
                        (1, 1): "both"}[below, above]
+
+    def _check_names(self, names: Sequence[str], finite: np.ndarray, limits: Optional[Sequence[float]]) -> None:
+        kinds = self.kinds
+        if kinds is not None and kinds.min() >= 0 and kinds.max() < len(names):
+            return
+        odd = finite[finite != np.round(finite)]
+        field = f"'{split_unit(self.label)[0]}'"
+        raise Error("--names gives words for the whole numbers 0, 1, ... of the field of "
+                    f"--colour, at most {len(COLOURS)}: " + (
+                        "there is no --colour" if not self.label else
+                        f"there are {len(names)} words, and {field} has the values {', '.join(f'{k:g}' for k in kinds)}"
+                        if kinds is not None else
+                        "--range makes it a colour bar, leave it out" if limits is not None else
+                        f"{field} has the value {odd[0]:g}" if len(odd) else
+                        f"{field} has {len(np.unique(finite))} values"))
 
     def colours(self, values):
         if not self.label:
             return np.tile(to_rgb(PLAIN), (len(values), 1))
         if self.kinds is not None:
             table = np.array([to_rgb(c) for c in COLOURS])
-            return table[np.searchsorted(self.kinds, values)]
+            known = np.isfinite(values)
+            place = np.searchsorted(self.kinds, np.where(known, values, self.kinds[0]))
+            return np.where(known[:, None], table[place], 0.8)
         return self.map(self.norm(values))[:, :3]
 
     def add_to(self, figure, box):
@@ -133,9 +164,9 @@ class ColourScale:
         if self.kinds is not None:
             axes.set_axis_off()
             word = split_unit(self.label)[0]
-            words = self.names or {kind: f"{kind:g}" for kind in self.kinds}
-            marks = [Line2D([], [], ls="", marker="o", ms=9, color=COLOURS[k], label=words[kind])
-                     for k, kind in enumerate(self.kinds)]
+            words = [self.names[int(kind)] if self.names else f"{kind:g}" for kind in self.kinds]
+            marks = [Line2D([], [], ls="", marker="o", ms=9, color=COLOURS[k], label=words[k])
+                     for k in range(len(self.kinds))]
             for columns in range(len(marks), 0, -1):  # as many side by side as there is room for
                 legend = axes.legend(handles=marks, title=word if self.names is None else None,
                                      loc="center", ncol=columns, frameon=False, fontsize=11,
