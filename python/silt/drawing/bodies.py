@@ -55,7 +55,7 @@ def _base(colour: str) -> str:
 class Bed:
     """The spheres of one frame, or its surfaces, in view coordinates [m].
 
-    `places` (n, 3), `radii` (n,) (0 of surfaces), `values` (n,) of the colour's field and its
+    `places` (n, 3), `radii` (n,) (0 of surfaces), `ids` (n,) of spheres, or None, `values` (n,) of the colour's field and its
     `label`; of surfaces `triangles` (m, 3) that face the viewer, and `normals` (m, 3, 3) of their
     corners. `cuts`: half spaces that are kept, whole bodies by their middles.
     `eye`: of the viewer [m], in perspective. `radius` [m]: of points without one, see radii_of().
@@ -71,6 +71,8 @@ class Bed:
                         "particles or bodies")
         self.has_surfaces = frame.kind == SURFACE and len(frame.triangles) > 0
         self.axes, points = axes, frame.points.astype(float)
+        self.is_liquid = frame.kind == POINTS and "radius" not in frame
+        self.ids: Optional[np.ndarray] = None
         self.values, self.label = values_of(frame, colour, more)
         if self.has_surfaces:
             if len(self.values) != len(points):  # a value a triangle: its corners are points of their own
@@ -85,6 +87,7 @@ class Bed:
         for cut in self.cuts:
             kept &= cut.beyond(points) >= 0
         self.places, self.radii = points[kept] @ axes.T, radii[kept]
+        self.ids = frame.ids[kept] if "id" in frame else None
         self.values, self.triangles = self.values[kept], np.empty((0, 3), int)
 
     def _take_surfaces(self, points: np.ndarray, frame: Frame, eye: Optional[np.ndarray]) -> None:

@@ -21,7 +21,7 @@ from ..series import read
 from ..sources import GRID, POINTS, SURFACE
 from .bodies import Bed, in_cuts, pressing, tubes, values_of
 from .canvas import Canvas
-from .style import (CHAINS, COLOUR_MAPS, COLOURS, DPI, ColourScale, Normalize, Sheet, add_bar, captions,
+from .style import (CHAINS, COLOUR_MAPS, COLOURS, DPI, LIQUID, PLAIN, ColourScale, Normalize, Sheet, add_bar, captions,
                     draw_scale_bar, parse_numbers, plt, save, to_rgb)
 from .view import Cut, view_axes, wall_edges
 
@@ -36,6 +36,7 @@ class Layers:
     """What one panel shows; places in view coordinates [m]."""
 
     bed: Optional[Bed] = None
+    others: list[Bed] = field(default_factory=list)  # of further series, --together
     edges: np.ndarray = field(default_factory=lambda: np.empty((0, 2, 3)))
     walls: np.ndarray = field(default_factory=lambda: np.empty((0, 3, 3)))
     contacts: np.ndarray = field(default_factory=lambda: np.empty((0, 2, 3)))
@@ -44,15 +45,18 @@ class Layers:
     load: np.ndarray = field(default_factory=lambda: np.empty(0))
     load_label: str = ""
     rod: float = 0  # [m] radius of bonds
+    bonded: Optional[np.ndarray] = None  # ids of spheres that have bonds; None: not known
     cells: np.ndarray = field(default_factory=lambda: np.empty((0, 3, 3)))
     flow: np.ndarray = field(default_factory=lambda: np.empty(0))  # of each triangle of cells
     flow_label: str = ""
 
+    def beds(self) -> list[Bed]:
+        return ([] if self.bed is None else [self.bed]) + self.others
+
     def places(self) -> np.ndarray:
         """View coordinates (n, 3) that the picture must hold."""
         parts = [self.edges, self.contacts, self.bonds, self.cells]
-        if self.bed is not None:
-            parts.append(self.bed.corners())
+        parts += [bed.corners() for bed in self.beds()]
         return np.concatenate([part.reshape(-1, 3) for part in parts])
 
 
@@ -80,8 +84,9 @@ class Extent:
         if len(places):
             self.low = np.minimum(self.low, places.min(axis=0))
             self.high = np.maximum(self.high, places.max(axis=0))
-        if layers.bed is not None:
-            self.values.append(brief(layers.bed.values))
+        beds = layers.beds()
+        coloured = [bed for bed in beds if bed.label] or beds
+        self.values += [brief(bed.values) for bed in coloured]
         self.loads.append(brief(layers.load))
         self.flows.append(brief(layers.flow))
         if len(layers.forces):
@@ -92,14 +97,14 @@ def brief(values: np.ndarray) -> np.ndarray:
     """Of many values as many as a colour bar depends on: each of few whole numbers, else the extremes
     and what lies at equal portions between."""
     finite = values if values.dtype.kind in "iu" else values[np.isfinite(values)]
-    broken = finite[finite != np.round(finite)][:1]
-    if len(broken) == 0:
-        kinds = np.unique(finite)
-        if len(kinds) <= len(COLOURS):
-            return kinds
+    some = finite[finite != np.round(finite)][:1]  # that keeps a sample from looking like whole numbers
+    if len(some) == 0:
+        some = np.unique(finite)[:len(COLOURS) + 1]
+        if len(some) <= len(COLOURS):
+            return some
     if len(finite) <= SAMPLE:
         return finite
-    return np.r_[np.sort(finite)[np.linspace(0, len(finite) - 1, SAMPLE).round().astype(int)], broken]
+    return np.r_[np.sort(finite)[np.linspace(0, len(finite) - 1, SAMPLE).round().astype(int)], some]
 
 
 class Camera:
@@ -179,27 +184,23 @@ class Scene:
                     raise Error(f"series '{series.path}' has no frames yet")
                 numbers = [len(series) - 1]
             chosen += [(k, n) for n in numbers]
+            if self.options.together:
+                break
         return chosen
 
     # ---------------------------------------------------------------------------- layers
 
     def layers(self, k: int, n: int) -> Layers:
-        frame = self.series[k][n]
-        out = Layers()
-        if frame.kind in (POINTS, SURFACE):
-            body, more = true_shape(frame)
-            out.bed = Bed(body, self.options.colour, self.axes, self.within, more, self.eye,
-                          self.options.radius)
-        elif frame.kind == GRID:
-            self._take_flow(out, frame, self.options.colour)
-        elif "bending" in frame:
-            self._take_bonds(out, frame, self.options.colour or "load")
-        elif "normal_force" in frame:
-            self._take_contacts(out, frame)
-        else:
-            raise Error(f"file '{frame.path}' has {frame.kind} with the fields {', '.join(frame.fields) or 'none'}, "
-                        "which are neither particles, bodies, contacts, bonds nor cells of a grid")
-        walls = self.beside["walls"] or self.found[k]
+        frame, out = self.series[k][n], Layers()
+        frames = [frame]
+        if self.options.together:
+            frames += [self._companion(series, frame) for series in self.series[1:]]
+            if self.options.colour and not any(self._has_colour(one) for one in frames):
+                frames[0][self.options.colour]  # says which fields there are
+        for one in frames:
+            self._take(out, one)
+        found = self.found if self.options.together else self.found[k:k + 1]
+        walls = self.beside["walls"] or next((w for w in found if w is not None), None)
         if walls is not None and self.options.walls != "none":
             self._take_walls(out, self._companion(walls, frame))
         for layer, take in (("contacts", self._take_contacts), ("flow", self._take_flow)):
@@ -209,6 +210,43 @@ class Scene:
         if self.beside["bonds"] is not None:
             self._take_bonds(out, self._companion(self.beside["bonds"], frame), self.options.bond_colour)
         return out
+
+    def _has_colour(self, frame: Frame) -> bool:
+        colour, more = self.options.colour, true_shape(frame)[1]
+        bare = colour.strip("|") if colour[-2:-1] != "." else colour[:-2]
+        return colour in ("x", "y", "z") or any(name in one for name in (colour, bare)
+                                                for one in (frame, more) if one is not None)
+
+    def _take(self, out: Layers, frame: Frame) -> None:
+        """Adds what a frame has. Of --together, files without the field of --colour are plain."""
+        together, colour = self.options.together, self.options.colour
+        if together and colour and not self._has_colour(frame):
+            colour = None
+        if frame.kind in (POINTS, SURFACE):
+            bed = self._bed(*true_shape(frame), colour)
+            if out.bed is None:
+                out.bed = bed
+            else:
+                out.others.append(bed)
+        elif frame.kind == GRID:
+            self._take_flow(out, frame, colour)
+        elif "bending" in frame:
+            self._take_bonds(out, frame, self.options.bond_colour or colour or "load")
+        elif "normal_force" in frame:
+            self._take_contacts(out, frame)
+        else:
+            raise Error(f"file '{frame.path}' has {frame.kind} with the fields {', '.join(frame.fields) or 'none'}, "
+                        "which are neither particles, bodies, contacts, bonds nor cells of a grid")
+
+    def _bed(self, body: Frame, more: Optional[Frame], colour: Optional[str]) -> Bed:
+        bonds = self.beside["bonds"]
+        try:
+            return Bed(body, colour, self.axes, self.within, more, self.eye, self.options.radius)
+        except Error as error:
+            if bonds is not None and len(bonds) and colour and colour in bonds[-1] and colour not in body:
+                raise Error(f"file '{body.path}' has no field '{colour}', but the bonds have: say --bond-colour "
+                            f"{colour}") from None
+            raise error
 
     @staticmethod
     def _companion(series: Series, frame: Frame) -> Frame:
@@ -233,6 +271,8 @@ class Scene:
     def _take_bonds(self, out: Layers, frame: Frame, colour: Optional[str]) -> None:
         keep = in_cuts(frame.position, self.within)
         values, out.load_label = values_of(frame, colour)
+        if "a" in frame and "b" in frame:
+            out.bonded = np.unique(np.concatenate([frame["a"], frame["b"]]))
         out.bonds, out.load = frame.lines[keep] @ self.axes.T, values[keep]
         length = np.linalg.norm(out.bonds[:, 1] - out.bonds[:, 0], axis=1)
         out.rod = self.options.bond_radius or (0.12 * float(np.median(length)) if len(length) else 0)
@@ -275,18 +315,19 @@ class Scene:
         limits = parse_numbers("--range", options.range, 2) if options.range else None
         colour_map = COLOUR_MAPS[options.map]
         names = options.names.split(",") if options.names else None
-        beds = [layers.bed for layers in panels if layers.bed is not None]
+        beds = [bed for layers in panels for bed in layers.beds()]
+        label = next((bed.label for bed in beds if bed.label), "")
         scales: dict[str, ColourScale] = {}
 
         def scale(key: str, parts: list[np.ndarray], words: str, own_limits, own_map, own_names=None) -> None:
             values = np.concatenate(parts) if parts else np.empty(0)
             scales[key] = ColourScale(values, words, own_limits, own_names, own_map)
 
-        scale("bed", extent.values, beds[0].label if beds else "", limits if beds else None, colour_map, names)
+        scale("bed", extent.values, label, limits if beds else None, colour_map, names)
         words = next((layers.flow_label for layers in panels if layers.flow_label), "")
         flow_limits = parse_numbers("--flow-range", options.flow_range, 2) if options.flow_range else \
             None if beds else limits
-        scale("flow", extent.flows, words, flow_limits, COLOUR_MAPS["cividis"] if beds and beds[0].label else colour_map)
+        scale("flow", extent.flows, words, flow_limits, COLOUR_MAPS["cividis"] if label else colour_map)
         words = next((layers.load_label for layers in panels if layers.load_label), "")
         scale("bonds", extent.loads, words, None if beds else limits, COLOUR_MAPS["magma"] if beds else colour_map)
         forces = Normalize(0, extent.strong or 1)
@@ -330,6 +371,8 @@ class Scene:
         times = self.series[0].times[list(numbers)]
 
         def shots(n: int) -> list[tuple[int, int]]:
+            if self.options.together:
+                return [(0, n)]
             return [(0, n)] + [(k, s.number_at(self.series[0].times[n])) for k, s in enumerate(self.series[1:], 1)]
 
         extent = Extent()
@@ -343,9 +386,11 @@ class Scene:
                 for k, m in shots(n):
                     extent.fit(self.layers(k, m), camera)
         words = captions(None, [self.series[0].files[n] for n in numbers], times)
-        given = self.options.title or [""] * len(self.series)
-        if len(given) != len(self.series):
-            raise Error(f"there are {len(given)} titles for {len(self.series)} files; give one a file")
+        count = 1 if self.options.together else len(self.series)
+        given = self.options.title or [""] * count
+        if len(given) != count:
+            raise Error(f"there are {len(given)} titles for {count} "
+                        + ("picture" if self.options.together else "files; give one a file"))
         with Movie(out, self.options.fps) as movie:
             for n, time in zip(numbers, words):
                 panels = [self.layers(k, m) for k, m in shots(n)]
@@ -355,16 +400,15 @@ class Scene:
 
 def paint(canvas: Canvas, layers: Layers, scales: dict[str, ColourScale], options: argparse.Namespace) -> None:
     """Bodies, bonds, slices and walls onto a canvas; contacts come over it."""
-    bed = layers.bed
-    if bed is not None:
-        colours = scales["bed"].colours(bed.values)
+    for bed in layers.beds():
+        colours = scales["bed"].colours(bed.values) if bed.label else \
+            np.tile(to_rgb(LIQUID if bed.is_liquid else PLAIN), (len(bed.values), 1))
         if len(layers.contacts):
             colours = colours + PALE * (1 - colours)
         if bed.has_surfaces:
             canvas.draw_triangles(bed.places, bed.triangles, bed.normals, colours)
         else:
-            shown = BALL if len(layers.bonds) else 1.0
-            canvas.draw_spheres(bed.places, shown * bed.radii, colours)
+            canvas.draw_spheres(bed.places, shown_radii(bed, layers), colours)
     if len(layers.bonds):
         balls, which = tubes(layers.bonds, layers.rod)
         colours = scales["bonds"].colours(layers.load) if scales["bonds"].label else \
@@ -372,7 +416,7 @@ def paint(canvas: Canvas, layers: Layers, scales: dict[str, ColourScale], option
         canvas.draw_spheres(balls, np.full(len(balls), layers.rod), colours[which])
     if len(layers.cells):
         canvas.draw_flat(layers.cells, scales["flow"].colours(layers.flow))
-    style = options.walls_as or ("behind" if bed is not None or len(layers.bonds) else "edges")
+    style = options.walls_as or ("behind" if layers.beds() or len(layers.bonds) else "edges")
     if style == "solid":
         canvas.draw_solid_walls(layers.walls)
     elif style == "glass":
@@ -380,6 +424,17 @@ def paint(canvas: Canvas, layers: Layers, scales: dict[str, ColourScale], option
     elif style == "behind":
         canvas.draw_walls(layers.walls)
     canvas.draw_lines(layers.edges)
+
+
+def shown_radii(bed: Bed, layers: Layers) -> np.ndarray:
+    """Radii [m] that spheres are drawn with: those of bonds are smaller, their rods would be hidden."""
+    if len(layers.bonds) == 0:
+        return bed.radii
+    if layers.bonded is None:
+        return BALL * bed.radii
+    if bed.ids is None:
+        return bed.radii
+    return np.where(np.isin(bed.ids, layers.bonded), BALL, 1.0) * bed.radii
 
 
 def true_shape(frame: Frame) -> tuple[Frame, Optional[Frame]]:
@@ -453,11 +508,13 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     """Arguments of `silt draw`."""
     parser.add_argument("files", nargs="+", metavar="FILE",
                         help="a series (.pvd), a folder that has one, or a file (.vtp, .pvtp, .vti): particles, bodies, "
-                        "contacts, bonds or a flow; several side by side")
+                        "contacts, bonds or a flow; several side by side, or --together")
     parser.add_argument("-o", "--out", required=True, metavar="PNG",
                         help="the picture; .gif or .mp4, or frames as out_%%04d.png: a movie of the series")
     parser.add_argument("--colour", "--color", metavar="FIELD",
                         help="a field (of a vector its length), velocity.z, or x, y, z")
+    parser.add_argument("--together", action="store_true",
+                        help="all files in one panel, at the same times, as a liquid and bodies in it")
     parser.add_argument("--names", metavar="WORD,WORD", help="what the values 0, 1, ... of the field mean")
     parser.add_argument("--radius", type=float, metavar="R",
                         help="of points whose file has none, as a liquid [m] (half of the distance of neighbours)")

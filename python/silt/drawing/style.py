@@ -26,6 +26,7 @@ from ..series import step_in, time_in_list  # noqa: E402
 # Okabe and Ito's colours, which the colour-blind can tell apart.
 COLOURS = ["#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#555555"]
 PLAIN = "#C9A66B"  # bodies without a field
+LIQUID = "#7FB2D9"  # points without a radius and a field
 
 
 def _part(name: str, low: float, high: float) -> ListedColormap:
