@@ -70,7 +70,8 @@ def make_parser(pictures: bool) -> Parser:
     curves.add_argument("files", nargs="+", metavar="FILE.csv", help="several: in one picture, a colour a file")
     curves.add_argument("--labels", nargs="+", metavar="T", help="what the files are called (their names)")
     curves.add_argument("--x", required=True, metavar="COLUMN", help="with or without its unit")
-    curves.add_argument("--y", required=True, metavar="COLUMN[,COLUMN]")
+    curves.add_argument("--y", required=True, metavar="COLUMN[,COLUMN]",
+                        help="with or without its unit, or how only its name begins")
     curves.add_argument("--marks", metavar="COLUMN[,COLUMN]",
                         help="points without a line, in the colours of the columns of --y in turn")
     curves.add_argument("--marks-label", metavar="T", default="measured", help="what the points are called")

@@ -13,6 +13,8 @@ from .names import AXES, find_name, same, split_unit, unit_of
 from .sources import GRID, LINES, MESH, POINTS, SURFACE, Grid, Source
 
 __all__ = ["Frame", "Grid", "POINTS", "SURFACE", "LINES", "GRID", "MESH"]
+ATTRIBUTES = ("points", "triangles", "corners", "lines", "ids", "rank", "ranks", "grid", "time", "step",
+              "kind", "fields", "units", "path")  # fmt: skip
 OF_KIND = {POINTS: "particles", SURFACE: "points of a surface", LINES: "lines", GRID: "cells",
            MESH: "cells of a mesh"}  # fmt: skip
 
@@ -84,7 +86,12 @@ class Frame:
 
     def name(self, wanted: str) -> str:
         """The full name of a field. Errors: names those there are."""
-        return find_name(wanted, self.fields, "field", self.path)
+        try:
+            return find_name(wanted, self.fields, "field", self.path)
+        except Error as error:
+            if wanted in ATTRIBUTES:
+                raise Error(f"{error}; '{wanted}' is no field: write frame.{wanted}") from None
+            raise
 
     def unit(self, wanted: str) -> str:
         """The unit of a field, of a component or of a length; "" if unknown."""

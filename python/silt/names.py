@@ -51,6 +51,17 @@ def find_name(wanted: str, names: Iterable[str], what: str, path: str) -> str:
     raise Error(f"file '{path}' has no {what} '{wanted}'; it has: {', '.join(names) or 'none'}")
 
 
+def find_start(wanted: str, names: Iterable[str], what: str, path: str) -> str:
+    """As find_name; else the only name that begins with `wanted`. Errors: names those that do."""
+    names = list(names)
+    starts = [name for name in names if name.replace("_", " ").startswith(wanted.replace("_", " "))]
+    if any(same(wanted, name) for name in names) or not starts or not wanted:
+        return find_name(wanted, names, what, path)
+    if len(starts) > 1:
+        raise Error(f"file '{path}' has {len(starts)} {what}s that begin with '{wanted}': {', '.join(starts)}")
+    return starts[0]
+
+
 def label(word: str, unit: str) -> str:
     """'velocity', 'm/s' -> 'velocity [m/s]'."""
     return f"{word} [{unit}]" if unit else word

@@ -309,6 +309,91 @@ class Drawn(Refuses, unittest.TestCase):
                      "-o", self.out)
         self.raises("no particles or bodies", Bed, path("grains", "contacts.pvd"), None, view_axes("front"))
 
+    def test_spheres_without_bonds_keep_their_size(self):
+        """Catches all spheres halved beside bonds, and bonds taken for those of other ids."""
+        name, bonds = (os.path.join(self.folder, n) for n in ("balls.vtp", "bonds.vtp"))
+        places = np.array([[k, 0, 0] for k in range(4)], float)
+        write_vtp(name, places, {"id": np.array([9, 4, 7, 2], np.int32), "radius": np.full(4, 0.4)})
+        write_lines(bonds, places[[1, 2]], {"bending": np.zeros(1), "load": np.ones(1), "a": np.array([7], np.int32),
+                                            "b": np.array([4], np.int32)})
+        _, [layers] = figure_of(name, "--bonds", bonds)
+        np.testing.assert_allclose(scene.shown_radii(layers.bed, layers), [0.4, 0.2, 0.2, 0.4])
+        _, [layers] = figure_of(name)
+        np.testing.assert_allclose(scene.shown_radii(layers.bed, layers), 0.4)
+        self.refused("but the bonds have: say --bond-colour load", "draw", name, "--bonds", bonds, "--colour", "load",
+                     "-o", self.out)
+
+    def test_a_liquid_and_bodies_together(self):
+        """Catches panels side by side, frames of other times, a field that one file does not have."""
+        def series(word, times, shift, fields):
+            entries = []
+            for k, t in enumerate(times):
+                n = len(next(iter(fields.values())))
+                places = np.array([[j + shift, 0, t] for j in range(n)], float)
+                write_vtp(os.path.join(self.folder, f"{word}_{k}.vtp"), places, fields)
+                entries.append(f'<DataSet timestep="{t}" file="{word}_{k}.vtp"/>')
+            listed = os.path.join(self.folder, word + ".pvd")
+            with open(listed, "w") as file:
+                file.write(f'<VTKFile type="Collection"><Collection>{"".join(entries)}</Collection></VTKFile>')
+            return listed
+
+        water = series("water", (0, 1, 2), 0, {"pressure [Pa]": np.linspace(0.5, 9.5, 8), "speed": np.full(8, 0.5)})
+        balls = series("balls", (0, 2), 20, {"radius": np.full(3, 0.5), "id": np.arange(3, dtype=np.int32),
+                                             "speed": np.full(3, 1.5)})
+        figure, [layers] = figure_of(water, balls, "--together", "--colour", "pressure")
+        self.assertEqual((len(layers.bed.values), len(layers.others[0].values)), (8, 3))
+        self.assertEqual((layers.bed.label, layers.others[0].label), ("pressure [Pa]", ""))
+        self.assertEqual(layers.others[0].places[:, 1].tolist(), [2, 2, 2])
+        _, panels = figure_of(balls, water, "--together", "--colour", "speed", "--time", "0", "2")
+        self.assertEqual([one.others[0].places[0, 1] for one in panels], [0, 2])
+        self.assertEqual([one.others[0].is_liquid for one in panels], [True, True])
+        figure, _ = figure_of(water, balls, "--together", "--colour", "speed")
+        self.assertEqual(figure.axes[-1].get_xlim(), (0.5, 1.5))
+        image = self.draw(water, balls, "--together", "--colour", "pressure")
+        plain = np.array(to_rgb(style.PLAIN))
+        seen = image[colourful(image) > 0.1]
+        brown = np.abs(seen / seen.max(axis=1, keepdims=True) - plain / plain.max()).max(axis=1) < 0.05
+        self.assertTrue(0.1 < brown.mean() < 0.9, "bodies are plain, the liquid is coloured")
+        self.assertEqual(len(figure_of(water, balls)[1]), 2)
+        self.refused("has no field 'heat'", "draw", water, balls, "--together", "--colour", "heat", "-o", self.out)
+        frames = os.path.join(self.folder, "f_%d.png")
+        self.assertEqual(run("draw", water, balls, "--together", "-o", frames).returncode, 0)
+        self.refused("2 titles for 1 picture", "draw", water, balls, "--together", "--title", "a", "b", "-o", frames)
+
+    def test_a_colour_each_for_few_whole_numbers(self):
+        """Kept as doubles too. Catches a bar from 0 to 1, names that are refused, 300 K and 310 K as kinds."""
+        name = os.path.join(self.folder, "balls.vtp")
+        state = np.array([0, 1, 1, 0, 1.0])
+        write_vtp(name, np.arange(15.0).reshape(5, 3), {
+            "radius": np.full(5, 0.5), "layer": state, "T [K]": 300 + 10 * state, "part": state + 0.25,
+            "many": np.arange(5.0) - 1})
+        figure, _ = figure_of(name, "--colour", "layer", "--names", "bottom,top")
+        self.assertEqual([t.get_text() for t in figure.axes[-1].get_legend().get_texts()], ["bottom", "top"])
+        figure, _ = figure_of(name, "--colour", "layer")
+        self.assertEqual([t.get_text() for t in figure.axes[-1].get_legend().get_texts()], ["0", "1"])
+        for colour in ("T", "part"):
+            self.assertIsNone(figure_of(name, "--colour", colour)[0].axes[-1].get_legend())
+        for words, more in (("'part' has the value 0.25", ("part",)), ("'many' has the values -1, 0, 1", ("many",)),
+                            ("--range makes it", ("layer", "--range", "0,1")), ("'T' has the values 300, 310", ("T",))):
+            self.refused(words, "draw", name, "--names", "bottom,top", "--colour", *more, "-o", self.out)
+        self.refused("there is no --colour", "draw", name, "--names", "bottom,top", "-o", self.out)
+
+    def test_one_outlier_does_not_take_the_colours(self):
+        """Catches a colour bar that a single value stretches, and one that clips what is usual."""
+        values = np.r_[np.linspace(0.1, 1.1, 999), 50.0]
+        scale = style.ColourScale(scene.brief(values), "speed [m/s]")
+        self.assertEqual(scale.extend, "max")
+        self.assertAlmostEqual(scale.norm.vmax, 1.1, delta=0.03)
+        self.assertEqual(scale.norm.vmin, 0.1)
+        low = style.ColourScale(scene.brief(np.tile(-values, 7)), "speed [m/s]")
+        self.assertEqual((low.extend, low.norm.vmax), ("min", -0.1))
+        self.assertAlmostEqual(low.norm.vmin, -1.1, delta=0.03)
+        for plain in (rng.normal(size=5000), np.r_[np.zeros(999), 3.5], values[:999], np.r_[values[:50], 50.0]):
+            scale = style.ColourScale(scene.brief(plain), "speed [m/s]")
+            self.assertEqual((scale.extend, scale.norm.vmin, scale.norm.vmax), ("neither", plain.min(), plain.max()))
+        given = style.ColourScale(scene.brief(values), "speed [m/s]", [0, 100])
+        self.assertEqual((given.norm.vmin, given.norm.vmax), (0, 100))
+
     def test_slabs(self):
         """Of four contacts across the picture, two lie in the slab and press. Catches lines left out of a
         slab or drawn in another place, and pulls drawn as pushes."""
@@ -611,6 +696,11 @@ class Tables(Refuses, unittest.TestCase):
         self.assertTrue(alone[0][1] != alone[1][1] and alone[0][2] == alone[1][2] == "-", "a colour a column")
         self.assertEqual(curves_module.file_words(["a/x_1.csv", "b/y.csv"]), ["x 1", "y"])
         self.refused("has 'time [ms]' where file", "curves", a, ms, "--x", "time", "--y", "kinetic", "-o", self.out)
+        long = self.table("long.csv", "time [s],surface at 0.6 m [m],x of box [m],x of lid [m]", (0, 1, 2, 5), (1, 2, 3, 6))
+        [[one, marks, _]] = self.lines(long, "--x", "ti", "--y", "surface", "--marks", "x_of_box")
+        self.assertEqual((one[3], marks[3]), ([[0, 1], [1, 2]], [[0, 2], [1, 3]]))
+        self.refused("has 2 columns that begin with 'x of': x of box [m], x of lid [m]", "curves", long, "--x", "time",
+                     "--y", "x of", "-o", self.out)
         self.refused(f"file '{ms}' has no column 'heat'", "curves", a, ms, "--x", "time", "--y", "heat", "-o", self.out)
         self.refused("1 labels for 2 files", "curves", a, b, "--x", "time", "--y", "heat", "--labels", "q", "-o", self.out)
         self.refused("has words, no numbers", "curves", self.table("w.csv", "a,b", (1, "x"), (2, "y")),

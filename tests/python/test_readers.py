@@ -318,6 +318,7 @@ class Errors(Refuses, unittest.TestCase):
         self.raises("is a table: read it by silt.table", silt.open, path("grains", "energy.csv"))
         self.raises("is a checkpoint", silt.open, path("grains", "half.silt"))
         self.raises("has several series; open one of contacts.pvd, flow.pvd", silt.open, several())
+        self.raises("'points' is no field: write frame.points", lambda: silt.open(path("grains"))[0]["points"])
         self.raises("has no field 'charge'; it has: radius, velocity, id", lambda: silt.open(path("grains"))[0]["charge"])
         self.raises("is no vector", lambda: silt.open(path("grains"))[0]["radius.z"])
         self.raises("no grid of cells", lambda: silt.open(path("grains"))[0].grid)

@@ -9,7 +9,7 @@ import os
 import numpy as np
 
 from ..errors import Error
-from ..names import split_unit
+from ..names import find_start, split_unit
 from ..tables import table
 from .style import COLOURS, label_few_decades, plt, round_long, save
 
@@ -36,7 +36,7 @@ class Columns:
         self.path, self.label, self.columns = path, label, read.columns
 
         def find(words):
-            names = [read.name(w) for w in words.split(",")] if words else []
+            names = [find_start(w, read.names, "column", path) for w in words.split(",")] if words else []
             for name in names:
                 if read[name].dtype.kind not in "fiu":
                     raise Error(f"file '{path}': column '{name}' has words, no numbers")
@@ -82,7 +82,7 @@ def draw_lines(panel, tables, names, colours, options):
 
 def draw_marks(panel, tables, unit, used, options):
     same_unit = [name for name in tables[0].marks if split_unit(name)[1] == unit]
-    for k, table in enumerate(tables):
+    for k, one in enumerate(tables):
         for name, colour in zip(same_unit, itertools.cycle(used if len(tables) == 1 else [used[k]])):
             panel.plot(one.x, one.columns[name], "o", color=colour, mfc="white", ms=6)
     if same_unit:
