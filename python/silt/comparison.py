@@ -370,7 +370,7 @@ def _rows(left: Table, right: Table, name: str, both: Comparison):
             of_a = of_b = np.arange(min(len(left), len(right)))
         else:
             x, y = left[key], right[key]
-            of_a, of_b = _pairs(x.astype(float), y.astype(float), _span(x) if key == "time" else 0)
+            of_a, of_b = _pairs(x, y, _span(x) if key == "time" else 0)
         if len(of_a) == 0 and len(left) and len(right):
             raise Error(f"{name}: A and B have no row in common")
         both.leave_out(name, len(left) - len(of_a), len(left), len(right) - len(of_b), len(right), "rows")

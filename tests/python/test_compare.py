@@ -86,6 +86,9 @@ class Compare(Refuses, unittest.TestCase):
             found = silt.compare(a, b)[-1]
             self.assertEqual((found.name, found.unit, found.largest, found.relative), ("x", "m", 0.25, 1 / 3))
             self.raises("A has 2 rows and B has 1", silt.compare, a, csv("c.csv", "id,x [m]\n1,1\n"))
+            big = [csv(f"{k}.csv", f"id,x [m]\n{2**63 + k},{k}\n{2**63 + 1},1\n") for k in (2, 3)]
+            found = silt.compare(*big, common=True)  # beyond what a double tells apart
+            self.assertEqual([(one.count, one.largest) for one in found], [(1, 0), (1, 0)])
             self.raises("is in one of them alone", silt.compare, a, csv("c.csv", "id,y [m]\n1,1\n2,2\n"))
             self.raises("there is no field or column 'z'", silt.compare, a, b, ["z"])
 
