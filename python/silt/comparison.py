@@ -21,6 +21,7 @@ from .series import open as open_series
 from .summaries import Summary, summary
 from .tables import Table, table
 
+OF_KIND = {"surface": "points of a surface", "grid": "cells", "mesh": "cells"}
 TIME = 1e-9  # [-] of the span of times: frames this close are of the same time
 
 
@@ -338,7 +339,7 @@ def _order(a: Frame, b: Frame, name: str, when: str, both: Comparison):
     known = (("id",), ("number",), ("a", "b", "wall"))
     keys = next((keys for keys in known if all(k in a and k in b for k in keys)), None)
     if len(a) != len(b) and not (both.common and keys):
-        raise (Apart if keys else Error)(f"{name}, {when}A has {len(a)} {a.kind} and B has {len(b)}")
+        raise (Apart if keys else Error)(f"{name}, {when}A has {len(a)} {OF_KIND.get(a.kind, a.kind)} and B has {len(b)}")
     if keys is None:
         return None, None, lambda k: f"layer {k} of cells along x" if a.kind == "grid" else f"value {k}"
     what = "particle" if keys == ("id",) else "bond" if keys == ("number",) else "contact"

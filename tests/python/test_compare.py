@@ -159,6 +159,8 @@ class Compare(Refuses, unittest.TestCase):
             self.assertIn("the fields heat", done.stdout)
             found = {d.name: d for d in silt.compare(one, two, common=True)}["mass"]
             self.assertEqual((found.largest, found.where, found.count), (1, "particle 9", 2))
+            self.raises("A has 120 points of a surface", silt.compare, *(silt.Frame(silt.sources.ArraySource(
+                "x", "surface", ["wall"], {"field/wall": np.zeros(n)})) for n in (120, 7)))
             write_vtp(two, np.zeros((2, 3)), {"mass [kg]": mass[1:]})
             write_vtp(one, np.zeros((3, 3)), {"mass [kg]": mass})
             self.raises("A has 3 points and B has 2", silt.compare, one, two, common=True)
