@@ -146,16 +146,16 @@ void check_heat(double rounding, double conserved, Policies... policies) {
 
 // Catches: temperatures of ghosts of the step before, heat that one side gives and the other does
 // not get, or gets twice; a wall that gives its whole power on each rank; ranks that ask for fluxes
-// in other steps. Places agree to 1e-13 m, which moves overlaps by 1e-9 of themselves. What heat is
-// lost is rounding of 144 sums.
+// in other steps. In this scene temperatures are the same to the bit on 2, 3 and 5 ranks, and 4e-14
+// J of 3.3 J are missing (computed). What heat is lost is rounding of 144 sums.
 TEST_CASE("ranks: heat through contacts is that of one process, and none is lost") {
-  check_heat(1e-8, 1e-10, heat);
+  check_heat(1e-10, 1e-12, heat);
 }
 TEST_CASE("ranks: heat on one lane, in double") {
-  check_heat(1e-8, 1e-10, heat, silt::KernelsFor<silt::OneLane>{});
+  check_heat(1e-10, 1e-12, heat, silt::KernelsFor<silt::OneLane>{});
 }
 // In floats contacts begin to differ at 1e-7 of an overlap.
-TEST_CASE("ranks: heat in mixed precision") { check_heat(1e-2, 1e-10, heat, silt::Mixed{}); }
+TEST_CASE("ranks: heat in mixed precision") { check_heat(1e-4, 1e-12, heat, silt::Mixed{}); }
 
 TEST_CASE("ranks: heat of friction is that of one process") {
   auto frictional = silt::FrictionHeat{heat};
