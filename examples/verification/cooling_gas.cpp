@@ -4,11 +4,13 @@
 #include <cmath>
 #include <numbers>
 #include <utility>
+#include <vector>
 
 #include <silt/boundary/domain.hpp>
 #include <silt/contact/linear_spring.hpp>
 #include <silt/core/random.hpp>
 #include <silt/io/observers.hpp>
+#include <silt/measure/polynomial_fit.hpp>
 #include <silt/simulation.hpp>
 
 #include "verification/gallery.hpp"
@@ -60,16 +62,6 @@ double temperature(const Sim& sim) {
   return sum / 3 / static_cast<double>(sim.rows());
 }
 
-/// Slope of ln T over ln(1 + t/tau), by least squares.
-class Slope {
- public:
-  void add(double x, double y) { n_ += 1, x_ += x, y_ += y, xx_ += x * x, xy_ += x * y; }
-  double value() const { return (n_ * xy_ - x_ * y_) / (n_ * xx_ - x_ * x_); }
-
- private:
-  double n_ = 0, x_ = 0, y_ = 0, xx_ = 0, xy_ = 0;
-};
-
 }  // namespace cooling_gas_cases
 
 void cooling_gas(Gallery& gallery) {
@@ -106,19 +98,20 @@ void cooling_gas(Gallery& gallery) {
   auto table = gallery.table(
       "haff", {"time over tau [-]", "temperature over T0 [-]", "Haff [-]", "tolerance [-]"});
   Worst course, exponent;
-  Slope slope;
+  std::vector<double> lengths, logarithms;  // ln(1 + t/tau), ln T
   sim.run(last * tau, silt::at(silt::every(tau / 20), [&](const auto& s) {
             const double x = s.time() / tau, T = temperature(s) / T0;
             table.add_row({x, T, std::pow(1 + x, -2), tolerance(x)});
             course.compare_relative(T, std::pow(1 + x, -2), tolerance(x));
-            if (x > 0.5) slope.add(std::log(1 + x), std::log(T));
+            if (x > 0.5) lengths.push_back(std::log(1 + x)), logarithms.push_back(std::log(T));
           }));
-  exponent.compare(slope.value(), -2, tolerance(last) / std::log((1 + last) / 1.5));
+  const double slope = silt::fit_polynomial<1>(lengths, logarithms).coefficients()[1];
+  exponent.compare(slope, -2, tolerance(last) / std::log((1 + last) / 1.5));
   gallery.check("haff_temperature", course,
                 "three deviations of ln T, a sum of independent losses; contacts of a length of "
                 "their own, twice collision rate times contact time");
   gallery.check("haff_exponent", exponent, "that of T at the end over the range of ln(1 + t/tau)");
-  gallery.summary.result("haff_exponent", slope.value());
+  gallery.summary.result("haff_exponent", slope);
   gallery.summary.result("haff_collision_rate_times_contact_time", collisions * contact);
   gallery.summary.result("haff_box_over_diameter", side / d);
   gallery.summary.result("haff_spheres", static_cast<double>(count));

@@ -35,6 +35,8 @@ auto made(const Change& change) {
     Sph sph{l, s};
   };
 }
+// Read in observers that are given a constant simulation, such as a table's.
+static_assert(requires(const decltype(Sph{water, setup})& sph) { sph.wall_load(0); });
 }  // namespace
 
 TEST_CASE("SPH: settings that cannot be are refused by name") {
@@ -43,6 +45,7 @@ TEST_CASE("SPH: settings that cannot be are refused by name") {
   refuses<InputError>(made([](auto& l, auto&) { l.exponent = 0.5; }), "Liquid.exponent = 0.5");
   refuses<InputError>(made([](auto&, auto& s) { s.spacing = -1; }), "SphSetup.spacing = -1 [m]");
   refuses<InputError>(made([](auto&, auto& s) { s.region.max.z = -1; }), "SphSetup.region");
+  refuses<InputError>(made([](auto&, auto& s) { s.region.max.y = 0.1; }), "in 2D");
   refuses<InputError>(made([](auto&, auto& s) { s.dimensions = 1; }), "SphSetup.dimensions = 1");
   refuses<InputError>(made([](auto&, auto& s) { s.smoothing = 5; }), "SphSetup.smoothing = 5");
   refuses<InputError>(made([](auto&, auto& s) { s.courant = 2; }), "SphSetup.courant = 2");

@@ -18,8 +18,8 @@ template <class Core>
 std::string sph_what_is_wrong(const Core& core, const SphRow& r) {
   const Vec3d x = r.position();
   const double c = core.liquid.sound_speed, speed = norm(r.velocity());
-  const std::string what = text("step ", core.steps, ", t = ", core.time, " s: the liquid at ", x,
-                                " m"),
+  const std::string what = text("the liquid's step ", core.steps, ", t = ", core.time,
+                                " s: the liquid at ", x, " m"),
                     is = text(" density ", r.density, " kg/m3 and velocity ", r.velocity(), " m/s");
   if (is_finite(x) && core.solids.walls.walls() > 0)
     if (const auto wall = core.solids.walls.nearest(x); wall.distance < -0.1 * core.setup.spacing)

@@ -51,7 +51,7 @@ enum class Slip { None, Free };
 /// How finely, and where.
 struct SphSetup {
   double spacing = 0;      // [m] of particles at the start
-  Box region;              // [m] what leaves it is taken out, and counted
+  Box region;              // [m] what leaves it is taken out, and counted; in 2D min.y = max.y
   double smoothing = 1.2;  // [-] h = smoothing sqrt(D) spacing; in 2D not 0.9 to 1 (docs/sph.md)
   int dimensions = 3;      // 2: in x and z; a slice one spacing thick
   std::array<bool, 3> periodic{};  // the region repeats
@@ -73,6 +73,9 @@ struct SphSetup {
             " [m] must be finite, its max above its min");
     require(dimensions == 2 || dimensions == 3, "SphSetup.dimensions = ", dimensions,
             " must be 2 or 3");
+    require(dimensions == 3 || e.y == 0, "SphSetup.region from ", region.min, " to ", region.max,
+            " m: in 2D the liquid lies in a plane; give both corners the y of that plane, on which "
+            "bodies must lie too");
     require(smoothing >= 0.7 && smoothing <= 2, "SphSetup.smoothing = ", smoothing,
             " must be in [0.7, 2]; 0.8 to 1.2 are usual");
     require(courant > 0 && courant <= 0.5, "SphSetup.courant = ", courant,
