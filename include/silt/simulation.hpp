@@ -224,7 +224,7 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
         if constexpr (has_bonds)
           if (!bonds_broken_.empty()) detail::tell_of_rank(*this, bonds_broken_, observers...);
         if constexpr (has_breakage)
-          if (!breaks_.events.empty()) detail::tell_all(*this, breaks_.events, observers...);
+          if (!breaks_.events.empty()) detail::tell_of_rank(*this, breaks_.events, observers...);
       }
       if constexpr (has_ranks)
         engine_.ranks.until_later([&] { (detail::watch(observers, *this), ...); });
@@ -319,7 +319,8 @@ class Simulation : public detail::ContactAccess<Simulation<Policies...>>,
   template <class Particle>
   void take_in(std::span<const Particle> more, std::span<const std::size_t> numbers);
   template <class Particle>
-  void join(std::span<const Particle> more, std::span<const std::size_t> numbers);
+  void join(std::span<const Particle> more, std::span<const std::size_t> numbers,
+            std::span<const char> own = {});
   void book_step(const detail::StepTimes& times, double bond_power);
   void book_leaving(std::size_t k);
   void couple();

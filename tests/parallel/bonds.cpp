@@ -304,6 +304,53 @@ TEST_CASE("ranks: a restart on as many ranks goes on with the same bits; bonds a
   CHECK(through.all == again.all);
 }
 
+TEST_CASE("ranks: a restart of bonds on other numbers of ranks, and in one process") {
+  const silt_test::Folder folder;
+  const auto with_scene = [&](int n, const auto& use) {
+    const auto scene = [&](auto... policies) {
+      silt::Simulation sim{silt::Particles<silt::Sphere>{}, silt::Contacts<Law>{glass},
+                           silt::Bonds{brittle}, policies...};
+      sim.gravity = {0, 0, -9.81};
+      sim.threads = 1, sim.time_step = 1e-6;
+      sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, glass, {.name = "floor"});
+      const auto first = silt::add_bonded(sim, cubes(3));
+      sim.bond_to_wall(first + 4, "floor", {0.01, 0.01, 0});
+      use(sim);
+    };
+    if (n == 0) return scene();
+    silt::run_on_ranks(n, [&](const silt::ThreadComm& comm) { scene(silt_test::eager(comm)); });
+  };
+  for (const int from : {0, 3}) {
+    const std::string path = folder / ("run" + std::to_string(from));
+    Seen through;
+    std::atomic<std::size_t> broken{0}, left{0}, before{0};
+    with_scene(from, [&](auto& sim) {
+      sim.run(0.0014);
+      before = sim.broken_bonds();
+      silt::save_checkpoint(sim, path);
+      sim.run(0.0006);
+      through.add(sim), broken = sim.broken_bonds(), left = sim.bonds();
+    });
+    CHECK(broken > before);
+    CHECK(before > 0);
+    CHECK(broken + left == 3 * 54 + 1);
+    for (const int to : {0, 1, 2, 5}) {
+      CAPTURE(from);
+      CAPTURE(to);
+      Seen again;
+      with_scene(to, [&](auto& sim) {
+        silt::load_checkpoint(sim, path);
+        CHECK(sim.broken_bonds() == before);
+        sim.run(0.0006);
+        again.add(sim);
+        CHECK(sim.broken_bonds() == broken);
+        CHECK(sim.bonds() == left);
+      });
+      CHECK(again.off(through)[0] < 1e-11);
+    }
+  }
+}
+
 // What one rank finds wrong all refuse, and none has half of the bonds.
 TEST_CASE("ranks: bonds that cannot be are refused by all ranks alike") {
   std::atomic<int> told{0};

@@ -13,6 +13,7 @@
 
 #include <silt/boundary/stl.hpp>
 #include <silt/contact/hertz_mindlin.hpp>
+#include <silt/io/checkpoint.hpp>
 #include <silt/measure/wall_wear.hpp>
 #include <silt/module/heat/surroundings.hpp>
 #include <silt/module/wear.hpp>
@@ -145,16 +146,16 @@ void check_heat(double rounding, double conserved, Policies... policies) {
 
 // Catches: temperatures of ghosts of the step before, heat that one side gives and the other does
 // not get, or gets twice; a wall that gives its whole power on each rank; ranks that ask for fluxes
-// in other steps. Places agree to 1e-13 m, which moves overlaps by 1e-9 of themselves. What heat is
-// lost is rounding of 144 sums.
+// in other steps. In this scene temperatures are the same to the bit on 2, 3 and 5 ranks, and 4e-14
+// J of 3.3 J are missing (computed). What heat is lost is rounding of 144 sums.
 TEST_CASE("ranks: heat through contacts is that of one process, and none is lost") {
-  check_heat(1e-8, 1e-10, heat);
+  check_heat(1e-10, 1e-12, heat);
 }
 TEST_CASE("ranks: heat on one lane, in double") {
-  check_heat(1e-8, 1e-10, heat, silt::KernelsFor<silt::OneLane>{});
+  check_heat(1e-10, 1e-12, heat, silt::KernelsFor<silt::OneLane>{});
 }
 // In floats contacts begin to differ at 1e-7 of an overlap.
-TEST_CASE("ranks: heat in mixed precision") { check_heat(1e-2, 1e-10, heat, silt::Mixed{}); }
+TEST_CASE("ranks: heat in mixed precision") { check_heat(1e-4, 1e-12, heat, silt::Mixed{}); }
 
 TEST_CASE("ranks: heat of friction is that of one process") {
   auto frictional = silt::FrictionHeat{heat};
@@ -215,6 +216,55 @@ TEST_CASE("ranks: a step that does not resolve the heat of one rank is refused b
                                      }),
                   silt::SimulationError);
   CHECK(told == 3);
+}
+
+TEST_CASE("ranks: heat and wear go on from the file of other ranks, with what walls gave so far") {
+  using Sliding = silt::Wear<silt::Archard>;
+  const silt_test::Folder folder;
+  const auto with_scene = [&](int n, const auto& use) {
+    const auto scene = [&](auto... policies) {
+      auto sim = trough(heat, Sliding{{.coefficient = 1e-4, .hardness = 2e9}}, policies...);
+      sim.add_wall(silt::TriangleMesh(
+                       {{Vec3d{-1, -1, 0.002}, Vec3d{0.05, -1, 0.002}, Vec3d{0.05, 1, 0.002}}}),
+                   glass);
+      sim.time_step = 1e-5;
+      use(sim);
+    };
+    if (n == 0) return scene();
+    silt::run_on_ranks(n, [&](const silt::ThreadComm& comm) { scene(ranks(comm)); });
+  };
+  const auto sums = [](const auto& sim) {
+    return std::array{sim.template given_by_wall<silt::Temperature>(0).sum,
+                      sim.template given_by_wall<silt::Temperature>(1).sum,
+                      silt::worn_volume<Sliding>(sim, 5)};
+  };
+  for (const int from : {0, 3}) {
+    const std::string path = folder / ("run" + std::to_string(from));
+    Numbers through;
+    std::array<double, 3> wanted{};
+    with_scene(from, [&](auto& sim) {
+      sim.run(0.02);
+      silt::save_checkpoint(sim, path);
+      sim.run(0.005);
+      through.add(sim, [&](std::size_t k) { return sim.template field<silt::Temperature>(k); });
+      const auto all = sums(sim);
+      if (sim.rank() == 0) wanted = all;
+    });
+    for (const double x : wanted) CHECK(x > 0);
+    for (const int to : {0, 1, 2, 5}) {
+      CAPTURE(from);
+      CAPTURE(to);
+      Numbers again;
+      with_scene(to, [&](auto& sim) {
+        silt::load_checkpoint(sim, path);
+        sim.run(0.005);
+        again.add(sim, [&](std::size_t k) { return sim.template field<silt::Temperature>(k); });
+        const auto all = sums(sim);
+        for (std::size_t k = 0; k < 3; ++k) CHECK(all[k] == near(wanted[k]).epsilon(1e-8));
+      });
+      CHECK(again.off(through) < 1e-7);
+    }
+  }
 }
 
 TEST_CASE("ranks: wear of a mesh is that by all particles") {

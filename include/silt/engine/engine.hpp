@@ -82,9 +82,13 @@ class Engine : public Tables<Composition> {
   [[no_unique_address]] std::conditional_t<has_events, ContactLog, NoContactLog> events;
 
   struct NoBreaks {};
+  struct NoDue {};
   /// On many ranks whether bonds break in this step, on any of them.
   [[no_unique_address]] std::conditional_t<of_ranks && Composition::has_bonds, bool, NoBreaks>
       bonds_break{};
+  /// ... whether particles are due to break.
+  [[no_unique_address]] std::conditional_t<of_ranks && Composition::has_breakage, bool, NoDue>
+      breaks_due{};
 
   void set_threads(int threads) {
     if (!team_ || team_->threads() != threads) team_ = std::make_unique<Team>(threads);
@@ -384,16 +388,19 @@ class Engine : public Tables<Composition> {
     if (!observed) lists.upkeep.used += largest_share * time_step;
   }
   void agree(const char* call, const std::exception_ptr& error = nullptr) requires(of_ranks) {
-    std::array<double, 6> most{largest_speed,
+    std::array<double, 7> most{largest_speed,
                                largest_share,
                                largest_overlap,
                                lists.upkeep.searched_at < 0 ? 1.0 : 0.0,
                                0.0,
+                               0.0,
                                0.0};
     if constexpr (Fluxes::active) most[4] = fluxes_.is_to_renew() ? 1.0 : 0.0;
     if constexpr (Composition::has_bonds) most[5] = bonds_break ? 1.0 : 0.0;
+    if constexpr (Composition::has_breakage) most[6] = breaks_due ? 1.0 : 0.0;
     ranks.agree(call, error, most);
     if constexpr (Composition::has_bonds) bonds_break = most[5] > 0;
+    if constexpr (Composition::has_breakage) breaks_due = most[6] > 0;
     largest_speed = most[0], largest_share = most[1], largest_overlap = most[2];
     if (most[3] > 0) lists.forget();
     if constexpr (Fluxes::active)

@@ -100,6 +100,8 @@ std::vector<double> row_of_breakage(const Sim& sim) {
     for (std::size_t k = 0; k < sim.rows(); ++k)
       if (sim.is_present(k) && std::isfinite(sim.mass(k)))
         present[sim.material(k)].add(sim.mass(k));
+    if constexpr (Sim::has_ranks)
+      for (auto& one : present) one = {sim.sum_over_ranks(one.value()), 0};
     for (std::size_t k = 0; k < present.size(); ++k)
       row.insert(row.end(), {number(sim.broken(k)), present[k].value(), sim.left(k).mass(),
                              sim.dust(k).mass()});
@@ -116,6 +118,7 @@ inline auto breakage_table(const std::string& path, Schedule schedule) {
   return at<ActionKind::Reads>(
       schedule, [path, open = std::shared_ptr<CsvTable>()](const auto& sim) mutable {
         const std::vector<double> row = detail::row_of_breakage(sim);
+        if (sim.rank() != 0) return;
         if (!open) open = detail::open_table(path, detail::columns_of_breakage(sim), sim, row[0]);
         open->add_row(std::span<const double>(row));
       });
@@ -123,7 +126,7 @@ inline auto breakage_table(const std::string& path, Schedule schedule) {
 
 /// The grains that are there by their diameters (of polyhedra those of spheres of their volumes),
 /// as a table of sizes, to be merged with dust() and left(): of one material, by number or name, or
-/// of all.
+/// of all. On many ranks those of this rank.
 template <class Sim>
 SizeTable sizes_present(const Sim& sim, std::optional<WhichMaterial> of = {}) {
   SizeTable all;

@@ -246,8 +246,8 @@ class Checkpoint {
       throw InputError(
           text("checkpoint '", path, "' is of ", is_index ? index.size() : 1,
                " ranks, and this run has ", ranks,
-               ": a scene with bonds, breakage, a fluid or fluxes through contacts goes on on "
-               "as many ranks as before; start as many"));
+               ": a scene with breakage or a fluid goes on on as many ranks as before; start as "
+               "many"));
     }
   }
 
@@ -279,9 +279,8 @@ class Checkpoint {
 
   /// Whether all of the state is in rows and contacts, or is known to each rank, so that it can be
   /// put together from blocks.
-  static constexpr bool has_rows_alone = !Sim::has_bonds && !Sim::has_breakage &&
-                                         !Sim::Modules::flux && !Sim::Fluid::active &&
-                                         !detail::deforms<typename Sim::Domain>;
+  static constexpr bool has_rows_alone =
+      !Sim::has_breakage && !Sim::Fluid::active && !detail::deforms<typename Sim::Domain>;
 
   struct Nothing {};
   template <bool Has, class T>

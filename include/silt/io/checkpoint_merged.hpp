@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -41,17 +42,19 @@ class Checkpoint<Sim>::Merged {
       take_rows(*block, from, to);
     take_pairs(*block);
     take_walls(*block);
+    if constexpr (Sim::has_bonds) take_bonds(*block);
+    take_wall_sums(in);
     if constexpr (Sim::has_ledger) books_.push_back(block->book_);
     if (!first_) first_ = std::move(block);
   }
   /// Takes nothing but the books of a block.
-  void take_books([[maybe_unused]] const CheckpointReader& in,
-                  [[maybe_unused]] const std::string& name) {
+  void take_books(const CheckpointReader& in, [[maybe_unused]] const std::string& name) {
     if constexpr (Sim::has_ledger) {
       Staged block(sim_);
       block.read_ledger(detail::CheckpointLoader(in, name));
       books_.push_back(block.book_);
     }
+    take_wall_sums(in);
   }
   /// How many particles there are in the file of one process.
   std::size_t count(const CheckpointReader& in, [[maybe_unused]] const std::string& name) const {
@@ -80,7 +83,10 @@ class Checkpoint<Sim>::Merged {
     put_rows(s, ghosts);
     if constexpr (Sim::has_ledger) put_books(s);
     put_lists(s, pairs, rows);
+    if constexpr (Sim::has_bonds) put_bonds(s);
     const bool is_first = sim_.rank() == 0;
+    if constexpr (Sim::Modules::flux) s.from_walls_ = of_first(from_walls_, is_first);
+    if constexpr (Sim::Modules::wear) put_worn(s, is_first);
     s.clock_.safeguards = is_first ? safeguards : 0;
     s.block_.rank = static_cast<std::uint64_t>(sim_.rank());
     s.block_.of = static_cast<std::uint64_t>(sim_.ranks());
@@ -202,6 +208,80 @@ class Checkpoint<Sim>::Merged {
         }
   }
 
+  /// The bonds of the rows that are taken, once each.
+  void take_bonds(Staged& block) requires(Sim::has_bonds) {
+    const State& p = block.particles_;
+    std::unordered_set<ParticleId> taken;
+    for (std::size_t k = 0; k < row_.size(); ++k)
+      if (row_[k] != no_row) taken.insert(p.id[k]);
+    const auto& from = block.bonds_;
+    for (std::size_t k = 0; k < from.number.size(); ++k) {
+      const ParticleId i = from.ids[2 * k], j = from.ids[2 * k + 1];
+      if (!(taken.count(i) + taken.count(j) > 0) || !known_bonds_.insert(from.number[k]).second)
+        continue;
+      bonds_.ids.insert(bonds_.ids.end(), {i, j}), bonds_.number.push_back(from.number[k]);
+      bonds_.rest.push_back(from.rest[k]), bonds_.numbers.push_back(from.numbers[k]);
+    }
+    for (std::size_t k = 0; k < from.wall_number.size(); ++k) {
+      const ParticleId i = from.wall_ids[2 * k];
+      if (taken.count(i) == 0) continue;
+      bonds_.wall_ids.insert(bonds_.wall_ids.end(), {i, from.wall_ids[2 * k + 1]});
+      bonds_.wall_number.push_back(from.wall_number[k]);
+      bonds_.wall_place.push_back(from.wall_place[k]);
+      bonds_.wall_rest.push_back(from.wall_rest[k]);
+      bonds_.wall_numbers.push_back(from.wall_numbers[k]);
+      bonds_.wall_excludes.push_back(from.wall_excludes[k]);
+    }
+    for (std::size_t k = 0; k + 1 < from.freed.size(); k += 2)
+      if (taken.count(from.freed[k]) > 0)
+        bonds_.freed.insert(bonds_.freed.end(), {from.freed[k], from.freed[k + 1]});
+  }
+  /// Other ends are among the ghosts after the next search.
+  void put_bonds(Staged& s) requires(Sim::has_bonds) {
+    bonds_.made = s.bonds_.made, bonds_.broken = s.bonds_.broken;
+    s.bonds_ = std::move(bonds_);
+    s.stage_ = std::make_unique<BondStage>();
+    s.stage_->model = sim_.bonds_.model, s.stage_->seed = sim_.bonds_.seed;
+    s.bonds_.put(*s.stage_, s.particles_);
+    s.stage_->fresh = sim_.ranks() > 1;
+  }
+  /// What walls have given to the particles of all blocks, and what these have worn of them.
+  void take_wall_sums([[maybe_unused]] const CheckpointReader& in) {
+    if constexpr (Sim::Modules::flux) {
+      const auto more = in.get<double>("modules.from_walls");
+      if (more.size() > from_walls_.size())  // nobody has asked before
+        from_walls_ = more;
+      else if (more.size() == from_walls_.size())
+        for_each_sum(from_walls_, [&](std::size_t k) { from_walls_[k] += more[k]; });
+    }
+    if constexpr (Sim::Modules::wear) {
+      const auto numbers = in.get<std::uint64_t>("walls.worn_numbers");
+      const auto more = in.get<double>("walls.worn");
+      worn_.resize(std::max(worn_.size(), numbers.size()));
+      std::size_t at = 0;
+      for (std::size_t w = 0; w < numbers.size(); ++w) {
+        worn_[w].resize(std::max<std::size_t>(worn_[w].size(), numbers[w]), 0);
+        for (std::size_t k = 0; k < numbers[w] && at < more.size(); ++k) worn_[w][k] += more[at++];
+      }
+    }
+  }
+  void put_worn(Staged& s, bool is_first) {
+    for (std::size_t w = 0; w < s.worn_.size(); ++w)
+      s.worn_[w] = is_first && w < worn_.size() ? worn_[w] : std::vector<double>();
+  }
+  /// Visits what is a sum in such books, which have a count before the numbers of each module.
+  template <class Visit>
+  static void for_each_sum(const std::vector<double>& books, const Visit& visit) {
+    for (std::size_t at = 0; at < books.size();) {
+      const auto count = 2 * static_cast<std::size_t>(books[at++]);
+      for (std::size_t k = 0; k < count && at < books.size(); ++k) visit(at++);
+    }
+  }
+  static std::vector<double> of_first(std::vector<double> books, bool is_first) {
+    if (!is_first) for_each_sum(books, [&](std::size_t k) { books[k] = 0; });
+    return books;
+  }
+
   /// The pairs of contacts, by rows; others' rows that they need come behind the own ones.
   typename Pairs::State put_pairs(const std::string& path) {
     std::unordered_map<ParticleId, std::uint32_t> place;
@@ -292,6 +372,10 @@ class Checkpoint<Sim>::Merged {
   std::vector<std::uint32_t> row_;  // of the block's rows
   std::vector<PairMemory> pairs_;
   std::vector<typename Walls::Kept> walls_;
+  [[no_unique_address]] If<Sim::has_bonds, BondsState> bonds_;
+  std::unordered_set<std::uint64_t> known_bonds_;  // numbers
+  std::vector<double> from_walls_;                 // where modules have fluxes
+  std::vector<std::vector<double>> worn_;          // of each wall, where modules wear them
 };
 
 }  // namespace silt

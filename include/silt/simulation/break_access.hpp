@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <span>
@@ -35,8 +36,13 @@ class BreakAccess {
   }
   /// The same of particles that left: through outlets, or removed.
   template <class S = Sim>
-  const SizeTable& left() const requires(S::has_breakage) {
+  const SizeTable& left() const requires(S::has_breakage && !S::has_ranks) {
     return sim().breaks_.left.all;
+  }
+  /// On many ranks of all (collective).
+  template <class S = Sim>
+  SizeTable left() const requires(S::has_breakage&& S::has_ranks) {
+    return table_of_ranks(sim().breaks_.left.all);
   }
   /// The same of one material, by number or name.
   template <class S = Sim>
@@ -45,7 +51,7 @@ class BreakAccess {
   }
   template <class S = Sim>
   SizeTable left(const WhichMaterial& of) const requires(S::has_breakage) {
-    return table_of(sim().breaks_.left, of);
+    return table_of_ranks(table_of(sim().breaks_.left, of));
   }
   template <class S = Sim>
   MassBalance mass_balance() const requires(S::has_breakage) {
@@ -53,7 +59,10 @@ class BreakAccess {
     for (std::size_t k = 0; k < sim().rows(); ++k)
       if (sim().is_present(k) && std::isfinite(sim().mass(k))) present.add(sim().mass(k));
     const auto& b = sim().breaks_;
-    return {b.fed.value(), present.value(), b.left.all.mass(), b.dust.all.mass()};
+    // Of dust all ranks know all.
+    std::array<double, 3> own{b.fed.value(), present.value(), b.left.all.mass()};
+    sim().sum_over_ranks(std::span<double>(own));
+    return {own[0], own[1], own[2], b.dust.all.mass()};
   }
   /// How many particles broke since the start [-].
   template <class S = Sim>
@@ -78,7 +87,10 @@ class BreakAccess {
   /// How many will break before the next step [-].
   template <class S = Sim>
   std::size_t breaks_due() const requires(S::has_breakage) {
-    return sim().breaks_.due.size();
+    const std::size_t own = sim().breaks_.due.size();
+    if constexpr (S::has_ranks)
+      return static_cast<std::size_t>(sim().sum_over_ranks(static_cast<double>(own)));
+    return own;
   }
   /// Breaks the particle with this id before the next step, whatever its strength, as by a load
   /// that just reaches it. InputError: there is none, or its material does not break.
@@ -86,21 +98,32 @@ class BreakAccess {
   void break_particle(ParticleId id) requires(S::has_breakage) {
     auto& s = sim();
     const std::size_t k = s.find(id);
-    require(k < s.rows(), "Simulation::break_particle: there is no particle ", id,
-            id < s.next_.particle ? " any more: it has broken, has left or was removed"
-                                  : "; none has had this id so far");
-    const double strength =
-        s.engine_.modules().template of<typename S::Composition::Breaking>()[k].strength;
-    require(strength > 0, "Simulation::break_particle: particle ", id,
-            " cannot break: it is fixed, or BreakageRules.materials leaves its material out");
-    s.breaks_.add_due({id, strength, 0, BreakCause::Asked});
+    if constexpr (S::has_ranks) {  // the rank that has it says what is wrong
+      const bool is_here = s.rows() > k;
+      const bool is_there = s.largest_over_ranks(is_here ? 1 : 0) > 0;
+      s.engine_.ranks.together("a particle that is to break", [&] {
+        if (is_here || !is_there) break_own(id, k);
+      });
+      s.breaks_.some_due = true;
+    } else {
+      break_own(id, k);
+    }
+  }
+  /// Those since the start; by force none are noted. On many ranks of all (collective).
+  template <class S = Sim>
+  ImpactEnergies impact_energies() const requires(S::has_breakage&& S::has_ranks) {
+    auto numbers = sim().breaks_.impacts.state();
+    sim().sum_over_ranks(std::span<double>(numbers));
+    ImpactEnergies all;
+    all.restore(numbers);
+    return all;
   }
   /// Those since the start; by force none are noted.
   template <class S = Sim>
-  const ImpactEnergies& impact_energies() const requires(S::has_breakage) {
+  const ImpactEnergies& impact_energies() const requires(S::has_breakage && !S::has_ranks) {
     return sim().breaks_.impacts;
   }
-  /// Since the program began: a checkpoint does not keep it.
+  /// Since the program began: a checkpoint does not keep it. On many ranks of this one's particles.
   template <class S = Sim>
   const LargestLoad& largest_load() const requires(S::has_breakage) {
     return sim().breaks_.largest;
@@ -138,12 +161,15 @@ class BreakAccess {
     const bool follows = follows_sizes();
     bool looks = follows && (!stage.sizes.known() || s.step_ % LivingSizes::look_every == 0);
     if (follows) stage.sizes.safeguards = s.engine_.safeguards;
+    if constexpr (Sim::has_ranks) return break_due_of_ranks(), looks;
     if (stage.due.empty()) return looks;
     std::vector<Parent> parents;
     typename Sim::ParticlesType fragments;
     for (const DueBreak& one : std::exchange(stage.due, {})) {
       const std::size_t k = s.engine_.find(one.id);
-      if (k < s.rows()) break_one(one, k, parents, fragments);
+      if (k < s.rows())
+        break_one(one, s.engine_.owner(k), s.engine_.volume_of(k), own_fields(k), k, parents,
+                  fragments);
     }
     const std::size_t from = s.rows();
     if constexpr (Sim::has_ledger)
@@ -164,6 +190,12 @@ class BreakAccess {
 
   void prepare_breakage() {
     auto& s = sim();
+    if constexpr (Sim::has_ranks) {
+      require(!follows_sizes(),
+              "BreakageRules.step = SmallestLiving does not go with Ranks so far; take "
+              "SmallestPossible, or set Simulation::time_step");
+      s.breaks_.some_due = true;
+    }
     using Law = typename Sim::ContactsType::Law;
     using Policy = typename Sim::Composition::Breaking;
     // Throws where the load needs what the law, or the kind of breakage, does not tell.
@@ -222,6 +254,38 @@ class BreakAccess {
   }
 
  private:
+  void break_own(ParticleId id, std::size_t k) {
+    auto& s = sim();
+    require(k < s.rows(), "Simulation::break_particle: there is no particle ", id,
+            id < s.next_.particle ? " any more: it has broken, has left or was removed"
+                                  : "; none has had this id so far");
+    const double strength =
+        s.engine_.modules().template of<typename Sim::Composition::Breaking>()[k].strength;
+    require(strength > 0, "Simulation::break_particle: particle ", id,
+            " cannot break: it is fixed, or BreakageRules.materials leaves its material out");
+    s.breaks_.add_due({id, strength, 0, BreakCause::Asked});
+  }
+  /// What all ranks' tables have together (collective).
+  SizeTable table_of_ranks(const SizeTable& own) const {
+    if constexpr (Sim::has_ranks) {
+      const auto numbers = own.state();
+      const auto& ranks = sim().engine_.ranks;
+      ranks.meet("tables of sizes");
+      const auto each = gather(ranks.comm(), std::span<const double>(numbers));
+      SizeTable all;
+      for (int r = 0; r < each.ranks(); ++r) {
+        SizeTable one;
+        one.restore(each[r]);
+        if (one.classes() == 0) continue;
+        if (all.classes() == 0)
+          all = one;
+        else
+          all.merge(one);
+      }
+      return all;
+    }
+    return own;
+  }
   template <class Tables>
   SizeTable table_of(const Tables& tables, const WhichMaterial& of) const {
     const std::size_t material = sim().contacts().material_number(of);
@@ -242,20 +306,82 @@ class BreakAccess {
                   "silt::Breakage{strength, equivalence, sizes, fatigue, rules} beside particles "
                   "and contacts");
   }
+  static constexpr std::size_t nowhere = static_cast<std::size_t>(-1);
   struct Parent {
-    std::size_t place, fragments;
+    std::size_t place, fragments;  // nowhere: on another rank
     double rests_until;
   };
+  const auto& own_fields(std::size_t k) const {
+    return sim().engine_.modules().template of<typename Sim::Composition::Breaking>()[k];
+  }
 
-  /// Notes the fragments of the particle at place k, with their velocities; books dust and energy.
-  template <class Particles>
-  void break_one(const DueBreak& due, std::size_t k, std::vector<Parent>& parents, Particles& all) {
+  /// A particle of any rank that breaks, as all ranks know it.
+  struct BreakingParticle {
+    DueBreak due;
+    Vec3d centre_, velocity_, angular_velocity_;
+    double radius_, mass_, volume, strength, generation;
+    std::uint64_t material_;
+    Vec3d centre() const { return centre_; }
+    Vec3d velocity() const { return velocity_; }
+    Vec3d angular_velocity() const { return angular_velocity_; }
+    double radius() const { return radius_; }
+    double mass() const { return mass_; }
+    std::size_t material() const { return material_; }
+  };
+  /// On many ranks all break the particles of all, alike and in the order of ids, so that ids,
+  /// draws and dust are those of one process; each takes in the fragments of its own (collective).
+  void break_due_of_ranks() {
+    auto& s = sim();
+    auto& stage = s.breaks_;
+    auto& ranks = s.engine_.ranks;
+    stage.some_born = false;
+    if (!std::exchange(stage.some_due, false) && !std::exchange(s.engine_.breaks_due, false))
+      return;
+    s.engine_.breaks_due = false;
+    std::vector<BreakingParticle> own;
+    for (const DueBreak& one : std::exchange(stage.due, {}))
+      if (const std::size_t k = s.engine_.find(one.id); k < s.rows()) {
+        const auto p = s.engine_.owner(k);
+        const auto& f = own_fields(k);
+        own.push_back({one, p.centre(), p.velocity(), p.angular_velocity(), p.radius(), p.mass(),
+                       s.engine_.volume_of(k), f.strength, f.generation, p.material()});
+      }
+    ranks.meet("particles that break");
+    auto all = gather(ranks.comm(), std::span<const BreakingParticle>(own)).values;
+    if (all.empty()) return;
+    std::sort(all.begin(), all.end(),
+              [](const auto& a, const auto& b) { return a.due.id < b.due.id; });
+    // Ghosts where they are now, for what the ledger misses of contacts that end.
+    if constexpr (Sim::has_ledger) s.engine_.refresh_ghosts_now();
+    ranks.together("particles that break", [&] {
+      std::vector<Parent> parents;
+      typename Sim::ParticlesType fragments;
+      for (const BreakingParticle& one : all) {
+        const std::size_t k = s.engine_.find(one.due.id);
+        break_one(one.due, one, one.volume, one, k < s.rows() ? k : nowhere, parents, fragments);
+      }
+      std::vector<ParticleId> gone;
+      for (const BreakingParticle& one : all) gone.push_back(one.due.id);
+      if constexpr (Sim::has_ledger)
+        if (s.first_kick_) s.book_.was_there(energy_of_all());
+      take_place(parents, fragments, gone);
+      if constexpr (Sim::has_ledger)
+        if (s.first_kick_) s.book_.was_there(-energy_of_all());
+    });
+    ranks.discount(all.size());
+    s.engine_.lists.forget();
+    stage.some_born = true;
+  }
+
+  /// Notes the fragments of a particle, which is at place k, with their velocities; books dust and
+  /// energy. `own`: what the policy knows of it.
+  template <class Owner, class Fields, class Particles>
+  void break_one(const DueBreak& due, const Owner& p, double volume, const Fields& own,
+                 std::size_t k, std::vector<Parent>& parents, Particles& all) {
     auto& s = sim();
     auto& stage = s.breaks_;
     const auto& policy = s.breakage();
-    const auto p = s.engine_.owner(k);
-    const auto& own = s.engine_.modules().template of<typename Sim::Composition::Breaking>()[k];
-    const double volume = s.engine_.volume_of(k), density = p.mass() / volume;
+    const double density = p.mass() / volume;
     const Broken broken{equal_volume_diameter(volume), p.mass(), own.strength, due.load, due.speed};
     Random random = stage.random_of(policy, due.id, stage.of_fragments);
     FragmentSizes sizes =
@@ -286,6 +412,7 @@ class BreakAccess {
     stage.dust.template add<Sim::ContactsType::several_materials>(
         p.material(),
         [&](SizeTable& table) { add_dust(table, policy.sizes, broken, sizes, density, s.time_); });
+    if (Sim::has_ranks && k == nowhere) return parents.push_back({nowhere, sizes.masses.size(), 0});
     if constexpr (Sim::has_ledger) {
       double potential = s.potential(k);  // [J] of the dust, where the fragments leave it
       for (std::size_t n = 0; n < sizes.masses.size(); ++n)
@@ -342,7 +469,8 @@ class BreakAccess {
     return rows;
   }
   /// Books what the ledger misses of the contacts of particles of these rows, which end.
-  void book_contacts(const std::vector<std::uint32_t>& rows) {
+  void book_contacts(const std::vector<std::uint32_t>& rows,
+                     [[maybe_unused]] std::span<const ParticleId> gone) {
     auto& s = sim();
     auto& e = s.engine_;
     const auto book = [&s](const auto& ended) {
@@ -353,33 +481,58 @@ class BreakAccess {
       book(EndedSolidContacts(e, s.domain_, rows, s.dt_));
     } else {
       book(EndedContacts(e, s.domain_, rows, s.dt_, s.dt_));
+      if constexpr (Sim::has_ranks) book_contacts_with_ghosts(gone, book);
     }
   }
-  /// Takes the parents out of the simulation, and their fragments in.
+  /// ... with other ranks' particles: of two that break the rank of the lower id books it.
+  template <class Book>
+  void book_contacts_with_ghosts(std::span<const ParticleId> gone, const Book& book) {
+    auto& s = sim();
+    const auto& e = s.engine_;
+    const auto& pairs = e.lists.pairs;
+    const auto is_gone = [gone](ParticleId id) {
+      return std::binary_search(gone.begin(), gone.end(), id);
+    };
+    using Ended = EndedContacts<typename Sim::Engine, typename Sim::Domain>;
+    pairs.for_each([&](std::size_t k) {
+      std::size_t own = pairs.first()[k], other = pairs.second()[k];
+      if (own >= e.particles.owned()) std::swap(own, other);
+      if (other < e.particles.owned()) return;
+      const ParticleId mine = e.particles.id[own], its = e.particles.id[other];
+      if (is_gone(mine) && (mine < its || !is_gone(its)))
+        book(Ended(e, s.domain_, typename Ended::OfPair{k}, s.dt_, s.dt_));
+    });
+  }
+  /// Takes the parents out of the simulation, and their fragments in. `gone`: all that break, of
+  /// all ranks.
   template <class Particles>
-  void take_place(const std::vector<Parent>& parents, const Particles& fragments) {
+  void take_place(const std::vector<Parent>& parents, const Particles& fragments,
+                  std::span<const ParticleId> gone = {}) {
     auto& s = sim();
     auto& e = s.engine_;
     const std::size_t from = s.rows();
     const ParticleId first = s.next_.particle;
     std::vector<double> rests_until;
     std::vector<std::size_t> places;
+    std::vector<char> own;  // fragments, on many ranks
     for (const Parent& p : parents) {
       rests_until.insert(rests_until.end(), p.fragments, p.rests_until);
-      places.push_back(p.place);
+      if constexpr (Sim::has_ranks) own.insert(own.end(), p.fragments, p.place != nowhere);
+      if (p.place != nowhere) places.push_back(p.place);
     }
     const auto rows = rows_of(places);
-    if constexpr (Sim::has_ledger) book_contacts(rows);
+    if constexpr (Sim::has_ledger) book_contacts(rows, gone);
     if constexpr (Sim::has_bonds) s.bonds_.end_of(e, s.domain_, rows, s.first_kick_ ? 0 : s.dt_);
     s.breaks_.newborn_from = Sim::of_bodies ? s.next_.part : first;
     std::vector<std::size_t> forms;
     if constexpr (Sim::of_bodies) forms = take_in_cells(e.mover, fragments.forms());
-    s.join(std::span<const typename Particles::Particle>(fragments.all()), forms);
+    s.join(std::span<const typename Particles::Particle>(fragments.all()), forms,
+           std::span<const char>(own));
     if constexpr (Sim::has_ledger)  // what the fragments have is not lost
       for (std::size_t n = from; n < s.rows(); ++n) s.book_.broke(-s.kinetic(n).sum());
     std::size_t k = from;
     for (const Parent& p : parents)
-      for (std::size_t n = 0; n < p.fragments; ++n, ++k) {
+      for (std::size_t n = 0; n < p.fragments && p.place != nowhere; ++n, ++k) {
         copy_row(e.modules(), p.place, k);
         ++e.modules().template of<typename Sim::Composition::Breaking>()[k].generation;
       }

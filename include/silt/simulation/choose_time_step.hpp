@@ -19,7 +19,7 @@ std::optional<detail::ShortestContact> Simulation<Policies...>::shortest_contact
       else
         return detail::meetings_of(engine_, openings_.inlets(), contacts_.materials());
     }();
-    if constexpr (has_breakage) this->include_fragments(meetings);
+    if constexpr (has_breakage && !has_ranks) this->include_fragments(meetings);
     const detail::ShortestContactSearch<Law, Integrator> search(
         Engine::coefficients_of(contacts_).law, meetings, speed,
         detail::InertiaOf<typename Engine::Contacts>::slip_mobility());
@@ -112,8 +112,9 @@ void Simulation<Policies...>::share_scene() {
     std::array<double, 4> most{own.speed, own.radius, own.acceleration, own.module_rate};
     ranks.max_of(most);
     ranks_scene_.size = {ranks.union_of(own.region), most[0], most[1], most[2], most[3]};
-    ranks_scene_.meetings = ranks.union_of_meetings(
-        detail::meetings_of(engine_, openings_.inlets(), contacts_.materials()));
+    auto meetings = detail::meetings_of(engine_, openings_.inlets(), contacts_.materials());
+    if constexpr (has_breakage) this->include_fragments(meetings);
+    ranks_scene_.meetings = ranks.union_of_meetings(meetings);
     engine_.agree("the start of a run");
   }
 }

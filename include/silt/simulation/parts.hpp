@@ -142,17 +142,23 @@ void Simulation<Policies...>::take_in(std::span<const Particle> more,
   if constexpr (has_ledger)
     for (std::size_t k = before; k < rows() && !first_kick_; ++k)
       if (std::isfinite(mass(k))) book_.bring_in(kinetic(k).sum() + potential(k));
-  if constexpr (has_breakage) this->feed(before);
+  if constexpr (has_breakage)
+    detail::on_all_ranks(*this, "the strengths of particles", [&] { this->feed(before); });
 }
 
-/// The same without books of mass and energy.
+/// The same without books of mass and energy. `own`: on many ranks which of them are this rank's,
+/// if that is not for the decomposition to say.
 template <class... Policies>
 template <class Particle>
 void Simulation<Policies...>::join(std::span<const Particle> more,
-                                   std::span<const std::size_t> numbers) {
+                                   std::span<const std::size_t> numbers,
+                                   [[maybe_unused]] std::span<const char> own) {
   const std::size_t before = rows(), first_row = engine_.particles.size();
   if constexpr (has_ranks) {
-    detail::take_in_own(engine_, more, numbers, kicked_, next_, domain_);
+    detail::take_in_own(engine_, more, numbers, kicked_, next_, domain_,
+                        [&](const Vec3d& place, std::size_t k) {
+                          return own.empty() ? engine_.ranks.takes(place, k, more.size()) : own[k];
+                        });
     if (kicked_) engine_.start_prediction(before, gravity, dt_);
   } else {
     detail::take_in(engine_, more, numbers, kicked_, next_);

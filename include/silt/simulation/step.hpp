@@ -28,7 +28,8 @@ void Simulation<Policies...>::advance(bool observed) {
       engine_.renew_lists(search_, domain_, step_, dt_);
     }
     if constexpr (has_breakage)
-      if (!breaks_.events.empty()) detail::leave_out_overlaps(engine_, breaks_.newborn_from);
+      if (has_ranks ? breaks_.some_born : !breaks_.events.empty())
+        detail::leave_out_overlaps(engine_, breaks_.newborn_from);
   };
   const auto act = [&] {
     forces(observed, present);
@@ -65,6 +66,7 @@ void Simulation<Policies...>::forces(bool observed, [[maybe_unused]] std::size_t
   engine_.wall_forces(times);
   if constexpr (has_ranks) engine_.ghost_forces(domain_, times);
   if constexpr (has_breakage) breaks_.weigh(engine_, this->breakage(), time_);
+  if constexpr (has_breakage && has_ranks) engine_.breaks_due = !breaks_.due.empty();
   [[maybe_unused]] double bond_power = 0;
   if constexpr (has_bonds) bond_power = bonds_.push(engine_, domain_, dt_);
   if constexpr (has_bonds && has_ranks) engine_.bonds_break = bonds_.any_overloaded();

@@ -1,5 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
-// refused: Ranks does not go with Breakage so far
+// refused: Ranks does not go with polyhedra that break so far
+// refused: Ranks does not go with Bonds and Breakage in one simulation so far
+#include <silt/shape/laguerre_cells.hpp>
+
 #include "scene.hpp"
 
 #include <silt/ranks.hpp>
@@ -8,11 +11,16 @@ inline const silt::Breakage breaking{silt::VogelPeukertStrength{.f_mat = 1, .lea
                                      silt::EnergyEquivalence{},
                                      silt::GaudinSchuhmann{.exponent = 1, .coarsest = 0.8},
                                      {.dust_below = 1e-4}};
+inline const silt::Particles<silt::Polyhedron> stones;
 inline void many() {
 #if defined(SILT_MENDED)
-  silt::Simulation sim{beads, contacts, breaking};
-#else
   silt::Simulation sim{beads, contacts, breaking, silt::Ranks{silt::NoRanks{}}};
+  silt::Simulation bonded{beads, contacts, silt::Bonds{silt::ParallelBond{1e7}},
+                          silt::Ranks{silt::NoRanks{}}};
+#else
+  silt::Simulation sim{stones, contacts, breaking, silt::Ranks{silt::NoRanks{}}};
+  silt::Simulation bonded{beads, contacts, breaking, silt::Bonds{silt::ParallelBond{1e7}},
+                          silt::Ranks{silt::NoRanks{}}};
 #endif
-  sim.run(1);
+  sim.run(1), bonded.run(1);
 }

@@ -165,10 +165,12 @@ void take_in(Engine& e, std::span<const Particle> more,
   e.particles.measure_newcomers(first_row);
 }
 
-/// The same on many ranks, of which each takes its own; all count all.
-template <class Engine, class Particle, class Domain>
+/// The same on many ranks, of which each takes its own; all count all. `takes(place, k)`: whether
+/// the particle k, which is to be at a place [m], is this rank's.
+template <class Engine, class Particle, class Domain, class Takes>
 void take_in_own(Engine& e, std::span<const Particle> more, std::span<const std::size_t> numbers,
-                 bool observed, NextIds& next, [[maybe_unused]] const Domain& domain) {
+                 bool observed, NextIds& next, [[maybe_unused]] const Domain& domain,
+                 const Takes& takes_one) {
   auto& p = e.particles;
   const std::size_t before = p.owned();
   // Newcomers stand behind the ghosts for now, and so do their velocities.
@@ -181,7 +183,7 @@ void take_in_own(Engine& e, std::span<const Particle> more, std::span<const std:
   for (std::size_t k = 0; k < more.size(); ++k) {
     Vec3d place = more[k].position;
     if constexpr (Domain::periodic) place = domain.wrapped(place);
-    const bool takes = e.ranks.takes(place, k, more.size());
+    const bool takes = takes_one(place, k);
     for_rows_to_come(e, more[k], numbers, [&](double radius) {
       largest = std::max(largest, radius), smallest = std::min(smallest, radius);
       if (Engine::has_bodies && !takes) ++next.part;

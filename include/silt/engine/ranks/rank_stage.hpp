@@ -179,6 +179,7 @@ class RankStage {
   /// Particles of all ranks, when they were measured last.
   std::size_t present() const { return present_; }
   void count(std::size_t more) { present_ += more; }
+  void discount(std::size_t fewer) { present_ -= fewer; }
 
   // --- at each step (collective) ------------------------------------------------------------
 

@@ -62,6 +62,8 @@ class BreakStage {
   double weak_from = 0;                // [N] lower bound of the strengths, by force
   LivingSizes sizes;                   // that the time step follows
   LargestLoad largest;                 // not kept by checkpoints
+  bool some_due = true;    // on many ranks: on any of them; true as long as nobody has asked
+  bool some_born = false;  // ... in this step
 
   /// Draws the strengths of the particles from place `from` on, which are new; of fragments
   /// rests_until(id) [s].
@@ -100,16 +102,21 @@ class BreakStage {
       auto key() const { return std::tuple(id, other, wall, note->force, note->speed); }
     };
     std::vector<Half> all;
+    std::size_t known = e.owners();
+    if constexpr (Engine::of_ranks) known = e.particles.size();  // with ghosts
     for (const NotedImpact& note : e.impacts.all) {
       const std::size_t a = e.owner_of(note.first);
       const std::size_t b = note.second == NotedImpact::no_row ? a : e.owner_of(note.second);
-      if (a >= e.owners() || b >= e.owners()) continue;  // what fills packs up
+      if (a >= known || b >= known) continue;  // what fills packs up
       const auto p = e.owner(a), q = e.owner(b);
       if (!p.is_there() || !q.is_there()) continue;
       const bool at_wall = note.wall != NotedImpact::no_row;
-      if (note.speed > 0) impacts.add(note.m_eff, note.speed, at_wall);
-      all.push_back({p.id(), at_wall ? no_particle : q.id(), at_wall ? note.wall : 0, a, &note});
-      if (!at_wall) all.push_back({q.id(), p.id(), 0, b, &note});
+      // Of two ranks one counts it, that which has the lower id; each weighs its own half.
+      const bool counts = (p.id() < q.id() ? a : b) < e.owners();
+      if (note.speed > 0 && counts) impacts.add(note.m_eff, note.speed, at_wall);
+      if (a < e.owners())
+        all.push_back({p.id(), at_wall ? no_particle : q.id(), at_wall ? note.wall : 0, a, &note});
+      if (!at_wall && b < e.owners()) all.push_back({q.id(), p.id(), 0, b, &note});
     }
     std::sort(all.begin(), all.end(),
               [](const Half& a, const Half& b) { return a.key() < b.key(); });
