@@ -319,28 +319,28 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   /// What the liquid does to a wall now: force [N] ([N/m] in 2D), torque [N m] about `about` [m].
   std::pair<Vec3d, Vec3d> wall_load(std::size_t wall, const Vec3d& about = {0, 0, 0},
                                     const Team& team = {}) const {
-    Core& now = const_cast<Sph&>(*this).core();  // rates are found anew, and nothing else changes
-    const auto& solid = now.solids.walls;
+    Core& own = const_cast<Sph&>(*this).core();  // rates are found anew, and nothing else changes
+    const auto& solid = own.solids.walls;
     require(wall < solid.walls(), "Sph::wall_load: there is no wall ", wall, "; there are ",
             solid.walls());
-    now.find_rates(team);
+    own.find_rates(team);
     const bool open = openings() > 0;
     if (open)
-      detail::sph_without_buffers(now, team, [&] { detail::sph_solid_rates(now, team); });
+      detail::sph_without_buffers(own, team, [&] { detail::sph_solid_rates(own, team); });
     else if constexpr (Axes::Walls::mirrored)
-      detail::sph_solid_rates(now, team);
+      detail::sph_solid_rates(own, team);
     Vec3d force{0, 0, 0}, torque{0, 0, 0};
     for (std::size_t k = 0; k < solid.size(); ++k) {
       if (solid.wall_of(k) != wall) continue;
-      const Vec3d f = now.solids.force_on(k, now.columns, particle_mass());
+      const Vec3d f = own.solids.force_on(k, own.columns, particle_mass());
       force += f, torque += cross(solid.place(k) - about, f);
     }
-    now.gaps.find(now, team);
-    for (const auto& push : now.gaps.pushes())
+    own.gaps.find(own, team);
+    for (const auto& push : own.gaps.pushes())
       if (push.wall == wall)
         force -= push.force,
-            torque -= cross(now.solids.bodies.place(push.point) - about, push.force);
-    if (open && !Axes::Walls::mirrored) detail::sph_solid_rates(now, team);  // as they were
+            torque -= cross(own.solids.bodies.place(push.point) - about, push.force);
+    if (open && !Axes::Walls::mirrored) detail::sph_solid_rates(own, team);  // as they were
     return {force, torque};
   }
   /// The liquid as points for ParaView (.vtp).
