@@ -75,16 +75,6 @@ struct Stream {
   }
 };
 
-struct Searches {
-  std::int64_t last = -1;
-  std::size_t count = 0;
-  template <class Sim>
-  void operator()(const Sim& sim) {
-    const auto at = sim.engine().lists.upkeep.searched_at;
-    count += at != last, last = at;
-  }
-};
-
 }  // namespace
 
 // Catches: rows that have left but stay in contacts (their place is not a number), gaps in the

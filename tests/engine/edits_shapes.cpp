@@ -28,16 +28,6 @@ using silt::InputError;
 
 constexpr double g = 9.81;  // [m/s2]
 
-struct Searches {
-  std::int64_t last = -1;
-  std::size_t count = 0;
-  template <class Sim>
-  void operator()(const Sim& sim) {
-    const auto at = sim.engine().lists.upkeep.searched_at;
-    count += at != last, last = at;
-  }
-};
-
 }  // namespace
 
 // The same scene with a search after every edit: the same forces, summed up in another order.

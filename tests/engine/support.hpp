@@ -24,6 +24,17 @@ using silt::Vec3d;
 inline constexpr HertzMindlin::Material rubber{
     .youngs_modulus = 1e6, .poisson_ratio = 0.3, .restitution = 0.7, .friction = 0.5};
 
+/// An observer that counts the searches it sees.
+struct Searches {
+  std::int64_t last = -1;
+  std::size_t count = 0;
+  template <class Sim>
+  void operator()(const Sim& sim) {
+    const auto at = sim.engine().lists.upkeep.searched_at;
+    count += at != last, last = at;
+  }
+};
+
 /// Everything about one particle that a run may change.
 struct ParticleBits {
   silt::ParticleId id;

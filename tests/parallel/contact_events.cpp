@@ -23,16 +23,12 @@ namespace parallel_events_test {
 namespace {
 
 using silt::ContactEvent;
+using silt_test::glass;
 using silt_test::WanderingSlabs;
 using Law = silt::HertzMindlin;
-using Ranks = silt::Ranks<silt::ThreadComm, WanderingSlabs>;
+using Ranks = silt_test::WanderingRanks;
 
-const Law::Material glass{
-    .youngs_modulus = 5e6, .poisson_ratio = 0.3, .restitution = 0.6, .friction = 0.4};
-
-Ranks ranks(const silt::ThreadComm& comm) {
-  return Ranks{comm, {0, 0.11}, {.above = 1, .each = 0, .per_moved = 0}};
-}
+Ranks ranks(const silt::ThreadComm& comm) { return silt_test::wandering(comm); }
 
 /// What happened, put together by the ranks.
 struct Told {
@@ -49,15 +45,8 @@ struct Told {
 };
 template <class... Policies>
 void watch(Told& told, double time, Policies... policies) {
-  silt::Simulation sim{silt_test::cloud(12, 4, 3), silt::Contacts<Law>{glass},
-                       silt::ContactEvents{}, std::move(policies)...};
-  sim.gravity = {1, 0, -9.81};
-  sim.threads = 1;
-  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, glass);
-  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 1, 0}}, glass);
-  sim.add_wall(silt::Plane{{0, 0.04, 0}, {0, -1, 0}}, glass);
-  sim.add_wall(silt::Plane{{0, 0, 0}, {1, 0, 0}}, glass);
-  sim.add_wall(silt::Plane{{0.11, 0, 0}, {-1, 0, 0}}, glass);
+  auto sim =
+      silt_test::trough(silt_test::cloud(12, 4, 3), silt::ContactEvents{}, std::move(policies)...);
   std::vector<ContactEvent> begun, ended;
   sim.run(time, silt::on_contact_begin([&](const ContactEvent& e) { begun.push_back(e); }),
           silt::on_contact_end([&](const ContactEvent& e) { ended.push_back(e); }));

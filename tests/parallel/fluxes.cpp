@@ -25,20 +25,17 @@ namespace parallel_fluxes_test {
 
 namespace {
 
+using silt_test::glass;
 using silt_test::WanderingSlabs;
 using Law = silt::HertzMindlin;
-using Ranks = silt::Ranks<silt::ThreadComm, WanderingSlabs>;
+using Ranks = silt_test::WanderingRanks;
 using silt::Vec3d;
 
-const Law::Material glass{
-    .youngs_modulus = 5e6, .poisson_ratio = 0.3, .restitution = 0.6, .friction = 0.4};
 /// Much and quickly, so that 0.03 s of contacts change temperatures by kelvins.
 const silt::HeatConduction heat{
     .conductivity = 200, .heat_capacity = 10, .walls = {silt::held_at(400), silt::heated_by(0.05)}};
 
-Ranks ranks(const silt::ThreadComm& comm) {
-  return Ranks{comm, {0, 0.11}, {.above = 1, .each = 0, .per_moved = 0}};
-}
+Ranks ranks(const silt::ThreadComm& comm) { return silt_test::wandering(comm); }
 
 /// A module of one's own: both ends' fields enter by a function, growth and slopes are asked for.
 struct Soot {
@@ -63,16 +60,7 @@ struct Soot {
 
 template <class... Policies>
 auto trough(Policies... policies) {
-  silt::Simulation sim{silt_test::cloud(12, 4, 3), silt::Contacts<Law>{glass},
-                       std::move(policies)...};
-  sim.gravity = {1, 0, -9.81};
-  sim.threads = 1;
-  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, glass);
-  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 1, 0}}, glass);
-  sim.add_wall(silt::Plane{{0, 0.04, 0}, {0, -1, 0}}, glass);
-  sim.add_wall(silt::Plane{{0, 0, 0}, {1, 0, 0}}, glass);
-  sim.add_wall(silt::Plane{{0.11, 0, 0}, {-1, 0, 0}}, glass);
-  return sim;
+  return silt_test::trough(silt_test::cloud(12, 4, 3), std::move(policies)...);
 }
 
 /// A number of each particle, by ids, put together by the ranks.

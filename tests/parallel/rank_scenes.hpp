@@ -10,6 +10,7 @@
 #include <mutex>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <silt/contact/hertz_mindlin.hpp>
@@ -98,6 +99,29 @@ inline silt::Particles<silt::Sphere> cloud(int nx, int ny, int nz, double spacin
   return beads;
 }
 
+inline constexpr silt::HertzMindlin::Material glass{
+    .youngs_modulus = 5e6, .poisson_ratio = 0.3, .restitution = 0.6, .friction = 0.4};
+
+/// Slabs of the trough below, whose planes move at each search.
+using WanderingRanks = silt::Ranks<silt::ThreadComm, WanderingSlabs>;
+inline WanderingRanks wandering(const silt::ThreadComm& comm) {
+  return WanderingRanks{comm, {0, 0.11}, {.above = 1, .each = 0, .per_moved = 0}};
+}
+/// Spheres that fall into a trough and roll to one side.
+template <class... Policies>
+auto trough(silt::Particles<silt::Sphere> beads, Policies... policies) {
+  silt::Simulation sim{std::move(beads), silt::Contacts<silt::HertzMindlin>{glass},
+                       std::move(policies)...};
+  sim.gravity = {1, 0, -9.81};
+  sim.threads = 1;
+  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, glass);
+  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 1, 0}}, glass);
+  sim.add_wall(silt::Plane{{0, 0.04, 0}, {0, -1, 0}}, glass);
+  sim.add_wall(silt::Plane{{0, 0, 0}, {1, 0, 0}}, glass);
+  sim.add_wall(silt::Plane{{0.11, 0, 0}, {-1, 0, 0}}, glass);
+  return sim;
+}
+
 /// Slabs of the bed below that stay, whatever is in them.
 inline auto bed_slabs(const silt::ThreadComm& comm) {
   return silt::Ranks{comm, WanderingSlabs{0, 0.055, false}};
@@ -123,8 +147,6 @@ void with_bed(const BedOptions& how, const Use& use, More... more) {
         p.velocity = {0.5 * (random.uniform() - 0.5), 0.3 * (random.uniform() - 0.5), -0.3};
         beads.add(p);
       }
-  const silt::HertzMindlin::Material glass{
-      .youngs_modulus = 5e6, .poisson_ratio = 0.3, .restitution = 0.6, .friction = 0.4};
   silt::Simulation sim{std::move(beads), silt::Contacts<silt::HertzMindlin>{glass}, more...};
   sim.gravity = {2, 0, -9.81}, sim.threads = 1, sim.time_step = 1e-5;
   sim.add_wall(silt::Plane{{0, 0, how.floor}, {0, 0, 1}}, glass);

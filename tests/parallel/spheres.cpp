@@ -14,32 +14,15 @@ namespace parallel_spheres_test {
 
 namespace {
 
+using silt_test::glass;
 using silt_test::Seen;
 using silt_test::WanderingSlabs;
 using Law = silt::HertzMindlin;
-using Ranks = silt::Ranks<silt::ThreadComm, WanderingSlabs>;
+using Ranks = silt_test::WanderingRanks;
 
-const Law::Material glass{
-    .youngs_modulus = 5e6, .poisson_ratio = 0.3, .restitution = 0.6, .friction = 0.4};
+Ranks ranks(const silt::ThreadComm& comm) { return silt_test::wandering(comm); }
 
-/// Planes that move at each search.
-Ranks ranks(const silt::ThreadComm& comm) {
-  return Ranks{comm, {0, 0.11}, {.above = 1, .each = 0, .per_moved = 0}};
-}
-
-/// Spheres that fall into a trough and roll to one side.
-template <class... Policies>
-auto trough(silt::Particles<silt::Sphere> beads, Policies... policies) {
-  silt::Simulation sim{std::move(beads), silt::Contacts<Law>{glass}, std::move(policies)...};
-  sim.gravity = {1, 0, -9.81};
-  sim.threads = 1;
-  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, glass);
-  sim.add_wall(silt::Plane{{0, 0, 0}, {0, 1, 0}}, glass);
-  sim.add_wall(silt::Plane{{0, 0.04, 0}, {0, -1, 0}}, glass);
-  sim.add_wall(silt::Plane{{0, 0, 0}, {1, 0, 0}}, glass);
-  sim.add_wall(silt::Plane{{0.11, 0, 0}, {-1, 0, 0}}, glass);
-  return sim;
-}
+using silt_test::trough;
 template <class... Policies>
 void run(Seen& seen, double time, Policies... policies) {
   auto sim = trough(silt_test::cloud(12, 4, 3), policies...);

@@ -235,7 +235,7 @@ struct ModuleColumns<ModuleList<Ms...>> {
   template <class M>
   void take_for_flux([[maybe_unused]] std::size_t k, const double*& from) {
     if constexpr (HasContactValue<M>)
-      std::memcpy(&of<M>()[k], from, sizeof(FieldsOf<M>));
+      std::memcpy(static_cast<void*>(&of<M>()[k]), from, sizeof(FieldsOf<M>));
     else if constexpr (Exchanges<M>)
       of<M>()[k].*M::exchanged = *from;
     from += numbers_for_flux<M>;
