@@ -71,12 +71,11 @@ TEST_CASE("servo_warnings: a servo that meets no load is warned of at the end of
             .size() == 1);
 }
 
-TEST_CASE("servo_warnings: a negative force is refused, as the direction gives the sense") {
-  CHECK(
-      has(refusal([&] {
-            scene(ServoForce{.direction = {0, 0, -1}, .force = -5, .max_speed = 0.1});
-          }),
-          "ServoForce.force = -5 [N] must not be negative: `direction` gives the sense, turn it"));
+TEST_CASE("servo_warnings: a negative force is refused; the direction gives the sign") {
+  CHECK(has(refusal([&] {
+              scene(ServoForce{.direction = {0, 0, -1}, .force = -5, .max_speed = 0.1});
+            }),
+            "ServoForce.force = -5 [N] must not be negative: reverse `direction` instead"));
 }
 
 }  // namespace servo_warnings_test

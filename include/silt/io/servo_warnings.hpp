@@ -18,7 +18,7 @@ namespace detail {
 /// A servo's way and limits, along its direction [m] or about its axis [rad].
 struct ServoWay {
   const char* what;     // the drive
-  const char* turn;     // the field that gives the sense
+  const char* turn;     // the field that gives the sign
   const char* way;      // its unit
   double wanted, most;  // [N] or [N m], [1/s] of the way
   double most_way;      // [m] or [rad]
@@ -37,8 +37,7 @@ inline bool never_met_its_load(const Wall& wall, double time) {
   const double free_way = servo.most * (time - wall.state.since);
   const double way = std::copysign(1.0, servo.wanted) * wall.state.way;
   return servo.wanted != 0 && time > wall.state.since && norm(wall.force) == 0 &&
-         norm(wall.liquid_force) == 0 &&
-         way >= 0.99 * std::min(free_way, servo.most_way);
+         norm(wall.liquid_force) == 0 && way >= 0.99 * std::min(free_way, servo.most_way);
 }
 
 }  // namespace detail

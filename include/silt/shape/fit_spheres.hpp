@@ -172,7 +172,7 @@ inline void measure_surface(const TriangleMesh& mesh, SphereFit& fit) {
 /// Tests: tests/shape/fit_spheres.cpp.
 inline SphereFit fit_spheres(const TriangleMesh& mesh, const SphereFitOptions& options = {}) {
   require(mesh.is_closed(),
-          "fit_spheres: the mesh is not closed, so that it has no inside; close its gaps or turn "
+          "fit_spheres: the mesh is not closed, and has no inside; close its gaps or turn "
           "its triangles the same way round");
   require(mesh.volume() > 0, "fit_spheres: the volume of the mesh is ", mesh.volume(),
           " [m3]: its triangles face inwards; turn them round");
