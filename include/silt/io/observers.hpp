@@ -21,7 +21,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Due at every multiple of `interval` [s] of simulated time, the nearest step to it.
+/// Due at every multiple of `interval` [s] of simulated time, at the nearest step.
 class Schedule {
  public:
   explicit Schedule(double interval) : interval_(interval) {
@@ -35,10 +35,10 @@ class Schedule {
   void mark(const Sim& sim) {
     last_ = number(sim);
   }
-  /// Due at once if it is time and observers were not called at this instant yet; of an observer
-  /// that only reads also if they were, but for a run that goes on from a checkpoint. An observer
-  /// that is given to several runs in turn goes on with its schedule. A run ends up to a step after
-  /// its duration: for those that only read, that is still the instant.
+  /// Start of a run. The observer is due at once if its time has come and observers were not called
+  /// at this instant yet. An observer that only reads is due even if they were, except in a run
+  /// continued from a checkpoint. In several runs in turn the schedule continues. A run ends up to
+  /// one step after its duration; for observers that only read this counts as the end.
   template <class Sim>
   void begin(const Sim& sim, bool only_reads = false) {
     const bool done = only_reads ? sim.continued() : sim.observed();
@@ -66,7 +66,7 @@ class Schedule {
 
 inline Schedule every(double interval) { return Schedule(interval); }
 
-/// What an action does with the simulation: anything; or it only reads it, or saves it.
+/// Effect of an action on the simulation: any; reads it only; saves it.
 enum class ActionKind { Any, Reads, Saves };
 
 /// Calls `action(simulation)` at the times of its schedule:
@@ -101,8 +101,8 @@ TimedAction<Action, Kind> at(Schedule schedule, Action action) {
   return {schedule, std::move(action)};
 }
 
-/// Saves a checkpoint to `path` at the times of the schedule, after all other observers; the last
-/// one is always whole. Makes the folder that it stands in.
+/// Saves a checkpoint to `path` at the times of the schedule, after all other observers. The file
+/// is always complete: it is replaced at once. Creates its folder.
 inline auto checkpoints(std::string path, Schedule schedule) {
   return at<ActionKind::Saves>(schedule, [path = std::move(path)](const auto& sim) {
     detail::on_all_ranks(sim, "the folder of checkpoints", [&] { make_folder_of(path); });
@@ -111,8 +111,8 @@ inline auto checkpoints(std::string path, Schedule schedule) {
 }
 
 namespace detail {
-/// A new table, but for a run that goes on from a checkpoint: that keeps the rows of times before
-/// `first`, that of the next row.
+/// Opens a new table. A run continued from a checkpoint keeps the rows of times before `first`, the
+/// time of the next row.
 template <class Sim>
 std::shared_ptr<CsvTable> open_table(const std::string& path,
                                      const std::vector<std::string>& columns, const Sim& sim,
@@ -123,11 +123,11 @@ std::shared_ptr<CsvTable> open_table(const std::string& path,
 }
 }  // namespace detail
 
-/// Appends a row of numbers to a CSV table: `row(simulation)` returns them, as an array or a
-/// vector, or one number alone; the time (or the time since some event) first. A new table, but for
-/// a run that goes on from a checkpoint: that keeps the rows of earlier times. On many ranks each
-/// calls row(simulation), which must give equal numbers on all, as the sums of a Simulation are;
-/// rank 0 writes.
+/// Appends a row of numbers to a CSV table: first the time (or the time since some event), then the
+/// numbers that `row(simulation)` returns as an array, a vector or a single number. The table is
+/// new, except in a run continued from a checkpoint, which keeps the earlier rows. On many ranks
+/// each rank calls row(simulation), which must return equal numbers on all, as the sums of a
+/// Simulation are; rank 0 writes.
 template <class Row>
 auto table(const std::string& path, const std::vector<std::string>& columns, Schedule schedule,
            Row row) {
@@ -147,12 +147,12 @@ namespace detail {
 inline std::array<float, 3> in_floats(const Vec3d& v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }
-/// The fields of modules, which must outlast the file that they are written to.
+/// Fields of modules; must outlive the file that they are written to.
 struct ModuleFields {
   std::vector<std::vector<std::array<double, 3>>> vectors;
   std::vector<std::vector<double>> numbers;
 
-  /// collect(value) gives value(place) of all that is written.
+  /// collect(value) returns value(place) for all places that are written.
   template <class Sim, class Collect>
   void add_to(VtkFields& fields, const Sim& sim, const Collect& collect) {
     sim.for_each_field([&]<std::size_t Components>(const std::string& name, const auto& value) {
@@ -167,10 +167,10 @@ struct ModuleFields {
 }  // namespace detail
 
 /// Writes the particles to `file`: radius, velocity, id, material, and angular velocity if they
-/// rotate; of bodies orientation (w, x, y, z) and form, and the radius is that of the bounding
-/// sphere. `more(sim, fields, places)` may add fields: one value for each of the places.
-/// On several ranks each writes its own as `file` with "_r0", "_r1" ... before its ending, and rank
-/// 0 the index that ParaView opens: out/bed.pvtp for out/bed.vtp (collective).
+/// rotate. Bodies also have orientation (w, x, y, z) and form; their radius is that of the bounding
+/// sphere. `more(sim, fields, places)` may add fields, with one value for each of the places. On
+/// several ranks each rank writes its own particles as `file` with "_r0", "_r1" ... before the
+/// ending, and rank 0 writes the index for ParaView: out/bed.pvtp for out/bed.vtp (collective).
 template <class Sim, class More>
 void write_particles(const std::string& file, const Sim& sim, const More& more) {
   std::vector<std::size_t> places;
@@ -212,7 +212,7 @@ void write_particles(const std::string& file, const Sim& sim, const More& more) 
   detail::write_in_pieces(sim, file, fields, {},
                           [&](const auto& path) { write_vtp_points(path, position, fields); });
 }
-/// Writes the spheres that bodies consist of: radius, and the id of the body.
+/// Writes the spheres of multi-sphere bodies: radius, and the id of the body.
 template <class Sim>
 void write_parts(const std::string& file, const Sim& sim) requires(Sim::of_bodies) {
   std::vector<Vec3d> position;
@@ -230,8 +230,8 @@ void write_parts(const std::string& file, const Sim& sim) requires(Sim::of_bodie
   detail::write_in_pieces(sim, file, fields, {},
                           [&](const auto& path) { write_vtp_points(path, position, fields); });
 }
-/// Writes the surfaces of bodies whose shape is no set of spheres: id, form, velocity, material and
-/// the fields of modules of the body at every point; in a Mix also which of its shapes it is.
+/// Writes the surfaces of convex bodies: at every point id, form, velocity, material and the module
+/// fields of the body; in a Mix also the number of its shape.
 template <class Sim>
 void write_surfaces(const std::string& file, const Sim& sim) requires(Sim::has_surfaces) {
   std::vector<SurfaceMesh> of_forms;
@@ -282,7 +282,7 @@ void write_particles(const std::string& file, const Sim& sim) {
 
 namespace detail {
 
-/// What the particles of a simulation, of all ranks, occupy [m] (collective).
+/// Region [m] of the particles of a simulation, of all ranks (collective).
 template <class Sim>
 Box occupied(const Sim& sim) {
   Box around;
@@ -302,15 +302,15 @@ Box occupied(const Sim& sim) {
 
 }  // namespace detail
 
-/// Triangles that show a wall where it is now; planes only within `around`.
+/// Triangles that show a wall at its present pose; planes only within `around`.
 struct WallTriangles {
   std::vector<Vec3d> points;  // [m]
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::vector<std::uint32_t> wall;  // number of the wall, by point
+  std::vector<std::uint32_t> wall;  // number of the wall, for each point
 
   bool operator==(const WallTriangles&) const = default;
 };
-/// The walls of a simulation as triangles; those without an end are cut to the box [m].
+/// The walls of a simulation as triangles; infinite ones are cut at the box [m].
 template <class Sim>
 WallTriangles wall_triangles(const Sim& sim, const Box& around) {
   WallTriangles out;
@@ -338,9 +338,9 @@ inline void write_walls(const std::string& file, const WallTriangles& walls) {
   fields.add("wall", walls.wall);
   write_vtp_triangles(file, walls.points, walls.triangles, fields);
 }
-/// Writes triangles that show the walls where they are, with their numbers as the field `wall`;
-/// planes only within `around`, which is what the particles occupy unless it is given. InputError
-/// where there is nothing to write.
+/// Writes the walls at their present poses as triangles, with their numbers as the field `wall`.
+/// Planes are drawn within `around`, by default the region of the particles. InputError if there is
+/// nothing to write.
 template <class Sim>
 void write_walls(const std::string& file, const Sim& sim, const Box& around) {
   require(sim.walls() > 0, "write_walls: the simulation has no walls; add one, or leave this out");
@@ -351,19 +351,17 @@ void write_walls(const std::string& file, const Sim& sim, const Box& around) {
 template <class Sim>
 void write_walls(const std::string& file, const Sim& sim) {
   require(sim.size() > 0,
-          "write_walls: no particles that tell how far to draw planes; give a box as "
+          "write_walls: there are no particles whose region limits the planes; give a box as "
           "the third argument");
   write_walls(file, sim, detail::occupied(sim));
 }
 
-/// Writes `folder/particles.pvd` and `folder/walls.pvd`, each a time series that ParaView opens; of
-/// bodies also `folder/parts.pvd`, the spheres that they consist of, or `folder/surfaces.pvd`; with
-/// a fluid `folder/flow.pvd`.
-/// Walls that look as in the frame before are not written again: both frames show one file.
-/// On several ranks a frame of particles is one file a rank and their index, as write_particles()
-/// writes them, and the series lists the index: ParaView opens the same `.pvd`. Rank 0 writes the
-/// rest.
-/// `more` adds fields as in write_particles.
+/// Writes the time series `folder/particles.pvd` and `folder/walls.pvd` for ParaView. For bodies
+/// also `folder/parts.pvd`, the spheres of multi-spheres, or `folder/surfaces.pvd`; with a fluid
+/// `folder/flow.pvd`. Walls that did not change since the previous frame are not written again;
+/// both frames refer to one file. On several ranks a frame of particles is one file per rank and an
+/// index, as in write_particles(); the series lists the indices, and ParaView opens the same
+/// `.pvd`. Rank 0 writes the rest. `more` adds fields as in write_particles.
 template <class More>
 class VtkSeriesObserver {
  public:
@@ -375,7 +373,7 @@ class VtkSeriesObserver {
   template <class Sim>
   void begin(const Sim& sim, double) {
     schedule_.begin(sim, only_reads);
-    if (std::exchange(begun_, true) || sim.rank() != 0) return;  // it goes on in another run
+    if (std::exchange(begun_, true) || sim.rank() != 0) return;  // continues in another run
     const double keep = sim.time() + 0.5 * sim.step_length();
     const auto open = [&](const char* name) {
       return sim.continued() ? VtkSeries::resume(folder_, name, keep) : VtkSeries(folder_, name);
