@@ -146,7 +146,7 @@ TEST_CASE("bonds: lists of bonded spheres that cannot be are refused, with nothi
       silt_test::refusal([&] {
         placed(silt::fibre({0, 0, 0}, {4 * R, 0, 0}, 3, grain), {0, 0, 0}, {1, 1, 0, 0});
       }),
-      "is no unit quaternion"));
+      "is not a unit quaternion"));
 }
 
 TEST_CASE("bonds: makers and bond_near refuse what cannot be, with the number") {

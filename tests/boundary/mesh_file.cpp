@@ -184,8 +184,8 @@ TEST_CASE("mesh_file: a bad OBJ file is refused with line and reason") {
   refused("a.obj", points, "has no faces; a surface needs triangles or polygons");
   refused("a.obj", "", "has no faces");
   refused("a.obj", points + "f 1 2 4\n",
-          "line 4: the face's corner '4' names a point that is not "
-          "there; 3 stand before this line");
+          "line 4: the face's corner '4' names a point that does not "
+          "exist; 3 stand before this line");
   refused("a.obj", points + "f -4 2 3\n", "line 4: the face's corner '-4' names a point");
   refused("a.obj", points + "f 1 2 0\n", "'0' names no point; they count from 1, or back from -1");
   refused("a.obj", points + "f 1 2 x/1\n", "line 4: the face's corner 'x/1' names no point");
@@ -194,7 +194,7 @@ TEST_CASE("mesh_file: a bad OBJ file is refused with line and reason") {
   refused("a.obj", "v 0 0 1,5\n" + points, "line 1: z: '1,5' is not a number");
   refused("a.obj", "v 0 nan 0\n" + points, "line 1: y: 'nan' is not finite");
   refused("a.obj", points + "surf 0 1 0 1 1 2 3\n",
-          "line 4: 'surf' is not a statement of polygons");
+          "line 4: 'surf' is not a statement of a polygon mesh");
   refused("a.obj", std::string("v 0 0 0\0", 8), "is no text: it has zero bytes");
   const Folder folder;
   const auto large = folder.with("b.obj", "v 0 0 0\nv 10 0 0\nv 0 1 0\nf 1 2 3\n");
@@ -245,7 +245,8 @@ TEST_CASE("mesh_file: a bad VTP file is refused with line and reason") {
   const auto bad = [](const std::string& from, const std::string& to, const std::string& words) {
     refused("a.vtp", replaced(roof_vtp, from, to), words);
   };
-  bad("'PolyData'", "\"UnstructuredGrid\"", "line 2: type = 'UnstructuredGrid' of VTKFile is no");
+  bad("'PolyData'", "\"UnstructuredGrid\"",
+      "line 2: type = 'UnstructuredGrid' of VTKFile is not a");
   bad("version=\"0.1\"", "compressor=\"vtkZLibDataCompressor\"",
       "line 2: the arrays are compressed");
   bad("version=\"0.1\"", "byte_order=\"BigEndian\"",

@@ -159,7 +159,7 @@ TEST_CASE("particle_formats: scales turn cgs into SI; the file's own units stay 
     refused<InputError>(data, "ParticleFile.scale = ", {.scale = bad});
     refused<InputError>(data, "ParticleFile.mass_scale = ", {.mass_scale = bad});
   }
-  refused<InputError>(data, "ParticleFile.timestep = 3 is of dumps alone", {.timestep = 3});
+  refused<InputError>(data, "ParticleFile.timestep = 3 applies to dumps only", {.timestep = 3});
 }
 
 TEST_CASE("particle_formats: Particles::read takes what the file lacks from the caller") {
@@ -252,7 +252,7 @@ TEST_CASE("particle_formats: a bad file of Yade is refused with line and reason"
   refused("#format x_y_z_r_matId\n0 0 0 1 5000000000\n", "matId: 5000000000 is too large");
   refused("#format id_x_y_z_r_matId\n1 0 0 0 1 1\n",
           "format 'id_x_y_z_r_matId' is not read; export");
-  refused("# none\n", "holds no sphere", {.format = ParticleFormat::Yade});
+  refused("# none\n", "has no spheres", {.format = ParticleFormat::Yade});
 }
 
 }  // namespace particle_formats_test

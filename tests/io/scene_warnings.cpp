@@ -298,7 +298,7 @@ TEST_CASE("scene_warnings: gravity that has no wall in its way") {
     return scene_warnings(sim);
   };
   CHECK(is_one(in_tube({0, 0, 9.81}), {"gravity = (0, 0, 9.81) [m/s2] has no wall in its way",
-                                       "64 particles", "turn its sign"}));
+                                       "64 particles", "reverse its sign"}));
   CHECK(is_one(in_tube({0, 0, 1.62}), {"has no wall in its way"}));
   CHECK(is_silent(in_tube({0, 0, 9.81}, 9)));
   CHECK(is_silent(in_tube({0, 0, -9.81})));

@@ -51,7 +51,8 @@ TEST_CASE("servo_warnings: a servo that meets no load is warned of at the end of
   const Sentences away = warned(up, {0.01});
   REQUIRE(away.size() == 1);
   CHECK(has(away[0], "wall 1 'lid': its ServoForce has moved it by 0.00"));
-  CHECK(has(away[0], "met no load; if it moves away from the particles turn its direction"));
+  CHECK(has(away[0],
+            "without meeting a load; if it moves away from the particles, reverse its direction"));
   CHECK(warned(down, {0.005}).size() == 1);  // it has not got there yet
   CHECK(warned(down, {0.1}).empty());        // it is there
   up.max_travel = 1e-4;

@@ -268,7 +268,7 @@ TEST_CASE("rank restart: on_failure keeps the state of all ranks, and what the f
   CHECK(words[0] == words[2]);
   has(words[0], "sphere 7 broke");
   has(words[0], "failure.txt");
-  has(words[0], "at_failure.silt is the state in which it failed");
+  has(words[0], "at_failure.silt is the state at the failure");
   int tables = 0;
   for (int r = 0; r < 3; ++r)
     tables += fs::exists(failed + "/particles_r" + std::to_string(r) + ".csv");

@@ -181,12 +181,13 @@ inline BondedSpheres largest_piece(const BondedSpheres& all) {
 }
 
 /// The same spheres and bonds elsewhere: turned about the origin (rotation_about(axis, angle)),
-/// then moved by `shift` [m], flying at `velocity` [m/s]. InputError: `turn` is no unit quaternion.
+/// then moved by `shift` [m], flying at `velocity` [m/s]. InputError: `turn` is not a unit
+/// quaternion.
 inline BondedSpheres placed(BondedSpheres all, const Vec3d& shift, const Quaternion& turn = {},
                             const Vec3d& velocity = {0, 0, 0}) {
   require(std::abs(turn.w * turn.w + dot(turn.vector(), turn.vector()) - 1) < 1e-6,
           "placed: turn = (", turn.w, "; ", turn.vector(),
-          ") is no unit quaternion; rotation_about(axis, angle) gives one");
+          ") is not a unit quaternion; rotation_about(axis, angle) returns one");
   for (auto& p : all.spheres) p.position = rotate(turn, p.position) + shift, p.velocity = velocity;
   return all;
 }

@@ -68,8 +68,8 @@ inline Polygons parse_obj(const std::string& path, std::string_view content) {
                  " names no point; they count from 1, or back from -1");
     const auto there = static_cast<std::int64_t>(out.points.size());
     if (k < -there || k > there)
-      lines.fail("the face's corner ", in_quotes(word), " names a point that is not there; ", there,
-                 " stand before this line");
+      lines.fail("the face's corner ", in_quotes(word), " names a point that does not exist; ",
+                 there, " stand before this line");
     return static_cast<std::size_t>(k > 0 ? k - 1 : there + k);
   };
   while (lines.next()) {

@@ -235,7 +235,7 @@ inline std::string ascii_stl(const std::vector<std::array<Vec3d, 3>>& triangles)
 inline std::vector<std::array<Vec3d, 3>> read_stl(const std::string& path, double scale = 1) {
   require_positive("read_stl: scale", scale, "m per file unit");
   auto triangles = detail::parse_stl(path);
-  if (triangles.empty()) detail::stl_error("STL file ", path, " holds no triangles");
+  if (triangles.empty()) detail::stl_error("STL file ", path, " has no triangles");
   for (std::size_t t = 0; t < triangles.size(); ++t)
     for (auto& corner : triangles[t]) {
       const Vec3d in_file = corner;

@@ -240,7 +240,7 @@ class VtpFile {
     std::memcpy(&length, bytes_.data() + a.begin, head);
     if (length > bytes_.size() - a.begin - head || length % one != 0)
       fail_at(a, "has ", length, " bytes by its header, in which only ",
-              bytes_.size() - a.begin - head, " follow and a number takes ", one,
+              bytes_.size() - a.begin - head, " follow and a number has ", one,
               "; the file is cut short or damaged");
     out.reserve(length / one);
     for (std::size_t k = 0; k < length; k += one)

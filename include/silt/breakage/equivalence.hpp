@@ -75,7 +75,7 @@ struct ForceEquivalence {
 
   double load(const Impact& impact) const {
     require(!std::isnan(impact.contact_force),
-            "ForceEquivalence: Impact.contact_force = nan [N]: it is known only where breakage "
+            "ForceEquivalence: Impact.contact_force = nan [N]: it is set only where breakage "
             "goes by the largest force; use HertzEquivalence, PowerEquivalence or "
             "EnergyEquivalence for impacts at first touch");
     return impact.contact_force;

@@ -15,7 +15,7 @@ template <Strength S, Equivalence E>
 double selection(const S& strength, const E& equivalence, const Impact& impact) {
   static_assert(same_load_unit<S, E>(),
                 "this strength is an energy and the equivalence gives a force, or the other way "
-                "round: take an equivalence whose unit is that of the strength");
+                "round: use an equivalence with the unit of the strength");
   return strength.weaker(equivalence.load(impact), impact.diameter, impact.mass);
 }
 

@@ -184,7 +184,8 @@ class SizeTable {
   }
   void restore(std::span<const double> state) {
     const auto wanted = [&](bool condition) {
-      require(condition, "SizeTable: these ", state.size(), " numbers are no state of a SizeTable");
+      require(condition, "SizeTable: these ", state.size(),
+              " numbers are not a state of a SizeTable");
     };
     wanted(state.size() >= 4 && std::isfinite(state[0]) && state[0] > 0 && state[1] >= 0 &&
            state[1] <= most_bins && state[2] >= 0 && state[2] <= 1e5);

@@ -138,7 +138,7 @@ void check_sizes(const Function& function, const Broken& parent) {
   };
   double before = at(0), x_before = 0;
   require(before == 0, "breakage function: finer(0) = ", before,
-          " [-] must be 0: no fragment is smaller than nothing");
+          " [-] must be 0: no fragment is smaller than size 0");
   for (const double x : {most, 0.5 * (most + d), d, 2 * d})
     require(at(x) >= 1 - 1e-12, "breakage function: finer(", x, " [m]) = ", at(x),
             " [-] must be 1 from largest() = ", most, " [m] on: the rest of the mass is lost");

@@ -67,7 +67,7 @@ class Contacts {
                 "Contacts<Law, Options...>: an option must be SeveralMaterials or a RollingModel; "
                 "the contract is in silt/contact/concept.hpp");
   static_assert((0 + ... + RollingModel<Options>) <= 1,
-                "Contacts<Law, Options...> takes one rolling model; two at once are Both<First, "
+                "Contacts<Law, Options...> takes one rolling model; combine two as Both<First, "
                 "Second> (silt/contact/rolling/twisting.hpp)");
 
   static constexpr bool several_materials = (std::is_same_v<Options, SeveralMaterials> || ...);

@@ -51,7 +51,8 @@ struct Softened {
       "Softened<Body>: Body is not a ContactLaw; its contract is in silt/contact/concept.hpp");
   static_assert(
       requires(const typename Body::template Coefficients<double>& p) { Body::scaled(p, 1.0); },
-      "Softened<Body>: Body must say by scaled() what its coefficients are when it is softer, as "
+      "Softened<Body>: Body must have scaled(), which returns the coefficients of a softer body, "
+      "as "
       "silt/contact/concept.hpp says");
   static_assert(is_frictional<Body> && !ActsAtDistance<Body>,
                 "Softened<Body>: Body must be a frictional law without a range");

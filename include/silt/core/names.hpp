@@ -58,12 +58,13 @@ template <class Contacts>
 [[gnu::cold]] void check_entries(const char* list, std::size_t entries, std::size_t first,
                                  const Contacts& contacts) {
   const std::size_t n = contacts.materials();
-  require(first + entries <= n, list, " has ", entries, entries == 1 ? " entry" : " entries",
-          first == 0 ? "" : ", of material 1 and on", ", but the contacts and walls have ", n,
-          n == 1 ? " material" : " materials",
-          ": those of equal values are one unless they have names of their own "
-          "(contacts.add(material, name)); leave out the rest, or name them. The material of a wall "
-          "that comes later is added by contacts.add(material, name) beforehand");
+  require(
+      first + entries <= n, list, " has ", entries, entries == 1 ? " entry" : " entries",
+      first == 0 ? "" : ", from material 1 on", ", but the contacts and walls have ", n,
+      n == 1 ? " material" : " materials",
+      ": those of equal values are one unless they have names of their own "
+      "(contacts.add(material, name)); leave out the rest, or name them. The material of a wall "
+      "that comes later is added by contacts.add(material, name) beforehand");
 }
 
 /// The names of all things of one kind: what one is called ("wall"), how many there are, name(k) of
@@ -100,7 +101,7 @@ struct Names {
   }
   /// Refuses a name that another one than `own` has, or that cannot stand in a message or a file.
   [[gnu::cold]] void check(std::string_view wanted, std::size_t own) const {
-    require(!wanted.empty(), "a ", what, "'s name is empty; leave it out, or give it some letters");
+    require(!wanted.empty(), "a ", what, "'s name is empty; leave it out, or give a name");
     require(wanted.size() <= 80 && in_quotes(wanted).size() == wanted.size() + 2 &&
                 wanted.find_first_of("'=:") == wanted.npos,
             "the ", what, " name ", in_quotes(wanted),

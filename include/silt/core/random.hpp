@@ -121,7 +121,7 @@ class Random {
 
   /// Uniform among 0, 1, ..., n - 1, without bias.
   std::uint64_t index(std::uint64_t n) {
-    require(n > 0, "Random::index(0): there is no number to choose from; n must be at least 1");
+    require(n > 0, "Random::index(0): n must be at least 1");
     const std::uint64_t surplus =
         (0 - n) % n;  // 2^64 mod n: values that would favour small numbers
     std::uint64_t drawn = bits();

@@ -117,17 +117,19 @@ requires(!detail::FluidPolicies<Policies...>::fit) class CoupledFlow<Policies...
                 "CoupledFlow needs a drag law (silt/coupling/drag/concept.hpp, oriented.hpp)");
   static_assert(
       fits_lanes,
-      "the drag law works on double alone: make normalised(eps, Re) a template of Real, which must "
+      "the drag law compiles for double only: make normalised(eps, Re) a template of Real, which "
+      "must "
       "work for any type of number: double, float and packs of them, one lane a particle, as "
       "silt/coupling/drag/concept.hpp says");
   static_assert(has_mode,
                 "CoupledFlow needs an averaging mode: Unresolved, TwoGrid, Kernel or Diffusion "
                 "(silt/coupling/averaging/concept.hpp)");
   static_assert(has_flow, "CoupledFlow needs the flow: give one silt::FlowSolver");
-  static_assert(!(has_drag && fits_lanes && has_mode && has_flow),
-                "an argument of CoupledFlow is one too many, or nothing that it takes: that is one "
-                "drag law, one averaging mode, one flow, and forces, in any order "
-                "(silt/coupling/fluid_force.hpp)");
+  static_assert(
+      !(has_drag && fits_lanes && has_mode && has_flow),
+      "an argument of CoupledFlow is of a wrong type, or there is one too many: it takes one "
+      "drag law, one averaging mode, one flow, and forces, in any order "
+      "(silt/coupling/fluid_force.hpp)");
 
  public:
   static constexpr bool active = false;  // so that a Simulation does not fail with it

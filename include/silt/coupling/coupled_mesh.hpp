@@ -62,9 +62,10 @@ template <CellSpace Space, MeshFlow Flow, class Drag, class... Forces>
 class CoupledMesh {
   using Exchange = ParticleExchange<Drag, Forces...>;
   using Column = std::vector<double>;
-  static_assert(!Exchange::follows && !Exchange::needs_curl && !Exchange::has_added_mass,
-                "CoupledMesh knows no derivatives of the velocity, and holds forces over its step: "
-                "leave lift, virtual mass, histories and FollowedDrag out");
+  static_assert(
+      !Exchange::follows && !Exchange::needs_curl && !Exchange::has_added_mass,
+      "CoupledMesh has no derivatives of the velocity, and forces are constant over its step: "
+      "leave lift, virtual mass, histories and FollowedDrag out");
 
  public:
   static constexpr bool active = true, turns = Exchange::turns, sees_forms = Exchange::sees_forms;
@@ -113,7 +114,7 @@ class CoupledMesh {
       throw Error(
           text("CoupledMesh: particles are so light, or cells so full, that the fluid's "
                "answer to them grows ",
-               exchange_.gain(), " times a step; take CoupledFlow, which solves for both"));
+               exchange_.gain(), " times a step; use CoupledFlow, which solves for both"));
     exchange_.give(of, dt, false);
     spread_exchange(team);
     flow_.step({eps_, drag_, {push_[0], push_[1], push_[2]}}, dt);

@@ -40,8 +40,8 @@ double drag_on(const Drag& drag, const InFluid& at, double Re) {
 template <class Drag, class Forces>
 void check_forms(const CoupledParticles& of, const Drag& drag, const Forces& forces) {
   for (const std::uint32_t form : of.shape.form)
-    require(form < of.forms.size(), "CoupledParticles: form ", form, " of a body, but forms of ",
-            of.forms.size(), "; give a FormInFlow of each (form_in_flow)");
+    require(form < of.forms.size(), "CoupledParticles: form ", form, " of a body, but there are ",
+            of.forms.size(), " forms; give a FormInFlow for each (form_in_flow)");
   const auto ask = [&](const auto& one) {
     if constexpr (requires { one.check_form(nullptr); }) {
       if (of.forms.empty()) one.check_form(nullptr);

@@ -45,7 +45,7 @@ struct FollowedDrag {
     const Vec3d n = (1 / cell) * box.extent();
     require(std::max(n.x, 1.0) * std::max(n.y, 1.0) * std::max(n.z, 1.0) < 1e8,
             "FollowedDrag.cell = ", cell, " [m] cuts the flow's box of ", box.extent(),
-            " m into more than 1e8 cells; take larger ones, or 0 for values held by particle");
+            " m into more than 1e8 cells; use larger ones, or 0 for values stored per particle");
   }
 };
 

@@ -74,13 +74,13 @@ class ParticleExchange {
   static constexpr int times_given = (0 + ... + std::is_same_v<Forces, Force>);
   static_assert(((times_given<Forces> == 1) && ...), "CoupledFlow: give each force once");
   static_assert(!(follows && has_added_mass),
-                "FollowedDrag does not know a virtual mass: leave one of them out");
+                "FollowedDrag does not support a virtual mass: leave out one of them");
   static_assert(OrientedDragLaw<Drag> || detail::drag_fits_lanes<Drag>(),
-                "the drag law works on double and float, but not on a pack of lanes: make "
+                "the drag law compiles for double and float, but not for a pack of lanes: make "
                 "normalised(eps, Re) a template of Real, as silt/coupling/drag/concept.hpp says");
   static_assert(
       !(follows && OrientedDragLaw<Drag>),
-      "FollowedDrag does not know how bodies lie: take a drag law of spheres, or leave it "
+      "FollowedDrag does not support oriented bodies: use a drag law of spheres, or leave it "
       "out");
 
   explicit ParticleExchange(const Drag& drag, const Forces&... forces)

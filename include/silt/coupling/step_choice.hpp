@@ -47,7 +47,7 @@ inline void check_held_step(const char* of, int steps, const HeldAnswer& held, d
   throw Error(text(
       of, ".steps = ", steps, " particle steps a fluid step are too many for particles of ",
       held.density_ratio, " of the fluid's density: what it gives them is held for ", span,
-      " s, longer than an eighth of a contact, and would make their contacts swing; set it to at "
+      " s, longer than an eighth of a contact, which makes contacts oscillate; set it to at "
       "most ",
       static_cast<int>(held_share_of_contact * *limit / pace.step), " or leave it out", or_else));
 }

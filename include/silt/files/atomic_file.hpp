@@ -214,7 +214,7 @@ auto lasting_view(Values&& values) {
     struct stat status {};
     const bool exists = ::stat(part.c_str(), &status) == 0;
     if (exists && S_ISDIR(status.st_mode)) continue;
-    throw FileError(text("folder '", path, "' cannot be made: ",
+    throw FileError(text("folder '", path, "' cannot be created: ",
                          exists ? text("'", part, "' is a file")
                                 : text("'", part, "': ", detail::system_reason(code))));
   }

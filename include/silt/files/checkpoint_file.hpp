@@ -93,7 +93,7 @@ inline constexpr std::uint64_t padded_to_8(std::uint64_t bytes) { return (bytes 
 inline constexpr std::string_view checkpoint_magic = "\x89SILTCP\n";
 inline constexpr std::uint32_t byte_order_mark = 0x01020304;
 inline constexpr std::uint32_t checkpoint_version = 2;  // 2: ids of 64 bits
-inline constexpr std::size_t checkpoint_start = 32;  // [bytes] before the table
+inline constexpr std::size_t checkpoint_start = 32;     // [bytes] before the table
 inline constexpr std::size_t checkpoint_most_table = std::size_t{1} << 20;  // [bytes]
 
 /// What tells a file from others: how long it is, and the checksum at its end.
@@ -293,8 +293,8 @@ class CheckpointReader {
   }
 
  private:
-  /// The parts between semicolons of a kind, their first word, that `whole` has and `other` has not,
-  /// in quotes; empty: none.
+  /// The parts between semicolons of a kind, their first word, that `whole` has and `other` has
+  /// not, in quotes; empty: none.
   static std::string only_in(std::string_view whole, std::string_view other) {
     const auto next = [](std::string_view& rest) {
       const std::string_view part = rest.substr(0, rest.find(';'));
@@ -323,9 +323,7 @@ class CheckpointReader {
   [[noreturn]] void refuse(const Parts&... parts) const {
     throw FileError(silt::text("checkpoint '", file_.name(), "' ", parts...));
   }
-  [[noreturn]] void refuse_table() const {
-    refuse("is damaged: its table of fields makes no sense");
-  }
+  [[noreturn]] void refuse_table() const { refuse("is damaged: its table of fields is invalid"); }
 
   /// Checks what stands before the table; returns the table's size [bytes].
   std::uint64_t check_start() {
@@ -353,7 +351,7 @@ class CheckpointReader {
     if (version == 0) refuse("is damaged: its format version is 0");
     if (version < detail::checkpoint_version)
       refuse("has format version ", version, ", and this program reads version ",
-             detail::checkpoint_version, ": go on from it with the silt that wrote it");
+             detail::checkpoint_version, ": continue with the version of silt that wrote it");
     if (size_ < whole) refuse("is truncated: ", size_, " of ", whole, " bytes are left");
     if (size_ > whole) refuse("is damaged: it has ", size_, " bytes, but was written with ", whole);
     return table_bytes;

@@ -117,7 +117,7 @@ class CsvTable {
         throw FileError(text("table '", path, "' line ", line, " begins with ", first,
                              std::isfinite(first)
                                  ? text(", less than the ", before, " of the line above")
-                                 : std::string(", which is no time"),
+                                 : std::string(", which is not a time"),
                              "; mend or remove the table"));
       if (first <= limit) kept += rest.substr(0, end + 1);
       before = first;

@@ -66,7 +66,8 @@ constexpr std::string_view vtk_type() {
   else if constexpr (std::is_same_v<T, std::uint64_t>)
     return "UInt64";
   else
-    static_assert(sizeof(T) == 0, "a VTK field is of double, float, int32_t, uint32_t or uint64_t");
+    static_assert(sizeof(T) == 0,
+                  "the type of a VTK field is double, float, int32_t, uint32_t or uint64_t");
 }
 
 template <class T>
@@ -274,7 +275,7 @@ inline void write_vtp_lines(const std::string& path, std::span<const std::array<
                             const VtkFields& fields, VtkLines& cells) {
   const std::size_t lines = points.size() / 2;
   require(points.size() % 2 == 0, "VTK file '", path, "': ", points.size(),
-          " points are no ends of lines, which have two each");
+          " points are not ends of lines, which have two each");
   const auto line_fields = fields.arrays_for(path, lines, "lines");
   cells.set(path, lines);
   const std::array places{vtk_array("Points", points)};

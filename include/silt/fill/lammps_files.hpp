@@ -98,7 +98,7 @@ class LammpsDump {
             side[static_cast<std::size_t>(k)] = lines_.real("a bound of the box");
         }
       } else if (line == "ITEM: TIMESTEP" || line.starts_with("ITEM: NUMBER OF ENTRIES")) {
-        lines_.fail(in_quotes(line), " stands where 'ITEM: ATOMS' must follow");
+        lines_.fail(in_quotes(line), " found where 'ITEM: ATOMS' must follow");
       }  // else ITEM: UNITS, ITEM: TIME and their values
     }
     if (!has_atoms) lines_.fail("'ITEM: NUMBER OF ATOMS' is missing before this line");
@@ -264,16 +264,16 @@ class LammpsData {
   }
   bool check_atoms(bool more) const {
     if (table_.size() != atoms_)
-      throw FileError(text(
-          lines_.file(), ", line ", lines_.number(), ": section 'Atoms' ends after ", table_.size(),
-          " atoms, but the header announces ", atoms_, " in its line 'N atoms'; mend one of them"));
+      throw FileError(text(lines_.file(), ", line ", lines_.number(),
+                           ": section 'Atoms' ends after ", table_.size(),
+                           " atoms, but the header announces ", atoms_,
+                           " in its line 'N atoms'; correct one of them"));
     return more;
   }
 
   bool read_velocities() {
     if (table_.size() == 0) lines_.fail("'Velocities' stands before 'Atoms'; put it behind");
-    if (is_double_)
-      lines_.fail("ids of atoms are not unique, so that their velocities have no owner");
+    if (is_double_) lines_.fail("ids of atoms are not unique; velocities cannot be assigned");
     table_.velocity.assign(table_.size(), {0, 0, 0});
     table_.angular_velocity.assign(table_.size(), {0, 0, 0});
     while (lines_.next()) {

@@ -32,7 +32,7 @@ class SphereGrid {
     const auto& [position, radius] = sphere;
     require(is_finite(position) && std::isfinite(radius) && radius > 0, "a sphere of radius ",
             radius, " [m] at ", position,
-            " [m] cannot be in the way of others: both must be finite, the "
+            " [m] cannot be an obstacle: both must be finite, the "
             "radius greater than 0");
     auto& level = level_of(sphere.radius);
     if (level.heads.size() <= level.spheres.size()) level.rehash(2 * level.heads.size() + 64);

@@ -47,7 +47,7 @@ class ParticleReader {
       append(table, row);
     }
     if (table.size() == 0)
-      throw FileError(text("file '", path_, "' names its columns but holds no particle"));
+      throw FileError(text("file '", path_, "' has a header but no particles"));
     return table;
   }
 
@@ -116,8 +116,8 @@ class ParticleReader {
     while (next_value(line, name)) {
       const auto known = std::find(column_names.begin(), column_names.end(), name);
       if (known == column_names.end())
-        fail(in_quotes(name), " is no column name; the first line that is no comment must be one ",
-             expected);
+        fail(in_quotes(name),
+             " is not a column name; the first line that is not a comment must be one ", expected);
       const auto column = static_cast<Column>(known - column_names.begin());
       if (has_[column]) fail("column '", name, "' is named twice");
       has_[column] = true;
@@ -191,7 +191,7 @@ inline void require_writable(const ParticleTable& t) {
   const auto finite = [](const Vec3d& v) { return is_finite(v); };
   const auto positive = [](double x) { return std::isfinite(x) && x > 0; };
   const std::size_t n = t.size();
-  require(n > 0, "ParticleTable holds no particle to write");
+  require(n > 0, "ParticleTable has no particles to write");
   require_column("position", t.position, n, false, finite, "finite");
   require_column("radius", t.radius, n, false, positive, "finite and greater than 0");
   require_column("density", t.density, n, true, positive, "finite and greater than 0");

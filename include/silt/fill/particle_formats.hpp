@@ -58,7 +58,7 @@ inline ParticleTable read_yade(const std::string& path, std::string_view content
     if (material > 4294967295u) lines.fail("matId: ", material, " is too large");
     table.material.push_back(static_cast<std::uint32_t>(material));
   }
-  if (table.size() == 0) throw FileError(text(lines.file(), " holds no sphere"));
+  if (table.size() == 0) throw FileError(text(lines.file(), " has no spheres"));
   return table;
 }
 
@@ -101,8 +101,8 @@ inline ParticleTable read_particles(const std::string& path, const ParticleFile&
   const auto format =
       how.format == ParticleFormat::ByContent ? detail::particle_format_of(content) : how.format;
   require(!how.timestep || format == ParticleFormat::LammpsDump,
-          "ParticleFile.timestep = ", how.timestep.value_or(0), " is of dumps alone, but '", path,
-          "' is none; leave it out");
+          "ParticleFile.timestep = ", how.timestep.value_or(0), " applies to dumps only, but '",
+          path, "' is none; leave it out");
   ParticleTable t =
       format == ParticleFormat::LammpsDump   ? detail::LammpsDump(path, content).read(how.timestep)
       : format == ParticleFormat::LammpsData ? detail::LammpsData(path, content).read()

@@ -96,7 +96,7 @@ class Particles {
   Particles& fill(const R& region, const Fill& fill) {
     require_positive("Fill.density", fill.density, "kg/m3");
     require(fill.form == 0 && !fill.orientation,
-            "Fill: spheres have no form and no orientation; leave both out");
+            "Fill: spheres have neither form nor orientation; leave both out");
     require(is_finite(fill.velocity), "Fill.velocity = ", fill.velocity, " [m/s] must be finite");
     std::vector<PlacedSphere> already;
     for (const auto& p : all_) already.push_back({p.position, p.radius});

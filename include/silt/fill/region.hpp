@@ -75,7 +75,7 @@ class MeshRegion {
   explicit MeshRegion(const Mesh& mesh)
       : mesh_(&mesh), bounds_(mesh.bounds()), volume_(std::abs(mesh.volume())) {
     require(mesh.is_closed(), describe(),
-            " has gaps, so that it has no inside to fill; close them, "
+            " has gaps and no inside to fill; close them, "
             "or fill a box or a cylinder");
   }
   explicit MeshRegion(const Mesh&&) = delete;

@@ -158,7 +158,7 @@ inline SizeDistribution log_normal(double median, double geometric_standard_devi
   require_positive("log_normal: median", median, "m");
   require(std::isfinite(geometric_standard_deviation) && geometric_standard_deviation > 1,
           "log_normal: geometric_standard_deviation = ", geometric_standard_deviation,
-          " [-] must be finite and greater than 1 (for one size give the radius alone)");
+          " [-] must be finite and greater than 1 (for a single size give only the radius)");
   detail::require_size_range("log_normal", r_min, r_max);
   const double s = std::log(geometric_standard_deviation);
   const double a = std::log(r_min / median) / s, b = std::log(r_max / median) / s;

@@ -68,14 +68,14 @@ class MeshDistance {
     for (std::uint32_t e = 0; e < edges; ++e) {
       const auto sharing = topology.triangles_at_edge[e];
       const auto& edge = topology.edges[e];
-      require(
-          sharing.size() <= 2 &&
-              (sharing.size() == 1 || runs(sharing[0], edge) != runs(sharing[1], edge)),
-          "boundary_of: the mesh is open, and at its edge from ", mesh_->vertices()[edge.from],
-          " to ", mesh_->vertices()[edge.to], " [m] ",
-          sharing.size() > 2 ? "more than two triangles meet"
-                             : "two triangles turn opposite ways round",
-          ", so that its sides cannot be told apart; close it, or turn all triangles the same way");
+      require(sharing.size() <= 2 &&
+                  (sharing.size() == 1 || runs(sharing[0], edge) != runs(sharing[1], edge)),
+              "boundary_of: the mesh is open, and at its edge from ", mesh_->vertices()[edge.from],
+              " to ", mesh_->vertices()[edge.to], " [m] ",
+              sharing.size() > 2 ? "more than two triangles meet"
+                                 : "two triangles have opposite orientations",
+              ", and its sides cannot be distinguished; close it, or orient all triangles the same "
+              "way");
       if (sharing.size() == 2) continue;
       const double turn = runs(sharing[0], edge) ? 1 : -1;
       const Vec3d outwards = turn * cross(edge.direction, normals_[sharing[0]]);
@@ -96,7 +96,7 @@ class MeshDistance {
     for (const auto& outwards : rims_[p.feature])
       require(!(p.distance * dot(p.normal, outwards) > slack),
               "boundary_of: the mesh is open, and the flow's place ", x,
-              " [m] is beyond its rim, where it has no sides; close the mesh, or let it go on for "
+              " [m] is beyond its rim, where it has no sides; close the mesh, or extend it by "
               "three cells beyond the flow's box");
   }
 

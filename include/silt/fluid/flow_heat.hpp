@@ -74,11 +74,10 @@ class HeatStep {
     for_sides(s_.grid, [&](int d, int end) {
       const SideHeat& side = heat_.side(d, end);
       const char name[] = {"xyz"[d], 0};
-      require(
-          !(side.has_flux() && (side.has_temperature() || s_.sides.through(d, end))),
-          "FlowSolver: the side in ", name,
-          " has a SideHeat.flux, which belongs to a wall without a temperature of its own; give "
-          "one of both, and of inflows and outflows the temperature");
+      require(!(side.has_flux() && (side.has_temperature() || s_.sides.through(d, end))),
+              "FlowSolver: the side in ", name,
+              " has a SideHeat.flux, which is for walls without a prescribed temperature; give "
+              "only one, and for inflows and outflows the temperature");
       require(!(s_.turbulence && side.has_temperature() && !s_.sides.through(d, end)),
               "FlowSolver: the wall at the side in ", name,
               " has a temperature, but in turbulent flow silt has no thermal wall function; give "

@@ -144,13 +144,13 @@ class FlowProjection {
     for (const CellField& f : state.drag_v) look(f, "the drag's K v");
     for (const CellField& f : state.force) look(f, "the force");
     if (state.response) {
-      look(state.response->borne, "the pressure that particles bear");
+      look(state.response->borne, "the pressure on particles");
       look(state.response->with_fluid, "the particles' answer to velocity");
       look(state.response->with_pressure, "the particles' answer to pressure");
       for (const CellField& f : state.response->flux) look(f, "the particles' flux");
     }
     throw Error(
-        "FlowSolver: no velocity that is a number follows, however short the step; look at the "
+        "FlowSolver: the velocity is not finite for any step, however short; check the "
         "velocities of the sides and of walls");
   }
   static constexpr double too_large = 1e150;  // its square, over a cell's size, may overflow

@@ -313,7 +313,7 @@ class FlowSides {
     for_line(e, end, [&](const Line& line, std::size_t) {
       const Vec3d x = place(line, end, 3);
       const double away = outline(x);
-      require(!std::isnan(away), "FlowSolver: Inflow.outline is no number at ", x, " m");
+      require(!std::isnan(away), "FlowSolver: Inflow.outline is not a number at ", x, " m");
       out.push_back(away > 0 ? 0 : 1);
     });
     return out;

@@ -112,14 +112,14 @@ struct FlowSolids {
     joined.find(grid, boundary, area, cells);
   }
 
-  Three area;      // [-] from 0 to 1
-  Three inside;    // [-] 1 with the centre in the fluid, or 0
-  Three thin;      // [-] 1/V - 1
-  Three drag;      // [kg/(m3 s)]
-  Three push;      // [N/m3] what goes with the walls' velocity
-  Three velocity;  // [m/s] of the solid, in faces whose centres are in it
-  CellField cells;     // [-] the fluid's share of cells with a face whose centre is in it; 0 of others
-  CellField share;     // [-] V of cells
+  Three area;       // [-] from 0 to 1
+  Three inside;     // [-] 1 with the centre in the fluid, or 0
+  Three thin;       // [-] 1/V - 1
+  Three drag;       // [kg/(m3 s)]
+  Three push;       // [N/m3] what goes with the walls' velocity
+  Three velocity;   // [m/s] of the solid, in faces whose centres are in it
+  CellField cells;  // [-] the fluid's share of cells with a face whose centre is in it; 0 of others
+  CellField share;  // [-] V of cells
   std::array<std::vector<Sliver>, 3> slivers;
   JoinedCells joined;
 
@@ -253,7 +253,7 @@ struct FlowSolids {
     for_all(grid, [&](int i, int j, int k) {
       const Vec3d x = place(grid, d, i, j, k);
       const double away = boundary.distance(x);
-      require(!std::isnan(away), "FlowBoundary.distance is no number at ", x, " m");
+      require(!std::isnan(away), "FlowBoundary.distance is not a number at ", x, " m");
       distance(i, j, k) = away;
       double wet = away > 0 ? 1 : 0;
       if (std::abs(away) < 0.5 * std::hypot(ha, hb)) {
@@ -272,7 +272,8 @@ struct FlowSolids {
         velocity[c](i, j, k) = along(boundary.velocity(x), d);
     });
   }
-  void find_slivers(const Grid& grid, const FlowBoundary& boundary, int d, const CellField& distance) {
+  void find_slivers(const Grid& grid, const FlowBoundary& boundary, int d,
+                    const CellField& distance) {
     const auto c = static_cast<std::size_t>(d);
     const int a = (d + 1) % 3, b = (d + 2) % 3;
     const double ha = along(grid.h(), a), hb = along(grid.h(), b);

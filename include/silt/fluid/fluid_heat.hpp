@@ -61,7 +61,7 @@ struct FluidHeat {
     require(std::isfinite(expansion), "FluidHeat.expansion = ", expansion, " 1/K must be finite");
     require(expansion == 0 || (is_finite(gravity) && norm(gravity) > 0),
             "FluidHeat.expansion is given, but FluidHeat.gravity = ", gravity,
-            " m/s2 makes no buoyancy of it; give the gravity too");
+            " m/s2 gives no buoyancy; give the gravity too");
     require(expansion == 0 || std::isfinite(reference_temperature),
             "FluidHeat.reference_temperature = ", reference_temperature, " K must be finite");
   }

@@ -80,7 +80,8 @@ class PressureSolver {
 
   /// Takes new coefficients: of the lower faces in each direction, and of the cells. The solver
   /// reads the four fields again in solve(): they must live and stay as they are until then.
-  void set(const CellField& ax, const CellField& ay, const CellField& az, const CellField& d, const Team& team) {
+  void set(const CellField& ax, const CellField& ay, const CellField& az, const CellField& d,
+           const Team& team) {
     is_set_ = false;
     for (const CellField* field : {&ax, &ay, &az, &d}) require_grid(*field, "coefficients");
     coefficients_.set({&ax, &ay, &az, &d}, multigrid_.finest(), team);
@@ -106,7 +107,7 @@ class PressureSolver {
     const double norm = std::sqrt(sum_planes(team, [&](int k) { return b_squares(k); }));
     if (!std::isfinite(whole) || !std::isfinite(norm)) {
       result.residual = norm;
-      result.reason = "the right side holds a value that is infinite or no number";
+      result.reason = "the right-hand side has a value that is not finite";
       return result;
     }
     result.removed = whole > 0 ? removed_ / whole : 0;
@@ -147,7 +148,7 @@ class PressureSolver {
   }
   void require_grid(const CellField& field, const char* what) const {
     require(field.grid() == grid_, "PressureSolver: the ", what,
-            " stand on another grid than the solver's; make both with one Grid");
+            " are on another grid than the solver; create both with one Grid");
   }
   std::size_t cell_of_row(int j, int k) const {
     return static_cast<std::size_t>(grid_.nx()) *
@@ -268,7 +269,7 @@ class PressureSolver {
       const double before = rz;
       rz = multigrid_.cycle(team);
       if (!(rz > 0 && std::isfinite(rz))) {
-        stopped("the preconditioned residual is no number or not positive");
+        stopped("the preconditioned residual is not a number or not positive");
         break;
       }
       if (!along) direction_.clear();
@@ -276,7 +277,9 @@ class PressureSolver {
       behind = true;
       if (!(pq > 0 && std::isfinite(pq))) {
         alpha = 0;
-        stopped("the coefficients make a direction without resistance, or a number that is none");
+        stopped(
+            "the coefficients give a direction without resistance, or a value that is not a "
+            "number");
         break;
       }
       along = true;
@@ -303,7 +306,7 @@ class PressureSolver {
       forget();
     if (!std::isfinite(residual))
       stopped(
-          "the solution to start from holds a value that is infinite or no number, or the "
+          "the initial solution has a value that is not finite, or the "
           "numbers left the range of double");
   }
 

@@ -52,9 +52,9 @@ inline void check_one_way(const Inflow& in, const char* name) {
   const bool constant = in.profile || v.x != 0 || v.y != 0 || v.z != 0;
   require(!in.velocity_in_time || !(constant || in.rate || in.rate_in_time),
           "FlowSolver: the Inflow at a side in ", name,
-          " has velocity_in_time beside another velocity or rate; give one of them");
+          " has velocity_in_time and another velocity or rate; give only one");
   require(!in.rate_in_time || !in.rate, "FlowSolver: the Inflow at a side in ", name,
-          " has both rate and rate_in_time; give one of them");
+          " has both rate and rate_in_time; give only one");
 }
 
 /// The factor [-] of an inflow's velocities, which let in `passes` [m3/s], so that it is `wanted`.
@@ -70,7 +70,7 @@ inline double inflow_factor(double wanted, double passes, double both_ways, int 
   require(std::abs(passes) > 1e-6 * both_ways && wanted / passes >= 0, "FlowSolver: ", wanted,
           " m3/s are to flow in at the ", which, " side in ", name, ", but its velocities let in ",
           passes,
-          " m3/s, which no factor above 0 turns into that; let them point that way, or leave "
+          " m3/s, which no positive factor can turn into that; reverse them, or leave "
           "them out and give the rate");
   return wanted / passes;
 }

@@ -162,10 +162,9 @@ struct PairsFit {
 template <class M>
 struct ModuleFits : PairsFit<M> {
   using Named = MembersNamed<M>;
-  static_assert(
-      is_of_doubles<FieldsOf<M>>,
-      "the Fields of a module are doubles and silt::Vec3d alone: keep an int or a bool in "
-      "a double");
+  static_assert(is_of_doubles<FieldsOf<M>>,
+                "the Fields of a module are only doubles and silt::Vec3d: keep an int or a bool in "
+                "a double");
   static_assert(
       !Named::force || PushesWithVectors<M>,
       "a module's force() does not fit: it must be `silt::Vec3d force(const silt::Seen&) "
@@ -198,7 +197,7 @@ struct ModuleFits : PairsFit<M> {
                 "a module whose update() takes what it `received` needs `exchanged` and flux(), or "
                 "pair_flux(): silt/module/concept.hpp");
   static_assert(Named::flux == Named::exchanged,
-                "a module in which something flows has both `exchanged` and flux(): "
+                "a module with a flux has both `exchanged` and flux(): "
                 "silt/module/concept.hpp");
   static_assert(!Exchanges<M> || !Named::flux || FluxOnLanes<M, double>,
                 "a module's flux() does not fit: it must be `template <class Real> Real flux(const "

@@ -108,7 +108,7 @@ struct Wear {
       for (const auto& surface : sim.wall(w).surfaces) meshes |= detail::is_mesh(surface);
     require(meshes,
             "Wear: no wall of this simulation is a triangle mesh, and wear is counted for their "
-            "facets alone; give it a TriangleMesh or stl_wall()");
+            "facets only; use a TriangleMesh or stl_wall()");
     require(first_walls.size() <= sim.walls(), "Wear.first_walls has ", first_walls.size(),
             " entries, but the simulation has ", sim.walls(), " walls");
     check_law(law, "Wear.law: ");

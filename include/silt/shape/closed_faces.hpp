@@ -76,7 +76,7 @@ inline void check_closed(const ConvexFaces& body) {
     require(ways.all()[k - 1].key() != ways.all()[k].key(), "Polyhedron: two faces have the edge ",
             "from corner ", ways.all()[k].from, " to ", ways.all()[k].to, " the same way round");
   for (const auto& way : ways.all()) {
-    require(ways.find(way.to, way.from) != nullptr, "Polyhedron: one face alone has the edge ",
+    require(ways.find(way.to, way.from) != nullptr, "Polyhedron: only one face has the edge ",
             "from corner ", way.from, " to ", way.to, ": the faces do not close");
     ++around[way.from], group[group_of(way.from)] = group_of(way.to);
   }
@@ -124,10 +124,10 @@ inline void check_convex(const ConvexFaces& body, double slack) {
     }
     for (std::size_t v = 0; v < body.vertices.size(); ++v)
       require(dot(body.vertices[v] - origin, normal) <= slack, "Polyhedron: corner ", v,
-              " stands out of face ", f, ", so that the body is not convex, or inside out");
+              " is outside face ", f, ": the body is not convex, or its faces are reversed");
     six_volumes += dot(origin - body.vertices[0], twice_area);
   }
-  require(six_volumes > 0, "Polyhedron: the faces hold no volume");
+  require(six_volumes > 0, "Polyhedron: the faces enclose no volume");
 }
 
 /// InputError, one sentence: they bound no convex body, to 1e-6 of its diagonal.

@@ -175,7 +175,7 @@ inline SphereFit fit_spheres(const TriangleMesh& mesh, const SphereFitOptions& o
           "fit_spheres: the mesh is not closed, and has no inside; close its gaps or turn "
           "its triangles the same way round");
   require(mesh.volume() > 0, "fit_spheres: the volume of the mesh is ", mesh.volume(),
-          " [m3]: its triangles face inwards; turn them round");
+          " [m3]: its triangles face inwards; reverse them");
   require(options.spheres > 0, "SphereFitOptions.spheres = 0 [-] must be at least 1");
   require(options.resolution >= 4 && options.resolution <= 200,
           "SphereFitOptions.resolution = ", options.resolution, " [-] must be from 4 to 200");

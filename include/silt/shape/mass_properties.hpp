@@ -55,10 +55,10 @@ inline MassProperties mass_properties(const Moments& m) {
   const double most = std::max({p.values.x, p.values.y, p.values.z});
   require(least >= std::numeric_limits<double>::min() && std::isfinite(most),
           "mass_properties: the principal moments ", p.values, " [m5] of a body of ", m.volume,
-          " [m3] are no normal numbers greater than 0; give its size in metres, and a solid");
+          " [m3] must be normal numbers greater than 0; give sizes in metres, and a solid body");
   require(least > 1e-10 * most, "mass_properties: the principal moments ", p.values,
-          " [m5] differ by more than 1e10, so that the smallest is lost in rounding; bring the "
-          "parts of the body nearer to each other, or make it thicker");
+          " [m5] differ by more than 1e10: the smallest is lost in rounding; move the "
+          "parts of the body closer together, or make it thicker");
   return {m.volume, m.origin + centroid, p.values, p.axes};
 }
 

@@ -18,7 +18,7 @@ namespace silt::inline SILT_TARGET {
 inline FreeBody free_body(const TriangleMesh& mesh, double density) {
   require_positive("free_body: density", density, "kg/m3");
   require(mesh.is_closed(),
-          "free_body: the mesh is not closed, so that it encloses no volume; close "
+          "free_body: the mesh is not closed and encloses no volume; close "
           "it, or give mass, inertia and centre of a FreeBody");
   std::vector<std::array<Vec3d, 3>> soup;
   const bool outwards = mesh.volume() > 0;

@@ -61,7 +61,7 @@ struct MultiSphere {
     const Vec3d& c = ball.centre;
     const double far = std::max({std::abs(c.x), std::abs(c.y), std::abs(c.z)});
     require(far <= most_radii_away * ball.radius, "MultiSphere: ball ", k, " of radius ",
-            ball.radius, " m is at ", c, " m, where places are rounded by ", 1.1e-16 * far,
+            ball.radius, " m is at ", c, " m, where positions are rounded by ", 1.1e-16 * far,
             " m; move the origin of its frame nearer to the body, or leave so small a ball out");
   }
   static constexpr double least_radius = 1e-50;    // [m]

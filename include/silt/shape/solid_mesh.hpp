@@ -75,10 +75,10 @@ inline void check_apart(const TriangleMesh& mesh, const MeshTopology& topology, 
 inline TriangleMesh solid_mesh(const std::vector<std::array<Vec3d, 3>>& triangles) {
   TriangleMesh mesh(triangles);
   require(mesh.is_closed(),
-          "Polyhedron: the mesh is open or its triangles do not all turn the same "
-          "way round; close its gaps and turn each counter-clockwise seen from outside");
+          "Polyhedron: the mesh is open or its triangles are not oriented the same "
+          "way; close its gaps and order each triangle counter-clockwise seen from outside");
   require(mesh.volume() > 0, "Polyhedron: the mesh is inside out (its volume is ", mesh.volume(),
-          " [m3]); turn its triangles counter-clockwise seen from outside");
+          " [m3]); order its triangles counter-clockwise seen from outside");
   const detail::MeshTopology topology(mesh.vertices(), mesh.triangles());
   detail::check_manifold(topology, mesh.triangles().size(), mesh.vertices());
   detail::check_apart(mesh, topology, 1e-9 * norm(mesh.bounds().extent()));

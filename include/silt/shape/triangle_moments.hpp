@@ -46,7 +46,7 @@ inline MassProperties mass_properties(const std::vector<std::array<Vec3d, 3>>& t
   origin *= 1 / (3.0 * static_cast<double>(triangles.size()));
   const auto moments = moments_of(triangles, origin);
   require(moments.volume > 0, "mass_properties: the triangles enclose ", moments.volume,
-          " [m3]; they must be closed and turn counter-clockwise seen from outside");
+          " [m3]; they must be closed and ordered counter-clockwise seen from outside");
   return mass_properties_about(origin, moments);
 }
 

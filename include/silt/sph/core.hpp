@@ -119,16 +119,16 @@ struct SphCore {
   }
   void check_verlet() const requires(!Time::two_stages) {
     require(setup.courant <= 0.2, "SphSetup.courant = ", setup.courant,
-            " is too long for VerletTime, which was tried up to 0.2; take at most that, or "
+            " is too long for VerletTime, which was tested up to 0.2; use at most that, or "
             "SymplecticTime");
     const double longest = Time::longest / setup.courant;
     require(scheme.restart <= longest, "VerletTime.restart = ", scheme.restart,
             " steps at SphSetup.courant = ", setup.courant,
-            " let odd and even steps part; take at most ", static_cast<int>(longest),
+            " decouples odd and even steps; use at most ", static_cast<int>(longest),
             ", or leave it out for 5");
     require(Diffusion::diffuses || !std::is_same_v<Viscosity, Inviscid>,
-            "Sph: VerletTime with Inviscid and NoDiffusion has nothing that damps, and gains "
-            "energy; take SymplecticTime, or Fourtakas");
+            "Sph: VerletTime with Inviscid and NoDiffusion has no damping, and gains "
+            "energy; use SymplecticTime, or Fourtakas");
   }
   /// [m/s2] The gravity that pressure bears at rest: along directions that repeat it drives a flow.
   Vec3d weight() const {

@@ -36,8 +36,8 @@ std::string sph_what_is_wrong(const Core& core, const SphRow& r) {
                 10 * speed, " m/s, else a larger alpha of the viscosity (0.1)");
   return text(beyond,
               "take a smaller spacing, a larger alpha of the viscosity (0.1) or a smaller "
-              "SphSetup.courant; for a drop that has flown off alone, whose density no neighbour "
-              "holds, a lower Sph::least_density");
+              "SphSetup.courant; for an isolated drop, whose density no neighbour "
+              "supports, a lower Sph::least_density");
 }
 /// Stops the run where a particle of the liquid has gone out of its bounds.
 template <class Core>

@@ -104,8 +104,8 @@ struct SphOpening {
       const double forward = dot(*v, normal);
       require(is_finite(*v), "Sph: ", called(), ": velocity = ", *v, " m/s must be finite");
       require(inlet ? forward > 0 : forward <= 0, "Sph: ", called(), ": its velocity of ", *v,
-              inlet ? " m/s leads out of the liquid; turn Opening.into or the velocity"
-                    : " m/s leads into the liquid; turn it, or add an inlet");
+              inlet ? " m/s points out of the liquid; reverse Opening.into or the velocity"
+                    : " m/s points into the liquid; reverse it, or add an inlet");
       check_velocity(*v, liquid, middle, 0);
     }
     const double* const p = pressure.constant();

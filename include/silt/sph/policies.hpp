@@ -53,11 +53,12 @@ struct SphPolicies {
   static_assert(count<SphAxis::Shifting> <= 1, "Sph: two ways of shifting are given; give one");
   static_assert(count<SphAxis::Time> <= 1, "Sph: two time integrations are given; give one");
   static_assert(count<SphAxis::Walls> <= 1, "Sph: two kinds of walls are given; give one");
-  static_assert(count<SphAxis::Grains> <= 1, "Sph: UnresolvedGrains is given twice; give it once");
+  static_assert(count<SphAxis::Grains> <= 1,
+                "Sph: UnresolvedGrains is given twice; give it only once");
   static_assert(count<SphAxis::Volume> <= 1, "Sph: two ways of keeping volume are given; give one");
   static_assert((0 + ... + int{SphPrecision<Ps>}) <= 1, "Sph: two precisions are given; give one");
   static_assert((0 + ... + int{SphLedger<Ps>}) <= 1,
-                "Sph: EnergyLedger is given twice; give it once");
+                "Sph: EnergyLedger is given twice; give it only once");
   static constexpr bool ledger = (false || ... || SphLedger<Ps>);
 
   /// That of an axis among those given.

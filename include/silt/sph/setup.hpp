@@ -86,7 +86,7 @@ struct SphSetup {
     const double length[3] = {e.x, e.y, e.z};
     for (std::size_t d = 0; d < 3; ++d) {
       if (!periodic[d]) continue;
-      require(!(dimensions == 2 && d == 1), "SphSetup: in 2D nothing repeats in y");
+      require(!(dimensions == 2 && d == 1), "SphSetup: in 2D the region cannot be periodic in y");
       const double across = length[d] / spacing;
       require(std::abs(across - std::round(across)) < 1e-6 * across,
               "SphSetup: the region repeats in ", "xyz"[d], " after ", length[d], " m, which is ",

@@ -113,7 +113,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
                std::span<Vec3d> torque) {
     if (const auto [longest, w] = core().longest_hold(); dt > 2 * longest)
       throw Error(text("wall ", w, " ", in_quotes(core().solids.walls.wall(w).name),
-                       " is too light beside the liquid for steps of ", dt,
+                       " is too light compared with the liquid for steps of ", dt,
                        " s; set Simulation::time_step to less than ", longest,
                        " s, or give the wall a larger mass or inertia"));
     core().take_particles(of);
@@ -155,7 +155,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   /// A wall; before any fill().
   void add_wall(const Surfaces& surfaces, const WallSetup& setup = {}) {
     require(core().next_number == 0,
-            "Sph: add_wall() comes after fill(); add walls first, so that no liquid "
+            "Sph: add_wall() comes after fill(); add walls first, then no liquid "
             "is put into them");
     core().solids.walls.add(surfaces, setup);
   }
@@ -361,12 +361,12 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
   std::size_t add_opening(const Opening& opening, const OpeningSetup& setup_of, bool inlet) {
     require(core().next_number == 0 && core().steps == 0,
             "Sph: ", inlet ? "add_inlet" : "add_outlet",
-            "() comes after fill(); add openings first, so that no liquid is put behind them");
+            "() comes after fill(); add openings first, then no liquid is put behind them");
     require(!Core::Book::kept,
-            "Sph: openings and an EnergyLedger do not go together so far; leave the ledger out, "
-            "opening_books() has the energy that came and left");
+            "Sph: openings and an EnergyLedger cannot be combined yet; leave out the ledger, "
+            "opening_books() has the energy that entered and left");
     require(!Axes::Grains::averaged,
-            "Sph: openings and UnresolvedGrains do not go together so far; leave one out");
+            "Sph: openings and UnresolvedGrains cannot be combined yet; leave one out");
     const std::size_t which =
         core().openings.add({.opening = opening, .setup = setup_of, .inlet = inlet}, setup(),
                             liquid(), core().lists.repeats);

@@ -69,12 +69,12 @@ class ThinWalls {
       const Vec3d one = walls.to_space(p.wall, p.one);
       if (!is_wet(one) || !is_wet(walls.to_space(p.wall, p.other))) continue;
       throw SimulationError(
-          text(
-              "the liquid's step ", step, ", t = ", time, " s: wall ",
-              in_quotes(walls.name(p.wall)), " is ", p.thickness, " m thin near ", one,
-              " m and has liquid on both sides, which sees through it; make it thicker than 2 h = ",
-              2 * setup.h(), " m, or take a spacing of at most ",
-              p.thickness * setup.spacing / (2 * setup.h()), " m"),
+          text("the liquid's step ", step, ", t = ", time, " s: wall ",
+               in_quotes(walls.name(p.wall)), " is ", p.thickness, " m thin near ", one,
+               " m and has liquid on both sides, which interacts through it; make it thicker than "
+               "2 h = ",
+               2 * setup.h(), " m, or take a spacing of at most ",
+               p.thickness * setup.spacing / (2 * setup.h()), " m"),
           step, {}, one);
     }
   }

@@ -91,11 +91,12 @@ template <class Drag, class... Forces>
 class AveragedGrains {
  public:
   using Exchange = ParticleExchange<Drag, Forces...>;
-  static_assert(!Exchange::follows && !Exchange::needs_curl && !Exchange::has_added_mass &&
-                    !Exchange::has_history && !Exchange::sees_forms,
-                "UnresolvedGrains knows no derivatives of the liquid's velocity and no forms of "
-                "bodies, and holds forces over a step: leave lift, virtual mass, histories, drag "
-                "laws of forms and FollowedDrag out");
+  static_assert(
+      !Exchange::follows && !Exchange::needs_curl && !Exchange::has_added_mass &&
+          !Exchange::has_history && !Exchange::sees_forms,
+      "UnresolvedGrains has no derivatives of the liquid's velocity and no forms of "
+      "bodies, and forces are constant over a step: leave lift, virtual mass, histories, drag "
+      "laws of forms and FollowedDrag out");
 
   explicit AveragedGrains(const UnresolvedGrains<Drag, Forces...>& of)
       : settings(of.settings),
@@ -218,7 +219,7 @@ class AveragedGrains {
       throw Error(
           text("Sph: grains are so light, or so close, that the liquid's answer to them grows ",
                exchange_.gain(),
-               " times a step; take a shorter step, or resolve them by a finer "
+               " times a step; use a shorter step, or resolve them by a finer "
                "spacing"));
     exchange_.give(of, dt, false);
     coefficient.assign(rows, 0), push.assign(rows, {0, 0, 0});

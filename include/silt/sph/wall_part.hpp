@@ -39,7 +39,7 @@ struct WallPart {
       visit_surface(one, [&](const auto& s) {
         if constexpr (is_mesh<decltype(s)>)
           require(s.is_closed(), "Sph: the mesh of wall ", in_quotes(name),
-                  " is not closed, so that it has no side behind it; close it, or use planes, "
+                  " is not closed and has no inside; close it, or use planes, "
                   "cylinders and cones");
       });
   }

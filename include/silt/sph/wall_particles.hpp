@@ -34,7 +34,7 @@ class WallParticles {
         if constexpr (requires { s.check(); }) s.check();
       });
     require(setup.drive.index() == 0, "Sph: wall ", in_quotes(setup.name),
-            " has a drive, which a liquid alone does not move; add the wall to a Simulation that "
+            " has a drive, which needs a Simulation; add the wall to a Simulation that "
             "has the Sph as its fluid, or give it a motion");
     const Part part{surfaces.parts, setup.name, setup.motion, setup.surface_velocity, nullptr};
     part.check();
@@ -55,7 +55,7 @@ class WallParticles {
               " deforms (set_mesh); walls of a liquid are rigid: move it by a motion or a drive");
     if (same) return false;
     require(followed_ == walls_.size(),
-            "Sph: it has walls of its own, and the Simulation has some too; add all of them to the "
+            "Sph: both the Sph and the Simulation have walls; add all of them to the "
             "Simulation");
     const bool restored = restored_.size() == walls.size() && !walls.empty();
     walls_.clear();
@@ -280,7 +280,7 @@ class WallParticles {
         if (w != here.wall && walls_[w].nearest(x).distance < here.distance + 1e-6 * s) return;
       throw InputError(text("Sph: wall ", in_quotes(walls_[here.wall].name), " near ", x,
                             " m is thinner than a spacing of ", s,
-                            " m and has no particles, so that liquid passes through it; make it "
+                            " m and has no particles; liquid passes through it; make it "
                             "thicker than 2 h = ",
                             2 * setup.h(), " m, or take a smaller spacing"));
     });

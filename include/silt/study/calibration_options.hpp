@@ -40,9 +40,9 @@ inline void check_calibration(const CalibrationOptions& options,
   for (const auto& p : parameters) {
     require(std::isfinite(p.least) && std::isfinite(p.most) && p.least < p.most,
             "Calibration: parameter '", p.name, "' has bounds ", p.least, " and ", p.most,
-            "; the first must be less than the second");
+            "; the first must be smaller");
     require(!p.logarithmic || p.least > 0, "Calibration: parameter '", p.name,
-            "' is logarithmic, so that its bound least = ", p.least, " must be above 0");
+            "' is logarithmic, hence its bound least = ", p.least, " must be above 0");
     names.push_back(p.name);
   }
   for (const auto& t : targets) {

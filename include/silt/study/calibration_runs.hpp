@@ -69,7 +69,7 @@ class CalibrationJournal {
       check_settings(known, read_text(known), settings);
     } else {
       require(!file_exists(path), "Calibration: folder '", folder,
-              "' has a calibration.csv but no settings.txt to tell what it belongs to; choose "
+              "' has a calibration.csv but no settings.txt, which identifies it; choose "
               "another folder");
       write_whole(known, settings);
     }
@@ -141,7 +141,7 @@ class CalibrationJournal {
       content.remove_prefix(line.size() + 1);
       const auto refuse = [&] {
         throw FileError(text("file '", path, "', row ", number, ": ", in_quotes(line),
-                             " is no run of this calibration; remove it and all rows after it"));
+                             " is not a run of this calibration; remove it and all rows after it"));
       };
       const auto cell = [&] {
         const auto end = line.find(',');

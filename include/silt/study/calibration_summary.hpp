@@ -138,7 +138,7 @@ inline void fill_notes(CalibrationResult& r, const std::vector<CalibrationParame
   const double freedom = T > d ? static_cast<double>(T - d) : 1, w = 2 / (9 * freedom);
   const double most = freedom * std::pow(1 - w + 3.09 * std::sqrt(w), 3);
   if (std::min(r.chi2, r.best_chi2) > most)
-    note(text("no values within the bounds were found that give what was measured: chi^2 = ",
+    note(text("no values within the bounds reproduce the measurements: chi^2 = ",
               three_digits(std::min(r.chi2, r.best_chi2)), " where ", three_digits(most),
               " is exceeded once in a thousand; wider bounds, other parameters, or larger errors"));
   for (std::size_t k = 0; k < d; ++k) {
@@ -157,7 +157,7 @@ inline void fill_notes(CalibrationResult& r, const std::vector<CalibrationParame
       if (const double c = r.correlation[i][j]; std::abs(c) > 0.9)
         note(text(r.parameters[i].name, " and ", r.parameters[j].name,
                   " are known together only (correlation ", three_digits(c),
-                  "): another target would tell them apart"));
+                  "): another target would separate them"));
   for (const auto& t : r.targets)
     if (t.deviation > t.error)
       note(text("the surrogate of ", t.name, " is less certain (", three_digits(t.deviation),

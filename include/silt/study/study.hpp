@@ -161,7 +161,7 @@ class Study {
         largest = std::max(largest, std::abs(x));
       }
       require(largest > 0, which(), "'", v.name,
-              "' of the reference is 0, so that there is no "
+              "' of the reference is 0 and there is no "
               "relative error; give the error itself by StudyRun::error");
     }
     take(run, row);
@@ -186,7 +186,7 @@ class Study {
       timed += run.timed_;
       ++runs, ++row.runs;
     } while (timed < options.least_time && runs < options.most_runs);
-    require(timed > 0, which(), "'", row.name, "' takes no time that '", options.clock.name,
+    require(timed > 0, which(), "'", row.name, "' takes less time than '", options.clock.name,
             "' can measure; time more work in one run");
     row.costs.push_back(timed / static_cast<double>(runs));
   }
@@ -197,9 +197,9 @@ class Study {
     for (const auto& v : run.values_)
       row.errors.push_back({"error of " + v.name, relative_error(v, row.name), "-"});
     require(run.has_timed_, which(), "'", row.name,
-            "' times nothing: put what costs into StudyRun::time");
+            "' measures no time: put the costly part into StudyRun::time");
     require(!row.errors.empty(), which(), "'", row.name,
-            "' tells no error: call StudyRun::error or StudyRun::value");
+            "' reports no error: call StudyRun::error or StudyRun::value");
     check_names(row);
     for (const auto* numbers : {&row.errors, &row.notes})
       for (const auto& n : *numbers)

@@ -106,7 +106,7 @@ inline std::string study_table(const StudyResults& results) {
   std::string out = text(results.name, "\n") + aligned(rows, 2);
   out += text("cost: ", results.clock, " of one run, median of ", results.rounds,
               results.rounds == 1 ? " round" : " rounds",
-              "; spread: of the rounds, dearest less cheapest, over the median\n");
+              "; spread: of the rounds, (largest - smallest)/median\n");
   if (results.first()) {
     const bool control = std::any_of(results.rows.begin(), results.rows.end(),
                                      [](const StudyRow& row) { return row.control; });

@@ -121,7 +121,7 @@ struct Cohesive {
                                 History<Real>& h) {
     static_assert(
         requires { Cohesion::attraction(c, p.cohesion); },
-        "the cohesion model works on one double, but not on a pack of lanes: make attraction() a "
+        "the cohesion model compiles for double, but not for a pack of lanes: make attraction() a "
         "template of Real, as silt/contact/cohesion/cohesive.hpp says, or give "
         "KernelsFor<OneLane>");
     if constexpr (forms_at_touch)

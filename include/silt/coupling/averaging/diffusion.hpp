@@ -65,8 +65,7 @@ class Diffusion::Averaging {
     const std::size_t n = particles.position.size();
     if (mode_.share == Share::Hat)
       return stencils_.place(n, detail::hat_shares(grid())(particles), team);
-    require(particles.forms.empty(),
-            "Diffusion: Share::Exact is of spheres alone; take Share::Hat");
+    require(particles.forms.empty(), "Diffusion: Share::Exact is for spheres only; use Share::Hat");
     stencils_.place(n, detail::exact_shares(grid())(particles), team);
   }
   void spread(Quantities q, CellFields f, const Team& team = {}) {

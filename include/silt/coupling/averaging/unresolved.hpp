@@ -40,7 +40,7 @@ class Unresolved::Source {
   Source(const Unresolved& mode, const Grid& grid, double, const AveragedParticles& particles)
       : share_(mode.share), of_(particles), frame_(grid) {
     require(share_ != Share::Exact || of_.forms.empty(),
-            "Unresolved: Share::Exact is of spheres alone; take Share::Satellites for bodies");
+            "Unresolved: Share::Exact is for spheres only; use Share::Satellites for bodies");
     if (share_ == Share::Satellites && of_.forms.empty())
       points_ = detail::ball_points(mode.points);
   }

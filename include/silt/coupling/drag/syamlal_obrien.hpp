@@ -86,7 +86,7 @@ struct SyamlalOBrien {
     const double eps = bed.voidage,
                  Re_i = bed.fluid.density * bed.velocity / eps * bed.diameter / bed.fluid.viscosity;
     require(Re_i > 0.01, "SyamlalOBrien::calibrated: Re = ", Re_i,
-            " [-] of the slip is below 0.01, where c1 and d1 have no effect; take a law of packed "
+            " [-] of the slip is below 0.01, where c1 and d1 have no effect; use a law for packed "
             "beds, as Gidaspow");
     const double a = 0.63 * std::sqrt(Re_i), wanted = std::sqrt(24 * bed.normalised_drag());
     const double s = 2 * wanted / (4.8 + std::sqrt(4.8 * 4.8 + 4 * a * wanted));
@@ -94,7 +94,7 @@ struct SyamlalOBrien {
     const double B = V_r + V_r * (V_r - A) / (0.06 * Re_i);
     require(B > 0, "SyamlalOBrien::calibrated: a bed of voidage ", eps, " that is borne at ",
             bed.velocity, " m/s has more drag (Fhat = ", bed.normalised_drag(),
-            ") than any c1 gives; look at its voidage, diameter and velocity");
+            ") than any c1 gives; check its voidage, diameter and velocity");
     const double c1 = B / std::pow(eps, 1.28);
     return {c1, 1.28 + std::log(c1) / std::log(0.85)};
   }

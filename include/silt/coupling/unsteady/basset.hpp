@@ -162,14 +162,14 @@ class BassetHistory {
     const bool whole = !all.empty() && all.size() > of_rows &&
                        all[0] == static_cast<double>((all.size() - 1 - of_rows) / of_young) &&
                        (all.size() - 1 - of_rows) % of_young == 0;
-    require(whole, "BassetHistory: a state of ", all.size(), " numbers does not fit to ", size_,
+    require(whole, "BassetHistory: a state of ", all.size(), " numbers does not match ", size_,
             " particles and a window of ", kernel_.steps, " steps");
     const double* next = all.data() + 1;
     for (const double* young = next + of_rows; young < all.data() + all.size(); young += of_young)
       require(young[0] >= 0 && young[0] < static_cast<double>(size_) &&
                   young[0] == std::floor(young[0]) && young[1] >= 0 &&
-                  young[1] < static_cast<double>(kernel_.steps) && young[1] == std::floor(young[1]) &&
-                  young[9] > 0 && young[9] <= 1,
+                  young[1] < static_cast<double>(kernel_.steps) &&
+                  young[1] == std::floor(young[1]) && young[9] > 0 && young[9] <= 1,
               "BassetHistory: a state with particle ", young[0], " of ", size_, ", new since ",
               young[1], " of ", kernel_.steps, " steps, the first ", young[9], " of a step long");
     head_ = 0;

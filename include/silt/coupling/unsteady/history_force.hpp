@@ -63,10 +63,9 @@ class HistoryForce {
   void remember(std::span<const ParticleId> id, std::span<const Vec3d> slip, double dt,
                 const Team& team) {
     const double known = history_ ? history_->kernel().dt : first_;
-    require(
-        known == 0 || std::abs(dt - known) <= 1e-9 * known || (!history_ && dt > known),
-        "HistoryForce: a fluid step of ", dt, " s after ones of ", known,
-        " s, but its memory is of equal steps; set CoupledFlow.steps, and Simulation.time_step");
+    require(known == 0 || std::abs(dt - known) <= 1e-9 * known || (!history_ && dt > known),
+            "HistoryForce: a fluid step of ", dt, " s after ones of ", known,
+            " s, but it needs equal steps; set CoupledFlow.steps, and Simulation.time_step");
     const auto advance = [&] {
       if (!owner_.empty())
         history_->advance(

@@ -102,12 +102,12 @@ struct TriboCharge : Charge {
       if (!(sim.material(k) < w.size()))
         throw InputError(text("TriboCharge: particle ", sim.id(k), " is of ",
                               sim.material_name(sim.material(k)),
-                              ", of which `work_functions` has no value [eV]; add it there"));
+                              ", which has no value [eV] in `work_functions`; add it there"));
     surfaces.insulated.resolve(sim, "TriboCharge.insulated");
     for (std::size_t k = 0; k < sim.walls(); ++k)
       require(!at_wall(k, 0) || sim.wall(k).material < w.size(), "TriboCharge: ", sim.wall_name(k),
               " is of ", sim.material_name(sim.wall(k).material),
-              ", of which `work_functions` has no value [eV]; add it there, or let the wall be "
+              ", which has no value [eV] in `work_functions`; add it there, or make the wall "
               "insulated");
   }
 };

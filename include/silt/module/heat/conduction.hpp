@@ -141,8 +141,8 @@ struct HeatConductionBy {
     if (heat.kind() == WallHeat::Kind::Insulated || knows(sim.wall(w).material)) return;
     throw InputError(text("HeatConduction: ", sim.wall_name(w), " is of ",
                           sim.material_name(sim.wall(w).material),
-                          ", of which `others` has no conductivity; add it there (the first entry "
-                          "is of material 1), or let the wall be insulated()"));
+                          ", which has no conductivity in `others`; add it there (the first entry "
+                          "is of material 1), or make the wall insulated()"));
   }
 
  private:
@@ -156,7 +156,7 @@ struct HeatConductionBy {
     if (!knows(sim.material(k)))
       throw InputError(text("HeatConduction: particle ", sim.id(k), " is of ",
                             sim.material_name(sim.material(k)),
-                            ", of which `others` has no conductivity; add it there (the first "
+                            ", which has no conductivity in `others`; add it there (the first "
                             "entry is of material 1)"));
     const double T = sim.template field<Temperature>(k);
     if (!(std::isfinite(T) && T > 0))

@@ -77,7 +77,7 @@ struct MutualRadiation : Base {
       if (!(sim.material(k) <= surfaces.others.size()))
         throw InputError(text(
             "MutualRadiation: particle ", sim.id(k), " is of ", sim.material_name(sim.material(k)),
-            ", of which `others` has no emissivity; add it there (the first entry "
+            ", which has no emissivity in `others`; add it there (the first entry "
             "is of material 1)"));
   }
 
