@@ -3,7 +3,7 @@
 
 #include <silt/boundary/triangle_mesh.hpp>
 
-/// What makes a triangle mesh the surface of one solid, and what makes that solid convex.
+/// Checks that a triangle mesh is the surface of one solid, and that this solid is convex.
 /// Tests: tests/shape/polyhedron.cpp (each refusal)
 
 namespace silt::inline SILT_TARGET {
@@ -70,8 +70,8 @@ inline void check_apart(const TriangleMesh& mesh, const MeshTopology& topology, 
 
 }  // namespace detail
 
-/// Throws InputError, with one sentence, unless the triangles bound one solid: closed, turned
-/// outwards, two triangles at each edge, one fan at each vertex, no edge through a triangle.
+/// InputError, with one sentence, unless the triangles bound one solid: closed, oriented outwards,
+/// two triangles at each edge, one fan at each vertex, no edge through a triangle.
 inline TriangleMesh solid_mesh(const std::vector<std::array<Vec3d, 3>>& triangles) {
   TriangleMesh mesh(triangles);
   require(mesh.is_closed(),
@@ -85,7 +85,7 @@ inline TriangleMesh solid_mesh(const std::vector<std::array<Vec3d, 3>>& triangle
   return mesh;
 }
 
-/// How far [m] a vertex stands out of the plane of a triangle: 0 to rounding for a convex solid.
+/// Largest height [m] of a vertex above the plane of a triangle: 0 to rounding for a convex solid.
 inline double largest_dent(const TriangleMesh& mesh) {
   double dent = 0;
   for (const auto& [i, j, k] : mesh.triangles()) {
