@@ -15,7 +15,7 @@ namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
-/// What axis a policy of Sph belongs to: P::sph_axis.
+/// Policies of an axis of Sph, by P::sph_axis.
 template <class P, SphAxis axis>
 concept SphPolicyOf = requires {
   requires P::sph_axis == axis;
@@ -24,7 +24,7 @@ template <class P>
 concept SphPolicy = requires {
   { P::sph_axis } -> std::convertible_to<SphAxis>;
 };
-/// Those of a Simulation too (core/precision.hpp), which know no axis of Sph.
+/// Precisions are shared with Simulation (core/precision.hpp) and have no sph_axis.
 template <class P>
 concept SphPrecision = requires {
   typename P::PairScalar;
@@ -35,7 +35,7 @@ concept SphLedger = requires {
   requires P::is_ledger;
 };
 
-/// The policies of an Sph by axis: what was given, or the default.
+/// Policies of an Sph by axis: the given one, or the default.
 template <class... Ps>
 struct SphPolicies {
   static_assert(
@@ -61,7 +61,7 @@ struct SphPolicies {
                 "Sph: EnergyLedger is given twice; give it only once");
   static constexpr bool ledger = (false || ... || SphLedger<Ps>);
 
-  /// That of an axis among those given.
+  /// The policy of an axis among those given.
   template <SphAxis axis, class Default, class First, class... Rest>
   static auto one_of(const Default& otherwise, const First& first, const Rest&... rest) {
     if constexpr (SphPolicyOf<First, axis>)
@@ -99,7 +99,7 @@ struct SphPolicies {
                 "Sph: UnresolvedGrains keep volume by the voidage; leave RestoredVolume out");
   static_assert(!(ledger && Volume::restores),
                 "Sph: EnergyLedger has no books of RestoredVolume; leave one of them out");
-  /// float where Mixed is given.
+  /// float with Mixed.
   using PairScalar = std::conditional_t<(false || ... || std::is_same_v<Ps, Mixed>), float, double>;
 };
 

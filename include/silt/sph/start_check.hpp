@@ -13,8 +13,8 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// At the first step: whether sound is fast enough for a fall through the height that the liquid
-/// has and for the walls as they move now. What it will do besides is not known here.
+/// At the first step: checks that the sound speed suits a fall through the height of the liquid and
+/// the present motion of walls. The later flow is not known here.
 template <class Core>
 void sph_check_sound(const Core& core) {
   constexpr double least = 5;  // [-]; 10 are advised
