@@ -13,7 +13,7 @@ namespace silt::inline SILT_TARGET {
 
 namespace fluid_detail {
 
-/// After a step with (6): the voidage of which the fluxes know.
+/// After a step with (6): the void fraction consistent with the fluxes.
 inline void count_flow(FlowState& state, double dt, const Team& team) {
   state.for_cells(team, [&](int j, int k) {
     const double* const share = state.solids ? state.solids->cells.row(j, k) : nullptr;
@@ -24,7 +24,7 @@ inline void count_flow(FlowState& state, double dt, const Team& team) {
   });
 }
 
-/// The pressure that makes a step's velocities keep the volume: (5) of FlowSolver.
+/// Pressure correction that makes the velocities of a step volume conserving: (5) of FlowSolver.
 class FlowProjection {
  public:
   explicit FlowProjection(const Grid& grid)
@@ -85,7 +85,7 @@ class FlowProjection {
           "Outflow, or balance the sides' velocities and the particles that come and go. (Where a "
           "CoupledFlow clips solids at its least_voidage, the clipped volume counts as gone: take "
           "wider weights or larger cells)"));
-    // What is less than rounding of the voidage in this step need not be found.
+    // Residuals below the rounding of the void fraction in this step are not resolved.
     const double norm = norm_of_right(state, team), least = rounding / dt / norm;
     if (!std::isfinite(norm)) throw_no_numbers(state);
     solver_.set(coefficient_[0], coefficient_[1], coefficient_[2], held_, team);
@@ -126,7 +126,7 @@ class FlowProjection {
   }
 
  private:
-  /// Says which field that was given to the step is none, and where.
+  /// Reports which field of the step is not finite, and where.
   [[noreturn, gnu::cold]] static void throw_no_numbers(const FlowState& state) {
     const auto look = [&](const CellField& f, const char* what) {
       const Grid& g = state.grid;
@@ -204,7 +204,7 @@ class FlowProjection {
 
   static constexpr double rounding = 1e-14;  // [-] of the voidage
 
-  /// Root of the mean square [1/s].
+  /// Root mean square [1/s].
   double norm_of_right(const FlowState& state, const Team& team) const {
     const double squares = state.over_planes(
         team,
@@ -219,7 +219,7 @@ class FlowProjection {
         FlowState::added);
     return std::sqrt(squares / static_cast<double>(state.grid.size()));
   }
-  /// Outlets hold the pressure half a cell from the last centre.
+  /// Outlets fix the pressure half a cell from the last centre.
   void hold_outlets(const FlowState& state) {
     held_.fill(0);
     const auto& n = state.grid.cells();
