@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of CoupledFlow: the heat that passes between particles and cells in a fluid step.
+// Part of CoupledFlow: heat exchange between particles and cells in a fluid step.
 
 #include <silt/coupling/coupled_flow.hpp>
 

@@ -11,7 +11,7 @@
 #include <silt/coupling/drag/oriented.hpp>
 #include <silt/coupling/particles_in_fluid.hpp>
 
-/// What the drag law and the forces of a CoupledFlow ask for, and are told.
+/// Requirements of the drag law and the forces of a CoupledFlow.
 namespace silt::inline SILT_TARGET::detail {
 
 template <class F>
@@ -36,7 +36,7 @@ double drag_on(const Drag& drag, const InFluid& at, double Re) {
     return drag_coefficient(drag, at.voidage, Re, at.diameter, at.viscosity);
 }
 
-/// Forms that a law or a force was not made for are refused by it.
+/// Lets a law or a force refuse forms outside its range.
 template <class Drag, class Forces>
 void check_forms(const CoupledParticles& of, const Drag& drag, const Forces& forces) {
   for (const std::uint32_t form : of.shape.form)
