@@ -65,8 +65,7 @@ struct StepResponse {
 struct HeldAnswer {
   double lag = 0;            // [-] and
   double density_ratio = 0;  // [-] that particle's density over the fluid's
-  double in_contact =
-      0;  // [-] lag of particles with contact forces; decays by a factor of 0.9 per step
+  double in_contact = 0;     // [-] lag of particles in contact, times 0.9 per step
   /// Up to this lag fluid steps of any length are stable with contacts whose dashpot is at least a
   /// twentieth of the critical one (e = 0.85). Above it fluid steps must resolve the contacts'
   /// oscillation, omega dt < 1.7. From the eigenvalues of a particle on a damped spring with (3)

@@ -22,8 +22,8 @@ static_assert(std::endian::native == std::endian::little,
               "silt/io: checkpoints are written in the machine's byte order, which must be little "
               "endian; a big-endian port has to swap bytes here");
 
-/// CRC-64/XZ, sixteen bytes at a time. Finds every error burst of up to 64 bits, thus every single
-/// flipped bit, and any other damage but for a chance of 2^-64.
+/// CRC-64/XZ, sixteen bytes at a time. Detects every error burst of up to 64 bits, thus every
+/// single flipped bit, and any other damage with a probability of 1 - 2^-64.
 class Crc64 {
  public:
   void add(const void* data, std::size_t bytes) {
@@ -62,7 +62,7 @@ class Crc64 {
 };
 inline constexpr Crc64::Tables Crc64::tables = Crc64::make_tables();
 
-/// What one value of a field is.
+/// Type of a field's values.
 struct CheckpointType {
   char kind;          // 'f' floating point, 'u' unsigned, 'i' signed, 't' text
   std::uint8_t size;  // [bytes]
@@ -86,9 +86,9 @@ inline std::string type_name(CheckpointType type) {
 
 inline constexpr std::uint64_t padded_to_8(std::uint64_t bytes) { return (bytes + 7) / 8 * 8; }
 
-// The file: 8 bytes magic | u32 byte-order mark | u32 version | u64 bytes of the whole file |
-// u64 bytes of the table | the table, padded to 8 | each field's values, padded to 8 | u64 CRC-64
-// of all before it. The table: u64 length and characters of the signature, u64 number of fields,
+// The file: 8 bytes magic | u32 byte-order mark | u32 version | u64 bytes of the whole file | u64
+// bytes of the table | the table, padded to 8 | each field's values, padded to 8 | u64 CRC-64 of
+// all preceding bytes. The table: u64 length and characters of the signature, u64 number of fields,
 // and for each its u32 name length, name, kind, size, u64 count.
 inline constexpr std::string_view checkpoint_magic = "\x89SILTCP\n";
 inline constexpr std::uint32_t byte_order_mark = 0x01020304;
@@ -96,7 +96,7 @@ inline constexpr std::uint32_t checkpoint_version = 2;  // 2: ids of 64 bits
 inline constexpr std::size_t checkpoint_start = 32;     // [bytes] before the table
 inline constexpr std::size_t checkpoint_most_table = std::size_t{1} << 20;  // [bytes]
 
-/// What tells a file from others: how long it is, and the checksum at its end.
+/// Identifies a file: its length, and the checksum at its end.
 struct CheckpointStamp {
   std::uint64_t bytes = 0, sum = 0;
   bool operator==(const CheckpointStamp&) const = default;
@@ -117,13 +117,13 @@ void append_bytes(std::string& out, T value) {
 ///   checkpoint.add("position", positions);  // a view: keep the array until commit
 ///   checkpoint.commit("run.silt");          // atomic: the old file or the new one, never a mix
 ///
-/// `signature` says which program can continue from the file: its policies and fields.
+/// `signature` identifies the programs that can continue from the file: their policies and fields.
 /// Errors: InputError for an empty or repeated name; FileError if the file cannot be written.
 class CheckpointWriter {
  public:
   explicit CheckpointWriter(std::string signature) : signature_(std::move(signature)) {}
 
-  /// An array of double, float or integers; it is not copied and must live until `commit`.
+  /// An array of double, float or integers; it is not copied and must exist until `commit`.
   template <class Values>
   void add(std::string_view name, Values&& values) {
     const auto view = detail::lasting_view(std::forward<Values>(values));
@@ -204,9 +204,10 @@ class CheckpointWriter {
 };
 
 /// Opens a checkpoint and checks all of it; the arrays are then read one by one.
-/// Errors: FileError, one sentence with the path: cannot be read, empty, no checkpoint, another
-/// byte order, a newer version, truncated, damaged; and later another signature, a missing field,
-/// another type or count. Sizes in the file are checked against its length before memory is taken.
+/// Errors: FileError, one sentence with the path: cannot be read, empty, not a checkpoint, another
+///         byte order, a newer version, truncated, damaged; later: another signature, a missing
+///         field, another type or count. Sizes in the file are checked against its length before
+///         memory is allocated.
 class CheckpointReader {
  public:
   explicit CheckpointReader(const std::string& path) : file_(path, O_RDONLY, path) {
@@ -222,13 +223,13 @@ class CheckpointReader {
     return s;
   }
 
-  /// FileError, naming both signatures and where they part, unless the file's is `expected`.
+  /// FileError, with both signatures and their first difference, unless the file's is `expected`.
   void require_signature(std::string_view expected) const {
     if (signature_ == expected) return;
     const auto parts =
         std::mismatch(signature_.begin(), signature_.end(), expected.begin(), expected.end());
     const auto at = static_cast<std::size_t>(parts.first - signature_.begin());
-    // From the beginning of the policy, or what else semicolons part, in which they differ.
+    // From the start of the policy, or other item between semicolons, in which they differ.
     const std::size_t part = at == 0 ? 0 : std::string_view(expected).rfind(';', at - 1) + 1;
     const auto from = [&](std::string_view whole) {
       std::size_t begin = std::min(whole.find_first_not_of(' ', part), at);
@@ -262,7 +263,7 @@ class CheckpointReader {
     return values;
   }
 
-  /// The same, and refuses a field that has not exactly `count` values.
+  /// The same; refuses a field with another number of values than `count`.
   template <class T>
   std::vector<T> get(std::string_view name, std::size_t count) const {
     const Field& field = require_field(name, detail::checkpoint_type<T>());
@@ -271,12 +272,12 @@ class CheckpointReader {
     return get<T>(name);
   }
 
-  /// The number of values of a field; refuses one of another type.
+  /// Number of values of a field; refuses a field of another type.
   template <class T>
   std::uint64_t count(std::string_view name) const {
     return require_field(name, detail::checkpoint_type<T>()).count;
   }
-  /// Reads a field of exactly `count` values to where there is room for them.
+  /// Reads a field of exactly `count` values into existing memory.
   template <class T>
   void read(std::string_view name, T* to, std::size_t count) const {
     const Field& field = require_field(name, detail::checkpoint_type<T>());
@@ -293,8 +294,8 @@ class CheckpointReader {
   }
 
  private:
-  /// The parts between semicolons of a kind, their first word, that `whole` has and `other` has
-  /// not, in quotes; empty: none.
+  /// Parts between semicolons of a kind, their first word, that are in `whole` but not in `other`,
+  /// in quotes; empty: none.
   static std::string only_in(std::string_view whole, std::string_view other) {
     const auto next = [](std::string_view& rest) {
       const std::string_view part = rest.substr(0, rest.find(';'));
@@ -325,7 +326,7 @@ class CheckpointReader {
   }
   [[noreturn]] void refuse_table() const { refuse("is damaged: its table of fields is invalid"); }
 
-  /// Checks what stands before the table; returns the table's size [bytes].
+  /// Checks the part before the table; returns the table's size [bytes].
   std::uint64_t check_start() {
     size_ = file_.size();
     if (size_ == 0) refuse("is empty");
@@ -372,7 +373,7 @@ class CheckpointReader {
       refuse("is damaged: its checksum does not match its ", size_, " bytes");
   }
 
-  // A matching checksum does not make the numbers in the table honest: all are checked again.
+  // A matching checksum does not guarantee valid numbers in the table: all are checked again.
   void read_table(std::uint64_t table_bytes) {
     const std::uint64_t end = size_ - sizeof(std::uint64_t);
     if (end < detail::checkpoint_start || table_bytes > end - detail::checkpoint_start ||

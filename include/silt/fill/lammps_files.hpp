@@ -16,7 +16,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Values of one particle as a file of LAMMPS has them.
+/// Values of one particle in a LAMMPS file.
 inline double positive(TextLines& lines, std::string_view what) {
   const auto before = lines.words();
   const double x = lines.real(what);
@@ -52,7 +52,7 @@ class LammpsDump {
       first = frames++ == 0 ? frame.step : first, last = frame.step;
       if (!timestep || frame.step == *timestep) chosen = frame;
       for (std::uint64_t k = 0; k < frame.atoms; ++k)
-        if (!lines_.next())  // words are made at the end alone: files are long
+        if (!lines_.next())  // messages are made only at the end: files are long
           lines_.need(text("atom ", k + 1, " of ", frame.atoms, " of time step ", frame.step));
     }
     if (!chosen)
@@ -64,7 +64,7 @@ class LammpsDump {
  private:
   struct Frame {
     std::uint64_t step = 0, atoms = 0;
-    std::array<std::array<double, 3>, 3> box{};  // as it stands there: low, high, tilt
+    std::array<std::array<double, 3>, 3> box{};  // as in the file: low, high, tilt
     bool has_box = false, is_tilted = false;
     TextLines at;  // the line ITEM: ATOMS
   };
@@ -118,7 +118,7 @@ class LammpsDump {
     const std::size_t none = names.size();
     std::array<std::size_t, columns> where;
     where.fill(none);
-    // All three of the first kind that is there whole.
+    // All three of the first complete kind.
     const auto choose = [&](Column first,
                             std::initializer_list<std::array<std::string_view, 3>> kinds) {
       std::size_t kind = 0;
@@ -189,10 +189,10 @@ class LammpsDump {
     return table;
   }
 
-  /// x = low + xs a + ys b + zs c; a tilted box has the bounds of its bounding box in the file.
+  /// x = low + xs a + ys b + zs c; for a tilted box the file has the bounds of its bounding box.
   static Vec3d unscaled(const Frame& frame, const Vec3d& s) {
     const auto& b = frame.box;
-    const double xy = b[0][2], xz = b[1][2], yz = b[2][2];  // [m] 0 where it is not tilted
+    const double xy = b[0][2], xz = b[1][2], yz = b[2][2];  // [m] 0 if it is not tilted
     const double x_low = b[0][0] - std::min({0.0, xy, xz, xy + xz});
     const double x_high = b[0][1] - std::max({0.0, xy, xz, xy + xz});
     const double y_low = b[1][0] - std::min(0.0, yz), y_high = b[1][1] - std::max(0.0, yz);
@@ -203,8 +203,8 @@ class LammpsDump {
   TextLines lines_;
 };
 
-/// A data file of LAMMPS or LIGGGHTS, atom_style sphere: sections Atoms and Velocities; all others
-/// and image flags are skipped.
+/// A data file of LAMMPS or LIGGGHTS, atom_style sphere: sections Atoms and Velocities; other
+/// sections and image flags are skipped.
 /// Format: LAMMPS documentation, page read_data.
 /// Tests:  tests/fill/particle_formats.cpp
 class LammpsData {
