@@ -83,7 +83,7 @@ inline Polygons parse_obj(const std::string& path, std::string_view content) {
       out.lines.push_back(lines.number());
     } else if (!is_skipped_in_obj(key)) {
       lines.fail(in_quotes(key),
-                 "is not a statement of a polygon mesh; silt reads v and f, let the program "
+                 " is not a statement of a polygon mesh; silt reads v and f, let the program "
                  "that wrote the file export polygons or triangles");
     }
   }
@@ -119,7 +119,7 @@ inline MeshFormat mesh_format_of(const std::string& path) {
   if (name.ends_with(".ply")) return MeshFormat::Ply;
   if (name.ends_with(".vtp")) return MeshFormat::Vtp;
   throw FileError(text("file '", path,
-                       "' is not a mesh format known by its content or its name; it reads .stl, "
+                       "' is not a mesh format known by its content or its name; silt reads .stl, "
                        ".obj, .ply and .vtp; or pass the MeshFormat to read_mesh"));
 }
 

@@ -169,11 +169,10 @@ enum class Arrangement { Random, Lattice };
 
 /// Request for a filling. Give `count` or `solid_volume`, or neither for as many as fit.
 ///
-/// Lattice: hexagonal close packing for the largest sphere drawn plus gap, with 5 % larger spacing,
-/// in
-///   which every sphere is displaced at random within its free space. Filled from below (+z up),
-///   with the sizes in random order. Of the six orientations of the lattice along the axes it uses
-///   the one with most sites, which suits layers one sphere thick. Loose for wide distributions.
+/// Lattice: hexagonal close packing for the largest sphere drawn plus gap, with 5 % larger spacing;
+///   every sphere is displaced at random within its free space. Filled from below (+z up), with
+///   the sizes in random order. Of the six orientations of the lattice along the axes it uses the
+///   one with most sites, which suits layers one sphere thick. Loose for wide distributions.
 /// Random: random sequential addition, the largest first (in the order drawn if as many as fit are
 ///   requested, which preserves the size distribution), until `trials` places in a row were
 ///   occupied.
