@@ -44,8 +44,7 @@ struct BoxStress {
 ///   silt::DeformingBox cell{{{0, 0, 0}, {0.02, 0.02, 0.02}}};
 ///   sim.deform({.x = {.stress = 1e5, .most_rate = 1}, .z = {.rate = -0.01}});
 ///
-/// The velocity gradient L [1/s] is upper triangular. When it changes, particle velocities change
-/// by
+/// The velocity gradient L [1/s] is upper triangular. A change of it changes particle velocities by
 ///   v += (L_new - L_old) (x - c) + dt L^2 (x - c),   c: the centre of the box              (1)
 /// This makes the flow homogeneous: no place in the box is special (SLLOD equations). An image
 /// displaced by H n, with H the edges of the box, has an additional velocity L H n. Positions,
