@@ -187,7 +187,7 @@ TEST_CASE("particle_formats: a bad dump is refused with line and reason") {
   bad("ITEM: NUMBER OF ATOMS\n2\n", "", "line 7: 'ITEM: NUMBER OF ATOMS' is missing");
   bad("ATOMS\n2\n", "ATOMS\n0\n", "line 9: time step 0 has no atoms; choose another");
   bad("ITEM: NUMBER OF ATOMS", "ITEM: NUMBER OF ENTRIES",
-      "line 3: 'ITEM: NUMBER OF ENTRIES' stands");
+      "line 3: 'ITEM: NUMBER OF ENTRIES' found where");
   bad("BOUNDS pp pp ff", "BOUNDS abc origin pp pp ff", "line 5: the box is general triclinic");
   bad("-1 3\n", "-1\n", "line 6: a bound of the box is missing");
   refused(dump, "has no frame of time step 50; it has 2, of the steps 0 to 100", {.timestep = 50});

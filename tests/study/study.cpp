@@ -311,9 +311,9 @@ TEST_CASE("study: what makes no sense is refused with a sentence") {
     has(refusal(s, options), words);
   };
   const auto work = [&](StudyRun& run) { run.time([&] { clock.work(1); }); };
-  one("times nothing", [&](StudyRun& run) { run.error("miss", 1); });
+  one("measures no time", [&](StudyRun& run) { run.error("miss", 1); });
   one("takes less time than 'fake time' can measure", costs(clock, 0, 1));
-  one("tells no error", work);
+  one("reports no error", work);
   one("two numbers named 'x'",
       [&](StudyRun& run) { work(run), run.error("x", 1), run.note("x", 1); });
   const auto height = [&](double h) {

@@ -102,7 +102,7 @@ inline ParticleTable read_particles(const std::string& path, const ParticleFile&
       how.format == ParticleFormat::ByContent ? detail::particle_format_of(content) : how.format;
   require(!how.timestep || format == ParticleFormat::LammpsDump,
           "ParticleFile.timestep = ", how.timestep.value_or(0), " applies to dumps only, but '",
-          path, "' is none; leave it out");
+          path, "' is not a dump; leave it out");
   ParticleTable t =
       format == ParticleFormat::LammpsDump   ? detail::LammpsDump(path, content).read(how.timestep)
       : format == ParticleFormat::LammpsData ? detail::LammpsData(path, content).read()
