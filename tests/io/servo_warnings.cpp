@@ -66,7 +66,7 @@ TEST_CASE("servo_warnings: a servo that meets no load is warned of at the end of
       ServoTorque{.centre = {0, 0, 0}, .axis = {0, 0, 1}, .torque = 1, .max_rate = 2}, {0.01});
   REQUIRE(turns.size() == 1);
   CHECK(has(turns[0], "its ServoTorque has moved it by 0.0"));
-  CHECK(has(turns[0], "turn its axis"));
+  CHECK(has(turns[0], "reverse its axis"));
   CHECK(warned(ServoTorque{.centre = {0, 0, 0}, .axis = {0, 0, 1}, .torque = -1, .max_rate = 2},
                {0.01})
             .size() == 1);
