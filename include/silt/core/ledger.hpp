@@ -5,7 +5,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Policy of a Simulation with an energy balance (EnergyBalance, simulation/energy_ledger.hpp), or
+/// Policy for an energy balance of a Simulation (EnergyBalance, simulation/energy_ledger.hpp), or
 /// of an Sph (LiquidBalance, sph/ledger.hpp), read by `energy()`. No cost without it.
 ///
 ///   silt::Simulation sim{beads, silt::Contacts<silt::HertzMindlin>{glass}, silt::EnergyLedger{}};

@@ -50,9 +50,9 @@ struct Leapfrog {
 /// Its positions are those of velocity Verlet.
 using VelocityVerlet = Leapfrog;
 
-/// As Leapfrog, but velocities are taken as those of whole steps, and the first kick has the length
-/// of a whole step: semi-implicit Euler, first order. Positions are those of a leapfrog whose
-/// initial velocity is half a step off; energy errors have the same size.
+/// Semi-implicit Euler: as Leapfrog, but velocities are taken as those of whole steps, and the
+/// first kick has the length of a whole step; first order. Positions are those
+/// of a leapfrog whose initial velocity is half a step off; energy errors have the same size.
 /// Tests: tests/physics/integrators.cpp.
 /// Source: as Leapfrog.
 /// Valid:  as Leapfrog.

@@ -100,9 +100,9 @@ struct NoSquish {
   }
 };
 
-/// Angular velocity by a third-order Runge-Kutta step of Euler's equations, orientation by the
-/// exact rotation with it. Second order in the orientation, more accurate than NoSquish at the same
-/// step; but the energy of a free body drifts slowly. For dissipative scenes.
+/// SPIRAL: angular velocity by a third-order Runge-Kutta step of Euler's equations, orientation by
+/// the exact rotation with it. Second order in the orientation, more accurate than NoSquish at the
+/// same step; but the energy of a free body drifts slowly. For dissipative scenes.
 /// Source: C. A. del Valle et al., Comput. Phys. Commun. 297 (2024) 109077 (SPIRAL, leapfrog form).
 ///         Recalled: the print was not read; tests/physics/rotation.cpp confirms its order.
 /// Valid:  as NoSquish, in dissipative scenes.

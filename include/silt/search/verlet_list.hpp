@@ -8,9 +8,9 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Stores the pairs found by `Finder` within a margin beyond touching (the skin). It searches again
-/// only when particles or walls may have moved by this margin. No contact is missed: for the proof
-/// and the test that renews the list see engine/lists/list_upkeep.hpp.
+/// Neighbour list: stores the pairs found by `Finder` within a margin beyond touching (the skin).
+/// It searches again only when particles or walls may have moved by this margin. No contact is
+/// missed: for the proof and the test that renews the list see engine/lists/list_upkeep.hpp.
 ///
 ///   silt::VerletList<>{}                      a margin for each sphere that follows its motion
 ///   silt::VerletList<>{.skin = 0.3e-3}        [m] the same margin for all: half of this skin

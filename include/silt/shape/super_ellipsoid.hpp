@@ -9,7 +9,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// The body (|x/a|^s2 + |y/b|^s2)^(s1/s2) + |z/c|^s1 <= 1: sphere, ellipsoid (s1 = s2 = 2),
+/// Super-ellipsoid (|x/a|^s2 + |y/b|^s2)^(s1/s2) + |z/c|^s1 <= 1: sphere, ellipsoid (s1 = s2 = 2),
 /// cylinder (s1 large, s2 = 2), box (both large). Convex, symmetric about three planes.
 ///
 ///   f = A^(s1/s2) + |z/c|^s1 - 1,  A = |x/a|^s2 + |y/b|^s2                                    (1)

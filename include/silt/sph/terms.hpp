@@ -85,8 +85,8 @@ struct NoDiffusion {
   void check() const {}
 };
 
-/// d rho/dt = delta h c sum_b 2 (rho_a - rho_b) (r_ab.grad W)/(r^2 + (0.1 h)^2) V_b. In a liquid at
-/// rest under gravity it changes the density near the free surface.
+/// Diffusion d rho/dt = delta h c sum_b 2 (rho_a - rho_b) (r_ab.grad W)/(r^2 + (0.1 h)^2) V_b. In a
+/// liquid at rest under gravity it changes the density near the free surface.
 /// Source: D. Molteni, A. Colagrossi, Comput. Phys. Commun. 180 (2009) 861.
 /// Valid:  without gravity, or where the layer at the free surface is not important.
 /// Tests:  tests/sph/pair_sums.cpp.
@@ -102,8 +102,8 @@ struct MolteniColagrossi {
   }
 };
 
-/// The same for the deviation from the hydrostatic difference: (rho_a - rho_b) - rho_0 g.r_ab/c^2,
-/// with an equation of state that is linear over the kernel.
+/// MolteniColagrossi for the deviation from the hydrostatic difference: (rho_a - rho_b) -
+/// rho_0 g.r_ab/c^2, with an equation of state that is linear over the kernel.
 /// Source: G. Fourtakas, J. M. Dominguez, R. Vacondio, B. D. Rogers, Comput. Fluids 190 (2019) 346;
 ///         with the sign that gives diffusion.
 /// Valid:  with and without gravity.
@@ -168,7 +168,7 @@ struct Shifting {
   }
 };
 
-/// The same with the speed of the fastest particle in place of |v|, for a liquid that fills its
+/// Shifting with the speed of the fastest particle in place of |v|, for a liquid that fills its
 /// space. At a stagnation point |v| is 0, while the strain that disorders particles is largest.
 /// Source: P. N. Sun, A. Colagrossi, S. Marrone, A. M. Zhang, Comput. Methods Appl. Mech. Eng. 315
 ///         (2017) 25 (recalled); their Ma CFL (2 h)^2 is A = 4; without their term against pairing.
@@ -234,11 +234,11 @@ struct ResolvedGrains {
 /// @name Steps in time
 /// @{
 
-/// One evaluation per step: velocity and density leap over two steps, and every `restart` steps
-/// over one. The difference between odd and even steps grows in between, because damping acts on it
-/// with the wrong sign: by diffusion alone as e^(7 delta c t/h), 7 = 2 int |W'|/r dV h^2 of
-/// WendlandC2, which is e^(7 delta courant restart) between two restarts. DualSPHysics restarts
-/// after 40 steps, which is too many here (docs/sph.md).
+/// Verlet scheme, one evaluation per step: velocity and density leap over two steps, and every
+/// `restart` steps over one. The difference between odd and even steps grows in between, because
+/// damping acts on it with the wrong sign: by diffusion alone as e^(7 delta c t/h), 7 = 2 int
+/// |W'|/r dV h^2 of WendlandC2, which is e^(7 delta courant restart) between two restarts.
+/// DualSPHysics restarts after 40 steps, which is too many here (docs/sph.md).
 /// Source: L. Verlet, Phys. Rev. 159 (1967) 98, as in DualSPHysics but for `restart`.
 /// Valid:  `courant` up to 0.2, restart * courant up to 1.5, and some damping: not Inviscid with
 ///         NoDiffusion.
@@ -255,7 +255,7 @@ struct VerletTime {
   }
 };
 
-/// Two evaluations per step, one of them in its middle; second order.
+/// Symplectic scheme, two evaluations per step, one of them in its middle; second order.
 /// Source: B. Leimkuhler, C. Matthews, Molecular Dynamics, 2015, as in DualSPHysics.
 /// Valid:  Courant numbers up to that of SphSetup.
 /// Tests:  tests/sph/flows.cpp.

@@ -6,7 +6,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Couple of constant size against the relative rolling velocity (model A).
+/// Rolling resistance of constant size against the relative rolling velocity (model A).
 ///
 ///   M = -mu_r R* F_n w/|w|, w = w_i - w_j in the tangent plane                                (1)
 ///

@@ -6,7 +6,8 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Couple against each partner's own rotation (model D), for comparison with codes that use it.
+/// Rolling resistance against each partner's own rotation (model D), for comparison with codes that
+/// use it.
 ///
 ///   M_i = -mu_r F_n R_i w_i/|w_i|, M_j = -mu_r F_n R_j w_j/|w_j|                              (1)
 ///

@@ -6,7 +6,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Couple proportional to the rolling speed (model B); zero at rest.
+/// Rolling resistance proportional to the rolling speed (model B); zero at rest.
 ///
 ///   M = -mu_v R* F_n |v_w| w/|w|, v_w = (R_i w_i + R_j w_j) x n, w = w_i - w_j in the tangent
 ///   plane                                                                                     (1)

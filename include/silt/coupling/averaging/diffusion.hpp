@@ -6,8 +6,9 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Particles distribute to the adjacent cells, and the result is smoothed by diffusion. The width
-/// depends neither on cells nor on particle sizes; the cost is proportional to the number of cells.
+/// Diffusion averaging: particles distribute to the adjacent cells, and the result is smoothed by
+/// diffusion. The width depends neither on cells nor on particle sizes; the cost is proportional to
+/// the number of cells.
 ///
 ///   d f / d tau = lap f  from 0 to tau = b^2/4, b = width d, in `steps` implicit steps (1)
 ///

@@ -6,8 +6,8 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A particle is distributed with a smooth kernel wider than a cell. Suits cells of any size; the
-/// only mode whose void fraction has no noise in time.
+/// Kernel averaging: a particle is distributed with a smooth kernel wider than a cell. Suits cells
+/// of any size; the only mode whose void fraction has no noise in time.
 ///
 ///   Form::Compact   K = B(x) B(y) B(z), B(x) = 15/16 (1 - x^2/R^2)^2 / R inside R, integrated over
 ///                   the cells (a polynomial): R = width d, at least 1.5 h (1)

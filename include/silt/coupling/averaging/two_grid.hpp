@@ -6,8 +6,8 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Particles distribute to the cells of a coarser grid, and these to the cells of the flow. For
-/// cells that are not larger than particles.
+/// Two-grid averaging: particles distribute to the cells of a coarser grid, and these to the cells
+/// of the flow. For cells that are not larger than particles.
 ///
 /// The coarse grid has cells of at least `cell` diameters where those of the flow are smaller, in
 /// each direction; otherwise the cells are the same.

@@ -7,7 +7,8 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// A particle's volume is counted in the cells that contain it. For cells larger than particles.
+/// Unresolved averaging: a particle's volume is counted in the cells that contain it. For cells
+/// larger than particles.
 ///
 ///   Share::Centre      all to the cell of its centre. d eps/dt grows as 1/dt, eps may be below 0.
 ///   Share::Satellites  equal parts to the cells of `points` interior points; for bodies, those of

@@ -5,7 +5,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Fit of lattice-Boltzmann results for random arrays, p = 1 - eps:
+/// Drag fitted to lattice-Boltzmann results for random arrays, p = 1 - eps:
 ///   Fhat = 10 p/eps^2 + eps^2 (1 + 1.5 sqrt p)
 ///        + (0.413 Re/(24 eps^2)) [1/eps + 3 eps p + 8.4 Re^-0.343]/[1 + 10^(3p) Re^-(1 + 4p)/2]
 /// Source: R. Beetstra, M. A. van der Hoef, J. A. M. Kuipers, AIChE J. 53 (2007) 489.

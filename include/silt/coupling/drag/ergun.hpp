@@ -5,7 +5,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Packed beds: Fhat = [150 (1 - eps)/eps + 1.75 Re/eps]/(18 eps).
+/// Drag in packed beds: Fhat = [150 (1 - eps)/eps + 1.75 Re/eps]/(18 eps).
 /// Source: S. Ergun, Chem. Eng. Prog. 48 (1952) 89.
 /// Valid:  eps < 0.8; no viscous drag on a single sphere (eps = 1).
 struct Ergun {
@@ -17,7 +17,8 @@ struct Ergun {
   }
 };
 
-/// Ergun for eps < 0.8, Wen-Yu otherwise. It jumps at eps = 0.8: at Re = 100 from 17.8 to 10.3.
+/// Drag by Ergun for eps < 0.8, by Wen-Yu otherwise. It jumps at eps = 0.8: at Re = 100 from 17.8
+/// to 10.3.
 /// Source: D. Gidaspow, Multiphase Flow and Fluidization (1994), ch. 2.
 /// Valid:  as Ergun and WenYu; not where the jump at eps = 0.8 is important.
 struct Gidaspow {

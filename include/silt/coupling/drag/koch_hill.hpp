@@ -5,7 +5,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Fit of lattice-Boltzmann results, p = 1 - eps:
+/// Drag fitted to lattice-Boltzmann results, p = 1 - eps:
 ///   Fhat = eps (F0 + F3 Re/2),  F3 = 0.0673 + 0.212 p + 0.0232/eps^5
 ///   F0 = [1 + 3 sqrt(p/2) + (135/64) p ln p + 16.14 p]/[1 + 0.681 p - 8.48 p^2 + 8.16 p^3] below
 ///        p = 0.4, 10 p/eps^3 from there on

@@ -50,7 +50,7 @@ inline Real ten_to(const Real& x) {
 }
 }  // namespace detail
 
-/// From the sphericity only, for isometric bodies:
+/// Drag of isometric bodies, from the sphericity only:
 ///   C_D = 24/Re (1 + A1 Re^A2) + A3/(1 + A4/Re)
 ///   A1 = exp(2.3288 - 6.4581 phi + 2.4486 phi^2), A2 = 0.0964 + 0.5565 phi,
 ///   A3 = exp(4.905 - 13.8944 phi + 18.4222 phi^2 - 10.2599 phi^3),
@@ -76,7 +76,7 @@ struct HaiderLevenspiel {
   }
 };
 
-/// From the sphericity and, unless isometric, the projected area along the flow:
+/// Drag from the sphericity and, unless isometric, the projected area along the flow:
 ///   C_D = K2 {24/r (1 + 0.1118 r^0.6567) + 0.4305/(1 + 3305/r)}, r = Re K1 K2,
 ///   K1 = 1/[dn/(3 d) + (2/3)/sqrt(phi)], K2 = 10^(1.8148 (-log10 phi)^0.5743);
 ///   isometric: dn = d, otherwise dn = dA
@@ -110,7 +110,7 @@ using Ganser = BasicGanser<true>;
 /// BasicGanser for isometric bodies, and with the projected area along the flow.
 using GanserInFlow = BasicGanser<false>;
 
-/// Slow flow, from sphericity and projected area along the flow:
+/// Drag in slow flow, from sphericity and projected area along the flow:
 ///   C_D = (8/Re)/sqrt(phi_perp) + (16/Re)/sqrt(phi)
 /// Source: D. Leith, Aerosol Sci. Technol. 6 (1987) 153. Valid: Re << 1.
 struct Leith {
@@ -122,7 +122,7 @@ struct Leith {
   }
 };
 
-/// From the projected area along the flow and the circularity of its outline, q = dA/d:
+/// Drag from the projected area along the flow and the circularity of its outline, q = dA/d:
 ///   C_D = (24/Re) q [1 + 0.15/sqrt(c) (q Re)^0.687] + 0.42 q^2/(sqrt(c) [1 + 4.25e4 (q Re)^-1.16])
 /// Source: S. Tran-Cong, M. Gay, E. E. Michaelides, Powder Technol. 139 (2004) 21. Recalled: the
 ///         print was not read; for a sphere it is Clift and Gauvin's law, within 4 % of the
@@ -142,7 +142,7 @@ struct TranCong {
   }
 };
 
-/// Any shape and orientation at any Re:
+/// Drag of any shape and orientation at any Re:
 ///   C_D = (8/Re)/sqrt(phi_par) + (16/Re)/sqrt(phi) + (3/sqrt(Re))/phi^(3/4)
 ///       + 0.42 10^(0.4 (-log10 phi)^0.2)/phi_perp
 /// Simplified: phi_perp replaces phi_par.

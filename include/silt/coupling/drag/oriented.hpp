@@ -60,7 +60,7 @@ inline double reynolds_of(const InFluid& at) {
 }
 }  // namespace detail
 
-/// By (1), or with a sphere law by (2).
+/// Drag of bodies by their orientation: (1), or with a sphere law (2).
 template <LoneBodyLaw Law = HoelzerSommerfeld, class SphereLaw = void>
 struct OrientedDrag {
   static constexpr bool sees_forms = true;

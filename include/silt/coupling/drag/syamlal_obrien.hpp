@@ -37,7 +37,7 @@ struct MinimumFluidisation {
   }
 };
 
-/// From the ratio V_r of the terminal velocity of a suspension to that of a single sphere:
+/// Drag from the ratio V_r of the terminal velocity of a suspension to that of a single sphere:
 ///   Fhat = C_D(x) x/(24 V_r),  x = Re_i/V_r,  C_D = (0.63 + 4.8/sqrt(x))^2 (Dalla Valle)
 ///   V_r = [A - 0.06 Re_i + sqrt((0.06 Re_i)^2 + 0.12 Re_i (2 B - A) + A^2)]/2
 ///   A = eps^4.14,  B = c1 eps^1.28 where eps <= 0.85, eps^d1 above

@@ -5,7 +5,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Fit of particle-resolved simulations of fixed random arrays, p = 1 - eps:
+/// Drag fitted to particle-resolved simulations of fixed random arrays, p = 1 - eps:
 ///   Fhat = eps [F_i/eps^3 + 5.81 p/eps^3 + 0.48 p^(1/3)/eps^4
 ///               + p^3 Re (0.95 + 0.61 p^3/eps^2)],  F_i of schiller_naumann()
 /// The force in the source includes the mean pressure gradient; the factor eps removes it.
