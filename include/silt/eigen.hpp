@@ -118,7 +118,7 @@ struct PlaneFit {
 /// Errors: InputError for fewer than 3 points, one that is not finite, collinear points.
 inline PlaneFit fit_plane(std::span<const Vec3d> points) {
   const auto s = detail::scatter_of("fit_plane", points, 3);
-  detail::require_spread("fit_plane", s, 2, "all points are on one line; give some beside it");
+  detail::require_spread("fit_plane", s, 2, "all points are on one line; add points off the line");
   return {to_silt(s.centre), to_silt(s.axes.directions.col(0)),
           std::sqrt(std::max(0.0, s.axes.values[0]))};
 }
@@ -133,7 +133,8 @@ struct SphereFitted {
 /// Errors: InputError for fewer than 4 points, one that is not finite, coplanar points.
 inline SphereFitted fit_sphere(std::span<const Vec3d> points) {
   const auto s = detail::scatter_of("fit_sphere", points, 4);
-  detail::require_spread("fit_sphere", s, 3, "all points are in one plane; give some beside it");
+  detail::require_spread("fit_sphere", s, 3,
+                         "all points are in one plane; add points off the plane");
   // About the centre of the points sum(x) = 0, which leaves 3 equations for c: S c = q/2.
   const auto p = columns_of(points);
   Eigen::Vector3d q = Eigen::Vector3d::Zero();
@@ -173,7 +174,7 @@ inline LinearFit fit_linear(const Eigen::MatrixXd& regressors, const Eigen::Vect
   require(regressors.allFinite() && y.allFinite(), "fit_linear: all values must be finite");
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(regressors);
   require(qr.rank() == unknowns, "fit_linear: the regressors depend linearly on each other (rank ",
-          qr.rank(), " of ", unknowns, "); leave some out, or give points that tell them apart");
+          qr.rank(), " of ", unknowns, "); leave some out, or add points that separate them");
   LinearFit out{qr.solve(y), Eigen::VectorXd::Zero(unknowns), 0};
   if (n == unknowns) return out;
   out.scatter =

@@ -185,7 +185,7 @@ TEST_CASE("mesh_file: a bad OBJ file is refused with line and reason") {
   refused("a.obj", "", "has no faces");
   refused("a.obj", points + "f 1 2 4\n",
           "line 4: the face's corner '4' names a point that does not "
-          "exist; 3 stand before this line");
+          "exist; 3 precede this line");
   refused("a.obj", points + "f -4 2 3\n", "line 4: the face's corner '-4' names a point");
   refused("a.obj", points + "f 1 2 0\n", "'0' names no point; they count from 1, or back from -1");
   refused("a.obj", points + "f 1 2 x/1\n", "line 4: the face's corner 'x/1' names no point");
@@ -213,7 +213,7 @@ TEST_CASE("mesh_file: a bad PLY file is refused with line or element, and reason
   bad("vertex 5", "vertex five", "line 4: number of elements: 'five' is not a whole number");
   bad("vertex 5", "vertex 5000000000", "line 4: announces 5000000000 elements 'vertex', but only");
   bad("element vertex 5", "element point 5", "no element 'vertex' with the properties x, y and z");
-  bad("element vertex 5\n", "", "line 4: a property stands before the first element");
+  bad("element vertex 5\n", "", "line 4: a property precedes the first element");
   bad("float x", "half x", "line 5: type 'half' is unknown; PLY has char");
   bad("float y", "float x", "line 6: property 'x' of element 'vertex' is named twice");
   bad("element face", "element vertex", "line 9: element 'vertex' is named twice");

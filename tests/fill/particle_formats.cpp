@@ -230,15 +230,15 @@ TEST_CASE("particle_formats: a bad data file is refused with line and reason") {
   bad("4 5 6 #", "4 5 #", "line 16: z is missing");
   bad("4 5 6 #", "4 5 six #", "line 16: z: 'six' is not a number");
   bad("0 0 -1\n", "0 0\n", "line 15: an image flag is missing");
-  bad("0 0 -1\n", "0 0 -1 8\n", "line 15: has '8' behind its values");
+  bad("0 0 -1\n", "0 0 -1 8\n", "line 15: has '8' after its values");
   bad(" 2 atoms\n3", " 3 atoms\n3",
       "section 'Atoms' ends after 2 atoms, but the header announces 3");
-  bad("Velocities\n\n2 1", "Velocities\n\n3 1", "line 20: id 3 is none of the section 'Atoms'");
+  bad("Velocities\n\n2 1", "Velocities\n\n3 1", "line 20: id 3 is not in the section 'Atoms'");
   bad("2 1 2 3 4 5 6", "2 1 2 3 4 5", "line 20: wz is missing");
-  bad("2 1 2 3 4 5 6", "2 1 2 3 4 5 6 7", "line 20: has '7' behind its values");
+  bad("2 1 2 3 4 5 6", "2 1 2 3 4 5 6 7", "line 20: has '7' after its values");
   bad("2 1 1.0 7800", "7 1 1.0 7800", "line 18: ids of atoms are not unique");
-  bad("Masses", "Velocities", "line 9: 'Velocities' stands before 'Atoms'; put it behind");
-  bad("Atoms # sphere", "Ellipsoids", "line 18: 'Velocities' stands before 'Atoms'");
+  bad("Masses", "Velocities", "line 9: 'Velocities' is before 'Atoms'; move it after");
+  bad("Atoms # sphere", "Ellipsoids", "line 18: 'Velocities' is before 'Atoms'");
   refused(data.substr(0, data.find("Atoms")), "has no section 'Atoms' with atoms in it");
 }
 

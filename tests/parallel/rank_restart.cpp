@@ -172,7 +172,7 @@ TEST_CASE("rank restart: blocks that are missing, cut off or of others are refus
     put(silt::detail::read_file(folder / "later.blocks/200.1"));
     has(refused(ranks), "is of step 100, but its block");
     put(silt::detail::read_file(folder / "other.blocks/100.1"));
-    has(refused(ranks), "which is of another run: take the blocks that were written with it");
+    has(refused(ranks), "which belongs to another run: use the blocks that were written with it");
     put(own);
     on(ranks, {}, [&](auto& sim) { CHECK_NOTHROW(load_checkpoint(sim, folder / "run")); });
   }

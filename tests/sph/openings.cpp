@@ -205,7 +205,7 @@ TEST_CASE("SPH openings: what cannot be is refused by name") {
   refused([](S, O o, P) { o.second_edge = {0, 0.1, 0}; }, "in 2D inlet 'one' lies in x and z");
   refused([](S s, O o, P) { s.dimensions = 3, s.region.max.y = 0.2, o.edge.y = 0; },
           "has an edge of 0 m");
-  refused([](S s, O, P) { s.periodic[0] = true; }, "faces x, in which the region repeats");
+  refused([](S s, O, P) { s.periodic[0] = true; }, "faces x, in which the region is periodic");
   refused([](S, O, P p) { p.velocity = {-1, 0, 0}; }, "points out of the liquid");
   refused([](S, O, P p) { p.velocity = {1, 0, 0}; }, "points into the liquid", false);
   refused([](S, O, P p) { p.velocity = {3, 0, 0}; }, "faster than a tenth of Liquid.sound_speed");

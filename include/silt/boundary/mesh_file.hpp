@@ -69,7 +69,7 @@ inline Polygons parse_obj(const std::string& path, std::string_view content) {
     const auto there = static_cast<std::int64_t>(out.points.size());
     if (k < -there || k > there)
       lines.fail("the face's corner ", in_quotes(word), " names a point that does not exist; ",
-                 there, " stand before this line");
+                 there, " precede this line");
     return static_cast<std::size_t>(k > 0 ? k - 1 : there + k);
   };
   while (lines.next()) {

@@ -107,7 +107,7 @@ class PlyFile {
   }
 
   void read_property_line() {
-    if (elements_.empty()) lines_.fail("a property stands before the first element");
+    if (elements_.empty()) lines_.fail("a property precedes the first element");
     Element& e = elements_.back();
     Property p{};
     auto type = lines_.word();

@@ -76,7 +76,7 @@ struct Breakage {
   static constexpr LoadUnit unit = E::unit;
   static constexpr bool by_force = requires { requires E::by_force; };
   static_assert(same_load_unit<S, E>(),
-                "Breakage compares a strength in N with a load in J, or the other way round: take "
+                "Breakage compares a strength in N with a load in J, or vice versa: use "
                 "EnergyEquivalence with strengths in J, another one with those in N");
 
   S strength;

@@ -14,8 +14,8 @@ namespace silt::inline SILT_TARGET {
 template <Strength S, Equivalence E>
 double selection(const S& strength, const E& equivalence, const Impact& impact) {
   static_assert(same_load_unit<S, E>(),
-                "this strength is an energy and the equivalence gives a force, or the other way "
-                "round: use an equivalence with the unit of the strength");
+                "this strength is an energy and the equivalence gives a force, or vice "
+                "versa: use an equivalence with the unit of the strength");
   return strength.weaker(equivalence.load(impact), impact.diameter, impact.mass);
 }
 

@@ -64,7 +64,7 @@ template <class Contacts>
       n == 1 ? " material" : " materials",
       ": those of equal values are one unless they have names of their own "
       "(contacts.add(material, name)); leave out the rest, or name them. The material of a wall "
-      "that comes later is added by contacts.add(material, name) beforehand");
+      "added later is registered by contacts.add(material, name) beforehand");
 }
 
 /// Names of all things of one kind: its word ("wall"), their number, name(k) of each (empty: none),

@@ -43,7 +43,7 @@ template <VelocityField Velocity, class Drag, class... Forces>
 class PrescribedFlow {
   using Exchange = ParticleExchange<Drag, Forces...>;
   static_assert(!Exchange::follows,
-                "PrescribedFlow finds drag in each particle step: leave FollowedDrag out");
+                "PrescribedFlow computes drag in each particle step: leave out FollowedDrag");
 
  public:
   static constexpr bool active = true, turns = Exchange::turns, sees_forms = Exchange::sees_forms;

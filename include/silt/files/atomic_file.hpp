@@ -128,7 +128,7 @@ auto read_from(const std::string& path, const Read& read) {
   try {
     return read(file, bytes);
   } catch (const std::bad_alloc&) {
-    throw FileError(text("file '", path, "' of ", bytes, " bytes does not fit into memory"));
+    throw FileError(text("file '", path, "' of ", bytes, " bytes exceeds the memory"));
   }
 }
 

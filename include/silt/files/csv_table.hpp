@@ -118,7 +118,7 @@ class CsvTable {
                              std::isfinite(first)
                                  ? text(", less than the ", before, " of the line above")
                                  : std::string(", which is not a time"),
-                             "; mend or remove the table"));
+                             "; correct or remove the table"));
       if (first <= limit) kept += rest.substr(0, end + 1);
       before = first;
       rest.remove_prefix(end + 1);

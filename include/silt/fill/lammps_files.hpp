@@ -160,7 +160,7 @@ class LammpsDump {
       lines_.need("an atom");
       if (lines_.line().starts_with("ITEM:"))
         lines_.fail("only ", k, " of the ", frame.atoms, " atoms of time step ", frame.step,
-                    " stand before this line; the file is damaged");
+                    " precede this line; the file is damaged");
       for (std::size_t n = 0; n < none; ++n) {
         const Column c = kept[n];
         if (c == columns) {
@@ -240,7 +240,7 @@ class LammpsData {
   }
   void end_of_line() {
     if (!lines_.words().empty())
-      lines_.fail("has ", in_quotes(lines_.words()), " behind its values");
+      lines_.fail("has ", in_quotes(lines_.words()), " after its values");
   }
 
   bool read_atoms() {
@@ -272,7 +272,7 @@ class LammpsData {
   }
 
   bool read_velocities() {
-    if (table_.size() == 0) lines_.fail("'Velocities' stands before 'Atoms'; put it behind");
+    if (table_.size() == 0) lines_.fail("'Velocities' is before 'Atoms'; move it after");
     if (is_double_) lines_.fail("ids of atoms are not unique; velocities cannot be assigned");
     table_.velocity.assign(table_.size(), {0, 0, 0});
     table_.angular_velocity.assign(table_.size(), {0, 0, 0});
@@ -280,7 +280,7 @@ class LammpsData {
       if (begins_section()) return true;
       const auto id = lines_.count("id");
       const auto found = place_.find(id);
-      if (found == place_.end()) lines_.fail("id ", id, " is none of the section 'Atoms'");
+      if (found == place_.end()) lines_.fail("id ", id, " is not in the section 'Atoms'");
       const double vx = lines_.real("vx"), vy = lines_.real("vy"), vz = lines_.real("vz");
       const double wx = lines_.real("wx"), wy = lines_.real("wy"), wz = lines_.real("wz");
       end_of_line();

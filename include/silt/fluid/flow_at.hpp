@@ -225,7 +225,7 @@ FlowValues flow_at(const Flow& flow, const Vec3d& x) {
 /// Errors: InputError if the plane is outside the box, or has no fluid.
 template <FlowOnGrid Flow>
 double mean_pressure_across(const Flow& flow, int d, double where) {
-  require(d >= 0 && d < 3, "mean_pressure_across: direction ", d, " is none of 0, 1, 2");
+  require(d >= 0 && d < 3, "mean_pressure_across: direction ", d, " is not 0, 1 or 2");
   const Grid& g = flow.grid();
   const auto c = static_cast<std::size_t>(d);
   const Vec3d low = g.box().min, high = g.box().max;

@@ -163,7 +163,7 @@ class HeatStep {
     if (!(most <= FluidHeat::most_parts))
       throw FlowStepError(
           text("FlowSolver: heat spreads over ", most, " cells in a step of ", dt,
-               " s; it must be at most ", FluidHeat::most_parts, ": take a step of at most ",
+               " s; it must be at most ", FluidHeat::most_parts, ": use a step of at most ",
                dt * FluidHeat::most_parts / most, " s, or larger cells"),
           dt * FluidHeat::most_parts / most);
     return std::max(1, static_cast<int>(std::ceil(most)));

@@ -127,7 +127,7 @@ class FlowMean {
   /// for `silt cells`: its two coordinates [m], components and magnitude of the mean velocity
   /// [m/s], mean pressure [Pa] and mean void fraction, for a flow with heat the mean temperature.
   void write_plane(const std::string& path, int d, double where) const {
-    require(d >= 0 && d < 3, "FlowMean::write_plane: direction ", d, " is none of 0, 1, 2");
+    require(d >= 0 && d < 3, "FlowMean::write_plane: direction ", d, " is not 0, 1 or 2");
     const Vec3d low = grid().box().min, h = grid().h();
     const double from = d == 0   ? low.x
                         : d == 1 ? low.y

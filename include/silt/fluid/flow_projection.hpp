@@ -78,13 +78,14 @@ class FlowProjection {
         FlowState::added);
     const double mean = excess * dt / static_cast<double>(state.grid.size());
     if (!state.sides.any_open() && std::abs(mean) > 1e-6)
-      throw Error(text(
-          "FlowSolver: ", mean > 0 ? "more" : "less", " fluid comes in than goes out, by ",
-          std::abs(mean),
-          " of the volume in a step, and no side is an Outflow; make one an "
-          "Outflow, or balance the sides' velocities and the particles that come and go. (Where a "
-          "CoupledFlow clips solids at its least_voidage, the clipped volume counts as gone: take "
-          "wider weights or larger cells)"));
+      throw Error(text("FlowSolver: ", mean > 0 ? "more" : "less", " fluid enters than leaves, by ",
+                       std::abs(mean),
+                       " of the volume in a step, and no side is an Outflow; make one an "
+                       "Outflow, or balance the velocities of the sides and the particles added "
+                       "and removed. (Where a "
+                       "CoupledFlow clips solids at its least_voidage, the clipped volume counts "
+                       "as removed: use "
+                       "wider weights or larger cells)"));
     // Residuals below the rounding of the void fraction in this step are not resolved.
     const double norm = norm_of_right(state, team), least = rounding / dt / norm;
     if (!std::isfinite(norm)) throw_no_numbers(state);
@@ -136,7 +137,7 @@ class FlowProjection {
             if (!(std::abs(f(i, j, k)) < too_large))
               throw Error(text("FlowSolver: ", what, " of cell (", i, ", ", j, ", ", k, ") is ",
                                f(i, j, k),
-                               ", from which no velocity follows, however short the step; look at "
+                               ", which gives no velocity for any step, however short; check "
                                "what sets it"));
     };
     for (const CellField& f : state.velocity) look(f, "the velocity");

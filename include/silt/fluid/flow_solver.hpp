@@ -322,7 +322,8 @@ class FlowSolver : public fluid_detail::HeatOfFlow<FlowSolver> {
   }
 
   FlowStep step(double dt, const Team& team = {}) {
-    require(std::isfinite(dt) && dt > 0, "FlowSolver: a step of ", dt, " s is none");
+    require(std::isfinite(dt) && dt > 0, "FlowSolver: a step of ", dt,
+            " s must be finite and greater than 0");
     const bool first = !s_.started;
     if (first) start(team);
     if (s_.jumped) s_.pressure.fill(s_.sides.outlet_pressure());

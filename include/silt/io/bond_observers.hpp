@@ -28,7 +28,7 @@ class BondObserver {
   void begin(const Sim&, double) const {
     static_assert(Sim::has_bonds,
                   "on_bond_break needs a simulation with bonds: give it the policy "
-                  "silt::Bonds{silt::ParallelBond{...}} beside particles and contacts");
+                  "silt::Bonds{silt::ParallelBond{...}} in addition to particles and contacts");
   }
   template <class Sim>
   bool is_due(const Sim&) const {

@@ -31,7 +31,7 @@ class BreakObserver {
   void begin(const Sim&, double) const {
     static_assert(Sim::has_breakage,
                   "on_break needs a simulation whose particles break: give it the policy "
-                  "silt::Breakage{...} beside particles and contacts");
+                  "silt::Breakage{...} in addition to particles and contacts");
   }
   template <class Sim>
   bool is_due(const Sim&) const {

@@ -68,7 +68,7 @@ class Checkpoint {
       try {
         staged = read(sim, path, accepted);
       } catch (const std::bad_alloc&) {
-        throw FileError(text("checkpoint '", path, "' does not fit into memory"));
+        throw FileError(text("checkpoint '", path, "' exceeds the memory"));
       }
     });
     staged->put_into(sim, accepted);

@@ -84,7 +84,7 @@ void check_particles(const CheckpointLoader& a, const State& p, std::size_t mate
     const auto& m = p.motion[k];
     a.need(silt::is_finite(m.velocity()) && std::isfinite(m.inv_m) && m.inv_m >= 0,
            "motion of row ", k, ": velocity ", Vec3d{m.vx, m.vy, m.vz}, " m/s and inverse mass ",
-           m.inv_m, " 1/kg must be finite, and that not negative");
+           m.inv_m, " 1/kg must be finite, and the latter not negative");
     if constexpr (requires { m.inv_r; })
       a.need(std::isfinite(m.wx + m.wy + m.wz) && std::isfinite(m.inv_r), "motion of row ", k,
              ": its spin must be finite");
@@ -107,7 +107,7 @@ void check_particles(const CheckpointLoader& a, const State& p, std::size_t mate
     }
     a.need(silt::is_finite(row.centre()) && std::isfinite(row.r) && row.r > 0, "position of row ",
            k, ": ", row.centre(), " m and radius ", row.r,
-           " m must be finite, and that greater than 0");
+           " m must be finite, and the latter greater than 0");
     if constexpr (requires { m.inv_r; })
       a.need(is_near(m.inv_r * row.r, 1), "motion of row ", k, ": 1/radius = ", m.inv_r,
              " 1/m, but the radius is ", row.r, " m");

@@ -83,10 +83,10 @@ struct CheckpointIndex {
     in.read("clock.step", &of, 1);
     if (of != step)
       throw FileError(text("checkpoint '", path, "' is of step ", step, ", but its block '", name,
-                           "' is of step ", of, ": take the blocks that were written with it"));
+                           "' is of step ", of, ": use the blocks that were written with it"));
     if (in.stamp() != CheckpointStamp{bytes[rank], sums[rank]})
       throw FileError(text("checkpoint '", path, "' was not written with its block '", name,
-                           "', which is of another run: take the blocks that were written with "
+                           "', which belongs to another run: use the blocks that were written with "
                            "it"));
     return in;
   }

@@ -339,7 +339,7 @@ class Checkpoint<Sim>::Staged {
     const auto& flow = lists_.flow;
     a.need(flow.map.determinant() > 0 && flow.searched > 0 && flow.searched <= 1 &&
                flow.pruned >= flow.searched && flow.pruned <= 1 && flow.tightest >= 0,
-           "box: the deformation since the last search is none");
+           "box: the deformation since the last search is invalid");
   }
 
   void read_ledger(const detail::CheckpointLoader& a) requires(Sim::has_ledger) {

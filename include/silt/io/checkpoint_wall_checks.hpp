@@ -57,7 +57,7 @@ bool check_wall_contacts(const CheckpointLoader& a, const typename Contacts::Sta
   for (std::size_t k = 0; k < s.inner.size(); ++k) {
     const auto& c = s.inner[k];
     a.need(c.origin < s.outer.size() && !seen[c.origin] && s.outer[c.origin].key() == c.key(),
-           "walls.inner[", k, "] is none of the outer list");
+           "walls.inner[", k, "] is not in the outer list");
     seen[c.origin] = true;
   }
   a.need(Contacts::has_slots(s), "walls.inner has slots that contacts cannot have");

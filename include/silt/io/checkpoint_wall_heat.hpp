@@ -74,7 +74,7 @@ WallValues<WallHeat> load_wall_heat(const CheckpointLoader& a, const Sim& sim,
     require(own != nullptr && own->value(kind, time) == value, "checkpoint: ", sim.wall_name(w),
             kind == Kind::HeldAt ? " is held at " : " is heated by ", value,
             kind == Kind::HeldAt ? " K" : " W",
-            " by a function of time that set_wall_heat gave it, and a file cannot keep a function; "
+            " by a function of time given to set_wall_heat, which a file cannot contain; "
             "call set_wall_heat with it before load_checkpoint");
   }
   return walls;

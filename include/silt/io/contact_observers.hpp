@@ -20,7 +20,7 @@ class ContactObserver {
     static_assert(
         Sim::has_events,
         "on_contact_begin and on_contact_end need a simulation that watches its contacts: "
-        "give it the policy silt::ContactEvents{} beside particles and contacts");
+        "give it the policy silt::ContactEvents{} in addition to particles and contacts");
   }
   template <class Sim>
   bool is_due(const Sim&) const {

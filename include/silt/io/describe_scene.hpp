@@ -190,7 +190,7 @@ inline void describe_motion(const Describer& is, const Wall& wall) {
         } else if constexpr (std::is_same_v<Drive, FreeBody>) {
           is_driven_by("loads as a free body");
           is("inertia on the diagonal", Vec3d{d.inertia.xx, d.inertia.yy, d.inertia.zz}, "kg m2");
-          is("inertia beside it", Vec3d{d.inertia.xy, d.inertia.yz, d.inertia.zx}, "kg m2");
+          is("products of inertia", Vec3d{d.inertia.xy, d.inertia.yz, d.inertia.zx}, "kg m2");
         }
       },
       wall.drive);

@@ -47,7 +47,7 @@ const auto& flow_of(const Sim& sim) {
   static_assert(
       requires { sim.fluid().flow().grid(); },
       "observers of a flow (flow_probes, pressure_taps, flow_profile, flow_average) need "
-      "a simulation with a CoupledFlow: give it one beside particles and contacts");
+      "a simulation with a CoupledFlow: give it one in addition to particles and contacts");
   return sim.fluid().flow();
 }
 template <class Sim>
@@ -260,7 +260,7 @@ class FlowAverage {
   void begin(const Sim& sim, double end) {
     require(!options_.plane_across || (*options_.plane_across >= 0 && *options_.plane_across < 3),
             "FlowAverageOptions.plane_across = ", options_.plane_across.value_or(0),
-            " is none of 0, 1, 2");
+            " is not 0, 1 or 2");
     detail::flow_of(sim);
     require(mean_.time() > 0 || options_.from < end, "flow_average '", folder_,
             "': FlowAverageOptions.from = ", options_.from, " s is not before the run's end at ",

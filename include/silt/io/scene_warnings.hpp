@@ -169,9 +169,9 @@ bool warn_of_outside(const Sim& sim, const SceneLook& look, std::size_t outlet,
       if (!domain.repeats(d)) continue;
       const double high = low[k] + domain.length(d);
       if (min[k] > high + late || max[k] < low[k] - late)
-        return say("lies outside the periodic box, which repeats along ", "xyz"[d], " from ",
+        return say("is outside the periodic box, which is periodic along ", "xyz"[d], " from ",
                    about(low[k]), " to ", about(high),
-                   " m: a particle that leaves it there comes in at the other side; move the "
+                   " m: a particle that leaves there re-enters at the other side; move the "
                    "outlet into the box, or make the box not periodic along ",
                    "xyz"[d]);
     }
@@ -181,7 +181,7 @@ bool warn_of_outside(const Sim& sim, const SceneLook& look, std::size_t outlet,
                " m: a particle on its way there stops the run; enlarge guard.domain, or move the "
                "outlet into it");
   if (const auto walls = walls_before(sim, region); !walls.empty())
-    return say("lies behind ", walls,
+    return say("is behind ", walls,
                ", and no particle can reach it (a plane is infinite); move it to the side "
                "where particles are, or leave an opening in the wall");
   if (is_far_off(sim, look, region))
@@ -237,7 +237,7 @@ void warn_of_gravity(const Sim& sim, const SceneLook& look, std::vector<std::str
           plane != nullptr && plane->unit().normal.z > 0.999 && !sim.wall(w).moves()) {
         out.push_back(name + text("pulls particles up, off the floor at z = ", plane->point.z,
                                   " m (", sim.wall_name(w),
-                                  "); give it a negative z if down is meant"));
+                                  "); use a negative z if it should point down"));
         return;
       }
 }
@@ -331,7 +331,7 @@ template <class Sim>
 std::string why_nothing_came(const Sim& sim, const Inlet& inlet) {
   if (inlet.placed > 0) return {};
   if (const auto walls = walls_before(sim, inlet.bounds); !walls.empty())
-    return text("lies behind ", walls, " (a plane is infinite); move it to the other side");
+    return text("is behind ", walls, " (a plane is infinite); move it to the other side");
   return {};
 }
 

@@ -58,7 +58,7 @@ class SideView {
   std::uint32_t frames() const { return frames_; }
   /// Marks the pixels with their centres within `radius` [m]; each counts once per frame.
   void add_disc(double x, double z, double radius) {
-    require(frames_ > 0, "SideView: a disc comes before the first next_frame()");
+    require(frames_ > 0, "SideView: call next_frame() before the first disc");
     const double p = seen_.pixel, from_left = x - seen_.left, above = z - seen_.bottom;
     const auto clip = [](double place, std::size_t most) {
       return static_cast<std::size_t>(std::clamp(place, 0.0, static_cast<double>(most)));
@@ -172,7 +172,7 @@ inline ReposeLine repose_line(const Picture& share, const ReposeOptions& options
     if (out.in_line.back()) x.push_back(out.x[k]), z.push_back(out.z[k]);
   }
   require(x.size() >= 5, "repose_line: ", x.size(), " columns lie ", options.from_top,
-          " m and more beside the highest point at x = ", out.top_x,
+          " m and more from the highest point at x = ", out.top_x,
           " m, and a line needs 5; use a smaller from_top or a larger bed");
   out.line = fit_polynomial<1>(x, z);
   const double slope = out.line.a[1] / out.line.scale;

@@ -132,7 +132,7 @@ struct PairsFit {
                 "silt::Apart&, const silt::Seen&, const Fields&, const silt::Seen&, const Fields&) "
                 "const`, public, and in a module with Fields: silt/module/concept.hpp");
   static_assert(!Named::pair_flux || UpdatesByFlux<M>,
-                "a module with pair_flux() needs update(seen, fields, received, dt), which is told "
+                "a module with pair_flux() needs update(seen, fields, received, dt), which gets "
                 "what a particle received: silt/module/concept.hpp");
   static_assert(!Named::pair_stiffness || (SaysPairStiffness<M> && Named::pair_force),
                 "a module's pair_stiffness() does not fit: it must be `double pair_stiffness(const "

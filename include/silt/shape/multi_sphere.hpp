@@ -63,7 +63,7 @@ struct MultiSphere {
     const double far = std::max({std::abs(c.x), std::abs(c.y), std::abs(c.z)});
     require(far <= most_radii_away * ball.radius, "MultiSphere: ball ", k, " of radius ",
             ball.radius, " m is at ", c, " m, where positions are rounded by ", 1.1e-16 * far,
-            " m; move the origin of its frame nearer to the body, or leave so small a ball out");
+            " m; move the origin of its frame closer to the body, or omit such a small ball");
   }
   static constexpr double least_radius = 1e-50;    // [m]
   static constexpr double most_radii_away = 4e10;  // [-] rounding is 1e-5 of the radius there

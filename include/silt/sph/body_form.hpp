@@ -86,7 +86,7 @@ class LiquidForm {
         }
     require(deepest >= 0.9 * s, "Sph: a body of ", scale * e, " m is too thin for a spacing of ",
             setup.spacing,
-            " m: its thickest part must be at least 2 spacings thick; take a "
+            " m: its thickest part must be at least 2 spacings thick; use a "
             "smaller spacing");
     if (!flat) of.share = volume_ / (static_cast<double>(inside) * s * s * s);
     return of;

@@ -190,7 +190,7 @@ class BodyPoints {
       const double R = body.radius;
       if (body.form == sphere) {
         require(R >= 1.5 * s, "Sph: a sphere of radius ", R, " m is too small for a spacing of ", s,
-                " m; it must be at least 1.5 spacings: take a spacing of at most ", R / 1.5, " m");
+                " m; it must be at least 1.5 spacings: use a spacing of at most ", R / 1.5, " m");
         for (double r = R - 0.5 * s; r > 0.25 * s && r > R - 2 * setup.h(); r -= s)
           add_shell(b, r, (2 * R - r) / r, setup);
         continue;

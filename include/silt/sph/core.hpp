@@ -105,7 +105,7 @@ struct SphCore {
     liquid.check(), setup.check(), viscosity.check(), diffusion.check(), shift.check(),
         scheme.check(), keeper.check();
     require(Walls::mirrored || !setup.slip,
-            "SphSetup.slip has no effect with DynamicWalls; leave it out, or take MirroredWalls");
+            "SphSetup.slip has no effect with DynamicWalls; leave it out, or use MirroredWalls");
     full = sph_divergence_of_lattice<Kernel>(setup);
     if constexpr (Shift::shifts) surface_slope = SphSurfaceSlope<Kernel>(setup.dimensions);
     if constexpr (!Time::two_stages) check_verlet();
@@ -125,7 +125,7 @@ struct SphCore {
     require(scheme.restart <= longest, "VerletTime.restart = ", scheme.restart,
             " steps at SphSetup.courant = ", setup.courant,
             " decouples odd and even steps; use at most ", static_cast<int>(longest),
-            ", or leave it out for 5");
+            ", or leave it out (default 5)");
     require(Diffusion::diffuses || !std::is_same_v<Viscosity, Inviscid>,
             "Sph: VerletTime with Inviscid and NoDiffusion has no damping, and gains "
             "energy; use SymplecticTime, or Fourtakas");

@@ -61,7 +61,7 @@ inline void refuse_misfit(const WallParticles& walls, std::span<const Vec3d> liq
              " spacings from wall ", in_quotes(worst->name), " at ", "xyz"[axis], " = ", worst->at,
              " m, not half a spacing; its ", rows, " rows along ", "xyz"[axis], " leave ",
              100 * std::abs(off) / (rows * s + off), off > 0 ? " % empty" : " % too few room",
-             "; lay SphSetup.region.min a whole number of spacings from the wall, and take a "
+             "; put SphSetup.region.min a whole number of spacings from the wall, and use a "
              "spacing that divides the distance of walls that face each other"));
   }
 }

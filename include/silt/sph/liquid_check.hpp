@@ -25,17 +25,17 @@ std::string sph_what_is_wrong(const Core& core, const SphRow& r) {
     if (const auto wall = core.solids.walls.nearest(x); wall.distance < -0.1 * core.setup.spacing)
       return text(what, " has gone through wall ", in_quotes(core.solids.walls.name(wall.wall)),
                   " by ", -wall.distance, " m, with", is,
-                  "; take a smaller spacing, a larger alpha of the viscosity (0.1), or a slower "
+                  "; use a smaller spacing, a larger alpha of the viscosity (0.1), or a slower "
                   "wall");
   const std::string beyond = text(what, " has", is, ", beyond ", core.least_density, " to ",
                                   core.most_density, " of ", core.liquid.density, " kg/m3; ");
   if (speed > 0.2 * c)
     return text(beyond, "that is ", speed / c, " of Liquid.sound_speed = ", c,
-                " m/s, of which speeds may be a tenth; if the scene is as fast as that, take a "
+                " m/s, and speeds may be a tenth of it; if the scene is that fast, use a "
                 "larger Liquid.sound_speed, ",
                 10 * speed, " m/s, else a larger alpha of the viscosity (0.1)");
   return text(beyond,
-              "take a smaller spacing, a larger alpha of the viscosity (0.1) or a smaller "
+              "use a smaller spacing, a larger alpha of the viscosity (0.1) or a smaller "
               "SphSetup.courant; for an isolated drop, whose density no neighbour "
               "supports, a lower Sph::least_density");
 }

@@ -84,7 +84,7 @@ struct SphOpening {
     const double facing[3] = {normal.x, normal.y, normal.z};
     for (std::size_t d = 0; d < 3; ++d)
       require(!sph.periodic[d] || std::abs(facing[d]) < 1e-9, "Sph: ", name, " faces ", "xyz"[d],
-              ", in which the region repeats; liquid comes back there by itself");
+              ", in which the region is periodic; liquid re-enters there by itself");
     const Box b = sph.region.grown(1e-6 * sph.spacing);
     for (const Vec3d& x :
          {o.corner, o.corner + o.edge, sph.dimensions == 2 ? o.corner : o.corner + o.second_edge,
@@ -152,7 +152,7 @@ struct SphOpening {
     require(norm(v) <= 0.1 * liquid.sound_speed * (1 + 1e-9), "Sph: ", called(),
             " has a velocity of ", v, " m/s at ", at, " m, t = ", time,
             " s, faster than a tenth of Liquid.sound_speed = ", liquid.sound_speed,
-            " m/s; take a larger sound_speed");
+            " m/s; use a larger sound_speed");
   }
 };
 

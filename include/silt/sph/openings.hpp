@@ -60,7 +60,7 @@ class SphOpenings {
     for (const One& other : all_)
       require(!meet(one, other) && !meet(other, one), "Sph: ", one.called(), " and ",
               other.called(), " overlap, with the ", depth(),
-              " m behind each that their buffers take; move them apart");
+              " m behind each, which their buffers need; move them apart");
     all_.push_back(std::move(one));
     return all_.size() - 1;
   }

@@ -40,7 +40,7 @@ template <class... Ps>
 struct SphPolicies {
   static_assert(
       ((SphPolicy<Ps> || SphPrecision<Ps> || SphLedger<Ps>)&&...),
-      "Sph: a policy is none of those for SPH: a kernel (WendlandC2, CubicSpline), a "
+      "Sph: a policy is not one of those for SPH: a kernel (WendlandC2, CubicSpline), a "
       "viscosity (ArtificialViscosity, LaminarViscosity, SpsTurbulence, Inviscid), a diffusion "
       "(Fourtakas, MolteniColagrossi, NoDiffusion), Shifting, ShiftingByFastest or NoShifting, "
       "SymplecticTime or VerletTime, MirroredWalls or DynamicWalls, Double or Mixed, "
@@ -94,11 +94,12 @@ struct SphPolicies {
   using Grains = decltype(grains(std::declval<const Ps&>()...));
   using Volume = decltype(volume(std::declval<const Ps&>()...));
   static_assert(!Grains::averaged || Time::two_stages,
-                "Sph: UnresolvedGrains needs SymplecticTime; leave VerletTime out");
-  static_assert(!Grains::averaged || !Volume::restores,
-                "Sph: UnresolvedGrains keep volume by the voidage; leave RestoredVolume out");
+                "Sph: UnresolvedGrains needs SymplecticTime; leave out VerletTime");
+  static_assert(
+      !Grains::averaged || !Volume::restores,
+      "Sph: UnresolvedGrains conserves volume by the void fraction; leave out RestoredVolume");
   static_assert(!(ledger && Volume::restores),
-                "Sph: EnergyLedger has no books of RestoredVolume; leave one of them out");
+                "Sph: EnergyLedger does not support RestoredVolume; leave out one of them");
   /// float with Mixed.
   using PairScalar = std::conditional_t<(false || ... || std::is_same_v<Ps, Mixed>), float, double>;
 };

@@ -195,7 +195,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
       require(rise < 0.05, "Sph::fill: at ", x, " m the pressure of ", p,
               " Pa raises the density by about ", 100 * rise,
               " %, as Liquid.sound_speed = ", liquid().sound_speed,
-              " m/s is too low for it; take at least ", 10 * std::sqrt(2 * p / liquid().density),
+              " m/s is too low for it; use at least ", 10 * std::sqrt(2 * p / liquid().density),
               " m/s, ten times the speed that such a pressure gives");
       r.place(x), r.move(v), r.density = liquid().density_at(p);
       core().columns.add(r, Core::Lists::Liquid, core().next_number++);
@@ -203,7 +203,7 @@ class Sph : private detail::SphCore<detail::SphPolicies<Policies...>> {
     });
     require(
         core().next_number > before, "Sph::fill: no place of the lattice of ", setup().spacing,
-        " m is inside; see that the region and the walls leave room, or take a smaller spacing");
+        " m is inside; check that the region and the walls leave space, or use a smaller spacing");
     if (core().steps == 0) detail::refuse_misfit(core().solids.walls, places(before), setup());
     core().renewed();
     if (!core().solids.bodies.empty()) core().make_room_for_bodies();

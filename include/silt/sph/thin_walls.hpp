@@ -74,7 +74,7 @@ class ThinWalls {
                in_quotes(walls.name(p.wall)), " is ", p.thickness, " m thin near ", one,
                " m and has liquid on both sides, which interacts through it; make it thicker than "
                "2 h = ",
-               2 * setup.h(), " m, or take a spacing of at most ",
+               2 * setup.h(), " m, or use a spacing of at most ",
                p.thickness * setup.spacing / (2 * setup.h()), " m"),
           step, {}, one);
     }

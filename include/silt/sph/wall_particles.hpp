@@ -283,7 +283,7 @@ class WallParticles {
                             " m is thinner than a spacing of ", s,
                             " m and has no particles; liquid passes through it; make it "
                             "thicker than 2 h = ",
-                            2 * setup.h(), " m, or take a smaller spacing"));
+                            2 * setup.h(), " m, or use a smaller spacing"));
     });
   }
   void find_boxes() {

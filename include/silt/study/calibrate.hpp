@@ -116,9 +116,10 @@ class Calibration {
     detail::write_whole(folder + "/posterior.csv", detail::posterior_csv(result_));
     const auto script = detail::calibration_script();
     const bool drawn = detail::draw_study(folder, script, "calibration.png");
-    return text("Look at ", folder, ": ", drawn ? "calibration.png, " : "",
-                "table.txt, calibration.csv, calibration.json, posterior.csv",
-                drawn ? "." : text("; no picture: python3 ", script, " ", folder, " tells why."));
+    return text(
+        "Look at ", folder, ": ", drawn ? "calibration.png, " : "",
+        "table.txt, calibration.csv, calibration.json, posterior.csv",
+        drawn ? "." : text("; no picture: python3 ", script, " ", folder, " gives the reason."));
   }
   /// Prints the table and, if there is a folder, writes the files.
   void report() const {

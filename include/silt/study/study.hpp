@@ -117,7 +117,7 @@ class Study {
     if (!results_.first()) return files + "table.csv, summary.json; nothing ran, so no picture.";
     if (detail::draw_study(folder)) return files + "pareto.png, table.csv, summary.json.";
     return files + text("table.csv, summary.json; no picture: python3 ", detail::study_script(),
-                        " ", folder, " tells why.");
+                        " ", folder, " gives the reason.");
   }
   /// Prints the table and writes the files.
   void report(const std::string& folder) const {

@@ -156,7 +156,7 @@ struct StudyResults {
     if (line.size() == 1) {
       recommended = ran[on_front[0]];
       why = text("Recommended: ", rows[*recommended].name,
-                 ", at once the cheapest and that of the "
+                 ", both the cheapest and that of the "
                  "least ",
                  judged_by(), ".");
     } else if (const auto knee = knee_of(line)) {

@@ -172,11 +172,11 @@ inline Inclination inclination(const InFluid& at) {
 /// A cylinder has the moments of an ellipsoid longer by 2/sqrt(3).
 inline void check_aspect(const char* who, const Zastawny& fit, const FormInFlow* form) {
   require(form, who,
-          " is a fit of one body, but these particles are spheres; take a sphere's drag");
+          " is a fit of one body, but these particles are spheres; use a drag law of spheres");
   const double ratio = form->aspect_ratio();
   require(ratio > 0.9 * fit.aspect && ratio < 1.2 * fit.aspect, who, " is a fit of a body ",
           fit.aspect, " times as long as wide, but a form of the particles is (by its moments) ",
-          ratio, " times; take OrientedDrag and InclinedLift, or the fit of that form");
+          ratio, " times; use OrientedDrag and InclinedLift, or the fit of that form");
 }
 }  // namespace detail
 
