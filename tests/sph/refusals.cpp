@@ -169,7 +169,7 @@ TEST_CASE("SPH: a liquid that is too fast for its sound stops with a sentence") 
                  [](const Vec3d&) { return 0.0; });
         sph.run(0.01);
       },
-      "take a larger Liquid.sound_speed, ");
+      "use a larger Liquid.sound_speed, ");
 }
 
 namespace {
@@ -314,7 +314,7 @@ TEST_CASE("SPH: liquid behind a wall names it, a drop alone its density") {
   refuses<SimulationError>(shot({0.1, 0, 0.11}, {0, 0, -100}, 0.999),
                            "gone through wall 'floor' by ");
   refuses<SimulationError>(shot({0.1, 0, 0.15}, {0, 0, 5}, 1.01),
-                           "take a larger Liquid.sound_speed, 50 ");
+                           "use a larger Liquid.sound_speed, 50 ");
   refuses<SimulationError>(shot({0.1, 0, 0.15}, {0, 0, 0.1}, 1.01), "an isolated drop");
 }
 
