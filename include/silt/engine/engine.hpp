@@ -50,8 +50,8 @@ class Engine : public Tables<Composition> {
   using Scalar = typename Composition::Scalar;  // of the work on pairs
   static constexpr bool predicts = Integrator::derivatives > 0;
   static constexpr bool of_ranks = Composition::has_ranks;
-  static constexpr bool has_bodies = Composition::has_bodies;  // rows are parts of them
-  static constexpr bool convex = Composition::has_surfaces;    // with narrow phases of their own
+  static constexpr bool of_bodies = Composition::of_bodies;  // rows are parts of them
+  static constexpr bool convex = Composition::has_surfaces;  // with narrow phases of their own
   using Modules = typename Composition::Modules;
   using typename Tables<Composition>::State, typename Tables<Composition>::Mover;
   using Tables<Composition>::particles, Tables<Composition>::mover;
@@ -119,7 +119,7 @@ class Engine : public Tables<Composition> {
                 order.end() - static_cast<std::ptrdiff_t>(more), order.end());
     if (more > 0 && ghosts > 0) particles.reorder(order, *team_);
     lists.pairs.make_way(own, more, particles.size()), ranks.make_way(more);
-    if constexpr (has_bodies)
+    if constexpr (of_bodies)
       if (more > 0 && ghosts > 0) {
         mover.follow(particles), follow_bodies(ranks.neighbours, particles);
         if (!mover.synchronous.empty()) mover.synchronous.resize(mover.owned());
@@ -164,7 +164,7 @@ class Engine : public Tables<Composition> {
   void remove_all(std::span<const std::size_t> places, const Domain& domain, double time_step) {
     std::vector<std::uint32_t> rows;
     for (const std::size_t k : places) {
-      if constexpr (has_bodies) {
+      if constexpr (of_bodies) {
         const auto of = mover.rows_of(mover.bodies[k]);
         rows.insert(rows.end(), of.begin(), of.end());
       } else {
@@ -180,7 +180,7 @@ class Engine : public Tables<Composition> {
   void park_ghosts(const IsGone& is_gone) requires(of_ranks) {
     const std::size_t parked = particles.parked;
     std::size_t end = particles.size();
-    if constexpr (has_bodies) end = mover.bodies.size();
+    if constexpr (of_bodies) end = mover.bodies.size();
     for (std::size_t k = this->owners(); k < end; ++k)
       if (const ParticleId id = this->owner(k).id(); id != no_particle && is_gone(id))
         this->park(k);
@@ -192,7 +192,7 @@ class Engine : public Tables<Composition> {
       lists.follow_growth(scene(domain, time_step), row, growth, growth + way);
       include_share(row);
     });
-    if constexpr (has_bodies) lists.follow_change();
+    if constexpr (of_bodies) lists.follow_change();
   }
   void set_material(std::size_t k, std::size_t material) {
     Tables<Composition>::set_material(k, static_cast<std::uint16_t>(material));
@@ -201,7 +201,7 @@ class Engine : public Tables<Composition> {
   /// After the motion of the particle at place k was changed.
   void follow_change(std::size_t k) {
     this->follow_motion(k);
-    if constexpr (!has_bodies) include_share(k);  // bodies measure it when they drift
+    if constexpr (!of_bodies) include_share(k);  // bodies measure it when they drift
   }
   /// Renews what is stale of the lists, and what follows from them.
   void renew_lists(Search& search, const Domain& domain, std::int64_t step, double time_step) {
@@ -210,7 +210,7 @@ class Engine : public Tables<Composition> {
     lists.renew(scene(domain, time_step), search, step);
     if constexpr (Composition::has_bonds) begin_freed_at_walls(*this, ContactsType::offset_from);
     if (!lists.take_renewed()) return;
-    if constexpr (has_bodies)
+    if constexpr (of_bodies)
       if (lists.upkeep.searched_at == step) {
         this->follow(domain);
         if constexpr (of_ranks) follow_bodies(ranks.neighbours, particles);
@@ -421,7 +421,7 @@ class Engine : public Tables<Composition> {
   }
   /// After velocities have changed between kick and drift, so that the lists know.
   void include_speeds() {
-    for (std::size_t k = 0; !has_bodies && k < particles.size(); ++k) include_share(k);
+    for (std::size_t k = 0; !of_bodies && k < particles.size(); ++k) include_share(k);
   }
   /// Completes a step that was observed.
   void drift(double time_step) {
@@ -485,7 +485,7 @@ class Engine : public Tables<Composition> {
   /// Of contacts on particle k [N], before the loads are integrated.
   Vec3d contact_force(std::size_t k) const {
     const auto of = [&](std::size_t row) { return load_part<chunks>(sums_.data(), row, 0); };
-    if constexpr (has_bodies) {
+    if constexpr (of_bodies) {
       Vec3d sum{0, 0, 0};
       for (const std::uint32_t row : mover.rows_of(mover.bodies[k])) sum += of(row);
       return sum;
@@ -551,8 +551,8 @@ class Engine : public Tables<Composition> {
   static constexpr std::size_t beyond_caches = 4 << 20;
 
   // Pairs with ghosts come behind the others; what bodies share of contacts needs them all.
-  static constexpr bool apart = of_ranks && !has_bodies;
-  static constexpr bool shares = has_bodies && !convex;
+  static constexpr bool apart = of_ranks && !of_bodies;
+  static constexpr bool shares = of_bodies && !convex;
   const Scalar* share_pairs([[maybe_unused]] const Domain& domain) {
     if constexpr (shares)
       if (share_contacts) {
@@ -587,7 +587,7 @@ class Engine : public Tables<Composition> {
                    &fluxes_};
   }
   const PartRow* parts() const {
-    if constexpr (has_bodies)
+    if constexpr (of_bodies)
       return particles.part.data();
     else
       return nullptr;
