@@ -17,6 +17,7 @@
 #include <silt/engine/checks/wall_stiffness.hpp>
 #include <silt/engine/contact/contact_memory.hpp>
 #include <silt/engine/lists/near_lists.hpp>
+#include <silt/engine/lists/pair_list.hpp>
 #include <silt/engine/spheres/pair_pipeline.hpp>
 #include <silt/engine/stages_of_shape.hpp>
 
@@ -55,8 +56,9 @@ class Engine : public Tables<Composition> {
   using WallStage =
       typename WallStageOf<convex>::template type<ShapeType, ContactsType, Arch, Scalar, Fluxes,
                                                   Domain::periodic && !deforms<Domain>>;
-  using Lists = NearLists<ContactsType::history, history_in_rows<ContactsType>, Scalar, State,
-                          Search, Domain, Arch, typename WallStage::Contacts, Mover>;
+  using Lists =
+      NearLists<Composition, PairList<ContactsType::history, Scalar, history_in_rows<ContactsType>>,
+                typename WallStage::Contacts, Mover>;
 
   std::vector<Wall> walls;
   [[no_unique_address]] RankStage<typename Composition::Ranks> ranks;

@@ -14,10 +14,11 @@
 #include <silt/engine/lists/box_images.hpp>
 #include <silt/engine/lists/flow_since.hpp>
 #include <silt/engine/lists/list_upkeep.hpp>
+#include <silt/engine/lists/newcomers.hpp>
 #include <silt/engine/lists/occupied_region.hpp>
-#include <silt/engine/lists/pair_list.hpp>
-#include <silt/engine/lists/wall_contacts.hpp>
+#include <silt/engine/lists/wall_candidate.hpp>
 #include <silt/engine/ranks/no_ranks.hpp>
+#include <silt/engine/state/composition.hpp>
 #include <silt/engine/state/particle_state.hpp>
 #include <silt/search/verlet_list.hpp>
 
@@ -26,9 +27,12 @@ namespace silt::inline SILT_TARGET::detail {
 /// The lists of what may touch soon, spheres and walls, and their renewal: which spheres reach how
 /// far (ListUpkeep), search, order of the particles in memory, pruning. Every loop over particles
 /// or pairs is shared between threads, none of which changes a result.
-template <std::size_t H, HistoryRows InRows, class Scalar, class State, class Search, class Domain,
-          class Arch, class Walls, class Mover>
+template <class Composition, class Pairs, class Walls, class Mover>
 class NearLists {
+  using State = ParticleState<Composition>;
+  using Search = typename Composition::Search;
+  using Domain = typename Composition::Domain;
+
  public:
   /// What the lists are of.
   struct Scene {
@@ -42,7 +46,7 @@ class NearLists {
     Mover& mover;
   };
 
-  PairList<H, Scalar, InRows> pairs;
+  Pairs pairs;
   Walls walls;
   ListUpkeep upkeep;
   AlignedVector<Vec3d> reference;          // [m] positions at the last search
@@ -107,7 +111,7 @@ class NearLists {
   /// Takes in pairs that were left out so far, as their bonds have just broken, with histories
   /// that are carried along even if the next step searches.
   void join_pairs(const Scene& scene, std::span<const IndexPair> broken,
-                  const std::array<Scalar, H>& start) {
+                  const typename Pairs::Memory& start) {
     std::vector<NewPair> more;
     for (const IndexPair& p : broken) more.push_back({p, true});
     pairs.join(more, scene.particles.size(), start);
@@ -293,83 +297,24 @@ class NearLists {
       return step % 1000 == 0;
   }
 
-  void find_pairs(const Scene& scene, Search& search, double wall_speed, std::int64_t step) {
-    State& particles = scene.particles;
-    const Team& team = scene.team;
-    std::size_t before = particles.size();
-    previous_.resize(before);
-    std::iota(previous_.begin(), previous_.end(), 0u);
-    if constexpr (State::of_ranks)
-      change_ranks(scene, step);
-    else if (particles.parked > 0)
-      drop_parked(scene);
-    if constexpr (Domain::periodic) {
-      if constexpr (!State::of_ranks) wrap(scene);
-      check_range(scene.domain, scene.particles, scene.range);
-    }
-    choose_skins(scene, search, wall_speed);
-    reach_out(scene, wall_speed);
-
-    auto& find = finder_of(search);
-    const auto grown_rows = [&] {
-      return std::span<const PositionRow>(grown_.data(), grown_.size());
-    };
-    const auto spheres = [&] { return SphereSet{grown_rows(), largest_grown_}; };
-    bool is_found = false;
-    if constexpr (requires { find.order(spheres(), 0.0, scene.domain, team, order_); })
-      if (is_to_sort(search, step)) {
-        if constexpr (flows)
-          find.order(spheres(), 0.0, OpenDomain{}, team, order_);
-        else
-          find.order(spheres(), 0.0, scene.domain, team, order_);
-        apply_order(scene);
-        if constexpr (flows || State::of_ranks)
-          ;
-        else if constexpr (requires { find.find_ordered(0.0, scene.domain, team, found_); })
-          find.find_ordered(0.0, scene.domain, team, found_), is_found = true;
-      }
-    if constexpr (State::of_ranks)
-      scene.ranks.meet("the order of a search"), add_ghosts(scene), before = change_.places();
-    if constexpr (flows)
-      images_.find(find, grown_rows(), largest_grown_, scene.domain, team, found_), flow.search();
-    else if (!is_found)
-      find.find(spheres(), 0.0, scene.domain, team, found_);
-    pairs.set_outer(found_, particles, before, team);
-    if constexpr (State::of_ranks) pairs.take_in(change_.pairs_brought(rows_of(scene)));
-    if (found_.size() > 1000000) found_ = {};  // its memory would lie idle until the next search
-    const double of_walls = upkeep.outer_wall + scene.range / 2;
-    walls.search(scene.walls, {grown_.data(), particles.owned()}, of_walls, previous_, scene.domain,
-                 team, particles.size());
-    if constexpr (State::of_ranks) walls.take_in(change_.walls_brought());
-    if constexpr (State::bonded)
-      std::erase_if(walls.found(),
-                    [&bonds = particles.bonds, &id = particles.id](const WallCandidate& c) {
-                      return bonds.holds(id[c.particle], bonds.id_of_wall(c.wall));
-                    });
-
-    if constexpr (State::of_ranks) scene.ranks.meet("a search");
-    reference.resize(particles.size());
-    team.for_ranges(particles.size(), [&](std::size_t, std::size_t from, std::size_t to) {
-      for (std::size_t k = from; k < to; ++k) reference[k] = particles.position[k].centre();
-    });
-    searched_walls.set(scene.walls, occupied_region(scene).grown(largest_grown_ + of_walls));
-    first_pruning_ = true;
+  void find_pairs(const Scene& scene, Search& search, double wall_speed, std::int64_t step);
+  /// Notes the rows as they are; then those that have left go, and the others are brought into the
+  /// box, on many ranks to those that own their places.
+  void take_stock(const Scene& scene, std::int64_t step);
+  /// The spheres that are grown by their reaches.
+  SphereSet grown() const {
+    return {std::span<const PositionRow>(grown_.data(), grown_.size()), largest_grown_};
   }
+  /// Brings the rows into the order of their cells, if this search is to do so. Returns whether it
+  /// has found the pairs by that.
+  bool sort_rows(const Scene& scene, Search& search, std::int64_t step);
+  void find_near(const Scene& scene, Search& search);
+  /// Likewise spheres near walls, but those that bonds hold there.
+  void find_walls(const Scene& scene, double reach);
+  /// Notes where particles and walls are, from which their ways are measured.
+  void mark_places(const Scene& scene, double of_walls);
 
-  void wrap(const Scene& scene) {
-    auto& position = scene.particles.position;
-    scene.team.for_ranges(
-        scene.particles.size(), [&](std::size_t, std::size_t from, std::size_t to) {
-          for (std::size_t k = from; k < to; ++k) {
-            const Vec3d p = scene.domain.wrapped(position[k].centre());
-            if constexpr (State::of_bodies)
-              scene.particles.part[k].image += p - position[k].centre();
-            if constexpr (flows)
-              scene.particles.add_velocity(k, scene.domain.carried(p - position[k].centre()));
-            position[k] = {p.x, p.y, p.z, position[k].r};
-          }
-        });
-  }
+  void wrap(const Scene& scene);
 
   Box occupied_region(const Scene& scene) const {
     const Box region = detail::occupied_region(scene.particles, scene.team);
@@ -377,48 +322,15 @@ class NearLists {
     return region;
   }
 
-  // --- ranks --------------------------------------------------------------------------------
-
   auto rows_of(const Scene& scene) {
     return typename Change::Rows{scene.particles, scene.mover, previous_, anticipated_, scene.team};
   }
-  void change_ranks(const Scene& scene, std::int64_t step) {
-    if constexpr (Domain::periodic) {
-      wrap(scene);
-      if constexpr (State::of_bodies) scene.mover.wrap(scene.particles, scene.domain);
-    }
-    scene.ranks.meet("the start of a search");
-    walls.set_aside();
-    change_.move(scene.ranks, rows_of(scene), pairs, walls, step);
-  }
-  void add_ghosts(const Scene& scene) {
-    const std::size_t owned = scene.particles.size();
-    change_.add_ghosts(scene.ranks, rows_of(scene), {grown_.data(), owned}, scene.domain,
-                       upkeep.outer);
-    grown_.resize(scene.particles.size());
-    for (std::size_t k = owned; k < grown_.size(); ++k) {
-      grown_[k] = scene.particles.position[k];
-      grown_[k].r += upkeep.outer[k] + scene.range / 2;
-    }
-    for (const PositionRow& p : grown_) largest_grown_ = std::max(largest_grown_, p.r);
-    largest_grown_ = scene.ranks.max_of(largest_grown_);
-  }
+  void change_ranks(const Scene& scene, std::int64_t step);
+  void add_ghosts(const Scene& scene);
 
-  void drop_parked(const Scene& scene) {
-    order_.clear();
-    for (std::uint32_t k = 0; k < scene.particles.size(); ++k)
-      if (!scene.particles.is_parked(k)) order_.push_back(k);
-    scene.particles.reorder(order_, scene.team);
-    gather(previous_, order_, scene.team), gather(anticipated_, order_, scene.team);
-    scene.particles.parked = 0;
-    scene.particles.measure();
-  }
+  void drop_parked(const Scene& scene);
 
-  void apply_order(const Scene& scene) {
-    scene.particles.reorder(order_, scene.team);
-    gather(previous_, order_, scene.team);
-    gather(upkeep.outer, order_, scene.team), gather(grown_, order_, scene.team);
-  }
+  void apply_order(const Scene& scene);
 
   // --- pruning ------------------------------------------------------------------------------
 
@@ -431,8 +343,8 @@ class NearLists {
         grown_[k] = rows[k], grown_[k].r += upkeep.inner[k] + scene.range / 2;
     });
     const std::span<const std::uint32_t> none, before(previous_);
-    pairs.template prune<Arch>({grown_.data(), n}, scene.domain, first_pruning_ ? before : none,
-                               scene.team);
+    pairs.template prune<typename Composition::Arch>({grown_.data(), n}, scene.domain,
+                                                     first_pruning_ ? before : none, scene.team);
     prune_walls(scene, 0);
     pruned_walls.set(scene.walls, searched_walls.region());
     upkeep.used = 0;
@@ -449,7 +361,7 @@ class NearLists {
     return most;
   }
 
-  using Change = RankChange<State, Mover, PairList<H, Scalar, InRows>, Walls>;
+  using Change = RankChange<State, Mover, Pairs, Walls>;
   struct NoChange {};
   [[no_unique_address]] std::conditional_t<State::of_ranks, Change, NoChange> change_;
   [[no_unique_address]] std::conditional_t<flows, BoxImages, NoFlow> images_;
@@ -462,3 +374,5 @@ class NearLists {
 };
 
 }  // namespace silt::detail
+
+#include <silt/engine/lists/find_pairs.hpp>
