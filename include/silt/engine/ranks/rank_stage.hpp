@@ -18,27 +18,17 @@
 #include <utility>
 #include <vector>
 
-#include <silt/boundary/wall_drive.hpp>
 #include <silt/core/box.hpp>
 #include <silt/core/position_row.hpp>
 #include <silt/engine/ranks/no_ranks.hpp>
 #include <silt/engine/ranks/packed.hpp>
+#include <silt/engine/ranks/passed_rows.hpp>
 #include <silt/engine/ranks/rank_bodies.hpp>
+#include <silt/engine/ranks/rank_wall_loads.hpp>
 #include <silt/parallel/agree.hpp>
 #include <silt/parallel/ranks.hpp>
 
 namespace silt::inline SILT_TARGET::detail {
-
-/// What passes between a rank and another at each step: rows of its own that the other has as
-/// ghosts, and its ghosts that the other owns.
-struct RankNeighbour {
-  int rank;
-  std::vector<std::uint32_t> send;   // own rows
-  std::uint32_t first = 0, end = 0;  // ghost rows
-  // Of bodies: the same of them, whose parts the rows are.
-  std::vector<std::uint32_t> send_bodies{};
-  std::uint32_t first_body = 0, end_body = 0;
-};
 
 /// What has been counted since the start, of this rank.
 struct RankCounts {
@@ -197,70 +187,37 @@ class RankStage {
   /// Likewise the numbers of a column.
   template <class Column>
   void share(Column& column) {
-    const auto passed = rows_of<double>([&](std::uint32_t k) { return column[k]; },
-                                        [&](std::uint32_t k, double value) { column[k] = value; });
+    const auto passed =
+        pass_rows<double>([&](std::uint32_t k) { return column[k]; },
+                          [&](std::uint32_t k, double value) { column[k] = value; });
     begin(passed);
     if (under_way_) finish(passed);
   }
 
-  /// Makes the loads of walls, which are those of own particles, the loads of all ranks' particles;
-  /// unless for `all`, of walls with a drive alone, which need them at each step, and without their
-  /// impulses. One message, or none.
+  /// RankWallLoads::share(); one message, or none (collective).
   template <class Walls>
   void share_loads(Walls& walls, bool all) {
-    if (size() == 1) return;
-    shared_.resize(walls.size()), own_.resize(walls.size());
-    const auto for_each_number = [&](const auto& number) {
-      for (std::size_t w = 0; w < walls.size(); ++w) {
-        auto& wall = walls[w];
-        if (!all && !wall.is_driven()) continue;
-        const auto vector = [&](Vec3d& v) { number(v.x), number(v.y), number(v.z); };
-        vector(wall.force), vector(wall.torque);
-        if (is_servo(wall.drive)) number(of_servos[w][0]), number(of_servos[w][1]);
-        if (!all) continue;
-        vector(wall.impulse), vector(wall.angular_impulse), number(wall.belt_power);
-      }
-    };
-    for (std::size_t w = 0; all && w < walls.size(); ++w) {
-      own_[w].impulse += walls[w].impulse - shared_[w].impulse;
-      own_[w].angular += walls[w].angular_impulse - shared_[w].angular;
-      walls[w].impulse = own_[w].impulse, walls[w].angular_impulse = own_[w].angular;
-    }
-    std::vector<double> numbers;
-    for_each_number([&](double x) { numbers.push_back(x); });
-    if (numbers.empty()) return;
-    sum_of(numbers);
-    const double* next = numbers.data();
-    for_each_number([&](double& x) { x = *next++; });
-    for (std::size_t w = 0; all && w < walls.size(); ++w)
-      shared_[w] = {walls[w].impulse, walls[w].angular_impulse};
+    if (size() > 1)
+      wall_loads_.share(walls, all, of_servos, [this](std::span<double> x) { sum_of(x); });
   }
-  /// After the point that the loads of wall w are taken about has moved: by `back` [m] to the one
-  /// before.
-  void move_reference(std::size_t w, const Vec3d& back) {
-    if (w >= own_.size()) return;
-    own_[w].angular += cross(back, own_[w].impulse);
-    shared_[w].angular += cross(back, shared_[w].impulse);
-  }
+  /// RankWallLoads::move_reference()
+  void move_reference(std::size_t w, const Vec3d& back) { wall_loads_.move_reference(w, back); }
 
   // --- what a checkpoint keeps --------------------------------------------------------------
 
-  struct Impulses {
-    Vec3d impulse{0, 0, 0}, angular{0, 0, 0};  // [N s], [N m s]
-  };
   struct State {
-    std::vector<Impulses> own, shared;  // of walls: by own particles; by all, when last shared
+    RankWallLoads loads;
     std::size_t present = 0;
     std::int64_t last_step = 0;
     double lost = 0, moved = -1;  // Rebalance
   };
   State state(std::size_t walls) const {
-    State s{own_, shared_, present_, last_step_, policy_->rebalance.lost, policy_->rebalance.moved};
-    s.own.resize(walls), s.shared.resize(walls);
+    State s{wall_loads_, present_, last_step_, policy_->rebalance.lost, policy_->rebalance.moved};
+    s.loads.resize(walls);
     return s;
   }
   void restore(State s) {
-    own_ = std::move(s.own), shared_ = std::move(s.shared), present_ = s.present;
+    wall_loads_ = std::move(s.loads), present_ = s.present;
     last_step_ = s.last_step, policy_->rebalance.lost = s.lost, policy_->rebalance.moved = s.moved;
   }
   using PartsType = std::remove_cvref_t<decltype(std::declval<Policy&>().parts)>;
@@ -366,101 +323,7 @@ class RankStage {
     return deliver(policy_->comm, messages);
   }
 
-  /// Which own rows each rank must have as ghosts: those that may touch one of its own, of spheres
-  /// that are grown by how far they reach.
-  template <class Domain>
-  std::vector<std::vector<std::uint32_t>> choose_ghosts(std::span<const PositionRow> grown,
-                                                        const Domain& domain) {
-    Box own;
-    double largest = 0;
-    for (const PositionRow& p : grown) own.include(p.centre()), largest = std::max(largest, p.r);
-    const std::array<double, 7> part{own.min.x, own.min.y, own.min.z, own.max.x,
-                                     own.max.y, own.max.z, largest};
-    const auto parts = gather(policy_->comm, std::span<const double>(part));
-    std::vector<std::vector<std::uint32_t>> to(static_cast<std::size_t>(size()));
-    for (int r = 0; r < size(); ++r) {
-      const auto other = parts[r];
-      if (r == rank() || !(other[0] <= other[3])) continue;  // it has no particles
-      const Vec3d centre{(other[0] + other[3]) / 2, (other[1] + other[4]) / 2,
-                         (other[2] + other[5]) / 2},
-          half{(other[3] - other[0]) / 2, (other[4] - other[1]) / 2, (other[5] - other[2]) / 2};
-      for (std::uint32_t k = 0; k < grown.size(); ++k) {
-        Vec3d d = grown[k].centre() - centre;
-        if constexpr (Domain::periodic) d = domain.shortest(d);
-        const Vec3d out{std::max(std::abs(d.x) - half.x, 0.0),
-                        std::max(std::abs(d.y) - half.y, 0.0),
-                        std::max(std::abs(d.z) - half.z, 0.0)};
-        const double reach = grown[k].r + other[6];
-        if (dot(out, out) < (1 + 1e-12) * reach * reach)
-          to[static_cast<std::size_t>(r)].push_back(k);
-      }
-    }
-    return to;
-  }
-
  private:
-  /// What is sent of each row of a kind (rows, or bodies) and set in the ghost of it.
-  template <class Value, bool OfBodies, class Get, class Set>
-  struct Passed {
-    static constexpr std::size_t bytes = sizeof(Value);
-    Get get;
-    Set set;
-    static const auto& sent(const RankNeighbour& n) { return OfBodies ? n.send_bodies : n.send; }
-    static std::uint32_t first(const RankNeighbour& n) { return OfBodies ? n.first_body : n.first; }
-    static std::uint32_t end(const RankNeighbour& n) { return OfBodies ? n.end_body : n.end; }
-    void put(const RankNeighbour& n, std::byte*& to) const {
-      for (const std::uint32_t k : sent(n)) {
-        const Value value = get(k);
-        std::memcpy(to, &value, bytes), to += bytes;
-      }
-    }
-    void take(const RankNeighbour& n, const std::byte*& from) const {
-      for (std::uint32_t k = first(n); k < end(n); ++k) {
-        Value value;
-        std::memcpy(&value, from, bytes), from += bytes;
-        set(k, value);
-      }
-    }
-  };
-  template <class Value, class Get, class Set>
-  static auto rows_of(Get get, Set set) {
-    return Passed<Value, false, Get, Set>{get, set};
-  }
-  template <class Value, class Get, class Set>
-  static auto bodies_of(Get get, Set set) {
-    return Passed<Value, true, Get, Set>{get, set};
-  }
-
-  template <class State, class Mover, class Visit>
-  static void with_refreshed(State& particles, [[maybe_unused]] Mover& mover, const Visit& visit) {
-    const auto rows = rows_of<RowState<State, Mover>>(
-        [&](std::uint32_t k) { return RowState<State, Mover>::of(particles, mover, k); },
-        [&](std::uint32_t k, const auto& row) { row.give(particles, mover, k); });
-    if constexpr (State::of_bodies)
-      with_fields<true>(
-          mover.modules, visit, rows,
-          bodies_of<BodyState>([&](std::uint32_t k) { return BodyState::of(mover, k); },
-                               [&](std::uint32_t k, const BodyState& b) { b.give(mover, k); }));
-    else
-      with_fields<false>(particles.modules, visit, rows);
-  }
-  /// ... and with what fluxes of modules read, if there are any; of bodies, or rows.
-  template <bool OfBodies, class Columns, class Visit, class... Passed>
-  static void with_fields([[maybe_unused]] Columns& columns, const Visit& visit,
-                          const Passed&... passed) {
-    using Fields = typename Columns::ForFlux;
-    if constexpr (std::tuple_size_v < Fields >> 0) {
-      const auto get = [&](std::uint32_t k) { return columns.for_flux(k); };
-      const auto set = [&](std::uint32_t k, const Fields& f) { columns.set_for_flux(k, f); };
-      if constexpr (OfBodies)
-        visit(passed..., bodies_of<Fields>(get, set));
-      else
-        visit(passed..., rows_of<Fields>(get, set));
-    } else {
-      visit(passed...);
-    }
-  }
-
   /// Sends one message to each neighbour.
   template <class... Passed>
   void begin(const Passed&... passed) {
@@ -494,8 +357,8 @@ class RankStage {
   }
 
   std::optional<Policy> policy_;
-  mutable std::exception_ptr late_;     // until_later()
-  std::vector<Impulses> own_, shared_;  // of walls: by own particles; by all, when last shared
+  mutable std::exception_ptr late_;  // until_later()
+  RankWallLoads wall_loads_;
   std::size_t present_ = 0;
   std::int64_t last_step_ = 0;  // in which ranks were chosen
   using Exchange = decltype(std::declval<const decltype(Policy::comm)&>().exchange(
