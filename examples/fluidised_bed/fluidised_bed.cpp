@@ -28,6 +28,7 @@
 #include <silt/coupling/drag/laws.hpp>
 #include <silt/coupling/drag/oriented.hpp>
 #include <silt/coupling/formulas.hpp>
+#include <silt/eigen.hpp>
 #include <silt/io/flow_observers.hpp>
 #include <silt/shape/super_ellipsoid.hpp>
 #include <silt/silt.hpp>
@@ -347,11 +348,15 @@ double write_heights(const std::string& path, const silt::FlowMean& mean, const 
 
 /// Where p = a U + b U^2 through points (least squares) reaches `level`.
 double crossing(const std::vector<std::array<double, 2>>& points, double level) {
-  double uu = 0, uuu = 0, u4 = 0, up = 0, uup = 0;
-  for (const auto& [u, p] : points)
-    uu += u * u, uuu += u * u * u, u4 += u * u * u * u, up += u * p, uup += u * u * p;
-  const double det = uu * u4 - uuu * uuu;
-  const double a = (up * u4 - uup * uuu) / det, b = (uu * uup - uuu * up) / det;
+  Eigen::MatrixXd u(static_cast<Eigen::Index>(points.size()), 2);
+  Eigen::VectorXd p(u.rows());
+  for (Eigen::Index k = 0; k < u.rows(); ++k) {
+    const auto& [speed, drop] = points[static_cast<std::size_t>(k)];
+    u.row(k) << speed, speed * speed;
+    p[k] = drop;
+  }
+  const Eigen::VectorXd value = silt::fit_linear(u, p).value;
+  const double a = value[0], b = value[1];
   return 2 * level / (a + std::sqrt(a * a + 4 * b * level));
 }
 
