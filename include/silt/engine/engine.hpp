@@ -23,8 +23,8 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The state of a simulation and the stages of its step, each a plain function of state. Knows the
-/// policies, but neither observers nor files nor the order of the stages: that is Simulation's.
+/// The state of a simulation, and each stage of a time step as a function of it. The engine knows
+/// the policies, but no observers and no files; Simulation calls the stages in their order.
 template <class Composition>
 class Engine : public Tables<Composition> {
   using ContactsType = typename Composition::Contacts;
@@ -70,7 +70,7 @@ class Engine : public Tables<Composition> {
   bool finite = true;            // all velocities, after the last kick
   bool share_contacts = true;    // of bodies: SharedContacts
   ContactRecord record;          // of the last step, if somebody asks
-  std::uint64_t safeguards = 0;  // [-] in which a law's safeguard has acted, since the start
+  std::uint64_t safeguards = 0;  // [-] contacts that a law's safeguard has ended, since the start
   [[no_unique_address]] VirialOf<ContactsType> virial;  // of the last step
   EnergyOf<ContactsType, double> contact_energy = start_energy<ContactsType, double>();
   static constexpr bool has_events = keeps_events<ContactsType>;
@@ -111,56 +111,60 @@ class Engine : public Tables<Composition> {
   void join_own(std::size_t more) requires(Composition::has_ranks);
   /// Takes the rows from `first` on, which have just come, into the lists.
   void join_lists(const Domain& domain, double time_step, std::size_t first);
-  /// Takes in pairs that bonds held so far: what they overlap by now is left out of their contacts.
+  /// Adds pairs whose bonds have just broken to the lists. Their contacts start without the overlap
+  /// that they have now.
   void join_pairs(const Domain& domain, double time_step, std::span<const IndexPair> pairs);
-  /// The row of a sphere, its own or a ghost's; as many as there are rows where there is none.
+  /// The row of the sphere with this id, which may be a ghost; the number of rows if there is none.
   std::size_t row_of(ParticleId id) const;
   /// Loads on the rows, 4 * chunks Scalars each, between the contacts and the integration.
   Scalar* load_sums() { return sums_.data(); }
-  /// Takes the particle at place k away at any time; park() alone is for just before a pruning.
+  /// Removes the particle at place k, at any time. park() alone is allowed only just before a
+  /// pruning.
   void remove(std::size_t k, const Domain& domain, double time_step) {
     remove_all({&k, 1}, domain, time_step);
   }
   /// Likewise those at several places.
   void remove_all(std::span<const std::size_t> places, const Domain& domain, double time_step);
-  /// Takes ghosts out of all contacts whose particles, by their ids, are gone on their own ranks.
+  /// Ends all contacts of ghosts whose particles were removed on their own ranks; is_gone(id) says
+  /// of which.
   template <class IsGone>
   void park_ghosts(const IsGone& is_gone) requires(Composition::has_ranks);
-  /// Gives the particle at place k another radius [m], of bodies that of the bounding sphere.
+  /// Sets the radius [m] of the particle at place k; for a body, that of its bounding sphere.
   void set_radius(std::size_t k, double radius, const Domain& domain, double time_step);
   void set_material(std::size_t k, std::size_t material) {
     Tables<Composition>::set_material(k, static_cast<std::uint16_t>(material));
     lists.follow_change();
   }
-  /// After the motion of the particle at place k was changed.
+  /// To be called after the motion of the particle at place k was changed.
   void follow_change(std::size_t k) {
     this->follow_motion(k);
     if constexpr (!of_bodies) include_share(k);  // bodies measure it when they drift
   }
-  /// Renews what is stale of the lists, and what follows from them.
+  /// Prunes or searches where the lists no longer hold, and renews what follows from them.
   void renew_lists(Search& search, const Domain& domain, std::int64_t step, double time_step);
 
   // --- forces -------------------------------------------------------------------------------
 
-  /// Before the contacts of a step, and after them: what flows through them for modules.
+  /// What flows through contacts for modules: prepared before the contacts of a step, collected
+  /// after them.
   template <class Stage>
   void prepare_fluxes(const Stage& stage, double time, FluxLook look);
   void collect_fluxes();
-  /// When the ghosts have come: what flows to and from them.
+  /// The same for ghosts, once their state has arrived.
   void prepare_ghost_fluxes(double time) requires(Composition::has_ranks);
 
   const Fluxes& fluxes() const { return fluxes_; }
   Fluxes& fluxes() { return fluxes_; }
 
   void pair_forces(const Domain& domain, const StepTimes& times);
-  /// The same of spheres' pairs with ghosts, when these have come.
+  /// The forces between spheres and ghosts, once the state of the ghosts has arrived.
   void ghost_forces(const Domain& domain, const StepTimes& times) requires(Composition::has_ranks);
   template <PairsOf Which>
   Tally<ContactsType> sphere_pairs(const Domain& domain, const StepTimes& times);
   void take(const Tally<ContactsType>& tally);
 
   void wall_forces(const StepTimes& times);
-  /// Adds what is known of more contacts.
+  /// Adds the tally of more contacts to that of the step.
   template <class MoreTally>
   void include(const MoreTally& tally);
 
@@ -173,10 +177,11 @@ class Engine : public Tables<Composition> {
     return walls.empty() ? std::nullopt : wall_pipeline_.crowded();
   }
 
-  /// The kick of driven walls over `kick_time` [s] by the loads of this step; see push_wall(). On
-  /// many ranks by those of all, when these are known.
+  /// Kicks driven walls for `kick_time` [s] by the loads of this step (push_wall()). On many ranks
+  /// the loads of all ranks must be known.
   void push_walls(const Vec3d& gravity, double kick_time, double time_step, bool first_kick);
-  /// Before particles move on: what push_walls() will need of the contacts of this rank.
+  /// Notes the stiffness at servo walls of this rank's contacts, which push_walls() needs; to be
+  /// called before particles move on.
   void look_at_servos() requires(Composition::has_ranks);
   // --- integration --------------------------------------------------------------------------
 
@@ -187,27 +192,28 @@ class Engine : public Tables<Composition> {
   /// then).
   void integrate(Advance how, const Vec3d& gravity, double kick_time, double time_step,
                  bool first_kick);
-  /// Does a step's work, which may find that observers see it, on all ranks or on none; then all
-  /// know of each other's speeds and overlaps, or throw what one has thrown (collective).
+  /// Does the work of a step, which may set `observed`, on all ranks alike. Afterwards all ranks
+  /// know the largest speed and overlap of all, or all throw what one of them has thrown
+  /// (collective).
   template <class Work>
   void together(const char* call, double time_step, const bool& observed,
                 const Work& work) requires(Composition::has_ranks);
   void agree(const char* call,
              const std::exception_ptr& error = nullptr) requires(Composition::has_ranks);
-  /// Begins to give the ghosts the places and motions that they have on their own ranks.
+  /// Starts to send the ghosts the positions and motions that they have on their own ranks.
   void refresh_ghosts() requires(Composition::has_ranks) { ranks.begin_refresh(particles, mover); }
-  /// ... and ends: between kick and drift of a step that is observed, where ghosts are a kick
-  /// behind.
+  /// Starts and waits: for the time between kick and drift of an observed step, when ghosts are a
+  /// kick behind.
   void refresh_ghosts_now() requires(Composition::has_ranks) {
     refresh_ghosts(), ranks.finish_refresh(particles, mover);
   }
-  /// After an observed state: the step will be `ratio` times as long.
+  /// Prepares a time step that is `ratio` times as long; after an observed state.
   void change_step(double ratio) {
     mover.change_step(particles, ratio);
     for (auto& wall : walls) change_wall_step(wall, ratio);
     particles.renew_pair_motion(*team_);
   }
-  /// After velocities have changed between kick and drift, so that the lists know.
+  /// Tells the lists of velocities that have changed between kick and drift.
   void include_speeds() {
     for (std::size_t k = 0; !of_bodies && k < particles.size(); ++k) include_share(k);
   }
@@ -216,23 +222,23 @@ class Engine : public Tables<Composition> {
 
   // --- a box that deforms -------------------------------------------------------------------
 
-  /// Gives the box the rates of the next step, and the particles what these change.
+  /// Chooses the box's rates for the next step and changes the velocities of particles by them.
   void kick_box(Domain& box, double time_step, bool first, bool observed);
-  /// After an observed kick: what was recorded is the velocity of this instant.
+  /// Corrects the recorded velocities to those of this instant, after an observed kick.
   void record_flow(const Domain& box);
-  /// After the particles have drifted for a step.
+  /// Deforms the box for a step, after the particles have drifted.
   void move_box(Domain& box, double time_step);
 
-  /// Of pairs of two ranks those whose first particle is of this one.
+  /// [-] that overlap. A pair of two ranks counts where its first particle is owned.
   std::size_t touching_pairs(const Domain& domain) const;
-  /// [m] of the smallest sphere, or of the largest one inside the thinnest convex body.
+  /// [m] radius of the smallest sphere, or of the inscribed sphere of the thinnest convex body.
   double least_radius() const {
     if constexpr (convex)
       return mover.convex_rows.least_radius;
     else
       return particles.smallest_radius;
   }
-  /// Of contacts on particle k [N], before the loads are integrated.
+  /// The force [N] of contacts on particle k, before the loads are integrated.
   Vec3d contact_force(std::size_t k) const;
   const Team& team() const { return *team_; }
   /// Completes a restored state.
@@ -258,20 +264,21 @@ class Engine : public Tables<Composition> {
     const Vec3d v = particles.motion[row].velocity();
     largest_share = std::max(largest_share, std::sqrt(dot(v, v) * per_inner2[row]));
   }
-  /// What the lists are of, now.
+  /// What the lists are made of, as it is now.
   typename Lists::Scene scene(const Domain& domain, double time_step) {
     return {particles, walls,     domain,
             *team_,    time_step, largest_range(coefficients, particles.largest_radius),
             ranks,     mover};
   }
-  /// On one rank that of the step is as good, and what one process takes.
+  /// Whether paces of bodies are relative to the mean velocity that all ranks have agreed on. One
+  /// rank alone takes the mean of the step, as one process does.
   bool has_agreed_mean() const {
     if constexpr (of_ranks)
       return ranks.size() > 1;
     else
       return false;
   }
-  /// They are kicked on their own ranks.
+  /// Ghosts are kicked on their own ranks.
   void forget_loads_of_ghosts() {
     std::fill(sums_.begin() + static_cast<std::ptrdiff_t>(particles.owned() * 4 * chunks),
               sums_.begin() + static_cast<std::ptrdiff_t>(particles.size() * 4 * chunks),
@@ -279,11 +286,12 @@ class Engine : public Tables<Composition> {
   }
   void note(const ContactNotes& notes);
 
-  // From here on fetching ahead has paid: more than second-level caches hold, and than one may
-  // count on of a last-level cache that others use too.
+  // [bytes] Prefetching pays above this size: it exceeds second-level caches and a fair share of a
+  // last-level cache.
   static constexpr std::size_t beyond_caches = 4 << 20;
 
-  // Pairs with ghosts come behind the others; what bodies share of contacts needs them all.
+  // Pairs with ghosts are computed after the others, except for bodies: SharedContacts needs all
+  // pairs at once.
   static constexpr bool apart = of_ranks && !of_bodies;
   static constexpr bool shares = of_bodies && !convex;
   const Scalar* share_pairs(const Domain& domain);

@@ -21,14 +21,14 @@ void Simulation<Policies...>::prepare() {
   }
 }
 
-/// What a run is given.
+/// Checks the settings of a run and prepares fluid and threads.
 template <class... Policies>
 void Simulation<Policies...>::check_start() {
   require_positive("Guard.max_overlap", guard.max_overlap, "-");
   require_positive("Guard.max_time_step", guard.max_time_step, "-");
   require_positive("Guard.max_travel", guard.max_travel, "-");
   require_positive("Guard.max_rate", guard.max_rate, "-");
-  // A mesh is hard from both sides: how deep a particle is in it is known up to its radius.
+  // A mesh is solid from both sides: an overlap beyond the radius is not seen as one.
   for (const Wall& wall : engine_.walls)
     for (const auto& surface : wall.surfaces) {
       const double overlap = overlap_limits_.most(wall.material, guard.max_overlap);
@@ -63,7 +63,8 @@ void Simulation<Policies...>::check_start() {
   engine_.set_threads(threads);
 }
 
-/// What follows from the scene, on many ranks from that of all.
+/// Prepares what follows from the scene, on many ranks from the scene of all: coefficients, time
+/// step.
 template <class... Policies>
 void Simulation<Policies...>::begin_run() {
   this->check_pairs();

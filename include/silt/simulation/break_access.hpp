@@ -25,17 +25,17 @@ class BreakAccess {
   const auto& breakage() const requires(S::has_breakage) {
     return sim().modules_.template get<typename S::Composition::Breaking>();
   }
-  /// Mass by size and time of birth of what is too small to be simulated.
+  /// Mass of the fragments that are too small to be simulated, by size and time of birth.
   template <class S = Sim>
   const SizeTable& dust() const requires(S::has_breakage) {
     return sim().breaks_.dust.all;
   }
-  /// The same of particles that left: through outlets, or removed.
+  /// The same for particles that left through outlets or were removed.
   template <class S = Sim>
   const SizeTable& left() const requires(S::has_breakage && !S::has_ranks) {
     return sim().breaks_.left.all;
   }
-  /// On many ranks of all (collective).
+  /// On many ranks, those of all ranks (collective).
   template <class S = Sim>
   SizeTable left() const requires(S::has_breakage&& S::has_ranks) {
     return table_of_ranks(sim().breaks_.left.all);
@@ -105,7 +105,8 @@ class BreakAccess {
       break_own(id, k);
     }
   }
-  /// Those since the start; by force none are noted. On many ranks of all (collective).
+  /// Impacts since the start; none are noted where particles break by force. On many ranks, those
+  /// of all ranks (collective).
   template <class S = Sim>
   ImpactEnergies impact_energies() const requires(S::has_breakage&& S::has_ranks) {
     auto numbers = sim().breaks_.impacts.state();
@@ -114,18 +115,19 @@ class BreakAccess {
     all.restore(numbers);
     return all;
   }
-  /// Those since the start; by force none are noted.
+  /// Impacts since the start; none are noted where particles break by force.
   template <class S = Sim>
   const ImpactEnergies& impact_energies() const requires(S::has_breakage && !S::has_ranks) {
     return sim().breaks_.impacts;
   }
-  /// Since the program began: a checkpoint does not keep it. On many ranks of this one's particles.
+  /// The largest since the program began; checkpoints do not keep it. On many ranks, of this rank's
+  /// particles.
   template <class S = Sim>
   const LargestLoad& largest_load() const requires(S::has_breakage) {
     return sim().breaks_.largest;
   }
 
-  // Without the policy: a sentence.
+  // Without the policy: a message at compile time.
   template <class S = Sim, class... Any>
   void break_particle(const Any&...) requires(!S::has_breakage) {
     needs_policy<S>();
@@ -148,10 +150,10 @@ class BreakAccess {
   }
 
  protected:
-  /// Replaces what is due to break, before a step. Returns whether the time step is to be looked at
-  /// in this step.
+  /// Replaces the particles that are due to break by their fragments, before a step. Returns
+  /// whether the time step must be checked in this step.
   bool break_due();
-  /// Whether the time step is that of the smallest particles that are there.
+  /// Whether the time step follows the smallest particles that are present.
   bool follows_sizes() const {
     return sim().breakage().rules.step == BreakStep::SmallestLiving && !sim().time_step;
   }
@@ -186,15 +188,15 @@ class BreakAccess {
     s.breaks_.measure(s.engine_);
     if (!follows_sizes()) s.breaks_.sizes.coming_step = 0, s.breaks_.sizes.forget();
   }
-  /// Notes the mass of the particles from place `from` on, which come from outside.
+  /// Books the mass of the particles from place `from` on, which were added.
   void feed(std::size_t from) {
     auto& s = sim();
     s.breaks_.start(s.engine_, s.breakage(), from, [](ParticleId) { return 0.0; });
     for (std::size_t k = from; k < s.rows(); ++k)
       if (std::isfinite(s.mass(k))) s.breaks_.fed.add(s.mass(k));
   }
-  /// Adds the smallest fragments that there may be to what may meet, unless the time step follows
-  /// those that are there.
+  /// Adds the smallest possible fragments to the spheres that may meet, unless the time step
+  /// follows the particles that are present.
   template <class Meetings>
   void include_fragments(Meetings& all) const {
     if (follows_sizes()) return;
@@ -233,7 +235,7 @@ class BreakAccess {
             " cannot break: it is fixed, or BreakageRules.materials leaves its material out");
     s.breaks_.add_due({id, strength, 0, BreakCause::Asked});
   }
-  /// What all ranks' tables have together (collective).
+  /// The sum of the tables of all ranks (collective).
   SizeTable table_of_ranks(const SizeTable& own) const {
     if constexpr (Sim::has_ranks) {
       const auto numbers = own.state();
@@ -283,7 +285,7 @@ class BreakAccess {
     return sim().engine_.modules().template of<typename Sim::Composition::Breaking>()[k];
   }
 
-  /// A particle of any rank that breaks, as all ranks know it.
+  /// A breaking particle of any rank; all ranks have the same list of them.
   struct BreakingParticle {
     DueBreak due;
     Vec3d centre_, velocity_, angular_velocity_;
@@ -296,12 +298,13 @@ class BreakAccess {
     double mass() const { return mass_; }
     std::size_t material() const { return material_; }
   };
-  /// On many ranks all break the particles of all, alike and in the order of ids, so that ids,
-  /// draws and dust are those of one process; each takes in the fragments of its own (collective).
+  /// The same on many ranks: every rank breaks the particles of all ranks, in the order of ids, and
+  /// keeps the fragments of its own. Ids, random draws and dust are thus those of one process
+  /// (collective).
   void break_due_of_ranks();
 
-  /// Notes the fragments of a particle, which is at place k, with their velocities; books dust and
-  /// energy. `own`: what the policy knows of it.
+  /// Adds the fragments of the particle at place k, with their velocities, to `all`, and books dust
+  /// and energy. `own`: the policy's fields of the particle.
   template <class Owner, class Fields, class Particles>
   void break_one(const DueBreak& due, const Owner& p, double volume, const Fields& own,
                  std::size_t k, std::vector<Parent>& parents, Particles& all);
@@ -316,20 +319,20 @@ class BreakAccess {
                                std::span<const double> radii, std::span<const double> masses,
                                double share);
 
-  /// Books the energy of the particle at place k, which breaks, as lost; dust takes its share
-  /// along, and its `potential` [J].
+  /// Books the energy of the breaking particle at place k as lost. Dust takes its share of it, and
+  /// its `potential` [J], out of the simulation.
   void book(std::size_t k, double of_dust, double potential);
-  /// [J] of all particles now, kinetic, against gravity and in bonds.
+  /// [J] of all particles now: kinetic, potential in gravity, and in bonds.
   double energy_of_all() const;
-  /// Of particles at these places, sorted.
+  /// The rows of the particles at these places, sorted.
   std::vector<std::uint32_t> rows_of(const std::vector<std::size_t>& places) const;
-  /// Books what the ledger misses of the contacts of particles of these rows, which end.
+  /// Books the energy of the contacts of these rows, which end without a step of the ledger.
   void book_contacts(const std::vector<std::uint32_t>& rows, std::span<const ParticleId> gone);
-  /// ... with other ranks' particles: of two that break the rank of the lower id books it.
+  /// The same for contacts with particles of other ranks. If both break, the rank with the lower id
+  /// books it.
   template <class Book>
   void book_contacts_with_ghosts(std::span<const ParticleId> gone, const Book& book);
-  /// Takes the parents out of the simulation, and their fragments in. `gone`: all that break, of
-  /// all ranks.
+  /// Removes the parents and adds their fragments. `gone`: all breaking particles, of all ranks.
   template <class Particles>
   void take_place(const std::vector<Parent>& parents, const Particles& fragments,
                   std::span<const ParticleId> gone = {});

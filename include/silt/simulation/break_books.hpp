@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of BreakAccess: what a ledger books of particles that break.
+// Parts of BreakAccess: the energy that a ledger books of breaking particles.
 
 #include <algorithm>
 #include <cmath>

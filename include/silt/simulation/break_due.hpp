@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of BreakAccess: what is due to break is replaced by its fragments, between two steps.
+// Parts of BreakAccess: particles that are due to break are replaced by fragments, between steps.
 
 #include <algorithm>
 #include <span>

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of Simulation: the limits that every step is held against (Guard).
+// Parts of Simulation: the limits that every step is checked against (Guard).
 
 #include <silt/simulation.hpp>
 
@@ -59,7 +59,7 @@ void Simulation<Policies...>::keep_limits() {
     detail::check_inside(engine_, *guard.domain, step_, time_);
 }
 
-/// What to do about a time step above its limit, for a sentence.
+/// What to change where the time step is above its limit, for a message.
 template <class... Policies>
 std::string Simulation<Policies...>::step_advice() const {
   std::string advice = "; ";
@@ -72,7 +72,7 @@ std::string Simulation<Policies...>::step_advice() const {
   return advice + "set a smaller Simulation::time_step or a softer material";
 }
 
-/// How fast the surface of particle k is at time().
+/// The speed of the surface of particle k at time().
 template <class... Policies>
 detail::SurfaceSpeed Simulation<Policies...>::surface_speed(std::size_t k) const {
   if constexpr (rotates) {
@@ -84,7 +84,7 @@ detail::SurfaceSpeed Simulation<Policies...>::surface_speed(std::size_t k) const
   }
 }
 
-/// The particle whose surface is the fastest at time(), for a sentence at this speed.
+/// Names the particle whose surface has this speed [m/s] at time(), for a message.
 template <class... Policies>
 std::string Simulation<Policies...>::tips_at(double speed) const {
   for (std::size_t k = 0; k < rows(); ++k)
@@ -93,8 +93,8 @@ std::string Simulation<Policies...>::tips_at(double speed) const {
   return {};
 }
 
-/// Looks at all contacts, which takes as long as a few steps: now and then, and where the largest
-/// overlap has grown by a quarter.
+/// Checks the rates of all contacts, which takes as long as a few steps: at intervals, and when the
+/// largest overlap has grown by a quarter.
 template <class... Policies>
 void Simulation<Policies...>::keep_rates(double back) {
   if (engine_.largest_overlap > 1.25 * checked_overlap_)
@@ -109,7 +109,7 @@ void Simulation<Policies...>::keep_rates(double back) {
         .check(step_, time_, guard.max_rate);
 }
 
-/// The same of free walls on many ranks (collective).
+/// The same for free walls on many ranks (collective).
 template <class... Policies>
 void Simulation<Policies...>::keep_rates_of_walls() {
   if constexpr (has_ranks) {

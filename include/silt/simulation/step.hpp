@@ -1,8 +1,8 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// The time loop of Simulation, and a step of it, stage by stage (docs/architecture.md says where
-// each stage stands).
+// Parts of Simulation: the time loop, and one time step with its stages (docs/architecture.md says
+// where each stage is implemented).
 
 #include <silt/simulation.hpp>
 
@@ -58,7 +58,7 @@ void Simulation<Policies...>::run_steps(double duration, Observers&... observers
   continued_ = false;
 }
 
-/// One step up to the kick; then either drifts at once or stops for the observers.
+/// One time step: up to the kick, and on to the drift unless observers look at the step.
 template <class... Policies>
 void Simulation<Policies...>::advance(bool observed) {
   detail::move_walls(engine_.walls, time_, first_kick_ ? 0 : dt_);
@@ -66,11 +66,11 @@ void Simulation<Policies...>::advance(bool observed) {
   if (first_kick_) detail::start_walls(engine_.walls, time_, dt_);
   std::size_t present = 0;
   if constexpr (Modules::flux) present = present_for_fluxes();
-  bool looks = false;  // at the time step
+  bool looks = false;  // whether this step checks its own length
   const auto renew = [&] {
     openings_.update(engine_, *this);
     if constexpr (has_breakage) looks = this->break_due(), observed |= looks;
-    if constexpr (has_ranks)  // neighbours wait for the ghosts, whatever has failed
+    if constexpr (has_ranks)  // even if this rank has failed: its neighbours wait for the ghosts
       engine_.refresh_ghosts(), engine_.ranks.throw_late();
     if constexpr (has_ranks && has_bonds) {
       detail::RankBonds at_search(bonds_, engine_);
@@ -118,8 +118,7 @@ detail::StepTimes Simulation<Policies...>::times_of_step(bool observed) const {
   if constexpr (has_breakage)
     t.parting = this->breakage().rules.separation_speed, t.weak_from = breaks_.weak_from;
   if constexpr (has_events) {
-    // Contacts come to rest in steps in which those at rest are looked at, so that no step counts
-    // twice.
+    // Contacts come to rest only in steps that look at those at rest, so no step counts twice.
     constexpr auto every = detail::StepTimes::look_at_rest_every;
     const std::int64_t looked = step_ - 1 - (step_ + every - 1) % every;
     t.watched = engine_.events.wanted, t.look_at_rest = step_ % every == 0;
@@ -161,7 +160,7 @@ void Simulation<Policies...>::forces(bool observed, [[maybe_unused]] std::size_t
     observed ? engine_.record_flow(domain_) : engine_.move_box(domain_, dt_);
 }
 
-/// What is left of a step when observers have seen it: the drift, and what follows the motion.
+/// The rest of a step after observers have looked: the drift, and what follows from the motion.
 template <class... Policies>
 void Simulation<Policies...>::finish_step() {
   if (kicked_) engine_.drift(dt_);

@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of Simulation: how walls and particles come into it.
+// Parts of Simulation: walls and particles are added.
 
 #include <silt/simulation.hpp>
 
@@ -82,7 +82,7 @@ double Simulation<Policies...>::insert(const std::vector<PlacedSphere>& spheres,
   return brought;
 }
 
-/// Refuses particles that do not fit into the scene. `check` is that of the shape.
+/// Refuses particles that do not fit into the scene; check(particle, number) checks the shape.
 template <class... Policies>
 template <class Particle, class Check>
 void Simulation<Policies...>::check_new(std::span<const Particle> more, const Check& check) const {
@@ -109,7 +109,7 @@ void Simulation<Policies...>::check_new(std::span<const Particle> more, const Ch
   }
 }
 
-/// Adds particles that have been checked; `numbers` of their forms, if they are not the engine's.
+/// Adds particles that have been checked. `numbers`: of their forms, unless these are the engine's.
 template <class... Policies>
 template <class Particle>
 void Simulation<Policies...>::take_in(std::span<const Particle> more,
@@ -123,8 +123,8 @@ void Simulation<Policies...>::take_in(std::span<const Particle> more,
     detail::on_all_ranks(*this, "the strengths of particles", [&] { this->feed(before); });
 }
 
-/// The same without books of mass and energy. `own`: on many ranks which of them are this rank's,
-/// if that is not for the decomposition to say.
+/// The same without booking mass and energy. `own`: on many ranks, which of them this rank owns; if
+/// empty, the decomposition decides.
 template <class... Policies>
 template <class Particle>
 void Simulation<Policies...>::join(std::span<const Particle> more,

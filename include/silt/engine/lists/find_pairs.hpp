@@ -1,7 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-// Parts of NearLists: the search, which finds pairs of spheres and spheres near walls.
+// Parts of NearLists: the search for pairs of spheres and for spheres near walls.
 
 #include <algorithm>
 #include <cstddef>

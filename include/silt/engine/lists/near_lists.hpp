@@ -24,9 +24,9 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The lists of what may touch soon, spheres and walls, and their renewal: which spheres reach how
-/// far (ListUpkeep), search, order of the particles in memory, pruning. Every loop over particles
-/// or pairs is shared between threads, none of which changes a result.
+/// The lists of spheres and walls that may touch soon, and their renewal: how far each sphere
+/// reaches (ListUpkeep), the search, the order of the particles in memory, and pruning. Loops over
+/// particles and pairs are shared between threads; results do not depend on their number.
 template <class Composition, class Pairs, class Walls, class Mover>
 class NearLists {
   using State = ParticleState<Composition>;
@@ -61,10 +61,10 @@ class NearLists {
   }
   /// Makes the next step search anew, whatever has moved.
   void forget() { upkeep.searched_at = upkeep.pruned_at = -1; }
-  /// True once after every pruning: what follows from the lists must follow.
+  /// True once after every pruning: then what is derived from the lists must be renewed.
   bool take_renewed() { return std::exchange(renewed_, false); }
 
-  /// Renews what is stale.
+  /// Prunes or searches, where the lists no longer hold.
   void renew(const Scene& scene, Search& search, std::int64_t step) {
     walls.range = scene.range, walls.planes_apart = !State::of_bodies;
     set_period(scene.domain);
@@ -82,8 +82,9 @@ class NearLists {
     upkeep.pruned_at = step;
   }
 
-  /// Takes in the rows from `first` on, which have just come. A few join the lists as they stand;
-  /// if many have come since the search, or reach farther than all before, the next step searches.
+  /// Adds the rows from `first` on, which are new. A few are added to the lists as they stand; if
+  /// many have come since the search, or one reaches farther than all before, the next step
+  /// searches.
   void join(const Scene& scene, std::size_t first) {
     if constexpr (flows || State::of_ranks) return forget();
     const std::size_t n = scene.particles.size();
@@ -108,8 +109,8 @@ class NearLists {
     renewed_ = true;
   }
 
-  /// Takes in pairs that were left out so far, as their bonds have just broken, with histories
-  /// that are carried along even if the next step searches.
+  /// Adds pairs that were left out so far because of their bonds, which have just broken. Their
+  /// histories are kept even if the next step searches.
   void join_pairs(const Scene& scene, std::span<const IndexPair> broken,
                   const typename Pairs::Memory& start) {
     std::vector<NewPair> more;
@@ -117,7 +118,7 @@ class NearLists {
     pairs.join(more, scene.particles.size(), start);
     renewed_ = true;
   }
-  /// Takes out rows that have just left.
+  /// Removes rows that have just left.
   void leave(const Scene& scene, std::span<const std::uint32_t> rows) {
     if (!hold_pairs()) return;
     pairs.leave(rows, scene.particles.size());
@@ -129,8 +130,8 @@ class NearLists {
     renewed_ = true;
   }
 
-  /// After row k has grown, see ListUpkeep::charge(). What has too little left of its reaches makes
-  /// the next step prune, or search.
+  /// To be called after row k has grown (ListUpkeep::charge()). If too little is left of its
+  /// reaches, the next step prunes or searches.
   void follow_growth(const Scene& scene, std::size_t k, double radius, double reach) {
     if (!hold_pairs() || k >= upkeep.outer.size()) return;
     if (scene.range > walls.range || flows) return forget();
@@ -139,10 +140,10 @@ class NearLists {
       upkeep.inner[k] = upkeep.per_inner2[k] = 0, upkeep.used = 1;
     }
   }
-  /// After what else is known of rows has changed: what follows from the lists must follow.
+  /// To be called after other properties of rows have changed.
   void follow_change() { renewed_ = upkeep.pruned_at >= 0; }
 
-  /// Tells of the box that walls repeat with.
+  /// Sets the period of walls that repeat with the box.
   void set_period([[maybe_unused]] const Domain& box) {
     if constexpr (Walls::repeats)
       walls.period = searched_walls.period = pruned_walls.period = period_of(box);
@@ -165,7 +166,8 @@ class NearLists {
   // --- newcomers ----------------------------------------------------------------------------
 
   bool hold_pairs() const { return keeps_list && upkeep.pruned_at >= 0; }
-  /// Their pairs stand in the groups of the last rows, which one thread computes.
+  /// The most rows with few enough newcomers: their pairs are in the groups of the last rows, which
+  /// one thread computes.
   static std::size_t most_with_newcomers(std::size_t before) { return before + before / 64 + 8; }
 
   void join_walls(const Scene& scene, std::size_t first) {
@@ -175,7 +177,7 @@ class NearLists {
       grown_[k] = scene.particles.position[k];
       grown_[k].r += upkeep.outer[k] + scene.range / 2;
     }
-    // As in Newcomers: walls that have moved since the search may do so again, backwards.
+    // As in Newcomers: walls may move back by as much as they have moved since the search.
     const double travel = searched_walls.travel(scene.walls);
     walls.join(scene.walls, {grown_.data(), n}, first, upkeep.outer_wall + travel + scene.range / 2,
                scene.domain);
@@ -185,16 +187,16 @@ class NearLists {
     walls.prune(scene.walls, scene.particles.position.data(), upkeep.inner.data(),
                 upkeep.inner_wall + travelled + scene.range, scene.team);
   }
-  /// Between two prunings. The walls' way is a displacement since the last one, so that one that
-  /// has gone some way may go it back, and as far again.
+  /// The same between two prunings. A wall's way is its displacement since the last pruning: it may
+  /// go back by that much, and as far again to the other side.
   void prune_walls_again(const Scene& scene) {
     prune_walls(scene, pruned_walls.travel(scene.walls));
   }
 
   // --- how far the lists reach --------------------------------------------------------------
 
-  /// The speeds [m/s] that particles may soon have: their own, and most of the fastest neighbour's,
-  /// which may hit them.
+  /// The speeds [m/s] that particles may soon have: their own, or most of that of the fastest
+  /// neighbour, which may hit them.
   void anticipate_speeds(const Scene& scene) {
     constexpr double passed_on = 0.75;
     const std::size_t n = scene.particles.size();
@@ -243,8 +245,8 @@ class NearLists {
     }
   }
 
-  /// Grows spheres by their outer reaches, and half the law's range: those that overlap then are
-  /// the pairs of the outer list.
+  /// Grows spheres by their outer reaches and half the law's range. The outer list has the pairs
+  /// that then overlap.
   void reach_out(const Scene& scene, double wall_speed) {
     const std::size_t n = scene.particles.size();
     upkeep.outer.resize(n), grown_.resize(n);
@@ -288,8 +290,8 @@ class NearLists {
 
   // --- search -------------------------------------------------------------------------------
 
-  /// Whether this search is to bring the particles into the order of their cells: one that is
-  /// renewed at every step would spend more time on sorting than it gains.
+  /// Whether this search sorts the particles by cells. A search at every step would spend more time
+  /// on sorting than it gains.
   static bool is_to_sort([[maybe_unused]] const Search& search, std::int64_t step) {
     if constexpr (keeps_list)
       return search.sort;
@@ -298,20 +300,19 @@ class NearLists {
   }
 
   void find_pairs(const Scene& scene, Search& search, double wall_speed, std::int64_t step);
-  /// Notes the rows as they are; then those that have left go, and the others are brought into the
-  /// box, on many ranks to those that own their places.
+  /// Notes the present order of rows. Then removes those that have left and wraps the others into
+  /// a periodic box; on many ranks passes them to the ranks that own their positions.
   void take_stock(const Scene& scene, std::int64_t step);
-  /// The spheres that are grown by their reaches.
+  /// The spheres, grown by their reaches.
   SphereSet grown() const {
     return {std::span<const PositionRow>(grown_.data(), grown_.size()), largest_grown_};
   }
-  /// Brings the rows into the order of their cells, if this search is to do so. Returns whether it
-  /// has found the pairs by that.
+  /// Sorts the rows by cells, if this search does so. Returns whether that has found the pairs too.
   bool sort_rows(const Scene& scene, Search& search, std::int64_t step);
   void find_near(const Scene& scene, Search& search);
-  /// Likewise spheres near walls, but those that bonds hold there.
+  /// Finds spheres near walls, without those that are bonded to the wall.
   void find_walls(const Scene& scene, double reach);
-  /// Notes where particles and walls are, from which their ways are measured.
+  /// Notes the positions of particles and walls, from which their displacements are measured.
   void mark_places(const Scene& scene, double of_walls);
 
   void wrap(const Scene& scene);

@@ -77,8 +77,8 @@ class PairList {
   /// Whether the second rows of histories are in use.
   void use_more_history(bool yes) { history_.use_more(yes); }
 
-  /// Takes over newly found pairs; those of two fixed particles, or of one body, are left out.
-  /// `before`: how many particles there were when the old list was current.
+  /// Makes the outer list of newly found pairs, without those of two fixed particles or of one
+  /// body. `before`: how many particles there were when the old list was current.
   template <class State>
   void set_outer(std::span<const IndexPair> found, const State& particles, std::size_t before,
                  const Team& team) {
@@ -93,22 +93,22 @@ class PairList {
     history_.clear();
   }
 
-  /// What pairs of particles remember that came with the last search, by the places before it.
+  /// Adds the histories of pairs whose particles came with the last search, by places before it.
   void take_in(std::span<const Brought> more) { archive_.add(more); }
   bool remembers(std::size_t place) const { return history_.remembers(place); }
   Memory memory(std::size_t place) const { return history_.values(place); }
 
-  /// After so many rows have come in front of the ghosts, the rows from `first` on: what is known
-  /// of pairs stays with them until the next search. `particles`: how many there are now.
+  /// To be called after `more` rows were inserted in front of the ghosts, which begin at `first`:
+  /// histories stay with their pairs until the next search. `particles`: how many there are now.
   void make_way(std::size_t first, std::size_t more, std::size_t particles);
-  /// Takes in pairs of particles that have come since the search: at the end of their groups, which
-  /// in the inner list have gaps behind them, so that most often nothing moves. `particles`: how
-  /// many there are now. Their histories are `start`.
+  /// Adds pairs of particles that have come since the search, with the history `start`. They stand
+  /// at the end of their groups; the inner list has gaps there, so most often nothing is moved.
+  /// `particles`: how many there are now.
   void join(std::span<const NewPair> more, std::size_t particles,
             const std::array<Scalar, H>& start = {});
 
-  /// Takes the pairs of these rows, which have left, out of the inner list; in the outer one they
-  /// are never near again. `particles`: how many rows there are.
+  /// Removes the pairs of these rows, which have left, from the inner list. In the outer one they
+  /// will not be near again. `particles`: how many rows there are.
   void leave(std::span<const std::uint32_t> rows, std::size_t particles);
 
   /// Calls visit(a, b) for all outer pairs; at the same time only for pairs without a common
@@ -177,7 +177,7 @@ class PairList {
     });
     return s;
   }
-  /// Lists of nothing but pairs that remember something, for the next search to go on from.
+  /// Lists of only the pairs with a history, from which the next search goes on.
   static State state_of(std::span<const Brought> pairs, std::size_t particles) {
     const PairGroups groups(particles);
     std::vector<std::uint32_t> order(pairs.size());

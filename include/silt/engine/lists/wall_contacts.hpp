@@ -103,22 +103,21 @@ class WallContacts {
     collect(outer_, outer_facets_);
   }
 
-  /// Sets aside what contacts remember; kept_of() has it then, of the particle at a place.
+  /// Puts the histories of contacts aside; then kept_of() has those of the particle at a place.
   void set_aside() { archive(); }
   std::span<const Kept> kept_of(std::uint32_t particle) const {
     const auto before = [](const Kept& kept, std::uint32_t k) { return kept.particle < k; };
     const auto from = std::lower_bound(archive_.begin(), archive_.end(), particle, before);
     return {from, std::lower_bound(from, archive_.end(), particle + 1, before)};
   }
-  /// Takes in what contacts of particles remember that came with the last search, by their places
-  /// before it.
+  /// Adds the histories of contacts whose particles came with the last search, by places before it.
   void take_in(std::span<const Kept> brought) {
     if (brought.empty()) return;
     archive_.insert(archive_.end(), brought.begin(), brought.end());
     std::stable_sort(archive_.begin(), archive_.end(), by_key);
   }
 
-  /// Makes lists of nothing but these contacts, for the next search to go on from.
+  /// Makes lists of only these contacts, from which the next search goes on.
   void remember(std::vector<Kept> contacts, std::span<const Wall> walls, std::size_t particles);
 
   std::vector<Candidate>& found() { return outer_; }  // by the last search, to leave some out
@@ -138,8 +137,8 @@ class WallContacts {
     found.clear();
   }
 
-  /// Keeps of those found the ones nearer than the sphere's and the wall's reach [m] now; history
-  /// stays with its contact.
+  /// Keeps those candidates that are now nearer than the reaches [m] of sphere and wall; histories
+  /// stay with their contacts.
   void prune(std::span<const Wall> walls, const PositionRow* rows, const double* reach,
              double wall_reach, const Team& team) {
     if (!renewed_) archive();
@@ -165,8 +164,8 @@ class WallContacts {
     renewed_ = false;
   }
 
-  /// The triangles of a wall are others now: nothing is found at it until the next search, while
-  /// contacts keep their memory.
+  /// To be called after the triangles of a wall have changed: no contacts are found there until the
+  /// next search, but they keep their histories.
   void forget_facets(std::size_t wall) {
     for (auto* const all : {&outer_, &inner_})
       for (Candidate& c : *all)
@@ -184,11 +183,11 @@ class WallContacts {
   State state() const;
   void restore(State s, std::span<const Wall> walls, std::size_t particles);
 
-  /// Whether the inner candidates of a state stand where a pruning puts them, in slots of their
-  /// own: blocks are worked on by several threads at a time.
+  /// Whether the inner candidates of a state are where a pruning puts them, each in slots of its
+  /// own: several threads work on the blocks at a time.
   bool is_laid_out(const State& s, std::span<const Wall> walls) const;
-  /// The least that a state must hold to, where walls were taken away since the lists were made, so
-  /// that they only tell of the contacts that were: archive() finds slots for all candidates.
+  /// The weaker condition if walls were removed since the lists were made, and these only tell of
+  /// past contacts: archive() finds slots for all candidates.
   static bool has_slots(const State& s);
 
   static constexpr std::size_t slots_of(const Surface& surface) {

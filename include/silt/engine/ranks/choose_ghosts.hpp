@@ -15,8 +15,8 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Which own rows each rank must have as ghosts: those that may touch one of its own, of spheres
-/// that are grown by how far they reach (collective).
+/// The own rows that each rank must have as ghosts, because they may touch one of its particles.
+/// `grown`: the own spheres, grown by their reaches (collective).
 template <class Comm, class Domain>
 std::vector<std::vector<std::uint32_t>> ghosts_in_reach(const Comm& comm,
                                                         std::span<const PositionRow> grown,

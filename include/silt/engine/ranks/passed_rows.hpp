@@ -11,8 +11,8 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// What passes between a rank and another at each step: rows of its own that the other has as
-/// ghosts, and its ghosts that the other owns.
+/// What two ranks exchange at each step: own rows that the other has as ghosts, and ghosts that the
+/// other owns.
 struct RankNeighbour {
   int rank;
   std::vector<std::uint32_t> send;   // own rows
@@ -22,7 +22,7 @@ struct RankNeighbour {
   std::uint32_t first_body = 0, end_body = 0;
 };
 
-/// What is sent of each row of a kind (rows, or bodies) and set in the ghost of it.
+/// What is sent of each own row, or body, by get(k), and stored in its ghost by set(k, value).
 template <class Value, bool OfBodies, class Get, class Set>
 struct PassedRows {
   static constexpr std::size_t bytes = sizeof(Value);
@@ -54,7 +54,8 @@ auto pass_bodies(Get get, Set set) {
   return PassedRows<Value, true, Get, Set>{get, set};
 }
 
-/// Calls visit(passed ..., and what fluxes of modules read, if there are any); of bodies, or rows.
+/// Calls visit() with `passed`, and with what fluxes of modules read of rows or bodies, if
+/// anything.
 template <bool OfBodies, class Columns, class Visit, class... Passed>
 void with_fields([[maybe_unused]] Columns& columns, const Visit& visit, const Passed&... passed) {
   using Fields = typename Columns::ForFlux;
@@ -69,7 +70,7 @@ void with_fields([[maybe_unused]] Columns& columns, const Visit& visit, const Pa
     visit(passed...);
   }
 }
-/// Calls visit() with all that ghosts are given at each step.
+/// Calls visit() with all that ghosts receive at each step.
 template <class State, class Mover, class Visit>
 void with_refreshed(State& particles, [[maybe_unused]] Mover& mover, const Visit& visit) {
   const auto rows = pass_rows<RowState<State, Mover>>(

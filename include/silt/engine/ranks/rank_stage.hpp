@@ -38,25 +38,26 @@ struct RankCounts {
   Load load;                              // of all ranks, at the last search, before it
 };
 
-/// What bonds do at a search, for RankChange, which knows no model of them (RankBonds).
+/// The part of bonds in a search, for RankChange, which knows no bond models (RankBonds).
 class BondsAtSearch {
  public:
   virtual ~BondsAtSearch() = default;
-  /// Before particles pass on: own row k goes to rank to[k]; -1: it has left.
+  /// Before particles migrate: own row k goes to rank to[k]; -1: it has left.
   virtual void leave(std::span<const int> to) = 0;
-  /// Afterwards: passes on their bonds. Returns for each rank own rows that it must have as ghosts
+  /// After that: sends their bonds. Returns for each rank the own rows that it must have as ghosts
   /// (collective).
   virtual std::vector<std::vector<std::uint32_t>> pass() = 0;
 };
 
-/// The engine's part in a run on many ranks: who owns which particle, which ghosts go where, and
-/// what all must agree on. Every function that says so is collective: all ranks call it at the same
-/// place of the program.
+/// The engine's part in a run on many ranks: which rank owns which particle, which ghosts it needs,
+/// and what all ranks must agree on. Functions marked as collective must be called by all ranks at
+/// the same point of the program.
 ///
-/// A rank owns the particles in its part of the space, as the decomposition says at each search. Of
-/// others' it has ghosts behind its own rows: all those that its own may touch before the next
-/// search. A pair of an own particle and a ghost is computed on both ranks, from the same numbers
-/// and in the same orientation (by ids), so that both remember the same.
+/// A rank owns the particles in its part of the space, which the decomposition assigns at each
+/// search. Behind its own rows it has ghosts: copies of other ranks' particles, all that its own
+/// may touch before the next search. A pair of an own particle and a ghost is computed on both
+/// ranks, from the same numbers and in the same orientation (by ids), so both keep the same
+/// history.
 template <class Policy>
 class RankStage {
  public:
@@ -68,13 +69,13 @@ class RankStage {
 
   void set(Policy policy) { policy_ = std::move(policy); }
   const auto& comm() const { return policy_->comm; }
-  /// Does what ranks do by themselves; all throw what one has thrown (collective).
+  /// Calls work() on each rank; if one throws, all throw that error (collective).
   template <class Work>
   void together(const char* call, const Work& work) const {
     silt::together(policy_->comm, call, [&] { throw_late(), work(); });
   }
-  /// What a rank does by itself where all go on without meeting: what it throws is thrown where
-  /// they do something together next, or in the next step.
+  /// Calls work() without waiting for the other ranks; what it throws is thrown at the next
+  /// collective call, or in the next step.
   template <class Work>
   void until_later(const Work& work) const {
     if (size() == 1) return work();
@@ -87,7 +88,7 @@ class RankStage {
   void throw_late() const {
     if (late_) std::rethrow_exception(std::exchange(late_, nullptr));
   }
-  /// ... with numbers most() of each rank after that, which become the largest of all.
+  /// The same; then reduces the numbers that most() returns: each becomes the largest of all ranks.
   template <class Work, class Most>
   auto together(const char* call, const Work& work, const Most& most) const {
     is_agreed() = false;
@@ -101,18 +102,18 @@ class RankStage {
     silt::agree(policy_->comm, call, error, all);
     return all;
   }
-  /// Where ranks meet before they talk: those that have failed say so here, and all throw it.
+  /// Before a message between ranks: if one has failed, all throw its error (collective).
   void meet(const char* call) const {
     silt::agree(policy_->comm, call, std::exchange(late_, nullptr));
   }
-  /// ... with an error of this one, or none, and numbers that become the largest of all.
+  /// The same with an error of this rank, or none; each number becomes the largest of all ranks.
   void agree(const char* call, const std::exception_ptr& error, std::span<double> most) const {
     const std::exception_ptr before = std::exchange(late_, nullptr);
     silt::agree(policy_->comm, call, before ? before : error, most);
   }
   int rank() const { return policy_->comm.rank(); }
   int size() const { return policy_->comm.size(); }
-  /// The part of `all` things that this rank takes, before anybody owns them: first and end.
+  /// This rank's part of `all` things that nobody owns yet: first and end.
   std::pair<std::size_t, std::size_t> share_of(std::size_t all) const {
     const auto r = static_cast<std::size_t>(rank()), n = static_cast<std::size_t>(size());
     return {all * r / n, all * (r + 1) / n};
@@ -173,8 +174,8 @@ class RankStage {
 
   // --- at each step (collective) ------------------------------------------------------------
 
-  /// Gives the ghosts the places and motions that they have on their own ranks: the first call
-  /// sends, the second receives.
+  /// Copies the positions and motions of ghosts from their own ranks: the first call sends, the
+  /// second receives.
   template <class State, class Mover>
   void begin_refresh(State& particles, Mover& mover) {
     with_refreshed(particles, mover, [this](const auto&... passed) { this->begin(passed...); });
@@ -184,7 +185,7 @@ class RankStage {
     if (under_way_)
       with_refreshed(particles, mover, [this](const auto&... passed) { this->finish(passed...); });
   }
-  /// Likewise the numbers of a column.
+  /// The same for the numbers of a column.
   template <class Column>
   void share(Column& column) {
     const auto passed =
@@ -221,7 +222,7 @@ class RankStage {
     last_step_ = s.last_step, policy_->rebalance.lost = s.lost, policy_->rebalance.moved = s.moved;
   }
   using PartsType = std::remove_cvref_t<decltype(std::declval<Policy&>().parts)>;
-  /// Whether the decomposition tells what it remembers, by for_each_state(visit).
+  /// Whether the decomposition has a state to save, by for_each_state(visit).
   template <class Visit>
   static constexpr bool tells_parts = std::copyable<PartsType>&& requires(PartsType& parts,
                                                                           Visit& visit) {
@@ -234,8 +235,8 @@ class RankStage {
 
   // --- at a search (collective) -------------------------------------------------------------
 
-  /// The rank that each of the own rows goes to; -1 those that have left. Bodies go as a whole.
-  /// `weights`: the work that each row makes in a step.
+  /// The rank that each own row goes to, -1 for those that have left. Bodies are not divided.
+  /// `weights`: the work of each row in a step.
   template <class State, class Mover>
   std::vector<int> choose_ranks(const State& particles, const Mover& mover,
                                 std::span<const double> weights, std::int64_t step) {
@@ -269,8 +270,8 @@ class RankStage {
     return to;
   }
 
-  /// Whether a particle that comes to this place [m] is this rank's; of those before the first
-  /// search, or where places say nothing, each rank takes a part of what comes.
+  /// Whether this rank owns a new particle at this position [m]. Before the first search, or if the
+  /// decomposition does not go by position, each rank takes a part of `of` new particles.
   bool takes(const Vec3d& place, std::size_t k, std::size_t of) const {
     using Parts = decltype(Policy::parts);
     if constexpr (Parts::by_place)
@@ -290,7 +291,7 @@ class RankStage {
     }
     return gather(policy_->comm, std::span<const PositionRow>(own)).values;
   }
-  /// Makes what own particles have added to outlets what all ranks' have (collective).
+  /// Turns what own particles have added to outlets into what those of all ranks have (collective).
   template <class Outlets>
   void share_left(Outlets& outlets, const Outlets& before) {
     std::vector<double> left;
@@ -305,14 +306,14 @@ class RankStage {
       present_ -= count;
     }
   }
-  /// So many rows have come in front of the ghosts.
+  /// To be called after `more` rows were inserted in front of the ghosts.
   void make_way(std::size_t more) {
     for (RankNeighbour& other : neighbours)
       other.first += static_cast<std::uint32_t>(more),
           other.end += static_cast<std::uint32_t>(more);
   }
 
-  /// What comes from each rank for what goes to each.
+  /// Sends each rank its bytes; returns what has come from each (collective).
   std::vector<Arrival> pass(std::vector<Packed>& out) {
     std::vector<Outgoing> messages;
     for (std::size_t r = 0; r < out.size(); ++r)
@@ -345,7 +346,7 @@ class RankStage {
     }
     under_way_.emplace(policy_->comm.exchange(sends, receives));
   }
-  /// Takes in those of the own ghosts.
+  /// Receives those of the own ghosts.
   template <class... Passed>
   void finish(const Passed&... passed) {
     under_way_->wait();

@@ -11,8 +11,7 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// The loads of walls on many ranks: each rank knows those of its own particles, and all know what
-/// all particles together have done.
+/// The loads of walls on many ranks: by this rank's own particles, and by those of all ranks.
 struct RankWallLoads {
   struct Impulses {
     Vec3d impulse{0, 0, 0}, angular{0, 0, 0};  // [N s], [N m s]
@@ -20,10 +19,9 @@ struct RankWallLoads {
   std::vector<Impulses> own, shared;  // of walls: by own particles; by all, when last shared
 
   void resize(std::size_t walls) { own.resize(walls), shared.resize(walls); }
-  /// Makes the loads of walls, which are those of own particles, the loads of all ranks' particles;
-  /// unless for `all`, of walls with a drive alone, which need them at each step, and without their
-  /// impulses. `of_servos`: of walls [N/m], [N s/m]; sum(numbers) makes each the sum over all
-  /// ranks.
+  /// Turns the loads of walls by own particles into those by the particles of all ranks. Unless
+  /// `all`, only forces and torques of driven walls, which need them at each step. `of_servos`:
+  /// stiffness and damping at walls [N/m], [N s/m]; sum(numbers) makes each the sum over all ranks.
   template <class Walls, class Sum>
   void share(Walls& walls, bool all, std::span<std::array<double, 2>> of_servos, const Sum& sum) {
     resize(walls.size());
@@ -52,8 +50,8 @@ struct RankWallLoads {
     for (std::size_t w = 0; all && w < walls.size(); ++w)
       shared[w] = {walls[w].impulse, walls[w].angular_impulse};
   }
-  /// After the point that the loads of wall w are taken about has moved: by `back` [m] to the one
-  /// before.
+  /// To be called after the reference point of the loads of wall w has moved; `back` [m] leads to
+  /// the one before.
   void move_reference(std::size_t w, const Vec3d& back) {
     if (w >= own.size()) return;
     own[w].angular += cross(back, own[w].impulse);

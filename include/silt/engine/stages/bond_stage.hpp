@@ -22,8 +22,8 @@
 
 namespace silt::inline SILT_TARGET::detail {
 
-/// Bonds, and their stage of a step: what they do to their ends, and which of them break. Results
-/// do not depend on threads.
+/// Bonds and their stage of a step: the loads on their ends, and which of them break. Results do
+/// not depend on the number of threads.
 template <class Model, class Domain, class Arch>
 class BondStage {
   using Real = typename Lanes<Arch>::Real;
@@ -42,7 +42,7 @@ class BondStage {
 
   void add(Bond bond) { bond.number = made++, list.add(bond); }
   void add(typename AtWalls::Bond bond) { bond.number = made++, at_walls.all.push_back(bond); }
-  /// One that other ranks have.
+  /// Counts a bond that other ranks have.
   void count() { ++made; }
   /// How many there are now.
   template <class Engine>
@@ -56,8 +56,8 @@ class BondStage {
     return list.size() + at_walls.all.size();
   }
 
-  /// Adds what bonds do to the sums of their particles and to walls. Returns the power of their
-  /// dashpots [W], where a ledger wants it.
+  /// Adds the loads of bonds to the sums of their particles and to walls. Returns the power of
+  /// their dashpots [W] for a ledger.
   template <class Engine>
   double push(Engine& e, const Domain& domain, double dt) {
     overloaded_.clear();
@@ -86,7 +86,7 @@ class BondStage {
     });
     return power;
   }
-  /// Takes out the bonds of particles whose rows, sorted, are to go before the next forces; `dt`
+  /// Removes the bonds of particles that leave before the next forces; `rows`: theirs, sorted; `dt`
   /// [s]: the last step, 0 before the first one.
   template <class Engine>
   void end_of(const Engine& e, const Domain& domain, std::span<const std::uint32_t> rows,
@@ -105,8 +105,8 @@ class BondStage {
         ending.push_back({at_walls.seen(e, domain, model, k, dt, BondEnds::BeforeForces), k});
     take_out(ending);
   }
-  /// Takes out the bonds that the last step has overloaded; returns them, and those that ended
-  /// before its forces, in the order in which they were made.
+  /// Removes the bonds that the last step has overloaded. Returns them and those that ended before
+  /// its forces, in the order in which they were made.
   std::vector<BondBreak> take_broken(double time) {
     take_out(overloaded_);
     overloaded_.clear();
@@ -118,8 +118,8 @@ class BondStage {
     return gone;
   }
   bool any_overloaded() const { return !overloaded_.empty(); }
-  /// Likewise on many ranks (collective): each rank takes out what it has of all that any has
-  /// found, and returns those of which it has the first end; told(bond) hears of all.
+  /// The same on many ranks (collective): each rank removes what it has of the bonds that any rank
+  /// has found, and returns those whose first end it owns; calls told(bond) for all.
   template <class Engine, class Told>
   std::vector<BondBreak> take_broken(Engine& e, double time, const Told& told) {
     std::vector<BrokenBond> own;
@@ -141,8 +141,8 @@ class BondStage {
     for (const BrokenBond& b : all) told(b);
     return gone;
   }
-  /// Turns the particles for a step of `dt` [s], from the first bond on: before, nothing depends on
-  /// how they are turned.
+  /// Rotates the particles for a step of `dt` [s], once there has been a bond: before that nothing
+  /// depends on their orientation.
   template <class Engine>
   void turn(Engine& e, double dt) const {
     if (made == 0) return;
@@ -188,7 +188,7 @@ class BondStage {
   };
   template <class Engine>
   Rate fastest(const Engine& e);
-  /// Puts bonds in order where rows were given anew, or bonds or particles have come or gone.
+  /// Sorts the bonds again if rows were renumbered, or if bonds or particles have come or gone.
   template <class Engine>
   void follow(const Engine& e) {
     if constexpr (Engine::of_ranks)
@@ -208,7 +208,7 @@ class BondStage {
   };
 
  private:
-  /// On many ranks a bond counts for that which has its first end.
+  /// Whether this rank counts bond k: on many ranks the one that owns its first end does.
   template <class Engine>
   bool tells([[maybe_unused]] const Engine& e, [[maybe_unused]] std::size_t k) const {
     if constexpr (Engine::of_ranks) return list.first()[k] < e.particles.owned();
@@ -270,7 +270,7 @@ class BondStage {
     R inv_r_i, inv_r_j;
   };
   static constexpr std::size_t columns = sizeof(Pack<double>) / sizeof(double);
-  /// Between the stages of a block: ends in columns, loads in rows.
+  /// Ends in columns and loads in rows, between the stages of a block.
   struct Block {
     alignas(64) double ends[columns][block];
     alignas(64) double loads[block * row];
@@ -278,13 +278,13 @@ class BondStage {
 
   template <class Engine>
   void run_group(Engine& e, const Domain& domain, const typename List::Group& g, Done& done);
-  /// Rows of the ends of `count` bonds, turned into lanes.
+  /// Transposes the rows of the ends of `count` bonds into lanes.
   template <class Engine>
   __attribute__((flatten)) void gather(Engine& e, const Domain& domain, std::size_t from,
                                        std::size_t count, bool ahead, Block& b) const;
   template <class State>
   SILT_INLINE Pack<Real> ends_of(const State& particles, const Domain& domain, std::size_t k) const;
-  /// Asks for the rows of a pack that comes later (PairPipeline::fetch).
+  /// Prefetches the rows of a later pack (PairPipeline::fetch).
   template <class Engine>
   SILT_INLINE void fetch(Engine& e, std::size_t k) const;
   SILT_INLINE static void put(const Vec3<Real>& v, double* to);
@@ -293,7 +293,8 @@ class BondStage {
   template <class Engine>
   __attribute__((flatten)) std::uint64_t run_pack(const Engine&, std::size_t of_list, std::size_t k,
                                                   Block& b, Real& power) const;
-  /// In strides, as neighbours in the list share particles (PairPipeline::add_up).
+  /// Adds the loads in strides, because neighbours in the list share particles
+  /// (PairPipeline::add_up).
   template <class Engine>
   void add_up(Engine& e, std::size_t from, std::size_t count, const double* loads);
   std::vector<Ending> overloaded_;
