@@ -228,9 +228,10 @@ struct BlockState {
                           {static_cast<std::uint64_t>(n.rank), n.first, n.end, n.send.size()});
       s.sent.insert(s.sent.end(), n.send.begin(), n.send.end());
     }
-    for (std::size_t w = 0; w < state.own.size(); ++w)
-      s.impulses.insert(s.impulses.end(), {state.own[w].impulse, state.own[w].angular,
-                                           state.shared[w].impulse, state.shared[w].angular});
+    for (std::size_t w = 0; w < state.loads.own.size(); ++w)
+      s.impulses.insert(s.impulses.end(),
+                        {state.loads.own[w].impulse, state.loads.own[w].angular,
+                         state.loads.shared[w].impulse, state.loads.shared[w].angular});
     s.balance = {state.lost, state.moved};
     using Ranks = std::remove_cvref_t<decltype(e.ranks)>;
     if constexpr (Ranks::template tells_parts<BytesOut>) {
@@ -262,8 +263,8 @@ struct BlockState {
     state.present = present, state.last_step = static_cast<std::int64_t>(counts[5]);
     state.lost = balance[0], state.moved = balance[1];
     for (std::size_t k = 0; k < impulses.size(); k += 4) {
-      state.own.push_back({impulses[k], impulses[k + 1]});
-      state.shared.push_back({impulses[k + 2], impulses[k + 3]});
+      state.loads.own.push_back({impulses[k], impulses[k + 1]});
+      state.loads.shared.push_back({impulses[k + 2], impulses[k + 3]});
     }
     ranks.restore(std::move(state));
   }
