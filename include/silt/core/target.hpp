@@ -1,10 +1,11 @@
 // silt - BSD-3-Clause, see LICENSE
 #pragma once
 
-/// SILT_TARGET names the instruction set of the compile flags. All of silt is in an inline namespace
-/// of this name, hence units with different flags in one program share no functions. Otherwise the
-/// linker would keep one of several functions with the same name, possibly one that the processor
-/// cannot run. If two sets of flags get the same name here, define SILT_TARGET yourself.
+/// SILT_TARGET names the instruction set of the compile flags. All of silt is in an inline
+/// namespace of this name, hence units with different flags in one program share no functions.
+/// Otherwise the linker would keep one of several functions with the same name, possibly one that
+/// the processor cannot run. If two sets of flags get the same name here, define SILT_TARGET
+/// yourself.
 ///
 /// Types of silt are therefore different types in units with different targets; types of the user
 /// and of the standard library are the same. Of silt only the errors are the same in all units
