@@ -14,13 +14,16 @@
 
 int main() {
   const silt::HertzMindlin::Material glass{
-      .youngs_modulus = 1e7, .poisson_ratio = 0.25, .restitution = 0.5, .friction = 0.5};
+      .youngs_modulus = 5e6, .poisson_ratio = 0.25, .restitution = 0.5, .friction = 0.5};
   const double d = 1e-3, density = 2500, pressure = 1000;          // [m], [kg/m3], [Pa]
   const double inertial_time = d * std::sqrt(density / pressure);  // [s]
 
-  const silt::Box space{{0, 0, 0}, {10 * d, 10 * d, 10 * d}};
+  const silt::Box space{{0, 0, 0}, {12 * d, 12 * d, 12 * d}};
   silt::Particles<silt::Sphere> beads;
-  beads.fill(space, {.radius = silt::uniform(0.4 * d, 0.6 * d), .density = density, .count = 700});
+  beads.fill(space, {.radius = silt::uniform(0.4 * d, 0.6 * d),
+                     .density = density,
+                     .count = 700,
+                     .arrangement = silt::Arrangement::Random});
   double volume = 0;  // [m3]
   silt::Simulation sim{std::move(beads), silt::Contacts<silt::HertzMindlin>{glass},
                        silt::DeformingBox{space}};
@@ -34,7 +37,7 @@ int main() {
   silt::CsvTable table("shear_cell/friction.csv",
                        {"inertial number", "friction", "solid fraction"});
   double first = 0, last = 0;
-  for (const double inertial : {0.01, 0.03, 0.1, 0.3}) {
+  for (const double inertial : {0.02, 0.05, 0.1, 0.3}) {
     // The velocity along x grows with y.
     const double rate = inertial / inertial_time;  // [1/s]
     sim.deform({.x = kept, .y = kept, .z = kept, .xy = {.rate = rate}});

@@ -19,12 +19,15 @@ struct Angles {
 
 Angles compress(const std::string& name, double friction_before) {
   silt::HertzMindlin::Material sand{
-      .youngs_modulus = 1e8, .poisson_ratio = 0.2, .restitution = 0.5, .friction = friction_before};
+      .youngs_modulus = 2e7, .poisson_ratio = 0.2, .restitution = 0.5, .friction = friction_before};
   const double d = 1e-3, density = 2600, pressure = 1e4;           // [m], [kg/m3], [Pa]
   const double inertial_time = d * std::sqrt(density / pressure);  // [s]
-  const silt::Box space{{0, 0, 0}, {9.5 * d, 9.5 * d, 9.5 * d}};
+  const silt::Box space{{0, 0, 0}, {11 * d, 11 * d, 11 * d}};
   silt::Particles<silt::Sphere> grains;
-  grains.fill(space, {.radius = silt::uniform(0.4 * d, 0.6 * d), .density = density, .count = 700});
+  grains.fill(space, {.radius = silt::uniform(0.4 * d, 0.6 * d),
+                      .density = density,
+                      .count = 500,
+                      .arrangement = silt::Arrangement::Random});
 
   silt::Simulation sim{std::move(grains), silt::Contacts<silt::HertzMindlin>{sand},
                        silt::DeformingBox{space}};

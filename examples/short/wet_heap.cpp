@@ -3,7 +3,7 @@
 // A dry and a wet heap. Grains lie in a box whose right wall is taken away; what stays shows the
 // angle of repose. Bridges of water between the grains make it steeper.
 //
-// picture: draw wet_heap/dry/particles.pvd wet_heap/wet/particles.pvd --colour velocity --time 0.3 1.3 --title dry dry wet wet -o wet_heap.png
+// picture: draw wet_heap/dry/particles.pvd wet_heap/wet/particles.pvd --colour velocity --time 0.25 1 --title dry dry wet wet -o wet_heap.png
 
 #include <algorithm>
 #include <cmath>
@@ -23,11 +23,11 @@ double angle_of_repose(const std::string& folder, double volume) {
       .cohesion = {.surface_tension = 0.072, .contact_angle = 0.2, .volume = volume}};
   const silt::Contacts<Wet, silt::RollingEpsd> contacts{sand, {.rolling_friction = 0.1}};
 
-  const double length = 0.07, width = 0.009;  // [m]; the box repeats across
+  const double length = 0.06, width = 0.01;  // [m]; the box repeats across
   silt::Particles<silt::Sphere> grains;
   grains.fill({{0, 0, 0.002}, {length, width, 0.1}}, {.radius = silt::uniform(1.35e-3, 1.65e-3),
                                                       .density = 2600,
-                                                      .count = 1200,
+                                                      .count = 800,
                                                       .arrangement = silt::Arrangement::Random});
   silt::Simulation sim{
       std::move(grains), contacts,
@@ -38,9 +38,9 @@ double angle_of_repose(const std::string& folder, double volume) {
   sim.add_wall(silt::Plane{{length, 0, 0}, {-1, 0, 0}}, sand, {.name = "right"});
   sim.add_outlet({{-1, -1, -1}, {1, 1, -0.02}});
   auto files = silt::vtk_series(folder, silt::every(0.05));
-  sim.run(0.3, files);
+  sim.run(0.25, files);
   sim.remove_wall("right");
-  sim.run(1, files);
+  sim.run(0.75, files);
 
   // A straight line through the highest grains of columns of 4 mm, where they lie on others.
   std::vector<double> x, top;
