@@ -33,7 +33,7 @@ int main() {
                                             .poisson_ratio = 0.33,
                                             .start_temperature = 300}};  // [K]
   sim.gravity = {0, 0, -9.81};
-  // [s] right for the contacts. silt's own choice is 20 times shorter: for heat, with so small a
+  // [s] right for the contacts. silt's own choice is far shorter: for heat, with so small a
   // capacity, through contacts far wider than these.
   sim.time_step = 1e-5;
   sim.add_wall(silt::Plane{{0, 0, 0}, {1, 0, 0}}, metal, {.name = "hot"});

@@ -3,7 +3,7 @@
 // A mixer whose blades come from an STL file. Four blades on a shaft lift grains of two colours,
 // which lie side by side at first. Printed are torque and power; both settle within half a turn.
 //
-// picture: draw stl_mixer/particles.pvd --colour side --names left,right --time 0.3 0.7 1.8 --view -40,45 -o stl_mixer.png
+// picture: draw stl_mixer/particles.pvd --colour side --names left,right --time 0.3 0.7 1.8 --view top --walls-as solid -o stl_mixer.png
 // picture: curves stl_mixer/torque.csv --x time --y torque -o stl_mixer_torque.png
 
 #include <array>
