@@ -17,7 +17,7 @@
 
 /// Eigen beside silt (optional; target `silt_eigen` in silt's own build): values of silt as
 /// vectors and matrices of Eigen, principal axes of tensors, spheres, lines and planes through
-/// points.
+/// points, linear least squares.
 /// Tests: tests/study/eigen_fits.cpp
 
 namespace silt::inline SILT_TARGET {
@@ -152,6 +152,55 @@ inline SphereFitted fit_sphere(std::span<const Vec3d> points) {
   }
   out.deviation = std::sqrt(out.deviation);
   return out;
+}
+
+/// Coefficients of y = sum_k c_k x_k by least squares, with standard errors.
+struct LinearFit {
+  Eigen::VectorXd value, error;  // c_k and its standard error; 0 where no point is left over
+  double scatter = 0;            // standard deviation of the points about the fit, in units of y
+};
+/// Ordinary least squares by QR decomposition. A row of `regressors` for each point: {1, x} for a
+/// line, {U, U^2} for Ergun's pressure drop.
+/// Errors: InputError for numbers of rows that differ, fewer points than coefficients, a value that
+/// is not finite, regressors that depend linearly on each other.
+inline LinearFit fit_linear(const Eigen::MatrixXd& regressors, const Eigen::VectorXd& y) {
+  const auto n = regressors.rows(), unknowns = regressors.cols();
+  require(n == y.size(), "fit_linear: ", n, " rows of regressors for ", y.size(),
+          " values; give one row for each value");
+  require(unknowns > 0 && n >= unknowns, "fit_linear: ", n, " points are too few for ", unknowns,
+          " coefficients");
+  require(regressors.allFinite() && y.allFinite(), "fit_linear: all values must be finite");
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(regressors);
+  require(qr.rank() == unknowns, "fit_linear: the regressors depend linearly on each other (rank ",
+          qr.rank(), " of ", unknowns, "); leave some out, or give points that tell them apart");
+  LinearFit out{qr.solve(y), Eigen::VectorXd::Zero(unknowns), 0};
+  if (n == unknowns) return out;
+  out.scatter =
+      std::sqrt((y - regressors * out.value).squaredNorm() / static_cast<double>(n - unknowns));
+  // The covariance is scatter^2 (X^T X)^-1 = scatter^2 P R^-1 R^-T P^T: lengths of the rows of
+  // R^-1.
+  const Eigen::MatrixXd inverse = qr.matrixR()
+                                      .topLeftCorner(unknowns, unknowns)
+                                      .template triangularView<Eigen::Upper>()
+                                      .solve(Eigen::MatrixXd::Identity(unknowns, unknowns));
+  const Eigen::VectorXd lengths = qr.colsPermutation() * inverse.rowwise().norm();
+  out.error = out.scatter * lengths;
+  return out;
+}
+
+/// The straight line y = intercept + slope x by least squares of the vertical distances.
+struct StraightLine {
+  double intercept = 0, slope = 0, intercept_error = 0, slope_error = 0;
+};
+/// Errors: those of fit_linear.
+inline StraightLine fit_straight_line(std::span<const double> x, std::span<const double> y) {
+  const auto view = [](std::span<const double> v) {
+    return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
+  };
+  Eigen::MatrixXd regressors(static_cast<Eigen::Index>(x.size()), 2);
+  regressors.col(0).setOnes(), regressors.col(1) = view(x);
+  const LinearFit fit = fit_linear(regressors, view(y));
+  return {fit.value[0], fit.value[1], fit.error[0], fit.error[1]};
 }
 
 }  // namespace silt
