@@ -700,6 +700,9 @@ class Tables(Refuses, unittest.TestCase):
         [panel] = figure.axes
         figure.canvas.draw()
         self.assertGreaterEqual(panel.get_legend().get_window_extent().y0, panel.bbox.y1, "a legend hides curves")
+        for label, shown in (("energy", "energy [J]"), ("energy [kJ]", "energy [kJ]")):
+            [panel] = self.figure("curves", a, "--x", "time", "--y", "kinetic,heat", "--y-label", label).axes
+            self.assertEqual(panel.get_ylabel(), shown)
         [alone] = self.lines(a, "--x", "time", "--y", "kinetic,heat")
         self.assertEqual([one[0] for one in alone], ["kinetic", "heat"])
         self.assertTrue(alone[0][1] != alone[1][1] and alone[0][2] == alone[1][2] == "-", "a colour a column")
