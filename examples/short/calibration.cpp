@@ -1,8 +1,9 @@
 // silt - BSD-3-Clause, see LICENSE
 //
 // Friction from an angle of repose. Heaps are simulated until the friction is found with which the
-// angle is that of a measured heap, in few runs; the program prints it with its interval
-// (calibration/calibration.png).
+// angle is that of a measured heap, in few runs; the program prints it with its interval.
+//
+// picture: calibration/calibration.png
 
 #include <cmath>
 #include <cstdio>

@@ -2,7 +2,9 @@
 //
 // Error against run time. A bead bounces off a plate with several stiffnesses and time steps; the
 // study prints what each costs, how far the bead lands from where a stiff one does, and which to
-// take (study/pareto.png).
+// take.
+//
+// picture: study/pareto.png
 
 #include <cmath>
 #include <cstdio>
