@@ -4,10 +4,11 @@
 // that each of them has; the program prints how many broke, and how fine the product is.
 //
 // picture: draw breakage/particles.pvd --colour generation --time 0 0.0005 0.001 0.002 --bounds -0.01,0.07,-0.001,0.024 --width 1200 -o breakage.png
-// picture: curves breakage/sizes.csv --x to --y finer --log x -o breakage_sizes.png
+// picture: curves breakage/finer.csv --x size --y product,feed --y-label finer -o breakage_sizes.png
 
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 
 #include <silt/silt.hpp>
 
@@ -39,11 +40,16 @@ int main() {
   sim.gravity = {0, 0, -9.81};
   sim.guard.max_overlap = 0.6;  // [-] large fragments press small ones onto the plate
 
+  const silt::SizeTable feed = silt::sizes_present(sim);
   sim.run(2e-3, silt::vtk_series("breakage", silt::every(2.5e-4)), silt::progress());
 
   silt::SizeTable product = silt::sizes_present(sim);
   product.merge(sim.dust());
-  silt::write_sizes("breakage/sizes.csv", product);
+  std::ofstream table("breakage/finer.csv");
+  table << "size [mm],product [% of mass],feed [% of mass]\n";
+  for (double mm = 0; mm < 2.3; mm += 0.1)
+    table << mm << ',' << 100 * product.finer(1e-3 * mm) << ',' << 100 * feed.finer(1e-3 * mm)
+          << '\n';
   const auto mass = sim.mass_balance();
   std::printf("%zu grains broke; %.0f %% of the mass is dust below 0.3 mm\n",
               static_cast<std::size_t>(sim.broken()), 100 * mass.dust / mass.fed);

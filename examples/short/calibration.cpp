@@ -5,37 +5,47 @@
 //
 // picture: calibration/calibration.png
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <numbers>
+#include <vector>
 
 #include <silt/silt.hpp>
 #include <silt/study/calibrate.hpp>
 
-/// Angle [degrees] of the heap that a column of grains leaves as it collapses, in a slice.
+/// Angle [degrees] of the heap that is poured from a slot, in a periodic slice.
 double angle_of_heap(double friction, std::uint64_t seed) {
   const silt::HertzMindlin::Material grain{
       .youngs_modulus = 2e6, .poisson_ratio = 0.3, .restitution = 0.4, .friction = friction};
-  silt::Particles<silt::Sphere> grains;
-  grains.fill({.min = {-0.02, 0, 0}, .max = {0.02, 0.016, 0.2}},
-              {.radius = silt::uniform(1.8e-3, 2.2e-3),
-               .density = 2500,
-               .count = 250,
-               .arrangement = silt::Arrangement::Random,
-               .seed = seed});
   silt::Simulation sim{
-      std::move(grains),
+      silt::Particles<silt::Sphere>{},
       silt::Contacts<silt::HertzMindlin, silt::RollingEpsd>{grain, {.rolling_friction = 0.2}},
       silt::PeriodicBox{{.min = {-1, 0, -1}, .max = {1, 0.016, 1}}, {false, true, false}}};
   sim.gravity = {0, 0, -9.81};
   sim.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, grain);
+  sim.add_inlet(silt::Box{{-0.006, 0, 0.05}, {0.006, 0.016, 0.06}},
+                {.radius = silt::uniform(1.8e-3, 2.2e-3),  // [m]
+                 .density = 2500,
+                 .rate = 500,               // [1/s]
+                 .velocity = {0, 0, -0.3},  // [m/s]
+                 .total = 250,
+                 .seed = seed});
   sim.run(0.8);
 
-  // In a triangle of height H on a base of 2 L the mean height is H/3, the mean of |x| is L/3.
-  double height = 0, width = 0;  // [m] sums
-  for (std::size_t k = 0; k < sim.size(); ++k)
-    height += sim.position(k).z, width += std::abs(sim.position(k).x - sim.centre_of_mass().x);
-  return std::atan(height / width) * 180 / std::numbers::pi;
+  // In a triangle of height H on a base of 2 L half of the area is below 0.29 H, and within 0.29 L
+  // of the middle. Medians do not feel the grains that have rolled away.
+  std::vector<double> height, distance;  // [m]
+  for (std::size_t k = 0; k < sim.size(); ++k) {
+    height.push_back(sim.position(k).z);
+    distance.push_back(std::abs(sim.position(k).x));
+  }
+  const auto median = [](std::vector<double>& values) {
+    std::sort(values.begin(), values.end());
+    return values[values.size() / 2];
+  };
+  return std::atan(median(height) / median(distance)) * 180 / std::numbers::pi;
 }
 
 int main() {

@@ -4,7 +4,7 @@
 // program prints the deflection of each tip beside that of an elastic beam, which knows small
 // deflections only.
 //
-// picture: draw fibre/particles.pvd --bonds fibre/bonds.pvd --bond-colour bending --bond-radius 4e-4 --view -20,12 --width 1200 -o fibre.png
+// picture: draw fibre/particles.pvd --bonds fibre/bonds.pvd --bond-colour bending --bond-radius 4e-4 --view -15,25 --width 1200 -o fibre.png
 
 #include <cmath>
 #include <cstdio>
@@ -34,7 +34,7 @@ int main() {
   std::vector<Fibre> fibres;
   for (std::size_t k = 0; k < 5; ++k) {
     const std::size_t bonds = 10 + 5 * k;
-    const double y = 8 * radius * static_cast<double>(k);
+    const double y = -8 * radius * static_cast<double>(k);
     auto chain = silt::fibre({0, y, 0}, {2 * radius * static_cast<double>(bonds), y, 0}, bonds + 1,
                              {.radius = radius, .density = density});
     chain.spheres[0].fixed = true;  // a clamp

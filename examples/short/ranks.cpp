@@ -5,6 +5,7 @@
 //
 // picture: draw ranks/particles.pvd --colour rank --time 0 0.1 0.3 --view 20,15 --width 1200 -o ranks.png
 
+#include <cmath>
 #include <cstdio>
 
 #include <silt/mpi.hpp>
