@@ -13,8 +13,8 @@
 
 // The solid fraction [-] of a bed of grains with this work of adhesion [J/m2].
 double solid_fraction(const std::string& name, double work_of_adhesion) {
-  // Softer than real powder, for a larger time step: with a modulus of 1e6 Pa in place of 1e10 Pa a
-  // work of 0.01 J/m2 stands for 0.4 J/m2 (docs/contact_laws.md).
+  // Softer than real powder, for a larger time step: with a modulus of 1e6 Pa in place of 1e9 Pa a
+  // work of 0.01 J/m2 stands for 0.16 J/m2 (docs/contact_laws.md).
   const silt::Jkr::Material powder{.youngs_modulus = 1e6,  // [Pa]
                                    .poisson_ratio = 0.25,
                                    .work_of_adhesion = work_of_adhesion,

@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A contact law of one's own. Grains that yield: loading is soft, unloading is stiffer, so that
+// A contact law of your own. Grains yield: loading is soft, unloading is stiffer, so that
 // each impact takes the same share of the energy, however fast it is. Balls of three materials fall
 // from the same height; printed is the restitution of the first impact beside what was asked for.
 //
@@ -89,7 +89,7 @@ int main() {
   for (int k = 0; k < 3; ++k) {
     const double found = std::sqrt(rebound[k] / drop);
     std::printf("restitution %.3f, asked for %.1f\n", found, asked[k]);
-    // Catches a history that is lost in an impact, or kept from one impact to the next.
+    // Catches a history that is lost within an impact: the balls would not lose energy.
     right = right && std::abs(found - asked[k]) < 0.02;
   }
   return right ? 0 : 1;

@@ -1,6 +1,6 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// A module of one's own. Sand and iron fall past a drum with a magnet in it: a struct of a few
+// A module of your own. Sand and iron fall past a drum with a magnet in it: a struct of a few
 // lines pulls the iron, which lands on the other side of a splitter. Printed is how much of it
 // does.
 //

@@ -1,8 +1,7 @@
 // silt - BSD-3-Clause, see LICENSE
 //
-// Shear at constant pressure. Spheres in a box that repeats are sheared ever faster, while the
-// stress on its faces is kept: the friction of the flow grows with the inertial number, and the bed
-// dilates.
+// Shear at constant pressure. Spheres in a box that repeats are sheared ever faster at constant
+// normal stress: the friction of the flow grows with the inertial number, and the bed dilates.
 //
 // picture: draw shear_cell/particles.pvd --colour velocity.x --view top --frame 0 -1 -o shear_cell.png
 // picture: curves shear_cell/friction.csv --x inertial --y friction,solid --log x -o shear_cell_friction.png

@@ -43,6 +43,6 @@ int main() {
   // Beverloo: beads of bulk density 1500 kg/m3 through an opening, of which 1.4 d do not count.
   const double beverloo = 0.58 * 1500 * std::sqrt(9.81) * std::pow(opening - 1.4 * d, 2.5);
   std::printf("%.1f g/s flow out, by Beverloo's rule %.1f g/s\n", 1e3 * flow, 1e3 * beverloo);
-  // Catches beads that bridge the opening, and beads without friction, which flow twice as fast.
+  // Catches beads that bridge the opening, and an outlet that counts beads twice.
   return flow > 0.7 * beverloo && flow < 1.4 * beverloo ? 0 : 1;
 }

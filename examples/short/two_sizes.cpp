@@ -43,7 +43,7 @@ int main() {
   sim.add_wall(silt::Cylinder{{0, 0, 0}, {0, depth, 0}, radius, silt::Side::Inside}, coal,
                {.name = "drum", .motion = silt::rotation({0, 0, 0}, {0, 1, 0}, rate)});
 
-  // Mean way of the grains of a material to the drum's wall.
+  // Mean distance of the grains of a material from the drum's wall.
   const auto from_wall = [&](std::size_t material) {
     double sum = 0, count = 0;
     for (std::size_t k = 0; k < sim.rows(); ++k) {
