@@ -44,6 +44,7 @@ struct PlasticSpring {
     const Real normal = silt::max(p.unloading * (c.overlap - stays), Real(0));
     const auto& v = c.tangential_velocity;
     const Real speed = silt::sqrt(dot(v, v) + Real(1e-12));
+    // Coulomb's friction; near rest, where its direction is lost, a dashpot of 0.1 N s/m.
     return {normal, -silt::min(p.friction * normal / speed, Real(0.1)) * v};
   }
   // For the time step: the shortest contact of two bodies of this effective mass [s].
