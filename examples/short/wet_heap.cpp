@@ -36,7 +36,7 @@ double angle_of_repose(const std::string& folder, double volume) {
   sim.add_wall(silt::rectangle({0, 0, 0}, {length, 0, 0}, {0, width, 0}), sand, {.name = "floor"});
   sim.add_wall(silt::Plane{{0, 0, 0}, {1, 0, 0}}, sand, {.name = "left"});
   sim.add_wall(silt::Plane{{length, 0, 0}, {-1, 0, 0}}, sand, {.name = "right"});
-  sim.add_outlet({{-1, -1, -1}, {1, 1, -0.003}});  // what falls off
+  sim.add_outlet({{-1, -1, -1}, {1, 1, -0.001}});  // what falls off
   auto files = silt::vtk_series(folder, silt::every(0.05));
   sim.run(0.25, files);
   for (std::size_t k = 0; k < sim.rows(); ++k)
