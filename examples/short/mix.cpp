@@ -4,7 +4,7 @@
 // fall into a box together; the program prints how densely they lie and how many neighbours a grain
 // of each shape touches.
 //
-// picture: draw mix/particles.pvd --colour form --names brick,pill,sphere --time 0.05 0.5 --view iso --width 1200 -o mix.png
+// picture: draw mix/particles.pvd --colour form --names brick,pill,sphere --time 0.05 0.4 --view iso --width 1200 -o mix.png
 
 #include <array>
 #include <cstdio>
@@ -35,26 +35,26 @@ int main() {
   const auto brick =
       silt::Polyhedron::from_mesh(silt::corners_of(silt::box_mesh(-1 * corner, corner)));
 
-  const silt::Box region{{0, 0, 0}, {0.05, 0.05, 0.2}};  // [m]
+  const silt::Box region{{0, 0, 0}, {0.05, 0.05, 0.15}};  // [m]
   const std::array forms{grains.add_form(brick, "brick"), grains.add_form(pill, "pill"),
                          grains.add_form(silt::Sphere{}, "sphere")};
   // Sizes are those of bounding spheres; the form of a Sphere has none of its own.
   for (const auto form : forms)
     grains.fill(region, {.radius = form == forms[2] ? radius : grains.forms()[form].radius,
                          .density = 1200,
-                         .count = 120,
+                         .count = 90,
                          .arrangement = silt::Arrangement::Random,
                          .form = form});
 
   silt::Simulation sim{std::move(grains), silt::Contacts<silt::HertzMindlin>{plastic}};
   sim.gravity = {0, 0, -9.81};
-  sim.add_wall(silt::box({0, 0, 0}, {0.05, 0.05, 0.25}), plastic);
-  sim.run(0.5, silt::vtk_series("mix", silt::every(0.05)), silt::progress());
+  sim.add_wall(silt::box({0, 0, 0}, {0.05, 0.05, 0.2}), plastic);
+  sim.run(0.4, silt::vtk_series("mix", silt::every(0.05)), silt::progress());
 
   const auto contacts = silt::coordination(sim);  // partners of each grain, walls too
   std::array<double, 3> mean{};
   for (std::size_t k = 0; k < sim.size(); ++k)
-    mean[sim.form(k)] += static_cast<double>(contacts.of[k]) / 120;
+    mean[sim.form(k)] += static_cast<double>(contacts.of[k]) / 90;
   // The bed is level, and twice as high as its centre of mass.
   const double solid =
       static_cast<double>(sim.size()) * volume / (0.05 * 0.05 * 2 * sim.centre_of_mass().z);

@@ -52,7 +52,8 @@ int main() {
           silt::at(silt::every(2e-3), look), silt::progress());
   pressure /= looks, leaving /= pellets;
 
-  // The friction of air alone by Blasius' law, and the momentum that the pellets get.
+  // The friction of air alone by Blasius' law, and the momentum that the pellets take along; what
+  // they lose at the wall comes on top.
   const double reynolds = 1.2 * speed * 2 * radius / 1.8e-5;
   const double air_alone =
       0.316 / std::pow(reynolds, 0.25) * length / (2 * radius) * 0.6 * speed * speed;  // [Pa]

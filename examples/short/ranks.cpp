@@ -3,7 +3,7 @@
 // Beads on four processes. A dam of beads collapses; each process (a rank of MPI) computes those in
 // its part of the box, and the parts follow the beads; the program prints what each has to do.
 //
-// picture: draw ranks/particles.pvd --colour rank --time 0 0.1 0.3 --view 20,15 --width 1200 -o ranks.png
+// picture: draw ranks/particles.pvd --colour rank --time 0 0.06 0.12 0.3 --view 20,15 --width 1200 -o ranks.png
 
 #include <cmath>
 #include <cstdio>
