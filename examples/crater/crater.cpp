@@ -436,11 +436,11 @@ int main(int argc, char** argv) {
   example::Command command("A ball of metal falls onto a bed of grains and stops in it",
                            example::Kind::Cases, "out/crater");
   Scene scene;
-  command.add("--diameter", scene.diameter, 2, 30, "Of the ball, in grains");
-  command.add("--wide", scene.wide, 2, 20, "Diameter of the pot, in balls");
-  command.add("--deep", scene.deep, 2, 10, "Depth of the bed, in balls");
-  command.add("--seed", scene.seed, 1, 1000000, "Of the bed: which packing");
-  command.add("--friction", scene.friction, 0.05, 2, "Between grains");
+  command.add("--diameter", scene.diameter, 2, 30, "Diameter of the ball, in grain diameters");
+  command.add("--wide", scene.wide, 2, 20, "Diameter of the pot, in ball diameters");
+  command.add("--deep", scene.deep, 2, 10, "Depth of the bed, in ball diameters");
+  command.add("--seed", scene.seed, 1, 1000000, "Seed of the packing of the bed");
+  command.add("--friction", scene.friction, 0.05, 2, "Friction between grains [-]");
   return command.run(argc, argv, [&] {
     if (command.options.quick) {
       if (!command.given("--diameter")) scene.diameter = 5;

@@ -383,13 +383,14 @@ int main(int argc, char** argv) {
       "Direct shear test of a dense and a loose sample of spheres under three normal stresses",
       example::Kind::Cases, "out/shear_box");
   Scene s;
-  command.add("--friction", s.friction, 0.05, 2, "between particles [-]");
-  command.add("--wall-friction", s.wall_friction, 0, 1, "on the sides of the box [-]");
-  command.add("--length", s.length, 10, 200, "of the box, in grain diameters");
-  command.add("--width", s.width, 5, 100, "of the box, in grain diameters");
-  command.add("--height", s.height, 6, 100, "of the sample, in grain diameters");
-  command.add("--travel", s.travel, 1.5, 20, "of the lower half, in grain diameters");
-  command.add("--inertial-number", s.inertial, 1e-5, 5e-2, "at the lowest stress [-]");
+  command.add("--friction", s.friction, 0.05, 2, "Friction between particles [-]");
+  command.add("--wall-friction", s.wall_friction, 0, 1, "Friction on the sides of the box [-]");
+  command.add("--length", s.length, 10, 200, "Length of the box, in grain diameters");
+  command.add("--width", s.width, 5, 100, "Width of the box, in grain diameters");
+  command.add("--height", s.height, 6, 100, "Height of the sample, in grain diameters");
+  command.add("--travel", s.travel, 1.5, 20, "Displacement of the lower half, in grain diameters");
+  command.add("--inertial-number", s.inertial, 1e-5, 5e-2,
+              "Inertial number at the lowest stress [-]");
   return command.run(argc, argv, [&] {
     const auto& options = command.options;
     if (options.quick) {

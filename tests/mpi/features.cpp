@@ -83,8 +83,8 @@ void compare(const std::string& what, End many, End one, double place, double ro
 template <class... Policies>
 End rods(Policies... policies) {
   const silt::ParallelBond brittle{.youngs_modulus = 2e7,
-                                   .tensile_strength = 2e4,
-                                   .shear_strength = 2e4,
+                                   .tensile_strength = 4e3,
+                                   .shear_strength = 4e3,
                                    .damping = 0.05,
                                    .weibull_modulus = 6};
   const double R = 2e-3;  // [m]

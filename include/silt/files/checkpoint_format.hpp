@@ -19,8 +19,8 @@ static_assert(std::endian::native == std::endian::little,
               "silt/io: checkpoints are written in the machine's byte order, which must be little "
               "endian; a big-endian port has to swap bytes here");
 
-/// CRC-64/XZ, sixteen bytes at a time. Finds every error burst of up to 64 bits, thus every single
-/// flipped bit, and any other damage but for a chance of 2^-64.
+/// CRC-64/XZ, sixteen bytes at a time. Detects every error burst of up to 64 bits, thus every
+/// single flipped bit, and any other damage with a probability of 1 - 2^-64.
 class Crc64 {
  public:
   void add(const void* data, std::size_t bytes) {
@@ -59,7 +59,7 @@ class Crc64 {
 };
 inline constexpr Crc64::Tables Crc64::tables = Crc64::make_tables();
 
-/// What one value of a field is.
+/// Type of a field's values.
 struct CheckpointType {
   char kind;          // 'f' floating point, 'u' unsigned, 'i' signed, 't' text
   std::uint8_t size;  // [bytes]
@@ -83,9 +83,9 @@ inline std::string type_name(CheckpointType type) {
 
 inline constexpr std::uint64_t padded_to_8(std::uint64_t bytes) { return (bytes + 7) / 8 * 8; }
 
-// The file: 8 bytes magic | u32 byte-order mark | u32 version | u64 bytes of the whole file |
-// u64 bytes of the table | the table, padded to 8 | each field's values, padded to 8 | u64 CRC-64
-// of all before it. The table: u64 length and characters of the signature, u64 number of fields,
+// The file: 8 bytes magic | u32 byte-order mark | u32 version | u64 bytes of the whole file | u64
+// bytes of the table | the table, padded to 8 | each field's values, padded to 8 | u64 CRC-64 of
+// all preceding bytes. The table: u64 length and characters of the signature, u64 number of fields,
 // and for each its u32 name length, name, kind, size, u64 count.
 inline constexpr std::string_view checkpoint_magic = "\x89SILTCP\n";
 inline constexpr std::uint32_t byte_order_mark = 0x01020304;
@@ -93,7 +93,7 @@ inline constexpr std::uint32_t checkpoint_version = 2;  // 2: ids of 64 bits
 inline constexpr std::size_t checkpoint_start = 32;     // [bytes] before the table
 inline constexpr std::size_t checkpoint_most_table = std::size_t{1} << 20;  // [bytes]
 
-/// What tells a file from others: how long it is, and the checksum at its end.
+/// Identifies a file: its length, and the checksum at its end.
 struct CheckpointStamp {
   std::uint64_t bytes = 0, sum = 0;
   bool operator==(const CheckpointStamp&) const = default;

@@ -17,9 +17,10 @@
 namespace silt::inline SILT_TARGET {
 
 /// Opens a checkpoint and checks all of it; the arrays are then read one by one.
-/// Errors: FileError, one sentence with the path: cannot be read, empty, no checkpoint, another
-/// byte order, a newer version, truncated, damaged; and later another signature, a missing field,
-/// another type or count. Sizes in the file are checked against its length before memory is taken.
+/// Errors: FileError, one sentence with the path: cannot be read, empty, not a checkpoint, another
+///         byte order, a newer version, truncated, damaged; later: another signature, a missing
+///         field, another type or count. Sizes in the file are checked against its length before
+///         memory is allocated.
 class CheckpointReader {
  public:
   explicit CheckpointReader(const std::string& path) : file_(path, O_RDONLY, path) {
@@ -35,13 +36,13 @@ class CheckpointReader {
     return s;
   }
 
-  /// FileError, naming both signatures and where they part, unless the file's is `expected`.
+  /// FileError, with both signatures and their first difference, unless the file's is `expected`.
   void require_signature(std::string_view expected) const {
     if (signature_ == expected) return;
     const auto parts =
         std::mismatch(signature_.begin(), signature_.end(), expected.begin(), expected.end());
     const auto at = static_cast<std::size_t>(parts.first - signature_.begin());
-    // From the beginning of the policy, or what else semicolons part, in which they differ.
+    // From the start of the policy, or other item between semicolons, in which they differ.
     const std::size_t part = at == 0 ? 0 : std::string_view(expected).rfind(';', at - 1) + 1;
     const auto from = [&](std::string_view whole) {
       std::size_t begin = std::min(whole.find_first_not_of(' ', part), at);
@@ -75,7 +76,7 @@ class CheckpointReader {
     return values;
   }
 
-  /// The same, and refuses a field that has not exactly `count` values.
+  /// The same; refuses a field with another number of values than `count`.
   template <class T>
   std::vector<T> get(std::string_view name, std::size_t count) const {
     const Field& field = require_field(name, detail::checkpoint_type<T>());
@@ -84,12 +85,12 @@ class CheckpointReader {
     return get<T>(name);
   }
 
-  /// The number of values of a field; refuses one of another type.
+  /// Number of values of a field; refuses a field of another type.
   template <class T>
   std::uint64_t count(std::string_view name) const {
     return require_field(name, detail::checkpoint_type<T>()).count;
   }
-  /// Reads a field of exactly `count` values to where there is room for them.
+  /// Reads a field of exactly `count` values into existing memory.
   template <class T>
   void read(std::string_view name, T* to, std::size_t count) const {
     const Field& field = require_field(name, detail::checkpoint_type<T>());
@@ -136,11 +137,9 @@ class CheckpointReader {
   [[noreturn]] void refuse(const Parts&... parts) const {
     throw FileError(silt::text("checkpoint '", file_.name(), "' ", parts...));
   }
-  [[noreturn]] void refuse_table() const {
-    refuse("is damaged: its table of fields makes no sense");
-  }
+  [[noreturn]] void refuse_table() const { refuse("is damaged: its table of fields is invalid"); }
 
-  /// Checks what stands before the table; returns the table's size [bytes].
+  /// Checks the part before the table; returns the table's size [bytes].
   std::uint64_t check_start() {
     size_ = file_.size();
     if (size_ == 0) refuse("is empty");
@@ -166,7 +165,7 @@ class CheckpointReader {
     if (version == 0) refuse("is damaged: its format version is 0");
     if (version < detail::checkpoint_version)
       refuse("has format version ", version, ", and this program reads version ",
-             detail::checkpoint_version, ": go on from it with the silt that wrote it");
+             detail::checkpoint_version, ": continue with the version of silt that wrote it");
     if (size_ < whole) refuse("is truncated: ", size_, " of ", whole, " bytes are left");
     if (size_ > whole) refuse("is damaged: it has ", size_, " bytes, but was written with ", whole);
     return table_bytes;
@@ -187,7 +186,7 @@ class CheckpointReader {
       refuse("is damaged: its checksum does not match its ", size_, " bytes");
   }
 
-  // A matching checksum does not make the numbers in the table honest: all are checked again.
+  // A matching checksum does not guarantee valid numbers in the table: all are checked again.
   void read_table(std::uint64_t table_bytes) {
     const std::uint64_t end = size_ - sizeof(std::uint64_t);
     if (end < detail::checkpoint_start || table_bytes > end - detail::checkpoint_start ||

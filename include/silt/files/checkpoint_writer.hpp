@@ -20,13 +20,13 @@ namespace silt::inline SILT_TARGET {
 ///   checkpoint.add("position", positions);  // a view: keep the array until commit
 ///   checkpoint.commit("run.silt");          // atomic: the old file or the new one, never a mix
 ///
-/// `signature` says which program can continue from the file: its policies and fields.
+/// `signature` identifies the programs that can continue from the file: their policies and fields.
 /// Errors: InputError for an empty or repeated name; FileError if the file cannot be written.
 class CheckpointWriter {
  public:
   explicit CheckpointWriter(std::string signature) : signature_(std::move(signature)) {}
 
-  /// An array of double, float or integers; it is not copied and must live until `commit`.
+  /// An array of double, float or integers; it is not copied and must exist until `commit`.
   template <class Values>
   void add(std::string_view name, Values&& values) {
     const auto view = detail::lasting_view(std::forward<Values>(values));

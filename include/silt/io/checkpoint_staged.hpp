@@ -18,8 +18,8 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// All that a checkpoint changes, beside the simulation: read and checked first, then put in its
-/// place by moves alone, which cannot fail.
+/// Everything that a checkpoint changes, kept outside the simulation: first it is read and checked,
+/// then put in place by moves, which cannot fail.
 template <class Sim>
 class Checkpoint<Sim>::Staged {
   static auto parts_of() {
@@ -64,7 +64,7 @@ class Checkpoint<Sim>::Staged {
       a.column("modules.from_walls", from_walls_, detail::CheckpointLoader::any_count);
       auto books = e_.fluxes();  // to try them
       a.need(books.take_wall_books(from_walls_, e_.walls.size()), "modules.from_walls has ",
-             from_walls_.size(), " numbers, which do not fit to ", e_.walls.size(), " walls");
+             from_walls_.size(), " numbers, which do not match ", e_.walls.size(), " walls");
     }
     detail::with_wall_heat(sim_.modules_.modules, [&](const auto& module) {
       wall_heat_ = detail::load_wall_heat(a, sim_, module.walls, clock_.time);
@@ -85,7 +85,7 @@ class Checkpoint<Sim>::Staged {
   void put_into(Sim& sim, const AcceptedChanges& accepted) noexcept {
     Engine& e = sim.engine_;
     sim.time_ = clock_.time, sim.dt_ = clock_.step_length, sim.time_origin_ = clock_.time_origin;
-    // With other materials the time step's limit is another one: it is looked at anew.
+    // Other materials have another limit of the time step, which is then checked again.
     sim.checked_speed_ = accepted.materials ? 0 : clock_.checked_speed;
     sim.peak_overlap_ = clock_.peak_overlap, sim.checked_overlap_ = 0;
     sim.step_ = clock_.step, sim.step_origin_ = clock_.step_origin;
@@ -148,8 +148,8 @@ class Checkpoint<Sim>::Staged {
  private:
   friend class Merged;
 
-  /// A wall that is moved in another way than in the file, which must have been accepted, goes on
-  /// from where it is: a drive is released now, a motion that was changed is changed now.
+  /// A wall with an accepted difference in its motion continues from its present pose: a drive is
+  /// released now, a changed motion starts now.
   void put_motion(Wall& wall, std::size_t w, const Sim& sim,
                   const AcceptedChanges& accepted) const noexcept {
     if (wall.is_driven() && walls_.drive[w] != wall.drive.index()) {
@@ -167,7 +167,7 @@ class Checkpoint<Sim>::Staged {
                   const AcceptedChanges& accepted);
 
   void read_particles(const detail::CheckpointLoader& a);
-  /// What a decomposition remembers, if it tells.
+  /// State of a decomposition, if it has any.
   void read_parts(const detail::CheckpointLoader& a) requires(Sim::has_ranks) {
     using Ranks = std::remove_cvref_t<decltype(e_.ranks)>;
     if constexpr (Ranks::template tells_parts<detail::BytesIn>) {
@@ -176,7 +176,7 @@ class Checkpoint<Sim>::Staged {
       parts_->for_each_state(in);
     }
   }
-  /// The space is to be divided anew.
+  /// Divides space anew.
   void forget_parts() { parts_.reset(); }
 
   void read_cells(const detail::CheckpointLoader& a) requires has_cells {
@@ -188,7 +188,7 @@ class Checkpoint<Sim>::Staged {
     cells_ = cells.size();
     std::move(cells.begin(), cells.end(), std::back_inserter(forms_));
   }
-  /// Of the bodies in the file.
+  /// Forms of the bodies in the file.
   const auto& forms() const {
     if constexpr (has_cells)
       return forms_;
@@ -217,8 +217,7 @@ class Checkpoint<Sim>::Staged {
     constexpr std::size_t least = decltype(sim_.book_)::least_size + 3;
     a.need(books.size() >= least && (books.size() - least) % 9 == 0 &&
                (books.size() - least) / 9 <= e_.walls.size(),
-           "ledger has ", books.size(), " numbers, which do not fit to ", e_.walls.size(),
-           " walls");
+           "ledger has ", books.size(), " numbers, which do not match ", e_.walls.size(), " walls");
     const std::size_t last = books.size() - 3;
     gravity_booked_ = {books[last], books[last + 1], books[last + 2]};
     books.resize(last);
@@ -229,7 +228,7 @@ class Checkpoint<Sim>::Staged {
                   const std::string& path) requires(Sim::Fluid::active) {
     try {
       fluid_->for_each_state([&](const std::string& name, auto&& values) {
-        // A part that is a vector sets its own length.
+        // A part that is a vector has any length.
         if constexpr (std::is_same_v<std::remove_cvref_t<decltype(values)>, std::vector<double>>) {
           values = a.template column<double>(name);
           detail::check_fluid_part(a, name, values, *fluid_);
@@ -263,8 +262,8 @@ class Checkpoint<Sim>::Staged {
   std::vector<std::vector<double>> worn_;         // of each wall, where modules wear them
   std::vector<double> from_walls_;                // where modules have fluxes
   WallValues<WallHeat> wall_heat_;                // where a module has it
-  std::size_t known_walls_ = 0;                   // of the scene, that the file has
-  bool laws_changed_ = false;  // materials or rules of breakage are others than in the file
+  std::size_t known_walls_ = 0;                   // number of walls of the scene that the file has
+  bool laws_changed_ = false;  // materials or rules of breakage differ from the file
   detail::OpeningsState openings_;
   decltype(Engine::coefficients) coefficients_;
   typename Engine::State particles_;

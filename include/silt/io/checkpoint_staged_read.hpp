@@ -99,7 +99,7 @@ void Checkpoint<Sim>::Staged::read_lists(const detail::CheckpointLoader& a,
   detail::check_upkeep(a, clock_, upkeep, listed, particles_.size());
   for (std::size_t k = 0; k < listed; ++k)
     a.need(is_finite(lists_.reference[k]), "lists.reference of row ", k, " must be finite");
-  // Lists that took a wall for one at rest do not fit to one that moves: they are made anew.
+  // Lists that treat a wall as resting do not fit a moving one: they are rebuilt.
   for (std::size_t w = 0; w < known_walls_; ++w)
     if (walls_.moves[w] != e_.walls[w].moves() && walls_.surfaces[w] > 0)
       upkeep.searched_at = upkeep.pruned_at = -1;
@@ -112,7 +112,7 @@ void Checkpoint<Sim>::Staged::read_lists(const detail::CheckpointLoader& a,
     vertex_steps_.emplace_back(vertex, next), vertex = next;
   }
 
-  // Particles that came in front of the ghosts have moved the rows of pairs since the search.
+  // Particles inserted in front of the ghosts have moved the rows of pairs since the search.
   const bool moved = detail::BlockState::is_in(a) && forgotten;
   const std::size_t paired = moved ? particles_.size() : listed;
   typename decltype(Engine::Lists::pairs)::State pairs;
@@ -122,7 +122,7 @@ void Checkpoint<Sim>::Staged::read_lists(const detail::CheckpointLoader& a,
   detail::visit_wall_contacts(a, contacts, Engine::memory);
   lists_.walls.planes_apart = !Engine::State::of_bodies;
   lists_.set_period(sim_.domain());
-  // A plane that moves, or has come to rest, has its contacts in another place than the file's.
+  // A plane that starts or stops moving has its contacts at another place than in the file.
   const bool laid_out = detail::check_wall_contacts<Engine>(a, contacts, lists_.walls, walls,
                                                             listed, forgotten, accepted.motions);
   const std::vector<double> outer(upkeep.outer.begin(), upkeep.outer.end()),
@@ -134,7 +134,7 @@ void Checkpoint<Sim>::Staged::read_lists(const detail::CheckpointLoader& a,
   lists_.pruned_walls.restore(std::move(walls_.marks[1]), walls_.regions[1]);
   for (std::size_t w = known_walls_; w < e_.walls.size(); ++w)
     walls_.add(e_.walls[w], clock_.time), vertex_steps_.push_back(e_.walls[w].vertex_steps);
-  // Those who rest in another outlet leave, too.
+  // Particles that rest in a different outlet leave, too.
   const bool outlets = accepted.outlets && !sim_.openings_.outlets().empty();
   if (known_walls_ < e_.walls.size() || !laid_out || outlets) lists_.forget();
 }
@@ -153,7 +153,7 @@ void Checkpoint<Sim>::Staged::read_box(const detail::CheckpointLoader& a, const 
   const auto& flow = lists_.flow;
   a.need(flow.map.determinant() > 0 && flow.searched > 0 && flow.searched <= 1 &&
              flow.pruned >= flow.searched && flow.pruned <= 1 && flow.tightest >= 0,
-         "box: the deformation since the last search is none");
+         "box: the deformation since the last search is invalid");
 }
 
 }  // namespace silt

@@ -21,8 +21,8 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Saves a checkpoint to `path` at the times of the schedule, after all other observers; the last
-/// one is always whole. Makes the folder that it stands in.
+/// Saves a checkpoint to `path` at the times of the schedule, after all other observers. The file
+/// is always complete: it is replaced at once. Creates its folder.
 inline auto checkpoints(std::string path, Schedule schedule) {
   return at<ActionKind::Saves>(schedule, [path = std::move(path)](const auto& sim) {
     detail::on_all_ranks(sim, "the folder of checkpoints", [&] { make_folder_of(path); });
@@ -31,8 +31,8 @@ inline auto checkpoints(std::string path, Schedule schedule) {
 }
 
 namespace detail {
-/// A new table, but for a run that goes on from a checkpoint: that keeps the rows of times before
-/// `first`, that of the next row.
+/// Opens a new table. A run continued from a checkpoint keeps the rows of times before `first`, the
+/// time of the next row.
 template <class Sim>
 std::shared_ptr<CsvTable> open_table(const std::string& path,
                                      const std::vector<std::string>& columns, const Sim& sim,
@@ -43,11 +43,11 @@ std::shared_ptr<CsvTable> open_table(const std::string& path,
 }
 }  // namespace detail
 
-/// Appends a row of numbers to a CSV table: `row(simulation)` returns them, as an array or a
-/// vector, or one number alone; the time (or the time since some event) first. A new table, but for
-/// a run that goes on from a checkpoint: that keeps the rows of earlier times. On many ranks each
-/// calls row(simulation), which must give equal numbers on all, as the sums of a Simulation are;
-/// rank 0 writes.
+/// Appends a row of numbers to a CSV table: first the time (or the time since some event), then the
+/// numbers that `row(simulation)` returns as an array, a vector or a single number. The table is
+/// new, except in a run continued from a checkpoint, which keeps the earlier rows. On many ranks
+/// each rank calls row(simulation), which must return equal numbers on all, as the sums of a
+/// Simulation are; rank 0 writes.
 template <class Row>
 auto table(const std::string& path, const std::vector<std::string>& columns, Schedule schedule,
            Row row) {
@@ -62,14 +62,12 @@ auto table(const std::string& path, const std::vector<std::string>& columns, Sch
                                });
 }
 
-/// Writes `folder/particles.pvd` and `folder/walls.pvd`, each a time series that ParaView opens; of
-/// bodies also `folder/parts.pvd`, the spheres that they consist of, or `folder/surfaces.pvd`; with
-/// a fluid `folder/flow.pvd`.
-/// Walls that look as in the frame before are not written again: both frames show one file.
-/// On several ranks a frame of particles is one file a rank and their index, as write_particles()
-/// writes them, and the series lists the index: ParaView opens the same `.pvd`. Rank 0 writes the
-/// rest.
-/// `more` adds fields as in write_particles.
+/// Writes the time series `folder/particles.pvd` and `folder/walls.pvd` for ParaView. For bodies
+/// also `folder/parts.pvd`, the spheres of multi-spheres, or `folder/surfaces.pvd`; with a fluid
+/// `folder/flow.pvd`. Walls that did not change since the previous frame are not written again;
+/// both frames refer to one file. On several ranks a frame of particles is one file per rank and an
+/// index, as in write_particles(); the series lists the indices, and ParaView opens the same
+/// `.pvd`. Rank 0 writes the rest. `more` adds fields as in write_particles.
 template <class More>
 class VtkSeriesObserver {
  public:
@@ -81,7 +79,7 @@ class VtkSeriesObserver {
   template <class Sim>
   void begin(const Sim& sim, double) {
     schedule_.begin(sim, only_reads);
-    if (std::exchange(begun_, true) || sim.rank() != 0) return;  // it goes on in another run
+    if (std::exchange(begun_, true) || sim.rank() != 0) return;  // continues in another run
     const double keep = sim.time() + 0.5 * sim.step_length();
     const auto open = [&](const char* name) {
       return sim.continued() ? VtkSeries::resume(folder_, name, keep) : VtkSeries(folder_, name);

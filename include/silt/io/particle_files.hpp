@@ -22,12 +22,12 @@ namespace detail {
 inline std::array<float, 3> in_floats(const Vec3d& v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }
-/// The fields of modules, which must outlast the file that they are written to.
+/// Fields of modules; must outlive the file that they are written to.
 struct ModuleFields {
   std::vector<std::vector<std::array<double, 3>>> vectors;
   std::vector<std::vector<double>> numbers;
 
-  /// collect(value) gives value(place) of all that is written.
+  /// collect(value) returns value(place) for all places that are written.
   template <class Sim, class Collect>
   void add_to(VtkFields& fields, const Sim& sim, const Collect& collect) {
     sim.for_each_field([&]<std::size_t Components>(const std::string& name, const auto& value) {
@@ -42,10 +42,10 @@ struct ModuleFields {
 }  // namespace detail
 
 /// Writes the particles to `file`: radius, velocity, id, material, and angular velocity if they
-/// rotate; of bodies orientation (w, x, y, z) and form, and the radius is that of the bounding
-/// sphere. `more(sim, fields, places)` may add fields: one value for each of the places.
-/// On several ranks each writes its own as `file` with "_r0", "_r1" ... before its ending, and rank
-/// 0 the index that ParaView opens: out/bed.pvtp for out/bed.vtp (collective).
+/// rotate. Bodies also have orientation (w, x, y, z) and form; their radius is that of the bounding
+/// sphere. `more(sim, fields, places)` may add fields, with one value for each of the places. On
+/// several ranks each rank writes its own particles as `file` with "_r0", "_r1" ... before the
+/// ending, and rank 0 writes the index for ParaView: out/bed.pvtp for out/bed.vtp (collective).
 template <class Sim, class More>
 void write_particles(const std::string& file, const Sim& sim, const More& more) {
   std::vector<std::size_t> places;
@@ -87,7 +87,7 @@ void write_particles(const std::string& file, const Sim& sim, const More& more) 
   detail::write_in_pieces(sim, file, fields, {},
                           [&](const auto& path) { write_vtp_points(path, position, fields); });
 }
-/// Writes the spheres that bodies consist of: radius, and the id of the body.
+/// Writes the spheres of multi-sphere bodies: radius, and the id of the body.
 template <class Sim>
 void write_parts(const std::string& file, const Sim& sim) requires(Sim::of_bodies) {
   std::vector<Vec3d> position;
@@ -105,8 +105,8 @@ void write_parts(const std::string& file, const Sim& sim) requires(Sim::of_bodie
   detail::write_in_pieces(sim, file, fields, {},
                           [&](const auto& path) { write_vtp_points(path, position, fields); });
 }
-/// Writes the surfaces of bodies whose shape is no set of spheres: id, form, velocity, material and
-/// the fields of modules of the body at every point; in a Mix also which of its shapes it is.
+/// Writes the surfaces of convex bodies: at every point id, form, velocity, material and the module
+/// fields of the body; in a Mix also the number of its shape.
 template <class Sim>
 void write_surfaces(const std::string& file, const Sim& sim) requires(Sim::has_surfaces) {
   std::vector<SurfaceMesh> of_forms;

@@ -11,7 +11,7 @@
 
 namespace silt::inline SILT_TARGET {
 
-/// Due at every multiple of `interval` [s] of simulated time, the nearest step to it.
+/// Due at every multiple of `interval` [s] of simulated time, at the nearest step.
 class Schedule {
  public:
   explicit Schedule(double interval) : interval_(interval) {
@@ -25,10 +25,10 @@ class Schedule {
   void mark(const Sim& sim) {
     last_ = number(sim);
   }
-  /// Due at once if it is time and observers were not called at this instant yet; of an observer
-  /// that only reads also if they were, but for a run that goes on from a checkpoint. An observer
-  /// that is given to several runs in turn goes on with its schedule. A run ends up to a step after
-  /// its duration: for those that only read, that is still the instant.
+  /// Start of a run. The observer is due at once if its time has come and observers were not called
+  /// at this instant yet. An observer that only reads is due even if they were, except in a run
+  /// continued from a checkpoint. In several runs in turn the schedule continues. A run ends up to
+  /// one step after its duration; for observers that only read this counts as the end.
   template <class Sim>
   void begin(const Sim& sim, bool only_reads = false) {
     const bool done = only_reads ? sim.continued() : sim.observed();
@@ -56,7 +56,7 @@ class Schedule {
 
 inline Schedule every(double interval) { return Schedule(interval); }
 
-/// What an action does with the simulation: anything; or it only reads it, or saves it.
+/// Effect of an action on the simulation: any; reads it only; saves it.
 enum class ActionKind { Any, Reads, Saves };
 
 /// Calls `action(simulation)` at the times of its schedule:

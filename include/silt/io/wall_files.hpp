@@ -20,7 +20,7 @@ namespace silt::inline SILT_TARGET {
 
 namespace detail {
 
-/// What the particles of a simulation, of all ranks, occupy [m] (collective).
+/// Region [m] of the particles of a simulation, of all ranks (collective).
 template <class Sim>
 Box occupied(const Sim& sim) {
   Box around;
@@ -40,15 +40,15 @@ Box occupied(const Sim& sim) {
 
 }  // namespace detail
 
-/// Triangles that show a wall where it is now; planes only within `around`.
+/// Triangles that show a wall at its present pose; planes only within `around`.
 struct WallTriangles {
   std::vector<Vec3d> points;  // [m]
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::vector<std::uint32_t> wall;  // number of the wall, by point
+  std::vector<std::uint32_t> wall;  // number of the wall, for each point
 
   bool operator==(const WallTriangles&) const = default;
 };
-/// The walls of a simulation as triangles; those without an end are cut to the box [m].
+/// The walls of a simulation as triangles; infinite ones are cut at the box [m].
 template <class Sim>
 WallTriangles wall_triangles(const Sim& sim, const Box& around) {
   WallTriangles out;
@@ -76,9 +76,9 @@ inline void write_walls(const std::string& file, const WallTriangles& walls) {
   fields.add("wall", walls.wall);
   write_vtp_triangles(file, walls.points, walls.triangles, fields);
 }
-/// Writes triangles that show the walls where they are, with their numbers as the field `wall`;
-/// planes only within `around`, which is what the particles occupy unless it is given. InputError
-/// where there is nothing to write.
+/// Writes the walls at their present poses as triangles, with their numbers as the field `wall`.
+/// Planes are drawn within `around`, by default the region of the particles. InputError if there is
+/// nothing to write.
 template <class Sim>
 void write_walls(const std::string& file, const Sim& sim, const Box& around) {
   require(sim.walls() > 0, "write_walls: the simulation has no walls; add one, or leave this out");
@@ -89,7 +89,7 @@ void write_walls(const std::string& file, const Sim& sim, const Box& around) {
 template <class Sim>
 void write_walls(const std::string& file, const Sim& sim) {
   require(sim.size() > 0,
-          "write_walls: no particles that tell how far to draw planes; give a box as "
+          "write_walls: there are no particles whose region limits the planes; give a box as "
           "the third argument");
   write_walls(file, sim, detail::occupied(sim));
 }
