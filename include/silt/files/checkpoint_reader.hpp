@@ -107,8 +107,8 @@ class CheckpointReader {
   }
 
  private:
-  /// The parts between semicolons of a kind, their first word, that `whole` has and `other` has
-  /// not, in quotes; empty: none.
+  /// Parts between semicolons of a kind, their first word, that are in `whole` but not in `other`,
+  /// in quotes; empty: none.
   static std::string only_in(std::string_view whole, std::string_view other) {
     const auto next = [](std::string_view& rest) {
       const std::string_view part = rest.substr(0, rest.find(';'));
