@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include <silt/boundary/finite_walls.hpp>
 #include <silt/files/csv_table.hpp>
 #include <silt/files/vtk.hpp>
 #include <silt/sph.hpp>
@@ -30,7 +31,9 @@ struct Scene {
   double sound = 10;                                 // [-] speed of sound over sqrt(2 g 2 a)
   double alpha = 0.02;                               // [-] artificial viscosity
   double end = 4.9;                                  // [-] T
+  double gate = 0;  // [m/s] at which it is lifted; 0: there is none
   bool three_dimensional = false;
+  bool sticking = false;  // to the floor and the walls
 
   double unit() const { return std::sqrt(a / (2 * g)); }    // [s] of T
   double fall() const { return std::sqrt(2 * g * 2 * a); }  // [m/s] from the column's height
@@ -48,11 +51,19 @@ auto make_water(const Scene& s) {
                    .region = {{-more, 0, -more}, {length + more, breadth, Scene::height * a}},
                    .dimensions = s.three_dimensional ? 3 : 2,
                    .periodic = {false, s.three_dimensional, false},
-                   .gravity = {0, 0, -Scene::g}},
+                   .gravity = {0, 0, -Scene::g},
+                   .slip = s.sticking ? silt::Slip::None : silt::Slip::Free},
                   silt::ArtificialViscosity{.alpha = s.alpha}};
   water.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, {.name = "floor"});
   water.add_wall(silt::Plane{{0, 0, 0}, {1, 0, 0}}, {.name = "wall"});
   water.add_wall(silt::Plane{{length, 0, 0}, {-1, 0, 0}}, {.name = "far wall"});
+  if (s.gate > 0) {  // as thick as walls with liquid on one side have particles
+    const double thick = 5 * s.across(), up = s.gate;
+    water.add_wall(silt::box_mesh({a, -a, 0}, {a + thick, breadth + a, Scene::height * a}),
+                   {.name = "gate", .motion = [up](double t) {
+                      return silt::Pose{{}, {0, 0, up * t}};
+                    }});
+  }
   water.fill([](const Vec3d& x) { return x.x < Scene::a && x.z < 2 * Scene::a; });
   return water;
 }
@@ -237,6 +248,9 @@ int main(int argc, char** argv) {
   command.add("--sound", scene.sound, 5, 100, "Speed of sound over that of a fall from the column");
   command.add("--alpha", scene.alpha, 0, 1, "Artificial viscosity");
   command.add("--end", scene.end, 3.4, 5.2, "Time t sqrt(2 g/a) at which it ends");
+  command.add("--gate", scene.gate, 0, 20,
+              "Speed [m/s] at which a gate is lifted; 0: the column is let go at once");
+  command.add_flag("--sticking", scene.sticking, "The liquid sticks to floor and walls");
   command.add_flag("--three-dimensional", scene.three_dimensional,
                    "In space: a channel that repeats after a width");
   return command.run(argc, argv, [&] {

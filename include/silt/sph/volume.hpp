@@ -10,6 +10,29 @@
 
 namespace silt::inline SILT_TARGET {
 
+namespace detail {
+/// [-] 1 where neighbours stand all around, 0 where on one side alone, as at a free surface, a wall
+/// or both: a flat surface has 0.75 where a kernel is half full, 0.57 where it is to 0.7, and spray
+/// below 0.05. `slope` [1/m] = sum V grad W.
+inline double sph_is_surrounded(const Vec3d& slope, double h) {
+  return std::clamp(2 - 10 * h * norm(slope), 0.0, 1.0);
+}
+/// [-] 0 where a kernel is half full or less, 1 from 0.7 on. `full` is 1 where all space is filled.
+inline double sph_is_packed(double full) { return std::clamp(5 * full - 2.5, 0.0, 1.0); }
+
+/// [1/s] at which the density of spray falls to that of rest: particles that neighbours surround,
+/// but with voids between. As they come together the voids close, and nothing is compressed; the
+/// continuity equation alone raises the density as if all space were liquid, and spray that falls
+/// on a floor would stay above it for good, held up by the pressure of a few per cent of density.
+///
+///   0.02 c/h (1 - n) f (1 - p),  f: is surrounded, p: is packed
+///
+/// That is slow beside sound, so that drops rebound as before, and fast beside a fall.
+inline double sph_spray_loss(const Vec3d& slope, double full, double h, double sound) {
+  return 0.02 * sound / h * (1 - full) * sph_is_surrounded(slope, h) * (1 - sph_is_packed(full));
+}
+}  // namespace detail
+
 /// @name Volume: whether densities are kept to the room that particles take
 /// @{
 
@@ -58,10 +81,9 @@ struct RestoredVolume {
   }
   /// [1/s] of the density, which is `rho` of that at rest; `slope` [1/m] = sum V grad W, `full` n.
   double growth(const Vec3d& slope, double full, double rho, double h, double sound) const {
-    const double surface = std::clamp(2 - 10 * h * norm(slope), 0.0, 1.0);
-    const double drop = std::clamp(5 * full - 2.5, 0.0, 1.0);
     const double pressed = std::clamp(1000 * (rho - 1), 0.0, 1.0);
-    return rate * sound / h * (full - 1) * surface * drop * pressed;
+    return rate * sound / h * (full - 1) * detail::sph_is_surrounded(slope, h) *
+           detail::sph_is_packed(full) * pressed;
   }
 };
 /// @}
