@@ -17,6 +17,7 @@ source "$(dirname "$0")/program.sh" "$dam_break"
 refused "not in range" --spacing 0.1
 refused "not in range" --alpha -1
 refused "not in range" --end 1
+refused "not in range" --gate -1
 
 run() {
   local name=$1; shift
@@ -31,4 +32,5 @@ run() {
 }
 run plane
 run space --three-dimensional
+run gate --gate 8
 exit $failed
