@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include <silt/boundary/finite_walls.hpp>
 #include <silt/files/csv_table.hpp>
 #include <silt/files/vtk.hpp>
 #include <silt/sph.hpp>
@@ -32,10 +31,8 @@ struct Scene {
   double sound = 10;                                 // [-] speed of sound over sqrt(2 g 2 a)
   double alpha = 0.02;                               // [-] artificial viscosity
   double end = 4.9;                                  // [-] T
-  double gate = 0;  // [m/s] at which it is lifted; 0: there is none
   bool three_dimensional = false;
-  bool sticking = false;                               // to the floor and the walls
-  bool other() const { return gate > 0 || sticking; }  // than the scene that is measured
+  bool sticking = false;  // to the floor and the walls
 
   double unit() const { return std::sqrt(a / (2 * g)); }    // [s] of T
   double fall() const { return std::sqrt(2 * g * 2 * a); }  // [m/s] from the column's height
@@ -59,13 +56,6 @@ auto make_water(const Scene& s) {
   water.add_wall(silt::Plane{{0, 0, 0}, {0, 0, 1}}, {.name = "floor"});
   water.add_wall(silt::Plane{{0, 0, 0}, {1, 0, 0}}, {.name = "wall"});
   water.add_wall(silt::Plane{{length, 0, 0}, {-1, 0, 0}}, {.name = "far wall"});
-  if (s.gate > 0) {  // as thick as walls with liquid on one side have particles
-    const double thick = 5 * s.across(), up = s.gate;
-    water.add_wall(silt::box_mesh({a, -a, 0}, {a + thick, breadth + a, Scene::height * a}),
-                   {.name = "gate", .motion = [up](double t) {
-                      return silt::Pose{{}, {0, 0, up * t}};
-                    }});
-  }
   water.fill([](const Vec3d& x) { return x.x < Scene::a && x.z < 2 * Scene::a; });
   return water;
 }
@@ -177,9 +167,9 @@ void report(example::Summary& summary, const Scene& s, const Water& water, const
   const Curve mm = dam_break::martin_moyce_front(), ko = dam_break::koshizuka_oka_front(),
               measured = dam_break::martin_moyce_height();
   for (const Curve& c : {mm, ko, measured}) write_curve(out, c);
-  // The gate takes a time that is not known. Where both were measured at one T, the fronts of the
-  // two are up to 9 % apart: the second one's falls behind from T = 2.3 on.
-  compare_front(summary, front, mm, "martin_moyce", s.other() ? 0.12 : 0.03);
+  // Where both were measured at one T, the fronts of the two are up to 9 % apart: the second one's
+  // falls behind from T = 2.3 on.
+  compare_front(summary, front, mm, "martin_moyce", s.sticking ? 0.12 : 0.03);
   compare_front(summary, front, ko, "koshizuka_oka", 0.08);
   // A thin wedge runs ahead, which friction holds back in the experiment (docs/sph.md).
   const Curve deep = record.curve(&Look::deep);
@@ -193,9 +183,9 @@ void report(example::Summary& summary, const Scene& s, const Water& water, const
   const double off = dam_break::distance(height, measured, 0).plain;
   std::printf("Height: %.1f %% of 2 a rms off.\n", 100 * off);
   summary.result("height_off_martin_moyce_over_2_a", off);
-  // Half a spacing is a quarter of s/a; 1 % was seen of fine ones. Not with a gate, which holds the
-  // column up, nor with walls that it sticks to.
-  if (!s.other())
+  // Half a spacing is a quarter of s/a; 1 % was seen of fine ones. A wall that it sticks to holds
+  // it up.
+  if (!s.sticking)
     summary.check_at_most("height_off_martin_moyce", off, 0.01 + 0.25 * s.across() / Scene::a);
   double fastest = 0, grown = 0;
   for (std::size_t k = 1; k < record.T.size(); ++k) {
@@ -208,8 +198,8 @@ void report(example::Summary& summary, const Scene& s, const Water& water, const
   summary.check_at_most("front_speed_over_ritters", fastest / 2, 1);
   const Look& end = record.looks.back();
   summary.result("energy_at_the_end", end.energy());
-  // A gate works on the water, and a layer at walls that it sticks to takes much of its energy.
-  if (s.other()) {
+  // The layer at walls that it sticks to takes much of its energy.
+  if (s.sticking) {
     summary.result("energy_over_that_at_the_start", end.energy() / record.looks.front().energy());
   } else {
     // Seen: 1.3 % of a/20, 0.5 % of a/80 in 2D, 4.6 % of a/10 in 3D.
@@ -249,7 +239,7 @@ int run(const Scene& s, const example::Options& options) {
   summary.input("width_m", Scene::a);
   summary.input("sound_speed_m_s", water.liquid().sound_speed);
   summary.input("artificial_viscosity", s.alpha);
-  summary.input("gate_m_s", s.gate), summary.input("sticking", s.sticking ? 1.0 : 0.0);
+  summary.input("sticking", s.sticking ? 1.0 : 0.0);
   summary.input("threads", static_cast<double>(options.threads));
   report(summary, s, water, record, options.out);
   summary.result("wall_time_s", seconds);
@@ -279,8 +269,6 @@ int main(int argc, char** argv) {
   command.add("--sound", scene.sound, 5, 100, "Speed of sound over that of a fall from the column");
   command.add("--alpha", scene.alpha, 0, 1, "Artificial viscosity");
   command.add("--end", scene.end, 3.4, 5.2, "Time t sqrt(2 g/a) at which it ends");
-  command.add("--gate", scene.gate, 0, 20,
-              "Speed [m/s] at which a gate is lifted; 0: the column is let go at once");
   command.add_flag("--sticking", scene.sticking, "The liquid sticks to floor and walls");
   command.add_flag("--three-dimensional", scene.three_dimensional,
                    "In space: a channel that repeats after a width");

@@ -148,7 +148,7 @@ TEST_CASE("SPH: the pressure that spray gives up is in the books of energy") {
   const auto books = water.energy();
   MESSAGE("tension ", books.tension, ", residual ", books.residual(), " of ", start);
   CHECK(books.tension > 0.001 * start);
-  CHECK(std::abs(books.residual()) < 0.05 * start);  // TODO
+  CHECK(std::abs(books.residual()) < 0.01 * start);
 }
 
 }  // namespace sph_spray_test

@@ -29,7 +29,7 @@ class SphStep {
       start = r;
       r.place(r.position() + 0.5 * dt_ * r.velocity());
       r.move(r.velocity() + 0.5 * dt_ * rate.acceleration);
-      r.density = held(r.density + 0.5 * dt_ * rate.density, rate, k, 0.5 * dt_);
+      r.density = held(r.density + 0.5 * dt_ * rate.density, rate, k, 0);
     });
     for_walls([this](Row& r, Row& start, double rate) {
       start.density = r.density, r.density += 0.5 * dt_ * rate;
@@ -92,7 +92,8 @@ class SphStep {
   /// A particle with few neighbours bears no tension: its density, which they alone tell, would run
   /// away, in spray to less than nothing. Where div r is below 0.4 of that inside, of which a flat
   /// surface has more than half. And it bears no pressure for long: what spray was compressed by
-  /// goes in `span` [s] (volume.hpp). Both are known where fullness is.
+  /// goes in `span` [s] (volume.hpp), at the end of a step, so that the books know it. Both are
+  /// known where fullness is.
   double held(double density, [[maybe_unused]] const SphRates& rate, [[maybe_unused]] std::size_t k,
               [[maybe_unused]] double span) const {
     if constexpr (Core::Book::kept) core_.book.unheld[k] = density;
